@@ -1,0 +1,120 @@
+//! Where to look at a building from, as in the paper: its outer boundary, inflated, sampled uniformly, each waypoint facing
+//! the building. An OSM outline already is the outer boundary, which the paper must first compute as a concave hull.
+
+use openbench_core::{MapPoint, Pose2};
+use openbench_osm::OsmMap;
+
+/// Distance between two waypoints along the wall, metres.
+const SPACING: f64 = 4.0;
+
+/// Places around a building, facing it, `standoff` metres from its wall, in the order of the wall. Places inside or too near to
+/// this or another building are left out.
+pub fn waypoints(map: &OsmMap, building: usize, standoff: f64) -> Vec<Pose2> {
+    let Some(outline) = map.buildings.get(building).map(|b| &b.polygon) else { return Vec::new() };
+    let ring = &outline.outer;
+    let mut poses = Vec::new();
+    for i in 0..ring.len() {
+        let (a, b, c) = (ring[i], ring[(i + 1) % ring.len()], ring[(i + 2) % ring.len()]);
+        let length = a.distance(b);
+        if length < 1e-6 {
+            continue;
+        }
+        // Outwards is on the right of a counter-clockwise outline.
+        let outwards = a.bearing_to(b) - std::f64::consts::FRAC_PI_2;
+        let count = (length / SPACING).ceil().max(1.0) as usize;
+        for k in 0..count {
+            let t = (k as f64 + 0.5) / count as f64;
+            let wall = MapPoint::new(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y));
+            poses.push(look_at(wall, outwards, standoff));
+        }
+        if turns_left(a, b, c) {
+            let next = b.bearing_to(c) - std::f64::consts::FRAC_PI_2;
+            let between = openbench_core::frames::wrap_angle(next - outwards) / 2.0;
+            poses.push(look_at(b, outwards + between, standoff));
+        }
+    }
+    let clear = |p: &Pose2| {
+        let room = map.nearest_building(p.point()).map_or(f64::INFINITY, |i| map.distance_to_building(i, p.point()));
+        let inside = map.buildings_within(p.point(), 0.0).iter().any(|&i| map.buildings[i].polygon.contains(p.point()));
+        room >= 0.8 * standoff.min(2.0) && !inside
+    };
+    poses.retain(clear);
+    thinned(poses)
+}
+
+/// Index of the waypoint nearest to the robot.
+pub fn nearest(waypoints: &[Pose2], from: MapPoint) -> Option<usize> {
+    let away = |i: &usize| waypoints[*i].point().distance(from);
+    (0..waypoints.len()).min_by(|a, b| away(a).total_cmp(&away(b)))
+}
+
+fn look_at(wall: MapPoint, outwards: f64, standoff: f64) -> Pose2 {
+    let at = wall.offset(outwards, standoff);
+    Pose2::new(at.x, at.y, at.bearing_to(wall))
+}
+
+fn turns_left(a: MapPoint, b: MapPoint, c: MapPoint) -> bool {
+    let turn = (b.x - a.x) * (c.y - b.y) - (b.y - a.y) * (c.x - b.x);
+    turn > 0.3 * a.distance(b) * b.distance(c)
+}
+
+/// Leaves out what looks at the same from nearly the same place.
+fn thinned(poses: Vec<Pose2>) -> Vec<Pose2> {
+    let mut kept: Vec<Pose2> = Vec::new();
+    for pose in poses {
+        let same = |k: &Pose2| {
+            let turn = openbench_core::frames::wrap_angle(k.yaw - pose.yaw);
+            k.point().distance(pose.point()) < 0.5 * SPACING && turn.abs() < 0.5
+        };
+        if !kept.iter().any(same) {
+            kept.push(pose);
+        }
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use openbench_core::{Georeference, LonLat};
+    use openbench_osm::OsmData;
+
+    /// A house of about 14 m x 11 m.
+    fn map() -> OsmMap {
+        let xml = r#"<osm version="0.6">
+          <node id="1" lat="50.0" lon="8.0"/><node id="2" lat="50.0" lon="8.0002"/>
+          <node id="3" lat="50.0001" lon="8.0002"/><node id="4" lat="50.0001" lon="8.0"/>
+          <way id="5"><nd ref="1"/><nd ref="2"/><nd ref="3"/><nd ref="4"/><nd ref="1"/>
+            <tag k="building" v="yes"/><tag k="name" v="building1"/></way></osm>"#;
+        let data = OsmData::from_xml(xml.as_bytes()).unwrap();
+        OsmMap::new(&data, Georeference::TangentPlane(LonLat::new(8.0, 50.0)))
+    }
+
+    #[test]
+    fn waypoints_go_round_the_house_and_face_it() {
+        let map = map();
+        let places = waypoints(&map, 0, 4.0);
+        assert!((14..22).contains(&places.len()), "{}", places.len());
+        let outline = &map.buildings[0].polygon;
+        for place in &places {
+            let distance = outline.distance_to_boundary(place.point());
+            assert!((3.9..4.1).contains(&distance), "{distance}");
+            let ahead = place.transform(distance + 0.2, 0.0);
+            assert!(outline.contains(ahead) || outline.distance_to_boundary(ahead) < 0.3, "{place:?}");
+        }
+        for side in [-1.0, 1.0] {
+            let middle = outline.centroid();
+            assert!(places.iter().any(|p| (p.x - middle.x) * side > 8.0));
+            assert!(places.iter().any(|p| (p.y - middle.y) * side > 8.0));
+        }
+    }
+
+    #[test]
+    fn the_nearest_comes_first() {
+        let places = waypoints(&map(), 0, 4.0);
+        let from = MapPoint::new(-20.0, 5.0);
+        let first = places[nearest(&places, from).unwrap()];
+        assert!(places.iter().all(|p| p.point().distance(from) >= first.point().distance(from)));
+        assert_eq!(nearest(&[], from), None);
+    }
+}

@@ -1,0 +1,57 @@
+//! The agent's own copy of the map, into which it writes the doors that it finds.
+
+use openbench_core::{Address, Event, Events, Georeference};
+use openbench_osm::{OsmData, OsmMap, add_entrance, merge_entrances};
+
+use crate::open::sighting::Sighting;
+
+/// The map as the agent knows it.
+#[derive(Debug)]
+pub struct Memory {
+    data: OsmData,
+    map: OsmMap,
+    georeference: Georeference,
+    written: Vec<(usize, String)>,
+}
+
+impl Memory {
+    /// The public map, and the doors of an earlier copy of it.
+    pub fn new(public: OsmData, georeference: Georeference, remembered: Option<&OsmData>) -> Self {
+        let mut data = public;
+        if let Some(remembered) = remembered {
+            merge_entrances(&mut data, remembered);
+        }
+        Self { map: OsmMap::new(&data, georeference), data, georeference, written: Vec::new() }
+    }
+
+    /// The map in metres.
+    pub fn map(&self) -> &OsmMap {
+        &self.map
+    }
+
+    /// The map as a file.
+    pub fn data(&self) -> &OsmData {
+        &self.data
+    }
+
+    /// Writes a door in, once for each unit of a building.
+    pub fn write(&mut self, sighting: &Sighting, events: &mut dyn Events) {
+        let key = (sighting.building, sighting.unit.clone());
+        if self.written.contains(&key) {
+            return;
+        }
+        let building = &self.map.buildings[sighting.building];
+        let name = building.name.clone().unwrap_or_else(|| building.element.to_string());
+        let address = Address::new(name, sighting.unit.clone());
+        let projection = self.map.projection.clone();
+        match add_entrance(&mut self.data, &projection, building.element, sighting.position, &address) {
+            Ok(entrance) => {
+                self.written.push(key);
+                // Building indices stay: entrances add nodes, not buildings.
+                self.map = OsmMap::new(&self.data, self.georeference);
+                events.record(Event::DoorWritten { address, position: entrance.position });
+            }
+            Err(error) => events.record(Event::Note(format!("door not written: {error}"))),
+        }
+    }
+}

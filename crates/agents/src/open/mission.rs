@@ -1,0 +1,413 @@
+//! The deliveries and the stage that each is in.
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use openbench_core::address::fold_name;
+use openbench_core::{
+    Action, Address, Briefing, Event, Events, FailureCause, GiveUp, Goal, MapPoint, Observation, PlannedDelivery, Pose2,
+    RobotDescription, SimTime, Velocity,
+};
+use openbench_language::{PlanError, PlanRequest, Planner};
+use openbench_localization::Localizer;
+use openbench_motion::Costmap;
+use openbench_osm::{Location, OsmData, OsmMap, locate};
+use openbench_routing::{Dijkstra, Profile, RoadGraph, Router, RouterTimes};
+use openbench_vision::{PlateReader, parse_unit};
+
+use crate::open::driving::{Driver, Driving, Target};
+use crate::open::memory::Memory;
+use crate::open::perception::Perception;
+use crate::open::sighting::{self, Sighting};
+use crate::open::{Parts, exploration};
+
+/// Ground around start and goals that the costmap covers, metres.
+const SURROUNDINGS: f64 = 25.0;
+/// Distances from the wall to look from: first at all places, then again closer, then from afar.
+const STANDOFFS: [f64; 3] = [4.0, 2.6, 6.0];
+/// Distance in front of a plate at which a parcel is put down, metres.
+const DOORSTEP: f64 = 0.8;
+/// Distance in front of a known door from which its plate is read again, metres.
+const CHECK_FROM: f64 = 3.6;
+/// Standing still before an image is taken.
+const STEADY: Duration = Duration::from_millis(400);
+/// Time between two glances while driving near the building, and how near that is, metres.
+const GLANCE: (Duration, f64) = (Duration::from_millis(2000), 10.0);
+/// A way over roads is taken if it is no longer than this many times the straight line.
+const DETOUR: f64 = 1.3;
+
+/// What the robot is doing about the current delivery.
+#[derive(Debug, Clone, PartialEq)]
+enum Stage {
+    /// Along the road towards the building.
+    Travel(VecDeque<MapPoint>),
+    /// To a place to look from.
+    ToWaypoint,
+    /// Standing, to look.
+    Look(SimTime),
+    /// To the door.
+    Approach(Sighting),
+}
+
+/// The delivery at hand.
+struct Task {
+    address: Address,
+    building: usize,
+    stage: Stage,
+    /// Places not yet looked from.
+    waypoints: Vec<Pose2>,
+    /// How often all places were looked from.
+    round: usize,
+    /// Where map or memory have the door, to be trusted if its plate cannot be read there.
+    expected: Option<Sighting>,
+}
+
+/// All deliveries of an episode.
+pub struct Mission {
+    robot: RobotDescription,
+    localizer: Box<dyn Localizer>,
+    reader: Box<dyn PlateReader>,
+    perception: Perception,
+    driver: Driver,
+    memory: Memory,
+    router: Dijkstra,
+    queue: VecDeque<PlannedDelivery>,
+    task: Option<Task>,
+    seen: Vec<Sighting>,
+    last_glance: SimTime,
+}
+
+impl Mission {
+    /// Reads the map, understands the instruction, prepares to drive.
+    pub fn begin(parts: Parts, briefing: &Briefing, events: &mut dyn Events) -> Result<Self, GiveUp> {
+        let data = OsmData::from_bytes(&briefing.map_osm).map_err(|e| all(FailureCause::Briefing, e.to_string()))?;
+        let memory = Memory::new(data, briefing.georeference, parts.memory.as_ref());
+        let router = Dijkstra::new(RoadGraph::new(memory.map(), Profile::Delivery));
+        let queue = understand(parts.planner.as_ref(), briefing, memory.map(), &router, events)?;
+        let costmap = survey(memory.map(), briefing, &queue)?;
+        let mut localizer = parts.localizer;
+        localizer.reset(briefing.start);
+        let robot = briefing.robot.clone();
+        Ok(Self {
+            perception: Perception::new(robot.clone()),
+            driver: Driver::new(costmap, robot.clone()),
+            reader: parts.reader,
+            task: None,
+            seen: Vec::new(),
+            last_glance: SimTime::ZERO,
+            robot,
+            localizer,
+            memory,
+            router,
+            queue,
+        })
+    }
+
+    /// The agent's map as OSM XML.
+    pub fn map_osm(&self) -> Vec<u8> {
+        self.memory.data().to_xml()
+    }
+
+    /// What to do until the next observation.
+    pub fn act(&mut self, observation: &Observation<'_>, events: &mut dyn Events) -> Action {
+        self.sense(observation, events);
+        if !self.localizer.ready() {
+            return Action::Drive(Velocity::ZERO);
+        }
+        match self.task.take() {
+            Some(task) => self.pursue(task, observation, events),
+            None => self.next_delivery(observation.time, events),
+        }
+    }
+
+    fn sense(&mut self, observation: &Observation<'_>, events: &mut dyn Events) {
+        self.localizer.update(observation);
+        if let Some(scan) = observation.scan {
+            let ring = self.perception.observe(scan, self.localizer.as_ref());
+            self.driver.observe(&ring);
+            events.record(Event::PoseEstimate(self.localizer.pose()));
+        }
+    }
+
+    fn next_delivery(&mut self, now: SimTime, events: &mut dyn Events) -> Action {
+        let Some(delivery) = self.queue.pop_front() else {
+            return Action::GiveUp(all(FailureCause::NotDeclared, "every planned delivery is done".into()));
+        };
+        let address = delivery.address();
+        events.record(Event::Task(address.clone()));
+        if let Some(problem) = delivery.problem {
+            return Action::GiveUp(one(address, FailureCause::UnknownAddress, problem));
+        }
+        let map = self.memory.map();
+        let (building, entrance) = match locate(map, &address) {
+            Location::Unit { entrance, building } => (building, Some(map.entrances[entrance].position)),
+            Location::Building(building) => (building, None),
+            Location::Unknown | Location::Ambiguous(_) => {
+                let detail = format!("the map has no single building `{}`", address.building);
+                return Action::GiveUp(one(address, FailureCause::UnknownAddress, detail));
+            }
+        };
+        let expected = self.remembered(building, &address).or_else(|| {
+            let (wall, facing) = map.buildings[building].polygon.nearest_boundary_point(entrance?);
+            Some(Sighting { unit: address.unit.clone().unwrap_or_default(), building, position: wall, facing })
+        });
+        let stage = Stage::Travel(self.road_to(building, events));
+        let task = Task { address, building, stage, waypoints: Vec::new(), round: 0, expected };
+        self.advance_travel(task, now, events);
+        Action::Drive(Velocity::ZERO)
+    }
+
+    fn remembered(&self, building: usize, address: &Address) -> Option<Sighting> {
+        self.seen.iter().rev().find(|s| fits(s, building, address)).cloned()
+    }
+
+    /// Via points over roads, if the map has a road worth taking.
+    fn road_to(&self, building: usize, events: &mut dyn Events) -> VecDeque<MapPoint> {
+        let from = self.localizer.pose().point();
+        let polygon = &self.memory.map().buildings[building].polygon;
+        let to = polygon.nearest_boundary_point(from).0;
+        let Ok(route) = self.router.route(from, to) else { return VecDeque::new() };
+        let (Some(first), Some(last)) = (route.points.first(), route.points.last()) else { return VecDeque::new() };
+        let length = route.distance + from.distance(*first) + to.distance(*last);
+        events.record(Event::Route(route.points.clone()));
+        if length > DETOUR * from.distance(to) { VecDeque::new() } else { route.points.into() }
+    }
+
+    fn pursue(&mut self, task: Task, observation: &Observation<'_>, events: &mut dyn Events) -> Action {
+        let now = observation.time;
+        match &task.stage {
+            Stage::Look(since) => {
+                let since = *since;
+                self.look(task, since, observation, events)
+            }
+            Stage::Approach(_) => self.drive(task, now, events),
+            Stage::Travel(_) | Stage::ToWaypoint => match self.glance(task, observation, events) {
+                Ok(task) => self.drive(task, now, events),
+                Err(action) => action,
+            },
+        }
+    }
+
+    fn drive(&mut self, task: Task, now: SimTime, events: &mut dyn Events) -> Action {
+        match self.driver.drive(self.localizer.pose(), now, events) {
+            Driving::OnTheWay(velocity) => {
+                self.task = Some(task);
+                Action::Drive(velocity)
+            }
+            Driving::Arrived => self.arrived(task, now, events),
+            Driving::Unreachable => self.missed(task, now, events),
+        }
+    }
+
+    fn arrived(&mut self, mut task: Task, now: SimTime, events: &mut dyn Events) -> Action {
+        match &task.stage {
+            Stage::Travel(_) => self.advance_travel(task, now, events),
+            Stage::Approach(_) => return Action::Delivered(task.address),
+            Stage::ToWaypoint | Stage::Look(_) => {
+                task.stage = Stage::Look(now);
+                self.task = Some(task);
+            }
+        }
+        Action::Drive(Velocity::ZERO)
+    }
+
+    /// A place could not be reached.
+    fn missed(&mut self, mut task: Task, now: SimTime, events: &mut dyn Events) -> Action {
+        match &mut task.stage {
+            Stage::Travel(_) => self.advance_travel(task, now, events),
+            Stage::Approach(sighting) => {
+                // Near enough to put the parcel down.
+                if self.localizer.pose().point().distance(sighting.position) < 2.0 * DOORSTEP {
+                    return Action::Delivered(task.address);
+                }
+                task.expected = None;
+                return self.next_waypoint(task, now, events);
+            }
+            Stage::ToWaypoint | Stage::Look(_) => return self.next_waypoint(task, now, events),
+        }
+        Action::Drive(Velocity::ZERO)
+    }
+
+    /// The next point of the road, or the first place to look from.
+    fn advance_travel(&mut self, mut task: Task, now: SimTime, events: &mut dyn Events) {
+        let here = self.localizer.pose().point();
+        if let Stage::Travel(via) = &mut task.stage {
+            while let Some(next) = via.pop_front() {
+                if next.distance(here) > 2.0 {
+                    self.driver.set_target(Target { point: next, yaw: None }, now);
+                    self.task = Some(task);
+                    return;
+                }
+            }
+        }
+        match task.expected.clone() {
+            Some(door) => self.check_door(task, &door, now),
+            None => {
+                // Nothing can be given up here: a building always has places around it, reachable or not.
+                let _ = self.next_waypoint(task, now, events);
+            }
+        }
+    }
+
+    /// Goes to where a known door's plate can be read.
+    fn check_door(&mut self, mut task: Task, door: &Sighting, now: SimTime) {
+        let point = door.position.offset(door.facing, CHECK_FROM);
+        let target = Target { point, yaw: Some(point.bearing_to(door.position)) };
+        self.driver.set_target(target, now);
+        task.stage = Stage::ToWaypoint;
+        self.task = Some(task);
+    }
+
+    /// The nearest place not yet looked from; after the last one all again from another distance; then the door is not found.
+    fn next_waypoint(&mut self, mut task: Task, now: SimTime, events: &mut dyn Events) -> Action {
+        let here = self.localizer.pose().point();
+        while task.waypoints.is_empty() {
+            let Some(&standoff) = STANDOFFS.get(task.round) else {
+                let detail = format!("no plate of {} was read from any place around the building", task.address);
+                return Action::GiveUp(one(task.address, FailureCause::DoorNotFound, detail));
+            };
+            task.round += 1;
+            task.waypoints = exploration::waypoints(self.memory.map(), task.building, standoff);
+            events.record(Event::Waypoints(task.waypoints.clone()));
+        }
+        if let Some(nearest) = exploration::nearest(&task.waypoints, here) {
+            let place = task.waypoints.remove(nearest);
+            self.driver.set_target(Target { point: place.point(), yaw: Some(place.yaw) }, now);
+        }
+        task.stage = Stage::ToWaypoint;
+        self.task = Some(task);
+        Action::Drive(Velocity::ZERO)
+    }
+
+    fn look(&mut self, task: Task, since: SimTime, observation: &Observation<'_>, events: &mut dyn Events) -> Action {
+        if observation.time.since(since) < STEADY {
+            self.task = Some(task);
+            return Action::Drive(Velocity::ZERO);
+        }
+        let Some(image) = observation.camera.image() else {
+            self.task = Some(task);
+            return Action::Drive(Velocity::ZERO);
+        };
+        match self.read(&image, events) {
+            Err(detail) => Action::GiveUp(one(task.address, FailureCause::ReaderUnavailable, detail)),
+            Ok(()) => self.after_look(task, observation.time, events),
+        }
+    }
+
+    fn after_look(&mut self, mut task: Task, now: SimTime, events: &mut dyn Events) -> Action {
+        let door = self.remembered(task.building, &task.address).or_else(|| task.expected.take());
+        match door {
+            Some(door) => {
+                self.approach(task, door, now);
+                Action::Drive(Velocity::ZERO)
+            }
+            None => self.next_waypoint(task, now, events),
+        }
+    }
+
+    fn approach(&mut self, mut task: Task, door: Sighting, now: SimTime) {
+        let point = door.position.offset(door.facing, DOORSTEP);
+        self.driver.set_target(Target { point, yaw: None }, now);
+        task.stage = Stage::Approach(door);
+        task.expected = None;
+        self.task = Some(task);
+    }
+
+    /// Reads what the camera happens to see on the way, near the building.
+    fn glance(&mut self, task: Task, observation: &Observation<'_>, events: &mut dyn Events) -> Result<Task, Action> {
+        let here = self.localizer.pose().point();
+        let near = self.memory.map().distance_to_building(task.building, here) <= GLANCE.1;
+        if !near || observation.time.since(self.last_glance) < GLANCE.0 {
+            return Ok(task);
+        }
+        let Some(image) = observation.camera.image() else { return Ok(task) };
+        self.last_glance = observation.time;
+        if let Err(detail) = self.read(&image, events) {
+            return Err(Action::GiveUp(one(task.address, FailureCause::ReaderUnavailable, detail)));
+        }
+        match self.remembered(task.building, &task.address).filter(|_| task.expected.is_none()) {
+            Some(door) => {
+                self.approach(task, door, observation.time);
+                Err(Action::Drive(Velocity::ZERO))
+            }
+            None => Ok(task),
+        }
+    }
+
+    /// Reads an image and remembers every door in it.
+    fn read(&mut self, image: &std::sync::Arc<openbench_core::Image>, events: &mut dyn Events) -> Result<(), String> {
+        let pose = self.localizer.pose();
+        let readings = self.reader.read(image).map_err(|e| e.to_string())?;
+        for reading in readings.iter().filter(|r| parse_unit(&r.text).is_some()) {
+            let placed = sighting::place(reading, &self.perception, pose, &self.robot.camera_intrinsics);
+            events.record(Event::PlateRead {
+                text: reading.text.clone(),
+                confidence: reading.confidence,
+                corners: reading.corners,
+                position: placed.map(|p| p.0),
+                image: image.clone(),
+            });
+            if let Some(seen) = sighting::recognise(reading, placed, self.memory.map()) {
+                self.memory.write(&seen, events);
+                self.seen.push(seen);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whether a sighting is the door of an address; an address without a unit is content with any door.
+fn fits(sighting: &Sighting, building: usize, address: &Address) -> bool {
+    let unit = address.unit.as_deref();
+    sighting.building == building && unit.is_none_or(|u| fold_name(u) == fold_name(&sighting.unit))
+}
+
+fn all(cause: FailureCause, detail: String) -> GiveUp {
+    GiveUp { address: None, cause, detail }
+}
+
+fn one(address: Address, cause: FailureCause, detail: String) -> GiveUp {
+    GiveUp { address: Some(address), cause, detail }
+}
+
+fn understand(
+    planner: &dyn Planner,
+    briefing: &Briefing,
+    map: &OsmMap,
+    router: &Dijkstra,
+    events: &mut dyn Events,
+) -> Result<VecDeque<PlannedDelivery>, GiveUp> {
+    let Goal::Instruction(instruction) = &briefing.goal else {
+        return Err(all(FailureCause::NotUnderstood, "OPEN takes instructions in words only".into()));
+    };
+    let times = RouterTimes { router, speed: briefing.robot.max_forward };
+    let request = PlanRequest { instruction, map, start: briefing.start.point(), times: &times };
+    let plan = planner.plan(&request).map_err(|error| all(cause_of(&error), error.to_string()))?;
+    events.record(Event::Plan(plan.clone()));
+    Ok(plan.deliveries.into())
+}
+
+fn cause_of(error: &PlanError) -> FailureCause {
+    match error {
+        PlanError::NotUnderstood { .. } => FailureCause::NotUnderstood,
+        _ => FailureCause::PlannerUnavailable,
+    }
+}
+
+/// The costmap around the start and every building to be driven to.
+fn survey(map: &OsmMap, briefing: &Briefing, queue: &VecDeque<PlannedDelivery>) -> Result<Costmap, GiveUp> {
+    let start = briefing.start.point();
+    let (mut low, mut high) = (start, start);
+    for delivery in queue {
+        let building = match locate(map, &delivery.address()) {
+            Location::Unit { building, .. } | Location::Building(building) => building,
+            Location::Unknown | Location::Ambiguous(_) => continue,
+        };
+        let (a, b) = map.buildings[building].polygon.bounds();
+        low = MapPoint::new(low.x.min(a.x), low.y.min(a.y));
+        high = MapPoint::new(high.x.max(b.x), high.y.max(b.y));
+    }
+    let low = MapPoint::new(low.x - SURROUNDINGS, low.y - SURROUNDINGS);
+    let high = MapPoint::new(high.x + SURROUNDINGS, high.y + SURROUNDINGS);
+    Costmap::new(map, low, high, &briefing.robot).map_err(|e| all(FailureCause::Briefing, e.to_string()))
+}

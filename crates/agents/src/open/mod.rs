@@ -1,0 +1,78 @@
+//! OPEN's mission, after Fig. 2 of the paper: the instruction becomes ordered deliveries; each is looked up in the map; what
+//! the map knows is driven to, what it does not know is explored for; a door that was found is written into the map.
+//!
+//! | module | its part |
+//! |---|---|
+//! | [`mission`] | the deliveries and the stage that each is in |
+//! | [`driving`] | costmap, search, follower, and what to do when stuck |
+//! | [`exploration`] | where to look at a building from |
+//! | [`sighting`] | where a plate that was read in an image is, by the LiDAR |
+//! | [`perception`] | scans and images in the `map` frame |
+//! | [`memory`] | the agent's own copy of the map |
+
+pub mod driving;
+pub mod exploration;
+pub mod memory;
+pub mod mission;
+pub mod perception;
+pub mod sighting;
+
+use openbench_core::{Action, Agent, Briefing, Events, FailureCause, GiveUp, Observation};
+use openbench_language::Planner;
+use openbench_localization::Localizer;
+use openbench_osm::OsmData;
+use openbench_vision::PlateReader;
+
+use mission::Mission;
+
+/// The exchangeable parts of OPEN.
+pub struct Parts {
+    /// Turns the instruction into deliveries.
+    pub planner: Box<dyn Planner>,
+    /// Reads plates.
+    pub reader: Box<dyn PlateReader>,
+    /// Says where the robot is.
+    pub localizer: Box<dyn Localizer>,
+    /// Doors found before, if any are to be remembered.
+    pub memory: Option<OsmData>,
+}
+
+/// The baseline agent.
+pub struct Open {
+    parts: Option<Parts>,
+    mission: Option<Mission>,
+}
+
+impl Open {
+    /// An agent made of these parts.
+    pub fn new(parts: Parts) -> Self {
+        Self { parts: Some(parts), mission: None }
+    }
+}
+
+impl Agent for Open {
+    fn begin(&mut self, briefing: &Briefing, events: &mut dyn Events) -> Result<(), GiveUp> {
+        let parts = self.parts.take().ok_or_else(|| GiveUp {
+            address: None,
+            cause: FailureCause::AgentError,
+            detail: "the agent was begun twice; make a new one for each episode".into(),
+        })?;
+        self.mission = Some(Mission::begin(parts, briefing, events)?);
+        Ok(())
+    }
+
+    fn act(&mut self, observation: &Observation<'_>, events: &mut dyn Events) -> Action {
+        match &mut self.mission {
+            Some(mission) => mission.act(observation, events),
+            None => Action::GiveUp(GiveUp {
+                address: None,
+                cause: FailureCause::AgentError,
+                detail: "the agent was not begun".into(),
+            }),
+        }
+    }
+
+    fn finish(&mut self, _events: &mut dyn Events) -> Option<Vec<u8>> {
+        self.mission.as_ref().map(Mission::map_osm)
+    }
+}

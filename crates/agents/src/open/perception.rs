@@ -1,0 +1,61 @@
+//! Scans in the `map` frame.
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use nalgebra::Point3;
+use openbench_core::{LidarScan, MapPoint, Pose2, RobotDescription, SimTime};
+use openbench_localization::Localizer;
+use openbench_motion::RangeRing;
+
+/// Scans of this long are kept.
+const MEMORY: Duration = Duration::from_millis(1000);
+/// Points of one stretch of this length share a pose, nanoseconds: the robot moves 5 mm in it.
+const STRETCH_NS: u32 = 10_000_000;
+
+/// The last second of scans, each point where it was measured: (x, y) in `map`, z above the robot's ground.
+#[derive(Debug)]
+pub struct Perception {
+    robot: RobotDescription,
+    scans: VecDeque<(SimTime, Vec<Point3<f32>>)>,
+}
+
+impl Perception {
+    /// Nothing seen yet.
+    pub fn new(robot: RobotDescription) -> Self {
+        Self { robot, scans: VecDeque::new() }
+    }
+
+    /// Takes a scan in, undoing the robot's motion during it, and says what it shows around the robot.
+    pub fn observe(&mut self, scan: &LidarScan, localizer: &dyn Localizer) -> RangeRing {
+        let mut points = Vec::with_capacity(scan.points.len());
+        let (mut stretch, mut pose) = (u32::MAX, nalgebra::Isometry3::identity());
+        for point in &scan.points {
+            if point.offset_ns / STRETCH_NS != stretch {
+                stretch = point.offset_ns / STRETCH_NS;
+                let middle = Duration::from_nanos(u64::from(stretch * STRETCH_NS + STRETCH_NS / 2));
+                pose = (localizer.pose_at(scan.stamp + middle).to_pose3(0.0) * self.robot.lidar).cast::<f32>();
+            }
+            points.push(pose * Point3::from(point.xyz));
+        }
+        let lidar = self.robot.lidar.translation.vector;
+        let center = localizer.pose().transform(lidar.x, lidar.y);
+        let flat = points.iter().map(|p| (MapPoint::new(f64::from(p.x), f64::from(p.y)), f64::from(p.z)));
+        let ring = RangeRing::new(center, flat);
+        self.scans.push_back((scan.stamp, points));
+        while self.scans.front().is_some_and(|(stamp, _)| scan.stamp.since(*stamp) >= MEMORY) {
+            self.scans.pop_front();
+        }
+        ring
+    }
+
+    /// Every remembered point.
+    pub fn points(&self) -> impl Iterator<Item = &Point3<f32>> {
+        self.scans.iter().flat_map(|(_, points)| points)
+    }
+
+    /// The camera's pose in the frame of the remembered points, for a robot at `base`.
+    pub fn camera_pose(&self, base: Pose2) -> nalgebra::Isometry3<f64> {
+        base.to_pose3(0.0) * self.robot.camera
+    }
+}

@@ -1,0 +1,137 @@
+//! Where a plate is: the LiDAR's points behind the text's pixels give its place and the direction that it faces.
+
+use nalgebra::Point3;
+use openbench_core::{CameraIntrinsics, MapPoint, Pose2};
+use openbench_osm::OsmMap;
+use openbench_vision::{PlateReading, parse_unit};
+
+use crate::open::perception::Perception;
+
+/// Plates further than this from every outline belong to no building, metres.
+const OFF_BUILDING: f64 = 4.0;
+/// Readings less sure than this are not believed.
+const CONFIDENCE: f32 = 0.6;
+/// The text's box is widened by this share of its size for the wall around it.
+const WALL_AROUND: f64 = 1.5;
+/// Points deeper than this behind the nearest surface in the box are something else, metres.
+const DEPTH: f64 = 0.5;
+/// Fewest points that make a place.
+const FEWEST: usize = 5;
+
+/// A door plate, read and placed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sighting {
+    /// Canonical name of the unit.
+    pub unit: String,
+    /// Index of the building in the map.
+    pub building: usize,
+    /// The plate's place.
+    pub position: MapPoint,
+    /// Direction that the plate faces, radians.
+    pub facing: f64,
+}
+
+/// What the sensors say about a reading: its place and facing, if the LiDAR saw the wall behind the text.
+pub fn place(
+    reading: &PlateReading,
+    perception: &Perception,
+    base: Pose2,
+    camera: &CameraIntrinsics,
+) -> Option<(MapPoint, f64)> {
+    let to_camera = perception.camera_pose(base).inverse().cast::<f32>();
+    let corner = |f: fn(f32, f32) -> f32, axis: usize| {
+        f64::from(reading.corners.iter().map(|c| c[axis]).fold(reading.corners[0][axis], f))
+    };
+    let (left, right) = (corner(f32::min, 0), corner(f32::max, 0));
+    let (top, bottom) = (corner(f32::min, 1), corner(f32::max, 1));
+    let behind = |grow: f64| -> Vec<(f64, MapPoint)> {
+        let (dx, dy) = (grow * (right - left), grow * (bottom - top));
+        let inside = |p: &Point3<f32>| {
+            let c = to_camera * p;
+            let (u, v) = camera.project([f64::from(c.x), f64::from(c.y), f64::from(c.z)])?;
+            let within = u >= left - dx && u <= right + dx && v >= top - dy && v <= bottom + dy;
+            within.then(|| (f64::from(c.x), MapPoint::new(f64::from(p.x), f64::from(p.y))))
+        };
+        perception.points().filter_map(inside).collect()
+    };
+    let plate = nearest_surface(behind(0.15));
+    if plate.len() < FEWEST {
+        return None;
+    }
+    let middle = mean(&plate);
+    let wall = nearest_surface(behind(WALL_AROUND));
+    Some((middle, facing(&wall, base.point()).unwrap_or_else(|| middle.bearing_to(base.point()))))
+}
+
+/// The sighting that a reading amounts to, if it names a unit, can be placed, and lies at a building.
+pub fn recognise(reading: &PlateReading, placed: Option<(MapPoint, f64)>, map: &OsmMap) -> Option<Sighting> {
+    // A bare number may be a window frame or a pipe.
+    let unit = parse_unit(&reading.text).filter(|u| u.worded && reading.confidence >= CONFIDENCE)?;
+    let (position, facing) = placed?;
+    let building = map.nearest_building(position)?;
+    let near = map.distance_to_building(building, position) <= OFF_BUILDING;
+    near.then_some(Sighting { unit: unit.unit, building, position, facing })
+}
+
+fn nearest_surface(mut points: Vec<(f64, MapPoint)>) -> Vec<MapPoint> {
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // One stray point in front is no surface: the depth at a tenth of the points is.
+    let Some(depth) = points.get(points.len() / 10).map(|p| p.0) else { return Vec::new() };
+    points.into_iter().filter(|p| (p.0 - depth).abs() <= DEPTH).map(|p| p.1).collect()
+}
+
+fn mean(points: &[MapPoint]) -> MapPoint {
+    let n = points.len() as f64;
+    MapPoint::new(points.iter().map(|p| p.x).sum::<f64>() / n, points.iter().map(|p| p.y).sum::<f64>() / n)
+}
+
+/// Normal of the line through points (total least squares), on the side of `viewer`. `None` where they form no line.
+fn facing(points: &[MapPoint], viewer: MapPoint) -> Option<f64> {
+    if points.len() < FEWEST {
+        return None;
+    }
+    let m = mean(points);
+    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+    for p in points {
+        let (dx, dy) = (p.x - m.x, p.y - m.y);
+        xx += dx * dx;
+        xy += dx * dy;
+        yy += dy * dy;
+    }
+    let spread = ((xx - yy) * (xx - yy) + 4.0 * xy * xy).sqrt();
+    if spread < 0.5 * (xx + yy) {
+        return None;
+    }
+    let along = 0.5 * libm::atan2(2.0 * xy, xx - yy);
+    let normal = along + std::f64::consts::FRAC_PI_2;
+    let towards = m.bearing_to(viewer);
+    let ahead = libm::cos(normal - towards) >= 0.0;
+    Some(openbench_core::frames::wrap_angle(if ahead { normal } else { normal + std::f64::consts::PI }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wall_faces_its_viewer() {
+        let wall: Vec<MapPoint> = (0..20).map(|i| MapPoint::new(3.0 + 0.01 * f64::from(i % 3), 0.1 * f64::from(i))).collect();
+        let west = facing(&wall, MapPoint::new(0.0, 1.0)).unwrap();
+        assert!((west.abs() - std::f64::consts::PI).abs() < 0.05, "{west}");
+        let east = facing(&wall, MapPoint::new(6.0, 1.0)).unwrap();
+        assert!(east.abs() < 0.05, "{east}");
+    }
+
+    #[test]
+    fn a_heap_of_points_faces_nowhere() {
+        let heap: Vec<MapPoint> = (0..25).map(|i| MapPoint::new(f64::from(i % 5), f64::from(i / 5))).collect();
+        assert_eq!(facing(&heap, MapPoint::new(9.0, 9.0)), None);
+    }
+
+    #[test]
+    fn the_nearer_surface_counts() {
+        let front = (0..10).map(|i| (4.0 + 0.01 * f64::from(i), MapPoint::new(4.0, 0.0)));
+        let back = (0..10).map(|i| (7.0 + 0.01 * f64::from(i), MapPoint::new(7.0, 0.0)));
+        assert_eq!(nearest_surface(front.chain(back).collect()).len(), 10);
+    }
+}

@@ -1,0 +1,46 @@
+//! The published files of deliveries: one instruction a line, one episode each.
+
+use std::path::Path;
+
+use openbench_core::{Address, MapPoint, TravelTimes};
+use openbench_language::{GrammarPlanner, PlanRequest, Planner};
+use openbench_osm::OsmMap;
+
+use crate::BenchError;
+use crate::suite::Episode;
+
+/// All places equally far: deliveries stay in the instruction's order.
+struct Anywhere;
+
+impl TravelTimes for Anywhere {
+    fn matrix(&self, places: &[MapPoint]) -> Vec<f64> {
+        vec![1.0; places.len() * places.len()]
+    }
+}
+
+/// Reads a file of deliveries. The doors that a line names are what the grammar planner understands of it on `map`; a line that it
+/// does not understand has none, and needs a file of true positions.
+pub fn read(path: &Path, map: &OsmMap) -> Result<Vec<Episode>, BenchError> {
+    let text = std::fs::read_to_string(path).map_err(|e| BenchError::file(path, e))?;
+    let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+    let episodes: Vec<Episode> =
+        lines.map(|line| Episode { instruction: line.to_owned(), deliveries: doors_in(line, map) }).collect();
+    if episodes.is_empty() {
+        let problem = "there is no delivery in it; write one instruction a line".to_owned();
+        return Err(BenchError::BadFile { path: path.to_owned(), problem });
+    }
+    Ok(episodes)
+}
+
+fn doors_in(instruction: &str, map: &OsmMap) -> Vec<Address> {
+    let request = PlanRequest { instruction, map, start: MapPoint::default(), times: &Anywhere };
+    let Ok(plan) = GrammarPlanner::new().plan(&request) else { return Vec::new() };
+    let mut doors: Vec<Address> = Vec::new();
+    for delivery in &plan.deliveries {
+        let address = delivery.address();
+        if !doors.iter().any(|d| d.same_door(&address)) {
+            doors.push(address);
+        }
+    }
+    doors
+}

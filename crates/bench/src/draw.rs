@@ -1,0 +1,111 @@
+//! Draws deliveries with their instructions, from a seed, for any list of doors.
+
+use openbench_core::Address;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg32;
+
+use crate::suite::Episode;
+
+const ITEMS: [&str; 6] = ["box", "parcel", "package", "item", "letter", "crate"];
+/// `{item}`, `{unit}`, `{building}` are filled in.
+const SINGLE: [&str; 6] = [
+    "Please deliver this {item} to {unit}, {building}.",
+    "Take the {item} to {building}, {unit}.",
+    "Bring this {item} to {unit} in {building}, please.",
+    "Please deliver this {item} into {unit}, {building}.",
+    "The {item} goes to {building}, {unit}.",
+    "Could you drop the {item} off at {unit} of {building}?",
+];
+
+/// Draws episodes over a list of doors.
+#[derive(Debug, Clone)]
+pub struct Draw {
+    doors: Vec<Address>,
+    random: Pcg32,
+}
+
+impl Draw {
+    /// Draws over `doors` from `seed`.
+    pub fn new(doors: Vec<Address>, seed: u64) -> Self {
+        Self { doors, random: Pcg32::seed_from_u64(seed) }
+    }
+
+    /// `count` episodes of one delivery each. Every door comes up once before any comes up again.
+    pub fn singles(&mut self, count: usize) -> Vec<Episode> {
+        let mut drawn = Vec::with_capacity(count);
+        while drawn.len() < count && !self.doors.is_empty() {
+            let left = count - drawn.len();
+            drawn.extend(self.shuffled().into_iter().take(left));
+        }
+        drawn.into_iter().map(|door| self.episode(vec![door])).collect()
+    }
+
+    /// `count` episodes of `length` different doors each, or of all doors if there are fewer.
+    pub fn sequences(&mut self, count: usize, length: usize) -> Vec<Episode> {
+        let draws: Vec<Vec<Address>> =
+            (0..count).map(|_| self.shuffled().into_iter().take(length).collect()).collect();
+        draws.into_iter().filter(|doors| !doors.is_empty()).map(|doors| self.episode(doors)).collect()
+    }
+
+    fn shuffled(&mut self) -> Vec<Address> {
+        let mut doors = self.doors.clone();
+        for i in (1..doors.len()).rev() {
+            doors.swap(i, self.random.random_range(0..=i));
+        }
+        doors
+    }
+
+    fn episode(&mut self, doors: Vec<Address>) -> Episode {
+        let sentences: Vec<String> = doors.iter().map(|door| self.sentence(door)).collect();
+        Episode { instruction: sentences.join(" "), deliveries: doors }
+    }
+
+    fn sentence(&mut self, door: &Address) -> String {
+        let template = SINGLE[self.random.random_range(0..SINGLE.len())];
+        let item = ITEMS[self.random.random_range(0..ITEMS.len())];
+        let Some(unit) = &door.unit else {
+            return format!("Please deliver this {item} to {}.", door.building);
+        };
+        template.replace("{item}", item).replace("{unit}", unit).replace("{building}", &door.building)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn doors(n: usize) -> Vec<Address> {
+        (0..n).map(|i| Address::new(format!("building{}", i / 2 + 1), format!("unit{}", i % 2 + 1))).collect()
+    }
+
+    #[test]
+    fn singles_use_every_door_before_any_twice() {
+        let episodes = Draw::new(doors(5), 3).singles(10);
+        for half in episodes.chunks(5) {
+            let mut seen: Vec<&Address> = half.iter().map(|e| &e.deliveries[0]).collect();
+            seen.sort();
+            seen.dedup();
+            assert_eq!(seen.len(), 5);
+        }
+    }
+
+    #[test]
+    fn instructions_name_their_doors() {
+        for episode in Draw::new(doors(6), 9).sequences(20, 4) {
+            assert_eq!(episode.deliveries.len(), 4);
+            for door in &episode.deliveries {
+                assert!(episode.instruction.contains(door.unit.as_ref().unwrap()), "{}", episode.instruction);
+                assert!(episode.instruction.contains(&door.building), "{}", episode.instruction);
+            }
+        }
+    }
+
+    #[test]
+    fn seeds_repeat_and_differ_and_no_doors_draw_nothing() {
+        let draw = |seed| Draw::new(doors(6), seed).singles(6);
+        assert_eq!(draw(1), draw(1));
+        assert_ne!(draw(1), draw(2));
+        assert!(Draw::new(vec![], 1).singles(3).is_empty());
+        assert!(Draw::new(vec![], 1).sequences(3, 2).is_empty());
+    }
+}

@@ -1,0 +1,47 @@
+//! The benchmark: suites and episodes, the runner, the recorder, metrics and reports.
+//!
+//! | module | its one job |
+//! |---|---|
+//! | [`suite`] | [`Suite`], [`Episode`], [`WorldSource`]: what is run, as files |
+//! | [`deliveries`] | the published files of deliveries |
+//! | [`draw`] | deliveries with instructions, from a seed |
+//! | [`stage`] | [`Prepared`]: a suite with its world built and its doors looked up |
+//! | [`registry`] | [`Registry`]: agents by name |
+//! | [`runner`] | one agent through one episode |
+//! | [`run`] | all episodes of a suite, on several threads, with results and files |
+//! | [`recorder`] | the log of an episode |
+//! | [`recording`] | the actions of an episode, and [`verify`](recording::verify): driving them again |
+//! | [`scoring`] | from what happened to results |
+//! | [`metrics`], [`statistics`], [`results`] | the numbers |
+//! | [`evaluate`] | the reference's recorder files |
+//! | [`report`] | results for people |
+//! | [`truth`] | the truth as a localizer, for comparisons |
+
+pub mod deliveries;
+pub mod draw;
+pub mod error;
+pub mod evaluate;
+pub mod picture;
+pub mod metrics;
+pub mod recorder;
+pub mod recording;
+pub mod registry;
+pub mod report;
+mod report_input;
+pub mod results;
+pub mod run;
+pub mod runner;
+pub mod scoring;
+pub mod stage;
+pub mod statistics;
+pub mod suite;
+pub mod truth;
+
+pub use error::BenchError;
+pub use recorder::Level;
+pub use registry::{AgentFactory, AgentRequest, Registry};
+pub use results::Results;
+pub use run::{RunRequest, run};
+pub use stage::Prepared;
+pub use suite::{Episode, Suite, WorldSource};
+pub use truth::{TruthHandle, TruthLocalizer};

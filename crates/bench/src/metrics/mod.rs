@@ -1,0 +1,31 @@
+//! The metrics, as functions of plain values.
+//!
+//! Every metric has two readings. *Paper*: the robot declared within 10 m of the plate; path lengths are compared with
+//! a straight line. *Strict*: within 2 m of the right door's approach point with no other door's nearer; path lengths
+//! are compared with the shortest path that the robot's footprint can drive.
+//!
+//! | module | metric |
+//! |---|---|
+//! | [`success`] | whether a delivery succeeded, in both readings |
+//! | [`path_ratio`] | SPL: success weighted by path length |
+//! | [`sequence`] | LSR and LSPL: the same over sequences, where an early failure weighs more |
+//! | [`srtp`] | SRTP: share of instructions that were understood exactly |
+//! | [`collisions`] | collisions by class, with their impulses |
+//! | [`doors`] | doors that an agent wrote into its map |
+//! | [`summary`] | all of them over the deliveries of a run, with intervals |
+
+pub mod collisions;
+pub mod doors;
+pub mod path_ratio;
+pub mod sequence;
+pub mod srtp;
+pub mod success;
+pub mod summary;
+
+pub use collisions::CollisionSum;
+pub use doors::{DoorScore, score_doors};
+pub use path_ratio::{path_ratio, spl};
+pub use sequence::{sequence_mean, sequence_weights};
+pub use srtp::{ExpectedPlan, srtp};
+pub use success::{Strict, paper_success};
+pub use summary::{RunTotals, summarize};

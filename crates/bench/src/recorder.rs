@@ -1,0 +1,128 @@
+//! The log of an episode, MCAP with ROS 2 messages.
+
+use std::path::Path;
+use std::str::FromStr;
+
+use openbench_core::{Event, LidarScan, Pose2, SimTime, Velocity};
+use openbench_logs::messages::{
+    CompressedImage, Header, Imu, JointState, Odometry, Path as PathMessage, PointCloud2, PoseStamped, StringMessage,
+    Twist,
+};
+use openbench_logs::{LogError, LogFile};
+use openbench_sim::Simulator;
+
+use crate::picture;
+
+/// How much is recorded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Level {
+    /// Nothing.
+    None,
+    /// Poses, plans, plates, and every twentieth point of every fifth scan.
+    Thin,
+    /// Every sample, every point and every image that the agent asked for.
+    Full,
+}
+
+impl FromStr for Level {
+    type Err = String;
+
+    fn from_str(word: &str) -> Result<Self, String> {
+        match word {
+            "none" => Ok(Self::None),
+            "thin" => Ok(Self::Thin),
+            "full" => Ok(Self::Full),
+            _ => Err(format!("`{word}` is no level of recording; write none, thin or full")),
+        }
+    }
+}
+
+/// Of how many scans one is kept when thinned, and of how many points.
+const THIN: (u64, usize) = (5, 20);
+const SCAN_NS: u64 = 100_000_000;
+
+/// Writes what happens into a log.
+pub struct Recorder {
+    log: Option<LogFile>,
+    level: Level,
+}
+
+impl Recorder {
+    /// A recorder that writes nothing.
+    pub fn none() -> Self {
+        Self { log: None, level: Level::None }
+    }
+
+    /// A recorder into a file.
+    pub fn create(path: &Path, level: Level) -> Result<Self, LogError> {
+        let log = if level == Level::None { None } else { Some(LogFile::create(path)?) };
+        Ok(Self { log, level })
+    }
+
+    /// Records the state after a step.
+    pub fn step(&mut self, simulator: &Simulator, velocity: Velocity) -> Result<(), LogError> {
+        let Some(log) = &mut self.log else { return Ok(()) };
+        let time = simulator.time();
+        let observation = simulator.observation();
+        let twist = Twist { linear: [velocity.linear, 0.0, 0.0], angular: [0.0, 0.0, velocity.angular] };
+        let odometry = Odometry::new(Header::new(time, "map"), "base_link", simulator.base_link().into(), twist);
+        log.write("/ground_truth/odom", time, &odometry)?;
+        if self.level == Level::Full {
+            for sample in observation.imu {
+                log.write("/livox/imu", sample.stamp, &Imu::from(*sample))?;
+            }
+            for sample in observation.wheels {
+                log.write("/joint_states", sample.stamp, &JointState::from(*sample))?;
+            }
+        }
+        match observation.scan {
+            Some(scan) if self.level == Level::Full => log.write("/livox/lidar", time, &PointCloud2::from(scan)),
+            Some(scan) if (time.0 / SCAN_NS).is_multiple_of(THIN.0) => {
+                log.write("/livox/lidar", time, &PointCloud2::from(&thinned(scan)))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Records an event.
+    pub fn event(&mut self, time: SimTime, event: &Event) -> Result<(), LogError> {
+        let Some(log) = &mut self.log else { return Ok(()) };
+        let header = || Header::new(time, "map");
+        let say = |text: String| StringMessage(text);
+        match event {
+            Event::Plan(plan) => log.write("/plan", time, &say(serde_json::to_string(plan).unwrap_or_default())),
+            Event::Task(address) => log.write("/task", time, &say(address.to_string())),
+            Event::Route(points) => log.write("/route", time, &PathMessage::over(header(), points)),
+            Event::Path(points) => log.write("/path", time, &PathMessage::over(header(), points)),
+            Event::PoseEstimate(pose) => log.write("/pose", time, &stamped(header(), *pose)),
+            Event::Waypoints(poses) => {
+                let poses = poses.iter().map(|p| stamped(header(), *p)).collect();
+                log.write("/waypoints", time, &PathMessage { header: header(), poses })
+            }
+            Event::PlateRead { text, confidence, image, .. } => {
+                log.write("/plate", time, &say(format!("{text} ({confidence:.2})")))?;
+                log.write("/camera/image/compressed", time, &CompressedImage::jpeg(image.stamp, picture::jpeg(image).unwrap_or_default()))
+            }
+            Event::DoorWritten { address, position } => {
+                log.write("/door", time, &say(format!("{address} at {position}")))
+            }
+            Event::Note(text) => log.write("/note", time, &say(text.clone())),
+        }
+    }
+
+    /// Ends the log.
+    pub fn finish(self) -> Result<(), LogError> {
+        match self.log {
+            Some(log) => log.finish().map(drop),
+            None => Ok(()),
+        }
+    }
+}
+
+fn stamped(header: Header, pose: Pose2) -> PoseStamped {
+    PoseStamped { header, pose: pose.into() }
+}
+
+fn thinned(scan: &LidarScan) -> LidarScan {
+    LidarScan { stamp: scan.stamp, points: scan.points.iter().step_by(THIN.1).copied().collect() }
+}

@@ -1,0 +1,143 @@
+//! What an agent did in an episode, so that it can be driven again and compared.
+
+use std::path::{Path, PathBuf};
+
+use openbench_core::Velocity;
+use openbench_osm::write_atomically;
+use openbench_sim::Simulator;
+use serde::{Deserialize, Serialize};
+
+use crate::BenchError;
+use crate::runner::EpisodeTrace;
+use crate::stage::Prepared;
+use crate::suite::Suite;
+
+/// What was run: enough to run it again.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RunRecord {
+    /// Version of OpenBench.
+    pub version: String,
+    /// The suite.
+    pub suite: Suite,
+    /// Name of the agent.
+    pub agent: String,
+    /// What was set with `--set`.
+    pub settings: std::collections::BTreeMap<String, String>,
+    /// The seed.
+    pub seed: u64,
+    /// Number of episodes.
+    pub episodes: usize,
+}
+
+impl RunRecord {
+    /// Reads the record of the run in a folder.
+    pub fn read(run: &Path) -> Result<Self, BenchError> {
+        read_json(&run.join("run.json"))
+    }
+
+    /// Writes the record of the run in a folder.
+    pub fn write(&self, run: &Path) -> Result<(), BenchError> {
+        write_json(&run.join("run.json"), self)
+    }
+}
+
+/// A velocity that was driven for some steps on end.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Stretch {
+    /// Number of steps of 50 ms.
+    pub steps: u32,
+    /// The velocity.
+    pub velocity: Velocity,
+}
+
+/// The actions of an episode and the hash chain over its states.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Recording {
+    /// Seed of the episode.
+    pub seed: u64,
+    /// Hash chain after the last step, hexadecimal.
+    pub chain: String,
+    /// What was driven.
+    pub driven: Vec<Stretch>,
+}
+
+impl Recording {
+    /// The recording of a trace.
+    pub fn of(trace: &EpisodeTrace, seed: u64) -> Self {
+        let mut driven: Vec<Stretch> = Vec::new();
+        for &velocity in &trace.velocities {
+            match driven.last_mut() {
+                Some(last) if last.velocity == velocity => last.steps += 1,
+                _ => driven.push(Stretch { steps: 1, velocity }),
+            }
+        }
+        Self { seed, chain: hex(&trace.chain), driven }
+    }
+
+    /// The file of an episode's recording.
+    pub fn path(run: &Path, episode: usize) -> PathBuf {
+        run.join("episodes").join(format!("{episode:03}.actions.json"))
+    }
+
+    /// Reads the recording of an episode.
+    pub fn read(run: &Path, episode: usize) -> Result<Self, BenchError> {
+        read_json(&Self::path(run, episode))
+    }
+
+    /// Writes the recording of an episode.
+    pub fn write(&self, run: &Path, episode: usize) -> Result<(), BenchError> {
+        write_json(&Self::path(run, episode), self)
+    }
+}
+
+/// Drives the recorded actions of an episode again and compares the hash chains.
+pub fn verify(prepared: &Prepared, episode: usize, recording: &Recording) -> Result<(), BenchError> {
+    let mut simulator =
+        Simulator::new(prepared.stage.clone(), prepared.robot.clone(), prepared.world.start, recording.seed)
+            .map_err(|e| BenchError::World(e.to_string()))?;
+    for stretch in &recording.driven {
+        for _ in 0..stretch.steps {
+            simulator.step(stretch.velocity);
+        }
+    }
+    let chain = hex(&simulator.chain());
+    if chain == recording.chain {
+        return Ok(());
+    }
+    let detail = format!("after {} the hash chain is {chain}, recorded is {}", simulator.time(), recording.chain);
+    Err(BenchError::Differs { episode, detail })
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|b| format!("{b:02x}")).collect()
+}
+
+fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, BenchError> {
+    let text = std::fs::read_to_string(path).map_err(|e| BenchError::file(path, e))?;
+    let problem = |e: serde_json::Error| BenchError::BadFile {
+        path: path.to_owned(),
+        problem: format!("this is no record of a run: {e}"),
+    };
+    serde_json::from_str(&text).map_err(problem)
+}
+
+fn write_json(path: &Path, value: &impl Serialize) -> Result<(), BenchError> {
+    let bad = |problem: String| BenchError::BadFile { path: path.to_owned(), problem };
+    let json = serde_json::to_vec(value).map_err(|e| bad(e.to_string()))?;
+    write_atomically(path, &json).map_err(|e| bad(e.to_string()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_velocities_are_counted() {
+        let (go, stop) = (Velocity::new(0.1 + 0.2, 0.0), Velocity::ZERO);
+        let trace = EpisodeTrace { velocities: vec![go, go, stop, go], ..EpisodeTrace::default() };
+        let recording = Recording::of(&trace, 3);
+        assert_eq!(recording.driven.iter().map(|s| s.steps).collect::<Vec<_>>(), [2, 1, 1]);
+        let json = serde_json::to_string(&recording).unwrap();
+        assert_eq!(serde_json::from_str::<Recording>(&json).unwrap(), recording, "to the last bit");
+    }
+}

@@ -1,0 +1,65 @@
+//! Escaping and numbers for HTML.
+
+use std::collections::BTreeSet;
+
+use crate::results::Results;
+
+/// `text` so that it stands for itself in HTML and SVG, in elements and in attributes.
+pub fn escape(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&#39;"),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+/// A rate as a percentage with one decimal.
+pub fn percent(rate: f64) -> String {
+    format!("{:.1}", rate * 100.0)
+}
+
+/// `value` with `decimals`, or a dash.
+pub fn number(value: Option<f64>, decimals: usize) -> String {
+    match value {
+        Some(v) if v.is_finite() => format!("{v:.decimals$}"),
+        _ => "–".to_owned(),
+    }
+}
+
+/// `1 delivery`, `3 deliveries`.
+pub fn count(n: usize, one: &str, many: &str) -> String {
+    format!("{n} {}", if n == 1 { one } else { many })
+}
+
+/// How many episodes the deliveries belong to.
+pub fn episode_count(results: &Results) -> usize {
+    results.deliveries.iter().map(|d| d.episode).collect::<BTreeSet<_>>().len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn markup_is_escaped() {
+        assert_eq!(escape("<a href=\"x\">'&'"), "&lt;a href=&quot;x&quot;&gt;&#39;&amp;&#39;");
+    }
+
+    #[test]
+    fn numbers_say_when_there_are_none() {
+        assert_eq!((percent(1.0), percent(0.7558)), ("100.0".into(), "75.6".into()));
+        assert_eq!((number(Some(1.25), 1), number(None, 1)), ("1.2".into(), "–".into()));
+        assert_eq!(number(Some(f64::NAN), 1), "–");
+        assert_eq!(
+            (count(1, "door", "doors"), count(0, "door", "doors")),
+            ("1 door".into(), "0 doors".into())
+        );
+    }
+}

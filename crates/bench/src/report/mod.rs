@@ -1,0 +1,212 @@
+//! `report.html`: a run for people. One file that needs no network, in the reader's light or dark colours.
+//!
+//! | module | what it draws |
+//! |---|---|
+//! | [`input`] | what a report is made from |
+//! | [`html`] | escaping and numbers |
+//! | [`tiles`] | the headline numbers with their intervals, paper and strict side by side |
+//! | [`table`] | one row a delivery |
+//! | [`map`] | an episode seen from above, as SVG |
+//! | [`frames`] | the camera frames in which plates were read |
+//! | [`terminal`] | the same numbers as plain text for a terminal |
+
+pub mod frames;
+pub mod html;
+pub mod input;
+pub mod map;
+pub mod table;
+pub mod terminal;
+pub mod tiles;
+
+use std::fmt::Write;
+
+use html::escape;
+pub use input::{Declaration, DoorMark, EpisodeReport, MapArea, PlateFrame, ReportInput, WorldMap};
+pub use terminal::terminal_table;
+
+const STYLE: &str = include_str!("style.css");
+
+/// The whole report.
+pub fn render(input: &ReportInput<'_>) -> String {
+    let results = input.results;
+    let title = escape(&format!("{} · {}", results.suite, results.agent));
+    let mut out = format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <meta name=\"color-scheme\" content=\"light dark\">\n\
+         <title>{title} · OpenBench</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n"
+    );
+    header(&mut out, input);
+    tiles::render(&mut out, results);
+    table::render(&mut out, results);
+    out.push_str("<section>\n<h2>Episodes</h2>\n");
+    for episode in &input.episodes {
+        render_episode(&mut out, input, episode);
+    }
+    out.push_str("</section>\n");
+    reproduction(&mut out, input);
+    out.push_str("</main>\n</body>\n</html>\n");
+    out
+}
+
+fn header(out: &mut String, input: &ReportInput<'_>) {
+    let results = input.results;
+    let _ = write!(
+        out,
+        "<header>\n<p class=\"kicker\">OpenBench report</p>\n<h1>{}</h1>\n\
+         <p class=\"facts\">agent <b>{}</b> · seed <b>{}</b> · version <b>{}</b> · {} in {}</p>\n</header>\n",
+        escape(&results.suite),
+        escape(&results.agent),
+        results.seed,
+        escape(&results.version),
+        html::count(results.deliveries.len(), "delivery", "deliveries"),
+        html::count(html::episode_count(results), "episode", "episodes"),
+    );
+}
+
+fn render_episode(out: &mut String, input: &ReportInput<'_>, episode: &EpisodeReport) {
+    let deliveries: Vec<_> =
+        input.results.deliveries.iter().filter(|d| d.episode == episode.episode).collect();
+    let instruction = deliveries.first().map_or("", |d| d.instruction.trim());
+    let right = deliveries.iter().filter(|d| d.success_2m).count();
+    let _ = write!(
+        out,
+        "<article id=\"episode-{0}\">\n<h3>Episode {0}<span class=\"score\">{right} of {1} by the strict count</span></h3>\n\
+         <blockquote>{2}</blockquote>\n",
+        episode.episode,
+        deliveries.len(),
+        escape(instruction),
+    );
+    plan(out, episode);
+    if let Some(world) = input.worlds.get(episode.world) {
+        map::render(out, world, episode);
+    }
+    frames::render(out, &episode.plates);
+    out.push_str("</article>\n");
+}
+
+fn plan(out: &mut String, episode: &EpisodeReport) {
+    if episode.plan.is_empty() {
+        return;
+    }
+    out.push_str("<p class=\"plan\"><span>Plan</span> ");
+    for (i, delivery) in episode.plan.iter().enumerate() {
+        let problem = delivery.problem.as_deref().map(|p| format!(" <em class=\"bad\">({})</em>", escape(p)));
+        let arrow = if i > 0 { " → " } else { "" };
+        let address = escape(&delivery.address().to_string());
+        let _ = write!(out, "{arrow}{} to {address}{}", escape(&delivery.item), problem.unwrap_or_default());
+    }
+    out.push_str("</p>\n");
+}
+
+fn reproduction(out: &mut String, input: &ReportInput<'_>) {
+    let results = input.results;
+    out.push_str("<section>\n<h2>Settings</h2>\n<dl class=\"settings\">\n");
+    let fixed = [
+        ("suite", results.suite.clone()),
+        ("agent", results.agent.clone()),
+        ("seed", results.seed.to_string()),
+    ];
+    let set = results.settings.iter().map(|(k, v)| (k.as_str(), v.clone()));
+    for (key, value) in fixed.into_iter().chain(set) {
+        let _ = writeln!(out, "<div><dt>{}</dt><dd>{}</dd></div>", escape(key), escape(&value));
+    }
+    let _ = write!(
+        out,
+        "</dl>\n<h2>How to reproduce</h2>\n<p>With version {} of OpenBench:</p>\n<pre><code>{}</code></pre>\n",
+        escape(&results.version),
+        escape(&input.command),
+    );
+    out.push_str("<h2>How to read the numbers</h2>\n");
+    out.push_str(READING);
+    if !results.attribution.is_empty() {
+        out.push_str("<h2>Attribution</h2>\n<ul class=\"attribution\">\n");
+        for line in &results.attribution {
+            let _ = writeln!(out, "<li>{}</li>", escape(line));
+        }
+        out.push_str("</ul>\n");
+    }
+    out.push_str("</section>\n");
+}
+
+const READING: &str = "<p class=\"note\">SR is the share of deliveries that succeeded; SPL weighs each success by the shortest \
+    path over the path driven; LSR and LSPL are the same over sequences, where an early delivery weighs more. \
+    <b>Paper</b>: declared within 10 m of the plate, compared with a straight line. <b>Strict</b>: within 2 m of the right \
+    door's approach point, no other door's being nearer, compared with the shortest path that the robot can drive. \
+    Intervals are 95 %: Wilson's for rates, the bootstrap for means.</p>\n";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::tests::{delivery, results};
+    use openbench_core::{MapPoint, Pose2};
+
+    fn world() -> WorldMap {
+        let outline = [(0.0, 0.0), (10.0, 0.0), (10.0, 5.0), (0.0, 5.0)].map(|(x, y)| MapPoint::new(x, y));
+        WorldMap {
+            buildings: vec![MapArea {
+                name: Some("<b>uilding3".into()),
+                outline: outline.to_vec(),
+                holes: vec![],
+            }],
+            ..WorldMap::default()
+        }
+    }
+
+    fn episode() -> EpisodeReport {
+        EpisodeReport {
+            start: Pose2::new(-5.0, -5.0, 0.0),
+            driven: vec![MapPoint::new(-5.0, -5.0), MapPoint::new(2.0, -1.0)],
+            ..EpisodeReport::default()
+        }
+    }
+
+    #[test]
+    fn whatever_people_wrote_is_escaped() {
+        let mut hostile = delivery(0, 0);
+        hostile.instruction = "<script>alert(1)</script>".into();
+        hostile.failure_detail = Some("\"><img src=x>".into());
+        let mut results = results(vec![hostile]);
+        results.suite = "a<b".into();
+        results.settings.insert("<k>".into(), "<v>".into());
+        results.attribution.push("© <OSM>".into());
+        let input = ReportInput {
+            results: &results,
+            command: "run <x>".into(),
+            worlds: vec![world()],
+            episodes: vec![episode()],
+        };
+        let html = render(&input);
+        for raw in ["<script", "<img src=x", "a<b", "<k>", "<v>", "<OSM>", "run <x>", "<b>uilding"] {
+            assert!(!html.contains(raw), "{raw}");
+        }
+        assert!(html.contains("&lt;script&gt;"));
+    }
+
+    #[test]
+    fn nothing_is_fetched_from_elsewhere() {
+        let results = results(vec![delivery(0, 0)]);
+        let input = ReportInput {
+            results: &results,
+            command: String::new(),
+            worlds: vec![world()],
+            episodes: vec![episode()],
+        };
+        let html = render(&input);
+        for remote in ["http://", "https://", "<link", "<script", "@import", "url("] {
+            assert!(!html.contains(remote), "{remote}");
+        }
+    }
+
+    #[test]
+    fn a_run_without_deliveries_is_a_report_too() {
+        let results = results(vec![]);
+        let input = ReportInput {
+            results: &results,
+            command: String::new(),
+            worlds: vec![],
+            episodes: vec![EpisodeReport::default()],
+        };
+        assert!(render(&input).ends_with("</html>\n"));
+    }
+}

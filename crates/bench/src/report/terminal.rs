@@ -1,0 +1,151 @@
+//! The results as plain text, no wider than 100 columns.
+
+use std::fmt::Write;
+
+use super::html::{number, percent};
+use crate::results::{DeliveryResult, Metrics, Results};
+
+const ADDRESS_WIDTH: usize = 22;
+const FAILURE_WIDTH: usize = 20;
+
+/// A table of the deliveries and a summary under it.
+pub fn terminal_table(results: &Results) -> String {
+    let mut out = format!(
+        "{:>5}  {}  10 m 2 m unit  door m  path m best m  time hits  failure\n",
+        "task",
+        pad("delivery", ADDRESS_WIDTH)
+    );
+    for delivery in &results.deliveries {
+        row(&mut out, delivery);
+    }
+    out.push('\n');
+    summary(&mut out, &results.metrics);
+    if let Some(doors) = results.doors {
+        let off = doors.mean_distance_m.map(|d| format!(", {d:.2} m off")).unwrap_or_default();
+        let _ = writeln!(out, "doors    {} of {} found, {} wrong{off}", doors.found, doors.of, doors.wrong);
+    }
+    out
+}
+
+fn row(out: &mut String, d: &DeliveryResult) {
+    let mark = |good: bool| if good { "yes" } else { "no" };
+    let failure = d.failure.map(|f| f.to_string()).unwrap_or_default();
+    let line = format!(
+        "{:>5}  {}  {:>4} {:>3} {:>4}  {:>6} {:>7} {:>6} {:>5} {:>4}  {}",
+        format!("{}.{}", d.episode, d.task),
+        pad(&d.address().to_string(), ADDRESS_WIDTH),
+        mark(d.success_10m),
+        mark(d.success_2m),
+        mark(d.correct_unit),
+        number(d.distance_to_door_m, 2),
+        number(Some(d.path_m), 1),
+        number(d.shortest_path_m, 1),
+        number(Some(d.sim_seconds), 0),
+        d.collisions,
+        pad(&failure, FAILURE_WIDTH),
+    );
+    let _ = writeln!(out, "{}", line.trim_end());
+}
+
+fn summary(out: &mut String, m: &Metrics) {
+    let figure = |key: &str, value: Option<f64>| {
+        let interval = m.intervals.get(key).map(|[l, h]| format!(" [{:.0}-{:.0}]", l * 100.0, h * 100.0));
+        value.map_or("–".to_owned(), |v| format!("{} %{}", percent(v), interval.unwrap_or_default()))
+    };
+    let mut line = |name: &str, metrics: [(&str, &str, Option<f64>); 4]| {
+        let columns =
+            metrics.map(|(label, key, value)| format!("  {label} {}", pad(&figure(key, value), 16)));
+        let _ = writeln!(out, "{}", format!("{name:<7}{}", columns.concat()).trim_end());
+    };
+    line(
+        "paper",
+        [
+            ("SR", "sr_10m", m.sr_10m),
+            ("SPL", "spl_straight", m.spl_straight),
+            ("LSR", "lsr_10m", m.lsr_10m),
+            ("LSPL", "lspl_straight", m.lspl_straight),
+        ],
+    );
+    line(
+        "strict",
+        [("SR", "sr_2m", m.sr_2m), ("SPL", "spl", m.spl), ("LSR", "lsr", m.lsr), ("LSPL", "lspl", m.lspl)],
+    );
+    let unit = figure("correct_unit", m.correct_unit);
+    let srtp = m.srtp.map(|_| format!("   SRTP {}", figure("srtp", m.srtp))).unwrap_or_default();
+    let _ = writeln!(out, "unit     {unit}{srtp}");
+    let _ = writeln!(
+        out,
+        "drive    {:.1} m in {:.0} simulated s, {:.1} x real time, collisions {}",
+        m.path_m, m.sim_seconds, m.real_time_factor, m.collisions
+    );
+}
+
+/// `text` cut or filled to `width` columns.
+fn pad(text: &str, width: usize) -> String {
+    let mut out = String::new();
+    let mut used = 0;
+    let all: usize = text.chars().map(columns).sum();
+    let room = if all > width { width - 1 } else { width };
+    for c in text.chars() {
+        if used + columns(c) > room {
+            break;
+        }
+        out.push(c);
+        used += columns(c);
+    }
+    if all > width {
+        out.push('…');
+        used += 1;
+    }
+    out.extend(std::iter::repeat_n(' ', width.saturating_sub(used)));
+    out
+}
+
+/// Columns that a terminal gives a character: two for East Asian wide ones, by the large blocks of Unicode.
+fn columns(c: char) -> usize {
+    match c {
+        c if c.is_control() => 0,
+        '\u{1100}'..='\u{115f}'
+        | '\u{2e80}'..='\u{a4cf}'
+        | '\u{ac00}'..='\u{d7a3}'
+        | '\u{f900}'..='\u{faff}' => 2,
+        '\u{fe30}'..='\u{fe4f}'
+        | '\u{ff00}'..='\u{ff60}'
+        | '\u{1f300}'..='\u{1faff}'
+        | '\u{20000}'..='\u{3fffd}' => 2,
+        _ => 1,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::metrics::{RunTotals, summarize};
+    use crate::results::tests::{delivery, results};
+    use openbench_core::FailureCause;
+
+    #[test]
+    fn lines_fit_a_hundred_columns() {
+        let mut failed = delivery(11, 4);
+        failed.building = "非常长的建筑物名称第三号楼东侧".into();
+        (failed.failure, failed.success_2m) = (Some(FailureCause::PlannerUnavailable), false);
+        (failed.path_m, failed.distance_to_door_m) = (1234.5, None);
+        let mut results = results(vec![delivery(0, 0), failed]);
+        results.metrics = summarize(&results.deliveries, &RunTotals::default());
+        let table = terminal_table(&results);
+        for line in table.lines() {
+            let width: usize = line.chars().map(columns).sum();
+            assert!(width <= 100, "{width}: {line}");
+        }
+        assert!(table.contains("  0.0  unit1, building3"), "{table}");
+        assert!(table.contains("planner unavailable"), "{table}");
+        assert!(table.contains("strict   SR 50.0 % [9-91]"), "{table}");
+    }
+
+    #[test]
+    fn wide_characters_take_two_columns() {
+        assert_eq!(pad("楼ab", 5), "楼ab ");
+        assert_eq!(pad("楼楼楼", 5), "楼楼…");
+        assert_eq!(pad("abc", 2), "a…");
+    }
+}

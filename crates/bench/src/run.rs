@@ -1,0 +1,202 @@
+//! All episodes of a suite: on several threads, with the same results on any number of them.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use cpu_time::ThreadTime;
+use openbench_osm::{OsmData, merge_entrances, write_atomically};
+
+use crate::metrics::{RunTotals, summarize};
+use crate::recorder::{Level, Recorder};
+use crate::recording::{Recording, RunRecord};
+use crate::registry::{AgentFactory, AgentRequest};
+use crate::report;
+use crate::results::Results;
+use crate::runner::{EpisodeTrace, run_episode};
+use crate::scoring;
+use crate::stage::Prepared;
+use crate::truth::TruthHandle;
+use crate::{BenchError, report_input};
+
+/// What is to be run, and how.
+pub struct RunRequest<'a> {
+    /// The suite.
+    pub prepared: &'a Prepared,
+    /// Name of the agent.
+    pub agent: &'a str,
+    /// Makes it.
+    pub factory: &'a AgentFactory,
+    /// What was set with `--set`.
+    pub settings: &'a BTreeMap<String, String>,
+    /// What all randomness comes from.
+    pub seed: u64,
+    /// Number of threads.
+    pub jobs: usize,
+    /// How much is recorded.
+    pub level: Level,
+    /// Folder for all files of the run; `None` writes nothing.
+    pub out: Option<&'a Path>,
+    /// Doors found in earlier runs.
+    pub memory: Option<&'a OsmData>,
+    /// The command line, for the report.
+    pub command: &'a str,
+    /// Called after each episode with the number of those that are done.
+    pub progress: &'a (dyn Fn(usize) + Sync),
+}
+
+/// What a run yields.
+#[derive(Debug)]
+pub struct RunOutput {
+    /// The results.
+    pub results: Results,
+    /// The public map with every door that was found or known before.
+    pub memory: OsmData,
+}
+
+/// One episode, run.
+struct Done {
+    trace: EpisodeTrace,
+    cpu: Duration,
+}
+
+/// Runs every episode and writes the run's files.
+pub fn run(request: &RunRequest<'_>) -> Result<RunOutput, BenchError> {
+    let began = Instant::now();
+    if let Some(out) = request.out {
+        let folder = out.join("episodes");
+        std::fs::create_dir_all(&folder).map_err(|e| BenchError::file(&folder, e))?;
+    }
+    let done = run_all(request)?;
+    let cpu_seconds = done.iter().map(|d| d.cpu.as_secs_f64()).sum();
+    let traces: Vec<EpisodeTrace> = done.into_iter().map(|d| d.trace).collect();
+    let results = results(request, &traces, began.elapsed().as_secs_f64(), cpu_seconds);
+    if let Some(out) = request.out {
+        write_files(request, out, &traces, &results)?;
+    }
+    Ok(RunOutput { memory: merged_memory(request, &traces), results })
+}
+
+fn run_all(request: &RunRequest<'_>) -> Result<Vec<Done>, BenchError> {
+    let count = request.prepared.episodes.len();
+    let (next, failed, finished) = (AtomicUsize::new(0), AtomicBool::new(false), AtomicUsize::new(0));
+    let slots: Vec<Mutex<Option<Result<Done, BenchError>>>> = (0..count).map(|_| Mutex::new(None)).collect();
+    std::thread::scope(|scope| {
+        for _ in 0..request.jobs.clamp(1, count.max(1)) {
+            scope.spawn(|| {
+                loop {
+                    let number = next.fetch_add(1, Ordering::Relaxed);
+                    if number >= count || failed.load(Ordering::Relaxed) {
+                        return;
+                    }
+                    let result = run_one(request, number);
+                    failed.fetch_or(result.is_err(), Ordering::Relaxed);
+                    *slots[number].lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
+                    (request.progress)(finished.fetch_add(1, Ordering::Relaxed) + 1);
+                }
+            });
+        }
+    });
+    // Episodes after a failed one may be missing; the first error is what counts.
+    let results = slots.into_iter().filter_map(|s| s.into_inner().unwrap_or_else(PoisonError::into_inner));
+    results.collect()
+}
+
+/// The seed of an episode.
+fn episode_seed(seed: u64, number: usize) -> u64 {
+    seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(number as u64)
+}
+
+fn run_one(request: &RunRequest<'_>, number: usize) -> Result<Done, BenchError> {
+    let cpu = ThreadTime::now();
+    let seed = episode_seed(request.seed, number);
+    let truth = TruthHandle::default();
+    let wanted =
+        AgentRequest { truth: truth.clone(), memory: request.memory, settings: request.settings, seed };
+    let mut agent = (request.factory)(&wanted)
+        .map_err(|problem| BenchError::Agent { name: request.agent.to_owned(), problem })?;
+    let mut recorder = match request.out {
+        Some(out) => Recorder::create(&log_path(out, number), request.level)?,
+        None => Recorder::none(),
+    };
+    let episode = &request.prepared.episodes[number];
+    let trace = run_episode(request.prepared, episode, agent.as_mut(), &truth, seed, &mut recorder)?;
+    recorder.finish()?;
+    if let Some(out) = request.out {
+        Recording::of(&trace, seed).write(out, number)?;
+    }
+    Ok(Done { trace, cpu: cpu.elapsed() })
+}
+
+fn log_path(out: &Path, number: usize) -> PathBuf {
+    out.join("episodes").join(format!("{number:03}.mcap"))
+}
+
+fn results(request: &RunRequest<'_>, traces: &[EpisodeTrace], wall_seconds: f64, cpu_seconds: f64) -> Results {
+    let prepared = request.prepared;
+    let pairs = prepared.episodes.iter().zip(traces).enumerate();
+    let deliveries: Vec<_> =
+        pairs.flat_map(|(i, (episode, trace))| scoring::score_episode(prepared, i, episode, trace)).collect();
+    let totals = RunTotals {
+        sim_seconds: traces.iter().map(|t| t.sim_seconds).sum(),
+        wall_seconds,
+        cpu_seconds,
+        instructions: scoring::understood(prepared, traces),
+        seed: request.seed,
+    };
+    Results {
+        suite: prepared.suite.name.clone(),
+        agent: request.agent.to_owned(),
+        seed: request.seed,
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        settings: request.settings.clone(),
+        metrics: summarize(&deliveries, &totals),
+        deliveries,
+        doors: scoring::score_written_doors(prepared, traces),
+        attribution: prepared.world.attribution.clone(),
+    }
+}
+
+fn write_files(
+    request: &RunRequest<'_>,
+    out: &Path,
+    traces: &[EpisodeTrace],
+    results: &Results,
+) -> Result<(), BenchError> {
+    let write = |path: PathBuf, bytes: &[u8]| {
+        let bad = |e: openbench_osm::OsmError| BenchError::BadFile { path: path.clone(), problem: e.to_string() };
+        write_atomically(&path, bytes).map_err(bad)
+    };
+    for (number, trace) in traces.iter().enumerate() {
+        if let Some(map) = &trace.map {
+            write(out.join("episodes").join(format!("{number:03}.osm")), map)?;
+        }
+    }
+    let record = RunRecord {
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        suite: request.prepared.suite.clone(),
+        agent: request.agent.to_owned(),
+        settings: request.settings.clone(),
+        seed: request.seed,
+        episodes: traces.len(),
+    };
+    record.write(out)?;
+    let input = report_input::report_input(request.prepared, results, traces, request.command);
+    write(out.join("report.html"), report::render(&input).as_bytes())?;
+    Ok(results.write(&out.join("results.json"))?)
+}
+
+/// The public map with the doors known before and those found in each episode, in the episodes' order.
+fn merged_memory(request: &RunRequest<'_>, traces: &[EpisodeTrace]) -> OsmData {
+    let mut merged = request.prepared.world.map.clone();
+    if let Some(memory) = request.memory {
+        merge_entrances(&mut merged, memory);
+    }
+    let maps = traces.iter().filter_map(|t| OsmData::from_bytes(t.map.as_deref()?).ok());
+    for map in maps {
+        merge_entrances(&mut merged, &map);
+    }
+    merged
+}

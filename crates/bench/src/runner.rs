@@ -1,0 +1,297 @@
+//! Runs an agent through an episode and keeps what happened.
+
+use std::sync::Arc;
+
+use openbench_core::{
+    Action, Address, Agent, Briefing, Event, Events, FailureCause, GiveUp, Goal, Image, MapPoint, Plan, Pose2, SimTime,
+    Velocity,
+};
+use openbench_sim::{Collision, Simulator};
+
+use crate::BenchError;
+use crate::recorder::Recorder;
+use crate::stage::{Prepared, PreparedEpisode};
+use crate::truth::TruthHandle;
+
+/// How one delivery ended.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TaskOutcome {
+    /// Index into the episode's targets.
+    pub target: usize,
+    /// Where the robot was when the delivery began: at the start, or where the last one was declared.
+    pub began_at: MapPoint,
+    /// When it began.
+    pub began: SimTime,
+    /// When it ended.
+    pub ended: SimTime,
+    /// Where the robot was at the end.
+    pub ended_at: MapPoint,
+    /// Whether the agent declared it delivered there.
+    pub declared: bool,
+    /// Metres driven meanwhile.
+    pub path_m: f64,
+    /// Collisions meanwhile.
+    pub collisions: Vec<Collision>,
+    /// Distance between where the agent believed to be and where it was, metres.
+    pub pose_error_m: Option<f64>,
+    /// Plates read meanwhile.
+    pub plates_read: usize,
+    /// Why it failed, if it was not declared.
+    pub failure: Option<(FailureCause, String)>,
+}
+
+/// A plate that was read, with its image.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlateRead {
+    /// When.
+    pub time: SimTime,
+    /// The text.
+    pub text: String,
+    /// How sure the reader was, 0 to 1.
+    pub confidence: f32,
+    /// The text's corners, pixels.
+    pub corners: [[f32; 2]; 4],
+    /// The image.
+    pub image: Arc<Image>,
+}
+
+/// What happened in an episode.
+#[derive(Debug, Clone, Default)]
+pub struct EpisodeTrace {
+    /// In the order in which they ended.
+    pub tasks: Vec<TaskOutcome>,
+    /// True poses, five a second.
+    pub driven: Vec<MapPoint>,
+    /// Where the agent believed to be.
+    pub estimated: Vec<MapPoint>,
+    /// Routes over roads.
+    pub routes: Vec<Vec<MapPoint>>,
+    /// Doors written by the agent.
+    pub doors: Vec<(Address, MapPoint)>,
+    /// Plates read.
+    pub plates: Vec<PlateRead>,
+    /// The agent's plan.
+    pub plan: Option<Plan>,
+    /// All collisions.
+    pub collisions: Vec<Collision>,
+    /// Simulated seconds.
+    pub sim_seconds: f64,
+    /// The velocities that were driven, one a step.
+    pub velocities: Vec<Velocity>,
+    /// Hash over all states.
+    pub chain: [u8; 32],
+    /// The agent's copy of the map.
+    pub map: Option<Vec<u8>>,
+}
+
+/// Runs one episode from a seed. Steps are reported to `recorder`.
+pub fn run_episode(
+    prepared: &Prepared,
+    episode: &PreparedEpisode,
+    agent: &mut dyn Agent,
+    truth: &TruthHandle,
+    seed: u64,
+    recorder: &mut Recorder,
+) -> Result<EpisodeTrace, BenchError> {
+    let simulator = Simulator::new(prepared.stage.clone(), prepared.robot.clone(), prepared.world.start, seed)
+        .map_err(|e| BenchError::World(e.to_string()))?;
+    let mut run = Run { episode, simulator, trace: EpisodeTrace::default(), task: Task::new(prepared), recorder, error: None };
+    truth.set(SimTime::ZERO, run.pose());
+    run.drive(agent, &briefing(prepared, episode), truth);
+    run.finish(agent)
+}
+
+fn briefing(prepared: &Prepared, episode: &PreparedEpisode) -> Briefing {
+    Briefing {
+        map_osm: prepared.world.map.to_xml(),
+        georeference: prepared.world.georeference,
+        goal: Goal::Instruction(episode.instruction.clone()),
+        start: prepared.world.start,
+        robot: prepared.robot.clone(),
+        time_limit: episode.time_limit,
+    }
+}
+
+/// The delivery at hand.
+struct Task {
+    began_at: MapPoint,
+    began: SimTime,
+    path_m: f64,
+    collisions_before: usize,
+    plates_before: usize,
+}
+
+impl Task {
+    fn new(prepared: &Prepared) -> Self {
+        let began_at = prepared.world.start.point();
+        Self { began_at, began: SimTime::ZERO, path_m: 0.0, collisions_before: 0, plates_before: 0 }
+    }
+}
+
+struct Run<'a> {
+    episode: &'a PreparedEpisode,
+    simulator: Simulator,
+    trace: EpisodeTrace,
+    task: Task,
+    recorder: &'a mut Recorder,
+    error: Option<BenchError>,
+}
+
+impl Run<'_> {
+    fn pose(&self) -> Pose2 {
+        Pose2::from_pose3(&self.simulator.base_link())
+    }
+
+    fn drive(&mut self, agent: &mut dyn Agent, briefing: &Briefing, truth: &TruthHandle) {
+        let mut listener = Listener::at(SimTime::ZERO);
+        let begun = agent.begin(briefing, &mut listener);
+        self.take_in(listener);
+        if let Err(give_up) = begun {
+            self.give_up(&give_up);
+            return;
+        }
+        while self.trace.tasks.len() < self.episode.targets.len() && self.error.is_none() {
+            if self.simulator.time().0 >= self.episode.time_limit.as_nanos() as u64 {
+                self.fail_rest(FailureCause::Timeout, "the time limit is over");
+                return;
+            }
+            let mut listener = Listener::at(self.simulator.time());
+            let action = agent.act(&self.simulator.observation(), &mut listener);
+            self.take_in(listener);
+            let velocity = self.apply(action);
+            let before = self.pose().point();
+            self.simulator.step(velocity);
+            self.after_step(velocity, before, truth);
+        }
+    }
+
+    fn after_step(&mut self, velocity: Velocity, before: MapPoint, truth: &TruthHandle) {
+        let (time, pose) = (self.simulator.time(), self.pose());
+        truth.set(time, pose);
+        self.task.path_m += before.distance(pose.point());
+        self.trace.velocities.push(velocity);
+        if time.0.is_multiple_of(200_000_000) {
+            self.trace.driven.push(pose.point());
+        }
+        if let Err(error) = self.recorder.step(&self.simulator, velocity) {
+            self.error.get_or_insert(error.into());
+        }
+    }
+
+    fn apply(&mut self, action: Action) -> Velocity {
+        match action {
+            Action::Drive(velocity) => return velocity,
+            Action::Delivered(address) => self.delivered(&address),
+            Action::GiveUp(give_up) => self.give_up(&give_up),
+        }
+        Velocity::ZERO
+    }
+
+    fn take_in(&mut self, listener: Listener) {
+        let time = listener.time;
+        for event in listener.events {
+            if let Err(error) = self.recorder.event(time, &event) {
+                self.error.get_or_insert(error.into());
+            }
+            match event {
+                Event::Plan(plan) => self.trace.plan = Some(plan),
+                Event::Route(points) => self.trace.routes.push(points),
+                Event::PoseEstimate(pose) => self.trace.estimated.push(pose.point()),
+                Event::DoorWritten { address, position } => self.trace.doors.push((address, position)),
+                Event::PlateRead { text, confidence, corners, image, .. } => {
+                    self.trace.plates.push(PlateRead { time, text, confidence, corners, image });
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Targets that have not ended yet.
+    fn open_targets(&self) -> Vec<usize> {
+        (0..self.episode.targets.len()).filter(|t| self.trace.tasks.iter().all(|o| o.target != *t)).collect()
+    }
+
+    /// The open target of that address; an address that nobody asked for counts against the first open one.
+    fn target_for(&self, address: &Address) -> Option<(usize, bool)> {
+        let open = self.open_targets();
+        let meant = open.iter().copied().find(|&t| self.episode.targets[t].address.same_door(address));
+        meant.map(|t| (t, true)).or_else(|| open.first().map(|&t| (t, false)))
+    }
+
+    fn delivered(&mut self, address: &Address) {
+        let Some((target, asked_for)) = self.target_for(address) else { return };
+        let wrong = || (FailureCause::WrongPlace, format!("{address} was declared, which the instruction does not name"));
+        self.end(target, asked_for, (!asked_for).then(wrong));
+    }
+
+    fn give_up(&mut self, give_up: &GiveUp) {
+        match &give_up.address {
+            None => self.fail_rest(give_up.cause, &give_up.detail),
+            Some(address) => {
+                if let Some((target, _)) = self.target_for(address) {
+                    self.end(target, false, Some((give_up.cause, give_up.detail.clone())));
+                }
+            }
+        }
+    }
+
+    fn fail_rest(&mut self, cause: FailureCause, detail: &str) {
+        for target in self.open_targets() {
+            self.end(target, false, Some((cause, detail.to_owned())));
+        }
+    }
+
+    fn end(&mut self, target: usize, declared: bool, failure: Option<(FailureCause, String)>) {
+        let (now, here) = (self.simulator.time(), self.pose().point());
+        let collisions = self.simulator.collisions();
+        let outcome = TaskOutcome {
+            target,
+            began_at: self.task.began_at,
+            began: self.task.began,
+            ended: now,
+            ended_at: here,
+            declared,
+            path_m: self.task.path_m,
+            collisions: collisions[self.task.collisions_before..].to_vec(),
+            pose_error_m: self.trace.estimated.last().map(|p| p.distance(here)),
+            plates_read: self.trace.plates.len() - self.task.plates_before,
+            failure,
+        };
+        self.task = Task {
+            began_at: here,
+            began: now,
+            path_m: 0.0,
+            collisions_before: collisions.len(),
+            plates_before: self.trace.plates.len(),
+        };
+        self.trace.tasks.push(outcome);
+    }
+
+    fn finish(mut self, agent: &mut dyn Agent) -> Result<EpisodeTrace, BenchError> {
+        let mut listener = Listener::at(self.simulator.time());
+        self.trace.map = agent.finish(&mut listener);
+        self.take_in(listener);
+        self.trace.collisions = self.simulator.collisions().to_vec();
+        self.trace.sim_seconds = self.simulator.time().seconds();
+        self.trace.chain = self.simulator.chain();
+        self.error.map_or(Ok(self.trace), Err)
+    }
+}
+
+/// Collects the events of one instant.
+struct Listener {
+    time: SimTime,
+    events: Vec<Event>,
+}
+
+impl Listener {
+    fn at(time: SimTime) -> Self {
+        Self { time, events: Vec::new() }
+    }
+}
+
+impl Events for Listener {
+    fn record(&mut self, event: Event) {
+        self.events.push(event);
+    }
+}

@@ -1,0 +1,194 @@
+//! A suite made ready to run: the world built, free space known, doors and lengths looked up.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+
+use openbench_core::{Address, MapPoint, RobotDescription};
+use openbench_osm::OsmMap;
+use openbench_scene::{FreeSpace, RayCaster, World};
+use openbench_sim::Stage;
+
+use crate::BenchError;
+use crate::evaluate::parse_truth;
+use crate::suite::{Episode, Suite};
+
+/// Time limit of a delivery: seconds, and seconds for each metre of the shortest way at 0.5 m/s.
+const TIME_LIMIT: (f64, f64) = (120.0, 8.0 / 0.5);
+/// A truth further than this from every plate is no door, metres.
+const TRUTH_TOLERANCE: f64 = 0.5;
+
+/// A door to be delivered to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Target {
+    /// As the instruction names it.
+    pub address: Address,
+    /// Index into the world's doors.
+    pub door: usize,
+}
+
+/// An episode with its doors looked up.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PreparedEpisode {
+    /// What the agent is told.
+    pub instruction: String,
+    /// The doors.
+    pub targets: Vec<Target>,
+    /// Time for all of them.
+    pub time_limit: Duration,
+}
+
+/// A suite that can be run.
+pub struct Prepared {
+    /// The suite.
+    pub suite: Suite,
+    /// The world.
+    pub world: World,
+    /// The world for the simulator.
+    pub stage: Stage,
+    /// Where the robot fits.
+    pub free_space: FreeSpace,
+    /// For each door of the world: where one stands at it; `None` if it cannot be reached.
+    pub approach: Vec<Option<MapPoint>>,
+    /// The episodes.
+    pub episodes: Vec<PreparedEpisode>,
+    /// The robot.
+    pub robot: RobotDescription,
+}
+
+impl Prepared {
+    /// Builds the world of a suite and looks up its doors. `truth` is a file of true door positions that, where it is given,
+    /// says which doors are meant.
+    pub fn new(suite: Suite, truth: Option<&Path>) -> Result<Self, BenchError> {
+        let mut prepared = Self::world_of(suite)?;
+        let truths = truth.map(|path| read_truths(path, &prepared.suite, &prepared.world)).transpose()?;
+        prepared.episodes = prepared.look_up(truths.as_deref())?;
+        Ok(prepared)
+    }
+
+    /// Builds the world of a suite, without its episodes.
+    pub fn world_of(suite: Suite) -> Result<Self, BenchError> {
+        let world = suite.world.load()?;
+        let robot = RobotDescription::sentry();
+        let stage = Stage::new(RayCaster::new(Arc::new(world.scene.clone())));
+        let free_space = FreeSpace::new(stage.caster(), world.start.point(), robot.circumscribed_radius());
+        let approach = world.scene.doors.iter().map(|d| free_space.approach_point(d)).collect();
+        Ok(Self { suite, world, stage, free_space, approach, episodes: Vec::new(), robot })
+    }
+
+    /// The public map in metres.
+    pub fn osm_map(&self) -> OsmMap {
+        OsmMap::new(&self.world.map, self.world.georeference)
+    }
+
+    fn look_up(&self, truths: Option<&[Vec<usize>]>) -> Result<Vec<PreparedEpisode>, BenchError> {
+        let episodes = self.suite.episodes.iter().enumerate();
+        episodes
+            .map(|(i, episode)| {
+                let targets = match truths {
+                    Some(truths) => match_doors(episode, &truths[i], &self.world),
+                    None => find_doors(i, episode, &self.world)?,
+                };
+                let time_limit = self.time_limit(&targets);
+                Ok(PreparedEpisode { instruction: episode.instruction.clone(), targets, time_limit })
+            })
+            .collect()
+    }
+
+    fn time_limit(&self, targets: &[Target]) -> Duration {
+        let mut from = self.world.start.point();
+        let mut seconds = 0.0;
+        for target in targets {
+            let plate = self.world.scene.doors[target.door].point();
+            let length = self.shortest(from, target.door).unwrap_or_else(|| from.distance(plate));
+            seconds += TIME_LIMIT.0 + TIME_LIMIT.1 * length;
+            from = self.approach[target.door].unwrap_or(plate);
+        }
+        Duration::from_millis((seconds * 1000.0) as u64)
+    }
+
+    /// Length of the shortest way of the footprint from a place to a door's approach point, metres.
+    pub fn shortest(&self, from: MapPoint, door: usize) -> Option<f64> {
+        let from = self.free_space.nearest_reachable(from, 1.0)?;
+        self.free_space.distance(from, self.approach[door]?)
+    }
+}
+
+/// The doors that the addresses name.
+fn find_doors(number: usize, episode: &Episode, world: &World) -> Result<Vec<Target>, BenchError> {
+    let find = |address: &Address| {
+        let door = world.scene.doors.iter().position(|d| d.address.same_door(address));
+        let missing = || BenchError::NoSuchDoor {
+            episode: number,
+            address: address.to_string(),
+            known: world.scene.doors.iter().map(|d| d.address.to_string()).collect(),
+        };
+        Ok(Target { address: address.clone(), door: door.ok_or_else(missing)? })
+    };
+    episode.deliveries.iter().map(find).collect()
+}
+
+/// The doors at the true positions, each with the address that the instruction has for it.
+fn match_doors(episode: &Episode, truths: &[usize], world: &World) -> Vec<Target> {
+    let mut left: Vec<&Address> = episode.deliveries.iter().collect();
+    let named: Vec<Option<&Address>> = truths
+        .iter()
+        .map(|&door| {
+            let at = left.iter().position(|a| a.same_door(&world.scene.doors[door].address))?;
+            Some(left.remove(at))
+        })
+        .collect();
+    let mut left = left.into_iter();
+    let targets = truths.iter().zip(named).map(|(&door, address)| {
+        let address = address.or_else(|| left.next()).unwrap_or(&world.scene.doors[door].address);
+        Target { address: address.clone(), door }
+    });
+    targets.collect()
+}
+
+/// For each episode the doors at its true positions.
+fn read_truths(path: &Path, suite: &Suite, world: &World) -> Result<Vec<Vec<usize>>, BenchError> {
+    let bad = |problem: String| BenchError::BadFile { path: path.to_owned(), problem };
+    let text = std::fs::read_to_string(path).map_err(|e| BenchError::file(path, e))?;
+    let lines = parse_truth(&text).map_err(|(line, problem)| bad(format!("line {line}: {problem}")))?;
+    if lines.len() != suite.episodes.len() {
+        return Err(bad(format!(
+            "{} lines of true positions for {} lines of deliveries; each line of deliveries needs one",
+            lines.len(),
+            suite.episodes.len()
+        )));
+    }
+    let mut doors = Vec::new();
+    for (i, (points, episode)) in lines.iter().zip(&suite.episodes).enumerate() {
+        let found: Result<Vec<usize>, BenchError> = points.iter().map(|p| door_at(path, i + 1, *p, world)).collect();
+        let found = found?;
+        // An instruction that was not understood names no doors to count.
+        if !episode.deliveries.is_empty() && found.len() != episode.deliveries.len() {
+            return Err(bad(format!(
+                "line {}: {} true positions, but the instruction names {} doors ({})",
+                i + 1,
+                found.len(),
+                episode.deliveries.len(),
+                episode.deliveries.iter().map(Address::to_string).collect::<Vec<_>>().join("; ")
+            )));
+        }
+        doors.push(found);
+    }
+    Ok(doors)
+}
+
+fn door_at(path: &Path, line: usize, at: MapPoint, world: &World) -> Result<usize, BenchError> {
+    let doors = &world.scene.doors;
+    let away = |i: &usize| doors[*i].point().distance(at);
+    let nearest = (0..doors.len()).min_by(|a, b| away(a).total_cmp(&away(b)));
+    match nearest {
+        Some(door) if away(&door) <= TRUTH_TOLERANCE => Ok(door),
+        _ => Err(BenchError::NoSuchTruth {
+            path: path.to_owned(),
+            line,
+            at,
+            nearest: nearest.map_or("none".into(), |d| doors[d].address.to_string()),
+            away: nearest.map_or(f64::INFINITY, |d| away(&d)),
+        }),
+    }
+}

@@ -1,0 +1,164 @@
+//! Suites: a world and the episodes in it, as files.
+
+use std::path::{Path, PathBuf};
+
+use openbench_core::{Address, Georeference};
+use openbench_scene::World;
+use openbench_scene::generate;
+use openbench_scene::import::{ImportRequest, import_world};
+use serde::{Deserialize, Serialize};
+
+use crate::BenchError;
+
+/// Where a world comes from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum WorldSource {
+    /// One of our own, generated from its map and a seed.
+    Builtin {
+        /// Its name.
+        name: String,
+        /// What its facades, trees and cars are drawn from.
+        seed: u64,
+    },
+    /// A Gazebo world with an OSM map.
+    Imported {
+        /// The SDF file.
+        world: PathBuf,
+        /// The OSM file.
+        map: PathBuf,
+        /// Folders in which `model://` is looked up.
+        models: Vec<PathBuf>,
+        /// How the world lies on the Earth, in words; by default from the map.
+        georeference: Option<String>,
+    },
+}
+
+impl WorldSource {
+    /// Makes the world.
+    pub fn load(&self) -> Result<World, BenchError> {
+        match self {
+            Self::Builtin { name, seed } => generate::builtin(name, *seed)
+                .ok_or_else(|| BenchError::UnknownSuite { name: name.clone(), known: known_suites() })?
+                .map_err(|e| BenchError::World(e.to_string())),
+            Self::Imported { world, map, models, georeference } => {
+                let georeference = match georeference {
+                    Some(words) => Some(words.parse::<Georeference>().map_err(|e| BenchError::World(e.to_string()))?),
+                    None => None,
+                };
+                let request =
+                    ImportRequest { world: world.clone(), map: map.clone(), models: models.clone(), georeference };
+                import_world(&request).map_err(|e| BenchError::World(e.to_string()))
+            }
+        }
+    }
+}
+
+/// One episode: an instruction and the doors that it asks for.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Episode {
+    /// What the agent is told.
+    pub instruction: String,
+    /// The doors, in the order in which the suite counts them; each once.
+    pub deliveries: Vec<Address>,
+}
+
+/// A world and the episodes in it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Suite {
+    /// Name, as in results.
+    pub name: String,
+    /// The world.
+    pub world: WorldSource,
+    /// The episodes, all from the world's start.
+    pub episodes: Vec<Episode>,
+}
+
+/// What a built-in suite holds: single deliveries, and sequences of so many.
+const BUILTIN: [(&str, usize, (usize, usize)); 3] = [("small", 8, (1, 3)), ("medium", 10, (2, 5)), ("large", 10, (2, 5))];
+
+/// The names of the built-in suites.
+pub fn known_suites() -> Vec<String> {
+    BUILTIN.iter().map(|(name, ..)| (*name).to_owned()).collect()
+}
+
+impl Suite {
+    /// The built-in suite of that name. Its deliveries are drawn once and for all.
+    pub fn builtin(name: &str) -> Result<Self, BenchError> {
+        let unknown = || BenchError::UnknownSuite { name: name.to_owned(), known: known_suites() };
+        let (_, singles, (sequences, length)) = *BUILTIN.iter().find(|(n, ..)| *n == name).ok_or_else(unknown)?;
+        let source = WorldSource::Builtin { name: name.to_owned(), seed: 1 };
+        let world = source.load()?;
+        let addresses: Vec<Address> = world.scene.doors.iter().map(|d| d.address.clone()).collect();
+        let mut draw = crate::draw::Draw::new(addresses, 1);
+        let mut episodes = draw.singles(singles);
+        episodes.extend(draw.sequences(sequences, length));
+        Ok(Self { name: name.to_owned(), world: source, episodes })
+    }
+
+    /// Reads a suite from a TOML file.
+    pub fn read(path: &Path) -> Result<Self, BenchError> {
+        let text = std::fs::read_to_string(path).map_err(|e| BenchError::file(path, e))?;
+        let suite: Self = toml::from_str(&text).map_err(|e| BenchError::BadFile {
+            path: path.to_owned(),
+            problem: format!("this is no suite: {e}"),
+        })?;
+        if suite.episodes.is_empty() {
+            return Err(BenchError::BadFile { path: path.to_owned(), problem: "the suite has no episodes".into() });
+        }
+        Ok(suite.relative_to(path.parent().unwrap_or(Path::new("."))))
+    }
+
+    /// The suite as a TOML file.
+    pub fn to_toml(&self) -> String {
+        // Strings, integers and lists only: every value has a TOML form.
+        toml::to_string_pretty(self).unwrap_or_default()
+    }
+
+    /// Paths in a suite file count from the file's folder.
+    fn relative_to(mut self, folder: &Path) -> Self {
+        if let WorldSource::Imported { world, map, models, .. } = &mut self.world {
+            for path in [world, map].into_iter().chain(models) {
+                *path = folder.join(&*path);
+            }
+        }
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn suites_survive_their_file() {
+        let suite = Suite {
+            name: "yard".into(),
+            world: WorldSource::Imported {
+                world: "yard.world".into(),
+                map: "yard.osm".into(),
+                models: vec!["models".into()],
+                georeference: Some("utm:50N,-500000,-4483000".into()),
+            },
+            episodes: vec![Episode {
+                instruction: "To unit1, building2, \"please\".".into(),
+                deliveries: vec![Address::new("building2", "unit1")],
+            }],
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("yard.toml");
+        std::fs::write(&path, suite.to_toml()).unwrap();
+        let read = Suite::read(&path).unwrap();
+        assert_eq!(read.episodes, suite.episodes);
+        let WorldSource::Imported { world, .. } = read.world else { panic!("another source") };
+        assert_eq!(world, folder.path().join("yard.world"));
+    }
+
+    #[test]
+    fn a_file_that_is_no_suite_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("nonsense.toml");
+        std::fs::write(&path, "name = 3").unwrap();
+        assert!(Suite::read(&path).unwrap_err().to_string().contains("nonsense.toml"));
+    }
+}

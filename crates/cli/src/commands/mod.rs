@@ -1,0 +1,20 @@
+//! One file a command.
+
+pub mod evaluate;
+pub mod models;
+pub mod plan;
+pub mod route;
+pub mod run;
+pub mod verify;
+pub mod world;
+
+use std::path::Path;
+
+use openbench_osm::{OsmData, OsmMap, default_georeference};
+
+/// Reads a map and lays it flat where it lies.
+pub fn read_map(path: &Path) -> anyhow::Result<OsmMap> {
+    let data = OsmData::read(path)?;
+    let georeference = default_georeference(&data).map_err(|e| anyhow::anyhow!("{}: {e}", path.display()))?;
+    Ok(OsmMap::new(&data, georeference))
+}

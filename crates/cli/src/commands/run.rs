@@ -1,0 +1,125 @@
+//! `openbench run`
+
+use std::collections::BTreeMap;
+use std::io::IsTerminal;
+use std::path::Path;
+
+use indicatif::{ProgressBar, ProgressStyle};
+use openbench_bench::draw::Draw;
+use openbench_bench::report::terminal_table;
+use openbench_bench::{BenchError, Prepared, Registry, RunRequest, Suite, WorldSource, deliveries};
+use openbench_core::Address;
+use openbench_models::ModelStore;
+use openbench_osm::{OsmData, write_atomically};
+
+use crate::args::RunArgs;
+use crate::commands::{models, read_map};
+use crate::open_parts;
+use crate::outcome::{Outcome, say, say_json, tell};
+
+/// Runs a suite and prints the results.
+pub fn run(args: &RunArgs, registry: &Registry) -> anyhow::Result<Outcome> {
+    let factory = registry.get(&args.agent).ok_or_else(|| BenchError::UnknownAgent {
+        name: args.agent.clone(),
+        known: registry.names(),
+    })?;
+    let settings: BTreeMap<String, String> = args.settings.iter().cloned().collect();
+    let prepared = prepare(args)?;
+    if args.agent == "open" {
+        fetch_reader(&settings)?;
+    }
+    let memory = args.memory.as_deref().filter(|path| path.exists()).map(OsmData::read).transpose()?;
+    let bar = progress_bar(prepared.episodes.len(), "delivering");
+    let request = RunRequest {
+        prepared: &prepared,
+        agent: &args.agent,
+        factory,
+        settings: &settings,
+        seed: args.seed,
+        jobs: usize::from(args.jobs),
+        level: args.record,
+        out: Some(&args.out),
+        memory: memory.as_ref(),
+        command: &command_line(),
+        progress: &|done| bar.set_position(done as u64),
+    };
+    let output = openbench_bench::run(&request)?;
+    bar.finish_and_clear();
+    if let Some(path) = &args.memory {
+        write_atomically(path, &output.memory.to_xml())?;
+    }
+    if args.json {
+        say_json(&output.results)?;
+    } else {
+        say(&terminal_table(&output.results))?;
+    }
+    tell(&format!("report: {}", args.out.join("report.html").display()));
+    Ok(Outcome::Done)
+}
+
+/// A bar on stderr, if a person is watching.
+pub fn progress_bar(length: usize, what: &'static str) -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{msg} {bar:32} {pos}/{len}  {elapsed} gone, {eta} to go");
+    let bar = ProgressBar::new(length as u64).with_message(what);
+    bar.enable_steady_tick(std::time::Duration::from_millis(200));
+    // The template is a constant; the default style would do as well.
+    bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+fn fetch_reader(settings: &BTreeMap<String, String>) -> anyhow::Result<()> {
+    open_parts::check(settings).map_err(anyhow::Error::msg)?;
+    let reader = settings.get("reader").map_or(open_parts::DEFAULT_READER, String::as_str);
+    if reader == open_parts::DEFAULT_READER {
+        models::ensure(&ModelStore::from_environment()?, reader)?;
+    }
+    Ok(())
+}
+
+fn prepare(args: &RunArgs) -> anyhow::Result<Prepared> {
+    let (suite, truth) = match (&args.world, &args.map) {
+        (Some(world), Some(map)) => (imported(args, world, map)?, args.truth.as_deref()),
+        _ => (named(args.suite.as_deref().unwrap_or("small"))?, None),
+    };
+    let prepared = Prepared::new(suite, truth)?;
+    prepared.world.warnings.iter().for_each(|w| tell(&format!("{}: {w}", prepared.world.name)));
+    Ok(prepared)
+}
+
+fn named(name: &str) -> anyhow::Result<Suite> {
+    let path = Path::new(name);
+    let is_file = path.extension().is_some_and(|e| e == "toml");
+    Ok(if is_file { Suite::read(path)? } else { Suite::builtin(name)? })
+}
+
+fn imported(args: &RunArgs, world: &Path, map: &Path) -> anyhow::Result<Suite> {
+    let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let source = WorldSource::Imported {
+        world: absolute(world),
+        map: absolute(map),
+        models: args.models.iter().map(|m| absolute(m)).collect(),
+        georeference: args.georef.clone(),
+    };
+    let name = world.file_stem().map_or("world".into(), |s| s.to_string_lossy().into_owned());
+    let episodes = match (&args.deliveries, args.draw.as_deref()) {
+        (Some(file), _) => deliveries::read(file, &read_map(map)?)?,
+        (None, Some(&[singles, sequences, length])) => {
+            let doors: Vec<Address> = source.load()?.scene.doors.into_iter().map(|d| d.address).collect();
+            let mut draw = Draw::new(doors, args.seed);
+            let mut episodes = draw.singles(singles);
+            episodes.extend(draw.sequences(sequences, length));
+            episodes
+        }
+        _ => anyhow::bail!("say what to deliver: --deliveries FILE, or --draw SINGLES SEQUENCES LENGTH"),
+    };
+    Ok(Suite { name, world: source, episodes })
+}
+
+/// The command line as it was given.
+fn command_line() -> String {
+    let quoted = |word: String| if word.contains(char::is_whitespace) { format!("\"{word}\"") } else { word };
+    let words = std::env::args().skip(1).map(quoted);
+    std::iter::once("openbench".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,7 @@
+//! The `openbench` binary.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    openbench::main_with(openbench::Registry::new())
+}

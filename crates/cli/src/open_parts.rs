@@ -1,0 +1,65 @@
+//! OPEN's parts from `--set`.
+
+use std::collections::BTreeMap;
+
+use openbench_agents::{Open, Parts};
+use openbench_bench::{AgentRequest, TruthLocalizer};
+use openbench_core::{Agent, RobotDescription};
+use openbench_language::{ChatPlanner, GrammarPlanner, Planner};
+use openbench_localization::{DeadReckoning, Localizer};
+use openbench_models::{ModelSpec, ModelStore};
+use openbench_vision::{PlateReader, PpOcr, VlmReader};
+
+/// The set of model files that reads plates by default.
+pub const DEFAULT_READER: &str = "ppocr-v4";
+
+const KEYS: [&str; 3] = ["planner", "reader", "localizer"];
+
+/// Makes OPEN for an episode.
+pub fn make(request: &AgentRequest<'_>) -> Result<Box<dyn Agent>, String> {
+    check(request.settings)?;
+    let setting = |key: &str| request.settings.get(key).map(String::as_str);
+    let parts = Parts {
+        planner: planner(setting("planner").unwrap_or("grammar"))?,
+        reader: reader(setting("reader").unwrap_or(DEFAULT_READER))?,
+        localizer: localizer(setting("localizer").unwrap_or("dead-reckoning"), request)?,
+        memory: request.memory.cloned(),
+    };
+    Ok(Box::new(Open::new(parts)))
+}
+
+/// Whether the settings are ones that OPEN has.
+pub fn check(settings: &BTreeMap<String, String>) -> Result<(), String> {
+    match settings.keys().find(|key| !KEYS.contains(&key.as_str())) {
+        Some(key) => Err(format!("there is no setting `{key}`; there are {}", KEYS.join(", "))),
+        None => Ok(()),
+    }
+}
+
+/// The planner that a word names.
+pub fn planner(word: &str) -> Result<Box<dyn Planner>, String> {
+    if word == "grammar" {
+        return Ok(Box::new(GrammarPlanner::new()));
+    }
+    let model = ModelSpec::parse(word).and_then(|spec| spec.open()).map_err(|e| format!("planner={word}: {e}; or write grammar"))?;
+    Ok(Box::new(ChatPlanner::new(model)))
+}
+
+/// The plate reader that a word names. Its files must be here; `run` pulls them beforehand.
+fn reader(word: &str) -> Result<Box<dyn PlateReader>, String> {
+    if word == DEFAULT_READER {
+        let store = ModelStore::from_environment().map_err(|e| e.to_string())?;
+        return Ok(Box::new(PpOcr::from_store(&store).map_err(|e| e.to_string())?));
+    }
+    let model =
+        ModelSpec::parse(word).and_then(|spec| spec.open()).map_err(|e| format!("reader={word}: {e}; or write {DEFAULT_READER}"))?;
+    Ok(Box::new(VlmReader::new(model)))
+}
+
+fn localizer(word: &str, request: &AgentRequest<'_>) -> Result<Box<dyn Localizer>, String> {
+    match word {
+        "dead-reckoning" => Ok(Box::new(DeadReckoning::new(RobotDescription::sentry()))),
+        "truth" => Ok(Box::new(TruthLocalizer::new(request.truth.clone()))),
+        _ => Err(format!("localizer={word}: there is no such localizer; there are dead-reckoning, truth")),
+    }
+}

@@ -1,0 +1,54 @@
+//! Where a parcel goes, in words.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+/// The address of a door: a building and, where the building has several doors, a unit. Both are the map's own names
+/// where the map has them, else `building<N>` and `unit<N>`.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct Address {
+    /// Name of the building.
+    pub building: String,
+    /// Name of the unit, if the address has that level.
+    pub unit: Option<String>,
+}
+
+impl Address {
+    /// An address with both levels.
+    pub fn new(building: impl Into<String>, unit: impl Into<String>) -> Self {
+        Self { building: building.into(), unit: Some(unit.into()) }
+    }
+
+    /// Whether both name the same door, whatever the case and spacing: `Building 3` is `building3`.
+    pub fn same_door(&self, other: &Self) -> bool {
+        let unit = |a: &Self| a.unit.as_deref().map(fold_name);
+        fold_name(&self.building) == fold_name(&other.building) && unit(self) == unit(other)
+    }
+}
+
+/// `name` without white space and in lower case, for comparison.
+pub fn fold_name(name: &str) -> String {
+    name.chars().filter(|c| !c.is_whitespace()).flat_map(char::to_lowercase).collect()
+}
+
+impl fmt::Display for Address {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.unit {
+            Some(unit) => write!(f, "{unit}, {}", self.building),
+            None => write!(f, "{}", self.building),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn doors_are_compared_without_case_and_space() {
+        assert!(Address::new("Building 3", "Unit1").same_door(&Address::new("building3", "unit 1")));
+        assert!(!Address::new("building3", "unit1").same_door(&Address::new("building3", "unit11")));
+        assert!(!Address::new("b", "1").same_door(&Address { building: "b".into(), unit: None }));
+    }
+}

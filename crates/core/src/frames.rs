@@ -1,0 +1,232 @@
+//! Frames and poses, named as in ROS REP 103 and REP 105.
+//!
+//! - `map`: metres, x east, y north, z up, of one world. A [`Georeference`] ties it to the Earth.
+//! - `odom`: like `map`, but drifting; continuous.
+//! - `base_link`: x forward, y left, z up; its origin on the ground in the middle of the robot.
+//! - `livox_frame`, `camera_link`, `imu_link`: fixed to `base_link` as [`RobotDescription`](crate::RobotDescription)
+//!   says. `camera_link` has x forward (not the optical frame).
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+/// A rigid transform in three dimensions: metres and a unit quaternion.
+pub type Pose3 = nalgebra::Isometry3<f64>;
+
+/// A point on the ground in the `map` frame, in metres.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct MapPoint {
+    /// East.
+    pub x: f64,
+    /// North.
+    pub y: f64,
+}
+
+impl MapPoint {
+    /// A point from its coordinates in metres.
+    pub const fn new(x: f64, y: f64) -> Self {
+        Self { x, y }
+    }
+
+    /// Straight-line distance to `other` in metres.
+    pub fn distance(self, other: Self) -> f64 {
+        libm::hypot(other.x - self.x, other.y - self.y)
+    }
+
+    /// Direction from here to `other`: radians, counter-clockwise from east.
+    pub fn bearing_to(self, other: Self) -> f64 {
+        libm::atan2(other.y - self.y, other.x - self.x)
+    }
+
+    /// The point `distance` metres from here in direction `bearing` (radians, counter-clockwise from east).
+    pub fn offset(self, bearing: f64, distance: f64) -> Self {
+        Self::new(self.x + distance * libm::cos(bearing), self.y + distance * libm::sin(bearing))
+    }
+}
+
+impl fmt::Display for MapPoint {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "({:.2}, {:.2})", self.x, self.y)
+    }
+}
+
+/// A position on the Earth: WGS 84, degrees.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct LonLat {
+    /// Longitude, degrees east.
+    pub lon: f64,
+    /// Latitude, degrees north.
+    pub lat: f64,
+}
+
+impl LonLat {
+    /// A position from degrees east and degrees north.
+    pub const fn new(lon: f64, lat: f64) -> Self {
+        Self { lon, lat }
+    }
+}
+
+/// A position and heading on the ground.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Pose2 {
+    /// Metres along x of the parent frame.
+    pub x: f64,
+    /// Metres along y of the parent frame.
+    pub y: f64,
+    /// Heading, radians, counter-clockwise from the parent's x axis.
+    pub yaw: f64,
+}
+
+impl Pose2 {
+    /// A pose from metres, metres and radians.
+    pub const fn new(x: f64, y: f64, yaw: f64) -> Self {
+        Self { x, y, yaw }
+    }
+
+    /// Where the pose is, without its heading.
+    pub const fn point(self) -> MapPoint {
+        MapPoint::new(self.x, self.y)
+    }
+
+    /// The point that this pose's frame calls (`forward`, `left`), in the parent frame.
+    pub fn transform(self, forward: f64, left: f64) -> MapPoint {
+        let (sin, cos) = libm::sincos(self.yaw);
+        MapPoint::new(self.x + cos * forward - sin * left, self.y + sin * forward + cos * left)
+    }
+
+    /// What this pose's frame calls the parent's `point`: (forward, left) in metres.
+    pub fn inverse_transform(self, point: MapPoint) -> (f64, f64) {
+        let (sin, cos) = libm::sincos(self.yaw);
+        let (dx, dy) = (point.x - self.x, point.y - self.y);
+        (cos * dx + sin * dy, -sin * dx + cos * dy)
+    }
+
+    /// This pose followed by `relative`, which is given in this pose's frame.
+    pub fn compose(self, relative: Self) -> Self {
+        let p = self.transform(relative.x, relative.y);
+        Self::new(p.x, p.y, wrap_angle(self.yaw + relative.yaw))
+    }
+
+    /// This pose as a transform in three dimensions, at height `z`.
+    pub fn to_pose3(self, z: f64) -> Pose3 {
+        Pose3::new(nalgebra::Vector3::new(self.x, self.y, z), nalgebra::Vector3::z() * self.yaw)
+    }
+
+    /// The horizontal part of `pose`.
+    pub fn from_pose3(pose: &Pose3) -> Self {
+        let t = &pose.translation.vector;
+        let x_axis = pose.rotation * nalgebra::Vector3::x();
+        Self::new(t.x, t.y, libm::atan2(x_axis.y, x_axis.x))
+    }
+}
+
+/// `angle` brought into (-pi, pi].
+pub fn wrap_angle(angle: f64) -> f64 {
+    let turns = libm::round(angle / std::f64::consts::TAU);
+    let wrapped = angle - turns * std::f64::consts::TAU;
+    if wrapped <= -std::f64::consts::PI { wrapped + std::f64::consts::TAU } else { wrapped }
+}
+
+/// How the `map` frame lies on the Earth. The projection itself is in `openbench-osm`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Georeference {
+    /// UTM on WGS 84: `map = (easting, northing) + offset`.
+    Utm {
+        /// Zone, 1 to 60.
+        zone: u8,
+        /// Whether northings count from the equator (northern hemisphere) or from 10,000 km south of it.
+        north: bool,
+        /// Added to the easting, metres.
+        offset_x: f64,
+        /// Added to the northing, metres.
+        offset_y: f64,
+    },
+    /// The plane that touches the WGS 84 ellipsoid at a point, which is the map's origin.
+    TangentPlane(LonLat),
+}
+
+/// A georeference in words that cannot be read.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("`{0}` is no georeference; write `utm:50N,-500000,-4483000` (zone, offset added to easting and northing) or `tangent:LON,LAT`")]
+pub struct GeoreferenceError(pub String);
+
+impl FromStr for Georeference {
+    type Err = GeoreferenceError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        parse_georeference(text).ok_or_else(|| GeoreferenceError(text.to_owned()))
+    }
+}
+
+fn parse_georeference(text: &str) -> Option<Georeference> {
+    let (kind, rest) = text.split_once(':')?;
+    let fields: Vec<&str> = rest.split(',').map(str::trim).collect();
+    let number = |s: &str| s.parse::<f64>().ok().filter(|v| v.is_finite());
+    match (kind, fields.as_slice()) {
+        ("utm", [zone, dx, dy]) => {
+            let north = match zone.chars().last()? {
+                'N' => true,
+                'S' => false,
+                _ => return None,
+            };
+            let zone: u8 = zone[..zone.len() - 1].parse().ok().filter(|z| (1..=60).contains(z))?;
+            Some(Georeference::Utm { zone, north, offset_x: number(dx)?, offset_y: number(dy)? })
+        }
+        ("tangent", [lon, lat]) => {
+            let at = LonLat::new(number(lon)?, number(lat)?);
+            (at.lon.abs() <= 180.0 && at.lat.abs() < 90.0).then_some(Georeference::TangentPlane(at))
+        }
+        _ => None,
+    }
+}
+
+impl fmt::Display for Georeference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Utm { zone, north, offset_x, offset_y } => {
+                write!(f, "utm:{zone}{},{offset_x},{offset_y}", if *north { 'N' } else { 'S' })
+            }
+            Self::TangentPlane(at) => write!(f, "tangent:{},{}", at.lon, at.lat),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn georeference_words_round_trip() {
+        for text in ["utm:50N,-500000,-4483000", "utm:1S,0,0.5", "tangent:127.04,37.28"] {
+            assert_eq!(text.parse::<Georeference>().unwrap().to_string(), text);
+        }
+    }
+
+    #[test]
+    fn broken_georeferences_are_refused_in_words() {
+        for text in ["", "utm", "utm:61N,0,0", "utm:50,0,0", "utm:N,0,0", "utm:50N,0", "tangent:0,90", "utm:50N,nan,0", "utm:é,0,0"] {
+            let error = text.parse::<Georeference>().unwrap_err().to_string();
+            assert!(error.contains("utm:50N"), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_pose_and_its_inverse_cancel() {
+        let pose = Pose2::new(3.0, -2.0, 2.5);
+        let p = pose.transform(1.0, 0.25);
+        let (forward, left) = pose.inverse_transform(p);
+        assert!((forward - 1.0).abs() < 1e-12 && (left - 0.25).abs() < 1e-12);
+        let back = Pose2::from_pose3(&pose.to_pose3(0.4));
+        assert!((back.yaw - pose.yaw).abs() < 1e-12);
+    }
+
+    #[test]
+    fn angles_wrap_into_one_turn() {
+        use std::f64::consts::PI;
+        assert!((wrap_angle(3.0 * PI) - PI).abs() < 1e-12);
+        assert!((wrap_angle(-PI) - PI).abs() < 1e-12);
+        assert!((wrap_angle(-7.0) - (-7.0 + 2.0 * PI)).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,31 @@
+//! The words that everyone in OpenBench speaks: frames and poses, simulated time, sensor messages, and the contract
+//! between a benchmark and an agent. Types and traits only; the algorithms live in the crates above.
+//!
+//! | module | what it names |
+//! |---|---|
+//! | [`frames`] | [`MapPoint`], [`LonLat`], [`Pose2`], [`Pose3`], [`Georeference`]: where things are |
+//! | [`time`] | [`SimTime`]: when, in simulated nanoseconds |
+//! | [`sensors`] | [`LidarScan`], [`ImuSample`], [`WheelSample`], [`Image`], [`Camera`]: what the robot perceives |
+//! | [`robot`] | [`RobotDescription`]: size, sensor poses and limits of the robot |
+//! | [`address`] | [`Address`]: building and unit |
+//! | [`plan`] | [`Plan`], [`PlannedDelivery`], [`TravelTimes`]: what a language planner and a router exchange |
+//! | [`agent`] | [`Agent`], [`Briefing`], [`Observation`], [`Action`]: the contract |
+//! | [`events`] | [`Event`], [`Events`]: what an agent wishes to have recorded |
+
+pub mod address;
+pub mod agent;
+pub mod events;
+pub mod frames;
+pub mod plan;
+pub mod robot;
+pub mod sensors;
+pub mod time;
+
+pub use address::Address;
+pub use agent::{Action, Agent, Briefing, FailureCause, GiveUp, Goal, Observation, Velocity};
+pub use events::{Discard, Event, Events};
+pub use frames::{Georeference, GeoreferenceError, LonLat, MapPoint, Pose2, Pose3};
+pub use plan::{Plan, PlannedDelivery, Step, StepMode, TravelTimes};
+pub use robot::RobotDescription;
+pub use sensors::{Camera, CameraIntrinsics, Image, ImuSample, LidarPoint, LidarScan, WheelSample};
+pub use time::SimTime;

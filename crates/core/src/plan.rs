@@ -1,0 +1,65 @@
+//! What a language planner, a router and an agent exchange.
+
+use serde::{Deserialize, Serialize};
+
+use crate::address::Address;
+use crate::frames::MapPoint;
+
+/// Deliveries in driving order, as a planner understood an instruction.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Plan {
+    /// Which planner made it.
+    pub planner: String,
+    /// In driving order.
+    pub deliveries: Vec<PlannedDelivery>,
+}
+
+/// One door to deliver to.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PlannedDelivery {
+    /// Position of this delivery in the instruction, from 0.
+    pub instruction_index: usize,
+    /// What is delivered, in the instruction's words; several items for one door are joined by `, `.
+    pub item: String,
+    /// Name of the building.
+    pub building: String,
+    /// Name of the unit, if the instruction names one.
+    pub unit: Option<String>,
+    /// How to get there.
+    pub steps: Vec<Step>,
+    /// Why this cannot be delivered as understood (the map lacks the building, several fit), in words.
+    pub problem: Option<String>,
+}
+
+impl PlannedDelivery {
+    /// Building and unit.
+    pub fn address(&self) -> Address {
+        Address { building: self.building.clone(), unit: self.unit.clone() }
+    }
+}
+
+/// One leg of a delivery, as the paper's *location query* yields it: the level that the map knows is navigated to,
+/// the levels below are explored for.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Step {
+    /// Whether the map knows the target.
+    pub mode: StepMode,
+    /// Name of the building or unit.
+    pub target: String,
+}
+
+/// Whether a step's target is on the map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StepMode {
+    /// The map knows where it is: drive there.
+    Navigate,
+    /// The map does not know: look for it.
+    Explore,
+}
+
+/// Says how long the robot drives between places: a router for the language planners, which order deliveries by it.
+pub trait TravelTimes {
+    /// Seconds from each of `places` to each, row by row (`from * n + to`); infinite where there is no way.
+    fn matrix(&self, places: &[MapPoint]) -> Vec<f64>;
+}

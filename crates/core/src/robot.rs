@@ -1,0 +1,74 @@
+//! The robot, as an agent may know it.
+
+use serde::{Deserialize, Serialize};
+
+use crate::frames::Pose3;
+use crate::sensors::CameraIntrinsics;
+
+/// Size, sensor poses and limits of the robot. Poses are relative to `base_link`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RobotDescription {
+    /// Length of the footprint along x, metres, wheels included.
+    pub length: f64,
+    /// Width of the footprint along y, metres, wheels included.
+    pub width: f64,
+    /// Height, metres.
+    pub height: f64,
+    /// Radius of the wheels, metres.
+    pub wheel_radius: f64,
+    /// Distance between the middles of the left and right wheels, metres.
+    pub wheel_separation: f64,
+    /// The separation by which a skid-steering robot's turn rate follows from its wheels' speeds, metres: larger than
+    /// the wheels' own, because they slide sideways in turns.
+    pub effective_track: f64,
+    /// Largest forward speed, m/s.
+    pub max_forward: f64,
+    /// Largest backward speed, m/s.
+    pub max_backward: f64,
+    /// Largest turn rate, rad/s.
+    pub max_turn: f64,
+    /// Largest acceleration of the wheels' rims, m/s².
+    pub max_acceleration: f64,
+    /// Inertial measurement unit.
+    pub imu: Pose3,
+    /// LiDAR.
+    pub lidar: Pose3,
+    /// Camera, x forward.
+    pub camera: Pose3,
+    /// The camera's optics.
+    pub camera_intrinsics: CameraIntrinsics,
+}
+
+impl RobotDescription {
+    /// The robot of the OpenBench paper (its `sentry_robot_sim.xacro`). Heights there count from the chassis's middle;
+    /// here from the ground, `wheel_radius` below it.
+    pub fn sentry() -> Self {
+        let at = |x, z| Pose3::translation(x, 0.0, z);
+        Self {
+            length: 0.32,
+            width: 0.31,
+            height: 0.3,
+            wheel_radius: 0.06,
+            wheel_separation: 0.26,
+            effective_track: 0.414,
+            max_forward: 0.5,
+            max_backward: 0.2,
+            max_turn: 1.0,
+            max_acceleration: 1.0,
+            imu: at(0.12, 0.06 + 0.125),
+            lidar: at(0.12, 0.06 + 0.175),
+            camera: at(0.15, 0.06 + 0.2),
+            camera_intrinsics: CameraIntrinsics { width: 640, height: 480, horizontal_fov: 1.3963 },
+        }
+    }
+
+    /// Radius of the smallest circle about `base_link` that holds the footprint, metres.
+    pub fn circumscribed_radius(&self) -> f64 {
+        libm::hypot(self.length, self.width) / 2.0
+    }
+
+    /// Radius of the largest circle about `base_link` inside the footprint, metres.
+    pub fn inscribed_radius(&self) -> f64 {
+        self.length.min(self.width) / 2.0
+    }
+}

@@ -1,0 +1,16 @@
+//! A grid over the ground: where its cells are, which of them see each other, and how far each is from the nearest
+//! obstacle. Shared by the free space of a world (truth) and the costmap of an agent (what it knows).
+//!
+//! | module | what it does |
+//! |---|---|
+//! | [`geometry`] | [`GridGeometry`]: cells and map points |
+//! | [`sight`] | [`in_sight`]: straight lines over free cells |
+//! | [`distance_transform`] | [`squared_distances`]: exact Euclidean distances |
+
+pub mod distance_transform;
+pub mod geometry;
+pub mod sight;
+
+pub use distance_transform::squared_distances;
+pub use geometry::GridGeometry;
+pub use sight::in_sight;

@@ -1,0 +1,97 @@
+//! JSON as chat models write it: in code fences, with prose around it, with trailing commas.
+//!
+//! Not repaired: cut-off answers, single quotes, comments; the model is asked again instead.
+
+use serde_json::Value;
+
+/// Answers longer than this, in bytes, are not read.
+const LONGEST_ANSWER: usize = 200_000;
+/// How many opening brackets are tried.
+const MOST_STARTS: usize = 50;
+
+/// The first object or array in `text`.
+pub(crate) fn find_json(text: &str) -> Result<Value, String> {
+    if text.len() > LONGEST_ANSWER {
+        return Err("the answer is too long".to_owned());
+    }
+    // Models that think aloud do so before this mark.
+    let answer = text.rsplit("</think>").next().unwrap_or(text);
+    let starts = answer.char_indices().filter(|(_, c)| matches!(c, '{' | '[')).map(|(i, _)| i);
+    let found = starts.take(MOST_STARTS).find_map(|start| value_at(&answer[start..]));
+    found.ok_or_else(|| "the answer holds no complete JSON".to_owned())
+}
+
+fn value_at(text: &str) -> Option<Value> {
+    let piece = &text[..closing(text)?];
+    let value: Value = serde_json::from_str(piece)
+        .or_else(|_| serde_json::from_str(&without_trailing_commas(piece)))
+        .ok()?;
+    (value.is_object() || value.is_array()).then_some(value)
+}
+
+/// Where the bracket that opens `text` is closed.
+fn closing(text: &str) -> Option<usize> {
+    let (mut depth, mut quoted, mut escaped) = (0_usize, false, false);
+    for (at, c) in text.char_indices() {
+        match c {
+            _ if escaped => escaped = false,
+            '\\' if quoted => escaped = true,
+            '"' => quoted = !quoted,
+            '{' | '[' if !quoted => depth += 1,
+            '}' | ']' if !quoted => {
+                depth = depth.saturating_sub(1);
+                if depth == 0 {
+                    return Some(at + c.len_utf8());
+                }
+            }
+            _ => {}
+        }
+    }
+    None
+}
+
+fn without_trailing_commas(text: &str) -> String {
+    let (mut out, mut quoted, mut escaped) = (String::with_capacity(text.len()), false, false);
+    for c in text.chars() {
+        match c {
+            _ if escaped => escaped = false,
+            '\\' if quoted => escaped = true,
+            '"' => quoted = !quoted,
+            '}' | ']' if !quoted => {
+                let kept = out.trim_end().trim_end_matches(',').len();
+                out.truncate(kept);
+            }
+            _ => {}
+        }
+        out.push(c);
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn json_is_found_in_what_models_say() {
+        let wanted = json!({"order": [2, 1]});
+        for text in [
+            "{\"order\": [2, 1]}",
+            "Sure!\n```json\n{\"order\": [2, 1,],}\n```\nAnything else?",
+            "<think>maybe {\"order\": [1, 2]}</think>{\"order\": [2, 1]}",
+            "I {think} so: {\"order\": [2, 1]}",
+        ] {
+            assert_eq!(find_json(text), Ok(wanted.clone()), "{text}");
+        }
+        assert_eq!(find_json("[{\"a\": \"}],\"}]"), Ok(json!([{"a": "}],"}])));
+    }
+
+    #[test]
+    fn half_json_is_refused() {
+        for text in ["", "no", "{\"order\": [2,", "{'order': 1}"] {
+            assert!(find_json(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,342 @@
+//! The paper's pipeline against a chat model: address resolution, verification against invented places, optimisation of the order.
+//!
+//! The model is not trusted. Its answers are read tolerantly, but every building and unit must be supported by the instruction's
+//! numbers, words or names, and the order must be a permutation of the stops. Each prompt is asked again once with the reason;
+//! then the planner gives up with [`PlanError::ModelNonsense`]. Names and problems are then made as for every planner. The prompts
+//! are the files in `prompts/`.
+
+use openbench_core::Plan;
+use openbench_models::{ChatModel, ChatRequest, Message};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::arrange::{in_order, travel_times};
+use crate::chat_json::find_json;
+use crate::error::quote;
+use crate::gazetteer::{Gazetteer, generic_label};
+use crate::grammar::text::condensed;
+use crate::grammar::{Evidence, GrammarPlanner};
+use crate::order::UNKNOWN;
+use crate::resolve::{Stop, Stops, resolve};
+use crate::wish::{Named, Wish, Wishes};
+use crate::{PlanError, PlanRequest, Planner};
+
+const ADDRESS_PROMPT: &str = include_str!("prompts/address.txt");
+const VERIFY_PROMPT: &str = include_str!("prompts/verify.txt");
+const ORDER_PROMPT: &str = include_str!("prompts/order.txt");
+
+/// How many of the map's names a prompt holds, and how long each may be, in characters.
+const NAMES: usize = 200;
+const LONGEST_NAME: usize = 80;
+/// The longest answer wanted, in tokens.
+const MAX_TOKENS: u32 = 4096;
+/// How often each prompt is asked.
+const ATTEMPTS: usize = 2;
+
+/// Plans with a chat model in three steps.
+pub struct ChatPlanner {
+    model: Box<dyn ChatModel>,
+    name: String,
+    grammar: GrammarPlanner,
+}
+
+/// A delivery as models write it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+struct Entry {
+    #[serde(default)]
+    item: Option<String>,
+    building: String,
+    #[serde(default)]
+    unit: Option<String>,
+}
+
+/// One instruction on its way through the steps.
+struct Conversation<'a> {
+    planner: &'a ChatPlanner,
+    request: &'a PlanRequest<'a>,
+    gazetteer: Gazetteer,
+    evidence: Evidence,
+    names: String,
+}
+
+impl ChatPlanner {
+    /// A planner that asks `model`; its name is `chat:` and the model's.
+    pub fn new(model: Box<dyn ChatModel>) -> Self {
+        let name = format!("chat:{}", model.name());
+        Self { model, name, grammar: GrammarPlanner::new() }
+    }
+}
+
+impl Planner for ChatPlanner {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn plan(&self, request: &PlanRequest<'_>) -> Result<Plan, PlanError> {
+        let conversation = Conversation::new(self, request);
+        let found = conversation.resolve_addresses()?;
+        let verified = conversation.verify(&found)?;
+        if verified.is_empty() {
+            let hint = "the model found no place to deliver to; name a building and a unit, as in `Take this box to unit 2, building 3`";
+            return Err(PlanError::not_understood(request.instruction, hint));
+        }
+        let stops = conversation.stops(verified);
+        let order = conversation.optimise(&stops)?;
+        Ok(Plan { planner: self.name.clone(), deliveries: in_order(request, stops.stops, &order) })
+    }
+}
+
+impl<'a> Conversation<'a> {
+    fn new(planner: &'a ChatPlanner, request: &'a PlanRequest<'a>) -> Self {
+        let gazetteer = Gazetteer::new(request.map, planner.grammar.words());
+        let evidence = planner.grammar.evidence(request.instruction, &gazetteer);
+        let names = names_for_prompt(&gazetteer, &evidence);
+        Self { planner, request, gazetteer, evidence, names }
+    }
+
+    /// Step 1: the instruction's addresses.
+    fn resolve_addresses(&self) -> Result<Vec<Entry>, PlanError> {
+        let prompt = self.fill(ADDRESS_PROMPT, &[]);
+        self.ask("address resolution", prompt, |reply, _| entries(reply))
+    }
+
+    /// Step 2: without what was invented.
+    fn verify(&self, found: &[Entry]) -> Result<Vec<Entry>, PlanError> {
+        let list = serde_json::json!({ "deliveries": found }).to_string();
+        let prompt = self.fill(VERIFY_PROMPT, &[("deliveries", &list)]);
+        self.ask("verification", prompt, |reply, attempt| {
+            let entries = entries(reply)?;
+            entries.iter().try_for_each(|entry| self.check(entry))?;
+            // What the grammar reads is a hint, not the truth: it is put to the model once.
+            if attempt == 0 {
+                self.check_complete(&entries)?
+            }
+            Ok(entries)
+        })
+    }
+
+    /// Step 3: the order; numbers in prompts and answers count from 1.
+    fn optimise(&self, stops: &Stops) -> Result<Vec<usize>, PlanError> {
+        let count = stops.stops.len();
+        if count < 2 {
+            return Ok((0..count).collect());
+        }
+        let list: Vec<String> = (1..)
+            .zip(&stops.stops)
+            .map(|(i, stop)| format!("{i}: {}", quoted(&stop.address.to_string())))
+            .collect();
+        let times = self.times(&stops.stops);
+        let prompt = self.fill(ORDER_PROMPT, &[("stops", &list.join("\n")), ("times", &times)]);
+        self.ask("optimisation", prompt, |reply, _| permutation(reply, count))
+    }
+
+    /// Asks, and once more with the reason if the answer is of no use.
+    fn ask<T>(
+        &self,
+        stage: &str,
+        prompt: String,
+        read: impl Fn(&str, usize) -> Result<T, String>,
+    ) -> Result<T, PlanError> {
+        let model = &self.planner.model;
+        let mut messages = vec![Message::user(prompt)];
+        let (mut reason, mut reply) = (String::new(), String::new());
+        for attempt in 0..ATTEMPTS {
+            let request =
+                ChatRequest { max_tokens: MAX_TOKENS, ..ChatRequest::new(messages.clone()) }.as_json();
+            let unavailable = |source| PlanError::ModelUnavailable { model: model.name().to_owned(), source };
+            reply = model.chat(&request).map_err(unavailable)?.text;
+            match read(&reply, attempt) {
+                Ok(value) => return Ok(value),
+                Err(why) => reason = why,
+            }
+            messages.push(Message::assistant(reply.clone()));
+            messages.push(Message::user(format!(
+                "That cannot be used: {reason}. Answer again with the JSON object only."
+            )));
+        }
+        Err(PlanError::ModelNonsense {
+            model: model.name().to_owned(),
+            stage: stage.to_owned(),
+            reason,
+            reply: quote(&reply),
+        })
+    }
+
+    /// A prompt with its gaps filled: the instruction, the map's names, and what else the step needs.
+    fn fill(&self, prompt: &str, rest: &[(&str, &str)]) -> String {
+        let instruction = self.request.instruction.replace("<<<", "<").replace(">>>", ">");
+        let mut values = vec![("instruction", instruction.as_str()), ("names", self.names.as_str())];
+        values.extend(rest);
+        fill(prompt, &values)
+    }
+
+    /// Refuses what the instruction does not support.
+    fn check(&self, entry: &Entry) -> Result<(), String> {
+        if !self.supports_building(&self.building(&entry.building)) {
+            return Err(format!("the instruction names no building `{}`", quote(&entry.building)));
+        }
+        match entry.unit.as_deref().map(|unit| (unit, self.unit(unit))) {
+            Some((unit, named)) if !self.supports_label(&named) => {
+                Err(format!("the instruction names no unit `{}`", quote(unit)))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn supports_building(&self, named: &Named) -> bool {
+        let Named::Places(places) = named else { return self.supports_label(named) };
+        places.iter().any(|place| {
+            let name = &self.gazetteer.places[*place].name;
+            let label = generic_label(name, self.planner.grammar.words());
+            let by_label = label.is_some_and(|label| self.evidence.labels.contains(&label));
+            by_label
+                || self.evidence.places.contains(place)
+                || self.evidence.letters.contains(&condensed(name))
+        })
+    }
+
+    fn supports_label(&self, named: &Named) -> bool {
+        match named {
+            Named::Label { label, .. } => self.evidence.labels.contains(label),
+            Named::Words(words) => {
+                let letters = condensed(words);
+                !letters.is_empty() && self.evidence.letters.contains(&letters)
+            }
+            Named::Places(_) => false,
+        }
+    }
+
+    /// Every door that the grammar reads should be in the list.
+    fn check_complete(&self, entries: &[Entry]) -> Result<(), String> {
+        let Ok(wishes) = self.planner.grammar.understand(self.request.instruction, &self.gazetteer) else {
+            return Ok(());
+        };
+        let read = resolve(wishes, self.request.map, &self.gazetteer);
+        let given = self.stops(entries.to_vec());
+        let missing =
+            read.stops.iter().find(|stop| !given.stops.iter().any(|s| s.address.same_door(&stop.address)));
+        match missing {
+            Some(stop) => Err(format!(
+                "the instruction also seems to name `{}`; add it, unless the sender rejects it",
+                quote(&stop.address.to_string())
+            )),
+            None => Ok(()),
+        }
+    }
+
+    fn stops(&self, entries: Vec<Entry>) -> Stops {
+        let wish = |entry: Entry| Wish {
+            building: Some(self.building(&entry.building)),
+            unit: entry.unit.as_deref().map(|unit| self.unit(unit)),
+            item: entry.item.unwrap_or_default(),
+        };
+        let wishes = Wishes { doors: entries.into_iter().map(wish).collect(), before: Vec::new() };
+        resolve(wishes, self.request.map, &self.gazetteer)
+    }
+
+    fn building(&self, said: &str) -> Named {
+        let places = self.gazetteer.named(said);
+        if !places.is_empty() {
+            return Named::Places(places.to_vec());
+        }
+        match generic_label(said, self.planner.grammar.words()) {
+            Some(label) => Named::Label { label, said: said.to_owned() },
+            None => Named::Words(said.to_owned()),
+        }
+    }
+
+    fn unit(&self, said: &str) -> Named {
+        match self.planner.grammar.unit_label(said) {
+            Some(label) => Named::Label { label, said: said.to_owned() },
+            None => Named::Words(said.to_owned()),
+        }
+    }
+
+    fn times(&self, stops: &[Stop]) -> String {
+        let rows = travel_times(self.request, stops);
+        let label = |i: usize| if i == 0 { "start".to_owned() } else { i.to_string() };
+        let cell = |ms: &u64| if *ms >= UNKNOWN { "null".to_owned() } else { ms.div_ceil(1000).to_string() };
+        let row = |(i, row): (usize, &Vec<u64>)| {
+            format!("{}: [{}]", label(i), row.iter().skip(1).map(cell).collect::<Vec<_>>().join(", "))
+        };
+        rows.iter().enumerate().map(row).collect::<Vec<_>>().join("\n")
+    }
+}
+
+/// Fills each `{{gap}}` of the template once; what is filled in is not looked at again.
+fn fill(template: &str, values: &[(&str, &str)]) -> String {
+    let mut pieces = template.split("{{");
+    let mut text = pieces.next().unwrap_or_default().to_owned();
+    for piece in pieces {
+        let (gap, rest) = piece.split_once("}}").unwrap_or(("", piece));
+        text.push_str(values.iter().find(|(name, _)| *name == gap).map_or("", |(_, value)| value));
+        text.push_str(rest);
+    }
+    text
+}
+
+/// The map's names as JSON strings, those that the instruction seems to hold first.
+fn names_for_prompt(gazetteer: &Gazetteer, evidence: &Evidence) -> String {
+    let mut places: Vec<usize> = evidence.places.clone();
+    places.extend(0..gazetteer.places.len());
+    let mut names: Vec<String> = Vec::new();
+    for place in places {
+        let name = quoted(&gazetteer.places[place].name);
+        if !names.contains(&name) {
+            names.push(name);
+        }
+        if names.len() >= NAMES {
+            break;
+        }
+    }
+    if names.is_empty() { "none".to_owned() } else { names.join(", ") }
+}
+
+fn quoted(name: &str) -> String {
+    Value::String(name.chars().take(LONGEST_NAME).collect()).to_string()
+}
+
+/// The list of deliveries in an answer: an object that holds it, the list itself, or a single delivery.
+fn entries(reply: &str) -> Result<Vec<Entry>, String> {
+    let list = match find_json(reply)? {
+        Value::Array(list) => list,
+        Value::Object(mut object) if object.contains_key("deliveries") => match object.remove("deliveries") {
+            Some(Value::Array(list)) => list,
+            _ => return Err("`deliveries` is not a list".to_owned()),
+        },
+        single => vec![single],
+    };
+    let read =
+        |value| serde_json::from_value(plain(value)).map_err(|e| format!("a delivery cannot be read: {e}"));
+    list.into_iter().map(read).collect()
+}
+
+/// Numbers as texts, since models write `"unit": 1`; empty texts as null.
+fn plain(mut value: Value) -> Value {
+    for field in value.as_object_mut().into_iter().flat_map(|object| object.values_mut()) {
+        if let Value::Number(number) = field {
+            *field = Value::String(number.to_string());
+        } else if field.as_str().is_some_and(|text| text.trim().is_empty()) {
+            *field = Value::Null;
+        }
+    }
+    value
+}
+
+fn permutation(reply: &str, count: usize) -> Result<Vec<usize>, String> {
+    let list = match find_json(reply)? {
+        Value::Array(list) => list,
+        Value::Object(object) => match object.get("order") {
+            Some(Value::Array(list)) => list.clone(),
+            _ => return Err("the object has no list `order`".to_owned()),
+        },
+        _ => return Err("the answer is no list".to_owned()),
+    };
+    let number = |value: &Value| value.as_u64().or_else(|| value.as_str()?.trim().parse().ok());
+    let index = |value: &Value| number(value).and_then(|n| usize::try_from(n).ok()?.checked_sub(1));
+    let order: Vec<usize> = list.iter().filter_map(index).collect();
+    let mut sorted = order.clone();
+    sorted.sort_unstable();
+    let complete = order.len() == list.len() && sorted.iter().copied().eq(0..count);
+    complete.then_some(order).ok_or_else(|| format!("the order must hold each of 1 to {count} once"))
+}

@@ -1,0 +1,209 @@
+//! The names on a map as instructions may say them: every name of every building, and the label in generic ones (`Building 3`,
+//! `3号楼` and a bare `3` all carry the label `3`).
+//!
+//! Parts of one multipolygon are one building. Buildings without any name cannot be asked for and are left out.
+
+use std::collections::BTreeMap;
+
+use openbench_osm::names::fold;
+use openbench_osm::{Building, OsmMap, Tags};
+
+use crate::grammar::lexicon::Class;
+use crate::grammar::text::{Token, condensed, letters, tokenize};
+use crate::grammar::words::{Lex, Lexeme, Words};
+
+/// Keys that hold names, besides `name:<language>`.
+const NAME_KEYS: [&str; 6] =
+    ["addr:housename", "alt_name", "short_name", "official_name", "loc_name", "int_name"];
+
+/// Letters of a name beyond these, in characters, are not compared.
+const LONGEST_ALIAS: usize = 200;
+
+/// A building that can be asked for.
+#[derive(Debug, Clone)]
+pub(crate) struct Place {
+    /// What the map calls it.
+    pub name: String,
+}
+
+/// A name that is looked for in instructions letter by letter.
+#[derive(Debug, Clone)]
+pub(crate) struct Alias {
+    /// Folded, without spaces and marks.
+    pub letters: Vec<char>,
+    /// Index into [`Gazetteer::places`].
+    pub place: usize,
+}
+
+/// All names on a map.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Gazetteer {
+    /// In the map's order.
+    pub places: Vec<Place>,
+    /// Names that are more than a label.
+    pub aliases: Vec<Alias>,
+    labels: BTreeMap<String, Vec<usize>>,
+    exact: BTreeMap<String, Vec<usize>>,
+}
+
+impl Gazetteer {
+    /// The names on `map`.
+    pub(crate) fn new(map: &OsmMap, words: &Words) -> Self {
+        let mut gazetteer = Self::default();
+        let mut last = None;
+        for building in &map.buildings {
+            if last.replace(building.element) == Some(building.element) {
+                continue;
+            }
+            if let Some(name) = &building.name {
+                gazetteer.add(name, building, words);
+            }
+        }
+        gazetteer
+    }
+
+    fn add(&mut self, name: &str, building: &Building, words: &Words) {
+        let place = self.places.len();
+        self.places.push(Place { name: name.to_owned() });
+        for number in numbers(&building.tags) {
+            push_once(self.labels.entry(label(&number)).or_default(), place);
+        }
+        for alias in aliases(name, &building.tags) {
+            let tokens = tokenize(&alias);
+            let letters: Vec<char> = letters(&tokens).chars().take(LONGEST_ALIAS).collect();
+            if letters.is_empty() {
+                continue;
+            }
+            push_once(self.exact.entry(fold(&alias)).or_default(), place);
+            match label_in(&alias, &tokens, words) {
+                Some(label) => push_once(self.labels.entry(label).or_default(), place),
+                None => self.aliases.push(Alias { letters, place }),
+            }
+        }
+    }
+
+    /// The places that go by exactly this name, whatever its case and spacing.
+    pub(crate) fn named(&self, name: &str) -> &[usize] {
+        self.exact.get(&fold(name)).map_or(&[], Vec::as_slice)
+    }
+
+    /// The places with this label, folded.
+    pub(crate) fn labelled(&self, label: &str) -> &[usize] {
+        self.labels.get(label).map_or(&[], Vec::as_slice)
+    }
+
+    /// The places one of whose names contains all of `words`, folded.
+    pub(crate) fn containing(&self, words: &[String]) -> Vec<usize> {
+        let contains = |alias: &Alias| {
+            let letters: String = alias.letters.iter().collect();
+            words.iter().all(|word| letters.contains(word.as_str()))
+        };
+        let mut found: Vec<usize> = self.aliases.iter().filter(|a| contains(a)).map(|a| a.place).collect();
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+}
+
+fn push_once(list: &mut Vec<usize>, place: usize) {
+    if list.last() != Some(&place) {
+        list.push(place);
+    }
+}
+
+/// A label for comparison.
+pub(crate) fn label(text: &str) -> String {
+    let folded = condensed(text);
+    let short = folded.trim_start_matches('0');
+    if short.is_empty() { folded } else { short.to_owned() }
+}
+
+fn numbers(tags: &Tags) -> Vec<String> {
+    let values = [tags.get("ref"), tags.get("addr:housenumber")].into_iter().flatten();
+    values.flat_map(|v| v.split([';', ','])).map(|n| n.trim().to_owned()).filter(|n| !n.is_empty()).collect()
+}
+
+fn aliases(name: &str, tags: &Tags) -> Vec<String> {
+    let mut names = vec![name.to_owned()];
+    let is_name = |key: &str| {
+        NAME_KEYS.contains(&key) || key == "name" || key.strip_prefix("name:").is_some_and(is_language)
+    };
+    for (_, value) in tags.iter().filter(|(key, _)| is_name(key)) {
+        names.extend(value.split(';').map(|n| n.trim().to_owned()));
+    }
+    if let (Some(street), Some(number)) = (tags.get("addr:street"), tags.get("addr:housenumber")) {
+        names.push(format!("{street} {number}"));
+        names.push(format!("{number} {street}"));
+    }
+    names.sort();
+    names.dedup();
+    names
+}
+
+fn is_language(suffix: &str) -> bool {
+    let code = suffix.split(['-', '_']).next().unwrap_or_default();
+    matches!(code.len(), 2 | 3) && code.bytes().all(|b| b.is_ascii_lowercase())
+}
+
+/// The label of a name that is nothing but a word for a building and a label, or a label alone.
+pub(crate) fn generic_label(name: &str, words: &Words) -> Option<String> {
+    label_in(name, &tokenize(name), words)
+}
+
+fn label_in(name: &str, tokens: &[Token], words: &Words) -> Option<String> {
+    // Most names hold nothing like a label; to find that out is much cheaper than to read them.
+    if tokens.len() > 6 || !tokens.iter().any(|token| words.may_label(token)) {
+        return None;
+    }
+    let lexemes = words.lexemes(tokens, &[], words.languages(tokens));
+    let light =
+        |l: &&Lexeme| !l.is(Class::Sign) && !l.is(Class::Article) && !matches!(l.lex, Lex::Dash | Lex::Mark);
+    let core: Vec<&Lexeme> = lexemes.iter().filter(light).collect();
+    let building =
+        |l: &Lexeme| l.is(Class::Building) || l.is(Class::WeakBuilding) || l.is(Class::BuildingLetter);
+    match core.as_slice() {
+        [one] => label_of(one, name, tokens),
+        [level, number] if building(level) => label_of(number, name, tokens),
+        [number, level] if building(level) => label_of(number, name, tokens),
+        _ => None,
+    }
+}
+
+fn label_of(lexeme: &Lexeme, name: &str, tokens: &[Token]) -> Option<String> {
+    let token = &tokens[lexeme.tokens.start];
+    let letter = lexeme.tokens.len() == 1 && token.capital && name[token.span.clone()].chars().count() == 1;
+    match &lexeme.lex {
+        Lex::Number { label, .. } => Some(label.clone()),
+        _ => letter.then(|| token.text.clone()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn generic_names_carry_their_label() {
+        let words = Words::new();
+        let label = |name: &str| generic_label(name, &words);
+        for name in [
+            "building3",
+            "Building 03",
+            "Block 3",
+            "3号楼",
+            "三号楼",
+            "Bldg. 3",
+            "3",
+            "B3",
+            "House No. 3",
+            "Gebäude drei",
+        ] {
+            assert_eq!(label(name).as_deref(), Some("3"), "{name}");
+        }
+        assert_eq!(label("Tower B").as_deref(), Some("b"));
+        assert_eq!(label("12A").as_deref(), Some("12a"));
+        for name in ["Paldal Hall", "Casino de Monte-Carlo", "Building", "Block 3 West"] {
+            assert_eq!(label(name), None, "{name}");
+        }
+    }
+}

@@ -1,0 +1,136 @@
+//! The words of each language as data: one file a language, one table each. The engine knows classes of words, not words.
+//!
+//! Entries are written naturally (accents, several words, apostrophes); the index folds them as it folds instructions. A new
+//! language is a new file and a line in [`LANGUAGES`].
+
+mod de;
+mod en;
+mod es;
+mod fr;
+mod ja;
+mod zh;
+
+/// What a word does in an instruction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Class {
+    /// Names the building level: `building`, `号楼`.
+    Building,
+    /// Names the building level, but may mean a floor: `3楼`. Counts where no other building is named.
+    WeakBuilding,
+    /// Names the unit level: `unit`, `单元`.
+    Unit,
+    /// Names a level below the unit: `flat`, `室`. Counts as the unit where no unit is named.
+    Room,
+    /// Names a floor, which is no part of an address here.
+    Floor,
+    /// A letter that means building when a number is glued to it: `B8`.
+    BuildingLetter,
+    /// A letter that means unit when a number is glued to it: `U3`.
+    UnitLetter,
+    /// Stands between a level and its number: `no.`, `第`.
+    Sign,
+    /// Ties a unit to its building: `of`, `的`.
+    Link,
+    /// `the`, `der`.
+    Article,
+    /// Says where to: `to`, `送到`.
+    Toward,
+    /// Lists: `and`, `和`.
+    And,
+    /// Between the ends of a range: `through`, `bis`.
+    Range,
+    /// The next stop comes after those before: `then`, `然后`.
+    Then,
+    /// The nearest stop comes before all others of the sentence: `first`, `先`.
+    First,
+    /// The nearest stop comes after all others: `last`.
+    Last,
+    /// The stop before the word precedes the one after it: `before`.
+    Before,
+    /// The stop before the word follows the one after it: `after`.
+    After,
+    /// The next place is not meant: `not`, `别`.
+    Not,
+    /// The next place replaces the one before: `I mean`, `不对`.
+    Correct,
+    /// The next place is only a landmark or the origin: `from`, `next to`.
+    Elsewhere,
+    /// The place before the word is not meant, or only a landmark: `ではなく`, `旁边`.
+    NotBefore,
+    /// Deals units out to buildings one by one: `respectively`, `分别`.
+    Respectively,
+    /// A thing to deliver.
+    Item,
+    /// Begins an item: `this`, `这个`.
+    Determiner,
+    /// A verb of delivering.
+    Verb,
+    /// A word without weight: `please`.
+    Filler,
+    /// A number before it is no address: `kg`, `pm`.
+    Measure,
+    /// A number after it is no address: `order`, `phone`.
+    Reference,
+}
+
+/// The words of one language.
+pub(crate) struct Lexicon {
+    /// Words by what they do.
+    pub words: &'static [(Class, &'static [&'static str])],
+    /// Numbers that count: `three`. Tens and units are put together by the engine.
+    pub cardinals: &'static [(&'static str, u32)],
+    /// Numbers that order: `third`.
+    pub ordinals: &'static [(&'static str, u32)],
+    /// Endings that make digits ordinal: `3rd`.
+    pub ordinal_endings: &'static [&'static str],
+    /// Words between tens and units: `y` in `treinta y uno`.
+    pub joints: &'static [&'static str],
+    /// Whether tens and units make one word with the units first: `einundzwanzig`.
+    pub units_first: Option<&'static str>,
+    /// Whether the number stands before the level: `3号楼`.
+    pub number_first: bool,
+    /// The script that the language is told by.
+    pub script: Script,
+}
+
+/// How a language is told from others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Script {
+    /// By its words, against the other languages in Latin letters.
+    Latin,
+    /// By ideographs without kana.
+    Han,
+    /// By kana.
+    Kana,
+}
+
+/// All languages; the first is the one assumed in doubt.
+pub(crate) const LANGUAGES: [&Lexicon; 6] =
+    [&en::LEXICON, &zh::LEXICON, &es::LEXICON, &de::LEXICON, &fr::LEXICON, &ja::LEXICON];
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    #[test]
+    fn no_language_says_a_word_twice() {
+        for lexicon in LANGUAGES {
+            let mut seen = BTreeSet::new();
+            let words = lexicon.words.iter().flat_map(|(_, words)| words.iter());
+            for word in words.chain(lexicon.cardinals.iter().map(|(w, _)| w)) {
+                assert!(seen.insert(*word), "`{word}` stands twice");
+            }
+        }
+    }
+
+    #[test]
+    fn every_language_can_say_an_address() {
+        for lexicon in LANGUAGES {
+            for class in [Class::Building, Class::Unit, Class::And, Class::Then, Class::Not, Class::Item] {
+                assert!(lexicon.words.iter().any(|(c, words)| *c == class && !words.is_empty()), "{class:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! The offline planner: a grammar that knows the map. No model, no network, well under a millisecond.
+//!
+//! The instruction passes through `text` (tokens), `names` (the map's own names in it), `words` and `numbers` (lexemes, after the
+//! tables in `lexicon`), `mentions` (buildings and units), `intent` (those that are meant), `pairing` (doors), `items` and
+//! `sequence`. It understands addresses, not stories: pronouns, conditions and times of day are passed over.
+
+mod fallback;
+mod intent;
+mod items;
+pub(crate) mod lexicon;
+mod mentions;
+mod names;
+mod numbers;
+mod pairing;
+mod sequence;
+pub(crate) mod text;
+pub(crate) mod words;
+
+use std::ops::Range;
+
+use openbench_core::Plan;
+
+use self::mentions::{Reading, Target};
+use self::names::Found;
+use self::text::{Token, tokenize};
+use self::words::{Languages, Lex, Meaning, Words};
+use crate::arrange::arrange;
+use crate::gazetteer::Gazetteer;
+use crate::resolve::resolve;
+use crate::wish::{Named, Wish, Wishes};
+use crate::{PlanError, PlanRequest, Planner};
+
+/// Instructions longer than this, in bytes, are refused.
+const LONGEST_INSTRUCTION: usize = 20_000;
+/// Instructions with more doors than this are refused.
+const MOST_DOORS: usize = 200;
+
+/// Plans with a grammar and the map's names; needs no model.
+pub struct GrammarPlanner {
+    words: Words,
+}
+
+impl GrammarPlanner {
+    /// Builds the word tables of all languages, once.
+    pub fn new() -> Self {
+        Self { words: Words::new() }
+    }
+
+    pub(crate) fn words(&self) -> &Words {
+        &self.words
+    }
+
+    /// The doors that the instruction names, and in which order they must come.
+    pub(crate) fn understand(&self, instruction: &str, gazetteer: &Gazetteer) -> Result<Wishes, PlanError> {
+        let refuse = |hint: &str| PlanError::not_understood(instruction, hint);
+        if instruction.len() > LONGEST_INSTRUCTION {
+            return Err(refuse("it is too long; write less than 20,000 characters"));
+        }
+        let tokens = tokenize(instruction);
+        let languages = self.words.languages(&tokens);
+        let names = names::find(&tokens, gazetteer, &self.known(&tokens, languages));
+        let ranges: Vec<Range<usize>> = names.iter().map(|name| name.tokens.clone()).collect();
+        let lexemes = self.words.lexemes(&tokens, &ranges, languages);
+        let reading = Reading { text: instruction, tokens: &tokens, lexemes: &lexemes };
+        let mut mentions = mentions::mentions(&reading);
+        let silent = mentions.is_empty();
+        mentions.extend(fallback::partial(&reading, gazetteer, &mentions));
+        mentions.sort_by_key(|m| m.at.start);
+        let meant = intent::meant(&reading, mentions);
+        let mut doors = pairing::doors(&reading, meant, gazetteer);
+        if doors.is_empty() && silent {
+            doors = fallback::doors(&reading);
+        }
+        if doors.is_empty() {
+            return Err(refuse("name a building and a unit, as in `Take this box to unit 2, building 3`"));
+        }
+        if doors.len() > MOST_DOORS {
+            return Err(refuse("it names more than 200 doors; split it"));
+        }
+        let items = items::items(&reading, &doors);
+        let named = |target: &Option<Target>| target.as_ref().map(|t| to_named(t, &names));
+        let wish = |(door, item): (&pairing::Door, String)| Wish {
+            item,
+            building: named(&door.building),
+            unit: named(&door.unit),
+        };
+        let before = sequence::constraints(&reading, &doors);
+        Ok(Wishes { doors: doors.iter().zip(items).map(wish).collect(), before })
+    }
+
+    /// The numbers and names that the instruction mentions at all, meant or not: what a plan may be built from.
+    pub(crate) fn evidence(&self, instruction: &str, gazetteer: &Gazetteer) -> Evidence {
+        let tokens = tokenize(instruction);
+        let languages = self.words.languages(&tokens);
+        let names = names::find(&tokens, gazetteer, &self.known(&tokens, languages));
+        let ranges: Vec<Range<usize>> = names.iter().map(|name| name.tokens.clone()).collect();
+        let labels = self.words.lexemes(&tokens, &[], languages).into_iter().filter_map(|l| match l.lex {
+            Lex::Number { label, .. } => Some(label),
+            _ => None,
+        });
+        let reading = self.words.lexemes(&tokens, &ranges, languages);
+        let mentions = mentions::mentions(&Reading { text: instruction, tokens: &tokens, lexemes: &reading });
+        let said = mentions.into_iter().flat_map(|m| m.targets).filter_map(|t| match t {
+            Target::Label { label, .. } => Some(label),
+            _ => None,
+        });
+        Evidence {
+            labels: labels.chain(said).collect(),
+            places: names.into_iter().flat_map(|name| name.places).collect(),
+            letters: text::condensed(instruction),
+        }
+    }
+
+    /// The label of a unit that stands alone: `unit1`, `1`, `Entrance B`.
+    pub(crate) fn unit_label(&self, said: &str) -> Option<String> {
+        let tokens = tokenize(said);
+        let lexemes = self.words.lexemes(&tokens, &[], self.words.languages(&tokens));
+        let reading = Reading { text: said, tokens: &tokens, lexemes: &lexemes };
+        let mention = mentions::mentions(&reading).into_iter().next();
+        match (mention.and_then(|m| m.targets.into_iter().next()), lexemes.as_slice()) {
+            (Some(Target::Label { label, .. }), _) => Some(label),
+            (_, [words::Lexeme { lex: Lex::Number { label, .. }, .. }]) => Some(label.clone()),
+            (_, [_]) if tokens[0].text.chars().count() == 1 => Some(tokens[0].text.clone()),
+            _ => None,
+        }
+    }
+
+    /// Which tokens are words of a lexicon.
+    fn known(&self, tokens: &[Token], languages: Languages) -> Vec<bool> {
+        let mut known = vec![false; tokens.len()];
+        for at in 0..tokens.len() {
+            if let Some((length, Meaning::Word(_), _)) = self.words.longest(&tokens[at..], languages) {
+                known[at..at + length].fill(true);
+            }
+        }
+        known
+    }
+}
+
+/// What an instruction holds that can support an address.
+pub(crate) struct Evidence {
+    /// Numbers and letters, folded.
+    pub labels: Vec<String>,
+    /// Places whose names stand in the text: indices into [`Gazetteer::places`].
+    pub places: Vec<usize>,
+    /// All its letters and digits, folded.
+    pub letters: String,
+}
+
+fn to_named(target: &Target, names: &[Found]) -> Named {
+    match target {
+        Target::Label { label, said } => Named::Label { label: label.clone(), said: said.clone() },
+        Target::Name(i) => Named::Places(names[*i].places.clone()),
+        Target::Words(words) => Named::Words(words.clone()),
+    }
+}
+
+impl Default for GrammarPlanner {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Planner for GrammarPlanner {
+    fn name(&self) -> &str {
+        "grammar"
+    }
+
+    fn plan(&self, request: &PlanRequest<'_>) -> Result<Plan, PlanError> {
+        let gazetteer = Gazetteer::new(request.map, &self.words);
+        let wishes = self.understand(request.instruction, &gazetteer)?;
+        let stops = resolve(wishes, request.map, &gazetteer);
+        Ok(Plan { planner: self.name().to_owned(), deliveries: arrange(request, stops) })
+    }
+}

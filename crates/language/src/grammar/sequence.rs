@@ -1,0 +1,97 @@
+//! Which stops must come before which, where the instruction says so: `first`, `then`, `before`, `after`, `last`.
+//!
+//! The order in which stops are merely listed binds nothing.
+
+use super::lexicon::Class;
+use super::mentions::Reading;
+use super::pairing::Door;
+use super::words::Lex;
+
+/// Pairs (earlier, later) of indices into `doors`.
+pub(crate) fn constraints(reading: &Reading<'_>, doors: &[Door]) -> Vec<(usize, usize)> {
+    let mut pairs = stages(reading, doors);
+    let staged = !pairs.is_empty();
+    for at in 0..reading.lexemes.len() {
+        match reading.lex(at) {
+            Some(Lex::Word(Class::First, _)) if !staged => first(reading, doors, at, &mut pairs),
+            Some(Lex::Number { label, ordinal: true })
+                if !staged && label == "1" && is_adverb(reading, doors, at) =>
+            {
+                first(reading, doors, at, &mut pairs);
+            }
+            Some(Lex::Word(Class::Last, _)) if is_adverb(reading, doors, at) => last(doors, at, &mut pairs),
+            Some(Lex::Word(Class::Before, postfix)) => pairs.extend(around(reading, doors, at, *postfix)),
+            Some(Lex::Word(Class::After, postfix)) => {
+                let pair = around(reading, doors, at, *postfix);
+                pairs.extend(pair.map(|(earlier, later)| (later, earlier)));
+            }
+            _ => {}
+        }
+    }
+    pairs
+}
+
+/// Each `then` between two doors parts all doors before it from all after it.
+fn stages(reading: &Reading<'_>, doors: &[Door]) -> Vec<(usize, usize)> {
+    let mut stage = vec![0; doors.len()];
+    for i in 1..doors.len() {
+        let between = doors[i - 1].last.min(doors[i].first)..doors[i].first;
+        let parted = between.clone().any(|at| reading.class(at) == Some(Class::Then));
+        stage[i] = stage[i - 1] + usize::from(parted);
+    }
+    let mut pairs = Vec::new();
+    for later in 1..doors.len() {
+        pairs.extend(
+            (0..later).filter(|earlier| stage[*earlier] < stage[later]).map(|earlier| (earlier, later)),
+        );
+    }
+    pairs
+}
+
+/// `first`, not `the first box` and not the label of a door.
+fn is_adverb(reading: &Reading<'_>, doors: &[Door], at: usize) -> bool {
+    let described =
+        at > 0 && matches!(reading.class(at - 1), Some(Class::Article | Class::Determiner | Class::Sign));
+    let label = doors.iter().any(|d| d.first <= at && at < d.last);
+    let describes = matches!(
+        reading.lex(at + 1),
+        Some(
+            Lex::Unknown
+                | Lex::Word(Class::Item | Class::Building | Class::Unit | Class::Room | Class::Floor, _)
+        )
+    );
+    !described && !label && !describes
+}
+
+fn first(reading: &Reading<'_>, doors: &[Door], at: usize, pairs: &mut Vec<(usize, usize)>) {
+    let before = doors.iter().rposition(|d| d.last <= at);
+    let beside = before.filter(|i| (doors[*i].last..at).all(|i| reading.class(i) == Some(Class::Filler)));
+    let after = || doors.iter().position(|d| d.first > at);
+    if let Some(target) = beside.or_else(after).or(before) {
+        pairs.extend((0..doors.len()).filter(|i| *i != target).map(|i| (target, i)));
+    }
+}
+
+fn last(doors: &[Door], at: usize, pairs: &mut Vec<(usize, usize)>) {
+    let target = doors.iter().rposition(|d| d.last <= at).or_else(|| doors.iter().position(|d| d.first > at));
+    if let Some(target) = target {
+        pairs.extend((0..doors.len()).filter(|i| *i != target).map(|i| (i, target)));
+    }
+}
+
+/// The doors that a `before` relates: `A before B`, `before B, A`; after the place in some languages: `B之前先去A`.
+fn around(reading: &Reading<'_>, doors: &[Door], at: usize, postfix: bool) -> Option<(usize, usize)> {
+    if matches!(reading.lex(at + 1), Some(Lex::Number { .. } | Lex::Quantity | Lex::Unknown)) {
+        return None;
+    }
+    let stop = |mut range: std::ops::Range<usize>| range.any(|at| reading.lex(at) == Some(&Lex::Stop));
+    let before = doors.iter().rposition(|d| d.last <= at && !stop(d.last..at));
+    let mut after = (0..doors.len()).filter(|i| doors[*i].first > at && !stop(at..doors[*i].first));
+    let (next, second) = (after.next()?, after.next());
+    match (before, second) {
+        (Some(before), _) if postfix => Some((next, before)),
+        (Some(before), _) => Some((before, next)),
+        (None, Some(second)) => Some((second, next)),
+        (None, None) => None,
+    }
+}

@@ -1,0 +1,318 @@
+//! In which order to drive to several stops: the shortest open path from the start that keeps every order the instruction asks for.
+//!
+//! Exact up to twelve places (dynamic programming over subsets after Held and Karp, 1962); beyond, nearest neighbour improved by
+//! moving and reversing pieces. Stops at one place count once and stay together. Of equally short orders the one nearest to the
+//! instruction's wins: times are whole milliseconds, so equal is equal.
+
+/// The time between places that no way is known between, in milliseconds: longer than any drive.
+pub(crate) const UNKNOWN: u64 = 10_000_000_000;
+
+/// Up to so many places the order is exact.
+const EXACT: usize = 12;
+/// The longest piece that the heuristic moves.
+const LONGEST_PIECE: usize = 3;
+/// The heuristic looks at all moves at most so often.
+const MOST_PASSES: usize = 50;
+
+/// Which stops must come before which; never a circle.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Precedence {
+    /// `earlier[i]`: all stops that must come before stop `i`.
+    earlier: Vec<Vec<bool>>,
+}
+
+impl Precedence {
+    /// No order among `count` stops.
+    pub(crate) fn new(count: usize) -> Self {
+        Self { earlier: vec![vec![false; count]; count] }
+    }
+
+    /// Puts `a` before `b`. Does nothing and returns false if `b` already comes before `a`.
+    pub(crate) fn add(&mut self, a: usize, b: usize) -> bool {
+        let count = self.earlier.len();
+        if a >= count || b >= count || a == b || self.earlier[a][b] {
+            return false;
+        }
+        if self.earlier[b][a] {
+            return true;
+        }
+        let ancestors: Vec<usize> = (0..count).filter(|i| *i == a || self.earlier[a][*i]).collect();
+        for later in (0..count).filter(|i| *i == b || self.earlier[*i][b]).collect::<Vec<_>>() {
+            ancestors.iter().for_each(|ancestor| self.earlier[later][*ancestor] = true);
+        }
+        true
+    }
+
+    fn allows(&self, order: &[usize]) -> bool {
+        (0..order.len()).all(|i| order[i + 1..].iter().all(|later| !self.earlier[order[i]][*later]))
+    }
+
+    /// The order among groups of stops; `None` if it has a circle.
+    fn of_groups(&self, groups: &[Vec<usize>]) -> Option<Self> {
+        let mut coarse = Self::new(groups.len());
+        for (b, later) in groups.iter().enumerate() {
+            for (a, earlier) in groups.iter().enumerate().filter(|(a, _)| *a != b) {
+                let ordered = later.iter().any(|l| earlier.iter().any(|e| self.earlier[*l][*e]));
+                if ordered && !coarse.add(a, b) {
+                    return None;
+                }
+            }
+        }
+        Some(coarse)
+    }
+}
+
+/// The best order of the stops. `times` holds milliseconds from the start (index 0) and each stop (index + 1) to each.
+pub(crate) fn best_order(times: &[Vec<u64>], precedence: &Precedence) -> Vec<usize> {
+    let count = times.len().saturating_sub(1);
+    let groups = groups(times);
+    match precedence.of_groups(&groups) {
+        Some(coarse) if groups.len() < count => {
+            let firsts: Vec<usize> = std::iter::once(0).chain(groups.iter().map(|g| g[0] + 1)).collect();
+            let between =
+                firsts.iter().map(|a| firsts.iter().map(|b| times[*a][*b]).collect()).collect::<Vec<_>>();
+            let order = places_in_order(&between, &coarse);
+            order.into_iter().flat_map(|g| within(&groups[g], precedence)).collect()
+        }
+        _ => places_in_order(times, precedence),
+    }
+}
+
+/// Stops with no time between them, each group in the instruction's order.
+fn groups(times: &[Vec<u64>]) -> Vec<Vec<usize>> {
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for stop in 0..times.len().saturating_sub(1) {
+        let together =
+            |g: &Vec<usize>| g.iter().all(|m| times[m + 1][stop + 1] == 0 && times[stop + 1][m + 1] == 0);
+        match groups.iter_mut().find(|g| together(g)) {
+            Some(group) => group.push(stop),
+            None => groups.push(vec![stop]),
+        }
+    }
+    groups
+}
+
+/// The stops of one place: the instruction's order as far as the precedence allows.
+fn within(group: &[usize], precedence: &Precedence) -> Vec<usize> {
+    let (mut left, mut order) = (group.to_vec(), Vec::new());
+    while !left.is_empty() {
+        let free = |i: &usize| left.iter().all(|other| !precedence.earlier[left[*i]][*other]);
+        // A precedence has no circle, so one is always free.
+        let next = (0..left.len()).find(free).unwrap_or_default();
+        order.push(left.remove(next));
+    }
+    order
+}
+
+fn places_in_order(times: &[Vec<u64>], precedence: &Precedence) -> Vec<usize> {
+    if times.len() <= EXACT + 1 { exact(times, precedence) } else { improved(times, precedence) }
+}
+
+/// Held-Karp from the end: `rest[visited][at]` is the shortest way through all that is not yet visited.
+fn exact(times: &[Vec<u64>], precedence: &Precedence) -> Vec<usize> {
+    let count = times.len().saturating_sub(1);
+    let all = (1_usize << count) - 1;
+    let need: Vec<usize> = precedence.earlier.iter().map(|row| mask(row)).collect();
+    let may = |visited: usize, next: usize| visited & (1 << next) == 0 && need[next] & !visited == 0;
+    let mut rest = vec![vec![u64::MAX; count + 1]; all + 1];
+    rest[all].fill(0);
+    for visited in (0..all).rev() {
+        for at in 0..=count {
+            let ways = (0..count).filter(|next| may(visited, *next));
+            let best = ways
+                .map(|next| times[at][next + 1].saturating_add(rest[visited | 1 << next][next + 1]))
+                .min();
+            rest[visited][at] = best.unwrap_or(u64::MAX);
+        }
+    }
+    let (mut visited, mut at, mut order) = (0, 0, Vec::with_capacity(count));
+    while visited != all {
+        let best = |next: &usize| {
+            may(visited, *next)
+                && times[at][next + 1].saturating_add(rest[visited | 1 << next][next + 1])
+                    == rest[visited][at]
+        };
+        let Some(next) = (0..count).find(best) else { break };
+        order.push(next);
+        visited |= 1 << next;
+        at = next + 1;
+    }
+    order
+}
+
+fn mask(row: &[bool]) -> usize {
+    row.iter().enumerate().filter(|(_, set)| **set).fold(0, |mask, (i, _)| mask | 1 << i)
+}
+
+fn length(times: &[Vec<u64>], order: &[usize]) -> u64 {
+    let from = std::iter::once(0).chain(order.iter().map(|stop| stop + 1));
+    from.zip(order).map(|(from, to)| times[from][to + 1]).fold(0, u64::saturating_add)
+}
+
+fn nearest_first(times: &[Vec<u64>], precedence: &Precedence) -> Vec<usize> {
+    let count = times.len() - 1;
+    let (mut order, mut done) = (Vec::with_capacity(count), vec![false; count]);
+    while order.len() < count {
+        let at = order.last().map_or(0, |stop: &usize| stop + 1);
+        let free =
+            |stop: &usize| !done[*stop] && (0..count).all(|e| done[e] || !precedence.earlier[*stop][e]);
+        let Some(next) = (0..count).filter(free).min_by_key(|stop| times[at][stop + 1]) else { break };
+        done[next] = true;
+        order.push(next);
+    }
+    order
+}
+
+/// Nearest neighbour, then the first shortening move again and again.
+fn improved(times: &[Vec<u64>], precedence: &Precedence) -> Vec<usize> {
+    let mut order = nearest_first(times, precedence);
+    let mut best = length(times, &order);
+    for _ in 0..MOST_PASSES {
+        let before = best;
+        for from in 0..order.len() {
+            for piece in 1..=LONGEST_PIECE.min(order.len() - from) {
+                for to in 0..=order.len() - piece {
+                    keep_if_shorter(times, precedence, &mut order, &mut best, moved(from, piece, to));
+                }
+            }
+            for to in from + 2..=order.len() {
+                keep_if_shorter(times, precedence, &mut order, &mut best, |order| order[from..to].reverse());
+            }
+        }
+        if best == before {
+            break;
+        }
+    }
+    order
+}
+
+fn moved(from: usize, piece: usize, to: usize) -> impl Fn(&mut Vec<usize>) {
+    move |order| {
+        let taken: Vec<usize> = order.drain(from..from + piece).collect();
+        order.splice(to..to, taken);
+    }
+}
+
+fn keep_if_shorter(
+    times: &[Vec<u64>],
+    precedence: &Precedence,
+    order: &mut Vec<usize>,
+    best: &mut u64,
+    change: impl Fn(&mut Vec<usize>),
+) {
+    let mut changed = order.clone();
+    change(&mut changed);
+    let shorter = length(times, &changed);
+    if shorter < *best && precedence.allows(&changed) {
+        *order = changed;
+        *best = shorter;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn equal(count: usize) -> Vec<Vec<u64>> {
+        (0..=count).map(|i| (0..=count).map(|j| if i == j { 0 } else { 5 }).collect()).collect()
+    }
+
+    /// Times between places on a line, the start at 0.
+    fn line(places: &[i64]) -> Vec<Vec<u64>> {
+        let all: Vec<i64> = std::iter::once(0).chain(places.iter().copied()).collect();
+        all.iter().map(|a| all.iter().map(|b| a.abs_diff(*b)).collect()).collect()
+    }
+
+    /// The shortest allowed order, by trying all; the first of equals.
+    fn brute_force(times: &[Vec<u64>], precedence: &Precedence) -> (u64, Vec<usize>) {
+        fn go(left: &[usize], order: &mut Vec<usize>, visit: &mut impl FnMut(&[usize])) {
+            if left.is_empty() {
+                visit(order);
+            }
+            for (i, next) in left.iter().enumerate() {
+                order.push(*next);
+                go(&[&left[..i], &left[i + 1..]].concat(), order, visit);
+                order.pop();
+            }
+        }
+        let mut best = (u64::MAX, Vec::new());
+        go(&(0..times.len() - 1).collect::<Vec<_>>(), &mut Vec::new(), &mut |order| {
+            if precedence.allows(order) && length(times, order) < best.0 {
+                best = (length(times, order), order.to_vec());
+            }
+        });
+        best
+    }
+
+    #[test]
+    fn equal_or_unknown_times_keep_the_instructions_order() {
+        for count in [0, 1, 5, 12, 20] {
+            let order: Vec<usize> = (0..count).collect();
+            assert_eq!(best_order(&equal(count), &Precedence::new(count)), order);
+            let unknown = vec![vec![UNKNOWN; count + 1]; count + 1];
+            assert_eq!(best_order(&unknown, &Precedence::new(count)), order);
+        }
+    }
+
+    #[test]
+    fn nearer_stops_come_first_unless_the_instruction_says_otherwise() {
+        let times = line(&[30, 10, 20]);
+        assert_eq!(best_order(&times, &Precedence::new(3)), [1, 2, 0]);
+        let mut precedence = Precedence::new(3);
+        assert!(precedence.add(0, 1));
+        assert_eq!(best_order(&times, &precedence), [0, 2, 1]);
+    }
+
+    #[test]
+    fn stops_at_one_place_stay_together() {
+        assert_eq!(best_order(&line(&[30, 10, 30, 10]), &Precedence::new(4)), [1, 3, 0, 2]);
+    }
+
+    #[test]
+    fn a_stop_that_must_be_visited_between_parts_a_place() {
+        let mut precedence = Precedence::new(3);
+        assert!(precedence.add(0, 1) && precedence.add(1, 2));
+        assert!(!precedence.add(2, 0), "a circle is refused");
+        assert_eq!(best_order(&line(&[10, 90, 10]), &precedence), [0, 1, 2]);
+    }
+
+    proptest! {
+        #[test]
+        fn exact_orders_equal_brute_force(
+            cells in proptest::collection::vec(1_u64..40, 49),
+            pairs in proptest::collection::vec((0_usize..6, 0_usize..6), 0..6),
+            count in 1_usize..=6,
+        ) {
+            let times: Vec<Vec<u64>> = (0..=count).map(|i| cells[i * 7..=i * 7 + count].to_vec()).collect();
+            let mut precedence = Precedence::new(count);
+            pairs.iter().for_each(|(a, b)| { precedence.add(*a, *b); });
+            let (shortest, first) = brute_force(&times, &precedence);
+            prop_assert_eq!(length(&times, &exact(&times, &precedence)), shortest);
+            prop_assert_eq!(best_order(&times, &precedence), first);
+            let good = improved(&times, &precedence);
+            prop_assert!(precedence.allows(&good) && good.len() == count);
+        }
+
+        #[test]
+        fn long_orders_are_good_and_keep_the_precedence(
+            places in proptest::collection::vec(-500_i64..500, 13..25),
+            pairs in proptest::collection::vec((0_usize..13, 0_usize..13), 0..4),
+        ) {
+            let times = line(&places);
+            let mut precedence = Precedence::new(places.len());
+            pairs.iter().for_each(|(a, b)| { precedence.add(*a, *b); });
+            let order = best_order(&times, &precedence);
+            prop_assert!(precedence.allows(&order));
+            let mut sorted = order.clone();
+            sorted.sort_unstable();
+            prop_assert_eq!(sorted, (0..places.len()).collect::<Vec<_>>());
+            if pairs.is_empty() {
+                let (low, high) = (*places.iter().min().unwrap_or(&0), *places.iter().max().unwrap_or(&0));
+                let shortest = if low >= 0 { high } else if high <= 0 { -low } else { high - low + high.min(-low) };
+                prop_assert!(length(&times, &order) * 2 <= 3 * shortest.unsigned_abs() , "{} {}", length(&times, &order), shortest);
+            }
+        }
+    }
+}

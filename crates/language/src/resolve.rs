@@ -1,0 +1,199 @@
+//! From what an instruction says to the map's own names, and in words what is wrong where the map lacks a place or has several.
+//!
+//! Wishes for one door become one stop; a building without a unit is dropped where one of its units is asked for too.
+
+use openbench_core::Address;
+use openbench_osm::names::fold_unit;
+use openbench_osm::{Location, OsmMap, locate};
+
+use crate::gazetteer::{Gazetteer, label};
+use crate::grammar::text::condensed;
+use crate::wish::{Named, Wish, Wishes};
+
+/// How many of the map's names a problem quotes.
+const QUOTED: usize = 8;
+
+/// A door with its name, or with what is wrong with it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Stop {
+    pub items: Vec<String>,
+    pub address: Address,
+    pub problem: Option<String>,
+}
+
+/// The stops in the order of the instruction, and which must come before which.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(crate) struct Stops {
+    pub stops: Vec<Stop>,
+    /// Pairs (earlier, later) of indices into `stops`.
+    pub before: Vec<(usize, usize)>,
+}
+
+/// Gives every wish its address on `map`.
+pub(crate) fn resolve(wishes: Wishes, map: &OsmMap, gazetteer: &Gazetteer) -> Stops {
+    let stops: Vec<Stop> = wishes.doors.into_iter().map(|wish| stop(wish, map, gazetteer)).collect();
+    merge(stops, &wishes.before)
+}
+
+fn stop(wish: Wish, map: &OsmMap, gazetteer: &Gazetteer) -> Stop {
+    let (building, mut problem) = building(wish.building, map, gazetteer);
+    let unit = wish.unit.map(|unit| unit_name(&unit, &building, map));
+    if problem.is_none() {
+        problem = doubt(&building, map);
+    }
+    let items = if wish.item.is_empty() { Vec::new() } else { vec![wish.item] };
+    Stop { items, address: Address { building, unit }, problem }
+}
+
+/// What speaks against a name that was chosen: the map has it twice.
+fn doubt(building: &str, map: &OsmMap) -> Option<String> {
+    let address = Address { building: building.to_owned(), unit: None };
+    match locate(map, &address) {
+        Location::Ambiguous(all) => Some(format!(
+            "the map has {} buildings called `{building}`; say which one is meant, for instance by its street and number",
+            all.len()
+        )),
+        _ => None,
+    }
+}
+
+fn building(named: Option<Named>, map: &OsmMap, gazetteer: &Gazetteer) -> (String, Option<String>) {
+    match named {
+        None => nameless(gazetteer),
+        Some(Named::Places(places)) => choose(&places, "that name", map, gazetteer)
+            .unwrap_or_else(|| (String::new(), Some("no building is named".to_owned()))),
+        Some(Named::Label { label, said }) => {
+            let exact = choose(gazetteer.named(&said), &said, map, gazetteer);
+            let labelled = || choose(gazetteer.labelled(&label), &said, map, gazetteer);
+            // `building B8`
+            let bare = || choose(gazetteer.labelled(label.strip_prefix('b')?), &said, map, gazetteer);
+            exact
+                .or_else(labelled)
+                .or_else(bare)
+                .unwrap_or_else(|| lacking(generic("building", &label), &said, gazetteer))
+        }
+        Some(Named::Words(words)) => {
+            let said: Vec<String> =
+                words.split_whitespace().map(condensed).filter(|w| !w.is_empty()).collect();
+            let exact = choose(gazetteer.named(&words), &words, map, gazetteer);
+            let partly = || {
+                let long = said.iter().map(|w| w.chars().count()).sum::<usize>() >= 4;
+                long.then(|| choose(&gazetteer.containing(&said), &words, map, gazetteer)).flatten()
+            };
+            exact.or_else(partly).unwrap_or_else(|| lacking(words.clone(), &words, gazetteer))
+        }
+    }
+}
+
+/// The instruction names no building: the only one is meant.
+fn nameless(gazetteer: &Gazetteer) -> (String, Option<String>) {
+    match gazetteer.places.as_slice() {
+        [only] => (only.name.clone(), None),
+        _ => (
+            String::new(),
+            Some("the instruction names a unit but no building; say which building".to_owned()),
+        ),
+    }
+}
+
+/// The only one of `places`, or the first with a problem if there are several; `None` if there is none.
+fn choose(
+    places: &[usize],
+    said: &str,
+    map: &OsmMap,
+    gazetteer: &Gazetteer,
+) -> Option<(String, Option<String>)> {
+    let mut names: Vec<String> = places.iter().map(|i| map_name(&gazetteer.places[*i].name, map)).collect();
+    let first = names.first()?.clone();
+    names.sort();
+    names.dedup();
+    let several = names.len() > 1;
+    let problem = format!(
+        "{} buildings on the map fit `{said}`: {}; say which one is meant",
+        names.len(),
+        quote(names.iter().map(String::as_str))
+    );
+    Some((first, several.then_some(problem)))
+}
+
+/// What the map calls a building so that it can be looked up: the first of several names in one tag.
+fn map_name(name: &str, map: &OsmMap) -> String {
+    let known =
+        |name: &&str| locate(map, &Address { building: (*name).to_owned(), unit: None }) != Location::Unknown;
+    std::iter::once(name).chain(name.split(';').map(str::trim)).find(known).unwrap_or(name).to_owned()
+}
+
+fn lacking(name: String, said: &str, gazetteer: &Gazetteer) -> (String, Option<String>) {
+    let known = quote(gazetteer.places.iter().map(|place| place.name.as_str()));
+    let known =
+        if known.is_empty() { "it names no building at all".to_owned() } else { format!("it has {known}") };
+    (name, Some(format!("the map has no building `{said}`; {known}")))
+}
+
+fn quote<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    let names: Vec<&str> = names.collect();
+    let mut text = names.iter().take(QUOTED).copied().collect::<Vec<_>>().join(", ");
+    if names.len() > QUOTED {
+        text.push_str(&format!(" and {} more", names.len() - QUOTED));
+    }
+    text
+}
+
+/// `building3`, `buildingA`, `unit12A`.
+fn generic(level: &str, label: &str) -> String {
+    format!("{level}{}", label.to_uppercase())
+}
+
+/// What the map calls the unit, else `unit<N>`.
+fn unit_name(unit: &Named, building: &str, map: &OsmMap) -> String {
+    let name = match unit {
+        Named::Label { label, .. } => generic("unit", label),
+        Named::Words(words) => match label(words) {
+            short if !short.is_empty() && short.chars().all(|c| c.is_ascii_digit()) => {
+                generic("unit", &short)
+            }
+            _ => words.clone(),
+        },
+        Named::Places(_) => String::new(),
+    };
+    let address = Address::new(building, name.clone());
+    let Location::Unit { entrance, .. } = locate(map, &address) else { return name };
+    let own = map.entrances[entrance].units.iter().find(|own| fold_unit(own) == fold_unit(&name));
+    own.cloned().unwrap_or(name)
+}
+
+/// One stop a door; a whole building gives way to its units.
+fn merge(stops: Vec<Stop>, before: &[(usize, usize)]) -> Stops {
+    let mut merged: Vec<Stop> = Vec::new();
+    let mut place = Vec::with_capacity(stops.len());
+    let units_of = |stop: &Stop| {
+        let same =
+            |other: &&Stop| other.address.unit.is_some() && same_building(&stop.address, &other.address);
+        stops.iter().find(same).map(|other| other.address.clone())
+    };
+    let addresses: Vec<Address> = stops
+        .iter()
+        .map(|stop| match (&stop.address.unit, units_of(stop)) {
+            (None, Some(unit)) => unit,
+            _ => stop.address.clone(),
+        })
+        .collect();
+    for (stop, address) in stops.into_iter().zip(addresses) {
+        let known = merged.iter().position(|m| m.address.same_door(&address));
+        let at = known.unwrap_or_else(|| {
+            merged.push(Stop { items: Vec::new(), address, problem: stop.problem });
+            merged.len() - 1
+        });
+        let new_items: Vec<String> =
+            stop.items.into_iter().filter(|item| !merged[at].items.contains(item)).collect();
+        merged[at].items.extend(new_items);
+        place.push(at);
+    }
+    let pairs = before.iter().filter_map(|(a, b)| Some((*place.get(*a)?, *place.get(*b)?)));
+    Stops { before: pairs.filter(|(a, b)| a != b).collect(), stops: merged }
+}
+
+fn same_building(a: &Address, b: &Address) -> bool {
+    let whole = |a: &Address| Address { building: a.building.clone(), unit: None };
+    whole(a).same_door(&whole(b))
+}

@@ -1,0 +1,30 @@
+//! What an instruction asks for, before the map has been asked.
+
+/// How an instruction names a place.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Named {
+    /// By a number or letter, folded, and the words that it stands with.
+    Label { label: String, said: String },
+    /// By one of the map's names: the places that bear it.
+    Places(Vec<usize>),
+    /// By words that the map does not have.
+    Words(String),
+}
+
+/// A door to deliver to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Wish {
+    /// In the instruction's words; may be empty.
+    pub item: String,
+    /// `None`: the instruction names a unit only.
+    pub building: Option<Named>,
+    pub unit: Option<Named>,
+}
+
+/// All doors, in the order of the instruction, and which must come before which.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(crate) struct Wishes {
+    pub doors: Vec<Wish>,
+    /// Pairs (earlier, later) of indices into `doors`.
+    pub before: Vec<(usize, usize)>,
+}

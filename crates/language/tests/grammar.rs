@@ -1,0 +1,288 @@
+//! What the grammar planner understands, instruction by instruction.
+
+mod support;
+
+use openbench_language::{GrammarPlanner, PlanError};
+use support::{Flat, Straight, doors, map, named, numbered, plan};
+
+/// The doors of an instruction on a map with `building1` to `building12`.
+fn read(instruction: &str) -> String {
+    doors(&plan(&GrammarPlanner::new(), &numbered(12), &Flat, instruction).unwrap())
+}
+
+#[track_caller]
+fn check(cases: &[(&str, &str)]) {
+    let wrong: Vec<String> = cases
+        .iter()
+        .filter(|(instruction, wanted)| read(instruction) != *wanted)
+        .map(|(instruction, wanted)| {
+            format!("{instruction}\n  wanted {wanted}\n  got    {}", read(instruction))
+        })
+        .collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn english_in_many_forms() {
+    check(&[
+        ("Drop this at Unit 4 of Building 12 please.", "building12/unit4"),
+        ("bring it to the third entrance of the fourth building", "building4/unit3"),
+        ("Bldg. 7, apt. 2", "building7/unit2"),
+        ("BUILDING TWELVE UNIT TWO", "building12/unit2"),
+        ("block 3-2 please", "building3/unit2"),
+        ("Deliver to buidling 3, uint 2", "building3/unit2"),
+        ("unit 1 building 3 unit 2 building 5", "building3/unit1 building5/unit2"),
+        ("building 3 unit 1 building 5 unit 2", "building3/unit1 building5/unit2"),
+        ("units 1 and 2 of building 3", "building3/unit1 building3/unit2"),
+        ("unit 1 of buildings 2, 3 and 5", "building2/unit1 building3/unit1 building5/unit1"),
+        ("units 1 and 2 of buildings 3 and 4 respectively", "building3/unit1 building4/unit2"),
+        ("Building 3, unit 1, flat 502, 5th floor", "building3/unit1"),
+        ("building 3 flat 2", "building3/unit2"),
+        ("building 3: unit 1, unit 2; building 4: unit 3", "building3/unit1 building3/unit2 building4/unit3"),
+        ("The parcel is for building 4. The unit is number 2.", "building4/unit2"),
+        ("The parcel is for building 3. Leave it at unit 2.", "building3/unit2"),
+    ]);
+}
+
+#[test]
+fn what_is_denied_corrected_or_passed_by_is_no_destination() {
+    check(&[
+        ("not building 6, building 8", "building8"),
+        ("Take it to building 6 unit 1, no wait, building 8", "building8/unit1"),
+        ("building 6 unit 1, sorry, unit 2", "building6/unit2"),
+        ("Please don't go to building 4; go to building 5, unit 1.", "building5/unit1"),
+        ("Bring it to unit 3, not unit 2, of building 5", "building5/unit3"),
+        ("Pick it up from building 2 and take it to building 3 unit 1", "building3/unit1"),
+        ("Building 4, the one next to building 5, unit 2", "building4/unit2"),
+        ("Leave it behind building 4", "building4"),
+        ("building 9 instead of building 6, unit 1", "building9/unit1"),
+    ]);
+}
+
+#[test]
+fn other_numbers_are_no_addresses() {
+    check(&[
+        ("Order 4711, 2 boxes, 5 kg, to building 3, unit 1 before 6 pm; call 13800138000", "building3/unit1"),
+        ("order #99 to building 3 unit 1", "building3/unit1"),
+        ("3 parcels for building 2, 2 of them heavy", "building2"),
+        ("At 10:30 take 2.5 l of milk to unit 4, building 11", "building11/unit4"),
+    ]);
+}
+
+#[test]
+fn chinese_in_many_forms() {
+    check(&[
+        ("请把这个箱子送到3号楼1单元", "building3/unit1"),
+        ("請把這個箱子送到３號樓１單元", "building3/unit1"),
+        ("十二栋四单元", "building12/unit4"),
+        ("送到3号楼1、2单元", "building3/unit1 building3/unit2"),
+        ("3号、5号楼的1单元", "building3/unit1 building5/unit1"),
+        ("送到6号楼1单元，不对，是8号楼1单元", "building8/unit1"),
+        ("不是6号楼，是8号楼2单元", "building8/unit2"),
+        ("从2号楼取件，送到5号楼3单元", "building5/unit3"),
+        ("3号楼旁边的5号楼2单元", "building5/unit2"),
+        ("把5公斤的货物6点前送到7号楼1单元，电话13800138000", "building7/unit1"),
+        ("第三栋第二单元502室", "building3/unit2"),
+        ("3#楼2单元", "building3/unit2"),
+        ("送到3-2", "building3/unit2"),
+        ("送到3-2-502", "building3/unit2"),
+        ("2单元，5号楼", "building5/unit2"),
+    ]);
+}
+
+#[test]
+fn four_more_languages() {
+    check(&[
+        ("Lleva la caja a la segunda entrada del edificio siete", "building7/unit2"),
+        ("Das Paket bitte zum Gebäude zwölf, zweiter Eingang", "building12/unit2"),
+        ("Zuerst zu Haus 5, dann zu Haus 3, Eingang 1", "building5 building3/unit1"),
+        ("Apportez ce colis à l'entrée 2 de l'immeuble 4", "building4/unit2"),
+        ("Livrez le colis au deuxième bâtiment", "building2"),
+        ("まず5号棟の1号室、次に3号棟の2号室に届けてください", "building5/unit1 building3/unit2"),
+        ("6号棟ではなく8号棟に届けてください", "building8"),
+    ]);
+}
+
+#[test]
+fn items_are_quoted() {
+    let items = |text: &str| -> Vec<String> {
+        let plan = plan(&GrammarPlanner::new(), &numbered(9), &Flat, text).unwrap();
+        plan.deliveries.into_iter().map(|d| d.item).collect()
+    };
+    assert_eq!(
+        items("The red box goes to B8-U3 and the blue parcel to B2-U1"),
+        ["The red box", "the blue parcel"]
+    );
+    assert_eq!(items("请把这个箱子送到3号楼1单元"), ["这个箱子"]);
+    assert_eq!(items("7号楼1单元的王先生有一个包裹"), ["一个包裹"]);
+    assert_eq!(
+        items("This box into unit1, building1. This item into unit1, building1."),
+        ["This box, This item"]
+    );
+    assert_eq!(items("先送5号楼2单元的外卖，最后送3号楼1单元的快递"), ["外卖", "快递"]);
+    assert_eq!(items("Go to building 3"), [""]);
+}
+
+#[test]
+fn order_words_bind_and_lists_do_not() {
+    let order = |text: &str| doors(&plan(&GrammarPlanner::new(), &numbered(9), &Straight, text).unwrap());
+    assert_eq!(order("building 9, building 2 and building 5"), "building2 building5 building9");
+    assert_eq!(order("First building 9, then building 2 and building 5"), "building9 building5 building2");
+    assert_eq!(order("building 9 and building 2, but building 9 first"), "building9 building2");
+    assert_eq!(order("Go to building 9 before building 2"), "building9 building2");
+    assert_eq!(order("Before building 2, go to building 9"), "building9 building2");
+    assert_eq!(order("Go to building 2 after building 9"), "building9 building2");
+    assert_eq!(order("building 7 last, building 9 and building 3"), "building3 building9 building7");
+    assert_eq!(order("先去9号楼，再去2号楼"), "building9 building2");
+    assert_eq!(order("去2号楼之前先去9号楼"), "building9 building2");
+    assert_eq!(order("The first box to building 9, the second box to building 2"), "building2 building9");
+}
+
+#[test]
+fn the_maps_own_names_are_used() {
+    let map =
+        named(&["Paldal Hall", "Casino de Monte-Carlo", "3号楼", "Tower 5", "Block 5", "105", "Tower B"]);
+    let read = |text: &str| doors(&plan(&GrammarPlanner::new(), &map, &Flat, text).unwrap());
+    assert_eq!(read("unit 2 of padlal hall"), "Paldal Hall/unit2");
+    assert_eq!(read("Deliver to the casino de monte carlo"), "Casino de Monte-Carlo");
+    assert_eq!(read("Bring it to Paldal, please"), "Paldal Hall");
+    assert_eq!(read("The books to building 3 and the coffee to Paldal"), "3号楼 Paldal Hall");
+    assert_eq!(read("building 3 unit 1"), "3号楼/unit1");
+    assert_eq!(read("tower 5 unit 1"), "Tower 5/unit1");
+    assert_eq!(read("take it to 105"), "105");
+    assert_eq!(read("take it to unit 2 of 105"), "105/unit2");
+    assert_eq!(read("Tower B, unit 1"), "Tower B/unit1");
+    assert_eq!(read("送到B座1单元"), "Tower B/unit1");
+}
+
+#[test]
+fn what_the_map_lacks_or_has_twice_is_a_problem() {
+    let planner = GrammarPlanner::new();
+    let problem = |map: &openbench_osm::OsmMap, text: &str| {
+        let plan = plan(&planner, map, &Flat, text).unwrap();
+        (doors(&plan), plan.deliveries[0].problem.clone().unwrap_or_default())
+    };
+    let (name, words) = problem(&numbered(3), "unit 1 of building 7");
+    assert_eq!(name, "building7/unit1");
+    assert!(words.contains("no building") && words.contains("building1, building2, building3"), "{words}");
+    let (name, words) = problem(&numbered(3), "unit 1 of Wonder Hall");
+    assert_eq!(name, "Wonder Hall/unit1");
+    assert!(words.contains("`Wonder Hall`"), "{words}");
+    let (_, words) = problem(&named(&["Tower 5", "Block 5"]), "building 5");
+    assert!(words.contains("Block 5, Tower 5"), "{words}");
+    let (_, words) = problem(&named(&["Paldal Hall", "Dasan Hall"]), "take it to the Hall");
+    assert!(words.contains("Dasan Hall, Paldal Hall"), "{words}");
+    let (_, words) = problem(&named(&["Gym", "Gym"]), "Take it to the Gym");
+    assert!(words.contains("2 buildings"), "{words}");
+    let (_, words) = problem(&numbered(3), "Take it to unit 2");
+    assert!(words.contains("which building"), "{words}");
+    assert_eq!(problem(&named(&[]), "building 3, unit 1").0, "building3/unit1");
+    let only = plan(&planner, &named(&["Paldal Hall"]), &Flat, "Take it to unit 2").unwrap();
+    assert_eq!(doors(&only), "Paldal Hall/unit2");
+}
+
+#[test]
+fn a_unit_on_the_map_bears_the_maps_name() {
+    let map = map(&[&[("name", "building1")], &[("name", "building2")]], &[(1, "Unit 1")]);
+    let plan =
+        plan(&GrammarPlanner::new(), &map, &Flat, "unit 1 of building 2, unit 1 of building 1").unwrap();
+    assert_eq!(doors(&plan), "building2/Unit 1 building1/unit1");
+    let steps = serde_json::to_string(&plan.deliveries[0].steps).unwrap();
+    assert_eq!(steps, r#"[{"mode":"navigate","target":"Unit 1"}]"#);
+    let steps = serde_json::to_string(&plan.deliveries[1].steps).unwrap();
+    assert_eq!(steps, r#"[{"mode":"navigate","target":"building1"},{"mode":"explore","target":"unit1"}]"#);
+}
+
+#[test]
+fn no_text_is_too_strange() {
+    let planner = GrammarPlanner::new();
+    let map = numbered(3);
+    for text in [
+        "",
+        " ",
+        "?!",
+        "Sing me a song",
+        "唱首歌",
+        "building",
+        "不要送到3号楼",
+        "\u{0}",
+        "the unit",
+        &"a ".repeat(30_000),
+    ] {
+        let error = plan(&planner, &map, &Flat, text).unwrap_err();
+        assert!(matches!(error, PlanError::NotUnderstood { .. }), "{text}");
+    }
+    for text in [
+        "building 99999999999999999999",
+        "units 1-4000000000 of building 3",
+        "building 3 unit",
+        "3号楼号楼号楼单元",
+    ] {
+        let _ = plan(&planner, &map, &Flat, text);
+    }
+}
+
+proptest::proptest! {
+    /// Any heap of the grammar's own words is planned or refused, and every door stands once in the plan.
+    #[test]
+    fn any_heap_of_words_is_survived(words in proptest::collection::vec(0_usize..HEAP.len(), 0..25), glue in 0_usize..3) {
+        let separator = ["", " ", ", "][glue];
+        let text = words.iter().map(|w| HEAP[*w]).collect::<Vec<_>>().join(separator);
+        let map = named(&["building1", "Paldal Hall", "3号楼", "Hall"]);
+        if let Ok(plan) = plan(&GrammarPlanner::new(), &map, &Straight, &text) {
+            let deliveries = &plan.deliveries;
+            for (i, delivery) in deliveries.iter().enumerate() {
+                let again = deliveries[i + 1..].iter().any(|d| d.address().same_door(&delivery.address()));
+                proptest::prop_assert!(!again, "{} twice in `{}`", delivery.address(), text);
+            }
+        }
+    }
+}
+
+/// Words, numbers and marks that the grammar has rules for.
+const HEAP: [&str; 44] = [
+    "building",
+    "buildings",
+    "unit",
+    "units",
+    "3",
+    "12",
+    "first",
+    "second",
+    "of",
+    "to",
+    "and",
+    ",",
+    ".",
+    "-",
+    "#",
+    "not",
+    "no wait",
+    "from",
+    "then",
+    "before",
+    "after",
+    "last",
+    "B",
+    "u3",
+    "号楼",
+    "单元",
+    "号",
+    "楼",
+    "、",
+    "三",
+    "十",
+    "到",
+    "不是",
+    "然后",
+    "的",
+    "箱子",
+    "Paldal",
+    "Hall",
+    "the",
+    "box",
+    "respectively",
+    "5 kg",
+    "号棟",
+    "é\u{301}",
+];

@@ -1,0 +1,176 @@
+//! The frames of an MCAP file, one after the other: an operation code, a length, a body; chunks hold more of them.
+//!
+//! Read from the front to the end without the index, so that a file that was cut off gives what it has. Bodies grow
+//! with the bytes that are really there, never with what a length claims.
+
+use std::io::Read;
+
+use mcap::records::op;
+use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
+
+use crate::error::LogError;
+
+/// The largest record, and the largest unpacked chunk, that is read.
+pub const LIMIT: u64 = 256 << 20;
+const HEAD: usize = 9;
+
+/// One record.
+pub struct Frame {
+    pub op: u8,
+    pub body: Vec<u8>,
+}
+
+/// What a file or a chunk gives next.
+pub enum Next {
+    Frame(Frame),
+    End,
+    /// The source ended within a record; what there was of its body.
+    CutOff(Frame),
+}
+
+/// Reads the next record; `offset` moves by what was read.
+pub fn next_frame(source: &mut impl Read, offset: &mut u64) -> Result<Next, LogError> {
+    let begin = *offset;
+    let head = read_up_to(source, HEAD as u64, offset)?;
+    let [op, length @ ..] = head.as_slice() else { return Ok(Next::End) };
+    let Ok(length) = <[u8; 8]>::try_from(length) else {
+        return Ok(Next::CutOff(Frame { op: *op, body: Vec::new() }));
+    };
+    let bytes = u64::from_le_bytes(length);
+    if bytes > LIMIT {
+        return Err(LogError::TooLarge { offset: begin, what: "record", bytes, limit: LIMIT });
+    }
+    let body = read_up_to(source, bytes, offset)?;
+    let complete = body.len() as u64 == bytes;
+    let frame = Frame { op: *op, body };
+    Ok(if complete { Next::Frame(frame) } else { Next::CutOff(frame) })
+}
+
+/// At most `wanted` bytes, fewer where the source ends.
+pub fn read_up_to(source: &mut impl Read, wanted: u64, offset: &mut u64) -> Result<Vec<u8>, LogError> {
+    let mut bytes = Vec::new();
+    let read = source.take(wanted).read_to_end(&mut bytes);
+    *offset += bytes.len() as u64;
+    read.map_err(|source| LogError::Read { offset: *offset, source })?;
+    Ok(bytes)
+}
+
+/// The records in a chunk, or in the front part of one, and why there are no more of them, if they ended early.
+pub fn chunk_frames(chunk: &[u8], offset: u64) -> (Vec<Frame>, Option<LogError>) {
+    let mut frames = Vec::new();
+    let result = unpack(chunk, offset, &mut frames);
+    (frames, result.err())
+}
+
+fn unpack(chunk: &[u8], offset: u64, frames: &mut Vec<Frame>) -> Result<(), LogError> {
+    let header = ChunkHeader::parse(chunk).ok_or(LogError::Truncated { offset, what: "chunk" })?;
+    let (bytes, limit) = (header.unpacked, LIMIT);
+    if bytes > limit {
+        return Err(LogError::TooLarge { offset, what: "chunk", bytes, limit });
+    }
+    match header.compression {
+        b"" => unpack_stored(header.records, offset, frames),
+        b"zstd" => unpack_zstd(chunk, offset, frames),
+        other => Err(LogError::Damaged {
+            offset,
+            problem: format!(
+                "chunk compression `{}` is not read; convert the log to zstd",
+                String::from_utf8_lossy(other)
+            ),
+        }),
+    }
+}
+
+fn unpack_stored(mut records: &[u8], offset: u64, frames: &mut Vec<Frame>) -> Result<(), LogError> {
+    let mut position = offset;
+    loop {
+        match next_frame(&mut records, &mut position)? {
+            Next::Frame(frame) => frames.push(frame),
+            Next::End => return Ok(()),
+            Next::CutOff(_) => return Err(LogError::Truncated { offset, what: "chunk" }),
+        }
+    }
+}
+
+/// Hands the chunk, as a file of one record, to the `mcap` crate, which decompresses and checks its CRC.
+fn unpack_zstd(chunk: &[u8], offset: u64, frames: &mut Vec<Frame>) -> Result<(), LogError> {
+    let options = LinearReaderOptions::default()
+        .with_skip_start_magic(true)
+        .with_skip_end_magic(true)
+        .with_validate_chunk_crcs(true)
+        .with_record_length_limit(LIMIT as usize);
+    let mut reader = LinearReader::new_with_options(options);
+    let head = [&[op::CHUNK][..], &(chunk.len() as u64).to_le_bytes()].concat();
+    let mut source = head.as_slice().chain(chunk);
+    while let Some(event) = reader.next_event() {
+        match event.map_err(|e| chunk_error(&e, offset))? {
+            LinearReadEvent::ReadRequest(wanted) => {
+                let bytes = read_up_to(&mut source, wanted.min(chunk.len() + HEAD) as u64, &mut 0)?;
+                reader.insert(bytes.len()).copy_from_slice(&bytes);
+                reader.notify_read(bytes.len());
+            }
+            LinearReadEvent::Record { data, opcode } => {
+                frames.push(Frame { op: opcode, body: data.to_vec() })
+            }
+        }
+    }
+    Ok(())
+}
+
+fn chunk_error(error: &mcap::McapError, offset: u64) -> LogError {
+    match error {
+        mcap::McapError::UnexpectedEof | mcap::McapError::UnexpectedEoc => {
+            LogError::Truncated { offset, what: "chunk" }
+        }
+        other => LogError::Damaged { offset, problem: other.to_string() },
+    }
+}
+
+struct ChunkHeader<'a> {
+    unpacked: u64,
+    compression: &'a [u8],
+    records: &'a [u8],
+}
+
+impl<'a> ChunkHeader<'a> {
+    fn parse(chunk: &'a [u8]) -> Option<Self> {
+        let mut fields = Fields(chunk);
+        fields.take(16)?; // first and last time
+        let unpacked = fields.u64()?;
+        fields.take(4)?; // CRC
+        let compression = fields.text()?;
+        let packed = fields.u64()?;
+        let records = fields.rest();
+        let end = usize::try_from(packed).unwrap_or(usize::MAX).min(records.len());
+        Some(Self { unpacked, compression, records: &records[..end] })
+    }
+}
+
+/// The fields of a record's body, front to back; `None` where the body ends before them.
+pub struct Fields<'a>(pub &'a [u8]);
+
+impl<'a> Fields<'a> {
+    pub fn take(&mut self, bytes: usize) -> Option<&'a [u8]> {
+        let (taken, rest) = self.0.split_at_checked(bytes)?;
+        self.0 = rest;
+        Some(taken)
+    }
+
+    pub fn u16(&mut self) -> Option<u16> {
+        Some(u16::from_le_bytes(self.take(2)?.try_into().ok()?))
+    }
+
+    pub fn u64(&mut self) -> Option<u64> {
+        Some(u64::from_le_bytes(self.take(8)?.try_into().ok()?))
+    }
+
+    /// Bytes with their length before them.
+    pub fn text(&mut self) -> Option<&'a [u8]> {
+        let length = u32::from_le_bytes(self.take(4)?.try_into().ok()?);
+        self.take(length as usize)
+    }
+
+    pub fn rest(&mut self) -> &'a [u8] {
+        std::mem::take(&mut self.0)
+    }
+}

@@ -1,0 +1,226 @@
+//! The contract with a chat model: messages in, one text out.
+//!
+//! Follows the shape that OpenAI-compatible servers share (roles, pictures beside text, a request for JSON), and no more: no
+//! streaming, no tools, no several choices. Everything here can be written to a file and read back unchanged, errors too,
+//! so that a recorded conversation replays exactly ([`crate::replay`]).
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+/// Something that answers a conversation: a remote endpoint, a recording, or a script in a test.
+///
+/// Implementations are shared between worker threads; a call blocks until the answer or an error is there, so an
+/// implementation that can wait must bound the wait itself.
+pub trait ChatModel: Send + Sync {
+    /// The model's name as results report it, without endpoint and without secrets.
+    fn name(&self) -> &str;
+
+    /// Answers the conversation with one text.
+    ///
+    /// # Errors
+    /// Any [`ChatError`]; retries are the implementation's business, so an error here is final for this request.
+    fn chat(&self, request: &ChatRequest) -> Result<ChatReply, ChatError>;
+}
+
+impl<M: ChatModel + ?Sized> ChatModel for Box<M> {
+    fn name(&self) -> &str {
+        (**self).name()
+    }
+
+    fn chat(&self, request: &ChatRequest) -> Result<ChatReply, ChatError> {
+        (**self).chat(request)
+    }
+}
+
+impl<M: ChatModel + ?Sized> ChatModel for std::sync::Arc<M> {
+    fn name(&self) -> &str {
+        (**self).name()
+    }
+
+    fn chat(&self, request: &ChatRequest) -> Result<ChatReply, ChatError> {
+        (**self).chat(request)
+    }
+}
+
+/// Who speaks in a [`Message`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Role {
+    /// Standing orders, before the conversation.
+    System,
+    /// The one who asks.
+    User,
+    /// The model, in earlier turns.
+    Assistant,
+}
+
+/// One turn of a conversation.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Message {
+    /// Who speaks.
+    pub role: Role,
+    /// What is said.
+    pub text: String,
+    /// Pictures shown with the text, each a whole PNG or JPEG file.
+    pub images: Vec<Vec<u8>>,
+}
+
+impl Message {
+    /// Standing orders for the model.
+    pub fn system(text: impl Into<String>) -> Self {
+        Self { role: Role::System, text: text.into(), images: Vec::new() }
+    }
+
+    /// A question without pictures.
+    pub fn user(text: impl Into<String>) -> Self {
+        Self { role: Role::User, text: text.into(), images: Vec::new() }
+    }
+
+    /// An earlier answer of the model.
+    pub fn assistant(text: impl Into<String>) -> Self {
+        Self { role: Role::Assistant, text: text.into(), images: Vec::new() }
+    }
+
+    /// The same turn with one more picture, a whole PNG or JPEG file.
+    #[must_use]
+    pub fn with_image(mut self, file: Vec<u8>) -> Self {
+        self.images.push(file);
+        self
+    }
+}
+
+/// What is asked of a [`ChatModel`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ChatRequest {
+    /// The conversation so far, oldest first.
+    pub messages: Vec<Message>,
+    /// Whether the answer shall be one JSON object. Servers honour it as well as they can; callers still check.
+    pub json: bool,
+    /// The longest answer wanted, in the model's tokens.
+    pub max_tokens: u32,
+    /// Sampling temperature; 0 asks for the likeliest answer.
+    pub temperature: f32,
+}
+
+impl ChatRequest {
+    /// A conversation that asks for plain text, 1024 tokens at most, at temperature 0.
+    pub fn new(messages: Vec<Message>) -> Self {
+        Self { messages, json: false, max_tokens: 1024, temperature: 0.0 }
+    }
+
+    /// The same conversation, asking for one JSON object.
+    #[must_use]
+    pub fn as_json(mut self) -> Self {
+        self.json = true;
+        self
+    }
+
+    /// SHA-256 over every field, in hex. Each part is preceded by its length, so no two requests share an encoding.
+    pub fn digest(&self) -> String {
+        let mut hasher = Sha256::new();
+        hasher.update([u8::from(self.json)]);
+        hasher.update(self.max_tokens.to_le_bytes());
+        hasher.update(self.temperature.to_bits().to_le_bytes());
+        for message in &self.messages {
+            hasher.update([message.role as u8]);
+            hash_part(&mut hasher, message.text.as_bytes());
+            hasher.update((message.images.len() as u64).to_le_bytes());
+            message.images.iter().for_each(|image| hash_part(&mut hasher, image));
+        }
+        crate::digest::hex(&hasher.finalize())
+    }
+}
+
+fn hash_part(hasher: &mut Sha256, bytes: &[u8]) {
+    hasher.update((bytes.len() as u64).to_le_bytes());
+    hasher.update(bytes);
+}
+
+/// What a [`ChatModel`] answered.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ChatReply {
+    /// The answer, as the model wrote it.
+    pub text: String,
+    /// Tokens that the request cost; 0 where the server did not say.
+    pub prompt_tokens: u32,
+    /// Tokens that the answer cost; 0 where the server did not say.
+    pub completion_tokens: u32,
+}
+
+/// Why there is no answer. No variant ever holds a key.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, thiserror::Error)]
+pub enum ChatError {
+    /// No connection to the server, or it broke off.
+    #[error("cannot reach the model at {endpoint}: {detail}; check the address and that the server runs")]
+    Unreachable {
+        /// The address that was tried.
+        endpoint: String,
+        /// What the network said.
+        detail: String,
+    },
+    /// The server did not answer in time.
+    #[error(
+        "the model at {endpoint} did not answer within {seconds} s; try a longer time-out or a faster model"
+    )]
+    Timeout {
+        /// The address that was tried.
+        endpoint: String,
+        /// The limit that ran out, rounded up.
+        seconds: u64,
+    },
+    /// The server answered with an HTTP status other than 200.
+    #[error("the model at {endpoint} answered with HTTP status {code}: {detail}")]
+    Status {
+        /// The address that was tried.
+        endpoint: String,
+        /// The HTTP status.
+        code: u16,
+        /// The beginning of what the server said about it.
+        detail: String,
+    },
+    /// The answer is not what an OpenAI-compatible server sends, or exceeds the size limit.
+    #[error("the answer of {endpoint} cannot be used: {detail}")]
+    BadReply {
+        /// The address (or the recording) that answered.
+        endpoint: String,
+        /// What is wrong with the answer.
+        detail: String,
+    },
+    /// A recording holds no (further) answer to this request.
+    #[error("the recording has no answer to request {digest}; record it again with the model itself")]
+    NotRecorded {
+        /// [`ChatRequest::digest`] of the request.
+        digest: String,
+    },
+    /// The recording could not be written.
+    #[error("cannot write the recording: {detail}")]
+    Recording {
+        /// What the file system said.
+        detail: String,
+    },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn digest_separates_requests_that_concatenate_alike() {
+        let one = ChatRequest::new(vec![Message::user("ab"), Message::user("c")]);
+        let two = ChatRequest::new(vec![Message::user("a"), Message::user("bc")]);
+        assert_ne!(one.digest(), two.digest());
+    }
+
+    #[test]
+    fn digest_depends_on_every_field() {
+        let base = ChatRequest::new(vec![Message::user("a").with_image(vec![1])]);
+        let mut seen = vec![base.digest(), base.clone().as_json().digest()];
+        seen.push(ChatRequest { max_tokens: 7, ..base.clone() }.digest());
+        seen.push(ChatRequest { temperature: 0.5, ..base.clone() }.digest());
+        seen.push(ChatRequest::new(vec![Message::system("a").with_image(vec![1])]).digest());
+        seen.push(ChatRequest::new(vec![Message::user("a").with_image(vec![2])]).digest());
+        seen.push(ChatRequest::new(vec![Message::user("a")]).digest());
+        let distinct: std::collections::BTreeSet<_> = seen.iter().collect();
+        assert_eq!(distinct.len(), seen.len());
+    }
+}

@@ -1,0 +1,182 @@
+//! The client against scripted servers on this machine.
+
+use std::io::{BufRead, BufReader, Write};
+use std::net::{TcpListener, TcpStream};
+use std::thread::JoinHandle;
+use std::time::Instant;
+
+use super::*;
+use crate::spec::endpoint;
+
+const KEY: &str = "sk-top-secret-123";
+
+/// A server that answers one connection with each text of the script, verbatim, and returns the requests it got.
+fn serve(script: Vec<String>) -> (String, JoinHandle<Vec<String>>) {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let base = format!("http://{}/v1", listener.local_addr().unwrap());
+    let thread =
+        std::thread::spawn(move || script.iter().map(|answer| exchange(&listener, answer)).collect());
+    (base, thread)
+}
+
+fn exchange(listener: &TcpListener, answer: &str) -> String {
+    let (mut stream, _) = listener.accept().unwrap();
+    let request = read_request(&stream);
+    if answer == "silence" {
+        std::thread::sleep(Duration::from_millis(600));
+    } else {
+        stream.write_all(answer.as_bytes()).unwrap();
+    }
+    request
+}
+
+fn read_request(stream: &TcpStream) -> String {
+    let mut reader = BufReader::new(stream);
+    let (mut head, mut length) = (String::new(), 0);
+    while !head.ends_with("\r\n\r\n") {
+        let start = head.len();
+        reader.read_line(&mut head).unwrap();
+        if let Some(value) = head[start..].to_lowercase().strip_prefix("content-length:") {
+            length = value.trim().parse().unwrap();
+        }
+    }
+    let mut body = vec![0; length];
+    reader.read_exact(&mut body).unwrap();
+    head + &String::from_utf8(body).unwrap()
+}
+
+fn http(status: &str, body: &str) -> String {
+    format!("HTTP/1.1 {status}\r\ncontent-length: {}\r\nconnection: close\r\n\r\n{body}", body.len())
+}
+
+fn ok(text: &str) -> String {
+    let usage = json!({ "prompt_tokens": 12, "completion_tokens": 3 });
+    http("200 OK", &json!({ "choices": [{ "message": { "content": text } }], "usage": usage }).to_string())
+}
+
+fn model(base: &str) -> OpenAi {
+    let settings = OpenAiSettings {
+        timeout: Duration::from_millis(400),
+        retries: 2,
+        first_pause: Duration::from_millis(5),
+        longest_pause: Duration::from_millis(50),
+        max_reply_bytes: 2000,
+    };
+    endpoint("m", Some(base), settings, |name| (name == "OPENBENCH_API_KEY").then(|| KEY.into())).unwrap()
+}
+
+fn ask(script: Vec<String>) -> (Result<ChatReply, ChatError>, Vec<String>) {
+    let (base, server) = serve(script);
+    let answer = model(&base).chat(&ChatRequest::new(vec![Message::user("hello")]));
+    let shown = format!(
+        "{answer:?} {}",
+        answer.as_ref().map_or_else(ToString::to_string, |reply| reply.text.clone())
+    );
+    assert!(!shown.contains(KEY), "the key shows in {shown}");
+    (answer, server.join().unwrap())
+}
+
+#[test]
+fn an_answer_with_its_costs() {
+    let (answer, requests) = ask(vec![ok("hi")]);
+    assert_eq!(answer.unwrap(), ChatReply { text: "hi".into(), prompt_tokens: 12, completion_tokens: 3 });
+    assert!(requests[0].starts_with("POST /v1/chat/completions HTTP/1.1\r\n"));
+    assert!(requests[0].contains(&format!("Bearer {KEY}")));
+    let sent: Value = serde_json::from_str(requests[0].split("\r\n\r\n").nth(1).unwrap()).unwrap();
+    let messages = json!([{ "role": "user", "content": "hello" }]);
+    assert_eq!(sent, json!({ "model": "m", "messages": messages, "max_tokens": 1024, "temperature": 0.0 }));
+}
+
+#[test]
+fn pictures_travel_as_data_urls_and_json_is_asked_for() {
+    let request = ChatRequest::new(vec![Message::user("see").with_image(vec![0xff, 0xd8, 1])]).as_json();
+    let sent = body("m", &request);
+    assert_eq!(sent["messages"][0]["content"][1]["image_url"]["url"], "data:image/jpeg;base64,/9gB");
+    assert_eq!(sent["response_format"]["type"], "json_object");
+}
+
+#[test]
+fn busy_and_broken_servers_are_asked_again() {
+    let (answer, requests) = ask(vec![http("429 Too Many Requests", ""), http("503 Busy", ""), ok("late")]);
+    assert_eq!(answer.unwrap().text, "late");
+    assert_eq!(requests.len(), 3);
+    let (answer, _) = ask(vec![String::new(), ok("second")]);
+    assert_eq!(answer.unwrap().text, "second");
+}
+
+#[test]
+fn tries_are_bounded() {
+    let (answer, _) = ask(vec![http("500 Oops", "x"); 3]);
+    assert!(matches!(answer, Err(ChatError::Status { code: 500, .. })), "{answer:?}");
+}
+
+#[test]
+fn retry_after_is_heeded_but_bounded() {
+    let busy =
+        "HTTP/1.1 429 Busy\r\nretry-after: 3600\r\ncontent-length: 0\r\nconnection: close\r\n\r\n".to_owned();
+    let start = Instant::now();
+    assert!(ask(vec![busy, ok("x")]).0.is_ok());
+    assert!((Duration::from_millis(50)..Duration::from_secs(5)).contains(&start.elapsed()));
+}
+
+#[test]
+fn refusals_are_final_and_quote_the_server_without_the_key() {
+    let complaint = json!({ "error": { "message": format!("bad key {KEY}") } }).to_string();
+    let (answer, _) = ask(vec![http("401 Unauthorized", &complaint)]);
+    let Err(ChatError::Status { code: 401, detail, .. }) = answer else { panic!("{answer:?}") };
+    assert_eq!(detail, "bad key [key]");
+}
+
+#[test]
+fn a_key_in_an_answer_is_blotted_out() {
+    assert_eq!(ask(vec![ok(&format!("you sent {KEY}"))]).0.unwrap().text, "you sent [key]");
+}
+
+#[test]
+fn redirects_are_not_followed() {
+    let moved = "HTTP/1.1 307 Moved\r\nlocation: http://127.0.0.1:9/\r\ncontent-length: 0\r\nconnection: close\r\n\r\n";
+    let (answer, _) = ask(vec![moved.into()]);
+    assert!(matches!(answer, Err(ChatError::Status { code: 307, .. })), "{answer:?}");
+}
+
+#[test]
+fn answers_that_are_none() {
+    let half = http("200 OK", "{\"choices\": [{\"message\": {\"con");
+    let cut =
+        json!({ "choices": [{ "message": { "content": "[1," }, "finish_reason": "length" }] }).to_string();
+    let null = json!({ "choices": [{ "message": { "content": null }, "finish_reason": "content_filter" }] })
+        .to_string();
+    let long = http("200 OK", &"x".repeat(2001));
+    for bad in [
+        half,
+        http("200 OK", "<html>"),
+        http("200 OK", "[]"),
+        http("200 OK", &cut),
+        http("200 OK", &null),
+        long,
+    ] {
+        let (answer, _) = ask(vec![bad.clone()]);
+        assert!(matches!(answer, Err(ChatError::BadReply { .. })), "{bad}: {answer:?}");
+    }
+}
+
+#[test]
+fn slow_servers_time_out_once() {
+    let start = Instant::now();
+    let (answer, _) = ask(vec!["silence".into()]);
+    assert!(matches!(answer, Err(ChatError::Timeout { seconds: 1, .. })), "{answer:?}");
+    assert!(start.elapsed() < Duration::from_secs(3));
+}
+
+#[test]
+fn garbage_and_nobody_are_unreachable() {
+    let (answer, _) = ask(vec!["garbage\r\n\r\n".into(); 3]);
+    assert!(matches!(answer, Err(ChatError::Unreachable { .. })), "{answer:?}");
+    let nobody = model("http://127.0.0.1:9/v1").chat(&ChatRequest::new(vec![]));
+    assert!(matches!(nobody, Err(ChatError::Unreachable { .. })), "{nobody:?}");
+}
+
+#[test]
+fn debug_output_hides_the_key() {
+    assert!(!format!("{:?}", model("http://127.0.0.1:9/v1")).contains(KEY));
+}

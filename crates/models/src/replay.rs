@@ -1,0 +1,232 @@
+//! Recording what a chat model answered, and answering from the recording.
+//!
+//! A recording is JSON lines, one exchange a line, errors included. It is keyed by [`ChatRequest::digest`]; several answers to the same request
+//! are given again in their order. Pictures are kept as SHA-256 only: a recording is for replay and for reading, not for sending again.
+//! Where threads share a recorder, equal requests of different threads may swap answers: give each episode its own.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::io::{BufRead, BufReader, Read, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use serde::{Deserialize, Serialize};
+
+use crate::chat::{ChatError, ChatModel, ChatReply, ChatRequest, Role};
+
+/// Larger recordings are refused, bytes.
+const MAX_BYTES: u64 = 256 << 20;
+
+/// One line of a recording.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Exchange {
+    digest: String,
+    model: String,
+    /// For people; replay looks at the digest only.
+    #[serde(default)]
+    messages: Vec<RecordedMessage>,
+    outcome: Outcome,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct RecordedMessage {
+    role: Role,
+    text: String,
+    /// SHA-256 of each picture.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    images: Vec<String>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Outcome {
+    Reply(ChatReply),
+    Error(ChatError),
+}
+
+/// A [`ChatModel`] that writes down every exchange with the model inside it.
+#[derive(Debug)]
+pub struct Recorder<M, W> {
+    model: M,
+    sink: Mutex<W>,
+}
+
+impl<M: ChatModel, W: Write + Send> Recorder<M, W> {
+    /// Records to `sink`: a file, or a `Vec<u8>` in memory. Each exchange is written and flushed at once.
+    pub fn new(model: M, sink: W) -> Self {
+        Self { model, sink: Mutex::new(sink) }
+    }
+
+    /// Ends the recording and returns where it was written.
+    pub fn into_sink(self) -> W {
+        self.sink.into_inner().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn write(&self, exchange: &Exchange) -> std::io::Result<()> {
+        let mut line = serde_json::to_vec(exchange)?;
+        line.push(b'\n');
+        let mut sink = self.sink.lock().unwrap_or_else(PoisonError::into_inner);
+        sink.write_all(&line)?;
+        sink.flush()
+    }
+}
+
+impl<M: ChatModel, W: Write + Send> ChatModel for Recorder<M, W> {
+    fn name(&self) -> &str {
+        self.model.name()
+    }
+
+    fn chat(&self, request: &ChatRequest) -> Result<ChatReply, ChatError> {
+        let answer = self.model.chat(request);
+        let outcome = answer.clone().map_or_else(Outcome::Error, Outcome::Reply);
+        let messages = request.messages.iter().map(recorded).collect();
+        let exchange = Exchange { digest: request.digest(), model: self.name().into(), messages, outcome };
+        self.write(&exchange).map_err(|error| ChatError::Recording { detail: error.to_string() })?;
+        answer
+    }
+}
+
+fn recorded(message: &crate::chat::Message) -> RecordedMessage {
+    // Reading from memory does not fail.
+    let images =
+        message.images.iter().filter_map(|image| crate::digest::sha256_of(&image[..]).ok()).collect();
+    RecordedMessage { role: message.role, text: message.text.clone(), images }
+}
+
+/// Why a recording cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum ReplayError {
+    /// The file cannot be read.
+    #[error("cannot read the recording {}: {source}", file.display())]
+    Read {
+        /// The file.
+        file: PathBuf,
+        /// What the file system said.
+        source: std::io::Error,
+    },
+    /// A line is no exchange.
+    #[error("line {line} of the recording is no exchange: {detail}")]
+    BadLine {
+        /// Counted from 1.
+        line: usize,
+        /// What is wrong with it.
+        detail: String,
+    },
+}
+
+/// A [`ChatModel`] that gives recorded answers again, bit for bit.
+#[derive(Debug)]
+pub struct Replay {
+    name: String,
+    answers: Mutex<BTreeMap<String, VecDeque<Outcome>>>,
+}
+
+impl Replay {
+    /// Reads a recording file.
+    ///
+    /// # Errors
+    /// [`ReplayError`] if it cannot be read, is larger than 256 MiB, or a line is no exchange.
+    pub fn open(file: &Path) -> Result<Self, ReplayError> {
+        let reader =
+            std::fs::File::open(file).map_err(|source| ReplayError::Read { file: file.into(), source })?;
+        Self::from_reader(reader)
+    }
+
+    /// Reads a recording from memory or a stream.
+    ///
+    /// # Errors
+    /// [`ReplayError::BadLine`]; a recording cut off at 256 MiB ends in such a line.
+    pub fn from_reader(reader: impl Read) -> Result<Self, ReplayError> {
+        let (mut answers, mut name) = (BTreeMap::<String, VecDeque<Outcome>>::new(), None);
+        let mut read = 0;
+        for (index, line) in BufReader::new(reader).take(MAX_BYTES).lines().enumerate() {
+            let bad = |detail: String| ReplayError::BadLine { line: index + 1, detail };
+            let line = line.map_err(|error| bad(error.to_string()))?;
+            read += line.len() as u64 + 1;
+            if read >= MAX_BYTES {
+                return Err(bad(format!("the recording is longer than {MAX_BYTES} bytes")));
+            }
+            if line.trim().is_empty() {
+                continue;
+            }
+            let exchange: Exchange = serde_json::from_str(&line).map_err(|error| bad(error.to_string()))?;
+            name.get_or_insert(exchange.model);
+            answers.entry(exchange.digest).or_default().push_back(exchange.outcome);
+        }
+        Ok(Self { name: name.unwrap_or_else(|| "replay".into()), answers: Mutex::new(answers) })
+    }
+}
+
+impl ChatModel for Replay {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn chat(&self, request: &ChatRequest) -> Result<ChatReply, ChatError> {
+        let digest = request.digest();
+        let mut answers = self.answers.lock().unwrap_or_else(PoisonError::into_inner);
+        match answers.get_mut(&digest).and_then(VecDeque::pop_front) {
+            Some(Outcome::Reply(reply)) => Ok(reply),
+            Some(Outcome::Error(error)) => Err(error),
+            None => Err(ChatError::NotRecorded { digest }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicU32, Ordering};
+
+    use super::*;
+    use crate::chat::Message;
+
+    /// Counts its calls and fails every third time.
+    struct Counting(AtomicU32);
+
+    impl ChatModel for Counting {
+        fn name(&self) -> &str {
+            "counting"
+        }
+
+        fn chat(&self, _: &ChatRequest) -> Result<ChatReply, ChatError> {
+            let call = self.0.fetch_add(1, Ordering::SeqCst);
+            if call % 3 == 2 {
+                return Err(ChatError::Timeout { endpoint: "e".into(), seconds: 1 });
+            }
+            Ok(ChatReply {
+                text: format!("{call} \u{2028} \"ü\"\n"),
+                prompt_tokens: call,
+                completion_tokens: 0,
+            })
+        }
+    }
+
+    #[test]
+    fn a_replay_answers_like_the_model_did() {
+        let recorder = Recorder::new(Counting(AtomicU32::new(0)), Vec::new());
+        let requests: Vec<_> =
+            ["a", "b", "a", "b", "a"].map(|text| ChatRequest::new(vec![Message::user(text)])).into();
+        let first: Vec<_> = requests.iter().map(|request| recorder.chat(request)).collect();
+        let replay = Replay::from_reader(&recorder.into_sink()[..]).unwrap();
+        assert_eq!(replay.name(), "counting");
+        // Another order among different requests changes nothing.
+        for index in [1, 0, 2, 4, 3] {
+            assert_eq!(replay.chat(&requests[index]), first[index], "{index}");
+        }
+        assert!(matches!(replay.chat(&requests[0]), Err(ChatError::NotRecorded { .. })));
+    }
+
+    #[test]
+    fn pictures_are_recorded_by_digest() {
+        let recorder = Recorder::new(Counting(AtomicU32::new(0)), Vec::new());
+        recorder.chat(&ChatRequest::new(vec![Message::user("x").with_image(b"abc".to_vec())])).unwrap();
+        let text = String::from_utf8(recorder.into_sink()).unwrap();
+        assert!(text.contains("ba7816bf8f01cfea") && text.lines().count() == 1, "{text}");
+    }
+
+    #[test]
+    fn broken_recordings_name_the_line() {
+        let error = Replay::from_reader(&b"\n{\"digest\": 3}\n"[..]).unwrap_err();
+        assert!(matches!(error, ReplayError::BadLine { line: 2, .. }), "{error}");
+        assert!(matches!(Replay::open(Path::new("/nonexistent")), Err(ReplayError::Read { .. })));
+    }
+}

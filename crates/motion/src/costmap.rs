@@ -1,0 +1,271 @@
+//! What is known about the ground: buildings, walls and water of the map, and what the LiDAR saw.
+//!
+//! What the LiDAR saw overrules the map: a recessed door lies inside its building's outline, and a map may be wrong.
+//! Distances to obstacles are exact (Euclidean distance transform).
+
+use openbench_core::{MapPoint, RobotDescription};
+use openbench_grid::{GridGeometry, squared_distances};
+use openbench_osm::OsmMap;
+
+use crate::obstacles::RangeRing;
+
+/// Side of a cell, metres, unless the map is so large that cells must be larger.
+const CELL: f64 = 0.1;
+/// Most cells along one side.
+const MAX_SIDE: f64 = 4000.0;
+/// Evidence of one hit, and its bounds; one miss counts -1.
+const HIT: i8 = 4;
+const EVIDENCE: (i8, i8) = (-6, 12);
+/// Evidence below which a cell is known to be free.
+const FREE: i8 = -3;
+/// Room beyond the footprint that a way keeps from obstacles, metres.
+const MARGIN: f64 = 0.05;
+/// Distance at which obstacles no longer cost anything, metres.
+const COMFORT: f64 = 0.9;
+/// Cost of a cell right beside an obstacle, in cells.
+const DISCOMFORT: f64 = 6.0;
+
+/// Half the width of the gap that a gate leaves in a barrier, metres.
+const GATE: f64 = 1.0;
+
+/// A costmap cannot be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum CostmapError {
+    /// A corner of the area is not a number, or the area has no size.
+    #[error("the area from {low} to {high} is no area; give two finite corners, the lower one first")]
+    NoArea {
+        /// Lower corner.
+        low: MapPoint,
+        /// Upper corner.
+        high: MapPoint,
+    },
+}
+
+/// Cells with what is known about them.
+#[derive(Debug, Clone)]
+pub struct Costmap {
+    grid: GridGeometry,
+    mapped: Vec<bool>,
+    evidence: Vec<i8>,
+    /// Distance to the nearest obstacle in cells, squared; as of the last [`Costmap::inflate`].
+    clearance: Vec<f32>,
+    /// Distance that the middle of the robot must keep, metres.
+    keep: f64,
+}
+
+impl Costmap {
+    /// The costmap of an area, from the buildings and barriers of `map` in it.
+    pub fn new(map: &OsmMap, low: MapPoint, high: MapPoint, robot: &RobotDescription) -> Result<Self, CostmapError> {
+        let finite = [low.x, low.y, high.x, high.y].iter().all(|c| c.is_finite() && c.abs() < 1e7);
+        if !finite || high.x <= low.x || high.y <= low.y {
+            return Err(CostmapError::NoArea { low, high });
+        }
+        let cell = CELL.max((high.x - low.x).max(high.y - low.y) / MAX_SIDE);
+        let grid = GridGeometry::covering(low, high, cell, MAX_SIDE as usize + 1);
+        let mut costmap = Self {
+            mapped: vec![false; grid.len()],
+            evidence: vec![0; grid.len()],
+            clearance: Vec::new(),
+            keep: robot.inscribed_radius() + MARGIN,
+            grid,
+        };
+        costmap.draw_map(map);
+        costmap.inflate();
+        Ok(costmap)
+    }
+
+    /// The cells.
+    pub fn grid(&self) -> &GridGeometry {
+        &self.grid
+    }
+
+    /// Takes in what a scan shows. [`Costmap::inflate`] makes it count.
+    pub fn observe(&mut self, ring: &RangeRing) {
+        for (degrees, &clear) in ring.clear.iter().enumerate() {
+            self.mark_clear(ring.center, (degrees as f64 + 0.5).to_radians(), clear);
+        }
+        let mut hit: Vec<usize> = ring.obstacles.iter().filter_map(|p| self.grid.cell_at(*p)).collect();
+        hit.sort_unstable();
+        hit.dedup();
+        for cell in hit {
+            self.evidence[cell] = (self.evidence[cell].max(0) + HIT).min(EVIDENCE.1);
+        }
+    }
+
+    /// Computes the distances to obstacles anew.
+    pub fn inflate(&mut self) {
+        let blocked: Vec<bool> = (0..self.grid.len()).map(|c| self.is_obstacle(c)).collect();
+        self.clearance = squared_distances(&blocked, self.grid.width, self.grid.height);
+    }
+
+    /// Whether something solid is believed to be in a cell.
+    pub fn is_obstacle(&self, cell: usize) -> bool {
+        self.evidence[cell] > 0 || (self.mapped[cell] && self.evidence[cell] > FREE)
+    }
+
+    /// Distance from a cell to the nearest obstacle, metres, as of the last inflation.
+    pub fn clearance(&self, cell: usize) -> f64 {
+        f64::from(self.clearance[cell]).sqrt() * self.grid.cell
+    }
+
+    /// Distance from `point` to the nearest obstacle, metres; zero outside the map.
+    pub fn clearance_at(&self, point: MapPoint) -> f64 {
+        self.grid.cell_at(point).map_or(0.0, |c| self.clearance(c))
+    }
+
+    /// Cost of driving one cell's side through a cell: 1 far from obstacles, more beside them, `None` where the robot
+    /// does not fit.
+    pub fn cost(&self, cell: usize) -> Option<f64> {
+        let clearance = self.clearance(cell);
+        if clearance < self.keep {
+            return None;
+        }
+        let near = ((COMFORT - clearance) / (COMFORT - self.keep)).max(0.0);
+        Some(1.0 + DISCOMFORT * near * near)
+    }
+
+    /// Distance that the robot's middle keeps from obstacles, metres.
+    pub fn keep(&self) -> f64 {
+        self.keep
+    }
+
+    /// Whether any obstacle evidence is within `reach` metres of the segment `from`–`to` beyond what the last inflation
+    /// knew; cheap enough for every scan.
+    pub fn is_clear(&self, from: MapPoint, to: MapPoint) -> bool {
+        let steps = (from.distance(to) / self.grid.cell).ceil().max(1.0) as usize;
+        (0..=steps).all(|i| {
+            let t = i as f64 / steps as f64;
+            let p = MapPoint::new(from.x + t * (to.x - from.x), from.y + t * (to.y - from.y));
+            self.nearest_obstacle_within(p, self.keep).is_none()
+        })
+    }
+
+    /// Distance from `point` to the nearest obstacle by the newest evidence, if it is within `reach` metres.
+    pub fn nearest_obstacle_within(&self, point: MapPoint, reach: f64) -> Option<f64> {
+        let low = MapPoint::new(point.x - reach, point.y - reach);
+        let high = MapPoint::new(point.x + reach, point.y + reach);
+        let (columns, rows) = self.grid.window(low, high)?;
+        let cells = (rows.0..=rows.1).flat_map(|r| (columns.0..=columns.1).map(move |c| (c, r)));
+        cells
+            .filter_map(|(c, r)| self.grid.cell_in(c, r))
+            .filter(|&c| self.is_obstacle(c))
+            .map(|c| self.grid.center(c).distance(point))
+            .filter(|&d| d < reach)
+            .reduce(f64::min)
+    }
+
+    fn draw_map(&mut self, map: &OsmMap) {
+        for building in &map.buildings {
+            let ring = &building.polygon.outer;
+            let Some(first) = ring.first() else { continue };
+            let low = ring.iter().fold(*first, |a, p| MapPoint::new(a.x.min(p.x), a.y.min(p.y)));
+            let high = ring.iter().fold(*first, |a, p| MapPoint::new(a.x.max(p.x), a.y.max(p.y)));
+            let Some((columns, rows)) = self.grid.window(low, high) else { continue };
+            for row in rows.0..=rows.1 {
+                for cell in (columns.0..=columns.1).filter_map(|column| self.grid.cell_in(column, row)) {
+                    self.mapped[cell] = self.mapped[cell] || building.polygon.contains(self.grid.center(cell));
+                }
+            }
+        }
+        for barrier in &map.barriers {
+            for pair in barrier.points.windows(2) {
+                self.draw_line(pair[0], pair[1]);
+            }
+            for gate in &barrier.gates {
+                self.open_gate(*gate);
+            }
+        }
+    }
+
+    /// Leaves the map's opinion out around a gate: the LiDAR will see whether it is open.
+    fn open_gate(&mut self, gate: MapPoint) {
+        let low = MapPoint::new(gate.x - GATE, gate.y - GATE);
+        let high = MapPoint::new(gate.x + GATE, gate.y + GATE);
+        let Some((columns, rows)) = self.grid.window(low, high) else { return };
+        for row in rows.0..=rows.1 {
+            for cell in (columns.0..=columns.1).filter_map(|column| self.grid.cell_in(column, row)) {
+                self.mapped[cell] = false;
+            }
+        }
+    }
+
+    fn draw_line(&mut self, from: MapPoint, to: MapPoint) {
+        let steps = (from.distance(to) / self.grid.cell * 2.0).ceil().clamp(1.0, 1e6) as usize;
+        for i in 0..=steps {
+            let t = i as f64 / steps as f64;
+            let p = MapPoint::new(from.x + t * (to.x - from.x), from.y + t * (to.y - from.y));
+            if let Some(cell) = self.grid.cell_at(p) {
+                self.mapped[cell] = true;
+            }
+        }
+    }
+
+    fn mark_clear(&mut self, center: MapPoint, bearing: f64, distance: f64) {
+        let (sin, cos) = libm::sincos(bearing);
+        // Stop short of what was hit, by a cell's diagonal.
+        let steps = ((distance - 1.5 * self.grid.cell) / self.grid.cell).max(0.0) as usize;
+        for i in 0..steps {
+            let along = i as f64 * self.grid.cell;
+            if let Some(cell) = self.grid.cell_at(MapPoint::new(center.x + along * cos, center.y + along * sin)) {
+                self.evidence[cell] = (self.evidence[cell] - 1).max(EVIDENCE.0);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use openbench_core::{Georeference, LonLat};
+    use openbench_osm::OsmData;
+
+    pub(crate) fn empty_map() -> OsmMap {
+        OsmMap::new(&OsmData::default(), Georeference::TangentPlane(LonLat::new(8.0, 50.0)))
+    }
+
+    pub(crate) fn open_ground() -> Costmap {
+        let (low, high) = (MapPoint::new(-10.0, -10.0), MapPoint::new(10.0, 10.0));
+        Costmap::new(&empty_map(), low, high, &RobotDescription::sentry()).unwrap()
+    }
+
+    pub(crate) fn see_wall(costmap: &mut Costmap, from: MapPoint, to: MapPoint) {
+        let points = (0..=200).map(|i| {
+            let t = f64::from(i) / 200.0;
+            (MapPoint::new(from.x + t * (to.x - from.x), from.y + t * (to.y - from.y)), 0.3)
+        });
+        costmap.observe(&RangeRing::new(MapPoint::default(), points));
+        costmap.inflate();
+    }
+
+    #[test]
+    fn what_was_seen_blocks_and_can_be_cleared_again() {
+        let mut costmap = open_ground();
+        see_wall(&mut costmap, MapPoint::new(2.0, -1.0), MapPoint::new(2.0, 1.0));
+        let beside = costmap.grid().cell_at(MapPoint::new(1.9, 0.0)).unwrap();
+        assert_eq!(costmap.cost(beside), None);
+        assert!(!costmap.is_clear(MapPoint::new(0.0, 0.0), MapPoint::new(4.0, 0.0)));
+        // The wall has gone: beams reach the ground behind it.
+        let ground = |i: i32| (MapPoint::new(5.0, f64::from(i) / 20.0), 0.0);
+        for _ in 0..12 {
+            costmap.observe(&RangeRing::new(MapPoint::default(), (-60..60).map(ground)));
+        }
+        assert!(costmap.is_clear(MapPoint::new(0.0, 0.0), MapPoint::new(4.0, 0.0)));
+    }
+
+    #[test]
+    fn absurd_areas_are_refused() {
+        let robot = RobotDescription::sentry();
+        for (low, high) in [((0.0, 0.0), (0.0, 5.0)), ((f64::NAN, 0.0), (1.0, 1.0)), ((5.0, 0.0), (0.0, 5.0))] {
+            let corner = |c: (f64, f64)| MapPoint::new(c.0, c.1);
+            assert!(Costmap::new(&empty_map(), corner(low), corner(high), &robot).is_err());
+        }
+    }
+
+    #[test]
+    fn clearance_is_euclidean() {
+        let mut costmap = open_ground();
+        see_wall(&mut costmap, MapPoint::new(3.05, 0.05), MapPoint::new(3.05, 0.05));
+        let clearance = costmap.clearance_at(MapPoint::new(0.05, 4.05));
+        assert!((clearance - 5.0).abs() < 1e-6, "{clearance}");
+    }
+}

@@ -1,0 +1,215 @@
+//! Driving along a way: pure pursuit (Coulter 1992), slower in bends and near the end, turning on the spot where the way
+//! leads sideways, and standing still before anything the LiDAR sees in the robot's next second.
+
+use openbench_core::{MapPoint, Pose2, RobotDescription, Velocity, frames::wrap_angle};
+
+use crate::costmap::Costmap;
+
+/// Distance along the way to the point that is steered for, metres.
+const LOOKAHEAD: f64 = 0.6;
+/// Heading error above which the robot turns on the spot, radians.
+const TURN_FIRST: f64 = 0.7;
+/// Deceleration that is always possible, m/s².
+const BRAKING: f64 = 0.6;
+/// Time over which the commanded motion must be free, seconds.
+const HORIZON: f64 = 1.0;
+
+/// What a follower works from.
+#[derive(Debug, Clone, Copy)]
+pub struct FollowInput<'a> {
+    /// Where the robot believes to be, in `map`.
+    pub pose: Pose2,
+    /// The way; it begins near the robot.
+    pub path: &'a [MapPoint],
+    /// Heading wanted at the end of the way, radians; any if none.
+    pub final_yaw: Option<f64>,
+    /// What is known about the ground.
+    pub costmap: &'a Costmap,
+}
+
+/// Why a follower does not move.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum Blocked {
+    /// The way is empty or holds a number that is none.
+    #[error("there is no way to follow")]
+    NoPath,
+    /// Something stands in the way.
+    #[error("an obstacle stands {0:.2} m ahead")]
+    Obstacle(f64),
+}
+
+/// What a follower decides.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Progress {
+    /// Drive on with this velocity.
+    Drive(Velocity),
+    /// The end of the way is reached, heading included.
+    Arrived,
+}
+
+/// Turns a way into velocities, one call an observation.
+pub trait PathFollower {
+    /// The velocity for now.
+    fn follow(&mut self, input: &FollowInput<'_>) -> Result<Progress, Blocked>;
+}
+
+/// Pure pursuit with a look at the next second.
+#[derive(Debug, Clone)]
+pub struct Follower {
+    robot: RobotDescription,
+    /// Distance from the end at which the robot has arrived, metres.
+    tolerance: f64,
+    /// Heading error at the end with which the robot has arrived, radians.
+    yaw_tolerance: f64,
+}
+
+impl Follower {
+    /// A follower for a robot.
+    pub fn new(robot: RobotDescription) -> Self {
+        Self { robot, tolerance: 0.15, yaw_tolerance: 0.08 }
+    }
+
+    fn pursue(&self, input: &FollowInput<'_>, remaining: f64) -> Velocity {
+        let target = point_ahead(input.path, input.pose.point(), LOOKAHEAD);
+        let (forward, left) = input.pose.inverse_transform(target);
+        let error = libm::atan2(left, forward);
+        if error.abs() > TURN_FIRST {
+            return self.turn(error);
+        }
+        let distance = libm::hypot(forward, left).max(0.05);
+        let curvature = 2.0 * left / (distance * distance);
+        let for_bend = self.robot.max_forward / (1.0 + 0.8 * curvature.abs());
+        let for_end = (2.0 * BRAKING * remaining).sqrt().max(0.08);
+        let linear = self.robot.max_forward.min(for_bend).min(for_end);
+        Velocity::new(linear, (linear * curvature).clamp(-self.robot.max_turn, self.robot.max_turn))
+    }
+
+    fn turn(&self, error: f64) -> Velocity {
+        let rate = (1.6 * error.abs()).clamp(0.15, self.robot.max_turn * 0.8);
+        Velocity::new(0.0, rate.copysign(error))
+    }
+
+    /// The fastest share of `wanted` whose next second stays clear of obstacles.
+    fn secured(&self, input: &FollowInput<'_>, wanted: Velocity) -> Result<Velocity, Blocked> {
+        let mut free = wanted;
+        for share in [1.0, 0.6, 0.3] {
+            free = Velocity::new(wanted.linear * share, wanted.angular * share);
+            if self.first_contact(input, free).is_none() {
+                return Ok(free);
+            }
+        }
+        Err(Blocked::Obstacle(self.first_contact(input, free).unwrap_or(0.0)))
+    }
+
+    /// Distance driven before the robot's hull, at its wanted velocity, comes too close to an obstacle.
+    fn first_contact(&self, input: &FollowInput<'_>, velocity: Velocity) -> Option<f64> {
+        let reach = self.robot.inscribed_radius() + 0.02;
+        let here = input.costmap.nearest_obstacle_within(input.pose.point(), reach);
+        let steps = 10;
+        let dt = HORIZON / f64::from(steps);
+        let mut pose = input.pose;
+        for i in 1..=steps {
+            pose = pose.compose(Pose2::new(velocity.linear * dt, 0.0, velocity.angular * dt));
+            if let Some(distance) = input.costmap.nearest_obstacle_within(pose.point(), reach) {
+                // Already too close: moving away is allowed.
+                if here.is_none_or(|h| distance < h - 0.005) {
+                    return Some(velocity.linear * dt * f64::from(i));
+                }
+            }
+        }
+        None
+    }
+}
+
+impl PathFollower for Follower {
+    fn follow(&mut self, input: &FollowInput<'_>) -> Result<Progress, Blocked> {
+        let finite = |p: &MapPoint| p.x.is_finite() && p.y.is_finite();
+        let end = *input.path.last().filter(|_| input.path.iter().all(finite)).ok_or(Blocked::NoPath)?;
+        if !finite(&input.pose.point()) || !input.pose.yaw.is_finite() {
+            return Err(Blocked::NoPath);
+        }
+        let to_end = input.pose.point().distance(end);
+        if to_end <= self.tolerance {
+            let error = input.final_yaw.map_or(0.0, |yaw| wrap_angle(yaw - input.pose.yaw));
+            let arrived = error.abs() <= self.yaw_tolerance;
+            return Ok(if arrived { Progress::Arrived } else { Progress::Drive(self.turn(error)) });
+        }
+        let wanted = self.pursue(input, to_end);
+        self.secured(input, wanted).map(Progress::Drive)
+    }
+}
+
+/// The point `ahead` metres along `path` from its place nearest to `from`, or its end.
+fn point_ahead(path: &[MapPoint], from: MapPoint, ahead: f64) -> MapPoint {
+    let (mut segment, mut foot, mut nearest) = (0, path[0], f64::INFINITY);
+    for (i, pair) in path.windows(2).enumerate() {
+        let candidate = foot_on(from, pair[0], pair[1]);
+        let distance = candidate.distance(from);
+        if distance < nearest - 1e-9 {
+            (segment, foot, nearest) = (i, candidate, distance);
+        }
+    }
+    let (mut at, mut left) = (foot, ahead);
+    for next in &path[(segment + 1).min(path.len())..] {
+        let length = at.distance(*next);
+        if length >= left {
+            let t = left / length;
+            return MapPoint::new(at.x + t * (next.x - at.x), at.y + t * (next.y - at.y));
+        }
+        (at, left) = (*next, left - length);
+    }
+    at
+}
+
+fn foot_on(p: MapPoint, a: MapPoint, b: MapPoint) -> MapPoint {
+    let (dx, dy) = (b.x - a.x, b.y - a.y);
+    let length = dx * dx + dy * dy;
+    let t = if length > 0.0 { (((p.x - a.x) * dx + (p.y - a.y) * dy) / length).clamp(0.0, 1.0) } else { 0.0 };
+    MapPoint::new(a.x + t * dx, a.y + t * dy)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::costmap::tests::{open_ground, see_wall};
+
+    /// Drives an ideal robot until it arrives or `seconds` are over; returns where it ended and whether it arrived.
+    fn drive(path: &[MapPoint], final_yaw: Option<f64>, costmap: &Costmap, seconds: f64) -> (Pose2, bool) {
+        let mut follower = Follower::new(RobotDescription::sentry());
+        let mut pose = Pose2::default();
+        for _ in 0..(seconds / 0.05) as usize {
+            match follower.follow(&FollowInput { pose, path, final_yaw, costmap }) {
+                Ok(Progress::Arrived) => return (pose, true),
+                Ok(Progress::Drive(v)) => pose = pose.compose(Pose2::new(v.linear * 0.05, 0.0, v.angular * 0.05)),
+                Err(_) => {}
+            }
+        }
+        (pose, false)
+    }
+
+    #[test]
+    fn a_bent_way_is_driven_to_its_end_and_heading() {
+        let path = [(0.0, 0.0), (3.0, 0.0), (3.0, 3.0), (0.0, 3.0)].map(|(x, y)| MapPoint::new(x, y));
+        let (pose, arrived) = drive(&path, Some(1.0), &open_ground(), 60.0);
+        assert!(arrived && pose.point().distance(path[3]) < 0.16 && (pose.yaw - 1.0).abs() < 0.09, "{pose:?}");
+    }
+
+    #[test]
+    fn the_robot_stands_before_a_wall_that_the_way_leads_into() {
+        let mut costmap = open_ground();
+        see_wall(&mut costmap, MapPoint::new(2.0, -2.0), MapPoint::new(2.0, 2.0));
+        let path = [MapPoint::default(), MapPoint::new(4.0, 0.0)];
+        let (pose, arrived) = drive(&path, None, &costmap, 20.0);
+        assert!(!arrived && pose.x > 1.0 && pose.x < 2.0 - 0.16, "{pose:?}");
+    }
+
+    #[test]
+    fn no_way_and_no_number_are_refused() {
+        let (costmap, mut follower) = (open_ground(), Follower::new(RobotDescription::sentry()));
+        let nan = [MapPoint::new(f64::NAN, 0.0)];
+        for path in [&[][..], &nan[..]] {
+            let input = FollowInput { pose: Pose2::default(), path, final_yaw: None, costmap: &costmap };
+            assert_eq!(follower.follow(&input), Err(Blocked::NoPath));
+        }
+    }
+}

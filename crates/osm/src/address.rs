@@ -1,0 +1,187 @@
+//! The *location query* of the OpenBench paper: an address is looked up level by level, from the lowest (unit) to the highest
+//! (building), and the first level that the map knows is where the robot drives; what lies below must be explored for.
+
+use std::collections::BTreeMap;
+
+use openbench_core::Address;
+
+use crate::map::{Building, Entrance, OsmMap};
+use crate::names::{fold, fold_number, fold_unit, full_names, numbers};
+use crate::tags::Tags;
+
+/// What the map knows of an address.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Location {
+    /// The map knows the very door.
+    Unit {
+        /// Index into [`OsmMap::entrances`].
+        entrance: usize,
+        /// Index into [`OsmMap::buildings`].
+        building: usize,
+    },
+    /// The map knows the building but not the door: index into [`OsmMap::buildings`].
+    Building(usize),
+    /// The map knows neither.
+    Unknown,
+    /// Several buildings fit equally well: indices into [`OsmMap::buildings`], in order.
+    Ambiguous(Vec<usize>),
+}
+
+/// Looks an address up from the lowest level to the highest.
+///
+/// A building is looked for by its full names, then by the addresses that stand on its doors, then by its bare number
+/// (`ref`, `addr:housenumber`); the first of these that fits any building counts. Of several doors to one unit the one
+/// with `entrance=main` is taken, else the one with the lowest node number.
+pub fn locate(map: &OsmMap, address: &Address) -> Location {
+    let fitting = map.names.buildings(&address.building);
+    let Some(first) = fitting.first() else { return Location::Unknown };
+    let element = map.buildings[*first].element;
+    if fitting.iter().any(|i| map.buildings[*i].element != element) {
+        return Location::Ambiguous(fitting.to_vec());
+    }
+    // What is left are the parts of one multipolygon.
+    match address.unit.as_ref().and_then(|unit| door(map, fitting, unit)) {
+        Some((entrance, building)) => Location::Unit { entrance, building },
+        None => Location::Building(largest(map, fitting)),
+    }
+}
+
+fn door(map: &OsmMap, buildings: &[usize], unit: &str) -> Option<(usize, usize)> {
+    let unit = fold_unit(unit);
+    let into = |e: &Entrance| e.building.filter(|b| buildings.contains(b));
+    let fits = |e: &Entrance| e.units.iter().any(|name| fold_unit(name) == unit);
+    let doors = map.entrances.iter().enumerate().filter(|(_, e)| fits(e));
+    let doors =
+        doors.filter_map(|(i, e)| into(e).map(|building| (!e.tags.is("entrance", "main"), i, building)));
+    doors.min().map(|(_, entrance, building)| (entrance, building))
+}
+
+fn largest(map: &OsmMap, buildings: &[usize]) -> usize {
+    let area = |i: &usize| map.buildings[*i].polygon.area();
+    buildings.iter().copied().reduce(|a, b| if area(&b) > area(&a) { b } else { a }).unwrap_or_default()
+}
+
+/// An index from folded names to buildings.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Names {
+    /// From the best kind of name to the poorest.
+    tiers: [BTreeMap<String, Vec<usize>>; 3],
+}
+
+impl Names {
+    pub(crate) fn new(buildings: &[Building], entrances: &[Entrance]) -> Self {
+        let mut names = Self::default();
+        for (i, building) in buildings.iter().enumerate() {
+            names.add(0, full_names(&building.tags), i);
+            names.add(2, numbers(&building.tags), i);
+        }
+        for entrance in entrances {
+            if let Some(i) = entrance.building {
+                let address: Tags =
+                    entrance.tags.iter().filter(|(key, _)| key.starts_with("addr:")).collect();
+                names.add(1, full_names(&address), i);
+                names.add(2, numbers(&address), i);
+            }
+        }
+        for tier in &mut names.tiers {
+            tier.values_mut().for_each(|found| {
+                found.sort_unstable();
+                found.dedup();
+            });
+        }
+        names
+    }
+
+    fn add(&mut self, tier: usize, names: Vec<String>, building: usize) {
+        for name in names {
+            self.tiers[tier].entry(name).or_default().push(building);
+        }
+    }
+
+    /// The buildings that go by `name`, in order.
+    fn buildings(&self, name: &str) -> &[usize] {
+        let folded = fold(name);
+        let full = self.tiers[..2].iter().find_map(|tier| tier.get(&folded));
+        let number = || self.tiers[2].get(&folded).or_else(|| self.tiers[2].get(&fold_number(name)));
+        full.or_else(number).map_or(&[], Vec::as_slice)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use openbench_core::Georeference;
+    use openbench_core::LonLat;
+
+    use super::*;
+    use crate::data::{Node, OsmData, Way};
+
+    /// Square houses of 0.0001 degrees (11 m) in a row along the equator, one for each list of tags.
+    fn street(houses: &[&[(&str, &str)]]) -> OsmData {
+        let mut data = OsmData::default();
+        for (house, tags) in (0..).zip(houses) {
+            let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+            let id = |corner: usize| house * 10 + corner as i64 + 1;
+            for (i, (x, y)) in corners.iter().enumerate() {
+                let position = LonLat::new((house as f64 * 2.0 + x) * 1e-4, y * 1e-4);
+                data.nodes.insert(id(i), Node { id: id(i), position, tags: Tags::new() });
+            }
+            let mut tags: Tags = tags.iter().copied().collect();
+            tags.insert("building", "yes");
+            data.ways.insert(house, Way { id: house, nodes: vec![id(0), id(1), id(2), id(3), id(0)], tags });
+        }
+        data
+    }
+
+    fn tag_node(data: &mut OsmData, node: i64, tags: &[(&str, &str)]) {
+        data.nodes.get_mut(&node).unwrap().tags = tags.iter().copied().collect();
+    }
+
+    fn look_up(data: &OsmData, building: &str, unit: Option<&str>) -> Location {
+        let map = OsmMap::new(data, Georeference::TangentPlane(LonLat::new(0.0, 0.0)));
+        locate(&map, &Address { building: building.into(), unit: unit.map(str::to_owned) })
+    }
+
+    #[test]
+    fn the_lowest_level_that_the_map_knows_is_found() {
+        let mut data = street(&[&[("name", "building1")], &[("name", "building11")]]);
+        tag_node(&mut data, 2, &[("entrance", "yes"), ("addr:unit", "unit1")]);
+        assert_eq!(look_up(&data, "Building 1", Some("Unit 1")), Location::Unit { entrance: 0, building: 0 });
+        assert_eq!(look_up(&data, "Building 1", Some("1")), Location::Unit { entrance: 0, building: 0 });
+        assert_eq!(look_up(&data, "Building 1", Some("unit11")), Location::Building(0));
+        assert_eq!(look_up(&data, "Building 1", None), Location::Building(0));
+        assert_eq!(look_up(&data, "building 11", Some("1")), Location::Building(1));
+        assert_eq!(look_up(&data, "building 2", Some("unit1")), Location::Unknown);
+    }
+
+    #[test]
+    fn two_buildings_of_one_name_are_ambiguous_but_a_full_name_beats_a_number() {
+        let data = street(&[
+            &[("name", "3")],
+            &[("addr:housenumber", "3"), ("addr:street", "Rua Alta")],
+            &[("addr:housenumber", "3"), ("addr:street", "Rua Baixa")],
+            &[("ref", "5")],
+            &[("addr:housenumber", "5")],
+        ]);
+        assert_eq!(look_up(&data, "3", None), Location::Building(0));
+        assert_eq!(look_up(&data, "rua baixa 3", None), Location::Building(2));
+        assert_eq!(look_up(&data, "3 Rua Alta", None), Location::Building(1));
+        assert_eq!(look_up(&data, "Building 5", None), Location::Ambiguous(vec![3, 4]));
+    }
+
+    #[test]
+    fn a_building_is_found_by_the_address_on_its_door() {
+        let mut data = street(&[&[], &[]]);
+        let address = [("addr:street", "Rua Alta"), ("addr:housenumber", "7"), ("entrance", "main")];
+        tag_node(&mut data, 12, &address);
+        assert_eq!(look_up(&data, "Rua Alta 7", None), Location::Building(1));
+        assert_eq!(look_up(&data, "7", None), Location::Building(1));
+    }
+
+    #[test]
+    fn of_two_doors_to_one_unit_the_main_one_is_taken() {
+        let mut data = street(&[&[("name", "A")]]);
+        tag_node(&mut data, 1, &[("entrance", "yes"), ("ref", "2")]);
+        tag_node(&mut data, 3, &[("entrance", "main"), ("ref", "2")]);
+        assert_eq!(look_up(&data, "A", Some("2")), Location::Unit { entrance: 1, building: 0 });
+    }
+}

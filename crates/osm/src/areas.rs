@@ -1,0 +1,132 @@
+//! Polygons from closed ways and multipolygons.
+//!
+//! Follows the OSM definition of areas: a closed way, or a relation of type `multipolygon` (or `boundary`) whose members
+//! make rings. Nodes that the data lacks are passed over: the rest of the outline is nearer the truth than no outline.
+
+use std::cell::Cell;
+use std::collections::BTreeSet;
+
+use openbench_core::MapPoint;
+
+use crate::data::{ElementKind, OsmData, Relation, Way};
+use crate::polygon::Polygon;
+use crate::projection::Projection;
+use crate::rings::assemble;
+use crate::spatial::BoxTree;
+use crate::tags::Tags;
+
+/// Keys that make a closed way an area.
+const AREA_KEYS: [&str; 9] =
+    ["landuse", "natural", "leisure", "amenity", "water", "place", "area:highway", "tourism", "man_made"];
+
+/// What bears one of those keys and is a line all the same.
+const LINES: [(&str, &str); 12] = [
+    ("natural", "coastline"),
+    ("natural", "cliff"),
+    ("natural", "ridge"),
+    ("natural", "arete"),
+    ("natural", "valley"),
+    ("natural", "tree_row"),
+    ("leisure", "track"),
+    ("leisure", "slipway"),
+    ("man_made", "embankment"),
+    ("man_made", "pipeline"),
+    ("man_made", "breakwater"),
+    ("man_made", "groyne"),
+];
+
+/// Whether the tags of a closed way or multipolygon say that it covers ground (buildings apart).
+pub(crate) fn is_area(tags: &Tags) -> bool {
+    let line = LINES.iter().any(|(key, value)| tags.is(key, value));
+    let surface = AREA_KEYS.iter().any(|key| tags.says(key)) || tags.is("waterway", "riverbank");
+    tags.is("area", "yes") || surface && !line && !tags.is("area", "no")
+}
+
+/// Whether a relation's members make rings.
+pub(crate) fn is_multipolygon(relation: &Relation) -> bool {
+    ["multipolygon", "boundary"].iter().any(|kind| relation.tags.is("type", kind))
+}
+
+/// Makes polygons of one map's elements.
+pub(crate) struct Shaper<'a> {
+    pub(crate) data: &'a OsmData,
+    pub(crate) projection: &'a Projection,
+    /// How much more the map may grow, see [`Shaper::afford`].
+    budget: Cell<usize>,
+}
+
+impl<'a> Shaper<'a> {
+    pub(crate) fn new(data: &'a OsmData, projection: &'a Projection) -> Self {
+        let references: usize = data.ways.values().map(|way| way.nodes.len()).sum();
+        Self { data, projection, budget: Cell::new(1_000_000 + 16 * references) }
+    }
+
+    /// Whether the map may take in `points` more points with a copy of `tags`. A small file can name one long way in very
+    /// many relations, or very many parts under one long list of tags; memory must not grow with their product.
+    pub(crate) fn afford(&self, points: usize, tags: &Tags) -> bool {
+        let words: usize = tags.iter().map(|(key, value)| key.len() + value.len()).sum();
+        let left = self.budget.get().checked_sub(points + words / 16);
+        self.budget.set(left.unwrap_or_default());
+        left.is_some()
+    }
+
+    /// Where a node is; `None` if the data lacks it.
+    pub(crate) fn point(&self, node: i64) -> Option<MapPoint> {
+        self.data.nodes.get(&node).map(|node| self.projection.to_map(node.position))
+    }
+
+    /// The area within a closed way.
+    pub(crate) fn way(&self, way: &Way) -> Option<Polygon> {
+        let closed = way.nodes.len() > 3 && way.nodes.first() == way.nodes.last();
+        if closed { Polygon::new(self.points(&way.nodes), Vec::new()) } else { None }
+    }
+
+    /// The areas of a multipolygon, one for each outer ring, and how many rings could not be used: open ones, holes in
+    /// nothing, and what is out of all proportion.
+    pub(crate) fn relation(&self, relation: &Relation) -> (Vec<Polygon>, usize) {
+        let (outer, open_outer) = self.rings(relation, false);
+        let (inner, open_inner) = self.rings(relation, true);
+        let mut polygons: Vec<Polygon> =
+            outer.into_iter().filter_map(|ring| Polygon::new(ring, Vec::new())).collect();
+        let stray = cut_holes(&mut polygons, inner);
+        (polygons, open_outer + open_inner + stray)
+    }
+
+    fn rings(&self, relation: &Relation, inner: bool) -> (Vec<Vec<MapPoint>>, usize) {
+        let members =
+            relation.members.iter().filter(|m| m.kind == ElementKind::Way && (m.role == "inner") == inner);
+        let mut seen = BTreeSet::new();
+        let once = members.filter(|member| seen.insert(member.id));
+        let pieces: Vec<&[i64]> = once
+            .filter_map(|member| self.data.ways.get(&member.id))
+            .map(|way| way.nodes.as_slice())
+            .collect();
+        let length = pieces.iter().map(|piece| piece.len()).sum();
+        if !self.afford(length, &Tags::new()) {
+            return (Vec::new(), 1);
+        }
+        let (rings, open) = assemble(&pieces);
+        let (good, bad): (Vec<_>, Vec<_>) = rings.iter().partition(|_| self.afford(0, &relation.tags));
+        (good.into_iter().map(|ring| self.points(ring)).collect(), open + bad.len())
+    }
+
+    fn points(&self, nodes: &[i64]) -> Vec<MapPoint> {
+        nodes.iter().filter_map(|node| self.point(*node)).collect()
+    }
+}
+
+/// Cuts each hole out of the smallest polygon around it; returns how many lie in none.
+fn cut_holes(polygons: &mut [Polygon], holes: Vec<Vec<MapPoint>>) -> usize {
+    let tree = BoxTree::new(polygons.iter().map(Polygon::bounds));
+    let solid = polygons.to_vec();
+    let mut stray = 0;
+    for hole in holes.into_iter().filter_map(|ring| Polygon::new(ring, Vec::new())) {
+        let inside = hole.interior_point();
+        let around = tree.within(inside, 0.0).into_iter().filter(|i| solid[*i].contains(inside));
+        match around.min_by(|a, b| solid[*a].area().total_cmp(&solid[*b].area())) {
+            Some(i) => polygons[i].holes.push(hole.outer.into_iter().rev().collect()),
+            None => stray += 1,
+        }
+    }
+    stray
+}

@@ -1,0 +1,483 @@
+//! Entrances added, merged and taken away, in OSM's own words: a node on the building's outline with `entrance=*`, and the
+//! unit in `ref` and `addr:unit`.
+//!
+//! Neighbours that share a wall keep sharing it: a new node goes into every way that runs along the wall.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use openbench_core::{Address, Georeference, LonLat, MapPoint};
+
+use crate::areas::is_multipolygon;
+use crate::data::{ElementId, ElementKind, Node, OsmData, Relation, Way};
+use crate::map::is_door;
+use crate::names::{fold_unit, unit_names};
+use crate::polygon::nearest_on_segment;
+use crate::projection::Projection;
+use crate::tags::Tags;
+use crate::write::round7;
+
+/// A door keeps this far from the corners and doors beside it, metres, or a third of a shorter wall.
+const CLEARANCE: f64 = 0.05;
+/// A node further than this from the line between its neighbours is a corner, metres.
+const CORNER: f64 = 0.05;
+/// Two doors without a unit are the same door if they are no further apart than this, metres.
+const SAME_DOOR: f64 = 2.0;
+
+/// An entrance as it now stands in the data.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NewEntrance {
+    /// Number of its node.
+    pub node: i64,
+    /// Where it is, on the building's outline to the centimetre that OSM files resolve.
+    pub position: MapPoint,
+    /// The same place on the Earth, as written.
+    pub lonlat: LonLat,
+}
+
+/// Why an entrance could not be written.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum EditError {
+    /// The data lacks the building.
+    #[error("the map has no {0}; name a way or relation that is in it")]
+    NoSuchBuilding(ElementId),
+    /// The building has no wall to put a door in.
+    #[error("{0} has no outline in the map, so no door can be put in it")]
+    NoOutline(ElementId),
+    /// The place is no place.
+    #[error("{0} is no position to put a door at; give finite metres")]
+    NoPosition(MapPoint),
+}
+
+/// Writes a door into the wall of `building` that is nearest to `at` (`map` frame). A door of the same unit that stands in
+/// that building's outline is moved, not doubled; without a unit, a nameless door within 2 m is.
+pub fn add_entrance(
+    data: &mut OsmData,
+    projection: &Projection,
+    building: ElementId,
+    at: MapPoint,
+    address: &Address,
+) -> Result<NewEntrance, EditError> {
+    let mut tags = Tags::from([("entrance", "yes")]);
+    if let Some(unit) = &address.unit {
+        tags.insert("ref", unit);
+        tags.insert("addr:unit", unit);
+    }
+    put_door(data, projection, building, at, tags)
+}
+
+/// Brings the doors of an edited map into `base`: those whose node `base` lacks or has otherwise, if `base` has their building.
+/// A door of the same unit in `base` is moved. Doors go in the order they were made; the answer counts those brought over.
+pub fn merge_entrances(base: &mut OsmData, from: &OsmData) -> usize {
+    let mut merged = 0;
+    let hosts = door_hosts(from);
+    // New nodes have falling negative numbers.
+    for node in from.nodes.values().rev().filter(|node| is_door(&node.tags)) {
+        let Some(host) = hosts.get(&node.id) else { continue };
+        if base.nodes.get(&node.id) == Some(node) || !base.has(*host) {
+            continue;
+        }
+        let plane = Projection::new(Georeference::TangentPlane(node.position));
+        merged += usize::from(put_door(base, &plane, *host, MapPoint::default(), node.tags.clone()).is_ok());
+    }
+    merged
+}
+
+/// The public map: the same without doors and units. Door nodes lose all their words; they vanish altogether unless an outline has its
+/// corner there or a path leads there.
+pub fn without_doors(data: &OsmData) -> OsmData {
+    let mut public = data.clone();
+    let doors: BTreeSet<i64> =
+        data.nodes.values().filter(|n| is_door(&n.tags) || n.tags.says("door")).map(|n| n.id).collect();
+    let users = ways_of(data, &doors);
+    for id in &doors {
+        let ways = users.get(id).map_or(&[][..], Vec::as_slice);
+        if detach(&mut public, *id, ways) {
+            public.nodes.remove(id);
+        } else if let Some(node) = public.nodes.get_mut(id) {
+            node.tags = Tags::new();
+        }
+    }
+    for relation in public.relations.values_mut() {
+        relation.members.retain(|m| m.kind != ElementKind::Node || !doors.contains(&m.id));
+    }
+    public.nodes.values_mut().for_each(|node| forget_units(&mut node.tags));
+    public.ways.values_mut().for_each(|way| forget_units(&mut way.tags));
+    public.relations.values_mut().for_each(|relation| forget_units(&mut relation.tags));
+    public
+}
+
+fn forget_units(tags: &mut Tags) {
+    tags.retain(|key, _| {
+        !matches!(key, "addr:unit" | "addr:flats" | "addr:door" | "addr:floor" | "entrance")
+    });
+}
+
+fn put_door(
+    data: &mut OsmData,
+    projection: &Projection,
+    building: ElementId,
+    at: MapPoint,
+    tags: Tags,
+) -> Result<NewEntrance, EditError> {
+    if !(at.x.is_finite() && at.y.is_finite()) {
+        return Err(EditError::NoPosition(at));
+    }
+    let outline = outline(data, building)?;
+    // Asked first, so that nothing has changed if there is no wall.
+    nearest_wall(data, projection, &outline, at).ok_or(EditError::NoOutline(building))?;
+    let (id, mut tags) = match same_door(data, projection, &outline, at, &tags) {
+        Some(old) => take_out(data, old, tags),
+        None => (free_id(data), tags),
+    };
+    let wall = nearest_wall(data, projection, &outline, at).ok_or(EditError::NoOutline(building))?;
+    if let Some(name) = data.tags(building).and_then(|tags| tags.get("name"))
+        && is_shared(data, &outline, &wall)
+    {
+        tags.insert("addr:housename", name);
+    }
+    let exact = projection.to_lonlat(wall.place);
+    let lonlat = LonLat::new(round7(exact.lon), round7(exact.lat));
+    insert_between(data, &wall, id);
+    data.nodes.insert(id, Node { id, position: lonlat, tags });
+    Ok(NewEntrance { node: id, position: projection.to_map(lonlat), lonlat })
+}
+
+/// The ways that make up a building's outline and its courtyards.
+fn outline(data: &OsmData, building: ElementId) -> Result<Vec<i64>, EditError> {
+    let missing = EditError::NoSuchBuilding(building);
+    match building.kind {
+        ElementKind::Node => Err(missing),
+        ElementKind::Way if data.ways.contains_key(&building.id) => Ok(vec![building.id]),
+        ElementKind::Way => Err(missing),
+        ElementKind::Relation => {
+            data.relations.get(&building.id).map(|r| member_ways(r).collect()).ok_or(missing)
+        }
+    }
+}
+
+fn member_ways(relation: &Relation) -> impl Iterator<Item = i64> {
+    relation.members.iter().filter(|m| m.kind == ElementKind::Way).map(|m| m.id)
+}
+
+/// The side of an outline between two nodes, and a place on it.
+struct Wall {
+    ends: [i64; 2],
+    place: MapPoint,
+}
+
+fn nearest_wall(data: &OsmData, projection: &Projection, outline: &[i64], at: MapPoint) -> Option<Wall> {
+    let point = |id: i64| data.nodes.get(&id).map(|node| projection.to_map(node.position));
+    let mut best: Option<(f64, Wall)> = None;
+    for way in outline.iter().filter_map(|id| data.ways.get(id)) {
+        for pair in way.nodes.windows(2) {
+            let (Some(a), Some(b)) = (point(pair[0]), point(pair[1])) else { continue };
+            let distance = nearest_on_segment(a, b, at).0.distance(at);
+            if best.as_ref().is_none_or(|(least, _)| distance < *least) {
+                best = Some((distance, Wall { ends: [pair[0], pair[1]], place: clear_of_ends(a, b, at) }));
+            }
+        }
+    }
+    best.map(|(_, wall)| wall)
+}
+
+fn clear_of_ends(a: MapPoint, b: MapPoint, at: MapPoint) -> MapPoint {
+    let (_, t) = nearest_on_segment(a, b, at);
+    let length = a.distance(b);
+    let margin = if length > 3.0 * CLEARANCE { CLEARANCE / length } else { 1.0 / 3.0 };
+    let t = t.clamp(margin, 1.0 - margin);
+    MapPoint::new(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y))
+}
+
+/// Whether another building stands on the other side of the wall.
+fn is_shared(data: &OsmData, outline: &[i64], wall: &Wall) -> bool {
+    let others = data.ways.values().filter(|way| way.tags.says("building") && !outline.contains(&way.id));
+    others.into_iter().any(|way| way.nodes.windows(2).any(|pair| wall.is(pair)))
+}
+
+impl Wall {
+    fn is(&self, pair: &[i64]) -> bool {
+        let [a, b] = self.ends;
+        pair == [a, b] || pair == [b, a]
+    }
+}
+
+fn insert_between(data: &mut OsmData, wall: &Wall, node: i64) {
+    for way in data.ways.values_mut() {
+        let places: Vec<usize> = (1..way.nodes.len()).filter(|i| wall.is(&way.nodes[i - 1..=*i])).collect();
+        for i in places.into_iter().rev() {
+            way.nodes.insert(i, node);
+        }
+    }
+}
+
+/// The door in the outline that leads to the same unit, the nearest if there are several.
+fn same_door(
+    data: &OsmData,
+    projection: &Projection,
+    outline: &[i64],
+    at: MapPoint,
+    tags: &Tags,
+) -> Option<i64> {
+    let folded = |tags: &Tags| unit_names(tags).iter().map(|name| fold_unit(name)).collect::<BTreeSet<_>>();
+    let wanted = folded(tags);
+    let nodes = outline.iter().filter_map(|id| data.ways.get(id)).flat_map(|way| &way.nodes);
+    let doors = nodes.filter_map(|id| data.nodes.get(id)).filter(|node| is_door(&node.tags));
+    let far = |node: &Node| projection.to_map(node.position).distance(at);
+    let same = doors.filter(|node| {
+        let units = folded(&node.tags);
+        let nameless = units.is_empty() && wanted.is_empty() && far(node) <= SAME_DOOR;
+        nameless || !units.is_disjoint(&wanted)
+    });
+    same.map(|node| (far(node), node.id))
+        .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
+        .map(|(_, id)| id)
+}
+
+/// Takes a door out of the outlines, to be put in elsewhere: the number and the tags for its new place, where `tags` win over the
+/// door's old ones. A door at a corner or at the end of a path leaves its node behind and gets a new number.
+fn take_out(data: &mut OsmData, door: i64, tags: Tags) -> (i64, Tags) {
+    let ways = ways_of(data, &BTreeSet::from([door])).remove(&door).unwrap_or_default();
+    let movable = detach(data, door, &ways);
+    let id = if movable { door } else { free_id(data) };
+    let mut merged = data.nodes.get_mut(&door).map(|node| std::mem::take(&mut node.tags)).unwrap_or_default();
+    for (key, value) in tags.iter() {
+        // `entrance=yes` says less than the `entrance=main` that may stand there.
+        if key != "entrance" || !merged.has(key) {
+            merged.insert(key, value);
+        }
+    }
+    (id, merged)
+}
+
+/// Takes a node out of `ways`, all that run through it, if it is a corner or an end of none, no road needs it and enough
+/// nodes remain.
+fn detach(data: &mut OsmData, node: i64, ways: &[i64]) -> bool {
+    let shorter: Option<Vec<Vec<i64>>> = ways.iter().map(|id| without(data, &data.ways[id], node)).collect();
+    let Some(shorter) = shorter else { return false };
+    for (id, nodes) in ways.iter().zip(shorter) {
+        if let Some(way) = data.ways.get_mut(id) {
+            way.nodes = nodes;
+        }
+    }
+    true
+}
+
+/// The nodes of a way without one that its line does not need; `None` if it needs it.
+fn without(data: &OsmData, way: &Way, node: i64) -> Option<Vec<i64>> {
+    let closed = way.nodes.len() > 3 && way.nodes.first() == way.nodes.last();
+    let mut line = way.nodes.clone();
+    if closed {
+        line.pop();
+        // So that the node does not stand at the seam.
+        if line[0] == node || line[line.len() - 1] == node {
+            let half = line.len() / 2;
+            line.rotate_left(half);
+        }
+    }
+    let place = line.iter().position(|id| *id == node).filter(|i| (1..line.len() - 1).contains(i))?;
+    let straight = is_straight(data, line[place - 1], node, line[place + 1])?;
+    line.remove(place);
+    let least = if closed { 3 } else { 2 };
+    if way.tags.says("highway") || !straight || line.len() < least || line.contains(&node) {
+        return None;
+    }
+    if !closed {
+        return Some(line);
+    }
+    // The ring begins where it began, or with the node after.
+    let start =
+        line.iter().position(|id| *id == way.nodes[0] || way.nodes[0] == node && *id == way.nodes[1])?;
+    line.rotate_left(start);
+    line.push(line[0]);
+    Some(line)
+}
+
+/// Whether `node` lies on the straight line between its neighbours; `None` if the data lacks one of them.
+fn is_straight(data: &OsmData, before: i64, node: i64, after: i64) -> Option<bool> {
+    let position = |id: i64| data.nodes.get(&id).map(|node| node.position);
+    let plane = Projection::new(Georeference::TangentPlane(position(node)?));
+    let (a, b) = (plane.to_map(position(before)?), plane.to_map(position(after)?));
+    let here = MapPoint::default();
+    Some(nearest_on_segment(a, b, here).0.distance(here) <= CORNER)
+}
+
+/// For each of `nodes` the ways that run through it, each once.
+fn ways_of(data: &OsmData, nodes: &BTreeSet<i64>) -> BTreeMap<i64, Vec<i64>> {
+    let mut found: BTreeMap<i64, Vec<i64>> = BTreeMap::new();
+    for way in data.ways.values() {
+        for node in way.nodes.iter().filter(|node| nodes.contains(node)) {
+            let ways = found.entry(*node).or_default();
+            if ways.last() != Some(&way.id) {
+                ways.push(way.id);
+            }
+        }
+    }
+    found
+}
+
+/// For each door in an outline the building that it belongs to: a way with `building=*`, else a multipolygon with it. In a
+/// shared wall the one that bears the door's `addr:housename`, else the first.
+fn door_hosts(data: &OsmData) -> BTreeMap<i64, ElementId> {
+    let doors = data.nodes.values().filter(|node| is_door(&node.tags)).map(|node| node.id).collect();
+    let mut relations: BTreeMap<i64, i64> = BTreeMap::new();
+    for relation in data.relations.values().filter(|r| is_multipolygon(r) && r.tags.says("building")) {
+        member_ways(relation).for_each(|way| {
+            relations.entry(way).or_insert(relation.id);
+        });
+    }
+    let host = |way: &i64| {
+        let itself = data.ways[way].tags.says("building").then_some(ElementId::way(*way));
+        itself.or_else(|| relations.get(way).map(|id| ElementId::relation(*id)))
+    };
+    let choose = |door: i64, ways: &[i64]| {
+        let house = data.nodes.get(&door).and_then(|node| node.tags.get("addr:housename"));
+        let bears =
+            |host: &ElementId| house.is_some() && data.tags(*host).and_then(|tags| tags.get("name")) == house;
+        let hosts: Vec<ElementId> = ways.iter().filter_map(host).collect();
+        hosts.iter().copied().find(bears).or(hosts.first().copied())
+    };
+    ways_of(data, &doors).into_iter().filter_map(|(door, ways)| Some((door, choose(door, &ways)?))).collect()
+}
+
+/// A negative number below all others, as editors number what the OSM database does not have yet.
+fn free_id(data: &OsmData) -> i64 {
+    let lowest = data.nodes.first_key_value().map_or(0, |(id, _)| (*id).min(0));
+    lowest
+        .checked_sub(1)
+        .or_else(|| (i64::MIN..0).rev().find(|id| !data.nodes.contains_key(id)))
+        .unwrap_or(i64::MIN)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::address::{Location, locate};
+    use crate::map::OsmMap;
+
+    const ORIGIN: Georeference = Georeference::TangentPlane(LonLat::new(0.0, 0.0));
+    const COURT: ElementId = ElementId::relation(40);
+    const HOUSE: ElementId = ElementId::way(24);
+
+    fn data() -> OsmData {
+        OsmData::from_xml(include_bytes!("../tests/fixtures/court.osm")).unwrap()
+    }
+
+    fn add(data: &mut OsmData, building: ElementId, lon: f64, lat: f64, unit: &str) -> NewEntrance {
+        let plane = Projection::new(ORIGIN);
+        let at = plane.to_map(LonLat::new(lon, lat));
+        add_entrance(data, &plane, building, at, &Address::new("", unit)).unwrap()
+    }
+
+    fn find(data: &OsmData, building: &str, unit: &str) -> Option<(i64, MapPoint)> {
+        let map = OsmMap::new(data, ORIGIN);
+        match locate(&map, &Address::new(building, unit)) {
+            Location::Unit { entrance, .. } => {
+                Some((map.entrances[entrance].node, map.entrances[entrance].position))
+            }
+            _ => None,
+        }
+    }
+
+    #[test]
+    fn a_door_goes_into_the_nearest_wall_at_the_right_place() {
+        let mut data = data();
+        let door = add(&mut data, HOUSE, 0.0004, -0.00002, "unit 7");
+        assert_eq!(door.node, -1);
+        assert_eq!(door.lonlat, LonLat::new(0.0004, 0.0));
+        assert_eq!(data.ways[&24].nodes, [2, -1, 12, 13, 3, 2]);
+        assert_eq!(data.nodes[&-1].tags.to_string(), "addr:unit=unit 7 entrance=yes ref=unit 7");
+        assert_eq!(find(&data, "house", "7"), Some((-1, door.position)));
+    }
+
+    #[test]
+    fn a_door_of_a_multipolygon_goes_into_its_member_and_the_courtyard_counts() {
+        let mut data = data();
+        add(&mut data, COURT, -0.00001, 0.0001, "2");
+        assert_eq!(data.ways[&21].nodes, [1, -1, 4, 3]);
+        add(&mut data, COURT, 0.00015, 0.00012, "3");
+        assert_eq!(data.ways[&22].nodes, [5, -2, 6, 7, 8, 5]);
+        assert_eq!(find(&data, "Court", "unit3").map(|(node, _)| node), Some(-2));
+    }
+
+    #[test]
+    fn a_shared_wall_stays_shared_and_the_door_says_whose_it_is() {
+        let mut data = data();
+        add(&mut data, COURT, 0.0003, 0.0001, "9");
+        assert_eq!(data.ways[&20].nodes, [1, 2, -1, 3]);
+        assert_eq!(data.ways[&24].nodes, [2, 12, 13, 3, -1, 2]);
+        assert_eq!(find(&data, "Court", "9").map(|(node, _)| node), Some(-1));
+        assert_eq!(find(&data, "House", "9"), None);
+    }
+
+    #[test]
+    fn a_known_door_is_moved_not_doubled() {
+        let mut data = data();
+        add(&mut data, HOUSE, 0.0004, 0.0, "7");
+        let moved = add(&mut data, HOUSE, 0.0005, 0.0001, "Unit 7");
+        assert_eq!(moved.node, -1);
+        assert_eq!(data.ways[&24].nodes, [2, 12, -1, 13, 3, 2]);
+        assert_eq!(data.nodes[&-1].tags.get("ref"), Some("Unit 7"));
+    }
+
+    #[test]
+    fn a_door_at_a_corner_leaves_the_corner_behind() {
+        let mut data = data();
+        let moved = add(&mut data, HOUSE, 0.0004, 0.0, "1");
+        assert_eq!(moved.node, -1);
+        assert_eq!(data.ways[&24].nodes, [2, -1, 12, 13, 3, 2]);
+        assert!(data.nodes[&13].tags.is_empty());
+        assert!(data.nodes[&-1].tags.is("entrance", "main"));
+    }
+
+    #[test]
+    fn two_doors_at_one_place_do_not_fall_together() {
+        let mut data = data();
+        let a = add(&mut data, HOUSE, 0.0004, 0.0, "7");
+        let b = add(&mut data, HOUSE, 0.0004, 0.0, "8");
+        assert!((0.03..0.1).contains(&a.position.distance(b.position)));
+    }
+
+    #[test]
+    fn what_has_no_wall_gets_no_door() {
+        let mut data = data();
+        let plane = Projection::new(ORIGIN);
+        let mut add = |building, x| {
+            add_entrance(&mut data, &plane, building, MapPoint::new(x, 0.0), &Address::new("", "1"))
+                .unwrap_err()
+        };
+        assert_eq!(add(ElementId::way(5), 0.0), EditError::NoSuchBuilding(ElementId::way(5)));
+        assert_eq!(add(ElementId::way(27), 0.0), EditError::NoOutline(ElementId::way(27)));
+        assert!(matches!(add(HOUSE, f64::NAN), EditError::NoPosition(_)));
+    }
+
+    #[test]
+    fn doors_of_two_edited_maps_come_together() {
+        let (mut base, mut other) = (data(), data());
+        add(&mut base, HOUSE, 0.0004, 0.0, "7");
+        add(&mut other, COURT, 0.0001, 0.0, "2");
+        add(&mut other, HOUSE, 0.00045, 0.0003, "7");
+        assert_eq!(merge_entrances(&mut base, &other), 2);
+        assert_eq!(find(&base, "Court", "2").map(|(node, _)| node), Some(-2));
+        let (node, place) = find(&base, "House", "7").unwrap();
+        assert_eq!(node, -1);
+        assert!(place.distance(find(&other, "House", "7").unwrap().1) < 0.02);
+        let merged = base.clone();
+        merge_entrances(&mut base, &other);
+        assert_eq!((base.ways, base.nodes), (merged.ways, merged.nodes), "merging again changes nothing");
+    }
+
+    #[test]
+    fn the_public_map_has_no_doors_and_the_same_outlines() {
+        let plain = without_doors(&data());
+        let mut edited = data();
+        add(&mut edited, HOUSE, 0.0004, 0.0, "7");
+        add(&mut edited, COURT, 0.00015, 0.0001, "3");
+        edited.ways.get_mut(&24).unwrap().tags.insert("addr:unit", "7");
+        let public = without_doors(&edited);
+        assert_eq!(String::from_utf8(public.to_xml()), String::from_utf8(plain.to_xml()));
+        assert!(public.nodes.contains_key(&13), "the corner stays");
+        let map = OsmMap::new(&public, ORIGIN);
+        assert!(map.entrances.is_empty());
+        assert_eq!(map.buildings.len(), 3);
+    }
+}

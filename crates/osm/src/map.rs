@@ -1,0 +1,388 @@
+//! Buildings, roads, barriers, areas and entrances in metres: the map as a robot uses it.
+//!
+//! Left out: heights, levels and building parts (a robot on the ground meets the outline), and what OSM says of things under the
+//! ground.
+
+use std::collections::BTreeSet;
+
+use openbench_core::{Georeference, MapPoint};
+
+use crate::address::Names;
+use crate::areas::{Shaper, is_area, is_multipolygon};
+use crate::data::{ElementId, ElementKind, OsmData, Relation, Way};
+use crate::names::{building_name, fold, full_names, unit_names};
+use crate::polygon::Polygon;
+use crate::projection::Projection;
+use crate::spatial::BoxTree;
+use crate::tags::Tags;
+
+/// A door further than this from every outline, in metres, leads into no building.
+const NEAR: f64 = 3.0;
+
+/// A building.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Building {
+    /// The way or relation that it was made from.
+    pub element: ElementId,
+    /// What people call it, see [`building_name`].
+    pub name: Option<String>,
+    /// Its outline.
+    pub polygon: Polygon,
+    /// The words on the element.
+    pub tags: Tags,
+}
+
+/// A way with `highway=*`, or the part of one between nodes that the data lacks. Whether it may be driven on is for a routing
+/// profile to say.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Road {
+    /// Number of the way.
+    pub way: i64,
+    /// The nodes in order, two or more.
+    pub nodes: Vec<i64>,
+    /// Where those nodes are.
+    pub points: Vec<MapPoint>,
+    /// The words on the way.
+    pub tags: Tags,
+}
+
+/// A wall, fence, hedge or the like.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Barrier {
+    /// Number of the way.
+    pub way: i64,
+    /// Its line; first and last point are equal if it is closed.
+    pub points: Vec<MapPoint>,
+    /// Where nodes on it say that one may pass: `barrier=gate`, `barrier=entrance` and the like.
+    pub gates: Vec<MapPoint>,
+    /// The words on the way.
+    pub tags: Tags,
+}
+
+/// Water, grass, a car park, land use, …
+#[derive(Debug, Clone, PartialEq)]
+pub struct Area {
+    /// The way or relation that it was made from.
+    pub element: ElementId,
+    /// Its outline.
+    pub polygon: Polygon,
+    /// The words on the element.
+    pub tags: Tags,
+}
+
+/// A door: a node with `entrance=*` or `building=entrance`, or with `addr:unit` and `door=*`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Entrance {
+    /// Number of the node.
+    pub node: i64,
+    /// Where it is.
+    pub position: MapPoint,
+    /// Index of the building that it leads into, if it is on an outline or within 3 m of one.
+    pub building: Option<usize>,
+    /// Names of its unit: `addr:unit`, `ref`, `name`, in this order, each once.
+    pub units: Vec<String>,
+    /// The words on the node.
+    pub tags: Tags,
+}
+
+/// What could not be made of the data.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct MapReport {
+    /// Buildings that have no outline: not closed, too few nodes in the data, or no area.
+    pub broken_buildings: usize,
+    /// Multipolygons of other areas that have no outline.
+    pub broken_areas: usize,
+    /// Rings of multipolygons that do not close, are holes in nothing, or of which a few ways make up too many; left out.
+    pub open_rings: usize,
+    /// Entrances near no building.
+    pub stray_entrances: usize,
+}
+
+/// OSM data in the `map` frame.
+#[derive(Debug, Clone)]
+pub struct OsmMap {
+    /// How it was brought into metres.
+    pub projection: Projection,
+    /// By element: ways, then relations; a relation with several outer rings gives several buildings.
+    pub buildings: Vec<Building>,
+    /// By number of the way.
+    pub roads: Vec<Road>,
+    /// By number of the way.
+    pub barriers: Vec<Barrier>,
+    /// By element: ways, then relations.
+    pub areas: Vec<Area>,
+    /// By number of the node.
+    pub entrances: Vec<Entrance>,
+    /// What could not be used.
+    pub report: MapReport,
+    outlines: BoxTree,
+    pub(crate) names: Names,
+}
+
+impl OsmMap {
+    /// Brings `data` into the `map` frame of `georeference`.
+    pub fn new(data: &OsmData, georeference: Georeference) -> Self {
+        let mut map = Self {
+            projection: Projection::new(georeference),
+            buildings: Vec::new(),
+            roads: Vec::new(),
+            barriers: Vec::new(),
+            areas: Vec::new(),
+            entrances: Vec::new(),
+            report: MapReport::default(),
+            outlines: BoxTree::default(),
+            names: Names::default(),
+        };
+        let projection = map.projection.clone();
+        let shaper = Shaper::new(data, &projection);
+        map.add_areas(&shaper);
+        map.outlines = BoxTree::new(map.buildings.iter().map(|building| building.polygon.bounds()));
+        map.add_lines(&shaper);
+        map.add_entrances(&shaper);
+        map.names = Names::new(&map.buildings, &map.entrances);
+        map
+    }
+
+    /// Index of the building nearest to `point`: 0 m away if `point` is inside, else as far as its outline. `None` only if there
+    /// are no buildings.
+    pub fn nearest_building(&self, point: MapPoint) -> Option<usize> {
+        self.outlines.nearest(point, |i| self.distance_to_building(i, point)).map(|(index, _)| index)
+    }
+
+    /// Indices, in order, of the buildings within `radius` metres of `point`.
+    pub fn buildings_within(&self, point: MapPoint, radius: f64) -> Vec<usize> {
+        let mut near = self.outlines.within(point, radius);
+        near.retain(|i| self.distance_to_building(*i, point) <= radius);
+        near
+    }
+
+    /// Metres from `point` to building `index`, 0 inside.
+    ///
+    /// # Panics
+    /// If there is no such building.
+    pub fn distance_to_building(&self, index: usize, point: MapPoint) -> f64 {
+        let polygon = &self.buildings[index].polygon;
+        if polygon.contains(point) { 0.0 } else { polygon.distance_to_boundary(point) }
+    }
+
+    fn add_areas(&mut self, shaper: &Shaper<'_>) {
+        let mut relations = Vec::new();
+        let mut other_areas = Vec::new();
+        // Some old outlines bear the building's tags a second time.
+        let mut outlines_of_relations = BTreeSet::new();
+        for relation in shaper.data.relations.values().filter(|relation| is_multipolygon(relation)) {
+            if relation.tags.says("building") {
+                let found = self.relation_buildings(shaper, relation);
+                let outline =
+                    relation.members.iter().filter(|m| m.kind == ElementKind::Way && m.role != "inner");
+                outlines_of_relations.extend(outline.filter(|_| !found.is_empty()).map(|member| member.id));
+                relations.extend(found);
+            } else if is_area(&relation.tags) {
+                other_areas.extend(self.relation_areas(shaper, relation));
+            }
+        }
+        for way in shaper.data.ways.values() {
+            if way.tags.says("building") && !outlines_of_relations.contains(&way.id) {
+                let polygon = shaper.way(way);
+                self.report.broken_buildings += usize::from(polygon.is_none());
+                self.buildings.extend(polygon.map(|p| building(ElementId::way(way.id), p, &way.tags)));
+            } else if !way.tags.says("building") && is_area(&way.tags) {
+                let element = ElementId::way(way.id);
+                self.areas.extend(shaper.way(way).map(|polygon| Area {
+                    element,
+                    polygon,
+                    tags: way.tags.clone(),
+                }));
+            }
+        }
+        self.buildings.append(&mut relations);
+        self.areas.append(&mut other_areas);
+    }
+
+    fn relation_buildings(&mut self, shaper: &Shaper<'_>, relation: &Relation) -> Vec<Building> {
+        let (polygons, open) = shaper.relation(relation);
+        self.report.open_rings += open;
+        self.report.broken_buildings += usize::from(polygons.is_empty());
+        polygons.into_iter().map(|p| building(ElementId::relation(relation.id), p, &relation.tags)).collect()
+    }
+
+    fn relation_areas(&mut self, shaper: &Shaper<'_>, relation: &Relation) -> Vec<Area> {
+        let (polygons, open) = shaper.relation(relation);
+        self.report.open_rings += open;
+        self.report.broken_areas += usize::from(polygons.is_empty());
+        let element = ElementId::relation(relation.id);
+        polygons.into_iter().map(|polygon| Area { element, polygon, tags: relation.tags.clone() }).collect()
+    }
+
+    fn add_lines(&mut self, shaper: &Shaper<'_>) {
+        for way in shaper.data.ways.values() {
+            if way.tags.says("highway") {
+                self.roads.extend(runs(shaper, way).into_iter().map(|(nodes, points)| Road {
+                    way: way.id,
+                    nodes,
+                    points,
+                    tags: way.tags.clone(),
+                }));
+            }
+            if is_barrier(&way.tags) {
+                self.barriers.extend(runs(shaper, way).into_iter().map(|(nodes, points)| {
+                    Barrier {
+                        way: way.id,
+                        gates: nodes
+                            .iter()
+                            .zip(&points)
+                            .filter(|(n, _)| is_gate(shaper.data, **n))
+                            .map(|(_, p)| *p)
+                            .collect(),
+                        points,
+                        tags: way.tags.clone(),
+                    }
+                }));
+            }
+        }
+    }
+
+    fn add_entrances(&mut self, shaper: &Shaper<'_>) {
+        for node in shaper.data.nodes.values().filter(|node| is_door(&node.tags)) {
+            let position = shaper.projection.to_map(node.position);
+            let building = self.building_of_door(position, &node.tags);
+            self.report.stray_entrances += usize::from(building.is_none());
+            let units = unit_names(&node.tags);
+            self.entrances.push(Entrance {
+                node: node.id,
+                position,
+                building,
+                units,
+                tags: node.tags.clone(),
+            });
+        }
+    }
+
+    /// The building whose outline is nearest. Where outlines touch, the door's own address decides, then the lower index.
+    fn building_of_door(&self, position: MapPoint, tags: &Tags) -> Option<usize> {
+        let distance = |i: &usize| self.buildings[*i].polygon.distance_to_boundary(position);
+        let near: Vec<usize> = self.outlines.within(position, NEAR);
+        let nearest = near.iter().map(distance).min_by(f64::total_cmp).filter(|d| *d <= NEAR)?;
+        let touching: Vec<usize> = near.into_iter().filter(|i| distance(i) <= nearest + 0.01).collect();
+        let address: Vec<String> =
+            tags.get("addr:housename").map(fold).into_iter().chain(street_addresses(tags)).collect();
+        let named = touching
+            .iter()
+            .find(|i| full_names(&self.buildings[**i].tags).iter().any(|n| address.contains(n)));
+        named.or(touching.first()).copied()
+    }
+}
+
+/// The full names of a door without its own `name`, which names the unit.
+fn street_addresses(tags: &Tags) -> Vec<String> {
+    let mut address = tags.clone();
+    address.retain(|key, _| key.starts_with("addr:"));
+    full_names(&address)
+}
+
+fn building(element: ElementId, polygon: Polygon, tags: &Tags) -> Building {
+    Building { element, name: building_name(tags), polygon, tags: tags.clone() }
+}
+
+/// Whether a node is a door into a building.
+pub(crate) fn is_door(tags: &Tags) -> bool {
+    tags.says("entrance") || tags.is("building", "entrance") || tags.has("addr:unit") && tags.says("door")
+}
+
+/// Whether a way stands in the way.
+fn is_barrier(tags: &Tags) -> bool {
+    tags.says("barrier")
+        || tags.is("historic", "citywalls")
+        || tags.is("man_made", "retaining_wall")
+        || tags.is("natural", "hedge")
+        || tags.is("landuse", "hedge")
+}
+
+fn is_gate(data: &OsmData, node: i64) -> bool {
+    const GATES: [&str; 7] =
+        ["gate", "entrance", "lift_gate", "swing_gate", "sliding_gate", "kissing_gate", "wicket_gate"];
+    let kind = data.nodes.get(&node).and_then(|node| node.tags.get("barrier"));
+    kind.is_some_and(|kind| GATES.contains(&kind))
+}
+
+/// The stretches of a way between nodes that the data lacks: joining across a gap would make up a road.
+fn runs(shaper: &Shaper<'_>, way: &Way) -> Vec<(Vec<i64>, Vec<MapPoint>)> {
+    let found: Vec<Option<(i64, MapPoint)>> =
+        way.nodes.iter().map(|node| shaper.point(*node).map(|point| (*node, point))).collect();
+    let stretches = found.split(Option::is_none).filter(|stretch| stretch.len() > 1);
+    let stretches = stretches.filter(|stretch| shaper.afford(stretch.len(), &way.tags));
+    stretches.map(|stretch| stretch.iter().flatten().copied().unzip()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use openbench_core::LonLat;
+
+    use super::*;
+
+    fn court() -> OsmMap {
+        let data = OsmData::from_xml(include_bytes!("../tests/fixtures/court.osm")).unwrap();
+        OsmMap::new(&data, Georeference::TangentPlane(LonLat::new(0.0, 0.0)))
+    }
+
+    #[test]
+    fn buildings_are_ways_then_multipolygons_with_holes_and_several_outlines() {
+        let map = court();
+        let found: Vec<_> =
+            map.buildings.iter().map(|b| (b.element.to_string(), b.name.as_deref())).collect();
+        let [house, court] =
+            [("way 24".to_owned(), Some("House")), ("relation 40".to_owned(), Some("Court"))];
+        assert_eq!(found, [house, court.clone(), court]);
+        let big = &map.buildings[1].polygon;
+        assert_eq!((big.outer.len(), big.holes.len(), big.holes[0].len()), (4, 1, 4));
+        // 33.4 x 33.2 m less a courtyard of a third of that each way.
+        assert!((big.area() - 33.4 * 33.2 * 8.0 / 9.0).abs() < 5.0, "{}", big.area());
+        assert_eq!(map.buildings[2].polygon.outer.len(), 3);
+    }
+
+    #[test]
+    fn what_has_no_outline_is_counted() {
+        let expected = MapReport { broken_buildings: 4, broken_areas: 0, open_rings: 1, stray_entrances: 1 };
+        assert_eq!(court().report, expected);
+    }
+
+    #[test]
+    fn a_road_breaks_where_nodes_are_missing() {
+        let roads: Vec<_> = court().roads.into_iter().map(|road| (road.way, road.nodes)).collect();
+        assert_eq!(roads, [(28, vec![1, 9]), (28, vec![11, 14])]);
+    }
+
+    #[test]
+    fn fences_have_gates_and_grass_and_water_are_areas() {
+        let map = court();
+        assert_eq!(
+            (map.barriers.len(), map.barriers[0].points.len(), map.barriers[0].gates.len()),
+            (1, 3, 1)
+        );
+        let areas: Vec<_> = map.areas.iter().map(|area| area.element.to_string()).collect();
+        assert_eq!(areas, ["way 30", "relation 42"]);
+    }
+
+    #[test]
+    fn doors_know_their_building() {
+        let doors: Vec<_> = court().entrances.into_iter().map(|e| (e.node, e.building, e.units)).collect();
+        assert_eq!(doors, [(13, Some(0), vec!["1".to_owned()]), (14, None, vec![])]);
+    }
+
+    #[test]
+    fn the_nearest_building_counts_from_the_wall_and_courtyards_are_outside() {
+        let map = court();
+        let at = |lon, lat| map.projection.to_map(LonLat::new(lon, lat));
+        assert_eq!(map.nearest_building(at(0.0006, 0.0001)), Some(0));
+        assert_eq!(map.nearest_building(at(0.0001, 0.00055)), Some(2));
+        let yard = at(0.00015, 0.00015);
+        assert_eq!(map.nearest_building(yard), Some(1));
+        assert!((map.distance_to_building(1, yard) - 5.5).abs() < 0.1);
+        assert_eq!(map.distance_to_building(1, at(0.00005, 0.00005)), 0.0);
+        assert_eq!(map.buildings_within(yard, 20.0), [0, 1]);
+        assert_eq!(
+            OsmMap::new(&OsmData::default(), map.projection.georeference()).nearest_building(yard),
+            None
+        );
+    }
+}

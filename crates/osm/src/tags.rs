@@ -1,0 +1,129 @@
+//! The words on an element: `key=value` pairs, each key once.
+//!
+//! Kept sorted by key, so that two elements with the same words are equal and are written the same.
+
+use std::fmt;
+
+/// The tags of one element, sorted by key.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Tags(Vec<(String, String)>);
+
+impl Tags {
+    /// No tags.
+    pub const fn new() -> Self {
+        Self(Vec::new())
+    }
+
+    /// The value under `key`.
+    pub fn get(&self, key: &str) -> Option<&str> {
+        self.index(key).ok().map(|i| self.0[i].1.as_str())
+    }
+
+    /// Sets `key` to `value` and returns the value that stood there before.
+    pub fn insert(&mut self, key: impl Into<String>, value: impl Into<String>) -> Option<String> {
+        let (key, value) = (key.into(), value.into());
+        match self.index(&key) {
+            Ok(i) => Some(std::mem::replace(&mut self.0[i].1, value)),
+            Err(i) => {
+                self.0.insert(i, (key, value));
+                None
+            }
+        }
+    }
+
+    /// Takes `key` away and returns its value.
+    pub fn remove(&mut self, key: &str) -> Option<String> {
+        self.index(key).ok().map(|i| self.0.remove(i).1)
+    }
+
+    /// Whether `key` stands there with exactly this `value`.
+    pub fn is(&self, key: &str, value: &str) -> bool {
+        self.get(key) == Some(value)
+    }
+
+    /// Whether `key` stands there at all.
+    pub fn has(&self, key: &str) -> bool {
+        self.index(key).is_ok()
+    }
+
+    /// Whether `key` stands there with a value other than `no`: how OSM says "this is a building".
+    pub fn says(&self, key: &str) -> bool {
+        self.get(key).is_some_and(|value| value != "no")
+    }
+
+    /// The pairs, by key.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.0.iter().map(|(k, v)| (k.as_str(), v.as_str()))
+    }
+
+    /// How many pairs there are.
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Keeps the pairs for which `keep` holds.
+    pub fn retain(&mut self, mut keep: impl FnMut(&str, &str) -> bool) {
+        self.0.retain(|(k, v)| keep(k, v));
+    }
+
+    fn index(&self, key: &str) -> Result<usize, usize> {
+        self.0.binary_search_by(|(k, _)| k.as_str().cmp(key))
+    }
+}
+
+/// Of two pairs with one key the later counts.
+impl<K: Into<String>, V: Into<String>> FromIterator<(K, V)> for Tags {
+    fn from_iter<I: IntoIterator<Item = (K, V)>>(pairs: I) -> Self {
+        let mut all: Vec<(String, String)> = pairs.into_iter().map(|(k, v)| (k.into(), v.into())).collect();
+        all.sort_by(|a, b| a.0.cmp(&b.0));
+        all.reverse();
+        all.dedup_by(|a, b| a.0 == b.0);
+        all.reverse();
+        Self(all)
+    }
+}
+
+impl<K: Into<String>, V: Into<String>, const N: usize> From<[(K, V); N]> for Tags {
+    fn from(pairs: [(K, V); N]) -> Self {
+        pairs.into_iter().collect()
+    }
+}
+
+impl fmt::Display for Tags {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let words: Vec<String> = self.iter().map(|(k, v)| format!("{k}={v}")).collect();
+        f.write_str(&words.join(" "))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tags_are_sorted_and_the_later_of_two_counts() {
+        let tags = Tags::from([("name", "b"), ("building", "yes"), ("name", "c"), ("a", "1")]);
+        assert_eq!(tags.to_string(), "a=1 building=yes name=c");
+    }
+
+    #[test]
+    fn insert_replaces_and_tells() {
+        let mut tags = Tags::from([("ref", "1")]);
+        assert_eq!(tags.insert("ref", "2").as_deref(), Some("1"));
+        assert_eq!(tags.insert("door", "yes"), None);
+        assert_eq!(tags.to_string(), "door=yes ref=2");
+        assert_eq!(tags.remove("door").as_deref(), Some("yes"));
+        assert!(!tags.has("door") && tags.is("ref", "2"));
+    }
+
+    #[test]
+    fn building_no_does_not_say_building() {
+        assert!(Tags::from([("building", "yes")]).says("building"));
+        assert!(!Tags::from([("building", "no")]).says("building"));
+    }
+}

@@ -1,0 +1,248 @@
+//! Writes OSM XML 0.6 and osmChange 0.6, and replaces files whole or not at all.
+//!
+//! Elements come out as nodes, ways, relations, each by number, tags by key, positions with seven decimals (a centimetre):
+//! the same data gives the same bytes. Element versions are not kept in memory; elements of the OSM database are written as
+//! version 1, without which editors refuse the file. Before an upload, an editor must fetch the current versions.
+
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use openbench_core::LonLat;
+
+use crate::data::{Member, Node, OsmData, Relation, Way};
+use crate::error::OsmError;
+use crate::tags::Tags;
+
+impl OsmData {
+    /// The data as OSM XML 0.6 in UTF-8. Characters that XML cannot hold (most control characters) are left out of tags.
+    pub fn to_xml(&self) -> Vec<u8> {
+        let mut out = document("osm");
+        self.nodes.values().for_each(|node| write_node(&mut out, 1, node));
+        self.ways.values().for_each(|way| write_way(&mut out, 1, way));
+        self.relations.values().for_each(|relation| write_relation(&mut out, 1, relation));
+        out.push_str("</osm>\n");
+        out.into_bytes()
+    }
+}
+
+/// The difference between two states of a map as osmChange 0.6: what must be created, modified and deleted to get from
+/// `old` to `new`, in an order that never leaves a reference without its target. Positions that agree to seven decimals
+/// are the same.
+pub fn changes(old: &OsmData, new: &OsmData) -> Vec<u8> {
+    let written = Elements::of;
+    let (old, new) = (written(old), written(new));
+    let mut out = document("osmChange");
+    section(&mut out, "create", new.0.iter().filter(|(key, _)| old.get(key).is_none()));
+    section(
+        &mut out,
+        "modify",
+        new.0.iter().filter(|(key, text)| old.get(key).is_some_and(|was| was != *text)),
+    );
+    section(&mut out, "delete", old.0.iter().rev().filter(|(key, _)| new.get(key).is_none()));
+    out.push_str("</osmChange>\n");
+    out.into_bytes()
+}
+
+/// Every element as it is written, by kind (nodes, ways, relations) and number.
+struct Elements(std::collections::BTreeMap<(u8, i64), String>);
+
+impl Elements {
+    fn of(data: &OsmData) -> Self {
+        let text = |write: &dyn Fn(&mut String)| {
+            let mut text = String::new();
+            write(&mut text);
+            text
+        };
+        let nodes = data.nodes.values().map(|n| ((0, n.id), text(&|out| write_node(out, 2, n))));
+        let ways = data.ways.values().map(|w| ((1, w.id), text(&|out| write_way(out, 2, w))));
+        let relations = data.relations.values().map(|r| ((2, r.id), text(&|out| write_relation(out, 2, r))));
+        Self(nodes.chain(ways).chain(relations).collect())
+    }
+
+    fn get(&self, key: &(u8, i64)) -> Option<&String> {
+        self.0.get(key)
+    }
+}
+
+fn section<'a>(out: &mut String, name: &str, elements: impl Iterator<Item = (&'a (u8, i64), &'a String)>) {
+    let body: String = elements.map(|(_, text)| text.as_str()).collect();
+    if !body.is_empty() {
+        let _ = write!(out, "  <{name}>\n{body}  </{name}>\n");
+    }
+}
+
+fn document(root: &str) -> String {
+    format!("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<{root} version=\"0.6\" generator=\"openbench\">\n")
+}
+
+fn write_node(out: &mut String, depth: usize, node: &Node) {
+    let LonLat { lon, lat } = node.position;
+    let position = format!(" lat=\"{}\" lon=\"{}\"", Degrees(lat), Degrees(lon));
+    element(out, depth, "node", node.id, &position, &node.tags, "");
+}
+
+fn write_way(out: &mut String, depth: usize, way: &Way) {
+    let mut body = String::new();
+    for id in &way.nodes {
+        let _ = writeln!(body, "{:1$}<nd ref=\"{id}\"/>", "", 2 * depth + 2);
+    }
+    element(out, depth, "way", way.id, "", &way.tags, &body);
+}
+
+fn write_relation(out: &mut String, depth: usize, relation: &Relation) {
+    let mut body = String::new();
+    for Member { kind, id, role } in &relation.members {
+        let (indent, kind, role) = (2 * depth + 2, kind.word(), Escaped(role));
+        let _ = writeln!(body, "{:indent$}<member type=\"{kind}\" ref=\"{id}\" role=\"{role}\"/>", "");
+    }
+    element(out, depth, "relation", relation.id, "", &relation.tags, &body);
+}
+
+fn element(out: &mut String, depth: usize, name: &str, id: i64, attributes: &str, tags: &Tags, body: &str) {
+    let indent = 2 * depth;
+    let version = if id > 0 { " version=\"1\"" } else { "" };
+    let _ = write!(out, "{:indent$}<{name} id=\"{id}\"{version}{attributes}", "");
+    if tags.is_empty() && body.is_empty() {
+        out.push_str("/>\n");
+        return;
+    }
+    let _ = write!(out, ">\n{body}");
+    for (key, value) in tags.iter() {
+        let _ = writeln!(out, "{:indent$}  <tag k=\"{}\" v=\"{}\"/>", "", Escaped(key), Escaped(value));
+    }
+    let _ = writeln!(out, "{:indent$}</{name}>", "");
+}
+
+/// Degrees with seven decimals and no negative zero.
+struct Degrees(f64);
+
+impl std::fmt::Display for Degrees {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{:.7}", round7(self.0))
+    }
+}
+
+/// `degrees` rounded to the seven decimals of an OSM file.
+pub(crate) fn round7(degrees: f64) -> f64 {
+    // Adding zero turns -0 into 0.
+    libm::round(degrees * 1e7) / 1e7 + 0.0
+}
+
+/// Text as it may stand in an attribute.
+struct Escaped<'a>(&'a str);
+
+impl std::fmt::Display for Escaped<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        for c in self.0.chars() {
+            match c {
+                '&' => f.write_str("&amp;")?,
+                '<' => f.write_str("&lt;")?,
+                '>' => f.write_str("&gt;")?,
+                '"' => f.write_str("&quot;")?,
+                '\t' | '\n' | '\r' => write!(f, "&#{};", u32::from(c))?,
+                '\0'..' ' | '\u{FFFE}' | '\u{FFFF}' => {}
+                c => f.write_char(c)?,
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Replaces the file at `path` with `bytes`, whole or not at all: a crash leaves the old file or the new one. The bytes go
+/// to a file beside it first, which is renamed.
+pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), OsmError> {
+    let beside = beside(path);
+    let write = || {
+        let mut file = std::fs::File::create(&beside)?;
+        file.write_all(bytes)?;
+        file.sync_all()?;
+        std::fs::rename(&beside, path)
+    };
+    write().map_err(|source| {
+        let _ = std::fs::remove_file(&beside);
+        OsmError::Io { doing: "write", path: path.to_owned(), source }
+    })
+}
+
+fn beside(path: &Path) -> PathBuf {
+    let mut name = std::ffi::OsString::from(".");
+    name.push(path.file_name().unwrap_or_default());
+    name.push(format!(".{}.part", std::process::id()));
+    path.with_file_name(name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn data() -> OsmData {
+        OsmData::from_xml(
+            br#"<osm><node id="1" lat="-0.00000001" lon="2.5"/><node id="-2" lat="1" lon="2"><tag k="a" v="&lt;&quot;&#10;&amp;'&gt;"/></node>
+            <way id="7"><nd ref="1"/><nd ref="-2"/></way><relation id="9"><member type="way" ref="7" role="o"/></relation></osm>"#,
+        )
+        .unwrap()
+    }
+
+    #[test]
+    fn xml_is_written_in_order_and_escaped() {
+        let expected = r#"<?xml version="1.0" encoding="UTF-8"?>
+<osm version="0.6" generator="openbench">
+  <node id="-2" lat="1.0000000" lon="2.0000000">
+    <tag k="a" v="&lt;&quot;&#10;&amp;'&gt;"/>
+  </node>
+  <node id="1" version="1" lat="0.0000000" lon="2.5000000"/>
+  <way id="7" version="1">
+    <nd ref="1"/>
+    <nd ref="-2"/>
+  </way>
+  <relation id="9" version="1">
+    <member type="way" ref="7" role="o"/>
+  </relation>
+</osm>
+"#;
+        assert_eq!(String::from_utf8(data().to_xml()).unwrap(), expected);
+    }
+
+    #[test]
+    fn changes_are_created_modified_and_deleted() {
+        let old = data();
+        let mut new = data();
+        new.nodes.insert(-3, Node { id: -3, position: LonLat::new(1.0, 1.0), tags: Tags::new() });
+        new.ways.get_mut(&7).unwrap().nodes.push(-3);
+        new.relations.clear();
+        let text = String::from_utf8(changes(&old, &new)).unwrap();
+        let expected = r#"<osmChange version="0.6" generator="openbench">
+  <create>
+    <node id="-3" lat="1.0000000" lon="1.0000000"/>
+  </create>
+  <modify>
+    <way id="7" version="1">
+      <nd ref="1"/>
+      <nd ref="-2"/>
+      <nd ref="-3"/>
+    </way>
+  </modify>
+  <delete>
+    <relation id="9" version="1">
+      <member type="way" ref="7" role="o"/>
+    </relation>
+  </delete>
+</osmChange>
+"#;
+        assert_eq!(text.split_once('\n').unwrap().1, expected);
+        assert!(!String::from_utf8(changes(&old, &old)).unwrap().contains("node"));
+    }
+
+    #[test]
+    fn a_file_is_replaced_and_nothing_is_left_beside_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("map.osm");
+        write_atomically(&path, b"old").unwrap();
+        write_atomically(&path, b"new").unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"new");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+        let error = write_atomically(&folder.path().join("no/map.osm"), b"").unwrap_err().to_string();
+        assert!(error.starts_with("cannot write") && error.contains("map.osm"), "{error}");
+    }
+}

@@ -1,0 +1,88 @@
+//! Routes on the OpenStreetMap road network.
+//!
+//! | module | its one job |
+//! |---|---|
+//! | [`profile`] | [`Profile`]: who may go where, and how fast |
+//! | [`graph`] | [`RoadGraph`]: the network as vertices and arcs, and the nearest place on it |
+//! | [`dijkstra`] | shortest routes (Dijkstra 1959); multi-level preprocessing will stand behind the same trait |
+//! | [`osrm`] | answers in the words of OSRM's HTTP API, version 1 |
+//!
+//! [`Router`] is the seam: agents and servers know only it.
+
+pub mod dijkstra;
+pub mod graph;
+pub mod osrm;
+pub mod profile;
+
+use openbench_core::{MapPoint, TravelTimes};
+
+pub use dijkstra::Dijkstra;
+pub use graph::RoadGraph;
+pub use profile::Profile;
+
+/// A way over roads.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Route {
+    /// From the place on the network nearest to the start to the one nearest to the goal.
+    pub points: Vec<MapPoint>,
+    /// Length over roads, metres.
+    pub distance: f64,
+    /// Time over roads, seconds.
+    pub duration: f64,
+    /// Names of the roads, in order, without repetition; unnamed ones are left out.
+    pub names: Vec<String>,
+}
+
+/// Why there is no route.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum RouteError {
+    /// No road that the profile may use is near.
+    #[error("no road for this profile within {limit:.0} m of {near}")]
+    NoSegment {
+        /// The place that was asked for.
+        near: MapPoint,
+        /// How far roads were looked for, metres.
+        limit: f64,
+    },
+    /// The two places do not hang together.
+    #[error("no route from {from} to {to}")]
+    NoRoute {
+        /// Start.
+        from: MapPoint,
+        /// Goal.
+        to: MapPoint,
+    },
+}
+
+/// Finds routes.
+pub trait Router {
+    /// The fastest route between the places on the network nearest to `from` and `to`.
+    fn route(&self, from: MapPoint, to: MapPoint) -> Result<Route, RouteError>;
+}
+
+/// Travel times for planning: over roads where there are some, on foot across open ground for the rest.
+#[derive(Debug, Clone, Copy)]
+pub struct RouterTimes<'a, R> {
+    /// The router.
+    pub router: &'a R,
+    /// Speed off the network, m/s.
+    pub speed: f64,
+}
+
+impl<R: Router> TravelTimes for RouterTimes<'_, R> {
+    fn matrix(&self, places: &[MapPoint]) -> Vec<f64> {
+        let pairs = places.iter().flat_map(|a| places.iter().map(move |b| (*a, *b)));
+        pairs.map(|(a, b)| self.between(a, b)).collect()
+    }
+}
+
+impl<R: Router> RouterTimes<'_, R> {
+    fn between(&self, a: MapPoint, b: MapPoint) -> f64 {
+        let direct = a.distance(b) / self.speed;
+        let Ok(route) = self.router.route(a, b) else { return direct };
+        let (Some(first), Some(last)) = (route.points.first(), route.points.last()) else { return direct };
+        let access = a.distance(*first) + b.distance(*last);
+        // Near places are reached across open ground.
+        direct.max(((access + route.distance) / self.speed).min(1.5 * direct))
+    }
+}

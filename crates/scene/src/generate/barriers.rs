@@ -1,0 +1,183 @@
+//! Walls, fences and hedges along `barrier=*` ways, open where a road or path goes through.
+
+use openbench_core::{MapPoint, Pose2};
+use openbench_osm::{Barrier, Tags};
+
+use super::Site;
+use super::seeds::{Purpose, between, chance, pick, stream};
+use super::shapes::{Surface, along, at, cuboid, facet};
+use super::streets::{metres, profile};
+use super::triangulate::turn;
+use crate::scene::{Layer, SceneBuilder};
+
+/// Free width beside a road that goes through, metres.
+const GATE_MARGIN: f64 = 0.8;
+
+/// What a barrier is built of.
+#[derive(Debug, Clone, Copy)]
+enum Build {
+    /// Masonry with a coping; height and thickness, metres.
+    Masonry(Surface, f64, f64),
+    /// Posts with panels that are seen through.
+    Panels(Surface, f64),
+    /// A clipped hedge; height and thickness, metres.
+    Hedge(f64, f64),
+    /// Kerbs, bollards and other things that stop no robot or that are not lines.
+    Nothing,
+}
+
+impl Site {
+    pub(super) fn barriers(&mut self) {
+        let barriers = std::mem::take(&mut self.map.barriers);
+        for barrier in &barriers {
+            let build = self.build_of(barrier);
+            for pair in barrier.points.windows(2) {
+                if self.extent.holds(pair[0], super::GROUND_MARGIN) {
+                    for (a, b) in self.between_gates(barrier, (pair[0], pair[1])) {
+                        self.stretch(build, (a, b));
+                    }
+                }
+            }
+        }
+        self.map.barriers = barriers;
+    }
+
+    fn build_of(&self, barrier: &Barrier) -> Build {
+        let mut rng = stream(self.seed, Purpose::Barrier, barrier.way as u64);
+        let tags = &barrier.tags;
+        let height =
+            |usual: f64| metres(tags, "height").filter(|h| (0.1..=12.0).contains(h)).unwrap_or(usual);
+        let palette = &self.palette;
+        match kind(tags) {
+            "wall" | "city_wall" | "retaining_wall" => {
+                Build::Masonry(pick(&mut rng, &palette.free_walls), height(between(&mut rng, 1.5, 2.0)), 0.25)
+            }
+            "hedge" => Build::Hedge(height(between(&mut rng, 1.0, 1.5)), between(&mut rng, 0.6, 0.8)),
+            "fence" | "handrail" | "guard_rail" => {
+                let metal = tags.get("fence_type").map_or(chance(&mut rng, 0.4), |t| t != "wood");
+                let surface = if metal { palette.railings } else { pick(&mut rng, &palette.pickets) };
+                Build::Panels(surface, height(between(&mut rng, 1.0, 1.3)))
+            }
+            _ => Build::Nothing,
+        }
+    }
+
+    /// The parts of a stretch that no road or gate opens.
+    fn between_gates(&self, barrier: &Barrier, (a, b): (MapPoint, MapPoint)) -> Vec<(MapPoint, MapPoint)> {
+        let length = a.distance(b);
+        let mut gaps: Vec<(f64, f64)> = Vec::new();
+        for gate in barrier.gates.iter().filter(|g| super::clearance::point_distance(**g, (a, b)) < 0.1) {
+            gaps.push((a.distance(*gate) - 0.9, a.distance(*gate) + 0.9));
+        }
+        for road in &self.map.roads {
+            let Some(profile) = profile(&road.tags) else { continue };
+            let half = profile.width / 2.0 + profile.pavement + GATE_MARGIN;
+            for pair in road.points.windows(2) {
+                if let Some((share, sine)) = crossing((a, b), (pair[0], pair[1])) {
+                    let half = half / sine.max(0.3);
+                    gaps.push((share * length - half, share * length + half));
+                }
+            }
+        }
+        gaps.sort_by(|p, q| p.0.total_cmp(&q.0));
+        let (mut kept, mut from) = (Vec::new(), 0.0);
+        for (start, end) in gaps.into_iter().chain([(length, length)]) {
+            if start - from > 0.3 {
+                kept.push((along(a, b, from / length), along(a, b, start.min(length) / length)));
+            }
+            from = f64::max(from, end);
+        }
+        kept
+    }
+
+    fn stretch(&mut self, build: Build, (a, b): (MapPoint, MapPoint)) {
+        let length = a.distance(b);
+        let pose = Pose2::new(a.x, a.y, a.bearing_to(b));
+        let builder = &mut self.builder;
+        match build {
+            Build::Masonry(surface, height, thick) => {
+                let half = thick / 2.0;
+                cuboid(
+                    builder,
+                    Layer::Both,
+                    surface,
+                    pose,
+                    ([-half, -half, 0.0], [length + half, half, height]),
+                );
+                let (out, top) = (half + 0.05, height + 0.08);
+                let coping = ([-out, -out, height], [length + out, out, top]);
+                cuboid(builder, Layer::Visible, self.palette.coping, pose, coping);
+            }
+            Build::Hedge(height, thick) => {
+                let half = thick / 2.0;
+                cuboid(
+                    builder,
+                    Layer::Both,
+                    self.palette.hedge,
+                    pose,
+                    ([0.0, -half, 0.0], [length, half, height]),
+                );
+            }
+            Build::Panels(surface, height) => {
+                see_through(builder, surface, (a, b), (0.0, height));
+                let corners = [at(a, 0.0), at(b, 0.0), at(b, height), at(a, height)];
+                facet(builder, Layer::Solid, surface, &corners);
+                let posts = ((length / 2.4) as usize).min(4_000) + 1;
+                for i in 0..=posts {
+                    let x = length * i as f64 / posts as f64;
+                    let post = ([x - 0.05, -0.05, 0.0], [x + 0.05, 0.05, height + 0.06]);
+                    cuboid(builder, Layer::Visible, self.palette.coping, pose, post);
+                }
+            }
+            Build::Nothing => {}
+        }
+    }
+}
+
+fn kind(tags: &Tags) -> &str {
+    if tags.is("natural", "hedge") || tags.is("landuse", "hedge") {
+        return "hedge";
+    }
+    tags.get("barrier").filter(|k| *k != "yes").unwrap_or("wall")
+}
+
+/// A panel whose image is as high as the panel and repeats along it.
+pub(super) fn see_through(
+    builder: &mut SceneBuilder,
+    surface: Surface,
+    (a, b): (MapPoint, MapPoint),
+    z: (f64, f64),
+) {
+    let u = (a.distance(b) / surface.tile) as f32;
+    let corners = [
+        (at(a, z.0), [0.0, 0.001]),
+        (at(b, z.0), [u, 0.001]),
+        (at(b, z.1), [u, 0.999]),
+        (at(a, z.1), [0.0, 0.999]),
+    ];
+    builder.mesh(Layer::Visible, surface.material, &corners, &[[0, 1, 2], [0, 2, 3]]);
+}
+
+/// Where on a-b, as a share, c-d crosses or touches it, and the sine of the angle between them.
+fn crossing((a, b): (MapPoint, MapPoint), (c, d): (MapPoint, MapPoint)) -> Option<(f64, f64)> {
+    let (from, to) = (turn(c, d, a), turn(c, d, b));
+    let touches = from * to <= 0.0 && turn(a, b, c) * turn(a, b, d) <= 0.0 && from != to;
+    touches.then(|| {
+        let sine = (from - to).abs() / (a.distance(b) * c.distance(d)).max(1e-9);
+        (from / (from - to), sine)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_road_crosses_a_wall_where_it_does() {
+        let p = |x, y| MapPoint::new(x, y);
+        let (share, sine) = crossing((p(0.0, 0.0), p(10.0, 0.0)), (p(4.0, -1.0), p(4.0, 5.0))).unwrap();
+        assert!((share - 0.4).abs() < 1e-12 && (sine - 1.0).abs() < 1e-12);
+        assert_eq!(crossing((p(0.0, 0.0), p(10.0, 0.0)), (p(4.0, 1.0), p(4.0, 5.0))), None);
+        assert_eq!(crossing((p(0.0, 0.0), p(10.0, 0.0)), (p(0.0, 1.0), p(10.0, 1.0))), None);
+    }
+}

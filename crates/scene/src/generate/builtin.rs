@@ -1,0 +1,43 @@
+//! The three worlds that the crate carries, so that nothing has to be downloaded for a first run.
+
+use openbench_core::{Georeference, Pose2};
+use openbench_osm::OsmData;
+
+use super::{GenerateError, GenerateOptions, generate};
+use crate::world::World;
+
+const MAPS: [(&str, &str); 3] = [
+    ("small", include_str!("../../assets/small.osm")),
+    ("medium", include_str!("../../assets/medium.osm")),
+    ("large", include_str!("../../assets/large.osm")),
+];
+
+/// Names of the built-in worlds.
+pub fn builtin_names() -> [&'static str; 3] {
+    MAPS.map(|(name, _)| name)
+}
+
+/// How the maps of the built-in worlds lie on the Earth: the origin is the robot's start.
+pub fn builtin_georeference() -> Georeference {
+    Georeference::Utm { zone: 50, north: true, offset_x: -500_000.0, offset_y: -4_483_000.0 }
+}
+
+/// The map of a built-in world, doors included; `None` if there is no such world.
+pub fn builtin_map(name: &str) -> Option<Result<OsmData, GenerateError>> {
+    let (name, xml) = MAPS.iter().find(|(known, _)| *known == name)?;
+    let broken =
+        |e: openbench_osm::OsmError| GenerateError::Builtin { name: (*name).into(), problem: e.to_string() };
+    Some(OsmData::from_xml(xml.as_bytes()).map_err(broken))
+}
+
+/// A built-in world; `None` if there is none of that name.
+pub fn builtin(name: &str, seed: u64) -> Option<Result<World, GenerateError>> {
+    let options = GenerateOptions {
+        name: name.to_owned(),
+        start: Some(Pose2::default()),
+        attribution: vec![format!("Built-in map `{name}`: a made-up place, CC0")],
+        ..GenerateOptions::default()
+    };
+    let map = builtin_map(name)?;
+    Some(map.and_then(|data| generate(&data, builtin_georeference(), seed, &options)))
+}

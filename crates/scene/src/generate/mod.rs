@@ -1,0 +1,298 @@
+//! Worlds from an OSM file and a seed.
+//!
+//! What the map says is built as it says (outlines, levels, roofs, entrances, roads, barriers, trees, furniture); what it
+//! leaves open (colours, windows, parked cars, shrubs) is drawn from the seed. Every element draws from a stream of its
+//! own, so that one more tree in the map does not repaint the houses. The same map, seed and options give the same bytes
+//! on every machine. The ground is level: slopes, bridges, tunnels and kerbs that a wheel would feel are left out.
+//!
+//! | module | its one job |
+//! |---|---|
+//! | `builtin` | the three worlds that the crate carries |
+//! | `images`, `openings` | procedural textures: walls and grounds; windows, doors, leaves |
+//! | `palette` | the materials of a world |
+//! | `shapes` | boxes, prisms, strips, filled outlines |
+//! | `triangulate` | an outline with holes into triangles |
+//! | `clearance` | what must stay free, and whether a thing would stand in the way |
+//! | `streets`, `markings` | carriageways, pavements, paths; lines on them |
+//! | `entrances` | where the doors are, and their public names |
+//! | `buildings`, `facades`, `roofs`, `doorways` | houses, their walls, roofs and doors |
+//! | `barriers`, `greenery`, `furniture`, `cars` | what stands between them |
+//! | `start` | where the robot starts |
+
+mod barriers;
+mod buildings;
+mod builtin;
+mod cars;
+mod clearance;
+mod doorways;
+mod entrances;
+mod facades;
+mod furniture;
+mod greenery;
+mod images;
+mod markings;
+mod openings;
+mod palette;
+mod roofs;
+mod seeds;
+mod shapes;
+mod start;
+mod streets;
+mod triangulate;
+
+use std::collections::BTreeMap;
+
+use openbench_core::{Georeference, MapPoint, Pose2};
+use openbench_osm::{ElementKind, OsmData, OsmMap, Tags, without_doors};
+
+pub use builtin::{builtin, builtin_georeference, builtin_map, builtin_names};
+
+use crate::material::MaterialId;
+use crate::scene::{Layer, SceneBuilder};
+use crate::world::World;
+use clearance::Clearance;
+use entrances::Doorway;
+use palette::Palette;
+
+/// Largest extent of a map that is built, metres.
+const MAX_EXTENT: f64 = 10_000.0;
+/// Ground beyond the outermost mapped thing, metres.
+const GROUND_MARGIN: f64 = 80.0;
+
+/// What a map leaves open.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GenerateOptions {
+    /// Name of the world, as in results.
+    pub name: String,
+    /// Where robots start, in the `map` frame; by default the origin if it is clear, else a clear place on a path near
+    /// the middle.
+    pub start: Option<Pose2>,
+    /// Share of the parking places with a car in them, 0 to 1.
+    pub parked_cars: f64,
+    /// How much greenery is added to the map's own, 0 to 1.
+    pub planting: f64,
+    /// Whether a building without a mapped entrance gets a door towards the street.
+    pub invent_doors: bool,
+    /// Licences and authors of the map, handed on to the world.
+    pub attribution: Vec<String>,
+}
+
+impl Default for GenerateOptions {
+    fn default() -> Self {
+        Self {
+            name: "generated".into(),
+            start: None,
+            parked_cars: 0.6,
+            planting: 0.5,
+            invent_doors: true,
+            attribution: Vec::new(),
+        }
+    }
+}
+
+/// Why no world could be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum GenerateError {
+    /// Nothing to deliver to.
+    #[error(
+        "the map has no usable building ({broken} have broken outlines); give a map with `building=*` outlines"
+    )]
+    NoBuildings {
+        /// Buildings without a closed outline.
+        broken: usize,
+    },
+    /// The map is no neighbourhood.
+    #[error("the map is {metres:.0} m across, more than {MAX_EXTENT:.0} m; cut out a neighbourhood")]
+    TooLarge {
+        /// Its longer side.
+        metres: f64,
+    },
+    /// The georeference belongs to another place.
+    #[error(
+        "the map lies {metres:.0} m from the origin of `{georeference}`; give the georeference of this map"
+    )]
+    FarFromOrigin {
+        /// Distance of the middle of the map from the origin.
+        metres: f64,
+        /// What was given.
+        georeference: String,
+    },
+    /// No place for the robot.
+    #[error("no clear place to start at was found near a road or path; give a start")]
+    NoStart,
+    /// A map that the crate carries is broken.
+    #[error("built-in world `{name}`: {problem}")]
+    Builtin {
+        /// Which.
+        name: String,
+        /// What is wrong with it.
+        problem: String,
+    },
+}
+
+/// A rectangle along the axes of the `map` frame.
+#[derive(Debug, Clone, Copy)]
+struct Extent {
+    min: MapPoint,
+    max: MapPoint,
+}
+
+/// A world under construction.
+struct Site {
+    map: OsmMap,
+    /// Tagged nodes that stand for things: trees, lamps, crossings.
+    features: Vec<Feature>,
+    doorways: Vec<Doorway>,
+    extent: Extent,
+    seed: u64,
+    options: GenerateOptions,
+    builder: SceneBuilder,
+    palette: Palette,
+    /// Materials of plates by text.
+    plates: BTreeMap<String, MaterialId>,
+    clearance: Clearance,
+    start: Pose2,
+    warnings: Vec<String>,
+}
+
+/// A node with tags.
+struct Feature {
+    node: i64,
+    position: MapPoint,
+    tags: Tags,
+}
+
+/// Makes a world of a map: scene, doors, public map without doors, start.
+pub fn generate(
+    data: &OsmData,
+    georeference: Georeference,
+    seed: u64,
+    options: &GenerateOptions,
+) -> Result<World, GenerateError> {
+    let map = OsmMap::new(data, georeference);
+    let extent = extent(&map, georeference)?;
+    let mut public = without_doors(data);
+    let features = features(data, &map);
+    let mut clearance = Clearance::of_map(&map);
+    let (doorways, mut warnings) = entrances::place(&map, &mut public, (seed, options), &clearance);
+    clearance.add_doorways(&doorways);
+    let start = start::choose(&map, &clearance, extent, options)?;
+    clearance.add_start(start.point());
+    warnings.extend(report(&map));
+    let mut builder = SceneBuilder::new();
+    let palette = Palette::new(&mut builder, seed);
+    let options = options.clone();
+    let mut site = Site {
+        map,
+        features,
+        doorways,
+        extent,
+        seed,
+        options,
+        builder,
+        palette,
+        plates: BTreeMap::new(),
+        clearance,
+        start,
+        warnings,
+    };
+    site.build();
+    Ok(World {
+        name: site.options.name,
+        scene: site.builder.build(),
+        map: public,
+        georeference,
+        start: site.start,
+        attribution: site.options.attribution,
+        warnings: site.warnings,
+    })
+}
+
+impl Site {
+    fn build(&mut self) {
+        self.ground();
+        self.streets();
+        self.buildings();
+        self.barriers();
+        // Mapped things first: what the seed adds gives way to them.
+        self.furniture();
+        self.mapped_trees();
+        self.parked_cars();
+        self.added_greenery();
+    }
+
+    fn ground(&mut self) {
+        let (min, max) = (self.extent.min, self.extent.max);
+        let origin = nalgebra::Point3::new(min.x - GROUND_MARGIN, min.y - GROUND_MARGIN, 0.0);
+        let (width, depth) = (max.x - min.x + 2.0 * GROUND_MARGIN, max.y - min.y + 2.0 * GROUND_MARGIN);
+        let grass = self.palette.grass;
+        let repeat = [(width / grass.tile) as f32, (depth / grass.tile) as f32];
+        let sides = (nalgebra::Vector3::x() * width, nalgebra::Vector3::y() * depth);
+        self.builder.rectangle(Layer::Both, grass.material, origin, sides, repeat);
+    }
+}
+
+fn extent(map: &OsmMap, georeference: Georeference) -> Result<Extent, GenerateError> {
+    if map.buildings.is_empty() {
+        return Err(GenerateError::NoBuildings { broken: map.report.broken_buildings });
+    }
+    // Roads and areas may reach far out of a cut-out; the buildings say where the neighbourhood is.
+    let mut extent = Extent {
+        min: MapPoint::new(f64::INFINITY, f64::INFINITY),
+        max: MapPoint::new(f64::NEG_INFINITY, f64::NEG_INFINITY),
+    };
+    for p in map.buildings.iter().flat_map(|b| &b.polygon.outer) {
+        extent.min = MapPoint::new(extent.min.x.min(p.x), extent.min.y.min(p.y));
+        extent.max = MapPoint::new(extent.max.x.max(p.x), extent.max.y.max(p.y));
+    }
+    let metres = (extent.max.x - extent.min.x).max(extent.max.y - extent.min.y);
+    if metres > MAX_EXTENT {
+        return Err(GenerateError::TooLarge { metres });
+    }
+    let away = extent.middle().distance(MapPoint::default());
+    if away.is_nan() || away > MAX_EXTENT {
+        let georeference = georeference.to_string();
+        return Err(GenerateError::FarFromOrigin { metres: away, georeference });
+    }
+    Ok(extent)
+}
+
+impl Extent {
+    fn middle(self) -> MapPoint {
+        MapPoint::new((self.min.x + self.max.x) / 2.0, (self.min.y + self.max.y) / 2.0)
+    }
+
+    /// Whether `point` is inside the rectangle grown by `margin` metres.
+    fn holds(self, point: MapPoint, margin: f64) -> bool {
+        let inside = |v: f64, low: f64, high: f64| v >= low - margin && v <= high + margin;
+        inside(point.x, self.min.x, self.max.x) && inside(point.y, self.min.y, self.max.y)
+    }
+}
+
+fn features(data: &OsmData, map: &OsmMap) -> Vec<Feature> {
+    let kinds = ["natural", "highway", "amenity", "emergency", "barrier", "power", "leisure"];
+    let tagged = data.nodes.values().filter(|n| kinds.iter().any(|k| n.tags.says(k)));
+    tagged
+        .map(|n| Feature { node: n.id, position: map.projection.to_map(n.position), tags: n.tags.clone() })
+        .collect()
+}
+
+fn report(map: &OsmMap) -> Vec<String> {
+    let counts = [
+        (map.report.broken_buildings, "buildings without a closed outline were left out"),
+        (map.report.broken_areas, "areas without a closed outline were left out"),
+        (map.report.open_rings, "rings of multipolygons do not close and were left out"),
+        (map.report.stray_entrances, "entrances are near no building and got no door"),
+    ];
+    counts.iter().filter(|(n, _)| *n > 0).map(|(n, words)| format!("{n} {words}")).collect()
+}
+
+/// A number for an element, so that a way and a relation with one number draw different streams.
+fn element_number(element: openbench_osm::ElementId) -> u64 {
+    let kind = match element.kind {
+        ElementKind::Node => 0,
+        ElementKind::Way => 1,
+        ElementKind::Relation => 2,
+    };
+    (element.id as u64).wrapping_mul(3).wrapping_add(kind)
+}

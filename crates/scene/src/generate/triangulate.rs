@@ -1,0 +1,131 @@
+//! An outline with holes into triangles, by ear clipping; holes are joined to the outline by bridges first (Eberly,
+//! *Triangulation by Ear Clipping*, 2008). A self-crossing outline gives some covering of it, never a panic.
+
+use openbench_core::MapPoint;
+
+/// Rings with more corners are thinned to this many: ear clipping takes quadratic time.
+const MAX_CORNERS: usize = 2_000;
+
+/// Triangles of a polygon, each counter-clockwise. `outer` is counter-clockwise, the holes clockwise.
+pub(super) fn triangulate(outer: &[MapPoint], holes: &[Vec<MapPoint>]) -> Vec<[MapPoint; 3]> {
+    let mut ring = thinned(outer);
+    let mut rest: Vec<Vec<MapPoint>> = holes.iter().map(|h| thinned(h)).filter(|h| h.len() > 2).collect();
+    let rightmost = |h: &[MapPoint]| h.iter().map(|p| p.x).fold(f64::NEG_INFINITY, f64::max);
+    rest.sort_by(|a, b| rightmost(b).total_cmp(&rightmost(a)));
+    for hole in rest {
+        if ring.len() + hole.len() < 2 * MAX_CORNERS {
+            ring = bridged(&ring, &hole);
+        }
+    }
+    clip_ears(ring)
+}
+
+fn thinned(ring: &[MapPoint]) -> Vec<MapPoint> {
+    let step = ring.len().div_ceil(MAX_CORNERS).max(1);
+    ring.iter().step_by(step).copied().collect()
+}
+
+/// Twice the signed area; positive if `a`, `b`, `c` turn left.
+pub(super) fn turn(a: MapPoint, b: MapPoint, c: MapPoint) -> f64 {
+    (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)
+}
+
+/// The ring with the hole cut into it along the shortest bridge that crosses neither.
+fn bridged(ring: &[MapPoint], hole: &[MapPoint]) -> Vec<MapPoint> {
+    let mut pairs: Vec<(f64, usize, usize)> = Vec::with_capacity(ring.len() * hole.len());
+    for (i, p) in ring.iter().enumerate() {
+        pairs.extend(hole.iter().enumerate().map(|(j, q)| (p.distance(*q), i, j)));
+    }
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let clear = |&&(_, i, j): &&(f64, usize, usize)| {
+        !crosses(ring, ring[i], hole[j]) && !crosses(hole, ring[i], hole[j])
+    };
+    let Some(&(_, i, j)) = pairs.iter().take(64).find(clear).or(pairs.first()) else { return ring.to_vec() };
+    let mut joined = ring[..=i].to_vec();
+    joined.extend(hole.iter().cycle().skip(j).take(hole.len() + 1));
+    joined.extend_from_slice(&ring[i..]);
+    joined
+}
+
+fn crosses(ring: &[MapPoint], p: MapPoint, q: MapPoint) -> bool {
+    (0..ring.len()).any(|k| {
+        let (a, b) = (ring[k], ring[(k + 1) % ring.len()]);
+        turn(a, b, p) * turn(a, b, q) < 0.0 && turn(p, q, a) * turn(p, q, b) < 0.0
+    })
+}
+
+fn clip_ears(mut ring: Vec<MapPoint>) -> Vec<[MapPoint; 3]> {
+    let mut triangles = Vec::with_capacity(ring.len());
+    let mut at = 0;
+    let mut tried = 0;
+    while ring.len() > 3 {
+        let n = ring.len();
+        let corner = [ring[(at + n - 1) % n], ring[at % n], ring[(at + 1) % n]];
+        if tried <= n && !is_ear(&ring, corner) {
+            at = (at + 1) % n;
+            tried += 1;
+            continue;
+        }
+        // After a full turn without an ear the ring crosses itself: clip anyway, so that it ends.
+        if turn(corner[0], corner[1], corner[2]) > 1e-9 {
+            triangles.push(corner);
+        }
+        ring.remove(at % n);
+        at %= n - 1;
+        tried = 0;
+    }
+    if ring.len() == 3 && turn(ring[0], ring[1], ring[2]) > 1e-9 {
+        triangles.push([ring[0], ring[1], ring[2]]);
+    }
+    triangles
+}
+
+fn is_ear(ring: &[MapPoint], [a, b, c]: [MapPoint; 3]) -> bool {
+    let area = turn(a, b, c);
+    if area.abs() <= 1e-9 {
+        return true;
+    }
+    let inside = |p: &MapPoint| turn(a, b, *p) >= 0.0 && turn(b, c, *p) >= 0.0 && turn(c, a, *p) >= 0.0;
+    area > 0.0 && !ring.iter().any(|p| *p != a && *p != b && *p != c && inside(p))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn points(coordinates: &[(f64, f64)]) -> Vec<MapPoint> {
+        coordinates.iter().map(|&(x, y)| MapPoint::new(x, y)).collect()
+    }
+
+    fn area(triangles: &[[MapPoint; 3]]) -> f64 {
+        triangles.iter().map(|[a, b, c]| turn(*a, *b, *c) / 2.0).sum()
+    }
+
+    #[test]
+    fn an_l_is_covered_once() {
+        let ring = points(&[(0.0, 0.0), (4.0, 0.0), (4.0, 1.0), (1.0, 1.0), (1.0, 3.0), (0.0, 3.0)]);
+        let triangles = triangulate(&ring, &[]);
+        assert_eq!(triangles.len(), 4);
+        assert!((area(&triangles) - 6.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_courtyard_stays_open() {
+        let ring = points(&[(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)]);
+        let hole = points(&[(3.0, 3.0), (3.0, 7.0), (7.0, 7.0), (7.0, 3.0)]);
+        let triangles = triangulate(&ring, &[hole]);
+        assert!((area(&triangles) - 84.0).abs() < 1e-9);
+        let middle = MapPoint::new(5.0, 5.0);
+        let covers = |[a, b, c]: &[MapPoint; 3]| {
+            turn(*a, *b, middle) > 0.0 && turn(*b, *c, middle) > 0.0 && turn(*c, *a, middle) > 0.0
+        };
+        assert!(!triangles.iter().any(covers));
+    }
+
+    #[test]
+    fn a_bow_tie_and_a_line_end() {
+        triangulate(&points(&[(0.0, 0.0), (2.0, 2.0), (2.0, 0.0), (0.0, 2.0)]), &[]);
+        assert!(triangulate(&points(&[(0.0, 0.0), (1.0, 0.0), (2.0, 0.0)]), &[]).is_empty());
+        assert!(triangulate(&[], &[]).is_empty());
+    }
+}

@@ -1,0 +1,238 @@
+//! From a read world to the triangles of a scene.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+use nalgebra::{Point3, Vector3};
+use openbench_core::Pose3;
+
+use super::classes::class_of;
+use super::error::ImportError;
+use super::forms;
+use super::looks::{Look, Looks};
+use super::mesh::{self, Corner, Mesh, Part};
+use super::patterns::Pattern;
+use super::plates::{PlateAt, plate_of};
+use super::road::{ribbon, shift_to_ground};
+use super::sdf::{Geometry, MeshUse, Model, Road, Shape};
+use super::search::{SearchPath, model_of};
+use super::warnings::Warnings;
+use crate::scene::Layer;
+use crate::{SceneBuilder, SemanticClass};
+
+const MAX_TRIANGLES: usize = 20_000_000;
+/// Level planes at least this long, metres, are ground that roads lie on.
+const GROUND_EDGE: f64 = 10.0;
+
+/// Puts models and roads into a scene.
+pub(crate) struct Emitter<'a> {
+    search: &'a SearchPath,
+    world: &'a Path,
+    builder: &'a mut SceneBuilder,
+    warnings: &'a mut Warnings,
+    looks: Looks<'a>,
+    meshes: BTreeMap<PathBuf, Rc<Mesh>>,
+    triangles: usize,
+    ground: Option<f64>,
+    /// Plates found on the way, in the order of the file.
+    pub(crate) plates: Vec<PlateAt>,
+}
+
+/// Where a shape stands and what it belongs to.
+struct Setting<'m> {
+    model: &'m str,
+    pose: Pose3,
+    scale: Vector3<f64>,
+    layer: Layer,
+    class: SemanticClass,
+}
+
+impl<'a> Emitter<'a> {
+    /// An emitter that has put nothing into `builder` yet.
+    pub(crate) fn new(
+        search: &'a SearchPath,
+        world: &'a Path,
+        builder: &'a mut SceneBuilder,
+        warnings: &'a mut Warnings,
+    ) -> Self {
+        Self {
+            search,
+            world,
+            builder,
+            warnings,
+            looks: Looks::new(search, world.parent().unwrap_or(Path::new("."))),
+            meshes: BTreeMap::new(),
+            triangles: 0,
+            ground: None,
+            plates: Vec::new(),
+        }
+    }
+
+    /// Adds a model and the models in it.
+    pub(crate) fn model(
+        &mut self,
+        model: &Model,
+        parent: &Pose3,
+        scale: &Vector3<f64>,
+    ) -> Result<(), ImportError> {
+        let pose = parent * model.pose;
+        let scale = scale.component_mul(&model.scale);
+        if let Some(plate) = plate_of(model, &pose) {
+            self.plates.push(plate);
+            return Ok(());
+        }
+        for link in &model.links {
+            for shape in &link.shapes {
+                let setting = Setting {
+                    model: &model.name,
+                    pose: pose * link.pose * shape.pose,
+                    scale,
+                    layer: if shape.visual { Layer::Visible } else { Layer::Solid },
+                    class: class_of_shape(model, shape),
+                };
+                self.shape(shape, &setting)?;
+            }
+        }
+        model.models.iter().try_for_each(|inner| self.model(inner, &pose, &scale))
+    }
+
+    /// Adds the roads, onto the ground if there is a ground plane near them. Call it after the models.
+    pub(crate) fn roads(&mut self, roads: &[Road]) -> Result<(), ImportError> {
+        let shift = shift_to_ground(roads, self.ground);
+        for road in roads {
+            let own = match &road.paint {
+                Some(paint) => self.looks.of_paint(self.builder, paint, self.warnings)?,
+                None => None,
+            };
+            let look = own.unwrap_or_else(|| self.looks.drawn(self.builder, Pattern::MarkedRoad));
+            let repeat = look.pattern.map_or(road.width, |p| p.metres()[1]);
+            let setting = Setting {
+                model: &road.name,
+                pose: Pose3::identity(),
+                scale: Vector3::repeat(1.0),
+                layer: Layer::Visible,
+                class: SemanticClass::Road,
+            };
+            self.part(&ribbon(road, shift, repeat), &look, &setting)?;
+        }
+        Ok(())
+    }
+
+    fn shape(&mut self, shape: &Shape, setting: &Setting) -> Result<(), ImportError> {
+        let painted = match &shape.paint {
+            Some(paint) => self.looks.of_paint(self.builder, paint, self.warnings)?,
+            None => None,
+        };
+        if let Geometry::Mesh(mesh) = &shape.geometry {
+            return self.mesh(mesh, shape, painted, setting);
+        }
+        let color = shape.paint.as_ref().and_then(|p| p.color).unwrap_or([0.7; 3]);
+        let look = painted.unwrap_or_else(|| Look::plain(color));
+        let metres = look.pattern.map(Pattern::metres);
+        let part = match &shape.geometry {
+            Geometry::Box(size) => forms::cuboid(*size, metres),
+            Geometry::Plane { normal, size } => {
+                self.note_ground(setting.pose * normal, setting.pose.translation.z, *size);
+                forms::plane(*normal, *size, shape.visual, metres)
+            }
+            Geometry::Cylinder { radius, length } => forms::cylinder(*radius, *length),
+            Geometry::Sphere(radius) => forms::sphere(*radius),
+            Geometry::Mesh(_) => Part::default(),
+        };
+        self.part(&part, &look, setting)
+    }
+
+    fn note_ground(&mut self, normal: Vector3<f64>, height: f64, size: [f64; 2]) {
+        if normal.z > 0.999 && size.iter().all(|s| *s >= GROUND_EDGE) {
+            self.ground.get_or_insert(height);
+        }
+    }
+
+    fn mesh(
+        &mut self,
+        wanted: &MeshUse,
+        shape: &Shape,
+        painted: Option<Look>,
+        setting: &Setting,
+    ) -> Result<(), ImportError> {
+        let (path, mesh) = self.load(wanted, setting.model)?;
+        let used = |p: &&Part| wanted.submesh.as_ref().is_none_or(|name| p.names.contains(name));
+        let parts: Vec<&Part> = mesh.parts.iter().filter(used).collect();
+        if parts.is_empty() {
+            let name = wanted.submesh.as_deref().unwrap_or_default();
+            self.warnings.add(format!("{} has no part `{name}`", wanted.uri));
+        }
+        let middle = if wanted.center { middle_of(&parts) } else { Vector3::zeros() };
+        let setting = Setting {
+            pose: setting.pose * nalgebra::Translation3::from(-middle.component_mul(&wanted.scale)),
+            scale: setting.scale.component_mul(&wanted.scale),
+            ..*setting
+        };
+        for part in parts {
+            let material = part.material.and_then(|m| mesh.materials.get(m));
+            let look = match &painted {
+                _ if setting.layer == Layer::Solid => Look::default(),
+                Some(look) => look.clone(),
+                None => {
+                    let paint = shape.paint.as_ref();
+                    self.looks.of_mesh(self.builder, &path, material, paint, self.warnings)?
+                }
+            };
+            self.part(part, &look, &setting)?;
+        }
+        Ok(())
+    }
+
+    fn load(&mut self, wanted: &MeshUse, model: &str) -> Result<(PathBuf, Rc<Mesh>), ImportError> {
+        let beside = self.world.parent().unwrap_or(Path::new("."));
+        let path = self.search.find(&wanted.uri, beside).filter(|p| p.is_file());
+        let path = path.ok_or_else(|| ImportError::Missing {
+            model: model.to_owned(),
+            uri: wanted.uri.clone(),
+            searched: self.search.folders(),
+        })?;
+        if let Some(mesh) = self.meshes.get(&path) {
+            return Ok((path, mesh.clone()));
+        }
+        let mesh = Rc::new(mesh::read(&path)?);
+        self.meshes.insert(path.clone(), mesh.clone());
+        Ok((path, mesh))
+    }
+
+    fn part(&mut self, part: &Part, look: &Look, setting: &Setting) -> Result<(), ImportError> {
+        self.triangles += part.triangles.len();
+        if self.triangles > MAX_TRIANGLES {
+            return Err(ImportError::too_large(self.world, "triangles", MAX_TRIANGLES));
+        }
+        let material = self.looks.material(self.builder, look, setting.class);
+        let [su, sv] = look.stretch;
+        let place = |(p, [u, v]): &Corner| -> Corner {
+            (setting.pose * Point3::from(p.coords.component_mul(&setting.scale)), [u / su, v / sv])
+        };
+        let corners: Vec<Corner> = part.corners.iter().map(place).collect();
+        let mirrored = setting.scale.product() < 0.0;
+        let turned = |&[a, b, c]: &[u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
+        let triangles: Vec<[u32; 3]> = part.triangles.iter().map(turned).collect();
+        for _ in 0..self.builder.mesh(setting.layer, material, &corners, &triangles) {
+            self.warnings.add("triangle with a corner that is no number or too far away");
+        }
+        Ok(())
+    }
+}
+
+fn class_of_shape(model: &Model, shape: &Shape) -> SemanticClass {
+    let by_mesh = match &shape.geometry {
+        Geometry::Mesh(mesh) => model_of(&mesh.uri).map(class_of),
+        _ => None,
+    };
+    by_mesh.filter(|c| *c != SemanticClass::Other).unwrap_or_else(|| class_of(&model.name))
+}
+
+/// Middle of the box around the parts.
+fn middle_of(parts: &[&Part]) -> Vector3<f64> {
+    let mut points = parts.iter().flat_map(|p| &p.corners).map(|(p, _)| p.coords);
+    let Some(first) = points.next() else { return Vector3::zeros() };
+    let (low, high) = points.fold((first, first), |(low, high), p| (low.inf(&p), high.sup(&p)));
+    (low + high) / 2.0
+}

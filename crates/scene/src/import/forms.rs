@@ -1,0 +1,126 @@
+//! Triangles of boxes, planes, cylinders and spheres, in the shape's own frame.
+
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::{Point3, UnitQuaternion, Vector3};
+
+use super::mesh::{Corner, Part};
+
+const SEGMENTS: u32 = 24;
+const RINGS: u32 = 12;
+/// Collision planes have no end in Gazebo; this is far enough.
+const SOLID_PLANE_EDGE: f64 = 200.0;
+
+/// A box around the origin. `metres` is what one repeat of the image covers; nothing stretches one repeat over each side.
+pub(crate) fn cuboid(size: Vector3<f64>, metres: Option<[f64; 2]>) -> Part {
+    let mut part = Part::default();
+    let h = size / 2.0;
+    for axis in 0..3 {
+        for sign in [-1.0, 1.0] {
+            let mut normal = Vector3::zeros();
+            normal[axis] = sign;
+            let up = if axis == 2 { Vector3::y() } else { Vector3::z() };
+            let right = up.cross(&normal);
+            let extent = |v: Vector3<f64>| v.abs().dot(&size);
+            let repeat = metres.map_or([1.0; 2], |[u, v]| [extent(right) / u, extent(up) / v]);
+            let middle = normal.component_mul(&h);
+            quad(&mut part, middle, right * extent(right), up * extent(up), repeat);
+        }
+    }
+    part
+}
+
+/// A rectangle around the origin that faces `normal`.
+pub(crate) fn plane(normal: Vector3<f64>, size: [f64; 2], visual: bool, metres: Option<[f64; 2]>) -> Part {
+    let size = if visual { size } else { size.map(|s| s.max(SOLID_PLANE_EDGE)) };
+    let turn = UnitQuaternion::rotation_between(&Vector3::z(), &normal)
+        .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI));
+    let repeat = metres.map_or([1.0; 2], |m| [size[0] / m[0], size[1] / m[1]]);
+    let mut part = Part::default();
+    quad(&mut part, Vector3::zeros(), turn * Vector3::x() * size[0], turn * Vector3::y() * size[1], repeat);
+    part
+}
+
+fn quad(part: &mut Part, middle: Vector3<f64>, u: Vector3<f64>, v: Vector3<f64>, repeat: [f64; 2]) {
+    let base = part.corners.len() as u32;
+    let repeat = repeat.map(|r| r as f32);
+    for (a, b) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)] {
+        let at = middle + u * (a - 0.5) + v * (b - 0.5);
+        part.corners.push((at.into(), [a as f32 * repeat[0], b as f32 * repeat[1]]));
+    }
+    part.triangles.extend([[base, base + 1, base + 2], [base, base + 2, base + 3]]);
+}
+
+/// A cylinder along z around the origin.
+pub(crate) fn cylinder(radius: f64, length: f64) -> Part {
+    let mut part = Part::default();
+    for (z, v) in [(-length / 2.0, 0.0), (length / 2.0, 1.0)] {
+        part.corners.extend((0..=SEGMENTS).map(|i| circle_corner(radius, i, z, v)));
+    }
+    let row = SEGMENTS + 1;
+    part.triangles.extend((0..SEGMENTS).flat_map(|i| band(i, i + row)));
+    for (start, top) in [(0, false), (row, true)] {
+        let middle = part.corners.len() as u32;
+        let z = if top { length / 2.0 } else { -length / 2.0 };
+        part.corners.push((Point3::new(0.0, 0.0, z), [0.5, 0.5]));
+        let cap =
+            (start..start + SEGMENTS).map(|i| if top { [middle, i, i + 1] } else { [middle, i + 1, i] });
+        part.triangles.extend(cap);
+    }
+    part
+}
+
+/// A ball around the origin.
+pub(crate) fn sphere(radius: f64) -> Part {
+    let mut part = Part::default();
+    for ring in 0..=RINGS {
+        let v = f64::from(ring) / f64::from(RINGS);
+        let (sin, cos) = libm::sincos(PI * v);
+        part.corners.extend((0..=SEGMENTS).map(|i| circle_corner(radius * sin, i, -radius * cos, v)));
+    }
+    let row = SEGMENTS + 1;
+    for ring in 0..RINGS {
+        part.triangles.extend((0..SEGMENTS).flat_map(|i| band(ring * row + i, (ring + 1) * row + i)));
+    }
+    part
+}
+
+fn circle_corner(radius: f64, i: u32, z: f64, v: f64) -> Corner {
+    let u = f64::from(i) / f64::from(SEGMENTS);
+    let (sin, cos) = libm::sincos(TAU * u);
+    (Point3::new(radius * cos, radius * sin, z), [u as f32, v as f32])
+}
+
+/// Two triangles between neighbours in a lower and an upper row.
+fn band(low: u32, high: u32) -> [[u32; 3]; 2] {
+    [[low, low + 1, high + 1], [low, high + 1, high]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Volume inside the triangles: right only if every triangle faces outward.
+    fn volume(part: &Part) -> f64 {
+        let p = |i: u32| part.corners[i as usize].0.coords;
+        part.triangles.iter().map(|[a, b, c]| p(*a).dot(&p(*b).cross(&p(*c))) / 6.0).sum()
+    }
+
+    #[test]
+    fn forms_are_closed_and_face_outward() {
+        assert!((volume(&cuboid(Vector3::new(1.0, 2.0, 3.0), None)) - 6.0).abs() < 1e-9);
+        let cylinder = volume(&cylinder(0.5, 2.0)) / (PI * 0.5);
+        assert!((0.97..1.0).contains(&cylinder), "{cylinder}");
+        let sphere = volume(&sphere(2.0)) / (4.0 / 3.0 * PI * 8.0);
+        assert!((0.95..1.0).contains(&sphere), "{sphere}");
+    }
+
+    #[test]
+    fn a_plane_faces_its_normal_and_is_touched_beyond_its_picture() {
+        let part = plane(Vector3::x(), [4.0, 2.0], true, None);
+        let p = |i: usize| part.corners[i].0;
+        assert!(((p(1) - p(0)).cross(&(p(2) - p(0))).normalize() - Vector3::x()).norm() < 1e-9);
+        let solid = plane(Vector3::z(), [4.0, 2.0], false, None);
+        assert!(solid.corners.iter().all(|(p, _)| p.x.abs() >= 100.0));
+    }
+}

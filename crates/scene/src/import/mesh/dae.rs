@@ -1,0 +1,196 @@
+//! COLLADA 1.4: the scene's nodes, their transforms, units and up axis.
+//!
+//! As in Gazebo Classic, a node that has a `<matrix>` ignores its `<translate>`, `<rotate>`, `<scale>`, against the letter of the
+//! specification, which applies all in turn: meshes that were made for Gazebo count on it. Left out: animation and skinning
+//! (a skinned mesh is read in its bind shape), cameras, lights, physics.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use nalgebra::{Matrix4, Rotation3, Unit, Vector3};
+use roxmltree::{Document, Node};
+
+use super::super::error::ImportError;
+use super::super::xml::{child, children, list, malformed, numbers, parse};
+use super::dae_geometry::read_primitives;
+use super::dae_material::Materials;
+use super::{MAX_TRIANGLES, Mesh};
+
+const MAX_DEPTH: usize = 64;
+const MAX_VISITS: usize = 100_000;
+
+/// A document with an index of its ids.
+pub(super) struct Dae<'a, 'i> {
+    pub(super) path: &'a Path,
+    ids: BTreeMap<&'a str, Node<'a, 'i>>,
+}
+
+impl<'a, 'i> Dae<'a, 'i> {
+    fn new(path: &'a Path, doc: &'a Document<'i>) -> Self {
+        let named = doc.descendants().filter_map(|n| Some((n.attribute("id")?, n)));
+        Self { path, ids: named.collect() }
+    }
+
+    /// The element that `#id` in an attribute names.
+    pub(super) fn target(&self, node: Node<'a, 'i>, attribute: &str) -> Option<Node<'a, 'i>> {
+        self.by_id(node.attribute(attribute)?)
+    }
+
+    /// The element with that id, with or without `#`.
+    pub(super) fn by_id(&self, id: &str) -> Option<Node<'a, 'i>> {
+        self.ids.get(id.strip_prefix('#').unwrap_or(id)).copied()
+    }
+}
+
+/// Reads COLLADA.
+pub(super) fn read(path: &Path, text: &str) -> Result<Mesh, ImportError> {
+    let doc = parse(path, text)?;
+    let root = doc.root_element();
+    let dae = Dae::new(path, &doc);
+    let named = child(root, "scene").and_then(|s| child(s, "instance_visual_scene"));
+    let first = || child(root, "library_visual_scenes").and_then(|l| child(l, "visual_scene"));
+    let Some(scene) = named.and_then(|n| dae.target(n, "url")).or_else(first) else {
+        return Err(malformed(path, root, "there is no <visual_scene> in this file"));
+    };
+    let mut walk =
+        Walk { dae: &dae, mesh: Mesh::default(), materials: Materials::default(), visits: 0, triangles: 0 };
+    walk.children(scene, &base_transform(path, root)?, 0)?;
+    walk.mesh.materials = walk.materials.into_list();
+    Ok(walk.mesh)
+}
+
+/// From the file's unit and up axis to metres with z up.
+fn base_transform(path: &Path, root: Node) -> Result<Matrix4<f64>, ImportError> {
+    let Some(asset) = child(root, "asset") else { return Ok(Matrix4::identity()) };
+    let meter = child(asset, "unit").and_then(|u| u.attribute("meter")).map_or(Ok(1.0), str::parse::<f64>);
+    let Some(meter) = meter.ok().filter(|m| m.is_finite() && *m > 0.0) else {
+        return Err(malformed(path, asset, "<unit> needs a positive number of metres"));
+    };
+    let up = child(asset, "up_axis").and_then(|u| u.text()).map(str::trim);
+    let turn = match up {
+        Some("Z_UP") => Matrix4::identity(),
+        Some("X_UP") => Matrix4::new(0., -1., 0., 0., 0., 0., -1., 0., 1., 0., 0., 0., 0., 0., 0., 1.),
+        // Y_UP, which is also what the specification supposes where nothing is said.
+        _ => Matrix4::new(1., 0., 0., 0., 0., 0., -1., 0., 0., 1., 0., 0., 0., 0., 0., 1.),
+    };
+    Ok(turn * Matrix4::new_scaling(meter))
+}
+
+struct Walk<'w, 'a, 'i> {
+    dae: &'w Dae<'a, 'i>,
+    mesh: Mesh,
+    materials: Materials,
+    visits: usize,
+    triangles: usize,
+}
+
+impl<'a, 'i> Walk<'_, 'a, 'i> {
+    fn children(
+        &mut self,
+        parent: Node<'a, 'i>,
+        transform: &Matrix4<f64>,
+        depth: usize,
+    ) -> Result<(), ImportError> {
+        for node in parent.children().filter(Node::is_element) {
+            match node.tag_name().name() {
+                "node" => self.node(node, transform, depth)?,
+                "instance_node" => {
+                    if let Some(target) = self.dae.target(node, "url") {
+                        self.node(target, transform, depth)?;
+                    }
+                }
+                "instance_geometry" => {
+                    self.instance(parent, node, self.dae.target(node, "url"), transform)?
+                }
+                "instance_controller" => {
+                    let skin = self.dae.target(node, "url").and_then(|c| child(c, "skin"));
+                    let geometry = skin.and_then(|s| self.dae.target(s, "source"));
+                    self.instance(parent, node, geometry, transform)?;
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn node(&mut self, node: Node<'a, 'i>, parent: &Matrix4<f64>, depth: usize) -> Result<(), ImportError> {
+        self.visits += 1;
+        if depth > MAX_DEPTH || self.visits > MAX_VISITS {
+            return Err(malformed(self.dae.path, node, "nodes are nested too deep, or inside themselves"));
+        }
+        let transform = parent * own_transform(self.dae.path, node)?;
+        self.children(node, &transform, depth + 1)
+    }
+
+    fn instance(
+        &mut self,
+        node: Node<'a, 'i>,
+        instance: Node<'a, 'i>,
+        geometry: Option<Node<'a, 'i>>,
+        transform: &Matrix4<f64>,
+    ) -> Result<(), ImportError> {
+        let Some(geometry) = geometry else {
+            return Err(malformed(
+                self.dae.path,
+                instance,
+                "the geometry that this names is not in the file",
+            ));
+        };
+        let Some(mesh) = child(geometry, "mesh") else { return Ok(()) };
+        let named = [node, geometry];
+        let names = named.iter().flat_map(|n| [n.attribute("name"), n.attribute("id")]).flatten();
+        let names: Vec<String> = names.map(str::to_owned).collect();
+        for primitive in mesh.children().filter(Node::is_element) {
+            let binding = self.materials.bind(self.dae, instance, primitive.attribute("material"));
+            let Some(mut part) = read_primitives(self.dae, primitive, binding.uv_set)? else { continue };
+            self.triangles += part.triangles.len();
+            if self.triangles > MAX_TRIANGLES {
+                return Err(ImportError::too_large(self.dae.path, "triangles", MAX_TRIANGLES));
+            }
+            part.corners.iter_mut().for_each(|(p, _)| *p = transform.transform_point(p));
+            if transform.fixed_view::<3, 3>(0, 0).determinant() < 0.0 {
+                part.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+            }
+            part.names.clone_from(&names);
+            part.material = binding.material;
+            self.mesh.parts.push(part);
+        }
+        Ok(())
+    }
+}
+
+fn own_transform(path: &Path, node: Node) -> Result<Matrix4<f64>, ImportError> {
+    if let Some(matrix) = child(node, "matrix") {
+        return Ok(Matrix4::from_row_slice(&numbers::<16>(path, matrix)?));
+    }
+    let mut transform = Matrix4::identity();
+    for step in node.children().filter(Node::is_element) {
+        transform *= match step.tag_name().name() {
+            "translate" => Matrix4::new_translation(&numbers::<3>(path, step)?.into()),
+            "scale" => Matrix4::new_nonuniform_scaling(&numbers::<3>(path, step)?.into()),
+            "rotate" => {
+                let [x, y, z, degrees] = numbers::<4>(path, step)?;
+                let axis = Unit::try_new(Vector3::new(x, y, z), 1e-12);
+                axis.map_or(Matrix4::identity(), |a| {
+                    Rotation3::from_axis_angle(&a, degrees.to_radians()).to_homogeneous()
+                })
+            }
+            _ => continue,
+        };
+    }
+    Ok(transform)
+}
+
+/// The numbers of a `<source>` and how many of them make one item.
+pub(super) fn source(dae: &Dae, node: Node) -> Result<(Vec<f64>, usize), ImportError> {
+    let array = child(node, "float_array")
+        .ok_or_else(|| malformed(dae.path, node, "<source> has no <float_array>"))?;
+    let accessor = child(node, "technique_common").and_then(|t| child(t, "accessor"));
+    let stride = accessor.and_then(|a| a.attribute("stride")).and_then(|s| s.parse().ok()).unwrap_or(1);
+    Ok((list(dae.path, array)?, usize::max(stride, 1)))
+}
+
+/// The source that an `<input>` of that meaning names.
+pub(super) fn input<'a, 'i>(parent: Node<'a, 'i>, semantic: &str) -> Option<Node<'a, 'i>> {
+    children(parent, "input").find(|n| n.attribute("semantic") == Some(semantic))
+}

@@ -1,0 +1,192 @@
+//! Wavefront OBJ with its MTL: `v`, `vt`, `f`, `g`, `o`, `usemtl`, `mtllib`; of materials `Kd`, `map_Kd`, `map_d`.
+//!
+//! As Gazebo does, z is taken to point up. Lines and free-form surfaces are passed over.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::str::SplitAsciiWhitespace;
+
+use nalgebra::Point3;
+
+use super::super::error::ImportError;
+use super::super::xml::read_text;
+use super::{Corner, Joiner, Mesh, MeshMaterial, Part};
+
+#[derive(Default)]
+struct Obj {
+    positions: Vec<Point3<f64>>,
+    uvs: Vec<[f32; 2]>,
+    materials: Vec<MeshMaterial>,
+    material_numbers: BTreeMap<String, usize>,
+    parts: Vec<Part>,
+    open: Joiner,
+    names: [String; 2],
+    material: Option<usize>,
+}
+
+/// Reads OBJ and the MTL files beside it; a missing MTL file leaves its parts white.
+pub(super) fn read(path: &Path, text: &str) -> Result<Mesh, ImportError> {
+    let mut obj = Obj::default();
+    for (number, line) in text.lines().enumerate() {
+        obj.line(path, line).map_err(|problem| ImportError::Malformed {
+            path: path.to_owned(),
+            line: number as u32 + 1,
+            column: 1,
+            problem,
+        })?;
+    }
+    obj.close();
+    Ok(Mesh { parts: obj.parts, materials: obj.materials })
+}
+
+impl Obj {
+    fn line(&mut self, path: &Path, line: &str) -> Result<(), String> {
+        let mut words = line.split_ascii_whitespace();
+        let Some(keyword) = words.next() else { return Ok(()) };
+        let rest = line.trim_start().get(keyword.len()..).unwrap_or("").trim();
+        match keyword {
+            "v" => self.positions.push(floats::<3>(words)?.map(f64::from).into()),
+            "vt" => self.uvs.push(floats::<2>(words)?),
+            "f" => self.face(words)?,
+            "g" | "o" => {
+                self.close();
+                self.names[usize::from(keyword == "o")] = rest.to_owned();
+            }
+            "usemtl" => {
+                self.close();
+                self.material = self.material_numbers.get(rest).copied();
+            }
+            "mtllib" => self.library(path, rest),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn face(&mut self, words: SplitAsciiWhitespace) -> Result<(), String> {
+        let mut corners = Vec::new();
+        for word in words {
+            let mut fields = word.split('/');
+            let position = index(fields.next().unwrap_or(""), self.positions.len())?;
+            let uv = fields.next().filter(|f| !f.is_empty()).map(|f| index(f, self.uvs.len())).transpose()?;
+            let make = || -> Corner { (self.positions[position], uv.map_or([0.0; 2], |i| self.uvs[i])) };
+            corners.push(self.open.corner((position, uv.map_or(0, |i| i + 1)), make));
+        }
+        self.open.fan(&corners);
+        Ok(())
+    }
+
+    fn close(&mut self) {
+        let mut part = std::mem::take(&mut self.open).part;
+        if !part.triangles.is_empty() {
+            part.names = self.names.to_vec();
+            part.material = self.material;
+            self.parts.push(part);
+        }
+    }
+
+    fn library(&mut self, path: &Path, name: &str) {
+        let file = path.parent().unwrap_or(Path::new(".")).join(name);
+        let Ok(text) = read_text(&file) else { return };
+        for (name, material) in materials(&text) {
+            self.material_numbers.insert(name, self.materials.len());
+            self.materials.push(material);
+        }
+    }
+}
+
+/// The materials of an MTL file with their names.
+fn materials(text: &str) -> Vec<(String, MeshMaterial)> {
+    let mut found: Vec<(String, MeshMaterial)> = Vec::new();
+    for line in text.lines() {
+        let line = line.trim();
+        let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+        if keyword == "newmtl" {
+            found.push((rest.trim().to_owned(), MeshMaterial::default()));
+        }
+        let Some((_, material)) = found.last_mut() else { continue };
+        match keyword {
+            "Kd" => material.color = floats::<3>(rest.split_ascii_whitespace()).unwrap_or([1.0; 3]),
+            "map_Kd" => material.image = image_name(rest),
+            "map_d" => material.cutout = true,
+            _ => {}
+        }
+    }
+    for (_, material) in &mut found {
+        // Exporters write a meaningless grey beside an image.
+        material.color =
+            if material.image.is_some() { [1.0; 3] } else { material.color.map(|c| c.clamp(0.0, 1.0)) };
+    }
+    found
+}
+
+/// The file name after options such as `-s 1 1 1`: without options it may hold spaces.
+fn image_name(rest: &str) -> Option<String> {
+    let rest = rest.trim();
+    let name = if rest.starts_with('-') { rest.split_ascii_whitespace().last()? } else { rest };
+    Some(name.to_owned()).filter(|n| !n.is_empty())
+}
+
+fn floats<const N: usize>(words: SplitAsciiWhitespace) -> Result<[f32; N], String> {
+    let mut values = [0.0; N];
+    let mut count = 0;
+    for (value, word) in values.iter_mut().zip(words) {
+        *value = word.parse().map_err(|_| format!("`{word}` is not a number"))?;
+        count += 1;
+    }
+    if count == N { Ok(values) } else { Err(format!("{N} numbers are needed here")) }
+}
+
+/// Zero-based place of an index that counts from 1, or from the end if negative.
+fn index(word: &str, count: usize) -> Result<usize, String> {
+    let number: i64 = word.parse().map_err(|_| format!("`{word}` is not an index"))?;
+    let place = if number < 0 { count as i64 + number } else { number - 1 };
+    usize::try_from(place)
+        .ok()
+        .filter(|p| *p < count)
+        .ok_or_else(|| format!("index {number} is not among {count}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 1\ng side\nf 1/1 2/2 3/2 -1/1\n";
+
+    #[test]
+    fn a_square_becomes_two_triangles() {
+        let mesh = read(Path::new("a.obj"), SQUARE).unwrap();
+        assert_eq!(mesh.parts[0].triangles, [[0, 1, 2], [0, 2, 3]]);
+        assert_eq!(mesh.parts[0].corners[3].0, Point3::new(0.0, 1.0, 0.0));
+        assert_eq!(mesh.parts[0].corners[2].1, [1.0, 1.0]);
+        assert!(mesh.parts[0].names.contains(&"side".to_owned()));
+    }
+
+    #[test]
+    fn bad_indices_are_errors_with_their_line() {
+        for face in ["f 1 2 5", "f 0 1 2", "f -5 1 2", "f 1/3 2/1 3/1", "f a b c"] {
+            let error = read(Path::new("a.obj"), &format!("{SQUARE}{face}\n")).unwrap_err().to_string();
+            assert!(error.starts_with("a.obj:9:1: "), "{error}");
+        }
+    }
+
+    #[test]
+    fn materials_know_their_image() {
+        let found = materials("newmtl A\n\tKd 0.5 0.5 0.5\n\tmap_Kd -s 1 1 1 a.png\nnewmtl B\nKd 0 1 0\n");
+        assert_eq!(found[0].1.image.as_deref(), Some("a.png"));
+        assert_eq!(found[0].1.color, [1.0; 3]);
+        assert_eq!(found[1].1.color, [0.0, 1.0, 0.0]);
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn any_file_is_an_error_or_a_mesh_with_sound_indices(
+            lines in proptest::collection::vec("(v|vt|f|g|usemtl|mtllib)( -?[0-9]{1,2}(/[0-9]?){0,2}){0,5}", 0..40),
+        ) {
+            if let Ok(mesh) = read(Path::new("nowhere/a.obj"), &lines.join("\n")) {
+                for part in &mesh.parts {
+                    assert!(part.triangles.iter().flatten().all(|i| (*i as usize) < part.corners.len()));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! Import of Gazebo worlds: SDF 1.4 to 1.7 with the models that it names.
+//!
+//! Poses of the saved `<state>` win over those of the models; materials come from OGRE scripts, meshes or Gazebo's own names; models
+//! `text_model1`, `text_model2`, … become plates of units 1, 2, … and so doors. Everything stands still: joints, physics, sensors, plugins and
+//! actors are left out, and what would be seen but cannot be made is counted in [`World::warnings`].
+//!
+//! | module | its one job |
+//! |---|---|
+//! | `xml`, `error`, `warnings` | reading with limits; what is refused and what is skipped |
+//! | `sdf`, `read`, `frames`, `state`, `shape`, `sun` | the world as SDF says it |
+//! | `search` | `model://` on the search path |
+//! | `mesh` | COLLADA, OBJ, STL |
+//! | `ogre`, `builtin`, `patterns`, `images`, `looks` | materials |
+//! | `forms`, `road`, `emit`, `classes` | triangles |
+//! | `plates` | plates and doors |
+
+mod builtin;
+mod classes;
+mod emit;
+mod error;
+mod forms;
+mod frames;
+mod images;
+mod looks;
+mod mesh;
+mod ogre;
+mod patterns;
+mod plates;
+mod read;
+mod road;
+mod sdf;
+mod search;
+mod shape;
+mod state;
+mod sun;
+mod warnings;
+mod xml;
+
+use std::path::PathBuf;
+
+use nalgebra::Vector3;
+use openbench_core::{Georeference, Pose2, Pose3};
+use openbench_osm::{OsmData, OsmMap, default_georeference, without_doors};
+
+pub use error::ImportError;
+
+use crate::{SceneBuilder, World};
+use emit::Emitter;
+use plates::add_doors;
+use read::SdfReader;
+use search::SearchPath;
+use warnings::Warnings;
+
+/// What to import.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ImportRequest {
+    /// The `.world` file.
+    pub world: PathBuf,
+    /// The OSM map of the same place.
+    pub map: PathBuf,
+    /// Folders in which `model://…` is looked for, in this order.
+    pub models: Vec<PathBuf>,
+    /// Where the world lies on the Earth; by default where the map's own middle says.
+    pub georeference: Option<Georeference>,
+}
+
+/// Imports a Gazebo world.
+pub fn import_world(request: &ImportRequest) -> Result<World, ImportError> {
+    let data = OsmData::read(&request.map)?;
+    let georeference = match request.georeference {
+        Some(georeference) => georeference,
+        None => default_georeference(&data)
+            .map_err(|source| ImportError::Georeference { path: request.map.clone(), source })?,
+    };
+    let map = OsmMap::new(&data, georeference);
+    if map.buildings.is_empty() {
+        return Err(ImportError::NoBuildings { path: request.map.clone() });
+    }
+
+    let mut warnings = Warnings::default();
+    let search = SearchPath::new(&request.models);
+    let world = SdfReader { search: &search, warnings: &mut warnings, models: 0 }.world(&request.world)?;
+
+    let mut builder = SceneBuilder::new();
+    let mut emitter = Emitter::new(&search, &request.world, &mut builder, &mut warnings);
+    for model in &world.models {
+        emitter.model(model, &Pose3::identity(), &Vector3::repeat(1.0))?;
+    }
+    emitter.roads(&world.roads)?;
+    let plates = emitter.plates;
+    if plates.is_empty() {
+        return Err(ImportError::NoDoors { path: request.world.clone() });
+    }
+    add_doors(&mut builder, &plates, &map, &mut warnings);
+    if let Some(sun) = world.sun {
+        builder.sun(sun);
+    }
+    Ok(World {
+        name: request.world.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned()),
+        scene: builder.build(),
+        map: without_doors(&data),
+        georeference,
+        start: Pose2::default(),
+        attribution: vec![
+            "Gazebo models: Open Source Robotics Foundation, CC BY 3.0".to_owned(),
+            "Map: © OpenStreetMap contributors, ODbL".to_owned(),
+        ],
+        warnings: warnings.into_lines(),
+    })
+}

@@ -1,0 +1,93 @@
+//! Number plates. The published worlds mark doors with models `text_model1`, `text_model2`, … whose meshes were never published: a plate
+//! is drawn in their place. Its outward normal is the model's +y, its text runs along x.
+
+use std::collections::BTreeMap;
+
+use openbench_core::{Address, MapPoint, Pose3};
+use openbench_osm::OsmMap;
+
+use super::sdf::{Geometry, Model};
+use super::search::model_of;
+use super::warnings::Warnings;
+use crate::plate::{hang_plate, plate_material};
+use crate::{Door, SceneBuilder};
+
+/// How far plates stand out, metres: in the published worlds their poses lie up to 9 cm behind the frames of their doors.
+const STANDS_OUT: f64 = 0.10;
+
+/// A plate before it is known whose door it marks.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct PlateAt {
+    /// Number of the unit.
+    pub(crate) unit: u32,
+    /// Middle of the plate, in `map`.
+    pub(crate) pose: Pose3,
+}
+
+/// The unit that a model called `text_model<N>`, perhaps with a suffix such as `_0`, marks.
+pub(crate) fn unit_of_name(name: &str) -> Option<u32> {
+    let rest = name.strip_prefix("text_model")?;
+    let end = rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(rest.len());
+    let (number, suffix) = rest.split_at(end);
+    if suffix.is_empty() || suffix.starts_with(['_', ' ', '-', '(']) { number.parse().ok() } else { None }
+}
+
+/// The plate that `model` stands for, by the file of its mesh or else by its name. `pose` is the model's pose in `map`.
+pub(crate) fn plate_of(model: &Model, pose: &Pose3) -> Option<PlateAt> {
+    let shapes = model.links.iter().flat_map(|l| l.shapes.iter().map(move |s| (l, s)));
+    let mut with_unit = shapes.filter_map(|(link, shape)| match &shape.geometry {
+        Geometry::Mesh(mesh) => Some((unit_of_name(model_of(&mesh.uri)?)?, pose * link.pose * shape.pose)),
+        _ => None,
+    });
+    let by_mesh = with_unit.next().map(|(unit, pose)| PlateAt { unit, pose });
+    by_mesh.or_else(|| unit_of_name(&model.name).map(|unit| PlateAt { unit, pose: *pose }))
+}
+
+/// Draws the plates and adds their doors, each to the building whose outline is nearest.
+pub(crate) fn add_doors(
+    builder: &mut SceneBuilder,
+    plates: &[PlateAt],
+    map: &OsmMap,
+    warnings: &mut Warnings,
+) {
+    let mut known: Vec<Address> = Vec::new();
+    let mut faces = BTreeMap::new();
+    for plate in plates {
+        let at = plate.pose.translation.vector;
+        let Some(building) = map.nearest_building(MapPoint::new(at.x, at.y)) else { continue };
+        let named = map.buildings.get(building).and_then(|b| b.name.clone());
+        let building = named.unwrap_or_else(|| format!("building{}", building + 1));
+        let address = Address::new(building, format!("unit{}", plate.unit));
+        if known.iter().any(|a| a.same_door(&address)) {
+            warnings.add(format!("two doors have the address {address}"));
+        }
+        known.push(address.clone());
+        let text = format!("UNIT {}", plate.unit);
+        let face = *faces.entry(plate.unit).or_insert_with(|| plate_material(builder, &text));
+        hang_plate(builder, face, &plate.pose, STANDS_OUT);
+        let normal = plate.pose.rotation * nalgebra::Vector3::y();
+        let facing = libm::atan2(normal.y, normal.x);
+        builder.door(Door { address, text, plate: at.into(), facing });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_are_read_from_names() {
+        let expected = [
+            ("text_model1", Some(1)),
+            ("text_model12_0", Some(12)),
+            ("text_model3_clone_2", Some(3)),
+            ("text_model", None),
+            ("text_model1x", None),
+            ("my_text_model1", None),
+            ("text_model99999999999", None),
+        ];
+        for (name, unit) in expected {
+            assert_eq!(unit_of_name(name), unit, "{name}");
+        }
+    }
+}

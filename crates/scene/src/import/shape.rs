@@ -1,0 +1,92 @@
+//! `<geometry>` and `<material>` elements.
+
+use std::path::Path;
+
+use nalgebra::Vector3;
+use roxmltree::Node;
+
+use super::error::ImportError;
+use super::read::color;
+use super::sdf::{Geometry, MeshUse, Paint};
+use super::warnings::Warnings;
+use super::xml::{child, child_numbers, child_text, children, malformed, numbers};
+
+/// The form of a `<visual>` or `<collision>`; nothing for forms that are not supported, which are counted.
+pub(crate) fn read_geometry(
+    path: &Path,
+    shape: Node,
+    warnings: &mut Warnings,
+) -> Result<Option<Geometry>, ImportError> {
+    let Some(node) = child(shape, "geometry").and_then(|g| g.first_element_child()) else { return Ok(None) };
+    let tag = node.tag_name().name();
+    let geometry = match tag {
+        "box" => Geometry::Box(positive::<3>(path, node, "size")?.into()),
+        "plane" => read_plane(path, node)?,
+        "cylinder" => {
+            let [radius] = positive(path, node, "radius")?;
+            let [length] = positive(path, node, "length")?;
+            Geometry::Cylinder { radius, length }
+        }
+        "sphere" => Geometry::Sphere(positive::<1>(path, node, "radius")?[0]),
+        "mesh" => Geometry::Mesh(read_mesh_use(path, node)?),
+        "empty" => return Ok(None),
+        _ => {
+            warnings.add(format!("geometry <{tag}> is not supported"));
+            return Ok(None);
+        }
+    };
+    Ok(Some(geometry))
+}
+
+fn read_plane(path: &Path, node: Node) -> Result<Geometry, ImportError> {
+    let normal = child_numbers::<3>(path, node, "normal")?.map_or(Vector3::z(), Vector3::from);
+    let size = child_numbers::<2>(path, node, "size")?.unwrap_or([1.0, 1.0]);
+    let normal =
+        normal.try_normalize(1e-9).ok_or_else(|| malformed(path, node, "the plane's normal is zero"))?;
+    if size.iter().any(|s| *s <= 0.0) {
+        return Err(malformed(path, node, "<size> must be positive"));
+    }
+    Ok(Geometry::Plane { normal, size })
+}
+
+fn read_mesh_use(path: &Path, node: Node) -> Result<MeshUse, ImportError> {
+    // SDF 1.2 and 1.3 call it <filename>.
+    let uri = child_text(node, "uri").or_else(|| child_text(node, "filename"));
+    let submesh = child(node, "submesh");
+    Ok(MeshUse {
+        uri: uri.ok_or_else(|| malformed(path, node, "<mesh> needs a <uri>"))?.to_owned(),
+        scale: child_numbers::<3>(path, node, "scale")?.map_or(Vector3::repeat(1.0), Vector3::from),
+        submesh: submesh.and_then(|s| child_text(s, "name")).map(str::to_owned),
+        center: submesh.and_then(|s| child_text(s, "center")).is_some_and(|t| t == "true" || t == "1"),
+    })
+}
+
+/// A mesh file in its own size.
+pub(crate) fn whole_mesh(uri: &str) -> Geometry {
+    Geometry::Mesh(MeshUse { uri: uri.to_owned(), scale: Vector3::repeat(1.0), submesh: None, center: false })
+}
+
+fn positive<const N: usize>(path: &Path, node: Node, name: &str) -> Result<[f64; N], ImportError> {
+    let lacks = || malformed(path, node, format!("<{}> needs a <{name}>", node.tag_name().name()));
+    let values = numbers::<N>(path, child(node, name).ok_or_else(lacks)?)?;
+    if values.iter().any(|v| *v <= 0.0) {
+        return Err(malformed(path, node, format!("<{name}> must be positive")));
+    }
+    Ok(values)
+}
+
+/// The `<material>` of a `<visual>` or `<road>`, if it has one.
+pub(crate) fn read_paint(path: &Path, shape: Node) -> Result<Option<Paint>, ImportError> {
+    let Some(node) = child(shape, "material") else { return Ok(None) };
+    let script = child(node, "script");
+    let diffuse = color(path, node, "diffuse")?;
+    let image =
+        child(node, "pbr").and_then(|p| p.first_element_child()).and_then(|m| child_text(m, "albedo_map"));
+    let uris = script.into_iter().flat_map(|s| children(s, "uri").collect::<Vec<_>>());
+    Ok(Some(Paint {
+        uris: uris.filter_map(|u| u.text()).map(|t| t.trim().to_owned()).collect(),
+        script: script.and_then(|s| child_text(s, "name")).map(str::to_owned),
+        image: image.map(str::to_owned),
+        color: if diffuse.is_some() { diffuse } else { color(path, node, "ambient")? },
+    }))
+}

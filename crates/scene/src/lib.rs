@@ -1,0 +1,32 @@
+//! What a world is made of: triangles, materials, semantic classes, doors and their plates.
+//!
+//! | module | its one job |
+//! |---|---|
+//! | [`scene`] | [`Scene`] and [`SceneBuilder`]: triangles with materials, solid surfaces, doors |
+//! | [`material`] | [`Material`], [`Texture`], [`SemanticClass`] |
+//! | [`bvh`] | [`TriangleBvh`]: rays against triangles, one or sixteen at a time |
+//! | [`raycast`] | [`RayCaster`]: what a ray sees |
+//! | [`free_space`] | [`FreeSpace`]: where a footprint fits, and how far it is from there to elsewhere |
+//! | [`import`] | [`import_world`]: Gazebo worlds and their meshes |
+//! | [`plate`] | number plates |
+//! | [`generate`](mod@generate) | worlds from an OSM file and a seed |
+//! | [`world`] | [`World`]: a scene with its public map, georeference and start |
+
+pub mod bvh;
+pub mod free_space;
+pub mod generate;
+pub mod import;
+pub mod material;
+pub mod plate;
+pub mod raycast;
+pub mod scene;
+mod vector;
+pub mod world;
+
+pub use bvh::{Hit, RayPacket, TriangleBvh};
+pub use free_space::FreeSpace;
+pub use import::{ImportError, ImportRequest, import_world};
+pub use material::{Material, MaterialId, SemanticClass, Texture, TextureId};
+pub use raycast::RayCaster;
+pub use scene::{Door, Scene, SceneBuilder, SolidMesh, Sun, Triangle, Vertex};
+pub use world::World;

@@ -1,0 +1,101 @@
+//! How surfaces look, to the camera and to the LiDAR.
+
+use std::sync::Arc;
+
+/// Index into [`Scene::materials`](crate::Scene::materials).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct MaterialId(pub u32);
+
+/// Index into [`Scene::textures`](crate::Scene::textures).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct TextureId(pub u32);
+
+/// What a surface belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[repr(u8)]
+pub enum SemanticClass {
+    /// Bare ground, grass.
+    Ground,
+    /// Carriageway.
+    Road,
+    /// Pavement, footway.
+    Pavement,
+    /// Walls and roofs of buildings.
+    Building,
+    /// Door leaves.
+    Door,
+    /// Number plates at doors.
+    Plate,
+    /// Free-standing walls and fences.
+    Wall,
+    /// Trees, hedges.
+    Vegetation,
+    /// Cars.
+    Vehicle,
+    /// Lamps, benches, signs, boxes.
+    Furniture,
+    /// People.
+    Person,
+    /// Anything else.
+    Other,
+}
+
+/// An 8-bit RGBA image that repeats in both directions. Row 0 is the top; v = 0 is the bottom, as in COLLADA and OBJ.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Texture {
+    /// Columns, at least 1.
+    pub width: u32,
+    /// Rows, at least 1.
+    pub height: u32,
+    /// `4 * width * height` bytes, sRGB and straight alpha.
+    pub rgba: Arc<[u8]>,
+}
+
+/// How a surface looks.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Material {
+    /// sRGB colour, 0 to 1; multiplied with the texture.
+    pub color: [f32; 3],
+    /// Image over the surface.
+    pub texture: Option<TextureId>,
+    /// Whether texels with alpha below one half are holes (leaves).
+    pub cutout: bool,
+    /// What the surface belongs to.
+    pub class: SemanticClass,
+    /// Share of the LiDAR's light that comes back at normal incidence, 0 to 255.
+    pub reflectivity: u8,
+}
+
+impl Material {
+    /// An untextured material.
+    pub fn plain(class: SemanticClass, color: [f32; 3]) -> Self {
+        let luma = 0.3 * color[0] + 0.59 * color[1] + 0.11 * color[2];
+        Self { color, texture: None, cutout: false, class, reflectivity: (luma * 150.0) as u8 }
+    }
+
+    /// The same material under an image.
+    pub fn with_texture(mut self, texture: TextureId) -> Self {
+        self.texture = Some(texture);
+        self
+    }
+}
+
+impl SemanticClass {
+    /// Name, as in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ground => "ground",
+            Self::Road => "road",
+            Self::Pavement => "pavement",
+            Self::Building => "building",
+            Self::Door => "door",
+            Self::Plate => "plate",
+            Self::Wall => "wall",
+            Self::Vegetation => "vegetation",
+            Self::Vehicle => "vehicle",
+            Self::Furniture => "furniture",
+            Self::Person => "person",
+            Self::Other => "other",
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! Rays into a scene: what is seen, with its surface.
+
+use std::sync::Arc;
+
+use crate::bvh::{Hit, LANES, MISS, RayPacket, TriangleBvh};
+use crate::material::{Material, Texture};
+use crate::scene::Scene;
+
+/// A scene that rays can be cast into. Cheap to clone and shared between threads.
+#[derive(Debug, Clone)]
+pub struct RayCaster {
+    scene: Arc<Scene>,
+    visible: Arc<TriangleBvh>,
+    solid: Arc<TriangleBvh>,
+}
+
+impl RayCaster {
+    /// Builds the trees over the scene's visible and solid triangles.
+    pub fn new(scene: Arc<Scene>) -> Self {
+        let corner = |i: u32| scene.vertices[i as usize].position;
+        let cutout = |i: u32| scene.materials[scene.triangles[i as usize].material.0 as usize].cutout;
+        let visible = TriangleBvh::masked(scene.triangles.iter().map(|t| t.corners.map(corner)), cutout);
+        let place = |i: u32| scene.solid.positions[i as usize];
+        let solid = TriangleBvh::new(scene.solid.triangles.iter().map(|t| t.map(place)));
+        Self { visible: Arc::new(visible), solid: Arc::new(solid), scene }
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &Arc<Scene> {
+        &self.scene
+    }
+
+    /// The tree over the solid triangles.
+    pub fn solid(&self) -> &TriangleBvh {
+        &self.solid
+    }
+
+    /// The tree over the visible triangles, holes of cut-out materials not regarded.
+    pub fn visible(&self) -> &TriangleBvh {
+        &self.visible
+    }
+
+    /// What a ray sees first within `limit` lengths of `direction`; holes of cut-out materials are seen through.
+    pub fn cast(&self, origin: [f32; 3], direction: [f32; 3], limit: f32) -> Option<Hit> {
+        self.visible.cast_filtered(origin, direction, limit, |hit| !self.is_hole(hit))
+    }
+
+    /// What each ray of a packet sees first, as [`RayCaster::cast`] does for one.
+    pub fn cast_packet(&self, rays: &RayPacket, hits: &mut [Option<Hit>; LANES]) {
+        let raw = self.visible.cast_packet_filtered(rays, |hit| !self.is_hole(hit));
+        for lane in 0..LANES {
+            let (triangle, distance) = (raw.triangle[lane], raw.distance[lane]);
+            let hit = Hit { distance, triangle, u: raw.u[lane], v: raw.v[lane] };
+            hits[lane] = (triangle != MISS).then_some(hit);
+        }
+    }
+
+    /// The material of a visible triangle.
+    pub fn material(&self, triangle: u32) -> &Material {
+        &self.scene.materials[self.scene.triangles[triangle as usize].material.0 as usize]
+    }
+
+    /// Unit normal of a visible triangle, on the side that its corners turn counter-clockwise.
+    pub fn normal(&self, triangle: u32) -> [f32; 3] {
+        let [a, b, c] =
+            self.scene.triangles[triangle as usize].corners.map(|i| self.scene.vertices[i as usize].position);
+        let (e1, e2) = ([b[0] - a[0], b[1] - a[1], b[2] - a[2]], [c[0] - a[0], c[1] - a[1], c[2] - a[2]]);
+        let n = [e1[1] * e2[2] - e1[2] * e2[1], e1[2] * e2[0] - e1[0] * e2[2], e1[0] * e2[1] - e1[1] * e2[0]];
+        let length = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt().max(1e-20);
+        n.map(|c| c / length)
+    }
+
+    /// Texture coordinates at a hit.
+    pub fn texture_coordinates(&self, hit: &Hit) -> [f32; 2] {
+        let [a, b, c] =
+            self.scene.triangles[hit.triangle as usize].corners.map(|i| self.scene.vertices[i as usize].uv);
+        let w = 1.0 - hit.u - hit.v;
+        [w * a[0] + hit.u * b[0] + hit.v * c[0], w * a[1] + hit.u * b[1] + hit.v * c[1]]
+    }
+
+    /// Whether a hit on a cut-out material goes through one of its holes.
+    fn is_hole(&self, hit: &Hit) -> bool {
+        let Some(texture) = self.material(hit.triangle).texture else { return false };
+        nearest_texel(&self.scene.textures[texture.0 as usize], self.texture_coordinates(hit))[3] < 128
+    }
+}
+
+/// The texel at `uv`; the image repeats and v runs upwards.
+pub fn nearest_texel(texture: &Texture, uv: [f32; 2]) -> [u8; 4] {
+    let (u, v) = (uv[0] - uv[0].floor(), 1.0 - (uv[1] - uv[1].floor()));
+    let x = ((u * texture.width as f32) as u32).min(texture.width - 1);
+    let y = ((v * texture.height as f32) as u32).min(texture.height - 1);
+    let i = 4 * (y * texture.width + x) as usize;
+    [texture.rgba[i], texture.rgba[i + 1], texture.rgba[i + 2], texture.rgba[i + 3]]
+}

@@ -1,0 +1,199 @@
+//! Triangles in the `map` frame.
+
+use nalgebra::{Point3, Vector3};
+use openbench_core::{Address, MapPoint};
+
+use crate::material::{Material, MaterialId, SemanticClass, Texture, TextureId};
+
+/// A corner of a visible triangle: position in `map` and texture coordinates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Vertex {
+    /// Position, metres.
+    pub position: [f32; 3],
+    /// Texture coordinates.
+    pub uv: [f32; 2],
+}
+
+/// A visible triangle, counter-clockwise seen from outside.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Triangle {
+    /// Indices into [`Scene::vertices`].
+    pub corners: [u32; 3],
+    /// Its material.
+    pub material: MaterialId,
+}
+
+/// What robots bump into: an indexed triangle mesh.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SolidMesh {
+    /// Positions, metres.
+    pub positions: Vec<[f32; 3]>,
+    /// Indices into `positions`.
+    pub triangles: Vec<[u32; 3]>,
+    /// What each triangle belongs to.
+    pub classes: Vec<SemanticClass>,
+}
+
+/// A door, known by the plate beside or above it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Door {
+    /// Building and unit.
+    pub address: Address,
+    /// Words on the plate.
+    pub text: String,
+    /// Middle of the plate, metres in `map`.
+    pub plate: [f64; 3],
+    /// Direction that the plate faces: radians, counter-clockwise from east.
+    pub facing: f64,
+}
+
+impl Door {
+    /// The plate's place on the ground.
+    pub fn point(&self) -> MapPoint {
+        MapPoint::new(self.plate[0], self.plate[1])
+    }
+}
+
+/// Directional light and the light of the sky.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sun {
+    /// Direction that the light travels in; unit length.
+    pub direction: [f32; 3],
+    /// Strength of the sun, 0 to 1 or so.
+    pub diffuse: f32,
+    /// Strength of the sky's light, 0 to 1 or so.
+    pub ambient: f32,
+}
+
+impl Default for Sun {
+    fn default() -> Self {
+        Self { direction: [-0.60, 0.12, -0.79], diffuse: 0.65, ambient: 0.45 }
+    }
+}
+
+/// A world's surfaces.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Scene {
+    /// Corners of the visible triangles.
+    pub vertices: Vec<Vertex>,
+    /// Visible triangles: what camera and LiDAR see.
+    pub triangles: Vec<Triangle>,
+    /// Materials of the visible triangles.
+    pub materials: Vec<Material>,
+    /// Images of the materials.
+    pub textures: Vec<Texture>,
+    /// Solid surfaces: what the robot touches, the ground included.
+    pub solid: SolidMesh,
+    /// Doors in a fixed order.
+    pub doors: Vec<Door>,
+    /// Light.
+    pub sun: Sun,
+}
+
+/// Which of a scene's two meshes a shape goes into.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Layer {
+    /// Seen, but passed through: plates, road markings.
+    Visible,
+    /// Touched, but not seen: collision shapes.
+    Solid,
+    /// Both.
+    Both,
+}
+
+/// Puts a scene together.
+#[derive(Debug, Default)]
+pub struct SceneBuilder {
+    scene: Scene,
+}
+
+impl SceneBuilder {
+    /// An empty scene.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds an image.
+    pub fn texture(&mut self, texture: Texture) -> TextureId {
+        self.scene.textures.push(texture);
+        TextureId(self.scene.textures.len() as u32 - 1)
+    }
+
+    /// Adds a material.
+    pub fn material(&mut self, material: Material) -> MaterialId {
+        self.scene.materials.push(material);
+        MaterialId(self.scene.materials.len() as u32 - 1)
+    }
+
+    /// Adds a mesh: corners with texture coordinates, and triangles as indices into them. Triangles that name a
+    /// missing corner or hold a non-finite number are left out; how many is returned.
+    pub fn mesh(
+        &mut self,
+        layer: Layer,
+        material: MaterialId,
+        corners: &[(Point3<f64>, [f32; 2])],
+        triangles: &[[u32; 3]],
+    ) -> usize {
+        let usable = |t: &&[u32; 3]| {
+            t.iter().all(|&i| {
+                corners.get(i as usize).is_some_and(|(p, uv)| {
+                    p.iter().all(|c| c.is_finite() && c.abs() < 1e6) && uv.iter().all(|c| c.is_finite())
+                })
+            })
+        };
+        let kept: Vec<[u32; 3]> = triangles.iter().filter(usable).copied().collect();
+        let position = |p: &Point3<f64>| [p.x as f32, p.y as f32, p.z as f32];
+        if layer != Layer::Solid {
+            let base = self.scene.vertices.len() as u32;
+            self.scene
+                .vertices
+                .extend(corners.iter().map(|(p, uv)| Vertex { position: position(p), uv: *uv }));
+            self.scene
+                .triangles
+                .extend(kept.iter().map(|t| Triangle { corners: t.map(|i| base + i), material }));
+        }
+        if layer != Layer::Visible {
+            let base = self.scene.solid.positions.len() as u32;
+            self.scene.solid.positions.extend(corners.iter().map(|(p, _)| position(p)));
+            self.scene.solid.triangles.extend(kept.iter().map(|t| t.map(|i| base + i)));
+            let class =
+                self.scene.materials.get(material.0 as usize).map_or(SemanticClass::Other, |m| m.class);
+            self.scene.solid.classes.extend(kept.iter().map(|_| class));
+        }
+        triangles.len() - kept.len()
+    }
+
+    /// Adds a rectangle with corners `origin`, `origin + u`, `origin + u + v`, `origin + v`, seen from the side that
+    /// `u x v` points to. The texture covers it `repeat` times along u and v.
+    pub fn rectangle(
+        &mut self,
+        layer: Layer,
+        material: MaterialId,
+        origin: Point3<f64>,
+        (u, v): (Vector3<f64>, Vector3<f64>),
+        repeat: [f32; 2],
+    ) {
+        let corners = [
+            (origin, [0.0, 0.0]),
+            (origin + u, [repeat[0], 0.0]),
+            (origin + u + v, repeat),
+            (origin + v, [0.0, repeat[1]]),
+        ];
+        self.mesh(layer, material, &corners, &[[0, 1, 2], [0, 2, 3]]);
+    }
+
+    /// Adds a door. Its plate is drawn apart.
+    pub fn door(&mut self, door: Door) {
+        self.scene.doors.push(door);
+    }
+
+    /// Sets the light.
+    pub fn sun(&mut self, sun: Sun) {
+        self.scene.sun = sun;
+    }
+
+    /// The scene.
+    pub fn build(self) -> Scene {
+        self.scene
+    }
+}

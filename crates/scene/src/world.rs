@@ -1,0 +1,25 @@
+//! A scene with all that an episode in it needs.
+
+use openbench_core::{Georeference, Pose2};
+use openbench_osm::OsmData;
+
+use crate::scene::Scene;
+
+/// A world: what is there, and the map of it that agents get.
+#[derive(Debug, Clone)]
+pub struct World {
+    /// Name, as in results.
+    pub name: String,
+    /// What is there.
+    pub scene: Scene,
+    /// The public map: ordinary OSM, in which doors may be missing.
+    pub map: OsmData,
+    /// How the `map` frame lies on the Earth.
+    pub georeference: Georeference,
+    /// Where robots start.
+    pub start: Pose2,
+    /// Licences and authors to be named beside pictures and maps of this world.
+    pub attribution: Vec<String>,
+    /// What import or generation had to skip, in words.
+    pub warnings: Vec<String>,
+}

@@ -1,0 +1,432 @@
+//! Import of small worlds that are written out here.
+
+use std::path::PathBuf;
+
+use openbench_scene::{ImportError, ImportRequest, SemanticClass, World, import_world};
+use tempfile::TempDir;
+
+/// Two buildings, `east` around (10, 0) and `west` around (-10, 0), near the equator, and one door.
+const MAP: &str = r#"<osm version="0.6">
+  <node id="1" lat="-0.00005" lon="3.00005"/><node id="2" lat="-0.00005" lon="3.00015"/>
+  <node id="3" lat="0.00005" lon="3.00015"/><node id="4" lat="0.00005" lon="3.00005"/>
+  <node id="5" lat="-0.00005" lon="2.99985"/><node id="6" lat="-0.00005" lon="2.99995"/>
+  <node id="7" lat="0.00005" lon="2.99995"/><node id="8" lat="0.00005" lon="2.99985"/>
+  <node id="9" lat="0.0" lon="3.00005"><tag k="entrance" v="yes"/><tag k="addr:unit" v="1"/></node>
+  <way id="1"><nd ref="1"/><nd ref="2"/><nd ref="3"/><nd ref="4"/><nd ref="9"/><nd ref="1"/>
+    <tag k="building" v="yes"/><tag k="name" v="east"/></way>
+  <way id="2"><nd ref="5"/><nd ref="6"/><nd ref="7"/><nd ref="8"/><nd ref="5"/>
+    <tag k="building" v="yes"/><tag k="name" v="west"/></way>
+</osm>"#;
+
+const DOOR: &str = "<model name='text_model1'><pose>4 0 2 0 0 1.5707963267948966</pose></model>";
+
+struct Place {
+    folder: TempDir,
+}
+
+impl Place {
+    fn new() -> Self {
+        let place = Self { folder: tempfile::tempdir().unwrap() };
+        place.file("map.osm", MAP);
+        place
+    }
+
+    fn file(&self, name: &str, text: &str) -> PathBuf {
+        let path = self.folder.path().join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(&path, text).unwrap();
+        path
+    }
+
+    /// Imports a world of these elements.
+    fn import(&self, elements: &str) -> Result<World, ImportError> {
+        self.import_text(&format!("<sdf version='1.7'><world name='default'>{elements}</world></sdf>"))
+    }
+
+    fn import_text(&self, text: &str) -> Result<World, ImportError> {
+        import_world(&ImportRequest {
+            world: self.file("test.world", text),
+            map: self.folder.path().join("map.osm"),
+            models: vec![self.folder.path().join("models")],
+            georeference: Some("tangent:3,0".parse().unwrap()),
+        })
+    }
+
+    /// Positions of the visible corners of a world that is one mesh, plate aside.
+    fn mesh_corners(&self, file: &str, text: &str) -> Vec<[f32; 3]> {
+        self.file(&format!("models/thing/meshes/{file}"), text);
+        let elements = format!(
+            "<model name='thing'><link name='l'><visual name='v'><geometry><mesh>\
+             <uri>model://thing/meshes/{file}</uri></mesh></geometry></visual></link></model>{DOOR}"
+        );
+        let world = self.import(&elements).unwrap();
+        corners(&world, SemanticClass::Other)
+    }
+}
+
+/// Corners of the visible triangles of a class, in order.
+fn corners(world: &World, class: SemanticClass) -> Vec<[f32; 3]> {
+    let scene = &world.scene;
+    let of_class = scene.triangles.iter().filter(|t| scene.materials[t.material.0 as usize].class == class);
+    of_class.flat_map(|t| t.corners).map(|i| scene.vertices[i as usize].position).collect()
+}
+
+fn close(found: &[[f32; 3]], expected: &[[f32; 3]]) -> bool {
+    found.len() == expected.len()
+        && found.iter().flatten().zip(expected.iter().flatten()).all(|(a, b)| (a - b).abs() < 1e-5)
+}
+
+/// A COLLADA file with the triangle (0,0,0) (1,0,0) (0,2,0) in a node that holds `steps`.
+fn dae(asset: &str, steps: &str) -> String {
+    format!(
+        r##"<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+  <asset>{asset}</asset>
+  <library_effects><effect id="e"><profile_COMMON>
+    <newparam sid="s1"><surface><init_from>img</init_from></surface></newparam>
+    <newparam sid="s2"><sampler2D><source>s1</source></sampler2D></newparam>
+    <technique sid="t"><lambert><diffuse><texture texture="s2" texcoord="C"/></diffuse></lambert></technique>
+  </profile_COMMON></effect></library_effects>
+  <library_images><image id="img"><init_from>skin.png</init_from></image></library_images>
+  <library_materials><material id="m"><instance_effect url="#e"/></material></library_materials>
+  <library_geometries><geometry id="g"><mesh>
+    <source id="p"><float_array id="pa" count="9">0 0 0 1 0 0 0 2 0</float_array>
+      <technique_common><accessor source="#pa" count="3" stride="3"/></technique_common></source>
+    <source id="u0"><float_array id="ua" count="2">0.25 0.25</float_array>
+      <technique_common><accessor source="#ua" count="1" stride="2"/></technique_common></source>
+    <source id="u1"><float_array id="ub" count="2">0.75 0.75</float_array>
+      <technique_common><accessor source="#ub" count="1" stride="2"/></technique_common></source>
+    <vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+    <polylist material="sym" count="1">
+      <input semantic="VERTEX" source="#v" offset="0"/>
+      <input semantic="TEXCOORD" source="#u0" offset="1" set="0"/>
+      <input semantic="TEXCOORD" source="#u1" offset="1" set="1"/>
+      <vcount>3</vcount><p>0 0 1 0 2 0</p></polylist>
+  </mesh></geometry></library_geometries>
+  <library_visual_scenes><visual_scene id="sc"><node id="n" name="Leaf">{steps}
+    <instance_geometry url="#g"><bind_material><technique_common>
+      <instance_material symbol="sym" target="#m"><bind_vertex_input semantic="C" input_semantic="TEXCOORD" input_set="1"/>
+      </instance_material></technique_common></bind_material></instance_geometry></node></visual_scene></library_visual_scenes>
+  <scene><instance_visual_scene url="#sc"/></scene>
+</COLLADA>"##
+    )
+}
+
+const CENTIMETRES: &str = r#"<unit name="centimeter" meter="0.01"/><up_axis>Z_UP</up_axis>"#;
+
+#[test]
+fn collada_units_become_metres() {
+    let found = Place::new().mesh_corners("a.dae", &dae(CENTIMETRES, ""));
+    assert!(close(&found, &[[0.0; 3], [0.01, 0.0, 0.0], [0.0, 0.02, 0.0]]), "{found:?}");
+}
+
+#[test]
+fn collada_with_y_up_is_stood_upright() {
+    let asset = r#"<unit meter="1"/><up_axis>Y_UP</up_axis>"#;
+    let found = Place::new().mesh_corners("a.dae", &dae(asset, ""));
+    assert!(close(&found, &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 0.0, 2.0]]), "{found:?}");
+}
+
+#[test]
+fn collada_transforms_apply_in_turn() {
+    let steps = "<translate>5 0 0</translate><rotate>0 0 1 90</rotate><scale>2 1 1</scale>";
+    let found = Place::new().mesh_corners("a.dae", &dae("<up_axis>Z_UP</up_axis>", steps));
+    assert!(close(&found, &[[5.0, 0.0, 0.0], [5.0, 2.0, 0.0], [3.0, 0.0, 0.0]]), "{found:?}");
+}
+
+#[test]
+fn a_collada_matrix_silences_the_other_transforms_as_in_gazebo() {
+    let matrix = "<matrix>1 0 0 0 0 1 0 0 0 0 1 7 0 0 0 1</matrix>";
+    let steps = format!("{matrix}<translate>5 0 0</translate><scale>9 9 9</scale>");
+    let found = Place::new().mesh_corners("a.dae", &dae("<up_axis>Z_UP</up_axis>", &steps));
+    assert!(close(&found, &[[0.0, 0.0, 7.0], [1.0, 0.0, 7.0], [0.0, 2.0, 7.0]]), "{found:?}");
+}
+
+#[test]
+fn a_mirrored_mesh_keeps_its_outside() {
+    let found = Place::new().mesh_corners("a.dae", &dae("<up_axis>Z_UP</up_axis>", "<scale>-1 1 1</scale>"));
+    assert!(close(&found, &[[0.0; 3], [0.0, 2.0, 0.0], [-1.0, 0.0, 0.0]]), "{found:?}");
+}
+
+#[test]
+fn stl_and_obj_stay_in_their_own_numbers() {
+    let place = Place::new();
+    let obj = place.mesh_corners("a.obj", "v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n");
+    let stl = "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 2 0\nendloop\nendfacet\nendsolid s\n";
+    let stl = place.mesh_corners("a.stl", stl);
+    assert!(close(&obj, &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]]), "{obj:?}");
+    assert_eq!(obj, stl);
+}
+
+#[test]
+fn images_are_found_among_the_models_textures_and_the_bound_coordinates_used() {
+    let place = Place::new();
+    let skin = place.folder.path().join("models/thing/materials/textures/skin.png");
+    std::fs::create_dir_all(skin.parent().unwrap()).unwrap();
+    image::RgbImage::from_pixel(2048, 16, image::Rgb([9, 8, 7])).save(&skin).unwrap();
+    place.file("models/thing/meshes/a.dae", &dae(CENTIMETRES, ""));
+    let world = place.import(&format!("{}{}{DOOR}", thing("", ""), thing("", ""))).unwrap();
+    let painted: Vec<_> = world
+        .scene
+        .triangles
+        .iter()
+        .filter(|t| {
+            let texture = world.scene.materials[t.material.0 as usize].texture;
+            texture.is_some_and(|t| world.scene.textures[t.0 as usize].rgba[..3] == [9, 8, 7])
+        })
+        .collect();
+    assert_eq!(painted.len(), 2, "{:?}", world.warnings);
+    assert_eq!(painted[0].material, painted[1].material);
+    assert_eq!(world.scene.vertices[painted[0].corners[0] as usize].uv, [0.75, 0.75]);
+    let width = world.scene.textures[0].width;
+    assert_eq!((width, world.scene.textures.len()), (1024, 2), "brought down, loaded once");
+}
+
+/// A model with the mesh `a.dae`, with further elements in its `<mesh>` and `<visual>`.
+fn thing(in_mesh: &str, in_visual: &str) -> String {
+    format!(
+        "<model name='thing'><link name='l'><visual name='v'><geometry><mesh>\
+         <uri>model://thing/meshes/a.dae</uri>{in_mesh}</mesh></geometry>{in_visual}</visual></link></model>"
+    )
+}
+
+#[test]
+fn a_script_wins_over_the_meshs_materials_and_holes_are_known() {
+    let place = Place::new();
+    place.file("models/thing/meshes/a.dae", &dae(CENTIMETRES, ""));
+    place.file(
+        "models/thing/materials/scripts/t.material",
+        "material T/Leaf { technique { pass {\n diffuse 0 1 0\n alpha_rejection greater 128\n } } }",
+    );
+    let visual =
+        "<material><script><uri>model://thing/materials/scripts</uri><name>T/Leaf</name></script></material>";
+    let world = place
+        .import(&(thing("<scale>3 3 3</scale><submesh><name>Leaf</name></submesh>", visual) + DOOR))
+        .unwrap();
+    let scene = &world.scene;
+    let leaf = &scene.materials[scene.triangles[0].material.0 as usize];
+    assert!(leaf.cutout && leaf.color == [0.0, 1.0, 0.0] && leaf.texture.is_none(), "{leaf:?}");
+    assert!((scene.vertices[1].position[0] - 0.03).abs() < 1e-6);
+}
+
+#[test]
+fn an_unknown_submesh_is_a_warning() {
+    let place = Place::new();
+    place.file("models/thing/meshes/a.dae", &dae(CENTIMETRES, ""));
+    let world = place.import(&(thing("<submesh><name>Root</name></submesh>", "") + DOOR)).unwrap();
+    assert!(world.warnings.iter().any(|w| w.contains("Root")), "{:?}", world.warnings);
+}
+
+#[test]
+fn visuals_are_seen_and_collisions_touched() {
+    let cube = "<geometry><box><size>2 2 2</size></box></geometry>";
+    let model = format!(
+        "<model name='wall_1'><pose>0 5 1 0 0 0</pose><link name='l'><visual name='v'>{cube}</visual></link></model>"
+    );
+    let world = Place::new().import(&(model.clone() + DOOR)).unwrap();
+    assert_eq!(corners(&world, SemanticClass::Wall).len(), 36);
+    assert!(world.scene.solid.triangles.is_empty());
+    let world = Place::new().import(&(model.replace("visual", "collision") + DOOR)).unwrap();
+    assert!(corners(&world, SemanticClass::Wall).is_empty());
+    assert_eq!(world.scene.solid.triangles.len(), 12);
+    assert!(world.scene.solid.positions.iter().all(|p| (4.0..=6.0).contains(&p[1]) && p[2] >= 0.0));
+}
+
+#[test]
+fn the_saved_state_wins_over_models_and_links() {
+    let cube = "<geometry><box><size>1 1 1</size></box></geometry>";
+    let model = |name: &str| {
+        format!(
+            "<model name='{name}'><pose>1 0 0 0 0 0</pose><link name='a'><visual name='v'>{cube}</visual></link>\
+             <link name='b'><pose>0 0 3 0 0 0</pose><visual name='v'>{cube}</visual></link></model>"
+        )
+    };
+    let state = format!(
+        "<state world_name='default'><insertions>{}</insertions><deletions><name>gone</name></deletions>\
+         <model name='wall'><pose>0 20 0 0 0 0</pose><scale>2 1 1</scale><link name='b'><pose>0 30 0 0 0 0</pose></link></model></state>",
+        model("fence")
+    );
+    let world = Place::new().import(&format!("{}{}{state}{DOOR}", model("wall"), model("gone"))).unwrap();
+    let found = corners(&world, SemanticClass::Wall);
+    let near = |x: f32, y: f32, z: f32, half: f32| {
+        found
+            .iter()
+            .filter(|p| (p[0] - x).abs() <= half + 1e-5 && (p[1] - y).abs() < 0.6 && (p[2] - z).abs() < 0.6)
+            .count()
+    };
+    assert_eq!(found.len(), 4 * 36, "the deleted model is gone, the inserted one is there");
+    assert_eq!(
+        (near(0.0, 20.0, 0.0, 1.0), near(0.0, 30.0, 0.0, 1.0)),
+        (36, 36),
+        "link poses are poses in the world"
+    );
+    assert_eq!((near(0.0, 20.0, 0.0, 0.9), near(1.0, 0.0, 3.0, 0.5)), (0, 36));
+}
+
+#[test]
+fn included_models_are_found_by_their_config_named_and_placed() {
+    let place = Place::new();
+    place.file(
+        "models/oak/model.config",
+        "<model><sdf version='1.4'>old.sdf</sdf><sdf version='1.6'>new.sdf</sdf></model>",
+    );
+    let sdf = "<sdf version='1.6'><model name='inner'><pose>0 0 9 0 0 0</pose><link name='l'><visual name='v'><geometry>\
+        <sphere><radius>1</radius></sphere></geometry></visual></link></model></sdf>";
+    place.file("models/oak/new.sdf", sdf);
+    let include = "<include><uri>model://oak</uri><name>tree_1</name><pose>7 0 0 0 0 0</pose></include>";
+    let world = place.import(&format!("{include}{DOOR}")).unwrap();
+    let found = corners(&world, SemanticClass::Vegetation);
+    assert!(!found.is_empty() && found.iter().all(|p| p[0] > 5.9 && p[2] < 1.1));
+    // Inside another model, relative to it.
+    let nested = format!("<model name='park'><pose>0 50 0 0 0 0</pose>{include}</model>{DOOR}");
+    let found = corners(&place.import(&nested).unwrap(), SemanticClass::Vegetation);
+    assert!(!found.is_empty() && found.iter().all(|p| p[0] > 5.9 && p[1] > 48.9));
+}
+
+#[test]
+fn a_model_that_includes_itself_is_an_error() {
+    let place = Place::new();
+    place.file(
+        "models/loop/model.sdf",
+        "<sdf version='1.6'><model name='a'><include><uri>model://loop</uri></include></model></sdf>",
+    );
+    let error =
+        place.import(&format!("<include><uri>model://loop</uri></include>{DOOR}")).unwrap_err().to_string();
+    assert!(error.contains("deep"), "{error}");
+}
+
+#[test]
+fn poses_may_be_given_in_named_frames() {
+    let model = "<model name='wall'><pose>0 5 0 0 0 0</pose><frame name='f::__model__'><pose relative_to='__model__'>1 0 0 0 0 0</pose></frame>\
+        <link name='l'><pose relative_to='f::__model__'>0 0 2 0 0 0</pose><visual name='v'><geometry><box><size>1 1 1</size></box></geometry></visual></link></model>";
+    let world = Place::new().import(&(model.to_owned() + DOOR)).unwrap();
+    let found = corners(&world, SemanticClass::Wall);
+    assert!(
+        found
+            .iter()
+            .all(|p| (p[0] - 1.0).abs() < 0.6 && (p[1] - 5.0).abs() < 0.6 && (p[2] - 2.0).abs() < 0.6),
+        "{found:?}"
+    );
+}
+
+#[test]
+fn plates_become_doors_of_the_nearest_building() {
+    let elements = "<model name='any'><pose>4 0 2 0 0 0</pose><link name='l'><pose>0 0 0 0 0 1.5707963267948966</pose><visual name='v'><geometry><mesh>\
+        <uri>model://text_model2/meshes/fire2.dae</uri></mesh></geometry></visual></link></model>\
+        <include><uri>model://text_model3</uri><pose>-10 1 2 0 0 0</pose></include>\
+        <model name='text_model12_0'><pose>-4 0 1 0 0 -1.5707963267948966</pose></model>";
+    let world = Place::new().import(elements).unwrap();
+    let doors: Vec<String> =
+        world.scene.doors.iter().map(|d| format!("{} {} {:.2}", d.address, d.text, d.facing)).collect();
+    assert_eq!(doors, ["unit2, east UNIT 2 3.14", "unit3, west UNIT 3 1.57", "unit12, west UNIT 12 0.00"]);
+    assert_eq!(corners(&world, SemanticClass::Plate).len(), 3 * 36);
+    let public = openbench_osm::OsmMap::new(&world.map, world.georeference);
+    assert!(public.entrances.is_empty() && public.buildings.len() == 2, "the public map has no doors");
+}
+
+#[test]
+fn roads_are_laid_on_the_ground_and_seen_but_not_touched() {
+    let elements = "<model name='ground_plane'><pose>0 0 -0.1 0 0 0</pose><link name='l'><visual name='v'><geometry><plane><normal>0 0 1</normal>\
+        <size>100 100</size></plane></geometry></visual></link></model><road name='r'><width>6</width><point>-20 0 0.01</point><point>20 0 0.01</point></road>";
+    let world = Place::new().import(&(elements.to_owned() + DOOR)).unwrap();
+    let road = corners(&world, SemanticClass::Road);
+    assert!(
+        road.len() == 6 && road.iter().all(|p| (p[2] + 0.09).abs() < 1e-6 && p[1].abs() <= 3.0),
+        "{road:?}"
+    );
+    assert_eq!(corners(&world, SemanticClass::Ground).len(), 6);
+    assert!(world.scene.solid.triangles.is_empty());
+}
+
+#[test]
+fn what_cannot_be_imported_is_said_with_its_place() {
+    let place = Place::new();
+    let model = |geometry: &str| {
+        format!(
+            "<model name='m'><link name='l'><visual name='v'><geometry>{geometry}</geometry></visual></link></model>{DOOR}"
+        )
+    };
+    let cases = [
+        (place.import(""), "test.world: the world has no doors"),
+        (place.import_text("<sdf version='1.7'>\n<world name='a'>\n <model"), "test.world:3:"),
+        (place.import_text("<sdf/>"), "there is no <world>"),
+        (
+            place.import(&model("<mesh><uri>model://cow/cow.dae</uri></mesh>")),
+            "model `m` needs `model://cow/cow.dae`",
+        ),
+        (place.import(&model("<box><size>1 1</size></box>")), "test.world:1:"),
+        (place.import(&model("<box><size>1 1 -1</size></box>")), "must be positive"),
+        (
+            place.import(&format!("<include><uri>model://cow</uri></include>{DOOR}")),
+            "model `cow` needs `model://cow`",
+        ),
+    ];
+    for (result, expected) in cases {
+        let error = result.unwrap_err().to_string();
+        assert!(error.contains(expected), "{error} lacks {expected}");
+    }
+}
+
+#[test]
+fn a_map_without_buildings_is_an_error() {
+    let place = Place::new();
+    place.file("map.osm", r#"<osm version="0.6"><node id="1" lat="0" lon="3"/></osm>"#);
+    let error = place.import(DOOR).unwrap_err().to_string();
+    assert!(error.contains("map.osm") && error.contains("no buildings"), "{error}");
+}
+
+#[test]
+fn broken_meshes_are_errors_that_name_the_file() {
+    let good = dae(CENTIMETRES, "");
+    let cases = [
+        (good[..good.len() / 2].to_owned(), "a.dae:"),
+        (good.replace("<p>0 0 1 0 2 0</p>", "<p>0 0 1 0 9 0</p>"), "position 9"),
+        (good.replace("<p>0 0 1 0 2 0</p>", "<p>0 0 1 0 2</p>"), "multiple of 2"),
+        (good.replace("<vcount>3", "<vcount>4"), "more corners"),
+        (good.replace("0 2 0</float_array>", "0 x 0</float_array>"), "`x` is not a number"),
+        (good.replace("url=\"#g\"", "url=\"#h\""), "geometry"),
+        (
+            good.replace("<node id", "<node><instance_node url=\"#n\"/></node><node id")
+                .replace("name=\"Leaf\">", "name=\"Leaf\"><instance_node url=\"#n\"/>"),
+            "inside themselves",
+        ),
+    ];
+    for (text, expected) in cases {
+        let place = Place::new();
+        place.file("models/thing/meshes/a.dae", &text);
+        let error = place.import(&(thing("", "") + DOOR)).unwrap_err().to_string();
+        assert!(error.contains("a.dae") && error.contains(expected), "{error} lacks {expected}");
+    }
+}
+
+#[test]
+fn what_is_harmless_is_counted() {
+    let shape = "<visual name='v'><geometry><heightmap/></geometry></visual>";
+    let elements = format!(
+        "<actor name='a'/><light name='l' type='point'/><model name='m'><link name='l'>{shape}{shape}</link></model>{DOOR}"
+    );
+    let warnings = Place::new().import(&elements).unwrap().warnings;
+    assert!(warnings.iter().any(|w| w.contains("heightmap") && w.contains("2 times")), "{warnings:?}");
+    assert_eq!(warnings.len(), 3, "{warnings:?}");
+}
+
+#[test]
+fn deep_nests_are_survived() {
+    let nest = |tag: &str, count: usize| {
+        format!("{}{}", format!("<{tag}>").repeat(count), format!("</{tag}>").repeat(count))
+    };
+    assert!(Place::new().import(&(nest("plugin", 100_000) + DOOR)).is_ok());
+    let error = Place::new().import(&(nest("model", 100_000) + DOOR)).unwrap_err().to_string();
+    assert!(error.contains("deep"), "{error}");
+}
+
+#[test]
+fn every_cut_of_a_world_is_an_answer_and_no_panic() {
+    let place = Place::new();
+    let text = format!(
+        "<sdf version='1.7'><world name='default'><road name='r'><width>6</width><point>-20 0 0.01</point><point>20 0 0.01</point></road>{DOOR}</world></sdf>"
+    );
+    for end in 0..text.len() {
+        assert!(place.import_text(&text[..end]).is_err());
+    }
+    assert!(place.import_text(&text).is_ok());
+}

@@ -1,0 +1,32 @@
+//! The simulated robot, its sensors and its world, in lock-step and deterministic: simulated time moves only in
+//! [`Simulator::step`], and the same world, seed and velocities give the same bytes.
+//!
+//! | module | its one job |
+//! |---|---|
+//! | [`simulator`] | [`Stage`] and [`Simulator`]: everything together, one observation at a time |
+//! | [`physics`] | the body on its wheels, and what it bumps into |
+//! | [`lidar`] | the MID-360 |
+//! | [`inertial`] | IMU and wheel encoders |
+//! | [`render`] | pictures |
+//! | [`noise`] | seeded random numbers |
+
+pub mod inertial;
+pub mod lidar;
+pub mod noise;
+pub mod physics;
+pub mod render;
+pub mod simulator;
+
+pub use render::{Renderer, View};
+pub use simulator::{Collision, OBSERVATION_NS, Simulator, Stage};
+
+/// Why a world cannot be simulated.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum SimError {
+    /// There is nothing to stand on.
+    #[error("the world has no solid surface, not even ground; add a ground plane with a collision shape")]
+    NothingSolid,
+    /// The physics engine refuses the solid triangles.
+    #[error("the world's solid triangles cannot be simulated: {0}")]
+    Mesh(String),
+}

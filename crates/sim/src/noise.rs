@@ -1,0 +1,84 @@
+//! Seeded random numbers for the sensors.
+
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg32;
+
+/// Entries of the table of normal quantiles.
+const QUANTILES: usize = 4096;
+
+/// A stream of random numbers of its own for one sensor.
+#[derive(Debug, Clone)]
+pub struct Noise {
+    generator: Pcg32,
+    quantiles: std::sync::Arc<[f32]>,
+}
+
+impl Noise {
+    /// The stream number `stream` of `seed`.
+    pub fn new(seed: u64, stream: u64) -> Self {
+        let mixed = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ stream.wrapping_mul(0xd1b5_4a32_d192_ed03);
+        Self { generator: Pcg32::seed_from_u64(mixed), quantiles: normal_quantiles() }
+    }
+
+    /// Uniform in [0, 1).
+    pub fn uniform(&mut self) -> f64 {
+        f64::from(self.generator.next_u32()) / 4_294_967_296.0
+    }
+
+    /// Normal with mean 0 and deviation 1, by Box and Muller.
+    pub fn normal(&mut self) -> f64 {
+        let (u, v) = (1.0 - self.uniform(), self.uniform());
+        (-2.0 * libm::log(u)).sqrt() * libm::cos(std::f64::consts::TAU * v)
+    }
+
+    /// Normal with mean 0 and deviation 1, from a table: for many samples of small weight.
+    pub fn quick_normal(&mut self) -> f32 {
+        self.quantiles[(self.generator.next_u32() >> 20) as usize]
+    }
+}
+
+/// Quantiles of the normal distribution at the middles of equal shares, scaled to a deviation of exactly 1.
+fn normal_quantiles() -> std::sync::Arc<[f32]> {
+    let raw: Vec<f64> = (0..QUANTILES).map(|i| quantile((i as f64 + 0.5) / QUANTILES as f64)).collect();
+    let deviation = (raw.iter().map(|q| q * q).sum::<f64>() / QUANTILES as f64).sqrt();
+    raw.iter().map(|q| (q / deviation) as f32).collect()
+}
+
+/// The normal quantile by bisection of the error function.
+fn quantile(share: f64) -> f64 {
+    let (mut low, mut high) = (-6.0, 6.0);
+    for _ in 0..50 {
+        let middle = (low + high) / 2.0;
+        let below = 0.5 * (1.0 + libm::erf(middle / std::f64::consts::SQRT_2));
+        if below < share { low = middle } else { high = middle }
+    }
+    (low + high) / 2.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_normals_have_mean_0_and_deviation_1() {
+        let mut noise = Noise::new(3, 1);
+        let moments = |samples: Vec<f64>| {
+            let n = samples.len() as f64;
+            let mean = samples.iter().sum::<f64>() / n;
+            (mean, (samples.iter().map(|s| (s - mean) * (s - mean)).sum::<f64>() / n).sqrt())
+        };
+        let exact = moments((0..50_000).map(|_| noise.normal()).collect());
+        let quick = moments((0..50_000).map(|_| f64::from(noise.quick_normal())).collect());
+        for (mean, deviation) in [exact, quick] {
+            assert!(mean.abs() < 0.02 && (deviation - 1.0).abs() < 0.02, "{mean} {deviation}");
+        }
+    }
+
+    #[test]
+    fn seeds_and_streams_differ_and_repeat() {
+        let first = |seed, stream| Noise::new(seed, stream).uniform();
+        assert_eq!(first(1, 1), first(1, 1));
+        assert_ne!(first(1, 1), first(2, 1));
+        assert_ne!(first(1, 1), first(1, 2));
+    }
+}

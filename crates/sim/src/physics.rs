@@ -1,0 +1,219 @@
+//! The robot's body on its four wheels, and what it bumps into.
+//!
+//! `rapier3d` integrates the body and solves its contacts with the world. A wheel is a ray: a spring and damper
+//! along it carry the body, and at its foot Coulomb friction, made continuous near zero slip, pushes against the slip
+//! between rim and ground in both directions. A turning skid-steer robot thus slides sideways over all four wheels, as
+//! real ones do, and its wheels turn further than it moves.
+
+use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
+use openbench_core::{Pose2, Pose3, RobotDescription, Velocity};
+use openbench_scene::{RayCaster, SemanticClass};
+use rapier3d::geometry::PairContacts;
+use rapier3d::pipeline::PhysicsWorld;
+use rapier3d::prelude::{ColliderBuilder, ColliderHandle, Pose, RigidBodyBuilder, RigidBodyHandle, TriMeshFlags, Vector};
+
+use crate::SimError;
+
+/// Physics step, nanoseconds: 400 Hz.
+pub const STEP_NS: u64 = 2_500_000;
+const DT: f32 = STEP_NS as f32 * 1e-9;
+const GRAVITY: f32 = 9.8;
+/// Mass of chassis and wheels, kg.
+const MASS: f32 = 8.2 + 4.0 * 0.5;
+/// Wheel hubs relative to the chassis's middle, metres.
+const HUBS: [(f32, f32); 4] = [(0.1, 0.13), (0.1, -0.13), (-0.1, 0.13), (-0.1, -0.13)];
+/// Spring of one wheel, N/m: 3 mm of travel under the robot's weight.
+const SPRING: f32 = 8000.0;
+/// Damper of one wheel, N s/m.
+const DAMPER: f32 = 160.0;
+/// Free length of the suspension below the hub, wheel radius included, metres.
+const REACH: f32 = 0.065;
+/// Friction of rubber on asphalt.
+const FRICTION: f32 = 0.9;
+/// Slip at which friction is saturated, m/s.
+const SATURATION: f32 = 0.05;
+/// Lowest point of the body above the ground, metres.
+const CLEARANCE: f32 = 0.045;
+
+/// A touch between the robot and something solid, in one physics step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// What was touched.
+    pub class: SemanticClass,
+    /// Impulse along the normal, N s.
+    pub impulse: f64,
+}
+
+/// The robot in the physical world.
+pub struct Physics {
+    world: PhysicsWorld,
+    body: RigidBodyHandle,
+    hull: ColliderHandle,
+    classes: Vec<SemanticClass>,
+    track: f32,
+    limits: Limits,
+    /// Rim speeds, left and right, m/s.
+    rims: [f32; 2],
+    radius: f32,
+    chassis_height: f32,
+}
+
+struct Limits {
+    forward: f32,
+    backward: f32,
+    turn: f32,
+    acceleration: f32,
+}
+
+impl Physics {
+    /// Puts the robot at `start`, its wheels on the ground at height `ground`.
+    pub fn new(caster: &RayCaster, robot: &RobotDescription, start: Pose2, ground: f64) -> Result<Self, SimError> {
+        let mut world = PhysicsWorld::new();
+        world.gravity = Vector::new(0.0, 0.0, -GRAVITY);
+        world.integration_parameters.dt = DT;
+        let classes = insert_world(&mut world, caster)?;
+        let chassis_height = robot.wheel_radius as f32;
+        let z = ground as f32 + chassis_height;
+        let (sin, cos) = libm::sincos(start.yaw / 2.0);
+        let rotation = rapier3d::math::Rotation::from_xyzw(0.0, 0.0, sin as f32, cos as f32);
+        let at = Pose::from_parts(Vector::new(start.x as f32, start.y as f32, z), rotation);
+        let body = RigidBodyBuilder::dynamic().pose(at).can_sleep(false);
+        let half_height = (robot.height as f32 - CLEARANCE) / 2.0;
+        let middle = CLEARANCE + half_height - chassis_height;
+        let hull = ColliderBuilder::cuboid(robot.length as f32 / 2.0, robot.width as f32 / 2.0, half_height)
+            .translation(Vector::new(0.0, 0.0, middle))
+            .friction(0.3)
+            .mass(MASS);
+        let (body, hull) = world.insert(body, hull);
+        let limits = Limits {
+            forward: robot.max_forward as f32,
+            backward: robot.max_backward as f32,
+            turn: robot.max_turn as f32,
+            acceleration: robot.max_acceleration as f32,
+        };
+        let (track, radius) = (robot.effective_track as f32, robot.wheel_radius as f32);
+        Ok(Self { world, body, hull, classes, track, limits, rims: [0.0; 2], radius, chassis_height })
+    }
+
+    /// Advances by one step towards the wanted velocity.
+    pub fn step(&mut self, caster: &RayCaster, wanted: Velocity) {
+        self.drive(wanted);
+        self.push_wheels(caster);
+        self.world.step();
+    }
+
+    /// Pose of `base_link`.
+    pub fn base_link(&self) -> Pose3 {
+        let at = self.world.bodies[self.body].position();
+        let (t, q) = (at.translation, at.rotation);
+        let rotation = UnitQuaternion::from_quaternion(Quaternion::new(
+            f64::from(q.w),
+            f64::from(q.x),
+            f64::from(q.y),
+            f64::from(q.z),
+        ));
+        let chassis = Pose3::from_parts(Translation3::new(f64::from(t.x), f64::from(t.y), f64::from(t.z)), rotation);
+        chassis * Pose3::translation(0.0, 0.0, -f64::from(self.chassis_height))
+    }
+
+    /// Velocity of the point at `offset` from `base_link` (in its axes), m/s in `map`.
+    pub fn velocity_at(&self, offset: Vector3<f64>) -> Vector3<f64> {
+        let body = &self.world.bodies[self.body];
+        let point = self.base_link() * nalgebra::Point3::from(offset);
+        let v = body.velocity_at_point(Vector::new(point.x as f32, point.y as f32, point.z as f32));
+        Vector3::new(f64::from(v.x), f64::from(v.y), f64::from(v.z))
+    }
+
+    /// Angular velocity, rad/s in `map`.
+    pub fn angular_velocity(&self) -> Vector3<f64> {
+        let w = self.world.bodies[self.body].angvel();
+        Vector3::new(f64::from(w.x), f64::from(w.y), f64::from(w.z))
+    }
+
+    /// Angular speeds of the left and right wheels, rad/s.
+    pub fn wheel_speeds(&self) -> [f64; 2] {
+        self.rims.map(|rim| f64::from(rim / self.radius))
+    }
+
+    /// What the robot's hull touches now: the impulse of all touches, ascribed to what is touched deepest.
+    pub fn contact(&self) -> Option<Contact> {
+        let pairs = self.world.narrow_phase.contact_pairs_with(self.hull);
+        let (mut impulse, mut deepest) = (0.0_f32, (f32::INFINITY, SemanticClass::Other));
+        for pair in pairs {
+            let PairContacts::Rigid(contacts) = &pair.contacts else { continue };
+            let solved = contacts.solver_manifolds().iter().flat_map(|m| &m.points);
+            impulse += solved.map(|p| p.data.impulse).sum::<f32>();
+            for manifold in &contacts.manifolds {
+                let hull_is_second = pair.collider2 == self.hull;
+                let triangle = if hull_is_second { manifold.subshape1 } else { manifold.subshape2 } as usize;
+                let depth = manifold.points.iter().map(|p| p.dist).fold(f32::INFINITY, f32::min);
+                if depth < deepest.0 {
+                    deepest = (depth, self.classes.get(triangle).copied().unwrap_or(SemanticClass::Other));
+                }
+            }
+        }
+        (impulse > 0.0).then_some(Contact { class: deepest.1, impulse: f64::from(impulse) })
+    }
+
+    /// The body's state as bytes, for the hash chain.
+    pub fn state_bytes(&self) -> Vec<u8> {
+        let body = &self.world.bodies[self.body];
+        let (p, v, w) = (body.position(), body.linvel(), body.angvel());
+        let (t, q) = (p.translation, p.rotation);
+        [t.x, t.y, t.z, q.x, q.y, q.z, q.w, v.x, v.y, v.z, w.x, w.y, w.z, self.rims[0], self.rims[1]]
+            .iter()
+            .flat_map(|f| f.to_le_bytes())
+            .collect()
+    }
+
+    /// Brings the rims' speeds towards what the wanted velocity asks for, as fast as the motors can.
+    fn drive(&mut self, wanted: Velocity) {
+        let finite = |v: f64| if v.is_finite() { v as f32 } else { 0.0 };
+        let linear = finite(wanted.linear).clamp(-self.limits.backward, self.limits.forward);
+        let turn = finite(wanted.angular).clamp(-self.limits.turn, self.limits.turn) * self.track / 2.0;
+        let change = self.limits.acceleration * DT;
+        for (rim, target) in self.rims.iter_mut().zip([linear - turn, linear + turn]) {
+            *rim += (target - *rim).clamp(-change, change);
+        }
+    }
+
+    fn push_wheels(&mut self, caster: &RayCaster) {
+        let body = &mut self.world.bodies[self.body];
+        body.reset_forces(true);
+        body.reset_torques(true);
+        let pose = *body.position();
+        let axis = |v: Vector| pose.rotation * v;
+        let (forward, left, up) = (axis(Vector::X), axis(Vector::Y), axis(Vector::Z));
+        for (i, (x, y)) in HUBS.into_iter().enumerate() {
+            let hub = pose.translation + forward * x + left * y;
+            // From a little above the hub, so that a wheel pressed into the ground still finds it.
+            let lift = 0.05;
+            let (from, down) = (hub + up * lift, up * -1.0);
+            let hit = caster.solid().cast([from.x, from.y, from.z], [down.x, down.y, down.z], REACH + lift);
+            let Some(hit) = hit else { continue };
+            let foot = from + down * hit.distance;
+            let velocity = body.velocity_at_point(foot);
+            let travel = REACH + lift - hit.distance;
+            let load = (SPRING * travel - DAMPER * velocity.dot(up)).clamp(0.0, 400.0);
+            let slip_x = velocity.dot(forward) - self.rims[i % 2];
+            let slip_y = velocity.dot(left);
+            let slip = (slip_x * slip_x + slip_y * slip_y).sqrt();
+            let grip = FRICTION * load / slip.max(SATURATION);
+            let force = up * load - forward * (grip * slip_x) - left * (grip * slip_y);
+            body.add_force_at_point(force, foot, true);
+        }
+    }
+}
+
+/// Adds the world's solid triangles; their classes by index are returned.
+fn insert_world(world: &mut PhysicsWorld, caster: &RayCaster) -> Result<Vec<SemanticClass>, SimError> {
+    let solid = &caster.scene().solid;
+    if solid.triangles.is_empty() {
+        return Err(SimError::NothingSolid);
+    }
+    let vertices = solid.positions.iter().map(|p| Vector::new(p[0], p[1], p[2])).collect();
+    let mesh = ColliderBuilder::trimesh_with_flags(vertices, solid.triangles.clone(), TriMeshFlags::empty())
+        .map_err(|e| SimError::Mesh(e.to_string()))?;
+    world.insert_collider(mesh.friction(0.3), None);
+    Ok(solid.classes.clone())
+}

@@ -1,0 +1,257 @@
+//! The robot in a world, in lock-step.
+
+use std::cell::{Cell, RefCell};
+use std::sync::Arc;
+
+use openbench_core::{
+    Camera, Image, ImuSample, LidarScan, Observation, Pose2, Pose3, RobotDescription, SimTime, Velocity, WheelSample,
+};
+use openbench_scene::{RayCaster, SemanticClass};
+
+use crate::SimError;
+use crate::inertial::{self, Encoders, Imu};
+use crate::lidar::{Lidar, SCAN_NS};
+use crate::noise::Noise;
+use crate::physics::{Physics, STEP_NS};
+use crate::render::{Renderer, View};
+
+/// Simulated time between two observations, nanoseconds.
+pub const OBSERVATION_NS: u64 = 50_000_000;
+/// Simulated time between two images, nanoseconds.
+const IMAGE_NS: u64 = 100_000_000;
+/// A touch after less than this time without one belongs to the same collision.
+const SAME_COLLISION_NS: u64 = 500_000_000;
+
+/// A collision: the robot touched something, after half a second or more of not touching anything of its class.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Collision {
+    /// When it began.
+    pub time: SimTime,
+    /// What was touched.
+    pub class: SemanticClass,
+    /// Impulse of the first touch, N s.
+    pub impulse: f64,
+    /// Where the robot was.
+    pub pose: Pose2,
+}
+
+/// A world prepared for simulation: shared by all episodes in it.
+#[derive(Debug, Clone)]
+pub struct Stage {
+    caster: RayCaster,
+    renderer: Arc<Renderer>,
+}
+
+impl Stage {
+    /// Prepares a scene.
+    pub fn new(caster: RayCaster) -> Self {
+        Self { renderer: Arc::new(Renderer::new(caster.clone())), caster }
+    }
+
+    /// The rays into the scene.
+    pub fn caster(&self) -> &RayCaster {
+        &self.caster
+    }
+
+    /// What draws the scene.
+    pub fn renderer(&self) -> &Renderer {
+        &self.renderer
+    }
+}
+
+/// The robot in a world. Time moves only in [`Simulator::step`].
+pub struct Simulator {
+    stage: Stage,
+    robot: RobotDescription,
+    physics: Physics,
+    imu: Imu,
+    encoders: Encoders,
+    lidar: Lidar,
+    lidar_path: Vec<Pose3>,
+    time: SimTime,
+    imu_samples: Vec<ImuSample>,
+    wheel_samples: Vec<WheelSample>,
+    scan: Option<LidarScan>,
+    camera: SimCamera,
+    collisions: Vec<Collision>,
+    last_touch: Vec<(SemanticClass, SimTime)>,
+    chain: [u8; 32],
+}
+
+impl Simulator {
+    /// Puts the robot at `start` on the ground there. Same stage, robot, start, seed and velocities: same bytes.
+    pub fn new(stage: Stage, robot: RobotDescription, start: Pose2, seed: u64) -> Result<Self, SimError> {
+        let ground = openbench_scene::free_space::ground_height(&stage.caster, start.point());
+        let physics = Physics::new(&stage.caster, &robot, start, ground)?;
+        let imu = Imu::new(Noise::new(seed, 1), &robot);
+        let lidar = Lidar::new(Noise::new(seed, 2));
+        let camera = SimCamera::new(stage.renderer.clone(), &robot);
+        let mut simulator = Self {
+            lidar_path: vec![physics.base_link() * robot.lidar],
+            stage,
+            robot,
+            physics,
+            imu,
+            encoders: Encoders::default(),
+            lidar,
+            time: SimTime::ZERO,
+            imu_samples: Vec::new(),
+            wheel_samples: Vec::new(),
+            scan: None,
+            camera,
+            collisions: Vec::new(),
+            last_touch: Vec::new(),
+            chain: [0; 32],
+        };
+        simulator.camera.move_to(SimTime::ZERO, simulator.base_link());
+        Ok(simulator)
+    }
+
+    /// Drives with `velocity` until the next observation.
+    pub fn step(&mut self, velocity: Velocity) {
+        self.imu_samples.clear();
+        self.wheel_samples.clear();
+        self.scan = None;
+        for _ in 0..OBSERVATION_NS / STEP_NS {
+            self.physics_step(velocity);
+        }
+        self.camera.move_to(self.time, self.base_link());
+        self.extend_chain();
+    }
+
+    /// What the sensors delivered since the last step.
+    pub fn observation(&self) -> Observation<'_> {
+        Observation {
+            time: self.time,
+            imu: &self.imu_samples,
+            wheels: &self.wheel_samples,
+            scan: self.scan.as_ref(),
+            camera: &self.camera,
+        }
+    }
+
+    /// Now.
+    pub fn time(&self) -> SimTime {
+        self.time
+    }
+
+    /// The truth: where `base_link` is in `map`.
+    pub fn base_link(&self) -> Pose3 {
+        self.physics.base_link()
+    }
+
+    /// The truth: how fast the robot moves in `map`, m/s.
+    pub fn speed(&self) -> f64 {
+        self.physics.velocity_at(nalgebra::Vector3::zeros()).xy().norm()
+    }
+
+    /// Every collision so far.
+    pub fn collisions(&self) -> &[Collision] {
+        &self.collisions
+    }
+
+    /// Hash over all states and scans so far.
+    pub fn chain(&self) -> [u8; 32] {
+        self.chain
+    }
+
+    fn physics_step(&mut self, velocity: Velocity) {
+        self.physics.step(&self.stage.caster, velocity);
+        self.time.0 += STEP_NS;
+        self.encoders.turn(self.physics.wheel_speeds(), STEP_NS as f64 * 1e-9);
+        if self.time.0.is_multiple_of(inertial::SAMPLE_NS) {
+            self.imu_samples.push(self.imu.sample(self.time, &self.physics));
+            self.wheel_samples.push(self.encoders.sample(self.time));
+        }
+        self.lidar_path.push(self.base_link() * self.robot.lidar);
+        if self.time.0.is_multiple_of(SCAN_NS) {
+            let began = SimTime(self.time.0 - SCAN_NS);
+            self.scan = Some(self.lidar.scan(&self.stage.caster, began, &self.lidar_path));
+            self.lidar_path.drain(..self.lidar_path.len() - 1);
+        }
+        self.note_contact();
+    }
+
+    fn note_contact(&mut self) {
+        let Some(contact) = self.physics.contact() else { return };
+        let known = self.last_touch.iter_mut().find(|(class, _)| *class == contact.class);
+        let fresh = match known {
+            Some((_, last)) => self.time.0 - std::mem::replace(last, self.time).0 > SAME_COLLISION_NS,
+            None => {
+                self.last_touch.push((contact.class, self.time));
+                true
+            }
+        };
+        if fresh {
+            let pose = Pose2::from_pose3(&self.base_link());
+            self.collisions.push(Collision { time: self.time, class: contact.class, impulse: contact.impulse, pose });
+        }
+    }
+
+    fn extend_chain(&mut self) {
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(&self.chain);
+        hasher.update(&self.time.0.to_le_bytes());
+        hasher.update(&self.physics.state_bytes());
+        let inertial = self.imu_samples.iter().flat_map(|s| s.gyro.into_iter().chain(s.accel));
+        let wheels = self.wheel_samples.iter().flat_map(|s| [s.left, s.right]);
+        inertial.chain(wheels).for_each(|value| {
+            hasher.update(&value.to_le_bytes());
+        });
+        if let Some(scan) = &self.scan {
+            let bytes: Vec<u8> = scan.points.iter().flat_map(|p| p.xyz).flat_map(f32::to_le_bytes).collect();
+            hasher.update(&bytes);
+        }
+        self.chain = *hasher.finalize().as_bytes();
+    }
+}
+
+/// Renders only when asked.
+struct SimCamera {
+    renderer: Arc<Renderer>,
+    mount: Pose3,
+    size: (u32, u32),
+    focal_length: f64,
+    pose: Pose3,
+    time: SimTime,
+    last: Cell<Option<SimTime>>,
+    image: RefCell<Option<Arc<Image>>>,
+}
+
+impl SimCamera {
+    fn new(renderer: Arc<Renderer>, robot: &RobotDescription) -> Self {
+        let optics = robot.camera_intrinsics;
+        Self {
+            renderer,
+            mount: robot.camera,
+            size: (optics.width, optics.height),
+            focal_length: optics.focal_length(),
+            pose: Pose3::identity(),
+            time: SimTime::ZERO,
+            last: Cell::new(None),
+            image: RefCell::new(None),
+        }
+    }
+
+    fn move_to(&mut self, time: SimTime, base_link: Pose3) {
+        self.time = time;
+        self.pose = base_link * self.mount;
+    }
+}
+
+impl Camera for SimCamera {
+    fn image(&self) -> Option<Arc<Image>> {
+        if self.last.get() == Some(self.time) {
+            return self.image.borrow().clone();
+        }
+        if self.last.get().is_some_and(|last| self.time.0 - last.0 < IMAGE_NS) {
+            return None;
+        }
+        let view = View { pose: self.pose, size: self.size, focal_length: self.focal_length };
+        let (width, height) = self.size;
+        let image = Arc::new(Image { stamp: self.time, width, height, rgb: self.renderer.render(&view) });
+        self.last.set(Some(self.time));
+        *self.image.borrow_mut() = Some(image.clone());
+        Some(image)
+    }
+}

@@ -1,0 +1,123 @@
+//! The robot on flat ground and before a wall.
+
+use std::sync::Arc;
+
+use nalgebra::{Point3, Vector3};
+use openbench_core::{Pose2, RobotDescription, Velocity};
+use openbench_scene::scene::Layer;
+use openbench_scene::{Material, RayCaster, SceneBuilder, SemanticClass};
+use openbench_sim::{Simulator, Stage};
+
+/// Ground of 40 m x 40 m at z = 0.1 and a wall across x = 3.
+fn stage() -> Stage {
+    let mut builder = SceneBuilder::new();
+    let ground = builder.material(Material::plain(SemanticClass::Ground, [0.4, 0.5, 0.3]));
+    let wall = builder.material(Material::plain(SemanticClass::Wall, [0.6; 3]));
+    let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
+    builder.rectangle(Layer::Both, ground, Point3::new(-20.0, -20.0, 0.1), (x * 40.0, y * 40.0), [1.0; 2]);
+    builder.rectangle(Layer::Both, wall, Point3::new(3.0, -5.0, 0.1), (y * 10.0, z * 2.0), [1.0; 2]);
+    Stage::new(RayCaster::new(Arc::new(builder.build())))
+}
+
+fn simulator(yaw: f64, seed: u64) -> Simulator {
+    let start = Pose2::new(0.0, 0.0, yaw);
+    Simulator::new(stage(), RobotDescription::sentry(), start, seed).unwrap()
+}
+
+fn drive(simulator: &mut Simulator, velocity: Velocity, seconds: f64) -> Pose2 {
+    for _ in 0..(seconds / 0.05).round() as usize {
+        simulator.step(velocity);
+    }
+    Pose2::from_pose3(&simulator.base_link())
+}
+
+#[test]
+fn the_robot_settles_on_the_ground_and_stays() {
+    let mut simulator = simulator(0.7, 1);
+    let pose = drive(&mut simulator, Velocity::ZERO, 3.0);
+    assert!(pose.point().distance(Default::default()) < 0.005 && (pose.yaw - 0.7).abs() < 0.005, "{pose:?}");
+    let height = simulator.base_link().translation.z;
+    assert!((height - 0.1).abs() < 0.01, "{height}");
+    assert!(simulator.collisions().is_empty());
+}
+
+#[test]
+fn it_drives_and_turns_about_as_told() {
+    let mut simulator = simulator(3.0, 1);
+    let there = drive(&mut simulator, Velocity::new(0.5, 0.0), 4.0);
+    let length = there.point().distance(Default::default());
+    assert!((1.7..2.0).contains(&length), "0.5 m/s for 4 s with 1 m/s²: {length}");
+    let turned = drive(&mut simulator, Velocity::new(0.0, 0.5), 4.0).yaw - there.yaw;
+    let turned = turned.rem_euclid(std::f64::consts::TAU);
+    assert!((1.7..2.2).contains(&turned), "0.5 rad/s for 4 s: {turned}");
+}
+
+#[test]
+fn wheels_turn_further_than_the_robot_in_turns() {
+    let mut simulator = simulator(3.0, 1);
+    let robot = RobotDescription::sentry();
+    drive(&mut simulator, Velocity::new(0.0, 0.8), 3.0);
+    let wheels = simulator.observation().wheels.last().copied().unwrap();
+    let by_wheels = (wheels.right - wheels.left) * robot.wheel_radius / robot.wheel_separation;
+    let turned = Pose2::from_pose3(&simulator.base_link()).yaw - 3.0;
+    assert!(by_wheels > 1.3 * turned.rem_euclid(std::f64::consts::TAU), "{by_wheels} {turned}");
+}
+
+#[test]
+fn a_wall_stops_the_robot_and_counts_once() {
+    let mut simulator = simulator(0.0, 1);
+    let pose = drive(&mut simulator, Velocity::new(0.5, 0.0), 12.0);
+    assert!((2.7..2.9).contains(&pose.x), "{pose:?}");
+    let collisions = simulator.collisions();
+    assert_eq!(collisions.len(), 1, "{collisions:?}");
+    assert_eq!(collisions[0].class, SemanticClass::Wall);
+    assert!(collisions[0].impulse > 0.5);
+}
+
+#[test]
+fn absurd_velocities_do_no_harm() {
+    let mut simulator = simulator(3.0, 1);
+    for velocity in [Velocity::new(f64::NAN, f64::INFINITY), Velocity::new(1e300, -1e300)] {
+        let pose = drive(&mut simulator, velocity, 1.0);
+        assert!(pose.x.is_finite() && pose.x.abs() < 2.0);
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_chain_and_another_does_not() {
+    let chain = |seed| {
+        let mut simulator = simulator(0.5, seed);
+        drive(&mut simulator, Velocity::new(0.4, 0.3), 2.0);
+        simulator.chain()
+    };
+    assert_eq!(chain(7), chain(7));
+    assert_ne!(chain(7), chain(8));
+}
+
+#[test]
+fn sensors_come_at_their_rates_with_stamps_of_their_own() {
+    let mut simulator = simulator(0.0, 1);
+    let (mut imu, mut scans, mut images) = (0, 0, 0);
+    for _ in 0..20 {
+        simulator.step(Velocity::ZERO);
+        let observation = simulator.observation();
+        imu += observation.imu.len();
+        assert!(observation.imu.iter().all(|s| s.stamp <= observation.time));
+        if let Some(scan) = observation.scan {
+            scans += 1;
+            let last = scan.points.last().unwrap();
+            assert!(scan.stamp.0 + u64::from(last.offset_ns) <= observation.time.0);
+        }
+        images += usize::from(observation.camera.image().is_some());
+    }
+    assert_eq!((imu, scans, images), (100, 10, 10));
+}
+
+#[test]
+fn at_rest_the_imu_feels_gravity_upwards() {
+    let mut simulator = simulator(0.0, 1);
+    drive(&mut simulator, Velocity::ZERO, 1.0);
+    let sample = simulator.observation().imu.last().copied().unwrap();
+    assert!((sample.accel[2] - 9.8).abs() < 0.25 && sample.accel[0].abs() < 0.25, "{sample:?}");
+    assert!(sample.gyro.iter().all(|w| w.abs() < 0.02), "{sample:?}");
+}

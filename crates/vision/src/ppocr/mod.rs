@@ -1,0 +1,126 @@
+//! Plate reading with PP-OCR: a network that finds lines of text, another that reads them, both run by `rten`.
+//!
+//! Follows the published inference recipe of PP-OCR (differentiable binarisation for detection, CTC for recognition) with
+//! two changes that suit plates and a level camera: a line's box has vertical sides (see `boxes.rs`), and no classifier turns
+//! upside-down text. Text that runs down the image is left out.
+//!
+//! A reading is not proof: a box that misses the last stroke of a number gives a shorter number with a clear conscience, so ask for two views.
+//!
+//! Every line is recognised on its own, at its own width, so a reading does not depend on what else is in the image; one thread
+//! computes everything, so it does not depend on the number of cores either. The low bits depend on the processor's instruction set.
+
+mod boxes;
+mod crop;
+mod detect;
+mod keys;
+mod network;
+mod pixels;
+mod recognise;
+
+use std::path::Path;
+
+use openbench_core::Image;
+use openbench_models::ModelStore;
+
+use crate::reader::{PlateReader, PlateReading, ReaderError, check_image, sort_readings};
+use boxes::TextBox;
+use detect::Detector;
+use recognise::Recogniser;
+
+/// What may be traded between speed and reach.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PpOcrSettings {
+    /// The image is scaled so that its longer side has this many pixels before text is looked for, but never enlarged. Time grows with its square.
+    pub detection_side: u32,
+    /// The share of the image's rows, from the top, in which text is looked for. A robot's camera sees plates above the horizon only.
+    pub upper_part: f32,
+    /// A pixel belongs to text from this probability on.
+    pub pixel_threshold: f32,
+    /// A box is text from this mean probability on.
+    pub box_threshold: f32,
+    /// How far a box is widened: its area times this, divided by its circumference, to each side.
+    pub unclip_ratio: f32,
+    /// Readings below this confidence are dropped.
+    pub min_confidence: f32,
+    /// At most this many boxes of an image are read, the likeliest first. It bounds the time for an image full of letters.
+    pub max_boxes: usize,
+}
+
+impl Default for PpOcrSettings {
+    fn default() -> Self {
+        Self {
+            detection_side: 640,
+            upper_part: 1.0,
+            pixel_threshold: 0.3,
+            box_threshold: 0.5,
+            unclip_ratio: 1.8,
+            min_confidence: 0.5,
+            max_boxes: 16,
+        }
+    }
+}
+
+/// A [`PlateReader`] with PP-OCR's mobile networks.
+pub struct PpOcr {
+    detector: Detector,
+    recogniser: Recogniser,
+    settings: PpOcrSettings,
+}
+
+impl PpOcr {
+    /// Loads both networks. `keys` is the alphabet, one character a line, the first line standing for CTC's blank; networks of version 4
+    /// have theirs inside.
+    ///
+    /// # Errors
+    /// [`ReaderError::Model`] names the file that is missing or broken.
+    pub fn load(detection: &Path, recognition: &Path, keys: Option<&Path>) -> Result<Self, ReaderError> {
+        let detector = Detector::load(detection)?;
+        let recogniser = Recogniser::load(recognition, keys)?;
+        Ok(Self { detector, recogniser, settings: PpOcrSettings::default() })
+    }
+
+    /// Loads the files of the set `ppocr-v4` from `store`, where they have been pulled.
+    ///
+    /// # Errors
+    /// [`ReaderError::Model`] names the file that is missing or broken.
+    pub fn from_store(store: &ModelStore) -> Result<Self, ReaderError> {
+        let [detection, recognition] =
+            ["ppocr-v4-det", "ppocr-v4-rec"].map(|name| store.folder().join(format!("{name}.onnx")));
+        Self::load(&detection, &recognition, None)
+    }
+
+    /// The same reader with other settings.
+    #[must_use]
+    pub fn with_settings(mut self, settings: PpOcrSettings) -> Self {
+        self.settings = settings;
+        self
+    }
+
+    fn read_box(&self, image: &Image, text_box: &TextBox) -> Result<Option<PlateReading>, ReaderError> {
+        if text_box.runs_down() {
+            return Ok(None);
+        }
+        let strip = crop::strip(image, &text_box.corners);
+        let (text, confidence) = self.recogniser.read(strip)?;
+        let text = text.trim();
+        let legible = !text.is_empty() && confidence >= self.settings.min_confidence;
+        Ok(legible.then(|| PlateReading { text: text.into(), confidence, corners: text_box.corners }))
+    }
+}
+
+impl PlateReader for PpOcr {
+    fn name(&self) -> &str {
+        "ppocr"
+    }
+
+    fn read(&mut self, image: &Image) -> Result<Vec<PlateReading>, ReaderError> {
+        check_image(image)?;
+        let boxes = self.detector.find(image, &self.settings)?;
+        let mut readings = Vec::new();
+        for text_box in &boxes {
+            readings.extend(self.read_box(image, text_box)?);
+        }
+        sort_readings(&mut readings);
+        Ok(readings)
+    }
+}

@@ -1,0 +1,66 @@
+//! One ONNX network with one input and one output, run on one thread.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use rten::{Model, ModelOptions, RunOptions, ThreadPool};
+use rten_tensor::NdTensor;
+
+use crate::reader::ReaderError;
+
+/// Larger model files are refused before they are read, bytes.
+const MAX_FILE: u64 = 256 << 20;
+
+/// A loaded network.
+pub(super) struct Network {
+    model: Model,
+    options: RunOptions,
+    stage: &'static str,
+}
+
+impl Network {
+    /// Reads an ONNX file. `stage` names the network in errors.
+    pub(super) fn load(file: &Path, stage: &'static str) -> Result<Self, ReaderError> {
+        let broken = |detail: String| ReaderError::Model { file: file.to_owned(), detail };
+        let bytes = read_bounded(file).map_err(|error| broken(error.to_string()))?;
+        let mut options = ModelOptions::with_all_ops();
+        let model = options.prepack_weights(true).load(bytes).map_err(|error| broken(error.to_string()))?;
+        if model.input_ids().len() != 1 || model.output_ids().is_empty() {
+            return Err(broken(format!(
+                "{} inputs, {} outputs",
+                model.input_ids().len(),
+                model.output_ids().len()
+            )));
+        }
+        let pool = Arc::new(ThreadPool::with_num_threads(1));
+        Ok(Self { model, options: RunOptions::default().with_thread_pool(Some(pool)), stage })
+    }
+
+    /// A text that the model file carries beside the network.
+    pub(super) fn metadata(&self, field: &str) -> Option<&str> {
+        self.model.metadata().get(field)
+    }
+
+    /// Runs the network on a batch of images, channels before rows; the output has `N` axes.
+    pub(super) fn run<const N: usize>(
+        &self,
+        input: NdTensor<f32, 4>,
+    ) -> Result<NdTensor<f32, N>, ReaderError> {
+        let failed = |detail: String| ReaderError::Inference { stage: self.stage, detail };
+        let inputs = vec![(self.model.input_ids()[0], input.into())];
+        let outputs = [self.model.output_ids()[0]];
+        let [output] = self
+            .model
+            .run_n(inputs, outputs, Some(self.options.clone()))
+            .map_err(|error| failed(error.to_string()))?;
+        output.try_into().map_err(|error: rten::TryFromValueError| failed(error.to_string()))
+    }
+}
+
+fn read_bounded(file: &Path) -> std::io::Result<Vec<u8>> {
+    let size = std::fs::metadata(file)?.len();
+    if size > MAX_FILE {
+        return Err(std::io::Error::other(format!("{size} bytes are more than any PP-OCR network has")));
+    }
+    std::fs::read(file)
+}

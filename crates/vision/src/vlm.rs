@@ -1,0 +1,173 @@
+//! Plate reading by a vision-language model behind any [`ChatModel`].
+//!
+//! The model is shown the image as PNG and asked for a JSON object with a list of plates. Answers are taken with or without a Markdown fence or
+//! prose around the JSON, with a bare list, and with a box or without; a plate without a usable box is placed over the whole image. Models
+//! differ in how well they tell pixels: the boxes are for looking, not for measuring.
+
+use std::io::Cursor;
+
+use image::{ImageFormat, RgbImage};
+use openbench_core::Image;
+use openbench_models::{ChatModel, ChatRequest, Message};
+use serde_json::Value;
+
+use crate::reader::{PlateReader, PlateReading, ReaderError, check_image, sort_readings};
+
+/// More plates than this are not taken from one answer.
+const MAX_PLATES: usize = 64;
+/// Longer texts are no plates, characters.
+const MAX_TEXT: usize = 100;
+/// What a plate counts for which the model gave no confidence.
+const UNSTATED: f32 = 0.8;
+/// Characters of a bad answer that an error quotes.
+const QUOTED: usize = 200;
+
+const ORDERS: &str = "You read door plates and house numbers in camera images of a delivery robot. \
+Answer with one JSON object and nothing else: {\"plates\": [{\"text\": string, \"box\": [left, top, right, bottom], \"confidence\": number}]}. \
+\"text\" is exactly what the plate says, letter by letter; \"box\" is in pixels from the image's top left corner; \"confidence\" is 0 to 1. \
+Leave out what you cannot read. Without any legible plate the list is empty.";
+
+/// A [`PlateReader`] that asks a vision-language model.
+#[derive(Debug)]
+pub struct VlmReader<M> {
+    model: M,
+}
+
+impl<M: ChatModel> VlmReader<M> {
+    /// Asks `model`, which must understand pictures.
+    pub fn new(model: M) -> Self {
+        Self { model }
+    }
+}
+
+impl<M: ChatModel> PlateReader for VlmReader<M> {
+    fn name(&self) -> &str {
+        self.model.name()
+    }
+
+    fn read(&mut self, image: &Image) -> Result<Vec<PlateReading>, ReaderError> {
+        check_image(image)?;
+        let question =
+            format!("The image has {} x {} pixels. Which plates do you read?", image.width, image.height);
+        let messages = vec![Message::system(ORDERS), Message::user(question).with_image(png(image)?)];
+        let answer = self.model.chat(&ChatRequest::new(messages).as_json())?.text;
+        let bad = |detail| ReaderError::BadAnswer { model: self.model.name().to_owned(), detail };
+        let mut readings = plates(&answer, image).map_err(bad)?;
+        sort_readings(&mut readings);
+        Ok(readings)
+    }
+}
+
+/// The image as a PNG file.
+fn png(image: &Image) -> Result<Vec<u8>, ReaderError> {
+    let bad = |detail: String| ReaderError::BadImage { detail };
+    let picture = RgbImage::from_raw(image.width, image.height, image.rgb.clone());
+    let picture = picture.ok_or_else(|| bad("its bytes do not fit its size".into()))?;
+    let mut file = Cursor::new(Vec::new());
+    picture.write_to(&mut file, ImageFormat::Png).map_err(|error| bad(error.to_string()))?;
+    Ok(file.into_inner())
+}
+
+fn plates(answer: &str, image: &Image) -> Result<Vec<PlateReading>, String> {
+    let value = json_within(answer).ok_or_else(|| format!("no JSON in `{}`", quote(answer)))?;
+    let list = value.get("plates").unwrap_or(&value);
+    let list = list.as_array().ok_or_else(|| format!("no list of plates in `{}`", quote(answer)))?;
+    Ok(list.iter().take(MAX_PLATES).filter_map(|plate| reading(plate, image)).collect())
+}
+
+/// The JSON object or list in an answer: from the first bracket on, whatever stands around it.
+fn json_within(answer: &str) -> Option<Value> {
+    let start = answer.find(['{', '['])?;
+    let mut values = serde_json::Deserializer::from_str(&answer[start..]).into_iter();
+    values.next()?.ok()
+}
+
+/// `None` for an entry without text.
+fn reading(plate: &Value, image: &Image) -> Option<PlateReading> {
+    let text = plate["text"].as_str().map(str::trim).filter(|text| !text.is_empty())?;
+    if text.chars().count() > MAX_TEXT {
+        return None;
+    }
+    let stated = plate["confidence"].as_f64().map_or(UNSTATED, |confidence| confidence as f32);
+    let confidence = if stated.is_finite() { stated.clamp(0.0, 1.0) } else { UNSTATED };
+    Some(PlateReading { text: text.to_owned(), confidence, corners: corners(&plate["box"], image) })
+}
+
+fn corners(stated: &Value, image: &Image) -> [[f32; 2]; 4] {
+    let (width, height) = (image.width as f32, image.height as f32);
+    let side = |index: usize, limit: f32| stated[index].as_f64().map(|side| (side as f32).clamp(0.0, limit));
+    let sides = (side(0, width), side(1, height), side(2, width), side(3, height));
+    let [left, top, right, bottom] = match sides {
+        (Some(left), Some(top), Some(right), Some(bottom)) if left < right && top < bottom => {
+            [left, top, right, bottom]
+        }
+        _ => [0.0, 0.0, width, height],
+    };
+    [[left, top], [right, top], [right, bottom], [left, bottom]]
+}
+
+fn quote(answer: &str) -> String {
+    answer.chars().map(|c| if c.is_control() { ' ' } else { c }).take(QUOTED).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use openbench_core::SimTime;
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn image() -> Image {
+        Image { stamp: SimTime::default(), width: 8, height: 4, rgb: vec![7; 96] }
+    }
+
+    fn read(answer: &str) -> Result<Vec<PlateReading>, String> {
+        plates(answer, &image())
+    }
+
+    const PLATE: &str = r#"{"plates": [{"text": " UNIT 1 ", "box": [1, 1, 3, 2], "confidence": 0.9}]}"#;
+
+    #[test]
+    fn fences_prose_and_bare_lists_are_understood() {
+        let expected = read(PLATE).unwrap();
+        assert_eq!((expected[0].text.as_str(), expected[0].confidence), ("UNIT 1", 0.9));
+        assert_eq!(expected[0].corners, [[1.0, 1.0], [3.0, 1.0], [3.0, 2.0], [1.0, 2.0]]);
+        assert_eq!(read(&format!("```json\n{PLATE}\n```")).unwrap(), expected);
+        assert_eq!(read(&format!("Here you are: {PLATE} Anything else?")).unwrap(), expected);
+        let list = &PLATE[PLATE.find('[').unwrap()..PLATE.len() - 1];
+        assert_eq!(read(list).unwrap(), expected);
+    }
+
+    #[test]
+    fn no_plates_is_an_answer_and_no_list_is_not() {
+        assert!(read(r#"{"plates": []}"#).unwrap().is_empty());
+        for bad in
+            ["", "I see a door.", r#"{"plates": "none"}"#, r#"{"plates": [{"text": "UN"#, r#"{"text": "1"}"#]
+        {
+            assert!(read(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn silly_boxes_become_the_whole_image_and_silly_entries_nothing() {
+        let whole = [[0.0, 0.0], [8.0, 0.0], [8.0, 4.0], [0.0, 4.0]];
+        for silly in ["null", "[3, 1, 1, 2]", "[1, 2]", "[\"a\", 0, 1, 1]", "[-9, -9, 999, 999]"] {
+            let readings = read(&format!(r#"[{{"text": "1", "box": {silly}}}]"#)).unwrap();
+            assert_eq!((readings[0].corners, readings[0].confidence), (whole, UNSTATED), "{silly}");
+        }
+        assert!(read(r#"[{"text": ""}, {"text": 7}, 3, null]"#).unwrap().is_empty());
+    }
+
+    #[test]
+    fn the_picture_survives_the_journey() {
+        let back = image::load_from_memory(&png(&image()).unwrap()).unwrap().to_rgb8();
+        assert_eq!((back.dimensions(), back.into_raw()), ((8, 4), image().rgb));
+    }
+
+    proptest! {
+        #[test]
+        fn any_answer_is_survived(answer in "\\PC{0,200}") {
+            let _ = read(&answer);
+        }
+    }
+}
