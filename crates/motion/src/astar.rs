@@ -41,6 +41,37 @@ pub fn plan(costmap: &Costmap, start: MapPoint, goal: MapPoint) -> Result<Vec<Ma
     Ok(points)
 }
 
+/// Cost of the cheapest way from `start` to each of `goals`, in metres of open ground; `None` beyond `limit` or where there is no
+/// way. One search for all of them (Dijkstra).
+pub fn costs(costmap: &Costmap, start: MapPoint, goals: &[MapPoint], limit: f64) -> Vec<Option<f64>> {
+    let grid = costmap.grid();
+    let cells: Vec<Option<usize>> = goals.iter().map(|g| free_cell(costmap, *g)).collect();
+    let Some(from) = free_cell(costmap, start) else { return vec![None; goals.len()] };
+    let mut best = vec![f64::INFINITY; grid.len()];
+    let mut closed = vec![false; grid.len()];
+    let mut queue = BinaryHeap::from([Entry { estimate: 0.0, cell: from }]);
+    let mut open: Vec<usize> = cells.iter().flatten().copied().collect();
+    best[from] = 0.0;
+    while let Some(Entry { cell, estimate }) = queue.pop() {
+        if open.is_empty() || estimate * grid.cell > limit {
+            break;
+        }
+        if std::mem::replace(&mut closed[cell], true) {
+            continue;
+        }
+        open.retain(|&goal| goal != cell);
+        for (next, length) in neighbours(costmap, cell) {
+            let Some(cost) = costmap.cost(next).filter(|_| !closed[next]) else { continue };
+            let total = best[cell] + length * cost;
+            if total < best[next] {
+                best[next] = total;
+                queue.push(Entry { estimate: total, cell: next });
+            }
+        }
+    }
+    cells.iter().map(|cell| cell.filter(|&c| closed[c]).map(|c| best[c] * grid.cell)).collect()
+}
+
 fn free_cell(costmap: &Costmap, point: MapPoint) -> Option<usize> {
     let grid = costmap.grid();
     let here = grid.cell_at(point)?;
@@ -201,6 +232,16 @@ mod tests {
         assert!(path.last().unwrap().distance(MapPoint::new(2.0, 0.0)) < 0.4);
         let outside = MapPoint::new(50.0, 0.0);
         assert_eq!(plan(&costmap, MapPoint::default(), outside), Err(PlanError::GoalBlocked(outside)));
+    }
+
+    #[test]
+    fn costs_to_many_places_are_those_of_the_ways_to_each() {
+        let mut costmap = open_ground();
+        see_wall(&mut costmap, MapPoint::new(2.0, -5.0), MapPoint::new(2.0, 5.0));
+        let goals = [MapPoint::new(-4.0, 0.0), MapPoint::new(4.0, 0.0), MapPoint::new(99.0, 0.0)];
+        let costs = costs(&costmap, MapPoint::default(), &goals, 50.0);
+        assert!((costs[0].unwrap() - 4.0).abs() < 0.5, "{costs:?}");
+        assert!(costs[1].unwrap() > 10.0 && costs[2].is_none(), "{costs:?}");
     }
 
     #[test]

@@ -12,7 +12,7 @@ pub mod costmap;
 pub mod follower;
 pub mod obstacles;
 
-pub use astar::{PlanError, plan};
+pub use astar::{PlanError, costs, plan};
 pub use costmap::{Costmap, CostmapError};
 pub use follower::{Blocked, FollowInput, Follower, PathFollower, Progress};
 pub use obstacles::RangeRing;

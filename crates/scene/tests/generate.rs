@@ -247,8 +247,11 @@ fn large_is_made_in_half_a_second() {
     assert!(began.elapsed().as_secs_f64() < 1.0, "{:?}", began.elapsed());
 }
 
-/// A map of closed ways, metres about a point, each with tags.
-fn map_of(ways: &[(&[(f64, f64)], &[(&str, &str)])]) -> (OsmData, Georeference) {
+/// Corners, metres about a point, and tags.
+type WayOf<'a> = (&'a [(f64, f64)], &'a [(&'a str, &'a str)]);
+
+/// A map of ways; buildings are closed.
+fn map_of(ways: &[WayOf]) -> (OsmData, Georeference) {
     let georeference = Georeference::TangentPlane(LonLat::new(8.0, 48.0));
     let projection = openbench_osm::Projection::new(georeference);
     let mut data = OsmData::default();

@@ -6,13 +6,9 @@ use openbench_scene::{Hit, RayCaster, RayPacket, Texture};
 
 /// Side of the square of pixels that one packet covers.
 const TILE: u32 = 4;
-/// Distance beyond which nothing is seen, metres.
-const FAR: f32 = 200.0;
 /// Sky at the horizon and at the zenith, sRGB.
 const HORIZON: [f32; 3] = [0.80, 0.87, 0.93];
 const ZENITH: [f32; 3] = [0.42, 0.60, 0.86];
-/// Distance over which half of a surface's colour fades into the haze, metres.
-const HAZE: f32 = 250.0;
 
 /// A pinhole camera: x forward, y left, z up, as `camera_link`.
 #[derive(Debug, Clone, Copy)]
@@ -23,6 +19,8 @@ pub struct View {
     pub size: (u32, u32),
     /// Focal length, pixels.
     pub focal_length: f64,
+    /// Distance beyond which nothing is seen, metres. At it, half of a surface's colour has faded into the haze.
+    pub range: f32,
 }
 
 /// Draws views of a scene.
@@ -58,7 +56,7 @@ impl Renderer {
                 let mut packet = RayPacket::idle();
                 for lane in 0..LANES {
                     let (u, v) = pixel(lane);
-                    packet.set(lane, eye.origin, eye.direction(u, v), FAR);
+                    packet.set(lane, eye.origin, eye.direction(u, v), view.range);
                 }
                 self.caster.cast_packet(&packet, &mut hits);
                 for (lane, hit) in hits.iter().enumerate() {
@@ -88,7 +86,7 @@ impl Renderer {
         let light = sun.ambient * from_sky + sun.diffuse * lambert.max(0.0);
         let base = self.albedo(eye, hit, length, facing.abs());
         let distance = hit.distance * length;
-        let haze = distance / (distance + HAZE);
+        let haze = distance / (distance + eye.range);
         [0, 1, 2].map(|i| base[i] * light * (1.0 - haze) + HORIZON[i] * haze)
     }
 
@@ -114,6 +112,7 @@ struct Eye {
     right: [f32; 3],
     down: [f32; 3],
     pixel_angle: f32,
+    range: f32,
 }
 
 impl Eye {
@@ -135,6 +134,7 @@ impl Eye {
             right: plain(-left / f),
             down: plain(-up / f),
             pixel_angle: (1.0 / f) as f32,
+            range: view.range,
         }
     }
 
@@ -234,7 +234,7 @@ mod tests {
 
     #[test]
     fn a_square_covers_the_pixels_that_the_pinhole_says() {
-        let view = View { pose: Pose3::identity(), size: (200, 160), focal_length: 100.0 };
+        let view = View { pose: Pose3::identity(), size: (200, 160), focal_length: 100.0, range: 200.0 };
         let rgb = renderer().render(&view);
         let is_red = |x: usize, y: usize| rgb[3 * (y * 200 + x)] > rgb[3 * (y * 200 + x) + 1];
         // Left edge at 100 - 100 * 2 / 5 = 60, right at 100; top at 80 - 40 = 40, bottom at 80.

@@ -19,6 +19,8 @@ use crate::render::{Renderer, View};
 pub const OBSERVATION_NS: u64 = 50_000_000;
 /// Simulated time between two images, nanoseconds.
 const IMAGE_NS: u64 = 100_000_000;
+/// Distance that the camera sees, metres.
+const SIGHT: f32 = 200.0;
 /// A touch after less than this time without one belongs to the same collision.
 const SAME_COLLISION_NS: u64 = 500_000_000;
 
@@ -247,7 +249,7 @@ impl Camera for SimCamera {
         if self.last.get().is_some_and(|last| self.time.0 - last.0 < IMAGE_NS) {
             return None;
         }
-        let view = View { pose: self.pose, size: self.size, focal_length: self.focal_length };
+        let view = View { pose: self.pose, size: self.size, focal_length: self.focal_length, range: SIGHT };
         let (width, height) = self.size;
         let image = Arc::new(Image { stamp: self.time, width, height, rgb: self.renderer.render(&view) });
         self.last.set(Some(self.time));

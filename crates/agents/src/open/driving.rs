@@ -20,6 +20,9 @@ const NO_PROGRESS: Duration = Duration::from_secs(25);
 /// A place is also given up after this long and this much for each metre of the first way to it.
 const LEG_TIME: (f64, f64) = (30.0, 8.0);
 
+/// A place that may be missed is given up once the way to it is known to be this many times and metres longer than it was believed to be.
+const DETOUR: (f64, f64) = (1.6, 6.0);
+
 /// A place to get to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Target {
@@ -27,6 +30,8 @@ pub struct Target {
     pub point: MapPoint,
     /// Heading there, if it matters.
     pub yaw: Option<f64>,
+    /// Whether to get there however long the way turns out to be.
+    pub must: bool,
 }
 
 /// How driving goes.
@@ -52,6 +57,8 @@ pub struct Driver {
     attempts: u32,
     /// Where the robot was when it last moved on, and when.
     anchor: (MapPoint, SimTime),
+    /// Length of the way when it was first searched, metres.
+    first_length: Option<f64>,
     deadline: Option<SimTime>,
 }
 
@@ -68,6 +75,7 @@ impl Driver {
             backing: None,
             attempts: 0,
             anchor: (MapPoint::default(), SimTime::ZERO),
+            first_length: None,
             deadline: None,
         }
     }
@@ -87,7 +95,7 @@ impl Driver {
         self.target = Some(target);
         self.path.clear();
         (self.blocked, self.backing, self.attempts) = (None, None, 0);
-        (self.anchor.1, self.deadline) = (now, None);
+        (self.anchor.1, self.deadline, self.first_length) = (now, None, None);
     }
 
     /// What to do now at `pose`.
@@ -103,6 +111,10 @@ impl Driver {
         let stale = self.path.is_empty() || now.since(self.planned) >= REPLAN || !self.clear_ahead(pose.point());
         if stale && !self.search(pose, target, now, events) {
             return self.set_back(now);
+        }
+        if !target.must && self.is_detour() {
+            self.target = None;
+            return Driving::Unreachable;
         }
         let input = FollowInput { pose, path: &self.path, final_yaw: target.yaw, costmap: &self.costmap };
         match self.follower.follow(&input) {
@@ -124,7 +136,8 @@ impl Driver {
         self.planned = now;
         match plan(&self.costmap, pose.point(), target.point) {
             Ok(path) => {
-                let length: f64 = path.windows(2).map(|w| w[0].distance(w[1])).sum();
+                let length = length(&path);
+                self.first_length.get_or_insert(length);
                 let limit = Duration::from_secs_f64(LEG_TIME.0 + LEG_TIME.1 * length);
                 self.deadline.get_or_insert(now + limit);
                 events.record(Event::Path(path.clone()));
@@ -137,6 +150,10 @@ impl Driver {
                 false
             }
         }
+    }
+
+    fn is_detour(&self) -> bool {
+        self.first_length.is_some_and(|first| length(&self.path) > DETOUR.0 * first + DETOUR.1)
     }
 
     /// Whether the next metres of the way are free by the newest scans.
@@ -196,4 +213,8 @@ impl Driver {
         }
         now.since(self.anchor.1) >= NO_PROGRESS || self.deadline.is_some_and(|deadline| now > deadline)
     }
+}
+
+fn length(path: &[MapPoint]) -> f64 {
+    path.windows(2).map(|w| w[0].distance(w[1])).sum()
 }

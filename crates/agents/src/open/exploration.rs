@@ -2,13 +2,20 @@
 //! the building. An OSM outline already is the outer boundary, which the paper must first compute as a concave hull.
 
 use openbench_core::{MapPoint, Pose2};
+use openbench_motion::Costmap;
 use openbench_osm::OsmMap;
 
 /// Distance between two waypoints along the wall, metres.
 const SPACING: f64 = 4.0;
+/// Ways longer than this are not compared, metres.
+const SEARCH: f64 = 60.0;
+/// Room that a waypoint keeps from every building of the map, metres.
+const ROOM: f64 = 0.6;
+/// Nearest that a waypoint is put to the wall that it looks at, metres.
+const NEAREST: f64 = 1.0;
 
-/// Places around a building, facing it, `standoff` metres from its wall, in the order of the wall. Places inside or too near to
-/// this or another building are left out.
+/// Places around a building, facing it, `standoff` metres from its wall or, in narrow yards, as far from it as there is room;
+/// in the order of the wall.
 pub fn waypoints(map: &OsmMap, building: usize, standoff: f64) -> Vec<Pose2> {
     let Some(outline) = map.buildings.get(building).map(|b| &b.polygon) else { return Vec::new() };
     let ring = &outline.outer;
@@ -25,32 +32,35 @@ pub fn waypoints(map: &OsmMap, building: usize, standoff: f64) -> Vec<Pose2> {
         for k in 0..count {
             let t = (k as f64 + 0.5) / count as f64;
             let wall = MapPoint::new(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y));
-            poses.push(look_at(wall, outwards, standoff));
+            poses.extend(look_at(map, wall, outwards, standoff));
         }
         if turns_left(a, b, c) {
             let next = b.bearing_to(c) - std::f64::consts::FRAC_PI_2;
             let between = openbench_core::frames::wrap_angle(next - outwards) / 2.0;
-            poses.push(look_at(b, outwards + between, standoff));
+            poses.extend(look_at(map, b, outwards + between, standoff));
         }
     }
-    let clear = |p: &Pose2| {
-        let room = map.nearest_building(p.point()).map_or(f64::INFINITY, |i| map.distance_to_building(i, p.point()));
-        let inside = map.buildings_within(p.point(), 0.0).iter().any(|&i| map.buildings[i].polygon.contains(p.point()));
-        room >= 0.8 * standoff.min(2.0) && !inside
-    };
-    poses.retain(clear);
     thinned(poses)
 }
 
-/// Index of the waypoint nearest to the robot.
-pub fn nearest(waypoints: &[Pose2], from: MapPoint) -> Option<usize> {
-    let away = |i: &usize| waypoints[*i].point().distance(from);
-    (0..waypoints.len()).min_by(|a, b| away(a).total_cmp(&away(b)))
+/// Index of the waypoint that is cheapest to get to over what is known of the ground; without a way to any, of the one nearest in a
+/// straight line.
+pub fn nearest(waypoints: &[Pose2], from: MapPoint, costmap: &Costmap) -> Option<usize> {
+    let places: Vec<MapPoint> = waypoints.iter().map(|w| w.point()).collect();
+    let costs = openbench_motion::costs(costmap, from, &places, SEARCH);
+    let away = |i: usize| costs[i].unwrap_or(SEARCH + places[i].distance(from));
+    (0..places.len()).min_by(|&a, &b| away(a).total_cmp(&away(b)))
 }
 
-fn look_at(wall: MapPoint, outwards: f64, standoff: f64) -> Pose2 {
-    let at = wall.offset(outwards, standoff);
-    Pose2::new(at.x, at.y, at.bearing_to(wall))
+/// The place in front of `wall`, nearer to it where other buildings leave no more room; `None` in a gap too narrow to stand in.
+fn look_at(map: &OsmMap, wall: MapPoint, outwards: f64, standoff: f64) -> Option<Pose2> {
+    let clear = |at: &MapPoint| {
+        let room = map.nearest_building(*at).map_or(f64::INFINITY, |i| map.distance_to_building(i, *at));
+        room >= ROOM
+    };
+    let distances = (0..).map(|i| standoff - 0.4 * f64::from(i)).take_while(|d| *d >= NEAREST);
+    let at = distances.map(|d| wall.offset(outwards, d)).find(clear)?;
+    Some(Pose2::new(at.x, at.y, at.bearing_to(wall)))
 }
 
 fn turns_left(a: MapPoint, b: MapPoint, c: MapPoint) -> bool {
@@ -113,8 +123,11 @@ mod tests {
     fn the_nearest_comes_first() {
         let places = waypoints(&map(), 0, 4.0);
         let from = MapPoint::new(-20.0, 5.0);
-        let first = places[nearest(&places, from).unwrap()];
-        assert!(places.iter().all(|p| p.point().distance(from) >= first.point().distance(from)));
-        assert_eq!(nearest(&[], from), None);
+        let (low, high) = (MapPoint::new(-30.0, -30.0), MapPoint::new(40.0, 40.0));
+        let costmap = Costmap::new(&map(), low, high, &openbench_core::RobotDescription::sentry()).unwrap();
+        let first = places[nearest(&places, from, &costmap).unwrap()];
+        let nearest_by_far = places.iter().map(|p| p.point().distance(from)).reduce(f64::min).unwrap();
+        assert!(first.point().distance(from) < nearest_by_far + 1.0);
+        assert_eq!(nearest(&[], from, &costmap), None);
     }
 }

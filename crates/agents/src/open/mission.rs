@@ -234,7 +234,7 @@ impl Mission {
         if let Stage::Travel(via) = &mut task.stage {
             while let Some(next) = via.pop_front() {
                 if next.distance(here) > 2.0 {
-                    self.driver.set_target(Target { point: next, yaw: None }, now);
+                    self.driver.set_target(Target { point: next, yaw: None, must: false }, now);
                     self.task = Some(task);
                     return;
                 }
@@ -252,7 +252,7 @@ impl Mission {
     /// Goes to where a known door's plate can be read.
     fn check_door(&mut self, mut task: Task, door: &Sighting, now: SimTime) {
         let point = door.position.offset(door.facing, CHECK_FROM);
-        let target = Target { point, yaw: Some(point.bearing_to(door.position)) };
+        let target = Target { point, yaw: Some(point.bearing_to(door.position)), must: true };
         self.driver.set_target(target, now);
         task.stage = Stage::ToWaypoint;
         self.task = Some(task);
@@ -270,9 +270,10 @@ impl Mission {
             task.waypoints = exploration::waypoints(self.memory.map(), task.building, standoff);
             events.record(Event::Waypoints(task.waypoints.clone()));
         }
-        if let Some(nearest) = exploration::nearest(&task.waypoints, here) {
+        if let Some(nearest) = exploration::nearest(&task.waypoints, here, self.driver.costmap()) {
             let place = task.waypoints.remove(nearest);
-            self.driver.set_target(Target { point: place.point(), yaw: Some(place.yaw) }, now);
+            let target = Target { point: place.point(), yaw: Some(place.yaw), must: false };
+            self.driver.set_target(target, now);
         }
         task.stage = Stage::ToWaypoint;
         self.task = Some(task);
@@ -307,7 +308,7 @@ impl Mission {
 
     fn approach(&mut self, mut task: Task, door: Sighting, now: SimTime) {
         let point = door.position.offset(door.facing, DOORSTEP);
-        self.driver.set_target(Target { point, yaw: None }, now);
+        self.driver.set_target(Target { point, yaw: None, must: true }, now);
         task.stage = Stage::Approach(door);
         task.expected = None;
         self.task = Some(task);

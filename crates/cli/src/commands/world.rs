@@ -63,6 +63,7 @@ fn street_view(caster: &RayCaster, pose: Pose2) -> View {
         pose: pose.to_pose3(ground) * robot.camera,
         size: (2 * optics.width, 2 * optics.height),
         focal_length: 2.0 * optics.focal_length(),
+        range: 200.0,
     }
 }
 
@@ -81,5 +82,5 @@ fn birds_eye(world: &World) -> View {
     let middle = Vector3::new((x0 + x1) / 2.0, (y0 + y1) / 2.0, 0.0);
     let rotation = UnitQuaternion::from_euler_angles(0.0, pitch, std::f64::consts::FRAC_PI_2);
     let eye = middle - rotation * Vector3::x() * distance;
-    View { pose: Pose3::from_parts(eye.into(), rotation), size: (1600, 1100), focal_length: 1600.0 }
+    View { pose: Pose3::from_parts(eye.into(), rotation), size: (1600, 1100), focal_length: 1600.0, range: 5000.0 }
 }

@@ -192,7 +192,7 @@ impl Site {
             self.car_side(paint, shape.outline, |p| place(p, side, 0.0), side);
             self.car_side(glass, shape.window, |p| place(p, side, 0.012), side);
         }
-        self.wheels_and_lights(pose, n);
+        self.wheels_and_lights(pose);
         let (low, high) = ([-HALF.0, -HALF.1, 0.0], [HALF.0, HALF.1, shape.waist.1.min(1.9)]);
         cuboid(&mut self.builder, Layer::Solid, paint, pose, (low, high));
     }
@@ -215,7 +215,7 @@ impl Site {
         }
     }
 
-    fn wheels_and_lights(&mut self, pose: Pose2, _corners: usize) {
+    fn wheels_and_lights(&mut self, pose: Pose2) {
         let (tyre, rim) = (self.palette.tyre, self.palette.metal);
         for (x, side) in [(1.3, -1.0), (1.3, 1.0), (-1.3, -1.0), (-1.3, 1.0)] {
             self.wheel(pose, (x, side, 0.31), tyre, 0.0);

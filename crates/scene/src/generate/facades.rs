@@ -67,7 +67,7 @@ impl Site {
         // A wall has its balconies one above the other.
         let balcony_columns: Vec<bool> =
             (0..columns).map(|i| house.balconies && length > 6.0 && i % 3 == 1 && chance(rng, 0.8)).collect();
-        for column in 0..columns {
+        for (column, has_balcony) in balcony_columns.into_iter().enumerate() {
             let middle = length * (column as f64 + 0.5) / columns as f64;
             let pose = facing_out(a, b, middle / length);
             for level in 0..house.levels {
@@ -77,7 +77,7 @@ impl Site {
                     continue;
                 }
                 let floor = level as f64 * storey;
-                if level > 0 && balcony_columns[column] {
+                if level > 0 && has_balcony {
                     self.balcony(house, pose, floor, curtains);
                     continue;
                 }

@@ -150,7 +150,6 @@ fn build_of(feature: &Feature) -> Option<Build> {
     (!underground).then_some(found.1)
 }
 
-/// Where a piece of furniture may not stand is also where a robot must pass; see `clearance`.
 #[cfg(test)]
 mod tests {
     use super::*;

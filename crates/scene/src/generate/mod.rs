@@ -55,7 +55,7 @@ use entrances::Doorway;
 use palette::Palette;
 
 /// Largest extent of a map that is built, metres.
-const MAX_EXTENT: f64 = 10_000.0;
+const MAX_EXTENT: f64 = 20_000.0;
 /// Ground beyond the outermost mapped thing, metres.
 const GROUND_MARGIN: f64 = 80.0;
 

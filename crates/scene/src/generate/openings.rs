@@ -32,7 +32,7 @@ pub(super) fn window(frame: [f32; 3], glazing: Glazing, curtains: bool, seed: u6
         }
         let (u, v) = (x as f32 / width as f32, y as f32 / height as f32);
         let reveal = if x < 11 || y < 13 { 0.55 } else { 1.0 };
-        if curtains && (u < 0.24 || u > 0.76) {
+        if curtains && !(0.24..=0.76).contains(&u) {
             let fold = if (x / 3) % 2 == 0 { 0.86 } else { 0.74 };
             return rgb([0.88, 0.86, 0.80], fold * reveal * 0.85);
         }

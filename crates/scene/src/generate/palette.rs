@@ -219,14 +219,12 @@ impl Palette {
 }
 
 fn facades(m: &mut Mixer<'_>, [bricks, plaster, siding, stones]: [(TextureId, f64); 4]) -> Vec<Surface> {
-    let kinds: [(&[[f32; 3]], u8, (TextureId, f64)); 4] =
-        [(&BRICKS, 65, bricks), (&PLASTERS, 110, plaster), (&SIDINGS, 95, siding), (&STONES, 80, stones)];
-    kinds
-        .into_iter()
-        .flat_map(|(colors, reflectivity, image)| {
-            m.tinted(SemanticClass::Building, colors, reflectivity, image)
-        })
-        .collect()
+    let class = SemanticClass::Building;
+    let mut all = m.tinted(class, &BRICKS, 65, bricks);
+    all.extend(m.tinted(class, &PLASTERS, 110, plaster));
+    all.extend(m.tinted(class, &SIDINGS, 95, siding));
+    all.extend(m.tinted(class, &STONES, 80, stones));
+    all
 }
 
 fn free_walls(m: &mut Mixer<'_>, bricks: TextureId, plaster: TextureId, stones: TextureId) -> Vec<Surface> {

@@ -157,7 +157,7 @@ fn plate_colour(ink: f64, seed: u64) -> [f64; 3] {
 }
 
 fn wall_colour(along: f64, up: f64, view: &View) -> [f64; 3] {
-    let door_at = 1.4 * if view.seed % 2 == 0 { 1.0 } else { -1.0 };
+    let door_at = 1.4 * if view.seed.is_multiple_of(2) { 1.0 } else { -1.0 };
     if (along - door_at).abs() < 0.5 && up < 2.1 {
         let panel = (along - door_at).abs() < 0.35 && (up - 1.5).abs() < 0.4;
         return if panel { [70.0, 90.0, 95.0] } else { [95.0, 55.0, 35.0] };
@@ -167,7 +167,7 @@ fn wall_colour(along: f64, up: f64, view: &View) -> [f64; 3] {
     }
     let (window_x, window_y) = ((along + 100.7).rem_euclid(2.4), (up - 2.9).rem_euclid(2.6));
     if window_x < 1.1 && window_y < 1.3 && up > 2.9 {
-        let frame = window_x < 0.06 || window_x > 1.04 || window_y < 0.06 || (window_x - 0.55).abs() < 0.03;
+        let frame = !(0.06..=1.04).contains(&window_x) || window_y < 0.06 || (window_x - 0.55).abs() < 0.03;
         return if frame { [230.0, 230.0, 230.0] } else { [50.0, 70.0, 90.0].map(|c| c + 20.0 * window_y) };
     }
     brick(along, up, view.seed)
