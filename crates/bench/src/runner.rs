@@ -197,7 +197,11 @@ impl Run<'_> {
                 Event::Plan(plan) => self.trace.plan = Some(plan),
                 Event::Route(points) => self.trace.routes.push(points),
                 Event::PoseEstimate(pose) => self.trace.estimated.push(pose.point()),
-                Event::DoorWritten { address, position } => self.trace.doors.push((address, position)),
+                Event::DoorWritten { address, position } => {
+                    // A door that is written again was moved.
+                    self.trace.doors.retain(|(known, _)| !known.same_door(&address));
+                    self.trace.doors.push((address, position));
+                }
                 Event::PlateRead { text, confidence, corners, image, .. } => {
                     self.trace.plates.push(PlateRead { time, text, confidence, corners, image });
                 }

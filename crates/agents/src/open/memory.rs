@@ -5,13 +5,16 @@ use openbench_osm::{OsmData, OsmMap, add_entrance, merge_entrances};
 
 use crate::open::sighting::Sighting;
 
+/// A door is moved if it is seen this far from where it was written, metres.
+const MOVED: f64 = 0.3;
+
 /// The map as the agent knows it.
 #[derive(Debug)]
 pub struct Memory {
     data: OsmData,
     map: OsmMap,
     georeference: Georeference,
-    written: Vec<(usize, String)>,
+    written: Vec<Sighting>,
 }
 
 impl Memory {
@@ -34,10 +37,11 @@ impl Memory {
         &self.data
     }
 
-    /// Writes a door in, once for each unit of a building.
+    /// Writes a door in, or moves it if it was written before and is now seen elsewhere.
     pub fn write(&mut self, sighting: &Sighting, events: &mut dyn Events) {
-        let key = (sighting.building, sighting.unit.clone());
-        if self.written.contains(&key) {
+        let same = |w: &Sighting| w.building == sighting.building && w.unit == sighting.unit;
+        let before = self.written.iter().position(same);
+        if before.is_some_and(|i| self.written[i].position.distance(sighting.position) < MOVED) {
             return;
         }
         let building = &self.map.buildings[sighting.building];
@@ -46,7 +50,8 @@ impl Memory {
         let projection = self.map.projection.clone();
         match add_entrance(&mut self.data, &projection, building.element, sighting.position, &address) {
             Ok(entrance) => {
-                self.written.push(key);
+                before.map(|i| self.written.remove(i));
+                self.written.push(sighting.clone());
                 // Building indices stay: entrances add nodes, not buildings.
                 self.map = OsmMap::new(&self.data, self.georeference);
                 events.record(Event::DoorWritten { address, position: entrance.position });

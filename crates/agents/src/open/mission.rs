@@ -29,6 +29,8 @@ const STANDOFFS: [f64; 3] = [4.0, 2.6, 6.0];
 const DOORSTEP: f64 = 0.8;
 /// Distance in front of a known door from which its plate is read again, metres.
 const CHECK_FROM: f64 = 3.6;
+/// On the way to a door its newer place is taken if it is this far from the older one, metres.
+const CORRECTION: f64 = 0.25;
 /// Standing still before an image is taken.
 const STEADY: Duration = Duration::from_millis(400);
 /// Time between two glances while driving near the building, and how near that is, metres.
@@ -180,8 +182,7 @@ impl Mission {
                 let since = *since;
                 self.look(task, since, observation, events)
             }
-            Stage::Approach(_) => self.drive(task, now, events),
-            Stage::Travel(_) | Stage::ToWaypoint => match self.glance(task, observation, events) {
+            Stage::Travel(_) | Stage::ToWaypoint | Stage::Approach(_) => match self.glance(task, observation, events) {
                 Ok(task) => self.drive(task, now, events),
                 Err(action) => action,
             },
@@ -326,7 +327,7 @@ impl Mission {
         if let Err(detail) = self.read(&image, events) {
             return Err(Action::GiveUp(one(task.address, FailureCause::ReaderUnavailable, detail)));
         }
-        match self.remembered(task.building, &task.address).filter(|_| task.expected.is_none()) {
+        match self.remembered(task.building, &task.address).filter(|door| wants(&task, door)) {
             Some(door) => {
                 self.approach(task, door, observation.time);
                 Err(Action::Drive(Velocity::ZERO))
@@ -354,6 +355,15 @@ impl Mission {
             }
         }
         Ok(())
+    }
+}
+
+/// Whether a door that was just seen changes where the robot goes.
+fn wants(task: &Task, door: &Sighting) -> bool {
+    match &task.stage {
+        Stage::Approach(aim) => aim.position.distance(door.position) > CORRECTION,
+        // A known door is looked at from its own place first.
+        _ => task.expected.is_none(),
     }
 }
 

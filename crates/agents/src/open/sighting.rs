@@ -13,8 +13,8 @@ const OFF_BUILDING: f64 = 4.0;
 const CONFIDENCE: f32 = 0.6;
 /// The text's box is widened by this share of its size for the wall around it.
 const WALL_AROUND: f64 = 1.5;
-/// Points deeper than this behind the nearest surface in the box are something else, metres.
-const DEPTH: f64 = 0.5;
+/// Points further than this in front of or behind a surface are something else, metres.
+const DEPTH: f64 = 0.4;
 /// Fewest points that make a place.
 const FEWEST: usize = 5;
 
@@ -54,12 +54,10 @@ pub fn place(
         };
         perception.points().filter_map(inside).collect()
     };
-    let plate = nearest_surface(behind(0.15));
-    if plate.len() < FEWEST {
-        return None;
-    }
-    let middle = mean(&plate);
-    let wall = nearest_surface(behind(WALL_AROUND));
+    // Far away few points fall into the box itself.
+    let plate = [0.0, 0.3].into_iter().map(|grow| surface(behind(grow), None)).find(|s| s.points.len() >= FEWEST)?;
+    let middle = mean(&plate.points);
+    let wall = surface(behind(WALL_AROUND), Some(plate.depth)).points;
     Some((middle, facing(&wall, base.point()).unwrap_or_else(|| middle.bearing_to(base.point()))))
 }
 
@@ -73,11 +71,18 @@ pub fn recognise(reading: &PlateReading, placed: Option<(MapPoint, f64)>, map: &
     near.then_some(Sighting { unit: unit.unit, building, position, facing })
 }
 
-fn nearest_surface(mut points: Vec<(f64, MapPoint)>) -> Vec<MapPoint> {
+/// Points of about one depth.
+struct Surface {
+    depth: f64,
+    points: Vec<MapPoint>,
+}
+
+/// The surface at `depth`, or at the depth of most points: where a text can be read, most of its pixels are not hidden.
+fn surface(mut points: Vec<(f64, MapPoint)>, depth: Option<f64>) -> Surface {
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // One stray point in front is no surface: the depth at a tenth of the points is.
-    let Some(depth) = points.get(points.len() / 10).map(|p| p.0) else { return Vec::new() };
-    points.into_iter().filter(|p| (p.0 - depth).abs() <= DEPTH).map(|p| p.1).collect()
+    let depth = depth.or_else(|| points.get(points.len() / 2).map(|p| p.0)).unwrap_or_default();
+    let points = points.into_iter().filter(|p| (p.0 - depth).abs() <= DEPTH).map(|p| p.1).collect();
+    Surface { depth, points }
 }
 
 fn mean(points: &[MapPoint]) -> MapPoint {
@@ -129,9 +134,12 @@ mod tests {
     }
 
     #[test]
-    fn the_nearer_surface_counts() {
-        let front = (0..10).map(|i| (4.0 + 0.01 * f64::from(i), MapPoint::new(4.0, 0.0)));
-        let back = (0..10).map(|i| (7.0 + 0.01 * f64::from(i), MapPoint::new(7.0, 0.0)));
-        assert_eq!(nearest_surface(front.chain(back).collect()).len(), 10);
+    fn the_surface_of_most_points_counts() {
+        let at = |depth: f64| move |i: i32| (depth + 0.01 * f64::from(i), MapPoint::new(depth, 0.0));
+        let points: Vec<_> = (0..4).map(at(4.0)).chain((0..10).map(at(7.0))).collect();
+        let plate = surface(points.clone(), None);
+        assert_eq!(plate.points.len(), 10);
+        assert_eq!(surface(points, Some(4.0)).points.len(), 4);
+        assert!(surface(Vec::new(), None).points.is_empty());
     }
 }
