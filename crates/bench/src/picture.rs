@@ -20,6 +20,11 @@ pub fn jpeg(image: &Image) -> Result<Vec<u8>, ImageError> {
 /// The image as PNG.
 pub fn png(image: &Image) -> Result<Vec<u8>, ImageError> {
     let mut bytes = Vec::new();
-    PngEncoder::new(&mut bytes).write_image(&image.rgb, image.width, image.height, ExtendedColorType::Rgb8)?;
+    PngEncoder::new(&mut bytes).write_image(
+        &image.rgb,
+        image.width,
+        image.height,
+        ExtendedColorType::Rgb8,
+    )?;
     Ok(bytes)
 }

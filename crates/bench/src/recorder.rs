@@ -5,8 +5,8 @@ use std::str::FromStr;
 
 use openbench_core::{Event, LidarScan, Pose2, SimTime, Velocity};
 use openbench_logs::messages::{
-    CompressedImage, Header, Imu, JointState, Odometry, Path as PathMessage, PointCloud2, PoseStamped, StringMessage,
-    Twist,
+    CompressedImage, Header, Imu, JointState, Odometry, Path as PathMessage, PointCloud2, PoseStamped,
+    StringMessage, Twist,
 };
 use openbench_logs::{LogError, LogFile};
 use openbench_sim::Simulator;
@@ -65,7 +65,8 @@ impl Recorder {
         let time = simulator.time();
         let observation = simulator.observation();
         let twist = Twist { linear: [velocity.linear, 0.0, 0.0], angular: [0.0, 0.0, velocity.angular] };
-        let odometry = Odometry::new(Header::new(time, "map"), "base_link", simulator.base_link().into(), twist);
+        let odometry =
+            Odometry::new(Header::new(time, "map"), "base_link", simulator.base_link().into(), twist);
         log.write("/ground_truth/odom", time, &odometry)?;
         if self.level == Level::Full {
             for sample in observation.imu {
@@ -76,7 +77,9 @@ impl Recorder {
             }
         }
         match observation.scan {
-            Some(scan) if self.level == Level::Full => log.write("/livox/lidar", time, &PointCloud2::from(scan)),
+            Some(scan) if self.level == Level::Full => {
+                log.write("/livox/lidar", time, &PointCloud2::from(scan))
+            }
             Some(scan) if (time.0 / SCAN_NS).is_multiple_of(THIN.0) => {
                 log.write("/livox/lidar", time, &PointCloud2::from(&thinned(scan)))
             }
@@ -90,7 +93,9 @@ impl Recorder {
         let header = || Header::new(time, "map");
         let say = |text: String| StringMessage(text);
         match event {
-            Event::Plan(plan) => log.write("/plan", time, &say(serde_json::to_string(plan).unwrap_or_default())),
+            Event::Plan(plan) => {
+                log.write("/plan", time, &say(serde_json::to_string(plan).unwrap_or_default()))
+            }
             Event::Task(address) => log.write("/task", time, &say(address.to_string())),
             Event::Route(points) => log.write("/route", time, &PathMessage::over(header(), points)),
             Event::Path(points) => log.write("/path", time, &PathMessage::over(header(), points)),
@@ -101,7 +106,11 @@ impl Recorder {
             }
             Event::PlateRead { text, confidence, image, .. } => {
                 log.write("/plate", time, &say(format!("{text} ({confidence:.2})")))?;
-                log.write("/camera/image/compressed", time, &CompressedImage::jpeg(image.stamp, picture::jpeg(image).unwrap_or_default()))
+                log.write(
+                    "/camera/image/compressed",
+                    time,
+                    &CompressedImage::jpeg(image.stamp, picture::jpeg(image).unwrap_or_default()),
+                )
             }
             Event::DoorWritten { address, position } => {
                 log.write("/door", time, &say(format!("{address} at {position}")))

@@ -104,7 +104,8 @@ pub fn verify(prepared: &Prepared, episode: usize, recording: &Recording) -> Res
     if chain == recording.chain {
         return Ok(());
     }
-    let detail = format!("after {} the hash chain is {chain}, recorded is {}", simulator.time(), recording.chain);
+    let detail =
+        format!("after {} the hash chain is {chain}, recorded is {}", simulator.time(), recording.chain);
     Err(BenchError::Differs { episode, detail })
 }
 

@@ -24,7 +24,9 @@ pub fn report_input<'a>(
         results,
         command: command.to_owned(),
         worlds: vec![world_map(prepared)],
-        episodes: pairs.map(|(i, (episode, trace))| episode_report(prepared, results, i, episode, trace)).collect(),
+        episodes: pairs
+            .map(|(i, (episode, trace))| episode_report(prepared, results, i, episode, trace))
+            .collect(),
     }
 }
 
@@ -54,7 +56,12 @@ fn episode_report(
     let wanted = |door: usize| episode.targets.iter().any(|t| t.door == door);
     let doors = prepared.world.scene.doors.iter().enumerate();
     let declared = results.deliveries.iter().filter(|d| d.episode == number).filter_map(|d| {
-        Some(Declaration { task: d.task, address: d.address(), position: d.declared_at?, success: d.success_2m })
+        Some(Declaration {
+            task: d.task,
+            address: d.address(),
+            position: d.declared_at?,
+            success: d.success_2m,
+        })
     });
     let found = trace.doors.iter();
     EpisodeReport {

@@ -134,7 +134,12 @@ fn log_path(out: &Path, number: usize) -> PathBuf {
     out.join("episodes").join(format!("{number:03}.mcap"))
 }
 
-fn results(request: &RunRequest<'_>, traces: &[EpisodeTrace], wall_seconds: f64, cpu_seconds: f64) -> Results {
+fn results(
+    request: &RunRequest<'_>,
+    traces: &[EpisodeTrace],
+    wall_seconds: f64,
+    cpu_seconds: f64,
+) -> Results {
     let prepared = request.prepared;
     let pairs = prepared.episodes.iter().zip(traces).enumerate();
     let deliveries: Vec<_> =
@@ -166,7 +171,8 @@ fn write_files(
     results: &Results,
 ) -> Result<(), BenchError> {
     let write = |path: PathBuf, bytes: &[u8]| {
-        let bad = |e: openbench_osm::OsmError| BenchError::BadFile { path: path.clone(), problem: e.to_string() };
+        let bad =
+            |e: openbench_osm::OsmError| BenchError::BadFile { path: path.clone(), problem: e.to_string() };
         write_atomically(&path, bytes).map_err(bad)
     };
     for (number, trace) in traces.iter().enumerate() {

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use openbench_core::{
-    Action, Address, Agent, Briefing, Event, Events, FailureCause, GiveUp, Goal, Image, MapPoint, Plan, Pose2, SimTime,
-    Velocity,
+    Action, Address, Agent, Briefing, Event, Events, FailureCause, GiveUp, Goal, Image, MapPoint, Plan,
+    Pose2, SimTime, Velocity,
 };
 use openbench_sim::{Collision, Simulator};
 
@@ -93,9 +93,17 @@ pub fn run_episode(
     seed: u64,
     recorder: &mut Recorder,
 ) -> Result<EpisodeTrace, BenchError> {
-    let simulator = Simulator::new(prepared.stage.clone(), prepared.robot.clone(), prepared.world.start, seed)
-        .map_err(|e| BenchError::World(e.to_string()))?;
-    let mut run = Run { episode, simulator, trace: EpisodeTrace::default(), task: Task::new(prepared), recorder, error: None };
+    let simulator =
+        Simulator::new(prepared.stage.clone(), prepared.robot.clone(), prepared.world.start, seed)
+            .map_err(|e| BenchError::World(e.to_string()))?;
+    let mut run = Run {
+        episode,
+        simulator,
+        trace: EpisodeTrace::default(),
+        task: Task::new(prepared),
+        recorder,
+        error: None,
+    };
     truth.set(SimTime::ZERO, run.pose());
     run.drive(agent, &briefing(prepared, episode), truth);
     run.finish(agent)
@@ -224,7 +232,9 @@ impl Run<'_> {
 
     fn delivered(&mut self, address: &Address) {
         let Some((target, asked_for)) = self.target_for(address) else { return };
-        let wrong = || (FailureCause::WrongPlace, format!("{address} was declared, which the instruction does not name"));
+        let wrong = || {
+            (FailureCause::WrongPlace, format!("{address} was declared, which the instruction does not name"))
+        };
         self.end(target, asked_for, (!asked_for).then(wrong));
     }
 

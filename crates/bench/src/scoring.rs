@@ -51,7 +51,9 @@ fn score_task(prepared: &Prepared, outcome: &TaskOutcome, door: usize, plate: Ma
         straight_line_m: 0.0,
         sim_seconds: outcome.ended.since(outcome.began).as_secs_f64(),
         collisions: outcome.collisions.len(),
-        collisions_by_class: collisions::by_class(outcome.collisions.iter().map(|c| (c.class.name(), c.impulse))),
+        collisions_by_class: collisions::by_class(
+            outcome.collisions.iter().map(|c| (c.class.name(), c.impulse)),
+        ),
         declared_at,
         pose_error_m: outcome.pose_error_m,
         plates_read: outcome.plates_read,

@@ -160,7 +160,8 @@ fn read_truths(path: &Path, suite: &Suite, world: &World) -> Result<Vec<Vec<usiz
     }
     let mut doors = Vec::new();
     for (i, (points, episode)) in lines.iter().zip(&suite.episodes).enumerate() {
-        let found: Result<Vec<usize>, BenchError> = points.iter().map(|p| door_at(path, i + 1, *p, world)).collect();
+        let found: Result<Vec<usize>, BenchError> =
+            points.iter().map(|p| door_at(path, i + 1, *p, world)).collect();
         let found = found?;
         // An instruction that was not understood names no doors to count.
         if !episode.deliveries.is_empty() && found.len() != episode.deliveries.len() {

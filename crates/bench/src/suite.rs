@@ -43,11 +43,17 @@ impl WorldSource {
                 .map_err(|e| BenchError::World(e.to_string())),
             Self::Imported { world, map, models, georeference } => {
                 let georeference = match georeference {
-                    Some(words) => Some(words.parse::<Georeference>().map_err(|e| BenchError::World(e.to_string()))?),
+                    Some(words) => {
+                        Some(words.parse::<Georeference>().map_err(|e| BenchError::World(e.to_string()))?)
+                    }
                     None => None,
                 };
-                let request =
-                    ImportRequest { world: world.clone(), map: map.clone(), models: models.clone(), georeference };
+                let request = ImportRequest {
+                    world: world.clone(),
+                    map: map.clone(),
+                    models: models.clone(),
+                    georeference,
+                };
                 import_world(&request).map_err(|e| BenchError::World(e.to_string()))
             }
         }
@@ -75,7 +81,8 @@ pub struct Suite {
 }
 
 /// What a built-in suite holds: single deliveries, and sequences of so many.
-const BUILTIN: [(&str, usize, (usize, usize)); 3] = [("small", 8, (1, 3)), ("medium", 10, (2, 5)), ("large", 10, (2, 5))];
+const BUILTIN: [(&str, usize, (usize, usize)); 3] =
+    [("small", 8, (1, 3)), ("medium", 10, (2, 5)), ("large", 10, (2, 5))];
 
 /// The names of the built-in suites.
 pub fn known_suites() -> Vec<String> {
@@ -86,7 +93,8 @@ impl Suite {
     /// The built-in suite of that name. Its deliveries are drawn once and for all.
     pub fn builtin(name: &str) -> Result<Self, BenchError> {
         let unknown = || BenchError::UnknownSuite { name: name.to_owned(), known: known_suites() };
-        let (_, singles, (sequences, length)) = *BUILTIN.iter().find(|(n, ..)| *n == name).ok_or_else(unknown)?;
+        let (_, singles, (sequences, length)) =
+            *BUILTIN.iter().find(|(n, ..)| *n == name).ok_or_else(unknown)?;
         let source = WorldSource::Builtin { name: name.to_owned(), seed: 1 };
         let world = source.load()?;
         let addresses: Vec<Address> = world.scene.doors.iter().map(|d| d.address.clone()).collect();
@@ -104,7 +112,10 @@ impl Suite {
             problem: format!("this is no suite: {e}"),
         })?;
         if suite.episodes.is_empty() {
-            return Err(BenchError::BadFile { path: path.to_owned(), problem: "the suite has no episodes".into() });
+            return Err(BenchError::BadFile {
+                path: path.to_owned(),
+                problem: "the suite has no episodes".into(),
+            });
         }
         Ok(suite.relative_to(path.parent().unwrap_or(Path::new("."))))
     }

@@ -225,7 +225,9 @@ fn numbers(text: &str, count: usize) -> Option<Vec<f64>> {
 
 fn lonlat(text: &str) -> Result<openbench_core::LonLat, String> {
     match numbers(text, 2).as_deref() {
-        Some(&[lon, lat]) if lon.abs() <= 180.0 && lat.abs() <= 90.0 => Ok(openbench_core::LonLat::new(lon, lat)),
+        Some(&[lon, lat]) if lon.abs() <= 180.0 && lat.abs() <= 90.0 => {
+            Ok(openbench_core::LonLat::new(lon, lat))
+        }
         _ => Err(format!("`{text}` is not LON,LAT in degrees")),
     }
 }

@@ -8,10 +8,13 @@ use openbench_core::{Agent, RobotDescription};
 use openbench_language::{ChatPlanner, GrammarPlanner, Planner};
 use openbench_localization::{DeadReckoning, Localizer};
 use openbench_models::{ModelSpec, ModelStore};
-use openbench_vision::{PlateReader, PpOcr, VlmReader};
+use openbench_vision::{PlateReader, PpOcr, PpOcrSettings, VlmReader};
 
 /// The set of model files that reads plates by default.
 pub const DEFAULT_READER: &str = "ppocr-v4";
+
+/// The camera is level and lower than any plate: below the horizon there is nothing to read.
+const ABOVE_HORIZON: f32 = 0.6;
 
 const KEYS: [&str; 3] = ["planner", "reader", "localizer"];
 
@@ -41,7 +44,9 @@ pub fn planner(word: &str) -> Result<Box<dyn Planner>, String> {
     if word == "grammar" {
         return Ok(Box::new(GrammarPlanner::new()));
     }
-    let model = ModelSpec::parse(word).and_then(|spec| spec.open()).map_err(|e| format!("planner={word}: {e}; or write grammar"))?;
+    let model = ModelSpec::parse(word)
+        .and_then(|spec| spec.open())
+        .map_err(|e| format!("planner={word}: {e}; or write grammar"))?;
     Ok(Box::new(ChatPlanner::new(model)))
 }
 
@@ -49,10 +54,12 @@ pub fn planner(word: &str) -> Result<Box<dyn Planner>, String> {
 fn reader(word: &str) -> Result<Box<dyn PlateReader>, String> {
     if word == DEFAULT_READER {
         let store = ModelStore::from_environment().map_err(|e| e.to_string())?;
-        return Ok(Box::new(PpOcr::from_store(&store).map_err(|e| e.to_string())?));
+        let settings = PpOcrSettings { upper_part: ABOVE_HORIZON, ..PpOcrSettings::default() };
+        return Ok(Box::new(PpOcr::from_store(&store).map_err(|e| e.to_string())?.with_settings(settings)));
     }
-    let model =
-        ModelSpec::parse(word).and_then(|spec| spec.open()).map_err(|e| format!("reader={word}: {e}; or write {DEFAULT_READER}"))?;
+    let model = ModelSpec::parse(word)
+        .and_then(|spec| spec.open())
+        .map_err(|e| format!("reader={word}: {e}; or write {DEFAULT_READER}"))?;
     Ok(Box::new(VlmReader::new(model)))
 }
 

@@ -46,7 +46,6 @@ pub enum Event {
     Note(String),
 }
 
-
 /// Takes the events of an agent.
 pub trait Events {
     /// Records `event`.

@@ -149,7 +149,9 @@ pub enum Georeference {
 
 /// A georeference in words that cannot be read.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("`{0}` is no georeference; write `utm:50N,-500000,-4483000` (zone, offset added to easting and northing) or `tangent:LON,LAT`")]
+#[error(
+    "`{0}` is no georeference; write `utm:50N,-500000,-4483000` (zone, offset added to easting and northing) or `tangent:LON,LAT`"
+)]
 pub struct GeoreferenceError(pub String);
 
 impl FromStr for Georeference {
@@ -206,7 +208,17 @@ mod tests {
 
     #[test]
     fn broken_georeferences_are_refused_in_words() {
-        for text in ["", "utm", "utm:61N,0,0", "utm:50,0,0", "utm:N,0,0", "utm:50N,0", "tangent:0,90", "utm:50N,nan,0", "utm:é,0,0"] {
+        for text in [
+            "",
+            "utm",
+            "utm:61N,0,0",
+            "utm:50,0,0",
+            "utm:N,0,0",
+            "utm:50N,0",
+            "tangent:0,90",
+            "utm:50N,nan,0",
+            "utm:é,0,0",
+        ] {
             let error = text.parse::<Georeference>().unwrap_err().to_string();
             assert!(error.contains("utm:50N"), "{error}");
         }

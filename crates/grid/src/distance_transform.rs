@@ -32,7 +32,12 @@ struct Envelope {
 
 impl Envelope {
     fn new(length: usize) -> Self {
-        Self { apex: vec![0; length], border: vec![0.0; length + 1], value: vec![0.0; length], result: vec![0.0; length] }
+        Self {
+            apex: vec![0; length],
+            border: vec![0.0; length + 1],
+            value: vec![0.0; length],
+            result: vec![0.0; length],
+        }
     }
 
     fn transform(&mut self, length: usize, sample: impl Fn(usize) -> f32) {

@@ -53,7 +53,10 @@ impl GridGeometry {
     /// The middle of a cell.
     pub fn center(&self, cell: usize) -> MapPoint {
         let (x, y) = self.column_row(cell);
-        MapPoint::new(self.origin.x + (x as f64 + 0.5) * self.cell, self.origin.y + (y as f64 + 0.5) * self.cell)
+        MapPoint::new(
+            self.origin.x + (x as f64 + 0.5) * self.cell,
+            self.origin.y + (y as f64 + 0.5) * self.cell,
+        )
     }
 
     /// Distance between the middles of two cells, in cells.
@@ -66,8 +69,10 @@ impl GridGeometry {
     /// The cells of the box around two points, cut off at the grid's border: column and row ranges, both inclusive.
     pub fn window(&self, low: MapPoint, high: MapPoint) -> Option<((i64, i64), (i64, i64))> {
         let index = |v: f64, origin: f64| ((v - origin) / self.cell).floor() as i64;
-        let columns = (index(low.x, self.origin.x).max(0), index(high.x, self.origin.x).min(self.width as i64 - 1));
-        let rows = (index(low.y, self.origin.y).max(0), index(high.y, self.origin.y).min(self.height as i64 - 1));
+        let columns =
+            (index(low.x, self.origin.x).max(0), index(high.x, self.origin.x).min(self.width as i64 - 1));
+        let rows =
+            (index(low.y, self.origin.y).max(0), index(high.y, self.origin.y).min(self.height as i64 - 1));
         (columns.0 <= columns.1 && rows.0 <= rows.1).then_some((columns, rows))
     }
 }

@@ -6,7 +6,9 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use openbench_core::{ImuSample, Observation, Pose2, RobotDescription, SimTime, WheelSample, frames::wrap_angle};
+use openbench_core::{
+    ImuSample, Observation, Pose2, RobotDescription, SimTime, WheelSample, frames::wrap_angle,
+};
 
 use crate::Localizer;
 
@@ -125,7 +127,13 @@ mod tests {
             let stamp = SimTime::from_millis(ms);
             let imu = [ImuSample { stamp, gyro: [0.0, 0.0, rate + 0.01], accel: [0.0, 0.0, 9.8] }];
             let wheels = [WheelSample { stamp, left: angle, right: angle }];
-            localizer.update(&Observation { time: stamp, imu: &imu, wheels: &wheels, scan: None, camera: &Blind });
+            localizer.update(&Observation {
+                time: stamp,
+                imu: &imu,
+                wheels: &wheels,
+                scan: None,
+                camera: &Blind,
+            });
         }
         end
     }
@@ -147,7 +155,8 @@ mod tests {
         let mut localizer = DeadReckoning::new(RobotDescription::sentry());
         let at = feed(&mut localizer, 0, 1.0, 0.0, 0.0);
         feed(&mut localizer, at, 0.5, 0.5, 0.0);
-        let (a, b) = (localizer.pose_at(SimTime::from_millis(1200)), localizer.pose_at(SimTime::from_millis(1210)));
+        let (a, b) =
+            (localizer.pose_at(SimTime::from_millis(1200)), localizer.pose_at(SimTime::from_millis(1210)));
         let middle = localizer.pose_at(SimTime::from_millis(1205));
         assert!((middle.x - (a.x + b.x) / 2.0).abs() < 1e-9 && b.x > a.x);
         assert_eq!(localizer.pose_at(SimTime::from_millis(99_999)), localizer.pose());

@@ -32,7 +32,8 @@ pub fn plan(costmap: &Costmap, start: MapPoint, goal: MapPoint) -> Result<Vec<Ma
     let from = free_cell(costmap, start).ok_or(PlanError::StartBlocked(start))?;
     let to = free_cell(costmap, goal).ok_or(PlanError::GoalBlocked(goal))?;
     let cells = search(costmap, from, to).ok_or(PlanError::NoWay(start, goal))?;
-    let mut points: Vec<MapPoint> = shorten(costmap, &cells).iter().map(|c| costmap.grid().center(*c)).collect();
+    let mut points: Vec<MapPoint> =
+        shorten(costmap, &cells).iter().map(|c| costmap.grid().center(*c)).collect();
     if costmap.grid().cell_at(goal) == Some(to) {
         points.pop();
         points.push(goal);
@@ -218,7 +219,10 @@ mod tests {
         for pair in path.windows(2) {
             for i in 0..=20 {
                 let t = f64::from(i) / 20.0;
-                let p = MapPoint::new(pair[0].x + t * (pair[1].x - pair[0].x), pair[0].y + t * (pair[1].y - pair[0].y));
+                let p = MapPoint::new(
+                    pair[0].x + t * (pair[1].x - pair[0].x),
+                    pair[0].y + t * (pair[1].y - pair[0].y),
+                );
                 assert!(costmap.clearance_at(p) >= costmap.keep() - 0.08, "{p}");
             }
         }
@@ -247,7 +251,8 @@ mod tests {
     #[test]
     fn a_closed_yard_has_no_way_out() {
         let mut costmap = open_ground();
-        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0)].map(|(x, y)| MapPoint::new(x, y));
+        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0)]
+            .map(|(x, y)| MapPoint::new(x, y));
         for pair in corners.windows(2) {
             see_wall(&mut costmap, pair[0], pair[1]);
         }

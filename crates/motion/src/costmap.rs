@@ -18,6 +18,8 @@ const HIT: i8 = 4;
 const EVIDENCE: (i8, i8) = (-6, 12);
 /// Evidence below which a cell is known to be free.
 const FREE: i8 = -3;
+/// Scans after which an obstacle that is not seen again is forgotten: a minute.
+const MEMORY: u32 = 600;
 /// Room beyond the footprint that a way keeps from obstacles, metres.
 const MARGIN: f64 = 0.05;
 /// Distance at which obstacles no longer cost anything, metres.
@@ -47,6 +49,9 @@ pub struct Costmap {
     grid: GridGeometry,
     mapped: Vec<bool>,
     evidence: Vec<i8>,
+    /// Number of the scan that last hit each cell.
+    hit_in: Vec<u32>,
+    scans: u32,
     /// Distance to the nearest obstacle in cells, squared; as of the last [`Costmap::inflate`].
     clearance: Vec<f32>,
     /// Distance that the middle of the robot must keep, metres.
@@ -55,7 +60,12 @@ pub struct Costmap {
 
 impl Costmap {
     /// The costmap of an area, from the buildings and barriers of `map` in it.
-    pub fn new(map: &OsmMap, low: MapPoint, high: MapPoint, robot: &RobotDescription) -> Result<Self, CostmapError> {
+    pub fn new(
+        map: &OsmMap,
+        low: MapPoint,
+        high: MapPoint,
+        robot: &RobotDescription,
+    ) -> Result<Self, CostmapError> {
         let finite = [low.x, low.y, high.x, high.y].iter().all(|c| c.is_finite() && c.abs() < 1e7);
         if !finite || high.x <= low.x || high.y <= low.y {
             return Err(CostmapError::NoArea { low, high });
@@ -65,6 +75,8 @@ impl Costmap {
         let mut costmap = Self {
             mapped: vec![false; grid.len()],
             evidence: vec![0; grid.len()],
+            hit_in: vec![0; grid.len()],
+            scans: 0,
             clearance: Vec::new(),
             keep: robot.inscribed_radius() + MARGIN,
             grid,
@@ -81,6 +93,7 @@ impl Costmap {
 
     /// Takes in what a scan shows. [`Costmap::inflate`] makes it count.
     pub fn observe(&mut self, ring: &RangeRing) {
+        self.scans += 1;
         for (degrees, &clear) in ring.clear.iter().enumerate() {
             self.mark_clear(ring.center, (degrees as f64 + 0.5).to_radians(), clear);
         }
@@ -89,11 +102,18 @@ impl Costmap {
         hit.dedup();
         for cell in hit {
             self.evidence[cell] = (self.evidence[cell].max(0) + HIT).min(EVIDENCE.1);
+            self.hit_in[cell] = self.scans;
         }
     }
 
-    /// Computes the distances to obstacles anew.
+    /// Computes the distances to obstacles anew, and forgets obstacles that were not seen for a minute: they may have moved, and the
+    /// robot's idea of where it was then has drifted from its idea of now.
     pub fn inflate(&mut self) {
+        for cell in 0..self.grid.len() {
+            if self.evidence[cell] > 0 && self.scans - self.hit_in[cell] > MEMORY {
+                self.evidence[cell] = 0;
+            }
+        }
         let blocked: Vec<bool> = (0..self.grid.len()).map(|c| self.is_obstacle(c)).collect();
         self.clearance = squared_distances(&blocked, self.grid.width, self.grid.height);
     }
@@ -163,7 +183,8 @@ impl Costmap {
             let Some((columns, rows)) = self.grid.window(low, high) else { continue };
             for row in rows.0..=rows.1 {
                 for cell in (columns.0..=columns.1).filter_map(|column| self.grid.cell_in(column, row)) {
-                    self.mapped[cell] = self.mapped[cell] || building.polygon.contains(self.grid.center(cell));
+                    self.mapped[cell] =
+                        self.mapped[cell] || building.polygon.contains(self.grid.center(cell));
                 }
             }
         }
@@ -206,7 +227,9 @@ impl Costmap {
         let steps = ((distance - 1.5 * self.grid.cell) / self.grid.cell).max(0.0) as usize;
         for i in 0..steps {
             let along = i as f64 * self.grid.cell;
-            if let Some(cell) = self.grid.cell_at(MapPoint::new(center.x + along * cos, center.y + along * sin)) {
+            if let Some(cell) =
+                self.grid.cell_at(MapPoint::new(center.x + along * cos, center.y + along * sin))
+            {
                 self.evidence[cell] = (self.evidence[cell] - 1).max(EVIDENCE.0);
             }
         }
@@ -255,7 +278,8 @@ pub(crate) mod tests {
     #[test]
     fn absurd_areas_are_refused() {
         let robot = RobotDescription::sentry();
-        for (low, high) in [((0.0, 0.0), (0.0, 5.0)), ((f64::NAN, 0.0), (1.0, 1.0)), ((5.0, 0.0), (0.0, 5.0))] {
+        for (low, high) in [((0.0, 0.0), (0.0, 5.0)), ((f64::NAN, 0.0), (1.0, 1.0)), ((5.0, 0.0), (0.0, 5.0))]
+        {
             let corner = |c: (f64, f64)| MapPoint::new(c.0, c.1);
             assert!(Costmap::new(&empty_map(), corner(low), corner(high), &robot).is_err());
         }

@@ -85,7 +85,7 @@ impl Follower {
     }
 
     fn turn(&self, error: f64) -> Velocity {
-        let rate = (1.6 * error.abs()).clamp(0.15, self.robot.max_turn * 0.8);
+        let rate = (2.0 * error.abs()).clamp(0.15, self.robot.max_turn);
         Velocity::new(0.0, rate.copysign(error))
     }
 
@@ -180,7 +180,9 @@ mod tests {
         for _ in 0..(seconds / 0.05) as usize {
             match follower.follow(&FollowInput { pose, path, final_yaw, costmap }) {
                 Ok(Progress::Arrived) => return (pose, true),
-                Ok(Progress::Drive(v)) => pose = pose.compose(Pose2::new(v.linear * 0.05, 0.0, v.angular * 0.05)),
+                Ok(Progress::Drive(v)) => {
+                    pose = pose.compose(Pose2::new(v.linear * 0.05, 0.0, v.angular * 0.05))
+                }
                 Err(_) => {}
             }
         }
@@ -191,7 +193,10 @@ mod tests {
     fn a_bent_way_is_driven_to_its_end_and_heading() {
         let path = [(0.0, 0.0), (3.0, 0.0), (3.0, 3.0), (0.0, 3.0)].map(|(x, y)| MapPoint::new(x, y));
         let (pose, arrived) = drive(&path, Some(1.0), &open_ground(), 60.0);
-        assert!(arrived && pose.point().distance(path[3]) < 0.16 && (pose.yaw - 1.0).abs() < 0.09, "{pose:?}");
+        assert!(
+            arrived && pose.point().distance(path[3]) < 0.16 && (pose.yaw - 1.0).abs() < 0.09,
+            "{pose:?}"
+        );
     }
 
     #[test]

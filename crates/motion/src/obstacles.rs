@@ -66,7 +66,8 @@ mod tests {
 
     #[test]
     fn heights_tell_obstacles_from_ground_and_from_what_is_above() {
-        let ring = ring(&[[1.0, 3.0, 0.3], [1.0, 4.0, 0.01], [2.0, 3.0, 2.0], [-1.0, 1.01, 0.0], [1.0, 10.0, 0.2]]);
+        let ring =
+            ring(&[[1.0, 3.0, 0.3], [1.0, 4.0, 0.01], [2.0, 3.0, 2.0], [-1.0, 1.01, 0.0], [1.0, 10.0, 0.2]]);
         assert_eq!(ring.obstacles, [MapPoint::new(1.0, 3.0)]);
         // Clear to the obstacle in the north, though ground was seen behind it; clear to the ground in the west.
         assert!((ring.clear[90] - 2.0).abs() < 1e-9);

@@ -61,8 +61,11 @@ impl Dijkstra {
         } else {
             return None;
         };
-        let (tail, head, share) =
-            if to_share >= from.share { (a, b, to_share - from.share) } else { (b, a, from.share - to_share) };
+        let (tail, head, share) = if to_share >= from.share {
+            (a, b, to_share - from.share)
+        } else {
+            (b, a, from.share - to_share)
+        };
         let arc = self.graph.arc_between(tail, head)?;
         let names = Some(self.graph.name(arc.road).to_owned()).filter(|n| !n.is_empty());
         Some(Route {

@@ -104,11 +104,14 @@ fn success(projection: &Projection, asked: &[openbench_core::MapPoint], legs: &[
     coordinates.dedup();
     let starts = legs.iter().filter_map(|l| Some((*l.points.first()?, l.names.first())));
     let end = legs.last().and_then(|l| Some((*l.points.last()?, l.names.last())));
-    let waypoint = |((at, name), asked): ((openbench_core::MapPoint, Option<&String>), &openbench_core::MapPoint)| Waypoint {
-        name: name.cloned().unwrap_or_default(),
-        location: location(at),
-        distance: rounded(at.distance(*asked), 10.0),
-    };
+    let waypoint =
+        |((at, name), asked): ((openbench_core::MapPoint, Option<&String>), &openbench_core::MapPoint)| {
+            Waypoint {
+                name: name.cloned().unwrap_or_default(),
+                location: location(at),
+                distance: rounded(at.distance(*asked), 10.0),
+            }
+        };
     let waypoints = starts.chain(end).zip(asked).map(waypoint).collect();
     let total = |f: fn(&Route) -> f64| rounded(legs.iter().map(f).sum(), 10.0);
     let leg = |l: &Route| Leg {

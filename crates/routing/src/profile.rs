@@ -42,7 +42,9 @@ impl Profile {
     /// How fast this profile goes on a way with these tags.
     pub fn speeds(self, tags: &Tags) -> Speeds {
         const NOWHERE: Speeds = Speeds { forward: None, backward: None };
-        let Some(speed) = tags.get("highway").and_then(|highway| self.speed_on(highway)) else { return NOWHERE };
+        let Some(speed) = tags.get("highway").and_then(|highway| self.speed_on(highway)) else {
+            return NOWHERE;
+        };
         if !self.may_enter(tags) {
             return NOWHERE;
         }

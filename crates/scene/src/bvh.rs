@@ -124,7 +124,8 @@ impl TriangleBvh {
             max: n.aabb.max.into(),
             count: n.prim_count,
         });
-        let triangles = tree.primitive_indices.iter().map(|&i| leaf_triangle(&soup[i as usize], i, masked(i)));
+        let triangles =
+            tree.primitive_indices.iter().map(|&i| leaf_triangle(&soup[i as usize], i, masked(i)));
         Self { nodes: nodes.collect(), triangles: triangles.collect(), depth: tree.max_depth.max(96) }
     }
 
@@ -160,7 +161,9 @@ impl TriangleBvh {
             if node.count > 0 {
                 for triangle in self.leaf(node) {
                     let mut hit = best;
-                    if intersect_one(triangle, origin, direction, &mut hit) && (!triangle.masked || opaque(&hit)) {
+                    if intersect_one(triangle, origin, direction, &mut hit)
+                        && (!triangle.masked || opaque(&hit))
+                    {
                         best = hit;
                     }
                 }
@@ -188,7 +191,10 @@ impl TriangleBvh {
 
     /// The same, hits of masked triangles only where `opaque` says so.
     pub fn cast_packet_filtered(&self, rays: &RayPacket, opaque: impl Fn(&Hit) -> bool) -> PacketHits {
-        vectorized(#[inline(always)] || self.traverse(rays, opaque))
+        vectorized(
+            #[inline(always)]
+            || self.traverse(rays, opaque),
+        )
     }
 
     #[inline(always)]
@@ -292,7 +298,13 @@ impl Stack {
 }
 
 fn leaf_triangle(t: &obvhs::triangle::Triangle, index: u32, masked: bool) -> LeafTriangle {
-    LeafTriangle { corner: t.v0.into(), edge1: (t.v1 - t.v0).into(), edge2: (t.v2 - t.v0).into(), index, masked }
+    LeafTriangle {
+        corner: t.v0.into(),
+        edge1: (t.v1 - t.v0).into(),
+        edge2: (t.v2 - t.v0).into(),
+        index,
+        masked,
+    }
 }
 
 /// One over `component`, kept finite so that no slab test multiplies zero by infinity.
@@ -367,7 +379,12 @@ fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
 
 /// Distance and corner weights of the hit, and a mask of ones if there is one before `limit`.
 #[inline(always)]
-fn moeller_trumbore(t: &LeafTriangle, origin: [f32; 3], direction: [f32; 3], limit: f32) -> (f32, f32, f32, u32) {
+fn moeller_trumbore(
+    t: &LeafTriangle,
+    origin: [f32; 3],
+    direction: [f32; 3],
+    limit: f32,
+) -> (f32, f32, f32, u32) {
     let p = cross(direction, t.edge2);
     let inverse = 1.0 / dot(t.edge1, p);
     let s = [origin[0] - t.corner[0], origin[1] - t.corner[1], origin[2] - t.corner[2]];
@@ -377,7 +394,8 @@ fn moeller_trumbore(t: &LeafTriangle, origin: [f32; 3], direction: [f32; 3], lim
     let distance = dot(t.edge2, q) * inverse;
     // A ray in the triangle's plane gives NaN or infinity, and no comparison holds. Masks rather than `&&`: a branch for
     // each lane would keep the compiler from using vectors.
-    let hit = mask(u >= 0.0) & mask(v >= 0.0) & mask(u + v <= 1.0) & mask(distance > 1e-5) & mask(distance < limit);
+    let hit =
+        mask(u >= 0.0) & mask(v >= 0.0) & mask(u + v <= 1.0) & mask(distance > 1e-5) & mask(distance < limit);
     (distance, u, v, hit)
 }
 
@@ -402,7 +420,12 @@ fn intersect_one(triangle: &LeafTriangle, origin: [f32; 3], direction: [f32; 3],
 
 /// As [`intersect_packet`], but asks for each hit whether it goes through a hole.
 #[inline(always)]
-fn intersect_masked(triangle: &LeafTriangle, rays: &RayPacket, hits: &mut PacketHits, opaque: &impl Fn(&Hit) -> bool) {
+fn intersect_masked(
+    triangle: &LeafTriangle,
+    rays: &RayPacket,
+    hits: &mut PacketHits,
+    opaque: &impl Fn(&Hit) -> bool,
+) {
     let mut candidates =
         PacketHits { distance: hits.distance, triangle: [MISS; LANES], u: [0.0; LANES], v: [0.0; LANES] };
     intersect_packet(triangle, rays, &mut candidates);

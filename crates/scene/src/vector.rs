@@ -9,7 +9,10 @@
 pub fn vectorized<R>(work: impl FnOnce() -> R) -> R {
     #[cfg(target_arch = "x86_64")]
     if is_x86_feature_detected!("avx2") {
-        #[expect(unsafe_code, reason = "the processor was just asked for the one feature that the function needs")]
+        #[expect(
+            unsafe_code,
+            reason = "the processor was just asked for the one feature that the function needs"
+        )]
         // SAFETY: `with_avx2` needs nothing but AVX2, which was detected.
         return unsafe { with_avx2(work) };
     }

@@ -50,7 +50,8 @@ impl Imu {
         self.last_velocity = velocity;
         self.gyro_bias += normal3(&mut self.noise) * GYRO_WALK;
         self.accel_bias += normal3(&mut self.noise) * ACCEL_WALK;
-        let gyro = to_sensor * physics.angular_velocity() + self.gyro_bias + normal3(&mut self.noise) * GYRO_NOISE;
+        let gyro =
+            to_sensor * physics.angular_velocity() + self.gyro_bias + normal3(&mut self.noise) * GYRO_NOISE;
         let accel = to_sensor * acceleration + self.accel_bias + normal3(&mut self.noise) * ACCEL_NOISE;
         ImuSample { stamp, gyro: gyro.into(), accel: accel.into() }
     }

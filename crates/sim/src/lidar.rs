@@ -172,7 +172,17 @@ impl SensorPath {
         let knot = |p: &Pose3| {
             let (t, r) = (p.translation.vector, p.rotation.to_rotation_matrix());
             let m = r.matrix();
-            let rows = [m[(0, 0)], m[(0, 1)], m[(0, 2)], m[(1, 0)], m[(1, 1)], m[(1, 2)], m[(2, 0)], m[(2, 1)], m[(2, 2)]];
+            let rows = [
+                m[(0, 0)],
+                m[(0, 1)],
+                m[(0, 2)],
+                m[(1, 0)],
+                m[(1, 1)],
+                m[(1, 2)],
+                m[(2, 0)],
+                m[(2, 1)],
+                m[(2, 2)],
+            ];
             ([t.x as f32, t.y as f32, t.z as f32], rows.map(|c| c as f32))
         };
         let knots: Vec<_> = poses.iter().map(knot).collect();
@@ -189,7 +199,8 @@ impl SensorPath {
         let s = at - knot as f32;
         let blend = |x: f32, y: f32| x + s * (y - x);
         let origin = [0, 1, 2].map(|i| blend(a.0[i], b.0[i]));
-        let row = |r: usize| (0..3).map(|c| blend(a.1[3 * r + c], b.1[3 * r + c]) * direction[c]).sum::<f32>();
+        let row =
+            |r: usize| (0..3).map(|c| blend(a.1[3 * r + c], b.1[3 * r + c]) * direction[c]).sum::<f32>();
         (origin, [row(0), row(1), row(2)])
     }
 }
@@ -206,7 +217,8 @@ mod tests {
         let mut builder = SceneBuilder::new();
         let wall = builder.material(Material::plain(SemanticClass::Wall, [0.5; 3]));
         let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
-        for (corner, u) in [((-half, -half), x), ((half, -half), y), ((-half, half), x), ((-half, -half), y)] {
+        for (corner, u) in [((-half, -half), x), ((half, -half), y), ((-half, half), x), ((-half, -half), y)]
+        {
             let origin = Point3::new(corner.0, corner.1, -1.0);
             builder.rectangle(Layer::Visible, wall, origin, (u * 2.0 * half, z * 100.0), [1.0; 2]);
         }
@@ -228,7 +240,9 @@ mod tests {
     fn each_point_is_seen_from_the_pose_of_its_own_instant() {
         // Turning by half a radian during the scan: undone point by point, the walls are straight again.
         let caster = room(5.0);
-        let pose = |s: f64| Pose3::from_parts(Vector3::zeros().into(), UnitQuaternion::from_euler_angles(0.0, 0.0, 0.5 * s));
+        let pose = |s: f64| {
+            Pose3::from_parts(Vector3::zeros().into(), UnitQuaternion::from_euler_angles(0.0, 0.0, 0.5 * s))
+        };
         let poses: Vec<Pose3> = (0..=40).map(|i| pose(f64::from(i) / 40.0)).collect();
         let scan = Lidar::new(Noise::new(1, 1)).scan(&caster, SimTime::ZERO, &poses);
         for p in &scan.points {

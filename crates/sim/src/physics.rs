@@ -10,7 +10,9 @@ use openbench_core::{Pose2, Pose3, RobotDescription, Velocity};
 use openbench_scene::{RayCaster, SemanticClass};
 use rapier3d::geometry::PairContacts;
 use rapier3d::pipeline::PhysicsWorld;
-use rapier3d::prelude::{ColliderBuilder, ColliderHandle, Pose, RigidBodyBuilder, RigidBodyHandle, TriMeshFlags, Vector};
+use rapier3d::prelude::{
+    ColliderBuilder, ColliderHandle, Pose, RigidBodyBuilder, RigidBodyHandle, TriMeshFlags, Vector,
+};
 
 use crate::SimError;
 
@@ -67,7 +69,12 @@ struct Limits {
 
 impl Physics {
     /// Puts the robot at `start`, its wheels on the ground at height `ground`.
-    pub fn new(caster: &RayCaster, robot: &RobotDescription, start: Pose2, ground: f64) -> Result<Self, SimError> {
+    pub fn new(
+        caster: &RayCaster,
+        robot: &RobotDescription,
+        start: Pose2,
+        ground: f64,
+    ) -> Result<Self, SimError> {
         let mut world = PhysicsWorld::new();
         world.gravity = Vector::new(0.0, 0.0, -GRAVITY);
         world.integration_parameters.dt = DT;
@@ -112,7 +119,8 @@ impl Physics {
             f64::from(q.y),
             f64::from(q.z),
         ));
-        let chassis = Pose3::from_parts(Translation3::new(f64::from(t.x), f64::from(t.y), f64::from(t.z)), rotation);
+        let chassis =
+            Pose3::from_parts(Translation3::new(f64::from(t.x), f64::from(t.y), f64::from(t.z)), rotation);
         chassis * Pose3::translation(0.0, 0.0, -f64::from(self.chassis_height))
     }
 

@@ -64,7 +64,8 @@ impl Renderer {
                     if u < width && v < height {
                         let color = self.shade(&eye, eye.direction(u, v), hit.as_ref());
                         let at = 3 * (v * width + u) as usize;
-                        rgb[at..at + 3].copy_from_slice(&color.map(|c| (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8));
+                        rgb[at..at + 3]
+                            .copy_from_slice(&color.map(|c| (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8));
                     }
                 }
             }
@@ -73,11 +74,13 @@ impl Renderer {
     }
 
     fn shade(&self, eye: &Eye, direction: [f32; 3], hit: Option<&Hit>) -> [f32; 3] {
-        let length = (direction[0] * direction[0] + direction[1] * direction[1] + direction[2] * direction[2]).sqrt();
+        let length =
+            (direction[0] * direction[0] + direction[1] * direction[1] + direction[2] * direction[2]).sqrt();
         let sky = sky(direction[2] / length);
         let Some(hit) = hit else { return sky };
         let normal = self.normals[hit.triangle as usize];
-        let facing = (normal[0] * direction[0] + normal[1] * direction[1] + normal[2] * direction[2]) / length;
+        let facing =
+            (normal[0] * direction[0] + normal[1] * direction[1] + normal[2] * direction[2]) / length;
         let towards_eye = if facing > 0.0 { -1.0 } else { 1.0 };
         let sun = self.caster.scene().sun;
         let lambert = -towards_eye * (0..3).map(|i| normal[i] * sun.direction[i]).sum::<f32>();
@@ -118,11 +121,8 @@ struct Eye {
 impl Eye {
     fn new(view: &View) -> Self {
         let axis = |v: nalgebra::Vector3<f64>| view.pose.rotation * v;
-        let (forward, left, up) = (
-            axis(nalgebra::Vector3::x()),
-            axis(nalgebra::Vector3::y()),
-            axis(nalgebra::Vector3::z()),
-        );
+        let (forward, left, up) =
+            (axis(nalgebra::Vector3::x()), axis(nalgebra::Vector3::y()), axis(nalgebra::Vector3::z()));
         let f = view.focal_length;
         let (w, h) = (f64::from(view.size.0), f64::from(view.size.1));
         // The middle of the top left pixel.
@@ -244,7 +244,8 @@ mod tests {
 
     #[test]
     fn mipmaps_keep_the_mean() {
-        let rgba: Vec<u8> = (0..8 * 8).flat_map(|i| if (i + i / 8) % 2 == 0 { [255; 4] } else { [0, 0, 0, 255] }).collect();
+        let rgba: Vec<u8> =
+            (0..8 * 8).flat_map(|i| if (i + i / 8) % 2 == 0 { [255; 4] } else { [0, 0, 0, 255] }).collect();
         let maps = Mipmaps::new(&Texture { width: 8, height: 8, rgba: rgba.into() });
         let far = maps.sample([0.3, 0.7], 8.0);
         assert!((far[0] - 0.5).abs() < 0.01, "{far:?}");

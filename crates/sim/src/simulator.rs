@@ -4,7 +4,8 @@ use std::cell::{Cell, RefCell};
 use std::sync::Arc;
 
 use openbench_core::{
-    Camera, Image, ImuSample, LidarScan, Observation, Pose2, Pose3, RobotDescription, SimTime, Velocity, WheelSample,
+    Camera, Image, ImuSample, LidarScan, Observation, Pose2, Pose3, RobotDescription, SimTime, Velocity,
+    WheelSample,
 };
 use openbench_scene::{RayCaster, SemanticClass};
 
@@ -186,7 +187,12 @@ impl Simulator {
         };
         if fresh {
             let pose = Pose2::from_pose3(&self.base_link());
-            self.collisions.push(Collision { time: self.time, class: contact.class, impulse: contact.impulse, pose });
+            self.collisions.push(Collision {
+                time: self.time,
+                class: contact.class,
+                impulse: contact.impulse,
+                pose,
+            });
         }
     }
 

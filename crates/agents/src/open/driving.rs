@@ -108,7 +108,8 @@ impl Driver {
             self.target = None;
             return Driving::Unreachable;
         }
-        let stale = self.path.is_empty() || now.since(self.planned) >= REPLAN || !self.clear_ahead(pose.point());
+        let stale =
+            self.path.is_empty() || now.since(self.planned) >= REPLAN || !self.clear_ahead(pose.point());
         if stale && !self.search(pose, target, now, events) {
             return self.set_back(now);
         }
@@ -165,7 +166,10 @@ impl Driver {
         for pair in self.path[nearest..].windows(2) {
             let length = pair[0].distance(pair[1]);
             let t = (left / length.max(1e-9)).min(1.0);
-            let end = MapPoint::new(pair[0].x + t * (pair[1].x - pair[0].x), pair[0].y + t * (pair[1].y - pair[0].y));
+            let end = MapPoint::new(
+                pair[0].x + t * (pair[1].x - pair[0].x),
+                pair[0].y + t * (pair[1].y - pair[0].y),
+            );
             // The robot stands where it stands: only what lies ahead of its own hull counts.
             if pair[0].distance(from) > 0.4 && !self.costmap.is_clear(pair[0], end) {
                 return false;

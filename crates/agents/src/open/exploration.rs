@@ -1,12 +1,15 @@
 //! Where to look at a building from, as in the paper: its outer boundary, inflated, sampled uniformly, each waypoint facing
 //! the building. An OSM outline already is the outer boundary, which the paper must first compute as a concave hull.
 
+use openbench_core::frames::wrap_angle;
 use openbench_core::{MapPoint, Pose2};
 use openbench_motion::Costmap;
 use openbench_osm::OsmMap;
 
-/// Distance between two waypoints along the wall, metres.
-const SPACING: f64 = 4.0;
+/// Distance between two places along the wall that are considered, metres.
+const SPACING: f64 = 2.0;
+/// Stretch of wall that is seen well from a place: so many times its distance from the wall. Plates are read at up to 40 degrees.
+const COVERAGE: f64 = 1.0;
 /// Ways longer than this are not compared, metres.
 const SEARCH: f64 = 60.0;
 /// Room that a waypoint keeps from every building of the map, metres.
@@ -14,12 +17,34 @@ const ROOM: f64 = 0.6;
 /// Nearest that a waypoint is put to the wall that it looks at, metres.
 const NEAREST: f64 = 1.0;
 
+/// A place to look from, and the wall that it looks at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Waypoint {
+    /// The place, facing the wall.
+    pub place: Pose2,
+    /// The middle of what is looked at.
+    pub wall: MapPoint,
+    /// Distance between them, metres.
+    pub standoff: f64,
+}
+
+impl Waypoint {
+    /// The same view from nearer by, for when something unmapped stands where the place is; `None` if it is near already.
+    pub fn nearer(&self) -> Option<Self> {
+        let standoff = 0.6 * self.standoff;
+        let back = self.place.yaw + std::f64::consts::PI;
+        let at = self.wall.offset(back, standoff);
+        let place = Pose2::new(at.x, at.y, self.place.yaw);
+        (standoff >= NEAREST).then_some(Self { place, standoff, ..*self })
+    }
+}
+
 /// Places around a building, facing it, `standoff` metres from its wall or, in narrow yards, as far from it as there is room;
 /// in the order of the wall.
-pub fn waypoints(map: &OsmMap, building: usize, standoff: f64) -> Vec<Pose2> {
+pub fn waypoints(map: &OsmMap, building: usize, standoff: f64) -> Vec<Waypoint> {
     let Some(outline) = map.buildings.get(building).map(|b| &b.polygon) else { return Vec::new() };
     let ring = &outline.outer;
-    let mut poses = Vec::new();
+    let mut views = Vec::new();
     for i in 0..ring.len() {
         let (a, b, c) = (ring[i], ring[(i + 1) % ring.len()], ring[(i + 2) % ring.len()]);
         let length = a.distance(b);
@@ -32,35 +57,36 @@ pub fn waypoints(map: &OsmMap, building: usize, standoff: f64) -> Vec<Pose2> {
         for k in 0..count {
             let t = (k as f64 + 0.5) / count as f64;
             let wall = MapPoint::new(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y));
-            poses.extend(look_at(map, wall, outwards, standoff));
+            views.extend(look_at(map, wall, outwards, standoff));
         }
         if turns_left(a, b, c) {
             let next = b.bearing_to(c) - std::f64::consts::FRAC_PI_2;
-            let between = openbench_core::frames::wrap_angle(next - outwards) / 2.0;
-            poses.extend(look_at(map, b, outwards + between, standoff));
+            let between = wrap_angle(next - outwards) / 2.0;
+            views.extend(look_at(map, b, outwards + between, standoff));
         }
     }
-    thinned(poses)
+    thinned(&views)
 }
 
 /// Index of the waypoint that is cheapest to get to over what is known of the ground; without a way to any, of the one nearest in a
 /// straight line.
-pub fn nearest(waypoints: &[Pose2], from: MapPoint, costmap: &Costmap) -> Option<usize> {
-    let places: Vec<MapPoint> = waypoints.iter().map(|w| w.point()).collect();
+pub fn nearest(waypoints: &[Waypoint], from: MapPoint, costmap: &Costmap) -> Option<usize> {
+    let places: Vec<MapPoint> = waypoints.iter().map(|w| w.place.point()).collect();
     let costs = openbench_motion::costs(costmap, from, &places, SEARCH);
     let away = |i: usize| costs[i].unwrap_or(SEARCH + places[i].distance(from));
     (0..places.len()).min_by(|&a, &b| away(a).total_cmp(&away(b)))
 }
 
-/// The place in front of `wall`, nearer to it where other buildings leave no more room; `None` in a gap too narrow to stand in.
-fn look_at(map: &OsmMap, wall: MapPoint, outwards: f64, standoff: f64) -> Option<Pose2> {
-    let clear = |at: &MapPoint| {
-        let room = map.nearest_building(*at).map_or(f64::INFINITY, |i| map.distance_to_building(i, *at));
-        room >= ROOM
+/// The view of `wall` from in front of it, nearer where other buildings leave no more room; `None` in a gap too narrow to stand in.
+fn look_at(map: &OsmMap, wall: MapPoint, outwards: f64, standoff: f64) -> Option<Waypoint> {
+    let clear = |d: &f64| {
+        let at = wall.offset(outwards, *d);
+        map.nearest_building(at).is_none_or(|i| map.distance_to_building(i, at) >= ROOM)
     };
     let distances = (0..).map(|i| standoff - 0.4 * f64::from(i)).take_while(|d| *d >= NEAREST);
-    let at = distances.map(|d| wall.offset(outwards, d)).find(clear)?;
-    Some(Pose2::new(at.x, at.y, at.bearing_to(wall)))
+    let standoff = distances.into_iter().find(clear)?;
+    let at = wall.offset(outwards, standoff);
+    Some(Waypoint { place: Pose2::new(at.x, at.y, at.bearing_to(wall)), wall, standoff })
 }
 
 fn turns_left(a: MapPoint, b: MapPoint, c: MapPoint) -> bool {
@@ -68,16 +94,17 @@ fn turns_left(a: MapPoint, b: MapPoint, c: MapPoint) -> bool {
     turn > 0.3 * a.distance(b) * b.distance(c)
 }
 
-/// Leaves out what looks at the same from nearly the same place.
-fn thinned(poses: Vec<Pose2>) -> Vec<Pose2> {
-    let mut kept: Vec<Pose2> = Vec::new();
-    for pose in poses {
-        let same = |k: &Pose2| {
-            let turn = openbench_core::frames::wrap_angle(k.yaw - pose.yaw);
-            k.point().distance(pose.point()) < 0.5 * SPACING && turn.abs() < 0.5
+/// Leaves out what a neighbour sees as well.
+fn thinned(views: &[Waypoint]) -> Vec<Waypoint> {
+    let mut kept: Vec<Waypoint> = Vec::new();
+    for view in views {
+        let seen = |k: &Waypoint| {
+            let apart = k.wall.distance(view.wall);
+            let turn = wrap_angle(k.place.yaw - view.place.yaw).abs();
+            apart < COVERAGE * k.standoff.min(view.standoff) && turn < 0.5
         };
-        if !kept.iter().any(same) {
-            kept.push(pose);
+        if !kept.iter().any(seen) {
+            kept.push(*view);
         }
     }
     kept
@@ -104,9 +131,9 @@ mod tests {
     fn waypoints_go_round_the_house_and_face_it() {
         let map = map();
         let places = waypoints(&map, 0, 4.0);
-        assert!((14..22).contains(&places.len()), "{}", places.len());
+        assert!((12..20).contains(&places.len()), "{}", places.len());
         let outline = &map.buildings[0].polygon;
-        for place in &places {
+        for place in places.iter().map(|w| w.place) {
             let distance = outline.distance_to_boundary(place.point());
             assert!((3.9..4.1).contains(&distance), "{distance}");
             let ahead = place.transform(distance + 0.2, 0.0);
@@ -114,9 +141,18 @@ mod tests {
         }
         for side in [-1.0, 1.0] {
             let middle = outline.centroid();
-            assert!(places.iter().any(|p| (p.x - middle.x) * side > 8.0));
-            assert!(places.iter().any(|p| (p.y - middle.y) * side > 8.0));
+            assert!(places.iter().map(|w| w.place).any(|p| (p.x - middle.x) * side > 8.0));
+            assert!(places.iter().map(|w| w.place).any(|p| (p.y - middle.y) * side > 8.0));
         }
+    }
+
+    #[test]
+    fn a_nearer_place_has_the_same_view() {
+        let place = waypoints(&map(), 0, 4.0)[0];
+        let nearer = place.nearer().unwrap();
+        assert!((nearer.place.point().distance(place.wall) - 2.4).abs() < 1e-9);
+        assert!(nearer.place.transform(2.4, 0.0).distance(place.wall) < 1e-9);
+        assert_eq!(nearer.nearer().and_then(|n| n.nearer()), None);
     }
 
     #[test]
@@ -125,8 +161,8 @@ mod tests {
         let from = MapPoint::new(-20.0, 5.0);
         let (low, high) = (MapPoint::new(-30.0, -30.0), MapPoint::new(40.0, 40.0));
         let costmap = Costmap::new(&map(), low, high, &openbench_core::RobotDescription::sentry()).unwrap();
-        let first = places[nearest(&places, from, &costmap).unwrap()];
-        let nearest_by_far = places.iter().map(|p| p.point().distance(from)).reduce(f64::min).unwrap();
+        let first = places[nearest(&places, from, &costmap).unwrap()].place;
+        let nearest_by_far = places.iter().map(|w| w.place.point().distance(from)).reduce(f64::min).unwrap();
         assert!(first.point().distance(from) < nearest_by_far + 1.0);
         assert_eq!(nearest(&[], from, &costmap), None);
     }

@@ -1,10 +1,12 @@
 //! The agent's own copy of the map, into which it writes the doors that it finds.
 
-use openbench_core::{Address, Event, Events, Georeference};
-use openbench_osm::{OsmData, OsmMap, add_entrance, merge_entrances};
+use openbench_core::{Address, Event, Events, Georeference, MapPoint};
+use openbench_osm::{OsmData, OsmMap, Polygon, add_entrance, merge_entrances};
 
 use crate::open::sighting::Sighting;
 
+/// How far inside its building's outline a door may lie, metres.
+const RECESS: f64 = 4.0;
 /// A door is moved if it is seen this far from where it was written, metres.
 const MOVED: f64 = 0.3;
 
@@ -48,7 +50,8 @@ impl Memory {
         let name = building.name.clone().unwrap_or_else(|| building.element.to_string());
         let address = Address::new(name, sighting.unit.clone());
         let projection = self.map.projection.clone();
-        match add_entrance(&mut self.data, &projection, building.element, sighting.position, &address) {
+        let at = doorway(sighting, &building.polygon);
+        match add_entrance(&mut self.data, &projection, building.element, at, &address) {
             Ok(entrance) => {
                 before.map(|i| self.written.remove(i));
                 self.written.push(sighting.clone());
@@ -59,4 +62,12 @@ impl Memory {
             Err(error) => events.record(Event::Note(format!("door not written: {error}"))),
         }
     }
+}
+
+/// Where the outline lies in front of a plate: recessed doors lie inside it.
+fn doorway(sighting: &Sighting, outline: &Polygon) -> MapPoint {
+    let steps =
+        (0..=(RECESS / 0.1) as usize).map(|i| sighting.position.offset(sighting.facing, i as f64 * 0.1));
+    let inside = outline.contains(sighting.position);
+    steps.into_iter().find(|p| !inside || !outline.contains(*p)).unwrap_or(sighting.position)
 }

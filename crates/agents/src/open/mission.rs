@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use openbench_core::address::fold_name;
 use openbench_core::{
-    Action, Address, Briefing, Event, Events, FailureCause, GiveUp, Goal, MapPoint, Observation, PlannedDelivery, Pose2,
-    RobotDescription, SimTime, Velocity,
+    Action, Address, Briefing, Event, Events, FailureCause, GiveUp, Goal, MapPoint, Observation,
+    PlannedDelivery, RobotDescription, SimTime, Velocity,
 };
 use openbench_language::{PlanError, PlanRequest, Planner};
 use openbench_localization::Localizer;
@@ -15,16 +15,17 @@ use openbench_osm::{Location, OsmData, OsmMap, locate};
 use openbench_routing::{Dijkstra, Profile, RoadGraph, Router, RouterTimes};
 use openbench_vision::{PlateReader, parse_unit};
 
+use crate::open::Parts;
 use crate::open::driving::{Driver, Driving, Target};
+use crate::open::exploration::{self, Waypoint};
 use crate::open::memory::Memory;
 use crate::open::perception::Perception;
 use crate::open::sighting::{self, Sighting};
-use crate::open::{Parts, exploration};
 
 /// Ground around start and goals that the costmap covers, metres.
 const SURROUNDINGS: f64 = 25.0;
-/// Distances from the wall to look from: first at all places, then again closer, then from afar.
-const STANDOFFS: [f64; 3] = [4.0, 2.6, 6.0];
+/// Distances from the wall to look from: all places at the first, then all at the next.
+const STANDOFFS: [f64; 3] = [4.0, 5.5, 2.6];
 /// Distance in front of a plate at which a parcel is put down, metres.
 const DOORSTEP: f64 = 0.8;
 /// Distance in front of a known door from which its plate is read again, metres.
@@ -57,7 +58,9 @@ struct Task {
     building: usize,
     stage: Stage,
     /// Places not yet looked from.
-    waypoints: Vec<Pose2>,
+    waypoints: Vec<Waypoint>,
+    /// The place that the robot is at or on its way to.
+    place: Option<Waypoint>,
     /// How often all places were looked from.
     round: usize,
     /// Where map or memory have the door, to be trusted if its plate cannot be read there.
@@ -82,7 +85,8 @@ pub struct Mission {
 impl Mission {
     /// Reads the map, understands the instruction, prepares to drive.
     pub fn begin(parts: Parts, briefing: &Briefing, events: &mut dyn Events) -> Result<Self, GiveUp> {
-        let data = OsmData::from_bytes(&briefing.map_osm).map_err(|e| all(FailureCause::Briefing, e.to_string()))?;
+        let data =
+            OsmData::from_bytes(&briefing.map_osm).map_err(|e| all(FailureCause::Briefing, e.to_string()))?;
         let memory = Memory::new(data, briefing.georeference, parts.memory.as_ref());
         let router = Dijkstra::new(RoadGraph::new(memory.map(), Profile::Delivery));
         let queue = understand(parts.planner.as_ref(), briefing, memory.map(), &router, events)?;
@@ -151,10 +155,15 @@ impl Mission {
         };
         let expected = self.remembered(building, &address).or_else(|| {
             let (wall, facing) = map.buildings[building].polygon.nearest_boundary_point(entrance?);
-            Some(Sighting { unit: address.unit.clone().unwrap_or_default(), building, position: wall, facing })
+            Some(Sighting {
+                unit: address.unit.clone().unwrap_or_default(),
+                building,
+                position: wall,
+                facing,
+            })
         });
         let stage = Stage::Travel(self.road_to(building, events));
-        let task = Task { address, building, stage, waypoints: Vec::new(), round: 0, expected };
+        let task = Task { address, building, stage, waypoints: Vec::new(), place: None, round: 0, expected };
         self.advance_travel(task, now, events);
         Action::Drive(Velocity::ZERO)
     }
@@ -169,7 +178,9 @@ impl Mission {
         let polygon = &self.memory.map().buildings[building].polygon;
         let to = polygon.nearest_boundary_point(from).0;
         let Ok(route) = self.router.route(from, to) else { return VecDeque::new() };
-        let (Some(first), Some(last)) = (route.points.first(), route.points.last()) else { return VecDeque::new() };
+        let (Some(first), Some(last)) = (route.points.first(), route.points.last()) else {
+            return VecDeque::new();
+        };
         let length = route.distance + from.distance(*first) + to.distance(*last);
         events.record(Event::Route(route.points.clone()));
         if length > DETOUR * from.distance(to) { VecDeque::new() } else { route.points.into() }
@@ -182,10 +193,12 @@ impl Mission {
                 let since = *since;
                 self.look(task, since, observation, events)
             }
-            Stage::Travel(_) | Stage::ToWaypoint | Stage::Approach(_) => match self.glance(task, observation, events) {
-                Ok(task) => self.drive(task, now, events),
-                Err(action) => action,
-            },
+            Stage::Travel(_) | Stage::ToWaypoint | Stage::Approach(_) => {
+                match self.glance(task, observation, events) {
+                    Ok(task) => self.drive(task, now, events),
+                    Err(action) => action,
+                }
+            }
         }
     }
 
@@ -224,7 +237,10 @@ impl Mission {
                 task.expected = None;
                 return self.next_waypoint(task, now, events);
             }
-            Stage::ToWaypoint | Stage::Look(_) => return self.next_waypoint(task, now, events),
+            Stage::ToWaypoint | Stage::Look(_) => {
+                task.waypoints.extend(task.place.take().and_then(|place| place.nearer()));
+                return self.next_waypoint(task, now, events);
+            }
         }
         Action::Drive(Velocity::ZERO)
     }
@@ -256,6 +272,7 @@ impl Mission {
         let target = Target { point, yaw: Some(point.bearing_to(door.position)), must: true };
         self.driver.set_target(target, now);
         task.stage = Stage::ToWaypoint;
+        task.place = None;
         self.task = Some(task);
     }
 
@@ -264,16 +281,18 @@ impl Mission {
         let here = self.localizer.pose().point();
         while task.waypoints.is_empty() {
             let Some(&standoff) = STANDOFFS.get(task.round) else {
-                let detail = format!("no plate of {} was read from any place around the building", task.address);
+                let detail =
+                    format!("no plate of {} was read from any place around the building", task.address);
                 return Action::GiveUp(one(task.address, FailureCause::DoorNotFound, detail));
             };
             task.round += 1;
             task.waypoints = exploration::waypoints(self.memory.map(), task.building, standoff);
-            events.record(Event::Waypoints(task.waypoints.clone()));
+            events.record(Event::Waypoints(task.waypoints.iter().map(|w| w.place).collect()));
         }
         if let Some(nearest) = exploration::nearest(&task.waypoints, here, self.driver.costmap()) {
-            let place = task.waypoints.remove(nearest);
-            let target = Target { point: place.point(), yaw: Some(place.yaw), must: false };
+            let waypoint = task.waypoints.remove(nearest);
+            let target = Target { point: waypoint.place.point(), yaw: Some(waypoint.place.yaw), must: false };
+            task.place = Some(waypoint);
             self.driver.set_target(target, now);
         }
         task.stage = Stage::ToWaypoint;
@@ -281,7 +300,13 @@ impl Mission {
         Action::Drive(Velocity::ZERO)
     }
 
-    fn look(&mut self, task: Task, since: SimTime, observation: &Observation<'_>, events: &mut dyn Events) -> Action {
+    fn look(
+        &mut self,
+        task: Task,
+        since: SimTime,
+        observation: &Observation<'_>,
+        events: &mut dyn Events,
+    ) -> Action {
         if observation.time.since(since) < STEADY {
             self.task = Some(task);
             return Action::Drive(Velocity::ZERO);
@@ -316,7 +341,12 @@ impl Mission {
     }
 
     /// Reads what the camera happens to see on the way, near the building.
-    fn glance(&mut self, task: Task, observation: &Observation<'_>, events: &mut dyn Events) -> Result<Task, Action> {
+    fn glance(
+        &mut self,
+        task: Task,
+        observation: &Observation<'_>,
+        events: &mut dyn Events,
+    ) -> Result<Task, Action> {
         let here = self.localizer.pose().point();
         let near = self.memory.map().distance_to_building(task.building, here) <= GLANCE.1;
         if !near || observation.time.since(self.last_glance) < GLANCE.0 {
@@ -337,7 +367,11 @@ impl Mission {
     }
 
     /// Reads an image and remembers every door in it.
-    fn read(&mut self, image: &std::sync::Arc<openbench_core::Image>, events: &mut dyn Events) -> Result<(), String> {
+    fn read(
+        &mut self,
+        image: &std::sync::Arc<openbench_core::Image>,
+        events: &mut dyn Events,
+    ) -> Result<(), String> {
         let pose = self.localizer.pose();
         let readings = self.reader.read(image).map_err(|e| e.to_string())?;
         for reading in readings.iter().filter(|r| parse_unit(&r.text).is_some()) {

@@ -34,7 +34,8 @@ impl Perception {
             if point.offset_ns / STRETCH_NS != stretch {
                 stretch = point.offset_ns / STRETCH_NS;
                 let middle = Duration::from_nanos(u64::from(stretch * STRETCH_NS + STRETCH_NS / 2));
-                pose = (localizer.pose_at(scan.stamp + middle).to_pose3(0.0) * self.robot.lidar).cast::<f32>();
+                pose =
+                    (localizer.pose_at(scan.stamp + middle).to_pose3(0.0) * self.robot.lidar).cast::<f32>();
             }
             points.push(pose * Point3::from(point.xyz));
         }

@@ -1,8 +1,10 @@
 //! Where a plate is: the LiDAR's points behind the text's pixels give its place and the direction that it faces.
 
 use nalgebra::Point3;
+use openbench_core::frames::wrap_angle;
 use openbench_core::{CameraIntrinsics, MapPoint, Pose2};
-use openbench_osm::OsmMap;
+use openbench_osm::polygon::nearest_on_segment;
+use openbench_osm::{OsmMap, Polygon};
 use openbench_vision::{PlateReading, parse_unit};
 
 use crate::open::perception::Perception;
@@ -15,6 +17,10 @@ const CONFIDENCE: f32 = 0.6;
 const WALL_AROUND: f64 = 1.5;
 /// Points further than this in front of or behind a surface are something else, metres.
 const DEPTH: f64 = 0.4;
+/// Walls of the outline this near to a plate may be the one that it hangs on, metres.
+const NEAR_WALL: f64 = 5.0;
+/// Largest angle between where a plate seems to face and the normal of its wall, radians.
+const MISFIT: f64 = 0.9;
 /// Fewest points that make a place.
 const FEWEST: usize = 5;
 
@@ -55,7 +61,8 @@ pub fn place(
         perception.points().filter_map(inside).collect()
     };
     // Far away few points fall into the box itself.
-    let plate = [0.0, 0.3].into_iter().map(|grow| surface(behind(grow), None)).find(|s| s.points.len() >= FEWEST)?;
+    let plate =
+        [0.0, 0.3].into_iter().map(|grow| surface(behind(grow), None)).find(|s| s.points.len() >= FEWEST)?;
     let middle = mean(&plate.points);
     let wall = surface(behind(WALL_AROUND), Some(plate.depth)).points;
     Some((middle, facing(&wall, base.point()).unwrap_or_else(|| middle.bearing_to(base.point()))))
@@ -68,7 +75,19 @@ pub fn recognise(reading: &PlateReading, placed: Option<(MapPoint, f64)>, map: &
     let (position, facing) = placed?;
     let building = map.nearest_building(position)?;
     let near = map.distance_to_building(building, position) <= OFF_BUILDING;
+    let facing = along_wall(facing, position, &map.buildings[building].polygon);
     near.then_some(Sighting { unit: unit.unit, building, position, facing })
+}
+
+/// `facing` turned to the normal of the wall that fits it best, of those near the plate: porches and shutters around a plate make what
+/// the LiDAR sees of its wall crooked.
+fn along_wall(facing: f64, plate: MapPoint, outline: &Polygon) -> f64 {
+    let near =
+        |(a, b): &(MapPoint, MapPoint)| nearest_on_segment(*a, *b, plate).0.distance(plate) <= NEAR_WALL;
+    let normals = outline.sides().filter(near).map(|(a, b)| a.bearing_to(b) - std::f64::consts::FRAC_PI_2);
+    let off = |normal: &f64| wrap_angle(normal - facing).abs();
+    let best = normals.min_by(|a, b| off(a).total_cmp(&off(b))).filter(|n| off(n) <= MISFIT);
+    best.map_or(facing, wrap_angle)
 }
 
 /// Points of about one depth.
@@ -111,7 +130,7 @@ fn facing(points: &[MapPoint], viewer: MapPoint) -> Option<f64> {
     let normal = along + std::f64::consts::FRAC_PI_2;
     let towards = m.bearing_to(viewer);
     let ahead = libm::cos(normal - towards) >= 0.0;
-    Some(openbench_core::frames::wrap_angle(if ahead { normal } else { normal + std::f64::consts::PI }))
+    Some(wrap_angle(if ahead { normal } else { normal + std::f64::consts::PI }))
 }
 
 #[cfg(test)]
@@ -120,7 +139,8 @@ mod tests {
 
     #[test]
     fn a_wall_faces_its_viewer() {
-        let wall: Vec<MapPoint> = (0..20).map(|i| MapPoint::new(3.0 + 0.01 * f64::from(i % 3), 0.1 * f64::from(i))).collect();
+        let wall: Vec<MapPoint> =
+            (0..20).map(|i| MapPoint::new(3.0 + 0.01 * f64::from(i % 3), 0.1 * f64::from(i))).collect();
         let west = facing(&wall, MapPoint::new(0.0, 1.0)).unwrap();
         assert!((west.abs() - std::f64::consts::PI).abs() < 0.05, "{west}");
         let east = facing(&wall, MapPoint::new(6.0, 1.0)).unwrap();
@@ -129,7 +149,8 @@ mod tests {
 
     #[test]
     fn a_heap_of_points_faces_nowhere() {
-        let heap: Vec<MapPoint> = (0..25).map(|i| MapPoint::new(f64::from(i % 5), f64::from(i / 5))).collect();
+        let heap: Vec<MapPoint> =
+            (0..25).map(|i| MapPoint::new(f64::from(i % 5), f64::from(i / 5))).collect();
         assert_eq!(facing(&heap, MapPoint::new(9.0, 9.0)), None);
     }
 

@@ -15,7 +15,8 @@ pub fn run(args: &PlanArgs) -> anyhow::Result<Outcome> {
     let map = read_map(&args.map)?;
     let router = Dijkstra::new(RoadGraph::new(&map, Profile::Delivery));
     let times = RouterTimes { router: &router, speed: 0.5 };
-    let request = PlanRequest { instruction: &args.instruction, map: &map, start: MapPoint::default(), times: &times };
+    let request =
+        PlanRequest { instruction: &args.instruction, map: &map, start: MapPoint::default(), times: &times };
     let plan = match planner.plan(&request) {
         Ok(plan) => plan,
         Err(error) => {

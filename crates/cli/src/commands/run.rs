@@ -19,10 +19,9 @@ use crate::outcome::{Outcome, say, say_json, tell};
 
 /// Runs a suite and prints the results.
 pub fn run(args: &RunArgs, registry: &Registry) -> anyhow::Result<Outcome> {
-    let factory = registry.get(&args.agent).ok_or_else(|| BenchError::UnknownAgent {
-        name: args.agent.clone(),
-        known: registry.names(),
-    })?;
+    let factory = registry
+        .get(&args.agent)
+        .ok_or_else(|| BenchError::UnknownAgent { name: args.agent.clone(), known: registry.names() })?;
     let settings: BTreeMap<String, String> = args.settings.iter().cloned().collect();
     let prepared = prepare(args)?;
     if args.agent == "open" {

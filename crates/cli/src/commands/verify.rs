@@ -18,7 +18,8 @@ pub fn run(args: &VerifyArgs) -> anyhow::Result<Outcome> {
             env!("CARGO_PKG_VERSION")
         );
     }
-    let recordings: Result<Vec<Recording>, _> = (0..record.episodes).map(|i| Recording::read(&args.run, i)).collect();
+    let recordings: Result<Vec<Recording>, _> =
+        (0..record.episodes).map(|i| Recording::read(&args.run, i)).collect();
     let recordings = recordings?;
     let prepared = Prepared::world_of(record.suite)?;
     let bar = progress_bar(recordings.len(), "verifying");

@@ -27,7 +27,8 @@ fn show(args: &ShowArgs) -> anyhow::Result<Outcome> {
         None => birds_eye(&world),
     };
     let rgb = Renderer::new(caster).render(&view);
-    let picture = openbench_core::Image { stamp: Default::default(), width: view.size.0, height: view.size.1, rgb };
+    let picture =
+        openbench_core::Image { stamp: Default::default(), width: view.size.0, height: view.size.1, rgb };
     let png = openbench_bench::picture::png(&picture)?;
     openbench_osm::write_atomically(&args.out, &png)?;
     let scene = &world.scene;
@@ -82,5 +83,10 @@ fn birds_eye(world: &World) -> View {
     let middle = Vector3::new((x0 + x1) / 2.0, (y0 + y1) / 2.0, 0.0);
     let rotation = UnitQuaternion::from_euler_angles(0.0, pitch, std::f64::consts::FRAC_PI_2);
     let eye = middle - rotation * Vector3::x() * distance;
-    View { pose: Pose3::from_parts(eye.into(), rotation), size: (1600, 1100), focal_length: 1600.0, range: 5000.0 }
+    View {
+        pose: Pose3::from_parts(eye.into(), rotation),
+        size: (1600, 1100),
+        focal_length: 1600.0,
+        range: 5000.0,
+    }
 }

@@ -1,0 +1,105 @@
+//! The three walls of ARCHITECTURE.md, read off `cargo metadata`.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::process::Command;
+
+/// Floors: a crate may depend only on crates of lower floors.
+const FLOORS: [(&str, u8); 16] = [
+    ("openbench-core", 0),
+    ("openbench-grid", 1),
+    ("openbench-osm", 1),
+    ("openbench-models", 1),
+    ("openbench-logs", 1),
+    ("openbench-scene", 2),
+    ("openbench-language", 2),
+    ("openbench-routing", 2),
+    ("openbench-motion", 2),
+    ("openbench-localization", 2),
+    ("openbench-vision", 2),
+    ("openbench-sim", 3),
+    ("openbench-agents", 3),
+    ("openbench-bench", 4),
+    ("openbench", 5),
+    ("beeline", 6),
+];
+
+/// For each crate of the workspace: those of ours that it depends on when it is built (not for its tests).
+fn dependencies() -> BTreeMap<String, BTreeSet<String>> {
+    let manifest = concat!(env!("CARGO_MANIFEST_DIR"), "/../../Cargo.toml");
+    let output = Command::new(env!("CARGO"))
+        .args(["metadata", "--format-version", "1", "--no-deps", "--offline", "--manifest-path", manifest])
+        .output()
+        .unwrap();
+    let metadata: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let packages = metadata["packages"].as_array().unwrap();
+    let name = |package: &serde_json::Value| package["name"].as_str().unwrap().to_owned();
+    let ours: BTreeSet<String> = packages.iter().map(name).collect();
+    let needs = |package: &serde_json::Value| {
+        let all = package["dependencies"].as_array().unwrap().iter();
+        let built = all.filter(|d| d["kind"].as_str() != Some("dev"));
+        built.map(name).filter(|d| ours.contains(d)).collect()
+    };
+    packages.iter().map(|p| (name(p), needs(p))).collect()
+}
+
+/// Everything that `crate_name` needs, directly or not.
+fn reach(graph: &BTreeMap<String, BTreeSet<String>>, crate_name: &str) -> BTreeSet<String> {
+    let mut seen = BTreeSet::new();
+    let mut open = vec![crate_name.to_owned()];
+    while let Some(next) = open.pop() {
+        for dependency in graph.get(&next).into_iter().flatten() {
+            if seen.insert(dependency.clone()) {
+                open.push(dependency.clone());
+            }
+        }
+    }
+    seen
+}
+
+#[test]
+fn no_agent_can_reach_the_truth() {
+    let reached = reach(&dependencies(), "openbench-agents");
+    for truth in ["openbench-sim", "openbench-scene", "openbench-bench"] {
+        assert!(!reached.contains(truth), "openbench-agents depends on {truth}");
+    }
+}
+
+#[test]
+fn core_depends_on_no_crate_of_ours() {
+    assert_eq!(dependencies()["openbench-core"], BTreeSet::new());
+}
+
+#[test]
+fn crates_depend_on_lower_floors_only() {
+    let floors: BTreeMap<&str, u8> = FLOORS.into_iter().collect();
+    for (name, needs) in dependencies() {
+        let own = floors
+            .get(name.as_str())
+            .unwrap_or_else(|| panic!("give {name} a floor here and in ARCHITECTURE.md"));
+        for need in needs {
+            assert!(floors[need.as_str()] < *own, "{name} (floor {own}) depends on {need}");
+        }
+    }
+}
+
+/// Algorithms return values or take an observer; only the command line and the recorder write.
+#[test]
+fn algorithms_do_not_print() {
+    let lints = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../Cargo.toml")).unwrap();
+    for lint in ["print_stdout", "print_stderr", "dbg_macro"] {
+        assert!(
+            lints.contains(&format!("{lint} = \"warn\"")),
+            "the workspace's lints no longer forbid {lint}"
+        );
+    }
+    for (name, _) in FLOORS {
+        let folder = match name.strip_prefix("openbench-") {
+            Some(folder) => format!("crates/{folder}"),
+            None if name == "openbench" => "crates/cli".into(),
+            None => format!("examples/{name}"),
+        };
+        let manifest = format!("{}/../../{folder}/Cargo.toml", env!("CARGO_MANIFEST_DIR"));
+        let text = std::fs::read_to_string(&manifest).unwrap();
+        assert!(text.contains("[lints]\nworkspace = true"), "{manifest} does not take the workspace's lints");
+    }
+}

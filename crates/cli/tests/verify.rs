@@ -1,0 +1,83 @@
+//! `openbench verify`: a run repeats to the bit, and a run that was changed does not.
+
+mod common;
+
+use common::Place;
+use common::town::{deliver, town};
+use common::vlm::{UNIT_1, reader_that_says};
+use serde_json::Value;
+
+/// A finished run in `run`.
+fn a_run() -> Place {
+    let place = town();
+    place.file("one.txt", "To unit1, building1.\nA box to unit1, building1.\n");
+    let words =
+        format!("--deliveries one.txt --out run --record none --set reader={}", reader_that_says(UNIT_1));
+    deliver(&place, &words).succeeded();
+    place
+}
+
+/// Changes the recorded actions of the second episode.
+fn tamper(place: &Place, change: impl FnOnce(&mut Value)) {
+    let mut actions = place.json("run/episodes/001.actions.json");
+    change(&mut actions);
+    place.file("run/episodes/001.actions.json", actions.to_string());
+}
+
+#[test]
+fn a_run_repeats_to_the_bit() {
+    let place = a_run();
+    let ran = place.openbench("verify run");
+    assert_eq!(ran.succeeded().stdout, "run: 2 episodes repeat to the bit\n");
+}
+
+#[test]
+fn changed_actions_differ_in_the_episode_that_was_changed() {
+    let place = a_run();
+    tamper(&place, |actions| actions["driven"][0]["velocity"]["linear"] = 0.123.into());
+    let ran = place.openbench("verify run");
+    assert_eq!((ran.code, ran.stdout.as_str()), (1, ""), "{}", ran.stderr);
+    assert!(ran.stderr.contains("episode 1 differs"), "{}", ran.stderr);
+}
+
+#[test]
+fn a_step_left_out_differs() {
+    let place = a_run();
+    tamper(&place, |actions| drop(actions["driven"].as_array_mut().unwrap().pop()));
+    assert_eq!(place.openbench("verify run").code, 1);
+}
+
+#[test]
+fn a_changed_world_differs() {
+    let place = a_run();
+    place.file(
+        "town.world",
+        place.read("town.world").replace("<size>3.6 3.6 3</size>", "<size>3.5 3.5 3</size>"),
+    );
+    let ran = place.openbench("verify run");
+    assert_eq!(ran.code, 1, "{}{}", ran.stdout, ran.stderr);
+}
+
+#[test]
+fn what_is_no_run_is_refused_with_the_file() {
+    let place = a_run();
+    place
+        .file("run/episodes/001.actions.json", "{\"seed\": 1")
+        .openbench("verify run")
+        .refused_with(&["001.actions.json", "line 1"]);
+    place
+        .file("run/run.json", "[]")
+        .openbench("verify run")
+        .refused_with(&["run.json", "no record of a run"]);
+}
+
+#[test]
+fn a_run_of_another_version_is_refused() {
+    let place = a_run();
+    let mut record = place.json("run/run.json");
+    record["version"] = "0.0.1".into();
+    place
+        .file("run/run.json", record.to_string())
+        .openbench("verify run")
+        .refused_with(&["0.0.1", "version"]);
+}
