@@ -50,15 +50,15 @@ pub enum BenchError {
         /// What is wrong, and where.
         problem: String,
     },
-    /// A delivery's door is not in the world.
-    #[error("episode {episode}: the world has no door {address}; its doors are {}", known.join("; "))]
-    NoSuchDoor {
+    /// An instruction in which nothing to deliver was found.
+    #[error(
+        "episode {episode}: no delivery was found in `{instruction}`; give the true positions with --truth, or name building and unit"
+    )]
+    NothingToDeliver {
         /// Which episode, from 0.
         episode: usize,
-        /// What was asked for.
-        address: String,
-        /// What there is.
-        known: Vec<String>,
+        /// What it says.
+        instruction: String,
     },
     /// A truth is no door of the world.
     #[error("{}:{line}: ({}, {}) is no door of the world; the nearest is {nearest}, {away:.2} m away", path.display(), at.x, at.y)]

@@ -12,6 +12,9 @@ use crate::runner::EpisodeTrace;
 use crate::stage::Prepared;
 use crate::suite::Suite;
 
+/// Steps of 50 ms in a day: no episode is longer.
+const MOST_STEPS: u64 = 24 * 3600 * 20;
+
 /// What was run: enough to run it again.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RunRecord {
@@ -95,6 +98,11 @@ pub fn verify(prepared: &Prepared, episode: usize, recording: &Recording) -> Res
     let mut simulator =
         Simulator::new(prepared.stage.clone(), prepared.robot.clone(), prepared.world.start, recording.seed)
             .map_err(|e| BenchError::World(e.to_string()))?;
+    let steps: u64 = recording.driven.iter().map(|s| u64::from(s.steps)).sum();
+    if steps > MOST_STEPS {
+        let detail = format!("{steps} recorded steps are more than a day; the recording is damaged");
+        return Err(BenchError::Differs { episode, detail });
+    }
     for stretch in &recording.driven {
         for _ in 0..stretch.steps {
             simulator.step(stretch.velocity);

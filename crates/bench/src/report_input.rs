@@ -53,7 +53,7 @@ fn episode_report(
     episode: &PreparedEpisode,
     trace: &EpisodeTrace,
 ) -> EpisodeReport {
-    let wanted = |door: usize| episode.targets.iter().any(|t| t.door == door);
+    let wanted = |door: usize| episode.targets.iter().any(|t| t.door == Some(door));
     let doors = prepared.world.scene.doors.iter().enumerate();
     let declared = results.deliveries.iter().filter(|d| d.episode == number).filter_map(|d| {
         Some(Declaration {

@@ -18,11 +18,11 @@ pub fn score_episode(
     let mut results = Vec::new();
     for (task, outcome) in trace.tasks.iter().enumerate() {
         let target = &episode.targets[outcome.target];
-        let plate = prepared.world.scene.doors[target.door].point();
         // As in the reference's scripts: from the origin, in a sequence from the door before.
-        let straight = from.unwrap_or(MapPoint::default()).distance(plate);
-        from = Some(plate);
-        let mut result = score_task(prepared, outcome, target.door, plate);
+        let plate = target.door.map(|door| prepared.world.scene.doors[door].point());
+        let straight = plate.map_or(0.0, |plate| from.unwrap_or(MapPoint::default()).distance(plate));
+        from = plate.or(from);
+        let mut result = score_task(prepared, outcome, target.door);
         (result.episode, result.task, result.straight_line_m) = (number, task, straight);
         result.instruction = episode.instruction.clone();
         result.building = target.address.building.clone();
@@ -32,9 +32,11 @@ pub fn score_episode(
     results
 }
 
-fn score_task(prepared: &Prepared, outcome: &TaskOutcome, door: usize, plate: MapPoint) -> DeliveryResult {
+/// A door that the world does not have is never reached.
+fn score_task(prepared: &Prepared, outcome: &TaskOutcome, door: Option<usize>) -> DeliveryResult {
     let declared_at = outcome.declared.then_some(outcome.ended_at);
-    let strict = declared_at.map_or(Strict::NOT_DECLARED, |at| judge(prepared, at, door));
+    let plate = door.map(|door| prepared.world.scene.doors[door].point());
+    let strict = declared_at.zip(door).map_or(Strict::NOT_DECLARED, |(at, door)| judge(prepared, at, door));
     let failure = failure(outcome, &strict);
     DeliveryResult {
         episode: 0,
@@ -42,12 +44,12 @@ fn score_task(prepared: &Prepared, outcome: &TaskOutcome, door: usize, plate: Ma
         instruction: String::new(),
         building: String::new(),
         unit: None,
-        success_10m: paper_success(declared_at, plate),
+        success_10m: plate.is_some_and(|plate| paper_success(declared_at, plate)),
         success_2m: strict.success,
         correct_unit: strict.correct_unit,
-        distance_to_door_m: Some(outcome.ended_at.distance(plate)),
+        distance_to_door_m: plate.map(|plate| outcome.ended_at.distance(plate)),
         path_m: outcome.path_m,
-        shortest_path_m: prepared.shortest(outcome.began_at, door),
+        shortest_path_m: door.and_then(|door| prepared.shortest(outcome.began_at, door)),
         straight_line_m: 0.0,
         sim_seconds: outcome.ended.since(outcome.began).as_secs_f64(),
         collisions: outcome.collisions.len(),

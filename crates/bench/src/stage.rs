@@ -23,8 +23,8 @@ const TRUTH_TOLERANCE: f64 = 0.5;
 pub struct Target {
     /// As the instruction names it.
     pub address: Address,
-    /// Index into the world's doors.
-    pub door: usize,
+    /// Index into the world's doors; `None` if the world has no such door, so that nobody can deliver there.
+    pub door: Option<usize>,
 }
 
 /// An episode with its doors looked up.
@@ -87,8 +87,14 @@ impl Prepared {
             .map(|(i, episode)| {
                 let targets = match truths {
                     Some(truths) => match_doors(episode, &truths[i], &self.world),
-                    None => find_doors(i, episode, &self.world)?,
+                    None => find_doors(episode, &self.world),
                 };
+                if targets.is_empty() {
+                    return Err(BenchError::NothingToDeliver {
+                        episode: i,
+                        instruction: episode.instruction.clone(),
+                    });
+                }
                 let time_limit = self.time_limit(&targets);
                 Ok(PreparedEpisode { instruction: episode.instruction.clone(), targets, time_limit })
             })
@@ -99,12 +105,33 @@ impl Prepared {
         let mut from = self.world.start.point();
         let mut seconds = 0.0;
         for target in targets {
-            let plate = self.world.scene.doors[target.door].point();
-            let length = self.shortest(from, target.door).unwrap_or_else(|| from.distance(plate));
+            let Some(door) = target.door else {
+                seconds += TIME_LIMIT.0;
+                continue;
+            };
+            let plate = self.world.scene.doors[door].point();
+            let length = self.shortest(from, door).unwrap_or_else(|| from.distance(plate));
             seconds += TIME_LIMIT.0 + TIME_LIMIT.1 * length;
-            from = self.approach[target.door].unwrap_or(plate);
+            from = self.approach[door].unwrap_or(plate);
         }
         Duration::from_millis((seconds * 1000.0) as u64)
+    }
+
+    /// What a user should know before a run, in words: doors that are asked for and do not exist.
+    pub fn warnings(&self) -> Vec<String> {
+        let targets =
+            self.episodes.iter().enumerate().flat_map(|(i, e)| e.targets.iter().map(move |t| (i, t)));
+        let missing = targets.filter(|(_, t)| t.door.is_none());
+        let doors: Vec<String> = self.world.scene.doors.iter().map(|d| d.address.to_string()).collect();
+        missing
+            .map(|(i, t)| {
+                format!(
+                    "episode {i}: the world has no door {}; its doors are {}",
+                    t.address,
+                    doors.join("; ")
+                )
+            })
+            .collect()
     }
 
     /// Length of the shortest way of the footprint from a place to a door's approach point, metres.
@@ -115,15 +142,10 @@ impl Prepared {
 }
 
 /// The doors that the addresses name.
-fn find_doors(number: usize, episode: &Episode, world: &World) -> Result<Vec<Target>, BenchError> {
+fn find_doors(episode: &Episode, world: &World) -> Vec<Target> {
     let find = |address: &Address| {
         let door = world.scene.doors.iter().position(|d| d.address.same_door(address));
-        let missing = || BenchError::NoSuchDoor {
-            episode: number,
-            address: address.to_string(),
-            known: world.scene.doors.iter().map(|d| d.address.to_string()).collect(),
-        };
-        Ok(Target { address: address.clone(), door: door.ok_or_else(missing)? })
+        Target { address: address.clone(), door }
     };
     episode.deliveries.iter().map(find).collect()
 }
@@ -141,7 +163,7 @@ fn match_doors(episode: &Episode, truths: &[usize], world: &World) -> Vec<Target
     let mut left = left.into_iter();
     let targets = truths.iter().zip(named).map(|(&door, address)| {
         let address = address.or_else(|| left.next()).unwrap_or(&world.scene.doors[door].address);
-        Target { address: address.clone(), door }
+        Target { address: address.clone(), door: Some(door) }
     });
     targets.collect()
 }

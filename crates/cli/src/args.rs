@@ -46,7 +46,7 @@ pub enum Command {
 #[derive(Debug, ClapArgs)]
 #[command(after_help = "\
 Settings of the agent `open`:
-  planner=grammar | openai:MODEL[@URL]      reader=ppocr-v5 | ppocr-v4 | openai:MODEL[@URL]
+  planner=grammar | openai:MODEL[@URL]      reader=ppocr-v4 | openai:MODEL[@URL]
   localizer=dead-reckoning | truth (for comparison only, and named in the results)
 
 Example:
@@ -126,7 +126,7 @@ pub struct RouteArgs {
     #[arg(long, default_value = "delivery")]
     pub profile: String,
     /// Places on the way, LON,LAT each
-    #[arg(required = true, num_args = 2.., value_name = "LON,LAT", allow_negative_numbers = true, value_parser = lonlat)]
+    #[arg(required = true, num_args = 2.., value_name = "LON,LAT", allow_hyphen_values = true, value_parser = lonlat)]
     pub places: Vec<openbench_core::LonLat>,
 }
 

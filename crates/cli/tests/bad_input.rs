@@ -82,7 +82,11 @@ fn an_instruction_that_names_no_door_needs_a_truth() {
 
 #[test]
 fn a_door_that_the_world_lacks_is_named_with_those_it_has() {
-    spoilt("one.txt", "Bring this to unit7, building1.").refused_with(&["unit7", "unit1, building1"]);
+    let place = town();
+    place.file("one.txt", "Bring this to unit7, building1.");
+    let ran = deliver(&place, &format!("--deliveries one.txt --set reader={NOBODY}"));
+    let said = &ran.succeeded().stderr;
+    assert!(said.contains("unit7") && said.contains("unit1, building1"), "{said}");
 }
 
 /// Delivers to `unit1, building1` with these true positions.

@@ -255,7 +255,7 @@ fn the_default_reader_finds_a_door_of_the_town() {
     let place = town();
     let models = place.openbench("models list").stdout;
     if models.lines().filter(|l| l.starts_with("ppocr-v4") && !l.contains("not here")).count() < 2 {
-        eprintln!("skipped: the model files of ppocr-v4 are not here");
+        common::skipped("the model files of ppocr-v4 are not here");
         return;
     }
     let delivery = only_delivery(&deliver(&place, "--deliveries one.txt --json"));

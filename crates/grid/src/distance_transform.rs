@@ -82,14 +82,14 @@ mod tests {
         fn equals_the_loop_over_all_marked_cells(marks in prop::collection::vec(prop::bool::weighted(0.1), 12 * 9)) {
             let (width, height) = (12, 9);
             let field = squared_distances(&marks, width, height);
-            for i in 0..marks.len() {
+            for (i, &distance) in field.iter().enumerate() {
                 let nearest = (0..marks.len()).filter(|&j| marks[j]).map(|j| {
                     let (dx, dy) = ((i % width).abs_diff(j % width), (i / width).abs_diff(j / width));
                     (dx * dx + dy * dy) as f32
                 }).reduce(f32::min);
                 match nearest {
-                    Some(d) => prop_assert_eq!(field[i], d),
-                    None => prop_assert!(field[i] > 1e11),
+                    Some(d) => prop_assert_eq!(distance, d),
+                    None => prop_assert!(distance > 1e11),
                 }
             }
         }

@@ -1,6 +1,6 @@
 //! Dead reckoning: the way from the wheels, the heading from the gyroscope.
 //!
-//! The gyroscope's bias is its mean while the wheels stand still: over the first second, and again at every halt.
+//! The gyroscope's bias is its mean while the wheels stand still: over the first one and a half seconds, and again at every halt.
 //! A skid-steer robot's wheels say little about its heading, but the mean of both sides says how far it went.
 
 use std::collections::VecDeque;
@@ -13,11 +13,11 @@ use openbench_core::{
 use crate::Localizer;
 
 /// Standing still that long shows the gyroscope's bias.
-const SETTLE: Duration = Duration::from_millis(1000);
+const SETTLE: Duration = Duration::from_millis(1500);
 /// Poses of this long are remembered.
 const MEMORY: Duration = Duration::from_millis(1000);
-/// Weight of one sample at rest in the running mean of the bias, once the first second is over.
-const BIAS_GAIN: f64 = 0.005;
+/// Least weight of one sample at rest in the running mean of the bias, which wanders.
+const BIAS_GAIN: f64 = 0.001;
 
 /// Pose from wheels and gyroscope.
 #[derive(Debug, Clone)]
@@ -142,7 +142,7 @@ mod tests {
     fn a_circle_closes_despite_the_bias() {
         let mut localizer = DeadReckoning::new(RobotDescription::sentry());
         localizer.reset(Pose2::new(2.0, 1.0, 0.5));
-        let at = feed(&mut localizer, 0, 1.0, 0.0, 0.0);
+        let at = feed(&mut localizer, 0, 1.5, 0.0, 0.0);
         assert!(localizer.ready());
         feed(&mut localizer, at, std::f64::consts::TAU / 0.5, 0.4, 0.5);
         let pose = localizer.pose();

@@ -12,7 +12,7 @@ use crate::obstacles::RangeRing;
 /// Side of a cell, metres, unless the map is so large that cells must be larger.
 const CELL: f64 = 0.1;
 /// Most cells along one side.
-const MAX_SIDE: f64 = 4000.0;
+const MAX_SIDE: f64 = 2500.0;
 /// Evidence of one hit, and its bounds; one miss counts -1.
 const HIT: i8 = 4;
 const EVIDENCE: (i8, i8) = (-6, 12);

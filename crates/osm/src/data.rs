@@ -128,6 +128,22 @@ pub struct ReadReport {
     pub repeated_elements: usize,
 }
 
+impl ReadReport {
+    /// What was left out or mended, in words; empty if nothing was.
+    pub fn notes(&self) -> Vec<String> {
+        let counts = [
+            (self.ways_with_missing_nodes, "name nodes that the file lacks"),
+            (self.ways_without_nodes, "are ways without nodes"),
+            (self.relations_with_missing_members, "are relations with members that the file lacks"),
+            (self.bad_elements, "cannot be read and were left out"),
+            (self.repeated_elements, "stand there twice"),
+        ];
+        let plural = |n: usize| if n == 1 { "element" } else { "elements" };
+        let told = counts.into_iter().filter(|(count, _)| *count > 0);
+        told.map(|(count, what)| format!("{count} {} {what}", plural(count))).collect()
+    }
+}
+
 /// OSM data in memory.
 #[derive(Debug, Clone, Default)]
 pub struct OsmData {

@@ -48,10 +48,10 @@ impl RayCaster {
     /// What each ray of a packet sees first, as [`RayCaster::cast`] does for one.
     pub fn cast_packet(&self, rays: &RayPacket, hits: &mut [Option<Hit>; LANES]) {
         let raw = self.visible.cast_packet_filtered(rays, |hit| !self.is_hole(hit));
-        for lane in 0..LANES {
+        for (lane, slot) in hits.iter_mut().enumerate() {
             let (triangle, distance) = (raw.triangle[lane], raw.distance[lane]);
             let hit = Hit { distance, triangle, u: raw.u[lane], v: raw.v[lane] };
-            hits[lane] = (triangle != MISS).then_some(hit);
+            *slot = (triangle != MISS).then_some(hit);
         }
     }
 

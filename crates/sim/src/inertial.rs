@@ -17,8 +17,8 @@ const ACCEL_NOISE: f64 = 6.9e-3;
 const GYRO_BIAS: f64 = 4e-3;
 const ACCEL_BIAS: f64 = 0.05;
 /// Random walk of the bias in one sample: rad/s and m/s².
-const GYRO_WALK: f64 = 2e-6;
-const ACCEL_WALK: f64 = 2e-5;
+const GYRO_WALK: f64 = 2e-7;
+const ACCEL_WALK: f64 = 2e-6;
 const GRAVITY: f64 = 9.8;
 /// Marks on an encoder's disc.
 const TICKS: f64 = 2048.0;

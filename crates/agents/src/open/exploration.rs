@@ -8,12 +8,16 @@ use openbench_osm::OsmMap;
 
 /// Distance between two places along the wall that are considered, metres.
 const SPACING: f64 = 2.0;
+/// Most places along a wall that are considered.
+const MOST: f64 = 400.0;
 /// Stretch of wall that is seen well from a place: so many times its distance from the wall. Plates are read at up to 40 degrees.
 const COVERAGE: f64 = 1.0;
 /// Ways longer than this are not compared, metres.
 const SEARCH: f64 = 60.0;
 /// Room that a waypoint keeps from every building of the map, metres.
 const ROOM: f64 = 0.6;
+/// Distance that a place keeps from an obstacle behind it, metres.
+const AWAY: f64 = 0.5;
 /// Nearest that a waypoint is put to the wall that it looks at, metres.
 const NEAREST: f64 = 1.0;
 
@@ -31,7 +35,23 @@ pub struct Waypoint {
 impl Waypoint {
     /// The same view from nearer by, for when something unmapped stands where the place is; `None` if it is near already.
     pub fn nearer(&self) -> Option<Self> {
-        let standoff = 0.6 * self.standoff;
+        self.at_distance(0.6 * self.standoff)
+    }
+
+    /// The same view from in front of the first obstacle that stands between the wall and the place, a hedge or a parked car, if there is
+    /// room to stand; `None` if nothing is known to stand there.
+    pub fn before_obstacles(&self, costmap: &Costmap) -> Option<Self> {
+        let back = self.place.yaw + std::f64::consts::PI;
+        let from = NEAREST + AWAY;
+        let steps = ((self.standoff - from) / 0.1).max(0.0) as usize;
+        let distances = (0..steps).map(|i| from + 0.1 * i as f64);
+        let blocked = |d: &f64| {
+            costmap.grid().cell_at(self.wall.offset(back, *d)).is_some_and(|cell| costmap.is_obstacle(cell))
+        };
+        self.at_distance(distances.into_iter().find(blocked)? - AWAY)
+    }
+
+    fn at_distance(&self, standoff: f64) -> Option<Self> {
         let back = self.place.yaw + std::f64::consts::PI;
         let at = self.wall.offset(back, standoff);
         let place = Pose2::new(at.x, at.y, self.place.yaw);
@@ -43,7 +63,9 @@ impl Waypoint {
 /// in the order of the wall.
 pub fn waypoints(map: &OsmMap, building: usize, standoff: f64) -> Vec<Waypoint> {
     let Some(outline) = map.buildings.get(building).map(|b| &b.polygon) else { return Vec::new() };
-    let ring = &outline.outer;
+    let ring = &outline.outer[..outline.outer.len().min(MOST as usize)];
+    // A mapping error can make an outline of any length: its places are bounded.
+    let spacing = SPACING.max(outline.perimeter() / MOST);
     let mut views = Vec::new();
     for i in 0..ring.len() {
         let (a, b, c) = (ring[i], ring[(i + 1) % ring.len()], ring[(i + 2) % ring.len()]);
@@ -53,7 +75,7 @@ pub fn waypoints(map: &OsmMap, building: usize, standoff: f64) -> Vec<Waypoint> 
         }
         // Outwards is on the right of a counter-clockwise outline.
         let outwards = a.bearing_to(b) - std::f64::consts::FRAC_PI_2;
-        let count = (length / SPACING).ceil().max(1.0) as usize;
+        let count = (length / spacing).ceil().max(1.0) as usize;
         for k in 0..count {
             let t = (k as f64 + 0.5) / count as f64;
             let wall = MapPoint::new(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y));

@@ -160,6 +160,7 @@ impl Mission {
                 building,
                 position: wall,
                 facing,
+                confidence: 1.0,
             })
         });
         let stage = Stage::Travel(self.road_to(building, events));
@@ -169,7 +170,8 @@ impl Mission {
     }
 
     fn remembered(&self, building: usize, address: &Address) -> Option<Sighting> {
-        self.seen.iter().rev().find(|s| fits(s, building, address)).cloned()
+        let fitting = self.seen.iter().rev().filter(|s| fits(s, building, address));
+        fitting.into_iter().find(|s| sighting::is_trusted(s, &self.seen)).cloned()
     }
 
     /// Via points over roads, if the map has a road worth taking.
@@ -291,6 +293,7 @@ impl Mission {
         }
         if let Some(nearest) = exploration::nearest(&task.waypoints, here, self.driver.costmap()) {
             let waypoint = task.waypoints.remove(nearest);
+            let waypoint = waypoint.before_obstacles(self.driver.costmap()).unwrap_or(waypoint);
             let target = Target { point: waypoint.place.point(), yaw: Some(waypoint.place.yaw), must: false };
             task.place = Some(waypoint);
             self.driver.set_target(target, now);
@@ -328,7 +331,12 @@ impl Mission {
                 self.approach(task, door, now);
                 Action::Drive(Velocity::ZERO)
             }
-            None => self.next_waypoint(task, now, events),
+            None => {
+                let hidden =
+                    task.place.take().and_then(|place| place.before_obstacles(self.driver.costmap()));
+                task.waypoints.extend(hidden);
+                self.next_waypoint(task, now, events)
+            }
         }
     }
 
@@ -347,9 +355,7 @@ impl Mission {
         observation: &Observation<'_>,
         events: &mut dyn Events,
     ) -> Result<Task, Action> {
-        let here = self.localizer.pose().point();
-        let near = self.memory.map().distance_to_building(task.building, here) <= GLANCE.1;
-        if !near || observation.time.since(self.last_glance) < GLANCE.0 {
+        if observation.time.since(self.last_glance) < GLANCE.0 || !self.faces(task.building) {
             return Ok(task);
         }
         let Some(image) = observation.camera.image() else { return Ok(task) };
@@ -364,6 +370,19 @@ impl Mission {
             }
             None => Ok(task),
         }
+    }
+
+    /// Whether the camera looks at a building from near enough to read its plates.
+    fn faces(&self, building: usize) -> bool {
+        let (map, pose) = (self.memory.map(), self.localizer.pose());
+        if map.distance_to_building(building, pose.point()) > GLANCE.1 {
+            return false;
+        }
+        let half_view = self.robot.camera_intrinsics.horizontal_fov / 2.0;
+        [-0.7, 0.0, 0.7].iter().any(|side| {
+            let end = pose.point().offset(pose.yaw + side * half_view, GLANCE.1);
+            map.buildings[building].polygon.sides().any(|(a, b)| cross_each_other(pose.point(), end, a, b))
+        })
     }
 
     /// Reads an image and remembers every door in it.
@@ -384,12 +403,20 @@ impl Mission {
                 image: image.clone(),
             });
             if let Some(seen) = sighting::recognise(reading, placed, self.memory.map()) {
-                self.memory.write(&seen, events);
-                self.seen.push(seen);
+                self.seen.push(seen.clone());
+                if sighting::is_trusted(&seen, &self.seen) {
+                    self.memory.write(&seen, events);
+                }
             }
         }
         Ok(())
     }
+}
+
+/// Whether two segments cross.
+fn cross_each_other(a: MapPoint, b: MapPoint, c: MapPoint, d: MapPoint) -> bool {
+    let side = |p: MapPoint, q: MapPoint, r: MapPoint| (q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x);
+    side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0
 }
 
 /// Whether a door that was just seen changes where the robot goes.

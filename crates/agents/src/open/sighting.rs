@@ -13,6 +13,10 @@ use crate::open::perception::Perception;
 const OFF_BUILDING: f64 = 4.0;
 /// Readings less sure than this are not believed.
 const CONFIDENCE: f32 = 0.6;
+/// Confidence, summed over agreeing readings, with which a plate is believed.
+const SURE: f32 = 0.9;
+/// Sightings this near to each other are of one plate, metres.
+const SAME_PLATE: f64 = 1.2;
 /// The text's box is widened by this share of its size for the wall around it.
 const WALL_AROUND: f64 = 1.5;
 /// Points further than this in front of or behind a surface are something else, metres.
@@ -35,6 +39,25 @@ pub struct Sighting {
     pub position: MapPoint,
     /// Direction that the plate faces, radians.
     pub facing: f64,
+    /// How sure the reader was, 0 to 1.
+    pub confidence: f32,
+}
+
+impl Sighting {
+    /// Whether both saw a plate at the same place, whatever they read.
+    fn same_place(&self, other: &Self) -> bool {
+        self.building == other.building && self.position.distance(other.position) <= SAME_PLATE
+    }
+}
+
+/// Whether `sighting` can be trusted, given all sightings so far: readers err, so one sure reading or several agreeing ones are
+/// wanted, and more for it than against it.
+pub fn is_trusted(sighting: &Sighting, all: &[Sighting]) -> bool {
+    let weight = |agree: bool| {
+        let there = all.iter().filter(|s| s.same_place(sighting) && (s.unit == sighting.unit) == agree);
+        there.map(|s| s.confidence).sum::<f32>()
+    };
+    weight(true) >= SURE && weight(true) > weight(false)
 }
 
 /// What the sensors say about a reading: its place and facing, if the LiDAR saw the wall behind the text.
@@ -76,7 +99,7 @@ pub fn recognise(reading: &PlateReading, placed: Option<(MapPoint, f64)>, map: &
     let building = map.nearest_building(position)?;
     let near = map.distance_to_building(building, position) <= OFF_BUILDING;
     let facing = along_wall(facing, position, &map.buildings[building].polygon);
-    near.then_some(Sighting { unit: unit.unit, building, position, facing })
+    near.then_some(Sighting { unit: unit.unit, building, position, facing, confidence: reading.confidence })
 }
 
 /// `facing` turned to the normal of the wall that fits it best, of those near the plate: porches and shutters around a plate make what
@@ -152,6 +175,24 @@ mod tests {
         let heap: Vec<MapPoint> =
             (0..25).map(|i| MapPoint::new(f64::from(i % 5), f64::from(i / 5))).collect();
         assert_eq!(facing(&heap, MapPoint::new(9.0, 9.0)), None);
+    }
+
+    #[test]
+    fn readings_of_one_plate_are_weighed_against_each_other() {
+        let seen = |unit: &str, x: f64, confidence: f32| Sighting {
+            unit: unit.into(),
+            building: 0,
+            position: MapPoint::new(x, 0.0),
+            facing: 0.0,
+            confidence,
+        };
+        let weak = seen("unit1", 0.0, 0.7);
+        assert!(!is_trusted(&weak, &[weak.clone()]));
+        assert!(is_trusted(&weak, &[weak.clone(), seen("unit1", 0.5, 0.6)]));
+        assert!(is_trusted(&weak, &[seen("unit1", 0.2, 0.95), weak.clone(), seen("unit11", 5.0, 0.99)]));
+        let better =
+            [weak.clone(), seen("unit1", 0.2, 0.6), seen("unit11", 0.3, 0.95), seen("unit11", 0.1, 0.9)];
+        assert!(!is_trusted(&weak, &better));
     }
 
     #[test]

@@ -15,6 +15,8 @@ use openbench_osm::{OsmData, OsmMap, default_georeference};
 /// Reads a map and lays it flat where it lies.
 pub fn read_map(path: &Path) -> anyhow::Result<OsmMap> {
     let data = OsmData::read(path)?;
+    let file = path.file_name().unwrap_or_default().to_string_lossy();
+    data.report.notes().iter().for_each(|note| crate::outcome::tell(&format!("{file}: {note}")));
     let georeference = default_georeference(&data).map_err(|e| anyhow::anyhow!("{}: {e}", path.display()))?;
     Ok(OsmMap::new(&data, georeference))
 }

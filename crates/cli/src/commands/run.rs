@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::io::IsTerminal;
 use std::path::Path;
 
+use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
 use openbench_bench::draw::Draw;
 use openbench_bench::report::terminal_table;
@@ -28,6 +29,9 @@ pub fn run(args: &RunArgs, registry: &Registry) -> anyhow::Result<Outcome> {
         fetch_reader(&settings)?;
     }
     let memory = args.memory.as_deref().filter(|path| path.exists()).map(OsmData::read).transpose()?;
+    if let Some(path) = &args.memory {
+        probe(path)?;
+    }
     let bar = progress_bar(prepared.episodes.len(), "delivering");
     let request = RunRequest {
         prepared: &prepared,
@@ -68,6 +72,13 @@ pub fn progress_bar(length: usize, what: &'static str) -> ProgressBar {
     bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
+/// Whether a file can be written, before hours are driven for it.
+fn probe(path: &Path) -> anyhow::Result<()> {
+    let beside = path.with_extension("probe");
+    std::fs::write(&beside, []).with_context(|| format!("{} cannot be written", path.display()))?;
+    Ok(std::fs::remove_file(&beside)?)
+}
+
 fn fetch_reader(settings: &BTreeMap<String, String>) -> anyhow::Result<()> {
     open_parts::check(settings).map_err(anyhow::Error::msg)?;
     let reader = settings.get("reader").map_or(open_parts::DEFAULT_READER, String::as_str);
@@ -84,6 +95,7 @@ fn prepare(args: &RunArgs) -> anyhow::Result<Prepared> {
     };
     let prepared = Prepared::new(suite, truth)?;
     prepared.world.warnings.iter().for_each(|w| tell(&format!("{}: {w}", prepared.world.name)));
+    prepared.warnings().iter().for_each(|w| tell(w));
     Ok(prepared)
 }
 
@@ -103,7 +115,18 @@ fn imported(args: &RunArgs, world: &Path, map: &Path) -> anyhow::Result<Suite> {
     };
     let name = world.file_stem().map_or("world".into(), |s| s.to_string_lossy().into_owned());
     let episodes = match (&args.deliveries, args.draw.as_deref()) {
-        (Some(file), _) => deliveries::read(file, &read_map(map)?)?,
+        (Some(file), _) => {
+            let episodes = deliveries::read(file, &read_map(map)?)?;
+            let silent = episodes.iter().find(|e| e.deliveries.is_empty()).filter(|_| args.truth.is_none());
+            if let Some(episode) = silent {
+                anyhow::bail!(
+                    "{}: no delivery was found in `{}`; name building and unit, or give the true positions with --truth",
+                    file.display(),
+                    episode.instruction
+                );
+            }
+            episodes
+        }
         (None, Some(&[singles, sequences, length])) => {
             let doors: Vec<Address> = source.load()?.scene.doors.into_iter().map(|d| d.address).collect();
             let mut draw = Draw::new(doors, args.seed);

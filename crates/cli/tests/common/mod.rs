@@ -1,24 +1,22 @@
 //! Runs the real binary in a folder of its own.
-#![allow(dead_code, reason = "no test file uses all of it")]
+#![allow(dead_code, unused_imports, reason = "no test file uses all of it")]
 
+mod published;
+mod ran;
 pub mod town;
 pub mod vlm;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Command;
 
 use serde_json::Value;
 use tempfile::TempDir;
 
+pub use published::{published, skipped};
+pub use ran::Ran;
+
 /// A folder with the files of a test.
 pub struct Place(TempDir);
-
-/// What the binary did.
-pub struct Ran {
-    pub code: i32,
-    pub stdout: String,
-    pub stderr: String,
-}
 
 impl Place {
     pub fn new() -> Self {
@@ -53,42 +51,8 @@ impl Place {
             command.env_remove(key);
         }
         let output = command.args(words).current_dir(self.0.path()).output().unwrap();
-        let text = |bytes| String::from_utf8(bytes).unwrap();
-        let ran = Ran {
-            code: output.status.code().unwrap_or(-1),
-            stdout: text(output.stdout),
-            stderr: text(output.stderr),
-        };
+        let ran = Ran::of(output);
         assert!(!ran.stderr.contains("panicked"), "{words:?}: {}", ran.stderr);
         ran
     }
-}
-
-impl Ran {
-    pub fn json(&self) -> Value {
-        serde_json::from_str(&self.stdout).unwrap_or_else(|e| panic!("{e}: {}{}", self.stdout, self.stderr))
-    }
-
-    /// Refused with exit code 2, nothing on stdout, and a message with all of these parts.
-    pub fn refused_with(&self, parts: &[&str]) {
-        assert_eq!((self.code, self.stdout.as_str()), (2, ""), "{}", self.stderr);
-        parts
-            .iter()
-            .for_each(|part| assert!(self.stderr.contains(part), "{part:?} is not in: {}", self.stderr));
-    }
-
-    pub fn succeeded(&self) -> &Self {
-        assert_eq!(self.code, 0, "{}", self.stderr);
-        self
-    }
-}
-
-/// The published data, which the project does not hold.
-pub fn published(path: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(path);
-    let here = path.exists();
-    if !here {
-        eprintln!("skipped: {} is not here", path.display());
-    }
-    here.then_some(path)
 }
