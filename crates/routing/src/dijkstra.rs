@@ -11,6 +11,9 @@ use crate::{Route, RouteError, Router};
 /// How far from a place a road may be, metres.
 const SNAP_LIMIT: f64 = 1000.0;
 
+/// How much further the largest part of the network may be than a part that leads nowhere, metres.
+const ISLAND_LIMIT: f64 = 100.0;
+
 /// Plain Dijkstra over a road graph.
 #[derive(Debug, Clone)]
 pub struct Dijkstra {
@@ -74,6 +77,11 @@ impl Dijkstra {
             duration: share * arc.time,
             names: names.into_iter().collect(),
         })
+    }
+
+    fn between(&self, from: &Snap, to: &Snap) -> Option<Route> {
+        let (direct, around) = (self.within_segment(from, to), self.search(from, to));
+        [direct, around].into_iter().flatten().min_by(|a, b| a.duration.total_cmp(&b.duration))
     }
 
     fn search(&self, from: &Snap, to: &Snap) -> Option<Route> {
@@ -150,10 +158,14 @@ impl Dijkstra {
 impl Router for Dijkstra {
     fn route(&self, from: MapPoint, to: MapPoint) -> Result<Route, RouteError> {
         let (start, goal) = (self.snap(from)?, self.snap(to)?);
-        let direct = self.within_segment(&start, &goal);
-        let around = self.search(&start, &goal);
-        let fastest = [direct, around].into_iter().flatten().min_by(|a, b| a.duration.total_cmp(&b.duration));
-        fastest.ok_or(RouteError::NoRoute { from, to })
+        let nearest = self.between(&start, &goal);
+        // A courtyard's path or a bridge cut off at the map's edge may be nearest and lead nowhere.
+        let connected = || {
+            let away = |snap: &Snap| snap.away + ISLAND_LIMIT;
+            let start = self.graph.snap_to_largest(from, away(&start))?;
+            self.between(&start, &self.graph.snap_to_largest(to, away(&goal))?)
+        };
+        nearest.or_else(connected).ok_or(RouteError::NoRoute { from, to })
     }
 }
 
@@ -251,6 +263,18 @@ mod tests {
         assert!(matches!(result, Err(RouteError::NoRoute { .. })), "{result:?}");
         let result = router.route(at(&map, 8.0, 50.0), at(&map, 8.5, 50.0));
         assert!(matches!(result, Err(RouteError::NoSegment { .. })), "{result:?}");
+    }
+
+    #[test]
+    fn an_island_near_the_network_is_left_for_it() {
+        // A path of two nodes 20 m off the square's south side.
+        let yard = r#"<node id="20" lat="49.9998" lon="8.0004"/><node id="21" lat="49.9998" lon="8.0005"/>
+          <way id="22"><nd ref="20"/><nd ref="21"/><tag k="highway" v="footway"/></way></osm>"#;
+        let data = OsmData::from_xml(SQUARE.replace("</osm>", yard).as_bytes()).unwrap();
+        let map = OsmMap::new(&data, Georeference::TangentPlane(LonLat::new(8.0, 50.0)));
+        let router = Dijkstra::new(RoadGraph::new(&map, Profile::Delivery));
+        let route = router.route(at(&map, 8.00045, 49.99981), at(&map, 8.001, 50.001)).unwrap();
+        assert!(route.distance > 100.0, "{route:?}");
     }
 
     #[test]

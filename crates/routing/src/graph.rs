@@ -41,6 +41,8 @@ pub struct RoadGraph {
     arcs: Vec<Arc>,
     segments: Vec<(u32, u32)>,
     names: Vec<String>,
+    /// For each vertex: whether it is in the largest part of the network that hangs together.
+    in_largest: Vec<bool>,
 }
 
 impl RoadGraph {
@@ -94,7 +96,17 @@ impl RoadGraph {
 
     /// The place on the network nearest to `point`, if one is within `limit` metres.
     pub fn snap(&self, point: MapPoint, limit: f64) -> Option<Snap> {
-        let candidates = self.segments.iter().map(|&ends| self.snap_to(point, ends));
+        self.nearest(point, limit, |_| true)
+    }
+
+    /// The same on the largest part of the network that hangs together.
+    pub fn snap_to_largest(&self, point: MapPoint, limit: f64) -> Option<Snap> {
+        self.nearest(point, limit, |vertex| self.in_largest[vertex as usize])
+    }
+
+    fn nearest(&self, point: MapPoint, limit: f64, usable: impl Fn(u32) -> bool) -> Option<Snap> {
+        let segments = self.segments.iter().filter(|ends| usable(ends.0));
+        let candidates = segments.map(|&ends| self.snap_to(point, ends));
         candidates.filter(|s| s.away <= limit).min_by(|a, b| a.away.total_cmp(&b.away))
     }
 
@@ -155,7 +167,31 @@ impl Builder {
             first_arc[i] += first_arc[i - 1];
         }
         self.graph.first_arc = first_arc;
+        self.graph.in_largest = largest_part(self.graph.vertices.len(), &self.graph.segments);
         self.graph.arcs = self.arcs.into_iter().map(|(_, arc)| arc).collect();
         self.graph
     }
+}
+
+/// Which of `count` vertices are in the largest part that `segments` hold together; of equally large ones the first.
+fn largest_part(count: usize, segments: &[(u32, u32)]) -> Vec<bool> {
+    let mut parent: Vec<u32> = (0..count as u32).collect();
+    for &(a, b) in segments {
+        let (a, b) = (root(&mut parent, a), root(&mut parent, b));
+        parent[a.max(b) as usize] = a.min(b);
+    }
+    let roots: Vec<u32> = (0..count as u32).map(|v| root(&mut parent, v)).collect();
+    let mut sizes = vec![0_u32; count];
+    roots.iter().for_each(|&r| sizes[r as usize] += 1);
+    let largest = (0..count).max_by(|&a, &b| sizes[a].cmp(&sizes[b]).then(b.cmp(&a)));
+    roots.iter().map(|&r| Some(r as usize) == largest).collect()
+}
+
+/// The representative of a vertex's part (union-find with path halving).
+fn root(parent: &mut [u32], mut vertex: u32) -> u32 {
+    while parent[vertex as usize] != vertex {
+        parent[vertex as usize] = parent[parent[vertex as usize] as usize];
+        vertex = parent[vertex as usize];
+    }
+    vertex
 }

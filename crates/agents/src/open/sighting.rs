@@ -187,7 +187,7 @@ mod tests {
             confidence,
         };
         let weak = seen("unit1", 0.0, 0.7);
-        assert!(!is_trusted(&weak, &[weak.clone()]));
+        assert!(!is_trusted(&weak, std::slice::from_ref(&weak)));
         assert!(is_trusted(&weak, &[weak.clone(), seen("unit1", 0.5, 0.6)]));
         assert!(is_trusted(&weak, &[seen("unit1", 0.2, 0.95), weak.clone(), seen("unit11", 5.0, 0.99)]));
         let better =
