@@ -8,7 +8,7 @@
 //! | [`stage`] | [`Prepared`]: a suite with its world built and its doors looked up |
 //! | [`registry`] | [`Registry`]: agents by name |
 //! | [`runner`] | one agent through one episode |
-//! | [`run`] | all episodes of a suite, on several threads, with results and files |
+//! | [`mod@run`] | all episodes of a suite, on several threads, with results and files |
 //! | [`recorder`] | the log of an episode |
 //! | [`recording`] | the actions of an episode, and [`verify`](recording::verify): driving them again |
 //! | [`scoring`] | from what happened to results |

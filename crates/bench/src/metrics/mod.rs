@@ -7,9 +7,9 @@
 //! | module | metric |
 //! |---|---|
 //! | [`success`] | whether a delivery succeeded, in both readings |
-//! | [`path_ratio`] | SPL: success weighted by path length |
+//! | [`mod@path_ratio`] | SPL: success weighted by path length |
 //! | [`sequence`] | LSR and LSPL: the same over sequences, where an early failure weighs more |
-//! | [`srtp`] | SRTP: share of instructions that were understood exactly |
+//! | [`mod@srtp`] | SRTP: share of instructions that were understood exactly |
 //! | [`collisions`] | collisions by class, with their impulses |
 //! | [`doors`] | doors that an agent wrote into its map |
 //! | [`summary`] | all of them over the deliveries of a run, with intervals |
