@@ -109,7 +109,7 @@ pub struct PlanArgs {
     /// The map (.osm or .osm.pbf)
     #[arg(long)]
     pub map: PathBuf,
-    /// grammar, or openai:MODEL[@URL] for a chat model
+    /// grammar; or openai:MODEL, openai:MODEL@URL for a chat model
     #[arg(long, default_value = "grammar")]
     pub planner: String,
     /// The instruction
