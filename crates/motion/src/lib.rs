@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`obstacles`] | [`RangeRing`]: one LiDAR scan as what stands in the robot's way, and how far it is clear |
 //! | [`costmap`] | [`Costmap`]: buildings of the map and what the LiDAR saw, inflated |
-//! | [`astar`] | [`plan`](astar::plan): the cheapest way over a costmap |
+//! | [`astar`] | [`plan`]: the cheapest way over a costmap |
 //! | [`follower`] | [`Follower`]: drives along a way and stops before obstacles; [`PathFollower`] is the seam |
 
 pub mod astar;
