@@ -28,6 +28,8 @@ const SURROUNDINGS: f64 = 25.0;
 const STANDOFFS: [f64; 3] = [4.0, 5.5, 2.6];
 /// Distance in front of a plate at which a parcel is put down, metres.
 const DOORSTEP: f64 = 0.8;
+/// Where it cannot be reached, places further out are tried, up to this distance, metres.
+const FARTHEST_DOORSTEP: f64 = 3.2;
 /// Distance in front of a known door from which its plate is read again, metres.
 const CHECK_FROM: f64 = 3.6;
 /// On the way to a door its newer place is taken if it is this far from the older one, metres.
@@ -65,6 +67,8 @@ struct Task {
     round: usize,
     /// Where map or memory have the door, to be trusted if its plate cannot be read there.
     expected: Option<Sighting>,
+    /// Distance in front of the plate that is driven to, metres.
+    doorstep: f64,
 }
 
 /// All deliveries of an episode.
@@ -164,7 +168,16 @@ impl Mission {
             })
         });
         let stage = Stage::Travel(self.road_to(building, events));
-        let task = Task { address, building, stage, waypoints: Vec::new(), place: None, round: 0, expected };
+        let task = Task {
+            address,
+            building,
+            stage,
+            waypoints: Vec::new(),
+            place: None,
+            round: 0,
+            expected,
+            doorstep: DOORSTEP,
+        };
         self.advance_travel(task, now, events);
         Action::Drive(Velocity::ZERO)
     }
@@ -232,12 +245,19 @@ impl Mission {
         match &mut task.stage {
             Stage::Travel(_) => self.advance_travel(task, now, events),
             Stage::Approach(sighting) => {
-                // Near enough to put the parcel down.
-                if self.localizer.pose().point().distance(sighting.position) < 2.0 * DOORSTEP {
+                // Porches and steps keep the robot off some doors: nearer than this it cannot get.
+                let door = sighting.clone();
+                task.doorstep += DOORSTEP;
+                if task.doorstep <= FARTHEST_DOORSTEP {
+                    self.approach(task, door, now);
+                } else if self.localizer.pose().point().distance(door.position)
+                    <= FARTHEST_DOORSTEP + DOORSTEP
+                {
                     return Action::Delivered(task.address);
+                } else {
+                    (task.expected, task.doorstep) = (None, DOORSTEP);
+                    return self.next_waypoint(task, now, events);
                 }
-                task.expected = None;
-                return self.next_waypoint(task, now, events);
             }
             Stage::ToWaypoint | Stage::Look(_) => {
                 task.waypoints.extend(task.place.take().and_then(|place| place.nearer()));
@@ -341,7 +361,7 @@ impl Mission {
     }
 
     fn approach(&mut self, mut task: Task, door: Sighting, now: SimTime) {
-        let point = door.position.offset(door.facing, DOORSTEP);
+        let point = door.position.offset(door.facing, task.doorstep);
         self.driver.set_target(Target { point, yaw: None, must: true }, now);
         task.stage = Stage::Approach(door);
         task.expected = None;
