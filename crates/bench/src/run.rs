@@ -113,8 +113,10 @@ fn run_one(request: &RunRequest<'_>, number: usize) -> Result<Done, BenchError> 
     let cpu = ThreadTime::now();
     let seed = episode_seed(request.seed, number);
     let truth = TruthHandle::default();
-    let wanted =
-        AgentRequest { truth: truth.clone(), memory: request.memory, settings: request.settings, seed };
+    // Only who asks for the truth by name, and is named in the results for it, gets a handle that tells it.
+    let asked = request.settings.get("localizer").is_some_and(|l| l == "truth");
+    let offered = if asked { truth.clone() } else { TruthHandle::default() };
+    let wanted = AgentRequest { truth: offered, memory: request.memory, settings: request.settings, seed };
     let mut agent = (request.factory)(&wanted)
         .map_err(|problem| BenchError::Agent { name: request.agent.to_owned(), problem })?;
     let mut recorder = match request.out {

@@ -1,6 +1,7 @@
 //! Runs an agent through an episode and keeps what happened.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use openbench_core::{
     Action, Address, Agent, Briefing, Event, Events, FailureCause, GiveUp, Goal, Image, MapPoint, Plan,
@@ -116,8 +117,20 @@ fn briefing(prepared: &Prepared, episode: &PreparedEpisode) -> Briefing {
         goal: Goal::Instruction(episode.instruction.clone()),
         start: prepared.world.start,
         robot: prepared.robot.clone(),
-        time_limit: episode.time_limit,
+        time_limit: stated_limit(episode.time_limit),
     }
+}
+
+/// The time limit as agents are told it, in whole ten minutes: the exact one is made from the true way to the door.
+fn stated_limit(exact: Duration) -> Duration {
+    const STEP: u64 = 600;
+    Duration::from_secs((exact.as_secs() / STEP + 1) * STEP)
+}
+
+/// `velocity` without what is no number: no motor takes it, and no recording holds it.
+fn finite(velocity: Velocity) -> Velocity {
+    let number = |v: f64| if v.is_finite() { v } else { 0.0 };
+    Velocity::new(number(velocity.linear), number(velocity.angular))
 }
 
 /// The delivery at hand.
@@ -188,7 +201,7 @@ impl Run<'_> {
 
     fn apply(&mut self, action: Action) -> Velocity {
         match action {
-            Action::Drive(velocity) => return velocity,
+            Action::Drive(velocity) => return finite(velocity),
             Action::Delivered(address) => self.delivered(&address),
             Action::GiveUp(give_up) => self.give_up(&give_up),
         }
@@ -231,7 +244,10 @@ impl Run<'_> {
     }
 
     fn delivered(&mut self, address: &Address) {
-        let Some((target, asked_for)) = self.target_for(address) else { return };
+        let targets = &self.episode.targets;
+        let ended = self.trace.tasks.iter().any(|t| targets[t.target].address.same_door(address));
+        let open = self.target_for(address).filter(|(_, asked_for)| *asked_for || !ended);
+        let Some((target, asked_for)) = open else { return };
         let wrong = || {
             (FailureCause::WrongPlace, format!("{address} was declared, which the instruction does not name"))
         };
@@ -242,7 +258,8 @@ impl Run<'_> {
         match &give_up.address {
             None => self.fail_rest(give_up.cause, &give_up.detail),
             Some(address) => {
-                if let Some((target, _)) = self.target_for(address) {
+                // Giving up what nobody asked for costs nothing.
+                if let Some((target, true)) = self.target_for(address) {
                     self.end(target, false, Some((give_up.cause, give_up.detail.clone())));
                 }
             }

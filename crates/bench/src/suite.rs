@@ -130,7 +130,8 @@ impl Suite {
     fn relative_to(mut self, folder: &Path) -> Self {
         if let WorldSource::Imported { world, map, models, .. } = &mut self.world {
             for path in [world, map].into_iter().chain(models) {
-                *path = folder.join(&*path);
+                let joined = folder.join(&*path);
+                *path = std::path::absolute(&joined).unwrap_or(joined);
             }
         }
         self

@@ -44,7 +44,8 @@ pub struct Briefing {
     pub start: Pose2,
     /// The robot.
     pub robot: RobotDescription,
-    /// Simulated time after which the episode ends.
+    /// Simulated time after which the episode has certainly ended. The exact limit depends on how far the door is, which an agent
+    /// is not to know: it lies up to ten minutes earlier.
     pub time_limit: Duration,
 }
 

@@ -178,8 +178,7 @@ impl Mission {
             expected,
             doorstep: DOORSTEP,
         };
-        self.advance_travel(task, now, events);
-        Action::Drive(Velocity::ZERO)
+        self.advance_travel(task, now, events)
     }
 
     fn remembered(&self, building: usize, address: &Address) -> Option<Sighting> {
@@ -230,7 +229,7 @@ impl Mission {
 
     fn arrived(&mut self, mut task: Task, now: SimTime, events: &mut dyn Events) -> Action {
         match &task.stage {
-            Stage::Travel(_) => self.advance_travel(task, now, events),
+            Stage::Travel(_) => return self.advance_travel(task, now, events),
             Stage::Approach(_) => return Action::Delivered(task.address),
             Stage::ToWaypoint | Stage::Look(_) => {
                 task.stage = Stage::Look(now);
@@ -243,7 +242,7 @@ impl Mission {
     /// A place could not be reached.
     fn missed(&mut self, mut task: Task, now: SimTime, events: &mut dyn Events) -> Action {
         match &mut task.stage {
-            Stage::Travel(_) => self.advance_travel(task, now, events),
+            Stage::Travel(_) => return self.advance_travel(task, now, events),
             Stage::Approach(sighting) => {
                 // Porches and steps keep the robot off some doors: nearer than this it cannot get.
                 let door = sighting.clone();
@@ -268,24 +267,22 @@ impl Mission {
     }
 
     /// The next point of the road, or the first place to look from.
-    fn advance_travel(&mut self, mut task: Task, now: SimTime, events: &mut dyn Events) {
+    fn advance_travel(&mut self, mut task: Task, now: SimTime, events: &mut dyn Events) -> Action {
         let here = self.localizer.pose().point();
         if let Stage::Travel(via) = &mut task.stage {
             while let Some(next) = via.pop_front() {
                 if next.distance(here) > 2.0 {
                     self.driver.set_target(Target { point: next, yaw: None, must: false }, now);
                     self.task = Some(task);
-                    return;
+                    return Action::Drive(Velocity::ZERO);
                 }
             }
         }
         match task.expected.clone() {
             Some(door) => self.check_door(task, &door, now),
-            None => {
-                // Nothing can be given up here: a building always has places around it, reachable or not.
-                let _ = self.next_waypoint(task, now, events);
-            }
+            None => return self.next_waypoint(task, now, events),
         }
+        Action::Drive(Velocity::ZERO)
     }
 
     /// Goes to where a known door's plate can be read.

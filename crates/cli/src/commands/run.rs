@@ -74,9 +74,10 @@ pub fn progress_bar(length: usize, what: &'static str) -> ProgressBar {
 
 /// Whether a file can be written, before hours are driven for it.
 fn probe(path: &Path) -> anyhow::Result<()> {
-    let beside = path.with_extension("probe");
-    std::fs::write(&beside, []).with_context(|| format!("{} cannot be written", path.display()))?;
-    Ok(std::fs::remove_file(&beside)?)
+    let name = format!("{}.probe-{}", path.display(), std::process::id());
+    let made = std::fs::OpenOptions::new().write(true).create_new(true).open(&name);
+    made.with_context(|| format!("{} cannot be written", path.display()))?;
+    Ok(std::fs::remove_file(&name)?)
 }
 
 fn fetch_reader(settings: &BTreeMap<String, String>) -> anyhow::Result<()> {

@@ -18,6 +18,9 @@ pub fn run(args: &VerifyArgs) -> anyhow::Result<Outcome> {
             env!("CARGO_PKG_VERSION")
         );
     }
+    if record.episodes == 0 {
+        anyhow::bail!("{} holds no episodes; nothing can be verified", args.run.display());
+    }
     let recordings: Result<Vec<Recording>, _> =
         (0..record.episodes).map(|i| Recording::read(&args.run, i)).collect();
     let recordings = recordings?;
