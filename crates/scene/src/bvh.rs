@@ -8,8 +8,6 @@
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
 
-use crate::vector::vectorized;
-
 /// Rays in a packet.
 pub const LANES: usize = 16;
 
@@ -191,14 +189,6 @@ impl TriangleBvh {
 
     /// The same, hits of masked triangles only where `opaque` says so.
     pub fn cast_packet_filtered(&self, rays: &RayPacket, opaque: impl Fn(&Hit) -> bool) -> PacketHits {
-        vectorized(
-            #[inline(always)]
-            || self.traverse(rays, opaque),
-        )
-    }
-
-    #[inline(always)]
-    fn traverse(&self, rays: &RayPacket, opaque: impl Fn(&Hit) -> bool) -> PacketHits {
         let mut hits =
             PacketHits { distance: rays.limit, triangle: [MISS; LANES], u: [0.0; LANES], v: [0.0; LANES] };
         if self.nodes.is_empty() {

@@ -20,7 +20,6 @@ pub mod material;
 pub mod plate;
 pub mod raycast;
 pub mod scene;
-mod vector;
 pub mod world;
 
 pub use bvh::{Hit, RayPacket, TriangleBvh};
