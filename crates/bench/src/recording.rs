@@ -96,8 +96,7 @@ impl Recording {
 /// Drives the recorded actions of an episode again and compares the hash chains.
 pub fn verify(prepared: &Prepared, episode: usize, recording: &Recording) -> Result<(), BenchError> {
     let mut simulator =
-        Simulator::new(prepared.stage.clone(), prepared.robot.clone(), prepared.world.start, recording.seed)
-            .map_err(|e| BenchError::World(e.to_string()))?;
+        Simulator::new(prepared.stage.clone(), prepared.robot.clone(), prepared.world.start, recording.seed);
     let steps: u64 = recording.driven.iter().map(|s| u64::from(s.steps)).sum();
     if steps > MOST_STEPS {
         let detail = format!("{steps} recorded steps are more than a day; the recording is damaged");

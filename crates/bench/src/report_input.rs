@@ -6,11 +6,8 @@ use openbench_osm::Polygon;
 use crate::picture;
 use crate::report::{Declaration, DoorMark, EpisodeReport, MapArea, PlateFrame, ReportInput, WorldMap};
 use crate::results::Results;
-use crate::runner::{EpisodeTrace, PlateRead};
+use crate::runner::{EpisodeTrace, Frame};
 use crate::stage::{Prepared, PreparedEpisode};
-
-/// Images shown for one episode at most.
-const MAX_FRAMES: usize = 6;
 
 /// What the report of a run shows.
 pub fn report_input<'a>(
@@ -79,28 +76,25 @@ fn episode_report(
             .collect(),
         declared: declared.collect(),
         collisions: trace.collisions.iter().map(|c| MapPoint::new(c.pose.x, c.pose.y)).collect(),
-        plates: frames(&trace.plates),
+        plates: frames(trace),
         plan: trace.plan.as_ref().map(|p| p.deliveries.clone()).unwrap_or_default(),
     }
 }
 
-/// The last images, one for each instant.
-fn frames(plates: &[PlateRead]) -> Vec<PlateFrame> {
-    let mut shown: Vec<&PlateRead> = Vec::new();
-    for plate in plates.iter().rev() {
-        if shown.len() < MAX_FRAMES && shown.iter().all(|s| s.time != plate.time) {
-            shown.push(plate);
-        }
-    }
-    shown.reverse();
-    let frame = |p: &&PlateRead| PlateFrame {
-        jpeg: picture::jpeg(&p.image).unwrap_or_default(),
-        width: p.image.width,
-        height: p.image.height,
-        time: p.time,
-        text: p.text.clone(),
-        confidence: p.confidence,
-        corners: p.corners,
+/// The last images, each with the surest of the plates that were read in it.
+fn frames(trace: &EpisodeTrace) -> Vec<PlateFrame> {
+    let frame = |f: &Frame| {
+        let read = trace.plates.iter().filter(|p| p.time == f.time);
+        let surest = read.max_by(|a, b| a.confidence.total_cmp(&b.confidence))?;
+        Some(PlateFrame {
+            jpeg: picture::jpeg(&f.image).unwrap_or_default(),
+            width: f.image.width,
+            height: f.image.height,
+            time: f.time,
+            text: surest.text.clone(),
+            confidence: surest.confidence,
+            corners: surest.corners,
+        })
     };
-    shown.iter().map(frame).collect()
+    trace.frames.iter().filter_map(frame).collect()
 }

@@ -68,6 +68,7 @@ pub fn run(request: &RunRequest<'_>) -> Result<RunOutput, BenchError> {
     if let Some(out) = request.out {
         let folder = out.join("episodes");
         std::fs::create_dir_all(&folder).map_err(|e| BenchError::file(&folder, e))?;
+        clear(out)?;
     }
     let done = run_all(request)?;
     let cpu_seconds = done.iter().map(|d| d.cpu.as_secs_f64()).sum();
@@ -77,6 +78,28 @@ pub fn run(request: &RunRequest<'_>) -> Result<RunOutput, BenchError> {
         write_files(request, out, &traces, &results)?;
     }
     Ok(RunOutput { memory: merged_memory(request, &traces), results })
+}
+
+/// Removes an earlier run's files from a folder, and nothing else: after a run that is broken off, what is left must not be of two.
+fn clear(out: &Path) -> Result<(), BenchError> {
+    let remove = |path: PathBuf| match std::fs::remove_file(&path) {
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(BenchError::file(&path, e)),
+        _ => Ok(()),
+    };
+    for name in ["results.json", "report.html", "run.json"] {
+        remove(out.join(name))?;
+    }
+    let folder = out.join("episodes");
+    for entry in std::fs::read_dir(&folder).map_err(|e| BenchError::file(&folder, e))? {
+        let path = entry.map_err(|e| BenchError::file(&folder, e))?.path();
+        let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default();
+        let (number, kind) = name.split_once('.').unwrap_or_default();
+        let numbered = number.len() >= 3 && number.bytes().all(|b| b.is_ascii_digit());
+        if numbered && ["mcap", "osm", "actions.json"].contains(&kind) {
+            remove(path)?;
+        }
+    }
+    Ok(())
 }
 
 fn run_all(request: &RunRequest<'_>) -> Result<Vec<Done>, BenchError> {

@@ -1,5 +1,6 @@
 //! Runs an agent through an episode and keeps what happened.
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -41,7 +42,7 @@ pub struct TaskOutcome {
     pub failure: Option<(FailureCause, String)>,
 }
 
-/// A plate that was read, with its image.
+/// A plate that was read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlateRead {
     /// When.
@@ -52,9 +53,19 @@ pub struct PlateRead {
     pub confidence: f32,
     /// The text's corners, pixels.
     pub corners: [[f32; 2]; 4],
+}
+
+/// An image in which plates were read. Only the last few are kept, since each is a megabyte.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Frame {
+    /// When it was taken.
+    pub time: SimTime,
     /// The image.
     pub image: Arc<Image>,
 }
+
+/// Images of one episode that are kept for its report.
+const FRAMES: usize = 6;
 
 /// What happened in an episode.
 #[derive(Debug, Clone, Default)]
@@ -71,6 +82,8 @@ pub struct EpisodeTrace {
     pub doors: Vec<(Address, MapPoint)>,
     /// Plates read.
     pub plates: Vec<PlateRead>,
+    /// The last images in which plates were read, oldest first.
+    pub frames: VecDeque<Frame>,
     /// The agent's plan.
     pub plan: Option<Plan>,
     /// All collisions.
@@ -95,8 +108,7 @@ pub fn run_episode(
     recorder: &mut Recorder,
 ) -> Result<EpisodeTrace, BenchError> {
     let simulator =
-        Simulator::new(prepared.stage.clone(), prepared.robot.clone(), prepared.world.start, seed)
-            .map_err(|e| BenchError::World(e.to_string()))?;
+        Simulator::new(prepared.stage.clone(), prepared.robot.clone(), prepared.world.start, seed);
     let mut run = Run {
         episode,
         simulator,
@@ -224,10 +236,22 @@ impl Run<'_> {
                     self.trace.doors.push((address, position));
                 }
                 Event::PlateRead { text, confidence, corners, image, .. } => {
-                    self.trace.plates.push(PlateRead { time, text, confidence, corners, image });
+                    self.trace.plates.push(PlateRead { time, text, confidence, corners });
+                    self.keep_frame(Frame { time, image });
                 }
                 _ => {}
             }
+        }
+    }
+
+    fn keep_frame(&mut self, frame: Frame) {
+        let frames = &mut self.trace.frames;
+        if frames.back().is_some_and(|last| last.time == frame.time) {
+            return;
+        }
+        frames.push_back(frame);
+        if frames.len() > FRAMES {
+            frames.pop_front();
         }
     }
 

@@ -1,6 +1,8 @@
 //! From what happened to results.
 
 use openbench_core::{Address, FailureCause, MapPoint};
+use openbench_osm::OsmMap;
+use openbench_scene::Door;
 
 use crate::metrics::{DoorScore, Strict, collisions, paper_success, score_doors};
 use crate::results::DeliveryResult;
@@ -95,9 +97,20 @@ fn judge(prepared: &Prepared, at: MapPoint, door: usize) -> Strict {
 pub fn score_written_doors(prepared: &Prepared, traces: &[EpisodeTrace]) -> Option<DoorScore> {
     traces.iter().any(|t| t.map.is_some()).then(|| {
         let written: Vec<(Address, MapPoint)> = traces.iter().flat_map(|t| t.doors.iter().cloned()).collect();
-        let doors = prepared.world.scene.doors.iter().map(|d| (d.address.clone(), d.point()));
+        let map = prepared.osm_map();
+        let doors = prepared.world.scene.doors.iter().map(|d| (d.address.clone(), doorway(&map, d)));
         score_doors(&written, &doors.collect::<Vec<_>>())
     })
+}
+
+/// Where a map has a door: on the outline of its building, in front of the plate. Plates in recessed doorways hang inside the outline.
+fn doorway(map: &OsmMap, door: &Door) -> MapPoint {
+    const RECESS_CM: u32 = 400;
+    let plate = door.point();
+    let outline = map.buildings.iter().map(|b| &b.polygon).find(|p| p.contains(plate));
+    let Some(outline) = outline else { return plate };
+    let mut outwards = (0..RECESS_CM).step_by(5).map(|cm| plate.offset(door.facing, f64::from(cm) / 100.0));
+    outwards.find(|p| !outline.contains(*p)).unwrap_or(plate)
 }
 
 /// Instructions that were understood exactly, and all; `None` if the agent made no plans.

@@ -70,7 +70,8 @@ impl Prepared {
     pub fn world_of(suite: Suite) -> Result<Self, BenchError> {
         let world = suite.world.load()?;
         let robot = RobotDescription::sentry();
-        let stage = Stage::new(RayCaster::new(Arc::new(world.scene.clone())));
+        let caster = RayCaster::new(Arc::new(world.scene.clone()));
+        let stage = Stage::new(caster).map_err(|e| BenchError::World(e.to_string()))?;
         let free_space = FreeSpace::new(stage.caster(), world.start.point(), robot.circumscribed_radius());
         let approach = world.scene.doors.iter().map(|d| free_space.approach_point(d)).collect();
         Ok(Self { suite, world, stage, free_space, approach, episodes: Vec::new(), robot })

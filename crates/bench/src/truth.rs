@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use openbench_core::frames::wrap_angle;
 use openbench_core::{Observation, Pose2, SimTime};
 use openbench_localization::Localizer;
 
@@ -23,10 +24,19 @@ impl TruthHandle {
         }
     }
 
-    fn nearest(&self, time: SimTime) -> Pose2 {
+    /// The pose at an instant, between two that are known along a straight line; outside them the nearest.
+    fn at(&self, time: SimTime) -> Pose2 {
         let poses = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let away = |t: SimTime| t.0.abs_diff(time.0);
-        poses.iter().min_by_key(|(t, _)| away(*t)).map(|(_, pose)| *pose).unwrap_or_default()
+        let after = poses.partition_point(|(t, _)| *t < time);
+        let before = after.checked_sub(1).and_then(|i| poses.get(i));
+        match (before, poses.get(after)) {
+            (Some((t0, a)), Some((t1, b))) => {
+                let s = time.since(*t0).as_secs_f64() / t1.since(*t0).as_secs_f64();
+                let yaw = wrap_angle(a.yaw + s * wrap_angle(b.yaw - a.yaw));
+                Pose2::new(a.x + s * (b.x - a.x), a.y + s * (b.y - a.y), yaw)
+            }
+            (one, other) => one.or(other).map(|p| p.1).unwrap_or_default(),
+        }
     }
 }
 
@@ -58,14 +68,31 @@ impl Localizer for TruthLocalizer {
     }
 
     fn pose_at(&self, time: SimTime) -> Pose2 {
-        self.handle.nearest(time)
+        self.handle.at(time)
     }
 
     fn pose(&self) -> Pose2 {
-        self.handle.nearest(self.now)
+        self.handle.at(self.now)
     }
 
     fn ready(&self) -> bool {
         true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn poses_between_two_steps_are_interpolated_across_the_seam_of_angles() {
+        let handle = TruthHandle::default();
+        assert_eq!(handle.at(SimTime::ZERO), Pose2::default());
+        handle.set(SimTime::from_millis(0), Pose2::new(0.0, 0.0, 3.1));
+        handle.set(SimTime::from_millis(50), Pose2::new(1.0, 2.0, -3.1));
+        let middle = handle.at(SimTime::from_millis(25));
+        assert!((middle.x - 0.5).abs() < 1e-9 && (middle.y - 1.0).abs() < 1e-9);
+        assert!((middle.yaw.abs() - std::f64::consts::PI).abs() < 1e-9, "{middle:?}");
+        assert_eq!(handle.at(SimTime::from_millis(99)).x, 1.0);
     }
 }

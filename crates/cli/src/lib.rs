@@ -33,7 +33,7 @@ pub fn main_with(extra: Registry) -> ExitCode {
         Ok(args) => args,
         Err(error) => return outcome::usage(&error),
     };
-    let registry = extra.with("open", Box::new(open_parts::make));
+    let registry = extra.with("open", open_parts::factory());
     outcome::exit(dispatch(args.command, &registry))
 }
 

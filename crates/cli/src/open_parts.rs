@@ -1,9 +1,10 @@
 //! OPEN's parts from `--set`.
 
 use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
 
 use openbench_agents::{Open, Parts};
-use openbench_bench::{AgentRequest, TruthLocalizer};
+use openbench_bench::{AgentFactory, AgentRequest, TruthLocalizer};
 use openbench_core::{Agent, RobotDescription};
 use openbench_language::{ChatPlanner, GrammarPlanner, Planner};
 use openbench_localization::{DeadReckoning, Localizer};
@@ -18,13 +19,18 @@ const ABOVE_HORIZON: f32 = 0.6;
 
 const KEYS: [&str; 3] = ["planner", "reader", "localizer"];
 
-/// Makes OPEN for an episode.
-pub fn make(request: &AgentRequest<'_>) -> Result<Box<dyn Agent>, String> {
+/// What makes OPEN for an episode. Networks are loaded with the first one and shared by all.
+pub fn factory() -> AgentFactory {
+    let networks = Mutex::new(None);
+    Box::new(move |request| make(request, &networks))
+}
+
+fn make(request: &AgentRequest<'_>, networks: &Mutex<Option<PpOcr>>) -> Result<Box<dyn Agent>, String> {
     check(request.settings)?;
     let setting = |key: &str| request.settings.get(key).map(String::as_str);
     let parts = Parts {
         planner: planner(setting("planner").unwrap_or("grammar"))?,
-        reader: reader(setting("reader").unwrap_or(DEFAULT_READER))?,
+        reader: reader(setting("reader").unwrap_or(DEFAULT_READER), networks)?,
         localizer: localizer(setting("localizer").unwrap_or("dead-reckoning"), request)?,
         memory: request.memory.cloned(),
     };
@@ -51,16 +57,25 @@ pub fn planner(word: &str) -> Result<Box<dyn Planner>, String> {
 }
 
 /// The plate reader that a word names. Its files must be here; `run` pulls them beforehand.
-fn reader(word: &str) -> Result<Box<dyn PlateReader>, String> {
+fn reader(word: &str, networks: &Mutex<Option<PpOcr>>) -> Result<Box<dyn PlateReader>, String> {
     if word == DEFAULT_READER {
-        let store = ModelStore::from_environment().map_err(|e| e.to_string())?;
-        let settings = PpOcrSettings { upper_part: ABOVE_HORIZON, ..PpOcrSettings::default() };
-        return Ok(Box::new(PpOcr::from_store(&store).map_err(|e| e.to_string())?.with_settings(settings)));
+        let mut loaded = networks.lock().unwrap_or_else(PoisonError::into_inner);
+        let shared = match &*loaded {
+            Some(shared) => shared.clone(),
+            None => loaded.insert(ppocr()?).clone(),
+        };
+        return Ok(Box::new(shared));
     }
     let model = ModelSpec::parse(word)
         .and_then(|spec| spec.open())
         .map_err(|e| format!("reader={word}: {e}; or write {DEFAULT_READER}"))?;
     Ok(Box::new(VlmReader::new(model)))
+}
+
+fn ppocr() -> Result<PpOcr, String> {
+    let store = ModelStore::from_environment().map_err(|e| e.to_string())?;
+    let settings = PpOcrSettings { upper_part: ABOVE_HORIZON, ..PpOcrSettings::default() };
+    Ok(PpOcr::from_store(&store).map_err(|e| e.to_string())?.with_settings(settings))
 }
 
 fn localizer(word: &str, request: &AgentRequest<'_>) -> Result<Box<dyn Localizer>, String> {

@@ -5,12 +5,15 @@
 //! |---|---|
 //! | [`geometry`] | [`GridGeometry`]: cells and map points |
 //! | [`sight`] | [`in_sight`]: straight lines over free cells |
+//! | [`frontier`] | [`Frontier`]: the next cell of a search |
 //! | [`distance_transform`] | [`squared_distances`]: exact Euclidean distances |
 
 pub mod distance_transform;
+pub mod frontier;
 pub mod geometry;
 pub mod sight;
 
 pub use distance_transform::squared_distances;
+pub use frontier::Frontier;
 pub use geometry::GridGeometry;
 pub use sight::in_sight;

@@ -1,6 +1,8 @@
 //! Dead reckoning: the way from the wheels, the heading from the gyroscope.
 //!
-//! The gyroscope's bias is its mean while the wheels stand still: over the first one and a half seconds, and again at every halt.
+//! The gyroscope's bias is what it shows at rest: over the first one and a half seconds, and again at every halt, weighed by a Kalman
+//! filter of one state. The body comes to rest later than its wheels, and starts before the next mark of their encoders shows: only what
+//! the gyroscope said well within a halt counts as rest.
 //! A skid-steer robot's wheels say little about its heading, but the mean of both sides says how far it went.
 
 use std::collections::VecDeque;
@@ -16,8 +18,16 @@ use crate::Localizer;
 const SETTLE: Duration = Duration::from_millis(1500);
 /// Poses of this long are remembered.
 const MEMORY: Duration = Duration::from_millis(1000);
-/// Least weight of one sample at rest in the running mean of the bias, which wanders.
-const BIAS_GAIN: f64 = 0.001;
+/// Wheels that have stood that long mean that the robot does.
+const STANDING: Duration = Duration::from_millis(150);
+/// Samples at the end of a halt that may already be of the next motion.
+const STARTING: usize = 5;
+/// Noise of one sample of the gyroscope, rad/s, twice that of the part that is meant.
+const GYRO_NOISE: f64 = 1e-3;
+/// Random walk of the gyroscope's bias, rad/s/√s, twice that of the part that is meant.
+const BIAS_WALK: f64 = 4e-6;
+/// Deviation of the bias before anything is known, rad/s.
+const BIAS_AT_FIRST: f64 = 0.05;
 
 /// Pose from wheels and gyroscope.
 #[derive(Debug, Clone)]
@@ -25,8 +35,13 @@ pub struct DeadReckoning {
     robot: RobotDescription,
     history: VecDeque<(SimTime, Pose2)>,
     wheels: Option<WheelSample>,
+    /// When the wheels last turned.
+    moved: SimTime,
+    /// Turn rates of the newest samples at rest, not yet learned from.
+    resting: VecDeque<f64>,
     bias: f64,
-    samples_at_rest: u32,
+    /// Variance of the bias, (rad/s)².
+    bias_variance: f64,
     ready: bool,
 }
 
@@ -34,7 +49,8 @@ impl DeadReckoning {
     /// A localizer for a robot.
     pub fn new(robot: RobotDescription) -> Self {
         let history = VecDeque::from([(SimTime::ZERO, Pose2::default())]);
-        Self { robot, history, wheels: None, bias: 0.0, samples_at_rest: 0, ready: false }
+        let bias_variance = BIAS_AT_FIRST * BIAS_AT_FIRST;
+        Self { robot, history, wheels: None, moved: SimTime::ZERO, resting: VecDeque::new(), bias: 0.0, bias_variance, ready: false }
     }
 
     fn newest(&self) -> (SimTime, Pose2) {
@@ -50,11 +66,17 @@ impl DeadReckoning {
         };
         self.wheels = Some(*wheels);
         let forward = (left + right) / 2.0 * self.robot.wheel_radius;
-        let at_rest = left == 0.0 && right == 0.0;
-        if at_rest {
-            self.learn_bias(imu.gyro[2]);
+        self.bias_variance += BIAS_WALK * BIAS_WALK * dt;
+        if left != 0.0 || right != 0.0 {
+            self.moved = imu.stamp;
+            self.resting.clear();
+        } else if imu.stamp.since(self.moved) >= STANDING {
+            self.resting.push_back(imu.gyro[2]);
         }
-        let turned = if at_rest { 0.0 } else { (imu.gyro[2] - self.bias) * dt };
+        if self.resting.len() > STARTING {
+            self.resting.pop_front().into_iter().for_each(|rate| self.learn_bias(rate));
+        }
+        let turned = (imu.gyro[2] - self.bias) * dt;
         // Along the chord of the arc.
         let chord = Pose2::new(pose.x, pose.y, pose.yaw + turned / 2.0).transform(forward, 0.0);
         self.history.push_back((imu.stamp, Pose2::new(chord.x, chord.y, wrap_angle(pose.yaw + turned))));
@@ -64,9 +86,9 @@ impl DeadReckoning {
     }
 
     fn learn_bias(&mut self, rate: f64) {
-        self.samples_at_rest = self.samples_at_rest.saturating_add(1);
-        let gain = (1.0 / f64::from(self.samples_at_rest)).max(BIAS_GAIN);
+        let gain = self.bias_variance / (self.bias_variance + GYRO_NOISE * GYRO_NOISE);
         self.bias += gain * (rate - self.bias);
+        self.bias_variance *= 1.0 - gain;
     }
 }
 
@@ -148,6 +170,21 @@ mod tests {
         let pose = localizer.pose();
         assert!(pose.point().distance(openbench_core::MapPoint::new(2.0, 1.0)) < 0.02, "{pose:?}");
         assert!(wrap_angle(pose.yaw - 0.5).abs() < 0.01, "{pose:?}");
+    }
+
+    #[test]
+    fn a_turn_that_outlasts_the_wheels_counts_and_is_not_taken_for_bias() {
+        let mut localizer = DeadReckoning::new(RobotDescription::sentry());
+        let mut at = feed(&mut localizer, 0, 1.5, 0.0, 0.0);
+        for _ in 0..20 {
+            at = feed(&mut localizer, at, 0.5, 0.3, 0.2);
+            // The wheels stand while the body slides on for a tenth of a second.
+            at = feed(&mut localizer, at, 0.1, 0.0, 0.2);
+            at = feed(&mut localizer, at, 0.4, 0.0, 0.0);
+        }
+        let turned = 20.0 * 0.6 * 0.2;
+        assert!((localizer.pose().yaw - turned).abs() < 0.02, "{:?}", localizer.pose());
+        assert!((localizer.bias - 0.01).abs() < 1e-4, "{}", localizer.bias);
     }
 
     #[test]

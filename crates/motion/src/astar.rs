@@ -1,11 +1,8 @@
 //! A*: the cheapest way over a costmap, on the eight neighbours of each cell, no corners cut; then shortened wherever a
 //! straight line costs no more.
 
-use std::cmp::Ordering;
-use std::collections::BinaryHeap;
-
 use openbench_core::MapPoint;
-use openbench_grid::in_sight;
+use openbench_grid::{Frontier, in_sight};
 
 use crate::costmap::Costmap;
 
@@ -50,10 +47,11 @@ pub fn costs(costmap: &Costmap, start: MapPoint, goals: &[MapPoint], limit: f64)
     let Some(from) = free_cell(costmap, start) else { return vec![None; goals.len()] };
     let mut best = vec![f64::INFINITY; grid.len()];
     let mut closed = vec![false; grid.len()];
-    let mut queue = BinaryHeap::from([Entry { estimate: 0.0, cell: from }]);
+    let mut queue = Frontier::default();
+    queue.push(0.0, from);
     let mut open: Vec<usize> = cells.iter().flatten().copied().collect();
     best[from] = 0.0;
-    while let Some(Entry { cell, estimate }) = queue.pop() {
+    while let Some((estimate, cell)) = queue.pop() {
         if open.is_empty() || estimate * grid.cell > limit {
             break;
         }
@@ -66,7 +64,7 @@ pub fn costs(costmap: &Costmap, start: MapPoint, goals: &[MapPoint], limit: f64)
             let total = best[cell] + length * cost;
             if total < best[next] {
                 best[next] = total;
-                queue.push(Entry { estimate: total, cell: next });
+                queue.push(total, next);
             }
         }
     }
@@ -94,9 +92,10 @@ fn search(costmap: &Costmap, start: usize, goal: usize) -> Option<Vec<usize>> {
     let mut best = vec![f64::INFINITY; grid.len()];
     let mut parent = vec![u32::MAX; grid.len()];
     let mut closed = vec![false; grid.len()];
-    let mut queue = BinaryHeap::from([Entry { estimate: octile(costmap, start, goal), cell: start }]);
+    let mut queue = Frontier::default();
+    queue.push(octile(costmap, start, goal), start);
     best[start] = 0.0;
-    while let Some(Entry { cell, .. }) = queue.pop() {
+    while let Some((_, cell)) = queue.pop() {
         if cell == goal {
             return Some(trace(&parent, goal));
         }
@@ -109,7 +108,7 @@ fn search(costmap: &Costmap, start: usize, goal: usize) -> Option<Vec<usize>> {
             if total < best[next] {
                 best[next] = total;
                 parent[next] = cell as u32;
-                queue.push(Entry { estimate: total + octile(costmap, next, goal), cell: next });
+                queue.push(total + octile(costmap, next, goal), next);
             }
         }
     }
@@ -172,26 +171,6 @@ fn shorten(costmap: &Costmap, cells: &[usize]) -> Vec<usize> {
 
 fn cost_of(costmap: &Costmap, cell: usize) -> f64 {
     costmap.cost(cell).unwrap_or(f64::INFINITY)
-}
-
-#[derive(PartialEq)]
-struct Entry {
-    estimate: f64,
-    cell: usize,
-}
-
-impl Eq for Entry {}
-
-impl Ord for Entry {
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.estimate.total_cmp(&self.estimate).then(other.cell.cmp(&self.cell))
-    }
-}
-
-impl PartialOrd for Entry {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
 }
 
 #[cfg(test)]

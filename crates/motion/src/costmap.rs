@@ -7,7 +7,7 @@ use openbench_core::{MapPoint, RobotDescription};
 use openbench_grid::{GridGeometry, squared_distances};
 use openbench_osm::OsmMap;
 
-use crate::obstacles::RangeRing;
+use crate::obstacles::{Beam, RangeRing};
 
 /// Side of a cell, metres, unless the map is so large that cells must be larger.
 const CELL: f64 = 0.1;
@@ -51,6 +51,10 @@ pub struct Costmap {
     evidence: Vec<i8>,
     /// Number of the scan that last hit each cell.
     hit_in: Vec<u32>,
+    /// Height above the ground of the highest hit in each cell since it was last free, centimetres.
+    top: Vec<u8>,
+    /// Number of the scan that last cleared each cell: beams crowd near the sensor, and one scan is one piece of evidence.
+    cleared_in: Vec<u32>,
     scans: u32,
     /// Distance to the nearest obstacle in cells, squared; as of the last [`Costmap::inflate`].
     clearance: Vec<f32>,
@@ -76,6 +80,8 @@ impl Costmap {
             mapped: vec![false; grid.len()],
             evidence: vec![0; grid.len()],
             hit_in: vec![0; grid.len()],
+            top: vec![0; grid.len()],
+            cleared_in: vec![0; grid.len()],
             scans: 0,
             clearance: Vec::new(),
             keep: robot.inscribed_radius() + MARGIN,
@@ -94,15 +100,17 @@ impl Costmap {
     /// Takes in what a scan shows. [`Costmap::inflate`] makes it count.
     pub fn observe(&mut self, ring: &RangeRing) {
         self.scans += 1;
-        for (degrees, &clear) in ring.clear.iter().enumerate() {
-            self.mark_clear(ring.center, (degrees as f64 + 0.5).to_radians(), clear);
+        for (degrees, &beam) in ring.beams.iter().enumerate() {
+            self.mark_clear(ring, beam, (degrees as f64 + 0.5).to_radians());
         }
-        let mut hit: Vec<usize> = ring.obstacles.iter().filter_map(|p| self.grid.cell_at(*p)).collect();
-        hit.sort_unstable();
-        hit.dedup();
-        for cell in hit {
-            self.evidence[cell] = (self.evidence[cell].max(0) + HIT).min(EVIDENCE.1);
-            self.hit_in[cell] = self.scans;
+        for &(point, height) in &ring.obstacles {
+            let Some(cell) = self.grid.cell_at(point) else { continue };
+            let before = if self.evidence[cell] > 0 { self.top[cell] } else { 0 };
+            self.top[cell] = before.max((height * 100.0) as u8);
+            if self.hit_in[cell] != self.scans {
+                self.evidence[cell] = (self.evidence[cell].max(0) + HIT).min(EVIDENCE.1);
+                self.hit_in[cell] = self.scans;
+            }
         }
     }
 
@@ -149,14 +157,14 @@ impl Costmap {
         self.keep
     }
 
-    /// Whether any obstacle evidence is within `reach` metres of the segment `from`–`to` beyond what the last inflation
-    /// knew; cheap enough for every scan.
+    /// Whether the robot fits along the segment `from`–`to` by the newest evidence; cheap enough for every scan. Lenient by the diagonal
+    /// of a cell, since a way is planned between the middles of cells.
     pub fn is_clear(&self, from: MapPoint, to: MapPoint) -> bool {
         let steps = (from.distance(to) / self.grid.cell).ceil().max(1.0) as usize;
         (0..=steps).all(|i| {
             let t = i as f64 / steps as f64;
             let p = MapPoint::new(from.x + t * (to.x - from.x), from.y + t * (to.y - from.y));
-            self.nearest_obstacle_within(p, self.keep).is_none()
+            self.nearest_obstacle_within(p, self.keep - 0.75 * self.grid.cell).is_none()
         })
     }
 
@@ -221,15 +229,19 @@ impl Costmap {
         }
     }
 
-    fn mark_clear(&mut self, center: MapPoint, bearing: f64, distance: f64) {
+    /// Counts against every obstacle that is high enough for `beam` to have hit it on its way.
+    fn mark_clear(&mut self, ring: &RangeRing, beam: Beam, bearing: f64) {
         let (sin, cos) = libm::sincos(bearing);
         // Stop short of what was hit, by a cell's diagonal.
-        let steps = ((distance - 1.5 * self.grid.cell) / self.grid.cell).max(0.0) as usize;
+        let steps = ((beam.reach - 1.5 * self.grid.cell) / self.grid.cell).max(0.0) as usize;
         for i in 0..steps {
             let along = i as f64 * self.grid.cell;
-            if let Some(cell) =
-                self.grid.cell_at(MapPoint::new(center.x + along * cos, center.y + along * sin))
-            {
+            let at = MapPoint::new(ring.center.x + along * cos, ring.center.y + along * sin);
+            let Some(cell) = self.grid.cell_at(at).filter(|&c| self.cleared_in[c] != self.scans) else { continue };
+            let passes_over = self.evidence[cell] > 0
+                && f64::from(self.top[cell]) < 100.0 * ring.height_at(beam, along);
+            if !passes_over {
+                self.cleared_in[cell] = self.scans;
                 self.evidence[cell] = (self.evidence[cell] - 1).max(EVIDENCE.0);
             }
         }
@@ -256,7 +268,7 @@ pub(crate) mod tests {
             let t = f64::from(i) / 200.0;
             (MapPoint::new(from.x + t * (to.x - from.x), from.y + t * (to.y - from.y)), 0.3)
         });
-        costmap.observe(&RangeRing::new(MapPoint::default(), points));
+        costmap.observe(&RangeRing::new(MapPoint::default(), 0.25, points));
         costmap.inflate();
     }
 
@@ -270,9 +282,22 @@ pub(crate) mod tests {
         // The wall has gone: beams reach the ground behind it.
         let ground = |i: i32| (MapPoint::new(5.0, f64::from(i) / 20.0), 0.0);
         for _ in 0..12 {
-            costmap.observe(&RangeRing::new(MapPoint::default(), (-60..60).map(ground)));
+            costmap.observe(&RangeRing::new(MapPoint::default(), 0.25, (-60..60).map(ground)));
         }
         assert!(costmap.is_clear(MapPoint::new(0.0, 0.0), MapPoint::new(4.0, 0.0)));
+    }
+
+    #[test]
+    fn a_low_obstacle_stays_though_beams_pass_over_it() {
+        let mut costmap = open_ground();
+        // A kerb of 12 cm, seen from afar; then the robot stands before it, and its lowest beam reaches the ground behind.
+        let kerb = (0..=40).map(|i| (MapPoint::new(2.0, f64::from(i) * 0.05 - 1.0), 0.12));
+        costmap.observe(&RangeRing::new(MapPoint::default(), 0.25, kerb));
+        let behind = |i: i32| (MapPoint::new(3.7, f64::from(i) / 30.0), 0.0);
+        for _ in 0..30 {
+            costmap.observe(&RangeRing::new(MapPoint::new(1.4, 0.0), 0.25, (-60..60).map(behind)));
+        }
+        assert!(!costmap.is_clear(MapPoint::new(1.4, 0.0), MapPoint::new(3.0, 0.0)));
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! A LiDAR scan as a ring of ranges around the robot.
 //!
 //! Points between ankle and roof of the robot are obstacles. A beam that reached the ground or an obstacle shows that
-//! nothing stood in its way; that is how far the ring is clear in that direction.
+//! nothing as high as the beam stood in its way. Low things near the robot lie below every beam, so a ring also says how
+//! high its beams passed.
 
 use openbench_core::MapPoint;
 
@@ -19,35 +20,57 @@ const REACH: f64 = 8.0;
 pub struct RangeRing {
     /// Where the sensor was, in `map`.
     pub center: MapPoint,
-    /// Obstacle points, in `map`.
-    pub obstacles: Vec<MapPoint>,
-    /// For each direction (degrees counter-clockwise from east): metres known to be clear.
-    pub clear: Vec<f64>,
+    /// Height of the sensor above the ground, metres.
+    pub height: f64,
+    /// Obstacle points in `map`, each with its height above the ground in metres.
+    pub obstacles: Vec<(MapPoint, f64)>,
+    /// For each direction (degrees counter-clockwise from east): the beam that shows most to be clear.
+    pub beams: Vec<Beam>,
+}
+
+/// A beam and where it ended.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Beam {
+    /// Horizontal distance, metres.
+    pub reach: f64,
+    /// Height above the ground at its end, metres.
+    pub end_height: f64,
 }
 
 impl RangeRing {
-    /// Sorts points in `map`, each with its height above the ground in metres, into a ring around the sensor.
-    pub fn new(center: MapPoint, points: impl Iterator<Item = (MapPoint, f64)>) -> Self {
-        let mut nearest = [f64::INFINITY; DIRECTIONS];
-        let mut reached = [0.0_f64; DIRECTIONS];
+    /// Sorts points in `map`, each with its height above the ground in metres, into a ring around the sensor at `center`, `height`
+    /// metres above the ground.
+    pub fn new(center: MapPoint, height: f64, points: impl Iterator<Item = (MapPoint, f64)>) -> Self {
+        let mut nearest = [Beam { reach: f64::INFINITY, end_height: 0.0 }; DIRECTIONS];
+        let mut furthest = [Beam::default(); DIRECTIONS];
         let mut obstacles = Vec::new();
-        for (point, height) in points {
+        for (point, z) in points {
             let (dx, dy) = (point.x - center.x, point.y - center.y);
             let square = dx * dx + dy * dy;
             // Written so that a broken number is passed over too.
-            let counts = square <= REACH * REACH && (height < GROUND || (BODY.0..=BODY.1).contains(&height));
+            let counts = square <= REACH * REACH && (z < GROUND || (BODY.0..=BODY.1).contains(&z));
             if !counts {
                 continue;
             }
-            let (distance, direction) = (square.sqrt(), direction_index(libm::atan2(dy, dx)));
-            reached[direction] = reached[direction].max(distance);
-            if height >= BODY.0 {
-                nearest[direction] = nearest[direction].min(distance);
-                obstacles.push(point);
+            let (beam, direction) =
+                (Beam { reach: square.sqrt(), end_height: z }, direction_index(libm::atan2(dy, dx)));
+            if beam.reach > furthest[direction].reach {
+                furthest[direction] = beam;
+            }
+            if z >= BODY.0 {
+                obstacles.push((point, z));
+                if beam.reach < nearest[direction].reach {
+                    nearest[direction] = beam;
+                }
             }
         }
-        let clear = (0..DIRECTIONS).map(|i| reached[i].min(nearest[i])).collect();
-        Self { center, obstacles, clear }
+        let shorter = |i: usize| if nearest[i].reach < furthest[i].reach { nearest[i] } else { furthest[i] };
+        Self { center, height, obstacles, beams: (0..DIRECTIONS).map(shorter).collect() }
+    }
+
+    /// Height above the ground at which `beam` passes `distance` metres from the sensor, metres.
+    pub fn height_at(&self, beam: Beam, distance: f64) -> f64 {
+        self.height + (beam.end_height - self.height) * (distance / beam.reach.max(1e-9))
     }
 }
 
@@ -61,22 +84,22 @@ mod tests {
     use super::*;
 
     fn ring(points: &[[f64; 3]]) -> RangeRing {
-        RangeRing::new(MapPoint::new(1.0, 1.0), points.iter().map(|p| (MapPoint::new(p[0], p[1]), p[2])))
+        RangeRing::new(MapPoint::new(1.0, 1.0), 0.25, points.iter().map(|p| (MapPoint::new(p[0], p[1]), p[2])))
     }
 
     #[test]
     fn heights_tell_obstacles_from_ground_and_from_what_is_above() {
         let ring =
             ring(&[[1.0, 3.0, 0.3], [1.0, 4.0, 0.01], [2.0, 3.0, 2.0], [-1.0, 1.01, 0.0], [1.0, 10.0, 0.2]]);
-        assert_eq!(ring.obstacles, [MapPoint::new(1.0, 3.0)]);
+        assert_eq!(ring.obstacles, [(MapPoint::new(1.0, 3.0), 0.3)]);
         // Clear to the obstacle in the north, though ground was seen behind it; clear to the ground in the west.
-        assert!((ring.clear[90] - 2.0).abs() < 1e-9);
-        assert!((ring.clear[179] - 2.0).abs() < 1e-3);
+        assert!((ring.beams[90].reach - 2.0).abs() < 1e-9);
+        assert!((ring.beams[179].reach - 2.0).abs() < 1e-3);
     }
 
     #[test]
     fn broken_points_are_passed_over() {
         let ring = ring(&[[f64::NAN, 0.0, 0.2], [1.0, 0.0, f64::NAN], [f64::INFINITY, 0.0, 0.2]]);
-        assert!(ring.obstacles.is_empty() && ring.clear.iter().all(|&c| c == 0.0));
+        assert!(ring.obstacles.is_empty() && ring.beams.iter().all(|b| b.reach == 0.0));
     }
 }

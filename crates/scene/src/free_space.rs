@@ -5,23 +5,22 @@
 //! Shortest ways are any-angle (Theta*, Nash et al. 2007, then pulled taut): a grid's octile ways are up to 8 % too
 //! long. One ground level a world; ramps are not regarded.
 
-use std::cmp::Ordering;
-use std::collections::BinaryHeap;
-
 use openbench_core::MapPoint;
-use openbench_grid::{GridGeometry, in_sight, squared_distances};
+use openbench_grid::{Frontier, GridGeometry, in_sight, squared_distances};
 
 use crate::raycast::RayCaster;
 use crate::scene::Door;
 
-/// Side of a grid cell, metres.
+/// Side of a grid cell, metres, unless the world is so large that cells must be larger.
 const CELL: f64 = 0.1;
 /// Solid surfaces between these heights above the ground stop a robot, metres.
 const BODY: (f64, f64) = (0.06, 0.36);
 /// Free ground beyond the outermost solid surface that is still looked at, metres.
 const MARGIN: f64 = 3.0;
-/// Largest number of cells on one side of the grid: 2 km.
-const MAX_CELLS: usize = 20_000;
+/// Ground around the start and all doors that is looked at, metres: what lies further off, such as a stray box, lengthens no way.
+const SURROUNDINGS: f64 = 100.0;
+/// Largest number of cells on one side of the grid.
+const MAX_CELLS: usize = 8_000;
 /// How far a plate is pushed out in search of its approach point, metres.
 const MAX_APPROACH: f64 = 6.0;
 
@@ -45,13 +44,14 @@ impl FreeSpace {
             slice(corners, ground + BODY.0, ground + BODY.1)
         });
         let polygons: Vec<Vec<MapPoint>> = slices.collect();
-        let grid = covering(&polygons, start);
+        let doors: Vec<MapPoint> = caster.scene().doors.iter().map(Door::point).collect();
+        let grid = covering(&polygons, start, &doors);
         let mut blocked = vec![false; grid.len()];
         for polygon in &polygons {
             draw(&grid, polygon, &mut blocked);
         }
         let clearance = squared_distances(&blocked, grid.width, grid.height);
-        let limit = (radius / CELL) * (radius / CELL);
+        let limit = (radius / grid.cell) * (radius / grid.cell);
         let free: Vec<bool> = clearance.iter().map(|&d| f64::from(d) > limit).collect();
         Self { reachable: flood(&grid, &free, start), grid, ground }
     }
@@ -111,7 +111,7 @@ impl FreeSpace {
     fn theta_star(&self, start: usize, goal: usize) -> Option<Vec<usize>> {
         let mut search = Search::new(self.reachable.len());
         search.open(start, start, 0.0, self.grid.cells_apart(start, goal));
-        while let Some(Entry { cell, .. }) = search.queue.pop() {
+        while let Some((_, cell)) = search.queue.pop() {
             if cell == goal {
                 return Some(search.trace(start, goal));
             }
@@ -129,6 +129,10 @@ impl FreeSpace {
         for (dx, dy) in [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)] {
             let Some(next) = self.grid.cell_in(x + dx, y + dy) else { continue };
             if !self.reachable[next] || search.closed[next] {
+                continue;
+            }
+            // No way through `cell` is shorter than the straight line from its parent; most sights need not be looked along.
+            if search.cost[parent] + self.grid.cells_apart(parent, next) >= search.cost[next] {
                 continue;
             }
             let from = if self.in_sight(parent, next) {
@@ -172,7 +176,7 @@ struct Search {
     cost: Vec<f64>,
     parent: Vec<u32>,
     closed: Vec<bool>,
-    queue: BinaryHeap<Entry>,
+    queue: Frontier,
 }
 
 impl Search {
@@ -181,14 +185,14 @@ impl Search {
             cost: vec![f64::INFINITY; cells],
             parent: vec![0; cells],
             closed: vec![false; cells],
-            queue: BinaryHeap::new(),
+            queue: Frontier::default(),
         }
     }
 
     fn open(&mut self, cell: usize, parent: usize, cost: f64, estimate: f64) {
         self.cost[cell] = cost;
         self.parent[cell] = parent as u32;
-        self.queue.push(Entry { estimate, cell });
+        self.queue.push(estimate, cell);
     }
 
     fn trace(&self, start: usize, goal: usize) -> Vec<usize> {
@@ -203,39 +207,33 @@ impl Search {
     }
 }
 
-#[derive(PartialEq)]
-struct Entry {
-    estimate: f64,
-    cell: usize,
-}
-
-impl Eq for Entry {}
-
-impl Ord for Entry {
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.estimate.total_cmp(&self.estimate).then(other.cell.cmp(&self.cell))
-    }
-}
-
-impl PartialOrd for Entry {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
 /// Height of the highest solid surface at most 2 m above the world's origin level under `at`; 0 if there is none.
 pub fn ground_height(caster: &RayCaster, at: MapPoint) -> f64 {
     let origin = [at.x as f32, at.y as f32, 2.0];
     caster.solid().cast(origin, [0.0, 0.0, -1.0], 1000.0).map_or(0.0, |hit| 2.0 - f64::from(hit.distance))
 }
 
-fn covering(polygons: &[Vec<MapPoint>], start: MapPoint) -> GridGeometry {
-    let points = || polygons.iter().flatten();
-    let low = points().fold(start, |a, p| MapPoint::new(a.x.min(p.x), a.y.min(p.y)));
-    let high = points().fold(start, |a, p| MapPoint::new(a.x.max(p.x), a.y.max(p.y)));
-    let (low, high) =
-        (MapPoint::new(low.x - MARGIN, low.y - MARGIN), MapPoint::new(high.x + MARGIN, high.y + MARGIN));
-    GridGeometry::covering(low, high, CELL, MAX_CELLS)
+/// A grid over the solid surfaces that are not too far from the start and every door.
+fn covering(polygons: &[Vec<MapPoint>], start: MapPoint, doors: &[MapPoint]) -> GridGeometry {
+    let solid = bounds(start, polygons.iter().flatten());
+    let served = bounds(start, doors.iter());
+    let low = MapPoint::new(
+        (solid.0.x - MARGIN).max(served.0.x - SURROUNDINGS),
+        (solid.0.y - MARGIN).max(served.0.y - SURROUNDINGS),
+    );
+    let high = MapPoint::new(
+        (solid.1.x + MARGIN).min(served.1.x + SURROUNDINGS),
+        (solid.1.y + MARGIN).min(served.1.y + SURROUNDINGS),
+    );
+    let cell = CELL.max((high.x - low.x).max(high.y - low.y) / (MAX_CELLS - 1) as f64);
+    GridGeometry::covering(low, high, cell, MAX_CELLS)
+}
+
+/// Lower and upper corner of what holds `start` and all `points`.
+fn bounds<'a>(start: MapPoint, points: impl Iterator<Item = &'a MapPoint>) -> (MapPoint, MapPoint) {
+    points.fold((start, start), |(low, high), p| {
+        (MapPoint::new(low.x.min(p.x), low.y.min(p.y)), MapPoint::new(high.x.max(p.x), high.y.max(p.y)))
+    })
 }
 
 /// Marks every cell that the convex `polygon` comes near to; a degenerate one is a line.
@@ -246,7 +244,7 @@ fn draw(grid: &GridGeometry, polygon: &[MapPoint], blocked: &mut [bool]) {
     let Some((columns, rows)) = grid.window(low, high) else { return };
     for row in rows.0..=rows.1 {
         for cell in (columns.0..=columns.1).filter_map(|column| grid.cell_in(column, row)) {
-            blocked[cell] = blocked[cell] || touches(polygon, grid.center(cell));
+            blocked[cell] = blocked[cell] || touches(polygon, grid.center(cell), 0.71 * grid.cell);
         }
     }
 }
@@ -293,10 +291,9 @@ fn clip(polygon: &[[f64; 3]], side: impl Fn(&[f64; 3]) -> f64) -> Vec<[f64; 3]> 
 }
 
 /// Whether `p` lies in the convex polygon (either sense) or within half a cell's diagonal of its edges.
-fn touches(polygon: &[MapPoint], p: MapPoint) -> bool {
-    const REACH: f64 = 0.071;
+fn touches(polygon: &[MapPoint], p: MapPoint, reach: f64) -> bool {
     let edges = || (0..polygon.len()).map(|i| (polygon[i], polygon[(i + 1) % polygon.len()]));
-    if edges().any(|(a, b)| segment_distance(p, a, b) <= REACH) {
+    if edges().any(|(a, b)| segment_distance(p, a, b) <= reach) {
         return true;
     }
     let turn = |(a, b): (MapPoint, MapPoint)| (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x);

@@ -5,13 +5,16 @@
 //! between rim and ground in both directions. A turning skid-steer robot thus slides sideways over all four wheels, as
 //! real ones do, and its wheels turn further than it moves.
 
+use std::fmt;
+use std::sync::Arc;
+
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
 use openbench_core::{Pose2, Pose3, RobotDescription, Velocity};
-use openbench_scene::{RayCaster, SemanticClass};
+use openbench_scene::{RayCaster, Scene, SemanticClass};
 use rapier3d::geometry::PairContacts;
 use rapier3d::pipeline::PhysicsWorld;
 use rapier3d::prelude::{
-    ColliderBuilder, ColliderHandle, Pose, RigidBodyBuilder, RigidBodyHandle, TriMeshFlags, Vector,
+    ColliderBuilder, ColliderHandle, Pose, RigidBodyBuilder, RigidBodyHandle, SharedShape, TriMeshFlags, Vector,
 };
 
 use crate::SimError;
@@ -51,7 +54,7 @@ pub struct Physics {
     world: PhysicsWorld,
     body: RigidBodyHandle,
     hull: ColliderHandle,
-    classes: Vec<SemanticClass>,
+    classes: Arc<[SemanticClass]>,
     track: f32,
     limits: Limits,
     /// Rim speeds, left and right, m/s.
@@ -67,18 +70,41 @@ struct Limits {
     acceleration: f32,
 }
 
+/// The solid part of a world as the physics engine wants it: made once, shared by all episodes in it.
+#[derive(Clone)]
+pub struct Solids {
+    mesh: SharedShape,
+    classes: Arc<[SemanticClass]>,
+}
+
+impl Solids {
+    /// The solid triangles of a scene.
+    pub fn new(scene: &Scene) -> Result<Self, SimError> {
+        let solid = &scene.solid;
+        if solid.triangles.is_empty() {
+            return Err(SimError::NothingSolid);
+        }
+        let vertices = solid.positions.iter().map(|p| Vector::new(p[0], p[1], p[2])).collect();
+        let mesh = SharedShape::trimesh_with_flags(vertices, solid.triangles.clone(), TriMeshFlags::empty())
+            .map_err(|e| SimError::Mesh(e.to_string()))?;
+        Ok(Self { mesh, classes: solid.classes.as_slice().into() })
+    }
+}
+
+impl fmt::Debug for Solids {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Solids({} triangles)", self.classes.len())
+    }
+}
+
 impl Physics {
-    /// Puts the robot at `start`, its wheels on the ground at height `ground`.
-    pub fn new(
-        caster: &RayCaster,
-        robot: &RobotDescription,
-        start: Pose2,
-        ground: f64,
-    ) -> Result<Self, SimError> {
+    /// Puts the robot at `start` among solids, its wheels on the ground at height `ground`.
+    pub fn new(solids: &Solids, robot: &RobotDescription, start: Pose2, ground: f64) -> Self {
         let mut world = PhysicsWorld::new();
         world.gravity = Vector::new(0.0, 0.0, -GRAVITY);
         world.integration_parameters.dt = DT;
-        let classes = insert_world(&mut world, caster)?;
+        world.insert_collider(ColliderBuilder::new(solids.mesh.clone()).friction(0.3), None);
+        let classes = solids.classes.clone();
         let chassis_height = robot.wheel_radius as f32;
         let z = ground as f32 + chassis_height;
         let (sin, cos) = libm::sincos(start.yaw / 2.0);
@@ -99,7 +125,7 @@ impl Physics {
             acceleration: robot.max_acceleration as f32,
         };
         let (track, radius) = (robot.effective_track as f32, robot.wheel_radius as f32);
-        Ok(Self { world, body, hull, classes, track, limits, rims: [0.0; 2], radius, chassis_height })
+        Self { world, body, hull, classes, track, limits, rims: [0.0; 2], radius, chassis_height }
     }
 
     /// Advances by one step towards the wanted velocity.
@@ -211,17 +237,4 @@ impl Physics {
             body.add_force_at_point(force, foot, true);
         }
     }
-}
-
-/// Adds the world's solid triangles; their classes by index are returned.
-fn insert_world(world: &mut PhysicsWorld, caster: &RayCaster) -> Result<Vec<SemanticClass>, SimError> {
-    let solid = &caster.scene().solid;
-    if solid.triangles.is_empty() {
-        return Err(SimError::NothingSolid);
-    }
-    let vertices = solid.positions.iter().map(|p| Vector::new(p[0], p[1], p[2])).collect();
-    let mesh = ColliderBuilder::trimesh_with_flags(vertices, solid.triangles.clone(), TriMeshFlags::empty())
-        .map_err(|e| SimError::Mesh(e.to_string()))?;
-    world.insert_collider(mesh.friction(0.3), None);
-    Ok(solid.classes.clone())
 }

@@ -13,7 +13,7 @@ use crate::SimError;
 use crate::inertial::{self, Encoders, Imu};
 use crate::lidar::{Lidar, SCAN_NS};
 use crate::noise::Noise;
-use crate::physics::{Physics, STEP_NS};
+use crate::physics::{Physics, STEP_NS, Solids};
 use crate::render::{Renderer, View};
 
 /// Simulated time between two observations, nanoseconds.
@@ -43,12 +43,14 @@ pub struct Collision {
 pub struct Stage {
     caster: RayCaster,
     renderer: Arc<Renderer>,
+    solids: Solids,
 }
 
 impl Stage {
     /// Prepares a scene.
-    pub fn new(caster: RayCaster) -> Self {
-        Self { renderer: Arc::new(Renderer::new(caster.clone())), caster }
+    pub fn new(caster: RayCaster) -> Result<Self, SimError> {
+        let solids = Solids::new(caster.scene())?;
+        Ok(Self { renderer: Arc::new(Renderer::new(caster.clone())), solids, caster })
     }
 
     /// The rays into the scene.
@@ -83,9 +85,9 @@ pub struct Simulator {
 
 impl Simulator {
     /// Puts the robot at `start` on the ground there. Same stage, robot, start, seed and velocities: same bytes.
-    pub fn new(stage: Stage, robot: RobotDescription, start: Pose2, seed: u64) -> Result<Self, SimError> {
+    pub fn new(stage: Stage, robot: RobotDescription, start: Pose2, seed: u64) -> Self {
         let ground = openbench_scene::free_space::ground_height(&stage.caster, start.point());
-        let physics = Physics::new(&stage.caster, &robot, start, ground)?;
+        let physics = Physics::new(&stage.solids, &robot, start, ground);
         let imu = Imu::new(Noise::new(seed, 1), &robot);
         let lidar = Lidar::new(Noise::new(seed, 2));
         let camera = SimCamera::new(stage.renderer.clone(), &robot);
@@ -107,7 +109,7 @@ impl Simulator {
             chain: [0; 32],
         };
         simulator.camera.move_to(SimTime::ZERO, simulator.base_link());
-        Ok(simulator)
+        simulator
     }
 
     /// Drives with `velocity` until the next observation.

@@ -16,12 +16,12 @@ fn stage() -> Stage {
     let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
     builder.rectangle(Layer::Both, ground, Point3::new(-20.0, -20.0, 0.1), (x * 40.0, y * 40.0), [1.0; 2]);
     builder.rectangle(Layer::Both, wall, Point3::new(3.0, -5.0, 0.1), (y * 10.0, z * 2.0), [1.0; 2]);
-    Stage::new(RayCaster::new(Arc::new(builder.build())))
+    Stage::new(RayCaster::new(Arc::new(builder.build()))).unwrap()
 }
 
 fn simulator(yaw: f64, seed: u64) -> Simulator {
     let start = Pose2::new(0.0, 0.0, yaw);
-    Simulator::new(stage(), RobotDescription::sentry(), start, seed).unwrap()
+    Simulator::new(stage(), RobotDescription::sentry(), start, seed)
 }
 
 fn drive(simulator: &mut Simulator, velocity: Velocity, seconds: f64) -> Pose2 {

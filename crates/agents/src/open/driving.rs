@@ -3,12 +3,17 @@
 use std::time::Duration;
 
 use openbench_core::{Event, Events, MapPoint, Pose2, RobotDescription, SimTime, Velocity};
+use openbench_osm::polygon::nearest_on_segment;
 use openbench_motion::{Blocked, Costmap, FollowInput, Follower, PathFollower, Progress, RangeRing, plan};
 
 /// A way is searched anew after this long, since more has been seen.
 const REPLAN: Duration = Duration::from_millis(2500);
 /// Standing before an obstacle that long, the robot searches for another way.
 const PATIENCE: Duration = Duration::from_millis(800);
+/// Without having moved on, a way is not searched anew more often than this.
+const REPLAN_EARLIEST: Duration = Duration::from_millis(300);
+/// Within this distance of the robot's middle its own hull stands, metres.
+const OWN_HULL: f64 = 0.4;
 /// How far ahead of the robot the way is checked against every scan, metres.
 const CHECK_AHEAD: f64 = 3.0;
 /// Backing off lasts this long.
@@ -108,8 +113,10 @@ impl Driver {
             self.target = None;
             return Driving::Unreachable;
         }
-        let stale =
-            self.path.is_empty() || now.since(self.planned) >= REPLAN || !self.clear_ahead(pose.point());
+        let age = now.since(self.planned);
+        let stale = self.path.is_empty()
+            || age >= REPLAN
+            || (age >= REPLAN_EARLIEST && !self.clear_ahead(pose.point()));
         if stale && !self.search(pose, target, now, events) {
             return self.set_back(now);
         }
@@ -159,25 +166,22 @@ impl Driver {
 
     /// Whether the next metres of the way are free by the newest scans.
     fn clear_ahead(&self, from: MapPoint) -> bool {
-        let nearest = (0..self.path.len())
-            .min_by(|&a, &b| self.path[a].distance(from).total_cmp(&self.path[b].distance(from)))
-            .unwrap_or(0);
+        let Some((at, start)) = nearest_on_path(&self.path, from) else { return true };
         let mut left = CHECK_AHEAD;
-        for pair in self.path[nearest..].windows(2) {
-            let length = pair[0].distance(pair[1]);
-            let t = (left / length.max(1e-9)).min(1.0);
-            let end = MapPoint::new(
-                pair[0].x + t * (pair[1].x - pair[0].x),
-                pair[0].y + t * (pair[1].y - pair[0].y),
-            );
+        let mut begin = start;
+        for &corner in &self.path[at + 1..] {
+            let length = begin.distance(corner);
+            let end = along(begin, corner, left / length);
             // The robot stands where it stands: only what lies ahead of its own hull counts.
-            if pair[0].distance(from) > 0.4 && !self.costmap.is_clear(pair[0], end) {
+            let hull = (OWN_HULL - begin.distance(from)).max(0.0) / begin.distance(end);
+            if hull < 1.0 && !self.costmap.is_clear(along(begin, end, hull), end) {
                 return false;
             }
             left -= length;
             if left <= 0.0 {
                 break;
             }
+            begin = corner;
         }
         true
     }
@@ -217,6 +221,19 @@ impl Driver {
         }
         now.since(self.anchor.1) >= NO_PROGRESS || self.deadline.is_some_and(|deadline| now > deadline)
     }
+}
+
+/// The place on a way that is nearest to `from`, and the number of the stretch that it is on.
+fn nearest_on_path(path: &[MapPoint], from: MapPoint) -> Option<(usize, MapPoint)> {
+    let on = |i: usize| (i, nearest_on_segment(path[i], path[i + 1], from).0);
+    let stretches = (0..path.len().saturating_sub(1)).map(on);
+    stretches.min_by(|a, b| a.1.distance(from).total_cmp(&b.1.distance(from)))
+}
+
+/// The point at the share `t` of the way from `a` to `b`, `b` at most.
+fn along(a: MapPoint, b: MapPoint, t: f64) -> MapPoint {
+    let t = if t < 1.0 { t } else { 1.0 };
+    MapPoint::new(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y))
 }
 
 fn length(path: &[MapPoint]) -> f64 {

@@ -271,7 +271,9 @@ impl Mission {
         let here = self.localizer.pose().point();
         if let Stage::Travel(via) = &mut task.stage {
             while let Some(next) = via.pop_front() {
-                if next.distance(here) > 2.0 {
+                // A road may leave the ground that the costmap covers; it comes back before it ends.
+                let covered = self.driver.costmap().grid().cell_at(next).is_some();
+                if covered && next.distance(here) > 2.0 {
                     self.driver.set_target(Target { point: next, yaw: None, must: false }, now);
                     self.task = Some(task);
                     return Action::Drive(Velocity::ZERO);
@@ -382,6 +384,8 @@ impl Mission {
         }
         match self.remembered(task.building, &task.address).filter(|door| wants(&task, door)) {
             Some(door) => {
+                let mut task = task;
+                task.doorstep = DOORSTEP;
                 self.approach(task, door, observation.time);
                 Err(Action::Drive(Velocity::ZERO))
             }

@@ -42,7 +42,7 @@ impl Perception {
         let lidar = self.robot.lidar.translation.vector;
         let center = localizer.pose().transform(lidar.x, lidar.y);
         let flat = points.iter().map(|p| (MapPoint::new(f64::from(p.x), f64::from(p.y)), f64::from(p.z)));
-        let ring = RangeRing::new(center, flat);
+        let ring = RangeRing::new(center, lidar.z, flat);
         self.scans.push_back((scan.stamp, points));
         while self.scans.front().is_some_and(|(stamp, _)| scan.stamp.since(*stamp) >= MEMORY) {
             self.scans.pop_front();

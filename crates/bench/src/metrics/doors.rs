@@ -19,7 +19,7 @@ pub struct DoorScore {
     pub mean_distance_m: Option<f64>,
 }
 
-/// Scores `written` doors against the `true_doors` of a world. A door that was written twice at its place is found once,
+/// Scores `written` doors against the `true_doors` of a world, both where a map has them: on the outlines of buildings. A door that was written twice at its place is found once,
 /// as far off as the nearer of the two.
 pub fn score_doors(written: &[(Address, MapPoint)], true_doors: &[(Address, MapPoint)]) -> DoorScore {
     let error = |(address, at): &(Address, MapPoint), door: &(Address, MapPoint)| {

@@ -15,6 +15,9 @@ use crate::{Door, SceneBuilder};
 /// How far plates stand out, metres: in the published worlds their poses lie up to 9 cm behind the frames of their doors.
 const STANDS_OUT: f64 = 0.10;
 
+/// Plates further than this from every outline make one doubt that world and map fit together, metres.
+const OFF_BUILDING: f64 = 5.0;
+
 /// A plate before it is known whose door it marks.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PlateAt {
@@ -52,9 +55,12 @@ pub(crate) fn add_doors(
 ) {
     let mut known: Vec<Address> = Vec::new();
     let mut faces = BTreeMap::new();
+    let mut strays = 0;
     for plate in plates {
         let at = plate.pose.translation.vector;
-        let Some(building) = map.nearest_building(MapPoint::new(at.x, at.y)) else { continue };
+        let point = MapPoint::new(at.x, at.y);
+        let Some(building) = map.nearest_building(point) else { continue };
+        strays += usize::from(map.distance_to_building(building, point) > OFF_BUILDING);
         let named = map.buildings.get(building).and_then(|b| b.name.clone());
         let building = named.unwrap_or_else(|| format!("building{}", building + 1));
         let address = Address::new(building, format!("unit{}", plate.unit));
@@ -68,6 +74,13 @@ pub(crate) fn add_doors(
         let normal = plate.pose.rotation * nalgebra::Vector3::y();
         let facing = libm::atan2(normal.y, normal.x);
         builder.door(Door { address, text, plate: at.into(), facing });
+    }
+    if strays > 0 {
+        warnings.add(format!(
+            "{strays} of {} plates hang more than {OFF_BUILDING} m from every building of the map; is it the map of this world, and its \
+             georeference (--georef) right?",
+            plates.len()
+        ));
     }
 }
 

@@ -18,6 +18,7 @@ mod pixels;
 mod recognise;
 
 use std::path::Path;
+use std::sync::Arc;
 
 use openbench_core::Image;
 use openbench_models::ModelStore;
@@ -60,10 +61,11 @@ impl Default for PpOcrSettings {
     }
 }
 
-/// A [`PlateReader`] with PP-OCR's mobile networks.
+/// A [`PlateReader`] with PP-OCR's mobile networks. A clone shares them.
+#[derive(Clone)]
 pub struct PpOcr {
-    detector: Detector,
-    recogniser: Recogniser,
+    detector: Arc<Detector>,
+    recogniser: Arc<Recogniser>,
     settings: PpOcrSettings,
 }
 
@@ -74,8 +76,8 @@ impl PpOcr {
     /// # Errors
     /// [`ReaderError::Model`] names the file that is missing or broken.
     pub fn load(detection: &Path, recognition: &Path, keys: Option<&Path>) -> Result<Self, ReaderError> {
-        let detector = Detector::load(detection)?;
-        let recogniser = Recogniser::load(recognition, keys)?;
+        let detector = Arc::new(Detector::load(detection)?);
+        let recogniser = Arc::new(Recogniser::load(recognition, keys)?);
         Ok(Self { detector, recogniser, settings: PpOcrSettings::default() })
     }
 

@@ -1,0 +1,56 @@
+//! What a search over cells looks at next.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+/// Open cells of a search, the cheapest first; of two that cost the same, the one with the lower index, so that every search finds the
+/// same way again.
+#[derive(Debug, Default)]
+pub struct Frontier(BinaryHeap<Entry>);
+
+impl Frontier {
+    /// Opens a cell at an estimated cost.
+    pub fn push(&mut self, estimate: f64, cell: usize) {
+        self.0.push(Entry { estimate, cell });
+    }
+
+    /// The cheapest cell and its estimated cost. A cell that was opened more than once comes more than once.
+    pub fn pop(&mut self) -> Option<(f64, usize)> {
+        self.0.pop().map(|e| (e.estimate, e.cell))
+    }
+}
+
+#[derive(Debug, PartialEq)]
+struct Entry {
+    estimate: f64,
+    cell: usize,
+}
+
+impl Eq for Entry {}
+
+impl Ord for Entry {
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.estimate.total_cmp(&self.estimate).then(other.cell.cmp(&self.cell))
+    }
+}
+
+impl PartialOrd for Entry {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_cheapest_comes_first_and_ties_go_by_index() {
+        let mut frontier = Frontier::default();
+        for (estimate, cell) in [(2.0, 1), (1.0, 9), (1.0, 4), (3.0, 0)] {
+            frontier.push(estimate, cell);
+        }
+        let order: Vec<usize> = std::iter::from_fn(|| frontier.pop()).map(|e| e.1).collect();
+        assert_eq!(order, [4, 9, 1, 0]);
+    }
+}
