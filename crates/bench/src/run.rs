@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-use cpu_time::ThreadTime;
+use cpu_time::ProcessTime;
 use openbench_osm::{OsmData, merge_entrances, write_atomically};
 
 use crate::metrics::{RunTotals, summarize};
@@ -56,12 +56,6 @@ pub struct RunOutput {
     pub memory: OsmData,
 }
 
-/// One episode, run.
-struct Done {
-    trace: EpisodeTrace,
-    cpu: Duration,
-}
-
 /// Runs every episode and writes the run's files.
 pub fn run(request: &RunRequest<'_>) -> Result<RunOutput, BenchError> {
     let began = Instant::now();
@@ -70,10 +64,10 @@ pub fn run(request: &RunRequest<'_>) -> Result<RunOutput, BenchError> {
         std::fs::create_dir_all(&folder).map_err(|e| BenchError::file(&folder, e))?;
         clear(out)?;
     }
-    let done = run_all(request)?;
-    let cpu_seconds = done.iter().map(|d| d.cpu.as_secs_f64()).sum();
-    let traces: Vec<EpisodeTrace> = done.into_iter().map(|d| d.trace).collect();
-    let results = results(request, &traces, began.elapsed().as_secs_f64(), cpu_seconds);
+    // Of all threads: readers of plates may have threads of their own.
+    let cpu = ProcessTime::now();
+    let traces = run_all(request)?;
+    let results = results(request, &traces, began.elapsed().as_secs_f64(), cpu.elapsed().as_secs_f64());
     if let Some(out) = request.out {
         write_files(request, out, &traces, &results)?;
     }
@@ -102,10 +96,10 @@ fn clear(out: &Path) -> Result<(), BenchError> {
     Ok(())
 }
 
-fn run_all(request: &RunRequest<'_>) -> Result<Vec<Done>, BenchError> {
+fn run_all(request: &RunRequest<'_>) -> Result<Vec<EpisodeTrace>, BenchError> {
     let count = request.prepared.episodes.len();
     let (next, failed, finished) = (AtomicUsize::new(0), AtomicBool::new(false), AtomicUsize::new(0));
-    let slots: Vec<Mutex<Option<Result<Done, BenchError>>>> = (0..count).map(|_| Mutex::new(None)).collect();
+    let slots: Vec<Mutex<Option<Result<EpisodeTrace, BenchError>>>> = (0..count).map(|_| Mutex::new(None)).collect();
     std::thread::scope(|scope| {
         for _ in 0..request.jobs.clamp(1, count.max(1)) {
             scope.spawn(|| {
@@ -132,8 +126,7 @@ fn episode_seed(seed: u64, number: usize) -> u64 {
     seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(number as u64)
 }
 
-fn run_one(request: &RunRequest<'_>, number: usize) -> Result<Done, BenchError> {
-    let cpu = ThreadTime::now();
+fn run_one(request: &RunRequest<'_>, number: usize) -> Result<EpisodeTrace, BenchError> {
     let seed = episode_seed(request.seed, number);
     let truth = TruthHandle::default();
     // Only who asks for the truth by name, and is named in the results for it, gets a handle that tells it.
@@ -152,7 +145,7 @@ fn run_one(request: &RunRequest<'_>, number: usize) -> Result<Done, BenchError> 
     if let Some(out) = request.out {
         Recording::of(&trace, seed).write(out, number)?;
     }
-    Ok(Done { trace, cpu: cpu.elapsed() })
+    Ok(trace)
 }
 
 fn log_path(out: &Path, number: usize) -> PathBuf {

@@ -50,7 +50,16 @@ impl DeadReckoning {
     pub fn new(robot: RobotDescription) -> Self {
         let history = VecDeque::from([(SimTime::ZERO, Pose2::default())]);
         let bias_variance = BIAS_AT_FIRST * BIAS_AT_FIRST;
-        Self { robot, history, wheels: None, moved: SimTime::ZERO, resting: VecDeque::new(), bias: 0.0, bias_variance, ready: false }
+        Self {
+            robot,
+            history,
+            wheels: None,
+            moved: SimTime::ZERO,
+            resting: VecDeque::new(),
+            bias: 0.0,
+            bias_variance,
+            ready: false,
+        }
     }
 
     fn newest(&self) -> (SimTime, Pose2) {
@@ -105,7 +114,10 @@ impl Localizer for DeadReckoning {
     fn update(&mut self, observation: &Observation<'_>) {
         // Both come at 100 Hz with the same stamps.
         for (imu, wheels) in observation.imu.iter().zip(observation.wheels) {
-            self.advance(imu, wheels);
+            let sound = imu.gyro[2].is_finite() && wheels.left.is_finite() && wheels.right.is_finite();
+            if sound && imu.stamp > self.newest().0 {
+                self.advance(imu, wheels);
+            }
         }
         self.ready = self.ready || observation.time.since(SimTime::ZERO) >= SETTLE;
     }

@@ -237,9 +237,11 @@ impl Costmap {
         for i in 0..steps {
             let along = i as f64 * self.grid.cell;
             let at = MapPoint::new(ring.center.x + along * cos, ring.center.y + along * sin);
-            let Some(cell) = self.grid.cell_at(at).filter(|&c| self.cleared_in[c] != self.scans) else { continue };
-            let passes_over = self.evidence[cell] > 0
-                && f64::from(self.top[cell]) < 100.0 * ring.height_at(beam, along);
+            let Some(cell) = self.grid.cell_at(at).filter(|&c| self.cleared_in[c] != self.scans) else {
+                continue;
+            };
+            let passes_over =
+                self.evidence[cell] > 0 && f64::from(self.top[cell]) < 100.0 * ring.height_at(beam, along);
             if !passes_over {
                 self.cleared_in[cell] = self.scans;
                 self.evidence[cell] = (self.evidence[cell] - 1).max(EVIDENCE.0);

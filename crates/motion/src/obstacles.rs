@@ -84,7 +84,11 @@ mod tests {
     use super::*;
 
     fn ring(points: &[[f64; 3]]) -> RangeRing {
-        RangeRing::new(MapPoint::new(1.0, 1.0), 0.25, points.iter().map(|p| (MapPoint::new(p[0], p[1]), p[2])))
+        RangeRing::new(
+            MapPoint::new(1.0, 1.0),
+            0.25,
+            points.iter().map(|p| (MapPoint::new(p[0], p[1]), p[2])),
+        )
     }
 
     #[test]

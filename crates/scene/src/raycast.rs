@@ -87,9 +87,16 @@ impl RayCaster {
 
 /// The texel at `uv`; the image repeats and v runs upwards.
 pub fn nearest_texel(texture: &Texture, uv: [f32; 2]) -> [u8; 4] {
-    let (u, v) = (uv[0] - uv[0].floor(), 1.0 - (uv[1] - uv[1].floor()));
+    let (u, v) = (fraction(uv[0]), 1.0 - fraction(uv[1]));
     let x = ((u * texture.width as f32) as u32).min(texture.width - 1);
     let y = ((v * texture.height as f32) as u32).min(texture.height - 1);
     let i = 4 * (y * texture.width + x) as usize;
     [texture.rgba[i], texture.rgba[i + 1], texture.rgba[i + 2], texture.rgba[i + 3]]
+}
+
+/// `x` less its floor. By a cast, since `floor` is a call into a library on the target's baseline; of numbers beyond two thousand million
+/// nothing sensible is left.
+fn fraction(x: f32) -> f32 {
+    let rest = x - x as i32 as f32;
+    if rest < 0.0 { rest + 1.0 } else { rest }
 }

@@ -158,7 +158,9 @@ fn bucket(azimuth: f64, elevation: f64) -> usize {
     let column = (azimuth / std::f64::consts::TAU * BUCKET_COLUMNS as f64) as usize % BUCKET_COLUMNS;
     let low = ELEVATION.0.to_radians();
     let row = ((elevation - low) / (ELEVATION.1.to_radians() - low) * BUCKET_ROWS as f64) as usize;
-    column * BUCKET_ROWS + row.min(BUCKET_ROWS - 1)
+    let row = row.min(BUCKET_ROWS - 1);
+    // Up one column, down the next: a packet that ends one column begins the next beside it.
+    column * BUCKET_ROWS + if column % 2 == 0 { row } else { BUCKET_ROWS - 1 - row }
 }
 
 /// Where the sensor is during a scan, interpolated between known poses.

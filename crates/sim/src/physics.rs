@@ -14,7 +14,8 @@ use openbench_scene::{RayCaster, Scene, SemanticClass};
 use rapier3d::geometry::PairContacts;
 use rapier3d::pipeline::PhysicsWorld;
 use rapier3d::prelude::{
-    ColliderBuilder, ColliderHandle, Pose, RigidBodyBuilder, RigidBodyHandle, SharedShape, TriMeshFlags, Vector,
+    ColliderBuilder, ColliderHandle, Pose, RigidBodyBuilder, RigidBodyHandle, SharedShape, TriMeshFlags,
+    Vector,
 };
 
 use crate::SimError;

@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use openbench_core::{Event, Events, MapPoint, Pose2, RobotDescription, SimTime, Velocity};
-use openbench_osm::polygon::nearest_on_segment;
 use openbench_motion::{Blocked, Costmap, FollowInput, Follower, PathFollower, Progress, RangeRing, plan};
+use openbench_osm::polygon::nearest_on_segment;
 
 /// A way is searched anew after this long, since more has been seen.
 const REPLAN: Duration = Duration::from_millis(2500);

@@ -78,7 +78,10 @@ pub fn import_world(request: &ImportRequest) -> Result<World, ImportError> {
     }
 
     let mut warnings = Warnings::default();
-    data.report.notes().into_iter().for_each(|note| warnings.add(format!("{}: {note}", request.map.display())));
+    data.report
+        .notes()
+        .into_iter()
+        .for_each(|note| warnings.add(format!("{}: {note}", request.map.display())));
     let search = SearchPath::new(&request.models);
     let world = SdfReader { search: &search, warnings: &mut warnings, models: 0 }.world(&request.world)?;
 

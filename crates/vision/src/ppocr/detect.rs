@@ -2,8 +2,10 @@
 //! that found fewer of the far and the oblique ones.)
 
 use std::path::Path;
+use std::sync::Arc;
 
 use openbench_core::Image;
+use rten::ThreadPool;
 use rten_tensor::NdTensor;
 use rten_tensor::prelude::*;
 
@@ -27,9 +29,14 @@ impl Detector {
     }
 
     /// Boxes around lines of text in image pixels, the likeliest first.
-    pub(super) fn find(&self, image: &Image, settings: &PpOcrSettings) -> Result<Vec<TextBox>, ReaderError> {
+    pub(super) fn find(
+        &self,
+        image: &Image,
+        settings: &PpOcrSettings,
+        thread: &Arc<ThreadPool>,
+    ) -> Result<Vec<TextBox>, ReaderError> {
         let view = View::new(image, settings);
-        let map: NdTensor<f32, 4> = self.network.run(view.tensor(image))?;
+        let map: NdTensor<f32, 4> = self.network.run(view.tensor(image), thread)?;
         if map.shape() != [1, 1, view.rows, view.columns] {
             let detail = format!("a map of {:?} for {} x {} pixels", map.shape(), view.columns, view.rows);
             return Err(ReaderError::Inference { stage: "detection", detail });

@@ -23,6 +23,8 @@ use std::sync::Arc;
 use openbench_core::Image;
 use openbench_models::ModelStore;
 
+use rten::ThreadPool;
+
 use crate::reader::{PlateReader, PlateReading, ReaderError, check_image, sort_readings};
 use boxes::TextBox;
 use detect::Detector;
@@ -61,11 +63,11 @@ impl Default for PpOcrSettings {
     }
 }
 
-/// A [`PlateReader`] with PP-OCR's mobile networks. A clone shares them.
-#[derive(Clone)]
+/// A [`PlateReader`] with PP-OCR's mobile networks. A clone shares them but has a thread of its own, so that two read at once.
 pub struct PpOcr {
     detector: Arc<Detector>,
     recogniser: Arc<Recogniser>,
+    thread: Arc<ThreadPool>,
     settings: PpOcrSettings,
 }
 
@@ -78,7 +80,7 @@ impl PpOcr {
     pub fn load(detection: &Path, recognition: &Path, keys: Option<&Path>) -> Result<Self, ReaderError> {
         let detector = Arc::new(Detector::load(detection)?);
         let recogniser = Arc::new(Recogniser::load(recognition, keys)?);
-        Ok(Self { detector, recogniser, settings: PpOcrSettings::default() })
+        Ok(Self { detector, recogniser, thread: one_thread(), settings: PpOcrSettings::default() })
     }
 
     /// Loads the files of the set `ppocr-v4` from `store`, where they have been pulled.
@@ -103,11 +105,23 @@ impl PpOcr {
             return Ok(None);
         }
         let strip = crop::strip(image, &text_box.corners);
-        let (text, confidence) = self.recogniser.read(strip)?;
+        let (text, confidence) = self.recogniser.read(strip, &self.thread)?;
         let text = text.trim();
         let legible = !text.is_empty() && confidence >= self.settings.min_confidence;
         Ok(legible.then(|| PlateReading { text: text.into(), confidence, corners: text_box.corners }))
     }
+}
+
+impl Clone for PpOcr {
+    fn clone(&self) -> Self {
+        let (detector, recogniser) = (self.detector.clone(), self.recogniser.clone());
+        Self { detector, recogniser, thread: one_thread(), settings: self.settings }
+    }
+}
+
+/// One thread: sums that are split over several depend on their number.
+fn one_thread() -> Arc<ThreadPool> {
+    Arc::new(ThreadPool::with_num_threads(1))
 }
 
 impl PlateReader for PpOcr {
@@ -117,7 +131,7 @@ impl PlateReader for PpOcr {
 
     fn read(&mut self, image: &Image) -> Result<Vec<PlateReading>, ReaderError> {
         check_image(image)?;
-        let boxes = self.detector.find(image, &self.settings)?;
+        let boxes = self.detector.find(image, &self.settings, &self.thread)?;
         let mut readings = Vec::new();
         for text_box in &boxes {
             readings.extend(self.read_box(image, text_box)?);

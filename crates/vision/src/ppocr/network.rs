@@ -1,4 +1,4 @@
-//! One ONNX network with one input and one output, run on one thread.
+//! One ONNX network with one input and one output.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -14,7 +14,6 @@ const MAX_FILE: u64 = 256 << 20;
 /// A loaded network.
 pub(super) struct Network {
     model: Model,
-    options: RunOptions,
     stage: &'static str,
 }
 
@@ -32,8 +31,7 @@ impl Network {
                 model.output_ids().len()
             )));
         }
-        let pool = Arc::new(ThreadPool::with_num_threads(1));
-        Ok(Self { model, options: RunOptions::default().with_thread_pool(Some(pool)), stage })
+        Ok(Self { model, stage })
     }
 
     /// A text that the model file carries beside the network.
@@ -41,17 +39,19 @@ impl Network {
         self.model.metadata().get(field)
     }
 
-    /// Runs the network on a batch of images, channels before rows; the output has `N` axes.
+    /// Runs the network on a batch of images, channels before rows, on `thread`; the output has `N` axes.
     pub(super) fn run<const N: usize>(
         &self,
         input: NdTensor<f32, 4>,
+        thread: &Arc<ThreadPool>,
     ) -> Result<NdTensor<f32, N>, ReaderError> {
         let failed = |detail: String| ReaderError::Inference { stage: self.stage, detail };
         let inputs = vec![(self.model.input_ids()[0], input.into())];
         let outputs = [self.model.output_ids()[0]];
+        let options = RunOptions::default().with_thread_pool(Some(thread.clone()));
         let [output] = self
             .model
-            .run_n(inputs, outputs, Some(self.options.clone()))
+            .run_n(inputs, outputs, Some(options))
             .map_err(|error| failed(error.to_string()))?;
         output.try_into().map_err(|error: rten::TryFromValueError| failed(error.to_string()))
     }

@@ -1,7 +1,9 @@
 //! What a strip of text says: the recognition network and greedy CTC decoding.
 
 use std::path::Path;
+use std::sync::Arc;
 
+use rten::ThreadPool;
 use rten_tensor::prelude::*;
 use rten_tensor::{NdTensor, NdTensorView};
 
@@ -30,8 +32,12 @@ impl Recogniser {
     }
 
     /// The text of a strip and the mean probability of its characters, 0 where there are none.
-    pub(super) fn read(&self, strip: NdTensor<f32, 4>) -> Result<(String, f32), ReaderError> {
-        let classes: NdTensor<f32, 3> = self.network.run(strip)?;
+    pub(super) fn read(
+        &self,
+        strip: NdTensor<f32, 4>,
+        thread: &Arc<ThreadPool>,
+    ) -> Result<(String, f32), ReaderError> {
+        let classes: NdTensor<f32, 3> = self.network.run(strip, thread)?;
         let [batch, _, count] = classes.shape();
         if batch != 1 || count != self.keys.len() {
             let detail = format!(

@@ -1,63 +1,27 @@
-//! Rays against triangles: a bounding volume hierarchy built by `obvhs`, traversed here in packets of sixteen.
+//! Rays against triangles: a bounding volume hierarchy built by `obvhs`, traversed here ray by ray or in packets of sixteen.
 //!
-//! One ray and sixteen rays do the same arithmetic lane by lane, so both give the same bits. The loops over lanes are
-//! plain arrays that the compiler turns into vector instructions of the target's baseline; none is fused, so results
-//! are the same on every machine. Intersection after Möller and Trumbore, *Fast, Minimum Storage Ray/Triangle
-//! Intersection*, 1997; both sides of a triangle are hit.
+//! One ray and sixteen rays do the same arithmetic lane by lane, so both give the same distances. Intersection after Möller and Trumbore,
+//! *Fast, Minimum Storage Ray/Triangle Intersection*, 1997; both sides of a triangle are hit.
+//!
+//! | module | its one job |
+//! |---|---|
+//! | [`packet`] | sixteen rays at once |
+//! | [`dispatch`] | with the widest vector instructions that the machine has |
+
+pub mod dispatch;
+pub mod packet;
 
 use obvhs::BvhBuildParams;
+use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
 
-/// Rays in a packet.
-pub const LANES: usize = 16;
+use dispatch::Detected;
+pub use dispatch::InstructionSet;
+use packet::PACKET_STACK;
+pub use packet::{LANES, PacketHits, RayPacket};
 
 /// Marks a ray that hit nothing.
 pub const MISS: u32 = u32::MAX;
-
-/// Depth that the packet traversal's stack has room for: each level leaves one sibling behind.
-const PACKET_STACK: usize = 192;
-
-type Lane = [f32; LANES];
-
-/// Sixteen rays. Directions need not have unit length: distances count in their lengths.
-#[derive(Debug, Clone)]
-pub struct RayPacket {
-    /// Origins: x, y, z.
-    pub origin: [Lane; 3],
-    /// Directions: x, y, z.
-    pub direction: [Lane; 3],
-    /// Distance beyond which nothing is hit; a lane with a negative one is idle.
-    pub limit: Lane,
-}
-
-impl RayPacket {
-    /// Sixteen idle rays.
-    pub fn idle() -> Self {
-        Self { origin: [[0.0; LANES]; 3], direction: [[1.0; LANES]; 3], limit: [-1.0; LANES] }
-    }
-
-    /// Sets one ray.
-    pub fn set(&mut self, lane: usize, origin: [f32; 3], direction: [f32; 3], limit: f32) {
-        for axis in 0..3 {
-            self.origin[axis][lane] = origin[axis];
-            self.direction[axis][lane] = direction[axis];
-        }
-        self.limit[lane] = limit;
-    }
-}
-
-/// What sixteen rays hit first.
-#[derive(Debug, Clone)]
-pub struct PacketHits {
-    /// Distances in lengths of the directions; the limit where nothing was hit.
-    pub distance: Lane,
-    /// Indices of the triangles, or [`MISS`].
-    pub triangle: [u32; LANES],
-    /// Weight of the triangle's second corner at the hit.
-    pub u: Lane,
-    /// Weight of the triangle's third corner at the hit.
-    pub v: Lane,
-}
 
 /// What one ray hit first.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,17 +36,38 @@ pub struct Hit {
     pub v: f32,
 }
 
+/// A box. Two siblings share a line of the cache.
 #[derive(Debug, Clone, Copy)]
+#[repr(align(32))]
 struct Node {
     min: [f32; 3],
     /// First child (its sibling follows) or first triangle.
     first: u32,
     max: [f32; 3],
-    /// Triangles in a leaf; zero for an inner node.
-    count: u32,
+    /// Triangles in a leaf, times 8. In an inner node: twice the axis along which its children lie apart, plus one if the first child is
+    /// the upper one.
+    kind: u32,
+}
+
+impl Node {
+    #[inline(always)]
+    fn is_leaf(&self) -> bool {
+        self.kind >= 8
+    }
+
+    #[inline(always)]
+    fn axis(&self) -> usize {
+        (self.kind >> 1 & 3) as usize
+    }
+
+    #[inline(always)]
+    fn flipped(&self) -> u32 {
+        self.kind & 1
+    }
 }
 
 #[derive(Debug, Clone, Copy)]
+#[repr(align(16))]
 struct LeafTriangle {
     corner: [f32; 3],
     edge1: [f32; 3],
@@ -98,6 +83,7 @@ pub struct TriangleBvh {
     nodes: Vec<Node>,
     triangles: Vec<LeafTriangle>,
     depth: usize,
+    instructions: Detected,
 }
 
 impl TriangleBvh {
@@ -111,20 +97,41 @@ impl TriangleBvh {
         let soup: Vec<obvhs::triangle::Triangle> = corners
             .map(|[a, b, c]| obvhs::triangle::Triangle { v0: a.into(), v1: b.into(), v2: c.into() })
             .collect();
-        if soup.is_empty() {
-            return Self { nodes: Vec::new(), triangles: Vec::new(), depth: 0 };
+        let mut laid = Self {
+            nodes: Vec::new(),
+            triangles: Vec::with_capacity(soup.len()),
+            depth: 0,
+            instructions: Detected::widest(),
+        };
+        if !soup.is_empty() {
+            let mut elapsed = std::time::Duration::ZERO;
+            let tree = build_bvh2_from_tris(&soup, BvhBuildParams::slow_build(), &mut elapsed);
+            laid.lay_out(&tree, |i| leaf_triangle(&soup[i as usize], i, masked(i)));
         }
-        let mut elapsed = std::time::Duration::ZERO;
-        let tree = build_bvh2_from_tris(&soup, BvhBuildParams::medium_build(), &mut elapsed);
-        let nodes = tree.nodes.iter().map(|n| Node {
-            min: n.aabb.min.into(),
-            first: n.first_index,
-            max: n.aabb.max.into(),
-            count: n.prim_count,
-        });
-        let triangles =
-            tree.primitive_indices.iter().map(|&i| leaf_triangle(&soup[i as usize], i, masked(i)));
-        Self { nodes: nodes.collect(), triangles: triangles.collect(), depth: tree.max_depth.max(96) }
+        laid
+    }
+
+    /// Copies nodes and triangles in the order in which a traversal meets them, siblings in pairs.
+    fn lay_out(&mut self, tree: &Bvh2, triangle: impl Fn(u32) -> LeafTriangle) {
+        // The root has no sibling; a place left empty beside it lets every pair begin at an even one.
+        self.nodes = vec![node(tree, 0); 2];
+        let mut todo = vec![(0_u32, 0_usize, 1_usize)];
+        while let Some((from, to, depth)) = todo.pop() {
+            self.depth = self.depth.max(depth);
+            let source = &tree.nodes[from as usize];
+            if source.prim_count == 0 {
+                let first = self.nodes.len();
+                self.nodes[to].first = first as u32;
+                self.nodes.extend([source.first_index, source.first_index + 1].map(|i| node(tree, i)));
+                todo.push((source.first_index + 1, first + 1, depth + 1));
+                todo.push((source.first_index, first, depth + 1));
+            } else {
+                self.nodes[to].first = self.triangles.len() as u32;
+                let primitives = source.first_index..source.first_index + source.prim_count;
+                let indices = primitives.map(|i| tree.primitive_indices[i as usize]);
+                self.triangles.extend(indices.map(&triangle));
+            }
+        }
     }
 
     /// Lowest and highest corner of the box around everything, metres; `None` if there is nothing.
@@ -156,7 +163,7 @@ impl TriangleBvh {
                 continue;
             }
             let node = &self.nodes[index as usize];
-            if node.count > 0 {
+            if node.is_leaf() {
                 for triangle in self.leaf(node) {
                     let mut hit = best;
                     if intersect_one(triangle, origin, direction, &mut hit)
@@ -189,69 +196,47 @@ impl TriangleBvh {
 
     /// The same, hits of masked triangles only where `opaque` says so.
     pub fn cast_packet_filtered(&self, rays: &RayPacket, opaque: impl Fn(&Hit) -> bool) -> PacketHits {
-        let mut hits =
-            PacketHits { distance: rays.limit, triangle: [MISS; LANES], u: [0.0; LANES], v: [0.0; LANES] };
-        if self.nodes.is_empty() {
-            return hits;
-        }
+        let mut hits = PacketHits::none(rays);
         if self.depth >= PACKET_STACK {
-            return self.cast_each(rays, opaque);
-        }
-        let inverse = rays.direction.map(|axis| axis.map(reciprocal));
-        let mut stack = [(0_u32, 0.0_f32); PACKET_STACK + 1];
-        let mut top = 1;
-        while top > 0 {
-            top -= 1;
-            let (index, entry) = stack[top];
-            if hits.distance.iter().fold(0, |any, &d| any | mask(d >= entry)) == 0 {
-                continue;
-            }
-            let node = &self.nodes[index as usize];
-            if node.count > 0 {
-                for triangle in self.leaf(node) {
-                    if triangle.masked {
-                        intersect_masked(triangle, rays, &mut hits, &opaque);
-                    } else {
-                        intersect_packet(triangle, rays, &mut hits);
-                    }
-                }
-                continue;
-            }
-            let near = slab_packet(&self.nodes[node.first as usize], rays, &inverse, &hits.distance);
-            let far = slab_packet(&self.nodes[node.first as usize + 1], rays, &inverse, &hits.distance);
-            let mut push = |entry: (u32, f32)| {
-                if entry.1 < f32::INFINITY {
-                    stack[top] = entry;
-                    top += 1;
-                }
-            };
-            let (a, b) = ((node.first, near), (node.first + 1, far));
-            let (first, second) = if near <= far { (b, a) } else { (a, b) };
-            push(first);
-            push(second);
+            self.cast_each(rays, &opaque, &mut hits);
+        } else if !self.nodes.is_empty() {
+            dispatch::cast(self, rays, &opaque, &mut hits);
         }
         hits
     }
 
     /// For trees deeper than the packet's stack, which only degenerate scenes have.
-    fn cast_each(&self, rays: &RayPacket, opaque: impl Fn(&Hit) -> bool) -> PacketHits {
-        let mut hits =
-            PacketHits { distance: rays.limit, triangle: [MISS; LANES], u: [0.0; LANES], v: [0.0; LANES] };
+    fn cast_each(&self, rays: &RayPacket, opaque: &impl Fn(&Hit) -> bool, hits: &mut PacketHits) {
         for lane in 0..LANES {
-            let at = |v: &[Lane; 3]| [v[0][lane], v[1][lane], v[2][lane]];
+            let at = |v: &[[f32; LANES]; 3]| [v[0][lane], v[1][lane], v[2][lane]];
             let (origin, direction) = (at(&rays.origin), at(&rays.direction));
-            if let Some(hit) = self.cast_filtered(origin, direction, rays.limit[lane], &opaque) {
+            if let Some(hit) = self.cast_filtered(origin, direction, rays.limit[lane], opaque) {
                 hits.distance[lane] = hit.distance;
                 hits.triangle[lane] = hit.triangle;
                 (hits.u[lane], hits.v[lane]) = (hit.u, hit.v);
             }
         }
-        hits
     }
 
+    #[inline(always)]
     fn leaf(&self, node: &Node) -> &[LeafTriangle] {
-        &self.triangles[node.first as usize..(node.first + node.count) as usize]
+        &self.triangles[node.first as usize..(node.first + node.kind / 8) as usize]
     }
+}
+
+/// A node of the builder's tree; `first` is still the builder's.
+fn node(tree: &Bvh2, index: u32) -> Node {
+    let source = &tree.nodes[index as usize];
+    let kind = match source.prim_count {
+        0 => {
+            let [a, b] = [0, 1].map(|i| &tree.nodes[source.first_index as usize + i].aabb);
+            let apart: [f32; 3] = ((b.min + b.max) - (a.min + a.max)).into();
+            let axis = (0..3).fold(0, |best, i| if apart[i].abs() > apart[best].abs() { i } else { best });
+            2 * axis as u32 + u32::from(apart[axis] < 0.0)
+        }
+        count => 8 * count,
+    };
+    Node { min: source.aabb.min.into(), first: source.first_index, max: source.aabb.max.into(), kind }
 }
 
 /// Nodes still to be visited with the distances at which they are entered: an array, and a vector for degenerate trees.
@@ -315,7 +300,7 @@ fn upper(a: f32, b: f32) -> f32 {
 
 /// Distance at which the ray enters the box, if it does before `limit`.
 #[inline(always)]
-fn slab(node: &Node, origin: [f32; 3], inverse: [f32; 3], limit: f32) -> (f32, f32) {
+fn slab_one(node: &Node, origin: [f32; 3], inverse: [f32; 3], limit: f32) -> Option<f32> {
     let (mut enter, mut leave) = (0.0_f32, limit);
     for axis in 0..3 {
         let a = (node.min[axis] - origin[axis]) * inverse[axis];
@@ -323,38 +308,7 @@ fn slab(node: &Node, origin: [f32; 3], inverse: [f32; 3], limit: f32) -> (f32, f
         enter = upper(lower(a, b), enter);
         leave = lower(upper(a, b), leave);
     }
-    (enter, leave)
-}
-
-#[inline(always)]
-fn slab_one(node: &Node, origin: [f32; 3], inverse: [f32; 3], limit: f32) -> Option<f32> {
-    let (enter, leave) = slab(node, origin, inverse, limit);
     (enter <= leave).then_some(enter)
-}
-
-/// Smallest distance at which one of the rays enters the box; infinite if none does.
-#[inline(always)]
-fn slab_packet(node: &Node, rays: &RayPacket, inverse: &[Lane; 3], limit: &Lane) -> f32 {
-    let mut entries = [0.0; LANES];
-    for lane in 0..LANES {
-        let at = |v: &[Lane; 3]| [v[0][lane], v[1][lane], v[2][lane]];
-        let (enter, leave) = slab(node, at(&rays.origin), at(inverse), limit[lane]);
-        entries[lane] = select(mask(enter <= leave), enter, f32::INFINITY);
-    }
-    least(entries)
-}
-
-/// The least of sixteen numbers, half against half: a running minimum would be one long chain.
-#[inline(always)]
-fn least(mut values: Lane) -> f32 {
-    let mut half = LANES / 2;
-    while half > 0 {
-        for i in 0..half {
-            values[i] = lower(values[i], values[i + half]);
-        }
-        half /= 2;
-    }
-    values[0]
 }
 
 #[inline(always)]
@@ -408,41 +362,6 @@ fn intersect_one(triangle: &LeafTriangle, origin: [f32; 3], direction: [f32; 3],
     hit != 0
 }
 
-/// As [`intersect_packet`], but asks for each hit whether it goes through a hole.
-#[inline(always)]
-fn intersect_masked(
-    triangle: &LeafTriangle,
-    rays: &RayPacket,
-    hits: &mut PacketHits,
-    opaque: &impl Fn(&Hit) -> bool,
-) {
-    let mut candidates =
-        PacketHits { distance: hits.distance, triangle: [MISS; LANES], u: [0.0; LANES], v: [0.0; LANES] };
-    intersect_packet(triangle, rays, &mut candidates);
-    for lane in (0..LANES).filter(|&lane| candidates.triangle[lane] != MISS) {
-        let (distance, u, v) = (candidates.distance[lane], candidates.u[lane], candidates.v[lane]);
-        if opaque(&Hit { distance, triangle: triangle.index, u, v }) {
-            hits.distance[lane] = distance;
-            hits.triangle[lane] = triangle.index;
-            (hits.u[lane], hits.v[lane]) = (u, v);
-        }
-    }
-}
-
-#[inline(always)]
-fn intersect_packet(triangle: &LeafTriangle, rays: &RayPacket, hits: &mut PacketHits) {
-    let triangle = *triangle;
-    for lane in 0..LANES {
-        let at = |v: &[Lane; 3]| [v[0][lane], v[1][lane], v[2][lane]];
-        let (distance, u, v, hit) =
-            moeller_trumbore(&triangle, at(&rays.origin), at(&rays.direction), hits.distance[lane]);
-        hits.distance[lane] = select(hit, distance, hits.distance[lane]);
-        hits.triangle[lane] = (triangle.index & hit) | (hits.triangle[lane] & !hit);
-        hits.u[lane] = select(hit, u, hits.u[lane]);
-        hits.v[lane] = select(hit, v, hits.v[lane]);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -483,6 +402,25 @@ mod tests {
                 let from_packet = (together.triangle[lane] != MISS).then_some(together.distance[lane]);
                 prop_assert_eq!(alone.map(|h| h.distance), from_packet);
             }
+        }
+
+        #[test]
+        fn every_instruction_set_gives_the_same_bits(
+            soup in prop::collection::vec(triangle(), 1..200),
+            rays in prop::collection::vec((prop::array::uniform3(coordinate()), prop::array::uniform3(coordinate())), LANES),
+        ) {
+            let mut tree = TriangleBvh::masked(soup.iter().copied(), |i| i % 3 == 0);
+            let mut packet = RayPacket::idle();
+            for (lane, (origin, direction)) in rays.iter().enumerate() {
+                packet.set(lane, *origin, *direction, 100.0);
+            }
+            let bits = |h: &PacketHits| (h.distance.map(f32::to_bits), h.triangle, h.u.map(f32::to_bits), h.v.map(f32::to_bits));
+            let mut seen = Vec::new();
+            for set in InstructionSet::available() {
+                tree.instructions = Detected::only(set).unwrap();
+                seen.push(bits(&tree.cast_packet_filtered(&packet, |hit| hit.u > 0.3)));
+            }
+            prop_assert!(seen.windows(2).all(|w| w[0] == w[1]), "{:?}", InstructionSet::available());
         }
     }
 

@@ -1,0 +1,193 @@
+//! What every `Agent` keeps to, checked on each implementation.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use openbench_agents::{Open, Parts};
+use openbench_core::{
+    Action, Agent, Briefing, Camera, Event, Events, FailureCause, Georeference, Goal, Image, ImuSample,
+    LidarPoint, LidarScan, LonLat, Observation, Pose2, RobotDescription, SimTime, Velocity, WheelSample,
+};
+use openbench_language::GrammarPlanner;
+use openbench_localization::DeadReckoning;
+use openbench_osm::OsmData;
+use openbench_vision::{PlateReader, PlateReading, ReaderError};
+
+type Make = fn() -> Box<dyn Agent>;
+
+const AGENTS: [Make; 1] = [open];
+
+/// Reads nothing anywhere.
+struct Blank;
+
+impl PlateReader for Blank {
+    fn name(&self) -> &str {
+        "blank"
+    }
+
+    fn read(&mut self, _image: &Image) -> Result<Vec<PlateReading>, ReaderError> {
+        Ok(Vec::new())
+    }
+}
+
+fn open() -> Box<dyn Agent> {
+    Box::new(Open::new(Parts {
+        planner: Box::new(GrammarPlanner::new()),
+        reader: Box::new(Blank),
+        localizer: Box::new(DeadReckoning::new(RobotDescription::sentry())),
+        memory: None,
+    }))
+}
+
+/// One house of 6 m x 6 m.
+const MAP: &str = r#"<osm version="0.6">
+  <node id="1" lat="50.0" lon="8.0"/><node id="2" lat="50.0" lon="8.00008"/>
+  <node id="3" lat="50.00005" lon="8.00008"/><node id="4" lat="50.00005" lon="8.0"/>
+  <way id="5"><nd ref="1"/><nd ref="2"/><nd ref="3"/><nd ref="4"/><nd ref="1"/>
+    <tag k="building" v="yes"/><tag k="name" v="building1"/></way></osm>"#;
+
+fn briefing(map: &[u8], instruction: &str) -> Briefing {
+    Briefing {
+        map_osm: map.to_vec(),
+        georeference: Georeference::TangentPlane(LonLat::new(8.0, 50.0)),
+        goal: Goal::Instruction(instruction.to_owned()),
+        start: Pose2::new(-8.0, 3.0, 0.0),
+        robot: RobotDescription::sentry(),
+        time_limit: Duration::from_secs(1200),
+    }
+}
+
+#[derive(Default)]
+struct Kept(Vec<Event>);
+
+impl Events for Kept {
+    fn record(&mut self, event: Event) {
+        self.0.push(event);
+    }
+}
+
+struct Grey;
+
+impl Camera for Grey {
+    fn image(&self) -> Option<Arc<Image>> {
+        let (width, height) = (64, 48);
+        Some(Arc::new(Image {
+            stamp: SimTime::ZERO,
+            width,
+            height,
+            rgb: vec![128; (3 * width * height) as usize],
+        }))
+    }
+}
+
+/// A world without walls: the robot moves as it is told, and its LiDAR sees flat ground.
+struct Plain {
+    time: SimTime,
+    wheels: [f64; 2],
+    velocity: Velocity,
+}
+
+impl Plain {
+    fn new() -> Self {
+        Self { time: SimTime::ZERO, wheels: [0.0; 2], velocity: Velocity::ZERO }
+    }
+
+    /// What the agent does in the next 50 ms.
+    fn step(&mut self, agent: &mut dyn Agent, events: &mut Kept) -> Action {
+        let robot = RobotDescription::sentry();
+        let (mut imu, mut wheels) = (Vec::new(), Vec::new());
+        for _ in 0..5 {
+            self.time = SimTime(self.time.0 + 10_000_000);
+            let side = self.velocity.angular * robot.effective_track / 2.0;
+            let speeds = [self.velocity.linear - side, self.velocity.linear + side];
+            for (angle, speed) in self.wheels.iter_mut().zip(speeds) {
+                *angle += speed * 0.01 / robot.wheel_radius;
+            }
+            let (stamp, [left, right]) = (self.time, self.wheels);
+            imu.push(ImuSample { stamp, gyro: [0.0, 0.0, self.velocity.angular], accel: [0.0, 0.0, 9.8] });
+            wheels.push(WheelSample { stamp, left, right });
+        }
+        let scan = self.time.0.is_multiple_of(100_000_000).then(|| self.scan(&robot));
+        let observation = Observation {
+            time: self.time,
+            imu: &imu,
+            wheels: &wheels,
+            scan: scan.as_ref(),
+            camera: &Grey,
+        };
+        let action = agent.act(&observation, events);
+        self.velocity = if let Action::Drive(v) = &action { *v } else { Velocity::ZERO };
+        action
+    }
+
+    fn scan(&self, robot: &RobotDescription) -> LidarScan {
+        let down = -robot.lidar.translation.vector.z as f32;
+        let ring = (0..360_u32).map(|i| {
+            let bearing = f64::from(i).to_radians();
+            let xyz = [(2.0 * libm::cos(bearing)) as f32, (2.0 * libm::sin(bearing)) as f32, down];
+            LidarPoint { xyz, offset_ns: i * 277_000, reflectivity: 50, line: 0 }
+        });
+        LidarScan { stamp: SimTime(self.time.0 - 100_000_000), points: ring.collect() }
+    }
+}
+
+#[test]
+fn an_agent_that_was_not_begun_or_begun_twice_says_so() {
+    for make in AGENTS {
+        let (mut agent, mut events) = (make(), Kept::default());
+        let action = Plain::new().step(agent.as_mut(), &mut events);
+        assert!(
+            matches!(&action, Action::GiveUp(g) if g.cause == FailureCause::AgentError),
+            "{action:?}"
+        );
+        let briefing = briefing(MAP.as_bytes(), "box to unit 1, building 1");
+        agent.begin(&briefing, &mut events).unwrap();
+        assert_eq!(agent.begin(&briefing, &mut events).unwrap_err().cause, FailureCause::AgentError);
+    }
+}
+
+#[test]
+fn broken_briefings_are_given_up_with_their_cause() {
+    let cases = [
+        (&b"<osm"[..], "box to unit 1, building 1", FailureCause::Briefing),
+        (b"\xff\xfe", "box to unit 1, building 1", FailureCause::Briefing),
+        (MAP.as_bytes(), "la la la", FailureCause::NotUnderstood),
+    ];
+    for make in AGENTS {
+        for (map, instruction, cause) in cases {
+            let given_up = make().begin(&briefing(map, instruction), &mut Kept::default()).unwrap_err();
+            assert_eq!(given_up.cause, cause, "{instruction}: {given_up}");
+        }
+    }
+}
+
+#[test]
+fn actions_are_within_reason_repeat_and_come_to_an_end() {
+    for make in AGENTS {
+        let run = || {
+            let (mut agent, mut events, mut world) = (make(), Kept::default(), Plain::new());
+            let briefing = briefing(MAP.as_bytes(), "box to unit 1, building 1");
+            agent.begin(&briefing, &mut events).unwrap();
+            let mut actions = Vec::new();
+            for _ in 0..20 * briefing.time_limit.as_secs() {
+                let action = world.step(agent.as_mut(), &mut events);
+                actions.push(action.clone());
+                match action {
+                    Action::Drive(v) => assert!(v.linear.is_finite() && v.angular.is_finite(), "{v:?}"),
+                    Action::Delivered(address) => panic!("{address} was declared, though no plate was read"),
+                    Action::GiveUp(_) => break,
+                }
+            }
+            let map = agent.finish(&mut events);
+            (actions, events.0, map)
+        };
+        let (actions, events, map) = run();
+        assert!(matches!(actions.last(), Some(Action::GiveUp(g)) if g.cause == FailureCause::DoorNotFound));
+        assert!(actions.iter().any(|a| matches!(a, Action::Drive(v) if v.linear > 0.3)));
+        assert!(events.iter().any(|e| matches!(e, Event::Plan(p) if p.deliveries.len() == 1)));
+        let map = map.expect("OPEN edits its map");
+        assert_eq!(OsmData::from_bytes(&map).unwrap().ways.len(), 1);
+        let again = run();
+        assert!(again.0 == actions && again.2 == Some(map), "the same briefing and sensors, other actions");
+    }
+}

@@ -1,0 +1,121 @@
+//! What every `Localizer` keeps to, checked on each implementation.
+
+use std::sync::Arc;
+
+use openbench_core::{
+    Camera, Image, ImuSample, MapPoint, Observation, Pose2, RobotDescription, SimTime, WheelSample,
+};
+use openbench_localization::{DeadReckoning, Localizer};
+
+type Make = fn() -> Box<dyn Localizer>;
+
+const LOCALIZERS: [Make; 1] = [|| Box::new(DeadReckoning::new(RobotDescription::sentry()))];
+
+struct Blind;
+
+impl Camera for Blind {
+    fn image(&self) -> Option<Arc<Image>> {
+        None
+    }
+}
+
+/// A robot whose sensors are exact but for a turn rate that is off by a constant, fed to a localizer every 50 ms.
+struct Robot {
+    time: SimTime,
+    truth: Pose2,
+    wheels: [f64; 2],
+}
+
+const BIAS: f64 = 0.004;
+const DT: f64 = 0.01;
+
+impl Robot {
+    fn at(truth: Pose2) -> Self {
+        Self { time: SimTime::ZERO, truth, wheels: [0.0; 2] }
+    }
+
+    fn drive(&mut self, localizer: &mut dyn Localizer, linear: f64, angular: f64, seconds: f64) {
+        let robot = RobotDescription::sentry();
+        for _ in 0..(seconds / 0.05).round() as usize {
+            let (mut imu, mut wheels) = (Vec::new(), Vec::new());
+            for _ in 0..5 {
+                self.time = SimTime(self.time.0 + 10_000_000);
+                self.truth = self.truth.compose(Pose2::new(linear * DT, 0.0, angular * DT));
+                let difference = angular * robot.effective_track / 2.0;
+                for (angle, speed) in self.wheels.iter_mut().zip([linear - difference, linear + difference]) {
+                    *angle += speed * DT / robot.wheel_radius;
+                }
+                let (stamp, [left, right]) = (self.time, self.wheels);
+                imu.push(ImuSample { stamp, gyro: [0.0, 0.0, angular + BIAS], accel: [0.0, 0.0, 9.8] });
+                wheels.push(WheelSample { stamp, left, right });
+            }
+            localizer.update(&seen(self.time, &imu, &wheels));
+        }
+    }
+}
+
+fn seen<'a>(time: SimTime, imu: &'a [ImuSample], wheels: &'a [WheelSample]) -> Observation<'a> {
+    Observation { time, imu, wheels, scan: None, camera: &Blind }
+}
+
+fn apart(a: Pose2, b: Pose2) -> (f64, f64) {
+    (a.point().distance(b.point()), (a.yaw - b.yaw).sin().abs())
+}
+
+#[test]
+fn it_begins_where_it_is_told_and_stays_there_at_rest() {
+    let start = Pose2::new(12.0, -7.0, 2.5);
+    for make in LOCALIZERS {
+        let (mut localizer, mut robot) = (make(), Robot::at(start));
+        localizer.reset(start);
+        assert!(!localizer.name().is_empty() && apart(localizer.pose(), start) < (1e-9, 1e-9));
+        robot.drive(localizer.as_mut(), 0.0, 0.0, 30.0);
+        let (away, turned) = apart(localizer.pose(), start);
+        assert!(localizer.ready() && away < 0.01 && turned < 0.01, "{away} m, {turned} rad");
+    }
+}
+
+#[test]
+fn it_follows_a_drive_and_its_history_agrees_with_what_it_said() {
+    for make in LOCALIZERS {
+        let start = Pose2::new(1.0, 2.0, -3.0);
+        let (mut localizer, mut robot) = (make(), Robot::at(start));
+        localizer.reset(start);
+        robot.drive(localizer.as_mut(), 0.0, 0.0, 2.0);
+        let mut said = Vec::new();
+        for (linear, angular) in [(0.4, 0.0), (0.3, 0.5), (0.0, -0.8), (0.5, 0.1)] {
+            robot.drive(localizer.as_mut(), linear, angular, 4.0);
+            said.push((robot.time, localizer.pose()));
+        }
+        let (away, turned) = apart(localizer.pose(), robot.truth);
+        assert!(away < 0.05 && turned < 0.01, "{away} m, {turned} rad after 5 m");
+        let (time, pose) = *said.last().unwrap();
+        assert!(apart(localizer.pose_at(time), pose) < (1e-6, 1e-6));
+        let before = localizer.pose_at(SimTime(time.0 - 500_000_000));
+        let driven = before.point().distance(pose.point());
+        assert!((0.2..0.3).contains(&driven), "half a second at 0.5 m/s: {driven}");
+        localizer.reset(start);
+        assert!(apart(localizer.pose(), start) < (1e-9, 1e-9) && !localizer.ready());
+    }
+}
+
+#[test]
+fn broken_samples_do_not_break_it() {
+    for make in LOCALIZERS {
+        let mut localizer = make();
+        localizer.reset(Pose2::default());
+        let mut robot = Robot::at(Pose2::default());
+        robot.drive(localizer.as_mut(), 0.0, 0.0, 2.0);
+        let stamp = SimTime(robot.time.0 + 10_000_000);
+        let nan = [ImuSample { stamp, gyro: [f64::NAN; 3], accel: [f64::INFINITY; 3] }];
+        let far = [WheelSample { stamp, left: f64::NAN, right: f64::INFINITY }];
+        // Nothing, no numbers, and time that runs backwards.
+        localizer.update(&seen(robot.time, &[], &[]));
+        localizer.update(&seen(stamp, &nan, &far));
+        let early = [ImuSample { stamp: SimTime::ZERO, gyro: [0.0; 3], accel: [0.0; 3] }];
+        localizer.update(&seen(SimTime::ZERO, &early, &[WheelSample { stamp: SimTime::ZERO, left: 0.0, right: 0.0 }]));
+        robot.drive(localizer.as_mut(), 0.0, 0.0, 1.0);
+        let pose = localizer.pose();
+        assert!(pose.point().distance(MapPoint::default()) < 0.05 && pose.yaw.abs() < 0.05, "{pose:?}");
+    }
+}
