@@ -108,13 +108,8 @@ impl Plain {
             wheels.push(WheelSample { stamp, left, right });
         }
         let scan = self.time.0.is_multiple_of(100_000_000).then(|| self.scan(&robot));
-        let observation = Observation {
-            time: self.time,
-            imu: &imu,
-            wheels: &wheels,
-            scan: scan.as_ref(),
-            camera: &Grey,
-        };
+        let observation =
+            Observation { time: self.time, imu: &imu, wheels: &wheels, scan: scan.as_ref(), camera: &Grey };
         let action = agent.act(&observation, events);
         self.velocity = if let Action::Drive(v) = &action { *v } else { Velocity::ZERO };
         action
@@ -136,10 +131,7 @@ fn an_agent_that_was_not_begun_or_begun_twice_says_so() {
     for make in AGENTS {
         let (mut agent, mut events) = (make(), Kept::default());
         let action = Plain::new().step(agent.as_mut(), &mut events);
-        assert!(
-            matches!(&action, Action::GiveUp(g) if g.cause == FailureCause::AgentError),
-            "{action:?}"
-        );
+        assert!(matches!(&action, Action::GiveUp(g) if g.cause == FailureCause::AgentError), "{action:?}");
         let briefing = briefing(MAP.as_bytes(), "box to unit 1, building 1");
         agent.begin(&briefing, &mut events).unwrap();
         assert_eq!(agent.begin(&briefing, &mut events).unwrap_err().cause, FailureCause::AgentError);

@@ -99,7 +99,8 @@ fn clear(out: &Path) -> Result<(), BenchError> {
 fn run_all(request: &RunRequest<'_>) -> Result<Vec<EpisodeTrace>, BenchError> {
     let count = request.prepared.episodes.len();
     let (next, failed, finished) = (AtomicUsize::new(0), AtomicBool::new(false), AtomicUsize::new(0));
-    let slots: Vec<Mutex<Option<Result<EpisodeTrace, BenchError>>>> = (0..count).map(|_| Mutex::new(None)).collect();
+    let slots: Vec<Mutex<Option<Result<EpisodeTrace, BenchError>>>> =
+        (0..count).map(|_| Mutex::new(None)).collect();
     std::thread::scope(|scope| {
         for _ in 0..request.jobs.clamp(1, count.max(1)) {
             scope.spawn(|| {

@@ -11,6 +11,7 @@ use openbench_sim::Stage;
 
 use crate::BenchError;
 use crate::evaluate::parse_truth;
+use crate::report::html::count;
 use crate::suite::{Episode, Suite};
 
 /// Time limit of a delivery: seconds, and seconds for each metre of the shortest way at 0.5 m/s.
@@ -176,9 +177,9 @@ fn read_truths(path: &Path, suite: &Suite, world: &World) -> Result<Vec<Vec<usiz
     let lines = parse_truth(&text).map_err(|(line, problem)| bad(format!("line {line}: {problem}")))?;
     if lines.len() != suite.episodes.len() {
         return Err(bad(format!(
-            "{} lines of true positions for {} lines of deliveries; each line of deliveries needs one",
-            lines.len(),
-            suite.episodes.len()
+            "{} of true positions for {} of deliveries; each line of deliveries needs one",
+            count(lines.len(), "line", "lines"),
+            count(suite.episodes.len(), "line", "lines")
         )));
     }
     let mut doors = Vec::new();

@@ -98,7 +98,7 @@ fn with_truth(truth: &str) -> Ran {
 
 #[test]
 fn a_truth_with_too_many_lines_is_refused() {
-    with_truth("(8.2, 0.0)\n(0.0, 12.2)\n").refused_with(&["truth.txt", "2 lines", "1 lines"]);
+    with_truth("(8.2, 0.0)\n(0.0, 12.2)\n").refused_with(&["truth.txt", "2 lines", "1 line"]);
 }
 
 #[test]

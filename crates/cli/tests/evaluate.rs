@@ -70,7 +70,7 @@ fn a_sequence_that_is_not_called_one_is_refused_with_the_option() {
 
 #[test]
 fn truths_that_do_not_fit_the_tasks_are_refused_with_both_numbers() {
-    evaluate(LOG, "(6.0, 8.0)\n", "").refused_with(&["gt.txt", "1 truths", "2 tasks"]);
+    evaluate(LOG, "(6.0, 8.0)\n", "").refused_with(&["gt.txt", "1 true position", "2 tasks"]);
     evaluate("", "", "").refused_with(&["gt.txt", "(x, y)"]);
 }
 

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use openbench_core::frames::wrap_angle;
 use openbench_core::{
     Camera, Image, ImuSample, MapPoint, Observation, Pose2, RobotDescription, SimTime, WheelSample,
 };
@@ -59,7 +60,7 @@ fn seen<'a>(time: SimTime, imu: &'a [ImuSample], wheels: &'a [WheelSample]) -> O
 }
 
 fn apart(a: Pose2, b: Pose2) -> (f64, f64) {
-    (a.point().distance(b.point()), (a.yaw - b.yaw).sin().abs())
+    (a.point().distance(b.point()), wrap_angle(a.yaw - b.yaw).abs())
 }
 
 #[test]
@@ -113,7 +114,11 @@ fn broken_samples_do_not_break_it() {
         localizer.update(&seen(robot.time, &[], &[]));
         localizer.update(&seen(stamp, &nan, &far));
         let early = [ImuSample { stamp: SimTime::ZERO, gyro: [0.0; 3], accel: [0.0; 3] }];
-        localizer.update(&seen(SimTime::ZERO, &early, &[WheelSample { stamp: SimTime::ZERO, left: 0.0, right: 0.0 }]));
+        localizer.update(&seen(
+            SimTime::ZERO,
+            &early,
+            &[WheelSample { stamp: SimTime::ZERO, left: 0.0, right: 0.0 }],
+        ));
         robot.drive(localizer.as_mut(), 0.0, 0.0, 1.0);
         let pose = localizer.pose();
         assert!(pose.point().distance(MapPoint::default()) < 0.05 && pose.yaw.abs() < 0.05, "{pose:?}");

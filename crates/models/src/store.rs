@@ -35,7 +35,7 @@ pub enum PullEvent {
 #[derive(Debug, thiserror::Error)]
 pub enum ModelError {
     /// The catalogue has no such file or set.
-    #[error("there is no model `{name}`; known are {known}")]
+    #[error("there is no model `{name}`; there are {known}")]
     Unknown {
         /// The name.
         name: String,
@@ -146,7 +146,13 @@ impl ModelStore {
     ) -> Result<Vec<PathBuf>, ModelError> {
         let files = catalogue::named(name);
         if files.is_empty() {
-            let known = CATALOGUE.map(|file| file.name).join(", ");
+            let mut sets = CATALOGUE.map(|file| file.set).to_vec();
+            sets.dedup();
+            let known = format!(
+                "the sets {}; of their files {}",
+                sets.join(", "),
+                CATALOGUE.map(|file| file.name).join(", ")
+            );
             return Err(ModelError::Unknown { name: name.to_owned(), known });
         }
         self.ensure_files(&files, &Pip, observer)

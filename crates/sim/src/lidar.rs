@@ -160,7 +160,7 @@ fn bucket(azimuth: f64, elevation: f64) -> usize {
     let row = ((elevation - low) / (ELEVATION.1.to_radians() - low) * BUCKET_ROWS as f64) as usize;
     let row = row.min(BUCKET_ROWS - 1);
     // Up one column, down the next: a packet that ends one column begins the next beside it.
-    column * BUCKET_ROWS + if column % 2 == 0 { row } else { BUCKET_ROWS - 1 - row }
+    column * BUCKET_ROWS + if column.is_multiple_of(2) { row } else { BUCKET_ROWS - 1 - row }
 }
 
 /// Where the sensor is during a scan, interpolated between known poses.

@@ -17,6 +17,7 @@ use openbench_core::MapPoint;
 use serde::Serialize;
 
 use crate::metrics::{paper_success, path_ratio, sequence_mean, spl};
+use crate::report::html::count;
 use crate::statistics::{bootstrap_interval, wilson_interval};
 
 mod log;
@@ -136,8 +137,9 @@ fn score(tasks: &[LoggedTask], episodes: &[Vec<MapPoint>]) -> Result<Evaluation,
     let truths: usize = episodes.iter().map(Vec::len).sum();
     if truths != tasks.len() {
         return Err(format!(
-            "{truths} truths for the {} tasks of the log; each task needs its own, in the order of the log",
-            tasks.len()
+            "{} for {}; each task of the log needs a true position of its own, in the order of the log",
+            count(truths, "true position", "true positions"),
+            count(tasks.len(), "task", "tasks")
         ));
     }
     if truths == 0 {
@@ -236,10 +238,10 @@ mod tests {
 
     #[test]
     fn truths_that_do_not_fit_are_refused() {
-        assert!(run("(6, 8)\n", false).unwrap_err().contains("1 truths for the 2 tasks"));
+        assert!(run("(6, 8)\n", false).unwrap_err().contains("1 true position for 2 tasks"));
         assert!(run("(6, 8) (1, 1)\n", false).unwrap_err().contains("--sequence"));
         assert!(run("(6, 8)\n(1; 2)\n", false).unwrap_err().contains("gt.txt:2: "));
-        assert!(run("", false).unwrap_err().contains("0 truths"));
+        assert!(run("", false).unwrap_err().contains("0 true positions"));
     }
 
     #[test]

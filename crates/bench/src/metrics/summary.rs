@@ -28,7 +28,8 @@ pub fn summarize(deliveries: &[DeliveryResult], totals: &RunTotals) -> Metrics {
     let mut metrics = Metrics {
         collisions: deliveries.iter().map(|d| d.collisions).sum(),
         collisions_by_class: collisions::total(deliveries.iter().map(|d| &d.collisions_by_class)),
-        path_m: deliveries.iter().map(|d| d.path_m).sum(),
+        // From plus zero: the sum of nothing is minus zero.
+        path_m: deliveries.iter().map(|d| d.path_m).fold(0.0, |sum, p| sum + p),
         sim_seconds: totals.sim_seconds,
         wall_seconds: totals.wall_seconds,
         real_time_factor: if totals.cpu_seconds > 0.0 {

@@ -77,16 +77,8 @@ struct Traversal<'a> {
 impl<'a> Traversal<'a> {
     #[inline(always)]
     fn new(rays: &'a RayPacket) -> Self {
-        let mut inverse = [[0.0; LANES]; 3];
-        let mut against = [0; 3];
-        for axis in 0..3 {
-            let mut sum = 0.0;
-            for lane in 0..LANES {
-                inverse[axis][lane] = reciprocal(rays.direction[axis][lane]);
-                sum += rays.direction[axis][lane];
-            }
-            against[axis] = u32::from(sum < 0.0);
-        }
+        let inverse = rays.direction.map(|axis| axis.map(reciprocal));
+        let against = rays.direction.map(|axis| u32::from(axis.iter().sum::<f32>() < 0.0));
         Self { rays, inverse, against }
     }
 

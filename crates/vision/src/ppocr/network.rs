@@ -49,10 +49,8 @@ impl Network {
         let inputs = vec![(self.model.input_ids()[0], input.into())];
         let outputs = [self.model.output_ids()[0]];
         let options = RunOptions::default().with_thread_pool(Some(thread.clone()));
-        let [output] = self
-            .model
-            .run_n(inputs, outputs, Some(options))
-            .map_err(|error| failed(error.to_string()))?;
+        let [output] =
+            self.model.run_n(inputs, outputs, Some(options)).map_err(|error| failed(error.to_string()))?;
         output.try_into().map_err(|error: rten::TryFromValueError| failed(error.to_string()))
     }
 }
