@@ -1,6 +1,6 @@
 //! Dead reckoning: the way from the wheels, the heading from the gyroscope.
 //!
-//! The gyroscope's bias is what it shows at rest: over the first one and a half seconds, and again at every halt, weighed by a Kalman
+//! The gyroscope's bias is what it shows at rest: over the first four seconds, and again at every halt, weighed by a Kalman
 //! filter of one state. The body comes to rest later than its wheels, and starts before the next mark of their encoders shows: only what
 //! the gyroscope said well within a halt counts as rest.
 //! A skid-steer robot's wheels say little about its heading, but the mean of both sides says how far it went.
@@ -14,8 +14,8 @@ use openbench_core::{
 
 use crate::Localizer;
 
-/// Standing still that long shows the gyroscope's bias.
-const SETTLE: Duration = Duration::from_millis(1500);
+/// Standing still that long at the start shows the gyroscope's bias: to 3e-5 rad/s, a degree in ten minutes.
+const SETTLE: Duration = Duration::from_millis(4000);
 /// Poses of this long are remembered.
 const MEMORY: Duration = Duration::from_millis(1000);
 /// Wheels that have stood that long mean that the robot does.
@@ -85,7 +85,7 @@ impl DeadReckoning {
         if self.resting.len() > STARTING {
             self.resting.pop_front().into_iter().for_each(|rate| self.learn_bias(rate));
         }
-        let turned = (imu.gyro[2] - self.bias) * dt;
+        let turned = if self.ready { (imu.gyro[2] - self.bias) * dt } else { 0.0 };
         // Along the chord of the arc.
         let chord = Pose2::new(pose.x, pose.y, pose.yaw + turned / 2.0).transform(forward, 0.0);
         self.history.push_back((imu.stamp, Pose2::new(chord.x, chord.y, wrap_angle(pose.yaw + turned))));
@@ -176,7 +176,7 @@ mod tests {
     fn a_circle_closes_despite_the_bias() {
         let mut localizer = DeadReckoning::new(RobotDescription::sentry());
         localizer.reset(Pose2::new(2.0, 1.0, 0.5));
-        let at = feed(&mut localizer, 0, 1.5, 0.0, 0.0);
+        let at = feed(&mut localizer, 0, 4.0, 0.0, 0.0);
         assert!(localizer.ready());
         feed(&mut localizer, at, std::f64::consts::TAU / 0.5, 0.4, 0.5);
         let pose = localizer.pose();
@@ -187,7 +187,7 @@ mod tests {
     #[test]
     fn a_turn_that_outlasts_the_wheels_counts_and_is_not_taken_for_bias() {
         let mut localizer = DeadReckoning::new(RobotDescription::sentry());
-        let mut at = feed(&mut localizer, 0, 1.5, 0.0, 0.0);
+        let mut at = feed(&mut localizer, 0, 4.0, 0.0, 0.0);
         for _ in 0..20 {
             at = feed(&mut localizer, at, 0.5, 0.3, 0.2);
             // The wheels stand while the body slides on for a tenth of a second.
@@ -202,11 +202,11 @@ mod tests {
     #[test]
     fn poses_in_between_are_interpolated() {
         let mut localizer = DeadReckoning::new(RobotDescription::sentry());
-        let at = feed(&mut localizer, 0, 1.0, 0.0, 0.0);
+        let at = feed(&mut localizer, 0, 4.0, 0.0, 0.0);
         feed(&mut localizer, at, 0.5, 0.5, 0.0);
         let (a, b) =
-            (localizer.pose_at(SimTime::from_millis(1200)), localizer.pose_at(SimTime::from_millis(1210)));
-        let middle = localizer.pose_at(SimTime::from_millis(1205));
+            (localizer.pose_at(SimTime::from_millis(4200)), localizer.pose_at(SimTime::from_millis(4210)));
+        let middle = localizer.pose_at(SimTime::from_millis(4205));
         assert!((middle.x - (a.x + b.x) / 2.0).abs() < 1e-9 && b.x > a.x);
         assert_eq!(localizer.pose_at(SimTime::from_millis(99_999)), localizer.pose());
     }

@@ -82,7 +82,7 @@ fn it_follows_a_drive_and_its_history_agrees_with_what_it_said() {
         let start = Pose2::new(1.0, 2.0, -3.0);
         let (mut localizer, mut robot) = (make(), Robot::at(start));
         localizer.reset(start);
-        robot.drive(localizer.as_mut(), 0.0, 0.0, 2.0);
+        robot.drive(localizer.as_mut(), 0.0, 0.0, 5.0);
         let mut said = Vec::new();
         for (linear, angular) in [(0.4, 0.0), (0.3, 0.5), (0.0, -0.8), (0.5, 0.1)] {
             robot.drive(localizer.as_mut(), linear, angular, 4.0);

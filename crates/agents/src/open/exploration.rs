@@ -30,6 +30,9 @@ pub struct Waypoint {
     pub wall: MapPoint,
     /// Distance between them, metres.
     pub standoff: f64,
+    /// Whether it stands in for a place that could not be reached or saw too little. Nothing stands in for it in turn: each look shows
+    /// obstacles that hide something, and there would be no end of places.
+    pub second: bool,
 }
 
 impl Waypoint {
@@ -55,7 +58,7 @@ impl Waypoint {
         let back = self.place.yaw + std::f64::consts::PI;
         let at = self.wall.offset(back, standoff);
         let place = Pose2::new(at.x, at.y, self.place.yaw);
-        (standoff >= NEAREST).then_some(Self { place, standoff, ..*self })
+        (standoff >= NEAREST && !self.second).then_some(Self { place, standoff, second: true, ..*self })
     }
 }
 
@@ -108,7 +111,7 @@ fn look_at(map: &OsmMap, wall: MapPoint, outwards: f64, standoff: f64) -> Option
     let distances = (0..).map(|i| standoff - 0.4 * f64::from(i)).take_while(|d| *d >= NEAREST);
     let standoff = distances.into_iter().find(clear)?;
     let at = wall.offset(outwards, standoff);
-    Some(Waypoint { place: Pose2::new(at.x, at.y, at.bearing_to(wall)), wall, standoff })
+    Some(Waypoint { place: Pose2::new(at.x, at.y, at.bearing_to(wall)), wall, standoff, second: false })
 }
 
 fn turns_left(a: MapPoint, b: MapPoint, c: MapPoint) -> bool {
@@ -174,7 +177,7 @@ mod tests {
         let nearer = place.nearer().unwrap();
         assert!((nearer.place.point().distance(place.wall) - 2.4).abs() < 1e-9);
         assert!(nearer.place.transform(2.4, 0.0).distance(place.wall) < 1e-9);
-        assert_eq!(nearer.nearer().and_then(|n| n.nearer()), None);
+        assert_eq!(nearer.nearer(), None);
     }
 
     #[test]

@@ -382,6 +382,9 @@ impl Mission {
         if let Err(detail) = self.read(&image, events) {
             return Err(Action::GiveUp(one(task.address, FailureCause::ReaderUnavailable, detail)));
         }
+        if self.is_refuted(&task) {
+            return Err(self.next_waypoint(task, observation.time, events));
+        }
         match self.remembered(task.building, &task.address).filter(|door| wants(&task, door)) {
             Some(door) => {
                 let mut task = task;
@@ -391,6 +394,12 @@ impl Mission {
             }
             None => Ok(task),
         }
+    }
+
+    /// Whether the door that the robot is on its way to was read otherwise meanwhile.
+    fn is_refuted(&self, task: &Task) -> bool {
+        let Stage::Approach(aim) = &task.stage else { return false };
+        self.seen.contains(aim) && !sighting::is_trusted(aim, &self.seen)
     }
 
     /// Whether the camera looks at a building from near enough to read its plates.

@@ -39,7 +39,7 @@ pub struct Sighting {
     pub position: MapPoint,
     /// Direction that the plate faces, radians.
     pub facing: f64,
-    /// How sure the reader was, 0 to 1.
+    /// How sure the reader was, and how literally the text names the unit, 0 to 1.
     pub confidence: f32,
 }
 
@@ -94,12 +94,17 @@ pub fn place(
 /// The sighting that a reading amounts to, if it names a unit, can be placed, and lies at a building.
 pub fn recognise(reading: &PlateReading, placed: Option<(MapPoint, f64)>, map: &OsmMap) -> Option<Sighting> {
     // A bare number may be a window frame or a pipe.
-    let unit = parse_unit(&reading.text).filter(|u| u.worded && reading.confidence >= CONFIDENCE)?;
+    let unit = parse_unit(&reading.text).filter(|u| u.worded)?;
+    // "UNIT!" may be unit 1; another reading must agree.
+    let confidence = reading.confidence * unit.score;
+    if confidence < CONFIDENCE {
+        return None;
+    }
     let (position, facing) = placed?;
     let building = map.nearest_building(position)?;
     let near = map.distance_to_building(building, position) <= OFF_BUILDING;
     let facing = along_wall(facing, position, &map.buildings[building].polygon);
-    near.then_some(Sighting { unit: unit.unit, building, position, facing, confidence: reading.confidence })
+    near.then_some(Sighting { unit: unit.unit, building, position, facing, confidence })
 }
 
 /// `facing` turned to the normal of the wall that fits it best, of those near the plate: porches and shutters around a plate make what
