@@ -103,14 +103,16 @@ pub fn score_written_doors(prepared: &Prepared, traces: &[EpisodeTrace]) -> Opti
     })
 }
 
-/// Where a map has a door: on the outline of its building, in front of the plate. Plates in recessed doorways hang inside the outline.
+/// Where a map has a door: on the outline of its building. Plates in recessed doorways hang inside the outline: their doors lie in front of
+/// them; of others the nearest place of the outline counts.
 fn doorway(map: &OsmMap, door: &Door) -> MapPoint {
     const RECESS_CM: u32 = 400;
     let plate = door.point();
-    let outline = map.buildings.iter().map(|b| &b.polygon).find(|p| p.contains(plate));
-    let Some(outline) = outline else { return plate };
+    let Some(building) = map.nearest_building(plate) else { return plate };
+    let outline = &map.buildings[building].polygon;
     let mut outwards = (0..RECESS_CM).step_by(5).map(|cm| plate.offset(door.facing, f64::from(cm) / 100.0));
-    outwards.find(|p| !outline.contains(*p)).unwrap_or(plate)
+    let in_front = outwards.find(|p| !outline.contains(*p)).filter(|_| outline.contains(plate));
+    in_front.unwrap_or_else(|| outline.nearest_boundary_point(plate).0)
 }
 
 /// Instructions that were understood exactly, and all; `None` if the agent made no plans.
