@@ -15,6 +15,7 @@
 //! | [`metrics`], [`statistics`], [`results`] | the numbers |
 //! | [`evaluate`] | the reference's recorder files |
 //! | [`report`] | results for people |
+//! | [`speed`] | how fast the parts are |
 //! | [`truth`] | the truth as a localizer, for comparisons |
 
 pub mod deliveries;
@@ -32,6 +33,7 @@ pub mod results;
 pub mod run;
 pub mod runner;
 pub mod scoring;
+pub mod speed;
 pub mod stage;
 pub mod statistics;
 pub mod suite;

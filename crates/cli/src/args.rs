@@ -40,6 +40,8 @@ pub enum Command {
     World(WorldArgs),
     /// Model files
     Models(ModelsArgs),
+    /// Measure our own speed, for comparisons
+    Bench(BenchArgs),
 }
 
 /// Arguments of `run`.
@@ -190,6 +192,51 @@ pub struct ShowArgs {
     /// The picture (PNG)
     #[arg(long, default_value = "world.png")]
     pub out: PathBuf,
+}
+
+/// Arguments of `bench`.
+#[derive(Debug, ClapArgs)]
+pub struct BenchArgs {
+    /// What to measure
+    #[command(subcommand)]
+    pub command: BenchCommand,
+}
+
+/// What can be measured.
+#[derive(Debug, Subcommand)]
+pub enum BenchCommand {
+    /// The simulator: LiDAR rays, images, seconds simulated in a second of one core
+    Sim(BenchSimArgs),
+}
+
+/// Arguments of `bench sim`.
+#[derive(Debug, ClapArgs)]
+#[command(after_help = "\
+Examples:
+  openbench bench sim medium
+  openbench bench sim --world medium_osm.world --map medium.osm --models gazebo_models --json")]
+pub struct BenchSimArgs {
+    /// A built-in world
+    #[arg(conflicts_with = "world", default_value = "medium")]
+    pub name: String,
+    /// A Gazebo world (SDF)
+    #[arg(long, requires = "map")]
+    pub world: Option<PathBuf>,
+    /// The OSM map of that world
+    #[arg(long, requires = "world")]
+    pub map: Option<PathBuf>,
+    /// Folder in which `model://` is looked up (may be given more than once)
+    #[arg(long)]
+    pub models: Vec<PathBuf>,
+    /// How the world lies on the Earth
+    #[arg(long)]
+    pub georef: Option<String>,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Folder for the triangles and rays that were measured, for other programs to be measured with
+    #[arg(long)]
+    pub dump: Option<PathBuf>,
 }
 
 /// Arguments of `models`.

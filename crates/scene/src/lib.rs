@@ -26,6 +26,6 @@ pub use bvh::{Hit, RayPacket, TriangleBvh};
 pub use free_space::FreeSpace;
 pub use import::{ImportError, ImportRequest, import_world};
 pub use material::{Material, MaterialId, SemanticClass, Texture, TextureId};
-pub use raycast::RayCaster;
+pub use raycast::{RayCaster, Surface};
 pub use scene::{Door, Scene, SceneBuilder, SolidMesh, Sun, Triangle, Vertex};
 pub use world::World;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::bvh::{Hit, LANES, MISS, RayPacket, TriangleBvh};
 use crate::material::{Material, Texture};
-use crate::scene::Scene;
+use crate::scene::{Scene, Triangle};
 
 /// A scene that rays can be cast into. Cheap to clone and shared between threads.
 #[derive(Debug, Clone)]
@@ -12,6 +12,16 @@ pub struct RayCaster {
     scene: Arc<Scene>,
     visible: Arc<TriangleBvh>,
     solid: Arc<TriangleBvh>,
+    surfaces: Arc<[Surface]>,
+}
+
+/// What most hits want to know of a triangle, in one place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Surface {
+    /// Unit normal, on the side from which the corners turn counter-clockwise.
+    pub normal: [f32; 3],
+    /// Share of the LiDAR's light that comes back at normal incidence, 0 to 255.
+    pub reflectivity: u8,
 }
 
 impl RayCaster {
@@ -22,7 +32,12 @@ impl RayCaster {
         let visible = TriangleBvh::masked(scene.triangles.iter().map(|t| t.corners.map(corner)), cutout);
         let place = |i: u32| scene.solid.positions[i as usize];
         let solid = TriangleBvh::new(scene.solid.triangles.iter().map(|t| t.map(place)));
-        Self { visible: Arc::new(visible), solid: Arc::new(solid), scene }
+        let surface = |t: &Triangle| Surface {
+            normal: normal(t.corners.map(corner)),
+            reflectivity: scene.materials[t.material.0 as usize].reflectivity,
+        };
+        let surfaces = scene.triangles.iter().map(surface).collect();
+        Self { visible: Arc::new(visible), solid: Arc::new(solid), surfaces, scene }
     }
 
     /// The scene.
@@ -60,14 +75,10 @@ impl RayCaster {
         &self.scene.materials[self.scene.triangles[triangle as usize].material.0 as usize]
     }
 
-    /// Unit normal of a visible triangle, on the side that its corners turn counter-clockwise.
-    pub fn normal(&self, triangle: u32) -> [f32; 3] {
-        let [a, b, c] =
-            self.scene.triangles[triangle as usize].corners.map(|i| self.scene.vertices[i as usize].position);
-        let (e1, e2) = ([b[0] - a[0], b[1] - a[1], b[2] - a[2]], [c[0] - a[0], c[1] - a[1], c[2] - a[2]]);
-        let n = [e1[1] * e2[2] - e1[2] * e2[1], e1[2] * e2[0] - e1[0] * e2[2], e1[0] * e2[1] - e1[1] * e2[0]];
-        let length = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt().max(1e-20);
-        n.map(|c| c / length)
+    /// Normal and reflectivity of a visible triangle.
+    #[inline]
+    pub fn surface(&self, triangle: u32) -> &Surface {
+        &self.surfaces[triangle as usize]
     }
 
     /// Texture coordinates at a hit.
@@ -83,6 +94,14 @@ impl RayCaster {
         let Some(texture) = self.material(hit.triangle).texture else { return false };
         nearest_texel(&self.scene.textures[texture.0 as usize], self.texture_coordinates(hit))[3] < 128
     }
+}
+
+/// Unit normal of a triangle; of one without area nothing sensible.
+fn normal([a, b, c]: [[f32; 3]; 3]) -> [f32; 3] {
+    let (e1, e2) = ([b[0] - a[0], b[1] - a[1], b[2] - a[2]], [c[0] - a[0], c[1] - a[1], c[2] - a[2]]);
+    let n = [e1[1] * e2[2] - e1[2] * e2[1], e1[2] * e2[0] - e1[0] * e2[2], e1[0] * e2[1] - e1[1] * e2[0]];
+    let length = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt().max(1e-20);
+    n.map(|c| c / length)
 }
 
 /// The texel at `uv`; the image repeats and v runs upwards.

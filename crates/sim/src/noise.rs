@@ -31,9 +31,10 @@ impl Noise {
         (-2.0 * libm::log(u)).sqrt() * libm::cos(std::f64::consts::TAU * v)
     }
 
-    /// Normal with mean 0 and deviation 1, from a table: for many samples of small weight.
-    pub fn quick_normal(&mut self) -> f32 {
-        self.quantiles[(self.generator.next_u32() >> 20) as usize]
+    /// Normal with mean 0 and deviation 1, from a table, and uniform in [0, 1), from one draw: for many samples of small weight.
+    pub fn quick_normal_and_uniform(&mut self) -> (f32, f32) {
+        let bits = self.generator.next_u32();
+        (self.quantiles[(bits >> 20) as usize], (bits & 0xf_ffff) as f32 / 1_048_576.0)
     }
 }
 
@@ -68,8 +69,12 @@ mod tests {
             (mean, (samples.iter().map(|s| (s - mean) * (s - mean)).sum::<f64>() / n).sqrt())
         };
         let exact = moments((0..50_000).map(|_| noise.normal()).collect());
-        let quick = moments((0..50_000).map(|_| f64::from(noise.quick_normal())).collect());
-        for (mean, deviation) in [exact, quick] {
+        let (quick, even): (Vec<f64>, Vec<f64>) = (0..50_000)
+            .map(|_| noise.quick_normal_and_uniform())
+            .map(|(n, u)| (f64::from(n), (f64::from(u) - 0.5) * 12.0_f64.sqrt()))
+            .unzip();
+        let (quick, even) = (moments(quick), moments(even));
+        for (mean, deviation) in [exact, quick, even] {
             assert!(mean.abs() < 0.02 && (deviation - 1.0).abs() < 0.02, "{mean} {deviation}");
         }
     }

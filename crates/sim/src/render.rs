@@ -30,7 +30,6 @@ pub struct Renderer {
     textures: Vec<Mipmaps>,
     /// For each triangle: texels a metre of its texture.
     density: Vec<f32>,
-    normals: Vec<[f32; 3]>,
 }
 
 impl Renderer {
@@ -40,8 +39,7 @@ impl Renderer {
         let textures = scene.textures.iter().map(Mipmaps::new).collect();
         let count = scene.triangles.len() as u32;
         let density = (0..count).map(|t| texel_density(&caster, t)).collect();
-        let normals = (0..count).map(|t| caster.normal(t)).collect();
-        Self { caster, textures, density, normals }
+        Self { caster, textures, density }
     }
 
     /// The view's pixels: RGB, rows from the top.
@@ -78,7 +76,7 @@ impl Renderer {
             (direction[0] * direction[0] + direction[1] * direction[1] + direction[2] * direction[2]).sqrt();
         let sky = sky(direction[2] / length);
         let Some(hit) = hit else { return sky };
-        let normal = self.normals[hit.triangle as usize];
+        let normal = self.caster.surface(hit.triangle).normal;
         let facing =
             (normal[0] * direction[0] + normal[1] * direction[1] + normal[2] * direction[2]) / length;
         let towards_eye = if facing > 0.0 { -1.0 } else { 1.0 };

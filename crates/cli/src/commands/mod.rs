@@ -1,5 +1,6 @@
 //! One file a command.
 
+pub mod bench;
 pub mod evaluate;
 pub mod models;
 pub mod plan;
