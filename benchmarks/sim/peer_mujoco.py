@@ -11,7 +11,7 @@ import numpy as np
 
 import split
 
-CUTS = (1_000_000_000, 20_000, 5_000, 1_000)  # most triangles in a mesh
+CUTS = (1_000_000_000, 20_000, 5_000, 1_000, 250)  # most triangles in a mesh
 
 
 class MuJoCo:

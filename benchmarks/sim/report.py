@@ -99,9 +99,8 @@ def best_of_each(rows):
 def engine_lines(row):
     largest = row["largest_differences_m"]
     difference = f"{abs(largest[0]['ours'] - largest[0]['theirs']):.2g} m" if largest else "0"
-    agreement = f"{row['agree_share']:.3%}"
-    if "unexplained_rays" in row:
-        agreement += f" ({row['disagreeing_rays']} differ, {row['unexplained_rays']} not at an edge)"
+    edges = f", {row['unexplained_rays']} of them not at an edge" if row.get("unexplained_rays") is not None and row["disagreeing_rays"] else ""
+    agreement = f"{row['agree_share']:.3%} ({row['disagreeing_rays']} rays differ{edges})"
     name = f"{row['engine']} {row['version']}, {row['note']}"
     yield f"| {name} | {number(row['mrays_per_core_second'])} | {times(row['ratio'])} | {times(row['goal'])} | {agreement} | {difference} |"
     if "binding_seconds" in row:

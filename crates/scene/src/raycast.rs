@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::bvh::{Hit, LANES, MISS, RayPacket, TriangleBvh};
+use crate::bvh::{Hit, PacketHits, RayPacket, TriangleBvh};
 use crate::material::{Material, Texture};
 use crate::scene::{Scene, Triangle};
 
@@ -61,13 +61,9 @@ impl RayCaster {
     }
 
     /// What each ray of a packet sees first, as [`RayCaster::cast`] does for one.
-    pub fn cast_packet(&self, rays: &RayPacket, hits: &mut [Option<Hit>; LANES]) {
-        let raw = self.visible.cast_packet_filtered(rays, |hit| !self.is_hole(hit));
-        for (lane, slot) in hits.iter_mut().enumerate() {
-            let (triangle, distance) = (raw.triangle[lane], raw.distance[lane]);
-            let hit = Hit { distance, triangle, u: raw.u[lane], v: raw.v[lane] };
-            *slot = (triangle != MISS).then_some(hit);
-        }
+    #[inline]
+    pub fn cast_packet(&self, rays: &RayPacket) -> PacketHits {
+        self.visible.cast_packet_filtered(rays, |hit| !self.is_hole(hit))
     }
 
     /// The material of a visible triangle.
@@ -82,6 +78,7 @@ impl RayCaster {
     }
 
     /// Texture coordinates at a hit.
+    #[inline]
     pub fn texture_coordinates(&self, hit: &Hit) -> [f32; 2] {
         let [a, b, c] =
             self.scene.triangles[hit.triangle as usize].corners.map(|i| self.scene.vertices[i as usize].uv);

@@ -257,7 +257,13 @@ impl Camera for SimCamera {
         if self.last.get().is_some_and(|last| self.time.0 - last.0 < IMAGE_NS) {
             return None;
         }
-        let view = View { pose: self.pose, size: self.size, focal_length: self.focal_length, range: SIGHT };
+        let view = View {
+            pose: self.pose,
+            size: self.size,
+            focal_length: self.focal_length,
+            range: SIGHT,
+            shadows: false,
+        };
         let (width, height) = self.size;
         let image = Arc::new(Image { stamp: self.time, width, height, rgb: self.renderer.render(&view) });
         self.last.set(Some(self.time));

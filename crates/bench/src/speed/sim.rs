@@ -115,7 +115,7 @@ fn camera(stage: &Stage, places: &[Pose2]) -> f64 {
         for base in &bases {
             let pose = base * robot.camera;
             let size = (optics.width, optics.height);
-            let view = View { pose, size, focal_length: optics.focal_length(), range: 200.0 };
+            let view = View { pose, size, focal_length: optics.focal_length(), range: 200.0, shadows: false };
             std::hint::black_box(stage.renderer().render(&view));
         }
     });

@@ -65,6 +65,7 @@ fn street_view(caster: &RayCaster, pose: Pose2) -> View {
         size: (2 * optics.width, 2 * optics.height),
         focal_length: 2.0 * optics.focal_length(),
         range: 200.0,
+        shadows: true,
     }
 }
 
@@ -88,5 +89,6 @@ fn birds_eye(world: &World) -> View {
         size: (1600, 1100),
         focal_length: 1600.0,
         range: 5000.0,
+        shadows: true,
     }
 }

@@ -59,6 +59,12 @@ pub struct PacketHits {
 }
 
 impl PacketHits {
+    /// What one ray hit; [`MISS`] as its triangle if nothing.
+    #[inline]
+    pub fn hit(&self, lane: usize) -> Hit {
+        Hit { distance: self.distance[lane], triangle: self.triangle[lane], u: self.u[lane], v: self.v[lane] }
+    }
+
     /// No hits of `rays` yet.
     pub(super) fn none(rays: &RayPacket) -> Self {
         Self { distance: rays.limit, triangle: [MISS; LANES], u: [0.0; LANES], v: [0.0; LANES] }

@@ -10,8 +10,8 @@ pub mod pattern;
 pub mod returns;
 
 use openbench_core::{LidarPoint, LidarScan, Pose3, SimTime};
-use openbench_scene::bvh::LANES;
-use openbench_scene::{Hit, RayCaster, RayPacket};
+use openbench_scene::bvh::{LANES, MISS};
+use openbench_scene::{RayCaster, RayPacket};
 
 use crate::noise::Noise;
 use pattern::{Aim, FIRING_NS, LINES, Pattern};
@@ -85,20 +85,19 @@ impl Lidar {
 
     fn cast(&mut self, caster: &RayCaster, poses: &[Pose3]) {
         let path = SensorPath::new(poses);
-        let mut hits: [Option<Hit>; LANES] = [None; LANES];
         for group in self.order.chunks(LANES) {
             let mut packet = RayPacket::idle();
             for (lane, &ray) in group.iter().enumerate() {
                 let (origin, direction) = path.ray(ray as usize, self.aims[ray as usize].direction);
                 packet.set(lane, origin, direction, RANGE.1);
             }
-            caster.cast_packet(&packet, &mut hits);
+            let hits = caster.cast_packet(&packet);
             for (lane, &ray) in group.iter().enumerate() {
-                self.echoes[ray as usize] = hits[lane].map(|hit| {
-                    let surface = caster.surface(hit.triangle);
+                self.echoes[ray as usize] = (hits.triangle[lane] != MISS).then(|| {
+                    let surface = caster.surface(hits.triangle[lane]);
                     let along = (0..3).map(|axis| surface.normal[axis] * packet.direction[axis][lane]);
                     Echo {
-                        range: hit.distance,
+                        range: hits.distance[lane],
                         cosine: along.sum::<f32>().abs().min(1.0),
                         reflectivity: surface.reflectivity,
                     }

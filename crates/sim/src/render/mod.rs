@@ -1,0 +1,178 @@
+//! Pictures of a scene by casting rays: sun, sky, haze, textures, and shadows where they are asked for.
+//!
+//! | module | its one job |
+//! |---|---|
+//! | `shade` | the colour of what a ray hits |
+//! | `texture` | textures at full, half, quarter … size |
+
+mod shade;
+mod texture;
+
+use openbench_core::Pose3;
+use openbench_scene::bvh::{LANES, MISS, PacketHits};
+use openbench_scene::{RayCaster, RayPacket};
+
+use shade::{Look, Shader};
+
+/// Side of the square of pixels that one packet covers.
+const TILE: u32 = 4;
+/// How far off its surface a ray towards the sun begins, metres.
+const OFF_SURFACE: f32 = 0.01;
+/// What throws shadows, metres.
+const SHADOW: f32 = 150.0;
+
+/// A pinhole camera: x forward, y left, z up, as `camera_link`.
+#[derive(Debug, Clone, Copy)]
+pub struct View {
+    /// Pose in `map`.
+    pub pose: Pose3,
+    /// Columns and rows.
+    pub size: (u32, u32),
+    /// Focal length, pixels.
+    pub focal_length: f64,
+    /// Distance beyond which nothing is seen, metres. At it, half of a surface's colour has faded into the haze.
+    pub range: f32,
+    /// Whether things throw shadows; this takes half as long again.
+    pub shadows: bool,
+}
+
+/// Draws views of a scene.
+#[derive(Debug)]
+pub struct Renderer {
+    caster: RayCaster,
+    shader: Shader,
+}
+
+impl Renderer {
+    /// Prepares a scene for drawing.
+    pub fn new(caster: RayCaster) -> Self {
+        Self { shader: Shader::new(&caster), caster }
+    }
+
+    /// The view's pixels: RGB, rows from the top.
+    pub fn render(&self, view: &View) -> Vec<u8> {
+        let (width, height) = view.size;
+        let mut rgb = vec![0; 3 * width as usize * height as usize];
+        let eye = Eye::new(view);
+        let look = Look { pixel_angle: eye.pixel_angle, haze: view.range };
+        for y in (0..height).step_by(TILE as usize) {
+            for x in (0..width).step_by(TILE as usize) {
+                let rays = eye.rays((x, y), view.range);
+                let hits = self.caster.cast_packet(&rays);
+                let sunlit = if view.shadows { self.sunlit(&rays, &hits) } else { [1.0; LANES] };
+                let colors = self.shader.colors(&self.caster, look, &rays, &hits, &sunlit);
+                put(&mut rgb, (x, y), view.size, &colors);
+            }
+        }
+        rgb
+    }
+
+    /// For each lane 1 if the sun shines on what was hit, 0 if something stands between.
+    fn sunlit(&self, rays: &RayPacket, hits: &PacketHits) -> [f32; LANES] {
+        let towards = self.caster.scene().sun.direction.map(|c| -c);
+        let mut back = RayPacket::idle();
+        for lane in (0..LANES).filter(|&lane| hits.triangle[lane] != MISS) {
+            let normal = self.caster.surface(hits.triangle[lane]).normal;
+            let direction = [0, 1, 2].map(|axis| rays.direction[axis][lane]);
+            let facing: f32 = (0..3).map(|axis| normal[axis] * direction[axis]).sum();
+            let off = if facing > 0.0 { -OFF_SURFACE } else { OFF_SURFACE };
+            let at = [0, 1, 2].map(|axis| {
+                rays.origin[axis][lane] + hits.distance[lane] * direction[axis] + off * normal[axis]
+            });
+            back.set(lane, at, towards, SHADOW);
+        }
+        let between = self.caster.cast_packet(&back);
+        between.triangle.map(|triangle| if triangle == MISS { 1.0 } else { 0.0 })
+    }
+}
+
+/// Writes a tile's colours, 0 to 255, into the picture; what lies beyond its edges is left out.
+fn put(rgb: &mut [u8], (x, y): (u32, u32), (width, height): (u32, u32), colors: &[[f32; LANES]; 3]) {
+    for lane in 0..LANES {
+        let (u, v) = (x + lane as u32 % TILE, y + lane as u32 / TILE);
+        if u < width && v < height {
+            let at = 3 * (v as usize * width as usize + u as usize);
+            // The cast keeps within 0 to 255.
+            let byte = |channel: usize| (colors[channel][lane] + 0.5) as u8;
+            rgb[at..at + 3].copy_from_slice(&[byte(0), byte(1), byte(2)]);
+        }
+    }
+}
+
+/// Where a view looks from, and along which ray each pixel looks.
+struct Eye {
+    origin: [f32; 3],
+    corner: [f32; 3],
+    right: [f32; 3],
+    down: [f32; 3],
+    pixel_angle: f32,
+}
+
+impl Eye {
+    fn new(view: &View) -> Self {
+        let axis = |v: nalgebra::Vector3<f64>| view.pose.rotation * v;
+        let (forward, left, up) =
+            (axis(nalgebra::Vector3::x()), axis(nalgebra::Vector3::y()), axis(nalgebra::Vector3::z()));
+        let f = view.focal_length;
+        let (w, h) = (f64::from(view.size.0), f64::from(view.size.1));
+        // The middle of the top left pixel.
+        let corner = forward + left * ((w - 1.0) / 2.0 / f) + up * ((h - 1.0) / 2.0 / f);
+        let plain = |v: nalgebra::Vector3<f64>| [v.x as f32, v.y as f32, v.z as f32];
+        Self {
+            origin: plain(view.pose.translation.vector),
+            corner: plain(corner),
+            right: plain(-left / f),
+            down: plain(-up / f),
+            pixel_angle: (1.0 / f) as f32,
+        }
+    }
+
+    /// The rays through the tile whose top left pixel this is.
+    fn rays(&self, (x, y): (u32, u32), limit: f32) -> RayPacket {
+        let mut rays = RayPacket::idle();
+        rays.limit = [limit; LANES];
+        for axis in 0..3 {
+            rays.origin[axis] = [self.origin[axis]; LANES];
+            for lane in 0..LANES {
+                let (u, v) = (x + lane as u32 % TILE, y + lane as u32 / TILE);
+                rays.direction[axis][lane] =
+                    self.corner[axis] + u as f32 * self.right[axis] + v as f32 * self.down[axis];
+            }
+        }
+        rays
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Point3, Vector3};
+    use openbench_scene::scene::Layer;
+    use openbench_scene::{Material, SceneBuilder, SemanticClass};
+    use std::sync::Arc;
+
+    /// A red square of 2 m, 5 m ahead, 1 m to the left and 1 m up.
+    fn renderer() -> Renderer {
+        let mut builder = SceneBuilder::new();
+        let red = builder.material(Material::plain(SemanticClass::Other, [1.0, 0.0, 0.0]));
+        let (u, v) = (Vector3::y() * 2.0, Vector3::z() * 2.0);
+        builder.rectangle(Layer::Visible, red, Point3::new(5.0, 0.0, 0.0), (u, v), [1.0; 2]);
+        Renderer::new(RayCaster::new(Arc::new(builder.build())))
+    }
+
+    #[test]
+    fn a_square_covers_the_pixels_that_the_pinhole_says() {
+        let view = View {
+            pose: Pose3::identity(),
+            size: (200, 160),
+            focal_length: 100.0,
+            range: 200.0,
+            shadows: false,
+        };
+        let rgb = renderer().render(&view);
+        let is_red = |x: usize, y: usize| rgb[3 * (y * 200 + x)] > rgb[3 * (y * 200 + x) + 1];
+        // Left edge at 100 - 100 * 2 / 5 = 60, right at 100; top at 80 - 40 = 40, bottom at 80.
+        assert!(is_red(61, 41) && is_red(98, 78));
+        assert!(!is_red(58, 60) && !is_red(102, 60) && !is_red(80, 38) && !is_red(80, 82));
+    }
+}
