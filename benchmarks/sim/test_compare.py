@@ -7,10 +7,12 @@ from pathlib import Path
 import numpy as np
 
 import agreement
+import compare
 import dump as dumps
 import peer_embreex
 import peer_mujoco
 import peer_pybullet
+import report
 import split
 import synthetic
 import vehicle
@@ -83,6 +85,16 @@ class Comparison(unittest.TestCase):
     def test_mujocos_robot_drives(self):
         robot = vehicle.real_time_factor(self.dump, 1000)
         self.assertAlmostEqual(robot["driven_m"], vehicle.SPEED * vehicle.SCANS * 0.1, delta=0.3)
+
+    def test_too_few_of_embrees_ranges_are_a_problem_and_others_are_not(self):
+        rows = [{"engine": "embreex", "note": "robust", "agree_share": 0.9989}, {"engine": "PyBullet", "note": "", "agree_share": 0.9}]
+        self.assertEqual(len(list(compare.problems(rows))), 1)
+        self.assertEqual(list(compare.problems([rows[0] | {"agree_share": 0.9991}])), [])
+
+    def test_casting_alone_is_compared_where_it_was_measured_and_whole_scans_otherwise(self):
+        self.assertEqual(report.our_rate({"lidar_mrays_per_core_second": 8.0, "cast_mrays_per_core_second": 12.0})[0], 12.0)
+        self.assertEqual(report.our_rate({"lidar_mrays_per_core_second": 8.0}), (8.0, "whole LiDAR scans"))
+        self.assertIsNone(report.our_rate({})[0])
 
     def test_a_file_that_is_too_short_is_named(self):
         folder = Path(self.folder.name) / "short"

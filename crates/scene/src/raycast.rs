@@ -1,4 +1,6 @@
 //! Rays into a scene: what is seen, with its surface.
+//!
+//! What hits want to know of a triangle lies in tables of its own, since a scene's triangles, vertices, materials and textures are four places far apart.
 
 use std::sync::Arc;
 
@@ -13,6 +15,37 @@ pub struct RayCaster {
     visible: Arc<TriangleBvh>,
     solid: Arc<TriangleBvh>,
     surfaces: Arc<[Surface]>,
+    /// Texture coordinates of each triangle's corners.
+    corners: Arc<[[[f32; 2]; 3]]>,
+    /// For each material the holes in its texture, if it has any.
+    holes: Arc<[Option<Holes>]>,
+}
+
+/// Which texels of a texture are holes, a bit each.
+#[derive(Debug)]
+struct Holes {
+    width: u32,
+    height: u32,
+    bits: Vec<u64>,
+}
+
+impl Holes {
+    fn of(texture: &Texture) -> Self {
+        let mut bits = vec![0; (texture.width as usize * texture.height as usize).div_ceil(64)];
+        for (i, texel) in texture.rgba.chunks_exact(4).enumerate() {
+            bits[i / 64] |= u64::from(texel[3] < 128) << (i % 64);
+        }
+        Self { width: texture.width, height: texture.height, bits }
+    }
+
+    /// Whether the texel at `uv` is a hole; the image repeats and v runs upwards.
+    #[inline]
+    fn has(&self, uv: [f32; 2]) -> bool {
+        let x = ((fraction(uv[0]) * self.width as f32) as u32).min(self.width - 1);
+        let y = (((1.0 - fraction(uv[1])) * self.height as f32) as u32).min(self.height - 1);
+        let i = y as usize * self.width as usize + x as usize;
+        self.bits[i / 64] >> (i % 64) & 1 != 0
+    }
 }
 
 /// What most hits want to know of a triangle, in one place.
@@ -22,6 +55,7 @@ pub struct Surface {
     pub normal: [f32; 3],
     /// Share of the LiDAR's light that comes back at normal incidence, 0 to 255.
     pub reflectivity: u8,
+    material: u32,
 }
 
 impl RayCaster {
@@ -35,9 +69,20 @@ impl RayCaster {
         let surface = |t: &Triangle| Surface {
             normal: normal(t.corners.map(corner)),
             reflectivity: scene.materials[t.material.0 as usize].reflectivity,
+            material: t.material.0,
         };
-        let surfaces = scene.triangles.iter().map(surface).collect();
-        Self { visible: Arc::new(visible), solid: Arc::new(solid), surfaces, scene }
+        let uv = |t: &Triangle| t.corners.map(|i| scene.vertices[i as usize].uv);
+        let holes = |m: &Material| {
+            m.texture.filter(|_| m.cutout).map(|texture| Holes::of(&scene.textures[texture.0 as usize]))
+        };
+        Self {
+            visible: Arc::new(visible),
+            solid: Arc::new(solid),
+            surfaces: scene.triangles.iter().map(surface).collect(),
+            corners: scene.triangles.iter().map(uv).collect(),
+            holes: scene.materials.iter().map(holes).collect(),
+            scene,
+        }
     }
 
     /// The scene.
@@ -80,16 +125,16 @@ impl RayCaster {
     /// Texture coordinates at a hit.
     #[inline]
     pub fn texture_coordinates(&self, hit: &Hit) -> [f32; 2] {
-        let [a, b, c] =
-            self.scene.triangles[hit.triangle as usize].corners.map(|i| self.scene.vertices[i as usize].uv);
+        let [a, b, c] = self.corners[hit.triangle as usize];
         let w = 1.0 - hit.u - hit.v;
         [w * a[0] + hit.u * b[0] + hit.v * c[0], w * a[1] + hit.u * b[1] + hit.v * c[1]]
     }
 
     /// Whether a hit on a cut-out material goes through one of its holes.
+    #[inline]
     fn is_hole(&self, hit: &Hit) -> bool {
-        let Some(texture) = self.material(hit.triangle).texture else { return false };
-        nearest_texel(&self.scene.textures[texture.0 as usize], self.texture_coordinates(hit))[3] < 128
+        let holes = &self.holes[self.surfaces[hit.triangle as usize].material as usize];
+        holes.as_ref().is_some_and(|holes| holes.has(self.texture_coordinates(hit)))
     }
 }
 

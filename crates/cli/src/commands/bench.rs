@@ -37,6 +37,7 @@ fn table(speed: &SimSpeed) -> String {
     format!(
         "{}, {} triangles, one core\n\
          LiDAR          {:8.2} million rays a second, noise and points included\n\
+         casting alone  {:8.2} million rays a second\n\
          camera         {:8.1} images of 640 x 480 a second\n\
          with LiDAR     {:8.1} x real time\n\
          and images     {:8.1} x real time, ten a second\n\
@@ -45,6 +46,7 @@ fn table(speed: &SimSpeed) -> String {
         speed.world,
         speed.triangles,
         speed.lidar_mrays_per_core_second,
+        speed.cast_mrays_per_core_second,
         speed.camera_fps_per_core,
         speed.rtf_lidar,
         speed.rtf_camera,

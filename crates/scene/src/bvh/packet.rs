@@ -172,7 +172,13 @@ fn intersect_masked(
     let mut candidates =
         PacketHits { distance: hits.distance, triangle: [MISS; LANES], u: [0.0; LANES], v: [0.0; LANES] };
     intersect(triangle, rays, &mut candidates);
-    for lane in (0..LANES).filter(|&lane| candidates.triangle[lane] != MISS) {
+    let mut hit = 0_u32;
+    for lane in 0..LANES {
+        hit |= u32::from(candidates.triangle[lane] != MISS) << lane;
+    }
+    while hit != 0 {
+        let lane = hit.trailing_zeros() as usize;
+        hit &= hit - 1;
         let (distance, u, v) = (candidates.distance[lane], candidates.u[lane], candidates.v[lane]);
         if opaque(&Hit { distance, triangle: triangle.index, u, v }) {
             hits.distance[lane] = distance;

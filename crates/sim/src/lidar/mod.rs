@@ -4,16 +4,19 @@
 //! | module | its one job |
 //! |---|---|
 //! | [`pattern`] | where each ray points |
+//! | `launch` | where it begins and runs in the world |
 //! | [`returns`] | what comes back of it |
 
+mod launch;
 pub mod pattern;
 pub mod returns;
 
 use openbench_core::{LidarPoint, LidarScan, Pose3, SimTime};
 use openbench_scene::bvh::{LANES, MISS};
-use openbench_scene::{RayCaster, RayPacket};
+use openbench_scene::{RayCaster, RayPacket, TriangleBvh};
 
 use crate::noise::Noise;
+use launch::Launch;
 use pattern::{Aim, FIRING_NS, LINES, Pattern};
 use returns::{Echo, RANGE};
 
@@ -30,6 +33,7 @@ pub struct Lidar {
     /// Firings since the start.
     fired: u64,
     aims: Vec<Aim>,
+    launch: Launch,
     /// Rays ordered by where they point, so that packets are of a kind.
     order: Vec<u32>,
     buckets: Vec<u16>,
@@ -45,6 +49,7 @@ impl Lidar {
             pattern: Pattern::new(),
             fired: 0,
             aims: vec![nowhere; RAYS],
+            launch: Launch::default(),
             order: vec![0; RAYS],
             buckets: vec![0; RAYS],
             echoes: vec![None; RAYS],
@@ -59,6 +64,22 @@ impl Lidar {
         let mut points = Vec::with_capacity(RAYS);
         points.extend((0..RAYS).filter_map(|ray| self.measure(ray)));
         LidarScan { stamp, points }
+    }
+
+    /// True ranges of the next scan's rays in the order of firing, 0 for nothing, holes in leaves not regarded: for comparing speeds.
+    pub fn ranges(&mut self, tree: &TriangleBvh, poses: &[Pose3]) -> Vec<f32> {
+        self.aim();
+        self.launch.set(&self.aims, poses);
+        let mut ranges = vec![0.0; RAYS];
+        for group in self.order.chunks(LANES) {
+            let hits = tree.cast_packet(&self.packet(group));
+            for (lane, &ray) in group.iter().enumerate() {
+                if hits.triangle[lane] != MISS {
+                    ranges[ray as usize] = hits.distance[lane];
+                }
+            }
+        }
+        ranges
     }
 
     /// Sets the directions of the next scan's rays.
@@ -84,13 +105,9 @@ impl Lidar {
     }
 
     fn cast(&mut self, caster: &RayCaster, poses: &[Pose3]) {
-        let path = SensorPath::new(poses);
+        self.launch.set(&self.aims, poses);
         for group in self.order.chunks(LANES) {
-            let mut packet = RayPacket::idle();
-            for (lane, &ray) in group.iter().enumerate() {
-                let (origin, direction) = path.ray(ray as usize, self.aims[ray as usize].direction);
-                packet.set(lane, origin, direction, RANGE.1);
-            }
+            let packet = self.packet(group);
             let hits = caster.cast_packet(&packet);
             for (lane, &ray) in group.iter().enumerate() {
                 self.echoes[ray as usize] = (hits.triangle[lane] != MISS).then(|| {
@@ -104,6 +121,17 @@ impl Lidar {
                 });
             }
         }
+    }
+
+    /// The rays of a group.
+    #[inline]
+    fn packet(&self, group: &[u32]) -> RayPacket {
+        let mut packet = RayPacket::idle();
+        for (lane, &ray) in group.iter().enumerate() {
+            let (origin, direction) = self.launch.ray(ray as usize);
+            packet.set(lane, origin, direction, RANGE.1);
+        }
+        packet
     }
 
     /// What the sensor reports of one ray: its range with noise, or nothing.
@@ -134,50 +162,6 @@ fn bucket(aim: &Aim) -> usize {
     let row = ((height * BUCKET_ROWS as f32) as usize).min(BUCKET_ROWS - 1);
     // Up one column, down the next: a packet that ends one column begins the next beside it.
     column * BUCKET_ROWS + if column.is_multiple_of(2) { row } else { BUCKET_ROWS - 1 - row }
-}
-
-/// Where the sensor is during a scan, interpolated between known poses.
-struct SensorPath {
-    knots: Vec<([f32; 3], [f32; 9])>,
-    rays_per_knot: f32,
-}
-
-impl SensorPath {
-    fn new(poses: &[Pose3]) -> Self {
-        let knot = |p: &Pose3| {
-            let (t, r) = (p.translation.vector, p.rotation.to_rotation_matrix());
-            let m = r.matrix();
-            let rows = [
-                m[(0, 0)],
-                m[(0, 1)],
-                m[(0, 2)],
-                m[(1, 0)],
-                m[(1, 1)],
-                m[(1, 2)],
-                m[(2, 0)],
-                m[(2, 1)],
-                m[(2, 2)],
-            ];
-            ([t.x as f32, t.y as f32, t.z as f32], rows.map(|c| c as f32))
-        };
-        let knots: Vec<_> = poses.iter().map(knot).collect();
-        let rays_per_knot = RAYS as f32 / (knots.len() - 1).max(1) as f32;
-        Self { knots, rays_per_knot }
-    }
-
-    /// Origin and direction in `map` of a ray that the sensor calls `direction`. Over the 2.5 ms between knots the
-    /// linear blend of two rotation matrices is a rotation to 1e-6.
-    fn ray(&self, ray: usize, direction: [f32; 3]) -> ([f32; 3], [f32; 3]) {
-        let at = (ray - ray % LINES) as f32 / self.rays_per_knot;
-        let knot = (at as usize).min(self.knots.len().saturating_sub(2));
-        let (a, b) = (&self.knots[knot], &self.knots[(knot + 1).min(self.knots.len() - 1)]);
-        let s = at - knot as f32;
-        let blend = |x: f32, y: f32| x + s * (y - x);
-        let origin = [0, 1, 2].map(|i| blend(a.0[i], b.0[i]));
-        let row =
-            |r: usize| (0..3).map(|c| blend(a.1[3 * r + c], b.1[3 * r + c]) * direction[c]).sum::<f32>();
-        (origin, [row(0), row(1), row(2)])
-    }
 }
 
 #[cfg(test)]

@@ -47,8 +47,9 @@ const HS: [f64; 8] = [-0.01031, -0.01606, -0.0048, -0.0042, -0.00152, -0.00091, 
 struct Swing {
     elevation: f64,
     azimuth: f64,
-    /// Sine and cosine of `elevation`.
-    sin_cos: (f64, f64),
+    /// Sines and cosines of both.
+    elevation_sin_cos: (f64, f64),
+    azimuth_sin_cos: (f64, f64),
     gs: f64,
     gc: f64,
     hc: f64,
@@ -59,6 +60,40 @@ struct Swing {
 #[derive(Debug, Clone)]
 pub struct Pattern {
     swings: Vec<Swing>,
+    fast: FastRotor,
+}
+
+/// Sines and cosines of the fast rotor's angle: that of whole thousands of steps, turned on by the rest of the steps.
+#[derive(Debug, Clone)]
+struct FastRotor {
+    thousands: Vec<(f64, f64)>,
+    rest: Vec<(f64, f64)>,
+}
+
+impl FastRotor {
+    const REST: u64 = 1_000;
+
+    fn new() -> Self {
+        let turned = |steps: u64| -(steps as f64) / PERIOD as f64 * TAU;
+        Self {
+            thousands: (0..PERIOD / Self::REST)
+                .map(|i| libm::sincos(THETA + turned(i * Self::REST)))
+                .collect(),
+            rest: (0..Self::REST).map(|i| libm::sincos(turned(i))).collect(),
+        }
+    }
+
+    /// Sine and cosine after so many steps, of which [`PERIOD`] are a turn.
+    #[inline]
+    fn sin_cos(&self, steps: u64) -> (f64, f64) {
+        sum(self.thousands[(steps / Self::REST) as usize], self.rest[(steps % Self::REST) as usize])
+    }
+}
+
+/// Sine and cosine of the sum of two angles from those of each.
+#[inline]
+fn sum((sin_a, cos_a): (f64, f64), (sin_b, cos_b): (f64, f64)) -> (f64, f64) {
+    (sin_a * cos_b + cos_a * sin_b, cos_a * cos_b - sin_a * sin_b)
 }
 
 /// Where a ray points.
@@ -75,7 +110,8 @@ pub struct Aim {
 impl Pattern {
     /// The pattern from its first firing.
     pub fn new() -> Self {
-        Self { swings: (0..SLOW_TURN).map(|i| swing(i as f64 / SLOW_TURN as f64 * TAU)).collect() }
+        let swings = (0..SLOW_TURN).map(|i| swing(i as f64 / SLOW_TURN as f64 * TAU)).collect();
+        Self { swings, fast: FastRotor::new() }
     }
 
     /// Where the four lines point at a firing, counted from 0.
@@ -83,19 +119,19 @@ impl Pattern {
         let number = number % PERIOD;
         let swing = &self.swings[(number % SLOW_TURN) as usize];
         // The fast rotor turns clockwise.
-        let turned = (number * FAST_TURNS % PERIOD) as f64 / PERIOD as f64;
-        let theta = THETA - turned * TAU;
-        let (sin, cos) = libm::sincos(theta);
+        let steps = number * FAST_TURNS % PERIOD;
+        let (sin, cos) = self.fast.sin_cos(steps);
         let (g, h) = (swing.gs * sin + swing.gc * cos, swing.hc * cos + swing.hs * sin);
-        let middle = theta + swing.azimuth;
-        let middle_sin_cos = libm::sincos(middle);
+        let middle = sum((sin, cos), swing.azimuth_sin_cos);
+        // From one turn up, so that the cast rounds down.
+        let turns = (THETA + swing.azimuth) / TAU + 2.0 - steps as f64 / PERIOD as f64;
         OFFSETS.map(|k| {
-            let (sin_el, cos_el) = nearby(swing.sin_cos, k * g);
-            let (sin_az, cos_az) = nearby(middle_sin_cos, k * h);
-            let turn = (middle + k * h) / TAU;
+            let (sin_el, cos_el) = sum(swing.elevation_sin_cos, small(k * g));
+            let (sin_az, cos_az) = sum(middle, small(k * h));
+            let turn = turns + k * h / TAU;
             Aim {
                 direction: [(cos_az * cos_el) as f32, (sin_az * cos_el) as f32, sin_el as f32],
-                turn: (turn - libm::floor(turn)) as f32,
+                turn: (turn - turn as u64 as f64) as f32,
                 elevation: (swing.elevation + k * g) as f32,
             }
         })
@@ -111,12 +147,13 @@ impl Default for Pattern {
 fn swing(phi: f64) -> Swing {
     let cosines = |c: &[f64], phi: f64| series(c, 0, |m| libm::cos(m * phi));
     let sines = |c: &[f64], phi: f64| series(c, 1, |m| libm::sin(m * phi));
-    let elevation = cosines(&E, phi - PHI[0]);
+    let (elevation, azimuth) = (cosines(&E, phi - PHI[0]), sines(&A, phi - PHI[1]));
     let offsets = phi - PHI[2];
     Swing {
         elevation,
-        azimuth: sines(&A, phi - PHI[1]),
-        sin_cos: libm::sincos(elevation),
+        azimuth,
+        elevation_sin_cos: libm::sincos(elevation),
+        azimuth_sin_cos: libm::sincos(azimuth),
         gs: cosines(&GS, offsets),
         gc: sines(&GC, offsets),
         hc: cosines(&HC, offsets),
@@ -128,11 +165,11 @@ fn series(coefficients: &[f64], first: u32, wave: impl Fn(f64) -> f64) -> f64 {
     coefficients.iter().zip(first..).map(|(c, m)| c * wave(f64::from(m))).sum()
 }
 
-/// Sine and cosine of an angle a little (less than 0.1) beyond one whose sine and cosine are known, to 1e-8.
-fn nearby((sin, cos): (f64, f64), more: f64) -> (f64, f64) {
-    let square = more * more;
-    let (s, c) = (more * (1.0 - square / 6.0), 1.0 - square / 2.0 * (1.0 - square / 12.0));
-    (sin * c + cos * s, cos * c - sin * s)
+/// Sine and cosine of an angle below 0.1, to 1e-7.
+#[inline]
+fn small(angle: f64) -> (f64, f64) {
+    let square = angle * angle;
+    (angle * (1.0 - square * (1.0 / 6.0)), 1.0 - square * 0.5 * (1.0 - square * (1.0 / 12.0)))
 }
 
 #[cfg(test)]

@@ -42,10 +42,11 @@ impl Echo {
 
     /// Deviation of the reported range, metres.
     pub fn deviation(&self) -> f32 {
-        let tangent = (1.0 - self.cosine * self.cosine).max(0.0).sqrt() / self.cosine.max(GRAZING);
-        let slant = self.range * DIVERGENCE * tangent / 12.0_f32.sqrt();
-        let growth = GROWTH * self.range;
-        (TIMING * TIMING + growth * growth + slant * slant).sqrt()
+        // The deviation of a range that is spread evenly over a width is that width over the root of 12.
+        const SPREAD: f32 = DIVERGENCE * DIVERGENCE / 12.0;
+        let cosine = self.cosine.max(GRAZING);
+        let slant = SPREAD * (1.0 - cosine * cosine) / (cosine * cosine);
+        (TIMING * TIMING + self.range * self.range * (GROWTH * GROWTH + slant)).sqrt()
     }
 }
 
