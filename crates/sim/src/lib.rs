@@ -17,7 +17,7 @@ pub mod physics;
 pub mod render;
 pub mod simulator;
 
-pub use render::{Renderer, View};
+pub use render::{Labels, Renderer, View};
 pub use simulator::{Collision, OBSERVATION_NS, Simulator, Stage};
 
 /// Why a world cannot be simulated.

@@ -10,7 +10,7 @@ mod texture;
 
 use openbench_core::Pose3;
 use openbench_scene::bvh::{LANES, MISS, PacketHits};
-use openbench_scene::{RayCaster, RayPacket};
+use openbench_scene::{RayCaster, RayPacket, SemanticClass};
 
 use shade::{Look, Shader};
 
@@ -34,6 +34,17 @@ pub struct View {
     pub range: f32,
     /// Whether things throw shadows; this takes half as long again.
     pub shadows: bool,
+}
+
+/// What each pixel of a view shows, for training and scoring.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Labels {
+    /// Columns and rows.
+    pub size: (u32, u32),
+    /// Distance along the optical axis, metres, rows from the top; infinite where nothing is seen.
+    pub depth: Vec<f32>,
+    /// What is seen; `None` for the sky.
+    pub class: Vec<Option<SemanticClass>>,
 }
 
 /// Draws views of a scene.
@@ -67,6 +78,30 @@ impl Renderer {
         rgb
     }
 
+    /// Depth and class of each of the view's pixels.
+    pub fn labels(&self, view: &View) -> Labels {
+        let (width, height) = view.size;
+        let pixels = width as usize * height as usize;
+        let mut labels =
+            Labels { size: view.size, depth: vec![f32::INFINITY; pixels], class: vec![None; pixels] };
+        let eye = Eye::new(view);
+        for y in (0..height).step_by(TILE as usize) {
+            for x in (0..width).step_by(TILE as usize) {
+                let hits = self.caster.cast_packet(&eye.rays((x, y), view.range));
+                for lane in (0..LANES).filter(|&lane| hits.triangle[lane] != MISS) {
+                    let (u, v) = (x + lane as u32 % TILE, y + lane as u32 / TILE);
+                    if u < width && v < height {
+                        let at = v as usize * width as usize + u as usize;
+                        // Rays reach one metre along the optical axis for each length of their direction.
+                        labels.depth[at] = hits.distance[lane];
+                        labels.class[at] = Some(self.caster.material(hits.triangle[lane]).class);
+                    }
+                }
+            }
+        }
+        labels
+    }
+
     /// For each lane 1 if the sun shines on what was hit, 0 if something stands between.
     fn sunlit(&self, rays: &RayPacket, hits: &PacketHits) -> [f32; LANES] {
         let towards = self.caster.scene().sun.direction.map(|c| -c);
@@ -88,13 +123,13 @@ impl Renderer {
 
 /// Writes a tile's colours, 0 to 255, into the picture; what lies beyond its edges is left out.
 fn put(rgb: &mut [u8], (x, y): (u32, u32), (width, height): (u32, u32), colors: &[[f32; LANES]; 3]) {
-    for lane in 0..LANES {
-        let (u, v) = (x + lane as u32 % TILE, y + lane as u32 / TILE);
+    let [red, green, blue] = colors;
+    for (lane, ((r, g), b)) in (0..).zip(red.iter().zip(green).zip(blue)) {
+        let (u, v) = (x + lane % TILE, y + lane / TILE);
         if u < width && v < height {
             let at = 3 * (v as usize * width as usize + u as usize);
             // The cast keeps within 0 to 255.
-            let byte = |channel: usize| (colors[channel][lane] + 0.5) as u8;
-            rgb[at..at + 3].copy_from_slice(&[byte(0), byte(1), byte(2)]);
+            rgb[at..at + 3].copy_from_slice(&[(r + 0.5) as u8, (g + 0.5) as u8, (b + 0.5) as u8]);
         }
     }
 }
@@ -174,5 +209,47 @@ mod tests {
         // Left edge at 100 - 100 * 2 / 5 = 60, right at 100; top at 80 - 40 = 40, bottom at 80.
         assert!(is_red(61, 41) && is_red(98, 78));
         assert!(!is_red(58, 60) && !is_red(102, 60) && !is_red(80, 38) && !is_red(80, 82));
+    }
+
+    #[test]
+    fn labels_say_what_is_seen_and_how_deep_it_lies() {
+        let view = View {
+            pose: Pose3::identity(),
+            size: (202, 161),
+            focal_length: 100.0,
+            range: 200.0,
+            shadows: false,
+        };
+        let labels = renderer().labels(&view);
+        let at = |x: usize, y: usize| (labels.depth[y * 202 + x], labels.class[y * 202 + x]);
+        for (x, y) in [(63, 43), (80, 60), (97, 77)] {
+            let (depth, class) = at(x, y);
+            assert!((depth - 5.0).abs() < 1e-4 && class == Some(SemanticClass::Other), "{depth}");
+        }
+        assert_eq!(at(201, 160), (f32::INFINITY, None));
+    }
+
+    #[test]
+    fn a_roof_throws_its_shadow_on_the_ground() {
+        let mut builder = SceneBuilder::new();
+        let grey = builder.material(Material::plain(SemanticClass::Ground, [0.5; 3]));
+        let (x, y) = (Vector3::x(), Vector3::y());
+        builder.rectangle(
+            Layer::Visible,
+            grey,
+            Point3::new(-50.0, -50.0, 0.0),
+            (x * 100.0, y * 100.0),
+            [1.0; 2],
+        );
+        builder.rectangle(Layer::Visible, grey, Point3::new(5.0, -2.0, 5.0), (x * 4.0, y * 4.0), [1.0; 2]);
+        builder.sun(openbench_scene::Sun { direction: [0.0, 0.0, -1.0], ..Default::default() });
+        let renderer = Renderer::new(RayCaster::new(Arc::new(builder.build())));
+        let pose = Pose3::translation(0.0, 0.0, 1.0);
+        let view = View { pose, size: (200, 200), focal_length: 100.0, range: 200.0, shadows: true };
+        let (shaded, lit) = (renderer.render(&view), renderer.render(&View { shadows: false, ..view }));
+        let at = |rgb: &[u8], x: usize, y: usize| rgb[3 * (y * 200 + x)];
+        // The ground 7 m ahead lies 100 / 7 rows below the middle; beside the roof nothing changes.
+        assert!(at(&shaded, 100, 114) < at(&lit, 100, 114));
+        assert_eq!(at(&shaded, 20, 114), at(&lit, 20, 114));
     }
 }

@@ -33,8 +33,7 @@ impl Mipmaps {
 #[inline]
 fn level(texels: f32) -> usize {
     let ratio = texels / COVER;
-    // Written so that no number is no halving.
-    if !(ratio > 1.0) {
+    if ratio <= 1.0 || ratio.is_nan() {
         return 0;
     }
     // The logarithm to base 2, rounded up: exponent, plus one if the mantissa is more than 1.

@@ -1,0 +1,35 @@
+//! `openbench bench`.
+
+mod common;
+
+use common::Place;
+
+#[test]
+fn the_simulators_speed_is_measured_and_dumped_for_peers() {
+    let place = Place::new();
+    let speed = place.openbench("bench sim small --json --dump dump").succeeded().json();
+    for field in [
+        "lidar_mrays_per_core_second",
+        "cast_mrays_per_core_second",
+        "camera_fps_per_core",
+        "rtf_lidar",
+        "rtf_camera",
+        "load_seconds",
+    ] {
+        assert!(speed[field].as_f64().is_some_and(|v| v > 0.0), "{field}: {speed}");
+    }
+    let meta = place.json("dump/meta.json");
+    let floats = |name: &str| (std::fs::metadata(place.path("dump").join(name)).unwrap().len() / 4) as i64;
+    let rays = meta["rays"].as_i64().unwrap();
+    assert_eq!(floats("triangles.f32"), 9 * speed["triangles"].as_i64().unwrap());
+    assert_eq!(
+        [floats("origins.f32"), floats("directions.f32"), floats("ranges.f32")],
+        [3 * rays, 3 * rays, rays]
+    );
+}
+
+#[test]
+fn a_world_that_is_not_there_is_refused() {
+    Place::new().openbench("bench sim nowhere").refused_with(&["nowhere", "small, medium, large"]);
+    Place::new().openbench("bench sim --world a.world").refused_with(&["--map"]);
+}
