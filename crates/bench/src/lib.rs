@@ -15,6 +15,7 @@
 //! | [`metrics`], [`statistics`], [`results`] | the numbers |
 //! | [`evaluate`] | the reference's recorder files |
 //! | [`report`] | results for people |
+//! | [`world_folder`] | worlds as folders: recipe, maps, suite |
 //! | [`truth`] | the truth as a localizer, for comparisons |
 
 pub mod deliveries;
@@ -36,6 +37,7 @@ pub mod stage;
 pub mod statistics;
 pub mod suite;
 pub mod truth;
+pub mod world_folder;
 
 pub use error::BenchError;
 pub use recorder::Level;
