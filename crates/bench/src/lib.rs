@@ -16,6 +16,7 @@
 //! | [`evaluate`] | the reference's recorder files |
 //! | [`report`] | results for people |
 //! | [`speed`] | how fast the parts are |
+//! | [`world_folder`] | worlds as folders: recipe, maps, suite |
 //! | [`truth`] | the truth as a localizer, for comparisons |
 
 pub mod deliveries;
@@ -38,6 +39,7 @@ pub mod stage;
 pub mod statistics;
 pub mod suite;
 pub mod truth;
+pub mod world_folder;
 
 pub use error::BenchError;
 pub use recorder::Level;

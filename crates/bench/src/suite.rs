@@ -9,6 +9,7 @@ use openbench_scene::import::{ImportRequest, import_world};
 use serde::{Deserialize, Serialize};
 
 use crate::BenchError;
+use crate::world_folder::Recipe;
 
 /// Where a world comes from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -31,6 +32,11 @@ pub enum WorldSource {
         models: Vec<PathBuf>,
         /// How the world lies on the Earth, in words; by default from the map.
         georeference: Option<String>,
+    },
+    /// A folder with a recipe, see [`world_folder`](crate::world_folder).
+    Folder {
+        /// The folder.
+        path: PathBuf,
     },
 }
 
@@ -56,6 +62,7 @@ impl WorldSource {
                 };
                 import_world(&request).map_err(|e| BenchError::World(e.to_string()))
             }
+            Self::Folder { path } => Recipe::read(path)?.build(path),
         }
     }
 }
@@ -128,11 +135,16 @@ impl Suite {
 
     /// Paths in a suite file count from the file's folder.
     fn relative_to(mut self, folder: &Path) -> Self {
-        if let WorldSource::Imported { world, map, models, .. } = &mut self.world {
-            for path in [world, map].into_iter().chain(models) {
-                let joined = folder.join(&*path);
-                *path = std::path::absolute(&joined).unwrap_or(joined);
+        let paths: Vec<&mut PathBuf> = match &mut self.world {
+            WorldSource::Builtin { .. } => Vec::new(),
+            WorldSource::Imported { world, map, models, .. } => {
+                [world, map].into_iter().chain(models).collect()
             }
+            WorldSource::Folder { path } => vec![path],
+        };
+        for path in paths {
+            let joined = folder.join(&*path);
+            *path = std::path::absolute(&joined).unwrap_or(joined);
         }
         self
     }

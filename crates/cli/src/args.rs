@@ -17,6 +17,8 @@ const EXAMPLES: &str = "\
 Examples:
   openbench run                                    the built-in suite `small`, with the baseline agent
   openbench run medium --jobs 2 --out runs/medium
+  openbench world generate --map city.osm.pbf --around 7.4197,43.7314 --radius 300 --out worlds/city
+  openbench run worlds/city
   openbench run --world city.world --map city.osm --models gazebo_models --deliveries deliveries.txt
   openbench plan --map city.osm \"Box to unit 1, building 3\"
   openbench route --map city.osm.pbf 7.4197,43.7314 7.4246,43.7387
@@ -36,7 +38,7 @@ pub enum Command {
     Evaluate(EvaluateArgs),
     /// Drive a run's recorded actions again and compare every state
     Verify(VerifyArgs),
-    /// Look at worlds
+    /// Make worlds and look at them
     World(WorldArgs),
     /// Model files
     Models(ModelsArgs),
@@ -55,7 +57,7 @@ Example:
   openbench run --world small_osm.world --map small.osm --models gazebo_models \\
       --deliveries delivery_instructions_small.txt --truth delivery_instructions_small_gt.txt")]
 pub struct RunArgs {
-    /// A built-in suite (small, medium, large) or a suite file (.toml)
+    /// A built-in suite (small, medium, large), a suite file (.toml), or the folder of a generated or imported world
     #[arg(conflicts_with = "world")]
     pub suite: Option<String>,
     /// The agent
@@ -164,14 +166,115 @@ pub struct WorldArgs {
 /// Commands about worlds.
 #[derive(Debug, Subcommand)]
 pub enum WorldCommand {
+    /// Make a world of any OSM map and a seed, with deliveries in it
+    Generate(GenerateArgs),
+    /// Make such a folder of a Gazebo world with an OSM map
+    Import(ImportArgs),
     /// Draw a picture of a world, from above or from a place in it
     Show(ShowArgs),
 }
 
+/// Arguments of `world generate`.
+#[derive(Debug, ClapArgs)]
+#[command(after_help = "\
+The folder holds world.toml (what the world is made from), map.osm (the whole map), public.osm (the map that agents get,
+without doors) and suite.toml (the deliveries).
+
+Examples:
+  openbench world generate --map campus.osm --seed 3 --out worlds/campus
+  openbench world generate --map city.osm.pbf --around 7.4197,43.7314 --radius 300 --out worlds/city
+  openbench world generate --map city.osm.pbf --bbox 7.414,43.727,7.424,43.734 --parked-cars 1 --out worlds/jam
+  openbench world show worlds/city && openbench run worlds/city")]
+pub struct GenerateArgs {
+    /// The map (.osm or .osm.pbf)
+    #[arg(long)]
+    pub map: PathBuf,
+    /// What the map leaves open is drawn from it: colours, cars, greenery, deliveries
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64))]
+    pub seed: u64,
+    /// The folder to make; an earlier world there is replaced
+    #[arg(long)]
+    pub out: PathBuf,
+    /// Name of the world in results; by default that of the folder
+    #[arg(long)]
+    pub name: Option<String>,
+    /// Cut out the square around `LON,LAT`
+    #[arg(long, value_name = "LON,LAT", allow_hyphen_values = true, value_parser = lonlat)]
+    pub around: Option<openbench_core::LonLat>,
+    /// How far that square reaches to each side, metres
+    #[arg(long, value_name = "M", default_value_t = 250.0, requires = "around", value_parser = radius)]
+    pub radius: f64,
+    /// Cut out a rectangle, degrees
+    #[arg(long, value_name = "WEST,SOUTH,EAST,NORTH", allow_hyphen_values = true, conflicts_with = "around", value_parser = window)]
+    pub bbox: Option<openbench_osm::Window>,
+    /// How the world lies on the Earth; by default UTM around the middle of the map
+    #[arg(long)]
+    pub georef: Option<openbench_core::Georeference>,
+    /// Where the robot starts, metres and degrees; by default a clear place near the middle from which most doors are reached
+    #[arg(long, value_name = "X,Y,YAW", allow_hyphen_values = true, value_parser = pose)]
+    pub start: Option<openbench_core::Pose2>,
+    /// Share of the parking places with a car in them, 0 to 1
+    #[arg(long, default_value_t = 0.6, value_parser = share)]
+    pub parked_cars: f64,
+    /// How many trees and shrubs are added to the map's own, 0 to 1
+    #[arg(long, default_value_t = 0.5, value_parser = share)]
+    pub planting: f64,
+    /// Only doors that the map has; else every house gets one towards the street
+    #[arg(long)]
+    pub mapped_doors_only: bool,
+    /// What deliveries there are
+    #[command(flatten)]
+    pub drawn: DrawArgs,
+}
+
+/// Arguments of `world import`.
+#[derive(Debug, ClapArgs)]
+#[command(after_help = "\
+Example:
+  openbench world import --world small_osm.world --map small.osm --models gazebo_models --out worlds/published")]
+pub struct ImportArgs {
+    /// The Gazebo world (SDF)
+    #[arg(long)]
+    pub world: PathBuf,
+    /// The OSM map of that world
+    #[arg(long)]
+    pub map: PathBuf,
+    /// Folder in which `model://` is looked up (may be given more than once)
+    #[arg(long)]
+    pub models: Vec<PathBuf>,
+    /// How the world lies on the Earth; by default UTM around the middle of the map
+    #[arg(long)]
+    pub georef: Option<openbench_core::Georeference>,
+    /// What the deliveries are drawn from
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// The folder to make; an earlier world there is replaced
+    #[arg(long)]
+    pub out: PathBuf,
+    /// What deliveries there are
+    #[command(flatten)]
+    pub drawn: DrawArgs,
+}
+
+/// Which deliveries a new world gets.
+#[derive(Debug, Clone, ClapArgs)]
+pub struct DrawArgs {
+    /// Single deliveries, and sequences of so many doors
+    #[arg(long, value_names = ["SINGLES", "SEQUENCES", "LENGTH"], num_args = 3, default_values_t = [8, 1, 3])]
+    pub draw: Vec<u16>,
+    /// How far from the start doors may be, metres in a straight line
+    #[arg(long, value_name = "M", default_value_t = 250.0, value_parser = radius)]
+    pub reach: f64,
+}
+
 /// Arguments of `world show`.
 #[derive(Debug, ClapArgs)]
+#[command(after_help = "\
+Examples:
+  openbench world show large --from 0,0,90
+  openbench world show worlds/city --above 120 --out city.png")]
 pub struct ShowArgs {
-    /// A built-in world
+    /// A built-in world, or the folder of a generated or imported one
     #[arg(conflicts_with = "world")]
     pub name: Option<String>,
     /// A Gazebo world (SDF)
@@ -189,6 +292,9 @@ pub struct ShowArgs {
     /// Look as the robot's camera does from `X,Y,YAW` (metres, degrees) instead of from above
     #[arg(long, value_name = "X,Y,YAW", allow_hyphen_values = true, value_parser = pose)]
     pub from: Option<openbench_core::Pose2>,
+    /// From above, show only what is this near to the start, metres
+    #[arg(long, value_name = "M", conflicts_with = "from", value_parser = radius)]
+    pub above: Option<f64>,
     /// The picture (PNG)
     #[arg(long, default_value = "world.png")]
     pub out: PathBuf,
@@ -277,6 +383,21 @@ fn lonlat(text: &str) -> Result<openbench_core::LonLat, String> {
         }
         _ => Err(format!("`{text}` is not LON,LAT in degrees")),
     }
+}
+
+fn window(text: &str) -> Result<openbench_osm::Window, String> {
+    let edges = numbers(text, 4).ok_or_else(|| format!("`{text}` is not WEST,SOUTH,EAST,NORTH"))?;
+    openbench_osm::Window::new(edges[0], edges[1], edges[2], edges[3]).map_err(|e| e.to_string())
+}
+
+fn radius(text: &str) -> Result<f64, String> {
+    let metres = text.parse::<f64>().ok().filter(|m| (1.0..=20_000.0).contains(m));
+    metres.ok_or_else(|| format!("`{text}` is no distance; give metres, 1 to 20000"))
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    let share = text.parse::<f64>().ok().filter(|s| (0.0..=1.0).contains(s));
+    share.ok_or_else(|| format!("`{text}` is no share; give a number from 0 to 1"))
 }
 
 fn pose(text: &str) -> Result<openbench_core::Pose2, String> {

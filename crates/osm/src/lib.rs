@@ -15,10 +15,12 @@
 //! | `areas` | polygons from closed ways and multipolygons |
 //! | [`names`] | which tags name a building or a unit, and when two names are the same |
 //! | [`address`] | [`locate`]: the location query, from unit up to building |
+//! | [`cutout`] | [`cut_out`]: a neighbourhood out of a larger map |
 //! | [`edit`] | entrances added, merged and taken away |
 
 pub mod address;
 mod areas;
+pub mod cutout;
 pub mod data;
 pub mod edit;
 pub mod error;
@@ -34,6 +36,7 @@ pub mod write;
 mod xml;
 
 pub use address::{Location, locate};
+pub use cutout::{Window, WindowError, cut_out};
 pub use data::{ElementId, ElementKind, Member, Node, OsmData, ReadReport, Relation, Way};
 pub use edit::{EditError, NewEntrance, add_entrance, merge_entrances, without_doors};
 pub use error::OsmError;

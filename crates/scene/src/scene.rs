@@ -113,6 +113,11 @@ impl SceneBuilder {
         Self::default()
     }
 
+    /// How many visible triangles there are so far.
+    pub fn triangles(&self) -> usize {
+        self.scene.triangles.len()
+    }
+
     /// Adds an image.
     pub fn texture(&mut self, texture: Texture) -> TextureId {
         self.scene.textures.push(texture);

@@ -8,7 +8,10 @@ use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
 use openbench_bench::draw::Draw;
 use openbench_bench::report::terminal_table;
-use openbench_bench::{BenchError, Prepared, Registry, RunRequest, Suite, WorldSource, deliveries};
+use openbench_bench::suite::known_suites;
+use openbench_bench::{
+    BenchError, Prepared, Registry, RunRequest, Suite, WorldSource, deliveries, world_folder,
+};
 use openbench_core::Address;
 use openbench_models::ModelStore;
 use openbench_osm::{OsmData, write_atomically};
@@ -102,6 +105,12 @@ fn prepare(args: &RunArgs) -> anyhow::Result<Prepared> {
 
 fn named(name: &str) -> anyhow::Result<Suite> {
     let path = Path::new(name);
+    if world_folder::is_world(path) {
+        return Ok(world_folder::suite_of(path)?);
+    }
+    if path.is_dir() && !known_suites().iter().any(|known| known == name) {
+        anyhow::bail!("{name}: the folder has no world.toml; make a world with `openbench world generate`");
+    }
     let is_file = path.extension().is_some_and(|e| e == "toml");
     Ok(if is_file { Suite::read(path)? } else { Suite::builtin(name)? })
 }

@@ -1,13 +1,14 @@
 //! Walls, fences and hedges along `barrier=*` ways, open where a road or path goes through.
 
 use openbench_core::{MapPoint, Pose2};
-use openbench_osm::{Barrier, Tags};
+use openbench_osm::{Barrier, OsmMap, Road, Tags};
 
-use super::Site;
+use super::lanes::{Lanes, ends};
 use super::seeds::{Purpose, between, chance, pick, stream};
 use super::shapes::{Surface, along, at, cuboid, facet};
 use super::streets::{metres, profile};
 use super::triangulate::turn;
+use super::{MAX_TRIANGLES, Site};
 use crate::scene::{Layer, SceneBuilder};
 
 /// Free width beside a road that goes through, metres.
@@ -33,7 +34,8 @@ impl Site {
             let build = self.build_of(barrier);
             for pair in barrier.points.windows(2) {
                 if self.extent.holds(pair[0], super::GROUND_MARGIN) {
-                    for (a, b) in self.between_gates(barrier, (pair[0], pair[1])) {
+                    let parts = between_gates((&self.map.roads, &self.lanes), barrier, (pair[0], pair[1]));
+                    for (a, b) in parts {
                         self.stretch(build, (a, b));
                     }
                 }
@@ -62,35 +64,10 @@ impl Site {
         }
     }
 
-    /// The parts of a stretch that no road or gate opens.
-    fn between_gates(&self, barrier: &Barrier, (a, b): (MapPoint, MapPoint)) -> Vec<(MapPoint, MapPoint)> {
-        let length = a.distance(b);
-        let mut gaps: Vec<(f64, f64)> = Vec::new();
-        for gate in barrier.gates.iter().filter(|g| super::clearance::point_distance(**g, (a, b)) < 0.1) {
-            gaps.push((a.distance(*gate) - 0.9, a.distance(*gate) + 0.9));
-        }
-        for road in &self.map.roads {
-            let Some(profile) = profile(&road.tags) else { continue };
-            let half = profile.width / 2.0 + profile.pavement + GATE_MARGIN;
-            for pair in road.points.windows(2) {
-                if let Some((share, sine)) = crossing((a, b), (pair[0], pair[1])) {
-                    let half = half / sine.max(0.3);
-                    gaps.push((share * length - half, share * length + half));
-                }
-            }
-        }
-        gaps.sort_by(|p, q| p.0.total_cmp(&q.0));
-        let (mut kept, mut from) = (Vec::new(), 0.0);
-        for (start, end) in gaps.into_iter().chain([(length, length)]) {
-            if start - from > 0.3 {
-                kept.push((along(a, b, from / length), along(a, b, start.min(length) / length)));
-            }
-            from = f64::max(from, end);
-        }
-        kept
-    }
-
     fn stretch(&mut self, build: Build, (a, b): (MapPoint, MapPoint)) {
+        if self.builder.triangles() >= MAX_TRIANGLES {
+            return;
+        }
         let length = a.distance(b);
         let pose = Pose2::new(a.x, a.y, a.bearing_to(b));
         let builder = &mut self.builder;
@@ -132,6 +109,46 @@ impl Site {
             Build::Nothing => {}
         }
     }
+}
+
+/// The parts of a stretch of a barrier that no road or gate opens.
+pub(super) fn between_gates(
+    (roads, lanes): (&[Road], &Lanes),
+    barrier: &Barrier,
+    (a, b): (MapPoint, MapPoint),
+) -> Vec<(MapPoint, MapPoint)> {
+    let length = a.distance(b);
+    let mut gaps: Vec<(f64, f64)> = Vec::new();
+    for gate in barrier.gates.iter().filter(|g| super::clearance::point_distance(**g, (a, b)) < 0.1) {
+        gaps.push((a.distance(*gate) - 0.9, a.distance(*gate) + 0.9));
+    }
+    for segment in lanes.near(a, b, 0.1) {
+        let Some(profile) = profile(&roads[segment.0 as usize].tags) else { continue };
+        if let Some((share, sine)) = crossing((a, b), ends(roads, segment)) {
+            let half = (profile.width / 2.0 + profile.pavement + GATE_MARGIN) / sine.max(0.3);
+            gaps.push((share * length - half, share * length + half));
+        }
+    }
+    gaps.sort_by(|p, q| p.0.total_cmp(&q.0));
+    let (mut kept, mut from) = (Vec::new(), 0.0);
+    for (start, end) in gaps.into_iter().chain([(length, length)]) {
+        if start - from > 0.3 {
+            kept.push((along(a, b, from / length), along(a, b, start.min(length) / length)));
+        }
+        from = f64::max(from, end);
+    }
+    kept
+}
+
+/// The stretches of all barriers that stop a robot.
+pub(super) fn standing(map: &OsmMap, lanes: &Lanes) -> Vec<(MapPoint, MapPoint)> {
+    const SOLID: [&str; 7] =
+        ["wall", "city_wall", "retaining_wall", "hedge", "fence", "handrail", "guard_rail"];
+    let solid = map.barriers.iter().filter(|b| SOLID.contains(&kind(&b.tags)));
+    solid
+        .flat_map(|barrier| barrier.points.windows(2).map(move |pair| (barrier, (pair[0], pair[1]))))
+        .flat_map(|(barrier, ends)| between_gates((&map.roads, lanes), barrier, ends))
+        .collect()
 }
 
 fn kind(tags: &Tags) -> &str {

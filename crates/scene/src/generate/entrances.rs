@@ -1,13 +1,14 @@
-//! Where the doors are: at the map's `entrance` nodes; else, if asked for, one in the wall nearest to a street. A
-//! building that has a door but no name gets one, in the public map too: nobody could be sent there otherwise.
+//! Where the doors are: at the map's `entrance` nodes; else, if asked for, one in the wall nearest to a street. What their
+//! buildings are called, in the public map too, is for [`naming`](super::naming) to say.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use openbench_core::{Address, MapPoint, Pose2};
 use openbench_osm::names::{fold, fold_unit};
-use openbench_osm::{Building, ElementKind, Entrance, OsmData, OsmMap};
+use openbench_osm::{Building, Entrance, OsmData, OsmMap};
 
 use super::clearance::{BUILDING, Clearance, PATH, ROAD};
+use super::naming::Names;
 use super::seeds::{Purpose, chance, stream};
 use super::shapes::along;
 use super::{GenerateOptions, element_number};
@@ -19,6 +20,11 @@ pub(super) const LEAF: f64 = 1.0;
 const BESIDE: f64 = 1.25;
 /// An entrance node farther than this from a wall is not taken for one in it, metres.
 const REACH: f64 = 2.0;
+/// Doors in a world at most.
+const MAX_DOORS: usize = 20_000;
+/// Longest unit on a plate, characters, and how many different ones the map may bring: each is an image.
+const LONGEST_UNIT: usize = 4;
+const MAX_TEXTS: usize = 500;
 
 /// A door in a wall.
 #[derive(Debug, Clone)]
@@ -77,7 +83,17 @@ pub(super) fn place(
     clearance: &Clearance,
 ) -> (Vec<Doorway>, Vec<String>) {
     let mut doors = Vec::new();
-    let mut placer = Placer { map, clearance, seed, taken: names(map), unplaced: 0, repeated: 0 };
+    let mut placer = Placer {
+        map,
+        clearance,
+        seed,
+        names: Names::new(map, public),
+        units: BTreeMap::new(),
+        texts: BTreeSet::new(),
+        unplaced: 0,
+        repeated: 0,
+        beyond: 0,
+    };
     let mut of_building: Vec<Vec<&Entrance>> = vec![Vec::new(); map.buildings.len()];
     for entrance in &map.entrances {
         if let Some(list) = entrance.building.and_then(|b| of_building.get_mut(b)) {
@@ -90,65 +106,38 @@ pub(super) fn place(
         } else {
             placer.mapped(index, entrances)
         };
-        let named = map.buildings[index].name.is_some();
-        if let Some(door) = found.first().filter(|_| !named) {
-            name_building(public, &map.buildings[index], &door.address.building);
-        }
-        doors.extend(found);
+        let room = MAX_DOORS.saturating_sub(doors.len());
+        placer.beyond += found.len().saturating_sub(room);
+        doors.extend(found.into_iter().take(room));
     }
-    (doors, placer.warnings())
+    let warnings = placer.warnings();
+    placer.names.write(public);
+    (doors, warnings)
 }
 
 struct Placer<'a> {
     map: &'a OsmMap,
     clearance: &'a Clearance,
     seed: u64,
-    /// Names that buildings have, folded.
-    taken: BTreeSet<String>,
+    names: Names<'a>,
+    /// Units that each building name has already, both folded.
+    units: BTreeMap<String, BTreeSet<String>>,
+    /// Units that plates were painted for.
+    texts: BTreeSet<String>,
     unplaced: usize,
     repeated: usize,
-}
-
-fn names(map: &OsmMap) -> BTreeSet<String> {
-    map.buildings.iter().filter_map(|b| b.name.as_deref()).map(fold).collect()
-}
-
-fn name_building(public: &mut OsmData, building: &Building, name: &str) {
-    let id = building.element.id;
-    let tags = match building.element.kind {
-        ElementKind::Way => public.ways.get_mut(&id).map(|w| &mut w.tags),
-        ElementKind::Relation => public.relations.get_mut(&id).map(|r| &mut r.tags),
-        ElementKind::Node => None,
-    };
-    if let Some(tags) = tags {
-        tags.insert("name", name);
-    }
+    beyond: usize,
 }
 
 impl Placer<'_> {
-    fn name_of(&mut self, index: usize) -> String {
-        if let Some(name) = &self.map.buildings[index].name {
-            return name.clone();
-        }
-        let name = (index + 1..)
-            .map(|n| format!("building{n}"))
-            .find(|n| !self.taken.contains(n))
-            .unwrap_or_default();
-        self.taken.insert(name.clone());
-        name
-    }
-
     fn mapped(&mut self, index: usize, entrances: &[&Entrance]) -> Vec<Doorway> {
         let mut doors: Vec<Doorway> = Vec::new();
-        let mut units = BTreeSet::new();
-        let given: BTreeSet<String> =
-            entrances.iter().filter_map(|e| e.units.first()).map(|u| fold_unit(u)).collect();
-        let mut building = None;
-        for entrance in entrances {
-            let unit = entrance.units.first().map(|u| fold_unit(u)).or_else(|| {
-                (1..1_000).map(|n| n.to_string()).find(|n| !given.contains(n) && !units.contains(n))
-            });
-            let Some(unit) = unit.filter(|u| !units.contains(u)) else {
+        let given: Vec<Option<String>> = entrances.iter().map(|e| self.unit_of(e)).collect();
+        for (entrance, own) in entrances.iter().zip(&given) {
+            let known = self.names.given(index).map(|name| fold(&name));
+            let used = known.and_then(|name| self.units.get(&name)).cloned().unwrap_or_default();
+            let Some(unit) = own.clone().or_else(|| free_unit(&used, &given)).filter(|u| !used.contains(u))
+            else {
                 self.repeated += 1;
                 continue;
             };
@@ -156,12 +145,31 @@ impl Placer<'_> {
                 self.unplaced += 1;
                 continue;
             };
-            let name = building.get_or_insert_with(|| self.name_of(index)).clone();
             let mut rng = stream(self.seed, Purpose::Doorway, entrance.node as u64);
+            let name = self.take(index, position, &unit);
             doors.push(doorway(index, (name, &unit), (wall, position), &mut rng, &doors));
-            units.insert(unit);
         }
         doors
+    }
+
+    /// The name of a building with a door at `position`, which gets the unit.
+    fn take(&mut self, index: usize, position: MapPoint, unit: &str) -> String {
+        let name = self.names.of(index, position);
+        self.units.entry(fold(&name)).or_default().insert(unit.to_owned());
+        name
+    }
+
+    /// The unit that the map gives to a door, folded, if it is short enough for a plate.
+    fn unit_of(&mut self, entrance: &Entrance) -> Option<String> {
+        let units = entrance.units.iter().map(|u| fold_unit(u));
+        let unit = { units }.find(|u| {
+            (1..=LONGEST_UNIT).contains(&u.len()) && u.bytes().all(|b| b.is_ascii_alphanumeric())
+        })?;
+        let painted = self.texts.contains(&unit) || self.texts.len() < MAX_TEXTS;
+        painted.then(|| {
+            self.texts.insert(unit.clone());
+            unit
+        })
     }
 
     /// The wall that a door at `point` is in, and where in it: the nearest wall with free ground in front.
@@ -213,17 +221,27 @@ impl Placer<'_> {
         });
         let (_, wall, middle) = ranked.min_by(|a, b| a.0.total_cmp(&b.0))?;
         let mut rng = stream(self.seed, Purpose::Doorway, element_number(building.element));
-        let name = self.name_of(index);
-        Some(doorway(index, (name, "1"), (wall, middle), &mut rng, &[]))
+        let name = self.names.of(index, middle);
+        let used = self.units.get(&fold(&name)).cloned().unwrap_or_default();
+        let unit = free_unit(&used, &[])?;
+        let name = self.take(index, middle, &unit);
+        Some(doorway(index, (name, &unit), (wall, middle), &mut rng, &[]))
     }
 
     fn warnings(&self) -> Vec<String> {
         let counts = [
             (self.unplaced, "entrances have no free wall nearby and got no door"),
             (self.repeated, "entrances repeat a unit of their building and got no door"),
+            (self.beyond, "doors are more than a world may have and were left out"),
         ];
         counts.iter().filter(|(n, _)| *n > 0).map(|(n, words)| format!("{n} {words}")).collect()
     }
+}
+
+/// The lowest number that is no unit yet.
+fn free_unit(used: &BTreeSet<String>, given: &[Option<String>]) -> Option<String> {
+    let is_given = |n: &String| given.iter().flatten().any(|g| g == n);
+    (1..1_000).map(|n: u32| n.to_string()).find(|n| !used.contains(n) && !is_given(n))
 }
 
 fn doorway(

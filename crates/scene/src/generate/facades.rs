@@ -37,7 +37,8 @@ impl Site {
         let over = RELIEF / length.max(RELIEF);
         let raised = (along(a, b, -over).offset(out, RELIEF), along(a, b, 1.0 + over).offset(out, RELIEF));
         wall(&mut self.builder, Layer::Visible, house.plinth, raised, (0.0, PLINTH.min(house.eaves / 4.0)));
-        if house.plain || length < 1.6 || self.is_party_wall(a, b, out) {
+        let full = self.builder.triangles() >= super::MAX_TRIANGLES;
+        if house.plain || full || length < 1.6 || self.is_party_wall(a, b, out) {
             return;
         }
         if house.string_courses && house.levels > 1 {

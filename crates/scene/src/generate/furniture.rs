@@ -2,11 +2,15 @@
 
 use openbench_core::Pose2;
 
-use super::clearance::{BUILDING, DOOR, OBJECT, START, point_distance};
+use super::clearance::{BUILDING, DOOR, OBJECT, START};
+use super::lanes::ends;
 use super::seeds::{Purpose, between, stream};
 use super::shapes::{Surface, along, cuboid, prism};
 use super::{Feature, Site};
 use crate::scene::Layer;
+
+/// A thing further than this from every road or path looks to the east, metres.
+const FACING: f64 = 200.0;
 
 impl Site {
     pub(super) fn furniture(&mut self) {
@@ -42,10 +46,8 @@ impl Site {
         {
             return openbench_core::frames::wrap_angle(std::f64::consts::FRAC_PI_2 - degrees.to_radians());
         }
-        let segments = self.map.roads.iter().flat_map(|r| r.points.windows(2)).map(|w| (w[0], w[1]));
-        let nearest = segments.min_by(|s, t| {
-            point_distance(feature.position, *s).total_cmp(&point_distance(feature.position, *t))
-        });
+        let nearest = self.lanes.nearest(&self.map.roads, feature.position, FACING);
+        let nearest = nearest.map(|(segment, _)| ends(&self.map.roads, segment));
         nearest.map_or(0.0, |(a, b)| {
             let length = a.distance(b).max(1e-9);
             let (run, _) = Pose2::new(a.x, a.y, a.bearing_to(b)).inverse_transform(feature.position);

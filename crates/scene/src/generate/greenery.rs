@@ -136,6 +136,9 @@ impl Site {
     }
 
     fn tree(&mut self, p: MapPoint, conifer: bool, rng: &mut Pcg64Mcg) {
+        if self.builder.triangles() >= super::MAX_TRIANGLES {
+            return;
+        }
         let bark = self.palette.bark;
         let girth = between(rng, 0.11, 0.19);
         if conifer {

@@ -14,10 +14,11 @@
 //! | `triangulate` | an outline with holes into triangles |
 //! | `clearance` | what must stay free, and whether a thing would stand in the way |
 //! | `streets`, `markings` | carriageways, pavements, paths; lines on them |
-//! | `entrances` | where the doors are, and their public names |
+//! | `lanes` | the roads' segments by place |
+//! | `entrances`, `naming` | where the doors are; what their buildings are called |
 //! | `buildings`, `facades`, `roofs`, `doorways` | houses, their walls, roofs and doors |
 //! | `barriers`, `greenery`, `furniture`, `cars` | what stands between them |
-//! | `start` | where the robot starts |
+//! | `start`, `reach` | where the robot starts; which ground hangs together |
 
 mod barriers;
 mod buildings;
@@ -30,9 +31,12 @@ mod facades;
 mod furniture;
 mod greenery;
 mod images;
+mod lanes;
 mod markings;
+mod naming;
 mod openings;
 mod palette;
+mod reach;
 mod roofs;
 mod seeds;
 mod shapes;
@@ -52,10 +56,15 @@ use crate::scene::{Layer, SceneBuilder};
 use crate::world::World;
 use clearance::Clearance;
 use entrances::Doorway;
+use lanes::Lanes;
 use palette::Palette;
 
 /// Largest extent of a map that is built, metres.
 const MAX_EXTENT: f64 = 20_000.0;
+/// Most buildings in a world.
+const MAX_BUILDINGS: usize = 30_000;
+/// When a world has so many visible triangles, it gets no more windows, fences, trees and cars: walls, roofs and doors only.
+const MAX_TRIANGLES: usize = 8_000_000;
 /// Ground beyond the outermost mapped thing, metres.
 const GROUND_MARGIN: f64 = 80.0;
 
@@ -64,8 +73,8 @@ const GROUND_MARGIN: f64 = 80.0;
 pub struct GenerateOptions {
     /// Name of the world, as in results.
     pub name: String,
-    /// Where robots start, in the `map` frame; by default the origin if it is clear, else a clear place on a path near
-    /// the middle.
+    /// Where robots start, in the `map` frame; by default a clear place on a pavement or path, in the middle of the doors, from
+    /// which most of them are reached.
     pub start: Option<Pose2>,
     /// Share of the parking places with a car in them, 0 to 1.
     pub parked_cars: f64,
@@ -106,6 +115,12 @@ pub enum GenerateError {
     TooLarge {
         /// Its longer side.
         metres: f64,
+    },
+    /// The map is a whole town.
+    #[error("the map has {buildings} buildings, more than {MAX_BUILDINGS}; cut out a neighbourhood")]
+    TooMany {
+        /// How many.
+        buildings: usize,
     },
     /// The georeference belongs to another place.
     #[error(
@@ -151,6 +166,8 @@ struct Site {
     /// Materials of plates by text.
     plates: BTreeMap<String, MaterialId>,
     clearance: Clearance,
+    /// Every road's segments.
+    lanes: Lanes,
     start: Pose2,
     warnings: Vec<String>,
 }
@@ -176,7 +193,9 @@ pub fn generate(
     let mut clearance = Clearance::of_map(&map);
     let (doorways, mut warnings) = entrances::place(&map, &mut public, (seed, options), &clearance);
     clearance.add_doorways(&doorways);
-    let start = start::choose(&map, &clearance, extent, options)?;
+    let lanes = Lanes::new(&map.roads, |_| true);
+    let walls = map.buildings.iter().flat_map(|b| b.polygon.sides()).chain(barriers::standing(&map, &lanes));
+    let start = start::choose(&map, (&clearance, extent), (&doorways, walls), options)?;
     clearance.add_start(start.point());
     warnings.extend(report(&map));
     let mut builder = SceneBuilder::new();
@@ -193,6 +212,7 @@ pub fn generate(
         palette,
         plates: BTreeMap::new(),
         clearance,
+        lanes,
         start,
         warnings,
     };
@@ -219,6 +239,11 @@ impl Site {
         self.mapped_trees();
         self.parked_cars();
         self.added_greenery();
+        if self.builder.triangles() >= MAX_TRIANGLES {
+            self.warnings.push(format!(
+                "the map is more than {MAX_TRIANGLES} triangles; windows, fences, trees and cars beyond that were left out"
+            ));
+        }
     }
 
     fn ground(&mut self) {
@@ -235,6 +260,9 @@ impl Site {
 fn extent(map: &OsmMap, georeference: Georeference) -> Result<Extent, GenerateError> {
     if map.buildings.is_empty() {
         return Err(GenerateError::NoBuildings { broken: map.report.broken_buildings });
+    }
+    if map.buildings.len() > MAX_BUILDINGS {
+        return Err(GenerateError::TooMany { buildings: map.buildings.len() });
     }
     // Roads and areas may reach far out of a cut-out; the buildings say where the neighbourhood is.
     let mut extent = Extent {
