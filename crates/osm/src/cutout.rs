@@ -1,7 +1,7 @@
 //! A neighbourhood out of a larger map.
 //!
 //! Buildings and other areas are kept whole, so that no house is cut in two; lines (roads, walls) end one node beyond the window.
-//! A line that leaves and comes back becomes several ways, the later ones under new negative numbers. Of the relations only
+//! Coastlines go on for some 300 m, so that the sea can be closed around the outermost houses. A line that leaves and comes back becomes several ways, the later ones under new negative numbers. Of the relations only
 //! multipolygons are kept: routes and boundaries mean nothing in a cut-out.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -14,6 +14,8 @@ use crate::data::{ElementKind, OsmData, Relation, Way};
 
 /// Metres in a degree of latitude; good to half a percent everywhere.
 const METRES_A_DEGREE: f64 = 111_320.0;
+/// How far beyond the window coastlines are kept, metres.
+const BEYOND_COAST: f64 = 300.0;
 
 /// A rectangle between two meridians and two parallels, degrees.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,6 +44,17 @@ impl Window {
         let tall = radius / METRES_A_DEGREE;
         let wide = tall / libm::cos(middle.lat.to_radians()).max(1e-6);
         Self::new(middle.lon - wide, middle.lat - tall, middle.lon + wide, middle.lat + tall)
+    }
+
+    /// The same and so many metres more to each side.
+    fn grown(&self, metres: f64) -> Self {
+        let tall = metres / METRES_A_DEGREE;
+        let wide = tall / libm::cos(self.low.lat.to_radians()).max(1e-6);
+        let (low, high) = (self.low, self.high);
+        Self {
+            low: LonLat::new(low.lon - wide, low.lat - tall),
+            high: LonLat::new(high.lon + wide, high.lat + tall),
+        }
     }
 
     /// Whether a position is in it.
@@ -144,11 +157,13 @@ impl Cut<'_> {
 
     /// The stretches of a line whose segments reach into the window.
     fn stretches(&self, way: &Way) -> Vec<Vec<i64>> {
+        let coast = way.tags.is("natural", "coastline");
+        let window = if coast { self.window.grown(BEYOND_COAST) } else { *self.window };
         let mut stretches: Vec<Vec<i64>> = Vec::new();
         let mut open = false;
         for pair in way.nodes.windows(2) {
             let ends = self.position(pair[0]).zip(self.position(pair[1]));
-            if !ends.is_some_and(|(a, b)| self.window.meets(a, b)) {
+            if !ends.is_some_and(|(a, b)| window.meets(a, b)) {
                 open = false;
                 continue;
             }

@@ -10,13 +10,16 @@ use super::element_number;
 use super::entrances::{straightened, walls};
 use super::facades::facing_out;
 use super::seeds::{Purpose, between, chance, pick, stream};
-use super::shapes::{Surface, along, panel, signed_area};
+use super::shapes::{Surface, along, panel, signed_area, wall};
 use super::streets::metres;
 use crate::material::MaterialId;
 use crate::scene::Layer;
 
 /// Above so many buildings windows lose their sills: a town has a hundred thousand of them.
 const DETAILED: usize = 400;
+
+/// A building that covers more is flat on top unless the map says otherwise, m².
+const LARGE: f64 = 2_500.0;
 
 /// How a building is topped.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,6 +75,7 @@ impl Site {
             }
             let doors = self.doorways[first..next].to_vec();
             if is_open_below(&building.tags) {
+                self.raised_walls(&house, building);
                 self.shelter(&house);
                 continue;
             }
@@ -87,6 +91,17 @@ impl Site {
             }
         }
         self.map.buildings = buildings;
+    }
+
+    /// The walls of what stands on stilts, from its `min_height` up: seen only, a robot drives below.
+    fn raised_walls(&mut self, house: &House, building: &Building) {
+        let tags = &building.tags;
+        let levels = tags.get("building:min_level").and_then(|l| l.parse::<f64>().ok());
+        let told = metres(tags, "min_height").or(levels.map(|l| 3.0 * l));
+        let Some(floor) = told.filter(|floor| (0.5..house.eaves).contains(floor)) else { return };
+        for line in walls(building) {
+            wall(&mut self.builder, Layer::Visible, house.facade, line, (floor, house.eaves));
+        }
     }
 
     /// In the middle of the wall nearest to a road.
@@ -170,7 +185,8 @@ fn storeys(tags: &Tags, area: f64, plain: bool, rng: &mut Pcg64Mcg) -> (usize, f
 }
 
 fn roof_of(tags: &Tags, rings: &[Vec<MapPoint>], levels: usize, rng: &mut Pcg64Mcg) -> Roof {
-    let slope = between(rng, 0.5, 0.9);
+    let usual = between(rng, 0.5, 0.9);
+    let slope = told_slope(tags, &rings[0]).unwrap_or(usual);
     let quad = rings.len() == 1 && is_rectangle(&rings[0]);
     match tags.get("roof:shape") {
         Some("flat") => return Roof::Flat,
@@ -179,11 +195,21 @@ fn roof_of(tags: &Tags, rings: &[Vec<MapPoint>], levels: usize, rng: &mut Pcg64M
         Some("mansard" | "hipped" | "gabled") => return Roof::Mansard,
         _ => {}
     }
+    if signed_area(&rings[0]) > LARGE {
+        return Roof::Flat;
+    }
     match (quad, levels) {
         (true, 0..=3) => pick(rng, &[Roof::Gabled(slope), Roof::Gabled(slope), Roof::Hipped(slope * 0.8)]),
         (false, 0..=4) => pick(rng, &[Roof::Mansard, Roof::Mansard, Roof::Flat]),
         _ => pick(rng, &[Roof::Flat, Roof::Flat, Roof::Mansard]),
     }
+}
+
+/// The slope that `roof:height` makes over a rectangle.
+fn told_slope(tags: &Tags, ring: &[MapPoint]) -> Option<f64> {
+    let height = metres(tags, "roof:height").filter(|_| ring.len() == 4)?;
+    let half = ring[0].distance(ring[1]).min(ring[1].distance(ring[2])) / 2.0;
+    Some((height / half.max(0.5)).clamp(0.1, 2.5))
 }
 
 /// Four corners of about 90 degrees, and small enough for a roof over it.

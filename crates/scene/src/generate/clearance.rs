@@ -27,6 +27,7 @@ pub(super) const OBJECT: Kinds = 32;
 pub(super) const START: Kinds = 64;
 pub(super) const PAVED: Kinds = 128;
 pub(super) const DRIVEWAY: Kinds = 256;
+pub(super) const WATER: Kinds = 512;
 pub(super) const EVERYTHING: Kinds = Kinds::MAX;
 
 #[derive(Debug, Clone, Copy)]
@@ -115,7 +116,8 @@ impl Clearance {
         }
     }
 
-    fn add_area(&mut self, polygon: Polygon, kind: Kinds) {
+    /// Takes note of an area and of its outline.
+    pub fn add_area(&mut self, polygon: Polygon, kind: Kinds) {
         for ring in std::iter::once(&polygon.outer).chain(&polygon.holes) {
             for i in 0..ring.len() {
                 self.add(ring[i], ring[(i + 1) % ring.len()], 0.0, kind);

@@ -2,10 +2,11 @@
 
 use nalgebra::{Point3, Vector3};
 use openbench_core::MapPoint;
+use openbench_osm::Area;
 use rand_pcg::Pcg64Mcg;
 
 use super::Site;
-use super::clearance::{BARRIER, BUILDING, DOOR, EVERYTHING, OBJECT, PATH, PAVED, ROAD, START};
+use super::clearance::{BARRIER, BUILDING, DOOR, EVERYTHING, OBJECT, PATH, PAVED, ROAD, START, WATER};
 use super::entrances::walls;
 use super::seeds::{Purpose, between, chance, pick, stream};
 use super::shapes::{Corner, Surface, along, at, prism};
@@ -15,6 +16,11 @@ use crate::scene::{Layer, SceneBuilder};
 const AREA_OF_TREE: f64 = 220.0;
 /// Trees that the seed adds at most.
 const MAX_ADDED: usize = 3_000;
+/// In woods one for so many, and at most so many in all.
+const AREA_OF_WOOD_TREE: f64 = 70.0;
+const MAX_IN_WOODS: usize = 6_000;
+/// Distance between the trees of a row, metres.
+const ROW_SPACING: f64 = 8.0;
 /// Distance between the trees on the horizon, metres.
 const SPACING: f64 = 5.0;
 /// How far beyond the buildings trees are added, metres.
@@ -43,6 +49,66 @@ impl Site {
             ));
         }
         self.features = features;
+    }
+
+    /// Trees along `natural=tree_row`.
+    pub(super) fn tree_rows(&mut self) {
+        let rows = std::mem::take(&mut self.tree_rows);
+        for (way, line) in &rows {
+            let mut rng = stream(self.seed, Purpose::Tree, *way as u64 | 1 << 62);
+            let conifer = chance(&mut rng, 0.1);
+            for pair in line.windows(2) {
+                let length = pair[0].distance(pair[1]);
+                let count = ((length / ROW_SPACING).ceil() as usize).min(500);
+                for i in 0..count {
+                    let p = along(pair[0], pair[1], (i as f64 + 0.5) / count as f64);
+                    self.tree_if(p, BUILDING | DOOR | START | OBJECT | ROAD, (conifer, &mut rng));
+                }
+            }
+        }
+        self.tree_rows = rows;
+    }
+
+    /// Trees in woods and orchards, thin enough to drive between them.
+    pub(super) fn woods(&mut self) {
+        let areas = std::mem::take(&mut self.map.areas);
+        let is_wood = |a: &&Area| {
+            ["natural=wood", "landuse=forest", "landuse=orchard"]
+                .iter()
+                .filter_map(|words| words.split_once('='))
+                .any(|(key, value)| a.tags.is(key, value))
+        };
+        let mut left = MAX_IN_WOODS;
+        let extent = self.extent;
+        for area in areas.iter().filter(is_wood).filter(|a| extent.meets(&a.polygon, BACKDROP)) {
+            let mut rng = stream(self.seed, Purpose::Tree, super::element_number(area.element) | 1 << 63);
+            let conifers = if area.tags.is("leaf_type", "needleleaved") { 0.9 } else { 0.2 };
+            let (low, high) = area.polygon.bounds();
+            let (low, high) = (self.nearby(low), self.nearby(high));
+            let wanted = ((high.x - low.x) * (high.y - low.y) / AREA_OF_WOOD_TREE) as usize;
+            for _ in 0..wanted.min(left) {
+                let p = MapPoint::new(between(&mut rng, low.x, high.x), between(&mut rng, low.y, high.y));
+                if area.polygon.contains(p) && self.clearance.is_free(p, p, 1.2, EVERYTHING) {
+                    let conifer = chance(&mut rng, conifers);
+                    self.tree(p, conifer, &mut rng);
+                    left -= 1;
+                }
+            }
+        }
+        self.map.areas = areas;
+    }
+
+    /// The point of the ground where trees grow that is nearest to `p`.
+    fn nearby(&self, p: MapPoint) -> MapPoint {
+        let around = self.extent.grown(BACKDROP);
+        MapPoint::new(p.x.clamp(around.min.x, around.max.x), p.y.clamp(around.min.y, around.max.y))
+    }
+
+    fn tree_if(&mut self, p: MapPoint, in_the_way: u16, (conifer, rng): (bool, &mut Pcg64Mcg)) {
+        let near = self.extent.holds(p, super::GROUND_MARGIN);
+        if near && self.clearance.is_free(p, p, 0.35, in_the_way) {
+            self.tree(p, conifer, rng);
+        }
     }
 
     pub(super) fn added_greenery(&mut self) {
@@ -85,7 +151,7 @@ impl Site {
                 let p = p.offset(between(&mut rng, 0.0, std::f64::consts::TAU), between(&mut rng, 0.0, 10.0));
                 let (radius, half) = (between(&mut rng, 2.5, 4.5), between(&mut rng, 3.0, 5.0));
                 let (core, _) = pick(&mut rng, &self.palette.crowns);
-                if self.clearance.is_free(p, p, radius, ROAD | BUILDING) {
+                if self.clearance.is_free(p, p, radius, ROAD | BUILDING | WATER) {
                     blob(
                         &mut self.builder,
                         (core, Layer::Visible),

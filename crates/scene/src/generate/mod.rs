@@ -14,6 +14,7 @@
 //! | `triangulate` | an outline with holes into triangles |
 //! | `clearance` | what must stay free, and whether a thing would stand in the way |
 //! | `streets`, `markings` | carriageways, pavements, paths; lines on them |
+//! | `coast` | the sea |
 //! | `lanes` | the roads' segments by place |
 //! | `entrances`, `naming` | where the doors are; what their buildings are called |
 //! | `buildings`, `facades`, `roofs`, `doorways` | houses, their walls, roofs and doors |
@@ -25,6 +26,7 @@ mod buildings;
 mod builtin;
 mod cars;
 mod clearance;
+mod coast;
 mod doorways;
 mod entrances;
 mod facades;
@@ -47,7 +49,7 @@ mod triangulate;
 use std::collections::BTreeMap;
 
 use openbench_core::{Georeference, MapPoint, Pose2};
-use openbench_osm::{ElementKind, OsmData, OsmMap, Tags, without_doors};
+use openbench_osm::{ElementKind, OsmData, OsmMap, Polygon, Tags, without_doors};
 
 pub use builtin::{builtin, builtin_georeference, builtin_map, builtin_names};
 
@@ -157,6 +159,9 @@ struct Site {
     map: OsmMap,
     /// Tagged nodes that stand for things: trees, lamps, crossings.
     features: Vec<Feature>,
+    /// Lines of trees, by number of the way.
+    tree_rows: Vec<(i64, Vec<MapPoint>)>,
+    sea: Vec<Polygon>,
     doorways: Vec<Doorway>,
     extent: Extent,
     seed: u64,
@@ -191,6 +196,8 @@ pub fn generate(
     let mut public = without_doors(data);
     let features = features(data, &map);
     let mut clearance = Clearance::of_map(&map);
+    let sea = coast::sea(data, &map, extent.grown(GROUND_MARGIN));
+    sea.iter().for_each(|water| clearance.add_area(water.clone(), clearance::WATER));
     let (doorways, mut warnings) = entrances::place(&map, &mut public, (seed, options), &clearance);
     clearance.add_doorways(&doorways);
     let lanes = Lanes::new(&map.roads, |_| true);
@@ -201,9 +208,12 @@ pub fn generate(
     let mut builder = SceneBuilder::new();
     let palette = Palette::new(&mut builder, seed);
     let options = options.clone();
+    let tree_rows = tree_rows(data, &map);
     let mut site = Site {
         map,
         features,
+        tree_rows,
+        sea,
         doorways,
         extent,
         seed,
@@ -237,7 +247,9 @@ impl Site {
         // Mapped things first: what the seed adds gives way to them.
         self.furniture();
         self.mapped_trees();
+        self.tree_rows();
         self.parked_cars();
+        self.woods();
         self.added_greenery();
         if self.builder.triangles() >= MAX_TRIANGLES {
             self.warnings.push(format!(
@@ -290,6 +302,24 @@ impl Extent {
         MapPoint::new((self.min.x + self.max.x) / 2.0, (self.min.y + self.max.y) / 2.0)
     }
 
+    fn grown(self, margin: f64) -> Self {
+        let (min, max) = (self.min, self.max);
+        Self {
+            min: MapPoint::new(min.x - margin, min.y - margin),
+            max: MapPoint::new(max.x + margin, max.y + margin),
+        }
+    }
+
+    /// Whether a polygon may have something in common with the rectangle grown by `margin` metres.
+    fn meets(self, polygon: &Polygon, margin: f64) -> bool {
+        let (low, high) = polygon.bounds();
+        let (min, max) = (self.min, self.max);
+        low.x <= max.x + margin
+            && high.x >= min.x - margin
+            && low.y <= max.y + margin
+            && high.y >= min.y - margin
+    }
+
     /// Whether `point` is inside the rectangle grown by `margin` metres.
     fn holds(self, point: MapPoint, margin: f64) -> bool {
         let inside = |v: f64, low: f64, high: f64| v >= low - margin && v <= high + margin;
@@ -303,6 +333,12 @@ fn features(data: &OsmData, map: &OsmMap) -> Vec<Feature> {
     tagged
         .map(|n| Feature { node: n.id, position: map.projection.to_map(n.position), tags: n.tags.clone() })
         .collect()
+}
+
+fn tree_rows(data: &OsmData, map: &OsmMap) -> Vec<(i64, Vec<MapPoint>)> {
+    let point = |n: &i64| data.nodes.get(n).map(|n| map.projection.to_map(n.position));
+    let rows = data.ways.values().filter(|way| way.tags.is("natural", "tree_row"));
+    rows.map(|way| (way.id, way.nodes.iter().filter_map(point).collect())).collect()
 }
 
 fn report(map: &OsmMap) -> Vec<String> {

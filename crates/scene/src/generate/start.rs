@@ -4,7 +4,7 @@
 use openbench_core::{MapPoint, Pose2};
 use openbench_osm::{OsmMap, Road};
 
-use super::clearance::{BARRIER, BUILDING, Clearance};
+use super::clearance::{BARRIER, BUILDING, Clearance, WATER};
 use super::entrances::Doorway;
 use super::reach::Reach;
 use super::shapes::along;
@@ -42,7 +42,7 @@ pub(super) fn choose(
         Pose2::new(p.x, p.y, d.facing)
     });
     let candidates = nearest_first(in_streets).into_iter().chain(nearest_first(before_doors.collect()));
-    let is_clear = |p: MapPoint| clearance.is_free(p, p, RADIUS, BUILDING | BARRIER);
+    let is_clear = |p: MapPoint| clearance.is_free(p, p, RADIUS, BUILDING | BARRIER | WATER);
     let mut good =
         candidates.filter(|p| is_clear(p.point()) && (doors.is_empty() || reach.serves(p.point())));
     good.next().ok_or(GenerateError::NoStart)

@@ -7,6 +7,8 @@ use openbench_osm::{Area, Tags};
 use super::Site;
 use super::shapes::{Surface, band, floor, parallel};
 
+const Z_SEA: f64 = 0.001;
+const Z_APRON: f64 = 0.0015;
 const Z_AREA: f64 = 0.002;
 const Z_PAVEMENT: f64 = 0.004;
 const Z_PATH: f64 = 0.006;
@@ -18,6 +20,15 @@ const Z_ROAD: f64 = 0.012;
 const KERB: f64 = 0.14;
 /// Width of a pavement that the map does not draw as a way of its own, metres.
 const PAVEMENT: f64 = 1.8;
+
+/// Width of the paved ground around a building in a town, metres.
+const APRON: f64 = 4.0;
+/// A building is in a town if so much of the ground within so many metres is built over; of one building only so much counts, m².
+const BUILT_SHARE: f64 = 0.4;
+const NEIGHBOURHOOD: f64 = 30.0;
+const MOST_BUILT: f64 = 1_500.0;
+/// Fewer buildings than this make no town.
+const CROWD: usize = 9;
 
 /// How a `highway=*` way is built.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -89,6 +100,10 @@ pub(super) fn metres(tags: &Tags, key: &str) -> Option<f64> {
 impl Site {
     /// Ground covers from the lowest to the highest.
     pub(super) fn streets(&mut self) {
+        for water in std::mem::take(&mut self.sea) {
+            floor(&mut self.builder, self.palette.water, (&water.outer, &water.holes), Z_SEA);
+        }
+        self.aprons();
         let areas = std::mem::take(&mut self.map.areas);
         for area in &areas {
             self.ground_cover(area);
@@ -107,6 +122,22 @@ impl Site {
         }
         self.map.roads = roads;
         self.markings();
+    }
+
+    /// Paved ground around the buildings of towns: no lawns between houses that stand wall to wall.
+    fn aprons(&mut self) {
+        let enough = BUILT_SHARE * std::f64::consts::PI * NEIGHBOURHOOD * NEIGHBOURHOOD;
+        for index in 0..self.map.buildings.len() {
+            let middle = self.map.buildings[index].polygon.centroid();
+            let near = self.map.buildings_within(middle, NEIGHBOURHOOD);
+            let built: f64 = near.iter().map(|i| self.map.buildings[*i].polygon.area().min(MOST_BUILT)).sum();
+            if near.len() < CROWD || built < enough {
+                continue;
+            }
+            let outer = &self.map.buildings[index].polygon.outer;
+            let line: Vec<MapPoint> = outer.iter().chain(outer.first()).copied().collect();
+            band(&mut self.builder, self.palette.path, &line, APRON, Z_APRON);
+        }
     }
 
     fn is_near(&self, line: &[MapPoint]) -> bool {
@@ -157,19 +188,19 @@ impl Site {
             () if tags.is("amenity", "parking") => palette.worn_asphalt,
             () if tags.is("natural", "water") || tags.says("water") => palette.water,
             () if tags.is("leisure", "playground") || tags.is("natural", "sand") => palette.gravel,
+            () if tags.is("natural", "beach") => palette.gravel,
             () if tags.is("landuse", "flowerbed") || tags.is("natural", "bare_ground") => palette.earth,
             () if tags.is("highway", "pedestrian")
                 || tags.is("highway", "footway")
-                || tags.is("place", "square") =>
+                || tags.is("place", "square")
+                || ["pier", "breakwater", "groyne"].iter().any(|kind| tags.is("man_made", kind))
+                || tags.is("landuse", "railway") =>
             {
                 palette.paving
             }
             () => return,
         };
-        let (low, high) = area.polygon.bounds();
-        let near =
-            self.extent.holds(low, super::GROUND_MARGIN) || self.extent.holds(high, super::GROUND_MARGIN);
-        if near {
+        if self.extent.meets(&area.polygon, super::GROUND_MARGIN) {
             floor(&mut self.builder, surface, (&area.polygon.outer, &area.polygon.holes), Z_AREA);
         }
     }

@@ -1,0 +1,177 @@
+//! The sea beside `natural=coastline` ways: OSM has it as a line only, with the land on its left.
+//!
+//! The lines are cut at a rectangle around the world and closed along its edge, as renderers do it for their tiles: from where a
+//! line leaves the rectangle counter-clockwise to where the next one enters. Lines that end inside are left out; islands that
+//! lie inside are holes.
+
+use std::collections::BTreeMap;
+
+use openbench_core::MapPoint;
+use openbench_osm::{OsmData, OsmMap, Polygon};
+
+use super::Extent;
+use super::shapes::{along, signed_area};
+
+/// The sea within `extent`.
+pub(super) fn sea(data: &OsmData, map: &OsmMap, extent: Extent) -> Vec<Polygon> {
+    let (mut shores, mut islands) = (Vec::new(), Vec::new());
+    for line in coastlines(data) {
+        // Reversed, so that the sea is on the left, as an area is of its outline.
+        let points: Vec<MapPoint> = line
+            .iter()
+            .rev()
+            .filter_map(|n| data.nodes.get(n))
+            .map(|n| map.projection.to_map(n.position))
+            .filter(|p| p.x.is_finite() && p.y.is_finite())
+            .collect();
+        let pieces = clipped(&points, extent);
+        let whole = line.first() == line.last() && points.iter().all(|p| extent.holds(*p, 0.0));
+        if whole { islands.push(points) } else { shores.extend(pieces) }
+    }
+    let rings = closed(shores, extent);
+    rings.into_iter().filter_map(|ring| with_islands(ring, &islands)).collect()
+}
+
+fn with_islands(ring: Vec<MapPoint>, islands: &[Vec<MapPoint>]) -> Option<Polygon> {
+    let outer = Polygon::new(ring, Vec::new())?;
+    let holes = islands.iter().filter(|i| i.first().is_some_and(|p| outer.contains(*p))).cloned().collect();
+    Polygon::new(outer.outer, holes)
+}
+
+/// Node numbers of the coast, ways joined where one begins at another's end.
+fn coastlines(data: &OsmData) -> Vec<Vec<i64>> {
+    let ways = data.ways.values().filter(|w| w.tags.is("natural", "coastline") && w.nodes.len() > 1);
+    let mut begins: BTreeMap<i64, Vec<i64>> = ways.map(|w| (w.nodes[0], w.nodes.clone())).collect();
+    let ends: Vec<i64> = begins.values().filter_map(|nodes| nodes.last().copied()).collect();
+    // First those that follow on no other, then what is left: rings.
+    let mut starts: Vec<i64> = begins.keys().copied().filter(|n| !ends.contains(n)).collect();
+    starts.extend(begins.keys().copied().collect::<Vec<_>>());
+    let mut lines = Vec::new();
+    for start in starts {
+        let Some(mut line) = begins.remove(&start) else { continue };
+        while let Some(next) = line.last().and_then(|end| begins.remove(end)) {
+            line.extend_from_slice(&next[1..]);
+        }
+        lines.push(line);
+    }
+    lines
+}
+
+/// The parts of a line within the rectangle that begin and end on its edge.
+fn clipped(line: &[MapPoint], extent: Extent) -> Vec<Vec<MapPoint>> {
+    let (mut pieces, mut piece): (Vec<Vec<MapPoint>>, Option<Vec<MapPoint>>) = (Vec::new(), None);
+    for pair in line.windows(2) {
+        let Some((from, to)) = inside(pair[0], pair[1], extent) else { continue };
+        let (p, q) = (along(pair[0], pair[1], from), along(pair[0], pair[1], to));
+        if from > 0.0 {
+            piece = Some(vec![p]);
+        }
+        let Some(points) = &mut piece else { continue };
+        points.push(q);
+        if to < 1.0 {
+            pieces.extend(piece.take());
+        }
+    }
+    pieces
+}
+
+/// Which part of a segment lies in the rectangle, as shares of it (Liang and Barsky 1984).
+fn inside(a: MapPoint, b: MapPoint, extent: Extent) -> Option<(f64, f64)> {
+    let (dx, dy) = (b.x - a.x, b.y - a.y);
+    let edges = [
+        (-dx, a.x - extent.min.x),
+        (dx, extent.max.x - a.x),
+        (-dy, a.y - extent.min.y),
+        (dy, extent.max.y - a.y),
+    ];
+    let (mut from, mut to) = (0.0_f64, 1.0_f64);
+    for (p, q) in edges {
+        if p == 0.0 && q < 0.0 {
+            return None;
+        }
+        if p < 0.0 {
+            from = from.max(q / p);
+        } else if p > 0.0 {
+            to = to.min(q / p);
+        }
+    }
+    (from < to).then_some((from, to))
+}
+
+/// Joins pieces along the edge of the rectangle, counter-clockwise.
+fn closed(mut pieces: Vec<Vec<MapPoint>>, extent: Extent) -> Vec<Vec<MapPoint>> {
+    let mut rings = Vec::new();
+    while let Some(mut ring) = pieces.pop() {
+        let begin = run(ring[0], extent);
+        loop {
+            let from = ring.last().map_or(0.0, |p| run(*p, extent));
+            let ahead = |to: f64| if to >= from { to - from } else { to - from + 4.0 };
+            let next = (0..pieces.len()).min_by(|i, j| {
+                ahead(run(pieces[*i][0], extent)).total_cmp(&ahead(run(pieces[*j][0], extent)))
+            });
+            let next = next.filter(|i| ahead(run(pieces[*i][0], extent)) < ahead(begin));
+            let to = next.map_or(begin, |i| run(pieces[i][0], extent));
+            ring.extend(corners_between(from, ahead(to), extent));
+            match next {
+                Some(i) => ring.extend(pieces.swap_remove(i)),
+                None => break,
+            }
+        }
+        if signed_area(&ring) > 1.0 {
+            rings.push(ring);
+        }
+    }
+    rings
+}
+
+/// How far round the edge of the rectangle a point is, counter-clockwise from the south-west, in sides: 0 to 4.
+fn run(p: MapPoint, extent: Extent) -> f64 {
+    let (width, depth) = (extent.max.x - extent.min.x, extent.max.y - extent.min.y);
+    let (x, y) = ((p.x - extent.min.x) / width, (p.y - extent.min.y) / depth);
+    let sides = [(y, x), (1.0 - x, 1.0 + y), (1.0 - y, 3.0 - x), (x, 4.0 - y)];
+    let nearest = sides.into_iter().min_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
+    nearest.map_or(0.0, |(_, run)| run.rem_euclid(4.0))
+}
+
+/// The rectangle's corners from `from` on for `length` sides.
+fn corners_between(from: f64, length: f64, extent: Extent) -> Vec<MapPoint> {
+    let (min, max) = (extent.min, extent.max);
+    let corners = [min, MapPoint::new(max.x, min.y), max, MapPoint::new(min.x, max.y)];
+    let first = from.floor() as usize + 1;
+    (first..first + 4).filter(|i| *i as f64 - from < length).map(|i| corners[i % 4]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SQUARE: Extent = Extent { min: MapPoint { x: 0.0, y: 0.0 }, max: MapPoint { x: 10.0, y: 10.0 } };
+
+    fn points(list: &[(f64, f64)]) -> Vec<MapPoint> {
+        list.iter().map(|(x, y)| MapPoint::new(*x, *y)).collect()
+    }
+
+    #[test]
+    fn a_coast_across_the_middle_leaves_half_to_the_sea() {
+        // The sea on the left of a line to the east is in the north.
+        let pieces = clipped(&points(&[(-5.0, 4.0), (15.0, 4.0)]), SQUARE);
+        assert_eq!(pieces, [points(&[(0.0, 4.0), (10.0, 4.0)])]);
+        let rings = closed(pieces, SQUARE);
+        assert_eq!(rings.len(), 1);
+        assert!((signed_area(&rings[0]) - 60.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn two_coasts_enclose_a_strait() {
+        let east = clipped(&points(&[(-5.0, 2.0), (15.0, 2.0)]), SQUARE);
+        let west = clipped(&points(&[(15.0, 5.0), (-5.0, 5.0)]), SQUARE);
+        let rings = closed([east, west].concat(), SQUARE);
+        assert_eq!(rings.len(), 1);
+        assert!((signed_area(&rings[0]) - 30.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_coast_that_ends_inside_is_left_out() {
+        assert!(clipped(&points(&[(-5.0, 2.0), (5.0, 2.0)]), SQUARE).is_empty());
+    }
+}
