@@ -12,6 +12,9 @@ use openbench_osm::{OsmData, OsmMap, Polygon};
 use super::Extent;
 use super::shapes::{along, signed_area};
 
+/// Corners of the coast nearer to the one before are left out, metres.
+const FINEST: f64 = 2.0;
+
 /// The sea within `extent`.
 pub(super) fn sea(data: &OsmData, map: &OsmMap, extent: Extent) -> Vec<Polygon> {
     let (mut shores, mut islands) = (Vec::new(), Vec::new());
@@ -24,12 +27,24 @@ pub(super) fn sea(data: &OsmData, map: &OsmMap, extent: Extent) -> Vec<Polygon> 
             .map(|n| map.projection.to_map(n.position))
             .filter(|p| p.x.is_finite() && p.y.is_finite())
             .collect();
+        let points = coarse(points);
         let pieces = clipped(&points, extent);
         let whole = line.first() == line.last() && points.iter().all(|p| extent.holds(*p, 0.0));
         if whole { islands.push(points) } else { shores.extend(pieces) }
     }
     let rings = closed(shores, extent);
     rings.into_iter().filter_map(|ring| with_islands(ring, &islands)).collect()
+}
+
+/// A line without the corners that are closer together than a rendered shore needs; both ends stay.
+fn coarse(line: Vec<MapPoint>) -> Vec<MapPoint> {
+    let mut kept: Vec<MapPoint> = Vec::with_capacity(line.len());
+    for (i, p) in line.iter().enumerate() {
+        if i + 1 == line.len() || kept.last().is_none_or(|q| q.distance(*p) >= FINEST) {
+            kept.push(*p);
+        }
+    }
+    kept
 }
 
 fn with_islands(ring: Vec<MapPoint>, islands: &[Vec<MapPoint>]) -> Option<Polygon> {

@@ -1,0 +1,180 @@
+//! `openbench world`: worlds from an OSM map, from a Gazebo world, and what is done with their folders.
+
+mod common;
+
+use common::Place;
+use common::town::{NOBODY, town};
+use common::vlm::{UNIT_1, reader_that_says};
+
+/// A street with houses: one named, one with street and number, one with nothing, and one that crosses itself.
+fn village() -> Place {
+    let mut text = String::from("<osm version='0.6'>\n");
+    let mut node = |id: usize, x: f64, y: f64, tags: &str| {
+        text += &format!(
+            "<node id='{id}' lat='{:.8}' lon='{:.8}'>{tags}</node>\n",
+            y / 110_574.3 + 0.0,
+            3.0 + x / 111_319.5
+        );
+    };
+    for (first, x) in [(10, 0.0), (20, 18.0), (30, 36.0)] {
+        for (k, (dx, dy)) in [(0.0, 6.0), (10.0, 6.0), (10.0, 14.0), (0.0, 14.0)].into_iter().enumerate() {
+            node(first + k, x + dx, dy, "");
+        }
+    }
+    for (k, (x, y)) in [(60.0, 6.0), (70.0, 14.0), (70.0, 6.0), (60.0, 14.1)].into_iter().enumerate() {
+        node(40 + k, x, y, "");
+    }
+    node(50, 4.0, 6.0, "<tag k='entrance' v='yes'/><tag k='ref' v='7'/>");
+    node(1, -40.0, 0.0, "");
+    node(2, 90.0, 0.0, "");
+    let mut way = |id: usize, nodes: &[usize], tags: &[(&str, &str)]| {
+        let nodes: String = nodes.iter().map(|n| format!("<nd ref='{n}'/>")).collect();
+        let tags: String = tags.iter().map(|(k, v)| format!("<tag k='{k}' v='{v}'/>")).collect();
+        text += &format!("<way id='{id}'>{nodes}{tags}</way>\n");
+    };
+    let house = ("building", "house");
+    way(1, &[1, 2], &[("highway", "residential"), ("name", "Long Lane")]);
+    way(10, &[10, 50, 11, 12, 13, 10], &[house, ("name", "Villa Rosa")]);
+    way(20, &[20, 21, 22, 23, 20], &[house, ("addr:street", "Long Lane"), ("addr:housenumber", "3")]);
+    way(30, &[30, 31, 32, 33, 30], &[house]);
+    way(40, &[40, 41, 42, 43, 40], &[house, ("height", "1e999"), ("building:levels", "-3")]);
+    let place = Place::new();
+    place.file("village.osm", text + "</osm>\n");
+    place
+}
+
+fn generated(more: &str) -> Place {
+    let place = village();
+    place.openbench(&format!("world generate --map village.osm --out w {more}")).succeeded();
+    place
+}
+
+#[test]
+fn a_map_becomes_a_folder_with_recipe_maps_and_suite() {
+    let place = generated("--seed 5");
+    let recipe = place.read("w/world.toml");
+    assert!(recipe.contains("kind = \"generated\"") && recipe.contains("seed = 5"), "{recipe}");
+    assert!(place.read("w/map.osm").contains("entrance"));
+    let public = place.read("w/public.osm");
+    assert!(!public.contains("entrance") && public.contains("Villa Rosa"), "{public}");
+    let left: Vec<_> = std::fs::read_dir(place.path("")).unwrap().map(|e| e.unwrap().file_name()).collect();
+    assert_eq!(left.len(), 2, "nothing is left beside the folder: {left:?}");
+}
+
+#[test]
+fn instructions_and_public_map_agree_on_addresses() {
+    let place = generated("--draw 3 0 1");
+    let suite = place.read("w/suite.toml");
+    assert!(suite.contains("unit7") && suite.contains("Villa Rosa"), "{suite}");
+    assert!(suite.contains("Long Lane 3"), "{suite}");
+    let public = place.read("w/public.osm");
+    // The house without a name got a number of its own in its street.
+    assert_eq!(
+        public.matches("addr:housenumber").count(),
+        public.matches("Long Lane").count() - 1,
+        "{public}"
+    );
+    for instruction in suite.lines().filter_map(|l| l.strip_prefix("instruction = ")) {
+        let words = instruction.trim_matches('"');
+        let planned = place.openbench_with(&["plan", "--map", "w/public.osm", words]);
+        let delivery = &planned.succeeded().json()["deliveries"][0];
+        let name = delivery["building"].as_str().unwrap().to_owned();
+        assert!(words.contains(&name), "{words}: {delivery}");
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_folder() {
+    let (a, b) = (generated("--seed 4"), generated("--seed 4"));
+    for file in ["world.toml", "map.osm", "public.osm", "suite.toml"] {
+        assert_eq!(a.read(&format!("w/{file}")), b.read(&format!("w/{file}")), "{file}");
+    }
+}
+
+#[test]
+fn a_run_in_a_world_verifies_and_moves_with_its_folder() {
+    let place = generated("--draw 1 0 1");
+    std::fs::rename(place.path("w"), place.path("moved")).unwrap();
+    let reader = reader_that_says(UNIT_1);
+    let words = format!("run moved --out run --record none --set reader={reader}");
+    place.openbench(&words).succeeded();
+    assert_eq!(place.json("run/results.json")["suite"], "w");
+    assert!(place.openbench("verify run").succeeded().stdout.contains("1 episodes repeat to the bit"));
+}
+
+#[test]
+fn a_world_is_shown() {
+    let place = generated("");
+    place.openbench("world show w --out above.png").succeeded();
+    place.openbench("world show w --from 0,0,90 --out street.png").succeeded();
+    for file in ["above.png", "street.png"] {
+        assert!(std::fs::read(place.path(file)).unwrap().starts_with(b"\x89PNG"), "{file}");
+    }
+}
+
+#[test]
+fn an_earlier_world_is_replaced_and_nothing_else() {
+    let place = generated("--seed 1");
+    place.openbench("world generate --map village.osm --seed 2 --out w").succeeded();
+    assert!(place.read("w/world.toml").contains("seed = 2"));
+    place.file("w/notes.txt", "mine");
+    place.openbench("world generate --map village.osm --out w").refused_with(&["w", "other things"]);
+    assert!(place.read("w/world.toml").contains("seed = 2"));
+    place
+        .openbench("world generate --map village.osm --out village.osm")
+        .refused_with(&["village.osm", "file"]);
+}
+
+#[test]
+fn a_gazebo_world_becomes_such_a_folder() {
+    let place = town();
+    let words = "world import --world town.world --map town.osm --georef tangent:3,0 --draw 1 0 1 --out w";
+    place.openbench(words).succeeded();
+    let recipe = place.read("w/world.toml");
+    let world = place.path("town.world");
+    assert!(recipe.contains("kind = \"imported\"") && recipe.contains(&*world.to_string_lossy()), "{recipe}");
+    let ran = place.openbench(&format!("run w --out run --record none --set reader={NOBODY}"));
+    ran.succeeded();
+}
+
+#[test]
+fn a_part_of_a_map_is_cut_out() {
+    let place = generated("--around 3.00005,0.00009 --radius 12 --draw 1 0 1");
+    assert!(place.read("w/map.osm").contains("Villa Rosa"));
+    assert!(!place.read("w/map.osm").contains("way id=\"40\""), "the last house is outside");
+    let words = "world generate --map village.osm --bbox 50,50,51,51 --out none";
+    place.openbench(words).refused_with(&["village.osm", "50,50,51,51"]);
+    let words = "world generate --map village.osm --bbox 3,1,2,0 --out none";
+    place.openbench(words).refused_with(&["3,1,2,0", "west of east"]);
+}
+
+#[test]
+fn maps_that_make_no_world_are_refused() {
+    let place = village();
+    let refused = |map: &str, more: &str, parts: &[&str]| {
+        place.openbench(&format!("world generate --map {map} --out none {more}")).refused_with(parts);
+        assert!(!place.path("none").exists());
+    };
+    place.file("road.osm", "<osm><node id='1' lat='0' lon='3'/><node id='2' lat='0' lon='3.001'/></osm>");
+    refused("road.osm", "", &["road.osm", "no usable building"]);
+    place.file("cut.osm", "<osm><node id='1'");
+    refused("cut.osm", "", &["cut.osm"]);
+    refused("missing.osm", "", &["missing.osm", "No such file"]);
+    refused("village.osm", "--georef utm:31S,0,0", &["village.osm", "utm:31S", "origin"]);
+    refused("village.osm", "--parked-cars 2", &["0 to 1"]);
+    refused("village.osm", "--radius 5", &["--around"]);
+    refused("village.osm", "--reach 1", &["no door can be delivered to", "--reach"]);
+}
+
+#[test]
+fn folders_that_are_no_worlds_are_refused() {
+    let place = generated("");
+    std::fs::create_dir(place.path("empty")).unwrap();
+    place.openbench("run empty").refused_with(&["empty", "world.toml"]);
+    let recipe = place.read("w/world.toml");
+    place.file("w/world.toml", recipe.replace("kind", "sort"));
+    place.openbench("run w").refused_with(&["world.toml", "kind"]);
+    place.file("w/world.toml", recipe.replace("version = \"", "version = \"9"));
+    let ran = place.openbench("world show w");
+    assert!(ran.succeeded().stderr.contains("written by version 9"), "{}", ran.stderr);
+}
