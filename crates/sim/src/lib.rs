@@ -9,6 +9,7 @@
 //! | [`inertial`] | IMU and wheel encoders |
 //! | [`render`] | pictures |
 //! | [`noise`] | seeded random numbers |
+//! | [`traffic`] | people and cars that move, how they look, and how near the robot came to them |
 
 pub mod inertial;
 pub mod lidar;
@@ -16,6 +17,7 @@ pub mod noise;
 pub mod physics;
 pub mod render;
 pub mod simulator;
+pub mod traffic;
 
 pub use render::{Labels, Renderer, View};
 pub use simulator::{Collision, OBSERVATION_NS, Simulator, Stage};

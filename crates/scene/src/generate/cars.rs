@@ -5,12 +5,14 @@ use openbench_osm::{Polygon, Road, Tags};
 use rand_pcg::Pcg64Mcg;
 
 use super::clearance::{BARRIER, BUILDING, DOOR, DRIVEWAY, OBJECT, PATH, ROAD, START};
+use super::palette::PAINTS;
 use super::seeds::{Purpose, chance, pick, stream};
 use super::shapes::{Corner, Surface, along, cuboid, facet, signed_area};
 use super::streets::profile;
 use super::triangulate::triangulate;
 use super::{Site, element_number};
-use crate::scene::Layer;
+use crate::material::{Material, SemanticClass};
+use crate::scene::{Layer, Scene, SceneBuilder};
 
 /// Length of a place along the kerb, metres.
 const KERB_PLACE: f64 = 6.0;
@@ -176,7 +178,46 @@ impl Site {
     fn car(&mut self, pose: Pose2, rng: &mut Pcg64Mcg) {
         let shape = pick(rng, &[&SALOON, &HATCHBACK, &SALOON, &HATCHBACK, &VAN]);
         let paint = pick(rng, &self.palette.car_paints);
-        let glass = self.palette.car_glass;
+        let palette = &self.palette;
+        let (glass, tyre, rim, lights) = (palette.car_glass, palette.tyre, palette.metal, palette.car_lights);
+        Car { shape, paint, glass, tyre, rim, lights }.build(&mut self.builder, pose);
+    }
+}
+
+/// A car at the origin that looks along x, its wheels on z = 0: number `look` of the shapes and paints of parked cars, which repeat.
+pub fn car_figure(look: u32) -> Scene {
+    let shapes = [&SALOON, &HATCHBACK, &SALOON, &HATCHBACK, &VAN];
+    let mut builder = SceneBuilder::new();
+    let mut surface = |color: [f32; 3], reflectivity: Option<u8>| {
+        let plain = Material::plain(SemanticClass::Vehicle, color);
+        let reflectivity = reflectivity.unwrap_or(plain.reflectivity);
+        Surface { material: builder.material(Material { reflectivity, ..plain }), tile: 1.0 }
+    };
+    let car = Car {
+        shape: shapes[look as usize % shapes.len()],
+        paint: surface(PAINTS[(look as usize * 3 + 1) % PAINTS.len()], None),
+        glass: surface([0.10, 0.13, 0.16], Some(8)),
+        tyre: surface([0.07; 3], Some(8)),
+        rim: surface([0.58, 0.60, 0.62], None),
+        lights: [surface([0.94, 0.94, 0.90], Some(200)), surface([0.60, 0.06, 0.06], Some(200))],
+    };
+    car.build(&mut builder, Pose2::default());
+    builder.build()
+}
+
+/// What a car is made of.
+struct Car {
+    shape: &'static Shape,
+    paint: Surface,
+    glass: Surface,
+    tyre: Surface,
+    rim: Surface,
+    lights: [Surface; 2],
+}
+
+impl Car {
+    fn build(&self, builder: &mut SceneBuilder, pose: Pose2) {
+        let (shape, paint, glass) = (self.shape, self.paint, self.glass);
         let lean =
             |z: f64| HALF.1 - 0.2 * ((z - shape.waist.0) / (shape.waist.1 - shape.waist.0)).clamp(0.0, 1.0);
         let place = |(x, z): (f64, f64), side: f64, out: f64| {
@@ -187,66 +228,71 @@ impl Site {
             let (p, q) = (shape.outline[i], shape.outline[(i + 1) % n]);
             let surface = if shape.glass.contains(&i) { glass } else { paint };
             let quad = [place(p, -1.0, 0.0), place(q, -1.0, 0.0), place(q, 1.0, 0.0), place(p, 1.0, 0.0)];
-            facet(&mut self.builder, Layer::Visible, surface, &quad);
+            facet(builder, Layer::Visible, surface, &quad);
         }
         for side in [-1.0, 1.0] {
-            self.car_side(paint, shape.outline, |p| place(p, side, 0.0), side);
-            self.car_side(glass, shape.window, |p| place(p, side, 0.012), side);
+            car_side(builder, (paint, side), shape.outline, |p| place(p, side, 0.0));
+            car_side(builder, (glass, side), shape.window, |p| place(p, side, 0.012));
         }
-        self.wheels_and_lights(pose);
+        self.wheels_and_lights(builder, pose);
         let (low, high) = ([-HALF.0, -HALF.1, 0.0], [HALF.0, HALF.1, shape.waist.1.min(1.9)]);
-        cuboid(&mut self.builder, Layer::Solid, paint, pose, (low, high));
+        cuboid(builder, Layer::Solid, paint, pose, (low, high));
     }
 
-    fn car_side(
-        &mut self,
-        surface: Surface,
-        outline: &[(f64, f64)],
-        place: impl Fn((f64, f64)) -> nalgebra::Point3<f64>,
-        side: f64,
-    ) {
-        let mut flat: Vec<MapPoint> = outline.iter().map(|(x, z)| MapPoint::new(*x, *z)).collect();
-        if signed_area(&flat) < 0.0 {
-            flat.reverse();
-        }
-        for [a, b, c] in triangulate(&flat, &[]) {
-            let order = if side < 0.0 { [a, b, c] } else { [a, c, b] };
-            let corners: [Corner; 3] = order.map(|p| (place((p.x, p.y)), [0.0, 0.0]));
-            self.builder.mesh(Layer::Visible, surface.material, &corners, &[[0, 1, 2]]);
-        }
-    }
-
-    fn wheels_and_lights(&mut self, pose: Pose2) {
-        let (tyre, rim) = (self.palette.tyre, self.palette.metal);
+    fn wheels_and_lights(&self, builder: &mut SceneBuilder, pose: Pose2) {
+        let (tyre, rim) = (self.tyre, self.rim);
         for (x, side) in [(1.3, -1.0), (1.3, 1.0), (-1.3, -1.0), (-1.3, 1.0)] {
-            self.wheel(pose, (x, side, 0.31), tyre, 0.0);
-            self.wheel(pose, (x, side, 0.17), rim, 0.006);
+            wheel(builder, pose, (x, side, 0.31), tyre, 0.0);
+            wheel(builder, pose, (x, side, 0.17), rim, 0.006);
         }
-        let [white, red] = self.palette.car_lights;
+        let [white, red] = self.lights;
         for side in [-0.62, 0.62] {
             let lamp = |x: f64| ([x - 0.04, side - 0.16, 0.62], [x + 0.04, side + 0.16, 0.74]);
-            cuboid(&mut self.builder, Layer::Visible, white, pose, lamp(1.94));
-            cuboid(&mut self.builder, Layer::Visible, red, pose, lamp(-1.94));
+            cuboid(builder, Layer::Visible, white, pose, lamp(1.94));
+            cuboid(builder, Layer::Visible, red, pose, lamp(-1.94));
         }
     }
+}
 
-    /// A disc at the side of the car; with a tread if it is a tyre.
-    fn wheel(&mut self, pose: Pose2, (x, side, radius): (f64, f64, f64), surface: Surface, out: f64) {
-        const CORNERS: usize = 10;
-        let rim = |i: usize, depth: f64| {
-            let (sin, cos) = libm::sincos(std::f64::consts::TAU * i as f64 / CORNERS as f64);
-            let p = pose.transform(x + radius * cos, side * (HALF.1 + 0.015 + out - depth));
-            super::shapes::at(p, 0.31 + radius * sin)
-        };
-        let order = |i: usize| if side < 0.0 { i } else { CORNERS - i };
-        let disc: Vec<_> = (0..CORNERS).map(|i| rim(order(i), 0.0)).collect();
-        facet(&mut self.builder, Layer::Visible, surface, &disc);
-        if out == 0.0 {
-            for i in 0..CORNERS {
-                let quad =
-                    [rim(order(i + 1), 0.0), rim(order(i), 0.0), rim(order(i), 0.2), rim(order(i + 1), 0.2)];
-                facet(&mut self.builder, Layer::Visible, surface, &quad);
-            }
+fn car_side(
+    builder: &mut SceneBuilder,
+    (surface, side): (Surface, f64),
+    outline: &[(f64, f64)],
+    place: impl Fn((f64, f64)) -> nalgebra::Point3<f64>,
+) {
+    let mut flat: Vec<MapPoint> = outline.iter().map(|(x, z)| MapPoint::new(*x, *z)).collect();
+    if signed_area(&flat) < 0.0 {
+        flat.reverse();
+    }
+    for [a, b, c] in triangulate(&flat, &[]) {
+        let order = if side < 0.0 { [a, b, c] } else { [a, c, b] };
+        let corners: [Corner; 3] = order.map(|p| (place((p.x, p.y)), [0.0, 0.0]));
+        builder.mesh(Layer::Visible, surface.material, &corners, &[[0, 1, 2]]);
+    }
+}
+
+/// A disc at the side of the car; with a tread if it is a tyre.
+fn wheel(
+    builder: &mut SceneBuilder,
+    pose: Pose2,
+    (x, side, radius): (f64, f64, f64),
+    surface: Surface,
+    out: f64,
+) {
+    const CORNERS: usize = 10;
+    let rim = |i: usize, depth: f64| {
+        let (sin, cos) = libm::sincos(std::f64::consts::TAU * i as f64 / CORNERS as f64);
+        let p = pose.transform(x + radius * cos, side * (HALF.1 + 0.015 + out - depth));
+        super::shapes::at(p, 0.31 + radius * sin)
+    };
+    let order = |i: usize| if side < 0.0 { i } else { CORNERS - i };
+    let disc: Vec<_> = (0..CORNERS).map(|i| rim(order(i), 0.0)).collect();
+    facet(builder, Layer::Visible, surface, &disc);
+    if out == 0.0 {
+        for i in 0..CORNERS {
+            let quad =
+                [rim(order(i + 1), 0.0), rim(order(i), 0.0), rim(order(i), 0.2), rim(order(i + 1), 0.2)];
+            facet(builder, Layer::Visible, surface, &quad);
         }
     }
 }

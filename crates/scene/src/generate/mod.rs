@@ -52,6 +52,7 @@ use openbench_core::{Georeference, MapPoint, Pose2};
 use openbench_osm::{ElementKind, OsmData, OsmMap, Polygon, Tags, without_doors};
 
 pub use builtin::{builtin, builtin_georeference, builtin_map, builtin_names};
+pub use cars::car_figure;
 
 use crate::material::MaterialId;
 use crate::scene::{Layer, SceneBuilder};
