@@ -223,8 +223,11 @@ fn draw(prepared: &mut Prepared, wanted: Wanted) -> (usize, usize) {
         .collect();
     let counts = (reachable.len(), candidates.len());
     let mut draw = Draw::new(candidates, wanted.seed);
-    let mut episodes = draw.singles(wanted.singles);
-    episodes.extend(draw.sequences(wanted.sequences.0, wanted.sequences.1));
+    // No door twice, and no sequence of one.
+    let mut episodes = draw.singles(wanted.singles.min(counts.1));
+    if counts.1 > 1 || wanted.sequences.1 == 1 {
+        episodes.extend(draw.sequences(wanted.sequences.0, wanted.sequences.1));
+    }
     prepared.suite.episodes = episodes;
     counts
 }

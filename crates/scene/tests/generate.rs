@@ -314,6 +314,144 @@ fn a_map_without_buildings_or_of_another_place_is_refused() {
     assert!(matches!(error, GenerateError::FarFromOrigin { .. }), "{error}");
 }
 
+/// A row of equal houses along a street of that name, 14 m apart, with more tags.
+fn row_of_houses(count: usize, street: &[(&str, &str)], tags: &[(&str, &str)]) -> (OsmData, Georeference) {
+    let rings: Vec<Vec<(f64, f64)>> = (0..count)
+        .map(|i| {
+            let x = 14.0 * i as f64;
+            vec![(x, 6.0), (x + 10.0, 6.0), (x + 10.0, 14.0), (x, 14.0)]
+        })
+        .collect();
+    let road: &[(f64, f64)] = &[(-20.0, 0.0), (14.0 * count as f64, 0.0)];
+    let mut ways: Vec<WayOf> = rings.iter().map(|ring| (ring.as_slice(), tags)).collect();
+    ways.push((road, street));
+    map_of(&ways)
+}
+
+fn names_of_doors(world: &World) -> BTreeSet<&str> {
+    world.scene.doors.iter().map(|d| d.address.building.as_str()).collect()
+}
+
+#[test]
+fn houses_in_a_named_street_get_numbers_that_the_public_map_knows() {
+    let street = [("highway", "residential"), ("name", "Rua Alta")];
+    for tags in [&[("building", "yes")][..], &[("building", "yes"), ("addr:housenumber", "7")]] {
+        let (data, georeference) = row_of_houses(6, &street, tags);
+        let world = generate(&data, georeference, 1, &GenerateOptions::default()).unwrap();
+        assert_eq!(names_of_doors(&world).len(), 6);
+        let map = OsmMap::new(&world.map, georeference);
+        for door in &world.scene.doors {
+            assert!(door.address.building.starts_with("Rua Alta "), "{}", door.address);
+            let found = openbench_osm::locate(&map, &door.address);
+            assert!(matches!(found, openbench_osm::Location::Building(_)), "{}: {found:?}", door.address);
+        }
+        assert!(tags.len() == 1 || names_of_doors(&world).contains("Rua Alta 7"));
+    }
+}
+
+#[test]
+fn houses_of_one_name_get_addresses_of_their_own() {
+    let street = [("highway", "residential"), ("name", "Rua Alta")];
+    let (data, georeference) = row_of_houses(3, &street, &[("building", "yes"), ("name", "Casa")]);
+    let world = generate(&data, georeference, 1, &GenerateOptions::default()).unwrap();
+    assert_eq!(names_of_doors(&world).len(), 3);
+}
+
+#[test]
+fn the_start_is_where_most_doors_are_reached() {
+    // A walled yard with one house and a path in it beside a street with three; the yard is nearer to the middle.
+    let (mut data, georeference) = row_of_houses(3, &[("highway", "residential")], &[("building", "yes")]);
+    let wall: &[(f64, f64)] = &[(8.0, 20.0), (40.0, 20.0), (40.0, 50.0), (8.0, 50.0), (8.0, 20.0)];
+    let hut: &[(f64, f64)] = &[(15.0, 36.0), (25.0, 36.0), (25.0, 44.0), (15.0, 44.0)];
+    let path: &[(f64, f64)] = &[(12.0, 24.0), (36.0, 24.0)];
+    let (yard, _) = map_of(&[
+        (wall, &[("barrier", "wall")]),
+        (hut, &[("building", "yes")]),
+        (path, &[("highway", "path")]),
+    ]);
+    data.nodes.extend(yard.nodes.into_iter().map(|(id, mut node)| {
+        node.id += 1_000;
+        (id + 1_000, node)
+    }));
+    data.ways.extend(yard.ways.into_iter().map(|(id, mut way)| {
+        way.id += 1_000;
+        way.nodes.iter_mut().for_each(|n| *n += 1_000);
+        (id + 1_000, way)
+    }));
+    let world = generate(&data, georeference, 1, &GenerateOptions::default()).unwrap();
+    assert!(world.start.y < 5.0, "{:?}", world.start);
+    assert_eq!(world.scene.doors.len(), 4);
+}
+
+#[test]
+fn a_large_building_is_flat_and_one_on_stilts_can_be_driven_under() {
+    let hall: &[(f64, f64)] = &[(0.0, 5.0), (90.0, 5.0), (90.0, 65.0), (0.0, 65.0)];
+    let bridge: &[(f64, f64)] = &[(100.0, 5.0), (110.0, 5.0), (110.0, 15.0), (100.0, 15.0)];
+    let road: &[(f64, f64)] = &[(-30.0, 0.0), (140.0, 0.0)];
+    let (data, georeference) = map_of(&[
+        (hall, &[("building", "retail"), ("building:levels", "2")]),
+        (bridge, &[("building", "yes"), ("min_height", "4"), ("height", "10")]),
+        (road, &[("highway", "residential")]),
+    ]);
+    let options = GenerateOptions { planting: 0.0, ..GenerateOptions::default() };
+    let world = generate(&data, georeference, 1, &options).unwrap();
+    assert_eq!(world.scene.doors.len(), 1, "no door in the air");
+    let scene = &world.scene;
+    let is_building = |t: &&openbench_scene::Triangle| {
+        scene.materials[t.material.0 as usize].class == SemanticClass::Building
+    };
+    let corners = |t: &openbench_scene::Triangle| t.corners.map(|i| scene.vertices[i as usize].position);
+    let in_bridge = |p: [f32; 3]| (99.0..111.0).contains(&p[0]);
+    let lowest = scene.triangles.iter().filter(is_building).flat_map(corners).filter(|p| in_bridge(*p));
+    assert!((lowest.map(|p| p[2]).fold(f32::MAX, f32::min) - 4.0).abs() < 1e-3);
+    assert!(
+        !scene.solid.positions.iter().any(|p| in_bridge(*p) && p[2] > 0.5 && (5.0..15.0).contains(&p[1]))
+    );
+}
+
+#[test]
+fn the_sea_is_water_and_nobody_starts_in_it() {
+    let (mut data, georeference) = row_of_houses(2, &[("highway", "residential")], &[("building", "yes")]);
+    // Land on the left: the sea begins 10 m south of the street and goes on.
+    let projection = openbench_osm::Projection::new(georeference);
+    for (id, x) in [(901, -2_000.0), (902, 2_000.0)] {
+        let position = projection.to_lonlat(MapPoint::new(x, -10.0));
+        data.nodes.insert(id, Node { id, position, tags: Tags::new() });
+    }
+    let tags: Tags = [("natural", "coastline")].into_iter().collect();
+    data.ways.insert(900, Way { id: 900, nodes: vec![901, 902], tags });
+    let world = generate(&data, georeference, 1, &GenerateOptions::default()).unwrap();
+    let at = |y: f64| {
+        let caster = openbench_scene::RayCaster::new(std::sync::Arc::new(world.scene.clone()));
+        let hit = caster.visible().cast([5.0, y as f32, 30.0], [0.0, 0.0, -1.0], 100.0).unwrap();
+        world.scene.materials[world.scene.triangles[hit.triangle as usize].material.0 as usize].clone()
+    };
+    assert!(at(-40.0).texture.is_none() && at(-40.0).color[2] > 0.4, "water in the south");
+    assert!(at(-7.0).texture.is_some(), "land in the north");
+    assert!(world.start.y > -10.0);
+}
+
+#[test]
+fn roads_and_walls_that_go_round_the_earth_cost_nothing() {
+    let (mut data, georeference) = row_of_houses(2, &[("highway", "residential")], &[("building", "yes")]);
+    for i in 0..200 {
+        let lon = f64::from(i) - 100.0;
+        data.nodes.insert(
+            10_000 + i64::from(i),
+            Node { id: 10_000 + i64::from(i), position: LonLat::new(lon, 48.0), tags: Tags::new() },
+        );
+    }
+    for (id, key, value) in
+        [(900, "highway", "primary"), (901, "barrier", "wall"), (902, "natural", "tree_row")]
+    {
+        let tags: Tags = [(key, value)].into_iter().collect();
+        data.ways.insert(id, Way { id, nodes: (10_000..10_200).collect(), tags });
+    }
+    let began = Instant::now();
+    generate(&data, georeference, 1, &GenerateOptions::default()).unwrap();
+    assert!(began.elapsed().as_secs_f64() < 5.0, "{:?}", began.elapsed());
+}
+
 #[test]
 #[allow(clippy::print_stderr)]
 fn maps_of_real_places_become_worlds() {

@@ -122,10 +122,13 @@ fn show(args: &ShowArgs) -> anyhow::Result<Outcome> {
     openbench_osm::write_atomically(&args.out, &png)?;
     let scene = &world.scene;
     say(&format!(
-        "{}: {} triangles, {} doors; picture in {}\n",
+        "{}: {} triangles, {} doors, start {:.2},{:.2},{:.0}; picture in {}\n",
         world.name,
         scene.triangles.len(),
         scene.doors.len(),
+        world.start.x,
+        world.start.y,
+        world.start.yaw.to_degrees(),
         args.out.display()
     ))?;
     Ok(Outcome::Done)

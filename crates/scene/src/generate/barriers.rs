@@ -14,6 +14,9 @@ use crate::scene::{Layer, SceneBuilder};
 /// Free width beside a road that goes through, metres.
 const GATE_MARGIN: f64 = 0.8;
 
+/// No wall goes on for longer without a corner, metres.
+const LONGEST: f64 = 5_000.0;
+
 /// What a barrier is built of.
 #[derive(Debug, Clone, Copy)]
 enum Build {
@@ -118,6 +121,9 @@ pub(super) fn between_gates(
     (a, b): (MapPoint, MapPoint),
 ) -> Vec<(MapPoint, MapPoint)> {
     let length = a.distance(b);
+    if length.is_nan() || length > LONGEST {
+        return Vec::new();
+    }
     let mut gaps: Vec<(f64, f64)> = Vec::new();
     for gate in barrier.gates.iter().filter(|g| super::clearance::point_distance(**g, (a, b)) < 0.1) {
         gaps.push((a.distance(*gate) - 0.9, a.distance(*gate) + 0.9));

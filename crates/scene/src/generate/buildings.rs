@@ -155,7 +155,8 @@ fn is_outbuilding(tags: &Tags) -> bool {
     tags.get("building").is_some_and(|kind| kinds.contains(&kind))
 }
 
-fn is_open_below(tags: &Tags) -> bool {
+/// Whether a robot drives under it: a roof, or what begins above the ground.
+pub(super) fn is_open_below(tags: &Tags) -> bool {
     let raised =
         metres(tags, "min_height").is_some() || tags.get("building:min_level").is_some_and(|l| l != "0");
     raised || ["roof", "carport"].iter().any(|kind| tags.is("building", kind))

@@ -10,6 +10,8 @@ use super::streets;
 
 /// Side of a grid cell, metres.
 const CELL: f64 = 16.0;
+/// Entries in the grid at most: what lies scattered over half the Earth must not fill the memory.
+const MAX_ENTRIES: usize = 20_000_000;
 /// Radius about the start in which nothing is put, metres.
 const START_RADIUS: f64 = 2.5;
 /// Depth and half width of the free space in front of a door and of a plate, metres.
@@ -45,6 +47,7 @@ pub(super) struct Clearance {
     areas: Vec<(Polygon, Kinds)>,
     capsule_cells: BTreeMap<(i32, i32), Vec<u32>>,
     area_cells: BTreeMap<(i32, i32), Vec<u32>>,
+    entries: usize,
 }
 
 impl Clearance {
@@ -100,6 +103,9 @@ impl Clearance {
         for i in 0..pieces {
             let share = |k: usize| k as f64 / pieces as f64;
             let (p, q) = (super::shapes::along(a, b, share(i)), super::shapes::along(a, b, share(i + 1)));
+            if !self.afford(p, q, radius) {
+                continue;
+            }
             for cell in cells(p, q, radius) {
                 let list = self.capsule_cells.entry(cell).or_default();
                 if list.last() != Some(&index) {
@@ -108,6 +114,15 @@ impl Clearance {
             }
         }
         self.capsules.push(Capsule { a, b, radius, kind });
+    }
+
+    /// Whether the grid may take in what covers the rectangle around `a` and `b`.
+    fn afford(&mut self, a: MapPoint, b: MapPoint, margin: f64) -> bool {
+        let side = |d: f64| (d.abs() + 2.0 * margin) / CELL + 2.0;
+        let count = side(b.x - a.x) * side(b.y - a.y);
+        let good = count.is_finite() && count < (MAX_ENTRIES - self.entries) as f64;
+        self.entries += if good { count as usize } else { 0 };
+        good
     }
 
     fn add_line(&mut self, line: &[MapPoint], radius: f64, kind: Kinds) {
@@ -128,7 +143,7 @@ impl Clearance {
         let (min, max) =
             (MapPoint::new(low(|p| p.x), low(|p| p.y)), MapPoint::new(high(|p| p.x), high(|p| p.y)));
         let index = self.areas.len() as u32;
-        if min.distance(max) < super::MAX_EXTENT {
+        if min.distance(max) < super::MAX_EXTENT && self.afford(min, max, 0.0) {
             for cell in cells(min, max, 0.0) {
                 self.area_cells.entry(cell).or_default().push(index);
             }

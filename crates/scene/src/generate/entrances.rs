@@ -7,6 +7,7 @@ use openbench_core::{Address, MapPoint, Pose2};
 use openbench_osm::names::{fold, fold_unit};
 use openbench_osm::{Building, Entrance, OsmData, OsmMap};
 
+use super::buildings::is_open_below;
 use super::clearance::{BUILDING, Clearance, PATH, ROAD};
 use super::naming::Names;
 use super::seeds::{Purpose, chance, stream};
@@ -209,7 +210,7 @@ impl Placer<'_> {
 
     fn invented(&mut self, index: usize, options: &GenerateOptions) -> Option<Doorway> {
         let building = &self.map.buildings[index];
-        if !options.invent_doors || !is_lived_in(building) {
+        if !options.invent_doors || !is_lived_in(building) || is_open_below(&building.tags) {
             return None;
         }
         let candidates = walls(building).into_iter().filter(|(a, b)| a.distance(*b) > 2.5);

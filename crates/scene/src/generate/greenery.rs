@@ -16,9 +16,9 @@ use crate::scene::{Layer, SceneBuilder};
 const AREA_OF_TREE: f64 = 220.0;
 /// Trees that the seed adds at most.
 const MAX_ADDED: usize = 3_000;
-/// In woods one for so many, and at most so many in all.
+/// In woods one for so many, and at most so many tries in all.
 const AREA_OF_WOOD_TREE: f64 = 70.0;
-const MAX_IN_WOODS: usize = 6_000;
+const MAX_IN_WOODS: usize = 20_000;
 /// Distance between the trees of a row, metres.
 const ROW_SPACING: f64 = 8.0;
 /// Distance between the trees on the horizon, metres.
@@ -91,9 +91,9 @@ impl Site {
                 if area.polygon.contains(p) && self.clearance.is_free(p, p, 1.2, EVERYTHING) {
                     let conifer = chance(&mut rng, conifers);
                     self.tree(p, conifer, &mut rng);
-                    left -= 1;
                 }
             }
+            left -= wanted.min(left);
         }
         self.map.areas = areas;
     }

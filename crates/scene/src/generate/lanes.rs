@@ -10,8 +10,8 @@ use super::shapes::along;
 
 /// Side of a cell, metres.
 const CELL: f64 = 32.0;
-/// A segment longer than this is that of no street: only so much of it is looked up, metres.
-const LONGEST: f64 = 20_000.0;
+/// A segment longer than this is that of no street and is not looked up, metres.
+const LONGEST: f64 = 5_000.0;
 
 /// A segment: number of the road and of the segment in it.
 pub(super) type Segment = (u32, u32);
@@ -35,7 +35,11 @@ impl Lanes {
     }
 
     fn add(&mut self, segment: Segment, (a, b): (MapPoint, MapPoint)) {
-        let pieces = (a.distance(b).min(LONGEST) / CELL).ceil().max(1.0) as usize;
+        let length = a.distance(b);
+        if length.is_nan() || length > LONGEST {
+            return;
+        }
+        let pieces = (length / CELL).ceil().max(1.0) as usize;
         for i in 0..pieces {
             let share = |k: usize| along(a, b, k as f64 / pieces as f64);
             for cell in cells(share(i), share(i + 1), 0.0) {

@@ -130,7 +130,9 @@ impl Site {
         for index in 0..self.map.buildings.len() {
             let middle = self.map.buildings[index].polygon.centroid();
             let near = self.map.buildings_within(middle, NEIGHBOURHOOD);
-            let built: f64 = near.iter().map(|i| self.map.buildings[*i].polygon.area().min(MOST_BUILT)).sum();
+            // A few hundred tell enough, should thousands be piled up in one place.
+            let built: f64 =
+                near.iter().take(300).map(|i| self.map.buildings[*i].polygon.area().min(MOST_BUILT)).sum();
             if near.len() < CROWD || built < enough {
                 continue;
             }
