@@ -32,7 +32,7 @@ pub struct View {
     pub focal_length: f64,
     /// Distance beyond which nothing is seen, metres. At it, half of a surface's colour has faded into the haze.
     pub range: f32,
-    /// Whether things throw shadows; this takes half as long again.
+    /// Whether things throw shadows, at the cost of a second ray for each pixel.
     pub shadows: bool,
 }
 

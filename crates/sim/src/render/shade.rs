@@ -65,7 +65,7 @@ impl Shader {
         }
     }
 
-    /// Red, green and blue of each lane, 0 to 255. Lanes with a `shade` of 0 lie in shadow, with 1 in the sun.
+    /// Red, green and blue of each lane, 0 to 255. Lanes with `sunlit` 0 lie in shadow, with 1 in the sun.
     pub(super) fn colors(
         &self,
         caster: &RayCaster,

@@ -234,17 +234,3 @@ fn broken_steps_and_robots_do_no_harm() {
     }
     assert!(traffic.movers().iter().all(|m| m.pose.x.is_finite() && m.velocity[0].is_finite()));
 }
-
-/// Run with `--nocapture` to see the time.
-#[test]
-#[allow(clippy::print_stderr)]
-fn a_step_is_quick() {
-    let mut traffic = medium(TrafficPlan { pedestrians: 50, cars: 20 }, 1);
-    (0..100).for_each(|_| traffic.step(DT, NOBODY));
-    let began = std::time::Instant::now();
-    (0..1000).for_each(|_| traffic.step(DT, NOBODY));
-    let microseconds = began.elapsed().as_secs_f64() * 1e3;
-    eprintln!("{microseconds:.1} microseconds a step with 50 people and 20 cars");
-    // Twenty times the goal: only a change of the order of growth fails here, not a busy machine.
-    assert!(microseconds < 2000.0, "{microseconds}");
-}
