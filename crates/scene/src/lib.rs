@@ -22,10 +22,10 @@ pub mod raycast;
 pub mod scene;
 pub mod world;
 
-pub use bvh::{Hit, RayPacket, TriangleBvh};
+pub use bvh::{Hit, Movers, Placed, RayPacket, TriangleBvh};
 pub use free_space::FreeSpace;
 pub use import::{ImportError, ImportRequest, import_world};
 pub use material::{Material, MaterialId, SemanticClass, Texture, TextureId};
-pub use raycast::{RayCaster, Surface};
+pub use raycast::{RayCaster, Snapshot, Surface};
 pub use scene::{Door, Scene, SceneBuilder, SolidMesh, Sun, Triangle, Vertex};
 pub use world::World;

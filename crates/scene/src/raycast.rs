@@ -2,9 +2,11 @@
 //!
 //! What hits want to know of a triangle lies in tables of its own, since a scene's triangles, vertices, materials and textures are four places far apart.
 
+use std::ops::Range;
 use std::sync::Arc;
 
-use crate::bvh::{Hit, PacketHits, RayPacket, TriangleBvh};
+use crate::bvh::movers::CastAmong;
+use crate::bvh::{Figure, Hit, Lane, MISS, Movers, PacketHits, RayPacket, TriangleBvh, widest};
 use crate::material::{Material, Texture};
 use crate::scene::{Scene, Triangle};
 
@@ -13,6 +15,7 @@ use crate::scene::{Scene, Triangle};
 pub struct RayCaster {
     scene: Arc<Scene>,
     visible: Arc<TriangleBvh>,
+    figures: Arc<[Figure]>,
     solid: Arc<TriangleBvh>,
     surfaces: Arc<[Surface]>,
     /// Texture coordinates of each triangle's corners.
@@ -51,7 +54,7 @@ impl Holes {
 /// What most hits want to know of a triangle, in one place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surface {
-    /// Unit normal, on the side from which the corners turn counter-clockwise.
+    /// Unit normal, on the side from which the corners turn counter-clockwise; of a figure in its own axes.
     pub normal: [f32; 3],
     /// Share of the LiDAR's light that comes back at normal incidence, 0 to 255.
     pub reflectivity: u8,
@@ -59,11 +62,17 @@ pub struct Surface {
 }
 
 impl RayCaster {
-    /// Builds the trees over the scene's visible and solid triangles.
+    /// Builds the trees over the scene's visible and solid triangles, and one for each of its figures.
     pub fn new(scene: Arc<Scene>) -> Self {
         let corner = |i: u32| scene.vertices[i as usize].position;
         let cutout = |i: u32| scene.materials[scene.triangles[i as usize].material.0 as usize].cutout;
-        let visible = TriangleBvh::masked(scene.triangles.iter().map(|t| t.corners.map(corner)), cutout);
+        let corners = |t: &Triangle| t.corners.map(corner);
+        let visible = TriangleBvh::masked(scene.standing().iter().map(corners), cutout);
+        let figure = |range: &Range<u32>| {
+            let triangles = &scene.triangles[range.start as usize..range.end as usize];
+            TriangleBvh::numbered(triangles.iter().map(corners), range.start, cutout)
+        };
+        let figures = scene.figures.iter().map(figure).collect();
         let place = |i: u32| scene.solid.positions[i as usize];
         let solid = TriangleBvh::new(scene.solid.triangles.iter().map(|t| t.map(place)));
         let surface = |t: &Triangle| Surface {
@@ -77,6 +86,7 @@ impl RayCaster {
         };
         Self {
             visible: Arc::new(visible),
+            figures,
             solid: Arc::new(solid),
             surfaces: scene.triangles.iter().map(surface).collect(),
             corners: scene.triangles.iter().map(uv).collect(),
@@ -100,12 +110,17 @@ impl RayCaster {
         &self.visible
     }
 
-    /// What a ray sees first within `limit` lengths of `direction`; holes of cut-out materials are seen through.
+    /// The trees of the scene's figures.
+    pub fn figures(&self) -> &[Figure] {
+        &self.figures
+    }
+
+    /// What a ray sees first of what stands within `limit` lengths of `direction`; holes of cut-out materials are seen through.
     pub fn cast(&self, origin: [f32; 3], direction: [f32; 3], limit: f32) -> Option<Hit> {
         self.visible.cast_filtered(origin, direction, limit, |hit| !self.is_hole(hit))
     }
 
-    /// What each ray of a packet sees first, as [`RayCaster::cast`] does for one.
+    /// What each ray of a packet sees first of what stands, as [`RayCaster::cast`] does for one.
     #[inline]
     pub fn cast_packet(&self, rays: &RayPacket) -> PacketHits {
         self.visible.cast_packet_filtered(rays, |hit| !self.is_hole(hit))
@@ -135,6 +150,37 @@ impl RayCaster {
     fn is_hole(&self, hit: &Hit) -> bool {
         let holes = &self.holes[self.surfaces[hit.triangle as usize].material as usize];
         holes.as_ref().is_some_and(|holes| holes.has(self.texture_coordinates(hit)))
+    }
+}
+
+/// A scene at an instant: what stands, and what moves where it is now.
+#[derive(Debug, Clone, Copy)]
+pub struct Snapshot<'a> {
+    /// What stands, and the figures of what moves.
+    pub caster: &'a RayCaster,
+    /// What moves.
+    pub movers: &'a Movers,
+}
+
+impl Snapshot<'_> {
+    /// What each ray of a packet sees first. `lags` say how long before the movers' instant each ray was cast: seconds from
+    /// -[`SWEEP`](crate::bvh::SWEEP) to 0.
+    #[inline]
+    pub fn cast_packet(&self, rays: &RayPacket, lags: &Lane) -> PacketHits {
+        let mut hits = self.caster.cast_packet(rays);
+        if !self.movers.is_empty() {
+            let opaque = &|hit: &Hit| !self.caster.is_hole(hit);
+            let (movers, figures) = (self.movers, self.caster.figures());
+            widest(CastAmong { movers, figures, rays, lags, opaque, hits: &mut hits });
+        }
+        hits
+    }
+
+    /// Unit normal in `map` of what a lane's ray hit, on the side from which the corners turn counter-clockwise.
+    #[inline]
+    pub fn normal(&self, hits: &PacketHits, lane: usize) -> [f32; 3] {
+        let normal = self.caster.surface(hits.triangle[lane]).normal;
+        if hits.mover[lane] == MISS { normal } else { self.movers.turn(hits.mover[lane], normal) }
     }
 }
 

@@ -1,5 +1,7 @@
 //! Triangles in the `map` frame.
 
+use std::ops::Range;
+
 use nalgebra::{Point3, Vector3};
 use openbench_core::{Address, MapPoint};
 
@@ -76,8 +78,10 @@ impl Default for Sun {
 pub struct Scene {
     /// Corners of the visible triangles.
     pub vertices: Vec<Vertex>,
-    /// Visible triangles: what camera and LiDAR see.
+    /// Visible triangles: what camera and LiDAR see. Those of figures come last.
     pub triangles: Vec<Triangle>,
+    /// For each figure its triangles: they stand nowhere, but are placed anew for each instant.
+    pub figures: Vec<Range<u32>>,
     /// Materials of the visible triangles.
     pub materials: Vec<Material>,
     /// Images of the materials.
@@ -88,6 +92,33 @@ pub struct Scene {
     pub doors: Vec<Door>,
     /// Light.
     pub sun: Sun,
+}
+
+impl Scene {
+    /// Triangles that stand in the world.
+    pub fn standing(&self) -> &[Triangle] {
+        let first = self.figures.first().map_or(self.triangles.len(), |range| range.start as usize);
+        &self.triangles[..first.min(self.triangles.len())]
+    }
+
+    /// Takes in what is visible of a scene about its own origin as a figure, and returns its number.
+    pub fn add_figure(&mut self, figure: &Scene) -> usize {
+        let (vertices, materials, textures) =
+            (self.vertices.len() as u32, self.materials.len() as u32, self.textures.len() as u32);
+        let first = self.triangles.len() as u32;
+        self.vertices.extend(&figure.vertices);
+        self.textures.extend(figure.textures.iter().cloned());
+        self.materials.extend(figure.materials.iter().map(|material| Material {
+            texture: material.texture.map(|texture| TextureId(textures + texture.0)),
+            ..material.clone()
+        }));
+        self.triangles.extend(figure.standing().iter().map(|triangle| Triangle {
+            corners: triangle.corners.map(|corner| vertices + corner),
+            material: MaterialId(materials + triangle.material.0),
+        }));
+        self.figures.push(first..self.triangles.len() as u32);
+        self.figures.len() - 1
+    }
 }
 
 /// Which of a scene's two meshes a shape goes into.

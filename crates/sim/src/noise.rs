@@ -1,5 +1,7 @@
 //! Seeded random numbers for the sensors.
 
+use std::sync::{Arc, LazyLock};
+
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg32;
 
@@ -10,14 +12,14 @@ const QUANTILES: usize = 4096;
 #[derive(Debug, Clone)]
 pub struct Noise {
     generator: Pcg32,
-    quantiles: std::sync::Arc<[f32]>,
+    quantiles: Arc<[f32]>,
 }
 
 impl Noise {
     /// The stream number `stream` of `seed`.
     pub fn new(seed: u64, stream: u64) -> Self {
         let mixed = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ stream.wrapping_mul(0xd1b5_4a32_d192_ed03);
-        Self { generator: Pcg32::seed_from_u64(mixed), quantiles: normal_quantiles() }
+        Self { generator: Pcg32::seed_from_u64(mixed), quantiles: NORMAL_QUANTILES.clone() }
     }
 
     /// Uniform in [0, 1).
@@ -32,6 +34,7 @@ impl Noise {
     }
 
     /// Normal with mean 0 and deviation 1, from a table, and uniform in [0, 1), from one draw: for many samples of small weight.
+    #[inline(always)]
     pub fn quick_normal_and_uniform(&mut self) -> (f32, f32) {
         let bits = self.generator.next_u32();
         (self.quantiles[(bits >> 20) as usize], (bits & 0xf_ffff) as f32 / 1_048_576.0)
@@ -39,11 +42,11 @@ impl Noise {
 }
 
 /// Quantiles of the normal distribution at the middles of equal shares, scaled to a deviation of exactly 1.
-fn normal_quantiles() -> std::sync::Arc<[f32]> {
+static NORMAL_QUANTILES: LazyLock<Arc<[f32]>> = LazyLock::new(|| {
     let raw: Vec<f64> = (0..QUANTILES).map(|i| quantile((i as f64 + 0.5) / QUANTILES as f64)).collect();
     let deviation = (raw.iter().map(|q| q * q).sum::<f64>() / QUANTILES as f64).sqrt();
     raw.iter().map(|q| (q / deviation) as f32).collect()
-}
+});
 
 /// The normal quantile by bisection of the error function.
 fn quantile(share: f64) -> f64 {

@@ -7,7 +7,7 @@ use openbench_core::{
     Camera, Image, ImuSample, LidarScan, Observation, Pose2, Pose3, RobotDescription, SimTime, Velocity,
     WheelSample,
 };
-use openbench_scene::{RayCaster, SemanticClass};
+use openbench_scene::{Movers, RayCaster, SemanticClass, Snapshot};
 
 use crate::SimError;
 use crate::inertial::{self, Encoders, Imu};
@@ -58,6 +58,11 @@ impl Stage {
         &self.caster
     }
 
+    /// The scene with movers where they are now.
+    pub fn snapshot<'a>(&'a self, movers: &'a Movers) -> Snapshot<'a> {
+        Snapshot { caster: &self.caster, movers }
+    }
+
     /// What draws the scene.
     pub fn renderer(&self) -> &Renderer {
         &self.renderer
@@ -73,6 +78,7 @@ pub struct Simulator {
     encoders: Encoders,
     lidar: Lidar,
     lidar_path: Vec<Pose3>,
+    movers: Movers,
     time: SimTime,
     imu_samples: Vec<ImuSample>,
     wheel_samples: Vec<WheelSample>,
@@ -99,6 +105,7 @@ impl Simulator {
             imu,
             encoders: Encoders::default(),
             lidar,
+            movers: Movers::default(),
             time: SimTime::ZERO,
             imu_samples: Vec::new(),
             wheel_samples: Vec::new(),
@@ -171,7 +178,7 @@ impl Simulator {
         self.lidar_path.push(self.base_link() * self.robot.lidar);
         if self.time.0.is_multiple_of(SCAN_NS) {
             let began = SimTime(self.time.0 - SCAN_NS);
-            self.scan = Some(self.lidar.scan(&self.stage.caster, began, &self.lidar_path));
+            self.scan = Some(self.lidar.scan(self.stage.snapshot(&self.movers), began, &self.lidar_path));
             self.lidar_path.drain(..self.lidar_path.len() - 1);
         }
         self.note_contact();

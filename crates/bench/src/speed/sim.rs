@@ -7,7 +7,7 @@ use std::time::Instant;
 use cpu_time::ThreadTime;
 use openbench_core::{MapPoint, Pose2, Pose3, RobotDescription, SimTime, Velocity};
 use openbench_scene::free_space::ground_height;
-use openbench_scene::{RayCaster, World};
+use openbench_scene::{Movers, RayCaster, World};
 use openbench_sim::lidar::{Lidar, RAYS};
 use openbench_sim::noise::Noise;
 use openbench_sim::{Simulator, Stage, View};
@@ -101,10 +101,11 @@ fn sensors(stage: &Stage, places: &[Pose2]) -> Vec<Pose3> {
 
 fn lidar(stage: &Stage, places: &[Pose2]) -> f64 {
     let mut lidar = Lidar::new(Noise::new(0, 2));
+    let movers = Movers::default();
     let poses = sensors(stage, places);
     let time = fastest(GOES, || {
         for pose in &poses {
-            std::hint::black_box(lidar.scan(stage.caster(), SimTime::ZERO, &[*pose; 2]));
+            std::hint::black_box(lidar.scan(stage.snapshot(&movers), SimTime::ZERO, &[*pose; 2]));
         }
     });
     (RAYS * poses.len()) as f64 / time.as_secs_f64() / 1e6

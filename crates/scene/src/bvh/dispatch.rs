@@ -1,103 +1,102 @@
 //! The widest vector instructions that the machine has, chosen at run time. All `unsafe` of this workspace is here.
 //!
-//! The workspace is compiled for any x86-64, whose baseline has vectors of four numbers. In a trial of this traversal alone (the triangles of
+//! The workspace is compiled for any x86-64, whose baseline has vectors of four numbers. In a trial of the traversal alone (the triangles of
 //! published `medium`, holes not regarded, one core) a LiDAR ray took 149 ns with them, 101 ns with AVX2, 71 ns with AVX-512. The code is the same; only the instructions differ, and none of
-//! them is fused, so the hits have the same bits (`every_instruction_set_gives_the_same_bits`).
+//! them is fused, so the results have the same bits (`every_instruction_set_gives_the_same_bits`).
 
-use super::packet::{PacketHits, RayPacket, traverse};
-use super::{Hit, TriangleBvh};
+use std::sync::LazyLock;
 
-/// A set of vector instructions.
+/// Loops over lanes that gain from wide vectors.
+pub trait Kernel {
+    /// What comes of it.
+    type Output;
+
+    /// Does the work. It must be `#[inline(always)]`, and so must be what its loops call: what is not inlined keeps the baseline's instructions.
+    fn run(self) -> Self::Output;
+}
+
+/// Does a kernel's work with the widest vectors of this machine.
+#[inline]
+pub fn widest<K: Kernel>(kernel: K) -> K::Output {
+    static WIDEST: LazyLock<Vectors> = LazyLock::new(|| *Vectors::available().last());
+    WIDEST.run(kernel)
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum InstructionSet {
-    /// What every machine of the target has.
+enum Instructions {
     Baseline,
-    /// Eight numbers at once.
     #[cfg(target_arch = "x86_64")]
     Avx2,
-    /// Sixteen numbers at once.
     #[cfg(target_arch = "x86_64")]
     Avx512,
 }
 
-impl InstructionSet {
-    /// Those that this machine has, the widest last.
-    pub fn available() -> Vec<Self> {
-        let mut sets = vec![Self::Baseline];
+/// A set of vector instructions that this machine has: only [`Vectors::available`] makes them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Vectors(Instructions);
+
+/// Sets of vector instructions, the narrowest first; never empty.
+#[derive(Debug, Clone)]
+pub struct Available(Vec<Vectors>);
+
+impl Available {
+    fn last(&self) -> &Vectors {
+        self.0.last().unwrap_or(&Vectors(Instructions::Baseline))
+    }
+
+    /// All of them.
+    pub fn iter(&self) -> impl Iterator<Item = Vectors> + '_ {
+        self.0.iter().copied()
+    }
+}
+
+impl Vectors {
+    /// Those that this machine has.
+    pub fn available() -> Available {
+        let mut sets = vec![Self(Instructions::Baseline)];
         #[cfg(target_arch = "x86_64")]
         {
             if is_x86_feature_detected!("avx2") {
-                sets.push(Self::Avx2);
+                sets.push(Self(Instructions::Avx2));
             }
             if is_x86_feature_detected!("avx512f")
                 && is_x86_feature_detected!("avx512vl")
                 && is_x86_feature_detected!("avx512dq")
                 && is_x86_feature_detected!("avx512bw")
             {
-                sets.push(Self::Avx512);
+                sets.push(Self(Instructions::Avx512));
             }
         }
-        sets
-    }
-}
-
-/// A set that [`InstructionSet::available`] has listed: there is no other way to one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Detected(InstructionSet);
-
-impl Detected {
-    /// The widest set of this machine.
-    pub(super) fn widest() -> Self {
-        Self(InstructionSet::available().pop().unwrap_or(InstructionSet::Baseline))
+        Available(sets)
     }
 
-    /// `wanted`, if this machine has it.
-    #[cfg(test)]
-    pub(super) fn only(wanted: InstructionSet) -> Option<Self> {
-        InstructionSet::available().contains(&wanted).then_some(Self(wanted))
-    }
-}
-
-/// [`traverse`] with the tree's instruction set.
-#[cfg_attr(
-    target_arch = "x86_64",
-    expect(unsafe_code, reason = "the machine has what is called, see `Detected`")
-)]
-pub(super) fn cast(
-    tree: &TriangleBvh,
-    rays: &RayPacket,
-    opaque: &impl Fn(&Hit) -> bool,
-    hits: &mut PacketHits,
-) {
-    match tree.instructions.0 {
-        InstructionSet::Baseline => traverse(tree, rays, opaque, hits),
-        // SAFETY: a `Detected` holds only sets that `is_x86_feature_detected!` found on this machine.
-        #[cfg(target_arch = "x86_64")]
-        InstructionSet::Avx2 => unsafe { traverse_avx2(tree, rays, opaque, hits) },
-        // SAFETY: as above.
-        #[cfg(target_arch = "x86_64")]
-        InstructionSet::Avx512 => unsafe { traverse_avx512(tree, rays, opaque, hits) },
+    /// Does a kernel's work with these instructions.
+    #[cfg_attr(
+        target_arch = "x86_64",
+        expect(unsafe_code, reason = "the machine has what is called, see `Vectors`")
+    )]
+    #[inline]
+    pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
+        match self.0 {
+            Instructions::Baseline => kernel.run(),
+            // SAFETY: `available` lists only sets that `is_x86_feature_detected!` found on this machine.
+            #[cfg(target_arch = "x86_64")]
+            Instructions::Avx2 => unsafe { run_avx2(kernel) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            Instructions::Avx512 => unsafe { run_avx512(kernel) },
+        }
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn traverse_avx2(
-    tree: &TriangleBvh,
-    rays: &RayPacket,
-    opaque: &impl Fn(&Hit) -> bool,
-    hits: &mut PacketHits,
-) {
-    traverse(tree, rays, opaque, hits);
+fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run()
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw")]
-fn traverse_avx512(
-    tree: &TriangleBvh,
-    rays: &RayPacket,
-    opaque: &impl Fn(&Hit) -> bool,
-    hits: &mut PacketHits,
-) {
-    traverse(tree, rays, opaque, hits);
+fn run_avx512<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run()
 }

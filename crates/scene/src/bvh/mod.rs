@@ -6,19 +6,21 @@
 //! | module | its one job |
 //! |---|---|
 //! | [`packet`] | sixteen rays at once |
+//! | `movers` | figures that are placed anew for each instant, in a small tree over their boxes |
 //! | [`dispatch`] | with the widest vector instructions that the machine has |
 
 pub mod dispatch;
+pub mod movers;
 pub mod packet;
 
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
 
-use dispatch::Detected;
-pub use dispatch::InstructionSet;
-use packet::PACKET_STACK;
-pub use packet::{LANES, PacketHits, RayPacket};
+pub use dispatch::{Kernel, widest};
+pub use movers::{Figure, Movers, Placed, SWEEP};
+use packet::{Cast, PACKET_STACK};
+pub use packet::{LANES, Lane, PacketHits, RayPacket};
 
 /// Marks a ray that hit nothing.
 pub const MISS: u32 = u32::MAX;
@@ -83,7 +85,6 @@ pub struct TriangleBvh {
     nodes: Vec<Node>,
     triangles: Vec<LeafTriangle>,
     depth: usize,
-    instructions: Detected,
 }
 
 impl TriangleBvh {
@@ -94,19 +95,23 @@ impl TriangleBvh {
 
     /// The same; `masked` says of which triangles (by index) casts with a filter must ask whether a hit goes through a hole.
     pub fn masked(corners: impl Iterator<Item = [[f32; 3]; 3]>, masked: impl Fn(u32) -> bool) -> Self {
+        Self::numbered(corners, 0, masked)
+    }
+
+    /// The same, with the triangles numbered from `first`.
+    pub fn numbered(
+        corners: impl Iterator<Item = [[f32; 3]; 3]>,
+        first: u32,
+        masked: impl Fn(u32) -> bool,
+    ) -> Self {
         let soup: Vec<obvhs::triangle::Triangle> = corners
             .map(|[a, b, c]| obvhs::triangle::Triangle { v0: a.into(), v1: b.into(), v2: c.into() })
             .collect();
-        let mut laid = Self {
-            nodes: Vec::new(),
-            triangles: Vec::with_capacity(soup.len()),
-            depth: 0,
-            instructions: Detected::widest(),
-        };
+        let mut laid = Self { nodes: Vec::new(), triangles: Vec::with_capacity(soup.len()), depth: 0 };
         if !soup.is_empty() {
             let mut elapsed = std::time::Duration::ZERO;
             let tree = build_bvh2_from_tris(&soup, BvhBuildParams::slow_build(), &mut elapsed);
-            laid.lay_out(&tree, |i| leaf_triangle(&soup[i as usize], i, masked(i)));
+            laid.lay_out(&tree, |i| leaf_triangle(&soup[i as usize], first + i, masked(first + i)));
         }
         laid
     }
@@ -199,8 +204,8 @@ impl TriangleBvh {
         let mut hits = PacketHits::none(rays);
         if self.depth >= PACKET_STACK {
             self.cast_each(rays, &opaque, &mut hits);
-        } else if !self.nodes.is_empty() {
-            dispatch::cast(self, rays, &opaque, &mut hits);
+        } else {
+            widest(Cast { tree: self, rays, opaque: &opaque, hits: &mut hits });
         }
         hits
     }
@@ -364,6 +369,7 @@ fn intersect_one(triangle: &LeafTriangle, origin: [f32; 3], direction: [f32; 3],
 
 #[cfg(test)]
 mod tests {
+    use super::dispatch::Vectors;
     use super::*;
     use proptest::prelude::*;
 
@@ -409,18 +415,19 @@ mod tests {
             soup in prop::collection::vec(triangle(), 1..200),
             rays in prop::collection::vec((prop::array::uniform3(coordinate()), prop::array::uniform3(coordinate())), LANES),
         ) {
-            let mut tree = TriangleBvh::masked(soup.iter().copied(), |i| i % 3 == 0);
+            let tree = TriangleBvh::masked(soup.iter().copied(), |i| i % 3 == 0);
             let mut packet = RayPacket::idle();
             for (lane, (origin, direction)) in rays.iter().enumerate() {
                 packet.set(lane, *origin, *direction, 100.0);
             }
             let bits = |h: &PacketHits| (h.distance.map(f32::to_bits), h.triangle, h.u.map(f32::to_bits), h.v.map(f32::to_bits));
             let mut seen = Vec::new();
-            for set in InstructionSet::available() {
-                tree.instructions = Detected::only(set).unwrap();
-                seen.push(bits(&tree.cast_packet_filtered(&packet, |hit| hit.u > 0.3)));
+            for vectors in Vectors::available().iter() {
+                let mut hits = PacketHits::none(&packet);
+                vectors.run(Cast { tree: &tree, rays: &packet, opaque: &|hit: &Hit| hit.u > 0.3, hits: &mut hits });
+                seen.push(bits(&hits));
             }
-            prop_assert!(seen.windows(2).all(|w| w[0] == w[1]), "{:?}", InstructionSet::available());
+            prop_assert!(seen.windows(2).all(|w| w[0] == w[1]), "{:?}", Vectors::available());
         }
     }
 

@@ -3,6 +3,7 @@
 //! Every step is a loop over sixteen lanes of plain arrays, without a branch in it, so that the compiler makes it one to four vector
 //! instructions of whatever machine it compiles for. No operation is fused or approximate: each instruction set gives the same bits.
 
+use super::dispatch::Kernel;
 use super::{
     Hit, LeafTriangle, MISS, Node, TriangleBvh, lower, mask, moeller_trumbore, reciprocal, select, upper,
 };
@@ -13,7 +14,8 @@ pub const LANES: usize = 16;
 /// Depth of tree that the packet traversal's stack has room for: each level leaves one sibling behind.
 pub(super) const PACKET_STACK: usize = 192;
 
-type Lane = [f32; LANES];
+/// A number for each ray.
+pub type Lane = [f32; LANES];
 
 /// Sixteen rays. Directions need not have unit length: distances count in their lengths.
 #[derive(Debug, Clone)]
@@ -56,6 +58,8 @@ pub struct PacketHits {
     pub u: Lane,
     /// Weight of the triangle's third corner at the hit.
     pub v: Lane,
+    /// Which of the movers was hit; [`MISS`] for what stands.
+    pub mover: [u32; LANES],
 }
 
 impl PacketHits {
@@ -66,13 +70,20 @@ impl PacketHits {
     }
 
     /// No hits of `rays` yet.
+    #[inline(always)]
     pub(super) fn none(rays: &RayPacket) -> Self {
-        Self { distance: rays.limit, triangle: [MISS; LANES], u: [0.0; LANES], v: [0.0; LANES] }
+        Self {
+            distance: rays.limit,
+            triangle: [MISS; LANES],
+            u: [0.0; LANES],
+            v: [0.0; LANES],
+            mover: [MISS; LANES],
+        }
     }
 }
 
 /// Sixteen rays with what their traversal needs.
-struct Traversal<'a> {
+pub(super) struct Traversal<'a> {
     rays: &'a RayPacket,
     /// One over the directions.
     inverse: [Lane; 3],
@@ -82,9 +93,17 @@ struct Traversal<'a> {
 
 impl<'a> Traversal<'a> {
     #[inline(always)]
-    fn new(rays: &'a RayPacket) -> Self {
-        let inverse = rays.direction.map(|axis| axis.map(reciprocal));
-        let against = rays.direction.map(|axis| u32::from(axis.iter().sum::<f32>() < 0.0));
+    pub(super) fn new(rays: &'a RayPacket) -> Self {
+        // Loops rather than `map`, which is not inlined and thus not compiled for the chosen instructions.
+        let (mut inverse, mut against) = ([[0.0; LANES]; 3], [0; 3]);
+        for axis in 0..3 {
+            let mut backward = 0;
+            for lane in 0..LANES {
+                inverse[axis][lane] = reciprocal(rays.direction[axis][lane]);
+                backward += u32::from(rays.direction[axis][lane] < 0.0);
+            }
+            against[axis] = u32::from(backward > LANES as u32 / 2);
+        }
         Self { rays, inverse, against }
     }
 
@@ -113,36 +132,75 @@ impl<'a> Traversal<'a> {
     }
 }
 
-/// What the rays hit first in `tree`. A box is tested when its turn comes, not when its parent is opened: by then nearer hits may have
-/// shortened the rays.
+/// What is done in a leaf. A trait and not a closure, since only what is `#[inline(always)]` is compiled for the chosen instructions.
+pub(super) trait Visit {
+    fn leaf(&mut self, node: &Node, hits: &mut PacketHits);
+}
+
+/// Goes through the leaves that the rays enter, near ones first. A box is tested when its turn comes, not when its parent is opened: by then
+/// nearer hits may have shortened the rays.
 #[inline(always)]
 pub(super) fn traverse(
-    tree: &TriangleBvh,
-    rays: &RayPacket,
-    opaque: &impl Fn(&Hit) -> bool,
+    nodes: &[Node],
+    traversal: &Traversal<'_>,
     hits: &mut PacketHits,
+    mut visit: impl Visit,
 ) {
-    let traversal = Traversal::new(rays);
+    if nodes.is_empty() {
+        return;
+    }
     let mut stack = [0_u32; PACKET_STACK + 2];
     let mut top = 1;
     while top > 0 {
         top -= 1;
-        let node = &tree.nodes[stack[top] as usize];
+        let node = &nodes[stack[top] as usize];
         if !traversal.enters(node, &hits.distance) {
             continue;
         }
         if node.is_leaf() {
-            for triangle in tree.leaf(node) {
-                if triangle.masked {
-                    intersect_masked(triangle, rays, hits, opaque);
-                } else {
-                    intersect(triangle, rays, hits);
-                }
-            }
+            visit.leaf(node, hits);
         } else {
             let (near, far) = traversal.ordered(node);
             (stack[top], stack[top + 1]) = (far, near);
             top += 2;
+        }
+    }
+}
+
+/// What the rays hit first in a tree no deeper than [`PACKET_STACK`].
+pub(super) struct Cast<'a, F> {
+    pub(super) tree: &'a TriangleBvh,
+    pub(super) rays: &'a RayPacket,
+    pub(super) opaque: &'a F,
+    pub(super) hits: &'a mut PacketHits,
+}
+
+impl<F: Fn(&Hit) -> bool> Kernel for Cast<'_, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { tree, rays, opaque, hits } = self;
+        traverse(&tree.nodes, &Traversal::new(rays), hits, Triangles { tree, rays, opaque });
+    }
+}
+
+/// Intersects the triangles of leaves.
+struct Triangles<'a, F> {
+    tree: &'a TriangleBvh,
+    rays: &'a RayPacket,
+    opaque: &'a F,
+}
+
+impl<F: Fn(&Hit) -> bool> Visit for Triangles<'_, F> {
+    #[inline(always)]
+    fn leaf(&mut self, node: &Node, hits: &mut PacketHits) {
+        for triangle in self.tree.leaf(node) {
+            if triangle.masked {
+                intersect_masked(triangle, self.rays, hits, self.opaque);
+            } else {
+                intersect(triangle, self.rays, hits);
+            }
         }
     }
 }
@@ -169,21 +227,27 @@ fn intersect_masked(
     hits: &mut PacketHits,
     opaque: &impl Fn(&Hit) -> bool,
 ) {
-    let mut candidates =
-        PacketHits { distance: hits.distance, triangle: [MISS; LANES], u: [0.0; LANES], v: [0.0; LANES] };
-    intersect(triangle, rays, &mut candidates);
-    let mut hit = 0_u32;
+    let triangle = *triangle;
+    let (mut distance, mut u, mut v) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+    let mut inside = [0_u32; LANES];
     for lane in 0..LANES {
-        hit |= u32::from(candidates.triangle[lane] != MISS) << lane;
+        let at = |v: &[Lane; 3]| [v[0][lane], v[1][lane], v[2][lane]];
+        (distance[lane], u[lane], v[lane], inside[lane]) =
+            moeller_trumbore(&triangle, at(&rays.origin), at(&rays.direction), hits.distance[lane]);
     }
-    while hit != 0 {
-        let lane = hit.trailing_zeros() as usize;
-        hit &= hit - 1;
-        let (distance, u, v) = (candidates.distance[lane], candidates.u[lane], candidates.v[lane]);
-        if opaque(&Hit { distance, triangle: triangle.index, u, v }) {
-            hits.distance[lane] = distance;
-            hits.triangle[lane] = triangle.index;
-            (hits.u[lane], hits.v[lane]) = (u, v);
+    // Most triangles are missed by all rays, and to say so takes one instruction; to say by which not takes a dozen.
+    if inside.iter().fold(0, |any, lane| any | lane) == 0 {
+        return;
+    }
+    let mut left = (0..LANES).fold(0, |lanes, lane| lanes | (inside[lane] & 1 << lane));
+    while left != 0 {
+        let lane = left.trailing_zeros() as usize % LANES;
+        left &= left - 1;
+        let hit = Hit { distance: distance[lane], triangle: triangle.index, u: u[lane], v: v[lane] };
+        if opaque(&hit) {
+            hits.distance[lane] = hit.distance;
+            hits.triangle[lane] = hit.triangle;
+            (hits.u[lane], hits.v[lane]) = (hit.u, hit.v);
         }
     }
 }

@@ -14,6 +14,7 @@ pub(super) struct Launch {
 impl Launch {
     /// Takes the aims of a scan, whole firings, into `map`. `poses` are the sensor's at equal times from the first firing to just after the
     /// last; over the 2.5 ms between two of them the linear blend of two rotation matrices is a rotation to 1e-6.
+    #[inline(always)]
     pub(super) fn set(&mut self, aims: &[Aim], poses: &[Pose3]) {
         self.origins.clear();
         self.directions.clear();
@@ -26,12 +27,16 @@ impl Launch {
             let (a, b) = (knots.get(before).unwrap_or(first), knots.get(before + 1).unwrap_or(last));
             let knot = a.blend(b, at - before as f32);
             self.origins.push(knot.origin);
-            self.directions.extend(lines.iter().map(|aim| knot.turn(aim.direction)));
+            let mut turned = [[0.0; 3]; LINES];
+            for (direction, aim) in turned.iter_mut().zip(lines) {
+                *direction = knot.turn(aim.direction);
+            }
+            self.directions.extend_from_slice(&turned);
         }
     }
 
     /// Origin and direction of a ray.
-    #[inline]
+    #[inline(always)]
     pub(super) fn ray(&self, ray: usize) -> ([f32; 3], [f32; 3]) {
         (self.origins[ray / LINES], self.directions[ray])
     }
@@ -52,7 +57,7 @@ impl Knot {
         Self { origin: origin.into(), columns: [column(0), column(1), column(2)] }
     }
 
-    #[inline]
+    #[inline(always)]
     fn blend(&self, other: &Self, s: f32) -> Self {
         let mut blended = *self;
         for i in 0..3 {
@@ -64,7 +69,7 @@ impl Knot {
         blended
     }
 
-    #[inline]
+    #[inline(always)]
     fn turn(&self, v: [f32; 3]) -> [f32; 3] {
         let mut turned = [0.0; 3];
         for (i, out) in turned.iter_mut().enumerate() {

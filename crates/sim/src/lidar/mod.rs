@@ -12,13 +12,13 @@ pub mod pattern;
 pub mod returns;
 
 use openbench_core::{LidarPoint, LidarScan, Pose3, SimTime};
-use openbench_scene::bvh::{LANES, MISS};
-use openbench_scene::{RayCaster, RayPacket, TriangleBvh};
+use openbench_scene::bvh::{Kernel, LANES, Lane, MISS, PacketHits, widest};
+use openbench_scene::{RayPacket, Snapshot, TriangleBvh};
 
 use crate::noise::Noise;
 use launch::Launch;
 use pattern::{Aim, FIRING_NS, LINES, Pattern};
-use returns::{Echo, RANGE};
+use returns::{Echo, RANGE, detection, deviation};
 
 /// Rays in a scan.
 pub const RAYS: usize = 20_000;
@@ -37,32 +37,29 @@ pub struct Lidar {
     /// Rays ordered by where they point, so that packets are of a kind.
     order: Vec<u32>,
     buckets: Vec<u16>,
-    echoes: Vec<Option<Echo>>,
+    echoes: Vec<Echo>,
 }
 
 impl Lidar {
     /// A sensor whose noise is drawn from `noise`.
     pub fn new(noise: Noise) -> Self {
-        let nowhere = Aim { direction: [0.0; 3], turn: 0.0, elevation: 0.0 };
         Self {
             noise,
             pattern: Pattern::new(),
             fired: 0,
-            aims: vec![nowhere; RAYS],
+            aims: vec![Aim::default(); RAYS],
             launch: Launch::default(),
             order: vec![0; RAYS],
             buckets: vec![0; RAYS],
-            echoes: vec![None; RAYS],
+            echoes: vec![Echo::NONE; RAYS],
         }
     }
 
-    /// The scan that began at `stamp`. `poses` are those of the sensor in `map` at equal times from the scan's first
-    /// instant to its last; at least two.
-    pub fn scan(&mut self, caster: &RayCaster, stamp: SimTime, poses: &[Pose3]) -> LidarScan {
-        self.aim();
-        self.cast(caster, poses);
+    /// The scan that began at `stamp` and ends at the snapshot's instant. `poses` are those of the sensor in `map` at equal times from the
+    /// scan's first instant to its last; at least two.
+    pub fn scan(&mut self, seen: Snapshot<'_>, stamp: SimTime, poses: &[Pose3]) -> LidarScan {
         let mut points = Vec::with_capacity(RAYS);
-        points.extend((0..RAYS).filter_map(|ray| self.measure(ray)));
+        widest(Scan { lidar: self, seen, poses, points: &mut points });
         LidarScan { stamp, points }
     }
 
@@ -71,7 +68,7 @@ impl Lidar {
         self.aim();
         self.launch.set(&self.aims, poses);
         let mut ranges = vec![0.0; RAYS];
-        for group in self.order.chunks(LANES) {
+        for group in self.order.chunks_exact(LANES) {
             let hits = tree.cast_packet(&self.packet(group));
             for (lane, &ray) in group.iter().enumerate() {
                 if hits.triangle[lane] != MISS {
@@ -83,17 +80,19 @@ impl Lidar {
     }
 
     /// Sets the directions of the next scan's rays.
+    #[inline(always)]
     fn aim(&mut self) {
         let mut begins = [0_u32; BUCKETS + 1];
-        for (firing, aims) in self.aims.chunks_exact_mut(LINES).enumerate() {
-            aims.copy_from_slice(&self.pattern.firing(self.fired + firing as u64));
+        let slots = self.buckets.chunks_exact_mut(LINES);
+        for (firing, (aims, slots)) in (self.fired..).zip(self.aims.chunks_exact_mut(LINES).zip(slots)) {
+            aims.copy_from_slice(&self.pattern.firing(firing));
+            for (slot, aim) in slots.iter_mut().zip(aims) {
+                let bucket = bucket(aim);
+                *slot = bucket as u16;
+                begins[bucket + 1] += 1;
+            }
         }
         self.fired += (RAYS / LINES) as u64;
-        for (slot, aim) in self.buckets.iter_mut().zip(&self.aims) {
-            let bucket = bucket(aim);
-            *slot = bucket as u16;
-            begins[bucket + 1] += 1;
-        }
         for bucket in 0..BUCKETS {
             begins[bucket + 1] += begins[bucket];
         }
@@ -104,27 +103,26 @@ impl Lidar {
         }
     }
 
-    fn cast(&mut self, caster: &RayCaster, poses: &[Pose3]) {
+    #[inline(always)]
+    fn cast(&mut self, seen: Snapshot<'_>, poses: &[Pose3]) {
         self.launch.set(&self.aims, poses);
-        for group in self.order.chunks(LANES) {
+        // A scan is a whole number of packets.
+        for group in self.order.chunks_exact(LANES) {
             let packet = self.packet(group);
-            let hits = caster.cast_packet(&packet);
-            for (lane, &ray) in group.iter().enumerate() {
-                self.echoes[ray as usize] = (hits.triangle[lane] != MISS).then(|| {
-                    let surface = caster.surface(hits.triangle[lane]);
-                    let along = (0..3).map(|axis| surface.normal[axis] * packet.direction[axis][lane]);
-                    Echo {
-                        range: hits.distance[lane],
-                        cosine: along.sum::<f32>().abs().min(1.0),
-                        reflectivity: surface.reflectivity,
-                    }
-                });
+            let mut lags = [0.0; LANES];
+            for (lag, ray) in lags.iter_mut().zip(group) {
+                *lag = *ray as f32 * (FIRING_NS as f32 * 1e-9 / LINES as f32) - SCAN_NS as f32 * 1e-9;
+            }
+            let hits = seen.cast_packet(&packet, &lags);
+            let echoes = echoes(seen, &packet, &hits);
+            for (echo, &ray) in echoes.iter().zip(group) {
+                self.echoes[ray as usize] = *echo;
             }
         }
     }
 
     /// The rays of a group.
-    #[inline]
+    #[inline(always)]
     fn packet(&self, group: &[u32]) -> RayPacket {
         let mut packet = RayPacket::idle();
         for (lane, &ray) in group.iter().enumerate() {
@@ -135,11 +133,15 @@ impl Lidar {
     }
 
     /// What the sensor reports of one ray: its range with noise, or nothing.
+    #[inline(always)]
     fn measure(&mut self, ray: usize) -> Option<LidarPoint> {
         // Drawn for every ray, so that what one ray meets does not change the noise of the next.
         let (noise, chance) = self.noise.quick_normal_and_uniform();
-        let echo = self.echoes[ray].filter(|echo| chance < echo.detection())?;
-        let range = (echo.range + echo.deviation() * noise).max(RANGE.0);
+        let echo = &self.echoes[ray];
+        if chance >= echo.detection {
+            return None;
+        }
+        let range = (echo.range + echo.deviation * noise).max(RANGE.0);
         Some(LidarPoint {
             xyz: self.aims[ray].direction.map(|c| c * range),
             offset_ns: ((ray / LINES) as u64 * FIRING_NS) as u32,
@@ -149,6 +151,60 @@ impl Lidar {
     }
 }
 
+/// A whole scan.
+struct Scan<'a> {
+    lidar: &'a mut Lidar,
+    seen: Snapshot<'a>,
+    poses: &'a [Pose3],
+    points: &'a mut Vec<LidarPoint>,
+}
+
+impl Kernel for Scan<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.lidar.aim();
+        self.lidar.cast(self.seen, self.poses);
+        for ray in 0..RAYS {
+            self.points.extend(self.lidar.measure(ray));
+        }
+    }
+}
+
+/// What comes back of the rays of a packet.
+#[inline(always)]
+fn echoes(seen: Snapshot<'_>, packet: &RayPacket, hits: &PacketHits) -> [Echo; LANES] {
+    let (mut normals, mut reflectivity) = ([[0.0; LANES]; 3], [0_u8; LANES]);
+    for lane in (0..LANES).filter(|&lane| hits.triangle[lane] != MISS) {
+        let normal = seen.normal(hits, lane);
+        for axis in 0..3 {
+            normals[axis][lane] = normal[axis];
+        }
+        reflectivity[lane] = seen.caster.surface(hits.triangle[lane]).reflectivity;
+    }
+    let (mut spread, mut chance): (Lane, Lane) = ([0.0; LANES], [0.0; LANES]);
+    for lane in 0..LANES {
+        let along = normals[0][lane] * packet.direction[0][lane]
+            + normals[1][lane] * packet.direction[1][lane]
+            + normals[2][lane] * packet.direction[2][lane];
+        let cosine = if along.abs() < 1.0 { along.abs() } else { 1.0 };
+        spread[lane] = deviation(hits.distance[lane], cosine);
+        let chances = detection(hits.distance[lane], cosine, f32::from(reflectivity[lane]));
+        chance[lane] = if hits.triangle[lane] == MISS { 0.0 } else { chances };
+    }
+    let mut echoes = [Echo::NONE; LANES];
+    for lane in 0..LANES {
+        echoes[lane] = Echo {
+            range: hits.distance[lane],
+            deviation: spread[lane],
+            detection: chance[lane],
+            reflectivity: reflectivity[lane],
+        };
+    }
+    echoes
+}
+
 const BUCKET_COLUMNS: usize = 72;
 const BUCKET_ROWS: usize = 16;
 const BUCKETS: usize = BUCKET_COLUMNS * BUCKET_ROWS;
@@ -156,6 +212,7 @@ const BUCKETS: usize = BUCKET_COLUMNS * BUCKET_ROWS;
 /// Elevations between which rays point, radians, with a little room.
 const ELEVATION: (f32, f32) = (-0.13, 0.92);
 
+#[inline(always)]
 fn bucket(aim: &Aim) -> usize {
     let column = ((aim.turn * BUCKET_COLUMNS as f32) as usize).min(BUCKET_COLUMNS - 1);
     let height = (aim.elevation - ELEVATION.0) / (ELEVATION.1 - ELEVATION.0);
@@ -169,8 +226,12 @@ mod tests {
     use super::*;
     use nalgebra::{Point3, UnitQuaternion, Vector3};
     use openbench_scene::scene::Layer;
-    use openbench_scene::{Material, SceneBuilder, SemanticClass};
+    use openbench_scene::{Material, Movers, RayCaster, SceneBuilder, SemanticClass};
     use std::sync::Arc;
+
+    fn scan(lidar: &mut Lidar, caster: &RayCaster, poses: &[Pose3]) -> LidarScan {
+        lidar.scan(Snapshot { caster, movers: &Movers::default() }, SimTime::ZERO, poses)
+    }
 
     fn room(half: f64) -> RayCaster {
         let mut builder = SceneBuilder::new();
@@ -188,7 +249,7 @@ mod tests {
     fn walls_lie_where_they_are_and_noise_is_of_two_centimetres() {
         let caster = room(5.0);
         let poses = vec![Pose3::identity(); 3];
-        let scan = Lidar::new(Noise::new(1, 1)).scan(&caster, SimTime::ZERO, &poses);
+        let scan = scan(&mut Lidar::new(Noise::new(1, 1)), &caster, &poses);
         assert!(scan.points.len() > RAYS * 90 / 100, "{}", scan.points.len());
         let errors: Vec<f32> = scan.points.iter().map(|p| p.xyz[0].abs().max(p.xyz[1].abs()) - 5.0).collect();
         let rms = (errors.iter().map(|e| e * e).sum::<f32>() / errors.len() as f32).sqrt();
@@ -203,7 +264,7 @@ mod tests {
             Pose3::from_parts(Vector3::zeros().into(), UnitQuaternion::from_euler_angles(0.0, 0.0, 0.5 * s))
         };
         let poses: Vec<Pose3> = (0..=40).map(|i| pose(f64::from(i) / 40.0)).collect();
-        let scan = Lidar::new(Noise::new(1, 1)).scan(&caster, SimTime::ZERO, &poses);
+        let scan = scan(&mut Lidar::new(Noise::new(1, 1)), &caster, &poses);
         for p in &scan.points {
             let at = pose(f64::from(p.offset_ns) / SCAN_NS as f64);
             let q = at * Point3::from(p.xyz.map(f64::from));
@@ -216,7 +277,7 @@ mod tests {
         let caster = room(5.0);
         let mut lidar = Lidar::new(Noise::new(1, 1));
         let poses = vec![Pose3::identity(); 2];
-        let (a, b) = (lidar.scan(&caster, SimTime::ZERO, &poses), lidar.scan(&caster, SimTime::ZERO, &poses));
+        let (a, b) = (scan(&mut lidar, &caster, &poses), scan(&mut lidar, &caster, &poses));
         assert!(a.points.iter().zip(&b.points).all(|(p, q)| p.xyz != q.xyz));
     }
 }

@@ -84,20 +84,20 @@ impl FastRotor {
     }
 
     /// Sine and cosine after so many steps, of which [`PERIOD`] are a turn.
-    #[inline]
+    #[inline(always)]
     fn sin_cos(&self, steps: u64) -> (f64, f64) {
         sum(self.thousands[(steps / Self::REST) as usize], self.rest[(steps % Self::REST) as usize])
     }
 }
 
 /// Sine and cosine of the sum of two angles from those of each.
-#[inline]
+#[inline(always)]
 fn sum((sin_a, cos_a): (f64, f64), (sin_b, cos_b): (f64, f64)) -> (f64, f64) {
     (sin_a * cos_b + cos_a * sin_b, cos_a * cos_b - sin_a * sin_b)
 }
 
 /// Where a ray points.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Aim {
     /// Unit vector: x forward, y left, z up.
     pub direction: [f32; 3],
@@ -115,6 +115,7 @@ impl Pattern {
     }
 
     /// Where the four lines point at a firing, counted from 0.
+    #[inline(always)]
     pub fn firing(&self, number: u64) -> [Aim; LINES] {
         let number = number % PERIOD;
         let swing = &self.swings[(number % SLOW_TURN) as usize];
@@ -125,16 +126,18 @@ impl Pattern {
         let middle = sum((sin, cos), swing.azimuth_sin_cos);
         // From one turn up, so that the cast rounds down.
         let turns = (THETA + swing.azimuth) / TAU + 2.0 - steps as f64 / PERIOD as f64;
-        OFFSETS.map(|k| {
+        let mut aims = [Aim::default(); LINES];
+        for (aim, k) in aims.iter_mut().zip(OFFSETS) {
             let (sin_el, cos_el) = sum(swing.elevation_sin_cos, small(k * g));
             let (sin_az, cos_az) = sum(middle, small(k * h));
             let turn = turns + k * h / TAU;
-            Aim {
+            *aim = Aim {
                 direction: [(cos_az * cos_el) as f32, (sin_az * cos_el) as f32, sin_el as f32],
-                turn: (turn - turn as u64 as f64) as f32,
+                turn: (turn - f64::from(turn as u32)) as f32,
                 elevation: (swing.elevation + k * g) as f32,
-            }
-        })
+            };
+        }
+        aims
     }
 }
 
@@ -166,7 +169,7 @@ fn series(coefficients: &[f64], first: u32, wave: impl Fn(f64) -> f64) -> f64 {
 }
 
 /// Sine and cosine of an angle below 0.1, to 1e-7.
-#[inline]
+#[inline(always)]
 fn small(angle: f64) -> (f64, f64) {
     let square = angle * angle;
     (angle * (1.0 - square * (1.0 / 6.0)), 1.0 - square * 0.5 * (1.0 - square * (1.0 / 12.0)))

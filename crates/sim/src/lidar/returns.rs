@@ -18,64 +18,77 @@ const DIVERGENCE: f32 = 0.003;
 /// Below this cosine of the incidence the spread grows no more.
 const GRAZING: f32 = 0.05;
 
-/// A surface as a ray meets it.
+/// What comes back of a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Echo {
     /// True range, metres.
     pub range: f32,
-    /// Cosine of the angle of incidence, 0 to 1.
-    pub cosine: f32,
+    /// Deviation of the reported range, metres.
+    pub deviation: f32,
+    /// Probability that the sensor reports anything.
+    pub detection: f32,
     /// Reflectivity of the surface, 0 to 255.
     pub reflectivity: u8,
 }
 
 impl Echo {
-    /// Probability that the sensor reports anything.
-    pub fn detection(&self) -> f32 {
-        if !(RANGE.0..=RANGE.1).contains(&self.range) {
-            return 0.0;
-        }
-        let share = (f32::from(self.reflectivity) / 255.0).max(DARKEST);
-        let light = share * self.cosine / (self.range * self.range);
-        (light / THRESHOLD - 0.5).clamp(0.0, 1.0)
-    }
+    /// Nothing.
+    pub const NONE: Self = Self { range: 0.0, deviation: 0.0, detection: 0.0, reflectivity: 0 };
+}
 
-    /// Deviation of the reported range, metres.
-    pub fn deviation(&self) -> f32 {
-        // The deviation of a range that is spread evenly over a width is that width over the root of 12.
-        const SPREAD: f32 = DIVERGENCE * DIVERGENCE / 12.0;
-        let cosine = self.cosine.max(GRAZING);
-        let slant = SPREAD * (1.0 - cosine * cosine) / (cosine * cosine);
-        (TIMING * TIMING + self.range * self.range * (GROWTH * GROWTH + slant)).sqrt()
-    }
+/// Probability that the sensor reports a surface: at a range in metres, under an angle of incidence with this cosine, with a reflectivity of 0
+/// to 255.
+#[inline(always)]
+pub fn detection(range: f32, cosine: f32, reflectivity: f32) -> f32 {
+    let share = upper(reflectivity * (1.0 / 255.0), DARKEST);
+    let light = share * cosine / (range * range);
+    let chance = lower(upper(light * (1.0 / THRESHOLD) - 0.5, 0.0), 1.0);
+    if range >= RANGE.0 && range <= RANGE.1 { chance } else { 0.0 }
+}
+
+/// Deviation of the reported range, metres, under an angle of incidence with this cosine.
+#[inline(always)]
+pub fn deviation(range: f32, cosine: f32) -> f32 {
+    // The deviation of a range that is spread evenly over a width is that width over the root of 12.
+    const SPREAD: f32 = DIVERGENCE * DIVERGENCE / 12.0;
+    let square = upper(cosine, GRAZING) * upper(cosine, GRAZING);
+    let slant = SPREAD * (1.0 - square) / square;
+    (TIMING * TIMING + range * range * (GROWTH * GROWTH + slant)).sqrt()
+}
+
+/// As `f32::max`, whose care for NaN costs two instructions more.
+#[inline(always)]
+fn upper(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+#[inline(always)]
+fn lower(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn echo(range: f32, cosine: f32, reflectivity: u8) -> Echo {
-        Echo { range, cosine, reflectivity }
-    }
-
     #[test]
     fn the_data_sheets_figures_come_out() {
-        let dark = |range| echo(range, 1.0, 26).detection();
+        let dark = |range| detection(range, 1.0, 26.0);
         assert!(dark(30.0) > 0.99 && (0.4..0.6).contains(&dark(40.0)) && dark(49.9) < 0.2);
-        assert!((echo(10.0, 1.0, 200).deviation() - 0.02).abs() < 0.001);
+        assert!((deviation(10.0, 1.0) - 0.02).abs() < 0.001);
     }
 
     #[test]
     fn grazing_rays_are_lost_and_noisy() {
-        assert!(echo(10.0, 0.02, 100).detection() < echo(10.0, 0.5, 100).detection());
-        assert_eq!(echo(20.0, 0.005, 30).detection(), 0.0);
-        assert!(echo(20.0, 0.1, 100).deviation() > 3.0 * echo(20.0, 1.0, 100).deviation());
+        assert!(detection(10.0, 0.02, 100.0) < detection(10.0, 0.5, 100.0));
+        assert_eq!(detection(20.0, 0.005, 30.0), 0.0);
+        assert!(deviation(20.0, 0.1) > 3.0 * deviation(20.0, 1.0));
     }
 
     #[test]
     fn nothing_is_seen_beyond_the_range_or_too_near() {
-        assert_eq!(echo(50.1, 1.0, 255).detection(), 0.0);
-        assert_eq!(echo(0.05, 1.0, 255).detection(), 0.0);
-        assert_eq!(echo(f32::INFINITY, 1.0, 255).detection(), 0.0);
+        for range in [50.1, 0.05, f32::INFINITY, f32::NAN] {
+            assert_eq!(detection(range, 1.0, 255.0), 0.0, "{range}");
+        }
     }
 }

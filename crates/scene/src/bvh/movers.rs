@@ -1,0 +1,237 @@
+//! Rigid figures that are placed anew for each instant, in a small tree over their boxes.
+//!
+//! The trees of the figures never change: rays are taken into a figure's own axes. A moving figure is thus no dearer to see than a standing
+//! one, and a step costs only the sort of as many boxes as there are figures.
+
+use nalgebra::Vector3;
+use openbench_core::Pose3;
+
+use super::dispatch::Kernel;
+use super::packet::{Cast, LANES, Lane, PACKET_STACK, PacketHits, RayPacket, Traversal, Visit, traverse};
+use super::{Hit, MISS, Node, TriangleBvh};
+
+/// Longest time before the instant at which a ray may be cast, seconds: a LiDAR's scan.
+pub const SWEEP: f32 = 0.1;
+
+/// A figure at an instant.
+#[derive(Debug, Clone, Copy)]
+pub struct Placed {
+    /// Which of the figures.
+    pub figure: usize,
+    /// Where its origin is and how it is turned, in `map`.
+    pub pose: Pose3,
+    /// Velocity in `map`, m/s: rays that were cast a little before the instant see it where it was then.
+    pub velocity: [f32; 3],
+}
+
+/// A figure's tree.
+pub type Figure = TriangleBvh;
+
+/// Figures as they are placed at an instant.
+#[derive(Debug, Clone, Default)]
+pub struct Movers {
+    nodes: Vec<Node>,
+    frames: Vec<Frame>,
+}
+
+/// A placed figure as rays need it.
+#[derive(Debug, Clone, Copy)]
+struct Frame {
+    figure: u32,
+    /// The figure's axes in `map`.
+    axes: [[f32; 3]; 3],
+    origin: [f32; 3],
+    velocity: [f32; 3],
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Bounds {
+    min: [f32; 3],
+    max: [f32; 3],
+}
+
+impl Movers {
+    /// Whether there is nothing.
+    pub fn is_empty(&self) -> bool {
+        self.frames.is_empty()
+    }
+
+    /// Places figures; those placed before are gone. The number of a mover is its place in `placed`. Those without finite numbers, without
+    /// triangles or with an unknown figure are seen by no ray.
+    pub fn place(&mut self, figures: &[Figure], placed: impl Iterator<Item = Placed>) {
+        self.nodes.clear();
+        self.frames.clear();
+        let mut boxes = Vec::new();
+        for place in placed {
+            let frame = Frame::new(&place);
+            let bounds = figures.get(place.figure).and_then(TriangleBvh::bounds);
+            if let Some(around) = bounds.map(|b| frame.sweep(b)).filter(Bounds::is_finite) {
+                boxes.push((self.frames.len() as u32, around));
+            }
+            self.frames.push(frame);
+        }
+        if let Some(root) = around(&boxes) {
+            // As in the trees of triangles, the root has no sibling.
+            self.nodes.resize(2, root.node());
+            self.split(0, &mut boxes);
+        }
+    }
+
+    /// A direction in the axes of a mover's figure as one in `map`.
+    #[inline]
+    pub fn turn(&self, mover: u32, v: [f32; 3]) -> [f32; 3] {
+        let Some(frame) = self.frames.get(mover as usize) else { return v };
+        let [x, y, z] = frame.axes;
+        [0, 1, 2].map(|i| x[i] * v[0] + y[i] * v[1] + z[i] * v[2])
+    }
+
+    /// Makes the node `at` over these boxes: halves along the axis in which their middles spread most.
+    fn split(&mut self, at: usize, boxes: &mut [(u32, Bounds)]) {
+        if let [(mover, bounds)] = boxes {
+            self.nodes[at] = Node { first: *mover, kind: 8, ..bounds.node() };
+            return;
+        }
+        let spread = |axis: usize| {
+            let middles = boxes.iter().map(|(_, b)| b.middle(axis));
+            let (low, high) = middles.fold((f32::MAX, f32::MIN), |(l, h), m| (l.min(m), h.max(m)));
+            high - low
+        };
+        let axis = (0..3).fold(0, |best, axis| if spread(axis) > spread(best) { axis } else { best });
+        boxes.sort_by(|(i, a), (j, b)| a.middle(axis).total_cmp(&b.middle(axis)).then(i.cmp(j)));
+        let (low, high) = boxes.split_at_mut(boxes.len() / 2);
+        let first = self.nodes.len();
+        for half in [&*low, &*high] {
+            self.nodes.extend(around(half).map(|b| b.node()));
+        }
+        (self.nodes[at].first, self.nodes[at].kind) = (first as u32, 2 * axis as u32);
+        self.split(first, low);
+        self.split(first + 1, high);
+    }
+}
+
+impl Frame {
+    fn new(place: &Placed) -> Self {
+        let axis = |v: Vector3<f64>| (place.pose.rotation * v).cast::<f32>().into();
+        Self {
+            figure: place.figure as u32,
+            axes: [axis(Vector3::x()), axis(Vector3::y()), axis(Vector3::z())],
+            origin: place.pose.translation.vector.cast::<f32>().into(),
+            velocity: place.velocity,
+        }
+    }
+
+    /// The box in `map` around the figure at the instant and during [`SWEEP`] before it.
+    fn sweep(&self, (min, max): ([f32; 3], [f32; 3])) -> Bounds {
+        let mut bounds = Bounds { min: self.origin, max: self.origin };
+        for i in 0..3 {
+            for (axis, (low, high)) in self.axes.iter().zip(min.iter().zip(&max)) {
+                let (a, b) = (axis[i] * low, axis[i] * high);
+                bounds.min[i] += a.min(b);
+                bounds.max[i] += a.max(b);
+            }
+            let before = -self.velocity[i] * SWEEP;
+            // A little room for rounding.
+            bounds.min[i] += before.min(0.0) - 1e-3;
+            bounds.max[i] += before.max(0.0) + 1e-3;
+        }
+        bounds
+    }
+
+    /// The rays in the figure's axes, as far as they have got. `lags` say how long before the instant each was cast, seconds, negative.
+    #[inline(always)]
+    fn take_in(&self, rays: &RayPacket, lags: &Lane, limit: &Lane) -> RayPacket {
+        let mut taken = RayPacket { limit: *limit, ..RayPacket::idle() };
+        for lane in 0..LANES {
+            let (mut from, mut along) = ([0.0; 3], [0.0; 3]);
+            for i in 0..3 {
+                from[i] = rays.origin[i][lane] - (self.origin[i] + lags[lane] * self.velocity[i]);
+                along[i] = rays.direction[i][lane];
+            }
+            for (i, axis) in self.axes.iter().enumerate() {
+                taken.origin[i][lane] = axis[0] * from[0] + axis[1] * from[1] + axis[2] * from[2];
+                taken.direction[i][lane] = axis[0] * along[0] + axis[1] * along[1] + axis[2] * along[2];
+            }
+        }
+        taken
+    }
+}
+
+impl Bounds {
+    fn is_finite(&self) -> bool {
+        self.min.iter().chain(&self.max).all(|c| c.is_finite())
+    }
+
+    fn middle(&self, axis: usize) -> f32 {
+        self.min[axis] + self.max[axis]
+    }
+
+    fn node(&self) -> Node {
+        Node { min: self.min, first: 0, max: self.max, kind: 0 }
+    }
+}
+
+fn around(boxes: &[(u32, Bounds)]) -> Option<Bounds> {
+    boxes.iter().map(|(_, b)| *b).reduce(|a, b| Bounds {
+        min: [0, 1, 2].map(|i| a.min[i].min(b.min[i])),
+        max: [0, 1, 2].map(|i| a.max[i].max(b.max[i])),
+    })
+}
+
+/// Which movers the rays hit before what they have hit so far.
+pub(crate) struct CastAmong<'a, F> {
+    pub(crate) movers: &'a Movers,
+    pub(crate) figures: &'a [Figure],
+    pub(crate) rays: &'a RayPacket,
+    pub(crate) lags: &'a Lane,
+    pub(crate) opaque: &'a F,
+    pub(crate) hits: &'a mut PacketHits,
+}
+
+impl<F: Fn(&Hit) -> bool> Kernel for CastAmong<'_, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { movers, figures, rays, lags, opaque, hits } = self;
+        let boxes = Boxes { movers, figures, rays, lags, opaque };
+        traverse(&movers.nodes, &Traversal::new(rays), hits, boxes);
+    }
+}
+
+/// Casts the rays into the figures of leaves.
+struct Boxes<'a, F> {
+    movers: &'a Movers,
+    figures: &'a [Figure],
+    rays: &'a RayPacket,
+    lags: &'a Lane,
+    opaque: &'a F,
+}
+
+impl<F: Fn(&Hit) -> bool> Visit for Boxes<'_, F> {
+    #[inline(always)]
+    fn leaf(&mut self, node: &Node, hits: &mut PacketHits) {
+        let frame = &self.movers.frames[node.first as usize];
+        let tree = &self.figures[frame.figure as usize];
+        let taken = frame.take_in(self.rays, self.lags, &hits.distance);
+        let mut found = PacketHits::none(&taken);
+        if tree.depth >= PACKET_STACK {
+            tree.cast_each(&taken, self.opaque, &mut found);
+        } else {
+            Cast { tree, rays: &taken, opaque: self.opaque, hits: &mut found }.run();
+        }
+        merge(hits, &found, node.first);
+    }
+}
+
+/// Takes over what was found. Distances were limited by those of `hits`, so whatever was found is nearer.
+#[inline(always)]
+fn merge(hits: &mut PacketHits, found: &PacketHits, mover: u32) {
+    for lane in 0..LANES {
+        let new = found.triangle[lane] != MISS;
+        hits.distance[lane] = found.distance[lane];
+        hits.triangle[lane] = if new { found.triangle[lane] } else { hits.triangle[lane] };
+        hits.u[lane] = if new { found.u[lane] } else { hits.u[lane] };
+        hits.v[lane] = if new { found.v[lane] } else { hits.v[lane] };
+        hits.mover[lane] = if new { mover } else { hits.mover[lane] };
+    }
+}
