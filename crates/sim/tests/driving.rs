@@ -114,6 +114,21 @@ fn sensors_come_at_their_rates_with_stamps_of_their_own() {
 }
 
 #[test]
+fn the_camera_adjusts_its_exposure_even_when_nobody_looks() {
+    let mean = |image: &openbench_core::Image| {
+        image.rgb.iter().map(|c| f64::from(*c)).sum::<f64>() / image.rgb.len() as f64
+    };
+    // Close before a pale wall in the sun, then turned to the sky above the meadow.
+    let mut simulator = Simulator::new(stage(), RobotDescription::sentry(), Pose2::new(2.0, 0.0, 0.0), 1);
+    simulator.step(Velocity::ZERO);
+    let first = simulator.observation().camera.image().unwrap();
+    assert!((100.0..140.0).contains(&mean(&first)), "{}", mean(&first));
+    drive(&mut simulator, Velocity::new(0.0, 1.0), 4.0);
+    let second = simulator.observation().camera.image().unwrap();
+    assert!((100.0..140.0).contains(&mean(&second)), "{}", mean(&second));
+}
+
+#[test]
 fn at_rest_the_imu_feels_gravity_upwards() {
     let mut simulator = simulator(0.0, 1);
     drive(&mut simulator, Velocity::ZERO, 1.0);
