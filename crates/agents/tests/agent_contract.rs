@@ -108,8 +108,14 @@ impl Plain {
             wheels.push(WheelSample { stamp, left, right });
         }
         let scan = self.time.0.is_multiple_of(100_000_000).then(|| self.scan(&robot));
-        let observation =
-            Observation { time: self.time, imu: &imu, wheels: &wheels, scan: scan.as_ref(), camera: &Grey };
+        let observation = Observation {
+            time: self.time,
+            imu: &imu,
+            wheels: &wheels,
+            scan: scan.as_ref(),
+            gnss: None,
+            camera: &Grey,
+        };
         let action = agent.act(&observation, events);
         self.velocity = if let Action::Drive(v) = &action { *v } else { Velocity::ZERO };
         action

@@ -9,7 +9,7 @@ use crate::address::Address;
 use crate::events::Events;
 use crate::frames::{Georeference, MapPoint, Pose2};
 use crate::robot::RobotDescription;
-use crate::sensors::{Camera, Image, ImuSample, LidarScan, WheelSample};
+use crate::sensors::{Camera, GnssFix, Image, ImuSample, LidarScan, WheelSample};
 use crate::time::SimTime;
 
 /// A delivery robot's mind. The benchmark calls [`begin`](Agent::begin) once, then [`act`](Agent::act) every 50 ms of
@@ -70,6 +70,8 @@ pub struct Observation<'a> {
     pub wheels: &'a [WheelSample],
     /// The scan, if one was completed since the last observation.
     pub scan: Option<&'a LidarScan>,
+    /// The fix, if the robot has a satellite receiver and it got one since the last observation.
+    pub gnss: Option<&'a GnssFix>,
     /// The camera, to be asked when an image is wanted.
     pub camera: &'a dyn Camera,
 }
@@ -81,6 +83,7 @@ impl fmt::Debug for Observation<'_> {
             .field("imu", &self.imu.len())
             .field("wheels", &self.wheels.len())
             .field("scan", &self.scan.map(|s| s.points.len()))
+            .field("gnss", &self.gnss)
             .finish_non_exhaustive()
     }
 }

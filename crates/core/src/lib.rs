@@ -5,7 +5,7 @@
 //! |---|---|
 //! | [`frames`] | [`MapPoint`], [`LonLat`], [`Pose2`], [`Pose3`], [`Georeference`]: where things are |
 //! | [`time`] | [`SimTime`]: when, in simulated nanoseconds |
-//! | [`sensors`] | [`LidarScan`], [`ImuSample`], [`WheelSample`], [`Image`], [`Camera`]: what the robot perceives |
+//! | [`sensors`] | [`LidarScan`], [`ImuSample`], [`WheelSample`], [`GnssFix`], [`Image`], [`Camera`]: what the robot perceives |
 //! | [`robot`] | [`RobotDescription`]: size, sensor poses and limits of the robot |
 //! | [`address`] | [`Address`]: building and unit |
 //! | [`plan`] | [`Plan`], [`PlannedDelivery`], [`TravelTimes`]: what a language planner and a router exchange |
@@ -27,5 +27,5 @@ pub use events::{Discard, Event, Events};
 pub use frames::{Georeference, GeoreferenceError, LonLat, MapPoint, Pose2, Pose3};
 pub use plan::{Plan, PlannedDelivery, Step, StepMode, TravelTimes};
 pub use robot::RobotDescription;
-pub use sensors::{Camera, CameraIntrinsics, Image, ImuSample, LidarPoint, LidarScan, WheelSample};
+pub use sensors::{Camera, CameraIntrinsics, GnssFix, Image, ImuSample, LidarPoint, LidarScan, WheelSample};
 pub use time::SimTime;

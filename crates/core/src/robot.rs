@@ -37,6 +37,9 @@ pub struct RobotDescription {
     pub camera: Pose3,
     /// The camera's optics.
     pub camera_intrinsics: CameraIntrinsics,
+    /// Antenna of the satellite receiver; `None` without one, as the benchmark's rules have it.
+    #[serde(default)]
+    pub gnss: Option<Pose3>,
 }
 
 impl RobotDescription {
@@ -59,6 +62,7 @@ impl RobotDescription {
             lidar: at(0.12, 0.06 + 0.175),
             camera: at(0.15, 0.06 + 0.2),
             camera_intrinsics: CameraIntrinsics { width: 640, height: 480, horizontal_fov: 1.3963 },
+            gnss: None,
         }
     }
 

@@ -28,6 +28,19 @@ pub struct WheelSample {
     pub right: f64,
 }
 
+/// A position from satellites. Robots of the benchmark have no receiver unless a suite gives them one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GnssFix {
+    /// When it was measured.
+    pub stamp: SimTime,
+    /// Where the antenna is in `map`, metres: what the receiver says in degrees, brought into the map by its georeference.
+    pub position: [f64; 3],
+    /// What the receiver believes of its error: covariance of the position, m², east, north, up.
+    pub covariance: [[f64; 3]; 3],
+    /// Satellites used.
+    pub satellites: u8,
+}
+
 /// One return of the LiDAR.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LidarPoint {

@@ -166,6 +166,7 @@ mod tests {
                 imu: &imu,
                 wheels: &wheels,
                 scan: None,
+                gnss: None,
                 camera: &Blind,
             });
         }

@@ -56,7 +56,7 @@ impl Robot {
 }
 
 fn seen<'a>(time: SimTime, imu: &'a [ImuSample], wheels: &'a [WheelSample]) -> Observation<'a> {
-    Observation { time, imu, wheels, scan: None, camera: &Blind }
+    Observation { time, imu, wheels, scan: None, gnss: None, camera: &Blind }
 }
 
 fn apart(a: Pose2, b: Pose2) -> (f64, f64) {

@@ -1,4 +1,7 @@
 //! The inertial measurement unit and the wheels' encoders.
+//!
+//! The unit is the one in the MID-360, a TDK InvenSense ICM-40609-D (Livox's specifications name it; its data sheet is DS-000330, revision
+//! 1.2). White noise, a bias that wanders, errors of scale, saturation, 16 bits.
 
 use nalgebra::Vector3;
 use openbench_core::{ImuSample, Pose3, RobotDescription, SimTime, WheelSample};
@@ -9,36 +12,66 @@ use crate::physics::Physics;
 /// Time between two samples, nanoseconds: 100 Hz.
 pub const SAMPLE_NS: u64 = 10_000_000;
 const DT: f64 = SAMPLE_NS as f64 * 1e-9;
-/// White noise of the gyroscope at 100 Hz, rad/s (4.5 mdps/√Hz, the order of an ICM-40609).
-const GYRO_NOISE: f64 = 5.6e-4;
-/// White noise of the accelerometer at 100 Hz, m/s² (100 µg/√Hz).
-const ACCEL_NOISE: f64 = 6.9e-3;
-/// Deviation of the bias at switch-on: rad/s and m/s².
-const GYRO_BIAS: f64 = 4e-3;
-const ACCEL_BIAS: f64 = 0.05;
-/// Random walk of the bias in one sample: rad/s and m/s².
-const GYRO_WALK: f64 = 2e-7;
-const ACCEL_WALK: f64 = 2e-6;
 const GRAVITY: f64 = 9.8;
+const DEGREE: f64 = std::f64::consts::PI / 180.0;
+
+/// What is wrong with three gyroscopes or three accelerometers, in rad/s or m/s².
+#[derive(Debug, Clone, Copy)]
+struct Errors {
+    /// Deviation of the white noise of a sample.
+    white: f64,
+    /// Deviation of the bias at switch-on.
+    bias: f64,
+    /// Deviation of the bias's change in a second.
+    walk: f64,
+    /// Deviation of the scale.
+    scale: f64,
+    /// Largest value; of 16 bits one more on the negative side.
+    range: f64,
+}
+
+/// √Hz that a sample's noise covers: half the sampling rate, since densities in data sheets are one-sided.
+const BANDWIDTH: f64 = 7.071_067_811_865_475;
+
+/// Front page of DS-000330: 4.5 mdps/√Hz, 10 mdps/K (taken over 20 K since the last calibration), 0.5 % (taken as two deviations).
+/// The walk is not in the sheet: after ten minutes it is 10 °/h, where Allan plots of such parts have their floor. Of the
+/// ranges that the part has it is the one after power-up.
+const GYRO: Errors = Errors {
+    white: 4.5e-3 * DEGREE * BANDWIDTH,
+    bias: 10e-3 * DEGREE * 20.0,
+    walk: 2e-6,
+    scale: 2.5e-3,
+    range: 2000.0 * DEGREE,
+};
+
+/// Likewise: 100 µg/√Hz, 0.15 mg/K, 0.5 %; a walk of 50 µg in ten minutes. A faulty MID-360 shows a constant 4 g (issue 37 of
+/// Livox-SDK2): that is the end of the scale.
+const ACCEL: Errors = Errors {
+    white: 100e-6 * GRAVITY * BANDWIDTH,
+    bias: 0.15e-3 * GRAVITY * 20.0,
+    walk: 2e-5,
+    scale: 2.5e-3,
+    range: 4.0 * GRAVITY,
+};
 /// Marks on an encoder's disc.
 const TICKS: f64 = 2048.0;
 
-/// IMU with noise and wandering bias.
+/// The IMU.
 #[derive(Debug)]
 pub struct Imu {
     noise: Noise,
     mount: Pose3,
-    gyro_bias: Vector3<f64>,
-    accel_bias: Vector3<f64>,
+    gyro: Triad,
+    accel: Triad,
     last_velocity: Vector3<f64>,
 }
 
 impl Imu {
     /// An IMU mounted on the robot as its description says.
     pub fn new(mut noise: Noise, robot: &RobotDescription) -> Self {
-        let gyro_bias = normal3(&mut noise) * GYRO_BIAS;
-        let accel_bias = normal3(&mut noise) * ACCEL_BIAS;
-        Self { noise, mount: robot.imu, gyro_bias, accel_bias, last_velocity: Vector3::zeros() }
+        let gyro = Triad::new(GYRO, &mut noise);
+        let accel = Triad::new(ACCEL, &mut noise);
+        Self { noise, mount: robot.imu, gyro, accel, last_velocity: Vector3::zeros() }
     }
 
     /// The sample at `stamp`; the specific force is the mean since the last sample.
@@ -48,12 +81,39 @@ impl Imu {
         let velocity = physics.velocity_at(self.mount.translation.vector);
         let acceleration = (velocity - self.last_velocity) / DT + Vector3::z() * GRAVITY;
         self.last_velocity = velocity;
-        self.gyro_bias += normal3(&mut self.noise) * GYRO_WALK;
-        self.accel_bias += normal3(&mut self.noise) * ACCEL_WALK;
-        let gyro =
-            to_sensor * physics.angular_velocity() + self.gyro_bias + normal3(&mut self.noise) * GYRO_NOISE;
-        let accel = to_sensor * acceleration + self.accel_bias + normal3(&mut self.noise) * ACCEL_NOISE;
+        let gyro = self.gyro.measure(to_sensor * physics.angular_velocity(), &mut self.noise);
+        let accel = self.accel.measure(to_sensor * acceleration, &mut self.noise);
         ImuSample { stamp, gyro: gyro.into(), accel: accel.into() }
+    }
+}
+
+/// Three gyroscopes or three accelerometers.
+#[derive(Debug)]
+struct Triad {
+    errors: Errors,
+    bias: Vector3<f64>,
+    scale: Vector3<f64>,
+}
+
+impl Triad {
+    fn new(errors: Errors, noise: &mut Noise) -> Self {
+        let bias = normal3(noise) * errors.bias;
+        Self { errors, bias, scale: normal3(noise).map(|n| 1.0 + n * errors.scale) }
+    }
+
+    /// What comes out when `truth` goes in.
+    fn measure(&mut self, truth: Vector3<f64>, noise: &mut Noise) -> Vector3<f64> {
+        self.bias += normal3(noise) * (self.errors.walk * DT.sqrt());
+        let analog = truth.component_mul(&self.scale) + self.bias + normal3(noise) * self.errors.white;
+        analog.map(|value| self.errors.digital(value))
+    }
+}
+
+impl Errors {
+    /// The nearest of the values that 16 bits can say.
+    fn digital(&self, value: f64) -> f64 {
+        let step = self.range / 32768.0;
+        libm::round(value / step).clamp(-32768.0, 32767.0) * step
     }
 }
 
@@ -80,5 +140,69 @@ impl Encoders {
         let mark = std::f64::consts::TAU / TICKS;
         let [left, right] = self.angles.map(|a| libm::floor(a / mark) * mark);
         WheelSample { stamp, left, right }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Allan variances of the three axes' mean at rest, for these averaging times in seconds (IEEE 952, annex C).
+    fn allan_deviations(errors: Errors, seconds: usize, times: [usize; 2]) -> [f64; 2] {
+        let mut noise = Noise::new(5, 1);
+        let mut triad = Triad::new(errors, &mut noise);
+        let samples: Vec<_> =
+            (0..100 * seconds).map(|_| triad.measure(Vector3::zeros(), &mut noise)).collect();
+        times.map(|time| {
+            let means: Vec<Vector3<f64>> = samples
+                .chunks_exact(100 * time)
+                .map(|c| c.iter().sum::<Vector3<f64>>() / c.len() as f64)
+                .collect();
+            let steps = means.windows(2).map(|pair| (pair[1] - pair[0]).norm_squared());
+            (steps.sum::<f64>() / (6 * (means.len() - 1)) as f64).sqrt()
+        })
+    }
+
+    #[test]
+    fn noise_falls_with_the_averaging_time_and_the_bias_walks() {
+        for errors in [GYRO, ACCEL] {
+            let [short, long] = allan_deviations(errors, 6000, [1, 300]);
+            let digits = errors.range / 32768.0 / 12.0_f64.sqrt();
+            // N / √τ with the noise of a second's hundred samples; K √(τ / 3) with the walk of a second, and what noise is left.
+            let white = libm::hypot(errors.white, digits) / 10.0;
+            let walk = libm::hypot(errors.walk * 10.0, white / 300.0_f64.sqrt());
+            assert!((short / white - 1.0).abs() < 0.1, "{short} against {white}");
+            assert!((0.6..1.6).contains(&(long / walk)), "{long} against {walk}");
+        }
+    }
+
+    #[test]
+    fn the_noise_is_that_of_the_data_sheet() {
+        // 4.5 mdps/√Hz over 50 Hz are 0.032 °/s; 100 µg/√Hz are 0.71 mg.
+        assert!(
+            (GYRO.white / DEGREE - 0.0318).abs() < 1e-4 && (ACCEL.white / GRAVITY - 0.71e-3).abs() < 1e-5
+        );
+    }
+
+    #[test]
+    fn samples_are_whole_steps_and_end_at_the_range() {
+        assert_eq!(ACCEL.digital(1e9), ACCEL.range * 32767.0 / 32768.0);
+        assert_eq!(ACCEL.digital(-1e9), -4.0 * GRAVITY);
+        let step = GYRO.range / 32768.0;
+        assert_eq!(GYRO.digital(2.4 * step), 2.0 * step);
+        assert!(
+            (1.0 / (step / DEGREE) - 16.4).abs() < 0.02,
+            "16.4 marks a degree a second, as the sheet says"
+        );
+    }
+
+    #[test]
+    fn units_differ_in_bias_and_scale() {
+        let units: Vec<Triad> = (0..500).map(|seed| Triad::new(GYRO, &mut Noise::new(seed, 1))).collect();
+        let deviation =
+            |values: Vec<f64>| (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt();
+        let bias = deviation(units.iter().map(|u| u.bias.x).collect());
+        let scale = deviation(units.iter().map(|u| u.scale.x - 1.0).collect());
+        assert!((bias / GYRO.bias - 1.0).abs() < 0.1 && (scale / GYRO.scale - 1.0).abs() < 0.1);
     }
 }

@@ -7,10 +7,15 @@
 //! | [`physics`] | the body on its wheels, and what it bumps into |
 //! | [`lidar`] | the MID-360 |
 //! | [`inertial`] | IMU and wheel encoders |
+//! | `camera`, [`exposure`] | the robot's camera, and how much light it lets in |
+//! | [`gnss`] | the satellite receiver, where a robot has one |
 //! | [`render`] | pictures |
 //! | [`noise`] | seeded random numbers |
 //! | [`traffic`] | people and cars that move, how they look, and how near the robot came to them |
 
+mod camera;
+pub mod exposure;
+pub mod gnss;
 pub mod inertial;
 pub mod lidar;
 pub mod noise;

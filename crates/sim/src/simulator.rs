@@ -1,27 +1,24 @@
 //! The robot in a world, in lock-step.
 
-use std::cell::{Cell, RefCell};
 use std::sync::Arc;
 
 use openbench_core::{
-    Camera, Image, ImuSample, LidarScan, Observation, Pose2, Pose3, RobotDescription, SimTime, Velocity,
+    GnssFix, ImuSample, LidarScan, Observation, Pose2, Pose3, RobotDescription, SimTime, Velocity,
     WheelSample,
 };
 use openbench_scene::{Movers, RayCaster, SemanticClass, Snapshot};
 
 use crate::SimError;
+use crate::camera::SimCamera;
+use crate::gnss::{self, Gnss};
 use crate::inertial::{self, Encoders, Imu};
 use crate::lidar::{Lidar, SCAN_NS};
 use crate::noise::Noise;
 use crate::physics::{Physics, STEP_NS, Solids};
-use crate::render::{Renderer, View};
+use crate::render::Renderer;
 
 /// Simulated time between two observations, nanoseconds.
 pub const OBSERVATION_NS: u64 = 50_000_000;
-/// Simulated time between two images, nanoseconds.
-const IMAGE_NS: u64 = 100_000_000;
-/// Distance that the camera sees, metres.
-const SIGHT: f32 = 200.0;
 /// A touch after less than this time without one belongs to the same collision.
 const SAME_COLLISION_NS: u64 = 500_000_000;
 
@@ -83,6 +80,8 @@ pub struct Simulator {
     imu_samples: Vec<ImuSample>,
     wheel_samples: Vec<WheelSample>,
     scan: Option<LidarScan>,
+    gnss: Option<Gnss>,
+    fix: Option<GnssFix>,
     camera: SimCamera,
     collisions: Vec<Collision>,
     last_touch: Vec<(SemanticClass, SimTime)>,
@@ -96,6 +95,7 @@ impl Simulator {
         let physics = Physics::new(&stage.solids, &robot, start, ground);
         let imu = Imu::new(Noise::new(seed, 1), &robot);
         let lidar = Lidar::new(Noise::new(seed, 2));
+        let gnss = robot.gnss.map(|antenna| Gnss::new(Noise::new(seed, 3), antenna));
         let camera = SimCamera::new(stage.renderer.clone(), &robot);
         let mut simulator = Self {
             lidar_path: vec![physics.base_link() * robot.lidar],
@@ -110,6 +110,8 @@ impl Simulator {
             imu_samples: Vec::new(),
             wheel_samples: Vec::new(),
             scan: None,
+            gnss,
+            fix: None,
             camera,
             collisions: Vec::new(),
             last_touch: Vec::new(),
@@ -124,6 +126,7 @@ impl Simulator {
         self.imu_samples.clear();
         self.wheel_samples.clear();
         self.scan = None;
+        self.fix = None;
         for _ in 0..OBSERVATION_NS / STEP_NS {
             self.physics_step(velocity);
         }
@@ -138,6 +141,7 @@ impl Simulator {
             imu: &self.imu_samples,
             wheels: &self.wheel_samples,
             scan: self.scan.as_ref(),
+            gnss: self.fix.as_ref(),
             camera: &self.camera,
         }
     }
@@ -181,6 +185,10 @@ impl Simulator {
             self.scan = Some(self.lidar.scan(self.stage.snapshot(&self.movers), began, &self.lidar_path));
             self.lidar_path.drain(..self.lidar_path.len() - 1);
         }
+        if self.time.0.is_multiple_of(gnss::FIX_NS) {
+            let base = self.base_link();
+            self.fix = self.gnss.as_mut().and_then(|gnss| gnss.fix(&self.stage.caster, self.time, &base));
+        }
         self.note_contact();
     }
 
@@ -219,62 +227,11 @@ impl Simulator {
             let bytes: Vec<u8> = scan.points.iter().flat_map(|p| p.xyz).flat_map(f32::to_le_bytes).collect();
             hasher.update(&bytes);
         }
+        if let Some(fix) = &self.fix {
+            fix.position.iter().for_each(|value| {
+                hasher.update(&value.to_le_bytes());
+            });
+        }
         self.chain = *hasher.finalize().as_bytes();
-    }
-}
-
-/// Renders only when asked.
-struct SimCamera {
-    renderer: Arc<Renderer>,
-    mount: Pose3,
-    size: (u32, u32),
-    focal_length: f64,
-    pose: Pose3,
-    time: SimTime,
-    last: Cell<Option<SimTime>>,
-    image: RefCell<Option<Arc<Image>>>,
-}
-
-impl SimCamera {
-    fn new(renderer: Arc<Renderer>, robot: &RobotDescription) -> Self {
-        let optics = robot.camera_intrinsics;
-        Self {
-            renderer,
-            mount: robot.camera,
-            size: (optics.width, optics.height),
-            focal_length: optics.focal_length(),
-            pose: Pose3::identity(),
-            time: SimTime::ZERO,
-            last: Cell::new(None),
-            image: RefCell::new(None),
-        }
-    }
-
-    fn move_to(&mut self, time: SimTime, base_link: Pose3) {
-        self.time = time;
-        self.pose = base_link * self.mount;
-    }
-}
-
-impl Camera for SimCamera {
-    fn image(&self) -> Option<Arc<Image>> {
-        if self.last.get() == Some(self.time) {
-            return self.image.borrow().clone();
-        }
-        if self.last.get().is_some_and(|last| self.time.0 - last.0 < IMAGE_NS) {
-            return None;
-        }
-        let view = View {
-            pose: self.pose,
-            size: self.size,
-            focal_length: self.focal_length,
-            range: SIGHT,
-            shadows: false,
-        };
-        let (width, height) = self.size;
-        let image = Arc::new(Image { stamp: self.time, width, height, rgb: self.renderer.render(&view) });
-        self.last.set(Some(self.time));
-        *self.image.borrow_mut() = Some(image.clone());
-        Some(image)
     }
 }

@@ -52,15 +52,61 @@ fn it_drives_and_turns_about_as_told() {
     assert!((1.7..2.2).contains(&turned), "0.5 rad/s for 4 s: {turned}");
 }
 
-#[test]
-fn wheels_turn_further_than_the_robot_in_turns() {
+/// What the encoders and the body did while driving: metres that the left and right rims ran, metres and radians that the body
+/// moved. Half a second passes first, in which the motors come up to speed.
+fn driven(velocity: Velocity, seconds: f64) -> ([f64; 2], f64, f64) {
     let mut simulator = simulator(3.0, 1);
+    let radius = RobotDescription::sentry().wheel_radius;
+    let rims =
+        |s: &Simulator| s.observation().wheels.last().map(|w| [w.left * radius, w.right * radius]).unwrap();
+    let (mut before, mut turned) = (drive(&mut simulator, velocity, 1.0), 0.0);
+    let (start, first) = (before, rims(&simulator));
+    for _ in 0..(seconds / 0.05) as usize {
+        let after = drive(&mut simulator, velocity, 0.05);
+        turned += openbench_core::frames::wrap_angle(after.yaw - before.yaw);
+        before = after;
+    }
+    let last = rims(&simulator);
+    ([last[0] - first[0], last[1] - first[1]], start.point().distance(before.point()), turned)
+}
+
+#[test]
+fn turning_on_the_spot_the_wheels_slip_as_on_a_wider_track() {
     let robot = RobotDescription::sentry();
-    drive(&mut simulator, Velocity::new(0.0, 0.8), 3.0);
-    let wheels = simulator.observation().wheels.last().copied().unwrap();
-    let by_wheels = (wheels.right - wheels.left) * robot.wheel_radius / robot.wheel_separation;
-    let turned = Pose2::from_pose3(&simulator.base_link()).yaw - 3.0;
-    assert!(by_wheels > 1.3 * turned.rem_euclid(std::f64::consts::TAU), "{by_wheels} {turned}");
+    for rate in [0.3, 0.6, 1.0] {
+        let ([left, right], moved, turned) = driven(Velocity::new(0.0, rate), 4.0);
+        let track = (right - left) / turned;
+        // Wheels 0.26 m apart in y and 0.2 m in x. Friction against the slip makes no moment when a · a = b / 2 · (rim / rate - b / 2),
+        // a half the distance in x: the track is b + 4 a² / b, 1.59 times b, whatever the friction.
+        let expected = robot.wheel_separation + 4.0 * 0.1 * 0.1 / robot.wheel_separation;
+        assert!((track / expected - 1.0).abs() < 0.05, "{track} at {rate} rad/s, not {expected}");
+        assert!(
+            (track / robot.effective_track - 1.0).abs() < 0.05,
+            "{track} at {rate} rad/s: not as described"
+        );
+        assert!(moved < 0.02, "{moved} m off the spot");
+    }
+}
+
+#[test]
+fn driving_straight_the_wheels_hardly_slip() {
+    let ([left, right], moved, turned) = driven(Velocity::new(0.5, 0.0), 4.0);
+    assert!(
+        (left / moved - 1.0).abs() < 0.005 && (right / moved - 1.0).abs() < 0.005,
+        "{left} {right} {moved}"
+    );
+    assert!(turned.abs() < 0.002, "{turned}");
+}
+
+#[test]
+fn a_wheel_that_is_held_up_slips_and_the_encoder_counts_on() {
+    let mut simulator = simulator(0.0, 1);
+    let held = drive(&mut simulator, Velocity::new(0.5, 0.0), 10.0);
+    let turns = |s: &Simulator| s.observation().wheels.last().map(|w| w.left).unwrap();
+    let before = turns(&simulator);
+    let after = drive(&mut simulator, Velocity::new(0.5, 0.0), 2.0);
+    assert!(after.point().distance(held.point()) < 0.02, "the wall is in the way");
+    assert!((turns(&simulator) - before) * 0.06 > 0.95, "the rims run a metre");
 }
 
 #[test]
@@ -111,6 +157,21 @@ fn sensors_come_at_their_rates_with_stamps_of_their_own() {
         images += usize::from(observation.camera.image().is_some());
     }
     assert_eq!((imu, scans, images), (100, 10, 10));
+}
+
+#[test]
+fn the_camera_adjusts_its_exposure_even_when_nobody_looks() {
+    let mean = |image: &openbench_core::Image| {
+        image.rgb.iter().map(|c| f64::from(*c)).sum::<f64>() / image.rgb.len() as f64
+    };
+    // Close before a pale wall in the sun, then turned to the sky above the meadow.
+    let mut simulator = Simulator::new(stage(), RobotDescription::sentry(), Pose2::new(2.0, 0.0, 0.0), 1);
+    simulator.step(Velocity::ZERO);
+    let first = simulator.observation().camera.image().unwrap();
+    assert!((100.0..140.0).contains(&mean(&first)), "{}", mean(&first));
+    drive(&mut simulator, Velocity::new(0.0, 1.0), 4.0);
+    let second = simulator.observation().camera.image().unwrap();
+    assert!((100.0..140.0).contains(&mean(&second)), "{}", mean(&second));
 }
 
 #[test]

@@ -130,7 +130,8 @@ fn camera(stage: &Stage, places: &[Pose2]) -> f64 {
         for base in &bases {
             let pose = base * robot.camera;
             let size = (optics.width, optics.height);
-            let view = View { pose, size, focal_length: optics.focal_length(), range: 200.0, shadows: false };
+            let focal_length = optics.focal_length();
+            let view = View { pose, size, focal_length, range: 200.0, shadows: false, exposure: 1.0 };
             std::hint::black_box(stage.renderer().render(&view));
         }
     });

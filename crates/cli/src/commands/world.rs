@@ -161,6 +161,7 @@ fn street_view(caster: &RayCaster, pose: Pose2) -> View {
         focal_length: 2.0 * optics.focal_length(),
         range: 200.0,
         shadows: true,
+        exposure: 1.0,
     }
 }
 
@@ -187,5 +188,6 @@ fn birds_eye(world: &World, near: Option<f64>) -> View {
         focal_length: 1600.0,
         range: 5000.0,
         shadows: true,
+        exposure: 1.0,
     }
 }

@@ -34,6 +34,8 @@ pub struct View {
     pub range: f32,
     /// Whether things throw shadows, at the cost of a second ray for each pixel.
     pub shadows: bool,
+    /// By how much the scene's light is multiplied before it is seen; 1 shows it as it is.
+    pub exposure: f32,
 }
 
 /// What each pixel of a view shows, for training and scoring.
@@ -65,6 +67,8 @@ impl Renderer {
         let (width, height) = view.size;
         let mut rgb = vec![0; 3 * width as usize * height as usize];
         let eye = Eye::new(view);
+        // Colours go with the square root of the light.
+        let gain = view.exposure.max(0.0).sqrt();
         let look = Look { pixel_angle: eye.pixel_angle, haze: view.range };
         for y in (0..height).step_by(TILE as usize) {
             for x in (0..width).step_by(TILE as usize) {
@@ -72,7 +76,7 @@ impl Renderer {
                 let hits = self.caster.cast_packet(&rays);
                 let sunlit = if view.shadows { self.sunlit(&rays, &hits) } else { [1.0; LANES] };
                 let colors = self.shader.colors(&self.caster, look, &rays, &hits, &sunlit);
-                put(&mut rgb, (x, y), view.size, &colors);
+                put(&mut rgb, (x, y), view.size, &colors, gain);
             }
         }
         rgb
@@ -121,15 +125,21 @@ impl Renderer {
     }
 }
 
-/// Writes a tile's colours, 0 to 255, into the picture; what lies beyond its edges is left out.
-fn put(rgb: &mut [u8], (x, y): (u32, u32), (width, height): (u32, u32), colors: &[[f32; LANES]; 3]) {
-    let [red, green, blue] = colors;
-    for (lane, ((r, g), b)) in (0..).zip(red.iter().zip(green).zip(blue)) {
+/// Writes a tile's colours, 0 to 255, times `gain` into the picture; what lies beyond its edges is left out.
+fn put(
+    rgb: &mut [u8],
+    (x, y): (u32, u32),
+    (width, height): (u32, u32),
+    colors: &[[f32; LANES]; 3],
+    gain: f32,
+) {
+    let [red, green, blue] = colors.map(|channel| channel.map(|c| c * gain + 0.5));
+    for (lane, ((r, g), b)) in (0..).zip(red.into_iter().zip(green).zip(blue)) {
         let (u, v) = (x + lane % TILE, y + lane / TILE);
         if u < width && v < height {
             let at = 3 * (v as usize * width as usize + u as usize);
             // The cast keeps within 0 to 255.
-            rgb[at..at + 3].copy_from_slice(&[(r + 0.5) as u8, (g + 0.5) as u8, (b + 0.5) as u8]);
+            rgb[at..at + 3].copy_from_slice(&[r as u8, g as u8, b as u8]);
         }
     }
 }
@@ -203,12 +213,23 @@ mod tests {
             focal_length: 100.0,
             range: 200.0,
             shadows: false,
+            exposure: 1.0,
         };
         let rgb = renderer().render(&view);
         let is_red = |x: usize, y: usize| rgb[3 * (y * 200 + x)] > rgb[3 * (y * 200 + x) + 1];
         // Left edge at 100 - 100 * 2 / 5 = 60, right at 100; top at 80 - 40 = 40, bottom at 80.
         assert!(is_red(61, 41) && is_red(98, 78));
         assert!(!is_red(58, 60) && !is_red(102, 60) && !is_red(80, 38) && !is_red(80, 82));
+    }
+
+    #[test]
+    fn exposure_multiplies_light_and_its_root_what_is_seen() {
+        let (pose, size) = (Pose3::identity(), (200, 160));
+        let view = View { pose, size, focal_length: 100.0, range: 200.0, shadows: false, exposure: 1.0 };
+        let seen = |exposure| renderer().render(&View { exposure, ..view });
+        let (plain, dim, glaring) = (seen(1.0), seen(0.25), seen(1e9));
+        assert!(plain.iter().zip(&dim).all(|(p, d)| (f32::from(*p) / 2.0 - f32::from(*d)).abs() <= 0.5));
+        assert!(plain.iter().zip(&glaring).all(|(p, g)| *g == 255 || *p < 1));
     }
 
     #[test]
@@ -219,6 +240,7 @@ mod tests {
             focal_length: 100.0,
             range: 200.0,
             shadows: false,
+            exposure: 1.0,
         };
         let labels = renderer().labels(&view);
         let at = |x: usize, y: usize| (labels.depth[y * 202 + x], labels.class[y * 202 + x]);
@@ -245,7 +267,8 @@ mod tests {
         builder.sun(openbench_scene::Sun { direction: [0.0, 0.0, -1.0], ..Default::default() });
         let renderer = Renderer::new(RayCaster::new(Arc::new(builder.build())));
         let pose = Pose3::translation(0.0, 0.0, 1.0);
-        let view = View { pose, size: (200, 200), focal_length: 100.0, range: 200.0, shadows: true };
+        let view =
+            View { pose, size: (200, 200), focal_length: 100.0, range: 200.0, shadows: true, exposure: 1.0 };
         let (shaded, lit) = (renderer.render(&view), renderer.render(&View { shadows: false, ..view }));
         let at = |rgb: &[u8], x: usize, y: usize| rgb[3 * (y * 200 + x)];
         // The ground 7 m ahead lies 100 / 7 rows below the middle; beside the roof nothing changes.
