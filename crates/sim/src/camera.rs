@@ -5,6 +5,8 @@ use std::sync::Arc;
 
 use openbench_core::{Camera, Image, Pose3, RobotDescription, SimTime};
 
+use openbench_scene::Movers;
+
 use crate::exposure::AutoExposure;
 use crate::render::{Renderer, View};
 
@@ -25,6 +27,7 @@ pub(crate) struct SimCamera {
     size: (u32, u32),
     focal_length: f64,
     pose: Pose3,
+    movers: Arc<Movers>,
     time: SimTime,
     last: Cell<Option<SimTime>>,
     image: RefCell<Option<Arc<Image>>>,
@@ -40,6 +43,7 @@ impl SimCamera {
             size: (optics.width, optics.height),
             focal_length: optics.focal_length(),
             pose: Pose3::identity(),
+            movers: Arc::default(),
             time: SimTime::ZERO,
             last: Cell::new(None),
             image: RefCell::new(None),
@@ -47,8 +51,9 @@ impl SimCamera {
         }
     }
 
-    /// Puts the camera where the robot is now.
-    pub(crate) fn move_to(&mut self, time: SimTime, base_link: Pose3) {
+    /// Puts the camera where the robot is now, and the movers where they are.
+    pub(crate) fn move_to(&mut self, time: SimTime, base_link: Pose3, movers: Arc<Movers>) {
+        self.movers = movers;
         self.time = time;
         self.pose = base_link * self.mount;
     }
@@ -57,9 +62,13 @@ impl SimCamera {
     fn expose(&self) -> Image {
         let (width, height) = self.size;
         let exposure = self.adjusted();
-        let rgb = self.renderer.render(&self.view(1, exposure.factor()));
+        let rgb = self.render(&self.view(1, exposure.factor()));
         self.exposure.set(exposure);
         Image { stamp: self.time, width, height, rgb }
+    }
+
+    fn render(&self, view: &View) -> Vec<u8> {
+        self.renderer.render(view, &self.movers)
     }
 
     fn adjusted(&self) -> AutoExposure {
@@ -70,7 +79,7 @@ impl SimCamera {
                 exposure.learn(&last.rgb, since as f64 * 1e-9);
                 exposure
             }
-            _ => AutoExposure::settled(&self.renderer.render(&self.view(SMALLER, 1.0))),
+            _ => AutoExposure::settled(&self.render(&self.view(SMALLER, 1.0))),
         }
     }
 

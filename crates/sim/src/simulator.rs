@@ -75,7 +75,7 @@ pub struct Simulator {
     encoders: Encoders,
     lidar: Lidar,
     lidar_path: Vec<Pose3>,
-    movers: Movers,
+    movers: Arc<Movers>,
     time: SimTime,
     imu_samples: Vec<ImuSample>,
     wheel_samples: Vec<WheelSample>,
@@ -105,7 +105,7 @@ impl Simulator {
             imu,
             encoders: Encoders::default(),
             lidar,
-            movers: Movers::default(),
+            movers: Arc::default(),
             time: SimTime::ZERO,
             imu_samples: Vec::new(),
             wheel_samples: Vec::new(),
@@ -117,7 +117,7 @@ impl Simulator {
             last_touch: Vec::new(),
             chain: [0; 32],
         };
-        simulator.camera.move_to(SimTime::ZERO, simulator.base_link());
+        simulator.camera.move_to(SimTime::ZERO, simulator.base_link(), simulator.movers.clone());
         simulator
     }
 
@@ -130,7 +130,7 @@ impl Simulator {
         for _ in 0..OBSERVATION_NS / STEP_NS {
             self.physics_step(velocity);
         }
-        self.camera.move_to(self.time, self.base_link());
+        self.camera.move_to(self.time, self.base_link(), self.movers.clone());
         self.extend_chain();
     }
 

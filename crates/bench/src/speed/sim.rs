@@ -132,7 +132,7 @@ fn camera(stage: &Stage, places: &[Pose2]) -> f64 {
             let size = (optics.width, optics.height);
             let focal_length = optics.focal_length();
             let view = View { pose, size, focal_length, range: 200.0, shadows: false, exposure: 1.0 };
-            std::hint::black_box(stage.renderer().render(&view));
+            std::hint::black_box(stage.renderer().render(&view, &Movers::default()));
         }
     });
     bases.len() as f64 / time.as_secs_f64()

@@ -9,7 +9,7 @@ use openbench_bench::WorldSource;
 use openbench_bench::world_folder::{Recipe, Wanted, Written, is_world, write};
 use openbench_core::{Pose2, Pose3, RobotDescription};
 use openbench_osm::{Window, cut_out, default_georeference};
-use openbench_scene::{RayCaster, World, free_space::ground_height};
+use openbench_scene::{Movers, RayCaster, World, free_space::ground_height};
 use openbench_sim::{Renderer, View};
 
 use crate::args::{DrawArgs, GenerateArgs, ImportArgs, ShowArgs, WorldArgs, WorldCommand};
@@ -115,7 +115,7 @@ fn show(args: &ShowArgs) -> anyhow::Result<Outcome> {
         Some(pose) => street_view(&caster, pose),
         None => birds_eye(&world, args.above),
     };
-    let rgb = Renderer::new(caster).render(&view);
+    let rgb = Renderer::new(caster).render(&view, &Movers::default());
     let picture =
         openbench_core::Image { stamp: Default::default(), width: view.size.0, height: view.size.1, rgb };
     let png = openbench_bench::picture::png(&picture)?;

@@ -9,8 +9,8 @@ mod shade;
 mod texture;
 
 use openbench_core::Pose3;
-use openbench_scene::bvh::{LANES, MISS, PacketHits};
-use openbench_scene::{RayCaster, RayPacket, SemanticClass};
+use openbench_scene::bvh::{Kernel, LANES, Lane, MISS, PacketHits, widest};
+use openbench_scene::{Movers, RayCaster, RayPacket, SemanticClass, Snapshot};
 
 use shade::{Look, Shader};
 
@@ -63,35 +63,25 @@ impl Renderer {
     }
 
     /// The view's pixels: RGB, rows from the top.
-    pub fn render(&self, view: &View) -> Vec<u8> {
+    pub fn render(&self, view: &View, movers: &Movers) -> Vec<u8> {
         let (width, height) = view.size;
         let mut rgb = vec![0; 3 * width as usize * height as usize];
-        let eye = Eye::new(view);
-        // Colours go with the square root of the light.
-        let gain = view.exposure.max(0.0).sqrt();
-        let look = Look { pixel_angle: eye.pixel_angle, haze: view.range };
-        for y in (0..height).step_by(TILE as usize) {
-            for x in (0..width).step_by(TILE as usize) {
-                let rays = eye.rays((x, y), view.range);
-                let hits = self.caster.cast_packet(&rays);
-                let sunlit = if view.shadows { self.sunlit(&rays, &hits) } else { [1.0; LANES] };
-                let colors = self.shader.colors(&self.caster, look, &rays, &hits, &sunlit);
-                put(&mut rgb, (x, y), view.size, &colors, gain);
-            }
-        }
+        let seen = Snapshot { caster: &self.caster, movers };
+        widest(Picture { seen, shader: &self.shader, view, rgb: &mut rgb });
         rgb
     }
 
     /// Depth and class of each of the view's pixels.
-    pub fn labels(&self, view: &View) -> Labels {
+    pub fn labels(&self, view: &View, movers: &Movers) -> Labels {
         let (width, height) = view.size;
+        let seen = Snapshot { caster: &self.caster, movers };
         let pixels = width as usize * height as usize;
         let mut labels =
             Labels { size: view.size, depth: vec![f32::INFINITY; pixels], class: vec![None; pixels] };
         let eye = Eye::new(view);
         for y in (0..height).step_by(TILE as usize) {
             for x in (0..width).step_by(TILE as usize) {
-                let hits = self.caster.cast_packet(&eye.rays((x, y), view.range));
+                let hits = seen.cast_packet(&eye.rays((x, y), view.range), &NO_LAG);
                 for lane in (0..LANES).filter(|&lane| hits.triangle[lane] != MISS) {
                     let (u, v) = (x + lane as u32 % TILE, y + lane as u32 / TILE);
                     if u < width && v < height {
@@ -105,41 +95,77 @@ impl Renderer {
         }
         labels
     }
+}
 
-    /// For each lane 1 if the sun shines on what was hit, 0 if something stands between.
-    fn sunlit(&self, rays: &RayPacket, hits: &PacketHits) -> [f32; LANES] {
-        let towards = self.caster.scene().sun.direction.map(|c| -c);
-        let mut back = RayPacket::idle();
-        for lane in (0..LANES).filter(|&lane| hits.triangle[lane] != MISS) {
-            let normal = self.caster.surface(hits.triangle[lane]).normal;
-            let direction = [0, 1, 2].map(|axis| rays.direction[axis][lane]);
-            let facing: f32 = (0..3).map(|axis| normal[axis] * direction[axis]).sum();
-            let off = if facing > 0.0 { -OFF_SURFACE } else { OFF_SURFACE };
-            let at = [0, 1, 2].map(|axis| {
-                rays.origin[axis][lane] + hits.distance[lane] * direction[axis] + off * normal[axis]
-            });
-            back.set(lane, at, towards, SHADOW);
+/// Pictures are of one instant.
+const NO_LAG: Lane = [0.0; LANES];
+
+/// A picture being drawn.
+struct Picture<'a> {
+    seen: Snapshot<'a>,
+    shader: &'a Shader,
+    view: &'a View,
+    rgb: &'a mut [u8],
+}
+
+impl Kernel for Picture<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { seen, shader, view, rgb } = self;
+        let eye = Eye::new(view);
+        let look = Look { pixel_angle: eye.pixel_angle, haze: view.range };
+        // Colours go with the square root of the light.
+        let gain = view.exposure.max(0.0).sqrt();
+        for y in (0..view.size.1).step_by(TILE as usize) {
+            for x in (0..view.size.0).step_by(TILE as usize) {
+                let rays = eye.rays((x, y), view.range);
+                let hits = seen.cast_packet(&rays, &NO_LAG);
+                let sunlit = if view.shadows { sunlit(seen, &rays, &hits) } else { [1.0; LANES] };
+                let colors = shader.colors(seen, look, &rays, &hits, &sunlit);
+                put(rgb, (x, y), view.size, &colors, gain);
+            }
         }
-        let between = self.caster.cast_packet(&back);
-        between.triangle.map(|triangle| if triangle == MISS { 1.0 } else { 0.0 })
     }
 }
 
+/// For each lane 1 if the sun shines on what was hit, 0 if something stands between.
+fn sunlit(seen: Snapshot<'_>, rays: &RayPacket, hits: &PacketHits) -> Lane {
+    let towards = seen.caster.scene().sun.direction.map(|c| -c);
+    let mut back = RayPacket::idle();
+    for lane in (0..LANES).filter(|&lane| hits.triangle[lane] != MISS) {
+        let normal = seen.normal(hits, lane);
+        let direction = [0, 1, 2].map(|axis| rays.direction[axis][lane]);
+        let facing: f32 = (0..3).map(|axis| normal[axis] * direction[axis]).sum();
+        let off = if facing > 0.0 { -OFF_SURFACE } else { OFF_SURFACE };
+        let at = [0, 1, 2]
+            .map(|axis| rays.origin[axis][lane] + hits.distance[lane] * direction[axis] + off * normal[axis]);
+        back.set(lane, at, towards, SHADOW);
+    }
+    let between = seen.cast_packet(&back, &NO_LAG);
+    between.triangle.map(|triangle| if triangle == MISS { 1.0 } else { 0.0 })
+}
+
 /// Writes a tile's colours, 0 to 255, times `gain` into the picture; what lies beyond its edges is left out.
-fn put(
-    rgb: &mut [u8],
-    (x, y): (u32, u32),
-    (width, height): (u32, u32),
-    colors: &[[f32; LANES]; 3],
-    gain: f32,
-) {
-    let [red, green, blue] = colors.map(|channel| channel.map(|c| c * gain + 0.5));
-    for (lane, ((r, g), b)) in (0..).zip(red.into_iter().zip(green).zip(blue)) {
-        let (u, v) = (x + lane % TILE, y + lane / TILE);
-        if u < width && v < height {
-            let at = 3 * (v as usize * width as usize + u as usize);
-            // The cast keeps within 0 to 255.
-            rgb[at..at + 3].copy_from_slice(&[r as u8, g as u8, b as u8]);
+#[inline(always)]
+fn put(rgb: &mut [u8], (x, y): (u32, u32), (width, height): (u32, u32), colors: &[Lane; 3], gain: f32) {
+    let mut bytes = [[0_u8; LANES]; 3];
+    for channel in 0..3 {
+        for lane in 0..LANES {
+            let value = colors[channel][lane] * gain + 0.5;
+            let value = if value < 255.0 { value } else { 255.0 };
+            bytes[channel][lane] = value as i32 as u8;
+        }
+    }
+    let columns = TILE.min(width - x) as usize;
+    for row in 0..TILE.min(height - y) {
+        let at = 3 * ((y + row) as usize * width as usize + x as usize);
+        let first = (row * TILE) as usize;
+        for (column, pixel) in rgb[at..at + 3 * columns].chunks_exact_mut(3).enumerate() {
+            for channel in 0..3 {
+                pixel[channel] = bytes[channel][first + column];
+            }
         }
     }
 }
@@ -173,6 +199,7 @@ impl Eye {
     }
 
     /// The rays through the tile whose top left pixel this is.
+    #[inline(always)]
     fn rays(&self, (x, y): (u32, u32), limit: f32) -> RayPacket {
         let mut rays = RayPacket::idle();
         rays.limit = [limit; LANES];
@@ -215,7 +242,7 @@ mod tests {
             shadows: false,
             exposure: 1.0,
         };
-        let rgb = renderer().render(&view);
+        let rgb = renderer().render(&view, &Movers::default());
         let is_red = |x: usize, y: usize| rgb[3 * (y * 200 + x)] > rgb[3 * (y * 200 + x) + 1];
         // Left edge at 100 - 100 * 2 / 5 = 60, right at 100; top at 80 - 40 = 40, bottom at 80.
         assert!(is_red(61, 41) && is_red(98, 78));
@@ -226,7 +253,7 @@ mod tests {
     fn exposure_multiplies_light_and_its_root_what_is_seen() {
         let (pose, size) = (Pose3::identity(), (200, 160));
         let view = View { pose, size, focal_length: 100.0, range: 200.0, shadows: false, exposure: 1.0 };
-        let seen = |exposure| renderer().render(&View { exposure, ..view });
+        let seen = |exposure| renderer().render(&View { exposure, ..view }, &Movers::default());
         let (plain, dim, glaring) = (seen(1.0), seen(0.25), seen(1e9));
         assert!(plain.iter().zip(&dim).all(|(p, d)| (f32::from(*p) / 2.0 - f32::from(*d)).abs() <= 0.5));
         assert!(plain.iter().zip(&glaring).all(|(p, g)| *g == 255 || *p < 1));
@@ -242,7 +269,7 @@ mod tests {
             shadows: false,
             exposure: 1.0,
         };
-        let labels = renderer().labels(&view);
+        let labels = renderer().labels(&view, &Movers::default());
         let at = |x: usize, y: usize| (labels.depth[y * 202 + x], labels.class[y * 202 + x]);
         for (x, y) in [(63, 43), (80, 60), (97, 77)] {
             let (depth, class) = at(x, y);
@@ -269,7 +296,9 @@ mod tests {
         let pose = Pose3::translation(0.0, 0.0, 1.0);
         let view =
             View { pose, size: (200, 200), focal_length: 100.0, range: 200.0, shadows: true, exposure: 1.0 };
-        let (shaded, lit) = (renderer.render(&view), renderer.render(&View { shadows: false, ..view }));
+        let (shaded, lit) = [view, View { shadows: false, ..view }]
+            .map(|view| renderer.render(&view, &Movers::default()))
+            .into();
         let at = |rgb: &[u8], x: usize, y: usize| rgb[3 * (y * 200 + x)];
         // The ground 7 m ahead lies 100 / 7 rows below the middle; beside the roof nothing changes.
         assert!(at(&shaded, 100, 114) < at(&lit, 100, 114));

@@ -1,20 +1,20 @@
 //! The colours of sixteen pixels, lane by lane as the rays are cast.
+//!
+//! Whatever is looked up for a lane (surface, material, texels) is put into arrays of sixteen first; all arithmetic is loops over those, which
+//! become vector instructions.
 
-use openbench_scene::bvh::{LANES, MISS, PacketHits};
-use openbench_scene::{RayCaster, RayPacket, Sun};
+use openbench_scene::bvh::{LANES, Lane, MISS, PacketHits};
+use openbench_scene::{RayCaster, RayPacket, Snapshot, Sun};
 
-use super::texture::Mipmaps;
+use super::texture::{Mipmaps, Places, blend};
 
 /// Sky at the horizon and at the zenith, sRGB, 0 to 255.
 const HORIZON: [f32; 3] = [204.0, 222.0, 237.0];
 const ZENITH: [f32; 3] = [107.0, 153.0, 219.0];
 
-type Lane = [f32; LANES];
-
 /// What colouring needs to know of a triangle.
 #[derive(Debug, Clone, Copy)]
 struct Facet {
-    normal: [f32; 3],
     /// Texels a metre of its texture.
     density: f32,
     material: u32,
@@ -45,11 +45,29 @@ pub(super) struct Look {
     pub(super) haze: f32,
 }
 
+/// What sixteen rays hit.
+struct Surfaces {
+    normal: [Lane; 3],
+    density: Lane,
+    /// Colour of the material, 0 to 255.
+    color: [Lane; 3],
+    texture: [Option<u32>; LANES],
+}
+
+/// What becomes of a surface's own colour.
+struct Light {
+    /// By how much it is multiplied.
+    strength: Lane,
+    /// Texels of the full-size texture that the pixel covers.
+    texels: Lane,
+    /// Share of the haze.
+    haze: Lane,
+}
+
 impl Shader {
     pub(super) fn new(caster: &RayCaster) -> Self {
         let scene = caster.scene();
         let facet = |i: usize| Facet {
-            normal: caster.surface(i as u32).normal,
             density: texel_density(caster, i as u32),
             material: scene.triangles[i].material.0,
         };
@@ -66,9 +84,10 @@ impl Shader {
     }
 
     /// Red, green and blue of each lane, 0 to 255. Lanes with `sunlit` 0 lie in shadow, with 1 in the sun.
+    #[inline(always)]
     pub(super) fn colors(
         &self,
-        caster: &RayCaster,
+        seen: Snapshot<'_>,
         look: Look,
         rays: &RayPacket,
         hits: &PacketHits,
@@ -79,79 +98,117 @@ impl Shader {
         for lane in 0..LANES {
             length[lane] = (dx[lane] * dx[lane] + dy[lane] * dy[lane] + dz[lane] * dz[lane]).sqrt();
         }
-        let facets = self.facets_of(hits);
-        let (light, footprint, haze) = self.light(look, rays, hits, &length, &facets, sunlit);
         let mut colors = sky(dz, &length);
-        for lane in (0..LANES).filter(|&lane| hits.triangle[lane] != MISS) {
-            let base = self.albedo(caster, hits, lane, &facets[lane], footprint[lane]);
-            for channel in 0..3 {
-                let near = base[channel] * light[lane];
-                colors[channel][lane] = near + haze[lane] * (HORIZON[channel] - near);
+        let Some(surfaces) = self.surfaces(seen, hits) else { return colors };
+        let light = self.light(look, rays, hits, &length, &surfaces, sunlit);
+        let texels = self.texels(seen.caster, hits, &surfaces.texture, &light.texels);
+        for channel in 0..3 {
+            for lane in 0..LANES {
+                const WHOLE: f32 = 1.0 / 255.0;
+                let own = surfaces.color[channel][lane] * texels[channel][lane] * WHOLE;
+                let near = own * light.strength[lane];
+                let far = near + light.haze[lane] * (HORIZON[channel] - near);
+                let hit = hits.triangle[lane] != MISS;
+                colors[channel][lane] = if hit { far } else { colors[channel][lane] };
             }
         }
         colors
     }
 
-    fn facets_of(&self, hits: &PacketHits) -> [Facet; LANES] {
-        let mut facets = [Facet { normal: [0.0; 3], density: 0.0, material: 0 }; LANES];
-        for (facet, &triangle) in facets.iter_mut().zip(&hits.triangle) {
-            if triangle != MISS {
-                *facet = self.facets[triangle as usize];
+    /// `None` if no ray hit anything.
+    #[inline(always)]
+    fn surfaces(&self, seen: Snapshot<'_>, hits: &PacketHits) -> Option<Surfaces> {
+        let mut surfaces = Surfaces {
+            normal: [[0.0; LANES]; 3],
+            density: [0.0; LANES],
+            color: [[0.0; LANES]; 3],
+            texture: [None; LANES],
+        };
+        let mut any = false;
+        for lane in 0..LANES {
+            if hits.triangle[lane] == MISS {
+                continue;
             }
+            any = true;
+            let facet = &self.facets[hits.triangle[lane] as usize];
+            let ink = &self.inks[facet.material as usize];
+            let normal = seen.normal(hits, lane);
+            for axis in 0..3 {
+                surfaces.normal[axis][lane] = normal[axis];
+                surfaces.color[axis][lane] = ink.color[axis];
+            }
+            surfaces.density[lane] = facet.density;
+            surfaces.texture[lane] = ink.texture;
         }
-        facets
+        any.then_some(surfaces)
     }
 
-    /// For each lane: by how much its colour is multiplied, texels that its pixel covers, and the share of haze.
+    #[inline(always)]
     fn light(
         &self,
         look: Look,
         rays: &RayPacket,
         hits: &PacketHits,
         length: &Lane,
-        facets: &[Facet; LANES],
+        surfaces: &Surfaces,
         sunlit: &Lane,
-    ) -> (Lane, Lane, Lane) {
-        let (mut light, mut footprint, mut haze) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-        let sun = self.sun.direction;
+    ) -> Light {
+        let mut light = Light { strength: [0.0; LANES], texels: [0.0; LANES], haze: [0.0; LANES] };
+        let (sun, [nx, ny, nz]) = (self.sun.direction, &surfaces.normal);
+        let [dx, dy, dz] = &rays.direction;
         for lane in 0..LANES {
-            let n = facets[lane].normal;
-            let [dx, dy, dz] = [0, 1, 2].map(|axis| rays.direction[axis][lane]);
-            let facing = (n[0] * dx + n[1] * dy + n[2] * dz) / length[lane];
+            let facing = (nx[lane] * dx[lane] + ny[lane] * dy[lane] + nz[lane] * dz[lane]) / length[lane];
             let side = if facing > 0.0 { -1.0 } else { 1.0 };
-            let lambert = -side * (n[0] * sun[0] + n[1] * sun[1] + n[2] * sun[2]);
+            let lambert = -side * (nx[lane] * sun[0] + ny[lane] * sun[1] + nz[lane] * sun[2]);
             let lambert = if lambert > 0.0 { lambert } else { 0.0 };
             // A surface that looks up sees more of the sky.
-            let from_sky = 0.75 + 0.25 * side * n[2];
+            let from_sky = 0.75 + 0.25 * side * nz[lane];
             let linear = self.sun.ambient * from_sky + self.sun.diffuse * lambert * sunlit[lane];
             // Light adds up in linear units, colours are sRGB: their curve is near a square root.
-            light[lane] = linear.sqrt();
+            light.strength[lane] = linear.sqrt();
             let distance = hits.distance[lane] * length[lane];
             let slant = if facing.abs() > 0.15 { facing.abs() } else { 0.15 };
-            footprint[lane] = distance * look.pixel_angle / slant * facets[lane].density;
-            haze[lane] = distance / (distance + look.haze);
+            light.texels[lane] = distance * look.pixel_angle / slant * surfaces.density[lane];
+            light.haze[lane] = distance / (distance + look.haze);
         }
-        (light, footprint, haze)
+        light
     }
 
-    #[inline]
-    fn albedo(
+    /// Colours of the textures, 0 to 255; white without one.
+    #[inline(always)]
+    fn texels(
         &self,
         caster: &RayCaster,
         hits: &PacketHits,
-        lane: usize,
-        facet: &Facet,
-        texels: f32,
-    ) -> [f32; 3] {
-        let ink = &self.inks[facet.material as usize];
-        let Some(texture) = ink.texture else { return ink.color };
-        let uv = caster.texture_coordinates(&hits.hit(lane));
-        let texel = self.textures[texture as usize].sample(uv, texels);
-        const WHOLE: f32 = 1.0 / 255.0;
-        [ink.color[0] * texel[0] * WHOLE, ink.color[1] * texel[1] * WHOLE, ink.color[2] * texel[2] * WHOLE]
+        textures: &[Option<u32>; LANES],
+        texels: &Lane,
+    ) -> [Lane; 3] {
+        let levels = super::texture::levels(texels);
+        let mut places = Places::none();
+        let mut images = [None; LANES];
+        for lane in 0..LANES {
+            let Some(texture) = textures[lane] else { continue };
+            let image = self.textures[texture as usize].level(levels[lane]);
+            let uv = caster.texture_coordinates(&hits.hit(lane));
+            places.set(lane, uv, image.width, image.height);
+            images[lane] = Some(image);
+        }
+        if images.iter().all(Option::is_none) {
+            return [[255.0; LANES]; 3];
+        }
+        let corners = places.corners();
+        let mut packed = [[u32::MAX; LANES]; 4];
+        for lane in 0..LANES {
+            let Some(image) = images[lane] else { continue };
+            for corner in 0..4 {
+                packed[corner][lane] = image.texel(corners.index[corner][lane]);
+            }
+        }
+        blend(&packed, &corners)
     }
 }
 
+#[inline(always)]
 fn sky(dz: &Lane, length: &Lane) -> [Lane; 3] {
     let mut colors = [[0.0; LANES]; 3];
     for lane in 0..LANES {

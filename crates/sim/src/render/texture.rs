@@ -1,84 +1,152 @@
-//! Textures at full, half, quarter … size, and the colour of a pixel that covers some of their texels.
+//! Textures at full, half, quarter … size, and the colours of sixteen pixels that cover some of their texels.
 
 use openbench_scene::Texture;
+use openbench_scene::bvh::{LANES, Lane};
 
 /// A pixel may cover this many texels before the next smaller image is taken.
 const COVER: f32 = 1.5;
 /// Steps between two texels: weights are whole numbers, so that colours are the same on every machine at no cost.
-const STEPS: f32 = 16.0;
+const STEPS: u32 = 16;
 
 /// A texture at full, half, quarter … size.
 #[derive(Debug)]
 pub(super) struct Mipmaps {
-    levels: Vec<Texture>,
+    levels: Vec<Level>,
+}
+
+/// A texture at one size.
+#[derive(Debug)]
+pub(super) struct Level {
+    pub(super) width: u32,
+    pub(super) height: u32,
+    rgba: std::sync::Arc<[u8]>,
 }
 
 impl Mipmaps {
     pub(super) fn new(texture: &Texture) -> Self {
-        let mut levels = vec![texture.clone()];
-        while let Some(last) = levels.last().filter(|t| t.width > 1 && t.height > 1) {
-            levels.push(halved(last));
+        let mut images = vec![texture.clone()];
+        while let Some(last) = images.last().filter(|t| t.width > 1 && t.height > 1) {
+            images.push(halved(last));
         }
-        Self { levels }
+        let level = |image: Texture| Level { width: image.width, height: image.height, rgba: image.rgba };
+        Self { levels: images.into_iter().map(level).collect() }
     }
 
-    /// Colour at `uv`, 0 to 255, for a pixel that covers `texels` texels of the full size, bilinear.
-    #[inline]
-    pub(super) fn sample(&self, uv: [f32; 2], texels: f32) -> [f32; 3] {
-        bilinear(&self.levels[level(texels).min(self.levels.len() - 1)], uv)
+    /// The image that many times halved, or the smallest.
+    #[inline(always)]
+    pub(super) fn level(&self, halvings: u32) -> &Level {
+        &self.levels[(halvings as usize).min(self.levels.len() - 1)]
+    }
+}
+
+impl Level {
+    /// Red, green, blue and alpha from the lowest byte up.
+    #[inline(always)]
+    pub(super) fn texel(&self, index: u32) -> u32 {
+        let at = 4 * index as usize;
+        u32::from_le_bytes(self.rgba[at..at + 4].try_into().unwrap_or_default())
     }
 }
 
 /// How often the image must be halved until a pixel covers few texels of it.
-#[inline]
-fn level(texels: f32) -> usize {
-    let ratio = texels / COVER;
-    if ratio <= 1.0 || ratio.is_nan() {
-        return 0;
+#[inline(always)]
+pub(super) fn levels(texels: &Lane) -> [u32; LANES] {
+    let mut levels = [0; LANES];
+    for lane in 0..LANES {
+        let bits = (texels[lane] * (1.0 / COVER)).to_bits();
+        // The logarithm to base 2, rounded up: exponent, plus one if the mantissa is more than 1. What is NaN, negative or below 1 is not halved.
+        let exponent = (bits >> 23).wrapping_sub(127);
+        let up = if bits & 0x7f_ffff == 0 { exponent } else { exponent.wrapping_add(1) };
+        levels[lane] = if exponent < 127 { up } else { 0 };
     }
-    // The logarithm to base 2, rounded up: exponent, plus one if the mantissa is more than 1.
-    let bits = ratio.to_bits();
-    (bits >> 23) as usize - 127 + usize::from(bits & 0x7f_ffff != 0)
+    levels
 }
 
-#[inline]
-fn bilinear(image: &Texture, uv: [f32; 2]) -> [f32; 3] {
-    let (x0, x1, fx) = neighbours(fraction(uv[0]), image.width);
-    let (y0, y1, fy) = neighbours(1.0 - fraction(uv[1]), image.height);
-    let texel = |x: u32, y: u32| {
-        let at = 4 * (y as usize * image.width as usize + x as usize);
-        let bytes: [u8; 4] = image.rgba[at..at + 4].try_into().unwrap_or_default();
-        let packed = u32::from_le_bytes(bytes);
-        // Red and blue, and green alone, each with room for a weight above it.
-        (packed & 0xff_00ff, packed >> 8 & 0xff)
-    };
-    let corners = [
-        (texel(x0, y0), (16 - fx) * (16 - fy)),
-        (texel(x1, y0), fx * (16 - fy)),
-        (texel(x0, y1), (16 - fx) * fy),
-        (texel(x1, y1), fx * fy),
-    ];
-    let (mut red_blue, mut green) = (0, 0);
-    for ((rb, g), weight) in corners {
-        red_blue += rb * weight;
-        green += g * weight;
+/// Where sixteen pixels look into images.
+pub(super) struct Places {
+    uv: [Lane; 2],
+    size: [[u32; LANES]; 2],
+}
+
+/// The four texels round each of sixteen places: upper left, upper right, lower left, lower right.
+pub(super) struct Corners {
+    /// Where they are in the image.
+    pub(super) index: [[u32; LANES]; 4],
+    /// Weights of the right and of the lower ones, in sixteenths.
+    weight: [[u32; LANES]; 2],
+}
+
+impl Places {
+    #[inline(always)]
+    pub(super) fn none() -> Self {
+        Self { uv: [[0.0; LANES]; 2], size: [[1; LANES]; 2] }
     }
-    const WHOLE: f32 = 1.0 / 256.0;
-    [(red_blue & 0xffff) as f32 * WHOLE, green as f32 * WHOLE, (red_blue >> 16) as f32 * WHOLE]
+
+    /// A lane looks at `uv` of an image of that size; the image repeats and v runs upwards.
+    #[inline(always)]
+    pub(super) fn set(&mut self, lane: usize, uv: [f32; 2], width: u32, height: u32) {
+        (self.uv[0][lane], self.uv[1][lane]) = (uv[0], 1.0 - uv[1]);
+        (self.size[0][lane], self.size[1][lane]) = (width, height);
+    }
+
+    #[inline(always)]
+    pub(super) fn corners(&self) -> Corners {
+        let mut beside = [[[0; LANES]; 2]; 2];
+        let mut weight = [[0; LANES]; 2];
+        for axis in 0..2 {
+            for lane in 0..LANES {
+                let (first, second, w) = neighbours(fraction(self.uv[axis][lane]), self.size[axis][lane]);
+                (beside[axis][0][lane], beside[axis][1][lane], weight[axis][lane]) = (first, second, w);
+            }
+        }
+        let mut index = [[0; LANES]; 4];
+        for corner in 0..4 {
+            for lane in 0..LANES {
+                let (x, y) = (beside[0][corner % 2][lane], beside[1][corner / 2][lane]);
+                index[corner][lane] = y * self.size[0][lane] + x;
+            }
+        }
+        Corners { index, weight }
+    }
+}
+
+/// Red, green and blue, 0 to 255, of places whose four texels are these.
+#[inline(always)]
+pub(super) fn blend(packed: &[[u32; LANES]; 4], corners: &Corners) -> [Lane; 3] {
+    let mut colors = [[0.0; LANES]; 3];
+    for lane in 0..LANES {
+        let (right, low) = (corners.weight[0][lane], corners.weight[1][lane]);
+        let weights =
+            [(STEPS - right) * (STEPS - low), right * (STEPS - low), (STEPS - right) * low, right * low];
+        // Red and blue, and green alone, each with room for a weight above it.
+        let (mut red_blue, mut green) = (0, 0);
+        for corner in 0..4 {
+            red_blue += (packed[corner][lane] & 0xff_00ff) * weights[corner];
+            green += (packed[corner][lane] >> 8 & 0xff) * weights[corner];
+        }
+        const WHOLE: f32 = 1.0 / (STEPS * STEPS) as f32;
+        for (channel, sum) in [red_blue & 0xffff, green, red_blue >> 16].into_iter().enumerate() {
+            // By way of a signed number, for which every machine has a conversion.
+            colors[channel][lane] = sum as i32 as f32 * WHOLE;
+        }
+    }
+    colors
 }
 
 /// The two texels beside a place in a row of `size` that repeats, and the weight of the second in sixteenths.
-#[inline]
+#[inline(always)]
 fn neighbours(place: f32, size: u32) -> (u32, u32, u32) {
-    let steps = ((place * size as f32 - 0.5) * STEPS + STEPS) as u32;
-    // One texel was added above, so that the cast rounds down.
-    let (after, weight) = (steps / 16, steps % 16);
-    let first = if after == 0 { size - 1 } else { (after - 1).min(size - 1) };
-    (first, if first + 1 == size { 0 } else { first + 1 }, weight)
+    // One texel is added, so that the cast rounds down.
+    let steps = (place * (size * STEPS) as i32 as f32 + (STEPS / 2) as f32) as i32 as u32;
+    let (after, weight) = (steps / STEPS, steps % STEPS);
+    let first = if after == 0 { size - 1 } else { after - 1 };
+    let first = if first < size { first } else { size - 1 };
+    let second = if first + 1 == size { 0 } else { first + 1 };
+    (first, second, weight)
 }
 
 /// `x` less its floor.
-#[inline]
+#[inline(always)]
 fn fraction(x: f32) -> f32 {
     let rest = x - x as i32 as f32;
     if rest < 0.0 { rest + 1.0 } else { rest }
@@ -107,17 +175,27 @@ mod tests {
         Texture { width, height: values.len() as u32 / width, rgba: rgba.into() }
     }
 
+    /// Colour at `uv`, 0 to 255, for a pixel that covers `texels` texels of the full size.
+    fn sample(maps: &Mipmaps, uv: [f32; 2], texels: f32) -> [f32; 3] {
+        let image = maps.level(levels(&[texels; LANES])[3]);
+        let mut places = Places::none();
+        places.set(3, uv, image.width, image.height);
+        let corners = places.corners();
+        let packed = corners.index.map(|index| [image.texel(index[3]); LANES]);
+        blend(&packed, &corners).map(|channel| channel[3])
+    }
+
     #[test]
     fn mipmaps_keep_the_mean() {
         let checks: Vec<u8> = (0..64).map(|i| if (i + i / 8) % 2 == 0 { 255 } else { 0 }).collect();
-        let far = Mipmaps::new(&grey(&checks, 8)).sample([0.3, 0.7], 8.0);
+        let far = sample(&Mipmaps::new(&grey(&checks, 8)), [0.3, 0.7], 8.0);
         assert!(far.iter().all(|c| (c - 127.5).abs() < 2.0), "{far:?}");
     }
 
     #[test]
     fn colours_run_between_texels_and_round_the_edge() {
         let maps = Mipmaps::new(&grey(&[0, 160, 0, 160, 80, 80, 80, 80], 4));
-        let at = |u: f32, v: f32| maps.sample([u, v], 1.0)[0];
+        let at = |u: f32, v: f32| sample(&maps, [u, v], 1.0)[0];
         // Middles of the texels of the top row, which has v near 1, and places between them.
         assert_eq!((at(0.125, 0.75), at(0.375, 0.75), at(0.25, 0.75)), (0.0, 160.0, 80.0));
         assert_eq!(at(0.0, 0.75), 80.0, "between the last and the first");
@@ -126,15 +204,23 @@ mod tests {
     }
 
     #[test]
+    fn red_green_and_blue_keep_apart() {
+        let texture = Texture { width: 1, height: 1, rgba: vec![10, 200, 255, 255].into() };
+        assert_eq!(sample(&Mipmaps::new(&texture), [0.3, 0.4], 1.0), [10.0, 200.0, 255.0]);
+    }
+
+    #[test]
     fn broken_coordinates_give_some_colour() {
         let maps = Mipmaps::new(&grey(&[10, 20, 30, 40], 2));
         for bad in [f32::NAN, f32::INFINITY, -1e30, 1e30] {
-            assert!(maps.sample([bad, bad], bad).iter().all(|c| (10.0..=40.0).contains(c)), "{bad}");
+            assert!(sample(&maps, [bad, bad], bad).iter().all(|c| (10.0..=40.0).contains(c)), "{bad}");
         }
     }
 
     #[test]
     fn images_are_halved_until_a_pixel_covers_few_texels() {
+        let level = |texels: f32| levels(&[texels; LANES])[0];
         assert_eq!([0.0, 1.5, 1.6, 3.0, 3.1, 6.0, 6.1].map(level), [0, 0, 1, 1, 2, 2, 3]);
+        assert_eq!([-5.0, f32::NAN, f32::NEG_INFINITY].map(level), [0, 0, 0]);
     }
 }
