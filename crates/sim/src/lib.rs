@@ -11,9 +11,12 @@
 //! | [`gnss`] | the satellite receiver, where a robot has one |
 //! | [`render`] | pictures |
 //! | [`noise`] | seeded random numbers |
+//! | `crowd`, `bodies` | what moves by itself, as rays and the physics engine meet it |
 //! | [`traffic`] | people and cars that move, how they look, and how near the robot came to them |
 
+mod bodies;
 mod camera;
+mod crowd;
 pub mod exposure;
 pub mod gnss;
 pub mod inertial;
@@ -36,4 +39,7 @@ pub enum SimError {
     /// The physics engine refuses the solid triangles.
     #[error("the world's solid triangles cannot be simulated: {0}")]
     Mesh(String),
+    /// More shall move than the stage has figures for.
+    #[error("the stage has no figures for so many people and cars; make it with `Stage::peopled`")]
+    NoFigures,
 }

@@ -9,7 +9,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
-use openbench_core::{Pose2, Pose3, RobotDescription, Velocity};
+use openbench_core::{MapPoint, Pose2, Pose3, RobotDescription, Velocity};
 use openbench_scene::{RayCaster, Scene, SemanticClass};
 use rapier3d::geometry::PairContacts;
 use rapier3d::pipeline::PhysicsWorld;
@@ -19,6 +19,8 @@ use rapier3d::prelude::{
 };
 
 use crate::SimError;
+use crate::bodies::{Bodies, Leg};
+use crate::traffic::Hull;
 
 /// Physics step, nanoseconds: 400 Hz.
 pub const STEP_NS: u64 = 2_500_000;
@@ -55,6 +57,7 @@ pub struct Physics {
     world: PhysicsWorld,
     body: RigidBodyHandle,
     hull: ColliderHandle,
+    movers: Bodies,
     classes: Arc<[SemanticClass]>,
     track: f32,
     limits: Limits,
@@ -126,14 +129,25 @@ impl Physics {
             acceleration: robot.max_acceleration as f32,
         };
         let (track, radius) = (robot.effective_track as f32, robot.wheel_radius as f32);
-        Self { world, body, hull, classes, track, limits, rims: [0.0; 2], radius, chassis_height }
+        Self { world, body, hull, movers: Bodies::default(), classes, track, limits, rims: [0.0; 2], radius, chassis_height }
     }
 
     /// Advances by one step towards the wanted velocity.
     pub fn step(&mut self, caster: &RayCaster, wanted: Velocity) {
         self.drive(wanted);
         self.push_wheels(caster);
+        self.movers.advance(&mut self.world);
         self.world.step();
+    }
+
+    /// Adds a body that moves by itself on legs of `steps` steps. It takes no part yet.
+    pub(crate) fn add_mover(&mut self, hull: Hull, class: SemanticClass, steps: u64) {
+        self.movers.add(&mut self.world, hull, class, steps);
+    }
+
+    /// Sends those bodies on their next legs, in the order in which they were added; `None` for who is not there.
+    pub(crate) fn set_movers_out(&mut self, robot: MapPoint, legs: impl Iterator<Item = Option<Leg>>) {
+        self.movers.set_out(&mut self.world, robot, legs);
     }
 
     /// Pose of `base_link`.
@@ -183,7 +197,9 @@ impl Physics {
                 let triangle = if hull_is_second { manifold.subshape1 } else { manifold.subshape2 } as usize;
                 let depth = manifold.points.iter().map(|p| p.dist).fold(f32::INFINITY, f32::min);
                 if depth < deepest.0 {
-                    deepest = (depth, self.classes.get(triangle).copied().unwrap_or(SemanticClass::Other));
+                    let other = if hull_is_second { pair.collider1 } else { pair.collider2 };
+                    let standing = || self.classes.get(triangle).copied().unwrap_or(SemanticClass::Other);
+                    deepest = (depth, self.movers.class(other).unwrap_or_else(standing));
                 }
             }
         }

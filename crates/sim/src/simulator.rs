@@ -6,16 +6,19 @@ use openbench_core::{
     GnssFix, ImuSample, LidarScan, Observation, Pose2, Pose3, RobotDescription, SimTime, Velocity,
     WheelSample,
 };
-use openbench_scene::{Movers, RayCaster, SemanticClass, Snapshot};
+use openbench_scene::{Movers, RayCaster, Scene, SemanticClass, Snapshot};
 
 use crate::SimError;
 use crate::camera::SimCamera;
+use crate::crowd::Crowd;
 use crate::gnss::{self, Gnss};
 use crate::inertial::{self, Encoders, Imu};
 use crate::lidar::{Lidar, SCAN_NS};
 use crate::noise::Noise;
 use crate::physics::{Physics, STEP_NS, Solids};
 use crate::render::Renderer;
+use crate::traffic::figures::Gallery;
+use crate::traffic::{Mover, RobotState, Traffic, TrafficPlan};
 
 /// Simulated time between two observations, nanoseconds.
 pub const OBSERVATION_NS: u64 = 50_000_000;
@@ -41,13 +44,20 @@ pub struct Stage {
     caster: RayCaster,
     renderer: Arc<Renderer>,
     solids: Solids,
+    gallery: Arc<Gallery>,
 }
 
 impl Stage {
     /// Prepares a scene.
     pub fn new(caster: RayCaster) -> Result<Self, SimError> {
         let solids = Solids::new(caster.scene())?;
-        Ok(Self { renderer: Arc::new(Renderer::new(caster.clone())), solids, caster })
+        Ok(Self { renderer: Arc::new(Renderer::new(caster.clone())), solids, caster, gallery: Arc::default() })
+    }
+
+    /// Prepares a scene in which up to as many people and cars as `plan` says will move.
+    pub fn peopled(mut scene: Scene, plan: TrafficPlan) -> Result<Self, SimError> {
+        let gallery = Arc::new(Gallery::add(&mut scene, plan));
+        Ok(Self { gallery, ..Self::new(RayCaster::new(Arc::new(scene)))? })
     }
 
     /// The rays into the scene.
@@ -75,6 +85,7 @@ pub struct Simulator {
     encoders: Encoders,
     lidar: Lidar,
     lidar_path: Vec<Pose3>,
+    crowd: Option<Crowd>,
     movers: Arc<Movers>,
     time: SimTime,
     imu_samples: Vec<ImuSample>,
@@ -105,6 +116,7 @@ impl Simulator {
             imu,
             encoders: Encoders::default(),
             lidar,
+            crowd: None,
             movers: Arc::default(),
             time: SimTime::ZERO,
             imu_samples: Vec::new(),
@@ -121,12 +133,30 @@ impl Simulator {
         simulator
     }
 
+    /// Puts people and cars into the world. The stage must have figures for them, see [`Stage::peopled`].
+    pub fn among(mut self, traffic: Traffic) -> Result<Self, SimError> {
+        if !self.stage.gallery.suffices(traffic.placed()) {
+            return Err(SimError::NoFigures);
+        }
+        let gallery = self.stage.gallery.clone();
+        let crowd = Crowd::new(traffic, gallery, &self.stage.caster, &mut self.physics);
+        crowd.show(&self.stage.caster, Arc::make_mut(&mut self.movers));
+        self.crowd = Some(crowd);
+        self.camera.move_to(self.time, self.base_link(), self.movers.clone());
+        Ok(self)
+    }
+
     /// Drives with `velocity` until the next observation.
     pub fn step(&mut self, velocity: Velocity) {
         self.imu_samples.clear();
         self.wheel_samples.clear();
         self.scan = None;
         self.fix = None;
+        let robot = self.robot_state();
+        if let Some(crowd) = &mut self.crowd {
+            let figures = Arc::make_mut(&mut self.movers);
+            crowd.step(robot, &self.stage.caster, &mut self.physics, figures);
+        }
         for _ in 0..OBSERVATION_NS / STEP_NS {
             self.physics_step(velocity);
         }
@@ -159,6 +189,21 @@ impl Simulator {
     /// The truth: how fast the robot moves in `map`, m/s.
     pub fn speed(&self) -> f64 {
         self.physics.velocity_at(nalgebra::Vector3::zeros()).xy().norm()
+    }
+
+    /// The truth: the robot as people and cars see it.
+    pub fn robot_state(&self) -> RobotState {
+        let velocity = self.physics.velocity_at(nalgebra::Vector3::zeros());
+        RobotState {
+            position: Pose2::from_pose3(&self.base_link()).point(),
+            velocity: [velocity.x, velocity.y],
+            radius: self.robot.circumscribed_radius(),
+        }
+    }
+
+    /// The truth: people and cars that move by themselves; none if nothing does.
+    pub fn movers(&self) -> &[Mover] {
+        self.crowd.as_ref().map_or(&[], Crowd::movers)
     }
 
     /// Every collision so far.
@@ -226,6 +271,12 @@ impl Simulator {
         if let Some(scan) = &self.scan {
             let bytes: Vec<u8> = scan.points.iter().flat_map(|p| p.xyz).flat_map(f32::to_le_bytes).collect();
             hasher.update(&bytes);
+        }
+        for mover in self.movers() {
+            hasher.update(&[u8::from(mover.present)]);
+            for value in [mover.pose.x, mover.pose.y, mover.pose.yaw] {
+                hasher.update(&value.to_le_bytes());
+            }
         }
         if let Some(fix) = &self.fix {
             fix.position.iter().for_each(|value| {

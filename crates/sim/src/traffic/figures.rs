@@ -7,6 +7,8 @@ use nalgebra::{Point3, Vector3};
 use openbench_scene::scene::Layer;
 use openbench_scene::{Material, MaterialId, Scene, SceneBuilder, SemanticClass};
 
+use super::{Mover, MoverKind, TrafficPlan};
+
 /// How many phases of the walking cycle are drawn.
 pub const PHASES: usize = 8;
 /// How many different people there are; greater numbers repeat them.
@@ -39,6 +41,43 @@ const TOPS: [[f32; 3]; 8] = [
 ];
 const TROUSERS: [[f32; 3]; 5] =
     [[0.16, 0.20, 0.32], [0.11, 0.11, 0.12], [0.52, 0.46, 0.36], [0.32, 0.33, 0.35], [0.36, 0.24, 0.18]];
+
+/// How many different cars a world has; greater numbers repeat them.
+pub const CARS: u32 = 15;
+
+/// The figures of a traffic plan in a scene.
+#[derive(Debug, Clone, Default)]
+pub struct Gallery {
+    plan: TrafficPlan,
+    /// For each look of a person its phases.
+    people: Vec<[usize; PHASES]>,
+    cars: Vec<usize>,
+}
+
+impl Gallery {
+    /// Adds to a scene as many figures as a plan needs.
+    pub fn add(scene: &mut Scene, plan: TrafficPlan) -> Self {
+        let looks = |wanted: usize, looks: u32| 0..looks.min(u32::try_from(wanted).unwrap_or(looks));
+        let mut phases = |look| std::array::from_fn(|phase| scene.add_figure(&person(look, phase)));
+        let people = looks(plan.pedestrians, PEOPLE).map(&mut phases).collect();
+        let cars = looks(plan.cars, CARS).map(|look| scene.add_figure(&car(look))).collect();
+        Self { plan, people, cars }
+    }
+
+    /// Whether these are figures for as many.
+    pub fn suffices(&self, plan: TrafficPlan) -> bool {
+        plan.pedestrians <= self.plan.pedestrians && plan.cars <= self.plan.cars
+    }
+
+    /// The figure of a mover.
+    pub(crate) fn of(&self, mover: &Mover) -> usize {
+        let look = mover.look as usize;
+        match mover.kind {
+            MoverKind::Pedestrian => self.people[look % self.people.len()][phase_of(mover.gait)],
+            MoverKind::Car => self.cars[look % self.cars.len()],
+        }
+    }
+}
 
 /// The index of the [`person`] to show for a phase of gait from 0 to 1.
 pub fn phase_of(gait: f64) -> usize {

@@ -30,6 +30,8 @@ mod ways;
 use openbench_core::{MapPoint, Pose2};
 use openbench_osm::OsmMap;
 
+use serde::{Deserialize, Serialize};
+
 use crate::noise::Noise;
 use cars::Cars;
 use footways::Footways;
@@ -47,12 +49,20 @@ const LONGEST_STEP: f64 = 0.05;
 const STREAMS: [u64; 2] = [11, 12];
 
 /// How many there shall be.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct TrafficPlan {
     /// People on foot.
     pub pedestrians: usize,
     /// Cars that drive.
     pub cars: usize,
+}
+
+impl TrafficPlan {
+    /// Whether nothing moves.
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 /// The robot as others see it: a disc.

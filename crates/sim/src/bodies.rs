@@ -1,0 +1,120 @@
+//! People and cars as bodies: the robot bumps into them, and they do not give way to its weight.
+//!
+//! Only those near the robot take part; a city's traffic costs the physics engine nothing.
+
+use openbench_core::{MapPoint, Pose2};
+use openbench_scene::SemanticClass;
+use rapier3d::pipeline::PhysicsWorld;
+use rapier3d::prelude::{
+    ColliderBuilder, ColliderHandle, Pose, RigidBodyBuilder, RigidBodyHandle, SharedShape, Vector,
+};
+
+use crate::traffic::Hull;
+
+/// Bodies further from the robot than this take no part, metres: no car's end reaches the robot from there within a leg.
+const NEAR: f64 = 8.0;
+/// Height of a person, metres.
+const PERSON_HEIGHT: f32 = 1.75;
+/// Heights of the lower and upper edge of a car's body above the ground, metres.
+const CAR: (f32, f32) = (0.15, 1.45);
+
+/// A straight piece of a mover's way.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Leg {
+    pub(crate) from: Pose2,
+    pub(crate) to: Pose2,
+    /// Height of the ground, metres.
+    pub(crate) ground: f64,
+}
+
+struct Slot {
+    body: RigidBodyHandle,
+    collider: ColliderHandle,
+    class: SemanticClass,
+    /// The way that it goes now; `None` if it takes no part.
+    leg: Option<Leg>,
+}
+
+/// The movers' bodies.
+#[derive(Default)]
+pub(crate) struct Bodies {
+    slots: Vec<Slot>,
+    /// Steps in a leg, and those done of the present one.
+    steps: u64,
+    done: u64,
+}
+
+impl Bodies {
+    /// Adds a body that takes no part yet. A leg lasts `steps` steps.
+    pub(crate) fn add(&mut self, world: &mut PhysicsWorld, hull: Hull, class: SemanticClass, steps: u64) {
+        let (shape, height) = match hull {
+            Hull::Disc { radius } => {
+                let half = PERSON_HEIGHT / 2.0;
+                (SharedShape::cylinder(half, radius as f32), half)
+            }
+            Hull::Box { half_length, half_width } => {
+                let half = (CAR.1 - CAR.0) / 2.0;
+                (SharedShape::cuboid(half_length as f32, half_width as f32, half), CAR.0 + half)
+            }
+        };
+        // Cylinders of the engine stand along y.
+        let upright = match hull {
+            Hull::Disc { .. } => Vector::new(std::f32::consts::FRAC_PI_2, 0.0, 0.0),
+            Hull::Box { .. } => Vector::ZERO,
+        };
+        let collider = ColliderBuilder::new(shape)
+            .translation(Vector::new(0.0, 0.0, height))
+            .rotation(upright)
+            .friction(0.3)
+            .enabled(false);
+        let (body, collider) = world.insert(RigidBodyBuilder::kinematic_position_based(), collider);
+        self.slots.push(Slot { body, collider, class, leg: None });
+        self.steps = steps;
+    }
+
+    /// Sets out on new legs, one for each body in the order in which they were added; `None` for who is not there.
+    pub(crate) fn set_out(
+        &mut self,
+        world: &mut PhysicsWorld,
+        robot: MapPoint,
+        legs: impl Iterator<Item = Option<Leg>>,
+    ) {
+        self.done = 0;
+        for (slot, leg) in self.slots.iter_mut().zip(legs) {
+            let near = leg.filter(|leg| leg.to.point().distance(robot) < NEAR);
+            if near.is_some() != slot.leg.is_some() {
+                world.colliders[slot.collider].set_enabled(near.is_some());
+                if let Some(leg) = near {
+                    world.bodies[slot.body].set_position(pose(&leg, 0.0), true);
+                }
+            }
+            slot.leg = near;
+        }
+    }
+
+    /// Goes on by one step.
+    pub(crate) fn advance(&mut self, world: &mut PhysicsWorld) {
+        self.done += 1;
+        let share = self.done as f64 / self.steps.max(1) as f64;
+        for slot in &self.slots {
+            if let Some(leg) = &slot.leg {
+                world.bodies[slot.body].set_next_kinematic_position(pose(leg, share));
+            }
+        }
+    }
+
+    /// What a collider belongs to, if it is one of these.
+    pub(crate) fn class(&self, collider: ColliderHandle) -> Option<SemanticClass> {
+        self.slots.iter().find(|slot| slot.collider == collider).map(|slot| slot.class)
+    }
+}
+
+/// Where a body is after a share of its leg.
+fn pose(leg: &Leg, share: f64) -> Pose {
+    let between = |a: f64, b: f64| (a + share * (b - a)) as f32;
+    let turned = openbench_core::frames::wrap_angle(leg.to.yaw - leg.from.yaw);
+    let (sin, cos) = libm::sincos((leg.from.yaw + share * turned) / 2.0);
+    let rotation = rapier3d::math::Rotation::from_xyzw(0.0, 0.0, sin as f32, cos as f32);
+    let at = Vector::new(between(leg.from.x, leg.to.x), between(leg.from.y, leg.to.y), leg.ground as f32);
+    Pose::from_parts(at, rotation)
+}

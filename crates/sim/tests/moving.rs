@@ -1,0 +1,141 @@
+//! People and cars that move, as the robot's sensors and its body meet them.
+
+use std::sync::Arc;
+
+use nalgebra::{Point3, Vector3};
+use openbench_core::{LidarScan, MapPoint, Pose2, RobotDescription, Velocity};
+use openbench_osm::{OsmData, OsmMap};
+use openbench_scene::scene::Layer;
+use openbench_scene::{Material, Scene, SceneBuilder, SemanticClass};
+use openbench_sim::traffic::{Mover, MoverKind, Traffic, TrafficPlan};
+use openbench_sim::{Simulator, Stage};
+
+/// Level ground of 400 m x 200 m.
+fn ground() -> Scene {
+    let mut builder = SceneBuilder::new();
+    let grey = builder.material(Material::plain(SemanticClass::Ground, [0.5; 3]));
+    let (x, y) = (Vector3::x() * 400.0, Vector3::y() * 200.0);
+    builder.rectangle(Layer::Both, grey, Point3::new(-200.0, -100.0, 0.0), (x, y), [1.0; 2]);
+    builder.build()
+}
+
+/// A footway or a road of 100 m along x, from the origin.
+fn street(highway: &str) -> OsmMap {
+    let xml = format!(
+        "<osm version='0.6'><node id='1' lon='0' lat='0'/><node id='2' lon='0.0008983' lat='0'/>\
+         <way id='1'><nd ref='1'/><nd ref='2'/><tag k='highway' v='{highway}'/></way></osm>"
+    );
+    OsmMap::new(&OsmData::from_xml(xml.as_bytes()).unwrap(), "tangent:0,0".parse().unwrap())
+}
+
+/// A robot at `start` on a street with so many on it.
+fn among(highway: &str, plan: TrafficPlan, start: Pose2, seed: u64) -> Simulator {
+    let stage = Stage::peopled(ground(), plan).unwrap();
+    let traffic = Traffic::new(&street(highway), |_| true, plan, start.point(), seed);
+    assert_eq!(traffic.placed(), plan);
+    Simulator::new(stage, RobotDescription::sentry(), start, seed).among(traffic).unwrap()
+}
+
+fn people(pedestrians: usize) -> TrafficPlan {
+    TrafficPlan { pedestrians, cars: 0 }
+}
+
+/// Points of a scan in `map` that lie well above the ground, with the robot's pose at the scan's end.
+fn above_ground(simulator: &Simulator, scan: &LidarScan) -> Vec<MapPoint> {
+    let sensor = simulator.base_link() * RobotDescription::sentry().lidar;
+    let points = scan.points.iter().map(|p| sensor * Point3::from(p.xyz.map(f64::from)));
+    points.filter(|p| p.z > 0.15).map(|p| MapPoint::new(p.x, p.y)).collect()
+}
+
+fn distance(mover: &Mover, point: MapPoint) -> f64 {
+    mover.pose.point().distance(point)
+}
+
+#[test]
+fn the_lidar_sees_people_where_they_are_and_nothing_else() {
+    let mut simulator = among("footway", people(6), Pose2::new(50.0, 0.0, 0.0), 3);
+    let mut seen = 0;
+    for _ in 0..200 {
+        simulator.step(Velocity::ZERO);
+        let Some(scan) = simulator.observation().scan.cloned() else { continue };
+        for point in above_ground(&simulator, &scan) {
+            let nearest = simulator.movers().iter().map(|m| distance(m, point)).fold(f64::INFINITY, f64::min);
+            // An arm or a foot swings 0.6 m from the middle; in a scan's 0.1 s a person walks 0.2 m.
+            assert!(nearest < 0.85, "a point {nearest:.2} m from everybody at {}", simulator.time());
+            seen += 1;
+        }
+    }
+    assert!(seen > 1000, "{seen}");
+}
+
+#[test]
+fn the_camera_sees_a_car_go_by() {
+    let plan = TrafficPlan { pedestrians: 0, cars: 2 };
+    let mut simulator = among("residential", plan, Pose2::new(50.0, -8.0, 1.57), 1);
+    let mut images = Vec::new();
+    for _ in 0..600 {
+        simulator.step(Velocity::ZERO);
+        let ahead = |m: &Mover| m.present && (m.pose.x - 50.0).abs() < 2.0;
+        if simulator.movers().iter().any(ahead) == images.is_empty() {
+            images.extend(simulator.observation().camera.image());
+        }
+        if images.len() == 2 {
+            break;
+        }
+    }
+    let [with, without] = images.as_slice() else { panic!("no car came by") };
+    let differing = with.rgb.iter().zip(&without.rgb).filter(|(a, b)| a.abs_diff(**b) > 20).count();
+    assert!(differing > 5000, "{differing}");
+}
+
+#[test]
+fn driving_into_people_is_a_collision_with_a_person() {
+    // In a stream of people that is too dense to go round, against its direction.
+    let mut simulator = among("footway", people(60), Pose2::new(40.0, 0.0, 0.0), 5);
+    for _ in 0..1200 {
+        simulator.step(Velocity::new(0.5, 0.0));
+    }
+    let classes: Vec<SemanticClass> = simulator.collisions().iter().map(|c| c.class).collect();
+    assert!(!classes.is_empty() && classes.iter().all(|c| *c == SemanticClass::Person), "{classes:?}");
+    let nearest = simulator.movers().iter().map(|m| distance(m, simulator.robot_state().position));
+    assert!(nearest.fold(f64::INFINITY, f64::min) > 0.3, "nobody stands in the robot");
+}
+
+#[test]
+fn cars_stop_for_the_robot() {
+    let plan = TrafficPlan { pedestrians: 0, cars: 3 };
+    let mut simulator = among("residential", plan, Pose2::new(50.0, 1.6, 0.0), 2);
+    for _ in 0..1200 {
+        simulator.step(Velocity::ZERO);
+    }
+    assert!(simulator.collisions().is_empty(), "{:?}", simulator.collisions());
+    assert!(simulator.robot_state().position.distance(MapPoint::new(50.0, 1.6)) < 0.1);
+    assert!(simulator.movers().iter().all(|m| m.kind == MoverKind::Car));
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
+    let chain = |seed: u64| {
+        let mut simulator = among("footway", people(20), Pose2::new(50.0, 0.3, 0.4), seed);
+        for i in 0..40 {
+            simulator.step(Velocity::new(0.4, if i % 20 < 10 { 0.3 } else { -0.3 }));
+            simulator.observation().camera.image();
+        }
+        simulator.chain()
+    };
+    let alone: Vec<[u8; 32]> = (0..6).map(chain).collect();
+    let together: Vec<[u8; 32]> = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..6).map(|seed| scope.spawn(move || chain(seed))).collect();
+        threads.into_iter().map(|t| t.join().unwrap()).collect()
+    });
+    assert_eq!(alone, together);
+    assert!((1..6).all(|i| alone[i] != alone[0]));
+}
+
+#[test]
+fn a_stage_without_figures_takes_no_traffic() {
+    let stage = Stage::new(openbench_scene::RayCaster::new(Arc::new(ground()))).unwrap();
+    let traffic = Traffic::new(&street("footway"), |_| true, people(1), MapPoint::new(50.0, 0.0), 1);
+    let simulator = Simulator::new(stage, RobotDescription::sentry(), Pose2::new(50.0, 0.0, 0.0), 1);
+    assert!(simulator.among(traffic).is_err());
+}
