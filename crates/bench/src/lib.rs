@@ -42,6 +42,7 @@ pub mod truth;
 pub mod world_folder;
 
 pub use error::BenchError;
+pub use openbench_sim::traffic::TrafficPlan;
 pub use recorder::Level;
 pub use registry::{AgentFactory, AgentRequest, Registry};
 pub use results::Results;

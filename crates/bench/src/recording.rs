@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use openbench_core::Velocity;
 use openbench_osm::write_atomically;
-use openbench_sim::Simulator;
 use serde::{Deserialize, Serialize};
 
 use crate::BenchError;
@@ -95,8 +94,7 @@ impl Recording {
 
 /// Drives the recorded actions of an episode again and compares the hash chains.
 pub fn verify(prepared: &Prepared, episode: usize, recording: &Recording) -> Result<(), BenchError> {
-    let mut simulator =
-        Simulator::new(prepared.stage.clone(), prepared.robot.clone(), prepared.world.start, recording.seed);
+    let mut simulator = prepared.simulator(recording.seed)?;
     let steps: u64 = recording.driven.iter().map(|s| u64::from(s.steps)).sum();
     if steps > MOST_STEPS {
         let detail = format!("{steps} recorded steps are more than a day; the recording is damaged");

@@ -9,9 +9,10 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use openbench_core::{Address, FailureCause, MapPoint};
+use openbench_sim::traffic::TrafficPlan;
 use serde::{Deserialize, Serialize};
 
-use crate::metrics::{CollisionSum, DoorScore};
+use crate::metrics::{CollisionSum, DoorScore, EncounterSum};
 
 /// The results of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -27,6 +28,9 @@ pub struct Results {
     /// What was set with `--set`.
     #[serde(default)]
     pub settings: BTreeMap<String, String>,
+    /// People and cars that the suite asks for.
+    #[serde(default)]
+    pub traffic: TrafficPlan,
     /// Over all deliveries.
     pub metrics: Metrics,
     /// One a delivery, by episode and task.
@@ -70,6 +74,9 @@ pub struct Metrics {
     /// Collisions by the class of what was hit.
     #[serde(default)]
     pub collisions_by_class: BTreeMap<String, CollisionSum>,
+    /// How the robot met people and cars; null where nobody moves.
+    #[serde(default)]
+    pub encounters: Option<EncounterSum>,
     /// Metres driven in all.
     pub path_m: f64,
     /// Simulated seconds in all.
@@ -117,6 +124,9 @@ pub struct DeliveryResult {
     /// Those by the class of what was hit.
     #[serde(default)]
     pub collisions_by_class: BTreeMap<String, CollisionSum>,
+    /// How the robot met people and cars; null where nobody moves.
+    #[serde(default)]
+    pub encounters: Option<EncounterSum>,
     /// Where the robot declared, in the map; null if it never did.
     #[serde(default)]
     pub declared_at: Option<MapPoint>,
@@ -208,6 +218,7 @@ pub(crate) mod tests {
             sim_seconds: 20.0,
             collisions: 0,
             collisions_by_class: BTreeMap::new(),
+            encounters: None,
             declared_at: Some(MapPoint::new(1.0, 2.0)),
             pose_error_m: Some(0.125),
             plates_read: 2,
@@ -223,6 +234,7 @@ pub(crate) mod tests {
             seed: 7,
             version: "0.1.0".into(),
             settings: BTreeMap::new(),
+            traffic: TrafficPlan::default(),
             metrics: Metrics::default(),
             deliveries,
             doors: None,

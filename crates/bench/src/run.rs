@@ -176,6 +176,7 @@ fn results(
         seed: request.seed,
         version: env!("CARGO_PKG_VERSION").to_owned(),
         settings: request.settings.clone(),
+        traffic: prepared.suite.traffic,
         metrics: summarize(&deliveries, &totals),
         deliveries,
         doors: scoring::score_written_doors(prepared, traces),

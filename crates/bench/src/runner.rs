@@ -8,7 +8,8 @@ use openbench_core::{
     Action, Address, Agent, Briefing, Event, Events, FailureCause, GiveUp, Goal, Image, MapPoint, Plan,
     Pose2, SimTime, Velocity,
 };
-use openbench_sim::{Collision, Simulator};
+use openbench_sim::traffic::{Encounters, Totals};
+use openbench_sim::{Collision, OBSERVATION_NS, Simulator};
 
 use crate::BenchError;
 use crate::recorder::Recorder;
@@ -34,6 +35,8 @@ pub struct TaskOutcome {
     pub path_m: f64,
     /// Collisions meanwhile.
     pub collisions: Vec<Collision>,
+    /// How near the robot came to people and cars meanwhile; `None` where nobody moves.
+    pub encounters: Option<Totals>,
     /// Distance between where the agent believed to be and where it was, metres.
     pub pose_error_m: Option<f64>,
     /// Plates read meanwhile.
@@ -107,8 +110,7 @@ pub fn run_episode(
     seed: u64,
     recorder: &mut Recorder,
 ) -> Result<EpisodeTrace, BenchError> {
-    let simulator =
-        Simulator::new(prepared.stage.clone(), prepared.robot.clone(), prepared.world.start, seed);
+    let simulator = prepared.simulator(seed)?;
     let mut run = Run {
         episode,
         simulator,
@@ -152,12 +154,17 @@ struct Task {
     path_m: f64,
     collisions_before: usize,
     plates_before: usize,
+    encounters: Encounters,
 }
 
 impl Task {
     fn new(prepared: &Prepared) -> Self {
-        let began_at = prepared.world.start.point();
-        Self { began_at, began: SimTime::ZERO, path_m: 0.0, collisions_before: 0, plates_before: 0 }
+        Self::from(prepared.world.start.point(), SimTime::ZERO, 0, 0)
+    }
+
+    fn from(began_at: MapPoint, began: SimTime, collisions_before: usize, plates_before: usize) -> Self {
+        let encounters = Encounters::new();
+        Self { began_at, began, path_m: 0.0, collisions_before, plates_before, encounters }
     }
 }
 
@@ -203,6 +210,8 @@ impl Run<'_> {
         truth.set(time, pose);
         self.task.path_m += before.distance(pose.point());
         self.trace.velocities.push(velocity);
+        let step = OBSERVATION_NS as f64 * 1e-9;
+        self.task.encounters.update(step, &self.simulator.robot_state(), self.simulator.movers());
         if time.0.is_multiple_of(200_000_000) {
             self.trace.driven.push(pose.point());
         }
@@ -308,17 +317,12 @@ impl Run<'_> {
             declared,
             path_m: self.task.path_m,
             collisions: collisions[self.task.collisions_before..].to_vec(),
+            encounters: (!self.simulator.movers().is_empty()).then(|| self.task.encounters.totals()),
             pose_error_m: self.trace.estimated.last().map(|p| p.distance(here)),
             plates_read: self.trace.plates.len() - self.task.plates_before,
             failure,
         };
-        self.task = Task {
-            began_at: here,
-            began: now,
-            path_m: 0.0,
-            collisions_before: collisions.len(),
-            plates_before: self.trace.plates.len(),
-        };
+        self.task = Task::from(here, now, collisions.len(), self.trace.plates.len());
         self.trace.tasks.push(outcome);
     }
 

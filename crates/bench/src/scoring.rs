@@ -4,7 +4,7 @@ use openbench_core::{Address, FailureCause, MapPoint};
 use openbench_osm::OsmMap;
 use openbench_scene::Door;
 
-use crate::metrics::{DoorScore, Strict, collisions, paper_success, score_doors};
+use crate::metrics::{DoorScore, EncounterSum, Strict, collisions, paper_success, score_doors};
 use crate::results::DeliveryResult;
 use crate::runner::{EpisodeTrace, TaskOutcome};
 use crate::stage::{Prepared, PreparedEpisode};
@@ -58,6 +58,7 @@ fn score_task(prepared: &Prepared, outcome: &TaskOutcome, door: Option<usize>) -
         collisions_by_class: collisions::by_class(
             outcome.collisions.iter().map(|c| (c.class.name(), c.impulse)),
         ),
+        encounters: outcome.encounters.map(EncounterSum::from),
         declared_at,
         pose_error_m: outcome.pose_error_m,
         plates_read: outcome.plates_read,

@@ -1,13 +1,13 @@
 //! A suite made ready to run: the world built, free space known, doors and lengths looked up.
 
 use std::path::Path;
-use std::sync::Arc;
 use std::time::Duration;
 
 use openbench_core::{Address, MapPoint, RobotDescription};
 use openbench_osm::OsmMap;
-use openbench_scene::{FreeSpace, RayCaster, World};
-use openbench_sim::Stage;
+use openbench_scene::{FreeSpace, World};
+use openbench_sim::traffic::{PERSON_RADIUS, Traffic};
+use openbench_sim::{Simulator, Stage};
 
 use crate::BenchError;
 use crate::evaluate::parse_truth;
@@ -55,6 +55,8 @@ pub struct Prepared {
     pub episodes: Vec<PreparedEpisode>,
     /// The robot.
     pub robot: RobotDescription,
+    /// Where people fit; `None` where nobody moves.
+    people_space: Option<FreeSpace>,
 }
 
 impl Prepared {
@@ -71,16 +73,34 @@ impl Prepared {
     pub fn world_of(suite: Suite) -> Result<Self, BenchError> {
         let world = suite.world.load()?;
         let robot = RobotDescription::sentry();
-        let caster = RayCaster::new(Arc::new(world.scene.clone()));
-        let stage = Stage::new(caster).map_err(|e| BenchError::World(e.to_string()))?;
-        let free_space = FreeSpace::new(stage.caster(), world.start.point(), robot.circumscribed_radius());
+        let stage = Stage::peopled(world.scene.clone(), suite.traffic)
+            .map_err(|e| BenchError::World(e.to_string()))?;
+        let space = |radius| FreeSpace::new(stage.caster(), world.start.point(), radius);
+        let free_space = space(robot.circumscribed_radius());
+        let people_space = (!suite.traffic.is_empty()).then(|| space(PERSON_RADIUS));
         let approach = world.scene.doors.iter().map(|d| free_space.approach_point(d)).collect();
-        Ok(Self { suite, world, stage, free_space, approach, episodes: Vec::new(), robot })
+        Ok(Self { suite, world, stage, free_space, approach, episodes: Vec::new(), robot, people_space })
     }
 
     /// The public map in metres.
     pub fn osm_map(&self) -> OsmMap {
         OsmMap::new(&self.world.map, self.world.georeference)
+    }
+
+    /// The people and cars of an episode; `None` where nobody moves.
+    pub fn traffic(&self, seed: u64) -> Option<Traffic> {
+        let space = self.people_space.as_ref()?;
+        let fits = |at: MapPoint| space.is_reachable(at);
+        Some(Traffic::new(&self.osm_map(), fits, self.suite.traffic, self.world.start.point(), seed))
+    }
+
+    /// The robot at the start of an episode, people and cars about it.
+    pub fn simulator(&self, seed: u64) -> Result<Simulator, BenchError> {
+        let still = Simulator::new(self.stage.clone(), self.robot.clone(), self.world.start, seed);
+        match self.traffic(seed) {
+            Some(traffic) => still.among(traffic).map_err(|e| BenchError::World(e.to_string())),
+            None => Ok(still),
+        }
     }
 
     fn look_up(&self, truths: Option<&[Vec<usize>]>) -> Result<Vec<PreparedEpisode>, BenchError> {
@@ -119,8 +139,25 @@ impl Prepared {
         Duration::from_millis((seconds * 1000.0) as u64)
     }
 
-    /// What a user should know before a run, in words: doors that are asked for and do not exist.
+    /// What a user should know before a run, in words: doors that are asked for and do not exist, and people and cars for whom there is no
+    /// room.
     pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = self.missing_doors();
+        warnings.extend(self.missing_traffic());
+        warnings
+    }
+
+    fn missing_traffic(&self) -> Option<String> {
+        let (placed, wanted) = (self.traffic(0)?.placed(), self.suite.traffic);
+        (placed != wanted).then(|| {
+            format!(
+                "of {} people and {} cars there is room for {} and {} on the map's ways near the start",
+                wanted.pedestrians, wanted.cars, placed.pedestrians, placed.cars
+            )
+        })
+    }
+
+    fn missing_doors(&self) -> Vec<String> {
         let targets =
             self.episodes.iter().enumerate().flat_map(|(i, e)| e.targets.iter().map(move |t| (i, t)));
         let missing = targets.filter(|(_, t)| t.door.is_none());

@@ -6,6 +6,7 @@ use openbench_core::{Address, Georeference};
 use openbench_scene::World;
 use openbench_scene::generate;
 use openbench_scene::import::{ImportRequest, import_world};
+use openbench_sim::traffic::TrafficPlan;
 use serde::{Deserialize, Serialize};
 
 use crate::BenchError;
@@ -83,6 +84,9 @@ pub struct Suite {
     pub name: String,
     /// The world.
     pub world: WorldSource,
+    /// People and cars that move in it; none by default, and none in the published suites.
+    #[serde(default, skip_serializing_if = "TrafficPlan::is_empty")]
+    pub traffic: TrafficPlan,
     /// The episodes, all from the world's start.
     pub episodes: Vec<Episode>,
 }
@@ -108,7 +112,7 @@ impl Suite {
         let mut draw = crate::draw::Draw::new(addresses, 1);
         let mut episodes = draw.singles(singles);
         episodes.extend(draw.sequences(sequences, length));
-        Ok(Self { name: name.to_owned(), world: source, episodes })
+        Ok(Self { name: name.to_owned(), world: source, traffic: TrafficPlan::default(), episodes })
     }
 
     /// Reads a suite from a TOML file.
@@ -164,6 +168,7 @@ mod tests {
                 models: vec!["models".into()],
                 georeference: Some("utm:50N,-500000,-4483000".into()),
             },
+            traffic: TrafficPlan { pedestrians: 5, cars: 0 },
             episodes: vec![Episode {
                 instruction: "To unit1, building2, \"please\".".into(),
                 deliveries: vec![Address::new("building2", "unit1")],
@@ -173,9 +178,22 @@ mod tests {
         let path = folder.path().join("yard.toml");
         std::fs::write(&path, suite.to_toml()).unwrap();
         let read = Suite::read(&path).unwrap();
-        assert_eq!(read.episodes, suite.episodes);
+        assert_eq!((read.traffic, read.episodes), (suite.traffic, suite.episodes));
         let WorldSource::Imported { world, .. } = read.world else { panic!("another source") };
         assert_eq!(world, folder.path().join("yard.world"));
+    }
+
+    #[test]
+    fn nothing_moves_unless_a_suite_says_so() {
+        assert!(Suite::builtin("small").unwrap().traffic.is_empty());
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("crowded.toml");
+        let still = Suite::builtin("small").unwrap().to_toml();
+        assert!(!still.contains("traffic"));
+        std::fs::write(&path, format!("{still}\n[traffic]\npedestrians = 12\n")).unwrap();
+        assert_eq!(Suite::read(&path).unwrap().traffic, TrafficPlan { pedestrians: 12, cars: 0 });
+        std::fs::write(&path, format!("{still}\n[traffic]\npedestrian = 12\n")).unwrap();
+        assert!(Suite::read(&path).unwrap_err().to_string().contains("pedestrian"));
     }
 
     #[test]

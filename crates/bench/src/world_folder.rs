@@ -16,6 +16,7 @@ use openbench_osm::{Location, OsmData, locate, write_atomically};
 use openbench_scene::World;
 use openbench_scene::generate::{GenerateOptions, generate};
 use openbench_scene::import::{ImportRequest, import_world};
+use openbench_sim::traffic::TrafficPlan;
 use serde::{Deserialize, Serialize};
 
 use crate::BenchError;
@@ -191,7 +192,12 @@ pub fn write(folder: &Path, recipe: &Recipe, map: &OsmData, wanted: Wanted) -> R
     let text = toml::to_string_pretty(recipe).map_err(|e| beside.bad(RECIPE, e.to_string()))?;
     beside.put(RECIPE, text.as_bytes())?;
     let source = WorldSource::Folder { path: beside.path.clone() };
-    let suite = Suite { name: recipe.name().to_owned(), world: source, episodes: Vec::new() };
+    let suite = Suite {
+        name: recipe.name().to_owned(),
+        world: source,
+        traffic: TrafficPlan::default(),
+        episodes: Vec::new(),
+    };
     let mut prepared = Prepared::world_of(suite)?;
     beside.put(PUBLIC, &prepared.world.map.to_xml())?;
     let (reachable, candidates) = draw(&mut prepared, wanted);

@@ -78,6 +78,12 @@ pub struct RunArgs {
     /// How much is logged: none, thin, full
     #[arg(long, default_value = "thin")]
     pub record: openbench_bench::Level,
+    /// People who walk about in the world; by default as many as the suite says
+    #[arg(long)]
+    pub pedestrians: Option<u16>,
+    /// Cars that drive about in the world; by default as many as the suite says
+    #[arg(long)]
+    pub cars: Option<u16>,
     /// A map in which found doors are remembered from run to run
     #[arg(long, value_name = "FILE.osm")]
     pub memory: Option<PathBuf>,
@@ -320,6 +326,7 @@ pub enum BenchCommand {
 #[command(after_help = "\
 Examples:
   openbench bench sim medium
+  openbench bench sim medium --pedestrians 50 --cars 20
   openbench bench sim --world medium_osm.world --map medium.osm --models gazebo_models --json")]
 pub struct BenchSimArgs {
     /// A built-in world
@@ -337,6 +344,12 @@ pub struct BenchSimArgs {
     /// How the world lies on the Earth
     #[arg(long)]
     pub georef: Option<String>,
+    /// People who walk about
+    #[arg(long, default_value_t = 0)]
+    pub pedestrians: u16,
+    /// Cars that drive about
+    #[arg(long, default_value_t = 0)]
+    pub cars: u16,
     /// Print JSON
     #[arg(long)]
     pub json: bool,

@@ -7,7 +7,8 @@ use common::Place;
 #[test]
 fn the_simulators_speed_is_measured_and_dumped_for_peers() {
     let place = Place::new();
-    let speed = place.openbench("bench sim small --json --dump dump").succeeded().json();
+    let speed =
+        place.openbench("bench sim small --pedestrians 5 --cars 1 --json --dump dump").succeeded().json();
     for field in [
         "lidar_mrays_per_core_second",
         "cast_mrays_per_core_second",
@@ -18,6 +19,7 @@ fn the_simulators_speed_is_measured_and_dumped_for_peers() {
     ] {
         assert!(speed[field].as_f64().is_some_and(|v| v > 0.0), "{field}: {speed}");
     }
+    assert_eq!((speed["pedestrians"].as_i64(), speed["cars"].as_i64()), (Some(5), Some(1)));
     let meta = place.json("dump/meta.json");
     let floats = |name: &str| (std::fs::metadata(place.path("dump").join(name)).unwrap().len() / 4) as i64;
     let rays = meta["rays"].as_i64().unwrap();

@@ -129,7 +129,18 @@ impl Physics {
             acceleration: robot.max_acceleration as f32,
         };
         let (track, radius) = (robot.effective_track as f32, robot.wheel_radius as f32);
-        Self { world, body, hull, movers: Bodies::default(), classes, track, limits, rims: [0.0; 2], radius, chassis_height }
+        Self {
+            world,
+            body,
+            hull,
+            movers: Bodies::default(),
+            classes,
+            track,
+            limits,
+            rims: [0.0; 2],
+            radius,
+            chassis_height,
+        }
     }
 
     /// Advances by one step towards the wanted velocity.

@@ -51,7 +51,12 @@ impl Stage {
     /// Prepares a scene.
     pub fn new(caster: RayCaster) -> Result<Self, SimError> {
         let solids = Solids::new(caster.scene())?;
-        Ok(Self { renderer: Arc::new(Renderer::new(caster.clone())), solids, caster, gallery: Arc::default() })
+        Ok(Self {
+            renderer: Arc::new(Renderer::new(caster.clone())),
+            solids,
+            caster,
+            gallery: Arc::default(),
+        })
     }
 
     /// Prepares a scene in which up to as many people and cars as `plan` says will move.
@@ -204,6 +209,11 @@ impl Simulator {
     /// The truth: people and cars that move by themselves; none if nothing does.
     pub fn movers(&self) -> &[Mover] {
         self.crowd.as_ref().map_or(&[], Crowd::movers)
+    }
+
+    /// The truth: the scene as it is now.
+    pub fn snapshot(&self) -> Snapshot<'_> {
+        self.stage.snapshot(&self.movers)
     }
 
     /// Every collision so far.

@@ -11,11 +11,13 @@
 //! | [`sequence`] | LSR and LSPL: the same over sequences, where an early failure weighs more |
 //! | [`mod@srtp`] | SRTP: share of instructions that were understood exactly |
 //! | [`collisions`] | collisions by class, with their impulses |
+//! | [`encounters`] | near misses with people and cars, and time spent too near to people |
 //! | [`doors`] | doors that an agent wrote into its map |
 //! | [`summary`] | all of them over the deliveries of a run, with intervals |
 
 pub mod collisions;
 pub mod doors;
+pub mod encounters;
 pub mod path_ratio;
 pub mod sequence;
 pub mod srtp;
@@ -24,6 +26,7 @@ pub mod summary;
 
 pub use collisions::CollisionSum;
 pub use doors::{DoorScore, score_doors};
+pub use encounters::EncounterSum;
 pub use path_ratio::{path_ratio, spl};
 pub use sequence::{sequence_mean, sequence_weights};
 pub use srtp::{ExpectedPlan, srtp};

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::collisions;
+use super::encounters::EncounterSum;
 use super::path_ratio::{path_ratio, spl};
 use super::sequence::sequence_mean;
 use crate::results::{DeliveryResult, Metrics};
@@ -28,6 +29,7 @@ pub fn summarize(deliveries: &[DeliveryResult], totals: &RunTotals) -> Metrics {
     let mut metrics = Metrics {
         collisions: deliveries.iter().map(|d| d.collisions).sum(),
         collisions_by_class: collisions::total(deliveries.iter().map(|d| &d.collisions_by_class)),
+        encounters: deliveries.iter().filter_map(|d| d.encounters).reduce(EncounterSum::and),
         // From plus zero: the sum of nothing is minus zero.
         path_m: deliveries.iter().map(|d| d.path_m).fold(0.0, |sum, p| sum + p),
         sim_seconds: totals.sim_seconds,

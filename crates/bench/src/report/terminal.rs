@@ -78,6 +78,9 @@ fn summary(out: &mut String, m: &Metrics) {
         "drive    {:.1} m in {:.0} simulated s, {:.1} x real time, collisions {}",
         m.path_m, m.sim_seconds, m.real_time_factor, m.collisions
     );
+    if let Some(encounters) = m.encounters {
+        let _ = writeln!(out, "others   {}", encounters.describe());
+    }
 }
 
 /// `text` cut or filled to `width` columns.

@@ -81,6 +81,9 @@ fn facts(out: &mut String, results: &Results) {
         facts.push(("SRTP", rate(m.srtp)));
     }
     facts.push(("Collisions", collisions(m)));
+    if let Some(encounters) = m.encounters {
+        facts.push(("People and cars", encounters.describe()));
+    }
     facts.push(("Driven", format!("{:.0} m", m.path_m)));
     facts.push(("Simulated", duration(m.sim_seconds)));
     facts.push(("Real-time factor", format!("{} ×", number(Some(m.real_time_factor), 1))));

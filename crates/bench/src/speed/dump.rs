@@ -47,7 +47,7 @@ pub(super) fn write(
 }
 
 fn corners(scene: &Scene) -> impl Iterator<Item = f32> {
-    scene.triangles.iter().flat_map(|t| t.corners).flat_map(|c| scene.vertices[c as usize].position)
+    scene.standing().iter().flat_map(|t| t.corners).flat_map(|c| scene.vertices[c as usize].position)
 }
 
 fn bytes(numbers: impl Iterator<Item = f32>) -> Vec<u8> {

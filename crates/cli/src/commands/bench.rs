@@ -1,7 +1,7 @@
 //! `openbench bench`
 
-use openbench_bench::WorldSource;
 use openbench_bench::speed::sim::{SimSpeed, measure};
+use openbench_bench::{TrafficPlan, WorldSource};
 
 use crate::args::{BenchArgs, BenchCommand, BenchSimArgs};
 use crate::outcome::{Outcome, say, say_json};
@@ -23,7 +23,8 @@ fn sim(args: &BenchSimArgs) -> anyhow::Result<Outcome> {
         },
         _ => WorldSource::Builtin { name: args.name.clone(), seed: 1 },
     };
-    let speed = measure(&source, args.dump.as_deref())?;
+    let plan = TrafficPlan { pedestrians: args.pedestrians.into(), cars: args.cars.into() };
+    let speed = measure(&source, plan, args.dump.as_deref())?;
     if args.json {
         say_json(&speed)?;
     } else {
@@ -35,7 +36,7 @@ fn sim(args: &BenchSimArgs) -> anyhow::Result<Outcome> {
 fn table(speed: &SimSpeed) -> String {
     let memory = speed.peak_memory_mb.map_or("unknown".to_owned(), |mb| format!("{mb:.0} MB"));
     format!(
-        "{}, {} triangles, one core\n\
+        "{}, {} triangles, {} people and {} cars, one core\n\
          LiDAR          {:8.2} million rays a second, noise and points included\n\
          casting alone  {:8.2} million rays a second\n\
          camera         {:8.1} images of 640 x 480 a second\n\
@@ -45,6 +46,8 @@ fn table(speed: &SimSpeed) -> String {
          memory         {memory:>8}\n",
         speed.world,
         speed.triangles,
+        speed.pedestrians,
+        speed.cars,
         speed.lidar_mrays_per_core_second,
         speed.cast_mrays_per_core_second,
         speed.camera_fps_per_core,

@@ -10,7 +10,7 @@ use openbench_bench::draw::Draw;
 use openbench_bench::report::terminal_table;
 use openbench_bench::suite::known_suites;
 use openbench_bench::{
-    BenchError, Prepared, Registry, RunRequest, Suite, WorldSource, deliveries, world_folder,
+    BenchError, Prepared, Registry, RunRequest, Suite, TrafficPlan, WorldSource, deliveries, world_folder,
 };
 use openbench_core::Address;
 use openbench_models::ModelStore;
@@ -93,10 +93,15 @@ fn fetch_reader(settings: &BTreeMap<String, String>) -> anyhow::Result<()> {
 }
 
 fn prepare(args: &RunArgs) -> anyhow::Result<Prepared> {
-    let (suite, truth) = match (&args.world, &args.map) {
+    let (mut suite, truth) = match (&args.world, &args.map) {
         (Some(world), Some(map)) => (imported(args, world, map)?, args.truth.as_deref()),
         _ => (named(args.suite.as_deref().unwrap_or("small"))?, None),
     };
+    for (asked, planned) in
+        [(args.pedestrians, &mut suite.traffic.pedestrians), (args.cars, &mut suite.traffic.cars)]
+    {
+        *planned = asked.map_or(*planned, usize::from);
+    }
     let prepared = Prepared::new(suite, truth)?;
     prepared.world.warnings.iter().for_each(|w| tell(&format!("{}: {w}", prepared.world.name)));
     prepared.warnings().iter().for_each(|w| tell(w));
@@ -146,7 +151,7 @@ fn imported(args: &RunArgs, world: &Path, map: &Path) -> anyhow::Result<Suite> {
         }
         _ => anyhow::bail!("say what to deliver: --deliveries FILE, or --draw SINGLES SEQUENCES LENGTH"),
     };
-    Ok(Suite { name, world: source, episodes })
+    Ok(Suite { name, world: source, traffic: TrafficPlan::default(), episodes })
 }
 
 /// The command line as it was given.

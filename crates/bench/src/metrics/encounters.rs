@@ -1,0 +1,98 @@
+//! How the robot met people and cars that move. Distances are those between hulls.
+
+use openbench_sim::traffic::Totals;
+use serde::{Deserialize, Serialize};
+
+/// Encounters of a delivery or of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct EncounterSum {
+    /// Encounters with people in which the time to collision fell below 1.5 s.
+    pub near_misses_people: usize,
+    /// Encounters with cars in which it did.
+    pub near_misses_cars: usize,
+    /// Smallest time to collision, seconds; null if nobody was ever on a course to meet the robot.
+    pub least_time_to_collision_s: Option<f64>,
+    /// Seconds with a person less than 0.45 m away.
+    pub intimate_seconds: f64,
+    /// Seconds with a person less than 1.2 m away, intimate space included.
+    pub personal_seconds: f64,
+    /// Smallest distance to a person, metres; null without people.
+    pub nearest_person_m: Option<f64>,
+    /// Smallest distance to a car, metres; null without cars.
+    pub nearest_car_m: Option<f64>,
+}
+
+impl From<Totals> for EncounterSum {
+    fn from(totals: Totals) -> Self {
+        let finite = |value: f64| value.is_finite().then_some(value);
+        Self {
+            near_misses_people: totals.near_misses_people,
+            near_misses_cars: totals.near_misses_cars,
+            least_time_to_collision_s: finite(totals.least_time_to_collision),
+            intimate_seconds: totals.intimate_seconds,
+            personal_seconds: totals.personal_seconds,
+            nearest_person_m: finite(totals.nearest_person),
+            nearest_car_m: finite(totals.nearest_car),
+        }
+    }
+}
+
+impl EncounterSum {
+    /// Both together.
+    pub fn and(self, other: Self) -> Self {
+        let least = |a: Option<f64>, b: Option<f64>| match (a, b) {
+            (Some(a), Some(b)) => Some(a.min(b)),
+            (one, None) | (None, one) => one,
+        };
+        Self {
+            near_misses_people: self.near_misses_people + other.near_misses_people,
+            near_misses_cars: self.near_misses_cars + other.near_misses_cars,
+            least_time_to_collision_s: least(self.least_time_to_collision_s, other.least_time_to_collision_s),
+            intimate_seconds: self.intimate_seconds + other.intimate_seconds,
+            personal_seconds: self.personal_seconds + other.personal_seconds,
+            nearest_person_m: least(self.nearest_person_m, other.nearest_person_m),
+            nearest_car_m: least(self.nearest_car_m, other.nearest_car_m),
+        }
+    }
+
+    /// In words, for people to read.
+    pub fn describe(&self) -> String {
+        let metres = |name: &str, value: Option<f64>| value.map(|m| format!(", nearest {name} {m:.1} m"));
+        format!(
+            "near misses {} with people, {} with cars, {:.0} s in personal space, {:.0} s in intimate space{}{}",
+            self.near_misses_people,
+            self.near_misses_cars,
+            self.personal_seconds,
+            self.intimate_seconds,
+            metres("person", self.nearest_person_m).unwrap_or_default(),
+            metres("car", self.nearest_car_m).unwrap_or_default(),
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_add_up_and_of_distances_the_least_counts() {
+        let first = EncounterSum { near_misses_people: 1, personal_seconds: 2.0, ..EncounterSum::default() };
+        let second = EncounterSum {
+            near_misses_people: 2,
+            nearest_person_m: Some(0.5),
+            least_time_to_collision_s: Some(1.0),
+            ..EncounterSum::default()
+        };
+        let third = EncounterSum { nearest_person_m: Some(0.25), ..EncounterSum::default() };
+        let sum = first.and(second).and(third);
+        assert_eq!((sum.near_misses_people, sum.personal_seconds), (3, 2.0));
+        assert_eq!((sum.nearest_person_m, sum.nearest_car_m), (Some(0.25), None));
+        assert_eq!(sum.least_time_to_collision_s, Some(1.0));
+    }
+
+    #[test]
+    fn infinity_is_no_json_and_becomes_null() {
+        let json = serde_json::to_value(EncounterSum::from(Totals::default())).unwrap();
+        assert!(json["nearest_car_m"].is_null() && json["least_time_to_collision_s"].is_null());
+    }
+}
