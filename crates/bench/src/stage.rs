@@ -70,7 +70,7 @@ impl Prepared {
     /// Builds the world of a suite, without its episodes.
     pub fn world_of(suite: Suite) -> Result<Self, BenchError> {
         let world = suite.world.load()?;
-        let robot = RobotDescription::sentry();
+        let robot = suite.sensors.robot();
         let caster = RayCaster::new(Arc::new(world.scene.clone()));
         let stage = Stage::new(caster).map_err(|e| BenchError::World(e.to_string()))?;
         let free_space = FreeSpace::new(stage.caster(), world.start.point(), robot.circumscribed_radius());

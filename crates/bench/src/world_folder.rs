@@ -21,7 +21,7 @@ use serde::{Deserialize, Serialize};
 use crate::BenchError;
 use crate::draw::Draw;
 use crate::stage::Prepared;
-use crate::suite::{Suite, WorldSource};
+use crate::suite::{Sensors, Suite, WorldSource};
 
 const RECIPE: &str = "world.toml";
 const MAP: &str = "map.osm";
@@ -191,7 +191,12 @@ pub fn write(folder: &Path, recipe: &Recipe, map: &OsmData, wanted: Wanted) -> R
     let text = toml::to_string_pretty(recipe).map_err(|e| beside.bad(RECIPE, e.to_string()))?;
     beside.put(RECIPE, text.as_bytes())?;
     let source = WorldSource::Folder { path: beside.path.clone() };
-    let suite = Suite { name: recipe.name().to_owned(), world: source, episodes: Vec::new() };
+    let suite = Suite {
+        name: recipe.name().to_owned(),
+        world: source,
+        episodes: Vec::new(),
+        sensors: Sensors::default(),
+    };
     let mut prepared = Prepared::world_of(suite)?;
     beside.put(PUBLIC, &prepared.world.map.to_xml())?;
     let (reachable, candidates) = draw(&mut prepared, wanted);

@@ -8,7 +8,7 @@ use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
 use openbench_bench::draw::Draw;
 use openbench_bench::report::terminal_table;
-use openbench_bench::suite::known_suites;
+use openbench_bench::suite::{Sensors, known_suites};
 use openbench_bench::{
     BenchError, Prepared, Registry, RunRequest, Suite, WorldSource, deliveries, world_folder,
 };
@@ -146,7 +146,7 @@ fn imported(args: &RunArgs, world: &Path, map: &Path) -> anyhow::Result<Suite> {
         }
         _ => anyhow::bail!("say what to deliver: --deliveries FILE, or --draw SINGLES SEQUENCES LENGTH"),
     };
-    Ok(Suite { name, world: source, episodes })
+    Ok(Suite { name, world: source, episodes, sensors: Sensors::default() })
 }
 
 /// The command line as it was given.
