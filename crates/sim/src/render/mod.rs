@@ -140,12 +140,13 @@ fn put(
     colors: &[[f32; LANES]; 3],
     gain: f32,
 ) {
-    let [red, green, blue] = colors.map(|channel| channel.map(|c| c * gain + 0.5));
-    for (lane, ((r, g), b)) in (0..).zip(red.into_iter().zip(green).zip(blue)) {
+    let [red, green, blue] = colors;
+    for (lane, ((r, g), b)) in (0..).zip(red.iter().zip(green).zip(blue)) {
         let (u, v) = (x + lane % TILE, y + lane / TILE);
         if u < width && v < height {
             let at = 3 * (v as usize * width as usize + u as usize);
             // The cast keeps within 0 to 255.
+            let (r, g, b) = (r * gain + 0.5, g * gain + 0.5, b * gain + 0.5);
             rgb[at..at + 3].copy_from_slice(&[r as u8, g as u8, b as u8]);
         }
     }
