@@ -48,5 +48,5 @@ pub use registry::{AgentFactory, AgentRequest, Registry};
 pub use results::Results;
 pub use run::{RunRequest, run};
 pub use stage::Prepared;
-pub use suite::{Episode, Suite, WorldSource};
+pub use suite::{Episode, Sensors, Suite, WorldSource};
 pub use truth::{TruthHandle, TruthLocalizer};

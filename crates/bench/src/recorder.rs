@@ -3,12 +3,13 @@
 use std::path::Path;
 use std::str::FromStr;
 
-use openbench_core::{Event, LidarScan, Pose2, SimTime, Velocity};
+use openbench_core::{Event, Georeference, LidarScan, MapPoint, Pose2, SimTime, Velocity};
 use openbench_logs::messages::{
-    CompressedImage, Header, Imu, JointState, Odometry, Path as PathMessage, PointCloud2, PoseStamped,
-    StringMessage, Twist,
+    CompressedImage, Header, Imu, JointState, NavSatFix, Odometry, Path as PathMessage, PointCloud2,
+    PoseStamped, StringMessage, Twist,
 };
 use openbench_logs::{LogError, LogFile};
+use openbench_osm::Projection;
 use openbench_sim::Simulator;
 
 use crate::picture;
@@ -45,18 +46,20 @@ const SCAN_NS: u64 = 100_000_000;
 pub struct Recorder {
     log: Option<LogFile>,
     level: Level,
+    /// For what is recorded in degrees.
+    projection: Option<Projection>,
 }
 
 impl Recorder {
     /// A recorder that writes nothing.
     pub fn none() -> Self {
-        Self { log: None, level: Level::None }
+        Self { log: None, level: Level::None, projection: None }
     }
 
-    /// A recorder into a file.
-    pub fn create(path: &Path, level: Level) -> Result<Self, LogError> {
+    /// A recorder into a file, of a world that lies there on the Earth.
+    pub fn create(path: &Path, level: Level, georeference: Georeference) -> Result<Self, LogError> {
         let log = if level == Level::None { None } else { Some(LogFile::create(path)?) };
-        Ok(Self { log, level })
+        Ok(Self { log, level, projection: Some(Projection::new(georeference)) })
     }
 
     /// Records the state after a step.
@@ -74,6 +77,10 @@ impl Recorder {
             }
             for sample in observation.wheels {
                 log.write("/joint_states", sample.stamp, &JointState::from(*sample))?;
+            }
+            if let (Some(fix), Some(projection)) = (observation.gnss, &self.projection) {
+                let at = projection.to_lonlat(MapPoint::new(fix.position[0], fix.position[1]));
+                log.write("/gnss/fix", fix.stamp, &NavSatFix::new(fix, at))?;
             }
         }
         match observation.scan {

@@ -137,7 +137,9 @@ fn run_one(request: &RunRequest<'_>, number: usize) -> Result<EpisodeTrace, Benc
     let mut agent = (request.factory)(&wanted)
         .map_err(|problem| BenchError::Agent { name: request.agent.to_owned(), problem })?;
     let mut recorder = match request.out {
-        Some(out) => Recorder::create(&log_path(out, number), request.level)?,
+        Some(out) => {
+            Recorder::create(&log_path(out, number), request.level, request.prepared.world.georeference)?
+        }
         None => Recorder::none(),
     };
     let episode = &request.prepared.episodes[number];

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use openbench_core::{Address, Georeference};
+use openbench_core::{Address, Georeference, RobotDescription};
 use openbench_scene::World;
 use openbench_scene::generate;
 use openbench_scene::import::{ImportRequest, import_world};
@@ -77,6 +77,27 @@ pub struct Episode {
     pub deliveries: Vec<Address>,
 }
 
+/// What the robot has besides the benchmark's own sensors: nothing, unless a suite says so. Results of a suite that does are not to be
+/// compared with others'.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Sensors {
+    /// A satellite receiver.
+    pub gnss: bool,
+}
+
+impl Sensors {
+    /// The robot with these sensors.
+    pub fn robot(self) -> RobotDescription {
+        let robot = RobotDescription::sentry();
+        if self.gnss { robot.with_gnss() } else { robot }
+    }
+
+    fn none(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
 /// A world and the episodes in it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Suite {
@@ -89,6 +110,9 @@ pub struct Suite {
     pub traffic: TrafficPlan,
     /// The episodes, all from the world's start.
     pub episodes: Vec<Episode>,
+    /// Sensors besides the benchmark's own.
+    #[serde(default, skip_serializing_if = "Sensors::none")]
+    pub sensors: Sensors,
 }
 
 /// What a built-in suite holds: single deliveries, and sequences of so many.
@@ -112,7 +136,8 @@ impl Suite {
         let mut draw = crate::draw::Draw::new(addresses, 1);
         let mut episodes = draw.singles(singles);
         episodes.extend(draw.sequences(sequences, length));
-        Ok(Self { name: name.to_owned(), world: source, traffic: TrafficPlan::default(), episodes })
+        let (traffic, sensors) = (TrafficPlan::default(), Sensors::default());
+        Ok(Self { name: name.to_owned(), world: source, traffic, episodes, sensors })
     }
 
     /// Reads a suite from a TOML file.
@@ -173,12 +198,14 @@ mod tests {
                 instruction: "To unit1, building2, \"please\".".into(),
                 deliveries: vec![Address::new("building2", "unit1")],
             }],
+            sensors: Sensors { gnss: true },
         };
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("yard.toml");
         std::fs::write(&path, suite.to_toml()).unwrap();
         let read = Suite::read(&path).unwrap();
-        assert_eq!((read.traffic, read.episodes), (suite.traffic, suite.episodes));
+        assert_eq!((read.traffic, &read.episodes), (suite.traffic, &suite.episodes));
+        assert_eq!(read.sensors, suite.sensors);
         let WorldSource::Imported { world, .. } = read.world else { panic!("another source") };
         assert_eq!(world, folder.path().join("yard.world"));
     }
@@ -194,6 +221,19 @@ mod tests {
         assert_eq!(Suite::read(&path).unwrap().traffic, TrafficPlan { pedestrians: 12, cars: 0 });
         std::fs::write(&path, format!("{still}\n[traffic]\npedestrian = 12\n")).unwrap();
         assert!(Suite::read(&path).unwrap_err().to_string().contains("pedestrian"));
+    }
+
+    #[test]
+    fn robots_get_a_receiver_only_where_a_suite_says_so() {
+        let plain = "name = 'a'\n[world.builtin]\nname = 'small'\nseed = 1\n\
+                     [[episodes]]\ninstruction = 'x'\ndeliveries = []\n";
+        let sensors = |text: &str| toml::from_str::<Suite>(text).map(|s| s.sensors.robot().gnss.is_some());
+        assert_eq!(sensors(plain), Ok(false));
+        assert_eq!(sensors(&format!("{plain}[sensors]\ngnss = true\n")), Ok(true));
+        assert!(
+            sensors(&format!("{plain}[sensors]\nradar = true\n")).unwrap_err().to_string().contains("radar")
+        );
+        assert!(!toml::from_str::<Suite>(plain).unwrap().to_toml().contains("sensors"));
     }
 
     #[test]

@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 use crate::BenchError;
 use crate::draw::Draw;
 use crate::stage::Prepared;
-use crate::suite::{Suite, WorldSource};
+use crate::suite::{Sensors, Suite, WorldSource};
 
 const RECIPE: &str = "world.toml";
 const MAP: &str = "map.osm";
@@ -197,6 +197,7 @@ pub fn write(folder: &Path, recipe: &Recipe, map: &OsmData, wanted: Wanted) -> R
         world: source,
         traffic: TrafficPlan::default(),
         episodes: Vec::new(),
+        sensors: Sensors::default(),
     };
     let mut prepared = Prepared::world_of(suite)?;
     beside.put(PUBLIC, &prepared.world.map.to_xml())?;

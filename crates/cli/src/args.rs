@@ -277,8 +277,11 @@ pub struct DrawArgs {
 #[derive(Debug, ClapArgs)]
 #[command(after_help = "\
 Examples:
-  openbench world show large --from 0,0,90
-  openbench world show worlds/city --above 120 --out city.png")]
+  openbench world show large --from 0,0,90 --out view.jpg --quality 80
+  openbench world show worlds/city --above 120 --out city.png
+  openbench world show small --from 0,0,0 --depth depth.png --classes classes.png --instances things.png
+
+Beside an image of classes or instances lies its legend: the same name, ending in .json.")]
 pub struct ShowArgs {
     /// A built-in world, or the folder of a generated or imported one
     #[arg(conflicts_with = "world")]
@@ -301,9 +304,33 @@ pub struct ShowArgs {
     /// From above, show only what is this near to the start, metres
     #[arg(long, value_name = "M", conflicts_with = "from", value_parser = radius)]
     pub above: Option<f64>,
-    /// The picture (PNG)
+    /// The picture: PNG, or JPEG if the name ends in .jpg
     #[arg(long, default_value = "world.png")]
     pub out: PathBuf,
+    /// Quality of a JPEG, 1 to 100
+    #[arg(long, default_value_t = 90, value_parser = clap::value_parser!(u8).range(1..=100))]
+    pub quality: u8,
+    /// Leave out the shadows that things throw, as the robot's camera does
+    #[arg(long)]
+    pub no_shadows: bool,
+    /// People who walk about
+    #[arg(long, default_value_t = 0)]
+    pub pedestrians: u16,
+    /// Cars that drive about
+    #[arg(long, default_value_t = 0)]
+    pub cars: u16,
+    /// Seconds that they have walked and driven
+    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u16).range(0..=3600))]
+    pub after: u16,
+    /// Write depths too: 16-bit PNG, millimetres along the optical axis; 0 where nothing is, 65535 from there on
+    #[arg(long, value_name = "FILE")]
+    pub depth: Option<PathBuf>,
+    /// Write the class of each pixel too: PNG in the legend's colours
+    #[arg(long, value_name = "FILE")]
+    pub classes: Option<PathBuf>,
+    /// Write the thing that each pixel shows too: PNG in the legend's colours, a colour of its own for each thing
+    #[arg(long, value_name = "FILE")]
+    pub instances: Option<PathBuf>,
 }
 
 /// Arguments of `bench`.

@@ -113,6 +113,30 @@ fn a_world_is_shown() {
 }
 
 #[test]
+fn depth_classes_and_instances_lie_beside_the_picture_with_their_legends() {
+    let place = generated("");
+    let words = "world show w --from 5,0,90 --out view.jpg --quality 70 --no-shadows --depth d.png --classes c.png --instances i.png";
+    place.openbench(words).succeeded();
+    assert!(std::fs::read(place.path("view.jpg")).unwrap().starts_with(b"\xff\xd8\xff"));
+    // Width, height and depth of the pixels stand at the beginning of a PNG.
+    let depth = std::fs::read(place.path("d.png")).unwrap();
+    assert_eq!(&depth[16..26], b"\0\0\x05\0\0\0\x03\xc0\x10\0", "1280 x 960, 16 bits, grey");
+    let names = |file: &str, list: &str| -> Vec<String> {
+        let legend = place.json(file)[list].as_array().unwrap().clone();
+        assert_eq!(legend.iter().map(|e| e["pixels"].as_u64().unwrap()).sum::<u64>(), 1280 * 960);
+        legend.iter().map(|e| e["name"].as_str().unwrap().to_owned()).collect()
+    };
+    let classes = names("c.json", "classes");
+    assert!(
+        ["sky", "road", "building", "door", "plate"].iter().all(|c| classes.iter().any(|n| n == c)),
+        "{classes:?}"
+    );
+    let things = names("i.json", "instances");
+    assert!(["Villa Rosa", "Long Lane"].iter().all(|c| things.iter().any(|n| n == c)), "{things:?}");
+    place.openbench("world show w --quality 0").refused_with(&["quality"]);
+}
+
+#[test]
 fn an_earlier_world_is_replaced_and_nothing_else() {
     let place = generated("--seed 1");
     place.openbench("world generate --map village.osm --seed 2 --out w").succeeded();

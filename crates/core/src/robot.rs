@@ -66,6 +66,11 @@ impl RobotDescription {
         }
     }
 
+    /// The same robot with a satellite receiver, its antenna on top behind the LiDAR.
+    pub fn with_gnss(self) -> Self {
+        Self { gnss: Some(Pose3::translation(-0.1, 0.0, self.height)), ..self }
+    }
+
     /// Radius of the smallest circle about `base_link` that holds the footprint, metres.
     pub fn circumscribed_radius(&self) -> f64 {
         libm::hypot(self.length, self.width) / 2.0

@@ -1,5 +1,6 @@
 //! Triangles in the `map` frame.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use nalgebra::{Point3, Vector3};
@@ -56,6 +57,15 @@ impl Door {
     }
 }
 
+/// A thing that one would count: a house, a tree, a car. Instance images tell them apart.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Object {
+    /// What people or the map call it, or what kind of thing it is. Several may have one name.
+    pub name: Cow<'static, str>,
+    /// What it is for the most part; its triangles have classes of their own.
+    pub class: SemanticClass,
+}
+
 /// Directional light and the light of the sky.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sun {
@@ -84,6 +94,10 @@ pub struct Scene {
     pub figures: Vec<Range<u32>>,
     /// Materials of the visible triangles.
     pub materials: Vec<Material>,
+    /// What the visible triangles belong to.
+    pub objects: Vec<Object>,
+    /// For each visible triangle the number of its object, see [`Scene::object`].
+    pub object_numbers: Vec<u32>,
     /// Images of the materials.
     pub textures: Vec<Texture>,
     /// Solid surfaces: what the robot touches, the ground included.
@@ -119,6 +133,16 @@ impl Scene {
         self.figures.push(first..self.triangles.len() as u32);
         self.figures.len() - 1
     }
+
+    /// Number of the object that a visible triangle belongs to, counted from 1; 0 for none, and for figures.
+    pub fn object_number(&self, triangle: u32) -> u32 {
+        self.object_numbers.get(triangle as usize).copied().unwrap_or(0)
+    }
+
+    /// The object of that number.
+    pub fn object(&self, number: u32) -> Option<&Object> {
+        self.objects.get((number as usize).checked_sub(1)?)
+    }
 }
 
 /// Which of a scene's two meshes a shape goes into.
@@ -147,6 +171,11 @@ impl SceneBuilder {
     /// How many visible triangles there are so far.
     pub fn triangles(&self) -> usize {
         self.scene.triangles.len()
+    }
+
+    /// Begins an object: what is added from now on, until the next begins, belongs to it.
+    pub fn object(&mut self, name: impl Into<Cow<'static, str>>, class: SemanticClass) {
+        self.scene.objects.push(Object { name: name.into(), class });
     }
 
     /// Adds an image.
@@ -187,6 +216,7 @@ impl SceneBuilder {
             self.scene
                 .triangles
                 .extend(kept.iter().map(|t| Triangle { corners: t.map(|i| base + i), material }));
+            self.scene.object_numbers.resize(self.scene.triangles.len(), self.scene.objects.len() as u32);
         }
         if layer != Layer::Visible {
             let base = self.scene.solid.positions.len() as u32;

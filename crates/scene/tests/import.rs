@@ -430,3 +430,18 @@ fn every_cut_of_a_world_is_an_answer_and_no_panic() {
     }
     assert!(place.import_text(&text).is_ok());
 }
+
+#[test]
+fn each_model_is_an_object() {
+    let cube =
+        "<link name='l'><visual name='v'><geometry><box><size>1 1 1</size></box></geometry></visual></link>";
+    let elements = format!(
+        "<model name='oak_tree_1'>{cube}</model><model name='shed'>{cube}<model name='inner'>{cube}</model></model>{DOOR}"
+    );
+    let scene = Place::new().import(&elements).unwrap().scene;
+    let names: Vec<&str> = scene.objects.iter().map(|o| &*o.name).collect();
+    assert_eq!(names, ["oak_tree_1", "shed", "inner", "plate of unit1, east"]);
+    assert_eq!(scene.objects[0].class, SemanticClass::Vegetation);
+    let of_inner = scene.object_numbers.iter().filter(|n| **n == 3).count();
+    assert_eq!(of_inner, 12, "the triangles of a box");
+}

@@ -8,7 +8,7 @@ use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
 use openbench_bench::draw::Draw;
 use openbench_bench::report::terminal_table;
-use openbench_bench::suite::known_suites;
+use openbench_bench::suite::{Sensors, known_suites};
 use openbench_bench::{
     BenchError, Prepared, Registry, RunRequest, Suite, TrafficPlan, WorldSource, deliveries, world_folder,
 };
@@ -151,7 +151,8 @@ fn imported(args: &RunArgs, world: &Path, map: &Path) -> anyhow::Result<Suite> {
         }
         _ => anyhow::bail!("say what to deliver: --deliveries FILE, or --draw SINGLES SEQUENCES LENGTH"),
     };
-    Ok(Suite { name, world: source, traffic: TrafficPlan::default(), episodes })
+    let (traffic, sensors) = (TrafficPlan::default(), Sensors::default());
+    Ok(Suite { name, world: source, traffic, episodes, sensors })
 }
 
 /// The command line as it was given.

@@ -7,6 +7,7 @@
 mod definition;
 mod geometry;
 mod nav;
+mod nav_sat;
 mod point_cloud;
 mod sensors;
 mod standard;
@@ -16,6 +17,7 @@ use crate::cdr::{CdrError, CdrReader, CdrWriter};
 pub use definition::Definition;
 pub use geometry::{Pose, PoseStamped, TfMessage, TransformStamped, Twist, TwistStamped};
 pub use nav::{Odometry, Path};
+pub use nav_sat::NavSatFix;
 pub use point_cloud::{CloudError, PointCloud2, PointField};
 pub use sensors::{CompressedImage, Imu, JointState};
 pub use standard::{Header, StringMessage, Time};

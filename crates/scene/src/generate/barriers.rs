@@ -9,6 +9,7 @@ use super::shapes::{Surface, along, at, cuboid, facet};
 use super::streets::{metres, profile};
 use super::triangulate::turn;
 use super::{MAX_TRIANGLES, Site};
+use crate::material::SemanticClass;
 use crate::scene::{Layer, SceneBuilder};
 
 /// Free width beside a road that goes through, metres.
@@ -35,6 +36,9 @@ impl Site {
         let barriers = std::mem::take(&mut self.map.barriers);
         for barrier in &barriers {
             let build = self.build_of(barrier);
+            let hedge = matches!(build, Build::Hedge(..));
+            let class = if hedge { SemanticClass::Vegetation } else { SemanticClass::Wall };
+            self.builder.object(kind(&barrier.tags).to_owned(), class);
             for pair in barrier.points.windows(2) {
                 if self.extent.holds(pair[0], super::GROUND_MARGIN) {
                     let parts = between_gates((&self.map.roads, &self.lanes), barrier, (pair[0], pair[1]));

@@ -12,7 +12,7 @@ use super::facades::facing_out;
 use super::seeds::{Purpose, between, chance, pick, stream};
 use super::shapes::{Surface, along, panel, signed_area, wall};
 use super::streets::metres;
-use crate::material::MaterialId;
+use crate::material::{MaterialId, SemanticClass};
 use crate::scene::Layer;
 
 /// Above so many buildings windows lose their sills: a town has a hundred thousand of them.
@@ -69,6 +69,7 @@ impl Site {
         for (index, building) in buildings.iter().enumerate() {
             let mut rng = stream(self.seed, Purpose::Building, element_number(building.element));
             let house = self.design(building, buildings.len() <= DETAILED, &mut rng);
+            self.builder.object(building.name.clone().unwrap_or("building".into()), SemanticClass::Building);
             let first = next;
             while self.doorways.get(next).is_some_and(|d| d.building == index) {
                 next += 1;

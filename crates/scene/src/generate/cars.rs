@@ -159,6 +159,7 @@ impl Site {
     }
 
     fn place_lines(&mut self, pose: Pose2) {
+        self.builder.object("parking place", SemanticClass::Road);
         for side in [-1.0, 1.0] {
             let p = pose.transform(0.0, side * PARK_PLACE.0 / 2.0);
             self.stripe(Pose2::new(p.x, p.y, pose.yaw), PARK_PLACE.1 - 0.4, 0.1);
@@ -178,8 +179,9 @@ impl Site {
     fn car(&mut self, pose: Pose2, rng: &mut Pcg64Mcg) {
         let shape = pick(rng, &[&SALOON, &HATCHBACK, &SALOON, &HATCHBACK, &VAN]);
         let paint = pick(rng, &self.palette.car_paints);
+        self.builder.object("car", SemanticClass::Vehicle);
         let palette = &self.palette;
-        let (glass, tyre, rim, lights) = (palette.car_glass, palette.tyre, palette.metal, palette.car_lights);
+        let (glass, tyre, rim, lights) = (palette.car_glass, palette.tyre, palette.rim, palette.car_lights);
         Car { shape, paint, glass, tyre, rim, lights }.build(&mut self.builder, pose);
     }
 }

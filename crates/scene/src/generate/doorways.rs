@@ -8,7 +8,7 @@ use super::buildings::House;
 use super::entrances::{Doorway, LEAF};
 use super::seeds::{chance, pick};
 use super::shapes::{Surface, cuboid, panel};
-use crate::material::MaterialId;
+use crate::material::{MaterialId, SemanticClass};
 use crate::plate::{hang_plate, plate_material, plate_pose};
 use crate::scene::{Door, Layer};
 
@@ -25,6 +25,7 @@ const PLATE_THICKNESS: f64 = 0.03;
 
 impl Site {
     pub(super) fn doorway(&mut self, house: &House, door: &Doorway, rng: &mut Pcg64Mcg) {
+        self.builder.object(format!("door of {}", door.address), SemanticClass::Door);
         let pose = door.pose();
         let half = LEAF / 2.0;
         let leaf = (pose.transform(0.05, -half), pose.transform(0.05, half));

@@ -7,6 +7,7 @@ use super::lanes::ends;
 use super::seeds::{Purpose, between, stream};
 use super::shapes::{Surface, along, cuboid, prism};
 use super::{Feature, Site};
+use crate::material::SemanticClass;
 use crate::scene::Layer;
 
 /// A thing further than this from every road or path looks to the east, metres.
@@ -17,7 +18,7 @@ impl Site {
         let features = std::mem::take(&mut self.features);
         let mut in_the_way = 0;
         for feature in &features {
-            let Some(build) =
+            let Some((kind, build)) =
                 build_of(feature).filter(|_| self.extent.holds(feature.position, super::GROUND_MARGIN))
             else {
                 continue;
@@ -28,6 +29,7 @@ impl Site {
                 continue;
             }
             let pose = Pose2::new(p.x, p.y, self.facing(feature));
+            self.builder.object(kind, SemanticClass::Furniture);
             build(self, pose, feature);
             self.clearance.add(p, p, 0.4, OBJECT);
         }
@@ -134,8 +136,9 @@ impl Site {
 
 type Build = fn(&mut Site, Pose2, &Feature);
 
-fn build_of(feature: &Feature) -> Option<Build> {
-    let table: [((&str, &str), Build); 10] = [
+/// The kind of thing, and how it is built.
+fn build_of(feature: &Feature) -> Option<(&'static str, Build)> {
+    let table: [((&str, &'static str), Build); 10] = [
         (("highway", "street_lamp"), Site::lamp),
         (("amenity", "bench"), Site::bench),
         (("amenity", "waste_basket"), Site::waste_basket),
@@ -149,7 +152,8 @@ fn build_of(feature: &Feature) -> Option<Build> {
     ];
     let found = table.into_iter().find(|((key, value), _)| feature.tags.is(key, value))?;
     let underground = feature.tags.is("fire_hydrant:type", "underground");
-    (!underground).then_some(found.1)
+    let ((_, kind), build) = found;
+    (!underground).then_some((kind, build))
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ use super::clearance::{BARRIER, BUILDING, DOOR, EVERYTHING, OBJECT, PATH, PAVED,
 use super::entrances::walls;
 use super::seeds::{Purpose, between, chance, pick, stream};
 use super::shapes::{Corner, Surface, along, at, prism};
+use crate::material::SemanticClass;
 use crate::scene::{Layer, SceneBuilder};
 
 /// One tree that the seed may add for so many square metres.
@@ -152,6 +153,7 @@ impl Site {
                 let (radius, half) = (between(&mut rng, 2.5, 4.5), between(&mut rng, 3.0, 5.0));
                 let (core, _) = pick(&mut rng, &self.palette.crowns);
                 if self.clearance.is_free(p, p, radius, ROAD | BUILDING | WATER) {
+                    self.builder.object("tree", SemanticClass::Vegetation);
                     blob(
                         &mut self.builder,
                         (core, Layer::Visible),
@@ -193,6 +195,7 @@ impl Site {
 
     fn shrub(&mut self, p: MapPoint, radius: f64, rng: &mut Pcg64Mcg) {
         let surface = if chance(rng, 0.25) { pick(rng, &self.palette.needles) } else { self.palette.hedge };
+        self.builder.object("shrub", SemanticClass::Vegetation);
         let height = radius * between(rng, 1.4, 2.2);
         let center = at(p, height * 0.45);
         blob(&mut self.builder, (surface, Layer::Visible), (center, radius, height * 0.55), 0, rng);
@@ -205,6 +208,7 @@ impl Site {
         if self.builder.triangles() >= super::MAX_TRIANGLES {
             return;
         }
+        self.builder.object("tree", SemanticClass::Vegetation);
         let bark = self.palette.bark;
         let girth = between(rng, 0.11, 0.19);
         if conifer {

@@ -8,6 +8,7 @@ use openbench_osm::Road;
 use super::Site;
 use super::shapes::{along, at, facet};
 use super::streets::profile;
+use crate::material::SemanticClass;
 use crate::scene::Layer;
 
 const Z_MARKING: f64 = 0.015;
@@ -22,6 +23,7 @@ impl Site {
     pub(super) fn markings(&mut self) {
         let roads = std::mem::take(&mut self.map.roads);
         let breaks = self.breaks(&roads);
+        self.builder.object("road markings", SemanticClass::Road);
         for road in &roads {
             if profile(&road.tags).is_some_and(|p| p.marked) {
                 self.middle_line(&road.points, &breaks);

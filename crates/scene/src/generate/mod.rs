@@ -54,7 +54,7 @@ use openbench_osm::{ElementKind, OsmData, OsmMap, Polygon, Tags, without_doors};
 pub use builtin::{builtin, builtin_georeference, builtin_map, builtin_names};
 pub use cars::car_figure;
 
-use crate::material::MaterialId;
+use crate::material::{MaterialId, SemanticClass};
 use crate::scene::{Layer, SceneBuilder};
 use crate::world::World;
 use clearance::Clearance;
@@ -264,6 +264,7 @@ impl Site {
         let origin = nalgebra::Point3::new(min.x - GROUND_MARGIN, min.y - GROUND_MARGIN, 0.0);
         let (width, depth) = (max.x - min.x + 2.0 * GROUND_MARGIN, max.y - min.y + 2.0 * GROUND_MARGIN);
         let grass = self.palette.grass;
+        self.builder.object("ground", SemanticClass::Ground);
         let repeat = [(width / grass.tile) as f32, (depth / grass.tile) as f32];
         let sides = (nalgebra::Vector3::x() * width, nalgebra::Vector3::y() * depth);
         self.builder.rectangle(Layer::Both, grass.material, origin, sides, repeat);

@@ -51,6 +51,7 @@ pub(super) struct Palette {
     pub car_paints: Vec<Surface>,
     pub car_glass: Surface,
     pub tyre: Surface,
+    pub rim: Surface,
     pub car_lights: [Surface; 2],
 }
 
@@ -214,6 +215,7 @@ impl Palette {
             car_paints: PAINTS.map(|c| m.plain(C::Vehicle, c)).to_vec(),
             car_glass: m.surface(C::Vehicle, [0.10, 0.13, 0.16], 8, None),
             tyre: m.surface(C::Vehicle, [0.07, 0.07, 0.07], 8, None),
+            rim: m.plain(C::Vehicle, [0.58, 0.60, 0.62]),
             car_lights: [[0.94, 0.94, 0.90], [0.60, 0.06, 0.06]].map(|c| m.surface(C::Vehicle, c, 200, None)),
         }
     }

@@ -6,6 +6,7 @@ use openbench_osm::{Area, Tags};
 
 use super::Site;
 use super::shapes::{Surface, band, floor, parallel};
+use crate::material::SemanticClass;
 
 const Z_SEA: f64 = 0.001;
 const Z_APRON: f64 = 0.0015;
@@ -100,6 +101,7 @@ pub(super) fn metres(tags: &Tags, key: &str) -> Option<f64> {
 impl Site {
     /// Ground covers from the lowest to the highest.
     pub(super) fn streets(&mut self) {
+        self.builder.object("sea", SemanticClass::Ground);
         for water in std::mem::take(&mut self.sea) {
             floor(&mut self.builder, self.palette.water, (&water.outer, &water.holes), Z_SEA);
         }
@@ -112,9 +114,12 @@ impl Site {
         let roads = std::mem::take(&mut self.map.roads);
         for road in &roads {
             let Some(profile) = profile(&road.tags).filter(|_| self.is_near(&road.points)) else { continue };
+            let name = road.tags.get("name").or(road.tags.get("highway")).unwrap_or("road").to_owned();
             if profile.for_cars {
+                self.builder.object(name, SemanticClass::Road);
                 self.carriageway(&road.points, &road.tags, profile);
             } else {
+                self.builder.object(name, SemanticClass::Pavement);
                 let surface = self.path_surface(&road.tags);
                 let z = if surface == self.palette.paving { Z_SIDEWALK } else { Z_PATH };
                 band(&mut self.builder, surface, &road.points, profile.width / 2.0, z);
@@ -126,6 +131,7 @@ impl Site {
 
     /// Paved ground around the buildings of towns: no lawns between houses that stand wall to wall.
     fn aprons(&mut self) {
+        self.builder.object("paving", SemanticClass::Pavement);
         let enough = BUILT_SHARE * std::f64::consts::PI * NEIGHBOURHOOD * NEIGHBOURHOOD;
         for index in 0..self.map.buildings.len() {
             let middle = self.map.buildings[index].polygon.centroid();
@@ -203,6 +209,8 @@ impl Site {
             () => return,
         };
         if self.extent.meets(&area.polygon, super::GROUND_MARGIN) {
+            let name = tags.get("name").unwrap_or("area").to_owned();
+            self.builder.object(name, SemanticClass::Ground);
             floor(&mut self.builder, surface, (&area.polygon.outer, &area.polygon.holes), Z_AREA);
         }
     }

@@ -82,6 +82,9 @@ impl<'a> Emitter<'a> {
             self.plates.push(plate);
             return Ok(());
         }
+        if model.links.iter().any(|link| !link.shapes.is_empty()) {
+            self.builder.object(model.name.clone(), class_of_model(model));
+        }
         for link in &model.links {
             for shape in &link.shapes {
                 let setting = Setting {
@@ -101,6 +104,7 @@ impl<'a> Emitter<'a> {
     pub(crate) fn roads(&mut self, roads: &[Road]) -> Result<(), ImportError> {
         let shift = shift_to_ground(roads, self.ground);
         for road in roads {
+            self.builder.object(road.name.clone(), SemanticClass::Road);
             let own = match &road.paint {
                 Some(paint) => self.looks.of_paint(self.builder, paint, self.warnings)?,
                 None => None,
@@ -219,6 +223,12 @@ impl<'a> Emitter<'a> {
         }
         Ok(())
     }
+}
+
+/// What most of a model is: what its first shape says.
+fn class_of_model(model: &Model) -> SemanticClass {
+    let first = model.links.iter().flat_map(|l| &l.shapes).next();
+    first.map_or_else(|| class_of(&model.name), |shape| class_of_shape(model, shape))
 }
 
 fn class_of_shape(model: &Model, shape: &Shape) -> SemanticClass {

@@ -10,7 +10,7 @@ use super::sdf::{Geometry, Model};
 use super::search::model_of;
 use super::warnings::Warnings;
 use crate::plate::{hang_plate, plate_material};
-use crate::{Door, SceneBuilder};
+use crate::{Door, SceneBuilder, SemanticClass};
 
 /// How far plates stand out, metres: in the published worlds their poses lie up to 9 cm behind the frames of their doors.
 const STANDS_OUT: f64 = 0.10;
@@ -70,6 +70,7 @@ pub(crate) fn add_doors(
         known.push(address.clone());
         let text = format!("UNIT {}", plate.unit);
         let face = *faces.entry(plate.unit).or_insert_with(|| plate_material(builder, &text));
+        builder.object(format!("plate of {address}"), SemanticClass::Plate);
         hang_plate(builder, face, &plate.pose, STANDS_OUT);
         let normal = plate.pose.rotation * nalgebra::Vector3::y();
         let facing = libm::atan2(normal.y, normal.x);

@@ -47,6 +47,9 @@ pub struct Labels {
     pub depth: Vec<f32>,
     /// What is seen; `None` for the sky.
     pub class: Vec<Option<SemanticClass>>,
+    /// Number of the object that is seen, see [`Scene::object`](openbench_scene::Scene::object); 0 for the sky and what is no object. Movers have
+    /// the numbers after those of the scene's objects.
+    pub object: Vec<u32>,
 }
 
 /// Draws views of a scene.
@@ -71,13 +74,17 @@ impl Renderer {
         rgb
     }
 
-    /// Depth and class of each of the view's pixels.
+    /// Depth, class and object of each of the view's pixels.
     pub fn labels(&self, view: &View, movers: &Movers) -> Labels {
         let (width, height) = view.size;
         let seen = Snapshot { caster: &self.caster, movers };
         let pixels = width as usize * height as usize;
-        let mut labels =
-            Labels { size: view.size, depth: vec![f32::INFINITY; pixels], class: vec![None; pixels] };
+        let mut labels = Labels {
+            size: view.size,
+            depth: vec![f32::INFINITY; pixels],
+            class: vec![None; pixels],
+            object: vec![0; pixels],
+        };
         let eye = Eye::new(view);
         for y in (0..height).step_by(TILE as usize) {
             for x in (0..width).step_by(TILE as usize) {
@@ -89,6 +96,10 @@ impl Renderer {
                         // Rays reach one metre along the optical axis for each length of their direction.
                         labels.depth[at] = hits.distance[lane];
                         labels.class[at] = Some(self.caster.material(hits.triangle[lane]).class);
+                        labels.object[at] = match hits.mover[lane] {
+                            MISS => self.caster.scene().object_number(hits.triangle[lane]),
+                            mover => self.caster.scene().objects.len() as u32 + 1 + mover,
+                        };
                     }
                 }
             }
@@ -227,6 +238,7 @@ mod tests {
     fn renderer() -> Renderer {
         let mut builder = SceneBuilder::new();
         let red = builder.material(Material::plain(SemanticClass::Other, [1.0, 0.0, 0.0]));
+        builder.object("square", SemanticClass::Other);
         let (u, v) = (Vector3::y() * 2.0, Vector3::z() * 2.0);
         builder.rectangle(Layer::Visible, red, Point3::new(5.0, 0.0, 0.0), (u, v), [1.0; 2]);
         Renderer::new(RayCaster::new(Arc::new(builder.build())))
@@ -276,6 +288,7 @@ mod tests {
             assert!((depth - 5.0).abs() < 1e-4 && class == Some(SemanticClass::Other), "{depth}");
         }
         assert_eq!(at(201, 160), (f32::INFINITY, None));
+        assert_eq!((labels.object[60 * 202 + 80], labels.object[160 * 202 + 201]), (1, 0));
     }
 
     #[test]

@@ -1,0 +1,242 @@
+//! `openbench world show`: pictures of a world, and what their pixels show.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use nalgebra::{UnitQuaternion, Vector3};
+use openbench_bench::picture;
+use openbench_bench::world_folder::is_world;
+use openbench_bench::{TrafficPlan, WorldSource};
+use openbench_core::{Image, Pose2, Pose3, RobotDescription, Velocity};
+use openbench_osm::{OsmMap, write_atomically};
+use openbench_scene::{FreeSpace, Movers, RayCaster, Scene, SemanticClass, World, free_space::ground_height};
+use openbench_sim::traffic::{PERSON_RADIUS, Traffic};
+use openbench_sim::{Labels, Simulator, Stage, View};
+use serde_json::json;
+
+use crate::args::ShowArgs;
+use crate::outcome::{Outcome, say, tell};
+
+/// What the sky has in images of classes and instances.
+const BLACK: [u8; 3] = [0; 3];
+
+/// Draws a world.
+pub fn show(args: &ShowArgs) -> anyhow::Result<Outcome> {
+    let world = source(args)?.load()?;
+    world.warnings.iter().for_each(|w| tell(w));
+    let plan = TrafficPlan { pedestrians: args.pedestrians.into(), cars: args.cars.into() };
+    let stage = Stage::peopled(world.scene.clone(), plan)?;
+    let view = match args.from {
+        Some(pose) => street_view(stage.caster(), pose),
+        None => birds_eye(&world, args.above),
+    };
+    let view = View { shadows: !args.no_shadows, ..view };
+    let movers = movers(&world, &stage, plan, args.after)?;
+    let renderer = stage.renderer();
+    write_picture(&args.out, view.size, renderer.render(&view, &movers), args.quality)?;
+    if args.depth.is_some() || args.classes.is_some() || args.instances.is_some() {
+        write_labels(args, &renderer.labels(&view, &movers), &world.scene)?;
+    }
+    let scene = &world.scene;
+    say(&format!(
+        "{}: {} triangles, {} doors, start {:.2},{:.2},{:.0}; picture in {}\n",
+        world.name,
+        scene.triangles.len(),
+        scene.doors.len(),
+        world.start.x,
+        world.start.y,
+        world.start.yaw.to_degrees(),
+        args.out.display()
+    ))?;
+    Ok(Outcome::Done)
+}
+
+/// People and cars where they are after so many seconds.
+fn movers(world: &World, stage: &Stage, plan: TrafficPlan, after: u16) -> anyhow::Result<Movers> {
+    if plan.is_empty() {
+        return Ok(Movers::default());
+    }
+    let map = OsmMap::new(&world.map, world.georeference);
+    let space = FreeSpace::new(stage.caster(), world.start.point(), PERSON_RADIUS);
+    let traffic = Traffic::new(&map, |p| space.is_reachable(p), plan, world.start.point(), 0);
+    let robot = RobotDescription::sentry();
+    let mut simulator = Simulator::new(stage.clone(), robot, world.start, 0).among(traffic)?;
+    while simulator.time().seconds() < f64::from(after) {
+        simulator.step(Velocity::ZERO);
+    }
+    Ok(simulator.snapshot().movers.clone())
+}
+
+/// JPEG if the name says so, PNG otherwise.
+fn write_picture(path: &Path, size: (u32, u32), rgb: Vec<u8>, quality: u8) -> anyhow::Result<()> {
+    let image = Image { stamp: Default::default(), width: size.0, height: size.1, rgb };
+    let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+    let bytes = if ending == "jpg" || ending == "jpeg" {
+        picture::jpeg_of_quality(&image, quality)?
+    } else {
+        picture::png(&image)?
+    };
+    Ok(write_atomically(path, &bytes)?)
+}
+
+fn write_labels(args: &ShowArgs, labels: &Labels, scene: &Scene) -> anyhow::Result<()> {
+    if let Some(path) = &args.depth {
+        let millimetres: Vec<u16> = labels.depth.iter().map(|d| millimetres(*d)).collect();
+        write_atomically(path, &picture::grey16_png(labels.size, &millimetres)?)?;
+    }
+    if let Some(path) = &args.classes {
+        let colors = labels.class.iter().map(|class| class.map_or(BLACK, color_of_class));
+        write_colors(path, labels.size, colors)?;
+        write_legend(path, legend_of_classes(labels))?;
+    }
+    if let Some(path) = &args.instances {
+        write_colors(path, labels.size, labels.object.iter().map(|number| color_of_number(*number)))?;
+        write_legend(path, legend_of_instances(labels, scene))?;
+    }
+    Ok(())
+}
+
+fn write_colors(path: &Path, size: (u32, u32), colors: impl Iterator<Item = [u8; 3]>) -> anyhow::Result<()> {
+    // Lossless whatever the name: another colour would be another thing.
+    let image =
+        Image { stamp: Default::default(), width: size.0, height: size.1, rgb: colors.flatten().collect() };
+    Ok(write_atomically(path, &picture::png(&image)?)?)
+}
+
+fn write_legend(image: &Path, legend: serde_json::Value) -> anyhow::Result<()> {
+    let text = serde_json::to_string_pretty(&legend)? + "\n";
+    Ok(write_atomically(&image.with_extension("json"), text.as_bytes())?)
+}
+
+/// 0 where nothing is seen; what is too far for 16 bits is 65535.
+fn millimetres(depth: f32) -> u16 {
+    // The cast ends at 65535.
+    if depth.is_finite() { (depth * 1000.0).round() as u16 } else { 0 }
+}
+
+fn legend_of_classes(labels: &Labels) -> serde_json::Value {
+    let mut pixels: BTreeMap<Option<SemanticClass>, u64> = BTreeMap::new();
+    labels.class.iter().for_each(|class| *pixels.entry(*class).or_default() += 1);
+    let entry = |(class, pixels): (&Option<SemanticClass>, &u64)| {
+        let (name, color) = class.map_or(("sky", BLACK), |c| (c.name(), color_of_class(c)));
+        json!({ "name": name, "color": hex(color), "pixels": pixels })
+    };
+    json!({ "classes": pixels.iter().map(entry).collect::<Vec<_>>() })
+}
+
+fn legend_of_instances(labels: &Labels, scene: &Scene) -> serde_json::Value {
+    let mut pixels: BTreeMap<(u32, Option<SemanticClass>), u64> = BTreeMap::new();
+    for seen in labels.object.iter().copied().zip(labels.class.iter().copied()) {
+        *pixels.entry(seen).or_default() += 1;
+    }
+    let entry = |((number, class), pixels): (&(u32, Option<SemanticClass>), &u64)| {
+        // What moves is no object of the scene; its class says what it is.
+        let class = class.map(SemanticClass::name);
+        let name = scene.object(*number).map_or(class.unwrap_or("sky"), |object| &object.name);
+        json!({ "number": number, "name": name, "class": class, "color": hex(color_of_number(*number)), "pixels": pixels })
+    };
+    json!({ "instances": pixels.iter().map(entry).collect::<Vec<_>>() })
+}
+
+fn hex([r, g, b]: [u8; 3]) -> String {
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+/// Of sixteen million colours one for each number, neighbours far apart: an odd factor leaves no two alike.
+fn color_of_number(number: u32) -> [u8; 3] {
+    let [_, r, g, b] = number.wrapping_mul(0x9e_3779).to_be_bytes();
+    [r, g, b]
+}
+
+/// Colours as Cityscapes has them, as far as it knows the class.
+fn color_of_class(class: SemanticClass) -> [u8; 3] {
+    match class {
+        SemanticClass::Ground => [152, 251, 152],
+        SemanticClass::Road => [128, 64, 128],
+        SemanticClass::Pavement => [244, 35, 232],
+        SemanticClass::Building => [70, 70, 70],
+        SemanticClass::Door => [200, 90, 20],
+        SemanticClass::Plate => [255, 230, 0],
+        SemanticClass::Wall => [102, 102, 156],
+        SemanticClass::Vegetation => [107, 142, 35],
+        SemanticClass::Vehicle => [0, 0, 142],
+        SemanticClass::Furniture => [153, 153, 153],
+        SemanticClass::Person => [220, 20, 60],
+        SemanticClass::Other => [0, 130, 180],
+    }
+}
+
+fn source(args: &ShowArgs) -> anyhow::Result<WorldSource> {
+    match (&args.name, &args.world, &args.map) {
+        (_, Some(world), Some(map)) => Ok(WorldSource::Imported {
+            world: world.clone(),
+            map: map.clone(),
+            models: args.models.clone(),
+            georeference: args.georef.clone(),
+        }),
+        (Some(name), ..) if is_world(Path::new(name)) => {
+            Ok(WorldSource::Folder { path: std::path::absolute(name)? })
+        }
+        (Some(name), ..) => Ok(WorldSource::Builtin { name: name.clone(), seed: 1 }),
+        _ => anyhow::bail!("name a built-in world or a world's folder, or give --world and --map"),
+    }
+}
+
+/// As the robot's camera sees from `pose`, in twice its size.
+fn street_view(caster: &RayCaster, pose: Pose2) -> View {
+    let robot = RobotDescription::sentry();
+    let ground = ground_height(caster, pose.point());
+    let optics = robot.camera_intrinsics;
+    View {
+        pose: pose.to_pose3(ground) * robot.camera,
+        size: (2 * optics.width, 2 * optics.height),
+        focal_length: 2.0 * optics.focal_length(),
+        range: 200.0,
+        shadows: true,
+        exposure: 1.0,
+    }
+}
+
+/// From high up in the south, looking down at the middle.
+fn birds_eye(world: &World, near: Option<f64>) -> View {
+    let start = world.start.point();
+    let doors = world.scene.doors.iter().map(openbench_scene::Door::point);
+    let shown = doors.filter(|p| near.is_none_or(|near| p.distance(start) <= near));
+    let points: Vec<_> = shown.chain([start]).collect();
+    let bound = |f: fn(f64, f64) -> f64, get: fn(&openbench_core::MapPoint) -> f64| {
+        points.iter().map(get).reduce(f).unwrap_or(0.0)
+    };
+    let (x0, x1) = (bound(f64::min, |p| p.x), bound(f64::max, |p| p.x));
+    let (y0, y1) = (bound(f64::min, |p| p.y), bound(f64::max, |p| p.y));
+    let reach = (x1 - x0).max(1.4 * (y1 - y0)).max(20.0) + 16.0;
+    let pitch = 58.0_f64.to_radians();
+    let distance = 1.15 * reach;
+    let middle = Vector3::new((x0 + x1) / 2.0, (y0 + y1) / 2.0, 0.0);
+    let rotation = UnitQuaternion::from_euler_angles(0.0, pitch, std::f64::consts::FRAC_PI_2);
+    let eye = middle - rotation * Vector3::x() * distance;
+    View {
+        pose: Pose3::from_parts(eye.into(), rotation),
+        size: (1600, 1100),
+        focal_length: 1600.0,
+        range: 5000.0,
+        shadows: true,
+        exposure: 1.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_number_has_a_colour_of_its_own() {
+        let colors: std::collections::BTreeSet<_> = (0..200_000).map(color_of_number).collect();
+        assert_eq!(colors.len(), 200_000);
+        assert_eq!(color_of_number(0), BLACK);
+    }
+
+    #[test]
+    fn depths_are_millimetres_within_sixteen_bits() {
+        assert_eq!([0.0, 1.2345, 65.0, 70.0, f32::INFINITY].map(millimetres), [0, 1235, 65_000, 65_535, 0]);
+    }
+}

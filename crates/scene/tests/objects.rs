@@ -1,0 +1,71 @@
+//! Which thing each visible triangle belongs to.
+
+use std::collections::BTreeMap;
+
+use openbench_scene::generate::builtin;
+use openbench_scene::{SceneBuilder, SemanticClass, World};
+
+fn small() -> World {
+    builtin("small", 1).unwrap().unwrap()
+}
+
+#[test]
+fn every_triangle_of_a_generated_world_belongs_to_an_object() {
+    let scene = small().scene;
+    assert_eq!(scene.object_numbers.len(), scene.triangles.len());
+    for triangle in 0..scene.triangles.len() as u32 {
+        assert!(scene.object(scene.object_number(triangle)).is_some(), "{triangle}");
+    }
+    assert!(scene.object(0).is_none() && scene.object(u32::MAX).is_none());
+    assert_eq!(scene.object_number(u32::MAX), 0);
+}
+
+#[test]
+fn houses_doors_trees_and_cars_are_told_apart_and_named() {
+    let world = small();
+    let scene = &world.scene;
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    scene.objects.iter().for_each(|o| *counts.entry(&*o.name).or_default() += 1);
+    assert!(counts["tree"] > 5 && counts["car"] > 2, "{counts:?}");
+    for door in &scene.doors {
+        let name = format!("door of {}", door.address);
+        assert_eq!(counts.get(&*name), Some(&1), "{name} in {counts:?}");
+        assert_eq!(counts.get(&*door.address.building), Some(&1), "{counts:?}");
+    }
+}
+
+#[test]
+fn an_object_s_triangles_are_of_its_kind() {
+    let scene = small().scene;
+    for (triangle, number) in scene.triangles.iter().zip(&scene.object_numbers) {
+        let class = scene.materials[triangle.material.0 as usize].class;
+        let object = scene.object(*number).unwrap();
+        match object.class {
+            // Whole things of one class.
+            SemanticClass::Vehicle | SemanticClass::Furniture => {
+                assert_eq!(class, object.class, "{object:?}")
+            }
+            SemanticClass::Building => {
+                assert!(
+                    !matches!(class, SemanticClass::Vehicle | SemanticClass::Road),
+                    "{object:?} {class:?}"
+                );
+            }
+            _ => {}
+        }
+    }
+}
+
+#[test]
+fn triangles_before_the_first_object_belong_to_none() {
+    let mut builder = SceneBuilder::new();
+    let grey = builder.material(openbench_scene::Material::plain(SemanticClass::Other, [0.5; 3]));
+    let corner = |x: f64| (nalgebra::Point3::new(x, x * x, 0.0), [0.0; 2]);
+    let corners = [corner(0.0), corner(1.0), corner(2.0)];
+    let layer = openbench_scene::scene::Layer::Both;
+    builder.mesh(layer, grey, &corners, &[[0, 1, 2]]);
+    builder.object("thing", SemanticClass::Other);
+    builder.mesh(layer, grey, &corners, &[[0, 1, 2], [0, 1, 7], [0, 2, 1]]);
+    let scene = builder.build();
+    assert_eq!(scene.object_numbers, [0, 1, 1], "the broken triangle is left out of both tables");
+}
