@@ -105,13 +105,12 @@ fn a_pbf_block_is_read() {
     assert_eq!(data.relations[&9].members, [member]);
 }
 
-/// The decoder panics on a member of unknown type; the reader must not.
 #[test]
 fn a_member_of_unknown_type_is_an_error_in_words() {
     let mut block = pbf_block();
     *block.last_mut().unwrap() = 5;
     let error = OsmData::from_bytes(&pbf_file(&block)).unwrap_err().to_string();
-    assert_eq!(error, "byte 0: numbers in this block make no sense");
+    assert_eq!(error, "byte 0: a member of unknown type");
 }
 
 fn text() -> impl Strategy<Value = String> {

@@ -24,6 +24,9 @@ const CORNER: f64 = 8.0;
 /// Half length and half width of a car, metres.
 const HALF: (f64, f64) = (2.2, 0.87);
 
+/// Height of the lamps, metres.
+const LAMPS: f64 = 0.68;
+
 /// A car seen from its left: outline (forward, up), the segments of it that are glass, and a side window.
 struct Shape {
     outline: &'static [(f64, f64)],
@@ -31,6 +34,16 @@ struct Shape {
     window: &'static [(f64, f64)],
     /// Heights between which the sides lean in.
     waist: (f64, f64),
+}
+
+impl Shape {
+    /// How far forward the outline reaches at a height, and how far back, metres.
+    fn ends(&self, height: f64) -> (f64, f64) {
+        let next = self.outline.iter().cycle().skip(1);
+        let sides = self.outline.iter().zip(next).filter(|(p, q)| (p.1 > height) != (q.1 > height));
+        let at = sides.map(|(p, q)| p.0 + (q.0 - p.0) * (height - p.1) / (q.1 - p.1));
+        at.fold((f64::NEG_INFINITY, f64::INFINITY), |(front, back), x| (x.max(front), x.min(back)))
+    }
 }
 
 const SALOON: Shape = Shape {
@@ -248,10 +261,12 @@ impl Car {
             wheel(builder, pose, (x, side, 0.17), rim, 0.006);
         }
         let [white, red] = self.lights;
+        let (front, back) = self.shape.ends(LAMPS);
         for side in [-0.62, 0.62] {
-            let lamp = |x: f64| ([x - 0.04, side - 0.16, 0.62], [x + 0.04, side + 0.16, 0.74]);
-            cuboid(builder, Layer::Visible, white, pose, lamp(1.94));
-            cuboid(builder, Layer::Visible, red, pose, lamp(-1.94));
+            let lamp =
+                |x: f64| ([x - 0.015, side - 0.16, LAMPS - 0.06], [x + 0.015, side + 0.16, LAMPS + 0.06]);
+            cuboid(builder, Layer::Visible, white, pose, lamp(front));
+            cuboid(builder, Layer::Visible, red, pose, lamp(back));
         }
     }
 }
@@ -328,6 +343,14 @@ fn is_inside(polygon: &Polygon, pose: Pose2) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn lamps_stand_in_the_body() {
+        for shape in [&SALOON, &HATCHBACK, &VAN] {
+            let (front, back) = shape.ends(LAMPS);
+            assert!((1.9..2.2).contains(&front) && (-2.22..-1.9).contains(&back), "{front} {back}");
+        }
+    }
 
     #[test]
     fn the_map_says_where_cars_stand() {

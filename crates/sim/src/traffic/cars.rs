@@ -1,7 +1,8 @@
 //! Cars: along their lanes behind each other, through junctions one after the other, and never over people.
 //!
 //! Accelerations by the intelligent driver model (M. Treiber, A. Hennecke and D. Helbing, *Congested traffic states in
-//! empirical observations and microscopic simulations*, Phys. Rev. E 62, 2000, equations 2 and 3). A person or the robot on
+//! empirical observations and microscopic simulations*, Phys. Rev. E 62, 2000, arXiv cond-mat/0002177), with exponent 4 and without
+//! its term of the square root of speed, as usual; the numbers are ours, for streets rather than motorways. A person or the robot on
 //! the lane ahead, or about to step onto it, is a leader that stands or walks. A turn at a junction must be had before it is entered:
 //! turns that meet are not had by two cars at once, who has waited longer goes first, and nobody enters who cannot leave.
 //! Where a lane ends cars leave, and come in again elsewhere, both out of the robot's sight.
@@ -437,7 +438,7 @@ fn is_in_the_way(left: f64, across: f64, radius: f64) -> bool {
     left.abs() < half || (enters && (later.abs() < half || later * left < 0.0))
 }
 
-/// Treiber, Hennecke and Helbing, equation (2) without a leader; above the limit a brisk return to it.
+/// Without a leader: `a (1 - (v / v0)^4)`; above the limit a brisk return to it, which is ours.
 fn free(speed: f64, limit: f64) -> f64 {
     if speed > limit {
         return ((limit - speed) / 0.5).max(-COMFORTABLE * 1.5);
@@ -446,7 +447,8 @@ fn free(speed: f64, limit: f64) -> f64 {
     ACCELERATION * (1.0 - share * share * share * share)
 }
 
-/// The same behind a leader: equations (2) and (3).
+/// Behind a leader: `a (1 - (v / v0)^4 - (s* / s)²)` with `s* = s0 + v T + v dv / (2 sqrt(a b))`. The sum of the last two terms
+/// is kept from falling below zero (as in M. Treiber and A. Kesting, *Traffic Flow Dynamics*, 2013): nobody brakes for one who drives away.
 fn behind(speed: f64, limit: f64, leader: Leader) -> f64 {
     let approach = speed * (speed - leader.speed) / (2.0 * (ACCELERATION * COMFORTABLE).sqrt());
     let desired = AT_REST + (speed * HEADWAY + approach).max(0.0);
@@ -457,4 +459,35 @@ fn behind(speed: f64, limit: f64, leader: Leader) -> f64 {
 fn draw(choices: &[u32], noise: &mut Noise) -> Option<u32> {
     let i = (noise.uniform() * choices.len() as f64) as usize;
     choices.get(i).copied()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn behind_a_steady_leader_the_gap_is_that_of_the_equilibrium() {
+        // (s0 + v T) / sqrt(1 - (v / v0)^4) at half the limit.
+        let gap = (AT_REST + 5.0 * HEADWAY) / (1.0_f64 - 0.0625).sqrt();
+        let at = |gap: f64| behind(5.0, 10.0, Leader { gap, speed: 5.0 });
+        assert!(at(gap).abs() < 1e-12 && at(gap - 1.0) < -0.1 && at(gap + 1.0) > 0.1);
+    }
+
+    #[test]
+    fn before_a_wall_a_car_brakes_gently_and_stops_short_of_it() {
+        let (mut speed, mut gap, mut hardest) = (8.0_f64, 100.0, 0.0_f64);
+        for _ in 0..1200 {
+            let acceleration = behind(speed, 8.0, Leader { gap, speed: 0.0 });
+            hardest = hardest.min(acceleration);
+            speed = (speed + 0.05 * acceleration).max(0.0);
+            gap -= 0.05 * speed;
+        }
+        assert!(hardest > -1.5 * COMFORTABLE, "{hardest}");
+        assert!(speed < 0.05 && (0.9 * AT_REST..1.5 * AT_REST).contains(&gap), "{speed} {gap}");
+    }
+
+    #[test]
+    fn nobody_brakes_for_one_who_drives_away() {
+        assert!(behind(5.0, 10.0, Leader { gap: 20.0, speed: 15.0 }) > 1.3);
+    }
 }

@@ -1,7 +1,7 @@
 //! How people and cars look: triangles with materials, at the origin, looking along x, on z = 0.
 //!
-//! A person is about 1.75 m tall, its limbs prisms between joints. The walking cycle is the usual outline of human gait: hips
-//! and arms swing like sines, arms against the legs; a knee bends while its leg swings forward.
+//! A person is about 1.75 m tall, its limbs prisms between joints. The walking cycle is that of gait analysis (J. Perry, *Gait Analysis: Normal
+//! and Pathological Function*, 1992): heel strike, flat foot, heel off, toe off, swing, with rounded angles.
 
 use nalgebra::{Point3, Vector3};
 use openbench_scene::scene::Layer;
@@ -13,19 +13,31 @@ use super::{Mover, MoverKind, TrafficPlan};
 pub const PHASES: usize = 8;
 /// How many different people there are; greater numbers repeat them.
 pub const PEOPLE: u32 = 24;
-/// Sides of a limb.
-const SIDES: usize = 6;
-/// Swing of the hip and of the shoulder, and the bend of a knee, radians.
-const SWING: f64 = 0.42;
-const ARMS: f64 = 0.38;
-const KNEE: f64 = 0.9;
-/// Lengths of thigh, shin (with foot), upper arm and forearm, metres.
+/// Swing of the arms and bend of the elbows, radians.
+const ARMS: f64 = 0.36;
+const ELBOW: f64 = 0.35;
+/// Lengths of thigh, shin, upper arm and forearm, metres.
 const THIGH: f64 = 0.43;
 const SHIN: f64 = 0.43;
-const ARM: f64 = 0.29;
-const FOREARM: f64 = 0.27;
-/// From ankle to toe, metres.
-const FOOT: f64 = 0.17;
+const ARM: f64 = 0.28;
+const FOREARM: f64 = 0.25;
+/// The ankle above the sole, from the ankle to the heel, and to the toe, metres.
+const ANKLE: f64 = 0.075;
+const HEEL: f64 = 0.07;
+const TOE: f64 = 0.18;
+
+/// A leg in each phase, from its heel strike on: how far the thigh is swung forward, the bend of the knee, and by how much the toe is
+/// higher than the heel, degrees.
+const GAIT: [[f64; 3]; PHASES] = [
+    [24.0, 5.0, 14.0],
+    [20.0, 18.0, 0.0],
+    [5.0, 12.0, 0.0],
+    [-10.0, 6.0, 0.0],
+    [-20.0, 12.0, -16.0],
+    [-9.0, 42.0, -48.0],
+    [14.0, 62.0, -32.0],
+    [25.0, 32.0, -2.0],
+];
 
 const SKINS: [[f32; 3]; 4] = [[0.93, 0.76, 0.65], [0.80, 0.60, 0.46], [0.56, 0.38, 0.27], [0.36, 0.24, 0.18]];
 const HAIRS: [[f32; 3]; 3] = [[0.12, 0.09, 0.07], [0.36, 0.24, 0.14], [0.62, 0.58, 0.54]];
@@ -87,7 +99,7 @@ pub fn phase_of(gait: f64) -> usize {
 /// A person in phase `phase` (of [`PHASES`], repeating) of the walking cycle; `look` chooses clothes, skin and hair.
 pub fn person(look: u32, phase: usize) -> Scene {
     let mut figure = Figure::new(look % PEOPLE);
-    figure.walk(std::f64::consts::TAU * (phase % PHASES) as f64 / PHASES as f64);
+    figure.walk(phase % PHASES);
     figure.builder.build()
 }
 
@@ -121,124 +133,147 @@ impl Figure {
         Self { skin, hair, top, trousers, shoes, builder }
     }
 
-    fn walk(&mut self, phase: f64) {
-        let legs = [(0.09, phase), (-0.09, phase + std::f64::consts::PI)];
-        let bends = legs.map(|(_, p)| leg_angles(p));
+    fn walk(&mut self, phase: usize) {
+        let [left, right] = [phase, (phase + PHASES / 2) % PHASES].map(Leg::in_phase);
         // The hip is as high as the leg that stands needs it.
-        let hip = bends.iter().map(|b| reach(*b)).fold(0.0, f64::max) + 0.07;
-        for ((left, _), bend) in legs.into_iter().zip(bends) {
-            self.leg(Point3::new(0.0, left, hip), bend);
-        }
-        for (left, p) in [(0.23, phase + std::f64::consts::PI), (-0.23, phase)] {
-            self.arm(Point3::new(0.0, left, hip + 0.52), ARMS * libm::cos(p));
-        }
+        let hip = left.reach().max(right.reach());
+        self.leg(Point3::new(0.0, 0.085, hip), left);
+        self.leg(Point3::new(0.0, -0.085, hip), right);
+        let swing = ARMS * libm::cos(std::f64::consts::TAU * phase as f64 / PHASES as f64);
+        self.arm(Point3::new(0.02, 0.215, hip + 0.57), -swing);
+        self.arm(Point3::new(0.02, -0.215, hip + 0.57), swing);
         self.trunk(hip);
     }
 
     fn trunk(&mut self, hip: f64) {
         let at = |x: f64, z: f64| Point3::new(x, 0.0, hip + z);
-        let (top, skin, hair, trousers) = (self.top, self.skin, self.hair, self.trousers);
-        self.tube(trousers, &[(at(0.0, -0.06), [0.10, 0.16]), (at(0.0, 0.10), [0.11, 0.16])]);
+        let pelvis = [(at(0.0, -0.06), [0.10, 0.155]), (at(0.0, 0.12), [0.11, 0.155])];
+        self.tube(self.trousers, 6, &pelvis, [true, false]);
         let chest = [
-            (at(0.0, 0.08), [0.115, 0.165]),
-            (at(0.0, 0.30), [0.12, 0.18]),
-            (at(0.0, 0.48), [0.12, 0.20]),
-            (at(0.0, 0.58), [0.08, 0.13]),
+            (at(0.0, 0.06), [0.125, 0.165]),
+            (at(0.02, 0.50), [0.13, 0.19]),
+            (at(0.02, 0.60), [0.075, 0.12]),
         ];
-        self.tube(top, &chest);
-        self.tube(skin, &[(at(0.0, 0.56), [0.055; 2]), (at(0.01, 0.66), [0.055; 2])]);
+        self.tube(self.top, 6, &chest, [true, true]);
         let head = [
-            (at(0.025, 0.63), [0.055, 0.05]),
-            (at(0.025, 0.70), [0.09, 0.075]),
-            (at(0.02, 0.78), [0.10, 0.08]),
+            (at(0.02, 0.58), [0.055; 2]),
+            (at(0.03, 0.67), [0.055; 2]),
+            (at(0.05, 0.70), [0.08, 0.065]),
+            (at(0.035, 0.80), [0.085, 0.075]),
         ];
-        self.tube(skin, &head);
-        let crown = [
-            (at(0.005, 0.76), [0.105, 0.085]),
-            (at(0.005, 0.82), [0.095, 0.08]),
-            (at(0.0, 0.865), [0.05, 0.045]),
+        self.tube(self.skin, 6, &head, [false, false]);
+        let hair = [
+            (at(0.01, 0.70), [0.075, 0.07]),
+            (at(0.02, 0.80), [0.11, 0.09]),
+            (at(0.02, 0.88), [0.065, 0.055]),
         ];
-        self.tube(hair, &crown);
+        self.tube(self.hair, 6, &hair, [false, true]);
     }
 
-    fn leg(&mut self, hip: Point3<f64>, [swing, bend]: [f64; 2]) {
-        let knee = hip + along(swing) * THIGH;
-        let ankle = knee + along(swing - bend) * SHIN;
-        self.tube(self.trousers, &[(hip, [0.09, 0.085]), (knee, [0.06; 2])]);
-        self.tube(self.trousers, &[(knee, [0.06; 2]), (ankle, [0.045; 2])]);
-        let pitch = foot_pitch([swing, bend]);
-        let toe = ankle + Vector3::new(libm::cos(pitch), 0.0, libm::sin(pitch)) * FOOT;
-        let heel = ankle + Vector3::new(-0.06, 0.0, 0.0);
-        self.foot(heel, toe);
+    fn leg(&mut self, hip: Point3<f64>, leg: Leg) {
+        let (knee, ankle) = (hip + leg.thigh(), hip + leg.thigh() + leg.shin());
+        let rings = [(hip, [0.095, 0.07]), (knee, [0.062, 0.058]), (ankle, [0.045, 0.042])];
+        self.tube(self.trousers, 5, &rings, [false, false]);
+        self.shoe(ankle, leg);
     }
 
-    fn foot(&mut self, heel: Point3<f64>, toe: Point3<f64>) {
-        let corner = |p: Point3<f64>, y: f64, z: f64| (p + Vector3::new(0.0, y, z), [0.0; 2]);
-        let ring = |p: Point3<f64>, high: f64| {
-            [corner(p, -0.045, -0.07), corner(p, 0.045, -0.07), corner(p, 0.04, high), corner(p, -0.04, high)]
-        };
-        let corners: Vec<_> = ring(heel, 0.02).into_iter().chain(ring(toe, -0.02)).collect();
-        let sides = (0..4_u32).flat_map(|i| {
-            let j = (i + 1) % 4;
-            [[i, i + 4, j + 4], [i, j + 4, j]]
-        });
-        let flipped = sides.map(|[a, b, c]| [a, c, b]);
+    fn shoe(&mut self, ankle: Point3<f64>, leg: Leg) {
+        let across = |p: Vector3<f64>, half: f64| [-half, half].map(|y| ankle + p + Vector3::y() * y);
+        let top = [leg.upon_sole(-HEEL, 0.09), leg.upon_sole(TOE, 0.04)];
+        let [[a, b], [e, f]] = leg.sole().map(|p| across(p, 0.045));
+        let [[d, c], [h, g]] = top.map(|p| across(p, 0.04));
+        let corners = [a, b, c, d, e, f, g, h].map(|p| (p, [0.0; 2]));
+        let sides = [[0, 5, 4], [0, 1, 5], [1, 6, 5], [1, 2, 6], [2, 7, 6], [2, 3, 7], [3, 4, 7], [3, 0, 4]];
         let ends = [[0, 3, 2], [0, 2, 1], [4, 5, 6], [4, 6, 7]];
-        let triangles: Vec<[u32; 3]> = flipped.chain(ends).collect();
+        let triangles: Vec<[u32; 3]> = sides.into_iter().chain(ends).collect();
         self.builder.mesh(Layer::Visible, self.shoes, &corners, &triangles);
     }
 
     fn arm(&mut self, shoulder: Point3<f64>, swing: f64) {
+        let bent = swing + ELBOW;
         let elbow = shoulder + along(swing) * ARM;
-        let wrist = elbow + along(swing + 0.35) * FOREARM;
-        let tip = wrist + along(swing + 0.35) * 0.09;
-        self.tube(self.top, &[(shoulder, [0.055; 2]), (elbow, [0.045; 2]), (wrist, [0.038; 2])]);
-        self.tube(self.skin, &[(wrist, [0.04, 0.03]), (tip, [0.03, 0.02])]);
+        let wrist = elbow + along(bent) * FOREARM;
+        let rings = [
+            (shoulder, [0.03; 2]),
+            (shoulder + along(swing) * 0.06, [0.062, 0.055]),
+            (elbow, [0.05, 0.045]),
+            (wrist, [0.035; 2]),
+        ];
+        self.tube(self.top, 4, &rings, [false, true]);
+        let hand = [(wrist, [0.035; 2]), (wrist + along(bent) * 0.13, [0.035, 0.02])];
+        self.tube(self.skin, 4, &hand, [true, false]);
     }
 
-    /// A closed prism through level rings.
-    fn tube(&mut self, material: MaterialId, rings: &[Ring]) {
+    /// A prism of so many sides through level rings; its lower and its upper end are closed where they can be seen.
+    fn tube(&mut self, material: MaterialId, sides: u32, rings: &[Ring], closed: [bool; 2]) {
         // From below to above, so that one winding fits all.
         let mut rings = rings.to_vec();
         rings.sort_by(|a, b| a.0.z.total_cmp(&b.0.z));
         let mut corners = Vec::new();
         for (middle, half) in &rings {
-            for k in 0..SIDES {
-                let (sin, cos) = libm::sincos(std::f64::consts::TAU * (k as f64 + 0.5) / SIDES as f64);
+            for k in 0..sides {
+                let turn = (f64::from(k) + 0.5) / f64::from(sides);
+                let (sin, cos) = libm::sincos(std::f64::consts::TAU * turn);
                 corners.push((middle + Vector3::new(half[0] * cos, half[1] * sin, 0.0), [0.0; 2]));
             }
         }
-        let sides = SIDES as u32;
         let last = sides * (rings.len() as u32 - 1);
         let mut triangles = Vec::new();
-        for base in (0..last).step_by(SIDES) {
+        for base in (0..last).step_by(sides as usize) {
             for k in 0..sides {
                 let (a, b) = (base + k, base + (k + 1) % sides);
                 triangles.extend([[a, b, b + sides], [a, b + sides, a + sides]]);
             }
         }
         for k in 1..sides - 1 {
-            triangles.extend([[0, k + 1, k], [last, last + k, last + k + 1]]);
+            triangles.extend(closed[0].then_some([0, k + 1, k]));
+            triangles.extend(closed[1].then_some([last, last + k, last + k + 1]));
         }
         self.builder.mesh(Layer::Visible, material, &corners, &triangles);
     }
 }
 
-/// Swing of the hip and bend of the knee in a phase; the leg is in front at 0 and swings forward in the second half.
-fn leg_angles(phase: f64) -> [f64; 2] {
-    let bend = (-libm::sin(phase)).max(0.0);
-    [SWING * libm::cos(phase), 0.08 + KNEE * bend * bend]
+/// A leg in a phase of the walking cycle, radians: swing of the thigh, bend of the knee, and how far the toe is up.
+#[derive(Debug, Clone, Copy)]
+struct Leg {
+    swing: f64,
+    bend: f64,
+    pitch: f64,
 }
 
-/// How far below the hip the lower of ankle and toe is, metres.
-fn reach([swing, bend]: [f64; 2]) -> f64 {
-    let ankle = THIGH * libm::cos(swing) + SHIN * libm::cos(swing - bend);
-    ankle - FOOT * libm::sin(foot_pitch([swing, bend]))
-}
+impl Leg {
+    fn in_phase(phase: usize) -> Self {
+        let [swing, bend, pitch] = GAIT[phase].map(f64::to_radians);
+        Self { swing, bend, pitch }
+    }
 
-/// A foot behind the body points down, half as much as its shin; one in front is level.
-fn foot_pitch([swing, bend]: [f64; 2]) -> f64 {
-    0.5 * (swing - bend).min(0.0)
+    /// From hip to knee.
+    fn thigh(self) -> Vector3<f64> {
+        along(self.swing) * THIGH
+    }
+
+    /// From knee to ankle.
+    fn shin(self) -> Vector3<f64> {
+        along(self.swing - self.bend) * SHIN
+    }
+
+    /// From the ankle to heel and toe, on the ground when the foot is.
+    fn sole(self) -> [Vector3<f64>; 2] {
+        [self.upon_sole(-HEEL, 0.0), self.upon_sole(TOE, 0.0)]
+    }
+
+    /// From the ankle to a point of the shoe, so far in front of the ankle and so far above the sole.
+    fn upon_sole(self, forward: f64, up: f64) -> Vector3<f64> {
+        let (sin, cos) = libm::sincos(self.pitch);
+        let up = up - ANKLE;
+        Vector3::new(forward * cos - up * sin, 0.0, forward * sin + up * cos)
+    }
+
+    /// How far below the hip the lower of heel and toe is, metres.
+    fn reach(self) -> f64 {
+        let [heel, toe] = self.sole();
+        -(self.thigh().z + self.shin().z + heel.z.min(toe.z))
+    }
 }
 
 /// Downwards, swung forward by an angle.
@@ -248,6 +283,11 @@ fn along(swing: f64) -> Vector3<f64> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
+    use openbench_scene::RayCaster;
+
+    use super::super::pedestrians::STRIDE;
     use super::*;
 
     fn bounds(scene: &Scene) -> ([f32; 3], [f32; 3]) {
@@ -258,29 +298,66 @@ mod tests {
         })
     }
 
-    /// Six times the volume, from the divergence theorem: positive if triangles are seen from outside.
-    fn volume(scene: &Scene) -> f64 {
-        let corner = |i: u32| Vector3::from(scene.vertices[i as usize].position.map(f64::from));
-        scene
-            .triangles
-            .iter()
-            .map(|t| corner(t.corners[0]).dot(&corner(t.corners[1]).cross(&corner(t.corners[2]))))
-            .sum()
-    }
-
     #[test]
     fn people_stand_on_the_ground_and_are_as_tall_and_wide_as_people() {
         for phase in 0..PHASES {
             let figure = person(3, phase);
             let (low, high) = bounds(&figure);
-            assert!(low[2].abs() < 0.03, "phase {phase}: {low:?}");
+            assert!(low[2].abs() < 1e-6, "phase {phase}: {low:?}");
             assert!((1.65..1.85).contains(&high[2]), "phase {phase}: {high:?}");
             assert!(high[1] < 0.32 && low[1] > -0.32 && high[0] < 0.65 && low[0] > -0.65, "{low:?} {high:?}");
-            assert!(figure.triangles.len() < 500, "{}", figure.triangles.len());
-            let litres = volume(&figure) / 6.0 * 1000.0;
-            assert!((40.0..110.0).contains(&litres), "{litres}");
+            assert!(figure.triangles.len() <= 250, "{}", figure.triangles.len());
             assert!(figure.materials.iter().all(|m| m.class == SemanticClass::Person));
         }
+    }
+
+    #[test]
+    fn people_are_seen_from_outside_from_everywhere() {
+        for phase in 0..PHASES {
+            let caster = RayCaster::new(Arc::new(person(5, phase)));
+            let (mut seen, mut inside) = (0, 0);
+            for (turn, height, row, column) in views() {
+                let (sin, cos) = libm::sincosf(turn);
+                let target = [column * -sin, column * cos, row];
+                let eye = [3.0 * cos - column * sin, 3.0 * sin + column * cos, height];
+                let direction = [0, 1, 2].map(|i| target[i] - eye[i]);
+                let Some(hit) = caster.cast(eye, direction, 2.0) else { continue };
+                let normal = caster.surface(hit.triangle).normal;
+                seen += 1;
+                inside += usize::from((0..3).map(|i| normal[i] * direction[i]).sum::<f32>() > 0.0);
+            }
+            // About the area of a person over that of the window through which it is looked at.
+            assert!((1500..3000).contains(&seen), "phase {phase}: {seen}");
+            assert!(inside * 200 < seen, "phase {phase}: {inside} of {seen} rays see the inside");
+        }
+    }
+
+    /// Turns round a person, heights of the eye, and rows and columns of rays, radians and metres.
+    fn views() -> impl Iterator<Item = (f32, f32, f32, f32)> {
+        let looks = (0..8).flat_map(|turn| [0.2, 1.6].map(|height| (turn as f32 * 0.8, height)));
+        looks.flat_map(|(turn, height)| {
+            (0..400).map(move |i| {
+                let (row, column) = ((i / 20) as f32, (i % 20) as f32);
+                (turn, height, 0.02 + 0.09 * row, -0.38 + 0.04 * column)
+            })
+        })
+    }
+
+    #[test]
+    fn feet_stand_while_the_body_passes_over_them() {
+        // From flat foot to heel off the ankle moves back as fast as the body moves on, and stays at one height.
+        let ankle = |phase| {
+            let leg = Leg::in_phase(phase);
+            let other = Leg::in_phase((phase + PHASES / 2) % PHASES);
+            leg.thigh() + leg.shin() + Vector3::z() * leg.reach().max(other.reach())
+        };
+        let stand = [1, 2, 3].map(ankle);
+        assert!(stand.iter().all(|a| (a.z - ANKLE).abs() < 0.03), "{stand:?}");
+        let slip = stand[0].x - stand[2].x - STRIDE / 4.0;
+        assert!(slip.abs() < 0.03, "{slip}");
+        // The swinging foot passes clear of the ground, and not as in a march.
+        let swing = ankle(6).z - ANKLE;
+        assert!((0.02..0.25).contains(&swing), "{swing}");
     }
 
     #[test]

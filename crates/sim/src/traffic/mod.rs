@@ -15,6 +15,8 @@
 //! | [`measures`] | how near the robot came to them |
 
 mod cars;
+#[cfg(test)]
+mod crowds;
 pub mod figures;
 mod footways;
 mod ground;

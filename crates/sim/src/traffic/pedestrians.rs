@@ -1,10 +1,21 @@
 //! People who walk: the social force model.
 //!
-//! After D. Helbing and P. Molnár, *Social force model for pedestrian dynamics*, Phys. Rev. E 51, 1995 (the drive of equation 2,
-//! the exponential repulsions of equations 3 and 5 with the strengths given there), with the elliptical repulsion from the relative
-//! motion of A. Johansson, D. Helbing and P. Shukla, *Specification of the social force pedestrian model by evolutionary
-//! adjustment to video tracking data*, 2007. Desired speeds are normal, 1.34 m/s with a deviation of 0.26 m/s (Helbing and
-//! Molnár, after Henderson). Forces alone let bodies overlap in a crowd; what still overlaps after a step is moved apart.
+//! After D. Helbing and P. Molnár, *Social force model for pedestrian dynamics*, Phys. Rev. E 51, 1995 (arXiv cond-mat/9805244):
+//!
+//! - the drive towards the desired velocity, `(v0 e - v) / tau`;
+//! - repulsion between people, minus the gradient of `V0 exp(-b / sigma)`, with the strengths given there; what is not in sight
+//!   counts half;
+//! - exponential repulsion from walls;
+//! - desired speeds are normal, 1.34 m/s with a deviation of 0.26 m/s, and nobody exceeds 1.3 times his own.
+//!
+//! The semi-minor axis `b` of the ellipse is that of A. Johansson, D. Helbing and P. Shukla, *Specification of the social force
+//! pedestrian model by evolutionary adjustment to video tracking data*, Adv. Complex Syst. 10, 2007 (arXiv 0810.4587), from the
+//! relative motion: `2 b = sqrt((|d| + |d - y|)² - |y|²)` with `y` the way that the other comes towards us in a while. (In 1995 it
+//! was the other's motion alone.) Ours are: the foresight of 1 s, the softer walls, the cars, and that distances are those
+//! between rims. Forces alone let bodies overlap in a crowd; what still overlaps after a step is moved apart.
+//!
+//! Up to about one person a square metre speeds are those of Weidmann's fundamental diagram; denser crowds walk faster than they
+//! should (`crowds` tests it).
 
 use openbench_core::MapPoint;
 use openbench_core::frames::wrap_angle;
@@ -23,21 +34,25 @@ const HURRY: f64 = 1.3;
 const MAX_ACCELERATION: f64 = 4.0;
 /// Time in which the desired velocity is taken up, seconds (Helbing and Molnár).
 const RELAXATION: f64 = 0.5;
-/// Repulsion between people: V0 / sigma in m/s², sigma in metres (Helbing and Molnár).
+/// Repulsion between people: V0 / sigma in m/s², sigma in metres (Helbing and Molnár: V0 = 2.1 m²/s²).
 const PEOPLE: (f64, f64) = (2.1 / 0.3, 0.3);
-/// Repulsion from obstacles, from the body's rim: m/s² and metres. Weaker than Helbing and Molnár's, which keeps people
-/// out of gates.
+/// Repulsion from obstacles, from the body's rim: m/s² and metres. Weaker than Helbing and Molnár's 10 m²/s² over 0.2 m,
+/// which keeps people out of gates.
 const OBSTACLES: (f64, f64) = (4.0, 0.2);
 /// Repulsion from cars, m/s² and metres; ours.
 const CARS: (f64, f64) = (6.0, 0.4);
 /// How far ahead the motion of others is seen, seconds.
 const FORESIGHT: f64 = 1.0;
-/// What happens behind one's back counts this share (Helbing and Molnár's c).
+/// What happens behind one's back counts this share (Helbing and Molnár's c), which is what lies more than 100 degrees off the
+/// desired direction (their 2 phi is 200 degrees): the cosine of that.
 const BEHIND: f64 = 0.5;
+const BACK: f64 = -0.173_648;
 /// How far people see each other: the side of a cell, metres.
 pub(super) const SIGHT: f64 = 4.0;
+/// Distance at which people look along their way, metres.
+const LOOK_AHEAD: f64 = 2.0;
 /// Length of a walking cycle, two steps, at usual speed, metres.
-const STRIDE: f64 = 1.4;
+pub(super) const STRIDE: f64 = 1.4;
 /// Fastest turn of the body, rad/s.
 const MAX_TURN: f64 = 4.0;
 /// Who moves less than half a metre in this time seeks another goal, seconds.
@@ -54,7 +69,8 @@ pub(super) struct Person {
     pub radius: f64,
     /// Phase of the walking cycle, 0 to 1.
     pub gait: f64,
-    desired: f64,
+    /// How fast the person likes to walk, m/s.
+    pub desired: f64,
     /// Share of the way's half width that this person keeps to the right of its middle.
     side: f64,
     way: Vec<u32>,
@@ -149,7 +165,7 @@ impl Pedestrians {
         let toward = person.direction(&self.footways, ground);
         let waits = person.waits(toward, ground, cars, near_cars);
         let speed = if waits { 0.0 } else { person.desired };
-        // Equation (2) of Helbing and Molnár.
+        // The drive: (v0 e - v) / tau.
         let mut sum = [0, 1].map(|k| (speed * toward[k] - person.velocity[k]) / RELAXATION);
         let mut add = |force: [f64; 2]| (0..2).for_each(|k| sum[k] += force[k]);
         self.near.near(person.position, |j| {
@@ -230,17 +246,24 @@ impl Person {
         square < 0.5 || (square < 4.0 && ahead < 0.0)
     }
 
-    /// Unit vector towards the next place, a little to its right.
+    /// Unit vector along the way to the next place, a little to the right of its middle.
     fn direction(&self, footways: &Footways, ground: &Ground) -> [f64; 2] {
         let Some(&next) = self.way.get(self.next) else { return [0.0; 2] };
         let (from, to) = (footways.point(self.way[self.next - 1]), footways.point(next));
         let length = from.distance(to).max(1e-9);
-        let right = self.side * (footways.half_width(next) - PERSON_RADIUS).max(0.0) / length;
-        let aside = MapPoint::new(to.x + (to.y - from.y) * right, to.y - (to.x - from.x) * right);
+        let along = [(to.x - from.x) / length, (to.y - from.y) / length];
+        let right = self.side * (footways.half_width(next) - PERSON_RADIUS).max(0.0);
+        let aside = MapPoint::new(to.x + along[1] * right, to.y - along[0] * right);
         let target = if ground.clearance(aside).0 > 0.1 { aside } else { to };
-        let (dx, dy) = (target.x - self.position.x, target.y - self.position.y);
-        let away = libm::hypot(dx, dy).max(0.1);
-        [dx / away, dy / away]
+        let mut toward = [target.x - self.position.x, target.y - self.position.y];
+        let ahead = toward[0] * along[0] + toward[1] * along[1];
+        let off = (toward[1] * along[0] - toward[0] * along[1]).abs();
+        // Who is nearly there looks past the place, along the way, so that what pushes aside does not turn the head.
+        if (0.0..LOOK_AHEAD).contains(&ahead) && off < LOOK_AHEAD {
+            (0..2).for_each(|k| toward[k] += (LOOK_AHEAD - ahead) * along[k]);
+        }
+        let away = libm::hypot(toward[0], toward[1]).max(0.1);
+        toward.map(|t| t / away)
     }
 
     /// Whether a car comes whose way the person is about to walk into: from the kerb, or from between parked cars.
@@ -268,8 +291,9 @@ impl Person {
         comes
     }
 
-    /// Repulsion from a body at `center` of another's `velocity`: Johansson, Helbing and Shukla, equations (4) and (5). Distances are
-    /// those between rims plus one usual diameter, so that wide bodies keep wider apart.
+    /// Repulsion from a body at `center` of another's `velocity`: minus the gradient of `V0 exp(-b / sigma)`, which is
+    /// `V0 / sigma exp(-b / sigma) (|d| + |d - y|) / (4 b) (d / |d| + (d - y) / |d - y|)`. In the exponent stands the distance
+    /// between rims plus one usual diameter, so that wide bodies keep wider apart.
     fn repulsion(&self, toward: [f64; 2], center: MapPoint, velocity: [f64; 2], radius: f64) -> [f64; 2] {
         let d = [self.position.x - center.x, self.position.y - center.y];
         let away = libm::hypot(d[0], d[1]);
@@ -283,7 +307,8 @@ impl Person {
         let sum = away + later;
         let b = (sum * sum - y[0] * y[0] - y[1] * y[1]).max(0.04).sqrt() / 2.0;
         let rims = b - (self.radius + radius - 2.0 * PERSON_RADIUS);
-        let seen = if d[0] * toward[0] + d[1] * toward[1] < 0.2 * away { 1.0 } else { BEHIND };
+        let in_sight = -(d[0] * toward[0] + d[1] * toward[1]) >= BACK * away;
+        let seen = if in_sight { 1.0 } else { BEHIND };
         let strength = seen * (PEOPLE.0 * libm::exp(-rims / PEOPLE.1) * sum / (4.0 * b)).min(8.0);
         [0, 1].map(|k| strength * (d[k] / away + e[k] / later))
     }
@@ -351,5 +376,68 @@ impl Pedestrians {
         person.anchor = (from, 0.0);
         self.footways.way_to(near, to, &mut person.way);
         person.next = 1;
+    }
+
+    /// Who has passed `x` goes on so many metres further back, towards a place.
+    pub fn wrap(&mut self, i: usize, x: f64, back: f64, to: u32) {
+        let person = &mut self.people[i];
+        if (person.position.x - x) * back > 0.0 {
+            let (velocity, at) = (person.velocity, person.position);
+            self.send(i, MapPoint::new(at.x - back, at.y), to);
+            self.people[i].velocity = velocity;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn person(velocity: [f64; 2]) -> Person {
+        Person {
+            position: MapPoint::default(),
+            velocity,
+            yaw: 0.0,
+            radius: PERSON_RADIUS,
+            gait: 0.0,
+            desired: 1.3,
+            side: 0.0,
+            way: vec![],
+            next: 0,
+            anchor: (MapPoint::default(), 0.0),
+        }
+    }
+
+    /// `V0 exp(-b / sigma)` at `d` from somebody who moves with the `relative` velocity.
+    fn potential(d: [f64; 2], relative: [f64; 2]) -> f64 {
+        let (x, y) = (d[0] - relative[0] * FORESIGHT, d[1] - relative[1] * FORESIGHT);
+        let sum = libm::hypot(d[0], d[1]) + libm::hypot(x, y);
+        let way = libm::hypot(relative[0], relative[1]) * FORESIGHT;
+        PEOPLE.0 * PEOPLE.1 * libm::exp(-(sum * sum - way * way).sqrt() / 2.0 / PEOPLE.1)
+    }
+
+    #[test]
+    fn people_repel_each_other_down_the_slope_of_the_potential() {
+        for (d, other) in [([-1.0, 0.3], [-0.4, 0.1]), ([-0.7, -0.6], [0.3, 1.2]), ([-1.6, 0.1], [-1.3, 0.0])]
+        {
+            let own = [0.5, 0.2];
+            let center = MapPoint::new(-d[0], -d[1]);
+            let force = person(own).repulsion([1.0, 0.0], center, other, PERSON_RADIUS);
+            let relative = [other[0] - own[0], other[1] - own[1]];
+            let h = 1e-5;
+            let slope = [[h, 0.0], [0.0, h]].map(|s| {
+                let at = |sign: f64| potential([d[0] + sign * s[0], d[1] + sign * s[1]], relative);
+                (at(1.0) - at(-1.0)) / (2.0 * h)
+            });
+            for k in 0..2 {
+                assert!((force[k] + slope[k]).abs() < 1e-6 * (1.0 + force[k].abs()), "{force:?} {slope:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_behind_counts_half() {
+        let force = |x: f64| person([0.0; 2]).repulsion([1.0, 0.0], MapPoint::new(x, 0.0), [0.0; 2], 0.25)[0];
+        assert!(force(1.0) < 0.0 && (force(-1.0) + BEHIND * force(1.0)).abs() < 1e-12);
     }
 }

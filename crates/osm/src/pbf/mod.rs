@@ -1,0 +1,206 @@
+//! Reads OSM PBF, the compressed format of regional extracts.
+//!
+//! After *PBF Format*, wiki.openstreetmap.org. A file is a row of blobs, each with a header that says its kind and size. All headers
+//! are read before any blob is unpacked, so that a cut-off file is told from a whole one. Blob kinds that are not known are passed
+//! over, as the format demands; features that are not known are refused, as it demands too. Memory stays in proportion to the file,
+//! whatever its blobs claim.
+//!
+//! | module | its one job |
+//! |---|---|
+//! | `wire` | protocol buffers |
+//! | `block` | nodes, ways and relations of a block |
+
+mod block;
+mod wire;
+
+use std::borrow::Cow;
+use std::io::Read;
+
+use flate2::read::ZlibDecoder;
+
+use crate::data::OsmData;
+use crate::error::{OsmError, Place};
+use wire::Fields;
+
+/// Neither blobs nor what they unpack to may be larger, says the format, nor may headers.
+const LARGEST_BLOB: u64 = 32 << 20;
+const LARGEST_HEADER: u32 = 64 << 10;
+/// A blob that unpacks to more than so many times its size, and to more than so many bytes, is no map: real ones make it two or
+/// three times.
+const LARGEST_RATIO: u64 = 20;
+const ANY_BLOB: u64 = 64 << 10;
+
+const KNOWN_FEATURES: [&str; 3] = ["OsmSchema-V0.6", "DenseNodes", "HistoricalInformation"];
+
+/// Whether the bytes begin like PBF: the length of a blob header is below 2^16, so its first two bytes are 0.
+pub(crate) fn looks_like_pbf(bytes: &[u8]) -> bool {
+    bytes.starts_with(&[0, 0])
+}
+
+pub(crate) fn read(bytes: &[u8]) -> Result<OsmData, OsmError> {
+    let mut data = OsmData::default();
+    for blob in blobs(bytes)? {
+        blob.read(&mut data).map_err(|problem| at(blob.offset, problem))?;
+    }
+    Ok(data)
+}
+
+fn at(offset: usize, problem: impl Into<String>) -> OsmError {
+    OsmError::malformed(Place::Byte(offset), problem)
+}
+
+/// A blob as it stands in the file.
+struct Blob<'a> {
+    /// Where its header begins.
+    offset: usize,
+    kind: &'a [u8],
+    bytes: &'a [u8],
+}
+
+/// All blobs of a file: the last one must end where the bytes end.
+fn blobs(bytes: &[u8]) -> Result<Vec<Blob<'_>>, OsmError> {
+    let mut blobs = Vec::new();
+    let mut rest = bytes;
+    while !rest.is_empty() {
+        let offset = bytes.len() - rest.len();
+        let cut =
+            |part: &str| at(offset, format!("the file ends within {part}; it is cut off, fetch it again"));
+        let (length, after) = rest.split_first_chunk().ok_or_else(|| cut("a blob header"))?;
+        let length = u32::from_be_bytes(*length);
+        if length > LARGEST_HEADER {
+            return Err(at(offset, "a blob header of impossible size; this is not OSM PBF or it is damaged"));
+        }
+        let (header, after) = after.split_at_checked(length as usize).ok_or_else(|| cut("a blob header"))?;
+        let (kind, size) = read_header(header).map_err(|problem| at(offset, problem))?;
+        if size > LARGEST_BLOB {
+            return Err(at(offset, "a blob of impossible size; this is not OSM PBF or it is damaged"));
+        }
+        let (blob, after) = after.split_at_checked(size as usize).ok_or_else(|| cut("this blob"))?;
+        blobs.push(Blob { offset, kind, bytes: blob });
+        rest = after;
+    }
+    Ok(blobs)
+}
+
+/// Kind and size of the blob after a header.
+fn read_header(header: &[u8]) -> Result<(&[u8], u64), wire::Problem> {
+    let (mut kind, mut size) = (None, None);
+    for field in Fields(header) {
+        match field? {
+            (1, value) => kind = Some(value.bytes()?),
+            (3, value) => size = Some(value.number()?),
+            _ => {}
+        }
+    }
+    kind.zip(size).ok_or("a blob header without kind or size; this is not OSM PBF or it is damaged")
+}
+
+impl Blob<'_> {
+    fn read(&self, data: &mut OsmData) -> Result<(), String> {
+        match self.kind {
+            b"OSMHeader" => check_features(&self.unpack()?),
+            b"OSMData" => Ok(block::read(&self.unpack()?, data)?),
+            _ => Ok(()),
+        }
+    }
+
+    fn unpack(&self) -> Result<Cow<'_, [u8]>, String> {
+        for field in Fields(self.bytes) {
+            match field? {
+                (1, raw) => return Ok(Cow::Borrowed(raw.bytes()?)),
+                (3, packed) => return Ok(Cow::Owned(inflate(packed.bytes()?)?)),
+                (4..=7, _) => {
+                    return Err("this blob is not compressed with zlib, which alone is supported".into());
+                }
+                _ => {}
+            }
+        }
+        Err("a blob without content".into())
+    }
+}
+
+fn inflate(packed: &[u8]) -> Result<Vec<u8>, String> {
+    let largest = (LARGEST_RATIO * packed.len() as u64).clamp(ANY_BLOB, LARGEST_BLOB);
+    let mut unpacked = Vec::new();
+    let read = ZlibDecoder::new(packed).take(largest + 1).read_to_end(&mut unpacked);
+    read.map_err(|error| format!("this blob cannot be unpacked: {error}"))?;
+    if unpacked.len() as u64 > largest {
+        return Err(format!(
+            "this blob of {} bytes unpacks to more than {largest}; it is no map",
+            packed.len()
+        ));
+    }
+    Ok(unpacked)
+}
+
+fn check_features(header: &[u8]) -> Result<(), String> {
+    for field in Fields(header) {
+        let (4, feature) = field? else { continue };
+        let feature = String::from_utf8_lossy(feature.bytes()?);
+        if !KNOWN_FEATURES.contains(&feature.as_ref()) {
+            return Err(format!("the file needs the feature {feature}, which is not supported"));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One blob with a header block that asks for `feature`, uncompressed, built by hand after the format's definition.
+    fn header_blob(feature: &str) -> Vec<u8> {
+        let field = |tag: u8, bytes: &[u8]| [&[tag, bytes.len() as u8], bytes].concat();
+        let blob = field(0x0A, &field(0x22, feature.as_bytes()));
+        let header = [field(0x0A, b"OSMHeader"), vec![0x18, blob.len() as u8]].concat();
+        [&(header.len() as u32).to_be_bytes(), header.as_slice(), &blob].concat()
+    }
+
+    #[test]
+    fn a_file_with_a_header_alone_is_an_empty_map() {
+        let data = OsmData::from_bytes(&header_blob("DenseNodes")).unwrap();
+        assert!(data.nodes.is_empty());
+    }
+
+    #[test]
+    fn an_unknown_feature_is_refused_by_name() {
+        let error = OsmData::from_bytes(&header_blob("LocationsOnMars")).unwrap_err().to_string();
+        assert_eq!(error, "byte 0: the file needs the feature LocationsOnMars, which is not supported");
+    }
+
+    #[test]
+    fn every_cut_of_a_file_is_noticed() {
+        let whole = header_blob("DenseNodes");
+        for length in 1..whole.len() {
+            assert!(OsmData::from_pbf(&whole[..length]).is_err(), "cut to {length} bytes");
+        }
+    }
+
+    #[test]
+    fn a_negative_blob_size_does_not_loop() {
+        // Size -1 as a ten-byte varint.
+        let header = [&[0x0A, 9], b"OSMHeader".as_slice(), &[0x18], &[0xFF; 9], &[1]].concat();
+        let bytes = [&(header.len() as u32).to_be_bytes(), header.as_slice()].concat();
+        assert!(OsmData::from_pbf(&bytes).unwrap_err().to_string().contains("impossible size"));
+    }
+
+    /// A file of one blob of zeros, packed.
+    fn packed(zeros: usize) -> Vec<u8> {
+        let mut packer = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::best());
+        std::io::Write::write_all(&mut packer, &vec![0; zeros]).unwrap();
+        let number = |n: usize| [n as u8 | 128, (n >> 7) as u8 | 128, (n >> 14) as u8];
+        let packed = packer.finish().unwrap();
+        let blob = [&[0x1A], number(packed.len()).as_slice(), &packed].concat();
+        let header = [[0x0A, 7].as_slice(), b"OSMData", &[0x18], &number(blob.len())].concat();
+        [&(header.len() as u32).to_be_bytes(), header.as_slice(), &blob].concat()
+    }
+
+    #[test]
+    fn a_small_blob_that_unpacks_to_megabytes_is_refused() {
+        let error = OsmData::from_pbf(&packed(20 << 20)).unwrap_err().to_string();
+        assert!(error.contains("it is no map"), "{error}");
+        // Few enough to be looked at: zeros are no fields.
+        let error = OsmData::from_pbf(&packed(1000)).unwrap_err().to_string();
+        assert!(!error.contains("it is no map"), "{error}");
+    }
+}

@@ -1,0 +1,98 @@
+"""Writes small examples into corpus/TARGET, for the targets that read worlds, meshes and maps.
+
+Usage: seeds.py [DATA]     DATA: a folder with `openbench`, `gazebo_models` and `osm`; by default ../../shared/data
+"""
+
+import re
+import struct
+import sys
+import zlib
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+DATA = Path(sys.argv[1]) if len(sys.argv) > 1 else HERE.parent.parent / "shared" / "data"
+# Larger files make mutations slow and seldom interesting.
+LARGEST = 16_000
+WORLD = "<sdf version='1.7'><world name='w'><model name='text_model1'/>%s</world></sdf>"
+TRIANGLE = struct.pack("<12fH", 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0)
+
+
+def put(target, name, content):
+    folder = HERE / "corpus" / target
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / name).write_bytes(content)
+
+
+def worlds():
+    """Each kind of element once: the models of the published worlds, of different lengths, and their states and lights."""
+    seen = set()
+    for path in sorted(DATA.glob("openbench/*/*.world")):
+        text = path.read_text()
+        for i, found in enumerate(re.finditer(r"<(model|light|state|road)\b.*?\n    </\1>", text, re.S)):
+            shape = re.sub(r"[0-9.e+-]+", "", found[0])
+            if len(found[0]) < LARGEST and shape not in seen:
+                seen.add(shape)
+                put("sdf", f"{path.stem}-{i}", (WORLD % found[0]).encode())
+    for path in sorted(DATA.glob("gazebo_models/*/model.sdf")):
+        model = re.search(r"<model\b.*</model>", path.read_text(errors="replace"), re.S)
+        put("sdf", path.parent.name, (WORLD % model[0]).encode())
+
+
+def meshes():
+    for number, kind in enumerate(["dae", "obj", "stl"]):
+        for path in sorted(DATA.glob(f"gazebo_models/*/meshes/*.{kind}")):
+            if path.stat().st_size < LARGEST:
+                put("mesh", path.name, bytes([number]) + path.read_bytes())
+    put("mesh", "binary.stl", b"\2" + bytes(80) + struct.pack("<I", 1) + TRIANGLE)
+    facet = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet"
+    put("mesh", "text.stl", b"\2" + f"solid a\n{facet}\nendsolid a\n".encode())
+    put("mesh", "square.obj", b"\1v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1 -1/1\n")
+
+
+def maps():
+    for path in [*DATA.glob("openbench/*/*.osm"), *HERE.parent.glob("crates/*/tests/fixtures/*.osm")]:
+        put("osm_xml", path.name, path.read_bytes())
+    for path in sorted(DATA.glob("osm/*.pbf")):
+        head, *rest = blocks(path.read_bytes())
+        put("osm_pbf", f"{path.stem}-head", head)
+        for i, block in enumerate(sorted(rest, key=len)[:3]):
+            if len(block) < 4 * LARGEST:
+                put("osm_pbf", f"{path.stem}-{i}", head + block)
+
+
+def number(value):
+    """A number as protocol buffers write it."""
+    return bytes([value & 127 | 128]) + number(value >> 7) if value > 127 else bytes([value])
+
+
+def read_number(data, at):
+    value = shift = 0
+    while True:
+        value, shift, at = value | (data[at] & 127) << shift, shift + 7, at + 1
+        if data[at - 1] < 128:
+            return value, at
+
+
+def blocks(content):
+    """The blocks of a PBF file, unpacked: what is packed cannot be changed byte by byte."""
+    at = 0
+    while at < len(content):
+        start = at + 4
+        end = start + struct.unpack(">I", content[at:start])[0]
+        kind = b"OSMHeader" if b"OSMHeader" in content[start:end] else b"OSMData"
+        size = content.rindex(b"\x18", start, end) + 1
+        length, _ = read_number(content, size)
+        blob, at = content[end : end + length], end + length
+        raw_size, data = read_number(blob, blob.index(b"\x10") + 1)
+        _, data = read_number(blob, data + 1)
+        raw = zlib.decompress(blob[data:])
+        assert len(raw) == raw_size
+        blob = b"\x0a" + number(len(raw)) + raw
+        header = b"\x0a" + number(len(kind)) + kind + b"\x18" + number(len(blob))
+        yield struct.pack(">I", len(header)) + header + blob
+
+
+if __name__ == "__main__":
+    worlds()
+    meshes()
+    maps()
