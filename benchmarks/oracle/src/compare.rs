@@ -1,6 +1,6 @@
 //! Our pictures against the rasterizer's, pixel by pixel.
 
-use openbench_scene::{RayCaster, SemanticClass};
+use openbench_scene::{Movers, RayCaster, SemanticClass};
 use openbench_sim::{Renderer, View};
 
 use crate::exact;
@@ -62,7 +62,7 @@ impl Both {
     }
 
     fn compare_with(&self, view: &View, lens: &Lens) -> Comparison {
-        let labels = self.renderer.labels(view);
+        let labels = self.renderer.labels(view, &Movers::default());
         let ours = labels.class.iter().zip(&labels.depth).map(|(class, depth)| class.map(|c| (c, *depth)));
         let theirs = self.rasterizer.draw(self.caster.scene(), lens);
         let mut result = Comparison::default();
