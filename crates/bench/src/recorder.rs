@@ -5,12 +5,13 @@ use std::str::FromStr;
 
 use openbench_core::{Event, Georeference, LidarScan, MapPoint, Pose2, SimTime, Velocity};
 use openbench_logs::messages::{
-    CompressedImage, Header, Imu, JointState, NavSatFix, Odometry, Path as PathMessage, PointCloud2,
-    PoseStamped, StringMessage, Twist,
+    CompressedImage, Header, Imu, JointState, NavSatFix, Odometry, Path as PathMessage, PointCloud2, Pose,
+    PoseArray, PoseStamped, StringMessage, Twist,
 };
 use openbench_logs::{LogError, LogFile};
 use openbench_osm::Projection;
 use openbench_sim::Simulator;
+use openbench_sim::traffic::MoverKind;
 
 use crate::picture;
 
@@ -41,6 +42,8 @@ impl FromStr for Level {
 /// Of how many scans one is kept when thinned, and of how many points.
 const THIN: (u64, usize) = (5, 20);
 const SCAN_NS: u64 = 100_000_000;
+/// Time between two records of where people and cars are.
+const MOVERS_NS: u64 = 200_000_000;
 
 /// Writes what happens into a log.
 pub struct Recorder {
@@ -71,6 +74,17 @@ impl Recorder {
         let odometry =
             Odometry::new(Header::new(time, "map"), "base_link", simulator.base_link().into(), twist);
         log.write("/ground_truth/odom", time, &odometry)?;
+        if !simulator.movers().is_empty() && time.0.is_multiple_of(MOVERS_NS) {
+            let poses = |kind| poses_of(kind, simulator);
+            let header = || Header::new(time, "map");
+            let people = PoseArray { header: header(), poses: poses(MoverKind::Pedestrian) };
+            log.write("/ground_truth/people", time, &people)?;
+            log.write(
+                "/ground_truth/cars",
+                time,
+                &PoseArray { header: header(), poses: poses(MoverKind::Car) },
+            )?;
+        }
         if self.level == Level::Full {
             for sample in observation.imu {
                 log.write("/livox/imu", sample.stamp, &Imu::from(*sample))?;
@@ -133,6 +147,11 @@ impl Recorder {
             None => Ok(()),
         }
     }
+}
+
+fn poses_of(kind: MoverKind, simulator: &Simulator) -> Vec<Pose> {
+    let there = simulator.movers().iter().filter(|m| m.present && m.kind == kind);
+    there.map(|m| m.pose.into()).collect()
 }
 
 fn stamped(header: Header, pose: Pose2) -> PoseStamped {

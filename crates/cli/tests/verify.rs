@@ -32,6 +32,32 @@ fn a_run_repeats_to_the_bit() {
 }
 
 #[test]
+fn a_run_among_people_repeats_to_the_bit_on_any_number_of_threads() {
+    let place = town();
+    place.file("one.txt", "To unit1, building1.\nA box to unit1, building1.\n");
+    let reader = reader_that_says(UNIT_1);
+    let run = |out: &str, jobs: u32| {
+        let words = format!(
+            "--deliveries one.txt --pedestrians 6 --seed 5 --jobs {jobs} --out {out} --json --set reader={reader}"
+        );
+        let mut results = deliver(&place, &words).succeeded().json();
+        results["settings"] = Value::Null;
+        for key in ["wall_seconds", "real_time_factor"] {
+            results["metrics"][key] = Value::Null;
+        }
+        results
+    };
+    let results = run("run", 1);
+    assert_eq!(results, run("again", 2));
+    assert_eq!(results["traffic"]["pedestrians"], 6);
+    let encounters = &results["metrics"]["encounters"];
+    assert!(encounters["nearest_person_m"].as_f64().is_some_and(|m| m < 20.0), "{encounters}");
+    place.openbench("verify run").succeeded();
+    let log = std::fs::read(place.path("run/episodes/000.mcap")).unwrap();
+    assert!(log.windows(20).any(|w| w == b"/ground_truth/people"), "who walked where is in the log");
+}
+
+#[test]
 fn changed_actions_differ_in_the_episode_that_was_changed() {
     let place = a_run();
     tamper(&place, |actions| actions["driven"][0]["velocity"]["linear"] = 0.123.into());

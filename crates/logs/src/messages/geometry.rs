@@ -96,6 +96,33 @@ impl Message for PoseStamped {
     }
 }
 
+/// `geometry_msgs/PoseArray`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PoseArray {
+    /// When, and in which frame.
+    pub header: Header,
+    /// Where each is.
+    pub poses: Vec<Pose>,
+}
+
+impl Message for PoseArray {
+    const DEFINITION: &'static Definition = &Definition {
+        name: "geometry_msgs/PoseArray",
+        fields: "std_msgs/Header header\ngeometry_msgs/Pose[] poses\n",
+        parts: &[Header::DEFINITION, Pose::DEFINITION],
+    };
+
+    fn encode(&self, out: &mut CdrWriter) {
+        self.header.encode(out);
+        out.count(self.poses.len());
+        self.poses.iter().for_each(|p| p.encode(out));
+    }
+
+    fn decode(input: &mut CdrReader<'_>) -> Result<Self, CdrError> {
+        Ok(Self { header: Header::decode(input)?, poses: input.sequence(7 * 8, Pose::decode)? })
+    }
+}
+
 /// `geometry_msgs/Twist`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Twist {
@@ -219,6 +246,15 @@ mod tests {
         assert_eq!(read, message);
         let back = Pose2::from_pose3(&read.pose.to_pose3().unwrap());
         assert!((back.yaw - 0.5).abs() < 1e-12 && back.x == 1.0);
+    }
+
+    #[test]
+    fn many_poses_round_trip() {
+        for count in [0, 1, 3] {
+            let poses = (0..count).map(|i| Pose2::new(f64::from(i), 1.0, 0.1).into()).collect();
+            let message = PoseArray { header: Header::new(SimTime(9), "map"), poses };
+            assert_eq!(PoseArray::from_cdr(&message.to_cdr()).unwrap(), message);
+        }
     }
 
     #[test]

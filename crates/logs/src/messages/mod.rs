@@ -15,7 +15,7 @@ mod standard;
 use crate::cdr::{CdrError, CdrReader, CdrWriter};
 
 pub use definition::Definition;
-pub use geometry::{Pose, PoseStamped, TfMessage, TransformStamped, Twist, TwistStamped};
+pub use geometry::{Pose, PoseArray, PoseStamped, TfMessage, TransformStamped, Twist, TwistStamped};
 pub use nav::{Odometry, Path};
 pub use nav_sat::NavSatFix;
 pub use point_cloud::{CloudError, PointCloud2, PointField};
