@@ -132,6 +132,10 @@ fn depth_classes_and_instances_lie_beside_the_picture_with_their_legends() {
         "{classes:?}"
     );
     let things = names("i.json", "instances");
+    let legend = place.json("i.json");
+    let numbers: Vec<_> =
+        legend["instances"].as_array().unwrap().iter().map(|e| e["number"].as_u64()).collect();
+    assert!(numbers.windows(2).all(|pair| pair[0] < pair[1]), "one entry a thing: {numbers:?}");
     assert!(["Villa Rosa", "Long Lane"].iter().all(|c| things.iter().any(|n| n == c)), "{things:?}");
     place.openbench("world show w --quality 0").refused_with(&["quality"]);
 }

@@ -125,17 +125,18 @@ fn legend_of_classes(labels: &Labels) -> serde_json::Value {
 }
 
 fn legend_of_instances(labels: &Labels, scene: &Scene) -> serde_json::Value {
-    let mut pixels: BTreeMap<(u32, Option<SemanticClass>), u64> = BTreeMap::new();
-    for seen in labels.object.iter().copied().zip(labels.class.iter().copied()) {
-        *pixels.entry(seen).or_default() += 1;
+    // A number has one entry, though a house shows walls, doors and plates: what moves is all of one class.
+    let mut seen: BTreeMap<u32, (Option<SemanticClass>, u64)> = BTreeMap::new();
+    for (number, class) in labels.object.iter().zip(&labels.class) {
+        seen.entry(*number).or_insert((*class, 0)).1 += 1;
     }
-    let entry = |((number, class), pixels): (&(u32, Option<SemanticClass>), &u64)| {
-        // What moves is no object of the scene; its class says what it is.
-        let class = class.map(SemanticClass::name);
-        let name = scene.object(*number).map_or(class.unwrap_or("sky"), |object| &object.name);
+    let entry = |(number, (class, pixels)): (&u32, &(Option<SemanticClass>, u64))| {
+        let object = scene.object(*number);
+        let class = object.map(|o| o.class).or(*class).map(SemanticClass::name);
+        let name = object.map_or(class.unwrap_or("sky"), |object| &object.name);
         json!({ "number": number, "name": name, "class": class, "color": hex(color_of_number(*number)), "pixels": pixels })
     };
-    json!({ "instances": pixels.iter().map(entry).collect::<Vec<_>>() })
+    json!({ "instances": seen.iter().map(entry).collect::<Vec<_>>() })
 }
 
 fn hex([r, g, b]: [u8; 3]) -> String {
