@@ -168,7 +168,10 @@ impl Site {
             eaves,
             levels,
             roof,
-            facade: pick(rng, &palette.facades),
+            facade: pick(
+                rng,
+                if self.detailed && levels < 4 { &palette.facades } else { &palette.town_facades },
+            ),
             plinth: pick(rng, &palette.plinths),
             trim: pick(rng, &palette.trims),
             roofing: if roof == Roof::Flat { palette.flat_roof } else { pick(rng, &palette.pitched_roofs) },

@@ -156,7 +156,7 @@ impl Site {
                         &mut self.builder,
                         (core, Layer::Visible),
                         (at(p, half * 0.85), radius, half),
-                        usize::from(self.detailed && k % 2 == 0),
+                        0,
                         &mut rng,
                     );
                 }

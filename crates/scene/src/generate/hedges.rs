@@ -10,7 +10,7 @@ use super::shapes::{Corner, Surface, at, cuboid};
 use crate::scene::{Layer, SceneBuilder};
 
 /// Distance between the cross sections of a hedge, metres, where there are few and where there are many.
-const SECTION: (f64, f64) = (0.8, 4.0);
+const SECTION: (f64, f64) = (1.2, 4.0);
 /// Sections of one stretch at most.
 const MAX_SECTIONS: usize = 1_000;
 /// The cross section: share of half the thickness, share of the height.

@@ -28,6 +28,8 @@ pub(super) struct Palette {
     pub doorstep: Surface,
     /// Facades by kind: brick, plaster, siding, stone; each in several colours.
     pub facades: Vec<Surface>,
+    /// Those of tall houses and towns: no boards, more plaster.
+    pub town_facades: Vec<Surface>,
     pub plinths: Vec<Surface>,
     pub trims: Vec<Surface>,
     pub pitched_roofs: Vec<Surface>,
@@ -178,7 +180,12 @@ impl Palette {
         let kerbstones = m.image(images::kerbstones(s ^ 14));
         let stripes = m.image(openings::stripes());
         let walls = [(bricks, 1.92), (plaster, 3.0), (siding, 2.0), (stones, 2.4)];
+        let facades = facades(m, walls);
+        let plasters = BRICKS.len()..BRICKS.len() + PLASTERS.len();
+        let town = facades[..2].iter().chain(&facades[plasters.clone()]).chain(&facades[plasters]);
         Self {
+            town_facades: town.chain(&facades[facades.len() - STONES.len()..]).copied().collect(),
+            facades,
             grass: m.surface(C::Ground, [1.0; 3], 90, Some((grass, 2.4))),
             asphalt: m.surface(C::Road, [0.37, 0.37, 0.39], 22, Some((grit, 1.8))),
             worn_asphalt: m.surface(C::Road, [0.47, 0.46, 0.45], 26, Some((grit, 2.5))),
@@ -193,7 +200,6 @@ impl Palette {
             patch: m.surface(C::Road, [0.30, 0.30, 0.31], 20, Some((grit, 1.8))),
             marking: m.surface(C::Road, [0.90, 0.90, 0.88], 160, Some((plaster, 1.0))),
             doorstep: m.surface(C::Pavement, [0.62, 0.60, 0.58], 70, Some((plaster, 1.2))),
-            facades: facades(m, walls),
             plinths: m.tinted(C::Building, &[[0.50, 0.49, 0.48], [0.62, 0.58, 0.52]], 60, (plaster, 2.0)),
             trims: m.tinted(
                 C::Building,

@@ -104,7 +104,7 @@ impl Site {
             let beside = p.offset(turn + std::f64::consts::FRAC_PI_2 * f64::from(i), radius * 0.58);
             let lobe = at(beside, center.z - half * between(rng, 0.05, 0.4));
             let size = between(rng, 0.5, 0.62);
-            blob(builder, (shell, Layer::Visible), (lobe, radius * size, half * size * 1.1), 0, rng);
+            blob(builder, (core, Layer::Visible), (lobe, radius * size, half * size * 1.1), 0, rng);
         }
     }
 }
