@@ -39,7 +39,12 @@ fn world_map(prepared: &Prepared) -> WorldMap {
         buildings: map.buildings.iter().map(|b| area(b.name.as_ref(), &b.polygon)).collect(),
         roads: map.roads.iter().map(|r| r.points.clone()).collect(),
         barriers: map.barriers.iter().map(|b| b.points.clone()).collect(),
-        areas: map.areas.iter().map(|a| area(None, &a.polygon)).collect(),
+        areas: map
+            .areas
+            .iter()
+            .filter(|a| !a.tags.says("building:part"))
+            .map(|a| area(None, &a.polygon))
+            .collect(),
     }
 }
 

@@ -195,6 +195,22 @@ fn maps_that_make_no_world_are_refused() {
 }
 
 #[test]
+fn what_is_left_out_of_a_world_is_said_when_it_is_made_and_when_it_is_run() {
+    let place = village();
+    let flat = "<way id='60'><nd ref='10'/><nd ref='11'/><nd ref='10'/><tag k='building' v='yes'/></way>\
+        <way id='61'><nd ref='1'/><nd ref='2'/><nd ref='1'/><nd ref='2'/><nd ref='1'/><tag k='building:part' v='yes'/></way>\
+        <node id='99' lat='95' lon='3'/></osm>";
+    place.file("village.osm", place.read("village.osm").replace("</osm>", flat));
+    let made = place.openbench("world generate --map village.osm --out w --draw 1 0 1");
+    let said = &made.succeeded().stderr;
+    assert!(said.contains("1 buildings without a closed outline"), "{said}");
+    assert!(said.contains("village.osm: 1 element"), "{said}");
+    let ran = place.openbench(&format!("run w --set reader={NOBODY}"));
+    let said = &ran.succeeded().stderr;
+    assert!(said.contains("1 buildings without a closed outline"), "{said}");
+}
+
+#[test]
 fn folders_that_are_no_worlds_are_refused() {
     let place = generated("");
     std::fs::create_dir(place.path("empty")).unwrap();

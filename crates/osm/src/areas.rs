@@ -16,8 +16,18 @@ use crate::spatial::BoxTree;
 use crate::tags::Tags;
 
 /// Keys that make a closed way an area.
-const AREA_KEYS: [&str; 9] =
-    ["landuse", "natural", "leisure", "amenity", "water", "place", "area:highway", "tourism", "man_made"];
+const AREA_KEYS: [&str; 10] = [
+    "landuse",
+    "natural",
+    "leisure",
+    "amenity",
+    "water",
+    "place",
+    "area:highway",
+    "tourism",
+    "man_made",
+    "building:part",
+];
 
 /// What bears one of those keys and is a line all the same.
 const LINES: [(&str, &str); 12] = [

@@ -256,6 +256,14 @@ mod tests {
     }
 
     #[test]
+    fn parts_of_buildings_stay_whole() {
+        let mut town = town();
+        town.ways.get_mut(&2).unwrap().tags = [("building:part", "yes")].into_iter().collect();
+        let cut = cut_out(&town, &Window::new(0.0, 0.0, 1.0, 1.0).unwrap());
+        assert_eq!(cut.ways[&2].nodes, [10, 11, 12, 13, 10]);
+    }
+
+    #[test]
     fn multipolygons_bring_their_ways() {
         let court = OsmData::from_xml(include_bytes!("../tests/fixtures/court.osm")).unwrap();
         let cut = cut_out(&court, &Window::new(-1.0, -1.0, 1.0, 1.0).unwrap());

@@ -1,7 +1,7 @@
 //! Buildings, roads, barriers, areas and entrances in metres: the map as a robot uses it.
 //!
-//! Left out: heights, levels and building parts (a robot on the ground meets the outline), and what OSM says of things under the
-//! ground.
+//! Left out: heights and levels (a robot on the ground meets the outline), and what OSM says of things under the ground. Parts of
+//! buildings (`building:part=*`) are areas.
 
 use std::collections::BTreeSet;
 
@@ -59,7 +59,7 @@ pub struct Barrier {
     pub tags: Tags,
 }
 
-/// Water, grass, a car park, land use, …
+/// Water, grass, a car park, land use, a part of a building, …
 #[derive(Debug, Clone, PartialEq)]
 pub struct Area {
     /// The way or relation that it was made from.

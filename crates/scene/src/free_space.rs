@@ -15,7 +15,7 @@ use crate::scene::Door;
 const CELL: f64 = 0.1;
 /// Solid surfaces between these heights above the ground stop a robot, metres.
 const BODY: (f64, f64) = (0.06, 0.36);
-/// Free ground beyond the outermost solid surface that is still looked at, metres.
+/// Free ground beyond the outermost thing that stops a robot that is still looked at, metres; where all ends, the ground ends too.
 const MARGIN: f64 = 3.0;
 /// Ground around the start and all doors that is looked at, metres: what lies further off, such as a stray box, lengthens no way.
 const SURROUNDINGS: f64 = 100.0;
@@ -45,7 +45,8 @@ impl FreeSpace {
         });
         let polygons: Vec<Vec<MapPoint>> = slices.collect();
         let doors: Vec<MapPoint> = caster.scene().doors.iter().map(Door::point).collect();
-        let grid = covering(&polygons, start, &doors);
+        let everything = solid.positions.iter().map(|p| MapPoint::new(f64::from(p[0]), f64::from(p[1])));
+        let grid = covering(&polygons, bounds(start, everything), start, &doors);
         let mut blocked = vec![false; grid.len()];
         for polygon in &polygons {
             draw(&grid, polygon, &mut blocked);
@@ -213,24 +214,29 @@ pub fn ground_height(caster: &RayCaster, at: MapPoint) -> f64 {
     caster.solid().cast(origin, [0.0, 0.0, -1.0], 1000.0).map_or(0.0, |hit| 2.0 - f64::from(hit.distance))
 }
 
-/// A grid over the solid surfaces that are not too far from the start and every door.
-fn covering(polygons: &[Vec<MapPoint>], start: MapPoint, doors: &[MapPoint]) -> GridGeometry {
-    let solid = bounds(start, polygons.iter().flatten());
-    let served = bounds(start, doors.iter());
+/// A grid over the solid surfaces that are not too far from the start and every door, no larger than the `world`.
+fn covering(
+    polygons: &[Vec<MapPoint>],
+    world: (MapPoint, MapPoint),
+    start: MapPoint,
+    doors: &[MapPoint],
+) -> GridGeometry {
+    let solid = bounds(start, polygons.iter().flatten().copied());
+    let served = bounds(start, doors.iter().copied());
     let low = MapPoint::new(
-        (solid.0.x - MARGIN).max(served.0.x - SURROUNDINGS),
-        (solid.0.y - MARGIN).max(served.0.y - SURROUNDINGS),
+        (solid.0.x - MARGIN).max(served.0.x - SURROUNDINGS).max(world.0.x),
+        (solid.0.y - MARGIN).max(served.0.y - SURROUNDINGS).max(world.0.y),
     );
     let high = MapPoint::new(
-        (solid.1.x + MARGIN).min(served.1.x + SURROUNDINGS),
-        (solid.1.y + MARGIN).min(served.1.y + SURROUNDINGS),
+        (solid.1.x + MARGIN).min(served.1.x + SURROUNDINGS).min(world.1.x),
+        (solid.1.y + MARGIN).min(served.1.y + SURROUNDINGS).min(world.1.y),
     );
     let cell = CELL.max((high.x - low.x).max(high.y - low.y) / (MAX_CELLS - 1) as f64);
     GridGeometry::covering(low, high, cell, MAX_CELLS)
 }
 
 /// Lower and upper corner of what holds `start` and all `points`.
-fn bounds<'a>(start: MapPoint, points: impl Iterator<Item = &'a MapPoint>) -> (MapPoint, MapPoint) {
+fn bounds(start: MapPoint, points: impl Iterator<Item = MapPoint>) -> (MapPoint, MapPoint) {
     points.fold((start, start), |(low, high), p| {
         (MapPoint::new(low.x.min(p.x), low.y.min(p.y)), MapPoint::new(high.x.max(p.x), high.y.max(p.y)))
     })
@@ -253,8 +259,10 @@ fn draw(grid: &GridGeometry, polygon: &[MapPoint], blocked: &mut [bool]) {
 fn flood(grid: &GridGeometry, free: &[bool], start: MapPoint) -> Vec<bool> {
     let mut reached = vec![false; free.len()];
     let away = |c: usize| grid.center(c).distance(start);
-    let nearest = (0..free.len()).filter(|&c| free[c]).min_by(|&a, &b| away(a).total_cmp(&away(b)));
-    let mut stack: Vec<usize> = nearest.into_iter().collect();
+    // Of a town's 60 million cells the nearest is looked for only if the start itself is not free.
+    let here = grid.cell_at(start).filter(|&c| free[c]);
+    let nearest = || (0..free.len()).filter(|&c| free[c]).min_by(|&a, &b| away(a).total_cmp(&away(b)));
+    let mut stack: Vec<usize> = here.or_else(nearest).into_iter().collect();
     while let Some(cell) = stack.pop() {
         if std::mem::replace(&mut reached[cell], true) {
             continue;
@@ -357,6 +365,19 @@ mod tests {
         assert!(!space.is_reachable(MapPoint::new(0.0, 0.15)));
         assert!(space.is_reachable(MapPoint::new(0.0, 0.4)));
         assert_eq!(space.distance(MapPoint::new(0.0, -3.0), MapPoint::new(0.0, 0.0)), None);
+    }
+
+    #[test]
+    fn who_starts_in_a_wall_starts_beside_it() {
+        let grid = GridGeometry::covering(MapPoint::default(), MapPoint::new(10.0, 1.0), 0.1, 1_000);
+        let free: Vec<bool> = (0..grid.len()).map(|c| !(3.0..5.0).contains(&grid.center(c).x)).collect();
+        let reached = |x: f64, at: f64| {
+            let cell = grid.cell_at(MapPoint::new(at, 0.55)).unwrap();
+            flood(&grid, &free, MapPoint::new(x, 0.55))[cell]
+        };
+        assert!(reached(1.0, 2.0) && !reached(1.0, 7.0));
+        assert!(reached(3.4, 2.0) && !reached(3.4, 7.0), "nearer to the left");
+        assert!(!reached(4.8, 2.0) && reached(4.8, 7.0), "nearer to the right");
     }
 
     #[test]

@@ -3,9 +3,12 @@
 use std::collections::{BTreeSet, VecDeque};
 use std::time::Instant;
 
-use openbench_core::{Georeference, LonLat, MapPoint, Pose2};
-use openbench_osm::{Node, OsmData, OsmMap, Tags, Way};
-use openbench_scene::generate::{GenerateError, GenerateOptions, builtin, builtin_names, generate};
+mod maps;
+
+use maps::{map_of, row_of_houses};
+use openbench_core::{MapPoint, Pose2};
+use openbench_osm::{OsmData, OsmMap, Tags};
+use openbench_scene::generate::{GenerateOptions, builtin, builtin_names, generate};
 use openbench_scene::{Scene, SemanticClass, World};
 
 fn world(name: &str, seed: u64) -> World {
@@ -240,39 +243,6 @@ fn all_classes_are_there_and_corners_are_finite() {
 }
 
 #[test]
-fn large_is_made_in_half_a_second() {
-    let began = Instant::now();
-    world("large", 9);
-    // Twice the goal, since other tests run beside this one.
-    assert!(began.elapsed().as_secs_f64() < 1.0, "{:?}", began.elapsed());
-}
-
-/// Corners, metres about a point, and tags.
-type WayOf<'a> = (&'a [(f64, f64)], &'a [(&'a str, &'a str)]);
-
-/// A map of ways; buildings are closed.
-fn map_of(ways: &[WayOf]) -> (OsmData, Georeference) {
-    let georeference = Georeference::TangentPlane(LonLat::new(8.0, 48.0));
-    let projection = openbench_osm::Projection::new(georeference);
-    let mut data = OsmData::default();
-    for (i, (ring, tags)) in ways.iter().enumerate() {
-        let mut nodes = Vec::new();
-        for (x, y) in *ring {
-            let id = data.nodes.len() as i64 + 1;
-            let position = projection.to_lonlat(MapPoint::new(*x, *y));
-            data.nodes.insert(id, Node { id, position, tags: Tags::new() });
-            nodes.push(id);
-        }
-        if tags.iter().any(|(k, _)| *k == "building") {
-            nodes.push(nodes[0]);
-        }
-        let id = i as i64 + 1;
-        data.ways.insert(id, Way { id, nodes, tags: tags.iter().copied().collect() });
-    }
-    (data, georeference)
-}
-
-#[test]
 fn a_house_without_name_or_entrance_gets_both() {
     let house: &[(f64, f64)] = &[(4.0, 5.0), (14.0, 5.0), (14.0, 13.0), (4.0, 13.0)];
     let road: &[(f64, f64)] = &[(-30.0, 0.0), (40.0, 0.0)];
@@ -283,49 +253,6 @@ fn a_house_without_name_or_entrance_gets_both() {
     assert_eq!(door.address.building, "building1");
     assert!((door.facing + std::f64::consts::FRAC_PI_2).abs() < 1e-3, "towards the street");
     assert_eq!(world.map.ways[&1].tags.get("name"), Some("building1"));
-}
-
-#[test]
-fn odd_outlines_do_not_stop_generation() {
-    let bow_tie: &[(f64, f64)] = &[(0.0, 5.0), (10.0, 15.0), (10.0, 5.0), (0.0, 15.0)];
-    let sliver: &[(f64, f64)] = &[(20.0, 5.0), (40.0, 5.0), (40.0, 5.05)];
-    let tower: &[(f64, f64)] = &[(50.0, 5.0), (60.0, 5.0), (60.0, 15.0), (50.0, 15.0)];
-    let road: &[(f64, f64)] = &[(-30.0, 0.0), (70.0, 0.0), (70.0, 0.0)];
-    let (data, georeference) = map_of(&[
-        (bow_tie, &[("building", "yes")]),
-        (sliver, &[("building", "yes")]),
-        (tower, &[("building", "yes"), ("height", "1e300"), ("building:levels", "-4")]),
-        (road, &[("highway", "residential"), ("width", "NaN")]),
-    ]);
-    let world = generate(&data, georeference, 1, &GenerateOptions::default()).unwrap();
-    assert!(world.scene.triangles.len() < 50_000);
-}
-
-#[test]
-fn a_map_without_buildings_or_of_another_place_is_refused() {
-    let road: &[(f64, f64)] = &[(-30.0, 0.0), (40.0, 0.0)];
-    let (data, georeference) = map_of(&[(road, &[("highway", "residential")])]);
-    let error = generate(&data, georeference, 1, &GenerateOptions::default()).unwrap_err();
-    assert_eq!(error, GenerateError::NoBuildings { broken: 0 });
-    let house: &[(f64, f64)] = &[(4.0, 5.0), (14.0, 5.0), (14.0, 13.0), (4.0, 13.0)];
-    let (data, _) = map_of(&[(house, &[("building", "yes")])]);
-    let elsewhere = Georeference::TangentPlane(LonLat::new(9.0, 48.0));
-    let error = generate(&data, elsewhere, 1, &GenerateOptions::default()).unwrap_err();
-    assert!(matches!(error, GenerateError::FarFromOrigin { .. }), "{error}");
-}
-
-/// A row of equal houses along a street of that name, 14 m apart, with more tags.
-fn row_of_houses(count: usize, street: &[(&str, &str)], tags: &[(&str, &str)]) -> (OsmData, Georeference) {
-    let rings: Vec<Vec<(f64, f64)>> = (0..count)
-        .map(|i| {
-            let x = 14.0 * i as f64;
-            vec![(x, 6.0), (x + 10.0, 6.0), (x + 10.0, 14.0), (x, 14.0)]
-        })
-        .collect();
-    let road: &[(f64, f64)] = &[(-20.0, 0.0), (14.0 * count as f64, 0.0)];
-    let mut ways: Vec<WayOf> = rings.iter().map(|ring| (ring.as_slice(), tags)).collect();
-    ways.push((road, street));
-    map_of(&ways)
 }
 
 fn names_of_doors(world: &World) -> BTreeSet<&str> {
@@ -381,75 +308,6 @@ fn the_start_is_where_most_doors_are_reached() {
     let world = generate(&data, georeference, 1, &GenerateOptions::default()).unwrap();
     assert!(world.start.y < 5.0, "{:?}", world.start);
     assert_eq!(world.scene.doors.len(), 4);
-}
-
-#[test]
-fn a_large_building_is_flat_and_one_on_stilts_can_be_driven_under() {
-    let hall: &[(f64, f64)] = &[(0.0, 5.0), (90.0, 5.0), (90.0, 65.0), (0.0, 65.0)];
-    let bridge: &[(f64, f64)] = &[(100.0, 5.0), (110.0, 5.0), (110.0, 15.0), (100.0, 15.0)];
-    let road: &[(f64, f64)] = &[(-30.0, 0.0), (140.0, 0.0)];
-    let (data, georeference) = map_of(&[
-        (hall, &[("building", "retail"), ("building:levels", "2")]),
-        (bridge, &[("building", "yes"), ("min_height", "4"), ("height", "10")]),
-        (road, &[("highway", "residential")]),
-    ]);
-    let options = GenerateOptions { planting: 0.0, ..GenerateOptions::default() };
-    let world = generate(&data, georeference, 1, &options).unwrap();
-    assert_eq!(world.scene.doors.len(), 1, "no door in the air");
-    let scene = &world.scene;
-    let is_building = |t: &&openbench_scene::Triangle| {
-        scene.materials[t.material.0 as usize].class == SemanticClass::Building
-    };
-    let corners = |t: &openbench_scene::Triangle| t.corners.map(|i| scene.vertices[i as usize].position);
-    let in_bridge = |p: [f32; 3]| (99.0..111.0).contains(&p[0]);
-    let lowest = scene.triangles.iter().filter(is_building).flat_map(corners).filter(|p| in_bridge(*p));
-    assert!((lowest.map(|p| p[2]).fold(f32::MAX, f32::min) - 4.0).abs() < 1e-3);
-    assert!(
-        !scene.solid.positions.iter().any(|p| in_bridge(*p) && p[2] > 0.5 && (5.0..15.0).contains(&p[1]))
-    );
-}
-
-#[test]
-fn the_sea_is_water_and_nobody_starts_in_it() {
-    let (mut data, georeference) = row_of_houses(2, &[("highway", "residential")], &[("building", "yes")]);
-    // Land on the left: the sea begins 10 m south of the street and goes on.
-    let projection = openbench_osm::Projection::new(georeference);
-    for (id, x) in [(901, -2_000.0), (902, 2_000.0)] {
-        let position = projection.to_lonlat(MapPoint::new(x, -10.0));
-        data.nodes.insert(id, Node { id, position, tags: Tags::new() });
-    }
-    let tags: Tags = [("natural", "coastline")].into_iter().collect();
-    data.ways.insert(900, Way { id: 900, nodes: vec![901, 902], tags });
-    let world = generate(&data, georeference, 1, &GenerateOptions::default()).unwrap();
-    let at = |y: f64| {
-        let caster = openbench_scene::RayCaster::new(std::sync::Arc::new(world.scene.clone()));
-        let hit = caster.visible().cast([5.0, y as f32, 30.0], [0.0, 0.0, -1.0], 100.0).unwrap();
-        world.scene.materials[world.scene.triangles[hit.triangle as usize].material.0 as usize].clone()
-    };
-    assert!(at(-40.0).texture.is_none() && at(-40.0).color[2] > 0.4, "water in the south");
-    assert!(at(-7.0).texture.is_some(), "land in the north");
-    assert!(world.start.y > -10.0);
-}
-
-#[test]
-fn roads_and_walls_that_go_round_the_earth_cost_nothing() {
-    let (mut data, georeference) = row_of_houses(2, &[("highway", "residential")], &[("building", "yes")]);
-    for i in 0..200 {
-        let lon = f64::from(i) - 100.0;
-        data.nodes.insert(
-            10_000 + i64::from(i),
-            Node { id: 10_000 + i64::from(i), position: LonLat::new(lon, 48.0), tags: Tags::new() },
-        );
-    }
-    for (id, key, value) in
-        [(900, "highway", "primary"), (901, "barrier", "wall"), (902, "natural", "tree_row")]
-    {
-        let tags: Tags = [(key, value)].into_iter().collect();
-        data.ways.insert(id, Way { id, nodes: (10_000..10_200).collect(), tags });
-    }
-    let began = Instant::now();
-    generate(&data, georeference, 1, &GenerateOptions::default()).unwrap();
-    assert!(began.elapsed().as_secs_f64() < 5.0, "{:?}", began.elapsed());
 }
 
 #[test]

@@ -445,3 +445,50 @@ fn each_model_is_an_object() {
     let of_inner = scene.object_numbers.iter().filter(|n| **n == 3).count();
     assert_eq!(of_inner, 12, "the triangles of a box");
 }
+
+#[test]
+fn triangles_whose_corners_are_no_numbers_are_left_out_and_counted() {
+    // STL has no words for it, but binary files hold it.
+    let place = Place::new();
+    let vertex = |x: f32| [x.to_le_bytes(), 0.0_f32.to_le_bytes(), 1.0_f32.to_le_bytes()].concat();
+    let mut binary = vec![0_u8; 80];
+    binary.extend(4_u32.to_le_bytes());
+    for x in [1.0, f32::NAN, f32::INFINITY, -3e38] {
+        binary.extend([0; 12]);
+        binary.extend([vertex(x), vertex(2.0), [[0_u8; 4], 1.0_f32.to_le_bytes(), [0; 4]].concat()].concat());
+        binary.extend([0; 2]);
+    }
+    place.file("models/thing/meshes/a.stl", "");
+    std::fs::write(place.folder.path().join("models/thing/meshes/a.stl"), binary).unwrap();
+    place.file(
+        "models/thing/meshes/b.obj",
+        "v 0 0 0\nv 1 0 0\nv nan 1 0\nv 1 inf 0\nv 0 1 1e30\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 2 5\nf 1 2 6\n",
+    );
+    for (mesh, center) in [
+        ("a.stl", ""),
+        ("b.obj", ""),
+        ("b.obj", "<submesh><name>default</name><center>true</center></submesh>"),
+    ] {
+        let shape = |tag: &str| {
+            format!(
+                "<{tag} name='v'><geometry><mesh><uri>model://thing/meshes/{mesh}</uri>{center}</mesh></geometry></{tag}>"
+            )
+        };
+        let link = format!("<link name='l'>{}{}</link>", shape("visual"), shape("collision"));
+        let world = place.import(&format!("<model name='thing'>{link}</model>{DOOR}")).unwrap();
+        let finite = |p: &[f32; 3]| p.iter().all(|c| c.is_finite());
+        let scene = &world.scene;
+        let seen = scene.triangles.iter().flat_map(|t| t.corners);
+        assert!(seen.clone().all(|i| finite(&scene.vertices[i as usize].position)), "{mesh}");
+        let touched = scene.solid.triangles.iter().flatten();
+        assert!(touched.clone().all(|i| finite(&scene.solid.positions[*i as usize])), "{mesh}");
+        if center.is_empty() {
+            assert_eq!(scene.solid.triangles.len(), 1, "{mesh}");
+            assert!(
+                world.warnings.iter().any(|w| w.contains("no number") && w.contains("6 times")),
+                "{:?}",
+                world.warnings
+            );
+        }
+    }
+}

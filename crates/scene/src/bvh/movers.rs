@@ -141,10 +141,10 @@ impl Frame {
     #[inline(always)]
     fn take_in(&self, rays: &RayPacket, lags: &Lane, limit: &Lane) -> RayPacket {
         let mut taken = RayPacket { limit: *limit, ..RayPacket::idle() };
-        for lane in 0..LANES {
+        for (lane, lag) in lags.iter().enumerate() {
             let (mut from, mut along) = ([0.0; 3], [0.0; 3]);
             for i in 0..3 {
-                from[i] = rays.origin[i][lane] - (self.origin[i] + lags[lane] * self.velocity[i]);
+                from[i] = rays.origin[i][lane] - (self.origin[i] + lag * self.velocity[i]);
                 along[i] = rays.direction[i][lane];
             }
             for (i, axis) in self.axes.iter().enumerate() {

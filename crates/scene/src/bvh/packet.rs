@@ -98,9 +98,9 @@ impl<'a> Traversal<'a> {
         let (mut inverse, mut against) = ([[0.0; LANES]; 3], [0; 3]);
         for axis in 0..3 {
             let mut backward = 0;
-            for lane in 0..LANES {
-                inverse[axis][lane] = reciprocal(rays.direction[axis][lane]);
-                backward += u32::from(rays.direction[axis][lane] < 0.0);
+            for (inverse, &along) in inverse[axis].iter_mut().zip(&rays.direction[axis]) {
+                *inverse = reciprocal(along);
+                backward += u32::from(along < 0.0);
             }
             against[axis] = u32::from(backward > LANES as u32 / 2);
         }

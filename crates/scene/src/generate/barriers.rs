@@ -3,17 +3,17 @@
 use openbench_core::{MapPoint, Pose2};
 use openbench_osm::{Barrier, OsmMap, Road, Tags};
 
+use super::Site;
 use super::lanes::{Lanes, ends};
 use super::seeds::{Purpose, between, chance, pick, stream};
 use super::shapes::{Surface, along, at, cuboid, facet};
 use super::streets::{metres, profile};
 use super::triangulate::turn;
-use super::{MAX_TRIANGLES, Site};
 use crate::material::SemanticClass;
 use crate::scene::{Layer, SceneBuilder};
 
 /// Free width beside a road that goes through, metres.
-const GATE_MARGIN: f64 = 0.8;
+pub(super) const GATE_MARGIN: f64 = 0.8;
 
 /// No wall goes on for longer without a corner, metres.
 const LONGEST: f64 = 5_000.0;
@@ -41,7 +41,8 @@ impl Site {
             self.builder.object(kind(&barrier.tags).to_owned(), class);
             for pair in barrier.points.windows(2) {
                 if self.extent.holds(pair[0], super::GROUND_MARGIN) {
-                    let parts = between_gates((&self.map.roads, &self.lanes), barrier, (pair[0], pair[1]));
+                    let parts =
+                        between_gates((&self.map.roads, &self.lanes), &barrier.gates, (pair[0], pair[1]));
                     for (a, b) in parts {
                         self.stretch(build, (a, b));
                     }
@@ -72,7 +73,7 @@ impl Site {
     }
 
     fn stretch(&mut self, build: Build, (a, b): (MapPoint, MapPoint)) {
-        if self.builder.triangles() >= MAX_TRIANGLES {
+        if self.is_full() {
             return;
         }
         let length = a.distance(b);
@@ -93,14 +94,7 @@ impl Site {
                 cuboid(builder, Layer::Visible, self.palette.coping, pose, coping);
             }
             Build::Hedge(height, thick) => {
-                let half = thick / 2.0;
-                cuboid(
-                    builder,
-                    Layer::Both,
-                    self.palette.hedge,
-                    pose,
-                    ([0.0, -half, 0.0], [length, half, height]),
-                );
+                self.hedge((a, b), (height, thick));
             }
             Build::Panels(surface, height) => {
                 see_through(builder, surface, (a, b), (0.0, height));
@@ -118,10 +112,10 @@ impl Site {
     }
 }
 
-/// The parts of a stretch of a barrier that no road or gate opens.
+/// The parts of a stretch of a wall that no road or gate opens.
 pub(super) fn between_gates(
     (roads, lanes): (&[Road], &Lanes),
-    barrier: &Barrier,
+    gates: &[MapPoint],
     (a, b): (MapPoint, MapPoint),
 ) -> Vec<(MapPoint, MapPoint)> {
     let length = a.distance(b);
@@ -129,7 +123,7 @@ pub(super) fn between_gates(
         return Vec::new();
     }
     let mut gaps: Vec<(f64, f64)> = Vec::new();
-    for gate in barrier.gates.iter().filter(|g| super::clearance::point_distance(**g, (a, b)) < 0.1) {
+    for gate in gates.iter().filter(|g| super::clearance::point_distance(**g, (a, b)) < 0.1) {
         gaps.push((a.distance(*gate) - 0.9, a.distance(*gate) + 0.9));
     }
     for segment in lanes.near(a, b, 0.1) {
@@ -157,7 +151,7 @@ pub(super) fn standing(map: &OsmMap, lanes: &Lanes) -> Vec<(MapPoint, MapPoint)>
     let solid = map.barriers.iter().filter(|b| SOLID.contains(&kind(&b.tags)));
     solid
         .flat_map(|barrier| barrier.points.windows(2).map(move |pair| (barrier, (pair[0], pair[1]))))
-        .flat_map(|(barrier, ends)| between_gates((&map.roads, lanes), barrier, ends))
+        .flat_map(|(barrier, ends)| between_gates((&map.roads, lanes), &barrier.gates, ends))
         .collect()
 }
 

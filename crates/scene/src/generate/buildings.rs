@@ -1,22 +1,20 @@
 //! Houses: what the map says of them, and what the seed makes of the rest.
 
 use openbench_core::MapPoint;
-use openbench_osm::{Building, Tags};
+use openbench_osm::{Area, Building, Tags};
 use rand_pcg::Pcg64Mcg;
 
 use super::Site;
 use super::clearance::ROAD;
 use super::element_number;
-use super::entrances::{straightened, walls};
+use super::entrances::{Doorway, straightened, walls};
 use super::facades::facing_out;
 use super::seeds::{Purpose, between, chance, pick, stream};
 use super::shapes::{Surface, along, panel, signed_area, wall};
 use super::streets::metres;
+use super::windows::{SHUTTERED, Shops};
 use crate::material::{MaterialId, SemanticClass};
 use crate::scene::Layer;
-
-/// Above so many buildings windows lose their sills: a town has a hundred thousand of them.
-const DETAILED: usize = 400;
 
 /// A building that covers more is flat on top unless the map says otherwise, m².
 const LARGE: f64 = 2_500.0;
@@ -32,6 +30,10 @@ pub(super) enum Roof {
     Hipped(f64),
     /// Steep slopes round a flat middle, over any outline.
     Mansard,
+    /// Slopes up to one point, so many metres high, over any outline without holes.
+    Tent(f64),
+    /// Flat without a parapet: parts of the building stand on it.
+    Terrace,
 }
 
 /// How one building looks.
@@ -39,9 +41,11 @@ pub(super) enum Roof {
 pub(super) struct House {
     /// Outer ring and holes, each without corners that do not bend; the building on the left.
     pub rings: Vec<Vec<MapPoint>>,
-    /// Height of the walls, metres.
+    /// Height at which the walls begin, metres: 0 unless it stands on another part of its building.
+    pub foot: f64,
+    /// Height at which the walls end, metres.
     pub eaves: f64,
-    /// Floors below the eaves.
+    /// Floors between the two.
     pub levels: usize,
     pub roof: Roof,
     pub facade: Surface,
@@ -56,7 +60,14 @@ pub(super) struct House {
     pub door: MaterialId,
     pub canopy: bool,
     pub balconies: bool,
-    pub string_courses: bool,
+    /// How many storeys are marked by a band, from the ground up.
+    pub bands: usize,
+    /// Whether corner stones are set off.
+    pub quoins: bool,
+    /// Whether the images of the windows have shutters at both sides.
+    pub shuttered: bool,
+    /// What is on the ground floor, if it is shops.
+    pub shops: Option<Shops>,
     pub detailed: bool,
     /// Without windows: a garage or shed.
     pub plain: bool,
@@ -64,45 +75,68 @@ pub(super) struct House {
 
 impl Site {
     pub(super) fn buildings(&mut self) {
+        let mut parts = self.parts_of_buildings();
         let buildings = std::mem::take(&mut self.map.buildings);
         let mut next = 0;
         for (index, building) in buildings.iter().enumerate() {
-            let mut rng = stream(self.seed, Purpose::Building, element_number(building.element));
-            let house = self.design(building, buildings.len() <= DETAILED, &mut rng);
             self.builder.object(building.name.clone().unwrap_or("building".into()), SemanticClass::Building);
             let first = next;
             while self.doorways.get(next).is_some_and(|d| d.building == index) {
                 next += 1;
             }
             let doors = self.doorways[first..next].to_vec();
-            if is_open_below(&building.tags) {
-                self.raised_walls(&house, building);
-                self.shelter(&house);
+            if self.builder.triangles() >= self.limits.bare {
+                self.left_out += 1;
                 continue;
             }
-            for wall in walls(building) {
-                self.facade(&house, wall, &doors, &mut rng);
-            }
-            if house.plain {
-                self.garage_door(building, &mut rng);
-            }
-            self.roof(&house, &mut rng);
-            for door in &doors {
-                self.doorway(&house, door, &mut rng);
-            }
+            self.building(building, parts.remove(&index).unwrap_or_default(), &doors);
         }
         self.map.buildings = buildings;
+    }
+
+    fn building(&mut self, building: &Building, parts: Vec<Area>, doors: &[Doorway]) {
+        let mut rng = stream(self.seed, Purpose::Building, element_number(building.element));
+        let mut house = self.design(building, &mut rng);
+        if is_open_below(&building.tags) {
+            self.raised_walls(&house, building);
+            self.shelter(&house);
+            return;
+        }
+        let parts = self.parts(&mut house, building, &parts);
+        for wall in walls(building) {
+            self.facade(&house, wall, doors, &mut rng);
+        }
+        if house.plain {
+            self.garage_door(building, &mut rng);
+        }
+        self.roof(&house, &mut rng);
+        for part in parts {
+            self.part(part, building, &mut rng);
+        }
+        for door in doors {
+            self.doorway(&house, door, &mut rng);
+        }
     }
 
     /// The walls of what stands on stilts, from its `min_height` up: seen only, a robot drives below.
     fn raised_walls(&mut self, house: &House, building: &Building) {
         let tags = &building.tags;
-        let levels = tags.get("building:min_level").and_then(|l| l.parse::<f64>().ok());
-        let told = metres(tags, "min_height").or(levels.map(|l| 3.0 * l));
-        let Some(floor) = told.filter(|floor| (0.5..house.eaves).contains(floor)) else { return };
+        let Some(floor) = foot_of(tags).filter(|floor| (0.5..house.eaves).contains(floor)) else { return };
         for line in walls(building) {
             wall(&mut self.builder, Layer::Visible, house.facade, line, (floor, house.eaves));
         }
+    }
+
+    /// The shops of a building: where the map has them, and in some tall houses.
+    fn shops(&self, tags: &Tags, levels: usize, rng: &mut Pcg64Mcg) -> Option<Shops> {
+        let (drawn, covered) = (chance(rng, 0.35), chance(rng, 0.5));
+        let palette = &self.palette;
+        let shops = Shops {
+            windows: palette.shop_windows,
+            sign: pick(rng, &palette.signs),
+            awning: Some(pick(rng, &palette.awnings)).filter(|_| covered),
+        };
+        (has_shops(tags) || drawn && levels >= 4).then_some(shops)
     }
 
     /// In the middle of the wall nearest to a road.
@@ -119,7 +153,7 @@ impl Site {
         panel(&mut self.builder, Layer::Visible, leaf, line, (0.0, 2.1));
     }
 
-    fn design(&self, building: &Building, detailed: bool, rng: &mut Pcg64Mcg) -> House {
+    fn design(&self, building: &Building, rng: &mut Pcg64Mcg) -> House {
         let palette = &self.palette;
         let tags = &building.tags;
         let rings: Vec<Vec<MapPoint>> = building.polygon.rings().map(straightened).collect();
@@ -127,27 +161,44 @@ impl Site {
         let plain = is_outbuilding(tags);
         let (levels, eaves) = storeys(tags, area, plain, rng);
         let roof = roof_of(tags, &rings, levels, rng);
-        let style = pick(rng, &palette.windows);
+        let shuttered = chance(rng, 0.3);
+        let windows = pick(rng, if shuttered { &palette.shuttered } else { &palette.windows });
+        let width = between(rng, 1.0, 1.5) * if shuttered { 0.85 } else { 1.0 };
         House {
+            foot: 0.0,
             eaves,
             levels,
             roof,
-            facade: pick(rng, &palette.facades),
+            facade: pick(
+                rng,
+                if self.detailed && levels < 4 { &palette.facades } else { &palette.town_facades },
+            ),
             plinth: pick(rng, &palette.plinths),
             trim: pick(rng, &palette.trims),
             roofing: if roof == Roof::Flat { palette.flat_roof } else { pick(rng, &palette.pitched_roofs) },
-            windows: style,
-            window_size: (between(rng, 1.0, 1.5), between(rng, 1.25, 1.55)),
-            spacing: between(rng, 2.3, 3.2),
+            windows,
+            window_size: (width, between(rng, 1.25, 1.65)),
+            spacing: between(rng, 2.3, 3.2).max(if shuttered { width * SHUTTERED + 0.5 } else { 0.0 }),
+            shuttered,
+            shops: self.shops(tags, levels, rng),
             door: pick(rng, &palette.doors),
             canopy: chance(rng, 0.6),
             balconies: levels >= 3 && chance(rng, 0.75),
-            string_courses: chance(rng, 0.4),
-            detailed,
+            bands: pick(rng, &[0, 0, 0, 1, 1, usize::MAX]),
+            quoins: chance(rng, 0.25),
+            detailed: self.detailed,
             plain,
             rings,
         }
     }
+}
+
+/// What says that there are shops on the ground floor.
+fn has_shops(tags: &Tags) -> bool {
+    let kinds = ["retail", "commercial", "supermarket", "kiosk"];
+    tags.says("shop")
+        || kinds.iter().any(|kind| tags.is("building", kind))
+        || ["restaurant", "cafe", "bar", "pharmacy", "bank"].iter().any(|kind| tags.is("amenity", kind))
 }
 
 fn is_outbuilding(tags: &Tags) -> bool {
@@ -163,8 +214,14 @@ pub(super) fn is_open_below(tags: &Tags) -> bool {
     raised || ["roof", "carport"].iter().any(|kind| tags.is("building", kind))
 }
 
+/// Height at which the map says that a building or a part of one begins, metres.
+pub(super) fn foot_of(tags: &Tags) -> Option<f64> {
+    let levels = tags.get("building:min_level").and_then(|l| l.parse::<f64>().ok());
+    metres(tags, "min_height").or(levels.map(|l| 3.0 * l)).filter(|foot| (0.0..600.0).contains(foot))
+}
+
 /// Floors, and height of the walls in metres.
-fn storeys(tags: &Tags, area: f64, plain: bool, rng: &mut Pcg64Mcg) -> (usize, f64) {
+pub(super) fn storeys(tags: &Tags, area: f64, plain: bool, rng: &mut Pcg64Mcg) -> (usize, f64) {
     let guess = if plain {
         1
     } else if area > 220.0 {
@@ -186,14 +243,18 @@ fn storeys(tags: &Tags, area: f64, plain: bool, rng: &mut Pcg64Mcg) -> (usize, f
     }
 }
 
-fn roof_of(tags: &Tags, rings: &[Vec<MapPoint>], levels: usize, rng: &mut Pcg64Mcg) -> Roof {
+pub(super) fn roof_of(tags: &Tags, rings: &[Vec<MapPoint>], levels: usize, rng: &mut Pcg64Mcg) -> Roof {
     let usual = between(rng, 0.5, 0.9);
     let slope = told_slope(tags, &rings[0]).unwrap_or(usual);
     let quad = rings.len() == 1 && is_rectangle(&rings[0]);
     match tags.get("roof:shape") {
         Some("flat") => return Roof::Flat,
         Some("gabled" | "saltbox" | "gambrel") if quad => return Roof::Gabled(slope),
-        Some("hipped" | "half-hipped" | "pyramidal") if quad => return Roof::Hipped(slope),
+        Some("hipped" | "half-hipped") if quad => return Roof::Hipped(slope),
+        Some("pyramidal" | "cone" | "dome" | "onion" | "round") if rings.len() == 1 => {
+            let usual = slope * signed_area(&rings[0]).max(0.0).sqrt() / 2.0;
+            return Roof::Tent(metres(tags, "roof:height").unwrap_or(usual).clamp(0.3, 60.0));
+        }
         Some("mansard" | "hipped" | "gabled") => return Roof::Mansard,
         _ => {}
     }

@@ -181,8 +181,7 @@ impl Site {
 
     fn car_if(&mut self, taken: bool, pose: Pose2, kinds: u16, rng: &mut Pcg64Mcg) {
         let (front, back) = (pose.transform(HALF.0 - HALF.1, 0.0), pose.transform(HALF.1 - HALF.0, 0.0));
-        let near = self.extent.holds(pose.point(), super::GROUND_MARGIN / 2.0)
-            && self.builder.triangles() < super::MAX_TRIANGLES;
+        let near = self.extent.holds(pose.point(), super::GROUND_MARGIN / 2.0) && !self.is_full();
         if taken && near && self.clearance.is_free(front, back, HALF.1 + 0.02, kinds) {
             self.car(pose, rng);
             self.clearance.add(front, back, HALF.1, OBJECT);

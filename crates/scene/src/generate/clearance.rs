@@ -72,10 +72,12 @@ impl Clearance {
                 all.add_line(&road.points, profile.width / 2.0 + profile.pavement, PAVED);
             }
         }
-        for area in
-            map.areas.iter().filter(|a| a.tags.is("amenity", "parking") || a.tags.is("natural", "water"))
-        {
-            all.add_area(area.polygon.clone(), PAVED);
+        for area in &map.areas {
+            if super::water::is_water(&area.tags) {
+                all.add_area(area.polygon.clone(), PAVED | WATER);
+            } else if area.tags.is("amenity", "parking") {
+                all.add_area(area.polygon.clone(), PAVED);
+            }
         }
         all
     }

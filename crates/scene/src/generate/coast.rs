@@ -12,8 +12,10 @@ use openbench_osm::{OsmData, OsmMap, Polygon};
 use super::Extent;
 use super::shapes::{along, signed_area};
 
-/// Corners of the coast nearer to the one before are left out, metres.
+/// Corners of the coast nearer to the one before are left out, metres; twice as many if there are too many corners.
 const FINEST: f64 = 2.0;
+/// Corners of one coast at most.
+const MAX_CORNERS: usize = 1_500;
 
 /// The sea within `extent`.
 pub(super) fn sea(data: &OsmData, map: &OsmMap, extent: Extent) -> Vec<Polygon> {
@@ -27,24 +29,38 @@ pub(super) fn sea(data: &OsmData, map: &OsmMap, extent: Extent) -> Vec<Polygon> 
             .map(|n| map.projection.to_map(n.position))
             .filter(|p| p.x.is_finite() && p.y.is_finite())
             .collect();
-        let points = coarse(points);
+        let points = coarse(points, FINEST);
         let pieces = clipped(&points, extent);
         let whole = line.first() == line.last() && points.iter().all(|p| extent.holds(*p, 0.0));
-        if whole { islands.push(points) } else { shores.extend(pieces) }
+        if whole {
+            islands.push(bounded(points));
+        } else {
+            shores.extend(pieces.into_iter().map(bounded));
+        }
     }
     let rings = closed(shores, extent);
     rings.into_iter().filter_map(|ring| with_islands(ring, &islands)).collect()
 }
 
 /// A line without the corners that are closer together than a rendered shore needs; both ends stay.
-fn coarse(line: Vec<MapPoint>) -> Vec<MapPoint> {
+fn coarse(line: Vec<MapPoint>, finest: f64) -> Vec<MapPoint> {
     let mut kept: Vec<MapPoint> = Vec::with_capacity(line.len());
     for (i, p) in line.iter().enumerate() {
-        if i + 1 == line.len() || kept.last().is_none_or(|q| q.distance(*p) >= FINEST) {
+        if i + 1 == line.len() || kept.last().is_none_or(|q| q.distance(*p) >= finest) {
             kept.push(*p);
         }
     }
     kept
+}
+
+/// The same for a piece that lies in the rectangle, so coarse that it has no more than [`MAX_CORNERS`].
+fn bounded(mut piece: Vec<MapPoint>) -> Vec<MapPoint> {
+    let mut finest = FINEST;
+    while piece.len() > MAX_CORNERS && finest < 1_000.0 {
+        finest *= 2.0;
+        piece = coarse(piece, finest);
+    }
+    piece
 }
 
 fn with_islands(ring: Vec<MapPoint>, islands: &[Vec<MapPoint>]) -> Option<Polygon> {
@@ -91,7 +107,7 @@ fn clipped(line: &[MapPoint], extent: Extent) -> Vec<Vec<MapPoint>> {
 }
 
 /// Which part of a segment lies in the rectangle, as shares of it (Liang and Barsky 1984).
-fn inside(a: MapPoint, b: MapPoint, extent: Extent) -> Option<(f64, f64)> {
+pub(super) fn inside(a: MapPoint, b: MapPoint, extent: Extent) -> Option<(f64, f64)> {
     let (dx, dy) = (b.x - a.x, b.y - a.y);
     let edges = [
         (-dx, a.x - extent.min.x),

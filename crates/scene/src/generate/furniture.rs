@@ -1,10 +1,14 @@
-//! Lamps, benches, bins, boxes, hydrants, bollards and poles at the map's nodes.
+//! Lamps, benches, baskets, boxes, hydrants, bollards and poles at the map's nodes; bins that the seed adds.
 
 use openbench_core::Pose2;
+use rand_pcg::Pcg64Mcg;
 
-use super::clearance::{BUILDING, DOOR, OBJECT, START};
+use super::clearance::{BARRIER, BUILDING, DOOR, OBJECT, PATH, PAVED, ROAD, START, WATER};
+use super::element_number;
+use super::entrances::walls;
+use super::facades::facing_out;
 use super::lanes::ends;
-use super::seeds::{Purpose, between, stream};
+use super::seeds::{Purpose, between, chance, pick, stream};
 use super::shapes::{Surface, along, cuboid, prism};
 use super::{Feature, Site};
 use crate::material::SemanticClass;
@@ -12,6 +16,9 @@ use crate::scene::Layer;
 
 /// A thing further than this from every road or path looks to the east, metres.
 const FACING: f64 = 200.0;
+
+/// A larger building has its bins inside, m².
+const MOST_WITH_BINS: f64 = 500.0;
 
 impl Site {
     pub(super) fn furniture(&mut self) {
@@ -24,6 +31,9 @@ impl Site {
                 continue;
             };
             let p = feature.position;
+            if self.is_full() {
+                break;
+            }
             if !self.clearance.is_free(p, p, 0.3, BUILDING | DOOR | START) {
                 in_the_way += 1;
                 continue;
@@ -55,6 +65,43 @@ impl Site {
             let (run, _) = Pose2::new(a.x, a.y, a.bearing_to(b)).inverse_transform(feature.position);
             feature.position.bearing_to(along(a, b, (run / length).clamp(0.0, 1.0)))
         })
+    }
+
+    /// Wheelie bins at the walls of houses, where they stand in nobody's way.
+    pub(super) fn bins(&mut self) {
+        let buildings = std::mem::take(&mut self.map.buildings);
+        let in_the_way = DOOR | PATH | ROAD | PAVED | START | BARRIER | OBJECT | WATER;
+        for building in buildings.iter().filter(|b| b.polygon.area() < MOST_WITH_BINS) {
+            let mut rng = stream(self.seed, Purpose::Furniture, element_number(building.element) | 1 << 63);
+            let sides = walls(building);
+            let (a, b) = pick(&mut rng, &sides);
+            let (count, share) = (1 + usize::from(chance(&mut rng, 0.6)), between(&mut rng, 0.2, 0.8));
+            if a.distance(b) < 4.0 || !chance(&mut rng, self.options.planting) {
+                continue;
+            }
+            let wall = facing_out(a, b, share);
+            let near = self.extent.holds(wall.point(), super::GROUND_MARGIN);
+            for i in 0..count {
+                let p = wall.transform(0.5, 0.8 * i as f64);
+                let before = wall.transform(1.9, 0.8 * i as f64);
+                let free = self.clearance.is_free(p, p, 0.45, in_the_way)
+                    && self.clearance.is_free(before, before, 1.0, BUILDING | BARRIER);
+                if near && free && !self.is_full() {
+                    self.bin(Pose2::new(p.x, p.y, wall.yaw), &mut rng);
+                    self.clearance.add(p, p, 0.3, OBJECT);
+                }
+            }
+        }
+        self.map.buildings = buildings;
+    }
+
+    fn bin(&mut self, pose: Pose2, rng: &mut Pcg64Mcg) {
+        self.builder.object("bin", SemanticClass::Furniture);
+        let palette = &self.palette;
+        let body = pick(rng, &[palette.dark_metal, palette.green, palette.dark_metal]);
+        let lid = pick(rng, &[palette.green, palette.yellow, palette.dark_metal, palette.metal]);
+        self.add_box(Layer::Both, body, pose, [-0.32, -0.28, 0.08], [0.32, 0.28, 0.95]);
+        self.add_box(Layer::Visible, lid, pose, [-0.36, -0.31, 0.95], [0.36, 0.31, 1.03]);
     }
 
     fn add_box(&mut self, layer: Layer, surface: Surface, pose: Pose2, min: [f64; 3], max: [f64; 3]) {

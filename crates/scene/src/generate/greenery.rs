@@ -1,6 +1,5 @@
 //! Trees of the map, and trees and shrubs that the seed adds where they stand in nobody's way.
 
-use nalgebra::{Point3, Vector3};
 use openbench_core::MapPoint;
 use openbench_osm::Area;
 use rand_pcg::Pcg64Mcg;
@@ -9,9 +8,10 @@ use super::Site;
 use super::clearance::{BARRIER, BUILDING, DOOR, EVERYTHING, OBJECT, PATH, PAVED, ROAD, START, WATER};
 use super::entrances::walls;
 use super::seeds::{Purpose, between, chance, pick, stream};
-use super::shapes::{Corner, Surface, along, at, prism};
+use super::shapes::{along, at, prism};
+use super::trees::blob;
 use crate::material::SemanticClass;
-use crate::scene::{Layer, SceneBuilder};
+use crate::scene::Layer;
 
 /// One tree that the seed may add for so many square metres.
 const AREA_OF_TREE: f64 = 220.0;
@@ -152,7 +152,7 @@ impl Site {
                 let p = p.offset(between(&mut rng, 0.0, std::f64::consts::TAU), between(&mut rng, 0.0, 10.0));
                 let (radius, half) = (between(&mut rng, 2.5, 4.5), between(&mut rng, 3.0, 5.0));
                 let (core, _) = pick(&mut rng, &self.palette.crowns);
-                if self.clearance.is_free(p, p, radius, ROAD | BUILDING | WATER) {
+                if !self.is_full() && self.clearance.is_free(p, p, radius, ROAD | BUILDING | WATER) {
                     self.builder.object("tree", SemanticClass::Vegetation);
                     blob(
                         &mut self.builder,
@@ -171,6 +171,9 @@ impl Site {
         let buildings = std::mem::take(&mut self.map.buildings);
         let in_the_way = DOOR | PATH | ROAD | PAVED | START | BARRIER;
         for (index, building) in buildings.iter().enumerate() {
+            if self.is_full() {
+                break;
+            }
             let mut rng = stream(self.seed, Purpose::Planting, (1 << 40) + index as u64);
             for (a, b) in walls(building) {
                 let length = a.distance(b);
@@ -194,7 +197,11 @@ impl Site {
     }
 
     fn shrub(&mut self, p: MapPoint, radius: f64, rng: &mut Pcg64Mcg) {
-        let surface = if chance(rng, 0.25) { pick(rng, &self.palette.needles) } else { self.palette.hedge };
+        let surface = match between(rng, 0.0, 1.0) {
+            kind if kind < 0.25 => pick(rng, &self.palette.needles),
+            kind if kind < 0.55 => pick(rng, &self.palette.flowers),
+            _ => self.palette.hedge,
+        };
         self.builder.object("shrub", SemanticClass::Vegetation);
         let height = radius * between(rng, 1.4, 2.2);
         let center = at(p, height * 0.45);
@@ -202,124 +209,5 @@ impl Site {
         let trunk = ((0.0, height * 0.8), (radius * 0.8, radius * 0.7));
         prism(&mut self.builder, Layer::Solid, surface, (p, 6), trunk);
         self.clearance.add(p, p, radius, OBJECT);
-    }
-
-    fn tree(&mut self, p: MapPoint, conifer: bool, rng: &mut Pcg64Mcg) {
-        if self.builder.triangles() >= super::MAX_TRIANGLES {
-            return;
-        }
-        self.builder.object("tree", SemanticClass::Vegetation);
-        let bark = self.palette.bark;
-        let girth = between(rng, 0.11, 0.19);
-        if conifer {
-            let height = between(rng, 5.0, 9.0);
-            prism(&mut self.builder, Layer::Both, bark, (p, 6), ((0.0, 1.2), (girth, girth * 0.9)));
-            let needles = pick(rng, &self.palette.needles);
-            let width = height * between(rng, 0.17, 0.23);
-            for tier in 0..3 {
-                let share = f64::from(tier) / 3.0;
-                let z = (0.9 + share * (height - 0.9) * 0.85, 0.9 + (share + 0.5).min(1.0) * (height - 0.9));
-                prism(
-                    &mut self.builder,
-                    Layer::Visible,
-                    needles,
-                    (p, 8),
-                    (z, (width * (1.0 - 0.72 * share), 0.0)),
-                );
-            }
-        } else {
-            let trunk = between(rng, 2.0, 2.7);
-            prism(&mut self.builder, Layer::Both, bark, (p, 6), ((0.0, trunk + 0.5), (girth, girth * 0.7)));
-            let (core, shell) = pick(rng, &self.palette.crowns);
-            let (radius, half) = (between(rng, 1.4, 2.3), between(rng, 1.5, 2.2));
-            let center = at(p, trunk + half * 0.85);
-            blob(&mut self.builder, (core, Layer::Visible), (center, radius * 0.78, half * 0.8), 0, rng);
-            blob(&mut self.builder, (shell, Layer::Visible), (center, radius, half), 1, rng);
-        }
-        self.clearance.add(p, p, girth, OBJECT);
-    }
-}
-
-/// A dented ball: an icosahedron, its faces divided in four `divisions` times.
-fn blob(
-    builder: &mut SceneBuilder,
-    (surface, layer): (Surface, Layer),
-    (center, radius, half_height): (Point3<f64>, f64, f64),
-    divisions: usize,
-    rng: &mut Pcg64Mcg,
-) {
-    let (mut points, mut faces) = icosahedron();
-    for _ in 0..divisions {
-        (points, faces) = divided(&points, &faces);
-    }
-    let spin = between(rng, 0.0, std::f64::consts::TAU);
-    let (sin, cos) = libm::sincos(spin);
-    let corners: Vec<Corner> = points
-        .iter()
-        .map(|d| {
-            let dent = between(rng, 0.82, 1.12);
-            let (x, y) = (cos * d.x - sin * d.y, sin * d.x + cos * d.y);
-            let p = center + Vector3::new(x * radius * dent, y * radius * dent, d.z * half_height * dent);
-            // Texture from the side that the surface looks to; stretched leaves are leaves.
-            let around = libm::atan2(y, x) * radius;
-            (p, [(around / surface.tile) as f32, ((p.z + 0.3 * x) / surface.tile) as f32])
-        })
-        .collect();
-    builder.mesh(layer, surface.material, &corners, &faces);
-}
-
-fn icosahedron() -> (Vec<Vector3<f64>>, Vec<[u32; 3]>) {
-    // Two poles and two rings of five.
-    let mut points = vec![Vector3::z(), -Vector3::z()];
-    let (z, r) = (1.0 / 5.0_f64.sqrt(), 2.0 / 5.0_f64.sqrt());
-    for i in 0..10 {
-        let (sin, cos) = libm::sincos(std::f64::consts::PI * f64::from(i) / 5.0);
-        points.push(Vector3::new(r * cos, r * sin, if i % 2 == 0 { z } else { -z }));
-    }
-    let ring = |i: u32| 2 + i % 10;
-    let mut faces = Vec::new();
-    for i in 0..5 {
-        let k = 2 * i;
-        faces.push([0, ring(k), ring(k + 2)]);
-        faces.push([1, ring(k + 3), ring(k + 1)]);
-        faces.push([ring(k), ring(k + 1), ring(k + 2)]);
-        faces.push([ring(k + 1), ring(k + 3), ring(k + 2)]);
-    }
-    (points, faces)
-}
-
-fn divided(points: &[Vector3<f64>], faces: &[[u32; 3]]) -> (Vec<Vector3<f64>>, Vec<[u32; 3]>) {
-    let mut points = points.to_vec();
-    let mut middles = std::collections::BTreeMap::new();
-    let mut middle = |a: u32, b: u32| {
-        *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
-            points.push((points[a as usize] + points[b as usize]).normalize());
-            points.len() as u32 - 1
-        })
-    };
-    let split = |[a, b, c]: &[u32; 3]| {
-        let (ab, bc, ca) = (middle(*a, *b), middle(*b, *c), middle(*c, *a));
-        [[*a, ab, ca], [ab, *b, bc], [ca, bc, *c], [ab, bc, ca]]
-    };
-    let faces = faces.iter().flat_map(split).collect();
-    (points, faces)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn balls_are_closed_and_face_outwards() {
-        let (points, faces) = icosahedron();
-        let (points, faces) = divided(&points, &faces);
-        assert_eq!((points.len(), faces.len()), (42, 80));
-        let mut edges = std::collections::BTreeSet::new();
-        for [a, b, c] in faces {
-            let [p, q, r] = [a, b, c].map(|i| points[i as usize]);
-            assert!((q - p).cross(&(r - p)).dot(&p) > 0.0);
-            edges.extend([(a, b), (b, c), (c, a)]);
-        }
-        assert!(edges.iter().all(|(a, b)| edges.contains(&(*b, *a))));
     }
 }

@@ -115,10 +115,14 @@ pub(super) fn grit(seed: u64) -> Texture {
 /// Paving slabs, 4 by 4 (about 2 m).
 pub(super) fn slabs(seed: u64) -> Texture {
     paint(SIDE, SIDE, |x, y| {
-        if x % 64 < 2 || y % 64 < 2 {
-            return grey(0.58);
+        let row = y / 64;
+        let shifted = (x + (row % 2) * 32) % SIDE;
+        if shifted % 64 < 2 || y % 64 < 2 {
+            return grey(0.56 + 0.12 * speck(x, y, seed));
         }
-        grey(0.80 + 0.10 * speck(x / 64, y / 64, seed) + 0.07 * rough(x, y, seed) + 0.06 * speck(x, y, seed))
+        let stain = if cloud(x, y, 16, seed ^ 9) > 0.80 { 0.06 } else { 0.0 };
+        let tone = 0.78 + 0.13 * speck(shifted / 64, row, seed) + 0.08 * rough(x, y, seed);
+        grey(tone - stain + 0.10 * (speck(x, y, seed) - 0.5))
     })
 }
 
@@ -134,12 +138,13 @@ pub(super) fn setts(seed: u64) -> Texture {
     })
 }
 
-/// Lawn.
+/// Lawn: short blades upright in the image, worn and lush places.
 pub(super) fn grass(seed: u64) -> Texture {
     paint(SIDE, SIDE, |x, y| {
-        let blades = 0.55 * speck(x, y / 2, seed) + 0.45 * speck(x, y, seed ^ 3);
+        let lean = (8.0 * cloud(x, y, 32, seed ^ 11)) as u32;
+        let blades = 0.6 * speck((x + lean) % SIDE, y / 5, seed) + 0.4 * speck(x, y / 2, seed ^ 3);
         let patch = rough(x, y, seed);
-        rgb([0.32 + 0.14 * patch, 0.45 + 0.05 * patch, 0.20], 0.62 + 0.42 * blades)
+        rgb([0.32 + 0.16 * patch, 0.45 + 0.06 * patch, 0.20], 0.56 + 0.52 * blades)
     })
 }
 
@@ -151,24 +156,82 @@ pub(super) fn earth(seed: u64) -> Texture {
     })
 }
 
+/// The leaf that covers a texel: its number, and how near its edge the texel is, from 0 in its middle to 1. Leaves lie about a
+/// jittered grid of `grain` texels (a divisor of SIDE), the nearest in front (Worley 1996).
+fn leaf(x: u32, y: u32, grain: u32, seed: u64) -> (u64, f32) {
+    let cells = SIDE / grain;
+    let (cx, cy) = (x / grain, y / grain);
+    let (mut best, mut second) = ((f32::MAX, 0), f32::MAX);
+    for (dx, dy) in (0..3).flat_map(|dx| (0..3).map(move |dy| (dx, dy))) {
+        let (kx, ky) = ((cx + cells + dx - 1) % cells, (cy + cells + dy - 1) % cells);
+        let number = mix(seed ^ (u64::from(kx) << 32) ^ u64::from(ky));
+        let jitter = |bits: u64| (bits & 0xff) as f32 / 255.0;
+        let px = (cx as f32 + dx as f32 - 1.0 + jitter(number)) * grain as f32;
+        let py = (cy as f32 + dy as f32 - 1.0 + jitter(number >> 8)) * grain as f32;
+        let (u, v) = (px - x as f32, (py - y as f32) * 1.4);
+        let distance = (u * u + v * v).sqrt();
+        if distance < best.0 {
+            second = best.0;
+            best = (distance, number);
+        } else {
+            second = second.min(distance);
+        }
+    }
+    (best.1, best.0 / second.max(1e-3))
+}
+
+/// Brightness of a texel among leaves: each leaf has its own, and shades the ones below.
+fn leafage(x: u32, y: u32, seed: u64) -> f32 {
+    let (number, edge) = leaf(x, y, 16, seed);
+    let (small, small_edge) = leaf(x, y, 8, seed ^ 21);
+    let tone = |number: u64| (number >> 24 & 0xff) as f32 / 255.0;
+    let bright = 0.52 + 0.46 * tone(number) + 0.22 * tone(small);
+    bright * (1.0 - 0.50 * edge * edge) * (1.0 - 0.25 * small_edge * small_edge)
+}
+
 /// Dense small leaves.
 pub(super) fn foliage(seed: u64) -> Texture {
     paint(SIDE, SIDE, |x, y| {
-        let leaf = cloud(x, y, 8, seed);
-        let gap = cloud(x, y, 16, seed ^ 4);
-        let bright = if gap < 0.32 { 0.35 } else { 0.55 + 0.5 * leaf };
-        rgb([0.62, 0.86, 0.44], bright + 0.12 * speck(x, y, seed))
+        let depth = 0.72 + 0.4 * cloud(x, y, 32, seed ^ 4);
+        rgb([0.62, 0.86, 0.44], (leafage(x, y, seed) * depth + 0.10).min(1.1))
+    })
+}
+
+/// Leaves with flowers among them; the material's colour tints the flowers.
+pub(super) fn blossoms(seed: u64) -> Texture {
+    paint(SIDE, SIDE, |x, y| {
+        let (number, edge) = leaf(x, y, 16, seed);
+        let bright = leafage(x, y, seed) + 0.12;
+        if number >> 40 & 0xff < 105 && edge < 0.75 {
+            return rgb([1.0; 3], 1.0 - 0.35 * edge);
+        }
+        rgb([0.36, 0.52, 0.30], bright)
     })
 }
 
 /// Leaves with holes between them, for crowns.
 pub(super) fn leaves(seed: u64) -> Texture {
     paint(SIDE, SIDE, |x, y| {
-        let gap = 0.6 * cloud(x, y, 16, seed ^ 4) + 0.4 * cloud(x, y, 8, seed ^ 7);
-        let mut texel = rgb([0.62, 0.86, 0.44], 0.55 + 0.5 * cloud(x, y, 8, seed) + 0.15 * speck(x, y, seed));
-        texel[3] = if gap < 0.40 { 0 } else { 255 };
+        let (number, edge) = leaf(x, y, 16, seed);
+        let gap = cloud(x, y, 32, seed ^ 4) + 0.35 * ((number >> 48 & 0xff) as f32 / 255.0 - 0.5);
+        let mut texel = rgb([0.62, 0.86, 0.44], leafage(x, y, seed) + 0.16);
+        texel[3] = if gap < 0.34 || gap < 0.46 && edge > 0.8 { 0 } else { 255 };
         texel
     })
+}
+
+/// Small waves.
+pub(super) fn ripples(seed: u64) -> Texture {
+    paint(SIDE, SIDE, |x, y| {
+        let swell = 0.6 * cloud(x, y, 32, seed) + 0.4 * cloud(x, (3 * y) % SIDE, 16, seed ^ 1);
+        let crest = if swell > 0.68 { 0.16 } else { 0.0 };
+        grey(0.86 + 0.16 * swell + crest + 0.03 * speck(x, y, seed))
+    })
+}
+
+/// Stones end to end, one in the image (about 1 m).
+pub(super) fn kerbstones(seed: u64) -> Texture {
+    paint(SIDE, SIDE, |x, y| grey(if x < 5 { 0.58 } else { 0.86 + 0.12 * rough(x, y, seed) }))
 }
 
 /// Upright furrows.

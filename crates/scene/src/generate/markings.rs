@@ -103,6 +103,9 @@ impl Site {
 
     /// A painted rectangle around a pose.
     pub(super) fn stripe(&mut self, pose: Pose2, length: f64, width: f64) {
+        if self.is_full() {
+            return;
+        }
         let (x, y) = (length / 2.0, width / 2.0);
         let corners = [(-x, -y), (x, -y), (x, y), (-x, y)].map(|(x, y)| at(pose.transform(x, y), Z_MARKING));
         facet(&mut self.builder, Layer::Visible, self.palette.marking, &corners);

@@ -3,7 +3,8 @@
 //! What the map says is built as it says (outlines, levels, roofs, entrances, roads, barriers, trees, furniture); what it
 //! leaves open (colours, windows, parked cars, shrubs) is drawn from the seed. Every element draws from a stream of its
 //! own, so that one more tree in the map does not repaint the houses. The same map, seed and options give the same bytes
-//! on every machine. The ground is level: slopes, bridges, tunnels and kerbs that a wheel would feel are left out.
+//! on every machine. The ground is level: slopes, bridges, tunnels and kerbs that a wheel would feel are left out. A robot cannot
+//! get into water: a low wall goes round it.
 //!
 //! | module | its one job |
 //! |---|---|
@@ -13,12 +14,14 @@
 //! | `shapes` | boxes, prisms, strips, filled outlines |
 //! | `triangulate` | an outline with holes into triangles |
 //! | `clearance` | what must stay free, and whether a thing would stand in the way |
-//! | `streets`, `markings` | carriageways, pavements, paths; lines on them |
-//! | `coast` | the sea |
+//! | `streets`, `markings`, `wear` | carriageways, pavements, paths; lines on them; mended places and drains |
+//! | `ground` | the ground, and the hills on the horizon |
+//! | `coast`, `water` | the sea; what keeps a robot out of it |
 //! | `lanes` | the roads' segments by place |
 //! | `entrances`, `naming` | where the doors are; what their buildings are called |
-//! | `buildings`, `facades`, `roofs`, `doorways` | houses, their walls, roofs and doors |
-//! | `barriers`, `greenery`, `furniture`, `cars` | what stands between them |
+//! | `buildings`, `parts` | houses, and those whose parts are mapped |
+//! | `facades`, `windows`, `roofs`, `doorways` | their walls, windows and shops, roofs and doors |
+//! | `barriers`, `hedges`, `greenery`, `trees`, `furniture`, `cars` | what stands between them |
 //! | `start`, `reach` | where the robot starts; which ground hangs together |
 
 mod barriers;
@@ -32,19 +35,26 @@ mod entrances;
 mod facades;
 mod furniture;
 mod greenery;
+mod ground;
+mod hedges;
 mod images;
 mod lanes;
 mod markings;
 mod naming;
 mod openings;
 mod palette;
+mod parts;
 mod reach;
 mod roofs;
 mod seeds;
 mod shapes;
 mod start;
 mod streets;
+mod trees;
 mod triangulate;
+mod water;
+mod wear;
+mod windows;
 
 use std::collections::BTreeMap;
 
@@ -54,8 +64,8 @@ use openbench_osm::{ElementKind, OsmData, OsmMap, Polygon, Tags, without_doors};
 pub use builtin::{builtin, builtin_georeference, builtin_map, builtin_names};
 pub use cars::car_figure;
 
-use crate::material::{MaterialId, SemanticClass};
-use crate::scene::{Layer, SceneBuilder};
+use crate::material::MaterialId;
+use crate::scene::SceneBuilder;
 use crate::world::World;
 use clearance::Clearance;
 use entrances::Doorway;
@@ -66,8 +76,8 @@ use palette::Palette;
 const MAX_EXTENT: f64 = 20_000.0;
 /// Most buildings in a world.
 const MAX_BUILDINGS: usize = 30_000;
-/// When a world has so many visible triangles, it gets no more windows, fences, trees and cars: walls, roofs and doors only.
-const MAX_TRIANGLES: usize = 8_000_000;
+/// Above so many buildings windows lose their sills and hedges their dents: a town has a hundred thousand of them.
+const DETAILED: usize = 400;
 /// Ground beyond the outermost mapped thing, metres.
 const GROUND_MARGIN: f64 = 80.0;
 
@@ -148,6 +158,19 @@ pub enum GenerateError {
     },
 }
 
+/// How many visible triangles a world may have: about 150 bytes of memory each, with all that is made of them.
+#[derive(Debug, Clone, Copy)]
+struct Limits {
+    /// From so many on it gets no more windows, lines, fences, trees and cars: walls, roofs, doors and streets only.
+    ornate: usize,
+    /// From so many on it gets nothing more at all.
+    bare: usize,
+}
+
+impl Limits {
+    const USUAL: Self = Self { ornate: 8_000_000, bare: 10_000_000 };
+}
+
 /// A rectangle along the axes of the `map` frame.
 #[derive(Debug, Clone, Copy)]
 struct Extent {
@@ -163,6 +186,8 @@ struct Site {
     /// Lines of trees, by number of the way.
     tree_rows: Vec<(i64, Vec<MapPoint>)>,
     sea: Vec<Polygon>,
+    /// Lines of the low walls round water.
+    kerbs: Vec<(MapPoint, MapPoint)>,
     doorways: Vec<Doorway>,
     extent: Extent,
     seed: u64,
@@ -176,6 +201,11 @@ struct Site {
     lanes: Lanes,
     start: Pose2,
     warnings: Vec<String>,
+    limits: Limits,
+    /// Whether there are so few buildings that each is worth more triangles.
+    detailed: bool,
+    /// Buildings and streets beyond the limit.
+    left_out: usize,
 }
 
 /// A node with tags.
@@ -192,6 +222,15 @@ pub fn generate(
     seed: u64,
     options: &GenerateOptions,
 ) -> Result<World, GenerateError> {
+    generate_within(Limits::USUAL, data, georeference, (seed, options))
+}
+
+fn generate_within(
+    limits: Limits,
+    data: &OsmData,
+    georeference: Georeference,
+    (seed, options): (u64, &GenerateOptions),
+) -> Result<World, GenerateError> {
     let map = OsmMap::new(data, georeference);
     let extent = extent(&map, georeference)?;
     let mut public = without_doors(data);
@@ -202,7 +241,9 @@ pub fn generate(
     let (doorways, mut warnings) = entrances::place(&map, &mut public, (seed, options), &clearance);
     clearance.add_doorways(&doorways);
     let lanes = Lanes::new(&map.roads, |_| true);
-    let walls = map.buildings.iter().flat_map(|b| b.polygon.sides()).chain(barriers::standing(&map, &lanes));
+    let kerbs = water::kerbs((&map, &lanes), &sea, (&clearance, extent));
+    let standing = barriers::standing(&map, &lanes).into_iter().chain(kerbs.iter().copied());
+    let walls = map.buildings.iter().flat_map(|b| b.polygon.sides()).chain(standing);
     let start = start::choose(&map, (&clearance, extent), (&doorways, walls), options)?;
     clearance.add_start(start.point());
     warnings.extend(report(&map));
@@ -211,10 +252,14 @@ pub fn generate(
     let options = options.clone();
     let tree_rows = tree_rows(data, &map);
     let mut site = Site {
+        detailed: map.buildings.len() <= DETAILED,
+        limits,
+        left_out: 0,
         map,
         features,
         tree_rows,
         sea,
+        kerbs,
         doorways,
         extent,
         seed,
@@ -242,7 +287,9 @@ pub fn generate(
 impl Site {
     fn build(&mut self) {
         self.ground();
+        self.horizon();
         self.streets();
+        self.kerbs();
         self.buildings();
         self.barriers();
         // Mapped things first: what the seed adds gives way to them.
@@ -251,23 +298,25 @@ impl Site {
         self.tree_rows();
         self.parked_cars();
         self.woods();
+        self.bins();
         self.added_greenery();
-        if self.builder.triangles() >= MAX_TRIANGLES {
+        if self.is_full() {
             self.warnings.push(format!(
-                "the map is more than {MAX_TRIANGLES} triangles; windows, fences, trees and cars beyond that were left out"
+                "the map is more than {} triangles; windows, fences, trees and cars beyond that were left out",
+                self.limits.ornate
+            ));
+        }
+        if self.left_out > 0 {
+            self.warnings.push(format!(
+                "{} buildings and streets are beyond {} triangles and were left out; cut out a neighbourhood",
+                self.left_out, self.limits.bare
             ));
         }
     }
 
-    fn ground(&mut self) {
-        let (min, max) = (self.extent.min, self.extent.max);
-        let origin = nalgebra::Point3::new(min.x - GROUND_MARGIN, min.y - GROUND_MARGIN, 0.0);
-        let (width, depth) = (max.x - min.x + 2.0 * GROUND_MARGIN, max.y - min.y + 2.0 * GROUND_MARGIN);
-        let grass = self.palette.grass;
-        self.builder.object("ground", SemanticClass::Ground);
-        let repeat = [(width / grass.tile) as f32, (depth / grass.tile) as f32];
-        let sides = (nalgebra::Vector3::x() * width, nalgebra::Vector3::y() * depth);
-        self.builder.rectangle(Layer::Both, grass.material, origin, sides, repeat);
+    /// Whether there is no room for more than walls, roofs, doors and streets.
+    fn is_full(&self) -> bool {
+        self.builder.triangles() >= self.limits.ornate
     }
 }
 
@@ -361,4 +410,34 @@ fn element_number(element: openbench_osm::ElementId) -> u64 {
         ElementKind::Relation => 2,
     };
     (element.id as u64).wrapping_mul(3).wrapping_add(kind)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_world_that_would_be_too_large_is_bounded_and_says_so() {
+        let data = builtin_map("large").unwrap().unwrap();
+        let options = GenerateOptions { start: Some(Pose2::default()), ..GenerateOptions::default() };
+        let within = |ornate, bare| {
+            generate_within(Limits { ornate, bare }, &data, builtin_georeference(), (1, &options)).unwrap()
+        };
+        let whole = within(Limits::USUAL.ornate, Limits::USUAL.bare);
+        assert!(whole.warnings.is_empty(), "{:?}", whole.warnings);
+        // No more ornaments than the limit has room for, but every door and its plate.
+        let plain = within(5_000, 1_000_000);
+        assert!(
+            plain.scene.triangles.len() < whole.scene.triangles.len() / 3,
+            "{}",
+            plain.scene.triangles.len()
+        );
+        assert_eq!(plain.scene.doors.len(), whole.scene.doors.len());
+        assert!(plain.warnings.iter().any(|w| w.contains("5000 triangles")), "{:?}", plain.warnings);
+        // What is beyond the second is counted.
+        let cut = within(2_000, 4_000);
+        assert!(cut.scene.triangles.len() < 8_000, "{}", cut.scene.triangles.len());
+        let said = cut.warnings.iter().find(|w| w.contains("buildings and streets are beyond 4000"));
+        assert!(said.is_some_and(|w| !w.starts_with("0 ")), "{:?}", cut.warnings);
+    }
 }

@@ -42,6 +42,48 @@ pub(super) fn window(frame: [f32; 3], glazing: Glazing, curtains: bool, seed: u6
     })
 }
 
+/// A window between open shutters of horizontal slats; `widths` is the width of all in widths of the window.
+pub(super) fn with_shutters(window: &Texture, color: [f32; 3], widths: f64) -> Texture {
+    let width = (f64::from(window.width) * widths) as u32;
+    let side = (width - window.width) / 2;
+    paint(width, window.height, |x, y| {
+        if (side..side + window.width).contains(&x) {
+            let at = 4 * (y * window.width + x - side) as usize;
+            return [window.rgba[at], window.rgba[at + 1], window.rgba[at + 2], 255];
+        }
+        let across = if x < side { x } else { x - side - window.width };
+        let frame = across < 4 || across + 4 >= side || y < 5 || y + 5 >= window.height || y.abs_diff(56) < 3;
+        let slat = [0.62, 0.74, 0.90, 1.0, 0.98, 0.84][(y % 6) as usize];
+        rgb(color, if frame { 0.92 } else { slat })
+    })
+}
+
+/// The window of a shop: large panes, something bright behind them. Of two looks.
+pub(super) fn shop_window(look: u32, seed: u64) -> Texture {
+    let (width, height) = (160_u32, 112_u32);
+    paint(width, height, |x, y| {
+        let bar = x < 5 || x + 5 >= width || y < 5 || y + 5 >= height;
+        if bar || look == 0 && x.abs_diff(width / 2) < 3 || look == 1 && y.abs_diff(height / 4) < 2 {
+            return rgb([0.22, 0.23, 0.25], 0.9);
+        }
+        let (u, v) = (x as f32 / width as f32, y as f32 / height as f32);
+        let streak = if (u + v * 0.6 + 0.3).fract() < 0.16 { 0.12 } else { 0.0 };
+        // Goods on shelves, dim behind the glass.
+        let (shelf, place) = (y / 22, x / 12);
+        let is_good = y % 22 > 6 + (speck(place, shelf, seed) * 9.0) as u32 && x % 12 > 2 && v > 0.28;
+        if is_good {
+            let hue = |k: u32| 0.35 + 0.6 * speck(place * 3 + k, shelf + 7 * look, seed ^ 5);
+            return rgb([hue(0), hue(1), hue(2)], 0.80 + streak);
+        }
+        rgb([0.90, 0.84, 0.70], 0.52 + 0.18 * (1.0 - v) + streak)
+    })
+}
+
+/// Stripes for awnings, light and dark, grey for tinting.
+pub(super) fn stripes() -> Texture {
+    paint(64, 64, |x, _| rgb([1.0; 3], if x / 16 % 2 == 0 { 1.0 } else { 0.62 }))
+}
+
 fn is_bar(x: u32, y: u32, (width, height): (u32, u32), glazing: Glazing) -> bool {
     let near = |value: u32, middle: u32, half: u32| value.abs_diff(middle) <= half;
     match glazing {

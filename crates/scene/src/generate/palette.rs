@@ -20,16 +20,29 @@ pub(super) struct Palette {
     pub gravel: Surface,
     pub earth: Surface,
     pub water: Surface,
+    pub quay: Surface,
+    /// Woods and meadows far away.
+    pub hills: Surface,
+    pub patch: Surface,
     pub marking: Surface,
     pub doorstep: Surface,
     /// Facades by kind: brick, plaster, siding, stone; each in several colours.
     pub facades: Vec<Surface>,
+    /// Those of tall houses and towns: no boards, more plaster.
+    pub town_facades: Vec<Surface>,
     pub plinths: Vec<Surface>,
     pub trims: Vec<Surface>,
     pub pitched_roofs: Vec<Surface>,
     pub flat_roof: Surface,
     /// Two images of windows (with and without curtains) for each style.
     pub windows: Vec<[MaterialId; 2]>,
+    /// The same with shutters at both sides.
+    pub shuttered: Vec<[MaterialId; 2]>,
+    pub shop_windows: [MaterialId; 2],
+    pub signs: Vec<Surface>,
+    pub awnings: Vec<Surface>,
+    pub quoins: Surface,
+    pub downpipe: Surface,
     pub doors: Vec<MaterialId>,
     pub garages: Vec<MaterialId>,
     pub free_walls: Vec<Surface>,
@@ -38,7 +51,9 @@ pub(super) struct Palette {
     pub railings: Surface,
     pub balcony_railings: Surface,
     pub hedge: Surface,
+    pub flowers: Vec<Surface>,
     pub bark: Surface,
+    pub pale_bark: Surface,
     pub crowns: Vec<(Surface, Surface)>,
     pub needles: Vec<Surface>,
     pub metal: Surface,
@@ -156,25 +171,36 @@ impl Palette {
         let stones = m.image(images::stones(s ^ 7));
         let tiles = m.image(images::tiles(s ^ 8));
         let foliage = m.image(images::foliage(s ^ 9));
+        let blossoms = m.image(images::blossoms(s ^ 15));
         let leaves = m.image(images::leaves(s ^ 10));
         let bark = m.image(images::bark(s ^ 11));
         let railings = m.image(openings::railings());
         let siding = m.image(images::siding(s ^ 12));
         let pickets = m.image(openings::pickets());
+        let ripples = m.image(images::ripples(s ^ 13));
+        let kerbstones = m.image(images::kerbstones(s ^ 14));
+        let stripes = m.image(openings::stripes());
         let walls = [(bricks, 1.92), (plaster, 3.0), (siding, 2.0), (stones, 2.4)];
+        let facades = facades(m, walls);
+        let plasters = BRICKS.len()..BRICKS.len() + PLASTERS.len();
+        let town = facades[..2].iter().chain(&facades[plasters.clone()]).chain(&facades[plasters]);
         Self {
-            grass: m.surface(C::Ground, [1.0; 3], 90, Some((grass, 3.0))),
-            asphalt: m.surface(C::Road, [0.37, 0.37, 0.39], 22, Some((grit, 2.5))),
+            town_facades: town.chain(&facades[facades.len() - STONES.len()..]).copied().collect(),
+            facades,
+            grass: m.surface(C::Ground, [1.0; 3], 90, Some((grass, 2.4))),
+            asphalt: m.surface(C::Road, [0.37, 0.37, 0.39], 22, Some((grit, 1.8))),
             worn_asphalt: m.surface(C::Road, [0.47, 0.46, 0.45], 26, Some((grit, 2.5))),
-            paving: m.surface(C::Pavement, [0.76, 0.74, 0.70], 55, Some((slabs, 2.0))),
-            kerb: m.surface(C::Pavement, [0.66, 0.66, 0.66], 60, Some((plaster, 1.0))),
+            paving: m.surface(C::Pavement, [0.76, 0.74, 0.70], 55, Some((slabs, 1.8))),
+            kerb: m.surface(C::Pavement, [0.66, 0.66, 0.66], 60, Some((kerbstones, 1.0))),
             path: m.surface(C::Pavement, [0.72, 0.62, 0.52], 50, Some((setts, 2.2))),
             gravel: m.surface(C::Pavement, [0.78, 0.73, 0.64], 60, Some((grit, 2.0))),
             earth: m.surface(C::Ground, [1.0; 3], 45, Some((earth, 1.5))),
-            water: m.surface(C::Ground, [0.25, 0.38, 0.45], 5, None),
+            water: m.surface(C::Ground, [0.25, 0.38, 0.45], 5, Some((ripples, 12.0))),
+            quay: m.surface(C::Wall, [0.74, 0.71, 0.66], 70, Some((stones, 1.6))),
+            hills: m.surface(C::Ground, [0.58, 0.58, 0.54], 90, Some((foliage, 90.0))),
+            patch: m.surface(C::Road, [0.30, 0.30, 0.31], 20, Some((grit, 1.8))),
             marking: m.surface(C::Road, [0.90, 0.90, 0.88], 160, Some((plaster, 1.0))),
             doorstep: m.surface(C::Pavement, [0.62, 0.60, 0.58], 70, Some((plaster, 1.2))),
-            facades: facades(m, walls),
             plinths: m.tinted(C::Building, &[[0.50, 0.49, 0.48], [0.62, 0.58, 0.52]], 60, (plaster, 2.0)),
             trims: m.tinted(
                 C::Building,
@@ -185,6 +211,19 @@ impl Palette {
             pitched_roofs: m.tinted(C::Building, &ROOFS, 60, (tiles, 3.2)),
             flat_roof: m.surface(C::Building, [0.62, 0.61, 0.60], 50, Some((grit, 3.0))),
             windows: windows(m, s),
+            shuttered: shuttered(m, s),
+            shop_windows: [0, 1].map(|look| {
+                let image = m.image(openings::shop_window(look, s));
+                m.surface(C::Building, [1.0; 3], 25, Some((image, 1.0))).material
+            }),
+            signs: [[0.16, 0.20, 0.28], [0.40, 0.14, 0.14], [0.20, 0.30, 0.22], [0.86, 0.83, 0.74]]
+                .map(|c| m.surface(C::Building, c, 80, Some((plaster, 1.0))))
+                .to_vec(),
+            awnings: [[0.70, 0.22, 0.20], [0.24, 0.42, 0.34], [0.26, 0.36, 0.56], [0.82, 0.62, 0.30]]
+                .map(|c| m.surface(C::Building, c, 90, Some((stripes, 1.2))))
+                .to_vec(),
+            quoins: m.surface(C::Building, [0.86, 0.83, 0.76], 85, Some((stones, 1.4))),
+            downpipe: m.surface(C::Building, [0.50, 0.51, 0.52], 60, Some((plaster, 1.0))),
             doors: leaves_of(m, C::Door, &DOORS, &[openings::door(false), openings::door(true)]),
             garages: leaves_of(
                 m,
@@ -200,7 +239,11 @@ impl Palette {
             railings: m.cutout(C::Wall, [0.20, 0.21, 0.22], 40, (railings, 1.2)),
             balcony_railings: m.cutout(C::Building, [0.24, 0.25, 0.27], 40, (railings, 1.0)),
             hedge: m.surface(C::Vegetation, [0.52, 0.62, 0.46], 110, Some((foliage, 1.2))),
+            flowers: [[0.95, 0.62, 0.72], [1.0, 0.92, 0.50], [0.98, 0.98, 0.95], [0.72, 0.60, 0.92]]
+                .map(|c| m.surface(C::Vegetation, c, 110, Some((blossoms, 1.0))))
+                .to_vec(),
             bark: m.surface(C::Vegetation, [1.0; 3], 45, Some((bark, 0.5))),
+            pale_bark: m.surface(C::Vegetation, [1.9, 2.2, 2.5], 80, Some((bark, 0.7))),
             crowns: crowns(m, foliage, leaves),
             needles: [[0.34, 0.46, 0.34], [0.28, 0.40, 0.30]]
                 .map(|c| m.surface(C::Vegetation, c, 90, Some((foliage, 1.0))))
@@ -257,6 +300,20 @@ fn windows(m: &mut Mixer<'_>, seed: u64) -> Vec<[MaterialId; 2]> {
         .to_vec()
 }
 
+fn shuttered(m: &mut Mixer<'_>, seed: u64) -> Vec<[MaterialId; 2]> {
+    let colors =
+        [[0.30, 0.44, 0.36], [0.36, 0.46, 0.58], [0.52, 0.36, 0.26], [0.86, 0.86, 0.84], [0.52, 0.22, 0.20]];
+    colors
+        .map(|color| {
+            [false, true].map(|curtains| {
+                let window = openings::window([0.95, 0.95, 0.93], Glazing::Casements, curtains, seed);
+                let image = m.image(openings::with_shutters(&window, color, super::windows::SHUTTERED));
+                m.surface(SemanticClass::Building, [1.0; 3], 35, Some((image, 1.0))).material
+            })
+        })
+        .to_vec()
+}
+
 fn leaves_of(
     m: &mut Mixer<'_>,
     class: SemanticClass,
@@ -273,7 +330,14 @@ fn leaves_of(
 
 /// A dense core and a shell with holes for each kind of crown.
 fn crowns(m: &mut Mixer<'_>, foliage: TextureId, leaves: TextureId) -> Vec<(Surface, Surface)> {
-    let colors = [[0.62, 0.72, 0.48], [0.50, 0.66, 0.42], [0.74, 0.76, 0.42], [0.44, 0.58, 0.40]];
+    let colors = [
+        [0.62, 0.72, 0.48],
+        [0.50, 0.66, 0.42],
+        [0.74, 0.76, 0.42],
+        [0.44, 0.58, 0.40],
+        [0.58, 0.62, 0.52],
+        [0.94, 0.84, 0.50],
+    ];
     colors
         .map(|c| {
             let core = c.map(|v| v * 0.6);

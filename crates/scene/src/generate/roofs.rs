@@ -63,7 +63,23 @@ impl Site {
             Roof::Hipped(slope) => self.hipped(house, slope, rng),
             Roof::Mansard => self.mansard(house, rng),
             Roof::Flat => self.flat(house, rng),
+            Roof::Tent(rise) => self.tent(house, rise),
+            Roof::Terrace => self.cover(house),
         }
+    }
+
+    fn tent(&mut self, house: &House, rise: f64) {
+        let ring = &house.rings[0];
+        let middle = openbench_osm::Polygon::new(ring.clone(), Vec::new()).map(|p| p.centroid());
+        let Some(tip) = middle.map(|p| at(p, house.eaves + rise)) else { return };
+        for i in 0..ring.len() {
+            let (a, b) = (at(ring[i], house.eaves), at(ring[(i + 1) % ring.len()], house.eaves));
+            facet(&mut self.builder, Layer::Visible, house.roofing, &[a, b, tip]);
+        }
+    }
+
+    fn cover(&mut self, house: &House) {
+        floor(&mut self.builder, house.roofing, (&house.rings[0], &house.rings[1..]), house.eaves);
     }
 
     /// A roof on posts, nothing below it.
@@ -83,10 +99,14 @@ impl Site {
         for edge in [(e0, e1), (e2, e3), (e1, r1), (r1, e2), (e3, r0), (r0, e0)] {
             self.fascia(house, edge);
         }
-        if !house.plain {
+        if !house.plain && !self.is_full() {
             self.gable_window(house, (span.corners[1], span.corners[2]), span.half_width * slope);
             self.gable_window(house, (span.corners[3], span.corners[0]), span.half_width * slope);
-            self.roof_windows(house, [e0, e1, r1, r0], rng);
+            if span.half_width * slope > 2.4 && house.detailed && chance(rng, 0.45) {
+                self.dormers(house, &span, rng);
+            } else {
+                self.roof_windows(house, [e0, e1, r1, r0], rng);
+            }
             self.chimney(house, [top0, top1], rng);
         }
     }
@@ -130,8 +150,8 @@ impl Site {
     }
 
     fn flat(&mut self, house: &House, rng: &mut Pcg64Mcg) {
-        floor(&mut self.builder, house.roofing, (&house.rings[0], &house.rings[1..]), house.eaves);
-        if house.roof != Roof::Flat {
+        self.cover(house);
+        if house.roof != Roof::Flat || self.is_full() {
             return;
         }
         let top = house.eaves + PARAPET;
@@ -193,6 +213,42 @@ impl Site {
             let uv = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
             let corners: Vec<_> = corners.into_iter().zip(uv).collect();
             self.builder.mesh(Layer::Visible, house.windows[0], &corners, &[[0, 1, 2], [0, 2, 3]]);
+        }
+    }
+
+    /// Small gabled windows that stand in the slope over the wall 0-1.
+    fn dormers(&mut self, house: &House, span: &Span, rng: &mut Pcg64Mcg) {
+        let (a, b) = (span.corners[0], span.corners[1]);
+        let count = ((a.distance(b) / 3.6) as usize).clamp(1, 8);
+        let (wide, tall) = (0.75, 1.25);
+        let back = between(rng, 0.5, 0.9);
+        for i in 0..count {
+            let pose = super::facades::facing_out(a, b, (i as f64 + 0.5) / count as f64);
+            // Where the slope is as high as the dormer's sill, eaves and ridge.
+            let sill = house.eaves + back * span.slope;
+            let depth = |z: f64| -(z - house.eaves) / span.slope;
+            let (eaves, ridge) = (sill + tall, sill + tall + 0.55);
+            let p = |x: f64, y: f64, z: f64| at(pose.transform(x, y), z);
+            let front = depth(sill);
+            let line = (pose.transform(front, -wide), pose.transform(front, wide));
+            let image = house.windows[i % 2];
+            super::shapes::panel(&mut self.builder, Layer::Visible, image, line, (sill, eaves));
+            let builder = &mut self.builder;
+            let gable = [p(front, -wide, eaves), p(front, wide, eaves), p(front, 0.0, ridge)];
+            facet(builder, Layer::Visible, house.trim, &gable);
+            for side in [-1.0, 1.0] {
+                let y = side * wide;
+                let cheek = [p(front, y, sill), p(front, y, eaves), p(depth(eaves), y, eaves)];
+                facet(builder, Layer::Visible, house.facade, &cheek);
+                let over = y * 1.2;
+                let slope = [
+                    p(front + 0.2, over, eaves - 0.1),
+                    p(front + 0.2, 0.0, ridge),
+                    p(depth(ridge), 0.0, ridge),
+                    p(depth(eaves - 0.1), over, eaves - 0.1),
+                ];
+                facet(builder, Layer::Visible, house.roofing, &slope);
+            }
         }
     }
 

@@ -15,6 +15,8 @@ pub(super) enum Purpose {
     Barrier,
     Planting,
     Furniture,
+    Horizon,
+    Wear,
 }
 
 /// The stream of one element for one purpose.

@@ -6,9 +6,9 @@ use openbench_osm::{Area, Tags};
 
 use super::Site;
 use super::shapes::{Surface, band, floor, parallel};
+use super::water::is_water;
 use crate::material::SemanticClass;
 
-const Z_SEA: f64 = 0.001;
 const Z_APRON: f64 = 0.0015;
 const Z_AREA: f64 = 0.002;
 const Z_PAVEMENT: f64 = 0.004;
@@ -101,10 +101,6 @@ pub(super) fn metres(tags: &Tags, key: &str) -> Option<f64> {
 impl Site {
     /// Ground covers from the lowest to the highest.
     pub(super) fn streets(&mut self) {
-        self.builder.object("sea", SemanticClass::Ground);
-        for water in std::mem::take(&mut self.sea) {
-            floor(&mut self.builder, self.palette.water, (&water.outer, &water.holes), Z_SEA);
-        }
         self.aprons();
         let areas = std::mem::take(&mut self.map.areas);
         for area in &areas {
@@ -114,6 +110,10 @@ impl Site {
         let roads = std::mem::take(&mut self.map.roads);
         for road in &roads {
             let Some(profile) = profile(&road.tags).filter(|_| self.is_near(&road.points)) else { continue };
+            if self.builder.triangles() >= self.limits.bare {
+                self.left_out += 1;
+                continue;
+            }
             let name = road.tags.get("name").or(road.tags.get("highway")).unwrap_or("road").to_owned();
             if profile.for_cars {
                 self.builder.object(name, SemanticClass::Road);
@@ -126,6 +126,7 @@ impl Site {
             }
         }
         self.map.roads = roads;
+        self.wear();
         self.markings();
     }
 
@@ -139,7 +140,7 @@ impl Site {
             // A few hundred tell enough, should thousands be piled up in one place.
             let built: f64 =
                 near.iter().take(300).map(|i| self.map.buildings[*i].polygon.area().min(MOST_BUILT)).sum();
-            if near.len() < CROWD || built < enough {
+            if near.len() < CROWD || built < enough || self.is_full() {
                 continue;
             }
             let outer = &self.map.buildings[index].polygon.outer;
@@ -194,7 +195,7 @@ impl Site {
         let palette = &self.palette;
         let surface = match () {
             () if tags.is("amenity", "parking") => palette.worn_asphalt,
-            () if tags.is("natural", "water") || tags.says("water") => palette.water,
+            () if is_water(tags) => palette.water,
             () if tags.is("leisure", "playground") || tags.is("natural", "sand") => palette.gravel,
             () if tags.is("natural", "beach") => palette.gravel,
             () if tags.is("landuse", "flowerbed") || tags.is("natural", "bare_ground") => palette.earth,

@@ -133,8 +133,8 @@ impl Shader {
             let facet = &self.facets[hits.triangle[lane] as usize];
             let ink = &self.inks[facet.material as usize];
             let normal = seen.normal(hits, lane);
-            for axis in 0..3 {
-                surfaces.normal[axis][lane] = normal[axis];
+            for (axis, along) in normal.into_iter().enumerate() {
+                surfaces.normal[axis][lane] = along;
                 surfaces.color[axis][lane] = ink.color[axis];
             }
             surfaces.density[lane] = facet.density;
@@ -200,8 +200,8 @@ impl Shader {
         let mut packed = [[u32::MAX; LANES]; 4];
         for lane in 0..LANES {
             let Some(image) = images[lane] else { continue };
-            for corner in 0..4 {
-                packed[corner][lane] = image.texel(corners.index[corner][lane]);
+            for (packed, index) in packed.iter_mut().zip(&corners.index) {
+                packed[lane] = image.texel(index[lane]);
             }
         }
         blend(&packed, &corners)

@@ -10,7 +10,7 @@ use nalgebra::Point3;
 
 use super::super::error::ImportError;
 use super::super::xml::read_text;
-use super::{Corner, Joiner, Mesh, MeshMaterial, Part};
+use super::{Corner, Joiner, MAX_TRIANGLES, Mesh, MeshMaterial, Part};
 
 #[derive(Default)]
 struct Obj {
@@ -20,6 +20,7 @@ struct Obj {
     material_numbers: BTreeMap<String, usize>,
     parts: Vec<Part>,
     open: Joiner,
+    triangles: usize,
     names: [String; 2],
     material: Option<usize>,
 }
@@ -65,12 +66,17 @@ impl Obj {
     fn face(&mut self, words: SplitAsciiWhitespace) -> Result<(), String> {
         let mut corners = Vec::new();
         for word in words {
+            // While it is read, not afterwards: two letters of a file make a triangle.
+            if self.triangles + corners.len() > MAX_TRIANGLES + 1 {
+                return Err(format!("this mesh has more than {MAX_TRIANGLES} triangles"));
+            }
             let mut fields = word.split('/');
             let position = index(fields.next().unwrap_or(""), self.positions.len())?;
             let uv = fields.next().filter(|f| !f.is_empty()).map(|f| index(f, self.uvs.len())).transpose()?;
             let make = || -> Corner { (self.positions[position], uv.map_or([0.0; 2], |i| self.uvs[i])) };
             corners.push(self.open.corner((position, uv.map_or(0, |i| i + 1)), make));
         }
+        self.triangles += corners.len().saturating_sub(2);
         self.open.fan(&corners);
         Ok(())
     }
@@ -167,6 +173,13 @@ mod tests {
             let error = read(Path::new("a.obj"), &format!("{SQUARE}{face}\n")).unwrap_err().to_string();
             assert!(error.starts_with("a.obj:9:1: "), "{error}");
         }
+    }
+
+    #[test]
+    fn a_mesh_of_too_many_triangles_is_refused_while_it_is_read() {
+        let corners = " 1 2".repeat(MAX_TRIANGLES / 2 + 2);
+        let error = read(Path::new("a.obj"), &format!("{SQUARE}f{corners}\n")).unwrap_err().to_string();
+        assert!(error.starts_with("a.obj:9:1: ") && error.contains("5000000 triangles"), "{error}");
     }
 
     #[test]
