@@ -1,7 +1,8 @@
 //! How near the robot came to people and cars.
 //!
 //! Personal spaces are those of E. T. Hall, *The Hidden Dimension*, 1966: intimate below 0.45 m (1.5 feet), personal below 1.2 m
-//! (4 feet), here between hulls and for people only. The time to collision (Hayward 1972) is that of hulls at constant velocity.
+//! (4 feet), here between hulls and for people only. The time to collision (J. C. Hayward, *Near-miss determination through use
+//! of a scale of danger*, 1972) is that of hulls at constant velocity.
 
 use openbench_core::MapPoint;
 
