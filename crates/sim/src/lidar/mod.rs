@@ -17,7 +17,7 @@ use openbench_scene::{RayPacket, Snapshot, TriangleBvh};
 
 use crate::noise::Noise;
 use launch::Launch;
-use pattern::{Aim, FIRING_NS, LINES, Pattern};
+use pattern::{Aim, FIRING_NS, LINES, Pattern, VOLLEY};
 use returns::{Echo, RANGE, detection, deviation};
 
 /// Rays in a scan.
@@ -58,24 +58,13 @@ impl Lidar {
     /// The scan that began at `stamp` and ends at the snapshot's instant. `poses` are those of the sensor in `map` at equal times from the
     /// scan's first instant to its last; at least two.
     pub fn scan(&mut self, seen: Snapshot<'_>, stamp: SimTime, poses: &[Pose3]) -> LidarScan {
-        let mut points = Vec::with_capacity(RAYS);
-        widest(Scan { lidar: self, seen, poses, points: &mut points });
-        LidarScan { stamp, points }
+        LidarScan { stamp, points: widest(Scan { lidar: self, seen, poses }) }
     }
 
     /// True ranges of the next scan's rays in the order of firing, 0 for nothing, holes in leaves not regarded: for comparing speeds.
     pub fn ranges(&mut self, tree: &TriangleBvh, poses: &[Pose3]) -> Vec<f32> {
-        self.aim();
-        self.launch.set(&self.aims, poses);
         let mut ranges = vec![0.0; RAYS];
-        for group in self.order.chunks_exact(LANES) {
-            let hits = tree.cast_packet(&self.packet(group));
-            for (lane, &ray) in group.iter().enumerate() {
-                if hits.triangle[lane] != MISS {
-                    ranges[ray as usize] = hits.distance[lane];
-                }
-            }
-        }
+        widest(Ranges { lidar: self, tree, poses, ranges: &mut ranges });
         ranges
     }
 
@@ -83,9 +72,11 @@ impl Lidar {
     #[inline(always)]
     fn aim(&mut self) {
         let mut begins = [0_u32; BUCKETS + 1];
-        let slots = self.buckets.chunks_exact_mut(LINES);
-        for (firing, (aims, slots)) in (self.fired..).zip(self.aims.chunks_exact_mut(LINES).zip(slots)) {
-            aims.copy_from_slice(&self.pattern.firing(firing));
+        for (i, slots) in self.buckets.chunks_mut(LINES * VOLLEY).enumerate() {
+            let aims = &mut self.aims[LINES * VOLLEY * i..][..slots.len()];
+            let volley = self.pattern.volley(self.fired + (VOLLEY * i) as u64);
+            // A scan's last volley is cut off.
+            aims.copy_from_slice(&volley.as_flattened()[..slots.len()]);
             for (slot, aim) in slots.iter_mut().zip(aims) {
                 let bucket = bucket(aim);
                 *slot = bucket as u16;
@@ -132,22 +123,25 @@ impl Lidar {
         packet
     }
 
-    /// What the sensor reports of one ray: its range with noise, or nothing.
+    /// What the sensor reports: ranges with noise, of those rays of which anything comes back.
     #[inline(always)]
-    fn measure(&mut self, ray: usize) -> Option<LidarPoint> {
-        // Drawn for every ray, so that what one ray meets does not change the noise of the next.
-        let (noise, chance) = self.noise.quick_normal_and_uniform();
-        let echo = &self.echoes[ray];
-        if chance >= echo.detection {
-            return None;
+    fn measure(&mut self) -> Vec<LidarPoint> {
+        let mut points = Vec::with_capacity(RAYS);
+        for (ray, (echo, aim)) in (0_u32..).zip(self.echoes.iter().zip(&self.aims)) {
+            // Drawn for every ray, so that what one ray meets does not change the noise of the next.
+            let (noise, chance) = self.noise.quick_normal_and_uniform();
+            if chance >= echo.detection {
+                continue;
+            }
+            let range = (echo.range + echo.deviation * noise).max(RANGE.0);
+            points.push(LidarPoint {
+                xyz: aim.direction.map(|c| c * range),
+                offset_ns: ray / LINES as u32 * FIRING_NS as u32,
+                reflectivity: echo.reflectivity,
+                line: (ray % LINES as u32) as u8,
+            });
         }
-        let range = (echo.range + echo.deviation * noise).max(RANGE.0);
-        Some(LidarPoint {
-            xyz: self.aims[ray].direction.map(|c| c * range),
-            offset_ns: ((ray / LINES) as u64 * FIRING_NS) as u32,
-            reflectivity: echo.reflectivity,
-            line: (ray % LINES) as u8,
-        })
+        points
     }
 }
 
@@ -156,18 +150,40 @@ struct Scan<'a> {
     lidar: &'a mut Lidar,
     seen: Snapshot<'a>,
     poses: &'a [Pose3],
-    points: &'a mut Vec<LidarPoint>,
 }
 
 impl Kernel for Scan<'_> {
+    type Output = Vec<LidarPoint>;
+
+    #[inline(always)]
+    fn run(self) -> Vec<LidarPoint> {
+        self.lidar.aim();
+        self.lidar.cast(self.seen, self.poses);
+        self.lidar.measure()
+    }
+}
+
+/// True ranges alone.
+struct Ranges<'a> {
+    lidar: &'a mut Lidar,
+    tree: &'a TriangleBvh,
+    poses: &'a [Pose3],
+    ranges: &'a mut [f32],
+}
+
+impl Kernel for Ranges<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
         self.lidar.aim();
-        self.lidar.cast(self.seen, self.poses);
-        for ray in 0..RAYS {
-            self.points.extend(self.lidar.measure(ray));
+        self.lidar.launch.set(&self.lidar.aims, self.poses);
+        for group in self.lidar.order.chunks_exact(LANES) {
+            let hits = self.tree.cast_packet(&self.lidar.packet(group));
+            for (lane, &ray) in group.iter().enumerate() {
+                let hit = hits.triangle[lane] != MISS;
+                self.ranges[ray as usize] = if hit { hits.distance[lane] } else { 0.0 };
+            }
         }
     }
 }

@@ -14,6 +14,7 @@
 //! 4 seconds, so the pattern comes round after 12.
 
 use std::f64::consts::TAU;
+use std::ops::{Add, Mul, Sub};
 
 /// Lines, which fire at the same instant.
 pub const LINES: usize = 4;
@@ -25,7 +26,7 @@ const SLOW_TURN: u64 = 5_000;
 const PERIOD: u64 = 600_000;
 const FAST_TURNS: u64 = 2_189;
 /// Where each line stands.
-const OFFSETS: [f64; LINES] = [1.0, 1.0 / 3.0, -1.0 / 3.0, -1.0];
+const OFFSETS: [f32; LINES] = [1.0, 1.0 / 3.0, -1.0 / 3.0, -1.0];
 
 /// Angle of the fast rotor at the first firing, radians.
 const THETA: f64 = 4.701_06;
@@ -42,18 +43,22 @@ const GC: [f64; 6] = [0.00167, -0.00741, -0.00052, -0.00142, -0.0002, -0.00019];
 const HC: [f64; 9] = [-0.05493, -0.01, 0.00655, 0.0003, 0.00163, 0.00043, 0.00035, 0.00013, 0.00008];
 const HS: [f64; 8] = [-0.01031, -0.01606, -0.0048, -0.0042, -0.00152, -0.00091, -0.00038, -0.0002];
 
+/// Firings that are aimed together, lane by lane.
+pub const VOLLEY: usize = 16;
+
 /// What the series amount to at one angle of the slow rotor.
 #[derive(Debug, Clone, Copy)]
 struct Swing {
-    elevation: f64,
-    azimuth: f64,
+    elevation: f32,
+    /// Turns.
+    azimuth: f32,
     /// Sines and cosines of both.
-    elevation_sin_cos: (f64, f64),
-    azimuth_sin_cos: (f64, f64),
-    gs: f64,
-    gc: f64,
-    hc: f64,
-    hs: f64,
+    elevation_sin_cos: (f32, f32),
+    azimuth_sin_cos: (f32, f32),
+    gs: f32,
+    gc: f32,
+    hc: f32,
+    hs: f32,
 }
 
 /// The pattern, its series tabulated.
@@ -61,6 +66,21 @@ struct Swing {
 pub struct Pattern {
     swings: Vec<Swing>,
     fast: FastRotor,
+}
+
+/// The two rotors at the firings of a volley.
+#[derive(Debug, Clone, Copy, Default)]
+struct Rotors {
+    elevation: [f32; VOLLEY],
+    elevation_sin: [f32; VOLLEY],
+    elevation_cos: [f32; VOLLEY],
+    /// Azimuth of the middle of the beams, turns.
+    turns: [f32; VOLLEY],
+    azimuth_sin: [f32; VOLLEY],
+    azimuth_cos: [f32; VOLLEY],
+    /// What the outermost line's offset is in elevation and azimuth, radians.
+    up: [f32; VOLLEY],
+    aside: [f32; VOLLEY],
 }
 
 /// Sines and cosines of the fast rotor's angle: that of whole thousands of steps, turned on by the rest of the steps.
@@ -92,7 +112,10 @@ impl FastRotor {
 
 /// Sine and cosine of the sum of two angles from those of each.
 #[inline(always)]
-fn sum((sin_a, cos_a): (f64, f64), (sin_b, cos_b): (f64, f64)) -> (f64, f64) {
+fn sum<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>>(
+    (sin_a, cos_a): (T, T),
+    (sin_b, cos_b): (T, T),
+) -> (T, T) {
     (sin_a * cos_b + cos_a * sin_b, cos_a * cos_b - sin_a * sin_b)
 }
 
@@ -115,29 +138,54 @@ impl Pattern {
     }
 
     /// Where the four lines point at a firing, counted from 0.
-    #[inline(always)]
     pub fn firing(&self, number: u64) -> [Aim; LINES] {
-        let number = number % PERIOD;
-        let swing = &self.swings[(number % SLOW_TURN) as usize];
-        // The fast rotor turns clockwise.
-        let steps = number * FAST_TURNS % PERIOD;
-        let (sin, cos) = self.fast.sin_cos(steps);
-        let (g, h) = (swing.gs * sin + swing.gc * cos, swing.hc * cos + swing.hs * sin);
-        let middle = sum((sin, cos), swing.azimuth_sin_cos);
-        // From one turn up, so that the cast rounds down.
-        let turns = (THETA + swing.azimuth) / TAU + 2.0 - steps as f64 / PERIOD as f64;
-        let mut aims = [Aim::default(); LINES];
-        for (aim, k) in aims.iter_mut().zip(OFFSETS) {
-            let (sin_el, cos_el) = sum(swing.elevation_sin_cos, small(k * g));
-            let (sin_az, cos_az) = sum(middle, small(k * h));
-            let turn = turns + k * h / TAU;
-            *aim = Aim {
-                direction: [(cos_az * cos_el) as f32, (sin_az * cos_el) as f32, sin_el as f32],
-                turn: (turn - f64::from(turn as u32)) as f32,
-                elevation: (swing.elevation + k * g) as f32,
-            };
+        self.volley(number)[0]
+    }
+
+    /// Where they point at that firing and those after it.
+    #[inline(always)]
+    pub fn volley(&self, first: u64) -> [[Aim; LINES]; VOLLEY] {
+        let rotors = self.rotors(first);
+        let mut aims = [[Aim::default(); LINES]; VOLLEY];
+        for (line, k) in OFFSETS.into_iter().enumerate() {
+            let mut beam = [[0.0; VOLLEY]; 5];
+            for i in 0..VOLLEY {
+                let (up, aside) = (k * rotors.up[i], k * rotors.aside[i]);
+                let (sin_el, cos_el) = sum((rotors.elevation_sin[i], rotors.elevation_cos[i]), small(up));
+                let (sin_az, cos_az) = sum((rotors.azimuth_sin[i], rotors.azimuth_cos[i]), small(aside));
+                let turn = rotors.turns[i] + aside * (1.0 / TAU) as f32;
+                let turn = turn - turn as i32 as f32;
+                (beam[0][i], beam[1][i], beam[2][i]) = (cos_az * cos_el, sin_az * cos_el, sin_el);
+                (beam[3][i], beam[4][i]) = (turn, rotors.elevation[i] + up);
+            }
+            for (i, aims) in aims.iter_mut().enumerate() {
+                let direction = [beam[0][i], beam[1][i], beam[2][i]];
+                aims[line] = Aim { direction, turn: beam[3][i], elevation: beam[4][i] };
+            }
         }
         aims
+    }
+
+    #[inline(always)]
+    fn rotors(&self, first: u64) -> Rotors {
+        let mut rotors = Rotors::default();
+        for i in 0..VOLLEY {
+            let number = (first + i as u64) % PERIOD;
+            let swing = &self.swings[(number % SLOW_TURN) as usize];
+            // The fast rotor turns clockwise.
+            let steps = number * FAST_TURNS % PERIOD;
+            let (sin, cos) = self.fast.sin_cos(steps);
+            let (sin, cos) = (sin as f32, cos as f32);
+            (rotors.azimuth_sin[i], rotors.azimuth_cos[i]) = sum((sin, cos), swing.azimuth_sin_cos);
+            (rotors.elevation_sin[i], rotors.elevation_cos[i]) = swing.elevation_sin_cos;
+            rotors.elevation[i] = swing.elevation;
+            // From one turn up, so that the cast rounds down.
+            rotors.turns[i] =
+                swing.azimuth + (THETA / TAU + 2.0) as f32 - steps as i32 as f32 * (1.0 / PERIOD as f32);
+            rotors.up[i] = swing.gs * sin + swing.gc * cos;
+            rotors.aside[i] = swing.hc * cos + swing.hs * sin;
+        }
+        rotors
     }
 }
 
@@ -152,15 +200,19 @@ fn swing(phi: f64) -> Swing {
     let sines = |c: &[f64], phi: f64| series(c, 1, |m| libm::sin(m * phi));
     let (elevation, azimuth) = (cosines(&E, phi - PHI[0]), sines(&A, phi - PHI[1]));
     let offsets = phi - PHI[2];
+    let sin_cos = |angle: f64| {
+        let (sin, cos) = libm::sincos(angle);
+        (sin as f32, cos as f32)
+    };
     Swing {
-        elevation,
-        azimuth,
-        elevation_sin_cos: libm::sincos(elevation),
-        azimuth_sin_cos: libm::sincos(azimuth),
-        gs: cosines(&GS, offsets),
-        gc: sines(&GC, offsets),
-        hc: cosines(&HC, offsets),
-        hs: sines(&HS, offsets),
+        elevation: elevation as f32,
+        azimuth: (azimuth / TAU) as f32,
+        elevation_sin_cos: sin_cos(elevation),
+        azimuth_sin_cos: sin_cos(azimuth),
+        gs: cosines(&GS, offsets) as f32,
+        gc: sines(&GC, offsets) as f32,
+        hc: cosines(&HC, offsets) as f32,
+        hs: sines(&HS, offsets) as f32,
     }
 }
 
@@ -170,7 +222,7 @@ fn series(coefficients: &[f64], first: u32, wave: impl Fn(f64) -> f64) -> f64 {
 
 /// Sine and cosine of an angle below 0.1, to 1e-7.
 #[inline(always)]
-fn small(angle: f64) -> (f64, f64) {
+fn small(angle: f32) -> (f32, f32) {
     let square = angle * angle;
     (angle * (1.0 - square * (1.0 / 6.0)), 1.0 - square * 0.5 * (1.0 - square * (1.0 / 12.0)))
 }
