@@ -235,3 +235,144 @@ fn merge(hits: &mut PacketHits, found: &PacketHits, mover: u32) {
         hits.mover[lane] = if new { mover } else { hits.mover[lane] };
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::dispatch::{Vectors, widest};
+    use super::*;
+    use nalgebra::{Point3, Translation3, UnitQuaternion};
+    use proptest::prelude::*;
+
+    type Corners = [[f32; 3]; 3];
+
+    fn within(half: f32) -> impl Strategy<Value = [f32; 3]> {
+        prop::array::uniform3(-half..half)
+    }
+
+    fn triangle() -> impl Strategy<Value = Corners> {
+        prop::array::uniform3(within(1.0))
+    }
+
+    fn placed() -> impl Strategy<Value = Placed> {
+        (0_usize..2, within(8.0), within(3.0), within(3.0)).prop_map(|(figure, at, angles, velocity)| {
+            let [x, y, z] = at.map(f64::from);
+            let [roll, pitch, yaw] = angles.map(f64::from);
+            let turn = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+            Placed { figure, pose: Pose3::from_parts(Translation3::new(x, y, z), turn), velocity }
+        })
+    }
+
+    /// The triangles of a placed figure in `map`, a lag after the instant.
+    fn moved(figure: &[Corners], place: &Placed, lag: f32) -> Vec<Corners> {
+        let corner = |p: [f32; 3]| {
+            let at = place.pose * Point3::from(p.map(f64::from));
+            [0, 1, 2].map(|i| at[i] as f32 + lag * place.velocity[i])
+        };
+        figure.iter().map(|t| t.map(corner)).collect()
+    }
+
+    fn packet(rays: &[([f32; 3], [f32; 3])]) -> RayPacket {
+        let mut packet = RayPacket::idle();
+        for (lane, (origin, direction)) in rays.iter().enumerate() {
+            packet.set(lane, *origin, *direction, 100.0);
+        }
+        packet
+    }
+
+    fn among(movers: &Movers, figures: &[Figure], rays: &RayPacket, lag: f32) -> PacketHits {
+        let mut hits = PacketHits::none(rays);
+        let (opaque, lags) = (|_: &Hit| true, [lag; LANES]);
+        widest(CastAmong { movers, figures, rays, lags: &lags, opaque: &opaque, hits: &mut hits });
+        hits
+    }
+
+    proptest! {
+        #[test]
+        fn movers_are_hit_where_their_triangles_are_at_the_rays_instant(
+            soups in prop::array::uniform2(prop::collection::vec(triangle(), 1..12)),
+            places in prop::collection::vec(placed(), 1..12),
+            rays in prop::collection::vec((within(10.0), within(1.0)), LANES),
+            lag in -SWEEP..0.0,
+        ) {
+            let second = soups[0].len() as u32;
+            let figures = [
+                TriangleBvh::new(soups[0].iter().copied()),
+                TriangleBvh::numbered(soups[1].iter().copied(), second, |_| false),
+            ];
+            let mut movers = Movers::default();
+            movers.place(&figures, places.iter().copied());
+            let rays = packet(&rays);
+            let found = among(&movers, &figures, &rays, lag);
+            let all = places.iter().flat_map(|place| moved(&soups[place.figure], place, lag));
+            let standing = TriangleBvh::new(all).cast_packet(&rays);
+            // Rounding decides at edges, so not every lane need agree; but most do in every case.
+            let near = |lane: usize| (found.distance[lane] - standing.distance[lane]).abs() < 1e-3 * standing.distance[lane];
+            let differing = (0..LANES).filter(|&lane| !near(lane)).count();
+            prop_assert!(differing <= 1, "{differing} lanes: {:?} {:?}", found.distance, standing.distance);
+            for lane in (0..LANES).filter(|&lane| found.triangle[lane] != MISS) {
+                let figure = places[found.mover[lane] as usize].figure;
+                prop_assert_eq!(u32::from(found.triangle[lane] >= second), figure as u32);
+            }
+        }
+
+        #[test]
+        fn every_instruction_set_sees_the_same_movers(
+            soup in prop::collection::vec(triangle(), 1..12),
+            places in prop::collection::vec(placed(), 1..12),
+            rays in prop::collection::vec((within(10.0), within(1.0)), LANES),
+        ) {
+            let figures = [TriangleBvh::new(soup.iter().copied()), TriangleBvh::new(soup.iter().copied())];
+            let mut movers = Movers::default();
+            movers.place(&figures, places.iter().copied());
+            let rays = packet(&rays);
+            let mut seen = Vec::new();
+            for vectors in Vectors::available().iter() {
+                let mut hits = PacketHits::none(&rays);
+                let (opaque, lags) = (|hit: &Hit| hit.u < 0.7, [-0.03; LANES]);
+                let cast = CastAmong { movers: &movers, figures: &figures, rays: &rays, lags: &lags, opaque: &opaque, hits: &mut hits };
+                vectors.run(cast);
+                seen.push((hits.distance.map(f32::to_bits), hits.triangle, hits.mover));
+            }
+            prop_assert!(seen.windows(2).all(|w| w[0] == w[1]));
+        }
+    }
+
+    #[test]
+    fn what_stands_in_front_hides_movers_and_what_is_behind_does_not() {
+        let wall = |x: f32| [[x, -5.0, -5.0], [x, 5.0, -5.0], [x, 0.0, 9.0]];
+        let figures = [TriangleBvh::new([wall(0.0)].into_iter())];
+        let mut movers = Movers::default();
+        let pose = Pose3::translation(4.0, 0.0, 0.0);
+        movers.place(&figures, [Placed { figure: 0, pose, velocity: [0.0; 3] }].into_iter());
+        let rays = packet(&[([0.0; 3], [1.0, 0.0, 0.0]); LANES]);
+        for (stands, seen) in [(3.0, (3.0, MISS)), (5.0, (4.0, 0))] {
+            let mut hits = TriangleBvh::new([wall(stands)].into_iter()).cast_packet(&rays);
+            let (opaque, lags) = (|_: &Hit| true, [0.0; LANES]);
+            widest(CastAmong {
+                movers: &movers,
+                figures: &figures,
+                rays: &rays,
+                lags: &lags,
+                opaque: &opaque,
+                hits: &mut hits,
+            });
+            assert_eq!((hits.distance[7], hits.mover[7]), seen);
+        }
+    }
+
+    #[test]
+    fn nobody_without_numbers_triangles_or_figure_is_seen() {
+        let figures = [TriangleBvh::new(std::iter::empty())];
+        let place = |figure: usize, x: f64| Placed {
+            figure,
+            pose: Pose3::translation(x, 0.0, 0.0),
+            velocity: [f32::INFINITY; 3],
+        };
+        let mut movers = Movers::default();
+        movers.place(&figures, [place(0, 0.0), place(7, 1.0), place(usize::MAX, f64::NAN)].into_iter());
+        let hits = among(&movers, &figures, &packet(&[([0.0; 3], [1.0, 0.0, 0.0]); LANES]), 0.0);
+        assert_eq!(hits.triangle, [MISS; LANES]);
+        movers.place(&figures, std::iter::empty());
+        assert!(movers.is_empty());
+    }
+}
