@@ -148,19 +148,18 @@ impl Pattern {
         let rotors = self.rotors(first);
         let mut aims = [[Aim::default(); LINES]; VOLLEY];
         for (line, k) in OFFSETS.into_iter().enumerate() {
-            let mut beam = [[0.0; VOLLEY]; 5];
+            let (mut x, mut y, mut z) = ([0.0; VOLLEY], [0.0; VOLLEY], [0.0; VOLLEY]);
+            let (mut turns, mut elevation) = ([0.0; VOLLEY], [0.0; VOLLEY]);
             for i in 0..VOLLEY {
                 let (up, aside) = (k * rotors.up[i], k * rotors.aside[i]);
                 let (sin_el, cos_el) = sum((rotors.elevation_sin[i], rotors.elevation_cos[i]), small(up));
                 let (sin_az, cos_az) = sum((rotors.azimuth_sin[i], rotors.azimuth_cos[i]), small(aside));
                 let turn = rotors.turns[i] + aside * (1.0 / TAU) as f32;
-                let turn = turn - turn as i32 as f32;
-                (beam[0][i], beam[1][i], beam[2][i]) = (cos_az * cos_el, sin_az * cos_el, sin_el);
-                (beam[3][i], beam[4][i]) = (turn, rotors.elevation[i] + up);
+                (x[i], y[i], z[i]) = (cos_az * cos_el, sin_az * cos_el, sin_el);
+                (turns[i], elevation[i]) = (turn - turn as i32 as f32, rotors.elevation[i] + up);
             }
             for (i, aims) in aims.iter_mut().enumerate() {
-                let direction = [beam[0][i], beam[1][i], beam[2][i]];
-                aims[line] = Aim { direction, turn: beam[3][i], elevation: beam[4][i] };
+                aims[line] = Aim { direction: [x[i], y[i], z[i]], turn: turns[i], elevation: elevation[i] };
             }
         }
         aims
