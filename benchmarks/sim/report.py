@@ -23,7 +23,7 @@ def machine():
     if info.exists():
         names = [line.split(":", 1)[1].strip() for line in info.read_text().splitlines() if line.startswith("model name")]
         name = names[0] if names else name
-    return {"processor": name, "cores": os.cpu_count(), "system": platform.platform(), "python": platform.python_version()}
+    return {"processor": name, "cores": os.cpu_count(), "system": platform.system(), "python": platform.python_version()}
 
 
 def our_rate(ours):
