@@ -9,6 +9,8 @@ use rapier3d::prelude::{
     ColliderBuilder, ColliderHandle, Pose, RigidBodyBuilder, RigidBodyHandle, SharedShape, Vector,
 };
 
+use crate::OBSERVATION_NS;
+use crate::physics::STEP_NS;
 use crate::traffic::Hull;
 
 /// Bodies further from the robot than this take no part, metres: no car's end reaches the robot from there within a leg.
@@ -18,7 +20,7 @@ const PERSON_HEIGHT: f32 = 1.75;
 /// Heights of the lower and upper edge of a car's body above the ground, metres.
 const CAR: (f32, f32) = (0.15, 1.45);
 
-/// A straight piece of a mover's way.
+/// A straight piece of a mover's way, from one observation to the next.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Leg {
     pub(crate) from: Pose2,
@@ -26,6 +28,9 @@ pub(crate) struct Leg {
     /// Height of the ground, metres.
     pub(crate) ground: f64,
 }
+
+/// Physics steps in a leg.
+const STEPS: u64 = OBSERVATION_NS / STEP_NS;
 
 struct Slot {
     body: RigidBodyHandle,
@@ -39,14 +44,13 @@ struct Slot {
 #[derive(Default)]
 pub(crate) struct Bodies {
     slots: Vec<Slot>,
-    /// Steps in a leg, and those done of the present one.
-    steps: u64,
+    /// Steps done of the present leg.
     done: u64,
 }
 
 impl Bodies {
-    /// Adds a body that takes no part yet. A leg lasts `steps` steps.
-    pub(crate) fn add(&mut self, world: &mut PhysicsWorld, hull: Hull, class: SemanticClass, steps: u64) {
+    /// Adds a body that takes no part yet.
+    pub(crate) fn add(&mut self, world: &mut PhysicsWorld, hull: Hull, class: SemanticClass) {
         let (shape, height) = match hull {
             Hull::Disc { radius } => {
                 let half = PERSON_HEIGHT / 2.0;
@@ -69,7 +73,6 @@ impl Bodies {
             .enabled(false);
         let (body, collider) = world.insert(RigidBodyBuilder::kinematic_position_based(), collider);
         self.slots.push(Slot { body, collider, class, leg: None });
-        self.steps = steps;
     }
 
     /// Sets out on new legs, one for each body in the order in which they were added; `None` for who is not there.
@@ -95,7 +98,7 @@ impl Bodies {
     /// Goes on by one step.
     pub(crate) fn advance(&mut self, world: &mut PhysicsWorld) {
         self.done += 1;
-        let share = self.done as f64 / self.steps.max(1) as f64;
+        let share = self.done as f64 / STEPS as f64;
         for slot in &self.slots {
             if let Some(leg) = &slot.leg {
                 world.bodies[slot.body].set_next_kinematic_position(pose(leg, share));

@@ -9,7 +9,7 @@ use openbench_scene::{Movers, Placed, RayCaster, SemanticClass};
 
 use crate::OBSERVATION_NS;
 use crate::bodies::Leg;
-use crate::physics::{Physics, STEP_NS};
+use crate::physics::Physics;
 use crate::traffic::figures::Gallery;
 use crate::traffic::{Mover, MoverKind, RobotState, Traffic};
 
@@ -38,7 +38,7 @@ impl Crowd {
         let before = traffic.movers().to_vec();
         let grounds = before.iter().map(|m| ground_height(caster, m.pose.point())).collect();
         for mover in &before {
-            physics.add_mover(mover.hull, class(mover.kind), OBSERVATION_NS / STEP_NS);
+            physics.add_mover(mover.hull, class(mover.kind));
         }
         Self { traffic, gallery, before, grounds, steps: 0 }
     }
@@ -71,8 +71,9 @@ impl Crowd {
     /// Places the figures where everyone is.
     pub(crate) fn show(&self, caster: &RayCaster, figures: &mut Movers) {
         let now = self.traffic.movers().iter().zip(&self.grounds);
-        let placed = now.filter(|(mover, _)| mover.present).map(|(mover, ground)| Placed {
-            figure: self.gallery.of(mover),
+        let placed = now.map(|(mover, ground)| Placed {
+            // Who is not there keeps the number, but has no figure.
+            figure: if mover.present { self.gallery.of(mover) } else { usize::MAX },
             pose: pose(&mover.pose, *ground),
             velocity: [mover.velocity[0] as f32, mover.velocity[1] as f32, 0.0],
         });

@@ -151,9 +151,9 @@ impl Physics {
         self.world.step();
     }
 
-    /// Adds a body that moves by itself on legs of `steps` steps. It takes no part yet.
-    pub(crate) fn add_mover(&mut self, hull: Hull, class: SemanticClass, steps: u64) {
-        self.movers.add(&mut self.world, hull, class, steps);
+    /// Adds a body that moves by itself. It takes no part yet.
+    pub(crate) fn add_mover(&mut self, hull: Hull, class: SemanticClass) {
+        self.movers.add(&mut self.world, hull, class);
     }
 
     /// Sends those bodies on their next legs, in the order in which they were added; `None` for who is not there.

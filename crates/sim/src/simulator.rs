@@ -6,7 +6,8 @@ use openbench_core::{
     GnssFix, ImuSample, LidarScan, Observation, Pose2, Pose3, RobotDescription, SimTime, Velocity,
     WheelSample,
 };
-use openbench_scene::{Movers, RayCaster, Scene, SemanticClass, Snapshot};
+use openbench_osm::OsmMap;
+use openbench_scene::{FreeSpace, Movers, RayCaster, Scene, SemanticClass, Snapshot};
 
 use crate::SimError;
 use crate::camera::SimCamera;
@@ -18,7 +19,7 @@ use crate::noise::Noise;
 use crate::physics::{Physics, STEP_NS, Solids};
 use crate::render::Renderer;
 use crate::traffic::figures::Gallery;
-use crate::traffic::{Mover, RobotState, Traffic, TrafficPlan};
+use crate::traffic::{Mover, PERSON_RADIUS, RobotState, Traffic, TrafficPlan};
 
 /// Simulated time between two observations, nanoseconds.
 pub const OBSERVATION_NS: u64 = 50_000_000;
@@ -149,6 +150,13 @@ impl Simulator {
         self.crowd = Some(crowd);
         self.camera.move_to(self.time, self.base_link(), self.movers.clone());
         Ok(self)
+    }
+
+    /// Puts as many people and cars as `plan` says on the ways of a map, as far as there is room for them around the robot.
+    pub fn among_traffic_of(self, map: &OsmMap, plan: TrafficPlan, seed: u64) -> Result<Self, SimError> {
+        let start = self.robot_state().position;
+        let space = FreeSpace::new(&self.stage.caster, start, PERSON_RADIUS);
+        self.among(Traffic::new(map, |p| space.is_reachable(p), plan, start, seed))
     }
 
     /// Drives with `velocity` until the next observation.

@@ -7,10 +7,10 @@ use cpu_time::ThreadTime;
 use openbench_core::{MapPoint, Pose2, Pose3, RobotDescription, SimTime, Velocity};
 use openbench_osm::OsmMap;
 use openbench_scene::free_space::ground_height;
-use openbench_scene::{FreeSpace, Movers, RayCaster, Snapshot, World};
+use openbench_scene::{Movers, RayCaster, Snapshot, World};
 use openbench_sim::lidar::{Lidar, RAYS};
 use openbench_sim::noise::Noise;
-use openbench_sim::traffic::{MoverKind, PERSON_RADIUS, Traffic, TrafficPlan};
+use openbench_sim::traffic::{MoverKind, TrafficPlan};
 use openbench_sim::{Simulator, Stage, View};
 use serde::Serialize;
 
@@ -102,9 +102,7 @@ impl Scenery {
     fn simulator(&self) -> Result<Simulator, BenchError> {
         let still = Simulator::new(self.stage.clone(), RobotDescription::sentry(), self.start, 0);
         let Some(map) = &self.map else { return Ok(still) };
-        let space = FreeSpace::new(self.stage.caster(), self.start.point(), PERSON_RADIUS);
-        let traffic = Traffic::new(map, |p| space.is_reachable(p), self.plan, self.start.point(), 0);
-        still.among(traffic).map_err(|e| BenchError::World(e.to_string()))
+        still.among_traffic_of(map, self.plan, 0).map_err(|e| BenchError::World(e.to_string()))
     }
 
     /// Drives in circles; seconds simulated in a second.

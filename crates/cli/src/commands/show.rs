@@ -9,8 +9,7 @@ use openbench_bench::world_folder::is_world;
 use openbench_bench::{TrafficPlan, WorldSource};
 use openbench_core::{Image, Pose2, Pose3, RobotDescription, Velocity};
 use openbench_osm::{OsmMap, write_atomically};
-use openbench_scene::{FreeSpace, Movers, RayCaster, Scene, SemanticClass, World, free_space::ground_height};
-use openbench_sim::traffic::{PERSON_RADIUS, Traffic};
+use openbench_scene::{Movers, RayCaster, Scene, SemanticClass, World, free_space::ground_height};
 use openbench_sim::{Labels, Simulator, Stage, View};
 use serde_json::json;
 
@@ -57,10 +56,8 @@ fn movers(world: &World, stage: &Stage, plan: TrafficPlan, after: u16) -> anyhow
         return Ok(Movers::default());
     }
     let map = OsmMap::new(&world.map, world.georeference);
-    let space = FreeSpace::new(stage.caster(), world.start.point(), PERSON_RADIUS);
-    let traffic = Traffic::new(&map, |p| space.is_reachable(p), plan, world.start.point(), 0);
-    let robot = RobotDescription::sentry();
-    let mut simulator = Simulator::new(stage.clone(), robot, world.start, 0).among(traffic)?;
+    let still = Simulator::new(stage.clone(), RobotDescription::sentry(), world.start, 0);
+    let mut simulator = still.among_traffic_of(&map, plan, 0)?;
     while simulator.time().seconds() < f64::from(after) {
         simulator.step(Velocity::ZERO);
     }

@@ -18,7 +18,8 @@ pub trait Kernel {
 /// Does a kernel's work with the widest vectors of this machine.
 #[inline]
 pub fn widest<K: Kernel>(kernel: K) -> K::Output {
-    static WIDEST: LazyLock<Vectors> = LazyLock::new(|| *Vectors::available().last());
+    static WIDEST: LazyLock<Vectors> =
+        LazyLock::new(|| Vectors::available().pop().unwrap_or(Vectors(Instructions::Baseline)));
     WIDEST.run(kernel)
 }
 
@@ -35,24 +36,9 @@ enum Instructions {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Vectors(Instructions);
 
-/// Sets of vector instructions, the narrowest first; never empty.
-#[derive(Debug, Clone)]
-pub struct Available(Vec<Vectors>);
-
-impl Available {
-    fn last(&self) -> &Vectors {
-        self.0.last().unwrap_or(&Vectors(Instructions::Baseline))
-    }
-
-    /// All of them.
-    pub fn iter(&self) -> impl Iterator<Item = Vectors> + '_ {
-        self.0.iter().copied()
-    }
-}
-
 impl Vectors {
-    /// Those that this machine has.
-    pub fn available() -> Available {
+    /// Those that this machine has, the widest last.
+    pub fn available() -> Vec<Self> {
         let mut sets = vec![Self(Instructions::Baseline)];
         #[cfg(target_arch = "x86_64")]
         {
@@ -67,7 +53,7 @@ impl Vectors {
                 sets.push(Self(Instructions::Avx512));
             }
         }
-        Available(sets)
+        sets
     }
 
     /// Does a kernel's work with these instructions.

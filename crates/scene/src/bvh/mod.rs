@@ -422,7 +422,7 @@ mod tests {
             }
             let bits = |h: &PacketHits| (h.distance.map(f32::to_bits), h.triangle, h.u.map(f32::to_bits), h.v.map(f32::to_bits));
             let mut seen = Vec::new();
-            for vectors in Vectors::available().iter() {
+            for vectors in Vectors::available() {
                 let mut hits = PacketHits::none(&packet);
                 vectors.run(Cast { tree: &tree, rays: &packet, opaque: &|hit: &Hit| hit.u > 0.3, hits: &mut hits });
                 seen.push(bits(&hits));

@@ -326,7 +326,7 @@ mod tests {
             movers.place(&figures, places.iter().copied());
             let rays = packet(&rays);
             let mut seen = Vec::new();
-            for vectors in Vectors::available().iter() {
+            for vectors in Vectors::available() {
                 let mut hits = PacketHits::none(&rays);
                 let (opaque, lags) = (|hit: &Hit| hit.u < 0.7, [-0.03; LANES]);
                 let cast = CastAmong { movers: &movers, figures: &figures, rays: &rays, lags: &lags, opaque: &opaque, hits: &mut hits };
