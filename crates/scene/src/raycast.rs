@@ -6,7 +6,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::bvh::movers::CastAmong;
-use crate::bvh::{Figure, Hit, Lane, MISS, Movers, PacketHits, RayPacket, TriangleBvh, widest};
+use crate::bvh::{Beam, Figure, Hit, LANES, Lane, MISS, Movers, PacketHits, RayPacket, TriangleBvh, widest};
 use crate::material::{Material, Texture};
 use crate::scene::{Scene, Triangle};
 
@@ -172,6 +172,20 @@ impl Snapshot<'_> {
             let opaque = &|hit: &Hit| !self.caster.is_hole(hit);
             let (movers, figures) = (self.movers, self.caster.figures());
             widest(CastAmong { movers, figures, rays, lags, opaque, hits: &mut hits });
+        }
+        hits
+    }
+
+    /// What each ray of a block of packets sees first at the movers' instant, all of them within `beam`.
+    #[inline(always)]
+    pub fn cast_block<const K: usize>(&self, beam: &Beam, rays: &[RayPacket; K]) -> [PacketHits; K] {
+        let opaque = |hit: &Hit| !self.caster.is_hole(hit);
+        let mut hits = self.caster.visible.cast_block(beam, rays, opaque);
+        if !self.movers.is_empty() {
+            let (movers, figures) = (self.movers, self.caster.figures());
+            for (rays, hits) in rays.iter().zip(&mut hits) {
+                widest(CastAmong { movers, figures, rays, lags: &[0.0; LANES], opaque: &opaque, hits });
+            }
         }
         hits
     }

@@ -6,9 +6,11 @@
 //! | module | its one job |
 //! |---|---|
 //! | [`packet`] | sixteen rays at once |
+//! | [`beam`] | blocks of packets from one point, as of a camera |
 //! | `movers` | figures that are placed anew for each instant, in a small tree over their boxes |
 //! | [`dispatch`] | with the widest vector instructions that the machine has |
 
+pub mod beam;
 pub mod dispatch;
 pub mod movers;
 pub mod packet;
@@ -17,6 +19,8 @@ use obvhs::BvhBuildParams;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
 
+pub use beam::Beam;
+use beam::CastBeam;
 pub use dispatch::{Kernel, widest};
 pub use movers::{Figure, Movers, Placed, SWEEP};
 use packet::{Cast, PACKET_STACK};
@@ -65,6 +69,13 @@ impl Node {
     #[inline(always)]
     fn flipped(&self) -> u32 {
         self.kind & 1
+    }
+
+    /// The children of an inner node, the nearer first for rays that run against the axes with a 1.
+    #[inline(always)]
+    fn ordered(&self, against: &[u32; 3]) -> (u32, u32) {
+        let second_first = against[self.axis()] ^ self.flipped();
+        (self.first + second_first, self.first + 1 - second_first)
     }
 }
 
@@ -206,6 +217,27 @@ impl TriangleBvh {
             self.cast_each(rays, &opaque, &mut hits);
         } else {
             widest(Cast { tree: self, rays, opaque: &opaque, hits: &mut hits });
+        }
+        hits
+    }
+
+    /// What each ray of a block of packets hits first, all of them within `beam`; hits of masked triangles only where `opaque` says so.
+    #[inline(always)]
+    pub fn cast_block<const K: usize>(
+        &self,
+        beam: &Beam,
+        rays: &[RayPacket; K],
+        opaque: impl Fn(&Hit) -> bool,
+    ) -> [PacketHits; K] {
+        let mut hits = [PacketHits::NONE; K];
+        for (hits, rays) in hits.iter_mut().zip(rays) {
+            hits.distance = rays.limit;
+            if self.depth >= PACKET_STACK {
+                self.cast_each(rays, &opaque, hits);
+            }
+        }
+        if self.depth < PACKET_STACK {
+            widest(CastBeam { tree: self, beam, rays, opaque: &opaque, hits: &mut hits });
         }
         hits
     }

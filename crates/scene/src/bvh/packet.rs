@@ -69,16 +69,19 @@ impl PacketHits {
         Hit { distance: self.distance[lane], triangle: self.triangle[lane], u: self.u[lane], v: self.v[lane] }
     }
 
+    /// No hits, of rays without length.
+    pub(super) const NONE: Self = Self {
+        distance: [0.0; LANES],
+        triangle: [MISS; LANES],
+        u: [0.0; LANES],
+        v: [0.0; LANES],
+        mover: [MISS; LANES],
+    };
+
     /// No hits of `rays` yet.
     #[inline(always)]
     pub(super) fn none(rays: &RayPacket) -> Self {
-        Self {
-            distance: rays.limit,
-            triangle: [MISS; LANES],
-            u: [0.0; LANES],
-            v: [0.0; LANES],
-            mover: [MISS; LANES],
-        }
+        Self { distance: rays.limit, ..Self::NONE }
     }
 }
 
@@ -94,42 +97,46 @@ pub(super) struct Traversal<'a> {
 impl<'a> Traversal<'a> {
     #[inline(always)]
     pub(super) fn new(rays: &'a RayPacket) -> Self {
-        // Loops rather than `map`, which is not inlined and thus not compiled for the chosen instructions.
-        let (mut inverse, mut against) = ([[0.0; LANES]; 3], [0; 3]);
-        for axis in 0..3 {
+        let mut against = [0; 3];
+        for (against, directions) in against.iter_mut().zip(&rays.direction) {
             let mut backward = 0;
-            for (inverse, &along) in inverse[axis].iter_mut().zip(&rays.direction[axis]) {
-                *inverse = reciprocal(along);
+            for &along in directions {
                 backward += u32::from(along < 0.0);
             }
-            against[axis] = u32::from(backward > LANES as u32 / 2);
+            *against = u32::from(backward > LANES as u32 / 2);
         }
-        Self { rays, inverse, against }
+        Self { rays, inverse: invert(&rays.direction), against }
     }
+}
 
-    /// Whether any ray enters the node's box before its hit so far.
-    #[inline(always)]
-    fn enters(&self, node: &Node, limit: &Lane) -> bool {
-        let mut inside = [0_u32; LANES];
-        for lane in 0..LANES {
-            let (mut enter, mut leave) = (0.0_f32, limit[lane]);
-            for axis in 0..3 {
-                let a = (node.min[axis] - self.rays.origin[axis][lane]) * self.inverse[axis][lane];
-                let b = (node.max[axis] - self.rays.origin[axis][lane]) * self.inverse[axis][lane];
-                enter = upper(lower(a, b), enter);
-                leave = lower(upper(a, b), leave);
-            }
-            inside[lane] = mask(enter <= leave);
+/// One over the directions.
+#[inline(always)]
+pub(super) fn invert(directions: &[Lane; 3]) -> [Lane; 3] {
+    // Loops rather than `map`, which is not inlined and thus not compiled for the chosen instructions.
+    let mut inverse = [[0.0; LANES]; 3];
+    for axis in 0..3 {
+        for (inverse, &along) in inverse[axis].iter_mut().zip(&directions[axis]) {
+            *inverse = reciprocal(along);
         }
-        inside.iter().fold(0, |any, lane| any | lane) != 0
     }
+    inverse
+}
 
-    /// The children of an inner node, the one that most rays enter first before the other.
-    #[inline(always)]
-    fn ordered(&self, node: &Node) -> (u32, u32) {
-        let second_first = self.against[node.axis()] ^ node.flipped();
-        (node.first + second_first, node.first + 1 - second_first)
+/// Whether any ray enters the node's box before its hit so far.
+#[inline(always)]
+pub(super) fn enters(node: &Node, origin: &[Lane; 3], inverse: &[Lane; 3], limit: &Lane) -> bool {
+    let mut inside = [0_u32; LANES];
+    for lane in 0..LANES {
+        let (mut enter, mut leave) = (0.0_f32, limit[lane]);
+        for axis in 0..3 {
+            let a = (node.min[axis] - origin[axis][lane]) * inverse[axis][lane];
+            let b = (node.max[axis] - origin[axis][lane]) * inverse[axis][lane];
+            enter = upper(lower(a, b), enter);
+            leave = lower(upper(a, b), leave);
+        }
+        inside[lane] = mask(enter <= leave);
     }
+    inside.iter().fold(0, |any, lane| any | lane) != 0
 }
 
 /// What is done in a leaf. A trait and not a closure, since only what is `#[inline(always)]` is compiled for the chosen instructions.
@@ -154,13 +161,13 @@ pub(super) fn traverse(
     while top > 0 {
         top -= 1;
         let node = &nodes[stack[top] as usize];
-        if !traversal.enters(node, &hits.distance) {
+        if !enters(node, &traversal.rays.origin, &traversal.inverse, &hits.distance) {
             continue;
         }
         if node.is_leaf() {
             visit.leaf(node, hits);
         } else {
-            let (near, far) = traversal.ordered(node);
+            let (near, far) = node.ordered(&traversal.against);
             (stack[top], stack[top + 1]) = (far, near);
             top += 2;
         }
@@ -186,10 +193,10 @@ impl<F: Fn(&Hit) -> bool> Kernel for Cast<'_, F> {
 }
 
 /// Intersects the triangles of leaves.
-struct Triangles<'a, F> {
-    tree: &'a TriangleBvh,
-    rays: &'a RayPacket,
-    opaque: &'a F,
+pub(super) struct Triangles<'a, F> {
+    pub(super) tree: &'a TriangleBvh,
+    pub(super) rays: &'a RayPacket,
+    pub(super) opaque: &'a F,
 }
 
 impl<F: Fn(&Hit) -> bool> Visit for Triangles<'_, F> {
@@ -239,15 +246,30 @@ fn intersect_masked(
     if inside.iter().fold(0, |any, lane| any | lane) == 0 {
         return;
     }
-    let mut left = (0..LANES).fold(0, |lanes, lane| lanes | (inside[lane] & 1 << lane));
+    let mut left = bits(&inside);
+    let mut kept = 0;
     while left != 0 {
         let lane = left.trailing_zeros() as usize % LANES;
         left &= left - 1;
         let hit = Hit { distance: distance[lane], triangle: triangle.index, u: u[lane], v: v[lane] };
-        if opaque(&hit) {
-            hits.distance[lane] = hit.distance;
-            hits.triangle[lane] = hit.triangle;
-            (hits.u[lane], hits.v[lane]) = (hit.u, hit.v);
-        }
+        kept |= u32::from(opaque(&hit)) << lane;
     }
+    // All lanes at once: a vector read after single lanes of it were written has to wait for them.
+    for lane in 0..LANES {
+        let hit = mask(kept & 1 << lane != 0);
+        hits.distance[lane] = select(hit, distance[lane], hits.distance[lane]);
+        hits.triangle[lane] = (triangle.index & hit) | (hits.triangle[lane] & !hit);
+        hits.u[lane] = select(hit, u[lane], hits.u[lane]);
+        hits.v[lane] = select(hit, v[lane], hits.v[lane]);
+    }
+}
+
+/// A bit for each lane whose mask is set.
+#[inline(always)]
+fn bits(masks: &[u32; LANES]) -> u32 {
+    let mut bits = [0; LANES];
+    for lane in 0..LANES {
+        bits[lane] = masks[lane] & 1 << lane;
+    }
+    bits.iter().fold(0, |all, bit| all | bit)
 }

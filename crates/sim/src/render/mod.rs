@@ -9,13 +9,21 @@ mod shade;
 mod texture;
 
 use openbench_core::Pose3;
-use openbench_scene::bvh::{Kernel, LANES, Lane, MISS, PacketHits, widest};
+use openbench_scene::bvh::{Beam, Kernel, LANES, Lane, MISS, PacketHits, widest};
 use openbench_scene::{Movers, RayCaster, RayPacket, SemanticClass, Snapshot};
 
 use shade::{Look, Shader};
 
 /// Side of the square of pixels that one packet covers.
-const TILE: u32 = 4;
+const TILE: usize = 4;
+/// Side of the block of pixels that are cast and coloured together.
+const SIDE: usize = 8;
+/// Pixels in a block.
+const BLOCK: usize = SIDE * SIDE;
+/// Packets in a block.
+const PACKETS: usize = BLOCK / LANES;
+/// A number for each pixel of a block, tile after tile.
+type Block = [f32; BLOCK];
 /// How far off its surface a ray towards the sun begins, metres.
 const OFF_SURFACE: f32 = 0.01;
 /// What throws shadows, metres.
@@ -86,21 +94,20 @@ impl Renderer {
             object: vec![0; pixels],
         };
         let eye = Eye::new(view);
-        for y in (0..height).step_by(TILE as usize) {
-            for x in (0..width).step_by(TILE as usize) {
-                let hits = seen.cast_packet(&eye.rays((x, y), view.range), &NO_LAG);
-                for lane in (0..LANES).filter(|&lane| hits.triangle[lane] != MISS) {
-                    let (u, v) = (x + lane as u32 % TILE, y + lane as u32 / TILE);
-                    if u < width && v < height {
-                        let at = v as usize * width as usize + u as usize;
-                        // Rays reach one metre along the optical axis for each length of their direction.
-                        labels.depth[at] = hits.distance[lane];
-                        labels.class[at] = Some(self.caster.material(hits.triangle[lane]).class);
-                        labels.object[at] = match hits.mover[lane] {
-                            MISS => self.caster.scene().object_number(hits.triangle[lane]),
-                            mover => self.caster.scene().objects.len() as u32 + 1 + mover,
-                        };
-                    }
+        for corner in blocks(view.size) {
+            let block = eye.block(corner, view.range);
+            let hits = seen.cast_block(&block.beam, &block.rays);
+            for (row, column) in inside(corner, view.size) {
+                let (at, pixel) = (index(corner, view.size.0, row, column), pixel(column, row));
+                let (hits, lane) = (&hits[pixel / LANES], pixel % LANES);
+                if hits.triangle[lane] != MISS {
+                    // Rays reach one metre along the optical axis for each length of their direction.
+                    labels.depth[at] = hits.distance[lane];
+                    labels.class[at] = Some(self.caster.material(hits.triangle[lane]).class);
+                    labels.object[at] = match hits.mover[lane] {
+                        MISS => self.caster.scene().object_number(hits.triangle[lane]),
+                        mover => self.caster.scene().objects.len() as u32 + 1 + mover,
+                    };
                 }
             }
         }
@@ -129,55 +136,84 @@ impl Kernel for Picture<'_> {
         let look = Look { pixel_angle: eye.pixel_angle, haze: view.range };
         // Colours go with the square root of the light.
         let gain = view.exposure.max(0.0).sqrt();
-        for y in (0..view.size.1).step_by(TILE as usize) {
-            for x in (0..view.size.0).step_by(TILE as usize) {
-                let rays = eye.rays((x, y), view.range);
-                let hits = seen.cast_packet(&rays, &NO_LAG);
-                let sunlit = if view.shadows { sunlit(seen, &rays, &hits) } else { [1.0; LANES] };
-                let colors = shader.colors(seen, look, &rays, &hits, &sunlit);
-                put(rgb, (x, y), view.size, &colors, gain);
-            }
+        for corner in blocks(view.size) {
+            let block = eye.block(corner, view.range);
+            let hits = seen.cast_block(&block.beam, &block.rays);
+            let sunlit = if view.shadows { sunlit(seen, &block.rays, &hits) } else { [1.0; BLOCK] };
+            let colors = shader.colors(seen, look, &block.directions, &hits, &sunlit);
+            put(rgb, corner, view.size, &colors, gain);
         }
     }
 }
 
-/// For each lane 1 if the sun shines on what was hit, 0 if something stands between.
-fn sunlit(seen: Snapshot<'_>, rays: &RayPacket, hits: &PacketHits) -> Lane {
-    let towards = seen.caster.scene().sun.direction.map(|c| -c);
-    let mut back = RayPacket::idle();
-    for lane in (0..LANES).filter(|&lane| hits.triangle[lane] != MISS) {
-        let normal = seen.normal(hits, lane);
-        let direction = [0, 1, 2].map(|axis| rays.direction[axis][lane]);
-        let facing: f32 = (0..3).map(|axis| normal[axis] * direction[axis]).sum();
-        let off = if facing > 0.0 { -OFF_SURFACE } else { OFF_SURFACE };
-        let at = [0, 1, 2]
-            .map(|axis| rays.origin[axis][lane] + hits.distance[lane] * direction[axis] + off * normal[axis]);
-        back.set(lane, at, towards, SHADOW);
-    }
-    let between = seen.cast_packet(&back, &NO_LAG);
-    between.triangle.map(|triangle| if triangle == MISS { 1.0 } else { 0.0 })
+/// Top left pixels of the blocks that cover a picture.
+fn blocks((width, height): (u32, u32)) -> impl Iterator<Item = (u32, u32)> {
+    (0..height).step_by(SIDE).flat_map(move |y| (0..width).step_by(SIDE).map(move |x| (x, y)))
 }
 
-/// Writes a tile's colours, 0 to 255, times `gain` into the picture; what lies beyond its edges is left out.
+/// Rows and columns of a block that lie inside the picture.
+fn inside((x, y): (u32, u32), (width, height): (u32, u32)) -> impl Iterator<Item = (usize, usize)> {
+    let (rows, columns) = (SIDE.min((height - y) as usize), SIDE.min((width - x) as usize));
+    (0..rows).flat_map(move |row| (0..columns).map(move |column| (row, column)))
+}
+
+/// Place in the picture of a block's pixel.
 #[inline(always)]
-fn put(rgb: &mut [u8], (x, y): (u32, u32), (width, height): (u32, u32), colors: &[Lane; 3], gain: f32) {
-    let mut bytes = [[0_u8; LANES]; 3];
-    for channel in 0..3 {
-        for lane in 0..LANES {
-            let value = colors[channel][lane] * gain + 0.5;
-            let value = if value < 255.0 { value } else { 255.0 };
-            bytes[channel][lane] = value as i32 as u8;
+fn index((x, y): (u32, u32), width: u32, row: usize, column: usize) -> usize {
+    (y as usize + row) * width as usize + x as usize + column
+}
+
+/// Place in its block of a pixel.
+const fn pixel(column: usize, row: usize) -> usize {
+    let tile = row / TILE * (SIDE / TILE) + column / TILE;
+    LANES * tile + row % TILE * TILE + column % TILE
+}
+
+/// For each pixel 1 if the sun shines on what was hit, 0 if something stands between.
+fn sunlit(seen: Snapshot<'_>, rays: &[RayPacket; PACKETS], hits: &[PacketHits; PACKETS]) -> Block {
+    let towards = seen.caster.scene().sun.direction.map(|c| -c);
+    let mut sunlit = [0.0; BLOCK];
+    for ((rays, hits), sunlit) in rays.iter().zip(hits).zip(sunlit.chunks_exact_mut(LANES)) {
+        let mut back = RayPacket::idle();
+        for lane in (0..LANES).filter(|&lane| hits.triangle[lane] != MISS) {
+            let normal = seen.normal(hits, lane);
+            let direction = [0, 1, 2].map(|axis| rays.direction[axis][lane]);
+            let facing: f32 = (0..3).map(|axis| normal[axis] * direction[axis]).sum();
+            let off = if facing > 0.0 { -OFF_SURFACE } else { OFF_SURFACE };
+            let at = [0, 1, 2].map(|axis| {
+                rays.origin[axis][lane] + hits.distance[lane] * direction[axis] + off * normal[axis]
+            });
+            back.set(lane, at, towards, SHADOW);
+        }
+        let between = seen.cast_packet(&back, &NO_LAG);
+        for (sunlit, triangle) in sunlit.iter_mut().zip(&between.triangle) {
+            *sunlit = if *triangle == MISS { 1.0 } else { 0.0 };
         }
     }
-    let columns = TILE.min(width - x) as usize;
-    for row in 0..TILE.min(height - y) {
-        let at = 3 * ((y + row) as usize * width as usize + x as usize);
-        let first = (row * TILE) as usize;
-        for (column, pixel) in rgb[at..at + 3 * columns].chunks_exact_mut(3).enumerate() {
-            for channel in 0..3 {
-                pixel[channel] = bytes[channel][first + column];
-            }
+    sunlit
+}
+
+/// Writes a block's colours, 0 to 255, times `gain` into the picture; what lies beyond its edges is left out.
+#[inline(always)]
+fn put(rgb: &mut [u8], (x, y): (u32, u32), (width, height): (u32, u32), colors: &[Block; 3], gain: f32) {
+    // Red, green and blue from the lowest byte up.
+    let mut packed = [0_u32; BLOCK];
+    for (channel, colors) in colors.iter().enumerate() {
+        for (packed, color) in packed.iter_mut().zip(colors) {
+            let value = color * gain + 0.5;
+            let value = if value < 255.0 { value } else { 255.0 };
+            *packed |= texture::whole(value) << (8 * channel);
         }
+    }
+    let columns = SIDE.min((width - x) as usize);
+    for row in 0..SIDE.min((height - y) as usize) {
+        let mut bytes = [0; 3 * SIDE];
+        for column in 0..SIDE {
+            let [red, green, blue, _] = packed[pixel(column, row)].to_le_bytes();
+            bytes[3 * column..3 * column + 3].copy_from_slice(&[red, green, blue]);
+        }
+        let at = 3 * index((x, y), width, row, 0);
+        rgb[at..at + 3 * columns].copy_from_slice(&bytes[..3 * columns]);
     }
 }
 
@@ -209,22 +245,58 @@ impl Eye {
         }
     }
 
-    /// The rays through the tile whose top left pixel this is.
+    /// The rays through the block whose top left pixel this is.
     #[inline(always)]
-    fn rays(&self, (x, y): (u32, u32), limit: f32) -> RayPacket {
-        let mut rays = RayPacket::idle();
-        rays.limit = [limit; LANES];
-        for axis in 0..3 {
-            rays.origin[axis] = [self.origin[axis]; LANES];
-            for lane in 0..LANES {
-                let (u, v) = (x + lane as u32 % TILE, y + lane as u32 / TILE);
-                rays.direction[axis][lane] =
-                    self.corner[axis] + u as f32 * self.right[axis] + v as f32 * self.down[axis];
+    fn block(&self, (x, y): (u32, u32), limit: f32) -> Rays {
+        let (x, y) = (x as f32, y as f32);
+        let mut directions = [[0.0; BLOCK]; 3];
+        for (axis, directions) in directions.iter_mut().enumerate() {
+            for (i, direction) in directions.iter_mut().enumerate() {
+                let (u, v) = (x + PLACES[0][i], y + PLACES[1][i]);
+                *direction = self.corner[axis] + u * self.right[axis] + v * self.down[axis];
             }
         }
-        rays
+        let [ox, oy, oz] = self.origin;
+        let mut rays = [const {
+            RayPacket { origin: [[0.0; LANES]; 3], direction: [[0.0; LANES]; 3], limit: [0.0; LANES] }
+        }; PACKETS];
+        for (i, rays) in rays.iter_mut().enumerate() {
+            rays.origin = [[ox; LANES], [oy; LANES], [oz; LANES]];
+            rays.limit = [limit; LANES];
+            for (packet, directions) in rays.direction.iter_mut().zip(&directions) {
+                packet.copy_from_slice(&directions[i * LANES..][..LANES]);
+            }
+        }
+        const END: usize = SIDE - 1;
+        const CORNERS: [usize; 4] = [pixel(0, 0), pixel(END, 0), pixel(END, END), pixel(0, END)];
+        let mut corners = [[0.0; 3]; 4];
+        for (corner, i) in corners.iter_mut().zip(CORNERS) {
+            *corner = [directions[0][i], directions[1][i], directions[2][i]];
+        }
+        Rays { directions, rays, beam: Beam::new(self.origin, &corners) }
     }
 }
+
+/// The rays of a block.
+struct Rays {
+    directions: [Block; 3],
+    /// The same in packets.
+    rays: [RayPacket; PACKETS],
+    beam: Beam,
+}
+
+/// Columns and rows of a block's pixels.
+const PLACES: [Block; 2] = {
+    let mut places = [[0.0; BLOCK]; 2];
+    let mut i = 0;
+    while i < BLOCK {
+        let (column, row) = (i % SIDE, i / SIDE);
+        places[0][pixel(column, row)] = column as f32;
+        places[1][pixel(column, row)] = row as f32;
+        i += 1;
+    }
+    places
+};
 
 #[cfg(test)]
 mod tests {

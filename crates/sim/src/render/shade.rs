@@ -1,12 +1,14 @@
-//! The colours of sixteen pixels, lane by lane as the rays are cast.
+//! The colours of a block of pixels.
 //!
-//! Whatever is looked up for a lane (surface, material, texels) is put into arrays of sixteen first; all arithmetic is loops over those, which
-//! become vector instructions.
+//! Whatever is looked up for a pixel (surface, material, texels) is put into arrays first; all arithmetic is loops over those, which become
+//! vector instructions. Loops over no more than sixteen are unrolled by the compiler before it looks for vectors, and then it misses many:
+//! hence blocks of [`BLOCK`].
 
-use openbench_scene::bvh::{LANES, Lane, MISS, PacketHits};
-use openbench_scene::{RayCaster, RayPacket, Snapshot, Sun};
+use openbench_scene::bvh::{LANES, MISS, PacketHits};
+use openbench_scene::{RayCaster, Snapshot, Sun};
 
-use super::texture::{Mipmaps, Places, blend};
+use super::texture::{Mipmaps, blend, corners};
+use super::{BLOCK, Block, PACKETS};
 
 /// Sky at the horizon and at the zenith, sRGB, 0 to 255.
 const HORIZON: [f32; 3] = [204.0, 222.0, 237.0];
@@ -45,23 +47,29 @@ pub(super) struct Look {
     pub(super) haze: f32,
 }
 
-/// What sixteen rays hit.
+/// What the rays of a block hit.
 struct Surfaces {
-    normal: [Lane; 3],
-    density: Lane,
+    normal: [Block; 3],
+    /// Texels a metre of the texture.
+    density: Block,
     /// Colour of the material, 0 to 255.
-    color: [Lane; 3],
-    texture: [Option<u32>; LANES],
+    color: [Block; 3],
+    texture: [Option<u32>; BLOCK],
+    /// Where in the texture.
+    uv: [Block; 2],
+    /// Distance in lengths of the direction.
+    distance: Block,
+    hit: [bool; BLOCK],
 }
 
 /// What becomes of a surface's own colour.
 struct Light {
     /// By how much it is multiplied.
-    strength: Lane,
+    strength: Block,
     /// Texels of the full-size texture that the pixel covers.
-    texels: Lane,
+    texels: Block,
     /// Share of the haze.
-    haze: Lane,
+    haze: Block,
 }
 
 impl Shader {
@@ -83,33 +91,32 @@ impl Shader {
         }
     }
 
-    /// Red, green and blue of each lane, 0 to 255. Lanes with `sunlit` 0 lie in shadow, with 1 in the sun.
+    /// Red, green and blue of each pixel, 0 to 255. Those with `sunlit` 0 lie in shadow, with 1 in the sun.
     #[inline(always)]
     pub(super) fn colors(
         &self,
         seen: Snapshot<'_>,
         look: Look,
-        rays: &RayPacket,
-        hits: &PacketHits,
-        sunlit: &Lane,
-    ) -> [Lane; 3] {
-        let [dx, dy, dz] = &rays.direction;
-        let mut length = [0.0; LANES];
-        for lane in 0..LANES {
-            length[lane] = (dx[lane] * dx[lane] + dy[lane] * dy[lane] + dz[lane] * dz[lane]).sqrt();
+        directions: &[Block; 3],
+        hits: &[PacketHits; PACKETS],
+        sunlit: &Block,
+    ) -> [Block; 3] {
+        let [dx, dy, dz] = directions;
+        let mut length = [0.0; BLOCK];
+        for i in 0..BLOCK {
+            length[i] = (dx[i] * dx[i] + dy[i] * dy[i] + dz[i] * dz[i]).sqrt();
         }
         let mut colors = sky(dz, &length);
         let Some(surfaces) = self.surfaces(seen, hits) else { return colors };
-        let light = self.light(look, rays, hits, &length, &surfaces, sunlit);
-        let texels = self.texels(seen.caster, hits, &surfaces.texture, &light.texels);
+        let light = self.light(look, directions, &length, &surfaces, sunlit);
+        let texels = self.texels(&surfaces, &light.texels);
         for channel in 0..3 {
-            for lane in 0..LANES {
+            for i in 0..BLOCK {
                 const WHOLE: f32 = 1.0 / 255.0;
-                let own = surfaces.color[channel][lane] * texels[channel][lane] * WHOLE;
-                let near = own * light.strength[lane];
-                let far = near + light.haze[lane] * (HORIZON[channel] - near);
-                let hit = hits.triangle[lane] != MISS;
-                colors[channel][lane] = if hit { far } else { colors[channel][lane] };
+                let own = surfaces.color[channel][i] * texels[channel][i] * WHOLE;
+                let near = own * light.strength[i];
+                let far = near + light.haze[i] * (HORIZON[channel] - near);
+                colors[channel][i] = if surfaces.hit[i] { far } else { colors[channel][i] };
             }
         }
         colors
@@ -117,28 +124,36 @@ impl Shader {
 
     /// `None` if no ray hit anything.
     #[inline(always)]
-    fn surfaces(&self, seen: Snapshot<'_>, hits: &PacketHits) -> Option<Surfaces> {
+    fn surfaces(&self, seen: Snapshot<'_>, hits: &[PacketHits; PACKETS]) -> Option<Surfaces> {
         let mut surfaces = Surfaces {
-            normal: [[0.0; LANES]; 3],
-            density: [0.0; LANES],
-            color: [[0.0; LANES]; 3],
-            texture: [None; LANES],
+            normal: [[0.0; BLOCK]; 3],
+            density: [0.0; BLOCK],
+            color: [[0.0; BLOCK]; 3],
+            texture: [None; BLOCK],
+            uv: [[0.0; BLOCK]; 2],
+            distance: [0.0; BLOCK],
+            hit: [false; BLOCK],
         };
         let mut any = false;
-        for lane in 0..LANES {
-            if hits.triangle[lane] == MISS {
+        for i in 0..BLOCK {
+            let (hits, lane) = (&hits[i / LANES], i % LANES);
+            let triangle = hits.triangle[lane];
+            if triangle == MISS {
                 continue;
             }
             any = true;
-            let facet = &self.facets[hits.triangle[lane] as usize];
+            let facet = &self.facets[triangle as usize];
             let ink = &self.inks[facet.material as usize];
             let normal = seen.normal(hits, lane);
             for (axis, along) in normal.into_iter().enumerate() {
-                surfaces.normal[axis][lane] = along;
-                surfaces.color[axis][lane] = ink.color[axis];
+                surfaces.normal[axis][i] = along;
+                surfaces.color[axis][i] = ink.color[axis];
             }
-            surfaces.density[lane] = facet.density;
-            surfaces.texture[lane] = ink.texture;
+            surfaces.density[i] = facet.density;
+            surfaces.texture[i] = ink.texture;
+            [surfaces.uv[0][i], surfaces.uv[1][i]] = seen.caster.texture_coordinates(&hits.hit(lane));
+            surfaces.distance[i] = hits.distance[lane];
+            surfaces.hit[i] = true;
         }
         any.then_some(surfaces)
     }
@@ -147,61 +162,55 @@ impl Shader {
     fn light(
         &self,
         look: Look,
-        rays: &RayPacket,
-        hits: &PacketHits,
-        length: &Lane,
+        directions: &[Block; 3],
+        length: &Block,
         surfaces: &Surfaces,
-        sunlit: &Lane,
+        sunlit: &Block,
     ) -> Light {
-        let mut light = Light { strength: [0.0; LANES], texels: [0.0; LANES], haze: [0.0; LANES] };
+        let mut light = Light { strength: [0.0; BLOCK], texels: [0.0; BLOCK], haze: [0.0; BLOCK] };
         let (sun, [nx, ny, nz]) = (self.sun.direction, &surfaces.normal);
-        let [dx, dy, dz] = &rays.direction;
-        for lane in 0..LANES {
-            let facing = (nx[lane] * dx[lane] + ny[lane] * dy[lane] + nz[lane] * dz[lane]) / length[lane];
+        let [dx, dy, dz] = directions;
+        for i in 0..BLOCK {
+            let facing = (nx[i] * dx[i] + ny[i] * dy[i] + nz[i] * dz[i]) / length[i];
             let side = if facing > 0.0 { -1.0 } else { 1.0 };
-            let lambert = -side * (nx[lane] * sun[0] + ny[lane] * sun[1] + nz[lane] * sun[2]);
+            let lambert = -side * (nx[i] * sun[0] + ny[i] * sun[1] + nz[i] * sun[2]);
             let lambert = if lambert > 0.0 { lambert } else { 0.0 };
             // A surface that looks up sees more of the sky.
-            let from_sky = 0.75 + 0.25 * side * nz[lane];
-            let linear = self.sun.ambient * from_sky + self.sun.diffuse * lambert * sunlit[lane];
+            let from_sky = 0.75 + 0.25 * side * nz[i];
+            let linear = self.sun.ambient * from_sky + self.sun.diffuse * lambert * sunlit[i];
             // Light adds up in linear units, colours are sRGB: their curve is near a square root.
-            light.strength[lane] = linear.sqrt();
-            let distance = hits.distance[lane] * length[lane];
+            light.strength[i] = linear.sqrt();
+            let distance = surfaces.distance[i] * length[i];
             let slant = if facing.abs() > 0.15 { facing.abs() } else { 0.15 };
-            light.texels[lane] = distance * look.pixel_angle / slant * surfaces.density[lane];
-            light.haze[lane] = distance / (distance + look.haze);
+            light.texels[i] = distance * look.pixel_angle / slant * surfaces.density[i];
+            light.haze[i] = distance / (distance + look.haze);
         }
         light
     }
 
     /// Colours of the textures, 0 to 255; white without one.
     #[inline(always)]
-    fn texels(
-        &self,
-        caster: &RayCaster,
-        hits: &PacketHits,
-        textures: &[Option<u32>; LANES],
-        texels: &Lane,
-    ) -> [Lane; 3] {
+    fn texels(&self, surfaces: &Surfaces, texels: &Block) -> [Block; 3] {
         let levels = super::texture::levels(texels);
-        let mut places = Places::none();
-        let mut images = [None; LANES];
-        for lane in 0..LANES {
-            let Some(texture) = textures[lane] else { continue };
-            let image = self.textures[texture as usize].level(levels[lane]);
-            let uv = caster.texture_coordinates(&hits.hit(lane));
-            places.set(lane, uv, image.width, image.height);
-            images[lane] = Some(image);
+        let mut images = [None; BLOCK];
+        let mut size = [[1; BLOCK]; 2];
+        let mut any = false;
+        for i in 0..BLOCK {
+            let Some(texture) = surfaces.texture[i] else { continue };
+            let image = self.textures[texture as usize].level(levels[i]);
+            (size[0][i], size[1][i]) = (image.width, image.height);
+            images[i] = Some(image);
+            any = true;
         }
-        if images.iter().all(Option::is_none) {
-            return [[255.0; LANES]; 3];
+        if !any {
+            return [[255.0; BLOCK]; 3];
         }
-        let corners = places.corners();
-        let mut packed = [[u32::MAX; LANES]; 4];
-        for lane in 0..LANES {
-            let Some(image) = images[lane] else { continue };
+        let corners = corners(&surfaces.uv, &size);
+        let mut packed = [[u32::MAX; BLOCK]; 4];
+        for i in 0..BLOCK {
+            let Some(image) = images[i] else { continue };
             for (packed, index) in packed.iter_mut().zip(&corners.index) {
-                packed[lane] = image.texel(index[lane]);
+                packed[i] = image.texel(index[i]);
             }
         }
         blend(&packed, &corners)
@@ -209,13 +218,16 @@ impl Shader {
 }
 
 #[inline(always)]
-fn sky(dz: &Lane, length: &Lane) -> [Lane; 3] {
-    let mut colors = [[0.0; LANES]; 3];
-    for lane in 0..LANES {
-        let up = dz[lane] / length[lane];
-        let t = if up > 0.0 { up.sqrt() } else { 0.0 };
-        for channel in 0..3 {
-            colors[channel][lane] = HORIZON[channel] + t * (ZENITH[channel] - HORIZON[channel]);
+fn sky(dz: &Block, length: &Block) -> [Block; 3] {
+    let mut colors = [[0.0; BLOCK]; 3];
+    let mut t = [0.0; BLOCK];
+    for i in 0..BLOCK {
+        let up = dz[i] / length[i];
+        t[i] = (if up > 0.0 { up } else { 0.0 }).sqrt();
+    }
+    for channel in 0..3 {
+        for i in 0..BLOCK {
+            colors[channel][i] = HORIZON[channel] + t[i] * (ZENITH[channel] - HORIZON[channel]);
         }
     }
     colors

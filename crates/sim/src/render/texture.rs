@@ -1,7 +1,7 @@
-//! Textures at full, half, quarter … size, and the colours of sixteen pixels that cover some of their texels.
+//! Textures at full, half, quarter … size, and the colours of pixels that cover some of their texels.
 
+use super::{BLOCK, Block};
 use openbench_scene::Texture;
-use openbench_scene::bvh::{LANES, Lane};
 
 /// A pixel may cover this many texels before the next smaller image is taken.
 const COVER: f32 = 1.5;
@@ -50,9 +50,9 @@ impl Level {
 
 /// How often the image must be halved until a pixel covers few texels of it.
 #[inline(always)]
-pub(super) fn levels(texels: &Lane) -> [u32; LANES] {
-    let mut levels = [0; LANES];
-    for lane in 0..LANES {
+pub(super) fn levels(texels: &Block) -> [u32; BLOCK] {
+    let mut levels = [0; BLOCK];
+    for lane in 0..BLOCK {
         let bits = (texels[lane] * (1.0 / COVER)).to_bits();
         // The logarithm to base 2, rounded up: exponent, plus one if the mantissa is more than 1. What is NaN, negative or below 1 is not halved.
         let exponent = (bits >> 23).wrapping_sub(127);
@@ -62,82 +62,64 @@ pub(super) fn levels(texels: &Lane) -> [u32; LANES] {
     levels
 }
 
-/// Where sixteen pixels look into images.
-pub(super) struct Places {
-    uv: [Lane; 2],
-    size: [[u32; LANES]; 2],
-}
-
-/// The four texels round each of sixteen places: upper left, upper right, lower left, lower right.
+/// The four texels round each pixel's place: upper left, upper right, lower left, lower right.
 pub(super) struct Corners {
     /// Where they are in the image.
-    pub(super) index: [[u32; LANES]; 4],
+    pub(super) index: [[u32; BLOCK]; 4],
     /// Weights of the right and of the lower ones, in sixteenths.
-    weight: [[u32; LANES]; 2],
+    weight: [[u32; BLOCK]; 2],
 }
 
-impl Places {
-    #[inline(always)]
-    pub(super) fn none() -> Self {
-        Self { uv: [[0.0; LANES]; 2], size: [[1; LANES]; 2] }
-    }
-
-    /// A lane looks at `uv` of an image of that size; the image repeats and v runs upwards.
-    #[inline(always)]
-    pub(super) fn set(&mut self, lane: usize, uv: [f32; 2], width: u32, height: u32) {
-        (self.uv[0][lane], self.uv[1][lane]) = (uv[0], 1.0 - uv[1]);
-        (self.size[0][lane], self.size[1][lane]) = (width, height);
-    }
-
-    #[inline(always)]
-    pub(super) fn corners(&self) -> Corners {
-        let mut beside = [[[0; LANES]; 2]; 2];
-        let mut weight = [[0; LANES]; 2];
-        for axis in 0..2 {
-            for lane in 0..LANES {
-                let (first, second, w) = neighbours(fraction(self.uv[axis][lane]), self.size[axis][lane]);
-                (beside[axis][0][lane], beside[axis][1][lane], weight[axis][lane]) = (first, second, w);
-            }
+/// The texels round the places `uv` of images of these widths and heights; images repeat and v runs upwards.
+#[inline(always)]
+pub(super) fn corners(uv: &[Block; 2], size: &[[u32; BLOCK]; 2]) -> Corners {
+    let mut beside = [[[0; BLOCK]; 2]; 2];
+    let mut weight = [[0; BLOCK]; 2];
+    for axis in 0..2 {
+        for i in 0..BLOCK {
+            let place = if axis == 0 { uv[0][i] } else { 1.0 - uv[1][i] };
+            let (first, second, w) = neighbours(fraction(place), size[axis][i]);
+            (beside[axis][0][i], beside[axis][1][i], weight[axis][i]) = (first, second, w);
         }
-        let mut index = [[0; LANES]; 4];
-        for corner in 0..4 {
-            for lane in 0..LANES {
-                let (x, y) = (beside[0][corner % 2][lane], beside[1][corner / 2][lane]);
-                index[corner][lane] = y * self.size[0][lane] + x;
-            }
-        }
-        Corners { index, weight }
     }
+    let mut index = [[0; BLOCK]; 4];
+    for corner in 0..4 {
+        for i in 0..BLOCK {
+            index[corner][i] = beside[1][corner / 2][i] * size[0][i] + beside[0][corner % 2][i];
+        }
+    }
+    Corners { index, weight }
 }
 
 /// Red, green and blue, 0 to 255, of places whose four texels are these.
 #[inline(always)]
-pub(super) fn blend(packed: &[[u32; LANES]; 4], corners: &Corners) -> [Lane; 3] {
-    let mut colors = [[0.0; LANES]; 3];
-    for lane in 0..LANES {
-        let (right, low) = (corners.weight[0][lane], corners.weight[1][lane]);
-        let weights =
-            [(STEPS - right) * (STEPS - low), right * (STEPS - low), (STEPS - right) * low, right * low];
+pub(super) fn blend(packed: &[[u32; BLOCK]; 4], corners: &Corners) -> [Block; 3] {
+    const WHOLE: f32 = 1.0 / (STEPS * STEPS) as f32;
+    let [mut red, mut green, mut blue] = [[0.0; BLOCK]; 3];
+    for i in 0..BLOCK {
+        let (right, low) = (corners.weight[0][i], corners.weight[1][i]);
+        let (left, high) = (STEPS - right, STEPS - low);
+        let (a, b, c, d) = (left * high, right * high, left * low, right * low);
+        let [p, q, r, s] = packed;
+        let (p, q, r, s) = (p[i], q[i], r[i], s[i]);
         // Red and blue, and green alone, each with room for a weight above it.
-        let (mut red_blue, mut green) = (0, 0);
-        for corner in 0..4 {
-            red_blue += (packed[corner][lane] & 0xff_00ff) * weights[corner];
-            green += (packed[corner][lane] >> 8 & 0xff) * weights[corner];
-        }
-        const WHOLE: f32 = 1.0 / (STEPS * STEPS) as f32;
-        for (channel, sum) in [red_blue & 0xffff, green, red_blue >> 16].into_iter().enumerate() {
-            // By way of a signed number, for which every machine has a conversion.
-            colors[channel][lane] = sum as i32 as f32 * WHOLE;
-        }
+        const RED_BLUE: u32 = 0xff_00ff;
+        let red_blue = (p & RED_BLUE) * a + (q & RED_BLUE) * b + (r & RED_BLUE) * c + (s & RED_BLUE) * d;
+        let just_green =
+            (p >> 8 & 0xff) * a + (q >> 8 & 0xff) * b + (r >> 8 & 0xff) * c + (s >> 8 & 0xff) * d;
+        // By way of a signed number, for which every machine has a conversion.
+        red[i] = (red_blue & 0xffff) as i32 as f32 * WHOLE;
+        green[i] = just_green as i32 as f32 * WHOLE;
+        blue[i] = (red_blue >> 16) as i32 as f32 * WHOLE;
     }
-    colors
+    [red, green, blue]
 }
 
 /// The two texels beside a place in a row of `size` that repeats, and the weight of the second in sixteenths.
 #[inline(always)]
 fn neighbours(place: f32, size: u32) -> (u32, u32, u32) {
-    // One texel is added, so that the cast rounds down.
-    let steps = (place * (size * STEPS) as i32 as f32 + (STEPS / 2) as f32) as i32 as u32;
+    // One texel is added, so that nothing is below zero.
+    let steps = whole(place * (size * STEPS) as i32 as f32 + (STEPS / 2) as f32);
     let (after, weight) = (steps / STEPS, steps % STEPS);
     let first = if after == 0 { size - 1 } else { after - 1 };
     let first = if first < size { first } else { size - 1 };
@@ -145,11 +127,24 @@ fn neighbours(place: f32, size: u32) -> (u32, u32, u32) {
     (first, second, weight)
 }
 
-/// `x` less its floor.
+/// `x` less its floor; 0 for what is too large to have a fraction.
 #[inline(always)]
 fn fraction(x: f32) -> f32 {
-    let rest = x - x as i32 as f32;
-    if rest < 0.0 { rest + 1.0 } else { rest }
+    // One and a half times 2^23: added to a number, it leaves no place for binary digits behind the point.
+    const ROUND: f32 = 12_582_912.0;
+    let near = (x + ROUND) - ROUND;
+    let rest = if near > x { x - near + 1.0 } else { x - near };
+    if x.abs() < 4_194_304.0 { rest } else { 0.0 }
+}
+
+/// The whole part of a number from 0 to 2^22; of others one of these. A cast does the same and more, for which no compiler uses vectors.
+#[inline(always)]
+pub(super) fn whole(x: f32) -> u32 {
+    const ROUND: f32 = 8_388_608.0;
+    let x = if x > 0.0 { x } else { 0.0 };
+    let x = if x < 4_194_304.0 { x } else { 4_194_304.0 };
+    let near = x + ROUND;
+    (near.to_bits() & 0x7f_ffff) - u32::from(near - ROUND > x)
 }
 
 fn halved(image: &Texture) -> Texture {
@@ -177,11 +172,9 @@ mod tests {
 
     /// Colour at `uv`, 0 to 255, for a pixel that covers `texels` texels of the full size.
     fn sample(maps: &Mipmaps, uv: [f32; 2], texels: f32) -> [f32; 3] {
-        let image = maps.level(levels(&[texels; LANES])[3]);
-        let mut places = Places::none();
-        places.set(3, uv, image.width, image.height);
-        let corners = places.corners();
-        let packed = corners.index.map(|index| [image.texel(index[3]); LANES]);
+        let image = maps.level(levels(&[texels; BLOCK])[3]);
+        let corners = corners(&uv.map(|c| [c; BLOCK]), &[[image.width; BLOCK], [image.height; BLOCK]]);
+        let packed = corners.index.map(|index| [image.texel(index[3]); BLOCK]);
         blend(&packed, &corners).map(|channel| channel[3])
     }
 
@@ -219,7 +212,7 @@ mod tests {
 
     #[test]
     fn images_are_halved_until_a_pixel_covers_few_texels() {
-        let level = |texels: f32| levels(&[texels; LANES])[0];
+        let level = |texels: f32| levels(&[texels; BLOCK])[0];
         assert_eq!([0.0, 1.5, 1.6, 3.0, 3.1, 6.0, 6.1].map(level), [0, 0, 1, 1, 2, 2, 3]);
         assert_eq!([-5.0, f32::NAN, f32::NEG_INFINITY].map(level), [0, 0, 0]);
     }

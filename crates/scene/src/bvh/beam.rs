@@ -1,0 +1,263 @@
+//! Blocks of rays from one point, as a camera casts them.
+//!
+//! Neighbouring packets of a picture go through nearly the same nodes of the tree. A beam is the four-sided cone round all of a block's rays:
+//! one test of it, six products for each of its planes, says whether any ray can enter a node, and single packets are looked at only in
+//! leaves. After Reshetov, Soupikov and Hurley, *Multi-Level Ray Tracing Algorithm*, 2005.
+
+use super::dispatch::Kernel;
+use super::packet::{LANES, PACKET_STACK, PacketHits, RayPacket, Triangles, Visit, enters, invert};
+use super::{Hit, Node, TriangleBvh, mask};
+
+/// Planes of a beam: four sides and the far end; the others hold everything.
+const PLANES: usize = 8;
+/// Which of them is the far end.
+const FAR: usize = 4;
+/// By how much beams are wider than their rays, so that rounding loses nothing: metres, and for each metre of the scene's largest coordinate.
+const SLACK: (f32, f32) = (1e-3, 1e-6);
+
+/// Half-spaces that all rays of a block lie in: those of x with `normal · x >= offset`.
+#[derive(Debug, Clone, Copy)]
+pub struct Beam {
+    /// The parts of the normals above zero and below, so that the box's corner which reaches furthest in needs no choice.
+    above: [[f32; PLANES]; 3],
+    below: [[f32; PLANES]; 3],
+    offset: [f32; PLANES],
+    /// Offset of the far end for rays of no length, and by how much it falls for each length of a direction.
+    near: f32,
+    stride: f32,
+}
+
+impl Beam {
+    /// The beam of rays from `origin` whose directions lie between four `corners`, given in order round.
+    #[inline(always)]
+    pub fn new(origin: [f32; 3], corners: &[[f32; 3]; 4]) -> Self {
+        let mut beam = Self {
+            above: [[0.0; PLANES]; 3],
+            below: [[0.0; PLANES]; 3],
+            offset: [f32::NEG_INFINITY; PLANES],
+            near: 0.0,
+            stride: 0.0,
+        };
+        let mut wide = [[0.0_f64; 3]; 4];
+        let mut middle = [0.0; 3];
+        for (wide, corner) in wide.iter_mut().zip(corners) {
+            for axis in 0..3 {
+                wide[axis] = f64::from(corner[axis]);
+                middle[axis] += 0.25 * wide[axis];
+            }
+        }
+        // In double precision: the corners are close to each other, and what is left of their differences would be noise.
+        for side in 0..4 {
+            let normal = cross(wide[side], wide[(side + 1) % 4]);
+            let inward = if dot(normal, middle) < 0.0 { -1.0 } else { 1.0 };
+            beam.set(side, scaled(normal, inward / dot(normal, normal).sqrt()), origin);
+        }
+        let length = dot(middle, middle).sqrt();
+        beam.set(FAR, scaled(middle, -1.0 / length), origin);
+        beam.near = beam.offset[FAR];
+        for corner in wide {
+            beam.stride = beam.stride.max((dot(corner, middle) / length) as f32);
+        }
+        beam
+    }
+
+    #[inline(always)]
+    fn set(&mut self, plane: usize, normal: [f64; 3], origin: [f32; 3]) {
+        for (axis, along) in normal.into_iter().enumerate() {
+            let along = along as f32;
+            self.above[axis][plane] = if along > 0.0 { along } else { 0.0 };
+            self.below[axis][plane] = if along > 0.0 { 0.0 } else { along };
+        }
+        self.offset[plane] = dot(normal, [origin[0].into(), origin[1].into(), origin[2].into()]) as f32;
+    }
+
+    /// Widens the beam for rounding in a scene whose coordinates are no larger than `extent`.
+    #[inline(always)]
+    fn widen(&mut self, extent: f32) {
+        let slack = SLACK.0 + SLACK.1 * extent;
+        for offset in &mut self.offset {
+            *offset -= slack;
+        }
+        self.near -= slack;
+    }
+
+    /// Ends the beam where the longest ray does.
+    #[inline(always)]
+    fn end<const K: usize>(&mut self, hits: &[PacketHits; K]) {
+        let mut furthest = [0.0_f32; LANES];
+        for packet in hits {
+            for (furthest, &distance) in furthest.iter_mut().zip(&packet.distance) {
+                *furthest = if distance > *furthest { distance } else { *furthest };
+            }
+        }
+        let furthest = furthest.iter().fold(0.0_f32, |most, &d| if d > most { d } else { most });
+        self.offset[FAR] = self.near - furthest * self.stride;
+    }
+
+    /// Whether any ray may enter the node's box.
+    #[inline(always)]
+    fn enters(&self, node: &Node) -> bool {
+        let mut outside = [0_u32; PLANES];
+        for (plane, outside) in outside.iter_mut().enumerate() {
+            // How far the box reaches in. Where a beam is broken this is NaN, and nothing is left out.
+            let reach = self.above[0][plane] * node.max[0]
+                + self.below[0][plane] * node.min[0]
+                + (self.above[1][plane] * node.max[1] + self.below[1][plane] * node.min[1])
+                + (self.above[2][plane] * node.max[2] + self.below[2][plane] * node.min[2]);
+            *outside = mask(reach < self.offset[plane]);
+        }
+        outside.iter().fold(0, |any, plane| any | plane) == 0
+    }
+}
+
+/// What the rays of a beam hit first in a tree no deeper than [`PACKET_STACK`].
+pub(super) struct CastBeam<'a, F, const K: usize> {
+    pub(super) tree: &'a TriangleBvh,
+    pub(super) beam: &'a Beam,
+    pub(super) rays: &'a [RayPacket; K],
+    pub(super) opaque: &'a F,
+    pub(super) hits: &'a mut [PacketHits; K],
+}
+
+impl<F: Fn(&Hit) -> bool, const K: usize> Kernel for CastBeam<'_, F, K> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { tree, beam, rays, opaque, hits } = self;
+        let Some(root) = tree.nodes.first() else { return };
+        let mut beam = *beam;
+        beam.widen(extent(root, &rays[0]));
+        beam.end(hits);
+        let mut inverses = [[[0.0; LANES]; 3]; K];
+        for (inverse, rays) in inverses.iter_mut().zip(rays) {
+            *inverse = invert(&rays.direction);
+        }
+        let mut against = [0; 3];
+        for (against, along) in against.iter_mut().zip(&rays[0].direction) {
+            *against = u32::from(along[0] < 0.0);
+        }
+        let mut stack = [0_u32; PACKET_STACK + 2];
+        let mut top = 1;
+        while top > 0 {
+            top -= 1;
+            let node = &tree.nodes[stack[top] as usize];
+            if !beam.enters(node) {
+                continue;
+            }
+            if !node.is_leaf() {
+                let (near, far) = node.ordered(&against);
+                (stack[top], stack[top + 1]) = (far, near);
+                top += 2;
+                continue;
+            }
+            let mut entered = false;
+            for i in 0..K {
+                if enters(node, &rays[i].origin, &inverses[i], &hits[i].distance) {
+                    Triangles { tree, rays: &rays[i], opaque }.leaf(node, &mut hits[i]);
+                    entered = true;
+                }
+            }
+            if entered {
+                beam.end(hits);
+            }
+        }
+    }
+}
+
+/// Largest coordinate of the scene and of the rays' origins.
+#[inline(always)]
+fn extent(root: &Node, rays: &RayPacket) -> f32 {
+    let mut extent = 0.0_f32;
+    for axis in 0..3 {
+        extent = extent.max(root.min[axis].abs()).max(root.max[axis].abs()).max(rays.origin[axis][0].abs());
+    }
+    extent
+}
+
+#[inline(always)]
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline(always)]
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+#[inline(always)]
+fn scaled(a: [f64; 3], by: f64) -> [f64; 3] {
+    [a[0] * by, a[1] * by, a[2] * by]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{UnitQuaternion, Vector3};
+    use proptest::prelude::*;
+
+    const SIDE: usize = 8;
+
+    /// The rays of a block of 8 x 8 pixels, as tiles of 4 x 4, that looks along a turn of the x axis, `angle` radians a pixel.
+    fn block(origin: [f32; 3], turn: [f64; 3], angle: f64) -> ([RayPacket; 4], Beam) {
+        let turn = UnitQuaternion::from_euler_angles(turn[0], turn[1], turn[2]);
+        let along = |u: usize, v: usize| {
+            let (u, v) = (u as f64 - 3.5, v as f64 - 3.5);
+            let direction = turn * Vector3::new(1.0, -u * angle, -v * angle);
+            [direction.x as f32, direction.y as f32, direction.z as f32]
+        };
+        let packets = std::array::from_fn(|i| {
+            let mut packet = RayPacket::idle();
+            for lane in 0..LANES {
+                let (u, v) = (4 * (i % 2) + lane % 4, 4 * (i / 2) + lane / 4);
+                packet.set(lane, origin, along(u, v), 300.0);
+            }
+            packet
+        });
+        let far = SIDE - 1;
+        (packets, Beam::new(origin, &[along(0, 0), along(far, 0), along(far, far), along(0, far)]))
+    }
+
+    fn point(size: f32) -> impl Strategy<Value = [f32; 3]> {
+        prop::array::uniform3(-size..size)
+    }
+
+    proptest! {
+        #[test]
+        fn a_block_hits_what_its_packets_hit_one_by_one(
+            soup in prop::collection::vec((point(30.0), prop::array::uniform3(point(4.0))), 1..120),
+            origin in point(10.0),
+            turn in prop::array::uniform3(-3.2_f64..3.2),
+            angle in prop_oneof![Just(1e-5), Just(0.003), 0.001_f64..0.2],
+            away in prop_oneof![Just(0.0_f32), Just(900.0), Just(-40_000.0)],
+        ) {
+            let moved = |p: [f32; 3]| p.map(|c| c + away);
+            let corners = soup.iter().map(|(at, t)| t.map(|c| moved([0, 1, 2].map(|axis| at[axis] + c[axis]))));
+            let tree = TriangleBvh::masked(corners, |i| i % 3 == 0);
+            let opaque = |hit: &Hit| hit.u > 0.3;
+            let (packets, beam) = block(moved(origin), turn, angle);
+            let together = tree.cast_block(&beam, &packets, opaque);
+            for (packet, together) in packets.iter().zip(&together) {
+                let alone = tree.cast_packet_filtered(packet, opaque);
+                prop_assert_eq!(alone.distance, together.distance);
+            }
+        }
+    }
+
+    #[test]
+    fn broken_beams_lose_nothing() {
+        let tree = TriangleBvh::new(std::iter::once([[5.0, -9.0, -9.0], [5.0, 9.0, -9.0], [5.0, 0.0, 9.0]]));
+        let (packets, _) = block([0.0; 3], [0.0; 3], 0.001);
+        for corners in [[[0.0; 3]; 4], [[f32::NAN; 3]; 4], [[1.0, 0.0, 0.0]; 4]] {
+            let hits = tree.cast_block(&Beam::new([0.0; 3], &corners), &packets, |_| true);
+            assert!(hits.iter().all(|packet| packet.triangle == [0; LANES]), "{corners:?}");
+        }
+    }
+
+    #[test]
+    fn an_empty_tree_is_missed() {
+        let (packets, beam) = block([0.0; 3], [0.0; 3], 0.01);
+        let hits = TriangleBvh::new(std::iter::empty()).cast_block(&beam, &packets, |_| true);
+        assert!(hits.iter().all(|packet| packet.triangle == [super::super::MISS; LANES]));
+    }
+}
