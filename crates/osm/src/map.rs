@@ -46,14 +46,14 @@ pub struct Road {
     pub tags: Tags,
 }
 
-/// A wall, fence, hedge or the like.
+/// A wall, fence, hedge, kerb or the like.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Barrier {
     /// Number of the way.
     pub way: i64,
     /// Its line; first and last point are equal if it is closed.
     pub points: Vec<MapPoint>,
-    /// Where nodes on it say that one may pass: `barrier=gate`, `barrier=entrance` and the like.
+    /// Where nodes on it say that one may pass: `barrier=gate`, `barrier=entrance`, `kerb=lowered` and the like.
     pub gates: Vec<MapPoint>,
     /// The words on the way.
     pub tags: Tags,
@@ -291,7 +291,7 @@ pub(crate) fn is_door(tags: &Tags) -> bool {
 
 /// Whether a way stands in the way.
 fn is_barrier(tags: &Tags) -> bool {
-    tags.says("barrier")
+    tags.says("barrier") && !is_low_kerb(tags)
         || tags.is("historic", "citywalls")
         || tags.is("man_made", "retaining_wall")
         || tags.is("natural", "hedge")
@@ -301,8 +301,13 @@ fn is_barrier(tags: &Tags) -> bool {
 fn is_gate(data: &OsmData, node: i64) -> bool {
     const GATES: [&str; 7] =
         ["gate", "entrance", "lift_gate", "swing_gate", "sliding_gate", "kissing_gate", "wicket_gate"];
-    let kind = data.nodes.get(&node).and_then(|node| node.tags.get("barrier"));
-    kind.is_some_and(|kind| GATES.contains(&kind))
+    let Some(node) = data.nodes.get(&node) else { return false };
+    node.tags.get("barrier").is_some_and(|kind| GATES.contains(&kind)) || is_low_kerb(&node.tags)
+}
+
+/// Whether a kerb is one that wheels go over.
+fn is_low_kerb(tags: &Tags) -> bool {
+    tags.get("kerb").is_some_and(|kerb| matches!(kerb, "lowered" | "flush" | "no"))
 }
 
 /// The stretches of a way between nodes that the data lacks: joining across a gap would make up a road.

@@ -36,6 +36,8 @@ pub enum SemanticClass {
     Furniture,
     /// People.
     Person,
+    /// Kerbs that are high enough for a wheel to feel.
+    Kerb,
     /// Anything else.
     Other,
 }
@@ -95,6 +97,7 @@ impl SemanticClass {
             Self::Vehicle => "vehicle",
             Self::Furniture => "furniture",
             Self::Person => "person",
+            Self::Kerb => "kerb",
             Self::Other => "other",
         }
     }

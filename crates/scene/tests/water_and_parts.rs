@@ -1,10 +1,10 @@
-//! Water stops a robot, bridges lead over it; buildings have the parts that are mapped.
+//! Water and kerbs stop a robot, bridges and paths lead over them; buildings have the parts that are mapped.
 
 mod maps;
 
 use std::sync::Arc;
 
-use maps::{map_of, rectangle, row_of_houses};
+use maps::{WayOf, map_of, rectangle, row_of_houses};
 use openbench_core::{MapPoint, Pose2};
 use openbench_osm::{Node, Tags, Way};
 use openbench_scene::generate::{GenerateOptions, generate};
@@ -194,4 +194,44 @@ fn a_tower_rises_from_a_church_that_has_no_other_parts() {
     let seen = caster(&world);
     assert!((24.9..25.1).contains(&top(&seen, 3.0, 9.0)), "{}", top(&seen, 3.0, 9.0));
     assert!((8.9..9.6).contains(&top(&seen, 28.0, 16.0)), "{}", top(&seen, 28.0, 16.0));
+}
+
+/// A street with a raised kerb beside it for 80 m, and what `more` adds.
+fn beside_a_kerb(kerb: &[(&str, &str)], more: &[WayOf]) -> World {
+    let line: &[(f64, f64)] = &[(-40.0, 8.0), (40.0, 8.0), (40.0, 30.0), (-40.0, 30.0), (-40.0, 8.0)];
+    let house: &[(f64, f64)] = &[(-5.0, 35.0), (5.0, 35.0), (5.0, 45.0), (-5.0, 45.0)];
+    let road: &[(f64, f64)] = &[(-60.0, 0.0), (60.0, 0.0)];
+    let barn: &[(f64, f64)] = &[(-5.0, -20.0), (5.0, -20.0), (5.0, -10.0), (-5.0, -10.0)];
+    let mut parts = vec![
+        (barn, &[("building", "barn")] as &[_]),
+        (road, &[("highway", "residential")]),
+        (house, &[("building", "house"), ("addr:housenumber", "1")]),
+        (line, kerb),
+    ];
+    parts.extend_from_slice(more);
+    let (data, georeference) = map_of(&parts);
+    generate(&data, georeference, 1, &bare()).unwrap()
+}
+
+#[test]
+fn a_raised_kerb_stops_a_robot_but_not_where_a_path_crosses_it() {
+    let raised: &[(&str, &str)] = &[("barrier", "kerb"), ("kerb", "raised")];
+    let closed = beside_a_kerb(raised, &[]);
+    let solid = &closed.scene.solid;
+    let of_kerbs =
+        solid.triangles.iter().zip(&solid.classes).filter(|(_, class)| **class == SemanticClass::Kerb);
+    let heights = of_kerbs.flat_map(|(t, _)| t.map(|i| solid.positions[i as usize][2]));
+    assert!((heights.fold(0.0, f32::max) - 0.12).abs() < 1e-6);
+    let inside = MapPoint::new(0.0, 20.0);
+    assert!(!reach(&closed).is_reachable(inside), "nothing leads over the kerb");
+    let path: &[(f64, f64)] = &[(10.0, 0.0), (10.0, 20.0)];
+    let open = beside_a_kerb(raised, &[(path, &[("highway", "footway")])]);
+    assert!(reach(&open).is_reachable(inside), "the footway does");
+}
+
+#[test]
+fn lowered_kerbs_are_no_barriers() {
+    let world = beside_a_kerb(&[("barrier", "kerb"), ("kerb", "lowered")], &[]);
+    assert!(!world.scene.solid.classes.contains(&SemanticClass::Kerb));
+    assert!(reach(&world).is_reachable(MapPoint::new(0.0, 20.0)));
 }

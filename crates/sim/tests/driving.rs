@@ -120,6 +120,37 @@ fn a_wall_stops_the_robot_and_counts_once() {
     assert!(collisions[0].impulse > 0.5);
 }
 
+/// Ground, and across x = 1 a kerb of that height.
+fn kerb(height: f64) -> Simulator {
+    let mut builder = SceneBuilder::new();
+    let ground = builder.material(Material::plain(SemanticClass::Ground, [0.4, 0.5, 0.3]));
+    let stone = builder.material(Material::plain(SemanticClass::Kerb, [0.6; 3]));
+    let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
+    builder.rectangle(Layer::Both, ground, Point3::new(-20.0, -20.0, 0.0), (x * 40.0, y * 40.0), [1.0; 2]);
+    builder.rectangle(Layer::Both, stone, Point3::new(1.0, -5.0, 0.0), (y * 10.0, z * height), [1.0; 2]);
+    builder.rectangle(Layer::Both, stone, Point3::new(1.0, -5.0, height), (x * 0.14, y * 10.0), [1.0; 2]);
+    builder.rectangle(Layer::Both, stone, Point3::new(1.14, -5.0, 0.0), (y * 10.0, z * height), [1.0; 2]);
+    let stage = Stage::new(RayCaster::new(Arc::new(builder.build()))).unwrap();
+    Simulator::new(stage, RobotDescription::sentry(), Pose2::new(0.0, 0.0, 0.0), 1)
+}
+
+#[test]
+fn a_raised_kerb_stops_the_robot_and_is_a_collision_with_a_kerb() {
+    let mut simulator = kerb(0.12);
+    let pose = drive(&mut simulator, Velocity::new(0.5, 0.0), 5.0);
+    assert!((0.6..0.9).contains(&pose.x), "{pose:?}");
+    let classes: Vec<SemanticClass> = simulator.collisions().iter().map(|c| c.class).collect();
+    assert_eq!(classes, [SemanticClass::Kerb]);
+}
+
+#[test]
+fn wheels_go_over_a_low_kerb() {
+    let mut simulator = kerb(0.02);
+    let pose = drive(&mut simulator, Velocity::new(0.5, 0.0), 6.0);
+    assert!(pose.x > 2.0, "{pose:?}");
+    assert!(simulator.collisions().is_empty(), "{:?}", simulator.collisions());
+}
+
 #[test]
 fn absurd_velocities_do_no_harm() {
     let mut simulator = simulator(3.0, 1);

@@ -160,6 +160,7 @@ fn color_of_class(class: SemanticClass) -> [u8; 3] {
         SemanticClass::Vehicle => [0, 0, 142],
         SemanticClass::Furniture => [153, 153, 153],
         SemanticClass::Person => [220, 20, 60],
+        SemanticClass::Kerb => [196, 196, 196],
         SemanticClass::Other => [0, 130, 180],
     }
 }

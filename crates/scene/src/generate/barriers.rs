@@ -1,4 +1,4 @@
-//! Walls, fences and hedges along `barrier=*` ways, open where a road or path goes through.
+//! Walls, fences, hedges and raised kerbs along `barrier=*` ways, open where a road or path goes through.
 
 use openbench_core::{MapPoint, Pose2};
 use openbench_osm::{Barrier, OsmMap, Road, Tags};
@@ -15,6 +15,9 @@ use crate::scene::{Layer, SceneBuilder};
 /// Free width beside a road that goes through, metres.
 pub(super) const GATE_MARGIN: f64 = 0.8;
 
+/// Width of a row of kerb stones, metres.
+const KERB: f64 = 0.14;
+
 /// No wall goes on for longer without a corner, metres.
 const LONGEST: f64 = 5_000.0;
 
@@ -27,7 +30,9 @@ enum Build {
     Panels(Surface, f64),
     /// A clipped hedge; height and thickness, metres.
     Hedge(f64, f64),
-    /// Kerbs, bollards and other things that stop no robot or that are not lines.
+    /// Kerb stones; height, metres.
+    Kerb(f64),
+    /// Bollards and other things that stop no robot or that are not lines.
     Nothing,
 }
 
@@ -36,8 +41,11 @@ impl Site {
         let barriers = std::mem::take(&mut self.map.barriers);
         for barrier in &barriers {
             let build = self.build_of(barrier);
-            let hedge = matches!(build, Build::Hedge(..));
-            let class = if hedge { SemanticClass::Vegetation } else { SemanticClass::Wall };
+            let class = match build {
+                Build::Hedge(..) => SemanticClass::Vegetation,
+                Build::Kerb(_) => SemanticClass::Kerb,
+                _ => SemanticClass::Wall,
+            };
             self.builder.object(kind(&barrier.tags).to_owned(), class);
             for pair in barrier.points.windows(2) {
                 if self.extent.holds(pair[0], super::GROUND_MARGIN) {
@@ -68,6 +76,7 @@ impl Site {
                 let surface = if metal { palette.railings } else { pick(&mut rng, &palette.pickets) };
                 Build::Panels(surface, height(between(&mut rng, 1.0, 1.3)))
             }
+            "kerb" => Build::Kerb(kerb_height(tags)),
             _ => Build::Nothing,
         }
     }
@@ -106,6 +115,11 @@ impl Site {
                     let post = ([x - 0.05, -0.05, 0.0], [x + 0.05, 0.05, height + 0.06]);
                     cuboid(builder, Layer::Visible, self.palette.coping, pose, post);
                 }
+            }
+            Build::Kerb(height) => {
+                let half = KERB / 2.0;
+                let stones = ([0.0, -half, 0.0], [length, half, height]);
+                cuboid(builder, Layer::Both, self.palette.kerbstone, pose, stones);
             }
             Build::Nothing => {}
         }
@@ -146,13 +160,19 @@ pub(super) fn between_gates(
 
 /// The stretches of all barriers that stop a robot.
 pub(super) fn standing(map: &OsmMap, lanes: &Lanes) -> Vec<(MapPoint, MapPoint)> {
-    const SOLID: [&str; 7] =
-        ["wall", "city_wall", "retaining_wall", "hedge", "fence", "handrail", "guard_rail"];
+    const SOLID: [&str; 8] =
+        ["wall", "city_wall", "retaining_wall", "hedge", "fence", "handrail", "guard_rail", "kerb"];
     let solid = map.barriers.iter().filter(|b| SOLID.contains(&kind(&b.tags)));
     solid
         .flat_map(|barrier| barrier.points.windows(2).map(move |pair| (barrier, (pair[0], pair[1]))))
         .flat_map(|(barrier, ends)| between_gates((&map.roads, lanes), &barrier.gates, ends))
         .collect()
+}
+
+/// Height of a kerb above the carriageway, metres, after the values that the OSM wiki gives for `kerb`. Lowered and flush ones are no barriers.
+fn kerb_height(tags: &Tags) -> f64 {
+    let usual = if tags.is("kerb", "rolled") { 0.07 } else { 0.12 };
+    metres(tags, "height").filter(|h| (0.0..=0.4).contains(h)).unwrap_or(usual)
 }
 
 fn kind(tags: &Tags) -> &str {

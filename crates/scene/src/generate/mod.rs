@@ -3,7 +3,8 @@
 //! What the map says is built as it says (outlines, levels, roofs, entrances, roads, barriers, trees, furniture); what it
 //! leaves open (colours, windows, parked cars, shrubs) is drawn from the seed. Every element draws from a stream of its
 //! own, so that one more tree in the map does not repaint the houses. The same map, seed and options give the same bytes
-//! on every machine. The ground is level: slopes, bridges, tunnels and kerbs that a wheel would feel are left out. A robot cannot
+//! on every machine. The ground is level: slopes, bridges and tunnels are left out, and kerbs are raised where the map has them as
+//! lines of their own (`barrier=kerb`). A robot cannot
 //! get into water: a low wall goes round it.
 //!
 //! | module | its one job |

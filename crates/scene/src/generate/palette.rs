@@ -23,6 +23,7 @@ pub(super) struct Palette {
     pub quay: Surface,
     /// Woods and meadows far away.
     pub hills: Surface,
+    pub kerbstone: Surface,
     pub patch: Surface,
     pub marking: Surface,
     pub doorstep: Surface,
@@ -198,6 +199,7 @@ impl Palette {
             water: m.surface(C::Ground, [0.25, 0.38, 0.45], 5, Some((ripples, 12.0))),
             quay: m.surface(C::Wall, [0.74, 0.71, 0.66], 70, Some((stones, 1.6))),
             hills: m.surface(C::Ground, [0.58, 0.58, 0.54], 90, Some((foliage, 90.0))),
+            kerbstone: m.surface(C::Kerb, [0.72, 0.72, 0.70], 62, Some((kerbstones, 1.0))),
             patch: m.surface(C::Road, [0.30, 0.30, 0.31], 20, Some((grit, 1.8))),
             marking: m.surface(C::Road, [0.90, 0.90, 0.88], 160, Some((plaster, 1.0))),
             doorstep: m.surface(C::Pavement, [0.62, 0.60, 0.58], 70, Some((plaster, 1.2))),

@@ -3,7 +3,7 @@
 use crate::SemanticClass;
 
 /// The first row with a word of the name wins: a post office is a building before it is a post.
-const WORDS: [(SemanticClass, &[&str]); 10] = [
+const WORDS: [(SemanticClass, &[&str]); 11] = [
     (
         SemanticClass::Building,
         &[
@@ -49,7 +49,8 @@ const WORDS: [(SemanticClass, &[&str]); 10] = [
     (SemanticClass::Person, &["person", "pedestrian", "actor", "human"]),
     (SemanticClass::Wall, &["wall", "walls", "fence", "barrier", "gate"]),
     (SemanticClass::Road, &["road", "asphalt", "street", "lane"]),
-    (SemanticClass::Pavement, &["sidewalk", "pavement", "footway", "kerb", "curb"]),
+    (SemanticClass::Kerb, &["kerb", "curb", "kerbstone", "curbstone"]),
+    (SemanticClass::Pavement, &["sidewalk", "pavement", "footway"]),
     (SemanticClass::Ground, &["ground", "grass", "terrain", "heightmap"]),
     (SemanticClass::Door, &["door"]),
     (
@@ -104,6 +105,7 @@ mod tests {
             ("wall_4", SemanticClass::Wall),
             ("ground_plane_0", SemanticClass::Ground),
             ("asphalt_plane", SemanticClass::Road),
+            ("curb_12", SemanticClass::Kerb),
             ("carpet", SemanticClass::Other),
         ];
         for (name, class) in expected {
