@@ -11,6 +11,7 @@
 //! | [`gnss`] | the satellite receiver, where a robot has one |
 //! | [`render`] | pictures |
 //! | [`noise`] | seeded random numbers |
+//! | `rounding` | rounding down in vector instructions |
 //! | `crowd`, `bodies` | what moves by itself, as rays and the physics engine meet it |
 //! | [`traffic`] | people and cars that move, how they look, and how near the robot came to them |
 
@@ -24,6 +25,7 @@ pub mod lidar;
 pub mod noise;
 pub mod physics;
 pub mod render;
+mod rounding;
 pub mod simulator;
 pub mod traffic;
 

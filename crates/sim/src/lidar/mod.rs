@@ -12,7 +12,7 @@ pub mod pattern;
 pub mod returns;
 
 use openbench_core::{LidarPoint, LidarScan, Pose3, SimTime};
-use openbench_scene::bvh::{Kernel, LANES, Lane, MISS, PacketHits, widest};
+use openbench_scene::bvh::{Kernel, LANES, MISS, PacketHits, widest};
 use openbench_scene::{RayPacket, Snapshot, TriangleBvh};
 
 use crate::noise::Noise;
@@ -98,16 +98,24 @@ impl Lidar {
     fn cast(&mut self, seen: Snapshot<'_>, poses: &[Pose3]) {
         self.launch.set(&self.aims, poses);
         // A scan is a whole number of packets.
-        for group in self.order.chunks_exact(LANES) {
-            let packet = self.packet(group);
-            let mut lags = [0.0; LANES];
-            for (lag, ray) in lags.iter_mut().zip(group) {
-                *lag = *ray as f32 * (FIRING_NS as f32 * 1e-9 / LINES as f32) - SCAN_NS as f32 * 1e-9;
+        for block in self.order.chunks(BLOCK) {
+            let mut met = Met::nothing();
+            for (packet, group) in block.chunks_exact(LANES).enumerate() {
+                let rays = self.packet(group);
+                let mut lags = [0.0; LANES];
+                for (lag, ray) in lags.iter_mut().zip(group) {
+                    *lag = *ray as f32 * (FIRING_NS as f32 * 1e-9 / LINES as f32) - SCAN_NS as f32 * 1e-9;
+                }
+                met.note(packet, seen, &rays, &seen.cast_packet(&rays, &lags));
             }
-            let hits = seen.cast_packet(&packet, &lags);
-            let echoes = echoes(seen, &packet, &hits);
-            for (echo, &ray) in echoes.iter().zip(group) {
-                self.echoes[ray as usize] = *echo;
+            let (deviation, detection) = met.returns();
+            for (i, &ray) in block.iter().enumerate() {
+                self.echoes[ray as usize] = Echo {
+                    range: met.range[i],
+                    deviation: deviation[i],
+                    detection: detection[i],
+                    reflectivity: met.reflectivity[i],
+                };
             }
         }
     }
@@ -188,37 +196,51 @@ impl Kernel for Ranges<'_> {
     }
 }
 
-/// What comes back of the rays of a packet.
-#[inline(always)]
-fn echoes(seen: Snapshot<'_>, packet: &RayPacket, hits: &PacketHits) -> [Echo; LANES] {
-    let (mut normals, mut reflectivity) = ([[0.0; LANES]; 3], [0_u8; LANES]);
-    for lane in (0..LANES).filter(|&lane| hits.triangle[lane] != MISS) {
-        let normal = seen.normal(hits, lane);
-        for axis in 0..3 {
-            normals[axis][lane] = normal[axis];
+/// Rays whose returns are computed together: in loops over so many, the compiler uses vector instructions more readily than over sixteen.
+const BLOCK: usize = 4 * LANES;
+
+/// What the rays of a block met.
+struct Met {
+    /// Metres; 0 where nothing was.
+    range: [f32; BLOCK],
+    /// Cosine of the angle between the ray and the surface's normal.
+    along: [f32; BLOCK],
+    reflectivity: [u8; BLOCK],
+}
+
+impl Met {
+    fn nothing() -> Self {
+        Self { range: [0.0; BLOCK], along: [0.0; BLOCK], reflectivity: [0; BLOCK] }
+    }
+
+    /// Notes what a packet hit, the block's `packet`-th.
+    #[inline(always)]
+    fn note(&mut self, packet: usize, seen: Snapshot<'_>, rays: &RayPacket, hits: &PacketHits) {
+        for lane in 0..LANES {
+            if hits.triangle[lane] == MISS {
+                continue;
+            }
+            let (i, normal) = (packet * LANES + lane, seen.normal(hits, lane));
+            self.range[i] = hits.distance[lane];
+            self.along[i] = normal[0] * rays.direction[0][lane]
+                + normal[1] * rays.direction[1][lane]
+                + normal[2] * rays.direction[2][lane];
+            self.reflectivity[i] = seen.caster.surface(hits.triangle[lane]).reflectivity;
         }
-        reflectivity[lane] = seen.caster.surface(hits.triangle[lane]).reflectivity;
     }
-    let (mut spread, mut chance): (Lane, Lane) = ([0.0; LANES], [0.0; LANES]);
-    for lane in 0..LANES {
-        let along = normals[0][lane] * packet.direction[0][lane]
-            + normals[1][lane] * packet.direction[1][lane]
-            + normals[2][lane] * packet.direction[2][lane];
-        let cosine = if along.abs() < 1.0 { along.abs() } else { 1.0 };
-        spread[lane] = deviation(hits.distance[lane], cosine);
-        let chances = detection(hits.distance[lane], cosine, f32::from(reflectivity[lane]));
-        chance[lane] = if hits.triangle[lane] == MISS { 0.0 } else { chances };
+
+    /// Deviations of the reported ranges, and probabilities that anything is reported.
+    #[inline(always)]
+    fn returns(&self) -> ([f32; BLOCK], [f32; BLOCK]) {
+        let (mut spread, mut chance) = ([0.0; BLOCK], [0.0; BLOCK]);
+        for i in 0..BLOCK {
+            let along = self.along[i].abs();
+            let cosine = if along < 1.0 { along } else { 1.0 };
+            spread[i] = deviation(self.range[i], cosine);
+            chance[i] = detection(self.range[i], cosine, f32::from(self.reflectivity[i]));
+        }
+        (spread, chance)
     }
-    let mut echoes = [Echo::NONE; LANES];
-    for lane in 0..LANES {
-        echoes[lane] = Echo {
-            range: hits.distance[lane],
-            deviation: spread[lane],
-            detection: chance[lane],
-            reflectivity: reflectivity[lane],
-        };
-    }
-    echoes
 }
 
 const BUCKET_COLUMNS: usize = 72;

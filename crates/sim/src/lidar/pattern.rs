@@ -13,6 +13,7 @@
 //! 0.05° in the mean square and at most 0.25°; the sensor's own angular precision is 0.15°. The fast rotor makes 729 2/3 turns in
 //! 4 seconds, so the pattern comes round after 12.
 
+use crate::rounding::whole;
 use std::f64::consts::TAU;
 use std::ops::{Add, Mul, Sub};
 
@@ -44,7 +45,7 @@ const HC: [f64; 9] = [-0.05493, -0.01, 0.00655, 0.0003, 0.00163, 0.00043, 0.0003
 const HS: [f64; 8] = [-0.01031, -0.01606, -0.0048, -0.0042, -0.00152, -0.00091, -0.00038, -0.0002];
 
 /// Firings that are aimed together, lane by lane.
-pub const VOLLEY: usize = 16;
+pub const VOLLEY: usize = 32;
 
 /// What the series amount to at one angle of the slow rotor.
 #[derive(Debug, Clone, Copy)]
@@ -156,7 +157,7 @@ impl Pattern {
                 let (sin_az, cos_az) = sum((rotors.azimuth_sin[i], rotors.azimuth_cos[i]), small(aside));
                 let turn = rotors.turns[i] + aside * (1.0 / TAU) as f32;
                 (x[i], y[i], z[i]) = (cos_az * cos_el, sin_az * cos_el, sin_el);
-                (turns[i], elevation[i]) = (turn - turn as i32 as f32, rotors.elevation[i] + up);
+                (turns[i], elevation[i]) = (turn - whole(turn) as i32 as f32, rotors.elevation[i] + up);
             }
             for (i, aims) in aims.iter_mut().enumerate() {
                 aims[line] = Aim { direction: [x[i], y[i], z[i]], turn: turns[i], elevation: elevation[i] };

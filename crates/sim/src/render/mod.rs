@@ -12,6 +12,7 @@ use openbench_core::Pose3;
 use openbench_scene::bvh::{Beam, Kernel, LANES, Lane, MISS, PacketHits, widest};
 use openbench_scene::{Movers, RayCaster, RayPacket, SemanticClass, Snapshot};
 
+use crate::rounding::whole;
 use shade::{Look, Shader};
 
 /// Side of the square of pixels that one packet covers.
@@ -202,7 +203,7 @@ fn put(rgb: &mut [u8], (x, y): (u32, u32), (width, height): (u32, u32), colors: 
         for (packed, color) in packed.iter_mut().zip(colors) {
             let value = color * gain + 0.5;
             let value = if value < 255.0 { value } else { 255.0 };
-            *packed |= texture::whole(value) << (8 * channel);
+            *packed |= whole(value) << (8 * channel);
         }
     }
     let columns = SIDE.min((width - x) as usize);

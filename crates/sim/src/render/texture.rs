@@ -1,6 +1,7 @@
 //! Textures at full, half, quarter … size, and the colours of pixels that cover some of their texels.
 
 use super::{BLOCK, Block};
+use crate::rounding::{fraction, whole};
 use openbench_scene::Texture;
 
 /// A pixel may cover this many texels before the next smaller image is taken.
@@ -125,26 +126,6 @@ fn neighbours(place: f32, size: u32) -> (u32, u32, u32) {
     let first = if first < size { first } else { size - 1 };
     let second = if first + 1 == size { 0 } else { first + 1 };
     (first, second, weight)
-}
-
-/// `x` less its floor; 0 for what is too large to have a fraction.
-#[inline(always)]
-fn fraction(x: f32) -> f32 {
-    // One and a half times 2^23: added to a number, it leaves no place for binary digits behind the point.
-    const ROUND: f32 = 12_582_912.0;
-    let near = (x + ROUND) - ROUND;
-    let rest = if near > x { x - near + 1.0 } else { x - near };
-    if x.abs() < 4_194_304.0 { rest } else { 0.0 }
-}
-
-/// The whole part of a number from 0 to 2^22; of others one of these. A cast does the same and more, for which no compiler uses vectors.
-#[inline(always)]
-pub(super) fn whole(x: f32) -> u32 {
-    const ROUND: f32 = 8_388_608.0;
-    let x = if x > 0.0 { x } else { 0.0 };
-    let x = if x < 4_194_304.0 { x } else { 4_194_304.0 };
-    let near = x + ROUND;
-    (near.to_bits() & 0x7f_ffff) - u32::from(near - ROUND > x)
 }
 
 fn halved(image: &Texture) -> Texture {
