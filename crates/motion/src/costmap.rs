@@ -5,7 +5,7 @@
 
 use openbench_core::{MapPoint, RobotDescription};
 use openbench_grid::{GridGeometry, squared_distances};
-use openbench_osm::OsmMap;
+use openbench_osm::{Barrier, OsmMap};
 
 use crate::obstacles::{Beam, RangeRing};
 
@@ -182,7 +182,7 @@ impl Costmap {
             .reduce(f64::min)
     }
 
-    fn draw_map(&mut self, map: &OsmMap) {
+    fn draw_buildings(&mut self, map: &OsmMap) {
         for building in &map.buildings {
             let ring = &building.polygon.outer;
             let Some(first) = ring.first() else { continue };
@@ -196,12 +196,43 @@ impl Costmap {
                 }
             }
         }
-        for barrier in &map.barriers {
+    }
+
+    fn draw_map(&mut self, map: &OsmMap) {
+        let (kerbs, walls): (Vec<_>, Vec<_>) =
+            map.barriers.iter().partition(|b| b.tags.is("barrier", "kerb"));
+        self.draw_barriers(&kerbs);
+        if !kerbs.is_empty() {
+            self.open_crossings(map);
+        }
+        self.draw_buildings(map);
+        self.draw_barriers(&walls);
+    }
+
+    fn draw_barriers(&mut self, barriers: &[&Barrier]) {
+        for barrier in barriers {
             for pair in barrier.points.windows(2) {
                 self.draw_line(pair[0], pair[1]);
             }
             for gate in &barrier.gates {
                 self.open_gate(*gate);
+            }
+        }
+    }
+
+    /// Where a road or path leads over a kerb it is lowered, whether or not the map says so.
+    fn open_crossings(&mut self, map: &OsmMap) {
+        for pair in map.roads.iter().flat_map(|road| road.points.windows(2)) {
+            let low = MapPoint::new(pair[0].x.min(pair[1].x), pair[0].y.min(pair[1].y));
+            let high = MapPoint::new(pair[0].x.max(pair[1].x), pair[0].y.max(pair[1].y));
+            if self.grid.window(low, high).is_none() {
+                continue;
+            }
+            let steps = (pair[0].distance(pair[1]) / GATE).ceil().clamp(1.0, 1e5) as usize;
+            for i in 0..=steps {
+                let t = i as f64 / steps as f64;
+                let at = |a: f64, b: f64| a + t * (b - a);
+                self.open_gate(MapPoint::new(at(pair[0].x, pair[1].x), at(pair[0].y, pair[1].y)));
             }
         }
     }
@@ -272,6 +303,26 @@ pub(crate) mod tests {
         });
         costmap.observe(&RangeRing::new(MapPoint::default(), 0.25, points));
         costmap.inflate();
+    }
+
+    #[test]
+    fn kerbs_are_closed_but_where_a_road_leads_over_them() {
+        let line = |points: [(f64, f64); 2]| points.map(|(x, y)| MapPoint::new(x, y)).to_vec();
+        let mut map = empty_map();
+        let kerb = [("barrier", "kerb")].into_iter().collect();
+        map.barriers.push(Barrier {
+            way: 1,
+            points: line([(-8.0, 0.0), (8.0, 0.0)]),
+            gates: vec![],
+            tags: kerb,
+        });
+        let path = [("highway", "footway")].into_iter().collect();
+        let points = line([(2.0, -9.0), (2.0, 9.0)]);
+        map.roads.push(openbench_osm::Road { way: 2, nodes: vec![1, 2], points, tags: path });
+        let (low, high) = (MapPoint::new(-10.0, -10.0), MapPoint::new(10.0, 10.0));
+        let costmap = Costmap::new(&map, low, high, &RobotDescription::sentry()).unwrap();
+        let closed = |x: f64| costmap.mapped[costmap.grid.cell_at(MapPoint::new(x, 0.0)).unwrap()];
+        assert!(closed(-5.0) && closed(6.0) && !closed(2.0) && !closed(1.3));
     }
 
     #[test]

@@ -231,7 +231,7 @@ impl OsmMap {
                         gates: nodes
                             .iter()
                             .zip(&points)
-                            .filter(|(n, _)| is_gate(shaper.data, **n))
+                            .filter(|(n, _)| is_gate(shaper.data, **n, &way.tags))
                             .map(|(_, p)| *p)
                             .collect(),
                         points,
@@ -291,23 +291,34 @@ pub(crate) fn is_door(tags: &Tags) -> bool {
 
 /// Whether a way stands in the way.
 fn is_barrier(tags: &Tags) -> bool {
-    tags.says("barrier") && !is_low_kerb(tags)
+    tags.says("barrier") && !(tags.is("barrier", "kerb") && kerb_height(tags) <= LOW_KERB)
         || tags.is("historic", "citywalls")
         || tags.is("man_made", "retaining_wall")
         || tags.is("natural", "hedge")
         || tags.is("landuse", "hedge")
 }
 
-fn is_gate(data: &OsmData, node: i64) -> bool {
+fn is_gate(data: &OsmData, node: i64, barrier: &Tags) -> bool {
     const GATES: [&str; 7] =
         ["gate", "entrance", "lift_gate", "swing_gate", "sliding_gate", "kissing_gate", "wicket_gate"];
     let Some(node) = data.nodes.get(&node) else { return false };
-    node.tags.get("barrier").is_some_and(|kind| GATES.contains(&kind)) || is_low_kerb(&node.tags)
+    let lowered =
+        || barrier.is("barrier", "kerb") && node.tags.has("kerb") && kerb_height(&node.tags) <= LOW_KERB;
+    node.tags.get("barrier").is_some_and(|kind| GATES.contains(&kind)) || lowered()
 }
 
-/// Whether a kerb is one that wheels go over.
-fn is_low_kerb(tags: &Tags) -> bool {
-    tags.get("kerb").is_some_and(|kerb| matches!(kerb, "lowered" | "flush" | "no"))
+/// Kerbs no higher than this are gone over, metres: those above it the OSM wiki calls raised.
+const LOW_KERB: f64 = 0.03;
+
+/// Height of a kerb, metres: `height`, else `kerb:height`, else what is usual for its `kerb`.
+pub fn kerb_height(tags: &Tags) -> f64 {
+    let usual = || match tags.get("kerb") {
+        Some("flush" | "no") => 0.0,
+        Some("lowered") => LOW_KERB,
+        Some("rolled") => 0.07,
+        _ => 0.12,
+    };
+    tags.metres("height").or(tags.metres("kerb:height")).unwrap_or_else(usual)
 }
 
 /// The stretches of a way between nodes that the data lacks: joining across a gap would make up a road.

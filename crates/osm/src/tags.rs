@@ -51,6 +51,32 @@ impl Tags {
         self.get(key).is_some_and(|value| value != "no")
     }
 
+    /// A length in metres: a number with nothing, `m`, `cm`, `mm`, `km`, `ft`, `in`, or feet and inches as in `5'6"` behind it. `None` if there is
+    /// none, or what stands there is no length.
+    pub fn metres(&self, key: &str) -> Option<f64> {
+        const FOOT: f64 = 0.3048;
+        const INCH: f64 = 0.0254;
+        let text = self.get(key)?.trim().replace(',', ".");
+        let length = match text.split_once('\'') {
+            Some((feet, "")) => number(feet)? * FOOT,
+            Some((feet, inches)) => number(feet)? * FOOT + number(inches.trim_end_matches('"'))? * INCH,
+            None => {
+                let unit = text.find(|c: char| c.is_alphabetic() || c == '"').unwrap_or(text.len());
+                let scale = match &text[unit..] {
+                    "" | "m" => 1.0,
+                    "cm" => 0.01,
+                    "mm" => 0.001,
+                    "km" => 1000.0,
+                    "ft" => FOOT,
+                    "in" | "\"" => INCH,
+                    _ => return None,
+                };
+                number(&text[..unit])? * scale
+            }
+        };
+        (length >= 0.0).then_some(length)
+    }
+
     /// The pairs, by key.
     pub fn iter(&self) -> impl Iterator<Item = (&str, &str)> {
         self.0.iter().map(|(k, v)| (k.as_str(), v.as_str()))
@@ -101,6 +127,11 @@ impl fmt::Display for Tags {
     }
 }
 
+/// A finite number.
+fn number(text: &str) -> Option<f64> {
+    text.trim().parse().ok().filter(|number: &f64| number.is_finite())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -109,6 +140,28 @@ mod tests {
     fn tags_are_sorted_and_the_later_of_two_counts() {
         let tags = Tags::from([("name", "b"), ("building", "yes"), ("name", "c"), ("a", "1")]);
         assert_eq!(tags.to_string(), "a=1 building=yes name=c");
+    }
+
+    #[test]
+    fn lengths_have_units() {
+        let metres = |text: &str| Tags::from([("height", text)]).metres("height");
+        let close = |text: &str, wanted: f64| {
+            assert!((metres(text).unwrap() - wanted).abs() < 1e-9, "{text}: {:?}", metres(text));
+        };
+        for (text, wanted) in
+            [("2", 2.0), (" 2,5 m", 2.5), ("15 cm", 0.15), ("150mm", 0.15), ("0", 0.0), ("1 km", 1000.0)]
+        {
+            close(text, wanted);
+        }
+        for (text, wanted) in
+            [("6 ft", 1.8288), ("5'", 1.524), ("5'6\"", 1.6764), ("6\"", 0.1524), ("0'6\"", 0.1524)]
+        {
+            close(text, wanted);
+        }
+        for text in ["", "high", "-3", "nan", "inf", "2 storeys", "1e3x", "'", "m", "1'x"] {
+            assert_eq!(metres(text), None, "{text}");
+        }
+        assert_eq!(Tags::new().metres("height"), None);
     }
 
     #[test]

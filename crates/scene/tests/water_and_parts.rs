@@ -230,8 +230,38 @@ fn a_raised_kerb_stops_a_robot_but_not_where_a_path_crosses_it() {
 }
 
 #[test]
-fn lowered_kerbs_are_no_barriers() {
-    let world = beside_a_kerb(&[("barrier", "kerb"), ("kerb", "lowered")], &[]);
-    assert!(!world.scene.solid.classes.contains(&SemanticClass::Kerb));
-    assert!(reach(&world).is_reachable(MapPoint::new(0.0, 20.0)));
+fn a_kerb_of_short_stretches_is_open_as_wide_as_the_path_is() {
+    let points: Vec<(f64, f64)> = (0..=40).map(|i| (0.4 * f64::from(i), 5.0)).collect();
+    let house: &[(f64, f64)] = &[(0.0, 35.0), (10.0, 35.0), (10.0, 45.0), (0.0, 45.0)];
+    let (road, path): (&[_], &[_]) = (&[(-30.0, 0.0), (50.0, 0.0)], &[(8.2, 0.0), (8.2, 20.0)]);
+    let (data, georeference) = map_of(&[
+        (road, &[("highway", "residential")]),
+        (path, &[("highway", "footway")]),
+        (&points, &[("barrier", "kerb")]),
+        (house, &[("building", "house")]),
+    ]);
+    let world = generate(&data, georeference, 1, &bare()).unwrap();
+    let solid = &world.scene.solid;
+    let of_kerbs =
+        solid.triangles.iter().zip(&solid.classes).filter(|(_, class)| **class == SemanticClass::Kerb);
+    let places: Vec<f32> = of_kerbs.flat_map(|(t, _)| t.map(|i| solid.positions[i as usize][0])).collect();
+    let nearest = places.iter().map(|x| (x - 8.2).abs()).fold(f32::INFINITY, f32::min);
+    assert!((1.2..2.5).contains(&nearest), "stones {nearest} m beside the middle of the path");
+    assert!(places.iter().any(|x| *x < 1.0) && places.iter().any(|x| *x > 15.0));
+}
+
+#[test]
+fn low_kerbs_are_no_barriers_and_fences_are_whatever_kerb_they_have() {
+    let low: [&[(&str, &str)]; 3] = [
+        &[("barrier", "kerb"), ("kerb", "lowered")],
+        &[("barrier", "kerb"), ("height", "2 cm")],
+        &[("barrier", "kerb"), ("kerb:height", "0")],
+    ];
+    for tags in low {
+        let world = beside_a_kerb(tags, &[]);
+        assert!(!world.scene.solid.classes.contains(&SemanticClass::Kerb), "{tags:?}");
+        assert!(reach(&world).is_reachable(MapPoint::new(0.0, 20.0)), "{tags:?}");
+    }
+    let fence = beside_a_kerb(&[("barrier", "fence"), ("kerb", "lowered")], &[]);
+    assert!(!reach(&fence).is_reachable(MapPoint::new(0.0, 20.0)));
 }

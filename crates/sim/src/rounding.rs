@@ -1,7 +1,7 @@
 //! Rounding down in loops that shall become vector instructions: a cast from a floating to a whole number does it too, and sees to numbers that
 //! are too large, for which the compiler leaves vectors.
 
-/// `x` less its floor; 0 for what is too large to have a fraction.
+/// `x` less its floor; 0 from 2^22 on.
 #[inline(always)]
 pub(crate) fn fraction(x: f32) -> f32 {
     // One and a half times 2^23: added to a number, it leaves no place for binary digits behind the point.

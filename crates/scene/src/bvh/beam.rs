@@ -13,6 +13,7 @@ const PLANES: usize = 8;
 /// Which of them is the far end.
 const FAR: usize = 4;
 /// By how much beams are wider than their rays, so that rounding loses nothing: metres, and for each metre of the scene's largest coordinate.
+/// Enough for views of up to 165 degrees.
 const SLACK: (f32, f32) = (1e-3, 1e-6);
 
 /// Half-spaces that all rays of a block lie in: those of x with `normal · x >= offset`.
@@ -25,6 +26,8 @@ pub struct Beam {
     /// Offset of the far end for rays of no length, and by how much it falls for each length of a direction.
     near: f32,
     stride: f32,
+    /// Largest coordinate of the origin.
+    extent: f32,
 }
 
 impl Beam {
@@ -37,6 +40,7 @@ impl Beam {
             offset: [f32::NEG_INFINITY; PLANES],
             near: 0.0,
             stride: 0.0,
+            extent: origin.iter().fold(0.0, |most, c| c.abs().max(most)),
         };
         let mut wide = [[0.0_f64; 3]; 4];
         let mut middle = [0.0; 3];
@@ -71,9 +75,13 @@ impl Beam {
         self.offset[plane] = dot(normal, [origin[0].into(), origin[1].into(), origin[2].into()]) as f32;
     }
 
-    /// Widens the beam for rounding in a scene whose coordinates are no larger than `extent`.
+    /// Widens the beam for rounding in the scene under this node.
     #[inline(always)]
-    fn widen(&mut self, extent: f32) {
+    fn widen(&mut self, root: &Node) {
+        let mut extent = self.extent;
+        for corner in root.min.iter().chain(&root.max) {
+            extent = extent.max(corner.abs());
+        }
         let slack = SLACK.0 + SLACK.1 * extent;
         for offset in &mut self.offset {
             *offset -= slack;
@@ -127,7 +135,7 @@ impl<F: Fn(&Hit) -> bool, const K: usize> Kernel for CastBeam<'_, F, K> {
         let Self { tree, beam, rays, opaque, hits } = self;
         let Some(root) = tree.nodes.first() else { return };
         let mut beam = *beam;
-        beam.widen(extent(root, &rays[0]));
+        beam.widen(root);
         beam.end(hits);
         let mut inverses = [[[0.0; LANES]; 3]; K];
         for (inverse, rays) in inverses.iter_mut().zip(rays) {
@@ -163,16 +171,6 @@ impl<F: Fn(&Hit) -> bool, const K: usize> Kernel for CastBeam<'_, F, K> {
             }
         }
     }
-}
-
-/// Largest coordinate of the scene and of the rays' origins.
-#[inline(always)]
-fn extent(root: &Node, rays: &RayPacket) -> f32 {
-    let mut extent = 0.0_f32;
-    for axis in 0..3 {
-        extent = extent.max(root.min[axis].abs()).max(root.max[axis].abs()).max(rays.origin[axis][0].abs());
-    }
-    extent
 }
 
 #[inline(always)]

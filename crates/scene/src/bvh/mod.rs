@@ -221,7 +221,8 @@ impl TriangleBvh {
         hits
     }
 
-    /// What each ray of a block of packets hits first, all of them within `beam`; hits of masked triangles only where `opaque` says so.
+    /// What each ray of a block of packets hits first, all of them within `beam` and from its origin; hits of masked triangles only where
+    /// `opaque` says so. Of triangles at one distance it need not be the same as for a packet alone.
     #[inline(always)]
     pub fn cast_block<const K: usize>(
         &self,

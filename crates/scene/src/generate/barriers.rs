@@ -1,13 +1,14 @@
 //! Walls, fences, hedges and raised kerbs along `barrier=*` ways, open where a road or path goes through.
 
 use openbench_core::{MapPoint, Pose2};
+use openbench_osm::map::kerb_height;
 use openbench_osm::{Barrier, OsmMap, Road, Tags};
 
 use super::Site;
 use super::lanes::{Lanes, ends};
 use super::seeds::{Purpose, between, chance, pick, stream};
 use super::shapes::{Surface, along, at, cuboid, facet};
-use super::streets::{metres, profile};
+use super::streets::{KERB, metres, profile};
 use super::triangulate::turn;
 use crate::material::SemanticClass;
 use crate::scene::{Layer, SceneBuilder};
@@ -15,8 +16,10 @@ use crate::scene::{Layer, SceneBuilder};
 /// Free width beside a road that goes through, metres.
 pub(super) const GATE_MARGIN: f64 = 0.8;
 
-/// Width of a row of kerb stones, metres.
-const KERB: f64 = 0.14;
+/// No kerb is built higher, metres.
+const HIGHEST_KERB: f64 = 0.4;
+/// Kerbs are drawn with short stretches just where paths cross them: what crosses one so far beyond its ends opens it too, metres.
+const NEIGHBOURS: f64 = 8.0;
 
 /// No wall goes on for longer without a corner, metres.
 const LONGEST: f64 = 5_000.0;
@@ -49,8 +52,7 @@ impl Site {
             self.builder.object(kind(&barrier.tags).to_owned(), class);
             for pair in barrier.points.windows(2) {
                 if self.extent.holds(pair[0], super::GROUND_MARGIN) {
-                    let parts =
-                        between_gates((&self.map.roads, &self.lanes), &barrier.gates, (pair[0], pair[1]));
+                    let parts = open(barrier, (&self.map.roads, &self.lanes), (pair[0], pair[1]));
                     for (a, b) in parts {
                         self.stretch(build, (a, b));
                     }
@@ -76,7 +78,7 @@ impl Site {
                 let surface = if metal { palette.railings } else { pick(&mut rng, &palette.pickets) };
                 Build::Panels(surface, height(between(&mut rng, 1.0, 1.3)))
             }
-            "kerb" => Build::Kerb(kerb_height(tags)),
+            "kerb" => Build::Kerb(kerb_height(tags).min(HIGHEST_KERB)),
             _ => Build::Nothing,
         }
     }
@@ -126,25 +128,44 @@ impl Site {
     }
 }
 
-/// The parts of a stretch of a wall that no road or gate opens.
+/// The parts of a stretch of a barrier that no road or gate opens.
+fn open(
+    barrier: &Barrier,
+    roads: (&[Road], &Lanes),
+    stretch: (MapPoint, MapPoint),
+) -> Vec<(MapPoint, MapPoint)> {
+    let beyond = if kind(&barrier.tags) == "kerb" { NEIGHBOURS } else { 0.0 };
+    between_gates(roads, &barrier.gates, stretch, beyond)
+}
+
+/// The parts of a stretch of a wall that no road or gate opens; so far `beyond` its ends, in metres, they open it too.
 pub(super) fn between_gates(
     (roads, lanes): (&[Road], &Lanes),
     gates: &[MapPoint],
     (a, b): (MapPoint, MapPoint),
+    beyond: f64,
 ) -> Vec<(MapPoint, MapPoint)> {
     let length = a.distance(b);
     if length.is_nan() || length > LONGEST {
         return Vec::new();
     }
     let mut gaps: Vec<(f64, f64)> = Vec::new();
-    for gate in gates.iter().filter(|g| super::clearance::point_distance(**g, (a, b)) < 0.1) {
-        gaps.push((a.distance(*gate) - 0.9, a.distance(*gate) + 0.9));
+    // The stretch and what lies beyond its ends; along it lengths count from where it begins.
+    let (far_a, far_b) = match beyond > 0.0 && length > 0.0 {
+        true => (along(a, b, -beyond / length), along(a, b, 1.0 + beyond / length)),
+        false => (a, b),
+    };
+    let (before, whole) = (far_a.distance(a), far_a.distance(far_b));
+    for gate in gates.iter().filter(|g| super::clearance::point_distance(**g, (far_a, far_b)) < 0.1) {
+        let at = far_a.distance(*gate) - before;
+        gaps.push((at - 0.9, at + 0.9));
     }
-    for segment in lanes.near(a, b, 0.1) {
+    for segment in lanes.near(far_a, far_b, 0.1) {
         let Some(profile) = profile(&roads[segment.0 as usize].tags) else { continue };
-        if let Some((share, sine)) = crossing((a, b), ends(roads, segment)) {
+        if let Some((share, sine)) = crossing((far_a, far_b), ends(roads, segment)) {
             let half = (profile.width / 2.0 + profile.pavement + GATE_MARGIN) / sine.max(0.3);
-            gaps.push((share * length - half, share * length + half));
+            let at = share * whole - before;
+            gaps.push((at - half, at + half));
         }
     }
     gaps.sort_by(|p, q| p.0.total_cmp(&q.0));
@@ -165,14 +186,8 @@ pub(super) fn standing(map: &OsmMap, lanes: &Lanes) -> Vec<(MapPoint, MapPoint)>
     let solid = map.barriers.iter().filter(|b| SOLID.contains(&kind(&b.tags)));
     solid
         .flat_map(|barrier| barrier.points.windows(2).map(move |pair| (barrier, (pair[0], pair[1]))))
-        .flat_map(|(barrier, ends)| between_gates((&map.roads, lanes), &barrier.gates, ends))
+        .flat_map(|(barrier, ends)| open(barrier, (&map.roads, lanes), ends))
         .collect()
-}
-
-/// Height of a kerb above the carriageway, metres, after the values that the OSM wiki gives for `kerb`. Lowered and flush ones are no barriers.
-fn kerb_height(tags: &Tags) -> f64 {
-    let usual = if tags.is("kerb", "rolled") { 0.07 } else { 0.12 };
-    metres(tags, "height").filter(|h| (0.0..=0.4).contains(h)).unwrap_or(usual)
 }
 
 fn kind(tags: &Tags) -> &str {

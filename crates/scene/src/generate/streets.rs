@@ -18,7 +18,7 @@ const Z_KERB: f64 = 0.008;
 const Z_SERVICE: f64 = 0.010;
 const Z_ROAD: f64 = 0.012;
 /// Width of the kerb stones beside a carriageway, metres.
-const KERB: f64 = 0.14;
+pub(super) const KERB: f64 = 0.14;
 /// Width of a pavement that the map does not draw as a way of its own, metres.
 const PAVEMENT: f64 = 1.8;
 
@@ -92,10 +92,9 @@ fn pavement_sides(tags: &Tags) -> [bool; 2] {
     }
 }
 
-/// A length tag in metres; `m` may stand behind the number.
+/// A length tag in metres, above zero.
 pub(super) fn metres(tags: &Tags, key: &str) -> Option<f64> {
-    let text = tags.get(key)?.trim().trim_end_matches('m').trim_end();
-    text.replace(',', ".").parse().ok().filter(|v: &f64| v.is_finite() && *v > 0.0)
+    tags.metres(key).filter(|v| *v > 0.0)
 }
 
 impl Site {

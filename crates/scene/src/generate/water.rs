@@ -53,7 +53,7 @@ pub(super) fn kerbs(
 ) -> Vec<(MapPoint, MapPoint)> {
     let is_wet = |p: MapPoint| !clearance.is_free(p, p, 0.0, WATER);
     let lines = shores(map, sea, extent, &is_wet).into_iter().chain(edges(map, extent, &is_wet));
-    let open = |line| between_gates((&map.roads, lanes), &[], line);
+    let open = |line| between_gates((&map.roads, lanes), &[], line, 0.0);
     lines.flat_map(open).take(MAX_KERBS).collect()
 }
 

@@ -49,8 +49,8 @@ const WORDS: [(SemanticClass, &[&str]); 11] = [
     (SemanticClass::Person, &["person", "pedestrian", "actor", "human"]),
     (SemanticClass::Wall, &["wall", "walls", "fence", "barrier", "gate"]),
     (SemanticClass::Road, &["road", "asphalt", "street", "lane"]),
-    (SemanticClass::Kerb, &["kerb", "curb", "kerbstone", "curbstone"]),
     (SemanticClass::Pavement, &["sidewalk", "pavement", "footway"]),
+    (SemanticClass::Kerb, &["kerb", "curb", "kerbstone", "curbstone"]),
     (SemanticClass::Ground, &["ground", "grass", "terrain", "heightmap"]),
     (SemanticClass::Door, &["door"]),
     (

@@ -179,7 +179,7 @@ impl Pattern {
             (rotors.azimuth_sin[i], rotors.azimuth_cos[i]) = sum((sin, cos), swing.azimuth_sin_cos);
             (rotors.elevation_sin[i], rotors.elevation_cos[i]) = swing.elevation_sin_cos;
             rotors.elevation[i] = swing.elevation;
-            // From one turn up, so that the cast rounds down.
+            // From one turn up, since only what is above zero is rounded down.
             rotors.turns[i] =
                 swing.azimuth + (THETA / TAU + 2.0) as f32 - steps as i32 as f32 * (1.0 / PERIOD as f32);
             rotors.up[i] = swing.gs * sin + swing.gc * cos;

@@ -335,6 +335,30 @@ mod tests {
     }
 
     #[test]
+    fn pictures_of_any_size_show_the_same_and_none_panics() {
+        let view = |size, focal_length| View {
+            pose: Pose3::identity(),
+            size,
+            focal_length,
+            range: 200.0,
+            shadows: false,
+            exposure: 1.0,
+        };
+        let draw = |size, f| renderer().render(&view(size, f), &Movers::default());
+        // Cut off on the right and below, by pixels that shift the middle by whole ones.
+        let (large, cut) = (draw((40, 40), 30.0), draw((38, 38), 30.0));
+        for (x, y) in [(0, 0), (37, 0), (20, 19), (3, 37), (37, 37)] {
+            let (l, c) = (3 * ((y + 1) * 40 + x + 1), 3 * (y * 38 + x));
+            assert_eq!(large[l..l + 3], cut[c..c + 3], "{x}, {y}");
+        }
+        for size in [(0, 5), (5, 0), (1, 1), (9, 13)] {
+            for f in [30.0, 0.0, f64::NAN, 1e-9, 1e9] {
+                assert_eq!(draw(size, f).len(), 3 * (size.0 * size.1) as usize);
+            }
+        }
+    }
+
+    #[test]
     fn exposure_multiplies_light_and_its_root_what_is_seen() {
         let (pose, size) = (Pose3::identity(), (200, 160));
         let view = View { pose, size, focal_length: 100.0, range: 200.0, shadows: false, exposure: 1.0 };
