@@ -49,9 +49,18 @@ pub(crate) fn find(tokens: &[Token], gazetteer: &Gazetteer, known: &[bool]) -> V
         }
     }
     matches.sort_by_key(|(explained, found)| {
-        (std::cmp::Reverse(*explained), found.edits, found.tokens.start, found.places[0])
+        let stretched = stretched(&tokens[found.tokens.clone()]);
+        (std::cmp::Reverse(*explained), found.edits, stretched, found.tokens.start, found.places[0])
     });
     choose(matches)
+}
+
+/// How little a name looks like one: the commas and the like that it runs across, and whether it begins with its number. In
+/// `unit 1, Elm Street 4` both `1, Elm Street` and `Elm Street 4` may be on the map.
+fn stretched(tokens: &[Token]) -> (usize, bool) {
+    let divides =
+        |t: &&Token| t.kind == Kind::Mark && matches!(&*t.text, "," | ";" | ":" | "." | "、" | "。");
+    (tokens.iter().filter(divides).count(), tokens.first().is_some_and(|t| t.kind == Kind::Digits))
 }
 
 fn choose(matches: Vec<(usize, Found)>) -> Vec<Found> {
@@ -81,7 +90,7 @@ impl Letters {
             for (i, c) in token.text.chars().enumerate() {
                 letters.chars.push(c);
                 letters.tokens.push(index);
-                letters.begins.push(i == 0);
+                letters.begins.push(i == 0 && !splits_a_word(tokens, index));
             }
         }
         letters.pairs = PairSet::new(&letters.chars);
@@ -135,6 +144,12 @@ impl Letters {
         }
         found
     }
+}
+
+/// Whether a token is the number behind letters that it is glued to: `unit1`.
+fn splits_a_word(tokens: &[Token], index: usize) -> bool {
+    let glued = tokens[index].glued && tokens[index].kind == Kind::Digits;
+    glued && index > 0 && tokens[index - 1].kind == Kind::Letters
 }
 
 fn allowed_edits(letters: usize) -> usize {
@@ -227,6 +242,20 @@ mod tests {
     #[test]
     fn a_name_that_two_buildings_bear_is_both() {
         assert_eq!(found("the Gym", &["Gym", "GYM"]), [(vec![0, 1], 0)]);
+    }
+
+    #[test]
+    fn a_number_before_a_street_is_its_own_only_if_nothing_else_claims_it() {
+        let street = ["Elm Street 4", "4 Elm Street", "Elm Street 1", "1 Elm Street"];
+        let place = |text: &str| found(text, &street).iter().map(|(p, _)| p[0]).collect::<Vec<_>>();
+        for text in
+            ["unit1, Elm Street 4", "unit 1, Elm Street 4.", "unit 1 Elm Street 4", "Elm Street 4, unit 1"]
+        {
+            assert_eq!(place(text), [0], "{text}");
+        }
+        assert_eq!(place("to 1 Elm Street, 4 boxes"), [3]);
+        assert_eq!(place("4 Elm Street, then 1 Elm Street"), [1, 3]);
+        assert_eq!(place("unit1 Elm Street"), Vec::<usize>::new());
     }
 
     #[test]
