@@ -201,6 +201,7 @@ impl Costmap {
     fn draw_map(&mut self, map: &OsmMap) {
         let (kerbs, walls): (Vec<_>, Vec<_>) =
             map.barriers.iter().partition(|b| b.tags.is("barrier", "kerb"));
+        // First of all, since what opens them would open walls too.
         self.draw_barriers(&kerbs);
         if !kerbs.is_empty() {
             self.open_crossings(map);

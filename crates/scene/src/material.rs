@@ -36,7 +36,7 @@ pub enum SemanticClass {
     Furniture,
     /// People.
     Person,
-    /// Kerbs that are high enough for a wheel to feel.
+    /// Raised kerbs.
     Kerb,
     /// Anything else.
     Other,

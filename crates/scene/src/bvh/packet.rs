@@ -31,7 +31,7 @@ pub struct RayPacket {
 
 impl RayPacket {
     /// Sixteen idle rays.
-    pub fn idle() -> Self {
+    pub const fn idle() -> Self {
         Self { origin: [[0.0; LANES]; 3], direction: [[1.0; LANES]; 3], limit: [-1.0; LANES] }
     }
 

@@ -151,9 +151,10 @@ pub(super) fn between_gates(
     }
     let mut gaps: Vec<(f64, f64)> = Vec::new();
     // The stretch and what lies beyond its ends; along it lengths count from where it begins.
-    let (far_a, far_b) = match beyond > 0.0 && length > 0.0 {
-        true => (along(a, b, -beyond / length), along(a, b, 1.0 + beyond / length)),
-        false => (a, b),
+    let (far_a, far_b) = if beyond > 0.0 && length > 0.0 {
+        (along(a, b, -beyond / length), along(a, b, 1.0 + beyond / length))
+    } else {
+        (a, b)
     };
     let (before, whole) = (far_a.distance(a), far_a.distance(far_b));
     for gate in gates.iter().filter(|g| super::clearance::point_distance(**g, (far_a, far_b)) < 0.1) {

@@ -13,9 +13,10 @@
 //! 0.05° in the mean square and at most 0.25°; the sensor's own angular precision is 0.15°. The fast rotor makes 729 2/3 turns in
 //! 4 seconds, so the pattern comes round after 12.
 
-use crate::rounding::whole;
 use std::f64::consts::TAU;
 use std::ops::{Add, Mul, Sub};
+
+use crate::rounding::whole;
 
 /// Lines, which fire at the same instant.
 pub const LINES: usize = 4;

@@ -258,9 +258,7 @@ impl Eye {
             }
         }
         let [ox, oy, oz] = self.origin;
-        let mut rays = [const {
-            RayPacket { origin: [[0.0; LANES]; 3], direction: [[0.0; LANES]; 3], limit: [0.0; LANES] }
-        }; PACKETS];
+        let mut rays = [const { RayPacket::idle() }; PACKETS];
         for (i, rays) in rays.iter_mut().enumerate() {
             rays.origin = [[ox; LANES], [oy; LANES], [oz; LANES]];
             rays.limit = [limit; LANES];

@@ -1,8 +1,9 @@
 //! Textures at full, half, quarter … size, and the colours of pixels that cover some of their texels.
 
+use openbench_scene::Texture;
+
 use super::{BLOCK, Block};
 use crate::rounding::{fraction, whole};
-use openbench_scene::Texture;
 
 /// A pixel may cover this many texels before the next smaller image is taken.
 const COVER: f32 = 1.5;
