@@ -49,5 +49,6 @@ fn view(optics: &CameraIntrinsics, eye: Point3<f64>, look: Vector3<f64>) -> View
         focal_length: optics.focal_length(),
         range: 100.0,
         shadows: false,
+        exposure: 1.0,
     }
 }
