@@ -163,7 +163,7 @@ mod tests {
     use super::*;
 
     fn view() -> View {
-        View { pose: Pose3::identity(), size: (64, 48), focal_length: 40.0, range: 20.0, shadows: false }
+        View { pose: Pose3::identity(), size: (64, 48), focal_length: 40.0, range: 20.0, shadows: false, exposure: 1.0 }
     }
 
     /// A wall with a fence of eight posts before it.

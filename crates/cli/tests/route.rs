@@ -21,12 +21,12 @@ fn over(map: &str, words: &str) -> Option<Value> {
 fn a_route_follows_the_street_round_its_corner() {
     let answer = route("3.0,-0.0001 3.0002,0.00001").succeeded().json();
     let leg =
-        json!({ "distance": 33.3, "duration": 74.0, "weight": 74.0, "summary": "Long Lane", "steps": [] });
+        json!({ "distance": 33.3, "duration": 66.7, "weight": 66.7, "summary": "Long Lane", "steps": [] });
     let line = json!({ "type": "LineString", "coordinates": [[3.0, -0.0001], [3.0, 0.0], [3.0002, 0.0]] });
     let expected = json!({
         "code": "Ok",
         "routes": [{
-            "distance": 33.3, "duration": 74.0, "weight": 74.0, "weight_name": "duration", "geometry": line, "legs": [leg]
+            "distance": 33.3, "duration": 66.7, "weight": 66.7, "weight_name": "duration", "geometry": line, "legs": [leg]
         }],
         "waypoints": [
             { "name": "Long Lane", "location": [3.0, -0.0001], "distance": 0.0 },

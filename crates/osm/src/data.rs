@@ -10,6 +10,7 @@ use std::path::Path;
 use openbench_core::LonLat;
 
 use crate::error::OsmError;
+use crate::stream::{NodeRef, RelationRef, Visitor, WayRef};
 use crate::tags::Tags;
 use crate::{pbf, xml};
 
@@ -182,7 +183,8 @@ impl OsmData {
 
     /// Reads OSM PBF.
     pub fn from_pbf(bytes: &[u8]) -> Result<Self, OsmError> {
-        let mut data = pbf::read(bytes)?;
+        let mut data = Self::default();
+        pbf::read(bytes, &mut data)?;
         data.count_missing();
         Ok(data)
     }
@@ -227,5 +229,26 @@ impl OsmData {
             relation.members.iter().any(|m| !self.has(ElementId { kind: m.kind, id: m.id }))
         };
         self.report.relations_with_missing_members = self.relations.values().filter(lacks).count();
+    }
+}
+
+/// Keeps all that it is shown.
+impl Visitor for OsmData {
+    fn node(&mut self, node: NodeRef<'_>) {
+        self.put_node(Node { id: node.id, position: node.position, tags: node.tags.into() });
+    }
+
+    fn way(&mut self, way: WayRef<'_>) {
+        self.put_way(Way { id: way.id, nodes: way.nodes.to_vec(), tags: way.tags.into() });
+    }
+
+    fn relation(&mut self, relation: RelationRef<'_>) {
+        let members = relation.members.iter();
+        let members = members.map(|m| Member { kind: m.kind, id: m.id, role: m.role.to_owned() }).collect();
+        self.put_relation(Relation { id: relation.id, members, tags: relation.tags.into() });
+    }
+
+    fn deleted(&mut self) {
+        self.report.deleted_elements += 1;
     }
 }

@@ -6,6 +6,7 @@
 //! | [`tags`] | [`Tags`]: the words on an element |
 //! | [`error`] | [`OsmError`]: why a file could not be read, and where in it |
 //! | `xml`, `pbf` | the two formats that are read |
+//! | [`stream`] | elements one after another, for those who keep little of a large file |
 //! | [`write`](mod@write) | OSM XML, osmChange, and files that are replaced whole or not at all |
 //! | [`projection`] | [`Projection`]: degrees to metres of the `map` frame and back |
 //! | [`polygon`] | [`Polygon`]: an outline with holes, its boundary and its normals |
@@ -31,6 +32,7 @@ pub mod polygon;
 pub mod projection;
 mod rings;
 mod spatial;
+pub mod stream;
 pub mod tags;
 pub mod write;
 mod xml;

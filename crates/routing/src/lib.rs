@@ -9,16 +9,26 @@
 //!
 //! [`Router`] is the seam: agents and servers know only it.
 
-pub mod dijkstra;
-pub mod graph;
+pub mod components;
+pub mod geo;
+pub mod leg;
+pub mod metric;
+pub mod network;
 pub mod osrm;
+pub mod overlay;
+pub mod partition;
+pub mod position;
 pub mod profile;
+pub mod roads;
+pub mod router;
+pub mod search;
+pub mod tree;
 
 use openbench_core::{MapPoint, TravelTimes};
 
-pub use dijkstra::Dijkstra;
-pub use graph::RoadGraph;
-pub use profile::Profile;
+pub use profile::{Profile, ProfileError};
+pub use roads::Roads;
+pub use router::{MapRouter, PrepareError};
 
 /// A way over roads.
 #[derive(Debug, Clone, PartialEq)]

@@ -12,7 +12,7 @@ use openbench_language::{PlanError, PlanRequest, Planner};
 use openbench_localization::Localizer;
 use openbench_motion::Costmap;
 use openbench_osm::{Location, OsmData, OsmMap, locate};
-use openbench_routing::{Dijkstra, Profile, RoadGraph, Router, RouterTimes};
+use openbench_routing::{MapRouter, Profile, Router, RouterTimes};
 use openbench_vision::{PlateReader, parse_unit};
 
 use crate::open::Parts;
@@ -79,7 +79,7 @@ pub struct Mission {
     perception: Perception,
     driver: Driver,
     memory: Memory,
-    router: Dijkstra,
+    router: MapRouter,
     queue: VecDeque<PlannedDelivery>,
     task: Option<Task>,
     seen: Vec<Sighting>,
@@ -92,7 +92,8 @@ impl Mission {
         let data =
             OsmData::from_bytes(&briefing.map_osm).map_err(|e| all(FailureCause::Briefing, e.to_string()))?;
         let memory = Memory::new(data, briefing.georeference, parts.memory.as_ref());
-        let router = Dijkstra::new(RoadGraph::new(memory.map(), Profile::Delivery));
+        let router = MapRouter::new(memory.data(), memory.map().projection.clone(), Profile::delivery())
+            .map_err(|e| all(FailureCause::Briefing, e.to_string()))?;
         let queue = understand(parts.planner.as_ref(), briefing, memory.map(), &router, events)?;
         let costmap = survey(memory.map(), briefing, &queue)?;
         let mut localizer = parts.localizer;
@@ -476,7 +477,7 @@ fn understand(
     planner: &dyn Planner,
     briefing: &Briefing,
     map: &OsmMap,
-    router: &Dijkstra,
+    router: &MapRouter,
     events: &mut dyn Events,
 ) -> Result<VecDeque<PlannedDelivery>, GiveUp> {
     let Goal::Instruction(instruction) = &briefing.goal else {

@@ -2,18 +2,22 @@
 
 use openbench_core::MapPoint;
 use openbench_language::PlanRequest;
-use openbench_routing::{Dijkstra, Profile, RoadGraph, RouterTimes};
+use openbench_osm::{OsmMap, default_georeference};
+use openbench_routing::{MapRouter, Profile, RouterTimes};
 
 use crate::args::PlanArgs;
-use crate::commands::read_map;
+use crate::commands::read_data;
 use crate::open_parts::planner;
 use crate::outcome::{Outcome, say_json};
 
 /// Prints what an instruction asks for.
 pub fn run(args: &PlanArgs) -> anyhow::Result<Outcome> {
     let planner = planner(&args.planner).map_err(anyhow::Error::msg)?;
-    let map = read_map(&args.map)?;
-    let router = Dijkstra::new(RoadGraph::new(&map, Profile::Delivery));
+    let data = read_data(&args.map)?;
+    let georeference =
+        default_georeference(&data).map_err(|e| anyhow::anyhow!("{}: {e}", args.map.display()))?;
+    let map = OsmMap::new(&data, georeference);
+    let router = MapRouter::new(&data, map.projection.clone(), Profile::delivery())?;
     let times = RouterTimes { router: &router, speed: 0.5 };
     let request =
         PlanRequest { instruction: &args.instruction, map: &map, start: MapPoint::default(), times: &times };

@@ -1,43 +1,36 @@
 //! A block of elements: a table of strings, and groups of nodes, ways and relations that name them by number.
 
+use std::borrow::Cow;
+
 use openbench_core::LonLat;
 
 use super::wire::{Fields, Numbers, Problem, Value, signed};
-use crate::data::{ElementKind, Member, Node, OsmData, Relation, Way};
-use crate::tags::Tags;
+use crate::data::ElementKind;
+use crate::stream::{MemberRef, NodeRef, RelationRef, Visitor, WayRef, Words};
 
 /// So much text may the elements of a block hold for each of its bytes, and so much in any case. They name strings by number, so
 /// that a few bytes could ask for gigabytes; in real files it is one to two times.
 const TEXT: (usize, usize) = (16, 1 << 20);
 
-/// A block that is being read.
+/// What the elements of a block have in common.
 struct Block<'a> {
-    strings: Vec<&'a [u8]>,
+    strings: Vec<Cow<'a, str>>,
     /// Units of positions, and what is added to them, nanodegrees.
     granularity: i64,
     lat_offset: i64,
     lon_offset: i64,
-    /// Bytes of text that elements may still take.
-    text: usize,
 }
 
-/// Puts a block's elements into `data`.
-pub(super) fn read(bytes: &[u8], data: &mut OsmData) -> Result<(), Problem> {
+/// Shows a block's elements to a visitor.
+pub(super) fn read(bytes: &[u8], visitor: &mut impl Visitor) -> Result<(), Problem> {
+    let block = Block::new(bytes)?;
     let text = bytes.len().saturating_mul(TEXT.0).saturating_add(TEXT.1);
-    let mut block = Block { strings: Vec::new(), granularity: 100, lat_offset: 0, lon_offset: 0, text };
-    for field in Fields(bytes) {
-        match field? {
-            (1, table) => block.table(table.bytes()?)?,
-            (17, value) => block.granularity = value.number()? as i64,
-            (19, value) => block.lat_offset = value.number()? as i64,
-            (20, value) => block.lon_offset = value.number()? as i64,
-            _ => {}
-        }
-    }
+    let (words, numbers, members) = (Vec::new(), Vec::new(), Vec::new());
+    let mut reader = Reader { block: &block, visitor, text, words, numbers, members };
     // Groups may stand before what they need.
     for field in Fields(bytes) {
         if let (2, group) = field? {
-            block.group(group.bytes()?, data)?;
+            reader.group(group.bytes()?)?;
         }
     }
     Ok(())
@@ -67,29 +60,71 @@ impl<'a> Common<'a> {
 }
 
 impl<'a> Block<'a> {
+    fn new(bytes: &'a [u8]) -> Result<Self, Problem> {
+        let mut block = Self { strings: Vec::new(), granularity: 100, lat_offset: 0, lon_offset: 0 };
+        for field in Fields(bytes) {
+            match field? {
+                (1, table) => block.table(table.bytes()?)?,
+                (17, value) => block.granularity = value.number()? as i64,
+                (19, value) => block.lat_offset = value.number()? as i64,
+                (20, value) => block.lon_offset = value.number()? as i64,
+                _ => {}
+            }
+        }
+        Ok(block)
+    }
+
     fn table(&mut self, bytes: &'a [u8]) -> Result<(), Problem> {
         for field in Fields(bytes) {
             if let (1, string) = field? {
-                self.strings.push(string.bytes()?);
+                self.strings.push(String::from_utf8_lossy(string.bytes()?));
             }
         }
         Ok(())
     }
 
-    fn group(&mut self, bytes: &'a [u8], data: &mut OsmData) -> Result<(), Problem> {
+    /// Divided, not multiplied, so that the same place read from XML has the same bits.
+    fn position(&self, lat: i64, lon: i64) -> Result<LonLat, Problem> {
+        let degrees = |units: i64, offset: i64| {
+            let nano = units.checked_mul(self.granularity).and_then(|n| n.checked_add(offset));
+            nano.map(|n| n as f64 / 1e9).ok_or("a position that makes no sense")
+        };
+        Ok(LonLat::new(degrees(lon, self.lon_offset)?, degrees(lat, self.lat_offset)?))
+    }
+}
+
+/// Reads the elements of a block; what each of them needs for a moment is kept for the next one.
+struct Reader<'b, V> {
+    block: &'b Block<'b>,
+    visitor: &'b mut V,
+    /// Bytes of text that elements may still name.
+    text: usize,
+    words: Vec<(&'b str, &'b str)>,
+    numbers: Vec<i64>,
+    members: Vec<MemberRef<'b>>,
+}
+
+impl<V: Visitor> Reader<'_, V> {
+    fn group(&mut self, bytes: &[u8]) -> Result<(), Problem> {
+        let wanted = |visitor: &V, field: u64| match field {
+            1 | 2 => visitor.wants(ElementKind::Node),
+            3 => visitor.wants(ElementKind::Way),
+            _ => visitor.wants(ElementKind::Relation),
+        };
         for field in Fields(bytes) {
             match field? {
-                (1, node) => self.node(node.bytes()?, data)?,
-                (2, nodes) => self.dense_nodes(nodes.bytes()?, data)?,
-                (3, way) => self.way(way.bytes()?, data)?,
-                (4, relation) => self.relation(relation.bytes()?, data)?,
+                (field, _) if !wanted(self.visitor, field) => {}
+                (1, node) => self.node(node.bytes()?)?,
+                (2, nodes) => self.dense_nodes(nodes.bytes()?)?,
+                (3, way) => self.way(way.bytes()?)?,
+                (4, relation) => self.relation(relation.bytes()?)?,
                 _ => {}
             }
         }
         Ok(())
     }
 
-    fn node(&mut self, bytes: &'a [u8], data: &mut OsmData) -> Result<(), Problem> {
+    fn node(&mut self, bytes: &[u8]) -> Result<(), Problem> {
         let (mut common, mut lat, mut lon) = (Common::default(), 0, 0);
         for field in Fields(bytes) {
             match common.take(field?)? {
@@ -98,14 +133,14 @@ impl<'a> Block<'a> {
                 _ => {}
             }
         }
-        let (id, position) = (signed(common.id), self.position(lat, lon)?);
-        if let Some(tags) = self.tags(common, data)? {
-            data.put_node(Node { id, position, tags });
+        let (id, position) = (signed(common.id), self.block.position(lat, lon)?);
+        if self.tags(&common)? {
+            self.visitor.node(NodeRef { id, position, tags: Words(&self.words) });
         }
         Ok(())
     }
 
-    fn dense_nodes(&mut self, bytes: &'a [u8], data: &mut OsmData) -> Result<(), Problem> {
+    fn dense_nodes(&mut self, bytes: &[u8]) -> Result<(), Problem> {
         let [mut ids, mut lats, mut lons, mut tags, mut visible] = [Numbers::default(); 5];
         for field in Fields(bytes) {
             match field? {
@@ -122,42 +157,47 @@ impl<'a> Block<'a> {
             let (Some(lat), Some(lon)) = (lats.next(), lons.next()) else {
                 return Err("nodes without positions");
             };
-            let (id, position) = (id?, self.position(lat?, lon?)?);
-            let tags = self.dense_tags(&mut tags)?;
+            let (id, position) = (id?, self.block.position(lat?, lon?)?);
+            self.dense_tags(&mut tags)?;
             if visible.next().transpose()? == Some(0) {
-                data.report.deleted_elements += 1;
+                self.visitor.deleted();
             } else {
-                data.put_node(Node { id, position, tags });
+                self.visitor.node(NodeRef { id, position, tags: Words(&self.words) });
             }
         }
         Ok(())
     }
 
     /// The tags of the next node: keys and values in turn up to a 0. Without any tags the row is empty.
-    fn dense_tags(&mut self, row: &mut Numbers) -> Result<Tags, Problem> {
-        let mut tags = Vec::new();
+    fn dense_tags(&mut self, row: &mut Numbers) -> Result<(), Problem> {
+        self.words.clear();
         while let Some(key) = row.next().transpose()?.filter(|key| *key != 0) {
             let value = row.next().ok_or("a key without a value")??;
-            tags.push((self.string(key)?, self.string(value)?));
+            let word = (self.string(key)?, self.string(value)?);
+            self.words.push(word);
         }
-        Ok(tags.into_iter().collect())
+        Ok(())
     }
 
-    fn way(&mut self, bytes: &'a [u8], data: &mut OsmData) -> Result<(), Problem> {
+    fn way(&mut self, bytes: &[u8]) -> Result<(), Problem> {
         let (mut common, mut references) = (Common::default(), Numbers::default());
         for field in Fields(bytes) {
             if let Some((8, row)) = common.take(field?)? {
                 references = Numbers(row.bytes()?);
             }
         }
-        let (id, nodes) = (common.id as i64, references.sums().collect::<Result<_, _>>()?);
-        if let Some(tags) = self.tags(common, data)? {
-            data.put_way(Way { id, nodes, tags });
+        self.numbers.clear();
+        for node in references.sums() {
+            self.numbers.push(node?);
+        }
+        if self.tags(&common)? {
+            let id = common.id as i64;
+            self.visitor.way(WayRef { id, nodes: &self.numbers, tags: Words(&self.words) });
         }
         Ok(())
     }
 
-    fn relation(&mut self, bytes: &'a [u8], data: &mut OsmData) -> Result<(), Problem> {
+    fn relation(&mut self, bytes: &[u8]) -> Result<(), Problem> {
         let mut common = Common::default();
         let [mut roles, mut ids, mut kinds] = [Numbers::default(); 3];
         for field in Fields(bytes) {
@@ -168,48 +208,44 @@ impl<'a> Block<'a> {
                 _ => {}
             }
         }
-        let mut members = Vec::new();
+        self.members.clear();
         for id in ids.sums() {
             let (Some(role), Some(kind)) = (roles.next(), kinds.next()) else {
                 return Err("a member without a role or a type");
             };
-            members.push(Member { kind: kind_of(kind?)?, id: id?, role: self.string(role?)? });
+            let member = MemberRef { kind: kind_of(kind?)?, id: id?, role: self.string(role?)? };
+            self.members.push(member);
         }
-        let id = common.id as i64;
-        if let Some(tags) = self.tags(common, data)? {
-            data.put_relation(Relation { id, members, tags });
+        if self.tags(&common)? {
+            let id = common.id as i64;
+            self.visitor.relation(RelationRef { id, members: &self.members, tags: Words(&self.words) });
         }
         Ok(())
     }
 
-    /// The tags of an element that is not deleted; one that is is counted.
-    fn tags(&mut self, common: Common, data: &mut OsmData) -> Result<Option<Tags>, Problem> {
+    /// Takes down the tags of an element, unless it is deleted.
+    fn tags(&mut self, common: &Common) -> Result<bool, Problem> {
         if common.deleted {
-            data.report.deleted_elements += 1;
-            return Ok(None);
+            self.visitor.deleted();
+            return Ok(false);
         }
-        let (mut tags, mut values) = (Vec::new(), common.values);
+        self.words.clear();
+        let mut values = common.values;
         for key in common.keys {
             let value = values.next().ok_or("a key without a value")??;
-            tags.push((self.string(key?)?, self.string(value)?));
+            let word = (self.string(key?)?, self.string(value)?);
+            self.words.push(word);
         }
-        Ok(Some(tags.into_iter().collect()))
+        Ok(true)
     }
+}
 
-    fn string(&mut self, number: u64) -> Result<String, Problem> {
-        let string = usize::try_from(number).ok().and_then(|i| self.strings.get(i));
+impl<'b, V> Reader<'b, V> {
+    fn string(&mut self, number: u64) -> Result<&'b str, Problem> {
+        let string = usize::try_from(number).ok().and_then(|i| self.block.strings.get(i));
         let string = string.ok_or("a word that is not in the block's table")?;
         self.text = self.text.checked_sub(string.len()).ok_or("the same long words again and again")?;
-        Ok(String::from_utf8_lossy(string).into_owned())
-    }
-
-    /// Divided, not multiplied, so that the same place read from XML has the same bits.
-    fn position(&self, lat: i64, lon: i64) -> Result<LonLat, Problem> {
-        let degrees = |units: i64, offset: i64| {
-            let nano = units.checked_mul(self.granularity).and_then(|n| n.checked_add(offset));
-            nano.map(|n| n as f64 / 1e9).ok_or("a position that makes no sense")
-        };
-        Ok(LonLat::new(degrees(lon, self.lon_offset)?, degrees(lat, self.lat_offset)?))
+        Ok(string)
     }
 }
 
@@ -247,6 +283,7 @@ fn kind_of(number: u64) -> Result<ElementKind, Problem> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::data::OsmData;
 
     /// A field of bytes, shorter than 128.
     fn field(number: u8, bytes: &[u8]) -> Vec<u8> {

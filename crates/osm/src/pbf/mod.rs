@@ -13,13 +13,12 @@
 mod block;
 mod wire;
 
-use std::borrow::Cow;
 use std::io::Read;
 
 use flate2::read::ZlibDecoder;
 
-use crate::data::OsmData;
 use crate::error::{OsmError, Place};
+use crate::stream::Visitor;
 use wire::Fields;
 
 /// Neither blobs nor what they unpack to may be larger, says the format, nor may headers.
@@ -37,12 +36,13 @@ pub(crate) fn looks_like_pbf(bytes: &[u8]) -> bool {
     bytes.starts_with(&[0, 0])
 }
 
-pub(crate) fn read(bytes: &[u8]) -> Result<OsmData, OsmError> {
-    let mut data = OsmData::default();
+/// Shows all elements of a file to a visitor.
+pub(crate) fn read(bytes: &[u8], visitor: &mut impl Visitor) -> Result<(), OsmError> {
+    let mut unpacked = Vec::new();
     for blob in blobs(bytes)? {
-        blob.read(&mut data).map_err(|problem| at(blob.offset, problem))?;
+        blob.read(&mut unpacked, visitor).map_err(|problem| at(blob.offset, problem))?;
     }
-    Ok(data)
+    Ok(())
 }
 
 fn at(offset: usize, problem: impl Into<String>) -> OsmError {
@@ -96,19 +96,23 @@ fn read_header(header: &[u8]) -> Result<(&[u8], u64), wire::Problem> {
 }
 
 impl Blob<'_> {
-    fn read(&self, data: &mut OsmData) -> Result<(), String> {
+    /// Unpacks into `buffer`, which is only room that need not be asked for anew.
+    fn read(&self, buffer: &mut Vec<u8>, visitor: &mut impl Visitor) -> Result<(), String> {
         match self.kind {
-            b"OSMHeader" => check_features(&self.unpack()?),
-            b"OSMData" => Ok(block::read(&self.unpack()?, data)?),
+            b"OSMHeader" => check_features(self.unpack(buffer)?),
+            b"OSMData" => Ok(block::read(self.unpack(buffer)?, visitor)?),
             _ => Ok(()),
         }
     }
 
-    fn unpack(&self) -> Result<Cow<'_, [u8]>, String> {
+    fn unpack<'b>(&self, buffer: &'b mut Vec<u8>) -> Result<&'b [u8], String>
+    where
+        Self: 'b,
+    {
         for field in Fields(self.bytes) {
             match field? {
-                (1, raw) => return Ok(Cow::Borrowed(raw.bytes()?)),
-                (3, packed) => return Ok(Cow::Owned(inflate(packed.bytes()?)?)),
+                (1, raw) => return Ok(raw.bytes()?),
+                (3, packed) => return inflate(packed.bytes()?, buffer),
                 (4..=7, _) => {
                     return Err("this blob is not compressed with zlib, which alone is supported".into());
                 }
@@ -119,10 +123,10 @@ impl Blob<'_> {
     }
 }
 
-fn inflate(packed: &[u8]) -> Result<Vec<u8>, String> {
+fn inflate<'b>(packed: &[u8], unpacked: &'b mut Vec<u8>) -> Result<&'b [u8], String> {
     let largest = (LARGEST_RATIO * packed.len() as u64).clamp(ANY_BLOB, LARGEST_BLOB);
-    let mut unpacked = Vec::new();
-    let read = ZlibDecoder::new(packed).take(largest + 1).read_to_end(&mut unpacked);
+    unpacked.clear();
+    let read = ZlibDecoder::new(packed).take(largest + 1).read_to_end(unpacked);
     read.map_err(|error| format!("this blob cannot be unpacked: {error}"))?;
     if unpacked.len() as u64 > largest {
         return Err(format!(
@@ -146,7 +150,7 @@ fn check_features(header: &[u8]) -> Result<(), String> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use crate::data::OsmData;
 
     /// One blob with a header block that asks for `feature`, uncompressed, built by hand after the format's definition.
     fn header_blob(feature: &str) -> Vec<u8> {

@@ -1,0 +1,170 @@
+//! What hangs together: parts of the network in which every place can be reached from every other.
+//!
+//! R. Tarjan, *Depth-first search and linear graph algorithms*, 1972.
+
+use crate::metric::Metric;
+use crate::overlay::{Arcs, FAR, NONE};
+use crate::roads::Roads;
+
+/// A part of so many states is large, whatever else there is.
+const LARGE: usize = 1000;
+
+/// The component of each edge.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Components {
+    /// For each edge its component; [`NONE`] if it hangs together with nothing but itself.
+    of_edge: Vec<u32>,
+    /// For each component whether it is large.
+    large: Vec<bool>,
+}
+
+impl Components {
+    /// The components of a metric; `weights` are those of the arcs out of vertices.
+    pub fn new(roads: &Roads, metric: &Metric, weights: &[u32]) -> Self {
+        let of_vertex = strong_components(&roads.vertices.out, weights);
+        let mut sizes = vec![0_usize; of_vertex.iter().max().map_or(0, |last| *last as usize + 1)];
+        of_vertex.iter().for_each(|component| sizes[*component as usize] += 1);
+        let largest = sizes.iter().max().map_or(0, |size| *size);
+        let large = sizes.iter().map(|size| *size >= largest.min(LARGE)).collect();
+        let size = |component: u32| sizes[component as usize];
+        let of_edge = (0..roads.network.edge_count() as u32).map(|edge| {
+            let sides = [2 * edge, 2 * edge + 1].into_iter().filter_map(|directed| {
+                let [from, to] = roads.network.ends(directed);
+                let component = of_vertex[from as usize];
+                let open = |directed: u32| metric.edges[directed as usize].weight < FAR;
+                let passed = |vertex: u32| metric.vertices[vertex as usize].weight < FAR;
+                let onwards = passed(to) && of_vertex[to as usize] == component;
+                let back = open(directed ^ 1) && passed(from);
+                (open(directed) && (onwards || back)).then_some(component)
+            });
+            sides.max_by_key(|component| size(*component)).unwrap_or(NONE)
+        });
+        Self { of_edge: of_edge.collect(), large }
+    }
+
+    /// The component that an edge is in.
+    pub fn of(&self, edge: u32) -> Option<u32> {
+        Some(self.of_edge[edge as usize]).filter(|component| *component != NONE)
+    }
+
+    /// Whether an edge is in a large component.
+    pub fn is_large(&self, edge: u32) -> bool {
+        self.of(edge).is_some_and(|component| self.large[component as usize])
+    }
+}
+
+/// For each state its component; those that can be reached from others have lower numbers.
+fn strong_components(arcs: &Arcs, weights: &[u32]) -> Vec<u32> {
+    let states = arcs.states();
+    let mut search = Tarjan {
+        arcs,
+        weights,
+        number: vec![NONE; states],
+        low: vec![0; states],
+        component: vec![NONE; states],
+        open: Vec::new(),
+        numbers: 0,
+        components: 0,
+    };
+    for state in 0..states as u32 {
+        if search.number[state as usize] == NONE {
+            search.from(state);
+        }
+    }
+    search.component
+}
+
+struct Tarjan<'a> {
+    arcs: &'a Arcs,
+    weights: &'a [u32],
+    /// In which order states were found.
+    number: Vec<u32>,
+    /// The first state found that can be reached.
+    low: Vec<u32>,
+    component: Vec<u32>,
+    /// States whose component is not complete yet.
+    open: Vec<u32>,
+    numbers: u32,
+    components: u32,
+}
+
+impl Tarjan<'_> {
+    fn from(&mut self, state: u32) {
+        // States on the way, each with the next arc to look at. (A call for each would overflow the stack.)
+        let mut way = vec![(state, self.find(state))];
+        while let Some((state, slot)) = way.last_mut() {
+            let state = *state;
+            if *slot < self.arcs.first[state as usize + 1] {
+                let arc = *slot as usize;
+                *slot += 1;
+                let head = self.arcs.head[arc];
+                if self.weights[arc] >= FAR {
+                    continue;
+                }
+                if self.number[head as usize] == NONE {
+                    way.push((head, self.find(head)));
+                } else if self.component[head as usize] == NONE {
+                    self.low[state as usize] = self.low[state as usize].min(self.number[head as usize]);
+                }
+                continue;
+            }
+            way.pop();
+            if let Some((before, _)) = way.last() {
+                self.low[*before as usize] = self.low[*before as usize].min(self.low[state as usize]);
+            }
+            if self.low[state as usize] == self.number[state as usize] {
+                self.complete(state);
+            }
+        }
+    }
+
+    /// Numbers a state; its first arc.
+    fn find(&mut self, state: u32) -> u32 {
+        self.number[state as usize] = self.numbers;
+        self.low[state as usize] = self.numbers;
+        self.numbers += 1;
+        self.open.push(state);
+        self.arcs.first[state as usize]
+    }
+
+    fn complete(&mut self, state: u32) {
+        while let Some(member) = self.open.pop() {
+            self.component[member as usize] = self.components;
+            if member == state {
+                break;
+            }
+        }
+        self.components += 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn states_are_together_if_each_reaches_the_other(
+            edges in proptest::collection::vec((0_u32..12, 0_u32..12, any::<bool>()), 0..40),
+        ) {
+            let arcs = Arcs::new(12, edges.iter().zip(0..).map(|((a, b, _), via)| (*a, *b, via)));
+            let weights: Vec<u32> = arcs.via.iter().map(|via| if edges[*via as usize].2 { 1 } else { FAR }).collect();
+            let mut reaches = [[false; 12]; 12];
+            (0..12).for_each(|i| reaches[i][i] = true);
+            for _ in 0..12 {
+                for (a, b, _) in edges.iter().filter(|edge| edge.2) {
+                    for row in &mut reaches {
+                        row[*b as usize] |= row[*a as usize];
+                    }
+                }
+            }
+            let components = strong_components(&arcs, &weights);
+            for a in 0..12 {
+                for b in 0..12 {
+                    prop_assert_eq!(components[a] == components[b], reaches[a][b] && reaches[b][a]);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! Vertices and edges from ways and nodes.
+
+use super::read::{Nodes, Way, Ways};
+use super::{Edge, Network};
+use crate::geo::{Place, distance};
+
+const NO_VERTEX: u32 = u32::MAX;
+
+pub(super) fn network(ways: Ways, nodes: Nodes) -> Network {
+    let mut builder = Builder::new(&ways, &nodes);
+    for way in &ways.ways {
+        builder.way(&ways, way);
+    }
+    builder.end();
+    let Builder { mut network, .. } = builder;
+    network.report.conditional = ways.conditional;
+    network.way_words = ways.classes.into_sets();
+    network.names = ways.names.into_names();
+    network.node_words = nodes.sets.into_sets();
+    network
+}
+
+struct Builder<'a> {
+    nodes: &'a Nodes,
+    /// For each node its vertex.
+    vertex: Vec<u32>,
+    network: Network,
+    /// The piece of a way that is being put together: indices of nodes.
+    piece: Vec<usize>,
+}
+
+impl<'a> Builder<'a> {
+    fn new(ways: &Ways, nodes: &'a Nodes) -> Self {
+        let vertex = vertices(ways, nodes);
+        let mut network = Network::default();
+        for (index, _) in vertex.iter().enumerate().filter(|(_, vertex)| **vertex != NO_VERTEX) {
+            network.vertices.push(nodes.places[index].unwrap_or_default());
+            network.vertex_classes.push(nodes.classes[index]);
+        }
+        Self { nodes, vertex, network, piece: Vec::new() }
+    }
+
+    fn way(&mut self, ways: &Ways, way: &Way) {
+        let before = self.network.edges.len();
+        for index in ways.nodes(way).iter().map(|id| self.nodes.index(*id)) {
+            let known = index.filter(|i| self.nodes.places[*i].is_some());
+            let Some(index) = known else {
+                self.piece.clear();
+                continue;
+            };
+            if self.piece.last() == Some(&index) {
+                continue;
+            }
+            self.piece.push(index);
+            if self.vertex[index] != NO_VERTEX {
+                self.edge(way);
+                self.piece.push(index);
+            }
+        }
+        self.piece.clear();
+        self.network.report.ways_without_points += usize::from(self.network.edges.len() == before);
+    }
+
+    /// Makes an edge of the piece, if it is one.
+    fn edge(&mut self, way: &Way) {
+        if let [first, .., last] = *self.piece {
+            let first_point = self.network.points.len();
+            let places = self.piece.iter().map(|i| self.nodes.places[*i].unwrap_or_default());
+            self.network.points.extend(places);
+            self.network.nodes.extend(self.piece.iter().map(|i| self.nodes.ids[*i]));
+            let (from, to) = (self.vertex[first], self.vertex[last]);
+            let length = millimetres(&self.network.points[first_point..]);
+            let (class, name, first_point) = (way.class, way.name, first_point as u32);
+            self.network.edges.push(Edge { from, to, length, class, name, first_point });
+        }
+        self.piece.clear();
+    }
+
+    fn end(&mut self) {
+        let first_point = self.network.points.len() as u32;
+        self.network.edges.push(Edge { from: 0, to: 0, length: 0, class: 0, name: 0, first_point });
+    }
+}
+
+/// For each node its vertex: nodes where a run of known nodes begins or ends, where two ways meet or one meets itself, and nodes
+/// that have words.
+fn vertices(ways: &Ways, nodes: &Nodes) -> Vec<u32> {
+    let mut uses = vec![0_u8; nodes.ids.len()];
+    let mut count = |index: usize, by: u8| uses[index] = uses[index].saturating_add(by);
+    for way in &ways.ways {
+        let mut last: Option<usize> = None;
+        for id in ways.nodes(way) {
+            let index = nodes.index(*id).filter(|i| nodes.places[*i].is_some());
+            match (last, index) {
+                (Some(a), Some(b)) if a == b => continue,
+                // A run of known nodes begins.
+                (None, Some(b)) => count(b, 2),
+                (Some(_), Some(b)) => count(b, 1),
+                (Some(a), None) => count(a, 1),
+                (None, None) => {}
+            }
+            last = index;
+        }
+        last.into_iter().for_each(|a| count(a, 1));
+    }
+    let mut vertices = 0;
+    let number = |(index, uses): (usize, &u8)| {
+        let known = nodes.places[index].is_some();
+        if known && (*uses >= 2 || (*uses == 1 && nodes.classes[index] != 0)) {
+            vertices += 1;
+            vertices - 1
+        } else {
+            NO_VERTEX
+        }
+    };
+    uses.iter().enumerate().map(number).collect()
+}
+
+fn millimetres(points: &[Place]) -> u32 {
+    let metres: f64 = points.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
+    libm::round(metres * 1000.0) as u32
+}

@@ -1,0 +1,111 @@
+//! The road network of a map, whoever travels on it.
+//!
+//! Vertices are nodes where ways meet, end, or have words of their own (a barrier, a crossing); edges are the pieces of ways between
+//! them. What a profile may ask for, tags, is kept beside, each set of words once, so that a profile can be changed without the map.
+//!
+//! | module | its one job |
+//! |---|---|
+//! | `read` | the ways and nodes that matter, out of all that a map holds |
+//! | `words` | sets of words and names, each kept once |
+//! | `build` | vertices and edges from ways and nodes |
+
+mod build;
+mod read;
+mod words;
+
+use openbench_osm::stream::Elements;
+use openbench_osm::{OsmError, Tags};
+
+use crate::geo::Place;
+pub use words::RoadName;
+
+/// An edge's two vertices and what is known of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Edge {
+    /// Where it begins, in the direction of its way.
+    pub from: u32,
+    /// Where it ends.
+    pub to: u32,
+    /// Millimetres.
+    pub length: u32,
+    /// Index of its words among [`Network::way_words`].
+    pub class: u32,
+    /// Index of its name among [`Network::names`].
+    pub name: u32,
+    /// Its first point among [`Network::points`]; its last one stands before the next edge's first.
+    pub first_point: u32,
+}
+
+/// What was left out while a network was built.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct NetworkReport {
+    /// Ways that no two neighbouring nodes are known of.
+    pub ways_without_points: usize,
+    /// Ways with words that hold at some times only (`*:conditional`); those words are not regarded.
+    pub conditional: usize,
+}
+
+/// The network.
+#[derive(Debug, Clone, Default)]
+pub struct Network {
+    /// Where vertices are.
+    pub vertices: Vec<Place>,
+    /// For each vertex the index of its node's words among [`Network::node_words`].
+    pub vertex_classes: Vec<u32>,
+    /// The edges, and one more that says where the last one's points end.
+    pub edges: Vec<Edge>,
+    /// The points of all edges, from vertex to vertex.
+    pub points: Vec<Place>,
+    /// The OSM nodes at those points.
+    pub nodes: Vec<i64>,
+    /// Sets of words of ways; number 0 is the empty one.
+    pub way_words: Vec<Tags>,
+    /// Sets of words of nodes; number 0 is the empty one.
+    pub node_words: Vec<Tags>,
+    /// What roads are called; number 0 is nothing.
+    pub names: Vec<RoadName>,
+    /// What was left out.
+    pub report: NetworkReport,
+}
+
+impl Network {
+    /// The network of a map.
+    pub fn read(source: &impl Elements) -> Result<Self, OsmError> {
+        let ways = read::Ways::read(source)?;
+        let nodes = read::Nodes::read(source, &ways)?;
+        Ok(build::network(ways, nodes))
+    }
+
+    /// Number of edges.
+    pub fn edge_count(&self) -> usize {
+        self.edges.len().saturating_sub(1)
+    }
+
+    /// The edges.
+    pub fn edges(&self) -> &[Edge] {
+        &self.edges[..self.edge_count()]
+    }
+
+    /// The vertices at which a directed edge begins and ends: twice the edge's number, and one more against its direction.
+    pub fn ends(&self, directed: u32) -> [u32; 2] {
+        let edge = &self.edges[directed as usize / 2];
+        if directed.is_multiple_of(2) { [edge.from, edge.to] } else { [edge.to, edge.from] }
+    }
+
+    /// The points of an edge.
+    pub fn edge_points(&self, edge: u32) -> &[Place] {
+        let [first, last] = self.point_range(edge);
+        &self.points[first..last]
+    }
+
+    /// The OSM nodes of an edge.
+    pub fn edge_nodes(&self, edge: u32) -> &[i64] {
+        let [first, last] = self.point_range(edge);
+        &self.nodes[first..last]
+    }
+
+    fn point_range(&self, edge: u32) -> [usize; 2] {
+        [0, 1].map(|i| self.edges[edge as usize + i].first_point as usize)
+    }
+}

@@ -1,0 +1,58 @@
+//! What searches run along: states and the arcs between them.
+
+/// No way, or no state.
+pub const NONE: u32 = u32::MAX;
+
+/// Arcs by the state that they are found at.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Arcs {
+    /// For each state its first arc, and where the last one's end.
+    pub first: Vec<u32>,
+    /// The state at the other end.
+    pub head: Vec<u32>,
+    /// The directed edge that the arc passes along: twice the edge's number, and one more against its direction.
+    pub via: Vec<u32>,
+    /// The highest layer in whose cells the two states are apart, 0 if in none.
+    pub border: Vec<u8>,
+}
+
+impl Arcs {
+    /// Arcs `(from, to, via)` between `states` states.
+    pub fn new(states: usize, arcs: impl Iterator<Item = (u32, u32, u32)> + Clone) -> Self {
+        let mut first = vec![0_u32; states + 1];
+        arcs.clone().for_each(|(from, ..)| first[from as usize + 1] += 1);
+        for i in 1..first.len() {
+            first[i] += first[i - 1];
+        }
+        let count = first[states] as usize;
+        let mut next = first.clone();
+        let mut result = Self { first, head: vec![0; count], via: vec![0; count], border: vec![0; count] };
+        for (from, to, via) in arcs {
+            let slot = next[from as usize] as usize;
+            next[from as usize] += 1;
+            (result.head[slot], result.via[slot]) = (to, via);
+        }
+        result
+    }
+
+    /// The same arcs by the states that they lead to.
+    pub fn reversed(&self) -> Self {
+        Self::new(self.states(), self.iter().map(|(from, slot)| (self.head[slot], from, self.via[slot])))
+    }
+
+    /// Number of states.
+    pub fn states(&self) -> usize {
+        self.first.len() - 1
+    }
+
+    /// The arcs of a state.
+    #[inline]
+    pub fn of(&self, state: u32) -> std::ops::Range<usize> {
+        self.first[state as usize] as usize..self.first[state as usize + 1] as usize
+    }
+
+    /// All arcs with the states that they are found at.
+    pub fn iter(&self) -> impl Iterator<Item = (u32, usize)> + Clone + '_ {
+        (0..self.states() as u32).flat_map(|state| self.of(state).map(move |slot| (state, slot)))
+    }
+}

@@ -1,0 +1,236 @@
+//! How far the exits of each cell are from its entries, for one set of weights.
+//!
+//! Layer by layer: a search from each entry of a cell along what the layer below knows. The trees of these searches are kept, so that
+//! a way through a cell is unpacked by looking up, not by searching again.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::{FAR, Layer, Overlay};
+
+/// Weights of arcs: at most [`FAR`], which is no way.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Weights {
+    /// In the order of [`Overlay::out`].
+    pub out: Vec<u32>,
+    /// In the order of [`Overlay::into`].
+    pub into: Vec<u32>,
+}
+
+/// What is known of the cells of a layer.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Cliques {
+    /// For each cell a matrix, a row for each entry: how far each exit is.
+    pub rows: Vec<u32>,
+    /// The same transposed: a row for each exit.
+    pub columns: Vec<u32>,
+    /// For each entry of a cell and each index inside: the index, from the cell's first one on, that it is reached from; [`UNREACHED`] if it is
+    /// not, itself where the search began.
+    pub trees: Vec<u16>,
+}
+
+/// No index.
+pub const UNREACHED: u16 = u16::MAX;
+
+/// Why weights cannot be customized.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "a cell has {inner} places that count, more than {UNREACHED}: choose cell sizes that grow less from layer to layer"
+)]
+pub struct CellTooLarge {
+    /// How many.
+    pub inner: usize,
+}
+
+impl Cliques {
+    /// All layers.
+    pub fn all(overlay: &Overlay, weights: &Weights) -> Result<Vec<Self>, CellTooLarge> {
+        let mut layers: Vec<Self> = Vec::new();
+        for layer in &overlay.layers {
+            let cells = 0..layer.cells() as u32;
+            if let Some(inner) =
+                cells.clone().map(|c| layer.inner(c).len()).find(|n| *n >= usize::from(UNREACHED))
+            {
+                return Err(CellTooLarge { inner });
+            }
+            let mut cliques = Self::empty(layer);
+            let below = Below { overlay, weights, layers: &layers };
+            cliques.fill(layer, &below, &cells.collect::<Vec<_>>());
+            layers.push(cliques);
+        }
+        Ok(layers)
+    }
+
+    /// Those cells again that hold one of these states, in all layers: after the weights of arcs between them have changed.
+    pub fn update(layers: &mut [Self], overlay: &Overlay, weights: &Weights, states: &[u32]) {
+        for (height, layer) in overlay.layers.iter().enumerate() {
+            let cell = |state: &u32| layer.cell_of_leaf[overlay.leaf[*state as usize] as usize];
+            let mut cells: Vec<u32> = states.iter().map(cell).collect();
+            cells.sort_unstable();
+            cells.dedup();
+            let (lower, upper) = layers.split_at_mut(height);
+            let below = Below { overlay, weights, layers: lower };
+            upper[0].fill(layer, &below, &cells);
+        }
+    }
+
+    fn empty(layer: &Layer) -> Self {
+        let size = |ends: &[u64]| ends.last().map_or(0, |end| *end as usize);
+        Self {
+            rows: vec![FAR; size(&layer.matrix)],
+            columns: vec![FAR; size(&layer.matrix)],
+            trees: vec![UNREACHED; size(&layer.trees)],
+        }
+    }
+
+    /// Works out some cells, which must be in order.
+    fn fill(&mut self, layer: &Layer, below: &Below<'_>, cells: &[u32]) {
+        let parts = parts(&mut self.rows, &layer.matrix, cells);
+        let parts = parts.zip(self::parts(&mut self.columns, &layer.matrix, cells));
+        let parts = parts.zip(self::parts(&mut self.trees, &layer.trees, cells)).zip(cells);
+        let work: Vec<_> =
+            parts.map(|(((rows, columns), trees), cell)| (rows, columns, trees, *cell)).collect();
+        work.into_par_iter().for_each_init(Local::default, |local, (rows, columns, trees, cell)| {
+            local.load(below, layer.inner(cell));
+            local.cell(layer, cell, rows, trees);
+            transpose(rows, columns, layer.exits(cell).len());
+        });
+    }
+}
+
+/// The parts of some cells, which must be in order.
+fn parts<'a, T>(
+    mut all: &'a mut [T],
+    ends: &'a [u64],
+    cells: &'a [u32],
+) -> impl Iterator<Item = &'a mut [T]> {
+    let mut done = 0;
+    cells.iter().map(move |cell| {
+        let [begin, end] = [0, 1].map(|i| ends[*cell as usize + i] as usize);
+        let rest = std::mem::take(&mut all);
+        let (part, rest) = rest[begin - done..].split_at_mut(end - begin);
+        done = end;
+        all = rest;
+        part
+    })
+}
+
+fn transpose(rows: &[u32], columns: &mut [u32], width: usize) {
+    if width == 0 {
+        return;
+    }
+    let height = rows.len() / width;
+    for (entry, row) in rows.chunks_exact(width).enumerate() {
+        for (exit, weight) in row.iter().enumerate() {
+            columns[exit * height + entry] = *weight;
+        }
+    }
+}
+
+/// What the layer below knows.
+struct Below<'a> {
+    overlay: &'a Overlay,
+    weights: &'a Weights,
+    layers: &'a [Cliques],
+}
+
+/// What is inside a cell, numbered from 0, and a search in it.
+#[derive(Default)]
+struct Local {
+    begin: usize,
+    /// For each index inside its first arc, and where the last one's end.
+    first: Vec<u32>,
+    arcs: Vec<(u32, u32)>,
+    distance: Vec<u32>,
+    heap: BinaryHeap<Reverse<u64>>,
+}
+
+impl Local {
+    fn load(&mut self, below: &Below<'_>, inner: Range<usize>) {
+        self.begin = inner.start;
+        self.first.clear();
+        self.arcs.clear();
+        for index in inner.clone() {
+            self.first.push(self.arcs.len() as u32);
+            self.load_arcs(below, index, &inner);
+            self.load_clique(below, index);
+        }
+        self.first.push(self.arcs.len() as u32);
+    }
+
+    /// The arcs that lead from one subcell to another, in the lowest layer from one state to another.
+    fn load_arcs(&mut self, below: &Below<'_>, index: usize, inner: &Range<usize>) {
+        let (overlay, height) = (below.overlay, below.layers.len());
+        let state = height.checked_sub(1).map_or(index as u32, |h| overlay.layers[h].state[index]);
+        for slot in overlay.out.of(state) {
+            let weight = below.weights.out[slot];
+            if usize::from(overlay.out.border[slot]) != height || weight >= FAR {
+                continue;
+            }
+            let head = overlay.index(height, overlay.out.head[slot]) as usize;
+            if inner.contains(&head) {
+                self.arcs.push(((head - inner.start) as u32, weight));
+            }
+        }
+    }
+
+    /// The ways through the subcell that an entry belongs to.
+    fn load_clique(&mut self, below: &Below<'_>, index: usize) {
+        let Some(height) = below.layers.len().checked_sub(1) else { return };
+        let (layer, cliques) = (&below.overlay.layers[height], &below.layers[height]);
+        let leaf = below.overlay.leaf[layer.state[index] as usize];
+        let cell = layer.cell_of_leaf[leaf as usize];
+        if !layer.entries(cell).contains(&index) {
+            return;
+        }
+        let exits = layer.exits(cell);
+        let row = layer.matrix[cell as usize] as usize
+            + (index - layer.first[cell as usize] as usize) * exits.len();
+        for (exit, weight) in exits.clone().zip(&cliques.rows[row..row + exits.len()]) {
+            if *weight < FAR && exit != index {
+                self.arcs.push(((exit - self.begin) as u32, *weight));
+            }
+        }
+    }
+
+    fn cell(&mut self, layer: &Layer, cell: u32, rows: &mut [u32], trees: &mut [u16]) {
+        let (exits, size) = (layer.exits(cell), layer.inner(cell).len());
+        if exits.is_empty() || size == 0 {
+            return;
+        }
+        let searches = rows.chunks_exact_mut(exits.len()).zip(trees.chunks_exact_mut(size));
+        for (entry, (row, tree)) in layer.entries(cell).zip(searches) {
+            self.search(layer.below[entry] as usize - self.begin, tree);
+            for (weight, exit) in row.iter_mut().zip(exits.clone()) {
+                *weight = self.distance[layer.below[exit] as usize - self.begin];
+            }
+        }
+    }
+
+    /// Dijkstra's search from one index inside.
+    fn search(&mut self, from: usize, tree: &mut [u16]) {
+        tree.fill(UNREACHED);
+        self.distance.clear();
+        self.distance.resize(tree.len(), FAR);
+        self.distance[from] = 0;
+        tree[from] = from as u16;
+        self.heap.push(Reverse(from as u64));
+        while let Some(Reverse(top)) = self.heap.pop() {
+            let (distance, index) = ((top >> 32) as u32, top as u32 as usize);
+            if distance > self.distance[index] {
+                continue;
+            }
+            for (head, weight) in &self.arcs[self.first[index] as usize..self.first[index + 1] as usize] {
+                let reached = distance + weight;
+                if reached < self.distance[*head as usize] {
+                    self.distance[*head as usize] = reached;
+                    tree[*head as usize] = index as u16;
+                    self.heap.push(Reverse(u64::from(reached) << 32 | u64::from(*head)));
+                }
+            }
+        }
+    }
+}

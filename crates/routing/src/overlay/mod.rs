@@ -1,0 +1,208 @@
+//! Layers of cells over a graph: which states lie on their borders, and where what is known of each cell is kept.
+//!
+//! A *state* is what a search settles: a vertex, or an edge in a direction where turns matter. Layer 0 are the states themselves. In layer *k* ≥ 1
+//! only those states remain, as *slots*, that an arc from another cell leads to (*entries*) or that an arc leaves the cell from (*exits*).
+//! Slots of a cell stand in a row: entries first, exits last, those that are both in the middle. So what a cell's entries are away from its exits
+//! is a matrix whose rows run along neighbouring slots. The slots of a cell's subcells stand in a row too: all that matters inside a cell is a range of the
+//! layer below.
+//!
+//! None of this depends on a profile. Delling et al. 2017 call it the overlay's topology.
+//!
+//! | module | its one job |
+//! |---|---|
+//! | `arcs` | states and arcs |
+//! | `customize` | how far a cell's exits are from its entries, for a profile |
+
+mod arcs;
+mod customize;
+
+pub use arcs::{Arcs, NONE};
+pub use customize::{CellTooLarge, Cliques, UNREACHED, Weights};
+
+/// The highest weight that counts; anything from [`FAR`] on is no way. Two of them can be added.
+pub const FAR: u32 = i32::MAX as u32;
+
+/// A layer of cells.
+#[derive(Debug, Clone, Default)]
+pub struct Layer {
+    /// For each cell its first slot, and where the last one's end.
+    pub first: Vec<u32>,
+    /// For each cell where its entries end.
+    pub entries_end: Vec<u32>,
+    /// For each cell where its exits begin.
+    pub exits_begin: Vec<u32>,
+    /// For each slot its state.
+    pub state: Vec<u32>,
+    /// For each slot its index in the layer below.
+    pub below: Vec<u32>,
+    /// For each index in the layer below its slot, or [`NONE`].
+    pub slot: Vec<u32>,
+    /// For each cell where what it holds begins in the layer below, and where the last one ends.
+    pub inner: Vec<u32>,
+    /// For each cell where its matrix begins, and where the last one ends.
+    pub matrix: Vec<u64>,
+    /// For each cell where its trees begin, and where the last one ends: for each entry one, over all inner indices.
+    pub trees: Vec<u64>,
+    /// For each cell of the lowest layer the cell here.
+    pub cell_of_leaf: Vec<u32>,
+}
+
+impl Layer {
+    /// A cell's slots.
+    pub fn slots(&self, cell: u32) -> std::ops::Range<usize> {
+        self.first[cell as usize] as usize..self.first[cell as usize + 1] as usize
+    }
+
+    /// A cell's entries.
+    pub fn entries(&self, cell: u32) -> std::ops::Range<usize> {
+        self.first[cell as usize] as usize..self.entries_end[cell as usize] as usize
+    }
+
+    /// A cell's exits.
+    pub fn exits(&self, cell: u32) -> std::ops::Range<usize> {
+        self.exits_begin[cell as usize] as usize..self.first[cell as usize + 1] as usize
+    }
+
+    /// What a cell holds, as indices of the layer below.
+    pub fn inner(&self, cell: u32) -> std::ops::Range<usize> {
+        self.inner[cell as usize] as usize..self.inner[cell as usize + 1] as usize
+    }
+
+    /// Number of cells.
+    pub fn cells(&self) -> usize {
+        self.first.len().saturating_sub(1)
+    }
+}
+
+/// A graph with layers of cells.
+#[derive(Debug, Clone, Default)]
+pub struct Overlay {
+    /// Arcs by the state that they leave.
+    pub out: Arcs,
+    /// Arcs by the state that they lead to.
+    pub into: Arcs,
+    /// For each state its cell in the lowest layer.
+    pub leaf: Vec<u32>,
+    /// Layers 1, 2, …
+    pub layers: Vec<Layer>,
+}
+
+impl Overlay {
+    /// Puts layers over a graph. `levels` says, smallest cells first, at which state each cell begins and where the last one ends.
+    pub fn new(mut out: Arcs, levels: &[Vec<u32>]) -> Self {
+        let leaf = match levels.first() {
+            Some(starts) => (0..starts.len() as u32 - 1)
+                .flat_map(|cell| (starts[cell as usize]..starts[cell as usize + 1]).map(move |_| cell))
+                .collect(),
+            None => vec![0; out.states()],
+        };
+        let cells_of_leaf: Vec<Vec<u32>> =
+            levels.iter().map(|starts| cells_of_leaves(levels, starts)).collect();
+        let border = |a: u32, b: u32| {
+            let [a, b] = [a, b].map(|state| leaf[state as usize] as usize);
+            cells_of_leaf.iter().take_while(|cells| cells[a] != cells[b]).count() as u8
+        };
+        let borders: Vec<u8> = out.iter().map(|(from, slot)| border(from, out.head[slot])).collect();
+        out.border = borders;
+        let mut into = out.reversed();
+        into.border = into.iter().map(|(to, slot)| border(to, into.head[slot])).collect();
+        let mut overlay = Self { out, into, leaf, layers: Vec::new() };
+        for (starts, cell_of_leaf) in levels.iter().zip(cells_of_leaf) {
+            let layer = overlay.layer(starts, cell_of_leaf);
+            overlay.layers.push(layer);
+        }
+        overlay
+    }
+
+    /// The next layer.
+    fn layer(&self, starts: &[u32], cell_of_leaf: Vec<u32>) -> Layer {
+        let height = self.layers.len() as u8 + 1;
+        let lower = self.layers.last();
+        let crosses = |arcs: &Arcs, state: u32| arcs.of(state).any(|slot| arcs.border[slot] >= height);
+        let mut layer = Layer { cell_of_leaf, ..Layer::default() };
+        let size = lower.map_or(self.out.states(), |lower| lower.state.len());
+        layer.slot = vec![NONE; size];
+        for cell in 0..starts.len() - 1 {
+            let inner = [0, 1]
+                .map(|i| lower.map_or(starts[cell + i], |l| first_slot(l, &self.leaf, starts[cell + i])));
+            let state = |index: u32| lower.map_or(index, |lower| lower.state[index as usize]);
+            let mut groups = [const { Vec::new() }; 3];
+            for index in inner[0]..inner[1] {
+                match (crosses(&self.into, state(index)), crosses(&self.out, state(index))) {
+                    (true, false) => groups[0].push(index),
+                    (true, true) => groups[1].push(index),
+                    (false, true) => groups[2].push(index),
+                    (false, false) => {}
+                }
+            }
+            layer.push_cell(inner, &groups, state);
+        }
+        layer.end(size as u32);
+        layer
+    }
+
+    /// The index of a state in a layer, [`NONE`] if it is on no border there.
+    #[inline]
+    pub fn index(&self, height: usize, state: u32) -> u32 {
+        let mut index = state;
+        for layer in &self.layers[..height] {
+            if index == NONE {
+                return NONE;
+            }
+            index = layer.slot[index as usize];
+        }
+        index
+    }
+}
+
+impl Layer {
+    fn push_cell(&mut self, inner: [u32; 2], groups: &[Vec<u32>; 3], state: impl Fn(u32) -> u32) {
+        let [entries, both, exits] = groups.each_ref().map(|group| group.len() as u32);
+        let first = self.state.len() as u32;
+        self.first.push(first);
+        self.entries_end.push(first + entries + both);
+        self.exits_begin.push(first + entries);
+        self.inner.push(inner[0]);
+        self.matrix.push(u64::from(entries + both) * u64::from(both + exits));
+        self.trees.push(u64::from(entries + both) * u64::from(inner[1] - inner[0]));
+        for index in groups.iter().flatten() {
+            self.slot[*index as usize] = self.state.len() as u32;
+            self.below.push(*index);
+            self.state.push(state(*index));
+        }
+    }
+
+    /// Turns sizes into beginnings.
+    fn end(&mut self, inner: u32) {
+        self.first.push(self.state.len() as u32);
+        self.inner.push(inner);
+        for sizes in [&mut self.matrix, &mut self.trees] {
+            let mut sum = 0;
+            for size in sizes.iter_mut() {
+                sum += std::mem::replace(size, sum);
+            }
+            sizes.push(sum);
+        }
+    }
+}
+
+/// The first slot of a layer whose state is not before `state`, which is where a cell begins.
+fn first_slot(lower: &Layer, leaf: &[u32], state: u32) -> u32 {
+    match leaf.get(state as usize) {
+        Some(leaf) => lower.first[lower.cell_of_leaf[*leaf as usize] as usize],
+        None => lower.state.len() as u32,
+    }
+}
+
+/// For each of the smallest cells the cell of another level that holds it.
+fn cells_of_leaves(levels: &[Vec<u32>], starts: &[u32]) -> Vec<u32> {
+    let leaves = &levels[0];
+    let mut cell = 0;
+    let up = leaves[..leaves.len() - 1].iter().map(|start| {
+        while starts[cell + 1] <= *start {
+            cell += 1;
+        }
+        cell as u32
+    });
+    up.collect()
+}

@@ -1,0 +1,103 @@
+//! Halves of a graph with few edges between them.
+//!
+//! A. Schild, C. Sommer, *On balanced separators in road networks*, SEA 2015: order the vertices along a line, hold the first
+//! and the last quarter apart, and find the smallest cut between them; of several lines the best one.
+
+use super::flow::{Flow, Graph, Role};
+use crate::geo::Place;
+
+/// A part of the network that is to be halved.
+#[derive(Debug)]
+pub(super) struct Part {
+    /// Numbers of its vertices in the whole network.
+    pub(super) vertices: Vec<u32>,
+    places: Vec<Place>,
+    graph: Graph,
+}
+
+/// The share of vertices held on each side.
+const HELD: usize = 4;
+/// Lines: weights of longitude and latitude.
+const LINES: [[i64; 2]; 4] = [[1, 0], [0, 1], [1, 1], [1, -1]];
+
+/// Halves parts; its memory is used again.
+#[derive(Debug, Default)]
+pub(super) struct Halver {
+    flow: Flow,
+    order: Vec<(i64, u32)>,
+    roles: Vec<Role>,
+    inside: Vec<bool>,
+    best: Vec<bool>,
+}
+
+impl Part {
+    pub(super) fn new(places: Vec<Place>, edges: impl Iterator<Item = (u32, u32)> + Clone) -> Self {
+        let graph = Graph::new(places.len(), edges);
+        Self { vertices: (0..places.len() as u32).collect(), places, graph }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.vertices.len()
+    }
+
+    /// The vertices inside as a part of their own.
+    fn side(&self, inside: &[bool], of: bool) -> Self {
+        let mut number = vec![u32::MAX; self.len()];
+        let members: Vec<u32> = (0..self.len() as u32).filter(|v| inside[*v as usize] == of).collect();
+        for (i, member) in members.iter().enumerate() {
+            number[*member as usize] = i as u32;
+        }
+        let edges = members.iter().flat_map(|&v| {
+            let heads = self.graph.slots(v).map(|slot| self.graph.head[slot]);
+            heads.filter(move |&head| v < head).map(move |head| (v, head))
+        });
+        let edges = edges.filter(|(_, head)| inside[*head as usize] == of);
+        let graph = Graph::new(members.len(), edges.map(|(a, b)| (number[a as usize], number[b as usize])));
+        Self {
+            vertices: members.iter().map(|v| self.vertices[*v as usize]).collect(),
+            places: members.iter().map(|v| self.places[*v as usize]).collect(),
+            graph,
+        }
+    }
+}
+
+impl Halver {
+    /// Halves a part of two vertices or more.
+    pub(super) fn halve(&mut self, part: &Part) -> [Part; 2] {
+        let count = part.len();
+        // Edges cut times vertices on the larger side, and these again.
+        let mut best = (usize::MAX, 0);
+        for line in LINES {
+            self.hold_ends(part, line);
+            let limit = best.0 / count.div_ceil(2);
+            let Some(cut) = self.flow.largest(&part.graph, &self.roles, limit) else { continue };
+            for from_sinks in [false, true] {
+                self.flow.side(&part.graph, &self.roles, from_sinks, &mut self.inside);
+                let size = self.inside.iter().filter(|inside| **inside).count();
+                let larger = size.max(count - size);
+                if (cut * larger, larger) < best {
+                    best = (cut * larger, larger);
+                    std::mem::swap(&mut self.best, &mut self.inside);
+                }
+            }
+        }
+        [true, false].map(|of| part.side(&self.best, of))
+    }
+
+    fn hold_ends(&mut self, part: &Part, line: [i64; 2]) {
+        let along = |p: &Place| line[0] * i64::from(p.lon) + line[1] * i64::from(p.lat);
+        self.order.clear();
+        self.order.extend(part.places.iter().zip(0..).map(|(place, i)| (along(place), i)));
+        let (count, held) = (part.len(), part.len().div_ceil(HELD).min(part.len() / 2));
+        self.order.select_nth_unstable(held);
+        self.order[held..].select_nth_unstable(count - held - held);
+        self.roles.clear();
+        self.roles.resize(count, Role::Free);
+        for (_, vertex) in &self.order[..held] {
+            self.roles[*vertex as usize] = Role::Source;
+        }
+        for (_, vertex) in &self.order[count - held..] {
+            self.roles[*vertex as usize] = Role::Sink;
+        }
+    }
+}

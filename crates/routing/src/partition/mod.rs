@@ -1,0 +1,162 @@
+//! The network in cells, and these in larger cells.
+//!
+//! Delling, Goldberg, Pajor, Werneck, *Customizable Route Planning in Road Networks*, Transportation Science 2017: what is found out
+//! about a cell once serves every search that passes through it, so cells should have few edges between them. Cells come from
+//! halving (`inertial`): the network until its parts are as small as the largest cells may be, these on until
+//! they are as small as the next smaller ones, and so forth. So each cell is a row of vertices, if vertices are put in
+//! the order that the halving leaves them in.
+//!
+//! | module | its one job |
+//! |---|---|
+//! | `inertial` | halves with few edges between them |
+//! | `flow` | smallest cuts |
+
+mod flow;
+mod inertial;
+
+use crate::geo::Place;
+use inertial::{Halver, Part};
+
+/// How large the cells of each level may be.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CellSizes(Vec<usize>);
+
+/// Why there are no such cell sizes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("cell sizes must be 1 to 7 numbers from 2 to 1073741824, each larger than the one before")]
+pub struct CellSizesError;
+
+impl CellSizes {
+    /// Vertices of cells, smallest cells first.
+    pub fn new(sizes: &[usize]) -> Result<Self, CellSizesError> {
+        let ascending = sizes.windows(2).all(|pair| pair[0] < pair[1]);
+        let fits = sizes.iter().all(|size| (2..=1 << 30).contains(size));
+        let good = (1..=7).contains(&sizes.len()) && ascending && fits;
+        if good { Ok(Self(sizes.to_vec())) } else { Err(CellSizesError) }
+    }
+}
+
+impl Default for CellSizes {
+    /// Measured best on a city of 100,000 vertices.
+    fn default() -> Self {
+        Self(vec![32, 256, 2048, 16_384])
+    }
+}
+
+/// Vertices in cells.
+#[derive(Debug, Clone, Default)]
+pub struct Partition {
+    /// The vertices in their new order.
+    pub order: Vec<u32>,
+    /// For each level, smallest cells first: where each cell begins in that order, and where the last one ends.
+    pub levels: Vec<Vec<u32>>,
+}
+
+impl Partition {
+    /// Puts vertices into cells. Levels whose cells could hold the whole network are left out.
+    pub fn new(places: &[Place], edges: &[(u32, u32)], sizes: &CellSizes) -> Self {
+        let levels = sizes.0.iter().take_while(|size| **size < places.len()).count();
+        let mut partition =
+            Self { order: Vec::with_capacity(places.len()), levels: vec![Vec::new(); levels] };
+        let mut halver = Halver::default();
+        let mut waiting = vec![(Part::new(places.to_vec(), edges.iter().copied()), levels)];
+        while let Some((part, mut level)) = waiting.pop() {
+            while level > 0 && part.len() <= sizes.0[level - 1] {
+                level -= 1;
+                partition.levels[level].push(partition.order.len() as u32);
+            }
+            if level == 0 {
+                partition.order.extend_from_slice(&part.vertices);
+            } else {
+                let [first, second] = halver.halve(&part);
+                waiting.push((second, level));
+                waiting.push((first, level));
+            }
+        }
+        partition.levels.iter_mut().for_each(|level| level.push(places.len() as u32));
+        partition
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn grid(width: u32, height: u32) -> (Vec<Place>, Vec<(u32, u32)>) {
+        let places = (0..width * height).map(|i| Place { lon: (i % width) as i32, lat: (i / width) as i32 });
+        let across = (0..width * height).filter(|i| i % width > 0).map(|i| (i - 1, i));
+        let up = (width..width * height).map(|i| (i - width, i));
+        (places.collect(), across.chain(up).collect())
+    }
+
+    /// Edges between cells of a level.
+    fn cut(partition: &Partition, level: usize, edges: &[(u32, u32)]) -> usize {
+        let mut position = vec![0; partition.order.len()];
+        for (i, vertex) in partition.order.iter().enumerate() {
+            position[*vertex as usize] = i as u32;
+        }
+        let cell = |v: u32| partition.levels[level].partition_point(|start| *start <= position[v as usize]);
+        edges.iter().filter(|(a, b)| cell(*a) != cell(*b)).count()
+    }
+
+    #[test]
+    fn two_towns_are_parted_at_the_bridge() {
+        let (mut places, mut edges) = grid(8, 8);
+        let (other, more) = grid(8, 8);
+        places.extend(other.iter().map(|p| Place { lon: p.lon + 20, lat: p.lat }));
+        edges.extend(more.iter().map(|(a, b)| (a + 64, b + 64)));
+        edges.push((7, 64));
+        let partition = Partition::new(&places, &edges, &CellSizes::new(&[64]).unwrap());
+        assert_eq!(
+            (partition.levels[0].as_slice(), cut(&partition, 0, &edges)),
+            ([0, 64, 128].as_slice(), 1)
+        );
+    }
+
+    #[test]
+    fn squares_are_cut_straight() {
+        let (places, edges) = grid(32, 32);
+        let partition = Partition::new(&places, &edges, &CellSizes::new(&[300]).unwrap());
+        // Three straight cuts through all, or two and two through what is left.
+        assert!(cut(&partition, 0, &edges) <= 100, "{}", cut(&partition, 0, &edges));
+    }
+
+    #[test]
+    fn a_network_in_one_place_is_halved_too() {
+        let places = vec![Place::default(); 100];
+        let partition = Partition::new(&places, &[], &CellSizes::new(&[2, 7]).unwrap());
+        assert!(partition.levels[0].windows(2).all(|cell| cell[1] - cell[0] <= 2));
+        assert!(Partition::new(&[], &[], &CellSizes::default()).levels.is_empty());
+    }
+
+    #[test]
+    fn cell_sizes_must_ascend() {
+        for bad in [[].as_slice(), &[1], &[8, 8], &[16, 8], &[2, 1 << 31], &[2, 3, 4, 5, 6, 7, 8, 9]] {
+            assert_eq!(CellSizes::new(bad), Err(CellSizesError));
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn every_vertex_is_in_one_cell_of_each_level_and_cells_are_nested(
+            places in proptest::collection::vec((-50_i32..50, -50_i32..50), 1..200),
+            edges in proptest::collection::vec((0_u32..200, 0_u32..200), 0..400),
+        ) {
+            let places: Vec<Place> = places.iter().map(|(lon, lat)| Place { lon: *lon, lat: *lat }).collect();
+            let count = places.len() as u32;
+            let edges: Vec<_> = edges.iter().map(|(a, b)| (a % count, b % count)).collect();
+            let sizes = [3, 10, 40];
+            let partition = Partition::new(&places, &edges, &CellSizes::new(&sizes).unwrap());
+            let mut all = partition.order.clone();
+            all.sort_unstable();
+            prop_assert!(all.iter().copied().eq(0..count));
+            for (level, cells) in partition.levels.iter().enumerate() {
+                prop_assert_eq!((cells[0], cells[cells.len() - 1]), (0, count));
+                prop_assert!(cells.windows(2).all(|c| c[0] < c[1] && (c[1] - c[0]) as usize <= sizes[level]));
+                let above = partition.levels.get(level + 1);
+                prop_assert!(above.is_none_or(|above| above.iter().all(|start| cells.contains(start))));
+            }
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! A network in cells: all that is known of a map before anybody says who travels.
+
+use openbench_osm::OsmError;
+use openbench_osm::stream::Elements;
+
+use crate::network::{Edge, Network};
+use crate::overlay::{Arcs, NONE, Overlay};
+use crate::partition::{CellSizes, Partition};
+use crate::tree::SegmentTree;
+
+/// A network whose vertices stand in the order of their cells, with the layers of these and an index of its segments.
+#[derive(Debug, Clone, Default)]
+pub struct Roads {
+    /// Vertices and edges.
+    pub network: Network,
+    /// Where the cells of each level begin, smallest cells first.
+    pub levels: Vec<Vec<u32>>,
+    /// Layers over vertices, for those to whom turns do not matter.
+    pub vertices: Overlay,
+    /// For finding segments near a place.
+    pub segments: SegmentTree,
+}
+
+impl Roads {
+    /// Reads a map and prepares it.
+    pub fn read(source: &impl Elements, sizes: &CellSizes) -> Result<Self, OsmError> {
+        Network::read(source).map(|network| Self::new(network, sizes))
+    }
+
+    /// Prepares a network.
+    pub fn new(network: Network, sizes: &CellSizes) -> Self {
+        let edges: Vec<_> = network.edges().iter().map(|edge| (edge.from, edge.to)).collect();
+        let partition = Partition::new(&network.vertices, &edges, sizes);
+        let network = in_order(network, &partition.order);
+        let segments = SegmentTree::new(&network);
+        let vertices = Overlay::new(vertex_arcs(&network), &partition.levels);
+        Self { network, levels: partition.levels, vertices, segments }
+    }
+}
+
+/// The network with its vertices in another order, and its edges in the order of their vertices.
+fn in_order(network: Network, order: &[u32]) -> Network {
+    let mut position = vec![NONE; order.len()];
+    for (i, vertex) in order.iter().enumerate() {
+        position[*vertex as usize] = i as u32;
+    }
+    let place = |edge: &Edge| [position[edge.from as usize], position[edge.to as usize]];
+    let mut edges: Vec<u32> = (0..network.edge_count() as u32).collect();
+    edges.sort_by_key(|edge| {
+        let [from, to] = place(&network.edges[*edge as usize]);
+        (from.min(to), from.max(to))
+    });
+    let mut sorted = Network {
+        vertices: order.iter().map(|v| network.vertices[*v as usize]).collect(),
+        vertex_classes: order.iter().map(|v| network.vertex_classes[*v as usize]).collect(),
+        ..Network::default()
+    };
+    for &edge in &edges {
+        let old = network.edges[edge as usize];
+        let [from, to] = place(&old);
+        sorted.edges.push(Edge { from, to, first_point: sorted.points.len() as u32, ..old });
+        sorted.points.extend_from_slice(network.edge_points(edge));
+        sorted.nodes.extend_from_slice(network.edge_nodes(edge));
+    }
+    let first_point = sorted.points.len() as u32;
+    sorted.edges.push(Edge { first_point, ..Edge::default() });
+    Network {
+        way_words: network.way_words,
+        node_words: network.node_words,
+        names: network.names,
+        report: network.report,
+        ..sorted
+    }
+}
+
+/// Both directions of all edges, except of those that end where they begin.
+fn vertex_arcs(network: &Network) -> Arcs {
+    let edges = network.edges().iter().zip(0_u32..).filter(|(edge, _)| edge.from != edge.to);
+    let both = edges.flat_map(|(e, i)| [(e.from, e.to, 2 * i), (e.to, e.from, 2 * i + 1)]);
+    Arcs::new(network.vertices.len(), both)
+}

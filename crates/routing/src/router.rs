@@ -1,0 +1,83 @@
+//! Routes in the frame of a map: the multi-level router as agents know it.
+
+use std::sync::{Mutex, PoisonError};
+
+use openbench_core::MapPoint;
+use openbench_osm::stream::Elements;
+use openbench_osm::{OsmError, Projection};
+
+use crate::geo::Place;
+use crate::leg::{Leg, Memory};
+use crate::metric::Metric;
+use crate::overlay::CellTooLarge;
+use crate::partition::CellSizes;
+use crate::position::Snap;
+use crate::profile::Profile;
+use crate::roads::Roads;
+use crate::tree::Nearest;
+use crate::{Route, RouteError, Router};
+
+/// How far from a place a road may be, metres.
+const SNAP_LIMIT: f64 = 1000.0;
+
+/// Why a map cannot be routed on.
+#[derive(Debug, thiserror::Error)]
+pub enum PrepareError {
+    /// The map cannot be read.
+    #[error(transparent)]
+    Map(#[from] OsmError),
+    /// Its cells are too large.
+    #[error(transparent)]
+    Cells(#[from] CellTooLarge),
+}
+
+/// Multi-level routes between points of a map.
+#[derive(Debug)]
+pub struct MapRouter {
+    roads: Roads,
+    metric: Metric,
+    projection: Projection,
+    memory: Mutex<(Nearest, Memory)>,
+}
+
+impl MapRouter {
+    /// Prepares a map for a profile.
+    pub fn new(map: &impl Elements, projection: Projection, profile: Profile) -> Result<Self, PrepareError> {
+        let roads = Roads::read(map, &CellSizes::default())?;
+        let metric = Metric::new(&roads, profile)?;
+        Ok(Self { roads, metric, projection, memory: Mutex::default() })
+    }
+
+    fn route_from(&self, leg: &Leg) -> Route {
+        let (distance, duration) = leg.length_and_duration(&self.roads, &self.metric);
+        let points =
+            leg.points(&self.roads).into_iter().map(|place| self.projection.to_map(place.position()));
+        let network = &self.roads.network;
+        let name = |directed: &u32| &network.names[network.edges[*directed as usize / 2].name as usize].name;
+        let mut names: Vec<String> = leg.edges.iter().map(name).filter(|n| !n.is_empty()).cloned().collect();
+        names.dedup();
+        Route {
+            points: points.collect(),
+            distance,
+            duration: f64::from(duration) / crate::metric::UNITS,
+            names,
+        }
+    }
+}
+
+impl Router for MapRouter {
+    fn route(&self, from: MapPoint, to: MapPoint) -> Result<Route, RouteError> {
+        let mut memory = self.memory.lock().unwrap_or_else(PoisonError::into_inner);
+        let (nearest, memory) = &mut *memory;
+        let mut snap = |near: MapPoint| {
+            let place = Place::new(self.projection.to_lonlat(near));
+            let snap = place.map(|p| Snap::new(&self.roads, &self.metric, p, SNAP_LIMIT, nearest));
+            snap.filter(|s| !s.nearest.is_empty()).ok_or(RouteError::NoSegment { near, limit: SNAP_LIMIT })
+        };
+        let ends = [snap(from)?, snap(to)?];
+        let small = Snap::small_will_do(&ends, &self.metric);
+        let [a, b] = ends.each_ref().map(|end| end.positions(small));
+        let leg = Leg::find(&self.roads, &self.metric, a, b, memory);
+        leg.map(|leg| self.route_from(&leg)).ok_or(RouteError::NoRoute { from, to })
+    }
+}

@@ -1,0 +1,153 @@
+//! Searches over layers of cells.
+//!
+//! Near its ends a route is searched for among states, further away among the borders of ever larger cells: a state takes part in the
+//! highest layer in which it is in another cell than all of the ends. In a layer a search goes from a cell's entry straight to its
+//! exits, and from an exit along the arcs that leave the cell. Two ways through one cell are never put together: there is none shorter
+//! than the one that is known.
+//!
+//! What is settled is a *label*: a state in its layer. Labels of layer 0 are the states, those of layer 1 follow, and so forth.
+//!
+//! | module | its one job |
+//! |---|---|
+//! | `side` | one direction of a search: labels, and what is reached from them |
+//! | `path` | from both directions to a row of states |
+
+mod path;
+mod side;
+
+use crate::overlay::{Cliques, FAR, Overlay, Weights};
+pub use path::Path;
+use side::{Side, Tables};
+
+/// A graph with its layers and what is known of them for one set of weights.
+#[derive(Debug, Clone, Copy)]
+pub struct Searched<'a> {
+    /// The layers.
+    pub overlay: &'a Overlay,
+    /// The weights of arcs.
+    pub weights: &'a Weights,
+    /// Ways through cells, a layer each.
+    pub cliques: &'a [Cliques],
+}
+
+/// A state with what reaching it (or going on from it) counts as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct End {
+    /// The state.
+    pub state: u32,
+    /// Below [`FAR`].
+    pub weight: u32,
+}
+
+/// Memory of searches, which is used again for the next one.
+#[derive(Debug, Default)]
+pub struct Workspace {
+    sides: [Side; 2],
+    ends: Ends,
+}
+
+/// The cells that the ends of a search are in.
+#[derive(Debug, Default)]
+struct Ends {
+    /// For each layer the cells of all ends.
+    cells: Vec<Vec<u32>>,
+    /// For each layer its first label.
+    base: Vec<u32>,
+}
+
+impl Ends {
+    fn set(&mut self, overlay: &Overlay, states: impl Iterator<Item = u32> + Clone) {
+        self.base.clear();
+        self.base.push(0);
+        self.cells.resize_with(overlay.layers.len(), Vec::new);
+        let mut base = overlay.out.states() as u32;
+        for (layer, cells) in overlay.layers.iter().zip(&mut self.cells) {
+            self.base.push(base);
+            base += layer.state.len() as u32;
+            cells.clear();
+            cells.extend(states.clone().map(|s| layer.cell_of_leaf[overlay.leaf[s as usize] as usize]));
+            cells.sort_unstable();
+            cells.dedup();
+        }
+        self.base.push(base);
+    }
+
+    /// The layer that a state takes part in.
+    #[inline]
+    fn layer(&self, overlay: &Overlay, state: u32) -> usize {
+        let leaf = overlay.leaf[state as usize] as usize;
+        let away = |height: &usize| {
+            let cell = overlay.layers[*height].cell_of_leaf[leaf];
+            !self.cells[*height].contains(&cell)
+        };
+        (0..overlay.layers.len()).rev().find(away).map_or(0, |height| height + 1)
+    }
+
+    /// The layer that a label is of.
+    #[inline]
+    fn layer_of_label(&self, label: u32) -> usize {
+        let mut layer = 0;
+        while self.base[layer + 1] <= label {
+            layer += 1;
+        }
+        layer
+    }
+
+    fn state(&self, overlay: &Overlay, label: u32) -> u32 {
+        match self.layer_of_label(label) {
+            0 => label,
+            layer => overlay.layers[layer - 1].state[(label - self.base[layer]) as usize],
+        }
+    }
+
+    fn labels(&self) -> usize {
+        self.base.last().map_or(0, |end| *end as usize)
+    }
+}
+
+impl Workspace {
+    /// The lightest way from one of `sources` to one of `targets`; its states are put into `path`. `None` if there is none.
+    pub fn route(
+        &mut self,
+        graph: Searched<'_>,
+        sources: &[End],
+        targets: &[End],
+        path: &mut Path,
+    ) -> Option<u32> {
+        let states = sources.iter().chain(targets).map(|end| end.state);
+        self.ends.set(graph.overlay, states);
+        let labels = self.ends.labels();
+        for (side, ends) in self.sides.iter_mut().zip([sources, targets]) {
+            side.begin(labels, ends);
+        }
+        let met = self.meet(graph);
+        if let Some((_, label)) = met {
+            path.unpack(graph, &self.ends, &self.sides, label);
+        }
+        self.sides.iter_mut().for_each(Side::clear);
+        met.map(|(weight, _)| weight)
+    }
+
+    /// Both sides in turn until no better meeting is possible.
+    fn meet(&mut self, graph: Searched<'_>) -> Option<(u32, u32)> {
+        let [forward, backward] = &mut self.sides;
+        let tables = [Tables::forward(graph), Tables::backward(graph)];
+        let mut best = (FAR, 0);
+        for end in &forward.begun {
+            let total = forward.weight(*end) + backward.weight(*end);
+            best = best.min((total, *end));
+        }
+        loop {
+            let (a, b) = (forward.next(), backward.next());
+            if a.saturating_add(b) >= best.0 {
+                break;
+            }
+            if a <= b {
+                forward.settle(&tables[0], &self.ends, backward, &mut best);
+            } else {
+                backward.settle(&tables[1], &self.ends, forward, &mut best);
+            }
+        }
+        (best.0 < FAR).then_some(best)
+    }
+}

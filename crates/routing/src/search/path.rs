@@ -1,0 +1,92 @@
+//! From the labels of a search to the states of a path.
+
+use super::side::{BEGUN, Side};
+use super::{Ends, Searched};
+use crate::overlay::UNREACHED;
+
+/// The states of a path, in order. Its memory is used again.
+#[derive(Debug, Default, Clone)]
+pub struct Path {
+    /// From the source that it begins with to the target that it ends with.
+    pub states: Vec<u32>,
+    labels: Vec<u32>,
+    /// Ways through cells that are yet to be unpacked: layer and two indices in it, the last one first.
+    waiting: Vec<(usize, u32, u32)>,
+}
+
+impl Path {
+    /// The path through the label where both sides met.
+    pub(super) fn unpack(&mut self, graph: Searched<'_>, ends: &Ends, sides: &[Side; 2], met: u32) {
+        self.labels.clear();
+        let mut label = met;
+        while label != BEGUN {
+            self.labels.push(label);
+            label = sides[0].parent(label);
+        }
+        self.labels.reverse();
+        label = sides[1].parent(met);
+        while label != BEGUN {
+            self.labels.push(label);
+            label = sides[1].parent(label);
+        }
+        self.states.clear();
+        self.states.push(ends.state(graph.overlay, self.labels[0]));
+        for i in 1..self.labels.len() {
+            self.step(graph, ends, self.labels[i - 1], self.labels[i]);
+        }
+    }
+
+    /// From one label to the next.
+    fn step(&mut self, graph: Searched<'_>, ends: &Ends, from: u32, to: u32) {
+        let layer = ends.layer_of_label(from);
+        let within = layer > 0 && layer == ends.layer_of_label(to);
+        let base = ends.base[layer];
+        if within && cell(graph, layer, from - base) == cell(graph, layer, to - base) {
+            self.through(graph, layer, from - base, to - base);
+        } else {
+            self.states.push(ends.state(graph.overlay, to));
+        }
+    }
+
+    /// From one slot of a cell to another, by the trees of all layers below.
+    fn through(&mut self, graph: Searched<'_>, layer: usize, from: u32, to: u32) {
+        self.waiting.clear();
+        self.waiting.push((layer, from, to));
+        while let Some((height, from, to)) = self.waiting.pop() {
+            if height == 0 {
+                self.states.push(to);
+                continue;
+            }
+            let layer = &graph.overlay.layers[height - 1];
+            if cell(graph, height, from) != cell(graph, height, to) {
+                self.states.push(layer.state[to as usize]);
+                continue;
+            }
+            self.climb_down(graph, height, from, to);
+        }
+    }
+
+    /// Puts the steps of a way through a cell, in the layer below, in front of those that wait.
+    fn climb_down(&mut self, graph: Searched<'_>, height: usize, from: u32, to: u32) {
+        let layer = &graph.overlay.layers[height - 1];
+        let cell = cell(graph, height, from);
+        let inner = layer.inner(cell);
+        let row = from as usize - layer.first[cell as usize] as usize;
+        let begin = layer.trees[cell as usize] as usize + row * inner.len();
+        let tree = &graph.cliques[height - 1].trees[begin..begin + inner.len()];
+        let local = |slot: u32| layer.below[slot as usize] as usize - inner.start;
+        let (first, mut last) = (local(from), local(to));
+        // A tree has no circles, and only exits that are reached are asked for.
+        while last != first && tree[last] != UNREACHED {
+            let before = usize::from(tree[last]);
+            self.waiting.push((height - 1, (inner.start + before) as u32, (inner.start + last) as u32));
+            last = before;
+        }
+    }
+}
+
+/// The cell of a slot.
+fn cell(graph: Searched<'_>, height: usize, slot: u32) -> u32 {
+    let layer = &graph.overlay.layers[height - 1];
+    layer.cell_of_leaf[graph.overlay.leaf[layer.state[slot as usize] as usize] as usize]
+}

@@ -1,0 +1,174 @@
+//! One direction of a search.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use super::{End, Ends, Searched};
+use crate::overlay::{Arcs, Cliques, FAR, Layer, Overlay};
+
+/// Where a label was reached from; the highest bit says that it was straight through a cell.
+const THROUGH: u32 = 1 << 31;
+/// A label that the search began with.
+pub(super) const BEGUN: u32 = THROUGH - 1;
+
+/// What a direction looks things up in.
+pub(super) struct Tables<'a> {
+    pub(super) overlay: &'a Overlay,
+    arcs: &'a Arcs,
+    weights: &'a [u32],
+    cliques: &'a [Cliques],
+    backward: bool,
+}
+
+impl<'a> Tables<'a> {
+    pub(super) fn forward(graph: Searched<'a>) -> Self {
+        let Searched { overlay, weights, cliques } = graph;
+        Self { overlay, arcs: &overlay.out, weights: &weights.out, cliques, backward: false }
+    }
+
+    pub(super) fn backward(graph: Searched<'a>) -> Self {
+        let Searched { overlay, weights, cliques } = graph;
+        Self { overlay, arcs: &overlay.into, weights: &weights.into, cliques, backward: true }
+    }
+
+    /// The slots that a slot's cell is left through, and how far they are; none if the cell cannot be entered there.
+    #[inline]
+    fn row(&self, height: usize, slot: usize) -> Option<(usize, &'a [u32])> {
+        let layer: &Layer = &self.overlay.layers[height];
+        let leaf = self.overlay.leaf[layer.state[slot] as usize];
+        let cell = layer.cell_of_leaf[leaf as usize];
+        let (from, to) = if self.backward {
+            (layer.exits(cell), layer.entries(cell))
+        } else {
+            (layer.entries(cell), layer.exits(cell))
+        };
+        if !from.contains(&slot) {
+            return None;
+        }
+        let cliques = &self.cliques[height];
+        let matrix = if self.backward { &cliques.columns } else { &cliques.rows };
+        let begin = layer.matrix[cell as usize] as usize + (slot - from.start) * to.len();
+        Some((to.start, &matrix[begin..begin + to.len()]))
+    }
+}
+
+/// What one direction has reached.
+#[derive(Debug, Default)]
+pub(super) struct Side {
+    /// For each label how far it is, [`FAR`] if it was not reached.
+    weight: Vec<u32>,
+    parent: Vec<u32>,
+    /// Labels that were reached.
+    touched: Vec<u32>,
+    heap: BinaryHeap<Reverse<u64>>,
+    /// Labels that the search began with.
+    pub(super) begun: Vec<u32>,
+}
+
+impl Side {
+    pub(super) fn begin(&mut self, labels: usize, ends: &[End]) {
+        if self.weight.len() < labels {
+            self.weight.resize(labels, FAR);
+            self.parent.resize(labels, BEGUN);
+        }
+        for end in ends {
+            if self.reach(end.state, end.weight, BEGUN) {
+                self.begun.push(end.state);
+            }
+        }
+    }
+
+    pub(super) fn clear(&mut self) {
+        for label in self.touched.drain(..) {
+            self.weight[label as usize] = FAR;
+        }
+        self.heap.clear();
+        self.begun.clear();
+    }
+
+    #[inline]
+    pub(super) fn weight(&self, label: u32) -> u32 {
+        self.weight[label as usize]
+    }
+
+    pub(super) fn parent(&self, label: u32) -> u32 {
+        self.parent[label as usize] & !THROUGH
+    }
+
+    /// How far the next label is.
+    #[inline]
+    pub(super) fn next(&mut self) -> u32 {
+        while let Some(Reverse(top)) = self.heap.peek() {
+            let (weight, label) = ((top >> 32) as u32, *top as u32);
+            if weight == self.weight[label as usize] {
+                return weight;
+            }
+            self.heap.pop();
+        }
+        FAR
+    }
+
+    /// Whether this is the shortest way to a label so far.
+    #[inline]
+    fn reach(&mut self, label: u32, weight: u32, parent: u32) -> bool {
+        let before = &mut self.weight[label as usize];
+        if weight >= *before {
+            return false;
+        }
+        if *before == FAR {
+            self.touched.push(label);
+        }
+        *before = weight;
+        self.parent[label as usize] = parent;
+        self.heap.push(Reverse(u64::from(weight) << 32 | u64::from(label)));
+        true
+    }
+
+    /// Goes on from the next label; notes the best place where the `other` side is met.
+    pub(super) fn settle(&mut self, tables: &Tables<'_>, ends: &Ends, other: &Side, best: &mut (u32, u32)) {
+        let Some(Reverse(top)) = self.heap.pop() else { return };
+        let (weight, label) = ((top >> 32) as u32, top as u32);
+        let height = ends.layer_of_label(label);
+        let state = if height == 0 {
+            label
+        } else {
+            let (base, slot) = (ends.base[height], (label - ends.base[height]) as usize);
+            let through = self.parent[label as usize] & THROUGH != 0;
+            if let Some((first, row)) = tables.row(height - 1, slot).filter(|_| !through) {
+                self.cross(base + first as u32, row, weight, label, other, best);
+            }
+            tables.overlay.layers[height - 1].state[slot]
+        };
+        for arc in tables.arcs.of(state) {
+            if usize::from(tables.arcs.border[arc]) < height || tables.weights[arc] >= FAR {
+                continue;
+            }
+            let (head, reached) = (tables.arcs.head[arc], weight + tables.weights[arc]);
+            let layer = ends.layer(tables.overlay, head);
+            let to = ends.base[layer] + tables.overlay.index(layer, head);
+            if self.reach(to, reached, label) {
+                *best = (*best).min((reached + other.weight[to as usize], to));
+            }
+        }
+    }
+
+    /// From a cell's entry to its exits.
+    #[inline]
+    fn cross(
+        &mut self,
+        first: u32,
+        row: &[u32],
+        weight: u32,
+        from: u32,
+        other: &Side,
+        best: &mut (u32, u32),
+    ) {
+        for (to, through) in (first..).zip(row) {
+            let reached = weight + through;
+            if reached < self.weight[to as usize] && reached < best.0 {
+                self.reach(to, reached, from | THROUGH);
+                *best = (*best).min((reached + other.weight[to as usize], to));
+            }
+        }
+    }
+}

@@ -1,0 +1,244 @@
+//! The segments near a place: a packed R-tree over an edge's neighbouring segments.
+//!
+//! Boxes are sorted along a Hilbert curve and packed sixteen to a node, as in I. Kamel, C. Faloutsos, *On packing R-trees*, 1993.
+//! Nothing but the boxes is stored; which belong together follows from their order.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use crate::geo::{Place, Scale};
+use crate::network::Network;
+
+/// Segments in a run at most.
+const RUN: usize = 8;
+/// Boxes in a node.
+const FAN: usize = 16;
+
+/// West, south, east, north.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Bounds([i32; 4]);
+
+/// Neighbouring segments of an edge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+struct Run {
+    edge: u32,
+    /// Its first segment among the edge's.
+    first: u32,
+}
+
+/// A place on an edge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Foot {
+    /// The edge.
+    pub edge: u32,
+    /// The segment of the edge, and the share of it before the place.
+    pub segment: u32,
+    /// From 0 to 1.
+    pub share: f64,
+    /// Where it is.
+    pub place: Place,
+    /// Metres from the place that was asked about.
+    pub away: f64,
+}
+
+/// The tree.
+#[derive(Debug, Clone, Default)]
+pub struct SegmentTree {
+    runs: Vec<Run>,
+    /// Boxes of runs, of nodes of runs, of nodes of these, …, one row after another.
+    boxes: Vec<Bounds>,
+    /// Where each row begins, and where the last one ends.
+    rows: Vec<usize>,
+}
+
+/// Memory of a look-up, used again for the next one.
+#[derive(Debug, Default)]
+pub struct Nearest {
+    heap: BinaryHeap<Reverse<(Distance, Found)>>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Distance(f64);
+
+impl Eq for Distance {}
+
+impl Ord for Distance {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.0.total_cmp(&other.0)
+    }
+}
+
+impl PartialOrd for Distance {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+/// What waits: a box by row and number, or an exact place on a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Found {
+    Box(u32, u32),
+    Foot(u32),
+}
+
+impl Bounds {
+    fn around(points: &[Place]) -> Self {
+        let mut bounds = [i32::MAX, i32::MAX, i32::MIN, i32::MIN];
+        for point in points {
+            bounds = [
+                bounds[0].min(point.lon),
+                bounds[1].min(point.lat),
+                bounds[2].max(point.lon),
+                bounds[3].max(point.lat),
+            ];
+        }
+        Self(bounds)
+    }
+
+    fn union(all: &[Self]) -> Self {
+        let join = |a: Self, b: &Self| {
+            let ([a, b, c, d], [e, f, g, h]) = (a.0, b.0);
+            Self([a.min(e), b.min(f), c.max(g), d.max(h)])
+        };
+        all.iter().fold(Self([i32::MAX, i32::MAX, i32::MIN, i32::MIN]), join)
+    }
+
+    /// Metres to a place, squared; 0 within.
+    fn away(&self, place: Place, scale: Scale) -> f64 {
+        let [west, south, east, north] = self.0.map(i64::from);
+        let (lon, lat) = (i64::from(place.lon), i64::from(place.lat));
+        let x = (west - lon).max(lon - east).max(0) as f64 * scale.lon;
+        let y = (south - lat).max(lat - north).max(0) as f64 * scale.lat;
+        x * x + y * y
+    }
+}
+
+impl SegmentTree {
+    /// An index of all segments of a network.
+    pub fn new(network: &Network) -> Self {
+        let mut runs: Vec<(u64, Run, Bounds)> = Vec::new();
+        for edge in 0..network.edge_count() as u32 {
+            let points = network.edge_points(edge);
+            for first in (0..points.len() - 1).step_by(RUN) {
+                let bounds = Bounds::around(&points[first..points.len().min(first + RUN + 1)]);
+                runs.push((hilbert(&bounds), Run { edge, first: first as u32 }, bounds));
+            }
+        }
+        runs.sort_by_key(|(place, ..)| *place);
+        let mut boxes: Vec<Bounds> = runs.iter().map(|(_, _, bounds)| *bounds).collect();
+        let mut rows = vec![0, boxes.len()];
+        while let [.., begin, end] = *rows
+            && end - begin > 1
+        {
+            for node in (begin..end).step_by(FAN) {
+                boxes.push(Bounds::union(&boxes[node..end.min(node + FAN)]));
+            }
+            rows.push(boxes.len());
+        }
+        Self { runs: runs.into_iter().map(|(_, run, _)| run).collect(), boxes, rows }
+    }
+
+    /// Shows the nearest place on each run of segments, nearest first, until `show` says that it is enough or nothing is left within
+    /// `limit` metres. Edges that are not `usable` are passed over.
+    pub fn nearest(
+        &self,
+        network: &Network,
+        place: Place,
+        limit: f64,
+        memory: &mut Nearest,
+        usable: impl Fn(u32) -> bool,
+        mut show: impl FnMut(Foot) -> bool,
+    ) {
+        let scale = Scale::at(f64::from(place.lat));
+        let heap = &mut memory.heap;
+        heap.clear();
+        let top = self.rows.len().saturating_sub(2);
+        if !self.boxes.is_empty() {
+            let away = self.boxes[self.rows[top]].away(place, scale);
+            heap.push(Reverse((Distance(away), Found::Box(top as u32, 0))));
+        }
+        while let Some(Reverse((Distance(away), found))) = heap.pop() {
+            if away > limit * limit {
+                return;
+            }
+            match found {
+                Found::Foot(run) => {
+                    if !show(self.foot(network, run, place, scale)) {
+                        return;
+                    }
+                }
+                Found::Box(0, run) => {
+                    if usable(self.runs[run as usize].edge) {
+                        let away = self.foot(network, run, place, scale).away;
+                        heap.push(Reverse((Distance(away * away), Found::Foot(run))));
+                    }
+                }
+                Found::Box(row, node) => {
+                    let (row, first) = (row as usize - 1, node as usize * FAN);
+                    let [begin, end] = [self.rows[row], self.rows[row + 1]];
+                    let children = begin + first..end.min(begin + first + FAN);
+                    for (child, bounds) in (first as u32..).zip(&self.boxes[children]) {
+                        let away = Distance(bounds.away(place, scale));
+                        heap.push(Reverse((away, Found::Box(row as u32, child))));
+                    }
+                }
+            }
+        }
+    }
+
+    /// The nearest place on a run.
+    fn foot(&self, network: &Network, run: u32, place: Place, scale: Scale) -> Foot {
+        let Run { edge, first } = self.runs[run as usize];
+        let points = network.edge_points(edge);
+        let last = (points.len() - 1).min(first as usize + RUN);
+        let mut best = (f64::INFINITY, first, 0.0);
+        for segment in first as usize..last {
+            let (away, share) = project(points[segment], points[segment + 1], place, scale);
+            if away < best.0 {
+                best = (away, segment as u32, share);
+            }
+        }
+        let (away, segment, share) = best;
+        let [a, b] = [points[segment as usize], points[segment as usize + 1]];
+        Foot { edge, segment, share, place: between(a, b, share), away: away.sqrt() }
+    }
+}
+
+/// How far a segment is from a place, metres squared, and the share of the segment before its nearest point.
+fn project(a: Place, b: Place, place: Place, scale: Scale) -> (f64, f64) {
+    let ([dx, dy], [px, py]) = (scale.offset(a, b), scale.offset(a, place));
+    let square = dx * dx + dy * dy;
+    let share = if square > 0.0 { ((px * dx + py * dy) / square).clamp(0.0, 1.0) } else { 0.0 };
+    let (x, y) = (px - share * dx, py - share * dy);
+    (x * x + y * y, share)
+}
+
+/// The place at a share of a segment.
+pub fn between(a: Place, b: Place, share: f64) -> Place {
+    let at = |a: i32, b: i32| {
+        let step = (f64::from(b) - f64::from(a)) * share;
+        (f64::from(a) + libm::round(step)) as i32
+    };
+    Place { lon: at(a.lon, b.lon), lat: at(a.lat, b.lat) }
+}
+
+/// Where a box's middle lies on a Hilbert curve over the Earth of 2^16 by 2^16 cells.
+fn hilbert(bounds: &Bounds) -> u64 {
+    let middle = |a: i32, b: i32| ((i64::from(a) + i64::from(b)) / 2 + (1 << 31)) as u64 as u32;
+    let [west, south, east, north] = bounds.0;
+    let (mut x, mut y) = (middle(west, east), middle(south, north));
+    let mut place = 0_u64;
+    for bit in (0..32).rev() {
+        let (right, up) = (x >> bit & 1, y >> bit & 1);
+        place = place << 2 | u64::from((3 * right) ^ up);
+        if up == 0 {
+            if right == 1 {
+                (x, y) = (!x, !y);
+            }
+            std::mem::swap(&mut x, &mut y);
+        }
+    }
+    place
+}

@@ -1,0 +1,138 @@
+//! Searches over layers give the weights that plain Dijkstra gives, and the paths that they claim.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use openbench_routing::geo::Place;
+use openbench_routing::overlay::{Arcs, Cliques, FAR, Overlay, Weights};
+use openbench_routing::partition::{CellSizes, Partition};
+use openbench_routing::search::{End, Path, Searched, Workspace};
+use proptest::prelude::*;
+
+/// Arcs with weights, between states that lie somewhere.
+#[derive(Debug, Clone)]
+struct Graph {
+    places: Vec<Place>,
+    /// From, to, weight; the index is what the arc passes along.
+    arcs: Vec<(u32, u32, u32)>,
+}
+
+fn graph() -> impl Strategy<Value = Graph> {
+    let weight = prop_oneof![4 => 0_u32..50, 1 => Just(0), 1 => Just(FAR), 1 => Just(FAR / 3)];
+    (2_u32..80).prop_flat_map(move |count| {
+        let places = proptest::collection::vec((-9_i32..9, -9_i32..9), count as usize);
+        let arcs = proptest::collection::vec((0..count, 0..count, weight.clone()), 0..220);
+        (places, arcs).prop_map(|(places, arcs)| Graph {
+            places: places.into_iter().map(|(lon, lat)| Place { lon, lat }).collect(),
+            arcs,
+        })
+    })
+}
+
+impl Graph {
+    /// The same with states in the order of their cells.
+    fn in_cells(&self, sizes: &[usize]) -> (Self, Vec<Vec<u32>>) {
+        let edges: Vec<_> = self.arcs.iter().map(|(a, b, _)| (*a, *b)).collect();
+        let partition = Partition::new(&self.places, &edges, &CellSizes::new(sizes).unwrap());
+        let mut position = vec![0; self.places.len()];
+        for (i, state) in partition.order.iter().enumerate() {
+            position[*state as usize] = i as u32;
+        }
+        let arcs = self.arcs.iter().map(|(a, b, w)| (position[*a as usize], position[*b as usize], *w));
+        let places = partition.order.iter().map(|state| self.places[*state as usize]).collect();
+        (Self { places, arcs: arcs.collect() }, partition.levels)
+    }
+
+    fn overlay(&self, levels: &[Vec<u32>]) -> Overlay {
+        let arcs = self.arcs.iter().zip(0..).map(|((a, b, _), via)| (*a, *b, via));
+        Overlay::new(Arcs::new(self.places.len(), arcs), levels)
+    }
+
+    fn weights(&self, overlay: &Overlay) -> Weights {
+        let weights = |arcs: &Arcs| arcs.via.iter().map(|via| self.arcs[*via as usize].2).collect();
+        Weights { out: weights(&overlay.out), into: weights(&overlay.into) }
+    }
+
+    fn dijkstra(&self, sources: &[End], targets: &[End]) -> Option<u32> {
+        let mut distance = vec![FAR; self.places.len()];
+        let mut heap = BinaryHeap::new();
+        for end in sources {
+            heap.push(Reverse((end.weight, end.state)));
+        }
+        while let Some(Reverse((reached, state))) = heap.pop() {
+            if reached >= distance[state as usize] {
+                continue;
+            }
+            distance[state as usize] = reached;
+            for (_, to, weight) in self.arcs.iter().filter(|(from, _, w)| *from == state && *w < FAR) {
+                heap.push(Reverse((reached + weight, *to)));
+            }
+        }
+        let total = targets.iter().map(|end| distance[end.state as usize] + end.weight).min();
+        total.filter(|total| *total < FAR)
+    }
+
+    /// What a row of states weighs, by the lightest arcs between them.
+    fn along(&self, path: &[u32], sources: &[End], targets: &[End]) -> u32 {
+        let end = |ends: &[End], state: u32| {
+            ends.iter().filter(|e| e.state == state).map(|e| e.weight).min().unwrap()
+        };
+        let arc = |pair: &[u32]| {
+            let between = self.arcs.iter().filter(|(a, b, _)| [*a, *b] == [pair[0], pair[1]]);
+            between.map(|arc| arc.2).min().unwrap()
+        };
+        let arcs: u32 = path.windows(2).map(arc).sum();
+        end(sources, path[0]) + arcs + end(targets, path[path.len() - 1])
+    }
+}
+
+fn ends(count: u32, drawn: &[(u32, u32)]) -> Vec<End> {
+    drawn.iter().map(|(state, weight)| End { state: state % count, weight: *weight }).collect()
+}
+
+fn drawn() -> impl Strategy<Value = Vec<(u32, u32)>> {
+    proptest::collection::vec((0_u32..1000, 0_u32..60), 1..4)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(600))]
+
+    #[test]
+    fn routes_are_as_light_as_dijkstras(graph in graph(), pairs in proptest::collection::vec((drawn(), drawn()), 6)) {
+        for sizes in [&[2, 5, 12, 30][..], &[4, 16], &[8], &[100]] {
+            let (graph, levels) = graph.in_cells(sizes);
+            let overlay = graph.overlay(&levels);
+            let weights = graph.weights(&overlay);
+            let cliques = Cliques::all(&overlay, &weights).unwrap();
+            let searched = Searched { overlay: &overlay, weights: &weights, cliques: &cliques };
+            let (mut workspace, mut path) = (Workspace::default(), Path::default());
+            for (sources, targets) in &pairs {
+                let count = graph.places.len() as u32;
+                let (sources, targets) = (ends(count, sources), ends(count, targets));
+                let found = workspace.route(searched, &sources, &targets, &mut path);
+                prop_assert_eq!(found, graph.dijkstra(&sources, &targets), "{:?}", sizes);
+                if let Some(weight) = found {
+                    prop_assert_eq!(graph.along(&path.states, &sources, &targets), weight);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn changed_weights_need_only_their_cells(graph in graph(), changes in proptest::collection::vec((0_usize..1000, 0_u32..60), 1..6)) {
+        let (mut graph, levels) = graph.in_cells(&[3, 9, 27]);
+        let overlay = graph.overlay(&levels);
+        let before = graph.weights(&overlay);
+        let mut cliques = Cliques::all(&overlay, &before).unwrap();
+        let mut states = Vec::new();
+        let count = graph.arcs.len();
+        for (arc, weight) in changes.into_iter().filter(|_| count > 0) {
+            let arc = arc % count;
+            graph.arcs[arc].2 = if weight == 0 { FAR } else { weight };
+            states.extend([graph.arcs[arc].0, graph.arcs[arc].1]);
+        }
+        let after = graph.weights(&overlay);
+        Cliques::update(&mut cliques, &overlay, &after, &states);
+        prop_assert_eq!(cliques, Cliques::all(&overlay, &after).unwrap());
+    }
+}
