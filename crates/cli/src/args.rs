@@ -34,6 +34,8 @@ pub enum Command {
     Plan(PlanArgs),
     /// Print a route as OSRM's HTTP API does, JSON
     Route(RouteArgs),
+    /// Answer OSRM's HTTP API: route, nearest, table
+    Serve(ServeArgs),
     /// Score a log that the reference's recorder wrote, JSON
     Evaluate(EvaluateArgs),
     /// Drive a run's recorded actions again and compare every state
@@ -126,18 +128,63 @@ pub struct PlanArgs {
     pub instruction: String,
 }
 
-/// Arguments of `route`.
+/// The map and who travels on it.
 #[derive(Debug, ClapArgs)]
-pub struct RouteArgs {
+pub struct RoadArgs {
     /// The map (.osm or .osm.pbf)
     #[arg(long)]
     pub map: PathBuf,
-    /// delivery, foot or car
+    /// delivery, foot, car, or a TOML file of your own
     #[arg(long, default_value = "delivery")]
     pub profile: String,
+}
+
+/// Arguments of `route`.
+#[derive(Debug, ClapArgs)]
+#[command(after_help = "\
+Examples:
+  openbench route --map city.osm.pbf 7.4197,43.7314 7.4246,43.7387
+  openbench route --map city.osm.pbf --profile foot --steps --alternatives 2 7.4197,43.7314 7.4246,43.7387
+  openbench route --map city.osm.pbf --profile mine.toml 7.4197,43.7314 7.4246,43.7387")]
+pub struct RouteArgs {
+    /// The map and who travels
+    #[command(flatten)]
+    pub roads: RoadArgs,
+    /// Say where to turn
+    #[arg(long)]
+    pub steps: bool,
+    /// Up to so many other ways between two places
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    pub alternatives: usize,
     /// Places on the way, LON,LAT each
     #[arg(required = true, num_args = 2.., value_name = "LON,LAT", allow_hyphen_values = true, value_parser = lonlat)]
     pub places: Vec<openbench_core::LonLat>,
+}
+
+/// Arguments of `serve`.
+#[derive(Debug, ClapArgs)]
+#[command(after_help = "\
+Examples:
+  openbench serve --map city.osm.pbf --profile foot
+  curl 'http://127.0.0.1:5000/route/v1/foot/7.4197,43.7314;7.4246,43.7387?steps=true&geometries=geojson'
+
+Stops at Ctrl-C or a TERM signal, when the requests that have begun are answered.")]
+pub struct ServeArgs {
+    /// The map and who travels
+    #[command(flatten)]
+    pub roads: RoadArgs,
+    /// Where to listen; port 0 is any free one
+    #[arg(long, default_value = "127.0.0.1:5000", value_name = "ADDRESS")]
+    pub listen: std::net::SocketAddr,
+    /// Threads that answer; by default as many as there are processors
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Places of a route at most
+    #[arg(long, default_value_t = 500, value_name = "N")]
+    pub max_route_places: usize,
+    /// Places of a table at most
+    #[arg(long, default_value_t = 100, value_name = "N")]
+    pub max_table_places: usize,
 }
 
 /// Arguments of `evaluate`.
@@ -346,6 +393,28 @@ pub struct BenchArgs {
 pub enum BenchCommand {
     /// The simulator: LiDAR rays, images, seconds simulated in a second of one core
     Sim(BenchSimArgs),
+    /// Routing: routes, nearest places, tables, preparing a map
+    Routing(BenchRoutingArgs),
+}
+
+/// Arguments of `bench routing`.
+#[derive(Debug, ClapArgs)]
+#[command(after_help = "\
+Example:
+  openbench bench routing --map porto.osm.pbf --profile foot --pairs pairs.csv --json --answers answers.csv")]
+pub struct BenchRoutingArgs {
+    /// The map and who travels
+    #[command(flatten)]
+    pub roads: RoadArgs,
+    /// From where to where: rows of lon,lat,lon,lat
+    #[arg(long)]
+    pub pairs: PathBuf,
+    /// Write distance_m,duration_s of every pair to this file
+    #[arg(long)]
+    pub answers: Option<PathBuf>,
+    /// Print JSON instead of a table
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Arguments of `bench sim`.

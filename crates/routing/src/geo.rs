@@ -73,6 +73,19 @@ pub fn distance(a: Place, b: Place) -> f64 {
     (east * east + north * north).sqrt()
 }
 
+/// The direction from `a` to `b`, degrees clockwise from north, 0 to 360; 0 if they are one place.
+pub fn bearing(a: Place, b: Place) -> f64 {
+    let [east, north] = Scale::at(f64::from(a.lat)).offset(a, b);
+    let degrees = libm::atan2(east, north).to_degrees();
+    if degrees < 0.0 { degrees + 360.0 } else { degrees }
+}
+
+/// How far one turns from a bearing to another, degrees: to the right above 0, at most 180.
+pub fn turn(from: f64, to: f64) -> f64 {
+    let turn = (to - from).rem_euclid(360.0);
+    if turn > 180.0 { turn - 360.0 } else { turn }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

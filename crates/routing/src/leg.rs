@@ -5,7 +5,14 @@ use crate::metric::Metric;
 use crate::overlay::FAR;
 use crate::position::Position;
 use crate::roads::Roads;
-use crate::search::{End, Path, Workspace};
+use crate::search::{End, Path, Searched, TableMemory, Workspace};
+
+/// How much heavier another way may be than the lightest one, as a factor.
+const STRETCH: f64 = 1.25;
+/// How much of the lightest way another one may share.
+const SHARED: f64 = 0.75;
+/// How many other ways are looked at.
+const CANDIDATES: usize = 64;
 
 /// The way between two places.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,6 +26,17 @@ pub struct Leg {
     pub from: Position,
     /// Where it ends, on the last edge.
     pub to: Position,
+}
+
+/// What a part of a leg takes.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Measures {
+    /// Metres.
+    pub length: f64,
+    /// Hundredths of a second.
+    pub duration: u32,
+    /// Hundredths of a second, as they count.
+    pub weight: u32,
 }
 
 /// A directed edge at one of a leg's ends.
@@ -77,21 +95,99 @@ impl Leg {
         }
     }
 
-    /// Metres, hundredths of a second.
-    pub fn length_and_duration(&self, roads: &Roads, metric: &Metric) -> (f64, u32) {
-        let (mut length, mut duration) = (0.0, 0);
-        for (i, &directed) in self.edges.iter().enumerate() {
-            let whole = metric.edges[directed as usize].duration;
-            let [begin, end] = self.travelled(i);
-            length += f64::from(roads.network.edges[directed as usize / 2].length) / 1000.0 * (end - begin);
-            let first = if i == 0 { before(whole, &self.from, directed) } else { 0 };
-            let last = if i + 1 == self.edges.len() { before(whole, &self.to, directed) } else { whole };
-            duration += last - first;
-            if i + 1 < self.edges.len() {
-                duration += metric.vertices[roads.network.ends(directed)[1] as usize].duration;
+    /// The lightest way and up to `others` other ones that a traveller might choose, the lightest first.
+    ///
+    /// I. Abraham, D. Delling, A. Goldberg, R. Werneck, *Alternative routes in road networks*, 2013: a way through a place aside is admitted
+    /// if it is at most a quarter heavier than the lightest one, shares at most three quarters of it (and of those admitted before), and is
+    /// locally optimal: for a quarter of the lightest way's weight round that place there is no lighter way.
+    pub fn alternatives(
+        roads: &Roads,
+        metric: &Metric,
+        from: &[Position],
+        to: &[Position],
+        others: usize,
+        memory: &mut Memory,
+    ) -> Vec<Self> {
+        let Some(best) = Self::find(roads, metric, from, to, memory) else { return Vec::new() };
+        let mut legs = vec![best];
+        if legs[0].edges.len() < 2 {
+            return legs;
+        }
+        memory.hold(roads, metric, from, to);
+        let Memory { workspace, path, sources, targets, ends } = memory;
+        let graph = metric.searched(roads);
+        let ways = workspace.ways(graph, &ends[0], &ends[1], STRETCH, CANDIDATES);
+        for (weight, states) in ways {
+            if legs.len() > others {
+                break;
+            }
+            let leg = unpacked(roads, metric, weight, &states, [sources, targets]);
+            let new =
+                legs.iter().all(|known| leg.shared(metric, known) <= SHARED * f64::from(legs[0].weight));
+            if new
+                && is_simple(&states)
+                && is_locally_optimal(graph, &states, legs[0].weight, workspace, path)
+            {
+                legs.push(leg);
             }
         }
-        (length, duration)
+        legs
+    }
+
+    /// What the lightest way from each of some places to each of others counts as, one after another; [`FAR`] where there is none.
+    pub fn weights(
+        roads: &Roads,
+        metric: &Metric,
+        from: &[&[Position]],
+        to: &[&[Position]],
+        memory: &mut Memory,
+        tables: &mut TableMemory,
+    ) -> Vec<u32> {
+        let mut ends = |from: &[Position], to: &[Position]| {
+            memory.hold(roads, metric, from, to);
+            memory.ends.clone()
+        };
+        let sources: Vec<_> = from.iter().map(|place| std::mem::take(&mut ends(place, &[])[0])).collect();
+        let targets: Vec<_> = to.iter().map(|place| std::mem::take(&mut ends(&[], place)[1])).collect();
+        let mut table = tables.weights(metric.searched(roads), &sources, &targets);
+        for (row, a) in table.chunks_exact_mut(to.len().max(1)).zip(from) {
+            for (cell, b) in row.iter_mut().zip(to) {
+                *cell = straight(metric, a, b).map_or(*cell, |leg| leg.weight.min(*cell));
+            }
+        }
+        table
+    }
+
+    /// The weight of those edges that both have.
+    fn shared(&self, metric: &Metric, other: &Self) -> f64 {
+        let shared = self.edges.iter().filter(|edge| other.edges.contains(edge));
+        shared.map(|edge| f64::from(metric.edges[*edge as usize].weight)).sum()
+    }
+
+    /// Metres, hundredths of a second.
+    pub fn length_and_duration(&self, roads: &Roads, metric: &Metric) -> (f64, u32) {
+        let edges = (0..self.edges.len()).map(|i| self.measures(roads, metric, i));
+        edges.fold((0.0, 0), |(length, duration), edge| (length + edge.length, duration + edge.duration))
+    }
+
+    /// What travelling the edge of that index takes, with the vertex at its end.
+    pub fn measures(&self, roads: &Roads, metric: &Metric, index: usize) -> Measures {
+        let directed = self.edges[index];
+        let cost = metric.edges[directed as usize];
+        let last = index + 1 == self.edges.len();
+        let [begin, end] = self.travelled(index);
+        let length = f64::from(roads.network.edges[directed as usize / 2].length) / 1000.0 * (end - begin);
+        let travelled = |whole: u32| {
+            let first = if index == 0 { before(whole, &self.from, directed) } else { 0 };
+            if last { before(whole, &self.to, directed) - first } else { whole - first }
+        };
+        let passed = metric.vertices[roads.network.ends(directed)[1] as usize];
+        let past = if last { [0, 0] } else { [passed.duration, passed.weight] };
+        Measures {
+            length,
+            duration: travelled(cost.duration) + past[0],
+            weight: travelled(cost.weight) + past[1],
+        }
     }
 
     /// From which share of its edge to which one the edge of that index is travelled.
@@ -103,34 +199,53 @@ impl Leg {
     }
 
     /// The line, from place to place.
-    pub fn points(&self, roads: &Roads) -> Vec<Place> {
-        let mut line = vec![self.from.place];
+    pub fn line(&self, roads: &Roads) -> Line {
+        let mut line = Line { points: vec![self.from.place], ends: Vec::with_capacity(self.edges.len()) };
         for (i, &directed) in self.edges.iter().enumerate() {
             let points = roads.network.edge_points(directed / 2);
             let forward = directed.is_multiple_of(2);
-            let (mut first, mut last) = (0, points.len());
-            // Between the places on the edge.
-            let (early, late) = if forward {
-                (i == 0, i + 1 == self.edges.len())
-            } else {
-                (i + 1 == self.edges.len(), i == 0)
-            };
-            let [a, b] = if forward { [self.from, self.to] } else { [self.to, self.from] };
-            if early {
-                first = a.segment as usize + 1;
-            }
-            if late {
-                last = b.segment as usize + 1;
-            }
+            let (begins, ends) = (i == 0, i + 1 == self.edges.len());
+            // Between the places on the edge, in its own direction.
+            let [a, b] = if forward { [&self.from, &self.to] } else { [&self.to, &self.from] };
+            let [first_here, last_here] = if forward { [begins, ends] } else { [ends, begins] };
+            let first = if first_here { a.segment as usize + 1 } else { 0 };
+            let last = if last_here { b.segment as usize + 1 } else { points.len() };
             let between = points.get(first..last).unwrap_or_default();
-            if forward { line.extend(between) } else { line.extend(between.iter().rev()) }
-        }
-        line.push(self.to.place);
-        line.dedup();
-        if line.len() == 1 {
-            line.push(self.to.place);
+            if forward {
+                between.iter().for_each(|point| line.push(*point));
+            } else {
+                between.iter().rev().for_each(|point| line.push(*point));
+            }
+            if ends {
+                line.push(self.to.place);
+            }
+            line.ends.push(line.points.len() - 1);
         }
         line
+    }
+}
+
+/// The line of a leg.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Line {
+    /// Its points; no two neighbours are the same place.
+    pub points: Vec<Place>,
+    /// For each of the leg's edges the index of its last point.
+    pub ends: Vec<usize>,
+}
+
+impl Line {
+    fn push(&mut self, point: Place) {
+        if self.points.last() != Some(&point) {
+            self.points.push(point);
+        }
+    }
+
+    /// The points of some of the leg's edges; at least one, at the leg's end.
+    pub fn part(&self, edges: std::ops::Range<usize>) -> &[Place] {
+        let first = edges.start.checked_sub(1).map_or(0, |before| self.ends[before]);
+        let last = edges.end.checked_sub(1).map_or(0, |last| self.ends[last]);
+        &self.points[first..=last.max(first)]
     }
 }
 
@@ -141,7 +256,9 @@ impl Memory {
             let position = *position;
             [2 * position.edge, 2 * position.edge + 1].map(move |directed| (directed, position))
         };
-        let open = |(directed, _): &(u32, Position)| metric.edges[*directed as usize].weight < FAR;
+        let open = |(directed, position): &(u32, Position)| {
+            position.open[*directed as usize % 2] && metric.edges[*directed as usize].weight < FAR
+        };
         let source = |(directed, position): (u32, Position)| {
             let whole = metric.edges[directed as usize].weight;
             let [_, state] = roads.network.ends(directed);
@@ -166,6 +283,50 @@ impl Memory {
     }
 }
 
+fn is_simple(states: &[u32]) -> bool {
+    let mut sorted = states.to_vec();
+    sorted.sort_unstable();
+    sorted.windows(2).all(|pair| pair[0] != pair[1])
+}
+
+/// Whether every stretch of a quarter of `best` on either side of the way's middle, moved along it, is a lightest way: looked at where the
+/// two trees meet it cannot be told here, so all along in steps of one stretch.
+fn is_locally_optimal(
+    graph: Searched<'_>,
+    states: &[u32],
+    best: u32,
+    workspace: &mut Workspace,
+    path: &mut Path,
+) -> bool {
+    let weight = |pair: &[u32]| {
+        let out = &graph.overlay.out;
+        out.of(pair[0])
+            .filter(|slot| out.head[*slot] == pair[1])
+            .map(|slot| graph.weights.out[slot])
+            .min()
+            .unwrap_or(FAR)
+    };
+    let stretch = best / 4;
+    let mut along = vec![0_u32];
+    for pair in states.windows(2) {
+        along.push(along[along.len() - 1].saturating_add(weight(pair)));
+    }
+    let mut first = 0;
+    while first + 1 < states.len() {
+        let end =
+            along.partition_point(|a| *a <= along[first] + 2 * stretch).clamp(first + 2, states.len()) - 1;
+        let ends = [first, end].map(|i| [End { state: states[i], weight: 0 }]);
+        if workspace.route(graph, &ends[0], &ends[1], path).is_none_or(|w| w < along[end] - along[first]) {
+            return false;
+        }
+        if end + 1 == states.len() {
+            return true;
+        }
+        first = along.partition_point(|a| *a <= along[first] + stretch).max(first + 1);
+    }
+    true
+}
+
 /// The lightest way along a single edge.
 fn straight(metric: &Metric, from: &[Position], to: &[Position]) -> Option<Leg> {
     let pairs = from.iter().flat_map(|a| to.iter().filter(|b| b.edge == a.edge).map(move |b| (a, b)));
@@ -174,7 +335,13 @@ fn straight(metric: &Metric, from: &[Position], to: &[Position]) -> Option<Leg> 
         let whole = metric.edges[directed as usize].weight;
         let onwards = directed_share(a, directed) <= directed_share(b, directed);
         let weight = || before(whole, b, directed) - before(whole, a, directed);
-        (whole < FAR && onwards).then(|| Leg { weight: weight(), edges: vec![directed], from: *a, to: *b })
+        let open = a.open[directed as usize % 2] && b.open[directed as usize % 2];
+        (whole < FAR && onwards && open).then(|| Leg {
+            weight: weight(),
+            edges: vec![directed],
+            from: *a,
+            to: *b,
+        })
     });
     legs.min_by_key(|leg| leg.weight)
 }

@@ -11,6 +11,7 @@
 
 pub mod components;
 pub mod geo;
+pub mod guidance;
 pub mod leg;
 pub mod metric;
 pub mod network;
@@ -26,6 +27,7 @@ pub mod tree;
 
 use openbench_core::{MapPoint, TravelTimes};
 
+pub use metric::Metric;
 pub use profile::{Profile, ProfileError};
 pub use roads::Roads;
 pub use router::{MapRouter, PrepareError};

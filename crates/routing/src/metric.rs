@@ -90,6 +90,12 @@ impl Metric {
         self.edges[2 * edge as usize].weight < FAR || self.edges[2 * edge as usize + 1].weight < FAR
     }
 
+    /// Whether everything counts as long as it takes.
+    pub fn weight_is_duration(&self) -> bool {
+        self.edges.iter().all(|edge| edge.weight == edge.duration && !edge.ends_only)
+            && self.vertices.iter().all(|vertex| vertex.weight == vertex.duration)
+    }
+
     fn arc_weights(&self, network: &Network, arcs: &Arcs) -> Vec<u32> {
         arcs.via.iter().map(|via| self.arc_weight(network, *via)).collect()
     }

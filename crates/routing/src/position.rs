@@ -2,6 +2,7 @@
 
 use crate::geo::{Place, distance};
 use crate::metric::Metric;
+use crate::overlay::FAR;
 use crate::roads::Roads;
 use crate::tree::{Foot, Nearest};
 
@@ -21,6 +22,23 @@ pub struct Position {
     pub place: Place,
     /// Metres from the place that was asked about.
     pub away: f64,
+    /// Whether it may be left and reached along the edge, and against it.
+    pub open: [bool; 2],
+}
+
+/// What a place on the network must be like to stand for one off it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SnapOptions {
+    /// How far it may be, metres.
+    pub radius: f64,
+    /// In which direction one travels there, degrees clockwise from north, and how many degrees that may be off.
+    pub bearing: Option<(f64, f64)>,
+}
+
+impl Default for SnapOptions {
+    fn default() -> Self {
+        Self { radius: f64::INFINITY, bearing: None }
+    }
 }
 
 /// Where a place off the network may be thought to be on it.
@@ -44,19 +62,36 @@ impl Position {
         // At its end a share is 1, whatever was lost in rounding.
         let at_end = segment + 2 == points.len() && foot.share >= 1.0;
         let share = if at_end { 1.0 } else { share };
-        Self { edge: foot.edge, share, segment: foot.segment, place: foot.place, away: foot.away }
+        let (edge, segment, place, away) = (foot.edge, foot.segment, foot.place, foot.away);
+        Self { edge, share, segment, place, away, open: [true; 2] }
+    }
+}
+
+impl SnapOptions {
+    /// In which directions a foot's segment may be travelled.
+    fn open(&self, roads: &Roads, foot: &Foot) -> [bool; 2] {
+        let Some((bearing, range)) = self.bearing else { return [true; 2] };
+        let points = roads.network.edge_points(foot.edge);
+        let forward = crate::geo::bearing(points[foot.segment as usize], points[foot.segment as usize + 1]);
+        [forward, forward + 180.0].map(|direction| crate::geo::turn(bearing, direction).abs() <= range)
     }
 }
 
 impl Snap {
-    /// Where `place` is on the roads of a metric, if something is within `limit` metres.
-    pub fn new(roads: &Roads, metric: &Metric, place: Place, limit: f64, memory: &mut Nearest) -> Self {
-        let nearest = nearest(roads, place, limit, memory, |edge| metric.is_open(edge));
+    /// Where `place` is on the roads of a metric; nowhere if nothing is as the options say.
+    pub fn new(
+        roads: &Roads,
+        metric: &Metric,
+        place: Place,
+        options: &SnapOptions,
+        memory: &mut Nearest,
+    ) -> Self {
+        let nearest = nearest(roads, metric, place, options, memory, |_| true);
         let in_large = |position: &Position| metric.components.is_large(position.edge);
-        let large = if nearest.iter().any(in_large) {
+        let large = if nearest.is_empty() || nearest.iter().any(in_large) {
             Vec::new()
         } else {
-            nearest_large(roads, metric, place, limit, memory)
+            nearest_large(roads, metric, place, options, memory)
         };
         Self { nearest, large }
     }
@@ -72,6 +107,11 @@ impl Snap {
         first.is_some() && snaps.iter().all(|snap| component(snap) == first)
     }
 
+    /// As [`Snap::positions`].
+    pub fn into_positions(self, small: bool) -> Vec<Position> {
+        if small || self.large.is_empty() { self.nearest } else { self.large }
+    }
+
     /// Where to begin or end: if `small` places will do, the nearest one, or else the nearest in a large component.
     pub fn positions(&self, small: bool) -> &[Position] {
         if small || self.large.is_empty() { &self.nearest } else { &self.large }
@@ -82,35 +122,61 @@ fn nearest_large(
     roads: &Roads,
     metric: &Metric,
     place: Place,
-    limit: f64,
+    options: &SnapOptions,
     memory: &mut Nearest,
 ) -> Vec<Position> {
-    let usable = |edge| metric.is_open(edge) && metric.components.is_large(edge);
-    nearest(roads, place, limit, memory, usable)
+    nearest(roads, metric, place, options, memory, |edge| metric.components.is_large(edge))
 }
 
 /// The nearest place, on each usable edge that goes through it.
 fn nearest(
     roads: &Roads,
+    metric: &Metric,
     place: Place,
-    limit: f64,
+    options: &SnapOptions,
     memory: &mut Nearest,
     usable: impl Fn(u32) -> bool,
 ) -> Vec<Position> {
     let mut found: Vec<Position> = Vec::new();
-    roads.segments.nearest(&roads.network, place, limit, memory, usable, |foot| {
+    let usable = |edge| metric.is_open(edge) && usable(edge);
+    roads.segments.nearest(&roads.network, place, options.radius, memory, usable, |foot| {
         let first = found.first();
         if first.is_some_and(|first| foot.away > first.away + SAME) {
             return false;
         }
-        if first.is_none_or(|first| distance(first.place, foot.place) < SAME) {
-            let position = Position::new(roads, foot);
+        let same = first.is_none_or(|first| distance(first.place, foot.place) < SAME);
+        let bearings = options.open(roads, &foot);
+        let open = [0, 1].map(|i| bearings[i] && metric.edges[2 * foot.edge as usize + i].weight < FAR);
+        if same && open != [false; 2] {
+            let position = Position { open, ..Position::new(roads, foot) };
             let known = |p: &Position| p.edge == position.edge && p.share == position.share;
             if !found.iter().any(known) {
                 found.push(position);
             }
         }
         true
+    });
+    found
+}
+
+/// The nearest places on different stretches of road, nearest first, `count` at most.
+pub fn several(
+    roads: &Roads,
+    metric: &Metric,
+    place: Place,
+    count: usize,
+    options: &SnapOptions,
+    memory: &mut Nearest,
+) -> Vec<Position> {
+    let mut found = Vec::new();
+    let usable = |edge| metric.is_open(edge);
+    roads.segments.nearest(&roads.network, place, options.radius, memory, usable, |foot| {
+        let bearings = options.open(roads, &foot);
+        let open = [0, 1].map(|i| bearings[i] && metric.edges[2 * foot.edge as usize + i].weight < FAR);
+        if open != [false; 2] && found.iter().all(|p: &Position| p.edge != foot.edge) {
+            found.push(Position { open, ..Position::new(roads, foot) });
+        }
+        found.len() < count
     });
     found
 }

@@ -11,7 +11,7 @@ use crate::leg::{Leg, Memory};
 use crate::metric::Metric;
 use crate::overlay::CellTooLarge;
 use crate::partition::CellSizes;
-use crate::position::Snap;
+use crate::position::{Snap, SnapOptions};
 use crate::profile::Profile;
 use crate::roads::Roads;
 use crate::tree::Nearest;
@@ -51,7 +51,7 @@ impl MapRouter {
     fn route_from(&self, leg: &Leg) -> Route {
         let (distance, duration) = leg.length_and_duration(&self.roads, &self.metric);
         let points =
-            leg.points(&self.roads).into_iter().map(|place| self.projection.to_map(place.position()));
+            leg.line(&self.roads).points.into_iter().map(|place| self.projection.to_map(place.position()));
         let network = &self.roads.network;
         let name = |directed: &u32| &network.names[network.edges[*directed as usize / 2].name as usize].name;
         let mut names: Vec<String> = leg.edges.iter().map(name).filter(|n| !n.is_empty()).cloned().collect();
@@ -69,9 +69,10 @@ impl Router for MapRouter {
     fn route(&self, from: MapPoint, to: MapPoint) -> Result<Route, RouteError> {
         let mut memory = self.memory.lock().unwrap_or_else(PoisonError::into_inner);
         let (nearest, memory) = &mut *memory;
+        let near_by = SnapOptions { radius: SNAP_LIMIT, ..SnapOptions::default() };
         let mut snap = |near: MapPoint| {
             let place = Place::new(self.projection.to_lonlat(near));
-            let snap = place.map(|p| Snap::new(&self.roads, &self.metric, p, SNAP_LIMIT, nearest));
+            let snap = place.map(|p| Snap::new(&self.roads, &self.metric, p, &near_by, nearest));
             snap.filter(|s| !s.nearest.is_empty()).ok_or(RouteError::NoSegment { near, limit: SNAP_LIMIT })
         };
         let ends = [snap(from)?, snap(to)?];

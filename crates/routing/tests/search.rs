@@ -6,7 +6,7 @@ use std::collections::BinaryHeap;
 use openbench_routing::geo::Place;
 use openbench_routing::overlay::{Arcs, Cliques, FAR, Overlay, Weights};
 use openbench_routing::partition::{CellSizes, Partition};
-use openbench_routing::search::{End, Path, Searched, Workspace};
+use openbench_routing::search::{End, Path, Searched, TableMemory, Workspace};
 use proptest::prelude::*;
 
 /// Arcs with weights, between states that lie somewhere.
@@ -115,6 +115,29 @@ proptest! {
                     prop_assert_eq!(graph.along(&path.states, &sources, &targets), weight);
                 }
             }
+        }
+    }
+
+    #[test]
+    fn tables_are_as_light_as_dijkstras(
+        graph in graph(),
+        sources in proptest::collection::vec(drawn(), 0..5),
+        targets in proptest::collection::vec(drawn(), 0..5),
+    ) {
+        for sizes in [&[2, 5, 12, 30][..], &[4, 16], &[8], &[100]] {
+            let (graph, levels) = graph.in_cells(sizes);
+            let overlay = graph.overlay(&levels);
+            let weights = graph.weights(&overlay);
+            let cliques = Cliques::all(&overlay, &weights).unwrap();
+            let searched = Searched { overlay: &overlay, weights: &weights, cliques: &cliques };
+            let count = graph.places.len() as u32;
+            let [sources, targets] =
+                [&sources, &targets].map(|all| all.iter().map(|drawn| ends(count, drawn)).collect::<Vec<_>>());
+            let mut memory = TableMemory::default();
+            let table = memory.weights(searched, &sources, &targets);
+            let plain = sources.iter().flat_map(|s| targets.iter().map(|t| graph.dijkstra(s, t).unwrap_or(FAR)));
+            prop_assert_eq!(&table, &plain.collect::<Vec<_>>(), "{:?}", sizes);
+            prop_assert_eq!(memory.weights(searched, &sources, &targets), table, "the second time");
         }
     }
 

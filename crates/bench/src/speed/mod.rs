@@ -3,9 +3,11 @@
 //! | module | what |
 //! |---|---|
 //! | [`sim`] | rays, images, and the simulator as a whole |
+//! | [`routing`] | routes, nearest places, tables, and preparing a map |
 //! | [`dump`] | the triangles and rays that were measured, as files for peers |
 
 pub mod dump;
+pub mod routing;
 pub mod sim;
 
 use std::time::Duration;

@@ -1,16 +1,63 @@
 //! `openbench bench`
 
+use openbench_bench::speed::routing::{RoutingSpeed, measure as measure_routing, read_pairs};
 use openbench_bench::speed::sim::{SimSpeed, measure};
 use openbench_bench::{TrafficPlan, WorldSource};
+use openbench_routing::Profile;
 
-use crate::args::{BenchArgs, BenchCommand, BenchSimArgs};
+use crate::args::{BenchArgs, BenchCommand, BenchRoutingArgs, BenchSimArgs};
 use crate::outcome::{Outcome, say, say_json};
 
 /// Measures what is asked for.
 pub fn run(args: &BenchArgs) -> anyhow::Result<Outcome> {
     match &args.command {
         BenchCommand::Sim(args) => sim(args),
+        BenchCommand::Routing(args) => routing(args),
     }
+}
+
+fn routing(args: &BenchRoutingArgs) -> anyhow::Result<Outcome> {
+    let profile = Profile::open(&args.roads.profile)?;
+    let pairs = read_pairs(&args.pairs)?;
+    let speed = measure_routing(&args.roads.map, profile, &pairs)?;
+    if let Some(path) = &args.answers {
+        let rows = speed.answers.iter().map(|(metres, seconds)| format!("{metres:.1},{seconds:.2}\n"));
+        let text = format!("distance_m,duration_s\n{}", rows.collect::<String>());
+        openbench_osm::write_atomically(path, text.as_bytes())?;
+    }
+    if args.json {
+        say_json(&speed)?;
+    } else {
+        say(&routing_table(&speed))?;
+    }
+    Ok(Outcome::Done)
+}
+
+fn routing_table(speed: &RoutingSpeed) -> String {
+    let memory = speed.peak_memory_mb.map_or("unknown".to_owned(), |mb| format!("{mb:.0} MB"));
+    format!(
+        "{} vertices, {} edges, {} pairs, {} without a way; CPU time of one thread\n\
+         route            {:9.0} us, and {:.0} us in one case of 100\n\
+         with steps       {:9.0} us, and {:.0} us: JSON with every turn and point\n\
+         nearest          {:9.1} us, and {:.1} us\n\
+         table 100 x 100  {:9.1} ms\n\
+         building         {:9.2} s, from the file until routes are found\n\
+         customizing      {:9.3} s, when the profile has changed\n\
+         memory           {memory:>9}\n",
+        speed.vertices,
+        speed.edges,
+        speed.pairs,
+        speed.pairs_without_route,
+        speed.route_us_p50,
+        speed.route_us_p99,
+        speed.steps_us_p50,
+        speed.steps_us_p99,
+        speed.nearest_us_p50,
+        speed.nearest_us_p99,
+        speed.table_100_ms,
+        speed.build_seconds,
+        speed.customize_seconds,
+    )
 }
 
 fn sim(args: &BenchSimArgs) -> anyhow::Result<Outcome> {

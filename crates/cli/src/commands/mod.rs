@@ -6,6 +6,7 @@ pub mod models;
 pub mod plan;
 pub mod route;
 pub mod run;
+pub mod serve;
 pub mod show;
 pub mod verify;
 pub mod world;

@@ -1,21 +1,37 @@
 //! `openbench route`
 
-use openbench_osm::{Projection, default_georeference};
-use openbench_routing::{MapRouter, Profile, osrm};
+use openbench_osm::stream::Source;
+use openbench_routing::geo::Place;
+use openbench_routing::osrm::{Geometries, Limits, Overview, Request, RouteRequest, Service, ServiceMemory};
+use openbench_routing::{Metric, Profile, Roads};
 
-use crate::args::RouteArgs;
-use crate::commands::read_data;
-use crate::outcome::{Outcome, say_json};
+use crate::args::{RoadArgs, RouteArgs};
+use crate::outcome::{Outcome, say};
 
 /// Prints a route.
 pub fn run(args: &RouteArgs) -> anyhow::Result<Outcome> {
+    let service = service(&args.roads, Limits::default())?;
+    let places = args.places.iter().filter_map(|position| Place::new(*position)).collect();
+    let request = Request::Route(RouteRequest {
+        alternatives: args.alternatives,
+        steps: args.steps,
+        geometries: Geometries::GeoJson,
+        overview: Overview::Full,
+        ..RouteRequest::through(places)
+    });
+    let (body, outcome) = match service.body(&request, &mut ServiceMemory::default()) {
+        Ok(body) => (body, Outcome::Done),
+        Err(failure) => (failure.to_json(), Outcome::Problem),
+    };
+    say(&(String::from_utf8_lossy(&body) + "\n"))?;
+    Ok(outcome)
+}
+
+/// A map and a profile that answer requests.
+pub fn service(args: &RoadArgs, limits: Limits) -> anyhow::Result<Service> {
     let profile = Profile::open(&args.profile)?;
-    let data = read_data(&args.map)?;
-    let georeference =
-        default_georeference(&data).map_err(|e| anyhow::anyhow!("{}: {e}", args.map.display()))?;
-    let projection = Projection::new(georeference);
-    let router = MapRouter::new(&data, projection.clone(), profile)?;
-    let response = osrm::route(&router, &projection, &args.places);
-    say_json(&response)?;
-    Ok(if response.code == "Ok" { Outcome::Done } else { Outcome::Problem })
+    let source = Source::open(&args.map)?;
+    let roads = Roads::read(&source, &Default::default()).map_err(|error| error.in_file(&args.map))?;
+    let metric = Metric::new(&roads, profile)?;
+    Ok(Service { roads, metric, limits })
 }

@@ -10,14 +10,17 @@
 //! | module | its one job |
 //! |---|---|
 //! | `side` | one direction of a search: labels, and what is reached from them |
+//! | `table` | from many places to many
 //! | `path` | from both directions to a row of states |
 
 mod path;
 mod side;
+mod table;
 
 use crate::overlay::{Cliques, FAR, Overlay, Weights};
 pub use path::Path;
 use side::{Side, Tables};
+pub use table::TableMemory;
 
 /// A graph with its layers and what is known of them for one set of weights.
 #[derive(Debug, Clone, Copy)]
@@ -120,7 +123,7 @@ impl Workspace {
         for (side, ends) in self.sides.iter_mut().zip([sources, targets]) {
             side.begin(labels, ends);
         }
-        let met = self.meet(graph);
+        let met = self.meet(graph, 1.0);
         if let Some((_, label)) = met {
             path.unpack(graph, &self.ends, &self.sides, label);
         }
@@ -128,25 +131,69 @@ impl Workspace {
         met.map(|(weight, _)| weight)
     }
 
-    /// Both sides in turn until no better meeting is possible.
-    fn meet(&mut self, graph: Searched<'_>) -> Option<(u32, u32)> {
+    /// The lightest way and other ways: through each place that both sides reach, as long as the way is at most `stretch` times as heavy as
+    /// the lightest one, `most` in all. Each goes through a state that those before it do not; nothing else is said of them.
+    pub fn ways(
+        &mut self,
+        graph: Searched<'_>,
+        sources: &[End],
+        targets: &[End],
+        stretch: f64,
+        most: usize,
+    ) -> Vec<(u32, Vec<u32>)> {
+        self.ends.set(graph.overlay, sources.iter().chain(targets).map(|end| end.state));
+        let labels = self.ends.labels();
+        for (side, ends) in self.sides.iter_mut().zip([sources, targets]) {
+            side.begin(labels, ends);
+        }
+        let mut ways: Vec<(u32, Vec<u32>)> = Vec::new();
+        let mut path = Path::default();
+        for (weight, label) in self.meetings(graph, stretch) {
+            let state = self.ends.state(graph.overlay, label);
+            if ways.len() == most || ways.iter().any(|(_, states)| states.contains(&state)) {
+                continue;
+            }
+            path.unpack(graph, &self.ends, &self.sides, label);
+            ways.push((weight, path.states.clone()));
+        }
+        self.sides.iter_mut().for_each(Side::clear);
+        ways
+    }
+
+    /// All meetings that are light enough, the lightest first.
+    fn meetings(&mut self, graph: Searched<'_>, stretch: f64) -> Vec<(u32, u32)> {
+        let Some((best, _)) = self.meet(graph, stretch) else { return Vec::new() };
+        let limit = (f64::from(best) * stretch) as u32;
+        let [forward, backward] = &self.sides;
+        let both = forward.reached().map(|label| (forward.weight(label) + backward.weight(label), label));
+        let mut meetings: Vec<_> = both.filter(|(weight, _)| *weight <= limit).collect();
+        meetings.sort_unstable();
+        meetings
+    }
+
+    /// Both sides in turn until no meeting is possible that is better, or that is at most `stretch` times as heavy as the best one.
+    fn meet(&mut self, graph: Searched<'_>, stretch: f64) -> Option<(u32, u32)> {
         let [forward, backward] = &mut self.sides;
         let tables = [Tables::forward(graph), Tables::backward(graph)];
         let mut best = (FAR, 0);
         for end in &forward.begun {
-            let total = forward.weight(*end) + backward.weight(*end);
-            best = best.min((total, *end));
+            best = best.min((forward.weight(*end) + backward.weight(*end), *end));
         }
         loop {
             let (a, b) = (forward.next(), backward.next());
-            if a.saturating_add(b) >= best.0 {
+            let limit = ((f64::from(best.0) * stretch) as u32).min(FAR);
+            if a + b >= limit {
                 break;
             }
-            if a <= b {
-                forward.settle(&tables[0], &self.ends, backward, &mut best);
+            let (this, other, tables) = if a <= b {
+                (&mut *forward, &*backward, &tables[0])
             } else {
-                backward.settle(&tables[1], &self.ends, forward, &mut best);
-            }
+                (&mut *backward, &*forward, &tables[1])
+            };
+            let Some((label, weight)) = this.pop() else { break };
+            this.go_on(tables, &self.ends, label, weight, limit, |to, reached| {
+                best = best.min((reached + other.weight(to), to));
+            });
         }
         (best.0 < FAR).then_some(best)
     }

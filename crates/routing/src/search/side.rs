@@ -91,6 +91,11 @@ impl Side {
         self.weight[label as usize]
     }
 
+    /// All labels that were reached.
+    pub(super) fn reached(&self) -> impl Iterator<Item = u32> + '_ {
+        self.touched.iter().copied()
+    }
+
     pub(super) fn parent(&self, label: u32) -> u32 {
         self.parent[label as usize] & !THROUGH
     }
@@ -124,10 +129,29 @@ impl Side {
         true
     }
 
-    /// Goes on from the next label; notes the best place where the `other` side is met.
-    pub(super) fn settle(&mut self, tables: &Tables<'_>, ends: &Ends, other: &Side, best: &mut (u32, u32)) {
-        let Some(Reverse(top)) = self.heap.pop() else { return };
-        let (weight, label) = ((top >> 32) as u32, top as u32);
+    /// The next label and how far it is.
+    #[inline]
+    pub(super) fn pop(&mut self) -> Option<(u32, u32)> {
+        while let Some(Reverse(top)) = self.heap.pop() {
+            let (weight, label) = ((top >> 32) as u32, top as u32);
+            if weight == self.weight[label as usize] {
+                return Some((label, weight));
+            }
+        }
+        None
+    }
+
+    /// Goes on from a label, as far as `limit` is not reached; shows what is newly reached or reached sooner.
+    #[inline]
+    pub(super) fn go_on(
+        &mut self,
+        tables: &Tables<'_>,
+        ends: &Ends,
+        label: u32,
+        weight: u32,
+        limit: u32,
+        mut show: impl FnMut(u32, u32),
+    ) {
         let height = ends.layer_of_label(label);
         let state = if height == 0 {
             label
@@ -135,19 +159,20 @@ impl Side {
             let (base, slot) = (ends.base[height], (label - ends.base[height]) as usize);
             let through = self.parent[label as usize] & THROUGH != 0;
             if let Some((first, row)) = tables.row(height - 1, slot).filter(|_| !through) {
-                self.cross(base + first as u32, row, weight, label, other, best);
+                self.cross(base + first as u32, row, weight, label, limit, &mut show);
             }
             tables.overlay.layers[height - 1].state[slot]
         };
         for arc in tables.arcs.of(state) {
-            if usize::from(tables.arcs.border[arc]) < height || tables.weights[arc] >= FAR {
+            let reached = weight + tables.weights[arc];
+            if usize::from(tables.arcs.border[arc]) < height || reached >= limit {
                 continue;
             }
-            let (head, reached) = (tables.arcs.head[arc], weight + tables.weights[arc]);
+            let head = tables.arcs.head[arc];
             let layer = ends.layer(tables.overlay, head);
             let to = ends.base[layer] + tables.overlay.index(layer, head);
             if self.reach(to, reached, label) {
-                *best = (*best).min((reached + other.weight[to as usize], to));
+                show(to, reached);
             }
         }
     }
@@ -160,14 +185,13 @@ impl Side {
         row: &[u32],
         weight: u32,
         from: u32,
-        other: &Side,
-        best: &mut (u32, u32),
+        limit: u32,
+        show: &mut impl FnMut(u32, u32),
     ) {
         for (to, through) in (first..).zip(row) {
             let reached = weight + through;
-            if reached < self.weight[to as usize] && reached < best.0 {
-                self.reach(to, reached, from | THROUGH);
-                *best = (*best).min((reached + other.weight[to as usize], to));
+            if reached < limit && self.reach(to, reached, from | THROUGH) {
+                show(to, reached);
             }
         }
     }

@@ -1,0 +1,146 @@
+//! `openbench serve`: OSRM's HTTP API.
+
+use std::cell::RefCell;
+use std::convert::Infallible;
+use std::sync::Arc;
+use std::time::Duration;
+
+use anyhow::Context;
+use http_body_util::Full;
+use hyper::body::{Bytes, Incoming};
+use hyper::header::{self, HeaderValue};
+use hyper::service::service_fn;
+use hyper::{Method, Request, Response, StatusCode};
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::server::graceful::GracefulShutdown;
+use openbench_routing::osrm::{Limits, Service, ServiceMemory};
+use tokio::net::TcpListener;
+use tokio::sync::Semaphore;
+
+use crate::args::ServeArgs;
+use crate::commands::route::service;
+use crate::outcome::{Outcome, tell};
+
+/// Connections at a time; more wait.
+const CONNECTIONS: usize = 1024;
+/// The longest a request's head may take to come, and answers to go when the server stops.
+const PATIENCE: Duration = Duration::from_secs(10);
+/// Bytes of a request's head; hyper takes no longer addresses than 64 KiB anyway.
+const LONGEST_HEAD: usize = 128 << 10;
+
+/// Answers until it is told to stop.
+pub fn run(args: &ServeArgs) -> anyhow::Result<Outcome> {
+    let limits = Limits { route: args.max_route_places, table: args.max_table_places, ..Limits::default() };
+    let service = Arc::new(service(&args.roads, limits)?);
+    let mut runtime = tokio::runtime::Builder::new_multi_thread();
+    if let Some(threads) = args.threads {
+        runtime.worker_threads(threads.into());
+    }
+    let runtime = runtime.enable_all().build().context("cannot start threads")?;
+    runtime.block_on(serve(args, service))?;
+    Ok(Outcome::Done)
+}
+
+async fn serve(args: &ServeArgs, service: Arc<Service>) -> anyhow::Result<()> {
+    let listener =
+        TcpListener::bind(args.listen).await.with_context(|| format!("cannot listen on {}", args.listen))?;
+    tell(&format!(
+        "{} edges of {} for `{}`; listening on http://{}",
+        service.roads.network.edge_count(),
+        args.roads.map.display(),
+        args.roads.profile,
+        listener.local_addr()?
+    ));
+    let (graceful, room) = (GracefulShutdown::new(), Arc::new(Semaphore::new(CONNECTIONS)));
+    let mut stop = std::pin::pin!(stopped());
+    loop {
+        let permit = room.clone().acquire_owned().await?;
+        let accepted = tokio::select! {
+            accepted = listener.accept() => accepted,
+            () = &mut stop => break,
+        };
+        let stream = match accepted {
+            Ok((stream, _)) => stream,
+            Err(error) => {
+                // Out of files, or the other side is gone already: others can be served.
+                tracing::warn!("a connection was not accepted: {error}");
+                tokio::time::sleep(Duration::from_millis(50)).await;
+                continue;
+            }
+        };
+        // An answer is written at once.
+        let _ = stream.set_nodelay(true);
+        let service = service.clone();
+        let answer = service_fn(move |request| {
+            let response = respond(&service, &request);
+            async move { Ok::<_, Infallible>(response) }
+        });
+        let mut builder = hyper::server::conn::http1::Builder::new();
+        builder.timer(TokioTimer::new()).header_read_timeout(PATIENCE).max_buf_size(LONGEST_HEAD);
+        let connection = graceful.watch(builder.serve_connection(TokioIo::new(stream), answer));
+        tokio::spawn(async move {
+            if let Err(error) = connection.await {
+                tracing::debug!("a connection ended: {error}");
+            }
+            drop(permit);
+        });
+    }
+    tokio::select! {
+        () = graceful.shutdown() => {}
+        () = tokio::time::sleep(PATIENCE) => tell("some connections were still open"),
+    }
+    Ok(())
+}
+
+/// Ctrl-C, or the signal that asks a process to end.
+async fn stopped() {
+    let interrupted = async {
+        // Without that signal there is nothing to wait for.
+        if tokio::signal::ctrl_c().await.is_err() {
+            std::future::pending::<()>().await;
+        }
+    };
+    #[cfg(unix)]
+    {
+        let terminated = tokio::signal::unix::signal(tokio::signal::unix::SignalKind::terminate());
+        if let Ok(mut terminated) = terminated {
+            tokio::select! {
+                () = interrupted => {}
+                _ = terminated.recv() => {}
+            }
+            return;
+        }
+    }
+    interrupted.await;
+}
+
+fn respond(service: &Service, request: &Request<Incoming>) -> Response<Full<Bytes>> {
+    thread_local! {
+        static MEMORY: RefCell<ServiceMemory> = RefCell::default();
+    }
+    let (status, body) = match *request.method() {
+        Method::GET | Method::HEAD => {
+            let target = request.uri().path_and_query().map_or("/", |target| target.as_str());
+            let answer = MEMORY.with_borrow_mut(|memory| service.answer(target, memory));
+            (StatusCode::from_u16(answer.status).unwrap_or(StatusCode::OK), answer.body)
+        }
+        Method::OPTIONS => (StatusCode::NO_CONTENT, Vec::new()),
+        _ => {
+            let body = r#"{"message":"only GET, HEAD and OPTIONS are answered","code":"InvalidMethod"}"#;
+            (StatusCode::METHOD_NOT_ALLOWED, body.into())
+        }
+    };
+    let mut response = Response::new(Full::new(Bytes::from(body)));
+    *response.status_mut() = status;
+    let headers = response.headers_mut();
+    for (name, value) in [
+        (header::ACCESS_CONTROL_ALLOW_ORIGIN, "*"),
+        (header::ACCESS_CONTROL_ALLOW_METHODS, "GET, HEAD, OPTIONS"),
+        (header::ACCESS_CONTROL_ALLOW_HEADERS, "X-Requested-With, Content-Type"),
+        (header::CONTENT_TYPE, "application/json; charset=UTF-8"),
+        (header::CONTENT_DISPOSITION, "inline; filename=\"response.json\""),
+    ] {
+        headers.insert(name, HeaderValue::from_static(value));
+    }
+    response
+}

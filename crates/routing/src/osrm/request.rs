@@ -1,0 +1,534 @@
+//! Requests as OSRM's HTTP API, version 1, has them: `/{service}/v1/{profile}/{coordinates}?{options}`.
+
+use openbench_core::LonLat;
+
+use super::failure::Failure;
+use super::polyline;
+use crate::geo::Place;
+use crate::position::SnapOptions;
+
+/// What is asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Request {
+    /// The way through some places.
+    Route(RouteRequest),
+    /// What is near a place.
+    Nearest(NearestRequest),
+    /// How far places are from each other.
+    Table(TableRequest),
+}
+
+/// The places of a request.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Places {
+    /// Where they are.
+    pub places: Vec<Place>,
+    /// How each of them is brought onto the network; as many as places.
+    pub snap: Vec<SnapOptions>,
+    /// Whether the answer is to hold hints.
+    pub hints: bool,
+    /// Whether the places are left out of the answer.
+    pub skip_waypoints: bool,
+}
+
+/// How lines are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Geometries {
+    /// As text with five decimal places.
+    #[default]
+    Polyline,
+    /// As text with six.
+    Polyline6,
+    /// As GeoJSON.
+    GeoJson,
+}
+
+/// How much of a route's line is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Overview {
+    /// What can be seen of it when all of it is seen.
+    #[default]
+    Simplified,
+    /// All of it.
+    Full,
+    /// All of it, leg by leg.
+    ByLegs,
+    /// Nothing.
+    False,
+}
+
+/// What is told of every segment.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Annotations {
+    /// Seconds.
+    pub duration: bool,
+    /// Metres.
+    pub distance: bool,
+    /// OSM nodes.
+    pub nodes: bool,
+    /// Metres a second.
+    pub speed: bool,
+    /// What it counts as.
+    pub weight: bool,
+    /// Where its speed comes from.
+    pub datasources: bool,
+}
+
+/// Asks for a way.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct RouteRequest {
+    /// Through which places.
+    pub places: Places,
+    /// How many other ways are wanted.
+    pub alternatives: usize,
+    /// Whether to say where to turn.
+    pub steps: bool,
+    /// What to tell of every segment.
+    pub annotations: Annotations,
+    /// How lines are written.
+    pub geometries: Geometries,
+    /// How much of the whole line is.
+    pub overview: Overview,
+    /// Whether one goes on in the same direction at places in between; by default as the profile has it.
+    pub continue_straight: Option<bool>,
+    /// Which places divide legs; all if none are named.
+    pub waypoints: Vec<usize>,
+}
+
+/// Asks for what is near.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct NearestRequest {
+    /// Near which places.
+    pub places: Places,
+    /// How many stretches of road.
+    pub number: usize,
+}
+
+/// Asks how far places are from each other.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct TableRequest {
+    /// Which places.
+    pub places: Places,
+    /// Indices of those that are begun at; all if none are named.
+    pub sources: Vec<usize>,
+    /// Indices of those that are gone to; all if none are named.
+    pub destinations: Vec<usize>,
+    /// Whether seconds are wanted, and metres.
+    pub duration: bool,
+    /// Whether metres are wanted.
+    pub distance: bool,
+    /// Metres a second in a straight line where there is no way.
+    pub fallback_speed: Option<f64>,
+    /// By how much durations are multiplied.
+    pub scale: f64,
+}
+
+/// How much may be asked for at once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Limits {
+    /// Places of a route.
+    pub route: usize,
+    /// Places of a table.
+    pub table: usize,
+    /// Stretches of road near a place.
+    pub nearest: usize,
+    /// Other ways.
+    pub alternatives: usize,
+}
+
+impl Default for Limits {
+    /// As `osrm-routed` has them.
+    fn default() -> Self {
+        Self { route: 500, table: 100, nearest: 100, alternatives: 3 }
+    }
+}
+
+/// One `key=value` of a request and where it stands.
+#[derive(Debug, Clone, Copy)]
+struct Setting<'a> {
+    key: &'a str,
+    value: &'a str,
+    position: usize,
+}
+
+impl Request {
+    /// Reads the path and the query of an address.
+    pub fn parse(target: &str, limits: &Limits) -> Result<Self, Failure> {
+        let (path, query) = target.split_once('?').unwrap_or((target, ""));
+        let parts: Vec<&str> = path.strip_prefix('/').unwrap_or_default().splitn(4, '/').collect();
+        let [service, version, profile, coordinates] = parts[..] else {
+            return Err(Failure::new(
+                "InvalidUrl",
+                format!("URL string malformed close to position 1: \"{}\"", shown(path)),
+            ));
+        };
+        let version_is_one =
+            version.strip_prefix('v').is_some_and(|v| v.bytes().all(|b| b.is_ascii_digit()) && !v.is_empty());
+        if !version_is_one || profile.is_empty() {
+            return Err(Failure::new(
+                "InvalidUrl",
+                format!("URL string malformed close to position 1: \"{}\"", shown(path)),
+            ));
+        }
+        if !["route", "nearest", "table"].contains(&service) {
+            return Err(Failure::new("InvalidService", format!("Service {} not found!", shown(service))));
+        }
+        if version != "v1" {
+            return Err(Failure::new("InvalidVersion", format!("Service {} not found!", shown(service))));
+        }
+        let position = path.len() - coordinates.len();
+        let places = places(coordinates, position)?;
+        let options = options(query, path.len() + 1)?;
+        match service {
+            "route" => RouteRequest::new(places, &options, limits).map(Self::Route),
+            "nearest" => NearestRequest::new(places, &options, limits).map(Self::Nearest),
+            _ => TableRequest::new(places, &options, limits).map(Self::Table),
+        }
+    }
+}
+
+/// A part of a request that may be said again: short.
+fn shown(text: &str) -> String {
+    text.chars().take(60).collect()
+}
+
+/// `lon,lat;lon,lat`, `polyline(…)` or `polyline6(…)`.
+fn places(coordinates: &str, position: usize) -> Result<Vec<Place>, Failure> {
+    let decoded = percent_decoded(coordinates).ok_or_else(|| Failure::query(position))?;
+    let text = decoded.strip_suffix(".json").unwrap_or(&decoded);
+    let line = |start: &str, places: u32| {
+        let inner = text.strip_prefix(start)?.strip_suffix(')')?;
+        Some(polyline::decode(inner, places))
+    };
+    let positions: Vec<LonLat> = match line("polyline(", 5).or_else(|| line("polyline6(", 6)) {
+        Some(line) => {
+            let line = line.ok_or_else(|| Failure::query(position))?;
+            line.into_iter().map(|[lat, lon]| LonLat::new(lon, lat)).collect()
+        }
+        None => {
+            let mut at = position;
+            let mut pairs = Vec::new();
+            for pair in text.split(';') {
+                pairs.push(lonlat(pair).ok_or_else(|| Failure::query(at))?);
+                at += pair.len() + 1;
+            }
+            pairs
+        }
+    };
+    let invalid = || Failure::new("InvalidValue", "Invalid coordinate value.");
+    positions.into_iter().map(|position| Place::new(position).ok_or_else(invalid)).collect()
+}
+
+fn lonlat(pair: &str) -> Option<LonLat> {
+    let (lon, lat) = pair.split_once(',')?;
+    Some(LonLat::new(number(lon)?, number(lat)?))
+}
+
+/// A finite number, written in digits.
+fn number(text: &str) -> Option<f64> {
+    let digits = text.bytes().all(|b| b.is_ascii_digit() || b"+-.eE".contains(&b));
+    text.parse().ok().filter(|number: &f64| digits && number.is_finite())
+}
+
+fn percent_decoded(text: &str) -> Option<String> {
+    if !text.contains('%') {
+        return Some(text.to_owned());
+    }
+    let (mut bytes, mut rest) = (Vec::new(), text.as_bytes());
+    while let [first, after @ ..] = rest {
+        rest = after;
+        if *first != b'%' {
+            bytes.push(*first);
+            continue;
+        }
+        let [high, low, after @ ..] = after else { return None };
+        let digit = |byte: u8| char::from(byte).to_digit(16);
+        bytes.push((digit(*high)? * 16 + digit(*low)?) as u8);
+        rest = after;
+    }
+    String::from_utf8(bytes).ok()
+}
+
+fn options(query: &str, mut position: usize) -> Result<Vec<(String, String, usize)>, Failure> {
+    let mut options = Vec::new();
+    for option in query.split('&').filter(|_| !query.is_empty()) {
+        let (key, value) = option.split_once('=').ok_or_else(|| Failure::query(position))?;
+        let value = percent_decoded(value).ok_or_else(|| Failure::query(position))?;
+        options.push((key.to_owned(), value, position));
+        position += option.len() + 1;
+    }
+    Ok(options)
+}
+
+fn each<'a>(options: &'a [(String, String, usize)]) -> impl Iterator<Item = Setting<'a>> {
+    options.iter().map(|(key, value, position)| Setting { key, value, position: *position })
+}
+
+impl Setting<'_> {
+    fn fail(&self) -> Failure {
+        Failure::query(self.position)
+    }
+
+    fn boolean(&self) -> Result<bool, Failure> {
+        match self.value {
+            "true" => Ok(true),
+            "false" => Ok(false),
+            _ => Err(self.fail()),
+        }
+    }
+
+    fn whole(&self) -> Result<usize, Failure> {
+        self.value.parse().map_err(|_| self.fail())
+    }
+
+    /// Indices separated by semicolons; `all` is none.
+    fn indices(&self) -> Result<Vec<usize>, Failure> {
+        match self.value {
+            "all" | "" => Ok(Vec::new()),
+            list => list.split(';').map(|i| i.parse().map_err(|_| self.fail())).collect(),
+        }
+    }
+}
+
+impl Places {
+    fn new(places: Vec<Place>) -> Self {
+        let snap = vec![SnapOptions::default(); places.len()];
+        Self { places, snap, hints: true, skip_waypoints: false }
+    }
+
+    /// Takes an option in that all services know; whether it is one.
+    fn take(&mut self, option: Setting<'_>) -> Result<bool, Failure> {
+        match option.key {
+            "generate_hints" => self.hints = option.boolean()?,
+            "skip_waypoints" => self.skip_waypoints = option.boolean()?,
+            // Hints are accepted, and places looked up all the same.
+            "hints" => drop(self.list(option)?),
+            "approaches" => {
+                let known = |word: &&str| ["", "curb", "opposite", "unrestricted"].contains(word);
+                if !self.list(option)?.iter().all(known) {
+                    return Err(option.fail());
+                }
+            }
+            "radiuses" => {
+                for (i, radius) in self.list(option)?.into_iter().enumerate() {
+                    self.snap[i].radius = match radius {
+                        "" | "unlimited" => f64::INFINITY,
+                        radius => number(radius).filter(|r| *r >= 0.0).ok_or_else(|| option.fail())?,
+                    };
+                }
+            }
+            "bearings" => {
+                for (i, bearing) in self.list(option)?.into_iter().enumerate() {
+                    let pair = bearing.split_once(',').and_then(|(b, r)| Some((number(b)?, number(r)?)));
+                    let valid = pair.filter(|(b, r)| (0.0..=360.0).contains(b) && (0.0..=180.0).contains(r));
+                    if valid.is_none() && !bearing.is_empty() {
+                        return Err(option.fail());
+                    }
+                    self.snap[i].bearing = valid;
+                }
+            }
+            "snapping" if ["default", "any"].contains(&option.value) => {}
+            "exclude" => {
+                return Err(Failure::new("InvalidValue", "Exclude flag combination is not supported."));
+            }
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+
+    /// One value for each place.
+    fn list<'a>(&self, option: Setting<'a>) -> Result<Vec<&'a str>, Failure> {
+        let values: Vec<&str> = option.value.split(';').collect();
+        if values.len() == self.places.len() {
+            return Ok(values);
+        }
+        let message = format!(
+            "Number of elements in {} size {} does not match coordinate size {}",
+            option.key,
+            values.len(),
+            self.places.len()
+        );
+        Err(Failure::new("InvalidOptions", message))
+    }
+
+    fn at_least_two(&self) -> Result<(), Failure> {
+        if self.places.len() >= 2 {
+            return Ok(());
+        }
+        Err(Failure::new("InvalidOptions", "Number of coordinates needs to be at least two."))
+    }
+}
+
+fn too_big(what: &str, count: usize, limit: usize) -> Result<(), Failure> {
+    if count <= limit {
+        return Ok(());
+    }
+    Err(Failure::new("TooBig", format!("{what} {count} is higher than current maximum ({limit})")))
+}
+
+impl RouteRequest {
+    /// A request for the way through some places, and nothing else.
+    pub fn through(places: Vec<Place>) -> Self {
+        Self { places: Places::new(places), ..Self::default() }
+    }
+
+    fn new(
+        places: Vec<Place>,
+        options: &[(String, String, usize)],
+        limits: &Limits,
+    ) -> Result<Self, Failure> {
+        let mut request = Self::through(places);
+        request.places.at_least_two()?;
+        too_big("Number of entries", request.places.places.len(), limits.route)?;
+        for option in each(options) {
+            if request.places.take(option)? {
+                continue;
+            }
+            match (option.key, option.value) {
+                ("alternatives", "true") => request.alternatives = 1,
+                ("alternatives", "false") => request.alternatives = 0,
+                ("alternatives", _) => request.alternatives = option.whole()?,
+                ("steps", _) => request.steps = option.boolean()?,
+                ("annotations", words) => {
+                    request.annotations = annotations(words).ok_or_else(|| option.fail())?
+                }
+                ("geometries", "polyline") => request.geometries = Geometries::Polyline,
+                ("geometries", "polyline6") => request.geometries = Geometries::Polyline6,
+                ("geometries", "geojson") => request.geometries = Geometries::GeoJson,
+                ("overview", "simplified") => request.overview = Overview::Simplified,
+                ("overview", "full") => request.overview = Overview::Full,
+                ("overview", "by_legs") => request.overview = Overview::ByLegs,
+                ("overview", "false") => request.overview = Overview::False,
+                ("continue_straight", "default") => request.continue_straight = None,
+                ("continue_straight", _) => request.continue_straight = Some(option.boolean()?),
+                ("waypoints", _) => request.waypoints = option.indices()?,
+                _ => return Err(option.fail()),
+            }
+        }
+        too_big("Requested number of alternatives", request.alternatives, limits.alternatives)?;
+        request.check_waypoints()?;
+        Ok(request)
+    }
+
+    fn check_waypoints(&self) -> Result<(), Failure> {
+        let (waypoints, last) = (&self.waypoints, self.places.places.len() - 1);
+        if waypoints.is_empty() {
+            return Ok(());
+        }
+        if waypoints.first() != Some(&0) || waypoints.last() != Some(&last) {
+            return Err(Failure::new(
+                "InvalidValue",
+                "First and last coordinates must be specified as waypoints.",
+            ));
+        }
+        if waypoints.windows(2).any(|pair| pair[0] >= pair[1]) {
+            return Err(Failure::new("InvalidValue", "Waypoints must be in ascending order."));
+        }
+        Ok(())
+    }
+}
+
+fn annotations(words: &str) -> Option<Annotations> {
+    let mut annotations = Annotations::default();
+    for word in words.split(',') {
+        match word {
+            "true" => {
+                annotations = Annotations {
+                    duration: true,
+                    distance: true,
+                    nodes: true,
+                    speed: true,
+                    weight: true,
+                    datasources: true,
+                }
+            }
+            "false" => {}
+            "duration" => annotations.duration = true,
+            "distance" => annotations.distance = true,
+            "nodes" => annotations.nodes = true,
+            "speed" => annotations.speed = true,
+            "weight" => annotations.weight = true,
+            "datasources" => annotations.datasources = true,
+            _ => return None,
+        }
+    }
+    Some(annotations)
+}
+
+impl NearestRequest {
+    fn new(
+        places: Vec<Place>,
+        options: &[(String, String, usize)],
+        limits: &Limits,
+    ) -> Result<Self, Failure> {
+        let mut request = Self { places: Places::new(places), number: 1 };
+        for option in each(options) {
+            if request.places.take(option)? {
+                continue;
+            }
+            match option.key {
+                "number" => request.number = option.whole()?,
+                _ => return Err(option.fail()),
+            }
+        }
+        if request.number == 0 {
+            return Err(Failure::new("InvalidOptions", "The number of results must be at least one."));
+        }
+        too_big("Number of results", request.number, limits.nearest)?;
+        too_big("Number of coordinates", request.places.places.len(), limits.nearest)?;
+        Ok(request)
+    }
+}
+
+impl TableRequest {
+    /// A request for the durations between all places.
+    pub fn between(places: Vec<Place>) -> Self {
+        Self { places: Places::new(places), duration: true, scale: 1.0, ..Self::default() }
+    }
+
+    fn new(
+        places: Vec<Place>,
+        options: &[(String, String, usize)],
+        limits: &Limits,
+    ) -> Result<Self, Failure> {
+        let mut request = Self::between(places);
+        request.places.at_least_two()?;
+        if request.places.places.len() > limits.table {
+            return Err(Failure::new("TooBig", "Too many table coordinates"));
+        }
+        let positive = |option: Setting<'_>| {
+            let value = number(option.value).ok_or_else(|| option.fail())?;
+            let low = || Failure::new("InvalidOptions", format!("{} must be > 0", option.key));
+            (value > 0.0).then_some(value).ok_or_else(low)
+        };
+        for option in each(options) {
+            if request.places.take(option)? {
+                continue;
+            }
+            match option.key {
+                "sources" => request.sources = option.indices()?,
+                "destinations" => request.destinations = option.indices()?,
+                "annotations" => {
+                    let words: Vec<&str> = option.value.split(',').collect();
+                    if !words.iter().all(|word| ["duration", "distance"].contains(word)) {
+                        return Err(option.fail());
+                    }
+                    (request.duration, request.distance) =
+                        (words.contains(&"duration"), words.contains(&"distance"));
+                }
+                "fallback_speed" => request.fallback_speed = Some(positive(option)?),
+                "fallback_coordinate" if ["input", "snapped"].contains(&option.value) => {}
+                "scale_factor" => request.scale = positive(option)?,
+                _ => return Err(option.fail()),
+            }
+        }
+        let count = request.places.places.len();
+        if request.sources.iter().chain(&request.destinations).any(|index| *index >= count) {
+            return Err(Failure::new(
+                "InvalidOptions",
+                "A source or destination is not among the coordinates.",
+            ));
+        }
+        Ok(request)
+    }
+}

@@ -1,0 +1,74 @@
+//! As many points of a line as can be seen when all of it is seen.
+//!
+//! D. Douglas, T. Peucker, *Algorithms for the reduction of the number of points required to represent a digitized line*, 1973, in
+//! Mercator's projection, as fine as a map of eight by five tiles shows it.
+
+use crate::geo::Place;
+
+/// Units of a [`Place`] round the equator.
+const EQUATOR: f64 = 3.6e9;
+/// A tile's side, pixels, and how many tiles are seen.
+const TILE: f64 = 256.0;
+const SEEN: [f64; 2] = [8.0, 5.0];
+/// At zoom 18 what is nearer than so many units, squared, to a straight line is on it; four times as many a zoom less.
+const FINEST: (i32, f64) = (18, 67_600.0);
+
+/// The points that are kept; the first and the last always are.
+pub fn simplified(line: &[Place]) -> Vec<Place> {
+    let points: Vec<[f64; 2]> = line.iter().map(mercator).collect();
+    let limit = FINEST.1 * 4_f64.powi(FINEST.0 - zoom(&points));
+    let mut kept = vec![false; line.len()];
+    let mut waiting = vec![(0, line.len().saturating_sub(1))];
+    while let Some((first, last)) = waiting.pop() {
+        kept[first] = true;
+        kept[last] = true;
+        let away = |i: usize| (away(points[i], points[first], points[last]), i);
+        let furthest = (first + 1..last).map(away).max_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((_, middle)) = furthest.filter(|(away, _)| *away > limit) {
+            waiting.push((first, middle));
+            waiting.push((middle, last));
+        }
+    }
+    line.iter().zip(kept).filter(|(_, kept)| *kept).map(|(point, _)| *point).collect()
+}
+
+fn mercator(place: &Place) -> [f64; 2] {
+    let latitude = place.position().lat.clamp(-85.051_13, 85.051_13).to_radians();
+    let y = libm::log(libm::tan(std::f64::consts::FRAC_PI_4 + latitude / 2.0));
+    [f64::from(place.lon), y * EQUATOR / std::f64::consts::TAU]
+}
+
+/// The largest zoom at which all points are seen.
+fn zoom(points: &[[f64; 2]]) -> i32 {
+    let extent = |i: usize| {
+        let values = points.iter().map(|p| p[i]);
+        values.clone().fold(f64::MIN, f64::max) - values.fold(f64::MAX, f64::min)
+    };
+    // At zoom z the equator is TILE * 2^z pixels long.
+    let fits = |i: usize| libm::floor(libm::log2(SEEN[i] * TILE * EQUATOR / (TILE * extent(i).max(1.0))));
+    (fits(0).min(fits(1)) as i32).clamp(1, FINEST.0)
+}
+
+/// How far a point is from a segment, squared.
+fn away(point: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+    let [dx, dy] = [b[0] - a[0], b[1] - a[1]];
+    let [px, py] = [point[0] - a[0], point[1] - a[1]];
+    let square = dx * dx + dy * dy;
+    let share = if square > 0.0 { ((px * dx + py * dy) / square).clamp(0.0, 1.0) } else { 0.0 };
+    let [x, y] = [px - share * dx, py - share * dy];
+    x * x + y * y
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_straight_line_needs_its_ends_and_a_corner_is_kept() {
+        let line: Vec<Place> = (0..100).map(|i| Place { lon: i * 10_000, lat: i % 2 * 20 }).collect();
+        assert_eq!(simplified(&line), [line[0], line[99]]);
+        let corner = [line.clone(), vec![Place { lon: 990_000, lat: 900_000 }]].concat();
+        assert_eq!(simplified(&corner), [line[0], line[99], corner[100]]);
+        assert_eq!(simplified(&line[..1]), [line[0]]);
+    }
+}
