@@ -412,6 +412,9 @@ pub struct BenchRoutingArgs {
     /// Write distance_m,duration_s of every pair to this file
     #[arg(long)]
     pub answers: Option<PathBuf>,
+    /// Write the graph to this folder, for peers that know no maps
+    #[arg(long)]
+    pub dump: Option<PathBuf>,
     /// Print JSON instead of a table
     #[arg(long)]
     pub json: bool,

@@ -19,25 +19,22 @@ pub struct Components {
 }
 
 impl Components {
-    /// The components of a metric; `weights` are those of the arcs out of vertices.
-    pub fn new(roads: &Roads, metric: &Metric, weights: &[u32]) -> Self {
-        let of_vertex = strong_components(&roads.vertices.out, weights);
-        let mut sizes = vec![0_usize; of_vertex.iter().max().map_or(0, |last| *last as usize + 1)];
-        of_vertex.iter().for_each(|component| sizes[*component as usize] += 1);
+    /// The components of a metric.
+    pub fn new(roads: &Roads, metric: &Metric) -> Self {
+        let graph = metric.searched(roads);
+        let of_state = strong_components(&graph.overlay.out, &graph.weights.out);
+        let mut sizes = vec![0_usize; of_state.iter().max().map_or(0, |last| *last as usize + 1)];
+        of_state.iter().for_each(|component| sizes[*component as usize] += 1);
         let largest = sizes.iter().max().map_or(0, |size| *size);
         let large = sizes.iter().map(|size| *size >= largest.min(LARGE)).collect();
-        let size = |component: u32| sizes[component as usize];
         let of_edge = (0..roads.network.edge_count() as u32).map(|edge| {
-            let sides = [2 * edge, 2 * edge + 1].into_iter().filter_map(|directed| {
-                let [from, to] = roads.network.ends(directed);
-                let component = of_vertex[from as usize];
-                let open = |directed: u32| metric.edges[directed as usize].weight < FAR;
-                let passed = |vertex: u32| metric.vertices[vertex as usize].weight < FAR;
-                let onwards = passed(to) && of_vertex[to as usize] == component;
-                let back = open(directed ^ 1) && passed(from);
-                (open(directed) && (onwards || back)).then_some(component)
+            let sides = [2 * edge, 2 * edge + 1];
+            let open = sides.into_iter().filter(|directed| metric.edges[*directed as usize].weight < FAR);
+            let components = open.filter_map(|directed| match &metric.turns {
+                Some(turns) => Some(of_state[turns.state_of[directed as usize] as usize]),
+                None => of_side(roads, metric, &of_state, directed),
             });
-            sides.max_by_key(|component| size(*component)).unwrap_or(NONE)
+            components.max_by_key(|component| sizes[*component as usize]).unwrap_or(NONE)
         });
         Self { of_edge: of_edge.collect(), large }
     }
@@ -51,6 +48,16 @@ impl Components {
     pub fn is_large(&self, edge: u32) -> bool {
         self.of(edge).is_some_and(|component| self.large[component as usize])
     }
+}
+
+/// The component that an open directed edge can be entered from and left to.
+fn of_side(roads: &Roads, metric: &Metric, of_vertex: &[u32], directed: u32) -> Option<u32> {
+    let [from, to] = roads.network.ends(directed);
+    let component = of_vertex[from as usize];
+    let passed = |vertex: u32| metric.vertices[vertex as usize].weight < FAR;
+    let onwards = passed(to) && of_vertex[to as usize] == component;
+    let back = metric.edges[(directed ^ 1) as usize].weight < FAR && passed(from);
+    (onwards || back).then_some(component)
 }
 
 /// For each state its component; those that can be reached from others have lower numbers.

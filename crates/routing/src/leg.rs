@@ -181,8 +181,7 @@ impl Leg {
             let first = if index == 0 { before(whole, &self.from, directed) } else { 0 };
             if last { before(whole, &self.to, directed) - first } else { whole - first }
         };
-        let passed = metric.vertices[roads.network.ends(directed)[1] as usize];
-        let past = if last { [0, 0] } else { [passed.duration, passed.weight] };
+        let past = if last { [0, 0] } else { metric.passing(roads, directed, self.edges[index + 1]) };
         Measures {
             length,
             duration: travelled(cost.duration) + past[0],
@@ -259,23 +258,40 @@ impl Memory {
         let open = |(directed, position): &(u32, Position)| {
             position.open[*directed as usize % 2] && metric.edges[*directed as usize].weight < FAR
         };
-        let source = |(directed, position): (u32, Position)| {
-            let whole = metric.edges[directed as usize].weight;
-            let [_, state] = roads.network.ends(directed);
-            let past = metric.vertices[state as usize].weight;
-            let weight = whole - before(whole, &position, directed) + past;
-            (weight < FAR).then_some(Hold { directed, position, end: End { state, weight } })
-        };
-        let target = |(directed, position): (u32, Position)| {
-            let whole = metric.edges[directed as usize].weight;
-            let [state, _] = roads.network.ends(directed);
-            let weight = metric.edge_weight(&roads.network, directed, 0, before(whole, &position, directed));
-            (weight < FAR).then_some(Hold { directed, position, end: End { state, weight } })
-        };
         self.sources.clear();
-        self.sources.extend(from.iter().flat_map(sides).filter(open).filter_map(source));
+        for (directed, position) in from.iter().flat_map(sides).filter(open) {
+            let whole = metric.edges[directed as usize].weight;
+            let rest = whole - before(whole, &position, directed);
+            let end = match &metric.turns {
+                Some(turns) => End { state: turns.state_of[directed as usize], weight: rest },
+                None => {
+                    let [_, state] = roads.network.ends(directed);
+                    End { state, weight: rest + metric.vertices[state as usize].weight }
+                }
+            };
+            self.sources.push(Hold { directed, position, end });
+        }
         self.targets.clear();
-        self.targets.extend(to.iter().flat_map(sides).filter(open).filter_map(target));
+        for (directed, position) in to.iter().flat_map(sides).filter(open) {
+            let whole = metric.edges[directed as usize].weight;
+            let first = before(whole, &position, directed);
+            if let Some(turns) = &metric.turns {
+                // By each turn into the edge.
+                let graph = metric.searched(roads);
+                let state = turns.state_of[directed as usize];
+                for slot in graph.overlay.into.of(state).filter(|slot| graph.weights.into[*slot] < FAR) {
+                    let weight = graph.weights.into[slot] - whole + first;
+                    let end = End { state: graph.overlay.into.head[slot], weight };
+                    self.targets.push(Hold { directed, position, end });
+                }
+            } else {
+                let [state, _] = roads.network.ends(directed);
+                let weight = metric.edge_weight(&roads.network, directed, 0, first);
+                self.targets.push(Hold { directed, position, end: End { state, weight } });
+            }
+        }
+        self.sources.retain(|hold| hold.end.weight < FAR);
+        self.targets.retain(|hold| hold.end.weight < FAR);
         for (ends, holds) in self.ends.iter_mut().zip([&self.sources, &self.targets]) {
             ends.clear();
             ends.extend(holds.iter().map(|hold| hold.end));
@@ -353,13 +369,18 @@ fn unpacked(roads: &Roads, metric: &Metric, weight: u32, states: &[u32], holds: 
     };
     let [first, last] = [states[0], states[states.len() - 1]];
     let (source, target) = (best(holds[0], first), best(holds[1], last));
-    let weights = &metric.searched(roads).weights.out;
-    let arcs = states.windows(2).filter_map(|pair| {
-        let out = &roads.vertices.out;
-        let slots = out.of(pair[0]).filter(|slot| out.head[*slot] == pair[1]);
-        slots.min_by_key(|slot| weights[*slot]).map(|slot| out.via[slot])
-    });
-    let mut edges: Vec<u32> = source.iter().map(|hold| hold.directed).chain(arcs).collect();
+    let mut edges = match &metric.turns {
+        Some(turns) => states.iter().map(|state| turns.edge_of[*state as usize]).collect(),
+        None => {
+            let graph = metric.searched(roads);
+            let (out, weights) = (&graph.overlay.out, &graph.weights.out);
+            let arcs = states.windows(2).filter_map(|pair| {
+                let slots = out.of(pair[0]).filter(|slot| out.head[*slot] == pair[1]);
+                slots.min_by_key(|slot| weights[*slot]).map(|slot| out.via[slot])
+            });
+            source.iter().map(|hold| hold.directed).chain(arcs).collect::<Vec<u32>>()
+        }
+    };
     edges.extend(target.iter().map(|hold| hold.directed));
     // A search begins and ends with what was held.
     let from = source.map_or_else(|| holds[0][0].position, |hold| hold.position);

@@ -24,6 +24,7 @@ pub mod roads;
 pub mod router;
 pub mod search;
 pub mod tree;
+pub mod turns;
 
 use openbench_core::{MapPoint, TravelTimes};
 

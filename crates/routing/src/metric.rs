@@ -6,10 +6,11 @@ use openbench_osm::Tags;
 
 use crate::components::Components;
 use crate::network::Network;
-use crate::overlay::{Arcs, CellTooLarge, Cliques, FAR, Weights};
+use crate::overlay::{Arcs, CellTooLarge, Cliques, FAR, Overlay, Weights};
 use crate::profile::{Going, Passing, Profile};
 use crate::roads::Roads;
 use crate::search::Searched;
+use crate::turns::TurnGraph;
 
 /// Units of weights and durations in a second.
 pub const UNITS: f64 = 100.0;
@@ -51,8 +52,11 @@ pub struct Metric {
     pub entry: u32,
     /// What hangs together.
     pub components: Components,
+    /// Layers over directed edges, if turns matter.
+    pub turns: Option<TurnGraph>,
     weights: Weights,
     cliques: Vec<Cliques>,
+    weight_is_duration: bool,
 }
 
 impl Metric {
@@ -62,27 +66,40 @@ impl Metric {
         let edges = edge_costs(network, &profile);
         let vertices = vertex_costs(network, &profile, &edges);
         let entry = units(profile.entry());
+        let weight_is_duration = edges.iter().all(|edge| edge.weight == edge.duration && !edge.ends_only)
+            && vertices.iter().all(|vertex| vertex.weight == vertex.duration);
+        let turns = profile.turns().map(|_| TurnGraph::new(roads));
         let mut metric = Self {
             profile,
             edges,
             vertices,
             entry,
             components: Components::default(),
+            turns,
             weights: Weights::default(),
             cliques: Vec::new(),
+            weight_is_duration,
         };
-        metric.weights = Weights {
-            out: metric.arc_weights(network, &roads.vertices.out),
-            into: metric.arc_weights(network, &roads.vertices.into),
+        metric.weights = match &metric.turns {
+            Some(turns) => turns.weights(roads, &metric),
+            None => Weights {
+                out: metric.arc_weights(network, &roads.vertices.out),
+                into: metric.arc_weights(network, &roads.vertices.into),
+            },
         };
-        metric.cliques = Cliques::all(&roads.vertices, &metric.weights)?;
-        metric.components = Components::new(roads, &metric, &metric.weights.out);
+        metric.cliques = Cliques::all(metric.overlay(roads), &metric.weights)?;
+        metric.components = Components::new(roads, &metric);
         Ok(metric)
+    }
+
+    /// The layers that are searched.
+    fn overlay<'a>(&'a self, roads: &'a Roads) -> &'a Overlay {
+        self.turns.as_ref().map_or(&roads.vertices, |turns| &turns.overlay)
     }
 
     /// What searches need.
     pub fn searched<'a>(&'a self, roads: &'a Roads) -> Searched<'a> {
-        Searched { overlay: &roads.vertices, weights: &self.weights, cliques: &self.cliques }
+        Searched { overlay: self.overlay(roads), weights: &self.weights, cliques: &self.cliques }
     }
 
     /// Whether an edge can be travelled in some direction.
@@ -92,8 +109,14 @@ impl Metric {
 
     /// Whether everything counts as long as it takes.
     pub fn weight_is_duration(&self) -> bool {
-        self.edges.iter().all(|edge| edge.weight == edge.duration && !edge.ends_only)
-            && self.vertices.iter().all(|vertex| vertex.weight == vertex.duration)
+        self.weight_is_duration
+    }
+
+    /// What passing from one directed edge to the next takes: the vertex between them, and the turn.
+    pub fn passing(&self, roads: &Roads, from: u32, to: u32) -> [u32; 2] {
+        let vertex = self.vertices[roads.network.ends(from)[1] as usize];
+        let turn = self.turns.as_ref().map_or(0, |turns| turns.penalty(roads, self, from, to));
+        [vertex.duration + turn, vertex.weight + turn]
     }
 
     fn arc_weights(&self, network: &Network, arcs: &Arcs) -> Vec<u32> {
@@ -119,12 +142,12 @@ impl Metric {
 }
 
 /// Two weights together.
-fn sum(a: u32, b: u32) -> u32 {
+pub(crate) fn sum(a: u32, b: u32) -> u32 {
     (a + b).min(FAR)
 }
 
 /// Seconds as a weight.
-fn units(seconds: f64) -> u32 {
+pub(crate) fn units(seconds: f64) -> u32 {
     (libm::round(seconds * UNITS) as u32).min(FAR)
 }
 

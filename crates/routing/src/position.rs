@@ -156,6 +156,11 @@ fn nearest(
         }
         true
     });
+    // Where a public road and private ground meet, one is on the road.
+    let public = |p: &Position| (0..2).any(|i| p.open[i] && !metric.edges[2 * p.edge as usize + i].ends_only);
+    if found.iter().any(public) {
+        found.retain(public);
+    }
     found
 }
 

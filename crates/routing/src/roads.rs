@@ -60,6 +60,7 @@ fn in_order(network: Network, order: &[u32]) -> Network {
         let [from, to] = place(&old);
         sorted.edges.push(Edge { from, to, first_point: sorted.points.len() as u32, ..old });
         sorted.points.extend_from_slice(network.edge_points(edge));
+        sorted.ways.push(network.ways[edge as usize]);
         sorted.nodes.extend_from_slice(network.edge_nodes(edge));
     }
     let first_point = sorted.points.len() as u32;
@@ -68,6 +69,8 @@ fn in_order(network: Network, order: &[u32]) -> Network {
         way_words: network.way_words,
         node_words: network.node_words,
         names: network.names,
+        restrictions: network.restrictions,
+        restriction_words: network.restriction_words,
         report: network.report,
         ..sorted
     }

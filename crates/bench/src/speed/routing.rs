@@ -11,6 +11,8 @@ use openbench_routing::osrm::{
     Geometries, Limits, NearestRequest, Overview, Places, Request, RouteRequest, Service, ServiceMemory,
     TableRequest,
 };
+use openbench_routing::overlay::FAR;
+use openbench_routing::search::{End, Path as RoutePath, Workspace};
 use openbench_routing::{Metric, Profile, Roads};
 use serde::Serialize;
 
@@ -84,8 +86,14 @@ pub fn read_pairs(path: &Path) -> Result<Vec<[Place; 2]>, BenchError> {
     Ok(pairs)
 }
 
-/// Measures a map and a profile with pairs of places.
-pub fn measure(map: &Path, profile: Profile, pairs: &[[Place; 2]]) -> Result<RoutingSpeed, BenchError> {
+/// Measures a map and a profile with pairs of places. With `dump`, the graph of vertices goes into that folder, for peers that know no
+/// maps: `tail`, `head` and `weight` of arcs, `lat` and `lon` of vertices, and 1,000 `queries` (from, to, weight), numbers of four bytes.
+pub fn measure(
+    map: &Path,
+    profile: Profile,
+    pairs: &[[Place; 2]],
+    dump: Option<&Path>,
+) -> Result<RoutingSpeed, BenchError> {
     let input = |problem: String| BenchError::BadFile { path: map.to_owned(), problem };
     let began = ProcessTime::now();
     let source = Source::open(map).map_err(|e| input(e.to_string()))?;
@@ -97,6 +105,9 @@ pub fn measure(map: &Path, profile: Profile, pairs: &[[Place; 2]]) -> Result<Rou
     let began = ProcessTime::now();
     drop(std::hint::black_box(Metric::new(&roads, profile).map_err(|e| input(e.to_string()))?));
     let customize = began.elapsed();
+    if let Some(folder) = dump {
+        dump_graph(folder, &roads, &metric)?;
+    }
     let service = Service { roads, metric, limits: Limits::default() };
     let memory = &mut ServiceMemory::default();
 
@@ -144,6 +155,38 @@ pub fn measure(map: &Path, profile: Profile, pairs: &[[Place; 2]]) -> Result<Rou
         peak_memory_mb: peak_memory_mb(),
         answers,
     })
+}
+
+fn dump_graph(folder: &Path, roads: &Roads, metric: &Metric) -> Result<(), BenchError> {
+    let file = |source| BenchError::File { path: folder.to_owned(), source };
+    std::fs::create_dir_all(folder).map_err(file)?;
+    let write = |name: &str, numbers: Vec<u32>| {
+        let bytes: Vec<u8> = numbers.into_iter().flat_map(u32::to_le_bytes).collect();
+        let path = folder.join(name);
+        std::fs::write(&path, bytes).map_err(|source| BenchError::File { path, source })
+    };
+    let graph = metric.searched(roads);
+    let (out, weights) = (&graph.overlay.out, &graph.weights.out);
+    let open: Vec<(u32, usize)> = out.iter().filter(|(_, slot)| weights[*slot] < FAR).collect();
+    write("tail.u32", open.iter().map(|(tail, _)| *tail).collect())?;
+    write("head.u32", open.iter().map(|(_, slot)| out.head[*slot]).collect())?;
+    write("weight.u32", open.iter().map(|(_, slot)| weights[*slot]).collect())?;
+    let position = |place: &Place| place.position();
+    let vertices = &roads.network.vertices;
+    write("lat.f32", vertices.iter().map(|v| (position(v).lat as f32).to_bits()).collect())?;
+    write("lon.f32", vertices.iter().map(|v| (position(v).lon as f32).to_bits()).collect())?;
+    let (mut workspace, mut path) = (Workspace::default(), RoutePath::default());
+    let count = vertices.len() as u64;
+    let queries = (0..1000_u64).flat_map(|i| {
+        // A linear congruential generator, after D. Knuth.
+        let draw = |i: u64| {
+            (i.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407) >> 33) % count
+        };
+        let [from, to] = [draw(2 * i) as u32, draw(2 * i + 1) as u32];
+        let ends = [from, to].map(|state| [End { state, weight: 0 }]);
+        [from, to, workspace.route(graph, &ends[0], &ends[1], &mut path).unwrap_or(u32::MAX)]
+    });
+    write("queries.u32", queries.collect())
 }
 
 /// From the first starts to the first goals.

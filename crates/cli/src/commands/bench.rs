@@ -19,7 +19,7 @@ pub fn run(args: &BenchArgs) -> anyhow::Result<Outcome> {
 fn routing(args: &BenchRoutingArgs) -> anyhow::Result<Outcome> {
     let profile = Profile::open(&args.roads.profile)?;
     let pairs = read_pairs(&args.pairs)?;
-    let speed = measure_routing(&args.roads.map, profile, &pairs)?;
+    let speed = measure_routing(&args.roads.map, profile, &pairs, args.dump.as_deref())?;
     if let Some(path) = &args.answers {
         let rows = speed.answers.iter().map(|(metres, seconds)| format!("{metres:.1},{seconds:.2}\n"));
         let text = format!("distance_m,duration_s\n{}", rows.collect::<String>());

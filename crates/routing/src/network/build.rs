@@ -14,6 +14,9 @@ pub(super) fn network(ways: Ways, nodes: Nodes) -> Network {
     builder.end();
     let Builder { mut network, .. } = builder;
     network.report.conditional = ways.conditional;
+    network.report.odd_restrictions = ways.odd_restrictions;
+    network.restrictions = ways.restrictions;
+    network.restriction_words = ways.restriction_sets.into_sets();
     network.way_words = ways.classes.into_sets();
     network.names = ways.names.into_names();
     network.node_words = nodes.sets.into_sets();
@@ -72,6 +75,7 @@ impl<'a> Builder<'a> {
             let length = millimetres(&self.network.points[first_point..]);
             let (class, name, first_point) = (way.class, way.name, first_point as u32);
             self.network.edges.push(Edge { from, to, length, class, name, first_point });
+            self.network.ways.push(way.id);
         }
         self.piece.clear();
     }

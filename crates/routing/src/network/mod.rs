@@ -37,6 +37,20 @@ pub struct Edge {
     pub first_point: u32,
 }
 
+/// Which turn is restricted, as the map has it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Restriction {
+    /// The way that one comes along.
+    pub from: i64,
+    /// The node where one turns.
+    pub via: i64,
+    /// The way that one turns into.
+    pub to: i64,
+    /// Index of its words among [`Network::restriction_words`].
+    pub words: u64,
+}
+
 /// What was left out while a network was built.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct NetworkReport {
@@ -44,6 +58,8 @@ pub struct NetworkReport {
     pub ways_without_points: usize,
     /// Ways with words that hold at some times only (`*:conditional`); those words are not regarded.
     pub conditional: usize,
+    /// Turn restrictions that are not from one way by one node to another (such as those by a way); not regarded.
+    pub odd_restrictions: usize,
 }
 
 /// The network.
@@ -63,6 +79,12 @@ pub struct Network {
     pub way_words: Vec<Tags>,
     /// Sets of words of nodes; number 0 is the empty one.
     pub node_words: Vec<Tags>,
+    /// For each edge the number of its way.
+    pub ways: Vec<i64>,
+    /// Turns that are restricted.
+    pub restrictions: Vec<Restriction>,
+    /// What is said of them.
+    pub restriction_words: Vec<Tags>,
     /// What roads are called; number 0 is nothing.
     pub names: Vec<RoadName>,
     /// What was left out.

@@ -1,8 +1,9 @@
 //! The ways of the network, out of all that a map holds: first ways, then the nodes that they go through.
 
-use openbench_osm::stream::{Elements, NodeRef, Visitor, WayRef, Words};
+use openbench_osm::stream::{Elements, NodeRef, RelationRef, Visitor, WayRef, Words};
 use openbench_osm::{ElementKind, OsmError};
 
+use super::Restriction;
 use super::words::{Classes, Names};
 use crate::geo::Place;
 
@@ -15,6 +16,10 @@ pub(super) struct Ways {
     pub(super) references: Vec<i64>,
     /// Ways with words that hold at some times only.
     pub(super) conditional: usize,
+    pub(super) restrictions: Vec<Restriction>,
+    pub(super) restriction_sets: Classes,
+    /// Turn restrictions that are not understood.
+    pub(super) odd_restrictions: usize,
 }
 
 /// A way of the network.
@@ -46,6 +51,9 @@ impl Ways {
             ways: Vec::new(),
             references: Vec::new(),
             conditional: 0,
+            restrictions: Vec::new(),
+            restriction_sets: Classes::new(),
+            odd_restrictions: 0,
         };
         source.visit(&mut ways)?;
         // Of ways that stand there twice the later counts.
@@ -62,7 +70,25 @@ impl Ways {
 
 impl Visitor for Ways {
     fn wants(&self, kind: ElementKind) -> bool {
-        kind == ElementKind::Way
+        kind != ElementKind::Node
+    }
+
+    fn relation(&mut self, relation: RelationRef<'_>) {
+        if !relation.tags.get("type").is_some_and(|kind| kind.starts_with("restriction")) {
+            return;
+        }
+        let member = |role: &str, kind: ElementKind| {
+            let mut members = relation.members.iter().filter(|m| m.role == role && m.kind == kind);
+            members.next().filter(|_| members.next().is_none()).map(|m| m.id)
+        };
+        let [from, to] = ["from", "to"].map(|role| member(role, ElementKind::Way));
+        let via = member("via", ElementKind::Node);
+        let (Some(from), Some(via), Some(to)) = (from, via, to) else {
+            self.odd_restrictions += 1;
+            return;
+        };
+        let words = self.restriction_sets.number(relation.tags, None).into();
+        self.restrictions.push(Restriction { from, via, to, words });
     }
 
     fn way(&mut self, way: WayRef<'_>) {

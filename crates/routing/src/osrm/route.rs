@@ -202,11 +202,8 @@ impl Service {
         for (i, &directed) in leg.edges.iter().enumerate() {
             let points = line.part(i..i + 1);
             let Measures { length, duration, weight } = leg.measures(&self.roads, &self.metric, i);
-            let passed = if i + 1 < leg.edges.len() {
-                self.metric.vertices[self.roads.network.ends(directed)[1] as usize].duration
-            } else {
-                0
-            };
+            let next = leg.edges.get(i + 1);
+            let passed = next.map_or(0, |next| self.metric.passing(&self.roads, directed, *next)[0]);
             let mut nodes = self.nodes(leg, i);
             nodes.resize(points.len().max(nodes.len()), *nodes.last().unwrap_or(&0));
             for (pair, ids) in points.windows(2).zip(nodes.windows(2)) {

@@ -15,6 +15,8 @@ mod way;
 
 use std::path::Path;
 
+use openbench_osm::Tags;
+
 pub use node::Passing;
 pub use rules::{Places, Turns};
 pub use way::Going;
@@ -120,6 +122,21 @@ impl Profile {
     /// What turning costs, if that matters.
     pub fn turns(&self) -> Option<&Turns> {
         self.rules.turns.as_ref()
+    }
+
+    /// What a turn restriction with these words means: `Some(true)` if the turn is the only one allowed, `Some(false)` if it is not allowed.
+    pub fn restricts(&self, words: &Tags) -> Option<bool> {
+        let modes = &self.turns()?.restrictions;
+        let exempt = |list: &str| list.split(';').any(|mode| modes.iter().any(|m| m == mode.trim()));
+        if words.get("except").is_some_and(exempt) {
+            return None;
+        }
+        let own = modes.iter().find_map(|mode| words.get(&format!("restriction:{mode}")));
+        match own.or_else(|| words.get("restriction"))? {
+            only if only.starts_with("only_") => Some(true),
+            no if no.starts_with("no_") => Some(false),
+            _ => None,
+        }
     }
 
     /// Seconds that going through a place counts as which may be entered at the route's ends only.

@@ -1,0 +1,136 @@
+//! Profiles, turns, ends and private ground, on a town small enough to know every answer.
+
+use openbench_core::{Georeference, LonLat, MapPoint};
+use openbench_osm::{OsmData, Projection};
+use openbench_routing::{MapRouter, Profile, Route, RouteError, Router};
+
+/// Main Street from west to east (nodes 1 to 4, 100 m apart), with three streets north to High Street.
+const TOWN: &str = r#"<osm version="0.6">
+  <node id="1" lat="0" lon="0.000"/><node id="2" lat="0" lon="0.001"/><node id="3" lat="0" lon="0.002"/><node id="4" lat="0" lon="0.003"/>
+  <node id="12" lat="0.001" lon="0.001"/><node id="13" lat="0.001" lon="0.002"/><node id="14" lat="0.001" lon="0.003"/>
+  <way id="1"><nd ref="1"/><nd ref="2"/><tag k="highway" v="residential"/><tag k="name" v="Main Street"/></way>
+  <way id="2"><nd ref="2"/><nd ref="3"/><nd ref="4"/><tag k="highway" v="residential"/><tag k="name" v="Main Street"/></way>
+  <way id="3"><nd ref="2"/><nd ref="12"/><tag k="highway" v="residential"/><tag k="name" v="First Street"/></way>
+  <way id="4"><nd ref="4"/><nd ref="14"/><tag k="highway" v="residential"/><tag k="name" v="Third Street"/></way>
+  <way id="5"><nd ref="12"/><nd ref="13"/><nd ref="14"/><tag k="highway" v="residential"/><tag k="name" v="High Street"/></way>
+  MORE
+</osm>"#;
+
+struct Town {
+    router: MapRouter,
+    projection: Projection,
+}
+
+impl Town {
+    fn new(profile: &str, more: &str) -> Self {
+        let data = OsmData::from_xml(TOWN.replace("MORE", more).as_bytes()).unwrap();
+        let projection = Projection::new(Georeference::TangentPlane(LonLat::new(0.0, 0.0)));
+        let profile = Profile::named(profile).unwrap();
+        Self { router: MapRouter::new(&data, projection.clone(), profile).unwrap(), projection }
+    }
+
+    fn at(&self, lon: f64, lat: f64) -> MapPoint {
+        self.projection.to_map(LonLat::new(lon, lat))
+    }
+
+    fn route(&self, from: (f64, f64), to: (f64, f64)) -> Result<Route, RouteError> {
+        self.router.route(self.at(from.0, from.1), self.at(to.0, to.1))
+    }
+
+    /// Metres of a route, in hundreds.
+    fn length(&self, from: (f64, f64), to: (f64, f64)) -> f64 {
+        (self.route(from, to).unwrap().distance / 11.13).round() / 10.0
+    }
+}
+
+const WEST: (f64, f64) = (0.0002, 0.0);
+const NORTH: (f64, f64) = (0.001, 0.0008);
+
+#[test]
+fn a_turn_that_is_not_allowed_is_driven_round_by_cars() {
+    let no_left = r#"<relation id="1"><member type="way" ref="1" role="from"/><member type="node" ref="2" role="via"/>
+      <member type="way" ref="3" role="to"/><tag k="type" v="restriction"/><tag k="restriction" v="no_left_turn"/></relation>"#;
+    let free = Town::new("car", "");
+    assert_eq!(free.length(WEST, NORTH), 1.6);
+    // Main Street, Third Street, High Street, and First Street from its other end.
+    let round = Town::new("car", no_left).length(WEST, NORTH);
+    assert_eq!(round, 6.0);
+    assert_eq!(Town::new("delivery", no_left).length(WEST, NORTH), 1.6);
+    let not_for_cars =
+        no_left.replace("\"no_left_turn\"/>", "\"no_left_turn\"/><tag k=\"except\" v=\"bicycle;motorcar\"/>");
+    assert_eq!(Town::new("car", &not_for_cars).length(WEST, NORTH), 1.6);
+}
+
+#[test]
+fn where_only_one_turn_is_allowed_the_others_are_not() {
+    let only = r#"<relation id="1"><member type="way" ref="1" role="from"/><member type="node" ref="2" role="via"/>
+      <member type="way" ref="2" role="to"/><tag k="type" v="restriction"/><tag k="restriction" v="only_straight_on"/></relation>"#;
+    assert_eq!(Town::new("car", only).length(WEST, NORTH), 6.0);
+}
+
+#[test]
+fn one_ways_are_kept_by_cars_and_not_by_robots() {
+    let bypass = r#"<node id="20" lat="-0.001" lon="0.001"/><node id="21" lat="-0.001" lon="0.002"/>
+      <way id="20"><nd ref="3"/><nd ref="21"/><nd ref="20"/><nd ref="2"/><tag k="highway" v="primary"/><tag k="oneway" v="yes"/></way>"#;
+    let (from, to) = ((0.001, -0.0005), (0.002, -0.0005));
+    assert_eq!(Town::new("delivery", bypass).length(from, to), 2.0);
+    assert_eq!(Town::new("car", bypass).length(from, to), 2.0);
+    // The other way along the bypass there is only the bypass.
+    assert_eq!(Town::new("car", bypass).length(to, from), 2.0);
+    let (before, behind) = ((0.0012, -0.001), (0.0018, -0.001));
+    assert_eq!(Town::new("car", bypass).length(behind, before), 0.6);
+    assert_eq!(Town::new("car", bypass).length(before, behind), 3.4);
+    assert_eq!(Town::new("delivery", bypass).length(before, behind), 0.6);
+}
+
+#[test]
+fn private_ground_is_for_those_who_begin_or_end_there() {
+    let short_cut = r#"<way id="20"><nd ref="3"/><nd ref="13"/><tag k="highway" v="service"/><tag k="access" v="private"/></way>"#;
+    let town = Town::new("delivery", short_cut);
+    assert_eq!(town.length((0.002, 0.0), (0.002, 0.001)), 3.0);
+    assert_eq!(town.length((0.0018, 0.0), (0.002, 0.0006)), 0.8);
+    assert_eq!(town.length((0.002, 0.0006), (0.0018, 0.0)), 0.8);
+    let foot = Town::new("foot", short_cut);
+    assert_eq!(foot.length((0.0018, 0.0), (0.002, 0.001)), 2.8);
+    // Where there is no other way, private ground is passed.
+    let bridge = r#"<node id="30" lat="0.002" lon="0.002"/><way id="20"><nd ref="13"/><nd ref="30"/><tag k="highway" v="service"/>
+      <tag k="access" v="private"/></way><node id="31" lat="0.003" lon="0.002"/><way id="21"><nd ref="30"/><nd ref="31"/><tag k="highway" v="footway"/></way>"#;
+    assert_eq!(Town::new("delivery", bridge).length((0.002, 0.001), (0.002, 0.003)), 2.0);
+}
+
+#[test]
+fn barriers_stop_and_gates_delay() {
+    let gate = |barrier: &str| {
+        format!(
+            r#"<node id="5" lat="0.0005" lon="0.002"><tag k="barrier" v="{barrier}"/></node>
+          <way id="20"><nd ref="3"/><nd ref="5"/><nd ref="13"/><tag k="highway" v="footway"/></way>"#
+        )
+    };
+    let (south, north) = ((0.002, 0.0), (0.002, 0.001));
+    let through = Town::new("delivery", &gate("gate")).route(south, north).unwrap();
+    assert!((through.duration - (through.distance / 0.5 + 10.0)).abs() < 0.1, "{through:?}");
+    assert_eq!(Town::new("delivery", &gate("stile")).length(south, north), 3.0);
+    // One can go up to the barrier from either side.
+    assert_eq!(Town::new("delivery", &gate("stile")).length(south, (0.002, 0.0004)), 0.4);
+}
+
+#[test]
+fn both_ends_on_one_street() {
+    let town = Town::new("car", "");
+    let there = town.route((0.0002, 0.0), (0.0008, 0.0)).unwrap();
+    assert_eq!((there.names.as_slice(), there.points.len()), (&["Main Street".to_owned()][..], 2));
+    assert_eq!(town.length((0.0008, 0.0), (0.0002, 0.0)), 0.6);
+    assert_eq!(town.length((0.0005, 0.0), (0.0005, 0.0)), 0.0);
+}
+
+#[test]
+fn what_does_not_hang_together_has_no_route() {
+    let town = Town::new("delivery", "");
+    assert!(matches!(town.route(WEST, (0.5, 0.5)), Err(RouteError::NoSegment { .. })));
+    let island = r#"<node id="30" lat="0.004" lon="0.004"/><node id="31" lat="0.004" lon="0.005"/>
+      <way id="30"><nd ref="30"/><nd ref="31"/><tag k="highway" v="footway"/></way>"#;
+    let town = Town::new("delivery", island);
+    // Within an island one stays; to the town's streets the island's visitor is moved.
+    assert_eq!(town.length((0.004, 0.004), (0.005, 0.004)), 1.0);
+    assert!(town.route((0.004, 0.004), WEST).unwrap().points[0].distance(town.at(0.003, 0.001)) < 1.0);
+}
