@@ -28,7 +28,7 @@ def main():
     us = measure_ours(ours, osm, pairs_file, folder)
     them, answers = measure_osrm(osm, pairs, folder)
     agreement(us["answers"], answers)
-    us["http"] = http_ours(ours, osm, pairs)
+    us["http"] = http_ours(ours, osm, pairs, folder)
     them["http"] = http_osrm(folder, pairs)
     table(us, them)
     routingkit(folder)
@@ -170,8 +170,9 @@ def served(command, port, pairs, environment):
         process.wait(30)
 
 
-def http_ours(ours, osm, pairs):
-    graph = pathlib.Path(str(osm))
+def http_ours(ours, osm, pairs, folder):
+    graph = folder / "map.graph"
+    subprocess.run([ours, "prepare", "--map", osm, "--out", graph], check=True, stdout=subprocess.DEVNULL)
     command = [ours, "serve", "--map", graph, "--profile", "foot", "--listen", "127.0.0.1:5917", "--threads", "1"]
     return served(command, 5917, pairs, dict(os.environ))
 

@@ -34,6 +34,8 @@ pub enum Command {
     Plan(PlanArgs),
     /// Print a route as OSRM's HTTP API does, JSON
     Route(RouteArgs),
+    /// Put a map's roads into a graph file, so that routing starts at once
+    Prepare(PrepareArgs),
     /// Answer OSRM's HTTP API: route, nearest, table
     Serve(ServeArgs),
     /// Score a log that the reference's recorder wrote, JSON
@@ -128,10 +130,30 @@ pub struct PlanArgs {
     pub instruction: String,
 }
 
+/// Arguments of `prepare`.
+#[derive(Debug, ClapArgs)]
+#[command(after_help = "\
+Example:
+  openbench prepare --map city.osm.pbf --out city.graph
+  openbench serve --map city.graph --profile foot
+
+The file serves every profile: what a profile makes of the roads is worked out when it is opened.")]
+pub struct PrepareArgs {
+    /// The map (.osm or .osm.pbf)
+    #[arg(long)]
+    pub map: PathBuf,
+    /// The file to write
+    #[arg(long)]
+    pub out: PathBuf,
+    /// Vertices of a cell at most, smallest cells first [default: 32,256,2048,16384]
+    #[arg(long, value_delimiter = ',', value_name = "N,N,...")]
+    pub cells: Vec<usize>,
+}
+
 /// The map and who travels on it.
 #[derive(Debug, ClapArgs)]
 pub struct RoadArgs {
-    /// The map (.osm or .osm.pbf)
+    /// The map (.osm or .osm.pbf), or a graph file made by `prepare`
     #[arg(long)]
     pub map: PathBuf,
     /// delivery, foot, car, or a TOML file of your own

@@ -23,6 +23,7 @@ pub mod profile;
 pub mod roads;
 pub mod router;
 pub mod search;
+pub mod store;
 pub mod tree;
 pub mod turns;
 

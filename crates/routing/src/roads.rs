@@ -3,7 +3,7 @@
 use openbench_osm::OsmError;
 use openbench_osm::stream::Elements;
 
-use crate::network::{Edge, Network};
+use crate::network::{Edge, Network, Rows};
 use crate::overlay::{Arcs, NONE, Overlay};
 use crate::partition::{CellSizes, Partition};
 use crate::tree::SegmentTree;
@@ -33,8 +33,13 @@ impl Roads {
         let partition = Partition::new(&network.vertices, &edges, sizes);
         let network = in_order(network, &partition.order);
         let segments = SegmentTree::new(&network);
-        let vertices = Overlay::new(vertex_arcs(&network), &partition.levels);
-        Self { network, levels: partition.levels, vertices, segments }
+        Self::assemble(network, partition.levels, segments)
+    }
+
+    /// What follows from a network in the order of its cells.
+    pub(crate) fn assemble(network: Network, levels: Vec<Vec<u32>>, segments: SegmentTree) -> Self {
+        let vertices = Overlay::new(vertex_arcs(&network), &levels);
+        Self { network, levels, vertices, segments }
     }
 }
 
@@ -50,21 +55,19 @@ fn in_order(network: Network, order: &[u32]) -> Network {
         let [from, to] = place(&network.edges[*edge as usize]);
         (from.min(to), from.max(to))
     });
-    let mut sorted = Network {
+    let mut rows = Rows {
         vertices: order.iter().map(|v| network.vertices[*v as usize]).collect(),
         vertex_classes: order.iter().map(|v| network.vertex_classes[*v as usize]).collect(),
-        ..Network::default()
+        ..Rows::default()
     };
     for &edge in &edges {
         let old = network.edges[edge as usize];
         let [from, to] = place(&old);
-        sorted.edges.push(Edge { from, to, first_point: sorted.points.len() as u32, ..old });
-        sorted.points.extend_from_slice(network.edge_points(edge));
-        sorted.ways.push(network.ways[edge as usize]);
-        sorted.nodes.extend_from_slice(network.edge_nodes(edge));
+        rows.edges.push(Edge { from, to, first_point: rows.points.len() as u32, ..old });
+        rows.points.extend_from_slice(network.edge_points(edge));
+        rows.nodes.extend_from_slice(network.edge_nodes(edge));
+        rows.ways.push(network.ways[edge as usize]);
     }
-    let first_point = sorted.points.len() as u32;
-    sorted.edges.push(Edge { first_point, ..Edge::default() });
     Network {
         way_words: network.way_words,
         node_words: network.node_words,
@@ -72,7 +75,7 @@ fn in_order(network: Network, order: &[u32]) -> Network {
         restrictions: network.restrictions,
         restriction_words: network.restriction_words,
         report: network.report,
-        ..sorted
+        ..rows.into_network()
     }
 }
 

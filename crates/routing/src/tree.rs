@@ -8,6 +8,7 @@ use std::collections::BinaryHeap;
 
 use crate::geo::{Place, Scale};
 use crate::network::Network;
+use crate::store::Column;
 
 /// Segments in a run at most.
 const RUN: usize = 8;
@@ -22,10 +23,10 @@ pub struct Bounds([i32; 4]);
 /// Neighbouring segments of an edge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
-struct Run {
-    edge: u32,
+pub(crate) struct Run {
+    pub(crate) edge: u32,
     /// Its first segment among the edge's.
-    first: u32,
+    pub(crate) first: u32,
 }
 
 /// A place on an edge.
@@ -46,9 +47,9 @@ pub struct Foot {
 /// The tree.
 #[derive(Debug, Clone, Default)]
 pub struct SegmentTree {
-    runs: Vec<Run>,
+    pub(crate) runs: Column<Run>,
     /// Boxes of runs, of nodes of runs, of nodes of these, …, one row after another.
-    boxes: Vec<Bounds>,
+    pub(crate) boxes: Column<Bounds>,
     /// Where each row begins, and where the last one ends.
     rows: Vec<usize>,
 }
@@ -127,17 +128,20 @@ impl SegmentTree {
             }
         }
         runs.sort_by_key(|(place, ..)| *place);
+        let rows = rows(runs.len());
         let mut boxes: Vec<Bounds> = runs.iter().map(|(_, _, bounds)| *bounds).collect();
-        let mut rows = vec![0, boxes.len()];
-        while let [.., begin, end] = *rows
-            && end - begin > 1
-        {
-            for node in (begin..end).step_by(FAN) {
-                boxes.push(Bounds::union(&boxes[node..end.min(node + FAN)]));
+        for row in rows.windows(2).take(rows.len() - 2) {
+            for node in (row[0]..row[1]).step_by(FAN) {
+                boxes.push(Bounds::union(&boxes[node..row[1].min(node + FAN)]));
             }
-            rows.push(boxes.len());
         }
-        Self { runs: runs.into_iter().map(|(_, run, _)| run).collect(), boxes, rows }
+        Self { runs: runs.into_iter().map(|(_, run, _)| run).collect(), boxes: boxes.into(), rows }
+    }
+
+    /// A tree from its parts, `None` if they do not fit together.
+    pub(crate) fn from_parts(runs: Column<Run>, boxes: Column<Bounds>) -> Option<Self> {
+        let rows = rows(runs.len());
+        (rows.last() == Some(&boxes.len())).then_some(Self { runs, boxes, rows })
     }
 
     /// Shows the nearest place on each run of segments, nearest first, until `show` says that it is enough or nothing is left within
@@ -204,6 +208,17 @@ impl SegmentTree {
         let [a, b] = [points[segment as usize], points[segment as usize + 1]];
         Foot { edge, segment, share, place: between(a, b, share), away: away.sqrt() }
     }
+}
+
+/// Where each row of boxes begins over so many runs, and where the last one ends.
+fn rows(runs: usize) -> Vec<usize> {
+    let mut rows = vec![0, runs];
+    let mut width = runs;
+    while width > 1 {
+        width = width.div_ceil(FAN);
+        rows.push(rows[rows.len() - 1] + width);
+    }
+    rows
 }
 
 /// How far a segment is from a place, metres squared, and the share of the segment before its nearest point.

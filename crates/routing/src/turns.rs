@@ -134,7 +134,7 @@ impl Restricted {
             })
         };
         let mut all = Self { forbidden: HashSet::new(), only: HashSet::new(), bound: HashSet::new() };
-        for restriction in &network.restrictions {
+        for restriction in network.restrictions.iter() {
             let Some(only) = metric.profile.restricts(&network.restriction_words[restriction.words as usize])
             else {
                 continue;

@@ -4,6 +4,7 @@ pub mod bench;
 pub mod evaluate;
 pub mod models;
 pub mod plan;
+pub mod prepare;
 pub mod route;
 pub mod run;
 pub mod serve;

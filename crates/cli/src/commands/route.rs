@@ -1,9 +1,11 @@
 //! `openbench route`
 
+use std::path::Path;
+
 use openbench_osm::stream::Source;
 use openbench_routing::geo::Place;
 use openbench_routing::osrm::{Geometries, Limits, Overview, Request, RouteRequest, Service, ServiceMemory};
-use openbench_routing::{Metric, Profile, Roads};
+use openbench_routing::{Metric, Profile, Roads, store};
 
 use crate::args::{RoadArgs, RouteArgs};
 use crate::outcome::{Outcome, say};
@@ -30,8 +32,16 @@ pub fn run(args: &RouteArgs) -> anyhow::Result<Outcome> {
 /// A map and a profile that answer requests.
 pub fn service(args: &RoadArgs, limits: Limits) -> anyhow::Result<Service> {
     let profile = Profile::open(&args.profile)?;
-    let source = Source::open(&args.map)?;
-    let roads = Roads::read(&source, &Default::default()).map_err(|error| error.in_file(&args.map))?;
+    let roads = roads(&args.map)?;
     let metric = Metric::new(&roads, profile)?;
     Ok(Service { roads, metric, limits })
+}
+
+/// The roads of a map or of a graph file.
+pub fn roads(map: &Path) -> anyhow::Result<Roads> {
+    if store::is_graph_file(map) {
+        return Ok(store::read(map)?);
+    }
+    let source = Source::open(map)?;
+    Ok(Roads::read(&source, &Default::default()).map_err(|error| error.in_file(map))?)
 }

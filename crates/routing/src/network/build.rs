@@ -1,7 +1,7 @@
 //! Vertices and edges from ways and nodes.
 
 use super::read::{Nodes, Way, Ways};
-use super::{Edge, Network};
+use super::{Edge, Network, NetworkReport, Rows};
 use crate::geo::{Place, distance};
 
 const NO_VERTEX: u32 = u32::MAX;
@@ -11,11 +11,12 @@ pub(super) fn network(ways: Ways, nodes: Nodes) -> Network {
     for way in &ways.ways {
         builder.way(&ways, way);
     }
-    builder.end();
-    let Builder { mut network, .. } = builder;
+    let report = builder.report;
+    let mut network = builder.rows.into_network();
+    network.report = report;
     network.report.conditional = ways.conditional;
     network.report.odd_restrictions = ways.odd_restrictions;
-    network.restrictions = ways.restrictions;
+    network.restrictions = ways.restrictions.into();
     network.restriction_words = ways.restriction_sets.into_sets();
     network.way_words = ways.classes.into_sets();
     network.names = ways.names.into_names();
@@ -27,7 +28,8 @@ struct Builder<'a> {
     nodes: &'a Nodes,
     /// For each node its vertex.
     vertex: Vec<u32>,
-    network: Network,
+    rows: Rows,
+    report: NetworkReport,
     /// The piece of a way that is being put together: indices of nodes.
     piece: Vec<usize>,
 }
@@ -35,16 +37,16 @@ struct Builder<'a> {
 impl<'a> Builder<'a> {
     fn new(ways: &Ways, nodes: &'a Nodes) -> Self {
         let vertex = vertices(ways, nodes);
-        let mut network = Network::default();
+        let mut rows = Rows::default();
         for (index, _) in vertex.iter().enumerate().filter(|(_, vertex)| **vertex != NO_VERTEX) {
-            network.vertices.push(nodes.places[index].unwrap_or_default());
-            network.vertex_classes.push(nodes.classes[index]);
+            rows.vertices.push(nodes.places[index].unwrap_or_default());
+            rows.vertex_classes.push(nodes.classes[index]);
         }
-        Self { nodes, vertex, network, piece: Vec::new() }
+        Self { nodes, vertex, rows, report: NetworkReport::default(), piece: Vec::new() }
     }
 
     fn way(&mut self, ways: &Ways, way: &Way) {
-        let before = self.network.edges.len();
+        let before = self.rows.edges.len();
         for index in ways.nodes(way).iter().map(|id| self.nodes.index(*id)) {
             let known = index.filter(|i| self.nodes.places[*i].is_some());
             let Some(index) = known else {
@@ -61,28 +63,23 @@ impl<'a> Builder<'a> {
             }
         }
         self.piece.clear();
-        self.network.report.ways_without_points += usize::from(self.network.edges.len() == before);
+        self.report.ways_without_points += usize::from(self.rows.edges.len() == before);
     }
 
     /// Makes an edge of the piece, if it is one.
     fn edge(&mut self, way: &Way) {
         if let [first, .., last] = *self.piece {
-            let first_point = self.network.points.len();
+            let first_point = self.rows.points.len();
             let places = self.piece.iter().map(|i| self.nodes.places[*i].unwrap_or_default());
-            self.network.points.extend(places);
-            self.network.nodes.extend(self.piece.iter().map(|i| self.nodes.ids[*i]));
+            self.rows.points.extend(places);
+            self.rows.nodes.extend(self.piece.iter().map(|i| self.nodes.ids[*i]));
             let (from, to) = (self.vertex[first], self.vertex[last]);
-            let length = millimetres(&self.network.points[first_point..]);
+            let length = millimetres(&self.rows.points[first_point..]);
             let (class, name, first_point) = (way.class, way.name, first_point as u32);
-            self.network.edges.push(Edge { from, to, length, class, name, first_point });
-            self.network.ways.push(way.id);
+            self.rows.edges.push(Edge { from, to, length, class, name, first_point });
+            self.rows.ways.push(way.id);
         }
         self.piece.clear();
-    }
-
-    fn end(&mut self) {
-        let first_point = self.network.points.len() as u32;
-        self.network.edges.push(Edge { from: 0, to: 0, length: 0, class: 0, name: 0, first_point });
     }
 }
 

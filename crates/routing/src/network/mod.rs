@@ -17,6 +17,7 @@ use openbench_osm::stream::Elements;
 use openbench_osm::{OsmError, Tags};
 
 use crate::geo::Place;
+use crate::store::Column;
 pub use words::RoadName;
 
 /// An edge's two vertices and what is known of it.
@@ -66,29 +67,57 @@ pub struct NetworkReport {
 #[derive(Debug, Clone, Default)]
 pub struct Network {
     /// Where vertices are.
-    pub vertices: Vec<Place>,
+    pub vertices: Column<Place>,
     /// For each vertex the index of its node's words among [`Network::node_words`].
-    pub vertex_classes: Vec<u32>,
+    pub vertex_classes: Column<u32>,
     /// The edges, and one more that says where the last one's points end.
-    pub edges: Vec<Edge>,
+    pub edges: Column<Edge>,
     /// The points of all edges, from vertex to vertex.
-    pub points: Vec<Place>,
+    pub points: Column<Place>,
     /// The OSM nodes at those points.
-    pub nodes: Vec<i64>,
+    pub nodes: Column<i64>,
     /// Sets of words of ways; number 0 is the empty one.
     pub way_words: Vec<Tags>,
     /// Sets of words of nodes; number 0 is the empty one.
     pub node_words: Vec<Tags>,
     /// For each edge the number of its way.
-    pub ways: Vec<i64>,
+    pub ways: Column<i64>,
     /// Turns that are restricted.
-    pub restrictions: Vec<Restriction>,
+    pub restrictions: Column<Restriction>,
     /// What is said of them.
     pub restriction_words: Vec<Tags>,
     /// What roads are called; number 0 is nothing.
     pub names: Vec<RoadName>,
     /// What was left out.
     pub report: NetworkReport,
+}
+
+/// The rows of a network while it is put together.
+#[derive(Debug, Default)]
+pub(crate) struct Rows {
+    pub(crate) vertices: Vec<Place>,
+    pub(crate) vertex_classes: Vec<u32>,
+    pub(crate) edges: Vec<Edge>,
+    pub(crate) points: Vec<Place>,
+    pub(crate) nodes: Vec<i64>,
+    pub(crate) ways: Vec<i64>,
+}
+
+impl Rows {
+    /// The network of these rows; its words are still missing.
+    pub(crate) fn into_network(mut self) -> Network {
+        let first_point = self.points.len() as u32;
+        self.edges.push(Edge { first_point, ..Edge::default() });
+        Network {
+            vertices: self.vertices.into(),
+            vertex_classes: self.vertex_classes.into(),
+            edges: self.edges.into(),
+            points: self.points.into(),
+            nodes: self.nodes.into(),
+            ways: self.ways.into(),
+            ..Network::default()
+        }
+    }
 }
 
 impl Network {

@@ -71,17 +71,11 @@ impl Service {
     }
 
     fn way(&self, json: &mut Json, request: &RouteRequest, way: &Way) {
-        let whole = |parts: &[(Leg, Line)]| {
-            let mut points: Vec<Place> =
-                parts.iter().flat_map(|(_, line)| line.points.iter().copied()).collect();
-            points.dedup();
-            points
-        };
         let (length, duration, weight) = self.measures(way.iter());
         json.object(|json| {
             json.key("legs").array(|json| {
                 for legs in Self::divided(request, way.len()) {
-                    self.leg(json, request, &way[legs.clone()], &whole);
+                    self.leg(json, request, &way[legs.clone()]);
                 }
             });
             json.key("weight_name").string("duration");
@@ -98,13 +92,7 @@ impl Service {
         });
     }
 
-    fn leg(
-        &self,
-        json: &mut Json,
-        request: &RouteRequest,
-        legs: &[(Leg, Line)],
-        whole: &dyn Fn(&[(Leg, Line)]) -> Vec<Place>,
-    ) {
+    fn leg(&self, json: &mut Json, request: &RouteRequest, legs: &[(Leg, Line)]) {
         let (length, duration, weight) = self.measures(legs.iter());
         let form = request.geometries;
         json.object(|json| {
@@ -236,6 +224,13 @@ impl Service {
         }
         nodes
     }
+}
+
+/// The points of some legs, one after another.
+fn whole(legs: &[(Leg, Line)]) -> Vec<Place> {
+    let mut points: Vec<Place> = legs.iter().flat_map(|(_, line)| line.points.iter().copied()).collect();
+    points.dedup();
+    points
 }
 
 /// A segment that is travelled.

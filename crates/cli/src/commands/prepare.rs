@@ -1,0 +1,50 @@
+//! `openbench prepare`: a graph file, so that a map need not be read again.
+
+use openbench_osm::stream::Source;
+use openbench_routing::partition::CellSizes;
+use openbench_routing::{Roads, store};
+
+use crate::args::PrepareArgs;
+use crate::outcome::{Outcome, say};
+
+/// Reads a map, puts its roads into cells and writes them.
+pub fn run(args: &PrepareArgs) -> anyhow::Result<Outcome> {
+    let sizes = if args.cells.is_empty() { CellSizes::default() } else { CellSizes::new(&args.cells)? };
+    let source = Source::open(&args.map)?;
+    let roads = Roads::read(&source, &sizes).map_err(|error| error.in_file(&args.map))?;
+    store::write(&roads, &args.out)?;
+    say(&summary(&roads))?;
+    Ok(Outcome::Done)
+}
+
+fn summary(roads: &Roads) -> String {
+    let (network, report) = (&roads.network, roads.network.report);
+    let mut text = format!(
+        "{} vertices, {} edges, {} points, {} turn restrictions\n",
+        network.vertices.len(),
+        network.edge_count(),
+        network.points.len(),
+        network.restrictions.len()
+    );
+    for (height, layer) in (1..).zip(&roads.vertices.layers) {
+        let crossing = roads.vertices.out.border.iter().filter(|border| **border >= height).count() / 2;
+        text += &format!(
+            "layer {height}: {:6} cells, {crossing:6} edges between them, {:6} vertices on their borders\n",
+            layer.cells(),
+            layer.state.len()
+        );
+    }
+    for (count, what) in [
+        (report.ways_without_points, "ways have no two known nodes"),
+        (report.conditional, "ways have words that hold at some times only; these were not regarded"),
+        (
+            report.odd_restrictions,
+            "turn restrictions are not from a way by a node to a way; these were not regarded",
+        ),
+    ] {
+        if count > 0 {
+            text += &format!("{count} {what}\n");
+        }
+    }
+    text
+}

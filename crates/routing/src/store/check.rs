@@ -1,0 +1,66 @@
+//! Whether what a graph file says can be true: a file with the right checksum can still have been made by anybody.
+
+use crate::network::Network;
+use crate::roads::Roads;
+
+type Checked = Result<(), &'static str>;
+
+fn check(good: bool, problem: &'static str) -> Checked {
+    if good { Ok(()) } else { Err(problem) }
+}
+
+/// Everything that numbers refer to is there, and edges are in order.
+pub(super) fn network(network: &Network) -> Checked {
+    let vertices = network.vertices.len();
+    check(network.vertex_classes.len() == vertices, "vertices and their words do not match")?;
+    check(network.nodes.len() == network.points.len(), "points and their nodes do not match")?;
+    check(network.ways.len() == network.edge_count(), "edges and their ways do not match")?;
+    let classes = network.vertex_classes.iter();
+    check(
+        classes.max().is_none_or(|c| (*c as usize) < network.node_words.len()),
+        "a vertex has unknown words",
+    )?;
+    let ends = network.edges.last().map(|edge| edge.first_point as usize);
+    check(ends == Some(network.points.len()), "the last edge's points are missing")?;
+    check(network.edge_count() < (1 << 30) && vertices < (1 << 30), "there are too many vertices or edges")?;
+    for (edge, next) in network.edges().iter().zip(&network.edges[1..]) {
+        let known = (edge.from.max(edge.to) as usize) < vertices
+            && (edge.class as usize) < network.way_words.len()
+            && (edge.name as usize) < network.names.len();
+        check(known, "an edge's vertices, words or name are unknown")?;
+        let points = u64::from(edge.first_point) + 2 <= u64::from(next.first_point);
+        check(points, "an edge has fewer than two points")?;
+    }
+    let words = network.restrictions.iter().map(|restriction| restriction.words);
+    check(
+        words.max().is_none_or(|w| w < network.restriction_words.len() as u64),
+        "a restriction has unknown words",
+    )
+}
+
+/// Cells follow one another and are nested.
+pub(super) fn levels(levels: &[Vec<u32>], vertices: usize) -> Checked {
+    const PROBLEM: &str = "the cells do not fit the network";
+    check(levels.len() <= 7, PROBLEM)?;
+    for (i, starts) in levels.iter().enumerate() {
+        check(
+            starts.first() == Some(&0) && starts.last().map(|end| *end as usize) == Some(vertices),
+            PROBLEM,
+        )?;
+        check(starts.len() >= 2 && starts.windows(2).all(|cell| cell[0] < cell[1]), PROBLEM)?;
+        if let Some(above) = levels.get(i + 1) {
+            check(above.iter().all(|start| starts.binary_search(start).is_ok()), PROBLEM)?;
+        }
+    }
+    Ok(())
+}
+
+/// The tree's runs are runs of the network.
+pub(super) fn roads(roads: &Roads) -> Checked {
+    let network = &roads.network;
+    let known = roads.segments.runs.iter().all(|run| {
+        (run.edge as usize) < network.edge_count()
+            && (run.first as usize) + 1 < network.edge_points(run.edge).len()
+    });
+    check(known, "the tree of segments does not fit the network")
+}
