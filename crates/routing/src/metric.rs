@@ -5,8 +5,8 @@
 use openbench_osm::Tags;
 
 use crate::components::Components;
-use crate::network::Network;
-use crate::overlay::{Arcs, CellTooLarge, Cliques, FAR, Overlay, Weights};
+use crate::network::{Edge, Network};
+use crate::overlay::{CellTooLarge, Cliques, FAR, Overlay, Weights};
 use crate::profile::{Going, Passing, Profile};
 use crate::roads::Roads;
 use crate::search::Searched;
@@ -68,7 +68,7 @@ impl Metric {
         let entry = units(profile.entry());
         let weight_is_duration = edges.iter().all(|edge| edge.weight == edge.duration && !edge.ends_only)
             && vertices.iter().all(|vertex| vertex.weight == vertex.duration);
-        let turns = profile.turns().map(|_| TurnGraph::new(roads));
+        let turns = profile.turns().map(|_| TurnGraph::new(roads, &profile));
         let mut metric = Self {
             profile,
             edges,
@@ -80,12 +80,10 @@ impl Metric {
             cliques: Vec::new(),
             weight_is_duration,
         };
-        metric.weights = match &metric.turns {
-            Some(turns) => turns.weights(roads, &metric),
-            None => Weights {
-                out: metric.arc_weights(network, &roads.vertices.out),
-                into: metric.arc_weights(network, &roads.vertices.into),
-            },
+        let overlay = metric.overlay(roads);
+        metric.weights = Weights {
+            out: overlay.out.iter().map(|(from, slot)| metric.out_weight(roads, from, slot)).collect(),
+            into: overlay.into.iter().map(|(to, slot)| metric.into_weight(roads, to, slot)).collect(),
         };
         metric.cliques = Cliques::all(metric.overlay(roads), &metric.weights)?;
         metric.components = Components::new(roads, &metric);
@@ -119,8 +117,79 @@ impl Metric {
         [vertex.duration + turn, vertex.weight + turn]
     }
 
-    fn arc_weights(&self, network: &Network, arcs: &Arcs) -> Vec<u32> {
-        arcs.via.iter().map(|via| self.arc_weight(network, *via)).collect()
+    /// What an arc counts as that leaves a state.
+    fn out_weight(&self, roads: &Roads, from: u32, slot: usize) -> u32 {
+        match &self.turns {
+            Some(turns) => {
+                let to = turns.overlay.out.head[slot];
+                turns.weight(roads, self, turns.edge_of[from as usize], turns.edge_of[to as usize])
+            }
+            None => self.arc_weight(&roads.network, roads.vertices.out.via[slot]),
+        }
+    }
+
+    /// What an arc counts as that leads to a state.
+    fn into_weight(&self, roads: &Roads, to: u32, slot: usize) -> u32 {
+        match &self.turns {
+            Some(turns) => {
+                let from = turns.overlay.into.head[slot];
+                turns.weight(roads, self, turns.edge_of[from as usize], turns.edge_of[to as usize])
+            }
+            None => self.arc_weight(&roads.network, roads.vertices.into.via[slot]),
+        }
+    }
+
+    /// Closes edges to all traffic, or opens them again as far as the profile has them open. Only what this changes is worked out again.
+    pub fn set_closed(&mut self, roads: &Roads, edges: &[u32], closed: bool) {
+        let network = &roads.network;
+        for &edge in edges {
+            let Edge { class, length, .. } = network.edges[edge as usize];
+            let goings = self.profile.way(&network.way_words[class as usize]);
+            for (direction, going) in goings.into_iter().enumerate() {
+                let cost = if closed { CLOSED } else { edge_cost(length, going) };
+                self.edges[2 * edge as usize + direction] = cost;
+            }
+        }
+        let mut vertices: Vec<u32> = edges.iter().flat_map(|edge| network.ends(2 * edge)).collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        let states = self.states_at(roads, &vertices);
+        for &state in &states {
+            for slot in self.overlay(roads).out.of(state) {
+                self.weights.out[slot] = self.out_weight(roads, state, slot);
+            }
+            for slot in self.overlay(roads).into.of(state) {
+                self.weights.into[slot] = self.into_weight(roads, state, slot);
+            }
+        }
+        // A way to a state, or from one, is an arc of the state at its other end too.
+        for &state in &states {
+            for other in self.neighbours(roads, state) {
+                for slot in self.overlay(roads).out.of(other) {
+                    self.weights.out[slot] = self.out_weight(roads, other, slot);
+                }
+                for slot in self.overlay(roads).into.of(other) {
+                    self.weights.into[slot] = self.into_weight(roads, other, slot);
+                }
+            }
+        }
+        let overlay = self.turns.as_ref().map_or(&roads.vertices, |turns| &turns.overlay);
+        Cliques::update(&mut self.cliques, overlay, &self.weights, &states);
+        self.components = Components::new(roads, self);
+    }
+
+    /// The states that arcs at these vertices lead between.
+    fn states_at(&self, roads: &Roads, vertices: &[u32]) -> Vec<u32> {
+        let Some(turns) = &self.turns else { return vertices.to_vec() };
+        let around = vertices.iter().flat_map(|vertex| roads.vertices.out.of(*vertex));
+        let leaving = around.map(|slot| roads.vertices.out.via[slot]);
+        leaving.flat_map(|directed| [directed, directed ^ 1]).map(|d| turns.state_of[d as usize]).collect()
+    }
+
+    fn neighbours(&self, roads: &Roads, state: u32) -> Vec<u32> {
+        let overlay = self.overlay(roads);
+        let out = overlay.out.of(state).map(|slot| overlay.out.head[slot]);
+        out.chain(overlay.into.of(state).map(|slot| overlay.into.head[slot])).collect()
     }
 
     /// What going along a directed edge and past the vertex at its end counts as.
@@ -153,15 +222,14 @@ pub(crate) fn units(seconds: f64) -> u32 {
 
 fn edge_costs(network: &Network, profile: &Profile) -> Vec<EdgeCost> {
     let goings: Vec<_> = network.way_words.iter().map(|words| profile.way(words)).collect();
-    let cost = |length: u32, going: Option<Going>| match going {
-        Some(Going { speed, cost, ends_only }) => {
-            let seconds = f64::from(length) / 1000.0 / speed;
-            EdgeCost { weight: units(seconds * cost), duration: units(seconds), ends_only }
-        }
-        None => CLOSED,
-    };
     let edges = network.edges().iter();
-    edges.flat_map(|edge| goings[edge.class as usize].map(|going| cost(edge.length, going))).collect()
+    edges.flat_map(|edge| goings[edge.class as usize].map(|going| edge_cost(edge.length, going))).collect()
+}
+
+fn edge_cost(millimetres: u32, going: Option<Going>) -> EdgeCost {
+    let Some(Going { speed, cost, ends_only }) = going else { return CLOSED };
+    let seconds = f64::from(millimetres) / 1000.0 / speed;
+    EdgeCost { weight: units(seconds * cost), duration: units(seconds), ends_only }
 }
 
 fn vertex_costs(network: &Network, profile: &Profile, edges: &[EdgeCost]) -> Vec<VertexCost> {

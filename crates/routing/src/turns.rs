@@ -5,8 +5,8 @@ use std::collections::HashSet;
 use crate::geo::turn;
 use crate::guidance::Guide;
 use crate::metric::{Metric, sum, units};
-use crate::overlay::{Arcs, FAR, NONE, Overlay, Weights};
-use crate::profile::Turns;
+use crate::overlay::{Arcs, FAR, NONE, Overlay};
+use crate::profile::{Profile, Turns};
 use crate::roads::Roads;
 
 /// Layers over directed edges. A directed edge is in the cell of the vertex at which it begins.
@@ -18,11 +18,12 @@ pub struct TurnGraph {
     pub state_of: Vec<u32>,
     /// For each state its directed edge.
     pub edge_of: Vec<u32>,
+    restricted: Restricted,
 }
 
 impl TurnGraph {
-    /// All turns of a network.
-    pub fn new(roads: &Roads) -> Self {
+    /// All turns of a network, and those that a profile keeps from.
+    pub fn new(roads: &Roads, profile: &Profile) -> Self {
         let network = &roads.network;
         let mut edge_of: Vec<u32> = (0..2 * network.edge_count() as u32).collect();
         edge_of.sort_by_key(|directed| network.ends(*directed)[0]);
@@ -42,35 +43,23 @@ impl TurnGraph {
             out.map(move |to| (state, to, edge_of[to as usize]))
         });
         let overlay = Overlay::new(Arcs::new(edge_of.len(), arcs), &levels);
-        Self { overlay, state_of, edge_of }
+        Self { overlay, state_of, edge_of, restricted: Restricted::new(roads, profile) }
     }
 
-    /// What turns count as, with the edges that they lead into.
-    pub fn weights(&self, roads: &Roads, metric: &Metric) -> Weights {
-        let restricted = Restricted::new(roads, metric);
-        let weight = |from: u32, to: u32| {
-            let (a, b) = (metric.edges[from as usize], metric.edges[to as usize]);
-            if a.weight >= FAR || b.weight >= FAR || restricted.forbids(from, to) {
-                return FAR;
-            }
-            let passed = metric.vertices[roads.network.ends(from)[1] as usize].weight;
-            if to == from ^ 1 {
-                // One turns round where there is no other way only, be it for a barrier.
-                return if self.is_dead_end(roads, metric, from) {
-                    sum(b.weight, self.penalty(roads, metric, from, to))
-                } else {
-                    FAR
-                };
-            }
-            let entry = if b.ends_only && !a.ends_only { metric.entry } else { 0 };
-            sum(sum(b.weight, passed), sum(self.penalty(roads, metric, from, to), entry))
-        };
-        let edge = |state: u32| self.edge_of[state as usize];
-        let (out, into) = (&self.overlay.out, &self.overlay.into);
-        Weights {
-            out: out.iter().map(|(state, slot)| weight(edge(state), edge(out.head[slot]))).collect(),
-            into: into.iter().map(|(state, slot)| weight(edge(into.head[slot]), edge(state))).collect(),
+    /// What turning from a directed edge into the next counts as, with the vertex between them and the edge that one turns into.
+    pub fn weight(&self, roads: &Roads, metric: &Metric, from: u32, to: u32) -> u32 {
+        let (a, b) = (metric.edges[from as usize], metric.edges[to as usize]);
+        if a.weight >= FAR || b.weight >= FAR || self.restricted.forbids(from, to) {
+            return FAR;
         }
+        let turned = sum(b.weight, self.penalty(roads, metric, from, to));
+        if to == from ^ 1 {
+            // One turns round where there is no other way only, be it for a barrier.
+            return if self.is_dead_end(roads, metric, from) { turned } else { FAR };
+        }
+        let passed = metric.vertices[roads.network.ends(from)[1] as usize].weight;
+        let entry = if b.ends_only && !a.ends_only { metric.entry } else { 0 };
+        sum(sum(turned, passed), entry)
     }
 
     /// Hundredths of a second that turning from one directed edge into the next takes.
@@ -109,6 +98,7 @@ impl Turns {
 }
 
 /// Turns that are not allowed.
+#[derive(Debug, Clone, Default)]
 struct Restricted {
     forbidden: HashSet<(u32, u32)>,
     /// Where only one turn is allowed: the edge that one comes along, and the turns.
@@ -117,7 +107,7 @@ struct Restricted {
 }
 
 impl Restricted {
-    fn new(roads: &Roads, metric: &Metric) -> Self {
+    fn new(roads: &Roads, profile: &Profile) -> Self {
         let network = &roads.network;
         let mut of_way: Vec<(i64, u32)> = network.ways.iter().copied().zip(0..).collect();
         of_way.sort_unstable();
@@ -135,8 +125,7 @@ impl Restricted {
         };
         let mut all = Self { forbidden: HashSet::new(), only: HashSet::new(), bound: HashSet::new() };
         for restriction in network.restrictions.iter() {
-            let Some(only) = metric.profile.restricts(&network.restriction_words[restriction.words as usize])
-            else {
+            let Some(only) = profile.restricts(&network.restriction_words[restriction.words as usize]) else {
                 continue;
             };
             for from in reaching(restriction.from, restriction.via) {
@@ -161,7 +150,7 @@ impl Restricted {
 
 #[cfg(test)]
 mod tests {
-    use crate::profile::Profile;
+    use super::*;
 
     /// Seconds of OSRM's car profile: going straight is next to free, turning left is dearer than turning right.
     #[test]

@@ -134,3 +134,51 @@ fn what_does_not_hang_together_has_no_route() {
     assert_eq!(town.length((0.004, 0.004), (0.005, 0.004)), 1.0);
     assert!(town.route((0.004, 0.004), WEST).unwrap().points[0].distance(town.at(0.003, 0.001)) < 1.0);
 }
+
+/// A square of 100 m with a path at its south-west and another at its north-east corner, and a fountain as a relation may have it.
+fn square(outline: &str) -> String {
+    format!(
+        r#"<node id="50" lat="0.01" lon="0.01"/><node id="51" lat="0.01" lon="0.011"/><node id="52" lat="0.011" lon="0.011"/>
+        <node id="53" lat="0.011" lon="0.01"/><node id="54" lat="0.009" lon="0.01"/><node id="55" lat="0.012" lon="0.011"/>
+        <way id="50"><nd ref="54"/><nd ref="50"/><tag k="highway" v="footway"/></way>
+        <way id="51"><nd ref="52"/><nd ref="55"/><tag k="highway" v="footway"/></way>
+        <way id="52"><nd ref="50"/><nd ref="51"/><nd ref="52"/><nd ref="53"/><nd ref="50"/>{outline}</way>"#
+    )
+}
+
+const OUTLINE: &str = r#"<tag k="highway" v="pedestrian"/><tag k="area" v="yes"/>"#;
+
+#[test]
+fn squares_are_crossed_and_osrms_pedestrian_walks_round() {
+    let (from, to) = ((0.01, 0.009), (0.011, 0.012));
+    let across = Town::new("delivery", &square(OUTLINE)).route(from, to).unwrap();
+    assert!((across.distance - (110.57 * 2.0 + 156.9)).abs() < 1.0, "{}", across.distance);
+    let round = Town::new("foot", &square(OUTLINE)).route(from, to).unwrap();
+    assert!((round.distance - (110.57 * 3.0 + 111.3)).abs() < 1.0, "{}", round.distance);
+}
+
+#[test]
+fn holes_in_squares_are_gone_round() {
+    // A fountain in the middle, 40 m wide.
+    let holed = square("")
+        + r#"<node id="60" lat="0.0103" lon="0.0103"/><node id="61" lat="0.0103" lon="0.0107"/>
+      <node id="62" lat="0.0107" lon="0.0107"/><node id="63" lat="0.0107" lon="0.0103"/>
+      <way id="53"><nd ref="60"/><nd ref="61"/><nd ref="62"/><nd ref="63"/><nd ref="60"/></way>
+      <relation id="9"><member type="way" ref="52" role="outer"/><member type="way" ref="53" role="inner"/>
+      <tag k="type" v="multipolygon"/><tag k="highway" v="pedestrian"/></relation>"#;
+    let route = Town::new("delivery", &holed).route((0.01, 0.009), (0.011, 0.012)).unwrap();
+    // By a corner of the fountain: 76.1 m twice.
+    assert!((route.distance - (110.57 * 2.0 + 2.0 * 84.5)).abs() < 2.0, "{}", route.distance);
+    assert_eq!(route.points.len(), 5);
+}
+
+#[test]
+fn a_square_that_is_no_simple_shape_does_no_harm() {
+    for rings in [
+        "<nd ref=\"50\"/><nd ref=\"50\"/><nd ref=\"50\"/><nd ref=\"50\"/>",
+        "<nd ref=\"50\"/><nd ref=\"52\"/><nd ref=\"51\"/><nd ref=\"53\"/><nd ref=\"50\"/>",
+    ] {
+        let odd = square(OUTLINE) + &format!("<way id=\"60\">{rings}{OUTLINE}</way>");
+        assert!(Town::new("delivery", &odd).route((0.01, 0.009), (0.011, 0.012)).is_ok());
+    }
+}

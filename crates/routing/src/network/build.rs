@@ -1,16 +1,25 @@
 //! Vertices and edges from ways and nodes.
 
-use super::read::{Nodes, Way, Ways};
+use super::read::{Nodes, Square, Way, Ways};
+use super::squares;
 use super::{Edge, Network, NetworkReport, Rows};
 use crate::geo::{Place, distance};
+use crate::profile::TIMETABLE;
 
 const NO_VERTEX: u32 = u32::MAX;
 
-pub(super) fn network(ways: Ways, nodes: Nodes) -> Network {
-    let mut builder = Builder::new(&ways, &nodes);
+pub(super) fn network(mut ways: Ways, nodes: Nodes) -> Network {
+    keep_timetables(&mut ways, &nodes);
+    let mut uses = uses(&ways, &nodes);
+    let crossings = squares::crossings(&ways, &nodes, &mut uses);
+    let mut builder = Builder::new(&nodes, &uses);
     for way in &ways.ways {
         builder.way(&ways, way);
     }
+    for crossing in &crossings.lines {
+        builder.crossing(&ways.squares[crossing.square], crossing.ends);
+    }
+    builder.report.squares_not_crossed = crossings.too_large;
     let report = builder.report;
     let mut network = builder.rows.into_network();
     network.report = report;
@@ -35,8 +44,8 @@ struct Builder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    fn new(ways: &Ways, nodes: &'a Nodes) -> Self {
-        let vertex = vertices(ways, nodes);
+    fn new(nodes: &'a Nodes, uses: &[u8]) -> Self {
+        let vertex = vertices(nodes, uses);
         let mut rows = Rows::default();
         for (index, _) in vertex.iter().enumerate().filter(|(_, vertex)| **vertex != NO_VERTEX) {
             rows.vertices.push(nodes.places[index].unwrap_or_default());
@@ -66,6 +75,15 @@ impl<'a> Builder<'a> {
         self.report.ways_without_points += usize::from(self.rows.edges.len() == before);
     }
 
+    /// A straight line across a square.
+    fn crossing(&mut self, square: &Square, ends: [usize; 2]) {
+        self.piece.clear();
+        self.piece.extend(ends);
+        let Square { id, class, name, .. } = *square;
+        let way = Way { id, first: 0, count: 0, class, name, seconds: None };
+        self.edge(&way);
+    }
+
     /// Makes an edge of the piece, if it is one.
     fn edge(&mut self, way: &Way) {
         if let [first, .., last] = *self.piece {
@@ -83,9 +101,21 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// For each node its vertex: nodes where a run of known nodes begins or ends, where two ways meet or one meets itself, and nodes
-/// that have words.
-fn vertices(ways: &Ways, nodes: &Nodes) -> Vec<u32> {
+/// Gives ferries with a timetable the speed that it asks for.
+fn keep_timetables(ways: &mut Ways, nodes: &Nodes) {
+    for i in 0..ways.ways.len() {
+        let way = ways.ways[i];
+        let Some(seconds) = way.seconds else { continue };
+        let places: Vec<Place> =
+            ways.nodes(&way).iter().filter_map(|id| nodes.places[nodes.index(*id)?]).collect();
+        let metres = f64::from(millimetres(&places)) / 1000.0;
+        let speed = (metres / seconds * 3.6).clamp(0.1, 100.0);
+        ways.ways[i].class = ways.classes.with(way.class, TIMETABLE, &format!("{speed:.2}"));
+    }
+}
+
+/// For each node how often it is used: once by each way that goes through it, twice where a run of known nodes begins or ends.
+fn uses(ways: &Ways, nodes: &Nodes) -> Vec<u8> {
     let mut uses = vec![0_u8; nodes.ids.len()];
     let mut count = |index: usize, by: u8| uses[index] = uses[index].saturating_add(by);
     for way in &ways.ways {
@@ -94,7 +124,6 @@ fn vertices(ways: &Ways, nodes: &Nodes) -> Vec<u32> {
             let index = nodes.index(*id).filter(|i| nodes.places[*i].is_some());
             match (last, index) {
                 (Some(a), Some(b)) if a == b => continue,
-                // A run of known nodes begins.
                 (None, Some(b)) => count(b, 2),
                 (Some(_), Some(b)) => count(b, 1),
                 (Some(a), None) => count(a, 1),
@@ -104,6 +133,11 @@ fn vertices(ways: &Ways, nodes: &Nodes) -> Vec<u32> {
         }
         last.into_iter().for_each(|a| count(a, 1));
     }
+    uses
+}
+
+/// For each node its vertex: nodes that are used twice, and nodes that have words.
+fn vertices(nodes: &Nodes, uses: &[u8]) -> Vec<u32> {
     let mut vertices = 0;
     let number = |(index, uses): (usize, &u8)| {
         let known = nodes.places[index].is_some();

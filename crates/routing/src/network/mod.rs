@@ -7,10 +7,12 @@
 //! |---|---|
 //! | `read` | the ways and nodes that matter, out of all that a map holds |
 //! | `words` | sets of words and names, each kept once |
+//! | `squares` | lines across pedestrian areas |
 //! | `build` | vertices and edges from ways and nodes |
 
 mod build;
 mod read;
+mod squares;
 mod words;
 
 use openbench_osm::stream::Elements;
@@ -61,6 +63,8 @@ pub struct NetworkReport {
     pub conditional: usize,
     /// Turn restrictions that are not from one way by one node to another (such as those by a way); not regarded.
     pub odd_restrictions: usize,
+    /// Pedestrian areas with too many corners to be crossed.
+    pub squares_not_crossed: usize,
 }
 
 /// The network.

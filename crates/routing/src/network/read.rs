@@ -1,11 +1,14 @@
 //! The ways of the network, out of all that a map holds: first ways, then the nodes that they go through.
 
+use std::collections::{HashMap, HashSet};
+
 use openbench_osm::stream::{Elements, NodeRef, RelationRef, Visitor, WayRef, Words};
 use openbench_osm::{ElementKind, OsmError};
 
 use super::Restriction;
 use super::words::{Classes, Names};
 use crate::geo::Place;
+use crate::profile::CROSSING;
 
 /// Ways that a profile may be asked about, by number.
 pub(super) struct Ways {
@@ -20,6 +23,22 @@ pub(super) struct Ways {
     pub(super) restriction_sets: Classes,
     /// Turn restrictions that are not understood.
     pub(super) odd_restrictions: usize,
+    pub(super) squares: Vec<Square>,
+    /// The nodes of all squares.
+    pub(super) corners: Vec<i64>,
+}
+
+/// A pedestrian area, which is crossed.
+#[derive(Debug, Clone)]
+pub(super) struct Square {
+    /// The way or relation.
+    pub(super) id: i64,
+    /// Its outline and its holes, the ways that they are made of.
+    pub(super) outlines: Vec<i64>,
+    /// The nodes of the outline and the holes, each but the last one once.
+    pub(super) rings: Vec<Vec<i64>>,
+    pub(super) class: u32,
+    pub(super) name: u32,
 }
 
 /// A way of the network.
@@ -31,6 +50,8 @@ pub(super) struct Way {
     pub(super) count: usize,
     pub(super) class: u32,
     pub(super) name: u32,
+    /// Seconds that a ferry takes, if its timetable says so.
+    pub(super) seconds: Option<f64>,
 }
 
 /// The nodes of the network, by number.
@@ -54,13 +75,38 @@ impl Ways {
             restrictions: Vec::new(),
             restriction_sets: Classes::new(),
             odd_restrictions: 0,
+            squares: Vec::new(),
+            corners: Vec::new(),
         };
         source.visit(&mut ways)?;
+        ways.read_outlines(source)?;
         // Of ways that stand there twice the later counts.
         ways.ways.reverse();
         ways.ways.sort_by_key(|way| way.id);
         ways.ways.dedup_by_key(|way| way.id);
         Ok(ways)
+    }
+
+    /// The outlines of squares that are relations.
+    fn read_outlines(&mut self, source: &impl Elements) -> Result<(), OsmError> {
+        let wanted: HashSet<i64> =
+            self.squares.iter().filter(|s| s.rings.is_empty()).flat_map(|s| &s.outlines).copied().collect();
+        if !wanted.is_empty() {
+            let mut outlines = Outlines { wanted, rings: HashMap::new() };
+            source.visit(&mut outlines)?;
+            for square in self.squares.iter_mut().filter(|square| square.rings.is_empty()) {
+                square.rings =
+                    square.outlines.iter().filter_map(|way| outlines.rings.get(way).cloned()).collect();
+            }
+        }
+        // An outline of several ways is not put together here.
+        self.squares.retain(|square| square.rings.len() == square.outlines.len() && !square.rings.is_empty());
+        self.squares.sort_by_key(|square| square.id);
+        self.squares.dedup_by_key(|square| square.id);
+        // What is crossed is part of the network, and so are its corners.
+        let corners = self.squares.iter().flat_map(|square| square.rings.iter().flatten());
+        self.corners = corners.copied().collect();
+        Ok(())
     }
 
     pub(super) fn nodes(&self, way: &Way) -> &[i64] {
@@ -74,6 +120,13 @@ impl Visitor for Ways {
     }
 
     fn relation(&mut self, relation: RelationRef<'_>) {
+        if relation.tags.get("type") == Some("multipolygon") && is_for_pedestrians(relation.tags) {
+            let class = self.classes.number(relation.tags, Some((CROSSING, "yes")));
+            let ways = relation.members.iter().filter(|member| member.kind == ElementKind::Way);
+            let (outlines, name) = (ways.map(|way| way.id).collect(), self.names.number(relation.tags));
+            // Relations and ways count separately.
+            self.squares.push(Square { id: -relation.id, outlines, rings: Vec::new(), class, name });
+        }
         if !relation.tags.get("type").is_some_and(|kind| kind.starts_with("restriction")) {
             return;
         }
@@ -97,9 +150,74 @@ impl Visitor for Ways {
         }
         self.conditional += usize::from(way.tags.0.iter().any(|(key, _)| key.ends_with(":conditional")));
         let (class, name) = (self.classes.number(way.tags, None), self.names.number(way.tags));
+        let closed = way.nodes.len() > 3 && way.nodes.first() == way.nodes.last();
+        if closed && way.tags.get("area") == Some("yes") && is_for_pedestrians(way.tags) {
+            let class = self.classes.number(way.tags, Some((CROSSING, "yes")));
+            let (id, rings) = (way.id, vec![way.nodes[1..].to_vec()]);
+            self.squares.push(Square { id, outlines: vec![id], rings, class, name });
+        }
         let (first, count) = (self.references.len(), way.nodes.len());
-        self.ways.push(Way { id: way.id, first, count, class, name });
+        let ferry = way.tags.get("route") == Some("ferry");
+        let seconds = way.tags.get("duration").filter(|_| ferry).and_then(seconds);
+        self.ways.push(Way { id: way.id, first, count, class, name, seconds });
         self.references.extend_from_slice(way.nodes);
+    }
+}
+
+/// `MM`, `HH:MM`, `HH:MM:SS`, or as ISO 8601 has it, `PT1H30M`.
+fn seconds(duration: &str) -> Option<f64> {
+    let text = duration.trim();
+    let (mut total, mut units) = (0.0, Vec::new());
+    if let Some(mut rest) = text.strip_prefix("PT") {
+        while let Some(unit) = rest.find(['H', 'M', 'S']) {
+            units.push((
+                rest[..unit].parse::<f64>().ok()?,
+                match rest.as_bytes()[unit] {
+                    b'H' => 3600.0,
+                    b'M' => 60.0,
+                    _ => 1.0,
+                },
+            ));
+            rest = &rest[unit + 1..];
+        }
+    } else {
+        let parts: Vec<&str> = text.split(':').collect();
+        let sizes: &[f64] = match parts.len() {
+            1 => &[60.0],
+            2 => &[3600.0, 60.0],
+            3 => &[3600.0, 60.0, 1.0],
+            _ => return None,
+        };
+        for (part, size) in parts.iter().zip(sizes) {
+            units.push((part.parse::<f64>().ok()?, *size));
+        }
+    }
+    for (count, size) in units {
+        total += count * size;
+    }
+    (1.0..1e6).contains(&total).then_some(total)
+}
+
+fn is_for_pedestrians(words: Words<'_>) -> bool {
+    matches!(words.get("highway"), Some("pedestrian" | "footway" | "path" | "platform"))
+}
+
+/// The nodes of closed ways that are wanted.
+struct Outlines {
+    wanted: HashSet<i64>,
+    rings: HashMap<i64, Vec<i64>>,
+}
+
+impl Visitor for Outlines {
+    fn wants(&self, kind: ElementKind) -> bool {
+        kind == ElementKind::Way
+    }
+
+    fn way(&mut self, way: WayRef<'_>) {
+        let closed = way.nodes.len() > 3 && way.nodes.first() == way.nodes.last();
+        if closed && self.wanted.contains(&way.id) {
+            self.rings.insert(way.id, way.nodes[1..].to_vec());
+        }
     }
 }
 
@@ -133,7 +251,7 @@ fn is_way_of_network(words: Words<'_>) -> bool {
 impl Nodes {
     /// The nodes that `ways` go through.
     pub(super) fn read(source: &impl Elements, ways: &Ways) -> Result<Self, OsmError> {
-        let mut ids = ways.references.clone();
+        let mut ids = [ways.references.as_slice(), &ways.corners].concat();
         ids.sort_unstable();
         ids.dedup();
         ids.shrink_to_fit();
@@ -170,5 +288,22 @@ impl Visitor for Reader {
         self.nodes.places[index] = Place::new(node.position);
         self.nodes.classes[index] =
             if node.tags.0.is_empty() { 0 } else { self.nodes.sets.number(node.tags, None) };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::seconds;
+
+    #[test]
+    fn timetables_are_read() {
+        for (text, expected) in
+            [("10", 600.0), ("01:30", 5400.0), ("0:10:30", 630.0), ("PT1H30M", 5400.0), ("PT45S", 45.0)]
+        {
+            assert_eq!(seconds(text), Some(expected), "{text}");
+        }
+        for text in ["", "soon", "-5", "1:2:3:4", "PT", "PTxH", "nan", "inf"] {
+            assert_eq!(seconds(text), None, "{text}");
+        }
     }
 }

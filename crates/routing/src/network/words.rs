@@ -79,6 +79,13 @@ impl Classes {
         number
     }
 
+    /// The number of a set with one more word.
+    pub(super) fn with(&mut self, class: u32, key: &str, value: &str) -> u32 {
+        let set = self.sets[class as usize].clone();
+        let words: Vec<(&str, &str)> = set.iter().collect();
+        self.number(Words(&words), Some((key, value)))
+    }
+
     pub(super) fn into_sets(self) -> Vec<Tags> {
         self.sets
     }

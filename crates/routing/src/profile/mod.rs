@@ -20,6 +20,7 @@ use openbench_osm::Tags;
 pub use node::Passing;
 pub use rules::{Places, Turns};
 pub use way::Going;
+pub(crate) use way::{CROSSING, TIMETABLE};
 
 use rules::Rules;
 
