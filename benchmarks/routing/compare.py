@@ -120,8 +120,9 @@ def http_cpu(pid, port, pairs):
     """CPU microseconds of the server for a request of each kind."""
 
     def cpu():
-        fields = pathlib.Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
-        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+        """Seconds that the server's threads have been running, exact to nanoseconds."""
+        threads = pathlib.Path(f"/proc/{pid}/task").iterdir()
+        return sum(int((thread / "schedstat").read_text().split()[0]) for thread in threads) / 1e9
 
     def fetch(connection, url):
         for _ in range(2):
@@ -246,6 +247,7 @@ def valhalla(osm, pairs, answers, folder):
     shutil.rmtree(work, ignore_errors=True)
     work.mkdir()
     (work / "tiles").mkdir()
+    (work / "tiles.tar").touch()
     config = engine.get_config(tile_extract=work / "tiles.tar", tile_dir=work / "tiles", verbose=False)
     config["mjolnir"].update({"timezone": "", "admin": "", "concurrency": 1})
     config["mjolnir"]["logging"] = {"type": ""}

@@ -178,6 +178,9 @@ pub struct RouteArgs {
     /// Up to so many other ways between two places
     #[arg(long, default_value_t = 0, value_name = "N")]
     pub alternatives: usize,
+    /// How far from a place a road may be, metres
+    #[arg(long, default_value_t = 1000.0, value_name = "M")]
+    pub radius: f64,
     /// Places on the way, LON,LAT each
     #[arg(required = true, num_args = 2.., value_name = "LON,LAT", allow_hyphen_values = true, value_parser = lonlat)]
     pub places: Vec<openbench_core::LonLat>,

@@ -1,13 +1,46 @@
-//! Routes on the OpenStreetMap road network.
+//! Routes on the OpenStreetMap road network: multi-level Dijkstra, embedded, from any extract.
+//!
+//! After D. Delling, A. Goldberg, T. Pajor, R. Werneck, *Customizable Route Planning in Road Networks*, Transportation Science 2017: what takes long is done
+//! once for a map, what a profile asks for in some hundredths of a second for a city, and a road that closes in less. Contraction hierarchies answer
+//! some three times faster (`benchmarks/routing`), and are not the aim: they need their preparation again when weights change, or know no turns.
+//!
+//! ```no_run
+//! use openbench_core::LonLat;
+//! use openbench_osm::stream::Source;
+//! use openbench_routing::osrm::{Limits, Request, Service, ServiceMemory};
+//! use openbench_routing::{Metric, Profile, Roads};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let map = Source::open("city.osm.pbf".as_ref())?;
+//! let roads = Roads::read(&map, &Default::default())?;
+//! let metric = Metric::new(&roads, Profile::open("delivery")?)?;
+//! let service = Service { roads, metric, limits: Limits::default() };
+//! let answer = service.answer("/route/v1/any/7.4197,43.7314;7.4246,43.7387?steps=true", &mut ServiceMemory::default());
+//! println!("{}", String::from_utf8_lossy(&answer.body));
+//! # Ok(())
+//! # }
+//! ```
 //!
 //! | module | its one job |
 //! |---|---|
-//! | [`profile`] | [`Profile`]: who may go where, and how fast |
-//! | [`graph`] | [`RoadGraph`]: the network as vertices and arcs, and the nearest place on it |
-//! | [`dijkstra`] | shortest routes (Dijkstra 1959); multi-level preprocessing will stand behind the same trait |
+//! | [`profile`] | [`Profile`]: who may go where, how fast and how gladly |
+//! | [`network`] | vertices and edges of a map, whoever travels |
+//! | [`partition`] | vertices in cells, and these in larger cells |
+//! | [`roads`] | [`Roads`]: a network in cells |
+//! | [`overlay`] | layers of cells over a graph, and the ways through them |
+//! | [`metric`] | [`Metric`]: what travelling counts as for a profile |
+//! | [`turns`] | the graph of turns, for profiles to whom they matter |
+//! | [`search`] | searches over layers: a way, other ways, tables |
+//! | [`tree`], [`position`] | segments near a place, and where it is on the network |
+//! | [`components`] | what hangs together |
+//! | [`leg`] | the way from one place to another |
+//! | [`guidance`] | where to turn |
+//! | [`router`] | [`MapRouter`]: routes in the frame of a map |
 //! | [`osrm`] | answers in the words of OSRM's HTTP API, version 1 |
+//! | [`store`] | graph files |
+//! | [`geo`] | places and distances |
 //!
-//! [`Router`] is the seam: agents and servers know only it.
+//! [`Router`] is the seam to agents.
 
 pub mod components;
 pub mod geo;

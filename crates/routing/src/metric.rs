@@ -82,8 +82,8 @@ impl Metric {
         };
         let overlay = metric.overlay(roads);
         metric.weights = Weights {
-            out: overlay.out.iter().map(|(from, slot)| metric.out_weight(roads, from, slot)).collect(),
-            into: overlay.into.iter().map(|(to, slot)| metric.into_weight(roads, to, slot)).collect(),
+            out: overlay.out.iter().map(|(from, slot)| metric.weight_of_arc_out(roads, from, slot)).collect(),
+            into: overlay.into.iter().map(|(to, slot)| metric.weight_of_arc_into(roads, to, slot)).collect(),
         };
         metric.cliques = Cliques::all(metric.overlay(roads), &metric.weights)?;
         metric.components = Components::new(roads, &metric);
@@ -118,7 +118,7 @@ impl Metric {
     }
 
     /// What an arc counts as that leaves a state.
-    fn out_weight(&self, roads: &Roads, from: u32, slot: usize) -> u32 {
+    fn weight_of_arc_out(&self, roads: &Roads, from: u32, slot: usize) -> u32 {
         match &self.turns {
             Some(turns) => {
                 let to = turns.overlay.out.head[slot];
@@ -129,7 +129,7 @@ impl Metric {
     }
 
     /// What an arc counts as that leads to a state.
-    fn into_weight(&self, roads: &Roads, to: u32, slot: usize) -> u32 {
+    fn weight_of_arc_into(&self, roads: &Roads, to: u32, slot: usize) -> u32 {
         match &self.turns {
             Some(turns) => {
                 let from = turns.overlay.into.head[slot];
@@ -156,20 +156,20 @@ impl Metric {
         let states = self.states_at(roads, &vertices);
         for &state in &states {
             for slot in self.overlay(roads).out.of(state) {
-                self.weights.out[slot] = self.out_weight(roads, state, slot);
+                self.weights.out[slot] = self.weight_of_arc_out(roads, state, slot);
             }
             for slot in self.overlay(roads).into.of(state) {
-                self.weights.into[slot] = self.into_weight(roads, state, slot);
+                self.weights.into[slot] = self.weight_of_arc_into(roads, state, slot);
             }
         }
         // A way to a state, or from one, is an arc of the state at its other end too.
         for &state in &states {
             for other in self.neighbours(roads, state) {
                 for slot in self.overlay(roads).out.of(other) {
-                    self.weights.out[slot] = self.out_weight(roads, other, slot);
+                    self.weights.out[slot] = self.weight_of_arc_out(roads, other, slot);
                 }
                 for slot in self.overlay(roads).into.of(other) {
-                    self.weights.into[slot] = self.into_weight(roads, other, slot);
+                    self.weights.into[slot] = self.weight_of_arc_into(roads, other, slot);
                 }
             }
         }

@@ -9,6 +9,7 @@ use openbench_routing::overlay::FAR;
 use openbench_routing::search::{End, Path, Searched, TableMemory, Workspace};
 use openbench_routing::{Metric, Profile, Roads};
 
+#[expect(clippy::print_stderr, reason = "a test that is skipped says so")]
 fn extracts() -> Vec<PathBuf> {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/osm");
     let Ok(files) = std::fs::read_dir(&folder) else {

@@ -14,12 +14,15 @@ use crate::outcome::{Outcome, say};
 pub fn run(args: &RouteArgs) -> anyhow::Result<Outcome> {
     let service = service(&args.roads, Limits::default())?;
     let places = args.places.iter().filter_map(|position| Place::new(*position)).collect();
+    let mut through = RouteRequest::through(places);
+    through.places.hints = false;
+    through.places.snap.iter_mut().for_each(|snap| snap.radius = args.radius);
     let request = Request::Route(RouteRequest {
         alternatives: args.alternatives,
         steps: args.steps,
         geometries: Geometries::GeoJson,
         overview: Overview::Full,
-        ..RouteRequest::through(places)
+        ..through
     });
     let (body, outcome) = match service.body(&request, &mut ServiceMemory::default()) {
         Ok(body) => (body, Outcome::Done),

@@ -405,7 +405,12 @@ impl RouteRequest {
                 _ => return Err(option.fail()),
             }
         }
-        too_big("Requested number of alternatives", request.alternatives, limits.alternatives)?;
+        if request.alternatives > limits.alternatives {
+            let limit = limits.alternatives;
+            let message =
+                format!("Requested number of alternatives is higher than current maximum ({limit})");
+            return Err(Failure::new("TooBig", message));
+        }
         request.check_waypoints()?;
         Ok(request)
     }
