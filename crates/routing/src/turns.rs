@@ -159,9 +159,9 @@ mod tests {
         let seconds = |degrees| car.turns().unwrap().seconds(degrees);
         assert!(seconds(0.0) < 0.02 && seconds(180.0) > 7.3);
         assert!(seconds(90.0) < seconds(-90.0), "{} {}", seconds(90.0), seconds(-90.0));
-        let right = 7.5 / (1.0 + (-(13.0 / 1.075 * 90.0 / 180.0 - 6.5 * 1.075_f64)).exp());
+        let right = 7.5 / (1.0 + libm::exp(-(13.0 / 1.075 * 90.0 / 180.0 - 6.5 * 1.075)));
         assert!((seconds(90.0) - right).abs() < 1e-9);
-        let left = 7.5 / (1.0 + (-(13.0 * 1.075 * 90.0 / 180.0 - 6.5 / 1.075_f64)).exp());
+        let left = 7.5 / (1.0 + libm::exp(-(13.0 * 1.075 * 90.0 / 180.0 - 6.5 / 1.075)));
         assert!((seconds(-90.0) - left).abs() < 1e-9);
     }
 }
