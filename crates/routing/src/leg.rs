@@ -1,11 +1,11 @@
 //! The way from one place on the network to another.
 
 use crate::geo::Place;
-use crate::metric::Metric;
+use crate::metric::{EdgeCost, Metric, centimetres};
 use crate::overlay::FAR;
 use crate::position::Position;
 use crate::roads::Roads;
-use crate::search::{End, Path, Searched, TableMemory, Workspace};
+use crate::search::{End, Path, Searched, TableMemory, Value, ValuedEnd, Workspace};
 
 /// How much heavier another way may be than the lightest one, as a factor.
 const STRETCH: f64 = 1.25;
@@ -45,6 +45,8 @@ struct Hold {
     directed: u32,
     position: Position,
     end: End,
+    /// What the part of the edge takes.
+    value: Value,
 }
 
 /// Memory of finding legs, used again for the next one.
@@ -134,28 +136,44 @@ impl Leg {
         legs
     }
 
-    /// What the lightest way from each of some places to each of others counts as, one after another; [`FAR`] where there is none.
-    pub fn weights(
+    /// What the lightest way from each of some places to each of others takes, one after another; `None` where there is none. Lengths are
+    /// 0 unless they are asked for.
+    pub fn table(
         roads: &Roads,
         metric: &Metric,
         from: &[&[Position]],
         to: &[&[Position]],
+        lengths: bool,
         memory: &mut Memory,
         tables: &mut TableMemory,
-    ) -> Vec<u32> {
-        let mut ends = |from: &[Position], to: &[Position]| {
+    ) -> Vec<Option<Measures>> {
+        let mut held = |from: &[Position], to: &[Position]| {
             memory.hold(roads, metric, from, to);
-            memory.ends.clone()
+            let holds = if to.is_empty() { &memory.sources } else { &memory.targets };
+            holds.iter().map(|hold| ValuedEnd { end: hold.end, value: hold.value }).collect()
         };
-        let sources: Vec<_> = from.iter().map(|place| std::mem::take(&mut ends(place, &[])[0])).collect();
-        let targets: Vec<_> = to.iter().map(|place| std::mem::take(&mut ends(&[], place)[1])).collect();
-        let mut table = tables.weights(metric.searched(roads), &sources, &targets);
-        for (row, a) in table.chunks_exact_mut(to.len().max(1)).zip(from) {
-            for (cell, b) in row.iter_mut().zip(to) {
-                *cell = straight(metric, a, b).map_or(*cell, |leg| leg.weight.min(*cell));
+        let sources: Vec<Vec<ValuedEnd>> = from.iter().map(|place| held(place, &[])).collect();
+        let targets: Vec<Vec<ValuedEnd>> = to.iter().map(|place| held(&[], place)).collect();
+        // Where everything counts as long as it takes, durations need no sums of their own.
+        let plain = !lengths && metric.weight_is_duration();
+        let values = (!plain).then(|| metric.values(roads));
+        let found = tables.table(metric.searched(roads), values, &sources, &targets);
+        let pairs = from.iter().flat_map(|a| to.iter().map(move |b| (a, b)));
+        let measures = found.into_iter().zip(pairs).map(|(found, (a, b))| {
+            let around = (found.weight < FAR).then(|| Measures {
+                length: f64::from(found.value[1]) / 100.0,
+                duration: if plain { found.weight } else { found.value[0] },
+                weight: found.weight,
+            });
+            let straight = straight(metric, a, b);
+            match (straight, around) {
+                (Some(leg), around) if around.is_none_or(|around| leg.weight <= around.weight) => {
+                    Some(leg.measures(roads, metric, 0))
+                }
+                (_, around) => around,
             }
-        }
-        table
+        });
+        measures.collect()
     }
 
     /// The weight of those edges that both have.
@@ -260,34 +278,40 @@ impl Memory {
         };
         self.sources.clear();
         for (directed, position) in from.iter().flat_map(sides).filter(open) {
-            let whole = metric.edges[directed as usize].weight;
-            let rest = whole - before(whole, &position, directed);
-            let end = match &metric.turns {
-                Some(turns) => End { state: turns.state_of[directed as usize], weight: rest },
+            let EdgeCost { weight, duration, .. } = metric.edges[directed as usize];
+            let rest = [weight, duration].map(|whole| whole - before(whole, &position, directed));
+            let length = part(centimetres(roads, directed), 1.0 - directed_share(&position, directed));
+            let (state, past) = match &metric.turns {
+                Some(turns) => (turns.state_of[directed as usize], [0, 0]),
                 None => {
                     let [_, state] = roads.network.ends(directed);
-                    End { state, weight: rest + metric.vertices[state as usize].weight }
+                    let vertex = metric.vertices[state as usize];
+                    (state, [vertex.weight, vertex.duration])
                 }
             };
-            self.sources.push(Hold { directed, position, end });
+            let end = End { state, weight: rest[0] + past[0] };
+            self.sources.push(Hold { directed, position, end, value: [rest[1] + past[1], length] });
         }
         self.targets.clear();
         for (directed, position) in to.iter().flat_map(sides).filter(open) {
-            let whole = metric.edges[directed as usize].weight;
-            let first = before(whole, &position, directed);
+            let EdgeCost { weight, duration, .. } = metric.edges[directed as usize];
+            let [first, time] = [weight, duration].map(|whole| before(whole, &position, directed));
+            let length = part(centimetres(roads, directed), directed_share(&position, directed));
             if let Some(turns) = &metric.turns {
                 // By each turn into the edge.
                 let graph = metric.searched(roads);
                 let state = turns.state_of[directed as usize];
                 for slot in graph.overlay.into.of(state).filter(|slot| graph.weights.into[*slot] < FAR) {
-                    let weight = graph.weights.into[slot] - whole + first;
-                    let end = End { state: graph.overlay.into.head[slot], weight };
-                    self.targets.push(Hold { directed, position, end });
+                    let from = graph.overlay.into.head[slot];
+                    let end = End { state: from, weight: graph.weights.into[slot] - weight + first };
+                    let [passed, _] = metric.passing(roads, turns.edge_of[from as usize], directed);
+                    self.targets.push(Hold { directed, position, end, value: [time + passed, length] });
                 }
             } else {
                 let [state, _] = roads.network.ends(directed);
                 let weight = metric.edge_weight(&roads.network, directed, 0, first);
-                self.targets.push(Hold { directed, position, end: End { state, weight } });
+                let end = End { state, weight };
+                self.targets.push(Hold { directed, position, end, value: [time, length] });
             }
         }
         self.sources.retain(|hold| hold.end.weight < FAR);

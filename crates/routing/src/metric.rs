@@ -2,6 +2,8 @@
 //!
 //! Weights and durations are hundredths of a second. (So the longest way that counts takes 248 days.)
 
+use std::sync::OnceLock;
+
 use openbench_osm::Tags;
 
 use crate::components::Components;
@@ -9,7 +11,7 @@ use crate::network::{Edge, Network};
 use crate::overlay::{CellTooLarge, Cliques, FAR, Overlay, Weights};
 use crate::profile::{Going, Passing, Profile};
 use crate::roads::Roads;
-use crate::search::Searched;
+use crate::search::{Searched, Values};
 use crate::turns::TurnGraph;
 
 /// Units of weights and durations in a second.
@@ -57,6 +59,8 @@ pub struct Metric {
     weights: Weights,
     cliques: Vec<Cliques>,
     weight_is_duration: bool,
+    /// Worked out when a table is first asked for.
+    values: OnceLock<Values>,
 }
 
 impl Metric {
@@ -79,6 +83,7 @@ impl Metric {
             weights: Weights::default(),
             cliques: Vec::new(),
             weight_is_duration,
+            values: OnceLock::new(),
         };
         let overlay = metric.overlay(roads);
         metric.weights = Weights {
@@ -108,6 +113,23 @@ impl Metric {
     /// Whether everything counts as long as it takes.
     pub fn weight_is_duration(&self) -> bool {
         self.weight_is_duration
+    }
+
+    /// What arcs and ways through cells take, hundredths of a second and centimetres.
+    pub fn values(&self, roads: &Roads) -> &Values {
+        self.values.get_or_init(|| {
+            let graph = self.searched(roads);
+            let out = &graph.overlay.out;
+            let arcs = out.iter().map(|(from, slot)| {
+                let via = out.via[slot];
+                let passed = match &self.turns {
+                    Some(turns) => self.passing(roads, turns.edge_of[from as usize], via)[0],
+                    None => self.vertices[out.head[slot] as usize].duration,
+                };
+                [self.edges[via as usize].duration.saturating_add(passed), centimetres(roads, via)]
+            });
+            Values::new(graph, arcs.collect())
+        })
     }
 
     /// What passing from one directed edge to the next takes: the vertex between them, and the turn.
@@ -176,6 +198,7 @@ impl Metric {
         let overlay = self.turns.as_ref().map_or(&roads.vertices, |turns| &turns.overlay);
         Cliques::update(&mut self.cliques, overlay, &self.weights, &states);
         self.components = Components::new(roads, self);
+        self.values = OnceLock::new();
     }
 
     /// The states that arcs at these vertices lead between.
@@ -208,6 +231,11 @@ impl Metric {
         let entry = if from == 0 && cost.ends_only && first.public { self.entry } else { 0 };
         sum(to - from, entry)
     }
+}
+
+/// How long a directed edge is.
+pub(crate) fn centimetres(roads: &Roads, directed: u32) -> u32 {
+    (roads.network.edges[directed as usize / 2].length + 5) / 10
 }
 
 /// Two weights together.

@@ -6,7 +6,7 @@ use crate::geo::turn;
 use crate::guidance::Guide;
 use crate::metric::{Metric, sum, units};
 use crate::overlay::{Arcs, FAR, NONE, Overlay};
-use crate::profile::{Profile, Turns};
+use crate::profile::{CROSSING, Profile, Turns};
 use crate::roads::Roads;
 
 /// Layers over directed edges. A directed edge is in the cell of the vertex at which it begins.
@@ -36,11 +36,16 @@ impl TurnGraph {
         let levels: Vec<Vec<u32>> =
             roads.levels.iter().map(|starts| starts.iter().map(|vertex| first(*vertex)).collect()).collect();
         let firsts: Vec<u32> = (0..=network.vertices.len() as u32).map(first).collect();
+        let crossing: Vec<bool> = network.way_words.iter().map(|words| words.has(CROSSING)).collect();
+        let is_crossing = |directed: u32| crossing[network.edges[directed as usize / 2].class as usize];
+        let is_crossing = &is_crossing;
         let arcs = (0..edge_of.len() as u32).flat_map(|state| {
             let [_, end] = network.ends(edge_of[state as usize]);
             let out = firsts[end as usize]..firsts[end as usize + 1];
             let edge_of = &edge_of;
-            out.map(move |to| (state, to, edge_of[to as usize]))
+            let turns = out.map(move |to| (state, to, edge_of[to as usize]));
+            // No vehicle crosses squares.
+            turns.filter(move |(from, _, to)| !is_crossing(edge_of[*from as usize]) && !is_crossing(*to))
         });
         let overlay = Overlay::new(Arcs::new(edge_of.len(), arcs), &levels);
         Self { overlay, state_of, edge_of, restricted: Restricted::new(roads, profile) }

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use openbench_osm::stream::Source;
 use openbench_routing::overlay::FAR;
-use openbench_routing::search::{End, Path, Searched, TableMemory, Workspace};
+use openbench_routing::search::{End, Path, Searched, TableMemory, ValuedEnd, Workspace};
 use openbench_routing::{Metric, Profile, Roads};
 
 #[expect(clippy::print_stderr, reason = "a test that is skipped says so")]
@@ -53,12 +53,21 @@ fn routes_and_tables_on_real_maps_are_exact() {
             let end = |state: u32| vec![End { state, weight: 0 }];
             let [from, to] =
                 [&sources, &targets].map(|states| states.iter().map(|s| end(*s)).collect::<Vec<_>>());
-            let table = TableMemory::default().weights(graph, &from, &to);
+            let valued = |all: &[Vec<End>]| {
+                let one = |end: &End| ValuedEnd { end: *end, value: [0, 0] };
+                all.iter().map(|ends| ends.iter().map(one).collect()).collect::<Vec<Vec<_>>>()
+            };
+            let table = TableMemory::default().table(graph, None, &valued(&from), &valued(&to));
             for (row, source) in table.chunks(targets.len()).zip(&sources) {
                 let plain = dijkstra(graph, *source);
                 for (cell, target) in row.iter().zip(&targets) {
                     let expected = plain[*target as usize];
-                    assert_eq!(*cell, expected, "{} {name}: table {source} to {target}", file.display());
+                    assert_eq!(
+                        cell.weight,
+                        expected,
+                        "{} {name}: table {source} to {target}",
+                        file.display()
+                    );
                     let found = workspace.route(graph, &end(*source), &end(*target), &mut path);
                     assert_eq!(
                         found.unwrap_or(FAR),

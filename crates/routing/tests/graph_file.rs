@@ -83,7 +83,7 @@ fn what_cannot_be_true_is_refused_or_does_no_harm() {
     write(&roads(), &file).unwrap();
     let whole = std::fs::read(&file).unwrap();
     let mut refused = 0;
-    for at in (64..whole.len()).step_by(7) {
+    for at in (64..whole.len()).step_by(61) {
         for bits in [0x80, 0x01] {
             let mut changed = whole.clone();
             changed[at] ^= bits;
@@ -91,11 +91,11 @@ fn what_cannot_be_true_is_refused_or_does_no_harm() {
             changed[32..64].copy_from_slice(sum.as_bytes());
             std::fs::write(&file, &changed).unwrap();
             match read(&file) {
-                Ok(roads) if at % 3 == 0 => drop(Metric::new(&roads, Profile::named("car").unwrap())),
+                Ok(roads) if at % 2 == 0 => drop(Metric::new(&roads, Profile::named("car").unwrap())),
                 Ok(_) => {}
                 Err(_) => refused += 1,
             }
         }
     }
-    assert!(refused > 200, "{refused} were refused");
+    assert!(refused > 50, "{refused} were refused");
 }

@@ -6,7 +6,7 @@ use std::collections::BinaryHeap;
 use openbench_routing::geo::Place;
 use openbench_routing::overlay::{Arcs, Cliques, FAR, Overlay, Weights};
 use openbench_routing::partition::{CellSizes, Partition};
-use openbench_routing::search::{End, Path, Searched, TableMemory, Workspace};
+use openbench_routing::search::{End, Path, Searched, TableMemory, ValuedEnd, Values, Workspace};
 use proptest::prelude::*;
 
 /// Arcs with weights, between states that lie somewhere.
@@ -133,11 +133,21 @@ proptest! {
             let count = graph.places.len() as u32;
             let [sources, targets] =
                 [&sources, &targets].map(|all| all.iter().map(|drawn| ends(count, drawn)).collect::<Vec<_>>());
+            // Each arc takes its weight, and 1: so a way takes what it weighs, and as many arcs as it has.
+            let arcs = overlay.out.via.iter().map(|via| [graph.arcs[*via as usize].2, 1]).collect();
+            let values = Values::new(searched, arcs);
+            let valued = |all: &[Vec<End>]| {
+                let one = |end: &End| ValuedEnd { end: *end, value: [end.weight, 0] };
+                all.iter().map(|ends| ends.iter().map(one).collect()).collect::<Vec<Vec<_>>>()
+            };
             let mut memory = TableMemory::default();
-            let table = memory.weights(searched, &sources, &targets);
+            let table = memory.table(searched, Some(&values), &valued(&sources), &valued(&targets));
+            prop_assert!(table.iter().all(|cell| cell.weight == FAR || cell.weight == cell.value[0]));
             let plain = sources.iter().flat_map(|s| targets.iter().map(|t| graph.dijkstra(s, t).unwrap_or(FAR)));
-            prop_assert_eq!(&table, &plain.collect::<Vec<_>>(), "{:?}", sizes);
-            prop_assert_eq!(memory.weights(searched, &sources, &targets), table, "the second time");
+            let weights: Vec<u32> = table.iter().map(|cell| cell.weight).collect();
+            prop_assert_eq!(&weights, &plain.collect::<Vec<_>>(), "{:?}", sizes);
+            let again = memory.table(searched, Some(&values), &valued(&sources), &valued(&targets));
+            prop_assert_eq!(again, table, "the second time");
         }
     }
 

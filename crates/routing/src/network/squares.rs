@@ -10,6 +10,9 @@ use crate::geo::{Place, distance};
 const CORNERS: usize = 400;
 const ENTRIES: usize = 100;
 
+/// How much longer than it must be a way across may be, as a factor.
+const DETOUR: f64 = 1.05;
+
 /// The lines across all squares.
 #[derive(Debug, Default)]
 pub(super) struct Crossings {
@@ -119,7 +122,7 @@ impl Shape {
         }
         let mut kept: Vec<[usize; 2]> = Vec::new();
         for entry in self.entries.iter().filter_map(|entry| points.binary_search(entry).ok()) {
-            let tree = shortest(&lines, entry);
+            let (_, tree) = shortest(&lines, entry);
             for mut at in self.entries.iter().filter_map(|entry| points.binary_search(entry).ok()) {
                 while at != entry && tree[at] != usize::MAX {
                     kept.push([at.min(tree[at]), at.max(tree[at])]);
@@ -129,9 +132,30 @@ impl Shape {
         }
         kept.sort_unstable();
         kept.dedup();
+        let kept = self.thinned(&points, &kept);
         let lines = kept.into_iter().map(|ends| ends.map(|end| points[end]));
         let beside = |[a, b]: &[usize; 2]| self.corners[*a].before == *b || self.corners[*a].behind == *b;
         lines.filter(|ends| !(self.outlined && beside(ends))).collect()
+    }
+
+    /// Those of the lines without which a way would be longer than it must by more than [`DETOUR`]: I. Althöfer et al., *On sparse
+    /// spanners of weighted graphs*, 1993. Between a hundred entries there are thousands of lines, and a few hundred will do.
+    fn thinned(&self, points: &[usize], lines: &[[usize; 2]]) -> Vec<[usize; 2]> {
+        let place = |point: usize| self.corners[points[point]].place;
+        let mut sorted: Vec<(f64, [usize; 2])> =
+            lines.iter().map(|[a, b]| (distance(place(*a), place(*b)), [*a, *b])).collect();
+        sorted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let mut graph: Vec<Vec<(usize, f64)>> = vec![Vec::new(); points.len()];
+        let mut kept = Vec::new();
+        for (length, [a, b]) in sorted {
+            if shortest(&graph, a).0[b] <= length * DETOUR {
+                continue;
+            }
+            graph[a].push((b, length));
+            graph[b].push((a, length));
+            kept.push([a, b]);
+        }
+        kept
     }
 
     /// Whether the straight line between two corners stays inside.
@@ -214,8 +238,8 @@ fn strictly_between(a: Place, b: Place, place: Place) -> bool {
     (x - ax) * (x - bx) + (y - ay) * (y - by) < 0
 }
 
-/// For each point the one before it on the shortest way from the first.
-fn shortest(lines: &[Vec<(usize, f64)>], from: usize) -> Vec<usize> {
+/// For each point how far it is from the first, and the one before it on the shortest way.
+fn shortest(lines: &[Vec<(usize, f64)>], from: usize) -> (Vec<f64>, Vec<usize>) {
     let (mut length, mut before) = (vec![f64::INFINITY; lines.len()], vec![usize::MAX; lines.len()]);
     let mut open: Vec<usize> = (0..lines.len()).collect();
     length[from] = 0.0;
@@ -228,5 +252,5 @@ fn shortest(lines: &[Vec<(usize, f64)>], from: usize) -> Vec<usize> {
             }
         }
     }
-    before
+    (length, before)
 }

@@ -5,9 +5,8 @@ use super::json::Json;
 use super::request::TableRequest;
 use super::service::{Service, ServiceMemory};
 use crate::geo::distance;
-use crate::leg::Leg;
+use crate::leg::{Leg, Measures};
 use crate::metric::UNITS;
-use crate::overlay::FAR;
 use crate::position::Position;
 
 impl Service {
@@ -59,16 +58,14 @@ impl Service {
         request: &TableRequest,
         memory: &mut ServiceMemory,
     ) -> Measured {
-        let mut measured = Measured::default();
-        if request.distance || !self.metric.weight_is_duration() {
-            self.measure_each(from, to, memory, &mut measured);
-        } else {
-            let weights =
-                Leg::weights(&self.roads, &self.metric, from, to, &mut memory.legs, &mut memory.tables);
-            let seconds = |weight: u32| if weight < FAR { f64::from(weight) / UNITS } else { f64::NAN };
-            measured.durations = weights.into_iter().map(seconds).collect();
-            measured.lengths = vec![f64::NAN; measured.durations.len()];
-        }
+        let ServiceMemory { legs, tables, .. } = memory;
+        let table = Leg::table(&self.roads, &self.metric, from, to, request.distance, legs, tables);
+        let seconds = |measures: &Measures| f64::from(measures.duration) / UNITS;
+        let mut measured = Measured {
+            lengths: table.iter().map(|cell| cell.map_or(f64::NAN, |measures| measures.length)).collect(),
+            durations: table.iter().map(|cell| cell.as_ref().map_or(f64::NAN, seconds)).collect(),
+            filled: Vec::new(),
+        };
         for (i, duration) in measured.durations.iter_mut().enumerate() {
             let (row, column) = (i / to.len(), i % to.len());
             if let (true, Some(speed)) = (duration.is_nan(), request.fallback_speed) {
@@ -80,30 +77,10 @@ impl Service {
         }
         measured
     }
-
-    /// One way after another.
-    fn measure_each(
-        &self,
-        from: &[&[Position]],
-        to: &[&[Position]],
-        memory: &mut ServiceMemory,
-        measured: &mut Measured,
-    ) {
-        for a in from {
-            for b in to {
-                let leg = Leg::find(&self.roads, &self.metric, a, b, &mut memory.legs);
-                let measures = leg.map(|leg| leg.length_and_duration(&self.roads, &self.metric));
-                let (length, duration) =
-                    measures.map_or((f64::NAN, f64::NAN), |(l, d)| (l, f64::from(d) / UNITS));
-                measured.lengths.push(length);
-                measured.durations.push(duration);
-            }
-        }
-    }
 }
 
 /// Metres and seconds, not numbers where there is no way, and which of them are filled in.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Measured {
     lengths: Vec<f64>,
     durations: Vec<f64>,

@@ -11,16 +11,19 @@
 //! |---|---|
 //! | `side` | one direction of a search: labels, and what is reached from them |
 //! | `table` | from many places to many
+//! | `values` | what ways take, beside what they weigh
 //! | `path` | from both directions to a row of states |
 
 mod path;
 mod side;
 mod table;
+mod values;
 
 use crate::overlay::{Cliques, FAR, Overlay, Weights};
 pub use path::Path;
 use side::{Side, Tables};
-pub use table::TableMemory;
+pub use table::{Found, TableMemory, ValuedEnd};
+pub use values::{Value, Values};
 
 /// A graph with its layers and what is known of them for one set of weights.
 #[derive(Debug, Clone, Copy)]

@@ -100,6 +100,11 @@ impl Side {
         self.parent[label as usize] & !THROUGH
     }
 
+    /// Whether a label was reached straight through a cell.
+    pub(super) fn is_through(&self, label: u32) -> bool {
+        self.parent[label as usize] & THROUGH != 0
+    }
+
     /// How far the next label is.
     #[inline]
     pub(super) fn next(&mut self) -> u32 {

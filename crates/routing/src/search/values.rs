@@ -1,0 +1,87 @@
+//! What lightest ways take, beside what they weigh: two sums along each way through a cell and each arc.
+//!
+//! A table asks for durations and lengths of ways that are chosen by weight. They are summed up along the trees of customization once,
+//! so that a search can carry them along.
+
+use rayon::prelude::*;
+
+use super::Searched;
+use crate::overlay::{FAR, Layer};
+
+/// Hundredths of a second, and centimetres.
+pub type Value = [u32; 2];
+
+/// Both values together.
+pub(super) fn plus(a: Value, b: Value) -> Value {
+    [a[0].saturating_add(b[0]), a[1].saturating_add(b[1])]
+}
+
+/// Values of arcs and of ways through cells.
+#[derive(Debug, Clone, Default)]
+pub struct Values {
+    /// In the order of the arcs that leave states.
+    arcs: Vec<Value>,
+    /// For each layer in the order of its matrices.
+    rows: Vec<Vec<Value>>,
+}
+
+impl Values {
+    /// Sums up the values of arcs, which stand in the order of the arcs that leave states.
+    pub fn new(graph: Searched<'_>, arcs: Vec<Value>) -> Self {
+        let mut values = Self { arcs, rows: Vec::new() };
+        for (height, layer) in graph.overlay.layers.iter().enumerate() {
+            let cells = (0..layer.cells() as u32).into_par_iter();
+            let rows: Vec<Vec<Value>> = cells.map(|cell| values.cell(graph, height, layer, cell)).collect();
+            values.rows.push(rows.concat());
+        }
+        values
+    }
+
+    fn cell(&self, graph: Searched<'_>, height: usize, layer: &Layer, cell: u32) -> Vec<Value> {
+        let (cliques, inner, exits) = (&graph.cliques[height], layer.inner(cell), layer.exits(cell));
+        let mut rows = Vec::new();
+        for (row, entry) in layer.entries(cell).enumerate() {
+            let matrix = layer.matrix[cell as usize] as usize + row * exits.len();
+            let begin = layer.trees[cell as usize] as usize + row * inner.len();
+            let tree = &cliques.trees[begin..begin + inner.len()];
+            let first = layer.below[entry] as usize - inner.start;
+            for (exit, weight) in exits.clone().zip(&cliques.rows[matrix..]) {
+                let (mut value, mut last) = ([0, 0], layer.below[exit] as usize - inner.start);
+                while *weight < FAR && last != first {
+                    let before = usize::from(tree[last]);
+                    let [from, to] = [before, last].map(|local| (inner.start + local) as u32);
+                    value = plus(value, self.below(graph, height, from, to));
+                    last = before;
+                }
+                rows.push(value);
+            }
+        }
+        rows
+    }
+
+    /// From one index in the layer below to the next.
+    fn below(&self, graph: Searched<'_>, height: usize, from: u32, to: u32) -> Value {
+        let Some(lower) = height.checked_sub(1) else { return self.arc(graph, from, to) };
+        let layer = &graph.overlay.layers[lower];
+        let [a, b] = [from, to].map(|slot| layer.state[slot as usize]);
+        let [p, q] = [a, b].map(|state| layer.cell_of_leaf[graph.overlay.leaf[state as usize] as usize]);
+        if p == q { self.through(graph, lower, from, to) } else { self.arc(graph, a, b) }
+    }
+
+    /// Through a cell, from an entry to an exit, by their slots.
+    pub(super) fn through(&self, graph: Searched<'_>, height: usize, entry: u32, exit: u32) -> Value {
+        let layer = &graph.overlay.layers[height];
+        let cell = layer.cell_of_leaf[graph.overlay.leaf[layer.state[entry as usize] as usize] as usize];
+        let (entries, exits) = (layer.entries(cell), layer.exits(cell));
+        let matrix = layer.matrix[cell as usize] as usize;
+        self.rows[height]
+            [matrix + (entry as usize - entries.start) * exits.len() + exit as usize - exits.start]
+    }
+
+    /// Along the lightest arc from one state to another.
+    pub(super) fn arc(&self, graph: Searched<'_>, from: u32, to: u32) -> Value {
+        let out = &graph.overlay.out;
+        let slots = out.of(from).filter(|slot| out.head[*slot] == to);
+        slots.min_by_key(|slot| graph.weights.out[*slot]).map_or([0, 0], |slot| self.arcs[slot])
+    }
+}
