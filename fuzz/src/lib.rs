@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 
 use openbench_osm::{OsmData, OsmMap, default_georeference};
+use openbench_routing::osrm::{Limits, Service, ServiceMemory};
+use openbench_routing::{Metric, Profile, Roads};
 use openbench_scene::{ImportError, ImportRequest, World, import_world};
 use tempfile::TempDir;
 
@@ -21,6 +23,32 @@ pub fn use_map(data: &OsmData) {
     }
     let written = data.to_xml();
     assert!(OsmData::from_xml(&written).is_ok(), "what was written cannot be read");
+}
+
+/// Asks for routes, with every profile.
+pub fn use_roads(roads: Roads) {
+    let places: Vec<String> = roads.network.vertices.iter().take(4).map(|place| {
+        let at = place.position();
+        format!("{},{}", at.lon.clamp(-180.0, 180.0), at.lat.clamp(-90.0, 90.0))
+    }).collect();
+    let places = places.join(";");
+    let mut roads = Some(roads);
+    for name in Profile::NAMES {
+        let Some(known) = roads.take() else { return };
+        let profile = Profile::named(name).expect("a built-in profile");
+        let Ok(metric) = Metric::new(&known, profile) else { return };
+        let service = Service { roads: known, metric, limits: Limits::default() };
+        let mut memory = ServiceMemory::default();
+        for target in [
+            format!("/route/v1/any/{places}?steps=true&annotations=true&overview=full"),
+            format!("/route/v1/any/{places}?alternatives=3"),
+            format!("/table/v1/any/{places}?annotations=duration,distance"),
+            format!("/nearest/v1/any/{places}?number=5"),
+        ] {
+            service.answer(&target, &mut memory);
+        }
+        roads = Some(service.roads);
+    }
 }
 
 /// A folder with a map and whatever a target puts beside it.
