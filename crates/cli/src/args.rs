@@ -179,7 +179,7 @@ pub struct RouteArgs {
     #[arg(long, default_value_t = 0, value_name = "N")]
     pub alternatives: usize,
     /// How far from a place a road may be, metres
-    #[arg(long, default_value_t = 1000.0, value_name = "M")]
+    #[arg(long, default_value_t = 1000.0, value_name = "M", value_parser = metres)]
     pub radius: f64,
     /// Places on the way, LON,LAT each
     #[arg(required = true, num_args = 2.., value_name = "LON,LAT", allow_hyphen_values = true, value_parser = lonlat)]
@@ -520,6 +520,11 @@ fn lonlat(text: &str) -> Result<openbench_core::LonLat, String> {
         }
         _ => Err(format!("`{text}` is not LON,LAT in degrees")),
     }
+}
+
+fn metres(text: &str) -> Result<f64, String> {
+    let metres = text.parse().ok().filter(|metres: &f64| *metres > 0.0 && metres.is_finite());
+    metres.ok_or_else(|| format!("`{text}` is not a length in metres"))
 }
 
 fn window(text: &str) -> Result<openbench_osm::Window, String> {

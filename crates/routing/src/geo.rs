@@ -3,6 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 use openbench_core::LonLat;
 
+/// Units of a [`Place`] round the Earth.
+pub const TURN: i64 = 3_600_000_000;
 /// Units of a [`Place`] in a degree.
 const UNITS: f64 = 1e7;
 
@@ -57,7 +59,6 @@ impl Scale {
 
     /// Metres eastwards and northwards from `a` to `b`, the short way round the Earth.
     pub fn offset(self, a: Place, b: Place) -> [f64; 2] {
-        const TURN: i64 = 3_600_000_000;
         let mut lon = i64::from(b.lon) - i64::from(a.lon);
         if lon.abs() > TURN / 2 {
             lon -= lon.signum() * TURN;

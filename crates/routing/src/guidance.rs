@@ -135,11 +135,13 @@ impl Guide<'_> {
     /// All ways out of a vertex.
     pub fn exits(&self, vertex: u32) -> impl Iterator<Item = Exit> + '_ {
         let out = &self.roads.vertices.out;
-        out.of(vertex).map(move |slot| {
-            let directed = out.via[slot];
-            let open = self.metric.edges[directed as usize].weight < FAR;
-            Exit { directed, bearing: self.leaving(directed), open }
-        })
+        out.of(vertex).map(move |slot| self.exit(out.via[slot]))
+    }
+
+    /// A directed edge as a way out of the vertex that it leaves.
+    pub fn exit(&self, directed: u32) -> Exit {
+        let open = self.metric.edges[directed as usize].weight < FAR;
+        Exit { directed, bearing: self.leaving(directed), open }
     }
 
     fn name(&self, directed: u32) -> u32 {
@@ -172,7 +174,9 @@ impl Guide<'_> {
                 Step {
                     kind: *kind,
                     modifier: turn.map(modifier),
-                    exit: (*kind == Kind::Roundabout).then(|| self.exits_passed(leg, edges.clone())),
+                    exit: (*kind == Kind::Roundabout)
+                        .then(|| self.exits_passed(leg, edges.clone()))
+                        .filter(|exits| *exits > 0),
                     bearings: [before, after],
                     measures: self.measures(leg, edges.clone()),
                     edges,
@@ -199,7 +203,9 @@ impl Guide<'_> {
 
     /// How many ways out of a roundabout are passed, with the one that is taken.
     fn exits_passed(&self, leg: &Leg, edges: std::ops::Range<usize>) -> usize {
-        let ends = edges.map(|i| self.roads.network.ends(leg.edges[i])[1]);
+        // The leg's own end is passed by nobody.
+        let passed = edges.filter(|i| i + 1 < leg.edges.len());
+        let ends = passed.map(|i| self.roads.network.ends(leg.edges[i])[1]);
         ends.filter(|vertex| self.exits(*vertex).any(|exit| exit.open && !self.is_roundabout(exit.directed)))
             .count()
     }
@@ -231,7 +237,7 @@ impl Guide<'_> {
         let straight = |exit: &&Exit| angle(exit).abs() < STRAIGHT;
         if taken.abs() < STRAIGHT {
             let obvious = |exit: &Exit| name == before && name != 0 && self.name(exit.directed) != name;
-            let Some(other) = others.iter().find(straight).filter(|exit| !obvious(exit)) else {
+            let Some(other) = others.iter().find(|exit| straight(exit) && !obvious(exit)) else {
                 return renamed.filter(|_| name != 0);
             };
             // Both go on: one keeps to a side, however little it is.
@@ -241,8 +247,9 @@ impl Guide<'_> {
             }
             return Some((Kind::Fork, taken));
         }
-        let opposite = others.iter().any(|exit| angle(exit) * taken < 0.0 && angle(exit).abs() < 140.0);
-        let kind = if others.len() == 1 && opposite && !others.iter().any(|exit| straight(&exit)) {
+        let across = |angle: f64| (50.0..=130.0).contains(&angle.abs());
+        let ends = |exit: &Exit| across(angle(exit)) && angle(exit) * taken < 0.0;
+        let kind = if across(taken) && others.len() == 1 && others.iter().all(ends) {
             Kind::EndOfRoad
         } else if name == before && name != 0 {
             Kind::Continue

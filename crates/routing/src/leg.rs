@@ -1,5 +1,7 @@
 //! The way from one place on the network to another.
 
+use std::collections::HashSet;
+
 use crate::geo::Place;
 use crate::metric::{EdgeCost, Metric, centimetres};
 use crate::overlay::FAR;
@@ -124,8 +126,8 @@ impl Leg {
                 break;
             }
             let leg = unpacked(roads, metric, weight, &states, [sources, targets]);
-            let new =
-                legs.iter().all(|known| leg.shared(metric, known) <= SHARED * f64::from(legs[0].weight));
+            let most = |known: &Self| SHARED * known.edge_weight(metric).min(f64::from(legs[0].weight));
+            let new = legs.iter().all(|known| leg.shared(metric, known) <= most(known));
             if new
                 && is_simple(&states)
                 && is_locally_optimal(graph, &states, legs[0].weight, workspace, path)
@@ -178,8 +180,14 @@ impl Leg {
 
     /// The weight of those edges that both have.
     fn shared(&self, metric: &Metric, other: &Self) -> f64 {
-        let shared = self.edges.iter().filter(|edge| other.edges.contains(edge));
+        let others: HashSet<u32> = other.edges.iter().copied().collect();
+        let shared = self.edges.iter().filter(|edge| others.contains(edge));
         shared.map(|edge| f64::from(metric.edges[*edge as usize].weight)).sum()
+    }
+
+    /// The weight of all its edges.
+    fn edge_weight(&self, metric: &Metric) -> f64 {
+        self.edges.iter().map(|edge| f64::from(metric.edges[*edge as usize].weight)).sum()
     }
 
     /// Metres, hundredths of a second.
@@ -200,10 +208,12 @@ impl Leg {
             if last { before(whole, &self.to, directed) - first } else { whole - first }
         };
         let past = if last { [0, 0] } else { metric.passing(roads, directed, self.edges[index + 1]) };
+        let before_it = index.checked_sub(1).map(|i| self.edges[i]);
+        let entry = before_it.map_or(0, |from| metric.entry_weight(roads, from, directed));
         Measures {
             length,
             duration: travelled(cost.duration) + past[0],
-            weight: travelled(cost.weight) + past[1],
+            weight: travelled(cost.weight) + past[1] + entry,
         }
     }
 

@@ -39,6 +39,8 @@ pub struct VertexCost {
     pub duration: u32,
     /// Whether an edge meets it that is not for those only who begin or end there.
     pub public: bool,
+    /// Whether three edges or more meet there that are open.
+    pub junction: bool,
 }
 
 /// A profile's weights for a network.
@@ -134,9 +136,23 @@ impl Metric {
 
     /// What passing from one directed edge to the next takes: the vertex between them, and the turn.
     pub fn passing(&self, roads: &Roads, from: u32, to: u32) -> [u32; 2] {
-        let vertex = self.vertices[roads.network.ends(from)[1] as usize];
         let turn = self.turns.as_ref().map_or(0, |turns| turns.penalty(roads, self, from, to));
+        if to == from ^ 1 && self.turns.is_some() {
+            // One turns round in front of the vertex, which may be a barrier.
+            return [turn, turn];
+        }
+        let vertex = self.vertices[roads.network.ends(from)[1] as usize];
         [vertex.duration + turn, vertex.weight + turn]
+    }
+
+    /// What going from one directed edge into the next counts as because the next is not for passing through.
+    pub fn entry_weight(&self, roads: &Roads, from: u32, to: u32) -> u32 {
+        let into = self.edges[to as usize].ends_only;
+        let from_public = match &self.turns {
+            Some(_) => !self.edges[from as usize].ends_only && to != from ^ 1,
+            None => self.vertices[roads.network.ends(to)[0] as usize].public,
+        };
+        if into && from_public { self.entry } else { 0 }
     }
 
     /// What an arc counts as that leaves a state.
@@ -235,7 +251,7 @@ impl Metric {
 
 /// How long a directed edge is.
 pub(crate) fn centimetres(roads: &Roads, directed: u32) -> u32 {
-    (roads.network.edges[directed as usize / 2].length + 5) / 10
+    roads.network.edges[directed as usize / 2].length.saturating_add(5) / 10
 }
 
 /// Two weights together.
@@ -263,9 +279,9 @@ fn edge_cost(millimetres: u32, going: Option<Going>) -> EdgeCost {
 fn vertex_costs(network: &Network, profile: &Profile, edges: &[EdgeCost]) -> Vec<VertexCost> {
     let cost = |words: &Tags| match profile.node(words) {
         Some(Passing { delay, cost }) => {
-            VertexCost { weight: units(delay + cost), duration: units(delay), public: false }
+            VertexCost { weight: units(delay + cost), duration: units(delay), public: false, junction: false }
         }
-        None => VertexCost { weight: FAR, duration: FAR, public: false },
+        None => VertexCost { weight: FAR, duration: FAR, public: false, junction: false },
     };
     let classes: Vec<_> = network.node_words.iter().map(cost).collect();
     let mut vertices: Vec<_> = network.vertex_classes.iter().map(|class| classes[*class as usize]).collect();
@@ -274,5 +290,14 @@ fn vertex_costs(network: &Network, profile: &Profile, edges: &[EdgeCost]) -> Vec
             vertices[vertex as usize].public = true;
         }
     }
+    let mut met = vec![0_u8; vertices.len()];
+    for edge in
+        (0..network.edge_count() as u32).filter(|e| (0..2).any(|i| edges[(2 * e + i) as usize].weight < FAR))
+    {
+        for vertex in network.ends(2 * edge) {
+            met[vertex as usize] = met[vertex as usize].saturating_add(1);
+        }
+    }
+    vertices.iter_mut().zip(met).for_each(|(vertex, met)| vertex.junction = met >= 3);
     vertices
 }

@@ -9,6 +9,9 @@ use crate::tree::{Foot, Nearest};
 /// Feet that are so near to the nearest one count as the same place, metres.
 const SAME: f64 = 0.02;
 
+/// So many stretches of road are looked at before a place is nowhere: a bearing that no road has would be looked for on the whole map.
+const MOST: usize = 20_000;
+
 /// A place on an edge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Position {
@@ -137,13 +140,14 @@ fn nearest(
     memory: &mut Nearest,
     usable: impl Fn(u32) -> bool,
 ) -> Vec<Position> {
-    let mut found: Vec<Position> = Vec::new();
+    let (mut found, mut looked_at): (Vec<Position>, usize) = (Vec::new(), 0);
     let usable = |edge| metric.is_open(edge) && usable(edge);
     roads.segments.nearest(&roads.network, place, options.radius, memory, usable, |foot| {
         let first = found.first();
         if first.is_some_and(|first| foot.away > first.away + SAME) {
             return false;
         }
+        looked_at += 1;
         let same = first.is_none_or(|first| distance(first.place, foot.place) < SAME);
         let bearings = options.open(roads, &foot);
         let open = [0, 1].map(|i| bearings[i] && metric.edges[2 * foot.edge as usize + i].weight < FAR);
@@ -154,7 +158,7 @@ fn nearest(
                 found.push(position);
             }
         }
-        true
+        looked_at < MOST
     });
     // Where a public road and private ground meet, one is on the road.
     let public = |p: &Position| (0..2).any(|i| p.open[i] && !metric.edges[2 * p.edge as usize + i].ends_only);
@@ -173,7 +177,7 @@ pub fn several(
     options: &SnapOptions,
     memory: &mut Nearest,
 ) -> Vec<Position> {
-    let mut found = Vec::new();
+    let (mut found, mut looked_at) = (Vec::new(), 0);
     let usable = |edge| metric.is_open(edge);
     roads.segments.nearest(&roads.network, place, options.radius, memory, usable, |foot| {
         let bearings = options.open(roads, &foot);
@@ -181,7 +185,8 @@ pub fn several(
         if open != [false; 2] && found.iter().all(|p: &Position| p.edge != foot.edge) {
             found.push(Position { open, ..Position::new(roads, foot) });
         }
-        found.len() < count
+        looked_at += 1;
+        found.len() < count && looked_at < MOST
     });
     found
 }

@@ -6,7 +6,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use crate::geo::{Place, Scale};
+use crate::geo::{Place, Scale, TURN};
 use crate::network::Network;
 use crate::store::Column;
 
@@ -110,7 +110,9 @@ impl Bounds {
     fn away(&self, place: Place, scale: Scale) -> f64 {
         let [west, south, east, north] = self.0.map(i64::from);
         let (lon, lat) = (i64::from(place.lon), i64::from(place.lat));
-        let x = (west - lon).max(lon - east).max(0) as f64 * scale.lon;
+        // The box, and the same one a turn to the west and to the east.
+        let away = |lon: i64| (west - lon).max(lon - east).max(0);
+        let x = away(lon).min(away(lon + TURN)).min(away(lon - TURN)) as f64 * scale.lon;
         let y = (south - lat).max(lat - north).max(0) as f64 * scale.lat;
         x * x + y * y
     }
@@ -230,16 +232,19 @@ fn project(a: Place, b: Place, place: Place, scale: Scale) -> (f64, f64) {
     (x * x + y * y, share)
 }
 
-/// The place at a share of a segment.
+/// The place at a share of a segment, which goes the short way round the Earth.
 pub fn between(a: Place, b: Place, share: f64) -> Place {
-    let at = |a: i32, b: i32| {
-        let step = (f64::from(b) - f64::from(a)) * share;
-        (f64::from(a) + libm::round(step)) as i32
-    };
-    Place { lon: at(a.lon, b.lon), lat: at(a.lat, b.lat) }
+    let step = |step: i64| libm::round(step as f64 * share) as i64;
+    let mut east = i64::from(b.lon) - i64::from(a.lon);
+    if east.abs() > TURN / 2 {
+        east -= east.signum() * TURN;
+    }
+    let lon = (i64::from(a.lon) + step(east) + TURN / 2).rem_euclid(TURN) - TURN / 2;
+    let lat = i64::from(a.lat) + step(i64::from(b.lat) - i64::from(a.lat));
+    Place { lon: lon as i32, lat: lat as i32 }
 }
 
-/// Where a box's middle lies on a Hilbert curve over the Earth of 2^16 by 2^16 cells.
+/// Where a box's middle lies on a Hilbert curve over the Earth of 2^32 by 2^32 cells.
 fn hilbert(bounds: &Bounds) -> u64 {
     let middle = |a: i32, b: i32| ((i64::from(a) + i64::from(b)) / 2 + (1 << 31)) as u64 as u32;
     let [west, south, east, north] = bounds.0;

@@ -33,8 +33,14 @@ impl TurnGraph {
         }
         let first =
             |vertex: u32| edge_of.partition_point(|directed| network.ends(*directed)[0] < vertex) as u32;
+        // Cells without edges have no states.
+        let in_states = |starts: &Vec<u32>| {
+            let mut starts: Vec<u32> = starts.iter().map(|vertex| first(*vertex)).collect();
+            starts.dedup();
+            starts
+        };
         let levels: Vec<Vec<u32>> =
-            roads.levels.iter().map(|starts| starts.iter().map(|vertex| first(*vertex)).collect()).collect();
+            roads.levels.iter().map(in_states).take_while(|starts| starts.len() > 1).collect();
         let firsts: Vec<u32> = (0..=network.vertices.len() as u32).map(first).collect();
         let crossing: Vec<bool> = network.way_words.iter().map(|words| words.has(CROSSING)).collect();
         let is_crossing = |directed: u32| crossing[network.edges[directed as usize / 2].class as usize];
@@ -73,10 +79,7 @@ impl TurnGraph {
         if to == from ^ 1 {
             return units(turns.u_turn);
         }
-        let state = self.state_of[from as usize];
-        let roads_met =
-            self.overlay.out.of(state).filter(|slot| metric.is_open(self.overlay.out.via[*slot] / 2)).count();
-        if roads_met < 3 {
+        if !metric.vertices[roads.network.ends(from)[1] as usize].junction {
             return 0;
         }
         let guide = Guide { roads, metric };

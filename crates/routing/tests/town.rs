@@ -182,3 +182,52 @@ fn a_square_that_is_no_simple_shape_does_no_harm() {
         assert!(Town::new("delivery", &odd).route((0.01, 0.009), (0.011, 0.012)).is_ok());
     }
 }
+
+/// Found by fuzzing: a way of which one node is known makes a vertex without edges, and a whole cell of such vertices has no states.
+#[test]
+fn vertices_without_edges_do_no_harm() {
+    let lone: String = (100..200)
+        .map(|i| {
+            let lon = 1.0 + f64::from(i) / 1e4;
+            format!(r#"<node id="{i}" lat="0" lon="{lon}"/><way id="{i}"><nd ref="{i}"/><nd ref="{i}"/><tag k="highway" v="path"/></way>"#)
+        })
+        .collect();
+    for profile in Profile::NAMES {
+        assert_eq!(Town::new(profile, &lone).length(WEST, NORTH), 1.6);
+    }
+}
+
+/// The car turns at the bollard: what it has passed is not the bollard.
+#[test]
+fn turning_round_at_a_barrier_takes_no_longer_than_it_counts() {
+    let blocked = r#"<relation id="1"><member type="way" ref="1" role="from"/><member type="node" ref="2" role="via"/>
+      <member type="way" ref="3" role="to"/><tag k="type" v="restriction"/><tag k="restriction" v="no_left_turn"/></relation>
+      <node id="90" lat="0" lon="0.0015"><tag k="barrier" v="bollard"/></node>"#;
+    let town = TOWN.replace(
+        r#"<nd ref="2"/><nd ref="3"/><nd ref="4"/>"#,
+        r#"<nd ref="2"/><nd ref="90"/><nd ref="3"/><nd ref="4"/>"#,
+    );
+    let data = OsmData::from_xml(town.replace("MORE", blocked).as_bytes()).unwrap();
+    let projection = Projection::new(Georeference::TangentPlane(LonLat::new(0.0, 0.0)));
+    let router = MapRouter::new(&data, projection.clone(), Profile::named("car").unwrap()).unwrap();
+    let at = |(lon, lat): (f64, f64)| projection.to_map(LonLat::new(lon, lat));
+    let route = router.route(at(WEST), at(NORTH)).unwrap();
+    assert!((route.distance / 111.3 - 2.6).abs() < 0.05 && route.duration < 120.0, "{route:?}");
+}
+
+#[test]
+fn the_date_line_is_crossed() {
+    let xml = r#"<osm version="0.6"><node id="1" lat="10" lon="179.999"/><node id="2" lat="10" lon="-179.999"/>
+      <way id="1"><nd ref="1"/><nd ref="2"/><tag k="highway" v="path"/></way></osm>"#;
+    let data = OsmData::from_xml(xml.as_bytes()).unwrap();
+    let roads = openbench_routing::Roads::read(&data, &Default::default()).unwrap();
+    let metric = openbench_routing::Metric::new(&roads, Profile::delivery()).unwrap();
+    use openbench_routing::geo::Place;
+    use openbench_routing::position::{Snap, SnapOptions};
+    for lon in [179.9995, -179.9995] {
+        let place = Place::new(LonLat::new(lon, 10.0001)).unwrap();
+        let snap = Snap::new(&roads, &metric, place, &SnapOptions::default(), &mut Default::default());
+        assert!((snap.nearest[0].away - 11.06).abs() < 0.1, "{snap:?}");
+        assert!((snap.nearest[0].place.position().lon - lon).abs() < 1e-6, "{snap:?}");
+    }
+}

@@ -14,8 +14,8 @@ use hyper::{Method, Request, Response, StatusCode};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::server::graceful::GracefulShutdown;
 use openbench_routing::osrm::{Limits, Service, ServiceMemory};
-use tokio::net::TcpListener;
-use tokio::sync::Semaphore;
+use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
 use crate::args::ServeArgs;
 use crate::commands::route::service;
@@ -25,6 +25,8 @@ use crate::outcome::{Outcome, tell};
 const CONNECTIONS: usize = 1024;
 /// The longest a request's head may take to come, and answers to go when the server stops.
 const PATIENCE: Duration = Duration::from_secs(10);
+/// A connection's longest life; clients open a new one then.
+const LONGEST_CONNECTION: Duration = Duration::from_secs(600);
 /// Bytes of a request's head; hyper takes no longer addresses than 64 KiB anyway.
 const LONGEST_HEAD: usize = 128 << 10;
 
@@ -54,13 +56,12 @@ async fn serve(args: &ServeArgs, service: Arc<Service>) -> anyhow::Result<()> {
     let (graceful, room) = (GracefulShutdown::new(), Arc::new(Semaphore::new(CONNECTIONS)));
     let mut stop = std::pin::pin!(stopped());
     loop {
-        let permit = room.clone().acquire_owned().await?;
         let accepted = tokio::select! {
-            accepted = listener.accept() => accepted,
+            accepted = accept(&listener, &room) => accepted,
             () = &mut stop => break,
         };
-        let stream = match accepted {
-            Ok((stream, _)) => stream,
+        let (stream, permit) = match accepted {
+            Ok(accepted) => accepted,
             Err(error) => {
                 // Out of files, or the other side is gone already: others can be served.
                 tracing::warn!("a connection was not accepted: {error}");
@@ -79,17 +80,30 @@ async fn serve(args: &ServeArgs, service: Arc<Service>) -> anyhow::Result<()> {
         builder.timer(TokioTimer::new()).header_read_timeout(PATIENCE).max_buf_size(LONGEST_HEAD);
         let connection = graceful.watch(builder.serve_connection(TokioIo::new(stream), answer));
         tokio::spawn(async move {
-            if let Err(error) = connection.await {
-                tracing::debug!("a connection ended: {error}");
+            // Whoever does not read what was asked for is not waited for without end.
+            match tokio::time::timeout(LONGEST_CONNECTION, connection).await {
+                Ok(Err(error)) => tracing::debug!("a connection ended: {error}"),
+                Ok(Ok(())) => {}
+                Err(_) => tracing::debug!("a connection was ended after {LONGEST_CONNECTION:?}"),
             }
             drop(permit);
         });
     }
+    drop(listener);
     tokio::select! {
         () = graceful.shutdown() => {}
         () = tokio::time::sleep(PATIENCE) => tell("some connections were still open"),
     }
     Ok(())
+}
+
+/// The next connection, when there is room for it.
+async fn accept(
+    listener: &TcpListener,
+    room: &Arc<Semaphore>,
+) -> std::io::Result<(TcpStream, OwnedSemaphorePermit)> {
+    let permit = room.clone().acquire_owned().await.map_err(std::io::Error::other)?;
+    Ok((listener.accept().await?.0, permit))
 }
 
 /// Ctrl-C, or the signal that asks a process to end.

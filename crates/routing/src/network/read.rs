@@ -6,6 +6,7 @@ use openbench_osm::stream::{Elements, NodeRef, RelationRef, Visitor, WayRef, Wor
 use openbench_osm::{ElementKind, OsmError};
 
 use super::Restriction;
+use super::squares::CORNERS;
 use super::words::{Classes, Names};
 use crate::geo::Place;
 use crate::profile::CROSSING;
@@ -33,6 +34,7 @@ pub(super) struct Ways {
 pub(super) struct Square {
     /// The way or relation.
     pub(super) id: i64,
+    pub(super) is_relation: bool,
     /// Its outline and its holes, the ways that they are made of.
     pub(super) outlines: Vec<i64>,
     /// The nodes of the outline and the holes, each but the last one once.
@@ -95,14 +97,16 @@ impl Ways {
             let mut outlines = Outlines { wanted, rings: HashMap::new() };
             source.visit(&mut outlines)?;
             for square in self.squares.iter_mut().filter(|square| square.rings.is_empty()) {
-                square.rings =
-                    square.outlines.iter().filter_map(|way| outlines.rings.get(way).cloned()).collect();
+                let rings = square.outlines.iter().filter_map(|way| outlines.rings.get(way));
+                if rings.clone().map(Vec::len).sum::<usize>() <= CORNERS {
+                    square.rings = rings.cloned().collect();
+                }
             }
         }
         // An outline of several ways is not put together here.
         self.squares.retain(|square| square.rings.len() == square.outlines.len() && !square.rings.is_empty());
-        self.squares.sort_by_key(|square| square.id);
-        self.squares.dedup_by_key(|square| square.id);
+        self.squares.sort_by_key(|square| (square.is_relation, square.id));
+        self.squares.dedup_by_key(|square| (square.is_relation, square.id));
         // What is crossed is part of the network, and so are its corners.
         let corners = self.squares.iter().flat_map(|square| square.rings.iter().flatten());
         self.corners = corners.copied().collect();
@@ -123,9 +127,12 @@ impl Visitor for Ways {
         if relation.tags.get("type") == Some("multipolygon") && is_for_pedestrians(relation.tags) {
             let class = self.classes.number(relation.tags, Some((CROSSING, "yes")));
             let ways = relation.members.iter().filter(|member| member.kind == ElementKind::Way);
-            let (outlines, name) = (ways.map(|way| way.id).collect(), self.names.number(relation.tags));
-            // Relations and ways count separately.
-            self.squares.push(Square { id: -relation.id, outlines, rings: Vec::new(), class, name });
+            let mut outlines: Vec<i64> = ways.map(|way| way.id).collect();
+            outlines.sort_unstable();
+            outlines.dedup();
+            let name = self.names.number(relation.tags);
+            let (id, is_relation) = (relation.id, true);
+            self.squares.push(Square { id, is_relation, outlines, rings: Vec::new(), class, name });
         }
         if !relation.tags.get("type").is_some_and(|kind| kind.starts_with("restriction")) {
             return;
@@ -154,7 +161,7 @@ impl Visitor for Ways {
         if closed && way.tags.get("area") == Some("yes") && is_for_pedestrians(way.tags) {
             let class = self.classes.number(way.tags, Some((CROSSING, "yes")));
             let (id, rings) = (way.id, vec![way.nodes[1..].to_vec()]);
-            self.squares.push(Square { id, outlines: vec![id], rings, class, name });
+            self.squares.push(Square { id, is_relation: false, outlines: vec![id], rings, class, name });
         }
         let (first, count) = (self.references.len(), way.nodes.len());
         let ferry = way.tags.get("route") == Some("ferry");

@@ -7,7 +7,7 @@ use super::read::{Nodes, Square, Ways};
 use crate::geo::{Place, distance};
 
 /// With more corners, or entries, an area is walked round.
-const CORNERS: usize = 400;
+pub(super) const CORNERS: usize = 400;
 const ENTRIES: usize = 100;
 
 /// How much longer than it must be a way across may be, as a factor.
@@ -68,7 +68,7 @@ struct Shape {
 impl Shape {
     /// `None` if a node of the outline is missing.
     fn new(ways: &Ways, square: &Square, nodes: &Nodes, uses: &[u8]) -> Option<Self> {
-        let outlined = square.id > 0;
+        let outlined = !square.is_relation;
         let mut corners: Vec<Corner> = Vec::new();
         for ring in &square.rings {
             let (first, count) = (corners.len(), ring.len());
@@ -79,7 +79,7 @@ impl Shape {
             }
         }
         find_reflex(&mut corners, square.rings.iter().map(Vec::len));
-        // A closed way uses each of its nodes once, and the one at which it begins three times.
+        // A closed way uses each of its nodes once, and the one at which it begins four times.
         let begins = |node: usize| {
             square.outlines.iter().any(|id| {
                 let way = ways.ways.binary_search_by_key(id, |way| way.id);
@@ -90,7 +90,7 @@ impl Shape {
             if !outlined {
                 0
             } else if begins(node) {
-                3
+                4
             } else {
                 1
             }
@@ -180,11 +180,11 @@ impl Shape {
 
     /// Whether the middle between two places is inside: a ray from it eastwards meets an odd number of sides.
     fn contains_middle(&self, p: Place, q: Place) -> bool {
-        let doubled = [i64::from(p.lon) + i64::from(q.lon), i64::from(p.lat) + i64::from(q.lat)];
+        let doubled = [i128::from(p.lon) + i128::from(q.lon), i128::from(p.lat) + i128::from(q.lat)];
         let mut inside = false;
         for corner in &self.corners {
             let [a, b] = [corner.place, self.corners[corner.behind].place]
-                .map(|place| [2 * i64::from(place.lon), 2 * i64::from(place.lat)]);
+                .map(|place| [2 * i128::from(place.lon), 2 * i128::from(place.lat)]);
             if (a[1] > doubled[1]) != (b[1] > doubled[1]) {
                 // Left of the side, without division.
                 let cross = (b[0] - a[0]) * (doubled[1] - a[1]) - (doubled[0] - a[0]) * (b[1] - a[1]);

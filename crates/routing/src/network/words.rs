@@ -44,9 +44,12 @@ const INFORMATION: [&str; 34] = [
 ];
 const MORE_INFORMATION: [&str; 4] = ["wikidata", "wikipedia", "phone", "survey"];
 
+/// Words of our own, which no map may bring.
+const OWN: &str = "openbench";
+
 fn informs(key: &str) -> bool {
     let stem = key.split_once(':').map_or(key, |(stem, _)| stem);
-    INFORMATION.contains(&stem) || MORE_INFORMATION.contains(&stem)
+    stem == OWN || INFORMATION.contains(&stem) || MORE_INFORMATION.contains(&stem)
 }
 
 /// Sets of words by number. Number 0 is the empty set.

@@ -119,6 +119,8 @@ pub struct TableRequest {
     pub distance: bool,
     /// Metres a second in a straight line where there is no way.
     pub fallback_speed: Option<f64>,
+    /// Whether that line is between the places on the network, not between those asked for.
+    pub fallback_snapped: bool,
     /// By how much durations are multiplied.
     pub scale: f64,
 }
@@ -156,19 +158,15 @@ impl Request {
     pub fn parse(target: &str, limits: &Limits) -> Result<Self, Failure> {
         let (path, query) = target.split_once('?').unwrap_or((target, ""));
         let parts: Vec<&str> = path.strip_prefix('/').unwrap_or_default().splitn(4, '/').collect();
-        let [service, version, profile, coordinates] = parts[..] else {
-            return Err(Failure::new(
-                "InvalidUrl",
-                format!("URL string malformed close to position 1: \"{}\"", shown(path)),
-            ));
+        let malformed = || {
+            let message = format!("URL string malformed close to position 1: \"{}\"", shown(path));
+            Failure::new("InvalidUrl", message)
         };
+        let [service, version, profile, coordinates] = parts[..] else { return Err(malformed()) };
         let version_is_one =
             version.strip_prefix('v').is_some_and(|v| v.bytes().all(|b| b.is_ascii_digit()) && !v.is_empty());
         if !version_is_one || profile.is_empty() {
-            return Err(Failure::new(
-                "InvalidUrl",
-                format!("URL string malformed close to position 1: \"{}\"", shown(path)),
-            ));
+            return Err(malformed());
         }
         if !["route", "nearest", "table"].contains(&service) {
             return Err(Failure::new("InvalidService", format!("Service {} not found!", shown(service))));
@@ -522,12 +520,20 @@ impl TableRequest {
                         (words.contains(&"duration"), words.contains(&"distance"));
                 }
                 "fallback_speed" => request.fallback_speed = Some(positive(option)?),
-                "fallback_coordinate" if ["input", "snapped"].contains(&option.value) => {}
+                "fallback_coordinate" if ["input", "snapped"].contains(&option.value) => {
+                    request.fallback_snapped = option.value == "snapped";
+                }
                 "scale_factor" => request.scale = positive(option)?,
                 _ => return Err(option.fail()),
             }
         }
         let count = request.places.places.len();
+        if request.sources.len().max(request.destinations.len()) > count {
+            return Err(Failure::new(
+                "InvalidOptions",
+                "There are more sources or destinations than coordinates.",
+            ));
+        }
         if request.sources.iter().chain(&request.destinations).any(|index| *index >= count) {
             return Err(Failure::new(
                 "InvalidOptions",

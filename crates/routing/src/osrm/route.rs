@@ -166,9 +166,12 @@ impl Service {
                 list(json, "weight", &|json, s| json.decimal(s.weight / UNITS, 1));
             }
             if asked.nodes {
+                let (leg, _) = &legs[0];
+                let begins =
+                    segments.first().map_or_else(|| self.nodes(leg, 0)[0], |segment| segment.nodes[0]);
                 json.key("nodes").array(|json| {
-                    segments.first().into_iter().for_each(|s| json.whole(s.nodes[0]));
-                    segments.iter().for_each(|s| json.whole(s.nodes[1]));
+                    json.whole(begins);
+                    segments.iter().for_each(|segment| json.whole(segment.nodes[1]));
                 });
             }
             if asked.distance {
@@ -191,16 +194,17 @@ impl Service {
             let points = line.part(i..i + 1);
             let Measures { length, duration, weight } = leg.measures(&self.roads, &self.metric, i);
             let next = leg.edges.get(i + 1);
-            let passed = next.map_or(0, |next| self.metric.passing(&self.roads, directed, *next)[0]);
-            let mut nodes = self.nodes(leg, i);
-            nodes.resize(points.len().max(nodes.len()), *nodes.last().unwrap_or(&0));
+            let passed = next.map_or([0, 0], |next| self.metric.passing(&self.roads, directed, *next));
+            let entry =
+                i.checked_sub(1).map_or(0, |i| self.metric.entry_weight(&self.roads, leg.edges[i], directed));
+            let nodes = self.nodes(leg, i);
             for (pair, ids) in points.windows(2).zip(nodes.windows(2)) {
                 let metres = distance(pair[0], pair[1]);
                 let share = if length > 0.0 { metres / length } else { 0.0 };
                 segments.push(Segment {
                     length: metres,
-                    duration: f64::from(duration - passed) * share,
-                    weight: f64::from(weight) * share,
+                    duration: f64::from(duration - passed[0]) * share,
+                    weight: f64::from(weight - passed[1] - entry) * share,
                     nodes: [ids[0], ids[1]],
                 });
             }
@@ -208,17 +212,38 @@ impl Service {
         segments
     }
 
-    /// The OSM nodes of the part of an edge that is travelled, and those at the far ends of segments that are travelled in part.
+    /// The OSM nodes of the part of an edge that is travelled, one for each of its points: in the middle of a segment that is travelled in part, the
+    /// node at its far end.
     fn nodes(&self, leg: &Leg, index: usize) -> Vec<i64> {
         let directed = leg.edges[index];
-        let all = self.roads.network.edge_nodes(directed / 2);
+        let (places, all) =
+            (self.roads.network.edge_points(directed / 2), self.roads.network.edge_nodes(directed / 2));
         let forward = directed.is_multiple_of(2);
         let (begins, ends) = (index == 0, index + 1 == leg.edges.len());
         let [a, b] = if forward { [&leg.from, &leg.to] } else { [&leg.to, &leg.from] };
         let [first_here, last_here] = if forward { [begins, ends] } else { [ends, begins] };
-        let first = if first_here { a.segment as usize } else { 0 };
-        let last = if last_here { b.segment as usize + 2 } else { all.len() };
-        let mut nodes = all.get(first..last).unwrap_or_default().to_vec();
+        let mut along: Vec<(Place, i64)> = Vec::new();
+        // As lines have it: of points in one place the first one stays, and the node of a place between two nodes is overwritten by a real one.
+        let mut push = |place: Place, node: i64, real: bool| match along.last_mut() {
+            Some(last) if last.0 == place => {
+                if real {
+                    last.1 = node;
+                }
+            }
+            _ => along.push((place, node)),
+        };
+        let first = if first_here { a.segment as usize + 1 } else { 0 };
+        let last = if last_here { b.segment as usize + 1 } else { all.len() };
+        if first_here {
+            push(a.place, all[a.segment as usize], false);
+        }
+        for i in first..last.max(first) {
+            push(places[i], all[i], true);
+        }
+        if last_here {
+            push(b.place, all[(b.segment as usize + 1).min(all.len() - 1)], false);
+        }
+        let mut nodes: Vec<i64> = along.into_iter().map(|(_, node)| node).collect();
         if !forward {
             nodes.reverse();
         }

@@ -111,6 +111,12 @@ impl Service {
             let [from, to] = [leg.edges[i - 1], leg.edges[i]];
             let vertex = network.ends(to)[0];
             let mut exits: Vec<_> = guide.exits(vertex).collect();
+            // An edge that ends where it begins is no arc.
+            for directed in [to, from ^ 1] {
+                if exits.iter().all(|exit| exit.directed != directed) {
+                    exits.push(guide.exit(directed));
+                }
+            }
             if i > step.edges.start && exits.len() < 3 {
                 continue;
             }
@@ -124,7 +130,9 @@ impl Service {
                     json.key("in").whole(back as i64);
                 }
                 json.key("entry").array(|json| {
-                    exits.iter().for_each(|exit| json.boolean(exit.open && exit.directed != from ^ 1));
+                    exits.iter().for_each(|exit| {
+                        json.boolean(exit.open && (exit.directed != from ^ 1 || exit.directed == to))
+                    });
                 });
                 json.key("bearings")
                     .array(|json| exits.iter().for_each(|exit| json.whole(degrees(exit.bearing))));

@@ -18,7 +18,7 @@ impl Service {
         let [sources, targets] = [&request.sources, &request.destinations].map(chosen);
         let of = |indices: &[usize]| indices.iter().map(|i| positions[*i].as_slice()).collect::<Vec<_>>();
         let (from, to) = (of(&sources), of(&targets));
-        let measures = self.measured(&from, &to, request, memory);
+        let measures = self.measured(&from, &to, request, [&sources, &targets], memory);
         let mut json = Json::default();
         json.object(|json| {
             json.key("code").string("Ok");
@@ -56,6 +56,7 @@ impl Service {
         from: &[&[Position]],
         to: &[&[Position]],
         request: &TableRequest,
+        asked: [&[usize]; 2],
         memory: &mut ServiceMemory,
     ) -> Measured {
         let ServiceMemory { legs, tables, .. } = memory;
@@ -69,7 +70,12 @@ impl Service {
         for (i, duration) in measured.durations.iter_mut().enumerate() {
             let (row, column) = (i / to.len(), i % to.len());
             if let (true, Some(speed)) = (duration.is_nan(), request.fallback_speed) {
-                let metres = distance(from[row][0].place, to[column][0].place);
+                let [a, b] = if request.fallback_snapped {
+                    [from[row][0].place, to[column][0].place]
+                } else {
+                    [asked[0][row], asked[1][column]].map(|i| request.places.places[i])
+                };
+                let metres = distance(a, b);
                 (*duration, measured.lengths[i]) = (metres / speed, metres);
                 measured.filled.push((row, column));
             }

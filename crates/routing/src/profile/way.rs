@@ -78,6 +78,7 @@ impl Profile {
         let told = matching(&ways.speed, tags).reduce(f64::max);
         let told = told.or(ways.speed_if_open.filter(|_| word.is_some()))?;
         let timetable = tags.get(TIMETABLE).and_then(|speed| speed.parse().ok());
+        let timetable = timetable.filter(|speed| (0.1..=100.0).contains(speed));
         let speed = timetable.or_else(|| self.max_speed(tags)).unwrap_or(told);
         let speed = matching(&ways.limit, tags).fold(speed, f64::min);
         let cost = matching(&ways.cost, tags).product();
@@ -102,7 +103,9 @@ impl Profile {
         let told = rule.keys.iter().find_map(|key| match tags.get(key)? {
             "yes" | "true" | "1" | "forward" => Some([true, false]),
             "-1" | "reverse" | "backward" => Some([false, true]),
-            "no" | "false" | "0" => Some([true, true]),
+            "no" | "false" | "0" | "alternating" => Some([true, true]),
+            // Whose turn it is cannot be known.
+            "reversible" => Some([false, false]),
             _ => None,
         });
         told.unwrap_or_else(|| [true, !listed(&rule.implied, tags)])

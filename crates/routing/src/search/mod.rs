@@ -10,14 +10,16 @@
 //! | module | its one job |
 //! |---|---|
 //! | `side` | one direction of a search: labels, and what is reached from them |
-//! | `table` | from many places to many
-//! | `values` | what ways take, beside what they weigh
+//! | `table` | from many places to many |
+//! | `values` | what ways take, beside what they weigh |
 //! | `path` | from both directions to a row of states |
 
 mod path;
 mod side;
 mod table;
 mod values;
+
+use std::collections::HashSet;
 
 use crate::overlay::{Cliques, FAR, Overlay, Weights};
 pub use path::Path;
@@ -150,13 +152,17 @@ impl Workspace {
             side.begin(labels, ends);
         }
         let mut ways: Vec<(u32, Vec<u32>)> = Vec::new();
-        let mut path = Path::default();
+        let (mut path, mut seen) = (Path::default(), HashSet::new());
         for (weight, label) in self.meetings(graph, stretch) {
             let state = self.ends.state(graph.overlay, label);
-            if ways.len() == most || ways.iter().any(|(_, states)| states.contains(&state)) {
+            if ways.len() == most {
+                break;
+            }
+            if seen.contains(&state) {
                 continue;
             }
             path.unpack(graph, &self.ends, &self.sides, label);
+            seen.extend(path.states.iter().copied());
             ways.push((weight, path.states.clone()));
         }
         self.sides.iter_mut().for_each(Side::clear);
@@ -166,7 +172,7 @@ impl Workspace {
     /// All meetings that are light enough, the lightest first.
     fn meetings(&mut self, graph: Searched<'_>, stretch: f64) -> Vec<(u32, u32)> {
         let Some((best, _)) = self.meet(graph, stretch) else { return Vec::new() };
-        let limit = (f64::from(best) * stretch) as u32;
+        let limit = ((f64::from(best) * stretch) as u32).min(FAR - 1);
         let [forward, backward] = &self.sides;
         let both = forward.reached().map(|label| (forward.weight(label) + backward.weight(label), label));
         let mut meetings: Vec<_> = both.filter(|(weight, _)| *weight <= limit).collect();
