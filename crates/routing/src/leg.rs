@@ -319,7 +319,7 @@ impl Memory {
                 }
             } else {
                 let [state, _] = roads.network.ends(directed);
-                let weight = metric.edge_weight(&roads.network, directed, 0, first);
+                let weight = metric.edge_weight(&roads.network, directed, first);
                 let end = End { state, weight };
                 self.targets.push(Hold { directed, position, end, value: [time, length] });
             }

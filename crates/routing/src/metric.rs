@@ -177,7 +177,7 @@ impl Metric {
         }
     }
 
-    /// Closes edges to all traffic, or opens them again as far as the profile has them open. Only what this changes is worked out again.
+    /// Closes edges to all traffic, or opens them again as far as the profile has them open. Only the cells that this changes are worked out again, and what hangs together.
     pub fn set_closed(&mut self, roads: &Roads, edges: &[u32], closed: bool) {
         let network = &roads.network;
         for &edge in edges {
@@ -234,18 +234,18 @@ impl Metric {
     /// What going along a directed edge and past the vertex at its end counts as.
     pub fn arc_weight(&self, network: &Network, directed: u32) -> u32 {
         let past = self.vertices[network.ends(directed)[1] as usize].weight;
-        sum(self.edge_weight(network, directed, 0, self.edges[directed as usize].weight), past)
+        sum(self.edge_weight(network, directed, self.edges[directed as usize].weight), past)
     }
 
-    /// What a part of a directed edge counts as; its first vertex is at the part's beginning if `from` is 0, and entering may cost then.
-    pub fn edge_weight(&self, network: &Network, directed: u32, from: u32, to: u32) -> u32 {
+    /// What the first part of a directed edge, which itself counts as `part`, counts as with entering it.
+    pub fn edge_weight(&self, network: &Network, directed: u32, part: u32) -> u32 {
         let cost = self.edges[directed as usize];
         if cost.weight >= FAR {
             return FAR;
         }
         let first = self.vertices[network.ends(directed)[0] as usize];
-        let entry = if from == 0 && cost.ends_only && first.public { self.entry } else { 0 };
-        sum(to - from, entry)
+        let entry = if cost.ends_only && first.public { self.entry } else { 0 };
+        sum(part, entry)
     }
 }
 
