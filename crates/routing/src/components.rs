@@ -29,7 +29,7 @@ impl Components {
         let large = sizes.iter().map(|size| *size >= largest.min(LARGE)).collect();
         let of_edge = (0..roads.network.edge_count() as u32).map(|edge| {
             let sides = [2 * edge, 2 * edge + 1];
-            let open = sides.into_iter().filter(|directed| metric.edges[*directed as usize].weight < FAR);
+            let open = sides.into_iter().filter(|directed| metric.edges[*directed as usize].is_open());
             let components = open.filter_map(|directed| match &metric.turns {
                 Some(turns) => Some(of_state[turns.state_of[directed as usize] as usize]),
                 None => of_side(roads, metric, &of_state, directed),
@@ -54,9 +54,9 @@ impl Components {
 fn of_side(roads: &Roads, metric: &Metric, of_vertex: &[u32], directed: u32) -> Option<u32> {
     let [from, to] = roads.network.ends(directed);
     let component = of_vertex[from as usize];
-    let passed = |vertex: u32| metric.vertices[vertex as usize].weight < FAR;
+    let passed = |vertex: u32| metric.vertices[vertex as usize].weight() < FAR;
     let onwards = passed(to) && of_vertex[to as usize] == component;
-    let back = metric.edges[(directed ^ 1) as usize].weight < FAR && passed(from);
+    let back = metric.edges[(directed ^ 1) as usize].is_open() && passed(from);
     (onwards || back).then_some(component)
 }
 

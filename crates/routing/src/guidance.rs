@@ -5,7 +5,6 @@
 use crate::geo::{Place, bearing, distance, turn};
 use crate::leg::{Leg, Line, Measures};
 use crate::metric::Metric;
-use crate::overlay::FAR;
 use crate::roads::Roads;
 
 /// How far from a vertex the direction of an edge is taken, metres.
@@ -140,7 +139,7 @@ impl Guide<'_> {
 
     /// A directed edge as a way out of the vertex that it leaves.
     pub fn exit(&self, directed: u32) -> Exit {
-        let open = self.metric.edges[directed as usize].weight < FAR;
+        let open = self.metric.edges[directed as usize].is_open();
         Exit { directed, bearing: self.leaving(directed), open }
     }
 
@@ -149,10 +148,9 @@ impl Guide<'_> {
     }
 
     fn is_roundabout(&self, directed: u32) -> bool {
-        let words =
-            &self.roads.network.way_words[self.roads.network.edges[directed as usize / 2].class as usize];
-        self.metric.profile.turns().is_some()
-            && (words.is("junction", "roundabout") || words.is("junction", "circular"))
+        let network = &self.roads.network;
+        let is = |kind| network.way_words.is(network.edges[directed as usize / 2].class, "junction", kind);
+        self.metric.profile.turns().is_some() && (is("roundabout") || is("circular"))
     }
 
     /// The steps of a leg.
@@ -170,7 +168,7 @@ impl Guide<'_> {
             .map(|((first, kind, turn), end)| {
                 let edges = *first..end;
                 let before = first.checked_sub(1).map_or(0.0, |i| self.reaching(leg.edges[i]));
-                let after = look(line.part(edges.clone()).iter());
+                let after = look(line.part(edges.clone()).iter().copied());
                 Step {
                     kind: *kind,
                     modifier: turn.map(modifier),
@@ -184,7 +182,7 @@ impl Guide<'_> {
             })
             .collect();
         let last = line.part(leg.edges.len().saturating_sub(1)..leg.edges.len());
-        let before = (look(last.iter().rev()) + 180.0) % 360.0;
+        let before = (look(last.iter().rev().copied()) + 180.0) % 360.0;
         let edges = leg.edges.len()..leg.edges.len();
         let bearings = [if last.len() > 1 { before } else { 0.0 }, 0.0];
         let measures = Measures::default();
@@ -261,13 +259,13 @@ impl Guide<'_> {
 }
 
 /// The direction from the first point to one some metres on.
-fn look<'a>(points: impl Iterator<Item = &'a Place>) -> f64 {
+fn look(points: impl Iterator<Item = Place>) -> f64 {
     let (mut first, mut last, mut length) = (None, None, 0.0);
     for point in points {
-        let before = *last.get_or_insert(*point);
-        first.get_or_insert(*point);
-        length += distance(before, *point);
-        last = Some(*point);
+        let before = *last.get_or_insert(point);
+        first.get_or_insert(point);
+        length += distance(before, point);
+        last = Some(point);
         if length >= LOOK {
             break;
         }

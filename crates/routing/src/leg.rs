@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use crate::geo::Place;
-use crate::metric::{EdgeCost, Metric, centimetres};
+use crate::metric::{Metric, centimetres};
 use crate::overlay::FAR;
 use crate::position::Position;
 use crate::roads::Roads;
@@ -159,7 +159,7 @@ impl Leg {
         // Where everything counts as long as it takes, durations need no sums of their own.
         let plain = !lengths && metric.weight_is_duration();
         let values = (!plain).then(|| metric.values(roads));
-        let found = tables.table(metric.searched(roads), values, &sources, &targets);
+        let found = tables.table(&mut memory.workspace, metric.searched(roads), values, &sources, &targets);
         let pairs = from.iter().flat_map(|a| to.iter().map(move |b| (a, b)));
         let measures = found.into_iter().zip(pairs).map(|(found, (a, b))| {
             let around = (found.weight < FAR).then(|| Measures {
@@ -182,12 +182,12 @@ impl Leg {
     fn shared(&self, metric: &Metric, other: &Self) -> f64 {
         let others: HashSet<u32> = other.edges.iter().copied().collect();
         let shared = self.edges.iter().filter(|edge| others.contains(edge));
-        shared.map(|edge| f64::from(metric.edges[*edge as usize].weight)).sum()
+        shared.map(|edge| f64::from(metric.edges[*edge as usize].weight())).sum()
     }
 
     /// The weight of all its edges.
     fn edge_weight(&self, metric: &Metric) -> f64 {
-        self.edges.iter().map(|edge| f64::from(metric.edges[*edge as usize].weight)).sum()
+        self.edges.iter().map(|edge| f64::from(metric.edges[*edge as usize].weight())).sum()
     }
 
     /// Metres, hundredths of a second.
@@ -212,8 +212,8 @@ impl Leg {
         let entry = before_it.map_or(0, |from| metric.entry_weight(roads, from, directed));
         Measures {
             length,
-            duration: travelled(cost.duration) + past[0],
-            weight: travelled(cost.weight) + past[1] + entry,
+            duration: travelled(cost.duration()) + past[0],
+            weight: travelled(cost.weight()) + past[1] + entry,
         }
     }
 
@@ -237,11 +237,11 @@ impl Leg {
             let [first_here, last_here] = if forward { [begins, ends] } else { [ends, begins] };
             let first = if first_here { a.segment as usize + 1 } else { 0 };
             let last = if last_here { b.segment as usize + 1 } else { points.len() };
-            let between = points.get(first..last).unwrap_or_default();
+            let between = points.part(first, last);
             if forward {
-                between.iter().for_each(|point| line.push(*point));
+                between.for_each(|point| line.push(point));
             } else {
-                between.iter().rev().for_each(|point| line.push(*point));
+                between.rev().for_each(|point| line.push(point));
             }
             if ends {
                 line.push(self.to.place);
@@ -284,11 +284,12 @@ impl Memory {
             [2 * position.edge, 2 * position.edge + 1].map(move |directed| (directed, position))
         };
         let open = |(directed, position): &(u32, Position)| {
-            position.open[*directed as usize % 2] && metric.edges[*directed as usize].weight < FAR
+            position.open[*directed as usize % 2] && metric.edges[*directed as usize].weight() < FAR
         };
         self.sources.clear();
         for (directed, position) in from.iter().flat_map(sides).filter(open) {
-            let EdgeCost { weight, duration, .. } = metric.edges[directed as usize];
+            let cost = metric.edges[directed as usize];
+            let (weight, duration) = (cost.weight(), cost.duration());
             let rest = [weight, duration].map(|whole| whole - before(whole, &position, directed));
             let length = part(centimetres(roads, directed), 1.0 - directed_share(&position, directed));
             let (state, past) = match &metric.turns {
@@ -296,7 +297,7 @@ impl Memory {
                 None => {
                     let [_, state] = roads.network.ends(directed);
                     let vertex = metric.vertices[state as usize];
-                    (state, [vertex.weight, vertex.duration])
+                    (state, [vertex.weight(), vertex.duration()])
                 }
             };
             let end = End { state, weight: rest[0] + past[0] };
@@ -304,15 +305,16 @@ impl Memory {
         }
         self.targets.clear();
         for (directed, position) in to.iter().flat_map(sides).filter(open) {
-            let EdgeCost { weight, duration, .. } = metric.edges[directed as usize];
+            let cost = metric.edges[directed as usize];
+            let (weight, duration) = (cost.weight(), cost.duration());
             let [first, time] = [weight, duration].map(|whole| before(whole, &position, directed));
             let length = part(centimetres(roads, directed), directed_share(&position, directed));
             if let Some(turns) = &metric.turns {
                 // By each turn into the edge.
                 let graph = metric.searched(roads);
                 let state = turns.state_of[directed as usize];
-                for slot in graph.overlay.into.of(state).filter(|slot| graph.weights.into[*slot] < FAR) {
-                    let from = graph.overlay.into.head[slot];
+                for slot in graph.overlay.incoming().of(state).filter(|slot| graph.weights.into[*slot] < FAR) {
+                    let from = graph.overlay.incoming().head[slot];
                     let end = End { state: from, weight: graph.weights.into[slot] - weight + first };
                     let [passed, _] = metric.passing(roads, turns.edge_of[from as usize], directed);
                     self.targets.push(Hold { directed, position, end, value: [time + passed, length] });
@@ -382,7 +384,7 @@ fn straight(metric: &Metric, from: &[Position], to: &[Position]) -> Option<Leg> 
     let pairs = from.iter().flat_map(|a| to.iter().filter(|b| b.edge == a.edge).map(move |b| (a, b)));
     let ways = pairs.flat_map(|(a, b)| [2 * a.edge, 2 * a.edge + 1].map(|directed| (a, b, directed)));
     let legs = ways.filter_map(|(a, b, directed)| {
-        let whole = metric.edges[directed as usize].weight;
+        let whole = metric.edges[directed as usize].weight();
         let onwards = directed_share(a, directed) <= directed_share(b, directed);
         let weight = || before(whole, b, directed) - before(whole, a, directed);
         let open = a.open[directed as usize % 2] && b.open[directed as usize % 2];

@@ -17,30 +17,82 @@ use crate::turns::TurnGraph;
 /// Units of weights and durations in a second.
 pub const UNITS: f64 = 100.0;
 
-/// What travelling along an edge in one direction counts as.
+/// A weight and a duration with a mark on each: weights end at [`FAR`], so their highest bits are free.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct EdgeCost {
-    /// [`FAR`] if one may not go.
-    pub weight: u32,
-    /// What it takes.
-    pub duration: u32,
-    /// Whether only those may go here who begin or end here.
-    pub ends_only: bool,
+struct Marked {
+    weight: u32,
+    duration: u32,
 }
 
-const CLOSED: EdgeCost = EdgeCost { weight: FAR, duration: FAR, ends_only: false };
+const MARK: u32 = FAR + 1;
+
+impl Marked {
+    const fn new(weight: u32, duration: u32) -> Self {
+        Self { weight, duration }
+    }
+
+    /// Not to be gone.
+    const NEVER: Self = Self::new(FAR, FAR);
+}
+
+/// What travelling along an edge in one direction counts as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct EdgeCost(Marked);
+
+impl EdgeCost {
+    const CLOSED: Self = Self(Marked::NEVER);
+
+    /// [`FAR`] if one may not go.
+    #[inline]
+    pub fn weight(self) -> u32 {
+        self.0.weight & FAR
+    }
+
+    /// What it takes.
+    #[inline]
+    pub fn duration(self) -> u32 {
+        self.0.duration
+    }
+
+    /// Whether only those may go here who begin or end here.
+    #[inline]
+    pub fn ends_only(self) -> bool {
+        self.0.weight & MARK != 0
+    }
+
+    /// Whether one may go.
+    #[inline]
+    pub fn is_open(self) -> bool {
+        self.weight() < FAR
+    }
+}
 
 /// What passing a vertex counts as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct VertexCost {
+pub struct VertexCost(Marked);
+
+impl VertexCost {
     /// [`FAR`] if one may not pass.
-    pub weight: u32,
+    #[inline]
+    pub fn weight(self) -> u32 {
+        self.0.weight & FAR
+    }
+
     /// What it takes.
-    pub duration: u32,
+    #[inline]
+    pub fn duration(self) -> u32 {
+        self.0.duration & FAR
+    }
+
     /// Whether an edge meets it that is not for those only who begin or end there.
-    pub public: bool,
+    pub fn is_public(self) -> bool {
+        self.0.weight & MARK != 0
+    }
+
     /// Whether three edges or more meet there that are open.
-    pub junction: bool,
+    pub fn is_junction(self) -> bool {
+        self.0.duration & MARK != 0
+    }
 }
 
 /// A profile's weights for a network.
@@ -72,8 +124,8 @@ impl Metric {
         let edges = edge_costs(network, &profile);
         let vertices = vertex_costs(network, &profile, &edges);
         let entry = units(profile.entry());
-        let weight_is_duration = edges.iter().all(|edge| edge.weight == edge.duration && !edge.ends_only)
-            && vertices.iter().all(|vertex| vertex.weight == vertex.duration);
+        let weight_is_duration = edges.iter().all(|edge| edge.weight() == edge.duration() && !edge.ends_only())
+            && vertices.iter().all(|vertex| vertex.weight() == vertex.duration());
         let turns = profile.turns().map(|_| TurnGraph::new(roads, &profile));
         let mut metric = Self {
             profile,
@@ -90,10 +142,11 @@ impl Metric {
         let overlay = metric.overlay(roads);
         metric.weights = Weights {
             out: overlay.out.iter().map(|(from, slot)| metric.weight_of_arc_out(roads, from, slot)).collect(),
-            into: overlay.into.iter().map(|(to, slot)| metric.weight_of_arc_into(roads, to, slot)).collect(),
+            into: overlay.incoming().iter().map(|(to, slot)| metric.weight_of_arc_into(roads, to, slot)).collect(),
         };
-        metric.cliques = Cliques::all(metric.overlay(roads), &metric.weights)?;
+        // First, so that what it needs for a moment is used again.
         metric.components = Components::new(roads, &metric);
+        metric.cliques = Cliques::all(metric.overlay(roads), &metric.weights)?;
         Ok(metric)
     }
 
@@ -109,7 +162,7 @@ impl Metric {
 
     /// Whether an edge can be travelled in some direction.
     pub fn is_open(&self, edge: u32) -> bool {
-        self.edges[2 * edge as usize].weight < FAR || self.edges[2 * edge as usize + 1].weight < FAR
+        (0..2).any(|side| self.edges[2 * edge as usize + side].is_open())
     }
 
     /// Whether everything counts as long as it takes.
@@ -126,9 +179,9 @@ impl Metric {
                 let via = out.via[slot];
                 let passed = match &self.turns {
                     Some(turns) => self.passing(roads, turns.edge_of[from as usize], via)[0],
-                    None => self.vertices[out.head[slot] as usize].duration,
+                    None => self.vertices[out.head[slot] as usize].duration(),
                 };
-                [self.edges[via as usize].duration.saturating_add(passed), centimetres(roads, via)]
+                [self.edges[via as usize].duration().saturating_add(passed), centimetres(roads, via)]
             });
             Values::new(graph, arcs.collect())
         })
@@ -142,15 +195,15 @@ impl Metric {
             return [turn, turn];
         }
         let vertex = self.vertices[roads.network.ends(from)[1] as usize];
-        [vertex.duration + turn, vertex.weight + turn]
+        [vertex.duration() + turn, vertex.weight() + turn]
     }
 
     /// What going from one directed edge into the next counts as because the next is not for passing through.
     pub fn entry_weight(&self, roads: &Roads, from: u32, to: u32) -> u32 {
-        let into = self.edges[to as usize].ends_only;
+        let into = self.edges[to as usize].ends_only();
         let from_public = match &self.turns {
-            Some(_) => !self.edges[from as usize].ends_only && to != from ^ 1,
-            None => self.vertices[roads.network.ends(to)[0] as usize].public,
+            Some(_) => !self.edges[from as usize].ends_only() && to != from ^ 1,
+            None => self.vertices[roads.network.ends(to)[0] as usize].is_public(),
         };
         if into && from_public { self.entry } else { 0 }
     }
@@ -170,10 +223,10 @@ impl Metric {
     fn weight_of_arc_into(&self, roads: &Roads, to: u32, slot: usize) -> u32 {
         match &self.turns {
             Some(turns) => {
-                let from = turns.overlay.into.head[slot];
+                let from = turns.overlay.incoming().head[slot];
                 turns.weight(roads, self, turns.edge_of[from as usize], turns.edge_of[to as usize])
             }
-            None => self.arc_weight(&roads.network, roads.vertices.into.via[slot]),
+            None => self.arc_weight(&roads.network, roads.vertices.via_incoming(slot)),
         }
     }
 
@@ -182,9 +235,9 @@ impl Metric {
         let network = &roads.network;
         for &edge in edges {
             let Edge { class, length, .. } = network.edges[edge as usize];
-            let goings = self.profile.way(&network.way_words[class as usize]);
+            let goings = self.profile.way(&network.way_words.get(class));
             for (direction, going) in goings.into_iter().enumerate() {
-                let cost = if closed { CLOSED } else { edge_cost(length, going) };
+                let cost = if closed { EdgeCost::CLOSED } else { edge_cost(length, going) };
                 self.edges[2 * edge as usize + direction] = cost;
             }
         }
@@ -196,7 +249,7 @@ impl Metric {
             for slot in self.overlay(roads).out.of(state) {
                 self.weights.out[slot] = self.weight_of_arc_out(roads, state, slot);
             }
-            for slot in self.overlay(roads).into.of(state) {
+            for slot in self.overlay(roads).incoming().of(state) {
                 self.weights.into[slot] = self.weight_of_arc_into(roads, state, slot);
             }
         }
@@ -206,7 +259,7 @@ impl Metric {
                 for slot in self.overlay(roads).out.of(other) {
                     self.weights.out[slot] = self.weight_of_arc_out(roads, other, slot);
                 }
-                for slot in self.overlay(roads).into.of(other) {
+                for slot in self.overlay(roads).incoming().of(other) {
                     self.weights.into[slot] = self.weight_of_arc_into(roads, other, slot);
                 }
             }
@@ -228,23 +281,23 @@ impl Metric {
     fn neighbours(&self, roads: &Roads, state: u32) -> Vec<u32> {
         let overlay = self.overlay(roads);
         let out = overlay.out.of(state).map(|slot| overlay.out.head[slot]);
-        out.chain(overlay.into.of(state).map(|slot| overlay.into.head[slot])).collect()
+        out.chain(overlay.incoming().of(state).map(|slot| overlay.incoming().head[slot])).collect()
     }
 
     /// What going along a directed edge and past the vertex at its end counts as.
     pub fn arc_weight(&self, network: &Network, directed: u32) -> u32 {
-        let past = self.vertices[network.ends(directed)[1] as usize].weight;
-        sum(self.edge_weight(network, directed, self.edges[directed as usize].weight), past)
+        let past = self.vertices[network.ends(directed)[1] as usize].weight();
+        sum(self.edge_weight(network, directed, self.edges[directed as usize].weight()), past)
     }
 
     /// What the first part of a directed edge, which itself counts as `part`, counts as with entering it.
     pub fn edge_weight(&self, network: &Network, directed: u32, part: u32) -> u32 {
         let cost = self.edges[directed as usize];
-        if cost.weight >= FAR {
+        if !cost.is_open() {
             return FAR;
         }
         let first = self.vertices[network.ends(directed)[0] as usize];
-        let entry = if cost.ends_only && first.public { self.entry } else { 0 };
+        let entry = if cost.ends_only() && first.is_public() { self.entry } else { 0 };
         sum(part, entry)
     }
 }
@@ -265,39 +318,39 @@ pub(crate) fn units(seconds: f64) -> u32 {
 }
 
 fn edge_costs(network: &Network, profile: &Profile) -> Vec<EdgeCost> {
-    let goings: Vec<_> = network.way_words.iter().map(|words| profile.way(words)).collect();
+    let goings: Vec<_> = network.way_words.iter().map(|words| profile.way(&words)).collect();
     let edges = network.edges().iter();
     edges.flat_map(|edge| goings[edge.class as usize].map(|going| edge_cost(edge.length, going))).collect()
 }
 
 fn edge_cost(millimetres: u32, going: Option<Going>) -> EdgeCost {
-    let Some(Going { speed, cost, ends_only }) = going else { return CLOSED };
+    let Some(Going { speed, cost, ends_only }) = going else { return EdgeCost::CLOSED };
     let seconds = f64::from(millimetres) / 1000.0 / speed;
-    EdgeCost { weight: units(seconds * cost), duration: units(seconds), ends_only }
+    let mark = if ends_only { MARK } else { 0 };
+    EdgeCost(Marked::new(units(seconds * cost) | mark, units(seconds)))
 }
 
 fn vertex_costs(network: &Network, profile: &Profile, edges: &[EdgeCost]) -> Vec<VertexCost> {
-    let cost = |words: &Tags| match profile.node(words) {
-        Some(Passing { delay, cost }) => {
-            VertexCost { weight: units(delay + cost), duration: units(delay), public: false, junction: false }
-        }
-        None => VertexCost { weight: FAR, duration: FAR, public: false, junction: false },
+    let cost = |words: Tags| match profile.node(&words) {
+        Some(Passing { delay, cost }) => Marked::new(units(delay + cost), units(delay)),
+        None => Marked::NEVER,
     };
     let classes: Vec<_> = network.node_words.iter().map(cost).collect();
     let mut vertices: Vec<_> = network.vertex_classes.iter().map(|class| classes[*class as usize]).collect();
-    for (directed, _) in edges.iter().enumerate().filter(|(_, e)| e.weight < FAR && !e.ends_only) {
+    for (directed, _) in edges.iter().enumerate().filter(|(_, e)| e.is_open() && !e.ends_only()) {
         for vertex in network.ends(directed as u32) {
-            vertices[vertex as usize].public = true;
+            vertices[vertex as usize].weight |= MARK;
         }
     }
     let mut met = vec![0_u8; vertices.len()];
-    for edge in
-        (0..network.edge_count() as u32).filter(|e| (0..2).any(|i| edges[(2 * e + i) as usize].weight < FAR))
-    {
+    let open = |edge: &u32| (0..2).any(|side| edges[(2 * edge + side) as usize].is_open());
+    for edge in (0..network.edge_count() as u32).filter(open) {
         for vertex in network.ends(2 * edge) {
             met[vertex as usize] = met[vertex as usize].saturating_add(1);
         }
     }
-    vertices.iter_mut().zip(met).for_each(|(vertex, met)| vertex.junction = met >= 3);
-    vertices
+    for (vertex, _) in vertices.iter_mut().zip(met).filter(|(_, met)| *met >= 3) {
+        vertex.duration |= MARK;
+    }
+    vertices.into_iter().map(VertexCost).collect()
 }

@@ -2,7 +2,6 @@
 
 use crate::geo::{Place, distance};
 use crate::metric::Metric;
-use crate::overlay::FAR;
 use crate::roads::Roads;
 use crate::tree::{Foot, Nearest};
 
@@ -56,11 +55,14 @@ pub struct Snap {
 impl Position {
     fn new(roads: &Roads, foot: Foot) -> Self {
         let points = roads.network.edge_points(foot.edge);
-        let length = |points: &[Place]| points.windows(2).map(|pair| distance(pair[0], pair[1])).sum::<f64>();
         let segment = foot.segment as usize;
-        let before =
-            length(&points[..=segment]) + foot.share * distance(points[segment], points[segment + 1]);
-        let all = length(points);
+        let (mut before, mut all) = (0.0, 0.0);
+        for (i, (a, b)) in points.pairs().enumerate() {
+            if i == segment {
+                before = all + foot.share * distance(a, b);
+            }
+            all += distance(a, b);
+        }
         let share = if all > 0.0 { (before / all).min(1.0) } else { 0.0 };
         // At its end a share is 1, whatever was lost in rounding.
         let at_end = segment + 2 == points.len() && foot.share >= 1.0;
@@ -75,7 +77,7 @@ impl SnapOptions {
     fn open(&self, roads: &Roads, foot: &Foot) -> [bool; 2] {
         let Some((bearing, range)) = self.bearing else { return [true; 2] };
         let points = roads.network.edge_points(foot.edge);
-        let forward = crate::geo::bearing(points[foot.segment as usize], points[foot.segment as usize + 1]);
+        let forward = crate::geo::bearing(points.at(foot.segment as usize), points.at(foot.segment as usize + 1));
         [forward, forward + 180.0].map(|direction| crate::geo::turn(bearing, direction).abs() <= range)
     }
 }
@@ -150,7 +152,7 @@ fn nearest(
         looked_at += 1;
         let same = first.is_none_or(|first| distance(first.place, foot.place) < SAME);
         let bearings = options.open(roads, &foot);
-        let open = [0, 1].map(|i| bearings[i] && metric.edges[2 * foot.edge as usize + i].weight < FAR);
+        let open = [0, 1].map(|i| bearings[i] && metric.edges[2 * foot.edge as usize + i].is_open());
         if same && open != [false; 2] {
             let position = Position { open, ..Position::new(roads, foot) };
             let known = |p: &Position| p.edge == position.edge && p.share == position.share;
@@ -161,7 +163,7 @@ fn nearest(
         looked_at < MOST
     });
     // Where a public road and private ground meet, one is on the road.
-    let public = |p: &Position| (0..2).any(|i| p.open[i] && !metric.edges[2 * p.edge as usize + i].ends_only);
+    let public = |p: &Position| (0..2).any(|i| p.open[i] && !metric.edges[2 * p.edge as usize + i].ends_only());
     if found.iter().any(public) {
         found.retain(public);
     }
@@ -181,7 +183,7 @@ pub fn several(
     let usable = |edge| metric.is_open(edge);
     roads.segments.nearest(&roads.network, place, options.radius, memory, usable, |foot| {
         let bearings = options.open(roads, &foot);
-        let open = [0, 1].map(|i| bearings[i] && metric.edges[2 * foot.edge as usize + i].weight < FAR);
+        let open = [0, 1].map(|i| bearings[i] && metric.edges[2 * foot.edge as usize + i].is_open());
         if open != [false; 2] && found.iter().all(|p: &Position| p.edge != foot.edge) {
             found.push(Position { open, ..Position::new(roads, foot) });
         }

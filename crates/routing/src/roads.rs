@@ -58,14 +58,16 @@ fn in_order(network: Network, order: &[u32]) -> Network {
     let mut rows = Rows {
         vertices: order.iter().map(|v| network.vertices[*v as usize]).collect(),
         vertex_classes: order.iter().map(|v| network.vertex_classes[*v as usize]).collect(),
+        vertex_nodes: order.iter().map(|v| network.vertex_nodes[*v as usize]).collect(),
         ..Rows::default()
     };
     for &edge in &edges {
         let old = network.edges[edge as usize];
         let [from, to] = place(&old);
         rows.edges.push(Edge { from, to, first_point: rows.points.len() as u32, ..old });
-        rows.points.extend_from_slice(network.edge_points(edge));
-        rows.nodes.extend_from_slice(network.edge_nodes(edge));
+        let between = network.between(edge);
+        rows.points.extend_from_slice(&network.points[between.clone()]);
+        rows.nodes.extend_from_slice(&network.nodes[between]);
         rows.ways.push(network.ways[edge as usize]);
     }
     Network {
@@ -73,6 +75,7 @@ fn in_order(network: Network, order: &[u32]) -> Network {
         node_words: network.node_words,
         names: network.names,
         restrictions: network.restrictions,
+        via_ways: network.via_ways,
         restriction_words: network.restriction_words,
         report: network.report,
         ..rows.into_network()

@@ -53,8 +53,8 @@ impl MapRouter {
         let points =
             leg.line(&self.roads).points.into_iter().map(|place| self.projection.to_map(place.position()));
         let network = &self.roads.network;
-        let name = |directed: &u32| &network.names[network.edges[*directed as usize / 2].name as usize].name;
-        let mut names: Vec<String> = leg.edges.iter().map(name).filter(|n| !n.is_empty()).cloned().collect();
+        let names = leg.edges.iter().map(|directed| network.name(directed / 2).name).filter(|name| !name.is_empty());
+        let mut names: Vec<String> = names.map(str::to_owned).collect();
         names.dedup();
         Route {
             points: points.collect(),

@@ -1,6 +1,6 @@
 //! The segments near a place: a packed R-tree over an edge's neighbouring segments.
 //!
-//! Boxes are sorted along a Hilbert curve and packed sixteen to a node, as in I. Kamel, C. Faloutsos, *On packing R-trees*, 1993.
+//! Runs are sorted along a Hilbert curve and packed eight to a box, boxes sixteen to a node, as in I. Kamel, C. Faloutsos, *On packing R-trees*, 1993.
 //! Nothing but the boxes is stored; which belong together follows from their order.
 
 use std::cmp::Reverse;
@@ -12,6 +12,8 @@ use crate::store::Column;
 
 /// Segments in a run at most.
 const RUN: usize = 8;
+/// Runs in a box of the lowest row: a few segments are as soon looked at as their boxes.
+const LEAF: usize = 8;
 /// Boxes in a node.
 const FAN: usize = 16;
 
@@ -48,7 +50,7 @@ pub struct Foot {
 #[derive(Debug, Clone, Default)]
 pub struct SegmentTree {
     pub(crate) runs: Column<Run>,
-    /// Boxes of runs, of nodes of runs, of nodes of these, …, one row after another.
+    /// Boxes of neighbouring runs, of neighbouring boxes, …, one row after another.
     pub(crate) boxes: Column<Bounds>,
     /// Where each row begins, and where the last one ends.
     rows: Vec<usize>,
@@ -85,7 +87,7 @@ enum Found {
 }
 
 impl Bounds {
-    fn around(points: &[Place]) -> Self {
+    fn around(points: impl Iterator<Item = Place>) -> Self {
         let mut bounds = [i32::MAX, i32::MAX, i32::MIN, i32::MIN];
         for point in points {
             bounds = [
@@ -98,12 +100,12 @@ impl Bounds {
         Self(bounds)
     }
 
-    fn union(all: &[Self]) -> Self {
+    fn union<'a>(all: impl Iterator<Item = &'a Self>) -> Self {
         let join = |a: Self, b: &Self| {
             let ([a, b, c, d], [e, f, g, h]) = (a.0, b.0);
             Self([a.min(e), b.min(f), c.max(g), d.max(h)])
         };
-        all.iter().fold(Self([i32::MAX, i32::MAX, i32::MIN, i32::MIN]), join)
+        all.fold(Self([i32::MAX, i32::MAX, i32::MIN, i32::MIN]), join)
     }
 
     /// Metres to a place, squared; 0 within.
@@ -125,16 +127,17 @@ impl SegmentTree {
         for edge in 0..network.edge_count() as u32 {
             let points = network.edge_points(edge);
             for first in (0..points.len() - 1).step_by(RUN) {
-                let bounds = Bounds::around(&points[first..points.len().min(first + RUN + 1)]);
+                let bounds = Bounds::around(points.part(first, first + RUN + 1));
                 runs.push((hilbert(&bounds), Run { edge, first: first as u32 }, bounds));
             }
         }
         runs.sort_by_key(|(place, ..)| *place);
         let rows = rows(runs.len());
-        let mut boxes: Vec<Bounds> = runs.iter().map(|(_, _, bounds)| *bounds).collect();
+        let union = |runs: &[(u64, Run, Bounds)]| Bounds::union(runs.iter().map(|(_, _, bounds)| bounds));
+        let mut boxes: Vec<Bounds> = runs.chunks(LEAF).map(union).collect();
         for row in rows.windows(2).take(rows.len() - 2) {
             for node in (row[0]..row[1]).step_by(FAN) {
-                boxes.push(Bounds::union(&boxes[node..row[1].min(node + FAN)]));
+                boxes.push(Bounds::union(boxes[node..row[1].min(node + FAN)].iter()));
             }
         }
         Self { runs: runs.into_iter().map(|(_, run, _)| run).collect(), boxes: boxes.into(), rows }
@@ -175,10 +178,13 @@ impl SegmentTree {
                         return;
                     }
                 }
-                Found::Box(0, run) => {
-                    if usable(self.runs[run as usize].edge) {
-                        let away = self.foot(network, run, place, scale).away;
-                        heap.push(Reverse((Distance(away * away), Found::Foot(run))));
+                Found::Box(0, node) => {
+                    let first = node as usize * LEAF;
+                    for run in first..self.runs.len().min(first + LEAF) {
+                        if usable(self.runs[run].edge) {
+                            let away = self.foot(network, run as u32, place, scale).away;
+                            heap.push(Reverse((Distance(away * away), Found::Foot(run as u32))));
+                        }
                     }
                 }
                 Found::Box(row, node) => {
@@ -201,21 +207,21 @@ impl SegmentTree {
         let last = (points.len() - 1).min(first as usize + RUN);
         let mut best = (f64::INFINITY, first, 0.0);
         for segment in first as usize..last {
-            let (away, share) = project(points[segment], points[segment + 1], place, scale);
+            let (away, share) = project(points.at(segment), points.at(segment + 1), place, scale);
             if away < best.0 {
                 best = (away, segment as u32, share);
             }
         }
         let (away, segment, share) = best;
-        let [a, b] = [points[segment as usize], points[segment as usize + 1]];
+        let [a, b] = [points.at(segment as usize), points.at(segment as usize + 1)];
         Foot { edge, segment, share, place: between(a, b, share), away: away.sqrt() }
     }
 }
 
 /// Where each row of boxes begins over so many runs, and where the last one ends.
 fn rows(runs: usize) -> Vec<usize> {
-    let mut rows = vec![0, runs];
-    let mut width = runs;
+    let mut width = runs.div_ceil(LEAF);
+    let mut rows = vec![0, width];
     while width > 1 {
         width = width.div_ceil(FAN);
         rows.push(rows[rows.len() - 1] + width);

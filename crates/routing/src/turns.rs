@@ -60,16 +60,16 @@ impl TurnGraph {
     /// What turning from a directed edge into the next counts as, with the vertex between them and the edge that one turns into.
     pub fn weight(&self, roads: &Roads, metric: &Metric, from: u32, to: u32) -> u32 {
         let (a, b) = (metric.edges[from as usize], metric.edges[to as usize]);
-        if a.weight >= FAR || b.weight >= FAR || self.restricted.forbids(from, to) {
+        if !a.is_open() || !b.is_open() || self.restricted.forbids(from, to) {
             return FAR;
         }
-        let turned = sum(b.weight, self.penalty(roads, metric, from, to));
+        let turned = sum(b.weight(), self.penalty(roads, metric, from, to));
         if to == from ^ 1 {
             // One turns round where there is no other way only, be it for a barrier.
             return if self.is_dead_end(roads, metric, from) { turned } else { FAR };
         }
-        let passed = metric.vertices[roads.network.ends(from)[1] as usize].weight;
-        let entry = if b.ends_only && !a.ends_only { metric.entry } else { 0 };
+        let passed = metric.vertices[roads.network.ends(from)[1] as usize].weight();
+        let entry = if b.ends_only() && !a.ends_only() { metric.entry } else { 0 };
         sum(sum(turned, passed), entry)
     }
 
@@ -79,7 +79,7 @@ impl TurnGraph {
         if to == from ^ 1 {
             return units(turns.u_turn);
         }
-        if !metric.vertices[roads.network.ends(from)[1] as usize].junction {
+        if !metric.vertices[roads.network.ends(from)[1] as usize].is_junction() {
             return 0;
         }
         let guide = Guide { roads, metric };
@@ -90,8 +90,8 @@ impl TurnGraph {
         let state = self.state_of[directed as usize];
         let others = self.overlay.out.of(state).map(|slot| self.overlay.out.via[slot]);
 
-        metric.vertices[roads.network.ends(directed)[1] as usize].weight >= FAR
-            || others.filter(|to| *to != directed ^ 1).all(|to| metric.edges[to as usize].weight >= FAR)
+        metric.vertices[roads.network.ends(directed)[1] as usize].weight() >= FAR
+            || others.filter(|to| *to != directed ^ 1).all(|to| metric.edges[to as usize].weight() >= FAR)
     }
 }
 
@@ -127,13 +127,12 @@ impl Restricted {
         let reaching = |way: i64, node: i64| {
             let directed = edges(way).flat_map(|edge| [2 * edge, 2 * edge + 1]);
             directed.filter(move |directed| {
-                let nodes = network.edge_nodes(directed / 2);
-                nodes[if directed.is_multiple_of(2) { nodes.len() - 1 } else { 0 }] == node
+                network.vertex_nodes[network.ends(*directed)[1] as usize] == node
             })
         };
         let mut all = Self { forbidden: HashSet::new(), only: HashSet::new(), bound: HashSet::new() };
         for restriction in network.restrictions.iter() {
-            let Some(only) = profile.restricts(&network.restriction_words[restriction.words as usize]) else {
+            let Some(only) = profile.restricts(&network.restriction_words.get(restriction.words)) else {
                 continue;
             };
             for from in reaching(restriction.from, restriction.via) {

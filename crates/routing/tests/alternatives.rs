@@ -84,7 +84,7 @@ fn other_ways_through_a_city_keep_to_the_rules() {
             assert_eq!(duration, leg.weight, "{i} {number}: the way is what it claims to be");
             for other in &legs[..number] {
                 let shared = leg.edges.iter().filter(|edge| other.edges.contains(edge));
-                let shared: f64 = shared.map(|edge| f64::from(metric.edges[*edge as usize].weight)).sum();
+                let shared: f64 = shared.map(|edge| f64::from(metric.edges[*edge as usize].weight())).sum();
                 assert!(shared <= 0.75 * f64::from(legs[0].weight), "{i} {number}");
             }
         }

@@ -70,7 +70,7 @@ fn cut_off_and_changed_files_are_refused() {
     }
     assert!(problem(&[b'x'; 1000]).contains("not a graph file"));
     let mut newer = whole.clone();
-    newer[8] = 2;
+    newer[8] += 1;
     assert!(problem(&newer).contains("another version"));
     assert!(problem(&[whole.as_slice(), b"more"].concat()).contains("behind its end"));
 }

@@ -49,8 +49,12 @@ impl Graph {
     }
 
     fn weights(&self, overlay: &Overlay) -> Weights {
-        let weights = |arcs: &Arcs| arcs.via.iter().map(|via| self.arcs[*via as usize].2).collect();
-        Weights { out: weights(&overlay.out), into: weights(&overlay.into) }
+        let weight = |via: u32| self.arcs[via as usize].2;
+        let slots = 0..overlay.out.via.len();
+        Weights {
+            out: slots.clone().map(|slot| weight(overlay.out.via[slot])).collect(),
+            into: slots.map(|slot| weight(overlay.via_incoming(slot))).collect(),
+        }
     }
 
     fn dijkstra(&self, sources: &[End], targets: &[End]) -> Option<u32> {
@@ -141,12 +145,12 @@ proptest! {
                 all.iter().map(|ends| ends.iter().map(one).collect()).collect::<Vec<Vec<_>>>()
             };
             let mut memory = TableMemory::default();
-            let table = memory.table(searched, Some(&values), &valued(&sources), &valued(&targets));
+            let table = memory.table(&mut Workspace::default(), searched, Some(&values), &valued(&sources), &valued(&targets));
             prop_assert!(table.iter().all(|cell| cell.weight == FAR || cell.weight == cell.value[0]));
             let plain = sources.iter().flat_map(|s| targets.iter().map(|t| graph.dijkstra(s, t).unwrap_or(FAR)));
             let weights: Vec<u32> = table.iter().map(|cell| cell.weight).collect();
             prop_assert_eq!(&weights, &plain.collect::<Vec<_>>(), "{:?}", sizes);
-            let again = memory.table(searched, Some(&values), &valued(&sources), &valued(&targets));
+            let again = memory.table(&mut Workspace::default(), searched, Some(&values), &valued(&sources), &valued(&targets));
             prop_assert_eq!(again, table, "the second time");
         }
     }

@@ -23,7 +23,7 @@ fn summary(roads: &Roads) -> String {
         "{} vertices, {} edges, {} points, {} turn restrictions\n",
         network.vertices.len(),
         network.edge_count(),
-        network.points.len(),
+        network.point_count(),
         network.restrictions.len()
     );
     for (height, layer) in (1..).zip(&roads.vertices.layers) {

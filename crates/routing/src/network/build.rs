@@ -26,6 +26,7 @@ pub(super) fn network(mut ways: Ways, nodes: Nodes) -> Network {
     network.report.conditional = ways.conditional;
     network.report.odd_restrictions = ways.odd_restrictions;
     network.restrictions = ways.restrictions.into();
+    network.via_ways = ways.via_ways.into();
     network.restriction_words = ways.restriction_sets.into_sets();
     network.way_words = ways.classes.into_sets();
     network.names = ways.names.into_names();
@@ -50,6 +51,7 @@ impl<'a> Builder<'a> {
         for (index, _) in vertex.iter().enumerate().filter(|(_, vertex)| **vertex != NO_VERTEX) {
             rows.vertices.push(nodes.places[index].unwrap_or_default());
             rows.vertex_classes.push(nodes.classes[index]);
+            rows.vertex_nodes.push(nodes.ids[index]);
         }
         Self { nodes, vertex, rows, report: NetworkReport::default(), piece: Vec::new() }
     }
@@ -86,14 +88,14 @@ impl<'a> Builder<'a> {
 
     /// Makes an edge of the piece, if it is one.
     fn edge(&mut self, way: &Way) {
-        if let [first, .., last] = *self.piece {
-            let first_point = self.rows.points.len();
+        if let [first, between @ .., last] = self.piece.as_slice() {
             let places = self.piece.iter().map(|i| self.nodes.places[*i].unwrap_or_default());
-            self.rows.points.extend(places);
-            self.rows.nodes.extend(self.piece.iter().map(|i| self.nodes.ids[*i]));
-            let (from, to) = (self.vertex[first], self.vertex[last]);
-            let length = millimetres(&self.rows.points[first_point..]);
-            let (class, name, first_point) = (way.class, way.name, first_point as u32);
+            let length = millimetres(places);
+            let first_point = self.rows.points.len() as u32;
+            self.rows.points.extend(between.iter().map(|i| self.nodes.places[*i].unwrap_or_default()));
+            self.rows.nodes.extend(between.iter().map(|i| self.nodes.ids[*i]));
+            let (from, to) = (self.vertex[*first], self.vertex[*last]);
+            let (class, name) = (way.class, way.name);
             self.rows.edges.push(Edge { from, to, length, class, name, first_point });
             self.rows.ways.push(way.id);
         }
@@ -106,9 +108,8 @@ fn keep_timetables(ways: &mut Ways, nodes: &Nodes) {
     for i in 0..ways.ways.len() {
         let way = ways.ways[i];
         let Some(seconds) = way.seconds else { continue };
-        let places: Vec<Place> =
-            ways.nodes(&way).iter().filter_map(|id| nodes.places[nodes.index(*id)?]).collect();
-        let metres = f64::from(millimetres(&places)) / 1000.0;
+        let places = ways.nodes(&way).iter().filter_map(|id| nodes.places[nodes.index(*id)?]);
+        let metres = f64::from(millimetres(places)) / 1000.0;
         let speed = (metres / seconds * 3.6).clamp(0.1, 100.0);
         ways.ways[i].class = ways.classes.with(way.class, TIMETABLE, &format!("{speed:.2}"));
     }
@@ -151,7 +152,7 @@ fn vertices(nodes: &Nodes, uses: &[u8]) -> Vec<u32> {
     uses.iter().enumerate().map(number).collect()
 }
 
-fn millimetres(points: &[Place]) -> u32 {
-    let metres: f64 = points.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
+fn millimetres(points: impl Iterator<Item = Place> + Clone) -> u32 {
+    let metres: f64 = points.clone().zip(points.skip(1)).map(|(a, b)| distance(a, b)).sum();
     libm::round(metres * 1000.0) as u32
 }

@@ -7,20 +7,23 @@
 //! |---|---|
 //! | `read` | the ways and nodes that matter, out of all that a map holds |
 //! | `words` | sets of words and names, each kept once |
+//! | `chain` | what stands along an edge |
 //! | `squares` | lines across pedestrian areas |
 //! | `build` | vertices and edges from ways and nodes |
 
 mod build;
+mod chain;
 mod read;
 mod squares;
 mod words;
 
 use openbench_osm::stream::Elements;
-use openbench_osm::{OsmError, Tags};
+use openbench_osm::OsmError;
 
 use crate::geo::Place;
 use crate::store::Column;
-pub use words::RoadName;
+pub use chain::Chain;
+pub use words::{RoadName, RoadNames, Texts, WordSets};
 
 /// An edge's two vertices and what is known of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, bytemuck::Pod, bytemuck::Zeroable)]
@@ -36,7 +39,7 @@ pub struct Edge {
     pub class: u32,
     /// Index of its name among [`Network::names`].
     pub name: u32,
-    /// Its first point among [`Network::points`]; its last one stands before the next edge's first.
+    /// The first of its points between its vertices among [`Network::points`]; the last one stands before the next edge's first.
     pub first_point: u32,
 }
 
@@ -46,12 +49,14 @@ pub struct Edge {
 pub struct Restriction {
     /// The way that one comes along.
     pub from: i64,
-    /// The node where one turns.
+    /// The node where one turns; nothing where there are ways in between.
     pub via: i64,
     /// The way that one turns into.
     pub to: i64,
     /// Index of its words among [`Network::restriction_words`].
-    pub words: u64,
+    pub words: u32,
+    /// How many ways are in between; of all restrictions they stand one after another in [`Network::via_ways`].
+    pub ways: u32,
 }
 
 /// What was left out while a network was built.
@@ -61,7 +66,7 @@ pub struct NetworkReport {
     pub ways_without_points: usize,
     /// Ways with words that hold at some times only (`*:conditional`); those words are not regarded.
     pub conditional: usize,
-    /// Turn restrictions that are not from one way by one node to another (such as those by a way); not regarded.
+    /// Turn restrictions that are not from one way by one node, or by ways, to another; not regarded.
     pub odd_restrictions: usize,
     /// Pedestrian areas with too many corners to be crossed.
     pub squares_not_crossed: usize,
@@ -76,22 +81,26 @@ pub struct Network {
     pub vertex_classes: Column<u32>,
     /// The edges, and one more that says where the last one's points end.
     pub edges: Column<Edge>,
-    /// The points of all edges, from vertex to vertex.
+    /// The points of all edges between their vertices.
     pub points: Column<Place>,
     /// The OSM nodes at those points.
     pub nodes: Column<i64>,
+    /// The OSM nodes at vertices.
+    pub vertex_nodes: Column<i64>,
     /// Sets of words of ways; number 0 is the empty one.
-    pub way_words: Vec<Tags>,
+    pub way_words: WordSets,
     /// Sets of words of nodes; number 0 is the empty one.
-    pub node_words: Vec<Tags>,
+    pub node_words: WordSets,
     /// For each edge the number of its way.
     pub ways: Column<i64>,
     /// Turns that are restricted.
     pub restrictions: Column<Restriction>,
+    /// The ways in between of all restrictions.
+    pub via_ways: Column<i64>,
     /// What is said of them.
-    pub restriction_words: Vec<Tags>,
+    pub restriction_words: WordSets,
     /// What roads are called; number 0 is nothing.
-    pub names: Vec<RoadName>,
+    pub names: RoadNames,
     /// What was left out.
     pub report: NetworkReport,
 }
@@ -104,6 +113,7 @@ pub(crate) struct Rows {
     pub(crate) edges: Vec<Edge>,
     pub(crate) points: Vec<Place>,
     pub(crate) nodes: Vec<i64>,
+    pub(crate) vertex_nodes: Vec<i64>,
     pub(crate) ways: Vec<i64>,
 }
 
@@ -118,6 +128,7 @@ impl Rows {
             edges: self.edges.into(),
             points: self.points.into(),
             nodes: self.nodes.into(),
+            vertex_nodes: self.vertex_nodes.into(),
             ways: self.ways.into(),
             ..Network::default()
         }
@@ -148,19 +159,34 @@ impl Network {
         if directed.is_multiple_of(2) { [edge.from, edge.to] } else { [edge.to, edge.from] }
     }
 
-    /// The points of an edge.
-    pub fn edge_points(&self, edge: u32) -> &[Place] {
-        let [first, last] = self.point_range(edge);
-        &self.points[first..last]
+    /// The points of an edge, from vertex to vertex.
+    #[inline]
+    pub fn edge_points(&self, edge: u32) -> Chain<'_, Place> {
+        let Edge { from, to, .. } = self.edges[edge as usize];
+        let [from, to] = [from, to].map(|vertex| self.vertices[vertex as usize]);
+        Chain::new(from, &self.points[self.between(edge)], to)
     }
 
     /// The OSM nodes of an edge.
-    pub fn edge_nodes(&self, edge: u32) -> &[i64] {
-        let [first, last] = self.point_range(edge);
-        &self.nodes[first..last]
+    pub fn edge_nodes(&self, edge: u32) -> Chain<'_, i64> {
+        let Edge { from, to, .. } = self.edges[edge as usize];
+        let [from, to] = [from, to].map(|vertex| self.vertex_nodes[vertex as usize]);
+        Chain::new(from, &self.nodes[self.between(edge)], to)
     }
 
-    fn point_range(&self, edge: u32) -> [usize; 2] {
-        [0, 1].map(|i| self.edges[edge as usize + i].first_point as usize)
+    /// How many points there are, those of vertices once.
+    pub fn point_count(&self) -> usize {
+        self.vertices.len() + self.points.len()
+    }
+
+    /// What an edge's road is called.
+    pub fn name(&self, edge: u32) -> RoadName<'_> {
+        self.names.get(self.edges[edge as usize].name)
+    }
+
+    /// Where an edge's points between its vertices are.
+    pub(crate) fn between(&self, edge: u32) -> std::ops::Range<usize> {
+        let [first, end] = [0, 1].map(|i| self.edges[edge as usize + i].first_point as usize);
+        first..end
     }
 }

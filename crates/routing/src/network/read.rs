@@ -11,6 +11,9 @@ use super::words::{Classes, Names};
 use crate::geo::Place;
 use crate::profile::CROSSING;
 
+/// Ways in between that a turn restriction may have.
+const VIA_WAYS: usize = 16;
+
 /// Ways that a profile may be asked about, by number.
 pub(super) struct Ways {
     pub(super) classes: Classes,
@@ -21,6 +24,8 @@ pub(super) struct Ways {
     /// Ways with words that hold at some times only.
     pub(super) conditional: usize,
     pub(super) restrictions: Vec<Restriction>,
+    /// The ways in between of all restrictions.
+    pub(super) via_ways: Vec<i64>,
     pub(super) restriction_sets: Classes,
     /// Turn restrictions that are not understood.
     pub(super) odd_restrictions: usize,
@@ -75,6 +80,7 @@ impl Ways {
             references: Vec::new(),
             conditional: 0,
             restrictions: Vec::new(),
+            via_ways: Vec::new(),
             restriction_sets: Classes::new(),
             odd_restrictions: 0,
             squares: Vec::new(),
@@ -118,6 +124,35 @@ impl Ways {
     }
 }
 
+impl Ways {
+    /// Takes down a turn restriction.
+    fn restriction(&mut self, relation: RelationRef<'_>) {
+        let members = |role: &'static str, kind| {
+            let members = relation.members.iter().filter(move |m| m.role == role && m.kind == kind);
+            members.map(|member| member.id)
+        };
+        let one = |role, kind| {
+            let mut members = members(role, kind);
+            members.next().filter(|_| members.next().is_none())
+        };
+        let [from, to] = ["from", "to"].map(|role| one(role, ElementKind::Way));
+        let ways = members("via", ElementKind::Way);
+        let count = ways.clone().count();
+        let via = match (members("via", ElementKind::Node).count(), count) {
+            (1, 0) => one("via", ElementKind::Node),
+            (0, 1..=VIA_WAYS) => Some(0),
+            _ => None,
+        };
+        let (Some(from), Some(via), Some(to)) = (from, via, to) else {
+            self.odd_restrictions += 1;
+            return;
+        };
+        self.via_ways.extend(ways);
+        let words = self.restriction_sets.number(relation.tags, None);
+        self.restrictions.push(Restriction { from, via, to, words, ways: count as u32 });
+    }
+}
+
 impl Visitor for Ways {
     fn wants(&self, kind: ElementKind) -> bool {
         kind != ElementKind::Node
@@ -137,18 +172,7 @@ impl Visitor for Ways {
         if !relation.tags.get("type").is_some_and(|kind| kind.starts_with("restriction")) {
             return;
         }
-        let member = |role: &str, kind: ElementKind| {
-            let mut members = relation.members.iter().filter(|m| m.role == role && m.kind == kind);
-            members.next().filter(|_| members.next().is_none()).map(|m| m.id)
-        };
-        let [from, to] = ["from", "to"].map(|role| member(role, ElementKind::Way));
-        let via = member("via", ElementKind::Node);
-        let (Some(from), Some(via), Some(to)) = (from, via, to) else {
-            self.odd_restrictions += 1;
-            return;
-        };
-        let words = self.restriction_sets.number(relation.tags, None).into();
-        self.restrictions.push(Restriction { from, via, to, words });
+        self.restriction(relation);
     }
 
     fn way(&mut self, way: WayRef<'_>) {

@@ -1,9 +1,12 @@
 //! Which words of an element routing may ask for, each set of them kept once.
 
 use std::collections::HashMap;
+use std::rc::Rc;
 
 use openbench_osm::Tags;
 use openbench_osm::stream::Words;
+
+use crate::store::Column;
 
 /// Keys that tell people something and no profile anything; with everything that follows a colon behind them.
 const INFORMATION: [&str; 34] = [
@@ -52,82 +55,242 @@ fn informs(key: &str) -> bool {
     stem == OWN || INFORMATION.contains(&stem) || MORE_INFORMATION.contains(&stem)
 }
 
+/// Between a key and its value, and behind a value. Words that hold one of them are not regarded: no map has them but one that was made to.
+const MARKS: [char; 2] = ['\u{1e}', '\u{1f}'];
+
+/// Texts by number, in one piece: of a country there are hundreds of thousands.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Texts {
+    /// All of them, one after another.
+    pub(crate) bytes: Column<u8>,
+    /// Where each ends.
+    pub(crate) ends: Column<u32>,
+}
+
+impl Texts {
+    fn get(&self, number: u32) -> &str {
+        let number = number as usize;
+        let begin = number.checked_sub(1).and_then(|before| self.ends.get(before)).copied().unwrap_or_default();
+        let range = begin as usize..self.ends.get(number).copied().unwrap_or_default() as usize;
+        // Texts of a file have been looked at when it was opened.
+        self.bytes.get(range).and_then(|bytes| std::str::from_utf8(bytes).ok()).unwrap_or_default()
+    }
+
+    /// Whether all are texts, one behind the other.
+    pub(crate) fn are_whole(&self) -> bool {
+        let ends = self.ends.iter().map(|end| *end as usize);
+        let begins = std::iter::once(0).chain(ends.clone());
+        let texts = begins.zip(ends).all(|(begin, end)| {
+            self.bytes.get(begin..end).is_some_and(|bytes| std::str::from_utf8(bytes).is_ok())
+        });
+        texts && self.ends.last().map_or(0, |end| *end as usize) == self.bytes.len()
+    }
+}
+
+impl<'a> FromIterator<&'a str> for Texts {
+    fn from_iter<I: IntoIterator<Item = &'a str>>(texts: I) -> Self {
+        let (mut bytes, mut ends) = (Vec::new(), Vec::new());
+        for text in texts {
+            bytes.extend_from_slice(text.as_bytes());
+            ends.push(bytes.len() as u32);
+        }
+        Self { bytes: bytes.into(), ends: ends.into() }
+    }
+}
+
 /// Sets of words by number. Number 0 is the empty set.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct WordSets(pub(crate) Texts);
+
+impl WordSets {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.0.ends.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.0.ends.is_empty()
+    }
+
+    /// The words of a set; none, if there is no such set.
+    pub fn get(&self, number: u32) -> Tags {
+        self.words(number).collect()
+    }
+
+    /// All sets in order.
+    pub fn iter(&self) -> impl Iterator<Item = Tags> + '_ {
+        (0..self.len() as u32).map(|number| self.get(number))
+    }
+
+    /// Whether `key` stands in a set with exactly this `value`.
+    pub fn is(&self, number: u32, key: &str, value: &str) -> bool {
+        self.words(number).any(|word| word == (key, value))
+    }
+
+    fn words(&self, number: u32) -> impl Iterator<Item = (&str, &str)> {
+        words(self.0.get(number))
+    }
+}
+
+/// Keys and values of a set that is a text.
+fn words(set: &str) -> impl Iterator<Item = (&str, &str)> {
+    set.split_terminator(MARKS[1]).filter_map(|word| word.split_once(MARKS[0]))
+}
+
+/// Texts while they are collected, each once.
 #[derive(Debug, Default)]
+struct Collected {
+    numbers: HashMap<Rc<str>, u32>,
+    texts: Vec<Rc<str>>,
+}
+
+impl Collected {
+    fn number(&mut self, text: &str) -> u32 {
+        if let Some(&number) = self.numbers.get(text) {
+            return number;
+        }
+        let (text, number): (Rc<str>, _) = (text.into(), self.texts.len() as u32);
+        self.numbers.insert(text.clone(), number);
+        self.texts.push(text);
+        number
+    }
+
+    fn into_texts(self) -> Texts {
+        self.texts.iter().map(|text| &**text).collect()
+    }
+}
+
+/// Sets of words while they are collected.
+#[derive(Debug)]
 pub(super) struct Classes {
-    numbers: HashMap<String, u32>,
-    sets: Vec<Tags>,
+    sets: Collected,
     text: String,
 }
 
 impl Classes {
     pub(super) fn new() -> Self {
-        Self { numbers: HashMap::from([(String::new(), 0)]), sets: vec![Tags::new()], text: String::new() }
+        let mut sets = Collected::default();
+        sets.number("");
+        Self { sets, text: String::new() }
     }
 
     /// The number of the set of those `words` that a profile may ask for, with `more` added.
     pub(super) fn number(&mut self, words: Words<'_>, more: Option<(&str, &str)>) -> u32 {
         let mut kept: Vec<_> = words.0.iter().copied().filter(|(key, _)| !informs(key)).chain(more).collect();
+        kept.retain(|(key, value)| !key.contains(MARKS) && !value.contains(MARKS));
         kept.sort_by_key(|(key, _)| *key);
         self.text.clear();
         for (key, value) in &kept {
-            self.text.extend([key, "\u{1e}", value, "\u{1f}"]);
+            self.text.push_str(key);
+            self.text.push(MARKS[0]);
+            self.text.push_str(value);
+            self.text.push(MARKS[1]);
         }
-        if let Some(&number) = self.numbers.get(&self.text) {
-            return number;
-        }
-        let number = self.sets.len() as u32;
-        self.sets.push(kept.into_iter().collect());
-        self.numbers.insert(self.text.clone(), number);
-        number
+        self.sets.number(&self.text)
     }
 
     /// The number of a set with one more word.
     pub(super) fn with(&mut self, class: u32, key: &str, value: &str) -> u32 {
-        let set = self.sets[class as usize].clone();
-        let words: Vec<(&str, &str)> = set.iter().collect();
-        self.number(Words(&words), Some((key, value)))
+        let set = self.sets.texts[class as usize].clone();
+        self.number(Words(&words(&set).collect::<Vec<_>>()), Some((key, value)))
     }
 
-    pub(super) fn into_sets(self) -> Vec<Tags> {
-        self.sets
+    pub(super) fn into_sets(self) -> WordSets {
+        WordSets(self.sets.into_texts())
     }
 }
 
 /// What a road is called.
-#[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
-pub struct RoadName {
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct RoadName<'a> {
     /// `name`, empty if it has none.
-    pub name: String,
+    pub name: &'a str,
     /// `ref`, the road's number, empty if it has none.
-    pub reference: String,
+    pub reference: &'a str,
 }
 
-/// Names by number. Number 0 is that of roads without a name.
+/// What roads are called, by number. Number 0 is nothing.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct RoadNames(pub(crate) Texts);
+
+impl RoadNames {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.0.ends.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.0.ends.is_empty()
+    }
+
+    /// A name; nothing, if there is no such number.
+    pub fn get(&self, number: u32) -> RoadName<'_> {
+        let (name, reference) = self.0.get(number).split_once(MARKS[0]).unwrap_or_default();
+        RoadName { name, reference }
+    }
+}
+
+/// Names while they are collected.
 #[derive(Debug)]
 pub(super) struct Names {
-    numbers: HashMap<RoadName, u32>,
-    names: Vec<RoadName>,
+    names: Collected,
+    text: String,
 }
 
 impl Names {
     pub(super) fn new() -> Self {
-        Self { numbers: HashMap::from([(RoadName::default(), 0)]), names: vec![RoadName::default()] }
+        let mut names = Collected::default();
+        names.number(&MARKS[0].to_string());
+        Self { names, text: String::new() }
     }
 
     pub(super) fn number(&mut self, words: Words<'_>) -> u32 {
-        let word = |key: &str| words.get(key).unwrap_or_default().to_owned();
-        let name = RoadName { name: word("name"), reference: word("ref") };
-        if let Some(&number) = self.numbers.get(&name) {
-            return number;
-        }
-        let number = self.names.len() as u32;
-        self.names.push(name.clone());
-        self.numbers.insert(name, number);
-        number
+        let word = |key: &str| words.get(key).filter(|value| !value.contains(MARKS)).unwrap_or_default();
+        self.text.clear();
+        self.text.push_str(word("name"));
+        self.text.push(MARKS[0]);
+        self.text.push_str(word("ref"));
+        self.names.number(&self.text)
     }
 
-    pub(super) fn into_names(self) -> Vec<RoadName> {
-        self.names
+    pub(super) fn into_names(self) -> RoadNames {
+        RoadNames(self.names.into_texts())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sets_are_kept_once_and_found_again() {
+        let mut classes = Classes::new();
+        let words = [("surface", "sett"), ("highway", "path"), ("name", "Elm Path"), ("odd", "a\u{1f}b")];
+        let one = classes.number(Words(&words), None);
+        let same = classes.number(Words(&words[..2]), None);
+        let other = classes.number(Words(&words[..1]), Some(("openbench:crossing", "yes")));
+        assert_eq!([one, same, other, classes.number(Words(&[]), None)], [1, 1, 2, 0]);
+        let sets = classes.into_sets();
+        assert_eq!(sets.len(), 3);
+        assert_eq!(sets.get(0), Tags::new());
+        assert_eq!(sets.get(1), Tags::from_iter([("highway", "path"), ("surface", "sett")]));
+        assert!(sets.is(2, "surface", "sett") && sets.is(2, "openbench:crossing", "yes"));
+        assert!(!sets.is(1, "surface", "asphalt") && sets.get(99) == Tags::new());
+        assert!(sets.0.are_whole());
+    }
+
+    #[test]
+    fn roads_without_a_name_are_called_nothing() {
+        let mut names = Names::new();
+        let number = |names: &mut Names, words: &[(&str, &str)]| names.number(Words(words));
+        assert_eq!(number(&mut names, &[]), 0);
+        assert_eq!(number(&mut names, &[("ref", "N 14")]), 1);
+        assert_eq!(number(&mut names, &[("name", "Elm Path")]), 2);
+        let names = names.into_names();
+        assert_eq!((names.len(), names.get(0)), (3, RoadName::default()));
+        assert_eq!(names.get(1), RoadName { name: "", reference: "N 14" });
+        assert_eq!(names.get(2), RoadName { name: "Elm Path", reference: "" });
     }
 }

@@ -35,7 +35,7 @@ impl Service {
             let segment = at.segment as usize;
             self.waypoint(json, at, request.places.hints, |json| {
                 json.key("nodes").array(|json| {
-                    nodes[segment..segment + 2].iter().for_each(|node| json.whole(*node));
+                    nodes.part(segment, segment + 2).for_each(|node| json.whole(node));
                 });
             });
         }

@@ -127,13 +127,13 @@ impl Service {
                 }
             }
         }
-        let text = |name: u32| &self.roads.network.names[name as usize].name;
+        let text = |name: u32| self.roads.network.names.get(name).name;
         let mut named: Vec<(usize, (u32, f64))> =
             names.into_iter().enumerate().filter(|(_, (name, _))| !text(*name).is_empty()).collect();
         named.sort_by(|a, b| b.1.1.total_cmp(&a.1.1));
         named.truncate(2);
         named.sort_by_key(|(place, _)| *place);
-        let words: Vec<&str> = named.iter().map(|(_, (name, _))| text(*name).as_str()).collect();
+        let words: Vec<&str> = named.iter().map(|(_, (name, _))| text(*name)).collect();
         words.join(", ")
     }
 
@@ -235,13 +235,13 @@ impl Service {
         let first = if first_here { a.segment as usize + 1 } else { 0 };
         let last = if last_here { b.segment as usize + 1 } else { all.len() };
         if first_here {
-            push(a.place, all[a.segment as usize], false);
+            push(a.place, all.at(a.segment as usize), false);
         }
         for i in first..last.max(first) {
-            push(places[i], all[i], true);
+            push(places.at(i), all.at(i), true);
         }
         if last_here {
-            push(b.place, all[(b.segment as usize + 1).min(all.len() - 1)], false);
+            push(b.place, all.at(b.segment as usize + 1), false);
         }
         let mut nodes: Vec<i64> = along.into_iter().map(|(_, node)| node).collect();
         if !forward {

@@ -5,7 +5,6 @@ use super::json::Json;
 use super::request::{Limits, Places, Request};
 use crate::leg::Memory;
 use crate::metric::Metric;
-use crate::network::RoadName;
 use crate::position::{Position, Snap};
 use crate::roads::Roads;
 use crate::search::TableMemory;
@@ -77,11 +76,6 @@ impl Service {
         Ok(snaps.into_iter().map(|snap| snap.into_positions(small)).collect())
     }
 
-    pub(super) fn name(&self, edge: u32) -> &RoadName {
-        let network = &self.roads.network;
-        &network.names[network.edges[edge as usize].name as usize]
-    }
-
     /// A place on the network; `more` are members that stand first.
     pub(super) fn waypoint(&self, json: &mut Json, at: &Position, hints: bool, more: impl FnOnce(&mut Json)) {
         json.object(|json| {
@@ -91,7 +85,7 @@ impl Service {
                 json.key("hint").string("AAAAAAAAAAA=");
             }
             json.key("location").place(at.place);
-            json.key("name").string(&self.name(at.edge).name);
+            json.key("name").string(self.roads.network.name(at.edge).name);
             json.key("distance").decimal(at.away, 6);
         });
     }

@@ -48,7 +48,7 @@ impl Service {
         let points = line.part(step.edges.clone());
         // One arrives on the last edge.
         let edge = leg.edges[step.edges.start.min(leg.edges.len() - 1)] / 2;
-        let name = self.name(edge);
+        let name = self.roads.network.name(edge);
         json.object(|json| {
             json.key("intersections").array(|json| self.intersections(json, guide, leg, step, points));
             json.key("driving_side").string(match self.metric.profile.turns() {
@@ -81,8 +81,7 @@ impl Service {
 
     fn mode(&self, edge: u32) -> &'static str {
         let network = &self.roads.network;
-        let words = &network.way_words[network.edges[edge as usize].class as usize];
-        match words.is("route", "ferry") {
+        match network.way_words.is(network.edges[edge as usize].class, "route", "ferry") {
             true => "ferry",
             false if self.metric.profile.turns().is_some() => "driving",
             false => "walking",

@@ -35,6 +35,19 @@ impl Arcs {
         result
     }
 
+    /// Whether each arc from one state to another has one back along the same edge, and no two have the same.
+    pub fn is_symmetric(&self) -> bool {
+        let mut ends = vec![[NONE; 2]; self.via.iter().max().map_or(0, |last| (*last as usize | 1) + 1)];
+        for (from, slot) in self.iter() {
+            let known = &mut ends[self.via[slot] as usize];
+            if *known != [NONE; 2] {
+                return false;
+            }
+            *known = [from, self.head[slot]];
+        }
+        ends.chunks_exact(2).all(|both| both[0] == [both[1][1], both[1][0]])
+    }
+
     /// The same arcs by the states that they lead to.
     pub fn reversed(&self) -> Self {
         Self::new(self.states(), self.iter().map(|(from, slot)| (self.head[slot], from, self.via[slot])))

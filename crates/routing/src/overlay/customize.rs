@@ -16,7 +16,7 @@ use super::{FAR, Layer, Overlay};
 pub struct Weights {
     /// In the order of [`Overlay::out`].
     pub out: Vec<u32>,
-    /// In the order of [`Overlay::into`].
+    /// In the order of [`Overlay::incoming`].
     pub into: Vec<u32>,
 }
 

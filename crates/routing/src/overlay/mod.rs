@@ -79,8 +79,9 @@ impl Layer {
 pub struct Overlay {
     /// Arcs by the state that they leave.
     pub out: Arcs,
-    /// Arcs by the state that they lead to.
-    pub into: Arcs,
+    /// Arcs by the state that they lead to; `None` if each arc has one the other way, on the same edge: then those that lead to a state stand in the
+    /// order of those that leave it.
+    into: Option<Arcs>,
     /// For each state its cell in the lowest layer.
     pub leaf: Vec<u32>,
     /// Layers 1, 2, …
@@ -104,8 +105,11 @@ impl Overlay {
         };
         let borders: Vec<u8> = out.iter().map(|(from, slot)| border(from, out.head[slot])).collect();
         out.border = borders;
-        let mut into = out.reversed();
-        into.border = into.iter().map(|(to, slot)| border(to, into.head[slot])).collect();
+        let into = (!out.is_symmetric()).then(|| {
+            let mut into = out.reversed();
+            into.border = into.iter().map(|(to, slot)| border(to, into.head[slot])).collect();
+            into
+        });
         let mut overlay = Self { out, into, leaf, layers: Vec::new() };
         for (starts, cell_of_leaf) in levels.iter().zip(cells_of_leaf) {
             let layer = overlay.layer(starts, cell_of_leaf);
@@ -128,7 +132,7 @@ impl Overlay {
             let state = |index: u32| lower.map_or(index, |lower| lower.state[index as usize]);
             let mut groups = [const { Vec::new() }; 3];
             for index in inner[0]..inner[1] {
-                match (crosses(&self.into, state(index)), crosses(&self.out, state(index))) {
+                match (crosses(self.incoming(), state(index)), crosses(&self.out, state(index))) {
                     (true, false) => groups[0].push(index),
                     (true, true) => groups[1].push(index),
                     (false, true) => groups[2].push(index),
@@ -139,6 +143,17 @@ impl Overlay {
         }
         layer.end(size as u32);
         layer
+    }
+
+    /// Arcs by the state that they lead to: `head` is the state that each comes from. (What they pass along is said by [`Overlay::via_incoming`].)
+    #[inline]
+    pub fn incoming(&self) -> &Arcs {
+        self.into.as_ref().unwrap_or(&self.out)
+    }
+
+    /// The directed edge that an arc of [`Overlay::incoming`] passes along.
+    pub fn via_incoming(&self, slot: usize) -> u32 {
+        self.into.as_ref().map_or_else(|| self.out.via[slot] ^ 1, |into| into.via[slot])
     }
 
     /// The index of a state in a layer, [`NONE`] if it is on no border there.

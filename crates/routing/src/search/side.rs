@@ -28,7 +28,7 @@ impl<'a> Tables<'a> {
 
     pub(super) fn backward(graph: Searched<'a>) -> Self {
         let Searched { overlay, weights, cliques } = graph;
-        Self { overlay, arcs: &overlay.into, weights: &weights.into, cliques, backward: true }
+        Self { overlay, arcs: overlay.incoming(), weights: &weights.into, cliques, backward: true }
     }
 
     /// The slots that a slot's cell is left through, and how far they are; none if the cell cannot be entered there.

@@ -7,7 +7,7 @@
 
 use super::side::{BEGUN, Side, Tables};
 use super::values::{Value, Values, plus};
-use super::{End, Ends, Searched};
+use super::{End, Ends, Searched, Workspace};
 use crate::overlay::FAR;
 
 /// A state with what reaching it (or going on from it) counts as and takes.
@@ -28,11 +28,9 @@ pub struct Found {
     pub value: Value,
 }
 
-/// Memory of tables, used again for the next one.
+/// Memory of tables, beside that of searches, used again for the next one.
 #[derive(Debug, Default)]
 pub struct TableMemory {
-    side: Side,
-    ends: Ends,
     /// For each label what it takes to reach it.
     value: Vec<Value>,
     /// States with a target's number and how far it is.
@@ -47,16 +45,17 @@ impl TableMemory {
     /// How far each of `targets` is from each of `sources`, one source after another. Without `values` all take 0.
     pub fn table(
         &mut self,
+        workspace: &mut Workspace,
         graph: Searched<'_>,
         values: Option<&Values>,
         sources: &[Vec<ValuedEnd>],
         targets: &[Vec<ValuedEnd>],
     ) -> Vec<Found> {
-        self.fill_buckets(graph, values, targets);
+        self.fill_buckets(workspace, graph, values, targets);
         let mut table = vec![Found { weight: FAR, value: [0, 0] }; sources.len() * targets.len()];
         let tables = Tables::forward(graph);
         for (row, source) in table.chunks_exact_mut(targets.len().max(1)).zip(sources) {
-            let Self { side, ends, value, first, buckets, .. } = self;
+            let (Workspace { sides: [side, _], ends }, Self { value, first, buckets, .. }) = (&mut *workspace, &mut *self);
             let mut search = Search { graph, tables: &tables, values, backward: false, side, ends, value };
             search.run(source, usize::MAX, |state, reached| {
                 let [begin, end] = [0, 1].map(|i| first[state as usize + i] as usize);
@@ -72,12 +71,18 @@ impl TableMemory {
         table
     }
 
-    fn fill_buckets(&mut self, graph: Searched<'_>, values: Option<&Values>, targets: &[Vec<ValuedEnd>]) {
+    fn fill_buckets(
+        &mut self,
+        workspace: &mut Workspace,
+        graph: Searched<'_>,
+        values: Option<&Values>,
+        targets: &[Vec<ValuedEnd>],
+    ) {
         self.found.clear();
         let tables = Tables::backward(graph);
         let highest = graph.overlay.layers.len();
         for (target, begin) in (0..).zip(targets) {
-            let Self { side, ends, value, found, .. } = self;
+            let (Workspace { sides: [side, _], ends }, Self { value, found, .. }) = (&mut *workspace, &mut *self);
             let mut search = Search { graph, tables: &tables, values, backward: true, side, ends, value };
             search.run(begin, highest, |state, reached| found.push((state, target, reached)));
         }

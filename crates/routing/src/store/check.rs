@@ -13,7 +13,8 @@ fn check(good: bool, problem: &'static str) -> Checked {
 pub(super) fn network(network: &Network) -> Checked {
     let vertices = network.vertices.len();
     check(network.vertex_classes.len() == vertices, "vertices and their words do not match")?;
-    check(network.nodes.len() == network.points.len(), "points and their nodes do not match")?;
+    let nodes = (network.vertex_nodes.len(), network.nodes.len()) == (vertices, network.points.len());
+    check(nodes, "points and their nodes do not match")?;
     check(network.ways.len() == network.edge_count(), "edges and their ways do not match")?;
     let classes = network.vertex_classes.iter();
     check(
@@ -28,14 +29,15 @@ pub(super) fn network(network: &Network) -> Checked {
             && (edge.class as usize) < network.way_words.len()
             && (edge.name as usize) < network.names.len();
         check(known, "an edge's vertices, words or name are unknown")?;
-        let points = u64::from(edge.first_point) + 2 <= u64::from(next.first_point);
-        check(points, "an edge has fewer than two points")?;
+        check(edge.first_point <= next.first_point, "the points of an edge are not its own")?;
     }
     let words = network.restrictions.iter().map(|restriction| restriction.words);
     check(
-        words.max().is_none_or(|w| w < network.restriction_words.len() as u64),
+        words.max().is_none_or(|w| (w as usize) < network.restriction_words.len()),
         "a restriction has unknown words",
-    )
+    )?;
+    let ways = network.restrictions.iter().map(|restriction| u64::from(restriction.ways)).sum::<u64>();
+    check(ways == network.via_ways.len() as u64, "the ways of a turn restriction are missing")
 }
 
 /// Cells follow one another and are nested.

@@ -7,20 +7,18 @@ use std::sync::Arc;
 
 use bytemuck::Pod;
 use memmap2::Mmap;
-use openbench_osm::Tags;
-use serde::{Deserialize, Serialize};
 
 use super::{Column, check, map};
-use crate::network::{Network, RoadName};
+use crate::network::{Network, RoadNames, Texts, WordSets};
 use crate::roads::Roads;
 use crate::tree::SegmentTree;
 
 const MAGIC: [u8; 8] = *b"OBROADS\0";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 const HEADER: usize = 64;
 const ENTRY: usize = 24;
 const ALIGNMENT: usize = 64;
-const SECTIONS: usize = 11;
+const SECTIONS: usize = 20;
 
 /// Why a file is not taken.
 #[derive(Debug, thiserror::Error)]
@@ -45,15 +43,6 @@ pub enum GraphFileError {
     },
 }
 
-/// The words of a network.
-#[derive(Serialize, Deserialize)]
-struct Words {
-    ways: Vec<Vec<(String, String)>>,
-    nodes: Vec<Vec<(String, String)>>,
-    restrictions: Vec<Vec<(String, String)>>,
-    names: Vec<(String, String)>,
-}
-
 /// Whether a file begins like a graph file.
 pub fn is_graph_file(path: &Path) -> bool {
     let mut begin = [0; MAGIC.len()];
@@ -62,36 +51,14 @@ pub fn is_graph_file(path: &Path) -> bool {
 
 /// Writes a network in its cells to a file, which is replaced whole or not at all.
 pub fn write(roads: &Roads, path: &Path) -> Result<(), GraphFileError> {
-    let network = &roads.network;
-    let words = Words {
-        ways: network.way_words.iter().map(pairs).collect(),
-        nodes: network.node_words.iter().map(pairs).collect(),
-        restrictions: network.restriction_words.iter().map(pairs).collect(),
-        names: network.names.iter().map(|name| (name.name.clone(), name.reference.clone())).collect(),
-    };
-    let io = |source| GraphFileError::Io { doing: "write", path: path.to_owned(), source };
-    let words = serde_json::to_vec(&words).map_err(|error| io(error.into()))?;
     // Each level with its length before it.
     let levels: Vec<u32> = roads
         .levels
         .iter()
         .flat_map(|starts| std::iter::once(starts.len() as u32).chain(starts.iter().copied()))
         .collect();
-    let sections: [&[u8]; SECTIONS] = [
-        bytemuck::cast_slice(&network.vertices),
-        bytemuck::cast_slice(&network.vertex_classes),
-        bytemuck::cast_slice(&network.edges),
-        bytemuck::cast_slice(&network.points),
-        bytemuck::cast_slice(&network.nodes),
-        bytemuck::cast_slice(&network.ways),
-        bytemuck::cast_slice(&network.restrictions),
-        bytemuck::cast_slice(&roads.segments.runs),
-        bytemuck::cast_slice(&roads.segments.boxes),
-        bytemuck::cast_slice(&levels),
-        &words,
-    ];
     let mut bytes = vec![0; HEADER + SECTIONS * ENTRY];
-    for (i, section) in sections.into_iter().enumerate() {
+    for (i, section) in sections(roads, &levels).into_iter().enumerate() {
         bytes.resize(bytes.len().next_multiple_of(ALIGNMENT), 0);
         let entry = [i as u64, bytes.len() as u64, section.len() as u64];
         let at = HEADER + i * ENTRY;
@@ -109,11 +76,40 @@ pub fn write(roads: &Roads, path: &Path) -> Result<(), GraphFileError> {
         sum.as_bytes(),
     ];
     bytes[..HEADER].copy_from_slice(&header.concat());
-    openbench_osm::write_atomically(path, &bytes).map_err(|error| io(io::Error::other(error)))
+    openbench_osm::write_atomically(path, &bytes).map_err(|error| GraphFileError::Io {
+        doing: "write",
+        path: path.to_owned(),
+        source: io::Error::other(error),
+    })
 }
 
-fn pairs(tags: &Tags) -> Vec<(String, String)> {
-    tags.iter().map(|(key, value)| (key.to_owned(), value.to_owned())).collect()
+/// What a file holds, in the order in which [`Sections::roads`] asks for it.
+fn sections<'a>(roads: &'a Roads, levels: &'a [u32]) -> [&'a [u8]; SECTIONS] {
+    let network = &roads.network;
+    let [ways, nodes] = [&network.way_words, &network.node_words].map(|sets| &sets.0);
+    let (restrictions, names) = (&network.restriction_words.0, &network.names.0);
+    [
+        bytemuck::cast_slice(&network.vertices),
+        bytemuck::cast_slice(&network.vertex_classes),
+        bytemuck::cast_slice(&network.vertex_nodes),
+        bytemuck::cast_slice(&network.edges),
+        bytemuck::cast_slice(&network.points),
+        bytemuck::cast_slice(&network.nodes),
+        bytemuck::cast_slice(&network.ways),
+        bytemuck::cast_slice(&network.restrictions),
+        bytemuck::cast_slice(&network.via_ways),
+        bytemuck::cast_slice(&roads.segments.runs),
+        bytemuck::cast_slice(&roads.segments.boxes),
+        bytemuck::cast_slice(levels),
+        &ways.bytes,
+        bytemuck::cast_slice(&ways.ends),
+        &nodes.bytes,
+        bytemuck::cast_slice(&nodes.ends),
+        &restrictions.bytes,
+        bytemuck::cast_slice(&restrictions.ends),
+        &names.bytes,
+        bytemuck::cast_slice(&names.ends),
+    ]
 }
 
 /// Opens a graph file.
@@ -123,7 +119,7 @@ pub fn read(path: &Path) -> Result<Roads, GraphFileError> {
     let bad = |problem: &str| GraphFileError::Bad { path: path.to_owned(), problem: problem.to_owned() };
     whole(&mut file).map_err(io)?.map_err(bad)?;
     let file = Arc::new(map::mapped(&file).map_err(io)?);
-    let roads = Sections { file }.roads().map_err(bad)?;
+    let roads = Sections { file, next: 0 }.roads().map_err(bad)?;
     check::roads(&roads).map_err(bad)?;
     Ok(roads)
 }
@@ -167,48 +163,54 @@ fn whole(file: &mut File) -> io::Result<Result<(), &'static str>> {
     })
 }
 
+/// The sections of a file, one after another.
 struct Sections {
     file: Arc<Mmap>,
+    next: usize,
 }
 
 impl Sections {
-    fn column<T: Pod>(&self, section: usize) -> Result<Column<T>, &'static str> {
+    fn column<T: Pod>(&mut self) -> Result<Column<T>, &'static str> {
         const WRONG: &str = "a section of this graph file lies outside it";
-        let at = HEADER + section * ENTRY;
+        let at = HEADER + self.next * ENTRY;
         let entry = self.file.get(at..at + ENTRY).ok_or(WRONG)?;
         let number = |i: usize| {
             let bytes = entry[8 * i..8 * i + 8].try_into().unwrap_or_default();
             usize::try_from(u64::from_le_bytes(bytes)).map_err(|_| WRONG)
         };
-        if number(0)? != section {
+        if number(0)? != self.next {
             return Err("a section of this graph file is missing");
         }
-        Column::mapped(&self.file, number(1)?, number(2)?).ok_or(WRONG)
+        let (begin, bytes) = (number(1)?, number(2)?);
+        self.next += 1;
+        Column::mapped(&self.file, begin, bytes).ok_or(WRONG)
     }
 
-    fn roads(&self) -> Result<Roads, &'static str> {
-        let words: Column<u8> = self.column(10)?;
-        let words: Words =
-            serde_json::from_slice(&words).map_err(|_| "the words of this graph file cannot be read")?;
-        let tags = |sets: Vec<Vec<(String, String)>>| sets.into_iter().map(Tags::from_iter).collect();
-        let name = |(name, reference)| RoadName { name, reference };
-        let network = Network {
-            vertices: self.column(0)?,
-            vertex_classes: self.column(1)?,
-            edges: self.column(2)?,
-            points: self.column(3)?,
-            nodes: self.column(4)?,
-            ways: self.column(5)?,
-            restrictions: self.column(6)?,
-            way_words: tags(words.ways),
-            node_words: tags(words.nodes),
-            restriction_words: tags(words.restrictions),
-            names: words.names.into_iter().map(name).collect(),
-            report: Default::default(),
+    fn texts(&mut self) -> Result<Texts, &'static str> {
+        let texts = Texts { bytes: self.column()?, ends: self.column()? };
+        if texts.are_whole() { Ok(texts) } else { Err("the words of this graph file cannot be read") }
+    }
+
+    fn roads(&mut self) -> Result<Roads, &'static str> {
+        let mut network = Network {
+            vertices: self.column()?,
+            vertex_classes: self.column()?,
+            vertex_nodes: self.column()?,
+            edges: self.column()?,
+            points: self.column()?,
+            nodes: self.column()?,
+            ways: self.column()?,
+            restrictions: self.column()?,
+            via_ways: self.column()?,
+            ..Network::default()
         };
-        let segments = SegmentTree::from_parts(self.column(7)?, self.column(8)?);
+        let segments = SegmentTree::from_parts(self.column()?, self.column()?);
         let segments = segments.ok_or("the tree of segments in this graph file is incomplete")?;
-        let levels = levels(&self.column(9)?)?;
+        let levels = levels(&self.column()?)?;
+        network.way_words = WordSets(self.texts()?);
+        network.node_words = WordSets(self.texts()?);
+        network.restriction_words = WordSets(self.texts()?);
+        network.names = RoadNames(self.texts()?);
         check::network(&network)?;
         check::levels(&levels, network.vertices.len())?;
         Ok(Roads::assemble(network, levels, segments))

@@ -5,8 +5,7 @@
 //!
 //! Layout, numbers little-endian: 8 bytes `OBROADS` and a zero; version, `u32`; number of sections, `u32`; length of the file, `u64`; 8 bytes of
 //! zeros; BLAKE3 of everything behind this header, 32 bytes. Then for each section its number, where it begins, and its bytes, `u64` each; then the sections,
-//! aligned to 64 bytes. Sections are rows of the types of [`Network`](crate::network::Network) and of the tree of segments, except the last one, which
-//! holds words as JSON.
+//! aligned to 64 bytes. Sections are rows of the types of [`Network`](crate::network::Network) and of the tree of segments; words are UTF-8, and where each set of them ends.
 //!
 //! | module | its one job |
 //! |---|---|
