@@ -17,7 +17,7 @@ fuzz_target!(|target: &str| {
     let service = SERVICE.get_or_init(|| {
         let data = OsmData::from_xml(MAP.as_bytes()).expect("a good map");
         let roads = Roads::read(&data, &Default::default()).expect("a good map");
-        let metric = Metric::new(&roads, Profile::delivery()).expect("small cells");
+        let metric = Metric::new(&roads, Profile::delivery()).expect("few roads at a junction");
         Service { roads, metric, limits: Limits::default() }
     });
     let answer = service.answer(target, &mut ServiceMemory::default());

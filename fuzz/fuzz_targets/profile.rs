@@ -11,5 +11,5 @@ fuzz_target!(|text: &str| {
     let Ok(profile) = Profile::from_toml("fuzzed", text) else { return };
     let data = OsmData::from_xml(MAP.as_bytes()).expect("a good map");
     let roads = Roads::read(&data, &Default::default()).expect("a good map");
-    Metric::new(&roads, profile).expect("small cells");
+    Metric::new(&roads, profile).expect("few roads at a junction");
 });

@@ -30,11 +30,14 @@ impl Components {
         let of_edge = (0..roads.network.edge_count() as u32).map(|edge| {
             let sides = [2 * edge, 2 * edge + 1];
             let open = sides.into_iter().filter(|directed| metric.edges[*directed as usize].is_open());
-            let components = open.filter_map(|directed| match &metric.turns {
-                Some(turns) => Some(of_state[turns.state_of[directed as usize] as usize]),
+            let component = |directed: u32| match &metric.turns {
+                Some(turns) => {
+                    let components = turns.states_of(directed).map(|state| of_state[state as usize]);
+                    components.max_by_key(|component| sizes[*component as usize])
+                }
                 None => of_side(roads, metric, &of_state, directed),
-            });
-            components.max_by_key(|component| sizes[*component as usize]).unwrap_or(NONE)
+            };
+            open.filter_map(component).max_by_key(|component| sizes[*component as usize]).unwrap_or(NONE)
         });
         Self { of_edge: of_edge.collect(), large }
     }

@@ -312,8 +312,8 @@ impl Memory {
             if let Some(turns) = &metric.turns {
                 // By each turn into the edge.
                 let graph = metric.searched(roads);
-                let state = turns.state_of[directed as usize];
-                for slot in graph.overlay.incoming().of(state).filter(|slot| graph.weights.into[*slot] < FAR) {
+                let slots = turns.states_of(directed).flat_map(|state| graph.overlay.incoming().of(state));
+                for slot in slots.filter(|slot| graph.weights.into[*slot] < FAR) {
                     let from = graph.overlay.incoming().head[slot];
                     let end = End { state: from, weight: graph.weights.into[slot] - weight + first };
                     let [passed, _] = metric.passing(roads, turns.edge_of[from as usize], directed);

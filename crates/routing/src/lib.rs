@@ -30,6 +30,7 @@
 //! | [`overlay`] | layers of cells over a graph, and the ways through them |
 //! | [`metric`] | [`Metric`]: what travelling counts as for a profile |
 //! | [`turns`] | the graph of turns, for profiles to whom they matter |
+//! | `restrictions` | turns that are not allowed |
 //! | [`search`] | searches over layers: a way, other ways, tables |
 //! | [`tree`], [`position`] | segments near a place, and where it is on the network |
 //! | [`components`] | what hangs together |
@@ -53,6 +54,7 @@ pub mod overlay;
 pub mod partition;
 pub mod position;
 pub mod profile;
+mod restrictions;
 pub mod roads;
 pub mod router;
 pub mod search;

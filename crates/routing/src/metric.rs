@@ -8,11 +8,11 @@ use openbench_osm::Tags;
 
 use crate::components::Components;
 use crate::network::{Edge, Network};
-use crate::overlay::{CellTooLarge, Cliques, FAR, Overlay, Weights};
+use crate::overlay::{Cliques, FAR, Overlay, Weights};
 use crate::profile::{Going, Passing, Profile};
 use crate::roads::Roads;
 use crate::search::{Searched, Values};
-use crate::turns::TurnGraph;
+use crate::turns::{TooManyTurns, TurnGraph};
 
 /// Units of weights and durations in a second.
 pub const UNITS: f64 = 100.0;
@@ -119,14 +119,15 @@ pub struct Metric {
 
 impl Metric {
     /// Applies a profile to a network and customizes all cells.
-    pub fn new(roads: &Roads, profile: Profile) -> Result<Self, CellTooLarge> {
+    pub fn new(roads: &Roads, profile: Profile) -> Result<Self, TooManyTurns> {
         let network = &roads.network;
         let edges = edge_costs(network, &profile);
         let vertices = vertex_costs(network, &profile, &edges);
         let entry = units(profile.entry());
-        let weight_is_duration = edges.iter().all(|edge| edge.weight() == edge.duration() && !edge.ends_only())
-            && vertices.iter().all(|vertex| vertex.weight() == vertex.duration());
-        let turns = profile.turns().map(|_| TurnGraph::new(roads, &profile));
+        let weight_is_duration =
+            edges.iter().all(|edge| edge.weight() == edge.duration() && !edge.ends_only())
+                && vertices.iter().all(|vertex| vertex.weight() == vertex.duration());
+        let turns = profile.turns().map(|_| TurnGraph::new(roads, &profile)).transpose()?;
         let mut metric = Self {
             profile,
             edges,
@@ -142,11 +143,15 @@ impl Metric {
         let overlay = metric.overlay(roads);
         metric.weights = Weights {
             out: overlay.out.iter().map(|(from, slot)| metric.weight_of_arc_out(roads, from, slot)).collect(),
-            into: overlay.incoming().iter().map(|(to, slot)| metric.weight_of_arc_into(roads, to, slot)).collect(),
+            into: overlay
+                .incoming()
+                .iter()
+                .map(|(to, slot)| metric.weight_of_arc_into(roads, to, slot))
+                .collect(),
         };
         // First, so that what it needs for a moment is used again.
         metric.components = Components::new(roads, &metric);
-        metric.cliques = Cliques::all(metric.overlay(roads), &metric.weights)?;
+        metric.cliques = Cliques::all(metric.overlay(roads), &metric.weights);
         Ok(metric)
     }
 
@@ -211,10 +216,7 @@ impl Metric {
     /// What an arc counts as that leaves a state.
     fn weight_of_arc_out(&self, roads: &Roads, from: u32, slot: usize) -> u32 {
         match &self.turns {
-            Some(turns) => {
-                let to = turns.overlay.out.head[slot];
-                turns.weight(roads, self, turns.edge_of[from as usize], turns.edge_of[to as usize])
-            }
+            Some(turns) => turns.weight(roads, self, from, turns.overlay.out.head[slot]),
             None => self.arc_weight(&roads.network, roads.vertices.out.via[slot]),
         }
     }
@@ -222,10 +224,7 @@ impl Metric {
     /// What an arc counts as that leads to a state.
     fn weight_of_arc_into(&self, roads: &Roads, to: u32, slot: usize) -> u32 {
         match &self.turns {
-            Some(turns) => {
-                let from = turns.overlay.incoming().head[slot];
-                turns.weight(roads, self, turns.edge_of[from as usize], turns.edge_of[to as usize])
-            }
+            Some(turns) => turns.weight(roads, self, turns.overlay.incoming().head[slot], to),
             None => self.arc_weight(&roads.network, roads.vertices.via_incoming(slot)),
         }
     }
@@ -275,7 +274,7 @@ impl Metric {
         let Some(turns) = &self.turns else { return vertices.to_vec() };
         let around = vertices.iter().flat_map(|vertex| roads.vertices.out.of(*vertex));
         let leaving = around.map(|slot| roads.vertices.out.via[slot]);
-        leaving.flat_map(|directed| [directed, directed ^ 1]).map(|d| turns.state_of[d as usize]).collect()
+        leaving.flat_map(|directed| [directed, directed ^ 1]).flat_map(|d| turns.states_of(d)).collect()
     }
 
     fn neighbours(&self, roads: &Roads, state: u32) -> Vec<u32> {

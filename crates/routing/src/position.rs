@@ -77,7 +77,8 @@ impl SnapOptions {
     fn open(&self, roads: &Roads, foot: &Foot) -> [bool; 2] {
         let Some((bearing, range)) = self.bearing else { return [true; 2] };
         let points = roads.network.edge_points(foot.edge);
-        let forward = crate::geo::bearing(points.at(foot.segment as usize), points.at(foot.segment as usize + 1));
+        let forward =
+            crate::geo::bearing(points.at(foot.segment as usize), points.at(foot.segment as usize + 1));
         [forward, forward + 180.0].map(|direction| crate::geo::turn(bearing, direction).abs() <= range)
     }
 }
@@ -163,7 +164,8 @@ fn nearest(
         looked_at < MOST
     });
     // Where a public road and private ground meet, one is on the road.
-    let public = |p: &Position| (0..2).any(|i| p.open[i] && !metric.edges[2 * p.edge as usize + i].ends_only());
+    let public =
+        |p: &Position| (0..2).any(|i| p.open[i] && !metric.edges[2 * p.edge as usize + i].ends_only());
     if found.iter().any(public) {
         found.retain(public);
     }

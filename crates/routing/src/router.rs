@@ -9,12 +9,12 @@ use openbench_osm::{OsmError, Projection};
 use crate::geo::Place;
 use crate::leg::{Leg, Memory};
 use crate::metric::Metric;
-use crate::overlay::CellTooLarge;
 use crate::partition::CellSizes;
 use crate::position::{Snap, SnapOptions};
 use crate::profile::Profile;
 use crate::roads::Roads;
 use crate::tree::Nearest;
+use crate::turns::TooManyTurns;
 use crate::{Route, RouteError, Router};
 
 /// How far from a place a road may be, metres.
@@ -26,9 +26,9 @@ pub enum PrepareError {
     /// The map cannot be read.
     #[error(transparent)]
     Map(#[from] OsmError),
-    /// Its cells are too large.
+    /// Its junctions have too many turns.
     #[error(transparent)]
-    Cells(#[from] CellTooLarge),
+    Turns(#[from] TooManyTurns),
 }
 
 /// Multi-level routes between points of a map.
@@ -53,7 +53,8 @@ impl MapRouter {
         let points =
             leg.line(&self.roads).points.into_iter().map(|place| self.projection.to_map(place.position()));
         let network = &self.roads.network;
-        let names = leg.edges.iter().map(|directed| network.name(directed / 2).name).filter(|name| !name.is_empty());
+        let names =
+            leg.edges.iter().map(|directed| network.name(directed / 2).name).filter(|name| !name.is_empty());
         let mut names: Vec<String> = names.map(str::to_owned).collect();
         names.dedup();
         Route {

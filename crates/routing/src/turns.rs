@@ -1,72 +1,83 @@
 //! Where turns matter, searches settle directed edges instead of vertices, and arcs are turns from one into another.
 
-use std::collections::HashSet;
-
 use crate::geo::turn;
 use crate::guidance::Guide;
 use crate::metric::{Metric, sum, units};
+use crate::network::Network;
 use crate::overlay::{Arcs, FAR, NONE, Overlay};
 use crate::profile::{CROSSING, Profile, Turns};
+use crate::restrictions::Restrictions;
 use crate::roads::Roads;
+
+/// Turns for each edge, on average over a map, beyond which its junctions are thought to be made to be slow: on maps of streets there are three.
+const MOST_TURNS: usize = 32;
+
+/// A map with junctions of so many roads that their turns cannot be looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "this map has {turns} turns from road to road, more than can be looked at; {roads} roads meet at node {node}: \
+     is it a map of roads? (a profile without `[turns]` can do with it)"
+)]
+pub struct TooManyTurns {
+    /// How many.
+    pub turns: usize,
+    /// The OSM node where most roads meet,
+    pub node: i64,
+    /// and how many these are.
+    pub roads: usize,
+}
 
 /// Layers over directed edges. A directed edge is in the cell of the vertex at which it begins.
 #[derive(Debug, Clone, Default)]
 pub struct TurnGraph {
     /// The layers.
     pub overlay: Overlay,
-    /// For each directed edge its state.
+    /// For each directed edge its state. Those on it behind a row of others, which a restriction begins with, follow.
     pub state_of: Vec<u32>,
     /// For each state its directed edge.
     pub edge_of: Vec<u32>,
-    restricted: Restricted,
+    /// Restrictions that are not regarded: their ways do not meet, or make up too many edges.
+    pub odd_restrictions: usize,
 }
 
 impl TurnGraph {
-    /// All turns of a network, and those that a profile keeps from.
-    pub fn new(roads: &Roads, profile: &Profile) -> Self {
+    /// All turns of a network that a profile is not kept from.
+    pub fn new(roads: &Roads, profile: &Profile) -> Result<Self, TooManyTurns> {
         let network = &roads.network;
-        let mut edge_of: Vec<u32> = (0..2 * network.edge_count() as u32).collect();
-        edge_of.sort_by_key(|directed| network.ends(*directed)[0]);
-        let mut state_of = vec![NONE; edge_of.len()];
-        for (state, directed) in edge_of.iter().enumerate() {
-            state_of[*directed as usize] = state as u32;
+        let restrictions = Restrictions::new(network, profile);
+        let mut order: Vec<u32> = (0..2 * network.edge_count() as u32).collect();
+        order.sort_by_key(|directed| network.ends(*directed)[0]);
+        let (mut state_of, mut edge_of, mut row_of) = (vec![NONE; order.len()], Vec::new(), Vec::new());
+        for directed in order {
+            state_of[directed as usize] = edge_of.len() as u32;
+            let rows = restrictions.ending(directed);
+            edge_of.extend(std::iter::repeat_n(directed, 1 + rows.len()));
+            row_of.extend([NONE].iter().chain(rows));
         }
-        let first =
-            |vertex: u32| edge_of.partition_point(|directed| network.ends(*directed)[0] < vertex) as u32;
-        // Cells without edges have no states.
-        let in_states = |starts: &Vec<u32>| {
-            let mut starts: Vec<u32> = starts.iter().map(|vertex| first(*vertex)).collect();
-            starts.dedup();
-            starts
-        };
-        let levels: Vec<Vec<u32>> =
-            roads.levels.iter().map(in_states).take_while(|starts| starts.len() > 1).collect();
-        let firsts: Vec<u32> = (0..=network.vertices.len() as u32).map(first).collect();
-        let crossing: Vec<bool> = network.way_words.iter().map(|words| words.has(CROSSING)).collect();
-        let is_crossing = |directed: u32| crossing[network.edges[directed as usize / 2].class as usize];
-        let is_crossing = &is_crossing;
-        let arcs = (0..edge_of.len() as u32).flat_map(|state| {
-            let [_, end] = network.ends(edge_of[state as usize]);
-            let out = firsts[end as usize]..firsts[end as usize + 1];
-            let edge_of = &edge_of;
-            let turns = out.map(move |to| (state, to, edge_of[to as usize]));
-            // No vehicle crosses squares.
-            turns.filter(move |(from, _, to)| !is_crossing(edge_of[*from as usize]) && !is_crossing(*to))
-        });
-        let overlay = Overlay::new(Arcs::new(edge_of.len(), arcs), &levels);
-        Self { overlay, state_of, edge_of, restricted: Restricted::new(roads, profile) }
+        let states = States { network, restrictions: &restrictions, state_of, edge_of, row_of };
+        let arcs = states.arcs()?;
+        let overlay = Overlay::new(arcs, &states.levels(&roads.levels));
+        let States { state_of, edge_of, .. } = states;
+        Ok(Self { overlay, state_of, edge_of, odd_restrictions: restrictions.odd })
     }
 
-    /// What turning from a directed edge into the next counts as, with the vertex between them and the edge that one turns into.
-    pub fn weight(&self, roads: &Roads, metric: &Metric, from: u32, to: u32) -> u32 {
+    /// The states on a directed edge.
+    pub fn states_of(&self, directed: u32) -> impl Iterator<Item = u32> {
+        let first = self.state_of[directed as usize];
+        (first..).take_while(move |state| self.edge_of.get(*state as usize) == Some(&directed))
+    }
+
+    /// What going on from a state to another counts as: the turn, the vertex between, and the edge that one turns into.
+    pub fn weight(&self, roads: &Roads, metric: &Metric, state: u32, next: u32) -> u32 {
+        let [from, to] = [state, next].map(|state| self.edge_of[state as usize]);
         let (a, b) = (metric.edges[from as usize], metric.edges[to as usize]);
-        if !a.is_open() || !b.is_open() || self.restricted.forbids(from, to) {
+        if !a.is_open() || !b.is_open() {
             return FAR;
         }
         let turned = sum(b.weight(), self.penalty(roads, metric, from, to));
         if to == from ^ 1 {
             // One turns round where there is no other way only, be it for a barrier.
-            return if self.is_dead_end(roads, metric, from) { turned } else { FAR };
+            return if self.is_dead_end(roads, metric, state) { turned } else { FAR };
         }
         let passed = metric.vertices[roads.network.ends(from)[1] as usize].weight();
         let entry = if b.ends_only() && !a.ends_only() { metric.entry } else { 0 };
@@ -86,12 +97,82 @@ impl TurnGraph {
         units(turns.seconds(turn(guide.reaching(from), guide.leaving(to))))
     }
 
-    fn is_dead_end(&self, roads: &Roads, metric: &Metric, directed: u32) -> bool {
-        let state = self.state_of[directed as usize];
-        let others = self.overlay.out.of(state).map(|slot| self.overlay.out.via[slot]);
-
+    fn is_dead_end(&self, roads: &Roads, metric: &Metric, state: u32) -> bool {
+        let directed = self.edge_of[state as usize];
+        let mut others = self.overlay.out.of(state).map(|slot| self.overlay.out.via[slot]);
         metric.vertices[roads.network.ends(directed)[1] as usize].weight() >= FAR
-            || others.filter(|to| *to != directed ^ 1).all(|to| metric.edges[to as usize].weight() >= FAR)
+            || others.all(|to| to == directed ^ 1 || !metric.edges[to as usize].is_open())
+    }
+}
+
+/// States while their arcs are made.
+struct States<'a> {
+    network: &'a Network,
+    restrictions: &'a Restrictions,
+    state_of: Vec<u32>,
+    edge_of: Vec<u32>,
+    /// For each state the number of its row, [`NONE`] if it is its edge alone.
+    row_of: Vec<u32>,
+}
+
+impl States<'_> {
+    /// The first state that begins at a vertex, or behind it.
+    fn first(&self, vertex: u32) -> u32 {
+        self.edge_of.partition_point(|directed| self.network.ends(*directed)[0] < vertex) as u32
+    }
+
+    /// Where cells begin, as states.
+    fn levels(&self, levels: &[Vec<u32>]) -> Vec<Vec<u32>> {
+        // Cells without edges have no states.
+        let in_states = |starts: &Vec<u32>| {
+            let mut starts: Vec<u32> = starts.iter().map(|vertex| self.first(*vertex)).collect();
+            starts.dedup();
+            starts
+        };
+        levels.iter().map(in_states).take_while(|starts| starts.len() > 1).collect()
+    }
+
+    /// From each state to all that one may go on to.
+    fn arcs(&self) -> Result<Arcs, TooManyTurns> {
+        let network = self.network;
+        let firsts: Vec<u32> = (0..=network.vertices.len() as u32).map(|vertex| self.first(vertex)).collect();
+        let end = |state: u32| network.ends(self.edge_of[state as usize])[1] as usize;
+        let leaving = |vertex: usize| firsts[vertex]..firsts[vertex + 1];
+        let states = self.edge_of.len();
+        let turns: usize = (0..states as u32).map(|state| leaving(end(state)).len()).sum();
+        if turns > MOST_TURNS * states {
+            let roads = |vertex: &usize| leaving(*vertex).len();
+            let worst = (0..network.vertices.len()).max_by_key(roads).unwrap_or_default();
+            return Err(TooManyTurns { turns, node: network.vertex_nodes[worst], roads: roads(&worst) });
+        }
+        let crossing: Vec<bool> = network.way_words.iter().map(|words| words.has(CROSSING)).collect();
+        // No vehicle crosses squares.
+        let is_road = |directed: u32| !crossing[network.edges[directed as usize / 2].class as usize];
+        let (is_road, leaving) = (&is_road, &leaving);
+        let arcs =
+            (0..states as u32).filter(|state| is_road(self.edge_of[*state as usize])).flat_map(|state| {
+                let travelled = match self.row_of[state as usize] {
+                    NONE => std::slice::from_ref(&self.edge_of[state as usize]),
+                    row => self.restrictions.row(row),
+                };
+                let edges = leaving(end(state)).filter(|to| self.row_of[*to as usize] == NONE);
+                let edges = edges.map(|to| self.edge_of[to as usize]).filter(|to| is_road(*to));
+                let allowed = edges.filter(move |to| !self.restrictions.forbid(travelled, *to));
+                allowed.map(move |to| (state, self.next(travelled, to), to))
+            });
+        Ok(Arcs::new(states, arcs))
+    }
+
+    /// The state that one is in who goes on along a directed edge.
+    fn next(&self, travelled: &[u32], to: u32) -> u32 {
+        let alone = self.state_of[to as usize];
+        match self.restrictions.next(travelled, to) {
+            NONE => alone,
+            row => {
+                let place = self.restrictions.ending(to).iter().position(|number| *number == row);
+                place.map_or(alone, |place| alone + 1 + place as u32)
+            }
+        }
     }
 }
 
@@ -102,56 +183,6 @@ impl Turns {
         let bias = if to_near_side { self.bias } else { 1.0 / self.bias };
         let steepness = 13.0 / bias * degrees.abs() / 180.0 - 6.5 * bias;
         self.sharpest / (1.0 + libm::exp(-steepness))
-    }
-}
-
-/// Turns that are not allowed.
-#[derive(Debug, Clone, Default)]
-struct Restricted {
-    forbidden: HashSet<(u32, u32)>,
-    /// Where only one turn is allowed: the edge that one comes along, and the turns.
-    only: HashSet<(u32, u32)>,
-    bound: HashSet<u32>,
-}
-
-impl Restricted {
-    fn new(roads: &Roads, profile: &Profile) -> Self {
-        let network = &roads.network;
-        let mut of_way: Vec<(i64, u32)> = network.ways.iter().copied().zip(0..).collect();
-        of_way.sort_unstable();
-        let edges = |way: i64| {
-            let first = of_way.partition_point(|(w, _)| *w < way);
-            of_way[first..].iter().take_while(move |(w, _)| *w == way).map(|(_, edge)| *edge)
-        };
-        // Directed edges of a way that end at a node.
-        let reaching = |way: i64, node: i64| {
-            let directed = edges(way).flat_map(|edge| [2 * edge, 2 * edge + 1]);
-            directed.filter(move |directed| {
-                network.vertex_nodes[network.ends(*directed)[1] as usize] == node
-            })
-        };
-        let mut all = Self { forbidden: HashSet::new(), only: HashSet::new(), bound: HashSet::new() };
-        for restriction in network.restrictions.iter() {
-            let Some(only) = profile.restricts(&network.restriction_words.get(restriction.words)) else {
-                continue;
-            };
-            for from in reaching(restriction.from, restriction.via) {
-                for to in reaching(restriction.to, restriction.via).map(|directed| directed ^ 1) {
-                    if only {
-                        all.only.insert((from, to));
-                        all.bound.insert(from);
-                    } else {
-                        all.forbidden.insert((from, to));
-                    }
-                }
-            }
-        }
-        all
-    }
-
-    fn forbids(&self, from: u32, to: u32) -> bool {
-        let others = self.bound.contains(&from) && !self.only.contains(&(from, to));
-        self.forbidden.contains(&(from, to)) || (others && to != from ^ 1)
     }
 }
 

@@ -57,7 +57,13 @@ fn routes_and_tables_on_real_maps_are_exact() {
                 let one = |end: &End| ValuedEnd { end: *end, value: [0, 0] };
                 all.iter().map(|ends| ends.iter().map(one).collect()).collect::<Vec<Vec<_>>>()
             };
-            let table = TableMemory::default().table(&mut Workspace::default(), graph, None, &valued(&from), &valued(&to));
+            let table = TableMemory::default().table(
+                &mut Workspace::default(),
+                graph,
+                None,
+                &valued(&from),
+                &valued(&to),
+            );
             for (row, source) in table.chunks(targets.len()).zip(&sources) {
                 let plain = dijkstra(graph, *source);
                 for (cell, target) in row.iter().zip(&targets) {

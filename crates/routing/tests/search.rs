@@ -107,7 +107,7 @@ proptest! {
             let (graph, levels) = graph.in_cells(sizes);
             let overlay = graph.overlay(&levels);
             let weights = graph.weights(&overlay);
-            let cliques = Cliques::all(&overlay, &weights).unwrap();
+            let cliques = Cliques::all(&overlay, &weights);
             let searched = Searched { overlay: &overlay, weights: &weights, cliques: &cliques };
             let (mut workspace, mut path) = (Workspace::default(), Path::default());
             for (sources, targets) in &pairs {
@@ -132,7 +132,7 @@ proptest! {
             let (graph, levels) = graph.in_cells(sizes);
             let overlay = graph.overlay(&levels);
             let weights = graph.weights(&overlay);
-            let cliques = Cliques::all(&overlay, &weights).unwrap();
+            let cliques = Cliques::all(&overlay, &weights);
             let searched = Searched { overlay: &overlay, weights: &weights, cliques: &cliques };
             let count = graph.places.len() as u32;
             let [sources, targets] =
@@ -160,7 +160,7 @@ proptest! {
         let (mut graph, levels) = graph.in_cells(&[3, 9, 27]);
         let overlay = graph.overlay(&levels);
         let before = graph.weights(&overlay);
-        let mut cliques = Cliques::all(&overlay, &before).unwrap();
+        let mut cliques = Cliques::all(&overlay, &before);
         let mut states = Vec::new();
         let count = graph.arcs.len();
         for (arc, weight) in changes.into_iter().filter(|_| count > 0) {
@@ -170,6 +170,6 @@ proptest! {
         }
         let after = graph.weights(&overlay);
         Cliques::update(&mut cliques, &overlay, &after, &states);
-        prop_assert_eq!(cliques, Cliques::all(&overlay, &after).unwrap());
+        prop_assert_eq!(cliques, Cliques::all(&overlay, &after));
     }
 }

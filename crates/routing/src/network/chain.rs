@@ -36,7 +36,11 @@ impl<'a, T: Copy> Chain<'a, T> {
     }
 
     /// Those from number `begin` up to `end`, without it.
-    pub fn part(&self, begin: usize, end: usize) -> impl DoubleEndedIterator<Item = T> + Clone + use<'_, 'a, T> {
+    pub fn part(
+        &self,
+        begin: usize,
+        end: usize,
+    ) -> impl DoubleEndedIterator<Item = T> + Clone + use<'_, 'a, T> {
         (begin..end.min(self.len())).map(|i| self.at(i))
     }
 

@@ -17,8 +17,8 @@ mod read;
 mod squares;
 mod words;
 
-use openbench_osm::stream::Elements;
 use openbench_osm::OsmError;
+use openbench_osm::stream::Elements;
 
 use crate::geo::Place;
 use crate::store::Column;

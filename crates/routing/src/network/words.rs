@@ -70,7 +70,8 @@ pub struct Texts {
 impl Texts {
     fn get(&self, number: u32) -> &str {
         let number = number as usize;
-        let begin = number.checked_sub(1).and_then(|before| self.ends.get(before)).copied().unwrap_or_default();
+        let begin =
+            number.checked_sub(1).and_then(|before| self.ends.get(before)).copied().unwrap_or_default();
         let range = begin as usize..self.ends.get(number).copied().unwrap_or_default() as usize;
         // Texts of a file have been looked at when it was opened.
         self.bytes.get(range).and_then(|bytes| std::str::from_utf8(bytes).ok()).unwrap_or_default()

@@ -35,33 +35,18 @@ pub struct Cliques {
 /// No index.
 pub const UNREACHED: u16 = u16::MAX;
 
-/// Why weights cannot be customized.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "a cell has {inner} places that count, more than {UNREACHED}: choose cell sizes that grow less from layer to layer"
-)]
-pub struct CellTooLarge {
-    /// How many.
-    pub inner: usize,
-}
-
 impl Cliques {
     /// All layers.
-    pub fn all(overlay: &Overlay, weights: &Weights) -> Result<Vec<Self>, CellTooLarge> {
+    pub fn all(overlay: &Overlay, weights: &Weights) -> Vec<Self> {
         let mut layers: Vec<Self> = Vec::new();
         for layer in &overlay.layers {
-            let cells = 0..layer.cells() as u32;
-            if let Some(inner) =
-                cells.clone().map(|c| layer.inner(c).len()).find(|n| *n >= usize::from(UNREACHED))
-            {
-                return Err(CellTooLarge { inner });
-            }
+            let cells: Vec<u32> = (0..layer.cells() as u32).collect();
             let mut cliques = Self::empty(layer);
             let below = Below { overlay, weights, layers: &layers };
-            cliques.fill(layer, &below, &cells.collect::<Vec<_>>());
+            cliques.fill(layer, &below, &cells);
             layers.push(cliques);
         }
-        Ok(layers)
+        layers
     }
 
     /// Those cells again that hold one of these states, in all layers: after the weights of arcs between them have changed.

@@ -17,10 +17,13 @@ mod arcs;
 mod customize;
 
 pub use arcs::{Arcs, NONE};
-pub use customize::{CellTooLarge, Cliques, UNREACHED, Weights};
+pub use customize::{Cliques, UNREACHED, Weights};
 
 /// The highest weight that counts; anything from [`FAR`] on is no way. Two of them can be added.
 pub const FAR: u32 = i32::MAX as u32;
+
+/// Numbers for each state that a layer may know of its cells; on maps of streets there are six, of turns twenty, and fewer in higher layers.
+const MOST_KNOWN: u64 = 64;
 
 /// A layer of cells.
 #[derive(Debug, Clone, Default)]
@@ -68,6 +71,15 @@ impl Layer {
         self.inner[cell as usize] as usize..self.inner[cell as usize + 1] as usize
     }
 
+    /// Whether what is to be known of its cells has room: where a map is as flat as streets are, always. Of a map that is not, cells have borders as
+    /// long as they are large, and searches do better without them.
+    fn is_affordable(&self, states: usize) -> bool {
+        let known = [&self.matrix, &self.trees].map(|ends| ends.last().copied().unwrap_or_default());
+        let inner = (0..self.cells() as u32).map(|cell| self.inner(cell).len());
+        known.iter().sum::<u64>() <= MOST_KNOWN * (states as u64 + (1 << 18))
+            && inner.max().is_none_or(|largest| largest < usize::from(UNREACHED))
+    }
+
     /// Number of cells.
     pub fn cells(&self) -> usize {
         self.first.len().saturating_sub(1)
@@ -89,7 +101,8 @@ pub struct Overlay {
 }
 
 impl Overlay {
-    /// Puts layers over a graph. `levels` says, smallest cells first, at which state each cell begins and where the last one ends.
+    /// Puts layers over a graph. `levels` says, smallest cells first, at which state each cell begins and where the last one ends. From the first one on
+    /// that would know too much of its cells they are left out.
     pub fn new(mut out: Arcs, levels: &[Vec<u32>]) -> Self {
         let leaf = match levels.first() {
             Some(starts) => (0..starts.len() as u32 - 1)
@@ -113,6 +126,9 @@ impl Overlay {
         let mut overlay = Self { out, into, leaf, layers: Vec::new() };
         for (starts, cell_of_leaf) in levels.iter().zip(cells_of_leaf) {
             let layer = overlay.layer(starts, cell_of_leaf);
+            if !layer.is_affordable(overlay.out.states()) {
+                break;
+            }
             overlay.layers.push(layer);
         }
         overlay

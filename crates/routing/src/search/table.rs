@@ -55,7 +55,8 @@ impl TableMemory {
         let mut table = vec![Found { weight: FAR, value: [0, 0] }; sources.len() * targets.len()];
         let tables = Tables::forward(graph);
         for (row, source) in table.chunks_exact_mut(targets.len().max(1)).zip(sources) {
-            let (Workspace { sides: [side, _], ends }, Self { value, first, buckets, .. }) = (&mut *workspace, &mut *self);
+            let (Workspace { sides: [side, _], ends }, Self { value, first, buckets, .. }) =
+                (&mut *workspace, &mut *self);
             let mut search = Search { graph, tables: &tables, values, backward: false, side, ends, value };
             search.run(source, usize::MAX, |state, reached| {
                 let [begin, end] = [0, 1].map(|i| first[state as usize + i] as usize);
@@ -82,7 +83,8 @@ impl TableMemory {
         let tables = Tables::backward(graph);
         let highest = graph.overlay.layers.len();
         for (target, begin) in (0..).zip(targets) {
-            let (Workspace { sides: [side, _], ends }, Self { value, found, .. }) = (&mut *workspace, &mut *self);
+            let (Workspace { sides: [side, _], ends }, Self { value, found, .. }) =
+                (&mut *workspace, &mut *self);
             let mut search = Search { graph, tables: &tables, values, backward: true, side, ends, value };
             search.run(begin, highest, |state, reached| found.push((state, target, reached)));
         }
