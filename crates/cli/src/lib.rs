@@ -14,6 +14,7 @@ pub mod args;
 pub mod commands;
 pub mod open_parts;
 pub mod outcome;
+mod progress;
 
 use std::process::ExitCode;
 

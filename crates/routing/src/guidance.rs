@@ -168,7 +168,11 @@ impl Guide<'_> {
             .map(|((first, kind, turn), end)| {
                 let edges = *first..end;
                 let before = first.checked_sub(1).map_or(0.0, |i| self.reaching(leg.edges[i]));
-                let after = look(line.part(edges.clone()).iter().copied());
+                // The directions by which turns were told, which are also those of the junction's roads.
+                let after = match first {
+                    0 => look(line.part(edges.clone()).iter().copied()),
+                    _ => self.leaving(leg.edges[*first]),
+                };
                 Step {
                     kind: *kind,
                     modifier: turn.map(modifier),

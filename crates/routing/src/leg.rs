@@ -66,11 +66,6 @@ fn part(whole: u32, share: f64) -> u32 {
     libm::round(f64::from(whole) * share) as u32
 }
 
-/// A share of an edge, in the direction in which it is travelled.
-fn directed_share(position: &Position, directed: u32) -> f64 {
-    if directed.is_multiple_of(2) { position.share } else { 1.0 - position.share }
-}
-
 /// One of a directed edge's two costs before a place on it.
 fn before(whole: u32, position: &Position, directed: u32) -> u32 {
     let forward = part(whole, position.share);
@@ -94,7 +89,10 @@ impl Leg {
             (Some(straight), around) if around.is_none_or(|weight| straight.weight <= weight) => {
                 Some(straight)
             }
-            (_, Some(weight)) => Some(unpacked(roads, metric, weight, &path.states, [sources, targets])),
+            (_, Some(weight)) => {
+                let leg = unpacked(roads, metric, weight, &path.states, [sources, targets]);
+                Some(leg.trimmed(roads, metric))
+            }
             (straight, None) => straight,
         }
     }
@@ -125,7 +123,7 @@ impl Leg {
             if legs.len() > others {
                 break;
             }
-            let leg = unpacked(roads, metric, weight, &states, [sources, targets]);
+            let leg = unpacked(roads, metric, weight, &states, [sources, targets]).trimmed(roads, metric);
             let most = |known: &Self| SHARED * known.edge_weight(metric).min(f64::from(legs[0].weight));
             let new = legs.iter().all(|known| leg.shared(metric, known) <= most(known));
             if new
@@ -178,6 +176,33 @@ impl Leg {
         measures.collect()
     }
 
+    /// Without edges at its ends of which nothing is travelled and nothing else is to be done: one is at their other end already.
+    fn trimmed(mut self, roads: &Roads, metric: &Metric) -> Self {
+        let nothing = |leg: &Self, index: usize| {
+            let [begin, end] = leg.travelled(index);
+            begin == end && leg.measures(roads, metric, index) == Measures::default()
+        };
+        let at = |position: &Position, directed: u32, end: bool| {
+            let last = directed.is_multiple_of(2) == end;
+            let points = roads.network.edge_points(directed / 2).len() as u32;
+            let (share, segment) = if last { (1.0, points - 2) } else { (0.0, 0) };
+            Position { edge: directed / 2, share, segment, ..*position }
+        };
+        while self.edges.len() > 1 && nothing(&self, 0) {
+            self.edges.remove(0);
+            self.from = at(&self.from, self.edges[0], false);
+        }
+        while let [.., before, last] = self.edges[..] {
+            let free = metric.passing(roads, before, last) == [0, 0];
+            if !(free && nothing(&self, self.edges.len() - 1)) {
+                break;
+            }
+            self.edges.pop();
+            self.to = at(&self.to, before, true);
+        }
+        self
+    }
+
     /// The weight of those edges that both have.
     fn shared(&self, metric: &Metric, other: &Self) -> f64 {
         let others: HashSet<u32> = other.edges.iter().copied().collect();
@@ -220,9 +245,9 @@ impl Leg {
     /// From which share of its edge to which one the edge of that index is travelled.
     pub fn travelled(&self, index: usize) -> [f64; 2] {
         let directed = self.edges[index];
-        let begin = if index == 0 { directed_share(&self.from, directed) } else { 0.0 };
+        let begin = if index == 0 { self.from.share_before(directed) } else { 0.0 };
         let last = index + 1 == self.edges.len();
-        [begin, if last { directed_share(&self.to, directed) } else { 1.0 }]
+        [begin, if last { self.to.share_before(directed) } else { 1.0 }]
     }
 
     /// The line, from place to place.
@@ -291,7 +316,7 @@ impl Memory {
             let cost = metric.edges[directed as usize];
             let (weight, duration) = (cost.weight(), cost.duration());
             let rest = [weight, duration].map(|whole| whole - before(whole, &position, directed));
-            let length = part(centimetres(roads, directed), 1.0 - directed_share(&position, directed));
+            let length = part(centimetres(roads, directed), 1.0 - position.share_before(directed));
             let (state, past) = match &metric.turns {
                 Some(turns) => (turns.state_of[directed as usize], [0, 0]),
                 None => {
@@ -308,7 +333,7 @@ impl Memory {
             let cost = metric.edges[directed as usize];
             let (weight, duration) = (cost.weight(), cost.duration());
             let [first, time] = [weight, duration].map(|whole| before(whole, &position, directed));
-            let length = part(centimetres(roads, directed), directed_share(&position, directed));
+            let length = part(centimetres(roads, directed), position.share_before(directed));
             if let Some(turns) = &metric.turns {
                 // By each turn into the edge.
                 let graph = metric.searched(roads);
@@ -385,7 +410,7 @@ fn straight(metric: &Metric, from: &[Position], to: &[Position]) -> Option<Leg> 
     let ways = pairs.flat_map(|(a, b)| [2 * a.edge, 2 * a.edge + 1].map(|directed| (a, b, directed)));
     let legs = ways.filter_map(|(a, b, directed)| {
         let whole = metric.edges[directed as usize].weight();
-        let onwards = directed_share(a, directed) <= directed_share(b, directed);
+        let onwards = a.share_before(directed) <= b.share_before(directed);
         let weight = || before(whole, b, directed) - before(whole, a, directed);
         let open = a.open[directed as usize % 2] && b.open[directed as usize % 2];
         (whole < FAR && onwards && open).then(|| Leg {

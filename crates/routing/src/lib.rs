@@ -35,6 +35,7 @@
 //! | [`tree`], [`position`] | segments near a place, and where it is on the network |
 //! | [`components`] | what hangs together |
 //! | [`leg`] | the way from one place to another |
+//! | [`mod@through`] | the way through several places |
 //! | [`guidance`] | where to turn |
 //! | [`router`] | [`MapRouter`]: routes in the frame of a map |
 //! | [`osrm`] | answers in the words of OSRM's HTTP API, version 1 |
@@ -59,6 +60,7 @@ pub mod roads;
 pub mod router;
 pub mod search;
 pub mod store;
+pub mod through;
 pub mod tree;
 pub mod turns;
 

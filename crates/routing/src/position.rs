@@ -72,6 +72,13 @@ impl Position {
     }
 }
 
+impl Position {
+    /// The share of its edge before the place, in the direction in which the edge is travelled.
+    pub fn share_before(&self, directed: u32) -> f64 {
+        if directed.is_multiple_of(2) { self.share } else { 1.0 - self.share }
+    }
+}
+
 impl SnapOptions {
     /// In which directions a foot's segment may be travelled.
     fn open(&self, roads: &Roads, foot: &Foot) -> [bool; 2] {

@@ -1,6 +1,5 @@
 //! `openbench prepare`: a graph file, so that a map need not be read again.
 
-use openbench_osm::stream::Source;
 use openbench_routing::partition::CellSizes;
 use openbench_routing::{Roads, store};
 
@@ -10,8 +9,7 @@ use crate::outcome::{Outcome, say};
 /// Reads a map, puts its roads into cells and writes them.
 pub fn run(args: &PrepareArgs) -> anyhow::Result<Outcome> {
     let sizes = if args.cells.is_empty() { CellSizes::default() } else { CellSizes::new(&args.cells)? };
-    let source = Source::open(&args.map)?;
-    let roads = Roads::read(&source, &sizes).map_err(|error| error.in_file(&args.map))?;
+    let roads = super::route::read_roads(&args.map, &sizes)?;
     store::write(&roads, &args.out)?;
     say(&summary(&roads))?;
     Ok(Outcome::Done)
@@ -39,7 +37,15 @@ fn summary(roads: &Roads) -> String {
         (report.conditional, "ways have words that hold at some times only; these were not regarded"),
         (
             report.odd_restrictions,
-            "turn restrictions are not from a way by a node to a way; these were not regarded",
+            "turn restrictions are not from one way by a node or by ways to another; these were not regarded",
+        ),
+        (
+            report.squares_not_crossed,
+            "pedestrian areas have too many corners, or no whole outline, and are not crossed",
+        ),
+        (
+            roads.levels.len() - roads.vertices.layers.len(),
+            "layers were left out: their cells have too many vertices on their borders",
         ),
     ] {
         if count > 0 {

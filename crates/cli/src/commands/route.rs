@@ -4,11 +4,14 @@ use std::path::Path;
 
 use openbench_osm::stream::Source;
 use openbench_routing::geo::Place;
+use openbench_routing::network::Network;
 use openbench_routing::osrm::{Geometries, Limits, Overview, Request, RouteRequest, Service, ServiceMemory};
+use openbench_routing::partition::CellSizes;
 use openbench_routing::{Metric, Profile, Roads, store};
 
 use crate::args::{RoadArgs, RouteArgs};
 use crate::outcome::{Outcome, say};
+use crate::progress::doing;
 
 /// Prints a route.
 pub fn run(args: &RouteArgs) -> anyhow::Result<Outcome> {
@@ -36,7 +39,7 @@ pub fn run(args: &RouteArgs) -> anyhow::Result<Outcome> {
 pub fn service(args: &RoadArgs, limits: Limits) -> anyhow::Result<Service> {
     let profile = Profile::open(&args.profile)?;
     let roads = roads(&args.map)?;
-    let metric = Metric::new(&roads, profile)?;
+    let metric = doing("weighing them", || Metric::new(&roads, profile))?;
     Ok(Service { roads, metric, limits })
 }
 
@@ -45,6 +48,14 @@ pub fn roads(map: &Path) -> anyhow::Result<Roads> {
     if store::is_graph_file(map) {
         return Ok(store::read(map)?);
     }
-    let source = Source::open(map)?;
-    Ok(Roads::read(&source, &Default::default()).map_err(|error| error.in_file(map))?)
+    read_roads(map, &CellSizes::default())
+}
+
+/// The roads of a map in cells.
+pub fn read_roads(map: &Path, sizes: &CellSizes) -> anyhow::Result<Roads> {
+    let source = doing("opening the map", || Source::open(map))?;
+    let network =
+        doing("reading its roads", || Network::read(&source)).map_err(|error| error.in_file(map))?;
+    drop(source);
+    Ok(doing("putting them into cells", || Roads::new(network, sizes)))
 }

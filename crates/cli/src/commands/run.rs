@@ -1,11 +1,9 @@
 //! `openbench run`
 
 use std::collections::BTreeMap;
-use std::io::IsTerminal;
 use std::path::Path;
 
 use anyhow::Context;
-use indicatif::{ProgressBar, ProgressStyle};
 use openbench_bench::draw::Draw;
 use openbench_bench::report::terminal_table;
 use openbench_bench::suite::{Sensors, known_suites};
@@ -20,6 +18,7 @@ use crate::args::RunArgs;
 use crate::commands::{models, read_map};
 use crate::open_parts;
 use crate::outcome::{Outcome, say, say_json, tell};
+use crate::progress::progress_bar;
 
 /// Runs a suite and prints the results.
 pub fn run(args: &RunArgs, registry: &Registry) -> anyhow::Result<Outcome> {
@@ -61,18 +60,6 @@ pub fn run(args: &RunArgs, registry: &Registry) -> anyhow::Result<Outcome> {
     }
     tell(&format!("report: {}", args.out.join("report.html").display()));
     Ok(Outcome::Done)
-}
-
-/// A bar on stderr, if a person is watching.
-pub fn progress_bar(length: usize, what: &'static str) -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let style = ProgressStyle::with_template("{msg} {bar:32} {pos}/{len}  {elapsed} gone, {eta} to go");
-    let bar = ProgressBar::new(length as u64).with_message(what);
-    bar.enable_steady_tick(std::time::Duration::from_millis(200));
-    // The template is a constant; the default style would do as well.
-    bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
 /// Whether a file can be written, before hours are driven for it.

@@ -4,8 +4,8 @@ use openbench_bench::Prepared;
 use openbench_bench::recording::{Recording, RunRecord, verify};
 
 use crate::args::VerifyArgs;
-use crate::commands::run::progress_bar;
 use crate::outcome::{Outcome, say};
+use crate::progress::progress_bar;
 
 /// Drives a run's actions again.
 pub fn run(args: &VerifyArgs) -> anyhow::Result<Outcome> {

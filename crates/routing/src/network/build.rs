@@ -19,7 +19,7 @@ pub(super) fn network(mut ways: Ways, nodes: Nodes) -> Network {
     for crossing in &crossings.lines {
         builder.crossing(&ways.squares[crossing.square], crossing.ends);
     }
-    builder.report.squares_not_crossed = crossings.too_large;
+    builder.report.squares_not_crossed = crossings.too_large + ways.squares_without_outline;
     let report = builder.report;
     let mut network = builder.rows.into_network();
     network.report = report;

@@ -68,7 +68,7 @@ pub struct NetworkReport {
     pub conditional: usize,
     /// Turn restrictions that are not from one way by one node, or by ways, to another; not regarded.
     pub odd_restrictions: usize,
-    /// Pedestrian areas with too many corners to be crossed.
+    /// Pedestrian areas with too many corners to be crossed, or without a whole outline.
     pub squares_not_crossed: usize,
 }
 

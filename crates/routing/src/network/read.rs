@@ -32,6 +32,8 @@ pub(super) struct Ways {
     pub(super) squares: Vec<Square>,
     /// The nodes of all squares.
     pub(super) corners: Vec<i64>,
+    /// Squares whose outline is not all there, or too long.
+    pub(super) squares_without_outline: usize,
 }
 
 /// A pedestrian area, which is crossed.
@@ -85,6 +87,7 @@ impl Ways {
             odd_restrictions: 0,
             squares: Vec::new(),
             corners: Vec::new(),
+            squares_without_outline: 0,
         };
         source.visit(&mut ways)?;
         ways.read_outlines(source)?;
@@ -100,17 +103,19 @@ impl Ways {
         let wanted: HashSet<i64> =
             self.squares.iter().filter(|s| s.rings.is_empty()).flat_map(|s| &s.outlines).copied().collect();
         if !wanted.is_empty() {
-            let mut outlines = Outlines { wanted, rings: HashMap::new() };
+            let mut outlines = Outlines { wanted, lines: HashMap::new() };
             source.visit(&mut outlines)?;
             for square in self.squares.iter_mut().filter(|square| square.rings.is_empty()) {
-                let rings = square.outlines.iter().filter_map(|way| outlines.rings.get(way));
-                if rings.clone().map(Vec::len).sum::<usize>() <= CORNERS {
-                    square.rings = rings.cloned().collect();
-                }
+                let lines: Option<Vec<&[i64]>> =
+                    square.outlines.iter().map(|way| outlines.lines.get(way).map(Vec::as_slice)).collect();
+                let lines =
+                    lines.filter(|lines| lines.iter().map(|line| line.len()).sum::<usize>() <= 2 * CORNERS);
+                square.rings = lines.and_then(joined).unwrap_or_default();
             }
         }
-        // An outline of several ways is not put together here.
-        self.squares.retain(|square| square.rings.len() == square.outlines.len() && !square.rings.is_empty());
+        let all = self.squares.len();
+        self.squares.retain(|square| !square.rings.is_empty());
+        self.squares_without_outline = all - self.squares.len();
         self.squares.sort_by_key(|square| (square.is_relation, square.id));
         self.squares.dedup_by_key(|square| (square.is_relation, square.id));
         // What is crossed is part of the network, and so are its corners.
@@ -233,10 +238,10 @@ fn is_for_pedestrians(words: Words<'_>) -> bool {
     matches!(words.get("highway"), Some("pedestrian" | "footway" | "path" | "platform"))
 }
 
-/// The nodes of closed ways that are wanted.
+/// The nodes of ways that are wanted.
 struct Outlines {
     wanted: HashSet<i64>,
-    rings: HashMap<i64, Vec<i64>>,
+    lines: HashMap<i64, Vec<i64>>,
 }
 
 impl Visitor for Outlines {
@@ -245,11 +250,37 @@ impl Visitor for Outlines {
     }
 
     fn way(&mut self, way: WayRef<'_>) {
-        let closed = way.nodes.len() > 3 && way.nodes.first() == way.nodes.last();
-        if closed && self.wanted.contains(&way.id) {
-            self.rings.insert(way.id, way.nodes[1..].to_vec());
+        if (2..=CORNERS + 1).contains(&way.nodes.len()) && self.wanted.contains(&way.id) {
+            self.lines.insert(way.id, way.nodes.to_vec());
         }
     }
+}
+
+/// Rings, each node once, of lines that are rings or go on in one another; `None` if an end is left over.
+fn joined(mut lines: Vec<&[i64]>) -> Option<Vec<Vec<i64>>> {
+    let mut rings = Vec::new();
+    while let Some(line) = lines.pop() {
+        let mut ring = line.to_vec();
+        while let (Some(first), Some(last)) = (ring.first().copied(), ring.last().copied()) {
+            if first == last {
+                break;
+            }
+            let next =
+                lines.iter().position(|line| line.first() == Some(&last) || line.last() == Some(&last))?;
+            let line = lines.swap_remove(next);
+            if line.first() == Some(&last) {
+                ring.extend(&line[1..]);
+            } else {
+                ring.extend(line[..line.len() - 1].iter().rev());
+            }
+        }
+        ring.pop();
+        if ring.len() < 3 {
+            return None;
+        }
+        rings.push(ring);
+    }
+    Some(rings)
 }
 
 /// Whether some profile may have something to say about a way: all roads, ferries, platforms, piers and car parks, and what says in
@@ -324,7 +355,17 @@ impl Visitor for Reader {
 
 #[cfg(test)]
 mod tests {
-    use super::seconds;
+    use super::{joined, seconds};
+
+    #[test]
+    fn outlines_are_joined_end_to_end() {
+        let ring = |lines: &[&[i64]]| joined(lines.to_vec());
+        assert_eq!(ring(&[&[1, 2, 3, 1]]), Some(vec![vec![1, 2, 3]]));
+        assert_eq!(ring(&[&[1, 2], &[4, 3, 2], &[4, 1]]), Some(vec![vec![4, 1, 2, 3]]));
+        assert_eq!(ring(&[&[7, 8, 9, 7], &[1, 2, 3], &[1, 3]]).map(|rings| rings.len()), Some(2));
+        assert_eq!(ring(&[&[1, 2], &[2, 3]]), None);
+        assert_eq!(ring(&[&[1, 2], &[2, 1]]), None);
+    }
 
     #[test]
     fn timetables_are_read() {

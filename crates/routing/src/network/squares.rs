@@ -9,6 +9,9 @@ use crate::geo::{Place, distance};
 /// With more corners, or entries, an area is walked round.
 pub(super) const CORNERS: usize = 400;
 const ENTRIES: usize = 100;
+/// Corners to the power of three, of all areas together, beyond which areas are walked round: a map of nothing but areas of 400 corners has 300 of them
+/// crossed. A city of plazas needs a hundredth.
+const WORK: u64 = 20_000_000_000;
 
 /// How much longer than it must be a way across may be, as a factor.
 const DETOUR: f64 = 1.05;
@@ -30,10 +33,12 @@ pub(super) struct Crossing {
 
 /// The lines across all squares; nodes at their ends are made vertices.
 pub(super) fn crossings(ways: &Ways, nodes: &Nodes, uses: &mut [u8]) -> Crossings {
-    let mut crossings = Crossings::default();
+    let (mut crossings, mut work) = (Crossings::default(), 0);
     for (number, square) in ways.squares.iter().enumerate() {
         let Some(shape) = Shape::new(ways, square, nodes, uses) else { continue };
-        if shape.corners.len() > CORNERS || shape.entries.len() > ENTRIES {
+        let size = shape.corners.len() as u64;
+        work += size.pow(3).min(WORK / 100);
+        if shape.corners.len() > CORNERS || shape.entries.len() > ENTRIES || work > WORK {
             crossings.too_large += 1;
             continue;
         }

@@ -12,6 +12,7 @@ use crate::geo::{Place, distance};
 use crate::leg::{Leg, Line, Measures};
 use crate::metric::UNITS;
 use crate::position::Position;
+use crate::through::through;
 
 /// Legs with their lines.
 type Way = Vec<(Leg, Line)>;
@@ -19,6 +20,9 @@ type Way = Vec<(Leg, Line)>;
 impl Service {
     /// Answers *route*.
     pub fn route(&self, request: &RouteRequest, memory: &mut ServiceMemory) -> Result<Vec<u8>, Failure> {
+        if request.places.places.len() < 2 {
+            return Err(Failure::new("InvalidOptions", "Number of coordinates needs to be at least two."));
+        }
         let positions = self.positions(&request.places, &mut memory.nearest)?;
         let routes = self.ways(request, &positions, memory)?;
         let mut json = Json::default();
@@ -49,10 +53,10 @@ impl Service {
             let ways: Vec<Way> = legs.into_iter().map(|leg| vec![with_line(leg)]).collect();
             return if ways.is_empty() { Err(none()) } else { Ok(ways) };
         }
-        let legs = positions
-            .windows(2)
-            .map(|pair| Leg::find(roads, metric, &pair[0], &pair[1], memory).ok_or_else(none));
-        Ok(vec![legs.map(|leg| leg.map(with_line)).collect::<Result<_, _>>()?])
+        let straight = metric.profile.turns().is_some_and(|turns| turns.continue_straight);
+        let straight = request.continue_straight.unwrap_or(straight);
+        let legs = through(roads, metric, positions, straight, memory).ok_or_else(none)?;
+        Ok(vec![legs.into_iter().map(with_line).collect()])
     }
 
     /// Which legs belong together: those between two of the places that divide legs.
@@ -81,7 +85,8 @@ impl Service {
             json.key("weight_name").string("duration");
             match request.overview {
                 Overview::Simplified => {
-                    geometry(json.key("geometry"), &simplified(&whole(way)), request.geometries)
+                    let lines: Vec<&[Place]> = way.iter().map(|(_, line)| line.points.as_slice()).collect();
+                    geometry(json.key("geometry"), &simplified(&lines), request.geometries)
                 }
                 Overview::Full => geometry(json.key("geometry"), &whole(way), request.geometries),
                 Overview::ByLegs | Overview::False => {}

@@ -13,12 +13,22 @@ const SEEN: [f64; 2] = [8.0, 5.0];
 /// At zoom 18 what is nearer than so many units, squared, to a straight line is on it; four times as many a zoom less.
 const FINEST: (i32, f64) = (18, 67_600.0);
 
-/// The points that are kept; the first and the last always are.
-pub fn simplified(line: &[Place]) -> Vec<Place> {
-    let points: Vec<[f64; 2]> = line.iter().map(mercator).collect();
-    let limit = FINEST.1 * 4_f64.powi(FINEST.0 - zoom(&points));
-    let mut kept = vec![false; line.len()];
-    let mut waiting = vec![(0, line.len().saturating_sub(1))];
+/// The points that are kept of some lines, one going on where another ends; of each the first and the last always are.
+pub fn simplified(lines: &[&[Place]]) -> Vec<Place> {
+    let points: Vec<Vec<[f64; 2]>> = lines.iter().map(|line| line.iter().map(mercator).collect()).collect();
+    let limit = FINEST.1 * 4_f64.powi(FINEST.0 - zoom(&points.concat()));
+    let mut kept: Vec<Place> = Vec::new();
+    for (line, points) in lines.iter().zip(&points) {
+        kept.extend(line.iter().zip(keep(points, limit)).filter(|(_, keep)| *keep).map(|(point, _)| *point));
+    }
+    kept.dedup();
+    kept
+}
+
+/// Which points of a line are needed for all of them to be within a limit, squared, of it.
+fn keep(points: &[[f64; 2]], limit: f64) -> Vec<bool> {
+    let mut kept = vec![false; points.len()];
+    let mut waiting = if points.is_empty() { Vec::new() } else { vec![(0, points.len() - 1)] };
     while let Some((first, last)) = waiting.pop() {
         kept[first] = true;
         kept[last] = true;
@@ -29,7 +39,7 @@ pub fn simplified(line: &[Place]) -> Vec<Place> {
             waiting.push((middle, last));
         }
     }
-    line.iter().zip(kept).filter(|(_, kept)| *kept).map(|(point, _)| *point).collect()
+    kept
 }
 
 fn mercator(place: &Place) -> [f64; 2] {
@@ -66,9 +76,11 @@ mod tests {
     #[test]
     fn a_straight_line_needs_its_ends_and_a_corner_is_kept() {
         let line: Vec<Place> = (0..100).map(|i| Place { lon: i * 10_000, lat: i % 2 * 20 }).collect();
-        assert_eq!(simplified(&line), [line[0], line[99]]);
+        assert_eq!(simplified(&[&line]), [line[0], line[99]]);
         let corner = [line.clone(), vec![Place { lon: 990_000, lat: 900_000 }]].concat();
-        assert_eq!(simplified(&corner), [line[0], line[99], corner[100]]);
-        assert_eq!(simplified(&line[..1]), [line[0]]);
+        assert_eq!(simplified(&[&corner]), [line[0], line[99], corner[100]]);
+        assert_eq!(simplified(&[&line[..1]]), [line[0]]);
+        // Where one line ends and another begins there is a point.
+        assert_eq!(simplified(&[&line[..50], &line[49..]]), [line[0], line[49], line[99]]);
     }
 }

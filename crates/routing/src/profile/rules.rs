@@ -127,6 +127,9 @@ pub struct Turns {
     pub u_turn: f64,
     /// Whether one drives on the right.
     pub right_hand: bool,
+    /// Whether one goes on at places on the way without turning round.
+    #[serde(default)]
+    pub continue_straight: bool,
 }
 
 impl Rules {

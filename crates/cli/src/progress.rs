@@ -1,0 +1,30 @@
+//! What is shown on a terminal while something takes long.
+
+use std::io::IsTerminal as _;
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// A bar on stderr, if a person is watching.
+pub fn progress_bar(length: usize, what: &'static str) -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{msg} {bar:32} {pos}/{len}  {elapsed} gone, {eta} to go");
+    let bar = ProgressBar::new(length as u64).with_message(what);
+    bar.enable_steady_tick(Duration::from_millis(200));
+    // The template is a constant; the default style would do as well.
+    bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+/// Says what is being done, until it is done, without knowing how long that takes.
+pub fn doing<T>(what: &'static str, work: impl FnOnce() -> T) -> T {
+    if !std::io::stderr().is_terminal() {
+        return work();
+    }
+    let spinner = ProgressBar::new_spinner().with_message(what);
+    spinner.enable_steady_tick(Duration::from_millis(200));
+    let done = work();
+    spinner.finish_and_clear();
+    done
+}

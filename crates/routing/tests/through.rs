@@ -1,0 +1,75 @@
+//! Ways through places in between, turning round there or not.
+
+use openbench_osm::OsmData;
+use openbench_routing::osrm::{Limits, Service, ServiceMemory};
+use openbench_routing::{Metric, Profile, Roads};
+use serde_json::Value;
+
+/// A block of 100 m by 100 m, and a dead end to the south of its south-east corner.
+const TOWN: &str = r#"<osm version="0.6">
+  <node id="1" lat="0" lon="0.000"/><node id="2" lat="0" lon="0.001"/><node id="3" lat="0.001" lon="0.001"/>
+  <node id="4" lat="0.001" lon="0.000"/><node id="5" lat="-0.001" lon="0.001"/>
+  <way id="1"><nd ref="1"/><nd ref="2"/><tag k="highway" v="residential"/><tag k="name" v="South Street"/></way>
+  <way id="2"><nd ref="2"/><nd ref="3"/><tag k="highway" v="residential"/><tag k="name" v="East Street"/></way>
+  <way id="3"><nd ref="3"/><nd ref="4"/><nd ref="1"/><tag k="highway" v="residential"/><tag k="name" v="North Street"/></way>
+  <way id="4"><nd ref="2"/><nd ref="5"/><tag k="highway" v="residential"/><tag k="name" v="Dead End"/></way>
+</osm>"#;
+
+/// Metres of a route, in hundreds, and the answer.
+fn route(profile: &str, places: &str, options: &str) -> (f64, Value) {
+    let roads = Roads::read(&OsmData::from_xml(TOWN.as_bytes()).unwrap(), &Default::default()).unwrap();
+    let metric = Metric::new(&roads, Profile::named(profile).unwrap()).unwrap();
+    let service = Service { roads, metric, limits: Limits::default() };
+    let answer = service.answer(&format!("/route/v1/x/{places}?{options}"), &mut ServiceMemory::default());
+    let answer: Value = serde_json::from_slice(&answer.body).unwrap();
+    let metres = answer["routes"][0]["distance"].as_f64().unwrap_or_default();
+    ((metres / 11.13).round() / 10.0, answer)
+}
+
+#[test]
+fn one_turns_round_in_between_or_goes_on() {
+    // From the south side to the middle of the east side and back.
+    let there_and_back = "0.0002,0;0.001,0.0005;0.0002,0";
+    assert_eq!(route("foot", there_and_back, "").0, 2.6);
+    // Without turns nobody remembers at the next corner where one came from.
+    assert_eq!(route("foot", there_and_back, "continue_straight=true").0, 3.6);
+    assert_eq!(route("delivery", there_and_back, "continue_straight=default").0, 2.6);
+    assert_eq!(route("car", there_and_back, "").0, 4.0);
+    assert_eq!(route("car", there_and_back, "continue_straight=true").0, 4.0);
+}
+
+#[test]
+fn at_a_corner_one_does_not_go_back_either() {
+    let to_the_corner_and_back = "0.0002,0;0.001,0;0.0002,0";
+    assert_eq!(route("foot", to_the_corner_and_back, "").0, 1.6);
+    // Into the dead end and out again, or round the block.
+    assert_eq!(route("foot", to_the_corner_and_back, "continue_straight=true").0, 3.6);
+    assert_eq!(route("car", to_the_corner_and_back, "continue_straight=true").0, 4.0);
+}
+
+#[test]
+fn in_a_dead_end_one_turns_round() {
+    let into_it_and_back = "0.0002,0;0.001,-0.001;0.0002,0";
+    for profile in Profile::NAMES {
+        assert_eq!(route(profile, into_it_and_back, "continue_straight=true").0, 3.6, "{profile}");
+    }
+}
+
+#[test]
+fn where_one_begins_at_a_corner_there_is_nothing_to_turn_into_first() {
+    let (length, answer) = route("foot", "0.001,0;0.001,0.0005", "steps=true");
+    let steps = answer["routes"][0]["legs"][0]["steps"].as_array().unwrap();
+    let kinds: Vec<&str> = steps.iter().filter_map(|step| step["maneuver"]["type"].as_str()).collect();
+    assert_eq!((length, kinds), (0.5, vec!["depart", "arrive"]));
+    assert_eq!(steps[0]["name"], "East Street");
+    // One arrives at a corner by the road that one came along, from its direction.
+    let (_, answer) = route("foot", "0.001,0.0005;0.001,0", "steps=true");
+    let arrive = &answer["routes"][0]["legs"][0]["steps"][1];
+    assert_eq!(
+        (&arrive["maneuver"]["bearing_before"], &arrive["name"]),
+        (&180.into(), &"East Street".into())
+    );
+    for step in answer["routes"][0]["legs"][0]["steps"].as_array().unwrap() {
+        assert!(step["distance"].as_f64().unwrap() > 0.0 || step["maneuver"]["type"] == "arrive", "{step}");
+    }
+}
