@@ -136,18 +136,23 @@ def http_cpu(pid, port, pairs):
 
     result = {}
     for kind, url in URLS.items():
-        connection = http.client.HTTPConnection("127.0.0.1", port)
-        began = cpu()
-        for pair in pairs:
-            fetch(connection, url.format(*pair))
-        result[kind] = (cpu() - began) / len(pairs) * 1e6
-        connection.close()
+        goes = []
+        for _ in range(3):
+            connection = http.client.HTTPConnection("127.0.0.1", port)
+            began = cpu()
+            for pair in pairs:
+                fetch(connection, url.format(*pair))
+            goes.append((cpu() - began) / len(pairs) * 1e6)
+            connection.close()
+        result[kind] = min(goes)
     table = ";".join(f"{pair[0]},{pair[1]}" for pair in pairs[:100])
     connection = http.client.HTTPConnection("127.0.0.1", port)
-    began = cpu()
+    goes = []
     for _ in range(5):
+        began = cpu()
         fetch(connection, f"/table/v1/foot/{table}?generate_hints=false")
-    result["table"] = (cpu() - began) / 5 * 1e6
+        goes.append((cpu() - began) * 1e6)
+    result["table"] = min(goes)
     status = pathlib.Path(f"/proc/{pid}/status").read_text()
     peak = next(line for line in status.splitlines() if line.startswith("VmHWM"))
     result["memory_mb"] = float(peak.split()[1]) * 1024 / 1e6

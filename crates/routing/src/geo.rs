@@ -26,6 +26,23 @@ impl Place {
         on_earth.then(|| Self { lon: units(position.lon), lat: units(position.lat) })
     }
 
+    /// Where it lies on a Hilbert curve over an Earth of 2^32 by 2^32 cells: what is near by on the curve is near by.
+    pub fn hilbert(self) -> u64 {
+        let [mut x, mut y] = [self.lon, self.lat].map(|unit| (i64::from(unit) + (1 << 31)) as u32);
+        let mut along = 0_u64;
+        for bit in (0..32).rev() {
+            let (right, up) = (x >> bit & 1, y >> bit & 1);
+            along = along << 2 | u64::from((3 * right) ^ up);
+            if up == 0 {
+                if right == 1 {
+                    (x, y) = (!x, !y);
+                }
+                std::mem::swap(&mut x, &mut y);
+            }
+        }
+        along
+    }
+
     /// The position, degrees.
     pub fn position(self) -> LonLat {
         LonLat::new(f64::from(self.lon) / UNITS, f64::from(self.lat) / UNITS)

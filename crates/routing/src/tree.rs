@@ -108,6 +108,12 @@ impl Bounds {
         all.fold(Self([i32::MAX, i32::MAX, i32::MIN, i32::MIN]), join)
     }
 
+    fn middle(&self) -> Place {
+        let middle = |a: i32, b: i32| ((i64::from(a) + i64::from(b)) / 2) as i32;
+        let [west, south, east, north] = self.0;
+        Place { lon: middle(west, east), lat: middle(south, north) }
+    }
+
     /// Metres to a place, squared; 0 within.
     fn away(&self, place: Place, scale: Scale) -> f64 {
         let [west, south, east, north] = self.0.map(i64::from);
@@ -128,7 +134,7 @@ impl SegmentTree {
             let points = network.edge_points(edge);
             for first in (0..points.len() - 1).step_by(RUN) {
                 let bounds = Bounds::around(points.part(first, first + RUN + 1));
-                runs.push((hilbert(&bounds), Run { edge, first: first as u32 }, bounds));
+                runs.push((bounds.middle().hilbert(), Run { edge, first: first as u32 }, bounds));
             }
         }
         runs.sort_by_key(|(place, ..)| *place);
@@ -248,23 +254,4 @@ pub fn between(a: Place, b: Place, share: f64) -> Place {
     let lon = (i64::from(a.lon) + step(east) + TURN / 2).rem_euclid(TURN) - TURN / 2;
     let lat = i64::from(a.lat) + step(i64::from(b.lat) - i64::from(a.lat));
     Place { lon: lon as i32, lat: lat as i32 }
-}
-
-/// Where a box's middle lies on a Hilbert curve over the Earth of 2^32 by 2^32 cells.
-fn hilbert(bounds: &Bounds) -> u64 {
-    let middle = |a: i32, b: i32| ((i64::from(a) + i64::from(b)) / 2 + (1 << 31)) as u64 as u32;
-    let [west, south, east, north] = bounds.0;
-    let (mut x, mut y) = (middle(west, east), middle(south, north));
-    let mut place = 0_u64;
-    for bit in (0..32).rev() {
-        let (right, up) = (x >> bit & 1, y >> bit & 1);
-        place = place << 2 | u64::from((3 * right) ^ up);
-        if up == 0 {
-            if right == 1 {
-                (x, y) = (!x, !y);
-            }
-            std::mem::swap(&mut x, &mut y);
-        }
-    }
-    place
 }

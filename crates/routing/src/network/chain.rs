@@ -63,7 +63,7 @@ mod tests {
             assert_eq!((0..chain.len()).map(|i| chain.at(i)).collect::<Vec<_>>(), all);
             assert_eq!(chain.part(1, 99).collect::<Vec<_>>(), all[1..]);
             assert_eq!(chain.pairs().count(), all.len() - 1);
-            assert_eq!(chain.iter().rev().next(), Some(9));
+            assert_eq!(chain.iter().next_back(), Some(9));
         }
     }
 }

@@ -68,9 +68,9 @@ impl Service {
                 }
                 json.key("type").string(step.kind.word());
             });
-            json.key("name").string(&name.name);
+            json.key("name").string(name.name);
             if !name.reference.is_empty() {
-                json.key("ref").string(&name.reference);
+                json.key("ref").string(name.reference);
             }
             json.key("mode").string(self.mode(edge));
             json.key("weight").seconds(step.measures.weight.into());

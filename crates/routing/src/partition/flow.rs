@@ -66,6 +66,8 @@ pub(super) struct Flow {
     /// What may still pass through each slot: 1 unused, 0 used this way, 2 used the other way.
     residual: Vec<u8>,
     level: Vec<u32>,
+    /// Sources beside others: the flow leaves the sources there.
+    begin: Vec<u32>,
     /// For each vertex the slot to go on with.
     next: Vec<u32>,
     queue: Vec<u32>,
@@ -77,6 +79,12 @@ impl Flow {
     pub(super) fn largest(&mut self, graph: &Graph, roles: &[Role], limit: usize) -> Option<usize> {
         self.residual.clear();
         self.residual.resize(graph.head.len(), 1);
+        let is_source = |vertex: u32| roles[vertex as usize] == Role::Source;
+        let leaves = |vertex: &u32| {
+            is_source(*vertex) && graph.slots(*vertex).any(|slot| !is_source(graph.head[slot]))
+        };
+        self.begin.clear();
+        self.begin.extend((0..graph.len() as u32).filter(leaves));
         let mut flow = 0;
         while self.find_levels(graph, roles) {
             flow += self.block(graph, roles, limit - flow);
@@ -92,12 +100,8 @@ impl Flow {
         self.level.clear();
         self.level.resize(graph.len(), FAR);
         self.queue.clear();
-        for vertex in 0..graph.len() as u32 {
-            if roles[vertex as usize] == Role::Source {
-                self.level[vertex as usize] = 0;
-                self.queue.push(vertex);
-            }
-        }
+        self.queue.extend_from_slice(&self.begin);
+        self.begin.iter().for_each(|vertex| self.level[*vertex as usize] = 0);
         let (mut done, mut last) = (0, FAR);
         while let Some(&vertex) = self.queue.get(done) {
             done += 1;
@@ -107,7 +111,7 @@ impl Flow {
             }
             for slot in graph.slots(vertex) {
                 let head = graph.head[slot] as usize;
-                if self.residual[slot] == 0 || self.level[head] != FAR {
+                if self.residual[slot] == 0 || self.level[head] != FAR || roles[head] == Role::Source {
                     continue;
                 }
                 self.level[head] = next;
@@ -125,11 +129,8 @@ impl Flow {
         self.next.clear();
         self.next.extend_from_slice(&graph.first[..graph.len()]);
         let mut flow = 0;
-        for source in 0..graph.len() as u32 {
-            while roles[source as usize] == Role::Source
-                && flow <= limit
-                && self.augment(graph, roles, source)
-            {
+        for i in 0..self.begin.len() {
+            while flow <= limit && self.augment(graph, roles, self.begin[i]) {
                 flow += 1;
             }
         }

@@ -31,9 +31,18 @@ pub(super) struct Halver {
 }
 
 impl Part {
-    pub(super) fn new(places: Vec<Place>, edges: impl Iterator<Item = (u32, u32)> + Clone) -> Self {
+    /// A whole network, its vertices along a Hilbert curve: what a flow passes through one after another should lie side by side.
+    pub(super) fn new(places: &[Place], edges: &[(u32, u32)]) -> Self {
+        let mut vertices: Vec<u32> = (0..places.len() as u32).collect();
+        vertices.sort_by_cached_key(|vertex| places[*vertex as usize].hilbert());
+        let mut number = vec![0; places.len()];
+        for (i, vertex) in (0..).zip(&vertices) {
+            number[*vertex as usize] = i;
+        }
+        let edges = edges.iter().map(|(a, b)| (number[*a as usize], number[*b as usize]));
         let graph = Graph::new(places.len(), edges);
-        Self { vertices: (0..places.len() as u32).collect(), places, graph }
+        let places = vertices.iter().map(|vertex| places[*vertex as usize]).collect();
+        Self { vertices, places, graph }
     }
 
     pub(super) fn len(&self) -> usize {
