@@ -304,52 +304,12 @@ impl Line {
 impl Memory {
     /// Takes down the directed edges that one can begin and end on.
     fn hold(&mut self, roads: &Roads, metric: &Metric, from: &[Position], to: &[Position]) {
-        let sides = |position: &Position| {
-            let position = *position;
-            [2 * position.edge, 2 * position.edge + 1].map(move |directed| (directed, position))
-        };
-        let open = |(directed, position): &(u32, Position)| {
-            position.open[*directed as usize % 2] && metric.edges[*directed as usize].weight() < FAR
-        };
         self.sources.clear();
-        for (directed, position) in from.iter().flat_map(sides).filter(open) {
-            let cost = metric.edges[directed as usize];
-            let (weight, duration) = (cost.weight(), cost.duration());
-            let rest = [weight, duration].map(|whole| whole - before(whole, &position, directed));
-            let length = part(centimetres(roads, directed), 1.0 - position.share_before(directed));
-            let (state, past) = match &metric.turns {
-                Some(turns) => (turns.state_of[directed as usize], [0, 0]),
-                None => {
-                    let [_, state] = roads.network.ends(directed);
-                    let vertex = metric.vertices[state as usize];
-                    (state, [vertex.weight(), vertex.duration()])
-                }
-            };
-            let end = End { state, weight: rest[0] + past[0] };
-            self.sources.push(Hold { directed, position, end, value: [rest[1] + past[1], length] });
-        }
+        self.sources
+            .extend(open_sides(metric, from).map(|(directed, at)| source(roads, metric, directed, at)));
         self.targets.clear();
-        for (directed, position) in to.iter().flat_map(sides).filter(open) {
-            let cost = metric.edges[directed as usize];
-            let (weight, duration) = (cost.weight(), cost.duration());
-            let [first, time] = [weight, duration].map(|whole| before(whole, &position, directed));
-            let length = part(centimetres(roads, directed), position.share_before(directed));
-            if let Some(turns) = &metric.turns {
-                // By each turn into the edge.
-                let graph = metric.searched(roads);
-                let slots = turns.states_of(directed).flat_map(|state| graph.overlay.incoming().of(state));
-                for slot in slots.filter(|slot| graph.weights.into[*slot] < FAR) {
-                    let from = graph.overlay.incoming().head[slot];
-                    let end = End { state: from, weight: graph.weights.into[slot] - weight + first };
-                    let [passed, _] = metric.passing(roads, turns.edge_of[from as usize], directed);
-                    self.targets.push(Hold { directed, position, end, value: [time + passed, length] });
-                }
-            } else {
-                let [state, _] = roads.network.ends(directed);
-                let weight = metric.edge_weight(&roads.network, directed, first);
-                let end = End { state, weight };
-                self.targets.push(Hold { directed, position, end, value: [time, length] });
-            }
+        for (directed, at) in open_sides(metric, to) {
+            self.hold_target(roads, metric, directed, at);
         }
         self.sources.retain(|hold| hold.end.weight < FAR);
         self.targets.retain(|hold| hold.end.weight < FAR);
@@ -358,6 +318,57 @@ impl Memory {
             ends.extend(holds.iter().map(|hold| hold.end));
         }
     }
+
+    /// Takes down the ends that one can reach a place from along a directed edge.
+    fn hold_target(&mut self, roads: &Roads, metric: &Metric, directed: u32, position: Position) {
+        let cost = metric.edges[directed as usize];
+        let [first, time] = [cost.weight(), cost.duration()].map(|whole| before(whole, &position, directed));
+        let length = part(centimetres(roads, directed), position.share_before(directed));
+        let Some(turns) = &metric.turns else {
+            let [state, _] = roads.network.ends(directed);
+            let end = End { state, weight: metric.edge_weight(&roads.network, directed, first) };
+            return self.targets.push(Hold { directed, position, end, value: [time, length] });
+        };
+        // By each turn into the edge.
+        let graph = metric.searched(roads);
+        let incoming = graph.overlay.incoming();
+        let slots = turns.states_of(directed).flat_map(|state| incoming.of(state));
+        for slot in slots.filter(|slot| graph.weights.into[*slot] < FAR) {
+            let from = incoming.head[slot];
+            let end = End { state: from, weight: graph.weights.into[slot] - cost.weight() + first };
+            let [passed, _] = metric.passing(roads, turns.edge_of[from as usize], directed);
+            self.targets.push(Hold { directed, position, end, value: [time + passed, length] });
+        }
+    }
+}
+
+/// The directions in which places may be left or reached.
+fn open_sides<'a>(
+    metric: &'a Metric,
+    positions: &'a [Position],
+) -> impl Iterator<Item = (u32, Position)> + 'a {
+    let sides = positions.iter().flat_map(|at| [(2 * at.edge, *at), (2 * at.edge + 1, *at)]);
+    sides.filter(|(directed, at)| {
+        at.open[*directed as usize % 2] && metric.edges[*directed as usize].is_open()
+    })
+}
+
+/// The end that one goes on from who leaves a place along a directed edge.
+fn source(roads: &Roads, metric: &Metric, directed: u32, position: Position) -> Hold {
+    let cost = metric.edges[directed as usize];
+    let [weight, time] =
+        [cost.weight(), cost.duration()].map(|whole| whole - before(whole, &position, directed));
+    let length = part(centimetres(roads, directed), 1.0 - position.share_before(directed));
+    let (state, past) = match &metric.turns {
+        Some(turns) => (turns.state_of[directed as usize], [0, 0]),
+        None => {
+            let [_, state] = roads.network.ends(directed);
+            let vertex = metric.vertices[state as usize];
+            (state, [vertex.weight(), vertex.duration()])
+        }
+    };
+    let end = End { state, weight: weight + past[0] };
+    Hold { directed, position, end, value: [time + past[1], length] }
 }
 
 fn is_simple(states: &[u32]) -> bool {

@@ -52,8 +52,7 @@ impl Cliques {
     /// Those cells again that hold one of these states, in all layers: after the weights of arcs between them have changed.
     pub fn update(layers: &mut [Self], overlay: &Overlay, weights: &Weights, states: &[u32]) {
         for (height, layer) in overlay.layers.iter().enumerate() {
-            let cell = |state: &u32| layer.cell_of_leaf[overlay.leaf[*state as usize] as usize];
-            let mut cells: Vec<u32> = states.iter().map(cell).collect();
+            let mut cells: Vec<u32> = states.iter().map(|state| overlay.cell(height, *state)).collect();
             cells.sort_unstable();
             cells.dedup();
             let (lower, upper) = layers.split_at_mut(height);
@@ -166,8 +165,7 @@ impl Local {
     fn load_clique(&mut self, below: &Below<'_>, index: usize) {
         let Some(height) = below.layers.len().checked_sub(1) else { return };
         let (layer, cliques) = (&below.overlay.layers[height], &below.layers[height]);
-        let leaf = below.overlay.leaf[layer.state[index] as usize];
-        let cell = layer.cell_of_leaf[leaf as usize];
+        let cell = below.overlay.cell(height, layer.state[index]);
         if !layer.entries(cell).contains(&index) {
             return;
         }

@@ -172,6 +172,12 @@ impl Overlay {
         self.into.as_ref().map_or_else(|| self.out.via[slot] ^ 1, |into| into.via[slot])
     }
 
+    /// The cell that a state is in, by the number of its layer counted from 0.
+    #[inline]
+    pub fn cell(&self, layer: usize, state: u32) -> u32 {
+        self.layers[layer].cell_of_leaf[self.leaf[state as usize] as usize]
+    }
+
     /// The index of a state in a layer, [`NONE`] if it is on no border there.
     #[inline]
     pub fn index(&self, height: usize, state: u32) -> u32 {

@@ -17,6 +17,9 @@ mod inertial;
 use crate::geo::Place;
 use inertial::{Halver, Part};
 
+/// The halves of larger parts are halved side by side.
+const ALONE: usize = 10_000;
+
 /// How large the cells of each level may be.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CellSizes(Vec<usize>);
@@ -56,24 +59,39 @@ impl Partition {
     /// Puts vertices into cells. Levels whose cells could hold the whole network are left out.
     pub fn new(places: &[Place], edges: &[(u32, u32)], sizes: &CellSizes) -> Self {
         let levels = sizes.0.iter().take_while(|size| **size < places.len()).count();
-        let mut partition =
-            Self { order: Vec::with_capacity(places.len()), levels: vec![Vec::new(); levels] };
-        let mut halver = Halver::default();
-        let mut waiting = vec![(Part::new(places, edges), levels)];
-        while let Some((part, mut level)) = waiting.pop() {
-            while level > 0 && part.len() <= sizes.0[level - 1] {
-                level -= 1;
-                partition.levels[level].push(partition.order.len() as u32);
-            }
-            if level == 0 {
-                partition.order.extend_from_slice(&part.vertices);
-            } else {
-                let [first, second] = halver.halve(&part);
-                waiting.push((second, level));
-                waiting.push((first, level));
-            }
-        }
+        let mut partition = Self::of_part(Part::new(places, edges), levels, sizes, &mut Halver::default());
         partition.levels.iter_mut().for_each(|level| level.push(places.len() as u32));
+        partition
+    }
+
+    /// The cells of a part that is larger than cells of `level` and above may be; without where the last one ends.
+    fn of_part(part: Part, mut level: usize, sizes: &CellSizes, halver: &mut Halver) -> Self {
+        let mut partition = Self { order: Vec::new(), levels: vec![Vec::new(); level] };
+        while level > 0 && part.len() <= sizes.0[level - 1] {
+            level -= 1;
+            partition.levels[level].push(0);
+        }
+        if level == 0 {
+            partition.order = part.vertices;
+            return partition;
+        }
+        let (size, [first, second]) = (part.len(), halver.halve(&part));
+        drop(part);
+        let (first, second) = if size > ALONE {
+            let of_part = |part| Self::of_part(part, level, sizes, &mut Halver::default());
+            rayon::join(|| of_part(first), || of_part(second))
+        } else {
+            (Self::of_part(first, level, sizes, halver), Self::of_part(second, level, sizes, halver))
+        };
+        for (all, half) in partition.levels.iter_mut().zip(first.levels) {
+            all.extend(half);
+        }
+        let begin = first.order.len() as u32;
+        for (all, half) in partition.levels.iter_mut().zip(second.levels) {
+            all.extend(half.iter().map(|start| start + begin));
+        }
+        partition.order = first.order;
+        partition.order.extend(second.order);
         partition
     }
 }

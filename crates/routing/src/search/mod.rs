@@ -69,11 +69,11 @@ impl Ends {
         self.base.push(0);
         self.cells.resize_with(overlay.layers.len(), Vec::new);
         let mut base = overlay.out.states() as u32;
-        for (layer, cells) in overlay.layers.iter().zip(&mut self.cells) {
+        for (height, cells) in self.cells.iter_mut().enumerate() {
             self.base.push(base);
-            base += layer.state.len() as u32;
+            base += overlay.layers[height].state.len() as u32;
             cells.clear();
-            cells.extend(states.clone().map(|s| layer.cell_of_leaf[overlay.leaf[s as usize] as usize]));
+            cells.extend(states.clone().map(|state| overlay.cell(height, state)));
             cells.sort_unstable();
             cells.dedup();
         }

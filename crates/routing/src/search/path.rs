@@ -87,6 +87,5 @@ impl Path {
 
 /// The cell of a slot.
 fn cell(graph: Searched<'_>, height: usize, slot: u32) -> u32 {
-    let layer = &graph.overlay.layers[height - 1];
-    layer.cell_of_leaf[graph.overlay.leaf[layer.state[slot as usize] as usize] as usize]
+    graph.overlay.cell(height - 1, graph.overlay.layers[height - 1].state[slot as usize])
 }

@@ -35,8 +35,7 @@ impl<'a> Tables<'a> {
     #[inline]
     fn row(&self, height: usize, slot: usize) -> Option<(usize, &'a [u32])> {
         let layer: &Layer = &self.overlay.layers[height];
-        let leaf = self.overlay.leaf[layer.state[slot] as usize];
-        let cell = layer.cell_of_leaf[leaf as usize];
+        let cell = self.overlay.cell(height, layer.state[slot]);
         let (from, to) = if self.backward {
             (layer.exits(cell), layer.entries(cell))
         } else {

@@ -64,14 +64,14 @@ impl Values {
         let Some(lower) = height.checked_sub(1) else { return self.arc(graph, from, to) };
         let layer = &graph.overlay.layers[lower];
         let [a, b] = [from, to].map(|slot| layer.state[slot as usize]);
-        let [p, q] = [a, b].map(|state| layer.cell_of_leaf[graph.overlay.leaf[state as usize] as usize]);
+        let [p, q] = [a, b].map(|state| graph.overlay.cell(lower, state));
         if p == q { self.through(graph, lower, from, to) } else { self.arc(graph, a, b) }
     }
 
     /// Through a cell, from an entry to an exit, by their slots.
     pub(super) fn through(&self, graph: Searched<'_>, height: usize, entry: u32, exit: u32) -> Value {
         let layer = &graph.overlay.layers[height];
-        let cell = layer.cell_of_leaf[graph.overlay.leaf[layer.state[entry as usize] as usize] as usize];
+        let cell = graph.overlay.cell(height, layer.state[entry as usize]);
         let (entries, exits) = (layer.entries(cell), layer.exits(cell));
         let matrix = layer.matrix[cell as usize] as usize;
         self.rows[height]
