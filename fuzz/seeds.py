@@ -1,10 +1,11 @@
-"""Writes small examples into corpus/TARGET, for the targets that read worlds, meshes and maps.
+"""Writes small examples into corpus/TARGET, for the targets that read worlds, meshes, maps and what routing reads.
 
 Usage: seeds.py [DATA]     DATA: a folder with `openbench`, `gazebo_models` and `osm`; by default ../../shared/data
 """
 
 import re
 import struct
+import subprocess
 import sys
 import zlib
 from pathlib import Path
@@ -47,6 +48,40 @@ def meshes():
     facet = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet"
     put("mesh", "text.stl", b"\2" + f"solid a\n{facet}\nendsolid a\n".encode())
     put("mesh", "square.obj", b"\1v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1 -1/1\n")
+
+
+TOWN = """<osm version="0.6"><node id="1" lat="0" lon="0"/><node id="2" lat="0" lon="0.001"/><node id="3" lat="0.001" lon="0.001"/>
+<node id="4" lat="0.001" lon="0"><tag k="barrier" v="gate"/></node><node id="5" lat="-0.001" lon="0.001"/>
+<way id="1"><nd ref="1"/><nd ref="2"/><tag k="highway" v="residential"/><tag k="name" v="South Street"/></way>
+<way id="2"><nd ref="2"/><nd ref="3"/><tag k="highway" v="service"/><tag k="access" v="private"/></way>
+<way id="3"><nd ref="3"/><nd ref="4"/><nd ref="1"/><tag k="highway" v="footway"/><tag k="oneway" v="yes"/></way>
+<way id="4"><nd ref="2"/><nd ref="5"/><tag k="route" v="ferry"/><tag k="duration" v="00:10"/></way>
+<way id="5"><nd ref="1"/><nd ref="2"/><nd ref="3"/><nd ref="4"/><nd ref="1"/><tag k="highway" v="pedestrian"/><tag k="area" v="yes"/></way>
+<relation id="1"><member type="way" ref="1" role="from"/><member type="way" ref="2" role="via"/><member type="way" ref="3" role="to"/>
+<tag k="type" v="restriction"/><tag k="restriction" v="no_u_turn"/></relation>
+<relation id="2"><member type="way" ref="5" role="outer"/><tag k="type" v="multipolygon"/><tag k="highway" v="pedestrian"/></relation></osm>"""
+
+
+def routing():
+    """A town, as XML and as a graph file (if the program is built), profiles and addresses."""
+    put("roads", "town", TOWN.encode())
+    program = HERE.parent / "target/release/openbench"
+    if program.exists():
+        graph = HERE / "corpus/graph_file/town"
+        graph.parent.mkdir(parents=True, exist_ok=True)
+        subprocess.run([program, "prepare", "--map", HERE / "corpus/roads/town", "--out", graph], check=True, stdout=subprocess.DEVNULL)
+    for path in HERE.parent.glob("crates/routing/profiles/*.toml"):
+        put("profile", path.stem, path.read_bytes())
+    for number, address in enumerate(
+        [
+            "/route/v1/foot/3,0;3.001,0.001?steps=true&overview=full&geometries=geojson&annotations=true",
+            "/route/v1/foot/3,0;3.001,0;3,0?continue_straight=true&waypoints=0;2&radiuses=unlimited;5;&bearings=90,20;;",
+            "/route/v1/foot/polyline(_ibE?_ibE_ibE)?alternatives=3&generate_hints=false&exclude=ferry",
+            "/nearest/v1/foot/3,0.0005?number=3",
+            "/table/v1/foot/3,0;3.001,0.001;3,0.001?sources=0&destinations=1;2&annotations=duration,distance&fallback_speed=5",
+        ]
+    ):
+        put("osrm_request", str(number), address.encode())
 
 
 def maps():
@@ -96,3 +131,4 @@ if __name__ == "__main__":
     worlds()
     meshes()
     maps()
+    routing()

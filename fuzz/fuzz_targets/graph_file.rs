@@ -11,7 +11,7 @@ fuzz_target!(|bytes: &[u8]| {
         return;
     }
     let length = file.len() as u64;
-    file[..16].copy_from_slice(b"OBROADS\0\x01\0\0\0\x0b\0\0\0");
+    file[..16].copy_from_slice(b"OBROADS\0\x02\0\0\0\x14\0\0\0");
     file[16..24].copy_from_slice(&length.to_le_bytes());
     let sum = blake3::hash(&file[64..]);
     file[32..64].copy_from_slice(sum.as_bytes());

@@ -2,7 +2,7 @@
 //!
 //! After D. Delling, A. Goldberg, T. Pajor, R. Werneck, *Customizable Route Planning in Road Networks*, Transportation Science 2017: what takes long is done
 //! once for a map, what a profile asks for in some hundredths of a second for a city, and a road that closes in less. Contraction hierarchies answer
-//! some four times faster (`benchmarks/routing`), and are not the aim: they need their preparation again when weights change, or know no turns.
+//! two to four times faster (`benchmarks/routing`), and are not the aim: they need their preparation again when weights change, or know no turns.
 //!
 //! ```no_run
 //! use openbench_core::LonLat;

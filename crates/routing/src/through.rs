@@ -32,6 +32,9 @@ pub fn through(
     for pair in places.windows(2) {
         let before = arrivals.last();
         let next = arrive(roads, metric, [&pair[0], &pair[1]], before.map_or(&[], Vec::as_slice), memory);
+        if next.is_empty() {
+            return None;
+        }
         arrivals.push(next);
     }
     let mut legs = Vec::with_capacity(arrivals.len());

@@ -1,7 +1,13 @@
 //! Ways through places in between, turning round there or not.
 
+use openbench_core::LonLat;
 use openbench_osm::OsmData;
+use openbench_routing::geo::Place;
+use openbench_routing::leg::Memory;
 use openbench_routing::osrm::{Limits, Service, ServiceMemory};
+use openbench_routing::position::{Snap, SnapOptions};
+use openbench_routing::through::through;
+use openbench_routing::tree::Nearest;
 use openbench_routing::{Metric, Profile, Roads};
 use serde_json::Value;
 
@@ -15,9 +21,18 @@ const TOWN: &str = r#"<osm version="0.6">
   <way id="4"><nd ref="2"/><nd ref="5"/><tag k="highway" v="residential"/><tag k="name" v="Dead End"/></way>
 </osm>"#;
 
+/// A street that nothing leads to.
+const ISLAND: &str = r#"<node id="6" lat="0.01" lon="0.01"/><node id="7" lat="0.01" lon="0.011"/>
+  <way id="5"><nd ref="6"/><nd ref="7"/><tag k="highway" v="residential"/></way></osm>"#;
+
+fn roads() -> Roads {
+    let town = TOWN.replace("</osm>", ISLAND);
+    Roads::read(&OsmData::from_xml(town.as_bytes()).unwrap(), &Default::default()).unwrap()
+}
+
 /// Metres of a route, in hundreds, and the answer.
 fn route(profile: &str, places: &str, options: &str) -> (f64, Value) {
-    let roads = Roads::read(&OsmData::from_xml(TOWN.as_bytes()).unwrap(), &Default::default()).unwrap();
+    let roads = roads();
     let metric = Metric::new(&roads, Profile::named(profile).unwrap()).unwrap();
     let service = Service { roads, metric, limits: Limits::default() };
     let answer = service.answer(&format!("/route/v1/x/{places}?{options}"), &mut ServiceMemory::default());
@@ -71,5 +86,23 @@ fn where_one_begins_at_a_corner_there_is_nothing_to_turn_into_first() {
     );
     for step in answer["routes"][0]["legs"][0]["steps"].as_array().unwrap() {
         assert!(step["distance"].as_f64().unwrap() > 0.0 || step["maneuver"]["type"] == "arrive", "{step}");
+    }
+}
+
+/// Found by fuzzing.
+#[test]
+fn where_a_place_in_between_cannot_be_reached_there_is_no_route() {
+    let roads = roads();
+    let metric = Metric::new(&roads, Profile::named("car").unwrap()).unwrap();
+    let near = |(lon, lat): (f64, f64)| {
+        let place = Place::new(LonLat::new(lon, lat)).unwrap();
+        Snap::new(&roads, &metric, place, &SnapOptions::default(), &mut Nearest::default()).nearest
+    };
+    let places = [(0.0002, 0.0), (0.0105, 0.01), (0.001, 0.0005)].map(near);
+    let town = [places[0].clone(), places[2].clone(), places[0].clone()];
+    for straight in [false, true] {
+        let memory = &mut Memory::default();
+        assert_eq!(through(&roads, &metric, &places, straight, memory), None);
+        assert_eq!(through(&roads, &metric, &town, straight, memory).map(|legs| legs.len()), Some(2));
     }
 }
