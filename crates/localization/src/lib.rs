@@ -3,10 +3,12 @@
 //! | module | its one job |
 //! |---|---|
 //! | [`dead_reckoning`] | [`DeadReckoning`]: wheels for the way, gyroscope for the heading, from a known start |
+//! | [`lio`] | LiDAR-inertial odometry (not yet what OPEN drives on) |
 //!
 //! [`Localizer`] is the seam: agents know only it.
 
 pub mod dead_reckoning;
+pub mod lio;
 
 use openbench_core::{Observation, Pose2, SimTime};
 

@@ -188,9 +188,13 @@ impl Leg {
             let (share, segment) = if last { (1.0, points - 2) } else { (0.0, 0) };
             Position { edge: directed / 2, share, segment, ..*position }
         };
-        while self.edges.len() > 1 && nothing(&self, 0) {
+        while let [first, second, ..] = self.edges[..] {
+            let free = metric.entry_weight(roads, first, second) == 0;
+            if !(free && nothing(&self, 0)) {
+                break;
+            }
             self.edges.remove(0);
-            self.from = at(&self.from, self.edges[0], false);
+            self.from = at(&self.from, second, false);
         }
         while let [.., before, last] = self.edges[..] {
             let free = metric.passing(roads, before, last) == [0, 0];

@@ -127,7 +127,7 @@ impl Metric {
         let weight_is_duration =
             edges.iter().all(|edge| edge.weight() == edge.duration() && !edge.ends_only())
                 && vertices.iter().all(|vertex| vertex.weight() == vertex.duration());
-        let turns = profile.turns().map(|_| TurnGraph::new(roads, &profile)).transpose()?;
+        let turns = profile.turns().map(|_| TurnGraph::new(roads, &profile, &edges)).transpose()?;
         let mut metric = Self {
             profile,
             edges,

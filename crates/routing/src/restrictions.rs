@@ -13,6 +13,8 @@ use crate::profile::Profile;
 
 /// Edges that the ways in between may be made of, and pairs of edges that one restriction may be about.
 const MOST: usize = 64;
+/// Edges that are looked at for all restrictions by ways together: a hundred each, on a map of a hundred thousand of them.
+const WORK: usize = 10_000_000;
 
 /// What may not be travelled one after another.
 #[derive(Debug, Clone, Default)]
@@ -37,9 +39,9 @@ struct Rule {
 }
 
 impl Restrictions {
-    /// What the restrictions of a network say to a profile.
-    pub(crate) fn new(network: &Network, profile: &Profile) -> Self {
-        let finder = Finder::new(network);
+    /// What the restrictions of a network say to a profile, to which some directed edges are open.
+    pub(crate) fn new(network: &Network, profile: &Profile, open: &dyn Fn(u32) -> bool) -> Self {
+        let mut finder = Finder::new(network, open);
         let (mut found, mut odd) = (BTreeMap::<(Vec<u32>, bool), Vec<u32>>::new(), 0);
         let mut via_ways: &[i64] = &network.via_ways;
         for restriction in network.restrictions.iter() {
@@ -107,10 +109,12 @@ struct Finder<'a> {
     reaching: Vec<(i64, i64, u32)>,
     /// The same by the node at the beginning, for ways in between.
     leaving: Vec<(i64, i64, u32)>,
+    /// How much may still be looked at.
+    work: usize,
 }
 
 impl<'a> Finder<'a> {
-    fn new(network: &'a Network) -> Self {
+    fn new(network: &'a Network, open: &dyn Fn(u32) -> bool) -> Self {
         let ends: HashSet<i64> = network.restrictions.iter().flat_map(|r| [r.from, r.to]).collect();
         let between: HashSet<i64> = network.via_ways.iter().copied().collect();
         let (mut reaching, mut leaving) = (Vec::new(), Vec::new());
@@ -121,18 +125,18 @@ impl<'a> Finder<'a> {
                 if ends.contains(way) {
                     reaching.push((*way, to, directed));
                 }
-                if between.contains(way) {
+                if between.contains(way) && open(directed) {
                     leaving.push((*way, from, directed));
                 }
             }
         }
         reaching.sort_unstable();
         leaving.sort_unstable();
-        Self { network, reaching, leaving }
+        Self { network, reaching, leaving, work: WORK }
     }
 
     /// Rows of directed edges and the edge that a restriction says something about behind each; `None` if there are none, or too many.
-    fn rows(&self, restriction: &Restriction, ways: &[i64]) -> Option<Vec<(Vec<u32>, u32)>> {
+    fn rows(&mut self, restriction: &Restriction, ways: &[i64]) -> Option<Vec<(Vec<u32>, u32)>> {
         let mut rows = Vec::new();
         if ways.is_empty() {
             for from in at(&self.reaching, restriction.from, restriction.via) {
@@ -145,22 +149,26 @@ impl<'a> Finder<'a> {
             }
         } else {
             let first = self.reaching.partition_point(|(way, ..)| *way < restriction.from);
-            let from = self.reaching[first..].iter().take_while(|(way, ..)| *way == restriction.from);
-            for (_, node, from) in from {
-                self.through(restriction, ways, *node, *from, &mut rows)?;
+            for i in first..self.reaching.len() {
+                let (way, node, from) = self.reaching[i];
+                if way != restriction.from {
+                    break;
+                }
+                self.work = self.work.checked_sub(ways.len())?;
+                self.through(restriction, ways, node, from, &mut rows)?;
             }
         }
         Some(rows).filter(|rows| !rows.is_empty())
     }
 
     /// Directed edges of a way that leave a node.
-    fn turns_into(&self, way: i64, node: i64) -> impl Iterator<Item = u32> {
+    fn turns_into(&self, way: i64, node: i64) -> impl Iterator<Item = u32> + '_ {
         at(&self.reaching, way, node).map(|directed| directed ^ 1)
     }
 
     /// The rows from an edge that reaches `node` through the ways in between, the shortest ones; `None` if these ways are too many edges.
     fn through(
-        &self,
+        &mut self,
         restriction: &Restriction,
         ways: &[i64],
         node: i64,
@@ -177,12 +185,15 @@ impl<'a> Finder<'a> {
             if let Some(&last) = row.first() {
                 row.push(from);
                 row.reverse();
+                // All beginnings of the row will be kept.
+                self.work = self.work.checked_sub(row.len() * row.len())?;
                 let turns = self.turns_into(restriction.to, node).filter(|to| *to != last ^ 1);
                 rows.extend(turns.take(MOST).map(|to| (row.clone(), to)));
             }
             for directed in
                 ways.iter().flat_map(|way| at(&self.leaving, *way, node)).filter(|d| *d != from ^ 1)
             {
+                self.work = self.work.checked_sub(1)?;
                 let end = self.network.vertex_nodes[self.network.ends(directed)[1] as usize];
                 if let std::collections::hash_map::Entry::Vacant(entry) = reached.entry(end) {
                     entry.insert(Some((directed, node)));

@@ -5,6 +5,9 @@ use crate::metric::Metric;
 use crate::position::Position;
 use crate::roads::Roads;
 
+/// Edges through a place at most for its directions to be told apart; only maps that are made to be slow have more.
+const MOST: usize = 32;
+
 /// A way to one of the places.
 #[derive(Debug, Clone)]
 struct Arrival {
@@ -24,7 +27,7 @@ pub fn through(
     straight: bool,
     memory: &mut Memory,
 ) -> Option<Vec<Leg>> {
-    if !straight || places.len() < 3 {
+    if !straight || places.len() < 3 || places.iter().any(|place| place.len() > MOST) {
         return places.windows(2).map(|pair| Leg::find(roads, metric, &pair[0], &pair[1], memory)).collect();
     }
     // For each place the lightest way to it by each directed edge there.
@@ -59,10 +62,27 @@ fn arrive(
 ) -> Vec<Arrival> {
     let begin = [Arrival { directed: u32::MAX, weight: 0, leg: None }];
     let before = if before.is_empty() { &begin[..] } else { before };
+    // One is at the beginning of an edge by another one, unless there is none.
+    let travelled = arrivals(roads, metric, [from, to], before, |at, d| at.share_before(d) > 0.0, memory);
+    if travelled.is_empty() {
+        arrivals(roads, metric, [from, to], before, |_, _| true, memory)
+    } else {
+        travelled
+    }
+}
+
+/// The lightest ways on by each directed edge that is good to arrive by.
+fn arrivals(
+    roads: &Roads,
+    metric: &Metric,
+    [from, to]: [&[Position]; 2],
+    before: &[Arrival],
+    good: impl Fn(&Position, u32) -> bool,
+    memory: &mut Memory,
+) -> Vec<Arrival> {
     let mut found = Vec::new();
     for directed in to.iter().flat_map(|position| [2 * position.edge, 2 * position.edge + 1]) {
-        // One is at the beginning of an edge by another one.
-        let goal = only(to, |at, d| d == directed && at.share_before(d) > 0.0);
+        let goal = only(to, |at, d| d == directed && good(at, d));
         if goal.is_empty() {
             continue;
         }

@@ -2,7 +2,7 @@
 
 use crate::geo::turn;
 use crate::guidance::Guide;
-use crate::metric::{Metric, sum, units};
+use crate::metric::{EdgeCost, Metric, sum, units};
 use crate::network::Network;
 use crate::overlay::{Arcs, FAR, NONE, Overlay};
 use crate::profile::{CROSSING, Profile, Turns};
@@ -11,6 +11,9 @@ use crate::roads::Roads;
 
 /// Turns for each edge, on average over a map, beyond which its junctions are thought to be made to be slow: on maps of streets there are three.
 const MOST_TURNS: usize = 32;
+
+/// Roads of one junction, with all rows of restrictions that end on them.
+const MOST_ROADS: usize = 512;
 
 /// A map with junctions of so many roads that their turns cannot be looked at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -41,10 +44,11 @@ pub struct TurnGraph {
 }
 
 impl TurnGraph {
-    /// All turns of a network that a profile is not kept from.
-    pub fn new(roads: &Roads, profile: &Profile) -> Result<Self, TooManyTurns> {
+    /// All turns of a network that a profile, to which its directed edges cost so much, is not kept from.
+    pub fn new(roads: &Roads, profile: &Profile, edges: &[EdgeCost]) -> Result<Self, TooManyTurns> {
         let network = &roads.network;
-        let restrictions = Restrictions::new(network, profile);
+        let is_open = |directed: u32| edges[directed as usize].is_open();
+        let restrictions = Restrictions::new(network, profile, &is_open);
         let mut order: Vec<u32> = (0..2 * network.edge_count() as u32).collect();
         order.sort_by_key(|directed| network.ends(*directed)[0]);
         let (mut state_of, mut edge_of, mut row_of) = (vec![NONE; order.len()], Vec::new(), Vec::new());
@@ -140,9 +144,9 @@ impl States<'_> {
         let leaving = |vertex: usize| firsts[vertex]..firsts[vertex + 1];
         let states = self.edge_of.len();
         let turns: usize = (0..states as u32).map(|state| leaving(end(state)).len()).sum();
-        if turns > MOST_TURNS * states {
-            let roads = |vertex: &usize| leaving(*vertex).len();
-            let worst = (0..network.vertices.len()).max_by_key(roads).unwrap_or_default();
+        let roads = |vertex: &usize| leaving(*vertex).len();
+        let worst = (0..network.vertices.len()).max_by_key(roads).unwrap_or_default();
+        if turns > MOST_TURNS * states || (states > 0 && roads(&worst) > MOST_ROADS) {
             return Err(TooManyTurns { turns, node: network.vertex_nodes[worst], roads: roads(&worst) });
         }
         let crossing: Vec<bool> = network.way_words.iter().map(|words| words.has(CROSSING)).collect();

@@ -21,10 +21,16 @@ fn graph() -> impl Strategy<Value = Graph> {
     let weight = prop_oneof![4 => 0_u32..50, 1 => Just(0), 1 => Just(FAR), 1 => Just(FAR / 3)];
     (2_u32..80).prop_flat_map(move |count| {
         let places = proptest::collection::vec((-9_i32..9, -9_i32..9), count as usize);
-        let arcs = proptest::collection::vec((0..count, 0..count, weight.clone()), 0..220);
-        (places, arcs).prop_map(|(places, arcs)| Graph {
+        let arcs = proptest::collection::vec((0..count, 0..count, [weight.clone(), weight.clone()]), 0..220);
+        (places, arcs, any::<bool>()).prop_map(|(places, arcs, streets)| Graph {
             places: places.into_iter().map(|(lon, lat)| Place { lon, lat }).collect(),
-            arcs,
+            arcs: if streets {
+                // Each arc has one back, as those of streets have.
+                let arcs = arcs.into_iter().filter(|(a, b, _)| a != b).take(110);
+                arcs.flat_map(|(a, b, [there, back])| [(a, b, there), (b, a, back)]).collect()
+            } else {
+                arcs.into_iter().map(|(a, b, [weight, _])| (a, b, weight)).collect()
+            },
         })
     })
 }
@@ -120,6 +126,18 @@ proptest! {
                 }
             }
         }
+    }
+
+    #[test]
+    fn arcs_that_lead_to_a_state_are_those_that_leave_others_for_it(graph in graph()) {
+        let (graph, levels) = graph.in_cells(&[4, 16]);
+        let overlay = graph.overlay(&levels);
+        let incoming = overlay.incoming();
+        let mut into: Vec<_> = incoming.iter().map(|(to, slot)| (incoming.head[slot], to, overlay.via_incoming(slot))).collect();
+        let mut out: Vec<_> = overlay.out.iter().map(|(from, slot)| (from, overlay.out.head[slot], overlay.out.via[slot])).collect();
+        into.sort_unstable();
+        out.sort_unstable();
+        prop_assert_eq!(into, out);
     }
 
     #[test]

@@ -23,6 +23,7 @@ use openbench_osm::stream::Elements;
 use crate::geo::Place;
 use crate::store::Column;
 pub use chain::Chain;
+pub(crate) use read::VIA_WAYS;
 pub use words::{RoadName, RoadNames, Texts, WordSets};
 
 /// An edge's two vertices and what is known of it.

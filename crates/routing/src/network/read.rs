@@ -12,7 +12,9 @@ use crate::geo::Place;
 use crate::profile::CROSSING;
 
 /// Ways in between that a turn restriction may have.
-const VIA_WAYS: usize = 16;
+pub(crate) const VIA_WAYS: usize = 16;
+/// Nodes that the outlines of all squares that are relations may have together.
+const OUTLINES: usize = 10_000_000;
 
 /// Ways that a profile may be asked about, by number.
 pub(super) struct Ways {
@@ -105,11 +107,14 @@ impl Ways {
         if !wanted.is_empty() {
             let mut outlines = Outlines { wanted, lines: HashMap::new() };
             source.visit(&mut outlines)?;
+            // A million relations can name the same outline.
+            let mut room = OUTLINES;
             for square in self.squares.iter_mut().filter(|square| square.rings.is_empty()) {
                 let lines: Option<Vec<&[i64]>> =
                     square.outlines.iter().map(|way| outlines.lines.get(way).map(Vec::as_slice)).collect();
-                let lines =
-                    lines.filter(|lines| lines.iter().map(|line| line.len()).sum::<usize>() <= 2 * CORNERS);
+                let size = |lines: &Vec<&[i64]>| lines.iter().map(|line| line.len()).sum::<usize>();
+                let lines = lines.filter(|lines| size(lines) <= room.min(2 * CORNERS));
+                room -= lines.as_ref().map_or(0, size);
                 square.rings = lines.and_then(joined).unwrap_or_default();
             }
         }

@@ -36,9 +36,11 @@ pub(super) fn crossings(ways: &Ways, nodes: &Nodes, uses: &mut [u8]) -> Crossing
     let (mut crossings, mut work) = (Crossings::default(), 0);
     for (number, square) in ways.squares.iter().enumerate() {
         let Some(shape) = Shape::new(ways, square, nodes, uses) else { continue };
-        let size = shape.corners.len() as u64;
-        work += size.pow(3).min(WORK / 100);
-        if shape.corners.len() > CORNERS || shape.entries.len() > ENTRIES || work > WORK {
+        let too_large = shape.corners.len() > CORNERS || shape.entries.len() > ENTRIES;
+        if !too_large && shape.entries.len() > 1 {
+            work += (shape.corners.len() as u64).pow(3);
+        }
+        if too_large || work > WORK {
             crossings.too_large += 1;
             continue;
         }

@@ -1,6 +1,6 @@
 //! Whether what a graph file says can be true: a file with the right checksum can still have been made by anybody.
 
-use crate::network::Network;
+use crate::network::{Network, VIA_WAYS};
 use crate::roads::Roads;
 
 type Checked = Result<(), &'static str>;
@@ -37,7 +37,11 @@ pub(super) fn network(network: &Network) -> Checked {
         "a restriction has unknown words",
     )?;
     let ways = network.restrictions.iter().map(|restriction| u64::from(restriction.ways)).sum::<u64>();
-    check(ways == network.via_ways.len() as u64, "the ways of a turn restriction are missing")
+    let few = network.restrictions.iter().all(|restriction| restriction.ways as usize <= VIA_WAYS);
+    check(
+        few && ways == network.via_ways.len() as u64,
+        "the ways of a turn restriction are missing, or too many",
+    )
 }
 
 /// Cells follow one another and are nested.

@@ -1,0 +1,137 @@
+//! What is estimated, on its manifold.
+//!
+//! W. Xu, Y. Cai, D. He, J. Lin, F. Zhang, *FAST-LIO2: Fast Direct LiDAR-Inertial Odometry*, 2021, equation 1: rotation, position and velocity of the
+//! IMU, biases of gyroscope and accelerometer, gravity, and the LiDAR's pose on the IMU. Gravity keeps its length: two dimensions.
+
+use nalgebra::{Matrix3, SMatrix, SVector, UnitQuaternion, Vector3};
+
+use super::so3::{exp, inverse_right_jacobian, log, tangent};
+
+/// Dimensions of an error.
+pub const SIZE: usize = 23;
+/// An error of a state.
+pub type Error = SVector<f64, SIZE>;
+/// Covariance of an error.
+pub type Covariance = SMatrix<f64, SIZE, SIZE>;
+
+/// Where in an error each part begins.
+pub mod at {
+    /// Rotation of the IMU, in its own frame.
+    pub const ROTATION: usize = 0;
+    /// Its position.
+    pub const POSITION: usize = 3;
+    /// Its velocity.
+    pub const VELOCITY: usize = 6;
+    /// Bias of the gyroscope.
+    pub const GYRO_BIAS: usize = 9;
+    /// Bias of the accelerometer.
+    pub const ACCEL_BIAS: usize = 12;
+    /// Gravity.
+    pub const GRAVITY: usize = 15;
+    /// Rotation of the LiDAR on the IMU, in the LiDAR's frame.
+    pub const MOUNT_ROTATION: usize = 17;
+    /// Its position on the IMU.
+    pub const MOUNT_POSITION: usize = 20;
+}
+
+/// A state.
+#[derive(Debug, Clone, PartialEq)]
+pub struct State {
+    /// From the IMU's frame to `odom`.
+    pub rotation: UnitQuaternion<f64>,
+    /// Of the IMU in `odom`, metres.
+    pub position: Vector3<f64>,
+    /// Of the IMU in `odom`, m/s.
+    pub velocity: Vector3<f64>,
+    /// rad/s.
+    pub gyro_bias: Vector3<f64>,
+    /// m/s².
+    pub accel_bias: Vector3<f64>,
+    /// In `odom`, m/s².
+    pub gravity: Vector3<f64>,
+    /// From the LiDAR's frame to the IMU's.
+    pub mount_rotation: UnitQuaternion<f64>,
+    /// Of the LiDAR in the IMU's frame, metres.
+    pub mount_position: Vector3<f64>,
+}
+
+impl State {
+    /// The state an error away: ⊞.
+    #[must_use]
+    pub fn plus(&self, error: &Error) -> Self {
+        let part = |first: usize| -> Vector3<f64> { error.fixed_rows::<3>(first).into_owned() };
+        let tilt = tangent(self.gravity) * error.fixed_rows::<2>(at::GRAVITY);
+        Self {
+            rotation: self.rotation * exp(part(at::ROTATION)),
+            position: self.position + part(at::POSITION),
+            velocity: self.velocity + part(at::VELOCITY),
+            gyro_bias: self.gyro_bias + part(at::GYRO_BIAS),
+            accel_bias: self.accel_bias + part(at::ACCEL_BIAS),
+            gravity: exp(tilt) * self.gravity,
+            mount_rotation: self.mount_rotation * exp(part(at::MOUNT_ROTATION)),
+            mount_position: self.mount_position + part(at::MOUNT_POSITION),
+        }
+    }
+
+    /// The error that leads from `other` here: ⊟.
+    pub fn minus(&self, other: &Self) -> Error {
+        let mut error = Error::zeros();
+        let mut set = |first: usize, part: Vector3<f64>| error.fixed_rows_mut::<3>(first).copy_from(&part);
+        set(at::ROTATION, log(other.rotation.inverse() * self.rotation));
+        set(at::POSITION, self.position - other.position);
+        set(at::VELOCITY, self.velocity - other.velocity);
+        set(at::GYRO_BIAS, self.gyro_bias - other.gyro_bias);
+        set(at::ACCEL_BIAS, self.accel_bias - other.accel_bias);
+        set(at::MOUNT_ROTATION, log(other.mount_rotation.inverse() * self.mount_rotation));
+        set(at::MOUNT_POSITION, self.mount_position - other.mount_position);
+        let turned = UnitQuaternion::rotation_between(&other.gravity, &self.gravity);
+        let tilt = tangent(other.gravity).transpose() * turned.map_or_else(Vector3::zeros, log);
+        error.fixed_rows_mut::<2>(at::GRAVITY).copy_from(&tilt);
+        error
+    }
+
+    /// How an error about another state, which is `away` from here, changes with one about this: the inverse of the Jacobian that FAST-LIO's equation 16 projects
+    /// the prior by.
+    pub fn projection(away: &Error) -> Covariance {
+        let mut projection = Covariance::identity();
+        for first in [at::ROTATION, at::MOUNT_ROTATION] {
+            let part: Vector3<f64> = away.fixed_rows::<3>(first).into_owned();
+            let block: Matrix3<f64> = inverse_right_jacobian(part);
+            projection.fixed_view_mut::<3, 3>(first, first).copy_from(&block);
+        }
+        projection
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn state(numbers: &[f64]) -> State {
+        let part = |i: usize| Vector3::new(numbers[i], numbers[i + 1], numbers[i + 2]);
+        State {
+            rotation: exp(part(0)),
+            position: part(3),
+            velocity: part(6),
+            gyro_bias: part(9),
+            accel_bias: part(12),
+            gravity: Vector3::new(numbers[15], numbers[16], -9.8),
+            mount_rotation: exp(part(17)),
+            mount_position: part(20),
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn plus_and_minus_undo_each_other(
+            numbers in proptest::collection::vec(-1.0_f64..1.0, SIZE),
+            error in proptest::collection::vec(-0.9_f64..0.9, SIZE),
+        ) {
+            let (state, error) = (state(&numbers), Error::from_vec(error));
+            let there = state.plus(&error);
+            prop_assert!((there.minus(&state) - error).norm() < 1e-9);
+            prop_assert!(state.minus(&state).norm() < 1e-12);
+        }
+    }
+}
