@@ -145,7 +145,7 @@ pub struct PrepareArgs {
     /// The file to write
     #[arg(long)]
     pub out: PathBuf,
-    /// Vertices of a cell at most, smallest cells first [default: 32,256,2048,16384]
+    /// Vertices of a cell at most, smallest cells first [default: 32, and eight times as many in each layer above, up to 8388608]
     #[arg(long, value_delimiter = ',', value_name = "N,N,...")]
     pub cells: Vec<usize>,
 }
