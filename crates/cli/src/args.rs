@@ -36,6 +36,8 @@ pub enum Command {
     Route(RouteArgs),
     /// Put a map's roads into a graph file, so that routing starts at once
     Prepare(PrepareArgs),
+    /// Work out where a log's sensors went: LiDAR-inertial odometry
+    Odometry(OdometryArgs),
     /// Answer OSRM's HTTP API: route, nearest, table
     Serve(ServeArgs),
     /// Score a log that the reference's recorder wrote, JSON
@@ -148,6 +150,25 @@ pub struct PrepareArgs {
     /// Vertices of a cell at most, smallest cells first [default: 32, and eight times as many in each layer above, up to 8388608]
     #[arg(long, value_delimiter = ',', value_name = "N,N,...")]
     pub cells: Vec<usize>,
+}
+
+/// Arguments of `odometry`.
+#[derive(Debug, ClapArgs)]
+#[command(after_help = "\
+Example:
+  openbench run small --record full --out run
+  openbench odometry run/logs/0.mcap --out way.tum --truth truth.tum
+
+Poses are those of base_link in odom, which begins where the log begins, with z up. Lines are `seconds x y z qx qy qz qw`, as evo reads them.")]
+pub struct OdometryArgs {
+    /// A log (.mcap) with sensor_msgs/Imu and sensor_msgs/PointCloud2
+    pub log: PathBuf,
+    /// The file to write, as TUM has it
+    #[arg(long)]
+    pub out: PathBuf,
+    /// Also write the recorded truth, where the log has it
+    #[arg(long)]
+    pub truth: Option<PathBuf>,
 }
 
 /// The map and who travels on it.

@@ -3,6 +3,7 @@
 pub mod bench;
 pub mod evaluate;
 pub mod models;
+pub mod odometry;
 pub mod plan;
 pub mod prepare;
 pub mod route;
