@@ -42,7 +42,7 @@ fn settings() -> Settings {
 fn truth(seconds: f64) -> Pose3 {
     let t = (seconds - 1.5).max(0.0);
     let angle = if t < 1.5 { 0.1 * t * t } else { 0.225 + 0.3 * (t - 1.5) };
-    let position = Vector3::new(3.0 * angle.sin(), 3.0 * (1.0 - angle.cos()), 0.0);
+    let position = Vector3::new(3.0 * libm::sin(angle), 3.0 * (1.0 - libm::cos(angle)), 0.0);
     Pose3::from_parts(position.into(), UnitQuaternion::from_euler_angles(0.0, 0.0, angle))
 }
 
@@ -66,7 +66,7 @@ fn scan(millis: u64, noise: &mut Noise) -> LidarScan {
         let pose = truth(millis as f64 / 1e3 + f64::from(offset_ns) * 1e-9) * settings().lidar;
         let (up, round) = (2.0 * noise.uniform() - 1.0, std::f64::consts::TAU * noise.uniform());
         let level = (1.0 - up * up).sqrt();
-        let direction = Vector3::new(level * round.cos(), level * round.sin(), up);
+        let direction = Vector3::new(level * libm::cos(round), level * libm::sin(round), up);
         let (from, along) = (pose.translation.vector, pose.rotation * direction);
         let range = (0..3).map(|i| (ROOM[if along[i] > 0.0 { i + 3 } else { i }] - from[i]) / along[i]);
         let range = range.fold(f64::INFINITY, f64::min) + 0.01 * noise.normal();

@@ -10,7 +10,7 @@
 //! | [`state`] | what is estimated, on its manifold |
 //! | [`propagation`] | where the IMU says that it moves to |
 //! | [`planes`] | the map: planes in cubes |
-//! | [`update`] | what a scan says about the state |
+//! | [`mod@update`] | what a scan says about the state |
 //! | `start` | the first state |
 
 pub mod planes;
