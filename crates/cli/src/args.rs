@@ -157,7 +157,7 @@ pub struct PrepareArgs {
 #[command(after_help = "\
 Example:
   openbench run small --record full --out run
-  openbench odometry run/logs/0.mcap --out way.tum --truth truth.tum
+  openbench odometry run/episodes/000.mcap --out way.tum --truth truth.tum
 
 Poses are those of base_link in odom, which begins where the log begins, with z up. Lines are `seconds x y z qx qy qz qw`, as evo reads them.")]
 pub struct OdometryArgs {
