@@ -62,6 +62,15 @@ fn a_turn_that_is_not_allowed_is_driven_round_by_cars() {
 }
 
 #[test]
+fn a_road_may_be_closed_to_all_that_come_from_several() {
+    let no_entry = r#"<relation id="1"><member type="way" ref="2" role="from"/><member type="way" ref="1" role="from"/>
+      <member type="node" ref="2" role="via"/><member type="way" ref="3" role="to"/><tag k="type" v="restriction"/>
+      <tag k="restriction" v="no_entry"/></relation>"#;
+    assert_eq!(Town::new("car", no_entry).length(WEST, NORTH), 6.0);
+    assert_eq!(Town::new("car", no_entry).length((0.0015, 0.0), NORTH), 4.7);
+}
+
+#[test]
 fn where_only_one_turn_is_allowed_the_others_are_not() {
     let only = r#"<relation id="1"><member type="way" ref="1" role="from"/><member type="node" ref="2" role="via"/>
       <member type="way" ref="2" role="to"/><tag k="type" v="restriction"/><tag k="restriction" v="only_straight_on"/></relation>"#;

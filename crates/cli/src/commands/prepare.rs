@@ -37,7 +37,7 @@ fn summary(roads: &Roads) -> String {
         (report.conditional, "ways have words that hold at some times only; these were not regarded"),
         (
             report.odd_restrictions,
-            "turn restrictions are not from one way by a node or by ways to another; these were not regarded",
+            "turn restrictions are not from a way by a node or by ways to another; these were not regarded",
         ),
         (
             report.squares_not_crossed,

@@ -67,7 +67,7 @@ pub struct NetworkReport {
     pub ways_without_points: usize,
     /// Ways with words that hold at some times only (`*:conditional`); those words are not regarded.
     pub conditional: usize,
-    /// Turn restrictions that are not from one way by one node, or by ways, to another; not regarded.
+    /// Turn restrictions that are not from ways by one node, or by ways, to others; not regarded.
     pub odd_restrictions: usize,
     /// Pedestrian areas with too many corners to be crossed, or without a whole outline.
     pub squares_not_crossed: usize,

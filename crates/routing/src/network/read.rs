@@ -13,6 +13,8 @@ use crate::profile::CROSSING;
 
 /// Ways in between that a turn restriction may have.
 pub(crate) const VIA_WAYS: usize = 16;
+/// Ways that a turn restriction may lead from, or to.
+const ENDS: usize = 8;
 /// Nodes that the outlines of all squares that are relations may have together.
 const OUTLINES: usize = 10_000_000;
 
@@ -141,25 +143,28 @@ impl Ways {
             let members = relation.members.iter().filter(move |m| m.role == role && m.kind == kind);
             members.map(|member| member.id)
         };
-        let one = |role, kind| {
-            let mut members = members(role, kind);
-            members.next().filter(|_| members.next().is_none())
+        // Several roads may be forbidden to be entered, or to be come from.
+        let several = |role| {
+            let ways: Vec<i64> = members(role, ElementKind::Way).take(ENDS + 1).collect();
+            Some(ways).filter(|ways| (1..=ENDS).contains(&ways.len()))
         };
-        let [from, to] = ["from", "to"].map(|role| one(role, ElementKind::Way));
-        let ways = members("via", ElementKind::Way);
-        let count = ways.clone().count();
-        let via = match (members("via", ElementKind::Node).count(), count) {
-            (1, 0) => one("via", ElementKind::Node),
-            (0, 1..=VIA_WAYS) => Some(0),
+        let [from, to] = ["from", "to"].map(several);
+        let ways: Vec<i64> = members("via", ElementKind::Way).take(VIA_WAYS + 1).collect();
+        let mut nodes = members("via", ElementKind::Node);
+        let via = match (nodes.next(), nodes.next(), ways.len()) {
+            (Some(node), None, 0) => Some(node),
+            (None, None, 1..=VIA_WAYS) => Some(0),
             _ => None,
         };
         let (Some(from), Some(via), Some(to)) = (from, via, to) else {
             self.odd_restrictions += 1;
             return;
         };
-        self.via_ways.extend(ways);
-        let words = self.restriction_sets.number(relation.tags, None);
-        self.restrictions.push(Restriction { from, via, to, words, ways: count as u32 });
+        let (words, count) = (self.restriction_sets.number(relation.tags, None), ways.len() as u32);
+        for (from, to) in from.iter().flat_map(|from| to.iter().map(move |to| (*from, *to))) {
+            self.via_ways.extend(&ways);
+            self.restrictions.push(Restriction { from, via, to, words, ways: count });
+        }
     }
 }
 
