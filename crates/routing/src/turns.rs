@@ -9,7 +9,7 @@ use crate::profile::{CROSSING, Profile, Turns};
 use crate::restrictions::Restrictions;
 use crate::roads::Roads;
 
-/// Turns for each edge, on average over a map, beyond which its junctions are thought to be made to be slow: on maps of streets there are three.
+/// Turns for each edge, on average over a map, beyond which its junctions are thought to be made to be slow: where four roads meet there are four.
 const MOST_TURNS: usize = 32;
 
 /// Roads of one junction, with all rows of restrictions that end on them.

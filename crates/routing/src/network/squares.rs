@@ -10,7 +10,7 @@ use crate::geo::{Place, distance};
 pub(super) const CORNERS: usize = 400;
 const ENTRIES: usize = 100;
 /// Corners to the power of three, of all areas together, beyond which areas are walked round: a map of nothing but areas of 400 corners has 300 of them
-/// crossed. A city of plazas needs a hundredth.
+/// crossed.
 const WORK: u64 = 20_000_000_000;
 
 /// How much longer than it must be a way across may be, as a factor.

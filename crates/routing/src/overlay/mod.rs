@@ -22,7 +22,7 @@ pub use customize::{Cliques, UNREACHED, Weights};
 /// The highest weight that counts; anything from [`FAR`] on is no way. Two of them can be added.
 pub const FAR: u32 = i32::MAX as u32;
 
-/// Numbers for each state that a layer may know of its cells; on maps of streets there are six, of turns twenty, and fewer in higher layers.
+/// Numbers for each state that a layer may know of its cells: as many as the smallest cells can have at most, if they hold 32 states.
 const MOST_KNOWN: u64 = 64;
 
 /// A layer of cells.
