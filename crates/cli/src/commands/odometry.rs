@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use anyhow::Context;
+use cpu_time::ThreadTime;
 use openbench_core::{Pose3, RobotDescription};
 use openbench_localization::lio::propagation::ImuNoise;
 use openbench_localization::lio::update::LidarNoise;
@@ -19,6 +20,7 @@ pub fn run(args: &OdometryArgs) -> anyhow::Result<Outcome> {
     let mut odometry = LidarInertialOdometry::new(settings(&robot));
     let (mut path, mut truth) = (String::new(), String::new());
     let (mut scans, mut coasting) = (0, 0);
+    let (mut times, mut spent) = (Vec::new(), std::time::Duration::ZERO);
     for message in LogReader::open(&args.log)? {
         let message = match message {
             Ok(message) => message,
@@ -27,6 +29,7 @@ pub fn run(args: &OdometryArgs) -> anyhow::Result<Outcome> {
                 break;
             }
         };
+        let begun = ThreadTime::now();
         let estimates = match &*message.type_name {
             name if name == Imu::DEFINITION.full_name() => odometry.imu((&message.decode::<Imu>()?).into()),
             name if name == PointCloud2::DEFINITION.full_name() => {
@@ -41,6 +44,10 @@ pub fn run(args: &OdometryArgs) -> anyhow::Result<Outcome> {
             }
             _ => Vec::new(),
         };
+        spent += begun.elapsed();
+        if !estimates.is_empty() {
+            times.push(std::mem::take(&mut spent));
+        }
         for estimate in estimates {
             scans += 1;
             coasting += usize::from(estimate.status == Status::Coasting);
@@ -51,6 +58,15 @@ pub fn run(args: &OdometryArgs) -> anyhow::Result<Outcome> {
     if let Some(file) = &args.truth {
         openbench_osm::write_atomically(file, truth.as_bytes())?;
     }
+    times.sort_unstable();
+    let at =
+        |part: usize| times.get(times.len() * part / 100).copied().unwrap_or_default().as_secs_f64() * 1e3;
+    tell(&format!(
+        "CPU time a scan: median {:.1} ms, 99 % {:.1} ms; {} cubes",
+        at(50),
+        at(99),
+        odometry.map_size()
+    ));
     tell(&format!("{scans} scans, {coasting} of them without enough to go by; {:?}", odometry.refused()));
     Ok(Outcome::Done)
 }

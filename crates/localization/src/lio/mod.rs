@@ -9,10 +9,14 @@
 //! | [`so3`] | rotations as vectors |
 //! | [`state`] | what is estimated, on its manifold |
 //! | [`propagation`] | where the IMU says that it moves to |
+//! | [`moments`] | sums over points |
 //! | [`planes`] | the map: planes in cubes |
+//! | [`matching`] | which points lie on which planes |
 //! | [`mod@update`] | what a scan says about the state |
 //! | `start` | the first state |
 
+pub mod matching;
+pub mod moments;
 pub mod planes;
 pub mod propagation;
 pub mod so3;
@@ -23,18 +27,18 @@ pub mod update;
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use nalgebra::{Isometry3, Matrix6, Translation3, Vector3};
+use nalgebra::{Isometry3, Matrix6, Vector3};
 use openbench_core::{ImuSample, LidarScan, Pose3, SimTime};
 
+use matching::Matching;
 use planes::PlaneMap;
 use propagation::{ImuNoise, Node, propagate};
-use start::Start;
+use start::{First, Start};
 use state::{Covariance, State};
-use update::{LidarNoise, update};
+use update::{LidarNoise, Matched, update};
 
-/// Points of a scan that correct the state, and that are added to the map, at most: evenly chosen.
-const CORRECTING: usize = 4000;
-const MAPPED: usize = 6000;
+/// No step of the IMU's way is longer, so that turns in it are small: seconds.
+const STEP: Duration = Duration::from_millis(20);
 /// With fewer points on known planes a scan says nothing.
 const FEW: usize = 60;
 /// Samples of the IMU farther apart than that leave a gap.
@@ -113,6 +117,7 @@ pub struct LidarInertialOdometry {
     imu: VecDeque<ImuSample>,
     scans: VecDeque<LidarScan>,
     map: PlaneMap,
+    matching: Matching,
     /// Where the map was cut last.
     cut_at: Vector3<f64>,
     refused: Refused,
@@ -122,12 +127,13 @@ impl LidarInertialOdometry {
     /// Begins with nothing known.
     pub fn new(settings: Settings) -> Self {
         Self {
+            map: PlaneMap::new(settings.lidar_noise.range),
+            matching: Matching::default(),
             settings,
             start: Start::default(),
             state: None,
             imu: VecDeque::new(),
             scans: VecDeque::new(),
-            map: PlaneMap::default(),
             cut_at: Vector3::zeros(),
             refused: Refused::default(),
         }
@@ -151,14 +157,45 @@ impl LidarInertialOdometry {
             return Vec::new();
         }
         self.imu.push_back(sample);
-        if self.state.is_none() {
-            let begun = self.start.take(&sample, &self.settings);
-            self.state = begun.map(|(state, covariance)| (sample.stamp, state, covariance));
-            if self.state.is_none() {
-                return Vec::new();
-            }
+        if self.state.is_some() {
+            return self.estimates();
         }
-        self.estimates()
+        let Some(first) = self.start.take(&sample, &self.settings) else { return Vec::new() };
+        let mut estimates = self.begin(sample.stamp, first);
+        estimates.append(&mut self.estimates());
+        estimates
+    }
+
+    /// The first state. What was seen from where the robot stood makes the map's beginning; what was seen on the way to it has no place.
+    fn begin(&mut self, stamp: SimTime, first: First) -> Vec<Estimate> {
+        let mut estimates = Vec::new();
+        while self.scans.front().is_some_and(|scan| end(scan) <= stamp) {
+            let Some(scan) = self.scans.pop_front() else { break };
+            if first.at_rest.is_none_or(|since| scan.stamp < since) {
+                self.refused.scans += 1;
+                continue;
+            }
+            let points = scan.points.iter().map(|point| Vector3::from(point.xyz.map(f64::from)));
+            let points: Vec<_> = points.filter(|point| self.usable(point)).collect();
+            self.refused.points += scan.points.len() - points.len();
+            self.matching.find(
+                &first.state,
+                &first.covariance,
+                &points,
+                &self.map,
+                &self.settings.lidar_noise,
+            );
+            self.matching.insert(&first.state, &mut self.map);
+            estimates.push(self.estimate(
+                end(&scan),
+                &first.state,
+                &first.covariance,
+                None,
+                Status::Tracking,
+            ));
+        }
+        self.state = Some((stamp, first.state, first.covariance));
+        estimates
     }
 
     /// Takes in a scan; estimates for it and those before it, as far as the IMU has come.
@@ -198,32 +235,55 @@ impl LidarInertialOdometry {
         }
         let nodes = self.travel(&mut stamp, &mut state, &mut covariance, until);
         let points = self.undistorted(scan, &state, &nodes);
-        let chosen = thinned(&points, CORRECTING);
-        let matched = update(&mut state, &mut covariance, &chosen, &self.map, &self.settings.lidar_noise);
+        let first = self.map.is_empty();
+        let matched = update(
+            &mut state,
+            &mut covariance,
+            &points,
+            &self.map,
+            &self.settings.lidar_noise,
+            self.settings.estimate_lidar,
+            &mut self.matching,
+        );
         let good = matched.as_ref().is_some_and(|matched| matched.points >= FEW);
-        if good || self.map.is_empty() {
-            for point in thinned(&points, MAPPED) {
-                let on_imu = state.mount_rotation * point + state.mount_position;
-                self.map.add(state.rotation * on_imu + state.position);
-            }
+        if good || first {
+            self.matching.insert(&state, &mut self.map);
         }
         if (state.position - self.cut_at).amax() > REACH / 4.0 {
             self.map.forget(state.position, REACH);
             self.cut_at = state.position;
         }
-        let loose = matched.as_ref().map_or(Vec::new(), |matched| matched.loose.clone());
-        let estimate = Estimate {
-            stamp,
-            pose: pose(&state) * self.settings.imu.inverse(),
-            velocity: state.velocity,
-            covariance: covariance.fixed_view::<6, 6>(0, 0).into_owned(),
-            status: if good && loose.is_empty() { Status::Tracking } else { Status::Coasting },
-            loose,
-            points: matched.as_ref().map_or(0, |matched| matched.points),
-            fit: matched.as_ref().map_or(0.0, |matched| matched.fit),
-        };
+        let firm = matched.as_ref().is_some_and(|matched| matched.loose.is_empty());
+        let status = if first || good && firm { Status::Tracking } else { Status::Coasting };
+        let estimate = self.estimate(stamp, &state, &covariance, matched, status);
         self.state = Some((stamp, state, covariance));
         Some(estimate)
+    }
+
+    fn estimate(
+        &self,
+        stamp: SimTime,
+        state: &State,
+        covariance: &Covariance,
+        matched: Option<Matched>,
+        status: Status,
+    ) -> Estimate {
+        let (points, fit) = matched.as_ref().map_or((0, 0.0), |matched| (matched.points, matched.fit));
+        Estimate {
+            stamp,
+            pose: pose(state) * self.settings.imu.inverse(),
+            velocity: state.velocity,
+            covariance: covariance.fixed_view::<6, 6>(0, 0).into_owned(),
+            status,
+            loose: matched.map_or(Vec::new(), |matched| matched.loose),
+            points,
+            fit,
+        }
+    }
+
+    /// Whether a point is none of the robot itself.
+    fn usable(&self, point: &Vector3<f64>) -> bool {
+        point.iter().all(|x| x.is_finite()) && point.norm() >= self.settings.blind
     }
 
     /// Moves the state on to `until` by the samples of the IMU; how it went.
@@ -242,6 +302,7 @@ impl LidarInertialOdometry {
             }
             let (before, behind) = (self.imu[0], self.imu[1.min(self.imu.len() - 1)]);
             let next = if behind.stamp > *stamp { behind.stamp.min(until) } else { until };
+            let next = next.min(*stamp + STEP);
             let gap = behind.stamp.since(before.stamp) > GAP;
             let mean = |a: [f64; 3], b: [f64; 3]| (Vector3::from(a) + Vector3::from(b)) * 0.5;
             let (gyro, accel) = (mean(before.gyro, behind.gyro), mean(before.accel, behind.accel));
@@ -259,13 +320,15 @@ impl LidarInertialOdometry {
 
     /// The points of a scan in the LiDAR's frame of its end: FAST-LIO, equation 10.
     fn undistorted(&mut self, scan: &LidarScan, state: &State, nodes: &[Node]) -> Vec<Vector3<f64>> {
-        let mount = Isometry3::from_parts(Translation3::from(state.mount_position), state.mount_rotation);
-        let back = (pose(state) * mount).inverse();
+        let mount = Isometry3::from_parts(state.mount_position.into(), state.mount_rotation);
+        let at_end = pose(state) * mount;
+        let passages: Vec<_> = nodes.iter().map(|node| node.seen_from(&at_end)).collect();
+        let turn = mount.rotation.to_rotation_matrix();
         let (mut points, mut node) = (Vec::with_capacity(scan.points.len()), 0);
         let Some(first) = nodes.first() else { return points };
         for point in &scan.points {
             let raw = Vector3::from(point.xyz.map(f64::from));
-            if !raw.iter().all(|x| x.is_finite()) || raw.norm() < self.settings.blind {
+            if !self.usable(&raw) {
                 self.refused.points += 1;
                 continue;
             }
@@ -277,8 +340,8 @@ impl LidarInertialOdometry {
             while nodes.get(node + 1).is_some_and(|next| next.stamp <= stamp) {
                 node += 1;
             }
-            let then = nodes[node].later(stamp.since(nodes[node].stamp).as_secs_f64());
-            points.push((back * (then * (mount * nalgebra::Point3::from(raw)))).coords);
+            let since = stamp.since(nodes[node].stamp).as_secs_f64();
+            points.push(passages[node].at(since, turn * raw + mount.translation.vector));
         }
         points
     }
@@ -286,17 +349,11 @@ impl LidarInertialOdometry {
 
 /// The IMU's pose in `odom`.
 fn pose(state: &State) -> Isometry3<f64> {
-    Isometry3::from_parts(Translation3::from(state.position), state.rotation)
+    Isometry3::from_parts(state.position.into(), state.rotation)
 }
 
 /// When the last point of a scan was measured.
 fn end(scan: &LidarScan) -> SimTime {
     let last = scan.points.iter().map(|point| point.offset_ns).max().unwrap_or_default();
     scan.stamp + Duration::from_nanos(last.into())
-}
-
-/// So many points at most, evenly chosen.
-fn thinned(points: &[Vector3<f64>], most: usize) -> Vec<Vector3<f64>> {
-    let step = points.len().div_ceil(most).max(1);
-    points.iter().step_by(step).copied().collect()
 }

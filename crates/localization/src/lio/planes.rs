@@ -7,14 +7,20 @@
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
-use nalgebra::{Matrix3, SymmetricEigen, Vector3};
+use nalgebra::{SymmetricEigen, Vector3};
+
+use super::moments::Moments;
 
 /// Sides of cubes, metres, the largest first: the largest cube whose points lie on a plane counts.
-const SIDES: [f64; 3] = [1.0, 0.5, 0.25];
+pub(super) const SIDES: [f64; SIZES] = [1.0, 0.5, 0.25];
+/// How many sizes there are; each is half as large as the one before.
+pub const SIZES: usize = 3;
 /// A plane has that many points at least.
-const FEW: u32 = 8;
+const FEW: f64 = 8.0;
 /// Cubes with that many points take no more: what is known better is not known better by more of them, and a wall stays where it was seen first.
-const FULL: u32 = 400;
+const FULL: f64 = 2000.0;
+/// What a LiDAR is known to be like counts as much as that many points.
+const BELIEF: f64 = 10.0;
 /// Points lie on a plane if they are no farther from it, metres (one deviation),
 const THICK: f64 = 0.04;
 /// and so many times farther spread along it in its narrower direction.
@@ -57,40 +63,30 @@ impl Plane {
 /// Points of a cube.
 #[derive(Debug, Clone, Copy, Default)]
 struct Cube {
-    count: u32,
     /// How many they were when the plane was fitted.
-    fitted: u32,
+    fitted: f64,
     /// Relative to the cube's middle.
-    sum: Vector3<f64>,
-    /// Of products xx, xy, xz, yy, yz, zz.
-    moments: [f64; 6],
+    points: Moments,
     plane: Option<Plane>,
 }
 
 impl Cube {
-    /// Takes a point in; `middle` is the cube's.
-    fn add(&mut self, point: Vector3<f64>, middle: Vector3<f64>) {
-        if self.count >= FULL {
+    /// Takes points in, relative to the cube's `middle`; `noise` is what a point's variance is expected to be, m².
+    fn add(&mut self, points: &Moments, middle: Vector3<f64>, noise: f64) {
+        if self.points.weight >= FULL {
             return;
         }
-        let p = point - middle;
-        self.count += 1;
-        self.sum += p;
-        let products = [p.x * p.x, p.x * p.y, p.x * p.z, p.y * p.y, p.y * p.z, p.z * p.z];
-        self.moments.iter_mut().zip(products).for_each(|(sum, product)| *sum += product);
+        self.points.merge(points);
         // Each time a third more than before.
-        if self.count >= FEW && 3 * self.count >= 4 * self.fitted {
-            self.fit(middle);
+        if self.points.weight >= FEW && 3.0 * self.points.weight >= 4.0 * self.fitted {
+            self.fit(middle, noise);
         }
     }
 
-    fn fit(&mut self, middle: Vector3<f64>) {
-        let count = f64::from(self.count);
-        self.fitted = self.count;
-        let mean = self.sum / count;
-        let [xx, xy, xz, yy, yz, zz] = self.moments.map(|sum| sum / count);
-        let moments = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
-        let eigen = SymmetricEigen::new(moments - mean * mean.transpose());
+    fn fit(&mut self, middle: Vector3<f64>, noise: f64) {
+        let count = self.points.weight;
+        self.fitted = count;
+        let eigen = SymmetricEigen::new(self.points.covariance());
         let mut order = [0, 1, 2];
         order.sort_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]));
         let [thickness, narrow, wide] = order.map(|i| eigen.eigenvalues[i].max(0.0));
@@ -98,11 +94,11 @@ impl Cube {
         let flat = thickness < THICK * THICK && narrow > FLAT * FLAT * thickness.max(1e-5);
         self.plane = flat.then(|| Plane {
             normal: direction(0),
-            middle: middle + mean,
+            middle: middle + self.points.mean(),
             along: [direction(1), direction(2)],
             spread: [narrow, wide],
-            // Points on a line of sight or two lie on any plane: of three degrees of freedom none is left to them.
-            thickness: thickness * count / (count - 3.0),
+            // Three degrees of freedom of the points went into the plane; what few of them say about their own noise counts little.
+            thickness: (thickness * count + BELIEF * noise) / (count - 3.0 + BELIEF),
             count,
         });
     }
@@ -132,40 +128,52 @@ pub(super) type ByCube<T> = HashMap<u64, T, BuildHasherDefault<Mix>>;
 type Cubes = ByCube<Cube>;
 
 /// The map.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct PlaneMap {
-    cubes: [Cubes; SIDES.len()],
+    /// Of each size of [`SIDES`].
+    cubes: [Cubes; SIZES],
+    /// Variance that a point is expected to have, m².
+    noise: f64,
 }
 
-/// The number of the cube that holds a point, and the cube's middle; `None` a million cubes from the origin.
-fn cube_of(point: Vector3<f64>, side: f64) -> Option<(u64, Vector3<f64>)> {
-    const HALF: f64 = (1 << 20) as f64;
-    let cell = point.map(|x| libm::floor(x / side));
-    if !cell.iter().all(|x| x.abs() < HALF) {
-        return None;
+/// A cube of the map's grid of one size.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    /// Which size.
+    pub size: usize,
+    /// Which cube of that size.
+    number: u64,
+    /// Its middle.
+    pub middle: Vector3<f64>,
+}
+
+impl Place {
+    /// The cube of a size that holds a point; `None` a million cubes from the origin.
+    pub fn of(point: Vector3<f64>, size: usize) -> Option<Self> {
+        const HALF: f64 = (1 << 20) as f64;
+        let cell = point.map(|x| libm::floor(x / SIDES[size]));
+        if !cell.iter().all(|x| x.abs() < HALF) {
+            return None;
+        }
+        let number = cell.iter().fold(0, |number, x| number << 21 | (x + HALF) as u64);
+        Some(Self { size, number, middle: cell.map(|x| (x + 0.5) * SIDES[size]) })
     }
-    let number = cell.iter().fold(0, |number, x| number << 21 | (x + HALF) as u64);
-    Some((number, cell.map(|x| (x + 0.5) * side)))
 }
 
 impl PlaneMap {
-    /// Takes a point in.
-    pub fn add(&mut self, point: Vector3<f64>) {
-        for (cubes, side) in self.cubes.iter_mut().zip(SIDES) {
-            if let Some((number, middle)) = cube_of(point, side) {
-                cubes.entry(number).or_default().add(point, middle);
-            }
-        }
+    /// An empty map of points of a deviation, metres.
+    pub fn new(deviation: f64) -> Self {
+        Self { cubes: Default::default(), noise: deviation * deviation }
     }
 
-    /// The plane of the largest cube round a point whose points lie on one, with that cube's number.
-    pub fn find(&self, point: Vector3<f64>) -> Option<(u64, &Plane)> {
-        self.cubes.iter().zip(SIDES).enumerate().find_map(|(size, (cubes, side))| {
-            let (number, _) = cube_of(point, side)?;
-            let plane = cubes.get(&number)?.plane.as_ref()?;
-            // Numbers have 63 bits; of different sizes they need only differ most of the time near one place.
-            Some((number ^ (size as u64) << 62, plane))
-        })
+    /// Takes points of one cube in; they are relative to its middle.
+    pub fn add(&mut self, place: &Place, points: &Moments) {
+        self.cubes[place.size].entry(place.number).or_default().add(points, place.middle, self.noise);
+    }
+
+    /// The plane of a cube's points, if they lie on one.
+    pub fn plane(&self, place: &Place) -> Option<&Plane> {
+        self.cubes[place.size].get(&place.number)?.plane.as_ref()
     }
 
     /// Forgets what is farther than so many metres from a place along some axis.
@@ -196,13 +204,25 @@ impl PlaneMap {
 mod tests {
     use super::*;
 
+    fn add(map: &mut PlaneMap, point: Vector3<f64>) {
+        for place in (0..SIZES).filter_map(|size| Place::of(point, size)) {
+            let mut points = Moments::default();
+            points.add(point - place.middle, 1.0);
+            map.add(&place, &points);
+        }
+    }
+
+    fn plane(map: &PlaneMap, point: Vector3<f64>) -> Option<&Plane> {
+        (0..SIZES).find_map(|size| map.plane(&Place::of(point, size)?))
+    }
+
     /// Points on a slope, a little off it now and then.
     fn slope() -> PlaneMap {
-        let mut map = PlaneMap::default();
+        let mut map = PlaneMap::new(0.003);
         for i in 0..4000 {
             let (x, y) = (f64::from(i % 63) / 21.0 - 1.5, f64::from(i / 63) / 21.0 - 1.5);
             let off = f64::from(i * 7 % 5 - 2) * 0.002;
-            map.add(Vector3::new(x, y, 0.1 * x + 0.3 + off));
+            add(&mut map, Vector3::new(x, y, 0.1 * x + 0.3 + off));
         }
         map
     }
@@ -210,7 +230,7 @@ mod tests {
     #[test]
     fn points_on_a_slope_make_its_plane() {
         let map = slope();
-        let plane = map.find(Vector3::new(0.4, -0.3, 0.33)).unwrap().1;
+        let plane = plane(&map, Vector3::new(0.4, -0.3, 0.33)).unwrap();
         let normal = Vector3::new(-0.1, 0.0, 1.0).normalize();
         assert!((plane.normal.dot(&normal).abs() - 1.0).abs() < 1e-5, "{plane:?}");
         assert!(plane.distance(Vector3::new(0.4, -0.3, 0.34)).abs() < 1e-3);
@@ -218,38 +238,38 @@ mod tests {
         assert!((plane.thickness.sqrt() - 0.0028).abs() < 5e-4, "{}", plane.thickness.sqrt());
         assert!(plane.variance(plane.middle).sqrt() < 5e-4);
         assert!(plane.variance(plane.middle + plane.along[0]) > plane.variance(plane.middle));
-        assert!(map.find(Vector3::new(5.0, 0.0, 0.5)).is_none());
+        assert!(super::tests::plane(&map, Vector3::new(5.0, 0.0, 0.5)).is_none());
     }
 
     #[test]
     fn what_is_far_is_forgotten_and_what_is_nowhere_is_not_taken() {
         let mut map = slope();
         let before = map.len();
-        map.add(Vector3::new(f64::NAN, 0.0, 0.0));
-        map.add(Vector3::new(1e9, 0.0, 0.0));
+        add(&mut map, Vector3::new(f64::NAN, 0.0, 0.0));
+        add(&mut map, Vector3::new(1e9, 0.0, 0.0));
         assert_eq!(map.len(), before);
         map.forget(Vector3::new(0.0, 0.0, 0.0), 1.0);
-        assert!(map.len() < before && map.find(Vector3::new(0.4, -0.3, 0.34)).is_some());
+        assert!(map.len() < before && plane(&map, Vector3::new(0.4, -0.3, 0.34)).is_some());
         map.forget(Vector3::new(100.0, 0.0, 0.0), 50.0);
         assert!(map.is_empty());
     }
 
     #[test]
     fn a_corner_has_planes_in_small_cubes_only() {
-        let mut map = PlaneMap::default();
+        let mut map = PlaneMap::new(0.01);
         for i in 0..10_000 {
             // All over the walls, as rays are.
             let i = i * 7919 % 10_000;
             let (a, b) = (f64::from(i % 100) / 100.0, f64::from(i / 100) / 100.0);
-            map.add(Vector3::new(a, b, 0.005));
-            map.add(Vector3::new(0.005, a, b));
+            add(&mut map, Vector3::new(a, b, 0.005));
+            add(&mut map, Vector3::new(0.005, a, b));
         }
         // The largest cube holds both.
         let middle = Vector3::new(0.5, 0.5, 0.5);
-        assert!(map.cubes[0][&cube_of(middle, 1.0).unwrap().0].plane.is_none());
-        let wall = map.find(Vector3::new(0.005, 0.6, 0.6)).unwrap().1;
+        assert!(map.plane(&Place::of(middle, 0).unwrap()).is_none());
+        let wall = plane(&map, Vector3::new(0.005, 0.6, 0.6)).unwrap();
         assert!(wall.normal.x.abs() > 0.99);
-        let floor = map.find(Vector3::new(0.6, 0.6, 0.005)).unwrap().1;
+        let floor = plane(&map, Vector3::new(0.6, 0.6, 0.005)).unwrap();
         assert!(floor.normal.z.abs() > 0.99);
     }
 }

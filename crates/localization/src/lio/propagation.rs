@@ -43,6 +43,43 @@ impl Node {
             self.pose.translation.vector + self.velocity * dt + self.acceleration * (0.5 * dt * dt);
         Isometry3::from_parts(Translation3::from(position), self.pose.rotation * exp(self.rate * dt))
     }
+
+    /// The same way, seen from `frame`.
+    pub fn seen_from(&self, frame: &Isometry3<f64>) -> Passage {
+        let pose = frame.inverse() * self.pose;
+        let turn = frame.rotation.inverse();
+        Passage {
+            rotation: pose.rotation.to_rotation_matrix().into_inner(),
+            position: pose.translation.vector,
+            velocity: turn * self.velocity,
+            acceleration: turn * self.acceleration,
+            rate: self.rate,
+        }
+    }
+}
+
+/// A way of some hundredths of a second, for the many points that are measured on it.
+#[derive(Debug, Clone, Copy)]
+pub struct Passage {
+    rotation: Matrix3<f64>,
+    position: Vector3<f64>,
+    velocity: Vector3<f64>,
+    acceleration: Vector3<f64>,
+    rate: Vector3<f64>,
+}
+
+impl Passage {
+    /// Where a point is that is at `point` in the IMU's frame `dt` seconds from here on: [`Node::later`] with the first terms of sine and cosine, which are right to
+    /// 10⁻⁸ up to a third of a radian.
+    pub fn at(&self, dt: f64, point: Vector3<f64>) -> Vector3<f64> {
+        let turn = self.rate * dt;
+        let square = turn.norm_squared();
+        let sine = 1.0 - square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0));
+        let cosine = 0.5 * (1.0 - square / 12.0 * (1.0 - square / 30.0));
+        let cross = turn.cross(&point);
+        let turned = point + cross * sine + turn.cross(&cross) * cosine;
+        self.rotation * turned + self.position + (self.velocity + self.acceleration * (0.5 * dt)) * dt
+    }
 }
 
 /// Moves a state on until `until` by a mean turn rate and a mean specific force; returns how it went.
@@ -114,4 +151,26 @@ fn grow(
         }
     }
     debug_assert_eq!(covariance.nrows(), SIZE);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_passage_goes_where_its_node_goes() {
+        let node = Node {
+            stamp: SimTime::ZERO,
+            pose: Isometry3::new(Vector3::new(1.0, 2.0, 3.0), Vector3::new(0.3, -1.0, 0.2)),
+            velocity: Vector3::new(1.0, -0.5, 0.1),
+            rate: Vector3::new(3.0, -8.0, 12.0),
+            acceleration: Vector3::new(0.5, 2.0, -1.0),
+        };
+        let frame = Isometry3::new(Vector3::new(0.5, 1.0, -3.0), Vector3::new(-0.4, 0.1, 2.0));
+        let (passage, point) = (node.seen_from(&frame), Vector3::new(10.0, -20.0, 3.0));
+        for dt in [0.0, 0.005, 0.02] {
+            let there = frame.inverse() * (node.later(dt) * nalgebra::Point3::from(point));
+            assert!((passage.at(dt, point) - there.coords).norm() < 1e-6, "{dt}");
+        }
+    }
 }

@@ -1,45 +1,65 @@
 //! The first state: gravity from what the accelerometer shows, and the gyroscope's bias where the robot stands.
 
+use std::time::Duration;
+
 use nalgebra::{UnitQuaternion, Vector3};
-use openbench_core::ImuSample;
+use openbench_core::{ImuSample, SimTime};
 
 use super::Settings;
 use super::state::{Covariance, State, at};
 
-/// Samples that the start is taken from: a second at 100 Hz.
-const SAMPLES: usize = 100;
+/// The start is taken from so long a time, and from so many samples at least and at most.
+const TIME: Duration = Duration::from_secs(1);
+const SAMPLES: [usize; 2] = [20, 10_000];
+/// The first part of it may be the robot being put down: rest is what the other three quarters show.
+const PUT_DOWN: usize = 4;
 /// At rest turn rates and specific forces vary no more than that: rad/s and m/s².
 const AT_REST: [f64; 2] = [0.01, 0.1];
 /// Faster than that nothing of this kind moves, m/s.
 const FASTEST: f64 = 3.0;
 
-/// Sums over the first samples.
+/// The first samples.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Start {
-    samples: Vec<[Vector3<f64>; 2]>,
+    samples: Vec<ImuSample>,
+}
+
+/// What a robot begins with.
+#[derive(Debug)]
+pub(super) struct First {
+    pub(super) state: State,
+    pub(super) covariance: Covariance,
+    /// Since when it has stood still; `None` in motion.
+    pub(super) at_rest: Option<SimTime>,
 }
 
 impl Start {
     /// Takes in a sample; the first state once there are enough.
-    pub(super) fn take(&mut self, sample: &ImuSample, settings: &Settings) -> Option<(State, Covariance)> {
-        self.samples.push([sample.gyro.into(), sample.accel.into()]);
-        if self.samples.len() < SAMPLES {
+    pub(super) fn take(&mut self, sample: &ImuSample, settings: &Settings) -> Option<First> {
+        self.samples.push(*sample);
+        let long = sample.stamp.since(self.samples[0].stamp) >= TIME;
+        if !(long && self.samples.len() >= SAMPLES[0] || self.samples.len() >= SAMPLES[1]) {
             return None;
         }
-        let [gyro, accel] = [0, 1].map(|i| self.mean(i));
-        let at_rest = (0..2).all(|i| self.deviation(i, [gyro, accel][i]) < AT_REST[i]);
-        self.samples = Vec::new();
-        Some(first(gyro, accel, at_rest, settings))
+        let samples = std::mem::take(&mut self.samples);
+        let settled = &samples[samples.len() / PUT_DOWN..];
+        let at_rest =
+            deviation(settled, |s| s.gyro) < AT_REST[0] && deviation(settled, |s| s.accel) < AT_REST[1];
+        let counted = if at_rest { settled } else { &samples[..] };
+        let (state, covariance) =
+            first(mean(counted, |s| s.gyro), mean(counted, |s| s.accel), at_rest, settings);
+        Some(First { state, covariance, at_rest: at_rest.then(|| settled[0].stamp) })
     }
+}
 
-    fn mean(&self, i: usize) -> Vector3<f64> {
-        self.samples.iter().map(|sample| sample[i]).sum::<Vector3<f64>>() / self.samples.len() as f64
-    }
+fn mean(samples: &[ImuSample], part: impl Fn(&ImuSample) -> [f64; 3]) -> Vector3<f64> {
+    samples.iter().map(|sample| Vector3::from(part(sample))).sum::<Vector3<f64>>() / samples.len() as f64
+}
 
-    fn deviation(&self, i: usize, mean: Vector3<f64>) -> f64 {
-        let squares: f64 = self.samples.iter().map(|sample| (sample[i] - mean).norm_squared()).sum();
-        (squares / self.samples.len() as f64).sqrt()
-    }
+fn deviation(samples: &[ImuSample], part: impl Fn(&ImuSample) -> [f64; 3]) -> f64 {
+    let mean = mean(samples, &part);
+    let squares = samples.iter().map(|sample| (Vector3::from(part(sample)) - mean).norm_squared());
+    (squares.sum::<f64>() / samples.len() as f64).sqrt()
 }
 
 /// The state with the heading 0 of the frame whose pose is told, and its origin there.

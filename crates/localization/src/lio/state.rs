@@ -90,6 +90,24 @@ impl State {
         error
     }
 
+    /// Whether all its numbers are numbers.
+    pub fn is_finite(&self) -> bool {
+        let vectors = [
+            self.position,
+            self.velocity,
+            self.gyro_bias,
+            self.accel_bias,
+            self.gravity,
+            self.mount_position,
+        ];
+        let rotations = [self.rotation, self.mount_rotation];
+        vectors
+            .iter()
+            .flat_map(|v| v.iter())
+            .chain(rotations.iter().flat_map(|q| q.coords.iter()))
+            .all(|x| x.is_finite())
+    }
+
     /// How an error about another state, which is `away` from here, changes with one about this: the inverse of the Jacobian that FAST-LIO's equation 16 projects
     /// the prior by.
     pub fn projection(away: &Error) -> Covariance {

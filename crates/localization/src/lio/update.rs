@@ -1,23 +1,23 @@
 //! What a scan says about the state: the iterated Kalman filter on the manifold, in the dimension of the state.
 //!
-//! W. Xu, F. Zhang, *FAST-LIO*, 2021: residuals and their Jacobians are its equations 12 to 14, the update 16 to 20. The gain of equation 20 is used in its information
-//! form: sums over points are all that is needed of them. Points on one plane share what is not known of that plane, so that their sums are taken plane by
-//! plane and joined as one measurement of many points would be (Woodbury's identity).
+//! W. Xu, F. Zhang, *FAST-LIO*, 2021: residuals and their Jacobians are its equations 12 to 14, the update 16 to 20. The gain of equation 20 is used in its
+//! information form: sums over points are all that is needed of them. Points on one plane share what is not known of that plane, so that they are joined as one
+//! measurement of many points would be (Woodbury's identity).
 
-use nalgebra::{SMatrix, SVector, SymmetricEigen, Vector3};
+use nalgebra::{Matrix3, SMatrix, SVector, SymmetricEigen, Vector3};
 
-use super::planes::{ByCube, Plane, PlaneMap};
+use super::matching::{Cluster, Matching, Seen};
+use super::planes::PlaneMap;
+use super::so3::hat;
 use super::state::{Covariance, Error, State, at};
 
-/// Dimensions of the state that a point says something about: pose, and the LiDAR's pose on the IMU.
-const SEEN: usize = 12;
 /// Steps at most, and the step that is none, metres and radians.
 const STEPS: usize = 6;
 const STILL: f64 = 1e-5;
-/// A residual is farther than this from what is expected, in deviations, only if something has moved there.
-const GATE: f64 = 4.0;
-/// Surfaces are not quite planes, metres.
-const ROUGHNESS: f64 = 0.004;
+/// Points are looked up again where the pose has moved farther than that since: metres and radians.
+const MOVED: [f64; 2] = [0.03, 0.003];
+/// That often at most.
+const SEARCHES: usize = 4;
 
 /// What is wrong with a LiDAR.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,172 +39,135 @@ pub struct Matched {
     pub loose: Vec<Vector3<f64>>,
 }
 
-type Sums = SMatrix<f64, SEEN, SEEN>;
-type Row = SVector<f64, SEEN>;
-
-/// Sums over the points of one plane.
-#[derive(Debug, Clone)]
-struct Share {
-    /// Of information, of rows weighed, and of weights.
-    squares: Sums,
-    rows: Row,
-    weight: f64,
-    /// Of rows times residual, of residuals.
-    products: Row,
-    residual: f64,
-    /// Variance that all points share, m².
-    shared: f64,
-    count: usize,
-    fit: f64,
-}
-
-impl Share {
-    fn new(shared: f64) -> Self {
-        Self {
-            squares: Sums::zeros(),
-            rows: Row::zeros(),
-            weight: 0.0,
-            products: Row::zeros(),
-            residual: 0.0,
-            shared,
-            count: 0,
-            fit: 0.0,
-        }
-    }
-
-    fn add(&mut self, row: &Row, residual: f64, variance: f64) {
-        let weight = 1.0 / variance;
-        self.squares.ger(weight, row, row, 1.0);
-        self.rows += row * weight;
-        self.products += row * (weight * residual);
-        self.residual += weight * residual;
-        self.weight += weight;
-        self.count += 1;
-        self.fit += residual * residual / (variance + self.shared);
-    }
-
-    /// Information and its vector with the variance that all share.
-    fn joined(&self) -> (Sums, Row) {
-        let lost = self.shared / (1.0 + self.shared * self.weight);
-        let squares = self.squares - self.rows * self.rows.transpose() * lost;
-        (squares, self.products - self.rows * (self.residual * lost))
-    }
-}
-
-/// Corrects a state by the points of a scan, which are in the LiDAR's frame of the state's instant.
+/// Corrects a state by the points of a scan, which are in the LiDAR's frame of the state's instant. `None` leaves the state as it was: the numbers have no solution.
 pub fn update(
     state: &mut State,
     covariance: &mut Covariance,
     points: &[Vector3<f64>],
     map: &PlaneMap,
     noise: &LidarNoise,
+    estimate_lidar: bool,
+    matching: &mut Matching,
 ) -> Option<Matched> {
-    let predicted = state.clone();
-    let prior = covariance.cholesky()?.inverse();
-    let mut matched = None;
+    let prior = Prior { state: state.clone(), information: covariance.cholesky()?.inverse() };
+    let mut here = state.clone();
+    for _ in 0..SEARCHES {
+        matching.find(&here, covariance, points, map, noise);
+        let from = here.clone();
+        let (there, posterior, matched) = if estimate_lidar {
+            settle::<12>(&prior, here, &matching.clusters)?
+        } else {
+            settle::<6>(&prior, here, &matching.clusters)?
+        };
+        let moved = there.minus(&from);
+        let far = moved.fixed_rows::<3>(at::POSITION).norm() > MOVED[0]
+            || moved.fixed_rows::<3>(at::ROTATION).norm() > MOVED[1];
+        here = there;
+        if !far {
+            if !here.is_finite() {
+                return None;
+            }
+            *state = here;
+            *covariance = (posterior + posterior.transpose()) * 0.5;
+            return Some(matched);
+        }
+    }
+    None
+}
+
+/// What was known before.
+struct Prior {
+    state: State,
+    information: Covariance,
+}
+
+/// The state that agrees best with what was known and with the clusters; `N` dimensions of it are seen.
+fn settle<const N: usize>(
+    prior: &Prior,
+    mut state: State,
+    clusters: &[Cluster],
+) -> Option<(State, Covariance, Matched)> {
+    let mut last = None;
     for _ in 0..STEPS {
-        let (information, vector, result) = measure(state, covariance, points, map, noise);
-        let away = state.minus(&predicted);
+        let (information, vector, matched) = measure::<N>(&state, clusters);
+        let away = state.minus(&prior.state);
         let projection = State::projection(&away);
         // The prior about the state as it is now.
-        let here = projection.transpose() * prior * projection;
-        let mut sum = here;
-        let mut seen = [0; SEEN];
-        seen.iter_mut().zip(pose_dimensions()).for_each(|(slot, dimension)| *slot = dimension);
-        let mut right: Error = -(projection.transpose() * (prior * away));
-        for (i, row) in seen.into_iter().enumerate() {
+        let mut sum = projection.transpose() * prior.information * projection;
+        let mut right: Error = -(projection.transpose() * (prior.information * away));
+        for (i, row) in seen_dimensions().take(N).enumerate() {
             right[row] -= vector[i];
-            for (j, column) in seen.into_iter().enumerate() {
+            for (j, column) in seen_dimensions().take(N).enumerate() {
                 sum[(row, column)] += information[(i, j)];
             }
         }
         let factor = sum.cholesky()?;
         let step = factor.solve(&right);
-        *state = state.plus(&step);
-        matched = Some((factor.inverse(), result));
-        if step.fixed_rows::<6>(0).norm() < STILL {
+        state = state.plus(&step);
+        let still = step.fixed_rows::<6>(0).norm() < STILL;
+        last = Some((factor, matched));
+        if still {
             break;
         }
     }
-    let (posterior, result) = matched?;
-    *covariance = (posterior + posterior.transpose()) * 0.5;
-    Some(result)
+    let (factor, matched) = last?;
+    Some((state, factor.inverse(), matched))
 }
 
-/// Where the dimensions that a point says something about are among a state's.
-fn pose_dimensions() -> impl Iterator<Item = usize> {
+/// Where the dimensions that a point says something about are among a state's: pose, then the LiDAR's pose on the IMU.
+fn seen_dimensions() -> impl Iterator<Item = usize> {
     [at::ROTATION, at::POSITION, at::MOUNT_ROTATION, at::MOUNT_POSITION]
         .into_iter()
         .flat_map(|first| first..first + 3)
 }
 
 /// The information of all points about a state, and its vector.
-fn measure(
+fn measure<const N: usize>(
     state: &State,
-    covariance: &Covariance,
-    points: &[Vector3<f64>],
-    map: &PlaneMap,
-    noise: &LidarNoise,
-) -> (Sums, Row, Matched) {
-    // In the order in which planes are met, so that sums are the same each time.
-    let (mut shares, mut places): (Vec<Share>, ByCube<usize>) = (Vec::new(), ByCube::default());
-    let pose = covariance.fixed_view::<6, 6>(0, 0).into_owned();
-    for point in points {
-        let on_imu = state.mount_rotation * point + state.mount_position;
-        let in_odom = state.rotation * on_imu + state.position;
-        let Some((cube, plane)) = map.find(in_odom) else { continue };
-        let row = jacobian(state, plane, point, &on_imu);
-        let variance = point_variance(state, plane, point, noise);
-        let shared = plane.variance(in_odom);
-        let known = row.fixed_rows::<6>(0);
-        let expected = variance + shared + (known.transpose() * pose * known)[0];
-        let residual = plane.distance(in_odom);
-        if residual * residual < GATE * GATE * expected {
-            let place = *places.entry(cube).or_insert(shares.len());
-            if place == shares.len() {
-                shares.push(Share::new(shared));
-            }
-            shares[place].add(&row, residual, variance);
-        }
+    clusters: &[Cluster],
+) -> (SMatrix<f64, N, N>, SVector<f64, N>, Matched) {
+    let (mut information, mut vector) = (SMatrix::<f64, N, N>::zeros(), SVector::<f64, N>::zeros());
+    let (mut points, mut fit) = (0.0, 0.0);
+    for (cluster, seen) in clusters.iter().filter_map(|cluster| Some((cluster, cluster.seen.as_ref()?))) {
+        let (distance, jacobian) = residual::<N>(state, seen);
+        let sums = seen.weighed.matrix();
+        let weighed = jacobian * sums;
+        let (rows, products) = (weighed.column(3), weighed * distance);
+        let off = sums * distance;
+        let lost = seen.shared / (1.0 + seen.shared * seen.weighed.weight);
+        information += weighed * jacobian.transpose() - rows * rows.transpose() * lost;
+        vector += products - rows * (off[3] * lost);
+        fit += distance.dot(&off) - off[3] * off[3] * lost;
+        points += cluster.points.weight;
     }
-    let (mut information, mut vector, mut count, mut fit) = (Sums::zeros(), Row::zeros(), 0, 0.0);
-    for share in &shares {
-        let (squares, products) = share.joined();
-        information += squares;
-        vector += products;
-        count += share.count;
-        fit += share.fit;
-    }
-    let fit = fit / count.max(1) as f64;
-    (information, vector, Matched { points: count, fit, loose: loose(&information) })
+    let loose = loose(&information.fixed_view::<3, 3>(3, 3).into_owned());
+    let matched = Matched { points: points as usize, fit: fit / points.max(1.0), loose };
+    (information, vector, matched)
 }
 
-/// How a point's distance from a plane changes with the state.
-fn jacobian(state: &State, plane: &Plane, point: &Vector3<f64>, on_imu: &Vector3<f64>) -> Row {
-    let normal = state.rotation.inverse() * plane.normal;
-    let turned = on_imu.cross(&normal);
-    let mount = point.cross(&(state.mount_rotation.inverse() * normal));
-    let mut row = Row::zeros();
-    for (first, part) in [(0, turned), (3, plane.normal), (6, mount), (9, normal)] {
-        row.fixed_rows_mut::<3>(first).copy_from(&part);
+/// A point's distance from a plane, and how that changes with the state, both as what (p, 1) is multiplied by, p being in the LiDAR's frame.
+fn residual<const N: usize>(state: &State, seen: &Seen) -> (nalgebra::Vector4<f64>, SMatrix<f64, N, 4>) {
+    let on_imu = state.rotation.inverse() * seen.normal;
+    let on_lidar = state.mount_rotation.inverse() * on_imu;
+    let middle = state.rotation * state.mount_position + state.position;
+    let distance = on_lidar.push(seen.normal.dot(&middle) - seen.offset);
+    let mut jacobian = SMatrix::<f64, N, 4>::zeros();
+    // p × n = -n × p.
+    let turned: Matrix3<f64> = -hat(on_imu) * state.mount_rotation.to_rotation_matrix().into_inner();
+    jacobian.fixed_view_mut::<3, 3>(0, 0).copy_from(&turned);
+    jacobian.fixed_view_mut::<3, 1>(0, 3).copy_from(&state.mount_position.cross(&on_imu));
+    jacobian.fixed_view_mut::<3, 1>(3, 3).copy_from(&seen.normal);
+    if N > 6 {
+        jacobian.view_mut((6, 0), (3, 3)).copy_from(&-hat(on_lidar));
+        jacobian.view_mut((9, 3), (3, 1)).copy_from(&on_imu);
     }
-    row
-}
-
-/// Variance of a point across a plane by the LiDAR's own noise, m².
-fn point_variance(state: &State, plane: &Plane, point: &Vector3<f64>, noise: &LidarNoise) -> f64 {
-    let range = point.norm().max(1e-3);
-    let ray = state.rotation * (state.mount_rotation * (point / range));
-    let cosine = plane.normal.dot(&ray);
-    let across = 1.0 - cosine * cosine;
-    let sideways = noise.angle * range;
-    cosine * cosine * noise.range * noise.range + across * sideways * sideways + ROUGHNESS * ROUGHNESS
+    (distance, jacobian)
 }
 
 /// Directions along which the position is known a hundred times worse than along the best one.
-fn loose(information: &Sums) -> Vec<Vector3<f64>> {
+fn loose(information: &Matrix3<f64>) -> Vec<Vector3<f64>> {
     const RATIO: f64 = 1e-4;
-    let eigen = SymmetricEigen::new(information.fixed_view::<3, 3>(3, 3).into_owned());
+    let eigen = SymmetricEigen::new(*information);
     let best = eigen.eigenvalues.max();
     let weak = (0..3).filter(|i| eigen.eigenvalues[*i] <= best * RATIO);
     weak.map(|i| eigen.eigenvectors.column(i).into_owned()).collect()

@@ -1,0 +1,241 @@
+//! Which points of a scan lie on which planes of the map, as sums: what a plane's points say needs no more than their moments.
+//!
+//! A point's distance from a plane and how it changes with the pose are linear in the point, so that all that a filter adds up over a plane's points follows from the
+//! moments of these points, at whatever pose the filter has come to (Z. Liu, X. Liu, F. Zhang, *Efficient and Consistent Bundle Adjustment on Lidar Point
+//! Clouds*, 2023, call them point clusters). A scan is gone through once, not once an iteration, and all its points count.
+
+use nalgebra::{Isometry3, Vector3};
+
+use super::moments::Moments;
+use super::planes::{Place, Plane, PlaneMap, SIDES, SIZES};
+use super::state::{Covariance, State};
+use super::update::LidarNoise;
+
+/// A residual is farther than this from what is expected, in deviations, only if something has moved there.
+const GATE: f64 = 4.0;
+/// Surfaces are not quite planes, metres.
+const ROUGHNESS: f64 = 0.004;
+
+/// Points of a scan in one cube, in the LiDAR's frame.
+#[derive(Debug, Clone)]
+pub struct Cluster {
+    /// Which cube.
+    pub place: Place,
+    /// Each with weight 1.
+    pub points: Moments,
+    /// The plane that they lie on, if there is one.
+    pub seen: Option<Seen>,
+}
+
+/// A plane as a scan sees it.
+#[derive(Debug, Clone)]
+pub struct Seen {
+    /// In `odom`.
+    pub normal: Vector3<f64>,
+    /// How far the plane is from the origin of `odom` along its normal, metres.
+    pub offset: f64,
+    /// The points, weighed by what each is known to across the plane, 1/m².
+    pub weighed: Moments,
+    /// Variance that all of them share: that of the plane at their place, m².
+    pub shared: f64,
+}
+
+/// Buffers that are used again for each scan.
+#[derive(Debug, Clone, Default)]
+pub struct Matching {
+    /// Where the points are in `odom`.
+    places: Vec<Vector3<f64>>,
+    /// Cubes and points' numbers, so that points of one cube stand together.
+    order: Vec<u64>,
+    rest: [Vec<u64>; SIZES],
+    /// What came of it.
+    pub clusters: Vec<Cluster>,
+}
+
+/// Bits of a key: the point's number, then one bit an axis for each size below the largest, then nine an axis.
+const NUMBER: u32 = 31;
+const SPLITS: u32 = SIZES as u32 - 1;
+const AXIS: u32 = 9;
+
+impl Matching {
+    /// Looks up a scan's points, which are in the LiDAR's frame of the state's instant.
+    pub fn find(
+        &mut self,
+        state: &State,
+        covariance: &Covariance,
+        points: &[Vector3<f64>],
+        map: &PlaneMap,
+        noise: &LidarNoise,
+    ) {
+        self.sort(state, points);
+        self.clusters.clear();
+        let mut search = Search {
+            state,
+            covariance,
+            points,
+            places: &self.places,
+            map,
+            noise,
+            clusters: &mut self.clusters,
+        };
+        search.split(&self.order, 0, &mut self.rest);
+    }
+
+    /// Adds what was found to the map, with the scan at `state`.
+    pub fn insert(&self, state: &State, map: &mut PlaneMap) {
+        let lidar = lidar(state);
+        for cluster in &self.clusters {
+            let about = lidar.translation.vector - cluster.place.middle;
+            let motion = Isometry3::from_parts(about.into(), lidar.rotation);
+            map.add(&cluster.place, &cluster.points.moved(&motion));
+        }
+    }
+
+    fn sort(&mut self, state: &State, points: &[Vector3<f64>]) {
+        let lidar = lidar(state);
+        let rotation = lidar.rotation.to_rotation_matrix();
+        let cell = |p: Vector3<f64>| p.map(|x| libm::floor(x / SIDES[SIZES - 1]));
+        let corner = state.position.map(|x| libm::floor(x / SIDES[0]) * SIDES[0]);
+        let corner = corner.map(|x| x - f64::from(1 << (AXIS - 1)) * SIDES[0]);
+        self.places.clear();
+        self.order.clear();
+        for (number, point) in points.iter().enumerate().take(1 << NUMBER) {
+            let place = rotation * point + lidar.translation.vector;
+            self.places.push(place);
+            let cell = cell(place - corner);
+            let far = f64::from(1 << (AXIS + SPLITS));
+            if cell.iter().all(|x| (0.0..far).contains(x)) {
+                self.order.push(key(cell.map(|x| x as u64)) << NUMBER | number as u64);
+            }
+        }
+        self.order.sort_unstable();
+    }
+}
+
+/// The number of a cube among those round the robot: the largest cubes first, then the parts of each.
+fn key(cell: Vector3<u64>) -> u64 {
+    let mut key = cell.iter().fold(0, |key, x| key << AXIS | x >> SPLITS);
+    for split in (0..SPLITS).rev() {
+        key = cell.iter().fold(key, |key, x| key << 1 | (x >> split & 1));
+    }
+    key
+}
+
+/// The LiDAR's pose in `odom`.
+fn lidar(state: &State) -> Isometry3<f64> {
+    let mount = Isometry3::from_parts(state.mount_position.into(), state.mount_rotation);
+    Isometry3::from_parts(state.position.into(), state.rotation) * mount
+}
+
+/// What a search goes by.
+struct Search<'a> {
+    state: &'a State,
+    covariance: &'a Covariance,
+    points: &'a [Vector3<f64>],
+    places: &'a [Vector3<f64>],
+    map: &'a PlaneMap,
+    noise: &'a LidarNoise,
+    clusters: &'a mut Vec<Cluster>,
+}
+
+impl Search<'_> {
+    /// Goes through points in their order, cube by cube of a size.
+    fn split(&mut self, order: &[u64], size: usize, rest: &mut [Vec<u64>]) {
+        let shift = NUMBER + 3 * (SPLITS - size as u32);
+        for run in order.chunk_by(|a, b| a >> shift == b >> shift) {
+            self.cube(run, size, rest);
+        }
+    }
+
+    /// Points on the cube's plane are its own; others, and all if it has none, are looked up in smaller cubes.
+    fn cube(&mut self, run: &[u64], size: usize, rest: &mut [Vec<u64>]) {
+        let number = |key: u64| (key & ((1 << NUMBER) - 1)) as usize;
+        let Some(place) = Place::of(self.places[number(run[0])], size) else { return };
+        let (mine, below) = rest.split_at_mut(1);
+        let left = &mut mine[0];
+        left.clear();
+        let mut points = Moments::default();
+        let seen = self.map.plane(&place).map(|plane| {
+            let gate = Gate::new(self, plane, self.places[number(run[0])]);
+            let mut weighed = Moments::default();
+            for key in run {
+                let point = self.points[number(*key)];
+                match gate.weight(&point) {
+                    Some(weight) => {
+                        weighed.add(point, weight);
+                        points.add(point, 1.0);
+                    }
+                    None => left.push(*key),
+                }
+            }
+            let middle = if points.weight > 0.0 {
+                lidar(self.state) * nalgebra::Point3::from(points.mean())
+            } else {
+                plane.middle.into()
+            };
+            Seen {
+                normal: plane.normal,
+                offset: plane.normal.dot(&plane.middle),
+                weighed,
+                shared: plane.variance(middle.coords),
+            }
+        });
+        if seen.is_none() {
+            run.iter().for_each(|key| points.add(self.points[number(*key)], 1.0));
+        }
+        let next = if seen.is_some() { &left[..] } else { run };
+        if points.weight > 0.0 {
+            self.clusters.push(Cluster { place, points, seen });
+        }
+        if size + 1 < SIZES {
+            self.split(next, size + 1, below);
+        }
+    }
+}
+
+/// Whether points lie on a plane, in the LiDAR's frame.
+struct Gate {
+    normal: Vector3<f64>,
+    offset: f64,
+    /// What is expected beside a point's own noise, m².
+    known: f64,
+    noise: LidarNoise,
+}
+
+impl Gate {
+    /// With what the pose's covariance says near a place in `odom`.
+    fn new(search: &Search<'_>, plane: &Plane, place: Vector3<f64>) -> Self {
+        let state = search.state;
+        let lidar = lidar(state);
+        let arm = state.rotation.inverse() * (place - state.position);
+        let turned = arm.cross(&(state.rotation.inverse() * plane.normal));
+        let row = nalgebra::Vector6::new(
+            turned.x,
+            turned.y,
+            turned.z,
+            plane.normal.x,
+            plane.normal.y,
+            plane.normal.z,
+        );
+        let pose = search.covariance.fixed_view::<6, 6>(0, 0);
+        Self {
+            normal: lidar.rotation.inverse() * plane.normal,
+            offset: plane.distance(lidar.translation.vector),
+            known: plane.variance(place) + (row.transpose() * pose * row)[0],
+            noise: *search.noise,
+        }
+    }
+
+    /// One over a point's variance across the plane by the LiDAR's own noise, 1/m², if it lies on it.
+    fn weight(&self, point: &Vector3<f64>) -> Option<f64> {
+        let along = self.normal.dot(point);
+        let squared = point.norm_squared().max(1e-6);
+        // The part of the range that is across the plane, squared: cos² θ.
+        let across = along * along / squared;
+        let sideways = self.noise.angle * self.noise.angle * squared;
+        let variance =
+            across * self.noise.range * self.noise.range + (1.0 - across) * sideways + ROUGHNESS * ROUGHNESS;
+        let residual = along + self.offset;
+        (residual * residual < GATE * GATE * (variance + self.known)).then(|| 1.0 / variance)
+    }
+}
