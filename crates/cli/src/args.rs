@@ -57,7 +57,7 @@ pub enum Command {
 #[command(after_help = "\
 Settings of the agent `open`:
   planner=grammar | openai:MODEL[@URL]      reader=ppocr-v4 | openai:MODEL[@URL]
-  localizer=dead-reckoning | truth (for comparison only, and named in the results)
+  localizer=lidar-inertial | dead-reckoning | truth (for comparison only, and named in the results)
 
 Example:
   openbench run --world small_osm.world --map small.osm --models gazebo_models \\

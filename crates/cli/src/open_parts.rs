@@ -7,7 +7,7 @@ use openbench_agents::{Open, Parts};
 use openbench_bench::{AgentFactory, AgentRequest, TruthLocalizer};
 use openbench_core::{Agent, RobotDescription};
 use openbench_language::{ChatPlanner, GrammarPlanner, Planner};
-use openbench_localization::{DeadReckoning, Localizer};
+use openbench_localization::{DeadReckoning, LidarInertial, Localizer};
 use openbench_models::{ModelSpec, ModelStore};
 use openbench_vision::{PlateReader, PpOcr, PpOcrSettings, VlmReader};
 
@@ -31,7 +31,7 @@ fn make(request: &AgentRequest<'_>, networks: &Mutex<Option<PpOcr>>) -> Result<B
     let parts = Parts {
         planner: planner(setting("planner").unwrap_or("grammar"))?,
         reader: reader(setting("reader").unwrap_or(DEFAULT_READER), networks)?,
-        localizer: localizer(setting("localizer").unwrap_or("dead-reckoning"), request)?,
+        localizer: localizer(setting("localizer").unwrap_or("lidar-inertial"), request)?,
         memory: request.memory.cloned(),
     };
     Ok(Box::new(Open::new(parts)))
@@ -80,8 +80,11 @@ fn ppocr() -> Result<PpOcr, String> {
 
 fn localizer(word: &str, request: &AgentRequest<'_>) -> Result<Box<dyn Localizer>, String> {
     match word {
+        "lidar-inertial" => Ok(Box::new(LidarInertial::new(RobotDescription::sentry()))),
         "dead-reckoning" => Ok(Box::new(DeadReckoning::new(RobotDescription::sentry()))),
         "truth" => Ok(Box::new(TruthLocalizer::new(request.truth.clone()))),
-        _ => Err(format!("localizer={word}: there is no such localizer; there are dead-reckoning, truth")),
+        _ => Err(format!(
+            "localizer={word}: there is no such localizer; there are lidar-inertial, dead-reckoning, truth"
+        )),
     }
 }

@@ -33,7 +33,8 @@ impl SimTime {
 impl Add<Duration> for SimTime {
     type Output = Self;
     fn add(self, rhs: Duration) -> Self {
-        Self(self.0 + rhs.as_nanos() as u64)
+        let nanos = u64::try_from(rhs.as_nanos()).unwrap_or(u64::MAX);
+        Self(self.0.saturating_add(nanos))
     }
 }
 

@@ -3,16 +3,19 @@
 //! | module | its one job |
 //! |---|---|
 //! | [`dead_reckoning`] | [`DeadReckoning`]: wheels for the way, gyroscope for the heading, from a known start |
-//! | [`lio`] | LiDAR-inertial odometry (not yet what OPEN drives on) |
+//! | [`lio`] | LiDAR-inertial odometry |
+//! | [`lidar_inertial`] | [`LidarInertial`]: that odometry with wheels, from a known start |
 //!
 //! [`Localizer`] is the seam: agents know only it.
 
 pub mod dead_reckoning;
+pub mod lidar_inertial;
 pub mod lio;
 
 use openbench_core::{Observation, Pose2, SimTime};
 
 pub use dead_reckoning::DeadReckoning;
+pub use lidar_inertial::LidarInertial;
 
 /// Tells where the robot is. Given each observation in turn.
 pub trait Localizer {

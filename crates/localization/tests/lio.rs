@@ -176,3 +176,37 @@ fn nonsense_is_refused_and_counted() {
     assert!(refused.scans >= 1, "{refused:?}");
     assert!(error(&estimates[estimates.len() - 1]) < 0.03);
 }
+
+#[test]
+fn without_scans_the_way_goes_on_and_says_so() {
+    let (_, estimates) = drive(8, |millis, imu, scan| (imu, scan.filter(|_| millis < 5000)));
+    let late: Vec<_> = estimates.iter().filter(|e| e.stamp > SimTime::from_millis(5200)).collect();
+    assert!(late.len() > 5 && late.iter().all(|estimate| estimate.status == Status::Coasting));
+    let last = late[late.len() - 1];
+    assert!(last.stamp > SimTime::from_millis(7500));
+    assert!(error(last) < 4.0 * (last.covariance[(3, 3)] + last.covariance[(4, 4)]).sqrt() + 0.02);
+}
+
+#[test]
+fn an_hour_without_sensors_is_told_and_a_scan_of_another_clock_stops_nothing() {
+    let hour = 3_600_000;
+    let (odometry, estimates) = drive(10, |millis, imu, scan| {
+        let late = |stamp: SimTime| {
+            if millis < 6000 { stamp } else { SimTime::from_millis(hour) + stamp.since(SimTime::ZERO) }
+        };
+        let imu = imu.map(|imu| ImuSample { stamp: late(imu.stamp), ..imu });
+        let scan = scan.map(|mut scan| {
+            let elsewhere = millis == 3000 || millis == 0;
+            scan.stamp = if elsewhere { SimTime(u64::MAX - 5) } else { late(scan.stamp) };
+            scan
+        });
+        (imu, scan)
+    });
+    assert_eq!((odometry.refused().gaps, odometry.refused().imu), (1, 0));
+    let lost: Vec<_> = estimates.iter().filter(|estimate| estimate.status == Status::Lost).collect();
+    assert!(lost.len() == 1 && lost[0].covariance[(3, 3)] > 1e3);
+    let before = estimates.iter().rfind(|estimate| estimate.stamp < lost[0].stamp).unwrap();
+    assert!(before.status == Status::Tracking && error(before) < 0.02);
+    let last = &estimates[estimates.len() - 1];
+    assert!(last.status == Status::Tracking && last.stamp > SimTime::from_millis(hour + 9500));
+}

@@ -5,9 +5,8 @@ use std::fmt::Write as _;
 use anyhow::Context;
 use cpu_time::ThreadTime;
 use openbench_core::{Pose3, RobotDescription};
-use openbench_localization::lio::propagation::ImuNoise;
-use openbench_localization::lio::update::LidarNoise;
-use openbench_localization::lio::{LidarInertialOdometry, Settings, Status};
+use openbench_localization::lidar_inertial::settings;
+use openbench_localization::lio::{LidarInertialOdometry, Status};
 use openbench_logs::LogReader;
 use openbench_logs::messages::{Imu, Message, Odometry, PointCloud2};
 
@@ -69,18 +68,6 @@ pub fn run(args: &OdometryArgs) -> anyhow::Result<Outcome> {
     ));
     tell(&format!("{scans} scans, {coasting} of them without enough to go by; {:?}", odometry.refused()));
     Ok(Outcome::Done)
-}
-
-/// The sensors of the robot that the simulator records.
-fn settings(robot: &RobotDescription) -> Settings {
-    Settings {
-        imu: robot.imu,
-        lidar: robot.imu.inverse() * robot.lidar,
-        estimate_lidar: false,
-        imu_noise: ImuNoise { gyro: 2e-4, accel: 2e-3, gyro_walk: 1e-5, accel_walk: 1e-4 },
-        lidar_noise: LidarNoise { range: 0.02, angle: 0.001 },
-        blind: 0.3,
-    }
 }
 
 /// A line as TUM has it: seconds, position, quaternion.

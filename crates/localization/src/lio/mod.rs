@@ -12,6 +12,7 @@
 //! | [`moments`] | sums over points |
 //! | [`planes`] | the map: planes in cubes |
 //! | [`matching`] | which points lie on which planes |
+//! | [`speed`] | what wheels say |
 //! | [`mod@update`] | what a scan says about the state |
 //! | `start` | the first state |
 
@@ -20,6 +21,7 @@ pub mod moments;
 pub mod planes;
 pub mod propagation;
 pub mod so3;
+pub mod speed;
 mod start;
 pub mod state;
 pub mod update;
@@ -32,9 +34,10 @@ use openbench_core::{ImuSample, LidarScan, Pose3, SimTime};
 
 use matching::Matching;
 use planes::PlaneMap;
-use propagation::{ImuNoise, Node, propagate};
+use propagation::{ImuNoise, Node, advance, propagate};
+use speed::{Speed, correct};
 use start::{First, Start};
-use state::{Covariance, State};
+use state::{Covariance, State, at};
 use update::{LidarNoise, Matched, update};
 
 /// No step of the IMU's way is longer, so that turns in it are small: seconds.
@@ -45,6 +48,17 @@ const FEW: usize = 60;
 const GAP: Duration = Duration::from_millis(50);
 /// Scans that wait for the IMU at most.
 const WAITING: usize = 20;
+/// So long the IMU waits for a scan that began before it; then the way goes on without.
+const PATIENCE: Duration = Duration::from_millis(300);
+/// A scan that ends so much later than the IMU has come is of another clock.
+const AHEAD: Duration = Duration::from_secs(2);
+/// After so long a time without the IMU nobody knows where it has gone.
+const LOST: Duration = Duration::from_secs(2);
+/// How far off everything may be then: metres and m/s, radians.
+const LOST_DEVIATIONS: [f64; 2] = [100.0, 1.0];
+/// Velocities farther than that from an instant say nothing about it, and so many of them wait at most.
+const NEAR: Duration = Duration::from_millis(20);
+const SPEEDS: usize = 1000;
 /// The map reaches that far, metres, and is cut to it each time that the IMU has come a quarter of it.
 const REACH: f64 = 150.0;
 
@@ -72,6 +86,9 @@ pub enum Status {
     Tracking,
     /// The scan says nothing, or not along all directions: the pose is the IMU's, and its covariance grows.
     Coasting,
+    /// The IMU was silent for so long that nobody knows how the robot moved between the estimate before and this one. Those
+    /// that follow are as good as ever, but relative to this one: the map was begun anew.
+    Lost,
 }
 
 /// A pose, and how well it is known.
@@ -102,6 +119,8 @@ pub struct Refused {
     pub imu: usize,
     /// Scans that are older than those before, or came without an IMU.
     pub scans: usize,
+    /// Velocities that are not finite, or not later than those before.
+    pub speeds: usize,
     /// Points that are not finite or too near.
     pub points: usize,
     /// Times without samples of the IMU.
@@ -116,6 +135,7 @@ pub struct LidarInertialOdometry {
     state: Option<(SimTime, State, Covariance)>,
     imu: VecDeque<ImuSample>,
     scans: VecDeque<LidarScan>,
+    speeds: VecDeque<Speed>,
     map: PlaneMap,
     matching: Matching,
     /// Where the map was cut last.
@@ -134,6 +154,7 @@ impl LidarInertialOdometry {
             state: None,
             imu: VecDeque::new(),
             scans: VecDeque::new(),
+            speeds: VecDeque::new(),
             cut_at: Vector3::zeros(),
             refused: Refused::default(),
         }
@@ -156,7 +177,11 @@ impl LidarInertialOdometry {
             self.refused.imu += 1;
             return Vec::new();
         }
+        let lost = self.imu.back().is_some_and(|last| sample.stamp.since(last.stamp) > LOST);
         self.imu.push_back(sample);
+        if lost && self.state.is_some() {
+            return self.lose(sample.stamp).into_iter().collect();
+        }
         if self.state.is_some() {
             return self.estimates();
         }
@@ -198,6 +223,35 @@ impl LidarInertialOdometry {
         estimates
     }
 
+    /// Takes in a velocity, such as wheels show. It counts once the IMU and a scan have come as far.
+    pub fn speed(&mut self, speed: Speed) {
+        let late = self.speeds.back().is_some_and(|last| speed.stamp <= last.stamp);
+        if !speed.is_sound() || late || self.speeds.len() == SPEEDS {
+            self.refused.speeds += 1;
+            return;
+        }
+        self.speeds.push_back(speed);
+    }
+
+    /// The pose that the IMU has come to since the last estimate, and when; `None` before the start.
+    pub fn now(&self) -> Option<(SimTime, Pose3)> {
+        let (stamp, state, _) = self.state.as_ref()?;
+        let (mut stamp, mut state) = (*stamp, state.clone());
+        for (before, behind) in self.imu.iter().zip(self.imu.iter().skip(1)) {
+            if behind.stamp > stamp {
+                advance(
+                    &mut state,
+                    stamp,
+                    behind.stamp,
+                    mean(before.gyro, behind.gyro),
+                    mean(before.accel, behind.accel),
+                );
+                stamp = behind.stamp;
+            }
+        }
+        Some((stamp, pose(&state) * self.settings.imu.inverse()))
+    }
+
     /// Takes in a scan; estimates for it and those before it, as far as the IMU has come.
     pub fn scan(&mut self, scan: LidarScan) -> Vec<Estimate> {
         let newest =
@@ -211,8 +265,34 @@ impl LidarInertialOdometry {
         self.estimates()
     }
 
+    /// Goes on from where the robot was, though it may be elsewhere by now.
+    fn lose(&mut self, stamp: SimTime) -> Option<Estimate> {
+        let (_, mut state, mut covariance) = self.state.take()?;
+        state.velocity = Vector3::zeros();
+        let [far, turned] = LOST_DEVIATIONS;
+        for (first, deviation) in [(at::ROTATION, turned), (at::POSITION, far), (at::VELOCITY, far)] {
+            (first..first + 3).for_each(|i| covariance[(i, i)] += deviation * deviation);
+        }
+        self.map = PlaneMap::new(self.settings.lidar_noise.range);
+        self.imu.drain(..self.imu.len() - 1);
+        self.refused.gaps += 1;
+        self.refused.scans += self.scans.len();
+        self.scans.clear();
+        self.speeds.clear();
+        let estimate = self.estimate(stamp, &state, &covariance, None, Status::Lost);
+        self.state = Some((stamp, state, covariance));
+        Some(estimate)
+    }
+
     fn estimates(&mut self) -> Vec<Estimate> {
         let mut estimates = Vec::new();
+        while let (Some(scan), Some(imu)) = (self.scans.front(), self.imu.back()) {
+            if end(scan) <= imu.stamp + AHEAD {
+                break;
+            }
+            self.scans.pop_front();
+            self.refused.scans += 1;
+        }
         while let (Some(scan), Some(imu), Some(_)) = (self.scans.front(), self.imu.back(), &self.state) {
             if imu.stamp < end(scan) {
                 break;
@@ -223,7 +303,21 @@ impl LidarInertialOdometry {
                 None => self.refused.scans += 1,
             }
         }
+        estimates.extend(self.without_scans());
         estimates
+    }
+
+    /// Where no scan comes, the way goes on by IMU and wheels.
+    fn without_scans(&mut self) -> Option<Estimate> {
+        let newest = self.imu.back()?.stamp;
+        let (mut stamp, mut state, mut covariance) = self.state.take()?;
+        let waited = newest.since(stamp) > PATIENCE && self.scans.is_empty();
+        let estimate = waited.then(|| {
+            self.travel(&mut stamp, &mut state, &mut covariance, newest);
+            self.estimate(stamp, &state, &covariance, None, Status::Coasting)
+        });
+        self.state = Some((stamp, state, covariance));
+        estimate
     }
 
     fn process(&mut self, scan: &LidarScan) -> Option<Estimate> {
@@ -303,8 +397,9 @@ impl LidarInertialOdometry {
             let (before, behind) = (self.imu[0], self.imu[1.min(self.imu.len() - 1)]);
             let next = if behind.stamp > *stamp { behind.stamp.min(until) } else { until };
             let next = next.min(*stamp + STEP);
+            let speed = self.speeds.iter().map(|speed| speed.stamp).find(|speed| *speed > *stamp);
+            let next = speed.map_or(next, |speed| next.min(speed));
             let gap = behind.stamp.since(before.stamp) > GAP;
-            let mean = |a: [f64; 3], b: [f64; 3]| (Vector3::from(a) + Vector3::from(b)) * 0.5;
             let (gyro, accel) = (mean(before.gyro, behind.gyro), mean(before.accel, behind.accel));
             let mut noise = self.settings.imu_noise;
             if gap {
@@ -314,6 +409,12 @@ impl LidarInertialOdometry {
             }
             nodes.push(propagate(state, covariance, &noise, *stamp, next, gyro, accel));
             *stamp = next;
+            while self.speeds.front().is_some_and(|speed| speed.stamp <= next) {
+                let speed = self.speeds.pop_front().filter(|speed| next.since(speed.stamp) < NEAR);
+                speed
+                    .into_iter()
+                    .for_each(|speed| correct(state, covariance, &self.settings.imu, gyro, &speed));
+            }
         }
         nodes
     }
@@ -345,6 +446,10 @@ impl LidarInertialOdometry {
         }
         points
     }
+}
+
+fn mean(a: [f64; 3], b: [f64; 3]) -> Vector3<f64> {
+    (Vector3::from(a) + Vector3::from(b)) * 0.5
 }
 
 /// The IMU's pose in `odom`.

@@ -82,11 +82,24 @@ impl Passage {
     }
 }
 
-/// Moves a state on until `until` by a mean turn rate and a mean specific force; returns how it went.
+/// Moves a state and its covariance on until `until` by a mean turn rate and a mean specific force; returns how it went.
 pub fn propagate(
     state: &mut State,
     covariance: &mut Covariance,
     noise: &ImuNoise,
+    from: SimTime,
+    until: SimTime,
+    gyro: Vector3<f64>,
+    accel: Vector3<f64>,
+) -> Node {
+    let (rate, force) = (gyro - state.gyro_bias, accel - state.accel_bias);
+    grow(state, covariance, noise, rate, force, until.since(from).as_secs_f64());
+    advance(state, from, until, gyro, accel)
+}
+
+/// Moves a state on: equation 4.
+pub fn advance(
+    state: &mut State,
     from: SimTime,
     until: SimTime,
     gyro: Vector3<f64>,
@@ -100,12 +113,11 @@ pub fn propagate(
     let acceleration = halfway * force + state.gravity;
     let node = Node {
         stamp: from,
-        pose: Isometry3::from_parts(Translation3::from(state.position), rotation),
+        pose: Isometry3::from_parts(state.position.into(), rotation),
         velocity: state.velocity,
         rate,
         acceleration,
     };
-    grow(state, covariance, noise, rate, force, dt);
     state.position += state.velocity * dt + acceleration * (0.5 * dt * dt);
     state.velocity += acceleration * dt;
     state.rotation = rotation * exp(rate * dt);
