@@ -17,6 +17,7 @@
 //! | [`report`] | results for people |
 //! | [`speed`] | how fast the parts are |
 //! | [`world_folder`] | worlds as folders: recipe, maps, suite |
+//! | [`tour`] | drives for the sake of their logs |
 //! | [`truth`] | the truth as a localizer, for comparisons |
 
 pub mod deliveries;
@@ -38,12 +39,13 @@ pub mod speed;
 pub mod stage;
 pub mod statistics;
 pub mod suite;
+pub mod tour;
 pub mod truth;
 pub mod world_folder;
 
 pub use error::BenchError;
 pub use openbench_sim::traffic::TrafficPlan;
-pub use recorder::Level;
+pub use recorder::{Faults, Level};
 pub use registry::{AgentFactory, AgentRequest, Registry};
 pub use results::Results;
 pub use run::{RunRequest, run};

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::str::FromStr;
 
-use openbench_core::{Event, Georeference, LidarScan, MapPoint, Pose2, SimTime, Velocity};
+use openbench_core::{Event, Georeference, ImuSample, LidarScan, MapPoint, Pose2, SimTime, Velocity};
 use openbench_logs::messages::{
     CompressedImage, Header, Imu, JointState, NavSatFix, Odometry, Path as PathMessage, PointCloud2, Pose,
     PoseArray, PoseStamped, StringMessage, Twist,
@@ -45,10 +45,34 @@ const SCAN_NS: u64 = 100_000_000;
 /// Time between two records of where people and cars are.
 const MOVERS_NS: u64 = 200_000_000;
 
+/// What is wrong with the sensors.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Faults {
+    /// No sample of the IMU and no scan begins in this time.
+    pub gap: Option<[SimTime; 2]>,
+    /// The IMU shows no more than that, rad/s and m/s².
+    pub imu_range: Option<[f64; 2]>,
+}
+
+impl Faults {
+    fn hides(&self, stamp: SimTime) -> bool {
+        self.gap.is_some_and(|[from, until]| (from..until).contains(&stamp))
+    }
+
+    fn imu(&self, sample: ImuSample) -> Option<ImuSample> {
+        let [turn, force] = self.imu_range.unwrap_or([f64::INFINITY; 2]);
+        let within = |v: [f64; 3], most: f64| v.map(|x| x.clamp(-most, most));
+        let seen =
+            ImuSample { gyro: within(sample.gyro, turn), accel: within(sample.accel, force), ..sample };
+        (!self.hides(sample.stamp)).then_some(seen)
+    }
+}
+
 /// Writes what happens into a log.
 pub struct Recorder {
     log: Option<LogFile>,
     level: Level,
+    faults: Faults,
     /// For what is recorded in degrees.
     projection: Option<Projection>,
 }
@@ -56,13 +80,19 @@ pub struct Recorder {
 impl Recorder {
     /// A recorder that writes nothing.
     pub fn none() -> Self {
-        Self { log: None, level: Level::None, projection: None }
+        Self { log: None, level: Level::None, faults: Faults::default(), projection: None }
     }
 
     /// A recorder into a file, of a world that lies there on the Earth.
     pub fn create(path: &Path, level: Level, georeference: Georeference) -> Result<Self, LogError> {
         let log = if level == Level::None { None } else { Some(LogFile::create(path)?) };
-        Ok(Self { log, level, projection: Some(Projection::new(georeference)) })
+        Ok(Self { log, level, faults: Faults::default(), projection: Some(Projection::new(georeference)) })
+    }
+
+    /// The same with sensors that fail.
+    #[must_use]
+    pub fn with_faults(self, faults: Faults) -> Self {
+        Self { faults, ..self }
     }
 
     /// Records the state after a step.
@@ -86,8 +116,8 @@ impl Recorder {
             )?;
         }
         if self.level == Level::Full {
-            for sample in observation.imu {
-                log.write("/livox/imu", sample.stamp, &Imu::from(*sample))?;
+            for sample in observation.imu.iter().filter_map(|sample| self.faults.imu(*sample)) {
+                log.write("/livox/imu", sample.stamp, &Imu::from(sample))?;
             }
             for sample in observation.wheels {
                 log.write("/joint_states", sample.stamp, &JointState::from(*sample))?;
@@ -97,7 +127,7 @@ impl Recorder {
                 log.write("/gnss/fix", fix.stamp, &NavSatFix::new(fix, at))?;
             }
         }
-        match observation.scan {
+        match observation.scan.filter(|scan| !self.faults.hides(scan.stamp)) {
             Some(scan) if self.level == Level::Full => {
                 log.write("/livox/lidar", time, &PointCloud2::from(scan))
             }

@@ -38,6 +38,8 @@ pub enum Command {
     Prepare(PrepareArgs),
     /// Work out where a log's sensors went: LiDAR-inertial odometry
     Odometry(OdometryArgs),
+    /// Drive round a world and record all that the sensors say, with the truth
+    Record(RecordArgs),
     /// Answer OSRM's HTTP API: route, nearest, table
     Serve(ServeArgs),
     /// Score a log that the reference's recorder wrote, JSON
@@ -169,6 +171,68 @@ pub struct OdometryArgs {
     /// Also write the recorded truth, where the log has it
     #[arg(long)]
     pub truth: Option<PathBuf>,
+}
+
+/// Arguments of `record`.
+#[derive(Debug, ClapArgs)]
+#[command(after_help = "\
+The log (MCAP, ROS 2 messages) has /livox/imu, /livox/lidar, /joint_states (the wheels) and /ground_truth/odom.
+
+Examples:
+  openbench record small --out small.mcap
+  openbench record medium --minutes 10 --pedestrians 50 --cars 20 --seed 3 --out busy.mcap
+  openbench record worlds/corridor --via 0,0 --via 60,0 --wild --gap 30,0.5 --out hard.mcap")]
+pub struct RecordArgs {
+    /// A built-in world (small, medium, large), a suite file (.toml), or the folder of a generated or imported world
+    pub world: String,
+    /// The log to write (.mcap)
+    #[arg(long)]
+    pub out: PathBuf,
+    /// How long to drive
+    #[arg(long, default_value_t = 3.0, value_parser = minutes)]
+    pub minutes: f64,
+    /// Drive through this place, x,y in metres (may be given more than once; by default from door to door)
+    #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = place)]
+    pub via: Vec<openbench_core::MapPoint>,
+    /// Full turns, swerves and stops as hard as the motors allow
+    #[arg(long)]
+    pub wild: bool,
+    /// Neither IMU nor LiDAR say anything for a time: when and how long, seconds
+    #[arg(long, value_name = "AT,SECONDS", value_parser = pair)]
+    pub gap: Option<(f64, f64)>,
+    /// The IMU shows no more than that: rad/s and m/s²
+    #[arg(long, value_name = "TURN,FORCE", value_parser = pair)]
+    pub imu_range: Option<(f64, f64)>,
+    /// People who walk about; by default as many as the suite says
+    #[arg(long)]
+    pub pedestrians: Option<u16>,
+    /// Cars that drive about; by default as many as the suite says
+    #[arg(long)]
+    pub cars: Option<u16>,
+    /// What noise, traffic and the order of doors are drawn from
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+}
+
+fn pair(text: &str) -> Result<(f64, f64), String> {
+    let numbers: Vec<f64> = text.split(',').map_while(|word| word.trim().parse().ok()).collect();
+    match numbers[..] {
+        [a, b] if a.is_finite() && b.is_finite() && a >= 0.0 && b >= 0.0 => Ok((a, b)),
+        _ => Err(format!("`{text}` should be two numbers not below 0, such as 30,0.5")),
+    }
+}
+
+fn place(text: &str) -> Result<openbench_core::MapPoint, String> {
+    let numbers: Vec<f64> = text.split(',').map_while(|word| word.trim().parse().ok()).collect();
+    match numbers[..] {
+        [x, y] if x.is_finite() && y.is_finite() => Ok(openbench_core::MapPoint::new(x, y)),
+        _ => Err(format!("`{text}` should be two numbers, such as 12.5,-3")),
+    }
+}
+
+fn minutes(text: &str) -> Result<f64, String> {
+    let minutes = text.parse().ok().filter(|minutes| (0.05..=600.0).contains(minutes));
+    minutes.ok_or_else(|| format!("`{text}` should be minutes, from 0.05 to 600"))
 }
 
 /// The map and who travels on it.

@@ -44,6 +44,7 @@ fn dispatch(command: Command, registry: &Registry) -> anyhow::Result<Outcome> {
         Command::Plan(args) => commands::plan::run(&args),
         Command::Route(args) => commands::route::run(&args),
         Command::Odometry(args) => commands::odometry::run(&args),
+        Command::Record(args) => commands::record::run(&args),
         Command::Prepare(args) => commands::prepare::run(&args),
         Command::Serve(args) => commands::serve::run(&args),
         Command::Evaluate(args) => commands::evaluate::run(&args),

@@ -6,6 +6,7 @@ pub mod models;
 pub mod odometry;
 pub mod plan;
 pub mod prepare;
+pub mod record;
 pub mod route;
 pub mod run;
 pub mod serve;

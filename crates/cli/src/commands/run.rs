@@ -95,7 +95,8 @@ fn prepare(args: &RunArgs) -> anyhow::Result<Prepared> {
     Ok(prepared)
 }
 
-fn named(name: &str) -> anyhow::Result<Suite> {
+/// The suite that a word names.
+pub(super) fn named(name: &str) -> anyhow::Result<Suite> {
     let path = Path::new(name);
     if world_folder::is_world(path) {
         return Ok(world_folder::suite_of(path)?);

@@ -7,7 +7,7 @@
 use nalgebra::{Isometry3, Vector3};
 
 use super::moments::Moments;
-use super::planes::{Place, Plane, PlaneMap, SIDES, SIZES};
+use super::planes::{CORNER, Place, Plane, PlaneMap, SIDES, SIZES};
 use super::state::{Covariance, State};
 use super::update::LidarNoise;
 
@@ -15,6 +15,9 @@ use super::update::LidarNoise;
 const GATE: f64 = 4.0;
 /// Surfaces are not quite planes, metres.
 const ROUGHNESS: f64 = 0.004;
+
+/// Flatter than that no ray meets a plane, as the square of an angle.
+const FLATTEST: f64 = 1e-5;
 
 /// Points of a scan in one cube, in the LiDAR's frame.
 #[derive(Debug, Clone)]
@@ -95,7 +98,7 @@ impl Matching {
         let lidar = lidar(state);
         let rotation = lidar.rotation.to_rotation_matrix();
         let cell = |p: Vector3<f64>| p.map(|x| libm::floor(x / SIDES[SIZES - 1]));
-        let corner = state.position.map(|x| libm::floor(x / SIDES[0]) * SIDES[0]);
+        let corner = state.position.map(|x| libm::floor((x - CORNER) / SIDES[0]) * SIDES[0] + CORNER);
         let corner = corner.map(|x| x - f64::from(1 << (AXIS - 1)) * SIDES[0]);
         self.places.clear();
         self.order.clear();
@@ -160,8 +163,8 @@ impl Search<'_> {
             let mut weighed = Moments::default();
             for key in run {
                 let point = self.points[number(*key)];
-                match gate.weight(&point) {
-                    Some(weight) => {
+                match gate.pass(&point) {
+                    Some((point, weight)) => {
                         weighed.add(point, weight);
                         points.add(point, 1.0);
                     }
@@ -226,16 +229,22 @@ impl Gate {
         }
     }
 
-    /// One over a point's variance across the plane by the LiDAR's own noise, 1/m², if it lies on it.
-    fn weight(&self, point: &Vector3<f64>) -> Option<f64> {
+    /// A point that lies on the plane, where it is on average, and one over its variance across the plane by the LiDAR's own noise, 1/m².
+    ///
+    /// A direction that is off by ε, under an angle α to the plane, meets it at the range h / sin(α + ε), so that the point is told to be sin α / sin(α + ε)
+    /// times as far from the sensor's height as it should be: 1 + σ² / α² times on average. Far off on level ground that is millimetres, always downwards, and the map would
+    /// bend.
+    fn pass(&self, point: &Vector3<f64>) -> Option<(Vector3<f64>, f64)> {
         let along = self.normal.dot(point);
         let squared = point.norm_squared().max(1e-6);
-        // The part of the range that is across the plane, squared: cos² θ.
+        // The part of the range that is across the plane, squared: sin² α.
         let across = along * along / squared;
-        let sideways = self.noise.angle * self.noise.angle * squared;
-        let variance =
-            across * self.noise.range * self.noise.range + (1.0 - across) * sideways + ROUGHNESS * ROUGHNESS;
+        let turn = self.noise.angle * self.noise.angle;
+        let (range, sideways) =
+            (across * self.noise.range * self.noise.range, (1.0 - across) * turn * squared);
+        let variance = range + sideways + ROUGHNESS * ROUGHNESS;
         let residual = along + self.offset;
-        (residual * residual < GATE * GATE * (variance + self.known)).then(|| 1.0 / variance)
+        let passes = residual * residual < GATE * GATE * (variance + self.known);
+        passes.then(|| (point * (1.0 - turn / across.max(FLATTEST)), 1.0 / variance))
     }
 }

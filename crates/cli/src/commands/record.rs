@@ -1,0 +1,50 @@
+//! `openbench record`: drives for the sake of their logs.
+
+use std::time::Duration;
+
+use openbench_bench::recorder::Recorder;
+use openbench_bench::tour::{Style, Tour, drive};
+use openbench_bench::{Faults, Level, Prepared};
+use openbench_core::SimTime;
+
+use crate::args::RecordArgs;
+use crate::commands::run::named;
+use crate::outcome::{Outcome, tell};
+use crate::progress::progress_bar;
+
+/// Drives and records.
+pub fn run(args: &RecordArgs) -> anyhow::Result<Outcome> {
+    let mut suite = named(&args.world)?;
+    for (asked, planned) in
+        [(args.pedestrians, &mut suite.traffic.pedestrians), (args.cars, &mut suite.traffic.cars)]
+    {
+        *planned = asked.map_or(*planned, usize::from);
+    }
+    let prepared = Prepared::world_of(suite)?;
+    prepared.warnings().iter().for_each(|w| tell(w));
+    let at = |seconds: f64| SimTime::ZERO + Duration::from_secs_f64(seconds.min(1e9));
+    let faults = Faults {
+        gap: args.gap.map(|(from, long)| [at(from), at(from + long)]),
+        imu_range: args.imu_range.map(|(turn, force)| [turn, force]),
+    };
+    let tour = Tour {
+        time: Duration::from_secs_f64(args.minutes * 60.0),
+        via: args.via.clone(),
+        style: if args.wild { Style::Wild } else { Style::Smooth },
+        seed: args.seed,
+    };
+    let recorder = Recorder::create(&args.out, Level::Full, prepared.world.georeference)?;
+    let mut recorder = recorder.with_faults(faults);
+    let bar = progress_bar(tour.time.as_secs() as usize, "driving");
+    let driven = drive(&prepared, &tour, &mut recorder, &|time| bar.set_position(time.seconds() as u64))?;
+    recorder.finish()?;
+    bar.finish_and_clear();
+    tell(&format!(
+        "{}: {:.0} m in {:.0} s, {} bumps",
+        args.out.display(),
+        driven.metres,
+        tour.time.as_secs_f64(),
+        driven.collisions
+    ));
+    Ok(Outcome::Done)
+}
