@@ -91,7 +91,8 @@ def square():
 def corridor():
     """Two smooth walls 2.4 m apart and 120 m long; from within them nothing else is seen."""
     m = Map()
-    m.box(-30, 8, -20, 18, building="house", building__levels=1)
+    for x in (-30, 120):
+        m.box(x, 8, x + 10, 18, building="house", building__levels=1)
     m.way([(-10, 1.2), (110, 1.2)], barrier="wall", height=2.5)
     m.way([(-10, -1.2), (110, -1.2)], barrier="wall", height=2.5)
     return m

@@ -33,6 +33,7 @@ fn settings() -> Settings {
         lidar: Pose3::translation(0.1, 0.0, 0.2),
         estimate_lidar: false,
         imu_noise: ImuNoise { gyro: 2e-4, accel: 2e-3, gyro_walk: 1e-5, accel_walk: 1e-4 },
+        imu_limits: None,
         lidar_noise: LidarNoise { range: 0.01, angle: 0.001 },
         blind: 0.3,
     }

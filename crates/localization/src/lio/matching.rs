@@ -6,6 +6,7 @@
 
 use nalgebra::{Isometry3, Vector3};
 
+use super::inertial::Known;
 use super::moments::Moments;
 use super::planes::{CORNER, Place, Plane, PlaneMap, SIDES, SIZES};
 use super::state::{Covariance, State};
@@ -53,6 +54,8 @@ pub struct Matching {
     rest: [Vec<u64>; SIZES],
     /// What came of it.
     pub clusters: Vec<Cluster>,
+    /// Points in cubes with planes that lie on none of them.
+    contradicting: usize,
 }
 
 /// Bits of a key: the point's number, then one bit an axis for each size below the largest, then nine an axis.
@@ -61,27 +64,40 @@ const SPLITS: u32 = SIZES as u32 - 1;
 const AXIS: u32 = 9;
 
 impl Matching {
-    /// Looks up a scan's points, which are in the LiDAR's frame of the state's instant.
-    pub fn find(
+    /// Looks up a scan's points, which are in the LiDAR's frame of the state's instant. None farther than `gate` metres from a plane lies on it.
+    pub(super) fn find(
         &mut self,
-        state: &State,
-        covariance: &Covariance,
+        known: &Known,
         points: &[Vector3<f64>],
         map: &PlaneMap,
         noise: &LidarNoise,
+        gate: f64,
     ) {
+        let Known { state, covariance, .. } = known;
         self.sort(state, points);
         self.clusters.clear();
         let mut search = Search {
             state,
+            lidar: lidar(state),
             covariance,
             points,
             places: &self.places,
             map,
             noise,
+            gate,
             clusters: &mut self.clusters,
+            contradicting: 0,
         };
-        search.split(&self.order, 0, &mut self.rest);
+        search.split(&self.order, 0, false, &mut self.rest);
+        self.contradicting = search.contradicting;
+    }
+
+    /// Of the points where planes are known the share that lies on them; 1 where there are none.
+    pub(super) fn agreeing(&self) -> f64 {
+        let seen = self.clusters.iter().filter(|cluster| cluster.seen.is_some());
+        let agreeing: f64 = seen.map(|cluster| cluster.points.weight).sum();
+        let all = agreeing + self.contradicting as f64;
+        if all > 0.0 { agreeing / all } else { 1.0 }
     }
 
     /// Adds what was found to the map, with the scan at `state`.
@@ -133,67 +149,74 @@ fn lidar(state: &State) -> Isometry3<f64> {
 /// What a search goes by.
 struct Search<'a> {
     state: &'a State,
+    lidar: Isometry3<f64>,
     covariance: &'a Covariance,
     points: &'a [Vector3<f64>],
     places: &'a [Vector3<f64>],
     map: &'a PlaneMap,
     noise: &'a LidarNoise,
+    gate: f64,
     clusters: &'a mut Vec<Cluster>,
+    contradicting: usize,
 }
 
 impl Search<'_> {
-    /// Goes through points in their order, cube by cube of a size.
-    fn split(&mut self, order: &[u64], size: usize, rest: &mut [Vec<u64>]) {
+    /// Goes through points in their order, cube by cube of a size; `met` if there is a plane in the larger cube round them.
+    fn split(&mut self, order: &[u64], size: usize, met: bool, rest: &mut [Vec<u64>]) {
         let shift = NUMBER + 3 * (SPLITS - size as u32);
         for run in order.chunk_by(|a, b| a >> shift == b >> shift) {
-            self.cube(run, size, rest);
+            self.cube(run, size, met, rest);
         }
     }
 
     /// Points on the cube's plane are its own; others, and all if it has none, are looked up in smaller cubes.
-    fn cube(&mut self, run: &[u64], size: usize, rest: &mut [Vec<u64>]) {
-        let number = |key: u64| (key & ((1 << NUMBER) - 1)) as usize;
+    fn cube(&mut self, run: &[u64], size: usize, met: bool, rest: &mut [Vec<u64>]) {
         let Some(place) = Place::of(self.places[number(run[0])], size) else { return };
         let (mine, below) = rest.split_at_mut(1);
         let left = &mut mine[0];
         left.clear();
         let mut points = Moments::default();
-        let seen = self.map.plane(&place).map(|plane| {
-            let gate = Gate::new(self, plane, self.places[number(run[0])]);
-            let mut weighed = Moments::default();
-            for key in run {
-                let point = self.points[number(*key)];
-                match gate.pass(&point) {
-                    Some((point, weight)) => {
-                        weighed.add(point, weight);
-                        points.add(point, 1.0);
-                    }
-                    None => left.push(*key),
-                }
-            }
-            let middle = if points.weight > 0.0 {
-                lidar(self.state) * nalgebra::Point3::from(points.mean())
-            } else {
-                plane.middle.into()
-            };
-            Seen {
-                normal: plane.normal,
-                offset: plane.normal.dot(&plane.middle),
-                weighed,
-                shared: plane.variance(middle.coords),
-            }
-        });
+        let seen = self.map.plane(&place).map(|plane| self.seen(plane, run, &mut points, left));
         if seen.is_none() {
             run.iter().for_each(|key| points.add(self.points[number(*key)], 1.0));
         }
-        let next = if seen.is_some() { &left[..] } else { run };
+        let (met, next) = if seen.is_some() { (true, &left[..]) } else { (met, run) };
         if points.weight > 0.0 {
             self.clusters.push(Cluster { place, points, seen });
         }
         if size + 1 < SIZES {
-            self.split(next, size + 1, below);
+            self.split(next, size + 1, met, below);
+        } else if met {
+            self.contradicting += next.len();
         }
     }
+
+    /// Those of a cube's points that lie on its plane go into `points`, the others into `left`.
+    fn seen(&self, plane: &Plane, run: &[u64], points: &mut Moments, left: &mut Vec<u64>) -> Seen {
+        let gate = Gate::new(self, plane, self.places[number(run[0])]);
+        let mut weighed = Moments::default();
+        for key in run {
+            match gate.pass(&self.points[number(*key)]) {
+                Some((point, weight)) => {
+                    weighed.add(point, weight);
+                    points.add(point, 1.0);
+                }
+                None => left.push(*key),
+            }
+        }
+        let middle = self.lidar * nalgebra::Point3::from(points.mean());
+        Seen {
+            normal: plane.normal,
+            offset: plane.normal.dot(&plane.middle),
+            weighed,
+            shared: plane.variance(middle.coords),
+        }
+    }
+}
+
+/// The number of a key's point.
+fn number(key: u64) -> usize {
+    (key & ((1 << NUMBER) - 1)) as usize
 }
 
 /// Whether points lie on a plane, in the LiDAR's frame.
@@ -203,13 +226,14 @@ struct Gate {
     /// What is expected beside a point's own noise, m².
     known: f64,
     noise: LidarNoise,
+    /// Nothing farther off lies on it, m².
+    widest: f64,
 }
 
 impl Gate {
     /// With what the pose's covariance says near a place in `odom`.
     fn new(search: &Search<'_>, plane: &Plane, place: Vector3<f64>) -> Self {
         let state = search.state;
-        let lidar = lidar(state);
         let arm = state.rotation.inverse() * (place - state.position);
         let turned = arm.cross(&(state.rotation.inverse() * plane.normal));
         let row = nalgebra::Vector6::new(
@@ -222,10 +246,11 @@ impl Gate {
         );
         let pose = search.covariance.fixed_view::<6, 6>(0, 0);
         Self {
-            normal: lidar.rotation.inverse() * plane.normal,
-            offset: plane.distance(lidar.translation.vector),
+            normal: search.lidar.rotation.inverse() * plane.normal,
+            offset: plane.distance(search.lidar.translation.vector),
             known: plane.variance(place) + (row.transpose() * pose * row)[0],
             noise: *search.noise,
+            widest: search.gate * search.gate,
         }
     }
 
@@ -244,7 +269,7 @@ impl Gate {
             (across * self.noise.range * self.noise.range, (1.0 - across) * turn * squared);
         let variance = range + sideways + ROUGHNESS * ROUGHNESS;
         let residual = along + self.offset;
-        let passes = residual * residual < GATE * GATE * (variance + self.known);
+        let passes = residual * residual < (GATE * GATE * (variance + self.known)).min(self.widest);
         passes.then(|| (point * (1.0 - turn / across.max(FLATTEST)), 1.0 / variance))
     }
 }

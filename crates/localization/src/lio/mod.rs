@@ -10,12 +10,15 @@
 //! | [`state`] | what is estimated, on its manifold |
 //! | [`propagation`] | where the IMU says that it moves to |
 //! | [`moments`] | sums over points |
+//! | `inertial`, `limits` | what IMU and wheels said; an IMU at the end of its range |
 //! | [`planes`] | the map: planes in cubes |
 //! | [`matching`] | which points lie on which planes |
 //! | [`speed`] | what wheels say |
 //! | [`mod@update`] | what a scan says about the state |
 //! | `start` | the first state |
 
+mod inertial;
+mod limits;
 pub mod matching;
 pub mod moments;
 pub mod planes;
@@ -30,22 +33,21 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 use nalgebra::{Isometry3, Matrix6, Vector3};
-use openbench_core::{ImuSample, LidarScan, Pose3, SimTime};
+use openbench_core::{ImuSample, LidarPoint, LidarScan, Pose3, SimTime};
 
+use inertial::{Inertial, Known};
+use limits::Limits;
 use matching::Matching;
 use planes::PlaneMap;
-use propagation::{ImuNoise, Node, advance, propagate};
-use speed::{Speed, correct};
+use propagation::{ImuNoise, Node};
+use so3::log;
+use speed::Speed;
 use start::{First, Start};
-use state::{Covariance, State, at};
+use state::{State, at};
 use update::{LidarNoise, Matched, update};
 
-/// No step of the IMU's way is longer, so that turns in it are small: seconds.
-const STEP: Duration = Duration::from_millis(20);
 /// With fewer points on known planes a scan says nothing.
 const FEW: usize = 60;
-/// Samples of the IMU farther apart than that leave a gap.
-const GAP: Duration = Duration::from_millis(50);
 /// Scans that wait for the IMU at most.
 const WAITING: usize = 20;
 /// So long the IMU waits for a scan that began before it; then the way goes on without.
@@ -56,9 +58,12 @@ const AHEAD: Duration = Duration::from_secs(2);
 const LOST: Duration = Duration::from_secs(2);
 /// How far off everything may be then: metres and m/s, radians.
 const LOST_DEVIATIONS: [f64; 2] = [100.0, 1.0];
-/// Velocities farther than that from an instant say nothing about it, and so many of them wait at most.
-const NEAR: Duration = Duration::from_millis(20);
-const SPEEDS: usize = 1000;
+/// A scan is gone through that often where the gyroscope was at its limit: what it did not show is seen in how the scan lies.
+const PASSES: usize = 3;
+/// Turned by less than that it lies well, radians.
+const LIES_WELL: f64 = 1e-3;
+/// Of the points on known surfaces that share agrees with the map at least, else something is wrong.
+const AGREEING: f64 = 0.5;
 /// The map reaches that far, metres, and is cut to it each time that the IMU has come a quarter of it.
 const REACH: f64 = 150.0;
 
@@ -73,6 +78,8 @@ pub struct Settings {
     pub estimate_lidar: bool,
     /// What is wrong with the IMU.
     pub imu_noise: ImuNoise,
+    /// What the IMU can show at most, rad/s and m/s²; if that is not known, the same largest number again and again is taken for it.
+    pub imu_limits: Option<[f64; 2]>,
     /// What is wrong with the LiDAR.
     pub lidar_noise: LidarNoise,
     /// Points nearer than that are of the robot itself, metres.
@@ -84,7 +91,7 @@ pub struct Settings {
 pub enum Status {
     /// The scan agrees with the map.
     Tracking,
-    /// The scan says nothing, or not along all directions: the pose is the IMU's, and its covariance grows.
+    /// The scan says nothing, or not along all directions, or it contradicts the map: the pose is the IMU's, and its covariance grows.
     Coasting,
     /// The IMU was silent for so long that nobody knows how the robot moved between the estimate before and this one. Those
     /// that follow are as good as ever, but relative to this one: the map was begun anew.
@@ -132,10 +139,11 @@ pub struct Refused {
 pub struct LidarInertialOdometry {
     settings: Settings,
     start: Start,
-    state: Option<(SimTime, State, Covariance)>,
-    imu: VecDeque<ImuSample>,
+    known: Option<Known>,
+    inertial: Inertial,
     scans: VecDeque<LidarScan>,
-    speeds: VecDeque<Speed>,
+    /// Turn rate that the gyroscope did not show in the last scan, rad/s.
+    missing: Vector3<f64>,
     map: PlaneMap,
     matching: Matching,
     /// Where the map was cut last.
@@ -149,12 +157,12 @@ impl LidarInertialOdometry {
         Self {
             map: PlaneMap::new(settings.lidar_noise.range),
             matching: Matching::default(),
+            inertial: Inertial::new(Limits::new(settings.imu_limits)),
             settings,
             start: Start::default(),
-            state: None,
-            imu: VecDeque::new(),
+            known: None,
             scans: VecDeque::new(),
-            speeds: VecDeque::new(),
+            missing: Vector3::zeros(),
             cut_at: Vector3::zeros(),
             refused: Refused::default(),
         }
@@ -172,18 +180,13 @@ impl LidarInertialOdometry {
 
     /// Takes in a sample of the IMU; estimates for scans that waited for it.
     pub fn imu(&mut self, sample: ImuSample) -> Vec<Estimate> {
-        let finite = sample.gyro.iter().chain(&sample.accel).all(|x| x.is_finite());
-        if !finite || self.imu.back().is_some_and(|last| sample.stamp <= last.stamp) {
+        let lost = self.inertial.newest().is_some_and(|newest| sample.stamp.since(newest) > LOST);
+        if !self.inertial.push(sample) {
             self.refused.imu += 1;
             return Vec::new();
         }
-        let lost = self.imu.back().is_some_and(|last| sample.stamp.since(last.stamp) > LOST);
-        self.imu.push_back(sample);
-        if lost && self.state.is_some() {
-            return self.lose(sample.stamp).into_iter().collect();
-        }
-        if self.state.is_some() {
-            return self.estimates();
+        if self.known.is_some() {
+            return if lost { self.lose(sample.stamp).into_iter().collect() } else { self.estimates() };
         }
         let Some(first) = self.start.take(&sample, &self.settings) else { return Vec::new() };
         let mut estimates = self.begin(sample.stamp, first);
@@ -194,68 +197,40 @@ impl LidarInertialOdometry {
     /// The first state. What was seen from where the robot stood makes the map's beginning; what was seen on the way to it has no place.
     fn begin(&mut self, stamp: SimTime, first: First) -> Vec<Estimate> {
         let mut estimates = Vec::new();
+        let mut known = Known { stamp, state: first.state, covariance: first.covariance };
         while self.scans.front().is_some_and(|scan| end(scan) <= stamp) {
             let Some(scan) = self.scans.pop_front() else { break };
             if first.at_rest.is_none_or(|since| scan.stamp < since) {
                 self.refused.scans += 1;
                 continue;
             }
-            let points = scan.points.iter().map(|point| Vector3::from(point.xyz.map(f64::from)));
-            let points: Vec<_> = points.filter(|point| self.usable(point)).collect();
+            let points: Vec<_> =
+                scan.points.iter().map(position).filter(|point| self.usable(point)).collect();
             self.refused.points += scan.points.len() - points.len();
-            self.matching.find(
-                &first.state,
-                &first.covariance,
-                &points,
-                &self.map,
-                &self.settings.lidar_noise,
-            );
-            self.matching.insert(&first.state, &mut self.map);
-            estimates.push(self.estimate(
-                end(&scan),
-                &first.state,
-                &first.covariance,
-                None,
-                Status::Tracking,
-            ));
+            known.stamp = end(&scan);
+            self.matching.find(&known, &points, &self.map, &self.settings.lidar_noise, f64::INFINITY);
+            self.matching.insert(&known.state, &mut self.map);
+            estimates.push(self.estimate(&known, None, Status::Tracking));
         }
-        self.state = Some((stamp, first.state, first.covariance));
+        self.known = Some(Known { stamp, ..known });
         estimates
     }
 
     /// Takes in a velocity, such as wheels show. It counts once the IMU and a scan have come as far.
     pub fn speed(&mut self, speed: Speed) {
-        let late = self.speeds.back().is_some_and(|last| speed.stamp <= last.stamp);
-        if !speed.is_sound() || late || self.speeds.len() == SPEEDS {
-            self.refused.speeds += 1;
-            return;
-        }
-        self.speeds.push_back(speed);
+        self.refused.speeds += usize::from(!self.inertial.push_speed(speed));
     }
 
     /// The pose that the IMU has come to since the last estimate, and when; `None` before the start.
     pub fn now(&self) -> Option<(SimTime, Pose3)> {
-        let (stamp, state, _) = self.state.as_ref()?;
-        let (mut stamp, mut state) = (*stamp, state.clone());
-        for (before, behind) in self.imu.iter().zip(self.imu.iter().skip(1)) {
-            if behind.stamp > stamp {
-                advance(
-                    &mut state,
-                    stamp,
-                    behind.stamp,
-                    mean(before.gyro, behind.gyro),
-                    mean(before.accel, behind.accel),
-                );
-                stamp = behind.stamp;
-            }
-        }
+        let (stamp, state) = self.inertial.extrapolate(self.known.as_ref()?);
         Some((stamp, pose(&state) * self.settings.imu.inverse()))
     }
 
     /// Takes in a scan; estimates for it and those before it, as far as the IMU has come.
     pub fn scan(&mut self, scan: LidarScan) -> Vec<Estimate> {
         let newest =
-            self.scans.back().map(|last| last.stamp).or(self.state.as_ref().map(|(stamp, ..)| *stamp));
+            self.scans.back().map(|last| last.stamp).or(self.known.as_ref().map(|known| known.stamp));
         let late = newest.is_some_and(|newest| end(&scan) <= newest);
         if late || self.scans.len() == WAITING {
             self.refused.scans += 1;
@@ -267,107 +242,110 @@ impl LidarInertialOdometry {
 
     /// Goes on from where the robot was, though it may be elsewhere by now.
     fn lose(&mut self, stamp: SimTime) -> Option<Estimate> {
-        let (_, mut state, mut covariance) = self.state.take()?;
-        state.velocity = Vector3::zeros();
+        let mut known = self.known.take()?;
+        known.stamp = stamp;
+        known.state.velocity = Vector3::zeros();
         let [far, turned] = LOST_DEVIATIONS;
         for (first, deviation) in [(at::ROTATION, turned), (at::POSITION, far), (at::VELOCITY, far)] {
-            (first..first + 3).for_each(|i| covariance[(i, i)] += deviation * deviation);
+            (first..first + 3).for_each(|i| known.covariance[(i, i)] += deviation * deviation);
         }
         self.map = PlaneMap::new(self.settings.lidar_noise.range);
-        self.imu.drain(..self.imu.len() - 1);
+        self.inertial.clear();
         self.refused.gaps += 1;
         self.refused.scans += self.scans.len();
         self.scans.clear();
-        self.speeds.clear();
-        let estimate = self.estimate(stamp, &state, &covariance, None, Status::Lost);
-        self.state = Some((stamp, state, covariance));
+        let estimate = self.estimate(&known, None, Status::Lost);
+        self.known = Some(known);
         Some(estimate)
     }
 
     fn estimates(&mut self) -> Vec<Estimate> {
         let mut estimates = Vec::new();
-        while let (Some(scan), Some(imu)) = (self.scans.front(), self.imu.back()) {
-            if end(scan) <= imu.stamp + AHEAD {
-                break;
-            }
+        let Some(newest) = self.inertial.newest() else { return estimates };
+        while self.scans.front().is_some_and(|scan| end(scan) > newest + AHEAD) {
             self.scans.pop_front();
             self.refused.scans += 1;
         }
-        while let (Some(scan), Some(imu), Some(_)) = (self.scans.front(), self.imu.back(), &self.state) {
-            if imu.stamp < end(scan) {
-                break;
-            }
+        while self.scans.front().is_some_and(|scan| end(scan) <= newest) && self.known.is_some() {
             let Some(scan) = self.scans.pop_front() else { break };
             match self.process(&scan) {
                 Some(estimate) => estimates.push(estimate),
                 None => self.refused.scans += 1,
             }
         }
-        estimates.extend(self.without_scans());
+        estimates.extend(self.without_scans(newest));
         estimates
     }
 
     /// Where no scan comes, the way goes on by IMU and wheels.
-    fn without_scans(&mut self) -> Option<Estimate> {
-        let newest = self.imu.back()?.stamp;
-        let (mut stamp, mut state, mut covariance) = self.state.take()?;
-        let waited = newest.since(stamp) > PATIENCE && self.scans.is_empty();
-        let estimate = waited.then(|| {
-            self.travel(&mut stamp, &mut state, &mut covariance, newest);
-            self.estimate(stamp, &state, &covariance, None, Status::Coasting)
-        });
-        self.state = Some((stamp, state, covariance));
-        estimate
+    fn without_scans(&mut self, newest: SimTime) -> Option<Estimate> {
+        let known = self.known.as_mut()?;
+        if newest.since(known.stamp) <= PATIENCE || !self.scans.is_empty() {
+            return None;
+        }
+        self.inertial.travel(known, newest, &self.settings, Vector3::zeros());
+        self.refused.gaps += self.inertial.forget(newest);
+        let known = self.known.as_ref()?;
+        Some(self.estimate(known, None, Status::Coasting))
     }
 
     fn process(&mut self, scan: &LidarScan) -> Option<Estimate> {
-        let (mut stamp, mut state, mut covariance) = self.state.take()?;
         let until = end(scan);
-        if until <= stamp {
-            self.state = Some((stamp, state, covariance));
-            return None;
-        }
-        let nodes = self.travel(&mut stamp, &mut state, &mut covariance, until);
-        let points = self.undistorted(scan, &state, &nodes);
+        let before = self.known.clone().filter(|known| known.stamp < until)?;
         let first = self.map.is_empty();
-        let matched = update(
-            &mut state,
-            &mut covariance,
-            &points,
-            &self.map,
-            &self.settings.lidar_noise,
-            self.settings.estimate_lidar,
-            &mut self.matching,
-        );
-        let good = matched.as_ref().is_some_and(|matched| matched.points >= FEW);
+        let (mut known, mut matched) = (before.clone(), None);
+        for _ in 0..PASSES {
+            known = before.clone();
+            let way = self.inertial.travel(&mut known, until, &self.settings, self.missing);
+            let points = self.undistorted(scan, &known.state, &way.nodes);
+            let expected = known.state.rotation;
+            let (noise, mount) = (&self.settings.lidar_noise, self.settings.estimate_lidar);
+            matched = update(&mut known, &points, &self.map, noise, mount, &mut self.matching);
+            if way.blind.is_zero() {
+                self.missing = Vector3::zeros();
+                break;
+            }
+            let turned = log(expected.inverse() * known.state.rotation);
+            if matched.is_none() || turned.norm() < LIES_WELL {
+                break;
+            }
+            let rate = turned / way.blind.as_secs_f64();
+            (0..3).filter(|axis| way.axes[*axis]).for_each(|axis| self.missing[axis] += rate[axis]);
+        }
+        self.refused.gaps += self.inertial.forget(until);
+        self.refused.points += scan.points.iter().filter(|point| !self.usable(&position(point))).count();
+        let good = matched.as_ref().is_some_and(|m| m.points >= FEW && m.agreeing >= AGREEING);
+        if !good {
+            // What contradicts the map is not believed.
+            known = before;
+            self.inertial.travel(&mut known, until, &self.settings, self.missing);
+        }
         if good || first {
-            self.matching.insert(&state, &mut self.map);
+            self.matching.insert(&known.state, &mut self.map);
         }
-        if (state.position - self.cut_at).amax() > REACH / 4.0 {
-            self.map.forget(state.position, REACH);
-            self.cut_at = state.position;
-        }
+        self.cut(known.state.position);
         let firm = matched.as_ref().is_some_and(|matched| matched.loose.is_empty());
         let status = if first || good && firm { Status::Tracking } else { Status::Coasting };
-        let estimate = self.estimate(stamp, &state, &covariance, matched, status);
-        self.state = Some((stamp, state, covariance));
+        let estimate = self.estimate(&known, matched, status);
+        self.known = Some(known);
         Some(estimate)
     }
 
-    fn estimate(
-        &self,
-        stamp: SimTime,
-        state: &State,
-        covariance: &Covariance,
-        matched: Option<Matched>,
-        status: Status,
-    ) -> Estimate {
+    /// Forgets what is far away, now and then.
+    fn cut(&mut self, position: Vector3<f64>) {
+        if (position - self.cut_at).amax() > REACH / 4.0 {
+            self.map.forget(position, REACH);
+            self.cut_at = position;
+        }
+    }
+
+    fn estimate(&self, known: &Known, matched: Option<Matched>, status: Status) -> Estimate {
         let (points, fit) = matched.as_ref().map_or((0, 0.0), |matched| (matched.points, matched.fit));
         Estimate {
-            stamp,
-            pose: pose(state) * self.settings.imu.inverse(),
-            velocity: state.velocity,
-            covariance: covariance.fixed_view::<6, 6>(0, 0).into_owned(),
+            stamp: known.stamp,
+            pose: pose(&known.state) * self.settings.imu.inverse(),
+            velocity: known.state.velocity,
+            covariance: known.covariance.fixed_view::<6, 6>(0, 0).into_owned(),
             status,
             loose: matched.map_or(Vec::new(), |matched| matched.loose),
             points,
@@ -380,47 +358,8 @@ impl LidarInertialOdometry {
         point.iter().all(|x| x.is_finite()) && point.norm() >= self.settings.blind
     }
 
-    /// Moves the state on to `until` by the samples of the IMU; how it went.
-    fn travel(
-        &mut self,
-        stamp: &mut SimTime,
-        state: &mut State,
-        covariance: &mut Covariance,
-        until: SimTime,
-    ) -> Vec<Node> {
-        let mut nodes = Vec::new();
-        while *stamp < until {
-            // The samples round this instant; before the first and behind the last one they hold on.
-            while self.imu.len() > 2 && self.imu[1].stamp <= *stamp {
-                self.imu.pop_front();
-            }
-            let (before, behind) = (self.imu[0], self.imu[1.min(self.imu.len() - 1)]);
-            let next = if behind.stamp > *stamp { behind.stamp.min(until) } else { until };
-            let next = next.min(*stamp + STEP);
-            let speed = self.speeds.iter().map(|speed| speed.stamp).find(|speed| *speed > *stamp);
-            let next = speed.map_or(next, |speed| next.min(speed));
-            let gap = behind.stamp.since(before.stamp) > GAP;
-            let (gyro, accel) = (mean(before.gyro, behind.gyro), mean(before.accel, behind.accel));
-            let mut noise = self.settings.imu_noise;
-            if gap {
-                // Whatever happened in between.
-                (noise.gyro, noise.accel) = (0.3, 1.0);
-                self.refused.gaps += usize::from(next == behind.stamp);
-            }
-            nodes.push(propagate(state, covariance, &noise, *stamp, next, gyro, accel));
-            *stamp = next;
-            while self.speeds.front().is_some_and(|speed| speed.stamp <= next) {
-                let speed = self.speeds.pop_front().filter(|speed| next.since(speed.stamp) < NEAR);
-                speed
-                    .into_iter()
-                    .for_each(|speed| correct(state, covariance, &self.settings.imu, gyro, &speed));
-            }
-        }
-        nodes
-    }
-
     /// The points of a scan in the LiDAR's frame of its end: FAST-LIO, equation 10.
-    fn undistorted(&mut self, scan: &LidarScan, state: &State, nodes: &[Node]) -> Vec<Vector3<f64>> {
+    fn undistorted(&self, scan: &LidarScan, state: &State, nodes: &[Node]) -> Vec<Vector3<f64>> {
         let mount = Isometry3::from_parts(state.mount_position.into(), state.mount_rotation);
         let at_end = pose(state) * mount;
         let passages: Vec<_> = nodes.iter().map(|node| node.seen_from(&at_end)).collect();
@@ -428,9 +367,8 @@ impl LidarInertialOdometry {
         let (mut points, mut node) = (Vec::with_capacity(scan.points.len()), 0);
         let Some(first) = nodes.first() else { return points };
         for point in &scan.points {
-            let raw = Vector3::from(point.xyz.map(f64::from));
+            let raw = position(point);
             if !self.usable(&raw) {
-                self.refused.points += 1;
                 continue;
             }
             let stamp = (scan.stamp + Duration::from_nanos(point.offset_ns.into())).max(first.stamp);
@@ -448,8 +386,8 @@ impl LidarInertialOdometry {
     }
 }
 
-fn mean(a: [f64; 3], b: [f64; 3]) -> Vector3<f64> {
-    (Vector3::from(a) + Vector3::from(b)) * 0.5
+fn position(point: &LidarPoint) -> Vector3<f64> {
+    Vector3::from(point.xyz.map(f64::from))
 }
 
 /// The IMU's pose in `odom`.

@@ -6,6 +6,7 @@
 
 use nalgebra::{Matrix3, SMatrix, SVector, SymmetricEigen, Vector3};
 
+use super::inertial::Known;
 use super::matching::{Cluster, Matching, Seen};
 use super::planes::PlaneMap;
 use super::so3::hat;
@@ -17,7 +18,10 @@ const STILL: f64 = 1e-5;
 /// Points are looked up again where the pose has moved farther than that since: metres and radians.
 const MOVED: [f64; 2] = [0.03, 0.003];
 /// That often at most.
-const SEARCHES: usize = 4;
+const SEARCHES: usize = 8;
+/// A pose that may be off by more than that is known badly, metres; then points count that are no farther from a plane than that, search by search, metres.
+const WIDE: f64 = 0.05;
+const GATES: [f64; 5] = [0.6, 0.3, 0.15, 0.1, f64::INFINITY];
 
 /// What is wrong with a LiDAR.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,6 +37,8 @@ pub struct LidarNoise {
 pub struct Matched {
     /// Points that lay on known planes.
     pub points: usize,
+    /// Share of the points where planes are known that lie on them.
+    pub agreeing: f64,
     /// Mean square of their residuals in deviations, about 1 if noise is what it is thought to be.
     pub fit: f64,
     /// Directions in `odom` along which the scan says little: unit vectors.
@@ -40,39 +46,54 @@ pub struct Matched {
 }
 
 /// Corrects a state by the points of a scan, which are in the LiDAR's frame of the state's instant. `None` leaves the state as it was: the numbers have no solution.
-pub fn update(
-    state: &mut State,
-    covariance: &mut Covariance,
+///
+/// Where the pose is known badly beforehand, as after a gap, much would pass for a point of a plane that is none: the gate is closed step by step then, about
+/// what agrees so far.
+pub(super) fn update(
+    known: &mut Known,
     points: &[Vector3<f64>],
     map: &PlaneMap,
     noise: &LidarNoise,
     estimate_lidar: bool,
     matching: &mut Matching,
 ) -> Option<Matched> {
-    let prior = Prior { state: state.clone(), information: covariance.cholesky()?.inverse() };
-    let mut here = state.clone();
-    for _ in 0..SEARCHES {
-        matching.find(&here, covariance, points, map, noise);
-        let from = here.clone();
+    let prior = Prior { state: known.state.clone(), information: known.covariance.cholesky()?.inverse() };
+    let mut here = known.clone();
+    let wide = spread(&here.covariance) > WIDE;
+    let gates = if wide { &GATES[..] } else { &[f64::INFINITY] };
+    for search in 0..SEARCHES {
+        let gate = gates.get(search).copied();
+        matching.find(&here, points, map, noise, gate.unwrap_or(f64::INFINITY));
+        let from = here.state.clone();
         let (there, posterior, matched) = if estimate_lidar {
-            settle::<12>(&prior, here, &matching.clusters)?
+            settle::<12>(&prior, here.state, &matching.clusters)?
         } else {
-            settle::<6>(&prior, here, &matching.clusters)?
+            settle::<6>(&prior, here.state, &matching.clusters)?
         };
         let moved = there.minus(&from);
         let far = moved.fixed_rows::<3>(at::POSITION).norm() > MOVED[0]
             || moved.fixed_rows::<3>(at::ROTATION).norm() > MOVED[1];
-        here = there;
-        if !far {
-            if !here.is_finite() {
+        here.state = there;
+        if wide {
+            here.covariance = posterior;
+        }
+        if !far && search + 1 >= gates.len() {
+            if !here.state.is_finite() {
                 return None;
             }
-            *state = here;
-            *covariance = (posterior + posterior.transpose()) * 0.5;
-            return Some(matched);
+            known.state = here.state;
+            known.covariance = (posterior + posterior.transpose()) * 0.5;
+            return Some(Matched { agreeing: matching.agreeing(), ..matched });
         }
     }
     None
+}
+
+/// How far off a surface at some distance may seem to be by the pose alone, metres (one deviation).
+fn spread(covariance: &Covariance) -> f64 {
+    const DISTANCE: f64 = 10.0;
+    let trace = |first: usize| (first..first + 3).map(|i| covariance[(i, i)]).sum::<f64>();
+    (trace(at::POSITION) + DISTANCE * DISTANCE * trace(at::ROTATION)).sqrt()
 }
 
 /// What was known before.
@@ -141,7 +162,7 @@ fn measure<const N: usize>(
         points += cluster.points.weight;
     }
     let loose = loose(&information.fixed_view::<3, 3>(3, 3).into_owned());
-    let matched = Matched { points: points as usize, fit: fit / points.max(1.0), loose };
+    let matched = Matched { points: points as usize, agreeing: 1.0, fit: fit / points.max(1.0), loose };
     (information, vector, matched)
 }
 
