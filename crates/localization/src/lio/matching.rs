@@ -4,7 +4,7 @@
 //! moments of these points, at whatever pose the filter has come to (Z. Liu, X. Liu, F. Zhang, *Efficient and Consistent Bundle Adjustment on Lidar Point
 //! Clouds*, 2023, call them point clusters). A scan is gone through once, not once an iteration, and all its points count.
 
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::{Isometry3, Matrix3, Vector3};
 
 use super::inertial::Known;
 use super::moments::Moments;
@@ -42,6 +42,8 @@ pub struct Seen {
     pub weighed: Moments,
     /// Variance that all of them share: that of the plane at their place, m².
     pub shared: f64,
+    /// Covariance of the normal.
+    pub leaning: Matrix3<f64>,
 }
 
 /// Buffers that are used again for each scan.
@@ -210,6 +212,7 @@ impl Search<'_> {
             offset: plane.normal.dot(&plane.middle),
             weighed,
             shared: plane.variance(middle.coords),
+            leaning: plane.normal_covariance(),
         }
     }
 }

@@ -7,7 +7,7 @@
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
-use nalgebra::{SymmetricEigen, Vector3};
+use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 use super::moments::Moments;
 
@@ -52,6 +52,13 @@ impl Plane {
     /// How far a point is from it, on the side of the normal above 0.
     pub fn distance(&self, point: Vector3<f64>) -> f64 {
         self.normal.dot(&(point - self.middle))
+    }
+
+    /// Covariance of the normal.
+    pub fn normal_covariance(&self) -> Matrix3<f64> {
+        let variance = EVEN * EVEN + self.thickness / self.count;
+        let along = |i: usize| self.along[i] * self.along[i].transpose() * (variance / self.spread[i]);
+        along(0) + along(1)
     }
 
     /// How uncertain the plane is at a point, m²: the variance of a regression there, and what no regression makes better.

@@ -148,7 +148,7 @@ fn measure<const N: usize>(
     clusters: &[Cluster],
 ) -> (SMatrix<f64, N, N>, SVector<f64, N>, Matched) {
     let (mut information, mut vector) = (SMatrix::<f64, N, N>::zeros(), SVector::<f64, N>::zeros());
-    let (mut points, mut fit) = (0.0, 0.0);
+    let (mut points, mut fit, mut feigned) = (0.0, 0.0, Matrix3::zeros());
     for (cluster, seen) in clusters.iter().filter_map(|cluster| Some((cluster, cluster.seen.as_ref()?))) {
         let (distance, jacobian) = residual::<N>(state, seen);
         let sums = seen.weighed.matrix();
@@ -158,10 +158,14 @@ fn measure<const N: usize>(
         let lost = seen.shared / (1.0 + seen.shared * seen.weighed.weight);
         information += weighed * jacobian.transpose() - rows * rows.transpose() * lost;
         vector += products - rows * (off[3] * lost);
+        feigned += seen.leaning * (seen.weighed.weight * (1.0 - lost * seen.weighed.weight));
         fit += distance.dot(&off) - off[3] * off[3] * lost;
         points += cluster.points.weight;
     }
-    let loose = loose(&information.fixed_view::<3, 3>(3, 3).into_owned());
+    let loose = loose(&information.fixed_view::<3, 3>(3, 3).into_owned(), &feigned);
+    for direction in &loose {
+        forget(&mut information, &mut vector, direction);
+    }
     let matched = Matched { points: points as usize, agreeing: 1.0, fit: fit / points.max(1.0), loose };
     (information, vector, matched)
 }
@@ -185,11 +189,31 @@ fn residual<const N: usize>(state: &State, seen: &Seen) -> (nalgebra::Vector4<f6
     (distance, jacobian)
 }
 
-/// Directions along which the position is known a hundred times worse than along the best one.
-fn loose(information: &Matrix3<f64>) -> Vec<Vector3<f64>> {
+/// Directions along which the scan does not say where it is: what it seems to say there is little beside what the leaning of the planes' normals feigns. Two smooth
+/// walls have normals that lean forward and back by chance, and seem to tell how far one has come between them.
+fn loose(information: &Matrix3<f64>, feigned: &Matrix3<f64>) -> Vec<Vector3<f64>> {
+    /// So many times what is feigned is real.
+    const REAL: f64 = 1.0;
+    /// Known that much worse than along the best direction is not known, as a ratio of information.
     const RATIO: f64 = 1e-4;
     let eigen = SymmetricEigen::new(*information);
     let best = eigen.eigenvalues.max();
-    let weak = (0..3).filter(|i| eigen.eigenvalues[*i] <= best * RATIO);
-    weak.map(|i| eigen.eigenvectors.column(i).into_owned()).collect()
+    let directions = (0..3).map(|i| (eigen.eigenvalues[i], eigen.eigenvectors.column(i).into_owned()));
+    let weak =
+        directions.filter(|(known, u)| *known <= best * RATIO || *known < REAL * u.dot(&(feigned * u)));
+    weak.map(|(_, direction)| direction).collect()
+}
+
+/// Takes away what is said about the position along a direction (J. Zhang, M. Kaess, S. Singh, *On Degeneracy of Optimization-based State Estimation Problems*,
+/// 2016).
+fn forget<const N: usize>(
+    information: &mut SMatrix<f64, N, N>,
+    vector: &mut SVector<f64, N>,
+    direction: &Vector3<f64>,
+) {
+    let mut keep = SMatrix::<f64, N, N>::identity();
+    let others = Matrix3::identity() - direction * direction.transpose();
+    keep.fixed_view_mut::<3, 3>(at::POSITION, at::POSITION).copy_from(&others);
+    *information = keep * *information * keep;
+    *vector = keep * *vector;
 }
