@@ -52,7 +52,6 @@ IMU_IN_BASE = np.array([0.12, 0.0, 0.185])
 LIDAR_IN_BASE = np.array([0.12, 0.0, 0.235])
 
 MIN_RANGE, MAX_RANGE = 0.3, 70.0
-SCAN_NS = 100_000_000
 
 # The robot drops onto its wheels in the first samples of a log (14 m/s^2) and
 # then stands still until 2 s. Most peers take their IMU biases from their
@@ -76,7 +75,6 @@ class Scan:
     start: int  # header stamp: the first ray, ns
     xyz: np.ndarray  # (N, 3) float32, m
     offsets: np.ndarray  # (N,) uint32 ns after the start
-    lines: np.ndarray  # (N,) uint8, which of the four lasers
 
     @property
     def end(self):
@@ -104,9 +102,7 @@ def decode_scan(msg):
     xyz = np.stack([points["x"], points["y"], points["z"]], axis=1)
     distance = np.linalg.norm(xyz, axis=1)
     keep = (distance > MIN_RANGE) & (distance < MAX_RANGE)
-    return Scan(
-        stamp_ns(msg.header), xyz[keep], points["offset_time"][keep], points["line"][keep]
-    )
+    return Scan(stamp_ns(msg.header), xyz[keep], points["offset_time"][keep])
 
 
 def decode_imu(msg):
@@ -313,6 +309,10 @@ class Evalio:
 
     Of evalio's pipelines only DLIO and LIO-SAM use the IMU; CT-ICP, FORM,
     GenZ-ICP, KISS-ICP, LOAM and MAD-ICP are LiDAR only and left out here.
+    LIO-SAM is left out because it does not work here: it sorts the points by
+    laser and azimuth into an image and looks for edges along its rows, a
+    MID-360 does not scan in rows, and evalio gives no way to select LIO-SAM's
+    own order for Livox. It ended metres off or worse on most logs.
     """
 
     package = "evalio"
@@ -358,12 +358,12 @@ class Evalio:
         """The scan as evalio's own type, made by evalio from packed bytes."""
         from evalio._cpp import helpers as h
 
-        names = ["x", "y", "z", "t", "row"]
-        layout = np.dtype(list(zip(names, ["<f4", "<f4", "<f4", "<u4", "u1"])))
+        names = ["x", "y", "z", "t"]
+        layout = np.dtype(list(zip(names, ["<f4", "<f4", "<f4", "<u4"])))
         points = np.empty(len(scan.xyz), layout)
         points["x"], points["y"], points["z"] = scan.xyz.T
-        points["t"], points["row"] = scan.offsets, scan.lines
-        kinds = [h.DataType.FLOAT32] * 3 + [h.DataType.UINT32, h.DataType.UINT8]
+        points["t"] = scan.offsets
+        kinds = [h.DataType.FLOAT32] * 3 + [h.DataType.UINT32]
         fields = [
             h.Field(name=n, datatype=k, offset=layout.fields[n][1]) for n, k in zip(names, kinds)
         ]
@@ -439,37 +439,11 @@ class Dlio(Evalio):
         return scan.start + int(times[len(times) // 2])
 
 
-class LioSam(Evalio):
-    """LIO-SAM: edges and planes with a factor graph, by evalio.
-
-    It sorts the points by laser and azimuth into an image and looks for edges
-    along its rows. A MID-360 does not scan in rows: expect little of it.
-    """
-
-    pipeline = "LioSAM"
-    settings = {
-        "numberOfCores": 1,
-        # Every scan; its default of 0.15 s would skip each second one.
-        "mappingProcessInterval": 0.0,
-    }
-
-    def __init__(self):
-        super().__init__()
-        self.starts = []
-
-    def pose_time(self, scan):
-        # It deskews to a scan's first point, and works on the scan before the
-        # last one because it holds two back.
-        self.starts.append(scan.start + int(scan.offsets.min()))
-        return self.starts[-3] if len(self.starts) > 2 else None
-
-
 PEERS = {
     "kiss-icp": KissIcp,
     "rko-lio": RkoLio,
     "se3-lio": Se3Lio,
     "dlio": Dlio,
-    "lio-sam": LioSam,
 }
 
 

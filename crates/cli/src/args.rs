@@ -505,6 +505,24 @@ pub enum BenchCommand {
     Sim(BenchSimArgs),
     /// Routing: routes, nearest places, tables, preparing a map
     Routing(BenchRoutingArgs),
+    /// The pose graph of a g2o file: chi² and CPU seconds
+    Posegraph(BenchPosegraphArgs),
+}
+
+/// Arguments of `bench posegraph`.
+#[derive(Debug, ClapArgs)]
+#[command(after_help = "\
+Example:
+  openbench bench posegraph sphere2500.g2o --json --out solved.g2o")]
+pub struct BenchPosegraphArgs {
+    /// The graph (.g2o)
+    pub graph: PathBuf,
+    /// Write the solved graph to this file
+    #[arg(long)]
+    pub out: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Arguments of `bench routing`.

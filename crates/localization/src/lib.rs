@@ -3,12 +3,14 @@
 //! | module | its one job |
 //! |---|---|
 //! | [`dead_reckoning`] | [`DeadReckoning`]: wheels for the way, gyroscope for the heading, from a known start |
+//! | [`graph`] | pose graphs |
 //! | [`lio`] | LiDAR-inertial odometry |
 //! | [`lidar_inertial`] | [`LidarInertial`]: that odometry with wheels, from a known start |
 //!
 //! [`Localizer`] is the seam: agents know only it.
 
 pub mod dead_reckoning;
+pub mod graph;
 pub mod lidar_inertial;
 pub mod lio;
 

@@ -1,11 +1,15 @@
 //! `openbench bench`
 
+use anyhow::Context;
+use cpu_time::ProcessTime;
 use openbench_bench::speed::routing::{RoutingSpeed, measure as measure_routing, read_pairs};
 use openbench_bench::speed::sim::{SimSpeed, measure};
 use openbench_bench::{TrafficPlan, WorldSource};
+use openbench_localization::graph::PoseGraph;
 use openbench_routing::Profile;
+use serde::Serialize;
 
-use crate::args::{BenchArgs, BenchCommand, BenchRoutingArgs, BenchSimArgs};
+use crate::args::{BenchArgs, BenchCommand, BenchPosegraphArgs, BenchRoutingArgs, BenchSimArgs};
 use crate::outcome::{Outcome, say, say_json};
 
 /// Measures what is asked for.
@@ -13,7 +17,43 @@ pub fn run(args: &BenchArgs) -> anyhow::Result<Outcome> {
     match &args.command {
         BenchCommand::Sim(args) => sim(args),
         BenchCommand::Routing(args) => routing(args),
+        BenchCommand::Posegraph(args) => posegraph(args),
     }
+}
+
+/// What a graph came to.
+#[derive(Debug, Serialize)]
+struct GraphSolved {
+    /// The sum of squared residuals in deviations.
+    chi2: f64,
+    /// CPU time of solving, without reading.
+    seconds: f64,
+    vertices: usize,
+    edges: usize,
+    steps: usize,
+}
+
+fn posegraph(args: &BenchPosegraphArgs) -> anyhow::Result<Outcome> {
+    let file = || args.graph.display().to_string();
+    let text = std::fs::read_to_string(&args.graph).with_context(file)?;
+    let mut graph = PoseGraph::parse(&text).with_context(file)?;
+    let (vertices, edges) = graph.size();
+    let began = ProcessTime::now();
+    let solved = graph.solve().with_context(file)?;
+    let seconds = began.elapsed().as_secs_f64();
+    if let Some(path) = &args.out {
+        openbench_osm::write_atomically(path, graph.to_text().as_bytes())?;
+    }
+    let result = GraphSolved { chi2: solved.chi2, seconds, vertices, edges, steps: solved.steps };
+    if args.json {
+        say_json(&result)?;
+    } else {
+        say(&format!(
+            "{vertices} poses, {edges} edges: chi2 {:.6} after {} steps, {seconds:.3} s\n",
+            result.chi2, result.steps
+        ))?;
+    }
+    Ok(Outcome::Done)
 }
 
 fn routing(args: &BenchRoutingArgs) -> anyhow::Result<Outcome> {
