@@ -5,7 +5,7 @@
 //! | [`pose`] | poses in the plane and in space, as Lie groups |
 //! | [`problem`] | [`Graph`]: poses, edges, priors |
 //! | [`solve`] | the least squares of a graph |
-//! | [`sparse`] | its normal equations |
+//! | `sparse` | its normal equations |
 //! | [`g2o`] | files |
 
 pub mod g2o;
