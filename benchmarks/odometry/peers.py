@@ -198,11 +198,13 @@ class KissIcp:
     """KISS-ICP: LiDAR only, deskewing with the last motion."""
 
     package = "kiss-icp"
-    # Tried: 0.5, 0.7 (its own rule, a hundredth of the range) and 1.0 m. The
-    # coarser the worse, 0.5 cm or more a step, but 0.7 takes a third to a half
-    # of the time. It stretches the points' times over the whole of the last
-    # motion, too far where the first or last rays hit nothing; giving it points
-    # beyond the range at both ends of the 100 ms mends that and changes nothing.
+    # Tried on the first 70 s of small.mcap and 100 s of street.mcap: 0.5, 0.7 (its own
+    # rule, a hundredth of the range) and 1.0 m. The coarser the worse, by 0.3 to
+    # 0.8 cm a step (aligned over the whole run), but 0.7 takes a third to a half
+    # of the time, and 0.5 is too slow for one core on street.mcap. It stretches
+    # the points' times over the whole of the last motion, too far where the
+    # first or last rays hit nothing; points beyond the range at both ends of
+    # the 100 ms would mend that, and changed nothing.
     settings = {"voxel_size": 0.5}
 
     def __init__(self):
@@ -231,8 +233,9 @@ class RkoLio:
     """RKO-LIO: point-to-point ICP with the IMU as prior and for the attitude."""
 
     package = "rko_lio"
-    # Tried: 0.5 and 1.0 m (its default), with and without the second
-    # downsampling, which its documentation advises against for sparse LiDARs.
+    # Tried on small.mcap and street.mcap: 0.5 and 1.0 m (its default), with and without the
+    # second downsampling, which its documentation advises against for sparse
+    # LiDARs.
     # It takes no noise parameters.
     settings = {"voxel_size": 0.5, "double_downsample": False}
 
@@ -271,10 +274,12 @@ class Se3Lio:
 
     package = "se3-lio"
     # LiDAR noise as in the configurations its authors publish (the package's
-    # defaults are 0.001 and 0.01). Tried besides: a map of 1.0 m (the default)
-    # and of 0.5 m, better on both logs; planes 0.05 thick, as in some of those
-    # configurations, which lost 40 cm; the IMU's own noise (0.02 and 0.002 per
-    # sample), no better than its defaults of 0.1, which all of them keep.
+    # defaults are 0.001 and 0.01), and a map of 0.5 m, better than the default
+    # 1.0 on the first 70 s of small.mcap and 80 s of street.mcap. Tried on street.mcap
+    # only: planes 0.05 thick, as in some of those configurations (same error
+    # aligned over the whole run, 46 cm instead of 3 aligned at its start), and
+    # the IMU's own noise, 0.02 and 0.002 per sample, instead of the defaults of
+    # 0.1 which all of them keep (0.05 cm better and 0.3 cm worse).
     settings = {
         "lidar_range_noise": 0.02,
         "lidar_angle_noise": 0.1,
@@ -312,7 +317,7 @@ class Evalio:
     LIO-SAM is left out because it does not work here: it sorts the points by
     laser and azimuth into an image and looks for edges along its rows, a
     MID-360 does not scan in rows, and evalio gives no way to select LIO-SAM's
-    own order for Livox. It ended metres off or worse on most logs.
+    own order for Livox. It was 2 m to 112 m off on five of seven logs.
     """
 
     package = "evalio"
@@ -401,8 +406,9 @@ class Dlio(Evalio):
     """DLIO: GICP against keyframes and a geometric observer, by evalio."""
 
     pipeline = "DLIO"
-    # Tried besides its defaults: points thinned to 0.1 m (dearer, no better
-    # where it counts) and 0.5 m instead of 0.25 m, neighbours up to 1 m.
+    # Its defaults but for the start. Tried: points thinned to 0.1 m instead of
+    # 0.25 m (0.1 cm better on small.mcap, 0.2 cm worse on street.mcap, dearer), and on
+    # the first 80 s of street.mcap 0.5 m and neighbours up to 1 m (no better).
     # It takes no noise parameters and has no limits of range.
     settings = {
         # The robot stands still until 2 s, DLIO's 3 s are too long.

@@ -163,7 +163,7 @@ Example:
 
 Poses are those of base_link in odom, which begins where the log begins, with z up. Lines are `seconds x y z qx qy qz qw`, as evo reads them.")]
 pub struct OdometryArgs {
-    /// A log (.mcap) with sensor_msgs/Imu and sensor_msgs/PointCloud2
+    /// A log (.mcap) with sensor_msgs/Imu and sensor_msgs/PointCloud2 or livox_ros_driver2/CustomMsg
     pub log: PathBuf,
     /// The file to write, as TUM has it
     #[arg(long)]
@@ -171,6 +171,12 @@ pub struct OdometryArgs {
     /// Also write the recorded truth, where the log has it
     #[arg(long)]
     pub truth: Option<PathBuf>,
+    /// Go by the wheels, too, where the log has them (/joint_states of the benchmark's robot)
+    #[arg(long)]
+    pub wheels: bool,
+    /// Print JSON: scans, how many of them without enough to go by, CPU time, what was refused
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Arguments of `record`.

@@ -5,6 +5,7 @@
 //! | [`dead_reckoning`] | [`DeadReckoning`]: wheels for the way, gyroscope for the heading, from a known start |
 //! | [`graph`] | pose graphs |
 //! | [`lio`] | LiDAR-inertial odometry |
+//! | [`wheels`] | wheels' angles as velocities |
 //! | [`lidar_inertial`] | [`LidarInertial`]: that odometry with wheels, from a known start |
 //!
 //! [`Localizer`] is the seam: agents know only it.
@@ -13,6 +14,7 @@ pub mod dead_reckoning;
 pub mod graph;
 pub mod lidar_inertial;
 pub mod lio;
+pub mod wheels;
 
 use openbench_core::{Observation, Pose2, SimTime};
 

@@ -5,22 +5,16 @@ use std::time::Duration;
 
 use nalgebra::Vector3;
 use openbench_core::frames::wrap_angle;
-use openbench_core::{Observation, Pose2, Pose3, RobotDescription, SimTime, WheelSample};
+use openbench_core::{Observation, Pose2, Pose3, RobotDescription, SimTime};
 
 use crate::Localizer;
 use crate::lio::propagation::ImuNoise;
-use crate::lio::speed::Speed;
 use crate::lio::update::LidarNoise;
 use crate::lio::{LidarInertialOdometry, Settings, Status};
+use crate::wheels::Wheels;
 
 /// Poses of this long are remembered.
 const MEMORY: Duration = Duration::from_millis(1000);
-/// Wheels are looked at over so long a time: one mark of their encoders is a small part of the way then.
-const STRIDE: Duration = Duration::from_millis(50);
-/// How wrong wheels' speed is along the robot's axes, m/s, and how much more so in turns, m/s per rad/s: skidding wheels slide sideways.
-const SLIP: [f64; 3] = [0.03, 0.05, 0.1];
-const SLIP_IN_TURNS: f64 = 0.2;
-
 /// Pose from LiDAR, IMU and wheels.
 #[derive(Debug, Clone)]
 pub struct LidarInertial {
@@ -28,8 +22,7 @@ pub struct LidarInertial {
     odometry: LidarInertialOdometry,
     start: Pose2,
     history: VecDeque<(SimTime, Pose2)>,
-    /// When the wheels were looked at last, and what they showed.
-    wheels: Option<WheelSample>,
+    wheels: Wheels,
     status: Option<Status>,
 }
 
@@ -38,35 +31,12 @@ impl LidarInertial {
     pub fn new(robot: RobotDescription) -> Self {
         let odometry = LidarInertialOdometry::new(settings(&robot));
         let (start, history) = (Pose2::default(), VecDeque::from([(SimTime::ZERO, Pose2::default())]));
-        Self { robot, odometry, start, history, wheels: None, status: None }
+        let wheels = Wheels::new(&robot);
+        Self { robot, odometry, start, history, wheels, status: None }
     }
 
     fn newest(&self) -> (SimTime, Pose2) {
         self.history.back().copied().unwrap_or_default()
-    }
-
-    fn roll(&mut self, sample: &WheelSample) {
-        if !(sample.left.is_finite() && sample.right.is_finite()) {
-            return;
-        }
-        let Some(last) = self.wheels else {
-            self.wheels = Some(*sample);
-            return;
-        };
-        if sample.stamp <= last.stamp || sample.stamp.since(last.stamp) < STRIDE {
-            return;
-        }
-        self.wheels = Some(*sample);
-        let took = sample.stamp.since(last.stamp);
-        let [left, right] = [sample.left - last.left, sample.right - last.right]
-            .map(|angle| angle * self.robot.wheel_radius / took.as_secs_f64());
-        let turn = (right - left).abs() / self.robot.effective_track;
-        // The mean over a stretch is the speed at its middle.
-        self.odometry.speed(Speed {
-            stamp: last.stamp + took / 2,
-            velocity: Vector3::new((left + right) / 2.0, 0.0, 0.0),
-            deviation: Vector3::from(SLIP).map(|slip| slip + SLIP_IN_TURNS * turn),
-        });
     }
 
     fn remember(&mut self, stamp: SimTime, pose: &Pose3) {
@@ -108,7 +78,8 @@ impl Localizer for LidarInertial {
     }
 
     fn update(&mut self, observation: &Observation<'_>) {
-        observation.wheels.iter().for_each(|sample| self.roll(sample));
+        let speeds = observation.wheels.iter().filter_map(|sample| self.wheels.take(sample));
+        speeds.for_each(|speed| self.odometry.speed(speed));
         let mut estimates: Vec<_> =
             observation.imu.iter().flat_map(|sample| self.odometry.imu(*sample)).collect();
         if let Some(scan) = observation.scan {

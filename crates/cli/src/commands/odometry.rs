@@ -1,81 +1,194 @@
 //! `openbench odometry`: where a recorded log's sensors went.
 
 use std::fmt::Write as _;
+use std::time::Duration;
 
 use anyhow::Context;
 use cpu_time::ThreadTime;
-use openbench_core::{Pose3, RobotDescription};
+use openbench_core::{Pose3, RobotDescription, SimTime};
 use openbench_localization::lidar_inertial::settings;
-use openbench_localization::lio::{LidarInertialOdometry, Status};
-use openbench_logs::LogReader;
-use openbench_logs::messages::{Imu, Message, Odometry, PointCloud2};
+use openbench_localization::lio::{Estimate, LidarInertialOdometry, Refused, Status};
+use openbench_localization::wheels::Wheels;
+use openbench_logs::messages::{CustomMsg, Imu, JointState, Message, Odometry, PointCloud2};
+use openbench_logs::{LogReader, LoggedMessage};
+use serde::Serialize;
 
 use crate::args::OdometryArgs;
-use crate::outcome::{Outcome, tell};
+use crate::outcome::{Outcome, say_json, tell};
 
 /// Reads a log and writes the way.
 pub fn run(args: &OdometryArgs) -> anyhow::Result<Outcome> {
-    let robot = RobotDescription::sentry();
-    let mut odometry = LidarInertialOdometry::new(settings(&robot));
-    let (mut path, mut truth) = (String::new(), String::new());
-    let (mut scans, mut coasting) = (0, 0);
-    let (mut times, mut spent) = (Vec::new(), std::time::Duration::ZERO);
+    let mut drive = Drive::new(args.wheels);
     for message in LogReader::open(&args.log)? {
-        let message = match message {
-            Ok(message) => message,
+        match message {
+            Ok(message) => drive.take(&message)?,
             Err(error) => {
                 tell(&format!("{error}; what stands before that is used"));
                 break;
             }
-        };
-        let begun = ThreadTime::now();
-        let estimates = match &*message.type_name {
-            name if name == Imu::DEFINITION.full_name() => odometry.imu((&message.decode::<Imu>()?).into()),
-            name if name == PointCloud2::DEFINITION.full_name() => {
-                let cloud = message.decode::<PointCloud2>()?;
-                odometry.scan(cloud.to_scan().with_context(|| format!("{}", message.time))?)
-            }
-            name if name == Odometry::DEFINITION.full_name() && *message.topic == *"/ground_truth/odom" => {
-                let there = message.decode::<Odometry>()?;
-                let there = there.pose.to_pose3();
-                there.iter().for_each(|pose| line(&mut truth, message.time.seconds(), pose));
-                Vec::new()
-            }
-            _ => Vec::new(),
-        };
-        spent += begun.elapsed();
-        if !estimates.is_empty() {
-            times.push(std::mem::take(&mut spent));
-        }
-        for estimate in estimates {
-            scans += 1;
-            coasting += usize::from(estimate.status == Status::Coasting);
-            line(&mut path, estimate.stamp.seconds(), &estimate.pose);
         }
     }
-    openbench_osm::write_atomically(&args.out, path.as_bytes())?;
+    openbench_osm::write_atomically(&args.out, drive.path.as_bytes())?;
     if let Some(file) = &args.truth {
-        openbench_osm::write_atomically(file, truth.as_bytes())?;
+        openbench_osm::write_atomically(file, drive.truth.as_bytes())?;
     }
-    times.sort_unstable();
-    let at =
-        |part: usize| times.get(times.len() * part / 100).copied().unwrap_or_default().as_secs_f64() * 1e3;
-    tell(&format!(
-        "CPU time a scan: median {:.1} ms, 99 % {:.1} ms; {} cubes",
-        at(50),
-        at(99),
-        odometry.map_size()
-    ));
-    tell(&format!("{scans} scans, {coasting} of them without enough to go by; {:?}", odometry.refused()));
+    let summary = drive.summary();
+    if args.json {
+        say_json(&summary)?;
+    } else {
+        tell(&summary.text());
+    }
     Ok(Outcome::Done)
 }
 
+/// A log on its way through the odometry.
+struct Drive {
+    odometry: LidarInertialOdometry,
+    wheels: Option<Wheels>,
+    path: String,
+    truth: String,
+    scans: usize,
+    coasting: usize,
+    lost: usize,
+    /// CPU time since the last estimate, and of each one.
+    spent: Duration,
+    times: Vec<Duration>,
+}
+
+impl Drive {
+    fn new(wheels: bool) -> Self {
+        let robot = RobotDescription::sentry();
+        Self {
+            odometry: LidarInertialOdometry::new(settings(&robot)),
+            wheels: wheels.then(|| Wheels::new(&robot)),
+            path: String::new(),
+            truth: String::new(),
+            scans: 0,
+            coasting: 0,
+            lost: 0,
+            spent: Duration::ZERO,
+            times: Vec::new(),
+        }
+    }
+
+    fn take(&mut self, message: &LoggedMessage) -> anyhow::Result<()> {
+        let began = ThreadTime::now();
+        let estimates = match &*message.type_name {
+            name if name == Imu::DEFINITION.full_name() => {
+                self.odometry.imu((&message.decode::<Imu>()?).into())
+            }
+            name if name == PointCloud2::DEFINITION.full_name() => {
+                let cloud = message.decode::<PointCloud2>()?;
+                self.odometry.scan(cloud.to_scan().with_context(|| format!("{}", message.time))?)
+            }
+            "livox_ros_driver2/msg/CustomMsg" => self.odometry.scan(message.decode::<CustomMsg>()?.to_scan()),
+            name if name == JointState::DEFINITION.full_name() && self.wheels.is_some() => {
+                let sample = message.decode::<JointState>()?.wheels();
+                let speed = sample.and_then(|sample| self.wheels.as_mut()?.take(&sample));
+                speed.into_iter().for_each(|speed| self.odometry.speed(speed));
+                Vec::new()
+            }
+            name if name == Odometry::DEFINITION.full_name() && *message.topic == *"/ground_truth/odom" => {
+                if let Some(there) = message.decode::<Odometry>()?.pose.to_pose3() {
+                    line(&mut self.truth, message.time, &there);
+                }
+                return Ok(());
+            }
+            _ => return Ok(()),
+        };
+        self.spent += began.elapsed();
+        if !estimates.is_empty() {
+            self.times.push(std::mem::take(&mut self.spent));
+        }
+        estimates.iter().for_each(|estimate| self.note(estimate));
+        Ok(())
+    }
+
+    fn note(&mut self, estimate: &Estimate) {
+        self.scans += 1;
+        self.coasting += usize::from(estimate.status == Status::Coasting);
+        self.lost += usize::from(estimate.status == Status::Lost);
+        line(&mut self.path, estimate.stamp, &estimate.pose);
+    }
+
+    fn summary(mut self) -> Summary {
+        self.times.sort_unstable();
+        let at = |part: usize| {
+            let time = self.times.get(self.times.len() * part / 100).copied().unwrap_or_default();
+            time.as_secs_f64() * 1e3
+        };
+        Summary {
+            scans: self.scans,
+            coasting: self.coasting,
+            lost: self.lost,
+            cpu_ms_p50: at(50),
+            cpu_ms_p99: at(99),
+            cubes: self.odometry.map_size(),
+            refused: self.odometry.refused(),
+            version: env!("CARGO_PKG_VERSION"),
+        }
+    }
+}
+
+/// What came of a log.
+#[derive(Debug, Serialize)]
+struct Summary {
+    /// Poses that were written.
+    scans: usize,
+    /// Of them those that only IMU and wheels know.
+    coasting: usize,
+    /// Times after which nobody knows how far the sensors have gone.
+    lost: usize,
+    /// CPU time a scan, reading it and the IMU included.
+    cpu_ms_p50: f64,
+    cpu_ms_p99: f64,
+    /// Size of the map at the end.
+    cubes: usize,
+    refused: Refused,
+    version: &'static str,
+}
+
+impl Summary {
+    fn text(&self) -> String {
+        let Refused { imu, scans, speeds, points, gaps } = self.refused;
+        let mut text = format!(
+            "{} scans; CPU time a scan: median {:.1} ms, 99 % {:.1} ms\n",
+            self.scans, self.cpu_ms_p50, self.cpu_ms_p99
+        );
+        for (count, what) in [
+            (self.coasting, "scans without enough to go by: their poses are the IMU's"),
+            (
+                self.lost,
+                "times without an IMU for so long that the way after them hangs together with none before",
+            ),
+            (gaps, "times without samples of the IMU"),
+            (imu, "samples of the IMU refused: no numbers, or not later than those before"),
+            (scans, "scans refused: older than those before, or before the start"),
+            (speeds, "speeds of the wheels refused"),
+            (points, "points refused: no numbers, or too near"),
+        ] {
+            if count > 0 {
+                let _ = writeln!(text, "{count} {what}");
+            }
+        }
+        text.truncate(text.trim_end().len());
+        text
+    }
+}
+
 /// A line as TUM has it: seconds, position, quaternion.
-fn line(text: &mut String, seconds: f64, pose: &Pose3) {
+fn line(text: &mut String, time: SimTime, pose: &Pose3) {
     let (p, q) = (pose.translation.vector, pose.rotation.coords);
     let _ = writeln!(
         text,
-        "{seconds:.9} {:.6} {:.6} {:.6} {:.9} {:.9} {:.9} {:.9}",
-        p.x, p.y, p.z, q.x, q.y, q.z, q.w
+        "{:.9} {:.6} {:.6} {:.6} {:.9} {:.9} {:.9} {:.9}",
+        time.seconds(),
+        p.x,
+        p.y,
+        p.z,
+        q.x,
+        q.y,
+        q.z,
+        q.w
     );
 }

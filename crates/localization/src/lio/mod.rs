@@ -34,6 +34,7 @@ use std::time::Duration;
 
 use nalgebra::{Isometry3, Matrix6, Vector3};
 use openbench_core::{ImuSample, LidarPoint, LidarScan, Pose3, SimTime};
+use serde::Serialize;
 
 use inertial::{Inertial, Known};
 use limits::Limits;
@@ -120,7 +121,7 @@ pub struct Estimate {
 }
 
 /// What came in that could not be used.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct Refused {
     /// Samples of the IMU that are not finite, or not later than those before.
     pub imu: usize,

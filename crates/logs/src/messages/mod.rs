@@ -6,6 +6,7 @@
 
 mod definition;
 mod geometry;
+mod livox;
 mod nav;
 mod nav_sat;
 mod point_cloud;
@@ -16,6 +17,7 @@ use crate::cdr::{CdrError, CdrReader, CdrWriter};
 
 pub use definition::Definition;
 pub use geometry::{Pose, PoseArray, PoseStamped, TfMessage, TransformStamped, Twist, TwistStamped};
+pub use livox::{CustomMsg, CustomPoint};
 pub use nav::{Odometry, Path};
 pub use nav_sat::NavSatFix;
 pub use point_cloud::{CloudError, PointCloud2, PointField};

@@ -2,9 +2,11 @@
 //! each point.
 //!
 //! Written clouds have points of 21 bytes: `x y z intensity` (f32), `offset_time` (u32, nanoseconds since the stamp),
-//! `line` (u8). Of clouds from elsewhere `x y z` must be f32; the other fields are taken where they have these types.
+//! `line` (u8). Of clouds from elsewhere `x y z` must be f32; the other fields are taken where they have these types. The time of a point may also stand, as drivers of other
+//! sensors have it, in `t` (u32, nanoseconds since the stamp), in `time` (f32, seconds from the stamp, before it below 0) or in `timestamp` (f64, since 1970, in seconds
+//! or, from 10¹² on, in nanoseconds).
 
-use openbench_core::{LidarPoint, LidarScan};
+use openbench_core::{LidarPoint, LidarScan, SimTime};
 
 use super::{Definition, Header, Message};
 use crate::cdr::{CdrError, CdrReader, CdrWriter};
@@ -12,6 +14,7 @@ use crate::cdr::{CdrError, CdrReader, CdrWriter};
 const UINT8: u8 = 2;
 const UINT32: u8 = 6;
 const FLOAT32: u8 = 7;
+const FLOAT64: u8 = 8;
 const POINT_STEP: u32 = 21;
 const FIELDS: [(&str, u32, u8); 6] = [
     ("x", 0, FLOAT32),
@@ -45,6 +48,43 @@ pub enum CloudError {
         /// Bytes there are.
         bytes: usize,
     },
+    /// Points of a scan that took longer than four seconds, or have no time.
+    #[error("the points' times in field `{0}` are no numbers or lie more than four seconds apart")]
+    Times(&'static str),
+}
+
+/// Where the time of a point stands, and how.
+#[derive(Debug, Clone, Copy)]
+enum Clock {
+    /// Nanoseconds since the stamp.
+    Nanoseconds(usize),
+    /// Seconds from the stamp.
+    Seconds(usize),
+    /// Seconds or nanoseconds since 1970.
+    Epoch(usize),
+}
+
+impl Clock {
+    /// Nanoseconds from the stamp to a point.
+    fn read(self, bytes: &[u8], stamp: SimTime) -> Option<i64> {
+        /// More is no number of seconds since 1970.
+        const NOT_SECONDS: f64 = 1e12;
+        let nanoseconds = match self {
+            Self::Nanoseconds(at) => return Some(i64::from(word(bytes, at))),
+            Self::Seconds(at) => f64::from(f32::from_bits(word(bytes, at))) * 1e9,
+            Self::Epoch(at) => {
+                let time = f64::from_bits(u64::from(word(bytes, at)) | u64::from(word(bytes, at + 4)) << 32);
+                // Seconds are taken apart first: as nanoseconds they do not fit into a float's digits.
+                let (seconds, scale) = if time.abs() < NOT_SECONDS {
+                    (stamp.0 as f64 * 1e-9, 1e9)
+                } else {
+                    (stamp.0 as f64, 1.0)
+                };
+                (time - seconds) * scale
+            }
+        };
+        (nanoseconds.abs() < 1e11).then_some(nanoseconds as i64)
+    }
 }
 
 /// `sensor_msgs/PointField`: where in a point a number stands.
@@ -148,20 +188,39 @@ impl PointCloud2 {
         let coordinate = |name| self.offset(name, FLOAT32).ok_or(CloudError::MissingField(name));
         let xyz = [coordinate("x")?, coordinate("y")?, coordinate("z")?];
         let intensity = self.offset("intensity", FLOAT32);
-        let (time, line) = (self.offset("offset_time", UINT32), self.offset("line", UINT8));
-        let point = |bytes: &[u8]| LidarPoint {
-            xyz: xyz.map(|at| f32::from_bits(word(bytes, at))),
-            reflectivity: intensity.map_or(0, |at| f32::from_bits(word(bytes, at)) as u8),
-            offset_ns: time.map_or(0, |at| word(bytes, at)),
-            line: line.map_or(0, |at| bytes[at]),
-        };
+        let (clock, line) = (self.clock(), self.offset("line", UINT8));
         let rows = self.data.chunks(self.row_step.max(1) as usize).take(self.height as usize);
-        let points = rows
-            .flat_map(|row| row.chunks_exact(self.point_step.max(1) as usize).take(self.width as usize))
-            .map(point)
-            .filter(|p| p.xyz.iter().all(|v| v.is_finite()))
-            .collect();
-        Ok(LidarScan { stamp: self.header.stamp, points })
+        let points =
+            rows.flat_map(|row| row.chunks_exact(self.point_step.max(1) as usize).take(self.width as usize));
+        let (mut scan, mut times) = (LidarScan { stamp: self.header.stamp, points: Vec::new() }, Vec::new());
+        for bytes in points {
+            let xyz = xyz.map(|at| f32::from_bits(word(bytes, at)));
+            if !xyz.iter().all(|v| v.is_finite()) {
+                continue;
+            }
+            if let Some((name, clock)) = clock {
+                times.push(clock.read(bytes, scan.stamp).ok_or(CloudError::Times(name))?);
+            }
+            scan.points.push(LidarPoint {
+                xyz,
+                reflectivity: intensity.map_or(0, |at| f32::from_bits(word(bytes, at)) as u8),
+                offset_ns: 0,
+                line: line.map_or(0, |at| bytes[at]),
+            });
+        }
+        if let Some((name, _)) = clock {
+            set_times(&mut scan, &times).ok_or(CloudError::Times(name))?;
+        }
+        Ok(scan)
+    }
+
+    /// Where points' times stand.
+    fn clock(&self) -> Option<(&'static str, Clock)> {
+        let nanoseconds = |name| Some((name, Clock::Nanoseconds(self.offset(name, UINT32)?)));
+        nanoseconds("offset_time")
+            .or_else(|| nanoseconds("t"))
+            .or_else(|| Some(("time", Clock::Seconds(self.offset("time", FLOAT32)?))))
+            .or_else(|| Some(("timestamp", Clock::Epoch(self.offset("timestamp", FLOAT64)?))))
     }
 
     fn check_layout(&self) -> Result<(), CloudError> {
@@ -178,10 +237,24 @@ impl PointCloud2 {
     /// Where in a point the field stands, if it has this type and lies inside the point.
     fn offset(&self, name: &str, datatype: u8) -> Option<usize> {
         let field = self.fields.iter().find(|f| f.name == name && f.datatype == datatype)?;
-        let size = if datatype == UINT8 { 1 } else { 4 };
+        let size = match datatype {
+            UINT8 => 1,
+            FLOAT64 => 8,
+            _ => 4,
+        };
         let inside = field.offset.checked_add(size)? <= self.point_step;
         inside.then_some(field.offset as usize)
     }
+}
+
+/// Gives points their times from the stamp, which moves to the first of them where that was before it.
+fn set_times(scan: &mut LidarScan, times: &[i64]) -> Option<()> {
+    let first = times.iter().copied().min().unwrap_or_default().min(0);
+    scan.stamp = SimTime(scan.stamp.0.checked_add_signed(first)?);
+    for (point, time) in scan.points.iter_mut().zip(times) {
+        point.offset_ns = u32::try_from(time - first).ok()?;
+    }
+    Some(())
 }
 
 fn word(bytes: &[u8], at: usize) -> u32 {
@@ -227,7 +300,6 @@ impl Message for PointCloud2 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use openbench_core::SimTime;
 
     fn scan() -> LidarScan {
         let point = |i: u8| LidarPoint {
@@ -246,6 +318,67 @@ mod tests {
         assert_eq!(cloud.to_scan().unwrap(), scan());
         let empty = LidarScan::default();
         assert_eq!(PointCloud2::from(&empty).to_scan().unwrap(), empty);
+    }
+
+    /// Two points, 50 ms apart, whose times stand in a field of this name and type.
+    fn timed(name: &str, datatype: u8, times: [&[u8]; 2]) -> Result<LidarScan, CloudError> {
+        let field =
+            |name: &str, offset, datatype| PointField { name: name.into(), offset, datatype, count: 1 };
+        let mut data = Vec::new();
+        for time in times {
+            (0..3).for_each(|i| data.extend((i as f32).to_le_bytes()));
+            data.extend(time);
+        }
+        let step = data.len() as u32 / 2;
+        let fields = vec![
+            field("x", 0, FLOAT32),
+            field("y", 4, FLOAT32),
+            field("z", 8, FLOAT32),
+            field(name, 12, datatype),
+        ];
+        let header = Header::new(SimTime(1_700_000_000_000_000_000), "lidar");
+        let cloud = PointCloud2 {
+            header,
+            height: 1,
+            width: 2,
+            fields,
+            point_step: step,
+            row_step: 2 * step,
+            data,
+            ..PointCloud2::default()
+        };
+        cloud.to_scan()
+    }
+
+    #[test]
+    fn points_times_are_read_as_other_drivers_write_them() {
+        const STAMP: u64 = 1_700_000_000_000_000_000;
+        let check = |scan: Result<LidarScan, CloudError>, stamp: u64, apart: u32| {
+            let scan = scan.unwrap();
+            assert!(scan.stamp.0.abs_diff(stamp) < 1_000, "{} {stamp}", scan.stamp.0);
+            assert!(scan.points[1].offset_ns.abs_diff(scan.points[0].offset_ns + apart) < 1_000);
+        };
+        let ms50 = 50_000_000_u32;
+        check(timed("t", UINT32, [&0_u32.to_le_bytes(), &ms50.to_le_bytes()]), STAMP, ms50);
+        check(
+            timed("time", FLOAT32, [&(-0.05_f32).to_le_bytes(), &0_f32.to_le_bytes()]),
+            STAMP - u64::from(ms50),
+            ms50,
+        );
+        let (first, second) = (STAMP as f64 * 1e-9, STAMP as f64 * 1e-9 + 0.05);
+        check(timed("timestamp", FLOAT64, [&first.to_le_bytes(), &second.to_le_bytes()]), STAMP, ms50);
+        let (first, second) = (STAMP as f64, STAMP as f64 + 5e7);
+        check(timed("timestamp", FLOAT64, [&first.to_le_bytes(), &second.to_le_bytes()]), STAMP, ms50);
+        for bad in [f64::NAN, 0.0, 1e300] {
+            assert_eq!(
+                timed("timestamp", FLOAT64, [&first.to_le_bytes(), &bad.to_le_bytes()]),
+                Err(CloudError::Times("timestamp"))
+            );
+        }
+        assert_eq!(
+            timed("time", FLOAT32, [&9_f32.to_le_bytes(), &0_f32.to_le_bytes()]),
+            Err(CloudError::Times("time"))
+        );
     }
 
     #[test]

@@ -1,0 +1,71 @@
+#!/usr/bin/env python3
+"""The table of a comparison: table.py FOLDER, with a folder of .tum and .json files for each log.
+
+Errors are evo's: the root of the mean square of positions' errors, truth interpolated to the stamps of each estimate as they are. Aligned as a whole by a rotation and
+a shift, or at the first pose that all have, and per 100 m of the way.
+"""
+
+import json
+import sys
+from pathlib import Path
+
+from evo.core import metrics, trajectory
+from evo.tools import file_interface
+
+LOGS = ["close", "loops", "street", "yards", "kerbs", "traffic", "turning", "square", "corridor", "gap", "saturation"]
+# The robot stands until then, seconds; all have begun.
+BEGIN = 1.5
+
+
+def error(truth, estimate, whole):
+    """The error in metres, aligned as a whole or at the first pose."""
+    estimate = trajectory.PoseTrajectory3D(estimate.positions_xyz, estimate.orientations_quat_wxyz, estimate.timestamps)
+    if whole:
+        estimate.align(truth)
+    else:
+        estimate.align_origin(truth)
+    ape = metrics.APE(metrics.PoseRelation.translation_part)
+    ape.process_data((truth, estimate))
+    return ape.get_statistic(metrics.StatisticsType.rmse)
+
+
+def row(folder, name, truth):
+    """A line of the table."""
+    facts = json.loads((folder / f"{name}.json").read_text())
+    if "error" in facts:
+        return f"| {folder.name} | {name} | fails: {facts['error'][:60]} | | | | |"
+    estimate = file_interface.read_tum_trajectory_file(folder / f"{name}.tum")
+    estimate.reduce_to_time_range(BEGIN, float("inf"))
+    # Truth comes every 50 ms and is smooth: between two poses along a straight line.
+    reference = interpolated(truth, estimate.timestamps)
+    length = reference.path_length
+    cells = [100 * error(reference, estimate, whole) for whole in (True, False)]
+    cells += [100 * cell / length for cell in cells]
+    numbers = " | ".join(f"{cell:.2f}" for cell in cells)
+    return f"| {folder.name} | {name} | {numbers} | {facts['cpu_ms_p50']:.1f}; {facts['cpu_ms_p99']:.1f} |"
+
+
+def interpolated(truth, stamps):
+    """The truth at these instants."""
+    import numpy as np
+    from scipy.spatial.transform import Rotation, Slerp
+
+    stamps = np.clip(stamps, truth.timestamps[0], truth.timestamps[-1])
+    places = np.stack([np.interp(stamps, truth.timestamps, column) for column in truth.positions_xyz.T], axis=1)
+    turns = Slerp(truth.timestamps, Rotation.from_quat(truth.orientations_quat_wxyz[:, [1, 2, 3, 0]]))(stamps).as_quat()
+    return trajectory.PoseTrajectory3D(places, turns[:, [3, 0, 1, 2]], stamps)
+
+
+def main():
+    out = Path(sys.argv[1])
+    print("| log | odometry | SE(3), cm | first pose, cm | SE(3), cm per 100 m | first pose, cm per 100 m | CPU ms a scan, p50; p99 |")
+    print("|---|---|---|---|---|---|---|")
+    for log in LOGS:
+        folder = out / log
+        truth = file_interface.read_tum_trajectory_file(folder / "truth.tum")
+        names = sorted(path.stem for path in folder.glob("*.json"))
+        for name in sorted(names, key=lambda name: name != "ours"):
+            print(row(folder, name, truth))
+
+
+main()
