@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Records the logs, runs our odometry and the peers on them, and prints the table: run.sh [FOLDER]
-# Some 4 GB and two hours; logs that are there already are used again.
+# Logs take some 4 GB; those that are there already are used again.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 out=$(mkdir -p "${1:-$here/out}" && cd "${1:-$here/out}" && pwd)

@@ -13,11 +13,10 @@ use openbench_core::{
 };
 
 use crate::Localizer;
+use crate::history::History;
 
 /// Standing still that long at the start shows the gyroscope's bias: to 3e-5 rad/s, a degree in ten minutes.
 const SETTLE: Duration = Duration::from_millis(4000);
-/// Poses of this long are remembered.
-const MEMORY: Duration = Duration::from_millis(1000);
 /// Wheels that have stood that long mean that the robot does.
 const STANDING: Duration = Duration::from_millis(150);
 /// Samples at the end of a halt that may already be of the next motion.
@@ -33,7 +32,7 @@ const BIAS_AT_FIRST: f64 = 0.05;
 #[derive(Debug, Clone)]
 pub struct DeadReckoning {
     robot: RobotDescription,
-    history: VecDeque<(SimTime, Pose2)>,
+    history: History,
     wheels: Option<WheelSample>,
     /// When the wheels last turned.
     moved: SimTime,
@@ -48,7 +47,7 @@ pub struct DeadReckoning {
 impl DeadReckoning {
     /// A localizer for a robot.
     pub fn new(robot: RobotDescription) -> Self {
-        let history = VecDeque::from([(SimTime::ZERO, Pose2::default())]);
+        let history = History::from(Pose2::default());
         let bias_variance = BIAS_AT_FIRST * BIAS_AT_FIRST;
         Self {
             robot,
@@ -63,7 +62,7 @@ impl DeadReckoning {
     }
 
     fn newest(&self) -> (SimTime, Pose2) {
-        self.history.back().copied().unwrap_or_default()
+        self.history.newest()
     }
 
     fn advance(&mut self, imu: &ImuSample, wheels: &WheelSample) {
@@ -88,10 +87,7 @@ impl DeadReckoning {
         let turned = if self.ready { (imu.gyro[2] - self.bias) * dt } else { 0.0 };
         // Along the chord of the arc.
         let chord = Pose2::new(pose.x, pose.y, pose.yaw + turned / 2.0).transform(forward, 0.0);
-        self.history.push_back((imu.stamp, Pose2::new(chord.x, chord.y, wrap_angle(pose.yaw + turned))));
-        while self.history.len() > 2 && imu.stamp.since(self.history[1].0) > MEMORY {
-            self.history.pop_front();
-        }
+        self.history.push(imu.stamp, Pose2::new(chord.x, chord.y, wrap_angle(pose.yaw + turned)));
     }
 
     fn learn_bias(&mut self, rate: f64) {
@@ -108,7 +104,7 @@ impl Localizer for DeadReckoning {
 
     fn reset(&mut self, start: Pose2) {
         *self = Self::new(self.robot.clone());
-        self.history = VecDeque::from([(SimTime::ZERO, start)]);
+        self.history = History::from(start);
     }
 
     fn update(&mut self, observation: &Observation<'_>) {
@@ -123,11 +119,7 @@ impl Localizer for DeadReckoning {
     }
 
     fn pose_at(&self, time: SimTime) -> Pose2 {
-        let after = self.history.partition_point(|(t, _)| *t < time);
-        let Some(&(t1, b)) = self.history.get(after) else { return self.newest().1 };
-        let Some(&(t0, a)) = after.checked_sub(1).and_then(|i| self.history.get(i)) else { return b };
-        let s = time.since(t0).as_secs_f64() / t1.since(t0).as_secs_f64().max(1e-9);
-        Pose2::new(a.x + s * (b.x - a.x), a.y + s * (b.y - a.y), a.yaw + s * wrap_angle(b.yaw - a.yaw))
+        self.history.at(time)
     }
 
     fn pose(&self) -> Pose2 {

@@ -12,6 +12,7 @@
 
 pub mod dead_reckoning;
 pub mod graph;
+mod history;
 pub mod lidar_inertial;
 pub mod lio;
 pub mod wheels;

@@ -1,27 +1,22 @@
 //! LiDAR-inertial odometry with wheels, from a known start.
 
-use std::collections::VecDeque;
-use std::time::Duration;
-
 use nalgebra::Vector3;
-use openbench_core::frames::wrap_angle;
 use openbench_core::{Observation, Pose2, Pose3, RobotDescription, SimTime};
 
 use crate::Localizer;
+use crate::history::History;
 use crate::lio::propagation::ImuNoise;
 use crate::lio::update::LidarNoise;
 use crate::lio::{LidarInertialOdometry, Settings, Status};
 use crate::wheels::Wheels;
 
-/// Poses of this long are remembered.
-const MEMORY: Duration = Duration::from_millis(1000);
 /// Pose from LiDAR, IMU and wheels.
 #[derive(Debug, Clone)]
 pub struct LidarInertial {
     robot: RobotDescription,
     odometry: LidarInertialOdometry,
     start: Pose2,
-    history: VecDeque<(SimTime, Pose2)>,
+    history: History,
     wheels: Wheels,
     status: Option<Status>,
 }
@@ -30,26 +25,20 @@ impl LidarInertial {
     /// A localizer for a robot.
     pub fn new(robot: RobotDescription) -> Self {
         let odometry = LidarInertialOdometry::new(settings(&robot));
-        let (start, history) = (Pose2::default(), VecDeque::from([(SimTime::ZERO, Pose2::default())]));
+        let (start, history) = (Pose2::default(), History::from(Pose2::default()));
         let wheels = Wheels::new(&robot);
         Self { robot, odometry, start, history, wheels, status: None }
     }
 
     fn newest(&self) -> (SimTime, Pose2) {
-        self.history.back().copied().unwrap_or_default()
+        self.history.newest()
     }
 
     fn remember(&mut self, stamp: SimTime, pose: &Pose3) {
         let ahead = pose.rotation * Vector3::x();
         let yaw = libm::atan2(ahead.y, ahead.x);
         let on_map = self.start.compose(Pose2::new(pose.translation.x, pose.translation.y, yaw));
-        if stamp <= self.newest().0 {
-            self.history.pop_back();
-        }
-        self.history.push_back((stamp, on_map));
-        while self.history.len() > 2 && stamp.since(self.history[1].0) > MEMORY {
-            self.history.pop_front();
-        }
+        self.history.push(stamp, on_map);
     }
 }
 
@@ -74,7 +63,7 @@ impl Localizer for LidarInertial {
     fn reset(&mut self, start: Pose2) {
         *self = Self::new(self.robot.clone());
         self.start = start;
-        self.history = VecDeque::from([(SimTime::ZERO, start)]);
+        self.history = History::from(start);
     }
 
     fn update(&mut self, observation: &Observation<'_>) {
@@ -94,11 +83,7 @@ impl Localizer for LidarInertial {
     }
 
     fn pose_at(&self, time: SimTime) -> Pose2 {
-        let after = self.history.partition_point(|(t, _)| *t < time);
-        let Some(&(t1, b)) = self.history.get(after) else { return self.newest().1 };
-        let Some(&(t0, a)) = after.checked_sub(1).and_then(|i| self.history.get(i)) else { return b };
-        let s = time.since(t0).as_secs_f64() / t1.since(t0).as_secs_f64().max(1e-9);
-        Pose2::new(a.x + s * (b.x - a.x), a.y + s * (b.y - a.y), a.yaw + s * wrap_angle(b.yaw - a.yaw))
+        self.history.at(time)
     }
 
     fn pose(&self) -> Pose2 {

@@ -30,9 +30,6 @@ pub trait Pose<const D: usize>: Clone + Send + Sync {
 
     /// The matrix that takes motions in the pose's frame to those in the frame that it is in (equations 156 and 175).
     fn adjoint(&self) -> SMatrix<f64, D, D>;
-
-    /// Whether all its numbers are numbers.
-    fn is_finite(&self) -> bool;
 }
 
 impl Pose<3> for Isometry2<f64> {
@@ -66,12 +63,6 @@ impl Pose<3> for Isometry2<f64> {
         let (cosine, sine, t): (f64, f64, Vector2<f64>) =
             (self.rotation.re, self.rotation.im, self.translation.vector);
         Matrix3::new(cosine, -sine, t.y, sine, cosine, -t.x, 0.0, 0.0, 1.0)
-    }
-
-    fn is_finite(&self) -> bool {
-        self.translation.vector.iter().all(|x| x.is_finite())
-            && self.rotation.re.is_finite()
-            && self.rotation.im.is_finite()
     }
 }
 
@@ -125,10 +116,6 @@ impl Pose<6> for Isometry3<f64> {
         adjoint.fixed_view_mut::<3, 3>(3, 3).copy_from(&rotation);
         adjoint.fixed_view_mut::<3, 3>(0, 3).copy_from(&(so3::hat(self.translation.vector) * rotation));
         adjoint
-    }
-
-    fn is_finite(&self) -> bool {
-        self.translation.vector.iter().chain(self.rotation.coords.iter()).all(|x| x.is_finite())
     }
 }
 
