@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Records the logs, runs our odometry and the peers on them, and prints the table: run.sh [FOLDER]
-# Logs take some 4 GB; those that are there already are used again.
+# Logs take some 12 GB, 8 of them the hour's, which the peers are spared. Logs and peers' results that are there already are used again.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 out=$(mkdir -p "${1:-$here/out}" && cd "${1:-$here/out}" && pwd)
@@ -44,10 +44,21 @@ record square "$w/square" --minutes 5 --via 40,0 --via 30,40 --via -40,40 --via 
 record corridor "$w/corridor" --minutes 4 --via 95,0 --via 0,0
 record gap small --minutes 2 --gap 60,0.5
 record saturation small --minutes 2 --wild --imu-range 0.6,11
+record hour medium --minutes 60 --seed 3
 
-for log in close loops street yards kerbs traffic turning square corridor gap saturation; do
+ours() {
+    local log=$1
     mkdir -p "$out/$log"
     "$openbench" odometry "$out/$log.mcap" --out "$out/$log/ours.tum" --truth "$out/$log/truth.tum" --json > "$out/$log/ours.json"
-    "$python" "$here/peers.py" "$out/$log.mcap" --out "$out/$log"
+    "$openbench" odometry "$out/$log.mcap" --wheels --out "$out/$log/ours-wheels.tum" --json > "$out/$log/ours-wheels.json"
+}
+ours hour
+for log in close loops street yards kerbs traffic turning square corridor gap saturation; do
+    ours "$log"
+    for peer in kiss-icp rko-lio se3-lio dlio; do
+        if [ ! -e "$out/$log/$peer.json" ]; then
+            "$python" "$here/peers.py" "$out/$log.mcap" --out "$out/$log" --only "$peer"
+        fi
+    done
 done
 "$python" "$here/table.py" "$out" | tee "$out/table.md"
