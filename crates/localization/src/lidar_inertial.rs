@@ -51,6 +51,7 @@ pub fn settings(robot: &RobotDescription) -> Settings {
         imu_noise: ImuNoise { gyro: 2e-4, accel: 2e-3, gyro_walk: 1e-5, accel_walk: 1e-4 },
         imu_limits: None,
         lidar_noise: LidarNoise { range: 0.02, angle: 0.001 },
+        typical_speed: robot.max_forward,
         blind: 0.3,
     }
 }

@@ -35,6 +35,7 @@ fn settings() -> Settings {
         imu_noise: ImuNoise { gyro: 2e-4, accel: 2e-3, gyro_walk: 1e-5, accel_walk: 1e-4 },
         imu_limits: None,
         lidar_noise: LidarNoise { range: 0.01, angle: 0.001 },
+        typical_speed: 1.0,
         blind: 0.3,
     }
 }

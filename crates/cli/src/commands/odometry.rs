@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use anyhow::Context;
 use cpu_time::ThreadTime;
+use nalgebra::Matrix6;
 use openbench_core::{Pose3, RobotDescription, SimTime};
 use openbench_localization::lidar_inertial::settings;
 use openbench_localization::lio::{Estimate, LidarInertialOdometry, Refused, Status};
@@ -13,6 +14,7 @@ use openbench_logs::messages::{CustomMsg, Imu, JointState, Message, Odometry, Po
 use openbench_logs::{LogReader, LoggedMessage};
 use serde::Serialize;
 
+use super::consistency::{self, Nees};
 use crate::args::OdometryArgs;
 use crate::outcome::{Outcome, say_json, tell};
 
@@ -47,6 +49,8 @@ struct Drive {
     wheels: Option<Wheels>,
     path: String,
     truth: String,
+    told: Vec<(SimTime, Pose3, Matrix6<f64>)>,
+    true_way: Vec<(SimTime, Pose3)>,
     scans: usize,
     coasting: usize,
     lost: usize,
@@ -63,6 +67,8 @@ impl Drive {
             wheels: wheels.then(|| Wheels::new(&robot)),
             path: String::new(),
             truth: String::new(),
+            told: Vec::new(),
+            true_way: Vec::new(),
             scans: 0,
             coasting: 0,
             lost: 0,
@@ -91,6 +97,7 @@ impl Drive {
             name if name == Odometry::DEFINITION.full_name() && *message.topic == *"/ground_truth/odom" => {
                 if let Some(there) = message.decode::<Odometry>()?.pose.to_pose3() {
                     line(&mut self.truth, message.time, &there);
+                    self.true_way.push((message.time, there));
                 }
                 return Ok(());
             }
@@ -109,6 +116,7 @@ impl Drive {
         self.coasting += usize::from(estimate.status == Status::Coasting);
         self.lost += usize::from(estimate.status == Status::Lost);
         line(&mut self.path, estimate.stamp, &estimate.pose);
+        self.told.push((estimate.stamp, estimate.pose, estimate.covariance));
     }
 
     fn summary(mut self) -> Summary {
@@ -125,6 +133,7 @@ impl Drive {
             cpu_ms_p99: at(99),
             cubes: self.odometry.map_size(),
             refused: self.odometry.refused(),
+            nees: consistency::nees(&self.told, &self.true_way, &RobotDescription::sentry().imu),
             version: env!("CARGO_PKG_VERSION"),
         }
     }
@@ -145,6 +154,8 @@ struct Summary {
     /// Size of the map at the end.
     cubes: usize,
     refused: Refused,
+    /// Whether errors are as large as the odometry says; none where the log has no truth.
+    nees: Option<Nees>,
     version: &'static str,
 }
 

@@ -9,7 +9,7 @@ use openbench_core::{ImuSample, SimTime};
 use super::Settings;
 use super::limits::{AtLimit, Limits};
 use super::propagation::{Node, advance, propagate};
-use super::speed::{Speed, correct};
+use super::speed::{Speed, correct, temper};
 use super::state::{Covariance, State};
 
 /// Samples farther apart than that leave a gap.
@@ -18,6 +18,8 @@ const GAP: Duration = Duration::from_millis(50);
 const STEP: Duration = Duration::from_millis(20);
 /// Densities of what happens unseen, in a gap or beyond the IMU's limits: rad/s/√Hz and m/s²/√Hz.
 const UNSEEN: [f64; 2] = [0.3, 1.0];
+/// Part of a turn that a gyroscope's scale may be off by, √s: over the tenth of a second of a scan a third of this number is the part.
+const MISSCALED: f64 = 1e-3;
 /// Velocities farther than that from an instant say nothing about it, and so many of them wait at most.
 const NEAR: Duration = Duration::from_millis(20);
 const SPEEDS: usize = 1000;
@@ -28,6 +30,16 @@ pub(super) struct Known {
     pub(super) stamp: SimTime,
     pub(super) state: State,
     pub(super) covariance: Covariance,
+}
+
+impl Known {
+    /// Holds velocities back along directions of which nothing was said for so long.
+    pub(super) fn temper(&mut self, unseen: &[Vector3<f64>], settings: &Settings, since: Duration) {
+        for direction in unseen {
+            let (typical, seconds) = (settings.typical_speed, since.as_secs_f64());
+            temper(&mut self.state, &mut self.covariance, direction, typical, seconds);
+        }
+    }
 }
 
 /// How it went on from there.
@@ -107,6 +119,7 @@ impl Inertial {
             if behind.0.stamp.since(before.0.stamp) > GAP {
                 [noise.gyro, noise.accel] = UNSEEN;
             }
+            noise.gyro = libm::hypot(noise.gyro, MISSCALED * gyro.norm());
             let limit = behind.1;
             if limit.gyro.contains(&true) {
                 noise.gyro = UNSEEN[0];

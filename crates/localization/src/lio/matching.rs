@@ -4,7 +4,7 @@
 //! moments of these points, at whatever pose the filter has come to (Z. Liu, X. Liu, F. Zhang, *Efficient and Consistent Bundle Adjustment on Lidar Point
 //! Clouds*, 2023, call them point clusters). A scan is gone through once, not once an iteration, and all its points count.
 
-use nalgebra::{Isometry3, Matrix3, Vector3};
+use nalgebra::{Isometry3, Matrix3, SMatrix, Vector3};
 
 use super::inertial::Known;
 use super::moments::Moments;
@@ -42,6 +42,10 @@ pub struct Seen {
     pub weighed: Moments,
     /// Variance that all of them share: that of the plane at their place, m².
     pub shared: f64,
+    /// How a plane that is shifted or leans moves under a point: rows that (p, 1) is multiplied by.
+    pub errors: SMatrix<f64, 3, 4>,
+    /// One over the variances of that, 1/m².
+    pub known: Vector3<f64>,
     /// Covariance of the normal.
     pub leaning: Matrix3<f64>,
 }
@@ -102,14 +106,19 @@ impl Matching {
         if all > 0.0 { agreeing / all } else { 1.0 }
     }
 
-    /// Adds what was found to the map, with the scan at `state`.
-    pub fn insert(&self, state: &State, map: &mut PlaneMap) {
+    /// Adds what was found to the map, with the scan at `state`. Of what is known now of the planes that were seen, the share that came with this scan.
+    pub fn insert(&self, state: &State, map: &mut PlaneMap) -> f64 {
         let lidar = lidar(state);
+        let (mut new, mut all) = (0.0, 0.0);
         for cluster in &self.clusters {
             let about = lidar.translation.vector - cluster.place.middle;
             let motion = Isometry3::from_parts(about.into(), lidar.rotation);
-            map.add(&cluster.place, &cluster.points.moved(&motion));
+            if let Some(share) = map.add(&cluster.place, &cluster.points.moved(&motion)) {
+                new += share * cluster.points.weight;
+                all += cluster.points.weight;
+            }
         }
+        if all > 0.0 { new / all } else { 0.0 }
     }
 
     fn sort(&mut self, state: &State, points: &[Vector3<f64>]) {
@@ -207,11 +216,17 @@ impl Search<'_> {
             }
         }
         let middle = self.lidar * nalgebra::Point3::from(points.mean());
+        let from_middle = self.lidar.translation.vector - plane.middle;
+        let rows = plane.errors().map(|(along, shift, _)| {
+            (self.lidar.rotation.inverse() * along).push(shift + along.dot(&from_middle)).transpose()
+        });
         Seen {
             normal: plane.normal,
             offset: plane.normal.dot(&plane.middle),
             weighed,
             shared: plane.variance(middle.coords),
+            errors: SMatrix::from_rows(&rows),
+            known: plane.errors().map(|(_, _, variance)| 1.0 / variance).into(),
             leaning: plane.normal_covariance(),
         }
     }

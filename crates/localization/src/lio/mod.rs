@@ -8,6 +8,7 @@
 //! |---|---|
 //! | [`so3`] | rotations as vectors |
 //! | [`state`] | what is estimated, on its manifold |
+//! | `drift` | how far off the map is by now |
 //! | [`propagation`] | where the IMU says that it moves to |
 //! | [`moments`] | sums over points |
 //! | `inertial`, `limits` | what IMU and wheels said; an IMU at the end of its range |
@@ -17,6 +18,7 @@
 //! | [`mod@update`] | what a scan says about the state |
 //! | `start` | the first state |
 
+mod drift;
 mod inertial;
 mod limits;
 pub mod matching;
@@ -36,6 +38,7 @@ use nalgebra::{Isometry3, Matrix6, Vector3};
 use openbench_core::{ImuSample, LidarPoint, LidarScan, Pose3, SimTime};
 use serde::Serialize;
 
+use drift::Drift;
 use inertial::{Inertial, Known};
 use limits::Limits;
 use matching::Matching;
@@ -61,6 +64,11 @@ const LOST: Duration = Duration::from_secs(2);
 const LOST_DEVIATIONS: [f64; 2] = [100.0, 1.0];
 /// A scan is gone through that often where the gyroscope was at its limit: what it did not show is seen in how the scan lies.
 const PASSES: usize = 3;
+/// Directions of which a scan that is not there says nothing.
+const UNSEEN: [Vector3<f64>; 3] =
+    [Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 1.0, 0.0), Vector3::new(0.0, 0.0, 1.0)];
+/// Turn rate that is still unknown then, rad/s.
+const UNSEEN_TURN: f64 = 0.05;
 /// Turned by less than that it lies well, radians.
 const LIES_WELL: f64 = 1e-3;
 /// Of the points on known surfaces that share agrees with the map at least, else something is wrong.
@@ -83,6 +91,8 @@ pub struct Settings {
     pub imu_limits: Option<[f64; 2]>,
     /// What is wrong with the LiDAR.
     pub lidar_noise: LidarNoise,
+    /// How fast it drives as a rule, m/s: all there is to go by along directions of which neither scans nor wheels say anything.
+    pub typical_speed: f64,
     /// Points nearer than that are of the robot itself, metres.
     pub blind: f64,
 }
@@ -108,7 +118,7 @@ pub struct Estimate {
     pub pose: Pose3,
     /// Of the IMU in `odom`, m/s.
     pub velocity: Vector3<f64>,
-    /// Of the IMU: rotation in its own frame, position in `odom`.
+    /// Of the IMU: rotation in its own frame, position in `odom`; grows with the way.
     pub covariance: Matrix6<f64>,
     /// Whether it can be trusted.
     pub status: Status,
@@ -146,6 +156,7 @@ pub struct LidarInertialOdometry {
     /// Turn rate that the gyroscope did not show in the last scan, rad/s.
     missing: Vector3<f64>,
     map: PlaneMap,
+    drift: Drift,
     matching: Matching,
     /// Where the map was cut last.
     cut_at: Vector3<f64>,
@@ -157,6 +168,7 @@ impl LidarInertialOdometry {
     pub fn new(settings: Settings) -> Self {
         Self {
             map: PlaneMap::new(settings.lidar_noise.range),
+            drift: Drift::default(),
             matching: Matching::default(),
             inertial: Inertial::new(Limits::new(settings.imu_limits)),
             settings,
@@ -210,7 +222,8 @@ impl LidarInertialOdometry {
             self.refused.points += scan.points.len() - points.len();
             known.stamp = end(&scan);
             self.matching.find(&known, &points, &self.map, &self.settings.lidar_noise, f64::INFINITY);
-            self.matching.insert(&known.state, &mut self.map);
+            let new = self.matching.insert(&known.state, &mut self.map);
+            self.drift.grow(&known, new);
             estimates.push(self.estimate(&known, None, Status::Tracking));
         }
         self.known = Some(Known { stamp, ..known });
@@ -284,7 +297,9 @@ impl LidarInertialOdometry {
         if newest.since(known.stamp) <= PATIENCE || !self.scans.is_empty() {
             return None;
         }
+        let since = newest.since(known.stamp);
         self.inertial.travel(known, newest, &self.settings, Vector3::zeros());
+        known.temper(&UNSEEN, &self.settings, since);
         self.refused.gaps += self.inertial.forget(newest);
         let known = self.known.as_ref()?;
         Some(self.estimate(known, None, Status::Coasting))
@@ -293,7 +308,7 @@ impl LidarInertialOdometry {
     fn process(&mut self, scan: &LidarScan) -> Option<Estimate> {
         let until = end(scan);
         let before = self.known.clone().filter(|known| known.stamp < until)?;
-        let first = self.map.is_empty();
+        let (first, since) = (self.map.is_empty(), before.stamp);
         let (mut known, mut matched) = (before.clone(), None);
         for _ in 0..PASSES {
             known = before.clone();
@@ -302,6 +317,10 @@ impl LidarInertialOdometry {
             let expected = known.state.rotation;
             let (noise, mount) = (&self.settings.lidar_noise, self.settings.estimate_lidar);
             matched = update(&mut known, &points, &self.map, noise, mount, &mut self.matching);
+            let unseen = UNSEEN_TURN * way.blind.as_secs_f64();
+            (0..3).filter(|axis| way.axes[*axis]).for_each(|axis| {
+                known.covariance[(at::ROTATION + axis, at::ROTATION + axis)] += unseen * unseen
+            });
             if way.blind.is_zero() {
                 self.missing = Vector3::zeros();
                 break;
@@ -321,8 +340,11 @@ impl LidarInertialOdometry {
             known = before;
             self.inertial.travel(&mut known, until, &self.settings, self.missing);
         }
+        let unseen = matched.as_ref().filter(|_| good).map_or(&UNSEEN[..], |matched| &matched.loose);
+        known.temper(unseen, &self.settings, until.since(since));
         if good || first {
-            self.matching.insert(&known.state, &mut self.map);
+            let new = self.matching.insert(&known.state, &mut self.map);
+            self.drift.grow(&known, new);
         }
         self.cut(known.state.position);
         let firm = matched.as_ref().is_some_and(|matched| matched.loose.is_empty());
@@ -346,7 +368,7 @@ impl LidarInertialOdometry {
             stamp: known.stamp,
             pose: pose(&known.state) * self.settings.imu.inverse(),
             velocity: known.state.velocity,
-            covariance: known.covariance.fixed_view::<6, 6>(0, 0).into_owned(),
+            covariance: self.drift.told(known),
             status,
             loose: matched.map_or(Vec::new(), |matched| matched.loose),
             points,

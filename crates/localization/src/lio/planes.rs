@@ -54,6 +54,14 @@ impl Plane {
         self.normal.dot(&(point - self.middle))
     }
 
+    /// In which ways the plane may be off: shifted along its normal, and leaning about each of its two directions. Each as what a point is multiplied by, so that (p - middle)
+    /// times it and its shift is how far the plane is off at p, with its variance, m².
+    pub(super) fn errors(&self) -> [(Vector3<f64>, f64, f64); 3] {
+        let variance = EVEN * EVEN + self.thickness / self.count;
+        let leaning = |i: usize| (self.along[i], 0.0, variance / self.spread[i]);
+        [(Vector3::zeros(), 1.0, variance), leaning(0), leaning(1)]
+    }
+
     /// Covariance of the normal.
     pub fn normal_covariance(&self) -> Matrix3<f64> {
         let variance = EVEN * EVEN + self.thickness / self.count;
@@ -178,9 +186,12 @@ impl PlaneMap {
         Self { cubes: Default::default(), noise: deviation * deviation }
     }
 
-    /// Takes points of one cube in; they are relative to its middle.
-    pub fn add(&mut self, place: &Place, points: &Moments) {
-        self.cubes[place.size].entry(place.number).or_default().add(points, place.middle, self.noise);
+    /// Takes points of one cube in; they are relative to its middle. If the cube has a plane, the share of its points that these are.
+    pub fn add(&mut self, place: &Place, points: &Moments) -> Option<f64> {
+        let cube = self.cubes[place.size].entry(place.number).or_default();
+        let before = cube.points.weight;
+        cube.add(points, place.middle, self.noise);
+        cube.plane.map(|_| (cube.points.weight - before) / cube.points.weight)
     }
 
     /// The plane of a cube's points, if they lie on one.

@@ -8,6 +8,8 @@ use super::state::{Covariance, Error, SIZE, State, at};
 
 /// A velocity farther than that from what is expected, in deviations, counts as less sure than it says: wheels slip.
 const GATE: f64 = 3.0;
+/// A drive goes on in one way for so long, seconds.
+const LASTING: f64 = 30.0;
 
 /// A velocity of the frame whose pose is told, such as `base_link`, in that frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,7 +59,35 @@ pub(super) fn correct(
     if far > 1.0 {
         noise *= far;
     }
-    let Some(inverse) = (known + noise).try_inverse() else { return };
+    believe(state, covariance, &jacobian, &residual, &noise);
+}
+
+/// Corrects a state by the rule that what drives about does not do so faster than it does, where for so many seconds nothing else has said how fast it goes along a direction in
+/// `odom`. Without it, what an accelerometer's bias comes to would grow for ever.
+pub(super) fn temper(
+    state: &mut State,
+    covariance: &mut Covariance,
+    direction: &Vector3<f64>,
+    typical: f64,
+    seconds: f64,
+) {
+    let mut jacobian = SMatrix::<f64, 1, SIZE>::zeros();
+    jacobian.fixed_view_mut::<1, 3>(0, at::VELOCITY).copy_from(&direction.transpose());
+    let residual = SMatrix::<f64, 1, 1>::new(-direction.dot(&state.velocity));
+    // What is said each time adds up to one such measurement in the time for which a drive goes on in one way.
+    let noise = SMatrix::<f64, 1, 1>::new(typical * typical * LASTING / seconds.max(1e-3));
+    believe(state, covariance, &jacobian, &residual, &noise);
+}
+
+/// The Kalman filter's update, in the form that keeps the covariance positive (Joseph's).
+fn believe<const M: usize>(
+    state: &mut State,
+    covariance: &mut Covariance,
+    jacobian: &SMatrix<f64, M, SIZE>,
+    residual: &SMatrix<f64, M, 1>,
+    noise: &SMatrix<f64, M, M>,
+) {
+    let Some(inverse) = (jacobian * *covariance * jacobian.transpose() + noise).try_inverse() else { return };
     let gain = *covariance * jacobian.transpose() * inverse;
     let step: Error = gain * residual;
     let left = Covariance::identity() - gain * jacobian;

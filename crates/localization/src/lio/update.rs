@@ -15,6 +15,8 @@ use super::state::{Covariance, Error, State, at};
 /// Steps at most, and the step that is none, metres and radians.
 const STEPS: usize = 6;
 const STILL: f64 = 1e-5;
+/// So well is the position held where it is to be held, 1/m².
+const HELD: f64 = 1e10;
 /// Points are looked up again where the pose has moved farther than that since: metres and radians.
 const MOVED: [f64; 2] = [0.03, 0.003];
 /// That often at most.
@@ -57,7 +59,9 @@ pub(super) fn update(
     estimate_lidar: bool,
     matching: &mut Matching,
 ) -> Option<Matched> {
-    let prior = Prior { state: known.state.clone(), information: known.covariance.cholesky()?.inverse() };
+    let covariance = known.covariance;
+    let prior =
+        Prior { state: known.state.clone(), information: covariance.cholesky()?.inverse(), covariance };
     let mut here = known.clone();
     let wide = spread(&here.covariance) > WIDE;
     let gates = if wide { &GATES[..] } else { &[f64::INFINITY] };
@@ -100,6 +104,26 @@ fn spread(covariance: &Covariance) -> f64 {
 struct Prior {
     state: State,
     information: Covariance,
+    covariance: Covariance,
+}
+
+impl Prior {
+    /// What is not known of the position along loose directions, and of all that hangs on it: the scan changed nothing about that.
+    fn along(&self, loose: &[Vector3<f64>]) -> Covariance {
+        let mut sum = Covariance::zeros();
+        let mut rest = self.covariance;
+        // One direction after the other, what is left being independent of those before.
+        for direction in loose {
+            let column = rest.fixed_columns::<3>(at::POSITION) * direction;
+            let variance = direction.dot(&column.fixed_rows::<3>(at::POSITION));
+            if variance > 0.0 {
+                let part = column * column.transpose() / variance;
+                sum += part;
+                rest -= part;
+            }
+        }
+        sum
+    }
 }
 
 /// The state that agrees best with what was known and with the clusters; `N` dimensions of it are seen.
@@ -122,6 +146,16 @@ fn settle<const N: usize>(
                 sum[(row, column)] += information[(i, j)];
             }
         }
+        // Where a scan says nothing the position is held. The direction itself is known to milliradians only, and where it is long unknown how far one has come, the little that
+        // is said across it would seem to say how far.
+        for direction in &matched.loose {
+            let held = direction * HELD;
+            let off = held * direction.dot(&away.fixed_rows::<3>(at::POSITION));
+            let mut block = sum.fixed_view_mut::<3, 3>(at::POSITION, at::POSITION);
+            block += held * direction.transpose();
+            let mut rows = right.fixed_rows_mut::<3>(at::POSITION);
+            rows -= off;
+        }
         let factor = sum.cholesky()?;
         let step = factor.solve(&right);
         state = state.plus(&step);
@@ -132,7 +166,8 @@ fn settle<const N: usize>(
         }
     }
     let (factor, matched) = last?;
-    Some((state, factor.inverse(), matched))
+    let posterior = factor.inverse() + prior.along(&matched.loose);
+    Some((state, posterior, matched))
 }
 
 /// Where the dimensions that a point says something about are among a state's: pose, then the LiDAR's pose on the IMU.
@@ -153,13 +188,17 @@ fn measure<const N: usize>(
         let (distance, jacobian) = residual::<N>(state, seen);
         let sums = seen.weighed.matrix();
         let weighed = jacobian * sums;
-        let (rows, products) = (weighed.column(3), weighed * distance);
         let off = sums * distance;
+        // The points share what is wrong with their plane: their covariance is that of their own noise and of three numbers more, and its inverse after Woodbury.
+        let bent = seen.errors * sums;
+        let shared = bent * seen.errors.transpose() + Matrix3::from_diagonal(&seen.known);
+        let Some(shared) = shared.try_inverse() else { continue };
+        let (rows, bent) = (jacobian * bent.transpose(), bent * distance);
+        information += weighed * jacobian.transpose() - rows * shared * rows.transpose();
+        vector += weighed * distance - rows * (shared * bent);
+        fit += distance.dot(&off) - bent.dot(&(shared * bent));
         let lost = seen.shared / (1.0 + seen.shared * seen.weighed.weight);
-        information += weighed * jacobian.transpose() - rows * rows.transpose() * lost;
-        vector += products - rows * (off[3] * lost);
         feigned += seen.leaning * (seen.weighed.weight * (1.0 - lost * seen.weighed.weight));
-        fit += distance.dot(&off) - off[3] * off[3] * lost;
         points += cluster.points.weight;
     }
     let loose = loose(&information.fixed_view::<3, 3>(3, 3).into_owned(), &feigned);
