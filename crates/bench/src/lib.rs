@@ -19,8 +19,10 @@
 //! | [`world_folder`] | worlds as folders: recipe, maps, suite |
 //! | [`tour`] | drives for the sake of their logs |
 //! | [`truth`] | the truth as a localizer, for comparisons |
+//! | [`disturbed`] | fixes made from the truth, for trials |
 
 pub mod deliveries;
+pub mod disturbed;
 pub mod draw;
 pub mod error;
 pub mod evaluate;
@@ -43,6 +45,7 @@ pub mod tour;
 pub mod truth;
 pub mod world_folder;
 
+pub use disturbed::{Disturbance, DisturbanceError, DisturbedTruth};
 pub use error::BenchError;
 pub use openbench_sim::traffic::TrafficPlan;
 pub use recorder::{Faults, Level};

@@ -72,6 +72,7 @@ fn episode_report(
         start: prepared.world.start,
         driven: trace.driven.clone(),
         estimated: trace.estimated.clone(),
+        pose_errors: trace.pose_errors.clone(),
         routes: trace.routes.clone(),
         true_doors: doors
             .map(|(i, d)| DoorMark { address: d.address.clone(), position: d.point(), wanted: wanted(i) })

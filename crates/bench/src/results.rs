@@ -12,7 +12,7 @@ use openbench_core::{Address, FailureCause, MapPoint};
 use openbench_sim::traffic::TrafficPlan;
 use serde::{Deserialize, Serialize};
 
-use crate::metrics::{CollisionSum, DoorScore, EncounterSum};
+use crate::metrics::{CollisionSum, DoorScore, EncounterSum, LocalizationSum};
 
 /// The results of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -77,6 +77,9 @@ pub struct Metrics {
     /// How the robot met people and cars; null where nobody moves.
     #[serde(default)]
     pub encounters: Option<EncounterSum>,
+    /// How far the agent was from where it believed to be; null if it did not say.
+    #[serde(default)]
+    pub localization: Option<LocalizationSum>,
     /// Metres driven in all.
     pub path_m: f64,
     /// Simulated seconds in all.

@@ -9,6 +9,7 @@ use std::time::Instant;
 use cpu_time::ProcessTime;
 use openbench_osm::{OsmData, merge_entrances, write_atomically};
 
+use crate::metrics::localization::localization;
 use crate::metrics::{RunTotals, summarize};
 use crate::recorder::{Level, Recorder};
 use crate::recording::{Recording, RunRecord};
@@ -131,7 +132,8 @@ fn run_one(request: &RunRequest<'_>, number: usize) -> Result<EpisodeTrace, Benc
     let seed = episode_seed(request.seed, number);
     let truth = TruthHandle::default();
     // Only who asks for the truth by name, and is named in the results for it, gets a handle that tells it.
-    let asked = request.settings.get("localizer").is_some_and(|l| l == "truth");
+    let set = |key: &str, word: &str| request.settings.get(key).is_some_and(|value| value.starts_with(word));
+    let asked = set("localizer", "truth") || set("fixes", "disturbed-truth");
     let offered = if asked { truth.clone() } else { TruthHandle::default() };
     let wanted = AgentRequest { truth: offered, memory: request.memory, settings: request.settings, seed };
     let mut agent = (request.factory)(&wanted)
@@ -170,6 +172,7 @@ fn results(
         wall_seconds,
         cpu_seconds,
         instructions: scoring::understood(prepared, traces),
+        localization: localization(traces.iter().map(|t| &t.pose_errors[..])),
         seed: request.seed,
     };
     Results {

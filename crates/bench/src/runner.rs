@@ -12,6 +12,7 @@ use openbench_sim::traffic::{Encounters, Totals};
 use openbench_sim::{Collision, OBSERVATION_NS, Simulator};
 
 use crate::BenchError;
+use crate::metrics::PoseError;
 use crate::recorder::Recorder;
 use crate::stage::{Prepared, PreparedEpisode};
 use crate::truth::TruthHandle;
@@ -79,6 +80,8 @@ pub struct EpisodeTrace {
     pub driven: Vec<MapPoint>,
     /// Where the agent believed to be.
     pub estimated: Vec<MapPoint>,
+    /// How far that was from where it was.
+    pub pose_errors: Vec<PoseError>,
     /// Routes over roads.
     pub routes: Vec<Vec<MapPoint>>,
     /// Doors written by the agent.
@@ -238,7 +241,10 @@ impl Run<'_> {
             match event {
                 Event::Plan(plan) => self.trace.plan = Some(plan),
                 Event::Route(points) => self.trace.routes.push(points),
-                Event::PoseEstimate(pose) => self.trace.estimated.push(pose.point()),
+                Event::PoseEstimate(pose) => {
+                    self.trace.estimated.push(pose.point());
+                    self.trace.pose_errors.push(PoseError::new(time, self.pose(), pose));
+                }
                 Event::DoorWritten { address, position } => {
                     // A door that is written again was moved.
                     self.trace.doors.retain(|(known, _)| !known.same_door(&address));

@@ -25,7 +25,7 @@ impl TruthHandle {
     }
 
     /// The pose at an instant, between two that are known along a straight line; outside them the nearest.
-    fn at(&self, time: SimTime) -> Pose2 {
+    pub(crate) fn at(&self, time: SimTime) -> Pose2 {
         let poses = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let after = poses.partition_point(|(t, _)| *t < time);
         let before = after.checked_sub(1).and_then(|i| poses.get(i));

@@ -59,7 +59,9 @@ pub enum Command {
 #[command(after_help = "\
 Settings of the agent `open`:
   planner=grammar | openai:MODEL[@URL]      reader=ppocr-v4 | openai:MODEL[@URL]
-  localizer=lidar-inertial | dead-reckoning | truth (for comparison only, and named in the results)
+  localizer=fused | lidar-inertial | dead-reckoning | truth (for comparison only, and named in the results)
+  fixes=gnss | none | disturbed-truth:NOISE,SHARE,FAR (metres of noise, share that is false, up to how many metres; for
+        comparison only): what `fused` corrects its odometry by
 
 Example:
   openbench run --world small_osm.world --map small.osm --models gazebo_models \\

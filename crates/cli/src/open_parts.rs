@@ -4,10 +4,13 @@ use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
 use openbench_agents::{Open, Parts};
-use openbench_bench::{AgentFactory, AgentRequest, TruthLocalizer};
+use openbench_bench::{
+    AgentFactory, AgentRequest, Disturbance, DisturbanceError, DisturbedTruth, TruthLocalizer,
+};
 use openbench_core::{Agent, RobotDescription};
 use openbench_language::{ChatPlanner, GrammarPlanner, Planner};
-use openbench_localization::{DeadReckoning, LidarInertial, Localizer};
+use openbench_localization::fixes::Gnss;
+use openbench_localization::{DeadReckoning, FixSource, Fused, LidarInertial, Localizer};
 use openbench_models::{ModelSpec, ModelStore};
 use openbench_vision::{PlateReader, PpOcr, PpOcrSettings, VlmReader};
 
@@ -17,7 +20,7 @@ pub const DEFAULT_READER: &str = "ppocr-v4";
 /// The camera is level and lower than any plate: below the horizon there is nothing to read.
 const ABOVE_HORIZON: f32 = 0.6;
 
-const KEYS: [&str; 3] = ["planner", "reader", "localizer"];
+const KEYS: [&str; 4] = ["planner", "reader", "localizer", "fixes"];
 
 /// What makes OPEN for an episode. Networks are loaded with the first one and shared by all.
 pub fn factory() -> AgentFactory {
@@ -31,7 +34,7 @@ fn make(request: &AgentRequest<'_>, networks: &Mutex<Option<PpOcr>>) -> Result<B
     let parts = Parts {
         planner: planner(setting("planner").unwrap_or("grammar"))?,
         reader: reader(setting("reader").unwrap_or(DEFAULT_READER), networks)?,
-        localizer: localizer(setting("localizer").unwrap_or("lidar-inertial"), request)?,
+        localizer: localizer(setting("localizer").unwrap_or("fused"), request)?,
         memory: request.memory.cloned(),
     };
     Ok(Box::new(Open::new(parts)))
@@ -79,12 +82,39 @@ fn ppocr() -> Result<PpOcr, String> {
 }
 
 fn localizer(word: &str, request: &AgentRequest<'_>) -> Result<Box<dyn Localizer>, String> {
+    let fixes = request.settings.get("fixes").map(String::as_str);
+    if let (Some(fixes), true) = (fixes, word != "fused") {
+        return Err(format!("fixes={fixes}: only localizer=fused takes fixes, not localizer={word}"));
+    }
     match word {
+        "fused" => {
+            Ok(Box::new(Fused::new(RobotDescription::sentry(), sources(fixes.unwrap_or("gnss"), request)?)))
+        }
         "lidar-inertial" => Ok(Box::new(LidarInertial::new(RobotDescription::sentry()))),
         "dead-reckoning" => Ok(Box::new(DeadReckoning::new(RobotDescription::sentry()))),
         "truth" => Ok(Box::new(TruthLocalizer::new(request.truth.clone()))),
         _ => Err(format!(
-            "localizer={word}: there is no such localizer; there are lidar-inertial, dead-reckoning, truth"
+            "localizer={word}: there is no such localizer; there are fused, lidar-inertial, dead-reckoning, truth"
+        )),
+    }
+}
+
+/// What says where the robot is in the map. A robot without a receiver hears nothing of satellites.
+fn sources(word: &str, request: &AgentRequest<'_>) -> Result<Vec<Box<dyn FixSource>>, String> {
+    let (kind, rest) = word.split_once(':').unwrap_or((word, ""));
+    match (kind, rest) {
+        ("none", "") => Ok(vec![]),
+        ("gnss", "") => {
+            let antenna = RobotDescription::sentry().with_gnss().gnss.unwrap_or_default();
+            Ok(vec![Box::new(Gnss::new(antenna.translation.vector.xy()))])
+        }
+        ("disturbed-truth", rest) => {
+            let disturbance = if rest.is_empty() { Ok(Disturbance::default()) } else { rest.parse() };
+            let disturbance = disturbance.map_err(|e: DisturbanceError| format!("fixes={word}: {e}"))?;
+            Ok(vec![Box::new(DisturbedTruth::new(request.truth.clone(), disturbance, request.seed))])
+        }
+        _ => Err(format!(
+            "fixes={word}: there is no such source of fixes; there are gnss, none, disturbed-truth:NOISE,SHARE,FAR"
         )),
     }
 }

@@ -127,7 +127,7 @@ fn unknown_names_are_answered_with_the_known_ones() {
     place.openbench("run atlantis").refused_with(&["atlantis", "small, medium, large"]);
     deliver(&place, "--deliveries one.txt --agent bond").refused_with(&["bond", "open"]);
     deliver(&place, "--deliveries one.txt --set colour=red")
-        .refused_with(&["colour", "planner, reader, localizer"]);
+        .refused_with(&["colour", "planner, reader, localizer, fixes"]);
     place
         .openbench("route --map town.osm --profile sledge 3,0 3.0001,0")
         .refused_with(&["sledge", "delivery"]);
@@ -136,7 +136,9 @@ fn unknown_names_are_answered_with_the_known_ones() {
 #[test]
 fn values_of_settings_that_mean_nothing_are_refused() {
     let place = town();
-    for setting in ["planner=oracle", "reader=eyes", "localizer=stars"] {
+    for setting in
+        ["planner=oracle", "reader=eyes", "localizer=stars", "fixes=stars", "fixes=disturbed-truth:1,7,9"]
+    {
         // The last `reader` counts, so that no model file is asked for.
         let words = format!("--deliveries one.txt --set reader={NOBODY} --set {setting}");
         deliver(&place, &words).refused_with(&[setting]);

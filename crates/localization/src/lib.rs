@@ -7,19 +7,26 @@
 //! | [`lio`] | LiDAR-inertial odometry |
 //! | [`wheels`] | wheels' angles as velocities |
 //! | [`lidar_inertial`] | [`LidarInertial`]: that odometry with wheels, from a known start |
+//! | [`fixes`] | [`FixSource`]: what says where the robot is in `map`; [`Gnss`](fixes::Gnss) |
+//! | [`fused`] | [`Fused`]: odometry and fixes in a pose graph |
 //!
 //! [`Localizer`] is the seam: agents know only it.
 
 pub mod dead_reckoning;
+pub mod fixes;
+pub mod fused;
 pub mod graph;
 mod history;
 pub mod lidar_inertial;
 pub mod lio;
 pub mod wheels;
 
+use nalgebra::Matrix3;
 use openbench_core::{Observation, Pose2, SimTime};
 
 pub use dead_reckoning::DeadReckoning;
+pub use fixes::{Fix, FixSource};
+pub use fused::Fused;
 pub use lidar_inertial::LidarInertial;
 
 /// Tells where the robot is. Given each observation in turn.
@@ -41,4 +48,20 @@ pub trait Localizer {
 
     /// Whether the pose can be trusted already; a robot does better to stand still until then.
     fn ready(&self) -> bool;
+
+    /// Pose of `odom` in `map` (REP 105). It changes with corrections only: what is planned in `odom` stays where the robot sees it. They are the same where nothing
+    /// corrects.
+    fn odom(&self) -> Pose2 {
+        Pose2::default()
+    }
+
+    /// Covariance of the newest pose: x and y in `map`, yaw; m² and rad². `None` if it does not say.
+    fn covariance(&self) -> Option<Matrix3<f64>> {
+        None
+    }
+
+    /// How far the newest pose is from where the robot is thought to be, metres: corrections are passed on slowly, and this says what is still to come.
+    fn pending(&self) -> f64 {
+        0.0
+    }
 }

@@ -1,6 +1,6 @@
 //! LiDAR-inertial odometry with wheels, from a known start.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Matrix6, SMatrix, Vector3};
 use openbench_core::{Observation, Pose2, Pose3, RobotDescription, SimTime};
 
 use crate::Localizer;
@@ -19,6 +19,8 @@ pub struct LidarInertial {
     history: History,
     wheels: Wheels,
     status: Option<Status>,
+    /// Of the newest estimate: of the IMU, rotation in its own frame, position in `odom`; and the pose it is of.
+    covariance: Option<(Matrix6<f64>, Pose3)>,
 }
 
 impl LidarInertial {
@@ -27,7 +29,7 @@ impl LidarInertial {
         let odometry = LidarInertialOdometry::new(settings(&robot));
         let (start, history) = (Pose2::default(), History::from(Pose2::default()));
         let wheels = Wheels::new(&robot);
-        Self { robot, odometry, start, history, wheels, status: None }
+        Self { robot, odometry, start, history, wheels, status: None, covariance: None }
     }
 
     fn newest(&self) -> (SimTime, Pose2) {
@@ -77,6 +79,7 @@ impl Localizer for LidarInertial {
         }
         if let Some(last) = estimates.last() {
             self.status = Some(last.status);
+            self.covariance = Some((last.covariance, last.pose));
         }
         if let Some((stamp, pose)) = self.odometry.now() {
             self.remember(stamp, &pose);
@@ -93,5 +96,17 @@ impl Localizer for LidarInertial {
 
     fn ready(&self) -> bool {
         self.status.is_some()
+    }
+
+    fn covariance(&self) -> Option<Matrix3<f64>> {
+        let (covariance, pose) = self.covariance.as_ref()?;
+        let imu = pose.rotation * self.robot.imu.rotation;
+        // x, y and yaw in `map`, by rotation in the IMU's frame and position in `odom`.
+        let (sine, cosine) = libm::sincos(self.start.yaw);
+        let upright = imu.inverse() * Vector3::z();
+        let mut rows = SMatrix::<f64, 3, 6>::zeros();
+        (rows[(0, 3)], rows[(0, 4)], rows[(1, 3)], rows[(1, 4)]) = (cosine, -sine, sine, cosine);
+        rows.fixed_view_mut::<1, 3>(2, 0).copy_from(&upright.transpose());
+        Some(rows * covariance * rows.transpose())
     }
 }

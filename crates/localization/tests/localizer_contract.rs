@@ -1,83 +1,19 @@
 //! What every `Localizer` keeps to, checked on each implementation.
 
-use std::sync::Arc;
+mod common;
 
+use common::{Robot, seen};
 use openbench_core::frames::wrap_angle;
-use openbench_core::{
-    Camera, Image, ImuSample, MapPoint, Observation, Pose2, RobotDescription, SimTime, WheelSample,
-};
-use openbench_localization::{DeadReckoning, LidarInertial, Localizer};
+use openbench_core::{ImuSample, MapPoint, Pose2, RobotDescription, SimTime, WheelSample};
+use openbench_localization::{DeadReckoning, Fused, LidarInertial, Localizer};
 
 type Make = fn() -> Box<dyn Localizer>;
 
-const LOCALIZERS: [Make; 2] = [
+const LOCALIZERS: [Make; 3] = [
     || Box::new(DeadReckoning::new(RobotDescription::sentry())),
     || Box::new(LidarInertial::new(RobotDescription::sentry())),
+    || Box::new(Fused::new(RobotDescription::sentry(), vec![])),
 ];
-
-struct Blind;
-
-impl Camera for Blind {
-    fn image(&self) -> Option<Arc<Image>> {
-        None
-    }
-}
-
-/// A robot whose sensors are exact but for a turn rate that is off by a constant, fed to a localizer every 50 ms.
-struct Robot {
-    time: SimTime,
-    truth: Pose2,
-    wheels: [f64; 2],
-    /// Of the IMU in `map`, which is not in the robot's middle.
-    velocity: [f64; 2],
-}
-
-const BIAS: f64 = 0.004;
-const DT: f64 = 0.01;
-
-impl Robot {
-    fn at(truth: Pose2) -> Self {
-        Self { time: SimTime::ZERO, truth, wheels: [0.0; 2], velocity: [0.0; 2] }
-    }
-
-    /// Moves on for one step; the specific force of the IMU, so far in front of the middle.
-    fn go(&mut self, linear: f64, angular: f64, lever: f64) -> [f64; 3] {
-        let imu = |pose: Pose2| pose.transform(lever, 0.0);
-        let before = imu(self.truth);
-        // Along the chord of the arc.
-        let half = Pose2::new(0.0, 0.0, angular * DT / 2.0);
-        self.truth = self.truth.compose(half).compose(Pose2::new(linear * DT, 0.0, angular * DT / 2.0));
-        let after = imu(self.truth);
-        let velocity = [(after.x - before.x) / DT, (after.y - before.y) / DT];
-        let [x, y] = [0, 1].map(|i| (velocity[i] - self.velocity[i]) / DT);
-        self.velocity = velocity;
-        let (sine, cosine) = libm::sincos(self.truth.yaw);
-        [cosine * x + sine * y, cosine * y - sine * x, 9.8]
-    }
-
-    fn drive(&mut self, localizer: &mut dyn Localizer, linear: f64, angular: f64, seconds: f64) {
-        let robot = RobotDescription::sentry();
-        for _ in 0..(seconds / 0.05).round() as usize {
-            let (mut imu, mut wheels) = (Vec::new(), Vec::new());
-            for _ in 0..5 {
-                self.time = SimTime(self.time.0 + 10_000_000);
-                let accel = self.go(linear, angular, robot.imu.translation.x);
-                let difference = angular * robot.effective_track / 2.0;
-                for (angle, speed) in self.wheels.iter_mut().zip([linear - difference, linear + difference]) {
-                    *angle += speed * DT / robot.wheel_radius;
-                }
-                let (stamp, [left, right]) = (self.time, self.wheels);
-                imu.push(ImuSample { stamp, gyro: [0.0, 0.0, angular + BIAS], accel });
-                wheels.push(WheelSample { stamp, left, right });
-            }
-            localizer.update(&seen(self.time, &imu, &wheels));
-        }
-    }
-}
-
-fn seen<'a>(time: SimTime, imu: &'a [ImuSample], wheels: &'a [WheelSample]) -> Observation<'a> {
-    Observation { time, imu, wheels, scan: None, gnss: None, camera: &Blind }
-}
 
 fn apart(a: Pose2, b: Pose2) -> (f64, f64) {
     (a.point().distance(b.point()), wrap_angle(a.yaw - b.yaw).abs())

@@ -13,11 +13,13 @@
 //! | [`collisions`] | collisions by class, with their impulses |
 //! | [`encounters`] | near misses with people and cars, and time spent too near to people |
 //! | [`doors`] | doors that an agent wrote into its map |
+//! | [`mod@localization`] | how far the agent was from where it believed to be |
 //! | [`summary`] | all of them over the deliveries of a run, with intervals |
 
 pub mod collisions;
 pub mod doors;
 pub mod encounters;
+pub mod localization;
 pub mod path_ratio;
 pub mod sequence;
 pub mod srtp;
@@ -27,6 +29,7 @@ pub mod summary;
 pub use collisions::CollisionSum;
 pub use doors::{DoorScore, score_doors};
 pub use encounters::EncounterSum;
+pub use localization::{LocalizationSum, PoseError};
 pub use path_ratio::{path_ratio, spl};
 pub use sequence::{sequence_mean, sequence_weights};
 pub use srtp::{ExpectedPlan, srtp};

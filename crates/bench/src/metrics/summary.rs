@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::collisions;
 use super::encounters::EncounterSum;
+use super::localization::LocalizationSum;
 use super::path_ratio::{path_ratio, spl};
 use super::sequence::sequence_mean;
 use crate::results::{DeliveryResult, Metrics};
@@ -20,6 +21,8 @@ pub struct RunTotals {
     pub cpu_seconds: f64,
     /// Instructions that were understood exactly, and all; `None` if the agent plans no instructions.
     pub instructions: Option<(usize, usize)>,
+    /// Errors of the poses that the agent told.
+    pub localization: Option<LocalizationSum>,
     /// Seed of the bootstrap.
     pub seed: u64,
 }
@@ -32,6 +35,7 @@ pub fn summarize(deliveries: &[DeliveryResult], totals: &RunTotals) -> Metrics {
         encounters: deliveries.iter().filter_map(|d| d.encounters).reduce(EncounterSum::and),
         // From plus zero: the sum of nothing is minus zero.
         path_m: deliveries.iter().map(|d| d.path_m).fold(0.0, |sum, p| sum + p),
+        localization: totals.localization,
         sim_seconds: totals.sim_seconds,
         wall_seconds: totals.wall_seconds,
         real_time_factor: if totals.cpu_seconds > 0.0 {

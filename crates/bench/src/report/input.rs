@@ -2,6 +2,7 @@
 
 use openbench_core::{Address, MapPoint, PlannedDelivery, Pose2, SimTime};
 
+use crate::metrics::PoseError;
 use crate::results::Results;
 
 /// All that a report shows.
@@ -56,6 +57,8 @@ pub struct EpisodeReport {
     pub driven: Vec<MapPoint>,
     /// Where the agent believed to be; empty if it said nothing.
     pub estimated: Vec<MapPoint>,
+    /// How far that was from where it was.
+    pub pose_errors: Vec<PoseError>,
     /// Routes over roads that the agent planned.
     pub routes: Vec<Vec<MapPoint>>,
     /// Doors of the world.

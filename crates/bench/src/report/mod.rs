@@ -7,9 +7,11 @@
 //! | [`tiles`] | the headline numbers with their intervals, paper and strict side by side |
 //! | [`table`] | one row a delivery |
 //! | [`map`] | an episode seen from above, as SVG |
+//! | [`drift`] | how far the agent was from where it believed to be |
 //! | [`frames`] | the camera frames in which plates were read |
 //! | [`terminal`] | the same numbers as plain text for a terminal |
 
+pub mod drift;
 pub mod frames;
 pub mod html;
 pub mod input;
@@ -81,6 +83,7 @@ fn render_episode(out: &mut String, input: &ReportInput<'_>, episode: &EpisodeRe
     if let Some(world) = input.worlds.get(episode.world) {
         map::render(out, world, episode);
     }
+    drift::render(out, &episode.pose_errors);
     frames::render(out, &episode.plates);
     out.push_str("</article>\n");
 }

@@ -73,6 +73,13 @@ fn summary(out: &mut String, m: &Metrics) {
     let unit = figure("correct_unit", m.correct_unit);
     let srtp = m.srtp.map(|_| format!("   SRTP {}", figure("srtp", m.srtp))).unwrap_or_default();
     let _ = writeln!(out, "unit     {unit}{srtp}");
+    if let Some(sum) = m.localization {
+        let _ = writeln!(
+            out,
+            "pose     {:.3} m rms, 95 % within {:.3} m, largest {:.3} m, jumps up to {:.3} m",
+            sum.rmse_m, sum.p95_m, sum.max_m, sum.max_jump_m
+        );
+    }
     let _ = writeln!(
         out,
         "drive    {:.1} m in {:.0} simulated s, {:.1} x real time, collisions {}",

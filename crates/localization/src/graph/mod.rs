@@ -5,6 +5,7 @@
 //! | [`pose`] | poses in the plane and in space, as Lie groups |
 //! | [`problem`] | [`Graph`]: poses, edges, priors |
 //! | [`solve`] | the least squares of a graph |
+//! | [`window`] | [`Window`]: the newest poses of a drive without an end |
 //! | `sparse` | its normal equations |
 //! | [`g2o`] | files |
 
@@ -13,8 +14,10 @@ pub mod pose;
 pub mod problem;
 pub mod solve;
 mod sparse;
+pub mod window;
 
 pub use g2o::{G2oError, PoseGraph};
 pub use pose::Pose;
 pub use problem::{Edge, Graph, Prior};
 pub use solve::{SolveError, Solved};
+pub use window::Window;

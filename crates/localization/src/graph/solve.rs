@@ -39,6 +39,11 @@ pub enum SolveError {
 impl<P: Pose<D>, const D: usize> Graph<P, D> {
     /// Moves the poses to where they agree best with all that was measured, from where they are. Where nothing holds a part, its first pose is held.
     pub fn solve(&mut self) -> Result<Solved, SolveError> {
+        self.solve_to(LITTLE)
+    }
+
+    /// The same until a step makes chi² less by no more than that part of it.
+    pub fn solve_to(&mut self, little: f64) -> Result<Solved, SolveError> {
         self.check()?;
         let Some(mut system) = System::new(self)? else { return Ok(Solved { chi2: self.chi2(), steps: 0 }) };
         let (mut chi2, mut damping) = (self.chi2(), 0.0);
@@ -67,7 +72,7 @@ impl<P: Pose<D>, const D: usize> Graph<P, D> {
             };
             let Some(gain) = better else { return Ok(Solved { chi2, steps: step }) };
             chi2 -= gain;
-            if gain <= chi2 * LITTLE {
+            if gain <= chi2 * little {
                 return Ok(Solved { chi2: self.chi2(), steps: step + 1 });
             }
         }

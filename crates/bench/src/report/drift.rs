@@ -1,0 +1,113 @@
+//! How far the agent was from where it believed to be, over time, as SVG.
+
+use std::fmt::Write;
+
+use crate::metrics::localization::{PoseError, localization};
+
+const WIDTH: f64 = 1040.0;
+const HEIGHT: f64 = 120.0;
+/// Room for the numbers at the left and below.
+const LEFT: f64 = 52.0;
+const BELOW: f64 = 22.0;
+/// Points that are drawn at most; each is the largest error of its stretch.
+const POINTS: usize = 500;
+
+/// Writes the chart, if there is something to be drawn.
+pub fn render(out: &mut String, errors: &[PoseError]) {
+    let errors: Vec<PoseError> = errors.iter().filter(|e| e.distance().is_finite()).copied().collect();
+    let (Some(sum), Some(last)) = (localization([&errors[..]].into_iter()), errors.last()) else { return };
+    let (seconds, top) = (last.time.seconds().max(1.0), ceiling(sum.max_m));
+    let x = |time: f64| LEFT + time / seconds * (WIDTH - LEFT - 8.0);
+    let y = |metres: f64| HEIGHT - BELOW - metres / top * (HEIGHT - BELOW - 10.0);
+    let _ = write!(
+        out,
+        "<h4>Localization error</h4>\n<div class=\"drift\"><svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"localization error over time\">\n"
+    );
+    for part in [0.0, 0.5, 1.0] {
+        let (at, label) = (y(top * part), metres(top * part));
+        let _ = writeln!(
+            out,
+            "<path class=\"grid\" d=\"M{LEFT} {at:.1}H{WIDTH}\"/><text class=\"axis\" x=\"{:.0}\" y=\"{:.1}\">{label}</text>",
+            LEFT - 6.0,
+            at + 4.0
+        );
+    }
+    for part in 0..=4 {
+        let time = seconds * f64::from(part) / 4.0;
+        let anchor = if part == 4 { "end" } else { "middle" };
+        let _ = writeln!(
+            out,
+            "<text x=\"{:.1}\" y=\"{:.0}\" text-anchor=\"{anchor}\">{time:.0} s</text>",
+            x(time),
+            HEIGHT - 5.0
+        );
+    }
+    let mut line = String::new();
+    for stretch in errors.chunks(errors.len().div_ceil(POINTS)) {
+        let distance = stretch.iter().map(PoseError::distance).fold(0.0, f64::max);
+        let letter = if line.is_empty() { 'M' } else { 'L' };
+        let _ = write!(line, "{letter}{:.1} {:.1}", x(stretch[0].time.seconds()), y(distance));
+    }
+    let _ = writeln!(out, "<path class=\"error\" d=\"{line}\"/>\n</svg></div>");
+    let _ = writeln!(
+        out,
+        "<p class=\"note\">Between where the agent believed to be and where it was: {} rms, 95 % within {}, largest {}; heading off by {:.2}° at most.</p>",
+        metres(sum.rmse_m),
+        metres(sum.p95_m),
+        metres(sum.max_m),
+        sum.max_yaw_rad.to_degrees(),
+    );
+}
+
+/// A round number of metres that is not smaller.
+fn ceiling(metres: f64) -> f64 {
+    let power = libm::pow(10.0, libm::floor(libm::log10(metres.max(1e-3))));
+    let steps = [1.0, 2.0, 5.0, 10.0].map(|step| step * power);
+    steps.into_iter().find(|step| *step >= metres).unwrap_or(10.0 * power)
+}
+
+/// Metres in the unit that reads best.
+fn metres(value: f64) -> String {
+    match value {
+        0.0 => "0".to_owned(),
+        small if small < 0.01 => format!("{:.1} mm", small * 1e3),
+        small if small < 1.0 => format!("{:.1} cm", small * 1e2),
+        large => format!("{large:.1} m"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use openbench_core::{Pose2, SimTime};
+
+    fn errors(count: u64, metres: f64) -> Vec<PoseError> {
+        let told = |i: u64| Pose2::new(metres * i as f64 / count as f64, 0.0, 0.0);
+        (1..=count)
+            .map(|i| PoseError::new(SimTime::from_millis(100 * i), Pose2::default(), told(i)))
+            .collect()
+    }
+
+    #[test]
+    fn a_long_drive_is_thinned_and_its_largest_error_kept() {
+        let mut out = String::new();
+        render(&mut out, &errors(30_000, 0.3));
+        let points = out.matches('L').count();
+        assert!((400..=POINTS).contains(&points), "{points}");
+        assert!(
+            out.contains("largest 30.0 cm") && out.contains(">50.0 cm<") && out.contains("3000 s"),
+            "{out}"
+        );
+    }
+
+    #[test]
+    fn nothing_is_drawn_of_nothing_and_no_number_is_none() {
+        let mut out = String::new();
+        render(&mut out, &[]);
+        assert_eq!(out, "");
+        let mut broken = errors(3, 0.0);
+        broken[1].offset[0] = f64::NAN;
+        render(&mut out, &broken);
+        assert!(out.contains("largest 0") && !out.contains("NaN"), "{out}");
+    }
+}

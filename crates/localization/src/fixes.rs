@@ -1,0 +1,117 @@
+//! Global fixes: where the robot is in `map`, from something that does not drift.
+
+use nalgebra::{Isometry2, Matrix3, UnitComplex, Vector2};
+use openbench_core::{GnssFix, Observation, Pose2, SimTime};
+
+/// A pose in `map` at an instant.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fix {
+    /// When the robot was there.
+    pub stamp: SimTime,
+    /// Of `base_link`.
+    pub pose: Isometry2<f64>,
+    /// One over covariance, in the frame of `pose`: forward, left, turn. Zero for what was not measured.
+    pub information: Matrix3<f64>,
+    /// Deviations beyond which it is thought to be false.
+    pub credible: f64,
+}
+
+/// Something that tells where the robot is in `map`.
+pub trait FixSource {
+    /// Short name, as in results.
+    fn name(&self) -> &str;
+
+    /// Begins anew.
+    fn reset(&mut self);
+
+    /// Takes in what the sensors delivered; `near` is where the robot is thought to be.
+    fn update(&mut self, observation: &Observation<'_>, near: Pose2) -> Option<Fix>;
+}
+
+/// Deviations beyond which a satellite fix is thought to be false.
+const CREDIBLE: f64 = 3.0;
+/// Receivers in streets think too well of themselves: their deviation is so many times what they say, and no less than that, metres.
+const OPTIMISM: f64 = 2.0;
+const BEST: f64 = 2.0;
+/// Errors from reflections last: a fix counts once in that time, seconds.
+const LASTING: f64 = 10.0;
+
+/// Satellite fixes with errors as in streets: larger than the receiver says, and much the same for many seconds.
+#[derive(Debug, Clone, Default)]
+pub struct Gnss {
+    /// Of the antenna in `base_link`, metres.
+    antenna: Vector2<f64>,
+    last: Option<SimTime>,
+}
+
+impl Gnss {
+    /// With the antenna there in `base_link`, metres forward and left.
+    pub fn new(antenna: Vector2<f64>) -> Self {
+        Self { antenna, last: None }
+    }
+
+    fn fix(&mut self, fix: &GnssFix, near: Pose2) -> Option<Fix> {
+        let sound = fix.position.iter().chain(fix.covariance.iter().flatten()).all(|x| x.is_finite());
+        let soon =
+            self.last.is_some_and(|last| fix.stamp <= last || fix.stamp.since(last).as_secs_f64() < LASTING);
+        if !sound || soon {
+            return None;
+        }
+        self.last = Some(fix.stamp);
+        let said = fix.covariance[0][0].max(fix.covariance[1][1]).max(0.0).sqrt();
+        let deviation = (said * OPTIMISM).max(BEST);
+        let level = 1.0 / (deviation * deviation);
+        // The heading is not measured; it only says where the antenna is.
+        let turned = UnitComplex::new(near.yaw);
+        let at = Vector2::new(fix.position[0], fix.position[1]) - turned * self.antenna;
+        Some(Fix {
+            stamp: fix.stamp,
+            pose: Isometry2::from_parts(at.into(), turned),
+            information: Matrix3::from_diagonal(&[level, level, 0.0].into()),
+            credible: CREDIBLE,
+        })
+    }
+}
+
+impl FixSource for Gnss {
+    fn name(&self) -> &str {
+        "gnss"
+    }
+
+    fn reset(&mut self) {
+        self.last = None;
+    }
+
+    fn update(&mut self, observation: &Observation<'_>, near: Pose2) -> Option<Fix> {
+        self.fix(observation.gnss?, near)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fix(millis: u64, x: f64, deviation: f64) -> GnssFix {
+        let square = deviation * deviation;
+        GnssFix {
+            stamp: SimTime::from_millis(millis),
+            position: [x, 2.0, 50.0],
+            covariance: [[square, 0.0, 0.0], [0.0, square, 0.0], [0.0, 0.0, square]],
+            satellites: 8,
+        }
+    }
+
+    #[test]
+    fn a_receiver_is_believed_now_and_then_and_less_than_it_says() {
+        let mut gnss = Gnss::new(Vector2::new(0.5, 0.0));
+        let near = Pose2::new(9.0, 2.0, std::f64::consts::FRAC_PI_2);
+        let first = gnss.fix(&fix(100, 10.0, 0.5), near).unwrap();
+        assert!((first.pose.translation.vector - Vector2::new(10.0, 1.5)).norm() < 1e-12);
+        assert!((first.information[(0, 0)] - 0.25).abs() < 1e-12 && first.information[(2, 2)] == 0.0);
+        assert!(gnss.fix(&fix(5_000, 11.0, 5.0), near).is_none(), "too soon");
+        assert!(gnss.fix(&fix(20_000, f64::NAN, 5.0), near).is_none());
+        let later = gnss.fix(&fix(20_000, 11.0, 5.0), near).unwrap();
+        assert!((later.information[(0, 0)] - 0.01).abs() < 1e-12);
+        assert!(gnss.fix(&fix(10_000, 11.0, 5.0), near).is_none(), "backwards");
+    }
+}

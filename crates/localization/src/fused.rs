@@ -1,0 +1,228 @@
+//! LiDAR-inertial odometry corrected by global fixes in a pose graph.
+//!
+//! Odometry says where the robot is in `odom`, without jumps; the graph says where `odom` is in `map`. What the graph comes to is passed on slowly, so that the pose that is told has no jumps
+//! either (REP 105 lets `map -> odom` jump; planners do not like it).
+
+use nalgebra::{Isometry2, Matrix2, Matrix3, SymmetricEigen, Vector2, Vector3};
+use openbench_core::frames::wrap_angle;
+use openbench_core::{Observation, Pose2, RobotDescription, SimTime};
+
+use crate::fixes::{Fix, FixSource};
+use crate::graph::{Pose as _, Window};
+use crate::{LidarInertial, Localizer};
+
+/// Poses stand that far apart in the graph, metres or radians.
+const APART: [f64; 2] = [1.0, 0.3];
+/// And so many of them are kept.
+const KEPT: usize = 100;
+/// How well the start is known: metres, radians.
+const START: [f64; 2] = [0.05, 0.01];
+/// No way between two poses is known better than that: metres, radians. Floors differ, wheels sink in.
+const FINEST: [f64; 2] = [1e-3, 1e-4];
+/// Corrections are passed on so fast at most: m/s, rad/s.
+const RATE: [f64; 2] = [0.2, 0.1];
+
+/// A pose of the graph in `odom`.
+#[derive(Debug, Clone, Copy)]
+struct Key {
+    odom: Pose2,
+    covariance: Matrix3<f64>,
+}
+
+/// Odometry and graph.
+pub struct Fused {
+    odometry: LidarInertial,
+    sources: Vec<Box<dyn FixSource>>,
+    window: Window<Isometry2<f64>, 3>,
+    key: Option<Key>,
+    /// Pose of `odom` in `map` as it is told.
+    told: Isometry2<f64>,
+    /// As it is believed to be.
+    believed: Isometry2<f64>,
+    /// When the pose was told last.
+    now: SimTime,
+}
+
+impl Fused {
+    /// A localizer for a robot, corrected by what these say.
+    pub fn new(robot: RobotDescription, sources: Vec<Box<dyn FixSource>>) -> Self {
+        let start = Isometry2::identity();
+        Self {
+            odometry: LidarInertial::new(robot),
+            sources,
+            window: window(start),
+            key: None,
+            told: start,
+            believed: start,
+            now: SimTime::ZERO,
+        }
+    }
+
+    /// Fixes among the newest poses that are thought to be true, and all.
+    pub fn believed_fixes(&self) -> (usize, usize) {
+        self.window.believed()
+    }
+
+    /// A new pose in the graph where the robot has come far enough since the last one.
+    fn go_on(&mut self) {
+        let Some(covariance) = self.odometry.covariance() else { return };
+        let odom = self.odometry.pose();
+        let here = Key { odom, covariance };
+        let Some(last) = self.key else {
+            self.key = Some(here);
+            return;
+        };
+        let turned = wrap_angle(odom.yaw - last.odom.yaw).abs();
+        if odom.point().distance(last.odom.point()) >= APART[0] || turned >= APART[1] {
+            let way = isometry(last.odom).inverse() * isometry(odom);
+            self.window.advance(way, information(&last, &here));
+            self.key = Some(here);
+        }
+    }
+
+    /// Hangs a fix on the newest pose of the graph, by the way between them.
+    fn take(&mut self, fix: &Fix) -> bool {
+        let Some(key) = self.key else { return false };
+        let sound = fix.pose.translation.vector.iter().all(|x| x.is_finite())
+            && fix.pose.rotation.angle().is_finite()
+            && fix.information.iter().all(|x| x.is_finite())
+            && fix.credible > 0.0;
+        if !sound || fix.stamp > self.now {
+            return false;
+        }
+        let way = isometry(self.odometry.pose_at(fix.stamp)).inverse() * isometry(key.odom);
+        let carried = way.adjoint();
+        let information = carried.transpose() * fix.information * carried;
+        self.window.fix(fix.pose * way, information, fix.credible)
+    }
+
+    fn correct(&mut self, seconds: f64) {
+        let odom = isometry(self.odometry.pose());
+        let (told, believed) = (self.told * odom, self.believed * odom);
+        let way = believed.translation.vector - told.translation.vector;
+        let turn = (told.rotation.inverse() * believed.rotation).angle();
+        let (far, most) = (way.norm(), RATE.map(|rate| rate * seconds));
+        let way = if far > most[0] { way * (most[0] / far) } else { way };
+        let turn = turn.clamp(-most[1], most[1]);
+        let next = Isometry2::new(told.translation.vector + way, told.rotation.angle() + turn);
+        self.told = next * odom.inverse();
+    }
+
+    fn in_map(&self, odom: Pose2) -> Pose2 {
+        pose(&(self.told * isometry(odom)))
+    }
+}
+
+impl Localizer for Fused {
+    fn name(&self) -> &str {
+        "fused"
+    }
+
+    fn reset(&mut self, start: Pose2) {
+        self.odometry.reset(Pose2::default());
+        self.sources.iter_mut().for_each(|source| source.reset());
+        let start = isometry(start);
+        (self.told, self.believed, self.window) = (start, start, window(start));
+        (self.key, self.now) = (None, SimTime::ZERO);
+    }
+
+    fn update(&mut self, observation: &Observation<'_>) {
+        self.odometry.update(observation);
+        let seconds = observation.time.since(self.now).as_secs_f64();
+        self.now = self.now.max(observation.time);
+        self.go_on();
+        let near = self.pose();
+        let fixes: Vec<Fix> =
+            self.sources.iter_mut().filter_map(|source| source.update(observation, near)).collect();
+        let taken = fixes.iter().filter(|fix| self.take(fix)).count();
+        // A graph that has no solution, which no sound fix can make, leaves all as it was.
+        if taken > 0
+            && self.window.settle().is_ok()
+            && let Some(key) = self.key
+        {
+            self.believed = self.window.newest() * isometry(key.odom).inverse();
+        }
+        self.correct(seconds);
+    }
+
+    fn pose_at(&self, time: SimTime) -> Pose2 {
+        self.in_map(self.odometry.pose_at(time))
+    }
+
+    fn pose(&self) -> Pose2 {
+        self.in_map(self.odometry.pose())
+    }
+
+    fn ready(&self) -> bool {
+        self.odometry.ready()
+    }
+
+    fn odom(&self) -> Pose2 {
+        pose(&self.told)
+    }
+
+    /// What the graph says of its newest pose and odometry of the way from there; and what is still to be passed on.
+    fn covariance(&self) -> Option<Matrix3<f64>> {
+        let key = self.key?;
+        let here = Key { odom: self.odometry.pose(), covariance: self.odometry.covariance()? };
+        let way = isometry(key.odom).inverse() * isometry(here.odom);
+        let carried = way.inverse().adjoint();
+        let since = information(&key, &here).try_inverse()?;
+        let own = carried * self.window.covariance()? * carried.transpose() + since;
+        let turn = turned(self.pose().yaw);
+        let off = self.pending_way();
+        Some(turn * own * turn.transpose() + off * off.transpose())
+    }
+
+    fn pending(&self) -> f64 {
+        self.pending_way().xy().norm()
+    }
+}
+
+impl Fused {
+    /// From the pose that is told to the one that is believed: x, y, yaw in `map`.
+    fn pending_way(&self) -> Vector3<f64> {
+        let odom = isometry(self.odometry.pose());
+        let (told, believed) = (self.told * odom, self.believed * odom);
+        let way: Vector2<f64> = believed.translation.vector - told.translation.vector;
+        way.push((told.rotation.inverse() * believed.rotation).angle())
+    }
+}
+
+fn window(start: Isometry2<f64>) -> Window<Isometry2<f64>, 3> {
+    let [level, turn] = START.map(|deviation| 1.0 / (deviation * deviation));
+    Window::new(start, Matrix3::from_diagonal(&[level, level, turn].into()), KEPT)
+}
+
+/// One over the covariance of the way between two poses in the frame of its end: by how much the odometry's covariance grew.
+fn information(from: &Key, to: &Key) -> Matrix3<f64> {
+    let (dx, dy) = (to.odom.x - from.odom.x, to.odom.y - from.odom.y);
+    let carried = Matrix3::new(1.0, 0.0, -dy, 0.0, 1.0, dx, 0.0, 0.0, 1.0);
+    let grown = to.covariance - carried * from.covariance * carried.transpose();
+    let turn = turned(to.odom.yaw);
+    let mut eigen = SymmetricEigen::new(turn.transpose() * grown * turn);
+    // What is better known later was not well known between.
+    eigen.eigenvalues.apply(|value| *value = value.max(0.0));
+    let [level, angle] = FINEST.map(|deviation| deviation * deviation);
+    let covariance = eigen.recompose() + Matrix3::from_diagonal(&[level, level, angle].into());
+    covariance.try_inverse().unwrap_or_else(Matrix3::zeros)
+}
+
+/// Turns x and y, leaves yaw.
+fn turned(yaw: f64) -> Matrix3<f64> {
+    let (sine, cosine) = libm::sincos(yaw);
+    let mut turn = Matrix3::identity();
+    turn.fixed_view_mut::<2, 2>(0, 0).copy_from(&Matrix2::new(cosine, -sine, sine, cosine));
+    turn
+}
+
+fn isometry(pose: Pose2) -> Isometry2<f64> {
+    let (sine, cosine) = libm::sincos(pose.yaw);
+    let turn = nalgebra::UnitComplex::from_cos_sin_unchecked(cosine, sine);
+    Isometry2::from_parts(Vector2::new(pose.x, pose.y).into(), turn)
+}
+
+fn pose(isometry: &Isometry2<f64>) -> Pose2 {
+    let turn = isometry.rotation;
+    Pose2::new(isometry.translation.x, isometry.translation.y, libm::atan2(turn.im, turn.re))
+}
