@@ -131,11 +131,12 @@ fn episode_seed(seed: u64, number: usize) -> u64 {
 fn run_one(request: &RunRequest<'_>, number: usize) -> Result<EpisodeTrace, BenchError> {
     let seed = episode_seed(request.seed, number);
     let truth = TruthHandle::default();
-    // Only who asks for the truth by name, and is named in the results for it, gets a handle that tells it.
-    let set = |key: &str, word: &str| request.settings.get(key).is_some_and(|value| value.starts_with(word));
-    let asked = set("localizer", "truth") || set("fixes", "disturbed-truth");
-    let offered = if asked { truth.clone() } else { TruthHandle::default() };
-    let wanted = AgentRequest { truth: offered, memory: request.memory, settings: request.settings, seed };
+    let wanted = AgentRequest {
+        truth: offered(request.settings, &truth),
+        memory: request.memory,
+        settings: request.settings,
+        seed,
+    };
     let mut agent = (request.factory)(&wanted)
         .map_err(|problem| BenchError::Agent { name: request.agent.to_owned(), problem })?;
     let mut recorder = match request.out {
@@ -151,6 +152,13 @@ fn run_one(request: &RunRequest<'_>, number: usize) -> Result<EpisodeTrace, Benc
         Recording::of(&trace, seed).write(out, number)?;
     }
     Ok(trace)
+}
+
+/// Only who asks for the truth by name, and is named in the results for it, gets a handle that tells it.
+fn offered(settings: &BTreeMap<String, String>, truth: &TruthHandle) -> TruthHandle {
+    let set = |key: &str, word: &str| settings.get(key).is_some_and(|value| value.starts_with(word));
+    let asked = set("localizer", "truth") || set("fixes", "disturbed-truth");
+    if asked { truth.clone() } else { TruthHandle::default() }
 }
 
 fn log_path(out: &Path, number: usize) -> PathBuf {
@@ -230,4 +238,22 @@ fn merged_memory(request: &RunRequest<'_>, traces: &[EpisodeTrace]) -> OsmData {
         merge_entrances(&mut merged, &map);
     }
     merged
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use openbench_core::{Pose2, SimTime};
+
+    #[test]
+    fn the_truth_is_told_to_those_only_who_asked_for_it_by_name() {
+        let truth = TruthHandle::default();
+        truth.set(SimTime::ZERO, Pose2::new(5.0, 6.0, 0.0));
+        let told = |words: &[(&str, &str)]| {
+            let settings = words.iter().map(|(key, word)| ((*key).to_owned(), (*word).to_owned())).collect();
+            offered(&settings, &truth).at(SimTime::ZERO) == Pose2::new(5.0, 6.0, 0.0)
+        };
+        assert!(told(&[("localizer", "truth")]) && told(&[("fixes", "disturbed-truth:1,0,1")]));
+        assert!(!told(&[]) && !told(&[("localizer", "fused"), ("fixes", "gnss"), ("planner", "truth")]));
+    }
 }

@@ -1,6 +1,7 @@
 //! The three walls of ARCHITECTURE.md, read off `cargo metadata`.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
 use std::process::Command;
 
 /// Floors: a crate may depend only on crates of lower floors.
@@ -61,6 +62,52 @@ fn no_agent_can_reach_the_truth() {
     let reached = reach(&dependencies(), "openbench-agents");
     for truth in ["openbench-sim", "openbench-scene", "openbench-bench"] {
         assert!(!reached.contains(truth), "openbench-agents depends on {truth}");
+    }
+}
+
+/// The code of a crate, without tests and comments.
+fn code(folder: &str) -> String {
+    let (mut code, mut open) =
+        (String::new(), vec![PathBuf::from(root()).join("crates").join(folder).join("src")]);
+    while let Some(folder) = open.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                open.push(path);
+            } else if path.extension().is_some_and(|e| e == "rs") {
+                let text = std::fs::read_to_string(path).unwrap();
+                let tests = text.find("#[cfg(test)]").unwrap_or(text.len());
+                let lines = text[..tests].lines().filter(|line| !line.trim_start().starts_with("//"));
+                lines.for_each(|line| code.extend([line, "\n"]));
+            }
+        }
+    }
+    code
+}
+
+fn root() -> &'static str {
+    concat!(env!("CARGO_MANIFEST_DIR"), "/../..")
+}
+
+/// What an agent is made of knows no such word, and what it is told and shows has these parts only: a start, maps, sensors.
+#[test]
+fn nothing_that_an_agent_gets_tells_the_truth() {
+    let mut parts = reach(&dependencies(), "openbench-agents");
+    parts.insert("openbench-agents".into());
+    for part in parts {
+        let code = code(part.trim_start_matches("openbench-")).to_lowercase();
+        assert!(!code.contains("truth"), "the code of {part} speaks of the truth");
+    }
+    let agent = code("core");
+    for (name, fields) in [
+        ("Briefing", "map_osm georeference goal start robot time_limit"),
+        ("Observation<'a>", "time imu wheels scan gnss camera"),
+    ] {
+        let (_, body) = agent.split_once(&format!("pub struct {name} {{")).unwrap();
+        let (body, _) = body.split_once("\n}").unwrap();
+        let found: Vec<&str> =
+            body.lines().filter_map(|l| l.trim().strip_prefix("pub ")?.split(':').next()).collect();
+        assert_eq!(found.join(" "), fields, "{name} has other fields; are they what a robot can know?");
     }
 }
 

@@ -24,6 +24,8 @@ use crate::open::sighting::{self, Sighting};
 
 /// Ground around start and goals that the costmap covers, metres.
 const SURROUNDINGS: f64 = 25.0;
+/// A correction of the pose that is worth a word, metres.
+const NOTABLE: f64 = 0.3;
 /// Distances from the wall to look from: all places at the first, then all at the next.
 const STANDOFFS: [f64; 3] = [4.0, 5.5, 2.6];
 /// Distance in front of a plate at which a parcel is put down, metres.
@@ -84,6 +86,8 @@ pub struct Mission {
     task: Option<Task>,
     seen: Vec<Sighting>,
     last_glance: SimTime,
+    /// Whether the pose is being corrected by more than a little.
+    correcting: bool,
 }
 
 impl Mission {
@@ -106,6 +110,7 @@ impl Mission {
             task: None,
             seen: Vec::new(),
             last_glance: SimTime::ZERO,
+            correcting: false,
             robot,
             localizer,
             memory,
@@ -138,6 +143,17 @@ impl Mission {
             self.driver.observe(&ring);
             events.record(Event::PoseEstimate(self.localizer.pose()));
         }
+        self.announce(events);
+    }
+
+    /// Says when the pose is being corrected by so much that one who watches would wonder.
+    fn announce(&mut self, events: &mut dyn Events) {
+        let pending = self.localizer.pending();
+        if pending > NOTABLE && !self.correcting {
+            events
+                .record(Event::Note(format!("the pose turns out to be {pending:.1} m off and is corrected")));
+        }
+        self.correcting = pending > NOTABLE || self.correcting && pending > NOTABLE / 2.0;
     }
 
     fn next_delivery(&mut self, now: SimTime, events: &mut dyn Events) -> Action {

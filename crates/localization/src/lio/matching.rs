@@ -8,7 +8,7 @@ use nalgebra::{Isometry3, Matrix3, SMatrix, Vector3};
 
 use super::inertial::Known;
 use super::moments::Moments;
-use super::planes::{CORNER, Place, Plane, PlaneMap, SIDES, SIZES};
+use super::planes::{CORNER, Place, Plane, PlaneMap, Rays, SIDES, SIZES, grazing};
 use super::state::{Covariance, State};
 use super::update::LidarNoise;
 
@@ -16,9 +16,6 @@ use super::update::LidarNoise;
 const GATE: f64 = 4.0;
 /// Surfaces are not quite planes, metres.
 const ROUGHNESS: f64 = 0.004;
-
-/// Flatter than that no ray meets a plane, as the square of an angle.
-const FLATTEST: f64 = 1e-5;
 
 /// Points of a scan in one cube, in the LiDAR's frame.
 #[derive(Debug, Clone)]
@@ -113,7 +110,11 @@ impl Matching {
         for cluster in &self.clusters {
             let about = lidar.translation.vector - cluster.place.middle;
             let motion = Isometry3::from_parts(about.into(), lidar.rotation);
-            if let Some(share) = map.add(&cluster.place, &cluster.points.moved(&motion)) {
+            let rays = match cluster.seen {
+                Some(_) => Rays::Right,
+                None => Rays::Raw(lidar.rotation * cluster.points.mean()),
+            };
+            if let Some(share) = map.add(&cluster.place, &cluster.points.moved(&motion), rays) {
                 new += share * cluster.points.weight;
                 all += cluster.points.weight;
             }
@@ -272,11 +273,7 @@ impl Gate {
         }
     }
 
-    /// A point that lies on the plane, where it is on average, and one over its variance across the plane by the LiDAR's own noise, 1/m².
-    ///
-    /// A direction that is off by ε, under an angle α to the plane, meets it at the range h / sin(α + ε), so that the point is told to be sin α / sin(α + ε)
-    /// times as far from the sensor's height as it should be: 1 + σ² / α² times on average. Far off on level ground that is millimetres, always downwards, and the map would
-    /// bend.
+    /// A point that lies on the plane, where it is on average ([`grazing`]), and one over its variance across the plane by the LiDAR's own noise, 1/m².
     fn pass(&self, point: &Vector3<f64>) -> Option<(Vector3<f64>, f64)> {
         let along = self.normal.dot(point);
         let squared = point.norm_squared().max(1e-6);
@@ -288,6 +285,6 @@ impl Gate {
         let variance = range + sideways + ROUGHNESS * ROUGHNESS;
         let residual = along + self.offset;
         let passes = residual * residual < (GATE * GATE * (variance + self.known)).min(self.widest);
-        passes.then(|| (point * (1.0 - turn / across.max(FLATTEST)), 1.0 / variance))
+        passes.then(|| (point * (1.0 - grazing(along, squared, &self.noise)), 1.0 / variance))
     }
 }

@@ -167,7 +167,7 @@ impl LidarInertialOdometry {
     /// Begins with nothing known.
     pub fn new(settings: Settings) -> Self {
         Self {
-            map: PlaneMap::new(settings.lidar_noise.range),
+            map: PlaneMap::new(settings.lidar_noise),
             drift: Drift::default(),
             matching: Matching::default(),
             inertial: Inertial::new(Limits::new(settings.imu_limits)),
@@ -222,8 +222,7 @@ impl LidarInertialOdometry {
             self.refused.points += scan.points.len() - points.len();
             known.stamp = end(&scan);
             self.matching.find(&known, &points, &self.map, &self.settings.lidar_noise, f64::INFINITY);
-            let new = self.matching.insert(&known.state, &mut self.map);
-            self.drift.grow(&known, new);
+            self.matching.insert(&known.state, &mut self.map);
             estimates.push(self.estimate(&known, None, Status::Tracking));
         }
         self.known = Some(Known { stamp, ..known });
@@ -263,7 +262,7 @@ impl LidarInertialOdometry {
         for (first, deviation) in [(at::ROTATION, turned), (at::POSITION, far), (at::VELOCITY, far)] {
             (first..first + 3).for_each(|i| known.covariance[(i, i)] += deviation * deviation);
         }
-        self.map = PlaneMap::new(self.settings.lidar_noise.range);
+        self.map = PlaneMap::new(self.settings.lidar_noise);
         self.inertial.clear();
         self.refused.gaps += 1;
         self.refused.scans += self.scans.len();

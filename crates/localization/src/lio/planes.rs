@@ -7,9 +7,10 @@
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
-use nalgebra::{Matrix3, SymmetricEigen, Vector3};
+use nalgebra::{Isometry3, Matrix3, SymmetricEigen, Vector3};
 
 use super::moments::Moments;
+use super::update::LidarNoise;
 
 /// Sides of cubes, metres, the largest first: the largest cube whose points lie on a plane counts.
 pub(super) const SIDES: [f64; SIZES] = [1.0, 0.5, 0.25];
@@ -87,23 +88,29 @@ struct Cube {
     fitted: f64,
     /// Relative to the cube's middle.
     points: Moments,
+    /// Of those that are not yet put right for the angle that rays meet the plane under, how many they are and the sum of their ways from the LiDAR.
+    raw: (f64, Vector3<f64>),
     plane: Option<Plane>,
 }
 
 impl Cube {
-    /// Takes points in, relative to the cube's `middle`; `noise` is what a point's variance is expected to be, m².
-    fn add(&mut self, points: &Moments, middle: Vector3<f64>, noise: f64) {
+    /// Takes points in, relative to the cube's `middle`.
+    fn add(&mut self, points: &Moments, rays: Rays, middle: Vector3<f64>, noise: &LidarNoise) {
         if self.points.weight >= FULL {
             return;
         }
         self.points.merge(points);
+        if let Rays::Raw(ray) = rays {
+            self.raw.0 += points.weight;
+            self.raw.1 += ray * points.weight;
+        }
         // Each time a third more than before.
         if self.points.weight >= FEW && 3.0 * self.points.weight >= 4.0 * self.fitted {
             self.fit(middle, noise);
         }
     }
 
-    fn fit(&mut self, middle: Vector3<f64>, noise: f64) {
+    fn fit(&mut self, middle: Vector3<f64>, noise: &LidarNoise) {
         let count = self.points.weight;
         self.fitted = count;
         let eigen = SymmetricEigen::new(self.points.covariance());
@@ -112,16 +119,51 @@ impl Cube {
         let [thickness, narrow, wide] = order.map(|i| eigen.eigenvalues[i].max(0.0));
         let direction = |i: usize| eigen.eigenvectors.column(order[i]).into_owned();
         let flat = thickness < THICK * THICK && narrow > FLAT * FLAT * thickness.max(1e-5);
+        if flat {
+            self.put_right(direction(0), noise);
+        }
         self.plane = flat.then(|| Plane {
             normal: direction(0),
             middle: middle + self.points.mean(),
             along: [direction(1), direction(2)],
             spread: [narrow, wide],
             // Three degrees of freedom of the points went into the plane; what few of them say about their own noise counts little.
-            thickness: (thickness * count + BELIEF * noise) / (count - 3.0 + BELIEF),
+            thickness: (thickness * count + BELIEF * noise.range * noise.range) / (count - 3.0 + BELIEF),
             count,
         });
     }
+
+    /// Moves points to where they are on average, now that the plane's normal is known.
+    fn put_right(&mut self, normal: Vector3<f64>, noise: &LidarNoise) {
+        let (count, sum) = std::mem::take(&mut self.raw);
+        if count > 0.0 {
+            let ray = sum / count;
+            let too_far = ray * grazing(normal.dot(&ray), ray.norm_squared(), noise);
+            let shift = -too_far * (count / self.points.weight);
+            self.points = self.points.moved(&Isometry3::translation(shift.x, shift.y, shift.z));
+        }
+    }
+}
+
+/// Flatter than that no ray meets a plane, as the square of an angle.
+const FLATTEST: f64 = 1e-5;
+
+/// Whether points were put right for the angle that rays meet their plane under.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Rays {
+    /// They were.
+    Right,
+    /// They could not be, since no plane was known yet; the way from the LiDAR to their middle.
+    Raw(Vector3<f64>),
+}
+
+/// Which part too far off points on a plane seem to be, on average.
+///
+/// A direction that is off by ε, under an angle α to the plane, meets it at the range h / sin(α + ε), so that the point is told to be sin α / sin(α + ε)
+/// times as far from the sensor's height as it should be: 1 + σ² / α² times on average. Far off on level ground that is millimetres, always downwards, and the map would
+/// bend. `along` is how far the point is from the LiDAR along the plane's normal, `squared` how far in all, squared.
+pub(super) fn grazing(along: f64, squared: f64, noise: &LidarNoise) -> f64 {
+    noise.angle * noise.angle / (along * along / squared.max(1e-6)).max(FLATTEST)
 }
 
 /// Mixes the bits of cubes' numbers; what is looked up comes from our own arithmetic.
@@ -152,8 +194,8 @@ type Cubes = ByCube<Cube>;
 pub struct PlaneMap {
     /// Of each size of [`SIDES`].
     cubes: [Cubes; SIZES],
-    /// Variance that a point is expected to have, m².
-    noise: f64,
+    /// What points are expected to be off by.
+    noise: LidarNoise,
 }
 
 /// A cube of the map's grid of one size.
@@ -181,16 +223,16 @@ impl Place {
 }
 
 impl PlaneMap {
-    /// An empty map of points of a deviation, metres.
-    pub fn new(deviation: f64) -> Self {
-        Self { cubes: Default::default(), noise: deviation * deviation }
+    /// An empty map of a LiDAR's points.
+    pub fn new(noise: LidarNoise) -> Self {
+        Self { cubes: Default::default(), noise }
     }
 
     /// Takes points of one cube in; they are relative to its middle. If the cube has a plane, the share of its points that these are.
-    pub fn add(&mut self, place: &Place, points: &Moments) -> Option<f64> {
+    pub fn add(&mut self, place: &Place, points: &Moments, rays: Rays) -> Option<f64> {
         let cube = self.cubes[place.size].entry(place.number).or_default();
         let before = cube.points.weight;
-        cube.add(points, place.middle, self.noise);
+        cube.add(points, rays, place.middle, &self.noise);
         cube.plane.map(|_| (cube.points.weight - before) / cube.points.weight)
     }
 
@@ -231,7 +273,7 @@ mod tests {
         for place in (0..SIZES).filter_map(|size| Place::of(point, size)) {
             let mut points = Moments::default();
             points.add(point - place.middle, 1.0);
-            map.add(&place, &points);
+            map.add(&place, &points, Rays::Right);
         }
     }
 
@@ -241,7 +283,7 @@ mod tests {
 
     /// Points on a slope, a little off it now and then.
     fn slope() -> PlaneMap {
-        let mut map = PlaneMap::new(0.003);
+        let mut map = PlaneMap::new(LidarNoise { range: 0.003, angle: 0.001 });
         for i in 0..4000 {
             let (x, y) = (f64::from(i % 63) / 21.0 - 1.5, f64::from(i / 63) / 21.0 - 1.5);
             let off = f64::from(i * 7 % 5 - 2) * 0.002;
@@ -279,7 +321,7 @@ mod tests {
 
     #[test]
     fn a_corner_has_planes_in_small_cubes_only() {
-        let mut map = PlaneMap::new(0.01);
+        let mut map = PlaneMap::new(LidarNoise { range: 0.01, angle: 0.001 });
         for i in 0..10_000 {
             // All over the walls, as rays are.
             let i = i * 7919 % 10_000;
