@@ -50,6 +50,7 @@ ours() {
     local log=$1
     mkdir -p "$out/$log"
     "$openbench" odometry "$out/$log.mcap" --out "$out/$log/ours.tum" --truth "$out/$log/truth.tum" --json > "$out/$log/ours.json"
+    # Peers know of no wheels.
     "$openbench" odometry "$out/$log.mcap" --wheels --out "$out/$log/ours-wheels.tum" --json > "$out/$log/ours-wheels.json"
 }
 ours hour

@@ -163,10 +163,27 @@ Example:
   openbench run small --record full --out run
   openbench odometry run/episodes/000.mcap --out way.tum --truth truth.tum
 
-Poses are those of base_link in odom, which begins where the log begins, with z up. Lines are `seconds x y z qx qy qz qw`, as evo reads them.")]
+Poses are those of base_link in odom, which begins where the log begins, with z up. Lines are `seconds x y z qx qy qz qw`, as evo reads them.
+
+A file for --robot; all of it may be left out:
+  imu = { xyz = [0.12, 0.0, 0.185], rpy = [0.0, 0.0, 0.0] }     # in base_link, metres, radians
+  lidar = { xyz = [0.12, 0.0, 0.235] }
+  imu_topic = \"/livox/imu\"          # by default every topic of the type
+  lidar_topic = \"/livox/lidar\"
+  accel_unit = 9.80665               # where accelerations are recorded in g
+  gyro_noise = 2e-4                  # rad/s/√Hz; accel_noise, gyro_walk, accel_walk likewise
+  imu_limits = [34.9, 78.4]          # what it can show at most, rad/s and m/s²
+  range_noise = 0.02                 # metres
+  angle_noise = 0.001                # radians
+  blind = 0.3                        # nearer points are of the robot itself, metres
+  typical_speed = 0.5                # m/s
+  estimate_lidar = true              # where the LiDAR's place is known roughly only")]
 pub struct OdometryArgs {
-    /// A log (.mcap) with sensor_msgs/Imu and sensor_msgs/PointCloud2 or livox_ros_driver2/CustomMsg
+    /// A log (.mcap, or the folder of a rosbag2 of such) with sensor_msgs/Imu and sensor_msgs/PointCloud2 or livox_ros_driver2/CustomMsg
     pub log: PathBuf,
+    /// Where the sensors sit and what they are like (TOML, see below); by default those of the benchmark's robot
+    #[arg(long)]
+    pub robot: Option<PathBuf>,
     /// The file to write, as TUM has it
     #[arg(long)]
     pub out: PathBuf,
@@ -176,7 +193,7 @@ pub struct OdometryArgs {
     /// Go by the wheels, too, where the log has them (/joint_states of the benchmark's robot)
     #[arg(long)]
     pub wheels: bool,
-    /// Print JSON: scans, how many of them without enough to go by, CPU time, what was refused
+    /// Print JSON: scans, how many of them without enough to go by, CPU time, what was refused, and whether errors are as large as told (NEES)
     #[arg(long)]
     pub json: bool,
 }

@@ -7,7 +7,7 @@ use crate::metrics::localization::{PoseError, localization};
 const WIDTH: f64 = 1040.0;
 const HEIGHT: f64 = 120.0;
 /// Room for the numbers at the left and below.
-const LEFT: f64 = 52.0;
+const LEFT: f64 = 64.0;
 const BELOW: f64 = 22.0;
 /// Points that are drawn at most; each is the largest error of its stretch.
 const POINTS: usize = 500;

@@ -1,7 +1,6 @@
 //! One file a command.
 
 pub mod bench;
-mod consistency;
 pub mod evaluate;
 pub mod models;
 pub mod odometry;

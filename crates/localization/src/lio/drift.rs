@@ -11,7 +11,7 @@ use super::so3::hat;
 
 /// What of a pose's covariance goes over to what is put into the map from there. The rest is of the scan alone, and averages out among the scans that fill a cube. Measured: with 1 the
 /// normalized errors squared of fifty drives (`benchmarks/odometry/consistency.py`) were 2.8 where 6 were right.
-const LASTING: f64 = 0.42;
+const LASTING: f64 = 0.5;
 
 /// Covariance of the error of the map round the robot.
 #[derive(Debug, Clone, Default)]

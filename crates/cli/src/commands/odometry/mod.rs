@@ -1,4 +1,14 @@
 //! `openbench odometry`: where a recorded log's sensors went.
+//!
+//! | module | its one job |
+//! |---|---|
+//! | [`bag`] | the files of a log |
+//! | [`sensors`] | what the sensors are like |
+//! | [`consistency`] | whether the way is as far off as it says |
+
+mod bag;
+mod consistency;
+mod sensors;
 
 use std::fmt::Write as _;
 use std::time::Duration;
@@ -7,26 +17,29 @@ use anyhow::Context;
 use cpu_time::ThreadTime;
 use nalgebra::Matrix6;
 use openbench_core::{Pose3, RobotDescription, SimTime};
-use openbench_localization::lidar_inertial::settings;
 use openbench_localization::lio::{Estimate, LidarInertialOdometry, Refused, Status};
 use openbench_localization::wheels::Wheels;
 use openbench_logs::messages::{CustomMsg, Imu, JointState, Message, Odometry, PointCloud2};
 use openbench_logs::{LogReader, LoggedMessage};
 use serde::Serialize;
 
-use super::consistency::{self, Nees};
 use crate::args::OdometryArgs;
 use crate::outcome::{Outcome, say_json, tell};
 
+use consistency::Nees;
+use sensors::Sensors;
+
 /// Reads a log and writes the way.
 pub fn run(args: &OdometryArgs) -> anyhow::Result<Outcome> {
-    let mut drive = Drive::new(args.wheels);
-    for message in LogReader::open(&args.log)? {
-        match message {
-            Ok(message) => drive.take(&message)?,
-            Err(error) => {
-                tell(&format!("{error}; what stands before that is used"));
-                break;
+    let mut drive = Drive::new(Sensors::new(args.robot.as_deref())?, args.wheels);
+    for file in bag::files(&args.log)? {
+        for message in LogReader::open(&file)? {
+            match message {
+                Ok(message) => drive.take(&message)?,
+                Err(error) => {
+                    tell(&format!("{}: {error}; what stands before that is used", file.display()));
+                    break;
+                }
             }
         }
     }
@@ -45,6 +58,7 @@ pub fn run(args: &OdometryArgs) -> anyhow::Result<Outcome> {
 
 /// A log on its way through the odometry.
 struct Drive {
+    sensors: Sensors,
     odometry: LidarInertialOdometry,
     wheels: Option<Wheels>,
     path: String,
@@ -60,11 +74,11 @@ struct Drive {
 }
 
 impl Drive {
-    fn new(wheels: bool) -> Self {
-        let robot = RobotDescription::sentry();
+    fn new(sensors: Sensors, wheels: bool) -> Self {
         Self {
-            odometry: LidarInertialOdometry::new(settings(&robot)),
-            wheels: wheels.then(|| Wheels::new(&robot)),
+            odometry: LidarInertialOdometry::new(sensors.settings.clone()),
+            wheels: wheels.then(|| Wheels::new(&RobotDescription::sentry())),
+            sensors,
             path: String::new(),
             truth: String::new(),
             told: Vec::new(),
@@ -81,13 +95,21 @@ impl Drive {
         let began = ThreadTime::now();
         let estimates = match &*message.type_name {
             name if name == Imu::DEFINITION.full_name() => {
-                self.odometry.imu((&message.decode::<Imu>()?).into())
+                if !self.sensors.imu_is_on(&message.topic) {
+                    return Ok(());
+                }
+                self.odometry.imu(self.sensors.sample((&message.decode::<Imu>()?).into()))
             }
             name if name == PointCloud2::DEFINITION.full_name() => {
+                if !self.sensors.lidar_is_on(&message.topic) {
+                    return Ok(());
+                }
                 let cloud = message.decode::<PointCloud2>()?;
                 self.odometry.scan(cloud.to_scan().with_context(|| format!("{}", message.time))?)
             }
-            "livox_ros_driver2/msg/CustomMsg" => self.odometry.scan(message.decode::<CustomMsg>()?.to_scan()),
+            "livox_ros_driver2/msg/CustomMsg" if self.sensors.lidar_is_on(&message.topic) => {
+                self.odometry.scan(message.decode::<CustomMsg>()?.to_scan())
+            }
             name if name == JointState::DEFINITION.full_name() && self.wheels.is_some() => {
                 let sample = message.decode::<JointState>()?.wheels();
                 let speed = sample.and_then(|sample| self.wheels.as_mut()?.take(&sample));
@@ -133,7 +155,7 @@ impl Drive {
             cpu_ms_p99: at(99),
             cubes: self.odometry.map_size(),
             refused: self.odometry.refused(),
-            nees: consistency::nees(&self.told, &self.true_way, &RobotDescription::sentry().imu),
+            nees: consistency::nees(&self.told, &self.true_way, &self.sensors.settings.imu),
             version: env!("CARGO_PKG_VERSION"),
         }
     }
