@@ -156,7 +156,8 @@ fn run_one(request: &RunRequest<'_>, number: usize) -> Result<EpisodeTrace, Benc
 
 /// Only who asks for the truth by name, and is named in the results for it, gets a handle that tells it.
 fn offered(settings: &BTreeMap<String, String>, truth: &TruthHandle) -> TruthHandle {
-    let set = |key: &str, word: &str| settings.get(key).is_some_and(|value| value.starts_with(word));
+    let set =
+        |key: &str, word: &str| settings.get(key).is_some_and(|value| value.split(':').next() == Some(word));
     let asked = set("localizer", "truth") || set("fixes", "disturbed-truth");
     if asked { truth.clone() } else { TruthHandle::default() }
 }
@@ -254,6 +255,10 @@ mod tests {
             offered(&settings, &truth).at(SimTime::ZERO) == Pose2::new(5.0, 6.0, 0.0)
         };
         assert!(told(&[("localizer", "truth")]) && told(&[("fixes", "disturbed-truth:1,0,1")]));
-        assert!(!told(&[]) && !told(&[("localizer", "fused"), ("fixes", "gnss"), ("planner", "truth")]));
+        assert!(
+            !told(&[])
+                && !told(&[("localizer", "fused"), ("fixes", "gnss"), ("planner", "truth")])
+                && !told(&[("localizer", "truthful")])
+        );
     }
 }

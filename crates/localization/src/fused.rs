@@ -9,10 +9,16 @@ use openbench_core::{Observation, Pose2, RobotDescription, SimTime};
 
 use crate::fixes::{Fix, FixSource};
 use crate::graph::{Pose as _, Window};
-use crate::{LidarInertial, Localizer};
+use crate::{LidarInertial, Localizer, history};
 
 /// Poses stand that far apart in the graph, metres or radians.
 const APART: [f64; 2] = [1.0, 0.3];
+/// Or the way between them is no better known than that, metres.
+const UNSURE: f64 = 0.3;
+/// A fix farther off than that is of no map, metres.
+const NOWHERE: f64 = 1e6;
+/// Corrections are passed on as if no more time had gone by than that between two observations, seconds.
+const LONGEST: f64 = 0.2;
 /// And so many of them are kept.
 const KEPT: usize = 100;
 /// How well the start is known: metres, radians.
@@ -69,31 +75,40 @@ impl Fused {
         let odom = self.odometry.pose();
         let here = Key { odom, covariance };
         let Some(last) = self.key else {
+            self.window = window(self.told * isometry(odom));
             self.key = Some(here);
             return;
         };
         let turned = wrap_angle(odom.yaw - last.odom.yaw).abs();
-        if odom.point().distance(last.odom.point()) >= APART[0] || turned >= APART[1] {
+        let far = odom.point().distance(last.odom.point()) >= APART[0] || turned >= APART[1];
+        let level = |key: &Key| key.covariance[(0, 0)] + key.covariance[(1, 1)];
+        if far || level(&here) > level(&last) + UNSURE * UNSURE {
             let way = isometry(last.odom).inverse() * isometry(odom);
             self.window.advance(way, information(&last, &here));
             self.key = Some(here);
         }
     }
 
-    /// Hangs a fix on the newest pose of the graph, by the way between them.
-    fn take(&mut self, fix: &Fix) -> bool {
-        let Some(key) = self.key else { return false };
+    /// Hangs a fix on the newest pose of the graph, by the way between them, and settles; a fix that makes no sense leaves all as it was.
+    fn take(&mut self, fix: &Fix) {
+        let Some(key) = self.key else { return };
         let sound = fix.pose.translation.vector.iter().all(|x| x.is_finite())
             && fix.pose.rotation.angle().is_finite()
             && fix.information.iter().all(|x| x.is_finite())
             && fix.credible > 0.0;
-        if !sound || fix.stamp > self.now {
-            return false;
+        let near = (fix.pose.translation.vector - self.told.translation.vector).norm() < NOWHERE;
+        if !sound || !near || fix.stamp > self.now || self.now.since(fix.stamp) > history::MEMORY {
+            return;
         }
         let way = isometry(self.odometry.pose_at(fix.stamp)).inverse() * isometry(key.odom);
         let carried = way.adjoint();
         let information = carried.transpose() * fix.information * carried;
-        self.window.fix(fix.pose * way, information, fix.credible)
+        let mut window = self.window.clone();
+        window.fix(fix.pose * way, information, fix.credible);
+        if window.settle().is_ok() {
+            self.believed = window.newest() * isometry(key.odom).inverse();
+            self.window = window;
+        }
     }
 
     fn correct(&mut self, seconds: f64) {
@@ -134,15 +149,8 @@ impl Localizer for Fused {
         let near = self.pose();
         let fixes: Vec<Fix> =
             self.sources.iter_mut().filter_map(|source| source.update(observation, near)).collect();
-        let taken = fixes.iter().filter(|fix| self.take(fix)).count();
-        // A graph that has no solution, which no sound fix can make, leaves all as it was.
-        if taken > 0
-            && self.window.settle().is_ok()
-            && let Some(key) = self.key
-        {
-            self.believed = self.window.newest() * isometry(key.odom).inverse();
-        }
-        self.correct(seconds);
+        fixes.iter().for_each(|fix| self.take(fix));
+        self.correct(seconds.min(LONGEST));
     }
 
     fn pose_at(&self, time: SimTime) -> Pose2 {
@@ -201,11 +209,14 @@ fn information(from: &Key, to: &Key) -> Matrix3<f64> {
     let grown = to.covariance - carried * from.covariance * carried.transpose();
     let turn = turned(to.odom.yaw);
     let mut eigen = SymmetricEigen::new(turn.transpose() * grown * turn);
-    // What is better known later was not well known between.
-    eigen.eigenvalues.apply(|value| *value = value.max(0.0));
+    // Where a pose is better known later, as when a scan fits the map again, odometry took back by so much what it had said between.
+    eigen.eigenvalues.apply(|value| *value = value.abs());
     let [level, angle] = FINEST.map(|deviation| deviation * deviation);
     let covariance = eigen.recompose() + Matrix3::from_diagonal(&[level, level, angle].into());
-    covariance.try_inverse().unwrap_or_else(Matrix3::zeros)
+    covariance
+        .try_inverse()
+        .filter(|known| known.iter().all(|x| x.is_finite()))
+        .unwrap_or_else(Matrix3::zeros)
 }
 
 /// Turns x and y, leaves yaw.

@@ -7,7 +7,7 @@ use openbench_core::frames::wrap_angle;
 use openbench_core::{Pose2, SimTime};
 
 /// Poses of this long are remembered.
-const MEMORY: Duration = Duration::from_millis(1000);
+pub(crate) const MEMORY: Duration = Duration::from_millis(1000);
 
 /// The newest poses, one at least.
 #[derive(Debug, Clone)]

@@ -55,7 +55,7 @@ pub trait Localizer {
         Pose2::default()
     }
 
-    /// Covariance of the newest pose: x and y in `map`, yaw; m² and rad². `None` if it does not say.
+    /// Covariance of the newest pose as of the last scan: x and y in `map`, yaw; m² and rad². `None` if it does not say.
     fn covariance(&self) -> Option<Matrix3<f64>> {
         None
     }

@@ -6,6 +6,7 @@ use openbench_core::{Observation, Pose2, Pose3, RobotDescription, SimTime};
 use crate::Localizer;
 use crate::history::History;
 use crate::lio::propagation::ImuNoise;
+use crate::lio::so3::hat;
 use crate::lio::update::LidarNoise;
 use crate::lio::{LidarInertialOdometry, Settings, Status};
 use crate::wheels::Wheels;
@@ -107,6 +108,13 @@ impl Localizer for LidarInertial {
         let mut rows = SMatrix::<f64, 3, 6>::zeros();
         (rows[(0, 3)], rows[(0, 4)], rows[(1, 3)], rows[(1, 4)]) = (cosine, -sine, sine, cosine);
         rows.fixed_view_mut::<1, 3>(2, 0).copy_from(&upright.transpose());
+        // `base_link` goes along with the IMU's rotation.
+        let lever = imu * self.robot.imu.inverse().translation.vector;
+        let turn = -hat(lever) * imu.to_rotation_matrix().into_inner();
+        for (row, [x, y]) in [(0, [cosine, -sine]), (1, [sine, cosine])] {
+            let moved = turn.row(0) * x + turn.row(1) * y;
+            rows.fixed_view_mut::<1, 3>(row, 0).copy_from(&moved);
+        }
         Some(rows * covariance * rows.transpose())
     }
 }

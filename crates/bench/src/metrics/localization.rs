@@ -51,9 +51,12 @@ pub struct LocalizationSum {
 pub fn localization<'a>(episodes: impl Iterator<Item = &'a [PoseError]>) -> Option<LocalizationSum> {
     let (mut distances, mut max_yaw_rad, mut max_jump_m) = (Vec::new(), 0.0_f64, 0.0_f64);
     for errors in episodes {
-        distances.extend(errors.iter().map(PoseError::distance));
+        // What is no number is no pose; the agent drives by it all the same, and pays.
+        let errors: Vec<_> =
+            errors.iter().filter(|e| e.distance().is_finite() && e.yaw.is_finite()).collect();
+        distances.extend(errors.iter().map(|error| error.distance()));
         max_yaw_rad = errors.iter().map(|error| error.yaw.abs()).fold(max_yaw_rad, f64::max);
-        max_jump_m = errors.windows(2).map(|two| two[1].jump(&two[0])).fold(max_jump_m, f64::max);
+        max_jump_m = errors.windows(2).map(|two| two[1].jump(two[0])).fold(max_jump_m, f64::max);
     }
     distances.sort_by(f64::total_cmp);
     let max_m = *distances.last()?;
@@ -78,6 +81,8 @@ mod tests {
         assert!((sum.p95_m - 0.1).abs() < 1e-9 && (sum.max_m - 0.5).abs() < 1e-9, "{sum:?}");
         assert!(sum.max_jump_m < 1e-9 && (sum.max_yaw_rad - 0.2).abs() < 1e-9);
         assert!((sum.rmse_m - (0.22_f64 + 0.25 - 0.03).sqrt() / 20.0_f64.sqrt()).abs() < 1e-3, "{sum:?}");
+        let broken = [told(f64::NAN, 0.0), told(0.2, f64::NAN), told(0.1, 0.0)];
+        assert!((localization([&broken[..]].into_iter()).unwrap().max_m - 0.1).abs() < 1e-9);
         let both = [told(0.1, 0.0), told(-0.3, 0.0)];
         assert!((localization([&both[..]].into_iter()).unwrap().max_jump_m - 0.4).abs() < 1e-9);
         assert!(localization(std::iter::empty()).is_none());

@@ -8,6 +8,7 @@ use nalgebra::{Matrix3, Matrix6, Vector3};
 
 use super::inertial::Known;
 use super::so3::hat;
+use super::state::at;
 
 /// What of a pose's covariance goes over to what is put into the map from there. The rest is of the scan alone, and averages out among the scans that fill a cube. Measured: with 1 the
 /// normalized errors squared of fifty drives (`benchmarks/odometry/consistency.py`) were 2.8 where 6 were right.
@@ -23,10 +24,37 @@ pub(super) struct Drift {
 }
 
 impl Drift {
-    /// A scan was put into the map; what was new is that share of all that was seen.
-    pub(super) fn grow(&mut self, known: &Known, share: f64) {
+    /// A scan was put into the map; what was new is that share of all that was seen. Along loose directions the pose's error is one and the same from scan to scan, and does not
+    /// grow by each of them.
+    pub(super) fn grow(&mut self, known: &Known, share: f64, loose: &[Vector3<f64>]) {
         self.carry(known.state.position);
-        self.covariance += in_odom(known) * (share * LASTING);
+        let mut keep = Matrix6::identity();
+        for direction in loose {
+            let mut block = keep.fixed_view_mut::<3, 3>(3, 3);
+            block -= direction * direction.transpose();
+        }
+        self.covariance += keep * in_odom(known) * keep.transpose() * (share * LASTING);
+    }
+
+    /// A position that was not known along these directions is known in the map again, better by that: the map of meanwhile is as far off as it was before.
+    pub(super) fn keep(&mut self, before: &Known, after: &Known, loose: &[Vector3<f64>]) {
+        self.carry(after.state.position);
+        for direction in loose {
+            let variance = |known: &Known| {
+                direction.dot(&(known.covariance.fixed_view::<3, 3>(at::POSITION, at::POSITION) * direction))
+            };
+            let mut block = self.covariance.fixed_view_mut::<3, 3>(3, 3);
+            block += direction * direction.transpose() * (variance(before) - variance(after)).max(0.0);
+        }
+    }
+
+    /// Nobody knows any more how far everything has gone, but for these deviations, radians and metres.
+    pub(super) fn lose(&mut self, known: &Known, turned: f64, far: f64) {
+        self.carry(known.state.position);
+        for i in 0..6 {
+            let deviation = if i < 3 { turned } else { far };
+            self.covariance[(i, i)] += deviation * deviation;
+        }
     }
 
     /// A map that is turned is the farther off the farther the robot goes in it.
@@ -84,13 +112,25 @@ mod tests {
     fn it_grows_with_what_is_new_and_a_turned_map_leads_off_sideways() {
         let mut drift = Drift::default();
         assert!((drift.told(&known(0.0)) - Matrix6::identity() * 1e-6).norm() < 1e-12);
-        drift.grow(&known(0.0), 0.0);
+        drift.grow(&known(0.0), 0.0, &[]);
         assert!((drift.told(&known(9.0))[(4, 4)] - 1e-6).abs() < 1e-12);
-        drift.grow(&known(0.0), 0.5 / LASTING);
+        drift.grow(&known(0.0), 0.5 / LASTING, &[]);
         let far = drift.told(&known(10.0));
         // Along the way: the pose and half of it once more. Across it ten metres times half a milliradian squared as well.
         assert!((far[(3, 3)] - 1.5e-6).abs() < 1e-9);
         assert!((far[(4, 4)] - (1.5e-6 + 100.0 * 0.5e-6)).abs() < 1e-9, "{far}");
         assert!((far[(2, 2)] - 1.5e-6).abs() < 1e-9);
+    }
+
+    #[test]
+    fn what_was_not_known_along_a_corridor_stays_unknown_behind_it() {
+        let (mut drift, along) = (Drift::default(), [Vector3::x()]);
+        let (mut before, after) = (known(0.0), known(0.0));
+        before.covariance[(3, 3)] = 4.0;
+        (0..100).for_each(|_| drift.grow(&before, 0.1, &along));
+        assert!((drift.told(&before)[(3, 3)] - 4.0).abs() < 1e-6, "told once");
+        drift.keep(&before, &after, &along);
+        let told = drift.told(&after);
+        assert!((told[(3, 3)] - 4.0).abs() < 1e-6 && told[(4, 4)] < 1e-4, "{told}");
     }
 }

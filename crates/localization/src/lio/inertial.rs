@@ -18,7 +18,7 @@ const GAP: Duration = Duration::from_millis(50);
 const STEP: Duration = Duration::from_millis(20);
 /// Densities of what happens unseen, in a gap or beyond the IMU's limits: rad/s/√Hz and m/s²/√Hz.
 const UNSEEN: [f64; 2] = [0.3, 1.0];
-/// Part of a turn that a gyroscope's scale may be off by, √s: over the tenth of a second of a scan a third of this number is the part.
+/// Part of a turn that a gyroscope's scale may be off by, √s: over the tenth of a second of a scan three times this number, over longer turns less, is the part.
 const MISSCALED: f64 = 1e-3;
 /// Velocities farther than that from an instant say nothing about it, and so many of them wait at most.
 const NEAR: Duration = Duration::from_millis(20);

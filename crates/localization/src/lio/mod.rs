@@ -158,6 +158,8 @@ pub struct LidarInertialOdometry {
     map: PlaneMap,
     drift: Drift,
     matching: Matching,
+    /// Directions of which the last scan said nothing.
+    unseen: Vec<Vector3<f64>>,
     /// Where the map was cut last.
     cut_at: Vector3<f64>,
     refused: Refused,
@@ -176,6 +178,7 @@ impl LidarInertialOdometry {
             known: None,
             scans: VecDeque::new(),
             missing: Vector3::zeros(),
+            unseen: Vec::new(),
             cut_at: Vector3::zeros(),
             refused: Refused::default(),
         }
@@ -262,6 +265,7 @@ impl LidarInertialOdometry {
         for (first, deviation) in [(at::ROTATION, turned), (at::POSITION, far), (at::VELOCITY, far)] {
             (first..first + 3).for_each(|i| known.covariance[(i, i)] += deviation * deviation);
         }
+        self.drift.lose(&known, turned, far);
         self.map = PlaneMap::new(self.settings.lidar_noise);
         self.inertial.clear();
         self.refused.gaps += 1;
@@ -336,14 +340,18 @@ impl LidarInertialOdometry {
         let good = matched.as_ref().is_some_and(|m| m.points >= FEW && m.agreeing >= AGREEING);
         if !good {
             // What contradicts the map is not believed.
-            known = before;
+            known = before.clone();
             self.inertial.travel(&mut known, until, &self.settings, self.missing);
         }
-        let unseen = matched.as_ref().filter(|_| good).map_or(&UNSEEN[..], |matched| &matched.loose);
-        known.temper(unseen, &self.settings, until.since(since));
+        let unseen = matched.as_ref().filter(|_| good).map_or(&UNSEEN[..], |matched| &matched.loose).to_vec();
+        let expected = std::mem::replace(&mut self.unseen, unseen);
+        if good && self.unseen.is_empty() && !expected.is_empty() {
+            self.drift.keep(&before, &known, &expected);
+        }
+        known.temper(&self.unseen, &self.settings, until.since(since));
         if good || first {
             let new = self.matching.insert(&known.state, &mut self.map);
-            self.drift.grow(&known, new);
+            self.drift.grow(&known, new, &self.unseen);
         }
         self.cut(known.state.position);
         let firm = matched.as_ref().is_some_and(|matched| matched.loose.is_empty());

@@ -138,7 +138,8 @@ impl Cube {
         let (count, sum) = std::mem::take(&mut self.raw);
         if count > 0.0 {
             let ray = sum / count;
-            let too_far = ray * grazing(normal.dot(&ray), ray.norm_squared(), noise);
+            let along = normal.dot(&ray);
+            let too_far = normal * (along * grazing(along, ray.norm_squared(), noise));
             let shift = -too_far * (count / self.points.weight);
             self.points = self.points.moved(&Isometry3::translation(shift.x, shift.y, shift.z));
         }

@@ -108,8 +108,9 @@ struct Prior {
 }
 
 impl Prior {
-    /// What is not known of the position along loose directions, and of all that hangs on it: the scan changed nothing about that.
-    fn along(&self, loose: &[Vector3<f64>]) -> Covariance {
+    /// What is not known of the position along loose directions, and what hangs on it as far as `left`, what the scan leaves of an error before it (S. F. Schmidt's filter with states
+    /// that are considered, not estimated).
+    fn along(&self, loose: &[Vector3<f64>], left: &Covariance) -> Covariance {
         let mut sum = Covariance::zeros();
         let mut rest = self.covariance;
         // One direction after the other, what is left being independent of those before.
@@ -117,9 +118,10 @@ impl Prior {
             let column = rest.fixed_columns::<3>(at::POSITION) * direction;
             let variance = direction.dot(&column.fixed_rows::<3>(at::POSITION));
             if variance > 0.0 {
-                let part = column * column.transpose() / variance;
-                sum += part;
-                rest -= part;
+                let column = column / variance.sqrt();
+                rest -= column * column.transpose();
+                let column = left * column;
+                sum += column * column.transpose();
             }
         }
         sum
@@ -138,35 +140,37 @@ fn settle<const N: usize>(
         let away = state.minus(&prior.state);
         let projection = State::projection(&away);
         // The prior about the state as it is now.
-        let mut sum = projection.transpose() * prior.information * projection;
+        let mut before = projection.transpose() * prior.information * projection;
         let mut right: Error = -(projection.transpose() * (prior.information * away));
+        // Where a scan says nothing the position is held. The direction itself is known to milliradians only, and where it is long unknown how far one has come, the little that
+        // is said across it would seem to say how far.
+        for direction in &matched.loose {
+            let held = direction * HELD;
+            let off = held * direction.dot(&away.fixed_rows::<3>(at::POSITION));
+            let mut block = before.fixed_view_mut::<3, 3>(at::POSITION, at::POSITION);
+            block += held * direction.transpose();
+            let mut rows = right.fixed_rows_mut::<3>(at::POSITION);
+            rows -= off;
+        }
+        let mut sum = before;
         for (i, row) in seen_dimensions().take(N).enumerate() {
             right[row] -= vector[i];
             for (j, column) in seen_dimensions().take(N).enumerate() {
                 sum[(row, column)] += information[(i, j)];
             }
         }
-        // Where a scan says nothing the position is held. The direction itself is known to milliradians only, and where it is long unknown how far one has come, the little that
-        // is said across it would seem to say how far.
-        for direction in &matched.loose {
-            let held = direction * HELD;
-            let off = held * direction.dot(&away.fixed_rows::<3>(at::POSITION));
-            let mut block = sum.fixed_view_mut::<3, 3>(at::POSITION, at::POSITION);
-            block += held * direction.transpose();
-            let mut rows = right.fixed_rows_mut::<3>(at::POSITION);
-            rows -= off;
-        }
         let factor = sum.cholesky()?;
         let step = factor.solve(&right);
         state = state.plus(&step);
         let still = step.fixed_rows::<6>(0).norm() < STILL;
-        last = Some((factor, matched));
+        last = Some((factor, matched, before));
         if still {
             break;
         }
     }
-    let (factor, matched) = last?;
-    let posterior = factor.inverse() + prior.along(&matched.loose);
+    let (factor, matched, before) = last?;
+    let posterior = factor.inverse();
+    let posterior = posterior + prior.along(&matched.loose, &(posterior * before));
     Some((state, posterior, matched))
 }
 

@@ -16,7 +16,8 @@ pub struct Nees {
     pub ground: f64,
 }
 
-/// Of poses of `base_link` with covariances of the IMU's rotation in its own frame and of its position; `imu` is its place on the robot. Both ways are laid on each other at the first pose.
+/// Of poses of `base_link` with covariances of the IMU's rotation in its own frame and of its position; `imu` is its place on the robot. Both ways are laid on each other at the
+/// first pose, which therefore does not count.
 pub fn nees(
     told: &[(SimTime, Pose3, Matrix6<f64>)],
     truth: &[(SimTime, Pose3)],
@@ -24,7 +25,7 @@ pub fn nees(
 ) -> Option<Nees> {
     let (start, first, _) = told.first()?;
     let apart = at(truth, *start)?.inverse();
-    let errors = told.iter().filter_map(|(stamp, pose, covariance)| {
+    let errors = told[1..].iter().filter_map(|(stamp, pose, covariance)| {
         let right = first * apart * at(truth, *stamp)? * imu;
         let pose = pose * imu;
         let turned = (right.rotation.inverse() * pose.rotation).scaled_axis();
@@ -56,17 +57,25 @@ fn at(truth: &[(SimTime, Pose3)], time: SimTime) -> Option<Pose3> {
 mod tests {
     use super::*;
 
+    /// Errors of one deviation along each of six axes, of which no two are as wide.
     #[test]
     fn errors_of_one_deviation_along_each_axis_make_six() {
-        let at = |millis: u64, x: f64| (SimTime::from_millis(millis), Pose3::translation(x, 0.0, 0.0));
-        let truth = [at(0, 5.0), at(100, 6.0), at(200, 7.0)];
-        let covariance = Matrix6::identity() * 0.01;
-        let off = Pose3::new(nalgebra::Vector3::new(1.1, 0.1, 0.1), nalgebra::Vector3::repeat(0.1));
-        let told =
-            [(SimTime::ZERO, Pose3::identity(), covariance), (SimTime::from_millis(100), off, covariance)];
-        let nees = nees(&told, &truth, &Pose3::identity()).unwrap();
-        assert!((nees.end - 6.0).abs() < 1e-6 && (nees.ground - 3.0).abs() < 1e-6, "{nees:?}");
-        assert!((nees.mean - 3.0).abs() < 1e-6);
-        assert!(super::nees(&[], &truth, &Pose3::identity()).is_none());
+        let turned = Pose3::new(nalgebra::Vector3::new(5.0, -3.0, 0.0), nalgebra::Vector3::z() * 0.7);
+        let driven = Pose3::new(nalgebra::Vector3::new(2.0, 1.0, 0.0), nalgebra::Vector3::z() * 1.2);
+        let imu = Pose3::new(nalgebra::Vector3::new(0.3, 0.0, 0.2), nalgebra::Vector3::z() * 0.4);
+        let truth = [(SimTime::ZERO, turned), (SimTime::from_millis(100), turned * driven)];
+        let deviations = Vector6::new(0.01, 0.02, 0.03, 0.4, 0.5, 0.6);
+        let covariance = Matrix6::from_diagonal(&deviations.map(|x| x * x));
+        let mut there = driven * imu;
+        there.rotation *= nalgebra::UnitQuaternion::new(deviations.fixed_rows::<3>(0).into_owned());
+        there.translation.vector += deviations.fixed_rows::<3>(3);
+        let told = [
+            (SimTime::ZERO, Pose3::identity(), covariance),
+            (SimTime::from_millis(100), there * imu.inverse(), covariance),
+        ];
+        let found = nees(&told, &truth, &imu).unwrap();
+        assert!((found.end - 6.0).abs() < 1e-6 && (found.ground - 3.0).abs() < 1e-6, "{found:?}");
+        assert!((found.mean - 6.0).abs() < 1e-6, "the first pose does not count");
+        assert!(nees(&[], &truth, &imu).is_none() && nees(&told, &truth[..1], &imu).is_none());
     }
 }
