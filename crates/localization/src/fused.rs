@@ -237,3 +237,23 @@ fn pose(isometry: &Isometry2<f64>) -> Pose2 {
     let turn = isometry.rotation;
     Pose2::new(isometry.translation.x, isometry.translation.y, libm::atan2(turn.im, turn.re))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn key(x: f64, deviation: f64) -> Key {
+        let square = deviation * deviation;
+        let covariance = Matrix3::from_diagonal(&[square, square, 1e-6].into());
+        Key { odom: Pose2::new(x, 0.0, 0.5), covariance }
+    }
+
+    #[test]
+    fn a_way_is_no_better_known_than_what_its_ends_differ_by() {
+        let of = |from, to| 1.0 / information(&from, &to).try_inverse().unwrap()[(0, 0)].sqrt();
+        // Coasting makes a pose uncertain, and so is the way to it; a scan that fits again takes it back, and the way from there is as uncertain.
+        let (out, back) = (of(key(0.0, 0.1), key(1.0, 2.0)), of(key(1.0, 2.0), key(2.0, 0.1)));
+        assert!((out - 0.5).abs() < 0.01 && (back - 0.5).abs() < 0.01, "{out} {back}");
+        assert!(of(key(0.0, 0.1), key(1.0, 0.1)) > 10.0, "a way that nothing is wrong with");
+    }
+}

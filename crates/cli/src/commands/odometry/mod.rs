@@ -2,9 +2,9 @@
 //!
 //! | module | its one job |
 //! |---|---|
-//! | [`bag`] | the files of a log |
-//! | [`sensors`] | what the sensors are like |
-//! | [`consistency`] | whether the way is as far off as it says |
+//! | `bag` | the files of a log |
+//! | `sensors` | what the sensors are like |
+//! | `consistency` | whether the way is as far off as it says |
 
 mod bag;
 mod consistency;
