@@ -222,6 +222,7 @@ fn solid(n: &[f64]) -> Option<Isometry3<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     const FILE: &str = "\
 # two poses
@@ -272,6 +273,37 @@ EDGE_SE2 7 3 1 0 0.25 2 0.5 0 2 0 3
         ] {
             let told = PoseGraph::parse(text).unwrap_err().to_string();
             assert!(told.starts_with(what), "{text}: {told}");
+        }
+    }
+
+    /// A line of a kind with numbers that are mostly of the right count.
+    fn line() -> impl Strategy<Value = String> {
+        let number = prop_oneof![
+            4 => (-3_i32..4).prop_map(|n| n.to_string()),
+            1 => prop::sample::select(vec!["1e308", "-1e308", "1e-320", "0.5", "inf", "-0", "99999999999999999999"]).prop_map(str::to_owned),
+        ];
+        let kind = prop::sample::select(vec![
+            ("VERTEX_SE2", 4),
+            ("VERTEX_SE3:QUAT", 8),
+            ("EDGE_SE2", 11),
+            ("EDGE_SE3:QUAT", 30),
+            ("FIX", 1),
+        ]);
+        (kind, prop::collection::vec(number, 31), prop_oneof![9 => Just(0_usize), 1 => 0..3_usize]).prop_map(
+            |((kind, count), numbers, off)| format!("{kind} {}", numbers[..count - off.min(count)].join(" ")),
+        )
+    }
+
+    proptest! {
+        /// Whatever stands in a file, it is read, solved and written, or refused; what was read once is read again.
+        #[test]
+        fn no_file_breaks_it(lines in prop::collection::vec(line(), 0..4)) {
+            let text = format!("VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\n{}", lines.join("\n"));
+            if let Ok(mut graph) = PoseGraph::parse(&text) {
+                let size = graph.size();
+                prop_assert_eq!(PoseGraph::parse(&graph.to_text()).map(|again| again.size()), Ok(size));
+                let _ = graph.solve();
+            }
         }
     }
 }

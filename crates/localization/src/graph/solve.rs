@@ -52,7 +52,12 @@ impl<P: Pose<D>, const D: usize> Graph<P, D> {
         }
         for step in 0..STEPS {
             system.linearize(self);
-            let least = system.normal.largest() * DAMPING[0];
+            // What says nothing has no number on its diagonal to take a part of.
+            let largest = system.normal.largest().max(f64::MIN_POSITIVE / DAMPING[0]);
+            let (least, most) = (largest * DAMPING[0], largest * DAMPING[1]);
+            if !most.is_finite() {
+                return Err(SolveError::NotFinite);
+            }
             let better = loop {
                 let tried = system.normal.solve(damping).map(|motions| system.moved(self, &motions));
                 if let Some((poses, after)) = tried.map(|poses| {
@@ -66,7 +71,7 @@ impl<P: Pose<D>, const D: usize> Graph<P, D> {
                     break Some(chi2 - after);
                 }
                 damping = (damping * 10.0).max(least);
-                if damping > least / DAMPING[0] * DAMPING[1] {
+                if damping > most {
                     break None;
                 }
             };
@@ -219,6 +224,12 @@ mod tests {
         let mut graph = round();
         graph.edges[1].information[(0, 0)] = f64::NAN;
         assert_eq!(graph.solve(), Err(SolveError::NotFinite));
+        graph.edges[1].information[(0, 0)] = 1e308;
+        assert!(graph.solve().is_err());
+        // Edges that say nothing leave the poses where they are.
+        let mut graph = round();
+        graph.edges.iter_mut().for_each(|edge| edge.information = Matrix3::zeros());
+        assert_eq!(graph.solve().unwrap().chi2, 0.0);
         let mut graph = Graph::<Isometry2<f64>, 3>::default();
         assert_eq!(graph.solve().unwrap().steps, 0);
     }
