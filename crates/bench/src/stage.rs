@@ -72,7 +72,7 @@ impl Prepared {
     /// Builds the world of a suite, without its episodes.
     pub fn world_of(suite: Suite) -> Result<Self, BenchError> {
         let world = suite.world.load()?;
-        let robot = RobotDescription::sentry();
+        let robot = suite.sensors.robot();
         let stage = Stage::peopled(world.scene.clone(), suite.traffic)
             .map_err(|e| BenchError::World(e.to_string()))?;
         let space = |radius| FreeSpace::new(stage.caster(), world.start.point(), radius);

@@ -60,7 +60,7 @@ pub enum Command {
 Settings of the agent `open`:
   planner=grammar | openai:MODEL[@URL]      reader=ppocr-v4 | openai:MODEL[@URL]
   localizer=fused | lidar-inertial | dead-reckoning | truth (for comparison only, and named in the results)
-  fixes=gnss | none | disturbed-truth:NOISE,SHARE,FAR (metres of noise, share that is false, up to how many metres; for
+  fixes=none | gnss | disturbed-truth:NOISE,SHARE,FAR (metres of noise, share that is false, up to how many metres; for
         comparison only): what `fused` corrects its odometry by
 
 Example:

@@ -88,7 +88,7 @@ fn localizer(word: &str, request: &AgentRequest<'_>) -> Result<Box<dyn Localizer
     }
     match word {
         "fused" => {
-            Ok(Box::new(Fused::new(RobotDescription::sentry(), sources(fixes.unwrap_or("gnss"), request)?)))
+            Ok(Box::new(Fused::new(RobotDescription::sentry(), sources(fixes.unwrap_or("none"), request)?)))
         }
         "lidar-inertial" => Ok(Box::new(LidarInertial::new(RobotDescription::sentry()))),
         "dead-reckoning" => Ok(Box::new(DeadReckoning::new(RobotDescription::sentry()))),
