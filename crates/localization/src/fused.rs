@@ -15,18 +15,18 @@ use crate::{LidarInertial, Localizer, history};
 const APART: [f64; 2] = [1.0, 0.3];
 /// Or the way between them is no better known than that, metres.
 const UNSURE: f64 = 0.3;
+/// So many of them are kept.
+const KEPT: usize = 100;
 /// A fix farther off than that is of no map, metres.
 const NOWHERE: f64 = 1e6;
-/// Corrections are passed on as if no more time had gone by than that between two observations, seconds.
-const LONGEST: f64 = 0.2;
-/// And so many of them are kept.
-const KEPT: usize = 100;
 /// How well the start is known: metres, radians.
 const START: [f64; 2] = [0.05, 0.01];
 /// No way between two poses is known better than that: metres, radians. Floors differ, wheels sink in.
 const FINEST: [f64; 2] = [1e-3, 1e-4];
 /// Corrections are passed on so fast at most: m/s, rad/s.
 const RATE: [f64; 2] = [0.2, 0.1];
+/// And as if no more time than that had gone by between two observations, seconds.
+const LONGEST: f64 = 0.2;
 
 /// A pose of the graph in `odom`.
 #[derive(Debug, Clone, Copy)]

@@ -218,7 +218,8 @@ impl Search<'_> {
         }
         let middle = self.lidar * nalgebra::Point3::from(points.mean());
         let from_middle = self.lidar.translation.vector - plane.middle;
-        let rows = plane.errors().map(|(along, shift, _)| {
+        let errors = plane.errors();
+        let rows = errors.map(|(along, shift, _)| {
             (self.lidar.rotation.inverse() * along).push(shift + along.dot(&from_middle)).transpose()
         });
         Seen {
@@ -227,7 +228,7 @@ impl Search<'_> {
             weighed,
             shared: plane.variance(middle.coords),
             errors: SMatrix::from_rows(&rows),
-            known: plane.errors().map(|(_, _, variance)| 1.0 / variance).into(),
+            known: errors.map(|(_, _, variance)| 1.0 / variance).into(),
             leaning: plane.normal_covariance(),
         }
     }
