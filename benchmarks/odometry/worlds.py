@@ -10,6 +10,7 @@ from xml.sax.saxutils import quoteattr
 
 LAT, LON = 40.4980, 117.0
 METRES = 111_132.0
+AVENUE = [(0, 0), (210, 0), (300, 120), (300, 330), (140, 440), (-60, 420), (-160, 260), (-360, 230)]
 
 
 class Map:
@@ -110,7 +111,30 @@ def kerbs():
     return m
 
 
+def avenue():
+    """A street of 1.2 km that never comes back to where it was, between houses of all sizes, with gaps among them."""
+    m = Map()
+    m.way(AVENUE, highway="residential", name="Far Avenue", width=6, sidewalk="both")
+    number = 0
+    for (ax, ay), (bx, by) in zip(AVENUE, AVENUE[1:]):
+        length = math.hypot(bx - ax, by - ay)
+        east, north = (bx - ax) / length, (by - ay) / length
+
+        def at(along, left):
+            return (ax + east * along - north * left, ay + north * along + east * left)
+
+        for side in (1, -1):
+            along = 16.0
+            while along < length - 28:
+                number += 1
+                wide, deep, back = 9 + number * 5 % 7, 8 + number * 3 % 5, 9 + number * 7 % 4
+                corners = [(0, back), (wide, back), (wide, back + deep), (0, back + deep), (0, back)]
+                m.way([at(along + x, side * y) for x, y in corners], building="house", building__levels=1 + number % 3)
+                along += wide + 3 + number * 11 % 13
+    return m
+
+
 folder = Path(sys.argv[1])
 folder.mkdir(parents=True, exist_ok=True)
-for make in (street, yards, square, corridor, kerbs):
+for make in (street, yards, square, corridor, kerbs, avenue):
     make().write(folder / f"{make.__name__}.osm")

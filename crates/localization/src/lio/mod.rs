@@ -265,7 +265,7 @@ impl LidarInertialOdometry {
         for (first, deviation) in [(at::ROTATION, turned), (at::POSITION, far), (at::VELOCITY, far)] {
             (first..first + 3).for_each(|i| known.covariance[(i, i)] += deviation * deviation);
         }
-        self.drift.lose(&known, turned, far);
+        self.drift.lose(&mut known, turned, far);
         self.map = PlaneMap::new(self.settings.lidar_noise);
         self.inertial.clear();
         self.refused.gaps += 1;
@@ -351,7 +351,7 @@ impl LidarInertialOdometry {
         known.temper(&self.unseen, &self.settings, until.since(since));
         if good || first {
             let new = self.matching.insert(&known.state, &mut self.map);
-            self.drift.grow(&known, new, &self.unseen);
+            self.drift.grow(&mut known, new, &self.unseen);
         }
         self.cut(known.state.position);
         let firm = matched.as_ref().is_some_and(|matched| matched.loose.is_empty());

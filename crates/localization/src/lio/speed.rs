@@ -114,6 +114,7 @@ mod tests {
             gravity: Vector3::z() * -9.8,
             mount_rotation: exp(Vector3::zeros()),
             mount_position: Vector3::zeros(),
+            map_tilt: nalgebra::Vector2::zeros(),
         }
     }
 

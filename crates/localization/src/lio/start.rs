@@ -2,10 +2,11 @@
 
 use std::time::Duration;
 
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{UnitQuaternion, Vector2, Vector3};
 use openbench_core::{ImuSample, SimTime};
 
 use super::Settings;
+use super::drift::UPRIGHT;
 use super::state::{Covariance, State, at};
 
 /// The start is taken from so long a time, and from so many samples at least and at most.
@@ -79,6 +80,7 @@ fn first(gyro: Vector3<f64>, accel: Vector3<f64>, at_rest: bool, settings: &Sett
         gravity: Vector3::z() * -accel.norm(),
         mount_rotation: settings.lidar.rotation,
         mount_position: settings.lidar.translation.vector,
+        map_tilt: Vector2::zeros(),
     };
     let mount = if settings.estimate_lidar { [0.02, 0.02] } else { [1e-6, 1e-6] };
     let moving = |rest: f64, motion: f64| if at_rest { rest } else { motion };
@@ -91,6 +93,7 @@ fn first(gyro: Vector3<f64>, accel: Vector3<f64>, at_rest: bool, settings: &Sett
         (at::GRAVITY, moving(5e-3, 0.1), 2),
         (at::MOUNT_ROTATION, mount[0], 3),
         (at::MOUNT_POSITION, mount[1], 3),
+        (at::MAP_TILT, UPRIGHT, 2),
     ];
     let mut covariance = Covariance::zeros();
     for (first, deviation, size) in deviations {

@@ -3,12 +3,12 @@
 //! W. Xu, Y. Cai, D. He, J. Lin, F. Zhang, *FAST-LIO2: Fast Direct LiDAR-Inertial Odometry*, 2021, equation 1: rotation, position and velocity of the
 //! IMU, biases of gyroscope and accelerometer, gravity, and the LiDAR's pose on the IMU. Gravity keeps its length: two dimensions.
 
-use nalgebra::{Matrix3, SMatrix, SVector, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, SMatrix, SVector, UnitQuaternion, Vector2, Vector3};
 
 use super::so3::{exp, inverse_right_jacobian, log, tangent};
 
 /// Dimensions of an error.
-pub const SIZE: usize = 23;
+pub const SIZE: usize = 25;
 /// An error of a state.
 pub type Error = SVector<f64, SIZE>;
 /// Covariance of an error.
@@ -32,6 +32,8 @@ pub mod at {
     pub const MOUNT_ROTATION: usize = 17;
     /// Its position on the IMU.
     pub const MOUNT_POSITION: usize = 20;
+    /// How the map leans, about x and y of `odom`.
+    pub const MAP_TILT: usize = 23;
 }
 
 /// A state.
@@ -53,6 +55,8 @@ pub struct State {
     pub mount_rotation: UnitQuaternion<f64>,
     /// Of the LiDAR in the IMU's frame, metres.
     pub mount_position: Vector3<f64>,
+    /// How the map that is in view leans, turned about the IMU: a small rotation about x and y of `odom`.
+    pub map_tilt: Vector2<f64>,
 }
 
 impl State {
@@ -70,6 +74,7 @@ impl State {
             gravity: exp(tilt) * self.gravity,
             mount_rotation: self.mount_rotation * exp(part(at::MOUNT_ROTATION)),
             mount_position: self.mount_position + part(at::MOUNT_POSITION),
+            map_tilt: self.map_tilt + error.fixed_rows::<2>(at::MAP_TILT),
         }
     }
 
@@ -87,7 +92,15 @@ impl State {
         let turned = UnitQuaternion::rotation_between(&other.gravity, &self.gravity);
         let tilt = tangent(other.gravity).transpose() * turned.map_or_else(Vector3::zeros, log);
         error.fixed_rows_mut::<2>(at::GRAVITY).copy_from(&tilt);
+        error.fixed_rows_mut::<2>(at::MAP_TILT).copy_from(&(self.map_tilt - other.map_tilt));
         error
+    }
+
+    /// Where it is in the map as that leans: what a scan says something about.
+    #[must_use]
+    pub fn in_map(&self) -> Self {
+        let leaning = exp(self.map_tilt.push(0.0));
+        Self { rotation: leaning * self.rotation, map_tilt: Vector2::zeros(), ..self.clone() }
     }
 
     /// Whether all its numbers are numbers.
@@ -105,6 +118,7 @@ impl State {
             .iter()
             .flat_map(|v| v.iter())
             .chain(rotations.iter().flat_map(|q| q.coords.iter()))
+            .chain(self.map_tilt.iter())
             .all(|x| x.is_finite())
     }
 
@@ -137,6 +151,7 @@ mod tests {
             gravity: Vector3::new(numbers[15], numbers[16], -9.8),
             mount_rotation: exp(part(17)),
             mount_position: part(20),
+            map_tilt: Vector2::new(numbers[23], numbers[24]),
         }
     }
 

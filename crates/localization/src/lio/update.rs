@@ -10,7 +10,7 @@ use super::inertial::Known;
 use super::matching::{Cluster, Matching, Seen};
 use super::planes::PlaneMap;
 use super::so3::hat;
-use super::state::{Covariance, Error, State, at};
+use super::state::{Covariance, Error, SIZE, State, at};
 
 /// Steps at most, and the step that is none, metres and radians.
 const STEPS: usize = 6;
@@ -24,6 +24,9 @@ const SEARCHES: usize = 8;
 /// A pose that may be off by more than that is known badly, metres; then points count that are no farther from a plane than that, search by search, metres.
 const WIDE: f64 = 0.05;
 const GATES: [f64; 5] = [0.6, 0.3, 0.15, 0.1, f64::INFINITY];
+/// One point in so many is looked up in all of these searches but the last, if there are enough of them.
+const THINNED: usize = 4;
+const ENOUGH: usize = 1000;
 
 /// What is wrong with a LiDAR.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,11 +66,14 @@ pub(super) fn update(
     let prior =
         Prior { state: known.state.clone(), information: covariance.cholesky()?.inverse(), covariance };
     let mut here = known.clone();
-    let wide = spread(&here.covariance) > WIDE;
+    let wide = spread(&here.in_map().covariance) > WIDE;
     let gates = if wide { &GATES[..] } else { &[f64::INFINITY] };
+    // Some of the points will do until it is known about where they lie.
+    let thinned: Vec<_> = if wide { points.iter().copied().step_by(THINNED).collect() } else { Vec::new() };
     for search in 0..SEARCHES {
-        let gate = gates.get(search).copied();
-        matching.find(&here, points, map, noise, gate.unwrap_or(f64::INFINITY));
+        let gate = gates.get(search).copied().unwrap_or(f64::INFINITY);
+        let rough = search + 1 < gates.len() && thinned.len() >= ENOUGH;
+        matching.find(&here.in_map(), if rough { &thinned } else { points }, map, noise, gate);
         let from = here.state.clone();
         let (there, posterior, matched) = if estimate_lidar {
             settle::<12>(&prior, here.state, &matching.clusters)?
@@ -136,7 +142,9 @@ fn settle<const N: usize>(
 ) -> Option<(State, Covariance, Matched)> {
     let mut last = None;
     for _ in 0..STEPS {
-        let (information, vector, matched) = measure::<N>(&state, clusters);
+        let seen = state.in_map();
+        let (information, vector, matched) = measure::<N>(&seen, clusters);
+        let observed = observed::<N>(&seen);
         let away = state.minus(&prior.state);
         let projection = State::projection(&away);
         // The prior about the state as it is now.
@@ -152,13 +160,8 @@ fn settle<const N: usize>(
             let mut rows = right.fixed_rows_mut::<3>(at::POSITION);
             rows -= off;
         }
-        let mut sum = before;
-        for (i, row) in seen_dimensions().take(N).enumerate() {
-            right[row] -= vector[i];
-            for (j, column) in seen_dimensions().take(N).enumerate() {
-                sum[(row, column)] += information[(i, j)];
-            }
-        }
+        right -= observed.transpose() * vector;
+        let sum = before + observed.transpose() * information * observed;
         let factor = sum.cholesky()?;
         let step = factor.solve(&right);
         state = state.plus(&step);
@@ -174,11 +177,29 @@ fn settle<const N: usize>(
     Some((state, posterior, matched))
 }
 
-/// Where the dimensions that a point says something about are among a state's: pose, then the LiDAR's pose on the IMU.
-fn seen_dimensions() -> impl Iterator<Item = usize> {
-    [at::ROTATION, at::POSITION, at::MOUNT_ROTATION, at::MOUNT_POSITION]
-        .into_iter()
-        .flat_map(|first| first..first + 3)
+impl Known {
+    /// The same in the map as it leans; of the covariance the pose's alone.
+    pub(super) fn in_map(&self) -> Self {
+        let state = self.state.in_map();
+        let observed = observed::<6>(&state);
+        let mut covariance = self.covariance;
+        covariance
+            .fixed_view_mut::<6, 6>(0, 0)
+            .copy_from(&(observed * self.covariance * observed.transpose()));
+        Self { stamp: self.stamp, state, covariance }
+    }
+}
+
+/// How what a point says something about, which is the pose in the map and then the LiDAR's pose on the IMU, changes with a state that is `seen` in the map.
+fn observed<const N: usize>(seen: &State) -> SMatrix<f64, N, SIZE> {
+    let mut observed = SMatrix::<f64, N, SIZE>::zeros();
+    let firsts = [at::ROTATION, at::POSITION, at::MOUNT_ROTATION, at::MOUNT_POSITION];
+    for (row, column) in firsts.into_iter().flat_map(|first| first..first + 3).take(N).enumerate() {
+        observed[(row, column)] = 1.0;
+    }
+    let upright = seen.rotation.inverse().to_rotation_matrix();
+    observed.fixed_view_mut::<3, 2>(0, at::MAP_TILT).copy_from(&upright.matrix().fixed_columns::<2>(0));
+    observed
 }
 
 /// The information of all points about a state, and its vector.
