@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Records the logs, runs our odometry and the peers on them, and prints the table: run.sh [FOLDER]
-# Logs take some 12 GB, 8 of them the hour's, which the peers are spared. Logs and peers' results that are there already are used again.
+# Logs take some 15 GB, 11 of them the hour's and the avenue's, which the peers are spared. Logs and peers' results that are there already are used again.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 out=$(mkdir -p "${1:-$here/out}" && cd "${1:-$here/out}" && pwd)
@@ -15,7 +15,7 @@ python=$here/.venv/bin/python
 "$python" -m pip install --quiet --disable-pip-version-check -r "$here/requirements.txt"
 
 "$python" "$here/worlds.py" "$out/worlds"
-for world in street yards square corridor kerbs; do
+for world in street yards square corridor kerbs avenue; do
     start=0,0,0
     if [ "$world" = yards ]; then
         start=-3,0,90
@@ -45,6 +45,7 @@ record corridor "$w/corridor" --minutes 4 --via 95,0 --via 0,0
 record gap small --minutes 2 --gap 60,0.5
 record saturation small --minutes 2 --wild --imu-range 0.6,11
 record hour medium --minutes 60 --seed 3
+record avenue "$w/avenue" --minutes 38 --via 210,0 --via 300,120 --via 300,330 --via 140,440 --via=-60,420 --via=-160,260 --via=-300,239
 
 ours() {
     local log=$1
@@ -54,6 +55,7 @@ ours() {
     "$openbench" odometry "$out/$log.mcap" --wheels --out "$out/$log/ours-wheels.tum" --json > "$out/$log/ours-wheels.json"
 }
 ours hour
+ours avenue
 for log in close loops street yards kerbs traffic turning square corridor gap saturation; do
     ours "$log"
     for peer in kiss-icp rko-lio se3-lio dlio; do

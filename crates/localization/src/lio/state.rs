@@ -1,7 +1,7 @@
 //! What is estimated, on its manifold.
 //!
 //! W. Xu, Y. Cai, D. He, J. Lin, F. Zhang, *FAST-LIO2: Fast Direct LiDAR-Inertial Odometry*, 2021, equation 1: rotation, position and velocity of the
-//! IMU, biases of gyroscope and accelerometer, gravity, and the LiDAR's pose on the IMU. Gravity keeps its length: two dimensions.
+//! IMU, biases of gyroscope and accelerometer, gravity, and the LiDAR's pose on the IMU. Gravity keeps its length: two dimensions. Two more of our own: how the map leans.
 
 use nalgebra::{Matrix3, SMatrix, SVector, UnitQuaternion, Vector2, Vector3};
 
