@@ -12,14 +12,15 @@ from pathlib import Path
 from evo.core import metrics, trajectory
 from evo.tools import file_interface
 
-# The hour is ours alone.
-LOGS = ["hour", "close", "loops", "street", "yards", "kerbs", "traffic", "turning", "square", "corridor", "gap", "saturation"]
+# The long ones are ours alone.
+LONG = ["hour", "avenue"]
+LOGS = LONG + ["close", "loops", "street", "yards", "kerbs", "traffic", "turning", "square", "corridor", "gap", "saturation"]
 # The robot stands until then, seconds; all have begun.
 BEGIN = 1.5
 
 
-def error(truth, estimate, whole):
-    """The error in metres, aligned as a whole or at the first pose."""
+def errors(truth, estimate, whole):
+    """The errors in metres, aligned as a whole or at the first pose."""
     estimate = trajectory.PoseTrajectory3D(estimate.positions_xyz, estimate.orientations_quat_wxyz, estimate.timestamps)
     if whole:
         estimate.align(truth)
@@ -27,7 +28,19 @@ def error(truth, estimate, whole):
         estimate.align_origin(truth)
     ape = metrics.APE(metrics.PoseRelation.translation_part)
     ape.process_data((truth, estimate))
-    return ape.get_statistic(metrics.StatisticsType.rmse)
+    return ape.error
+
+
+def rms(errors):
+    return float((errors**2).mean() ** 0.5)
+
+
+def read(folder, name, truth):
+    """An estimate and the truth at its instants."""
+    estimate = file_interface.read_tum_trajectory_file(folder / f"{name}.tum")
+    estimate.reduce_to_time_range(BEGIN, float("inf"))
+    # Truth comes every 50 ms and is smooth: between two poses along a straight line.
+    return interpolated(truth, estimate.timestamps), estimate
 
 
 def row(folder, name, truth):
@@ -35,12 +48,9 @@ def row(folder, name, truth):
     facts = json.loads((folder / f"{name}.json").read_text())
     if "error" in facts:
         return f"| {folder.name} | {name} | fails: {facts['error'][:60]} | | | | |"
-    estimate = file_interface.read_tum_trajectory_file(folder / f"{name}.tum")
-    estimate.reduce_to_time_range(BEGIN, float("inf"))
-    # Truth comes every 50 ms and is smooth: between two poses along a straight line.
-    reference = interpolated(truth, estimate.timestamps)
+    reference, estimate = read(folder, name, truth)
     length = reference.path_length
-    cells = [100 * error(reference, estimate, whole) for whole in (True, False)]
+    cells = [100 * rms(errors(reference, estimate, whole)) for whole in (True, False)]
     cells += [100 * cell / length for cell in cells]
     numbers = " | ".join(f"{cell:.2f}" for cell in cells)
     log = f"{folder.name}, {length:.0f} m"
@@ -58,6 +68,13 @@ def interpolated(truth, stamps):
     return trajectory.PoseTrajectory3D(places, turns[:, [3, 0, 1, 2]], stamps)
 
 
+def drift(folder, name, truth):
+    """How far off a long way ends, and is at most."""
+    reference, estimate = read(folder, name, truth)
+    off, length = errors(reference, estimate, False), reference.path_length
+    return f"{folder.name}, {name}: {100 * off[-1]:.1f} cm off after {length:.0f} m ({100 * off[-1] / length:.4f} %), {100 * off.max():.1f} cm at most"
+
+
 def main():
     out = Path(sys.argv[1])
     print("| log | odometry | SE(3), cm | first pose, cm | SE(3), cm per 100 m | first pose, cm per 100 m | CPU ms a scan, p50; p99 |")
@@ -68,6 +85,11 @@ def main():
         names = sorted(path.stem for path in folder.glob("*.json"))
         for name in sorted(names, key=lambda name: (not name.startswith("ours"), name)):
             print(row(folder, name, truth))
+    print()
+    for log in LONG:
+        truth = file_interface.read_tum_trajectory_file(out / log / "truth.tum")
+        for name in ("ours", "ours-wheels"):
+            print(f"- {drift(out / log, name, truth)}")
 
 
 main()
