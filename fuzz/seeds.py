@@ -1,4 +1,4 @@
-"""Writes small examples into corpus/TARGET, for the targets that read worlds, meshes, maps and what routing reads.
+"""Writes small examples into corpus/TARGET, for the targets that read worlds, meshes, maps, logs and what routing and localization read.
 
 Usage: seeds.py [DATA]     DATA: a folder with `openbench`, `gazebo_models` and `osm`; by default ../../shared/data
 """
@@ -7,6 +7,7 @@ import re
 import struct
 import subprocess
 import sys
+import tempfile
 import zlib
 from pathlib import Path
 
@@ -84,6 +85,25 @@ def routing():
         put("osrm_request", str(number), address.encode())
 
 
+GRAPHS = [
+    "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0.1\nEDGE_SE2 0 1 1 0.1 0.1 10 0 0 10 0 100\nFIX 0\n",
+    "VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\nVERTEX_SE3:QUAT 1 1 0 0 0 0 0.1 0.99\nVERTEX_SE3:QUAT 2 1 1 0 0 0 0 1\n"
+    + "".join(f"EDGE_SE3:QUAT {a} {b} 1 0 0 0 0 0 1 9 0 0 0 0 0 9 0 0 0 0 9 0 0 0 9 0 0 9 0 9\n" for a, b in [(0, 1), (1, 2), (2, 0)]),
+]
+
+
+def localization():
+    """Graphs; and, if the program is built, the beginning of a log: definitions and some of the IMU's samples."""
+    for number, graph in enumerate(GRAPHS):
+        put("g2o", str(number), graph.encode())
+    program = HERE.parent / "target/release/openbench"
+    if program.exists():
+        with tempfile.TemporaryDirectory() as folder:
+            log = Path(folder) / "log.mcap"
+            subprocess.run([program, "record", "small", "--minutes", "0.05", "--out", log], check=True, stdout=subprocess.DEVNULL)
+            put("mcap", "beginning", log.read_bytes()[:LARGEST])
+
+
 def maps():
     for path in [*DATA.glob("openbench/*/*.osm"), *HERE.parent.glob("crates/*/tests/fixtures/*.osm")]:
         put("osm_xml", path.name, path.read_bytes())
@@ -132,3 +152,4 @@ if __name__ == "__main__":
     meshes()
     maps()
     routing()
+    localization()

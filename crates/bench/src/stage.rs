@@ -254,3 +254,23 @@ fn door_at(path: &Path, line: usize, at: MapPoint, world: &World) -> Result<usiz
         }),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::suite::Sensors;
+    use openbench_core::Velocity;
+
+    #[test]
+    fn a_receiver_is_heard_where_the_suite_asks_for_one() {
+        let heard = |gnss: bool| {
+            let suite = Suite { sensors: Sensors { gnss }, ..Suite::builtin("small").unwrap() };
+            let mut simulator = Prepared::world_of(suite).unwrap().simulator(1).unwrap();
+            (0..40).any(|_| {
+                simulator.step(Velocity::ZERO);
+                simulator.observation().gnss.is_some()
+            })
+        };
+        assert!(heard(true) && !heard(false));
+    }
+}

@@ -34,9 +34,12 @@ const CREDIBLE: f64 = 3.0;
 const OPTIMISM: f64 = 2.0;
 const BEST: f64 = 2.0;
 /// Errors from reflections last: a fix counts once in that time, seconds.
-const LASTING: f64 = 10.0;
+const REFLECTED: f64 = 10.0;
+/// Those from the ionosphere and from satellites' orbits and clocks last half an hour (P. Misra, P. Enge, *Global Positioning System*, chapter 5): all fixes of that time together count as one.
+const SLOW: f64 = 1800.0;
 
-/// Satellite fixes with errors as in streets: larger than the receiver says, and much the same for many seconds.
+/// Satellite fixes with errors as in streets: larger than the receiver says, and much the same for a long time. They bound how far odometry drifts in hours; where the start is known they say
+/// nothing new for a long while.
 #[derive(Debug, Clone, Default)]
 pub struct Gnss {
     /// Of the antenna in `base_link`, metres.
@@ -52,8 +55,9 @@ impl Gnss {
 
     fn fix(&mut self, fix: &GnssFix, now: SimTime, near: Pose2) -> Option<Fix> {
         let sound = fix.position.iter().chain(fix.covariance.iter().flatten()).all(|x| x.is_finite());
-        let soon =
-            self.last.is_some_and(|last| fix.stamp <= last || fix.stamp.since(last).as_secs_f64() < LASTING);
+        let soon = self
+            .last
+            .is_some_and(|last| fix.stamp <= last || fix.stamp.since(last).as_secs_f64() < REFLECTED);
         // A stamp from the future would make all that follow come too late.
         if !sound || soon || fix.stamp > now {
             return None;
@@ -61,7 +65,7 @@ impl Gnss {
         self.last = Some(fix.stamp);
         let said = fix.covariance[0][0].max(fix.covariance[1][1]).max(0.0).sqrt();
         let deviation = (said * OPTIMISM).max(BEST);
-        let level = 1.0 / (deviation * deviation);
+        let level = 1.0 / (deviation * deviation) * REFLECTED / SLOW;
         // The heading is not measured; it only says where the antenna is.
         let turned = UnitComplex::new(near.yaw);
         let at = Vector2::new(fix.position[0], fix.position[1]) - turned * self.antenna;
@@ -69,7 +73,8 @@ impl Gnss {
             stamp: fix.stamp,
             pose: Isometry2::from_parts(at.into(), turned),
             information: Matrix3::from_diagonal(&[level, level, 0.0].into()),
-            credible: CREDIBLE,
+            // Of the fix's own deviations, not of those that it counts with.
+            credible: CREDIBLE * libm::sqrt(REFLECTED / SLOW),
         })
     }
 }
@@ -108,7 +113,9 @@ mod tests {
         let near = Pose2::new(9.0, 2.0, std::f64::consts::FRAC_PI_2);
         let first = gnss.fix(&fix(100, 10.0, 0.5), SimTime::from_millis(30_000), near).unwrap();
         assert!((first.pose.translation.vector - Vector2::new(10.0, 1.5)).norm() < 1e-12);
-        assert!((first.information[(0, 0)] - 0.25).abs() < 1e-12 && first.information[(2, 2)] == 0.0);
+        // A fix of 2 m counts for a 180th of that; it is false beyond three times as far.
+        assert!((first.information[(0, 0)] - 0.25 / 180.0).abs() < 1e-12 && first.information[(2, 2)] == 0.0);
+        assert!((first.credible / first.information[(0, 0)].sqrt() - 6.0).abs() < 1e-9);
         assert!(gnss.fix(&fix(5_000, 11.0, 5.0), SimTime::from_millis(30_000), near).is_none(), "too soon");
         assert!(
             gnss.fix(&fix(40_000, 11.0, 5.0), SimTime::from_millis(30_000), near).is_none(),
@@ -116,7 +123,7 @@ mod tests {
         );
         assert!(gnss.fix(&fix(20_000, f64::NAN, 5.0), SimTime::from_millis(30_000), near).is_none());
         let later = gnss.fix(&fix(20_000, 11.0, 5.0), SimTime::from_millis(30_000), near).unwrap();
-        assert!((later.information[(0, 0)] - 0.01).abs() < 1e-12);
+        assert!((later.information[(0, 0)] - 0.01 / 180.0).abs() < 1e-12);
         assert!(gnss.fix(&fix(10_000, 11.0, 5.0), SimTime::from_millis(30_000), near).is_none(), "backwards");
     }
 }

@@ -20,6 +20,8 @@ const LASTING: f64 = 0.5;
 /// right, the sooner the larger this is. Measured on a kilometre of new ground (`avenue` of `benchmarks/odometry`): 4 has NEES 6 and ends 17 cm off, 0.5 and 30 have 105 and 31.
 const LEANING: f64 = 4.0;
 
+/// No more of the map is taken to lean as the pose does: a covariance in which both are one has no inverse.
+const RENEWED: f64 = 0.5;
 /// A map that begins where the robot is leans by no more than that against it, radians.
 pub(super) const UPRIGHT: f64 = 1e-6;
 
@@ -109,6 +111,7 @@ impl Drift {
 /// New ground was put into the map as the pose leans, so that the map leans less than it did and more as the pose is wrong; `seen` is the covariance of how the pose
 /// leans against the map.
 fn lean(known: &mut Known, share: f64, seen: &Matrix2<f64>) {
+    let share = share.min(RENEWED);
     known.state.map_tilt *= 1.0 - share;
     let rotation = known.state.rotation.to_rotation_matrix();
     let mut step = Covariance::identity();

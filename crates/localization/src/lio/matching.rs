@@ -6,7 +6,6 @@
 
 use nalgebra::{Isometry3, Matrix3, SMatrix, Vector3};
 
-use super::inertial::Known;
 use super::moments::Moments;
 use super::planes::{CORNER, Place, Plane, PlaneMap, Rays, SIDES, SIZES, grazing};
 use super::state::{Covariance, State};
@@ -67,16 +66,16 @@ const SPLITS: u32 = SIZES as u32 - 1;
 const AXIS: u32 = 9;
 
 impl Matching {
-    /// Looks up a scan's points, which are in the LiDAR's frame of the state's instant. None farther than `gate` metres from a plane lies on it.
-    pub(super) fn find(
+    /// Looks up a scan's points, which are in the LiDAR's frame of the state's instant; of the covariance the pose's part counts. None farther than `gate` metres from a plane lies on it.
+    pub fn find(
         &mut self,
-        known: &Known,
+        state: &State,
+        covariance: &Covariance,
         points: &[Vector3<f64>],
         map: &PlaneMap,
         noise: &LidarNoise,
         gate: f64,
     ) {
-        let Known { state, covariance, .. } = known;
         self.sort(state, points);
         self.clusters.clear();
         let mut search = Search {

@@ -224,7 +224,8 @@ impl LidarInertialOdometry {
                 scan.points.iter().map(position).filter(|point| self.usable(point)).collect();
             self.refused.points += scan.points.len() - points.len();
             known.stamp = end(&scan);
-            self.matching.find(&known, &points, &self.map, &self.settings.lidar_noise, f64::INFINITY);
+            let noise = &self.settings.lidar_noise;
+            self.matching.find(&known.state, &known.covariance, &points, &self.map, noise, f64::INFINITY);
             self.matching.insert(&known.state, &mut self.map);
             estimates.push(self.estimate(&known, None, Status::Tracking));
         }

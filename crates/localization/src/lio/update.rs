@@ -24,9 +24,9 @@ const SEARCHES: usize = 8;
 /// A pose that may be off by more than that is known badly, metres; then points count that are no farther from a plane than that, search by search, metres.
 const WIDE: f64 = 0.05;
 const GATES: [f64; 5] = [0.6, 0.3, 0.15, 0.1, f64::INFINITY];
-/// One point in so many is looked up in all of these searches but the last, if there are enough of them.
+/// One point in so many is looked up in all of these searches but the last, if a scan has enough of them.
 const THINNED: usize = 4;
-const ENOUGH: usize = 1000;
+const ENOUGH: usize = 2000;
 
 /// What is wrong with a LiDAR.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,38 +65,64 @@ pub(super) fn update(
     let covariance = known.covariance;
     let prior =
         Prior { state: known.state.clone(), information: covariance.cholesky()?.inverse(), covariance };
-    let mut here = known.clone();
-    let wide = spread(&here.in_map().covariance) > WIDE;
+    let wide = spread(&known.in_map().covariance) > WIDE;
     let gates = if wide { &GATES[..] } else { &[f64::INFINITY] };
-    // Some of the points will do until it is known about where they lie.
-    let thinned: Vec<_> = if wide { points.iter().copied().step_by(THINNED).collect() } else { Vec::new() };
-    for search in 0..SEARCHES {
-        let gate = gates.get(search).copied().unwrap_or(f64::INFINITY);
-        let rough = search + 1 < gates.len() && thinned.len() >= ENOUGH;
-        matching.find(&here.in_map(), if rough { &thinned } else { points }, map, noise, gate);
-        let from = here.state.clone();
-        let (there, posterior, matched) = if estimate_lidar {
-            settle::<12>(&prior, here.state, &matching.clusters)?
-        } else {
-            settle::<6>(&prior, here.state, &matching.clusters)?
-        };
-        let moved = there.minus(&from);
-        let far = moved.fixed_rows::<3>(at::POSITION).norm() > MOVED[0]
-            || moved.fixed_rows::<3>(at::ROTATION).norm() > MOVED[1];
-        here.state = there;
-        if wide {
-            here.covariance = posterior;
-        }
-        if !far && search + 1 >= gates.len() {
-            if !here.state.is_finite() {
-                return None;
-            }
-            known.state = here.state;
-            known.covariance = (posterior + posterior.transpose()) * 0.5;
-            return Some(Matched { agreeing: matching.agreeing(), ..matched });
+    let registration = Registration { prior, wide, gates, points, map, noise, estimate_lidar };
+    if wide && points.len() >= ENOUGH {
+        // Some of the points will do until it is known about where they lie; where they do not, all of them may.
+        let thinned: Vec<_> = points.iter().copied().step_by(THINNED).collect();
+        if let Some(matched) = registration.search(known, &thinned, matching) {
+            return Some(matched);
         }
     }
-    None
+    registration.search(known, points, matching)
+}
+
+/// A scan that is laid on a map.
+struct Registration<'a> {
+    prior: Prior,
+    /// Whether that is badly known.
+    wide: bool,
+    gates: &'a [f64],
+    points: &'a [Vector3<f64>],
+    map: &'a PlaneMap,
+    noise: &'a LidarNoise,
+    estimate_lidar: bool,
+}
+
+impl Registration<'_> {
+    /// Looks points up and corrects the state, in turn, until the state stays where it is; `rough` are the points that are looked up in all searches that have a gate but the last.
+    fn search(&self, known: &mut Known, rough: &[Vector3<f64>], matching: &mut Matching) -> Option<Matched> {
+        let mut here = known.clone();
+        for search in 0..SEARCHES {
+            let gate = self.gates.get(search).copied().unwrap_or(f64::INFINITY);
+            let points = if search + 1 < self.gates.len() { rough } else { self.points };
+            let in_map = here.in_map();
+            matching.find(&in_map.state, &in_map.covariance, points, self.map, self.noise, gate);
+            let from = here.state.clone();
+            let (there, posterior, matched) = if self.estimate_lidar {
+                settle::<12>(&self.prior, here.state, &matching.clusters)?
+            } else {
+                settle::<6>(&self.prior, here.state, &matching.clusters)?
+            };
+            let moved = there.minus(&from);
+            let far = moved.fixed_rows::<3>(at::POSITION).norm() > MOVED[0]
+                || moved.fixed_rows::<3>(at::ROTATION).norm() > MOVED[1];
+            here.state = there;
+            if self.wide {
+                here.covariance = posterior;
+            }
+            if !far && search + 1 >= self.gates.len() {
+                if !here.state.is_finite() {
+                    return None;
+                }
+                known.state = here.state;
+                known.covariance = (posterior + posterior.transpose()) * 0.5;
+                return Some(Matched { agreeing: matching.agreeing(), ..matched });
+            }
+        }
+        None
+    }
 }
 
 /// How far off a surface at some distance may seem to be by the pose alone, metres (one deviation).
