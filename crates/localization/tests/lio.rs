@@ -175,6 +175,7 @@ fn nonsense_is_refused_and_counted() {
                 2010 => sample.gyro[1] = f64::NAN,
                 2020 => sample.accel[2] = f64::INFINITY,
                 2030 => sample.stamp = SimTime::ZERO,
+                2040 => sample.gyro[0] = 1e200,
                 _ => {}
             }
             sample
@@ -193,7 +194,7 @@ fn nonsense_is_refused_and_counted() {
         (imu, scan)
     });
     let refused = odometry.refused();
-    assert_eq!((refused.imu, refused.points), (3, 8000));
+    assert_eq!((refused.imu, refused.points), (4, 8000));
     assert!(refused.scans >= 1, "{refused:?}");
     assert!(error(&estimates[estimates.len() - 1]) < 0.03);
 }

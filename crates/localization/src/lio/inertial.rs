@@ -20,6 +20,8 @@ const STEP: Duration = Duration::from_millis(20);
 const UNSEEN: [f64; 2] = [0.3, 1.0];
 /// Part of a turn that a gyroscope's scale may be off by, √s: over the tenth of a second of a scan three times this number, over longer turns less, is the part.
 const MISSCALED: f64 = 1e-3;
+/// No IMU shows more, rad/s and m/s².
+const MOST: [f64; 2] = [1e3, 1e5];
 /// Velocities farther than that from an instant say nothing about it, and so many of them wait at most.
 const NEAR: Duration = Duration::from_millis(20);
 const SPEEDS: usize = 1000;
@@ -71,8 +73,9 @@ impl Inertial {
 
     /// Takes in a sample, if it can be used.
     pub(super) fn push(&mut self, sample: ImuSample) -> bool {
-        let finite = sample.gyro.iter().chain(&sample.accel).all(|x| x.is_finite());
-        if !finite || self.newest().is_some_and(|newest| sample.stamp <= newest) {
+        let within = |values: [f64; 3], most: f64| values.iter().all(|x| x.abs() <= most);
+        let sound = within(sample.gyro, MOST[0]) && within(sample.accel, MOST[1]);
+        if !sound || self.newest().is_some_and(|newest| sample.stamp <= newest) {
             return false;
         }
         let (at, late) = self.limits.look(&sample);

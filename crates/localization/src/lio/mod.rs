@@ -73,6 +73,8 @@ const UNSEEN_TURN: f64 = 0.05;
 const LIES_WELL: f64 = 1e-3;
 /// Of the points on known surfaces that share agrees with the map at least, else something is wrong.
 const AGREEING: f64 = 0.5;
+/// No LiDAR sees farther, metres.
+const FARTHEST: f64 = 1e4;
 /// The map reaches that far, metres, and is cut to it each time that the IMU has come a quarter of it.
 const REACH: f64 = 150.0;
 
@@ -133,13 +135,13 @@ pub struct Estimate {
 /// What came in that could not be used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct Refused {
-    /// Samples of the IMU that are not finite, or not later than those before.
+    /// Samples of the IMU that are not finite or larger than any IMU's, or not later than those before.
     pub imu: usize,
     /// Scans that are older than those before, or came without an IMU.
     pub scans: usize,
-    /// Velocities that are not finite, or not later than those before.
+    /// Velocities that are not finite or faster than anything drives, or not later than those before.
     pub speeds: usize,
-    /// Points that are not finite or too near.
+    /// Points that are not finite, too near or farther than any LiDAR sees.
     pub points: usize,
     /// Times without samples of the IMU.
     pub gaps: usize,
@@ -386,7 +388,7 @@ impl LidarInertialOdometry {
 
     /// Whether a point is none of the robot itself.
     fn usable(&self, point: &Vector3<f64>) -> bool {
-        point.iter().all(|x| x.is_finite()) && point.norm() >= self.settings.blind
+        (self.settings.blind..=FARTHEST).contains(&point.norm())
     }
 
     /// The points of a scan in the LiDAR's frame of its end: FAST-LIO, equation 10.

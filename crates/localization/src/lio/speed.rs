@@ -8,6 +8,9 @@ use super::state::{Covariance, Error, SIZE, State, at};
 
 /// A velocity farther than that from what is expected, in deviations, counts as less sure than it says: wheels slip.
 const GATE: f64 = 3.0;
+/// Nothing drives faster, and nothing is known better, m/s.
+const FASTEST: f64 = 1e4;
+const BEST: f64 = 1e-6;
 /// A drive goes on in one way for so long, seconds.
 const LASTING: f64 = 30.0;
 
@@ -25,8 +28,8 @@ pub struct Speed {
 impl Speed {
     /// Whether it can be used.
     pub(super) fn is_sound(&self) -> bool {
-        self.velocity.iter().all(|x| x.is_finite())
-            && self.deviation.iter().all(|x| x.is_finite() && *x > 0.0)
+        self.velocity.iter().all(|x| x.abs() <= FASTEST)
+            && self.deviation.iter().all(|x| (BEST..=FASTEST).contains(x))
     }
 }
 
