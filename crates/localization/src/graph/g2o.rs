@@ -176,6 +176,9 @@ impl<P: Pose<D>, const D: usize> Part<P, D> {
         for ((i, j), value) in upper.zip(&numbers[size..]) {
             (information[(i, j)], information[(j, i)]) = (*value, *value);
         }
+        if !is_information(&information) {
+            return Err("that is no information: it is not positive along all directions".into());
+        }
         self.edges.push((Edge { from: 0, to: 0, measured, information }, ends, line));
         Ok(())
     }
@@ -194,6 +197,15 @@ impl<P: Pose<D>, const D: usize> Part<P, D> {
         self.ids.iter().for_each(|(id, at)| ids[*at] = *id);
         Ok((Graph { poses: self.poses, edges, priors: Vec::new(), held }, ids))
     }
+}
+
+/// Whether it may be one over a covariance, or nothing along some directions, but for rounding.
+fn is_information<const D: usize>(information: &SMatrix<f64, D, D>) -> bool {
+    const ROUNDING: f64 = 1e-9;
+    let largest = information.amax();
+    // Scaled, so that none of the numbers overflows.
+    largest == 0.0
+        || (information / largest + SMatrix::<f64, D, D>::identity() * ROUNDING).cholesky().is_some()
 }
 
 fn id(word: &str) -> Result<u64, String> {
@@ -223,6 +235,20 @@ fn solid(n: &[f64]) -> Option<Isometry3<f64>> {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    #[test]
+    fn information_is_of_a_covariance() {
+        let file = |numbers: &str| FILE.replace("2 0.5 0 2 0 3", numbers);
+        assert!(
+            PoseGraph::parse(&file("0 0 0 0 0 0")).is_ok() && PoseGraph::parse(&file("2 0 0 2 0 0")).is_ok()
+        );
+        for bad in ["2 3 0 2 0 3", "-1 0 0 2 0 3"] {
+            let error = PoseGraph::parse(&file(bad)).unwrap_err().to_string();
+            assert!(error.contains("line 5") && error.contains("not positive"), "{error}");
+        }
+        let error = PoseGraph::parse(&file("1e308 0 0 1e308 0 1e308")).unwrap().solve();
+        assert!(error.is_ok() || error == Err(super::super::SolveError::NotFinite), "{error:?}");
+    }
 
     const FILE: &str = "\
 # two poses

@@ -45,11 +45,11 @@ impl<P: Pose<D>, const D: usize> Graph<P, D> {
     /// The same until a step makes chi² less by no more than that part of it.
     pub fn solve_to(&mut self, little: f64) -> Result<Solved, SolveError> {
         self.check()?;
-        let Some(mut system) = System::new(self)? else { return Ok(Solved { chi2: self.chi2(), steps: 0 }) };
         let (mut chi2, mut damping) = (self.chi2(), 0.0);
-        if !chi2.is_finite() {
+        if !(0.0..f64::INFINITY).contains(&chi2) {
             return Err(SolveError::NotFinite);
         }
+        let Some(mut system) = System::new(self)? else { return Ok(Solved { chi2, steps: 0 }) };
         for step in 0..STEPS {
             system.linearize(self);
             // What says nothing has no number on its diagonal to take a part of.
