@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 use nalgebra::{Isometry2, Isometry3, Quaternion, SMatrix, Translation3, UnitQuaternion, Vector2};
 
 use super::pose::Pose;
-use super::problem::{Edge, Graph};
+use super::problem::{Edge, Graph, is_information};
 
 /// A graph of a file, with the numbers that its poses have there.
 #[derive(Debug, Clone, PartialEq)]
@@ -199,15 +199,6 @@ impl<P: Pose<D>, const D: usize> Part<P, D> {
     }
 }
 
-/// Whether it may be one over a covariance, or nothing along some directions, but for rounding.
-fn is_information<const D: usize>(information: &SMatrix<f64, D, D>) -> bool {
-    const ROUNDING: f64 = 1e-9;
-    let largest = information.amax();
-    // Scaled, so that none of the numbers overflows.
-    largest == 0.0
-        || (information / largest + SMatrix::<f64, D, D>::identity() * ROUNDING).cholesky().is_some()
-}
-
 fn id(word: &str) -> Result<u64, String> {
     word.parse().map_err(|_| format!("`{word}` is no number of a pose"))
 }
@@ -228,6 +219,8 @@ fn flat(n: &[f64]) -> Option<Isometry2<f64>> {
 
 fn solid(n: &[f64]) -> Option<Isometry3<f64>> {
     let rotation = UnitQuaternion::try_new(Quaternion::new(n[6], n[3], n[4], n[5]), 1e-6)?;
+    // The square of a large number is none.
+    let rotation = Some(rotation).filter(|rotation| (rotation.norm() - 1.0).abs() < 1e-6)?;
     Some(Isometry3::from_parts(Translation3::new(n[0], n[1], n[2]), rotation))
 }
 
@@ -235,6 +228,12 @@ fn solid(n: &[f64]) -> Option<Isometry3<f64>> {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    #[test]
+    fn a_quaternion_that_overflows_is_refused() {
+        let error = PoseGraph::parse("VERTEX_SE3:QUAT 0 5 0 5 0 96e256 0.1 0").unwrap_err();
+        assert!(error.to_string().contains("the quaternion is none"), "{error}");
+    }
 
     #[test]
     fn information_is_of_a_covariance() {

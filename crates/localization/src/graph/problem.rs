@@ -67,12 +67,25 @@ impl<P: Pose<D>, const D: usize> Prior<P, D> {
     }
 }
 
+/// Whether it may be one over a covariance, or nothing along some directions, but for rounding.
+pub(super) fn is_information<const D: usize>(information: &SMatrix<f64, D, D>) -> bool {
+    const ROUNDING: f64 = 1e-9;
+    let largest = information.amax();
+    // Scaled, so that none of the numbers overflows.
+    largest == 0.0
+        || (information / largest + SMatrix::<f64, D, D>::identity() * ROUNDING).cholesky().is_some()
+}
+
 impl<P: Pose<D>, const D: usize> Graph<P, D> {
     /// The sum of squared residuals in deviations. A prior counts no more than if it were just credible.
     pub fn chi2(&self) -> f64 {
-        let edges = self.edges.iter().map(|edge| square(&edge.residual(&self.poses), &edge.information));
+        let edges = self.edges.iter().map(|edge| {
+            // Rounding may leave it below.
+            square(&edge.residual(&self.poses), &edge.information).max(0.0)
+        });
         let priors = self.priors.iter().map(|prior| {
-            square(&prior.residual(&self.poses), &prior.information).min(prior.credible * prior.credible)
+            let square = square(&prior.residual(&self.poses), &prior.information).max(0.0);
+            square.min(prior.credible * prior.credible)
         });
         edges.sum::<f64>() + priors.sum::<f64>()
     }

@@ -3,7 +3,7 @@
 use nalgebra::SVector;
 
 use super::pose::Pose;
-use super::problem::{Graph, square};
+use super::problem::{Graph, is_information, square};
 use super::sparse::Normal;
 
 /// Steps at most.
@@ -46,7 +46,7 @@ impl<P: Pose<D>, const D: usize> Graph<P, D> {
     pub fn solve_to(&mut self, little: f64) -> Result<Solved, SolveError> {
         self.check()?;
         let (mut chi2, mut damping) = (self.chi2(), 0.0);
-        if !(0.0..f64::INFINITY).contains(&chi2) {
+        if !chi2.is_finite() {
             return Err(SolveError::NotFinite);
         }
         let Some(mut system) = System::new(self)? else { return Ok(Solved { chi2, steps: 0 }) };
@@ -89,6 +89,10 @@ impl<P: Pose<D>, const D: usize> Graph<P, D> {
         let named = named.chain(self.priors.iter().map(|prior| prior.at)).chain(self.held.iter().copied());
         if let Some(missing) = named.into_iter().find(|at| *at >= self.poses.len()) {
             return Err(SolveError::NoSuchPose(missing));
+        }
+        let edges = self.edges.iter().map(|edge| &edge.information);
+        if !edges.chain(self.priors.iter().map(|prior| &prior.information)).all(is_information) {
+            return Err(SolveError::NotFinite);
         }
         Ok(())
     }
