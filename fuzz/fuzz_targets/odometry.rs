@@ -29,17 +29,17 @@ fn stamp(input: &mut Unstructured<'_>, last: &mut SimTime) -> Result<SimTime> {
 }
 
 fn scan(input: &mut Unstructured<'_>, stamp: SimTime) -> Result<LidarScan> {
-    // A wall or a floor, so that there is something to go by, and points anywhere.
-    let (axis, distance, count) = (input.int_in_range(0..=2)?, number(input, 10.0)?, input.int_in_range(0..=400_u32)?);
+    // Two walls and a floor, so that there is something to go by, and points anywhere.
+    let (distances, count) = (vector(input, 10.0)?, input.int_in_range(0..=3000_u32)?);
     let mut points = Vec::new();
     for i in 0..count {
-        let mut xyz = [f64::from(i % 20) * 0.1, f64::from(i / 20) * 0.1, 0.0];
-        xyz[2] = distance;
+        let axis = i as usize % 3;
+        let mut xyz = [f64::from(i % 60) * 0.1, f64::from(i / 60) * 0.1, distances[axis]];
         xyz.rotate_left(axis);
-        if input.ratio(1, 50)? {
+        if i % 50 == 0 {
             xyz = vector(input, 50.0)?;
         }
-        points.push(LidarPoint { xyz: xyz.map(|x| x as f32), offset_ns: i * 250_000, reflectivity: 0, line: 0 });
+        points.push(LidarPoint { xyz: xyz.map(|x| x as f32), offset_ns: i * 30_000, reflectivity: 0, line: 0 });
     }
     Ok(LidarScan { stamp, points })
 }
@@ -53,6 +53,7 @@ fn run(input: &mut Unstructured<'_>) -> Result<()> {
             0 => estimates.extend(odometry.scan(scan(input, stamp)?)),
             1 => {
                 let (velocity, deviation) = (vector(input, 2.0)?, vector(input, 1.0)?);
+                let deviation = deviation.map(|x| x.abs() + 1e-3);
                 odometry.speed(Speed { stamp, velocity: velocity.into(), deviation: deviation.into() });
             }
             _ => {
@@ -70,6 +71,7 @@ fn run(input: &mut Unstructured<'_>) -> Result<()> {
     let finite = |v: Vector3<f64>| v.iter().all(|x| x.is_finite());
     assert!(estimates.iter().all(|estimate| finite(estimate.pose.translation.vector) && finite(estimate.velocity)));
     assert!(estimates.iter().all(|estimate| estimate.covariance.iter().all(|x| x.is_finite())));
+    assert!(estimates.iter().all(|estimate| estimate.covariance.diagonal().iter().all(|x| *x >= 0.0)));
     Ok(())
 }
 

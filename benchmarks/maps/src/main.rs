@@ -1,6 +1,6 @@
 //! Which map an odometry should have: the same scans are laid on maps of three kinds, and put into them where they came to lie.
 //!
-//! Scans come without distortion (the recorded truth undoes it) and with a guess of the motion since the last, a little wrong, as an IMU gives it; so all that differs is the map. Printed are
+//! Scans come without distortion (the recorded truth undoes it) and with a guess of the motion since the last, a little wrong, as an IMU gives it; so all that differs is the map, and how each weighs what it finds. Printed are
 //! how far the way is off, aligned at the first pose, and CPU time a scan.
 
 mod maps;

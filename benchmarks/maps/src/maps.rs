@@ -100,10 +100,19 @@ fn voxel(point: &Vector3<f64>, side: f64) -> Voxel {
     [0, 1, 2].map(|i| (point[i] / side).floor() as i32)
 }
 
-/// The first point of each voxel of a scan, as FAST-LIO2 thins it.
+/// The mean of the points of each voxel of a scan, as FAST-LIO2 thins it.
 fn thinned(points: &[Vector3<f64>], side: f64) -> Vec<Vector3<f64>> {
-    let mut taken = FxHashSet::default();
-    points.iter().filter(|point| taken.insert(voxel(point, side))).copied().collect()
+    let mut number = FxHashMap::default();
+    let mut sums: Vec<(Vector3<f64>, f64)> = Vec::new();
+    for point in points {
+        let at = *number.entry(voxel(point, side)).or_insert(sums.len());
+        if at == sums.len() {
+            sums.push((Vector3::zeros(), 0.0));
+        }
+        sums[at].0 += point;
+        sums[at].1 += 1.0;
+    }
+    sums.iter().map(|(sum, count)| sum / *count).collect()
 }
 
 /// The plane of a point's neighbours, if they lie on one and the point near it: FAST-LIO2's rules.

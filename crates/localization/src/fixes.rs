@@ -35,7 +35,7 @@ const OPTIMISM: f64 = 2.0;
 const BEST: f64 = 2.0;
 /// Errors from reflections last: a fix counts once in that time, seconds.
 const REFLECTED: f64 = 10.0;
-/// Those from the ionosphere and from satellites' orbits and clocks last half an hour (P. Misra, P. Enge, *Global Positioning System*, chapter 5): all fixes of that time together count as one.
+/// Those from the ionosphere and from satellites' orbits and clocks last half an hour (P. Misra, P. Enge, *Global Positioning System*, chapter 5): all fixes of that time together count as one at most.
 const SLOW: f64 = 1800.0;
 
 /// Satellite fixes with errors as in streets: larger than the receiver says, and much the same for a long time. They bound how far odometry drifts in hours; where the start is known they say

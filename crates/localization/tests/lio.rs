@@ -272,3 +272,22 @@ fn gravity_keeps_a_map_level_whose_far_ground_seems_too_low() {
     assert!(height.abs() < 4.0 * last.covariance[(5, 5)].sqrt());
     assert!((last.pose.translation.vector - there).xy().norm() < 0.05);
 }
+
+/// The usual way, but from the eighth second on it stands tipped forwards.
+fn tipped(seconds: f64) -> Pose3 {
+    let lean = if seconds < 8.0 { 0.0 } else { 0.1 };
+    truth(seconds.min(7.0)) * Pose3::rotation(Vector3::y() * lean)
+}
+
+#[test]
+fn a_robot_that_was_tipped_while_nothing_was_said_knows_how_it_leans() {
+    let gone = |millis: u64| (7000..9500).contains(&millis);
+    let (_, estimates) = drive_along(tipped, room, 25, |millis, imu, scan| {
+        (imu.filter(|_| !gone(millis)), scan.filter(|_| !gone(millis)))
+    });
+    let last = &estimates[estimates.len() - 1];
+    assert!(last.stamp > SimTime::from_millis(24_500) && last.status == Status::Tracking);
+    let up = |pose: &Pose3| pose.rotation.inverse() * Vector3::z();
+    let off = up(&last.pose).angle(&up(&tipped(25.0)));
+    assert!(off < 0.01, "{off}");
+}

@@ -50,8 +50,6 @@ use start::{First, Start};
 use state::{State, at};
 use update::{LidarNoise, Matched, update};
 
-/// With fewer points on known planes a scan says nothing.
-const FEW: usize = 60;
 /// Scans that wait for the IMU at most.
 const WAITING: usize = 20;
 /// So long the IMU waits for a scan that began before it; then the way goes on without.
@@ -71,8 +69,8 @@ const UNSEEN: [Vector3<f64>; 3] =
 const UNSEEN_TURN: f64 = 0.05;
 /// Turned by less than that it lies well, radians.
 const LIES_WELL: f64 = 1e-3;
-/// Of the points on known surfaces that share agrees with the map at least, else something is wrong.
-const AGREEING: f64 = 0.5;
+/// A map that leans more is of no use, radians.
+const STEEPEST: f64 = 0.02;
 /// No LiDAR sees farther, metres.
 const FARTHEST: f64 = 1e4;
 /// The map reaches that far, metres, and is cut to it each time that the IMU has come a quarter of it.
@@ -120,7 +118,7 @@ pub struct Estimate {
     pub pose: Pose3,
     /// Of the IMU in `odom`, m/s.
     pub velocity: Vector3<f64>,
-    /// Of the IMU: rotation in its own frame, position in `odom`; grows with the way.
+    /// Of the IMU: rotation in its own frame, position in `odom`; grows with the way, but for roll and pitch, which gravity tells.
     pub covariance: Matrix6<f64>,
     /// Whether it can be trusted.
     pub status: Status,
@@ -340,7 +338,7 @@ impl LidarInertialOdometry {
         }
         self.refused.gaps += self.inertial.forget(until);
         self.refused.points += scan.points.iter().filter(|point| !self.usable(&position(point))).count();
-        let good = matched.as_ref().is_some_and(|m| m.points >= FEW && m.agreeing >= AGREEING);
+        let good = matched.as_ref().is_some_and(Matched::is_good);
         if !good {
             // What contradicts the map is not believed.
             known = before.clone();
@@ -352,7 +350,11 @@ impl LidarInertialOdometry {
             self.drift.keep(&before, &known, &expected);
         }
         known.temper(&self.unseen, &self.settings, until.since(since));
-        if good || first {
+        if known.state.map_tilt.norm() > STEEPEST {
+            // Its points were put in at another lean than they are seen at now: it is begun anew.
+            self.map = PlaneMap::new(self.settings.lidar_noise);
+            drift::upright(&mut known);
+        } else if good || first {
             let new = self.matching.insert(&known.state, &mut self.map);
             self.drift.grow(&mut known, new, &self.unseen);
         }

@@ -55,7 +55,7 @@ pub struct State {
     pub mount_rotation: UnitQuaternion<f64>,
     /// Of the LiDAR in the IMU's frame, metres.
     pub mount_position: Vector3<f64>,
-    /// How the map that is in view leans, turned about the IMU: a small rotation about x and y of `odom`.
+    /// How the map that is in view leans, turned about the IMU: a small rotation about x and y of `odom`, so that the map is seen as from exp(tilt) times `rotation`.
     pub map_tilt: Vector2<f64>,
 }
 

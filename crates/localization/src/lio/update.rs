@@ -50,6 +50,18 @@ pub struct Matched {
     pub loose: Vec<Vector3<f64>>,
 }
 
+/// With fewer points on known planes a scan says nothing.
+const FEW: usize = 60;
+/// Of the points on known surfaces that share agrees with the map at least, else something is wrong.
+const AGREEING: f64 = 0.5;
+
+impl Matched {
+    /// Whether the scan says something, and does not contradict the map.
+    pub fn is_good(&self) -> bool {
+        self.points >= FEW && self.agreeing >= AGREEING
+    }
+}
+
 /// Corrects a state by the points of a scan, which are in the LiDAR's frame of the state's instant. `None` leaves the state as it was: the numbers have no solution.
 ///
 /// Where the pose is known badly beforehand, as after a gap, much would pass for a point of a plane that is none: the gate is closed step by step then, about
@@ -71,7 +83,10 @@ pub(super) fn update(
     if wide && points.len() >= ENOUGH {
         // Some of the points will do until it is known about where they lie; where they do not, all of them may.
         let thinned: Vec<_> = points.iter().copied().step_by(THINNED).collect();
-        if let Some(matched) = registration.search(known, &thinned, matching) {
+        let mut there = known.clone();
+        let found = registration.search(&mut there, &thinned, matching);
+        if let Some(matched) = found.filter(Matched::is_good) {
+            *known = there;
             return Some(matched);
         }
     }
@@ -105,7 +120,7 @@ impl Registration<'_> {
             } else {
                 settle::<6>(&self.prior, here.state, &matching.clusters)?
             };
-            let moved = there.minus(&from);
+            let moved = there.in_map().minus(&from.in_map());
             let far = moved.fixed_rows::<3>(at::POSITION).norm() > MOVED[0]
                 || moved.fixed_rows::<3>(at::ROTATION).norm() > MOVED[1];
             here.state = there;
@@ -191,7 +206,7 @@ fn settle<const N: usize>(
         let factor = sum.cholesky()?;
         let step = factor.solve(&right);
         state = state.plus(&step);
-        let still = step.fixed_rows::<6>(0).norm() < STILL;
+        let still = (observed * step).norm() < STILL;
         last = Some((factor, matched, before));
         if still {
             break;
@@ -306,4 +321,39 @@ fn forget<const N: usize>(
     keep.fixed_view_mut::<3, 3>(at::POSITION, at::POSITION).copy_from(&others);
     *information = keep * *information * keep;
     *vector = keep * *vector;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lio::so3::exp;
+    use nalgebra::Vector2;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn what_is_seen_changes_with_the_state_as_its_jacobian_says(
+            numbers in proptest::collection::vec(-1.0_f64..1.0, 8),
+            step in proptest::collection::vec(-1e-4_f64..1e-4, SIZE),
+        ) {
+            let part = |i: usize| Vector3::new(numbers[i], numbers[i + 1], numbers[i + 2]);
+            let state = State {
+                rotation: exp(part(0)),
+                position: part(3),
+                velocity: Vector3::zeros(),
+                gyro_bias: Vector3::zeros(),
+                accel_bias: Vector3::zeros(),
+                gravity: Vector3::z() * -9.8,
+                mount_rotation: exp(Vector3::x()),
+                mount_position: part(1),
+                map_tilt: Vector2::new(numbers[6], numbers[7]) * 0.01,
+            };
+            let step = Error::from_vec(step);
+            let seen = state.in_map();
+            let moved = state.plus(&step).in_map().minus(&seen);
+            let told = observed::<12>(&seen) * step;
+            prop_assert!((moved.fixed_rows::<6>(at::ROTATION) - told.fixed_rows::<6>(0)).norm() < 4e-6);
+            prop_assert!((moved.fixed_rows::<6>(at::MOUNT_ROTATION) - told.fixed_rows::<6>(6)).norm() < 1e-9);
+        }
+    }
 }
