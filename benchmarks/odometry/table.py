@@ -13,7 +13,7 @@ from evo.core import metrics, trajectory
 from evo.tools import file_interface
 
 # The long ones are ours alone.
-LONG = ["hour", "avenue"]
+LONG = ["hour", "avenue", "boulevard"]
 LOGS = LONG + ["close", "loops", "street", "yards", "kerbs", "traffic", "turning", "square", "corridor", "gap", "saturation"]
 # The robot stands until then, seconds; all have begun.
 BEGIN = 1.5

@@ -11,6 +11,7 @@ from xml.sax.saxutils import quoteattr
 LAT, LON = 40.4980, 117.0
 METRES = 111_132.0
 AVENUE = [(0, 0), (210, 0), (300, 120), (300, 330), (140, 440), (-60, 420), (-160, 260), (-360, 230)]
+BOULEVARD = [(0, 0), (180, 0), (300, -90), (320, -300), (160, -420), (-40, -430), (-180, -290), (-370, -270)]
 
 
 class Map:
@@ -111,12 +112,12 @@ def kerbs():
     return m
 
 
-def avenue():
+def avenue(line=AVENUE):
     """A street of 1.2 km that never comes back to where it was, between houses of all sizes, with gaps among them."""
     m = Map()
-    m.way(AVENUE, highway="residential", name="Far Avenue", width=6, sidewalk="both")
+    m.way(line, highway="residential", name="Far Avenue", width=6, sidewalk="both")
     number = 0
-    for (ax, ay), (bx, by) in zip(AVENUE, AVENUE[1:]):
+    for (ax, ay), (bx, by) in zip(line, line[1:]):
         length = math.hypot(bx - ax, by - ay)
         east, north = (bx - ax) / length, (by - ay) / length
 
@@ -134,7 +135,12 @@ def avenue():
     return m
 
 
+def boulevard():
+    """Another such street."""
+    return avenue(BOULEVARD)
+
+
 folder = Path(sys.argv[1])
 folder.mkdir(parents=True, exist_ok=True)
-for make in (street, yards, square, corridor, kerbs, avenue):
+for make in (street, yards, square, corridor, kerbs, avenue, boulevard):
     make().write(folder / f"{make.__name__}.osm")
