@@ -79,13 +79,9 @@ pub(super) fn is_information<const D: usize>(information: &SMatrix<f64, D, D>) -
 impl<P: Pose<D>, const D: usize> Graph<P, D> {
     /// The sum of squared residuals in deviations. A prior counts no more than if it were just credible.
     pub fn chi2(&self) -> f64 {
-        let edges = self.edges.iter().map(|edge| {
-            // Rounding may leave it below.
-            square(&edge.residual(&self.poses), &edge.information).max(0.0)
-        });
+        let edges = self.edges.iter().map(|edge| square(&edge.residual(&self.poses), &edge.information));
         let priors = self.priors.iter().map(|prior| {
-            let square = square(&prior.residual(&self.poses), &prior.information).max(0.0);
-            square.min(prior.credible * prior.credible)
+            square(&prior.residual(&self.poses), &prior.information).min(prior.credible * prior.credible)
         });
         edges.sum::<f64>() + priors.sum::<f64>()
     }
@@ -112,6 +108,9 @@ impl<P: Pose<D>, const D: usize> Graph<P, D> {
     }
 }
 
+/// A residual in deviations, squared.
 pub(super) fn square<const D: usize>(residual: &SVector<f64, D>, information: &SMatrix<f64, D, D>) -> f64 {
-    residual.dot(&(information * residual))
+    let square = residual.dot(&(information * residual));
+    // Rounding may leave it below; `max` would make a number of what is none.
+    if square < 0.0 { 0.0 } else { square }
 }

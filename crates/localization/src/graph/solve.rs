@@ -230,6 +230,9 @@ mod tests {
         assert_eq!(graph.solve(), Err(SolveError::NotFinite));
         graph.edges[1].information[(0, 0)] = 1e308;
         assert!(graph.solve().is_err());
+        let mut graph = round();
+        graph.poses[1].translation.x = f64::NAN;
+        assert_eq!(graph.solve(), Err(SolveError::NotFinite));
         // Edges that say nothing leave the poses where they are.
         let mut graph = round();
         graph.edges.iter_mut().for_each(|edge| edge.information = Matrix3::zeros());

@@ -5,7 +5,7 @@
 //! all that is seen, and nothing that is seen later takes it away. The map's beginning is where the robot stands by definition.
 //!
 //! How the map leans is another matter: gravity tells it, slowly. So the map in view is taken to lean by an angle of its own (`State::map_tilt`), which the filter estimates, a LiDAR at R seeing the map as from exp(tilt) R; what is new is put
-//! in upright, so that the next ground does not lean. Left out, being small while the angle is: that the way since the last scan is one in the leaning map. Nothing of the kind is in FAST-LIO2, whose map holds the pose's roll and pitch far more firmly than its accelerometer does.
+//! in upright, so that the next ground does not lean. Left out, being small while the angle is: that the way since the last scan is one in the leaning map. FAST-LIO2 has nothing of the kind.
 
 use nalgebra::{Matrix2, Matrix3, Matrix6, Vector2, Vector3};
 
@@ -16,7 +16,7 @@ use super::state::{Covariance, at};
 /// What of a pose's covariance goes over to what is put into the map from there. The rest is of the scan alone, and averages out among the scans that fill a cube. Measured with this: the
 /// normalized errors squared of heading and place on the ground over fifty drives (`benchmarks/odometry/consistency.py`) are 3.3 where 3 are right.
 const LASTING: f64 = 0.5;
-/// The same for how the pose leans. It is more than what averages out: what grazing rays say of far ground is wrong in the same way from scan to scan, and bends the map. Gravity is what puts it
+/// The same for how the pose leans. It is more than what averages out, since maps bend forward and down along the whole of a way; why, is not known. Gravity is what puts it
 /// right, the sooner the larger this is. Measured on a kilometre of new ground (`avenue` of `benchmarks/odometry`): 4 has NEES 6 and ends 17 cm off, 0.5 and 30 have 105 and 31.
 const LEANING: f64 = 4.0;
 

@@ -8,7 +8,7 @@
 //! |---|---|
 //! | [`so3`] | rotations as vectors |
 //! | [`state`] | what is estimated, on its manifold |
-//! | `drift` | how far off the map is by now |
+//! | `drift` | how far off the map is by now, and how it leans |
 //! | [`propagation`] | where the IMU says that it moves to |
 //! | [`moments`] | sums over points |
 //! | `inertial`, `limits` | what IMU and wheels said; an IMU at the end of its range |

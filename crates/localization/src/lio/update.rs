@@ -114,13 +114,12 @@ impl Registration<'_> {
             let points = if search + 1 < self.gates.len() { rough } else { self.points };
             let in_map = here.in_map();
             matching.find(&in_map.state, &in_map.covariance, points, self.map, self.noise, gate);
-            let from = here.state.clone();
             let (there, posterior, matched) = if self.estimate_lidar {
                 settle::<12>(&self.prior, here.state, &matching.clusters)?
             } else {
                 settle::<6>(&self.prior, here.state, &matching.clusters)?
             };
-            let moved = there.in_map().minus(&from.in_map());
+            let moved = there.in_map().minus(&in_map.state);
             let far = moved.fixed_rows::<3>(at::POSITION).norm() > MOVED[0]
                 || moved.fixed_rows::<3>(at::ROTATION).norm() > MOVED[1];
             here.state = there;
