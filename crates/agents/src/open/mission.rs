@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 use openbench_core::address::fold_name;
+use openbench_core::frames::wrap_angle;
 use openbench_core::{
     Action, Address, Briefing, Event, Events, FailureCause, GiveUp, Goal, MapPoint, Observation,
     PlannedDelivery, RobotDescription, SimTime, Velocity,
@@ -40,6 +41,8 @@ const CORRECTION: f64 = 0.25;
 const STEADY: Duration = Duration::from_millis(400);
 /// Time between two glances while driving near the building, and how near that is, metres.
 const GLANCE: (Duration, f64) = (Duration::from_millis(2000), 10.0);
+/// Turning, the robot glances again after this share of the camera's field of view, so that no wall passes by between two glances.
+const TURNED: f64 = 1.0 / 3.0;
 /// A way over roads is taken if it is no longer than this many times the straight line.
 const DETOUR: f64 = 1.3;
 
@@ -85,7 +88,8 @@ pub struct Mission {
     queue: VecDeque<PlannedDelivery>,
     task: Option<Task>,
     seen: Vec<Sighting>,
-    last_glance: SimTime,
+    /// When, and heading where.
+    last_glance: (SimTime, f64),
     /// Whether the pose is being corrected by more than a little.
     correcting: bool,
 }
@@ -109,7 +113,7 @@ impl Mission {
             reader: parts.reader,
             task: None,
             seen: Vec::new(),
-            last_glance: SimTime::ZERO,
+            last_glance: (SimTime::ZERO, briefing.start.yaw),
             correcting: false,
             robot,
             localizer,
@@ -391,11 +395,11 @@ impl Mission {
         observation: &Observation<'_>,
         events: &mut dyn Events,
     ) -> Result<Task, Action> {
-        if observation.time.since(self.last_glance) < GLANCE.0 || !self.faces(task.building) {
+        if !self.is_new_view(observation.time) || !self.faces(task.building) {
             return Ok(task);
         }
         let Some(image) = observation.camera.image() else { return Ok(task) };
-        self.last_glance = observation.time;
+        self.last_glance = (observation.time, self.localizer.pose().yaw);
         if let Err(detail) = self.read(&image, events) {
             return Err(Action::GiveUp(one(task.address, FailureCause::ReaderUnavailable, detail)));
         }
@@ -411,6 +415,13 @@ impl Mission {
             }
             None => Ok(task),
         }
+    }
+
+    /// Whether the camera may show what it did not show at the last glance.
+    fn is_new_view(&self, now: SimTime) -> bool {
+        let (then, heading) = self.last_glance;
+        let turned = wrap_angle(self.localizer.pose().yaw - heading).abs();
+        now.since(then) >= GLANCE.0 || turned >= TURNED * self.robot.camera_intrinsics.horizontal_fov
     }
 
     /// Whether the door that the robot is on its way to was read otherwise meanwhile.
