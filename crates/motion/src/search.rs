@@ -1,0 +1,352 @@
+//! A* over cells with costs: the cheapest way on the eight neighbours of each cell, no corners cut.
+//!
+//! P. Hart, N. Nilsson, B. Raphael, *A Formal Basis for the Heuristic Determination of Minimum Cost Paths*, 1968, with the octile distance for an estimate. It is never more than the
+//! way costs, since no cell costs less than 1, and falls along no step by more than the step costs; so what is taken from the queue has estimates that do not fall, and a queue of
+//! buckets will do (R. Dial, *Algorithm 360*, 1969). Buckets are as wide as they may be for few cells to be visited twice; ways are cheapest whatever their width, since a cell
+//! that is reached cheaper later is visited again.
+
+use std::f64::consts::SQRT_2;
+
+/// Buckets of the queue, a power of two.
+const BUCKETS: usize = 1024;
+/// Width of a bucket, cells: where cells cost little, narrower ones gain nothing.
+const WIDTH: f64 = 0.25;
+/// Steps to the neighbours: columns, rows, and which two of the first four lie beside a diagonal.
+const STEPS: [(i32, i32); 8] = [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)];
+const START: u8 = 8;
+
+/// Cells row by row, each with what a way of one cell's side through it costs: 1 at least, infinite where there is no way.
+#[derive(Debug, Clone, Copy)]
+pub struct Costs<'a> {
+    width: usize,
+    costs: &'a [f32],
+    dearest: f32,
+}
+
+/// Costs make no grid.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum CostsError {
+    /// No cells, more than can be numbered, or rows of several lengths.
+    #[error(
+        "{cells} costs do not fill rows of {width} cells; give width times height of them, 2^31 - 1 at most"
+    )]
+    NoGrid {
+        /// Cells in a row.
+        width: usize,
+        /// Costs in all.
+        cells: usize,
+    },
+    /// A cost that is less than 1 or no number.
+    #[error("cell {cell} costs {cost}; the least is 1, and infinity where there is no way")]
+    TooCheap {
+        /// Its number.
+        cell: usize,
+        /// Its cost.
+        cost: f32,
+    },
+}
+
+impl<'a> Costs<'a> {
+    /// Looks through the costs of all cells once.
+    pub fn new(width: usize, costs: &'a [f32]) -> Result<Self, CostsError> {
+        let cells = costs.len();
+        if cells == 0 || width == 0 || !cells.is_multiple_of(width) || cells > i32::MAX as usize {
+            return Err(CostsError::NoGrid { width, cells });
+        }
+        let mut dearest = 1.0_f32;
+        for (cell, &cost) in costs.iter().enumerate() {
+            if cost.is_nan() || cost < 1.0 {
+                return Err(CostsError::TooCheap { cell, cost });
+            }
+            if cost < f32::INFINITY && cost > dearest {
+                dearest = cost;
+            }
+        }
+        Ok(Self { width, costs, dearest })
+    }
+
+    /// Cells in a row.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Rows.
+    pub fn height(&self) -> usize {
+        self.costs.len() / self.width
+    }
+}
+
+/// What a search knows of a cell.
+#[derive(Debug, Clone, Copy, Default)]
+struct Visited {
+    /// Cost of the cheapest way to it so far.
+    cost: f64,
+    /// The search that this is of.
+    search: u32,
+    /// Number of the step that led to it.
+    step: u8,
+}
+
+/// A cell to go on from.
+#[derive(Debug, Clone, Copy)]
+struct Open {
+    cost: f64,
+    cell: u32,
+}
+
+/// Buffers of searches, used again from one to the next.
+#[derive(Debug, Clone)]
+pub struct Search {
+    visited: Vec<Visited>,
+    number: u32,
+    buckets: Vec<Vec<Open>>,
+    expanded: usize,
+}
+
+impl Default for Search {
+    fn default() -> Self {
+        Self { visited: Vec::new(), number: 0, buckets: vec![Vec::new(); BUCKETS], expanded: 0 }
+    }
+}
+
+impl Search {
+    /// Cost and cells of the cheapest way from one cell to another, both included; `None` where there is none. Costs are those of cells' sides: a step costs its
+    /// length times the mean of both cells' costs. Panics if a cell's number is none of the grid's.
+    pub fn cheapest(&mut self, costs: &Costs<'_>, start: usize, goal: usize) -> Option<(f64, Vec<usize>)> {
+        assert!(start < costs.costs.len() && goal < costs.costs.len(), "a cell of another grid");
+        if costs.costs[start].is_infinite() || costs.costs[goal].is_infinite() {
+            return None;
+        }
+        self.begin(costs.costs.len());
+        let mut run = Run {
+            costs: costs.costs,
+            columns: costs.width as i32,
+            rows: costs.height() as i32,
+            goal: ((goal % costs.width) as i32, (goal / costs.width) as i32),
+            scale: 1.0 / WIDTH.max(2.0 * SQRT_2 * (f64::from(costs.dearest) + 1.0) / (BUCKETS - 2) as f64),
+            number: self.number,
+            visited: &mut self.visited,
+            buckets: &mut self.buckets,
+            waiting: 0,
+        };
+        let cost = run.search(start, goal, &mut self.expanded)?;
+        Some((cost, self.trace(costs.width, goal)))
+    }
+
+    /// Cells that the last search went on from, those that it did so twice from counted twice.
+    pub fn expanded(&self) -> usize {
+        self.expanded
+    }
+
+    fn begin(&mut self, cells: usize) {
+        self.buckets.iter_mut().for_each(Vec::clear);
+        self.expanded = 0;
+        if self.visited.len() != cells || self.number == u32::MAX {
+            self.visited.clear();
+            self.visited.resize(cells, Visited::default());
+            self.number = 0;
+        }
+        self.number += 1;
+    }
+
+    fn trace(&self, width: usize, goal: usize) -> Vec<usize> {
+        let mut cells = vec![goal];
+        let mut at = goal;
+        while let Some((dx, dy)) = STEPS.get(usize::from(self.visited[at].step)) {
+            at = (at as i64 - i64::from(*dx) - i64::from(*dy) * width as i64) as usize;
+            cells.push(at);
+        }
+        cells.reverse();
+        cells
+    }
+}
+
+/// A search under way.
+struct Run<'a> {
+    costs: &'a [f32],
+    columns: i32,
+    rows: i32,
+    goal: (i32, i32),
+    /// One over the width of a bucket.
+    scale: f64,
+    number: u32,
+    visited: &'a mut [Visited],
+    buckets: &'a mut [Vec<Open>],
+    /// Entries in all buckets.
+    waiting: usize,
+}
+
+impl Run<'_> {
+    fn search(&mut self, start: usize, goal: usize, expanded: &mut usize) -> Option<f64> {
+        self.visited[start] = Visited { cost: 0.0, search: self.number, step: START };
+        let (x, y) = (start as i32 % self.columns, start as i32 / self.columns);
+        let mut bucket = (self.estimate(x, y) * self.scale) as usize;
+        self.open(0.0, start as u32, bucket);
+        while self.waiting > 0 {
+            if self.visited[goal].search == self.number {
+                let cost = self.visited[goal].cost;
+                // All that is still open costs no less.
+                if bucket as f64 >= cost * self.scale {
+                    return Some(cost);
+                }
+            }
+            while let Some(open) = self.buckets[bucket % BUCKETS].pop() {
+                self.waiting -= 1;
+                if open.cost <= self.visited[open.cell as usize].cost && open.cell as usize != goal {
+                    *expanded += 1;
+                    self.expand(open, bucket);
+                }
+            }
+            bucket += 1;
+        }
+        (self.visited[goal].search == self.number).then(|| self.visited[goal].cost)
+    }
+
+    #[inline]
+    fn open(&mut self, cost: f64, cell: u32, bucket: usize) {
+        self.buckets[bucket % BUCKETS].push(Open { cost, cell });
+        self.waiting += 1;
+    }
+
+    /// Octile distance to the goal, cells.
+    #[inline]
+    fn estimate(&self, x: i32, y: i32) -> f64 {
+        let (dx, dy) = ((x - self.goal.0).abs(), (y - self.goal.1).abs());
+        f64::from(dx.max(dy)) + (SQRT_2 - 1.0) * f64::from(dx.min(dy))
+    }
+
+    /// Opens the neighbours that are reached cheaper than before.
+    #[inline]
+    fn expand(&mut self, from: Open, bucket: usize) {
+        let cell = from.cell as i32;
+        let (x, y) = (cell % self.columns, cell / self.columns);
+        let here = f64::from(self.costs[cell as usize]);
+        let mut free = [false; 4];
+        for (step, &(dx, dy)) in STEPS.iter().enumerate() {
+            let (u, v) = (x + dx, y + dy);
+            // A diagonal runs between two cells, which must both be free.
+            let open = step < 4 || (free[step - 4] && free[(step - 3) % 4]);
+            if !open || u < 0 || v < 0 || u >= self.columns || v >= self.rows {
+                continue;
+            }
+            let next = (v * self.columns + u) as usize;
+            let there = self.costs[next];
+            if there == f32::INFINITY {
+                continue;
+            }
+            let length = if step < 4 {
+                free[step] = true;
+                0.5
+            } else {
+                0.5 * SQRT_2
+            };
+            let cost = from.cost + length * (here + f64::from(there));
+            let known = &mut self.visited[next];
+            if known.search != self.number || cost < known.cost {
+                *known = Visited { cost, search: self.number, step: step as u8 };
+                let estimate = ((cost + self.estimate(u, v)) * self.scale) as usize;
+                // Rounding may put it a hair below what is visited now.
+                self.open(cost, next as u32, estimate.max(bucket));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const COLUMNS: usize = 9;
+    const ROWS: usize = 7;
+    const WALL: f32 = f32::INFINITY;
+
+    /// Cells side by side or across a corner that is free on both sides, and how far apart.
+    fn length(costs: &[f32], a: usize, b: usize) -> Option<f64> {
+        let (dx, dy) = ((a % COLUMNS).abs_diff(b % COLUMNS), (a / COLUMNS).abs_diff(b / COLUMNS));
+        let beside = [a / COLUMNS * COLUMNS + b % COLUMNS, b / COLUMNS * COLUMNS + a % COLUMNS];
+        match (dx, dy) {
+            (0, 1) | (1, 0) => Some(1.0),
+            (1, 1) if beside.iter().all(|&cell| costs[cell] < WALL) => Some(SQRT_2),
+            _ => None,
+        }
+    }
+
+    fn step(costs: &[f32], a: usize, b: usize) -> Option<f64> {
+        let mean = (f64::from(costs[a]) + f64::from(costs[b])) / 2.0;
+        length(costs, a, b).map(|length| length * mean).filter(|cost| cost.is_finite())
+    }
+
+    /// Every step tried again and again until nothing gets cheaper (Bellman and Ford).
+    fn by_patience(costs: &[f32], start: usize) -> Vec<f64> {
+        let mut best = vec![f64::INFINITY; costs.len()];
+        best[start] = if costs[start] < WALL { 0.0 } else { f64::INFINITY };
+        for _ in 0..costs.len() {
+            for a in 0..costs.len() {
+                for b in 0..costs.len() {
+                    let through = step(costs, a, b).map_or(f64::INFINITY, |cost| best[a] + cost);
+                    best[b] = best[b].min(through);
+                }
+            }
+        }
+        best
+    }
+
+    fn terrain() -> impl Strategy<Value = Vec<f32>> {
+        let cost = prop_oneof![3 => Just(1.0), 2 => 1.0_f32..9.0, 1 => 9.0_f32..5000.0, 2 => Just(WALL)];
+        prop::collection::vec(cost, COLUMNS * ROWS)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
+
+        #[test]
+        fn ways_are_the_cheapest_and_cost_what_their_steps_cost(cells in terrain(), start in 0..COLUMNS * ROWS) {
+            let costs = Costs::new(COLUMNS, &cells).unwrap();
+            let best = by_patience(&cells, start);
+            let mut search = Search::default();
+            for (goal, &best) in best.iter().enumerate() {
+                let Some((cost, way)) = search.cheapest(&costs, start, goal) else {
+                    prop_assert!(best.is_infinite() || cells[goal] == WALL);
+                    continue;
+                };
+                prop_assert!((cost - best).abs() < 1e-9 * best.max(1.0), "{cost} {best}");
+                prop_assert_eq!((way[0], way[way.len() - 1]), (start, goal));
+                let steps: Option<f64> = way.windows(2).map(|pair| step(&cells, pair[0], pair[1])).sum();
+                prop_assert!((steps.unwrap() - cost).abs() < 1e-9 * best.max(1.0));
+                let (back, _) = search.cheapest(&costs, goal, start).unwrap();
+                prop_assert!((back - cost).abs() < 1e-9 * best.max(1.0));
+            }
+        }
+    }
+
+    #[test]
+    fn buffers_of_one_grid_do_for_another() {
+        let (small, large) = (vec![1.0; 12], vec![2.0; 20]);
+        let mut search = Search::default();
+        for _ in 0..2 {
+            assert_eq!(search.cheapest(&Costs::new(4, &small).unwrap(), 0, 3).unwrap().1, [0, 1, 2, 3]);
+            assert_eq!(search.cheapest(&Costs::new(5, &large).unwrap(), 0, 4).unwrap().0, 8.0);
+        }
+        assert!(search.expanded() >= 4);
+    }
+
+    #[test]
+    fn what_is_no_grid_and_no_cost_is_refused() {
+        assert!(matches!(Costs::new(3, &[1.0; 4]), Err(CostsError::NoGrid { width: 3, cells: 4 })));
+        assert!(Costs::new(0, &[]).is_err() && Costs::new(0, &[1.0]).is_err() && Costs::new(2, &[]).is_err());
+        for bad in [f32::NAN, 0.5, -1.0, f32::NEG_INFINITY] {
+            assert!(matches!(Costs::new(1, &[1.0, bad]), Err(CostsError::TooCheap { cell: 1, .. })), "{bad}");
+        }
+    }
+
+    #[test]
+    fn from_and_to_walls_there_is_no_way() {
+        let cells = [1.0, WALL, 1.0];
+        let (costs, mut search) = (Costs::new(3, &cells).unwrap(), Search::default());
+        assert_eq!(search.cheapest(&costs, 0, 2), None);
+        assert_eq!(search.cheapest(&costs, 1, 2), None);
+        assert_eq!(search.cheapest(&costs, 0, 1), None);
+        assert_eq!(search.cheapest(&costs, 2, 2), Some((0.0, vec![2])));
+    }
+}
