@@ -181,6 +181,9 @@ struct Summary {
     version: &'static str,
 }
 
+/// With this share of scans without enough to go by something is wrong with the log or with what is known of the robot.
+const OFTEN: f64 = 0.1;
+
 impl Summary {
     fn text(&self) -> String {
         let Refused { imu, scans, speeds, points, gaps } = self.refused;
@@ -203,6 +206,12 @@ impl Summary {
             if count > 0 {
                 let _ = writeln!(text, "{count} {what}");
             }
+        }
+        if self.coasting as f64 > OFTEN * self.scans as f64 {
+            text.push_str(
+                "do not trust this way; its causes may be sensors that sit elsewhere or another unit of acceleration (--robot, see --help), IMU and \
+                 LiDAR by different clocks, or a corridor without end (--wheels)\n",
+            );
         }
         text.truncate(text.trim_end().len());
         text
