@@ -45,7 +45,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let mean = |times: &[(f64, f64)]| times.iter().map(|t| t.1).sum::<f64>() / times.len().max(1) as f64;
     let worst = times.iter().map(|t| t.1).fold(0.0, f64::max);
-    println!("{} scenarios, {optimal} optimal, mean {:.3} ms, max {worst:.3} ms", scenarios.len(), mean(&times));
+    println!(
+        "{} scenarios, {optimal} optimal, mean {:.3} ms, max {worst:.3} ms",
+        scenarios.len(),
+        mean(&times)
+    );
     times.sort_by(|a, b| b.0.total_cmp(&a.0));
     times.truncate(LONGEST);
     println!("the {} longest: mean {:.3} ms", times.len(), mean(&times));
