@@ -91,7 +91,8 @@ struct Visited {
 #[derive(Debug, Clone, Copy)]
 struct Open {
     cost: f64,
-    cell: u32,
+    x: i32,
+    y: i32,
 }
 
 /// Buffers of searches, used again from one to the next.
@@ -181,7 +182,7 @@ impl Run<'_> {
         self.visited[start] = Visited { cost: 0.0, search: self.number, step: START };
         let (x, y) = (start as i32 % self.columns, start as i32 / self.columns);
         let mut bucket = (self.estimate(x, y) * self.scale) as usize;
-        self.open(0.0, start as u32, bucket);
+        self.open(Open { cost: 0.0, x, y }, bucket);
         while self.waiting > 0 {
             if self.visited[goal].search == self.number {
                 let cost = self.visited[goal].cost;
@@ -192,9 +193,10 @@ impl Run<'_> {
             }
             while let Some(open) = self.buckets[bucket % BUCKETS].pop() {
                 self.waiting -= 1;
-                if open.cost <= self.visited[open.cell as usize].cost && open.cell as usize != goal {
+                let cell = (open.y * self.columns + open.x) as usize;
+                if open.cost <= self.visited[cell].cost && cell != goal {
                     *expanded += 1;
-                    self.expand(open, bucket);
+                    self.expand(open, cell, bucket);
                 }
             }
             bucket += 1;
@@ -203,8 +205,8 @@ impl Run<'_> {
     }
 
     #[inline]
-    fn open(&mut self, cost: f64, cell: u32, bucket: usize) {
-        self.buckets[bucket % BUCKETS].push(Open { cost, cell });
+    fn open(&mut self, open: Open, bucket: usize) {
+        self.buckets[bucket % BUCKETS].push(open);
         self.waiting += 1;
     }
 
@@ -217,13 +219,11 @@ impl Run<'_> {
 
     /// Opens the neighbours that are reached cheaper than before.
     #[inline]
-    fn expand(&mut self, from: Open, bucket: usize) {
-        let cell = from.cell as i32;
-        let (x, y) = (cell % self.columns, cell / self.columns);
-        let here = f64::from(self.costs[cell as usize]);
+    fn expand(&mut self, from: Open, cell: usize, bucket: usize) {
+        let here = f64::from(self.costs[cell]);
         let mut free = [false; 4];
         for (step, &(dx, dy)) in STEPS.iter().enumerate() {
-            let (u, v) = (x + dx, y + dy);
+            let (u, v) = (from.x + dx, from.y + dy);
             // A diagonal runs between two cells, which must both be free.
             let open = step < 4 || (free[step - 4] && free[(step - 3) % 4]);
             if !open || u < 0 || v < 0 || u >= self.columns || v >= self.rows {
@@ -246,7 +246,7 @@ impl Run<'_> {
                 *known = Visited { cost, search: self.number, step: step as u8 };
                 let estimate = ((cost + self.estimate(u, v)) * self.scale) as usize;
                 // Rounding may put it a hair below what is visited now.
-                self.open(cost, next as u32, estimate.max(bucket));
+                self.open(Open { cost, x: u, y: v }, estimate.max(bucket));
             }
         }
     }
