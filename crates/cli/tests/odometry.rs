@@ -46,8 +46,8 @@ fn a_recorded_drive_is_found_again_and_told_as_well_as_it_is_known() {
     assert_ne!(place.read("other.tum"), place.read("way.tum"));
     // A LiDAR that is turned by more than it is said to be is noticed.
     place.file("robot.toml", "lidar = { xyz = [0.12, 0.0, 0.235], rpy = [0.0, 0.0, 1.57] }");
-    let said = place.openbench("odometry log.mcap --robot robot.toml --out turned.tum").succeeded();
-    assert!(said.stderr.contains("do not trust"), "{}", said.stderr);
+    let turned = place.openbench("odometry log.mcap --robot robot.toml --out turned.tum");
+    assert!(turned.succeeded().stderr.contains("do not trust"), "{}", turned.stderr);
     place.file("robot.toml", "lidar_topic = \"/os_cloud_node/points\"");
     let said =
         place.openbench("odometry log.mcap --robot robot.toml --out none.tum --json").succeeded().json();
