@@ -16,6 +16,7 @@ fn a_recorded_drive_is_found_again_and_told_as_well_as_it_is_known() {
     let place = recorded();
     let said = place.openbench("odometry log.mcap --out way.tum --truth truth.tum --json").succeeded().json();
     assert!(said["scans"].as_u64().is_some_and(|n| n > 280) && said["coasting"] == 0, "{said}");
+    assert_eq!(said["disputed"], 0, "{said}");
     let nees = said["nees"]["end"].as_f64().unwrap();
     assert!(nees > 0.0 && nees < 60.0, "{said}");
     let last = |name: &str| -> Vec<f64> {
@@ -45,7 +46,7 @@ fn a_recorded_drive_is_found_again_and_told_as_well_as_it_is_known() {
     place.openbench("odometry log.mcap --robot robot.toml --out other.tum").succeeded();
     assert_ne!(place.read("other.tum"), place.read("way.tum"));
     // A LiDAR that is turned by more than it is said to be is noticed.
-    place.file("robot.toml", "lidar = { xyz = [0.12, 0.0, 0.235], rpy = [0.0, 0.0, 1.57] }");
+    place.file("robot.toml", "lidar = { xyz = [0.12, 0.0, 0.235], rpy = [0.0, 0.1, 0.0] }");
     let turned = place.openbench("odometry log.mcap --robot robot.toml --out turned.tum");
     assert!(turned.succeeded().stderr.contains("do not trust"), "{}", turned.stderr);
     place.file("robot.toml", "lidar_topic = \"/os_cloud_node/points\"");

@@ -168,6 +168,21 @@ fn a_blind_lidar_is_announced_and_the_covariance_grows() {
 }
 
 #[test]
+fn a_lidar_that_is_turned_otherwise_than_is_believed_is_told() {
+    for turned in [Vector3::y() * 0.1, Vector3::x() * -0.1, Vector3::z() * 0.4] {
+        let turn = UnitQuaternion::new(turned).cast::<f32>();
+        let (_, estimates) = drive(12, |_, imu, mut scan: Option<LidarScan>| {
+            for point in scan.iter_mut().flat_map(|scan| &mut scan.points) {
+                point.xyz = (turn * Vector3::from(point.xyz)).into();
+            }
+            (imu, scan)
+        });
+        let disputed = estimates.iter().filter(|estimate| estimate.status == Status::Disputed).count();
+        assert!(disputed > 20, "{turned}: {disputed} of {}", estimates.len());
+    }
+}
+
+#[test]
 fn nonsense_is_refused_and_counted() {
     let (odometry, estimates) = drive(6, |millis, imu, scan| {
         let imu = imu.map(|mut sample| {

@@ -48,6 +48,8 @@ pub struct Matched {
     pub fit: f64,
     /// Directions in `odom` along which the scan says little: unit vectors.
     pub loose: Vec<Vector3<f64>>,
+    /// How far the scan moves what IMU and wheels predict, squared, in deviations of that: about 1 if both are as far off as they are thought to be.
+    pub surprise: f64,
 }
 
 /// With fewer points on known planes a scan says nothing.
@@ -130,9 +132,10 @@ impl Registration<'_> {
                 if !here.state.is_finite() {
                     return None;
                 }
+                let surprise = self.prior.surprise(&here.state, &posterior);
                 known.state = here.state;
                 known.covariance = (posterior + posterior.transpose()) * 0.5;
-                return Some(Matched { agreeing: matching.agreeing(), ..matched });
+                return Some(Matched { agreeing: matching.agreeing(), surprise, ..matched });
             }
         }
         None
@@ -154,6 +157,14 @@ struct Prior {
 }
 
 impl Prior {
+    /// The normalized innovation squared (Bar-Shalom, Li, Kirubarajan 2001, section 5.4) over what is right on average, by what became of the state: as many numbers as the scan
+    /// tells, those that it tells in part counted in part.
+    fn surprise(&self, state: &State, posterior: &Covariance) -> f64 {
+        let away = state.minus(&self.state);
+        let told = SIZE as f64 - self.information.component_mul(posterior).sum();
+        away.dot(&(self.information * away)) / told.max(1.0)
+    }
+
     /// What is not known of the position along loose directions, and what hangs on it as far as `left`, what the scan leaves of an error before it (S. F. Schmidt's filter with states
     /// that are considered, not estimated).
     fn along(&self, loose: &[Vector3<f64>], left: &Covariance) -> Covariance {
@@ -270,7 +281,8 @@ fn measure<const N: usize>(
     for direction in &loose {
         forget(&mut information, &mut vector, direction);
     }
-    let matched = Matched { points: points as usize, agreeing: 1.0, fit: fit / points.max(1.0), loose };
+    let fit = fit / points.max(1.0);
+    let matched = Matched { points: points as usize, agreeing: 1.0, fit, loose, surprise: 0.0 };
     (information, vector, matched)
 }
 

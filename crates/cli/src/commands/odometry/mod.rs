@@ -67,6 +67,7 @@ struct Drive {
     true_way: Vec<(SimTime, Pose3)>,
     scans: usize,
     coasting: usize,
+    disputed: usize,
     lost: usize,
     /// CPU time since the last estimate, and of each one.
     spent: Duration,
@@ -85,6 +86,7 @@ impl Drive {
             true_way: Vec::new(),
             scans: 0,
             coasting: 0,
+            disputed: 0,
             lost: 0,
             spent: Duration::ZERO,
             times: Vec::new(),
@@ -136,6 +138,7 @@ impl Drive {
     fn note(&mut self, estimate: &Estimate) {
         self.scans += 1;
         self.coasting += usize::from(estimate.status == Status::Coasting);
+        self.disputed += usize::from(estimate.status == Status::Disputed);
         self.lost += usize::from(estimate.status == Status::Lost);
         line(&mut self.path, estimate.stamp, &estimate.pose);
         self.told.push((estimate.stamp, estimate.pose, estimate.covariance));
@@ -150,6 +153,7 @@ impl Drive {
         Summary {
             scans: self.scans,
             coasting: self.coasting,
+            disputed: self.disputed,
             lost: self.lost,
             cpu_ms_p50: at(50),
             cpu_ms_p99: at(99),
@@ -168,6 +172,8 @@ struct Summary {
     scans: usize,
     /// Of them those that only IMU and wheels know.
     coasting: usize,
+    /// Of them those while scans and IMU contradict each other.
+    disputed: usize,
     /// Times after which nobody knows how far the sensors have gone.
     lost: usize,
     /// CPU time a scan, reading it and the IMU included.
@@ -193,6 +199,7 @@ impl Summary {
         );
         for (count, what) in [
             (self.coasting, "scans without enough to go by: their poses are the IMU's"),
+            (self.disputed, "scans while LiDAR and IMU contradict each other"),
             (
                 self.lost,
                 "times without an IMU for so long that the way after them hangs together with none before",
@@ -207,10 +214,10 @@ impl Summary {
                 let _ = writeln!(text, "{count} {what}");
             }
         }
-        if self.coasting as f64 > OFTEN * self.scans as f64 {
+        if self.disputed > 0 || self.coasting as f64 > OFTEN * self.scans as f64 {
             text.push_str(
-                "do not trust this way; its causes may be sensors that sit elsewhere or another unit of acceleration (--robot, see --help), IMU and \
-                 LiDAR by different clocks, or a corridor without end (--wheels)\n",
+                "do not trust this way; the cause may be sensors that sit elsewhere or are turned otherwise than is believed, another unit of \
+                 acceleration (both: --robot, see --help), IMU and LiDAR by different clocks, or a corridor without end (--wheels)\n",
             );
         }
         text.truncate(text.trim_end().len());
