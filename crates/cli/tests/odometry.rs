@@ -46,8 +46,9 @@ fn a_recorded_drive_is_found_again_and_told_as_well_as_it_is_known() {
     place.openbench("odometry log.mcap --robot robot.toml --out other.tum").succeeded();
     assert_ne!(place.read("other.tum"), place.read("way.tum"));
     // A LiDAR that is turned by more than it is said to be is noticed.
-    place.file("robot.toml", "lidar = { xyz = [0.12, 0.0, 0.235], rpy = [0.0, 0.1, 0.0] }");
-    let turned = place.openbench("odometry log.mcap --robot robot.toml --out turned.tum");
+    place.file("robot.toml", "lidar = { xyz = [0.12, 0.0, 0.235], rpy = [0.0, 0.2, 0.0] }");
+    place.openbench("record small --minutes 0.5 --out turns.mcap").succeeded();
+    let turned = place.openbench("odometry turns.mcap --robot robot.toml --out turned.tum");
     assert!(turned.succeeded().stderr.contains("do not trust"), "{}", turned.stderr);
     place.file("robot.toml", "lidar_topic = \"/os_cloud_node/points\"");
     let said =
