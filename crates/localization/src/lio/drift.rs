@@ -17,7 +17,7 @@ use super::state::{Covariance, at};
 /// normalized errors squared of heading and place on the ground over fifty drives (`benchmarks/odometry/consistency.py`) are 3.3 where 3 are right.
 const LASTING: f64 = 0.5;
 /// The same for how the pose leans. It is more than what averages out, since maps bend forward and down along the whole of a way: surfaces beside the ground are taken for planes
-/// that are none, and from afar look otherwise than from near by. With ranges free of noise, and gravity told hardly anything (0.1), 414 m of `avenue` (`benchmarks/odometry`) end 19 cm
+/// that are none. With ranges free of noise, and gravity told hardly anything (0.1), 414 m of `avenue` (`benchmarks/odometry`) end 19 cm
 /// off, 2 cm if planes beside the ground have to be even to 3 mm. Gravity is what puts it right, the sooner the larger this is. Measured on all of `avenue`: 4 has a NEES of 6 and ends
 /// 17 cm off, 0.5 and 30 have 105 and 31.
 const LEANING: f64 = 4.0;
