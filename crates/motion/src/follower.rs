@@ -4,6 +4,7 @@
 use openbench_core::{MapPoint, Pose2, RobotDescription, Velocity, frames::wrap_angle};
 
 use crate::costmap::Costmap;
+use crate::local::{Blocked, Progress};
 
 /// Distance along the way to the point that is steered for, metres.
 const LOOKAHEAD: f64 = 0.6;
@@ -25,26 +26,6 @@ pub struct FollowInput<'a> {
     pub final_yaw: Option<f64>,
     /// What is known about the ground.
     pub costmap: &'a Costmap,
-}
-
-/// Why a follower does not move.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum Blocked {
-    /// The way is empty or holds a number that is none.
-    #[error("there is no way to follow")]
-    NoPath,
-    /// Something stands in the way.
-    #[error("an obstacle stands {0:.2} m ahead")]
-    Obstacle(f64),
-}
-
-/// What a follower decides.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Progress {
-    /// Drive on with this velocity.
-    Drive(Velocity),
-    /// The end of the way is reached, heading included.
-    Arrived,
 }
 
 /// Turns a way into velocities, one call an observation.
@@ -126,7 +107,7 @@ impl PathFollower for Follower {
         let finite = |p: &MapPoint| p.x.is_finite() && p.y.is_finite();
         let end = *input.path.last().filter(|_| input.path.iter().all(finite)).ok_or(Blocked::NoPath)?;
         if !finite(&input.pose.point()) || !input.pose.yaw.is_finite() {
-            return Err(Blocked::NoPath);
+            return Err(Blocked::NoPose);
         }
         let to_end = input.pose.point().distance(end);
         if to_end <= self.tolerance {

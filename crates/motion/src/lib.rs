@@ -4,18 +4,33 @@
 //! |---|---|
 //! | [`obstacles`] | [`RangeRing`]: one LiDAR scan as what stands in the robot's way, and how far it is clear |
 //! | [`costmap`] | [`Costmap`]: buildings of the map and what the LiDAR saw, inflated |
+//! | [`shape`] | [`Footprint`] and [`Obstacle`]: outlines on the ground and how far they are apart |
 //! | [`search`] | [`Search`]: A* over any cells with costs, for maps of a million of them |
 //! | [`astar`] | [`plan`]: the cheapest way over a costmap |
+//! | [`local`] | [`LocalPlanner`]: the seam between a way and velocities |
+//! | [`teb`] | [`Teb`]: Timed Elastic Bands in several classes of ways |
+//! | [`maneuver`] | places and headings searched with the whole footprint, where a way says too little |
+//! | [`evade`] | out of the way of those who move |
+//! | [`feasible`] | whether a motion keeps off everything |
 //! | [`follower`] | [`Follower`]: drives along a way and stops before obstacles; [`PathFollower`] is the seam |
 
 pub mod astar;
 pub mod costmap;
+pub mod evade;
+pub mod feasible;
 pub mod follower;
+pub mod local;
+pub mod maneuver;
 pub mod obstacles;
 pub mod search;
+pub mod shape;
+pub mod teb;
 
 pub use astar::{PlanError, costs, plan};
 pub use costmap::{Costmap, CostmapError};
-pub use follower::{Blocked, FollowInput, Follower, PathFollower, Progress};
+pub use follower::{FollowInput, Follower, PathFollower};
+pub use local::{Blocked, LocalPlanner, Progress, Situation};
 pub use obstacles::RangeRing;
 pub use search::{Costs, CostsError, Search};
+pub use shape::{Contact, Footprint, Obstacle, ShapeError};
+pub use teb::planner::{Teb, TebError, TebSettings};

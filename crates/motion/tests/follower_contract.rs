@@ -73,9 +73,13 @@ fn without_a_way_nothing_is_driven() {
     let broken = points(&[(0.0, 0.0), (f64::INFINITY, 0.0)]);
     let plain = points(&[(0.0, 0.0), (1.0, 0.0)]);
     for make in FOLLOWERS {
-        for (pose, path) in [(Pose2::default(), &[][..]), (Pose2::default(), &broken), (nowhere, &plain)] {
+        let here = Pose2::default();
+        let (no_path, no_pose) = (Blocked::NoPath, Blocked::NoPose);
+        for (pose, path, why) in
+            [(here, &[][..], no_path), (here, &broken, no_path), (nowhere, &plain, no_pose)]
+        {
             let input = FollowInput { pose, path, final_yaw: None, costmap: &costmap };
-            assert_eq!(make().follow(&input), Err(Blocked::NoPath), "{pose:?} {path:?}");
+            assert_eq!(make().follow(&input), Err(why), "{pose:?} {path:?}");
         }
     }
 }

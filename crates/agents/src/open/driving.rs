@@ -134,7 +134,7 @@ impl Driver {
                 self.blocked = None;
                 Driving::OnTheWay(velocity)
             }
-            Err(Blocked::NoPath) => self.set_back(now),
+            Err(Blocked::NoPath | Blocked::NoPose) => self.set_back(now),
             Err(Blocked::Obstacle(_)) => self.wait(now),
         }
     }

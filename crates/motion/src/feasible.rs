@@ -1,0 +1,130 @@
+//! Whether a motion keeps the whole footprint off everything, all the time.
+
+use openbench_core::{Pose2, Velocity};
+
+use crate::shape::{Footprint, Obstacle};
+use crate::teb::band::Band;
+use crate::teb::settings::Limits;
+
+/// Seconds between two looks along a motion: at half a metre and one radian a second no corner moves further than 4 cm.
+const LOOK: f64 = 0.05;
+/// Distances above this do not matter, metres.
+const REACH: f64 = 0.05;
+/// Of a start that is nearer to something than it should be, this share is kept: much is gained by getting off it, and not much can be lost.
+const KEPT: f64 = 0.5;
+/// What is lost to rounding where a start is inside something, metres.
+const ROUNDING: f64 = 1e-6;
+
+/// The clearance that a motion from a place with `clearance` may not fall below.
+fn floor(clearance: f64, margin: f64) -> f64 {
+    if clearance > 0.0 { margin.min(KEPT * clearance) } else { clearance - ROUNDING }
+}
+
+/// Distance from the footprint to the nearest obstacle as it will be after `seconds`, if less than `reach`, else `reach`; metres, negative inside.
+pub fn clearance<'a>(
+    footprint: &Footprint,
+    obstacles: impl Iterator<Item = &'a Obstacle>,
+    pose: Pose2,
+    seconds: f64,
+    reach: f64,
+) -> f64 {
+    let (placed, circle) = (footprint.at(pose), footprint.circumscribed());
+    let near = obstacles.filter_map(|o| o.contact(&placed, circle, seconds, reach));
+    near.map(|contact| contact.distance).fold(reach, f64::min)
+}
+
+/// Seconds until the robot comes nearer than `margin` to something on the band, `None` if it never does. Who begins nearer than that may move away.
+pub fn first_conflict(
+    footprint: &Footprint,
+    obstacles: &[Obstacle],
+    band: &Band,
+    margin: f64,
+) -> Option<f64> {
+    let steps = (band.duration() / LOOK).ceil() as usize;
+    let at = |i: usize| band.duration().min(i as f64 * LOOK);
+    first_below(margin, steps, |i| {
+        (at(i), clearance(footprint, obstacles.iter(), band.pose_at(at(i)), at(i), REACH))
+    })
+}
+
+/// A robot in motion and what it is told.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Motion {
+    /// Where it is.
+    pub pose: Pose2,
+    /// How it moves.
+    pub velocity: Velocity,
+    /// How it is told to move.
+    pub command: Velocity,
+}
+
+impl Motion {
+    /// The next `seconds`: rims change their speeds as fast as they can until they are as told.
+    pub fn step(&mut self, limits: &Limits, seconds: f64) {
+        let half = limits.half_track;
+        let rim = |v: Velocity, side: f64| v.linear + side * half * v.angular;
+        let most = limits.acceleration * seconds;
+        let next = |side: f64| {
+            let (now, told) = (rim(self.velocity, side), rim(self.command, side));
+            now + (told - now).clamp(-most, most)
+        };
+        let (left, right) = (next(-1.0), next(1.0));
+        self.velocity = Velocity::new((left + right) / 2.0, (right - left) / (2.0 * half));
+        self.pose = arc(self.pose, self.velocity, seconds);
+    }
+
+    fn stands(&self) -> bool {
+        self.velocity.linear.abs() < 1e-9 && self.velocity.angular.abs() < 1e-9
+    }
+}
+
+/// Seconds until the robot comes nearer than `margin` to something that stands if it does as it is told for `hold` seconds and then brakes.
+pub fn conflict_before_stop(
+    footprint: &Footprint,
+    obstacles: &[Obstacle],
+    motion: Motion,
+    limits: &Limits,
+    hold: f64,
+    margin: f64,
+) -> Option<f64> {
+    const STEP: f64 = 0.025;
+    let standing = || obstacles.iter().filter(|o| !o.is_moving());
+    let clear = |pose: Pose2| clearance(footprint, standing(), pose, 0.0, REACH);
+    let mut motion = motion;
+    let mut least = floor(clear(motion.pose), margin);
+    let mut time = 0.0;
+    while time < hold || !motion.stands() {
+        if time >= hold {
+            motion.command = Velocity::ZERO;
+        }
+        motion.step(limits, STEP);
+        time += STEP;
+        let clear = clear(motion.pose);
+        if clear < least {
+            return Some(time);
+        }
+        least = least.max(floor(clear, margin));
+    }
+    None
+}
+
+/// Where a robot gets that drives with a velocity for some seconds.
+pub fn arc(pose: Pose2, velocity: Velocity, seconds: f64) -> Pose2 {
+    let turn = velocity.angular * seconds;
+    let half = turn / 2.0;
+    let chord = velocity.linear * seconds * if half.abs() < 1e-6 { 1.0 } else { libm::sin(half) / half };
+    let (sin, cos) = libm::sincos(pose.yaw + half);
+    Pose2::new(pose.x + chord * cos, pose.y + chord * sin, pose.yaw + turn)
+}
+
+fn first_below(margin: f64, steps: usize, look: impl Fn(usize) -> (f64, f64)) -> Option<f64> {
+    let mut least = floor(look(0).1, margin);
+    for i in 1..=steps {
+        let (time, clear) = look(i);
+        if clear < least {
+            return Some(time);
+        }
+        least = least.max(floor(clear, margin));
+    }
+    None
+}

@@ -1,0 +1,70 @@
+//! The seam between who knows where to go and who turns that into velocities.
+
+use openbench_core::{MapPoint, Pose2, SimTime, Velocity};
+
+use crate::shape::Obstacle;
+
+/// What a local planner works from.
+#[derive(Debug, Clone, Copy)]
+pub struct Situation<'a> {
+    /// Now.
+    pub time: SimTime,
+    /// Where the robot believes to be, in `map`.
+    pub pose: Pose2,
+    /// How it believes to move.
+    pub velocity: Velocity,
+    /// The way; it begins near the robot.
+    pub path: &'a [MapPoint],
+    /// Heading wanted at the end of the way, radians; any if none.
+    pub final_yaw: Option<f64>,
+    /// What stands or moves within some metres, where it is now.
+    pub obstacles: &'a [Obstacle],
+}
+
+/// What a local planner decides.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Progress {
+    /// Drive on with this velocity.
+    Drive(Velocity),
+    /// The end of the way is reached, heading included.
+    Arrived,
+}
+
+/// Why a local planner does not go on. The robot should stand until it does.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum Blocked {
+    /// The way is empty or holds a number that is none.
+    #[error("there is no way to follow: it is empty or holds a number that is none")]
+    NoPath,
+    /// The pose or velocity holds a number that is none.
+    #[error("the robot does not know where it is: its pose or velocity holds a number that is none")]
+    NoPose,
+    /// Something stands in the way.
+    #[error("an obstacle stands {0:.2} m ahead")]
+    Obstacle(f64),
+}
+
+impl Situation<'_> {
+    /// Whether there is a way and all numbers are numbers.
+    pub fn check(&self) -> Result<(), Blocked> {
+        let finite = |p: &MapPoint| p.x.is_finite() && p.y.is_finite();
+        if self.path.is_empty()
+            || !self.path.iter().all(finite)
+            || self.final_yaw.is_some_and(|y| !y.is_finite())
+        {
+            return Err(Blocked::NoPath);
+        }
+        let v = [self.pose.yaw, self.velocity.linear, self.velocity.angular];
+        let known = finite(&self.pose.point()) && v.iter().all(|c| c.is_finite());
+        if known { Ok(()) } else { Err(Blocked::NoPose) }
+    }
+}
+
+/// Turns a way into velocities, one call an observation.
+pub trait LocalPlanner {
+    /// The velocity for now.
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Progress, Blocked>;
+
+    /// Forgets what was planned before: the next way has nothing to do with the last.
+    fn reset(&mut self);
+}

@@ -1,0 +1,262 @@
+//! Maneuvers: a search over places *and* headings with the whole footprint, for where a way of the robot's middle says too little: out of corridors that are too narrow to turn in, off a wall that is touched.
+//!
+//! The robot drives straight forward or back, on arcs, and turns on the spot; each is one step of the search (after D. Dolgov et al., *Practical Search Techniques in Path Planning for Autonomous Driving*, 2008: places are
+//! kept as they come, one for each cell and heading). What a place costs at least from there on is known from a search without headings.
+
+use std::f64::consts::TAU;
+
+use openbench_core::{MapPoint, Pose2, frames::wrap_angle};
+use openbench_grid::{Frontier, GridGeometry};
+
+use crate::shape::{Footprint, Obstacle};
+use crate::teb::band::{Band, Knot};
+use crate::teb::settings::Limits;
+
+/// Headings that are told apart.
+const HEADINGS: usize = 48;
+/// Length of a step, metres.
+const STEP: f64 = 0.05;
+/// Side of a cell, metres.
+const CELL: f64 = 0.025;
+/// Ground beyond start and goal that may be used, metres.
+const AROUND: f64 = 2.0;
+/// Most cells along one side.
+const MOST_CELLS: usize = 400;
+/// Most places that are looked at.
+const MOST_PLACES: usize = 400_000;
+/// How near to the goal it is reached, metres.
+const NEAR: f64 = 0.04;
+/// Distance to obstacles that is kept, metres, unless the start is nearer.
+const KEEP: f64 = 0.004;
+/// Driving backwards takes this many times as long as it does, since nothing looks that way; so does any change.
+const BACKWARD: f64 = 1.5;
+/// Weight of what is left to do: with more than 1 the way found may be longer than need be, and is found by far sooner. The band that begins with it gets shorter by itself.
+const GREED: f64 = 1.5;
+const NOWHERE: u32 = u32::MAX;
+
+/// Why there is no maneuver.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum NoManeuver {
+    /// The footprint does not fit at the goal.
+    #[error("the footprint does not fit at the goal")]
+    GoalBlocked,
+    /// Everything that can be reached was looked at.
+    #[error("no way leads there for the footprint")]
+    NoWay,
+    /// Too much was looked at.
+    #[error("no way was found among {MOST_PLACES} places")]
+    TooFar,
+}
+
+/// A place that was reached.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    at: MapPoint,
+    heading: usize,
+    seconds: f64,
+    from: u32,
+}
+
+/// A search for one maneuver.
+struct Search<'a> {
+    footprint: &'a Footprint,
+    obstacles: Vec<&'a Obstacle>,
+    limits: &'a Limits,
+    grid: GridGeometry,
+    start: Pose2,
+    /// Distance from each cell's middle to the nearest obstacle, metres, as far as it matters.
+    clearance: Vec<f32>,
+    /// Seconds that are left from each cell at least; infinite where the goal cannot be reached.
+    left: Vec<f32>,
+    places: Vec<Place>,
+    keep: f64,
+}
+
+/// A band from `start` to `goal` (with a heading, or any) around what stands; what moves is left out.
+pub fn maneuver(
+    footprint: &Footprint,
+    limits: &Limits,
+    obstacles: &[Obstacle],
+    start: Pose2,
+    goal: MapPoint,
+    yaw: Option<f64>,
+) -> Result<Band, NoManeuver> {
+    let low = MapPoint::new(start.x.min(goal.x) - AROUND, start.y.min(goal.y) - AROUND);
+    let high = MapPoint::new(start.x.max(goal.x) + AROUND, start.y.max(goal.y) + AROUND);
+    let side = (high.x - low.x).max(high.y - low.y);
+    let grid = GridGeometry::covering(low, high, CELL.max(side / MOST_CELLS as f64), MOST_CELLS + 1);
+    let standing: Vec<&Obstacle> = obstacles.iter().filter(|o| !o.is_moving()).collect();
+    let mut search = Search {
+        footprint,
+        obstacles: standing,
+        limits,
+        grid,
+        start,
+        clearance: Vec::new(),
+        left: Vec::new(),
+        places: Vec::new(),
+        keep: KEEP,
+    };
+    search.measure();
+    let here = search.exact(start);
+    search.keep = KEEP.min(if here > 0.0 { 0.7 * here } else { here - 1e-4 });
+    search.look_back(goal)?;
+    let end = search.forward(goal, yaw)?;
+    search.band(end, goal, yaw).ok_or(NoManeuver::NoWay)
+}
+
+impl Search<'_> {
+    fn measure(&mut self) {
+        let reach = self.footprint.circumscribed() + 2.0 * self.grid.cell;
+        self.clearance.resize(self.grid.len(), reach as f32);
+        for obstacle in &self.obstacles {
+            let (middle, far) = (obstacle.middle(), obstacle.radius() + reach);
+            let low = MapPoint::new(middle.x - far, middle.y - far);
+            let high = MapPoint::new(middle.x + far, middle.y + far);
+            let Some((columns, rows)) = self.grid.window(low, high) else { continue };
+            for row in rows.0..=rows.1 {
+                for cell in (columns.0..=columns.1).filter_map(|column| self.grid.cell_in(column, row)) {
+                    let distance = obstacle.distance_to(self.grid.center(cell)) as f32;
+                    self.clearance[cell] = self.clearance[cell].min(distance);
+                }
+            }
+        }
+    }
+
+    /// Distance from the footprint to the nearest obstacle, if it is near.
+    fn exact(&self, pose: Pose2) -> f64 {
+        let (placed, circle) = (self.footprint.at(pose), self.footprint.circumscribed());
+        let near = self.obstacles.iter().filter_map(|o| o.contact(&placed, circle, 0.0, 0.1));
+        near.map(|contact| contact.distance).fold(0.1, f64::min)
+    }
+
+    fn is_free(&self, pose: Pose2) -> bool {
+        let Some(cell) = self.grid.cell_at(pose.point()) else { return false };
+        let (clear, off) = (f64::from(self.clearance[cell]), 0.71 * self.grid.cell);
+        if clear > self.footprint.circumscribed() + off + self.keep {
+            return true;
+        }
+        clear > self.footprint.inscribed() - off + self.keep && self.exact(pose) > self.keep
+    }
+
+    /// Seconds from each cell to the goal for a robot without a heading: never more than it takes one with.
+    fn look_back(&mut self, goal: MapPoint) -> Result<(), NoManeuver> {
+        let to = self.grid.cell_at(goal).ok_or(NoManeuver::GoalBlocked)?;
+        let fits = self.footprint.inscribed() - 0.71 * self.grid.cell + self.keep;
+        let free = |cell: usize| f64::from(self.clearance[cell]) > fits;
+        if !free(to) {
+            return Err(NoManeuver::GoalBlocked);
+        }
+        self.left.resize(self.grid.len(), f32::INFINITY);
+        let mut queue = Frontier::default();
+        self.left[to] = 0.0;
+        queue.push(0.0, to);
+        let second = self.grid.cell / self.limits.forward;
+        while let Some((seconds, cell)) = queue.pop() {
+            if seconds > f64::from(self.left[cell]) + 1e-6 {
+                continue;
+            }
+            let (x, y) = self.grid.column_row(cell);
+            for (dx, dy) in [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)] {
+                let Some(next) = self.grid.cell_in(x + dx, y + dy).filter(|&n| free(n)) else { continue };
+                let length = if dx != 0 && dy != 0 { std::f64::consts::SQRT_2 } else { 1.0 };
+                let total = seconds + length * second;
+                if total < f64::from(self.left[next]) - 1e-6 {
+                    self.left[next] = total as f32;
+                    queue.push(total, next);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn heading(&self, heading: usize) -> f64 {
+        self.start.yaw + TAU * heading as f64 / HEADINGS as f64
+    }
+
+    fn forward(&mut self, goal: MapPoint, yaw: Option<f64>) -> Result<u32, NoManeuver> {
+        let wanted = yaw.map(|yaw| {
+            let turns = wrap_angle(yaw - self.start.yaw).rem_euclid(TAU) / TAU * HEADINGS as f64;
+            turns.round() as usize % HEADINGS
+        });
+        let fits = |yaw: f64| self.is_free(Pose2::new(goal.x, goal.y, yaw));
+        if !yaw.is_none_or(fits) {
+            return Err(NoManeuver::GoalBlocked);
+        }
+        let mut closed = vec![false; self.grid.len() * HEADINGS];
+        let mut queue = Frontier::default();
+        self.places.push(Place { at: self.start.point(), heading: 0, seconds: 0.0, from: NOWHERE });
+        queue.push(0.0, 0);
+        while let Some((_, number)) = queue.pop() {
+            let place = self.places[number];
+            let Some(cell) = self.grid.cell_at(place.at) else { continue };
+            if std::mem::replace(&mut closed[cell * HEADINGS + place.heading], true) {
+                continue;
+            }
+            if place.at.distance(goal) < NEAR && wanted.is_none_or(|w| w == place.heading) {
+                return Ok(number as u32);
+            }
+            if self.places.len() > MOST_PLACES {
+                return Err(NoManeuver::TooFar);
+            }
+            for (length, turn) in STEPS {
+                let heading = (place.heading + HEADINGS).wrapping_add_signed(turn) % HEADINGS;
+                let mean = self.heading(place.heading) + turn as f64 * TAU / HEADINGS as f64 / 2.0;
+                let at = place.at.offset(mean, length * STEP);
+                let Some(next) = self.grid.cell_at(at) else { continue };
+                let left = f64::from(self.left[next]);
+                if closed[next * HEADINGS + heading] || left.is_infinite() {
+                    continue;
+                }
+                let half = place.at.offset(mean, length * STEP / 2.0);
+                let between = Pose2::new(half.x, half.y, mean);
+                if !self.is_free(Pose2::new(at.x, at.y, self.heading(heading))) || !self.is_free(between) {
+                    continue;
+                }
+                let seconds = place.seconds + self.seconds(length, turn);
+                let turning = wanted.map_or(0.0, |w| self.turning(heading, w));
+                self.places.push(Place { at, heading, seconds, from: number as u32 });
+                queue.push(seconds + GREED * (left + turning), self.places.len() - 1);
+            }
+        }
+        Err(NoManeuver::NoWay)
+    }
+
+    /// Seconds of a step.
+    fn seconds(&self, length: f64, turn: isize) -> f64 {
+        let speed =
+            if length < 0.0 { self.limits.backward.max(1e-3) / BACKWARD } else { self.limits.forward };
+        let turning = turn.unsigned_abs() as f64 * TAU / HEADINGS as f64 / self.limits.turn;
+        (length.abs() * STEP / speed).max(turning)
+    }
+
+    fn turning(&self, from: usize, to: usize) -> f64 {
+        let apart = (from + HEADINGS - to) % HEADINGS;
+        apart.min(HEADINGS - apart) as f64 * TAU / HEADINGS as f64 / self.limits.turn
+    }
+
+    fn band(&self, end: u32, goal: MapPoint, yaw: Option<f64>) -> Option<Band> {
+        let mut chain = Vec::new();
+        let mut at = end;
+        while at != NOWHERE {
+            chain.push(self.places[at as usize]);
+            at = self.places[at as usize].from;
+        }
+        chain.reverse();
+        let mut knots: Vec<Knot> = Vec::with_capacity(chain.len() + 1);
+        for place in chain {
+            let before = knots.last().map_or(self.start.yaw, |k| k.pose.yaw);
+            let heading = before + wrap_angle(self.heading(place.heading) - before);
+            knots.push(Knot { pose: Pose2::new(place.at.x, place.at.y, heading), time: place.seconds });
+        }
+        let last = knots[knots.len() - 1];
+        let yaw = last.pose.yaw + yaw.map_or(0.0, |yaw| wrap_angle(yaw - last.pose.yaw));
+        let pose = Pose2::new(goal.x, goal.y, yaw);
+        knots.push(Knot { pose, time: last.time + 0.2 });
+        Band::new(knots)
+    }
+}
+
+/// Lengths of steps, in steps, and turns in headings.
+const STEPS: [(f64, isize); 8] =
+    [(1.0, 0), (1.0, 1), (1.0, -1), (-1.0, 0), (-1.0, 1), (-1.0, -1), (0.0, 1), (0.0, -1)];

@@ -1,0 +1,434 @@
+//! The planner: several bands at once, one for each class of ways, the best of them driven.
+
+use openbench_core::{MapPoint, Pose2, RobotDescription, SimTime, Velocity, frames::wrap_angle};
+use openbench_osm::polygon::nearest_on_segment;
+
+use crate::evade::evade;
+use crate::feasible::{Motion, clearance, conflict_before_stop, first_conflict};
+use crate::local::{Blocked, LocalPlanner, Progress, Situation};
+use crate::maneuver::maneuver;
+use crate::shape::{Footprint, Obstacle, ShapeError};
+use crate::teb::band::Band;
+use crate::teb::classes::{Clumps, Explorer, Exploring, Signature};
+use crate::teb::optimize::{Effort, Optimizer};
+use crate::teb::settings::{Limits, Settings, SettingsError};
+use crate::teb::terms::Problem;
+
+/// Seconds ahead that a velocity is taken from: the time until the next one and a little for what lags.
+const COMMAND: f64 = 0.1;
+/// A pose this far from where the band had it is a jump of the estimate, not a slip of the wheels: metres, radians.
+const JUMP: (f64, f64) = (0.15, 0.2);
+/// A goal that moves further than this at once is another one, metres.
+const ELSEWHERE: f64 = 1.0;
+/// Seconds until a conflict below which a band is not driven any further.
+const TOO_LATE: f64 = 1.0;
+/// Distance from obstacles that a motion has to keep to be driven, metres.
+const SURE: f64 = 0.003;
+/// A robot that is nearer to something than this drives out before it plans on, metres.
+const WEDGED: f64 = 0.004;
+/// Cost by which a band with a conflict is worse than any without.
+const CONFLICT: f64 = 1e6;
+/// Seconds that the robot may wait for somebody to pass.
+const WAITS: [f64; 3] = [1.0, 2.5, 5.0];
+/// Seconds until a maneuver is looked for again.
+const SEARCH_AGAIN: f64 = 1.0;
+/// The robot begins its last turn once it is within this share of the tolerance, for it may slip.
+const WELL_WITHIN: f64 = 0.7;
+
+/// How the planner works.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TebSettings {
+    /// What shapes a band.
+    pub band: Settings,
+    /// How classes are found; its `keep` is set from the footprint.
+    pub exploring: Exploring,
+    /// Length of the way that is planned ahead, metres.
+    pub horizon: f64,
+    /// Another band is driven only if it costs less than this share of the one that is.
+    pub hysteresis: f64,
+    /// Distance from the end with which the robot has arrived, metres.
+    pub tolerance: f64,
+    /// Heading error at the end with which the robot has arrived, radians.
+    pub yaw_tolerance: f64,
+}
+
+impl Default for TebSettings {
+    fn default() -> Self {
+        Self {
+            band: Settings::default(),
+            exploring: Exploring::default(),
+            horizon: 4.0,
+            hysteresis: 0.9,
+            tolerance: 0.1,
+            yaw_tolerance: 0.08,
+        }
+    }
+}
+
+/// A planner cannot be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum TebError {
+    /// A limit or a setting makes no sense.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// The footprint is none.
+    #[error(transparent)]
+    Footprint(#[from] ShapeError),
+}
+
+/// A band that is kept from cycle to cycle.
+#[derive(Debug, Clone)]
+pub struct Candidate {
+    /// The band.
+    pub band: Band,
+    /// Its class.
+    pub signature: Signature,
+    /// What is left of its cost.
+    pub cost: f64,
+    /// Seconds until it meets something, if it does.
+    pub conflict: Option<f64>,
+}
+
+impl Candidate {
+    fn worth(&self) -> f64 {
+        self.cost + self.conflict.map_or(0.0, |at| CONFLICT / (1.0 + at))
+    }
+}
+
+/// Timed Elastic Bands in distinctive topologies.
+#[derive(Debug)]
+pub struct Teb {
+    footprint: Footprint,
+    limits: Limits,
+    settings: TebSettings,
+    optimizer: Optimizer,
+    explorer: Explorer,
+    clumps: Clumps,
+    /// The one that is driven comes first.
+    candidates: Vec<Candidate>,
+    last: Option<(SimTime, MapPoint)>,
+    turning: bool,
+    /// A maneuver away from something that is all but touched.
+    way_out: Option<Band>,
+    /// When a maneuver was last looked for.
+    searched: Option<SimTime>,
+}
+
+/// Where a band is to end.
+#[derive(Debug, Clone, Copy)]
+struct End {
+    point: MapPoint,
+    yaw: Option<f64>,
+    stops: bool,
+}
+
+impl Teb {
+    /// A planner for a robot.
+    pub fn new(robot: &RobotDescription, settings: TebSettings) -> Result<Self, TebError> {
+        settings.band.check()?;
+        let footprint = Footprint::of(robot)?;
+        let limits = Limits::of(robot)?;
+        let mut settings = settings;
+        settings.exploring.keep = footprint.inscribed();
+        settings.exploring.comfort = footprint.inscribed() + settings.band.margins.comfort;
+        Ok(Self {
+            footprint,
+            limits,
+            settings,
+            optimizer: Optimizer::default(),
+            explorer: Explorer::default(),
+            clumps: Clumps::default(),
+            candidates: Vec::new(),
+            last: None,
+            turning: false,
+            way_out: None,
+            searched: None,
+        })
+    }
+
+    /// The bands of the last cycle, the one that is driven first.
+    pub fn candidates(&self) -> &[Candidate] {
+        &self.candidates
+    }
+
+    fn end(&self, situation: &Situation<'_>) -> End {
+        let (point, last) = ahead(situation.path, situation.pose.point(), self.settings.horizon);
+        End { point, yaw: situation.final_yaw.filter(|_| last), stops: last }
+    }
+
+    /// Moves the bands on to now: from where they had the robot by now to where it believes to be.
+    fn carry_on(&mut self, situation: &Situation<'_>, end: &End) {
+        let elapsed = self.last.map_or(0.0, |(time, _)| situation.time.since(time).as_secs_f64());
+        let elsewhere = self.last.is_none_or(|(_, point)| point.distance(end.point) > ELSEWHERE);
+        if elsewhere {
+            self.candidates.clear();
+        }
+        let expected = self.candidates.first().map(|c| c.band.pose_at(elapsed));
+        let jumped = expected.filter(|e| is_jump(*e, situation.pose));
+        for candidate in &mut self.candidates {
+            if let Some(expected) = jumped {
+                candidate.band.carry(expected, situation.pose);
+            }
+            candidate.band.advance(situation.pose, elapsed);
+            candidate.band.set_end(end.point, end.yaw);
+        }
+        self.last = Some((situation.time, end.point));
+    }
+
+    /// Finds classes and begins a band for each that has none.
+    fn explore(&mut self, situation: &Situation<'_>, end: &End) -> Vec<Candidate> {
+        let start = situation.pose.point();
+        let how = self.settings.exploring;
+        let (moving, standing): (Vec<Obstacle>, Vec<Obstacle>) =
+            situation.obstacles.iter().cloned().partition(Obstacle::is_moving);
+        let mut ways = self.explorer.explore(start, end.point, &standing, &how);
+        self.clumps = self.explorer.take_clumps();
+        self.clumps.set_moving(&moving);
+        for candidate in &mut self.candidates {
+            candidate.signature = signature(&self.clumps, &candidate.band);
+        }
+        if !moving.is_empty() {
+            let met = moving.iter().map(|o| self.when_met(o)).chain(standing).collect::<Vec<_>>();
+            ways.extend(self.explorer.explore(start, end.point, &met, &how));
+        }
+        let along = |corners: &[MapPoint]| Band::along(situation.pose, corners, end.yaw, &self.limits, 1.0);
+        let mut drafts: Vec<Band> = ways.iter().filter_map(|way| along(&way.corners[1..])).collect();
+        if let Some(driven) = self.candidates.first().filter(|c| c.conflict.is_some() && !moving.is_empty()) {
+            drafts.extend(WAITS.iter().filter_map(|wait| driven.band.delayed(*wait)));
+        }
+        self.of_new_classes(drafts)
+    }
+
+    fn of_new_classes(&self, drafts: Vec<Band>) -> Vec<Candidate> {
+        let mut new: Vec<Candidate> = Vec::new();
+        for band in drafts {
+            let signature = signature(&self.clumps, &band);
+            let known = self.candidates.iter().chain(&new).any(|c| c.signature == signature);
+            let room = self.candidates.len() + new.len() < self.settings.exploring.most;
+            if !known && room {
+                new.push(Candidate { band, signature, cost: 0.0, conflict: None });
+            }
+        }
+        new
+    }
+
+    /// A moving obstacle where the band that is driven meets it.
+    fn when_met(&self, obstacle: &Obstacle) -> Obstacle {
+        let Some(band) = self.candidates.first().filter(|_| obstacle.is_moving()).map(|c| &c.band) else {
+            return obstacle.clone();
+        };
+        let [vx, vy] = obstacle.velocity();
+        let middle = obstacle.middle();
+        let apart = |time: f64| {
+            MapPoint::new(middle.x + vx * time, middle.y + vy * time).distance(band.pose_at(time).point())
+        };
+        let times = band.knots().iter().map(|k| k.time);
+        obstacle.after(times.min_by(|a, b| apart(*a).total_cmp(&apart(*b))).unwrap_or(0.0))
+    }
+
+    fn improve(&mut self, new: Vec<Candidate>, situation: &Situation<'_>, end: &End) {
+        let problem = Problem {
+            footprint: &self.footprint,
+            obstacles: situation.obstacles,
+            limits: &self.limits,
+            settings: &self.settings.band,
+            start: situation.velocity,
+            stops: end.stops,
+            end_yaw: end.yaw.is_some(),
+            side: 0.0,
+        };
+        let warm = self.candidates.len();
+        self.candidates.extend(new);
+        for (i, candidate) in self.candidates.iter_mut().enumerate() {
+            let effort = if i < warm { Effort::WARM } else { Effort::COLD };
+            let conflict = |band: &Band| first_conflict(&self.footprint, situation.obstacles, band, SURE);
+            let before = candidate.conflict.is_none().then(|| candidate.band.clone());
+            candidate.cost = self.optimizer.improve(&mut candidate.band, &problem, &[], &effort);
+            candidate.conflict = conflict(&candidate.band);
+            // Not for a better cost is a way given up that leads there.
+            if let Some(before) = before.filter(|b| candidate.conflict.is_some() && conflict(b).is_none()) {
+                (candidate.band, candidate.conflict) = (before, None);
+            }
+            candidate.signature = signature(&self.clumps, &candidate.band);
+        }
+    }
+
+    /// Puts the best band first, the one that was there if it is hardly worse, and drops all but the best of each class.
+    fn choose(&mut self) {
+        if self.candidates.is_empty() {
+            return;
+        }
+        let worth =
+            |i: usize, c: &Candidate| if i == 0 { self.settings.hysteresis * c.worth() } else { c.worth() };
+        let best = (0..self.candidates.len())
+            .min_by(|&a, &b| worth(a, &self.candidates[a]).total_cmp(&worth(b, &self.candidates[b])));
+        self.candidates.swap(0, best.unwrap_or(0));
+        let mut kept: Vec<Candidate> = Vec::with_capacity(self.candidates.len());
+        for candidate in self.candidates.drain(..) {
+            match kept.iter_mut().position(|k| k.signature == candidate.signature) {
+                Some(0) => {}
+                Some(i) if candidate.worth() < kept[i].worth() => kept[i] = candidate,
+                Some(_) => {}
+                None => kept.push(candidate),
+            }
+        }
+        let dearest = 2.0 * kept[0].cost + 5.0;
+        let mut first = true;
+        kept.retain(|c| std::mem::take(&mut first) || c.conflict.is_none() && c.cost < dearest);
+        self.candidates = kept;
+    }
+
+    /// Where no band leads to the end, a search with the whole footprint may.
+    fn maneuver(&mut self, situation: &Situation<'_>, end: &End) {
+        let leads = self.candidates.first().is_some_and(|c| c.conflict.is_none());
+        if leads {
+            return;
+        }
+        if let Some(band) = self.search(situation, end) {
+            let conflict = first_conflict(&self.footprint, situation.obstacles, &band, SURE);
+            let signature = signature(&self.clumps, &band);
+            self.candidates.insert(0, Candidate { band, signature, cost: 0.0, conflict });
+        }
+    }
+
+    fn search(&mut self, situation: &Situation<'_>, end: &End) -> Option<Band> {
+        if self.searched.is_some_and(|at| situation.time.since(at).as_secs_f64() < SEARCH_AGAIN) {
+            return None;
+        }
+        self.searched = Some(situation.time);
+        let (footprint, obstacles) = (&self.footprint, situation.obstacles);
+        maneuver(footprint, &self.limits, obstacles, situation.pose, end.point, end.yaw).ok()
+    }
+
+    /// Whether the robot is so near to something that soft penalties are no help. It takes twice the distance to be out of there.
+    fn is_wedged(&self, situation: &Situation<'_>) -> bool {
+        let standing = situation.obstacles.iter().filter(|o| !o.is_moving());
+        let near = clearance(&self.footprint, standing, situation.pose, 0.0, 2.0 * WEDGED);
+        near < if self.way_out.is_some() { 2.0 * WEDGED } else { WEDGED }
+    }
+
+    /// Drives a maneuver as it was found.
+    fn drive_out(&mut self, situation: &Situation<'_>, end: &End) -> Result<Velocity, Blocked> {
+        let elapsed = self.last.map_or(0.0, |(time, _)| situation.time.since(time).as_secs_f64());
+        self.last = Some((situation.time, end.point));
+        if let Some(band) = &mut self.way_out {
+            band.advance(situation.pose, elapsed);
+        }
+        let keeps = |band: &Band| {
+            first_conflict(&self.footprint, situation.obstacles, band, SURE).is_none_or(|at| at > TOO_LATE)
+        };
+        if !self.way_out.as_ref().is_some_and(keeps) {
+            self.way_out = self.search(situation, end);
+        }
+        let Some(band) = &self.way_out else { return Err(Blocked::Obstacle(0.0)) };
+        self.secured(situation, wanted(band, &self.limits))
+    }
+
+    fn command(&self, situation: &Situation<'_>) -> Result<Velocity, Blocked> {
+        let Some(best) = self.candidates.first() else { return Err(Blocked::Obstacle(0.0)) };
+        if let Some(at) = best.conflict.filter(|at| *at < TOO_LATE) {
+            let distance = situation.pose.point().distance(best.band.pose_at(at).point());
+            let (footprint, limits) = (&self.footprint, &self.limits);
+            return evade(footprint, limits, situation).ok_or(Blocked::Obstacle(distance));
+        }
+        self.secured(situation, wanted(&best.band, &self.limits))
+    }
+
+    /// The largest share of a velocity from which the robot can still stop before anything that stands.
+    fn secured(&self, situation: &Situation<'_>, wanted: Velocity) -> Result<Velocity, Blocked> {
+        let mut conflict = 0.0;
+        for share in [1.0, 0.6, 0.3, 0.1] {
+            let velocity = Velocity::new(share * wanted.linear, share * wanted.angular);
+            let motion = Motion { pose: situation.pose, velocity: situation.velocity, command: velocity };
+            let (foot, limits) = (&self.footprint, &self.limits);
+            match conflict_before_stop(foot, situation.obstacles, motion, limits, COMMAND, SURE) {
+                None => return Ok(velocity),
+                Some(at) => conflict = at * velocity.linear.abs(),
+            }
+        }
+        Err(Blocked::Obstacle(conflict))
+    }
+
+    /// The last turn, once the robot stands where it should.
+    fn turn(&self, situation: &Situation<'_>, error: f64) -> Result<Progress, Blocked> {
+        // As fast as it can still be stopped in time, with a third of what the wheels could do.
+        let angular = self.limits.acceleration / self.limits.half_track / 3.0;
+        let rate = (2.0 * angular * error.abs()).sqrt().min(2.0 * error.abs()).clamp(0.1, self.limits.turn);
+        self.secured(situation, Velocity::new(0.0, rate.copysign(error))).map(Progress::Drive)
+    }
+}
+
+impl LocalPlanner for Teb {
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Progress, Blocked> {
+        situation.check()?;
+        let end = self.end(situation);
+        let off = situation.pose.point().distance(end.point);
+        let near = if self.turning { 1.0 } else { WELL_WITHIN } * self.settings.tolerance;
+        self.turning = end.stops && off <= near;
+        if self.turning {
+            self.candidates.clear();
+            let error = end.yaw.map_or(0.0, |yaw| wrap_angle(yaw - situation.pose.yaw));
+            let there = error.abs() <= self.settings.yaw_tolerance;
+            return if there { Ok(Progress::Arrived) } else { self.turn(situation, error) };
+        }
+        if self.is_wedged(situation) {
+            self.candidates.clear();
+            return self.drive_out(situation, &end).map(Progress::Drive);
+        }
+        self.way_out = None;
+        self.carry_on(situation, &end);
+        let new = self.explore(situation, &end);
+        self.improve(new, situation, &end);
+        self.choose();
+        self.maneuver(situation, &end);
+        self.command(situation).map(Progress::Drive)
+    }
+
+    fn reset(&mut self) {
+        self.candidates.clear();
+        (self.last, self.turning, self.searched, self.way_out) = (None, false, None, None);
+    }
+}
+
+fn signature(clumps: &Clumps, band: &Band) -> Signature {
+    clumps.signature(band.knots().iter().map(|k| (k.pose.point(), k.time)))
+}
+
+fn is_jump(expected: Pose2, pose: Pose2) -> bool {
+    expected.point().distance(pose.point()) > JUMP.0 || wrap_angle(expected.yaw - pose.yaw).abs() > JUMP.1
+}
+
+/// The velocity that leads to where the band has the robot next.
+fn wanted(band: &Band, limits: &Limits) -> Velocity {
+    let mut short = band.clone();
+    let at = COMMAND.min(band.duration());
+    let next = band.pose_at(at);
+    short.knots_mut()[1].pose = next;
+    short.knots_mut()[1].time = at;
+    let v = short.velocity(0);
+    Velocity::new(
+        v.linear.clamp(-limits.backward, limits.forward),
+        v.angular.clamp(-limits.turn, limits.turn),
+    )
+}
+
+/// The point `length` metres along a way from its place nearest to `from`, and whether that is its end.
+fn ahead(path: &[MapPoint], from: MapPoint, length: f64) -> (MapPoint, bool) {
+    let (mut segment, mut foot) = (0, path[0]);
+    for (i, pair) in path.windows(2).enumerate() {
+        let (candidate, _) = nearest_on_segment(pair[0], pair[1], from);
+        if candidate.distance(from) < foot.distance(from) - 1e-9 {
+            (segment, foot) = (i, candidate);
+        }
+    }
+    let (mut at, mut left) = (foot, length);
+    for next in &path[(segment + 1).min(path.len())..] {
+        let step = at.distance(*next);
+        if step >= left {
+            let t = left / step;
+            return (MapPoint::new(at.x + t * (next.x - at.x), at.y + t * (next.y - at.y)), false);
+        }
+        (at, left) = (*next, left - step);
+    }
+    (at, true)
+}

@@ -1,0 +1,322 @@
+//! What is minimized: the objectives of the Timed Elastic Band as residuals with their derivatives.
+//!
+//! Knot i is (xᵢ, yᵢ, θᵢ, tᵢ); the papers' ΔTᵢ is tᵢ₊₁ - tᵢ. Times instead of differences leave every term local, that of a moving obstacle too: where it will be depends on tᵢ alone, not on
+//! the sum of all differences before. Inequalities are penalties, the square of what is over a bound.
+
+use openbench_core::{MapPoint, Velocity};
+
+use crate::shape::{Footprint, Obstacle};
+use crate::teb::band::{Band, Knot};
+use crate::teb::normal::{BLOCK, Sink};
+use crate::teb::settings::{Limits, Settings};
+
+/// Two knots of variables.
+const PAIR: usize = 2 * BLOCK;
+/// Three knots of variables.
+const TRIPLE: usize = 3 * BLOCK;
+/// Stretches at the beginning in which a side to turn to may be preferred.
+const SIDED: usize = 8;
+/// The shortest time that a stretch is taken to have, seconds.
+const SHORTEST: f64 = 1e-3;
+
+/// What a band has to keep to.
+#[derive(Debug, Clone, Copy)]
+pub struct Problem<'a> {
+    /// The robot's outline.
+    pub footprint: &'a Footprint,
+    /// What is in its way.
+    pub obstacles: &'a [Obstacle],
+    /// What it can do.
+    pub limits: &'a Limits,
+    /// What is worth how much.
+    pub settings: &'a Settings,
+    /// How it moves now.
+    pub start: Velocity,
+    /// Whether it has to stand at the end.
+    pub stops: bool,
+    /// Whether its yaw at the end is given.
+    pub end_yaw: bool,
+    /// Side to turn to: 1 left, -1 right, 0 either.
+    pub side: f64,
+}
+
+/// A point to pass by, and the knot that is to.
+pub type Via = (usize, MapPoint);
+
+/// What does not change while a band is improved: for each knot the seconds that it stands for, and points to pass by.
+#[derive(Debug, Clone, Default)]
+pub struct Frozen {
+    /// Wanted seconds of each stretch.
+    pub steps: Vec<f64>,
+    /// Points to pass by.
+    pub vias: Vec<Via>,
+    /// The most that each knot has to keep off obstacles, metres: who begins near one gets off it by and by.
+    pub allowed: Vec<f64>,
+    /// Multiple of the obstacles' weight, raised from pass to pass.
+    pub firmness: f64,
+}
+
+/// A stretch between two knots, and how its velocities change with them.
+struct Stretch {
+    seconds: f64,
+    chord: [f64; 2],
+    sideways: f64,
+    by_sideways: [f64; PAIR],
+    speed: f64,
+    by_speed: [f64; PAIR],
+    turn: f64,
+    by_turn: [f64; PAIR],
+}
+
+impl Stretch {
+    /// Speed along the mean heading: a circle's chord leaves and meets it at the same angle, so on an arc nothing is left sideways (the non-holonomic constraint of Roesmann et al. 2012).
+    fn between(a: &Knot, b: &Knot) -> Self {
+        let seconds = (b.time - a.time).max(SHORTEST);
+        let chord = [b.pose.x - a.pose.x, b.pose.y - a.pose.y];
+        let (s, c) = libm::sincos((a.pose.yaw + b.pose.yaw) / 2.0);
+        let along = chord[0] * c + chord[1] * s;
+        let sideways = chord[1] * c - chord[0] * s;
+        let by_sideways = [s, -c, -0.5 * along, 0.0, -s, c, -0.5 * along, 0.0];
+        let per = 1.0 / seconds;
+        let speed = along * per;
+        let half = 0.5 * sideways * per;
+        let by_speed = [-c * per, -s * per, half, speed * per, c * per, s * per, half, -speed * per];
+        let turn = (b.pose.yaw - a.pose.yaw) * per;
+        let by_turn = [0.0, 0.0, -per, turn * per, 0.0, 0.0, per, -turn * per];
+        Self { seconds, chord, sideways, by_sideways, speed, by_speed, turn, by_turn }
+    }
+
+    /// Speed of the left (-1) or right (1) rim, and its derivative.
+    fn rim(&self, side: f64, half_track: f64) -> (f64, [f64; PAIR]) {
+        let arm = side * half_track;
+        let by = std::array::from_fn(|k| self.by_speed[k] + arm * self.by_turn[k]);
+        (self.speed + arm * self.turn, by)
+    }
+}
+
+/// Gives every residual of `band` to `sink`.
+pub fn collect(band: &Band, problem: &Problem<'_>, frozen: &Frozen, sink: &mut impl Sink) {
+    let knots = band.knots();
+    for (i, knot) in knots.iter().enumerate().skip(1) {
+        obstacles(i, knot, problem, frozen, sink);
+    }
+    let mut before: Option<Stretch> = None;
+    for i in 0..knots.len() - 1 {
+        let stretch = Stretch::between(&knots[i], &knots[i + 1]);
+        let step = frozen.steps[i];
+        drive(i, &stretch, step, problem, sink);
+        match &before {
+            Some(before) => accelerate(i - 1, before, &stretch, step, problem, sink),
+            None => set_out(&stretch, step, problem, sink),
+        }
+        before = Some(stretch);
+    }
+    if let Some(last) = before.filter(|_| problem.stops) {
+        stop(knots.len() - 2, &last, frozen.steps[knots.len() - 2], problem, sink);
+    }
+    let weight = problem.settings.weights.via;
+    for &(knot, point) in &frozen.vias {
+        let at = &knots[knot].pose;
+        sink.add(knot, weight, at.x - point.x, &[1.0, 0.0, 0.0, 0.0]);
+        sink.add(knot, weight, at.y - point.y, &[0.0, 1.0, 0.0, 0.0]);
+    }
+}
+
+/// Distances to obstacles, whole outlines on both sides.
+fn obstacles(i: usize, knot: &Knot, problem: &Problem<'_>, frozen: &Frozen, sink: &mut impl Sink) {
+    let (margins, weights) = (&problem.settings.margins, &problem.settings.weights);
+    let foot = problem.footprint.at(knot.pose);
+    let step = frozen.steps[i.min(frozen.steps.len() - 1)];
+    let (firm, soft) = (weights.obstacle * frozen.firmness * step, weights.comfort * step);
+    for obstacle in problem.obstacles {
+        let least = if obstacle.is_moving() { margins.moving } else { margins.least };
+        let comfort = margins.comfort.max(least);
+        let circle = problem.footprint.circumscribed();
+        let Some(near) = obstacle.contact(&foot, circle, knot.time, comfort) else { continue };
+        if near.distance >= comfort {
+            continue;
+        }
+        let n = near.normal;
+        let velocity = obstacle.velocity();
+        let away = n[0] * velocity[0] + n[1] * velocity[1];
+        let gradient = [-near.gradient[0], -near.gradient[1], -near.gradient[2], -away];
+        let depth = comfort - near.distance;
+        // As if the whole depth were one unit: what comfort is worth does not depend on how wide it is.
+        sink.add(i, soft / (comfort * comfort), depth, &gradient);
+        let least = least.min(frozen.allowed[i]);
+        if near.distance < least {
+            sink.add(i, firm, least - near.distance, &gradient);
+        }
+    }
+}
+
+/// Time, length, and the limits of speed and turn rate.
+fn drive(i: usize, stretch: &Stretch, step: f64, problem: &Problem<'_>, sink: &mut impl Sink) {
+    let (weights, limits) = (&problem.settings.weights, problem.limits);
+    sink.add(i, weights.time / step, stretch.seconds, &[0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 1.0]);
+    sink.add(i, weights.length / step, stretch.chord[0], &[-1.0, 0.0, 0.0, 0.0, 1.0]);
+    sink.add(i, weights.length / step, stretch.chord[1], &[0.0, -1.0, 0.0, 0.0, 0.0, 1.0]);
+    sink.add(i, weights.sideways, stretch.sideways, &stretch.by_sideways);
+    let mut at_most = |weight: f64, over: f64, sign: f64, by: &[f64; PAIR]| {
+        if over > 0.0 {
+            sink.add(i, weight * step, over, &by.map(|d| sign * d));
+        }
+    };
+    at_most(weights.speed, stretch.speed - limits.forward, 1.0, &stretch.by_speed);
+    at_most(weights.speed, -stretch.speed - limits.backward, -1.0, &stretch.by_speed);
+    at_most(weights.backward, -stretch.speed, -1.0, &stretch.by_speed);
+    at_most(weights.turn, stretch.turn - limits.turn, 1.0, &stretch.by_turn);
+    at_most(weights.turn, -stretch.turn - limits.turn, -1.0, &stretch.by_turn);
+    if problem.side != 0.0 && i < SIDED {
+        at_most(weights.side, -problem.side * stretch.turn, -problem.side, &stretch.by_turn);
+    }
+}
+
+/// Accelerations of both rims between two stretches, the first of which begins at knot `i`.
+fn accelerate(i: usize, a: &Stretch, b: &Stretch, step: f64, problem: &Problem<'_>, sink: &mut impl Sink) {
+    let both = a.seconds + b.seconds;
+    for side in [-1.0, 1.0] {
+        let ((u, by_u), (v, by_v)) =
+            (a.rim(side, problem.limits.half_track), b.rim(side, problem.limits.half_track));
+        let rate = 2.0 / both;
+        let acceleration = rate * (v - u);
+        let over = acceleration.abs() - problem.limits.acceleration;
+        if over <= 0.0 {
+            continue;
+        }
+        let sign = acceleration.signum();
+        let mut by = [0.0; TRIPLE];
+        for k in 0..PAIR {
+            by[k] -= sign * rate * by_u[k];
+            by[k + BLOCK] += sign * rate * by_v[k];
+        }
+        by[BLOCK - 1] += sign * acceleration / both;
+        by[TRIPLE - 1] -= sign * acceleration / both;
+        sink.add(i, problem.settings.weights.acceleration * step, over, &by);
+    }
+}
+
+/// From how the robot moves now to the middle of the first stretch.
+fn set_out(first: &Stretch, step: f64, problem: &Problem<'_>, sink: &mut impl Sink) {
+    for side in [-1.0, 1.0] {
+        let now = problem.start.linear + side * problem.limits.half_track * problem.start.angular;
+        change(0, first, side, (now, 1.0), step, problem, sink);
+    }
+}
+
+/// From the middle of the last stretch to standing.
+fn stop(i: usize, last: &Stretch, step: f64, problem: &Problem<'_>, sink: &mut impl Sink) {
+    for side in [-1.0, 1.0] {
+        change(i, last, side, (0.0, -1.0), step, problem, sink);
+    }
+}
+
+/// Acceleration between a stretch's middle and one of its ends, where a rim has speed `other`: towards the stretch (1) or away from it (-1).
+fn change(
+    i: usize,
+    stretch: &Stretch,
+    side: f64,
+    (other, direction): (f64, f64),
+    step: f64,
+    problem: &Problem<'_>,
+    sink: &mut impl Sink,
+) {
+    let (rim, by_rim) = stretch.rim(side, problem.limits.half_track);
+    let rate = 2.0 * direction / stretch.seconds;
+    let acceleration = rate * (rim - other);
+    let over = acceleration.abs() - problem.limits.acceleration;
+    if over <= 0.0 {
+        return;
+    }
+    let sign = acceleration.signum();
+    let mut by = by_rim.map(|d| sign * rate * d);
+    by[BLOCK - 1] += sign * acceleration / stretch.seconds;
+    by[PAIR - 1] -= sign * acceleration / stretch.seconds;
+    sink.add(i, problem.settings.weights.acceleration * step, over, &by);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use openbench_core::{Pose2, RobotDescription};
+    use proptest::prelude::*;
+
+    /// Every residual, and its derivatives by all variables.
+    #[derive(Default)]
+    struct List(Vec<(f64, Vec<(usize, f64)>)>);
+
+    impl Sink for List {
+        fn add<const K: usize>(&mut self, knot: usize, weight: f64, residual: f64, gradient: &[f64; K]) {
+            let root = weight.sqrt();
+            let entries = gradient.iter().enumerate().map(|(k, d)| (knot * BLOCK + k, root * d)).collect();
+            self.0.push((root * residual, entries));
+        }
+    }
+
+    fn obstacles() -> Vec<Obstacle> {
+        let at = MapPoint::new;
+        let square = [at(1.2, 0.2), at(1.6, 0.2), at(1.6, 0.7), at(1.2, 0.7)];
+        vec![
+            Obstacle::new(&square, 0.0, [0.0; 2]).unwrap(),
+            Obstacle::disc(at(0.8, -0.5), 0.2).unwrap(),
+            Obstacle::wall(at(0.5, -1.0), at(2.0, -0.6)).unwrap(),
+            Obstacle::new(&[at(1.5, 1.0)], 0.25, [0.2, -0.9]).unwrap(),
+        ]
+    }
+
+    proptest! {
+        /// The sum of squares and its gradient hold every residual with every derivative.
+        #[test]
+        fn derivatives_are_those_of_finite_differences(
+            xs in prop::collection::vec((-0.15..0.15_f64, -0.3..0.3_f64, -0.8..0.8_f64, 0.05..0.5_f64), 5),
+            speed in -0.3..0.6_f64, rate in -1.5..1.5_f64, side in -1..2_i32,
+        ) {
+            const STEP: f64 = 1e-7;
+            let robot = RobotDescription::sentry();
+            let (footprint, limits, list) = (Footprint::of(&robot).unwrap(), Limits::of(&robot).unwrap(), obstacles());
+            let mut settings = Settings::default();
+            (settings.weights.via, settings.weights.side) = (0.7, 0.3);
+            let problem = Problem {
+                footprint: &footprint, obstacles: &list, limits: &limits, settings: &settings,
+                start: Velocity::new(speed, rate), stops: true, end_yaw: true, side: f64::from(side),
+            };
+            let mut time = -0.1;
+            let knots: Vec<Knot> = xs.iter().enumerate().map(|(i, (x, y, yaw, dt))| {
+                time += dt + 0.05;
+                Knot { pose: Pose2::new(0.4 * i as f64 + x, *y, *yaw), time }
+            }).collect();
+            let frozen = Frozen { steps: vec![0.2; 4], allowed: vec![f64::INFINITY, 0.01, 0.02, 1.0, 1.0], vias: vec![(2, MapPoint::new(0.9, 0.2))], firmness: 1.0 };
+            let residuals = |knots: &[Knot]| {
+                let mut list = List::default();
+                collect(&Band::new(knots.to_vec()).unwrap(), &problem, &frozen, &mut list);
+                list.0
+            };
+            let here = residuals(&knots);
+            for variable in 0..knots.len() * BLOCK {
+                let moved = |by: f64| {
+                    let mut knots = knots.clone();
+                    let knot = &mut knots[variable / BLOCK];
+                    match variable % BLOCK {
+                        0 => knot.pose.x += by,
+                        1 => knot.pose.y += by,
+                        2 => knot.pose.yaw += by,
+                        _ => knot.time += by,
+                    }
+                    residuals(&knots)
+                };
+                let (up, down) = (moved(STEP), moved(-STEP));
+                if up.len() != here.len() || down.len() != here.len() {
+                    continue; // A bound is just being reached.
+                }
+                for (r, (up, down)) in here.iter().zip(up.iter().zip(&down)) {
+                    let (forward, back) = ((up.0 - r.0) / STEP, (r.0 - down.0) / STEP);
+                    let stated: f64 = r.1.iter().filter(|(v, _)| *v == variable).map(|(_, d)| d).sum();
+                    let scale = 1.0 + stated.abs();
+                    // Where the nearest edge changes there is no derivative.
+                    let smooth = (forward - back).abs() < 1e-3 * scale;
+                    prop_assert!(!smooth || (forward - stated).abs() < 2e-3 * scale, "{variable}: {stated} {forward} {:?}", r);
+                }
+            }
+        }
+    }
+}
