@@ -15,6 +15,7 @@
 //! | [`metrics`], [`statistics`], [`results`] | the numbers |
 //! | [`evaluate`] | the reference's recorder files |
 //! | [`report`] | results for people |
+//! | [`motion`] | how well local planners drive |
 //! | [`speed`] | how fast the parts are |
 //! | [`world_folder`] | worlds as folders: recipe, maps, suite |
 //! | [`tour`] | drives for the sake of their logs |
@@ -27,6 +28,7 @@ pub mod draw;
 pub mod error;
 pub mod evaluate;
 pub mod metrics;
+pub mod motion;
 pub mod picture;
 pub mod recorder;
 pub mod recording;

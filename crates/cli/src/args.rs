@@ -1,8 +1,12 @@
 //! What can be written on the command line.
 
+mod bench;
+
 use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, Parser, Subcommand};
+
+pub use bench::*;
 
 /// OpenBench: semantic navigation for last-mile delivery, benchmark and baseline.
 #[derive(Debug, Parser)]
@@ -513,101 +517,6 @@ pub struct ShowArgs {
     /// Write the thing that each pixel shows too: PNG in the legend's colours, a colour of its own for each thing
     #[arg(long, value_name = "FILE")]
     pub instances: Option<PathBuf>,
-}
-
-/// Arguments of `bench`.
-#[derive(Debug, ClapArgs)]
-pub struct BenchArgs {
-    /// What to measure
-    #[command(subcommand)]
-    pub command: BenchCommand,
-}
-
-/// What can be measured.
-#[derive(Debug, Subcommand)]
-pub enum BenchCommand {
-    /// The simulator: LiDAR rays, images, seconds simulated in a second of one core
-    Sim(BenchSimArgs),
-    /// Routing: routes, nearest places, tables, preparing a map
-    Routing(BenchRoutingArgs),
-    /// The pose graph of a g2o file: chi² and CPU seconds
-    Posegraph(BenchPosegraphArgs),
-}
-
-/// Arguments of `bench posegraph`.
-#[derive(Debug, ClapArgs)]
-#[command(after_help = "\
-Example:
-  openbench bench posegraph sphere2500.g2o --json --out solved.g2o")]
-pub struct BenchPosegraphArgs {
-    /// The graph (.g2o)
-    pub graph: PathBuf,
-    /// Write the solved graph to this file
-    #[arg(long)]
-    pub out: Option<PathBuf>,
-    /// Print JSON
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// Arguments of `bench routing`.
-#[derive(Debug, ClapArgs)]
-#[command(after_help = "\
-Example:
-  openbench bench routing --map porto.osm.pbf --profile foot --pairs pairs.csv --json --answers answers.csv")]
-pub struct BenchRoutingArgs {
-    /// The map and who travels
-    #[command(flatten)]
-    pub roads: RoadArgs,
-    /// From where to where: rows of lon,lat,lon,lat
-    #[arg(long)]
-    pub pairs: PathBuf,
-    /// Write distance_m,duration_s of every pair to this file
-    #[arg(long)]
-    pub answers: Option<PathBuf>,
-    /// Write the graph to this folder, for peers that know no maps
-    #[arg(long)]
-    pub dump: Option<PathBuf>,
-    /// Print JSON instead of a table
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// Arguments of `bench sim`.
-#[derive(Debug, ClapArgs)]
-#[command(after_help = "\
-Examples:
-  openbench bench sim medium
-  openbench bench sim medium --pedestrians 50 --cars 20
-  openbench bench sim --world medium_osm.world --map medium.osm --models gazebo_models --json")]
-pub struct BenchSimArgs {
-    /// A built-in world
-    #[arg(conflicts_with = "world", default_value = "medium")]
-    pub name: String,
-    /// A Gazebo world (SDF)
-    #[arg(long, requires = "map")]
-    pub world: Option<PathBuf>,
-    /// The OSM map of that world
-    #[arg(long, requires = "world")]
-    pub map: Option<PathBuf>,
-    /// Folder in which `model://` is looked up (may be given more than once)
-    #[arg(long)]
-    pub models: Vec<PathBuf>,
-    /// How the world lies on the Earth
-    #[arg(long)]
-    pub georef: Option<String>,
-    /// People who walk about
-    #[arg(long, default_value_t = 0)]
-    pub pedestrians: u16,
-    /// Cars that drive about
-    #[arg(long, default_value_t = 0)]
-    pub cars: u16,
-    /// Print JSON
-    #[arg(long)]
-    pub json: bool,
-    /// Folder for the triangles and rays that were measured, for other programs to be measured with
-    #[arg(long)]
-    pub dump: Option<PathBuf>,
 }
 
 /// Arguments of `models`.

@@ -35,3 +35,33 @@ fn a_world_that_is_not_there_is_refused() {
     Place::new().openbench("bench sim nowhere").refused_with(&["nowhere", "small, medium, large"]);
     Place::new().openbench("bench sim --world a.world").refused_with(&["--map"]);
 }
+
+#[test]
+fn local_planners_are_compared_in_scenes_from_a_seed() {
+    let place = Place::new();
+    let all =
+        place.openbench("bench motion --scenes 10 --seed 3 --json --pictures scenes").succeeded().json();
+    for planner in ["teb", "follower", "mppi"] {
+        let row = &all["planners"][planner];
+        assert!(row["feasible"].as_i64().is_some_and(|n| n >= 5), "{planner}: {row}");
+        for field in ["reached", "collisions", "cycle_ms_p50", "cycle_ms_p99", "time_ratio_mean"] {
+            assert!(row[field].as_f64().is_some_and(|v| v >= 0.0), "{planner}, {field}: {row}");
+        }
+    }
+    let teb = &all["planners"]["teb"];
+    assert_eq!((&teb["reached"], teb["collisions"].as_i64()), (&teb["feasible"], Some(0)), "{all}");
+    assert_eq!(teb["refused"], teb["infeasible"], "{all}");
+    assert!(place.read("scenes/00002_teb.svg").contains("</svg>"));
+    // The same again on two threads: all but times of decisions.
+    let again =
+        place.openbench("bench motion --scenes 10 --seed 3 --json --planner teb --jobs 2").succeeded().json();
+    for field in ["feasible", "reached", "swerves_mean"] {
+        assert_eq!(again["planners"]["teb"][field], teb[field], "{field}");
+    }
+}
+
+#[test]
+fn planners_and_numbers_of_scenes_that_make_no_sense_are_refused() {
+    Place::new().openbench("bench motion --planner dwa").refused_with(&["dwa", "teb, follower, mppi"]);
+    Place::new().openbench("bench motion --scenes 0").refused_with(&["0"]);
+}

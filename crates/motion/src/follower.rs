@@ -4,7 +4,7 @@
 use openbench_core::{MapPoint, Pose2, RobotDescription, Velocity, frames::wrap_angle};
 
 use crate::costmap::Costmap;
-use crate::local::{Blocked, Progress};
+use crate::local::{Blocked, LocalPlanner, Progress, Situation, ahead, check};
 
 /// Distance along the way to the point that is steered for, metres.
 const LOOKAHEAD: f64 = 0.6;
@@ -50,9 +50,14 @@ impl Follower {
         Self { robot, tolerance: 0.15, yaw_tolerance: 0.08 }
     }
 
-    fn pursue(&self, input: &FollowInput<'_>, remaining: f64) -> Velocity {
-        let target = point_ahead(input.path, input.pose.point(), LOOKAHEAD);
-        let (forward, left) = input.pose.inverse_transform(target);
+    /// Another distance from the end, metres, and heading error there, radians, with which the robot has arrived.
+    pub fn with_tolerances(self, tolerance: f64, yaw_tolerance: f64) -> Self {
+        Self { tolerance, yaw_tolerance, ..self }
+    }
+
+    fn pursue(&self, pose: Pose2, path: &[MapPoint], remaining: f64) -> Velocity {
+        let target = ahead(path, pose.point(), LOOKAHEAD).map_or(pose.point(), |(point, _)| point);
+        let (forward, left) = pose.inverse_transform(target);
         let error = libm::atan2(left, forward);
         if error.abs() > TURN_FIRST {
             return self.turn(error);
@@ -71,27 +76,27 @@ impl Follower {
     }
 
     /// The fastest share of `wanted` whose next second stays clear of obstacles.
-    fn secured(&self, input: &FollowInput<'_>, wanted: Velocity) -> Result<Velocity, Blocked> {
+    fn secured(&self, pose: Pose2, near: Near<'_>, wanted: Velocity) -> Result<Velocity, Blocked> {
         let mut free = wanted;
         for share in [1.0, 0.6, 0.3] {
             free = Velocity::new(wanted.linear * share, wanted.angular * share);
-            if self.first_contact(input, free).is_none() {
+            if self.first_contact(pose, near, free).is_none() {
                 return Ok(free);
             }
         }
-        Err(Blocked::Obstacle(self.first_contact(input, free).unwrap_or(0.0)))
+        Err(Blocked::Obstacle(self.first_contact(pose, near, free).unwrap_or(0.0)))
     }
 
     /// Distance driven before the robot's hull, at its wanted velocity, comes too close to an obstacle.
-    fn first_contact(&self, input: &FollowInput<'_>, velocity: Velocity) -> Option<f64> {
+    fn first_contact(&self, pose: Pose2, near: Near<'_>, velocity: Velocity) -> Option<f64> {
         let reach = self.robot.inscribed_radius() + 0.02;
-        let here = input.costmap.nearest_obstacle_within(input.pose.point(), reach);
+        let here = near(pose.point(), reach);
         let steps = 10;
         let dt = HORIZON / f64::from(steps);
-        let mut pose = input.pose;
+        let mut pose = pose;
         for i in 1..=steps {
             pose = pose.compose(Pose2::new(velocity.linear * dt, 0.0, velocity.angular * dt));
-            if let Some(distance) = input.costmap.nearest_obstacle_within(pose.point(), reach) {
+            if let Some(distance) = near(pose.point(), reach) {
                 // Already too close: moving away is allowed.
                 if here.is_none_or(|h| distance < h - 0.005) {
                     return Some(velocity.linear * dt * f64::from(i));
@@ -100,53 +105,47 @@ impl Follower {
         }
         None
     }
-}
 
-impl PathFollower for Follower {
-    fn follow(&mut self, input: &FollowInput<'_>) -> Result<Progress, Blocked> {
-        let finite = |p: &MapPoint| p.x.is_finite() && p.y.is_finite();
-        let end = *input.path.last().filter(|_| input.path.iter().all(finite)).ok_or(Blocked::NoPath)?;
-        if !finite(&input.pose.point()) || !input.pose.yaw.is_finite() {
-            return Err(Blocked::NoPose);
-        }
-        let to_end = input.pose.point().distance(end);
+    fn decide(
+        &self,
+        pose: Pose2,
+        path: &[MapPoint],
+        final_yaw: Option<f64>,
+        near: Near<'_>,
+    ) -> Result<Progress, Blocked> {
+        let end = *path.last().ok_or(Blocked::NoPath)?;
+        let to_end = pose.point().distance(end);
         if to_end <= self.tolerance {
-            let error = input.final_yaw.map_or(0.0, |yaw| wrap_angle(yaw - input.pose.yaw));
+            let error = final_yaw.map_or(0.0, |yaw| wrap_angle(yaw - pose.yaw));
             let arrived = error.abs() <= self.yaw_tolerance;
             return Ok(if arrived { Progress::Arrived } else { Progress::Drive(self.turn(error)) });
         }
-        let wanted = self.pursue(input, to_end);
-        self.secured(input, wanted).map(Progress::Drive)
+        self.secured(pose, near, self.pursue(pose, path, to_end)).map(Progress::Drive)
     }
 }
 
-/// The point `ahead` metres along `path` from its place nearest to `from`, or its end.
-fn point_ahead(path: &[MapPoint], from: MapPoint, ahead: f64) -> MapPoint {
-    let (mut segment, mut foot, mut nearest) = (0, path[0], f64::INFINITY);
-    for (i, pair) in path.windows(2).enumerate() {
-        let candidate = foot_on(from, pair[0], pair[1]);
-        let distance = candidate.distance(from);
-        if distance < nearest - 1e-9 {
-            (segment, foot, nearest) = (i, candidate, distance);
-        }
+/// Distance from a point to the nearest obstacle, if it is within so many metres.
+type Near<'a> = &'a dyn Fn(MapPoint, f64) -> Option<f64>;
+
+impl PathFollower for Follower {
+    fn follow(&mut self, input: &FollowInput<'_>) -> Result<Progress, Blocked> {
+        check(input.pose, Velocity::ZERO, input.path, input.final_yaw)?;
+        let near = |point: MapPoint, reach: f64| input.costmap.nearest_obstacle_within(point, reach);
+        self.decide(input.pose, input.path, input.final_yaw, &near)
     }
-    let (mut at, mut left) = (foot, ahead);
-    for next in &path[(segment + 1).min(path.len())..] {
-        let length = at.distance(*next);
-        if length >= left {
-            let t = left / length;
-            return MapPoint::new(at.x + t * (next.x - at.x), at.y + t * (next.y - at.y));
-        }
-        (at, left) = (*next, left - length);
-    }
-    at
 }
 
-fn foot_on(p: MapPoint, a: MapPoint, b: MapPoint) -> MapPoint {
-    let (dx, dy) = (b.x - a.x, b.y - a.y);
-    let length = dx * dx + dy * dy;
-    let t = if length > 0.0 { (((p.x - a.x) * dx + (p.y - a.y) * dy) / length).clamp(0.0, 1.0) } else { 0.0 };
-    MapPoint::new(a.x + t * dx, a.y + t * dy)
+impl LocalPlanner for Follower {
+    fn plan(&mut self, situation: &Situation<'_>) -> Result<Progress, Blocked> {
+        situation.check()?;
+        let near = |point: MapPoint, reach: f64| {
+            let distances = situation.obstacles.iter().map(|o| o.distance_to(point));
+            distances.filter(|d| *d < reach).reduce(f64::min)
+        };
+        self.decide(situation.pose, situation.path, situation.final_yaw, &near)
+    }
+
+    fn reset(&mut self) {}
 }
 
 #[cfg(test)]

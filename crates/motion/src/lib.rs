@@ -12,6 +12,8 @@
 //! | [`maneuver`] | places and headings searched with the whole footprint, where a way says too little |
 //! | [`evade`] | out of the way of those who move |
 //! | [`feasible`] | whether a motion keeps off everything |
+//! | [`navigator`] | [`Navigator`]: to a goal, with a ladder of what to do when a planner does not go on |
+//! | [`mppi`] | [`Mppi`]: many disturbed continuations, averaged; a yardstick |
 //! | [`follower`] | [`Follower`]: drives along a way and stops before obstacles; [`PathFollower`] is the seam |
 
 pub mod astar;
@@ -21,6 +23,8 @@ pub mod feasible;
 pub mod follower;
 pub mod local;
 pub mod maneuver;
+pub mod mppi;
+pub mod navigator;
 pub mod obstacles;
 pub mod search;
 pub mod shape;
@@ -30,6 +34,8 @@ pub use astar::{PlanError, costs, plan};
 pub use costmap::{Costmap, CostmapError};
 pub use follower::{FollowInput, Follower, PathFollower};
 pub use local::{Blocked, LocalPlanner, Progress, Situation};
+pub use mppi::{Mppi, MppiError};
+pub use navigator::{Guide, Navigation, Navigator, Surroundings};
 pub use obstacles::RangeRing;
 pub use search::{Costs, CostsError, Search};
 pub use shape::{Contact, Footprint, Obstacle, ShapeError};

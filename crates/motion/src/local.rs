@@ -1,6 +1,7 @@
 //! The seam between who knows where to go and who turns that into velocities.
 
 use openbench_core::{MapPoint, Pose2, SimTime, Velocity};
+use openbench_osm::polygon::nearest_on_segment;
 
 use crate::shape::Obstacle;
 
@@ -47,17 +48,23 @@ pub enum Blocked {
 impl Situation<'_> {
     /// Whether there is a way and all numbers are numbers.
     pub fn check(&self) -> Result<(), Blocked> {
-        let finite = |p: &MapPoint| p.x.is_finite() && p.y.is_finite();
-        if self.path.is_empty()
-            || !self.path.iter().all(finite)
-            || self.final_yaw.is_some_and(|y| !y.is_finite())
-        {
-            return Err(Blocked::NoPath);
-        }
-        let v = [self.pose.yaw, self.velocity.linear, self.velocity.angular];
-        let known = finite(&self.pose.point()) && v.iter().all(|c| c.is_finite());
-        if known { Ok(()) } else { Err(Blocked::NoPose) }
+        check(self.pose, self.velocity, self.path, self.final_yaw)
     }
+}
+
+/// Whether there is a way and all numbers are numbers.
+pub fn check(
+    pose: Pose2,
+    velocity: Velocity,
+    path: &[MapPoint],
+    final_yaw: Option<f64>,
+) -> Result<(), Blocked> {
+    let finite = |p: &MapPoint| p.x.is_finite() && p.y.is_finite();
+    if path.is_empty() || !path.iter().all(finite) || final_yaw.is_some_and(|y| !y.is_finite()) {
+        return Err(Blocked::NoPath);
+    }
+    let known = [pose.yaw, velocity.linear, velocity.angular].iter().all(|c| c.is_finite());
+    if known && finite(&pose.point()) { Ok(()) } else { Err(Blocked::NoPose) }
 }
 
 /// Turns a way into velocities, one call an observation.
@@ -67,4 +74,25 @@ pub trait LocalPlanner {
 
     /// Forgets what was planned before: the next way has nothing to do with the last.
     fn reset(&mut self);
+}
+
+/// The point `length` metres along a way from its place nearest to `from`, and whether that is its end; `None` of an empty way.
+pub fn ahead(path: &[MapPoint], from: MapPoint, length: f64) -> Option<(MapPoint, bool)> {
+    let (mut segment, mut foot) = (0, *path.first()?);
+    for (i, pair) in path.windows(2).enumerate() {
+        let (candidate, _) = nearest_on_segment(pair[0], pair[1], from);
+        if candidate.distance(from) < foot.distance(from) - 1e-9 {
+            (segment, foot) = (i, candidate);
+        }
+    }
+    let (mut at, mut left) = (foot, length);
+    for next in &path[(segment + 1).min(path.len())..] {
+        let step = at.distance(*next);
+        if step >= left {
+            let t = left / step;
+            return Some((MapPoint::new(at.x + t * (next.x - at.x), at.y + t * (next.y - at.y)), false));
+        }
+        (at, left) = (*next, left - step);
+    }
+    Some((at, true))
 }

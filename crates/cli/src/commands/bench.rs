@@ -10,6 +10,7 @@ use openbench_routing::Profile;
 use serde::Serialize;
 
 use crate::args::{BenchArgs, BenchCommand, BenchPosegraphArgs, BenchRoutingArgs, BenchSimArgs};
+use crate::commands::bench_motion;
 use crate::outcome::{Outcome, say, say_json};
 
 /// Measures what is asked for.
@@ -18,6 +19,7 @@ pub fn run(args: &BenchArgs) -> anyhow::Result<Outcome> {
         BenchCommand::Sim(args) => sim(args),
         BenchCommand::Routing(args) => routing(args),
         BenchCommand::Posegraph(args) => posegraph(args),
+        BenchCommand::Motion(args) => bench_motion::run(args),
     }
 }
 

@@ -1,6 +1,7 @@
 //! One file a command.
 
 pub mod bench;
+mod bench_motion;
 pub mod evaluate;
 pub mod models;
 pub mod odometry;

@@ -1,11 +1,10 @@
 //! The planner: several bands at once, one for each class of ways, the best of them driven.
 
 use openbench_core::{MapPoint, Pose2, RobotDescription, SimTime, Velocity, frames::wrap_angle};
-use openbench_osm::polygon::nearest_on_segment;
 
 use crate::evade::evade;
 use crate::feasible::{Motion, clearance, conflict_before_stop, first_conflict};
-use crate::local::{Blocked, LocalPlanner, Progress, Situation};
+use crate::local::{Blocked, LocalPlanner, Progress, Situation, ahead};
 use crate::maneuver::maneuver;
 use crate::shape::{Footprint, Obstacle, ShapeError};
 use crate::teb::band::Band;
@@ -152,7 +151,8 @@ impl Teb {
     }
 
     fn end(&self, situation: &Situation<'_>) -> End {
-        let (point, last) = ahead(situation.path, situation.pose.point(), self.settings.horizon);
+        let from = situation.pose.point();
+        let (point, last) = ahead(situation.path, from, self.settings.horizon).unwrap_or((from, true));
         End { point, yaw: situation.final_yaw.filter(|_| last), stops: last }
     }
 
@@ -399,7 +399,7 @@ fn is_jump(expected: Pose2, pose: Pose2) -> bool {
 }
 
 /// The velocity that leads to where the band has the robot next.
-fn wanted(band: &Band, limits: &Limits) -> Velocity {
+pub fn wanted(band: &Band, limits: &Limits) -> Velocity {
     let mut short = band.clone();
     let at = COMMAND.min(band.duration());
     let next = band.pose_at(at);
@@ -410,25 +410,4 @@ fn wanted(band: &Band, limits: &Limits) -> Velocity {
         v.linear.clamp(-limits.backward, limits.forward),
         v.angular.clamp(-limits.turn, limits.turn),
     )
-}
-
-/// The point `length` metres along a way from its place nearest to `from`, and whether that is its end.
-fn ahead(path: &[MapPoint], from: MapPoint, length: f64) -> (MapPoint, bool) {
-    let (mut segment, mut foot) = (0, path[0]);
-    for (i, pair) in path.windows(2).enumerate() {
-        let (candidate, _) = nearest_on_segment(pair[0], pair[1], from);
-        if candidate.distance(from) < foot.distance(from) - 1e-9 {
-            (segment, foot) = (i, candidate);
-        }
-    }
-    let (mut at, mut left) = (foot, length);
-    for next in &path[(segment + 1).min(path.len())..] {
-        let step = at.distance(*next);
-        if step >= left {
-            let t = left / step;
-            return (MapPoint::new(at.x + t * (next.x - at.x), at.y + t * (next.y - at.y)), false);
-        }
-        (at, left) = (*next, left - step);
-    }
-    (at, true)
 }

@@ -1,0 +1,15 @@
+//! How well local planners drive: scenes from seeds, what could be done in each, and what the planners do.
+//!
+//! | module | its one job |
+//! |---|---|
+//! | [`scene`] | scenes of ten kinds |
+//! | [`best`] | the fastest motion that a long search finds, or a proof that there is none |
+//! | [`drive`] | a drive through a scene |
+//! | [`picture`] | a drive as a picture |
+//! | [`trial`] | many scenes, several planners, and the table |
+
+pub mod best;
+pub mod drive;
+pub mod picture;
+pub mod scene;
+pub mod trial;

@@ -1,0 +1,350 @@
+//! Scenes of some metres that a local planner has to get through, drawn from seeds.
+//!
+//! Each kind is drawn straight ahead of a robot at the origin, then turned and mirrored by chance, so that no planner gains from the axes.
+
+use openbench_core::{MapPoint, Pose2, RobotDescription};
+use openbench_motion::{Obstacle, ShapeError};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use serde::Serialize;
+
+/// What is hard about a scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// Next to nothing in the way.
+    Open,
+    /// Many things in the way.
+    Cluttered,
+    /// A gap five centimetres wider than the robot.
+    NarrowGap,
+    /// A pocket or corridor to get out of, too narrow to turn in or closed ahead.
+    DeadEnd,
+    /// A door, and a corridor across right behind it.
+    Doorway,
+    /// A goal behind the robot.
+    UTurn,
+    /// People who cross the way and look at nobody.
+    Crossers,
+    /// Somebody who comes straight on.
+    HeadOn,
+    /// The robot touches something at the start.
+    Touching,
+    /// The estimate of the pose jumps by half a metre on the way.
+    Jump,
+}
+
+impl Kind {
+    /// All of them.
+    pub const ALL: [Self; 10] = [
+        Self::Open,
+        Self::Cluttered,
+        Self::NarrowGap,
+        Self::DeadEnd,
+        Self::Doorway,
+        Self::UTurn,
+        Self::Crossers,
+        Self::HeadOn,
+        Self::Touching,
+        Self::Jump,
+    ];
+
+    /// Its name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Open => "open",
+            Self::Cluttered => "cluttered",
+            Self::NarrowGap => "narrow gap",
+            Self::DeadEnd => "dead end",
+            Self::Doorway => "doorway",
+            Self::UTurn => "u-turn",
+            Self::Crossers => "crossers",
+            Self::HeadOn => "head-on",
+            Self::Touching => "touching",
+            Self::Jump => "jump",
+        }
+    }
+}
+
+/// A jump of the estimated pose.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Jump {
+    /// When, seconds after the start.
+    pub at: f64,
+    /// By how much, metres in `map`.
+    pub by: [f64; 2],
+}
+
+/// A scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scene {
+    /// What is hard about it.
+    pub kind: Kind,
+    /// Where the robot stands.
+    pub start: Pose2,
+    /// Where it has to get to.
+    pub goal: Pose2,
+    /// What is in its way, at the start.
+    pub obstacles: Vec<Obstacle>,
+    /// What happens to its estimate.
+    pub jump: Option<Jump>,
+}
+
+/// The scene of a number: its kind is the number's, all else the seed's.
+pub fn scene(number: usize, seed: u64, robot: &RobotDescription) -> Result<Scene, ShapeError> {
+    let mut rng = Pcg64Mcg::seed_from_u64(seed ^ (number as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    let kind = Kind::ALL[number % Kind::ALL.len()];
+    let mut draft = Draft { rng: &mut rng, robot, goal: Pose2::default(), obstacles: Vec::new(), jump: None };
+    draft.draw(kind)?;
+    let Draft { goal, obstacles, jump, .. } = draft;
+    let place = Placing {
+        mirror: if rng.random::<bool>() { -1.0 } else { 1.0 },
+        at: Pose2::new(
+            rng.random_range(-50.0..50.0),
+            rng.random_range(-50.0..50.0),
+            rng.random_range(-3.1..3.1),
+        ),
+    };
+    Ok(Scene {
+        kind,
+        start: place.pose(Pose2::default()),
+        goal: place.pose(goal),
+        obstacles: obstacles.iter().map(|o| place.obstacle(o)).collect::<Result<_, _>>()?,
+        jump: jump.map(|j| Jump { by: place.vector(j.by), ..j }),
+    })
+}
+
+/// Where and how a scene drawn about the origin is put.
+struct Placing {
+    mirror: f64,
+    at: Pose2,
+}
+
+impl Placing {
+    fn point(&self, p: MapPoint) -> MapPoint {
+        self.at.transform(p.x, self.mirror * p.y)
+    }
+
+    fn vector(&self, v: [f64; 2]) -> [f64; 2] {
+        let (a, b) = (self.point(MapPoint::new(v[0], v[1])), self.point(MapPoint::default()));
+        [a.x - b.x, a.y - b.y]
+    }
+
+    fn pose(&self, p: Pose2) -> Pose2 {
+        let at = self.point(p.point());
+        Pose2::new(at.x, at.y, self.at.yaw + self.mirror * p.yaw)
+    }
+
+    fn obstacle(&self, o: &Obstacle) -> Result<Obstacle, ShapeError> {
+        let (corners, rounding) = o.outline();
+        let mut corners: Vec<MapPoint> = corners.map(|c| self.point(c)).collect();
+        if self.mirror < 0.0 {
+            corners.reverse();
+        }
+        Obstacle::new(&corners, rounding, self.vector(o.velocity()))
+    }
+}
+
+/// A scene being drawn, the robot at the origin facing east.
+struct Draft<'a> {
+    rng: &'a mut Pcg64Mcg,
+    robot: &'a RobotDescription,
+    goal: Pose2,
+    obstacles: Vec<Obstacle>,
+    jump: Option<Jump>,
+}
+
+impl Draft<'_> {
+    fn draw(&mut self, kind: Kind) -> Result<(), ShapeError> {
+        match kind {
+            Kind::Open => self.open(),
+            Kind::Cluttered => self.cluttered(),
+            Kind::NarrowGap => self.narrow_gap(),
+            Kind::DeadEnd => self.dead_end(),
+            Kind::Doorway => self.doorway(),
+            Kind::UTurn => self.u_turn(),
+            Kind::Crossers => self.crossers(),
+            Kind::HeadOn => self.head_on(),
+            Kind::Touching => self.touching(),
+            Kind::Jump => self.jump(),
+        }
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        self.rng.random_range(low..high)
+    }
+
+    fn chance(&mut self, share: f64) -> bool {
+        self.rng.random::<f64>() < share
+    }
+
+    fn goal_ahead(&mut self) {
+        let (distance, bearing) = (self.between(3.0, 6.0), self.between(-0.5, 0.5));
+        let at = MapPoint::default().offset(bearing, distance);
+        self.goal = Pose2::new(at.x, at.y, self.between(-3.1, 3.1));
+    }
+
+    fn wall(&mut self, from: (f64, f64), to: (f64, f64)) -> Result<(), ShapeError> {
+        let point = |p: (f64, f64)| MapPoint::new(p.0, p.1);
+        self.obstacles.push(Obstacle::wall(point(from), point(to))?);
+        Ok(())
+    }
+
+    fn block(&mut self, low: (f64, f64), high: (f64, f64)) -> Result<(), ShapeError> {
+        let corners = [(low.0, low.1), (high.0, low.1), (high.0, high.1), (low.0, high.1)];
+        self.obstacles.push(Obstacle::new(&corners.map(|(x, y)| MapPoint::new(x, y)), 0.0, [0.0; 2])?);
+        Ok(())
+    }
+
+    fn room(&mut self, low: (f64, f64), high: (f64, f64)) -> Result<(), ShapeError> {
+        let corners = [low, (high.0, low.1), high, (low.0, high.1), low];
+        corners.windows(2).try_for_each(|w| self.wall(w[0], w[1]))
+    }
+
+    /// A disc, a wall or a polygon within `reach` of a place, kept out of circles about start and goal.
+    fn thing(&mut self, keep: f64) -> Result<(), ShapeError> {
+        let at = MapPoint::new(self.between(-1.0, 7.0), self.between(-3.0, 3.0));
+        let size = self.between(0.05, 0.45);
+        let thing = match self.rng.random_range(0..3) {
+            0 => Obstacle::disc(at, size)?,
+            1 => Obstacle::wall(at, at.offset(self.between(-3.1, 3.1), 2.0 * size))?,
+            _ => {
+                let (sides, turn) = (self.rng.random_range(3..7), self.between(0.0, 6.3));
+                let corner =
+                    |i: usize| at.offset(turn + std::f64::consts::TAU * i as f64 / sides as f64, size);
+                Obstacle::new(&(0..sides).map(corner).collect::<Vec<_>>(), 0.0, [0.0; 2])?
+            }
+        };
+        let off = |p: MapPoint| thing.distance_to(p) > keep;
+        if off(MapPoint::default()) && off(self.goal.point()) {
+            self.obstacles.push(thing);
+        }
+        Ok(())
+    }
+
+    fn things(&mut self, count: usize, keep: f64) -> Result<(), ShapeError> {
+        (0..count).try_for_each(|_| self.thing(keep))
+    }
+
+    fn open(&mut self) -> Result<(), ShapeError> {
+        self.goal_ahead();
+        let count = self.rng.random_range(0..4);
+        self.things(count, 0.5)
+    }
+
+    fn cluttered(&mut self) -> Result<(), ShapeError> {
+        self.goal_ahead();
+        let count = self.rng.random_range(12..36);
+        self.things(count, 0.3)
+    }
+
+    fn narrow_gap(&mut self) -> Result<(), ShapeError> {
+        let spare = if self.chance(0.85) { 0.05 } else { self.between(-0.05, -0.01) };
+        let half = (self.robot.width + spare) / 2.0;
+        let (x, y, thick) = (self.between(1.2, 2.5), self.between(-1.5, 1.5), self.between(0.02, 0.5));
+        self.room((-1.0, -3.0), (5.0, 3.0))?;
+        self.block((x, -3.0), (x + thick, y - half))?;
+        self.block((x, y + half), (x + thick, 3.0))?;
+        self.goal =
+            Pose2::new(self.between(x + thick + 0.6, 4.5), self.between(-2.0, 2.0), self.between(-3.1, 3.1));
+        Ok(())
+    }
+
+    fn dead_end(&mut self) -> Result<(), ShapeError> {
+        let narrow = self.chance(0.5);
+        let half = if narrow { self.between(0.19, 0.22) } else { self.between(0.3, 0.8) };
+        let (front, back) = (self.between(0.3, 1.5), self.between(0.5, 2.0));
+        let closed = self.chance(0.15);
+        self.room((-back - 3.0, -3.0), (front + 2.0, 3.0))?;
+        self.block((-back, half), (front, half + 0.1))?;
+        self.block((-back, -half - 0.1), (front, -half))?;
+        self.block((front, -half - 0.1), (front + 0.1, half + 0.1))?;
+        if closed {
+            self.block((-back - 0.1, -half - 0.1), (-back, half + 0.1))?;
+        }
+        let behind = self.chance(0.5);
+        let x = if behind { -back - self.between(0.8, 2.0) } else { front + self.between(0.6, 1.4) };
+        self.goal = Pose2::new(x, self.between(-1.5, 1.5), self.between(-3.1, 3.1));
+        Ok(())
+    }
+
+    fn doorway(&mut self) -> Result<(), ShapeError> {
+        let (x, half) = (self.between(0.8, 2.0), self.between(0.25, 0.5));
+        let y = self.between(-1.0, 1.0);
+        let width = self.between(0.5, 1.0);
+        let far = x + 0.1 + width;
+        self.room((-1.5, -3.0), (far, 3.0))?;
+        self.block((x, -3.0), (x + 0.1, y - half))?;
+        self.block((x, y + half), (x + 0.1, 3.0))?;
+        let side = if self.rng.random::<bool>() { 1.0 } else { -1.0 };
+        let along = side * self.between(1.0, 1.8) + y;
+        self.goal = Pose2::new(x + 0.1 + width / 2.0, along, side * std::f64::consts::FRAC_PI_2);
+        Ok(())
+    }
+
+    fn u_turn(&mut self) -> Result<(), ShapeError> {
+        let half = self.between(0.3, 1.0);
+        self.room((-5.0, -half), (2.0, half))?;
+        let x = -self.between(1.0, 4.0);
+        self.goal = Pose2::new(x, self.between(-half + 0.25, half - 0.25), std::f64::consts::PI);
+        Ok(())
+    }
+
+    /// Somebody who passes through `at` after `seconds` with `speed` towards `bearing`.
+    fn somebody(&mut self, at: MapPoint, seconds: f64, speed: f64, bearing: f64) -> Result<(), ShapeError> {
+        let from = at.offset(bearing + std::f64::consts::PI, speed * seconds);
+        let (sin, cos) = libm::sincos(bearing);
+        let radius = self.between(0.2, 0.3);
+        self.obstacles.push(Obstacle::new(&[from], radius, [speed * cos, speed * sin])?);
+        Ok(())
+    }
+
+    fn crossers(&mut self) -> Result<(), ShapeError> {
+        self.goal = Pose2::new(self.between(4.0, 6.0), 0.0, 0.0);
+        for _ in 0..self.rng.random_range(2..6) {
+            let at = MapPoint::new(self.between(1.0, 4.0), 0.0);
+            let side = if self.rng.random::<bool>() { 1.0 } else { -1.0 };
+            let bearing = side * self.between(0.9, 2.2);
+            let (seconds, speed) = (at.x / 0.45 + self.between(-1.0, 1.0), self.between(0.4, 1.3));
+            self.somebody(at, seconds, speed, bearing)?;
+        }
+        Ok(())
+    }
+
+    fn head_on(&mut self) -> Result<(), ShapeError> {
+        self.goal = Pose2::new(self.between(4.0, 6.0), 0.0, 0.0);
+        if self.chance(0.5) {
+            let half = self.between(0.9, 1.5);
+            self.wall((-3.0, half), (8.0, half))?;
+            self.wall((-3.0, -half), (8.0, -half))?;
+        }
+        let speed = self.between(0.4, 1.3);
+        let at = MapPoint::new(self.between(1.5, 2.5), self.between(-0.1, 0.1));
+        self.somebody(at, at.x / 0.45, speed, std::f64::consts::PI)
+    }
+
+    fn touching(&mut self) -> Result<(), ShapeError> {
+        self.goal_ahead();
+        let count = self.rng.random_range(3..12);
+        self.things(count, 0.4)?;
+        let gap = self.between(0.0, 0.005);
+        let (x, y) = (self.robot.length / 2.0, self.robot.width / 2.0);
+        match self.rng.random_range(0..3) {
+            0 => self.block((x + gap, -0.4), (x + gap + 0.2, 0.4)),
+            1 => self.block((-0.5, y + gap), (0.8, y + gap + 0.1)),
+            _ => {
+                self.block((-x - gap - 0.1, -0.4), (-x - gap, 0.4))?;
+                self.block((-0.5, y + gap), (0.8, y + gap + 0.1))
+            }
+        }
+    }
+
+    fn jump(&mut self) -> Result<(), ShapeError> {
+        self.goal_ahead();
+        let count = self.rng.random_range(2..10);
+        self.things(count, 0.9)?;
+        let (sin, cos) = libm::sincos(self.between(-3.1, 3.1));
+        self.jump = Some(Jump { at: self.between(1.0, 5.0), by: [0.5 * cos, 0.5 * sin] });
+        Ok(())
+    }
+}

@@ -1,0 +1,319 @@
+//! Many scenes, several planners, and the table.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
+
+use openbench_core::RobotDescription;
+use openbench_motion::navigator::{Cause, NavigatorError};
+use openbench_motion::{Follower, LocalPlanner, Mppi, MppiError, Teb, TebError, TebSettings};
+use serde::Serialize;
+
+use super::best::{Possible, possible};
+use super::drive::{Drive, End, drive};
+use super::scene::{Kind, Scene, scene};
+
+/// Draws of a scene of which neither a motion nor a proof is found, before its number is left out.
+const DRAWS: u64 = 20;
+/// Time of a drive by which it may exceed the best motion's.
+const SLOW: f64 = 1.3;
+
+/// Planners that are compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PlannerKind {
+    /// Timed Elastic Bands.
+    Teb,
+    /// Pure pursuit that stops before obstacles.
+    Follower,
+    /// Model Predictive Path Integral control.
+    Mppi,
+}
+
+impl PlannerKind {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Teb, Self::Follower, Self::Mppi];
+
+    /// Its name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Teb => "teb",
+            Self::Follower => "follower",
+            Self::Mppi => "mppi",
+        }
+    }
+
+    fn make(self, robot: &RobotDescription) -> Result<Box<dyn LocalPlanner>, TrialError> {
+        Ok(match self {
+            Self::Teb => Box::new(Teb::new(robot, TebSettings::default())?),
+            Self::Follower => Box::new(Follower::new(robot.clone()).with_tolerances(0.08, 0.07)),
+            Self::Mppi => Box::new(Mppi::new(robot, 1)?),
+        })
+    }
+}
+
+/// A trial cannot be held.
+#[derive(Debug, thiserror::Error)]
+pub enum TrialError {
+    /// The band's planner cannot be made.
+    #[error(transparent)]
+    Teb(#[from] TebError),
+    /// The sampling controller cannot be made.
+    #[error(transparent)]
+    Mppi(#[from] MppiError),
+    /// The navigator cannot be made.
+    #[error(transparent)]
+    Navigator(#[from] NavigatorError),
+    /// A scene cannot be drawn.
+    #[error("scene {number}: {why}")]
+    Scene {
+        /// Its number.
+        number: usize,
+        /// What is wrong with it.
+        why: openbench_motion::ShapeError,
+    },
+}
+
+/// What a planner did in many scenes, or in those of one kind.
+#[derive(Debug, Clone, PartialEq, Serialize, Default)]
+pub struct Row {
+    /// Scenes in which there is a motion to the goal.
+    pub feasible: usize,
+    /// Of these, those whose goal was reached without touching anything.
+    pub reached: usize,
+    /// Collisions, in all scenes.
+    pub collisions: usize,
+    /// Scenes in which it is proven that there is none.
+    pub infeasible: usize,
+    /// Of these, those that were given up because there is no way, or none for the footprint.
+    pub refused: usize,
+    /// CPU milliseconds of a decision, half of them.
+    pub cycle_ms_p50: f64,
+    /// CPU milliseconds of a decision, 99 of 100.
+    pub cycle_ms_p99: f64,
+    /// Mean of the time of drives that reached the goal, as a multiple of the best motion's.
+    pub time_ratio_mean: f64,
+    /// The largest of these.
+    pub time_ratio_max: f64,
+    /// Drives that took more than 1.3 times the best motion's time.
+    pub slow: usize,
+    /// Mean number of changes of the turn's sign in a drive that reached the goal.
+    pub swerves_mean: f64,
+    /// The most in one.
+    pub swerves_max: usize,
+}
+
+/// Everything that came out.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Trial {
+    /// Seed of the scenes.
+    pub seed: u64,
+    /// Scenes that were driven.
+    pub scenes: usize,
+    /// Draws of which neither a motion nor a proof was found.
+    pub undecided: usize,
+    /// A row for each planner.
+    pub planners: BTreeMap<PlannerKind, Row>,
+    /// A row for each planner and kind of scene.
+    pub kinds: BTreeMap<PlannerKind, BTreeMap<Kind, Row>>,
+    /// Scenes that were not driven as they should be: planner, number, kind, and what went wrong.
+    pub failures: Vec<Failure>,
+}
+
+/// A scene that was not driven as it should be.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Failure {
+    /// Who drove.
+    pub planner: PlannerKind,
+    /// The scene's number.
+    pub scene: usize,
+    /// Its kind.
+    pub kind: Kind,
+    /// What went wrong.
+    pub what: String,
+}
+
+/// One scene, what can be done in it, and what was done.
+#[derive(Debug)]
+pub struct Outcome {
+    /// The scene's number.
+    pub number: usize,
+    /// What is hard about it.
+    pub kind: Kind,
+    /// The scene, unless of all that were drawn it is not known what can be done.
+    pub scene: Option<Scene>,
+    /// Seconds of the best motion; none if it is proven that there is none.
+    pub best: Option<f64>,
+    /// Draws before it of which that is not known.
+    pub undecided: usize,
+    /// What was done.
+    pub drives: Vec<(PlannerKind, Drive)>,
+}
+
+/// Which scenes are driven, and by whom.
+#[derive(Debug, Clone, Copy)]
+pub struct Request<'a> {
+    /// Number of the first scene.
+    pub first: usize,
+    /// How many.
+    pub count: usize,
+    /// Their seed.
+    pub seed: u64,
+    /// Who drives.
+    pub planners: &'a [PlannerKind],
+    /// How many scenes at a time.
+    pub threads: usize,
+}
+
+/// Drives planners through scenes; nothing but times depends on the number of threads. `seen` is shown each outcome as it comes, in no order.
+pub fn hold<E>(
+    request: &Request<'_>,
+    robot: &RobotDescription,
+    seen: &mut dyn FnMut(&Outcome) -> Result<(), E>,
+) -> Result<Trial, E>
+where
+    E: From<TrialError>,
+{
+    let next = AtomicUsize::new(request.first);
+    let end = request.first.saturating_add(request.count);
+    let (sender, receiver) = mpsc::channel();
+    let mut outcomes = std::thread::scope(|scope| {
+        // Owned here, so that the threads notice if an error ends the work.
+        let receiver = receiver;
+        for _ in 0..request.threads.max(1) {
+            let (sender, next) = (sender.clone(), &next);
+            scope.spawn(move || {
+                loop {
+                    let number = next.fetch_add(1, Ordering::Relaxed);
+                    if number >= end || sender.send(outcome(number, request, robot)).is_err() {
+                        break;
+                    }
+                }
+            });
+        }
+        drop(sender);
+        let mut outcomes = Vec::new();
+        for outcome in receiver.iter() {
+            let outcome: Outcome = outcome?;
+            seen(&outcome)?;
+            outcomes.push(outcome);
+        }
+        Ok::<_, E>(outcomes)
+    })?;
+    outcomes.sort_by_key(|o| o.number);
+    Ok(summary(request.seed, request.planners, &outcomes))
+}
+
+/// The first draw of a scene's number of which it is known what can be done.
+pub fn decided(
+    number: usize,
+    seed: u64,
+    robot: &RobotDescription,
+) -> Result<(Option<(Scene, Possible)>, usize), TrialError> {
+    for draw in 0..DRAWS {
+        let scene = scene(number, seed.wrapping_add(draw << 32), robot)
+            .map_err(|why| TrialError::Scene { number, why })?;
+        match possible(&scene, robot) {
+            Some(Possible::Unknown) | None => {}
+            Some(known) => return Ok((Some((scene, known)), draw as usize)),
+        }
+    }
+    Ok((None, DRAWS as usize))
+}
+
+fn outcome(number: usize, request: &Request<'_>, robot: &RobotDescription) -> Result<Outcome, TrialError> {
+    let (found, undecided) = decided(number, request.seed, robot)?;
+    let kind = Kind::ALL[number % Kind::ALL.len()];
+    let Some((scene, known)) = found else {
+        return Ok(Outcome { number, kind, scene: None, best: None, undecided, drives: vec![] });
+    };
+    let drives = request.planners.iter().map(|p| Ok((*p, drive(&scene, robot, p.make(robot)?)?)));
+    let drives = drives.collect::<Result<Vec<_>, TrialError>>()?;
+    let best = match known {
+        Possible::Motion(_, seconds) => Some(fastest(seconds, &drives)),
+        Possible::Nothing | Possible::Unknown => None,
+    };
+    Ok(Outcome { number, kind, scene: Some(scene), best, undecided, drives })
+}
+
+/// The best that is known: a long search may still be beaten.
+fn fastest(found: f64, drives: &[(PlannerKind, Drive)]) -> f64 {
+    let good = drives.iter().filter(|(_, d)| d.end == End::Reached && d.collisions == 0);
+    good.map(|(_, d)| d.seconds).fold(found, f64::min)
+}
+
+fn summary(seed: u64, planners: &[PlannerKind], outcomes: &[Outcome]) -> Trial {
+    let rows = |kind: Option<Kind>, planner: PlannerKind| {
+        let of_kind = outcomes.iter().filter(|o| kind.is_none_or(|k| k == o.kind));
+        row(of_kind.flat_map(|o| o.drives.iter().filter(|d| d.0 == planner).map(|d| (o.best, &d.1))))
+    };
+    let kinds = |planner| Kind::ALL.into_iter().map(|kind| (kind, rows(Some(kind), planner))).collect();
+    Trial {
+        seed,
+        scenes: outcomes.iter().filter(|o| !o.drives.is_empty()).count(),
+        undecided: outcomes.iter().map(|o| o.undecided).sum(),
+        planners: planners.iter().map(|&p| (p, rows(None, p))).collect(),
+        kinds: planners.iter().map(|&p| (p, kinds(p))).collect(),
+        failures: outcomes.iter().flat_map(failures).collect(),
+    }
+}
+
+fn row<'a>(drives: impl Iterator<Item = (Option<f64>, &'a Drive)>) -> Row {
+    let mut row = Row::default();
+    let (mut cycles, mut ratios, mut swerves) = (Vec::new(), Vec::new(), 0);
+    for (best, drive) in drives {
+        cycles.extend(&drive.cycles);
+        row.collisions += drive.collisions;
+        match best {
+            Some(best) => {
+                row.feasible += 1;
+                if drive.end == End::Reached && drive.collisions == 0 {
+                    row.reached += 1;
+                    ratios.push(drive.seconds / best);
+                    swerves += drive.swerves;
+                    row.swerves_max = row.swerves_max.max(drive.swerves);
+                    row.slow += usize::from(drive.seconds > SLOW * best);
+                }
+            }
+            None => {
+                row.infeasible += 1;
+                row.refused += usize::from(is_right_refusal(&drive.end));
+            }
+        }
+    }
+    cycles.sort_by(f64::total_cmp);
+    let at = |share: f64| cycles.get((cycles.len() as f64 * share) as usize).copied().unwrap_or(0.0);
+    (row.cycle_ms_p50, row.cycle_ms_p99) = (at(0.5), at(0.99));
+    let count = ratios.len().max(1) as f64;
+    row.time_ratio_mean = ratios.iter().sum::<f64>() / count;
+    row.time_ratio_max = ratios.iter().copied().fold(0.0, f64::max);
+    row.swerves_mean = swerves as f64 / count;
+    row
+}
+
+fn is_right_refusal(end: &End) -> bool {
+    matches!(end, End::GaveUp(Cause::NoWay(_) | Cause::TooNarrow(_)))
+}
+
+fn failures(outcome: &Outcome) -> Vec<Failure> {
+    let wrong = outcome.drives.iter().filter_map(|(planner, drive)| {
+        let what = what_is_wrong(outcome.best, drive)?;
+        Some(Failure { planner: *planner, scene: outcome.number, kind: outcome.kind, what })
+    });
+    wrong.collect()
+}
+
+fn what_is_wrong(best: Option<f64>, drive: &Drive) -> Option<String> {
+    if drive.collisions > 0 {
+        return Some(format!("{} collisions, the deepest {:.3} m", drive.collisions, drive.deepest));
+    }
+    match (best, &drive.end) {
+        (Some(best), End::Reached) if drive.seconds > SLOW * best => {
+            Some(format!("{:.1} s, the best is {best:.1} s", drive.seconds))
+        }
+        (Some(_), End::Reached) => None,
+        (None, end) if is_right_refusal(end) => None,
+        (_, End::GaveUp(cause)) => Some(format!("gave up: {cause}")),
+        (_, end) => Some(format!("{end:?}")),
+    }
+}

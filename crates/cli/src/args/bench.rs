@@ -1,0 +1,146 @@
+//! Arguments of `bench` and its subcommands.
+
+use std::path::PathBuf;
+
+use clap::{Args as ClapArgs, Subcommand, ValueEnum};
+
+use super::*;
+
+/// Arguments of `bench`.
+#[derive(Debug, ClapArgs)]
+pub struct BenchArgs {
+    /// What to measure
+    #[command(subcommand)]
+    pub command: BenchCommand,
+}
+
+/// What can be measured.
+#[derive(Debug, Subcommand)]
+pub enum BenchCommand {
+    /// The simulator: LiDAR rays, images, seconds simulated in a second of one core
+    Sim(BenchSimArgs),
+    /// Routing: routes, nearest places, tables, preparing a map
+    Routing(BenchRoutingArgs),
+    /// The pose graph of a g2o file: chi² and CPU seconds
+    Posegraph(BenchPosegraphArgs),
+    /// Local planners: drives through scenes from a seed, and what could have been done in each
+    Motion(BenchMotionArgs),
+}
+
+/// Arguments of `bench motion`.
+#[derive(Debug, ClapArgs)]
+#[command(after_help = "\
+Examples:
+  openbench bench motion --scenes 200 --seed 7
+  openbench bench motion --scenes 1000 --planner teb --jobs 2 --json
+  openbench bench motion --scenes 1 --first 42 --planner teb --pictures scenes")]
+pub struct BenchMotionArgs {
+    /// Scenes to draw; every tenth is of the same kind
+    #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub scenes: u32,
+    /// Number of the first scene
+    #[arg(long, default_value_t = 0)]
+    pub first: u32,
+    /// Seed of the scenes
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Who drives; may be given several times [default: all of them]
+    #[arg(long = "planner", value_enum)]
+    pub planners: Vec<PlannerArg>,
+    /// Scenes at a time; only CPU times depend on it
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
+    pub jobs: u16,
+    /// Write a picture (.svg) of each drive into this folder
+    #[arg(long)]
+    pub pictures: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Local planners.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum PlannerArg {
+    /// Timed Elastic Bands in several classes of ways
+    Teb,
+    /// Pure pursuit that stops before obstacles
+    Follower,
+    /// Model Predictive Path Integral control
+    Mppi,
+}
+
+/// Arguments of `bench posegraph`.
+#[derive(Debug, ClapArgs)]
+#[command(after_help = "\
+Example:
+  openbench bench posegraph sphere2500.g2o --json --out solved.g2o")]
+pub struct BenchPosegraphArgs {
+    /// The graph (.g2o)
+    pub graph: PathBuf,
+    /// Write the solved graph to this file
+    #[arg(long)]
+    pub out: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `bench routing`.
+#[derive(Debug, ClapArgs)]
+#[command(after_help = "\
+Example:
+  openbench bench routing --map porto.osm.pbf --profile foot --pairs pairs.csv --json --answers answers.csv")]
+pub struct BenchRoutingArgs {
+    /// The map and who travels
+    #[command(flatten)]
+    pub roads: RoadArgs,
+    /// From where to where: rows of lon,lat,lon,lat
+    #[arg(long)]
+    pub pairs: PathBuf,
+    /// Write distance_m,duration_s of every pair to this file
+    #[arg(long)]
+    pub answers: Option<PathBuf>,
+    /// Write the graph to this folder, for peers that know no maps
+    #[arg(long)]
+    pub dump: Option<PathBuf>,
+    /// Print JSON instead of a table
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `bench sim`.
+#[derive(Debug, ClapArgs)]
+#[command(after_help = "\
+Examples:
+  openbench bench sim medium
+  openbench bench sim medium --pedestrians 50 --cars 20
+  openbench bench sim --world medium_osm.world --map medium.osm --models gazebo_models --json")]
+pub struct BenchSimArgs {
+    /// A built-in world
+    #[arg(conflicts_with = "world", default_value = "medium")]
+    pub name: String,
+    /// A Gazebo world (SDF)
+    #[arg(long, requires = "map")]
+    pub world: Option<PathBuf>,
+    /// The OSM map of that world
+    #[arg(long, requires = "world")]
+    pub map: Option<PathBuf>,
+    /// Folder in which `model://` is looked up (may be given more than once)
+    #[arg(long)]
+    pub models: Vec<PathBuf>,
+    /// How the world lies on the Earth
+    #[arg(long)]
+    pub georef: Option<String>,
+    /// People who walk about
+    #[arg(long, default_value_t = 0)]
+    pub pedestrians: u16,
+    /// Cars that drive about
+    #[arg(long, default_value_t = 0)]
+    pub cars: u16,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Folder for the triangles and rays that were measured, for other programs to be measured with
+    #[arg(long)]
+    pub dump: Option<PathBuf>,
+}

@@ -1,0 +1,116 @@
+//! `openbench bench motion`
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use anyhow::Context as _;
+use openbench_bench::motion::picture::picture;
+use openbench_bench::motion::trial::{PlannerKind, Request, Row, Trial, hold};
+use openbench_core::RobotDescription;
+
+use crate::args::{BenchMotionArgs, PlannerArg};
+use crate::outcome::{Outcome, say, say_json};
+use crate::progress::progress_bar;
+
+/// Drives planners through scenes.
+pub fn run(args: &BenchMotionArgs) -> anyhow::Result<Outcome> {
+    let mut planners: Vec<PlannerKind> = args.planners.iter().map(|p| kind(*p)).collect();
+    if planners.is_empty() {
+        planners = PlannerKind::ALL.to_vec();
+    }
+    planners.sort_unstable();
+    planners.dedup();
+    let request = Request {
+        first: args.first as usize,
+        count: args.scenes as usize,
+        seed: args.seed,
+        planners: &planners,
+        threads: usize::from(args.jobs),
+    };
+    if let Some(folder) = &args.pictures {
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    }
+    let bar = progress_bar(request.count, "scenes");
+    let robot = RobotDescription::sentry();
+    let trial = hold(&request, &robot, &mut |outcome| {
+        bar.inc(1);
+        match &args.pictures {
+            Some(folder) => draw(folder, outcome, &robot),
+            None => Ok(()),
+        }
+    });
+    bar.finish_and_clear();
+    let trial = trial?;
+    if args.json {
+        say_json(&trial)?
+    } else {
+        say(&table(&trial))?
+    }
+    Ok(Outcome::Done)
+}
+
+fn kind(planner: PlannerArg) -> PlannerKind {
+    match planner {
+        PlannerArg::Teb => PlannerKind::Teb,
+        PlannerArg::Follower => PlannerKind::Follower,
+        PlannerArg::Mppi => PlannerKind::Mppi,
+    }
+}
+
+fn draw(
+    folder: &Path,
+    outcome: &openbench_bench::motion::trial::Outcome,
+    robot: &RobotDescription,
+) -> anyhow::Result<()> {
+    for (planner, drive) in &outcome.drives {
+        let Some(scene) = &outcome.scene else { continue };
+        let name = format!("{:05}_{}.svg", outcome.number, planner.name());
+        openbench_osm::write_atomically(&folder.join(name), picture(scene, drive, robot).as_bytes())?;
+    }
+    Ok(())
+}
+
+fn table(trial: &Trial) -> String {
+    let mut text = format!(
+        "{} scenes of seed {}; of {} more it is not known whether there is a way\n\n\
+         planner   feasible  reached  collisions  refused    cycle ms p50   p99  time ratio   max  slow  swerves   max\n",
+        trial.scenes, trial.seed, trial.undecided
+    );
+    for (planner, row) in &trial.planners {
+        line(&mut text, planner.name(), row);
+    }
+    for (planner, kinds) in &trial.kinds {
+        let _ = write!(text, "\n{}\n", planner.name());
+        for (kind, row) in kinds {
+            line(&mut text, kind.name(), row);
+        }
+    }
+    if !trial.failures.is_empty() {
+        text.push_str("\nNot as it should be:\n");
+    }
+    for failure in &trial.failures {
+        let (who, what) = (failure.planner.name(), &failure.what);
+        let _ = writeln!(text, "  scene {:4} {:10} {who:8}  {what}", failure.scene, failure.kind.name());
+    }
+    text
+}
+
+fn line(text: &mut String, name: &str, row: &Row) {
+    let _ = writeln!(
+        text,
+        "{name:10}{:8}  {:7}  {:10}  {:3} of {:3}  {:11.2}  {:5.2}  {:10.2}  {:4.2}  {:4}  {:7.1}  {:4}",
+        row.feasible,
+        row.reached,
+        row.collisions,
+        row.refused,
+        row.infeasible,
+        row.cycle_ms_p50,
+        row.cycle_ms_p99,
+        row.time_ratio_mean,
+        row.time_ratio_max,
+        row.slow,
+        row.swerves_mean,
+        row.swerves_max
+    );
+}

@@ -1,0 +1,316 @@
+//! To a goal, whatever comes: a way, a local planner along it, and what to do when that does not go on.
+//!
+//! The ladder: the planner slows down by itself; what it cannot pass it stops before; after a moment the way is searched anew; then places and headings are searched with the whole footprint, which backs and turns; what
+//! cannot be reached even so is given up with a cause. Each step is kept with what led to it.
+
+use std::time::Duration;
+
+use openbench_core::{MapPoint, Pose2, RobotDescription, SimTime, Velocity};
+
+use crate::astar::PlanError;
+use crate::feasible::{Motion, conflict_before_stop};
+use crate::local::{Blocked, LocalPlanner, Progress, Situation};
+use crate::maneuver::{NoManeuver, maneuver};
+use crate::shape::{Footprint, Obstacle, ShapeError};
+use crate::teb::band::Band;
+use crate::teb::planner::wanted;
+use crate::teb::settings::{Limits, SettingsError};
+
+/// A way is searched anew after this long, since more has been seen.
+const REPLAN: Duration = Duration::from_millis(2500);
+/// A way is not searched anew more often than this.
+const REPLAN_EARLIEST: Duration = Duration::from_millis(300);
+/// Standing before something that long, the robot tries the next step of the ladder.
+const PATIENCE: Duration = Duration::from_millis(800);
+/// Having got this far from where it last was in trouble, the robot is out of it, metres.
+const PROGRESS: f64 = 0.5;
+/// Without getting that far for this long, a goal is given up.
+const NO_PROGRESS: Duration = Duration::from_secs(25);
+/// As often the ladder is climbed before a goal is given up.
+const ATTEMPTS: u32 = 4;
+/// A maneuver leads to where the way is this far ahead, metres.
+const MANEUVER: f64 = 3.0;
+/// Distance from obstacles that a maneuver keeps to be driven on, metres.
+const SURE: f64 = 0.001;
+/// Seconds that a velocity is driven until the next is asked for, and a little for what lags.
+const HOLD: f64 = 0.1;
+
+/// Who knows the ways of the ground.
+pub trait Guide {
+    /// The way from one place to another, both included; where one of them is blocked, from or to as near as it gets.
+    fn way(&mut self, from: MapPoint, to: MapPoint) -> Result<Vec<MapPoint>, PlanError>;
+
+    /// Whether the next metres of a way are known to be blocked by now.
+    fn is_blocked(&self, path: &[MapPoint], from: MapPoint) -> bool;
+}
+
+/// What the robot knows of itself and its surroundings.
+#[derive(Debug, Clone, Copy)]
+pub struct Surroundings<'a> {
+    /// Now.
+    pub time: SimTime,
+    /// Where the robot believes to be, in `map`.
+    pub pose: Pose2,
+    /// How it believes to move.
+    pub velocity: Velocity,
+    /// What stands or moves within some metres, where it is now.
+    pub obstacles: &'a [Obstacle],
+}
+
+/// Why a goal is given up.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum Cause {
+    /// No way leads there, by what is known of the ground.
+    #[error("{0}")]
+    NoWay(PlanError),
+    /// A way leads there for a point, but not for the footprint.
+    #[error("the footprint does not get there: {0}")]
+    TooNarrow(NoManeuver),
+    /// The robot did not get on, though nothing says why it should not.
+    #[error("the robot did not get on: {0}")]
+    Stuck(Blocked),
+}
+
+/// A step of the ladder.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Step {
+    /// The robot stopped.
+    Stop,
+    /// The way was searched anew.
+    Replan,
+    /// The robot began to back off.
+    Back,
+    /// The robot began to turn.
+    Turn,
+}
+
+/// A step that was taken, and why.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Recovery {
+    /// When.
+    pub time: SimTime,
+    /// What.
+    pub step: Step,
+    /// What led to it.
+    pub cause: Blocked,
+}
+
+/// What to do now.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Navigation {
+    /// Drive with this velocity.
+    Drive(Velocity),
+    /// The end of the way is reached.
+    Arrived,
+    /// The goal is given up.
+    Failed(Cause),
+}
+
+/// A navigator cannot be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum NavigatorError {
+    /// A limit makes no sense.
+    #[error(transparent)]
+    Limits(#[from] SettingsError),
+    /// The footprint is none.
+    #[error(transparent)]
+    Footprint(#[from] ShapeError),
+}
+
+/// Leads a robot to one goal after another.
+pub struct Navigator {
+    planner: Box<dyn LocalPlanner>,
+    footprint: Footprint,
+    limits: Limits,
+    goal: Option<(MapPoint, Option<f64>)>,
+    path: Vec<MapPoint>,
+    planned: Option<SimTime>,
+    blocked: Option<(SimTime, Blocked)>,
+    /// A maneuver being driven, and when it was last looked at.
+    maneuver: Option<(Band, SimTime)>,
+    attempts: u32,
+    /// Where the robot was when it last got on, and when.
+    anchor: Option<(MapPoint, SimTime)>,
+    recoveries: Vec<Recovery>,
+}
+
+impl Navigator {
+    /// A navigator for a robot with a local planner.
+    pub fn new(robot: &RobotDescription, planner: Box<dyn LocalPlanner>) -> Result<Self, NavigatorError> {
+        Ok(Self {
+            planner,
+            footprint: Footprint::of(robot)?,
+            limits: Limits::of(robot)?,
+            goal: None,
+            path: Vec::new(),
+            planned: None,
+            blocked: None,
+            maneuver: None,
+            attempts: 0,
+            anchor: None,
+            recoveries: Vec::new(),
+        })
+    }
+
+    /// Sets out for a place, with a heading if it matters.
+    pub fn set_goal(&mut self, point: MapPoint, yaw: Option<f64>) {
+        self.planner.reset();
+        self.goal = Some((point, yaw));
+        self.path.clear();
+        (self.planned, self.blocked, self.maneuver) = (None, None, None);
+        (self.attempts, self.anchor) = (0, None);
+    }
+
+    /// The way that is being followed.
+    pub fn path(&self) -> &[MapPoint] {
+        &self.path
+    }
+
+    /// The steps of the ladder that were taken since this was last asked.
+    pub fn take_recoveries(&mut self) -> Vec<Recovery> {
+        std::mem::take(&mut self.recoveries)
+    }
+
+    /// What to do now. Once a goal is reached or given up the robot stands until it gets another.
+    pub fn drive(&mut self, now: &Surroundings<'_>, guide: &mut dyn Guide) -> Navigation {
+        let Some((point, yaw)) = self.goal else { return Navigation::Arrived };
+        let decided = self.decide(now, point, yaw, guide);
+        if !matches!(decided, Navigation::Drive(_)) {
+            self.goal = None;
+        }
+        decided
+    }
+
+    fn decide(
+        &mut self,
+        now: &Surroundings<'_>,
+        point: MapPoint,
+        yaw: Option<f64>,
+        guide: &mut dyn Guide,
+    ) -> Navigation {
+        self.note_progress(now);
+        if self.stagnates(now) {
+            let cause = self.blocked.map_or(Blocked::Obstacle(0.0), |(_, cause)| cause);
+            return Navigation::Failed(Cause::Stuck(cause));
+        }
+        if let Some(velocity) = self.drive_maneuver(now) {
+            return Navigation::Drive(velocity);
+        }
+        if self.is_stale(now, guide) {
+            self.planned = Some(now.time);
+            match guide.way(now.pose.point(), point) {
+                Ok(path) => self.path = path,
+                Err(error) => {
+                    self.path.clear();
+                    return self.climb(now, Blocked::NoPath, Cause::NoWay(error), point, yaw);
+                }
+            }
+        }
+        let situation = Situation {
+            time: now.time,
+            pose: now.pose,
+            velocity: now.velocity,
+            path: &self.path,
+            final_yaw: yaw,
+            obstacles: now.obstacles,
+        };
+        match self.planner.plan(&situation) {
+            Ok(Progress::Arrived) => Navigation::Arrived,
+            Ok(Progress::Drive(velocity)) => {
+                self.blocked = None;
+                Navigation::Drive(velocity)
+            }
+            Err(cause) => self.climb(now, cause, Cause::Stuck(cause), point, yaw),
+        }
+    }
+
+    fn note_progress(&mut self, now: &Surroundings<'_>) {
+        let here = now.pose.point();
+        if self.anchor.is_none_or(|(anchor, _)| anchor.distance(here) > PROGRESS) {
+            (self.anchor, self.attempts) = (Some((here, now.time)), 0);
+        }
+    }
+
+    fn stagnates(&self, now: &Surroundings<'_>) -> bool {
+        self.anchor.is_some_and(|(_, since)| now.time.since(since) >= NO_PROGRESS)
+    }
+
+    fn is_stale(&self, now: &Surroundings<'_>, guide: &dyn Guide) -> bool {
+        let Some(planned) = self.planned else { return true };
+        let age = now.time.since(planned);
+        let blocked = || guide.is_blocked(&self.path, now.pose.point());
+        age >= REPLAN || age >= REPLAN_EARLIEST && (self.path.is_empty() || blocked())
+    }
+
+    /// Stops; after a moment searches the way anew and, if that was done already, with the whole footprint; gives up after the last attempt.
+    fn climb(
+        &mut self,
+        now: &Surroundings<'_>,
+        cause: Blocked,
+        failed: Cause,
+        point: MapPoint,
+        yaw: Option<f64>,
+    ) -> Navigation {
+        if self.blocked.is_none() {
+            self.record(now, Step::Stop, cause);
+        }
+        let (since, _) = *self.blocked.insert((self.blocked.map_or(now.time, |b| b.0), cause));
+        if now.time.since(since) < PATIENCE {
+            return Navigation::Drive(Velocity::ZERO);
+        }
+        self.blocked = Some((now.time, cause));
+        self.attempts += 1;
+        if self.attempts > ATTEMPTS {
+            return Navigation::Failed(failed);
+        }
+        if self.attempts == 1 {
+            self.record(now, Step::Replan, cause);
+            self.planned = None;
+            self.planner.reset();
+            return Navigation::Drive(Velocity::ZERO);
+        }
+        self.begin_maneuver(now, cause, point, yaw)
+    }
+
+    fn begin_maneuver(
+        &mut self,
+        now: &Surroundings<'_>,
+        cause: Blocked,
+        point: MapPoint,
+        yaw: Option<f64>,
+    ) -> Navigation {
+        let (to, last) = crate::local::ahead(&self.path, now.pose.point(), MANEUVER).unwrap_or((point, true));
+        let yaw = yaw.filter(|_| last);
+        match maneuver(&self.footprint, &self.limits, now.obstacles, now.pose, to, yaw) {
+            Ok(band) => {
+                let v = band.velocity(0);
+                self.record(now, if v.linear < 0.0 { Step::Back } else { Step::Turn }, cause);
+                self.maneuver = Some((band, now.time));
+                Navigation::Drive(Velocity::ZERO)
+            }
+            // Who moves may have been in the way, and what was seen may have been wrong: the last attempt decides.
+            Err(why) if self.attempts >= ATTEMPTS => Navigation::Failed(Cause::TooNarrow(why)),
+            Err(_) => Navigation::Drive(Velocity::ZERO),
+        }
+    }
+
+    /// Drives a maneuver as it was found, until it is done or something is in its way.
+    fn drive_maneuver(&mut self, now: &Surroundings<'_>) -> Option<Velocity> {
+        let (band, seen) = self.maneuver.as_mut()?;
+        band.advance(now.pose, now.time.since(*seen).as_secs_f64());
+        *seen = now.time;
+        let command = wanted(band, &self.limits);
+        let motion = Motion { pose: now.pose, velocity: now.velocity, command };
+        let meets = conflict_before_stop(&self.footprint, now.obstacles, motion, &self.limits, HOLD, SURE);
+        if band.duration() < 2.0 * HOLD || meets.is_some() {
+            (self.maneuver, self.planned) = (None, None);
+            self.planner.reset();
+            return None;
+        }
+        Some(command)
+    }
+
+    fn record(&mut self, now: &Surroundings<'_>, step: Step, cause: Blocked) {
+        self.recoveries.push(Recovery { time: now.time, step, cause });
+    }
+}
