@@ -10,6 +10,7 @@ use openbench_core::{
 };
 use openbench_language::GrammarPlanner;
 use openbench_localization::DeadReckoning;
+use openbench_motion::Follower;
 use openbench_osm::OsmData;
 use openbench_vision::{PlateReader, PlateReading, ReaderError};
 
@@ -35,6 +36,7 @@ fn open() -> Box<dyn Agent> {
         planner: Box::new(GrammarPlanner::new()),
         reader: Box::new(Blank),
         localizer: Box::new(DeadReckoning::new(RobotDescription::sentry())),
+        motion: Box::new(Follower::new(RobotDescription::sentry())),
         memory: None,
     }))
 }

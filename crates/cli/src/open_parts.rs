@@ -12,6 +12,7 @@ use openbench_language::{ChatPlanner, GrammarPlanner, Planner};
 use openbench_localization::fixes::Gnss;
 use openbench_localization::{DeadReckoning, FixSource, Fused, LidarInertial, Localizer};
 use openbench_models::{ModelSpec, ModelStore};
+use openbench_motion::{Follower, LocalPlanner, Mppi, Teb, TebSettings};
 use openbench_vision::{PlateReader, PpOcr, PpOcrSettings, VlmReader};
 
 /// The set of model files that reads plates by default.
@@ -20,7 +21,12 @@ pub const DEFAULT_READER: &str = "ppocr-v4";
 /// The camera is level and lower than any plate: below the horizon there is nothing to read.
 const ABOVE_HORIZON: f32 = 0.6;
 
-const KEYS: [&str; 4] = ["planner", "reader", "localizer", "fixes"];
+const KEYS: [&str; 5] = ["planner", "reader", "localizer", "fixes", "motion"];
+
+/// Distance from a place with which OPEN is there, metres: what it looks at is metres away.
+const NEAR_ENOUGH: f64 = 0.15;
+/// Seed of the sampling controller's disturbances: runs repeat.
+const MPPI_SEED: u64 = 1;
 
 /// What makes OPEN for an episode. Networks are loaded with the first one and shared by all.
 pub fn factory() -> AgentFactory {
@@ -35,6 +41,7 @@ fn make(request: &AgentRequest<'_>, networks: &Mutex<Option<PpOcr>>) -> Result<B
         planner: planner(setting("planner").unwrap_or("grammar"))?,
         reader: reader(setting("reader").unwrap_or(DEFAULT_READER), networks)?,
         localizer: localizer(setting("localizer").unwrap_or("fused"), request)?,
+        motion: motion(setting("motion").unwrap_or("follower"))?,
         memory: request.memory.cloned(),
     };
     Ok(Box::new(Open::new(parts)))
@@ -96,6 +103,21 @@ fn localizer(word: &str, request: &AgentRequest<'_>) -> Result<Box<dyn Localizer
         _ => Err(format!(
             "localizer={word}: there is no such localizer; there are fused, lidar-inertial, dead-reckoning, truth"
         )),
+    }
+}
+
+/// The local planner that a word names.
+fn motion(word: &str) -> Result<Box<dyn LocalPlanner>, String> {
+    let robot = RobotDescription::sentry();
+    let failed = |e: &dyn std::fmt::Display| format!("motion={word}: {e}");
+    match word {
+        "teb" => {
+            let settings = TebSettings { tolerance: NEAR_ENOUGH, ..TebSettings::default() };
+            Ok(Box::new(Teb::new(&robot, settings).map_err(|e| failed(&e))?))
+        }
+        "follower" => Ok(Box::new(Follower::new(robot))),
+        "mppi" => Ok(Box::new(Mppi::new(&robot, MPPI_SEED).map_err(|e| failed(&e))?)),
+        _ => Err(format!("motion={word}: there is no such local planner; there are teb, follower, mppi")),
     }
 }
 

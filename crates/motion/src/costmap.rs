@@ -3,11 +3,12 @@
 //! What the LiDAR saw overrules the map: a recessed door lies inside its building's outline, and a map may be wrong.
 //! Distances to obstacles are exact (Euclidean distance transform).
 
-use openbench_core::{MapPoint, RobotDescription};
+use openbench_core::{MapPoint, Pose2, RobotDescription};
 use openbench_grid::{GridGeometry, squared_distances};
 use openbench_osm::{Barrier, OsmMap};
 
 use crate::obstacles::{Beam, RangeRing};
+use crate::shape::{Footprint, Obstacle};
 
 /// Side of a cell, metres, unless the map is so large that cells must be larger.
 const CELL: f64 = 0.1;
@@ -180,6 +181,73 @@ impl Costmap {
             .map(|c| self.grid.center(c).distance(point))
             .filter(|&d| d < reach)
             .reduce(f64::min)
+    }
+
+    /// Forgets what is believed to be where the robot stands: it cannot be.
+    pub fn clear_below(&mut self, footprint: &Footprint, pose: Pose2) {
+        let (placed, reach) = (footprint.at(pose), footprint.circumscribed());
+        let low = MapPoint::new(pose.x - reach, pose.y - reach);
+        let high = MapPoint::new(pose.x + reach, pose.y + reach);
+        let Some((columns, rows)) = self.grid.window(low, high) else { return };
+        for row in rows.0..=rows.1 {
+            for cell in (columns.0..=columns.1).filter_map(|column| self.grid.cell_in(column, row)) {
+                if self.is_obstacle(cell) && placed.holds(self.grid.center(cell)) {
+                    self.evidence[cell] = EVIDENCE.0;
+                }
+            }
+        }
+    }
+
+    /// What stands within `reach` metres of a point, by the newest evidence: the borders of what is blocked, as walls as thick as a cell, none longer than a metre.
+    pub fn obstacles_near(&self, point: MapPoint, reach: f64) -> Vec<Obstacle> {
+        let low = MapPoint::new(point.x - reach, point.y - reach);
+        let high = MapPoint::new(point.x + reach, point.y + reach);
+        let Some((columns, rows)) = self.grid.window(low, high) else { return Vec::new() };
+        let width = (columns.1 - columns.0 + 1) as usize;
+        let index = |column: i64, row: i64| (row - rows.0) as usize * width + (column - columns.0) as usize;
+        let mut border = vec![false; width * (rows.1 - rows.0 + 1) as usize];
+        for row in rows.0..=rows.1 {
+            for column in columns.0..=columns.1 {
+                border[index(column, row)] = self.is_border(column, row);
+            }
+        }
+        let longest = (1.0 / self.grid.cell) as i64;
+        let mut walls = Vec::new();
+        for row in rows.0..=rows.1 {
+            for column in columns.0..=columns.1 {
+                if !border[index(column, row)] {
+                    continue;
+                }
+                let run = |dx: i64, dy: i64| {
+                    let inside = |k: i64| column + k * dx <= columns.1 && row + k * dy <= rows.1;
+                    let more = (1..longest)
+                        .take_while(|&k| inside(k) && border[index(column + k * dx, row + k * dy)]);
+                    more.count() as i64
+                };
+                let (east, north) = (run(1, 0), run(0, 1));
+                let (dx, dy) = if east >= north { (east, 0) } else { (0, north) };
+                for k in 0..=dx.max(dy) {
+                    border[index(column + k * dx.signum(), row + k * dy.signum())] = false;
+                }
+                walls.extend(self.wall((column, row), (column + dx, row + dy)));
+            }
+        }
+        walls
+    }
+
+    /// Whether a cell is blocked and one of the four beside it is not.
+    fn is_border(&self, column: i64, row: i64) -> bool {
+        let blocked = |dx: i64, dy: i64| {
+            self.grid.cell_in(column + dx, row + dy).is_some_and(|cell| self.is_obstacle(cell))
+        };
+        blocked(0, 0) && !(blocked(1, 0) && blocked(-1, 0) && blocked(0, 1) && blocked(0, -1))
+    }
+
+    fn wall(&self, from: (i64, i64), to: (i64, i64)) -> Option<Obstacle> {
+        let center = |at: (i64, i64)| self.grid.cell_in(at.0, at.1).map(|cell| self.grid.center(cell));
+        let ends = [center(from)?, center(to)?];
+        let corners = if from == to { &ends[..1] } else { &ends[..] };
+        Obstacle::new(corners, self.grid.cell / 2.0, [0.0; 2]).ok()
     }
 
     fn draw_buildings(&mut self, map: &OsmMap) {

@@ -3,8 +3,7 @@
 
 use openbench_core::{MapPoint, Pose2, RobotDescription, Velocity, frames::wrap_angle};
 
-use crate::costmap::Costmap;
-use crate::local::{Blocked, LocalPlanner, Progress, Situation, ahead, check};
+use crate::local::{Blocked, LocalPlanner, Progress, Situation, ahead};
 
 /// Distance along the way to the point that is steered for, metres.
 const LOOKAHEAD: f64 = 0.6;
@@ -14,25 +13,6 @@ const TURN_FIRST: f64 = 0.7;
 const BRAKING: f64 = 0.6;
 /// Time over which the commanded motion must be free, seconds.
 const HORIZON: f64 = 1.0;
-
-/// What a follower works from.
-#[derive(Debug, Clone, Copy)]
-pub struct FollowInput<'a> {
-    /// Where the robot believes to be, in `map`.
-    pub pose: Pose2,
-    /// The way; it begins near the robot.
-    pub path: &'a [MapPoint],
-    /// Heading wanted at the end of the way, radians; any if none.
-    pub final_yaw: Option<f64>,
-    /// What is known about the ground.
-    pub costmap: &'a Costmap,
-}
-
-/// Turns a way into velocities, one call an observation.
-pub trait PathFollower {
-    /// The velocity for now.
-    fn follow(&mut self, input: &FollowInput<'_>) -> Result<Progress, Blocked>;
-}
 
 /// Pure pursuit with a look at the next second.
 #[derive(Debug, Clone)]
@@ -127,14 +107,6 @@ impl Follower {
 /// Distance from a point to the nearest obstacle, if it is within so many metres.
 type Near<'a> = &'a dyn Fn(MapPoint, f64) -> Option<f64>;
 
-impl PathFollower for Follower {
-    fn follow(&mut self, input: &FollowInput<'_>) -> Result<Progress, Blocked> {
-        check(input.pose, Velocity::ZERO, input.path, input.final_yaw)?;
-        let near = |point: MapPoint, reach: f64| input.costmap.nearest_obstacle_within(point, reach);
-        self.decide(input.pose, input.path, input.final_yaw, &near)
-    }
-}
-
 impl LocalPlanner for Follower {
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Progress, Blocked> {
         situation.check()?;
@@ -146,55 +118,4 @@ impl LocalPlanner for Follower {
     }
 
     fn reset(&mut self) {}
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::costmap::tests::{open_ground, see_wall};
-
-    /// Drives an ideal robot until it arrives or `seconds` are over; returns where it ended and whether it arrived.
-    fn drive(path: &[MapPoint], final_yaw: Option<f64>, costmap: &Costmap, seconds: f64) -> (Pose2, bool) {
-        let mut follower = Follower::new(RobotDescription::sentry());
-        let mut pose = Pose2::default();
-        for _ in 0..(seconds / 0.05) as usize {
-            match follower.follow(&FollowInput { pose, path, final_yaw, costmap }) {
-                Ok(Progress::Arrived) => return (pose, true),
-                Ok(Progress::Drive(v)) => {
-                    pose = pose.compose(Pose2::new(v.linear * 0.05, 0.0, v.angular * 0.05))
-                }
-                Err(_) => {}
-            }
-        }
-        (pose, false)
-    }
-
-    #[test]
-    fn a_bent_way_is_driven_to_its_end_and_heading() {
-        let path = [(0.0, 0.0), (3.0, 0.0), (3.0, 3.0), (0.0, 3.0)].map(|(x, y)| MapPoint::new(x, y));
-        let (pose, arrived) = drive(&path, Some(1.0), &open_ground(), 60.0);
-        assert!(
-            arrived && pose.point().distance(path[3]) < 0.16 && (pose.yaw - 1.0).abs() < 0.09,
-            "{pose:?}"
-        );
-    }
-
-    #[test]
-    fn the_robot_stands_before_a_wall_that_the_way_leads_into() {
-        let mut costmap = open_ground();
-        see_wall(&mut costmap, MapPoint::new(2.0, -2.0), MapPoint::new(2.0, 2.0));
-        let path = [MapPoint::default(), MapPoint::new(4.0, 0.0)];
-        let (pose, arrived) = drive(&path, None, &costmap, 20.0);
-        assert!(!arrived && pose.x > 1.0 && pose.x < 2.0 - 0.16, "{pose:?}");
-    }
-
-    #[test]
-    fn no_way_and_no_number_are_refused() {
-        let (costmap, mut follower) = (open_ground(), Follower::new(RobotDescription::sentry()));
-        let nan = [MapPoint::new(f64::NAN, 0.0)];
-        for path in [&[][..], &nan[..]] {
-            let input = FollowInput { pose: Pose2::default(), path, final_yaw: None, costmap: &costmap };
-            assert_eq!(follower.follow(&input), Err(Blocked::NoPath));
-        }
-    }
 }

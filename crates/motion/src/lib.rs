@@ -14,7 +14,7 @@
 //! | [`feasible`] | whether a motion keeps off everything |
 //! | [`navigator`] | [`Navigator`]: to a goal, with a ladder of what to do when a planner does not go on |
 //! | [`mppi`] | [`Mppi`]: many disturbed continuations, averaged; a yardstick |
-//! | [`follower`] | [`Follower`]: drives along a way and stops before obstacles; [`PathFollower`] is the seam |
+//! | [`follower`] | [`Follower`]: pure pursuit that stops before obstacles; a yardstick too |
 
 pub mod astar;
 pub mod costmap;
@@ -32,7 +32,7 @@ pub mod teb;
 
 pub use astar::{PlanError, costs, plan};
 pub use costmap::{Costmap, CostmapError};
-pub use follower::{FollowInput, Follower, PathFollower};
+pub use follower::Follower;
 pub use local::{Blocked, LocalPlanner, Progress, Situation};
 pub use mppi::{Mppi, MppiError};
 pub use navigator::{Guide, Navigation, Navigator, Surroundings};

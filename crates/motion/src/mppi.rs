@@ -8,7 +8,7 @@ use openbench_grid::GridGeometry;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use crate::feasible::{Motion, conflict_before_stop};
+use crate::feasible::{Motion, clearance, conflict_before_stop};
 use crate::local::{Blocked, LocalPlanner, Progress, Situation, ahead};
 use crate::shape::{Footprint, Obstacle, ShapeError};
 use crate::teb::settings::{Limits, SettingsError};
@@ -33,6 +33,8 @@ const TOUCH: f64 = 1000.0;
 const GRID: (f64, f64) = (0.05, 2.0);
 /// Distance from obstacles that a command has to keep, metres.
 const SURE: f64 = 0.003;
+/// Slower than this, m/s and rad/s, is as good as standing: the controller sees no way on.
+const STILL: (f64, f64) = (0.02, 0.05);
 /// Seconds that a command is held.
 const HOLD: f64 = 0.1;
 
@@ -170,6 +172,10 @@ impl Mppi {
         self.plan.iter_mut().for_each(|v| *v = Velocity::new(v.linear / sum, v.angular / sum));
     }
 
+    fn nearest(&self, situation: &Situation<'_>) -> f64 {
+        clearance(&self.footprint, situation.obstacles.iter(), situation.pose, 0.0, GRID.1).max(0.0)
+    }
+
     fn secured(&self, situation: &Situation<'_>, wanted: Velocity) -> Result<Velocity, Blocked> {
         for share in [1.0, 0.6, 0.3, 0.1] {
             let command = Velocity::new(share * wanted.linear, share * wanted.angular);
@@ -179,7 +185,7 @@ impl Mppi {
                 return Ok(command);
             }
         }
-        Err(Blocked::Obstacle(0.0))
+        Err(Blocked::Obstacle(self.nearest(situation)))
     }
 }
 
@@ -205,6 +211,9 @@ impl LocalPlanner for Mppi {
             self.costs[i] = self.cost(&self.samples[i], situation, &grid, &aim);
         }
         self.average();
+        if self.plan[0].linear.abs() < STILL.0 && self.plan[0].angular.abs() < STILL.1 {
+            return Err(Blocked::Obstacle(self.nearest(situation)));
+        }
         self.secured(situation, self.plan[0]).map(Progress::Drive)
     }
 

@@ -99,6 +99,14 @@ pub struct Placed {
     count: usize,
 }
 
+impl Placed {
+    /// Whether a point is in it.
+    pub fn holds(&self, point: MapPoint) -> bool {
+        let left = |(a, b)| cross(minus(b, a), minus([point.x, point.y], a)) >= 0.0;
+        edges(&self.corners[..self.count]).all(left)
+    }
+}
+
 /// Something convex in the robot's way, standing or moving on straight.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Obstacle {

@@ -1,28 +1,22 @@
-//! Getting to a place: costmap, search, follower, and what to do when stuck.
+//! Getting to a place: what is known of the ground, a navigator over it, and when a place is given up.
 
 use std::time::Duration;
 
-use openbench_core::{Event, Events, MapPoint, Pose2, RobotDescription, SimTime, Velocity};
-use openbench_motion::{Blocked, Costmap, FollowInput, Follower, PathFollower, Progress, RangeRing, plan};
+use openbench_core::{
+    Event, Events, FailureCause, GiveUp, MapPoint, Pose2, RobotDescription, SimTime, Velocity, WheelSample,
+};
+use openbench_motion::{
+    Costmap, Footprint, Guide, LocalPlanner, Navigation, Navigator, PlanError, RangeRing, Surroundings, plan,
+};
 use openbench_osm::polygon::nearest_on_segment;
 
-/// A way is searched anew after this long, since more has been seen.
-const REPLAN: Duration = Duration::from_millis(2500);
-/// Standing before an obstacle that long, the robot searches for another way.
-const PATIENCE: Duration = Duration::from_millis(800);
-/// Without having moved on, a way is not searched anew more often than this.
-const REPLAN_EARLIEST: Duration = Duration::from_millis(300);
 /// Within this distance of the robot's middle its own hull stands, metres.
 const OWN_HULL: f64 = 0.4;
 /// How far ahead of the robot the way is checked against every scan, metres.
 const CHECK_AHEAD: f64 = 3.0;
-/// Backing off lasts this long.
-const BACK_OFF: Duration = Duration::from_millis(1600);
-/// As often the robot backs off before it gives a place up.
-const ATTEMPTS: u32 = 4;
-/// Without leaving a circle of half a metre for this long, a place is given up.
-const NO_PROGRESS: Duration = Duration::from_secs(25);
-/// A place is also given up after this long and this much for each metre of the first way to it.
+/// Obstacles within this distance are told to the local planner, metres.
+const SIGHT: f64 = 5.0;
+/// A place is given up after this long and this much for each metre of the first way to it.
 const LEG_TIME: (f64, f64) = (30.0, 8.0);
 
 /// A place that may be missed is given up once the way to it is known to be this many times and metres longer than it was believed to be.
@@ -52,37 +46,40 @@ pub enum Driving {
 
 /// Drives to one place after another.
 pub struct Driver {
+    robot: RobotDescription,
+    footprint: Footprint,
     costmap: Costmap,
-    follower: Follower,
+    navigator: Navigator,
     target: Option<Target>,
-    path: Vec<MapPoint>,
-    planned: SimTime,
-    blocked: Option<SimTime>,
-    backing: Option<SimTime>,
-    attempts: u32,
-    /// Where the robot was when it last moved on, and when.
-    anchor: (MapPoint, SimTime),
+    wheels: Option<WheelSample>,
+    velocity: Velocity,
     /// Length of the way when it was first searched, metres.
     first_length: Option<f64>,
     deadline: Option<SimTime>,
+    /// The way that was last told.
+    told: Vec<MapPoint>,
 }
 
 impl Driver {
-    /// A driver over a costmap.
-    pub fn new(costmap: Costmap, robot: RobotDescription) -> Self {
-        Self {
+    /// A driver over a costmap with a local planner.
+    pub fn new(
+        costmap: Costmap,
+        robot: RobotDescription,
+        planner: Box<dyn LocalPlanner>,
+    ) -> Result<Self, GiveUp> {
+        let unfit = |why: String| GiveUp { address: None, cause: FailureCause::Briefing, detail: why };
+        Ok(Self {
+            footprint: Footprint::of(&robot).map_err(|e| unfit(e.to_string()))?,
+            navigator: Navigator::new(&robot, planner).map_err(|e| unfit(e.to_string()))?,
+            robot,
             costmap,
-            follower: Follower::new(robot),
             target: None,
-            path: Vec::new(),
-            planned: SimTime::ZERO,
-            blocked: None,
-            backing: None,
-            attempts: 0,
-            anchor: (MapPoint::default(), SimTime::ZERO),
+            wheels: None,
+            velocity: Velocity::ZERO,
             first_length: None,
             deadline: None,
-        }
+            told: Vec::new(),
+        })
     }
 
     /// What is known about the ground.
@@ -95,87 +92,95 @@ impl Driver {
         self.costmap.observe(ring);
     }
 
+    /// Takes in how the wheels turned.
+    pub fn observe_wheels(&mut self, wheels: &[WheelSample]) {
+        for now in wheels {
+            if let Some(before) = self.wheels.replace(*now) {
+                let seconds = now.stamp.since(before.stamp).as_secs_f64();
+                if seconds > 0.0 {
+                    let rim = |a: f64, b: f64| self.robot.wheel_radius * (b - a) / seconds;
+                    let (left, right) = (rim(before.left, now.left), rim(before.right, now.right));
+                    let turn = (right - left) / self.robot.effective_track;
+                    self.velocity = Velocity::new((left + right) / 2.0, turn);
+                }
+            }
+        }
+    }
+
     /// Sets out for a place.
-    pub fn set_target(&mut self, target: Target, now: SimTime) {
+    pub fn set_target(&mut self, target: Target) {
         self.target = Some(target);
-        self.path.clear();
-        (self.blocked, self.backing, self.attempts) = (None, None, 0);
-        (self.anchor.1, self.deadline, self.first_length) = (now, None, None);
+        self.navigator.set_goal(target.point, target.yaw);
+        (self.deadline, self.first_length) = (None, None);
+        self.told.clear();
     }
 
     /// What to do now at `pose`.
     pub fn drive(&mut self, pose: Pose2, now: SimTime, events: &mut dyn Events) -> Driving {
         let Some(target) = self.target else { return Driving::Arrived };
-        if let Some(velocity) = self.back_off(pose, now) {
-            return Driving::OnTheWay(velocity);
-        }
-        if self.stagnates(pose, now) {
-            self.target = None;
-            return Driving::Unreachable;
-        }
-        let age = now.since(self.planned);
-        let stale = self.path.is_empty()
-            || age >= REPLAN
-            || (age >= REPLAN_EARLIEST && !self.clear_ahead(pose.point()));
-        if stale && !self.search(pose, target, now, events) {
-            return self.set_back(now);
-        }
-        if !target.must && self.is_detour() {
-            self.target = None;
-            return Driving::Unreachable;
-        }
-        let input = FollowInput { pose, path: &self.path, final_yaw: target.yaw, costmap: &self.costmap };
-        match self.follower.follow(&input) {
-            Ok(Progress::Arrived) => {
-                self.target = None;
-                Driving::Arrived
+        self.costmap.clear_below(&self.footprint, pose);
+        let obstacles = self.costmap.obstacles_near(pose.point(), SIGHT);
+        let surroundings = Surroundings { time: now, pose, velocity: self.velocity, obstacles: &obstacles };
+        let decided = self.navigator.drive(&surroundings, &mut Ground(&mut self.costmap));
+        self.tell(now, events);
+        let late = self.deadline.is_some_and(|deadline| now > deadline);
+        let driving = match decided {
+            Navigation::Drive(_) if late || !target.must && self.is_detour() => Driving::Unreachable,
+            Navigation::Drive(velocity) => Driving::OnTheWay(velocity),
+            Navigation::Arrived => Driving::Arrived,
+            Navigation::Failed(cause) => {
+                events.record(Event::Note(cause.to_string()));
+                Driving::Unreachable
             }
-            Ok(Progress::Drive(velocity)) => {
-                self.blocked = None;
-                Driving::OnTheWay(velocity)
-            }
-            Err(Blocked::NoPath | Blocked::NoPose) => self.set_back(now),
-            Err(Blocked::Obstacle(_)) => self.wait(now),
+        };
+        if !matches!(driving, Driving::OnTheWay(_)) {
+            self.target = None;
         }
+        driving
     }
 
-    fn search(&mut self, pose: Pose2, target: Target, now: SimTime, events: &mut dyn Events) -> bool {
-        self.costmap.inflate();
-        self.planned = now;
-        match plan(&self.costmap, pose.point(), target.point) {
-            Ok(path) => {
-                let length = length(&path);
-                self.first_length.get_or_insert(length);
-                let limit = Duration::from_secs_f64(LEG_TIME.0 + LEG_TIME.1 * length);
-                self.deadline.get_or_insert(now + limit);
-                events.record(Event::Path(path.clone()));
-                self.path = path;
-                true
-            }
-            Err(error) => {
-                events.record(Event::Note(error.to_string()));
-                self.path.clear();
-                false
-            }
+    /// Tells of new ways and of what was done where it did not go on, and sets the deadline from the first way.
+    fn tell(&mut self, now: SimTime, events: &mut dyn Events) {
+        let path = self.navigator.path();
+        if !path.is_empty() && path != self.told {
+            let length = length(path);
+            self.first_length.get_or_insert(length);
+            let limit = Duration::from_secs_f64(LEG_TIME.0 + LEG_TIME.1 * length);
+            self.deadline.get_or_insert(now + limit);
+            events.record(Event::Path(path.to_vec()));
+            self.told = path.to_vec();
+        }
+        for recovery in self.navigator.take_recoveries() {
+            events.record(Event::Note(format!("{:?}: {}", recovery.step, recovery.cause)));
         }
     }
 
     fn is_detour(&self) -> bool {
-        self.first_length.is_some_and(|first| length(&self.path) > DETOUR.0 * first + DETOUR.1)
+        self.first_length.is_some_and(|first| length(&self.told) > DETOUR.0 * first + DETOUR.1)
+    }
+}
+
+/// The costmap as a guide.
+struct Ground<'a>(&'a mut Costmap);
+
+impl Guide for Ground<'_> {
+    fn way(&mut self, from: MapPoint, to: MapPoint) -> Result<Vec<MapPoint>, PlanError> {
+        self.0.inflate();
+        plan(self.0, from, to)
     }
 
-    /// Whether the next metres of the way are free by the newest scans.
-    fn clear_ahead(&self, from: MapPoint) -> bool {
-        let Some((at, start)) = nearest_on_path(&self.path, from) else { return true };
+    /// By the newest scans.
+    fn is_blocked(&self, path: &[MapPoint], from: MapPoint) -> bool {
+        let Some((at, start)) = nearest_on_path(path, from) else { return false };
         let mut left = CHECK_AHEAD;
         let mut begin = start;
-        for &corner in &self.path[at + 1..] {
+        for &corner in &path[at + 1..] {
             let length = begin.distance(corner);
             let end = along(begin, corner, left / length);
             // The robot stands where it stands: only what lies ahead of its own hull counts.
             let hull = (OWN_HULL - begin.distance(from)).max(0.0) / begin.distance(end);
-            if hull < 1.0 && !self.costmap.is_clear(along(begin, end, hull), end) {
-                return false;
+            if hull < 1.0 && !self.0.is_clear(along(begin, end, hull), end) {
+                return true;
             }
             left -= length;
             if left <= 0.0 {
@@ -183,43 +188,7 @@ impl Driver {
             }
             begin = corner;
         }
-        true
-    }
-
-    fn wait(&mut self, now: SimTime) -> Driving {
-        let since = *self.blocked.get_or_insert(now);
-        if now.since(since) >= PATIENCE { self.set_back(now) } else { Driving::OnTheWay(Velocity::ZERO) }
-    }
-
-    fn set_back(&mut self, now: SimTime) -> Driving {
-        self.blocked = None;
-        self.path.clear();
-        self.attempts += 1;
-        if self.attempts > ATTEMPTS {
-            self.target = None;
-            return Driving::Unreachable;
-        }
-        self.backing = Some(now);
-        Driving::OnTheWay(Velocity::ZERO)
-    }
-
-    /// Backwards a little, if there is room, so that turning and seeing get easier.
-    fn back_off(&mut self, pose: Pose2, now: SimTime) -> Option<Velocity> {
-        let since = self.backing?;
-        let behind = pose.transform(-0.3, 0.0);
-        let room = self.costmap.nearest_obstacle_within(behind, 0.2).is_none();
-        if now.since(since) >= BACK_OFF || !room {
-            self.backing = None;
-            return None;
-        }
-        Some(Velocity::new(-0.15, 0.0))
-    }
-
-    fn stagnates(&mut self, pose: Pose2, now: SimTime) -> bool {
-        if pose.point().distance(self.anchor.0) > 0.5 {
-            self.anchor = (pose.point(), now);
-        }
-        now.since(self.anchor.1) >= NO_PROGRESS || self.deadline.is_some_and(|deadline| now > deadline)
+        false
     }
 }
 

@@ -109,7 +109,7 @@ impl Mission {
         let robot = briefing.robot.clone();
         Ok(Self {
             perception: Perception::new(robot.clone()),
-            driver: Driver::new(costmap, robot.clone()),
+            driver: Driver::new(costmap, robot.clone(), parts.motion)?,
             reader: parts.reader,
             task: None,
             seen: Vec::new(),
@@ -136,12 +136,13 @@ impl Mission {
         }
         match self.task.take() {
             Some(task) => self.pursue(task, observation, events),
-            None => self.next_delivery(observation.time, events),
+            None => self.next_delivery(events),
         }
     }
 
     fn sense(&mut self, observation: &Observation<'_>, events: &mut dyn Events) {
         self.localizer.update(observation);
+        self.driver.observe_wheels(observation.wheels);
         if let Some(scan) = observation.scan {
             let ring = self.perception.observe(scan, self.localizer.as_ref());
             self.driver.observe(&ring);
@@ -160,7 +161,7 @@ impl Mission {
         self.correcting = pending > NOTABLE || self.correcting && pending > NOTABLE / 2.0;
     }
 
-    fn next_delivery(&mut self, now: SimTime, events: &mut dyn Events) -> Action {
+    fn next_delivery(&mut self, events: &mut dyn Events) -> Action {
         let Some(delivery) = self.queue.pop_front() else {
             return Action::GiveUp(all(FailureCause::NotDeclared, "every planned delivery is done".into()));
         };
@@ -199,7 +200,7 @@ impl Mission {
             expected,
             doorstep: DOORSTEP,
         };
-        self.advance_travel(task, now, events)
+        self.advance_travel(task, events)
     }
 
     fn remembered(&self, building: usize, address: &Address) -> Option<Sighting> {
@@ -244,13 +245,13 @@ impl Mission {
                 Action::Drive(velocity)
             }
             Driving::Arrived => self.arrived(task, now, events),
-            Driving::Unreachable => self.missed(task, now, events),
+            Driving::Unreachable => self.missed(task, events),
         }
     }
 
     fn arrived(&mut self, mut task: Task, now: SimTime, events: &mut dyn Events) -> Action {
         match &task.stage {
-            Stage::Travel(_) => return self.advance_travel(task, now, events),
+            Stage::Travel(_) => return self.advance_travel(task, events),
             Stage::Approach(_) => return Action::Delivered(task.address),
             Stage::ToWaypoint | Stage::Look(_) => {
                 task.stage = Stage::Look(now);
@@ -261,65 +262,65 @@ impl Mission {
     }
 
     /// A place could not be reached.
-    fn missed(&mut self, mut task: Task, now: SimTime, events: &mut dyn Events) -> Action {
+    fn missed(&mut self, mut task: Task, events: &mut dyn Events) -> Action {
         match &mut task.stage {
-            Stage::Travel(_) => return self.advance_travel(task, now, events),
+            Stage::Travel(_) => return self.advance_travel(task, events),
             Stage::Approach(sighting) => {
                 // Porches and steps keep the robot off some doors: nearer than this it cannot get.
                 let door = sighting.clone();
                 task.doorstep += DOORSTEP;
                 if task.doorstep <= FARTHEST_DOORSTEP {
-                    self.approach(task, door, now);
+                    self.approach(task, door);
                 } else if self.localizer.pose().point().distance(door.position)
                     <= FARTHEST_DOORSTEP + DOORSTEP
                 {
                     return Action::Delivered(task.address);
                 } else {
                     (task.expected, task.doorstep) = (None, DOORSTEP);
-                    return self.next_waypoint(task, now, events);
+                    return self.next_waypoint(task, events);
                 }
             }
             Stage::ToWaypoint | Stage::Look(_) => {
                 task.waypoints.extend(task.place.take().and_then(|place| place.nearer()));
-                return self.next_waypoint(task, now, events);
+                return self.next_waypoint(task, events);
             }
         }
         Action::Drive(Velocity::ZERO)
     }
 
     /// The next point of the road, or the first place to look from.
-    fn advance_travel(&mut self, mut task: Task, now: SimTime, events: &mut dyn Events) -> Action {
+    fn advance_travel(&mut self, mut task: Task, events: &mut dyn Events) -> Action {
         let here = self.localizer.pose().point();
         if let Stage::Travel(via) = &mut task.stage {
             while let Some(next) = via.pop_front() {
                 // A road may leave the ground that the costmap covers; it comes back before it ends.
                 let covered = self.driver.costmap().grid().cell_at(next).is_some();
                 if covered && next.distance(here) > 2.0 {
-                    self.driver.set_target(Target { point: next, yaw: None, must: false }, now);
+                    self.driver.set_target(Target { point: next, yaw: None, must: false });
                     self.task = Some(task);
                     return Action::Drive(Velocity::ZERO);
                 }
             }
         }
         match task.expected.clone() {
-            Some(door) => self.check_door(task, &door, now),
-            None => return self.next_waypoint(task, now, events),
+            Some(door) => self.check_door(task, &door),
+            None => return self.next_waypoint(task, events),
         }
         Action::Drive(Velocity::ZERO)
     }
 
     /// Goes to where a known door's plate can be read.
-    fn check_door(&mut self, mut task: Task, door: &Sighting, now: SimTime) {
+    fn check_door(&mut self, mut task: Task, door: &Sighting) {
         let point = door.position.offset(door.facing, CHECK_FROM);
         let target = Target { point, yaw: Some(point.bearing_to(door.position)), must: true };
-        self.driver.set_target(target, now);
+        self.driver.set_target(target);
         task.stage = Stage::ToWaypoint;
         task.place = None;
         self.task = Some(task);
     }
 
     /// The nearest place not yet looked from; after the last one all again from another distance; then the door is not found.
-    fn next_waypoint(&mut self, mut task: Task, now: SimTime, events: &mut dyn Events) -> Action {
+    fn next_waypoint(&mut self, mut task: Task, events: &mut dyn Events) -> Action {
         let here = self.localizer.pose().point();
         while task.waypoints.is_empty() {
             let Some(&standoff) = STANDOFFS.get(task.round) else {
@@ -336,7 +337,7 @@ impl Mission {
             let waypoint = waypoint.before_obstacles(self.driver.costmap()).unwrap_or(waypoint);
             let target = Target { point: waypoint.place.point(), yaw: Some(waypoint.place.yaw), must: false };
             task.place = Some(waypoint);
-            self.driver.set_target(target, now);
+            self.driver.set_target(target);
         }
         task.stage = Stage::ToWaypoint;
         self.task = Some(task);
@@ -360,29 +361,29 @@ impl Mission {
         };
         match self.read(&image, events) {
             Err(detail) => Action::GiveUp(one(task.address, FailureCause::ReaderUnavailable, detail)),
-            Ok(()) => self.after_look(task, observation.time, events),
+            Ok(()) => self.after_look(task, events),
         }
     }
 
-    fn after_look(&mut self, mut task: Task, now: SimTime, events: &mut dyn Events) -> Action {
+    fn after_look(&mut self, mut task: Task, events: &mut dyn Events) -> Action {
         let door = self.remembered(task.building, &task.address).or_else(|| task.expected.take());
         match door {
             Some(door) => {
-                self.approach(task, door, now);
+                self.approach(task, door);
                 Action::Drive(Velocity::ZERO)
             }
             None => {
                 let hidden =
                     task.place.take().and_then(|place| place.before_obstacles(self.driver.costmap()));
                 task.waypoints.extend(hidden);
-                self.next_waypoint(task, now, events)
+                self.next_waypoint(task, events)
             }
         }
     }
 
-    fn approach(&mut self, mut task: Task, door: Sighting, now: SimTime) {
+    fn approach(&mut self, mut task: Task, door: Sighting) {
         let point = door.position.offset(door.facing, task.doorstep);
-        self.driver.set_target(Target { point, yaw: None, must: true }, now);
+        self.driver.set_target(Target { point, yaw: None, must: true });
         task.stage = Stage::Approach(door);
         task.expected = None;
         self.task = Some(task);
@@ -404,13 +405,13 @@ impl Mission {
             return Err(Action::GiveUp(one(task.address, FailureCause::ReaderUnavailable, detail)));
         }
         if self.is_refuted(&task) {
-            return Err(self.next_waypoint(task, observation.time, events));
+            return Err(self.next_waypoint(task, events));
         }
         match self.remembered(task.building, &task.address).filter(|door| wants(&task, door)) {
             Some(door) => {
                 let mut task = task;
                 task.doorstep = DOORSTEP;
-                self.approach(task, door, observation.time);
+                self.approach(task, door);
                 Err(Action::Drive(Velocity::ZERO))
             }
             None => Ok(task),

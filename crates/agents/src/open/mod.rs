@@ -4,7 +4,7 @@
 //! | module | its part |
 //! |---|---|
 //! | [`mission`] | the deliveries and the stage that each is in |
-//! | [`driving`] | costmap, search, follower, and what to do when stuck |
+//! | [`driving`] | costmap, navigator, and when a place is given up |
 //! | [`exploration`] | where to look at a building from |
 //! | [`sighting`] | where a plate that was read in an image is, by the LiDAR |
 //! | [`perception`] | scans and images in the `map` frame |
@@ -20,6 +20,7 @@ pub mod sighting;
 use openbench_core::{Action, Agent, Briefing, Events, FailureCause, GiveUp, Observation};
 use openbench_language::Planner;
 use openbench_localization::Localizer;
+use openbench_motion::LocalPlanner;
 use openbench_osm::OsmData;
 use openbench_vision::PlateReader;
 
@@ -33,6 +34,8 @@ pub struct Parts {
     pub reader: Box<dyn PlateReader>,
     /// Says where the robot is.
     pub localizer: Box<dyn Localizer>,
+    /// Turns ways into velocities.
+    pub motion: Box<dyn LocalPlanner>,
     /// Doors found before, if any are to be remembered.
     pub memory: Option<OsmData>,
 }

@@ -75,6 +75,9 @@ impl Optimizer {
         self.frozen.firmness = firmness;
         self.frozen.steps.clear();
         self.frozen.steps.extend(band.knots().iter().map(|k| resolution.step_at(k.time)));
+        let stretches = band.knots().windows(2);
+        self.frozen.lengths.clear();
+        self.frozen.lengths.extend(stretches.map(|w| w[0].pose.point().distance(w[1].pose.point())));
         let circle = problem.footprint.circumscribed();
         let placed = problem.footprint.at(band.knots()[0].pose);
         let near = problem.obstacles.iter().filter_map(|o| o.contact(&placed, circle, 0.0, NEAR));

@@ -120,7 +120,7 @@ impl Default for Weights {
     fn default() -> Self {
         Self {
             time: 1.0,
-            length: 0.05,
+            length: 3.0,
             sideways: 5000.0,
             speed: 400.0,
             turn: 40.0,

@@ -16,6 +16,8 @@ const PAIR: usize = 2 * BLOCK;
 const TRIPLE: usize = 3 * BLOCK;
 /// Stretches at the beginning in which a side to turn to may be preferred.
 const SIDED: usize = 8;
+/// Stretches shorter than this count as turns on the spot, metres: their length weighs no more than this one's.
+const SHORT: f64 = 0.01;
 /// The shortest time that a stretch is taken to have, seconds.
 const SHORTEST: f64 = 1e-3;
 
@@ -50,6 +52,8 @@ pub struct Frozen {
     pub steps: Vec<f64>,
     /// Points to pass by.
     pub vias: Vec<Via>,
+    /// Length of each stretch when the band was last divided, metres: squares weighed by their inverse are lengths.
+    pub lengths: Vec<f64>,
     /// The most that each knot has to keep off obstacles, metres: who begins near one gets off it by and by.
     pub allowed: Vec<f64>,
     /// Multiple of the obstacles' weight, raised from pass to pass.
@@ -104,7 +108,7 @@ pub fn collect(band: &Band, problem: &Problem<'_>, frozen: &Frozen, sink: &mut i
     for i in 0..knots.len() - 1 {
         let stretch = Stretch::between(&knots[i], &knots[i + 1]);
         let step = frozen.steps[i];
-        drive(i, &stretch, step, problem, sink);
+        drive(i, &stretch, step, frozen, problem, sink);
         match &before {
             Some(before) => accelerate(i - 1, before, &stretch, step, problem, sink),
             None => set_out(&stretch, step, problem, sink),
@@ -151,11 +155,19 @@ fn obstacles(i: usize, knot: &Knot, problem: &Problem<'_>, frozen: &Frozen, sink
 }
 
 /// Time, length, and the limits of speed and turn rate.
-fn drive(i: usize, stretch: &Stretch, step: f64, problem: &Problem<'_>, sink: &mut impl Sink) {
+fn drive(
+    i: usize,
+    stretch: &Stretch,
+    step: f64,
+    frozen: &Frozen,
+    problem: &Problem<'_>,
+    sink: &mut impl Sink,
+) {
     let (weights, limits) = (&problem.settings.weights, problem.limits);
     sink.add(i, weights.time / step, stretch.seconds, &[0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 1.0]);
-    sink.add(i, weights.length / step, stretch.chord[0], &[-1.0, 0.0, 0.0, 0.0, 1.0]);
-    sink.add(i, weights.length / step, stretch.chord[1], &[0.0, -1.0, 0.0, 0.0, 0.0, 1.0]);
+    let per_length = weights.length / frozen.lengths[i].max(SHORT);
+    sink.add(i, per_length, stretch.chord[0], &[-1.0, 0.0, 0.0, 0.0, 1.0]);
+    sink.add(i, per_length, stretch.chord[1], &[0.0, -1.0, 0.0, 0.0, 0.0, 1.0]);
     sink.add(i, weights.sideways, stretch.sideways, &stretch.by_sideways);
     let mut at_most = |weight: f64, over: f64, sign: f64, by: &[f64; PAIR]| {
         if over > 0.0 {
@@ -285,7 +297,8 @@ mod tests {
                 time += dt + 0.05;
                 Knot { pose: Pose2::new(0.4 * i as f64 + x, *y, *yaw), time }
             }).collect();
-            let frozen = Frozen { steps: vec![0.2; 4], allowed: vec![f64::INFINITY, 0.01, 0.02, 1.0, 1.0], vias: vec![(2, MapPoint::new(0.9, 0.2))], firmness: 1.0 };
+            let frozen = Frozen { steps: vec![0.2; 4],
+                lengths: vec![0.3, 0.4, 0.0, 0.5], allowed: vec![f64::INFINITY, 0.01, 0.02, 1.0, 1.0], vias: vec![(2, MapPoint::new(0.9, 0.2))], firmness: 1.0 };
             let residuals = |knots: &[Knot]| {
                 let mut list = List::default();
                 collect(&Band::new(knots.to_vec()).unwrap(), &problem, &frozen, &mut list);
