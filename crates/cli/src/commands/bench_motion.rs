@@ -12,6 +12,9 @@ use crate::args::{BenchMotionArgs, PlannerArg};
 use crate::outcome::{Outcome, say, say_json};
 use crate::progress::progress_bar;
 
+/// Most drives that the table lists by themselves.
+const SHOWN: usize = 20;
+
 /// Drives planners through scenes.
 pub fn run(args: &BenchMotionArgs) -> anyhow::Result<Outcome> {
     let mut planners: Vec<PlannerKind> = args.planners.iter().map(|p| kind(*p)).collect();
@@ -89,9 +92,12 @@ fn table(trial: &Trial) -> String {
     if !trial.failures.is_empty() {
         text.push_str("\nNot as it should be:\n");
     }
-    for failure in &trial.failures {
+    for failure in trial.failures.iter().take(SHOWN) {
         let (who, what) = (failure.planner.name(), &failure.what);
         let _ = writeln!(text, "  scene {:4} {:10} {who:8}  {what}", failure.scene, failure.kind.name());
+    }
+    if let Some(more) = trial.failures.len().checked_sub(SHOWN).filter(|more| *more > 0) {
+        let _ = writeln!(text, "  and {more} more, which --json lists");
     }
     text
 }
