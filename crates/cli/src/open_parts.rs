@@ -12,6 +12,7 @@ use openbench_language::{ChatPlanner, GrammarPlanner, Planner};
 use openbench_localization::fixes::Gnss;
 use openbench_localization::{DeadReckoning, FixSource, Fused, LidarInertial, Localizer};
 use openbench_models::{ModelSpec, ModelStore};
+use openbench_motion::teb::settings::Margins;
 use openbench_motion::{Follower, LocalPlanner, Mppi, Teb, TebSettings};
 use openbench_vision::{PlateReader, PpOcr, PpOcrSettings, VlmReader};
 
@@ -25,6 +26,8 @@ const KEYS: [&str; 5] = ["planner", "reader", "localizer", "fixes", "motion"];
 
 /// Distance from a place with which OPEN is there, metres: what it looks at is metres away.
 const NEAR_ENOUGH: f64 = 0.15;
+/// Distances that OPEN keeps: what stands is known to half a cell of its costmap, and cars bulge between the rings of the LiDAR.
+const SEEN_BY_LIDAR: Margins = Margins { least: 0.06, moving: 0.3, comfort: 0.35 };
 /// Seed of the sampling controller's disturbances: runs repeat.
 const MPPI_SEED: u64 = 1;
 
@@ -112,7 +115,8 @@ fn motion(word: &str) -> Result<Box<dyn LocalPlanner>, String> {
     let failed = |e: &dyn std::fmt::Display| format!("motion={word}: {e}");
     match word {
         "teb" => {
-            let settings = TebSettings { tolerance: NEAR_ENOUGH, ..TebSettings::default() };
+            let mut settings = TebSettings { tolerance: NEAR_ENOUGH, ..TebSettings::default() };
+            settings.band.margins = SEEN_BY_LIDAR;
             Ok(Box::new(Teb::new(&robot, settings).map_err(|e| failed(&e))?))
         }
         "follower" => Ok(Box::new(Follower::new(robot))),

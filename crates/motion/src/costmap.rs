@@ -21,6 +21,8 @@ const EVIDENCE: (i8, i8) = (-6, 12);
 const FREE: i8 = -3;
 /// Scans after which an obstacle that is not seen again is forgotten: a minute.
 const MEMORY: u32 = 600;
+/// Scans ago that are a moment: two seconds.
+const MOMENT: u32 = 20;
 /// Room beyond the footprint that a way keeps from obstacles, metres.
 const MARGIN: f64 = 0.05;
 /// Distance at which obstacles no longer cost anything, metres.
@@ -54,6 +56,8 @@ pub struct Costmap {
     hit_in: Vec<u32>,
     /// Height above the ground of the highest hit in each cell since it was last free, centimetres.
     top: Vec<u8>,
+    /// Number of the scan by which each cell was last known to be free; 0 if never.
+    free_in: Vec<u32>,
     /// Number of the scan that last cleared each cell: beams crowd near the sensor, and one scan is one piece of evidence.
     cleared_in: Vec<u32>,
     scans: u32,
@@ -83,6 +87,7 @@ impl Costmap {
             hit_in: vec![0; grid.len()],
             top: vec![0; grid.len()],
             cleared_in: vec![0; grid.len()],
+            free_in: vec![0; grid.len()],
             scans: 0,
             clearance: Vec::new(),
             keep: robot.inscribed_radius() + MARGIN,
@@ -98,14 +103,37 @@ impl Costmap {
         &self.grid
     }
 
+    /// The middles of cells that a scan shows something in where the ground was known to be free a moment ago, away from what stands: who or what has come there.
+    pub fn newcomers(&self, ring: &RangeRing) -> Vec<MapPoint> {
+        let hit = ring.obstacles.iter().filter_map(|(point, _)| self.grid.cell_at(*point));
+        let mut cells: Vec<usize> = hit.filter(|&cell| self.is_new(cell)).collect();
+        cells.sort_unstable();
+        cells.dedup();
+        cells.into_iter().map(|cell| self.grid.center(cell)).collect()
+    }
+
+    /// Whether a cell was free a moment ago and so were or are those around it.
+    fn is_new(&self, cell: usize) -> bool {
+        let was_free = |cell: usize| self.free_in[cell] > 0 && self.scans - self.free_in[cell] < MOMENT;
+        let (x, y) = self.grid.column_row(cell);
+        let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (x + dx, y + dy)));
+        let mut around = around.filter_map(|(x, y)| self.grid.cell_in(x, y));
+        around.all(|c| was_free(c) || !self.is_obstacle(c)) && was_free(cell)
+    }
+
     /// Takes in what a scan shows. [`Costmap::inflate`] makes it count.
     pub fn observe(&mut self, ring: &RangeRing) {
+        self.observe_but(ring, |_| false);
+    }
+
+    /// The same without the points of which `moves` says that they do not stay.
+    pub fn observe_but(&mut self, ring: &RangeRing, moves: impl Fn(MapPoint) -> bool) {
         self.scans += 1;
         for (degrees, &beam) in ring.beams.iter().enumerate() {
             self.mark_clear(ring, beam, (degrees as f64 + 0.5).to_radians());
         }
         for &(point, height) in &ring.obstacles {
-            let Some(cell) = self.grid.cell_at(point) else { continue };
+            let Some(cell) = self.grid.cell_at(point).filter(|_| !moves(point)) else { continue };
             let before = if self.evidence[cell] > 0 { self.top[cell] } else { 0 };
             self.top[cell] = before.max((height * 100.0) as u8);
             if self.hit_in[cell] != self.scans {
@@ -345,6 +373,9 @@ impl Costmap {
             if !passes_over {
                 self.cleared_in[cell] = self.scans;
                 self.evidence[cell] = (self.evidence[cell] - 1).max(EVIDENCE.0);
+                if self.evidence[cell] <= FREE {
+                    self.free_in[cell] = self.scans;
+                }
             }
         }
     }

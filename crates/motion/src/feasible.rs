@@ -47,6 +47,9 @@ pub fn first_conflict(
     })
 }
 
+/// Seconds in which any robot stops.
+const LONGEST_STOP: f64 = 20.0;
+
 /// A robot in motion and what it is told.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Motion {
@@ -93,7 +96,12 @@ pub fn conflict_before_stop(
     let mut motion = motion;
     let mut least = floor(clear(motion.pose), margin);
     let mut time = 0.0;
+    // Who does not come to stand, with a speed that no robot has, is taken for one who runs into something.
+    let longest = hold + LONGEST_STOP;
     while time < hold || !motion.stands() {
+        if time > longest {
+            return Some(time);
+        }
         if time >= hold {
             motion.command = Velocity::ZERO;
         }

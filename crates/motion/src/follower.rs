@@ -51,7 +51,7 @@ impl Follower {
     }
 
     fn turn(&self, error: f64) -> Velocity {
-        let rate = (2.0 * error.abs()).clamp(0.15, self.robot.max_turn);
+        let rate = (2.0 * error.abs()).max(0.15).min(self.robot.max_turn);
         Velocity::new(0.0, rate.copysign(error))
     }
 

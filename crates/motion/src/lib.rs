@@ -7,6 +7,7 @@
 //! | [`shape`] | [`Footprint`] and [`Obstacle`]: outlines on the ground and how far they are apart |
 //! | [`search`] | [`Search`]: A* over any cells with costs, for maps of a million of them |
 //! | [`astar`] | [`plan`]: the cheapest way over a costmap |
+//! | [`tracking`] | [`Tracker`]: who moves, from what appears where the ground was free |
 //! | [`local`] | [`LocalPlanner`]: the seam between a way and velocities |
 //! | [`teb`] | [`Teb`]: Timed Elastic Bands in several classes of ways |
 //! | [`maneuver`] | places and headings searched with the whole footprint, where a way says too little |
@@ -29,6 +30,7 @@ pub mod obstacles;
 pub mod search;
 pub mod shape;
 pub mod teb;
+pub mod tracking;
 
 pub use astar::{PlanError, costs, plan};
 pub use costmap::{Costmap, CostmapError};
@@ -40,3 +42,4 @@ pub use obstacles::RangeRing;
 pub use search::{Costs, CostsError, Search};
 pub use shape::{Contact, Footprint, Obstacle, ShapeError};
 pub use teb::planner::{Teb, TebError, TebSettings};
+pub use tracking::Tracker;

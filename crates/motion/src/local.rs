@@ -88,7 +88,7 @@ pub fn ahead(path: &[MapPoint], from: MapPoint, length: f64) -> Option<(MapPoint
     let (mut at, mut left) = (foot, length);
     for next in &path[(segment + 1).min(path.len())..] {
         let step = at.distance(*next);
-        if step >= left {
+        if step >= left && step > 0.0 {
             let t = left / step;
             return Some((MapPoint::new(at.x + t * (next.x - at.x), at.y + t * (next.y - at.y)), false));
         }

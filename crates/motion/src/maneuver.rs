@@ -43,8 +43,8 @@ pub enum NoManeuver {
     /// Everything that can be reached was looked at.
     #[error("no way leads there for the footprint")]
     NoWay,
-    /// Too much was looked at.
-    #[error("no way was found among {MOST_PLACES} places")]
+    /// The goal is too far, or too much was looked at.
+    #[error("the goal is too far for a maneuver, or none was found among {MOST_PLACES} places")]
     TooFar,
 }
 
@@ -85,6 +85,10 @@ pub fn maneuver(
     let high = MapPoint::new(start.x.max(goal.x) + AROUND, start.y.max(goal.y) + AROUND);
     let side = (high.x - low.x).max(high.y - low.y);
     let grid = GridGeometry::covering(low, high, CELL.max(side / MOST_CELLS as f64), MOST_CELLS + 1);
+    // A step must lead out of its cell.
+    if grid.cell > STEP * std::f64::consts::FRAC_1_SQRT_2 {
+        return Err(NoManeuver::TooFar);
+    }
     let standing: Vec<&Obstacle> = obstacles.iter().filter(|o| !o.is_moving()).collect();
     let mut search = Search {
         footprint,
@@ -139,7 +143,7 @@ impl Search<'_> {
         clear > self.footprint.inscribed() - off + self.keep && self.exact(pose) > self.keep
     }
 
-    /// Seconds from each cell to the goal for a robot without a heading: never more than it takes one with.
+    /// Seconds from each cell to the goal for a robot without a heading, on a grid: at most 8 % more than in a straight line.
     fn look_back(&mut self, goal: MapPoint) -> Result<(), NoManeuver> {
         let to = self.grid.cell_at(goal).ok_or(NoManeuver::GoalBlocked)?;
         let fits = self.footprint.inscribed() - 0.71 * self.grid.cell + self.keep;
@@ -163,7 +167,8 @@ impl Search<'_> {
                 let total = seconds + length * second;
                 if total < f64::from(self.left[next]) - 1e-6 {
                     self.left[next] = total as f32;
-                    queue.push(total, next);
+                    // As it is kept, or rounding would make the entry look like an older one.
+                    queue.push(f64::from(total as f32), next);
                 }
             }
         }

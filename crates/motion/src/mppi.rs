@@ -3,7 +3,7 @@
 //! G. Williams, A. Aldrich, E. Theodorou, *Model Predictive Path Integral Control: From Theory to Parallel Computation*, Journal of Guidance, Control, and Dynamics 40(2), 2017; the costs are of the kinds that Nav2's controller
 //! of this name has: distance to the way and to its end, heading, nearness to obstacles, driving backwards. Here as a yardstick for the band: disturbances come from a seeded generator.
 
-use openbench_core::{MapPoint, Pose2, RobotDescription, Velocity, frames::wrap_angle};
+use openbench_core::{MapPoint, Pose2, RobotDescription, SimTime, Velocity, frames::wrap_angle};
 use openbench_grid::GridGeometry;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -59,6 +59,9 @@ pub struct Mppi {
     rng: Pcg64Mcg,
     seed: u64,
     plan: Vec<Velocity>,
+    /// When the plan was last moved on, and the seconds of its first step that are over.
+    last: Option<SimTime>,
+    over: f64,
     samples: Vec<[Velocity; STEPS]>,
     costs: Vec<f64>,
     distances: Vec<f32>,
@@ -75,6 +78,8 @@ impl Mppi {
             rng: Pcg64Mcg::seed_from_u64(seed),
             seed,
             plan: vec![Velocity::ZERO; STEPS],
+            last: None,
+            over: 0.0,
             samples: vec![[Velocity::ZERO; STEPS]; SAMPLES],
             costs: vec![0.0; SAMPLES],
             distances: Vec::new(),
@@ -103,6 +108,20 @@ impl Mppi {
             }
         }
         grid
+    }
+
+    /// Drops the steps of the plan that are over by now.
+    fn move_on(&mut self, now: SimTime) {
+        let elapsed = self.last.map_or(0.0, |last| now.since(last).as_secs_f64());
+        self.last = Some(now);
+        self.over += elapsed;
+        while self.over > DT - 1e-9 {
+            self.over -= DT;
+            self.plan.rotate_left(1);
+            self.plan[STEPS - 1] = self.plan[STEPS - 2];
+            // After a long pause nothing is left of the plan anyway.
+            self.over = self.over.min(DT * STEPS as f64);
+        }
     }
 
     fn sample(&mut self) {
@@ -199,13 +218,11 @@ impl LocalPlanner for Mppi {
             return Ok(Progress::Arrived);
         }
         if there {
-            let rate = (2.0 * turn.abs()).clamp(0.1, self.limits.turn).copysign(turn);
+            let rate = (2.0 * turn.abs()).max(0.1).min(self.limits.turn).copysign(turn);
             return self.secured(situation, Velocity::new(0.0, rate)).map(Progress::Drive);
         }
         let grid = self.measure(situation);
-        self.plan.rotate_left(1);
-        let last = self.plan[STEPS - 2];
-        self.plan[STEPS - 1] = last;
+        self.move_on(situation.time);
         self.sample();
         for i in 0..SAMPLES {
             self.costs[i] = self.cost(&self.samples[i], situation, &grid, &aim);
@@ -219,6 +236,7 @@ impl LocalPlanner for Mppi {
 
     fn reset(&mut self) {
         self.plan.fill(Velocity::ZERO);
+        (self.last, self.over) = (None, 0.0);
         self.rng = Pcg64Mcg::seed_from_u64(self.seed);
     }
 }

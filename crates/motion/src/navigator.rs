@@ -8,8 +8,8 @@ use std::time::Duration;
 use openbench_core::{MapPoint, Pose2, RobotDescription, SimTime, Velocity};
 
 use crate::astar::PlanError;
-use crate::feasible::{Motion, conflict_before_stop};
-use crate::local::{Blocked, LocalPlanner, Progress, Situation};
+use crate::feasible::{Motion, conflict_before_stop, first_conflict};
+use crate::local::{Blocked, LocalPlanner, Progress, Situation, check};
 use crate::maneuver::{NoManeuver, maneuver};
 use crate::shape::{Footprint, Obstacle, ShapeError};
 use crate::teb::band::Band;
@@ -32,6 +32,8 @@ const ATTEMPTS: u32 = 4;
 const MANEUVER: f64 = 3.0;
 /// Distance from obstacles that a maneuver keeps to be driven on, metres.
 const SURE: f64 = 0.001;
+/// Seconds until somebody is met below which a maneuver is not driven on.
+const SOON: f64 = 1.0;
 /// Seconds that a velocity is driven until the next is asked for, and a little for what lags.
 const HOLD: f64 = 0.1;
 
@@ -126,6 +128,8 @@ pub struct Navigator {
     path: Vec<MapPoint>,
     planned: Option<SimTime>,
     blocked: Option<(SimTime, Blocked)>,
+    /// Why the last search found no way, if it found none.
+    no_way: Option<PlanError>,
     /// A maneuver being driven, and when it was last looked at.
     maneuver: Option<(Band, SimTime)>,
     attempts: u32,
@@ -145,6 +149,7 @@ impl Navigator {
             path: Vec::new(),
             planned: None,
             blocked: None,
+            no_way: None,
             maneuver: None,
             attempts: 0,
             anchor: None,
@@ -158,7 +163,7 @@ impl Navigator {
         self.goal = Some((point, yaw));
         self.path.clear();
         (self.planned, self.blocked, self.maneuver) = (None, None, None);
-        (self.attempts, self.anchor) = (0, None);
+        (self.attempts, self.anchor, self.no_way) = (0, None, None);
     }
 
     /// The way that is being followed.
@@ -188,6 +193,9 @@ impl Navigator {
         yaw: Option<f64>,
         guide: &mut dyn Guide,
     ) -> Navigation {
+        if let Err(cause) = check(now.pose, now.velocity, &[point], yaw) {
+            return Navigation::Failed(Cause::Stuck(cause));
+        }
         self.note_progress(now);
         if self.stagnates(now) {
             let cause = self.blocked.map_or(Blocked::Obstacle(0.0), |(_, cause)| cause);
@@ -199,12 +207,16 @@ impl Navigator {
         if self.is_stale(now, guide) {
             self.planned = Some(now.time);
             match guide.way(now.pose.point(), point) {
-                Ok(path) => self.path = path,
+                Ok(path) => (self.path, self.no_way) = (path, None),
                 Err(error) => {
                     self.path.clear();
+                    self.no_way = Some(error);
                     return self.climb(now, Blocked::NoPath, Cause::NoWay(error), point, yaw);
                 }
             }
+        }
+        if let Some(error) = self.no_way {
+            return self.climb(now, Blocked::NoPath, Cause::NoWay(error), point, yaw);
         }
         let situation = Situation {
             time: now.time,
@@ -269,13 +281,14 @@ impl Navigator {
             self.planner.reset();
             return Navigation::Drive(Velocity::ZERO);
         }
-        self.begin_maneuver(now, cause, point, yaw)
+        self.begin_maneuver(now, cause, failed, point, yaw)
     }
 
     fn begin_maneuver(
         &mut self,
         now: &Surroundings<'_>,
         cause: Blocked,
+        failed: Cause,
         point: MapPoint,
         yaw: Option<f64>,
     ) -> Navigation {
@@ -286,10 +299,14 @@ impl Navigator {
                 let v = band.velocity(0);
                 self.record(now, if v.linear < 0.0 { Step::Back } else { Step::Turn }, cause);
                 self.maneuver = Some((band, now.time));
+                self.blocked = None;
                 Navigation::Drive(Velocity::ZERO)
             }
             // Who moves may have been in the way, and what was seen may have been wrong: the last attempt decides.
-            Err(why) if self.attempts >= ATTEMPTS => Navigation::Failed(Cause::TooNarrow(why)),
+            Err(why) if self.attempts >= ATTEMPTS => Navigation::Failed(match failed {
+                Cause::NoWay(_) => failed,
+                Cause::TooNarrow(_) | Cause::Stuck(_) => Cause::TooNarrow(why),
+            }),
             Err(_) => Navigation::Drive(Velocity::ZERO),
         }
     }
@@ -302,7 +319,9 @@ impl Navigator {
         let command = wanted(band, &self.limits);
         let motion = Motion { pose: now.pose, velocity: now.velocity, command };
         let meets = conflict_before_stop(&self.footprint, now.obstacles, motion, &self.limits, HOLD, SURE);
-        if band.duration() < 2.0 * HOLD || meets.is_some() {
+        // Who moves may have come into its way since.
+        let met = first_conflict(&self.footprint, now.obstacles, band, SURE);
+        if band.duration() < 2.0 * HOLD || meets.is_some() || met.is_some_and(|at| at < SOON) {
             (self.maneuver, self.planned) = (None, None);
             self.planner.reset();
             return None;

@@ -6,7 +6,8 @@ use openbench_core::{
     Event, Events, FailureCause, GiveUp, MapPoint, Pose2, RobotDescription, SimTime, Velocity, WheelSample,
 };
 use openbench_motion::{
-    Costmap, Footprint, Guide, LocalPlanner, Navigation, Navigator, PlanError, RangeRing, Surroundings, plan,
+    Costmap, Footprint, Guide, LocalPlanner, Navigation, Navigator, PlanError, RangeRing, Surroundings,
+    Tracker, plan,
 };
 use openbench_osm::polygon::nearest_on_segment;
 
@@ -49,6 +50,7 @@ pub struct Driver {
     robot: RobotDescription,
     footprint: Footprint,
     costmap: Costmap,
+    tracker: Tracker,
     navigator: Navigator,
     target: Option<Target>,
     wheels: Option<WheelSample>,
@@ -73,6 +75,7 @@ impl Driver {
             navigator: Navigator::new(&robot, planner).map_err(|e| unfit(e.to_string()))?,
             robot,
             costmap,
+            tracker: Tracker::default(),
             target: None,
             wheels: None,
             velocity: Velocity::ZERO,
@@ -88,8 +91,9 @@ impl Driver {
     }
 
     /// Takes in what a scan shows.
-    pub fn observe(&mut self, ring: &RangeRing) {
-        self.costmap.observe(ring);
+    pub fn observe(&mut self, ring: &RangeRing, now: SimTime) {
+        self.tracker.update(now, &self.costmap.newcomers(ring));
+        self.costmap.observe_but(ring, |point| self.tracker.covers(point));
     }
 
     /// Takes in how the wheels turned.
@@ -97,7 +101,8 @@ impl Driver {
         for now in wheels {
             if let Some(before) = self.wheels.replace(*now) {
                 let seconds = now.stamp.since(before.stamp).as_secs_f64();
-                if seconds > 0.0 {
+                // Samples in quick succession say more of their stamps than of the wheels.
+                if seconds > 1e-3 {
                     let rim = |a: f64, b: f64| self.robot.wheel_radius * (b - a) / seconds;
                     let (left, right) = (rim(before.left, now.left), rim(before.right, now.right));
                     let turn = (right - left) / self.robot.effective_track;
@@ -119,7 +124,8 @@ impl Driver {
     pub fn drive(&mut self, pose: Pose2, now: SimTime, events: &mut dyn Events) -> Driving {
         let Some(target) = self.target else { return Driving::Arrived };
         self.costmap.clear_below(&self.footprint, pose);
-        let obstacles = self.costmap.obstacles_near(pose.point(), SIGHT);
+        let mut obstacles = self.costmap.obstacles_near(pose.point(), SIGHT);
+        obstacles.extend(self.tracker.moving(now));
         let surroundings = Surroundings { time: now, pose, velocity: self.velocity, obstacles: &obstacles };
         let decided = self.navigator.drive(&surroundings, &mut Ground(&mut self.costmap));
         self.tell(now, events);

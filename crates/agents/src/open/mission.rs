@@ -145,7 +145,7 @@ impl Mission {
         self.driver.observe_wheels(observation.wheels);
         if let Some(scan) = observation.scan {
             let ring = self.perception.observe(scan, self.localizer.as_ref());
-            self.driver.observe(&ring);
+            self.driver.observe(&ring, observation.time);
             events.record(Event::PoseEstimate(self.localizer.pose()));
         }
         self.announce(events);

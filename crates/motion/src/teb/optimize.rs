@@ -26,7 +26,7 @@ impl Effort {
     pub const PATIENT: Self = Self { passes: 12, steps: 60, enough: 1e-6 };
 }
 
-/// Firmness of obstacles in the first pass; doubled from pass to pass up to 1, so that a band first finds its side and then its shape.
+/// Firmness of obstacles in the first pass; eight times as much from pass to pass, up to 1, so that a band first finds its side and then its shape.
 const SOFT: f64 = 0.02;
 /// A start further from obstacles than this is no start near one, metres.
 const NEAR: f64 = 0.5;

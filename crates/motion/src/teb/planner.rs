@@ -199,12 +199,15 @@ impl Teb {
         self.of_new_classes(drafts)
     }
 
+    /// With a way to drive, one new band a cycle is soon enough: cycles should all take about as long.
     fn of_new_classes(&self, drafts: Vec<Band>) -> Vec<Candidate> {
+        let most = self.settings.exploring.most;
+        let at_once = if self.leads() { 1 } else { most };
         let mut new: Vec<Candidate> = Vec::new();
         for band in drafts {
             let signature = signature(&self.clumps, &band);
             let known = self.candidates.iter().chain(&new).any(|c| c.signature == signature);
-            let room = self.candidates.len() + new.len() < self.settings.exploring.most;
+            let room = new.len() < at_once && self.candidates.len() + new.len() < most;
             if !known && room {
                 new.push(Candidate { band, signature, cost: 0.0, conflict: None });
             }
@@ -278,10 +281,14 @@ impl Teb {
         self.candidates = kept;
     }
 
+    /// Whether the first band leads to the end.
+    fn leads(&self) -> bool {
+        self.candidates.first().is_some_and(|c| c.conflict.is_none())
+    }
+
     /// Where no band leads to the end, a search with the whole footprint may.
     fn maneuver(&mut self, situation: &Situation<'_>, end: &End) {
-        let leads = self.candidates.first().is_some_and(|c| c.conflict.is_none());
-        if leads {
+        if self.leads() {
             return;
         }
         if let Some(band) = self.search(situation, end) {
@@ -353,7 +360,7 @@ impl Teb {
     fn turn(&self, situation: &Situation<'_>, error: f64) -> Result<Progress, Blocked> {
         // As fast as it can still be stopped in time, with a third of what the wheels could do.
         let angular = self.limits.acceleration / self.limits.half_track / 3.0;
-        let rate = (2.0 * angular * error.abs()).sqrt().min(2.0 * error.abs()).clamp(0.1, self.limits.turn);
+        let rate = (2.0 * angular * error.abs()).sqrt().min(2.0 * error.abs()).max(0.1).min(self.limits.turn);
         self.secured(situation, Velocity::new(0.0, rate.copysign(error))).map(Progress::Drive)
     }
 }
