@@ -9,7 +9,7 @@ use openbench_core::{MapPoint, Pose2, RobotDescription, SimTime, Velocity};
 
 use crate::astar::PlanError;
 use crate::feasible::{Motion, conflict_before_stop, first_conflict};
-use crate::local::{Blocked, LocalPlanner, Progress, Situation, check};
+use crate::local::{Blocked, LocalPlanner, Progress, Situation, ahead, check};
 use crate::maneuver::{NoManeuver, maneuver};
 use crate::shape::{Footprint, Obstacle, ShapeError};
 use crate::teb::band::Band;
@@ -292,7 +292,7 @@ impl Navigator {
         point: MapPoint,
         yaw: Option<f64>,
     ) -> Navigation {
-        let (to, last) = crate::local::ahead(&self.path, now.pose.point(), MANEUVER).unwrap_or((point, true));
+        let (to, last) = ahead(&self.path, now.pose.point(), MANEUVER).unwrap_or((point, true));
         let yaw = yaw.filter(|_| last);
         match maneuver(&self.footprint, &self.limits, now.obstacles, now.pose, to, yaw) {
             Ok(band) => {
