@@ -1,10 +1,10 @@
-//! A*: the cheapest way over a costmap, on the eight neighbours of each cell, no corners cut; then shortened wherever a
-//! straight line costs no more.
+//! The cheapest way over a costmap, by [`crate::search`]; then shortened wherever a straight line costs no more.
 
 use openbench_core::MapPoint;
 use openbench_grid::{Frontier, in_sight};
 
 use crate::costmap::Costmap;
+use crate::search::Search;
 
 /// How far from a blocked start or goal a free cell is looked for, metres.
 const ESCAPE: f64 = 1.5;
@@ -24,11 +24,16 @@ pub enum PlanError {
 }
 
 /// The cheapest way from `start` to `goal`. Where one of them is blocked, the nearest free cell within 1.5 m stands for
-/// it; the way then begins or ends there.
-pub fn plan(costmap: &Costmap, start: MapPoint, goal: MapPoint) -> Result<Vec<MapPoint>, PlanError> {
+/// it; the way then begins or ends there. `search` holds buffers that are used again.
+pub fn plan(
+    search: &mut Search,
+    costmap: &Costmap,
+    start: MapPoint,
+    goal: MapPoint,
+) -> Result<Vec<MapPoint>, PlanError> {
     let from = free_cell(costmap, start).ok_or(PlanError::StartBlocked(start))?;
     let to = free_cell(costmap, goal).ok_or(PlanError::GoalBlocked(goal))?;
-    let cells = search(costmap, from, to).ok_or(PlanError::NoWay(start, goal))?;
+    let (_, cells) = search.cheapest(&costmap.costs(), from, to).ok_or(PlanError::NoWay(start, goal))?;
     let mut points: Vec<MapPoint> =
         shorten(costmap, &cells).iter().map(|c| costmap.grid().center(*c)).collect();
     if costmap.grid().cell_at(goal) == Some(to) {
@@ -60,8 +65,10 @@ pub fn costs(costmap: &Costmap, start: MapPoint, goals: &[MapPoint], limit: f64)
         }
         open.retain(|&goal| goal != cell);
         for (next, length) in neighbours(costmap, cell) {
-            let Some(cost) = costmap.cost(next).filter(|_| !closed[next]) else { continue };
-            let total = best[cell] + length * cost;
+            if closed[next] {
+                continue;
+            }
+            let total = best[cell] + length * 0.5 * (cost_of(costmap, cell) + cost_of(costmap, next));
             if total < best[next] {
                 best[next] = total;
                 queue.push(total, next);
@@ -87,34 +94,6 @@ fn free_cell(costmap: &Costmap, point: MapPoint) -> Option<usize> {
         .min_by(|&a, &b| grid.center(a).distance(point).total_cmp(&grid.center(b).distance(point)))
 }
 
-fn search(costmap: &Costmap, start: usize, goal: usize) -> Option<Vec<usize>> {
-    let grid = costmap.grid();
-    let mut best = vec![f64::INFINITY; grid.len()];
-    let mut parent = vec![u32::MAX; grid.len()];
-    let mut closed = vec![false; grid.len()];
-    let mut queue = Frontier::default();
-    queue.push(octile(costmap, start, goal), start);
-    best[start] = 0.0;
-    while let Some((_, cell)) = queue.pop() {
-        if cell == goal {
-            return Some(trace(&parent, goal));
-        }
-        if std::mem::replace(&mut closed[cell], true) {
-            continue;
-        }
-        for (next, length) in neighbours(costmap, cell) {
-            let Some(cost) = costmap.cost(next).filter(|_| !closed[next]) else { continue };
-            let total = best[cell] + length * cost;
-            if total < best[next] {
-                best[next] = total;
-                parent[next] = cell as u32;
-                queue.push(total + octile(costmap, next, goal), next);
-            }
-        }
-    }
-    None
-}
-
 /// Neighbours of a cell with their distances in cells; diagonals only between two free sides.
 fn neighbours(costmap: &Costmap, cell: usize) -> impl Iterator<Item = (usize, f64)> {
     let grid = *costmap.grid();
@@ -129,22 +108,6 @@ fn neighbours(costmap: &Costmap, cell: usize) -> impl Iterator<Item = (usize, f6
         Some((free(dx, dy)?, std::f64::consts::SQRT_2))
     });
     straight.chain(diagonal)
-}
-
-/// Length of the shortest way over an empty grid, in cells: never more than the cost, since no cell costs less than 1.
-fn octile(costmap: &Costmap, a: usize, b: usize) -> f64 {
-    let ((ax, ay), (bx, by)) = (costmap.grid().column_row(a), costmap.grid().column_row(b));
-    let (dx, dy) = ((ax - bx).abs() as f64, (ay - by).abs() as f64);
-    dx.max(dy) + (std::f64::consts::SQRT_2 - 1.0) * dx.min(dy)
-}
-
-fn trace(parent: &[u32], goal: usize) -> Vec<usize> {
-    let mut cells = vec![goal];
-    while let Some(&p) = cells.last().map(|&c| &parent[c]).filter(|&&p| p != u32::MAX) {
-        cells.push(p as usize);
-    }
-    cells.reverse();
-    cells
 }
 
 /// Replaces stretches by straight lines that stay where it costs no more than on the stretch.
@@ -185,7 +148,7 @@ mod tests {
     #[test]
     fn open_ground_is_crossed_straight() {
         let (a, b) = (MapPoint::new(-8.0, -3.0), MapPoint::new(7.0, 2.0));
-        let path = plan(&open_ground(), a, b).unwrap();
+        let path = plan(&mut Search::default(), &open_ground(), a, b).unwrap();
         assert_eq!((path[0], *path.last().unwrap()), (a, b));
         assert!(length(&path) < a.distance(b) * 1.05, "{}", length(&path));
     }
@@ -194,7 +157,8 @@ mod tests {
     fn a_wall_is_passed_with_room_to_spare() {
         let mut costmap = open_ground();
         see_wall(&mut costmap, MapPoint::new(2.0, -5.0), MapPoint::new(2.0, 1.0));
-        let path = plan(&costmap, MapPoint::new(0.0, -2.0), MapPoint::new(4.0, -2.0)).unwrap();
+        let path = plan(&mut Search::default(), &costmap, MapPoint::new(0.0, -2.0), MapPoint::new(4.0, -2.0))
+            .unwrap();
         for pair in path.windows(2) {
             for i in 0..=20 {
                 let t = f64::from(i) / 20.0;
@@ -211,10 +175,14 @@ mod tests {
     fn a_blocked_goal_is_approached_and_a_buried_one_refused() {
         let mut costmap = open_ground();
         see_wall(&mut costmap, MapPoint::new(2.0, -5.0), MapPoint::new(2.0, 5.0));
-        let path = plan(&costmap, MapPoint::new(0.0, 0.0), MapPoint::new(2.0, 0.0)).unwrap();
+        let path =
+            plan(&mut Search::default(), &costmap, MapPoint::new(0.0, 0.0), MapPoint::new(2.0, 0.0)).unwrap();
         assert!(path.last().unwrap().distance(MapPoint::new(2.0, 0.0)) < 0.4);
         let outside = MapPoint::new(50.0, 0.0);
-        assert_eq!(plan(&costmap, MapPoint::default(), outside), Err(PlanError::GoalBlocked(outside)));
+        assert_eq!(
+            plan(&mut Search::default(), &costmap, MapPoint::default(), outside),
+            Err(PlanError::GoalBlocked(outside))
+        );
     }
 
     #[test]
@@ -235,7 +203,7 @@ mod tests {
         for pair in corners.windows(2) {
             see_wall(&mut costmap, pair[0], pair[1]);
         }
-        let result = plan(&costmap, MapPoint::default(), MapPoint::new(5.0, 5.0));
+        let result = plan(&mut Search::default(), &costmap, MapPoint::default(), MapPoint::new(5.0, 5.0));
         assert!(matches!(result, Err(PlanError::NoWay(..))), "{result:?}");
     }
 }

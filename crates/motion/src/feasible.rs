@@ -8,16 +8,62 @@ use crate::teb::settings::Limits;
 
 /// Seconds between two looks along a motion: at half a metre and one radian a second no corner moves further than 4 cm.
 const LOOK: f64 = 0.05;
-/// Distances above this do not matter, metres.
-const REACH: f64 = 0.05;
 /// Of a start that is nearer to something than it should be, this share is kept: much is gained by getting off it, and not much can be lost.
 const KEPT: f64 = 0.5;
 /// What is lost to rounding where a start is inside something, metres.
 const ROUNDING: f64 = 1e-6;
+/// Looks along one motion, at most.
+const MOST_LOOKS: usize = 10_000;
 
 /// The clearance that a motion from a place with `clearance` may not fall below.
 fn floor(clearance: f64, margin: f64) -> f64 {
     if clearance > 0.0 { margin.min(KEPT * clearance) } else { clearance - ROUNDING }
+}
+
+/// How near to each obstacle a motion may come: `margin`, but for those that it begins nearer to.
+pub(crate) struct Floors {
+    margin: f64,
+    /// Number and floor of each obstacle that the motion begins near to. None may be made up for by another.
+    near: Vec<(usize, f64)>,
+}
+
+impl Floors {
+    /// For a motion that begins at `pose`.
+    pub(crate) fn new<'a>(
+        footprint: &Footprint,
+        obstacles: impl Iterator<Item = &'a Obstacle>,
+        pose: Pose2,
+        margin: f64,
+    ) -> Self {
+        let (placed, circle, reach) = (footprint.at(pose), footprint.circumscribed(), margin / KEPT);
+        let distance = |o: &Obstacle| o.contact(&placed, circle, 0.0, reach).map(|c| c.distance);
+        let near = obstacles.enumerate().filter_map(|(i, o)| Some((i, distance(o).filter(|d| *d < reach)?)));
+        Self { margin, near: near.map(|(i, d)| (i, floor(d, margin))).collect() }
+    }
+
+    /// Whether a pose keeps off everything; what it has got off by now counts from here on.
+    pub(crate) fn keep<'a>(
+        &mut self,
+        footprint: &Footprint,
+        obstacles: impl Iterator<Item = &'a Obstacle>,
+        pose: Pose2,
+        seconds: f64,
+    ) -> bool {
+        let (placed, circle, reach) = (footprint.at(pose), footprint.circumscribed(), self.margin / KEPT);
+        for (i, obstacle) in obstacles.enumerate() {
+            let contact = obstacle.contact(&placed, circle, seconds, reach);
+            let distance = contact.map_or(reach, |c| c.distance);
+            let near = self.near.iter_mut().find(|(number, _)| *number == i);
+            let least = near.as_ref().map_or(self.margin, |(_, floor)| *floor);
+            if distance < least {
+                return false;
+            }
+            if let Some((_, least)) = near {
+                *least = least.max(floor(distance, self.margin));
+            }
+        }
+        true
+    }
 }
 
 /// Distance from the footprint to the nearest obstacle as it will be after `seconds`, if less than `reach`, else `reach`; metres, negative inside.
@@ -33,18 +79,21 @@ pub fn clearance<'a>(
     near.map(|contact| contact.distance).fold(reach, f64::min)
 }
 
-/// Seconds until the robot comes nearer than `margin` to something on the band, `None` if it never does. Who begins nearer than that may move away.
+/// Seconds until the robot comes nearer than `margin` to something on the band, driven no faster than it can; `None` if it never does. Who begins nearer than that may move away.
 pub fn first_conflict(
     footprint: &Footprint,
+    limits: &Limits,
     obstacles: &[Obstacle],
     band: &Band,
     margin: f64,
 ) -> Option<f64> {
-    let steps = (band.duration() / LOOK).ceil() as usize;
-    let at = |i: usize| band.duration().min(i as f64 * LOOK);
-    first_below(margin, steps, |i| {
-        (at(i), clearance(footprint, obstacles.iter(), band.pose_at(at(i)), at(i), REACH))
-    })
+    // Where nobody moves it does not matter when the robot is where.
+    let slowed = obstacles.iter().any(Obstacle::is_moving).then(|| band.slowed(limits));
+    let band = slowed.as_ref().unwrap_or(band);
+    let mut floors = Floors::new(footprint, obstacles.iter(), band.pose_at(0.0), margin);
+    let looks = ((band.duration() / LOOK).ceil() as usize).min(MOST_LOOKS);
+    let times = (1..=looks).map(|i| band.duration().min(i as f64 * LOOK));
+    times.into_iter().find(|&time| !floors.keep(footprint, obstacles.iter(), band.pose_at(time), time))
 }
 
 /// Seconds in which any robot stops.
@@ -76,7 +125,7 @@ impl Motion {
         self.pose = arc(self.pose, self.velocity, seconds);
     }
 
-    fn stands(&self) -> bool {
+    pub(crate) fn stands(&self) -> bool {
         self.velocity.linear.abs() < 1e-9 && self.velocity.angular.abs() < 1e-9
     }
 }
@@ -92,9 +141,8 @@ pub fn conflict_before_stop(
 ) -> Option<f64> {
     const STEP: f64 = 0.025;
     let standing = || obstacles.iter().filter(|o| !o.is_moving());
-    let clear = |pose: Pose2| clearance(footprint, standing(), pose, 0.0, REACH);
     let mut motion = motion;
-    let mut least = floor(clear(motion.pose), margin);
+    let mut floors = Floors::new(footprint, standing(), motion.pose, margin);
     let mut time = 0.0;
     // Who does not come to stand, with a speed that no robot has, is taken for one who runs into something.
     let longest = hold + LONGEST_STOP;
@@ -107,11 +155,9 @@ pub fn conflict_before_stop(
         }
         motion.step(limits, STEP);
         time += STEP;
-        let clear = clear(motion.pose);
-        if clear < least {
+        if !floors.keep(footprint, standing(), motion.pose, 0.0) {
             return Some(time);
         }
-        least = least.max(floor(clear, margin));
     }
     None
 }
@@ -123,16 +169,4 @@ pub fn arc(pose: Pose2, velocity: Velocity, seconds: f64) -> Pose2 {
     let chord = velocity.linear * seconds * if half.abs() < 1e-6 { 1.0 } else { libm::sin(half) / half };
     let (sin, cos) = libm::sincos(pose.yaw + half);
     Pose2::new(pose.x + chord * cos, pose.y + chord * sin, pose.yaw + turn)
-}
-
-fn first_below(margin: f64, steps: usize, look: impl Fn(usize) -> (f64, f64)) -> Option<f64> {
-    let mut least = floor(look(0).1, margin);
-    for i in 1..=steps {
-        let (time, clear) = look(i);
-        if clear < least {
-            return Some(time);
-        }
-        least = least.max(floor(clear, margin));
-    }
-    None
 }

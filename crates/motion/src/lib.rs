@@ -12,6 +12,7 @@
 //! | [`teb`] | [`Teb`]: Timed Elastic Bands in several classes of ways |
 //! | [`maneuver`] | places and headings searched with the whole footprint, where a way says too little |
 //! | [`evade`] | out of the way of those who move |
+//! | [`leave`] | off what is all but touched |
 //! | [`feasible`] | whether a motion keeps off everything |
 //! | [`navigator`] | [`Navigator`]: to a goal, with a ladder of what to do when a planner does not go on |
 //! | [`mppi`] | [`Mppi`]: many disturbed continuations, averaged; a yardstick |
@@ -22,6 +23,7 @@ pub mod costmap;
 pub mod evade;
 pub mod feasible;
 pub mod follower;
+pub mod leave;
 pub mod local;
 pub mod maneuver;
 pub mod mppi;

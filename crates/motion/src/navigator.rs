@@ -320,7 +320,7 @@ impl Navigator {
         let motion = Motion { pose: now.pose, velocity: now.velocity, command };
         let meets = conflict_before_stop(&self.footprint, now.obstacles, motion, &self.limits, HOLD, SURE);
         // Who moves may have come into its way since.
-        let met = first_conflict(&self.footprint, now.obstacles, band, SURE);
+        let met = first_conflict(&self.footprint, &self.limits, now.obstacles, band, SURE);
         if band.duration() < 2.0 * HOLD || meets.is_some() || met.is_some_and(|at| at < SOON) {
             (self.maneuver, self.planned) = (None, None);
             self.planner.reset();

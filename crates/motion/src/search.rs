@@ -47,6 +47,11 @@ pub enum CostsError {
 }
 
 impl<'a> Costs<'a> {
+    /// Costs that are known to be some.
+    pub(crate) fn known(width: usize, costs: &'a [f32]) -> Self {
+        Self { width, costs }
+    }
+
     /// Looks through the costs of all cells once.
     pub fn new(width: usize, costs: &'a [f32]) -> Result<Self, CostsError> {
         let cells = costs.len();

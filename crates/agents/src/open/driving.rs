@@ -1,13 +1,15 @@
 //! Getting to a place: what is known of the ground, a navigator over it, and when a place is given up.
 
+use std::collections::VecDeque;
 use std::time::Duration;
 
 use openbench_core::{
     Event, Events, FailureCause, GiveUp, MapPoint, Pose2, RobotDescription, SimTime, Velocity, WheelSample,
 };
+use openbench_motion::costmap::window::Window;
 use openbench_motion::{
-    Costmap, Footprint, Guide, LocalPlanner, Navigation, Navigator, PlanError, RangeRing, Surroundings,
-    Tracker, plan,
+    Costmap, Footprint, Guide, LocalPlanner, Navigation, Navigator, PlanError, RangeRing, Search,
+    Surroundings, Tracker, plan,
 };
 use openbench_osm::polygon::nearest_on_segment;
 
@@ -20,6 +22,8 @@ const SIGHT: f64 = 5.0;
 /// A place is given up after this long and this much for each metre of the first way to it.
 const LEG_TIME: (f64, f64) = (30.0, 8.0);
 
+/// A point of a road is passed within this distance, metres.
+const PASSED: f64 = 2.0;
 /// A place that may be missed is given up once the way to it is known to be this many times and metres longer than it was believed to be.
 const DETOUR: (f64, f64) = (1.6, 6.0);
 
@@ -50,9 +54,14 @@ pub struct Driver {
     robot: RobotDescription,
     footprint: Footprint,
     costmap: Costmap,
+    /// What stands around the robot, more finely: what the local planner keeps off.
+    window: Window,
+    search: Search,
     tracker: Tracker,
     navigator: Navigator,
     target: Option<Target>,
+    /// Points of a road on the way to it.
+    road: VecDeque<MapPoint>,
     wheels: Option<WheelSample>,
     velocity: Velocity,
     /// Length of the way when it was first searched, metres.
@@ -73,10 +82,13 @@ impl Driver {
         Ok(Self {
             footprint: Footprint::of(&robot).map_err(|e| unfit(e.to_string()))?,
             navigator: Navigator::new(&robot, planner).map_err(|e| unfit(e.to_string()))?,
+            window: Window::new(&costmap, &robot, costmap.grid().center(0)),
+            search: Search::default(),
             robot,
             costmap,
             tracker: Tracker::default(),
             target: None,
+            road: VecDeque::new(),
             wheels: None,
             velocity: Velocity::ZERO,
             first_length: None,
@@ -92,7 +104,9 @@ impl Driver {
 
     /// Takes in what a scan shows.
     pub fn observe(&mut self, ring: &RangeRing, now: SimTime) {
-        self.tracker.update(now, &self.costmap.newcomers(ring));
+        self.window.follow(&self.costmap, ring.center);
+        self.tracker.update(now, &self.window.newcomers(ring));
+        self.window.observe_but(ring, |point| self.tracker.covers(point));
         self.costmap.observe_but(ring, |point| self.tracker.covers(point));
     }
 
@@ -114,7 +128,12 @@ impl Driver {
 
     /// Sets out for a place.
     pub fn set_target(&mut self, target: Target) {
-        self.target = Some(target);
+        self.set_out(VecDeque::new(), target);
+    }
+
+    /// Sets out for a place along a road, past its points without stopping there.
+    pub fn set_out(&mut self, road: VecDeque<MapPoint>, target: Target) {
+        (self.road, self.target) = (road, Some(target));
         self.navigator.set_goal(target.point, target.yaw);
         (self.deadline, self.first_length) = (None, None);
         self.told.clear();
@@ -124,10 +143,13 @@ impl Driver {
     pub fn drive(&mut self, pose: Pose2, now: SimTime, events: &mut dyn Events) -> Driving {
         let Some(target) = self.target else { return Driving::Arrived };
         self.costmap.clear_below(&self.footprint, pose);
-        let mut obstacles = self.costmap.obstacles_near(pose.point(), SIGHT);
+        self.window.clear_below(&self.footprint, pose);
+        self.pass_road(pose.point());
+        let mut obstacles = self.window.obstacles_near(pose.point(), SIGHT);
         obstacles.extend(self.tracker.moving(now));
         let surroundings = Surroundings { time: now, pose, velocity: self.velocity, obstacles: &obstacles };
-        let decided = self.navigator.drive(&surroundings, &mut Ground(&mut self.costmap));
+        let mut ground = Ground { costmap: &mut self.costmap, search: &mut self.search, road: &self.road };
+        let decided = self.navigator.drive(&surroundings, &mut ground);
         self.tell(now, events);
         let late = self.deadline.is_some_and(|deadline| now > deadline);
         let driving = match decided {
@@ -143,6 +165,17 @@ impl Driver {
             self.target = None;
         }
         driving
+    }
+
+    /// Leaves behind the points of the road that were passed.
+    fn pass_road(&mut self, here: MapPoint) {
+        while let Some(&first) = self.road.front() {
+            let beyond = self.road.get(1).is_some_and(|next| here.distance(*next) < first.distance(*next));
+            if first.distance(here) > PASSED && !beyond {
+                break;
+            }
+            self.road.pop_front();
+        }
     }
 
     /// Tells of new ways and of what was done where it did not go on, and sets the deadline from the first way.
@@ -166,13 +199,27 @@ impl Driver {
     }
 }
 
-/// The costmap as a guide.
-struct Ground<'a>(&'a mut Costmap);
+/// The costmap as a guide, along what is left of a road.
+struct Ground<'a> {
+    costmap: &'a mut Costmap,
+    search: &'a mut Search,
+    road: &'a VecDeque<MapPoint>,
+}
 
 impl Guide for Ground<'_> {
     fn way(&mut self, from: MapPoint, to: MapPoint) -> Result<Vec<MapPoint>, PlanError> {
-        self.0.inflate();
-        plan(self.0, from, to)
+        self.costmap.inflate();
+        let mut way = vec![from];
+        for &point in self.road {
+            // What cannot be reached of a road need not be: its end is what matters.
+            let before = way[way.len() - 1];
+            if let Ok(leg) = plan(self.search, self.costmap, before, point) {
+                way.extend(leg.into_iter().skip(1));
+            }
+        }
+        let leg = plan(self.search, self.costmap, way[way.len() - 1], to)?;
+        way.extend(leg.into_iter().skip(1));
+        Ok(way)
     }
 
     /// By the newest scans.
@@ -185,7 +232,7 @@ impl Guide for Ground<'_> {
             let end = along(begin, corner, left / length);
             // The robot stands where it stands: only what lies ahead of its own hull counts.
             let hull = (OWN_HULL - begin.distance(from)).max(0.0) / begin.distance(end);
-            if hull < 1.0 && !self.0.is_clear(along(begin, end, hull), end) {
+            if hull < 1.0 && !self.costmap.is_clear(along(begin, end, hull), end) {
                 return true;
             }
             left -= length;

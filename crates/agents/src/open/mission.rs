@@ -40,9 +40,11 @@ const CORRECTION: f64 = 0.25;
 /// Standing still before an image is taken.
 const STEADY: Duration = Duration::from_millis(400);
 /// Time between two glances while driving near the building, and how near that is, metres.
-const GLANCE: (Duration, f64) = (Duration::from_millis(2000), 10.0);
+const GLANCE: (Duration, f64) = (Duration::from_millis(1500), 10.0);
 /// Turning, the robot glances again after this share of the camera's field of view, so that no wall passes by between two glances.
 const TURNED: f64 = 1.0 / 3.0;
+/// A road that ends within this distance is not worth setting out for, metres.
+const NEARBY: f64 = 2.0;
 /// A way over roads is taken if it is no longer than this many times the straight line.
 const DETOUR: f64 = 1.3;
 
@@ -50,7 +52,7 @@ const DETOUR: f64 = 1.3;
 #[derive(Debug, Clone, PartialEq)]
 enum Stage {
     /// Along the road towards the building.
-    Travel(VecDeque<MapPoint>),
+    Travel,
     /// To a place to look from.
     ToWaypoint,
     /// Standing, to look.
@@ -189,18 +191,25 @@ impl Mission {
                 confidence: 1.0,
             })
         });
-        let stage = Stage::Travel(self.road_to(building, events));
+        let road = self.road_to(building, events);
         let task = Task {
             address,
             building,
-            stage,
+            stage: Stage::Travel,
             waypoints: Vec::new(),
             place: None,
             round: 0,
             expected,
             doorstep: DOORSTEP,
         };
-        self.advance_travel(task, events)
+        match road.back() {
+            Some(&last) if last.distance(self.localizer.pose().point()) > NEARBY => {
+                self.driver.set_out(road, Target { point: last, yaw: None, must: false });
+                self.task = Some(task);
+                Action::Drive(Velocity::ZERO)
+            }
+            _ => self.end_travel(task, events),
+        }
     }
 
     fn remembered(&self, building: usize, address: &Address) -> Option<Sighting> {
@@ -208,7 +217,7 @@ impl Mission {
         fitting.into_iter().find(|s| sighting::is_trusted(s, &self.seen)).cloned()
     }
 
-    /// Via points over roads, if the map has a road worth taking.
+    /// Points of the road to a building, if the map has one worth taking.
     fn road_to(&self, building: usize, events: &mut dyn Events) -> VecDeque<MapPoint> {
         let from = self.localizer.pose().point();
         let polygon = &self.memory.map().buildings[building].polygon;
@@ -219,7 +228,12 @@ impl Mission {
         };
         let length = route.distance + from.distance(*first) + to.distance(*last);
         events.record(Event::Route(route.points.clone()));
-        if length > DETOUR * from.distance(to) { VecDeque::new() } else { route.points.into() }
+        if length > DETOUR * from.distance(to) {
+            return VecDeque::new();
+        }
+        // A road may leave the ground that the costmap covers; it comes back before it ends.
+        let covered = |point: &MapPoint| self.driver.costmap().grid().cell_at(*point).is_some();
+        route.points.into_iter().filter(covered).collect()
     }
 
     fn pursue(&mut self, task: Task, observation: &Observation<'_>, events: &mut dyn Events) -> Action {
@@ -229,7 +243,7 @@ impl Mission {
                 let since = *since;
                 self.look(task, since, observation, events)
             }
-            Stage::Travel(_) | Stage::ToWaypoint | Stage::Approach(_) => {
+            Stage::Travel | Stage::ToWaypoint | Stage::Approach(_) => {
                 match self.glance(task, observation, events) {
                     Ok(task) => self.drive(task, now, events),
                     Err(action) => action,
@@ -251,7 +265,7 @@ impl Mission {
 
     fn arrived(&mut self, mut task: Task, now: SimTime, events: &mut dyn Events) -> Action {
         match &task.stage {
-            Stage::Travel(_) => return self.advance_travel(task, events),
+            Stage::Travel => return self.end_travel(task, events),
             Stage::Approach(_) => return Action::Delivered(task.address),
             Stage::ToWaypoint | Stage::Look(_) => {
                 task.stage = Stage::Look(now);
@@ -264,7 +278,7 @@ impl Mission {
     /// A place could not be reached.
     fn missed(&mut self, mut task: Task, events: &mut dyn Events) -> Action {
         match &mut task.stage {
-            Stage::Travel(_) => return self.advance_travel(task, events),
+            Stage::Travel => return self.end_travel(task, events),
             Stage::Approach(sighting) => {
                 // Porches and steps keep the robot off some doors: nearer than this it cannot get.
                 let door = sighting.clone();
@@ -288,20 +302,8 @@ impl Mission {
         Action::Drive(Velocity::ZERO)
     }
 
-    /// The next point of the road, or the first place to look from.
-    fn advance_travel(&mut self, mut task: Task, events: &mut dyn Events) -> Action {
-        let here = self.localizer.pose().point();
-        if let Stage::Travel(via) = &mut task.stage {
-            while let Some(next) = via.pop_front() {
-                // A road may leave the ground that the costmap covers; it comes back before it ends.
-                let covered = self.driver.costmap().grid().cell_at(next).is_some();
-                if covered && next.distance(here) > 2.0 {
-                    self.driver.set_target(Target { point: next, yaw: None, must: false });
-                    self.task = Some(task);
-                    return Action::Drive(Velocity::ZERO);
-                }
-            }
-        }
+    /// Near the building: to its door, where it is known, or to the first place to look from.
+    fn end_travel(&mut self, task: Task, events: &mut dyn Events) -> Action {
         match task.expected.clone() {
             Some(door) => self.check_door(task, &door),
             None => return self.next_waypoint(task, events),

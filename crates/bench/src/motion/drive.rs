@@ -168,7 +168,7 @@ pub fn drive(
 
 fn exploring(footprint: &Footprint) -> Exploring {
     let keep = footprint.inscribed();
-    Exploring { cell: 0.06, around: 2.0, keep, comfort: keep + 0.25, most: 1, longest: 2.0 }
+    Exploring { cell: 0.04, around: 3.0, keep, comfort: keep + 0.25, most: 1, longest: 2.0 }
 }
 
 /// Counts collisions: a robot that begins inside something by rounding may stay as it is.

@@ -97,6 +97,18 @@ impl Band {
         Self::new(std::iter::once(self.knots[0]).chain(later).collect())
     }
 
+    /// The same way no faster than a robot's speeds allow: what a band promises beyond them it cannot keep.
+    pub fn slowed(&self, limits: &Limits) -> Self {
+        let mut knots = self.knots.clone();
+        for i in 1..knots.len() {
+            let (v, seconds) = (self.velocity(i - 1), self.knots[i].time - self.knots[i - 1].time);
+            let backward = if v.linear < 0.0 { -v.linear / limits.backward.max(1e-3) } else { 0.0 };
+            let over = (v.linear / limits.forward).max(backward).max(v.angular.abs() / limits.turn);
+            knots[i].time = knots[i - 1].time + seconds * over.max(1.0);
+        }
+        Self { knots }
+    }
+
     /// Moves every knot as `from` moves to `to`: what an estimate's jump does to all that was planned by it.
     pub fn carry(&mut self, from: Pose2, to: Pose2) {
         let turn = wrap_angle(to.yaw - from.yaw);

@@ -16,7 +16,7 @@ const MOST_MOVING: usize = 8;
 /// Bits of a signature for each clump.
 const BITS: usize = 4;
 /// Most cells along one side of the window.
-const MOST_CELLS: usize = 160;
+const MOST_CELLS: usize = 320;
 
 /// How ways are looked for.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,6 +4,7 @@ use openbench_core::{MapPoint, Pose2, RobotDescription, SimTime, Velocity, frame
 
 use crate::evade::evade;
 use crate::feasible::{Motion, clearance, conflict_before_stop, first_conflict};
+use crate::leave::leave;
 use crate::local::{Blocked, LocalPlanner, Progress, Situation, ahead};
 use crate::maneuver::maneuver;
 use crate::shape::{Footprint, Obstacle, ShapeError};
@@ -23,14 +24,24 @@ const ELSEWHERE: f64 = 1.0;
 const TOO_LATE: f64 = 1.0;
 /// Distance from obstacles that a motion has to keep to be driven, metres.
 const SURE: f64 = 0.003;
-/// A robot that is nearer to something than this drives out before it plans on, metres.
-const WEDGED: f64 = 0.004;
+/// A robot that is nearer to something than the first gets off it before it plans on, until it is as far as the second, metres.
+const WEDGED: (f64, f64) = (0.004, 0.01);
+/// Seconds of a motion off something that need not be driven to their end.
+const DONE: f64 = 0.03;
 /// Cost by which a band with a conflict is worse than any without.
 const CONFLICT: f64 = 1e6;
+/// A band that costs more than this share, and this, of what it did a cycle ago is begun anew beside itself.
+const TANGLED: (f64, f64) = (1.3, 1.0);
+/// A band with a stretch that takes this many times as long as it says, at the robot's speeds, is none that can be driven.
+const LATER: f64 = 1.5;
 /// Seconds that the robot may wait for somebody to pass.
 const WAITS: [f64; 3] = [1.0, 2.5, 5.0];
 /// Seconds until a maneuver is looked for again.
 const SEARCH_AGAIN: f64 = 1.0;
+/// Shares of the deceleration with which a robot brakes that still has to turn.
+const GENTLY: [f64; 2] = [0.25, 0.5];
+/// Shares of speed and turn rate that are tried after that.
+const SHARES: [(f64, f64); 4] = [(0.6, 0.6), (0.3, 0.3), (0.1, 0.1), (0.0, 1.0)];
 /// The robot begins its last turn once it is within this share of the tolerance, for it may slip.
 const WELL_WITHIN: f64 = 0.7;
 
@@ -86,6 +97,8 @@ pub struct Candidate {
     pub cost: f64,
     /// Seconds until it meets something, if it does.
     pub conflict: Option<f64>,
+    /// Whether it suddenly costs much more than before: it may have got into a knot that small steps do not undo.
+    pub tangled: bool,
 }
 
 impl Candidate {
@@ -107,7 +120,9 @@ pub struct Teb {
     candidates: Vec<Candidate>,
     last: Option<(SimTime, MapPoint)>,
     turning: bool,
-    /// A maneuver away from something that is all but touched.
+    /// Whether the robot is getting off something that is all but touched.
+    wedged: bool,
+    /// The motion by which it does.
     way_out: Option<Band>,
     /// When a maneuver was last looked for.
     searched: Option<SimTime>,
@@ -140,6 +155,7 @@ impl Teb {
             candidates: Vec::new(),
             last: None,
             turning: false,
+            wedged: false,
             way_out: None,
             searched: None,
         })
@@ -206,10 +222,10 @@ impl Teb {
         let mut new: Vec<Candidate> = Vec::new();
         for band in drafts {
             let signature = signature(&self.clumps, &band);
-            let known = self.candidates.iter().chain(&new).any(|c| c.signature == signature);
+            let known = self.candidates.iter().chain(&new).any(|c| c.signature == signature && !c.tangled);
             let room = new.len() < at_once && self.candidates.len() + new.len() < most;
             if !known && room {
-                new.push(Candidate { band, signature, cost: 0.0, conflict: None });
+                new.push(Candidate { band, signature, cost: 0.0, conflict: None, tangled: false });
             }
         }
         new
@@ -244,13 +260,18 @@ impl Teb {
         self.candidates.extend(new);
         for (i, candidate) in self.candidates.iter_mut().enumerate() {
             let effort = if i < warm { Effort::WARM } else { Effort::COLD };
-            let conflict = |band: &Band| first_conflict(&self.footprint, situation.obstacles, band, SURE);
-            let before = candidate.conflict.is_none().then(|| candidate.band.clone());
-            candidate.cost = self.optimizer.improve(&mut candidate.band, &problem, &[], &effort);
+            let conflict =
+                |band: &Band| first_conflict(&self.footprint, &self.limits, situation.obstacles, band, SURE);
+            let before = (i < warm && candidate.conflict.is_none()).then(|| candidate.clone());
+            let cost = self.optimizer.improve(&mut candidate.band, &problem, &[], &effort);
+            candidate.tangled = i < warm && cost > TANGLED.0 * candidate.cost + TANGLED.1;
+            candidate.cost = cost;
             candidate.conflict = conflict(&candidate.band);
             // Not for a better cost is a way given up that leads there.
-            if let Some(before) = before.filter(|b| candidate.conflict.is_some() && conflict(b).is_none()) {
-                (candidate.band, candidate.conflict) = (before, None);
+            let leads = |b: &Band| conflict(b).is_none() && is_drivable(b, &self.limits);
+            let kept = before.filter(|b| candidate.conflict.is_some() && leads(&b.band));
+            if let Some(before) = kept {
+                *candidate = Candidate { tangled: true, ..before };
             }
             candidate.signature = signature(&self.clumps, &candidate.band);
         }
@@ -292,9 +313,9 @@ impl Teb {
             return;
         }
         if let Some(band) = self.search(situation, end) {
-            let conflict = first_conflict(&self.footprint, situation.obstacles, &band, SURE);
+            let conflict = first_conflict(&self.footprint, &self.limits, situation.obstacles, &band, SURE);
             let signature = signature(&self.clumps, &band);
-            self.candidates.insert(0, Candidate { band, signature, cost: 0.0, conflict });
+            self.candidates.insert(0, Candidate { band, signature, cost: 0.0, conflict, tangled: false });
         }
     }
 
@@ -307,28 +328,36 @@ impl Teb {
         maneuver(footprint, &self.limits, obstacles, situation.pose, end.point, end.yaw).ok()
     }
 
-    /// Whether the robot is so near to something that soft penalties are no help. It takes twice the distance to be out of there.
+    /// Whether the robot is so near to something that soft penalties are no help.
     fn is_wedged(&self, situation: &Situation<'_>) -> bool {
         let standing = situation.obstacles.iter().filter(|o| !o.is_moving());
-        let near = clearance(&self.footprint, standing, situation.pose, 0.0, 2.0 * WEDGED);
-        near < if self.way_out.is_some() { 2.0 * WEDGED } else { WEDGED }
+        let near = clearance(&self.footprint, standing, situation.pose, 0.0, WEDGED.1);
+        near < if self.wedged { WEDGED.1 } else { WEDGED.0 }
     }
 
-    /// Drives a maneuver as it was found.
-    fn drive_out(&mut self, situation: &Situation<'_>, end: &End) -> Result<Velocity, Blocked> {
+    /// Gets off what is all but touched: by a maneuver to the end that is driven as it was found or, where there is none, by a small motion.
+    fn drive_out(&mut self, situation: &Situation<'_>, end: &End) -> Option<Velocity> {
         let elapsed = self.last.map_or(0.0, |(time, _)| situation.time.since(time).as_secs_f64());
         self.last = Some((situation.time, end.point));
+        let (footprint, limits) = (&self.footprint, &self.limits);
         if let Some(band) = &mut self.way_out {
             band.advance(situation.pose, elapsed);
         }
         let keeps = |band: &Band| {
-            first_conflict(&self.footprint, situation.obstacles, band, SURE).is_none_or(|at| at > TOO_LATE)
+            let conflict = first_conflict(footprint, limits, situation.obstacles, band, SURE);
+            band.duration() > DONE && conflict.is_none_or(|at| at > TOO_LATE)
         };
-        if !self.way_out.as_ref().is_some_and(keeps) {
-            self.way_out = self.search(situation, end);
-        }
-        let Some(band) = &self.way_out else { return Err(Blocked::Obstacle(0.0)) };
-        self.secured(situation, wanted(band, &self.limits))
+        let known = self.way_out.take().filter(keeps);
+        self.way_out = known.or_else(|| self.search(situation, end));
+        self.driven_out(situation).or_else(|| {
+            self.way_out = leave(&self.footprint, &self.limits, situation);
+            self.driven_out(situation)
+        })
+    }
+
+    fn driven_out(&self, situation: &Situation<'_>) -> Option<Velocity> {
+        let band = self.way_out.as_ref()?;
+        self.secured(situation, wanted(band, &self.limits)).ok()
     }
 
     fn command(&self, situation: &Situation<'_>) -> Result<Velocity, Blocked> {
@@ -341,11 +370,10 @@ impl Teb {
         self.secured(situation, wanted(&best.band, &self.limits))
     }
 
-    /// The largest share of a velocity from which the robot can still stop before anything that stands.
+    /// What is wanted, or as near to it as lets the robot still stop before anything that stands.
     fn secured(&self, situation: &Situation<'_>, wanted: Velocity) -> Result<Velocity, Blocked> {
         let mut conflict = 0.0;
-        for share in [1.0, 0.6, 0.3, 0.1] {
-            let velocity = Velocity::new(share * wanted.linear, share * wanted.angular);
+        for velocity in self.slower(situation.velocity, wanted) {
             let motion = Motion { pose: situation.pose, velocity: situation.velocity, command: velocity };
             let (foot, limits) = (&self.footprint, &self.limits);
             match conflict_before_stop(foot, situation.obstacles, motion, limits, COMMAND, SURE) {
@@ -356,11 +384,22 @@ impl Teb {
         Err(Blocked::Obstacle(conflict))
     }
 
+    /// A velocity, and slower ones. Rims that brake as hard as they can cannot turn the robot too, so at first it brakes gently and turns as it was to.
+    fn slower(&self, now: Velocity, wanted: Velocity) -> impl Iterator<Item = Velocity> + use<> {
+        let most = self.limits.acceleration * COMMAND;
+        let gently = GENTLY.map(move |share| {
+            let linear = now.linear - share * most.min(now.linear.abs()).copysign(now.linear);
+            Velocity::new(linear.clamp(-wanted.linear.abs(), wanted.linear.abs()), wanted.angular)
+        });
+        let shares = SHARES.map(move |(v, w)| Velocity::new(v * wanted.linear, w * wanted.angular));
+        std::iter::once(wanted).chain(gently).chain(shares)
+    }
+
     /// The last turn, once the robot stands where it should.
     fn turn(&self, situation: &Situation<'_>, error: f64) -> Result<Progress, Blocked> {
         // As fast as it can still be stopped in time, with a third of what the wheels could do.
         let angular = self.limits.acceleration / self.limits.half_track / 3.0;
-        let rate = (2.0 * angular * error.abs()).sqrt().min(2.0 * error.abs()).max(0.1).min(self.limits.turn);
+        let rate = (2.0 * angular * error.abs()).sqrt().min(4.0 * error.abs()).max(0.1).min(self.limits.turn);
         self.secured(situation, Velocity::new(0.0, rate.copysign(error))).map(Progress::Drive)
     }
 }
@@ -378,11 +417,15 @@ impl LocalPlanner for Teb {
             let there = error.abs() <= self.settings.yaw_tolerance;
             return if there { Ok(Progress::Arrived) } else { self.turn(situation, error) };
         }
-        if self.is_wedged(situation) {
-            self.candidates.clear();
-            return self.drive_out(situation, &end).map(Progress::Drive);
+        self.wedged = self.is_wedged(situation);
+        if self.wedged {
+            if let Some(velocity) = self.drive_out(situation, &end) {
+                self.candidates.clear();
+                return Ok(Progress::Drive(velocity));
+            }
+        } else {
+            self.way_out = None;
         }
-        self.way_out = None;
         self.carry_on(situation, &end);
         let new = self.explore(situation, &end);
         self.improve(new, situation, &end);
@@ -393,7 +436,8 @@ impl LocalPlanner for Teb {
 
     fn reset(&mut self) {
         self.candidates.clear();
-        (self.last, self.turning, self.searched, self.way_out) = (None, false, None, None);
+        (self.last, self.searched, self.way_out) = (None, None, None);
+        (self.turning, self.wedged) = (false, false);
     }
 }
 
@@ -403,6 +447,13 @@ fn signature(clumps: &Clumps, band: &Band) -> Signature {
 
 fn is_jump(expected: Pose2, pose: Pose2) -> bool {
     expected.point().distance(pose.point()) > JUMP.0 || wrap_angle(expected.yaw - pose.yaw).abs() > JUMP.1
+}
+
+/// Whether a robot can drive a band about as fast as it says, everywhere.
+fn is_drivable(band: &Band, limits: &Limits) -> bool {
+    let slowed = band.slowed(limits);
+    let mut pairs = band.knots().windows(2).zip(slowed.knots().windows(2));
+    pairs.all(|(a, b)| b[1].time - b[0].time < LATER * (a[1].time - a[0].time))
 }
 
 /// The velocity that leads to where the band has the robot next.

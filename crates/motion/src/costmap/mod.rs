@@ -2,36 +2,42 @@
 //!
 //! What the LiDAR saw overrules the map: a recessed door lies inside its building's outline, and a map may be wrong.
 //! Distances to obstacles are exact (Euclidean distance transform).
+//!
+//! | module | its layer |
+//! |---|---|
+//! | [`ground`] | the map's: what blocks the way, and which ground is preferred |
+//! | [`seen`] | the LiDAR's: hits, cleared along each beam, forgotten after a minute |
+//! | [`walls`] | both, as obstacles for a local planner |
+//! | [`window`] | both around the robot, in finer cells that move along |
+//! | [`map_server`] | files of ROS's map server |
+
+pub mod ground;
+pub mod map_server;
+pub mod seen;
+pub mod walls;
+pub mod window;
 
 use openbench_core::{MapPoint, Pose2, RobotDescription};
 use openbench_grid::{GridGeometry, squared_distances};
-use openbench_osm::{Barrier, OsmMap};
+use openbench_osm::OsmMap;
 
-use crate::obstacles::{Beam, RangeRing};
-use crate::shape::{Footprint, Obstacle};
+use crate::costmap::ground::{Ground, Preferences};
+use crate::costmap::map_server::Occupancy;
+use crate::costmap::seen::Seen;
+use crate::obstacles::RangeRing;
+use crate::search::Costs;
+use crate::shape::Footprint;
 
 /// Side of a cell, metres, unless the map is so large that cells must be larger.
 const CELL: f64 = 0.1;
 /// Most cells along one side.
 const MAX_SIDE: f64 = 2500.0;
-/// Evidence of one hit, and its bounds; one miss counts -1.
-const HIT: i8 = 4;
-const EVIDENCE: (i8, i8) = (-6, 12);
-/// Evidence below which a cell is known to be free.
-const FREE: i8 = -3;
-/// Scans after which an obstacle that is not seen again is forgotten: a minute.
-const MEMORY: u32 = 600;
-/// Scans ago that are a moment: two seconds.
-const MOMENT: u32 = 20;
 /// Room beyond the footprint that a way keeps from obstacles, metres.
 const MARGIN: f64 = 0.05;
 /// Distance at which obstacles no longer cost anything, metres.
 const COMFORT: f64 = 0.9;
 /// Cost of a cell right beside an obstacle, in cells.
 const DISCOMFORT: f64 = 6.0;
-
-/// Half the width of the gap that a gate leaves in a barrier, metres.
-const GATE: f64 = 1.0;
 
 /// A costmap cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -44,58 +50,95 @@ pub enum CostmapError {
         /// Upper corner.
         high: MapPoint,
     },
+    /// A kind of ground that costs less than open ground, or more than [`Preferences::DEAREST`].
+    #[error("{0:?} are no preferences; give numbers from 1 to 20")]
+    Preferences(Preferences),
+    /// A grid that is turned: what is known of the ground is kept by columns east and rows north.
+    #[error("the grid is turned by {0} radians; give one whose rows run east")]
+    Turned(f64),
 }
 
 /// Cells with what is known about them.
 #[derive(Debug, Clone)]
 pub struct Costmap {
     grid: GridGeometry,
-    mapped: Vec<bool>,
-    evidence: Vec<i8>,
-    /// Number of the scan that last hit each cell.
-    hit_in: Vec<u32>,
-    /// Height above the ground of the highest hit in each cell since it was last free, centimetres.
-    top: Vec<u8>,
-    /// Number of the scan by which each cell was last known to be free; 0 if never.
-    free_in: Vec<u32>,
-    /// Number of the scan that last cleared each cell: beams crowd near the sensor, and one scan is one piece of evidence.
-    cleared_in: Vec<u32>,
-    scans: u32,
+    ground: Ground,
+    seen: Seen,
     /// Distance to the nearest obstacle in cells, squared; as of the last [`Costmap::inflate`].
     clearance: Vec<f32>,
+    /// Cost of driving one cell's side through each cell, infinite where the robot does not fit; as of the last [`Costmap::inflate`].
+    costs: Vec<f32>,
     /// Distance that the middle of the robot must keep, metres.
     keep: f64,
+    preferences: Preferences,
 }
 
 impl Costmap {
-    /// The costmap of an area, from the buildings and barriers of `map` in it.
+    /// The costmap of an area, from the buildings, barriers and water of `map` in it, all ground alike.
     pub fn new(
         map: &OsmMap,
         low: MapPoint,
         high: MapPoint,
         robot: &RobotDescription,
     ) -> Result<Self, CostmapError> {
+        Self::with_preferences(map, low, high, robot, Preferences::NONE)
+    }
+
+    /// The same, with some ground preferred to other.
+    pub fn with_preferences(
+        map: &OsmMap,
+        low: MapPoint,
+        high: MapPoint,
+        robot: &RobotDescription,
+        preferences: Preferences,
+    ) -> Result<Self, CostmapError> {
         let finite = [low.x, low.y, high.x, high.y].iter().all(|c| c.is_finite() && c.abs() < 1e7);
         if !finite || high.x <= low.x || high.y <= low.y {
             return Err(CostmapError::NoArea { low, high });
         }
+        if !preferences.is_sound() {
+            return Err(CostmapError::Preferences(preferences));
+        }
         let cell = CELL.max((high.x - low.x).max(high.y - low.y) / MAX_SIDE);
         let grid = GridGeometry::covering(low, high, cell, MAX_SIDE as usize + 1);
+        let ground = Ground::of(map, &grid);
+        Ok(Self::over(grid, ground, robot, preferences))
+    }
+
+    /// The costmap of a grid as ROS's map server keeps it: what is not known to be occupied is open.
+    pub fn from_occupancy(occupancy: &Occupancy, robot: &RobotDescription) -> Result<Self, CostmapError> {
+        if occupancy.yaw != 0.0 {
+            return Err(CostmapError::Turned(occupancy.yaw));
+        }
+        let mut ground = Ground::unknown(occupancy.grid.len());
+        for (blocked, value) in ground.blocked.iter_mut().zip(&occupancy.cells) {
+            *blocked = *value == Occupancy::OCCUPIED;
+        }
+        Ok(Self::over(occupancy.grid, ground, robot, Preferences::NONE))
+    }
+
+    fn over(grid: GridGeometry, ground: Ground, robot: &RobotDescription, preferences: Preferences) -> Self {
         let mut costmap = Self {
-            mapped: vec![false; grid.len()],
-            evidence: vec![0; grid.len()],
-            hit_in: vec![0; grid.len()],
-            top: vec![0; grid.len()],
-            cleared_in: vec![0; grid.len()],
-            free_in: vec![0; grid.len()],
-            scans: 0,
+            ground,
+            seen: Seen::nothing(grid.len()),
             clearance: Vec::new(),
+            costs: Vec::new(),
             keep: robot.inscribed_radius() + MARGIN,
+            preferences,
             grid,
         };
-        costmap.draw_map(map);
         costmap.inflate();
-        Ok(costmap)
+        costmap
+    }
+
+    /// What is believed, as ROS's map server keeps it: occupied, known to be free, or unknown.
+    pub fn occupancy(&self) -> Occupancy {
+        let value = |cell: usize| match () {
+            () if self.is_obstacle(cell) => Occupancy::OCCUPIED,
+            () if self.seen.is_free(cell) => Occupancy::FREE,
+            () => Occupancy::UNKNOWN,
+        };
+        Occupancy { grid: self.grid, yaw: 0.0, cells: (0..self.grid.len()).map(value).collect() }
     }
 
     /// The cells.
@@ -114,11 +157,10 @@ impl Costmap {
 
     /// Whether a cell was free a moment ago and so were or are those around it.
     fn is_new(&self, cell: usize) -> bool {
-        let was_free = |cell: usize| self.free_in[cell] > 0 && self.scans - self.free_in[cell] < MOMENT;
         let (x, y) = self.grid.column_row(cell);
         let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (x + dx, y + dy)));
         let mut around = around.filter_map(|(x, y)| self.grid.cell_in(x, y));
-        around.all(|c| was_free(c) || !self.is_obstacle(c)) && was_free(cell)
+        around.all(|c| self.seen.was_free(c) || !self.is_obstacle(c)) && self.seen.was_free(cell)
     }
 
     /// Takes in what a scan shows. [`Costmap::inflate`] makes it count.
@@ -128,36 +170,21 @@ impl Costmap {
 
     /// The same without the points of which `moves` says that they do not stay.
     pub fn observe_but(&mut self, ring: &RangeRing, moves: impl Fn(MapPoint) -> bool) {
-        self.scans += 1;
-        for (degrees, &beam) in ring.beams.iter().enumerate() {
-            self.mark_clear(ring, beam, (degrees as f64 + 0.5).to_radians());
-        }
-        for &(point, height) in &ring.obstacles {
-            let Some(cell) = self.grid.cell_at(point).filter(|_| !moves(point)) else { continue };
-            let before = if self.evidence[cell] > 0 { self.top[cell] } else { 0 };
-            self.top[cell] = before.max((height * 100.0) as u8);
-            if self.hit_in[cell] != self.scans {
-                self.evidence[cell] = (self.evidence[cell].max(0) + HIT).min(EVIDENCE.1);
-                self.hit_in[cell] = self.scans;
-            }
-        }
+        self.seen.observe(&self.grid, ring, moves);
     }
 
-    /// Computes the distances to obstacles anew, and forgets obstacles that were not seen for a minute: they may have moved, and the
-    /// robot's idea of where it was then has drifted from its idea of now.
+    /// Computes distances to obstacles and costs anew, and forgets obstacles that were not seen for a minute.
     pub fn inflate(&mut self) {
-        for cell in 0..self.grid.len() {
-            if self.evidence[cell] > 0 && self.scans - self.hit_in[cell] > MEMORY {
-                self.evidence[cell] = 0;
-            }
-        }
+        self.seen.forget();
         let blocked: Vec<bool> = (0..self.grid.len()).map(|c| self.is_obstacle(c)).collect();
         self.clearance = squared_distances(&blocked, self.grid.width, self.grid.height);
+        let costs = (0..self.grid.len()).map(|cell| self.cost_now(cell));
+        self.costs = costs.collect();
     }
 
     /// Whether something solid is believed to be in a cell.
     pub fn is_obstacle(&self, cell: usize) -> bool {
-        self.evidence[cell] > 0 || (self.mapped[cell] && self.evidence[cell] > FREE)
+        self.seen.is_hit(cell) || (self.ground.blocked[cell] && !self.seen.is_free(cell))
     }
 
     /// Distance from a cell to the nearest obstacle, metres, as of the last inflation.
@@ -170,15 +197,24 @@ impl Costmap {
         self.grid.cell_at(point).map_or(0.0, |c| self.clearance(c))
     }
 
-    /// Cost of driving one cell's side through a cell: 1 far from obstacles, more beside them, `None` where the robot
-    /// does not fit.
+    /// Cost of driving one cell's side through a cell: 1 far from obstacles on the ground that is preferred, more beside them and elsewhere, `None` where the robot does not fit; as of the last inflation.
     pub fn cost(&self, cell: usize) -> Option<f64> {
+        let cost = self.costs[cell];
+        cost.is_finite().then(|| f64::from(cost))
+    }
+
+    fn cost_now(&self, cell: usize) -> f32 {
         let clearance = self.clearance(cell);
         if clearance < self.keep {
-            return None;
+            return f32::INFINITY;
         }
         let near = ((COMFORT - clearance) / (COMFORT - self.keep)).max(0.0);
-        Some(1.0 + DISCOMFORT * near * near)
+        self.preferences.of(self.ground.surface[cell]) * (1.0 + DISCOMFORT * near * near) as f32
+    }
+
+    /// The costs of all cells, as of the last inflation.
+    pub fn costs(&self) -> Costs<'_> {
+        Costs::known(self.grid.width, &self.costs)
     }
 
     /// Distance that the robot's middle keeps from obstacles, metres.
@@ -220,161 +256,7 @@ impl Costmap {
         for row in rows.0..=rows.1 {
             for cell in (columns.0..=columns.1).filter_map(|column| self.grid.cell_in(column, row)) {
                 if self.is_obstacle(cell) && placed.holds(self.grid.center(cell)) {
-                    self.evidence[cell] = EVIDENCE.0;
-                }
-            }
-        }
-    }
-
-    /// What stands within `reach` metres of a point, by the newest evidence: the borders of what is blocked, as walls as thick as a cell, none longer than a metre.
-    pub fn obstacles_near(&self, point: MapPoint, reach: f64) -> Vec<Obstacle> {
-        let low = MapPoint::new(point.x - reach, point.y - reach);
-        let high = MapPoint::new(point.x + reach, point.y + reach);
-        let Some((columns, rows)) = self.grid.window(low, high) else { return Vec::new() };
-        let width = (columns.1 - columns.0 + 1) as usize;
-        let index = |column: i64, row: i64| (row - rows.0) as usize * width + (column - columns.0) as usize;
-        let mut border = vec![false; width * (rows.1 - rows.0 + 1) as usize];
-        for row in rows.0..=rows.1 {
-            for column in columns.0..=columns.1 {
-                border[index(column, row)] = self.is_border(column, row);
-            }
-        }
-        let longest = (1.0 / self.grid.cell) as i64;
-        let mut walls = Vec::new();
-        for row in rows.0..=rows.1 {
-            for column in columns.0..=columns.1 {
-                if !border[index(column, row)] {
-                    continue;
-                }
-                let run = |dx: i64, dy: i64| {
-                    let inside = |k: i64| column + k * dx <= columns.1 && row + k * dy <= rows.1;
-                    let more = (1..longest)
-                        .take_while(|&k| inside(k) && border[index(column + k * dx, row + k * dy)]);
-                    more.count() as i64
-                };
-                let (east, north) = (run(1, 0), run(0, 1));
-                let (dx, dy) = if east >= north { (east, 0) } else { (0, north) };
-                for k in 0..=dx.max(dy) {
-                    border[index(column + k * dx.signum(), row + k * dy.signum())] = false;
-                }
-                walls.extend(self.wall((column, row), (column + dx, row + dy)));
-            }
-        }
-        walls
-    }
-
-    /// Whether a cell is blocked and one of the four beside it is not.
-    fn is_border(&self, column: i64, row: i64) -> bool {
-        let blocked = |dx: i64, dy: i64| {
-            self.grid.cell_in(column + dx, row + dy).is_some_and(|cell| self.is_obstacle(cell))
-        };
-        blocked(0, 0) && !(blocked(1, 0) && blocked(-1, 0) && blocked(0, 1) && blocked(0, -1))
-    }
-
-    fn wall(&self, from: (i64, i64), to: (i64, i64)) -> Option<Obstacle> {
-        let center = |at: (i64, i64)| self.grid.cell_in(at.0, at.1).map(|cell| self.grid.center(cell));
-        let ends = [center(from)?, center(to)?];
-        let corners = if from == to { &ends[..1] } else { &ends[..] };
-        Obstacle::new(corners, self.grid.cell / 2.0, [0.0; 2]).ok()
-    }
-
-    fn draw_buildings(&mut self, map: &OsmMap) {
-        for building in &map.buildings {
-            let ring = &building.polygon.outer;
-            let Some(first) = ring.first() else { continue };
-            let low = ring.iter().fold(*first, |a, p| MapPoint::new(a.x.min(p.x), a.y.min(p.y)));
-            let high = ring.iter().fold(*first, |a, p| MapPoint::new(a.x.max(p.x), a.y.max(p.y)));
-            let Some((columns, rows)) = self.grid.window(low, high) else { continue };
-            for row in rows.0..=rows.1 {
-                for cell in (columns.0..=columns.1).filter_map(|column| self.grid.cell_in(column, row)) {
-                    self.mapped[cell] =
-                        self.mapped[cell] || building.polygon.contains(self.grid.center(cell));
-                }
-            }
-        }
-    }
-
-    fn draw_map(&mut self, map: &OsmMap) {
-        let (kerbs, walls): (Vec<_>, Vec<_>) =
-            map.barriers.iter().partition(|b| b.tags.is("barrier", "kerb"));
-        // First of all, since what opens them would open walls too.
-        self.draw_barriers(&kerbs);
-        if !kerbs.is_empty() {
-            self.open_crossings(map);
-        }
-        self.draw_buildings(map);
-        self.draw_barriers(&walls);
-    }
-
-    fn draw_barriers(&mut self, barriers: &[&Barrier]) {
-        for barrier in barriers {
-            for pair in barrier.points.windows(2) {
-                self.draw_line(pair[0], pair[1]);
-            }
-            for gate in &barrier.gates {
-                self.open_gate(*gate);
-            }
-        }
-    }
-
-    /// Where a road or path leads over a kerb it is lowered, whether or not the map says so.
-    fn open_crossings(&mut self, map: &OsmMap) {
-        for pair in map.roads.iter().flat_map(|road| road.points.windows(2)) {
-            let low = MapPoint::new(pair[0].x.min(pair[1].x), pair[0].y.min(pair[1].y));
-            let high = MapPoint::new(pair[0].x.max(pair[1].x), pair[0].y.max(pair[1].y));
-            if self.grid.window(low, high).is_none() {
-                continue;
-            }
-            let steps = (pair[0].distance(pair[1]) / GATE).ceil().clamp(1.0, 1e5) as usize;
-            for i in 0..=steps {
-                let t = i as f64 / steps as f64;
-                let at = |a: f64, b: f64| a + t * (b - a);
-                self.open_gate(MapPoint::new(at(pair[0].x, pair[1].x), at(pair[0].y, pair[1].y)));
-            }
-        }
-    }
-
-    /// Leaves the map's opinion out around a gate: the LiDAR will see whether it is open.
-    fn open_gate(&mut self, gate: MapPoint) {
-        let low = MapPoint::new(gate.x - GATE, gate.y - GATE);
-        let high = MapPoint::new(gate.x + GATE, gate.y + GATE);
-        let Some((columns, rows)) = self.grid.window(low, high) else { return };
-        for row in rows.0..=rows.1 {
-            for cell in (columns.0..=columns.1).filter_map(|column| self.grid.cell_in(column, row)) {
-                self.mapped[cell] = false;
-            }
-        }
-    }
-
-    fn draw_line(&mut self, from: MapPoint, to: MapPoint) {
-        let steps = (from.distance(to) / self.grid.cell * 2.0).ceil().clamp(1.0, 1e6) as usize;
-        for i in 0..=steps {
-            let t = i as f64 / steps as f64;
-            let p = MapPoint::new(from.x + t * (to.x - from.x), from.y + t * (to.y - from.y));
-            if let Some(cell) = self.grid.cell_at(p) {
-                self.mapped[cell] = true;
-            }
-        }
-    }
-
-    /// Counts against every obstacle that is high enough for `beam` to have hit it on its way.
-    fn mark_clear(&mut self, ring: &RangeRing, beam: Beam, bearing: f64) {
-        let (sin, cos) = libm::sincos(bearing);
-        // Stop short of what was hit, by a cell's diagonal.
-        let steps = ((beam.reach - 1.5 * self.grid.cell) / self.grid.cell).max(0.0) as usize;
-        for i in 0..steps {
-            let along = i as f64 * self.grid.cell;
-            let at = MapPoint::new(ring.center.x + along * cos, ring.center.y + along * sin);
-            let Some(cell) = self.grid.cell_at(at).filter(|&c| self.cleared_in[c] != self.scans) else {
-                continue;
-            };
-            let passes_over =
-                self.evidence[cell] > 0 && f64::from(self.top[cell]) < 100.0 * ring.height_at(beam, along);
-            if !passes_over {
-                self.cleared_in[cell] = self.scans;
-                self.evidence[cell] = (self.evidence[cell] - 1).max(EVIDENCE.0);
-                if self.evidence[cell] <= FREE {
-                    self.free_in[cell] = self.scans;
+                    self.seen.clear(cell);
                 }
             }
         }
@@ -385,7 +267,7 @@ impl Costmap {
 pub(crate) mod tests {
     use super::*;
     use openbench_core::{Georeference, LonLat};
-    use openbench_osm::OsmData;
+    use openbench_osm::{Barrier, OsmData};
 
     pub(crate) fn empty_map() -> OsmMap {
         OsmMap::new(&OsmData::default(), Georeference::TangentPlane(LonLat::new(8.0, 50.0)))
@@ -421,7 +303,7 @@ pub(crate) mod tests {
         map.roads.push(openbench_osm::Road { way: 2, nodes: vec![1, 2], points, tags: path });
         let (low, high) = (MapPoint::new(-10.0, -10.0), MapPoint::new(10.0, 10.0));
         let costmap = Costmap::new(&map, low, high, &RobotDescription::sentry()).unwrap();
-        let closed = |x: f64| costmap.mapped[costmap.grid.cell_at(MapPoint::new(x, 0.0)).unwrap()];
+        let closed = |x: f64| costmap.ground.blocked[costmap.grid.cell_at(MapPoint::new(x, 0.0)).unwrap()];
         assert!(closed(-5.0) && closed(6.0) && !closed(2.0) && !closed(1.3));
     }
 

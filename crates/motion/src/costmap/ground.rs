@@ -1,0 +1,410 @@
+//! What the map says of the ground: what blocks the way, and what ground there is in between.
+
+use openbench_core::MapPoint;
+use openbench_grid::GridGeometry;
+use openbench_osm::polygon::nearest_on_segment;
+use openbench_osm::{Barrier, OsmMap, Polygon, Road, Tags};
+
+/// Half the width of the gap that a gate leaves in a barrier, metres.
+const GATE: f64 = 1.0;
+/// Roads are drawn in pieces no longer than this, metres: the box around a long one across the grid holds many cells that it does not touch.
+const PIECE: f64 = 5.0;
+/// Widest road that is believed, metres.
+const WIDEST: f64 = 60.0;
+
+/// What the map says that a cell is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Surface {
+    /// Nothing.
+    #[default]
+    Unknown,
+    /// Grass, flower beds, woods.
+    Green,
+    /// Where cars drive or park.
+    Road,
+    /// Pavements, footways, squares.
+    Pavement,
+}
+
+/// What driving over a kind of ground costs, as a multiple of open ground: 1 at least.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Preferences {
+    /// Pavements, footways, squares.
+    pub pavement: f32,
+    /// Ground of which the map says nothing.
+    pub unknown: f32,
+    /// Where cars drive or park.
+    pub road: f32,
+    /// Grass, flower beds, woods.
+    pub green: f32,
+}
+
+impl Preferences {
+    /// All ground alike.
+    pub const NONE: Self = Self { pavement: 1.0, unknown: 1.0, road: 1.0, green: 1.0 };
+    /// The most that any ground may cost.
+    pub const DEAREST: f32 = 20.0;
+
+    /// What driving over a surface costs.
+    pub fn of(&self, surface: Surface) -> f32 {
+        match surface {
+            Surface::Unknown => self.unknown,
+            Surface::Green => self.green,
+            Surface::Road => self.road,
+            Surface::Pavement => self.pavement,
+        }
+    }
+
+    /// Whether all are from 1 to [`Preferences::DEAREST`].
+    pub fn is_sound(&self) -> bool {
+        let all = [self.pavement, self.unknown, self.road, self.green];
+        all.iter().all(|cost| (1.0..=Self::DEAREST).contains(cost))
+    }
+}
+
+impl Default for Preferences {
+    /// A detour of a fifth to stay off a carriageway, of a tenth to be on a pavement.
+    fn default() -> Self {
+        Self { pavement: 1.0, unknown: 1.1, road: 1.2, green: 1.2 }
+    }
+}
+
+/// What a map says of each cell of a grid.
+#[derive(Debug, Clone)]
+pub struct Ground {
+    /// Buildings, walls, fences, water.
+    pub blocked: Vec<bool>,
+    /// What lies between them.
+    pub surface: Vec<Surface>,
+}
+
+impl Ground {
+    /// Ground of which nothing is known.
+    pub fn unknown(cells: usize) -> Self {
+        Self { blocked: vec![false; cells], surface: vec![Surface::Unknown; cells] }
+    }
+
+    /// The ground of a map.
+    pub fn of(map: &OsmMap, grid: &GridGeometry) -> Self {
+        let mut drawing = Drawing { grid, ground: Self::unknown(grid.len()) };
+        drawing.surfaces(map);
+        drawing.obstacles(map);
+        drawing.ground
+    }
+}
+
+struct Drawing<'a> {
+    grid: &'a GridGeometry,
+    ground: Ground,
+}
+
+impl Drawing<'_> {
+    fn surfaces(&mut self, map: &OsmMap) {
+        for wanted in [Surface::Green, Surface::Road, Surface::Pavement] {
+            for area in map.areas.iter().filter(|area| surface_of_area(&area.tags) == Some(wanted)) {
+                self.fill(&area.polygon, |ground, cell| ground.surface[cell] = wanted);
+            }
+            for road in map.roads.iter().filter(|road| surface_of_road(&road.tags) == wanted) {
+                self.pave(road, wanted);
+            }
+        }
+    }
+
+    fn pave(&mut self, road: &Road, surface: Surface) {
+        let half = width(&road.tags) / 2.0;
+        for pair in road.points.windows(2) {
+            let Some((from, to)) = self.cut(pair[0], pair[1], half) else { continue };
+            let pieces = (from.distance(to) / PIECE).ceil().max(1.0) as usize;
+            let at = |i: usize| between(from, to, i as f64 / pieces as f64);
+            for i in 0..pieces {
+                self.pave_piece(at(i), at(i + 1), half, surface);
+            }
+        }
+    }
+
+    fn pave_piece(&mut self, from: MapPoint, to: MapPoint, half: f64, surface: Surface) {
+        let low = MapPoint::new(from.x.min(to.x) - half, from.y.min(to.y) - half);
+        let high = MapPoint::new(from.x.max(to.x) + half, from.y.max(to.y) + half);
+        let Some((columns, rows)) = self.grid.window(low, high) else { return };
+        for row in rows.0..=rows.1 {
+            for cell in (columns.0..=columns.1).filter_map(|column| self.grid.cell_in(column, row)) {
+                let middle = self.grid.center(cell);
+                if nearest_on_segment(from, to, middle).0.distance(middle) <= half {
+                    self.ground.surface[cell] = surface;
+                }
+            }
+        }
+    }
+
+    fn obstacles(&mut self, map: &OsmMap) {
+        let (kerbs, walls): (Vec<_>, Vec<_>) =
+            map.barriers.iter().partition(|b| b.tags.is("barrier", "kerb"));
+        // First of all, since what opens them would open walls too.
+        self.barriers(&kerbs);
+        for area in map.areas.iter().filter(|area| is_water(&area.tags)) {
+            self.fill(&area.polygon, |ground, cell| ground.blocked[cell] = true);
+        }
+        self.crossings(map, !kerbs.is_empty());
+        for building in &map.buildings {
+            self.fill(&building.polygon, |ground, cell| ground.blocked[cell] = true);
+        }
+        self.barriers(&walls);
+    }
+
+    /// Every cell whose middle lies in a polygon, row by row between the sides that cross it.
+    fn fill(&mut self, polygon: &Polygon, mut set: impl FnMut(&mut Ground, usize)) {
+        let (low, high) = polygon.bounds();
+        let Some((_, rows)) = self.grid.window(low, high) else { return };
+        let mut cuts = Vec::new();
+        for row in rows.0..=rows.1 {
+            let y = self.grid.origin.y + (row as f64 + 0.5) * self.grid.cell;
+            cuts.clear();
+            let crossing = polygon.sides().filter(|(a, b)| (a.y > y) != (b.y > y));
+            cuts.extend(crossing.map(|(a, b)| a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x)));
+            cuts.sort_by(f64::total_cmp);
+            for pair in cuts.chunks_exact(2) {
+                let column = |x: f64| (x - self.grid.origin.x) / self.grid.cell - 0.5;
+                let first = column(pair[0]).ceil().max(0.0) as usize;
+                let end = (column(pair[1]).floor() + 1.0).clamp(0.0, self.grid.width as f64) as usize;
+                for cell in first..end.max(first) {
+                    set(&mut self.ground, row as usize * self.grid.width + cell);
+                }
+            }
+        }
+    }
+
+    fn barriers(&mut self, barriers: &[&Barrier]) {
+        for barrier in barriers {
+            for pair in barrier.points.windows(2) {
+                self.line(pair[0], pair[1]);
+            }
+            for gate in &barrier.gates {
+                self.open(*gate, GATE);
+            }
+        }
+    }
+
+    /// Where a road or path leads over a kerb it is lowered, whether or not the map says so, and where one leads over water there is a bridge.
+    fn crossings(&mut self, map: &OsmMap, kerbs: bool) {
+        let water = map.areas.iter().any(|area| is_water(&area.tags));
+        for road in map.roads.iter().filter(|_| kerbs || water) {
+            for pair in road.points.windows(2) {
+                let Some((from, to)) = self.cut(pair[0], pair[1], GATE) else { continue };
+                let steps = (from.distance(to) / GATE).ceil().max(1.0) as usize;
+                for i in 0..=steps {
+                    self.open(between(from, to, i as f64 / steps as f64), GATE);
+                }
+            }
+        }
+    }
+
+    /// Leaves the map's opinion out around a place: the LiDAR will see whether it is open.
+    fn open(&mut self, place: MapPoint, around: f64) {
+        let low = MapPoint::new(place.x - around, place.y - around);
+        let high = MapPoint::new(place.x + around, place.y + around);
+        let Some((columns, rows)) = self.grid.window(low, high) else { return };
+        for row in rows.0..=rows.1 {
+            for cell in (columns.0..=columns.1).filter_map(|column| self.grid.cell_in(column, row)) {
+                self.ground.blocked[cell] = false;
+            }
+        }
+    }
+
+    fn line(&mut self, from: MapPoint, to: MapPoint) {
+        let Some((from, to)) = self.cut(from, to, self.grid.cell) else { return };
+        let steps = (from.distance(to) / self.grid.cell * 2.0).ceil().max(1.0) as usize;
+        for i in 0..=steps {
+            if let Some(cell) = self.grid.cell_at(between(from, to, i as f64 / steps as f64)) {
+                self.ground.blocked[cell] = true;
+            }
+        }
+    }
+
+    /// The part of a segment that lies within `around` metres of the grid, if any (Liang and Barsky, *A New Concept and Method for Line Clipping*, 1984).
+    fn cut(&self, from: MapPoint, to: MapPoint, around: f64) -> Option<(MapPoint, MapPoint)> {
+        let (grid, low) = (self.grid, self.grid.origin);
+        let high = MapPoint::new(
+            low.x + grid.width as f64 * grid.cell + around,
+            low.y + grid.height as f64 * grid.cell + around,
+        );
+        let (dx, dy) = (to.x - from.x, to.y - from.y);
+        let bounds = [
+            (-dx, from.x - low.x + around),
+            (dx, high.x - from.x),
+            (-dy, from.y - low.y + around),
+            (dy, high.y - from.y),
+        ];
+        let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
+        for (toward, room) in bounds {
+            if toward == 0.0 && room < 0.0 {
+                return None;
+            }
+            let at = room / toward;
+            match toward {
+                d if d < 0.0 => enter = enter.max(at),
+                d if d > 0.0 => leave = leave.min(at),
+                _ => {}
+            }
+        }
+        (enter <= leave).then(|| (between(from, to, enter), between(from, to, leave)))
+    }
+}
+
+fn between(a: MapPoint, b: MapPoint, share: f64) -> MapPoint {
+    MapPoint::new(a.x + share * (b.x - a.x), a.y + share * (b.y - a.y))
+}
+
+fn says(tags: &Tags, key: &str, words: &[&str]) -> bool {
+    tags.get(key).is_some_and(|word| words.contains(&word))
+}
+
+/// Highways for those on foot (OSM wiki, *Key:highway*).
+const FOOT: [&str; 7] = ["footway", "pedestrian", "path", "steps", "corridor", "platform", "bridleway"];
+const SQUARES: [&str; 3] = ["pedestrian", "footway", "platform"];
+const GREEN_LAND: [&str; 12] = [
+    "grass",
+    "meadow",
+    "forest",
+    "village_green",
+    "recreation_ground",
+    "flowerbed",
+    "orchard",
+    "vineyard",
+    "allotments",
+    "cemetery",
+    "farmland",
+    "greenfield",
+];
+const GREEN_LEISURE: [&str; 5] = ["park", "garden", "pitch", "golf_course", "nature_reserve"];
+const GREEN_NATURE: [&str; 6] = ["grassland", "scrub", "wood", "heath", "shrubbery", "sand"];
+
+fn surface_of_road(tags: &Tags) -> Surface {
+    if says(tags, "highway", &FOOT) || tags.is("highway", "cycleway") {
+        Surface::Pavement
+    } else {
+        Surface::Road
+    }
+}
+
+fn surface_of_area(tags: &Tags) -> Option<Surface> {
+    if says(tags, "highway", &SQUARES) || says(tags, "area:highway", &FOOT) || tags.is("place", "square") {
+        return Some(Surface::Pavement);
+    }
+    if tags.is("amenity", "parking") || tags.says("area:highway") || tags.says("highway") {
+        return Some(Surface::Road);
+    }
+    let green = says(tags, "landuse", &GREEN_LAND)
+        || says(tags, "leisure", &GREEN_LEISURE)
+        || says(tags, "natural", &GREEN_NATURE);
+    green.then_some(Surface::Green)
+}
+
+fn is_water(tags: &Tags) -> bool {
+    let covered = tags.says("tunnel") || tags.says("covered") || tags.says("intermittent");
+    let water = tags.is("natural", "water")
+        || says(tags, "waterway", &["riverbank", "dock"])
+        || says(tags, "landuse", &["basin", "reservoir"])
+        || tags.is("leisure", "swimming_pool");
+    water && !covered
+}
+
+/// Width of a road, metres: as it says, or as is usual for its kind.
+fn width(tags: &Tags) -> f64 {
+    let usual = || match tags.get("highway") {
+        Some("motorway" | "trunk" | "primary") => 10.0,
+        Some("secondary") => 8.0,
+        Some("tertiary") => 7.0,
+        Some("residential" | "unclassified") => 6.0,
+        Some("pedestrian") => 5.0,
+        Some("service" | "living_street" | "track" | "busway") => 4.0,
+        _ => 2.0,
+    };
+    tags.metres("width").filter(|width| (0.1..=WIDEST).contains(width)).unwrap_or_else(usual)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::costmap::tests::empty_map;
+    use openbench_osm::{Area, Building, ElementId, ElementKind};
+    use proptest::prelude::*;
+
+    fn points(corners: &[(f64, f64)]) -> Vec<MapPoint> {
+        corners.iter().map(|(x, y)| MapPoint::new(*x, *y)).collect()
+    }
+
+    fn grid() -> GridGeometry {
+        GridGeometry::covering(MapPoint::new(-10.0, -10.0), MapPoint::new(10.0, 10.0), 0.1, 1000)
+    }
+
+    fn area(corners: &[(f64, f64)], key: &str, value: &str) -> Area {
+        let polygon = Polygon::new(points(corners), vec![]).unwrap();
+        let element = ElementId { kind: ElementKind::Way, id: 1 };
+        Area { element, polygon, tags: [(key, value)].into_iter().collect() }
+    }
+
+    fn road(corners: &[(f64, f64)], kind: &str) -> Road {
+        let tags = [("highway", kind)].into_iter().collect();
+        Road { way: 1, nodes: vec![1, 2], points: points(corners), tags }
+    }
+
+    fn at(ground: &Ground, x: f64, y: f64) -> (bool, Surface) {
+        let cell = grid().cell_at(MapPoint::new(x, y)).unwrap();
+        (ground.blocked[cell], ground.surface[cell])
+    }
+
+    #[test]
+    fn pavements_lie_over_roads_over_grass_and_water_is_closed_but_for_bridges() {
+        let mut map = empty_map();
+        map.areas.push(area(&[(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)], "landuse", "grass"));
+        map.areas.push(area(&[(-9.0, 3.0), (9.0, 3.0), (9.0, 6.0), (-9.0, 6.0)], "natural", "water"));
+        map.roads.push(road(&[(-1e6, 0.0), (1e6, 0.0)], "residential"));
+        map.roads.push(road(&[(5.0, -9.0), (5.0, 9.0)], "footway"));
+        let ground = Ground::of(&map, &grid());
+        assert_eq!(at(&ground, -5.0, -5.0), (false, Surface::Green));
+        assert_eq!(at(&ground, -5.0, 2.9), (false, Surface::Road));
+        assert_eq!(at(&ground, 5.5, 0.0), (false, Surface::Pavement));
+        assert_eq!(at(&ground, 9.5, 9.5), (false, Surface::Unknown));
+        assert!(at(&ground, 0.0, 4.0).0 && !at(&ground, 5.0, 4.0).0);
+    }
+
+    #[test]
+    fn preferences_out_of_bounds_are_told() {
+        assert!(Preferences::default().is_sound() && Preferences::NONE.is_sound());
+        assert!(!Preferences { road: 0.5, ..Preferences::NONE }.is_sound());
+        assert!(!Preferences { green: f32::NAN, ..Preferences::NONE }.is_sound());
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_filled_is_what_a_polygon_contains(corners in prop::collection::vec((-14.0..14.0_f64, -14.0..14.0_f64), 3..9)) {
+            let Some(polygon) = Polygon::new(points(&corners), vec![]) else { return Ok(()) };
+            let mut map = empty_map();
+            let element = ElementId { kind: ElementKind::Way, id: 1 };
+            map.buildings.push(Building { element, name: None, polygon: polygon.clone(), tags: Tags::default() });
+            let (grid, ground) = (grid(), Ground::of(&map, &grid()));
+            for cell in 0..grid.len() {
+                prop_assert_eq!(ground.blocked[cell], polygon.contains(grid.center(cell)));
+            }
+        }
+
+        #[test]
+        fn segments_are_cut_at_the_grid(ax in -1e3..1e3_f64, ay in -1e3..1e3_f64, bx in -1e3..1e3_f64, by in -1e3..1e3_f64) {
+            let grid = grid();
+            let drawing = Drawing { grid: &grid, ground: Ground::unknown(0) };
+            let (a, b) = (MapPoint::new(ax, ay), MapPoint::new(bx, by));
+            let inside = |p: MapPoint| p.x.abs() <= 10.0 + 1e-6 && p.y.abs() <= 10.0 + 1e-6;
+            let cut = drawing.cut(a, b, 0.0);
+            if let Some((from, to)) = cut {
+                prop_assert!(inside(from) && inside(to));
+            }
+            for i in 0..=500 {
+                let p = between(a, b, f64::from(i) / 500.0);
+                if p.x.abs() < 10.0 && p.y.abs() < 10.0 {
+                    let (from, to) = cut.unwrap();
+                    prop_assert!(nearest_on_segment(from, to, p).0.distance(p) < 1e-6);
+                }
+            }
+        }
+    }
+}

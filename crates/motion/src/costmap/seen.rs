@@ -1,0 +1,126 @@
+//! What the LiDAR saw: evidence for and against something in each cell.
+
+use openbench_core::MapPoint;
+use openbench_grid::GridGeometry;
+
+use crate::obstacles::{Beam, RangeRing};
+
+/// Evidence of one hit, and its bounds; one miss counts -1.
+const HIT: i8 = 4;
+const EVIDENCE: (i8, i8) = (-6, 12);
+/// Evidence below which a cell is known to be free.
+const FREE: i8 = -3;
+/// Scans after which an obstacle that is not seen again is forgotten: a minute.
+const MEMORY: u32 = 600;
+/// Scans ago that are a moment: two seconds.
+const MOMENT: u32 = 20;
+
+/// What is known of one cell.
+#[derive(Debug, Clone, Copy, Default)]
+struct Cell {
+    evidence: i8,
+    /// Height above the ground of the highest hit since it was last free, centimetres.
+    top: u8,
+    /// Number of the scan that last hit it.
+    hit_in: u32,
+    /// Number of the scan by which it was last known to be free; 0 if never.
+    free_in: u32,
+    /// Number of the scan that last cleared it: beams crowd near the sensor, and one scan is one piece of evidence.
+    cleared_in: u32,
+}
+
+/// Evidence for each cell of a grid.
+#[derive(Debug, Clone)]
+pub struct Seen {
+    cells: Vec<Cell>,
+    scans: u32,
+}
+
+impl Seen {
+    /// Nothing was seen yet.
+    pub fn nothing(cells: usize) -> Self {
+        Self { cells: vec![Cell::default(); cells], scans: 0 }
+    }
+
+    /// Whether something was seen in a cell.
+    pub fn is_hit(&self, cell: usize) -> bool {
+        self.cells[cell].evidence > 0
+    }
+
+    /// Whether nothing was seen in a cell so often that there is nothing.
+    pub fn is_free(&self, cell: usize) -> bool {
+        self.cells[cell].evidence <= FREE
+    }
+
+    /// Whether a cell was free a moment ago.
+    pub fn was_free(&self, cell: usize) -> bool {
+        let free_in = self.cells[cell].free_in;
+        free_in > 0 && self.scans - free_in < MOMENT
+    }
+
+    /// Believes from now on that nothing is in a cell.
+    pub fn clear(&mut self, cell: usize) {
+        self.cells[cell].evidence = EVIDENCE.0;
+    }
+
+    /// Takes in what a scan shows, without the points of which `moves` says that they do not stay.
+    pub fn observe(&mut self, grid: &GridGeometry, ring: &RangeRing, moves: impl Fn(MapPoint) -> bool) {
+        self.scans += 1;
+        for (degrees, &beam) in ring.beams.iter().enumerate() {
+            self.mark_clear(grid, ring, beam, (degrees as f64 + 0.5).to_radians());
+        }
+        for &(point, height) in &ring.obstacles {
+            let Some(cell) = grid.cell_at(point).filter(|_| !moves(point)) else { continue };
+            let cell = &mut self.cells[cell];
+            let before = if cell.evidence > 0 { cell.top } else { 0 };
+            cell.top = before.max((height * 100.0) as u8);
+            if cell.hit_in != self.scans {
+                cell.evidence = (cell.evidence.max(0) + HIT).min(EVIDENCE.1);
+                cell.hit_in = self.scans;
+            }
+        }
+    }
+
+    /// Counts against every obstacle that is high enough for `beam` to have hit it on its way.
+    fn mark_clear(&mut self, grid: &GridGeometry, ring: &RangeRing, beam: Beam, bearing: f64) {
+        let (sin, cos) = libm::sincos(bearing);
+        // Stop short of what was hit, by a cell's diagonal.
+        let steps = ((beam.reach - 1.5 * grid.cell) / grid.cell).max(0.0) as usize;
+        for i in 0..steps {
+            let along = i as f64 * grid.cell;
+            let at = MapPoint::new(ring.center.x + along * cos, ring.center.y + along * sin);
+            let Some(cell) = grid.cell_at(at).map(|cell| &mut self.cells[cell]) else { continue };
+            if cell.cleared_in == self.scans {
+                continue;
+            }
+            let passes_over = cell.evidence > 0 && f64::from(cell.top) < 100.0 * ring.height_at(beam, along);
+            if !passes_over {
+                cell.cleared_in = self.scans;
+                cell.evidence = (cell.evidence - 1).max(EVIDENCE.0);
+                if cell.evidence <= FREE {
+                    cell.free_in = self.scans;
+                }
+            }
+        }
+    }
+
+    /// Forgets obstacles that were not seen for a minute: they may have moved, and the robot's idea of where it was then has drifted from its idea of now.
+    pub fn forget(&mut self) {
+        for cell in &mut self.cells {
+            if cell.evidence > 0 && self.scans - cell.hit_in > MEMORY {
+                cell.evidence = 0;
+            }
+        }
+    }
+
+    /// Moves what is known over to a grid of the same shape, `columns` further east and `rows` further north.
+    pub fn shift(&mut self, grid: &GridGeometry, columns: i64, rows: i64) {
+        let old = std::mem::replace(&mut self.cells, vec![Cell::default(); grid.len()]);
+        for (cell, known) in self.cells.iter_mut().enumerate() {
+            let (x, y) = grid.column_row(cell);
+            if let Some(before) = grid.cell_in(x + columns, y + rows) {
+                *known = old[before];
+            }
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! The ground around the robot in finer cells, moving along with it.
+
+use openbench_core::{MapPoint, Pose2, RobotDescription};
+use openbench_grid::GridGeometry;
+
+use crate::costmap::Costmap;
+use crate::costmap::ground::{Ground, Preferences};
+use crate::obstacles::RangeRing;
+use crate::shape::{Footprint, Obstacle};
+
+/// Side of a cell, metres.
+const CELL: f64 = 0.05;
+/// From the middle to each side, metres: what a ring shows and a little more.
+const HALF: f64 = 9.0;
+/// The robot may be as far from the middle before the window moves, metres.
+const SLACK: f64 = 1.0;
+
+/// A costmap that goes where the robot goes (a rolling window). What leaves it is forgotten; the map's layer comes from a larger costmap.
+#[derive(Debug, Clone)]
+pub struct Window {
+    costmap: Costmap,
+}
+
+impl Window {
+    /// The window around a place.
+    pub fn new(whole: &Costmap, robot: &RobotDescription, place: MapPoint) -> Self {
+        let side = (2.0 * HALF / CELL) as usize;
+        // On whole cells, so that cells stay where they are when the window moves.
+        let corner = |at: f64| ((at - HALF) / CELL).round() * CELL;
+        let origin = MapPoint::new(corner(place.x), corner(place.y));
+        let grid = GridGeometry { origin, width: side, height: side, cell: CELL };
+        let ground = Ground::unknown(grid.len());
+        let mut window = Self { costmap: Costmap::over(grid, ground, robot, Preferences::NONE) };
+        window.take_ground(whole);
+        window
+    }
+
+    /// Moves along with a robot that got to `place`.
+    pub fn follow(&mut self, whole: &Costmap, place: MapPoint) {
+        let grid = &mut self.costmap.grid;
+        let cells = |at: f64, origin: f64| ((at - HALF - origin) / grid.cell).round();
+        let (columns, rows) = (cells(place.x, grid.origin.x), cells(place.y, grid.origin.y));
+        // Written so that a broken number moves nothing.
+        let far = columns.abs().max(rows.abs()) * grid.cell > SLACK && columns.abs().max(rows.abs()) < 1e9;
+        if !far {
+            return;
+        }
+        // Counted in cells, so that rounding does not add up.
+        let moved = |at: f64, by: f64| ((at / CELL).round() + by) * CELL;
+        grid.origin = MapPoint::new(moved(grid.origin.x, columns), moved(grid.origin.y, rows));
+        self.costmap.seen.shift(&self.costmap.grid, columns as i64, rows as i64);
+        self.take_ground(whole);
+    }
+
+    fn take_ground(&mut self, whole: &Costmap) {
+        for cell in 0..self.costmap.grid.len() {
+            let from = whole.grid.cell_at(self.costmap.grid.center(cell));
+            self.costmap.ground.blocked[cell] = from.is_some_and(|from| whole.ground.blocked[from]);
+        }
+    }
+
+    /// The cells.
+    pub fn grid(&self) -> &GridGeometry {
+        self.costmap.grid()
+    }
+
+    /// See [`Costmap::newcomers`].
+    pub fn newcomers(&self, ring: &RangeRing) -> Vec<MapPoint> {
+        self.costmap.newcomers(ring)
+    }
+
+    /// See [`Costmap::observe_but`].
+    pub fn observe_but(&mut self, ring: &RangeRing, moves: impl Fn(MapPoint) -> bool) {
+        self.costmap.observe_but(ring, moves);
+        self.costmap.seen.forget();
+    }
+
+    /// See [`Costmap::clear_below`].
+    pub fn clear_below(&mut self, footprint: &Footprint, pose: Pose2) {
+        self.costmap.clear_below(footprint, pose);
+    }
+
+    /// See [`Costmap::obstacles_near`].
+    pub fn obstacles_near(&self, point: MapPoint, reach: f64) -> Vec<Obstacle> {
+        self.costmap.obstacles_near(point, reach)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::costmap::tests::open_ground;
+
+    #[test]
+    fn what_was_seen_stays_where_it_is_until_the_window_has_left_it() {
+        let (whole, robot) = (open_ground(), RobotDescription::sentry());
+        let mut window = Window::new(&whole, &robot, MapPoint::default());
+        let post = MapPoint::new(2.03, 1.03);
+        window
+            .observe_but(&RangeRing::new(MapPoint::default(), 0.25, std::iter::once((post, 0.3))), |_| false);
+        let near = |window: &Window| window.obstacles_near(post, 0.5);
+        assert_eq!(near(&window).len(), 1);
+        let place = near(&window)[0].middle();
+        assert!(place.distance(post) < 0.04);
+        window.follow(&whole, MapPoint::new(5.3, -4.2));
+        assert_eq!(near(&window).iter().map(Obstacle::middle).collect::<Vec<_>>(), [place]);
+        window.follow(&whole, MapPoint::new(f64::NAN, 0.0));
+        window.follow(&whole, MapPoint::new(30.0, 0.0));
+        assert!(window.obstacles_near(MapPoint::new(30.0, 0.0), 9.0).is_empty());
+        window.follow(&whole, MapPoint::default());
+        assert!(near(&window).is_empty());
+    }
+}

@@ -1,0 +1,158 @@
+//! Off what is all but touched: the small motion that gains most room. Soft penalties are no help within millimetres, and a search over cells and headings is too coarse for them.
+
+use openbench_core::{Pose2, Velocity};
+
+use crate::feasible::{Floors, Motion, clearance};
+use crate::local::Situation;
+use crate::shape::{Footprint, Obstacle};
+use crate::teb::band::{Band, Knot};
+use crate::teb::settings::Limits;
+
+/// Distance from what stands beyond which more is no gain, metres.
+const ENOUGH: f64 = 0.03;
+/// Room that a motion has to gain to be worth it, metres.
+const GAIN: f64 = 0.0005;
+/// Least distance that is kept on the way, metres, or half of what there is.
+const KEEP: f64 = 0.001;
+/// A motion that takes longer comes from a speed that no robot has, seconds.
+const LONGEST: f64 = 10.0;
+/// Seconds between two looks.
+const STEP: f64 = 0.02;
+/// Seconds for which a motion turns, and then goes on straight. Rims that gain speed as fast as they can do not turn the robot before they have it.
+const PHASES: [(f64, f64); 5] = [(0.2, 0.0), (0.5, 0.0), (0.2, 0.5), (0.4, 0.9), (0.35, 1.7)];
+/// The furthest that such a motion leads, metres.
+const AWAY: f64 = 0.7;
+/// Speeds that are tried, m/s.
+const SPEEDS: [f64; 5] = [0.0, -0.1, 0.1, -0.25, 0.25];
+/// Turn rates that are tried, rad/s.
+const TURNS: [f64; 11] = [0.0, -0.03, 0.03, -0.06, 0.06, -0.15, 0.15, -0.4, 0.4, -0.8, 0.8];
+
+/// The motion that gains most room from what stands, from how the robot moves now until it stands again; `None` if none gains any.
+pub fn leave(footprint: &Footprint, limits: &Limits, situation: &Situation<'_>) -> Option<Band> {
+    let (placed, circle) = (footprint.at(situation.pose), footprint.circumscribed());
+    let matters = |o: &&Obstacle| !o.is_moving() && o.contact(&placed, circle, 0.0, AWAY).is_some();
+    let near: Vec<&Obstacle> = situation.obstacles.iter().filter(matters).collect();
+    let search = Search { footprint, limits, near };
+    let mut best = (search.room(situation.pose) + GAIN, None);
+    for linear in SPEEDS.map(|v| v.clamp(-limits.backward, limits.forward)) {
+        for angular in TURNS.map(|w| w.clamp(-limits.turn, limits.turn)) {
+            for phases in PHASES {
+                let start = motion(situation, Velocity::new(linear, angular));
+                let mut end = start.pose;
+                let mut look = |_: f64, pose: Pose2| end = pose;
+                if search.is_free(start, phases, &mut look) && search.room(end) > best.0 + 1e-9 {
+                    best = (search.room(end), Some((start, phases)));
+                }
+            }
+        }
+    }
+    let (start, phases) = best.1?;
+    let mut knots = vec![Knot { pose: start.pose, time: 0.0 }];
+    search.is_free(start, phases, &mut |time, pose| knots.push(Knot { pose, time }));
+    Band::new(knots)
+}
+
+fn motion(situation: &Situation<'_>, command: Velocity) -> Motion {
+    Motion { pose: situation.pose, velocity: situation.velocity, command }
+}
+
+struct Search<'a> {
+    footprint: &'a Footprint,
+    limits: &'a Limits,
+    near: Vec<&'a Obstacle>,
+}
+
+impl Search<'_> {
+    fn near(&self) -> impl Iterator<Item = &Obstacle> {
+        self.near.iter().copied()
+    }
+
+    /// Distance to what is near, as far as it matters.
+    fn room(&self, pose: Pose2) -> f64 {
+        clearance(self.footprint, self.near(), pose, 0.0, ENOUGH)
+    }
+
+    /// Whether a motion that turns for a time, goes straight for another, and stops comes too near to nothing; `look` is shown where it leads.
+    fn is_free(
+        &self,
+        mut motion: Motion,
+        (turning, straight): (f64, f64),
+        look: &mut dyn FnMut(f64, Pose2),
+    ) -> bool {
+        let mut floors = Floors::new(self.footprint, self.near(), motion.pose, KEEP);
+        let mut time = 0.0;
+        while time < turning + straight || !motion.stands() {
+            if time >= turning {
+                motion.command.angular = 0.0;
+            }
+            if time >= turning + straight {
+                motion.command = Velocity::ZERO;
+            }
+            motion.step(self.limits, STEP);
+            time += STEP;
+            if time > LONGEST || !floors.keep(self.footprint, self.near(), motion.pose, 0.0) {
+                return false;
+            }
+            look(time, motion.pose);
+        }
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::teb::planner::wanted;
+    use openbench_core::{MapPoint, RobotDescription, SimTime};
+
+    fn after(obstacles: &[Obstacle], cycles: usize) -> f64 {
+        let robot = RobotDescription::sentry();
+        let (footprint, limits) = (Footprint::of(&robot).unwrap(), Limits::of(&robot).unwrap());
+        let mut motion = Motion { pose: Pose2::default(), velocity: Velocity::ZERO, command: Velocity::ZERO };
+        let mut band = None;
+        for _ in 0..cycles {
+            let situation = Situation {
+                time: SimTime::ZERO,
+                pose: motion.pose,
+                velocity: motion.velocity,
+                path: &[MapPoint::new(3.0, 0.0)],
+                final_yaw: None,
+                obstacles,
+            };
+            if !band.as_ref().is_some_and(|band: &Band| band.duration() > 0.03) {
+                band = leave(&footprint, &limits, &situation);
+            }
+            motion.command = band.as_ref().map_or(Velocity::ZERO, |band| wanted(band, &limits));
+            for _ in 0..5 {
+                motion.step(&limits, 0.01);
+                assert!(clearance(&footprint, obstacles.iter(), motion.pose, 0.0, 1.0) > 0.0);
+            }
+            if let Some(band) = &mut band {
+                band.advance(motion.pose, 0.05);
+            }
+        }
+        clearance(&footprint, obstacles.iter(), motion.pose, 0.0, 1.0)
+    }
+
+    fn wall(from: (f64, f64), to: (f64, f64)) -> Obstacle {
+        Obstacle::wall(MapPoint::new(from.0, from.1), MapPoint::new(to.0, to.1)).unwrap()
+    }
+
+    #[test]
+    fn a_wall_that_is_all_but_touched_is_left() {
+        assert!(after(&[wall((0.162, -1.0), (0.162, 1.0))], 30) > 0.01);
+        assert!(after(&[wall((-1.0, 0.157), (2.0, 0.157))], 300) > 0.01);
+    }
+
+    #[test]
+    fn where_there_is_no_room_nothing_is_done() {
+        let walls = [
+            wall((0.1605, -1.0), (0.1605, 1.0)),
+            wall((-0.1605, -1.0), (-0.1605, 1.0)),
+            wall((-1.0, 0.1555), (1.0, 0.1555)),
+            wall((-1.0, -0.1555), (1.0, -0.1555)),
+        ];
+        let left = after(&walls, 20);
+        assert!((left - 0.0005).abs() < 0.0003, "{left}");
+    }
+}
