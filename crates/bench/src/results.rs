@@ -12,7 +12,7 @@ use openbench_core::{Address, FailureCause, MapPoint};
 use openbench_sim::traffic::TrafficPlan;
 use serde::{Deserialize, Serialize};
 
-use crate::metrics::{CollisionSum, DoorScore, EncounterSum, LocalizationSum};
+use crate::metrics::{CollisionSum, DoorScore, EncounterSum, LocalizationSum, SmoothnessSum};
 
 /// The results of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -82,6 +82,9 @@ pub struct Metrics {
     pub localization: Option<LocalizationSum>,
     /// Metres driven in all.
     pub path_m: f64,
+    /// How smoothly.
+    #[serde(default)]
+    pub smoothness: SmoothnessSum,
     /// Simulated seconds in all.
     pub sim_seconds: f64,
     /// Seconds that the run took. Depends on the machine.
@@ -122,6 +125,9 @@ pub struct DeliveryResult {
     pub straight_line_m: f64,
     /// Simulated seconds spent on this delivery.
     pub sim_seconds: f64,
+    /// How smoothly the robot drove.
+    #[serde(default)]
+    pub smoothness: SmoothnessSum,
     /// Collisions during this delivery.
     pub collisions: usize,
     /// Those by the class of what was hit.
@@ -219,6 +225,7 @@ pub(crate) mod tests {
             shortest_path_m: Some(6.0),
             straight_line_m: 4.0,
             sim_seconds: 20.0,
+            smoothness: SmoothnessSum { turned_rad: 4.0, speed_changes_mps: 2.0, stops: 1 },
             collisions: 0,
             collisions_by_class: BTreeMap::new(),
             encounters: None,

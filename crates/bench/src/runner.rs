@@ -12,7 +12,7 @@ use openbench_sim::traffic::{Encounters, Totals};
 use openbench_sim::{Collision, OBSERVATION_NS, Simulator};
 
 use crate::BenchError;
-use crate::metrics::PoseError;
+use crate::metrics::{PoseError, Smoothness, SmoothnessSum};
 use crate::recorder::Recorder;
 use crate::stage::{Prepared, PreparedEpisode};
 use crate::truth::TruthHandle;
@@ -34,6 +34,8 @@ pub struct TaskOutcome {
     pub declared: bool,
     /// Metres driven meanwhile.
     pub path_m: f64,
+    /// How smoothly.
+    pub smoothness: SmoothnessSum,
     /// Collisions meanwhile.
     pub collisions: Vec<Collision>,
     /// How near the robot came to people and cars meanwhile; `None` where nobody moves.
@@ -158,6 +160,7 @@ struct Task {
     collisions_before: usize,
     plates_before: usize,
     encounters: Encounters,
+    smoothness: Smoothness,
 }
 
 impl Task {
@@ -167,7 +170,8 @@ impl Task {
 
     fn from(began_at: MapPoint, began: SimTime, collisions_before: usize, plates_before: usize) -> Self {
         let encounters = Encounters::new();
-        Self { began_at, began, path_m: 0.0, collisions_before, plates_before, encounters }
+        let smoothness = Smoothness::default();
+        Self { began_at, began, path_m: 0.0, collisions_before, plates_before, encounters, smoothness }
     }
 }
 
@@ -202,18 +206,19 @@ impl Run<'_> {
             let action = agent.act(&self.simulator.observation(), &mut listener);
             self.take_in(listener);
             let velocity = self.apply(action);
-            let before = self.pose().point();
+            let before = self.pose();
             self.simulator.step(velocity);
             self.after_step(velocity, before, truth);
         }
     }
 
-    fn after_step(&mut self, velocity: Velocity, before: MapPoint, truth: &TruthHandle) {
+    fn after_step(&mut self, velocity: Velocity, before: Pose2, truth: &TruthHandle) {
         let (time, pose) = (self.simulator.time(), self.pose());
         truth.set(time, pose);
-        self.task.path_m += before.distance(pose.point());
+        self.task.path_m += before.point().distance(pose.point());
         self.trace.velocities.push(velocity);
         let step = OBSERVATION_NS as f64 * 1e-9;
+        self.task.smoothness.step(before, pose, step);
         self.task.encounters.update(step, &self.simulator.robot_state(), self.simulator.movers());
         if time.0.is_multiple_of(200_000_000) {
             self.trace.driven.push(pose.point());
@@ -322,6 +327,7 @@ impl Run<'_> {
             ended_at: here,
             declared,
             path_m: self.task.path_m,
+            smoothness: self.task.smoothness.sum(),
             collisions: collisions[self.task.collisions_before..].to_vec(),
             encounters: (!self.simulator.movers().is_empty()).then(|| self.task.encounters.totals()),
             pose_error_m: self.trace.estimated.last().map(|p| p.distance(here)),

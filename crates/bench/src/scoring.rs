@@ -54,6 +54,7 @@ fn score_task(prepared: &Prepared, outcome: &TaskOutcome, door: Option<usize>) -
         shortest_path_m: door.and_then(|door| prepared.shortest(outcome.began_at, door)),
         straight_line_m: 0.0,
         sim_seconds: outcome.ended.since(outcome.began).as_secs_f64(),
+        smoothness: outcome.smoothness,
         collisions: outcome.collisions.len(),
         collisions_by_class: collisions::by_class(
             outcome.collisions.iter().map(|c| (c.class.name(), c.impulse)),

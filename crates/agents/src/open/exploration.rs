@@ -14,6 +14,8 @@ const MOST: f64 = 400.0;
 const COVERAGE: f64 = 1.0;
 /// Ways longer than this are not compared, metres.
 const SEARCH: f64 = 60.0;
+/// Distance from which a plate is looked at that could not be read, metres.
+const PLATE: f64 = 3.0;
 /// Room that a waypoint keeps from every building of the map, metres.
 const ROOM: f64 = 0.6;
 /// Distance that a place keeps from an obstacle behind it, metres.
@@ -91,6 +93,11 @@ pub fn waypoints(map: &OsmMap, building: usize, standoff: f64) -> Vec<Waypoint> 
         }
     }
     thinned(&views)
+}
+
+/// A place to look at a plate from that hangs at `plate` and faces `facing`, in front of it and near.
+pub fn before_plate(map: &OsmMap, plate: MapPoint, facing: f64) -> Option<Waypoint> {
+    look_at(map, plate, facing, PLATE).map(|waypoint| Waypoint { second: true, ..waypoint })
 }
 
 /// Index of the waypoint that is cheapest to get to over what is known of the ground; without a way to any, of the one nearest in a

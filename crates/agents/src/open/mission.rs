@@ -92,6 +92,8 @@ pub struct Mission {
     seen: Vec<Sighting>,
     /// When, and heading where.
     last_glance: (SimTime, f64),
+    /// Plates that could not be read, and were given a place to look from.
+    puzzling: Vec<MapPoint>,
     /// Whether the pose is being corrected by more than a little.
     correcting: bool,
 }
@@ -116,6 +118,7 @@ impl Mission {
             task: None,
             seen: Vec::new(),
             last_glance: (SimTime::ZERO, briefing.start.yaw),
+            puzzling: Vec::new(),
             correcting: false,
             robot,
             localizer,
@@ -363,7 +366,11 @@ impl Mission {
         };
         match self.read(&image, events) {
             Err(detail) => Action::GiveUp(one(task.address, FailureCause::ReaderUnavailable, detail)),
-            Ok(()) => self.after_look(task, events),
+            Ok(unread) => {
+                let mut task = task;
+                self.look_closer(&mut task, &unread);
+                self.after_look(task, events)
+            }
         }
     }
 
@@ -403,15 +410,18 @@ impl Mission {
         }
         let Some(image) = observation.camera.image() else { return Ok(task) };
         self.last_glance = (observation.time, self.localizer.pose().yaw);
-        if let Err(detail) = self.read(&image, events) {
-            return Err(Action::GiveUp(one(task.address, FailureCause::ReaderUnavailable, detail)));
+        let mut task = task;
+        match self.read(&image, events) {
+            Ok(unread) => self.look_closer(&mut task, &unread),
+            Err(detail) => {
+                return Err(Action::GiveUp(one(task.address, FailureCause::ReaderUnavailable, detail)));
+            }
         }
         if self.is_refuted(&task) {
             return Err(self.next_waypoint(task, events));
         }
         match self.remembered(task.building, &task.address).filter(|door| wants(&task, door)) {
             Some(door) => {
-                let mut task = task;
                 task.doorstep = DOORSTEP;
                 self.approach(task, door);
                 Err(Action::Drive(Velocity::ZERO))
@@ -446,12 +456,26 @@ impl Mission {
         })
     }
 
-    /// Reads an image and remembers every door in it.
+    /// Plates of the building that were seen but not read get a place to look from, once each.
+    fn look_closer(&mut self, task: &mut Task, unread: &[(MapPoint, f64)]) {
+        for &(plate, facing) in unread {
+            let known = |at: &MapPoint| at.distance(plate) <= sighting::SAME_PLATE;
+            if self.puzzling.iter().any(known) || self.seen.iter().any(|s| known(&s.position)) {
+                continue;
+            }
+            if self.memory.map().nearest_building(plate) == Some(task.building) {
+                self.puzzling.push(plate);
+                task.waypoints.extend(exploration::before_plate(self.memory.map(), plate, facing));
+            }
+        }
+    }
+
+    /// Reads an image and remembers every door in it; where plates are that it could not read.
     fn read(
         &mut self,
         image: &std::sync::Arc<openbench_core::Image>,
         events: &mut dyn Events,
-    ) -> Result<(), String> {
+    ) -> Result<Vec<(MapPoint, f64)>, String> {
         let pose = self.localizer.pose();
         let readings = self.reader.read(image).map_err(|e| e.to_string())?;
         for reading in readings.iter().filter(|r| parse_unit(&r.text).is_some()) {
@@ -470,7 +494,9 @@ impl Mission {
                 }
             }
         }
-        Ok(())
+        let unread = readings.iter().filter(|r| sighting::is_puzzling(r));
+        let place = |r| sighting::place(r, &self.perception, pose, &self.robot.camera_intrinsics);
+        Ok(unread.filter_map(place).collect())
     }
 }
 

@@ -16,7 +16,7 @@ const CONFIDENCE: f32 = 0.6;
 /// Confidence, summed over agreeing readings, with which a plate is believed.
 const SURE: f32 = 0.9;
 /// Sightings this near to each other are of one plate, metres.
-const SAME_PLATE: f64 = 1.2;
+pub const SAME_PLATE: f64 = 1.2;
 /// The text's box is widened by this share of its size for the wall around it.
 const WALL_AROUND: f64 = 1.5;
 /// Points further than this in front of or behind a surface are something else, metres.
@@ -105,6 +105,13 @@ pub fn recognise(reading: &PlateReading, placed: Option<(MapPoint, f64)>, map: &
     let near = map.distance_to_building(building, position) <= OFF_BUILDING;
     let facing = along_wall(facing, position, &map.buildings[building].polygon);
     near.then_some(Sighting { unit: unit.unit, building, position, facing, confidence })
+}
+
+/// Whether a reading that names no unit may be of a plate that does, seen badly: it has a letter and a digit.
+pub fn is_puzzling(reading: &PlateReading) -> bool {
+    let unread = parse_unit(&reading.text).is_none_or(|unit| !unit.worded);
+    let has = |of_kind: fn(char) -> bool| reading.text.chars().any(of_kind);
+    unread && has(char::is_alphabetic) && has(|c| c.is_ascii_digit())
 }
 
 /// `facing` turned to the normal of the wall that fits it best, of those near the plate: porches and shutters around a plate make what

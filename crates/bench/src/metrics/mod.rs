@@ -12,6 +12,7 @@
 //! | [`mod@srtp`] | SRTP: share of instructions that were understood exactly |
 //! | [`collisions`] | collisions by class, with their impulses |
 //! | [`encounters`] | near misses with people and cars, and time spent too near to people |
+//! | [`smoothness`] | how much the robot turns, speeds up and down, and stops |
 //! | [`doors`] | doors that an agent wrote into its map |
 //! | [`mod@localization`] | how far the agent was from where it believed to be |
 //! | [`summary`] | all of them over the deliveries of a run, with intervals |
@@ -22,6 +23,7 @@ pub mod encounters;
 pub mod localization;
 pub mod path_ratio;
 pub mod sequence;
+pub mod smoothness;
 pub mod srtp;
 pub mod success;
 pub mod summary;
@@ -32,6 +34,7 @@ pub use encounters::EncounterSum;
 pub use localization::{LocalizationSum, PoseError};
 pub use path_ratio::{path_ratio, spl};
 pub use sequence::{sequence_mean, sequence_weights};
+pub use smoothness::{Smoothness, SmoothnessSum};
 pub use srtp::{ExpectedPlan, srtp};
 pub use success::{Strict, paper_success};
 pub use summary::{RunTotals, summarize};

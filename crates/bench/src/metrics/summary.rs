@@ -7,6 +7,7 @@ use super::encounters::EncounterSum;
 use super::localization::LocalizationSum;
 use super::path_ratio::{path_ratio, spl};
 use super::sequence::sequence_mean;
+use super::smoothness::SmoothnessSum;
 use crate::results::{DeliveryResult, Metrics};
 use crate::statistics::{bootstrap_interval, wilson_interval};
 
@@ -35,6 +36,10 @@ pub fn summarize(deliveries: &[DeliveryResult], totals: &RunTotals) -> Metrics {
         encounters: deliveries.iter().filter_map(|d| d.encounters).reduce(EncounterSum::and),
         // From plus zero: the sum of nothing is minus zero.
         path_m: deliveries.iter().map(|d| d.path_m).fold(0.0, |sum, p| sum + p),
+        smoothness: deliveries
+            .iter()
+            .map(|d| d.smoothness)
+            .fold(SmoothnessSum::default(), SmoothnessSum::and),
         localization: totals.localization,
         sim_seconds: totals.sim_seconds,
         wall_seconds: totals.wall_seconds,

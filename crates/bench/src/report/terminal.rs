@@ -85,6 +85,7 @@ fn summary(out: &mut String, m: &Metrics) {
         "drive    {:.1} m in {:.0} simulated s, {:.1} x real time, collisions {}",
         m.path_m, m.sim_seconds, m.real_time_factor, m.collisions
     );
+    let _ = writeln!(out, "smooth   {}", m.smoothness.describe(m.path_m));
     if let Some(encounters) = m.encounters {
         let _ = writeln!(out, "others   {}", encounters.describe());
     }

@@ -85,6 +85,7 @@ fn facts(out: &mut String, results: &Results) {
         facts.push(("People and cars", encounters.describe()));
     }
     facts.push(("Driven", format!("{:.0} m", m.path_m)));
+    facts.push(("Smoothness", m.smoothness.describe(m.path_m)));
     facts.push(("Simulated", duration(m.sim_seconds)));
     facts.push(("Real-time factor", format!("{} ×", number(Some(m.real_time_factor), 1))));
     if let Some(doors) = results.doors {

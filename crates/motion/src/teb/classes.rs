@@ -18,6 +18,9 @@ const BITS: usize = 4;
 /// Most cells along one side of the window.
 const MOST_CELLS: usize = 320;
 
+/// What a metre aside of the straight line adds to the cost of a cell.
+const LEAN: f64 = 0.01;
+
 /// How ways are looked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Exploring {
@@ -156,6 +159,7 @@ impl Explorer {
     ) -> Vec<Way> {
         let grid = window(start, goal, how);
         self.lay_costs(&grid, obstacles, how);
+        self.lean(&grid, start, goal);
         self.find_clumps(&grid);
         let (Some(from), Some(to)) = (self.free_near(&grid, start), self.free_near(&grid, goal)) else {
             return Vec::new();
@@ -184,6 +188,16 @@ impl Explorer {
         for value in &mut self.costs {
             let near = (how.comfort - *value) / (how.comfort - keep);
             *value = if *value < keep { f64::INFINITY } else { 1.0 + 2.0 * near * near };
+        }
+    }
+
+    /// Makes cells a little dearer the further they are from the straight line: of the many ways over a grid that cost the same, one is left, and its mirror image in the mirrored scene.
+    fn lean(&mut self, grid: &GridGeometry, start: MapPoint, goal: MapPoint) {
+        let length = start.distance(goal).max(grid.cell);
+        let (east, north) = ((goal.x - start.x) / length, (goal.y - start.y) / length);
+        for (cell, cost) in self.costs.iter_mut().enumerate() {
+            let at = grid.center(cell);
+            *cost += LEAN * ((at.x - start.x) * north - (at.y - start.y) * east).abs();
         }
     }
 
@@ -385,11 +399,17 @@ impl Explorer {
 /// Columns and rows to the neighbours of a cell; each diagonal lies between two of the first four.
 const NEIGHBOURS: [(i64, i64); 8] = [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)];
 
+/// Start and goal and the ground around them, in the middle of the cells: mirrored scenes have mirrored cells.
 fn window(start: MapPoint, goal: MapPoint, how: &Exploring) -> GridGeometry {
-    let low = MapPoint::new(start.x.min(goal.x) - how.around, start.y.min(goal.y) - how.around);
-    let high = MapPoint::new(start.x.max(goal.x) + how.around, start.y.max(goal.y) + how.around);
-    let side = (high.x - low.x).max(high.y - low.y);
-    GridGeometry::covering(low, high, how.cell.max(side / MOST_CELLS as f64), MOST_CELLS + 1)
+    let (width, height) = ((goal.x - start.x).abs(), (goal.y - start.y).abs());
+    let side = width.max(height) + 2.0 * how.around;
+    let cell = how.cell.max(side / MOST_CELLS as f64);
+    let count = |length: f64| (((length + 2.0 * how.around) / cell).ceil() as usize).clamp(1, MOST_CELLS + 1);
+    let (columns, rows) = (count(width), count(height));
+    let middle = MapPoint::new((start.x + goal.x) / 2.0, (start.y + goal.y) / 2.0);
+    let origin =
+        MapPoint::new(middle.x - columns as f64 * cell / 2.0, middle.y - rows as f64 * cell / 2.0);
+    GridGeometry { origin, width: columns, height: rows, cell }
 }
 
 #[cfg(test)]

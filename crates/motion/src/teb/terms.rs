@@ -18,6 +18,8 @@ const TRIPLE: usize = 3 * BLOCK;
 const SIDED: usize = 8;
 /// Stretches shorter than this count as turns on the spot, metres: their length weighs no more than this one's.
 const SHORT: f64 = 0.01;
+/// What is over a bound by no more than this is on it: new bands go as fast as the robot can, and whether rounding puts them a hair below or above must not matter.
+const ON_THE_BOUND: f64 = 1e-9;
 /// The shortest time that a stretch is taken to have, seconds.
 const SHORTEST: f64 = 1e-3;
 
@@ -170,7 +172,7 @@ fn drive(
     sink.add(i, per_length, stretch.chord[1], &[0.0, -1.0, 0.0, 0.0, 0.0, 1.0]);
     sink.add(i, weights.sideways, stretch.sideways, &stretch.by_sideways);
     let mut at_most = |weight: f64, over: f64, sign: f64, by: &[f64; PAIR]| {
-        if over > 0.0 {
+        if over > ON_THE_BOUND {
             sink.add(i, weight * step, over, &by.map(|d| sign * d));
         }
     };
@@ -193,7 +195,7 @@ fn accelerate(i: usize, a: &Stretch, b: &Stretch, step: f64, problem: &Problem<'
         let rate = 2.0 / both;
         let acceleration = rate * (v - u);
         let over = acceleration.abs() - problem.limits.acceleration;
-        if over <= 0.0 {
+        if over <= ON_THE_BOUND {
             continue;
         }
         let sign = acceleration.signum();
@@ -237,7 +239,7 @@ fn change(
     let rate = 2.0 * direction / stretch.seconds;
     let acceleration = rate * (rim - other);
     let over = acceleration.abs() - problem.limits.acceleration;
-    if over <= 0.0 {
+    if over <= ON_THE_BOUND {
         return;
     }
     let sign = acceleration.signum();
