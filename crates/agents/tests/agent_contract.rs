@@ -11,6 +11,7 @@ use openbench_core::{
 use openbench_language::GrammarPlanner;
 use openbench_localization::DeadReckoning;
 use openbench_motion::Follower;
+use openbench_motion::costmap::ground::Preferences;
 use openbench_osm::OsmData;
 use openbench_vision::{PlateReader, PlateReading, ReaderError};
 
@@ -37,6 +38,7 @@ fn open() -> Box<dyn Agent> {
         reader: Box::new(Blank),
         localizer: Box::new(DeadReckoning::new(RobotDescription::sentry())),
         motion: Box::new(Follower::new(RobotDescription::sentry())),
+        ground: Preferences::NONE,
         memory: None,
     }))
 }

@@ -66,7 +66,8 @@ Settings of the agent `open`:
   localizer=fused | lidar-inertial | dead-reckoning | truth (for comparison only, and named in the results)
   fixes=none | gnss | disturbed-truth:NOISE,SHARE,FAR (metres of noise, share that is false, up to how many metres; for
         comparison only): what `fused` corrects its odometry by
-  motion=follower | teb | mppi: what turns ways into velocities
+  motion=teb | follower | mppi: what turns ways into velocities
+  ground=alike | pavements: whether ways keep to pavements, at detours of up to a fifth
 
 Example:
   openbench run --world small_osm.world --map small.osm --models gazebo_models \\

@@ -12,6 +12,7 @@ use openbench_language::{ChatPlanner, GrammarPlanner, Planner};
 use openbench_localization::fixes::Gnss;
 use openbench_localization::{DeadReckoning, FixSource, Fused, LidarInertial, Localizer};
 use openbench_models::{ModelSpec, ModelStore};
+use openbench_motion::costmap::ground::Preferences;
 use openbench_motion::teb::settings::Margins;
 use openbench_motion::{Follower, LocalPlanner, Mppi, Teb, TebSettings};
 use openbench_vision::{PlateReader, PpOcr, PpOcrSettings, VlmReader};
@@ -22,7 +23,7 @@ pub const DEFAULT_READER: &str = "ppocr-v4";
 /// The camera is level and lower than any plate: below the horizon there is nothing to read.
 const ABOVE_HORIZON: f32 = 0.6;
 
-const KEYS: [&str; 5] = ["planner", "reader", "localizer", "fixes", "motion"];
+const KEYS: [&str; 6] = ["planner", "reader", "localizer", "fixes", "motion", "ground"];
 
 /// Distance from a place with which OPEN is there, metres: what it looks at is metres away.
 const NEAR_ENOUGH: f64 = 0.15;
@@ -44,7 +45,8 @@ fn make(request: &AgentRequest<'_>, networks: &Mutex<Option<PpOcr>>) -> Result<B
         planner: planner(setting("planner").unwrap_or("grammar"))?,
         reader: reader(setting("reader").unwrap_or(DEFAULT_READER), networks)?,
         localizer: localizer(setting("localizer").unwrap_or("fused"), request)?,
-        motion: motion(setting("motion").unwrap_or("follower"))?,
+        motion: motion(setting("motion").unwrap_or("teb"))?,
+        ground: ground(setting("ground").unwrap_or("alike"))?,
         memory: request.memory.cloned(),
     };
     Ok(Box::new(Open::new(parts)))
@@ -106,6 +108,15 @@ fn localizer(word: &str, request: &AgentRequest<'_>) -> Result<Box<dyn Localizer
         _ => Err(format!(
             "localizer={word}: there is no such localizer; there are fused, lidar-inertial, dead-reckoning, truth"
         )),
+    }
+}
+
+/// Which ground a word prefers.
+fn ground(word: &str) -> Result<Preferences, String> {
+    match word {
+        "alike" => Ok(Preferences::NONE),
+        "pavements" => Ok(Preferences::default()),
+        _ => Err(format!("ground={word}: there is no such preference; there are alike, pavements")),
     }
 }
 

@@ -87,13 +87,13 @@ pub fn first_conflict(
     band: &Band,
     margin: f64,
 ) -> Option<f64> {
-    // Where nobody moves it does not matter when the robot is where.
-    let slowed = obstacles.iter().any(Obstacle::is_moving).then(|| band.slowed(limits));
-    let band = slowed.as_ref().unwrap_or(band);
+    let band = band.slowed(limits);
     let mut floors = Floors::new(footprint, obstacles.iter(), band.pose_at(0.0), margin);
-    let looks = ((band.duration() / LOOK).ceil() as usize).min(MOST_LOOKS);
-    let times = (1..=looks).map(|i| band.duration().min(i as f64 * LOOK));
-    times.into_iter().find(|&time| !floors.keep(footprint, obstacles.iter(), band.pose_at(time), time))
+    let looks = (band.duration() / LOOK).ceil() as usize;
+    let mut times = (1..=looks.min(MOST_LOOKS)).map(|i| band.duration().min(i as f64 * LOOK));
+    let met = times.find(|&time| !floors.keep(footprint, obstacles.iter(), band.pose_at(time), time));
+    // What is not looked at is not known to be free.
+    met.or_else(|| (looks > MOST_LOOKS).then_some(MOST_LOOKS as f64 * LOOK))
 }
 
 /// Seconds in which any robot stops.

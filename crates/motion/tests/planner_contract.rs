@@ -162,3 +162,20 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn absurd_settings_are_refused_by_name() {
+    let robot = RobotDescription::sentry();
+    let teb = |settings: TebSettings| Teb::new(&robot, settings).unwrap_err().to_string();
+    assert!(teb(TebSettings { horizon: -1.0, ..TebSettings::default() }).contains("the horizon is -1"));
+    assert!(
+        teb(TebSettings { tolerance: f64::NAN, ..TebSettings::default() }).contains("the tolerance is NaN")
+    );
+    let slow = RobotDescription { max_forward: -0.5, ..RobotDescription::sentry() };
+    assert!(
+        Teb::new(&slow, TebSettings::default())
+            .unwrap_err()
+            .to_string()
+            .contains("the largest forward speed is -0.5")
+    );
+}

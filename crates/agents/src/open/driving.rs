@@ -105,7 +105,7 @@ impl Driver {
     /// Takes in what a scan shows.
     pub fn observe(&mut self, ring: &RangeRing, now: SimTime) {
         self.window.follow(&self.costmap, ring.center);
-        self.tracker.update(now, &self.window.newcomers(ring));
+        self.tracker.update(now, &self.costmap.newcomers(ring));
         self.window.observe_but(ring, |point| self.tracker.covers(point));
         self.costmap.observe_but(ring, |point| self.tracker.covers(point));
     }
@@ -148,7 +148,8 @@ impl Driver {
         let mut obstacles = self.window.obstacles_near(pose.point(), SIGHT);
         obstacles.extend(self.tracker.moving(now));
         let surroundings = Surroundings { time: now, pose, velocity: self.velocity, obstacles: &obstacles };
-        let mut ground = Ground { costmap: &mut self.costmap, search: &mut self.search, road: &self.road };
+        let mut ground =
+            Ground { costmap: &mut self.costmap, search: &mut self.search, road: &mut self.road };
         let decided = self.navigator.drive(&surroundings, &mut ground);
         self.tell(now, events);
         let late = self.deadline.is_some_and(|deadline| now > deadline);
@@ -203,20 +204,23 @@ impl Driver {
 struct Ground<'a> {
     costmap: &'a mut Costmap,
     search: &'a mut Search,
-    road: &'a VecDeque<MapPoint>,
+    road: &'a mut VecDeque<MapPoint>,
 }
 
 impl Guide for Ground<'_> {
     fn way(&mut self, from: MapPoint, to: MapPoint) -> Result<Vec<MapPoint>, PlanError> {
         self.costmap.inflate();
         let mut way = vec![from];
-        for &point in self.road {
-            // What cannot be reached of a road need not be: its end is what matters.
-            let before = way[way.len() - 1];
-            if let Ok(leg) = plan(self.search, self.costmap, before, point) {
+        let (search, costmap) = (&mut *self.search, &*self.costmap);
+        self.road.retain(|&point| match plan(search, costmap, way[way.len() - 1], point) {
+            Ok(leg) => {
                 way.extend(leg.into_iter().skip(1));
+                true
             }
-        }
+            Err(PlanError::StartBlocked(_)) => true,
+            // What cannot be reached of a road need not be: its end is what matters.
+            Err(PlanError::GoalBlocked(_) | PlanError::NoWay(..)) => false,
+        });
         let leg = plan(self.search, self.costmap, way[way.len() - 1], to)?;
         way.extend(leg.into_iter().skip(1));
         Ok(way)

@@ -12,6 +12,7 @@ use openbench_core::{
 use openbench_language::{PlanError, PlanRequest, Planner};
 use openbench_localization::Localizer;
 use openbench_motion::Costmap;
+use openbench_motion::costmap::ground::Preferences;
 use openbench_osm::{Location, OsmData, OsmMap, locate};
 use openbench_routing::{MapRouter, Profile, Router, RouterTimes};
 use openbench_vision::{PlateReader, parse_unit};
@@ -41,6 +42,8 @@ const CORRECTION: f64 = 0.25;
 const STEADY: Duration = Duration::from_millis(400);
 /// Time between two glances while driving near the building, and how near that is, metres.
 const GLANCE: (Duration, f64) = (Duration::from_millis(1500), 10.0);
+/// Plates that could not be read and are looked at again, at most, in a delivery: letters may be on anything.
+const MOST_PUZZLING: usize = 8;
 /// Turning, the robot glances again after this share of the camera's field of view, so that no wall passes by between two glances.
 const TURNED: f64 = 1.0 / 3.0;
 /// A road that ends within this distance is not worth setting out for, metres.
@@ -107,7 +110,7 @@ impl Mission {
         let router = MapRouter::new(memory.data(), memory.map().projection.clone(), Profile::delivery())
             .map_err(|e| all(FailureCause::Briefing, e.to_string()))?;
         let queue = understand(parts.planner.as_ref(), briefing, memory.map(), &router, events)?;
-        let costmap = survey(memory.map(), briefing, &queue)?;
+        let costmap = survey(memory.map(), briefing, &queue, parts.ground)?;
         let mut localizer = parts.localizer;
         localizer.reset(briefing.start);
         let robot = briefing.robot.clone();
@@ -171,6 +174,7 @@ impl Mission {
             return Action::GiveUp(all(FailureCause::NotDeclared, "every planned delivery is done".into()));
         };
         let address = delivery.address();
+        self.puzzling.clear();
         events.record(Event::Task(address.clone()));
         if let Some(problem) = delivery.problem {
             return Action::GiveUp(one(address, FailureCause::UnknownAddress, problem));
@@ -463,9 +467,12 @@ impl Mission {
             if self.puzzling.iter().any(known) || self.seen.iter().any(|s| known(&s.position)) {
                 continue;
             }
-            if self.memory.map().nearest_building(plate) == Some(task.building) {
+            let map = self.memory.map();
+            let its = map.nearest_building(plate) == Some(task.building)
+                && map.distance_to_building(task.building, plate) <= sighting::OFF_BUILDING;
+            if its && self.puzzling.len() < MOST_PUZZLING {
                 self.puzzling.push(plate);
-                task.waypoints.extend(exploration::before_plate(self.memory.map(), plate, facing));
+                task.waypoints.extend(exploration::before_plate(map, plate, facing));
             }
         }
     }
@@ -554,7 +561,12 @@ fn cause_of(error: &PlanError) -> FailureCause {
 }
 
 /// The costmap around the start and every building to be driven to.
-fn survey(map: &OsmMap, briefing: &Briefing, queue: &VecDeque<PlannedDelivery>) -> Result<Costmap, GiveUp> {
+fn survey(
+    map: &OsmMap,
+    briefing: &Briefing,
+    queue: &VecDeque<PlannedDelivery>,
+    ground: Preferences,
+) -> Result<Costmap, GiveUp> {
     let start = briefing.start.point();
     let (mut low, mut high) = (start, start);
     for delivery in queue {
@@ -568,5 +580,6 @@ fn survey(map: &OsmMap, briefing: &Briefing, queue: &VecDeque<PlannedDelivery>) 
     }
     let low = MapPoint::new(low.x - SURROUNDINGS, low.y - SURROUNDINGS);
     let high = MapPoint::new(high.x + SURROUNDINGS, high.y + SURROUNDINGS);
-    Costmap::new(map, low, high, &briefing.robot).map_err(|e| all(FailureCause::Briefing, e.to_string()))
+    Costmap::with_preferences(map, low, high, &briefing.robot, ground)
+        .map_err(|e| all(FailureCause::Briefing, e.to_string()))
 }

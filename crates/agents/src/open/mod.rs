@@ -21,6 +21,7 @@ use openbench_core::{Action, Agent, Briefing, Events, FailureCause, GiveUp, Obse
 use openbench_language::Planner;
 use openbench_localization::Localizer;
 use openbench_motion::LocalPlanner;
+use openbench_motion::costmap::ground::Preferences;
 use openbench_osm::OsmData;
 use openbench_vision::PlateReader;
 
@@ -36,6 +37,8 @@ pub struct Parts {
     pub localizer: Box<dyn Localizer>,
     /// Turns ways into velocities.
     pub motion: Box<dyn LocalPlanner>,
+    /// Which ground is preferred to other.
+    pub ground: Preferences,
     /// Doors found before, if any are to be remembered.
     pub memory: Option<OsmData>,
 }

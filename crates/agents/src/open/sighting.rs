@@ -10,7 +10,7 @@ use openbench_vision::{PlateReading, parse_unit};
 use crate::open::perception::Perception;
 
 /// Plates further than this from every outline belong to no building, metres.
-const OFF_BUILDING: f64 = 4.0;
+pub const OFF_BUILDING: f64 = 4.0;
 /// Readings less sure than this are not believed.
 const CONFIDENCE: f32 = 0.6;
 /// Confidence, summed over agreeing readings, with which a plate is believed.

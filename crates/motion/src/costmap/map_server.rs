@@ -1,22 +1,23 @@
 //! Grids as ROS's map server keeps them: an image (`.pgm`, or `.png`) and a `.yaml` file that says where it lies and what its greys mean.
 //!
 //! After the description of `map_server` in the ROS wiki and that of `nav2_map_server`: a pixel's lightness x gives the probability p = (255 - x) / 255 that its cell is occupied, or x / 255 if `negate` is set. `mode: trinary`
-//! makes it occupied from `occupied_thresh` on, free up to `free_thresh`, and unknown between; `scale` grades what lies between in proportion, and what is not opaque is unknown; `raw` takes x itself where it is 100 at most. The first row of the image is the northernmost.
+//! makes it occupied above `occupied_thresh`, free below `free_thresh`, and unknown between; `scale` grades what lies between in proportion, and what is not opaque is unknown; `raw` takes x itself where it is 100 at most. The first row of the image is the northernmost.
 
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use image::{DynamicImage, ImageEncoder, ImageFormat, ImageReader};
+use image::{ImageEncoder, ImageFormat, ImageReader};
 use openbench_core::MapPoint;
 use openbench_grid::GridGeometry;
 use openbench_osm::write_atomically;
 use serde::{Deserialize, Serialize};
 
 /// Most pixels in a row or column.
-const MOST_PIXELS: u32 = 20_000;
+const MOST_PIXELS: u32 = 10_000;
 /// Longest description that is read, bytes.
 const LONGEST: u64 = 64 * 1024;
 /// Largest image file that is read, bytes.
-const LARGEST: u64 = 1 << 30;
+const LARGEST: u64 = 256 << 20;
 /// Greys that are written: free, occupied, unknown.
 const GREYS: (u8, u8, u8) = (254, 0, 205);
 
@@ -174,11 +175,16 @@ fn written(path: &Path, why: String) -> MapServerError {
 
 fn bytes(path: &Path, most: u64) -> Result<Vec<u8>, MapServerError> {
     let failed = |why| MapServerError::File { path: path.to_owned(), why };
-    let size = std::fs::metadata(path).map_err(failed)?.len();
-    if size > most {
-        return Err(failed(std::io::Error::other(format!("{size} bytes are more than {most}"))));
+    let file = std::fs::File::open(path).map_err(failed)?;
+    if !file.metadata().map_err(failed)?.is_file() {
+        return Err(failed(std::io::Error::other("it is no plain file")));
     }
-    std::fs::read(path).map_err(failed)
+    let mut bytes = Vec::new();
+    file.take(most + 1).read_to_end(&mut bytes).map_err(failed)?;
+    if bytes.len() as u64 > most {
+        return Err(failed(std::io::Error::other(format!("it is longer than {most} bytes"))));
+    }
+    Ok(bytes)
 }
 
 /// Understands a description; `path` is for errors.
@@ -214,7 +220,11 @@ pub fn decode(description: &Description, image: &[u8], path: &Path) -> Result<Oc
     reader.limits(limits);
     let image = reader.decode().map_err(failed)?;
     let (width, height) = (image.width() as usize, image.height() as usize);
-    let pixels = pixels(&image, description.mode);
+    if width == 0 || height == 0 {
+        return Err(MapServerError::Shape { width, height, cells: 0 });
+    }
+    let has_alpha = image.color().has_alpha();
+    let image = image.to_rgba8();
     let origin = &description.origin;
     let grid = GridGeometry {
         origin: MapPoint::new(origin[0], origin[1]),
@@ -222,20 +232,15 @@ pub fn decode(description: &Description, image: &[u8], path: &Path) -> Result<Oc
         height,
         cell: description.resolution,
     };
-    let rows = pixels.chunks_exact(width.max(1)).rev();
-    let cells = rows.flatten().map(|(light, alpha)| description.value(*light, *alpha)).collect();
+    let value = |p: &image::Rgba<u8>| description.value(lightness(p, has_alpha, description.mode), p.0[3]);
+    let cells = image.rows().rev().flat_map(|row| row.map(value)).collect();
     Ok(Occupancy { grid, yaw: origin.get(2).copied().unwrap_or(0.0), cells })
 }
 
-/// Mean of the colours, and opacity, of each pixel. As the map server has it, in `trinary` mode transparency counts as a colour.
-fn pixels(image: &DynamicImage, mode: Mode) -> Vec<(f64, u8)> {
-    let has_alpha = image.color().has_alpha();
-    let mean = |p: &image::Rgba<u8>| {
-        let alpha = has_alpha && mode == Mode::Trinary;
-        let channels = if alpha { &p.0[..] } else { &p.0[..3] };
-        channels.iter().map(|c| f64::from(*c)).sum::<f64>() / channels.len() as f64
-    };
-    image.to_rgba8().pixels().map(|p| (mean(p), p.0[3])).collect()
+/// Mean of a pixel's colours. As the map server has it, in `trinary` mode transparency counts as a colour.
+fn lightness(pixel: &image::Rgba<u8>, has_alpha: bool, mode: Mode) -> f64 {
+    let channels = if has_alpha && mode == Mode::Trinary { &pixel.0[..] } else { &pixel.0[..3] };
+    channels.iter().map(|c| f64::from(*c)).sum::<f64>() / channels.len() as f64
 }
 
 impl Description {
@@ -244,17 +249,17 @@ impl Description {
         let p = if self.negate { light / 255.0 } else { (255.0 - light) / 255.0 };
         match self.mode {
             Mode::Raw => {
-                if light <= 100.0 {
-                    light as i8
+                if light.round() <= 100.0 {
+                    light.round() as i8
                 } else {
                     Occupancy::UNKNOWN
                 }
             }
             Mode::Scale if alpha < 255 => Occupancy::UNKNOWN,
-            _ if p >= occupied => Occupancy::OCCUPIED,
-            _ if p <= free => Occupancy::FREE,
+            _ if p > occupied => Occupancy::OCCUPIED,
+            _ if p < free => Occupancy::FREE,
             Mode::Trinary => Occupancy::UNKNOWN,
-            Mode::Scale => (100.0 * (p - free) / (occupied - free)).round() as i8,
+            Mode::Scale => (100.0 * (p - free) / (occupied - free).max(1e-9)).round().clamp(0.0, 100.0) as i8,
         }
     }
 }
@@ -334,6 +339,20 @@ mod tests {
         assert!(matches!(cut, Err(MapServerError::Image { .. })));
         let vast = decode(&description("").unwrap(), b"P5 999999 999999 255 x", Path::new("a.pgm"));
         assert!(matches!(vast, Err(MapServerError::Image { .. })));
+    }
+
+    #[test]
+    fn transparency_is_a_colour_or_means_unknown() {
+        let decoded = |more: &str| {
+            let mut png = Vec::new();
+            let pixels = [0, 0, 0, 255, 0, 0, 0, 10, 255, 255, 255, 255, 255, 255, 255, 0];
+            let encoder = image::codecs::png::PngEncoder::new(&mut png);
+            encoder.write_image(&pixels, 4, 1, image::ExtendedColorType::Rgba8).unwrap();
+            decode(&description(more).unwrap(), &png, Path::new("a.png")).unwrap().cells
+        };
+        // Black and opaque is 64 of 255 on the mean of four.
+        assert_eq!(decoded(""), [100, 100, 0, -1]);
+        assert_eq!(decoded("mode: scale\n"), [100, -1, 0, -1]);
     }
 
     proptest! {

@@ -53,6 +53,9 @@ pub enum CostmapError {
     /// A kind of ground that costs less than open ground, or more than [`Preferences::DEAREST`].
     #[error("{0:?} are no preferences; give numbers from 1 to 20")]
     Preferences(Preferences),
+    /// A grid without cells, with too many, or with another number of them than its sides say.
+    #[error("a grid of {0} by {1} cells is no ground; give 1 to 2501 each way, and a value for each cell")]
+    NoGrid(usize, usize),
     /// A grid that is turned: what is known of the ground is kept by columns east and rows north.
     #[error("the grid is turned by {0} radians; give one whose rows run east")]
     Turned(f64),
@@ -107,6 +110,12 @@ impl Costmap {
 
     /// The costmap of a grid as ROS's map server keeps it: what is not known to be occupied is open.
     pub fn from_occupancy(occupancy: &Occupancy, robot: &RobotDescription) -> Result<Self, CostmapError> {
+        let grid = &occupancy.grid;
+        let most = MAX_SIDE as usize + 1;
+        let fits = (1..=most).contains(&grid.width) && (1..=most).contains(&grid.height);
+        if !fits || grid.len() != occupancy.cells.len() || !(grid.cell > 0.0 && grid.cell.is_finite()) {
+            return Err(CostmapError::NoGrid(grid.width, grid.height));
+        }
         if occupancy.yaw != 0.0 {
             return Err(CostmapError::Turned(occupancy.yaw));
         }
@@ -208,8 +217,10 @@ impl Costmap {
         if clearance < self.keep {
             return f32::INFINITY;
         }
-        let near = ((COMFORT - clearance) / (COMFORT - self.keep)).max(0.0);
-        self.preferences.of(self.ground.surface[cell]) * (1.0 + DISCOMFORT * near * near) as f32
+        // Robots as large as the comfort have none.
+        let near = (COMFORT - clearance).max(0.0) / (COMFORT - self.keep).max(self.grid.cell);
+        let cost = 1.0 + DISCOMFORT * (near * near).min(1.0);
+        self.preferences.of(self.ground.surface[cell]) * cost as f32
     }
 
     /// The costs of all cells, as of the last inflation.

@@ -10,6 +10,8 @@ const HIT: i8 = 4;
 const EVIDENCE: (i8, i8) = (-6, 12);
 /// Evidence below which a cell is known to be free.
 const FREE: i8 = -3;
+/// Lines of cells that one beam clears, at most.
+const MOST_RAYS: f64 = 4.0;
 /// Scans after which an obstacle that is not seen again is forgotten: a minute.
 const MEMORY: u32 = 600;
 /// Scans ago that are a moment: two seconds.
@@ -67,7 +69,12 @@ impl Seen {
     pub fn observe(&mut self, grid: &GridGeometry, ring: &RangeRing, moves: impl Fn(MapPoint) -> bool) {
         self.scans += 1;
         for (degrees, &beam) in ring.beams.iter().enumerate() {
-            self.mark_clear(grid, ring, beam, (degrees as f64 + 0.5).to_radians());
+            // A beam stands for its whole degree, which far off is wider than a cell.
+            let rays = (beam.reach * 1f64.to_radians() / grid.cell).ceil().clamp(1.0, MOST_RAYS);
+            for ray in 0..rays as usize {
+                let bearing = degrees as f64 + (ray as f64 + 0.5) / rays;
+                self.mark_clear(grid, ring, beam, bearing.to_radians());
+            }
         }
         for &(point, height) in &ring.obstacles {
             let Some(cell) = grid.cell_at(point).filter(|_| !moves(point)) else { continue };

@@ -64,11 +64,6 @@ impl Window {
         self.costmap.grid()
     }
 
-    /// See [`Costmap::newcomers`].
-    pub fn newcomers(&self, ring: &RangeRing) -> Vec<MapPoint> {
-        self.costmap.newcomers(ring)
-    }
-
     /// See [`Costmap::observe_but`].
     pub fn observe_but(&mut self, ring: &RangeRing, moves: impl Fn(MapPoint) -> bool) {
         self.costmap.observe_but(ring, moves);

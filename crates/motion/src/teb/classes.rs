@@ -407,8 +407,7 @@ fn window(start: MapPoint, goal: MapPoint, how: &Exploring) -> GridGeometry {
     let count = |length: f64| (((length + 2.0 * how.around) / cell).ceil() as usize).clamp(1, MOST_CELLS + 1);
     let (columns, rows) = (count(width), count(height));
     let middle = MapPoint::new((start.x + goal.x) / 2.0, (start.y + goal.y) / 2.0);
-    let origin =
-        MapPoint::new(middle.x - columns as f64 * cell / 2.0, middle.y - rows as f64 * cell / 2.0);
+    let origin = MapPoint::new(middle.x - columns as f64 * cell / 2.0, middle.y - rows as f64 * cell / 2.0);
     GridGeometry { origin, width: columns, height: rows, cell }
 }
 

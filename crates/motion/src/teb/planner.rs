@@ -11,7 +11,7 @@ use crate::shape::{Footprint, Obstacle, ShapeError};
 use crate::teb::band::Band;
 use crate::teb::classes::{Clumps, Explorer, Exploring, Signature};
 use crate::teb::optimize::{Effort, Optimizer};
-use crate::teb::settings::{Limits, Settings, SettingsError};
+use crate::teb::settings::{Limits, Settings, SettingsError, positive};
 use crate::teb::terms::Problem;
 
 /// Seconds ahead that a velocity is taken from: the time until the next one and a little for what lags.
@@ -38,6 +38,8 @@ const LATER: f64 = 1.5;
 const WAITS: [f64; 3] = [1.0, 2.5, 5.0];
 /// Seconds until a maneuver is looked for again.
 const SEARCH_AGAIN: f64 = 1.0;
+/// A robot that is slower than this need not brake gently, m/s.
+const SLOW: f64 = 0.05;
 /// Shares of the deceleration with which a robot brakes that still has to turn.
 const GENTLY: [f64; 2] = [0.25, 0.5];
 /// Shares of speed and turn rate that are tried after that.
@@ -72,6 +74,18 @@ impl Default for TebSettings {
             tolerance: 0.1,
             yaw_tolerance: 0.08,
         }
+    }
+}
+
+impl TebSettings {
+    /// Whether a planner can work like that.
+    pub fn check(&self) -> Result<(), SettingsError> {
+        self.band.check()?;
+        positive("the horizon", self.horizon)?;
+        positive("the tolerance", self.tolerance)?;
+        positive("the tolerance of heading", self.yaw_tolerance)?;
+        positive("the hysteresis", self.hysteresis)?;
+        positive("the side of a cell", self.exploring.cell)
     }
 }
 
@@ -139,7 +153,7 @@ struct End {
 impl Teb {
     /// A planner for a robot.
     pub fn new(robot: &RobotDescription, settings: TebSettings) -> Result<Self, TebError> {
-        settings.band.check()?;
+        settings.check()?;
         let footprint = Footprint::of(robot)?;
         let limits = Limits::of(robot)?;
         let mut settings = settings;
@@ -338,16 +352,10 @@ impl Teb {
     /// Gets off what is all but touched: by a maneuver to the end that is driven as it was found or, where there is none, by a small motion.
     fn drive_out(&mut self, situation: &Situation<'_>, end: &End) -> Option<Velocity> {
         let elapsed = self.last.map_or(0.0, |(time, _)| situation.time.since(time).as_secs_f64());
-        self.last = Some((situation.time, end.point));
-        let (footprint, limits) = (&self.footprint, &self.limits);
         if let Some(band) = &mut self.way_out {
             band.advance(situation.pose, elapsed);
         }
-        let keeps = |band: &Band| {
-            let conflict = first_conflict(footprint, limits, situation.obstacles, band, SURE);
-            band.duration() > DONE && conflict.is_none_or(|at| at > TOO_LATE)
-        };
-        let known = self.way_out.take().filter(keeps);
+        let known = self.way_out.take().filter(|band| self.keeps(situation, band));
         self.way_out = known.or_else(|| self.search(situation, end));
         self.driven_out(situation).or_else(|| {
             self.way_out = leave(&self.footprint, &self.limits, situation);
@@ -355,8 +363,14 @@ impl Teb {
         })
     }
 
+    /// Whether a way out is still to be driven, and meets nobody soon.
+    fn keeps(&self, situation: &Situation<'_>, band: &Band) -> bool {
+        let conflict = first_conflict(&self.footprint, &self.limits, situation.obstacles, band, SURE);
+        band.duration() > DONE && conflict.is_none_or(|at| at > TOO_LATE)
+    }
+
     fn driven_out(&self, situation: &Situation<'_>) -> Option<Velocity> {
-        let band = self.way_out.as_ref()?;
+        let band = self.way_out.as_ref().filter(|band| self.keeps(situation, band))?;
         self.secured(situation, wanted(band, &self.limits)).ok()
     }
 
@@ -372,19 +386,19 @@ impl Teb {
 
     /// What is wanted, or as near to it as lets the robot still stop before anything that stands.
     fn secured(&self, situation: &Situation<'_>, wanted: Velocity) -> Result<Velocity, Blocked> {
-        let mut conflict = 0.0;
+        let mut conflict = None;
         for velocity in self.slower(situation.velocity, wanted) {
             let motion = Motion { pose: situation.pose, velocity: situation.velocity, command: velocity };
             let (foot, limits) = (&self.footprint, &self.limits);
             match conflict_before_stop(foot, situation.obstacles, motion, limits, COMMAND, SURE) {
                 None => return Ok(velocity),
-                Some(at) => conflict = at * velocity.linear.abs(),
+                Some(at) => conflict = conflict.or(Some(at * velocity.linear.abs())),
             }
         }
-        Err(Blocked::Obstacle(conflict))
+        Err(Blocked::Obstacle(conflict.unwrap_or(0.0)))
     }
 
-    /// A velocity, and slower ones. Rims that brake as hard as they can cannot turn the robot too, so at first it brakes gently and turns as it was to.
+    /// A velocity, and slower ones, none of which stands where driving was wanted. Rims that brake as hard as they can cannot turn the robot too, so who is fast at first brakes gently and turns as it was to.
     fn slower(&self, now: Velocity, wanted: Velocity) -> impl Iterator<Item = Velocity> + use<> {
         let most = self.limits.acceleration * COMMAND;
         let gently = GENTLY.map(move |share| {
@@ -392,7 +406,10 @@ impl Teb {
             Velocity::new(linear.clamp(-wanted.linear.abs(), wanted.linear.abs()), wanted.angular)
         });
         let shares = SHARES.map(move |(v, w)| Velocity::new(v * wanted.linear, w * wanted.angular));
-        std::iter::once(wanted).chain(gently).chain(shares)
+        let is_fast = now.linear.abs() > SLOW;
+        let gently = gently.into_iter().filter(move |_| is_fast);
+        let moves = move |v: &Velocity| v.linear.abs() > 1e-3 || v.angular.abs() > 1e-2 || *v == wanted;
+        std::iter::once(wanted).chain(gently).chain(shares).filter(moves)
     }
 
     /// The last turn, once the robot stands where it should.
@@ -421,6 +438,7 @@ impl LocalPlanner for Teb {
         if self.wedged {
             if let Some(velocity) = self.drive_out(situation, &end) {
                 self.candidates.clear();
+                self.last = Some((situation.time, end.point));
                 return Ok(Progress::Drive(velocity));
             }
         } else {

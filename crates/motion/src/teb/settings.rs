@@ -177,7 +177,7 @@ impl Settings {
     }
 }
 
-fn positive(name: &'static str, value: f64) -> Result<(), SettingsError> {
+pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), SettingsError> {
     let wanted = "it must be more than nothing, and a number";
     if value > 0.0 && value.is_finite() { Ok(()) } else { Err(SettingsError { name, value, wanted }) }
 }

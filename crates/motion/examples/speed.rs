@@ -1,0 +1,128 @@
+//! CPU times of the local planner's parts among random stones, and of ways over a large costmap.
+//!
+//!     cargo run --release -p openbench-motion --example speed
+#![expect(clippy::print_stdout, reason = "an example prints what it measured")]
+
+use cpu_time::ThreadTime;
+use openbench_core::{Georeference, LonLat, MapPoint, Pose2, RobotDescription, Velocity};
+use openbench_motion::teb::band::Band;
+use openbench_motion::teb::classes::{Explorer, Exploring};
+use openbench_motion::teb::optimize::{Effort, Optimizer};
+use openbench_motion::teb::settings::{Limits, Settings};
+use openbench_motion::teb::terms::Problem;
+use openbench_motion::{Costmap, Footprint, Obstacle, RangeRing, Search, plan};
+use openbench_osm::{OsmData, OsmMap};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+/// Length of the way that is planned, metres.
+const HORIZON: f64 = 4.0;
+/// Draws of stones.
+const DRAWS: u64 = 300;
+
+type Failure = Box<dyn std::error::Error>;
+
+fn main() -> Result<(), Failure> {
+    println!("{HORIZON} m ahead, CPU ms p50 / p99        classes     new band    warm band   five warm");
+    for stones in [20, 60] {
+        bands(stones)?;
+    }
+    costmap()
+}
+
+fn bands(stones: usize) -> Result<(), Failure> {
+    let robot = RobotDescription::sentry();
+    let (footprint, limits, settings) = (Footprint::of(&robot)?, Limits::of(&robot)?, Settings::default());
+    let (mut explorer, mut optimizer) = (Explorer::default(), Optimizer::default());
+    let (start, goal) = (MapPoint::default(), MapPoint::new(HORIZON, 0.0));
+    let [mut classes, mut new, mut warm, mut five] = [const { Vec::new() }; 4];
+    for draw in 0..DRAWS {
+        let obstacles = scattered(stones, draw, start, goal)?;
+        let problem = Problem {
+            footprint: &footprint,
+            obstacles: &obstacles,
+            limits: &limits,
+            settings: &settings,
+            start: Velocity::ZERO,
+            stops: true,
+            end_yaw: true,
+            side: 0.0,
+        };
+        let how = Exploring { keep: footprint.inscribed(), ..Exploring::default() };
+        let (ways, took) = timed(|| explorer.explore(start, goal, &obstacles, &how));
+        classes.push(took);
+        let drafts = ways
+            .iter()
+            .filter_map(|w| Band::along(Pose2::default(), &w.corners[1..], Some(0.0), &limits, 1.0));
+        let mut cycle = 0.0;
+        let mut count = 0;
+        for mut band in drafts {
+            new.push(timed(|| optimizer.improve(&mut band, &problem, &[], &Effort::COLD)).1);
+            let took = timed(|| optimizer.improve(&mut band, &problem, &[], &Effort::WARM)).1;
+            warm.push(took);
+            (cycle, count) = (cycle + took, count + 1);
+        }
+        if count == how.most {
+            five.push(cycle + took);
+        }
+    }
+    println!(
+        "{stones} stones of 5 cm, {DRAWS} draws       {} {} {} {} ({} draws had five)",
+        spread(&mut classes),
+        spread(&mut new),
+        spread(&mut warm),
+        spread(&mut five),
+        five.len()
+    );
+    Ok(())
+}
+
+fn scattered(count: usize, seed: u64, start: MapPoint, goal: MapPoint) -> Result<Vec<Obstacle>, Failure> {
+    let mut rng = Pcg64Mcg::seed_from_u64(seed);
+    let places =
+        (0..count).map(|_| MapPoint::new(rng.random_range(0.5..HORIZON - 0.5), rng.random_range(-1.5..1.5)));
+    let places: Vec<MapPoint> =
+        places.filter(|p| p.distance(start) > 0.5 && p.distance(goal) > 0.5).collect();
+    Ok(places.into_iter().map(|place| Obstacle::disc(place, 0.05)).collect::<Result<_, _>>()?)
+}
+
+/// From corner to corner of 200 m by 200 m in cells of 10 cm, between posts.
+fn costmap() -> Result<(), Failure> {
+    let map = OsmMap::new(&OsmData::default(), Georeference::TangentPlane(LonLat::new(8.0, 50.0)));
+    let robot = RobotDescription::sentry();
+    let corner = MapPoint::new(200.0, 200.0);
+    let mut costmap = Costmap::new(&map, MapPoint::default(), corner, &robot)?;
+    let mut rng = Pcg64Mcg::seed_from_u64(1);
+    for _ in 0..4000 {
+        let post = MapPoint::new(rng.random_range(0.0..200.0), rng.random_range(0.0..200.0));
+        costmap.observe(&RangeRing::new(post, 0.25, std::iter::once((post, 0.3))));
+    }
+    let ((), inflating) = timed(|| costmap.inflate());
+    let mut search = Search::default();
+    let goal = MapPoint::new(199.0, 199.0);
+    let mut times = Vec::new();
+    for _ in 0..5 {
+        let (way, took) = timed(|| plan(&mut search, &costmap, MapPoint::new(1.0, 1.0), goal));
+        way?;
+        times.push(took);
+    }
+    let (columns, rows) = (costmap.grid().width, costmap.grid().height);
+    println!(
+        "costmap of {columns} x {rows}, 4000 posts: inflated in {inflating:.0} ms, corner to corner {:.0} ms (first {:.0})",
+        times[1..].iter().copied().fold(0.0, f64::max),
+        times[0]
+    );
+    Ok(())
+}
+
+fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
+    let began = ThreadTime::now();
+    let done = work();
+    (done, began.elapsed().as_secs_f64() * 1e3)
+}
+
+fn spread(times: &mut [f64]) -> String {
+    times.sort_by(f64::total_cmp);
+    let at = |share: f64| times.get((times.len() as f64 * share) as usize).copied().unwrap_or(f64::NAN);
+    format!("{:.2} / {:.2}", at(0.5), at(0.99))
+}
