@@ -13,7 +13,7 @@ const ENOUGH: f64 = 0.03;
 /// Room that a motion has to gain to be worth it, metres.
 const GAIN: f64 = 0.0005;
 /// Least distance that is kept on the way, metres, or half of what there is.
-const KEEP: f64 = 0.001;
+pub(crate) const KEEP: f64 = 0.001;
 /// A motion that takes longer comes from a speed that no robot has, seconds.
 const LONGEST: f64 = 10.0;
 /// Seconds between two looks.

@@ -5,6 +5,7 @@
 
 use std::time::Duration;
 
+use openbench_core::frames::wrap_angle;
 use openbench_core::{MapPoint, Pose2, RobotDescription, SimTime, Velocity};
 
 use crate::astar::PlanError;
@@ -26,6 +27,8 @@ const PATIENCE: Duration = Duration::from_millis(800);
 const PROGRESS: f64 = 0.5;
 /// Without getting that far for this long, a goal is given up.
 const NO_PROGRESS: Duration = Duration::from_secs(25);
+/// A robot that is driven and has moved by less than so many metres and radians after so long does not get on, though its planner thinks so.
+const CREEPING: (f64, f64, Duration) = (0.03, 0.1, Duration::from_millis(2000));
 /// As often the ladder is climbed before a goal is given up.
 const ATTEMPTS: u32 = 4;
 /// A maneuver leads to where the way is this far ahead, metres.
@@ -135,6 +138,8 @@ pub struct Navigator {
     attempts: u32,
     /// Where the robot was when it last got on, and when.
     anchor: Option<(MapPoint, SimTime)>,
+    /// Where the robot was when it last moved at all, and when.
+    moved: Option<(Pose2, SimTime)>,
     recoveries: Vec<Recovery>,
 }
 
@@ -153,6 +158,7 @@ impl Navigator {
             maneuver: None,
             attempts: 0,
             anchor: None,
+            moved: None,
             recoveries: Vec::new(),
         })
     }
@@ -163,7 +169,7 @@ impl Navigator {
         self.goal = Some((point, yaw));
         self.path.clear();
         (self.planned, self.blocked, self.maneuver) = (None, None, None);
-        (self.attempts, self.anchor, self.no_way) = (0, None, None);
+        (self.attempts, self.anchor, self.no_way, self.moved) = (0, None, None, None);
     }
 
     /// The way that is being followed.
@@ -228,6 +234,10 @@ impl Navigator {
         };
         match self.planner.plan(&situation) {
             Ok(Progress::Arrived) => Navigation::Arrived,
+            Ok(Progress::Drive(_)) if self.creeps(now) => {
+                let cause = Blocked::Obstacle(0.0);
+                self.climb(now, cause, Cause::Stuck(cause), point, yaw)
+            }
             Ok(Progress::Drive(velocity)) => {
                 self.blocked = None;
                 Navigation::Drive(velocity)
@@ -241,6 +251,17 @@ impl Navigator {
         if self.anchor.is_none_or(|(anchor, _)| anchor.distance(here) > PROGRESS) {
             (self.anchor, self.attempts) = (Some((here, now.time)), 0);
         }
+        let apart = |from: &Pose2| (from.point().distance(here), wrap_angle(from.yaw - now.pose.yaw).abs());
+        let stays = |(from, _): &(Pose2, SimTime)| apart(from).0 < CREEPING.0 && apart(from).1 < CREEPING.1;
+        if !self.moved.as_ref().is_some_and(stays) {
+            self.moved = Some((now.pose, now.time));
+        }
+    }
+
+    /// Whether the robot has all but stood for a while. Where somebody moves it may well wait.
+    fn creeps(&self, now: &Surroundings<'_>) -> bool {
+        let still = self.moved.is_some_and(|(_, since)| now.time.since(since) >= CREEPING.2);
+        still && !now.obstacles.iter().any(Obstacle::is_moving)
     }
 
     fn stagnates(&self, now: &Surroundings<'_>) -> bool {
@@ -299,7 +320,7 @@ impl Navigator {
                 let v = band.velocity(0);
                 self.record(now, if v.linear < 0.0 { Step::Back } else { Step::Turn }, cause);
                 self.maneuver = Some((band, now.time));
-                self.blocked = None;
+                (self.blocked, self.moved) = (None, Some((now.pose, now.time)));
                 Navigation::Drive(Velocity::ZERO)
             }
             // Who moves may have been in the way, and what was seen may have been wrong: the last attempt decides.
@@ -313,6 +334,7 @@ impl Navigator {
 
     /// Drives a maneuver as it was found, until it is done or something is in its way.
     fn drive_maneuver(&mut self, now: &Surroundings<'_>) -> Option<Velocity> {
+        let creeps = self.creeps(now);
         let (band, seen) = self.maneuver.as_mut()?;
         band.advance(now.pose, now.time.since(*seen).as_secs_f64());
         *seen = now.time;
@@ -321,7 +343,8 @@ impl Navigator {
         let meets = conflict_before_stop(&self.footprint, now.obstacles, motion, &self.limits, HOLD, SURE);
         // Who moves may have come into its way since.
         let met = first_conflict(&self.footprint, &self.limits, now.obstacles, band, SURE);
-        if band.duration() < 2.0 * HOLD || meets.is_some() || met.is_some_and(|at| at < SOON) {
+        // Its last steps lead to the goal's very place, where a robot may not get that stands beside it.
+        if band.duration() < 3.0 * HOLD || creeps || meets.is_some() || met.is_some_and(|at| at < SOON) {
             (self.maneuver, self.planned) = (None, None);
             self.planner.reset();
             return None;

@@ -4,7 +4,7 @@ use openbench_core::{MapPoint, Pose2, RobotDescription, SimTime, Velocity, frame
 
 use crate::evade::evade;
 use crate::feasible::{Motion, clearance, conflict_before_stop, first_conflict};
-use crate::leave::leave;
+use crate::leave::{KEEP, leave};
 use crate::local::{Blocked, LocalPlanner, Progress, Situation, ahead};
 use crate::maneuver::maneuver;
 use crate::shape::{Footprint, Obstacle, ShapeError};
@@ -365,7 +365,7 @@ impl Teb {
 
     /// Whether a way out is still to be driven, and meets nobody soon.
     fn keeps(&self, situation: &Situation<'_>, band: &Band) -> bool {
-        let conflict = first_conflict(&self.footprint, &self.limits, situation.obstacles, band, SURE);
+        let conflict = first_conflict(&self.footprint, &self.limits, situation.obstacles, band, KEEP);
         band.duration() > DONE && conflict.is_none_or(|at| at > TOO_LATE)
     }
 
