@@ -281,7 +281,7 @@ mod flag {
     #[serde(untagged)]
     enum Flag {
         Number(i64),
-        Truth(bool),
+        Boolean(bool),
     }
 
     #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde's signature")]
@@ -292,7 +292,7 @@ mod flag {
     pub(super) fn deserialize<'a, D: Deserializer<'a>>(deserializer: D) -> Result<bool, D::Error> {
         match Flag::deserialize(deserializer)? {
             Flag::Number(number) => Ok(number != 0),
-            Flag::Truth(truth) => Ok(truth),
+            Flag::Boolean(flag) => Ok(flag),
         }
     }
 }
