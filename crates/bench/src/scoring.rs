@@ -57,7 +57,7 @@ fn score_task(prepared: &Prepared, outcome: &TaskOutcome, door: Option<usize>) -
         smoothness: outcome.smoothness,
         collisions: outcome.collisions.len(),
         collisions_by_class: collisions::by_class(
-            outcome.collisions.iter().map(|c| (c.class.name(), c.impulse, c.speed)),
+            outcome.collisions.iter().map(|c| (c.class.name(), c.into())),
         ),
         encounters: outcome.encounters.map(EncounterSum::from),
         declared_at,

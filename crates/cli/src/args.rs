@@ -261,6 +261,11 @@ fn place(text: &str) -> Result<openbench_core::MapPoint, String> {
     }
 }
 
+fn kilometres(text: &str) -> Result<f64, String> {
+    let kilometres = text.parse().ok().filter(|kilometres| (0.001..=1000.0).contains(kilometres));
+    kilometres.ok_or_else(|| format!("`{text}` should be kilometres, from 0.001 to 1000"))
+}
+
 fn minutes(text: &str) -> Result<f64, String> {
     let minutes = text.parse().ok().filter(|minutes| (0.05..=600.0).contains(minutes));
     minutes.ok_or_else(|| format!("`{text}` should be minutes, from 0.05 to 600"))

@@ -121,7 +121,7 @@ fn ground(word: &str) -> Result<Preferences, String> {
 }
 
 /// The local planner that a word names.
-fn motion(word: &str) -> Result<Box<dyn LocalPlanner>, String> {
+pub fn motion(word: &str) -> Result<Box<dyn LocalPlanner>, String> {
     let robot = RobotDescription::sentry();
     let failed = |e: &dyn std::fmt::Display| format!("motion={word}: {e}");
     match word {

@@ -2,7 +2,7 @@
 
 use openbench_core::Velocity;
 
-use crate::feasible::{Motion, clearance};
+use crate::feasible::{Motion, OFF_THE_MOVING, clearance};
 use crate::local::Situation;
 use crate::shape::{Footprint, Obstacle};
 use crate::teb::settings::Limits;
@@ -36,7 +36,7 @@ pub fn evade(footprint: &Footprint, limits: &Limits, situation: &Situation<'_>) 
     best.1
 }
 
-/// Seconds until somebody is touched, and then the least distance to anybody; `None` if what stands is touched.
+/// Seconds until somebody is touched, and then the least distance to anybody; `None` if what stands would be touched, or somebody while the robot moves because it was told to.
 fn worth(
     footprint: &Footprint,
     limits: &Limits,
@@ -47,6 +47,8 @@ fn worth(
     let standing = || situation.obstacles.iter().filter(|o| !o.is_moving());
     let moving = || situation.obstacles.iter().filter(|o| o.is_moving());
     let start = clearance(footprint, standing(), motion.pose, 0.0, REACH);
+    let (somebody, drives) =
+        (clearance(footprint, moving(), motion.pose, 0.0, REACH), command != Velocity::ZERO);
     let mut least = REACH;
     for i in 1..=(HORIZON / STEP) as usize {
         let time = i as f64 * STEP;
@@ -58,7 +60,11 @@ fn worth(
         if !stands && clearance(footprint, standing(), motion.pose, 0.0, REACH) < (0.5 * start).min(FREE) {
             return None;
         }
-        least = least.min(clearance(footprint, moving(), motion.pose, time, REACH));
+        let near = clearance(footprint, moving(), motion.pose, time, REACH);
+        if drives && !motion.stands() && near < (0.5 * somebody).min(OFF_THE_MOVING) {
+            return None;
+        }
+        least = least.min(near);
         if least <= 0.0 {
             return Some(time);
         }

@@ -10,6 +10,8 @@ use openbench_core::MapPoint;
 pub const DIRECTIONS: usize = 360;
 /// Points between these heights above the ground are obstacles, metres.
 const BODY: (f64, f64) = (0.10, 0.45);
+/// Points above those, up to this height, may be of people, metres.
+const PEOPLE: f64 = 1.8;
 /// Points lower than this are ground, metres.
 const GROUND: f64 = 0.06;
 /// Points further away are left alone: a tilt of one degree lifts the ground by 14 cm there.
@@ -24,6 +26,8 @@ pub struct RangeRing {
     pub height: f64,
     /// Obstacle points in `map`, each with its height above the ground in metres.
     pub obstacles: Vec<(MapPoint, f64)>,
+    /// Points above the robot's roof that are no higher than people, in `map`.
+    pub above: Vec<MapPoint>,
     /// For each direction (degrees counter-clockwise from east): the beam that shows most to be clear.
     pub beams: Vec<Beam>,
 }
@@ -43,13 +47,17 @@ impl RangeRing {
     pub fn new(center: MapPoint, height: f64, points: impl Iterator<Item = (MapPoint, f64)>) -> Self {
         let mut nearest = [Beam { reach: f64::INFINITY, end_height: 0.0 }; DIRECTIONS];
         let mut furthest = [Beam::default(); DIRECTIONS];
-        let mut obstacles = Vec::new();
+        let (mut obstacles, mut above) = (Vec::new(), Vec::new());
         for (point, z) in points {
             let (dx, dy) = (point.x - center.x, point.y - center.y);
             let square = dx * dx + dy * dy;
             // Written so that a broken number is passed over too.
-            let counts = square <= REACH * REACH && (z < GROUND || (BODY.0..=BODY.1).contains(&z));
+            let counts = square <= REACH * REACH && (z < GROUND || (BODY.0..=PEOPLE).contains(&z));
             if !counts {
+                continue;
+            }
+            if z > BODY.1 {
+                above.push(point);
                 continue;
             }
             let (beam, direction) =
@@ -65,7 +73,7 @@ impl RangeRing {
             }
         }
         let shorter = |i: usize| if nearest[i].reach < furthest[i].reach { nearest[i] } else { furthest[i] };
-        Self { center, height, obstacles, beams: (0..DIRECTIONS).map(shorter).collect() }
+        Self { center, height, obstacles, above, beams: (0..DIRECTIONS).map(shorter).collect() }
     }
 
     /// Height above the ground at which `beam` passes `distance` metres from the sensor, metres.

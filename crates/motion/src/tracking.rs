@@ -1,6 +1,7 @@
 //! Who moves: points where a moment ago the ground was seen to be free, gathered into bodies and followed.
 //!
-//! Each body has a place and a velocity that hardly changes (a Kalman filter of constant velocity, the same along both axes). What a scan shows in places that were never seen free may be anything; what appears where it was
+//! Each body has a place and a velocity that changes little from scan to scan (a Kalman filter of constant velocity, the same along both axes). A point is of the body that it is nearest to, as it moved on from the last scan: two who
+//! pass each other stay two. Legs swing; where the trunk above them is seen, it says where somebody is. What a scan shows in places that were never seen free may be anything; what appears where it was
 //! free has come from somewhere.
 
 use openbench_core::{MapPoint, SimTime};
@@ -11,26 +12,47 @@ use crate::shape::Obstacle;
 const TOGETHER: f64 = 0.25;
 /// Bodies wider than this are none that walk, metres.
 const WIDEST: f64 = 1.2;
-/// Least points of a body.
+/// Least points of a body that was not known before.
 const FEWEST: usize = 3;
-/// A body is looked for this far from where it should be, metres.
-const GATE: f64 = 0.6;
-/// Deviation of a body's measured place, metres: of a body only the side that faces the robot is seen.
-const MEASURED: f64 = 0.1;
-/// Deviation of its acceleration, m/s².
-const RESTLESS: f64 = 1.0;
+/// A point is of a known body if it is so near to its middle, metres.
+const GATE: f64 = 0.45;
+/// Points above the robot of a body's trunk, at least.
+const TRUNK: usize = 4;
+/// From the side that is seen to the middle of somebody, metres.
+const HALF_DEPTH: f64 = 0.1;
+/// Deviation of a measured place by the trunk, and by the legs, metres.
+const MEASURED: [f64; 2] = [0.06, 0.12];
+/// Deviation of the acceleration, m/s².
+const RESTLESS: f64 = 2.0;
 /// Deviation of the velocity of a body that was seen once, m/s.
 const UNKNOWN: f64 = 1.0;
 /// A body that was not seen for so many seconds is forgotten.
 const FORGOTTEN: f64 = 0.8;
+/// Bodies nearer to each other than this, metres, that part slower than this, m/s, are one.
+const ONE: (f64, f64) = (0.3, 0.7);
 /// A body is believed in once it was seen so many times,
 const SEEN: u32 = 4;
 /// has got this far from where it was first seen, metres,
 const MOVED: f64 = 0.25;
 /// and is this fast, m/s.
 const FAST: f64 = 0.15;
-/// Half a body's width at least, metres.
-const SLIM: f64 = 0.25;
+/// Half the width of a person, metres.
+const PERSON: f64 = 0.3;
+/// Points of somebody's legs are no further from the middle than this, metres.
+const STRIDES: f64 = 0.45;
+/// Share of the difference by which a body's radius follows what is seen.
+const GROWS: f64 = 0.2;
+
+/// What a scan shows that was not there before.
+#[derive(Debug, Clone, Copy)]
+pub struct Newcomers<'a> {
+    /// Where the sensor was.
+    pub sensor: MapPoint,
+    /// Points as high as the robot, where the ground was free a moment ago.
+    pub low: &'a [MapPoint],
+    /// Points above the robot; those of walls and trees do no harm.
+    pub above: &'a [MapPoint],
+}
 
 /// A body that may move.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,24 +75,70 @@ pub struct Tracker {
 }
 
 impl Tracker {
-    /// Takes in the points of a scan that are where the ground was free a moment ago, in `map`.
-    pub fn update(&mut self, time: SimTime, points: &[MapPoint]) {
+    /// Takes in what a scan shows, in `map`; `time` is the middle of the scan.
+    pub fn update(&mut self, time: SimTime, seen: &Newcomers<'_>) {
         if time <= self.now && !self.tracks.is_empty() {
             return;
         }
         let seconds = time.since(self.now).as_secs_f64();
         self.now = time;
         self.tracks.iter_mut().for_each(|track| track.predict(seconds));
-        for body in bodies(points) {
-            let off = |t: &Track| apart(t.place, body.0);
-            let near =
-                (0..self.tracks.len()).filter(|&i| off(&self.tracks[i]) < GATE && self.tracks[i].last < time);
-            match near.min_by(|&a, &b| off(&self.tracks[a]).total_cmp(&off(&self.tracks[b]))) {
-                Some(i) => self.tracks[i].see(body, time),
-                None => self.tracks.push(Track::new(body, time)),
-            }
+        let rest = self.follow(time, seen);
+        for low in clusters(&rest) {
+            let body = Body::of(&low, &[], seen.sensor);
+            self.tracks.push(Track::new(&body, time));
         }
         self.tracks.retain(|t| time.since(t.last).as_secs_f64() < FORGOTTEN);
+        self.unite();
+    }
+
+    /// Shows each body what is seen of it; what is of none is returned.
+    fn follow(&mut self, time: SimTime, seen: &Newcomers<'_>) -> Vec<MapPoint> {
+        let mut low = vec![Vec::new(); self.tracks.len()];
+        let mut trunks = vec![Vec::new(); self.tracks.len()];
+        let mut rest = Vec::new();
+        for &point in seen.low {
+            match self.nearest(point) {
+                Some(i) => low[i].push(point),
+                None => rest.push(point),
+            }
+        }
+        if !self.tracks.is_empty() {
+            for &point in seen.above {
+                if let Some(i) = self.nearest(point) {
+                    trunks[i].push(point);
+                }
+            }
+        }
+        for (track, (low, trunk)) in self.tracks.iter_mut().zip(low.iter().zip(&trunks)) {
+            if !low.is_empty() {
+                track.see(&Body::of(low, trunk, seen.sensor), time);
+            }
+        }
+        rest
+    }
+
+    /// The body that a point may be of.
+    fn nearest(&self, point: MapPoint) -> Option<usize> {
+        let off = |i: usize| apart(self.tracks[i].place, [point.x, point.y]) - self.tracks[i].radius;
+        let near = (0..self.tracks.len()).filter(|&i| off(i) < GATE - PERSON);
+        near.min_by(|&a, &b| off(a).total_cmp(&off(b)))
+    }
+
+    /// Two that go the same way in the same place are one, the older.
+    fn unite(&mut self) {
+        let mut i = 0;
+        while i < self.tracks.len() {
+            let track = &self.tracks[i];
+            let same = |other: &Track| {
+                apart(other.place, track.place) < ONE.0 && apart(other.velocity, track.velocity) < ONE.1
+            };
+            if self.tracks[..i].iter().any(same) {
+                self.tracks.remove(i);
+            } else {
+                i += 1;
+            }
+        }
     }
 
     /// Those who are believed to move, as discs where they are by now.
@@ -83,18 +151,18 @@ impl Tracker {
     /// Whether a point is of somebody who is believed to move.
     pub fn covers(&self, point: MapPoint) -> bool {
         let at = [point.x, point.y];
-        self.tracks.iter().any(|t| t.is_believed() && apart(t.place, at) < t.radius + TOGETHER)
+        self.tracks.iter().any(|t| apart(t.place, at) < t.radius + TOGETHER && t.is_believed())
     }
 }
 
 impl Track {
-    fn new((place, radius): Body, time: SimTime) -> Self {
+    fn new(body: &Body, time: SimTime) -> Self {
         Self {
-            place,
+            place: body.middle,
             velocity: [0.0; 2],
-            variance: [MEASURED * MEASURED, UNKNOWN * UNKNOWN, 0.0],
-            born: place,
-            radius: radius.max(SLIM),
+            variance: [body.deviation * body.deviation, UNKNOWN * UNKNOWN, 0.0],
+            born: body.middle,
+            radius: body.radius,
             sightings: 1,
             last: time,
         }
@@ -113,24 +181,25 @@ impl Track {
         ];
     }
 
-    fn see(&mut self, (place, radius): Body, time: SimTime) {
+    fn see(&mut self, body: &Body, time: SimTime) {
         let [p, v, pv] = self.variance;
-        let total = p + MEASURED * MEASURED;
+        let total = p + body.deviation * body.deviation;
         let (gain, gain_velocity) = (p / total, pv / total);
-        let surprise = [place[0] - self.place[0], place[1] - self.place[1]];
-        for (k, surprise) in surprise.into_iter().enumerate() {
+        for k in 0..2 {
+            let surprise = body.middle[k] - self.place[k];
             self.place[k] += gain * surprise;
             self.velocity[k] += gain_velocity * surprise;
         }
         self.variance = [p * (1.0 - gain), v - gain_velocity * pv, pv * (1.0 - gain)];
-        self.radius = self.radius.max(radius.min(WIDEST / 2.0));
+        self.radius += GROWS * (body.radius - self.radius);
         self.sightings += 1;
         self.last = time;
     }
 
     fn is_believed(&self) -> bool {
-        let [x, y] = self.velocity;
-        self.sightings >= SEEN && apart(self.place, self.born) > MOVED && libm::hypot(x, y) > FAST
+        self.sightings >= SEEN
+            && apart(self.place, self.born) > MOVED
+            && apart(self.velocity, [0.0; 2]) > FAST
     }
 
     fn obstacle(&self, seconds: f64) -> Option<Obstacle> {
@@ -139,40 +208,61 @@ impl Track {
     }
 }
 
-/// Middle and radius.
-type Body = ([f64; 2], f64);
+/// What one scan shows of a body.
+struct Body {
+    middle: [f64; 2],
+    radius: f64,
+    /// Of the middle, metres.
+    deviation: f64,
+}
 
-/// Points that hang together, as bodies; what is too wide or has too few points is none.
-fn bodies(points: &[MapPoint]) -> Vec<Body> {
+impl Body {
+    /// From points of it, one at least, as high as the robot, and above.
+    fn of(low: &[MapPoint], trunk: &[MapPoint], sensor: MapPoint) -> Self {
+        let (points, deviation) = if trunk.len() < TRUNK { (low, MEASURED[1]) } else { (trunk, MEASURED[0]) };
+        let n = points.len() as f64;
+        let seen = points.iter().fold([0.0; 2], |m, p| [m[0] + p.x / n, m[1] + p.y / n]);
+        let away = apart(seen, [sensor.x, sensor.y]).max(1e-6);
+        let behind = |seen: f64, sensor: f64| seen + HALF_DEPTH * (seen - sensor) / away;
+        let middle = [behind(seen[0], sensor.x), behind(seen[1], sensor.y)];
+        let widest = low.iter().map(|p| apart([p.x, p.y], middle)).fold(0.0, f64::max);
+        let radius = if widest < STRIDES { PERSON } else { widest.min(WIDEST / 2.0) };
+        Self { middle, radius, deviation }
+    }
+}
+
+/// Points that hang together, of bodies that may walk: neither too wide nor of too few points.
+fn clusters(points: &[MapPoint]) -> Vec<Vec<MapPoint>> {
     let mut rest: Vec<MapPoint> = points.to_vec();
     let mut found = Vec::new();
     while let Some(first) = rest.pop() {
-        let mut body = vec![first];
+        let mut cluster = vec![first];
         let mut looked = 0;
-        while looked < body.len() {
-            let at = body[looked];
+        while looked < cluster.len() {
+            let at = cluster[looked];
             looked += 1;
             let mut k = 0;
             while k < rest.len() {
                 if rest[k].distance(at) < TOGETHER {
-                    body.push(rest.swap_remove(k));
+                    cluster.push(rest.swap_remove(k));
                 } else {
                     k += 1;
                 }
             }
         }
-        let n = body.len() as f64;
-        let middle = body.iter().fold([0.0; 2], |m, p| [m[0] + p.x / n, m[1] + p.y / n]);
-        let radius = body.iter().map(|p| apart([p.x, p.y], middle)).fold(0.0, f64::max);
-        if body.len() >= FEWEST && 2.0 * radius <= WIDEST {
-            found.push((middle, radius));
+        let n = cluster.len() as f64;
+        let middle = cluster.iter().fold([0.0; 2], |m, p| [m[0] + p.x / n, m[1] + p.y / n]);
+        let half = cluster.iter().map(|p| apart([p.x, p.y], middle)).fold(0.0, f64::max);
+        if cluster.len() >= FEWEST && 2.0 * half <= WIDEST {
+            found.push(cluster);
         }
     }
     found
 }
 
 fn apart(a: [f64; 2], b: [f64; 2]) -> f64 {
-    libm::hypot(a[0] - b[0], a[1] - b[1])
+    let (x, y) = (a[0] - b[0], a[1] - b[1]);
+    (x * x + y * y).sqrt()
 }
 
 #[cfg(test)]
@@ -184,10 +274,21 @@ mod tests {
         SimTime::ZERO + Duration::from_millis(100) * scan
     }
 
+    fn update(tracker: &mut Tracker, scan: u32, low: &[MapPoint], above: &[MapPoint]) {
+        tracker.update(time(scan), &Newcomers { sensor: MapPoint::default(), low, above });
+    }
+
     /// The side of a round body that faces the origin.
-    fn seen(middle: MapPoint) -> Vec<MapPoint> {
+    fn seen(middle: MapPoint, radius: f64) -> Vec<MapPoint> {
         let towards = middle.bearing_to(MapPoint::default());
-        (-5..=5).map(|i| middle.offset(towards + 0.25 * f64::from(i), 0.2)).collect()
+        (-5..=5).map(|i| middle.offset(towards + 0.25 * f64::from(i), radius)).collect()
+    }
+
+    /// Two legs, one before the other by turns, 0.25 m to either side.
+    fn legs(middle: MapPoint, scan: u32) -> Vec<MapPoint> {
+        let swing = 0.25 * libm::sin(6.0 * 0.1 * f64::from(scan));
+        let leg = |x: f64, y: f64| seen(MapPoint::new(middle.x + x, middle.y + y), 0.06);
+        [leg(0.1, swing), leg(-0.1, -swing)].concat()
     }
 
     #[test]
@@ -195,42 +296,45 @@ mod tests {
         let mut tracker = Tracker::default();
         let place = |scan: u32| MapPoint::new(3.0, -1.5 + 0.12 * f64::from(scan));
         for scan in 0..20 {
-            let mut points = seen(place(scan));
-            points.extend(seen(MapPoint::new(-2.0, 1.0)));
-            tracker.update(time(scan), &points);
+            let low = [legs(place(scan), scan), seen(MapPoint::new(-2.0, 1.0), 0.2)].concat();
+            update(&mut tracker, scan, &low, &seen(place(scan), 0.15));
         }
         let moving = tracker.moving(time(19));
         assert_eq!(moving.len(), 1);
         let [vx, vy] = moving[0].velocity();
         assert!(vx.abs() < 0.15 && (vy - 1.2).abs() < 0.15, "{vx} {vy}");
-        assert!(moving[0].middle().distance(place(19)) < 0.3 && tracker.covers(place(19)));
+        assert!(moving[0].middle().distance(place(19)) < 0.1 && tracker.covers(place(19)));
         assert!(!tracker.covers(MapPoint::new(-2.0, 1.0)));
         // Half a second later he is further on; after a second unseen he is forgotten.
         assert!((tracker.moving(time(24))[0].middle().y - moving[0].middle().y - 0.6).abs() < 0.1);
-        tracker.update(time(30), &[]);
+        update(&mut tracker, 30, &[], &[]);
         assert!(tracker.moving(time(30)).is_empty());
     }
 
     #[test]
-    fn two_who_pass_each_other_keep_their_velocities() {
+    fn two_who_brush_past_each_other_stay_two() {
         let mut tracker = Tracker::default();
         for scan in 0..30 {
             let along = 0.1 * f64::from(scan) - 1.5;
-            let mut points = seen(MapPoint::new(3.0, along));
-            points.extend(seen(MapPoint::new(4.2, -along)));
-            tracker.update(time(scan), &points);
+            let (one, other) = (MapPoint::new(3.0, along), MapPoint::new(3.45, -along));
+            let low = [legs(one, scan), legs(other, scan + 3)].concat();
+            let above = [seen(one, 0.15), seen(other, 0.15)].concat();
+            update(&mut tracker, scan, &low, &above);
+            let moving = tracker.moving(time(scan));
+            let off = |p: MapPoint| moving.iter().map(|o| o.middle().distance(p)).fold(9.0, f64::min);
+            assert!(
+                scan < 8 || (moving.len() == 2 && off(one) < 0.2 && off(other) < 0.2),
+                "{scan}: {moving:?}"
+            );
         }
         let mut speeds: Vec<f64> = tracker.moving(time(29)).iter().map(|o| o.velocity()[1]).collect();
         speeds.sort_by(f64::total_cmp);
-        assert!(
-            speeds.len() == 2 && (speeds[0] + 1.0).abs() < 0.2 && (speeds[1] - 1.0).abs() < 0.2,
-            "{speeds:?}"
-        );
+        assert!((speeds[0] + 1.0).abs() < 0.2 && (speeds[1] - 1.0).abs() < 0.2, "{speeds:?}");
     }
 
     #[test]
     fn walls_and_single_points_are_no_bodies() {
         let wall: Vec<MapPoint> = (0..40).map(|i| MapPoint::new(2.0, 0.1 * f64::from(i))).collect();
-        assert!(bodies(&wall).is_empty() && bodies(&wall[..2]).is_empty());
+        assert!(clusters(&wall).is_empty() && clusters(&wall[..2]).is_empty());
     }
 }

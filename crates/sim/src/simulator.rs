@@ -19,7 +19,8 @@ use crate::noise::Noise;
 use crate::physics::{Physics, STEP_NS, Solids};
 use crate::render::Renderer;
 use crate::traffic::figures::Gallery;
-use crate::traffic::{Mover, PERSON_RADIUS, RobotState, Traffic, TrafficPlan};
+use crate::traffic::yielding::Yielding;
+use crate::traffic::{Mover, MoverKind, PERSON_RADIUS, RobotState, Traffic, TrafficPlan};
 
 /// Simulated time between two observations, nanoseconds.
 pub const OBSERVATION_NS: u64 = 50_000_000;
@@ -39,6 +40,8 @@ pub struct Collision {
     pub pose: Pose2,
     /// How fast its fastest corner was up to 50 ms before, m/s, turning as it was told to: a robot that stands is run into.
     pub speed: f64,
+    /// Whether the robot had got into the way of who was touched when that was too near to stop.
+    pub cut_off: bool,
 }
 
 /// A world prepared for simulation: shared by all episodes in it.
@@ -94,6 +97,7 @@ pub struct Simulator {
     lidar: Lidar,
     lidar_path: Vec<Pose3>,
     crowd: Option<Crowd>,
+    yielding: Yielding,
     movers: Arc<Movers>,
     time: SimTime,
     imu_samples: Vec<ImuSample>,
@@ -127,6 +131,7 @@ impl Simulator {
             encoders: Encoders::default(),
             lidar,
             crowd: None,
+            yielding: Yielding::default(),
             movers: Arc::default(),
             time: SimTime::ZERO,
             imu_samples: Vec::new(),
@@ -175,6 +180,7 @@ impl Simulator {
         self.speed = libm::hypot(robot.velocity[0], robot.velocity[1]) + rim;
         if let Some(crowd) = &mut self.crowd {
             let figures = Arc::make_mut(&mut self.movers);
+            self.yielding.update(OBSERVATION_NS as f64 * 1e-9, &robot, crowd.movers());
             crowd.step(robot, &self.stage.caster, &mut self.physics, figures);
         }
         for _ in 0..OBSERVATION_NS / STEP_NS {
@@ -280,8 +286,18 @@ impl Simulator {
                 impulse: contact.impulse,
                 pose,
                 speed: self.speed,
+                cut_off: self.has_cut_off(contact.class),
             });
         }
+    }
+
+    fn has_cut_off(&self, class: SemanticClass) -> bool {
+        let kind = match class {
+            SemanticClass::Person => MoverKind::Pedestrian,
+            SemanticClass::Vehicle => MoverKind::Car,
+            _ => return false,
+        };
+        self.yielding.cut_off(kind, self.movers())
     }
 
     fn extend_chain(&mut self) {

@@ -9,12 +9,14 @@ use openbench_core::{
 use openbench_motion::costmap::window::Window;
 use openbench_motion::{
     Costmap, Footprint, Guide, LocalPlanner, Navigation, Navigator, PlanError, RangeRing, Search,
-    Surroundings, Tracker, plan,
+    Surroundings, Tracker, plan, tracking::Newcomers,
 };
 use openbench_osm::polygon::nearest_on_segment;
 
 /// Within this distance of the robot's middle its own hull stands, metres.
 const OWN_HULL: f64 = 0.4;
+/// Half the time of a scan, nanoseconds: on average its points are as old when it is over.
+const HALF_SCAN_NS: u64 = 50_000_000;
 /// How far ahead of the robot the way is checked against every scan, metres.
 const CHECK_AHEAD: f64 = 3.0;
 /// Obstacles within this distance are told to the local planner, metres.
@@ -105,7 +107,9 @@ impl Driver {
     /// Takes in what a scan shows.
     pub fn observe(&mut self, ring: &RangeRing, now: SimTime) {
         self.window.follow(&self.costmap, ring.center);
-        self.tracker.update(now, &self.costmap.newcomers(ring));
+        let low = self.costmap.newcomers(ring);
+        let seen = Newcomers { sensor: ring.center, low: &low, above: &ring.above };
+        self.tracker.update(SimTime(now.0.saturating_sub(HALF_SCAN_NS)), &seen);
         self.window.observe_but(ring, |point| self.tracker.covers(point));
         self.costmap.observe_but(ring, |point| self.tracker.covers(point));
     }

@@ -7,9 +7,11 @@
 //! | [`drive`] | a drive through a scene |
 //! | [`picture`] | a drive as a picture |
 //! | [`trial`] | many scenes, several planners, and the table |
+//! | [`people`] | kilometres among people, in the simulator |
 
 pub mod best;
 pub mod drive;
+pub mod people;
 pub mod picture;
 pub mod scene;
 pub mod trial;

@@ -25,6 +25,8 @@ pub enum BenchCommand {
     Posegraph(BenchPosegraphArgs),
     /// Local planners: drives through scenes from a seed, and what could have been done in each
     Motion(BenchMotionArgs),
+    /// Driving among people: kilometres in the simulator, collisions, and who was to blame
+    People(BenchPeopleArgs),
 }
 
 /// Arguments of `bench motion`.
@@ -45,7 +47,7 @@ pub struct BenchMotionArgs {
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// Who drives; may be given several times [default: all of them]
-    #[arg(long = "planner", value_enum)]
+    #[arg(long = "planner", value_enum, value_delimiter = ',')]
     pub planners: Vec<PlannerArg>,
     /// Scenes at a time; only CPU times depend on it
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
@@ -53,6 +55,40 @@ pub struct BenchMotionArgs {
     /// Write a picture (.svg) of each drive into this folder
     #[arg(long)]
     pub pictures: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `bench people`.
+#[derive(Debug, ClapArgs)]
+#[command(after_help = "\
+OPEN's driver goes from door to door by LiDAR and wheels; only where it is it is told. Cameras and language are left out.
+
+Examples:
+  openbench bench people small --pedestrians 10,40 --km 2
+  openbench bench people small --pedestrians 40 --cars 10 --planner follower --jobs 2 --json")]
+pub struct BenchPeopleArgs {
+    /// A built-in world (small, medium, large), a suite file (.toml), or the folder of a generated or imported world
+    pub world: String,
+    /// People who walk about; a row for each number
+    #[arg(long, default_value = "20", value_delimiter = ',')]
+    pub pedestrians: Vec<u16>,
+    /// Cars that drive about
+    #[arg(long, default_value_t = 0)]
+    pub cars: u16,
+    /// Kilometres for each row, in drives of half a kilometre
+    #[arg(long, default_value_t = 1.0, value_parser = kilometres)]
+    pub km: f64,
+    /// Seed of people, noise and the order of doors
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Who drives
+    #[arg(long, value_enum, default_value = "teb")]
+    pub planner: PlannerArg,
+    /// Drives at a time; results do not depend on it
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
+    pub jobs: u16,
     /// Print JSON
     #[arg(long)]
     pub json: bool,

@@ -10,7 +10,7 @@ use openbench_routing::Profile;
 use serde::Serialize;
 
 use crate::args::{BenchArgs, BenchCommand, BenchPosegraphArgs, BenchRoutingArgs, BenchSimArgs};
-use crate::commands::bench_motion;
+use crate::commands::{bench_motion, bench_people};
 use crate::outcome::{Outcome, say, say_json};
 
 /// Measures what is asked for.
@@ -20,6 +20,7 @@ pub fn run(args: &BenchArgs) -> anyhow::Result<Outcome> {
         BenchCommand::Routing(args) => routing(args),
         BenchCommand::Posegraph(args) => posegraph(args),
         BenchCommand::Motion(args) => bench_motion::run(args),
+        BenchCommand::People(args) => bench_people::run(args),
     }
 }
 

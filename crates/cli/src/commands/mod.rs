@@ -2,6 +2,7 @@
 
 pub mod bench;
 mod bench_motion;
+mod bench_people;
 pub mod evaluate;
 pub mod models;
 pub mod odometry;

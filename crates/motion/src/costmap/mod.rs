@@ -155,13 +155,10 @@ impl Costmap {
         &self.grid
     }
 
-    /// The middles of cells that a scan shows something in where the ground was known to be free a moment ago, away from what stands: who or what has come there.
+    /// The points of a scan where the ground was known to be free a moment ago, away from what stands: who or what has come there.
     pub fn newcomers(&self, ring: &RangeRing) -> Vec<MapPoint> {
-        let hit = ring.obstacles.iter().filter_map(|(point, _)| self.grid.cell_at(*point));
-        let mut cells: Vec<usize> = hit.filter(|&cell| self.is_new(cell)).collect();
-        cells.sort_unstable();
-        cells.dedup();
-        cells.into_iter().map(|cell| self.grid.center(cell)).collect()
+        let is_new = |point: &MapPoint| self.grid.cell_at(*point).is_some_and(|cell| self.is_new(cell));
+        ring.obstacles.iter().map(|(point, _)| *point).filter(is_new).collect()
     }
 
     /// Whether a cell was free a moment ago and so were or are those around it.

@@ -84,11 +84,13 @@ impl Band {
     /// The velocity on stretch `i`, from knot `i` to the next.
     pub fn velocity(&self, i: usize) -> Velocity {
         let (a, b) = (self.knots[i], self.knots[i + 1]);
-        let seconds = b.time - a.time;
-        let turn = b.pose.yaw - a.pose.yaw;
-        let (sin, cos) = libm::sincos((a.pose.yaw + b.pose.yaw) / 2.0);
-        let chord = (b.pose.x - a.pose.x) * cos + (b.pose.y - a.pose.y) * sin;
-        Velocity::new(chord * bulge(turn) / seconds, turn / seconds)
+        velocity(a.pose, b.pose, b.time - a.time)
+    }
+
+    /// The velocity that leads to where the band is after so many seconds, or at its end.
+    pub fn velocity_until(&self, seconds: f64) -> Velocity {
+        let until = seconds.min(self.duration());
+        velocity(self.knots[0].pose, self.pose_at(until), until)
     }
 
     /// The same after a wait where it begins, seconds; `None` if that is not more than nothing.
@@ -241,6 +243,14 @@ fn rounded(start: MapPoint, corners: &[MapPoint]) -> Vec<MapPoint> {
         around.iter().fold(MapPoint::default(), |m, p| MapPoint::new(m.x + p.x / n, m.y + p.y / n))
     };
     (0..points.len()).map(mean).collect()
+}
+
+/// The velocity that leads along an arc from one pose to another.
+fn velocity(from: Pose2, to: Pose2, seconds: f64) -> Velocity {
+    let turn = to.yaw - from.yaw;
+    let (sin, cos) = libm::sincos((from.yaw + to.yaw) / 2.0);
+    let chord = (to.x - from.x) * cos + (to.y - from.y) * sin;
+    Velocity::new(chord * bulge(turn) / seconds, turn / seconds)
 }
 
 /// Length of an arc that turns by `turn`, as a multiple of its chord.

@@ -11,7 +11,7 @@ use crate::shape::{Footprint, Obstacle, ShapeError};
 use crate::teb::band::Band;
 use crate::teb::classes::{Clumps, Explorer, Exploring, Signature};
 use crate::teb::optimize::{Effort, Optimizer};
-use crate::teb::settings::{Limits, Settings, SettingsError, positive};
+use crate::teb::settings::{Limits, Settings, SettingsError, finite, positive};
 use crate::teb::terms::Problem;
 
 /// Seconds ahead that a velocity is taken from: the time until the next one and a little for what lags.
@@ -38,6 +38,10 @@ const LATER: f64 = 1.5;
 const WAITS: [f64; 3] = [1.0, 2.5, 5.0];
 /// Seconds until a maneuver is looked for again.
 const SEARCH_AGAIN: f64 = 1.0;
+/// Classes are looked for again after so many seconds; at once where no band leads to the end.
+const EXPLORE_AGAIN: f64 = 0.14;
+/// Points to pass by, at most.
+const MOST_VIAS: f64 = 40.0;
 /// A robot that is slower than this need not brake gently, m/s.
 const SLOW: f64 = 0.05;
 /// Shares of the deceleration with which a robot brakes that still has to turn.
@@ -62,6 +66,14 @@ pub struct TebSettings {
     pub tolerance: f64,
     /// Heading error at the end with which the robot has arrived, radians.
     pub yaw_tolerance: f64,
+    /// Distance between points of the way that bands pass by, metres, as firmly as [`Weights::via`] says; none by default: ways are only hints where to go.
+    ///
+    /// [`Weights::via`]: crate::teb::settings::Weights::via
+    pub via: Option<f64>,
+    /// Side that is preferred where the robot turns about: left if more than nothing, right if less. Bands turn the other way only where that is shorter by more than [`Weights::side`] says.
+    ///
+    /// [`Weights::side`]: crate::teb::settings::Weights::side
+    pub side: f64,
 }
 
 impl Default for TebSettings {
@@ -73,6 +85,8 @@ impl Default for TebSettings {
             hysteresis: 0.9,
             tolerance: 0.1,
             yaw_tolerance: 0.08,
+            via: None,
+            side: 0.0,
         }
     }
 }
@@ -85,6 +99,8 @@ impl TebSettings {
         positive("the tolerance", self.tolerance)?;
         positive("the tolerance of heading", self.yaw_tolerance)?;
         positive("the hysteresis", self.hysteresis)?;
+        positive("the distance between points to pass by", self.via.unwrap_or(1.0))?;
+        finite("the preferred side", self.side)?;
         positive("the side of a cell", self.exploring.cell)
     }
 }
@@ -140,6 +156,8 @@ pub struct Teb {
     way_out: Option<Band>,
     /// When a maneuver was last looked for.
     searched: Option<SimTime>,
+    /// When classes were.
+    explored: Option<SimTime>,
 }
 
 /// Where a band is to end.
@@ -172,6 +190,7 @@ impl Teb {
             wedged: false,
             way_out: None,
             searched: None,
+            explored: None,
         })
     }
 
@@ -209,6 +228,13 @@ impl Teb {
     fn explore(&mut self, situation: &Situation<'_>, end: &End) -> Vec<Candidate> {
         let start = situation.pose.point();
         let how = self.settings.exploring;
+        let recent = |at: SimTime| situation.time.since(at).as_secs_f64() < EXPLORE_AGAIN;
+        let goes_on = self.leads() && !self.candidates.iter().any(|c| c.tangled);
+        if goes_on && self.explored.is_some_and(recent) {
+            self.clumps.set_moving(situation.obstacles);
+            return Vec::new();
+        }
+        self.explored = Some(situation.time);
         let (moving, standing): (Vec<Obstacle>, Vec<Obstacle>) =
             situation.obstacles.iter().cloned().partition(Obstacle::is_moving);
         let mut ways = self.explorer.explore(start, end.point, &standing, &how);
@@ -221,7 +247,8 @@ impl Teb {
             let met = moving.iter().map(|o| self.when_met(o)).chain(standing).collect::<Vec<_>>();
             ways.extend(self.explorer.explore(start, end.point, &met, &how));
         }
-        let along = |corners: &[MapPoint]| Band::along(situation.pose, corners, end.yaw, &self.limits, 1.0);
+        let side = if self.settings.side < 0.0 { -1.0 } else { 1.0 };
+        let along = |corners: &[MapPoint]| Band::along(situation.pose, corners, end.yaw, &self.limits, side);
         let mut drafts: Vec<Band> = ways.iter().filter_map(|way| along(&way.corners[1..])).collect();
         if let Some(driven) = self.candidates.first().filter(|c| c.conflict.is_some() && !moving.is_empty()) {
             drafts.extend(WAITS.iter().filter_map(|wait| driven.band.delayed(*wait)));
@@ -259,6 +286,14 @@ impl Teb {
         obstacle.after(times.min_by(|a, b| apart(*a).total_cmp(&apart(*b))).unwrap_or(0.0))
     }
 
+    /// Points of the way within the horizon that bands pass by.
+    fn vias(&self, situation: &Situation<'_>) -> Vec<MapPoint> {
+        let Some(every) = self.settings.via else { return Vec::new() };
+        let count = (self.settings.horizon / every).min(MOST_VIAS) as usize;
+        let at = |i: usize| ahead(situation.path, situation.pose.point(), i as f64 * every);
+        (1..=count).filter_map(at).take_while(|(_, last)| !last).map(|(point, _)| point).collect()
+    }
+
     fn improve(&mut self, new: Vec<Candidate>, situation: &Situation<'_>, end: &End) {
         let problem = Problem {
             footprint: &self.footprint,
@@ -268,8 +303,9 @@ impl Teb {
             start: situation.velocity,
             stops: end.stops,
             end_yaw: end.yaw.is_some(),
-            side: 0.0,
+            side: self.settings.side,
         };
+        let vias = self.vias(situation);
         let warm = self.candidates.len();
         self.candidates.extend(new);
         for (i, candidate) in self.candidates.iter_mut().enumerate() {
@@ -277,7 +313,7 @@ impl Teb {
             let conflict =
                 |band: &Band| first_conflict(&self.footprint, &self.limits, situation.obstacles, band, SURE);
             let before = (i < warm && candidate.conflict.is_none()).then(|| candidate.clone());
-            let cost = self.optimizer.improve(&mut candidate.band, &problem, &[], &effort);
+            let cost = self.optimizer.improve(&mut candidate.band, &problem, &vias, &effort);
             candidate.tangled = i < warm && cost > TANGLED.0 * candidate.cost + TANGLED.1;
             candidate.cost = cost;
             candidate.conflict = conflict(&candidate.band);
@@ -454,7 +490,7 @@ impl LocalPlanner for Teb {
 
     fn reset(&mut self) {
         self.candidates.clear();
-        (self.last, self.searched, self.way_out) = (None, None, None);
+        (self.last, self.searched, self.explored, self.way_out) = (None, None, None, None);
         (self.turning, self.wedged) = (false, false);
     }
 }
@@ -476,12 +512,7 @@ fn is_drivable(band: &Band, limits: &Limits) -> bool {
 
 /// The velocity that leads to where the band has the robot next.
 pub fn wanted(band: &Band, limits: &Limits) -> Velocity {
-    let mut short = band.clone();
-    let at = COMMAND.min(band.duration());
-    let next = band.pose_at(at);
-    short.knots_mut()[1].pose = next;
-    short.knots_mut()[1].time = at;
-    let v = short.velocity(0);
+    let v = band.velocity_until(COMMAND);
     Velocity::new(
         v.linear.clamp(-limits.backward, limits.forward),
         v.angular.clamp(-limits.turn, limits.turn),

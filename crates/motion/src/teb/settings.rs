@@ -182,6 +182,11 @@ pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), SettingsErr
     if value > 0.0 && value.is_finite() { Ok(()) } else { Err(SettingsError { name, value, wanted }) }
 }
 
+pub(crate) fn finite(name: &'static str, value: f64) -> Result<(), SettingsError> {
+    let wanted = "it must be a number";
+    if value.is_finite() { Ok(()) } else { Err(SettingsError { name, value, wanted }) }
+}
+
 fn not_negative(name: &'static str, value: f64) -> Result<(), SettingsError> {
     let wanted = "it must be nothing or more, and a number";
     if value >= 0.0 && value.is_finite() { Ok(()) } else { Err(SettingsError { name, value, wanted }) }

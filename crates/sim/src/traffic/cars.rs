@@ -20,7 +20,7 @@ use crate::noise::Noise;
 const ACCELERATION: f64 = 1.5;
 const COMFORTABLE: f64 = 2.0;
 /// Hardest braking, m/s²: dry asphalt.
-const HARDEST: f64 = 8.0;
+pub(super) const HARDEST: f64 = 8.0;
 /// Time behind the car ahead, seconds, and distance to it at rest, metres.
 const HEADWAY: f64 = 1.2;
 const AT_REST: f64 = 1.5;

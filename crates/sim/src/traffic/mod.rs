@@ -13,6 +13,7 @@
 //! | `hull` | the outline of a car |
 //! | [`figures`] | how a person and a car look |
 //! | [`measures`] | how near the robot came to them |
+//! | [`yielding`] | whether the robot stepped before somebody who could no longer stop |
 
 mod cars;
 #[cfg(test)]
@@ -28,6 +29,7 @@ mod pedestrians;
 #[cfg(test)]
 mod tests;
 mod ways;
+pub mod yielding;
 
 use openbench_core::{MapPoint, Pose2};
 use openbench_osm::OsmMap;

@@ -33,7 +33,7 @@ const HURRY: f64 = 1.3;
 /// Largest acceleration, m/s².
 const MAX_ACCELERATION: f64 = 4.0;
 /// Time in which the desired velocity is taken up, seconds (Helbing and Molnár).
-const RELAXATION: f64 = 0.5;
+pub(super) const RELAXATION: f64 = 0.5;
 /// Repulsion between people: V0 / sigma in m/s², sigma in metres (Helbing and Molnár: V0 = 2.1 m²/s²).
 const PEOPLE: (f64, f64) = (2.1 / 0.3, 0.3);
 /// Repulsion from obstacles, from the body's rim: m/s² and metres. Weaker than Helbing and Molnár's 10 m²/s² over 0.2 m,

@@ -1,0 +1,89 @@
+//! `openbench bench people`
+
+use std::fmt::Write as _;
+
+use openbench_bench::motion::people::{Among, Request, drive, drives};
+use openbench_bench::{Prepared, TrafficPlan};
+
+use crate::args::{BenchPeopleArgs, PlannerArg};
+use crate::commands::run::named;
+use crate::open_parts;
+use crate::outcome::{Outcome, say, say_json, tell};
+use crate::progress::progress_bar;
+
+/// Most collisions that the table lists by themselves.
+const SHOWN: usize = 20;
+
+/// Drives among people, once for each number of them.
+pub fn run(args: &BenchPeopleArgs) -> anyhow::Result<Outcome> {
+    let planner = match args.planner {
+        PlannerArg::Teb => "teb",
+        PlannerArg::Follower => "follower",
+        PlannerArg::Mppi => "mppi",
+    };
+    let request = Request {
+        kilometres: args.km,
+        seed: args.seed,
+        planner: &|| open_parts::motion(planner),
+        threads: usize::from(args.jobs),
+    };
+    let bar = progress_bar(args.pedestrians.len() * drives(args.km), "drives");
+    let mut rows = Vec::new();
+    for &pedestrians in &args.pedestrians {
+        let mut suite = named(&args.world)?;
+        suite.traffic = TrafficPlan { pedestrians: usize::from(pedestrians), cars: usize::from(args.cars) };
+        let prepared = Prepared::world_of(suite)?;
+        prepared.warnings().iter().for_each(|w| tell(w));
+        rows.push(drive(&prepared, &request, &mut || bar.inc(1))?);
+    }
+    bar.finish_and_clear();
+    if args.json {
+        say_json(&rows)?
+    } else {
+        say(&table(&rows))?
+    }
+    Ok(Outcome::Done)
+}
+
+fn table(rows: &[Among]) -> String {
+    let mut text = String::from(
+        "people  cars     km  hours  doors reached  given up  collisions  driven into  cut off  near misses/km  stops/km\n",
+    );
+    for row in rows {
+        let total = |count: fn(&openbench_bench::metrics::CollisionSum) -> usize| {
+            row.collisions.values().map(count).sum::<usize>()
+        };
+        let km = row.metres / 1000.0;
+        let near = row.encounters.near_misses_people + row.encounters.near_misses_cars;
+        let _ = writeln!(
+            text,
+            "{:6}  {:4}  {km:5.2}  {:5.1}  {:13}  {:8}  {:10}  {:11}  {:7}  {:14.1}  {:8.0}",
+            row.traffic.pedestrians,
+            row.traffic.cars,
+            row.seconds / 3600.0,
+            row.reached,
+            row.given_up,
+            total(|c| c.count),
+            total(|c| c.driven_into),
+            total(|c| c.cut_off),
+            near as f64 / km,
+            row.smoothness.stops as f64 / km,
+        );
+    }
+    text.push_str("\nDriven into: the robot was faster than 5 cm/s. Cut off: it stood, but had got into the other's way within the braking distance.\n");
+    let worst = rows.iter().flat_map(|row| row.bumps.iter().map(move |bump| (row, bump)));
+    for (row, bump) in worst.filter(|(_, b)| b.cut_off || b.speed_mps > 0.05).take(SHOWN) {
+        let _ = writeln!(
+            text,
+            "  among {:3}, drive {:2}, {:7.2} s: {} at {:.2} m/s, ({:.1}, {:.1})",
+            row.traffic.pedestrians,
+            bump.drive,
+            bump.seconds,
+            bump.class,
+            bump.speed_mps,
+            bump.pose.x,
+            bump.pose.y
+        );
+    }
+    text
+}

@@ -1,0 +1,143 @@
+//! Whose way it was: whether the robot stepped before somebody who could no longer stop.
+//!
+//! The path of somebody who moves is the hull, swept straight ahead over the braking distance: of a car the one of a full
+//! brake on dry asphalt, of a person the way in which the social force model's drive brings a walk to rest, speed times
+//! relaxation time. Who moves into a robot's place is no concern of the robot's; a robot that moves into such a path is to blame for what
+//! comes of it, even if it stands by then.
+
+use openbench_core::MapPoint;
+
+use super::{Hull, Mover, MoverKind, RobotState, cars, pedestrians};
+
+/// Slower than this nobody has a path, m/s.
+const STANDS: f64 = 0.05;
+/// A robot that has left a path is to blame for so long, seconds: a touch changes the path.
+const LASTS: f64 = 0.5;
+
+/// Watches a robot among those who move, observation by observation.
+#[derive(Debug, Clone, Default)]
+pub struct Yielding {
+    /// For each mover: seconds for which the robot is still to blame.
+    blame: Vec<f64>,
+    robot: Option<MapPoint>,
+}
+
+impl Yielding {
+    /// Takes in an instant, `dt` seconds after the last. `movers` must keep their order.
+    pub fn update(&mut self, dt: f64, robot: &RobotState, movers: &[Mover]) {
+        let before = self.robot.replace(robot.position).unwrap_or(robot.position);
+        self.blame.resize(movers.len(), 0.0);
+        for (mover, blame) in movers.iter().zip(&mut self.blame) {
+            let lies = |at: MapPoint| mover.present && lies_in_path(at, robot.radius, mover);
+            if !lies(robot.position) {
+                *blame = (*blame - dt).max(0.0);
+            } else if *blame > 0.0 || !lies(before) {
+                *blame = LASTS;
+            }
+        }
+    }
+
+    /// Whether the robot got into the way of the nearest of those of a kind within their braking distance.
+    pub fn cut_off(&self, kind: MoverKind, movers: &[Mover]) -> bool {
+        let Some(robot) = self.robot else { return false };
+        let those = movers.iter().zip(&self.blame).filter(|(m, _)| m.present && m.kind == kind);
+        let apart = |m: &Mover| outside(robot, m, 0.0);
+        those.min_by(|a, b| apart(a.0).total_cmp(&apart(b.0))).is_some_and(|(_, blame)| *blame > 0.0)
+    }
+}
+
+fn lies_in_path(at: MapPoint, radius: f64, mover: &Mover) -> bool {
+    let speed = libm::hypot(mover.velocity[0], mover.velocity[1]);
+    let braking = match mover.kind {
+        MoverKind::Pedestrian => speed * pedestrians::RELAXATION,
+        MoverKind::Car => speed * speed / (2.0 * cars::HARDEST),
+    };
+    speed > STANDS && outside(at, mover, braking) < radius
+}
+
+/// Metres from a point to a hull that is swept ahead.
+fn outside(at: MapPoint, mover: &Mover, ahead: f64) -> f64 {
+    let (x, y) = (at.x - mover.pose.x, at.y - mover.pose.y);
+    match mover.hull {
+        Hull::Disc { radius } => {
+            let [u, v] = mover.velocity;
+            let speed = libm::hypot(u, v).max(1e-9);
+            let along = ((x * u + y * v) / speed).clamp(0.0, ahead);
+            (libm::hypot(x - along * u / speed, y - along * v / speed) - radius).max(0.0)
+        }
+        Hull::Box { half_length, half_width } => {
+            let (forward, left) = mover.pose.inverse_transform(at);
+            let long = forward - forward.clamp(-half_length, half_length + ahead);
+            libm::hypot(long, (left.abs() - half_width).max(0.0))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use openbench_core::Pose2;
+
+    use super::*;
+
+    fn walker(x: f64) -> Mover {
+        Mover {
+            kind: MoverKind::Pedestrian,
+            present: true,
+            pose: Pose2::new(x, 0.0, 0.0),
+            velocity: [1.2, 0.0],
+            hull: Hull::Disc { radius: 0.25 },
+            gait: 0.0,
+            look: 0,
+        }
+    }
+
+    fn car(x: f64) -> Mover {
+        Mover {
+            kind: MoverKind::Car,
+            velocity: [8.0, 0.0],
+            hull: Hull::Box { half_length: 2.0, half_width: 0.9 },
+            ..walker(x)
+        }
+    }
+
+    fn robot(x: f64, y: f64) -> RobotState {
+        RobotState { position: MapPoint::new(x, y), velocity: [0.0; 2], radius: 0.2 }
+    }
+
+    /// Whether a robot is to blame that came from one place to another while somebody came nearer.
+    fn blame(from: RobotState, to: RobotState, who: fn(f64) -> Mover) -> bool {
+        let mut yielding = Yielding::default();
+        yielding.update(0.05, &from, &[who(-0.06)]);
+        yielding.update(0.05, &to, &[who(0.0)]);
+        yielding.cut_off(who(0.0).kind, &[who(0.0)])
+    }
+
+    #[test]
+    fn who_steps_before_somebody_is_to_blame() {
+        assert!(blame(robot(0.7, 0.6), robot(0.7, 0.4), walker));
+        assert!(blame(robot(5.5, 1.2), robot(5.5, 1.0), car));
+    }
+
+    #[test]
+    fn who_stands_or_comes_from_afar_is_not() {
+        // Somebody walks up to where the robot has stood all along.
+        assert!(!blame(robot(1.05, 0.0), robot(1.05, 0.0), walker));
+        // There is room to stop.
+        assert!(
+            !blame(robot(1.5, 0.6), robot(1.5, 0.4), walker) && !blame(robot(6.5, 1.2), robot(6.5, 1.0), car)
+        );
+        // Behind a back.
+        assert!(!blame(robot(-0.6, 0.0), robot(-0.5, 0.0), walker));
+    }
+
+    #[test]
+    fn blame_ends_a_while_after_the_path_is_left() {
+        let mut yielding = Yielding::default();
+        for (y, seconds) in [(0.6, 0.05), (0.4, 0.05), (0.9, 0.05)] {
+            yielding.update(seconds, &robot(0.7, y), &[walker(0.0)]);
+        }
+        assert!(yielding.cut_off(MoverKind::Pedestrian, &[walker(0.0)]));
+        yielding.update(LASTS, &robot(0.7, 0.9), &[walker(0.0)]);
+        assert!(!yielding.cut_off(MoverKind::Pedestrian, &[walker(0.0)]));
+    }
+}
