@@ -2,7 +2,7 @@
 
 use openbench_core::Velocity;
 
-use crate::feasible::{Motion, OFF_THE_MOVING, clearance};
+use crate::feasible::{Motion, clearance};
 use crate::local::Situation;
 use crate::shape::{Footprint, Obstacle};
 use crate::teb::settings::Limits;
@@ -61,7 +61,7 @@ fn worth(
             return None;
         }
         let near = clearance(footprint, moving(), motion.pose, time, REACH);
-        if drives && !motion.stands() && near < (0.5 * somebody).min(OFF_THE_MOVING) {
+        if drives && !motion.stands() && near < somebody.min(0.0) {
             return None;
         }
         least = least.min(near);

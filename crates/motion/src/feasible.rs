@@ -96,8 +96,6 @@ pub fn first_conflict(
     met.or_else(|| (looks > MOST_LOOKS).then_some(MOST_LOOKS as f64 * LOOK))
 }
 
-/// Distance that a robot keeps while it moves from where those who move will be, metres: about as well are they known.
-pub(crate) const OFF_THE_MOVING: f64 = 0.05;
 /// Seconds in which any robot stops.
 const LONGEST_STOP: f64 = 20.0;
 
@@ -132,7 +130,7 @@ impl Motion {
     }
 }
 
-/// Seconds until the robot comes nearer than `margin` to something that stands, or too near to somebody who moves, if it does as it is told for `hold` seconds and then brakes. Who runs into a robot that stands is not looked at.
+/// Seconds until the robot comes nearer than `margin` to something that stands if it does as it is told for `hold` seconds and then brakes. Who moves is not looked at: to stop in somebody's way is worse than to be gone.
 pub fn conflict_before_stop(
     footprint: &Footprint,
     obstacles: &[Obstacle],
@@ -143,10 +141,8 @@ pub fn conflict_before_stop(
 ) -> Option<f64> {
     const STEP: f64 = 0.025;
     let standing = || obstacles.iter().filter(|o| !o.is_moving());
-    let moving = || obstacles.iter().filter(|o| o.is_moving());
     let mut motion = motion;
     let mut floors = Floors::new(footprint, standing(), motion.pose, margin);
-    let mut moving_floors = Floors::new(footprint, moving(), motion.pose, margin.max(OFF_THE_MOVING));
     let mut time = 0.0;
     // Who does not come to stand, with a speed that no robot has, is taken for one who runs into something.
     let longest = hold + LONGEST_STOP;
@@ -159,9 +155,7 @@ pub fn conflict_before_stop(
         }
         motion.step(limits, STEP);
         time += STEP;
-        let keeps = floors.keep(footprint, standing(), motion.pose, 0.0)
-            && moving_floors.keep(footprint, moving(), motion.pose, time);
-        if !keeps {
+        if !floors.keep(footprint, standing(), motion.pose, 0.0) {
             return Some(time);
         }
     }

@@ -104,6 +104,8 @@ pub struct Weights {
     pub turn: f64,
     /// Accelerations above the limit.
     pub acceleration: f64,
+    /// Changes of the turn rate, per m²/s⁴ of the rims: without it what is a little off is put right at once, and overshot.
+    pub steady: f64,
     /// Driving backwards at all.
     pub backward: f64,
     /// Nearer to obstacles than [`Margins::least`].
@@ -125,6 +127,7 @@ impl Default for Weights {
             speed: 400.0,
             turn: 40.0,
             acceleration: 10.0,
+            steady: 0.2,
             backward: 0.5,
             obstacle: 2000.0,
             comfort: 1.0,
@@ -169,8 +172,18 @@ impl Settings {
         let w = &self.weights;
         positive("the weight of time", w.time)?;
         positive("the weight of driving sideways", w.sideways)?;
-        let others =
-            [w.length, w.speed, w.turn, w.acceleration, w.backward, w.obstacle, w.comfort, w.via, w.side];
+        let others = [
+            w.length,
+            w.speed,
+            w.turn,
+            w.acceleration,
+            w.steady,
+            w.backward,
+            w.obstacle,
+            w.comfort,
+            w.via,
+            w.side,
+        ];
         others.into_iter().try_for_each(|weight| not_negative("a weight", weight))?;
         let m = &self.margins;
         [m.least, m.moving, m.comfort].into_iter().try_for_each(|margin| not_negative("a margin", margin))

@@ -112,8 +112,14 @@ pub fn collect(band: &Band, problem: &Problem<'_>, frozen: &Frozen, sink: &mut i
         let step = frozen.steps[i];
         drive(i, &stretch, step, frozen, problem, sink);
         match &before {
-            Some(before) => accelerate(i - 1, before, &stretch, step, problem, sink),
-            None => set_out(&stretch, step, problem, sink),
+            Some(before) => {
+                accelerate(i - 1, before, &stretch, step, problem, sink);
+                steady(i - 1, before, &stretch, step, problem, sink);
+            }
+            None => {
+                set_out(&stretch, step, problem, sink);
+                steady_from_now(&stretch, step, problem, sink);
+            }
         }
         before = Some(stretch);
     }
@@ -208,6 +214,39 @@ fn accelerate(i: usize, a: &Stretch, b: &Stretch, step: f64, problem: &Problem<'
         by[TRIPLE - 1] -= sign * acceleration / both;
         sink.add(i, problem.settings.weights.acceleration * step, over, &by);
     }
+}
+
+/// Changes of the turn rate between two stretches, as accelerations of the rims: a little at once costs as much as ten times as much spread over ten times the time.
+fn steady(i: usize, a: &Stretch, b: &Stretch, step: f64, problem: &Problem<'_>, sink: &mut impl Sink) {
+    let weight = problem.settings.weights.steady;
+    if weight == 0.0 {
+        return;
+    }
+    let both = a.seconds + b.seconds;
+    let rate = 2.0 * problem.limits.half_track / both;
+    let change = rate * (b.turn - a.turn);
+    let mut by = [0.0; TRIPLE];
+    for k in 0..PAIR {
+        by[k] -= rate * a.by_turn[k];
+        by[k + BLOCK] += rate * b.by_turn[k];
+    }
+    by[BLOCK - 1] += change / both;
+    by[TRIPLE - 1] -= change / both;
+    sink.add(i, weight * step, change, &by);
+}
+
+/// The same from how the robot turns now to the middle of the first stretch.
+fn steady_from_now(first: &Stretch, step: f64, problem: &Problem<'_>, sink: &mut impl Sink) {
+    let weight = problem.settings.weights.steady;
+    if weight == 0.0 {
+        return;
+    }
+    let rate = 2.0 * problem.limits.half_track / first.seconds;
+    let change = rate * (first.turn - problem.start.angular);
+    let mut by = first.by_turn.map(|d| rate * d);
+    by[BLOCK - 1] += change / first.seconds;
+    by[PAIR - 1] -= change / first.seconds;
+    sink.add(0, weight * step, change, &by);
 }
 
 /// From how the robot moves now to the middle of the first stretch.
