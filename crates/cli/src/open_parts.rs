@@ -29,6 +29,8 @@ const KEYS: [&str; 6] = ["planner", "reader", "localizer", "fixes", "motion", "g
 const NEAR_ENOUGH: f64 = 0.15;
 /// Distances that OPEN keeps: what stands is known to half a cell of its costmap, and cars bulge between the rings of the LiDAR.
 const SEEN_BY_LIDAR: Margins = Margins { least: 0.06, moving: 0.3, comfort: 0.35 };
+/// How much faster than foreseen people may come at the robot, m/s: they speed up and turn as they like.
+const SURPRISE: f64 = 0.4;
 /// Seed of the sampling controller's disturbances: runs repeat.
 const MPPI_SEED: u64 = 1;
 
@@ -126,7 +128,8 @@ pub fn motion(word: &str) -> Result<Box<dyn LocalPlanner>, String> {
     let failed = |e: &dyn std::fmt::Display| format!("motion={word}: {e}");
     match word {
         "teb" => {
-            let mut settings = TebSettings { tolerance: NEAR_ENOUGH, ..TebSettings::default() };
+            let mut settings =
+                TebSettings { tolerance: NEAR_ENOUGH, surprise: Some(SURPRISE), ..TebSettings::default() };
             settings.band.margins = SEEN_BY_LIDAR;
             Ok(Box::new(Teb::new(&robot, settings).map_err(|e| failed(&e))?))
         }

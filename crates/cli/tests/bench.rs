@@ -65,3 +65,24 @@ fn planners_and_numbers_of_scenes_that_make_no_sense_are_refused() {
     Place::new().openbench("bench motion --planner dwa").refused_with(&["dwa", "teb, follower, mppi"]);
     Place::new().openbench("bench motion --scenes 0").refused_with(&["0"]);
 }
+
+#[test]
+fn metres_among_people_are_driven_alike_on_any_number_of_threads() {
+    let place = Place::new();
+    let drive = |jobs: u32| {
+        let line = format!("bench people small --pedestrians 0,15 --km 0.02 --seed 2 --json --jobs {jobs}");
+        place.openbench(&line).succeeded().json()
+    };
+    let rows = drive(1);
+    assert_eq!(rows, drive(2));
+    for (row, people) in rows.as_array().into_iter().flatten().zip([0, 15]) {
+        assert_eq!(row["traffic"]["pedestrians"], people);
+        let metres = row["metres"].as_f64().unwrap_or_default();
+        assert!((20.0..21.0).contains(&metres) && row["seconds"].as_f64() > Some(40.0), "{row}");
+        let collisions = row["collisions"].as_object().into_iter().flat_map(|c| c.values());
+        assert!(collisions.clone().all(|c| c["driven_into"] == 0 && c["cut_off"] == 0), "{row}");
+    }
+    assert_eq!(rows.as_array().map(Vec::len), Some(2));
+    place.openbench("bench people small --km 0").refused_with(&["kilometres", "0.001"]);
+    place.openbench("bench people nowhere").refused_with(&["nowhere"]);
+}

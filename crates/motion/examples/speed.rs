@@ -27,7 +27,7 @@ fn main() -> Result<(), Failure> {
     for stones in [20, 60] {
         bands(stones)?;
     }
-    costmap()
+    costmaps()
 }
 
 fn bands(stones: usize) -> Result<(), Failure> {
@@ -86,29 +86,45 @@ fn scattered(count: usize, seed: u64, start: MapPoint, goal: MapPoint) -> Result
     Ok(places.into_iter().map(|place| Obstacle::disc(place, 0.05)).collect::<Result<_, _>>()?)
 }
 
-/// From corner to corner of 200 m by 200 m in cells of 10 cm, between posts.
-fn costmap() -> Result<(), Failure> {
+/// From corner to corner of 200 m by 200 m in cells of 10 cm: between posts, and between walls that leave a gap at one end and the other by turns, so that every cell has to be looked at.
+fn costmaps() -> Result<(), Failure> {
+    let mut rng = Pcg64Mcg::seed_from_u64(1);
+    let posts = (0..4000).map(|_| MapPoint::new(rng.random_range(0.0..200.0), rng.random_range(0.0..200.0)));
+    costmap("4000 posts", posts)?;
+    let wall = |i: usize| {
+        let from = if i.is_multiple_of(2) { 0.0 } else { 3.0 };
+        (0..1970).map(move |k| MapPoint::new(from + 0.1 * k as f64, 10.0 * (i + 1) as f64))
+    };
+    costmap("19 walls", (0..19).flat_map(wall))
+}
+
+fn costmap(what: &str, posts: impl Iterator<Item = MapPoint>) -> Result<(), Failure> {
     let map = OsmMap::new(&OsmData::default(), Georeference::TangentPlane(LonLat::new(8.0, 50.0)));
     let robot = RobotDescription::sentry();
     let corner = MapPoint::new(200.0, 200.0);
     let mut costmap = Costmap::new(&map, MapPoint::default(), corner, &robot)?;
-    let mut rng = Pcg64Mcg::seed_from_u64(1);
-    for _ in 0..4000 {
-        let post = MapPoint::new(rng.random_range(0.0..200.0), rng.random_range(0.0..200.0));
-        costmap.observe(&RangeRing::new(post, 0.25, std::iter::once((post, 0.3))));
+    // Seen from so many places: what was not seen for 600 scans would be forgotten.
+    let mut seen = vec![Vec::new(); 20 * 20];
+    for post in posts {
+        let index = |at: f64| (at / 10.0) as usize;
+        seen[20 * index(post.y) + index(post.x)].push((post, 0.3));
+    }
+    for (i, posts) in seen.into_iter().enumerate() {
+        let middle = MapPoint::new(10.0 * (i % 20) as f64 + 5.0, 10.0 * (i / 20) as f64 + 5.0);
+        costmap.observe(&RangeRing::new(middle, 0.25, posts.into_iter()));
     }
     let ((), inflating) = timed(|| costmap.inflate());
     let mut search = Search::default();
     let goal = MapPoint::new(199.0, 199.0);
-    let mut times = Vec::new();
+    let (mut times, mut length) = (Vec::new(), 0.0);
     for _ in 0..5 {
         let (way, took) = timed(|| plan(&mut search, &costmap, MapPoint::new(1.0, 1.0), goal));
-        way?;
+        length = way?.windows(2).map(|w| w[0].distance(w[1])).sum();
         times.push(took);
     }
     let (columns, rows) = (costmap.grid().width, costmap.grid().height);
     println!(
-        "costmap of {columns} x {rows}, 4000 posts: inflated in {inflating:.0} ms, corner to corner {:.0} ms (first {:.0})",
+        "costmap of {columns} x {rows}, {what}: inflated in {inflating:.0} ms, corner to corner {length:.0} m in {:.0} ms (first {:.0})",
         times[1..].iter().copied().fold(0.0, f64::max),
         times[0]
     );

@@ -20,7 +20,7 @@ use serde::Serialize;
 use crate::metrics::{CollisionSum, EncounterSum, SmoothnessSum, collisions, smoothness::Smoothness};
 use crate::{BenchError, Prepared, TrafficPlan, TruthHandle, TruthLocalizer};
 
-/// A drive is so long, metres,
+/// A drive is so long at most, metres,
 const DRIVE: f64 = 500.0;
 /// or takes so long at most.
 const LIMIT: Duration = Duration::from_secs(3000);
@@ -35,7 +35,7 @@ pub type MakePlanner<'a> = dyn Fn() -> Result<Box<dyn LocalPlanner>, String> + S
 /// What is driven.
 #[derive(Clone, Copy)]
 pub struct Request<'a> {
-    /// Kilometres; whole drives of half a kilometre.
+    /// Kilometres, in drives of half a kilometre or less.
     pub kilometres: f64,
     /// Seed of people, noise and the order of doors.
     pub seed: u64,
@@ -128,7 +128,9 @@ pub fn drives(kilometres: f64) -> usize {
 
 fn one(course: &Course<'_>, request: &Request<'_>, number: usize) -> Result<Among, BenchError> {
     let planner = (request.planner)().map_err(BenchError::World)?;
-    Ok(Ride::new(course, planner, request.seed.wrapping_add((number as u64) << 32))?.ride(number))
+    let seed = request.seed.wrapping_add((number as u64) << 32);
+    let metres = 1000.0 * request.kilometres / drives(request.kilometres) as f64;
+    Ok(Ride::new(course, planner, seed)?.ride(number, metres))
 }
 
 fn sum(traffic: TrafficPlan, parts: impl Iterator<Item = Among>) -> Among {
@@ -241,8 +243,8 @@ impl<'a> Ride<'a> {
     }
 
     /// To the drive's end.
-    fn ride(mut self, number: usize) -> Among {
-        while self.among.metres < DRIVE && self.simulator.time().since(SimTime::ZERO) < LIMIT {
+    fn ride(mut self, number: usize, metres: f64) -> Among {
+        while self.among.metres < metres && self.simulator.time().since(SimTime::ZERO) < LIMIT {
             self.sense();
             let velocity = self.decide();
             self.step(velocity);

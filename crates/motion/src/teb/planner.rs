@@ -40,6 +40,8 @@ const WAITS: [f64; 3] = [1.0, 2.5, 5.0];
 const SEARCH_AGAIN: f64 = 1.0;
 /// Classes are looked for again after so many seconds; at once where no band leads to the end.
 const EXPLORE_AGAIN: f64 = 0.14;
+/// Who is nearer than this may surprise, metres.
+const ALERT: f64 = 1.5;
 /// Points to pass by, at most.
 const MOST_VIAS: f64 = 40.0;
 /// A robot that is slower than this need not brake gently, m/s.
@@ -74,6 +76,8 @@ pub struct TebSettings {
     ///
     /// [`Weights::side`]: crate::teb::settings::Weights::side
     pub side: f64,
+    /// How much faster than foreseen somebody may come at the robot, m/s: near those who move it is only as fast as lets it stand by then. None by default: who foresees exactly may pass closely.
+    pub surprise: Option<f64>,
 }
 
 impl Default for TebSettings {
@@ -87,6 +91,7 @@ impl Default for TebSettings {
             yaw_tolerance: 0.08,
             via: None,
             side: 0.0,
+            surprise: None,
         }
     }
 }
@@ -101,6 +106,7 @@ impl TebSettings {
         positive("the hysteresis", self.hysteresis)?;
         positive("the distance between points to pass by", self.via.unwrap_or(1.0))?;
         finite("the preferred side", self.side)?;
+        positive("the speed of a surprise", self.surprise.unwrap_or(1.0))?;
         positive("the side of a cell", self.exploring.cell)
     }
 }
@@ -420,6 +426,23 @@ impl Teb {
         self.secured(situation, wanted(&best.band, &self.limits))
     }
 
+    /// A velocity, or less of it: so much that the robot stands when somebody near comes at it faster than foreseen.
+    fn wary(&self, situation: &Situation<'_>, wanted: Velocity) -> Velocity {
+        let Some(surprise) = self.settings.surprise else { return wanted };
+        let (foot, circle) = (self.footprint.at(situation.pose), self.footprint.circumscribed());
+        let standstill = |o: &Obstacle| {
+            let near = o.contact(&foot, circle, 0.0, ALERT)?;
+            let [vx, vy] = o.velocity();
+            let towards = surprise - near.normal[0] * vx - near.normal[1] * vy;
+            (towards > 0.0).then(|| near.distance.max(0.0) / towards)
+        };
+        let moving = situation.obstacles.iter().filter(|o| o.is_moving());
+        let seconds = moving.filter_map(standstill).fold(f64::INFINITY, f64::min);
+        let rim = wanted.linear.abs() + self.limits.half_track * wanted.angular.abs();
+        let share = (self.limits.acceleration * seconds / rim.max(1e-9)).min(1.0);
+        Velocity::new(share * wanted.linear, share * wanted.angular)
+    }
+
     /// What is wanted, or as near to it as lets the robot still stop before anything that stands.
     fn secured(&self, situation: &Situation<'_>, wanted: Velocity) -> Result<Velocity, Blocked> {
         let mut conflict = None;
@@ -460,6 +483,21 @@ impl Teb {
 impl LocalPlanner for Teb {
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Progress, Blocked> {
         situation.check()?;
+        Ok(match self.decide(situation)? {
+            Progress::Drive(velocity) => Progress::Drive(self.wary(situation, velocity)),
+            Progress::Arrived => Progress::Arrived,
+        })
+    }
+
+    fn reset(&mut self) {
+        self.candidates.clear();
+        (self.last, self.searched, self.explored, self.way_out) = (None, None, None, None);
+        (self.turning, self.wedged) = (false, false);
+    }
+}
+
+impl Teb {
+    fn decide(&mut self, situation: &Situation<'_>) -> Result<Progress, Blocked> {
         let end = self.end(situation);
         let off = situation.pose.point().distance(end.point);
         let near = if self.turning { 1.0 } else { WELL_WITHIN } * self.settings.tolerance;
@@ -486,12 +524,6 @@ impl LocalPlanner for Teb {
         self.choose();
         self.maneuver(situation, &end);
         self.command(situation).map(Progress::Drive)
-    }
-
-    fn reset(&mut self) {
-        self.candidates.clear();
-        (self.last, self.searched, self.explored, self.way_out) = (None, None, None, None);
-        (self.turning, self.wedged) = (false, false);
     }
 }
 
