@@ -28,7 +28,7 @@ impl Band {
     }
 
     /// Along a polyline with its corners rounded, as fast as the limits of speed and turn rate allow; turns on the spot before and after. Turns to the nearer side; where it
-    /// turns by more than two radians at first, to the side of the sign of `side`.
+    /// turns by more than two radians at first, to the side of the sign of `side`, if it is not zero.
     pub fn along(
         start: Pose2,
         corners: &[MapPoint],

@@ -253,7 +253,7 @@ impl Teb {
             let met = moving.iter().map(|o| self.when_met(o)).chain(standing).collect::<Vec<_>>();
             ways.extend(self.explorer.explore(start, end.point, &met, &how));
         }
-        let side = if self.settings.side < 0.0 { -1.0 } else { 1.0 };
+        let side = self.settings.side;
         let along = |corners: &[MapPoint]| Band::along(situation.pose, corners, end.yaw, &self.limits, side);
         let mut drafts: Vec<Band> = ways.iter().filter_map(|way| along(&way.corners[1..])).collect();
         if let Some(driven) = self.candidates.first().filter(|c| c.conflict.is_some() && !moving.is_empty()) {
