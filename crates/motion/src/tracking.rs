@@ -12,12 +12,21 @@ use crate::shape::Obstacle;
 const TOGETHER: f64 = 0.25;
 /// Bodies wider than this are none that walk, metres.
 const WIDEST: f64 = 1.2;
-/// Least points of a body that was not known before.
+/// Side of the cells of which one point each is looked at, metres.
+const THIN: f64 = 0.04;
+/// More points than this are not of people: the estimate of the robot's pose has jumped, and all walls with it.
+const MOST_POINTS: usize = 2000;
+/// Least points of a body that was not known before, and of one that was; one for each small cell.
 const FEWEST: usize = 3;
-/// A point is of a known body if it is so near to its middle, metres.
+const FEWEST_KNOWN: usize = 2;
+/// Bodies that are followed, at most.
+const MOST_TRACKS: usize = 200;
+/// A point is of a known person if it is so near to the middle, metres.
 const GATE: f64 = 0.45;
 /// Points above the robot of a body's trunk, at least.
 const TRUNK: usize = 4;
+/// Points of the trunk are no further from the middle of the legs' points, metres.
+const LEAN: f64 = 0.3;
 /// From the side that is seen to the middle of somebody, metres.
 const HALF_DEPTH: f64 = 0.1;
 /// Deviation of a measured place by the trunk, and by the legs, metres.
@@ -50,7 +59,7 @@ pub struct Newcomers<'a> {
     pub sensor: MapPoint,
     /// Points as high as the robot, where the ground was free a moment ago.
     pub low: &'a [MapPoint],
-    /// Points above the robot; those of walls and trees do no harm.
+    /// Points above the robot; only those above somebody's legs count.
     pub above: &'a [MapPoint],
 }
 
@@ -83,21 +92,33 @@ impl Tracker {
         let seconds = time.since(self.now).as_secs_f64();
         self.now = time;
         self.tracks.iter_mut().for_each(|track| track.predict(seconds));
-        let rest = self.follow(time, seen);
+        let walking = self.walking(seen.low);
+        let rest = self.follow(time, &walking, seen);
         for low in clusters(&rest) {
-            let body = Body::of(&low, &[], seen.sensor);
-            self.tracks.push(Track::new(&body, time));
+            if low.len() >= FEWEST && width(&low) <= WIDEST && self.tracks.len() < MOST_TRACKS {
+                self.tracks.push(Track::new(&Body::of(&low, &[], seen.sensor), time));
+            }
         }
         self.tracks.retain(|t| time.since(t.last).as_secs_f64() < FORGOTTEN);
         self.unite();
     }
 
+    /// The points of what is no wider than somebody, or than as many as are known to be there: the side of a car is neither.
+    fn walking(&self, low: &[MapPoint]) -> Vec<MapPoint> {
+        let fits = |cluster: &Vec<MapPoint>| {
+            let is_in = |t: &&Track| cluster.iter().any(|p| apart(t.place, [p.x, p.y]) < PERSON);
+            let known = self.tracks.iter().filter(|t| t.sightings > 1).filter(is_in).count();
+            width(cluster) <= WIDEST * known.max(1) as f64
+        };
+        clusters(&thinned(low)).into_iter().filter(fits).flatten().collect()
+    }
+
     /// Shows each body what is seen of it; what is of none is returned.
-    fn follow(&mut self, time: SimTime, seen: &Newcomers<'_>) -> Vec<MapPoint> {
+    fn follow(&mut self, time: SimTime, walking: &[MapPoint], seen: &Newcomers<'_>) -> Vec<MapPoint> {
         let mut low = vec![Vec::new(); self.tracks.len()];
         let mut trunks = vec![Vec::new(); self.tracks.len()];
         let mut rest = Vec::new();
-        for &point in seen.low {
+        for &point in walking {
             match self.nearest(point) {
                 Some(i) => low[i].push(point),
                 None => rest.push(point),
@@ -111,7 +132,7 @@ impl Tracker {
             }
         }
         for (track, (low, trunk)) in self.tracks.iter_mut().zip(low.iter().zip(&trunks)) {
-            if !low.is_empty() {
+            if low.len() >= FEWEST_KNOWN {
                 track.see(&Body::of(low, trunk, seen.sensor), time);
             }
         }
@@ -219,9 +240,12 @@ struct Body {
 impl Body {
     /// From points of it, one at least, as high as the robot, and above.
     fn of(low: &[MapPoint], trunk: &[MapPoint], sensor: MapPoint) -> Self {
-        let (points, deviation) = if trunk.len() < TRUNK { (low, MEASURED[1]) } else { (trunk, MEASURED[0]) };
-        let n = points.len() as f64;
-        let seen = points.iter().fold([0.0; 2], |m, p| [m[0] + p.x / n, m[1] + p.y / n]);
+        let legs = mean(low);
+        // A wall beside somebody is not of the trunk.
+        let is_above = |p: &&MapPoint| apart([p.x, p.y], legs) < LEAN;
+        let trunk: Vec<MapPoint> = trunk.iter().filter(is_above).copied().collect();
+        let (seen, deviation) =
+            if trunk.len() < TRUNK { (legs, MEASURED[1]) } else { (mean(&trunk), MEASURED[0]) };
         let away = apart(seen, [sensor.x, sensor.y]).max(1e-6);
         let behind = |seen: f64, sensor: f64| seen + HALF_DEPTH * (seen - sensor) / away;
         let middle = [behind(seen[0], sensor.x), behind(seen[1], sensor.y)];
@@ -231,9 +255,21 @@ impl Body {
     }
 }
 
-/// Points that hang together, of bodies that may walk: neither too wide nor of too few points.
+/// One point of each small cell: what hangs together still does, and many points of one body cost no more than few.
+fn thinned(points: &[MapPoint]) -> Vec<MapPoint> {
+    let cell = |p: &MapPoint| ((p.y / THIN).floor() as i64, (p.x / THIN).floor() as i64);
+    let mut kept = points.to_vec();
+    kept.sort_by_key(cell);
+    kept.dedup_by_key(|p| cell(p));
+    kept
+}
+
+/// Points that hang together; none if there are too many points.
 fn clusters(points: &[MapPoint]) -> Vec<Vec<MapPoint>> {
-    let mut rest: Vec<MapPoint> = points.to_vec();
+    if points.len() > MOST_POINTS {
+        return Vec::new();
+    }
+    let mut rest = points.to_vec();
     let mut found = Vec::new();
     while let Some(first) = rest.pop() {
         let mut cluster = vec![first];
@@ -250,14 +286,20 @@ fn clusters(points: &[MapPoint]) -> Vec<Vec<MapPoint>> {
                 }
             }
         }
-        let n = cluster.len() as f64;
-        let middle = cluster.iter().fold([0.0; 2], |m, p| [m[0] + p.x / n, m[1] + p.y / n]);
-        let half = cluster.iter().map(|p| apart([p.x, p.y], middle)).fold(0.0, f64::max);
-        if cluster.len() >= FEWEST && 2.0 * half <= WIDEST {
-            found.push(cluster);
-        }
+        found.push(cluster);
     }
     found
+}
+
+/// Twice the distance from the mean to the furthest point, metres.
+fn width(points: &[MapPoint]) -> f64 {
+    let middle = mean(points);
+    2.0 * points.iter().map(|p| apart([p.x, p.y], middle)).fold(0.0, f64::max)
+}
+
+fn mean(points: &[MapPoint]) -> [f64; 2] {
+    let n = points.len() as f64;
+    points.iter().fold([0.0; 2], |m, p| [m[0] + p.x / n, m[1] + p.y / n])
 }
 
 fn apart(a: [f64; 2], b: [f64; 2]) -> f64 {
@@ -335,6 +377,58 @@ mod tests {
     #[test]
     fn walls_and_single_points_are_no_bodies() {
         let wall: Vec<MapPoint> = (0..40).map(|i| MapPoint::new(2.0, 0.1 * f64::from(i))).collect();
-        assert!(clusters(&wall).is_empty() && clusters(&wall[..2]).is_empty());
+        let mut tracker = Tracker::default();
+        for scan in 0..3 {
+            update(&mut tracker, scan, &wall, &[]);
+            update(&mut tracker, scan, &wall[..2], &[]);
+        }
+        assert!(tracker.tracks.is_empty());
+    }
+
+    #[test]
+    fn the_side_of_a_car_that_comes_out_from_behind_something_is_nobody() {
+        let mut tracker = Tracker::default();
+        for scan in 0..25 {
+            let front = 0.2 * f64::from(scan);
+            let side: Vec<MapPoint> = (0..60)
+                .map(|i| front - 0.05 * f64::from(i))
+                .filter(|x| *x > 0.0)
+                .map(|x| MapPoint::new(x, 3.0))
+                .collect();
+            update(&mut tracker, scan, &side, &side);
+            assert!(
+                scan < 16 || tracker.moving(time(scan)).is_empty(),
+                "{scan}: {:?}",
+                tracker.moving(time(scan))
+            );
+        }
+    }
+
+    #[test]
+    fn a_wall_beside_somebody_who_stops_does_not_lead_him_on() {
+        let mut tracker = Tracker::default();
+        let wall: Vec<MapPoint> = (0..400).map(|i| MapPoint::new(3.5, 0.02 * f64::from(i) - 3.0)).collect();
+        let place = |scan: u32| MapPoint::new(3.0, -1.5 + 0.12 * f64::from(scan.min(15)));
+        for scan in 0..30 {
+            let above = [seen(place(scan), 0.15), wall.clone()].concat();
+            update(&mut tracker, scan, &legs(place(scan), scan.min(15)), &above);
+            let off = |o: &Obstacle| o.middle().distance(place(scan));
+            assert!(scan < 8 || tracker.moving(time(scan)).iter().all(|o| off(o) < 0.25), "{scan}");
+        }
+        assert!(tracker.moving(time(29)).is_empty());
+    }
+
+    #[test]
+    fn many_points_of_somebody_are_one_body_and_a_flood_of_points_is_nobody() {
+        let dense = |n: u32, side: f64| -> Vec<MapPoint> {
+            let at = |i: u32| side * f64::from(i) / f64::from(n);
+            (0..n).flat_map(|i| (0..n).map(move |k| MapPoint::new(at(i), at(k)))).collect()
+        };
+        let found = clusters(&thinned(&dense(100, 0.3)));
+        assert!(found.len() == 1 && found[0].len() < 100, "{}", found.len());
+        // Islands 0.6 m apart, as when all walls have jumped.
+        let flood: Vec<MapPoint> = dense(30, 18.0).iter().flat_map(|p| seen(*p, 0.1)).collect();
+        let found = |points: &[MapPoint]| clusters(&thinned(points)).len();
+        assert!(found(&flood[..100]) > 5 && found(&flood) == 0);
     }
 }

@@ -1,9 +1,11 @@
-//! What a user of the band's planner may prefer: points to pass by, and a side to turn to.
+//! What a user of the band's planner may prefer: points to pass by, a side to turn to, and how wary it is of people.
 
 use std::time::Duration;
 
 use openbench_core::{MapPoint, Pose2, RobotDescription, SimTime, Velocity};
-use openbench_motion::{LocalPlanner, Situation, Teb, TebSettings};
+use openbench_motion::feasible::{Motion, clearance};
+use openbench_motion::teb::settings::Limits;
+use openbench_motion::{Footprint, LocalPlanner, Obstacle, Progress, Situation, Teb, TebSettings};
 
 fn situation(path: &[MapPoint]) -> Situation<'_> {
     let (time, pose, velocity) = (SimTime::ZERO, Pose2::default(), Velocity::ZERO);
@@ -44,8 +46,51 @@ fn a_robot_turns_about_to_the_side_that_is_preferred() {
 
 #[test]
 fn absurd_preferences_are_refused() {
-    for (via, side) in [(Some(0.0), 0.0), (Some(f64::NAN), 0.0), (None, f64::INFINITY)] {
-        let settings = TebSettings { via, side, ..TebSettings::default() };
-        assert!(Teb::new(&RobotDescription::sentry(), settings).is_err(), "{via:?} {side}");
+    let good = TebSettings::default();
+    let odd = [
+        TebSettings { via: Some(0.0), ..good },
+        TebSettings { via: Some(f64::NAN), ..good },
+        TebSettings { side: f64::INFINITY, ..good },
+        TebSettings { surprise: Some(-1.0), ..good },
+    ];
+    for settings in odd {
+        assert!(Teb::new(&RobotDescription::sentry(), settings).is_err(), "{settings:?}");
+    }
+}
+
+/// The robot's speed when it is touched by somebody who walks beside it and comes nearer by so many metres a second, though he seems to walk straight on.
+fn touched_at(surprise: Option<f64>, comes_nearer: f64) -> f64 {
+    let robot = RobotDescription::sentry();
+    let mut teb = Teb::new(&robot, TebSettings { surprise, ..TebSettings::default() }).unwrap();
+    let (limits, footprint) = (Limits::of(&robot).unwrap(), Footprint::of(&robot).unwrap());
+    let mut motion = Motion { pose: Pose2::default(), velocity: Velocity::ZERO, command: Velocity::ZERO };
+    let path = [MapPoint::default(), MapPoint::new(30.0, 0.0)];
+    // A wall on the other side: there is nowhere to go.
+    let wall = Obstacle::wall(MapPoint::new(-1.0, -0.22), MapPoint::new(31.0, -0.22)).unwrap();
+    let mut aside = 1.2;
+    for cycle in 0..400 {
+        let place = MapPoint::new(motion.pose.x, aside);
+        let walker = Obstacle::new(&[place], 0.25, [motion.velocity.linear.max(0.01), 0.0]).unwrap();
+        let seen = [walker, wall.clone()];
+        if clearance(&footprint, seen[..1].iter(), motion.pose, 0.0, 1.0) <= 0.0 {
+            return motion.velocity.linear.abs();
+        }
+        let time = SimTime::ZERO + Duration::from_millis(50) * cycle;
+        let now = Situation { time, pose: motion.pose, velocity: motion.velocity, ..situation(&path) };
+        motion.command = match teb.plan(&Situation { obstacles: &seen, ..now }) {
+            Ok(Progress::Drive(velocity)) => velocity,
+            _ => Velocity::ZERO,
+        };
+        motion.step(&limits, 0.05);
+        aside -= 0.05 * comes_nearer;
+    }
+    panic!("nobody was touched");
+}
+
+#[test]
+fn a_wary_robot_stands_when_it_is_touched() {
+    for comes_nearer in [0.1, 0.2, 0.35] {
+        let speeds = [Some(0.4), None].map(|surprise| touched_at(surprise, comes_nearer));
+        assert!(speeds[0] < 0.05 && speeds[1] > 0.2, "{comes_nearer}: {speeds:?}");
     }
 }

@@ -30,6 +30,13 @@ pub struct Bump {
     pub cut_off: bool,
 }
 
+impl Bump {
+    /// Whether the robot drove, or had cut the other off.
+    pub fn is_at_fault(&self) -> bool {
+        self.speed_mps > STANDING || self.cut_off
+    }
+}
+
 impl From<&openbench_sim::Collision> for Bump {
     fn from(collision: &openbench_sim::Collision) -> Self {
         let impulse_ns = collision.impulse;

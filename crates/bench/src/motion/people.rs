@@ -35,7 +35,7 @@ pub type MakePlanner<'a> = dyn Fn() -> Result<Box<dyn LocalPlanner>, String> + S
 /// What is driven.
 #[derive(Clone, Copy)]
 pub struct Request<'a> {
-    /// Kilometres, in drives of half a kilometre or less.
+    /// Kilometres at most, in drives of half a kilometre or less; drives that take too long end before.
     pub kilometres: f64,
     /// Seed of people, noise and the order of doors.
     pub seed: u64,
@@ -79,8 +79,8 @@ pub struct Bumped {
     pub class: String,
     /// How fast the robot was, m/s.
     pub speed_mps: f64,
-    /// Whether it had got into the other's way within the braking distance.
-    pub cut_off: bool,
+    /// Whether it was the robot's fault, see [`CollisionSum`]: it drove, or had cut the other off.
+    pub at_fault: bool,
     /// Where the robot was.
     pub pose: Pose2,
 }
@@ -300,7 +300,7 @@ impl Bumped {
             seconds: collision.time.seconds(),
             class: collision.class.name().to_owned(),
             speed_mps: collision.speed,
-            cut_off: collision.cut_off,
+            at_fault: collisions::Bump::from(collision).is_at_fault(),
             pose: collision.pose,
         }
     }

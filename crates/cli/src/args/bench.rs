@@ -77,7 +77,7 @@ pub struct BenchPeopleArgs {
     /// Cars that drive about
     #[arg(long, default_value_t = 0)]
     pub cars: u16,
-    /// Kilometres for each row, in drives of half a kilometre or less
+    /// Kilometres for each row at most, in drives of half a kilometre or less; drives of more than 50 minutes end before
     #[arg(long, default_value_t = 1.0, value_parser = kilometres)]
     pub km: f64,
     /// Seed of people, noise and the order of doors

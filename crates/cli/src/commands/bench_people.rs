@@ -54,6 +54,7 @@ fn table(rows: &[Among]) -> String {
             row.collisions.values().map(count).sum::<usize>()
         };
         let km = row.metres / 1000.0;
+        let each = |count: usize| if km > 0.0 { count as f64 / km } else { 0.0 };
         let near = row.encounters.near_misses_people + row.encounters.near_misses_cars;
         let _ = writeln!(
             text,
@@ -66,13 +67,13 @@ fn table(rows: &[Among]) -> String {
             total(|c| c.count),
             total(|c| c.driven_into),
             total(|c| c.cut_off),
-            near as f64 / km,
-            row.smoothness.stops as f64 / km,
+            each(near),
+            each(row.smoothness.stops),
         );
     }
     text.push_str("\nDriven into: the robot was faster than 5 cm/s. Cut off: it stood, but had got into the other's way within the braking distance.\n");
     let worst = rows.iter().flat_map(|row| row.bumps.iter().map(move |bump| (row, bump)));
-    for (row, bump) in worst.filter(|(_, b)| b.cut_off || b.speed_mps > 0.05).take(SHOWN) {
+    for (row, bump) in worst.filter(|(_, bump)| bump.at_fault).take(SHOWN) {
         let _ = writeln!(
             text,
             "  among {:3}, drive {:2}, {:7.2} s: {} at {:.2} m/s, ({:.1}, {:.1})",

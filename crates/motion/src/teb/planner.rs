@@ -68,15 +68,15 @@ pub struct TebSettings {
     pub tolerance: f64,
     /// Heading error at the end with which the robot has arrived, radians.
     pub yaw_tolerance: f64,
-    /// Distance between points of the way that bands pass by, metres, as firmly as [`Weights::via`] says; none by default: ways are only hints where to go.
+    /// Distance between points of the way that bands pass by, metres, as firmly as [`Weights::via`] says, which is not at all by default: ways are only hints where to go.
     ///
     /// [`Weights::via`]: crate::teb::settings::Weights::via
     pub via: Option<f64>,
-    /// Side that is preferred where the robot turns about: left if more than nothing, right if less. Bands turn the other way only where that is shorter by more than [`Weights::side`] says.
+    /// Side that is preferred where the robot turns by more than two radians: left if more than nothing, right if less. [`Weights::side`] says how much turning to the other side at the beginning of a band costs beside that.
     ///
     /// [`Weights::side`]: crate::teb::settings::Weights::side
     pub side: f64,
-    /// How much faster than foreseen somebody may come at the robot, m/s: near those who move it is only as fast as lets it stand by then. None by default: who foresees exactly may pass closely.
+    /// How much faster than foreseen somebody may come at the robot, m/s: near those who move it is only as fast as lets it stand when they are there, and it does not run from them, since people walk round what stands. None by default: where all is foreseen exactly it may pass closely, and gets out of the way.
     pub surprise: Option<f64>,
 }
 
@@ -309,7 +309,7 @@ impl Teb {
             start: situation.velocity,
             stops: end.stops,
             end_yaw: end.yaw.is_some(),
-            side: self.settings.side,
+            side: sign(self.settings.side),
         };
         let vias = self.vias(situation);
         let warm = self.candidates.len();
@@ -421,31 +421,35 @@ impl Teb {
         if let Some(at) = best.conflict.filter(|at| *at < TOO_LATE) {
             let distance = situation.pose.point().distance(best.band.pose_at(at).point());
             let (footprint, limits) = (&self.footprint, &self.limits);
-            return evade(footprint, limits, situation).ok_or(Blocked::Obstacle(distance));
+            // Who lets people come to a standing robot does not run from them.
+            let lets_come = self.settings.surprise.is_some();
+            let away = if lets_come { None } else { evade(footprint, limits, situation) };
+            return away.ok_or(Blocked::Obstacle(distance));
         }
         self.secured(situation, wanted(&best.band, &self.limits))
     }
 
-    /// A velocity, or less of it: so much that the robot stands when somebody near comes at it faster than foreseen.
+    /// A velocity, or as much of it as lets the robot stand, wherever it drives, before somebody near touches it who comes at it faster than foreseen.
     fn wary(&self, situation: &Situation<'_>, wanted: Velocity) -> Velocity {
         let Some(surprise) = self.settings.surprise else { return wanted };
         let (foot, circle) = (self.footprint.at(situation.pose), self.footprint.circumscribed());
-        let standstill = |o: &Obstacle| {
+        let most = |o: &Obstacle| {
             let near = o.contact(&foot, circle, 0.0, ALERT)?;
             let [vx, vy] = o.velocity();
             let towards = surprise - near.normal[0] * vx - near.normal[1] * vy;
-            (towards > 0.0).then(|| near.distance.max(0.0) / towards)
+            (towards > 0.0).then(|| stands_in_time(near.distance, towards, self.limits.acceleration))
         };
         let moving = situation.obstacles.iter().filter(|o| o.is_moving());
-        let seconds = moving.filter_map(standstill).fold(f64::INFINITY, f64::min);
+        let most = moving.filter_map(most).fold(f64::INFINITY, f64::min);
         let rim = wanted.linear.abs() + self.limits.half_track * wanted.angular.abs();
-        let share = (self.limits.acceleration * seconds / rim.max(1e-9)).min(1.0);
+        let share = (most / rim.max(1e-9)).min(1.0);
         Velocity::new(share * wanted.linear, share * wanted.angular)
     }
 
     /// What is wanted, or as near to it as lets the robot still stop before anything that stands.
     fn secured(&self, situation: &Situation<'_>, wanted: Velocity) -> Result<Velocity, Blocked> {
         let mut conflict = None;
+        let wanted = self.wary(situation, wanted);
         for velocity in self.slower(situation.velocity, wanted) {
             let motion = Motion { pose: situation.pose, velocity: situation.velocity, command: velocity };
             let (foot, limits) = (&self.footprint, &self.limits);
@@ -483,10 +487,7 @@ impl Teb {
 impl LocalPlanner for Teb {
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Progress, Blocked> {
         situation.check()?;
-        Ok(match self.decide(situation)? {
-            Progress::Drive(velocity) => Progress::Drive(self.wary(situation, velocity)),
-            Progress::Arrived => Progress::Arrived,
-        })
+        self.decide(situation)
     }
 
     fn reset(&mut self) {
@@ -529,6 +530,18 @@ impl Teb {
 
 fn signature(clumps: &Clumps, band: &Band) -> Signature {
     clumps.signature(band.knots().iter().map(|k| (k.pose.point(), k.time)))
+}
+
+/// The largest speed at which a robot comes to stand, after a command's time, within `distance` less what somebody comes nearer meanwhile: v² / 2a + v (w / a + T) + w T = d.
+fn stands_in_time(distance: f64, towards: f64, acceleration: f64) -> f64 {
+    let left = distance - towards * COMMAND;
+    let late = towards / acceleration + COMMAND;
+    if left > 0.0 { acceleration * ((late * late + 2.0 * left / acceleration).sqrt() - late) } else { 0.0 }
+}
+
+/// -1, 0 or 1.
+fn sign(value: f64) -> f64 {
+    if value == 0.0 { 0.0 } else { value.signum() }
 }
 
 fn is_jump(expected: Pose2, pose: Pose2) -> bool {

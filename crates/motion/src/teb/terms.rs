@@ -216,7 +216,7 @@ fn accelerate(i: usize, a: &Stretch, b: &Stretch, step: f64, problem: &Problem<'
     }
 }
 
-/// Changes of the turn rate between two stretches, as accelerations of the rims: a little at once costs as much as ten times as much spread over ten times the time.
+/// Changes of the turn rate between two stretches, as accelerations of the rims: the same change costs a tenth when it is spread over ten times the time.
 fn steady(i: usize, a: &Stretch, b: &Stretch, step: f64, problem: &Problem<'_>, sink: &mut impl Sink) {
     let weight = problem.settings.weights.steady;
     if weight == 0.0 {

@@ -1,9 +1,9 @@
 //! Whose way it was: whether the robot stepped before somebody who could no longer stop.
 //!
-//! The path of somebody who moves is the hull, swept straight ahead over the braking distance: of a car the one of a full
-//! brake on dry asphalt, of a person the way in which the social force model's drive brings a walk to rest, speed times
-//! relaxation time. Who moves into a robot's place is no concern of the robot's; a robot that moves into such a path is to blame for what
-//! comes of it, even if it stands by then.
+//! The path of somebody who moves is the hull, swept straight ahead. The braking distance is, of a car, that of a full
+//! brake on dry asphalt, and of a person the way in which the social force model's drive brings a walk to rest, speed times
+//! relaxation time. A robot is to blame for what comes of it, even if it stands by then, if within the braking distance it gets into the path from
+//! the side, or drives towards who comes. Who moves into a standing robot's place is no concern of the robot's.
 
 use openbench_core::MapPoint;
 
@@ -11,6 +11,8 @@ use super::{Hull, Mover, MoverKind, RobotState, cars, pedestrians};
 
 /// Slower than this nobody has a path, m/s.
 const STANDS: f64 = 0.05;
+/// All of a path that can matter, metres.
+const FAR: f64 = 100.0;
 /// A robot that has left a path is to blame for so long, seconds: a touch changes the path.
 const LASTS: f64 = 0.5;
 
@@ -26,12 +28,17 @@ impl Yielding {
     /// Takes in an instant, `dt` seconds after the last. `movers` must keep their order.
     pub fn update(&mut self, dt: f64, robot: &RobotState, movers: &[Mover]) {
         let before = self.robot.replace(robot.position).unwrap_or(robot.position);
+        let moved = [robot.position.x - before.x, robot.position.y - before.y];
         self.blame.resize(movers.len(), 0.0);
         for (mover, blame) in movers.iter().zip(&mut self.blame) {
-            let lies = |at: MapPoint| mover.present && lies_in_path(at, robot.radius, mover);
-            if !lies(robot.position) {
+            if !mover.present || !lies_in_path(robot.position, robot.radius, mover, braking(mover)) {
                 *blame = (*blame - dt).max(0.0);
-            } else if *blame > 0.0 || !lies(before) {
+                continue;
+            }
+            let from_aside = !lies_in_path(before, robot.radius, mover, FAR);
+            let [u, v] = mover.velocity;
+            let against = -(moved[0] * u + moved[1] * v) / libm::hypot(u, v) > STANDS * dt;
+            if *blame > 0.0 || from_aside || against {
                 *blame = LASTS;
             }
         }
@@ -46,13 +53,18 @@ impl Yielding {
     }
 }
 
-fn lies_in_path(at: MapPoint, radius: f64, mover: &Mover) -> bool {
+/// Braking distance, metres.
+fn braking(mover: &Mover) -> f64 {
     let speed = libm::hypot(mover.velocity[0], mover.velocity[1]);
-    let braking = match mover.kind {
+    match mover.kind {
         MoverKind::Pedestrian => speed * pedestrians::RELAXATION,
         MoverKind::Car => speed * speed / (2.0 * cars::HARDEST),
-    };
-    speed > STANDS && outside(at, mover, braking) < radius
+    }
+}
+
+/// Whether a disc lies in the path of somebody as far as so many metres ahead.
+fn lies_in_path(at: MapPoint, radius: f64, mover: &Mover, ahead: f64) -> bool {
+    libm::hypot(mover.velocity[0], mover.velocity[1]) > STANDS && outside(at, mover, ahead) < radius
 }
 
 /// Metres from a point to a hull that is swept ahead.
@@ -122,12 +134,31 @@ mod tests {
     fn who_stands_or_comes_from_afar_is_not() {
         // Somebody walks up to where the robot has stood all along.
         assert!(!blame(robot(1.05, 0.0), robot(1.05, 0.0), walker));
+        // Somebody comes up to a robot that drives away before him.
+        assert!(!blame(robot(1.00, 0.0), robot(1.03, 0.0), walker));
         // There is room to stop.
         assert!(
             !blame(robot(1.5, 0.6), robot(1.5, 0.4), walker) && !blame(robot(6.5, 1.2), robot(6.5, 1.0), car)
         );
         // Behind a back.
         assert!(!blame(robot(-0.6, 0.0), robot(-0.5, 0.0), walker));
+    }
+
+    #[test]
+    fn who_drives_at_somebody_too_near_is_to_blame_whenever_it_is_looked_at() {
+        for phase in 0..10 {
+            let mut yielding = Yielding::default();
+            let mut apart = 3.0 + 0.01 * f64::from(phase);
+            // Both go on, until the robot stands with a metre, or with half a metre, between middles.
+            for stop in [1.3, 0.8] {
+                while apart > stop {
+                    yielding.update(0.05, &robot(apart, 0.0), &[walker(0.0)]);
+                    apart -= 0.025;
+                }
+                let too_near = stop < 1.0;
+                assert_eq!(yielding.cut_off(MoverKind::Pedestrian, &[walker(0.0)]), too_near, "{phase}");
+            }
+        }
     }
 
     #[test]
