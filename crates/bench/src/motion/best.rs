@@ -70,6 +70,7 @@ impl Search<'_> {
                 speed: 4000.0,
                 turn: 1000.0,
                 acceleration: 300.0,
+                steady: 0.0,
                 backward: 0.0,
                 obstacle: 20_000.0,
                 comfort: 0.0,
