@@ -46,6 +46,7 @@ pub fn run(args: &ServeArgs) -> anyhow::Result<Outcome> {
 async fn serve(args: &ServeArgs, service: Arc<Service>) -> anyhow::Result<()> {
     let listener =
         TcpListener::bind(args.listen).await.with_context(|| format!("cannot listen on {}", args.listen))?;
+    let mut stop = std::pin::pin!(stopped());
     tell(&format!(
         "{} edges of {} for `{}`; listening on http://{}",
         service.roads.network.edge_count(),
@@ -54,7 +55,6 @@ async fn serve(args: &ServeArgs, service: Arc<Service>) -> anyhow::Result<()> {
         listener.local_addr()?
     ));
     let (graceful, room) = (GracefulShutdown::new(), Arc::new(Semaphore::new(CONNECTIONS)));
-    let mut stop = std::pin::pin!(stopped());
     loop {
         let accepted = tokio::select! {
             accepted = accept(&listener, &room) => accepted,
@@ -106,26 +106,32 @@ async fn accept(
     Ok((listener.accept().await?.0, permit))
 }
 
-/// Ctrl-C, or the signal that asks a process to end.
-async fn stopped() {
-    let interrupted = async {
-        // Without that signal there is nothing to wait for.
-        if tokio::signal::ctrl_c().await.is_err() {
-            std::future::pending::<()>().await;
-        }
-    };
-    #[cfg(unix)]
-    {
-        let terminated = tokio::signal::unix::signal(tokio::signal::unix::SignalKind::terminate());
-        if let Ok(mut terminated) = terminated {
-            tokio::select! {
-                () = interrupted => {}
-                _ = terminated.recv() => {}
+/// Until Ctrl-C, or the signal that asks a process to end. It is listened for from the call on: whoever has read where we listen may stop us.
+#[cfg(unix)]
+fn stopped() -> impl Future<Output = ()> {
+    use tokio::signal::unix::{SignalKind, signal};
+    let signals = [SignalKind::interrupt(), SignalKind::terminate()].map(signal);
+    async move {
+        let [interrupted, terminated] = signals.map(|signal| async {
+            match signal {
+                Ok(mut signal) => signal.recv().await,
+                // Without that signal there is nothing to wait for.
+                Err(_) => std::future::pending().await,
             }
-            return;
+        });
+        tokio::select! {
+            _ = interrupted => {}
+            _ = terminated => {}
         }
     }
-    interrupted.await;
+}
+
+/// Until Ctrl-C.
+#[cfg(not(unix))]
+async fn stopped() {
+    if tokio::signal::ctrl_c().await.is_err() {
+        std::future::pending::<()>().await;
+    }
 }
 
 fn respond(service: &Service, request: &Request<Incoming>) -> Response<Full<Bytes>> {
