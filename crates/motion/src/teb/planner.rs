@@ -38,8 +38,6 @@ const LATER: f64 = 1.5;
 const WAITS: [f64; 3] = [1.0, 2.5, 5.0];
 /// Seconds until a maneuver is looked for again.
 const SEARCH_AGAIN: f64 = 1.0;
-/// Classes are looked for again after so many seconds; at once where no band leads to the end.
-const EXPLORE_AGAIN: f64 = 0.14;
 /// Who is nearer than this may surprise, metres.
 const ALERT: f64 = 1.5;
 /// Points to pass by, at most.
@@ -162,8 +160,6 @@ pub struct Teb {
     way_out: Option<Band>,
     /// When a maneuver was last looked for.
     searched: Option<SimTime>,
-    /// When classes were.
-    explored: Option<SimTime>,
 }
 
 /// Where a band is to end.
@@ -196,7 +192,6 @@ impl Teb {
             wedged: false,
             way_out: None,
             searched: None,
-            explored: None,
         })
     }
 
@@ -234,13 +229,6 @@ impl Teb {
     fn explore(&mut self, situation: &Situation<'_>, end: &End) -> Vec<Candidate> {
         let start = situation.pose.point();
         let how = self.settings.exploring;
-        let recent = |at: SimTime| situation.time.since(at).as_secs_f64() < EXPLORE_AGAIN;
-        let goes_on = self.leads() && !self.candidates.iter().any(|c| c.tangled);
-        if goes_on && self.explored.is_some_and(recent) {
-            self.clumps.set_moving(situation.obstacles);
-            return Vec::new();
-        }
-        self.explored = Some(situation.time);
         let (moving, standing): (Vec<Obstacle>, Vec<Obstacle>) =
             situation.obstacles.iter().cloned().partition(Obstacle::is_moving);
         let mut ways = self.explorer.explore(start, end.point, &standing, &how);
@@ -487,18 +475,6 @@ impl Teb {
 impl LocalPlanner for Teb {
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Progress, Blocked> {
         situation.check()?;
-        self.decide(situation)
-    }
-
-    fn reset(&mut self) {
-        self.candidates.clear();
-        (self.last, self.searched, self.explored, self.way_out) = (None, None, None, None);
-        (self.turning, self.wedged) = (false, false);
-    }
-}
-
-impl Teb {
-    fn decide(&mut self, situation: &Situation<'_>) -> Result<Progress, Blocked> {
         let end = self.end(situation);
         let off = situation.pose.point().distance(end.point);
         let near = if self.turning { 1.0 } else { WELL_WITHIN } * self.settings.tolerance;
@@ -525,6 +501,12 @@ impl Teb {
         self.choose();
         self.maneuver(situation, &end);
         self.command(situation).map(Progress::Drive)
+    }
+
+    fn reset(&mut self) {
+        self.candidates.clear();
+        (self.last, self.searched, self.way_out) = (None, None, None);
+        (self.turning, self.wedged) = (false, false);
     }
 }
 
