@@ -169,10 +169,10 @@ impl Band {
                 let at: Knot = knots[knots.len() - 1];
                 let step = resolution.step_at(at.time);
                 let left = b.time - at.time;
-                if left <= (1.0 + HYSTERESIS) * step {
+                if left <= (1.0 + HYSTERESIS) * step + ROUNDED {
                     break;
                 }
-                let time = at.time + left / (left / step).round().max(2.0);
+                let time = at.time + left / (left / step + ROUNDED).round().max(2.0);
                 let share = (time - a.time) / (b.time - a.time);
                 knots.push(Knot { pose: on_arc(a.pose, b.pose, share), time });
             }
@@ -187,8 +187,8 @@ impl Band {
         for i in 1..last {
             let (before, after) = (self.knots[kept - 1].time, self.knots[i + 1].time);
             let step = resolution.step_at(before);
-            let short = self.knots[i].time - before < (1.0 - HYSTERESIS) * step;
-            let room = after - before < (1.0 + HYSTERESIS) * step;
+            let short = self.knots[i].time - before < (1.0 - HYSTERESIS) * step - ROUNDED;
+            let room = after - before < (1.0 + HYSTERESIS) * step + ROUNDED;
             // What is left must have three knots, for a velocity and its change.
             if !(short && room && kept + last - i >= 3) {
                 self.knots[kept] = self.knots[i];
@@ -206,6 +206,8 @@ impl Band {
 
 /// Share of the wanted step by which a stretch may be longer or shorter.
 const HYSTERESIS: f64 = 0.4;
+/// New bands have stretches that are just so long: rounding must not tell how they are divided.
+const ROUNDED: f64 = 1e-9;
 /// Metres that a radian counts for where poses are compared.
 const TURN_WEIGHT: f64 = 0.3;
 /// Distance between points of a new band, metres.
@@ -229,7 +231,8 @@ fn rounded(start: MapPoint, corners: &[MapPoint]) -> Vec<MapPoint> {
     let mut at = start;
     for &corner in corners {
         let length = at.distance(corner);
-        let count = (length / SPACING).ceil().clamp(0.0, 10_000.0) as usize;
+        // Corners are often a whole number of spacings apart, and rounding must not make one more of them.
+        let count = (length / SPACING - 1e-6).ceil().clamp(0.0, 10_000.0) as usize;
         for k in 1..=count {
             let t = k as f64 / count as f64;
             points.push(MapPoint::new(at.x + t * (corner.x - at.x), at.y + t * (corner.y - at.y)));
