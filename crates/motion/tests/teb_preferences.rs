@@ -94,3 +94,26 @@ fn a_wary_robot_stands_when_it_is_touched() {
         assert!(speeds[0] < 0.05 && speeds[1] > 0.2, "{comes_nearer}: {speeds:?}");
     }
 }
+
+/// Seconds until a standing robot sets out while somebody is so far aside.
+fn sets_out_after(surprise: Option<f64>, away: f64) -> f64 {
+    let mut teb =
+        Teb::new(&RobotDescription::sentry(), TebSettings { surprise, ..TebSettings::default() }).unwrap();
+    let path = [MapPoint::default(), MapPoint::new(30.0, 0.0)];
+    let seen = [Obstacle::new(&[MapPoint::new(0.0, away)], 0.25, [0.05, 0.0]).unwrap()];
+    let told = (0..40).find(|cycle| {
+        let time = SimTime::ZERO + Duration::from_millis(50) * *cycle;
+        match teb.plan(&Situation { time, obstacles: &seen, ..situation(&path) }) {
+            Ok(Progress::Drive(velocity)) => velocity.linear.abs() > 0.01,
+            _ => false,
+        }
+    });
+    told.map_or(f64::INFINITY, |cycle| 0.05 * f64::from(cycle))
+}
+
+#[test]
+fn a_wary_robot_that_stands_near_somebody_looks_for_a_while_before_it_sets_out() {
+    let near = sets_out_after(Some(0.4), 1.4);
+    assert!((0.4..0.7).contains(&near), "{near}");
+    assert!(sets_out_after(Some(0.4), 4.0) < 0.2 && sets_out_after(None, 1.4) < 0.2);
+}

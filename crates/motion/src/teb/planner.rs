@@ -2,8 +2,7 @@
 
 use openbench_core::{MapPoint, Pose2, RobotDescription, SimTime, Velocity, frames::wrap_angle};
 
-use crate::evade::evade;
-use crate::feasible::{Motion, clearance, conflict_before_stop, first_conflict};
+use crate::feasible::{clearance, first_conflict};
 use crate::leave::{KEEP, leave};
 use crate::local::{Blocked, LocalPlanner, Progress, Situation, ahead};
 use crate::maneuver::maneuver;
@@ -14,14 +13,15 @@ use crate::teb::optimize::{Effort, Optimizer};
 use crate::teb::settings::{Limits, Settings, SettingsError, finite, positive};
 use crate::teb::terms::Problem;
 
-/// Seconds ahead that a velocity is taken from: the time until the next one and a little for what lags.
-const COMMAND: f64 = 0.1;
+mod command;
+
+use command::TOO_LATE;
+pub use command::wanted;
+
 /// A pose this far from where the band had it is a jump of the estimate, not a slip of the wheels: metres, radians.
 const JUMP: (f64, f64) = (0.15, 0.2);
 /// A goal that moves further than this at once is another one, metres.
 const ELSEWHERE: f64 = 1.0;
-/// Seconds until a conflict below which a band is not driven any further.
-const TOO_LATE: f64 = 1.0;
 /// Distance from obstacles that a motion has to keep to be driven, metres.
 const SURE: f64 = 0.003;
 /// A robot that is nearer to something than the first gets off it before it plans on, until it is as far as the second, metres.
@@ -38,16 +38,8 @@ const LATER: f64 = 1.5;
 const WAITS: [f64; 3] = [1.0, 2.5, 5.0];
 /// Seconds until a maneuver is looked for again.
 const SEARCH_AGAIN: f64 = 1.0;
-/// Who is nearer than this may surprise, metres.
-const ALERT: f64 = 1.5;
 /// Points to pass by, at most.
 const MOST_VIAS: f64 = 40.0;
-/// A robot that is slower than this need not brake gently, m/s.
-const SLOW: f64 = 0.05;
-/// Shares of the deceleration with which a robot brakes that still has to turn.
-const GENTLY: [f64; 2] = [0.25, 0.5];
-/// Shares of speed and turn rate that are tried after that.
-const SHARES: [(f64, f64); 4] = [(0.6, 0.6), (0.3, 0.3), (0.1, 0.1), (0.0, 1.0)];
 /// The robot begins its last turn once it is within this share of the tolerance, for it may slip.
 const WELL_WITHIN: f64 = 0.7;
 
@@ -160,6 +152,8 @@ pub struct Teb {
     way_out: Option<Band>,
     /// When a maneuver was last looked for.
     searched: Option<SimTime>,
+    /// Since when there has been a way to drive.
+    free: Option<SimTime>,
 }
 
 /// Where a band is to end.
@@ -192,6 +186,7 @@ impl Teb {
             wedged: false,
             way_out: None,
             searched: None,
+            free: None,
         })
     }
 
@@ -403,73 +398,6 @@ impl Teb {
         let band = self.way_out.as_ref().filter(|band| self.keeps(situation, band))?;
         self.secured(situation, wanted(band, &self.limits)).ok()
     }
-
-    fn command(&self, situation: &Situation<'_>) -> Result<Velocity, Blocked> {
-        let Some(best) = self.candidates.first() else { return Err(Blocked::Obstacle(0.0)) };
-        if let Some(at) = best.conflict.filter(|at| *at < TOO_LATE) {
-            let distance = situation.pose.point().distance(best.band.pose_at(at).point());
-            let (footprint, limits) = (&self.footprint, &self.limits);
-            // Who lets people come to a standing robot does not run from them.
-            let lets_come = self.settings.surprise.is_some();
-            let away = if lets_come { None } else { evade(footprint, limits, situation) };
-            return away.ok_or(Blocked::Obstacle(distance));
-        }
-        self.secured(situation, wanted(&best.band, &self.limits))
-    }
-
-    /// A velocity, or as much of it as lets the robot stand, wherever it drives, before somebody near touches it who comes at it faster than foreseen.
-    fn wary(&self, situation: &Situation<'_>, wanted: Velocity) -> Velocity {
-        let Some(surprise) = self.settings.surprise else { return wanted };
-        let (foot, circle) = (self.footprint.at(situation.pose), self.footprint.circumscribed());
-        let most = |o: &Obstacle| {
-            let near = o.contact(&foot, circle, 0.0, ALERT)?;
-            let [vx, vy] = o.velocity();
-            let towards = surprise - near.normal[0] * vx - near.normal[1] * vy;
-            (towards > 0.0).then(|| stands_in_time(near.distance, towards, self.limits.acceleration))
-        };
-        let moving = situation.obstacles.iter().filter(|o| o.is_moving());
-        let most = moving.filter_map(most).fold(f64::INFINITY, f64::min);
-        let rim = wanted.linear.abs() + self.limits.half_track * wanted.angular.abs();
-        let share = (most / rim.max(1e-9)).min(1.0);
-        Velocity::new(share * wanted.linear, share * wanted.angular)
-    }
-
-    /// What is wanted, or as near to it as lets the robot still stop before anything that stands.
-    fn secured(&self, situation: &Situation<'_>, wanted: Velocity) -> Result<Velocity, Blocked> {
-        let mut conflict = None;
-        let wanted = self.wary(situation, wanted);
-        for velocity in self.slower(situation.velocity, wanted) {
-            let motion = Motion { pose: situation.pose, velocity: situation.velocity, command: velocity };
-            let (foot, limits) = (&self.footprint, &self.limits);
-            match conflict_before_stop(foot, situation.obstacles, motion, limits, COMMAND, SURE) {
-                None => return Ok(velocity),
-                Some(at) => conflict = conflict.or(Some(at * velocity.linear.abs())),
-            }
-        }
-        Err(Blocked::Obstacle(conflict.unwrap_or(0.0)))
-    }
-
-    /// A velocity, and slower ones, none of which stands where driving was wanted. Rims that brake as hard as they can cannot turn the robot too, so who is fast at first brakes gently and turns as it was to.
-    fn slower(&self, now: Velocity, wanted: Velocity) -> impl Iterator<Item = Velocity> + use<> {
-        let most = self.limits.acceleration * COMMAND;
-        let gently = GENTLY.map(move |share| {
-            let linear = now.linear - share * most.min(now.linear.abs()).copysign(now.linear);
-            Velocity::new(linear.clamp(-wanted.linear.abs(), wanted.linear.abs()), wanted.angular)
-        });
-        let shares = SHARES.map(move |(v, w)| Velocity::new(v * wanted.linear, w * wanted.angular));
-        let is_fast = now.linear.abs() > SLOW;
-        let gently = gently.into_iter().filter(move |_| is_fast);
-        let moves = move |v: &Velocity| v.linear.abs() > 1e-3 || v.angular.abs() > 1e-2 || *v == wanted;
-        std::iter::once(wanted).chain(gently).chain(shares).filter(moves)
-    }
-
-    /// The last turn, once the robot stands where it should.
-    fn turn(&self, situation: &Situation<'_>, error: f64) -> Result<Progress, Blocked> {
-        // As fast as it can still be stopped in time, with a third of what the wheels could do.
-        let angular = self.limits.acceleration / self.limits.half_track / 3.0;
-        let rate = (2.0 * angular * error.abs()).sqrt().min(4.0 * error.abs()).max(0.1).min(self.limits.turn);
-        self.secured(situation, Velocity::new(0.0, rate.copysign(error))).map(Progress::Drive)
-    }
 }
 
 impl LocalPlanner for Teb {
@@ -500,25 +428,19 @@ impl LocalPlanner for Teb {
         self.improve(new, situation, &end);
         self.choose();
         self.maneuver(situation, &end);
-        self.command(situation).map(Progress::Drive)
+        let decided = self.command(situation);
+        self.hesitate(situation, decided).map(Progress::Drive)
     }
 
     fn reset(&mut self) {
         self.candidates.clear();
-        (self.last, self.searched, self.way_out) = (None, None, None);
+        (self.last, self.searched, self.way_out, self.free) = (None, None, None, None);
         (self.turning, self.wedged) = (false, false);
     }
 }
 
 fn signature(clumps: &Clumps, band: &Band) -> Signature {
     clumps.signature(band.knots().iter().map(|k| (k.pose.point(), k.time)))
-}
-
-/// The largest speed at which a robot comes to stand, after a command's time, within `distance` less what somebody comes nearer meanwhile: v² / 2a + v (w / a + T) + w T = d.
-fn stands_in_time(distance: f64, towards: f64, acceleration: f64) -> f64 {
-    let left = distance - towards * COMMAND;
-    let late = towards / acceleration + COMMAND;
-    if left > 0.0 { acceleration * ((late * late + 2.0 * left / acceleration).sqrt() - late) } else { 0.0 }
 }
 
 /// -1, 0 or 1.
@@ -535,13 +457,4 @@ fn is_drivable(band: &Band, limits: &Limits) -> bool {
     let slowed = band.slowed(limits);
     let mut pairs = band.knots().windows(2).zip(slowed.knots().windows(2));
     pairs.all(|(a, b)| b[1].time - b[0].time < LATER * (a[1].time - a[0].time))
-}
-
-/// The velocity that leads to where the band has the robot next.
-pub fn wanted(band: &Band, limits: &Limits) -> Velocity {
-    let v = band.velocity_until(COMMAND);
-    Velocity::new(
-        v.linear.clamp(-limits.backward, limits.forward),
-        v.angular.clamp(-limits.turn, limits.turn),
-    )
 }

@@ -1,0 +1,138 @@
+//! From the best band to a velocity: what is driven of it, so that the robot stands in time whatever comes.
+
+use openbench_core::{SimTime, Velocity};
+
+use crate::evade::evade;
+use crate::feasible::{Motion, clearance, conflict_before_stop};
+use crate::local::{Blocked, Progress, Situation};
+use crate::shape::Obstacle;
+use crate::teb::band::Band;
+use crate::teb::settings::Limits;
+
+use super::{SURE, Teb};
+
+/// Seconds ahead that a velocity is taken from: the time until the next one and a little for what lags.
+const COMMAND: f64 = 0.1;
+/// Seconds until a conflict below which a band is not driven any further.
+pub(super) const TOO_LATE: f64 = 1.0;
+/// Who is nearer than this may surprise, metres.
+const ALERT: f64 = 1.5;
+/// Who stands near somebody who may surprise sets out once there was a way for so long, seconds.
+const HESITATES: f64 = 0.5;
+/// A robot that is slower than this need not brake gently, m/s.
+const SLOW: f64 = 0.05;
+/// A standing robot that is told less than this does not set out, m/s.
+const SETS_OUT: f64 = 0.01;
+/// Shares of the deceleration with which a robot brakes that still has to turn.
+const GENTLY: [f64; 2] = [0.25, 0.5];
+/// Shares of speed and turn rate that are tried after that.
+const SHARES: [(f64, f64); 4] = [(0.6, 0.6), (0.3, 0.3), (0.1, 0.1), (0.0, 1.0)];
+
+impl Teb {
+    pub(super) fn command(&self, situation: &Situation<'_>) -> Result<Velocity, Blocked> {
+        let Some(best) = self.candidates.first() else { return Err(Blocked::Obstacle(0.0)) };
+        if let Some(at) = best.conflict.filter(|at| *at < TOO_LATE) {
+            let distance = situation.pose.point().distance(best.band.pose_at(at).point());
+            let (footprint, limits) = (&self.footprint, &self.limits);
+            // Who lets people come to a standing robot does not run from them.
+            let lets_come = self.settings.surprise.is_some();
+            let away = if lets_come { None } else { evade(footprint, limits, situation) };
+            return away.ok_or(Blocked::Obstacle(distance));
+        }
+        self.secured(situation, wanted(&best.band, &self.limits))
+    }
+
+    /// A velocity, or as much of it as lets the robot stand, wherever it drives, before somebody near touches it who comes at it faster than foreseen.
+    fn wary(&self, situation: &Situation<'_>, wanted: Velocity) -> Velocity {
+        let Some(surprise) = self.settings.surprise else { return wanted };
+        let (foot, circle) = (self.footprint.at(situation.pose), self.footprint.circumscribed());
+        let most = |o: &Obstacle| {
+            let near = o.contact(&foot, circle, 0.0, ALERT)?;
+            let [vx, vy] = o.velocity();
+            let towards = surprise - near.normal[0] * vx - near.normal[1] * vy;
+            (towards > 0.0).then(|| stands_in_time(near.distance, towards, self.limits.acceleration))
+        };
+        let moving = situation.obstacles.iter().filter(|o| o.is_moving());
+        let most = moving.filter_map(most).fold(f64::INFINITY, f64::min);
+        let rim = wanted.linear.abs() + self.limits.half_track * wanted.angular.abs();
+        let share = (most / rim.max(1e-9)).min(1.0);
+        Velocity::new(share * wanted.linear, share * wanted.angular)
+    }
+
+    /// What was decided, unless the robot stands near somebody who may surprise and there has hardly been a way yet: one look may err, and who sets out a little and stops again stands in the way.
+    pub(super) fn hesitate(
+        &mut self,
+        situation: &Situation<'_>,
+        decided: Result<Velocity, Blocked>,
+    ) -> Result<Velocity, Blocked> {
+        if self.settings.surprise.is_none() {
+            return decided;
+        }
+        self.free =
+            decided.ok().filter(|v| v.linear.abs() > SETS_OUT).and(self.free.or(Some(situation.time)));
+        let settled = |since: SimTime| situation.time.since(since).as_secs_f64() >= HESITATES;
+        let stands = situation.velocity.linear.abs() < SLOW;
+        if decided.is_err() || !stands || self.free.is_some_and(settled) || !self.is_anybody_near(situation) {
+            return decided;
+        }
+        Ok(Velocity::ZERO)
+    }
+
+    fn is_anybody_near(&self, situation: &Situation<'_>) -> bool {
+        let moving = situation.obstacles.iter().filter(|o| o.is_moving());
+        clearance(&self.footprint, moving, situation.pose, 0.0, ALERT) < ALERT
+    }
+
+    /// What is wanted, or as near to it as lets the robot still stop before anything that stands.
+    pub(super) fn secured(&self, situation: &Situation<'_>, wanted: Velocity) -> Result<Velocity, Blocked> {
+        let mut conflict = None;
+        let wanted = self.wary(situation, wanted);
+        for velocity in self.slower(situation.velocity, wanted) {
+            let motion = Motion { pose: situation.pose, velocity: situation.velocity, command: velocity };
+            let (foot, limits) = (&self.footprint, &self.limits);
+            match conflict_before_stop(foot, situation.obstacles, motion, limits, COMMAND, SURE) {
+                None => return Ok(velocity),
+                Some(at) => conflict = conflict.or(Some(at * velocity.linear.abs())),
+            }
+        }
+        Err(Blocked::Obstacle(conflict.unwrap_or(0.0)))
+    }
+
+    /// A velocity, and slower ones, none of which stands where driving was wanted. Rims that brake as hard as they can cannot turn the robot too, so who is fast at first brakes gently and turns as it was to.
+    fn slower(&self, now: Velocity, wanted: Velocity) -> impl Iterator<Item = Velocity> + use<> {
+        let most = self.limits.acceleration * COMMAND;
+        let gently = GENTLY.map(move |share| {
+            let linear = now.linear - share * most.min(now.linear.abs()).copysign(now.linear);
+            Velocity::new(linear.clamp(-wanted.linear.abs(), wanted.linear.abs()), wanted.angular)
+        });
+        let shares = SHARES.map(move |(v, w)| Velocity::new(v * wanted.linear, w * wanted.angular));
+        let is_fast = now.linear.abs() > SLOW;
+        let gently = gently.into_iter().filter(move |_| is_fast);
+        let moves = move |v: &Velocity| v.linear.abs() > 1e-3 || v.angular.abs() > 1e-2 || *v == wanted;
+        std::iter::once(wanted).chain(gently).chain(shares).filter(moves)
+    }
+
+    /// The last turn, once the robot stands where it should.
+    pub(super) fn turn(&self, situation: &Situation<'_>, error: f64) -> Result<Progress, Blocked> {
+        // As fast as it can still be stopped in time, with a third of what the wheels could do.
+        let angular = self.limits.acceleration / self.limits.half_track / 3.0;
+        let rate = (2.0 * angular * error.abs()).sqrt().min(4.0 * error.abs()).max(0.1).min(self.limits.turn);
+        self.secured(situation, Velocity::new(0.0, rate.copysign(error))).map(Progress::Drive)
+    }
+}
+
+/// The largest speed at which a robot comes to stand, after a command's time, within `distance` less what somebody comes nearer meanwhile: v² / 2a + v (w / a + T) + w T = d.
+fn stands_in_time(distance: f64, towards: f64, acceleration: f64) -> f64 {
+    let left = distance - towards * COMMAND;
+    let late = towards / acceleration + COMMAND;
+    if left > 0.0 { acceleration * ((late * late + 2.0 * left / acceleration).sqrt() - late) } else { 0.0 }
+}
+
+/// The velocity that leads to where the band has the robot next.
+pub fn wanted(band: &Band, limits: &Limits) -> Velocity {
+    let v = band.velocity_until(COMMAND);
+    Velocity::new(
+        v.linear.clamp(-limits.backward, limits.forward),
+        v.angular.clamp(-limits.turn, limits.turn),
+    )
+}
