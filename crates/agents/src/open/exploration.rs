@@ -100,6 +100,13 @@ pub fn before_plate(map: &OsmMap, plate: MapPoint, facing: f64) -> Option<Waypoi
     look_at(map, plate, facing, PLATE).map(|waypoint| Waypoint { second: true, ..waypoint })
 }
 
+/// A place to look at a plate from that was seen from `viewer`, near and on the line between them: where maps are wrong it is the one that is known to see it.
+pub fn in_view_of_plate(plate: MapPoint, viewer: MapPoint) -> Waypoint {
+    let standoff = PLATE.min(plate.distance(viewer));
+    let at = plate.offset(plate.bearing_to(viewer), standoff);
+    Waypoint { place: Pose2::new(at.x, at.y, at.bearing_to(plate)), wall: plate, standoff, second: true }
+}
+
 /// Index of the waypoint that is cheapest to get to over what is known of the ground; without a way to any, of the one nearest in a
 /// straight line.
 pub fn nearest(waypoints: &[Waypoint], from: MapPoint, costmap: &Costmap) -> Option<usize> {

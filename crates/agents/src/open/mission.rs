@@ -343,13 +343,8 @@ impl Mission {
         }
         if let Some(nearest) = exploration::nearest(&task.waypoints, here, self.driver.costmap()) {
             let waypoint = task.waypoints.remove(nearest);
-            let waypoint = waypoint.before_obstacles(self.driver.costmap()).unwrap_or(waypoint);
-            let target = Target { point: waypoint.place.point(), yaw: Some(waypoint.place.yaw), must: false };
-            task.place = Some(waypoint);
-            self.driver.set_target(target);
+            self.go_to(task, waypoint);
         }
-        task.stage = Stage::ToWaypoint;
-        self.task = Some(task);
         Action::Drive(Velocity::ZERO)
     }
 
@@ -389,9 +384,47 @@ impl Mission {
                 let hidden =
                     task.place.take().and_then(|place| place.before_obstacles(self.driver.costmap()));
                 task.waypoints.extend(hidden);
-                self.next_waypoint(task, events)
+                match self.doubtful(&task) {
+                    Some(view) => self.look_from(task, view),
+                    None => return self.next_waypoint(task, events),
+                }
+                Action::Drive(Velocity::ZERO)
             }
         }
+    }
+
+    /// Where to look from at a plate that was read once, not surely, as the one that is looked for; once for each plate.
+    fn doubtful(&mut self, task: &Task) -> Option<Waypoint> {
+        if task.expected.is_some() || matches!(task.stage, Stage::Approach(_)) {
+            return None;
+        }
+        let here =
+            |s: &&Sighting| fits(s, task.building, &task.address) && sighting::is_doubtful(s, &self.seen);
+        let looked_at =
+            |s: &Sighting| self.puzzling.iter().any(|p| p.distance(s.position) <= sighting::SAME_PLATE);
+        let door = self.seen.iter().rev().filter(here).find(|s| !looked_at(s))?.clone();
+        if self.puzzling.len() == MOST_PUZZLING {
+            return None;
+        }
+        self.puzzling.push(door.position);
+        let here = self.localizer.pose().point();
+        let before = exploration::before_plate(self.memory.map(), door.position, door.facing);
+        Some(before.unwrap_or_else(|| exploration::in_view_of_plate(door.position, here)))
+    }
+
+    /// Goes to look from a place before all others.
+    fn look_from(&mut self, mut task: Task, view: Waypoint) {
+        task.waypoints.extend(task.place.take());
+        self.go_to(task, view);
+    }
+
+    fn go_to(&mut self, mut task: Task, waypoint: Waypoint) {
+        let waypoint = waypoint.before_obstacles(self.driver.costmap()).unwrap_or(waypoint);
+        let target = Target { point: waypoint.place.point(), yaw: Some(waypoint.place.yaw), must: false };
+        self.driver.set_target(target);
+        task.place = Some(waypoint);
+        task.stage = Stage::ToWaypoint;
+        self.task = Some(task);
     }
 
     fn approach(&mut self, mut task: Task, door: Sighting) {
@@ -430,7 +463,13 @@ impl Mission {
                 self.approach(task, door);
                 Err(Action::Drive(Velocity::ZERO))
             }
-            None => Ok(task),
+            None => match self.doubtful(&task) {
+                Some(view) => {
+                    self.look_from(task, view);
+                    Err(Action::Drive(Velocity::ZERO))
+                }
+                None => Ok(task),
+            },
         }
     }
 

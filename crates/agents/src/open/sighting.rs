@@ -53,11 +53,19 @@ impl Sighting {
 /// Whether `sighting` can be trusted, given all sightings so far: readers err, so one sure reading or several agreeing ones are
 /// wanted, and more for it than against it.
 pub fn is_trusted(sighting: &Sighting, all: &[Sighting]) -> bool {
-    let weight = |agree: bool| {
-        let there = all.iter().filter(|s| s.same_place(sighting) && (s.unit == sighting.unit) == agree);
-        there.map(|s| s.confidence).sum::<f32>()
-    };
-    weight(true) >= SURE && weight(true) > weight(false)
+    weight(sighting, all, true) >= SURE && weight(sighting, all, true) > weight(sighting, all, false)
+}
+
+/// Whether there is more for `sighting` than against it, but not enough to trust it.
+pub fn is_doubtful(sighting: &Sighting, all: &[Sighting]) -> bool {
+    let agreeing = weight(sighting, all, true);
+    agreeing < SURE && agreeing > weight(sighting, all, false)
+}
+
+/// How sure readings of the same plate were that agree with `sighting`, or do not, all together.
+fn weight(sighting: &Sighting, all: &[Sighting], agree: bool) -> f32 {
+    let there = all.iter().filter(|s| s.same_place(sighting) && (s.unit == sighting.unit) == agree);
+    there.map(|s| s.confidence).sum()
 }
 
 /// What the sensors say about a reading: its place and facing, if the LiDAR saw the wall behind the text.
@@ -200,11 +208,12 @@ mod tests {
         };
         let weak = seen("unit1", 0.0, 0.7);
         assert!(!is_trusted(&weak, std::slice::from_ref(&weak)));
+        assert!(is_doubtful(&weak, std::slice::from_ref(&weak)));
         assert!(is_trusted(&weak, &[weak.clone(), seen("unit1", 0.5, 0.6)]));
         assert!(is_trusted(&weak, &[seen("unit1", 0.2, 0.95), weak.clone(), seen("unit11", 5.0, 0.99)]));
         let better =
             [weak.clone(), seen("unit1", 0.2, 0.6), seen("unit11", 0.3, 0.95), seen("unit11", 0.1, 0.9)];
-        assert!(!is_trusted(&weak, &better));
+        assert!(!is_trusted(&weak, &better) && !is_doubtful(&weak, &better));
     }
 
     #[test]
