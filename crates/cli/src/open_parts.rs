@@ -31,6 +31,8 @@ const NEAR_ENOUGH: f64 = 0.15;
 const SEEN_BY_LIDAR: Margins = Margins { least: 0.06, moving: 0.3, comfort: 0.35 };
 /// How much faster than foreseen people may come at the robot, m/s: they speed up and turn as they like.
 const SURPRISE: f64 = 0.4;
+/// People stop within half a second; what is foreseen of them is a little late.
+const YIELDS: f64 = 0.6;
 /// Seed of the sampling controller's disturbances: runs repeat.
 const MPPI_SEED: u64 = 1;
 
@@ -130,6 +132,7 @@ pub fn motion(word: &str) -> Result<Box<dyn LocalPlanner>, String> {
         "teb" => {
             let mut settings =
                 TebSettings { tolerance: NEAR_ENOUGH, surprise: Some(SURPRISE), ..TebSettings::default() };
+            settings.yields = Some(YIELDS);
             settings.band.margins = SEEN_BY_LIDAR;
             Ok(Box::new(Teb::new(&robot, settings).map_err(|e| failed(&e))?))
         }

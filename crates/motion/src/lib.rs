@@ -12,6 +12,7 @@
 //! | [`teb`] | [`Teb`]: Timed Elastic Bands in several classes of ways |
 //! | [`maneuver`] | places and headings searched with the whole footprint, where a way says too little |
 //! | [`evade`] | out of the way of those who move |
+//! | [`yielding`] | whose way it is: ground that somebody is about to walk over |
 //! | [`leave`] | off what is all but touched |
 //! | [`feasible`] | whether a motion keeps off everything |
 //! | [`navigator`] | [`Navigator`]: to a goal, with a ladder of what to do when a planner does not go on |
@@ -33,6 +34,7 @@ pub mod search;
 pub mod shape;
 pub mod teb;
 pub mod tracking;
+pub mod yielding;
 
 pub use astar::{PlanError, costs, plan};
 pub use costmap::{Costmap, CostmapError};

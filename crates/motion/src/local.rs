@@ -72,6 +72,11 @@ pub trait LocalPlanner {
     /// The velocity for now.
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Progress, Blocked>;
 
+    /// As much of a velocity that somebody else thought of as may be driven among those who move: all of it, unless the planner cares for more than plans.
+    fn among_people(&self, _situation: &Situation<'_>, velocity: Velocity) -> Velocity {
+        velocity
+    }
+
     /// Forgets what was planned before: the next way has nothing to do with the last.
     fn reset(&mut self);
 }

@@ -27,6 +27,10 @@ const PATIENCE: Duration = Duration::from_millis(800);
 const PROGRESS: f64 = 0.5;
 /// Without getting that far for this long, a goal is given up.
 const NO_PROGRESS: Duration = Duration::from_secs(25);
+/// The same where somebody moves near, who will be gone sooner or later.
+const NO_PROGRESS_AMONG_PEOPLE: Duration = Duration::from_secs(120);
+/// Who moves within this distance is near, metres.
+const NEAR: f64 = 2.0;
 /// A robot that is driven and has moved by less than so many metres and radians after so long does not get on, though its planner thinks so.
 const CREEPING: (f64, f64, Duration) = (0.03, 0.1, Duration::from_millis(2000));
 /// As often the ladder is climbed before a goal is given up.
@@ -265,7 +269,8 @@ impl Navigator {
     }
 
     fn stagnates(&self, now: &Surroundings<'_>) -> bool {
-        self.anchor.is_some_and(|(_, since)| now.time.since(since) >= NO_PROGRESS)
+        let patience = if is_anybody_near(now) { NO_PROGRESS_AMONG_PEOPLE } else { NO_PROGRESS };
+        self.anchor.is_some_and(|(_, since)| now.time.since(since) >= patience)
     }
 
     fn is_stale(&self, now: &Surroundings<'_>, guide: &dyn Guide) -> bool {
@@ -293,6 +298,10 @@ impl Navigator {
         }
         self.blocked = Some((now.time, cause));
         self.attempts += 1;
+        if is_anybody_near(now) {
+            // Whoever is in the way may go: that is no reason to give up.
+            self.attempts = self.attempts.min(ATTEMPTS - 1);
+        }
         if self.attempts > ATTEMPTS {
             return Navigation::Failed(failed);
         }
@@ -349,10 +358,23 @@ impl Navigator {
             self.planner.reset();
             return None;
         }
-        Some(command)
+        let situation = Situation {
+            time: now.time,
+            pose: now.pose,
+            velocity: now.velocity,
+            path: &self.path,
+            final_yaw: None,
+            obstacles: now.obstacles,
+        };
+        Some(self.planner.among_people(&situation, command))
     }
 
     fn record(&mut self, now: &Surroundings<'_>, step: Step, cause: Blocked) {
         self.recoveries.push(Recovery { time: now.time, step, cause });
     }
+}
+
+fn is_anybody_near(now: &Surroundings<'_>) -> bool {
+    let here = now.pose.point();
+    now.obstacles.iter().any(|o| o.is_moving() && o.distance_to(here) < NEAR)
 }

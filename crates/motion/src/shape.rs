@@ -100,6 +100,11 @@ pub struct Placed {
 }
 
 impl Placed {
+    /// From its origin to another's, metres in `map`.
+    pub fn to(&self, other: &Self) -> [f64; 2] {
+        minus(other.origin, self.origin)
+    }
+
     /// Whether a point is in it.
     pub fn holds(&self, point: MapPoint) -> bool {
         let left = |(a, b)| cross(minus(b, a), minus([point.x, point.y], a)) >= 0.0;

@@ -52,6 +52,7 @@ fn absurd_preferences_are_refused() {
         TebSettings { via: Some(f64::NAN), ..good },
         TebSettings { side: f64::INFINITY, ..good },
         TebSettings { surprise: Some(-1.0), ..good },
+        TebSettings { yields: Some(0.0), ..good },
     ];
     for settings in odd {
         assert!(Teb::new(&RobotDescription::sentry(), settings).is_err(), "{settings:?}");

@@ -24,6 +24,8 @@ use crate::traffic::{Mover, MoverKind, PERSON_RADIUS, RobotState, Traffic, Traff
 
 /// Simulated time between two observations, nanoseconds.
 pub const OBSERVATION_NS: u64 = 50_000_000;
+/// Rims slower than this do not drive a robot, m/s.
+const STANDS: f64 = 0.01;
 /// A touch after less than this time without one belongs to the same collision.
 const SAME_COLLISION_NS: u64 = 500_000_000;
 
@@ -180,7 +182,9 @@ impl Simulator {
         self.speed = libm::hypot(robot.velocity[0], robot.velocity[1]) + rim;
         if let Some(crowd) = &mut self.crowd {
             let figures = Arc::make_mut(&mut self.movers);
-            self.yielding.update(OBSERVATION_NS as f64 * 1e-9, &robot, crowd.movers());
+            let fastest = self.physics.wheel_speeds().into_iter().fold(0.0, |a: f64, w| a.max(w.abs()));
+            let drives = self.robot.wheel_radius * fastest > STANDS;
+            self.yielding.update(OBSERVATION_NS as f64 * 1e-9, &robot, drives, crowd.movers());
             crowd.step(robot, &self.stage.caster, &mut self.physics, figures);
         }
         for _ in 0..OBSERVATION_NS / STEP_NS {

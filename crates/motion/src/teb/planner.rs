@@ -68,6 +68,8 @@ pub struct TebSettings {
     pub side: f64,
     /// How much faster than foreseen somebody may come at the robot, m/s: near those who move it is only as fast as lets it stand when they are there, and it does not run from them, since people walk round what stands. None by default: where all is foreseen exactly it may pass closely, and gets out of the way.
     pub surprise: Option<f64>,
+    /// Seconds that somebody who walks needs to stop: the robot does not drive into ground that somebody will be on by then. None by default: where all is foreseen exactly it may pass before somebody closely.
+    pub yields: Option<f64>,
 }
 
 impl Default for TebSettings {
@@ -82,6 +84,7 @@ impl Default for TebSettings {
             via: None,
             side: 0.0,
             surprise: None,
+            yields: None,
         }
     }
 }
@@ -97,6 +100,7 @@ impl TebSettings {
         positive("the distance between points to pass by", self.via.unwrap_or(1.0))?;
         finite("the preferred side", self.side)?;
         positive("the speed of a surprise", self.surprise.unwrap_or(1.0))?;
+        positive("the time that somebody needs to stop", self.yields.unwrap_or(1.0))?;
         positive("the side of a cell", self.exploring.cell)
     }
 }
@@ -430,6 +434,11 @@ impl LocalPlanner for Teb {
         self.maneuver(situation, &end);
         let decided = self.command(situation);
         self.hesitate(situation, decided).map(Progress::Drive)
+    }
+
+    fn among_people(&self, situation: &Situation<'_>, velocity: Velocity) -> Velocity {
+        let wary = self.wary(situation, velocity);
+        if self.cuts_off(situation, wary) { Velocity::ZERO } else { wary }
     }
 
     fn reset(&mut self) {

@@ -3,7 +3,7 @@
 //! The path of somebody who moves is the hull, swept straight ahead. The braking distance is, of a car, that of a full
 //! brake on dry asphalt, and of a person the way in which the social force model's drive brings a walk to rest, speed times
 //! relaxation time. A robot is to blame for what comes of it, even if it stands by then, if within the braking distance it gets into the path from
-//! the side, or drives towards who comes. Who moves into a standing robot's place is no concern of the robot's.
+//! the side, or drives towards who comes. Who moves into a standing robot's place is no concern of the robot's, nor where it is pushed.
 
 use openbench_core::MapPoint;
 
@@ -25,8 +25,8 @@ pub struct Yielding {
 }
 
 impl Yielding {
-    /// Takes in an instant, `dt` seconds after the last. `movers` must keep their order.
-    pub fn update(&mut self, dt: f64, robot: &RobotState, movers: &[Mover]) {
+    /// Takes in an instant, `dt` seconds after the last. `drives` says whether the robot's wheels turn: if not, it moves because it is pushed. `movers` must keep their order.
+    pub fn update(&mut self, dt: f64, robot: &RobotState, drives: bool, movers: &[Mover]) {
         let before = self.robot.replace(robot.position).unwrap_or(robot.position);
         let moved = [robot.position.x - before.x, robot.position.y - before.y];
         self.blame.resize(movers.len(), 0.0);
@@ -38,7 +38,7 @@ impl Yielding {
             let from_aside = !lies_in_path(before, robot.radius, mover, FAR);
             let [u, v] = mover.velocity;
             let against = -(moved[0] * u + moved[1] * v) / libm::hypot(u, v) > STANDS * dt;
-            if *blame > 0.0 || from_aside || against {
+            if *blame > 0.0 || drives && (from_aside || against) {
                 *blame = LASTS;
             }
         }
@@ -118,9 +118,13 @@ mod tests {
 
     /// Whether a robot is to blame that came from one place to another while somebody came nearer.
     fn blame(from: RobotState, to: RobotState, who: fn(f64) -> Mover) -> bool {
+        came(from, to, who, true)
+    }
+
+    fn came(from: RobotState, to: RobotState, who: fn(f64) -> Mover, drives: bool) -> bool {
         let mut yielding = Yielding::default();
-        yielding.update(0.05, &from, &[who(-0.06)]);
-        yielding.update(0.05, &to, &[who(0.0)]);
+        yielding.update(0.05, &from, drives, &[who(-0.06)]);
+        yielding.update(0.05, &to, drives, &[who(0.0)]);
         yielding.cut_off(who(0.0).kind, &[who(0.0)])
     }
 
@@ -140,6 +144,8 @@ mod tests {
         assert!(
             !blame(robot(1.5, 0.6), robot(1.5, 0.4), walker) && !blame(robot(6.5, 1.2), robot(6.5, 1.0), car)
         );
+        // Pushed by somebody else.
+        assert!(!came(robot(0.7, 0.6), robot(0.7, 0.4), walker, false));
         // Behind a back.
         assert!(!blame(robot(-0.6, 0.0), robot(-0.5, 0.0), walker));
     }
@@ -152,7 +158,7 @@ mod tests {
             // Both go on, until the robot stands with a metre, or with half a metre, between middles.
             for stop in [1.3, 0.8] {
                 while apart > stop {
-                    yielding.update(0.05, &robot(apart, 0.0), &[walker(0.0)]);
+                    yielding.update(0.05, &robot(apart, 0.0), true, &[walker(0.0)]);
                     apart -= 0.025;
                 }
                 let too_near = stop < 1.0;
@@ -165,10 +171,10 @@ mod tests {
     fn blame_ends_a_while_after_the_path_is_left() {
         let mut yielding = Yielding::default();
         for (y, seconds) in [(0.6, 0.05), (0.4, 0.05), (0.9, 0.05)] {
-            yielding.update(seconds, &robot(0.7, y), &[walker(0.0)]);
+            yielding.update(seconds, &robot(0.7, y), true, &[walker(0.0)]);
         }
         assert!(yielding.cut_off(MoverKind::Pedestrian, &[walker(0.0)]));
-        yielding.update(LASTS, &robot(0.7, 0.9), &[walker(0.0)]);
+        yielding.update(LASTS, &robot(0.7, 0.9), true, &[walker(0.0)]);
         assert!(!yielding.cut_off(MoverKind::Pedestrian, &[walker(0.0)]));
     }
 }

@@ -8,6 +8,7 @@ use crate::local::{Blocked, Progress, Situation};
 use crate::shape::Obstacle;
 use crate::teb::band::Band;
 use crate::teb::settings::Limits;
+use crate::yielding::Ways;
 
 use super::{SURE, Teb};
 
@@ -43,7 +44,7 @@ impl Teb {
     }
 
     /// A velocity, or as much of it as lets the robot stand, wherever it drives, before somebody near touches it who comes at it faster than foreseen.
-    fn wary(&self, situation: &Situation<'_>, wanted: Velocity) -> Velocity {
+    pub(super) fn wary(&self, situation: &Situation<'_>, wanted: Velocity) -> Velocity {
         let Some(surprise) = self.settings.surprise else { return wanted };
         let (foot, circle) = (self.footprint.at(situation.pose), self.footprint.circumscribed());
         let most = |o: &Obstacle| {
@@ -91,11 +92,20 @@ impl Teb {
             let motion = Motion { pose: situation.pose, velocity: situation.velocity, command: velocity };
             let (foot, limits) = (&self.footprint, &self.limits);
             match conflict_before_stop(foot, situation.obstacles, motion, limits, COMMAND, SURE) {
+                None if self.cuts_off(situation, velocity) => conflict = conflict.or(Some(0.0)),
                 None => return Ok(velocity),
                 Some(at) => conflict = conflict.or(Some(at * velocity.linear.abs())),
             }
         }
         Err(Blocked::Obstacle(conflict.unwrap_or(0.0)))
+    }
+
+    /// Whether the robot gets into somebody's way if it is told this.
+    pub(super) fn cuts_off(&self, situation: &Situation<'_>, command: Velocity) -> bool {
+        let (footprint, obstacles) = (&self.footprint, situation.obstacles);
+        let motion = Motion { pose: situation.pose, velocity: situation.velocity, command };
+        let ways = self.settings.yields.map(|seconds| Ways { footprint, obstacles, seconds });
+        ways.is_some_and(|ways| ways.are_cut_off(motion, &self.limits, COMMAND))
     }
 
     /// A velocity, and slower ones, none of which stands where driving was wanted. Rims that brake as hard as they can cannot turn the robot too, so who is fast at first brakes gently and turns as it was to.
