@@ -195,6 +195,18 @@ mod tests {
     }
 
     #[test]
+    fn a_plate_is_looked_at_from_where_it_was_seen_if_the_map_has_a_wall_there() {
+        let map = map();
+        let plate = map.buildings[0].polygon.centroid();
+        assert_eq!(before_plate(&map, plate, 0.0), None);
+        for (away, standoff) in [(8.0, 3.0), (1.5, 1.5)] {
+            let view = in_view_of_plate(plate, plate.offset(2.0, away));
+            assert!(view.place.point().distance(plate.offset(2.0, standoff)) < 1e-9);
+            assert!(view.place.transform(standoff, 0.0).distance(plate) < 1e-9);
+        }
+    }
+
+    #[test]
     fn the_nearest_comes_first() {
         let places = waypoints(&map(), 0, 4.0);
         let from = MapPoint::new(-20.0, 5.0);
