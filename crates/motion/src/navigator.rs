@@ -27,7 +27,7 @@ const PATIENCE: Duration = Duration::from_millis(800);
 const PROGRESS: f64 = 0.5;
 /// Without getting that far for this long, a goal is given up.
 const NO_PROGRESS: Duration = Duration::from_secs(25);
-/// The same where somebody moves near, who will be gone sooner or later.
+/// Time in which somebody moves near does not count, up to this: he will be gone sooner or later.
 const NO_PROGRESS_AMONG_PEOPLE: Duration = Duration::from_secs(120);
 /// Who moves within this distance is near, metres.
 const NEAR: f64 = 2.0;
@@ -142,6 +142,10 @@ pub struct Navigator {
     attempts: u32,
     /// Where the robot was when it last got on, and when.
     anchor: Option<(MapPoint, SimTime)>,
+    /// For how long since then somebody has been near.
+    waited: Duration,
+    /// When that was last looked at.
+    last: Option<SimTime>,
     /// Where the robot was when it last moved at all, and when.
     moved: Option<(Pose2, SimTime)>,
     recoveries: Vec<Recovery>,
@@ -162,6 +166,8 @@ impl Navigator {
             maneuver: None,
             attempts: 0,
             anchor: None,
+            waited: Duration::ZERO,
+            last: None,
             moved: None,
             recoveries: Vec::new(),
         })
@@ -174,6 +180,7 @@ impl Navigator {
         self.path.clear();
         (self.planned, self.blocked, self.maneuver) = (None, None, None);
         (self.attempts, self.anchor, self.no_way, self.moved) = (0, None, None, None);
+        self.last = None;
     }
 
     /// The way that is being followed.
@@ -253,7 +260,11 @@ impl Navigator {
     fn note_progress(&mut self, now: &Surroundings<'_>) {
         let here = now.pose.point();
         if self.anchor.is_none_or(|(anchor, _)| anchor.distance(here) > PROGRESS) {
-            (self.anchor, self.attempts) = (Some((here, now.time)), 0);
+            (self.anchor, self.attempts, self.waited) = (Some((here, now.time)), 0, Duration::ZERO);
+        }
+        let last = self.last.replace(now.time).unwrap_or(now.time);
+        if is_anybody_near(now) {
+            self.waited += now.time.since(last);
         }
         let apart = |from: &Pose2| (from.point().distance(here), wrap_angle(from.yaw - now.pose.yaw).abs());
         let stays = |(from, _): &(Pose2, SimTime)| apart(from).0 < CREEPING.0 && apart(from).1 < CREEPING.1;
@@ -269,8 +280,8 @@ impl Navigator {
     }
 
     fn stagnates(&self, now: &Surroundings<'_>) -> bool {
-        let patience = if is_anybody_near(now) { NO_PROGRESS_AMONG_PEOPLE } else { NO_PROGRESS };
-        self.anchor.is_some_and(|(_, since)| now.time.since(since) >= patience)
+        let Some(stood) = self.anchor.map(|(_, since)| now.time.since(since)) else { return false };
+        stood >= NO_PROGRESS_AMONG_PEOPLE || stood.saturating_sub(self.waited) >= NO_PROGRESS
     }
 
     fn is_stale(&self, now: &Surroundings<'_>, guide: &dyn Guide) -> bool {
@@ -298,7 +309,7 @@ impl Navigator {
         }
         self.blocked = Some((now.time, cause));
         self.attempts += 1;
-        if is_anybody_near(now) {
+        if matches!(cause, Blocked::Obstacle(_)) && is_anybody_near(now) {
             // Whoever is in the way may go: that is no reason to give up.
             self.attempts = self.attempts.min(ATTEMPTS - 1);
         }
@@ -347,7 +358,15 @@ impl Navigator {
         let (band, seen) = self.maneuver.as_mut()?;
         band.advance(now.pose, now.time.since(*seen).as_secs_f64());
         *seen = now.time;
-        let command = wanted(band, &self.limits);
+        let situation = Situation {
+            time: now.time,
+            pose: now.pose,
+            velocity: now.velocity,
+            path: &self.path,
+            final_yaw: None,
+            obstacles: now.obstacles,
+        };
+        let command = self.planner.among_people(&situation, wanted(band, &self.limits));
         let motion = Motion { pose: now.pose, velocity: now.velocity, command };
         let meets = conflict_before_stop(&self.footprint, now.obstacles, motion, &self.limits, HOLD, SURE);
         // Who moves may have come into its way since.
@@ -358,15 +377,7 @@ impl Navigator {
             self.planner.reset();
             return None;
         }
-        let situation = Situation {
-            time: now.time,
-            pose: now.pose,
-            velocity: now.velocity,
-            path: &self.path,
-            final_yaw: None,
-            obstacles: now.obstacles,
-        };
-        Some(self.planner.among_people(&situation, command))
+        Some(command)
     }
 
     fn record(&mut self, now: &Surroundings<'_>, step: Step, cause: Blocked) {

@@ -26,17 +26,17 @@ const ROUNDING: f64 = 1e-3;
 pub struct Ways<'a> {
     /// The robot's outline.
     pub footprint: &'a Footprint,
-    /// What is about it; only those count who move.
-    pub obstacles: &'a [Obstacle],
     /// Seconds that somebody who walks needs to stop.
     pub seconds: f64,
 }
 
 impl Ways<'_> {
-    /// Whether a robot, told something for `hold` seconds and then to brake, gets into somebody's way, or deeper into it, where it would not by standing still; or drives at somebody in whose way it is.
-    pub fn are_cut_off(&self, motion: Motion, limits: &Limits, hold: f64) -> bool {
+    /// Whether a robot, told something for `hold` seconds and then to brake, gets into somebody's way, or nearer to it than [`MARGIN`], where it would not by standing still; or drives at somebody in whose way it is.
+    pub fn is_cut_off(&self, somebody: &Obstacle, motion: Motion, limits: &Limits, hold: f64) -> bool {
         let here = self.footprint.at(motion.pose);
-        let (mut motion, mut time) = (motion, 0.0);
+        let off = self.off_way(somebody, &here, 0.0);
+        let ([u, v], mut time) = (somebody.velocity(), 0.0);
+        let mut motion = motion;
         while time < hold || !motion.stands() && time < LONGEST {
             if time >= hold {
                 motion.command = Velocity::ZERO;
@@ -44,21 +44,16 @@ impl Ways<'_> {
             motion.step(limits, STEP);
             time += STEP;
             let there = self.footprint.at(motion.pose);
-            let moving = || self.obstacles.iter().filter(|o| o.is_moving());
-            if moving().any(|o| self.is_cut_off(o, &here, &there, time)) {
+            let [x, y] = here.to(&there);
+            let against = -(x * u + y * v) > AGAINST * time * libm::hypot(u, v);
+            let then = self.off_way(somebody, &there, time);
+            let deeper = then < MARGIN && then < self.off_way(somebody, &here, time) - ROUNDING;
+            // Who is in somebody's way has to get out of it, to whichever side.
+            if off < MARGIN && against || off > 0.0 && deeper {
                 return true;
             }
         }
         false
-    }
-
-    fn is_cut_off(&self, somebody: &Obstacle, here: &Placed, there: &Placed, time: f64) -> bool {
-        if self.off_way(somebody, here, 0.0) < MARGIN {
-            let ([u, v], [x, y]) = (somebody.velocity(), here.to(there));
-            return -(x * u + y * v) > AGAINST * time * libm::hypot(u, v);
-        }
-        let then = self.off_way(somebody, there, time);
-        then < MARGIN && then < self.off_way(somebody, here, time) - ROUNDING
     }
 
     /// Distance from the way that somebody has before himself then, at most [`MARGIN`].
@@ -83,15 +78,14 @@ mod tests {
         let walker = Obstacle::new(&[MapPoint::new(x, y)], 0.25, [1.2 * cos, 1.2 * sin]).unwrap();
         let velocity = Velocity::new(speed, 0.0);
         let motion = Motion { pose: Pose2::default(), velocity, command: velocity };
-        let ways = Ways { footprint: &footprint, obstacles: &[walker], seconds: 0.6 };
-        ways.are_cut_off(motion, &limits, 0.1)
+        Ways { footprint: &footprint, seconds: 0.6 }.is_cut_off(&walker, motion, &limits, 0.1)
     }
 
     const NORTH: f64 = std::f64::consts::FRAC_PI_2;
 
     #[test]
     fn who_drives_before_somebody_cuts_him_off() {
-        for before in [0.58, 0.61, 0.64] {
+        for before in [0.45, 0.5, 0.58, 0.61, 0.64] {
             assert!(cuts_off(0.5, (before, -0.6), NORTH), "{before}");
             assert!(!cuts_off(0.0, (before, -0.6), NORTH) && !cuts_off(-0.2, (before, -0.6), NORTH));
         }

@@ -96,16 +96,16 @@ fn a_wary_robot_stands_when_it_is_touched() {
     }
 }
 
-/// Seconds until a standing robot sets out while somebody is so far aside.
-fn sets_out_after(surprise: Option<f64>, away: f64) -> f64 {
+/// Seconds until a standing robot sets out for a place straight ahead (1) or behind it (-1) while somebody is so far aside.
+fn sets_out_after(surprise: Option<f64>, away: f64, ahead: f64) -> f64 {
     let mut teb =
         Teb::new(&RobotDescription::sentry(), TebSettings { surprise, ..TebSettings::default() }).unwrap();
-    let path = [MapPoint::default(), MapPoint::new(30.0, 0.0)];
+    let path = [MapPoint::default(), MapPoint::new(30.0 * ahead, 0.0)];
     let seen = [Obstacle::new(&[MapPoint::new(0.0, away)], 0.25, [0.05, 0.0]).unwrap()];
     let told = (0..40).find(|cycle| {
         let time = SimTime::ZERO + Duration::from_millis(50) * *cycle;
         match teb.plan(&Situation { time, obstacles: &seen, ..situation(&path) }) {
-            Ok(Progress::Drive(velocity)) => velocity.linear.abs() > 0.01,
+            Ok(Progress::Drive(velocity)) => velocity.linear.abs() + 0.2 * velocity.angular.abs() > 0.01,
             _ => false,
         }
     });
@@ -114,7 +114,43 @@ fn sets_out_after(surprise: Option<f64>, away: f64) -> f64 {
 
 #[test]
 fn a_wary_robot_that_stands_near_somebody_looks_for_a_while_before_it_sets_out() {
-    let near = sets_out_after(Some(0.4), 1.4);
-    assert!((0.4..0.7).contains(&near), "{near}");
-    assert!(sets_out_after(Some(0.4), 4.0) < 0.2 && sets_out_after(None, 1.4) < 0.2);
+    for ahead in [1.0, -1.0] {
+        let near = sets_out_after(Some(0.4), 1.4, ahead);
+        assert!((0.4..0.7).contains(&near), "{near}");
+        assert!(sets_out_after(Some(0.4), 4.0, ahead) < 0.2 && sets_out_after(None, 1.4, ahead) < 0.2);
+    }
+}
+
+/// The least distance between a robot that drives east and somebody who walks north across its way and looks at nothing, and whether the robot gets to its goal.
+fn crosses(yields: Option<f64>, begins: f64) -> (f64, bool) {
+    let robot = RobotDescription::sentry();
+    let mut settings = TebSettings { surprise: Some(0.4), yields, ..TebSettings::default() };
+    settings.band.margins.moving = 0.3;
+    let mut teb = Teb::new(&robot, settings).unwrap();
+    let (limits, footprint) = (Limits::of(&robot).unwrap(), Footprint::of(&robot).unwrap());
+    let mut motion = Motion { pose: Pose2::default(), velocity: Velocity::ZERO, command: Velocity::ZERO };
+    let path = [MapPoint::default(), MapPoint::new(4.0, 0.0)];
+    let mut least = 1.0;
+    for cycle in 0..400 {
+        let place = MapPoint::new(2.0, begins + 0.05 * 1.2 * f64::from(cycle));
+        let seen = [Obstacle::new(&[place], 0.25, [0.0, 1.2]).unwrap()];
+        least = clearance(&footprint, seen.iter(), motion.pose, 0.0, least);
+        let time = SimTime::ZERO + Duration::from_millis(50) * cycle;
+        let now = Situation { time, pose: motion.pose, velocity: motion.velocity, ..situation(&path) };
+        motion.command = match teb.plan(&Situation { obstacles: &seen, ..now }) {
+            Ok(Progress::Drive(velocity)) => velocity,
+            Ok(Progress::Arrived) => return (least, true),
+            Err(_) => Velocity::ZERO,
+        };
+        motion.step(&limits, 0.05);
+    }
+    (least, false)
+}
+
+#[test]
+fn a_robot_that_yields_passes_before_somebody_or_lets_him_pass() {
+    for from in (0..24).map(|i| -8.0 + 0.25 * f64::from(i)) {
+        let (least, there) = crosses(Some(0.6), from);
+        assert!(least > 0.1 && there, "{from}: {least}");
+    }
 }

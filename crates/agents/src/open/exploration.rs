@@ -16,6 +16,8 @@ const COVERAGE: f64 = 1.0;
 const SEARCH: f64 = 60.0;
 /// Distance from which a plate is looked at that could not be read, metres.
 const PLATE: f64 = 3.0;
+/// Share of the distance from which something is looked at again.
+const NEARER: f64 = 0.6;
 /// Room that a waypoint keeps from every building of the map, metres.
 const ROOM: f64 = 0.6;
 /// Distance that a place keeps from an obstacle behind it, metres.
@@ -40,7 +42,7 @@ pub struct Waypoint {
 impl Waypoint {
     /// The same view from nearer by, for when something unmapped stands where the place is; `None` if it is near already.
     pub fn nearer(&self) -> Option<Self> {
-        self.at_distance(0.6 * self.standoff)
+        self.at_distance(NEARER * self.standoff)
     }
 
     /// The same view from in front of the first obstacle that stands between the wall and the place, a hedge or a parked car, if there is
@@ -100,11 +102,13 @@ pub fn before_plate(map: &OsmMap, plate: MapPoint, facing: f64) -> Option<Waypoi
     look_at(map, plate, facing, PLATE).map(|waypoint| Waypoint { second: true, ..waypoint })
 }
 
-/// A place to look at a plate from that was seen from `viewer`, near and on the line between them: where maps are wrong it is the one that is known to see it.
-pub fn in_view_of_plate(plate: MapPoint, viewer: MapPoint) -> Waypoint {
-    let standoff = PLATE.min(plate.distance(viewer));
+/// A place to look at a plate from that was seen from `viewer`, nearer to it: in front of it or, if it was seen from near or the map leaves no room there, on the line between them, where it can be seen whatever the map says.
+pub fn nearer_to_plate(map: &OsmMap, plate: MapPoint, facing: f64, viewer: MapPoint) -> Waypoint {
+    let standoff = (NEARER * plate.distance(viewer)).clamp(NEAREST, PLATE);
     let at = plate.offset(plate.bearing_to(viewer), standoff);
-    Waypoint { place: Pose2::new(at.x, at.y, at.bearing_to(plate)), wall: plate, standoff, second: true }
+    let place = Pose2::new(at.x, at.y, at.bearing_to(plate));
+    let on_line = Waypoint { place, wall: plate, standoff, second: true };
+    if standoff < PLATE { on_line } else { before_plate(map, plate, facing).unwrap_or(on_line) }
 }
 
 /// Index of the waypoint that is cheapest to get to over what is known of the ground; without a way to any, of the one nearest in a
@@ -199,11 +203,15 @@ mod tests {
         let map = map();
         let plate = map.buildings[0].polygon.centroid();
         assert_eq!(before_plate(&map, plate, 0.0), None);
-        for (away, standoff) in [(8.0, 3.0), (1.5, 1.5)] {
-            let view = in_view_of_plate(plate, plate.offset(2.0, away));
+        for (away, standoff) in [(8.0, 3.0), (2.0, 1.2), (0.9, 1.0)] {
+            let view = nearer_to_plate(&map, plate, 0.0, plate.offset(2.0, away));
             assert!(view.place.point().distance(plate.offset(2.0, standoff)) < 1e-9);
             assert!(view.place.transform(standoff, 0.0).distance(plate) < 1e-9);
         }
+        // In front of a wall that the map has where it is.
+        let (wall, facing) = map.buildings[0].polygon.nearest_boundary_point(MapPoint::new(-9.0, 5.0));
+        let view = nearer_to_plate(&map, wall, facing, wall.offset(facing + 0.6, 8.0));
+        assert!(view.place.point().distance(wall.offset(facing, 3.0)) < 1e-6, "{view:?}");
     }
 
     #[test]

@@ -86,6 +86,8 @@ pub struct Mission {
     last_glance: (SimTime, f64),
     /// Plates that could not be read, and were given a place to look from.
     puzzling: Vec<MapPoint>,
+    /// Plates that were read once, not surely, as the one that is looked for, and were given a place to look from.
+    doubted: Vec<MapPoint>,
     /// Whether the pose is being corrected by more than a little.
     correcting: bool,
 }
@@ -111,6 +113,7 @@ impl Mission {
             seen: Vec::new(),
             last_glance: (SimTime::ZERO, briefing.start.yaw),
             puzzling: Vec::new(),
+            doubted: Vec::new(),
             correcting: false,
             robot,
             localizer,
@@ -164,6 +167,7 @@ impl Mission {
         };
         let address = delivery.address();
         self.puzzling.clear();
+        self.doubted.clear();
         events.record(Event::Task(address.clone()));
         if let Some(problem) = delivery.problem {
             return Action::GiveUp(one(address, FailureCause::UnknownAddress, problem));
@@ -325,10 +329,9 @@ impl Mission {
             task.waypoints = exploration::waypoints(self.memory.map(), task.building, standoff);
             events.record(Event::Waypoints(task.waypoints.iter().map(|w| w.place).collect()));
         }
-        if let Some(nearest) = exploration::nearest(&task.waypoints, here, self.driver.costmap()) {
-            let waypoint = task.waypoints.remove(nearest);
-            self.go_to(task, waypoint);
-        }
+        let nearest = exploration::nearest(&task.waypoints, here, self.driver.costmap()).unwrap_or(0);
+        let waypoint = task.waypoints.remove(nearest);
+        self.go_to(task, waypoint);
         Action::Drive(Velocity::ZERO)
     }
 

@@ -98,6 +98,10 @@ impl LocalPlanner for Timed {
         decided
     }
 
+    fn among_people(&self, situation: &Situation<'_>, velocity: Velocity) -> Velocity {
+        self.planner.among_people(situation, velocity)
+    }
+
     fn reset(&mut self) {
         self.planner.reset();
     }

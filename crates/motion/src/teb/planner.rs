@@ -66,7 +66,9 @@ pub struct TebSettings {
     ///
     /// [`Weights::side`]: crate::teb::settings::Weights::side
     pub side: f64,
-    /// How much faster than foreseen somebody may come at the robot, m/s: near those who move it is only as fast as lets it stand when they are there, and it does not run from them, since people walk round what stands. None by default: where all is foreseen exactly it may pass closely, and gets out of the way.
+    /// How much faster than foreseen somebody may come at the robot, m/s: near those who move it is only as fast as lets it stand when they are there, and it does not run from them, since people walk round what stands; and when it stands near somebody it looks for half a second before it sets out. [`Margins::moving`] should be 0.3 m then, so that bands pass by people as far as that lets them. None by default: where all is foreseen exactly it may pass closely, and gets out of the way.
+    ///
+    /// [`Margins::moving`]: crate::teb::settings::Margins::moving
     pub surprise: Option<f64>,
     /// Seconds that somebody who walks needs to stop: the robot does not drive into ground that somebody will be on by then. None by default: where all is foreseen exactly it may pass before somebody closely.
     pub yields: Option<f64>,
@@ -400,7 +402,7 @@ impl Teb {
 
     fn driven_out(&self, situation: &Situation<'_>) -> Option<Velocity> {
         let band = self.way_out.as_ref().filter(|band| self.keeps(situation, band))?;
-        self.secured(situation, wanted(band, &self.limits)).ok()
+        self.secured(situation, wanted(band, &self.limits), Some(band)).ok()
     }
 }
 
@@ -413,6 +415,7 @@ impl LocalPlanner for Teb {
         self.turning = end.stops && off <= near;
         if self.turning {
             self.candidates.clear();
+            self.free = None;
             let error = end.yaw.map_or(0.0, |yaw| wrap_angle(yaw - situation.pose.yaw));
             let there = error.abs() <= self.settings.yaw_tolerance;
             return if there { Ok(Progress::Arrived) } else { self.turn(situation, error) };
@@ -421,6 +424,7 @@ impl LocalPlanner for Teb {
         if self.wedged {
             if let Some(velocity) = self.drive_out(situation, &end) {
                 self.candidates.clear();
+                self.free = None;
                 self.last = Some((situation.time, end.point));
                 return Ok(Progress::Drive(velocity));
             }
@@ -437,8 +441,8 @@ impl LocalPlanner for Teb {
     }
 
     fn among_people(&self, situation: &Situation<'_>, velocity: Velocity) -> Velocity {
-        let wary = self.wary(situation, velocity);
-        if self.cuts_off(situation, wary) { Velocity::ZERO } else { wary }
+        let wary = self.wary(situation, velocity, None);
+        if self.cuts_off(situation, wary, None) { Velocity::ZERO } else { wary }
     }
 
     fn reset(&mut self) {

@@ -23,6 +23,8 @@ const STEADY: Duration = Duration::from_millis(400);
 const GLANCE: (Duration, f64) = (Duration::from_millis(1500), 10.0);
 /// Plates that could not be read and are looked at again, at most, in a delivery: letters may be on anything.
 const MOST_PUZZLING: usize = 8;
+/// Plates that were read, but not surely, and are looked at again, at most, in a delivery.
+const MOST_DOUBTED: usize = 8;
 /// Turning, the robot glances again after this share of the camera's field of view, so that no wall passes by between two glances.
 const TURNED: f64 = 1.0 / 3.0;
 
@@ -42,17 +44,18 @@ impl Mission {
             self.task = Some(task);
             return Action::Drive(Velocity::ZERO);
         };
+        let known = self.seen.len();
         match self.read(&image, events) {
             Err(detail) => Action::GiveUp(one(task.address, FailureCause::ReaderUnavailable, detail)),
             Ok(unread) => {
                 let mut task = task;
                 self.look_closer(&mut task, &unread);
-                self.after_look(task, events)
+                self.after_look(task, known, events)
             }
         }
     }
 
-    fn after_look(&mut self, mut task: Task, events: &mut dyn Events) -> Action {
+    fn after_look(&mut self, mut task: Task, known: usize, events: &mut dyn Events) -> Action {
         let door = self.remembered(task.building, &task.address).or_else(|| task.expected.take());
         match door {
             Some(door) => {
@@ -63,7 +66,7 @@ impl Mission {
                 let hidden =
                     task.place.take().and_then(|place| place.before_obstacles(self.driver.costmap()));
                 task.waypoints.extend(hidden);
-                match self.doubtful(&task) {
+                match self.doubtful(&task, known) {
                     Some(view) => self.look_from(task, view),
                     None => return self.next_waypoint(task, events),
                 }
@@ -72,23 +75,21 @@ impl Mission {
         }
     }
 
-    /// Where to look from at a plate that was read once, not surely, as the one that is looked for; once for each plate.
-    fn doubtful(&mut self, task: &Task) -> Option<Waypoint> {
+    /// Where to look from at a plate that was just read, not surely, as the one that is looked for, if one was among the sightings after the first `known`; once for each plate.
+    fn doubtful(&mut self, task: &Task, known: usize) -> Option<Waypoint> {
         if task.expected.is_some() || matches!(task.stage, Stage::Approach(_)) {
             return None;
         }
-        let here =
+        let may_be_it =
             |s: &&Sighting| fits(s, task.building, &task.address) && sighting::is_doubtful(s, &self.seen);
-        let looked_at =
-            |s: &Sighting| self.puzzling.iter().any(|p| p.distance(s.position) <= sighting::SAME_PLATE);
-        let door = self.seen.iter().rev().filter(here).find(|s| !looked_at(s))?.clone();
-        if self.puzzling.len() == MOST_PUZZLING {
+        let (position, facing) = self.seen[known..].iter().find(may_be_it).map(|s| (s.position, s.facing))?;
+        let looked_at = self.doubted.iter().any(|p| p.distance(position) <= sighting::SAME_PLATE);
+        if looked_at || self.doubted.len() == MOST_DOUBTED {
             return None;
         }
-        self.puzzling.push(door.position);
+        self.doubted.push(position);
         let here = self.localizer.pose().point();
-        let before = exploration::before_plate(self.memory.map(), door.position, door.facing);
-        Some(before.unwrap_or_else(|| exploration::in_view_of_plate(door.position, here)))
+        Some(exploration::nearer_to_plate(self.memory.map(), position, facing, here))
     }
 
     /// Goes to look from a place before all others.
@@ -110,6 +111,7 @@ impl Mission {
         let Some(image) = observation.camera.image() else { return Ok(task) };
         self.last_glance = (observation.time, self.localizer.pose().yaw);
         let mut task = task;
+        let known = self.seen.len();
         match self.read(&image, events) {
             Ok(unread) => self.look_closer(&mut task, &unread),
             Err(detail) => {
@@ -125,7 +127,7 @@ impl Mission {
                 self.approach(task, door);
                 Err(Action::Drive(Velocity::ZERO))
             }
-            None => match self.doubtful(&task) {
+            None => match self.doubtful(&task, known) {
                 Some(view) => {
                     self.look_from(task, view);
                     Err(Action::Drive(Velocity::ZERO))

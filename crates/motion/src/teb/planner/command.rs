@@ -1,6 +1,6 @@
 //! From the best band to a velocity: what is driven of it, so that the robot stands in time whatever comes.
 
-use openbench_core::{SimTime, Velocity};
+use openbench_core::{Pose2, SimTime, Velocity};
 
 use crate::evade::evade;
 use crate::feasible::{Motion, clearance, conflict_before_stop};
@@ -18,11 +18,15 @@ const COMMAND: f64 = 0.1;
 pub(super) const TOO_LATE: f64 = 1.0;
 /// Who is nearer than this may surprise, metres.
 const ALERT: f64 = 1.5;
+/// Looks ahead at whom one passes, and the seconds between them.
+const PASSES: (usize, f64) = (20, 0.1);
+/// Distance at which somebody is passed, at least, metres.
+const CLEAR: f64 = 0.15;
 /// Who stands near somebody who may surprise sets out once there was a way for so long, seconds.
 const HESITATES: f64 = 0.5;
 /// A robot that is slower than this need not brake gently, m/s.
 const SLOW: f64 = 0.05;
-/// A standing robot that is told less than this does not set out, m/s.
+/// A standing robot whose rims are told less than this does not set out, m/s.
 const SETS_OUT: f64 = 0.01;
 /// Shares of the deceleration with which a robot brakes that still has to turn.
 const GENTLY: [f64; 2] = [0.25, 0.5];
@@ -40,11 +44,11 @@ impl Teb {
             let away = if lets_come { None } else { evade(footprint, limits, situation) };
             return away.ok_or(Blocked::Obstacle(distance));
         }
-        self.secured(situation, wanted(&best.band, &self.limits))
+        self.secured(situation, wanted(&best.band, &self.limits), Some(&best.band))
     }
 
     /// A velocity, or as much of it as lets the robot stand, wherever it drives, before somebody near touches it who comes at it faster than foreseen.
-    pub(super) fn wary(&self, situation: &Situation<'_>, wanted: Velocity) -> Velocity {
+    pub(super) fn wary(&self, situation: &Situation<'_>, wanted: Velocity, plan: Option<&Band>) -> Velocity {
         let Some(surprise) = self.settings.surprise else { return wanted };
         let (foot, circle) = (self.footprint.at(situation.pose), self.footprint.circumscribed());
         let most = |o: &Obstacle| {
@@ -54,10 +58,33 @@ impl Teb {
             (towards > 0.0).then(|| stands_in_time(near.distance, towards, self.limits.acceleration))
         };
         let moving = situation.obstacles.iter().filter(|o| o.is_moving());
-        let most = moving.filter_map(most).fold(f64::INFINITY, f64::min);
+        let limits = moving.filter_map(|o| Some((o, most(o)?)));
+        // To stop before somebody whom one can still pass is to stand in his way.
+        let most = limits.filter(|(o, _)| !self.passes(o, situation, wanted, plan)).map(|(_, most)| most);
+        let most = most.fold(f64::INFINITY, f64::min);
         let rim = wanted.linear.abs() + self.limits.half_track * wanted.angular.abs();
         let share = (most / rim.max(1e-9)).min(1.0);
         Velocity::new(share * wanted.linear, share * wanted.angular)
+    }
+
+    /// Whether somebody who goes on as he does comes near a robot that stands, but not one that drives on: along a band or, without one, as it is told.
+    fn passes(
+        &self,
+        somebody: &Obstacle,
+        situation: &Situation<'_>,
+        command: Velocity,
+        plan: Option<&Band>,
+    ) -> bool {
+        let off = |pose: Pose2, time: f64| {
+            clearance(&self.footprint, std::iter::once(somebody), pose, time, CLEAR) >= CLEAR
+        };
+        let mut motion = Motion { pose: situation.pose, velocity: situation.velocity, command };
+        let mut times = (1..=PASSES.0).map(|i| i as f64 * PASSES.1);
+        let goes_by = times.clone().all(|time| {
+            motion.step(&self.limits, PASSES.1);
+            off(plan.map_or(motion.pose, |band| band.pose_at(time)), time)
+        });
+        goes_by && times.any(|time| !off(situation.pose, time))
     }
 
     /// What was decided, unless the robot stands near somebody who may surprise and there has hardly been a way yet: one look may err, and who sets out a little and stops again stands in the way.
@@ -69,10 +96,10 @@ impl Teb {
         if self.settings.surprise.is_none() {
             return decided;
         }
-        self.free =
-            decided.ok().filter(|v| v.linear.abs() > SETS_OUT).and(self.free.or(Some(situation.time)));
+        let rim = |v: Velocity| v.linear.abs() + self.limits.half_track * v.angular.abs();
+        self.free = decided.ok().filter(|v| rim(*v) > SETS_OUT).and(self.free.or(Some(situation.time)));
         let settled = |since: SimTime| situation.time.since(since).as_secs_f64() >= HESITATES;
-        let stands = situation.velocity.linear.abs() < SLOW;
+        let stands = rim(situation.velocity) < SLOW;
         if decided.is_err() || !stands || self.free.is_some_and(settled) || !self.is_anybody_near(situation) {
             return decided;
         }
@@ -85,14 +112,22 @@ impl Teb {
     }
 
     /// What is wanted, or as near to it as lets the robot still stop before anything that stands.
-    pub(super) fn secured(&self, situation: &Situation<'_>, wanted: Velocity) -> Result<Velocity, Blocked> {
+    pub(super) fn secured(
+        &self,
+        situation: &Situation<'_>,
+        wanted: Velocity,
+        plan: Option<&Band>,
+    ) -> Result<Velocity, Blocked> {
         let mut conflict = None;
-        let wanted = self.wary(situation, wanted);
+        let planned = wanted;
+        let wanted = self.wary(situation, wanted, plan);
         for velocity in self.slower(situation.velocity, wanted) {
             let motion = Motion { pose: situation.pose, velocity: situation.velocity, command: velocity };
             let (foot, limits) = (&self.footprint, &self.limits);
             match conflict_before_stop(foot, situation.obstacles, motion, limits, COMMAND, SURE) {
-                None if self.cuts_off(situation, velocity) => conflict = conflict.or(Some(0.0)),
+                None if self.cuts_off(situation, velocity, plan.filter(|_| velocity == planned)) => {
+                    conflict = conflict.or(Some(0.0))
+                }
                 None => return Ok(velocity),
                 Some(at) => conflict = conflict.or(Some(at * velocity.linear.abs())),
             }
@@ -101,11 +136,14 @@ impl Teb {
     }
 
     /// Whether the robot gets into somebody's way if it is told this.
-    pub(super) fn cuts_off(&self, situation: &Situation<'_>, command: Velocity) -> bool {
-        let (footprint, obstacles) = (&self.footprint, situation.obstacles);
+    pub(super) fn cuts_off(&self, situation: &Situation<'_>, command: Velocity, plan: Option<&Band>) -> bool {
+        let Some(seconds) = self.settings.yields else { return false };
         let motion = Motion { pose: situation.pose, velocity: situation.velocity, command };
-        let ways = self.settings.yields.map(|seconds| Ways { footprint, obstacles, seconds });
-        ways.is_some_and(|ways| ways.are_cut_off(motion, &self.limits, COMMAND))
+        let ways = Ways { footprint: &self.footprint, seconds };
+        let mut moving = situation.obstacles.iter().filter(|o| o.is_moving());
+        moving.any(|o| {
+            ways.is_cut_off(o, motion, &self.limits, COMMAND) && !self.passes(o, situation, command, plan)
+        })
     }
 
     /// A velocity, and slower ones, none of which stands where driving was wanted. Rims that brake as hard as they can cannot turn the robot too, so who is fast at first brakes gently and turns as it was to.
@@ -127,7 +165,7 @@ impl Teb {
         // As fast as it can still be stopped in time, with a third of what the wheels could do.
         let angular = self.limits.acceleration / self.limits.half_track / 3.0;
         let rate = (2.0 * angular * error.abs()).sqrt().min(4.0 * error.abs()).max(0.1).min(self.limits.turn);
-        self.secured(situation, Velocity::new(0.0, rate.copysign(error))).map(Progress::Drive)
+        self.secured(situation, Velocity::new(0.0, rate.copysign(error)), None).map(Progress::Drive)
     }
 }
 
