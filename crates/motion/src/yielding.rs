@@ -9,7 +9,7 @@ use crate::teb::settings::Limits;
 use openbench_core::Velocity;
 
 /// Distance to keep from somebody's way, metres.
-const MARGIN: f64 = 0.1;
+const MARGIN: f64 = 0.2;
 /// Speed against somebody that does not matter, m/s.
 const AGAINST: f64 = 0.03;
 /// Seconds between two looks along a motion.
@@ -90,7 +90,7 @@ mod tests {
             assert!(!cuts_off(0.0, (before, -0.6), NORTH) && !cuts_off(-0.2, (before, -0.6), NORTH));
         }
         // He is past, or there is room to stop.
-        assert!(!cuts_off(0.5, (0.7, 0.6), NORTH) && !cuts_off(0.5, (0.7, -1.8), NORTH));
+        assert!(!cuts_off(0.5, (0.7, 0.6), NORTH) && !cuts_off(0.5, (0.7, -2.1), NORTH));
         assert!(!cuts_off(0.5, (0.9, -0.6), NORTH));
     }
 
