@@ -31,7 +31,7 @@ pub struct Ways<'a> {
 }
 
 impl Ways<'_> {
-    /// Whether a robot, told something for `hold` seconds and then to brake, gets into somebody's way, or nearer to it than [`MARGIN`], where it would not by standing still; or drives at somebody in whose way it is.
+    /// Whether a robot, told something for `hold` seconds and then to brake, gets into somebody's way, or nearer to it than 20 cm, where it would not by standing still; or drives at somebody in whose way it is.
     pub fn is_cut_off(&self, somebody: &Obstacle, motion: Motion, limits: &Limits, hold: f64) -> bool {
         let here = self.footprint.at(motion.pose);
         let off = self.off_way(somebody, &here, 0.0);
