@@ -4,7 +4,7 @@
 //! | module | what it does |
 //! |---|---|
 //! | [`geometry`] | [`GridGeometry`]: cells and map points |
-//! | [`sight`] | [`in_sight`]: straight lines over free cells |
+//! | [`sight`] | [`in_sight`], [`passes_all`]: straight lines over cells |
 //! | [`frontier`] | [`Frontier`]: the next cell of a search |
 //! | [`distance_transform`] | [`squared_distances`]: exact Euclidean distances |
 
@@ -16,4 +16,4 @@ pub mod sight;
 pub use distance_transform::squared_distances;
 pub use frontier::Frontier;
 pub use geometry::GridGeometry;
-pub use sight::in_sight;
+pub use sight::{in_sight, passes_all};

@@ -7,35 +7,38 @@ use crate::geometry::GridGeometry;
 /// Whether every cell that the line between the middles of cells `a` and `b` passes is free, `b` and `a` included. A line
 /// through a corner needs both cells beside it free: nothing squeezes between two blocked cells.
 pub fn in_sight(grid: &GridGeometry, free: impl Fn(usize) -> bool, a: usize, b: usize) -> bool {
+    passes_all(grid, a, b, |cell, _| free(cell))
+}
+
+/// Goes through the cells that the line between the middles of cells `a` and `b` passes, in their order, as long as `pass` says so of a cell and of the share of the line
+/// that lies in it; whether it came to the end. Of a corner that the line passes through both cells beside it are shown, with a share of nothing.
+pub fn passes_all(grid: &GridGeometry, a: usize, b: usize, mut pass: impl FnMut(usize, f64) -> bool) -> bool {
     let ((mut x, mut y), (bx, by)) = (grid.column_row(a), grid.column_row(b));
     let (dx, dy) = ((bx - x).abs(), (by - y).abs());
     let (sx, sy) = ((bx - x).signum(), (by - y).signum());
-    let free = |x: i64, y: i64| free(y as usize * grid.width + x as usize);
-    let mut error = dx - dy;
+    let mut pass = |x: i64, y: i64, share: f64| pass(y as usize * grid.width + x as usize, share);
+    // Sides of columns and of rows that were passed, and the share of the line behind the last of them.
+    let (mut columns, mut rows, mut behind) = (0, 0, 0.0);
+    let share_at = |passed: i64, all: i64| (2 * passed + 1) as f64 / (2 * all) as f64;
     loop {
-        if !free(x, y) {
+        if (columns, rows) == (dx, dy) {
+            return pass(x, y, 1.0 - behind);
+        }
+        // Which side comes first: (2 columns + 1) / 2 dx against (2 rows + 1) / 2 dy.
+        let first = ((2 * columns + 1) * dy).cmp(&((2 * rows + 1) * dx));
+        let until = if first == Ordering::Greater { share_at(rows, dy) } else { share_at(columns, dx) };
+        if !pass(x, y, until - behind) {
             return false;
         }
-        if (x, y) == (bx, by) {
-            return true;
+        if first == Ordering::Equal && !(pass(x + sx, y, 0.0) && pass(x, y + sy, 0.0)) {
+            return false;
         }
-        match error.cmp(&0) {
-            Ordering::Greater => {
-                x += sx;
-                error -= 2 * dy;
-            }
-            Ordering::Less => {
-                y += sy;
-                error += 2 * dx;
-            }
-            Ordering::Equal => {
-                if !free(x + sx, y) || !free(x, y + sy) {
-                    return false;
-                }
-                x += sx;
-                y += sy;
-                error += 2 * (dx - dy);
-            }
+        behind = until;
+        if first != Ordering::Greater {
+            (x, columns) = (x + sx, columns + 1);
+        }
+        if first != Ordering::Less {
+            (y, rows) = (y + sy, rows + 1);
         }
     }
 }
@@ -70,6 +73,24 @@ mod tests {
             if clear {
                 prop_assert!((0..blocked.len()).all(|c| !blocked[c] || !passes(&grid, a, b, c)));
             }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn shares_of_a_line_are_those_that_samples_find(a in 0..12 * 9_usize, b in 0..12 * 9_usize) {
+            let grid = grid();
+            let mut shares = vec![0.0; grid.len()];
+            passes_all(&grid, a, b, |cell, share| { shares[cell] += share; share >= 0.0 });
+            let (p, q) = (grid.center(a), grid.center(b));
+            let samples = 5000;
+            for i in 0..samples {
+                let t = (f64::from(i) + 0.5) / f64::from(samples);
+                let at = MapPoint::new(p.x + t * (q.x - p.x), p.y + t * (q.y - p.y));
+                shares[grid.cell_at(at).unwrap()] -= 1.0 / f64::from(samples);
+            }
+            // Of a line along corners rounding may put a sample beside them.
+            prop_assert!(shares.iter().all(|left| left.abs() < 2e-3), "{shares:?}");
         }
     }
 

@@ -1,13 +1,17 @@
-//! The cheapest way over a costmap, by [`crate::search`]; then shortened wherever a straight line costs no more.
+//! The cheapest way over a costmap, by [`crate::search`]; then shortened wherever a straight line, in any direction, costs no more.
 
 use openbench_core::MapPoint;
-use openbench_grid::{Frontier, in_sight};
+use openbench_grid::{Frontier, in_sight, passes_all};
 
 use crate::costmap::Costmap;
 use crate::search::Search;
 
 /// How far from a blocked start or goal a free cell is looked for, metres.
 const ESCAPE: f64 = 1.5;
+/// Closed yards that a blocked start may lie between, at most.
+const YARDS: usize = 4;
+/// Costs that differ by less are the same, cells.
+const ROUNDING: f64 = 1e-6;
 
 /// Why there is no way.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -23,25 +27,47 @@ pub enum PlanError {
     NoWay(MapPoint, MapPoint),
 }
 
-/// The cheapest way from `start` to `goal`. Where one of them is blocked, the nearest free cell within 1.5 m stands for
-/// it; the way then begins or ends there. `search` holds buffers that are used again.
+/// The cheapest way from `start` to `goal`. Where one of them is blocked, the nearest free cell within 1.5 m stands for it from which the other can be reached, preferably one with nothing in between; a way
+/// begins at `start` all the same. `search` holds buffers that are used again.
 pub fn plan(
     search: &mut Search,
     costmap: &Costmap,
     start: MapPoint,
     goal: MapPoint,
 ) -> Result<Vec<MapPoint>, PlanError> {
-    let from = free_cell(costmap, start).ok_or(PlanError::StartBlocked(start))?;
-    let to = free_cell(costmap, goal).ok_or(PlanError::GoalBlocked(goal))?;
-    let (_, cells) = search.cheapest(&costmap.costs(), from, to).ok_or(PlanError::NoWay(start, goal))?;
+    let (from, to) = (free_cells(costmap, start), free_cells(costmap, goal));
+    if from.is_empty() {
+        return Err(PlanError::StartBlocked(start));
+    }
+    if to.is_empty() {
+        return Err(PlanError::GoalBlocked(goal));
+    }
+    let cells = connect(search, costmap, from, &to).ok_or(PlanError::NoWay(start, goal))?;
     let mut points: Vec<MapPoint> =
         shorten(costmap, &cells).iter().map(|c| costmap.grid().center(*c)).collect();
-    if costmap.grid().cell_at(goal) == Some(to) {
+    if costmap.grid().cell_at(goal) == cells.last().copied() {
         points.pop();
         points.push(goal);
     }
     points.insert(0, start);
     Ok(points)
+}
+
+/// The cheapest way between the first of some cells and the first of others that hang together.
+fn connect(search: &mut Search, costmap: &Costmap, from: Vec<usize>, to: &[usize]) -> Option<Vec<usize>> {
+    let (costs, mut from) = (costmap.costs(), from);
+    for _ in 0..YARDS {
+        let start = *from.first()?;
+        let found = search.cheapest(&costs, start, to[0]).or_else(|| {
+            let reached = to.iter().copied().find(|cell| search.reached(*cell))?;
+            search.cheapest(&costs, start, reached)
+        });
+        if let Some((_, cells)) = found {
+            return Some(cells);
+        }
+        from.retain(|cell| !search.reached(*cell));
+    }
+    None
 }
 
 /// Cost of the cheapest way from `start` to each of `goals`, in metres of open ground; `None` beyond `limit` or where there is no
@@ -79,19 +105,27 @@ pub fn costs(costmap: &Costmap, start: MapPoint, goals: &[MapPoint], limit: f64)
 }
 
 fn free_cell(costmap: &Costmap, point: MapPoint) -> Option<usize> {
+    free_cells(costmap, point).first().copied()
+}
+
+/// The cell of a place or, if it is blocked, those free ones within 1.5 m: first those that nothing stands before, the nearest first.
+fn free_cells(costmap: &Costmap, point: MapPoint) -> Vec<usize> {
     let grid = costmap.grid();
-    let here = grid.cell_at(point)?;
+    let Some(here) = grid.cell_at(point) else { return Vec::new() };
     if costmap.cost(here).is_some() {
-        return Some(here);
+        return vec![here];
     }
     let low = MapPoint::new(point.x - ESCAPE, point.y - ESCAPE);
     let high = MapPoint::new(point.x + ESCAPE, point.y + ESCAPE);
-    let (columns, rows) = grid.window(low, high)?;
+    let Some((columns, rows)) = grid.window(low, high) else { return Vec::new() };
     let cells = (rows.0..=rows.1).flat_map(|r| (columns.0..=columns.1).map(move |c| (c, r)));
-    cells
-        .filter_map(|(c, r)| grid.cell_in(c, r))
-        .filter(|&c| costmap.cost(c).is_some() && grid.center(c).distance(point) <= ESCAPE)
-        .min_by(|&a, &b| grid.center(a).distance(point).total_cmp(&grid.center(b).distance(point)))
+    let free = cells.filter_map(|(c, r)| grid.cell_in(c, r)).filter(|&c| costmap.cost(c).is_some());
+    let is_open = |cell: usize| cell == here || !costmap.is_obstacle(cell);
+    let rank = |cell: usize| (!in_sight(grid, is_open, here, cell), grid.center(cell).distance(point));
+    let mut ranked: Vec<_> =
+        free.map(|cell| (rank(cell), cell)).filter(|((_, off), _)| *off <= ESCAPE).collect();
+    ranked.sort_by(|(a, _), (b, _)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    ranked.into_iter().map(|(_, cell)| cell).collect()
 }
 
 /// Neighbours of a cell with their distances in cells; diagonals only between two free sides.
@@ -110,18 +144,17 @@ fn neighbours(costmap: &Costmap, cell: usize) -> impl Iterator<Item = (usize, f6
     straight.chain(diagonal)
 }
 
-/// Replaces stretches by straight lines that stay where it costs no more than on the stretch.
+/// Replaces stretches by straight lines that cost no more than the stretch.
 fn shorten(costmap: &Costmap, cells: &[usize]) -> Vec<usize> {
     let mut kept = vec![cells[0]];
     let mut at = 0;
     while at + 1 < cells.len() {
         let mut next = at + 1;
-        let mut dearest = cost_of(costmap, cells[next]);
+        let mut stretch = line_cost(costmap, cells[at], cells[next]);
         // Straight lines longer than 60 cells gain nothing worth their checking.
         for candidate in at + 2..cells.len().min(at + 60) {
-            dearest = dearest.max(cost_of(costmap, cells[candidate]));
-            let no_dearer = |c: usize| cost_of(costmap, c) <= dearest + 0.2;
-            if !in_sight(costmap.grid(), no_dearer, cells[at], cells[candidate]) {
+            stretch += line_cost(costmap, cells[candidate - 1], cells[candidate]);
+            if line_cost(costmap, cells[at], cells[candidate]) > stretch + ROUNDING {
                 break;
             }
             next = candidate;
@@ -132,6 +165,18 @@ fn shorten(costmap: &Costmap, cells: &[usize]) -> Vec<usize> {
     kept
 }
 
+/// Cost of the straight line between the middles of two cells, in cells: of each that it passes, by the length in it.
+fn line_cost(costmap: &Costmap, from: usize, to: usize) -> f64 {
+    let mut mean = 0.0;
+    let is_free = passes_all(costmap.grid(), from, to, |cell, share| {
+        let cost = cost_of(costmap, cell);
+        mean += if share > 0.0 { share * cost } else { 0.0 };
+        cost.is_finite()
+    });
+    let ((x, y), (u, v)) = (costmap.grid().column_row(from), costmap.grid().column_row(to));
+    if is_free { mean * libm::hypot((u - x) as f64, (v - y) as f64) } else { f64::INFINITY }
+}
+
 fn cost_of(costmap: &Costmap, cell: usize) -> f64 {
     costmap.cost(cell).unwrap_or(f64::INFINITY)
 }
@@ -140,6 +185,7 @@ fn cost_of(costmap: &Costmap, cell: usize) -> f64 {
 mod tests {
     use super::*;
     use crate::costmap::tests::{open_ground, see_wall};
+    use proptest::prelude::*;
 
     fn length(path: &[MapPoint]) -> f64 {
         path.windows(2).map(|w| w[0].distance(w[1])).sum()
@@ -193,6 +239,62 @@ mod tests {
         let costs = costs(&costmap, MapPoint::default(), &goals, 50.0);
         assert!((costs[0].unwrap() - 4.0).abs() < 0.5, "{costs:?}");
         assert!(costs[1].unwrap() > 10.0 && costs[2].is_none(), "{costs:?}");
+    }
+
+    #[test]
+    fn who_does_not_know_where_he_is_gets_no_way() {
+        let (here, lost) = (MapPoint::default(), MapPoint::new(f64::NAN, 0.0));
+        let way = |from, to| plan(&mut Search::default(), &open_ground(), from, to);
+        assert!(matches!(way(lost, here), Err(PlanError::StartBlocked(_))));
+        assert!(matches!(way(here, lost), Err(PlanError::GoalBlocked(_))));
+        assert!(matches!(way(MapPoint::new(1e300, 0.0), here), Err(PlanError::StartBlocked(_))));
+    }
+
+    /// Ground with a yard of 1.4 m by 1.4 m around a place.
+    fn yard(middle: MapPoint) -> Costmap {
+        let mut costmap = open_ground();
+        let corners = [(-0.7, -0.7), (0.7, -0.7), (0.7, 0.7), (-0.7, 0.7), (-0.7, -0.7)];
+        let corners = corners.map(|(x, y)| MapPoint::new(middle.x + x, middle.y + y));
+        for pair in corners.windows(2) {
+            see_wall(&mut costmap, pair[0], pair[1]);
+        }
+        costmap
+    }
+
+    #[test]
+    fn what_stands_for_a_blocked_place_can_be_reached() {
+        let costmap = yard(MapPoint::new(3.0, 0.0));
+        // On the yard's wall, a little nearer to the inside.
+        let (wall, away) = (MapPoint::new(2.33, 0.0), MapPoint::new(-4.0, 0.0));
+        let there = plan(&mut Search::default(), &costmap, away, wall).unwrap();
+        assert!(there.last().unwrap().x < 2.2 && there.last().unwrap().distance(wall) < 1.0, "{there:?}");
+        let back = plan(&mut Search::default(), &costmap, wall, away).unwrap();
+        assert_eq!((back[0], *back.last().unwrap()), (wall, away));
+        assert!(back[1].x < 2.2, "{back:?}");
+    }
+
+    proptest! {
+        #[test]
+        fn straight_lines_cost_no_more_than_what_they_replace_and_touch_nothing(
+            walls in prop::collection::vec((-8.0..8.0_f64, -8.0..8.0_f64, -2.0..2.0_f64, -2.0..2.0_f64), 1..8),
+            (x, y) in (-9.0..9.0_f64, -9.0..9.0_f64),
+        ) {
+            let mut costmap = open_ground();
+            for (x, y, dx, dy) in walls {
+                see_wall(&mut costmap, MapPoint::new(x, y), MapPoint::new(x + dx, y + dy));
+            }
+            let cell = |x: f64, y: f64| costmap.grid().cell_at(MapPoint::new(x, y)).unwrap();
+            let Some((cost, cells)) = Search::default().cheapest(&costmap.costs(), cell(-9.0, -9.0), cell(x, y)) else {
+                return Ok(());
+            };
+            let kept = shorten(&costmap, &cells);
+            prop_assert_eq!((kept[0], kept.last()), (cells[0], cells.last()));
+            let shorter: f64 = kept.windows(2).map(|w| line_cost(&costmap, w[0], w[1])).sum();
+            prop_assert!(shorter <= cost + 1e-4 * cells.len() as f64, "{shorter} for {cost}");
+            for pair in kept.windows(2) {
+                prop_assert!(in_sight(costmap.grid(), |c| costmap.cost(c).is_some(), pair[0], pair[1]));
+            }
+        }
     }
 
     #[test]

@@ -122,6 +122,11 @@ impl Search {
         Some((cost, self.trace(costs.width, goal)))
     }
 
+    /// Whether the last search found a way to a cell; one that found none to its goal looked at all that hangs together with its start.
+    pub fn reached(&self, cell: usize) -> bool {
+        self.number > 0 && self.visited.get(cell).is_some_and(|visited| visited.search == self.number)
+    }
+
     fn begin(&mut self, cells: usize) {
         self.buckets.iter_mut().for_each(Vec::clear);
         if self.visited.len() != cells || self.number == u32::MAX {
