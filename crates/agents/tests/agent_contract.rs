@@ -37,7 +37,7 @@ fn open() -> Box<dyn Agent> {
         planner: Box::new(GrammarPlanner::new()),
         reader: Box::new(Blank),
         localizer: Box::new(DeadReckoning::new(RobotDescription::sentry())),
-        motion: Box::new(Follower::new(RobotDescription::sentry())),
+        motion: Box::new(Follower::new(RobotDescription::sentry()).unwrap()),
         ground: Preferences::NONE,
         memory: None,
     }))

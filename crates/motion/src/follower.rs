@@ -4,6 +4,8 @@
 use openbench_core::{MapPoint, Pose2, RobotDescription, Velocity, frames::wrap_angle};
 
 use crate::local::{Blocked, LocalPlanner, Progress, Situation, ahead};
+use crate::shape::{Footprint, ShapeError};
+use crate::teb::settings::{Limits, SettingsError};
 
 /// Distance along the way to the point that is steered for, metres.
 const LOOKAHEAD: f64 = 0.6;
@@ -13,6 +15,17 @@ const TURN_FIRST: f64 = 0.7;
 const BRAKING: f64 = 0.6;
 /// Time over which the commanded motion must be free, seconds.
 const HORIZON: f64 = 1.0;
+
+/// A follower cannot be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum FollowerError {
+    /// A limit makes no sense.
+    #[error(transparent)]
+    Limits(#[from] SettingsError),
+    /// The footprint is none.
+    #[error(transparent)]
+    Footprint(#[from] ShapeError),
+}
 
 /// Pure pursuit with a look at the next second.
 #[derive(Debug, Clone)]
@@ -26,8 +39,10 @@ pub struct Follower {
 
 impl Follower {
     /// A follower for a robot.
-    pub fn new(robot: RobotDescription) -> Self {
-        Self { robot, tolerance: 0.15, yaw_tolerance: 0.08 }
+    pub fn new(robot: RobotDescription) -> Result<Self, FollowerError> {
+        Limits::of(&robot)?;
+        Footprint::of(&robot)?;
+        Ok(Self { robot, tolerance: 0.15, yaw_tolerance: 0.08 })
     }
 
     /// Another distance from the end, metres, and heading error there, radians, with which the robot has arrived.
@@ -56,15 +71,17 @@ impl Follower {
     }
 
     /// The fastest share of `wanted` whose next second stays clear of obstacles.
-    fn secured(&self, pose: Pose2, near: Near<'_>, wanted: Velocity) -> Result<Velocity, Blocked> {
-        let mut free = wanted;
-        for share in [1.0, 0.6, 0.3] {
-            free = Velocity::new(wanted.linear * share, wanted.angular * share);
-            if self.first_contact(pose, near, free).is_none() {
-                return Ok(free);
+    fn secured(&self, pose: Pose2, near: Near<'_>, wanted: Velocity) -> Result<Progress, Blocked> {
+        let Some(at) = self.first_contact(pose, near, wanted) else { return Ok(Progress::Drive(wanted)) };
+        let mut last = at;
+        for share in [0.6, 0.3] {
+            let free = Velocity::new(wanted.linear * share, wanted.angular * share);
+            match self.first_contact(pose, near, free) {
+                None => return Ok(Progress::Slowed(free, Blocked::Obstacle(at))),
+                Some(at) => last = at,
             }
         }
-        Err(Blocked::Obstacle(self.first_contact(pose, near, free).unwrap_or(0.0)))
+        Err(Blocked::Obstacle(last))
     }
 
     /// Distance driven before the robot's hull, at its wanted velocity, comes too close to an obstacle.
@@ -100,7 +117,7 @@ impl Follower {
             let arrived = error.abs() <= self.yaw_tolerance;
             return Ok(if arrived { Progress::Arrived } else { Progress::Drive(self.turn(error)) });
         }
-        self.secured(pose, near, self.pursue(pose, path, to_end)).map(Progress::Drive)
+        self.secured(pose, near, self.pursue(pose, path, to_end))
     }
 }
 

@@ -38,7 +38,7 @@ pub mod yielding;
 
 pub use astar::{PlanError, costs, plan};
 pub use costmap::{Costmap, CostmapError};
-pub use follower::Follower;
+pub use follower::{Follower, FollowerError};
 pub use local::{Blocked, LocalPlanner, Progress, Situation};
 pub use mppi::{Mppi, MppiError};
 pub use navigator::{Guide, Navigation, Navigator, Surroundings};

@@ -22,9 +22,12 @@ pub enum ShapeError {
     /// Too few or too many.
     #[error("a footprint has 3 to {MOST_CORNERS} corners, not {0}")]
     Corners(usize),
-    /// Not convex, not counter-clockwise, or not around `base_link`.
-    #[error("corner {0} of the footprint does not turn left; give a convex outline counter-clockwise")]
+    /// Not convex or not counter-clockwise.
+    #[error("corner {0} of the outline does not turn left; give a convex one counter-clockwise")]
     NotConvex(usize),
+    /// Every corner turns left, but the outline crosses itself.
+    #[error("the outline crosses itself; give its corners in their order")]
+    Crosses,
     /// The robot turns about a point outside its outline.
     #[error("the footprint does not hold the origin of base_link, about which the robot turns")]
     NotAround,
@@ -54,6 +57,9 @@ impl Footprint {
         let circumscribed = corners.iter().map(|c| norm(*c)).fold(0.0, f64::max);
         if inscribed <= 0.0 {
             return Err(ShapeError::NotAround);
+        }
+        if winds(corners) {
+            return Err(ShapeError::Crosses);
         }
         Ok(Self { corners: corners.to_vec(), inscribed, circumscribed })
     }
@@ -147,6 +153,9 @@ impl Obstacle {
             if corners.len() > 2 && cross(minus(b, a), minus(c, b)) < 0.0 {
                 return Err(ShapeError::NotConvex((i + 1) % corners.len()));
             }
+        }
+        if winds(&corners) {
+            return Err(ShapeError::Crosses);
         }
         let n = corners.len() as f64;
         let middle = corners.iter().fold([0.0; 2], |m, c| [m[0] + c[0] / n, m[1] + c[1] / n]);
@@ -316,6 +325,16 @@ fn edges(corners: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> {
     (0..count).map(move |i| (corners[i], corners[if i + 1 == corners.len() { 0 } else { i + 1 }]))
 }
 
+/// Whether an outline whose corners all turn left does so more than once around, as a five-pointed star does.
+fn winds(corners: &[[f64; 2]]) -> bool {
+    let corner = |i: usize| corners[i % corners.len()];
+    let turn = |i: usize| {
+        let (along, next) = (minus(corner(i + 1), corner(i)), minus(corner(i + 2), corner(i + 1)));
+        libm::atan2(cross(along, next).abs(), dot(along, next))
+    };
+    corners.len() > 4 && (0..corners.len()).map(turn).sum::<f64>() > 3.0 * std::f64::consts::PI
+}
+
 /// The point of the segment from `a` to `b` that is nearest to `p`.
 fn foot(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     let along = minus(b, a);
@@ -392,6 +411,11 @@ mod tests {
         assert!(Obstacle::new(&[], 0.1, [0.0; 2]).is_err());
         let dent = [(0.0, 0.0), (2.0, 0.0), (0.5, 0.5), (0.0, 2.0)].map(|(x, y)| point(x, y));
         assert!(matches!(Obstacle::new(&dent, 0.0, [0.0; 2]), Err(ShapeError::NotConvex(_))));
+        // A five-pointed star in one stroke turns left at every corner.
+        let star = [0, 2, 4, 1, 3].map(|i| libm::sincos(std::f64::consts::TAU * f64::from(i) / 5.0));
+        assert_eq!(Footprint::new(&star.map(|(sin, cos)| [cos, sin])), Err(ShapeError::Crosses));
+        let star = star.map(|(sin, cos)| point(cos, sin));
+        assert_eq!(Obstacle::new(&star, 0.0, [0.0; 2]), Err(ShapeError::Crosses));
     }
 
     fn convex() -> impl Strategy<Value = Obstacle> {

@@ -84,7 +84,7 @@ impl Driver {
         Ok(Self {
             footprint: Footprint::of(&robot).map_err(|e| unfit(e.to_string()))?,
             navigator: Navigator::new(&robot, planner).map_err(|e| unfit(e.to_string()))?,
-            window: Window::new(&costmap, &robot, costmap.grid().center(0)),
+            window: Window::new(&costmap, costmap.grid().center(0)),
             search: Search::default(),
             robot,
             costmap,

@@ -26,6 +26,18 @@ pub enum Surface {
     Pavement,
 }
 
+/// What the map says that is in the way in a cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Barred {
+    /// Nothing.
+    #[default]
+    No,
+    /// A building, a wall, a fence: where the LiDAR sees through it, it is not there.
+    Solid,
+    /// Water: the LiDAR sees over it whether or not it is there.
+    Water,
+}
+
 /// What driving over a kind of ground costs, as a multiple of open ground: 1 at least.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Preferences {
@@ -73,7 +85,7 @@ impl Default for Preferences {
 #[derive(Debug, Clone)]
 pub struct Ground {
     /// Buildings, walls, fences, water.
-    pub blocked: Vec<bool>,
+    pub barred: Vec<Barred>,
     /// What lies between them.
     pub surface: Vec<Surface>,
 }
@@ -81,7 +93,7 @@ pub struct Ground {
 impl Ground {
     /// Ground of which nothing is known.
     pub fn unknown(cells: usize) -> Self {
-        Self { blocked: vec![false; cells], surface: vec![Surface::Unknown; cells] }
+        Self { barred: vec![Barred::No; cells], surface: vec![Surface::Unknown; cells] }
     }
 
     /// The ground of a map.
@@ -141,12 +153,19 @@ impl Drawing<'_> {
             map.barriers.iter().partition(|b| b.tags.is("barrier", "kerb"));
         // First of all, since what opens them would open walls too.
         self.barriers(&kerbs);
-        for area in map.areas.iter().filter(|area| is_water(&area.tags)) {
-            self.fill(&area.polygon, |ground, cell| ground.blocked[cell] = true);
+        if !kerbs.is_empty() {
+            self.crossings(map, Barred::Solid);
         }
-        self.crossings(map, !kerbs.is_empty());
+        let mut is_wet = false;
+        for area in map.areas.iter().filter(|area| is_water(&area.tags)) {
+            self.fill(&area.polygon, |ground, cell| ground.barred[cell] = Barred::Water);
+            is_wet = true;
+        }
+        if is_wet {
+            self.crossings(map, Barred::Water);
+        }
         for building in &map.buildings {
-            self.fill(&building.polygon, |ground, cell| ground.blocked[cell] = true);
+            self.fill(&building.polygon, |ground, cell| ground.barred[cell] = Barred::Solid);
         }
         self.barriers(&walls);
     }
@@ -179,33 +198,40 @@ impl Drawing<'_> {
                 self.line(pair[0], pair[1]);
             }
             for gate in &barrier.gates {
-                self.open(*gate, GATE);
+                self.open(*gate, GATE, Barred::Solid);
             }
         }
     }
 
-    /// Where a road or path leads over a kerb it is lowered, whether or not the map says so, and where one leads over water there is a bridge.
-    fn crossings(&mut self, map: &OsmMap, kerbs: bool) {
-        let water = map.areas.iter().any(|area| is_water(&area.tags));
-        for road in map.roads.iter().filter(|_| kerbs || water) {
+    /// Where a road or path leads over a kerb it is lowered, whether or not the map says so, and where one leads over water there is a bridge; beside water there is none.
+    fn crossings(&mut self, map: &OsmMap, over: Barred) {
+        let mut places = Vec::new();
+        for road in &map.roads {
             for pair in road.points.windows(2) {
-                let Some((from, to)) = self.cut(pair[0], pair[1], GATE) else { continue };
-                let steps = (from.distance(to) / GATE).ceil().max(1.0) as usize;
-                for i in 0..=steps {
-                    self.open(between(from, to, i as f64 / steps as f64), GATE);
-                }
+                let Some((from, to)) = self.cut(pair[0], pair[1], 0.0) else { continue };
+                let steps = (from.distance(to) / self.grid.cell * 2.0).ceil().max(1.0) as usize;
+                let at = |i: usize| between(from, to, i as f64 / steps as f64);
+                places.extend((0..=steps).map(at).filter(|place| self.barred_at(*place) == over));
             }
         }
+        for place in places {
+            self.open(place, GATE, over);
+        }
+    }
+
+    fn barred_at(&self, place: MapPoint) -> Barred {
+        self.grid.cell_at(place).map_or(Barred::No, |cell| self.ground.barred[cell])
     }
 
     /// Leaves the map's opinion out around a place: the LiDAR will see whether it is open.
-    fn open(&mut self, place: MapPoint, around: f64) {
+    fn open(&mut self, place: MapPoint, around: f64, what: Barred) {
         let low = MapPoint::new(place.x - around, place.y - around);
         let high = MapPoint::new(place.x + around, place.y + around);
         let Some((columns, rows)) = self.grid.window(low, high) else { return };
         for row in rows.0..=rows.1 {
             for cell in (columns.0..=columns.1).filter_map(|column| self.grid.cell_in(column, row)) {
-                self.ground.blocked[cell] = false;
+                let barred = &mut self.ground.barred[cell];
+                *barred = if *barred == what { Barred::No } else { *barred };
             }
         }
     }
@@ -215,7 +241,7 @@ impl Drawing<'_> {
         let steps = (from.distance(to) / self.grid.cell * 2.0).ceil().max(1.0) as usize;
         for i in 0..=steps {
             if let Some(cell) = self.grid.cell_at(between(from, to, i as f64 / steps as f64)) {
-                self.ground.blocked[cell] = true;
+                self.ground.barred[cell] = Barred::Solid;
             }
         }
     }
@@ -350,7 +376,7 @@ mod tests {
 
     fn at(ground: &Ground, x: f64, y: f64) -> (bool, Surface) {
         let cell = grid().cell_at(MapPoint::new(x, y)).unwrap();
-        (ground.blocked[cell], ground.surface[cell])
+        (ground.barred[cell] != Barred::No, ground.surface[cell])
     }
 
     #[test]
@@ -369,6 +395,25 @@ mod tests {
     }
 
     #[test]
+    fn a_path_beside_water_opens_none_of_it_and_a_bridge_no_wall() {
+        let mut map = empty_map();
+        map.areas.push(area(&[(-9.0, 0.0), (9.0, 0.0), (9.0, 6.0), (-9.0, 6.0)], "natural", "water"));
+        map.roads.push(road(&[(-9.0, -0.5), (5.0, -0.5), (5.0, 9.0)], "footway"));
+        let polygon =
+            Polygon::new(points(&[(3.0, 2.0), (4.5, 2.0), (4.5, 4.0), (3.0, 4.0)]), vec![]).unwrap();
+        let element = ElementId { kind: ElementKind::Way, id: 1 };
+        map.buildings.push(Building { element, name: None, polygon, tags: Tags::default() });
+        let ground = Ground::of(&map, &grid());
+        let barred = |x: f64, y: f64| ground.barred[grid().cell_at(MapPoint::new(x, y)).unwrap()];
+        assert_eq!(barred(-5.0, 0.3), Barred::Water);
+        assert_eq!(
+            (barred(5.0, 3.0), barred(5.9, 3.0), barred(6.2, 3.0)),
+            (Barred::No, Barred::No, Barred::Water)
+        );
+        assert_eq!(barred(4.3, 3.0), Barred::Solid);
+    }
+
+    #[test]
     fn preferences_out_of_bounds_are_told() {
         assert!(Preferences::default().is_sound() && Preferences::NONE.is_sound());
         assert!(!Preferences { road: 0.5, ..Preferences::NONE }.is_sound());
@@ -384,7 +429,7 @@ mod tests {
             map.buildings.push(Building { element, name: None, polygon: polygon.clone(), tags: Tags::default() });
             let (grid, ground) = (grid(), Ground::of(&map, &grid()));
             for cell in 0..grid.len() {
-                prop_assert_eq!(ground.blocked[cell], polygon.contains(grid.center(cell)));
+                prop_assert_eq!(ground.barred[cell] == Barred::Solid, polygon.contains(grid.center(cell)));
             }
         }
 

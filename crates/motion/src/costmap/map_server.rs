@@ -37,6 +37,8 @@ impl Occupancy {
     pub const UNKNOWN: i8 = -1;
     /// Nothing is there.
     pub const FREE: i8 = 0;
+    /// From here on something is likely to be there.
+    pub const LIKELY: i8 = 65;
     /// Something is there.
     pub const OCCUPIED: i8 = 100;
 }
@@ -146,15 +148,9 @@ pub fn write(path: &Path, occupancy: &Occupancy) -> Result<(), MapServerError> {
         return Err(MapServerError::Shape { width, height, cells });
     }
     let image = path.with_extension("pgm");
-    let rows = occupancy.cells.chunks_exact(grid.width).rev();
-    let greys: Vec<u8> = rows.flatten().map(|value| grey(*value)).collect();
-    let mut pgm = Vec::new();
-    let encoder = image::codecs::pnm::PnmEncoder::new(&mut pgm)
-        .with_subtype(image::codecs::pnm::PnmSubtype::Graymap(image::codecs::pnm::SampleEncoding::Binary));
-    let (width, height) = (grid.width as u32, grid.height as u32);
-    encoder
-        .write_image(&greys, width, height, image::ExtendedColorType::L8)
-        .map_err(|why| MapServerError::Image { path: image.clone(), why })?;
+    if image == path {
+        return Err(written(path, "that is the name of the image; give one that ends in `.yaml`".to_owned()));
+    }
     let description = Description {
         image: image.file_name().map(PathBuf::from).unwrap_or_default(),
         resolution: grid.cell,
@@ -164,6 +160,16 @@ pub fn write(path: &Path, occupancy: &Occupancy) -> Result<(), MapServerError> {
         free_thresh: 0.196,
         mode: Mode::Trinary,
     };
+    check(&description, path)?;
+    let rows = occupancy.cells.chunks_exact(grid.width).rev();
+    let greys: Vec<u8> = rows.flatten().map(|value| grey(*value)).collect();
+    let mut pgm = Vec::new();
+    let encoder = image::codecs::pnm::PnmEncoder::new(&mut pgm)
+        .with_subtype(image::codecs::pnm::PnmSubtype::Graymap(image::codecs::pnm::SampleEncoding::Binary));
+    let (width, height) = (grid.width as u32, grid.height as u32);
+    encoder
+        .write_image(&greys, width, height, image::ExtendedColorType::L8)
+        .map_err(|why| MapServerError::Image { path: image.clone(), why })?;
     let yaml = serde_saphyr::to_string(&description).map_err(|why| written(path, why.to_string()))?;
     write_atomically(&image, &pgm).map_err(|why| written(&image, why.to_string()))?;
     write_atomically(path, yaml.as_bytes()).map_err(|why| written(path, why.to_string()))
@@ -175,10 +181,11 @@ fn written(path: &Path, why: String) -> MapServerError {
 
 fn bytes(path: &Path, most: u64) -> Result<Vec<u8>, MapServerError> {
     let failed = |why| MapServerError::File { path: path.to_owned(), why };
-    let file = std::fs::File::open(path).map_err(failed)?;
-    if !file.metadata().map_err(failed)?.is_file() {
+    // Before it is opened: what is no file may let one wait for ever.
+    if !std::fs::metadata(path).map_err(failed)?.is_file() {
         return Err(failed(std::io::Error::other("it is no plain file")));
     }
+    let file = std::fs::File::open(path).map_err(failed)?;
     let mut bytes = Vec::new();
     file.take(most + 1).read_to_end(&mut bytes).map_err(failed)?;
     if bytes.len() as u64 > most {
@@ -191,10 +198,15 @@ fn bytes(path: &Path, most: u64) -> Result<Vec<u8>, MapServerError> {
 pub fn describe(text: &str, path: &Path) -> Result<Description, MapServerError> {
     let description: Description = serde_saphyr::from_str(text)
         .map_err(|why| MapServerError::Description { path: path.to_owned(), why: Box::new(why) })?;
+    check(&description, path)?;
+    Ok(description)
+}
+
+fn check(description: &Description, path: &Path) -> Result<(), MapServerError> {
     let wrong = |key: &'static str, value: String, wanted: &'static str| {
         Err(MapServerError::Value { path: path.to_owned(), key, value, wanted })
     };
-    let Description { resolution, origin, occupied_thresh, free_thresh, .. } = &description;
+    let Description { resolution, origin, occupied_thresh, free_thresh, .. } = description;
     if !(1e-4..=1e3).contains(resolution) {
         return wrong("resolution", resolution.to_string(), "give metres from 0.0001 to 1000");
     }
@@ -207,7 +219,7 @@ pub fn describe(text: &str, path: &Path) -> Result<Description, MapServerError> 
     if !(0.0..=*occupied_thresh).contains(free_thresh) {
         return wrong("free_thresh", free_thresh.to_string(), "give a probability below `occupied_thresh`");
     }
-    Ok(description)
+    Ok(())
 }
 
 /// Understands an image; `path` is for errors and says which kind of image it is.
@@ -384,5 +396,26 @@ mod tests {
         let grid = GridGeometry { origin: MapPoint::default(), width: 0, height: 3, cell: 0.1 };
         let empty = Occupancy { grid, yaw: 0.0, cells: vec![] };
         assert!(matches!(write(Path::new("never.yaml"), &empty), Err(MapServerError::Shape { .. })));
+    }
+
+    #[test]
+    fn what_could_not_be_read_is_not_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("never.yaml");
+        let grid = GridGeometry { origin: MapPoint::default(), width: 1, height: 1, cell: 0.1 };
+        let sound = Occupancy { grid, yaw: 0.0, cells: vec![Occupancy::FREE] };
+        let broken = [
+            ("resolution", Occupancy { grid: GridGeometry { cell: 0.0, ..grid }, ..sound.clone() }),
+            ("resolution", Occupancy { grid: GridGeometry { cell: f64::NAN, ..grid }, ..sound.clone() }),
+            ("origin", Occupancy { yaw: f64::INFINITY, ..sound.clone() }),
+        ];
+        for (key, occupancy) in broken {
+            let error = write(&path, &occupancy).unwrap_err().to_string();
+            assert!(error.contains(key), "{error}");
+        }
+        let error = write(&folder.path().join("never.pgm"), &sound).unwrap_err().to_string();
+        assert!(error.contains("`.yaml`"), "{error}");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+        write(&path, &sound).unwrap();
     }
 }

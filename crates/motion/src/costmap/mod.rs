@@ -1,6 +1,6 @@
 //! What is known about the ground: buildings, walls and water of the map, and what the LiDAR saw.
 //!
-//! What the LiDAR saw overrules the map: a recessed door lies inside its building's outline, and a map may be wrong.
+//! What the LiDAR saw overrules the map: a recessed door lies inside its building's outline, and a map may be wrong. Only of water it says nothing.
 //! Distances to obstacles are exact (Euclidean distance transform).
 //!
 //! | module | its layer |
@@ -21,21 +21,23 @@ use openbench_core::{MapPoint, Pose2, RobotDescription};
 use openbench_grid::{GridGeometry, squared_distances};
 use openbench_osm::OsmMap;
 
-use crate::costmap::ground::{Ground, Preferences};
+use crate::costmap::ground::{Barred, Ground, Preferences};
 use crate::costmap::map_server::Occupancy;
 use crate::costmap::seen::Seen;
 use crate::obstacles::RangeRing;
 use crate::search::Costs;
-use crate::shape::Footprint;
+use crate::shape::{Footprint, ShapeError};
 
 /// Side of a cell, metres, unless the map is so large that cells must be larger.
 const CELL: f64 = 0.1;
+/// Sides that cells may have, metres.
+const CELLS: std::ops::RangeInclusive<f64> = 1e-4..=1e3;
 /// Most cells along one side.
 const MAX_SIDE: f64 = 2500.0;
 /// Room beyond the footprint that a way keeps from obstacles, metres.
 const MARGIN: f64 = 0.05;
-/// Distance at which obstacles no longer cost anything, metres.
-const COMFORT: f64 = 0.9;
+/// Distance beyond the circle about the footprint at which obstacles no longer cost anything, metres.
+const COMFORT: f64 = 0.68;
 /// Cost of a cell right beside an obstacle, in cells.
 const DISCOMFORT: f64 = 6.0;
 
@@ -54,11 +56,32 @@ pub enum CostmapError {
     #[error("{0:?} are no preferences; give numbers from 1 to 20")]
     Preferences(Preferences),
     /// A grid without cells, with too many, or with another number of them than its sides say.
-    #[error("a grid of {0} by {1} cells is no ground; give 1 to 2501 each way, and a value for each cell")]
+    #[error(
+        "a grid of {0} by {1} cells is no ground; give 1 to 2501 each way, of 0.1 mm to 1 km, and a value for each"
+    )]
     NoGrid(usize, usize),
     /// A grid that is turned: what is known of the ground is kept by columns east and rows north.
     #[error("the grid is turned by {0} radians; give one whose rows run east")]
     Turned(f64),
+    /// The robot has no footprint.
+    #[error(transparent)]
+    Robot(#[from] ShapeError),
+}
+
+/// Room that the middle of a robot needs.
+#[derive(Debug, Clone, Copy)]
+struct Room {
+    /// From obstacles at least, metres: nearer it touches them whichever way it is turned.
+    keep: f64,
+    /// From here on obstacles cost nothing, metres: it may turn as it likes.
+    comfort: f64,
+}
+
+impl Room {
+    fn of(robot: &RobotDescription) -> Result<Self, ShapeError> {
+        let footprint = Footprint::of(robot)?;
+        Ok(Self { keep: footprint.inscribed() + MARGIN, comfort: footprint.circumscribed() + COMFORT })
+    }
 }
 
 /// Cells with what is known about them.
@@ -71,8 +94,7 @@ pub struct Costmap {
     clearance: Vec<f32>,
     /// Cost of driving one cell's side through each cell, infinite where the robot does not fit; as of the last [`Costmap::inflate`].
     costs: Vec<f32>,
-    /// Distance that the middle of the robot must keep, metres.
-    keep: f64,
+    room: Room,
     preferences: Preferences,
 }
 
@@ -105,34 +127,34 @@ impl Costmap {
         let cell = CELL.max((high.x - low.x).max(high.y - low.y) / MAX_SIDE);
         let grid = GridGeometry::covering(low, high, cell, MAX_SIDE as usize + 1);
         let ground = Ground::of(map, &grid);
-        Ok(Self::over(grid, ground, robot, preferences))
+        Ok(Self::over(grid, ground, Room::of(robot)?, preferences))
     }
 
-    /// The costmap of a grid as ROS's map server keeps it: what is not known to be occupied is open.
+    /// The costmap of a grid as ROS's map server keeps it: what is not likely to be occupied ([`Occupancy::LIKELY`]) is open.
     pub fn from_occupancy(occupancy: &Occupancy, robot: &RobotDescription) -> Result<Self, CostmapError> {
         let grid = &occupancy.grid;
         let most = MAX_SIDE as usize + 1;
         let fits = (1..=most).contains(&grid.width) && (1..=most).contains(&grid.height);
-        if !fits || grid.len() != occupancy.cells.len() || !(grid.cell > 0.0 && grid.cell.is_finite()) {
+        if !fits || grid.len() != occupancy.cells.len() || !CELLS.contains(&grid.cell) {
             return Err(CostmapError::NoGrid(grid.width, grid.height));
         }
         if occupancy.yaw != 0.0 {
             return Err(CostmapError::Turned(occupancy.yaw));
         }
         let mut ground = Ground::unknown(occupancy.grid.len());
-        for (blocked, value) in ground.blocked.iter_mut().zip(&occupancy.cells) {
-            *blocked = *value == Occupancy::OCCUPIED;
+        for (barred, value) in ground.barred.iter_mut().zip(&occupancy.cells) {
+            *barred = if *value >= Occupancy::LIKELY { Barred::Solid } else { Barred::No };
         }
-        Ok(Self::over(occupancy.grid, ground, robot, Preferences::NONE))
+        Ok(Self::over(occupancy.grid, ground, Room::of(robot)?, Preferences::NONE))
     }
 
-    fn over(grid: GridGeometry, ground: Ground, robot: &RobotDescription, preferences: Preferences) -> Self {
+    fn over(grid: GridGeometry, ground: Ground, room: Room, preferences: Preferences) -> Self {
         let mut costmap = Self {
             ground,
             seen: Seen::nothing(grid.len()),
             clearance: Vec::new(),
             costs: Vec::new(),
-            keep: robot.inscribed_radius() + MARGIN,
+            room,
             preferences,
             grid,
         };
@@ -190,7 +212,11 @@ impl Costmap {
 
     /// Whether something solid is believed to be in a cell.
     pub fn is_obstacle(&self, cell: usize) -> bool {
-        self.seen.is_hit(cell) || (self.ground.blocked[cell] && !self.seen.is_free(cell))
+        match self.ground.barred[cell] {
+            Barred::Water => true,
+            Barred::Solid => self.seen.is_hit(cell) || !self.seen.is_free(cell),
+            Barred::No => self.seen.is_hit(cell),
+        }
     }
 
     /// Distance from a cell to the nearest obstacle, metres, as of the last inflation.
@@ -211,12 +237,12 @@ impl Costmap {
 
     fn cost_now(&self, cell: usize) -> f32 {
         let clearance = self.clearance(cell);
-        if clearance < self.keep {
+        let Room { keep, comfort } = self.room;
+        if clearance < keep {
             return f32::INFINITY;
         }
-        // Robots as large as the comfort have none.
-        let near = (COMFORT - clearance).max(0.0) / (COMFORT - self.keep).max(self.grid.cell);
-        let cost = 1.0 + DISCOMFORT * (near * near).min(1.0);
+        let near = (comfort - clearance).max(0.0) / (comfort - keep);
+        let cost = 1.0 + DISCOMFORT * near * near;
         self.preferences.of(self.ground.surface[cell]) * cost as f32
     }
 
@@ -227,7 +253,7 @@ impl Costmap {
 
     /// Distance that the robot's middle keeps from obstacles, metres.
     pub fn keep(&self) -> f64 {
-        self.keep
+        self.room.keep
     }
 
     /// Whether the robot fits along the segment `from`–`to` by the newest evidence; cheap enough for every scan. Lenient by the diagonal
@@ -237,7 +263,7 @@ impl Costmap {
         (0..=steps).all(|i| {
             let t = i as f64 / steps as f64;
             let p = MapPoint::new(from.x + t * (to.x - from.x), from.y + t * (to.y - from.y));
-            self.nearest_obstacle_within(p, self.keep - 0.75 * self.grid.cell).is_none()
+            self.nearest_obstacle_within(p, self.room.keep - 0.75 * self.grid.cell).is_none()
         })
     }
 
@@ -265,6 +291,7 @@ impl Costmap {
             for cell in (columns.0..=columns.1).filter_map(|column| self.grid.cell_in(column, row)) {
                 if self.is_obstacle(cell) && placed.holds(self.grid.center(cell)) {
                     self.seen.clear(cell);
+                    self.ground.barred[cell] = Barred::No;
                 }
             }
         }
@@ -274,8 +301,9 @@ impl Costmap {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use crate::obstacles::Beam;
     use openbench_core::{Georeference, LonLat};
-    use openbench_osm::{Barrier, OsmData};
+    use openbench_osm::{Area, Barrier, ElementId, ElementKind, OsmData, Polygon};
 
     pub(crate) fn empty_map() -> OsmMap {
         OsmMap::new(&OsmData::default(), Georeference::TangentPlane(LonLat::new(8.0, 50.0)))
@@ -311,7 +339,7 @@ pub(crate) mod tests {
         map.roads.push(openbench_osm::Road { way: 2, nodes: vec![1, 2], points, tags: path });
         let (low, high) = (MapPoint::new(-10.0, -10.0), MapPoint::new(10.0, 10.0));
         let costmap = Costmap::new(&map, low, high, &RobotDescription::sentry()).unwrap();
-        let closed = |x: f64| costmap.ground.blocked[costmap.grid.cell_at(MapPoint::new(x, 0.0)).unwrap()];
+        let closed = |x: f64| costmap.is_obstacle(costmap.grid.cell_at(MapPoint::new(x, 0.0)).unwrap());
         assert!(closed(-5.0) && closed(6.0) && !closed(2.0) && !closed(1.3));
     }
 
@@ -344,13 +372,93 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn absurd_areas_are_refused() {
+    fn beams_pass_over_water_and_say_nothing_of_it_but_who_stands_there_knows_better() {
+        let mut map = empty_map();
+        let corners = [(2.0, -9.0), (9.0, -9.0), (9.0, 9.0), (2.0, 9.0)].map(|(x, y)| MapPoint::new(x, y));
+        map.areas.push(Area {
+            element: ElementId { kind: ElementKind::Way, id: 1 },
+            polygon: Polygon::new(corners.to_vec(), vec![]).unwrap(),
+            tags: [("natural", "water")].into_iter().collect(),
+        });
+        let (low, high) = (MapPoint::new(-10.0, -10.0), MapPoint::new(10.0, 10.0));
+        let mut costmap = Costmap::new(&map, low, high, &RobotDescription::sentry()).unwrap();
+        let beyond = |i: i32| (MapPoint::new(9.5, f64::from(i) / 20.0), 0.0);
+        for _ in 0..12 {
+            costmap.observe(&RangeRing::new(MapPoint::default(), 0.25, (-60..60).map(beyond)));
+        }
+        let is_clear =
+            |costmap: &Costmap, x: f64| costmap.is_clear(MapPoint::new(x, 0.0), MapPoint::new(x, 0.0));
+        assert!(is_clear(&costmap, 0.0) && !is_clear(&costmap, 5.0));
+        let robot = Footprint::of(&RobotDescription::sentry()).unwrap();
+        costmap.clear_below(&robot, Pose2::new(5.0, 0.0, 0.0));
+        let below = costmap.grid().cell_at(MapPoint::new(5.0, 0.0)).unwrap();
+        assert!(!costmap.is_obstacle(below));
+    }
+
+    #[test]
+    fn what_is_believed_of_the_ground_is_written_and_read_again() {
+        let mut costmap = open_ground();
+        see_wall(&mut costmap, MapPoint::new(2.0, -1.0), MapPoint::new(2.0, 1.0));
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("ground.yaml");
+        map_server::write(&path, &costmap.occupancy()).unwrap();
+        let read = map_server::read(&path).unwrap();
+        let again = Costmap::from_occupancy(&read, &RobotDescription::sentry()).unwrap();
+        assert_eq!(again.grid(), costmap.grid());
+        let blocked = |costmap: &Costmap| {
+            (0..costmap.grid().len()).map(|c| costmap.cost(c).is_none()).collect::<Vec<_>>()
+        };
+        assert!(blocked(&again).contains(&true));
+        assert_eq!(blocked(&again), blocked(&costmap));
+    }
+
+    #[test]
+    fn grids_that_are_none_are_refused() {
+        let robot = RobotDescription::sentry();
+        let grid = GridGeometry { origin: MapPoint::default(), width: 2, height: 1, cell: 0.1 };
+        let sound = Occupancy { grid, yaw: 0.0, cells: vec![64, 65] };
+        let costmap = Costmap::from_occupancy(&sound, &robot).unwrap();
+        assert!(!costmap.is_obstacle(0) && costmap.is_obstacle(1));
+        for cell in [0.0, 1e-300, f64::NAN, f64::INFINITY] {
+            let odd = Occupancy { grid: GridGeometry { cell, ..grid }, ..sound.clone() };
+            assert_eq!(Costmap::from_occupancy(&odd, &robot).unwrap_err(), CostmapError::NoGrid(2, 1));
+        }
+        let empty = Occupancy { grid: GridGeometry { width: 0, ..grid }, yaw: 0.0, cells: vec![] };
+        assert_eq!(Costmap::from_occupancy(&empty, &robot).unwrap_err(), CostmapError::NoGrid(0, 1));
+        let few = Occupancy { cells: vec![0], ..sound.clone() };
+        assert_eq!(Costmap::from_occupancy(&few, &robot).unwrap_err(), CostmapError::NoGrid(2, 1));
+        let turned = Occupancy { yaw: 0.5, ..sound };
+        assert_eq!(Costmap::from_occupancy(&turned, &robot).unwrap_err(), CostmapError::Turned(0.5));
+    }
+
+    #[test]
+    fn a_beam_without_an_end_is_cut_off() {
+        let mut costmap = open_ground();
+        let mut ring = RangeRing::new(MapPoint::default(), 0.25, std::iter::empty());
+        ring.beams =
+            vec![Beam { reach: f64::INFINITY, end_height: 0.0 }, Beam { reach: f64::NAN, end_height: 0.0 }];
+        costmap.observe(&ring);
+        assert!(costmap.is_clear(MapPoint::default(), MapPoint::new(5.0, 0.0)));
+    }
+
+    #[test]
+    fn absurd_areas_robots_and_preferences_are_refused() {
         let robot = RobotDescription::sentry();
         for (low, high) in [((0.0, 0.0), (0.0, 5.0)), ((f64::NAN, 0.0), (1.0, 1.0)), ((5.0, 0.0), (0.0, 5.0))]
         {
             let corner = |c: (f64, f64)| MapPoint::new(c.0, c.1);
-            assert!(Costmap::new(&empty_map(), corner(low), corner(high), &robot).is_err());
+            let refused = Costmap::new(&empty_map(), corner(low), corner(high), &robot);
+            assert!(matches!(refused, Err(CostmapError::NoArea { .. })));
         }
+        let (low, high) = (MapPoint::default(), MapPoint::new(1.0, 1.0));
+        for width in [f64::NAN, -1.0, 0.0] {
+            let robot = RobotDescription { width, ..RobotDescription::sentry() };
+            let refused = Costmap::new(&empty_map(), low, high, &robot);
+            assert!(matches!(refused, Err(CostmapError::Robot(_))));
+        }
+        let odd = Preferences { road: 0.5, ..Preferences::NONE };
+        let refused = Costmap::with_preferences(&empty_map(), low, high, &robot, odd);
+        assert!(matches!(refused, Err(CostmapError::Preferences(_))));
     }
 
     #[test]

@@ -12,6 +12,8 @@ const EVIDENCE: (i8, i8) = (-6, 12);
 const FREE: i8 = -3;
 /// Lines of cells that one beam clears, at most.
 const MOST_RAYS: f64 = 4.0;
+/// No beam is believed to reach further, metres.
+const FURTHEST: f64 = 500.0;
 /// Scans after which an obstacle that is not seen again is forgotten: a minute.
 const MEMORY: u32 = 600;
 /// Scans ago that are a moment: two seconds.
@@ -92,7 +94,7 @@ impl Seen {
     fn mark_clear(&mut self, grid: &GridGeometry, ring: &RangeRing, beam: Beam, bearing: f64) {
         let (sin, cos) = libm::sincos(bearing);
         // Stop short of what was hit, by a cell's diagonal.
-        let steps = ((beam.reach - 1.5 * grid.cell) / grid.cell).max(0.0) as usize;
+        let steps = ((beam.reach.min(FURTHEST) - 1.5 * grid.cell) / grid.cell).max(0.0) as usize;
         for i in 0..steps {
             let along = i as f64 * grid.cell;
             let at = MapPoint::new(ring.center.x + along * cos, ring.center.y + along * sin);

@@ -1,10 +1,10 @@
 //! The ground around the robot in finer cells, moving along with it.
 
-use openbench_core::{MapPoint, Pose2, RobotDescription};
+use openbench_core::{MapPoint, Pose2};
 use openbench_grid::GridGeometry;
 
 use crate::costmap::Costmap;
-use crate::costmap::ground::{Ground, Preferences};
+use crate::costmap::ground::{Barred, Ground, Preferences};
 use crate::obstacles::RangeRing;
 use crate::shape::{Footprint, Obstacle};
 
@@ -23,14 +23,14 @@ pub struct Window {
 
 impl Window {
     /// The window around a place.
-    pub fn new(whole: &Costmap, robot: &RobotDescription, place: MapPoint) -> Self {
+    pub fn new(whole: &Costmap, place: MapPoint) -> Self {
         let side = (2.0 * HALF / CELL) as usize;
         // On whole cells, so that cells stay where they are when the window moves.
         let corner = |at: f64| ((at - HALF) / CELL).round() * CELL;
         let origin = MapPoint::new(corner(place.x), corner(place.y));
         let grid = GridGeometry { origin, width: side, height: side, cell: CELL };
         let ground = Ground::unknown(grid.len());
-        let mut window = Self { costmap: Costmap::over(grid, ground, robot, Preferences::NONE) };
+        let mut window = Self { costmap: Costmap::over(grid, ground, whole.room, Preferences::NONE) };
         window.take_ground(whole);
         window
     }
@@ -41,8 +41,9 @@ impl Window {
         let cells = |at: f64, origin: f64| ((at - HALF - origin) / grid.cell).round();
         let (columns, rows) = (cells(place.x, grid.origin.x), cells(place.y, grid.origin.y));
         // Written so that a broken number moves nothing.
-        let far = columns.abs().max(rows.abs()) * grid.cell > SLACK && columns.abs().max(rows.abs()) < 1e9;
-        if !far {
+        let far = |cells: f64| cells.abs() * grid.cell > SLACK;
+        let known = |cells: f64| cells.abs() < 1e9;
+        if !(known(columns) && known(rows) && (far(columns) || far(rows))) {
             return;
         }
         // Counted in cells, so that rounding does not add up.
@@ -55,7 +56,7 @@ impl Window {
     fn take_ground(&mut self, whole: &Costmap) {
         for cell in 0..self.costmap.grid.len() {
             let from = whole.grid.cell_at(self.costmap.grid.center(cell));
-            self.costmap.ground.blocked[cell] = from.is_some_and(|from| whole.ground.blocked[from]);
+            self.costmap.ground.barred[cell] = from.map_or(Barred::No, |from| whole.ground.barred[from]);
         }
     }
 
@@ -88,8 +89,8 @@ mod tests {
 
     #[test]
     fn what_was_seen_stays_where_it_is_until_the_window_has_left_it() {
-        let (whole, robot) = (open_ground(), RobotDescription::sentry());
-        let mut window = Window::new(&whole, &robot, MapPoint::default());
+        let whole = open_ground();
+        let mut window = Window::new(&whole, MapPoint::default());
         let post = MapPoint::new(2.03, 1.03);
         window
             .observe_but(&RangeRing::new(MapPoint::default(), 0.25, std::iter::once((post, 0.3))), |_| false);
@@ -99,7 +100,11 @@ mod tests {
         assert!(place.distance(post) < 0.04);
         window.follow(&whole, MapPoint::new(5.3, -4.2));
         assert_eq!(near(&window).iter().map(Obstacle::middle).collect::<Vec<_>>(), [place]);
-        window.follow(&whole, MapPoint::new(f64::NAN, 0.0));
+        // Who does not know where he is has not left.
+        for lost in [(f64::NAN, 30.0), (30.0, f64::NAN), (f64::INFINITY, 0.0), (1e300, 0.0)] {
+            window.follow(&whole, MapPoint::new(lost.0, lost.1));
+            assert_eq!(near(&window).iter().map(Obstacle::middle).collect::<Vec<_>>(), [place]);
+        }
         window.follow(&whole, MapPoint::new(30.0, 0.0));
         assert!(window.obstacles_near(MapPoint::new(30.0, 0.0), 9.0).is_empty());
         window.follow(&whole, MapPoint::default());

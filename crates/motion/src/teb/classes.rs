@@ -8,6 +8,7 @@ use openbench_core::MapPoint;
 use openbench_grid::{Frontier, GridGeometry, in_sight};
 
 use crate::shape::Obstacle;
+use crate::teb::settings::{SettingsError, at_least, not_negative, positive};
 
 /// Clumps that are told apart; further ones are not.
 const MOST_CLUMPS: usize = 24;
@@ -41,6 +42,20 @@ pub struct Exploring {
 impl Default for Exploring {
     fn default() -> Self {
         Self { cell: 0.1, around: 1.5, keep: 0.16, comfort: 0.4, most: 5, longest: 1.6 }
+    }
+}
+
+impl Exploring {
+    /// Whether classes can be looked for like that.
+    pub fn check(&self) -> Result<(), SettingsError> {
+        positive("the side of a cell", self.cell)?;
+        not_negative("the ground around start and goal", self.around)?;
+        not_negative("the distance below which the robot does not fit", self.keep)?;
+        let more = "it must be more than the distance below which the robot does not fit";
+        let (least, one) = (self.keep + self.cell, "it must be one or more");
+        at_least("the distance above which nearness costs nothing", self.comfort, least, more)?;
+        at_least("the number of classes", self.most as f64, 1.0, one)?;
+        at_least("the cost of the dearest way, by that of the cheapest", self.longest, 1.0, one)
     }
 }
 

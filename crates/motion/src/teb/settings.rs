@@ -186,7 +186,8 @@ impl Settings {
         ];
         others.into_iter().try_for_each(|weight| not_negative("a weight", weight))?;
         let m = &self.margins;
-        [m.least, m.moving, m.comfort].into_iter().try_for_each(|margin| not_negative("a margin", margin))
+        positive("the margin of comfort", m.comfort)?;
+        [m.least, m.moving].into_iter().try_for_each(|margin| not_negative("a margin", margin))
     }
 }
 
@@ -200,7 +201,17 @@ pub(crate) fn finite(name: &'static str, value: f64) -> Result<(), SettingsError
     if value.is_finite() { Ok(()) } else { Err(SettingsError { name, value, wanted }) }
 }
 
-fn not_negative(name: &'static str, value: f64) -> Result<(), SettingsError> {
+pub(crate) fn not_negative(name: &'static str, value: f64) -> Result<(), SettingsError> {
     let wanted = "it must be nothing or more, and a number";
     if value >= 0.0 && value.is_finite() { Ok(()) } else { Err(SettingsError { name, value, wanted }) }
+}
+
+/// Whether a value is a number of at least `least`.
+pub(crate) fn at_least(
+    name: &'static str,
+    value: f64,
+    least: f64,
+    wanted: &'static str,
+) -> Result<(), SettingsError> {
+    if value >= least && value.is_finite() { Ok(()) } else { Err(SettingsError { name, value, wanted }) }
 }
