@@ -30,7 +30,7 @@ const NEAR_ENOUGH: f64 = 0.15;
 /// Distances that OPEN keeps: what stands is known to half a cell of its costmap, and cars bulge between the rings of the LiDAR.
 const SEEN_BY_LIDAR: Margins = Margins { least: 0.06, moving: 0.3, comfort: 0.35 };
 /// How much faster than foreseen people may come at the robot, m/s: they speed up and turn as they like.
-const SURPRISE: f64 = 0.4;
+const SURPRISE: f64 = 0.7;
 /// People stop within half a second; what is foreseen of them is a little late.
 const YIELDS: f64 = 0.6;
 /// Seed of the sampling controller's disturbances: runs repeat.
@@ -136,7 +136,7 @@ pub fn motion(word: &str) -> Result<Box<dyn LocalPlanner>, String> {
             settings.band.margins = SEEN_BY_LIDAR;
             Ok(Box::new(Teb::new(&robot, settings).map_err(|e| failed(&e))?))
         }
-        "follower" => Ok(Box::new(Follower::new(robot))),
+        "follower" => Ok(Box::new(Follower::new(robot).map_err(|e| failed(&e))?)),
         "mppi" => Ok(Box::new(Mppi::new(&robot, MPPI_SEED).map_err(|e| failed(&e))?)),
         _ => Err(format!("motion={word}: there is no such local planner; there are teb, follower, mppi")),
     }

@@ -5,6 +5,9 @@ use openbench_osm::polygon::nearest_on_segment;
 
 use crate::shape::Obstacle;
 
+/// No place on earth is so far from another, in metres.
+const FAR: f64 = 1e7;
+
 /// What a local planner works from.
 #[derive(Debug, Clone, Copy)]
 pub struct Situation<'a> {
@@ -27,11 +30,23 @@ pub struct Situation<'a> {
 pub enum Progress {
     /// Drive on with this velocity.
     Drive(Velocity),
+    /// Drive on with this velocity, slower than the way alone would let the robot be, for this cause.
+    Slowed(Velocity, Blocked),
     /// The end of the way is reached, heading included.
     Arrived,
 }
 
-/// Why a local planner does not go on. The robot should stand until it does.
+impl Progress {
+    /// The velocity to drive on with, if the robot is not there.
+    pub fn velocity(&self) -> Option<Velocity> {
+        match self {
+            Self::Drive(velocity) | Self::Slowed(velocity, _) => Some(*velocity),
+            Self::Arrived => None,
+        }
+    }
+}
+
+/// Why a local planner does not go on, or not as fast as it could. Where it does not, the robot should stand until it does.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Blocked {
     /// The way is empty or holds a number that is none.
@@ -43,6 +58,18 @@ pub enum Blocked {
     /// Something stands in the way.
     #[error("an obstacle stands {0:.2} m ahead")]
     Obstacle(f64),
+    /// Nothing that the footprint fits through leads on.
+    #[error("nothing that the footprint fits through leads on")]
+    NoGap,
+    /// Something is so near that the robot has to get off it first.
+    #[error("something is all but touched")]
+    Touching,
+    /// Somebody who moves may come there.
+    #[error("somebody near may walk where the robot would drive")]
+    Yielding,
+    /// The robot is driven and hardly moves.
+    #[error("the robot hardly moves, though nothing is known to be in its way")]
+    Creeping,
 }
 
 impl Situation<'_> {
@@ -52,18 +79,18 @@ impl Situation<'_> {
     }
 }
 
-/// Whether there is a way and all numbers are numbers.
+/// Whether there is a way and all numbers are numbers that can be: less than 10,000 km, radians, or either a second.
 pub fn check(
     pose: Pose2,
     velocity: Velocity,
     path: &[MapPoint],
     final_yaw: Option<f64>,
 ) -> Result<(), Blocked> {
-    let finite = |p: &MapPoint| p.x.is_finite() && p.y.is_finite();
+    let finite = |p: &MapPoint| p.x.abs() < FAR && p.y.abs() < FAR;
     if path.is_empty() || !path.iter().all(finite) || final_yaw.is_some_and(|y| !y.is_finite()) {
         return Err(Blocked::NoPath);
     }
-    let known = [pose.yaw, velocity.linear, velocity.angular].iter().all(|c| c.is_finite());
+    let known = [pose.yaw, velocity.linear, velocity.angular].iter().all(|c| c.abs() < FAR);
     if known && finite(&pose.point()) { Ok(()) } else { Err(Blocked::NoPose) }
 }
 

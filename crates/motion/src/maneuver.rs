@@ -205,6 +205,9 @@ impl Search<'_> {
                 return Err(NoManeuver::TooFar);
             }
             for (length, turn) in STEPS {
+                if length < 0.0 && self.limits.backward <= 0.0 {
+                    continue;
+                }
                 let heading = (place.heading + HEADINGS).wrapping_add_signed(turn) % HEADINGS;
                 let mean = self.heading(place.heading) + turn as f64 * TAU / HEADINGS as f64 / 2.0;
                 let at = place.at.offset(mean, length * STEP);
@@ -229,8 +232,7 @@ impl Search<'_> {
 
     /// Seconds of a step.
     fn seconds(&self, length: f64, turn: isize) -> f64 {
-        let speed =
-            if length < 0.0 { self.limits.backward.max(1e-3) / BACKWARD } else { self.limits.forward };
+        let speed = if length < 0.0 { self.limits.backward / BACKWARD } else { self.limits.forward };
         let turning = turn.unsigned_abs() as f64 * TAU / HEADINGS as f64 / self.limits.turn;
         (length.abs() * STEP / speed).max(turning)
     }

@@ -195,13 +195,18 @@ impl Mppi {
         clearance(&self.footprint, situation.obstacles.iter(), situation.pose, 0.0, GRID.1).max(0.0)
     }
 
-    fn secured(&self, situation: &Situation<'_>, wanted: Velocity) -> Result<Velocity, Blocked> {
+    fn secured(&self, situation: &Situation<'_>, wanted: Velocity) -> Result<Progress, Blocked> {
         for share in [1.0, 0.6, 0.3, 0.1] {
             let command = Velocity::new(share * wanted.linear, share * wanted.angular);
             let motion = Motion { pose: situation.pose, velocity: situation.velocity, command };
             let (footprint, obstacles) = (&self.footprint, situation.obstacles);
             if conflict_before_stop(footprint, obstacles, motion, &self.limits, HOLD, SURE).is_none() {
-                return Ok(command);
+                let cause = || Blocked::Obstacle(self.nearest(situation));
+                return Ok(if share < 1.0 {
+                    Progress::Slowed(command, cause())
+                } else {
+                    Progress::Drive(command)
+                });
             }
         }
         Err(Blocked::Obstacle(self.nearest(situation)))
@@ -219,7 +224,7 @@ impl LocalPlanner for Mppi {
         }
         if there {
             let rate = (2.0 * turn.abs()).max(0.1).min(self.limits.turn).copysign(turn);
-            return self.secured(situation, Velocity::new(0.0, rate)).map(Progress::Drive);
+            return self.secured(situation, Velocity::new(0.0, rate));
         }
         let grid = self.measure(situation);
         self.move_on(situation.time);
@@ -231,7 +236,7 @@ impl LocalPlanner for Mppi {
         if self.plan[0].linear.abs() < STILL.0 && self.plan[0].angular.abs() < STILL.1 {
             return Err(Blocked::Obstacle(self.nearest(situation)));
         }
-        self.secured(situation, self.plan[0]).map(Progress::Drive)
+        self.secured(situation, self.plan[0])
     }
 
     fn reset(&mut self) {

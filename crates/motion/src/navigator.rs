@@ -1,6 +1,6 @@
 //! To a goal, whatever comes: a way, a local planner along it, and what to do when that does not go on.
 //!
-//! The ladder: the planner slows down by itself; what it cannot pass it stops before; after a moment the way is searched anew; then places and headings are searched with the whole footprint, which backs and turns; what
+//! The ladder: the planner slows down; what it cannot pass it stops before; after a moment the way is searched anew; then places and headings are searched with the whole footprint, which backs, turns or winds through; what
 //! cannot be reached even so is given up with a cause. Each step is kept with what led to it.
 
 use std::time::Duration;
@@ -33,6 +33,10 @@ const NO_PROGRESS_AMONG_PEOPLE: Duration = Duration::from_secs(120);
 const NEAR: f64 = 2.0;
 /// A robot that is driven and has moved by less than so many metres and radians after so long does not get on, though its planner thinks so.
 const CREEPING: (f64, f64, Duration) = (0.03, 0.1, Duration::from_millis(2000));
+/// A robot that is slowed down again within this long has not been let go.
+const SLOWED: Duration = Duration::from_secs(2);
+/// Steps that are kept until somebody asks for them; later ones are lost.
+const MOST_RECOVERIES: usize = 1000;
 /// As often the ladder is climbed before a goal is given up.
 const ATTEMPTS: u32 = 4;
 /// A maneuver leads to where the way is this far ahead, metres.
@@ -83,14 +87,18 @@ pub enum Cause {
 /// A step of the ladder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Step {
+    /// The robot began to be slower than its way alone would let it be.
+    Slow,
     /// The robot stopped.
     Stop,
     /// The way was searched anew.
     Replan,
     /// The robot began to back off.
     Back,
-    /// The robot began to turn.
+    /// The robot began to turn on the spot.
     Turn,
+    /// The robot began to drive as a search with its whole footprint found, forward at first.
+    Wind,
 }
 
 /// A step that was taken, and why.
@@ -132,6 +140,8 @@ pub struct Navigator {
     footprint: Footprint,
     limits: Limits,
     goal: Option<(MapPoint, Option<f64>)>,
+    /// How it went with the last goal, once that is known.
+    ended: Option<Navigation>,
     path: Vec<MapPoint>,
     planned: Option<SimTime>,
     blocked: Option<(SimTime, Blocked)>,
@@ -148,6 +158,8 @@ pub struct Navigator {
     last: Option<SimTime>,
     /// Where the robot was when it last moved at all, and when.
     moved: Option<(Pose2, SimTime)>,
+    /// When the planner last slowed the robot down.
+    slowed: Option<SimTime>,
     recoveries: Vec<Recovery>,
 }
 
@@ -159,6 +171,7 @@ impl Navigator {
             footprint: Footprint::of(robot)?,
             limits: Limits::of(robot)?,
             goal: None,
+            ended: None,
             path: Vec::new(),
             planned: None,
             blocked: None,
@@ -169,6 +182,7 @@ impl Navigator {
             waited: Duration::ZERO,
             last: None,
             moved: None,
+            slowed: None,
             recoveries: Vec::new(),
         })
     }
@@ -176,11 +190,11 @@ impl Navigator {
     /// Sets out for a place, with a heading if it matters.
     pub fn set_goal(&mut self, point: MapPoint, yaw: Option<f64>) {
         self.planner.reset();
-        self.goal = Some((point, yaw));
+        (self.goal, self.ended) = (Some((point, yaw)), None);
         self.path.clear();
         (self.planned, self.blocked, self.maneuver) = (None, None, None);
         (self.attempts, self.anchor, self.no_way, self.moved) = (0, None, None, None);
-        self.last = None;
+        (self.last, self.slowed) = (None, None);
     }
 
     /// The way that is being followed.
@@ -188,17 +202,17 @@ impl Navigator {
         &self.path
     }
 
-    /// The steps of the ladder that were taken since this was last asked.
+    /// The steps of the ladder that were taken since this was last asked, a thousand at most.
     pub fn take_recoveries(&mut self) -> Vec<Recovery> {
         std::mem::take(&mut self.recoveries)
     }
 
-    /// What to do now. Once a goal is reached or given up the robot stands until it gets another.
+    /// What to do now. Once a goal is reached or given up the robot stands until it gets another, and hears the same again; without any goal it is where it should be.
     pub fn drive(&mut self, now: &Surroundings<'_>, guide: &mut dyn Guide) -> Navigation {
-        let Some((point, yaw)) = self.goal else { return Navigation::Arrived };
+        let Some((point, yaw)) = self.goal else { return self.ended.unwrap_or(Navigation::Arrived) };
         let decided = self.decide(now, point, yaw, guide);
         if !matches!(decided, Navigation::Drive(_)) {
-            self.goal = None;
+            (self.goal, self.ended) = (None, Some(decided));
         }
         decided
     }
@@ -211,11 +225,11 @@ impl Navigator {
         guide: &mut dyn Guide,
     ) -> Navigation {
         if let Err(cause) = check(now.pose, now.velocity, &[point], yaw) {
-            return Navigation::Failed(Cause::Stuck(cause));
+            return self.wait_for_pose(now, cause);
         }
         self.note_progress(now);
         if self.stagnates(now) {
-            let cause = self.blocked.map_or(Blocked::Obstacle(0.0), |(_, cause)| cause);
+            let cause = self.blocked.map_or(Blocked::Creeping, |(_, cause)| cause);
             return Navigation::Failed(Cause::Stuck(cause));
         }
         if let Some(velocity) = self.drive_maneuver(now) {
@@ -245,15 +259,39 @@ impl Navigator {
         };
         match self.planner.plan(&situation) {
             Ok(Progress::Arrived) => Navigation::Arrived,
-            Ok(Progress::Drive(_)) if self.creeps(now) => {
-                let cause = Blocked::Obstacle(0.0);
+            Ok(Progress::Drive(_) | Progress::Slowed(..)) if self.creeps(now) => {
+                let cause = Blocked::Creeping;
                 self.climb(now, cause, Cause::Stuck(cause), point, yaw)
             }
             Ok(Progress::Drive(velocity)) => {
                 self.blocked = None;
                 Navigation::Drive(velocity)
             }
+            Ok(Progress::Slowed(velocity, cause)) => {
+                self.blocked = None;
+                self.note_slow(now, cause);
+                Navigation::Drive(velocity)
+            }
             Err(cause) => self.climb(now, cause, Cause::Stuck(cause), point, yaw),
+        }
+    }
+
+    /// Stands until the robot knows again where it is; what is wrong with the goal itself stays so.
+    fn wait_for_pose(&mut self, now: &Surroundings<'_>, cause: Blocked) -> Navigation {
+        if self.blocked.is_none() {
+            self.record(now, Step::Stop, cause);
+        }
+        let (since, _) = *self.blocked.get_or_insert((now.time, cause));
+        if cause == Blocked::NoPose && now.time.since(since) < NO_PROGRESS {
+            return Navigation::Drive(Velocity::ZERO);
+        }
+        Navigation::Failed(Cause::Stuck(cause))
+    }
+
+    fn note_slow(&mut self, now: &Surroundings<'_>, cause: Blocked) {
+        let last = self.slowed.replace(now.time);
+        if last.is_none_or(|last| now.time.since(last) > SLOWED) {
+            self.record(now, Step::Slow, cause);
         }
     }
 
@@ -309,7 +347,7 @@ impl Navigator {
         }
         self.blocked = Some((now.time, cause));
         self.attempts += 1;
-        if matches!(cause, Blocked::Obstacle(_)) && is_anybody_near(now) {
+        if !matches!(cause, Blocked::NoPath | Blocked::NoPose) && is_anybody_near(now) {
             // Whoever is in the way may go: that is no reason to give up.
             self.attempts = self.attempts.min(ATTEMPTS - 1);
         }
@@ -337,8 +375,7 @@ impl Navigator {
         let yaw = yaw.filter(|_| last);
         match maneuver(&self.footprint, &self.limits, now.obstacles, now.pose, to, yaw) {
             Ok(band) => {
-                let v = band.velocity(0);
-                self.record(now, if v.linear < 0.0 { Step::Back } else { Step::Turn }, cause);
+                self.record(now, first_step(&band), cause);
                 self.maneuver = Some((band, now.time));
                 (self.blocked, self.moved) = (None, Some((now.pose, now.time)));
                 Navigation::Drive(Velocity::ZERO)
@@ -356,7 +393,7 @@ impl Navigator {
     fn drive_maneuver(&mut self, now: &Surroundings<'_>) -> Option<Velocity> {
         let creeps = self.creeps(now);
         let (band, seen) = self.maneuver.as_mut()?;
-        band.advance(now.pose, now.time.since(*seen).as_secs_f64());
+        band.keep_up(now.pose, now.time.since(*seen).as_secs_f64());
         *seen = now.time;
         let situation = Situation {
             time: now.time,
@@ -381,7 +418,18 @@ impl Navigator {
     }
 
     fn record(&mut self, now: &Surroundings<'_>, step: Step, cause: Blocked) {
-        self.recoveries.push(Recovery { time: now.time, step, cause });
+        if self.recoveries.len() < MOST_RECOVERIES {
+            self.recoveries.push(Recovery { time: now.time, step, cause });
+        }
+    }
+}
+
+/// What a maneuver begins with.
+fn first_step(band: &Band) -> Step {
+    match band.velocity(0).linear {
+        v if v < -1e-3 => Step::Back,
+        v if v < 1e-3 => Step::Turn,
+        _ => Step::Wind,
     }
 }
 

@@ -1,9 +1,9 @@
-//! How long a robot that cannot get on tries to, alone and where somebody moves near.
+//! What a robot does that cannot get on: the steps that it takes, with their causes, and how long it tries, alone and where somebody moves near.
 
 use std::time::Duration;
 
 use openbench_core::{MapPoint, Pose2, RobotDescription, SimTime, Velocity};
-use openbench_motion::navigator::Step;
+use openbench_motion::navigator::{Cause, Recovery, Step};
 use openbench_motion::{
     Blocked, Guide, LocalPlanner, Navigation, Navigator, Obstacle, PlanError, Progress, Situation,
     Surroundings,
@@ -78,4 +78,127 @@ fn waiting_for_people_is_no_reason_to_give_up_nor_is_that_they_leave() {
     // But not for ever.
     let always = gives_up_after(f64::INFINITY).0;
     assert!((100.0..140.0).contains(&always), "{always}");
+}
+
+/// Says always the same.
+struct Stubborn(Result<Progress, Blocked>);
+
+impl LocalPlanner for Stubborn {
+    fn plan(&mut self, _situation: &Situation<'_>) -> Result<Progress, Blocked> {
+        self.0
+    }
+
+    fn reset(&mut self) {}
+}
+
+fn now(cycle: u32, pose: Pose2, obstacles: &[Obstacle]) -> Surroundings<'_> {
+    let time = SimTime::ZERO + Duration::from_millis(50) * cycle;
+    Surroundings { time, pose, velocity: Velocity::ZERO, obstacles }
+}
+
+fn navigator(says: Result<Progress, Blocked>, goal: MapPoint) -> Navigator {
+    let mut navigator = Navigator::new(&RobotDescription::sentry(), Box::new(Stubborn(says))).unwrap();
+    navigator.set_goal(goal, None);
+    navigator
+}
+
+/// The steps until a maneuver has begun, by a planner that is blocked.
+fn first_steps(goal: MapPoint, obstacles: &[Obstacle]) -> Vec<Recovery> {
+    let mut navigator = navigator(Err(Blocked::Obstacle(0.5)), goal);
+    let mut steps = Vec::new();
+    for cycle in 0..100 {
+        navigator.drive(&now(cycle, Pose2::default(), obstacles), &mut Straight);
+        steps.extend(navigator.take_recoveries());
+        if steps.len() == 3 {
+            break;
+        }
+    }
+    steps
+}
+
+#[test]
+fn a_robot_backs_turns_or_winds_as_there_is_room_and_says_why() {
+    let wall = |y: f64| Obstacle::wall(MapPoint::new(-4.0, y), MapPoint::new(4.0, y)).unwrap();
+    let corridor = [wall(-0.18), wall(0.18)];
+    let (behind, ahead) = (MapPoint::new(-2.0, 0.0), MapPoint::new(2.0, 0.0));
+    for (goal, obstacles, wanted) in
+        [(behind, &corridor[..], Step::Back), (behind, &[], Step::Turn), (ahead, &[], Step::Wind)]
+    {
+        let taken = first_steps(goal, obstacles);
+        let steps: Vec<Step> = taken.iter().map(|recovery| recovery.step).collect();
+        assert_eq!(steps, [Step::Stop, Step::Replan, wanted]);
+        assert!(taken.iter().all(|recovery| recovery.cause == Blocked::Obstacle(0.5)), "{taken:?}");
+    }
+}
+
+#[test]
+fn a_robot_that_is_slowed_down_says_so_once() {
+    let velocity = Velocity::new(0.1, 0.0);
+    let mut navigator = navigator(Ok(Progress::Slowed(velocity, Blocked::Yielding)), MapPoint::new(9.0, 0.0));
+    for cycle in 0..100 {
+        let pose = Pose2::new(0.005 * f64::from(cycle), 0.0, 0.0);
+        assert_eq!(navigator.drive(&now(cycle, pose, &[]), &mut Straight), Navigation::Drive(velocity));
+    }
+    let taken: Vec<_> = navigator.take_recoveries().iter().map(|r| (r.step, r.cause)).collect();
+    assert_eq!(taken, [(Step::Slow, Blocked::Yielding)]);
+}
+
+#[test]
+fn a_robot_that_is_driven_and_does_not_move_says_so() {
+    let mut navigator = navigator(Ok(Progress::Drive(Velocity::new(0.5, 0.0))), MapPoint::new(9.0, 0.0));
+    for cycle in 0..60 {
+        navigator.drive(&now(cycle, Pose2::default(), &[]), &mut Straight);
+    }
+    let taken = navigator.take_recoveries();
+    assert_eq!((taken[0].step, taken[0].cause), (Step::Stop, Blocked::Creeping));
+}
+
+#[test]
+fn a_robot_that_lost_its_pose_waits_for_it_but_not_for_ever() {
+    let (velocity, lost) = (Velocity::new(0.5, 0.0), Pose2::new(f64::NAN, 0.0, 0.0));
+    let mut navigator = navigator(Ok(Progress::Drive(velocity)), MapPoint::new(9.0, 0.0));
+    for cycle in 0..100 {
+        assert_eq!(navigator.drive(&now(cycle, lost, &[]), &mut Straight), Navigation::Drive(Velocity::ZERO));
+    }
+    let found = navigator.drive(&now(100, Pose2::default(), &[]), &mut Straight);
+    assert_eq!(found, Navigation::Drive(velocity));
+    let failed = Navigation::Failed(Cause::Stuck(Blocked::NoPose));
+    let gave_up = (101..1200).find(|cycle| navigator.drive(&now(*cycle, lost, &[]), &mut Straight) == failed);
+    assert!(gave_up.is_some_and(|cycle| cycle > 300), "{gave_up:?}");
+    // It does not say that it is there when it is asked again.
+    assert_eq!(navigator.drive(&now(1300, Pose2::default(), &[]), &mut Straight), failed);
+}
+
+#[test]
+fn a_goal_that_is_no_place_is_given_up_at_once() {
+    for goal in [MapPoint::new(f64::NAN, 0.0), MapPoint::new(0.0, 1e300)] {
+        let mut navigator = navigator(Ok(Progress::Arrived), goal);
+        let failed = Navigation::Failed(Cause::Stuck(Blocked::NoPath));
+        assert_eq!(navigator.drive(&now(0, Pose2::default(), &[]), &mut Straight), failed);
+    }
+}
+
+#[test]
+fn a_maneuver_is_driven_on_when_the_estimate_jumps() {
+    let mut navigator = navigator(Err(Blocked::Obstacle(0.5)), MapPoint::new(3.0, 0.0));
+    let (mut pose, mut told, mut jumped) = (Pose2::default(), Velocity::ZERO, 0);
+    for cycle in 0..160 {
+        let Navigation::Drive(velocity) = navigator.drive(&now(cycle, pose, &[]), &mut Straight) else {
+            break;
+        };
+        if jumped > 0 && jumped < 10 {
+            assert!(
+                (velocity.linear - told.linear).abs() < 0.1 && velocity.angular.abs() < 0.1,
+                "{velocity:?}"
+            );
+            jumped += 1;
+        }
+        told = velocity;
+        pose = pose.compose(Pose2::new(0.05 * velocity.linear, 0.0, 0.05 * velocity.angular));
+        if jumped == 0 && pose.x > 1.0 {
+            pose.y += 0.5;
+            jumped = 1;
+        }
+    }
+    assert_eq!(jumped, 10);
 }

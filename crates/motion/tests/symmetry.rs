@@ -35,7 +35,7 @@ proptest! {
         yaw in -1.5..1.5_f64,
     ) {
         let (left, right) = (decided(&discs, goal, yaw, 1.0), decided(&discs, goal, yaw, -1.0));
-        let (Progress::Drive(a), Progress::Drive(b)) = (left.0, right.0) else { panic!("{left:?} {right:?}") };
+        let (Some(a), Some(b)) = (left.0.velocity(), right.0.velocity()) else { panic!("{left:?} {right:?}") };
         prop_assert!((left.1[0] - right.1[0]).abs() < 0.02 * left.1[0], "{left:?} {right:?}");
         // Between two bands that are as good either may be driven.
         if left.1.len() < 2 || left.1[1] > 1.1 * left.1[0] {

@@ -79,7 +79,7 @@ fn touched_at(surprise: Option<f64>, comes_nearer: f64) -> f64 {
         let time = SimTime::ZERO + Duration::from_millis(50) * cycle;
         let now = Situation { time, pose: motion.pose, velocity: motion.velocity, ..situation(&path) };
         motion.command = match teb.plan(&Situation { obstacles: &seen, ..now }) {
-            Ok(Progress::Drive(velocity)) => velocity,
+            Ok(Progress::Drive(velocity) | Progress::Slowed(velocity, _)) => velocity,
             _ => Velocity::ZERO,
         };
         motion.step(&limits, 0.05);
@@ -105,7 +105,9 @@ fn sets_out_after(surprise: Option<f64>, away: f64, ahead: f64) -> f64 {
     let told = (0..40).find(|cycle| {
         let time = SimTime::ZERO + Duration::from_millis(50) * *cycle;
         match teb.plan(&Situation { time, obstacles: &seen, ..situation(&path) }) {
-            Ok(Progress::Drive(velocity)) => velocity.linear.abs() + 0.2 * velocity.angular.abs() > 0.01,
+            Ok(Progress::Drive(velocity) | Progress::Slowed(velocity, _)) => {
+                velocity.linear.abs() + 0.2 * velocity.angular.abs() > 0.01
+            }
             _ => false,
         }
     });
@@ -138,7 +140,7 @@ fn crosses(yields: Option<f64>, begins: f64) -> (f64, bool) {
         let time = SimTime::ZERO + Duration::from_millis(50) * cycle;
         let now = Situation { time, pose: motion.pose, velocity: motion.velocity, ..situation(&path) };
         motion.command = match teb.plan(&Situation { obstacles: &seen, ..now }) {
-            Ok(Progress::Drive(velocity)) => velocity,
+            Ok(Progress::Drive(velocity) | Progress::Slowed(velocity, _)) => velocity,
             Ok(Progress::Arrived) => return (least, true),
             Err(_) => Velocity::ZERO,
         };

@@ -4,6 +4,9 @@ use openbench_core::{MapPoint, Pose2, Velocity, frames::wrap_angle};
 
 use crate::teb::settings::{Limits, Resolution};
 
+/// A pose this far from where the band had it is a jump of the estimate, not a slip of the wheels: metres, radians.
+const JUMP: (f64, f64) = (0.15, 0.2);
+
 /// A pose at a time. The yaw is not wrapped: a full turn to the left is another way than one to the right.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Knot {
@@ -120,6 +123,20 @@ impl Band {
             let yaw = knot.pose.yaw + turn;
             knot.pose = Pose2::new(to.x + cos * dx - sin * dy, to.y + sin * dx + cos * dy, yaw);
         }
+    }
+
+    /// Whether a pose is so far from where a band had the robot that the estimate has jumped.
+    pub fn is_jump(expected: Pose2, pose: Pose2) -> bool {
+        expected.point().distance(pose.point()) > JUMP.0 || wrap_angle(expected.yaw - pose.yaw).abs() > JUMP.1
+    }
+
+    /// What is left of the band for a robot at `pose`, `elapsed` seconds later, carried along if the estimate has jumped there.
+    pub fn keep_up(&mut self, pose: Pose2, elapsed: f64) {
+        let expected = self.pose_at(elapsed);
+        if Self::is_jump(expected, pose) {
+            self.carry(expected, pose);
+        }
+        self.advance(pose, elapsed);
     }
 
     /// What is left of the band for a robot at `pose`, `elapsed` seconds later. Who was held up has as much left as before.

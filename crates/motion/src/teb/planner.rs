@@ -1,6 +1,6 @@
 //! The planner: several bands at once, one for each class of ways, the best of them driven.
 
-use openbench_core::{MapPoint, Pose2, RobotDescription, SimTime, Velocity, frames::wrap_angle};
+use openbench_core::{MapPoint, RobotDescription, SimTime, Velocity, frames::wrap_angle};
 
 use crate::feasible::{clearance, first_conflict};
 use crate::leave::{KEEP, leave};
@@ -18,8 +18,6 @@ mod command;
 use command::TOO_LATE;
 pub use command::wanted;
 
-/// A pose this far from where the band had it is a jump of the estimate, not a slip of the wheels: metres, radians.
-const JUMP: (f64, f64) = (0.15, 0.2);
 /// A goal that moves further than this at once is another one, metres.
 const ELSEWHERE: f64 = 1.0;
 /// Distance from obstacles that a motion has to keep to be driven, metres.
@@ -98,12 +96,15 @@ impl TebSettings {
         positive("the horizon", self.horizon)?;
         positive("the tolerance", self.tolerance)?;
         positive("the tolerance of heading", self.yaw_tolerance)?;
-        positive("the hysteresis", self.hysteresis)?;
+        if !(self.hysteresis > 0.0 && self.hysteresis <= 1.0) {
+            let wanted = "give more than nothing, and 1 at most";
+            return Err(SettingsError { name: "the hysteresis", value: self.hysteresis, wanted });
+        }
         positive("the distance between points to pass by", self.via.unwrap_or(1.0))?;
         finite("the preferred side", self.side)?;
         positive("the speed of a surprise", self.surprise.unwrap_or(1.0))?;
         positive("the time that somebody needs to stop", self.yields.unwrap_or(1.0))?;
-        positive("the side of a cell", self.exploring.cell)
+        self.exploring.check()
     }
 }
 
@@ -215,7 +216,7 @@ impl Teb {
             self.candidates.clear();
         }
         let expected = self.candidates.first().map(|c| c.band.pose_at(elapsed));
-        let jumped = expected.filter(|e| is_jump(*e, situation.pose));
+        let jumped = expected.filter(|expected| Band::is_jump(*expected, situation.pose));
         for candidate in &mut self.candidates {
             if let Some(expected) = jumped {
                 candidate.band.carry(expected, situation.pose);
@@ -381,10 +382,10 @@ impl Teb {
     }
 
     /// Gets off what is all but touched: by a maneuver to the end that is driven as it was found or, where there is none, by a small motion.
-    fn drive_out(&mut self, situation: &Situation<'_>, end: &End) -> Option<Velocity> {
+    fn drive_out(&mut self, situation: &Situation<'_>, end: &End) -> Option<Progress> {
         let elapsed = self.last.map_or(0.0, |(time, _)| situation.time.since(time).as_secs_f64());
         if let Some(band) = &mut self.way_out {
-            band.advance(situation.pose, elapsed);
+            band.keep_up(situation.pose, elapsed);
         }
         let known = self.way_out.take().filter(|band| self.keeps(situation, band));
         self.way_out = known.or_else(|| self.search(situation, end));
@@ -400,9 +401,10 @@ impl Teb {
         band.duration() > DONE && conflict.is_none_or(|at| at > TOO_LATE)
     }
 
-    fn driven_out(&self, situation: &Situation<'_>) -> Option<Velocity> {
+    fn driven_out(&self, situation: &Situation<'_>) -> Option<Progress> {
         let band = self.way_out.as_ref().filter(|band| self.keeps(situation, band))?;
-        self.secured(situation, wanted(band, &self.limits), Some(band)).ok()
+        let velocity = self.secured(situation, wanted(band, &self.limits), Some(band)).ok()?.velocity()?;
+        Some(Progress::Slowed(velocity, Blocked::Touching))
     }
 }
 
@@ -422,11 +424,11 @@ impl LocalPlanner for Teb {
         }
         self.wedged = self.is_wedged(situation);
         if self.wedged {
-            if let Some(velocity) = self.drive_out(situation, &end) {
+            if let Some(progress) = self.drive_out(situation, &end) {
                 self.candidates.clear();
                 self.free = None;
                 self.last = Some((situation.time, end.point));
-                return Ok(Progress::Drive(velocity));
+                return Ok(progress);
             }
         } else {
             self.way_out = None;
@@ -437,7 +439,7 @@ impl LocalPlanner for Teb {
         self.choose();
         self.maneuver(situation, &end);
         let decided = self.command(situation);
-        self.hesitate(situation, decided).map(Progress::Drive)
+        self.hesitate(situation, decided)
     }
 
     fn among_people(&self, situation: &Situation<'_>, velocity: Velocity) -> Velocity {
@@ -459,10 +461,6 @@ fn signature(clumps: &Clumps, band: &Band) -> Signature {
 /// -1, 0 or 1.
 fn sign(value: f64) -> f64 {
     if value == 0.0 { 0.0 } else { value.signum() }
-}
-
-fn is_jump(expected: Pose2, pose: Pose2) -> bool {
-    expected.point().distance(pose.point()) > JUMP.0 || wrap_angle(expected.yaw - pose.yaw).abs() > JUMP.1
 }
 
 /// Whether a robot can drive a band about as fast as it says, everywhere.

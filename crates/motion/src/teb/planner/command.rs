@@ -34,15 +34,16 @@ const GENTLY: [f64; 2] = [0.25, 0.5];
 const SHARES: [(f64, f64); 4] = [(0.6, 0.6), (0.3, 0.3), (0.1, 0.1), (0.0, 1.0)];
 
 impl Teb {
-    pub(super) fn command(&self, situation: &Situation<'_>) -> Result<Velocity, Blocked> {
-        let Some(best) = self.candidates.first() else { return Err(Blocked::Obstacle(0.0)) };
+    pub(super) fn command(&self, situation: &Situation<'_>) -> Result<Progress, Blocked> {
+        let Some(best) = self.candidates.first() else { return Err(Blocked::NoGap) };
         if let Some(at) = best.conflict.filter(|at| *at < TOO_LATE) {
             let distance = situation.pose.point().distance(best.band.pose_at(at).point());
             let (footprint, limits) = (&self.footprint, &self.limits);
             // Who lets people come to a standing robot does not run from them.
             let lets_come = self.settings.surprise.is_some();
             let away = if lets_come { None } else { evade(footprint, limits, situation) };
-            return away.ok_or(Blocked::Obstacle(distance));
+            let cause = Blocked::Obstacle(distance);
+            return away.map(|velocity| Progress::Slowed(velocity, cause)).ok_or(cause);
         }
         self.secured(situation, wanted(&best.band, &self.limits), Some(&best.band))
     }
@@ -91,19 +92,20 @@ impl Teb {
     pub(super) fn hesitate(
         &mut self,
         situation: &Situation<'_>,
-        decided: Result<Velocity, Blocked>,
-    ) -> Result<Velocity, Blocked> {
+        decided: Result<Progress, Blocked>,
+    ) -> Result<Progress, Blocked> {
         if self.settings.surprise.is_none() {
             return decided;
         }
         let rim = |v: Velocity| v.linear.abs() + self.limits.half_track * v.angular.abs();
-        self.free = decided.ok().filter(|v| rim(*v) > SETS_OUT).and(self.free.or(Some(situation.time)));
+        let told = decided.ok().and_then(|decided| decided.velocity());
+        self.free = told.filter(|v| rim(*v) > SETS_OUT).and(self.free.or(Some(situation.time)));
         let settled = |since: SimTime| situation.time.since(since).as_secs_f64() >= HESITATES;
         let stands = rim(situation.velocity) < SLOW;
         if decided.is_err() || !stands || self.free.is_some_and(settled) || !self.is_anybody_near(situation) {
             return decided;
         }
-        Ok(Velocity::ZERO)
+        Ok(Progress::Slowed(Velocity::ZERO, Blocked::Yielding))
     }
 
     fn is_anybody_near(&self, situation: &Situation<'_>) -> bool {
@@ -117,22 +119,26 @@ impl Teb {
         situation: &Situation<'_>,
         wanted: Velocity,
         plan: Option<&Band>,
-    ) -> Result<Velocity, Blocked> {
-        let mut conflict = None;
+    ) -> Result<Progress, Blocked> {
         let planned = wanted;
         let wanted = self.wary(situation, wanted, plan);
+        let mut cause = (wanted != planned).then_some(Blocked::Yielding);
         for velocity in self.slower(situation.velocity, wanted) {
             let motion = Motion { pose: situation.pose, velocity: situation.velocity, command: velocity };
             let (foot, limits) = (&self.footprint, &self.limits);
             match conflict_before_stop(foot, situation.obstacles, motion, limits, COMMAND, SURE) {
                 None if self.cuts_off(situation, velocity, plan.filter(|_| velocity == planned)) => {
-                    conflict = conflict.or(Some(0.0))
+                    cause = cause.or(Some(Blocked::Yielding))
                 }
-                None => return Ok(velocity),
-                Some(at) => conflict = conflict.or(Some(at * velocity.linear.abs())),
+                None => {
+                    return Ok(
+                        cause.map_or(Progress::Drive(velocity), |cause| Progress::Slowed(velocity, cause))
+                    );
+                }
+                Some(at) => cause = cause.or(Some(Blocked::Obstacle(at * velocity.linear.abs()))),
             }
         }
-        Err(Blocked::Obstacle(conflict.unwrap_or(0.0)))
+        Err(cause.unwrap_or(Blocked::NoGap))
     }
 
     /// Whether the robot gets into somebody's way if it is told this.
@@ -165,7 +171,7 @@ impl Teb {
         // As fast as it can still be stopped in time, with a third of what the wheels could do.
         let angular = self.limits.acceleration / self.limits.half_track / 3.0;
         let rate = (2.0 * angular * error.abs()).sqrt().min(4.0 * error.abs()).max(0.1).min(self.limits.turn);
-        self.secured(situation, Velocity::new(0.0, rate.copysign(error)), None).map(Progress::Drive)
+        self.secured(situation, Velocity::new(0.0, rate.copysign(error)), None)
     }
 }
 
