@@ -6,7 +6,7 @@ use std::sync::mpsc;
 
 use openbench_core::RobotDescription;
 use openbench_motion::navigator::{Cause, NavigatorError};
-use openbench_motion::{Follower, LocalPlanner, Mppi, MppiError, Teb, TebError, TebSettings};
+use openbench_motion::{Follower, FollowerError, LocalPlanner, Mppi, MppiError, Teb, TebError, TebSettings};
 use serde::Serialize;
 
 use super::best::{Possible, possible};
@@ -17,6 +17,9 @@ use super::scene::{Kind, Scene, scene};
 const DRAWS: u64 = 20;
 /// Time of a drive by which it may exceed the best motion's.
 const SLOW: f64 = 1.3;
+
+/// Changes of the turn's sign that are no oscillation: so many, and so many a second.
+const SWERVES: (f64, f64) = (4.0, 1.0);
 
 /// Planners that are compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -46,7 +49,7 @@ impl PlannerKind {
     fn make(self, robot: &RobotDescription) -> Result<Box<dyn LocalPlanner>, TrialError> {
         Ok(match self {
             Self::Teb => Box::new(Teb::new(robot, TebSettings::default())?),
-            Self::Follower => Box::new(Follower::new(robot.clone()).with_tolerances(0.08, 0.07)),
+            Self::Follower => Box::new(Follower::new(robot.clone())?.with_tolerances(0.08, 0.07)),
             Self::Mppi => Box::new(Mppi::new(robot, 1)?),
         })
     }
@@ -61,6 +64,9 @@ pub enum TrialError {
     /// The sampling controller cannot be made.
     #[error(transparent)]
     Mppi(#[from] MppiError),
+    /// The follower cannot be made.
+    #[error(transparent)]
+    Follower(#[from] FollowerError),
     /// The navigator cannot be made.
     #[error(transparent)]
     Navigator(#[from] NavigatorError),
@@ -91,14 +97,14 @@ pub struct Row {
     pub cycle_ms_p50: f64,
     /// CPU milliseconds of a decision, 99 of 100.
     pub cycle_ms_p99: f64,
-    /// Mean of the time of drives that reached the goal, as a multiple of the best motion's.
-    pub time_ratio_mean: f64,
+    /// Mean of the time of drives that reached the goal, as a multiple of the best motion's; none if none did.
+    pub time_ratio_mean: Option<f64>,
     /// The largest of these.
-    pub time_ratio_max: f64,
+    pub time_ratio_max: Option<f64>,
     /// Drives that took more than 1.3 times the best motion's time.
     pub slow: usize,
-    /// Mean number of changes of the turn's sign in a drive that reached the goal.
-    pub swerves_mean: f64,
+    /// Mean number of changes of the turn's sign in a drive that reached the goal; none if none did.
+    pub swerves_mean: Option<f64>,
     /// The most in one.
     pub swerves_max: usize,
 }
@@ -150,6 +156,14 @@ pub struct Outcome {
     pub drives: Vec<(PlannerKind, Drive)>,
 }
 
+impl Outcome {
+    /// What sums are made of: a drive's track and its scene are by far larger than all else.
+    fn without_pictures(self) -> Self {
+        let bare = |(planner, drive): (PlannerKind, Drive)| (planner, Drive { track: Vec::new(), ..drive });
+        Self { scene: None, drives: self.drives.into_iter().map(bare).collect(), ..self }
+    }
+}
+
 /// Which scenes are driven, and by whom.
 #[derive(Debug, Clone, Copy)]
 pub struct Request<'a> {
@@ -196,7 +210,7 @@ where
         for outcome in receiver.iter() {
             let outcome: Outcome = outcome?;
             seen(&outcome)?;
-            outcomes.push(outcome);
+            outcomes.push(outcome.without_pictures());
         }
         Ok::<_, E>(outcomes)
     })?;
@@ -284,10 +298,10 @@ fn row<'a>(drives: impl Iterator<Item = (Option<f64>, &'a Drive)>) -> Row {
     cycles.sort_by(f64::total_cmp);
     let at = |share: f64| cycles.get((cycles.len() as f64 * share) as usize).copied().unwrap_or(0.0);
     (row.cycle_ms_p50, row.cycle_ms_p99) = (at(0.5), at(0.99));
-    let count = ratios.len().max(1) as f64;
-    row.time_ratio_mean = ratios.iter().sum::<f64>() / count;
-    row.time_ratio_max = ratios.iter().copied().fold(0.0, f64::max);
-    row.swerves_mean = swerves as f64 / count;
+    let mean = |sum: f64| (!ratios.is_empty()).then(|| sum / ratios.len() as f64);
+    row.time_ratio_mean = mean(ratios.iter().sum::<f64>());
+    row.time_ratio_max = ratios.iter().copied().reduce(f64::max);
+    row.swerves_mean = mean(swerves as f64);
     row
 }
 
@@ -310,6 +324,9 @@ fn what_is_wrong(best: Option<f64>, drive: &Drive) -> Option<String> {
     match (best, &drive.end) {
         (Some(best), End::Reached) if drive.seconds > SLOW * best => {
             Some(format!("{:.1} s, the best is {best:.1} s", drive.seconds))
+        }
+        (Some(_), End::Reached) if drive.swerves as f64 > SWERVES.0 + SWERVES.1 * drive.seconds => {
+            Some(format!("{} swerves in {:.1} s", drive.swerves, drive.seconds))
         }
         (Some(_), End::Reached) => None,
         (None, end) if is_right_refusal(end) => None,

@@ -102,10 +102,14 @@ fn table(trial: &Trial) -> String {
     text
 }
 
+fn number(value: Option<f64>, digits: usize) -> String {
+    value.map_or("-".to_owned(), |value| format!("{value:.digits$}"))
+}
+
 fn line(text: &mut String, name: &str, row: &Row) {
     let _ = writeln!(
         text,
-        "{name:10}{:8}  {:7}  {:10}  {:3} of {:3}  {:11.2}  {:5.2}  {:10.2}  {:4.2}  {:4}  {:7.1}  {:4}",
+        "{name:10}{:8}  {:7}  {:10}  {:3} of {:3}  {:11.2}  {:5.2}  {:>10}  {:>4}  {:4}  {:>7}  {:4}",
         row.feasible,
         row.reached,
         row.collisions,
@@ -113,10 +117,10 @@ fn line(text: &mut String, name: &str, row: &Row) {
         row.infeasible,
         row.cycle_ms_p50,
         row.cycle_ms_p99,
-        row.time_ratio_mean,
-        row.time_ratio_max,
+        number(row.time_ratio_mean, 2),
+        number(row.time_ratio_max, 2),
         row.slow,
-        row.swerves_mean,
+        number(row.swerves_mean, 1),
         row.swerves_max
     );
 }
