@@ -40,6 +40,8 @@ pub enum Command {
     Route(RouteArgs),
     /// Put a map's roads into a graph file, so that routing starts at once
     Prepare(PrepareArgs),
+    /// Draw what a map says of the ground as ROS's map server reads it
+    Costmap(CostmapArgs),
     /// Work out where a log's sensors went: LiDAR-inertial odometry
     Odometry(OdometryArgs),
     /// Drive round a world and record all that the sensors say, with the truth
@@ -140,6 +142,54 @@ pub struct PlanArgs {
     pub planner: String,
     /// The instruction
     pub instruction: String,
+}
+
+/// A part of a map, and how it lies on the Earth.
+#[derive(Debug, ClapArgs)]
+pub struct CutArgs {
+    /// Cut out the square around `LON,LAT`
+    #[arg(long, value_name = "LON,LAT", allow_hyphen_values = true, value_parser = lonlat)]
+    pub around: Option<openbench_core::LonLat>,
+    /// How far that square reaches to each side, metres
+    #[arg(long, value_name = "M", default_value_t = 250.0, requires = "around", value_parser = radius)]
+    pub radius: f64,
+    /// Cut out a rectangle, degrees
+    #[arg(long, value_name = "WEST,SOUTH,EAST,NORTH", allow_hyphen_values = true, conflicts_with = "around", value_parser = window)]
+    pub bbox: Option<openbench_osm::Window>,
+    /// How the map lies on the Earth; by default UTM around its middle
+    #[arg(long)]
+    pub georef: Option<openbench_core::Georeference>,
+}
+
+impl CutArgs {
+    /// The part that is cut out, if not all of the map is wanted.
+    pub fn window(&self) -> anyhow::Result<Option<openbench_osm::Window>> {
+        Ok(match self.around {
+            Some(middle) => Some(openbench_osm::Window::around(middle, self.radius)?),
+            None => self.bbox,
+        })
+    }
+}
+
+/// Arguments of `costmap`.
+#[derive(Debug, ClapArgs)]
+#[command(after_help = "\
+Buildings, walls, fences and water are occupied; roads, pavements and grass free; the rest is not known. Cells are of 10 cm up to 250 m a side, larger beyond.
+Beside FILE.yaml an image FILE.pgm is written, as Nav2's map_server and map_saver have them.
+
+Example:
+  openbench costmap --map city.osm.pbf --around 7.4197,43.7314 --radius 100 --out city.yaml
+  ros2 run nav2_map_server map_server --ros-args -p yaml_filename:=city.yaml")]
+pub struct CostmapArgs {
+    /// The map (.osm or .osm.pbf)
+    #[arg(long)]
+    pub map: PathBuf,
+    /// The file to write (.yaml)
+    #[arg(long, value_name = "FILE.yaml")]
+    pub out: PathBuf,
+    /// Which part of the map
+    #[command(flatten)]
+    pub cut: CutArgs,
 }
 
 /// Arguments of `prepare`.
@@ -397,18 +447,9 @@ pub struct GenerateArgs {
     /// Name of the world in results; by default that of the folder
     #[arg(long)]
     pub name: Option<String>,
-    /// Cut out the square around `LON,LAT`
-    #[arg(long, value_name = "LON,LAT", allow_hyphen_values = true, value_parser = lonlat)]
-    pub around: Option<openbench_core::LonLat>,
-    /// How far that square reaches to each side, metres
-    #[arg(long, value_name = "M", default_value_t = 250.0, requires = "around", value_parser = radius)]
-    pub radius: f64,
-    /// Cut out a rectangle, degrees
-    #[arg(long, value_name = "WEST,SOUTH,EAST,NORTH", allow_hyphen_values = true, conflicts_with = "around", value_parser = window)]
-    pub bbox: Option<openbench_osm::Window>,
-    /// How the world lies on the Earth; by default UTM around the middle of the map
-    #[arg(long)]
-    pub georef: Option<openbench_core::Georeference>,
+    /// Which part of the map
+    #[command(flatten)]
+    pub cut: CutArgs,
     /// Where the robot starts, metres and degrees; by default a clear place near the middle from which most doors are reached
     #[arg(long, value_name = "X,Y,YAW", allow_hyphen_values = true, value_parser = pose)]
     pub start: Option<openbench_core::Pose2>,

@@ -46,6 +46,7 @@ fn dispatch(command: Command, registry: &Registry) -> anyhow::Result<Outcome> {
         Command::Odometry(args) => commands::odometry::run(&args),
         Command::Record(args) => commands::record::run(&args),
         Command::Prepare(args) => commands::prepare::run(&args),
+        Command::Costmap(args) => commands::costmap::run(&args),
         Command::Serve(args) => commands::serve::run(&args),
         Command::Evaluate(args) => commands::evaluate::run(&args),
         Command::Verify(args) => commands::verify::run(&args),

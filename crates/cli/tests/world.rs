@@ -50,6 +50,26 @@ fn generated(more: &str) -> Place {
 }
 
 #[test]
+fn a_map_becomes_ground_as_the_map_server_reads_it() {
+    let place = village();
+    let said = place.openbench("costmap --map village.osm --out ground.yaml").succeeded().stdout.clone();
+    assert!(said.contains("ground.yaml") && said.contains("cells of 0.10 m"), "{said}");
+    let yaml = place.read("ground.yaml");
+    assert!(yaml.contains("image: ground.pgm") && yaml.contains("resolution: 0.1"), "{yaml}");
+    let pgm = std::fs::read(place.path("ground.pgm")).unwrap();
+    assert!(pgm.starts_with(b"P5"));
+    // Houses, the road and what nothing is known of.
+    assert!([0, 254, 205].iter().all(|grey| pgm.contains(grey)));
+    let part = "costmap --map village.osm --around 3.0002,0.0001 --radius 20 --out part.yaml";
+    let said = place.openbench(part).succeeded().stdout.clone();
+    assert!(said.contains("part.yaml: 40"), "{said}");
+    place.openbench("costmap --map village.osm --out ground.pgm").refused_with(&["ground.pgm", "`.yaml`"]);
+    place.openbench("costmap --map nowhere.osm --out ground.yaml").refused_with(&["nowhere.osm"]);
+    place.file("empty.osm", "<osm version='0.6'><node id='1' lat='0' lon='3'/></osm>".to_owned());
+    place.openbench("costmap --map empty.osm --out ground.yaml").refused_with(&["empty.osm", "no building"]);
+}
+
+#[test]
 fn a_map_becomes_a_folder_with_recipe_maps_and_suite() {
     let place = generated("--seed 5");
     let recipe = place.read("w/world.toml");

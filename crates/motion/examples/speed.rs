@@ -3,14 +3,19 @@
 //!     cargo run --release -p openbench-motion --example speed
 #![expect(clippy::print_stdout, reason = "an example prints what it measured")]
 
+use std::time::Duration;
+
 use cpu_time::ThreadTime;
-use openbench_core::{Georeference, LonLat, MapPoint, Pose2, RobotDescription, Velocity};
+use openbench_core::{Georeference, LonLat, MapPoint, Pose2, RobotDescription, SimTime, Velocity};
+use openbench_motion::feasible::Motion;
 use openbench_motion::teb::band::Band;
 use openbench_motion::teb::classes::{Explorer, Exploring};
 use openbench_motion::teb::optimize::{Effort, Optimizer};
 use openbench_motion::teb::settings::{Limits, Settings};
 use openbench_motion::teb::terms::Problem;
-use openbench_motion::{Costmap, Footprint, Obstacle, RangeRing, Search, plan};
+use openbench_motion::{
+    Costmap, Footprint, LocalPlanner, Obstacle, RangeRing, Search, Situation, Teb, TebSettings, plan,
+};
 use openbench_osm::{OsmData, OsmMap};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -27,6 +32,11 @@ fn main() -> Result<(), Failure> {
     for stones in [20, 60] {
         bands(stones)?;
     }
+    println!("\na second's drive, CPU ms p50 / p99      first cycle  later cycles");
+    for stones in [20, 60] {
+        cycles(stones)?;
+    }
+    println!();
     costmaps()
 }
 
@@ -74,6 +84,31 @@ fn bands(stones: usize) -> Result<(), Failure> {
         spread(&mut five),
         five.len()
     );
+    Ok(())
+}
+
+/// All that the planner does in a cycle, for the first second from where it stands.
+fn cycles(stones: usize) -> Result<(), Failure> {
+    let robot = RobotDescription::sentry();
+    let limits = Limits::of(&robot)?;
+    let path = [MapPoint::default(), MapPoint::new(HORIZON, 0.0)];
+    let (mut first, mut later) = (Vec::new(), Vec::new());
+    for draw in 0..DRAWS {
+        let obstacles = scattered(stones, draw, path[0], path[1])?;
+        let mut teb = Teb::new(&robot, TebSettings::default())?;
+        let mut motion = Motion { pose: Pose2::default(), velocity: Velocity::ZERO, command: Velocity::ZERO };
+        for cycle in 0..20 {
+            let time = SimTime::ZERO + Duration::from_millis(50) * cycle;
+            let (pose, velocity) = (motion.pose, motion.velocity);
+            let situation =
+                Situation { time, pose, velocity, path: &path, final_yaw: Some(0.0), obstacles: &obstacles };
+            let (decided, took) = timed(|| teb.plan(&situation));
+            if cycle == 0 { &mut first } else { &mut later }.push(took);
+            motion.command = decided.ok().and_then(|decided| decided.velocity()).unwrap_or(Velocity::ZERO);
+            motion.step(&limits, 0.05);
+        }
+    }
+    println!("{stones} stones of 5 cm, {DRAWS} draws       {} {}", spread(&mut first), spread(&mut later));
     Ok(())
 }
 

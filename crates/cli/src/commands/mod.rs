@@ -3,6 +3,7 @@
 pub mod bench;
 mod bench_motion;
 mod bench_people;
+pub mod costmap;
 pub mod evaluate;
 pub mod models;
 pub mod odometry;
@@ -18,7 +19,11 @@ pub mod world;
 
 use std::path::Path;
 
-use openbench_osm::{OsmData, OsmMap, default_georeference};
+use anyhow::Context;
+use openbench_core::Georeference;
+use openbench_osm::{OsmData, OsmMap, cut_out, default_georeference};
+
+use crate::args::CutArgs;
 
 /// Reads a map and says what was survived while reading.
 pub fn read_data(path: &Path) -> anyhow::Result<OsmData> {
@@ -26,6 +31,24 @@ pub fn read_data(path: &Path) -> anyhow::Result<OsmData> {
     let file = path.file_name().unwrap_or_default().to_string_lossy();
     data.report.notes().iter().for_each(|note| crate::outcome::tell(&format!("{file}: {note}")));
     Ok(data)
+}
+
+/// Reads the part of a map that is asked for, and says how it lies on the Earth.
+pub fn read_part(path: &Path, cut: &CutArgs) -> anyhow::Result<(OsmData, Georeference)> {
+    let (whole, window) = (read_data(path)?, cut.window()?);
+    let map = match &window {
+        Some(window) => cut_out(&whole, window),
+        None => whole,
+    };
+    let file = path.display();
+    if let Some(window) = window.filter(|_| map.nodes.is_empty()) {
+        anyhow::bail!("{file}: nothing of the map lies in {window} (west, south, east, north)");
+    }
+    let georeference = match cut.georef {
+        Some(georeference) => georeference,
+        None => default_georeference(&map).with_context(|| file.to_string())?,
+    };
+    Ok((map, georeference))
 }
 
 /// Reads a map and lays it flat where it lies.

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use anyhow::Context;
 use openbench_bench::world_folder::{Recipe, Wanted, Written, write};
-use openbench_osm::{Window, cut_out, default_georeference};
+use openbench_osm::default_georeference;
 
 use crate::args::{DrawArgs, GenerateArgs, ImportArgs, WorldArgs, WorldCommand};
-use crate::commands::{read_data, show::show};
+use crate::commands::{read_data, read_part, show::show};
 use crate::outcome::{Outcome, say, tell};
 
 /// Does what is asked with worlds.
@@ -20,23 +20,8 @@ pub fn run(args: &WorldArgs) -> anyhow::Result<Outcome> {
 }
 
 fn generate(args: &GenerateArgs) -> anyhow::Result<Outcome> {
-    let whole = read_data(&args.map)?;
-    let window = match args.around {
-        Some(middle) => Some(Window::around(middle, args.radius)?),
-        None => args.bbox,
-    };
-    let map = match &window {
-        Some(window) => cut_out(&whole, window),
-        None => whole,
-    };
+    let (map, georeference) = read_part(&args.map, &args.cut)?;
     let file = args.map.display();
-    if let Some(window) = window.filter(|_| map.nodes.is_empty()) {
-        anyhow::bail!("{file}: nothing of the map lies in {window} (west, south, east, north)");
-    }
-    let georeference = match args.georef {
-        Some(georeference) => georeference,
-        None => default_georeference(&map).with_context(|| file.to_string())?,
-    };
     let source = args.map.file_name().unwrap_or_default().to_string_lossy();
     let recipe = Recipe::Generated {
         version: env!("CARGO_PKG_VERSION").to_owned(),

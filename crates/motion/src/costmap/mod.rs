@@ -21,7 +21,7 @@ use openbench_core::{MapPoint, Pose2, RobotDescription};
 use openbench_grid::{GridGeometry, squared_distances};
 use openbench_osm::OsmMap;
 
-use crate::costmap::ground::{Barred, Ground, Preferences};
+use crate::costmap::ground::{Barred, Ground, Preferences, Surface};
 use crate::costmap::map_server::Occupancy;
 use crate::costmap::seen::Seen;
 use crate::obstacles::RangeRing;
@@ -162,11 +162,11 @@ impl Costmap {
         costmap
     }
 
-    /// What is believed, as ROS's map server keeps it: occupied, known to be free, or unknown.
+    /// What is believed, as ROS's map server keeps it: occupied, free by what was seen or what the map says that it is, or unknown.
     pub fn occupancy(&self) -> Occupancy {
         let value = |cell: usize| match () {
             () if self.is_obstacle(cell) => Occupancy::OCCUPIED,
-            () if self.seen.is_free(cell) => Occupancy::FREE,
+            () if self.seen.is_free(cell) || self.ground.surface[cell] != Surface::Unknown => Occupancy::FREE,
             () => Occupancy::UNKNOWN,
         };
         Occupancy { grid: self.grid, yaw: 0.0, cells: (0..self.grid.len()).map(value).collect() }
