@@ -16,11 +16,17 @@ const ROUNDING: f64 = 1e-6;
 /// Why there is no way.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum PlanError {
-    /// The start is outside the costmap or hemmed in.
-    #[error("no free ground near the start {0}")]
+    /// The start is no place on the costmap.
+    #[error("the start {0} is outside the costmap")]
+    StartOutside(MapPoint),
+    /// The goal is no place on the costmap.
+    #[error("the goal {0} is outside the costmap")]
+    GoalOutside(MapPoint),
+    /// The start is hemmed in.
+    #[error("no free ground within {ESCAPE} m of the start {0}")]
     StartBlocked(MapPoint),
-    /// The goal is outside the costmap or hemmed in.
-    #[error("no free ground near the goal {0}")]
+    /// The goal is hemmed in.
+    #[error("no free ground within {ESCAPE} m of the goal {0}")]
     GoalBlocked(MapPoint),
     /// Start and goal do not hang together.
     #[error("no way from {0} to {1}")]
@@ -36,6 +42,8 @@ pub fn plan(
     goal: MapPoint,
 ) -> Result<Vec<MapPoint>, PlanError> {
     let (from, to) = (free_cells(costmap, start), free_cells(costmap, goal));
+    let from = from.ok_or(PlanError::StartOutside(start))?;
+    let to = to.ok_or(PlanError::GoalOutside(goal))?;
     if from.is_empty() {
         return Err(PlanError::StartBlocked(start));
     }
@@ -105,19 +113,19 @@ pub fn costs(costmap: &Costmap, start: MapPoint, goals: &[MapPoint], limit: f64)
 }
 
 fn free_cell(costmap: &Costmap, point: MapPoint) -> Option<usize> {
-    free_cells(costmap, point).first().copied()
+    free_cells(costmap, point)?.first().copied()
 }
 
-/// The cell of a place or, if it is blocked, those free ones within 1.5 m: first those that nothing stands before, the nearest first.
-fn free_cells(costmap: &Costmap, point: MapPoint) -> Vec<usize> {
+/// The cell of a place or, if it is blocked, those free ones within 1.5 m: first those that nothing stands before, the nearest first. None of a place outside.
+fn free_cells(costmap: &Costmap, point: MapPoint) -> Option<Vec<usize>> {
     let grid = costmap.grid();
-    let Some(here) = grid.cell_at(point) else { return Vec::new() };
+    let here = grid.cell_at(point)?;
     if costmap.cost(here).is_some() {
-        return vec![here];
+        return Some(vec![here]);
     }
     let low = MapPoint::new(point.x - ESCAPE, point.y - ESCAPE);
     let high = MapPoint::new(point.x + ESCAPE, point.y + ESCAPE);
-    let Some((columns, rows)) = grid.window(low, high) else { return Vec::new() };
+    let (columns, rows) = grid.window(low, high)?;
     let cells = (rows.0..=rows.1).flat_map(|r| (columns.0..=columns.1).map(move |c| (c, r)));
     let free = cells.filter_map(|(c, r)| grid.cell_in(c, r)).filter(|&c| costmap.cost(c).is_some());
     let is_open = |cell: usize| cell == here || !costmap.is_obstacle(cell);
@@ -125,7 +133,7 @@ fn free_cells(costmap: &Costmap, point: MapPoint) -> Vec<usize> {
     let mut ranked: Vec<_> =
         free.map(|cell| (rank(cell), cell)).filter(|((_, off), _)| *off <= ESCAPE).collect();
     ranked.sort_by(|(a, _), (b, _)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    ranked.into_iter().map(|(_, cell)| cell).collect()
+    Some(ranked.into_iter().map(|(_, cell)| cell).collect())
 }
 
 /// Neighbours of a cell with their distances in cells; diagonals only between two free sides.
@@ -227,7 +235,7 @@ mod tests {
         let outside = MapPoint::new(50.0, 0.0);
         assert_eq!(
             plan(&mut Search::default(), &costmap, MapPoint::default(), outside),
-            Err(PlanError::GoalBlocked(outside))
+            Err(PlanError::GoalOutside(outside))
         );
     }
 
@@ -245,9 +253,9 @@ mod tests {
     fn who_does_not_know_where_he_is_gets_no_way() {
         let (here, lost) = (MapPoint::default(), MapPoint::new(f64::NAN, 0.0));
         let way = |from, to| plan(&mut Search::default(), &open_ground(), from, to);
-        assert!(matches!(way(lost, here), Err(PlanError::StartBlocked(_))));
-        assert!(matches!(way(here, lost), Err(PlanError::GoalBlocked(_))));
-        assert!(matches!(way(MapPoint::new(1e300, 0.0), here), Err(PlanError::StartBlocked(_))));
+        assert!(matches!(way(lost, here), Err(PlanError::StartOutside(_))));
+        assert!(matches!(way(here, lost), Err(PlanError::GoalOutside(_))));
+        assert!(matches!(way(MapPoint::new(1e300, 0.0), here), Err(PlanError::StartOutside(_))));
     }
 
     /// Ground with a yard of 1.4 m by 1.4 m around a place.

@@ -221,9 +221,9 @@ impl Guide for Ground<'_> {
                 way.extend(leg.into_iter().skip(1));
                 true
             }
-            Err(PlanError::StartBlocked(_)) => true,
+            Err(PlanError::StartOutside(_) | PlanError::StartBlocked(_)) => true,
             // What cannot be reached of a road need not be: its end is what matters.
-            Err(PlanError::GoalBlocked(_) | PlanError::NoWay(..)) => false,
+            Err(PlanError::GoalOutside(_) | PlanError::GoalBlocked(_) | PlanError::NoWay(..)) => false,
         });
         let leg = plan(self.search, self.costmap, way[way.len() - 1], to)?;
         way.extend(leg.into_iter().skip(1));
