@@ -26,7 +26,8 @@ pub fn run(args: &CostmapArgs) -> anyhow::Result<Outcome> {
         None => bounds(everything_of(&map).into_iter(), AROUND),
     }
     .ok_or_else(|| anyhow::anyhow!("{file}: no building, road, barrier or area is on the map"))?;
-    let costmap = Costmap::new(&map, low, high, &RobotDescription::sentry()).with_context(|| file.to_string())?;
+    let costmap =
+        Costmap::new(&map, low, high, &RobotDescription::sentry()).with_context(|| file.to_string())?;
     map_server::write(&args.out, &costmap.occupancy())?;
     let grid = costmap.grid();
     let (out, metres) = (args.out.display(), grid.cell);

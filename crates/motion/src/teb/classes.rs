@@ -6,13 +6,14 @@
 
 use openbench_core::MapPoint;
 use openbench_grid::{Frontier, GridGeometry, in_sight};
+use openbench_osm::polygon::nearest_on_segment;
 
 use crate::shape::Obstacle;
 use crate::teb::settings::{SettingsError, at_least, not_negative, positive};
 
-/// Clumps that are told apart; further ones are not.
+/// Clumps that are told apart, those nearest to the straight line; further ones are not.
 const MOST_CLUMPS: usize = 24;
-/// Moving obstacles that are told apart.
+/// Moving obstacles that are told apart, the nearest.
 const MOST_MOVING: usize = 8;
 /// Bits of a signature for each clump.
 const BITS: usize = 4;
@@ -83,10 +84,11 @@ pub struct Clumps {
 
 impl Clumps {
     /// Tells ways apart by those who move, too: who passes before somebody winds otherwise about them than who passes behind.
-    pub fn set_moving(&mut self, obstacles: &[Obstacle]) {
+    pub fn set_moving(&mut self, obstacles: &[Obstacle], robot: MapPoint) {
         let moving = obstacles.iter().filter(|o| o.is_moving()).map(|o| (o.middle(), o.velocity()));
         self.moving.clear();
-        self.moving.extend(moving.take(MOST_MOVING));
+        self.moving.extend(moving);
+        keep_nearest(&mut self.moving, MOST_MOVING, |(middle, _)| middle.distance(robot));
     }
 
     /// The signature of a way through points at times, seconds from now.
@@ -110,6 +112,14 @@ impl Clumps {
     fn after(&self, signature: Signature, a: MapPoint, b: MapPoint) -> Signature {
         let clumps = self.standing.iter().enumerate();
         clumps.fold(signature, |signature, (i, clump)| signature.wound(i, *clump, a, b))
+    }
+}
+
+/// Leaves the nearest, in their order from there; few enough stay as they are.
+fn keep_nearest<T>(all: &mut Vec<T>, most: usize, off: impl Fn(&T) -> f64) {
+    if all.len() > most {
+        all.sort_by(|a, b| off(a).total_cmp(&off(b)));
+        all.truncate(most);
     }
 }
 
@@ -176,6 +186,8 @@ impl Explorer {
         self.lay_costs(&grid, obstacles, how);
         self.lean(&grid, start, goal);
         self.find_clumps(&grid);
+        let off = |clump: &MapPoint| nearest_on_segment(start, goal, *clump).0.distance(*clump);
+        keep_nearest(&mut self.clumps.standing, MOST_CLUMPS, off);
         let (Some(from), Some(to)) = (self.free_near(&grid, start), self.free_near(&grid, goal)) else {
             return Vec::new();
         };
@@ -225,9 +237,6 @@ impl Explorer {
         for first in 0..grid.len() {
             if self.costs[first].is_finite() || self.closed[first] != NOWHERE {
                 continue;
-            }
-            if self.clumps.standing.len() == MOST_CLUMPS {
-                break;
             }
             let mut members = 0;
             let mut middle = (0.0, 0.0);
@@ -453,6 +462,22 @@ mod tests {
             explorer.explore(point(0.0, 0.0), point(4.0, 0.0), &stones(&[(1.3, 0.0), (2.7, 0.0)]), &how);
         assert_eq!(ways.len(), 4);
         assert!(ways.windows(2).all(|w| w[0].cost <= w[1].cost));
+    }
+
+    #[test]
+    fn of_many_stones_those_near_the_line_are_told_apart() {
+        let aside =
+            (0..14).flat_map(|i| (0..4).map(move |k| (0.6 * f64::from(i) - 3.0, 0.5 * f64::from(k) - 2.9)));
+        let at: Vec<(f64, f64)> = aside.chain([(2.0, 0.1)]).collect();
+        let (start, goal) = (point(0.0, 0.0), point(4.0, 0.0));
+        let how = Exploring { around: 3.0, most: 2, ..Exploring::default() };
+        let small: Vec<Obstacle> =
+            at.iter().map(|(x, y)| Obstacle::disc(point(*x, *y), 0.02).unwrap()).collect();
+        let ways = Explorer::default().explore(start, goal, &small, &how);
+        let highest = |way: &Way| way.corners.iter().map(|c| c.y).fold(-9.0, f64::max);
+        let heights: Vec<f64> = ways.iter().map(highest).collect();
+        assert!(heights.iter().any(|y| *y > 0.2) && heights.iter().any(|y| *y < 0.1), "{heights:?}");
+        assert!(heights.len() == 2 && ways[1].cost < 1.3 * ways[0].cost, "{ways:?}");
     }
 
     #[test]

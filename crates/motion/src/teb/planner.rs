@@ -235,7 +235,7 @@ impl Teb {
             situation.obstacles.iter().cloned().partition(Obstacle::is_moving);
         let mut ways = self.explorer.explore(start, end.point, &standing, &how);
         self.clumps = self.explorer.take_clumps();
-        self.clumps.set_moving(&moving);
+        self.clumps.set_moving(&moving, start);
         for candidate in &mut self.candidates {
             candidate.signature = signature(&self.clumps, &candidate.band);
         }
