@@ -19,14 +19,16 @@ pub fn passes_all(grid: &GridGeometry, a: usize, b: usize, mut pass: impl FnMut(
     let mut pass = |x: i64, y: i64, share: f64| pass(y as usize * grid.width + x as usize, share);
     // Sides of columns and of rows that were passed, and the share of the line behind the last of them.
     let (mut columns, mut rows, mut behind) = (0, 0, 0.0);
-    let share_at = |passed: i64, all: i64| (2 * passed + 1) as f64 / (2 * all) as f64;
+    let half = [0.5 / dx as f64, 0.5 / dy as f64];
+    let share_at = |passed: i64, half: f64| (2 * passed + 1) as f64 * half;
     loop {
         if (columns, rows) == (dx, dy) {
             return pass(x, y, 1.0 - behind);
         }
         // Which side comes first: (2 columns + 1) / 2 dx against (2 rows + 1) / 2 dy.
         let first = ((2 * columns + 1) * dy).cmp(&((2 * rows + 1) * dx));
-        let until = if first == Ordering::Greater { share_at(rows, dy) } else { share_at(columns, dx) };
+        let until =
+            if first == Ordering::Greater { share_at(rows, half[1]) } else { share_at(columns, half[0]) };
         if !pass(x, y, until - behind) {
             return false;
         }

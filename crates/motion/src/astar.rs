@@ -175,11 +175,12 @@ fn shorten(costmap: &Costmap, cells: &[usize]) -> Vec<usize> {
 
 /// Cost of the straight line between the middles of two cells, in cells: of each that it passes, by the length in it.
 fn line_cost(costmap: &Costmap, from: usize, to: usize) -> f64 {
-    let mut mean = 0.0;
+    let (mut mean, costs) = (0.0, costmap.costs());
     let is_free = passes_all(costmap.grid(), from, to, |cell, share| {
-        let cost = cost_of(costmap, cell);
-        mean += if share > 0.0 { share * cost } else { 0.0 };
-        cost.is_finite()
+        let cost = costs.of(cell);
+        let is_free = cost < f32::INFINITY;
+        mean += if is_free { share * f64::from(cost) } else { 0.0 };
+        is_free
     });
     let ((x, y), (u, v)) = (costmap.grid().column_row(from), costmap.grid().column_row(to));
     if is_free { mean * libm::hypot((u - x) as f64, (v - y) as f64) } else { f64::INFINITY }

@@ -52,6 +52,12 @@ impl<'a> Costs<'a> {
         Self { width, costs }
     }
 
+    /// The cost of a cell.
+    #[inline]
+    pub(crate) fn of(&self, cell: usize) -> f32 {
+        self.costs[cell]
+    }
+
     /// Looks through the costs of all cells once.
     pub fn new(width: usize, costs: &'a [f32]) -> Result<Self, CostsError> {
         let cells = costs.len();
@@ -102,6 +108,7 @@ impl Default for Search {
 impl Search {
     /// Cost and cells of the cheapest way from one cell to another, both included; `None` where there is none. Costs are those of cells' sides: a step costs its
     /// length times the mean of both cells' costs. Panics if a cell's number is none of the grid's.
+
     pub fn cheapest(&mut self, costs: &Costs<'_>, start: usize, goal: usize) -> Option<(f64, Vec<usize>)> {
         assert!(start < costs.costs.len() && goal < costs.costs.len(), "a cell of another grid");
         if costs.costs[start].is_infinite() || costs.costs[goal].is_infinite() {

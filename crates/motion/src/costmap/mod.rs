@@ -40,6 +40,8 @@ const MARGIN: f64 = 0.05;
 const COMFORT: f64 = 0.68;
 /// Cost of a cell right beside an obstacle, in cells.
 const DISCOMFORT: f64 = 6.0;
+/// Costs of nearness are multiples of this: differences that matter to nobody would make a search look at cells again and again.
+const GRAIN: f64 = 1.0 / 16.0;
 
 /// A costmap cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -242,7 +244,7 @@ impl Costmap {
             return f32::INFINITY;
         }
         let near = (comfort - clearance).max(0.0) / (comfort - keep);
-        let cost = 1.0 + DISCOMFORT * near * near;
+        let cost = 1.0 + (DISCOMFORT * near * near / GRAIN).round() * GRAIN;
         self.preferences.of(self.ground.surface[cell]) * cost as f32
     }
 
