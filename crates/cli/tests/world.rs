@@ -65,7 +65,7 @@ fn a_map_becomes_ground_as_the_map_server_reads_it() {
     assert!(said.contains("part.yaml: 40"), "{said}");
     place.openbench("costmap --map village.osm --out ground.pgm").refused_with(&["ground.pgm", "`.yaml`"]);
     place.openbench("costmap --map nowhere.osm --out ground.yaml").refused_with(&["nowhere.osm"]);
-    place.file("empty.osm", "<osm version='0.6'><node id='1' lat='0' lon='3'/></osm>".to_owned());
+    place.file("empty.osm", "<osm version='0.6'><node id='1' lat='0' lon='3'/></osm>");
     place.openbench("costmap --map empty.osm --out ground.yaml").refused_with(&["empty.osm", "no building"]);
 }
 

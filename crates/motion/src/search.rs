@@ -108,7 +108,6 @@ impl Default for Search {
 impl Search {
     /// Cost and cells of the cheapest way from one cell to another, both included; `None` where there is none. Costs are those of cells' sides: a step costs its
     /// length times the mean of both cells' costs. Panics if a cell's number is none of the grid's.
-
     pub fn cheapest(&mut self, costs: &Costs<'_>, start: usize, goal: usize) -> Option<(f64, Vec<usize>)> {
         assert!(start < costs.costs.len() && goal < costs.costs.len(), "a cell of another grid");
         if costs.costs[start].is_infinite() || costs.costs[goal].is_infinite() {
