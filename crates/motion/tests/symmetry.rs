@@ -19,7 +19,10 @@ fn decided(discs: &[(f64, f64, f64)], goal: (f64, f64), yaw: f64, side: f64) -> 
         obstacles: &obstacles,
     };
     // Of ways over cells that cost the same another one may be begun with: it takes some cycles until bands are where they end up.
-    let decided = (0..40).map(|_| teb.plan(&situation)).next_back().unwrap();
+    let mut decided = teb.plan(&situation);
+    for _ in 1..40 {
+        decided = teb.plan(&situation);
+    }
     let mut costs: Vec<f64> = teb.candidates().iter().map(|c| c.cost).collect();
     costs.sort_by(f64::total_cmp);
     (decided.unwrap(), costs)
