@@ -8,6 +8,8 @@ use crate::search::Search;
 
 /// How far from a blocked start or goal a free cell is looked for, metres.
 const ESCAPE: f64 = 1.5;
+/// Free cells that may stand for a blocked place, at most.
+const MOST_ESCAPES: usize = 4096;
 /// Closed yards that a blocked start may lie between, at most.
 const YARDS: usize = 4;
 /// Costs that differ by less are the same, cells.
@@ -33,7 +35,7 @@ pub enum PlanError {
     NoWay(MapPoint, MapPoint),
 }
 
-/// The cheapest way from `start` to `goal`. Where one of them is blocked, the nearest free cell within 1.5 m stands for it from which the other can be reached, preferably one with nothing in between; a way
+/// The cheapest way from `start` to `goal`. Where one of them is blocked, the nearest free cell within 1.5 m stands for it from which the other can be reached, with nothing in between unless the place lies deep inside something; a way
 /// begins at `start` all the same. `search` holds buffers that are used again.
 pub fn plan(
     search: &mut Search,
@@ -116,7 +118,7 @@ fn free_cell(costmap: &Costmap, point: MapPoint) -> Option<usize> {
     free_cells(costmap, point)?.first().copied()
 }
 
-/// The cell of a place or, if it is blocked, those free ones within 1.5 m: first those that nothing stands before, the nearest first. None of a place outside.
+/// The cell of a place or, if it is blocked, those free ones within 1.5 m that nothing stands before, or all if there are none of these; the nearest first. None of a place outside.
 fn free_cells(costmap: &Costmap, point: MapPoint) -> Option<Vec<usize>> {
     let grid = costmap.grid();
     let here = grid.cell_at(point)?;
@@ -129,11 +131,14 @@ fn free_cells(costmap: &Costmap, point: MapPoint) -> Option<Vec<usize>> {
     let cells = (rows.0..=rows.1).flat_map(|r| (columns.0..=columns.1).map(move |c| (c, r)));
     let free = cells.filter_map(|(c, r)| grid.cell_in(c, r)).filter(|&c| costmap.cost(c).is_some());
     let is_open = |cell: usize| cell == here || !costmap.is_obstacle(cell);
-    let rank = |cell: usize| (!in_sight(grid, is_open, here, cell), grid.center(cell).distance(point));
-    let mut ranked: Vec<_> =
-        free.map(|cell| (rank(cell), cell)).filter(|((_, off), _)| *off <= ESCAPE).collect();
-    ranked.sort_by(|(a, _), (b, _)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    Some(ranked.into_iter().map(|(_, cell)| cell).collect())
+    let mut near: Vec<(f64, usize)> = free.map(|cell| (grid.center(cell).distance(point), cell)).collect();
+    near.retain(|(off, _)| *off <= ESCAPE);
+    near.sort_by(|a, b| a.0.total_cmp(&b.0));
+    near.truncate(MOST_ESCAPES);
+    let near: Vec<usize> = near.into_iter().map(|(_, cell)| cell).collect();
+    // What lies behind a wall is not there; only deep inside something it is as good as anything.
+    let open: Vec<usize> = near.iter().copied().filter(|cell| in_sight(grid, is_open, here, *cell)).collect();
+    Some(if open.is_empty() { near } else { open })
 }
 
 /// Neighbours of a cell with their distances in cells; diagonals only between two free sides.

@@ -5,8 +5,8 @@ use openbench_osm::polygon::nearest_on_segment;
 
 use crate::shape::Obstacle;
 
-/// No place on earth is so far from another, in metres.
-const FAR: f64 = 1e7;
+/// No robot on the Earth has to do with so many metres or radians, or either a second.
+const FAR: f64 = 1e8;
 
 /// What a local planner works from.
 #[derive(Debug, Clone, Copy)]
@@ -79,7 +79,7 @@ impl Situation<'_> {
     }
 }
 
-/// Whether there is a way and all numbers are numbers that can be: less than 10,000 km, radians, or either a second.
+/// Whether there is a way and all numbers are numbers that can be: less than 100,000 km, as many radians, or either a second.
 pub fn check(
     pose: Pose2,
     velocity: Velocity,

@@ -37,6 +37,8 @@ const CREEPING: (f64, f64, Duration) = (0.03, 0.1, Duration::from_millis(2000));
 const SLOWED: Duration = Duration::from_secs(2);
 /// Steps that are kept until somebody asks for them; later ones are lost.
 const MOST_RECOVERIES: usize = 1000;
+/// Who is told less than this is to stand: m/s, rad/s.
+const STILL: (f64, f64) = (1e-3, 1e-2);
 /// As often the ladder is climbed before a goal is given up.
 const ATTEMPTS: u32 = 4;
 /// A maneuver leads to where the way is this far ahead, metres.
@@ -156,8 +158,12 @@ pub struct Navigator {
     waited: Duration,
     /// When that was last looked at.
     last: Option<SimTime>,
-    /// Where the robot was when it last moved at all, and when.
-    moved: Option<(Pose2, SimTime)>,
+    /// Where the robot was when it last moved at all, and for how long it has been driven since.
+    moved: Option<(Pose2, Duration)>,
+    /// Whether it was last told to drive.
+    driven: bool,
+    /// Since when the robot has not known where it is.
+    lost: Option<SimTime>,
     /// When the planner last slowed the robot down.
     slowed: Option<SimTime>,
     recoveries: Vec<Recovery>,
@@ -182,6 +188,8 @@ impl Navigator {
             waited: Duration::ZERO,
             last: None,
             moved: None,
+            driven: false,
+            lost: None,
             slowed: None,
             recoveries: Vec::new(),
         })
@@ -194,7 +202,8 @@ impl Navigator {
         self.path.clear();
         (self.planned, self.blocked, self.maneuver) = (None, None, None);
         (self.attempts, self.anchor, self.no_way, self.moved) = (0, None, None, None);
-        (self.last, self.slowed) = (None, None);
+        (self.last, self.slowed, self.lost) = (None, None, None);
+        self.driven = false;
     }
 
     /// The way that is being followed.
@@ -211,6 +220,7 @@ impl Navigator {
     pub fn drive(&mut self, now: &Surroundings<'_>, guide: &mut dyn Guide) -> Navigation {
         let Some((point, yaw)) = self.goal else { return self.ended.unwrap_or(Navigation::Arrived) };
         let decided = self.decide(now, point, yaw, guide);
+        self.driven = matches!(decided, Navigation::Drive(velocity) if !is_still(velocity));
         if !matches!(decided, Navigation::Drive(_)) {
             (self.goal, self.ended) = (None, Some(decided));
         }
@@ -227,6 +237,7 @@ impl Navigator {
         if let Err(cause) = check(now.pose, now.velocity, &[point], yaw) {
             return self.wait_for_pose(now, cause);
         }
+        self.find_again(now);
         self.note_progress(now);
         if self.stagnates(now) {
             let cause = self.blocked.map_or(Blocked::Creeping, |(_, cause)| cause);
@@ -278,14 +289,23 @@ impl Navigator {
 
     /// Stands until the robot knows again where it is; what is wrong with the goal itself stays so.
     fn wait_for_pose(&mut self, now: &Surroundings<'_>, cause: Blocked) -> Navigation {
-        if self.blocked.is_none() {
+        if self.lost.is_none() {
             self.record(now, Step::Stop, cause);
         }
-        let (since, _) = *self.blocked.get_or_insert((now.time, cause));
+        let since = *self.lost.get_or_insert(now.time);
         if cause == Blocked::NoPose && now.time.since(since) < NO_PROGRESS {
             return Navigation::Drive(Velocity::ZERO);
         }
         Navigation::Failed(Cause::Stuck(cause))
+    }
+
+    /// Begins anew from where the robot finds itself after it had lost its pose; the time in between does not count.
+    fn find_again(&mut self, now: &Surroundings<'_>) {
+        let Some(since) = self.lost.take() else { return };
+        self.anchor = self.anchor.map(|(place, time)| (place, time + now.time.since(since)));
+        (self.moved, self.last, self.blocked) = (None, None, None);
+        (self.planned, self.maneuver) = (None, None);
+        self.planner.reset();
     }
 
     fn note_slow(&mut self, now: &Surroundings<'_>, cause: Blocked) {
@@ -300,20 +320,22 @@ impl Navigator {
         if self.anchor.is_none_or(|(anchor, _)| anchor.distance(here) > PROGRESS) {
             (self.anchor, self.attempts, self.waited) = (Some((here, now.time)), 0, Duration::ZERO);
         }
-        let last = self.last.replace(now.time).unwrap_or(now.time);
+        let elapsed = now.time.since(self.last.replace(now.time).unwrap_or(now.time));
         if is_anybody_near(now) {
-            self.waited += now.time.since(last);
+            self.waited += elapsed;
         }
         let apart = |from: &Pose2| (from.point().distance(here), wrap_angle(from.yaw - now.pose.yaw).abs());
-        let stays = |(from, _): &(Pose2, SimTime)| apart(from).0 < CREEPING.0 && apart(from).1 < CREEPING.1;
-        if !self.moved.as_ref().is_some_and(stays) {
-            self.moved = Some((now.pose, now.time));
+        match &mut self.moved {
+            Some((from, driven)) if apart(from).0 < CREEPING.0 && apart(from).1 < CREEPING.1 => {
+                *driven += if self.driven { elapsed } else { Duration::ZERO };
+            }
+            moved => *moved = Some((now.pose, Duration::ZERO)),
         }
     }
 
-    /// Whether the robot has all but stood for a while. Where somebody moves it may well wait.
+    /// Whether the robot has all but stood while it was driven for a while. Where somebody moves it may well wait.
     fn creeps(&self, now: &Surroundings<'_>) -> bool {
-        let still = self.moved.is_some_and(|(_, since)| now.time.since(since) >= CREEPING.2);
+        let still = self.moved.is_some_and(|(_, driven)| driven >= CREEPING.2);
         still && !now.obstacles.iter().any(Obstacle::is_moving)
     }
 
@@ -377,7 +399,7 @@ impl Navigator {
             Ok(band) => {
                 self.record(now, first_step(&band), cause);
                 self.maneuver = Some((band, now.time));
-                (self.blocked, self.moved) = (None, Some((now.pose, now.time)));
+                (self.blocked, self.moved) = (None, Some((now.pose, Duration::ZERO)));
                 Navigation::Drive(Velocity::ZERO)
             }
             // Who moves may have been in the way, and what was seen may have been wrong: the last attempt decides.
@@ -431,6 +453,10 @@ fn first_step(band: &Band) -> Step {
         v if v < 1e-3 => Step::Turn,
         _ => Step::Wind,
     }
+}
+
+fn is_still(velocity: Velocity) -> bool {
+    velocity.linear.abs() < STILL.0 && velocity.angular.abs() < STILL.1
 }
 
 fn is_anybody_near(now: &Surroundings<'_>) -> bool {

@@ -8,7 +8,7 @@ use cpu_time::ThreadTime;
 use openbench_core::frames::wrap_angle;
 use openbench_core::{MapPoint, Pose2, RobotDescription, SimTime, Velocity};
 use openbench_motion::feasible::{Motion, clearance};
-use openbench_motion::navigator::{Cause, NavigatorError};
+use openbench_motion::navigator::{Cause, NavigatorError, Step};
 use openbench_motion::teb::classes::{Explorer, Exploring};
 use openbench_motion::teb::settings::Limits;
 use openbench_motion::{
@@ -59,7 +59,7 @@ pub struct Drive {
     pub swerves: usize,
     /// Milliseconds of each decision of the local planner.
     pub cycles: Vec<f64>,
-    /// Steps of the ladder that were taken.
+    /// Steps of the ladder that were taken, from stopping on.
     pub recoveries: usize,
     /// Where it was at each decision.
     pub track: Vec<Pose2>,
@@ -165,7 +165,8 @@ pub fn drive(
         }
     }
     (drive.collisions, drive.deepest) = (touch.count, touch.deepest);
-    drive.recoveries = navigator.take_recoveries().len();
+    let steps = navigator.take_recoveries();
+    drive.recoveries = steps.iter().filter(|recovery| recovery.step != Step::Slow).count();
     drive.cycles = cycles.take();
     Ok(drive)
 }

@@ -3,7 +3,7 @@
 use openbench_core::MapPoint;
 use openbench_grid::GridGeometry;
 use openbench_osm::polygon::nearest_on_segment;
-use openbench_osm::{Barrier, OsmMap, Polygon, Road, Tags};
+use openbench_osm::{Area, Barrier, OsmMap, Polygon, Road, Tags};
 
 /// Half the width of the gap that a gate leaves in a barrier, metres.
 const GATE: f64 = 1.0;
@@ -163,6 +163,7 @@ impl Drawing<'_> {
         }
         if is_wet {
             self.crossings(map, Barred::Water);
+            self.decks(map);
         }
         for building in &map.buildings {
             self.fill(&building.polygon, |ground, cell| ground.barred[cell] = Barred::Solid);
@@ -211,11 +212,29 @@ impl Drawing<'_> {
                 let Some((from, to)) = self.cut(pair[0], pair[1], 0.0) else { continue };
                 let steps = (from.distance(to) / self.grid.cell * 2.0).ceil().max(1.0) as usize;
                 let at = |i: usize| between(from, to, i as f64 / steps as f64);
-                places.extend((0..=steps).map(at).filter(|place| self.barred_at(*place) == over));
+                let half = if over == Barred::Water { width(&road.tags) / 2.0 } else { GATE };
+                let barred = (0..=steps).map(at).filter(|place| self.barred_at(*place) == over);
+                places.extend(barred.map(|place| (place, half.max(GATE))));
             }
         }
-        for place in places {
-            self.open(place, GATE, over);
+        for (place, half) in places {
+            self.open(place, half, over);
+        }
+    }
+
+    /// What is paved over water lies on a bridge or pier.
+    fn decks(&mut self, map: &OsmMap) {
+        let paved = |area: &&Area| {
+            let surface = surface_of_area(&area.tags);
+            matches!(surface, Some(Surface::Pavement | Surface::Road))
+                || says(&area.tags, "man_made", &["pier", "bridge"])
+        };
+        for area in map.areas.iter().filter(paved) {
+            self.fill(&area.polygon, |ground, cell| {
+                if ground.barred[cell] == Barred::Water {
+                    ground.barred[cell] = Barred::No;
+                }
+            });
         }
     }
 
@@ -230,8 +249,9 @@ impl Drawing<'_> {
         let Some((columns, rows)) = self.grid.window(low, high) else { return };
         for row in rows.0..=rows.1 {
             for cell in (columns.0..=columns.1).filter_map(|column| self.grid.cell_in(column, row)) {
-                let barred = &mut self.ground.barred[cell];
-                *barred = if *barred == what { Barred::No } else { *barred };
+                if self.ground.barred[cell] == what && self.grid.center(cell).distance(place) <= around {
+                    self.ground.barred[cell] = Barred::No;
+                }
             }
         }
     }
@@ -240,7 +260,9 @@ impl Drawing<'_> {
         let Some((from, to)) = self.cut(from, to, self.grid.cell) else { return };
         let steps = (from.distance(to) / self.grid.cell * 2.0).ceil().max(1.0) as usize;
         for i in 0..=steps {
-            if let Some(cell) = self.grid.cell_at(between(from, to, i as f64 / steps as f64)) {
+            let cell = self.grid.cell_at(between(from, to, i as f64 / steps as f64));
+            // A fence in the water does not dry it.
+            if let Some(cell) = cell.filter(|cell| self.ground.barred[*cell] != Barred::Water) {
                 self.ground.barred[cell] = Barred::Solid;
             }
         }
@@ -331,7 +353,9 @@ fn is_water(tags: &Tags) -> bool {
         || says(tags, "waterway", &["riverbank", "dock"])
         || says(tags, "landuse", &["basin", "reservoir"])
         || tags.is("leisure", "swimming_pool");
-    water && !covered
+    // Basins that hold water after rain only are meadows.
+    let dry = says(tags, "basin", &["detention", "infiltration"]);
+    water && !covered && !dry
 }
 
 /// Width of a road, metres: as it says, or as is usual for its kind.
@@ -352,7 +376,7 @@ fn width(tags: &Tags) -> f64 {
 mod tests {
     use super::*;
     use crate::costmap::tests::empty_map;
-    use openbench_osm::{Area, Building, ElementId, ElementKind};
+    use openbench_osm::{Building, ElementId, ElementKind};
     use proptest::prelude::*;
 
     fn points(corners: &[(f64, f64)]) -> Vec<MapPoint> {
@@ -411,6 +435,20 @@ mod tests {
             (Barred::No, Barred::No, Barred::Water)
         );
         assert_eq!(barred(4.3, 3.0), Barred::Solid);
+    }
+
+    #[test]
+    fn bridges_are_as_wide_as_what_they_carry() {
+        let mut map = empty_map();
+        map.areas.push(area(&[(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)], "natural", "water"));
+        map.areas.push(area(&[(-8.0, 2.0), (-4.0, 2.0), (-4.0, 8.0), (-8.0, 8.0)], "highway", "pedestrian"));
+        map.areas.push(area(&[(-8.0, -8.0), (-4.0, -8.0), (-4.0, -2.0), (-8.0, -2.0)], "landuse", "grass"));
+        map.roads.push(road(&[(4.0, -12.0), (4.0, 12.0)], "residential"));
+        let ground = Ground::of(&map, &grid());
+        let barred = |x: f64, y: f64| ground.barred[grid().cell_at(MapPoint::new(x, y)).unwrap()];
+        assert_eq!([1.2, 6.8].map(|x| barred(x, 0.0)), [Barred::No; 2]);
+        assert_eq!([0.8, 7.2].map(|x| barred(x, 0.0)), [Barred::Water; 2]);
+        assert_eq!((barred(-6.0, 5.0), barred(-6.0, -5.0)), (Barred::No, Barred::Water));
     }
 
     #[test]

@@ -132,9 +132,9 @@ impl Band {
 
     /// What is left of the band for a robot at `pose`, `elapsed` seconds later, carried along if the estimate has jumped there.
     pub fn keep_up(&mut self, pose: Pose2, elapsed: f64) {
-        let expected = self.pose_at(elapsed);
-        if Self::is_jump(expected, pose) {
-            self.carry(expected, pose);
+        // Who was held up has not jumped.
+        if Self::is_jump(self.pose_at(self.progress(pose, elapsed)), pose) {
+            self.carry(self.pose_at(elapsed), pose);
         }
         self.advance(pose, elapsed);
     }

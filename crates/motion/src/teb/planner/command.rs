@@ -122,23 +122,25 @@ impl Teb {
     ) -> Result<Progress, Blocked> {
         let planned = wanted;
         let wanted = self.wary(situation, wanted, plan);
-        let mut cause = (wanted != planned).then_some(Blocked::Yielding);
+        let (mut obstacle, mut yielding) = (None, wanted != planned);
+        // What stands is the better reason: it does not go away.
+        let cause =
+            |obstacle: Option<Blocked>, yielding: bool| obstacle.or(yielding.then_some(Blocked::Yielding));
         for velocity in self.slower(situation.velocity, wanted) {
             let motion = Motion { pose: situation.pose, velocity: situation.velocity, command: velocity };
             let (foot, limits) = (&self.footprint, &self.limits);
             match conflict_before_stop(foot, situation.obstacles, motion, limits, COMMAND, SURE) {
                 None if self.cuts_off(situation, velocity, plan.filter(|_| velocity == planned)) => {
-                    cause = cause.or(Some(Blocked::Yielding))
+                    yielding = true;
                 }
                 None => {
-                    return Ok(
-                        cause.map_or(Progress::Drive(velocity), |cause| Progress::Slowed(velocity, cause))
-                    );
+                    let slowed = cause(obstacle, yielding).map(|cause| Progress::Slowed(velocity, cause));
+                    return Ok(slowed.unwrap_or(Progress::Drive(velocity)));
                 }
-                Some(at) => cause = cause.or(Some(Blocked::Obstacle(at * velocity.linear.abs()))),
+                Some(at) => obstacle = obstacle.or(Some(Blocked::Obstacle(at * velocity.linear.abs()))),
             }
         }
-        Err(cause.unwrap_or(Blocked::NoGap))
+        Err(cause(obstacle, yielding).unwrap_or(Blocked::NoGap))
     }
 
     /// Whether the robot gets into somebody's way if it is told this.
