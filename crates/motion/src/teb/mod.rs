@@ -15,9 +15,11 @@
 //! | acceleration of both rims | |2 (uᵢ₊₁ - uᵢ) / (ΔTᵢ + ΔTᵢ₊₁)| - a_max with u = v ± b ω | |
 //! | non-holonomic kinematics | dᵢ × (cos θ̄ᵢ, sin θ̄ᵢ) | |
 //! | forward drive | -vᵢ | |
-//! | obstacles, standing and moving | least - dist(footprint at sᵢ, obstacle at tᵢ), comfort - dist(…) | [`crate::shape`] |
-//! | via points | sₖ - via | |
+//! | obstacles, standing and moving (2012, equation 8) | least - dist(footprint at sᵢ, obstacle at tᵢ), comfort - dist(…) | [`crate::shape`] |
+//! | via points (2012, equation 7) | sₖ - via | |
 //! | preferred side | ∓ωᵢ at the beginning | |
+//!
+//! Limits are penalties as in 2012, equation 6, of the second order and without a margin before them.
 //!
 //! Other than in the papers tᵢ = Σ ΔTₖ is the variable instead of ΔTᵢ: all terms stay local, and the term of a moving obstacle gets its true derivative by time. Steps are taken in the robot's own coordinates (`optimize`), since straight steps of all
 //! variables leave the curved ground on which nothing drives sideways and would have to be tiny.
