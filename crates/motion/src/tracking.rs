@@ -30,9 +30,13 @@ const LEAN: f64 = 0.3;
 /// From the side that is seen to the middle of somebody, metres.
 const HALF_DEPTH: f64 = 0.1;
 /// Deviation of a measured place by the trunk, and by the legs, metres.
-const MEASURED: [f64; 2] = [0.06, 0.12];
+const MEASURED: [f64; 2] = [0.04, 0.12];
 /// Deviation of the acceleration, m/s².
 const RESTLESS: f64 = 2.0;
+/// That of who stops or turns at once, m/s²,
+const SUDDEN: f64 = 8.0;
+/// which he is thought to have done if he is not where he was foreseen: squared distance by the variance of both together.
+const UNLIKELY: f64 = 4.0;
 /// Deviation of the velocity of a body that was seen once, m/s.
 const UNKNOWN: f64 = 1.0;
 /// A body that was not seen for so many seconds is forgotten.
@@ -93,7 +97,7 @@ impl Tracker {
         self.now = time;
         self.tracks.iter_mut().for_each(|track| track.predict(seconds));
         let walking = self.walking(seen.low);
-        let rest = self.follow(time, &walking, seen);
+        let rest = self.follow(seconds, &walking, seen);
         for low in clusters(&rest) {
             if low.len() >= FEWEST && width(&low) <= WIDEST && self.tracks.len() < MOST_TRACKS {
                 self.tracks.push(Track::new(&Body::of(&low, &[], seen.sensor), time));
@@ -104,24 +108,28 @@ impl Tracker {
     }
 
     /// The points of what is no wider than somebody, or than as many as are known to be there: the side of a car is neither.
-    fn walking(&self, low: &[MapPoint]) -> Vec<MapPoint> {
+    fn walking(&self, low: &[MapPoint]) -> Vec<Vec<MapPoint>> {
         let fits = |cluster: &Vec<MapPoint>| {
             let is_in = |t: &&Track| cluster.iter().any(|p| apart(t.place, [p.x, p.y]) < PERSON);
             let known = self.tracks.iter().filter(|t| t.sightings > 1).filter(is_in).count();
             width(cluster) <= WIDEST * known.max(1) as f64
         };
-        clusters(&thinned(low)).into_iter().filter(fits).flatten().collect()
+        clusters(&thinned(low)).into_iter().filter(fits).collect()
     }
 
     /// Shows each body what is seen of it; what is of none is returned.
-    fn follow(&mut self, time: SimTime, walking: &[MapPoint], seen: &Newcomers<'_>) -> Vec<MapPoint> {
+    fn follow(&mut self, seconds: f64, walking: &[Vec<MapPoint>], seen: &Newcomers<'_>) -> Vec<MapPoint> {
+        let time = self.now;
         let mut low = vec![Vec::new(); self.tracks.len()];
         let mut trunks = vec![Vec::new(); self.tracks.len()];
         let mut rest = Vec::new();
-        for &point in walking {
-            match self.nearest(point) {
-                Some(i) => low[i].push(point),
-                None => rest.push(point),
+        for cluster in walking {
+            let only = self.only(cluster);
+            for &point in cluster {
+                match only.or_else(|| self.nearest(point)) {
+                    Some(i) => low[i].push(point),
+                    None => rest.push(point),
+                }
             }
         }
         if !self.tracks.is_empty() {
@@ -133,10 +141,17 @@ impl Tracker {
         }
         for (track, (low, trunk)) in self.tracks.iter_mut().zip(low.iter().zip(&trunks)) {
             if low.len() >= FEWEST_KNOWN {
-                track.see(&Body::of(low, trunk, seen.sensor), time);
+                track.see(&Body::of(low, trunk, seen.sensor), time, seconds);
             }
         }
         rest
+    }
+
+    /// The body that all of a cluster is of, if there is no other and it is as wide as one. Who stops or turns is not where he was foreseen; what of him is further off than the gate is him nevertheless.
+    fn only(&self, cluster: &[MapPoint]) -> Option<usize> {
+        let mut bodies = cluster.iter().filter_map(|&point| self.nearest(point));
+        let first = bodies.next()?;
+        (bodies.all(|body| body == first) && width(cluster) <= 2.0 * STRIDES).then_some(first)
     }
 
     /// The body that a point may be of.
@@ -194,22 +209,28 @@ impl Track {
             self.place[k] += self.velocity[k] * dt;
         }
         let [p, v, pv] = self.variance;
-        let q = RESTLESS * RESTLESS;
-        self.variance = [
-            p + 2.0 * dt * pv + dt * dt * v + q * dt * dt * dt * dt / 4.0,
-            v + q * dt * dt,
-            pv + dt * v + q * dt * dt * dt / 2.0,
-        ];
+        self.variance = [p + 2.0 * dt * pv + dt * dt * v, v, pv + dt * v];
+        self.spread(RESTLESS, dt);
     }
 
-    fn see(&mut self, body: &Body, time: SimTime) {
+    /// What an acceleration of this deviation may have done within `dt` seconds.
+    fn spread(&mut self, acceleration: f64, dt: f64) {
+        let (q, [p, v, pv]) = (acceleration * acceleration * dt * dt, self.variance);
+        self.variance = [p + q * dt * dt / 4.0, v + q, pv + q * dt / 2.0];
+    }
+
+    fn see(&mut self, body: &Body, time: SimTime, seconds: f64) {
+        let surprise = [0, 1].map(|k| body.middle[k] - self.place[k]);
+        let noise = body.deviation * body.deviation;
+        if surprise[0] * surprise[0] + surprise[1] * surprise[1] > UNLIKELY * (self.variance[0] + noise) {
+            self.spread(SUDDEN, seconds);
+        }
         let [p, v, pv] = self.variance;
-        let total = p + body.deviation * body.deviation;
+        let total = p + noise;
         let (gain, gain_velocity) = (p / total, pv / total);
         for k in 0..2 {
-            let surprise = body.middle[k] - self.place[k];
-            self.place[k] += gain * surprise;
-            self.velocity[k] += gain_velocity * surprise;
+            self.place[k] += gain * surprise[k];
+            self.velocity[k] += gain_velocity * surprise[k];
         }
         self.variance = [p * (1.0 - gain), v - gain_velocity * pv, pv * (1.0 - gain)];
         self.radius += GROWS * (body.radius - self.radius);
@@ -351,6 +372,29 @@ mod tests {
         assert!((tracker.moving(time(24))[0].middle().y - moving[0].middle().y - 0.6).abs() < 0.1);
         update(&mut tracker, 30, &[], &[]);
         assert!(tracker.moving(time(30)).is_empty());
+    }
+
+    #[test]
+    fn who_stops_running_and_turns_back_is_not_thought_further_on() {
+        let mut tracker = Tracker::default();
+        let (mut along, mut speed) = (-2.7_f64, 1.8_f64);
+        for scan in 0..24 {
+            let place = MapPoint::new(0.7, along);
+            // Arms and legs reach out before and behind.
+            let low = [seen(place, 0.3), legs(place, scan)].concat();
+            update(&mut tracker, scan, &low, &seen(place, 0.15));
+            let moving = tracker.moving(time(scan));
+            let knows =
+                |o: &Obstacle| o.middle().distance(place) < 0.1 && (o.velocity()[1] - speed).abs() < 1.0;
+            assert!(
+                scan < 8 || speed.abs() < 0.6 || moving.len() == 1 && moving.iter().all(knows),
+                "{scan}: {moving:?}"
+            );
+            if scan >= 15 {
+                speed = (speed - 0.4).max(-1.0);
+            }
+            along += 0.1 * speed;
+        }
     }
 
     #[test]

@@ -24,6 +24,8 @@ const PASSES: (usize, f64) = (20, 0.1);
 const CLEAR: f64 = 0.15;
 /// Who stands near somebody who may surprise sets out once there was a way for so long, seconds.
 const HESITATES: f64 = 0.5;
+/// A robot whose rims are slower than this has all but stopped, m/s.
+const ALL_BUT_STANDS: f64 = 0.2;
 /// A robot that is slower than this need not brake gently, m/s.
 const SLOW: f64 = 0.05;
 /// A standing robot whose rims are told less than this does not set out, m/s.
@@ -88,7 +90,7 @@ impl Teb {
         goes_by && times.any(|time| !off(situation.pose, time))
     }
 
-    /// What was decided, unless the robot stands near somebody who may surprise and there has hardly been a way yet: one look may err, and who sets out a little and stops again stands in the way.
+    /// What was decided, unless the robot stands, or all but does, near somebody who may surprise and there has hardly been a way yet: one look may err, and who sets out a little and stops again stands in the way.
     pub(super) fn hesitate(
         &mut self,
         situation: &Situation<'_>,
@@ -101,7 +103,7 @@ impl Teb {
         let told = decided.ok().and_then(|decided| decided.velocity());
         self.free = told.filter(|v| rim(*v) > SETS_OUT).and(self.free.or(Some(situation.time)));
         let settled = |since: SimTime| situation.time.since(since).as_secs_f64() >= HESITATES;
-        let stands = rim(situation.velocity) < SLOW;
+        let stands = rim(situation.velocity) < ALL_BUT_STANDS;
         if decided.is_err() || !stands || self.free.is_some_and(settled) || !self.is_anybody_near(situation) {
             return decided;
         }
