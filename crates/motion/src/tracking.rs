@@ -228,9 +228,9 @@ impl Track {
         let [p, v, pv] = self.variance;
         let total = p + noise;
         let (gain, gain_velocity) = (p / total, pv / total);
-        for k in 0..2 {
-            self.place[k] += gain * surprise[k];
-            self.velocity[k] += gain_velocity * surprise[k];
+        for (k, surprise) in surprise.into_iter().enumerate() {
+            self.place[k] += gain * surprise;
+            self.velocity[k] += gain_velocity * surprise;
         }
         self.variance = [p * (1.0 - gain), v - gain_velocity * pv, pv * (1.0 - gain)];
         self.radius += GROWS * (body.radius - self.radius);

@@ -8,7 +8,7 @@ use openbench_core::{
 };
 use openbench_motion::costmap::window::Window;
 use openbench_motion::{
-    Costmap, Footprint, Guide, LocalPlanner, Navigation, Navigator, PlanError, RangeRing, Search,
+    Costmap, Footprint, Guide, LocalPlanner, Navigation, Navigator, Obstacle, PlanError, RangeRing, Search,
     Surroundings, Tracker, plan, tracking::Newcomers,
 };
 use openbench_osm::polygon::nearest_on_segment;
@@ -23,6 +23,8 @@ const CHECK_AHEAD: f64 = 3.0;
 const SIGHT: f64 = 5.0;
 /// A place is given up after this long and this much for each metre of the first way to it.
 const LEG_TIME: (f64, f64) = (30.0, 8.0);
+/// Time with somebody who moves within so many metres does not count, up to so long: he will be gone sooner or later.
+const AMONG_PEOPLE: (f64, Duration) = (2.0, Duration::from_secs(300));
 
 /// A point of a road is passed within this distance, metres.
 const PASSED: f64 = 2.0;
@@ -68,7 +70,7 @@ pub struct Driver {
     velocity: Velocity,
     /// Length of the way when it was first searched, metres.
     first_length: Option<f64>,
-    deadline: Option<SimTime>,
+    patience: Patience,
     /// The way that was last told.
     told: Vec<MapPoint>,
 }
@@ -94,7 +96,7 @@ impl Driver {
             wheels: None,
             velocity: Velocity::ZERO,
             first_length: None,
-            deadline: None,
+            patience: Patience::default(),
             told: Vec::new(),
         })
     }
@@ -139,7 +141,7 @@ impl Driver {
     pub fn set_out(&mut self, road: VecDeque<MapPoint>, target: Target) {
         (self.road, self.target) = (road, Some(target));
         self.navigator.set_goal(target.point, target.yaw);
-        (self.deadline, self.first_length) = (None, None);
+        (self.patience, self.first_length) = (Patience::default(), None);
         self.told.clear();
     }
 
@@ -151,12 +153,14 @@ impl Driver {
         self.pass_road(pose.point());
         let mut obstacles = self.window.obstacles_near(pose.point(), SIGHT);
         obstacles.extend(self.tracker.moving(now));
+        let is_near = |o: &Obstacle| o.is_moving() && o.distance_to(pose.point()) < AMONG_PEOPLE.0;
+        self.patience.spend(now, obstacles.iter().any(is_near));
         let surroundings = Surroundings { time: now, pose, velocity: self.velocity, obstacles: &obstacles };
         let mut ground =
             Ground { costmap: &mut self.costmap, search: &mut self.search, road: &mut self.road };
         let decided = self.navigator.drive(&surroundings, &mut ground);
-        self.tell(now, events);
-        let late = self.deadline.is_some_and(|deadline| now > deadline);
+        self.tell(events);
+        let late = self.patience.is_spent();
         let driving = match decided {
             Navigation::Drive(_) if late || !target.must && self.is_detour() => Driving::Unreachable,
             Navigation::Drive(velocity) => Driving::OnTheWay(velocity),
@@ -183,14 +187,13 @@ impl Driver {
         }
     }
 
-    /// Tells of new ways and of what was done where it did not go on, and sets the deadline from the first way.
-    fn tell(&mut self, now: SimTime, events: &mut dyn Events) {
+    /// Tells of new ways and of what was done where it did not go on, and says how long the first way may take.
+    fn tell(&mut self, events: &mut dyn Events) {
         let path = self.navigator.path();
         if !path.is_empty() && path != self.told {
             let length = length(path);
             self.first_length.get_or_insert(length);
-            let limit = Duration::from_secs_f64(LEG_TIME.0 + LEG_TIME.1 * length);
-            self.deadline.get_or_insert(now + limit);
+            self.patience.begin(length);
             events.record(Event::Path(path.to_vec()));
             self.told = path.to_vec();
         }
@@ -201,6 +204,36 @@ impl Driver {
 
     fn is_detour(&self) -> bool {
         self.first_length.is_some_and(|first| length(&self.told) > DETOUR.0 * first + DETOUR.1)
+    }
+}
+
+/// How long getting to a place may still take.
+#[derive(Debug, Clone, Copy, Default)]
+struct Patience {
+    /// Nothing said as long as no way is known.
+    left: Option<Duration>,
+    among_people: Duration,
+    looked: Option<SimTime>,
+}
+
+impl Patience {
+    /// The first way is this long, metres; of later ones it does not depend.
+    fn begin(&mut self, length: f64) {
+        self.left.get_or_insert(Duration::from_secs_f64(LEG_TIME.0 + LEG_TIME.1 * length));
+    }
+
+    fn spend(&mut self, now: SimTime, is_anybody_near: bool) {
+        let passed = self.looked.map_or(Duration::ZERO, |looked| now.since(looked));
+        self.looked = Some(now);
+        if is_anybody_near && self.among_people < AMONG_PEOPLE.1 {
+            self.among_people += passed;
+        } else {
+            self.left = self.left.map(|left| left.saturating_sub(passed));
+        }
+    }
+
+    fn is_spent(&self) -> bool {
+        self.left == Some(Duration::ZERO)
     }
 }
 
@@ -268,4 +301,29 @@ fn along(a: MapPoint, b: MapPoint, t: f64) -> MapPoint {
 
 fn length(path: &[MapPoint]) -> f64 {
     path.windows(2).map(|w| w[0].distance(w[1])).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Seconds until patience with a way of 10 m is spent.
+    fn lasts(is_anybody_near: impl Fn(u64) -> bool) -> u64 {
+        let mut patience = Patience::default();
+        for second in 0.. {
+            patience.spend(SimTime::ZERO + Duration::from_secs(second), is_anybody_near(second));
+            patience.begin(10.0 + second as f64);
+            if patience.is_spent() {
+                return second;
+            }
+        }
+        unreachable!()
+    }
+
+    #[test]
+    fn who_waits_for_people_has_longer_but_not_for_ever() {
+        assert_eq!(lasts(|_| false), 110);
+        assert_eq!(lasts(|second| second % 2 == 0), 219);
+        assert_eq!(lasts(|_| true), 410);
+    }
 }
