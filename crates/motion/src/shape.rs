@@ -225,18 +225,6 @@ impl Obstacle {
     #[inline]
     pub fn contact(&self, foot: &Placed, circumscribed: f64, seconds: f64, reach: f64) -> Option<Contact> {
         let shift = [self.velocity[0] * seconds, self.velocity[1] * seconds];
-        self.contact_shifted(foot, circumscribed, shift, reach)
-    }
-
-    /// The same, moved by so much.
-    #[inline]
-    pub(crate) fn contact_shifted(
-        &self,
-        foot: &Placed,
-        circumscribed: f64,
-        shift: [f64; 2],
-        reach: f64,
-    ) -> Option<Contact> {
         let origin = minus(foot.origin, shift);
         let apart = minus(origin, self.middle);
         let far = self.radius + circumscribed + reach;
