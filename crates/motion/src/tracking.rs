@@ -1,7 +1,7 @@
 //! Who moves: points where a moment ago the ground was seen to be free, gathered into bodies and followed.
 //!
 //! Each body has a place and a velocity that changes little from scan to scan (a Kalman filter of constant velocity, the same along both axes). A point is of the body that it is nearest to, as it moved on from the last scan: two who
-//! pass each other stay two. Legs swing; where the trunk above them is seen, it says where somebody is. What a scan shows in places that were never seen free may be anything; what appears where it was
+//! pass each other stay two. What hangs together with a body's points, and with nobody else's, is of it too. Legs swing; where the trunk above them is seen, it says where somebody is. What a scan shows in places that were never seen free may be anything; what appears where it was
 //! free has come from somewhere.
 
 use openbench_core::{MapPoint, SimTime};
@@ -21,7 +21,7 @@ const FEWEST: usize = 3;
 const FEWEST_KNOWN: usize = 2;
 /// Bodies that are followed, at most.
 const MOST_TRACKS: usize = 200;
-/// A point is of a known person if it is so near to the middle, metres.
+/// A point is of a known person if it is so near to the middle, or hangs together with such points, metres.
 const GATE: f64 = 0.45;
 /// Points above the robot of a body's trunk, at least.
 const TRUNK: usize = 4;
@@ -33,9 +33,9 @@ const HALF_DEPTH: f64 = 0.1;
 const MEASURED: [f64; 2] = [0.04, 0.12];
 /// Deviation of the acceleration, m/s².
 const RESTLESS: f64 = 2.0;
-/// That of who stops or turns at once, m/s²,
+/// That of who stops or turns at once, m/s².
 const SUDDEN: f64 = 8.0;
-/// which he is thought to have done if he is not where he was foreseen: squared distance by the variance of both together.
+/// Somebody may have stopped or turned if the squared distance to where he was foreseen, by the variance of both places together, is above this; of those who did neither it is in one look of seven.
 const UNLIKELY: f64 = 4.0;
 /// Deviation of the velocity of a body that was seen once, m/s.
 const UNKNOWN: f64 = 1.0;
@@ -97,7 +97,7 @@ impl Tracker {
         self.now = time;
         self.tracks.iter_mut().for_each(|track| track.predict(seconds));
         let walking = self.walking(seen.low);
-        let rest = self.follow(seconds, &walking, seen);
+        let rest = self.follow(&walking, seen);
         for low in clusters(&rest) {
             if low.len() >= FEWEST && width(&low) <= WIDEST && self.tracks.len() < MOST_TRACKS {
                 self.tracks.push(Track::new(&Body::of(&low, &[], seen.sensor), time));
@@ -107,7 +107,7 @@ impl Tracker {
         self.unite();
     }
 
-    /// The points of what is no wider than somebody, or than as many as are known to be there: the side of a car is neither.
+    /// What hangs together and is no wider than somebody, or than as many as are known to be there: the side of a car is neither.
     fn walking(&self, low: &[MapPoint]) -> Vec<Vec<MapPoint>> {
         let fits = |cluster: &Vec<MapPoint>| {
             let is_in = |t: &&Track| cluster.iter().any(|p| apart(t.place, [p.x, p.y]) < PERSON);
@@ -118,13 +118,13 @@ impl Tracker {
     }
 
     /// Shows each body what is seen of it; what is of none is returned.
-    fn follow(&mut self, seconds: f64, walking: &[Vec<MapPoint>], seen: &Newcomers<'_>) -> Vec<MapPoint> {
+    fn follow(&mut self, walking: &[Vec<MapPoint>], seen: &Newcomers<'_>) -> Vec<MapPoint> {
         let time = self.now;
         let mut low = vec![Vec::new(); self.tracks.len()];
         let mut trunks = vec![Vec::new(); self.tracks.len()];
         let mut rest = Vec::new();
         for cluster in walking {
-            let only = self.only(cluster);
+            let only = self.only(cluster, seen.above);
             for &point in cluster {
                 match only.or_else(|| self.nearest(point)) {
                     Some(i) => low[i].push(point),
@@ -141,17 +141,25 @@ impl Tracker {
         }
         for (track, (low, trunk)) in self.tracks.iter_mut().zip(low.iter().zip(&trunks)) {
             if low.len() >= FEWEST_KNOWN {
-                track.see(&Body::of(low, trunk, seen.sensor), time, seconds);
+                track.see(&Body::of(low, trunk, seen.sensor), time);
             }
         }
         rest
     }
 
-    /// The body that all of a cluster is of, if there is no other and it is as wide as one. Who stops or turns is not where he was foreseen; what of him is further off than the gate is him nevertheless.
-    fn only(&self, cluster: &[MapPoint]) -> Option<usize> {
+    /// The body that all of a cluster is of, if there is no other and it is as wide as one. Who stops or turns is not where he was foreseen; what of him is further off than the gate is him nevertheless, unless there is a trunk above it.
+    fn only(&self, cluster: &[MapPoint], above: &[MapPoint]) -> Option<usize> {
         let mut bodies = cluster.iter().filter_map(|&point| self.nearest(point));
         let first = bodies.next()?;
-        (bodies.all(|body| body == first) && width(cluster) <= 2.0 * STRIDES).then_some(first)
+        let is_one = bodies.all(|body| body == first) && width(cluster) <= 2.0 * STRIDES;
+        let is_far = |p: &&MapPoint| self.nearest(**p).is_none();
+        let far: Vec<MapPoint> = cluster.iter().filter(is_far).copied().collect();
+        let is_somebody = || {
+            let middle = mean(&far);
+            let is_above = |p: &&MapPoint| apart([p.x, p.y], middle) < LEAN;
+            far.len() >= FEWEST && above.iter().filter(is_above).filter(is_far).count() >= TRUNK
+        };
+        (is_one && !is_somebody()).then_some(first)
     }
 
     /// The body that a point may be of.
@@ -219,11 +227,11 @@ impl Track {
         self.variance = [p + q * dt * dt / 4.0, v + q, pv + q * dt / 2.0];
     }
 
-    fn see(&mut self, body: &Body, time: SimTime, seconds: f64) {
+    fn see(&mut self, body: &Body, time: SimTime) {
         let surprise = [0, 1].map(|k| body.middle[k] - self.place[k]);
         let noise = body.deviation * body.deviation;
         if surprise[0] * surprise[0] + surprise[1] * surprise[1] > UNLIKELY * (self.variance[0] + noise) {
-            self.spread(SUDDEN, seconds);
+            self.spread(SUDDEN, time.since(self.last).as_secs_f64());
         }
         let [p, v, pv] = self.variance;
         let total = p + noise;
@@ -395,6 +403,27 @@ mod tests {
             }
             along += 0.1 * speed;
         }
+    }
+
+    #[test]
+    fn who_steps_out_from_behind_somebody_is_another() {
+        let mut tracker = Tracker::default();
+        let place = |scan: u32, aside: f64| MapPoint::new(2.0 + aside, -1.5 + 0.1 * f64::from(scan));
+        let mut out = 0.0;
+        for scan in 0..30 {
+            out = if scan < 12 { 0.0 } else { f64::min(out + 0.1, 0.6) };
+            // He is seen as far as he is out.
+            let aside: Vec<MapPoint> = seen(place(scan, out), 0.2);
+            let is_out = |p: &MapPoint| p.x > 2.2;
+            let low: Vec<MapPoint> = aside.iter().copied().filter(is_out).collect();
+            let low = [seen(place(scan, 0.0), 0.2), low].concat();
+            let above = aside.into_iter().filter(is_out).collect();
+            let above: Vec<MapPoint> = [seen(place(scan, 0.0), 0.15), above].concat();
+            update(&mut tracker, scan, &low, &above);
+        }
+        let moving = tracker.moving(time(29));
+        let off = |p: MapPoint| moving.iter().map(|o| o.middle().distance(p)).fold(9.0, f64::min);
+        assert!(off(place(29, 0.0)) < 0.15 && off(place(29, out)) < 0.15, "{moving:?}");
     }
 
     #[test]

@@ -124,6 +124,7 @@ impl Simulator {
         let lidar = Lidar::new(Noise::new(seed, 2));
         let gnss = robot.gnss.map(|antenna| Gnss::new(Noise::new(seed, 3), antenna));
         let camera = SimCamera::new(stage.renderer.clone(), &robot);
+        let yielding = Yielding::new(robot.max_acceleration);
         let mut simulator = Self {
             lidar_path: vec![physics.base_link() * robot.lidar],
             stage,
@@ -133,7 +134,7 @@ impl Simulator {
             encoders: Encoders::default(),
             lidar,
             crowd: None,
-            yielding: Yielding::default(),
+            yielding,
             movers: Arc::default(),
             time: SimTime::ZERO,
             imu_samples: Vec::new(),

@@ -217,7 +217,7 @@ struct Patience {
 }
 
 impl Patience {
-    /// The first way is this long, metres; of later ones it does not depend.
+    /// The first way is this long, metres; those that are found later change nothing.
     fn begin(&mut self, length: f64) {
         self.left.get_or_insert(Duration::from_secs_f64(LEG_TIME.0 + LEG_TIME.1 * length));
     }
@@ -225,10 +225,11 @@ impl Patience {
     fn spend(&mut self, now: SimTime, is_anybody_near: bool) {
         let passed = self.looked.map_or(Duration::ZERO, |looked| now.since(looked));
         self.looked = Some(now);
+        let Some(left) = &mut self.left else { return };
         if is_anybody_near && self.among_people < AMONG_PEOPLE.1 {
             self.among_people += passed;
         } else {
-            self.left = self.left.map(|left| left.saturating_sub(passed));
+            *left = left.saturating_sub(passed);
         }
     }
 

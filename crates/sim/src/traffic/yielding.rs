@@ -4,6 +4,7 @@
 //! brake on dry asphalt, and of a person the way in which the social force model's drive brings a walk to rest, speed times
 //! relaxation time. A robot is to blame for what comes of it, even if it stands by then, if within the braking distance it gets into the path from
 //! the side, or drives towards who comes. Who moves into a standing robot's place is no concern of the robot's, nor where it is pushed.
+//! Who turns so that his path swings over the robot leaves it the time to notice and to brake.
 
 use openbench_core::MapPoint;
 
@@ -15,31 +16,62 @@ const STANDS: f64 = 0.05;
 const FAR: f64 = 100.0;
 /// A robot that has left a path is to blame for so long, seconds: a touch changes the path.
 const LASTS: f64 = 0.5;
+/// Seconds until a robot can know of a turn: a round of its LiDAR and one of its commands.
+const NOTICES: f64 = 0.2;
+/// A path that left the robot for less than this has not been anywhere else, seconds: people waver.
+const WAVERS: f64 = 0.5;
 
 /// Watches a robot among those who move, observation by observation.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct Yielding {
-    /// For each mover: seconds for which the robot is still to blame.
-    blame: Vec<f64>,
+    /// m/s².
+    deceleration: f64,
+    watched: Vec<Watched>,
     robot: Option<MapPoint>,
 }
 
+/// What is remembered of one mover.
+#[derive(Debug, Clone, Copy, Default)]
+struct Watched {
+    /// Seconds for which the robot is still to blame.
+    blame: f64,
+    /// Seconds for which his path has been elsewhere.
+    elsewhere: f64,
+    /// Seconds that the robot still has to brake in.
+    grace: f64,
+}
+
 impl Yielding {
+    /// Watches a robot that brakes with so many m/s² at most.
+    pub fn new(deceleration: f64) -> Self {
+        Self { deceleration, watched: Vec::new(), robot: None }
+    }
+
     /// Takes in an instant, `dt` seconds after the last. `drives` says whether the robot's wheels turn: if not, it moves because it is pushed. `movers` must keep their order.
     pub fn update(&mut self, dt: f64, robot: &RobotState, drives: bool, movers: &[Mover]) {
         let before = self.robot.replace(robot.position).unwrap_or(robot.position);
         let moved = [robot.position.x - before.x, robot.position.y - before.y];
-        self.blame.resize(movers.len(), 0.0);
-        for (mover, blame) in movers.iter().zip(&mut self.blame) {
-            if !mover.present || !lies_in_path(robot.position, robot.radius, mover, braking(mover)) {
-                *blame = (*blame - dt).max(0.0);
+        let brakes = NOTICES + libm::hypot(robot.velocity[0], robot.velocity[1]) / self.deceleration;
+        self.watched.resize(movers.len(), Watched::default());
+        for (mover, watched) in movers.iter().zip(&mut self.watched) {
+            let lies = |at, ahead| lies_in_path(at, robot.radius, mover, ahead);
+            watched.blame = (watched.blame - dt).max(0.0);
+            watched.grace = (watched.grace - dt).max(0.0);
+            if !lies(robot.position, FAR) {
+                watched.elsewhere += if moves(mover) { dt } else { 0.0 };
                 continue;
             }
-            let from_aside = !lies_in_path(before, robot.radius, mover, FAR);
+            let from_aside = !lies(before, FAR);
+            let swung = !from_aside && watched.elsewhere > WAVERS - dt / 2.0;
+            watched.elsewhere = 0.0;
+            if swung {
+                watched.grace = brakes;
+            }
             let [u, v] = mover.velocity;
             let against = -(moved[0] * u + moved[1] * v) / libm::hypot(u, v) > STANDS * dt;
-            if *blame > 0.0 || drives && (from_aside || against) {
-                *blame = LASTS;
+            let enters = drives && (from_aside || against && watched.grace < dt / 2.0);
+            if lies(robot.position, braking(mover)) && (watched.blame > 0.0 || enters) {
+                watched.blame = LASTS;
             }
         }
     }
@@ -47,9 +79,9 @@ impl Yielding {
     /// Whether the robot got into the way of the nearest of those of a kind within their braking distance.
     pub fn cut_off(&self, kind: MoverKind, movers: &[Mover]) -> bool {
         let Some(robot) = self.robot else { return false };
-        let those = movers.iter().zip(&self.blame).filter(|(m, _)| m.present && m.kind == kind);
+        let those = movers.iter().zip(&self.watched).filter(|(m, _)| m.present && m.kind == kind);
         let apart = |m: &Mover| outside(robot, m, 0.0);
-        those.min_by(|a, b| apart(a.0).total_cmp(&apart(b.0))).is_some_and(|(_, blame)| *blame > 0.0)
+        those.min_by(|a, b| apart(a.0).total_cmp(&apart(b.0))).is_some_and(|(_, watched)| watched.blame > 0.0)
     }
 }
 
@@ -62,9 +94,14 @@ fn braking(mover: &Mover) -> f64 {
     }
 }
 
+/// Whether somebody has a path.
+fn moves(mover: &Mover) -> bool {
+    mover.present && libm::hypot(mover.velocity[0], mover.velocity[1]) > STANDS
+}
+
 /// Whether a disc lies in the path of somebody as far as so many metres ahead.
 fn lies_in_path(at: MapPoint, radius: f64, mover: &Mover, ahead: f64) -> bool {
-    libm::hypot(mover.velocity[0], mover.velocity[1]) > STANDS && outside(at, mover, ahead) < radius
+    moves(mover) && outside(at, mover, ahead) < radius
 }
 
 /// Metres from a point to a hull that is swept ahead.
@@ -122,7 +159,7 @@ mod tests {
     }
 
     fn came(from: RobotState, to: RobotState, who: fn(f64) -> Mover, drives: bool) -> bool {
-        let mut yielding = Yielding::default();
+        let mut yielding = Yielding::new(1.0);
         yielding.update(0.05, &from, drives, &[who(-0.06)]);
         yielding.update(0.05, &to, drives, &[who(0.0)]);
         yielding.cut_off(who(0.0).kind, &[who(0.0)])
@@ -153,7 +190,7 @@ mod tests {
     #[test]
     fn who_drives_at_somebody_too_near_is_to_blame_whenever_it_is_looked_at() {
         for phase in 0..10 {
-            let mut yielding = Yielding::default();
+            let mut yielding = Yielding::new(1.0);
             let mut apart = 3.0 + 0.01 * f64::from(phase);
             // Both go on, until the robot stands with a metre, or with half a metre, between middles.
             for stop in [1.3, 0.8] {
@@ -168,8 +205,30 @@ mod tests {
     }
 
     #[test]
+    fn who_is_turned_upon_may_brake_but_not_go_on() {
+        // Somebody walks aside for some seconds and then turns to a robot that comes towards him, and brakes after some time.
+        let blame = |aside: f64, apart: f64, waits: f64| {
+            let mut yielding = Yielding::new(1.0);
+            let (mut driven, mut speed, mut walked) = (-0.4 * aside, 0.4, 0.0);
+            for i in 0..35 {
+                let time = 0.05 * f64::from(i) - aside;
+                let walks = if time < 0.0 { [0.0, 0.6] } else { [0.6, 0.0] };
+                speed = if time > waits { f64::max(speed - 0.05, 0.0) } else { speed };
+                driven += 0.05 * speed;
+                walked += 0.05 * walks[0];
+                let state = RobotState { velocity: [-speed, 0.0], ..robot(apart - driven, 0.0) };
+                yielding.update(0.05, &state, speed > 0.0, &[Mover { velocity: walks, ..walker(walked) }]);
+            }
+            yielding.cut_off(MoverKind::Pedestrian, &[walker(walked)])
+        };
+        assert!(!blame(1.0, 0.85, 0.1) && blame(1.0, 1.3, 1.0));
+        // Who only wavered is to be reckoned with.
+        assert!(blame(0.3, 0.85, 0.1));
+    }
+
+    #[test]
     fn blame_ends_a_while_after_the_path_is_left() {
-        let mut yielding = Yielding::default();
+        let mut yielding = Yielding::new(1.0);
         for (y, seconds) in [(0.6, 0.05), (0.4, 0.05), (0.9, 0.05)] {
             yielding.update(seconds, &robot(0.7, y), true, &[walker(0.0)]);
         }

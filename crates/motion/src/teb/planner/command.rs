@@ -103,8 +103,12 @@ impl Teb {
         let told = decided.ok().and_then(|decided| decided.velocity());
         self.free = told.filter(|v| rim(*v) > SETS_OUT).and(self.free.or(Some(situation.time)));
         let settled = |since: SimTime| situation.time.since(since).as_secs_f64() >= HESITATES;
-        let stands = rim(situation.velocity) < ALL_BUT_STANDS;
-        if decided.is_err() || !stands || self.free.is_some_and(settled) || !self.is_anybody_near(situation) {
+        let all_but_stands = rim(situation.velocity) < ALL_BUT_STANDS;
+        if decided.is_err()
+            || !all_but_stands
+            || self.free.is_some_and(settled)
+            || !self.is_anybody_near(situation)
+        {
             return decided;
         }
         Ok(Progress::Slowed(Velocity::ZERO, Blocked::Yielding))
