@@ -18,6 +18,7 @@
 //! | [`motion`] | how well local planners drive |
 //! | [`speed`] | how fast the parts are |
 //! | [`world_folder`] | worlds as folders: recipe, maps, suite |
+//! | [`threads`] | numbered work on several threads |
 //! | [`tour`] | drives for the sake of their logs |
 //! | [`truth`] | the truth as a localizer, for comparisons |
 //! | [`disturbed`] | fixes made from the truth, for trials |
@@ -43,6 +44,7 @@ pub mod speed;
 pub mod stage;
 pub mod statistics;
 pub mod suite;
+pub mod threads;
 pub mod tour;
 pub mod truth;
 pub mod world_folder;

@@ -2,8 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use cpu_time::ProcessTime;
@@ -20,7 +18,7 @@ use crate::runner::{EpisodeTrace, run_episode};
 use crate::scoring;
 use crate::stage::Prepared;
 use crate::truth::TruthHandle;
-use crate::{BenchError, report_input};
+use crate::{BenchError, report_input, threads};
 
 /// What is to be run, and how.
 pub struct RunRequest<'a> {
@@ -99,28 +97,13 @@ fn clear(out: &Path) -> Result<(), BenchError> {
 
 fn run_all(request: &RunRequest<'_>) -> Result<Vec<EpisodeTrace>, BenchError> {
     let count = request.prepared.episodes.len();
-    let (next, failed, finished) = (AtomicUsize::new(0), AtomicBool::new(false), AtomicUsize::new(0));
-    let slots: Vec<Mutex<Option<Result<EpisodeTrace, BenchError>>>> =
-        (0..count).map(|_| Mutex::new(None)).collect();
-    std::thread::scope(|scope| {
-        for _ in 0..request.jobs.clamp(1, count.max(1)) {
-            scope.spawn(|| {
-                loop {
-                    let number = next.fetch_add(1, Ordering::Relaxed);
-                    if number >= count || failed.load(Ordering::Relaxed) {
-                        return;
-                    }
-                    let result = run_one(request, number);
-                    failed.fetch_or(result.is_err(), Ordering::Relaxed);
-                    *slots[number].lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
-                    (request.progress)(finished.fetch_add(1, Ordering::Relaxed) + 1);
-                }
-            });
-        }
-    });
-    // Episodes after a failed one may be missing; the first error is what counts.
-    let results = slots.into_iter().filter_map(|s| s.into_inner().unwrap_or_else(PoisonError::into_inner));
-    results.collect()
+    let mut finished = 0;
+    let seen = |trace| {
+        finished += 1;
+        (request.progress)(finished);
+        Ok(trace)
+    };
+    threads::each(0..count, request.jobs, |number| run_one(request, number), seen)
 }
 
 /// The seed of an episode.

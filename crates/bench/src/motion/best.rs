@@ -3,6 +3,7 @@
 //! A motion found is proof that there is one: it is looked at every centimetre, keeps to the robot's limits, and its time is what planners are compared with. That there is none is proven by the largest circle in the
 //! footprint: where even that has no way on a fine grid, grown by half a cell's diagonal in the robot's favour, the footprint has none. Scenes in between are not used.
 
+use openbench_core::frames::wrap_angle;
 use openbench_core::{MapPoint, Pose2, RobotDescription, Velocity};
 use openbench_grid::GridGeometry;
 use openbench_motion::feasible::clearance;
@@ -15,6 +16,7 @@ use openbench_motion::teb::terms::Problem;
 use openbench_motion::{Footprint, Obstacle};
 
 use super::drive::is_there;
+use super::retime::fastest;
 use super::scene::Scene;
 
 /// Side of a cell of the proof, metres.
@@ -25,6 +27,9 @@ const AROUND: f64 = 4.0;
 const MARGINS: [f64; 3] = [0.005, 0.015, 0.03];
 /// Seconds that the robot waits at first, for those who move to pass.
 const WAITS: [f64; 5] = [0.0, 1.0, 2.0, 4.0, 7.0];
+/// Waits that are tried before setting out as fast as can be, seconds, and how many of them.
+const WAIT: f64 = 0.25;
+const MOST_WAITS: u32 = 40;
 /// Ways to the sides on which those who move are passed, metres.
 const ASIDE: [f64; 5] = [0.0, 0.5, -0.5, 1.0, -1.0];
 
@@ -42,16 +47,32 @@ pub enum Possible {
 /// Looks for the fastest motion through a scene. A jump of the estimate is regarded as known from the start.
 pub fn possible(scene: &Scene, robot: &RobotDescription) -> Option<Possible> {
     let (footprint, limits) = (Footprint::of(robot).ok()?, Limits::of(robot).ok()?);
-    let by = scene.jump.map_or([0.0; 2], |j| j.by);
-    let goal = Pose2::new(scene.goal.x - by[0], scene.goal.y - by[1], scene.goal.yaw);
-    let search = Search { scene, footprint: &footprint, limits: &limits, goal };
+    let search = Search { scene, footprint: &footprint, limits: &limits, goal: true_goal(scene) };
     let fastest = search.drafts().into_iter().filter_map(|draft| search.settle(&draft));
-    let fastest = fastest.map(|band| (arrival(&band, goal), band)).min_by(|a, b| a.0.total_cmp(&b.0));
+    let fastest = fastest.map(|band| (arrival(&band, search.goal), band)).min_by(|a, b| a.0.total_cmp(&b.0));
     Some(match fastest {
         Some((seconds, band)) => Possible::Motion(band, seconds),
         None if search.proves_nothing() => Possible::Nothing,
         None => Possible::Unknown,
     })
+}
+
+/// The seconds after which the goal is reached by what a drive can be made into: its poses, and the seconds between two of them.
+pub fn polished(scene: &Scene, robot: &RobotDescription, track: &[Pose2], seconds: f64) -> Option<f64> {
+    let (footprint, limits) = (Footprint::of(robot).ok()?, Limits::of(robot).ok()?);
+    let search = Search { scene, footprint: &footprint, limits: &limits, goal: true_goal(scene) };
+    let mut knots: Vec<Knot> = Vec::with_capacity(track.len());
+    for (i, &pose) in track.iter().enumerate() {
+        let yaw = knots.last().map_or(pose.yaw, |k| k.pose.yaw + wrap_angle(pose.yaw - k.pose.yaw));
+        knots.push(Knot { pose: Pose2 { yaw, ..pose }, time: i as f64 * seconds });
+    }
+    search.settle(&Band::new(knots)?).map(|band| arrival(&band, search.goal))
+}
+
+/// Where the goal will be once the estimate has jumped.
+fn true_goal(scene: &Scene) -> Pose2 {
+    let by = scene.jump.map_or([0.0; 2], |j| j.by);
+    Pose2::new(scene.goal.x - by[0], scene.goal.y - by[1], scene.goal.yaw)
 }
 
 struct Search<'a> {
@@ -131,13 +152,26 @@ impl Search<'_> {
         Band::new(std::iter::once(Knot { pose: start, time: 0.0 }).chain(later).collect())
     }
 
-    /// Improves a draft with several margins, slows it down to what the robot can do, and looks at it closely.
+    /// The fastest motions that a draft leads to: itself, and improved with several margins.
     fn settle(&self, draft: &Band) -> Option<Band> {
-        let settled = MARGINS.iter().filter_map(|least| self.settle_with(draft, *least));
+        let improved = MARGINS.iter().map(|least| self.improved(draft, *least));
+        let settled = improved.chain([draft.clone()]).filter_map(|band| self.timed(&band));
         settled.min_by(|a, b| a.duration().total_cmp(&b.duration()))
     }
 
-    fn settle_with(&self, draft: &Band, least: f64) -> Option<Band> {
+    /// The same way as fast as the robot can drive it without touching anything: at the times that it has, slowed down, or at the shortest, after a wait if need be.
+    fn timed(&self, band: &Band) -> Option<Band> {
+        let shortest = fastest(band, self.limits);
+        let moving = self.scene.obstacles.iter().any(Obstacle::is_moving);
+        let waits = (1..=MOST_WAITS).take_while(|_| moving).map(|i| f64::from(i) * WAIT);
+        let delayed = waits.filter_map(|wait| shortest.as_ref()?.delayed(wait));
+        let mut bands = shortest.iter().cloned().chain(delayed);
+        let at_once = bands.find_map(|band| self.slowed(&band).filter(|band| self.is_clear(band)));
+        let as_it_is = self.slowed(band).filter(|band| self.is_clear(band));
+        at_once.into_iter().chain(as_it_is).min_by(|a, b| a.duration().total_cmp(&b.duration()))
+    }
+
+    fn improved(&self, draft: &Band, least: f64) -> Band {
         let mut settings = self.settings();
         settings.margins = Margins { least, moving: least, comfort: least + 0.01 };
         let problem = Problem {
@@ -152,7 +186,7 @@ impl Search<'_> {
         };
         let mut band = draft.clone();
         Optimizer::default().improve(&mut band, &problem, &[], &Effort::PATIENT);
-        self.slowed(&band).filter(|band| self.is_clear(band))
+        band
     }
 
     /// With all times longer by the ratio by which the worst limit is broken.
@@ -284,4 +318,65 @@ fn bent(corners: &[MapPoint], aside: f64) -> Vec<MapPoint> {
     let left = first.bearing_to(last) + std::f64::consts::FRAC_PI_2;
     let middle = MapPoint::new((first.x + last.x) / 2.0, (first.y + last.y) / 2.0);
     vec![middle.offset(left, aside), last]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::scene::Kind;
+
+    fn point(x: f64, y: f64) -> MapPoint {
+        MapPoint::new(x, y)
+    }
+
+    /// Three metres straight ahead, past walls.
+    fn ahead(walls: &[[(f64, f64); 2]]) -> Scene {
+        let wall = |[a, b]: &[(f64, f64); 2]| Obstacle::wall(point(a.0, a.1), point(b.0, b.1)).unwrap();
+        Scene {
+            kind: Kind::Open,
+            start: Pose2::default(),
+            goal: Pose2::new(3.0, 0.0, 0.0),
+            obstacles: walls.iter().map(wall).collect(),
+            jump: None,
+        }
+    }
+
+    /// A room with a wall across that has a gap.
+    fn gap(width: f64) -> Scene {
+        let corners = [(-1.0, -2.0), (4.0, -2.0), (4.0, 2.0), (-1.0, 2.0), (-1.0, -2.0)];
+        let room = corners.windows(2).map(|w| [w[0], w[1]]);
+        let across = [[(1.5, -2.0), (1.5, -width / 2.0)], [(1.5, width / 2.0), (1.5, 2.0)]];
+        ahead(&room.chain(across).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn the_fastest_motion_straight_ahead_takes_as_long_as_physics_says() {
+        let robot = RobotDescription::sentry();
+        let limits = Limits::of(&robot).unwrap();
+        let Some(Possible::Motion(band, seconds)) = possible(&ahead(&[]), &robot) else {
+            panic!("no motion")
+        };
+        // Both ramps at the acceleration's limit; all but the last 10 cm, the tolerance.
+        let (v, a) = (limits.forward, limits.acceleration);
+        let physical = 3.0 / v + v / a - (2.0 * 0.1 / a).sqrt();
+        assert!((physical - 0.01..1.05 * physical + 0.05).contains(&seconds), "{seconds} {physical}");
+        assert!(band.pose_at(band.duration()).point().distance(point(3.0, 0.0)) < 0.02);
+    }
+
+    #[test]
+    fn a_gap_is_a_motion_or_a_proof() {
+        let robot = RobotDescription::sentry();
+        let motion = |width| possible(&gap(width), &robot);
+        assert!(matches!(motion(robot.width + 0.05), Some(Possible::Motion(..))));
+        assert_eq!(motion(robot.width - 0.05), Some(Possible::Nothing));
+    }
+
+    #[test]
+    fn a_room_without_a_door_is_a_proof_and_a_way_around_is_none() {
+        let robot = RobotDescription::sentry();
+        let corners = [(1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
+        let walls: Vec<_> = corners.windows(2).map(|w| [w[0], w[1]]).collect();
+        assert_eq!(possible(&ahead(&walls), &robot), Some(Possible::Nothing));
+        assert!(matches!(possible(&ahead(&walls[..1]), &robot), Some(Possible::Motion(..))));
+    }
 }

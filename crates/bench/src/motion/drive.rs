@@ -21,7 +21,7 @@ use super::scene::Scene;
 /// Seconds that a drive may take: so many, and so many for each metre of the straight line.
 const LIMIT: (f64, f64) = (40.0, 8.0);
 /// Seconds between two decisions.
-const CYCLE: f64 = 0.05;
+pub const CYCLE: f64 = 0.05;
 /// Steps of motion in one cycle.
 const STEPS: usize = 5;
 /// Overlap from which on it counts as a collision, metres: rounding is none.

@@ -2,8 +2,6 @@
 //! localizer. Cameras, language and exploration are left out, so that kilometres are affordable.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc;
 use std::time::Duration;
 
 use openbench_agents::open::driving::{Driver, Driving, Target};
@@ -18,7 +16,7 @@ use openbench_sim::{Collision, OBSERVATION_NS, Simulator};
 use serde::Serialize;
 
 use crate::metrics::{CollisionSum, EncounterSum, SmoothnessSum, collisions, smoothness::Smoothness};
-use crate::{BenchError, Prepared, TrafficPlan, TruthHandle, TruthLocalizer};
+use crate::{BenchError, Prepared, TrafficPlan, TruthHandle, TruthLocalizer, threads};
 
 /// A drive is so long at most, metres,
 const DRIVE: f64 = 500.0;
@@ -93,32 +91,17 @@ pub fn drive(
 ) -> Result<Among, BenchError> {
     let drives = drives(request.kilometres);
     let course = Course::new(prepared)?;
-    let next = AtomicUsize::new(0);
-    let (sender, receiver) = mpsc::channel();
-    let mut parts = std::thread::scope(|scope| {
-        let receiver = receiver;
-        for _ in 0..request.threads.clamp(1, drives) {
-            let (sender, next, course) = (sender.clone(), &next, &course);
-            scope.spawn(move || {
-                loop {
-                    let number = next.fetch_add(1, Ordering::Relaxed);
-                    if number >= drives || sender.send((number, one(course, request, number))).is_err() {
-                        break;
-                    }
-                }
-            });
-        }
-        drop(sender);
-        let mut parts = Vec::new();
-        for (number, part) in receiver.iter() {
+    let parts = threads::each(
+        0..drives,
+        request.threads,
+        |number| one(&course, request, number),
+        |part| {
             seen();
-            parts.push((number, part?));
-        }
-        Ok::<_, BenchError>(parts)
-    })?;
-    parts.sort_by_key(|(number, _)| *number);
+            Ok::<_, BenchError>(part)
+        },
+    )?;
     let traffic = prepared.traffic(request.seed).map(|t| t.placed()).unwrap_or_default();
-    Ok(sum(traffic, parts.into_iter().map(|(_, part)| part)))
+    Ok(sum(traffic, parts.into_iter()))
 }
 
 /// How many drives a distance takes.

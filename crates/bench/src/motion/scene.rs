@@ -348,3 +348,44 @@ impl Draft<'_> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use openbench_motion::Footprint;
+    use openbench_motion::feasible::clearance;
+
+    #[test]
+    fn a_scene_is_its_number_and_its_seed() {
+        let robot = RobotDescription::sentry();
+        let draw = |number, seed| scene(number, seed, &robot).unwrap();
+        for number in 0..30 {
+            let (one, next) = (draw(number, 1), draw(number + 10, 1));
+            assert_eq!(one, draw(number, 1));
+            assert_eq!((one.kind, next.kind), (Kind::ALL[number % 10], one.kind));
+            assert!(one != next && one != draw(number, 2), "{number}");
+        }
+    }
+
+    #[test]
+    fn scenes_begin_clear_unless_they_begin_touching() {
+        let robot = RobotDescription::sentry();
+        let footprint = Footprint::of(&robot).unwrap();
+        for number in 0..500 {
+            let scene = scene(number, 7, &robot).unwrap();
+            let clear = clearance(&footprint, scene.obstacles.iter(), scene.start, 0.0, 1.0);
+            let touching = scene.kind == Kind::Touching;
+            assert!(
+                if touching { (-1e-9..=0.0051).contains(&clear) } else { clear > 0.0 },
+                "{number} {clear}"
+            );
+            let length = scene.start.point().distance(scene.goal.point());
+            assert!((0.4..9.0).contains(&length), "{number} {length}");
+            let by = scene.jump.map(|jump| libm::hypot(jump.by[0], jump.by[1]));
+            assert_eq!(scene.kind == Kind::Jump, by.is_some());
+            assert!(by.is_none_or(|by| (by - 0.5).abs() < 1e-9));
+            let moves = scene.obstacles.iter().any(Obstacle::is_moving);
+            assert_eq!(moves, matches!(scene.kind, Kind::Crossers | Kind::HeadOn), "{number}");
+        }
+    }
+}

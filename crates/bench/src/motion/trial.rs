@@ -1,16 +1,16 @@
 //! Many scenes, several planners, and the table.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc;
 
 use openbench_core::RobotDescription;
 use openbench_motion::navigator::{Cause, NavigatorError};
 use openbench_motion::{Follower, FollowerError, LocalPlanner, Mppi, MppiError, Teb, TebError, TebSettings};
 use serde::Serialize;
 
-use super::best::{Possible, possible};
-use super::drive::{Drive, End, drive};
+use crate::threads;
+
+use super::best::{Possible, polished, possible};
+use super::drive::{CYCLE, Drive, End, drive};
 use super::scene::{Kind, Scene, scene};
 
 /// Draws of a scene of which neither a motion nor a proof is found, before its number is left out.
@@ -188,33 +188,13 @@ pub fn hold<E>(
 where
     E: From<TrialError>,
 {
-    let next = AtomicUsize::new(request.first);
-    let end = request.first.saturating_add(request.count);
-    let (sender, receiver) = mpsc::channel();
-    let mut outcomes = std::thread::scope(|scope| {
-        // Owned here, so that the threads notice if an error ends the work.
-        let receiver = receiver;
-        for _ in 0..request.threads.max(1) {
-            let (sender, next) = (sender.clone(), &next);
-            scope.spawn(move || {
-                loop {
-                    let number = next.fetch_add(1, Ordering::Relaxed);
-                    if number >= end || sender.send(outcome(number, request, robot)).is_err() {
-                        break;
-                    }
-                }
-            });
-        }
-        drop(sender);
-        let mut outcomes = Vec::new();
-        for outcome in receiver.iter() {
-            let outcome: Outcome = outcome?;
-            seen(&outcome)?;
-            outcomes.push(outcome.without_pictures());
-        }
-        Ok::<_, E>(outcomes)
-    })?;
-    outcomes.sort_by_key(|o| o.number);
+    let numbers = request.first..request.first.saturating_add(request.count);
+    let outcomes = threads::each(
+        numbers,
+        request.threads,
+        |number| outcome(number, request, robot),
+        |outcome| seen(&outcome).map(|()| outcome.without_pictures()),
+    )?;
     Ok(summary(request.seed, request.planners, &outcomes))
 }
 
@@ -244,16 +224,18 @@ fn outcome(number: usize, request: &Request<'_>, robot: &RobotDescription) -> Re
     let drives = request.planners.iter().map(|p| Ok((*p, drive(&scene, robot, p.make(robot)?)?)));
     let drives = drives.collect::<Result<Vec<_>, TrialError>>()?;
     let best = match known {
-        Possible::Motion(_, seconds) => Some(fastest(seconds, &drives)),
+        Possible::Motion(_, seconds) => {
+            Some(fastest(seconds, &drives, |d| polished(&scene, robot, &d.track, CYCLE)))
+        }
         Possible::Nothing | Possible::Unknown => None,
     };
     Ok(Outcome { number, kind, scene: Some(scene), best, undecided, drives })
 }
 
-/// The best that is known: a long search may still be beaten.
-fn fastest(found: f64, drives: &[(PlannerKind, Drive)]) -> f64 {
-    let good = drives.iter().filter(|(_, d)| d.end == End::Reached && d.collisions == 0);
-    good.map(|(_, d)| d.seconds).fold(found, f64::min)
+/// The best that is known: a long search may be beaten by a drive, and a drive by what can be made of it.
+fn fastest(found: f64, drives: &[(PlannerKind, Drive)], polished: impl Fn(&Drive) -> Option<f64>) -> f64 {
+    let good = drives.iter().map(|(_, d)| d).filter(|d| d.end == End::Reached && d.collisions == 0);
+    good.flat_map(|d| [Some(d.seconds), polished(d)]).flatten().fold(found, f64::min)
 }
 
 fn summary(seed: u64, planners: &[PlannerKind], outcomes: &[Outcome]) -> Trial {
@@ -332,5 +314,75 @@ fn what_is_wrong(best: Option<f64>, drive: &Drive) -> Option<String> {
         (None, end) if is_right_refusal(end) => None,
         (_, End::GaveUp(cause)) => Some(format!("gave up: {cause}")),
         (_, end) => Some(format!("{end:?}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use openbench_core::MapPoint;
+    use openbench_motion::PlanError;
+
+    fn driven(end: End, seconds: f64) -> Drive {
+        Drive {
+            end,
+            collisions: 0,
+            deepest: 0.0,
+            seconds,
+            swerves: 2,
+            cycles: vec![1.0, 3.0],
+            recoveries: 0,
+            track: vec![],
+        }
+    }
+
+    fn no_way() -> End {
+        End::GaveUp(Cause::NoWay(PlanError::NoWay(MapPoint::default(), MapPoint::new(1.0, 0.0))))
+    }
+
+    #[test]
+    fn what_is_wrong_is_told() {
+        let wrong = |best, drive: Drive| what_is_wrong(best, &drive).unwrap_or_default();
+        assert_eq!(wrong(Some(10.0), driven(End::Reached, 13.0)), "");
+        assert_eq!(wrong(None, driven(no_way(), 1.0)), "");
+        assert_eq!(wrong(Some(10.0), driven(End::Reached, 13.1)), "13.1 s, the best is 10.0 s");
+        let collision = Drive { collisions: 1, deepest: 0.02, ..driven(End::Reached, 9.0) };
+        assert_eq!(wrong(Some(10.0), collision), "1 collisions, the deepest 0.020 m");
+        let swerving = Drive { swerves: 15, ..driven(End::Reached, 10.0) };
+        assert_eq!(wrong(Some(10.0), swerving), "15 swerves in 10.0 s");
+        assert!(wrong(Some(10.0), driven(no_way(), 1.0)).starts_with("gave up: "));
+        for end in [End::Timeout, End::Mistaken, End::Reached] {
+            assert_eq!(wrong(None, driven(end, 1.0)), format!("{end:?}"));
+        }
+    }
+
+    #[test]
+    fn a_row_sums_up_what_was_reached_and_what_was_refused() {
+        let touched = Drive { collisions: 2, ..driven(End::Reached, 5.0) };
+        let drives = [
+            (Some(10.0), driven(End::Reached, 11.0)),
+            (Some(10.0), driven(End::Reached, 14.0)),
+            (Some(10.0), touched),
+            (Some(10.0), driven(End::Timeout, 90.0)),
+            (None, driven(no_way(), 1.0)),
+            (None, driven(End::Timeout, 90.0)),
+        ];
+        let row = row(drives.iter().map(|(best, drive)| (*best, drive)));
+        assert_eq!((row.feasible, row.reached, row.collisions), (4, 2, 2));
+        assert_eq!((row.infeasible, row.refused, row.slow), (2, 1, 1));
+        assert!((row.time_ratio_mean.unwrap_or_default() - 1.25).abs() < 1e-12);
+        assert_eq!((row.time_ratio_max, row.swerves_mean, row.swerves_max), (Some(1.4), Some(2.0), 2));
+        assert_eq!((row.cycle_ms_p50, row.cycle_ms_p99), (3.0, 3.0));
+        assert_eq!(super::row(std::iter::empty()), Row::default());
+    }
+
+    #[test]
+    fn the_best_is_the_fastest_that_is_known() {
+        let touched = Drive { collisions: 1, ..driven(End::Reached, 5.0) };
+        let drives = [driven(End::Reached, 9.0), driven(End::Timeout, 1.0), touched];
+        let drives = drives.map(|drive| (PlannerKind::Teb, drive));
+        let best = |found, saved| fastest(found, &drives, |d| Some(d.seconds - saved));
+        assert_eq!((best(10.0, 0.0), best(8.0, 0.0), best(8.0, 1.5)), (9.0, 8.0, 7.5));
+        assert_eq!(fastest(10.0, &drives, |_| None), 9.0);
     }
 }

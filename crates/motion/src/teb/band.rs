@@ -266,7 +266,7 @@ fn rounded(start: MapPoint, corners: &[MapPoint]) -> Vec<MapPoint> {
 }
 
 /// The velocity that leads along an arc from one pose to another.
-fn velocity(from: Pose2, to: Pose2, seconds: f64) -> Velocity {
+pub fn velocity(from: Pose2, to: Pose2, seconds: f64) -> Velocity {
     let turn = to.yaw - from.yaw;
     let (sin, cos) = libm::sincos((from.yaw + to.yaw) / 2.0);
     let chord = (to.x - from.x) * cos + (to.y - from.y) * sin;

@@ -33,7 +33,7 @@ const NEAR: f64 = 0.5;
 /// How fast a band that begins near an obstacle has to get off it, m/s.
 const LEAVING: f64 = 0.1;
 /// Least, most and first damping.
-const DAMPING: (f64, f64, f64) = (1e-4, 1e6, 30.0);
+const DAMPING: (f64, f64, f64) = (1e-4, 1e10, 30.0);
 /// Shortest share of a stretch's time that is left by one step.
 const SHORTEST: f64 = 0.3;
 /// The most that a knot turns in one step, radians.

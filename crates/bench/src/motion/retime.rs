@@ -1,0 +1,273 @@
+//! The same way as fast as a robot's limits allow: time-optimal path parametrization by reachability analysis (Pham and Pham 2018, TOPP-RA), for the rims of a differential drive.
+//!
+//! The way is divided into stretches of equal length; s counts them, z is the square of ds/dt, and changes by twice the acceleration s̈ from one to the next. A rim that covers L metres in a stretch has the acceleration L′ z + L s̈.
+//! Backwards from the end, K is the largest z at each knot from which the rest can be driven; forwards from the start, z rises as much as it may.
+
+use openbench_core::Pose2;
+use openbench_motion::teb::band::{Band, Knot, on_arc, velocity};
+use openbench_motion::teb::settings::Limits;
+
+/// The largest z, where nothing moves.
+const MOST: f64 = 1e6;
+/// Length of a stretch, metres.
+const STRETCH: f64 = 0.02;
+/// Halvings of an interval in search of its end.
+const HALVINGS: usize = 60;
+/// Fewest stretches of a piece.
+const FEWEST: f64 = 30.0;
+/// Rounds in which knots with too large an acceleration are made slower.
+const ROUNDS: usize = 20;
+/// Excess over the acceleration's limit that is none.
+const EXCESS: f64 = 1e-3;
+/// Fewer stretches a second than this are no drive.
+const SLOWEST: f64 = 1e-3;
+/// Less than this is no direction, metres.
+const ROUNDING: f64 = 1e-6;
+
+/// A band's way at new times, from rest to rest, standing where it changes from forwards to backwards; `None` if nothing of it is a way.
+pub fn fastest(band: &Band, limits: &Limits) -> Option<Band> {
+    let mut knots = vec![Knot { pose: band.knots()[0].pose, time: 0.0 }];
+    for piece in pieces(band.knots()) {
+        let poses = divided(piece, limits.half_track);
+        let began = knots[knots.len() - 1].time;
+        let times = times(&poses, limits)?;
+        knots.extend(poses.iter().zip(times).skip(1).map(|(&pose, time)| Knot { pose, time: began + time }));
+    }
+    Band::new(knots)
+}
+
+/// Knots from one change of direction to the next, both included.
+fn pieces(knots: &[Knot]) -> Vec<&[Knot]> {
+    let mut pieces = Vec::new();
+    let (mut first, mut direction) = (0, 0.0);
+    for (i, pair) in knots.windows(2).enumerate() {
+        let (along, _) = moved(pair[0].pose, pair[1].pose);
+        if along.abs() < ROUNDING {
+            continue;
+        }
+        if along * direction < 0.0 {
+            pieces.push(&knots[first..=i]);
+            first = i;
+        }
+        direction = along;
+    }
+    pieces.push(&knots[first..]);
+    pieces.retain(|piece| piece.windows(2).any(|pair| pair[0].pose != pair[1].pose));
+    pieces
+}
+
+/// Poses along a piece, equally far apart by the rims' way.
+fn divided(piece: &[Knot], half_track: f64) -> Vec<Pose2> {
+    let length = |pair: &[Knot]| {
+        let (along, turn) = moved(pair[0].pose, pair[1].pose);
+        along.abs() + half_track * turn.abs()
+    };
+    let whole: f64 = piece.windows(2).map(length).sum();
+    let count = (whole / STRETCH).ceil().max(FEWEST);
+    let mut poses = vec![piece[0].pose];
+    let mut passed = 0.0;
+    for pair in piece.windows(2) {
+        let length = length(pair);
+        while (poses.len() as f64) < count && poses.len() as f64 * whole / count <= passed + length {
+            let at = poses.len() as f64 * whole / count - passed;
+            poses.push(on_arc(pair[0].pose, pair[1].pose, if length > 0.0 { at / length } else { 1.0 }));
+        }
+        passed += length;
+    }
+    poses.push(piece[piece.len() - 1].pose);
+    poses
+}
+
+/// The shortest times of poses, from rest to rest.
+fn times(poses: &[Pose2], limits: &Limits) -> Option<Vec<f64>> {
+    let mut way = Way::of(poses, limits);
+    for _ in 0..ROUNDS {
+        let times = way.times()?;
+        if !way.slow_down(&times) {
+            return Some(times);
+        }
+    }
+    way.times()
+}
+/// Metres and radians from one pose to another on an arc.
+fn moved(from: Pose2, to: Pose2) -> (f64, f64) {
+    let velocity = velocity(from, to, 1.0);
+    (velocity.linear, velocity.angular)
+}
+
+/// How far both rims get between knots.
+struct Way {
+    rims: Vec<[f64; 2]>,
+    /// The largest z at each knot by speed and turn rate.
+    caps: Vec<f64>,
+    acceleration: f64,
+}
+
+impl Way {
+    fn of(poses: &[Pose2], limits: &Limits) -> Self {
+        let moved: Vec<(f64, f64)> = poses.windows(2).map(|w| moved(w[0], w[1])).collect();
+        let cap = |&(along, turn): &(f64, f64)| {
+            let speed = if along < 0.0 { limits.backward } else { limits.forward };
+            let rate = (speed / along.abs()).min(limits.turn / turn.abs());
+            (rate * rate).min(MOST)
+        };
+        let inner = moved.windows(2).map(|w| cap(&w[0]).min(cap(&w[1])));
+        let caps = std::iter::once(0.0).chain(inner).chain([0.0]).collect();
+        let arm = limits.half_track;
+        let rims = moved.iter().map(|(along, turn)| [along - arm * turn, along + arm * turn]).collect();
+        Self { rims, caps, acceleration: limits.acceleration }
+    }
+
+    /// When each knot is reached, forwards from the start as fast as the rest allows.
+    fn times(&self) -> Option<Vec<f64>> {
+        let reach = self.controllable();
+        let (mut z, mut times) = (0.0_f64, vec![0.0]);
+        for k in 0..self.rims.len() {
+            let most = self.range(k, z, reach[k + 1])?.1;
+            let next = (z + 2.0 * most).clamp(0.0, reach[k + 1]);
+            let rate = (z.sqrt() + next.sqrt()) / 2.0;
+            times.push(times[k] + (rate > SLOWEST).then(|| 1.0 / rate)?);
+            z = next;
+        }
+        Some(times)
+    }
+
+    /// Lowers z where times that were found ask for more acceleration than there is: between stretches that differ much, z and its change do not tell it exactly. Whether that was so anywhere.
+    fn slow_down(&mut self, times: &[f64]) -> bool {
+        let mut slower = false;
+        for k in 1..self.rims.len() {
+            let (before, after) = (times[k] - times[k - 1], times[k + 1] - times[k]);
+            let change = |side: usize| (self.rims[k][side] / after - self.rims[k - 1][side] / before).abs();
+            let ratio = change(0).max(change(1)) * 2.0 / (before + after) / self.acceleration;
+            if ratio > 1.0 + EXCESS {
+                self.caps[k] = self.caps[k].min((2.0 / (before + after)).powi(2)) / ratio;
+                slower = true;
+            }
+        }
+        slower
+    }
+
+    /// The largest z at each knot from which the rest can be driven.
+    fn controllable(&self) -> Vec<f64> {
+        let mut reach = self.caps.clone();
+        for k in (0..self.rims.len()).rev() {
+            let (mut low, mut high) = (0.0, reach[k]);
+            if self.range(k, high, reach[k + 1]).is_some() {
+                continue;
+            }
+            for _ in 0..HALVINGS {
+                let middle = (low + high) / 2.0;
+                let is_possible = self.range(k, middle, reach[k + 1]).is_some();
+                *(if is_possible { &mut low } else { &mut high }) = middle;
+            }
+            reach[k] = low;
+        }
+        reach
+    }
+
+    /// The accelerations s̈ on stretch `k` with which both rims keep their limit at both of its ends, and z gets to `most` at most.
+    fn range(&self, k: usize, z: f64, most: f64) -> Option<(f64, f64)> {
+        let (mut low, mut high) = (-z / 2.0, (most - z) / 2.0);
+        let here = self.rims[k];
+        let before = if k == 0 { here } else { self.rims[k - 1] };
+        let after = self.rims.get(k + 1).copied().unwrap_or(here);
+        for side in 0..2 {
+            let (bend, mean) = (here[side] - before[side], (here[side] + before[side]) / 2.0);
+            let (bend_after, mean_after) = (after[side] - here[side], (after[side] + here[side]) / 2.0);
+            // At its beginning, and at its end, where z has grown by 2 s̈.
+            for (of_z, of_w) in [(bend, mean), (bend_after, mean_after + 2.0 * bend_after)] {
+                let (least, most) = (-self.acceleration - of_z * z, self.acceleration - of_z * z);
+                if of_w.abs() > f64::EPSILON {
+                    let (a, b) = (least / of_w, most / of_w);
+                    (low, high) = (low.max(a.min(b)), high.min(a.max(b)));
+                } else if least > 0.0 || most < 0.0 {
+                    return None;
+                }
+            }
+        }
+        (low <= high).then_some((low, high))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use openbench_core::MapPoint;
+    use proptest::prelude::*;
+
+    const LIMITS: Limits =
+        Limits { forward: 0.5, backward: 0.2, turn: 1.0, acceleration: 1.0, half_track: 0.2 };
+
+    fn through(poses: &[(f64, f64, f64)]) -> Band {
+        let knot = |(i, &(x, y, yaw))| Knot { pose: Pose2::new(x, y, yaw), time: i as f64 };
+        Band::new(poses.iter().enumerate().map(knot).collect()).unwrap()
+    }
+
+    fn seconds(poses: &[(f64, f64, f64)]) -> f64 {
+        fastest(&through(poses), &LIMITS).unwrap().duration()
+    }
+
+    /// At once as fast as may be, and then braking: the time that a distance takes.
+    fn ramps(distance: f64, most: f64, acceleration: f64) -> f64 {
+        let far = most * most / acceleration;
+        if distance > far {
+            distance / most + most / acceleration
+        } else {
+            2.0 * (distance / acceleration).sqrt()
+        }
+    }
+
+    #[test]
+    fn straight_ways_and_turns_take_as_long_as_physics_says() {
+        let near = |found: f64, expected: f64| (found / expected - 1.0).abs() < 5e-3;
+        for length in [0.1, 0.2, 1.0, 3.0] {
+            assert!(
+                near(seconds(&[(0.0, 0.0, 0.0), (length, 0.0, 0.0)]), ramps(length, 0.5, 1.0)),
+                "{length}"
+            );
+            assert!(
+                near(seconds(&[(0.0, 0.0, 0.0), (-length, 0.0, 0.0)]), ramps(length, 0.2, 1.0)),
+                "{length}"
+            );
+        }
+        // On the spot: the rims, 0.2 m from the middle, accelerate by 1 m/s², the robot by 5 rad/s².
+        for turn in [0.1, -0.3, 2.0, -6.0] {
+            let found = seconds(&[(0.0, 0.0, 0.0), (0.0, 0.0, turn)]);
+            assert!(near(found, ramps(f64::abs(turn), 1.0, 5.0)), "{turn} {found}");
+        }
+        // Forth and back.
+        let found = seconds(&[(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.5, 0.0, 0.0)]);
+        assert!(near(found, ramps(1.0, 0.5, 1.0) + ramps(0.5, 0.2, 1.0)), "{found}");
+    }
+
+    #[test]
+    fn a_band_that_goes_nowhere_has_no_times() {
+        assert_eq!(fastest(&through(&[(1.0, 2.0, 0.5), (1.0, 2.0, 0.5)]), &LIMITS), None);
+    }
+
+    proptest! {
+        /// Along rounded corners no limit is broken by more than dividing a way costs, and the way stays the same.
+        #[test]
+        fn limits_are_kept_along_any_way(
+            corners in prop::collection::vec((-3.0..3.0_f64, -3.0..3.0_f64), 1..5), yaw in -3.0..3.0_f64,
+        ) {
+            let corners: Vec<MapPoint> = corners.iter().map(|&(x, y)| MapPoint::new(x, y)).collect();
+            let Some(band) = Band::along(Pose2::default(), &corners, Some(yaw), &LIMITS, 1.0) else { return Ok(()) };
+            let Some(fastest) = fastest(&band, &LIMITS) else { return Ok(()) };
+            let mut before = (0.0, 0.0, 0.0);
+            for (i, pair) in fastest.knots().windows(2).enumerate() {
+                let (v, seconds) = (fastest.velocity(i), pair[1].time - pair[0].time);
+                prop_assert!(v.linear < 0.5 * 1.001 && v.linear > -0.2 * 1.001 && v.angular.abs() < 1.001);
+                let rims = [v.linear - 0.2 * v.angular, v.linear + 0.2 * v.angular];
+                let between = (seconds + before.2) / 2.0;
+                for (now, then) in rims.into_iter().zip([before.0, before.1]) {
+                    prop_assert!((now - then).abs() / between < 1.1, "{} {now} {then} {between}", pair[0].time);
+                }
+                before = (rims[0], rims[1], seconds);
+            }
+            let ends = (band.knots()[band.knots().len() - 1].pose, fastest.knots()[fastest.knots().len() - 1].pose);
+            prop_assert_eq!(ends.0, ends.1);
+            prop_assert!(fastest.duration() > 0.99 * band.duration());
+        }
+    }
+}
