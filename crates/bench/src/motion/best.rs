@@ -1,6 +1,6 @@
 //! What could be done in a scene: a proof that nothing can, or the fastest motion that a long search finds.
 //!
-//! A motion found is proof that there is one: it is looked at every centimetre, keeps to the robot's limits, and its time is what planners are compared with. That there is none is proven by the largest circle in the
+//! A motion found is proof that there is one: it is looked at every hundredth of a second, keeps to the robot's limits, and its time is what planners are compared with, unless what can be made of their own drives ([`polished`]) is faster. That there is none is proven by the largest circle in the
 //! footprint: where even that has no way on a fine grid, grown by half a cell's diagonal in the robot's favour, the footprint has none. Scenes in between are not used.
 
 use openbench_core::frames::wrap_angle;
@@ -16,7 +16,7 @@ use openbench_motion::teb::terms::Problem;
 use openbench_motion::{Footprint, Obstacle};
 
 use super::drive::is_there;
-use super::retime::fastest;
+use super::retime::retimed;
 use super::scene::Scene;
 
 /// Side of a cell of the proof, metres.
@@ -30,6 +30,8 @@ const WAITS: [f64; 5] = [0.0, 1.0, 2.0, 4.0, 7.0];
 /// Waits that are tried before setting out as fast as can be, seconds, and how many of them.
 const WAIT: f64 = 0.25;
 const MOST_WAITS: u32 = 40;
+/// Sideways share of the rims' way that is none.
+const SLIP: f64 = 0.01;
 /// Ways to the sides on which those who move are passed, metres.
 const ASIDE: [f64; 5] = [0.0, 0.5, -0.5, 1.0, -1.0];
 
@@ -152,23 +154,28 @@ impl Search<'_> {
         Band::new(std::iter::once(Knot { pose: start, time: 0.0 }).chain(later).collect())
     }
 
-    /// The fastest motions that a draft leads to: itself, and improved with several margins.
+    /// The fastest motion that a draft leads to: itself, or improved with one of several margins.
     fn settle(&self, draft: &Band) -> Option<Band> {
         let improved = MARGINS.iter().map(|least| self.improved(draft, *least));
         let settled = improved.chain([draft.clone()]).filter_map(|band| self.timed(&band));
-        settled.min_by(|a, b| a.duration().total_cmp(&b.duration()))
+        self.earliest(settled)
     }
 
-    /// The same way as fast as the robot can drive it without touching anything: at the times that it has, slowed down, or at the shortest, after a wait if need be.
+    /// The motion that is first within the tolerance of the goal.
+    fn earliest(&self, bands: impl Iterator<Item = Band>) -> Option<Band> {
+        bands.min_by(|a, b| arrival(a, self.goal).total_cmp(&arrival(b, self.goal)))
+    }
+
+    /// The same way as fast as the robot can drive it without touching anything: at the times that it has, slowed down, or at the shortest, standing nowhere but at the start if need be.
     fn timed(&self, band: &Band) -> Option<Band> {
-        let shortest = fastest(band, self.limits);
+        let shortest = retimed(band, self.limits);
         let moving = self.scene.obstacles.iter().any(Obstacle::is_moving);
         let waits = (1..=MOST_WAITS).take_while(|_| moving).map(|i| f64::from(i) * WAIT);
         let delayed = waits.filter_map(|wait| shortest.as_ref()?.delayed(wait));
         let mut bands = shortest.iter().cloned().chain(delayed);
         let at_once = bands.find_map(|band| self.slowed(&band).filter(|band| self.is_clear(band)));
         let as_it_is = self.slowed(band).filter(|band| self.is_clear(band));
-        at_once.into_iter().chain(as_it_is).min_by(|a, b| a.duration().total_cmp(&b.duration()))
+        self.earliest(at_once.into_iter().chain(as_it_is))
     }
 
     fn improved(&self, draft: &Band, least: f64) -> Band {
@@ -230,13 +237,16 @@ impl Search<'_> {
         }) && self.is_drivable(band)
     }
 
-    /// Whether next to nothing of it is sideways: 2 mm in a stretch.
+    /// Whether next to nothing of it is sideways: a hundredth of what the rims get.
     fn is_drivable(&self, band: &Band) -> bool {
-        band.knots().windows(2).all(|w| {
+        let slips = band.knots().windows(2).map(|w| {
+            let turn = self.limits.half_track * (w[1].pose.yaw - w[0].pose.yaw);
             let (sin, cos) = libm::sincos((w[0].pose.yaw + w[1].pose.yaw) / 2.0);
             let (dx, dy) = (w[1].pose.x - w[0].pose.x, w[1].pose.y - w[0].pose.y);
-            (dy * cos - dx * sin).abs() < 0.002
-        })
+            let (along, aside) = (dx * cos + dy * sin, dy * cos - dx * sin);
+            aside.abs() - SLIP * (along.abs() + turn.abs())
+        });
+        slips.sum::<f64>() < 0.0
     }
 
     fn proves_nothing(&self) -> bool {
@@ -361,6 +371,20 @@ mod tests {
         let physical = 3.0 / v + v / a - (2.0 * 0.1 / a).sqrt();
         assert!((physical - 0.01..1.05 * physical + 0.05).contains(&seconds), "{seconds} {physical}");
         assert!(band.pose_at(band.duration()).point().distance(point(3.0, 0.0)) < 0.02);
+    }
+
+    #[test]
+    fn what_slips_sideways_is_no_motion() {
+        let robot = RobotDescription::sentry();
+        let (footprint, limits, scene) =
+            (Footprint::of(&robot).unwrap(), Limits::of(&robot).unwrap(), ahead(&[]));
+        let search = Search { scene: &scene, footprint: &footprint, limits: &limits, goal: scene.goal };
+        let band = |x: f64, y: f64| {
+            let to = Pose2::new(x, y, 0.0);
+            Band::new(vec![Knot { pose: scene.start, time: 0.0 }, Knot { pose: to, time: 9.0 }]).unwrap()
+        };
+        assert!(search.timed(&band(1.0, 0.0)).is_some() && search.timed(&band(1.0, 0.005)).is_some());
+        assert_eq!((search.timed(&band(1.0, 0.09)), search.timed(&band(1e-5, 0.05))), (None, None));
     }
 
     #[test]

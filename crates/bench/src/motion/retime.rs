@@ -19,15 +19,15 @@ const FEWEST: f64 = 30.0;
 const ROUNDS: usize = 20;
 /// Excess over the acceleration's limit that is none.
 const EXCESS: f64 = 1e-3;
-/// Fewer stretches a second than this are no drive.
-const SLOWEST: f64 = 1e-3;
-/// Less than this is no direction, metres.
+/// The least z between the ends: who stands on the way does not get on.
+const LEAST: f64 = 0.05;
+/// Less than this, metres, is no direction, and, as a share, no contradiction.
 const ROUNDING: f64 = 1e-6;
 
-/// A band's way at new times, from rest to rest, standing where it changes from forwards to backwards; `None` if nothing of it is a way.
-pub fn fastest(band: &Band, limits: &Limits) -> Option<Band> {
+/// A band's way at new times, from rest to rest, standing where both rims turn round and nowhere else; `None` if nothing of it is a way. What of it is sideways takes no time.
+pub fn retimed(band: &Band, limits: &Limits) -> Option<Band> {
     let mut knots = vec![Knot { pose: band.knots()[0].pose, time: 0.0 }];
-    for piece in pieces(band.knots()) {
+    for piece in pieces(band.knots(), limits.half_track) {
         let poses = divided(piece, limits.half_track);
         let began = knots[knots.len() - 1].time;
         let times = times(&poses, limits)?;
@@ -36,20 +36,20 @@ pub fn fastest(band: &Band, limits: &Limits) -> Option<Band> {
     Band::new(knots)
 }
 
-/// Knots from one change of direction to the next, both included.
-fn pieces(knots: &[Knot]) -> Vec<&[Knot]> {
+/// Knots from where both rims turn round to where they do so again, both included.
+fn pieces(knots: &[Knot], half_track: f64) -> Vec<&[Knot]> {
     let mut pieces = Vec::new();
-    let (mut first, mut direction) = (0, 0.0);
+    let (mut first, mut before) = (0, [0.0; 2]);
     for (i, pair) in knots.windows(2).enumerate() {
-        let (along, _) = moved(pair[0].pose, pair[1].pose);
-        if along.abs() < ROUNDING {
+        let rims = rims(moved(pair[0].pose, pair[1].pose), half_track);
+        if rims.iter().all(|rim| rim.abs() < ROUNDING) {
             continue;
         }
-        if along * direction < 0.0 {
+        if (0..2).all(|side| rims[side] * before[side] < 0.0) {
             pieces.push(&knots[first..=i]);
             first = i;
         }
-        direction = along;
+        before = rims;
     }
     pieces.push(&knots[first..]);
     pieces.retain(|piece| piece.windows(2).any(|pair| pair[0].pose != pair[1].pose));
@@ -89,10 +89,16 @@ fn times(poses: &[Pose2], limits: &Limits) -> Option<Vec<f64>> {
     }
     way.times()
 }
+
 /// Metres and radians from one pose to another on an arc.
 fn moved(from: Pose2, to: Pose2) -> (f64, f64) {
     let velocity = velocity(from, to, 1.0);
     (velocity.linear, velocity.angular)
+}
+
+/// Metres that the left and the right rim get.
+fn rims((along, turn): (f64, f64), half_track: f64) -> [f64; 2] {
+    [along - half_track * turn, along + half_track * turn]
 }
 
 /// How far both rims get between knots.
@@ -113,8 +119,7 @@ impl Way {
         };
         let inner = moved.windows(2).map(|w| cap(&w[0]).min(cap(&w[1])));
         let caps = std::iter::once(0.0).chain(inner).chain([0.0]).collect();
-        let arm = limits.half_track;
-        let rims = moved.iter().map(|(along, turn)| [along - arm * turn, along + arm * turn]).collect();
+        let rims = moved.iter().map(|&moved| rims(moved, limits.half_track)).collect();
         Self { rims, caps, acceleration: limits.acceleration }
     }
 
@@ -126,7 +131,7 @@ impl Way {
             let most = self.range(k, z, reach[k + 1])?.1;
             let next = (z + 2.0 * most).clamp(0.0, reach[k + 1]);
             let rate = (z.sqrt() + next.sqrt()) / 2.0;
-            times.push(times[k] + (rate > SLOWEST).then(|| 1.0 / rate)?);
+            times.push(times[k] + 1.0 / rate);
             z = next;
         }
         Some(times)
@@ -140,7 +145,8 @@ impl Way {
             let change = |side: usize| (self.rims[k][side] / after - self.rims[k - 1][side] / before).abs();
             let ratio = change(0).max(change(1)) * 2.0 / (before + after) / self.acceleration;
             if ratio > 1.0 + EXCESS {
-                self.caps[k] = self.caps[k].min((2.0 / (before + after)).powi(2)) / ratio;
+                self.caps[k] =
+                    (self.caps[k].min((2.0 / (before + after)).powi(2)) / (ratio * ratio)).max(LEAST);
                 slower = true;
             }
         }
@@ -151,7 +157,7 @@ impl Way {
     fn controllable(&self) -> Vec<f64> {
         let mut reach = self.caps.clone();
         for k in (0..self.rims.len()).rev() {
-            let (mut low, mut high) = (0.0, reach[k]);
+            let (mut low, mut high) = (if k == 0 { 0.0 } else { LEAST }, reach[k]);
             if self.range(k, high, reach[k + 1]).is_some() {
                 continue;
             }
@@ -160,14 +166,16 @@ impl Way {
                 let is_possible = self.range(k, middle, reach[k + 1]).is_some();
                 *(if is_possible { &mut low } else { &mut high }) = middle;
             }
-            reach[k] = low;
+            // A little within, so that rounding does not tell.
+            reach[k] = low * (1.0 - ROUNDING);
         }
         reach
     }
 
-    /// The accelerations s̈ on stretch `k` with which both rims keep their limit at both of its ends, and z gets to `most` at most.
+    /// The accelerations s̈ on stretch `k` with which both rims keep their limit at both of its ends, and z gets to [`LEAST`] at least and to `most` at most.
     fn range(&self, k: usize, z: f64, most: f64) -> Option<(f64, f64)> {
-        let (mut low, mut high) = (-z / 2.0, (most - z) / 2.0);
+        let least = if k + 1 == self.rims.len() { 0.0 } else { LEAST };
+        let (mut low, mut high) = ((least - z) / 2.0, (most - z) / 2.0);
         let here = self.rims[k];
         let before = if k == 0 { here } else { self.rims[k - 1] };
         let after = self.rims.get(k + 1).copied().unwrap_or(here);
@@ -185,7 +193,7 @@ impl Way {
                 }
             }
         }
-        (low <= high).then_some((low, high))
+        (low <= high + ROUNDING * (1.0 + low.abs())).then_some((low.min(high), high))
     }
 }
 
@@ -204,7 +212,7 @@ mod tests {
     }
 
     fn seconds(poses: &[(f64, f64, f64)]) -> f64 {
-        fastest(&through(poses), &LIMITS).unwrap().duration()
+        retimed(&through(poses), &LIMITS).unwrap().duration()
     }
 
     /// At once as fast as may be, and then braking: the time that a distance takes.
@@ -241,8 +249,17 @@ mod tests {
     }
 
     #[test]
+    fn the_robot_stands_only_where_both_rims_turn_round() {
+        let turn = |noise: f64| -> Vec<(f64, f64, f64)> {
+            let at = |i: i32| (noise * f64::from(i % 2), 0.0, 0.05 * f64::from(i));
+            (0..=40).map(at).collect()
+        };
+        assert!((seconds(&turn(1e-5)) / seconds(&turn(0.0)) - 1.0).abs() < 0.02);
+    }
+
+    #[test]
     fn a_band_that_goes_nowhere_has_no_times() {
-        assert_eq!(fastest(&through(&[(1.0, 2.0, 0.5), (1.0, 2.0, 0.5)]), &LIMITS), None);
+        assert_eq!(retimed(&through(&[(1.0, 2.0, 0.5), (1.0, 2.0, 0.5)]), &LIMITS), None);
     }
 
     proptest! {
@@ -253,10 +270,10 @@ mod tests {
         ) {
             let corners: Vec<MapPoint> = corners.iter().map(|&(x, y)| MapPoint::new(x, y)).collect();
             let Some(band) = Band::along(Pose2::default(), &corners, Some(yaw), &LIMITS, 1.0) else { return Ok(()) };
-            let Some(fastest) = fastest(&band, &LIMITS) else { return Ok(()) };
+            let retimed = retimed(&band, &LIMITS).unwrap();
             let mut before = (0.0, 0.0, 0.0);
-            for (i, pair) in fastest.knots().windows(2).enumerate() {
-                let (v, seconds) = (fastest.velocity(i), pair[1].time - pair[0].time);
+            for (i, pair) in retimed.knots().windows(2).enumerate() {
+                let (v, seconds) = (retimed.velocity(i), pair[1].time - pair[0].time);
                 prop_assert!(v.linear < 0.5 * 1.001 && v.linear > -0.2 * 1.001 && v.angular.abs() < 1.001);
                 let rims = [v.linear - 0.2 * v.angular, v.linear + 0.2 * v.angular];
                 let between = (seconds + before.2) / 2.0;
@@ -265,9 +282,14 @@ mod tests {
                 }
                 before = (rims[0], rims[1], seconds);
             }
-            let ends = (band.knots()[band.knots().len() - 1].pose, fastest.knots()[fastest.knots().len() - 1].pose);
+            let ends = (band.knots()[band.knots().len() - 1].pose, retimed.knots()[retimed.knots().len() - 1].pose);
             prop_assert_eq!(ends.0, ends.1);
-            prop_assert!(fastest.duration() > 0.99 * band.duration());
+            prop_assert!(retimed.duration() > 0.99 * band.duration());
+            let near = |pose: Pose2| {
+                let times = (0..=400).map(|i| band.pose_at(f64::from(i) / 400.0 * band.duration()));
+                times.map(|at| at.point().distance(pose.point())).fold(9.0, f64::min)
+            };
+            prop_assert!(retimed.knots().iter().all(|knot| near(knot.pose) < 0.05));
         }
     }
 }

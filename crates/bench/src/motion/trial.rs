@@ -232,7 +232,7 @@ fn outcome(number: usize, request: &Request<'_>, robot: &RobotDescription) -> Re
     Ok(Outcome { number, kind, scene: Some(scene), best, undecided, drives })
 }
 
-/// The best that is known: a long search may be beaten by a drive, and a drive by what can be made of it.
+/// The best that is known: a long search may be beaten by a drive, and a drive by what can be made of it. So whoever else drives may make the others' ratios a little larger.
 fn fastest(found: f64, drives: &[(PlannerKind, Drive)], polished: impl Fn(&Drive) -> Option<f64>) -> f64 {
     let good = drives.iter().map(|(_, d)| d).filter(|d| d.end == End::Reached && d.collisions == 0);
     good.flat_map(|d| [Some(d.seconds), polished(d)]).flatten().fold(found, f64::min)

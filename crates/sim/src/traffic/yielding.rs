@@ -4,7 +4,7 @@
 //! brake on dry asphalt, and of a person the way in which the social force model's drive brings a walk to rest, speed times
 //! relaxation time. A robot is to blame for what comes of it, even if it stands by then, if within the braking distance it gets into the path from
 //! the side, or drives towards who comes. Who moves into a standing robot's place is no concern of the robot's, nor where it is pushed.
-//! Who turns so that his path swings over the robot leaves it the time to notice and to brake.
+//! Who turns, or sets out, so that his path comes over the robot leaves it the time to notice and to brake.
 
 use openbench_core::MapPoint;
 
@@ -35,7 +35,7 @@ pub struct Yielding {
 struct Watched {
     /// Seconds for which the robot is still to blame.
     blame: f64,
-    /// Seconds for which his path has been elsewhere.
+    /// Seconds for which he has had no path, or one elsewhere.
     elsewhere: f64,
     /// Seconds that the robot still has to brake in.
     grace: f64,
@@ -58,7 +58,7 @@ impl Yielding {
             watched.blame = (watched.blame - dt).max(0.0);
             watched.grace = (watched.grace - dt).max(0.0);
             if !lies(robot.position, FAR) {
-                watched.elsewhere += if moves(mover) { dt } else { 0.0 };
+                watched.elsewhere += dt;
                 continue;
             }
             let from_aside = !lies(before, FAR);
@@ -94,14 +94,10 @@ fn braking(mover: &Mover) -> f64 {
     }
 }
 
-/// Whether somebody has a path.
-fn moves(mover: &Mover) -> bool {
-    mover.present && libm::hypot(mover.velocity[0], mover.velocity[1]) > STANDS
-}
-
 /// Whether a disc lies in the path of somebody as far as so many metres ahead.
 fn lies_in_path(at: MapPoint, radius: f64, mover: &Mover, ahead: f64) -> bool {
-    moves(mover) && outside(at, mover, ahead) < radius
+    let speed = libm::hypot(mover.velocity[0], mover.velocity[1]);
+    mover.present && speed > STANDS && outside(at, mover, ahead) < radius
 }
 
 /// Metres from a point to a hull that is swept ahead.
