@@ -67,7 +67,7 @@ mod tests {
             assert_eq!(squares, Ok((3..40).map(|n| n * n + 1).collect::<Vec<_>>()), "{threads}");
             assert_eq!(sum, (3..40).map(|n| n * n).sum::<usize>());
         }
-        assert_eq!(each(5..5, 2, |n| Ok::<_, ()>(n), Ok::<_, ()>), Ok(vec![]));
+        assert_eq!(each(5..5, 2, Ok::<_, ()>, Ok::<_, ()>), Ok(vec![]));
     }
 
     #[test]
