@@ -1,9 +1,10 @@
 //! Which thing each visible triangle belongs to.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
-use openbench_scene::generate::builtin;
-use openbench_scene::{SceneBuilder, SemanticClass, World};
+use openbench_scene::generate::{builtin, car_figure};
+use openbench_scene::{RayCaster, SceneBuilder, SemanticClass, World};
 
 fn small() -> World {
     builtin("small", 1).unwrap().unwrap()
@@ -68,4 +69,28 @@ fn triangles_before_the_first_object_belong_to_none() {
     builder.mesh(layer, grey, &corners, &[[0, 1, 2], [0, 1, 7], [0, 2, 1]]);
     let scene = builder.build();
     assert_eq!(scene.object_numbers, [0, 1, 1], "the broken triangle is left out of both tables");
+}
+
+#[test]
+fn a_car_is_solid_where_it_is_seen() {
+    for look in 0..5 {
+        let caster = RayCaster::new(Arc::new(car_figure(look)));
+        let mut met = 0;
+        for (height, across) in (1..10).flat_map(|z| (-21..=21).map(move |i| (z, i as f32 * 0.1))) {
+            let z = height as f32 * 0.1;
+            let rays = [([4.0, across, z], [-1.0, 0.0, 0.0]), ([across, 4.0, z], [0.0, -1.0, 0.0])];
+            for (from, toward) in rays {
+                let seen = caster.visible().cast(from, toward, 8.0).map(|hit| hit.distance);
+                let solid = caster.solid().cast(from, toward, 8.0).map(|hit| hit.distance);
+                let apart = seen.zip(solid).map_or(0.0, |(seen, solid)| (seen - solid).abs());
+                // Windows, rims and lamps lie a little before what is solid.
+                assert!(
+                    seen.is_some() == solid.is_some() && apart < 0.03,
+                    "car {look} from {from:?}: seen at {seen:?} m, solid at {solid:?} m"
+                );
+                met += usize::from(seen.is_some());
+            }
+        }
+        assert!(met > 100, "{met}");
+    }
 }

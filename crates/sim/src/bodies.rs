@@ -11,14 +11,12 @@ use rapier3d::prelude::{
 
 use crate::OBSERVATION_NS;
 use crate::physics::STEP_NS;
-use crate::traffic::Hull;
+use crate::traffic::{Hull, Mover, figures};
 
 /// Bodies further from the robot than this take no part, metres: no car's end reaches the robot from there within a leg.
 const NEAR: f64 = 8.0;
 /// Height of a person, metres.
 const PERSON_HEIGHT: f32 = 1.75;
-/// Heights of the lower and upper edge of a car's body above the ground, metres.
-const CAR: (f32, f32) = (0.15, 1.45);
 
 /// A straight piece of a mover's way, from one observation to the next.
 #[derive(Debug, Clone, Copy)]
@@ -49,28 +47,13 @@ pub(crate) struct Bodies {
 }
 
 impl Bodies {
-    /// Adds a body that takes no part yet.
-    pub(crate) fn add(&mut self, world: &mut PhysicsWorld, hull: Hull, class: SemanticClass) {
-        let (shape, height) = match hull {
-            Hull::Disc { radius } => {
-                let half = PERSON_HEIGHT / 2.0;
-                (SharedShape::cylinder(half, radius as f32), half)
-            }
-            Hull::Box { half_length, half_width } => {
-                let half = (CAR.1 - CAR.0) / 2.0;
-                (SharedShape::cuboid(half_length as f32, half_width as f32, half), CAR.0 + half)
-            }
+    /// Adds the body of a mover that is drawn as number `look` of its kind. It takes no part yet.
+    pub(crate) fn add(&mut self, world: &mut PhysicsWorld, mover: &Mover, look: u32) {
+        let (collider, class) = match mover.hull {
+            Hull::Disc { radius } => (person(radius as f32), SemanticClass::Person),
+            Hull::Box { .. } => (car(look), SemanticClass::Vehicle),
         };
-        // Cylinders of the engine stand along y.
-        let upright = match hull {
-            Hull::Disc { .. } => Vector::new(std::f32::consts::FRAC_PI_2, 0.0, 0.0),
-            Hull::Box { .. } => Vector::ZERO,
-        };
-        let collider = ColliderBuilder::new(shape)
-            .translation(Vector::new(0.0, 0.0, height))
-            .rotation(upright)
-            .friction(0.3)
-            .enabled(false);
+        let collider = collider.friction(0.3).enabled(false);
         let (body, collider) = world.insert(RigidBodyBuilder::kinematic_position_based(), collider);
         self.slots.push(Slot { body, collider, class, leg: None });
     }
@@ -110,6 +93,21 @@ impl Bodies {
     pub(crate) fn class(&self, collider: ColliderHandle) -> Option<SemanticClass> {
         self.slots.iter().find(|slot| slot.collider == collider).map(|slot| slot.class)
     }
+}
+
+/// A cylinder on the ground. Those of the engine stand along y.
+fn person(radius: f32) -> ColliderBuilder {
+    let half = PERSON_HEIGHT / 2.0;
+    ColliderBuilder::new(SharedShape::cylinder(half, radius))
+        .translation(Vector::new(0.0, 0.0, half))
+        .rotation(Vector::new(std::f32::consts::FRAC_PI_2, 0.0, 0.0))
+}
+
+/// The convex hull of what is drawn: a robot meets a car where its sensors see one.
+fn car(look: u32) -> ColliderBuilder {
+    let solid = figures::car(look).solid;
+    let corners: Vec<Vector> = solid.positions.iter().map(|p| Vector::new(p[0], p[1], p[2])).collect();
+    ColliderBuilder::new(SharedShape::convex_hull(&corners).expect("a car's corners lie in no plane"))
 }
 
 /// Where a body is after a share of its leg.

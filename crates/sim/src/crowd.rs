@@ -5,13 +5,13 @@ use std::sync::Arc;
 use nalgebra::{Translation3, UnitQuaternion};
 use openbench_core::{Pose2, Pose3};
 use openbench_scene::free_space::ground_height;
-use openbench_scene::{Movers, Placed, RayCaster, SemanticClass};
+use openbench_scene::{Movers, Placed, RayCaster};
 
 use crate::OBSERVATION_NS;
 use crate::bodies::Leg;
 use crate::physics::Physics;
 use crate::traffic::figures::Gallery;
-use crate::traffic::{Mover, MoverKind, RobotState, Traffic};
+use crate::traffic::{Mover, RobotState, Traffic};
 
 /// The height of the ground under one mover of so many is looked up in a step: it changes at kerbs only.
 const TURNS: usize = 4;
@@ -38,7 +38,7 @@ impl Crowd {
         let before = traffic.movers().to_vec();
         let grounds = before.iter().map(|m| ground_height(caster, m.pose.point())).collect();
         for mover in &before {
-            physics.add_mover(mover.hull, class(mover.kind));
+            physics.add_mover(mover, gallery.look(mover));
         }
         Self { traffic, gallery, before, grounds, steps: 0 }
     }
@@ -89,13 +89,6 @@ impl Crowd {
                 self.grounds[i] = height;
             }
         }
-    }
-}
-
-fn class(kind: MoverKind) -> SemanticClass {
-    match kind {
-        MoverKind::Pedestrian => SemanticClass::Person,
-        MoverKind::Car => SemanticClass::Vehicle,
     }
 }
 

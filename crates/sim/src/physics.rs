@@ -20,7 +20,7 @@ use rapier3d::prelude::{
 
 use crate::SimError;
 use crate::bodies::{Bodies, Leg};
-use crate::traffic::Hull;
+use crate::traffic::Mover;
 
 /// Physics step, nanoseconds: 400 Hz.
 pub const STEP_NS: u64 = 2_500_000;
@@ -152,8 +152,8 @@ impl Physics {
     }
 
     /// Adds a body that moves by itself. It takes no part yet.
-    pub(crate) fn add_mover(&mut self, hull: Hull, class: SemanticClass) {
-        self.movers.add(&mut self.world, hull, class);
+    pub(crate) fn add_mover(&mut self, mover: &Mover, look: u32) {
+        self.movers.add(&mut self.world, mover, look);
     }
 
     /// Sends those bodies on their next legs, in the order in which they were added; `None` for who is not there.

@@ -48,8 +48,8 @@ impl Shape {
 
 const SALOON: Shape = Shape {
     outline: &[
-        (-2.10, 0.28),
-        (2.12, 0.28),
+        (-2.10, 0.18),
+        (2.12, 0.18),
         (2.20, 0.52),
         (2.12, 0.76),
         (1.20, 0.92),
@@ -65,8 +65,8 @@ const SALOON: Shape = Shape {
 };
 const HATCHBACK: Shape = Shape {
     outline: &[
-        (-1.92, 0.28),
-        (1.92, 0.28),
+        (-1.92, 0.18),
+        (1.92, 0.18),
         (2.00, 0.54),
         (1.92, 0.80),
         (1.15, 0.96),
@@ -81,8 +81,8 @@ const HATCHBACK: Shape = Shape {
 };
 const VAN: Shape = Shape {
     outline: &[
-        (-2.20, 0.30),
-        (2.16, 0.30),
+        (-2.20, 0.20),
+        (2.16, 0.20),
         (2.22, 0.60),
         (2.14, 0.90),
         (1.62, 1.10),
@@ -219,7 +219,7 @@ pub fn car_figure(look: u32) -> Scene {
     builder.build()
 }
 
-/// What a car is made of.
+/// What a car is made of. Body and tyres are solid as they are drawn, so that a robot meets a car where its sensors see one.
 struct Car {
     shape: &'static Shape,
     paint: Surface,
@@ -242,15 +242,13 @@ impl Car {
             let (p, q) = (shape.outline[i], shape.outline[(i + 1) % n]);
             let surface = if shape.glass.contains(&i) { glass } else { paint };
             let quad = [place(p, -1.0, 0.0), place(q, -1.0, 0.0), place(q, 1.0, 0.0), place(p, 1.0, 0.0)];
-            facet(builder, Layer::Visible, surface, &quad);
+            facet(builder, Layer::Both, surface, &quad);
         }
         for side in [-1.0, 1.0] {
-            car_side(builder, (paint, side), shape.outline, |p| place(p, side, 0.0));
-            car_side(builder, (glass, side), shape.window, |p| place(p, side, 0.012));
+            car_side(builder, Layer::Both, (paint, side), shape.outline, |p| place(p, side, 0.0));
+            car_side(builder, Layer::Visible, (glass, side), shape.window, |p| place(p, side, 0.012));
         }
         self.wheels_and_lights(builder, pose);
-        let (low, high) = ([-HALF.0, -HALF.1, 0.0], [HALF.0, HALF.1, shape.waist.1.min(1.9)]);
-        cuboid(builder, Layer::Solid, paint, pose, (low, high));
     }
 
     fn wheels_and_lights(&self, builder: &mut SceneBuilder, pose: Pose2) {
@@ -272,6 +270,7 @@ impl Car {
 
 fn car_side(
     builder: &mut SceneBuilder,
+    layer: Layer,
     (surface, side): (Surface, f64),
     outline: &[(f64, f64)],
     place: impl Fn((f64, f64)) -> nalgebra::Point3<f64>,
@@ -283,7 +282,7 @@ fn car_side(
     for [a, b, c] in triangulate(&flat, &[]) {
         let order = if side < 0.0 { [a, b, c] } else { [a, c, b] };
         let corners: [Corner; 3] = order.map(|p| (place((p.x, p.y)), [0.0, 0.0]));
-        builder.mesh(Layer::Visible, surface.material, &corners, &[[0, 1, 2]]);
+        builder.mesh(layer, surface.material, &corners, &[[0, 1, 2]]);
     }
 }
 
@@ -303,12 +302,14 @@ fn wheel(
     };
     let order = |i: usize| if side < 0.0 { i } else { CORNERS - i };
     let disc: Vec<_> = (0..CORNERS).map(|i| rim(order(i), 0.0)).collect();
-    facet(builder, Layer::Visible, surface, &disc);
-    if out == 0.0 {
+    let is_tyre = out == 0.0;
+    let layer = if is_tyre { Layer::Both } else { Layer::Visible };
+    facet(builder, layer, surface, &disc);
+    if is_tyre {
         for i in 0..CORNERS {
             let quad =
                 [rim(order(i + 1), 0.0), rim(order(i), 0.0), rim(order(i), 0.2), rim(order(i + 1), 0.2)];
-            facet(builder, Layer::Visible, surface, &quad);
+            facet(builder, layer, surface, &quad);
         }
     }
 }

@@ -83,11 +83,20 @@ impl Gallery {
 
     /// The figure of a mover.
     pub(crate) fn of(&self, mover: &Mover) -> usize {
-        let look = mover.look as usize;
+        let look = self.look(mover) as usize;
         match mover.kind {
-            MoverKind::Pedestrian => self.people[look % self.people.len()][phase_of(mover.gait)],
-            MoverKind::Car => self.cars[look % self.cars.len()],
+            MoverKind::Pedestrian => self.people[look][phase_of(mover.gait)],
+            MoverKind::Car => self.cars[look],
         }
+    }
+
+    /// Which of the [`person`]s or [`car`]s of this gallery a mover is.
+    pub(crate) fn look(&self, mover: &Mover) -> u32 {
+        let looks = match mover.kind {
+            MoverKind::Pedestrian => self.people.len(),
+            MoverKind::Car => self.cars.len(),
+        };
+        mover.look % looks as u32
     }
 }
 
@@ -103,7 +112,7 @@ pub fn person(look: u32, phase: usize) -> Scene {
     figure.builder.build()
 }
 
-/// A car; `look` chooses shape and paint. Its solid part is the box about it.
+/// A car; `look` chooses shape and paint. What is solid of it is its body and tyres, as drawn.
 pub fn car(look: u32) -> Scene {
     openbench_scene::generate::car_figure(look)
 }
