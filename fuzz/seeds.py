@@ -147,9 +147,24 @@ def blocks(content):
         yield struct.pack(">I", len(header)) + header + blob
 
 
+def motion():
+    image = bytes([0, 205, 254, 100, 20, 255])
+    put("map_server", "binary.pgm", b"P5\n# a comment\n3 2\n255\n" + image)
+    put("map_server", "text.pgm", b"P2\n3 2\n255\n" + " ".join(map(str, image)).encode())
+    put("map_server", "deep.pgm", b"P5 3 2 65535\n" + image + image)
+    rows = b"".join(b"\0" + image[i : i + 3] for i in (0, 3))
+    chunks = [(b"IHDR", struct.pack(">IIBBBBB", 3, 2, 8, 0, 0, 0, 0)), (b"IDAT", zlib.compress(rows)), (b"IEND", b"")]
+    packed = (struct.pack(">I", len(c)) + k + c + struct.pack(">I", zlib.crc32(k + c)) for k, c in chunks)
+    put("map_server", "grey.png", b"\x89PNG\r\n\x1a\n" + b"".join(packed))
+    told = "image: a.pgm\nresolution: 0.1\norigin: [-1.0, 2, 0.5]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+    put("map_server", "plain.yaml", told.encode())
+    put("map_server", "mode.yaml", (told.replace("negate: 0", "negate: true") + "mode: scale\n").encode())
+
+
 if __name__ == "__main__":
     worlds()
     meshes()
     maps()
     routing()
     localization()
+    motion()
