@@ -198,7 +198,12 @@ fn cost_of(costmap: &Costmap, cell: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::costmap::tests::{open_ground, see_wall};
+    use crate::costmap::ground::Preferences;
+    use crate::costmap::map_server::Occupancy;
+    use crate::costmap::tests::{empty_map, open_ground, see_wall};
+    use openbench_core::RobotDescription;
+    use openbench_grid::GridGeometry;
+    use openbench_osm::{Area, ElementId, ElementKind, Polygon, Road};
     use proptest::prelude::*;
 
     fn length(path: &[MapPoint]) -> f64 {
@@ -232,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn a_blocked_goal_is_approached_and_a_buried_one_refused() {
+    fn a_blocked_goal_is_approached_and_one_outside_refused() {
         let mut costmap = open_ground();
         see_wall(&mut costmap, MapPoint::new(2.0, -5.0), MapPoint::new(2.0, 5.0));
         let path =
@@ -243,6 +248,42 @@ mod tests {
             plan(&mut Search::default(), &costmap, MapPoint::default(), outside),
             Err(PlanError::GoalOutside(outside))
         );
+    }
+
+    #[test]
+    fn pavements_are_preferred_to_grass_if_that_is_wanted() {
+        let mut map = empty_map();
+        let corners = [(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)].map(|(x, y)| MapPoint::new(x, y));
+        map.areas.push(Area {
+            element: ElementId { kind: ElementKind::Way, id: 1 },
+            polygon: Polygon::new(corners.to_vec(), vec![]).unwrap(),
+            tags: [("landuse", "grass")].into_iter().collect(),
+        });
+        let bend = [(-6.0, 0.0), (-6.0, 2.5), (6.0, 2.5), (6.0, 0.0)].map(|(x, y)| MapPoint::new(x, y));
+        let tags = [("highway", "footway")].into_iter().collect();
+        map.roads.push(Road { way: 2, nodes: vec![1, 2, 3, 4], points: bend.to_vec(), tags });
+        let (low, high) = (MapPoint::new(-10.0, -10.0), MapPoint::new(10.0, 10.0));
+        let furthest = |preferences: Preferences| {
+            let robot = RobotDescription::sentry();
+            let costmap = Costmap::with_preferences(&map, low, high, &robot, preferences).unwrap();
+            let path = plan(&mut Search::default(), &costmap, bend[0], bend[3]).unwrap();
+            path.iter().map(|p| p.y).fold(0.0, f64::max)
+        };
+        assert!(furthest(Preferences::NONE) < 0.1);
+        assert!(furthest(Preferences::default()) > 1.5);
+    }
+
+    #[test]
+    fn who_is_buried_or_goes_to_who_is_gets_no_way() {
+        let grid = GridGeometry { origin: MapPoint::default(), width: 100, height: 100, cell: 0.1 };
+        let is_open = |cell: usize| grid.center(cell).x < 4.0;
+        let cells = (0..grid.len()).map(|cell| if is_open(cell) { 0 } else { 100 }).collect();
+        let occupancy = Occupancy { grid, yaw: 0.0, cells };
+        let costmap = Costmap::from_occupancy(&occupancy, &RobotDescription::sentry()).unwrap();
+        let (open, buried) = (MapPoint::new(2.0, 5.0), MapPoint::new(8.0, 5.0));
+        let way = |from, to| plan(&mut Search::default(), &costmap, from, to);
+        assert_eq!(way(buried, open), Err(PlanError::StartBlocked(buried)));
+        assert_eq!(way(open, buried), Err(PlanError::GoalBlocked(buried)));
     }
 
     #[test]

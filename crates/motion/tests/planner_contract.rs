@@ -203,6 +203,11 @@ fn absurd_settings_are_refused_by_name() {
         settings.band.margins = margins;
         teb(settings)
     };
+    let resolution = |near: f64, far: f64| {
+        let mut settings = default();
+        (settings.band.resolution.near, settings.band.resolution.far) = (near, far);
+        teb(settings)
+    };
     let exploring = |exploring: Exploring| teb(TebSettings { exploring, ..default() });
     let (margin, classes) = (Margins::default(), Exploring::default());
     for (told, wanted) in [
@@ -213,6 +218,8 @@ fn absurd_settings_are_refused_by_name() {
         (teb(TebSettings { yields: Some(f64::INFINITY), ..default() }), "to stop is inf"),
         (margins(Margins { least: -0.1, ..margin }), "a margin is -0.1"),
         (margins(Margins { comfort: 0.0, ..margin }), "the margin of comfort is 0"),
+        (resolution(1e-300, 0.3), "the first time step is 0.000"),
+        (resolution(0.1, f64::INFINITY), "the last time step is inf"),
         (exploring(Exploring { cell: 0.0, ..classes }), "the side of a cell is 0"),
         (exploring(Exploring { around: -10.0, ..classes }), "around start and goal is -10"),
         (exploring(Exploring { most: 0, ..classes }), "the number of classes is 0"),

@@ -19,7 +19,7 @@ const DRAWS: u64 = 20;
 const SLOW: f64 = 1.3;
 
 /// Changes of the turn's sign that are no oscillation: so many, and so many a second.
-const SWERVES: (f64, f64) = (4.0, 1.0);
+const SWERVES: (f64, f64) = (4.0, 0.25);
 
 /// Planners that are compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -93,7 +93,7 @@ pub struct Row {
     pub infeasible: usize,
     /// Of these, those that were given up because there is no way, or none for the footprint.
     pub refused: usize,
-    /// CPU milliseconds of a decision, half of them.
+    /// CPU milliseconds of a decision of the planner, half of them: without maneuvers, which the navigator around it searches once it gives up.
     pub cycle_ms_p50: f64,
     /// CPU milliseconds of a decision, 99 of 100.
     pub cycle_ms_p99: f64,

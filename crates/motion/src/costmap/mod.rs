@@ -57,9 +57,9 @@ pub enum CostmapError {
     /// A kind of ground that costs less than open ground, or more than [`Preferences::DEAREST`].
     #[error("{0:?} are no preferences; give numbers from 1 to 20")]
     Preferences(Preferences),
-    /// A grid without cells, with too many, or with another number of them than its sides say.
+    /// A grid without cells, with too many, with another number of them than its sides say, or at no place.
     #[error(
-        "a grid of {0} by {1} cells is no ground; give 1 to 2501 each way, of 0.1 mm to 1 km, and a value for each"
+        "a grid of {0} by {1} cells is no ground; give 1 to 2501 each way, of 0.1 mm to 1 km, a value for each, and a finite origin"
     )]
     NoGrid(usize, usize),
     /// A grid that is turned: what is known of the ground is kept by columns east and rows north.
@@ -137,7 +137,8 @@ impl Costmap {
         let grid = &occupancy.grid;
         let most = MAX_SIDE as usize + 1;
         let fits = (1..=most).contains(&grid.width) && (1..=most).contains(&grid.height);
-        if !fits || grid.len() != occupancy.cells.len() || !CELLS.contains(&grid.cell) {
+        let is_somewhere = grid.origin.x.is_finite() && grid.origin.y.is_finite();
+        if !fits || grid.len() != occupancy.cells.len() || !CELLS.contains(&grid.cell) || !is_somewhere {
             return Err(CostmapError::NoGrid(grid.width, grid.height));
         }
         if occupancy.yaw != 0.0 {
@@ -283,20 +284,25 @@ impl Costmap {
             .reduce(f64::min)
     }
 
-    /// Forgets what is believed to be where the robot stands: it cannot be.
+    /// Forgets what is believed to stand where the robot stands: it cannot be. Water stays: where the robot is may be off by more than the way to the bank, and no scan would bring it back.
     pub fn clear_below(&mut self, footprint: &Footprint, pose: Pose2) {
+        for cell in self.obstacles_below(footprint, pose) {
+            self.seen.clear(cell);
+        }
+    }
+
+    /// Cells below the robot in which something is believed to be.
+    fn obstacles_below(&self, footprint: &Footprint, pose: Pose2) -> Vec<usize> {
         let (placed, reach) = (footprint.at(pose), footprint.circumscribed());
         let low = MapPoint::new(pose.x - reach, pose.y - reach);
         let high = MapPoint::new(pose.x + reach, pose.y + reach);
-        let Some((columns, rows)) = self.grid.window(low, high) else { return };
-        for row in rows.0..=rows.1 {
-            for cell in (columns.0..=columns.1).filter_map(|column| self.grid.cell_in(column, row)) {
-                if self.is_obstacle(cell) && placed.holds(self.grid.center(cell)) {
-                    self.seen.clear(cell);
-                    self.ground.barred[cell] = Barred::No;
-                }
-            }
-        }
+        let Some((columns, rows)) = self.grid.window(low, high) else { return Vec::new() };
+        let cells =
+            (rows.0..=rows.1).flat_map(|row| (columns.0..=columns.1).map(move |column| (column, row)));
+        cells
+            .filter_map(|(column, row)| self.grid.cell_in(column, row))
+            .filter(|cell| self.is_obstacle(*cell) && placed.holds(self.grid.center(*cell)))
+            .collect()
     }
 }
 
@@ -361,6 +367,42 @@ pub(crate) mod tests {
     }
 
     #[test]
+    fn what_is_not_seen_again_for_a_minute_is_forgotten() {
+        let mut costmap = open_ground();
+        see_wall(&mut costmap, MapPoint::new(2.0, -1.0), MapPoint::new(2.0, 1.0));
+        let wall = costmap.grid().cell_at(MapPoint::new(2.0, 0.0)).unwrap();
+        let elsewhere = || {
+            RangeRing::new(MapPoint::new(-9.0, 0.0), 0.25, std::iter::once((MapPoint::new(-9.5, 0.0), 0.3)))
+        };
+        for (scans, is_known) in [(599, true), (2, false)] {
+            (0..scans).for_each(|_| costmap.observe(&elsewhere()));
+            costmap.inflate();
+            assert_eq!((costmap.is_obstacle(wall), costmap.cost(wall).is_none()), (is_known, is_known));
+        }
+    }
+
+    #[test]
+    fn costs_fall_from_where_the_inscribed_circle_touches_to_beyond_the_circumscribed_one() {
+        let mut costmap = open_ground();
+        see_wall(&mut costmap, MapPoint::new(2.05, -10.0), MapPoint::new(2.05, 10.0));
+        let robot = Footprint::of(&RobotDescription::sentry()).unwrap();
+        let costs: Vec<(f64, Option<f64>)> = (0..20)
+            .map(|i| MapPoint::new(1.95 - 0.1 * f64::from(i), 0.05))
+            .map(|p| (costmap.clearance_at(p), costmap.cost(costmap.grid().cell_at(p).unwrap())))
+            .collect();
+        for (clearance, cost) in &costs {
+            assert_eq!(cost.is_none(), *clearance < robot.inscribed() + MARGIN, "{clearance} {cost:?}");
+            assert_eq!(
+                *cost == Some(1.0),
+                *clearance >= robot.circumscribed() + COMFORT - 0.1,
+                "{clearance} {cost:?}"
+            );
+        }
+        let known: Vec<f64> = costs.iter().filter_map(|(_, cost)| *cost).collect();
+        assert!(known[0] > 5.0 && known.windows(2).all(|w| w[0] >= w[1]), "{known:?}");
+    }
+
+    #[test]
     fn a_low_obstacle_stays_though_beams_pass_over_it() {
         let mut costmap = open_ground();
         // A kerb of 12 cm, seen from afar; then the robot stands before it, and its lowest beam reaches the ground behind.
@@ -374,7 +416,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn beams_pass_over_water_and_say_nothing_of_it_but_who_stands_there_knows_better() {
+    fn beams_pass_over_water_and_who_believes_to_stand_in_it_does_not_dry_it() {
         let mut map = empty_map();
         let corners = [(2.0, -9.0), (9.0, -9.0), (9.0, 9.0), (2.0, 9.0)].map(|(x, y)| MapPoint::new(x, y));
         map.areas.push(Area {
@@ -392,9 +434,9 @@ pub(crate) mod tests {
             |costmap: &Costmap, x: f64| costmap.is_clear(MapPoint::new(x, 0.0), MapPoint::new(x, 0.0));
         assert!(is_clear(&costmap, 0.0) && !is_clear(&costmap, 5.0));
         let robot = Footprint::of(&RobotDescription::sentry()).unwrap();
-        costmap.clear_below(&robot, Pose2::new(5.0, 0.0, 0.0));
-        let below = costmap.grid().cell_at(MapPoint::new(5.0, 0.0)).unwrap();
-        assert!(!costmap.is_obstacle(below));
+        let at = Pose2::new(5.0, 0.0, 0.0);
+        costmap.clear_below(&robot, at);
+        assert!(costmap.is_obstacle(costmap.grid().cell_at(at.point()).unwrap()));
     }
 
     #[test]
@@ -425,6 +467,9 @@ pub(crate) mod tests {
             let odd = Occupancy { grid: GridGeometry { cell, ..grid }, ..sound.clone() };
             assert_eq!(Costmap::from_occupancy(&odd, &robot).unwrap_err(), CostmapError::NoGrid(2, 1));
         }
+        let nowhere = GridGeometry { origin: MapPoint::new(f64::NAN, 0.0), ..grid };
+        let nowhere = Occupancy { grid: nowhere, ..sound.clone() };
+        assert_eq!(Costmap::from_occupancy(&nowhere, &robot).unwrap_err(), CostmapError::NoGrid(2, 1));
         let empty = Occupancy { grid: GridGeometry { width: 0, ..grid }, yaw: 0.0, cells: vec![] };
         assert_eq!(Costmap::from_occupancy(&empty, &robot).unwrap_err(), CostmapError::NoGrid(0, 1));
         let few = Occupancy { cells: vec![0], ..sound.clone() };

@@ -14,9 +14,9 @@ const FREE: i8 = -3;
 const MOST_RAYS: f64 = 4.0;
 /// No beam is believed to reach further, metres.
 const FURTHEST: f64 = 500.0;
-/// Scans after which an obstacle that is not seen again is forgotten: a minute.
+/// Scans after which an obstacle that is not seen again is forgotten: a minute of a LiDAR that scans ten times a second.
 const MEMORY: u32 = 600;
-/// Scans ago that are a moment: two seconds.
+/// Scans ago that are a moment: two seconds of it.
 const MOMENT: u32 = 20;
 
 /// What is known of one cell.

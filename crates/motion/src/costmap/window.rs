@@ -71,9 +71,12 @@ impl Window {
         self.costmap.seen.forget();
     }
 
-    /// See [`Costmap::clear_below`].
+    /// Forgets what is believed to be where the robot stands, water too: it has to drive out of there.
     pub fn clear_below(&mut self, footprint: &Footprint, pose: Pose2) {
-        self.costmap.clear_below(footprint, pose);
+        for cell in self.costmap.obstacles_below(footprint, pose) {
+            self.costmap.seen.clear(cell);
+            self.costmap.ground.barred[cell] = Barred::No;
+        }
     }
 
     /// See [`Costmap::obstacles_near`].
@@ -86,6 +89,7 @@ impl Window {
 mod tests {
     use super::*;
     use crate::costmap::tests::open_ground;
+    use openbench_core::RobotDescription;
 
     #[test]
     fn what_was_seen_stays_where_it_is_until_the_window_has_left_it() {
@@ -109,5 +113,17 @@ mod tests {
         assert!(window.obstacles_near(MapPoint::new(30.0, 0.0), 9.0).is_empty());
         window.follow(&whole, MapPoint::default());
         assert!(near(&window).is_empty());
+    }
+
+    #[test]
+    fn nothing_is_where_the_robot_stands() {
+        let mut window = Window::new(&open_ground(), MapPoint::default());
+        window.costmap.ground.barred.fill(Barred::Water);
+        let is_obstacle = |window: &Window, x: f64| {
+            window.costmap.is_obstacle(window.grid().cell_at(MapPoint::new(x, 0.0)).unwrap())
+        };
+        assert!(is_obstacle(&window, 0.0) && is_obstacle(&window, 1.0));
+        window.clear_below(&Footprint::of(&RobotDescription::sentry()).unwrap(), Pose2::default());
+        assert!(!is_obstacle(&window, 0.0) && is_obstacle(&window, 1.0));
     }
 }

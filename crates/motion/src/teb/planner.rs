@@ -46,7 +46,7 @@ const WELL_WITHIN: f64 = 0.7;
 pub struct TebSettings {
     /// What shapes a band.
     pub band: Settings,
-    /// How classes are found; its `keep` is set from the footprint.
+    /// How classes are found; its `keep` and `comfort` are set from the footprint and the margins of bands.
     pub exploring: Exploring,
     /// Length of the way that is planned ahead, metres.
     pub horizon: f64,

@@ -79,8 +79,8 @@ impl Resolution {
 
     /// Whether a band can be divided like that.
     pub fn check(&self) -> Result<(), SettingsError> {
-        positive("the first time step", self.near)?;
-        positive("the last time step", self.far)?;
+        time_step("the first time step", self.near)?;
+        time_step("the last time step", self.far)?;
         positive("the horizon of time steps", self.horizon)?;
         let value = self.most as f64;
         let enough = (4..=10_000).contains(&self.most);
@@ -194,6 +194,12 @@ impl Settings {
 pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), SettingsError> {
     let wanted = "it must be more than nothing, and a number";
     if value > 0.0 && value.is_finite() { Ok(()) } else { Err(SettingsError { name, value, wanted }) }
+}
+
+/// Shorter ones vanish beside the times that they are added to.
+fn time_step(name: &'static str, value: f64) -> Result<(), SettingsError> {
+    let wanted = "1 ms to a minute are possible";
+    if (1e-3..=60.0).contains(&value) { Ok(()) } else { Err(SettingsError { name, value, wanted }) }
 }
 
 pub(crate) fn finite(name: &'static str, value: f64) -> Result<(), SettingsError> {
