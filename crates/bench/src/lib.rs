@@ -14,6 +14,7 @@
 //! | [`scoring`] | from what happened to results |
 //! | [`metrics`], [`statistics`], [`results`] | the numbers |
 //! | [`evaluate`] | the reference's recorder files |
+//! | [`instructions`] | instructions with right answers, and SRTP of planners |
 //! | [`report`] | results for people |
 //! | [`motion`] | how well local planners drive |
 //! | [`speed`] | how fast the parts are |
@@ -28,6 +29,7 @@ pub mod disturbed;
 pub mod draw;
 pub mod error;
 pub mod evaluate;
+pub mod instructions;
 pub mod metrics;
 pub mod motion;
 pub mod picture;

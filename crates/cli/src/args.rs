@@ -36,6 +36,8 @@ pub enum Command {
     Run(RunArgs),
     /// Print the deliveries that an instruction asks for, in driving order, as JSON
     Plan(PlanArgs),
+    /// Measure how many instructions a planner understands (SRTP)
+    Srtp(SrtpArgs),
     /// Print a route as OSRM's HTTP API does, JSON
     Route(RouteArgs),
     /// Put a map's roads into a graph file, so that routing starts at once
@@ -142,6 +144,45 @@ pub struct PlanArgs {
     pub planner: String,
     /// The instruction
     pub instruction: String,
+}
+
+/// Arguments of `srtp`.
+#[derive(Debug, ClapArgs)]
+#[command(after_help = "\
+Examples:
+  openbench srtp
+  openbench srtp --planner openai:qwen2.5:0.5b@http://127.0.0.1:11434/v1 --split development
+  openbench srtp --data mine.json --map town.osm --json
+
+A file of your own is a JSON list, or has one case a line:
+  {\"instruction\": \"Box to unit 1, building 3\", \"deliveries\": [{\"building\": \"building3\", \"unit\": \"unit1\"}]}
+and may have id, lang, difficulty (easy, medium, hard), map (estate, town), before ([[0, 1]]: the first before the second) and
+ambiguous (true, without deliveries: the planner has to ask back).")]
+pub struct SrtpArgs {
+    /// grammar; or openai:MODEL, openai:MODEL@URL for a chat model
+    #[arg(long, default_value = "grammar")]
+    pub planner: String,
+    /// Which of the built-in instructions
+    #[arg(long, default_value = "test", conflicts_with = "data")]
+    pub split: SplitArg,
+    /// Instructions of your own
+    #[arg(long, value_name = "FILE")]
+    pub data: Option<PathBuf>,
+    /// The map that instructions speak of if they name none
+    #[arg(long, value_name = "FILE")]
+    pub map: Option<PathBuf>,
+    /// Print JSON, with every instruction that was not understood
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Built-in instructions.
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+pub enum SplitArg {
+    /// To look at while a planner is written
+    Development,
+    /// To measure a planner with
+    Test,
 }
 
 /// A part of a map, and how it lies on the Earth.

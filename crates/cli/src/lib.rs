@@ -42,6 +42,7 @@ fn dispatch(command: Command, registry: &Registry) -> anyhow::Result<Outcome> {
     match command {
         Command::Run(args) => commands::run::run(&args, registry),
         Command::Plan(args) => commands::plan::run(&args),
+        Command::Srtp(args) => commands::srtp::run(&args),
         Command::Route(args) => commands::route::run(&args),
         Command::Odometry(args) => commands::odometry::run(&args),
         Command::Record(args) => commands::record::run(&args),

@@ -14,6 +14,7 @@ pub mod route;
 pub mod run;
 pub mod serve;
 pub mod show;
+pub mod srtp;
 pub mod verify;
 pub mod world;
 

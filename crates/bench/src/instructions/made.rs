@@ -1,0 +1,199 @@
+//! Instructions made from templates (`data/instructions/templates`), the same for the same seed.
+//!
+//! For each language and template, some times over: different doors of the estate, one form of address, numbers as digits or as words. In a
+//! template `{1}` is the address of the first door, `{b1}` and `{u1}` the numbers of its building and of its unit; in a form of address `{b}`, `{u}` and `{o}`
+//! are the numbers and the unit's ordinal. Doors lie in different buildings but for templates of `one_building`; all have the same unit in those of `one_unit`. Which doors
+//! are to be delivered to (`deliver`, all by default) and which before which (`before`) the template says; what it names otherwise must not be delivered to.
+
+use openbench_core::Address;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use serde::Deserialize;
+
+use super::{Case, Difficulty, MapName, Split};
+
+/// The languages with their templates.
+const LANGUAGES: [(&str, &str); 6] = [
+    ("en", include_str!("../../data/instructions/templates/en.toml")),
+    ("zh", include_str!("../../data/instructions/templates/zh.toml")),
+    ("es", include_str!("../../data/instructions/templates/es.toml")),
+    ("de", include_str!("../../data/instructions/templates/de.toml")),
+    ("fr", include_str!("../../data/instructions/templates/fr.toml")),
+    ("ja", include_str!("../../data/instructions/templates/ja.toml")),
+];
+/// Buildings of the estate, and units of each.
+const BUILDINGS: usize = 12;
+const UNITS: usize = 4;
+/// How often each template is filled.
+const TIMES: usize = 3;
+/// Share of instructions with numbers as words.
+const WORDS: f64 = 0.3;
+/// Doors that a template may name.
+const MOST_DOORS: usize = 4;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Language {
+    numbers: Vec<String>,
+    #[serde(default)]
+    ordinals: Vec<String>,
+    /// What prepositions and articles become together.
+    #[serde(default)]
+    contractions: Vec<(String, String)>,
+    development: Templates,
+    test: Templates,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Templates {
+    addresses: Vec<String>,
+    templates: Vec<Template>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Template {
+    difficulty: Difficulty,
+    text: String,
+    #[serde(default)]
+    deliver: Vec<usize>,
+    #[serde(default)]
+    before: Vec<(usize, usize)>,
+    #[serde(default)]
+    one_building: bool,
+    #[serde(default)]
+    one_unit: bool,
+}
+
+/// A door of the estate: numbers of building and unit, from 1.
+type Door = (usize, usize);
+
+/// The instructions of a split from a seed.
+///
+/// # Panics
+/// Never: the built-in templates are sound, as a test shows.
+pub fn made(split: Split, seed: u64) -> Vec<Case> {
+    let mut cases = Vec::new();
+    for (stream, (lang, text)) in (0..).zip(LANGUAGES) {
+        let language: Language = toml::from_str(text).expect("built-in templates can be read");
+        let (templates, name) = match split {
+            Split::Development => (&language.development, "development"),
+            Split::Test => (&language.test, "test"),
+        };
+        let mut rng =
+            Pcg64Mcg::seed_from_u64(seed ^ (stream << 32) ^ (u64::from(split == Split::Test) << 40));
+        let every = templates.templates.iter().flat_map(|template| std::iter::repeat_n(template, TIMES));
+        for (number, template) in (1..).zip(every) {
+            let id = format!("{lang}-made-{name}-{number:02}");
+            cases.push(language.fill(template, templates, (id, lang), &mut rng));
+        }
+    }
+    cases
+}
+
+impl Language {
+    fn fill(
+        &self,
+        template: &Template,
+        templates: &Templates,
+        (id, lang): (String, &str),
+        rng: &mut Pcg64Mcg,
+    ) -> Case {
+        let count = (1..=MOST_DOORS).rev().find(|k| names(&template.text, *k)).unwrap_or(0);
+        let doors = doors(template, count, rng);
+        let form = &templates.addresses[rng.random_range(0..templates.addresses.len())];
+        let as_words = template.difficulty != Difficulty::Easy && rng.random_bool(WORDS);
+        let mut instruction = template.text.clone();
+        for (k, door) in (1..).zip(&doors) {
+            let (b, u) = (self.number(door.0, as_words), self.number(door.1, as_words));
+            let ordinal = self.ordinals.get(door.1 - 1).map_or("", String::as_str);
+            let address = form.replace("{b}", &b).replace("{u}", &u).replace("{o}", ordinal);
+            instruction = instruction.replace(&format!("{{{k}}}"), &address);
+            instruction = instruction.replace(&format!("{{b{k}}}"), &b).replace(&format!("{{u{k}}}"), &u);
+        }
+        for (apart, together) in &self.contractions {
+            instruction = instruction.replace(apart, together);
+        }
+        let all: Vec<usize> = (1..=count).collect();
+        let deliver = if template.deliver.is_empty() { &all } else { &template.deliver };
+        let place = |door: usize| deliver.iter().position(|d| *d == door);
+        let before = template.before.iter().filter_map(|(a, b)| Some((place(*a)?, place(*b)?)));
+        let address = |door: &usize| {
+            let (b, u) = doors[door - 1];
+            Address::new(format!("building{b}"), format!("unit{u}"))
+        };
+        Case {
+            id,
+            lang: lang.to_owned(),
+            difficulty: Some(template.difficulty),
+            map: Some(MapName::Estate),
+            instruction: sentence(&instruction),
+            deliveries: deliver.iter().map(address).collect(),
+            before: before.collect(),
+            ambiguous: false,
+        }
+    }
+
+    fn number(&self, number: usize, as_word: bool) -> String {
+        let word = self.numbers.get(number - 1).filter(|_| as_word);
+        word.cloned().unwrap_or_else(|| number.to_string())
+    }
+}
+
+/// Whether a template says something of door `k`.
+fn names(text: &str, k: usize) -> bool {
+    ["", "b", "u"].iter().any(|kind| text.contains(&format!("{{{kind}{k}}}")))
+}
+
+/// Different doors.
+fn doors(template: &Template, count: usize, rng: &mut Pcg64Mcg) -> Vec<Door> {
+    let mut doors: Vec<Door> = Vec::new();
+    while doors.len() < count {
+        let mut door = (rng.random_range(1..=BUILDINGS), rng.random_range(1..=UNITS));
+        let first = doors.first().copied().unwrap_or(door);
+        if template.one_building {
+            door.0 = first.0;
+        }
+        if template.one_unit {
+            door.1 = first.1;
+        }
+        let is_new = |other: &Door| *other != door && (template.one_building || other.0 != door.0);
+        if doors.iter().all(is_new) {
+            doors.push(door);
+        }
+    }
+    doors
+}
+
+/// The text with a capital at its beginning.
+fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_files_hold_what_seed_1_makes() {
+        for (split, file) in
+            [(Split::Development, super::super::DEVELOPMENT[1]), (Split::Test, super::super::TEST[1])]
+        {
+            let lines: Vec<String> =
+                made(split, 1).iter().map(|case| serde_json::to_string(case).unwrap()).collect();
+            let changed = lines.iter().zip(file.lines()).find(|(made, kept)| made != kept);
+            assert!(changed.is_none() && lines.len() == file.lines().count(), "{changed:?}");
+        }
+    }
+
+    #[test]
+    fn nothing_of_a_template_is_left_over() {
+        for case in [Split::Development, Split::Test].into_iter().flat_map(|split| made(split, 7)) {
+            assert!(!case.instruction.contains(['{', '}']), "{}", case.instruction);
+            assert!((1..=3).contains(&case.deliveries.len()), "{case:?}");
+        }
+        assert_ne!(made(Split::Test, 1), made(Split::Test, 2));
+    }
+}

@@ -1,0 +1,92 @@
+//! `openbench srtp`
+
+use std::fmt::Write as _;
+
+use openbench_bench::instructions::score::{Scores, Share, score};
+use openbench_bench::instructions::{Difficulty, Split, built_in, read};
+
+use crate::args::{SplitArg, SrtpArgs};
+use crate::commands::read_map;
+use crate::open_parts::planner;
+use crate::outcome::{Outcome, say, say_json};
+use crate::progress::progress_bar;
+
+/// What the paper's table has: a model, and its SRTP over 60 runs.
+const PAPER: [(&str, f64); 6] = [
+    ("Gemini-1.5-pro", 0.27),
+    ("Qwen-turbo", 0.5),
+    ("WenXinYiYan", 0.6),
+    ("GPT-3.5-turbo", 0.9),
+    ("Claude-3.5", 0.97),
+    ("GPT-4o-mini", 1.0),
+];
+/// Most misunderstandings that the table lists.
+const SHOWN: usize = 10;
+
+/// Prints how many instructions a planner understands.
+pub fn run(args: &SrtpArgs) -> anyhow::Result<Outcome> {
+    let planner = planner(&args.planner).map_err(anyhow::Error::msg)?;
+    let (what, cases) = match &args.data {
+        Some(path) => (path.display().to_string(), read(path)?),
+        None => {
+            let (name, split) = match args.split {
+                SplitArg::Development => ("development", Split::Development),
+                SplitArg::Test => ("test", Split::Test),
+            };
+            (format!("the {name} split"), built_in(split))
+        }
+    };
+    let map = args.map.as_deref().map(read_map).transpose()?;
+    let bar = progress_bar(cases.len(), "instructions");
+    let scores = score(planner.as_ref(), &cases, map.as_ref(), |_| bar.inc(1));
+    bar.finish_and_clear();
+    if args.json {
+        say_json(&scores)?
+    } else {
+        say(&table(&scores, &what))?
+    }
+    Ok(Outcome::Done)
+}
+
+fn table(scores: &Scores, what: &str) -> String {
+    let mut text =
+        format!("{} on {what}\n\n            instructions  right   SRTP  95 % interval\n", scores.planner);
+    let mut line = |name: &str, share: &Share| {
+        let percent = |value: f64| format!("{:.1}", 100.0 * value);
+        let interval = share.interval.map(|[low, high]| format!("{} to {}", percent(low), percent(high)));
+        let _ = writeln!(
+            text,
+            "{name:11} {:12}  {:5}  {:>5}  {:>13}",
+            share.instructions,
+            share.right,
+            share.srtp.map(percent).unwrap_or_default(),
+            interval.unwrap_or_default()
+        );
+    };
+    line("all", &scores.all);
+    scores.difficulties.iter().for_each(|(difficulty, share)| line(named(*difficulty), share));
+    scores.languages.iter().for_each(|(language, share)| line(language, share));
+    let _ = writeln!(text, "\n{:.3} ms an instruction, {:.3} ms at most", scores.mean_ms, scores.max_ms);
+    for wrong in scores.wrong.iter().take(SHOWN) {
+        let planned: Vec<String> = wrong.planned.iter().map(|door| format!("({door})")).collect();
+        let said = wrong.said.as_ref().map(|said| format!("; {said}")).unwrap_or_default();
+        let _ =
+            write!(text, "\n{}: {}\n    planned: {}{said}", wrong.id, wrong.instruction, planned.join(" "));
+    }
+    if scores.wrong.len() > SHOWN {
+        let _ = write!(text, "\nand {} more (--json has them all)", scores.wrong.len() - SHOWN);
+    }
+    let _ = write!(text, "\n\nThe paper's table, of other instructions, 60 runs each (not run here):");
+    for (model, srtp) in PAPER {
+        let _ = write!(text, " {model} {:.0},", 100.0 * srtp);
+    }
+    text.trim_end_matches(',').to_owned() + "\n"
+}
+
+fn named(difficulty: Difficulty) -> &'static str {
+    match difficulty {
+        Difficulty::Easy => "easy",
+        Difficulty::Medium => "medium",
+        Difficulty::Hard => "hard",
+    }
+}
