@@ -56,6 +56,57 @@ fn what_is_denied_corrected_or_passed_by_is_no_destination() {
         ("Building 4, the one next to building 5, unit 2", "building4/unit2"),
         ("Leave it behind building 4", "building4"),
         ("building 9 instead of building 6, unit 1", "building9/unit1"),
+        ("Not unit 3, building 5, I meant unit 4, building 8", "building8/unit4"),
+        (
+            "The second door of house 12 has been cancelled; just the fourth door of house 5.",
+            "building5/unit4",
+        ),
+        ("Leave house 3, door 1 out this time, but house 7, door 2 is due", "building7/unit2"),
+        ("They called off unit 3 in building 7. Unit 2 in building 3 is still waiting.", "building3/unit2"),
+        ("Lass Haus 3, Eingang 1 heute aus, aber Haus 4, Eingang 2 steht auf der Liste", "building4/unit2"),
+        ("La maison 6, porte 1 est annulée ; il ne reste que la maison 8, porte 2.", "building8/unit2"),
+        ("No al edificio 2, unidad 2, sino al edificio 5, unidad 3", "building5/unit3"),
+        ("6栋2单元已经取消了，只剩4栋3单元。", "building4/unit3"),
+        ("7番棟の3号室へ、じゃなくて2番棟の4号室へ。", "building2/unit4"),
+    ]);
+}
+
+#[test]
+fn words_that_deny_elsewhere_do_not_deny_here() {
+    check(&[
+        ("Don't forget building 4, unit 2.", "building4/unit2"),
+        ("The parcel goes out to building 3, unit 1.", "building3/unit1"),
+        ("Carry the box out of building 2 and over to building 3 unit 1", "building3/unit1"),
+        ("not only building 3 unit 1 but also building 4 unit 2", "building3/unit1 building4/unit2"),
+        ("the box that was cancelled goes back to building 7 unit 1", "building7/unit1"),
+        ("Bring das Paket raus zu Haus 3, Eingang 1.", "building3/unit1"),
+        ("N'oubliez pas le bâtiment 3, unité 1.", "building3/unit1"),
+        ("Ne livrez que le bâtiment 3, unité 1.", "building3/unit1"),
+        ("3号楼没有电梯，请送到3号楼1单元", "building3/unit1"),
+        ("送到3号楼1单元，没有人就放门口", "building3/unit1"),
+    ]);
+}
+
+#[test]
+fn lists_are_dealt_out() {
+    check(&[
+        ("One for building 2 and one for building 3", "building2 building3"),
+        ("A crate for door 2 of house 4 and one for door 1 of house 2", "building4/unit2 building2/unit1"),
+        ("Door 3 of houses 4 and 2 wants milk.", "building4/unit3 building2/unit3"),
+        ("1号楼和12号楼的3单元各一袋。", "building1/unit3 building12/unit3"),
+        ("Haus 1 und Haus 12, jeweils Eingang 3", "building1/unit3 building12/unit3"),
+        ("Haus 8, Eingang 1 bis 3", "building8/unit1 building8/unit2 building8/unit3"),
+        ("unidades de la 2 a la 4 del edificio 7", "building7/unit2 building7/unit3 building7/unit4"),
+        ("8号棟の1号室から3号室まで一部ずつ。", "building8/unit1 building8/unit2 building8/unit3"),
+        (
+            "Mr. Ray in unit 3 of building 2 and Mrs. Lee in unit 4 of the same building",
+            "building2/unit3 building2/unit4",
+        ),
+        (
+            "Livrez au bâtiment douze, unité trois, et au bâtiment un, unité un.",
+            "building12/unit3 building1/unit1",
+        ),
+        ("電話は0800-11-2233、2番棟の3号室です。", "building2/unit3"),
     ]);
 }
 
@@ -136,6 +187,17 @@ fn order_words_bind_and_lists_do_not() {
     assert_eq!(order("先去9号楼，再去2号楼"), "building9 building2");
     assert_eq!(order("去2号楼之前先去9号楼"), "building9 building2");
     assert_eq!(order("The first box to building 9, the second box to building 2"), "building2 building9");
+    assert_eq!(order("Start at building 9 and finish at building 2"), "building9 building2");
+    assert_eq!(order("Last of all building 3; building 9 before it"), "building9 building3");
+    assert_eq!(order("Don't go to building 2 until building 9 is done"), "building9 building2");
+    assert_eq!(order("Building 2 has to wait until building 9 has its letter"), "building9 building2");
+    assert_eq!(order("Fahr nicht zu Haus 2, bevor Haus 9 erledigt ist"), "building9 building2");
+    assert_eq!(order("Nach Haus 9 geht es zu Haus 2"), "building9 building2");
+    assert_eq!(order("nach Haus 9 und Haus 2"), "building2 building9");
+    assert_eq!(order("9号楼没送完之前别去2号楼"), "building9 building2");
+    assert_eq!(order("从9号楼开始送，2号楼也要"), "building9 building2");
+    assert_eq!(order("9号棟が済むまで2号棟には行かないで"), "building9 building2");
+    assert_eq!(order("2号棟は9号棟の後にして"), "building9 building2");
 }
 
 #[test]

@@ -18,7 +18,7 @@ pub(crate) fn doors(reading: &Reading<'_>) -> Vec<Door> {
     let mut found = Vec::new();
     let mut at = 0;
     while at < reading.lexemes.len() {
-        let heads = matches!(reading.class(at), Some(Class::Toward | Class::Link));
+        let heads = matches!(reading.class(at), Some(Class::Toward | Class::TowardOrAfter | Class::Link));
         let door = heads.then(|| numbered(reading, at + 1).or_else(|| named(reading, at + 1))).flatten();
         at = door.as_ref().map_or(at + 1, |d| d.last.max(at + 1));
         found.extend(door);
@@ -28,7 +28,8 @@ pub(crate) fn doors(reading: &Reading<'_>) -> Vec<Door> {
 
 /// Destinations named by a part of a name on the map, beside the mentions that are there already.
 pub(crate) fn partial(reading: &Reading<'_>, gazetteer: &Gazetteer, mentions: &[Mention]) -> Vec<Mention> {
-    let heads = (0..reading.lexemes.len()).filter(|at| reading.class(*at) == Some(Class::Toward));
+    let heads = (0..reading.lexemes.len())
+        .filter(|at| matches!(reading.class(*at), Some(Class::Toward | Class::TowardOrAfter)));
     let free = |door: &Door| mentions.iter().all(|m| m.at.end <= door.first || door.last <= m.at.start);
     let found = heads.filter_map(|at| named(reading, at + 1)).filter(free).filter_map(|door| {
         let Some(Target::Words(words)) = door.building else { return None };

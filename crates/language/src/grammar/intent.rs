@@ -1,7 +1,8 @@
-//! Which mentions are meant: not those after `not`, those that a correction replaces, origins and landmarks, floors.
+//! Which mentions are meant: not those after `not`, those that a correction replaces or that were cancelled, origins and landmarks, floors.
 
 use super::lexicon::Class;
 use super::mentions::{Level, Mention, Reading};
+use super::pairing::owners;
 use super::words::Lex;
 
 /// Why a mention is left out.
@@ -13,11 +14,16 @@ enum Why {
 
 /// How many words may stand between `not` and the place.
 const REACH: usize = 7;
+/// How many words without weight may stand between a place and what says that it is not meant: `was already cancelled`.
+const TAIL: usize = 4;
 
 /// The mentions that the robot shall go to.
 pub(crate) fn meant(reading: &Reading<'_>, mentions: Vec<Mention>) -> Vec<Mention> {
     let mut left_out: Vec<Option<Why>> = mentions.iter().map(|m| denial(reading, m)).collect();
+    allow_where_to_begin(reading, &mentions, &mut left_out);
+    allow_what_is_put_in_order(reading, &mentions, &mut left_out);
     spread(reading, &mentions, &mut left_out);
+    together(reading, &mentions, &mut left_out);
     correct(reading, &mentions, &mut left_out);
     let strong = |i: usize, out: &[Option<Why>]| {
         out[i].is_none() && !mentions[i].weak && mentions[i].level == Level::Building
@@ -32,27 +38,112 @@ pub(crate) fn meant(reading: &Reading<'_>, mentions: Vec<Mention>) -> Vec<Mentio
 }
 
 fn denial(reading: &Reading<'_>, mention: &Mention) -> Option<Why> {
-    if reading.class(mention.at.end) == Some(Class::NotBefore) {
-        return Some(Why::Elsewhere);
+    match after(reading, mention.at.end) {
+        Some((Class::NotBefore, 0)) => return Some(Why::Elsewhere),
+        Some((Class::Dropped, _)) => return Some(Why::Denied),
+        _ => {}
     }
     for at in (0..mention.at.start).rev().take(REACH) {
         match reading.lex(at)? {
             Lex::Word(Class::Not, _) => return Some(Why::Denied),
+            // `They called off the one in building 3`, but `goes out to building 3`
+            Lex::Word(Class::Dropped, _) => {
+                let is_object = (at + 1..mention.at.start)
+                    .all(|i| matches!(reading.class(i), Some(Class::Article | Class::Determiner)));
+                return (is_object && says_no_place_before(reading, at)).then_some(Why::Denied);
+            }
             Lex::Word(Class::Elsewhere, _) => return Some(Why::Elsewhere),
-            Lex::Word(
-                Class::Article
-                | Class::Link
-                | Class::Toward
-                | Class::Verb
-                | Class::Filler
-                | Class::Determiner
-                | Class::Item,
-                _,
-            ) => {}
+            Lex::Word(class, _) if is_light(*class) || *class == Class::Item => {}
             _ => return None,
         }
     }
     None
+}
+
+/// Whether no level is named between the beginning of the clause and a place: what was cancelled comes after it then.
+fn says_no_place_before(reading: &Reading<'_>, at: usize) -> bool {
+    let inside = |i: &usize| !matches!(reading.lex(*i), Some(Lex::Stop | Lex::Comma));
+    let is_place = |i: usize| {
+        matches!(
+            reading.lex(i),
+            Some(
+                Lex::Name(_) | Lex::Number { .. } | Lex::Word(Class::Building | Class::Unit | Class::Room, _)
+            )
+        )
+    };
+    !(0..at).rev().take_while(inside).any(is_place)
+}
+
+/// Words that change nothing of what is denied.
+fn is_light(class: Class) -> bool {
+    matches!(
+        class,
+        Class::Article
+            | Class::Link
+            | Class::Toward
+            | Class::TowardOrAfter
+            | Class::Verb
+            | Class::Filler
+            | Class::Each
+            | Class::Same
+            | Class::Determiner
+    )
+}
+
+/// The first word with weight from a place on, and how many without stand before it.
+fn after(reading: &Reading<'_>, end: usize) -> Option<(Class, usize)> {
+    let mut skipped = 0;
+    loop {
+        let class = reading.class(end + skipped)?;
+        // `Lass Haus 3 heute aus, …`: with nothing after it to come from.
+        let ends = matches!(reading.lex(end + skipped + 1), None | Some(Lex::Stop | Lex::Comma));
+        if class == Class::Elsewhere && ends {
+            return Some((Class::Dropped, skipped));
+        }
+        if !is_light(class) || skipped == TAIL {
+            return Some((class, skipped));
+        }
+        skipped += 1;
+    }
+}
+
+/// Whether the `before` at a place puts two stops in order the other way round: `Don't go to building 3 before building 4`.
+pub(crate) fn is_order_after_not(reading: &Reading<'_>, at: usize) -> bool {
+    let Some(Lex::Word(Class::Before, postfix)) = reading.lex(at) else { return false };
+    let denies = |i: usize| matches!(reading.class(i), Some(Class::Not | Class::Dropped));
+    let inside = |i: &usize| reading.lex(*i) != Some(&Lex::Stop);
+    if *postfix {
+        (at + 1..reading.lexemes.len()).take_while(inside).any(denies)
+    } else {
+        (0..at).rev().take_while(inside).any(denies)
+    }
+}
+
+/// `从3号楼2单元开始`: not where it comes from, but where to begin.
+fn allow_where_to_begin(reading: &Reading<'_>, mentions: &[Mention], left_out: &mut [Option<Why>]) {
+    for i in 0..mentions.len() {
+        let mut end = mentions[i].at.end;
+        let next = mentions.get(i + 1).filter(|next| next.at.start == end && next.level != mentions[i].level);
+        end = next.map_or(end, |next| next.at.end);
+        if left_out[i] == Some(Why::Elsewhere) && reading.class(end) == Some(Class::First) {
+            left_out[i] = None;
+        }
+    }
+}
+
+fn allow_what_is_put_in_order(reading: &Reading<'_>, mentions: &[Mention], left_out: &mut [Option<Why>]) {
+    let stops = |mut gap: std::ops::Range<usize>| gap.any(|i| reading.lex(i) == Some(&Lex::Stop));
+    for at in (0..reading.lexemes.len()).filter(|at| is_order_after_not(reading, *at)) {
+        let is_before = |m: &Mention| m.at.end <= at && !stops(m.at.end..at);
+        let is_behind = |m: &Mention| m.at.start > at && !stops(at..m.at.start);
+        let before: Vec<usize> = (0..mentions.len()).filter(|i| is_before(&mentions[*i])).collect();
+        let behind: Vec<usize> = (0..mentions.len()).filter(|i| is_behind(&mentions[*i])).collect();
+        if !before.is_empty() && !behind.is_empty() {
+            // A building and its unit on each side.
+            let near = before.iter().rev().take(2).chain(behind.iter().take(2));
+            near.for_each(|i| left_out[*i] = None);
+        }
+    }
 }
 
 /// `not unit 2 of building 6`: what is tied to a place left out is left out too.
@@ -70,9 +161,53 @@ fn spread(reading: &Reading<'_>, mentions: &[Mention], left_out: &mut [Option<Wh
     }
 }
 
+/// `not unit 3, building 5, but …`, `building 5 unit 3 was cancelled`: a building goes with its units, and they with it.
+fn together(reading: &Reading<'_>, mentions: &[Mention], left_out: &mut [Option<Why>]) {
+    let owners = owners(reading, mentions);
+    let is_building = |i: usize| mentions[i].level == Level::Building;
+    // `unit 2, not in building 6`: what is denied begins between them.
+    let parted = |a: usize, b: usize| {
+        let mut gap = mentions[a.min(b)].at.end..mentions[a.max(b)].at.start;
+        gap.any(|at| {
+            use Class::{Correct, Dropped, Elsewhere, Not, NotBefore};
+            matches!(reading.class(at), Some(Not | NotBefore | Dropped | Elsewhere | Correct))
+        })
+    };
+    let has_unit = |b: usize| (0..mentions.len()).any(|i| i != b && owners[i] == Some(b));
+    for building in (0..mentions.len()).filter(|i| is_building(*i)) {
+        let is_own = |i: &usize| !is_building(*i) && owners[*i] == Some(building) && !parted(*i, building);
+        let all = (0..mentions.len()).filter(|i| !is_building(*i) && owners[*i] == Some(building)).count();
+        let units: Vec<usize> = (0..mentions.len()).filter(is_own).collect();
+        let Some(nearest) = units.first() else { continue };
+        if left_out[building].is_none() && units.len() == all && units.iter().all(|i| left_out[*i].is_some())
+        {
+            left_out[building] = left_out[*nearest];
+        } else if let Some(why) = left_out[building] {
+            // `not building 6, unit 2, but building 8`: the unit may belong to a building that is meant, if one has none.
+            let is_bare = |b: &usize| is_building(*b) && left_out[*b].is_none() && !has_unit(*b);
+            if !(0..mentions.len()).any(|b| is_bare(&b)) {
+                units.into_iter().for_each(|i| left_out[i] = left_out[i].or(Some(why)));
+            }
+        }
+    }
+}
+
 /// After `no wait` and the like each level named replaces the last one of its level.
 fn correct(reading: &Reading<'_>, mentions: &[Mention], left_out: &mut [Option<Why>]) {
-    for at in (0..reading.lexemes.len()).filter(|at| reading.class(*at) == Some(Class::Correct)) {
+    // `3号棟へ、じゃなくて4号棟へ`: what denies the place before takes it back where it begins a clause.
+    let begins = |at: usize| {
+        at > 0
+            && matches!(
+                reading.lex(at - 1),
+                Some(Lex::Comma | Lex::Dash | Lex::Mark | Lex::Word(Class::And, _))
+            )
+    };
+    let corrects = |at: &usize| match reading.class(*at) {
+        Some(Class::Correct) => true,
+        Some(Class::NotBefore) => begins(*at),
+        _ => false,
+    };
+    for at in (0..reading.lexemes.len()).filter(corrects) {
         let Some(next) = mentions.iter().position(|m| m.at.start > at) else { continue };
         if mentions[next].at.start - at > REACH {
             continue;
@@ -82,7 +217,9 @@ fn correct(reading: &Reading<'_>, mentions: &[Mention], left_out: &mut [Option<W
             let ends = |at: usize| {
                 matches!(
                     reading.lex(at),
-                    Some(Lex::Stop | Lex::Word(Class::Then | Class::And | Class::Correct, _))
+                    Some(
+                        Lex::Stop | Lex::Word(Class::Then | Class::Finally | Class::And | Class::Correct, _)
+                    )
                 )
             };
             if i > next && (mentions[i - 1].at.end..mentions[i].at.start).any(ends) {

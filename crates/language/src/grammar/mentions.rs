@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 use super::lexicon::Class;
-use super::text::Token;
+use super::text::{Kind, Token};
 use super::words::{Lex, Lexeme};
 
 /// A level of the address.
@@ -99,6 +99,12 @@ impl Reading<'_> {
     fn continues_list(&self, at: usize) -> bool {
         let number =
             matches!(self.lex(at), Some(Lex::Number { ordinal: false, .. })) || self.label(at).is_some();
+        // `building 4 and one for building 5`
+        let spelt = self.token(at).is_some_and(|t| t.kind == Kind::Letters && t.text.chars().count() > 1);
+        let is_pronoun = spelt
+            && self.label(at) == Some("1")
+            && matches!(self.class(at + 1), Some(Class::Toward | Class::TowardOrAfter));
+        let number = number && !is_pronoun;
         let alone = match self.lex(at + 1) {
             None | Some(Lex::Stop | Lex::Comma | Lex::Dash | Lex::Mark) => true,
             Some(Lex::Word(class, _)) => !matches!(
@@ -131,7 +137,39 @@ pub(crate) fn mentions(reading: &Reading<'_>) -> Vec<Mention> {
         found.push(mention);
         found.extend(compact);
     }
+    join_ranges(reading, &mut found);
     found
+}
+
+/// `2号室から4号室まで`, where something is for each of them: else it is a way from one to the other.
+fn join_ranges(reading: &Reading<'_>, found: &mut Vec<Mention>) {
+    let is_each = |at: usize| matches!(reading.class(at), Some(Class::Each | Class::Respectively));
+    if !(0..reading.lexemes.len()).any(is_each) {
+        return;
+    }
+    let mut i = 1;
+    while i < found.len() {
+        if let Some(targets) = range_between(reading, &found[i - 1], &found[i]) {
+            let second = found.remove(i);
+            found[i - 1].targets = targets;
+            found[i - 1].at.end = second.at.end + 1;
+        } else {
+            i += 1;
+        }
+    }
+}
+
+fn range_between(reading: &Reading<'_>, a: &Mention, b: &Mention) -> Option<Vec<Target>> {
+    let from = reading.class(a.at.end) == Some(Class::NotBefore) && a.at.end + 1 == b.at.start;
+    let to = reading.class(b.at.end) == Some(Class::Toward);
+    let ([Target::Label { label: first, .. }], [Target::Label { label: last, said }]) =
+        (&a.targets[..], &b.targets[..])
+    else {
+        return None;
+    };
+    let is_range = from && to && a.level == b.level && a.level != Level::Building;
+    let numbers = is_range.then(|| span(first, last)).flatten()?;
+    Some(numbers.into_iter().map(|label| Target::Label { label, said: said.clone() }).collect())
 }
 
 fn mention(reading: &Reading<'_>, at: usize, taken: usize, last: Option<&Mention>) -> Option<Mention> {
@@ -235,7 +273,11 @@ fn numbers_after(reading: &Reading<'_>, level: usize) -> Option<(Vec<String>, us
     if reading.class(at) == Some(Class::Verb) && reading.class(at + 1) == Some(Class::Sign) {
         at += 1;
     }
-    while reading.class(at) == Some(Class::Sign)
+    let plural = reading.is_plural(level);
+    // `unidades de la 2 a la 4`
+    let is_passed =
+        |class: Class| class == Class::Sign || plural && matches!(class, Class::Link | Class::Article);
+    while reading.class(at).is_some_and(is_passed)
         || reading.lex(at) == Some(&Lex::Dash)
         || is_colon(reading, at)
     {
@@ -245,15 +287,19 @@ fn numbers_after(reading: &Reading<'_>, level: usize) -> Option<(Vec<String>, us
     if reading.is_ordinal(at) {
         return None;
     }
-    let plural = reading.is_plural(level);
     let (mut numbers, mut end) = (vec![first], at + 1);
-    if let Some(last) = plural.then(|| range_end(reading, end)).flatten() {
-        return Some((span(&numbers[0], &last)?, end + 2));
+    if let Some((last, end)) = range_end(reading, end, plural) {
+        return Some((span(&numbers[0], &last)?, end));
     }
     // Commas alone make a list only after a plural; else the list must close with `and`.
     let (mut pending, mut next) = (Vec::new(), end);
     while let Some((number, joined)) = list_separator(reading, next) {
-        if !reading.continues_list(number) || numbers.len() + pending.len() >= LONGEST_LIST {
+        // `buildings 4 and 2 want milk`: after a plural what follows may be any word.
+        let before_a_word = plural
+            && reading.lex(number + 1) == Some(&Lex::Unknown)
+            && matches!(reading.lex(number), Some(Lex::Number { ordinal: false, .. }));
+        let is_listed = reading.continues_list(number) || before_a_word;
+        if !is_listed || numbers.len() + pending.len() >= LONGEST_LIST {
             break;
         }
         pending.extend(reading.label(number).map(str::to_owned));
@@ -281,10 +327,13 @@ fn list_separator(reading: &Reading<'_>, mut at: usize) -> Option<(usize, bool)>
     (at > start).then_some((at, joined))
 }
 
-fn range_end(reading: &Reading<'_>, at: usize) -> Option<String> {
-    let tied = reading.lex(at) == Some(&Lex::Dash)
-        || matches!(reading.class(at), Some(Class::Range | Class::Toward));
-    (tied && reading.continues_list(at + 1)).then(|| reading.label(at + 1).map(str::to_owned)).flatten()
+/// The end of a range and where it stands: `units 1 to 3`, `Eingang 1 bis 3`.
+fn range_end(reading: &Reading<'_>, at: usize, plural: bool) -> Option<(String, usize)> {
+    let loose = reading.lex(at) == Some(&Lex::Dash) || reading.class(at) == Some(Class::Toward);
+    let tied = reading.class(at) == Some(Class::Range) || plural && loose;
+    let last = at + 1 + usize::from(reading.class(at + 1) == Some(Class::Article));
+    let label = (tied && reading.continues_list(last)).then(|| reading.label(last)).flatten()?;
+    Some((label.to_owned(), last + 1))
 }
 
 fn span(first: &str, last: &str) -> Option<Vec<String>> {

@@ -45,7 +45,9 @@ pub(crate) fn find(tokens: &[Token], gazetteer: &Gazetteer, known: &[bool]) -> V
                 continue;
             }
             let explained = alias.letters.len().saturating_sub(3 * edits);
-            matches.push((explained, Found { tokens: range, places: vec![alias.place], edits }));
+            let places =
+                if edits == 0 { vec![alias.place] } else { sharers(tokens, &range, alias, gazetteer) };
+            matches.push((explained, Found { tokens: range, places, edits }));
         }
     }
     matches.sort_by_key(|(explained, found)| {
@@ -53,6 +55,23 @@ pub(crate) fn find(tokens: &[Token], gazetteer: &Gazetteer, known: &[bool]) -> V
         (std::cmp::Reverse(*explained), found.edits, stretched, found.tokens.start, found.places[0])
     });
     choose(matches)
+}
+
+/// The places that a misspelt name may be: where it is but a part of the name, all those whose names have that part. `Medical Centre` is no
+/// misspelt `Medical Centre East` where there is a `Medical Centre West`, though the latter has more letters.
+fn sharers(tokens: &[Token], range: &Range<usize>, alias: &Alias, gazetteer: &Gazetteer) -> Vec<usize> {
+    let said: Vec<char> =
+        tokens[range.clone()].iter().filter(|t| t.kind != Kind::Mark).flat_map(|t| t.text.chars()).collect();
+    let has_part = |name: &[char]| name.starts_with(&said) || name.ends_with(&said);
+    if !has_part(&alias.letters) {
+        return vec![alias.place];
+    }
+    let sharing = gazetteer.aliases.iter().filter(|other| has_part(&other.letters)).map(|other| other.place);
+    let mut places = vec![alias.place];
+    places.extend(sharing);
+    places.sort_unstable();
+    places.dedup();
+    places
 }
 
 /// How little a name looks like one: the commas and the like that it runs across, and whether it begins with its number. In

@@ -7,6 +7,9 @@ use super::lexicon::{Class, LANGUAGES};
 use super::text::{Kind, Token};
 use super::words::{Languages, Lex, Meaning, Words};
 
+/// Digits tied by dashes that are a telephone number at least.
+const SHORTEST_TELEPHONE: usize = 7;
+
 /// The number at token `at`: how many tokens it takes and what it is.
 pub(crate) fn number(
     words: &Words,
@@ -39,6 +42,9 @@ fn digits(words: &Words, tokens: &[Token], at: usize, languages: Languages) -> (
         let longer = mark.text == ":" || glued(at + 3, Kind::Letters).is_none();
         return if longer { (3, Lex::Quantity) } else { (4, Lex::Quantity) };
     }
+    if let Some(length) = telephone(tokens, at) {
+        return (length, Lex::Quantity);
+    }
     let text = tokens[at].text.trim_start_matches('0');
     let text = if text.is_empty() { "0" } else { text };
     let label = |suffix: &str, ordinal| Lex::Number { label: format!("{text}{suffix}"), ordinal };
@@ -53,6 +59,18 @@ fn digits(words: &Words, tokens: &[Token], at: usize, languages: Languages) -> (
         Some(_) => (1, label("", false)),
     };
     if text.len() > 5 { (length, Lex::Quantity) } else { measured(words, tokens, at, length, lex, languages) }
+}
+
+/// `0800-22-3344`: digits tied by dashes, more of them than an address has.
+fn telephone(tokens: &[Token], at: usize) -> Option<usize> {
+    let glued = |i: usize, kind: Kind| tokens.get(i).filter(|t| t.glued && t.kind == kind);
+    let (mut length, mut digits) = (1, tokens[at].text.len());
+    while glued(at + length, Kind::Mark).is_some_and(|t| t.text == "-")
+        && let Some(next) = glued(at + length + 1, Kind::Digits)
+    {
+        (length, digits) = (length + 2, digits + next.text.len());
+    }
+    (length > 1 && digits >= SHORTEST_TELEPHONE).then_some(length)
 }
 
 /// A number before a measure is a quantity: `5 kg`, `6点`. Not so before `door` or `unit`, which a measure never is.

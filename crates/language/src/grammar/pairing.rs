@@ -27,6 +27,7 @@ pub(crate) fn doors(reading: &Reading<'_>, mut mentions: Vec<Mention>, gazetteer
     name_the_unknown(reading, &mut mentions, gazetteer);
     let owners = owners(reading, &mentions);
     let mut doors = Vec::new();
+    let shares = shared_units(reading, &mentions, &owners);
     let respectively = (0..reading.lexemes.len()).any(|at| reading.class(at) == Some(Class::Respectively));
     for (b, building) in mentions.iter().enumerate().filter(|(_, m)| m.level == Level::Building) {
         let owned = |level: Level| -> Vec<&Mention> {
@@ -36,6 +37,9 @@ pub(crate) fn doors(reading: &Reading<'_>, mut mentions: Vec<Mention>, gazetteer
         let mut units = owned(Level::Unit);
         if units.is_empty() {
             units = owned(Level::Room);
+        }
+        if let Some(shared) = shares.iter().find(|(bare, _)| *bare == b) {
+            units = shared.1.iter().map(|i| &mentions[*i]).collect();
         }
         doors.extend(combine(building, &units, respectively));
     }
@@ -72,8 +76,45 @@ fn combine(building: &Mention, units: &[&Mention], respectively: bool) -> Vec<Do
     pairs.map(|(b, u)| door(b, Some(u))).collect()
 }
 
+/// `1号楼和12号楼的3单元`, `Haus 1 und Haus 12, jeweils Eingang 3`: buildings without units that share those of the one they are listed with.
+fn shared_units(
+    reading: &Reading<'_>,
+    mentions: &[Mention],
+    owners: &[Option<usize>],
+) -> Vec<(usize, Vec<usize>)> {
+    let is_building = |i: usize| mentions[i].level == Level::Building;
+    let units = |b: usize| -> Vec<usize> {
+        (0..mentions.len()).filter(|i| !is_building(*i) && owners[*i] == Some(b)).collect()
+    };
+    let is_list = |at: usize| matches!(reading.lex(at), Some(Lex::Comma | Lex::Word(Class::And, _)));
+    let mut shared: Vec<(usize, Vec<usize>)> = Vec::new();
+    for b in (1..mentions.len()).rev() {
+        let mut gap = mentions[b - 1].at.end..mentions[b].at.start;
+        let is_listed = is_building(b) && is_building(b - 1) && !gap.is_empty() && gap.all(is_list);
+        if !is_listed || !units(b - 1).is_empty() {
+            continue;
+        }
+        let theirs =
+            shared.iter().find(|(other, _)| *other == b).map_or_else(|| units(b), |(_, units)| units.clone());
+        let dealt = |unit: usize| {
+            let from = mentions[b].at.end.min(mentions[unit].at.start);
+            (from..reading.lexemes.len())
+                .take_while(|at| *at < mentions[unit].at.end + 2)
+                .any(|at| matches!(reading.class(at), Some(Class::Each | Class::Respectively)))
+        };
+        let number_first = (mentions[b].at.clone()).any(|at| {
+            matches!(reading.lex(at), Some(Lex::Word(Class::Building | Class::WeakBuilding, true)))
+        });
+        let after = theirs.iter().all(|unit| mentions[*unit].at.start >= mentions[b].at.end);
+        if !theirs.is_empty() && after && (number_first || dealt(theirs[0])) {
+            shared.push((b - 1, theirs));
+        }
+    }
+    shared
+}
+
 /// For each mention the building that it belongs to; buildings own themselves.
-fn owners(reading: &Reading<'_>, mentions: &[Mention]) -> Vec<Option<usize>> {
+pub(crate) fn owners(reading: &Reading<'_>, mentions: &[Mention]) -> Vec<Option<usize>> {
     let gaps: Vec<i32> = mentions.windows(2).map(|pair| gap(reading, &pair[0], &pair[1])).collect();
     let is_building = |i: &usize| mentions[*i].level == Level::Building;
     let mut building_first = true;
@@ -119,11 +160,17 @@ fn owners(reading: &Reading<'_>, mentions: &[Mention]) -> Vec<Option<usize>> {
 /// How far apart two mentions are that follow each other.
 fn gap(reading: &Reading<'_>, a: &Mention, b: &Mention) -> i32 {
     let weight = |at: usize| match reading.lex(at) {
-        Some(Lex::Stop | Lex::Word(Class::Then | Class::Before | Class::After, _)) => FAR,
+        Some(
+            Lex::Stop
+            | Lex::Word(Class::Then | Class::Finally | Class::Before | Class::After | Class::Wait, _),
+        ) => FAR,
         Some(Lex::Dash | Lex::Word(Class::Link | Class::Article | Class::Sign | Class::First, _)) => 0,
-        Some(Lex::Mark | Lex::Word(Class::Filler, _)) => 1,
+        Some(Lex::Mark | Lex::Word(Class::Filler | Class::Each | Class::Same | Class::Respectively, _)) => 1,
         Some(Lex::Comma) => 2,
-        Some(Lex::Word(Class::And | Class::Toward | Class::Determiner | Class::Range, _)) => 3,
+        Some(Lex::Word(
+            Class::And | Class::Toward | Class::TowardOrAfter | Class::Determiner | Class::Range,
+            _,
+        )) => 3,
         Some(Lex::Word(Class::Verb, _)) => 6,
         Some(Lex::Word(Class::Item, _)) => 8,
         _ => 4,
@@ -142,7 +189,7 @@ fn name_the_unknown(reading: &Reading<'_>, mentions: &mut Vec<Mention>, gazettee
             mentions[j].level != Level::Room && gap(reading, a, b) <= BESIDE
         };
         let has_neighbour = (i > 0 && beside(i - 1)) || (i + 1 < mentions.len() && beside(i + 1));
-        if has_neighbour {
+        if has_neighbour || is_of_the_same(reading, unit.at.end) {
             continue;
         }
         if let Some(building) = number_after(reading, unit.at.end, gazetteer) {
@@ -158,6 +205,14 @@ fn name_the_unknown(reading: &Reading<'_>, mentions: &mut Vec<Mention>, gazettee
     named.dedup_by(|a, b| a.at == b.at);
     mentions.extend(named);
     mentions.sort_by_key(|m| m.at.start);
+}
+
+/// `unit 2 of the same building`
+fn is_of_the_same(reading: &Reading<'_>, mut at: usize) -> bool {
+    while matches!(reading.class(at), Some(Class::Link | Class::Article)) {
+        at += 1;
+    }
+    reading.class(at) == Some(Class::Same)
 }
 
 /// `unit 2 of 105`, where the map has a building 105.
@@ -199,5 +254,6 @@ fn name_before(reading: &Reading<'_>, unit: usize) -> Option<std::ops::Range<usi
     }
     let length = (0..end).rev().take_while(|i| is_name(reading, *i)).count();
     let unknown = (end - length..end).any(|i| reading.lex(i) == Some(&Lex::Unknown));
-    unknown.then_some(end - length..end)
+    let is_person = (end - length).checked_sub(1).is_some_and(|i| reading.class(i) == Some(Class::Title));
+    (unknown && !is_person).then_some(end - length..end)
 }

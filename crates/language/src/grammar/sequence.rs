@@ -2,6 +2,7 @@
 //!
 //! The order in which stops are merely listed binds nothing.
 
+use super::intent::is_order_after_not;
 use super::lexicon::Class;
 use super::mentions::Reading;
 use super::pairing::Door;
@@ -20,11 +21,23 @@ pub(crate) fn constraints(reading: &Reading<'_>, doors: &[Door]) -> Vec<(usize, 
                 first(reading, doors, at, &mut pairs);
             }
             Some(Lex::Word(Class::Last, _)) if is_adverb(reading, doors, at) => last(doors, at, &mut pairs),
-            Some(Lex::Word(Class::Before, postfix)) => pairs.extend(around(reading, doors, at, *postfix)),
+            Some(Lex::Word(Class::Finally, _)) if doors.iter().all(|d| d.first > at) => {
+                last(doors, at, &mut pairs);
+            }
+            Some(Lex::Word(Class::Before, postfix)) => {
+                let pair = around(reading, doors, at, *postfix);
+                let turned = is_order_after_not(reading, at);
+                pairs.extend(pair.map(|(a, b)| if turned { (b, a) } else { (a, b) }));
+            }
             Some(Lex::Word(Class::After, postfix)) => {
                 let pair = around(reading, doors, at, *postfix);
                 pairs.extend(pair.map(|(earlier, later)| (later, earlier)));
             }
+            Some(Lex::Word(Class::Wait, _)) => {
+                let pair = around(reading, doors, at, false);
+                pairs.extend(pair.map(|(waiting, other)| (other, waiting)));
+            }
+            Some(Lex::Word(Class::TowardOrAfter, _)) => pairs.extend(onward(reading, doors, at)),
             _ => {}
         }
     }
@@ -36,7 +49,8 @@ fn stages(reading: &Reading<'_>, doors: &[Door]) -> Vec<(usize, usize)> {
     let mut stage = vec![0; doors.len()];
     for i in 1..doors.len() {
         let between = doors[i - 1].last.min(doors[i].first)..doors[i].first;
-        let parted = between.clone().any(|at| reading.class(at) == Some(Class::Then));
+        let parted =
+            between.clone().any(|at| matches!(reading.class(at), Some(Class::Then | Class::Finally)));
         stage[i] = stage[i - 1] + usize::from(parted);
     }
     let mut pairs = Vec::new();
@@ -79,15 +93,32 @@ fn last(doors: &[Door], at: usize, pairs: &mut Vec<(usize, usize)>) {
     }
 }
 
+/// `nach A geht es zu B`: A, then B.
+fn onward(reading: &Reading<'_>, doors: &[Door], at: usize) -> Option<(usize, usize)> {
+    let from = doors.iter().position(|d| d.first > at)?;
+    let to = from + 1;
+    let mut gap = doors[from].last..doors.get(to)?.first;
+    let goes_on = gap.clone().any(|i| reading.class(i) == Some(Class::Verb))
+        && gap.clone().any(|i| reading.class(i) == Some(Class::Toward));
+    let stops = gap.any(|i| matches!(reading.lex(i), Some(Lex::Stop | Lex::Word(Class::And, _))));
+    (goes_on && !stops).then_some((from, to))
+}
+
 /// The doors that a `before` relates: `A before B`, `before B, A`; after the place in some languages: `B之前先去A`.
 fn around(reading: &Reading<'_>, doors: &[Door], at: usize, postfix: bool) -> Option<(usize, usize)> {
-    if matches!(reading.lex(at + 1), Some(Lex::Number { .. } | Lex::Quantity | Lex::Unknown)) {
+    // `before 6 pm`, but `前に12号棟`
+    let is_door = doors.iter().any(|d| d.first == at + 1);
+    if !is_door && matches!(reading.lex(at + 1), Some(Lex::Number { .. } | Lex::Quantity | Lex::Unknown)) {
         return None;
     }
     let stop = |mut range: std::ops::Range<usize>| range.any(|at| reading.lex(at) == Some(&Lex::Stop));
     let before = doors.iter().rposition(|d| d.last <= at && !stop(d.last..at));
     let mut after = (0..doors.len()).filter(|i| doors[*i].first > at && !stop(at..doors[*i].first));
-    let (next, second) = (after.next()?, after.next());
+    let Some(next) = after.next() else {
+        // `AはBの後にして`
+        return before.filter(|_| postfix).and_then(|b| Some((b.checked_sub(1)?, b)));
+    };
+    let second = after.next();
     match (before, second) {
         (Some(before), _) if postfix => Some((next, before)),
         (Some(before), _) => Some((before, next)),

@@ -124,7 +124,12 @@ impl Words {
     pub(crate) fn longest(&self, tokens: &[Token], languages: Languages) -> Option<(usize, Meaning, usize)> {
         let entries = self.entries.get(&tokens.first()?.text)?;
         let active = |entry: &Entry| languages & (1 << entry.language) != 0;
-        let fitting = entries.iter().filter(|entry| active(entry) || entry.meaning.names_a_level());
+        // Signs are quoted in any language, but `Hall` is a French entrance only with its number.
+        let is_sign = |entry: &Entry| {
+            let next = tokens.get(1 + entry.rest.len());
+            entry.meaning.names_a_level() && next.is_some_and(|t| t.kind == Kind::Digits)
+        };
+        let fitting = entries.iter().filter(|entry| active(entry) || is_sign(entry));
         let fitting = fitting.filter(|entry| entry.fits(tokens));
         // The first of the longest whose language is in force, else the first of the longest.
         let best = fitting.reduce(|best, entry| {
@@ -178,6 +183,7 @@ impl Words {
             at += length;
         }
         self.mend_levels(&mut lexemes, tokens);
+        count_articles(&mut lexemes, tokens, languages);
         lexemes
     }
 
@@ -209,6 +215,28 @@ impl Words {
                     lexemes[at].lex = Lex::Word(class, false);
                 }
             }
+        }
+    }
+}
+
+/// `bâtiment un`: an article after a word for a level is the number one, unless a thing follows that it belongs to.
+fn count_articles(lexemes: &mut [Lexeme], tokens: &[Token], languages: Languages) {
+    let active = (0..LANGUAGES.len()).filter(|i| languages & (1 << i) != 0);
+    let ones: Vec<&str> = active.flat_map(|i| LANGUAGES[i].ones).copied().collect();
+    let is_item = |lexemes: &[Lexeme], at: usize| lexemes.get(at).is_some_and(|l| l.is(Class::Item));
+    for at in 1..lexemes.len() {
+        let is_one =
+            ones.contains(&tokens[lexemes[at].tokens.start].text.as_str()) && lexemes[at].tokens.len() == 1;
+        let is_beside = matches!(
+            lexemes[at - 1].lex,
+            Lex::Word(Class::Building | Class::Unit | Class::Room | Class::Sign, _)
+        );
+        // `unités trois et un`
+        let is_listed = at > 2
+            && (lexemes[at - 1].is(Class::And) || lexemes[at - 1].lex == Lex::Comma)
+            && matches!(lexemes[at - 2].lex, Lex::Number { .. });
+        if is_one && (is_beside || is_listed) && !is_item(lexemes, at + 1) {
+            lexemes[at].lex = Lex::Number { label: "1".to_owned(), ordinal: false };
         }
     }
 }

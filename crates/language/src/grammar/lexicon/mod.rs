@@ -41,14 +41,20 @@ pub(crate) enum Class {
     Range,
     /// The next stop comes after those before: `then`, `然后`.
     Then,
+    /// As `then`; where no stop is named before it, the next one comes after all others: `finally`, `最后`.
+    Finally,
     /// The nearest stop comes before all others of the sentence: `first`, `先`.
     First,
     /// The nearest stop comes after all others: `last`.
     Last,
-    /// The stop before the word precedes the one after it: `before`.
+    /// The stop before the word precedes the one after it: `before`. After a `not` the other way round: `not … until`.
     Before,
     /// The stop before the word follows the one after it: `after`.
     After,
+    /// The stop before the word follows the one after it, in whatever language: `has to wait until`, `要等`.
+    Wait,
+    /// Says where to, or, where another stop follows in the sentence, as `after`: `nach`.
+    TowardOrAfter,
     /// The next place is not meant: `not`, `别`.
     Not,
     /// The next place replaces the one before: `I mean`, `不对`.
@@ -57,8 +63,16 @@ pub(crate) enum Class {
     Elsewhere,
     /// The place before the word is not meant, or only a landmark: `ではなく`, `旁边`.
     NotBefore,
-    /// Deals units out to buildings one by one: `respectively`, `分别`.
+    /// The place before the word, words without weight between them, is not meant any more: `was cancelled`.
+    Dropped,
+    /// Deals units out to buildings one by one, or the same to each: `respectively`, `分别`.
     Respectively,
+    /// Deals the same out to each: `each`, `各`.
+    Each,
+    /// The building named before: `same building`.
+    Same,
+    /// Begins a person's name: `Mrs`.
+    Title,
     /// A thing to deliver.
     Item,
     /// Begins an item: `this`, `这个`.
@@ -83,6 +97,8 @@ pub(crate) struct Lexicon {
     pub ordinals: &'static [(&'static str, u32)],
     /// Endings that make digits ordinal: `3rd`.
     pub ordinal_endings: &'static [&'static str],
+    /// Articles that are the number one after a word for a level: `bâtiment un`.
+    pub ones: &'static [&'static str],
     /// Words between tens and units: `y` in `treinta y uno`.
     pub joints: &'static [&'static str],
     /// Whether tens and units make one word with the units first: `einundzwanzig`.
