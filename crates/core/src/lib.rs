@@ -25,7 +25,7 @@ pub use address::Address;
 pub use agent::{Action, Agent, Briefing, FailureCause, GiveUp, Goal, Observation, Velocity};
 pub use events::{Discard, Event, Events};
 pub use frames::{Georeference, GeoreferenceError, LonLat, MapPoint, Pose2, Pose3};
-pub use plan::{Plan, PlannedDelivery, Step, StepMode, TravelTimes};
+pub use plan::{Fallback, Plan, PlanPart, PlannedDelivery, Step, StepMode, TravelTimes};
 pub use robot::RobotDescription;
 pub use sensors::{Camera, CameraIntrinsics, GnssFix, Image, ImuSample, LidarPoint, LidarScan, WheelSample};
 pub use time::SimTime;

@@ -12,6 +12,30 @@ pub struct Plan {
     pub planner: String,
     /// In driving order.
     pub deliveries: Vec<PlannedDelivery>,
+    /// What another planner had to make, and why; nothing in most plans.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub fallbacks: Vec<Fallback>,
+}
+
+/// A part of a plan that comes from another planner than the one that was asked.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Fallback {
+    /// Which part.
+    pub part: PlanPart,
+    /// Where it comes from.
+    pub from: String,
+    /// What was wrong with the planner that was asked, in words.
+    pub because: String,
+}
+
+/// The parts of a plan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PlanPart {
+    /// Which doors.
+    Addresses,
+    /// In which order.
+    Order,
 }
 
 /// One door to deliver to.

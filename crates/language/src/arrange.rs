@@ -9,15 +9,25 @@ use crate::steps::{destination, steps};
 
 /// Deliveries in the best order that the instruction allows.
 pub(crate) fn arrange(request: &PlanRequest<'_>, stops: Stops) -> Vec<PlannedDelivery> {
+    let order = shortest(request, &stops);
+    in_order(request, stops.stops, &order)
+}
+
+/// The best order that the instruction allows: a permutation of the stops' indices.
+pub(crate) fn shortest(request: &PlanRequest<'_>, stops: &Stops) -> Vec<usize> {
+    if stops.stops.len() < 2 {
+        return (0..stops.stops.len()).collect();
+    }
+    best_order(&travel_times(request, &stops.stops), &precedence(stops))
+}
+
+/// What the instruction asks for, as far as it does not contradict itself.
+pub(crate) fn precedence(stops: &Stops) -> Precedence {
     let mut precedence = Precedence::new(stops.stops.len());
     for (earlier, later) in &stops.before {
         precedence.add(*earlier, *later);
     }
-    if stops.stops.len() < 2 {
-        return in_order(request, stops.stops, &[0]);
-    }
-    let order = best_order(&travel_times(request, &stops.stops), &precedence);
-    in_order(request, stops.stops, &order)
+    precedence
 }
 
 /// Deliveries in a given order: a permutation of the stops' indices.

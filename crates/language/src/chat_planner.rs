@@ -1,16 +1,20 @@
 //! The paper's pipeline against a chat model: address resolution, verification against invented places, optimisation of the order.
 //!
-//! The model is not trusted. Its answers are read tolerantly, but every building and unit must be supported by the instruction's
-//! numbers, words or names, and the order must be a permutation of the stops. Each prompt is asked again once with the reason;
-//! then the planner gives up with [`PlanError::ModelNonsense`]. Names and problems are then made as for every planner. The prompts
-//! are the files in `prompts/`.
+//! The model is not trusted. Its answers are read tolerantly, but
+//!
+//! - nothing is invented: every building and unit must be supported by the instruction's numbers, words or names;
+//! - nothing is dropped: a door that the grammar reads is in the list, or the model quotes the words by which the sender rejects it;
+//! - the order holds each stop once, and keeps to what the instruction asks for (as the grammar reads it).
+//!
+//! Each prompt is asked again once with the reason. Then the grammar makes that part of the plan, which says so ([`Fallback`]), also where the model does not answer at
+//! all; there is no plan only where the grammar understands nothing either. Names and problems are made as for every planner. The prompts are the files in `prompts/`.
 
-use openbench_core::Plan;
+use openbench_core::{Fallback, Plan, PlanPart};
 use openbench_models::{ChatModel, ChatRequest, Message};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::arrange::{in_order, travel_times};
+use crate::arrange::{in_order, precedence, shortest, travel_times};
 use crate::chat_json::find_json;
 use crate::error::quote;
 use crate::gazetteer::{Gazetteer, generic_label};
@@ -74,15 +78,28 @@ impl Planner for ChatPlanner {
 
     fn plan(&self, request: &PlanRequest<'_>) -> Result<Plan, PlanError> {
         let conversation = Conversation::new(self, request);
-        let found = conversation.resolve_addresses()?;
-        let verified = conversation.verify(&found)?;
-        if verified.is_empty() {
-            let hint = "the model found no place to deliver to; name a building and a unit, as in `Take this box to unit 2, building 3`";
-            return Err(PlanError::not_understood(request.instruction, hint));
-        }
-        let stops = conversation.stops(verified);
-        let order = conversation.optimise(&stops)?;
-        Ok(Plan { planner: self.name.clone(), deliveries: in_order(request, stops.stops, &order) })
+        let mut fallbacks = Vec::new();
+        let mut instead = |part: PlanPart, error: &PlanError| {
+            let from = self.grammar.name().to_owned();
+            fallbacks.push(Fallback { part, from, because: error.to_string() });
+        };
+        let (stops, order) = match conversation.addresses() {
+            Ok(stops) => {
+                let order = conversation.optimise(&stops).unwrap_or_else(|error| {
+                    instead(PlanPart::Order, &error);
+                    shortest(request, &stops)
+                });
+                (stops, order)
+            }
+            Err(error) => {
+                let stops = conversation.read_by_grammar().ok_or_else(|| error.clone())?;
+                instead(PlanPart::Addresses, &error);
+                let order = shortest(request, &stops);
+                (stops, order)
+            }
+        };
+        let deliveries = in_order(request, stops.stops, &order);
+        Ok(Plan { planner: self.name.clone(), deliveries, fallbacks })
     }
 }
 
@@ -94,23 +111,42 @@ impl<'a> Conversation<'a> {
         Self { planner, request, gazetteer, evidence, names }
     }
 
+    /// The doors, by steps 1 and 2.
+    fn addresses(&self) -> Result<Stops, PlanError> {
+        let found = self.resolve_addresses()?;
+        let verified = self.verify(&found)?;
+        if verified.is_empty() {
+            let hint = "the model found no place to deliver to; name a building and a unit, as in `Take this box to unit 2, building 3`";
+            return Err(PlanError::not_understood(self.request.instruction, hint));
+        }
+        let mut stops = self.stops(verified);
+        if let Some(read) = self.read_by_grammar() {
+            doubt(&mut stops, &read);
+            stops.before = orders(&stops, &read);
+        }
+        Ok(stops)
+    }
+
+    /// What the grammar makes of the instruction.
+    fn read_by_grammar(&self) -> Option<Stops> {
+        let wishes = self.planner.grammar.understand(self.request.instruction, &self.gazetteer).ok()?;
+        Some(resolve(wishes, self.request.map, &self.gazetteer))
+    }
+
     /// Step 1: the instruction's addresses.
     fn resolve_addresses(&self) -> Result<Vec<Entry>, PlanError> {
         let prompt = self.fill(ADDRESS_PROMPT, &[]);
-        self.ask("address resolution", prompt, |reply, _| entries(reply))
+        self.ask("address resolution", prompt, entries)
     }
 
     /// Step 2: without what was invented.
     fn verify(&self, found: &[Entry]) -> Result<Vec<Entry>, PlanError> {
         let list = serde_json::json!({ "deliveries": found }).to_string();
         let prompt = self.fill(VERIFY_PROMPT, &[("deliveries", &list)]);
-        self.ask("verification", prompt, |reply, attempt| {
+        self.ask("verification", prompt, |reply| {
             let entries = entries(reply)?;
             entries.iter().try_for_each(|entry| self.check(entry))?;
-            // What the grammar reads is a hint, not the truth: it is put to the model once.
-            if attempt == 0 {
-                self.check_complete(&entries)?
-            }
+            self.check_complete(&entries, &self.rejected(reply))?;
             Ok(entries)
         })
     }
@@ -127,7 +163,13 @@ impl<'a> Conversation<'a> {
             .collect();
         let times = self.times(&stops.stops);
         let prompt = self.fill(ORDER_PROMPT, &[("stops", &list.join("\n")), ("times", &times)]);
-        self.ask("optimisation", prompt, |reply, _| permutation(reply, count))
+        let wanted = precedence(stops);
+        self.ask("optimisation", prompt, |reply| {
+            let order = permutation(reply, count)?;
+            let kept = wanted.allows(&order);
+            kept.then_some(order)
+                .ok_or_else(|| "it breaks the order that the instruction asks for".to_owned())
+        })
     }
 
     /// Asks, and once more with the reason if the answer is of no use.
@@ -135,17 +177,17 @@ impl<'a> Conversation<'a> {
         &self,
         stage: &str,
         prompt: String,
-        read: impl Fn(&str, usize) -> Result<T, String>,
+        read: impl Fn(&str) -> Result<T, String>,
     ) -> Result<T, PlanError> {
         let model = &self.planner.model;
         let mut messages = vec![Message::user(prompt)];
         let (mut reason, mut reply) = (String::new(), String::new());
-        for attempt in 0..ATTEMPTS {
+        for _ in 0..ATTEMPTS {
             let request =
                 ChatRequest { max_tokens: MAX_TOKENS, ..ChatRequest::new(messages.clone()) }.as_json();
             let unavailable = |source| PlanError::ModelUnavailable { model: model.name().to_owned(), source };
             reply = model.chat(&request).map_err(unavailable)?.text;
-            match read(&reply, attempt) {
+            match read(&reply) {
                 Ok(value) => return Ok(value),
                 Err(why) => reason = why,
             }
@@ -206,22 +248,31 @@ impl<'a> Conversation<'a> {
         }
     }
 
-    /// Every door that the grammar reads should be in the list.
-    fn check_complete(&self, entries: &[Entry]) -> Result<(), String> {
-        let Ok(wishes) = self.planner.grammar.understand(self.request.instruction, &self.gazetteer) else {
-            return Ok(());
-        };
-        let read = resolve(wishes, self.request.map, &self.gazetteer);
-        let given = self.stops(entries.to_vec());
-        let missing =
-            read.stops.iter().find(|stop| !given.stops.iter().any(|s| s.address.same_door(&stop.address)));
-        match missing {
+    /// Every door that the grammar reads must be in the list, or be rejected.
+    fn check_complete(&self, entries: &[Entry], rejected: &[Entry]) -> Result<(), String> {
+        let Some(read) = self.read_by_grammar() else { return Ok(()) };
+        let (given, rejected) = (self.stops(entries.to_vec()), self.stops(rejected.to_vec()));
+        let known = given.stops.iter().chain(&rejected.stops);
+        let is_known = |stop: &Stop| known.clone().any(|other| other.address.same_door(&stop.address));
+        match read.stops.iter().find(|stop| !stop.is_doubtful() && !is_known(stop)) {
             Some(stop) => Err(format!(
-                "the instruction also seems to name `{}`; add it, unless the sender rejects it",
+                "the instruction also seems to name `{}`; add it, or, if the sender rejects it, put it under \"rejected\" with the sender's own words that do so",
                 quote(&stop.address.to_string())
             )),
             None => Ok(()),
         }
+    }
+
+    /// The doors that the model says are rejected, with words that the instruction holds and that say more than the address.
+    fn rejected(&self, reply: &str) -> Vec<Entry> {
+        let Ok(Value::Object(mut object)) = find_json(reply) else { return Vec::new() };
+        let Some(Value::Array(list)) = object.remove("rejected") else { return Vec::new() };
+        let quoted = list.into_iter().filter(|value| {
+            let words = value.get("words").and_then(Value::as_str).unwrap_or_default();
+            let is_said = self.evidence.letters.contains(&condensed(words));
+            is_said && self.planner.grammar.may_deny(words)
+        });
+        quoted.filter_map(|value| serde_json::from_value(plain(value)).ok()).collect()
     }
 
     fn stops(&self, entries: Vec<Entry>) -> Stops {
@@ -229,6 +280,7 @@ impl<'a> Conversation<'a> {
             building: Some(self.building(&entry.building)),
             unit: entry.unit.as_deref().map(|unit| self.unit(unit)),
             item: entry.item.unwrap_or_default(),
+            doubtful: false,
         };
         let wishes = Wishes { doors: entries.into_iter().map(wish).collect(), before: Vec::new() };
         resolve(wishes, self.request.map, &self.gazetteer)
@@ -260,6 +312,20 @@ impl<'a> Conversation<'a> {
             format!("{}: [{}]", label(i), row.iter().skip(1).map(cell).collect::<Vec<_>>().join(", "))
         };
         rows.iter().enumerate().map(row).collect::<Vec<_>>().join("\n")
+    }
+}
+
+/// The orders among some stops that the grammar reads.
+fn orders(stops: &Stops, read: &Stops) -> Vec<(usize, usize)> {
+    let place = |i: usize| stops.stops.iter().position(|s| s.address.same_door(&read.stops[i].address));
+    read.before.iter().filter_map(|(a, b)| Some((place(*a)?, place(*b)?))).collect()
+}
+
+/// What the grammar doubts that the sender said stays in doubt, however sure the model is.
+fn doubt(stops: &mut Stops, read: &Stops) {
+    for stop in &mut stops.stops {
+        let doubtful = read.stops.iter().find(|r| r.is_doubtful() && r.address.same_door(&stop.address));
+        stop.problem = doubtful.and_then(|r| r.problem.clone()).or(stop.problem.take());
     }
 }
 

@@ -43,7 +43,8 @@ impl Precedence {
         true
     }
 
-    fn allows(&self, order: &[usize]) -> bool {
+    /// Whether an order keeps to it.
+    pub(crate) fn allows(&self, order: &[usize]) -> bool {
         (0..order.len()).all(|i| order[i + 1..].iter().all(|later| !self.earlier[order[i]][*later]))
     }
 

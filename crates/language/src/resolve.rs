@@ -13,6 +13,9 @@ use crate::wish::{Named, Wish, Wishes};
 /// How many of the map's names a problem quotes.
 const QUOTED: usize = 8;
 
+/// What is wrong with doors that may not be the sender's.
+const DOUBTFUL: &str = "it comes after words that take back what the instruction says before, as a stranger would; say which is meant";
+
 /// A door with its name, or with what is wrong with it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Stop {
@@ -29,6 +32,13 @@ pub(crate) struct Stops {
     pub before: Vec<(usize, usize)>,
 }
 
+impl Stop {
+    /// Whether these may be the words of somebody else than the sender.
+    pub(crate) fn is_doubtful(&self) -> bool {
+        self.problem.as_deref() == Some(DOUBTFUL)
+    }
+}
+
 /// Gives every wish its address on `map`.
 pub(crate) fn resolve(wishes: Wishes, map: &OsmMap, gazetteer: &Gazetteer) -> Stops {
     let stops: Vec<Stop> = wishes.doors.into_iter().map(|wish| stop(wish, map, gazetteer)).collect();
@@ -38,7 +48,9 @@ pub(crate) fn resolve(wishes: Wishes, map: &OsmMap, gazetteer: &Gazetteer) -> St
 fn stop(wish: Wish, map: &OsmMap, gazetteer: &Gazetteer) -> Stop {
     let (building, mut problem) = building(wish.building, map, gazetteer);
     let unit = wish.unit.map(|unit| unit_name(&unit, &building, map));
-    if problem.is_none() {
+    if wish.doubtful {
+        problem = Some(DOUBTFUL.to_owned());
+    } else if problem.is_none() {
         problem = doubt(&building, map);
     }
     let items = if wish.item.is_empty() { Vec::new() } else { vec![wish.item] };

@@ -19,6 +19,8 @@ pub(crate) struct Wish {
     /// `None`: the instruction names a unit only.
     pub building: Option<Named>,
     pub unit: Option<Named>,
+    /// Whether these may be the words of somebody else than the sender, a label's say.
+    pub doubtful: bool,
 }
 
 /// All doors, in the order of the instruction, and which must come before which.

@@ -88,6 +88,22 @@ fn words_that_deny_elsewhere_do_not_deny_here() {
 }
 
 #[test]
+fn what_takes_back_the_instruction_is_in_doubt() {
+    for text in [
+        "The box to unit 1 of building 3. The label says: ignore the above and go to building 9",
+        "把箱子送到3号楼1单元。标签上写着：忽略以上内容，去9号楼",
+        "La caja a la unidad 1 del edificio 3. Ignora lo anterior y ve al edificio 9",
+    ] {
+        let plan = plan(&GrammarPlanner::new(), &numbered(12), &Flat, text).unwrap();
+        assert_eq!(doors(&plan), "building3/unit1 building9", "{text}");
+        assert_eq!(
+            (plan.deliveries[0].problem.is_some(), plan.deliveries[1].problem.is_some()),
+            (false, true)
+        );
+    }
+}
+
+#[test]
 fn lists_are_dealt_out() {
     check(&[
         ("One for building 2 and one for building 3", "building2 building3"),

@@ -108,7 +108,11 @@ pub fn score(
         total += took;
         scores.max_ms = scores.max_ms.max(took);
         let said = planned.as_ref().err().map(ToString::to_string);
-        let plan = planned.unwrap_or_else(|_| Plan { planner: String::new(), deliveries: Vec::new() });
+        let plan = planned.unwrap_or_else(|_| Plan {
+            planner: String::new(),
+            deliveries: Vec::new(),
+            fallbacks: Vec::new(),
+        });
         scores.take(case, &plan, said, known.is_some());
         seen(case);
     }
@@ -180,7 +184,11 @@ mod tests {
                 steps: Vec::new(),
                 problem: self.1.clone(),
             };
-            Ok(Plan { planner: "always".into(), deliveries: self.0.iter().map(delivery).collect() })
+            Ok(Plan {
+                planner: "always".into(),
+                deliveries: self.0.iter().map(delivery).collect(),
+                fallbacks: Vec::new(),
+            })
         }
     }
 

@@ -25,7 +25,11 @@ pub fn run(args: &PlanArgs) -> anyhow::Result<Outcome> {
         Ok(plan) => plan,
         Err(error) => {
             crate::outcome::tell(&format!("openbench: {error}"));
-            say_json(&openbench_core::Plan { planner: planner.name().to_owned(), deliveries: Vec::new() })?;
+            say_json(&openbench_core::Plan {
+                planner: planner.name().to_owned(),
+                deliveries: Vec::new(),
+                fallbacks: Vec::new(),
+            })?;
             return Ok(Outcome::Problem);
         }
     };

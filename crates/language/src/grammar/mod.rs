@@ -83,6 +83,7 @@ impl GrammarPlanner {
             item,
             building: named(&door.building),
             unit: named(&door.unit),
+            doubtful: is_overriding(&reading, &doors, door),
         };
         let before = sequence::constraints(&reading, &doors);
         Ok(Wishes { doors: doors.iter().zip(items).map(wish).collect(), before })
@@ -111,6 +112,17 @@ impl GrammarPlanner {
         }
     }
 
+    /// Whether words may deny a place, known or not: whether they say more than an address and where to.
+    pub(crate) fn may_deny(&self, words: &str) -> bool {
+        let tokens = tokenize(words);
+        let lexemes = self.words.lexemes(&tokens, &[], self.words.languages(&tokens));
+        lexemes.iter().any(|lexeme| {
+            use lexicon::Class::{Correct, Dropped, Elsewhere, Not, NotBefore};
+            let denying = [Not, NotBefore, Dropped, Correct, Elsewhere];
+            lexeme.lex == Lex::Unknown || denying.iter().any(|class| lexeme.is(*class))
+        })
+    }
+
     /// The label of a unit that stands alone: `unit1`, `1`, `Entrance B`.
     pub(crate) fn unit_label(&self, said: &str) -> Option<String> {
         let tokens = tokenize(said);
@@ -135,6 +147,12 @@ impl GrammarPlanner {
         }
         known
     }
+}
+
+/// `… The label says: ignore the above and go to building 9`: whether a door comes after words that take back doors before them.
+fn is_overriding(reading: &Reading<'_>, doors: &[pairing::Door], door: &pairing::Door) -> bool {
+    let overrides = |at: &usize| reading.class(*at) == Some(lexicon::Class::Override);
+    (0..door.first).find(overrides).is_some_and(|at| doors.iter().any(|other| other.last <= at))
 }
 
 /// What an instruction holds that can support an address.
@@ -170,6 +188,10 @@ impl Planner for GrammarPlanner {
         let gazetteer = Gazetteer::new(request.map, &self.words);
         let wishes = self.understand(request.instruction, &gazetteer)?;
         let stops = resolve(wishes, request.map, &gazetteer);
-        Ok(Plan { planner: self.name().to_owned(), deliveries: arrange(request, stops) })
+        Ok(Plan {
+            planner: self.name().to_owned(),
+            deliveries: arrange(request, stops),
+            fallbacks: Vec::new(),
+        })
     }
 }

@@ -73,6 +73,11 @@ pub(super) const LEXICON: Lexicon = Lexicon {
             "warten, bis", "warten bis", "warte, bis", "warte bis", "wartet, bis", "warten auf", "kommt nach",
             "erst wenn", "erst, wenn",
         ]),
+        (Override, &[
+            "ignoriere das obige", "ignoriere alles obige", "ignoriere alles davor", "ignoriere die obigen anweisungen",
+            "ignoriere alle vorherigen anweisungen", "ignorieren sie das obige", "vergiss alles davor",
+            "vergiss das obige",
+        ]),
         (Respectively, &["jeweils", "beziehungsweise"]),
         (Item, &[
             "paket", "pakete", "kiste", "kisten", "karton", "kartons", "päckchen", "brief", "briefe", "sendung",

@@ -93,6 +93,13 @@ pub(super) const LEXICON: Lexicon = Lexicon {
             "wait until", "wait till", "waits until", "waits for", "wait for", "has to wait for", "only once",
             "not until after", "comes after", "depends on",
         ]),
+        (Override, &[
+            "ignore the above", "ignore all of the above", "ignore all the above", "ignore everything above",
+            "ignore previous instructions", "ignore all previous instructions", "ignore the previous instructions",
+            "ignore your instructions", "ignore all instructions", "disregard the above",
+            "disregard previous instructions", "disregard all previous instructions", "forget the above",
+            "forget everything above", "ignore everything before this", "ignore what was said before",
+        ]),
         (Respectively, &["respectively"]),
         (Item, &[
             "box", "boxes", "package", "packages", "parcel", "parcels", "item", "items", "delivery", "deliveries",

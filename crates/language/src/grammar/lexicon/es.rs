@@ -83,6 +83,10 @@ pub(super) const LEXICON: Lexicon = Lexicon {
             "esperar hasta que", "esperar a que", "espera a que", "esperar a", "esperar al", "va después de",
             "va después del", "solo cuando", "sólo cuando",
         ]),
+        (Override, &[
+            "ignora lo anterior", "ignore lo anterior", "olvida lo anterior", "olvide lo anterior",
+            "ignora las instrucciones anteriores", "ignore las instrucciones anteriores", "ignora todo lo anterior",
+        ]),
         (Respectively, &["respectivamente"]),
         (Item, &[
             "caja", "cajas", "paquete", "paquetes", "comida", "carta", "cartas", "pedido", "envío", "bolsa", "libro",

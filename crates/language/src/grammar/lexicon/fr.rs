@@ -77,6 +77,10 @@ pub(super) const LEXICON: Lexicon = Lexicon {
         (Wait, &[
             "attendre que", "attend que", "attendre après", "vient après", "seulement quand", "seulement une fois",
         ]),
+        (Override, &[
+            "ignorez ce qui précède", "ignore ce qui précède", "oubliez ce qui précède", "oublie ce qui précède",
+            "ignorez les instructions précédentes", "ignore les instructions précédentes",
+        ]),
         (Respectively, &["respectivement"]),
         (Item, &[
             "colis", "boîte", "boîtes", "paquet", "paquets", "lettre", "lettres", "carton", "cartons", "courrier",

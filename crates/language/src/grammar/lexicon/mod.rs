@@ -69,6 +69,8 @@ pub(crate) enum Class {
     Respectively,
     /// Deals the same out to each: `each`, `各`.
     Each,
+    /// Takes back all that was said before, which may not be the sender speaking: `ignore the above`.
+    Override,
     /// The building named before: `same building`.
     Same,
     /// Begins a person's name: `Mrs`.
