@@ -182,8 +182,17 @@ fn an_instruction_that_is_no_instruction_fails_as_not_understood() {
 }
 
 #[test]
-fn a_planner_out_of_reach_fails_the_delivery_with_its_address() {
-    let delivery = only_delivery(&one(&town(), NOBODY, &format!("--json --set planner={NOBODY}")));
+fn where_a_planner_is_out_of_reach_the_grammar_plans() {
+    let ran = one(&town(), &reader_that_says(UNIT_1), &format!("--json --set planner={NOBODY}"));
+    assert_eq!(only_delivery(&ran)["failure"], Value::Null);
+}
+
+#[test]
+fn a_planner_out_of_reach_fails_what_the_grammar_does_not_understand_with_its_address() {
+    let place = town();
+    place.file("one.txt", "The weather is fine today.\n").file("gt.txt", "(8.2, 0.0)\n");
+    let more = format!("--json --truth gt.txt --set planner={NOBODY}");
+    let delivery = only_delivery(&one(&place, NOBODY, &more));
     assert_eq!(delivery["failure"], "planner_unavailable", "{delivery}");
     assert!(delivery["failure_detail"].as_str().unwrap().contains("127.0.0.1:9"), "{delivery}");
 }

@@ -263,14 +263,19 @@ impl<'a> Conversation<'a> {
         }
     }
 
-    /// The doors that the model says are rejected, with words that the instruction holds and that say more than the address.
+    /// The doors that the model says are rejected, with words that the instruction holds, and that name the building and say more than the address.
     fn rejected(&self, reply: &str) -> Vec<Entry> {
         let Ok(Value::Object(mut object)) = find_json(reply) else { return Vec::new() };
         let Some(Value::Array(list)) = object.remove("rejected") else { return Vec::new() };
         let quoted = list.into_iter().filter(|value| {
             let words = value.get("words").and_then(Value::as_str).unwrap_or_default();
-            let is_said = self.evidence.letters.contains(&condensed(words));
-            is_said && self.planner.grammar.may_deny(words)
+            let said = condensed(words);
+            let building = value.get("building").and_then(Value::as_str).unwrap_or_default();
+            let names_it = match self.building(building) {
+                Named::Label { label, .. } => said.contains(&label),
+                _ => !building.is_empty() && said.contains(&condensed(building)),
+            };
+            names_it && self.evidence.letters.contains(&said) && self.planner.grammar.may_deny(words)
         });
         quoted.filter_map(|value| serde_json::from_value(plain(value)).ok()).collect()
     }
@@ -324,8 +329,12 @@ fn orders(stops: &Stops, read: &Stops) -> Vec<(usize, usize)> {
 /// What the grammar doubts that the sender said stays in doubt, however sure the model is.
 fn doubt(stops: &mut Stops, read: &Stops) {
     for stop in &mut stops.stops {
-        let doubtful = read.stops.iter().find(|r| r.is_doubtful() && r.address.same_door(&stop.address));
-        stop.problem = doubtful.and_then(|r| r.problem.clone()).or(stop.problem.take());
+        let same = |r: &&Stop| r.address.building == stop.address.building;
+        let doubtful = read.stops.iter().filter(same).find(|r| r.is_doubtful());
+        let is_sure = read.stops.iter().any(|r| !r.is_doubtful() && r.address.same_door(&stop.address));
+        if let Some(doubtful) = doubtful.filter(|_| !is_sure) {
+            stop.problem.clone_from(&doubtful.problem);
+        }
     }
 }
 

@@ -130,6 +130,7 @@ fn a_door_is_not_dropped_without_the_senders_words() {
         "",
         r#"{"building": "building5", "words": "building 5"}"#,
         r#"{"building": "building5", "words": "not building 5"}"#,
+        r#"{"building": "building5", "words": "bin the one"}"#,
         r#"{"building": "building5"}"#,
     ] {
         let plan = asked_for(no_reason);

@@ -84,6 +84,16 @@ fn words_that_deny_elsewhere_do_not_deny_here() {
         ("Ne livrez que le bâtiment 3, unité 1.", "building3/unit1"),
         ("3号楼没有电梯，请送到3号楼1单元", "building3/unit1"),
         ("送到3号楼1单元，没有人就放门口", "building3/unit1"),
+        ("Skip building 5, and go to building 2 before building 9.", "building2 building9"),
+        ("Don't deliver to building 5 until tomorrow, take it to building 2", "building2"),
+        ("去2号楼之前先去9号楼，不要去5号楼", "building9 building2"),
+        ("Take to building 3 the delayed parcel, and to building 4 the letters", "building3 building4"),
+        ("Take the letter to building 4 nearby.", "building4"),
+        ("Bring das Paket zu Haus 3 gegenüber.", "building3"),
+        ("Leave it at building 3 out front", "building3"),
+        ("Lass das Paket bei Haus 3, Eingang 1", "building3/unit1"),
+        ("Deliver to building 3, wait for a signature and go to building 4", "building3 building4"),
+        ("送2号楼。9号楼要在6点之前送到。", "building2 building9"),
     ]);
 }
 
@@ -123,6 +133,7 @@ fn lists_are_dealt_out() {
             "building12/unit3 building1/unit1",
         ),
         ("電話は0800-11-2233、2番棟の3号室です。", "building2/unit3"),
+        ("building 3, units 1201-1203", "building3/unit1201 building3/unit1202 building3/unit1203"),
     ]);
 }
 

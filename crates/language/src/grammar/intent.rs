@@ -95,28 +95,80 @@ fn after(reading: &Reading<'_>, end: usize) -> Option<(Class, usize)> {
     let mut skipped = 0;
     loop {
         let class = reading.class(end + skipped)?;
-        // `Lass Haus 3 heute aus, …`: with nothing after it to come from.
-        let ends = matches!(reading.lex(end + skipped + 1), None | Some(Lex::Stop | Lex::Comma));
-        if class == Class::Elsewhere && ends {
-            return Some((Class::Dropped, skipped));
-        }
-        if !is_light(class) || skipped == TAIL {
+        // An article begins something else: `building 3 the cancelled parcel`.
+        let is_passed = is_light(class) && !matches!(class, Class::Article | Class::Determiner | Class::Link);
+        if !is_passed || skipped == TAIL {
             return Some((class, skipped));
         }
         skipped += 1;
     }
 }
 
-/// Whether the `before` at a place puts two stops in order the other way round: `Don't go to building 3 before building 4`.
+/// Whether the `before` at a place puts two stops in order the other way round: `Don't go to building 3 before building 4`. One stop is named
+/// between the `not` and the `before`, and the other right after it; where the place comes before its word, the `not` follows, before or after the other stop.
 pub(crate) fn is_order_after_not(reading: &Reading<'_>, at: usize) -> bool {
     let Some(Lex::Word(Class::Before, postfix)) = reading.lex(at) else { return false };
-    let denies = |i: usize| matches!(reading.class(i), Some(Class::Not | Class::Dropped));
-    let inside = |i: &usize| reading.lex(*i) != Some(&Lex::Stop);
+    let stops = |i: &usize| reading.lex(*i) == Some(&Lex::Stop);
+    let is_building = |i: usize| {
+        matches!(reading.lex(i), Some(Lex::Name(_) | Lex::Word(Class::Building | Class::WeakBuilding, _)))
+    };
+    let (mut buildings, mut others) = (0, 0);
     if *postfix {
-        (at + 1..reading.lexemes.len()).take_while(inside).any(denies)
-    } else {
-        (0..at).rev().take_while(inside).any(denies)
+        for i in (at + 1..reading.lexemes.len()).take_while(|i| !stops(i)) {
+            match reading.class(i) {
+                Some(Class::Not) => return buildings == 0,
+                Some(Class::Dropped) => return buildings == 1,
+                _ => buildings += usize::from(is_building(i)),
+            }
+        }
+        return false;
     }
+    let goes_on = |i: usize| {
+        reading.lex(i).is_some_and(|lex| match lex {
+            Lex::Word(class, _) => is_light(*class),
+            Lex::Number { .. } | Lex::Name(_) => true,
+            _ => false,
+        })
+    };
+    let next = (at + 1..reading.lexemes.len()).find(|i| is_building(*i) || !goes_on(*i));
+    let is_before_a_place = next.is_some_and(|i| is_building(i) || level_of(reading, i));
+    for i in (0..at).rev().take_while(|i| !stops(i)) {
+        match reading.class(i) {
+            Some(Class::Not) => return is_before_a_place && buildings == 1 && others == 0,
+            Some(Class::And | Class::Then) => others += 1,
+            _ => buildings += usize::from(is_building(i)),
+        }
+    }
+    false
+}
+
+fn level_of(reading: &Reading<'_>, at: usize) -> bool {
+    matches!(reading.class(at), Some(Class::Unit | Class::Room))
+}
+
+fn allow_what_is_put_in_order(reading: &Reading<'_>, mentions: &[Mention], left_out: &mut [Option<Why>]) {
+    let sentences = sentences(reading);
+    for at in (0..reading.lexemes.len()).filter(|at| is_order_after_not(reading, *at)) {
+        let is_beside = |m: &Mention| sentences.get(m.at.start) == sentences.get(at);
+        let split = mentions.partition_point(|m| m.at.end <= at);
+        // A building and its unit on each side.
+        let before = (split.saturating_sub(2)..split).filter(|i| is_beside(&mentions[*i]));
+        let behind = (split..mentions.len().min(split + 2)).filter(|i| is_beside(&mentions[*i]));
+        let (before, behind): (Vec<usize>, Vec<usize>) = (before.collect(), behind.collect());
+        if !before.is_empty() && !behind.is_empty() {
+            before.into_iter().chain(behind).for_each(|i| left_out[i] = None);
+        }
+    }
+}
+
+/// The number of each lexeme's sentence.
+fn sentences(reading: &Reading<'_>) -> Vec<usize> {
+    let mut sentence = 0;
+    let count = |lexeme: &super::words::Lexeme| {
+        sentence += usize::from(lexeme.lex == Lex::Stop);
+        sentence
+    };
+    reading.lexemes.iter().map(count).collect()
 }
 
 /// `从3号楼2单元开始`: not where it comes from, but where to begin.
@@ -127,21 +179,6 @@ fn allow_where_to_begin(reading: &Reading<'_>, mentions: &[Mention], left_out: &
         end = next.map_or(end, |next| next.at.end);
         if left_out[i] == Some(Why::Elsewhere) && reading.class(end) == Some(Class::First) {
             left_out[i] = None;
-        }
-    }
-}
-
-fn allow_what_is_put_in_order(reading: &Reading<'_>, mentions: &[Mention], left_out: &mut [Option<Why>]) {
-    let stops = |mut gap: std::ops::Range<usize>| gap.any(|i| reading.lex(i) == Some(&Lex::Stop));
-    for at in (0..reading.lexemes.len()).filter(|at| is_order_after_not(reading, *at)) {
-        let is_before = |m: &Mention| m.at.end <= at && !stops(m.at.end..at);
-        let is_behind = |m: &Mention| m.at.start > at && !stops(at..m.at.start);
-        let before: Vec<usize> = (0..mentions.len()).filter(|i| is_before(&mentions[*i])).collect();
-        let behind: Vec<usize> = (0..mentions.len()).filter(|i| is_behind(&mentions[*i])).collect();
-        if !before.is_empty() && !behind.is_empty() {
-            // A building and its unit on each side.
-            let near = before.iter().rev().take(2).chain(behind.iter().take(2));
-            near.for_each(|i| left_out[*i] = None);
         }
     }
 }

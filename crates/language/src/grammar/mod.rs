@@ -35,6 +35,9 @@ const LONGEST_INSTRUCTION: usize = 20_000;
 /// Instructions with more doors than this are refused.
 const MOST_DOORS: usize = 200;
 
+/// Instructions that name more buildings and units than this are refused.
+const MOST_TARGETS: usize = 2 * MOST_DOORS;
+
 /// Plans with a grammar and the map's names; needs no model.
 pub struct GrammarPlanner {
     words: Words,
@@ -63,6 +66,10 @@ impl GrammarPlanner {
         let lexemes = self.words.lexemes(&tokens, &ranges, languages);
         let reading = Reading { text: instruction, tokens: &tokens, lexemes: &lexemes };
         let mut mentions = mentions::mentions(&reading);
+        // Before anything whose cost grows faster than their number.
+        if mentions.iter().map(|m| m.targets.len()).sum::<usize>() > MOST_TARGETS {
+            return Err(refuse("it names more than 200 doors; split it"));
+        }
         let silent = mentions.is_empty();
         mentions.extend(fallback::partial(&reading, gazetteer, &mentions));
         mentions.sort_by_key(|m| m.at.start);

@@ -20,6 +20,8 @@ pub(crate) struct Found {
     pub edits: usize,
 }
 
+/// So many places that share a part of their names are enough to ask which is meant.
+const MOST_SHARERS: usize = 16;
 /// An edit that is never allowed.
 const NEVER: usize = 100;
 
@@ -68,7 +70,7 @@ fn sharers(tokens: &[Token], range: &Range<usize>, alias: &Alias, gazetteer: &Ga
     }
     let sharing = gazetteer.aliases.iter().filter(|other| has_part(&other.letters)).map(|other| other.place);
     let mut places = vec![alias.place];
-    places.extend(sharing);
+    places.extend(sharing.take(MOST_SHARERS));
     places.sort_unstable();
     places.dedup();
     places

@@ -9,6 +9,8 @@ use super::words::{Languages, Lex, Meaning, Words};
 
 /// Digits tied by dashes that are a telephone number at least.
 const SHORTEST_TELEPHONE: usize = 7;
+/// The same of one that does not begin with a zero.
+const SHORTEST_WITHOUT_ZERO: usize = 9;
 
 /// The number at token `at`: how many tokens it takes and what it is.
 pub(crate) fn number(
@@ -70,7 +72,9 @@ fn telephone(tokens: &[Token], at: usize) -> Option<usize> {
     {
         (length, digits) = (length + 2, digits + next.text.len());
     }
-    (length > 1 && digits >= SHORTEST_TELEPHONE).then_some(length)
+    // `12-3-1502` and `1201-1204` are addresses.
+    let least = if tokens[at].text.starts_with('0') { SHORTEST_TELEPHONE } else { SHORTEST_WITHOUT_ZERO };
+    (length > 1 && digits >= least).then_some(length)
 }
 
 /// A number before a measure is a quantity: `5 kg`, `6点`. Not so before `door` or `unit`, which a measure never is.

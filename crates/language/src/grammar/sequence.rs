@@ -33,7 +33,7 @@ pub(crate) fn constraints(reading: &Reading<'_>, doors: &[Door]) -> Vec<(usize, 
                 let pair = around(reading, doors, at, *postfix);
                 pairs.extend(pair.map(|(earlier, later)| (later, earlier)));
             }
-            Some(Lex::Word(Class::Wait, _)) => {
+            Some(Lex::Word(Class::Wait, _)) if is_for_a_door(reading, doors, at) => {
                 let pair = around(reading, doors, at, false);
                 pairs.extend(pair.map(|(waiting, other)| (other, waiting)));
             }
@@ -104,6 +104,18 @@ fn onward(reading: &Reading<'_>, doors: &[Door], at: usize) -> Option<(usize, us
     (goes_on && !stops).then_some((from, to))
 }
 
+/// `wait until building 3 …`, not `wait for a signature`: whether a door follows, words without weight between.
+fn is_for_a_door(reading: &Reading<'_>, doors: &[Door], at: usize) -> bool {
+    let Some(door) = doors.iter().find(|d| d.first > at) else { return false };
+    let is_light = |i: usize| {
+        matches!(
+            reading.class(i),
+            Some(Class::Article | Class::Link | Class::Toward | Class::Filler | Class::Verb | Class::First)
+        )
+    };
+    (at + 1..door.first).all(is_light)
+}
+
 /// The doors that a `before` relates: `A before B`, `before B, A`; after the place in some languages: `B之前先去A`.
 fn around(reading: &Reading<'_>, doors: &[Door], at: usize, postfix: bool) -> Option<(usize, usize)> {
     // `before 6 pm`, but `前に12号棟`
@@ -115,8 +127,10 @@ fn around(reading: &Reading<'_>, doors: &[Door], at: usize, postfix: bool) -> Op
     let before = doors.iter().rposition(|d| d.last <= at && !stop(d.last..at));
     let mut after = (0..doors.len()).filter(|i| doors[*i].first > at && !stop(at..doors[*i].first));
     let Some(next) = after.next() else {
-        // `AはBの後にして`
-        return before.filter(|_| postfix).and_then(|b| Some((b.checked_sub(1)?, b)));
+        // `AはBの後にして`, but not `9号楼6点之前`
+        let is_time = at > 0 && reading.lex(at - 1) == Some(&Lex::Quantity);
+        let pair = before.filter(|_| postfix && !is_time).and_then(|b| Some((b.checked_sub(1)?, b)));
+        return pair.filter(|(a, b)| !stop(doors[*a].last.min(doors[*b].first)..doors[*b].first));
     };
     let second = after.next();
     match (before, second) {

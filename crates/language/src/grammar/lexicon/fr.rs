@@ -37,8 +37,9 @@ pub(super) const LEXICON: Lexicon = Lexicon {
             "en premier lieu", "avant tout", "en priorité", "l'urgent d'abord", "pour commencer",
         ]),
         (Before, &[
-            "avant", "avant d'aller", "avant de", "avant d'aller à", "avant d'aller au", "tant que", "avant que",
-            "avant d'avoir fait", "jusqu'à ce que", "avant le", "avant la",
+            "avant d'être allé", "avant d'être allé au", "avant d'être passé", "avant d'être passé au",
+            "avant d'avoir livré", "avant d'avoir fini", "avant", "avant d'aller", "avant de", "avant d'aller à",
+            "avant d'aller au", "tant que", "avant que", "avant d'avoir fait", "jusqu'à ce que", "avant le", "avant la",
         ]),
         (After, &[
             "après", "qu'après", "seulement après", "une fois passé à", "juste après", "une fois passé au",
