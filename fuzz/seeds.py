@@ -1,4 +1,4 @@
-"""Writes small examples into corpus/TARGET, for the targets that read worlds, meshes, maps, logs and what routing and localization read.
+"""Writes small examples into corpus/TARGET, for the targets that read worlds, meshes, maps, logs and what routing, localization and motion read.
 
 Usage: seeds.py [DATA]     DATA: a folder with `openbench`, `gazebo_models` and `osm`; by default ../../shared/data
 """

@@ -35,8 +35,7 @@ const TEST: [&str; 2] = [
 const LARGEST: u64 = 64 << 20;
 
 /// Which of the built-in instructions.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Split {
     /// To look at while a planner is written.
     Development,

@@ -70,20 +70,13 @@ pub struct Scores {
     pub wrong: Vec<Wrong>,
 }
 
-/// Plans every instruction. `map` stands for the map of cases that name none; `seen` is shown each that is done.
-pub fn score(
-    planner: &dyn Planner,
-    cases: &[Case],
-    map: Option<&OsmMap>,
-    mut seen: impl FnMut(&Case),
-) -> Scores {
+/// Plans every instruction. `map` stands for the map of cases that name none; `done` is called after each.
+pub fn score(planner: &dyn Planner, cases: &[Case], map: Option<&OsmMap>, mut done: impl FnMut()) -> Scores {
     let nowhere = OsmMap::new(&OsmData::default(), Georeference::TangentPlane(LonLat::default()));
-    let built_in: BTreeMap<MapName, OsmMap> = cases
-        .iter()
-        .filter_map(|case| case.map)
-        .map(|name| (name, name))
-        .map(|(k, name)| (k, name.open()))
-        .collect();
+    let mut built_in: BTreeMap<MapName, OsmMap> = BTreeMap::new();
+    for name in cases.iter().filter_map(|case| case.map) {
+        built_in.entry(name).or_insert_with(|| name.open());
+    }
     let mut scores = Scores {
         planner: planner.name().to_owned(),
         all: Share::default(),
@@ -114,7 +107,7 @@ pub fn score(
             fallbacks: Vec::new(),
         });
         scores.take(case, &plan, said, known.is_some());
-        seen(case);
+        done();
     }
     scores.mean_ms = total / cases.len().max(1) as f64;
     scores
@@ -207,7 +200,7 @@ mod tests {
 
     fn right(doors: &[Address], problem: Option<&str>, case: &Case) -> bool {
         let planner = Always(doors.to_vec(), problem.map(str::to_owned));
-        score(&planner, std::slice::from_ref(case), None, |_| {}).all.right == 1
+        score(&planner, std::slice::from_ref(case), None, || {}).all.right == 1
     }
 
     #[test]
@@ -228,7 +221,7 @@ mod tests {
     fn the_grammar_is_scored_by_language_and_difficulty() {
         let cases = super::super::built_in(super::super::Split::Development);
         let mut count = 0;
-        let scores = score(&GrammarPlanner::new(), &cases, None, |_| count += 1);
+        let scores = score(&GrammarPlanner::new(), &cases, None, || count += 1);
         assert_eq!((scores.all.instructions, count), (cases.len(), cases.len()));
         assert_eq!(scores.languages.len(), 6);
         assert_eq!(scores.difficulties.values().map(|s| s.instructions).sum::<usize>(), cases.len());
@@ -238,7 +231,7 @@ mod tests {
     #[test]
     fn the_grammar_understands_both_splits() {
         for split in [super::super::Split::Development, super::super::Split::Test] {
-            let scores = score(&GrammarPlanner::new(), &super::super::built_in(split), None, |_| {});
+            let scores = score(&GrammarPlanner::new(), &super::super::built_in(split), None, || {});
             assert!(scores.all.srtp >= Some(0.97), "{split:?}: {:?}", scores.all);
         }
     }

@@ -38,7 +38,7 @@ pub fn run(args: &SrtpArgs) -> anyhow::Result<Outcome> {
     };
     let map = args.map.as_deref().map(read_map).transpose()?;
     let bar = progress_bar(cases.len(), "instructions");
-    let scores = score(planner.as_ref(), &cases, map.as_ref(), |_| bar.inc(1));
+    let scores = score(planner.as_ref(), &cases, map.as_ref(), || bar.inc(1));
     bar.finish_and_clear();
     if args.json {
         say_json(&scores)?
