@@ -10,6 +10,7 @@ use openbench_core::{
 };
 use openbench_language::GrammarPlanner;
 use openbench_localization::DeadReckoning;
+use openbench_models::Meter;
 use openbench_motion::Follower;
 use openbench_motion::costmap::ground::Preferences;
 use openbench_osm::OsmData;
@@ -40,6 +41,8 @@ fn open() -> Box<dyn Agent> {
         motion: Box::new(Follower::new(RobotDescription::sentry()).unwrap()),
         ground: Preferences::NONE,
         memory: None,
+        meter: Meter::default(),
+        thinks_in_simulated_time: false,
     }))
 }
 

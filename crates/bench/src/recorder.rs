@@ -3,7 +3,9 @@
 use std::path::Path;
 use std::str::FromStr;
 
-use openbench_core::{Event, Georeference, ImuSample, LidarScan, MapPoint, Pose2, SimTime, Velocity};
+use openbench_core::{
+    Event, Georeference, ImuSample, LidarScan, MapPoint, ModelUse, Pose2, SimTime, Velocity,
+};
 use openbench_logs::messages::{
     CompressedImage, Header, Imu, JointState, NavSatFix, Odometry, Path as PathMessage, PointCloud2, Pose,
     PoseArray, PoseStamped, StringMessage, Twist,
@@ -165,6 +167,14 @@ impl Recorder {
             }
             Event::DoorWritten { address, position } => {
                 log.write("/door", time, &say(format!("{address} at {position}")))
+            }
+            Event::Models(used) => {
+                // Without the time that it took, which differs from run to run.
+                let ModelUse { calls, failed, prompt_tokens, completion_tokens, .. } = used;
+                let text = format!(
+                    "{calls} calls, {failed} failed, {prompt_tokens} tokens read, {completion_tokens} written"
+                );
+                log.write("/models", time, &say(text))
             }
             Event::Note(text) => log.write("/note", time, &say(text.clone())),
         }

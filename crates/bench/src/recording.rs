@@ -29,6 +29,9 @@ pub struct RunRecord {
     pub seed: u64,
     /// Number of episodes.
     pub episodes: usize,
+    /// The file with the true positions, if one was given.
+    #[serde(default)]
+    pub truth: Option<PathBuf>,
 }
 
 impl RunRecord {
@@ -74,6 +77,36 @@ impl Recording {
             }
         }
         Self { seed, chain: hex(&trace.chain), driven }
+    }
+
+    /// Whether another drive of the same episode does the same.
+    ///
+    /// # Errors
+    /// [`BenchError::Differs`] with the first step that differs.
+    pub fn compare(&self, episode: usize, other: &Self) -> Result<(), BenchError> {
+        let steps = |recording: &Self| -> Vec<Velocity> {
+            let stretch =
+                |s: &Stretch| std::iter::repeat_n(s.velocity, s.steps.min(MOST_STEPS as u32) as usize);
+            recording.driven.iter().flat_map(stretch).take(MOST_STEPS as usize).collect()
+        };
+        let (mine, others) = (steps(self), steps(other));
+        let say = |v: Option<&Velocity>| {
+            v.map_or("has ended".to_owned(), |v| {
+                format!("drives {:.3} m/s, {:.3} rad/s", v.linear, v.angular)
+            })
+        };
+        let longer = mine.len().max(others.len());
+        let detail = match (0..longer).find(|&i| mine.get(i) != others.get(i)) {
+            Some(i) => {
+                let (then, now) = (say(mine.get(i)), say(others.get(i)));
+                format!("at step {i} ({:.2} s) the agent {now}; recorded is that it {then}", i as f64 * 0.05)
+            }
+            None if self.chain != other.chain => {
+                format!("after the same steps the hash chain is {}, recorded is {}", other.chain, self.chain)
+            }
+            None => return Ok(()),
+        };
+        Err(BenchError::Differs { episode, detail })
     }
 
     /// The file of an episode's recording.
@@ -136,6 +169,21 @@ fn write_json(path: &Path, value: &impl Serialize) -> Result<(), BenchError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_first_step_that_differs_is_named() {
+        let of = |velocities: &[f64]| {
+            let velocities = velocities.iter().map(|v| Velocity::new(*v, 0.0)).collect();
+            Recording::of(&EpisodeTrace { velocities, ..EpisodeTrace::default() }, 0)
+        };
+        let then = of(&[0.1, 0.1, 0.2]);
+        assert!(then.compare(0, &of(&[0.1, 0.1, 0.2])).is_ok());
+        let said = |now: &[f64]| then.compare(3, &of(now)).unwrap_err().to_string();
+        assert!(said(&[0.1, 0.3, 0.2]).contains("at step 1 (0.05 s) the agent drives 0.300"));
+        assert!(said(&[0.1, 0.1]).contains("at step 2 (0.10 s) the agent has ended"));
+        let other_state = Recording { chain: "00".into(), ..then.clone() };
+        assert!(then.compare(0, &other_state).is_err());
+    }
 
     #[test]
     fn equal_velocities_are_counted() {

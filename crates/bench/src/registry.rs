@@ -1,6 +1,7 @@
 //! The agents that can be run, by name.
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 use openbench_core::Agent;
 use openbench_osm::OsmData;
@@ -18,6 +19,20 @@ pub struct AgentRequest<'a> {
     pub settings: &'a BTreeMap<String, String>,
     /// Seed of the episode.
     pub seed: u64,
+    /// Where what models answer goes, or comes from.
+    pub exchanges: Exchanges,
+}
+
+/// Where what language and vision models answer in an episode goes, or comes from.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum Exchanges {
+    /// Models are asked, and nothing is kept.
+    #[default]
+    Unkept,
+    /// Models are asked, and what they answer is kept in this file. An agent without models makes none.
+    Keep(PathBuf),
+    /// Nobody is asked: the answers are those in this file.
+    Repeat(PathBuf),
 }
 
 /// Makes an agent, a fresh one for each episode.

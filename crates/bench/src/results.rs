@@ -8,7 +8,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use openbench_core::{Address, FailureCause, MapPoint};
+use openbench_core::{Address, FailureCause, MapPoint, ModelUse};
 use openbench_sim::traffic::TrafficPlan;
 use serde::{Deserialize, Serialize};
 
@@ -35,6 +35,9 @@ pub struct Results {
     pub metrics: Metrics,
     /// One a delivery, by episode and task.
     pub deliveries: Vec<DeliveryResult>,
+    /// What the agent asked of language and vision models in all episodes; not there if it asked none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub models: Option<ModelUse>,
     /// The doors that the agent wrote into its map; null if it edits none.
     #[serde(default)]
     pub doors: Option<DoorScore>,
@@ -247,6 +250,7 @@ pub(crate) mod tests {
             traffic: TrafficPlan::default(),
             metrics: Metrics::default(),
             deliveries,
+            models: None,
             doors: None,
             attribution: vec![],
         }

@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use cpu_time::ProcessTime;
+use openbench_core::ModelUse;
 use openbench_osm::{OsmData, merge_entrances, write_atomically};
 
 use crate::metrics::localization::localization;
 use crate::metrics::{RunTotals, summarize};
 use crate::recorder::{Level, Recorder};
 use crate::recording::{Recording, RunRecord};
-use crate::registry::{AgentFactory, AgentRequest};
+use crate::registry::{AgentFactory, AgentRequest, Exchanges};
 use crate::report;
 use crate::results::Results;
 use crate::runner::{EpisodeTrace, run_episode};
@@ -19,6 +20,9 @@ use crate::scoring;
 use crate::stage::Prepared;
 use crate::truth::TruthHandle;
 use crate::{BenchError, report_input, threads};
+
+/// The file of a run with the doors that were known before it.
+const MEMORY: &str = "memory.osm";
 
 /// What is to be run, and how.
 pub struct RunRequest<'a> {
@@ -79,7 +83,7 @@ fn clear(out: &Path) -> Result<(), BenchError> {
         Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(BenchError::file(&path, e)),
         _ => Ok(()),
     };
-    for name in ["results.json", "report.html", "run.json"] {
+    for name in ["results.json", "report.html", "run.json", MEMORY] {
         remove(out.join(name))?;
     }
     let folder = out.join("episodes");
@@ -88,7 +92,7 @@ fn clear(out: &Path) -> Result<(), BenchError> {
         let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default();
         let (number, kind) = name.split_once('.').unwrap_or_default();
         let numbered = number.len() >= 3 && number.bytes().all(|b| b.is_ascii_digit());
-        if numbered && ["mcap", "osm", "actions.json"].contains(&kind) {
+        if numbered && ["mcap", "osm", "actions.json", "models.jsonl"].contains(&kind) {
             remove(path)?;
         }
     }
@@ -112,6 +116,56 @@ fn episode_seed(seed: u64, number: usize) -> u64 {
 }
 
 fn run_one(request: &RunRequest<'_>, number: usize) -> Result<EpisodeTrace, BenchError> {
+    let mut recorder = match request.out {
+        Some(out) => {
+            Recorder::create(&log_path(out, number), request.level, request.prepared.world.georeference)?
+        }
+        None => Recorder::none(),
+    };
+    let exchanges = request.out.map_or(Exchanges::Unkept, |out| Exchanges::Keep(exchanges_path(out, number)));
+    let trace = drive(request, number, exchanges, &mut recorder)?;
+    recorder.finish()?;
+    if let Some(out) = request.out {
+        Recording::of(&trace, episode_seed(request.seed, number)).write(out, number)?;
+    }
+    Ok(trace)
+}
+
+/// Runs the agent of a recorded run again, with what models answered then, and compares what it does with what is recorded. Nothing is written;
+/// `request.out` is not looked at.
+///
+/// # Errors
+/// [`BenchError::Differs`] with the first step at which it does something else.
+pub fn repeat(request: &RunRequest<'_>, run: &Path) -> Result<(), BenchError> {
+    let one = |number: usize| {
+        let recording = Recording::read(run, number)?;
+        let kept = exchanges_path(run, number);
+        let exchanges = if kept.exists() { Exchanges::Repeat(kept) } else { Exchanges::Unkept };
+        let trace = drive(request, number, exchanges, &mut Recorder::none())?;
+        recording.compare(number, &Recording::of(&trace, episode_seed(request.seed, number)))
+    };
+    let mut finished = 0;
+    let seen = |()| {
+        finished += 1;
+        (request.progress)(finished);
+        Ok(())
+    };
+    threads::each(0..request.prepared.episodes.len(), request.jobs, one, seen).map(|_: Vec<()>| ())
+}
+
+/// The map of doors found before with which the agents of a recorded run began.
+pub fn memory_of(run: &Path) -> Result<Option<OsmData>, BenchError> {
+    let path = run.join(MEMORY);
+    let bad = |e: openbench_osm::OsmError| BenchError::BadFile { path: path.clone(), problem: e.to_string() };
+    path.exists().then(|| OsmData::read(&path).map_err(bad)).transpose()
+}
+
+fn drive(
+    request: &RunRequest<'_>,
+    number: usize,
+    exchanges: Exchanges,
+    recorder: &mut Recorder,
+) -> Result<EpisodeTrace, BenchError> {
     let seed = episode_seed(request.seed, number);
     let truth = TruthHandle::default();
     let wanted = AgentRequest {
@@ -119,22 +173,12 @@ fn run_one(request: &RunRequest<'_>, number: usize) -> Result<EpisodeTrace, Benc
         memory: request.memory,
         settings: request.settings,
         seed,
+        exchanges,
     };
     let mut agent = (request.factory)(&wanted)
         .map_err(|problem| BenchError::Agent { name: request.agent.to_owned(), problem })?;
-    let mut recorder = match request.out {
-        Some(out) => {
-            Recorder::create(&log_path(out, number), request.level, request.prepared.world.georeference)?
-        }
-        None => Recorder::none(),
-    };
     let episode = &request.prepared.episodes[number];
-    let trace = run_episode(request.prepared, episode, agent.as_mut(), &truth, seed, &mut recorder)?;
-    recorder.finish()?;
-    if let Some(out) = request.out {
-        Recording::of(&trace, seed).write(out, number)?;
-    }
-    Ok(trace)
+    run_episode(request.prepared, episode, agent.as_mut(), &truth, seed, recorder)
 }
 
 /// Only who asks for the truth by name, and is named in the results for it, gets a handle that tells it.
@@ -143,6 +187,11 @@ fn offered(settings: &BTreeMap<String, String>, truth: &TruthHandle) -> TruthHan
         |key: &str, word: &str| settings.get(key).is_some_and(|value| value.split(':').next() == Some(word));
     let asked = set("localizer", "truth") || set("fixes", "disturbed-truth");
     if asked { truth.clone() } else { TruthHandle::default() }
+}
+
+/// What models answered in an episode.
+fn exchanges_path(out: &Path, number: usize) -> PathBuf {
+    out.join("episodes").join(format!("{number:03}.models.jsonl"))
 }
 
 fn log_path(out: &Path, number: usize) -> PathBuf {
@@ -176,9 +225,14 @@ fn results(
         traffic: prepared.suite.traffic,
         metrics: summarize(&deliveries, &totals),
         deliveries,
+        models: Some(asked_of_models(traces)).filter(|used| used.calls > 0),
         doors: scoring::score_written_doors(prepared, traces),
         attribution: prepared.world.attribution.clone(),
     }
+}
+
+fn asked_of_models(traces: &[EpisodeTrace]) -> ModelUse {
+    traces.iter().fold(ModelUse::default(), |sum, trace| sum.plus(trace.models))
 }
 
 fn write_files(
@@ -197,6 +251,9 @@ fn write_files(
             write(out.join("episodes").join(format!("{number:03}.osm")), map)?;
         }
     }
+    if let Some(memory) = request.memory {
+        write(out.join(MEMORY), &memory.to_xml())?;
+    }
     let record = RunRecord {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         suite: request.prepared.suite.clone(),
@@ -204,6 +261,7 @@ fn write_files(
         settings: request.settings.clone(),
         seed: request.seed,
         episodes: traces.len(),
+        truth: request.prepared.truth.clone(),
     };
     record.write(out)?;
     let input = report_input::report_input(request.prepared, results, traces, request.command);

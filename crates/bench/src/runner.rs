@@ -5,8 +5,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use openbench_core::{
-    Action, Address, Agent, Briefing, Event, Events, FailureCause, GiveUp, Goal, Image, MapPoint, Plan,
-    Pose2, SimTime, Velocity,
+    Action, Address, Agent, Briefing, Event, Events, FailureCause, GiveUp, Goal, Image, MapPoint, ModelUse,
+    Plan, Pose2, SimTime, Velocity,
 };
 use openbench_sim::traffic::{Encounters, Totals};
 use openbench_sim::{Collision, OBSERVATION_NS, Simulator};
@@ -94,6 +94,8 @@ pub struct EpisodeTrace {
     pub frames: VecDeque<Frame>,
     /// The agent's plan.
     pub plan: Option<Plan>,
+    /// What the agent asked of models.
+    pub models: ModelUse,
     /// All collisions.
     pub collisions: Vec<Collision>,
     /// Simulated seconds.
@@ -259,6 +261,7 @@ impl Run<'_> {
                     self.trace.plates.push(PlateRead { time, text, confidence, corners });
                     self.keep_frame(Frame { time, image });
                 }
+                Event::Models(used) => self.trace.models = used,
                 _ => {}
             }
         }

@@ -1,6 +1,6 @@
 //! A suite made ready to run: the world built, free space known, doors and lengths looked up.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use openbench_core::{Address, MapPoint, RobotDescription};
@@ -57,6 +57,8 @@ pub struct Prepared {
     pub robot: RobotDescription,
     /// Where people fit; `None` where nobody moves.
     people_space: Option<FreeSpace>,
+    /// The file with the true positions, if one was given.
+    pub truth: Option<PathBuf>,
 }
 
 impl Prepared {
@@ -66,6 +68,7 @@ impl Prepared {
         let mut prepared = Self::world_of(suite)?;
         let truths = truth.map(|path| read_truths(path, &prepared.suite, &prepared.world)).transpose()?;
         prepared.episodes = prepared.look_up(truths.as_deref())?;
+        prepared.truth = truth.map(|path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned()));
         Ok(prepared)
     }
 
@@ -79,7 +82,8 @@ impl Prepared {
         let free_space = space(robot.circumscribed_radius());
         let people_space = (!suite.traffic.is_empty()).then(|| space(PERSON_RADIUS));
         let approach = world.scene.doors.iter().map(|d| free_space.approach_point(d)).collect();
-        Ok(Self { suite, world, stage, free_space, approach, episodes: Vec::new(), robot, people_space })
+        let (episodes, truth) = (Vec::new(), None);
+        Ok(Self { suite, world, stage, free_space, approach, episodes, robot, people_space, truth })
     }
 
     /// The public map in metres.

@@ -52,7 +52,7 @@ pub enum Command {
     Serve(ServeArgs),
     /// Score a log that the reference's recorder wrote, JSON
     Evaluate(EvaluateArgs),
-    /// Drive a run's recorded actions again and compare every state
+    /// Drive a run's recorded actions again, or its agent, and compare every state
     Verify(VerifyArgs),
     /// Make worlds and look at them
     World(WorldArgs),
@@ -66,7 +66,10 @@ pub enum Command {
 #[derive(Debug, ClapArgs)]
 #[command(after_help = "\
 Settings of the agent `open`:
-  planner=grammar | openai:MODEL[@URL]      reader=ppocr-v4 | openai:MODEL[@URL]
+  planner=grammar | MODEL      reader=ppocr-v4 | MODEL, or several in turn: what one cannot read the next is asked (MODEL,ppocr-v4)
+        MODEL is openai:NAME[@URL] (and whoever speaks as OpenAI does), anthropic:NAME, gemini:NAME, ollama:NAME, replay:FILE
+  budget=CALLS,TOKENS,SECONDS: the most that an episode asks of models (1000,2000000,1800); the grammar goes on without
+  thinking=free | charged: whether the robot stands still for as long as models take to answer
   localizer=fused | lidar-inertial | dead-reckoning | truth (for comparison only, and named in the results)
   fixes=none | gnss | disturbed-truth:NOISE,SHARE,FAR (metres of noise, share that is false, up to how many metres; for
         comparison only): what `fused` corrects its odometry by
@@ -139,9 +142,12 @@ pub struct PlanArgs {
     /// The map (.osm or .osm.pbf)
     #[arg(long)]
     pub map: PathBuf,
-    /// grammar; or openai:MODEL, openai:MODEL@URL for a chat model
+    /// grammar; or a chat model: openai:NAME[@URL], anthropic:NAME, gemini:NAME, ollama:NAME, replay:FILE
     #[arg(long, default_value = "grammar")]
     pub planner: String,
+    /// Keep what the model answers in a file, from which `--planner replay:FILE` answers again
+    #[arg(long, value_name = "FILE")]
+    pub exchanges: Option<PathBuf>,
     /// The instruction
     pub instruction: String,
 }
@@ -159,9 +165,12 @@ A file of your own is a JSON list, or has one case a line:
 and may have id, lang, difficulty (easy, medium, hard), map (estate, town), before ([[0, 1]]: the first before the second) and
 ambiguous (true, without deliveries: the planner has to ask back).")]
 pub struct SrtpArgs {
-    /// grammar; or openai:MODEL, openai:MODEL@URL for a chat model
+    /// grammar; or a chat model: openai:NAME[@URL], anthropic:NAME, gemini:NAME, ollama:NAME, replay:FILE
     #[arg(long, default_value = "grammar")]
     pub planner: String,
+    /// Keep what the model answers in a file, from which `--planner replay:FILE` answers again
+    #[arg(long, value_name = "FILE")]
+    pub exchanges: Option<PathBuf>,
     /// Which of the built-in instructions
     #[arg(long, default_value = "test", conflicts_with = "data")]
     pub split: SplitArg,
@@ -443,6 +452,12 @@ pub struct EvaluateArgs {
 pub struct VerifyArgs {
     /// Folder of the run
     pub run: PathBuf,
+    /// Run the agent again too, with what models answered in the run, and compare what it does
+    #[arg(long)]
+    pub agent: bool,
+    /// Episodes run at the same time
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
+    pub jobs: u16,
 }
 
 /// Arguments of `world`.

@@ -12,6 +12,7 @@
 
 pub mod args;
 pub mod commands;
+mod open_models;
 pub mod open_parts;
 pub mod outcome;
 mod progress;
@@ -50,7 +51,7 @@ fn dispatch(command: Command, registry: &Registry) -> anyhow::Result<Outcome> {
         Command::Costmap(args) => commands::costmap::run(&args),
         Command::Serve(args) => commands::serve::run(&args),
         Command::Evaluate(args) => commands::evaluate::run(&args),
-        Command::Verify(args) => commands::verify::run(&args),
+        Command::Verify(args) => commands::verify::run(&args, registry),
         Command::World(args) => commands::world::run(&args),
         Command::Models(args) => commands::models::run(&args),
         Command::Bench(args) => commands::bench::run(&args),

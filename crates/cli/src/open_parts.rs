@@ -11,11 +11,13 @@ use openbench_core::{Agent, RobotDescription};
 use openbench_language::{ChatPlanner, GrammarPlanner, Planner};
 use openbench_localization::fixes::Gnss;
 use openbench_localization::{DeadReckoning, FixSource, Fused, LidarInertial, Localizer};
-use openbench_models::{ModelSpec, ModelStore};
+use openbench_models::{Budget, ModelStore};
 use openbench_motion::costmap::ground::Preferences;
 use openbench_motion::teb::settings::Margins;
 use openbench_motion::{Follower, LocalPlanner, Mppi, Teb, TebSettings};
-use openbench_vision::{PlateReader, PpOcr, PpOcrSettings, VlmReader};
+use openbench_vision::{InTurn, PlateReader, PpOcr, PpOcrSettings, VlmReader};
+
+use crate::open_models::Models;
 
 /// The set of model files that reads plates by default.
 pub const DEFAULT_READER: &str = "ppocr-v4";
@@ -23,7 +25,7 @@ pub const DEFAULT_READER: &str = "ppocr-v4";
 /// The camera is level and lower than any plate: below the horizon there is nothing to read.
 const ABOVE_HORIZON: f32 = 0.6;
 
-const KEYS: [&str; 6] = ["planner", "reader", "localizer", "fixes", "motion", "ground"];
+const KEYS: [&str; 8] = ["planner", "reader", "localizer", "fixes", "motion", "ground", "budget", "thinking"];
 
 /// Distance from a place with which OPEN is there, metres: what it looks at is metres away.
 const NEAR_ENOUGH: f64 = 0.15;
@@ -47,13 +49,16 @@ pub fn factory() -> AgentFactory {
 fn make(request: &AgentRequest<'_>, networks: &Mutex<Option<PpOcr>>) -> Result<Box<dyn Agent>, String> {
     check(request.settings)?;
     let setting = |key: &str| request.settings.get(key).map(String::as_str);
+    let mut models = Models::new(budget(setting("budget"))?, request.exchanges.clone());
     let parts = Parts {
-        planner: planner(setting("planner").unwrap_or("grammar"))?,
-        reader: reader(setting("reader").unwrap_or(DEFAULT_READER), networks)?,
+        planner: planner(setting("planner").unwrap_or("grammar"), &mut models)?,
+        reader: reader(setting("reader").unwrap_or(DEFAULT_READER), networks, &mut models)?,
         localizer: localizer(setting("localizer").unwrap_or("fused"), request)?,
         motion: motion(setting("motion").unwrap_or("teb"))?,
         ground: ground(setting("ground").unwrap_or("alike"))?,
         memory: request.memory.cloned(),
+        meter: models.meter(),
+        thinks_in_simulated_time: thinking(setting("thinking").unwrap_or("free"))?,
     };
     Ok(Box::new(Open::new(parts)))
 }
@@ -67,18 +72,52 @@ pub fn check(settings: &BTreeMap<String, String>) -> Result<(), String> {
 }
 
 /// The planner that a word names.
-pub fn planner(word: &str) -> Result<Box<dyn Planner>, String> {
+pub fn planner(word: &str, models: &mut Models) -> Result<Box<dyn Planner>, String> {
     if word == "grammar" {
         return Ok(Box::new(GrammarPlanner::new()));
     }
-    let model = ModelSpec::parse(word)
-        .and_then(|spec| spec.open())
-        .map_err(|e| format!("planner={word}: {e}; or write grammar"))?;
+    let model = models.open(word).map_err(|e| format!("planner={word}: {e}; or write grammar"))?;
     Ok(Box::new(ChatPlanner::new(model)))
 }
 
-/// The plate reader that a word names. Its files must be here; `run` pulls them beforehand.
-fn reader(word: &str, networks: &Mutex<Option<PpOcr>>) -> Result<Box<dyn PlateReader>, String> {
+/// The most that a mission may ask of models.
+fn budget(words: Option<&str>) -> Result<Budget, String> {
+    words.map_or(Ok(Budget::default()), |words| words.parse().map_err(|e| format!("budget={words}: {e}")))
+}
+
+/// Whether the robot stands still in the world for as long as models take to answer.
+fn thinking(word: &str) -> Result<bool, String> {
+    match word {
+        "free" => Ok(false),
+        "charged" => Ok(true),
+        _ => Err(format!("thinking={word}: write free, or charged for models that take simulated time")),
+    }
+}
+
+/// The readers of which the setting `reader` is a list.
+pub fn readers(words: &str) -> impl Iterator<Item = &str> {
+    words.split(',').map(str::trim)
+}
+
+/// The plate readers that the words name, to be asked in turn. Their files must be here; `run` pulls them beforehand.
+fn reader(
+    words: &str,
+    networks: &Mutex<Option<PpOcr>>,
+    models: &mut Models,
+) -> Result<Box<dyn PlateReader>, String> {
+    let made: Result<Vec<_>, String> =
+        readers(words).map(|word| one_reader(word, networks, models)).collect();
+    let mut made = made?.into_iter();
+    let first = made.next().ok_or_else(|| "reader= names no reader".to_owned())?;
+    let others: Vec<_> = made.collect();
+    Ok(if others.is_empty() { first } else { Box::new(InTurn::new(first, others)) })
+}
+
+fn one_reader(
+    word: &str,
+    networks: &Mutex<Option<PpOcr>>,
+    models: &mut Models,
+) -> Result<Box<dyn PlateReader>, String> {
     if word == DEFAULT_READER {
         let mut loaded = networks.lock().unwrap_or_else(PoisonError::into_inner);
         let shared = match &*loaded {
@@ -87,9 +126,7 @@ fn reader(word: &str, networks: &Mutex<Option<PpOcr>>) -> Result<Box<dyn PlateRe
         };
         return Ok(Box::new(shared));
     }
-    let model = ModelSpec::parse(word)
-        .and_then(|spec| spec.open())
-        .map_err(|e| format!("reader={word}: {e}; or write {DEFAULT_READER}"))?;
+    let model = models.open(word).map_err(|e| format!("reader={word}: {e}; or write {DEFAULT_READER}"))?;
     Ok(Box::new(VlmReader::new(model)))
 }
 

@@ -3,8 +3,8 @@
 mod common;
 
 use common::Ran;
+use common::endpoint::reader_that_says;
 use common::town::{NOBODY, town};
-use common::vlm::reader_that_says;
 use serde_json::{Value, json};
 
 fn plan(instruction: &str) -> Ran {

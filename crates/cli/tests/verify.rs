@@ -3,8 +3,8 @@
 mod common;
 
 use common::Place;
+use common::endpoint::{NOTHING, UNIT_1, endpoint, reader_that_says, says};
 use common::town::{deliver, town};
-use common::vlm::{UNIT_1, reader_that_says};
 use serde_json::Value;
 
 /// A finished run in `run`.
@@ -45,6 +45,7 @@ fn a_run_among_people_repeats_to_the_bit_on_any_number_of_threads() {
         for key in ["wall_seconds", "real_time_factor"] {
             results["metrics"][key] = Value::Null;
         }
+        results["models"]["latency_ms"] = Value::Null;
         results
     };
     let results = run("run", 1);
@@ -106,4 +107,37 @@ fn a_run_of_another_version_is_refused() {
         .file("run/run.json", record.to_string())
         .openbench("verify run")
         .refused_with(&["0.0.1", "version"]);
+}
+
+#[test]
+fn an_agent_repeats_what_it_did_without_its_models() {
+    let place = town();
+    place.file("one.txt", "To unit1, building1.\nA box to unit1, building1.\n");
+    let planner = endpoint(|_, _| {
+        says(
+            r#"{"deliveries": [{"item": "a box", "building": "building1", "unit": "unit1"}], "rejected": []}"#,
+        )
+    });
+    // Sees the plate from the fourth picture on: what it answers depends on what it was asked before.
+    let reader = endpoint(|number, _| says(if number < 3 { NOTHING } else { UNIT_1 }));
+    let words = format!(
+        "--deliveries one.txt --out run --set planner={planner} --set reader={reader} --set thinking=charged"
+    );
+    deliver(&place, &words).succeeded();
+    let ran = place.openbench("verify run --agent --jobs 2");
+    assert_eq!(ran.succeeded().stdout, "run: the agent of 2 episodes repeats to the bit\n");
+    let answers = place.read("run/episodes/000.models.jsonl");
+    assert!(answers.lines().count() > 4, "{answers}");
+    // A model that had said something else would have led elsewhere.
+    place.file("run/episodes/000.models.jsonl", answers.replace("UNIT 1", "UNIT 7"));
+    let ran = place.openbench("verify run --agent");
+    assert!(ran.code == 1 && ran.stderr.contains("at step"), "{}", ran.stderr);
+}
+
+#[test]
+fn an_agent_without_models_repeats_too() {
+    let place = town();
+    place.file("one.txt", "To unit1, building1.\n");
+    deliver(&place, "--deliveries one.txt --out run --set reader=openai:m@http://127.0.0.1:9/v1").succeeded();
+    place.openbench("verify run --agent").succeeded();
 }

@@ -3,8 +3,8 @@
 mod common;
 
 use common::Place;
+use common::endpoint::{UNIT_1, reader_that_says};
 use common::town::{NOBODY, town};
-use common::vlm::{UNIT_1, reader_that_says};
 
 /// A street with houses: one named, one with street and number, one with nothing, and one that crosses itself.
 fn village() -> Place {

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::address::Address;
 use crate::frames::{MapPoint, Pose2};
+use crate::model_use::ModelUse;
 use crate::plan::Plan;
 use crate::sensors::Image;
 
@@ -42,6 +43,8 @@ pub enum Event {
         /// The door's place on the building's outline.
         position: MapPoint,
     },
+    /// What was asked of models so far, whenever it has grown.
+    Models(ModelUse),
     /// Anything else, in words.
     Note(String),
 }

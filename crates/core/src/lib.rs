@@ -10,12 +10,14 @@
 //! | [`address`] | [`Address`]: building and unit |
 //! | [`plan`] | [`Plan`], [`PlannedDelivery`], [`TravelTimes`]: what a language planner and a router exchange |
 //! | [`agent`] | [`Agent`], [`Briefing`], [`Observation`], [`Action`]: the contract |
+//! | [`model_use`] | [`ModelUse`]: what was asked of language and vision models |
 //! | [`events`] | [`Event`], [`Events`]: what an agent wishes to have recorded |
 
 pub mod address;
 pub mod agent;
 pub mod events;
 pub mod frames;
+pub mod model_use;
 pub mod plan;
 pub mod robot;
 pub mod sensors;
@@ -25,6 +27,7 @@ pub use address::Address;
 pub use agent::{Action, Agent, Briefing, FailureCause, GiveUp, Goal, Observation, Velocity};
 pub use events::{Discard, Event, Events};
 pub use frames::{Georeference, GeoreferenceError, LonLat, MapPoint, Pose2, Pose3};
+pub use model_use::ModelUse;
 pub use plan::{Fallback, Plan, PlanPart, PlannedDelivery, Step, StepMode, TravelTimes};
 pub use robot::RobotDescription;
 pub use sensors::{Camera, CameraIntrinsics, GnssFix, Image, ImuSample, LidarPoint, LidarScan, WheelSample};

@@ -21,13 +21,10 @@ use crate::gazetteer::{Gazetteer, generic_label};
 use crate::grammar::text::condensed;
 use crate::grammar::{Evidence, GrammarPlanner};
 use crate::order::UNKNOWN;
+use crate::question::Question;
 use crate::resolve::{Stop, Stops, resolve};
 use crate::wish::{Named, Wish, Wishes};
 use crate::{PlanError, PlanRequest, Planner};
-
-const ADDRESS_PROMPT: &str = include_str!("prompts/address.txt");
-const VERIFY_PROMPT: &str = include_str!("prompts/verify.txt");
-const ORDER_PROMPT: &str = include_str!("prompts/order.txt");
 
 /// How many of the map's names a prompt holds, and how long each may be, in characters.
 const NAMES: usize = 200;
@@ -135,15 +132,15 @@ impl<'a> Conversation<'a> {
 
     /// Step 1: the instruction's addresses.
     fn resolve_addresses(&self) -> Result<Vec<Entry>, PlanError> {
-        let prompt = self.fill(ADDRESS_PROMPT, &[]);
-        self.ask("address resolution", prompt, entries)
+        let prompt = self.fill(Question::Addresses, &[]);
+        self.ask(Question::Addresses, prompt, entries)
     }
 
     /// Step 2: without what was invented.
     fn verify(&self, found: &[Entry]) -> Result<Vec<Entry>, PlanError> {
         let list = serde_json::json!({ "deliveries": found }).to_string();
-        let prompt = self.fill(VERIFY_PROMPT, &[("deliveries", &list)]);
-        self.ask("verification", prompt, |reply| {
+        let prompt = self.fill(Question::Verification, &[("deliveries", &list)]);
+        self.ask(Question::Verification, prompt, |reply| {
             let entries = entries(reply)?;
             entries.iter().try_for_each(|entry| self.check(entry))?;
             self.check_complete(&entries, &self.rejected(reply))?;
@@ -162,9 +159,9 @@ impl<'a> Conversation<'a> {
             .map(|(i, stop)| format!("{i}: {}", quoted(&stop.address.to_string())))
             .collect();
         let times = self.times(&stops.stops);
-        let prompt = self.fill(ORDER_PROMPT, &[("stops", &list.join("\n")), ("times", &times)]);
+        let prompt = self.fill(Question::Order, &[("stops", &list.join("\n")), ("times", &times)]);
         let wanted = precedence(stops);
-        self.ask("optimisation", prompt, |reply| {
+        self.ask(Question::Order, prompt, |reply| {
             let order = permutation(reply, count)?;
             let kept = wanted.allows(&order);
             kept.then_some(order)
@@ -175,7 +172,7 @@ impl<'a> Conversation<'a> {
     /// Asks, and once more with the reason if the answer is of no use.
     fn ask<T>(
         &self,
-        stage: &str,
+        question: Question,
         prompt: String,
         read: impl Fn(&str) -> Result<T, String>,
     ) -> Result<T, PlanError> {
@@ -183,8 +180,8 @@ impl<'a> Conversation<'a> {
         let mut messages = vec![Message::user(prompt)];
         let (mut reason, mut reply) = (String::new(), String::new());
         for _ in 0..ATTEMPTS {
-            let request =
-                ChatRequest { max_tokens: MAX_TOKENS, ..ChatRequest::new(messages.clone()) }.as_json();
+            let request = ChatRequest { max_tokens: MAX_TOKENS, ..ChatRequest::new(messages.clone()) };
+            let request = request.as_schema(question.schema());
             let unavailable = |source| PlanError::ModelUnavailable { model: model.name().to_owned(), source };
             reply = model.chat(&request).map_err(unavailable)?.text;
             match read(&reply) {
@@ -198,18 +195,18 @@ impl<'a> Conversation<'a> {
         }
         Err(PlanError::ModelNonsense {
             model: model.name().to_owned(),
-            stage: stage.to_owned(),
+            stage: question.name().to_owned(),
             reason,
             reply: quote(&reply),
         })
     }
 
     /// A prompt with its gaps filled: the instruction, the map's names, and what else the step needs.
-    fn fill(&self, prompt: &str, rest: &[(&str, &str)]) -> String {
+    fn fill(&self, question: Question, rest: &[(&str, &str)]) -> String {
         let instruction = self.request.instruction.replace("<<<", "<").replace(">>>", ">");
         let mut values = vec![("instruction", instruction.as_str()), ("names", self.names.as_str())];
         values.extend(rest);
-        fill(prompt, &values)
+        fill(question.prompt(), &values)
     }
 
     /// Refuses what the instruction does not support.

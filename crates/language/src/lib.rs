@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`grammar`] | [`GrammarPlanner`]: an offline grammar that knows the map; the default |
 //! | [`chat_planner`] | [`ChatPlanner`]: the paper's three prompts to a chat model, and guards against what it invents |
+//! | `question` | those prompts, and what their answers look like |
 //! | [`mod@steps`] | the location query: navigate to what the map knows, explore for the rest |
 //! | [`error`] | [`PlanError`]: why there is no plan |
 //! | `gazetteer` | the names on a map as instructions may say them |
@@ -17,6 +18,7 @@ pub mod error;
 mod gazetteer;
 pub mod grammar;
 mod order;
+mod question;
 mod resolve;
 pub mod steps;
 mod wish;

@@ -1,6 +1,6 @@
 //! The contract with a chat model: messages in, one text out.
 //!
-//! Follows the shape that OpenAI-compatible servers share (roles, pictures beside text, a request for JSON), and no more: no
+//! Follows the shape that providers share (roles, pictures beside text, a request for JSON or for JSON of a schema), and no more: no
 //! streaming, no tools, no several choices. Everything here can be written to a file and read back unchanged, errors too,
 //! so that a recorded conversation replays exactly ([`crate::replay`]).
 
@@ -89,13 +89,33 @@ impl Message {
     }
 }
 
+/// What an answer shall look like.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Format {
+    /// Free text.
+    Text,
+    /// One JSON object.
+    Json,
+    /// One JSON object of this schema, where the provider can hold the model to one; one JSON object elsewhere.
+    Schema(Schema),
+}
+
+/// A JSON Schema.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Schema {
+    /// What it describes: ASCII letters, digits, `_` and `-` only.
+    pub name: String,
+    /// The schema as JSON text, an object.
+    pub text: String,
+}
+
 /// What is asked of a [`ChatModel`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ChatRequest {
     /// The conversation so far, oldest first.
     pub messages: Vec<Message>,
-    /// Whether the answer shall be one JSON object. Servers honour it as well as they can; callers still check.
-    pub json: bool,
+    /// What the answer shall look like. Servers honour it as well as they can; callers still check.
+    pub format: Format,
     /// The longest answer wanted, in the model's tokens.
     pub max_tokens: u32,
     /// Sampling temperature; 0 asks for the likeliest answer.
@@ -105,20 +125,35 @@ pub struct ChatRequest {
 impl ChatRequest {
     /// A conversation that asks for plain text, 1024 tokens at most, at temperature 0.
     pub fn new(messages: Vec<Message>) -> Self {
-        Self { messages, json: false, max_tokens: 1024, temperature: 0.0 }
+        Self { messages, format: Format::Text, max_tokens: 1024, temperature: 0.0 }
     }
 
     /// The same conversation, asking for one JSON object.
     #[must_use]
     pub fn as_json(mut self) -> Self {
-        self.json = true;
+        self.format = Format::Json;
+        self
+    }
+
+    /// The same conversation, asking for one JSON object of a schema.
+    #[must_use]
+    pub fn as_schema(mut self, schema: Schema) -> Self {
+        self.format = Format::Schema(schema);
         self
     }
 
     /// SHA-256 over every field, in hex. Each part is preceded by its length, so no two requests share an encoding.
     pub fn digest(&self) -> String {
         let mut hasher = Sha256::new();
-        hasher.update([u8::from(self.json)]);
+        match &self.format {
+            Format::Text => hasher.update([0]),
+            Format::Json => hasher.update([1]),
+            Format::Schema(schema) => {
+                hasher.update([2]);
+                hash_part(&mut hasher, schema.name.as_bytes());
+                hash_part(&mut hasher, schema.text.as_bytes());
+            }
+        }
         hasher.update(self.max_tokens.to_le_bytes());
         hasher.update(self.temperature.to_bits().to_le_bytes());
         for message in &self.messages {
@@ -145,6 +180,9 @@ pub struct ChatReply {
     pub prompt_tokens: u32,
     /// Tokens that the answer cost; 0 where the server did not say.
     pub completion_tokens: u32,
+    /// How long the answer took, further tries included, milliseconds of the clock on the wall. A replay gives what was recorded.
+    #[serde(default)]
+    pub latency_ms: u32,
 }
 
 /// Why there is no answer. No variant ever holds a key.
@@ -178,13 +216,27 @@ pub enum ChatError {
         /// The beginning of what the server said about it.
         detail: String,
     },
-    /// The answer is not what an OpenAI-compatible server sends, or exceeds the size limit.
+    /// The answer is not what such a server sends, is cut off or withheld, or exceeds the size limit.
     #[error("the answer of {endpoint} cannot be used: {detail}")]
     BadReply {
         /// The address (or the recording) that answered.
         endpoint: String,
         /// What is wrong with the answer.
         detail: String,
+    },
+    /// The request cannot be put into the words of the provider.
+    #[error("the request cannot be sent to {endpoint}: {detail}")]
+    BadRequest {
+        /// The address that it was meant for.
+        endpoint: String,
+        /// What is wrong with it.
+        detail: String,
+    },
+    /// The mission may not ask any more.
+    #[error("no more may be asked of the model: {spent}; allow more with --set budget=CALLS,TOKENS,SECONDS")]
+    Budget {
+        /// Which bound was reached, in words.
+        spent: String,
     },
     /// A recording holds no (further) answer to this request.
     #[error("the recording has no answer to request {digest}; record it again with the model itself")]
@@ -215,6 +267,10 @@ mod tests {
     fn digest_depends_on_every_field() {
         let base = ChatRequest::new(vec![Message::user("a").with_image(vec![1])]);
         let mut seen = vec![base.digest(), base.clone().as_json().digest()];
+        for (name, text) in [("a", "{}"), ("a", "[]"), ("a{", "}")] {
+            let schema = Schema { name: name.into(), text: text.into() };
+            seen.push(base.clone().as_schema(schema).digest());
+        }
         seen.push(ChatRequest { max_tokens: 7, ..base.clone() }.digest());
         seen.push(ChatRequest { temperature: 0.5, ..base.clone() }.digest());
         seen.push(ChatRequest::new(vec![Message::system("a").with_image(vec![1])]).digest());

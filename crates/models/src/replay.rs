@@ -131,6 +131,13 @@ impl Replay {
         Self::from_reader(reader)
     }
 
+    /// The same answers under another name: where several models were recorded into one file.
+    #[must_use]
+    pub fn named(mut self, name: &str) -> Self {
+        name.clone_into(&mut self.name);
+        self
+    }
+
     /// Reads a recording from memory or a stream.
     ///
     /// # Errors
@@ -196,6 +203,7 @@ mod tests {
                 text: format!("{call} \u{2028} \"ü\"\n"),
                 prompt_tokens: call,
                 completion_tokens: 0,
+                latency_ms: call,
             })
         }
     }

@@ -12,8 +12,9 @@ impl Secret {
         text.chars().all(|c| c.is_ascii_graphic()).then(|| Self(text.to_owned()))
     }
 
-    pub(crate) fn header(&self) -> String {
-        format!("Bearer {}", self.0)
+    /// The key itself, for a request's header.
+    pub(crate) fn expose(&self) -> &str {
+        &self.0
     }
 
     /// `text` without the key: servers like to quote it in their complaints.

@@ -2,35 +2,82 @@
 //!
 //! | text | meaning |
 //! |---|---|
-//! | `openai:MODEL@URL` | the OpenAI-compatible endpoint at URL, which ends in `/v1` or the like |
+//! | `openai:MODEL@URL` | the endpoint at URL, which ends in `/v1` or the like and speaks as OpenAI does: DashScope, Qianfan, vLLM, llama-server … |
 //! | `openai:MODEL` | the endpoint in `OPENBENCH_API_BASE`, else OpenAI's own |
+//! | `anthropic:MODEL`, `gemini:MODEL` | Anthropic's or Google's own endpoint, in their own words; `@URL` for another that speaks so |
+//! | `ollama:MODEL` | Ollama on this machine; `@URL` for another |
 //! | `replay:FILE` | what was recorded in FILE |
 //!
-//! The key is that in `OPENBENCH_API_KEY`. `OPENAI_API_KEY` serves too, but goes to OpenAI's own endpoint only, so that it never reaches a
-//! server for which it was not made. Without a key a request has none, as local servers like it; OpenAI's own endpoint needs one. A
-//! key is not sent unencrypted to another machine.
+//! The key is that in `OPENBENCH_API_KEY`. `OPENAI_API_KEY`, `ANTHROPIC_API_KEY` and `GEMINI_API_KEY` serve too, but go to the endpoint
+//! of that provider only, so that none reaches a server for which it was not made. Without a key a request has none, as local servers like it; the
+//! providers' own endpoints need one. A key is not sent unencrypted to another machine. `OPENBENCH_API_TIMEOUT` is how many seconds an answer is
+//! waited for (60).
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use crate::chat::ChatModel;
-use crate::openai::{OpenAi, OpenAiSettings};
+use crate::remote::Remote;
 use crate::replay::{Replay, ReplayError};
 use crate::secret::Secret;
+use crate::transport::{Bounds, Credential, Transport};
 
-/// OpenAI's own endpoint.
-const OPENAI: &str = "https://api.openai.com/v1";
 const BASE_VARIABLE: &str = "OPENBENCH_API_BASE";
 const KEY_VARIABLE: &str = "OPENBENCH_API_KEY";
-const OPENAI_KEY_VARIABLE: &str = "OPENAI_API_KEY";
+const TIMEOUT_VARIABLE: &str = "OPENBENCH_API_TIMEOUT";
+/// Where Ollama listens unless it is told otherwise.
+const OLLAMA: &str = "http://127.0.0.1:11434/v1";
+
+/// Whose words an endpoint speaks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Provider {
+    /// OpenAI's chat completions, as many other servers speak them.
+    OpenAi,
+    /// Anthropic's messages.
+    Anthropic,
+    /// Google's `generateContent`.
+    Gemini,
+}
+
+impl Provider {
+    /// The provider's own endpoint.
+    pub(crate) const fn own_base(self) -> &'static str {
+        match self {
+            Self::OpenAi => "https://api.openai.com/v1",
+            Self::Anthropic => "https://api.anthropic.com",
+            Self::Gemini => "https://generativelanguage.googleapis.com",
+        }
+    }
+
+    /// The variable with the key for that endpoint alone.
+    const fn key_variable(self) -> &'static str {
+        match self {
+            Self::OpenAi => "OPENAI_API_KEY",
+            Self::Anthropic => "ANTHROPIC_API_KEY",
+            Self::Gemini => "GEMINI_API_KEY",
+        }
+    }
+
+    /// The header in which a key travels, and what stands before it there.
+    const fn key_header(self) -> (&'static str, &'static str) {
+        match self {
+            Self::OpenAi => ("authorization", "Bearer "),
+            Self::Anthropic => ("x-api-key", ""),
+            Self::Gemini => ("x-goog-api-key", ""),
+        }
+    }
+}
 
 /// A chat model as a user names it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ModelSpec {
-    /// A model behind an OpenAI-compatible endpoint.
-    OpenAi {
+    /// A model behind an endpoint.
+    Remote {
+        /// Whose words the endpoint speaks.
+        provider: Provider,
         /// The model's name there.
         model: String,
-        /// The endpoint, unless the environment names it.
+        /// The endpoint, if the text names it.
         base: Option<String>,
     },
     /// A recording.
@@ -41,7 +88,9 @@ pub enum ModelSpec {
 #[derive(Debug, thiserror::Error)]
 pub enum SpecError {
     /// The text is none of the known forms.
-    #[error("`{spec}` names no chat model: write openai:MODEL, openai:MODEL@URL or replay:FILE")]
+    #[error(
+        "`{spec}` names no chat model: write openai:MODEL, openai:MODEL@URL, anthropic:MODEL, gemini:MODEL, ollama:MODEL or replay:FILE"
+    )]
     Unknown {
         /// The text.
         spec: String,
@@ -70,6 +119,12 @@ pub enum SpecError {
         /// Where the key was read from.
         variable: &'static str,
     },
+    /// The time-out is no number of seconds that can be waited.
+    #[error("OPENBENCH_API_TIMEOUT={text} is no time-out: write whole seconds, 1 to 3600")]
+    BadTimeout {
+        /// What is set.
+        text: String,
+    },
     /// The recording cannot be read.
     #[error(transparent)]
     Replay(#[from] ReplayError),
@@ -84,14 +139,19 @@ impl ModelSpec {
         let unknown = || SpecError::Unknown { spec: spec.to_owned() };
         match spec.split_once(':').ok_or_else(unknown)? {
             ("replay", file) if !file.is_empty() => Ok(Self::Replay(file.into())),
-            ("openai", rest) if !rest.is_empty() => {
+            (word, rest) => {
+                let (provider, preset) = match word {
+                    "openai" => (Provider::OpenAi, None),
+                    "ollama" => (Provider::OpenAi, Some(OLLAMA)),
+                    "anthropic" => (Provider::Anthropic, None),
+                    "gemini" => (Provider::Gemini, None),
+                    _ => return Err(unknown()),
+                };
                 let at = rest.find("@http://").or_else(|| rest.find("@https://"));
-                let (model, base) =
-                    at.map_or((rest, None), |at| (&rest[..at], Some(rest[at + 1..].to_owned())));
+                let (model, base) = at.map_or((rest, preset), |at| (&rest[..at], Some(&rest[at + 1..])));
                 let model = (!model.is_empty()).then(|| model.to_owned()).ok_or_else(unknown)?;
-                Ok(Self::OpenAi { model, base })
+                Ok(Self::Remote { provider, model, base: base.map(str::to_owned) })
             }
-            _ => Err(unknown()),
         }
     }
 
@@ -113,8 +173,11 @@ impl ModelSpec {
     ) -> Result<Box<dyn ChatModel>, SpecError> {
         Ok(match self {
             Self::Replay(file) => Box::new(Replay::open(file)?),
-            Self::OpenAi { model, base } => {
-                Box::new(endpoint(model, base.as_deref(), OpenAiSettings::default(), environment)?)
+            Self::Remote { provider, model, base } => {
+                let timeout = stated_timeout(&environment)?;
+                let bounds =
+                    timeout.map_or_else(Bounds::default, |timeout| Bounds { timeout, ..Bounds::default() });
+                Box::new(endpoint(*provider, model, base.as_deref(), bounds, environment)?)
             }
         })
     }
@@ -122,26 +185,43 @@ impl ModelSpec {
 
 /// A model at an endpoint; base address and key from the environment where they are left open.
 pub(crate) fn endpoint(
+    provider: Provider,
     model: &str,
     base: Option<&str>,
-    settings: OpenAiSettings,
+    bounds: Bounds,
     environment: impl Fn(&str) -> Option<String>,
-) -> Result<OpenAi, SpecError> {
+) -> Result<Remote, SpecError> {
     let filled = |variable| environment(variable).map(|v| v.trim().to_owned()).filter(|v| !v.is_empty());
-    let base = base.map(str::to_owned).or_else(|| filled(BASE_VARIABLE)).unwrap_or_else(|| OPENAI.into());
+    let elsewhere = || (provider == Provider::OpenAi).then(|| filled(BASE_VARIABLE)).flatten();
+    let base = base.map(str::to_owned).or_else(elsewhere).unwrap_or_else(|| provider.own_base().into());
     let base = checked_base(&base)?;
-    let keys = [KEY_VARIABLE, OPENAI_KEY_VARIABLE].into_iter().take(if base == OPENAI { 2 } else { 1 });
-    let key = keys.filter_map(|variable| filled(variable).map(|key| (variable, key))).next();
-    let key = match key {
+    let is_own = base == provider.own_base();
+    let variables = [KEY_VARIABLE, provider.key_variable()].into_iter().take(if is_own { 2 } else { 1 });
+    let found = variables.filter_map(|variable| filled(variable).map(|key| (variable, key))).next();
+    let key = match found {
         Some((variable, key)) => Some(Secret::new(&key).ok_or(SpecError::UnusableKey { variable })?),
-        None if base == OPENAI => return Err(SpecError::MissingKey { base, variable: KEY_VARIABLE }),
+        None if is_own => return Err(SpecError::MissingKey { base, variable: provider.key_variable() }),
         None => None,
     };
     if key.is_some() && base.starts_with("http://") && !is_this_machine(&base) {
         let detail = "a key would travel unencrypted; use https, or unset OPENBENCH_API_KEY";
         return Err(SpecError::BadBase { base, detail });
     }
-    Ok(OpenAi::new(model, &base, key, settings))
+    let (header, scheme) = provider.key_header();
+    let credential = key.map(|key| Credential { key, header, scheme });
+    let transport = Transport::new(&base, credential, bounds);
+    Ok(Remote::new(provider, model, &base, transport))
+}
+
+/// How long an answer is waited for, if the environment says so.
+fn stated_timeout(environment: impl Fn(&str) -> Option<String>) -> Result<Option<Duration>, SpecError> {
+    let Some(text) = environment(TIMEOUT_VARIABLE).filter(|text| !text.trim().is_empty()) else {
+        return Ok(None);
+    };
+    match text.trim().parse::<u64>() {
+        Ok(seconds @ 1..=3600) => Ok(Some(Duration::from_secs(seconds))),
+        _ => Err(SpecError::BadTimeout { text }),
+    }
 }
 
 fn checked_base(base: &str) -> Result<String, SpecError> {
@@ -186,17 +266,26 @@ mod tests {
 
     #[test]
     fn forms() {
-        let openai = |model: &str, base: Option<&str>| ModelSpec::OpenAi {
+        let spec = |provider, model: &str, base: Option<&str>| ModelSpec::Remote {
+            provider,
             model: model.into(),
             base: base.map(Into::into),
         };
+        let openai = |model, base| spec(Provider::OpenAi, model, base);
         assert_eq!(ModelSpec::parse("openai:m").unwrap(), openai("m", None));
+        assert_eq!(ModelSpec::parse("ollama:qwen2.5:0.5b").unwrap(), openai("qwen2.5:0.5b", Some(OLLAMA)));
+        assert_eq!(ModelSpec::parse("ollama:m@http://h/v1").unwrap(), openai("m", Some("http://h/v1")));
+        assert_eq!(ModelSpec::parse("anthropic:m").unwrap(), spec(Provider::Anthropic, "m", None));
+        assert_eq!(
+            ModelSpec::parse("gemini:m@https://h").unwrap(),
+            spec(Provider::Gemini, "m", Some("https://h"))
+        );
         assert_eq!(
             ModelSpec::parse("openai:@cf/m:7b@http://h:1/v1").unwrap(),
             openai("@cf/m:7b", Some("http://h:1/v1"))
         );
         assert_eq!(ModelSpec::parse("replay:a:b").unwrap(), ModelSpec::Replay("a:b".into()));
-        for bad in ["", "openai", "openai:", "openai:@http://h", "replay:", "gpt"] {
+        for bad in ["", "openai", "openai:", "openai:@http://h", "replay:", "gpt", "ollama:", "claude:m"] {
             assert!(matches!(ModelSpec::parse(bad), Err(SpecError::Unknown { .. })), "{bad}");
         }
     }
@@ -210,12 +299,15 @@ mod tests {
     }
 
     #[test]
-    fn openais_key_goes_to_openai_only() {
-        let environment = |name: &str| (name == OPENAI_KEY_VARIABLE).then(|| "k".to_owned());
-        let has_key =
-            |base| endpoint("m", Some(base), OpenAiSettings::default(), environment).unwrap().has_key();
-        assert!(has_key(OPENAI));
-        assert!(!has_key("https://other.example/v1"));
+    fn a_providers_key_goes_to_that_provider_only() {
+        for provider in [Provider::OpenAi, Provider::Anthropic, Provider::Gemini] {
+            let environment = |name: &str| (name == provider.key_variable()).then(|| "k".to_owned());
+            let made = |base| endpoint(provider, "m", base, Bounds::default(), environment);
+            assert!(made(None).unwrap().has_key());
+            assert!(!made(Some("https://other.example/v1")).unwrap().has_key());
+            let without = endpoint(provider, "m", None, Bounds::default(), |_| None);
+            assert!(matches!(without, Err(SpecError::MissingKey { .. })));
+        }
     }
 
     #[test]
@@ -234,6 +326,15 @@ mod tests {
             let error = open(&format!("openai:m@{base}"), &[]).err().unwrap();
             assert!(matches!(error, SpecError::BadBase { .. }), "{base}");
             assert!(!format!("{error} {error:?}").contains("secret"));
+        }
+    }
+
+    #[test]
+    fn time_outs_are_whole_seconds() {
+        let with = |text| open("ollama:m", &[(TIMEOUT_VARIABLE, text)]);
+        assert!(with("5").is_ok() && with(" ").is_ok());
+        for bad in ["0", "3601", "1.5", "-1", "soon"] {
+            assert!(matches!(with(bad), Err(SpecError::BadTimeout { .. })), "{bad}");
         }
     }
 

@@ -8,8 +8,8 @@ use std::io::Cursor;
 
 use image::{ImageFormat, RgbImage};
 use openbench_core::Image;
-use openbench_models::{ChatModel, ChatRequest, Message};
-use serde_json::Value;
+use openbench_models::{ChatModel, ChatRequest, Message, Schema};
+use serde_json::{Value, json};
 
 use crate::reader::{PlateReader, PlateReading, ReaderError, check_image, sort_readings};
 
@@ -50,12 +50,28 @@ impl<M: ChatModel> PlateReader for VlmReader<M> {
         let question =
             format!("The image has {} x {} pixels. Which plates do you read?", image.width, image.height);
         let messages = vec![Message::system(ORDERS), Message::user(question).with_image(png(image)?)];
-        let answer = self.model.chat(&ChatRequest::new(messages).as_json())?.text;
+        let answer = self.model.chat(&ChatRequest::new(messages).as_schema(schema()))?.text;
         let bad = |detail| ReaderError::BadAnswer { model: self.model.name().to_owned(), detail };
         let mut readings = plates(&answer, image).map_err(bad)?;
         sort_readings(&mut readings);
         Ok(readings)
     }
+}
+
+/// What an answer looks like.
+fn schema() -> Schema {
+    let plate = json!({
+        "type": "object",
+        "properties": {
+            "text": { "type": "string" },
+            "box": { "type": "array", "items": { "type": "number" } },
+            "confidence": { "type": "number" },
+        },
+        "required": ["text", "box", "confidence"],
+    });
+    let plates = json!({ "type": "array", "items": plate });
+    let answer = json!({ "type": "object", "properties": { "plates": plates }, "required": ["plates"] });
+    Schema { name: "plates".to_owned(), text: answer.to_string() }
 }
 
 /// The image as a PNG file.

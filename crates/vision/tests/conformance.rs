@@ -5,7 +5,7 @@
 mod support;
 
 use openbench_core::{Image, SimTime};
-use openbench_models::{ChatError, ChatModel, ChatReply, ChatRequest, ModelStore};
+use openbench_models::{ChatError, ChatModel, ChatReply, ChatRequest, Format, ModelStore};
 use openbench_vision::{PlateReader, PlateReading, PpOcr, ReaderError, VlmReader};
 use support::{Plate, picture, view};
 
@@ -54,10 +54,13 @@ impl ChatModel for Scripted {
     }
 
     fn chat(&self, request: &ChatRequest) -> Result<ChatReply, ChatError> {
-        assert!(request.json && request.messages.iter().any(|message| message.images.len() == 1));
+        assert!(
+            matches!(request.format, Format::Schema(_))
+                && request.messages.iter().any(|message| message.images.len() == 1)
+        );
         let text = r#"{"plates": [{"text": "no parking", "box": [9, 9, 40, 20], "confidence": 0.3},
             {"text": "UNIT 2", "box": [300, 40, 360, 70], "confidence": 0.9}]}"#;
-        Ok(ChatReply { text: text.into(), prompt_tokens: 0, completion_tokens: 0 })
+        Ok(ChatReply { text: text.into(), prompt_tokens: 0, completion_tokens: 0, latency_ms: 0 })
     }
 }
 

@@ -128,6 +128,12 @@ impl Mission {
         self.memory.data().to_xml()
     }
 
+    /// Stands still until the next observation, eyes open.
+    pub fn wait(&mut self, observation: &Observation<'_>, events: &mut dyn Events) -> Action {
+        self.sense(observation, events);
+        Action::Drive(Velocity::ZERO)
+    }
+
     /// What to do until the next observation.
     pub fn act(&mut self, observation: &Observation<'_>, events: &mut dyn Events) -> Action {
         self.sense(observation, events);

@@ -9,6 +9,7 @@
 //! | [`sighting`] | where a plate that was read in an image is, by the LiDAR |
 //! | [`perception`] | scans and images in the `map` frame |
 //! | [`memory`] | the agent's own copy of the map |
+//! | `thinking` | what is asked of models, and how long the robot stands for it |
 
 pub mod driving;
 pub mod exploration;
@@ -16,16 +17,19 @@ pub mod memory;
 pub mod mission;
 pub mod perception;
 pub mod sighting;
+mod thinking;
 
-use openbench_core::{Action, Agent, Briefing, Events, FailureCause, GiveUp, Observation};
+use openbench_core::{Action, Agent, Briefing, Events, FailureCause, GiveUp, Observation, SimTime};
 use openbench_language::Planner;
 use openbench_localization::Localizer;
+use openbench_models::Meter;
 use openbench_motion::LocalPlanner;
 use openbench_motion::costmap::ground::Preferences;
 use openbench_osm::OsmData;
 use openbench_vision::PlateReader;
 
 use mission::Mission;
+use thinking::Thinking;
 
 /// The exchangeable parts of OPEN.
 pub struct Parts {
@@ -41,18 +45,25 @@ pub struct Parts {
     pub ground: Preferences,
     /// Doors found before, if any are to be remembered.
     pub memory: Option<OsmData>,
+    /// Counts what planner and reader ask of models.
+    pub meter: Meter,
+    /// Whether the robot stands still for as long as models take to answer, as it would in life. What they take is measured by the clock on the
+    /// wall, so that runs repeat with what was recorded only.
+    pub thinks_in_simulated_time: bool,
 }
 
 /// The baseline agent.
 pub struct Open {
     parts: Option<Parts>,
     mission: Option<Mission>,
+    thinking: Thinking,
 }
 
 impl Open {
     /// An agent made of these parts.
     pub fn new(parts: Parts) -> Self {
-        Self { parts: Some(parts), mission: None }
+        let thinking = Thinking::new(parts.meter.clone(), parts.thinks_in_simulated_time);
+        Self { parts: Some(parts), mission: None, thinking }
     }
 }
 
@@ -63,13 +74,20 @@ impl Agent for Open {
             cause: FailureCause::AgentError,
             detail: "the agent was begun twice; make a new one for each episode".into(),
         })?;
-        self.mission = Some(Mission::begin(parts, briefing, events)?);
+        let begun = Mission::begin(parts, briefing, events);
+        self.thinking.account(SimTime::ZERO, events);
+        self.mission = Some(begun?);
         Ok(())
     }
 
     fn act(&mut self, observation: &Observation<'_>, events: &mut dyn Events) -> Action {
         match &mut self.mission {
-            Some(mission) => mission.act(observation, events),
+            Some(mission) if self.thinking.lasts(observation.time) => mission.wait(observation, events),
+            Some(mission) => {
+                let action = mission.act(observation, events);
+                self.thinking.account(observation.time, events);
+                action
+            }
             None => Action::GiveUp(GiveUp {
                 address: None,
                 cause: FailureCause::AgentError,

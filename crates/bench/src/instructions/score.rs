@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use openbench_core::{Address, Georeference, LonLat, MapPoint, Plan, TravelTimes};
+use openbench_core::{Address, Georeference, LonLat, MapPoint, ModelUse, Plan, TravelTimes};
 use openbench_language::{PlanRequest, Planner};
 use openbench_osm::{OsmData, OsmMap};
 use serde::Serialize;
@@ -66,6 +66,11 @@ pub struct Scores {
     pub mean_ms: f64,
     /// See [`Scores::mean_ms`].
     pub max_ms: f64,
+    /// How many plans were made by another planner in part.
+    pub fallbacks: usize,
+    /// What was asked of models, where that was counted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub models: Option<ModelUse>,
     /// The instructions that were not understood.
     pub wrong: Vec<Wrong>,
 }
@@ -84,6 +89,8 @@ pub fn score(planner: &dyn Planner, cases: &[Case], map: Option<&OsmMap>, mut do
         difficulties: BTreeMap::new(),
         mean_ms: 0.0,
         max_ms: 0.0,
+        fallbacks: 0,
+        models: None,
         wrong: Vec::new(),
     };
     let mut total = 0.0;
@@ -106,6 +113,7 @@ pub fn score(planner: &dyn Planner, cases: &[Case], map: Option<&OsmMap>, mut do
             deliveries: Vec::new(),
             fallbacks: Vec::new(),
         });
+        scores.fallbacks += usize::from(!plan.fallbacks.is_empty());
         scores.take(case, &plan, said, known.is_some());
         done();
     }

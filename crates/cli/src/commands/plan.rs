@@ -1,18 +1,29 @@
 //! `openbench plan`
 
-use openbench_core::MapPoint;
+use openbench_core::{MapPoint, ModelUse, Plan};
 use openbench_language::PlanRequest;
 use openbench_osm::{OsmMap, default_georeference};
 use openbench_routing::{MapRouter, Profile, RouterTimes};
 
 use crate::args::PlanArgs;
 use crate::commands::read_data;
+use crate::open_models::Models;
 use crate::open_parts::planner;
 use crate::outcome::{Outcome, say_json};
 
+/// A plan, and what was asked of models for it.
+#[derive(serde::Serialize)]
+struct Planned {
+    #[serde(flatten)]
+    plan: Plan,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    models: Option<ModelUse>,
+}
+
 /// Prints what an instruction asks for.
 pub fn run(args: &PlanArgs) -> anyhow::Result<Outcome> {
-    let planner = planner(&args.planner).map_err(anyhow::Error::msg)?;
+    let mut models = Models::unbounded(args.exchanges.as_deref());
+    let planner = planner(&args.planner, &mut models).map_err(anyhow::Error::msg)?;
     let data = read_data(&args.map)?;
     let georeference =
         default_georeference(&data).map_err(|e| anyhow::anyhow!("{}: {e}", args.map.display()))?;
@@ -21,19 +32,14 @@ pub fn run(args: &PlanArgs) -> anyhow::Result<Outcome> {
     let times = RouterTimes { router: &router, speed: 0.5 };
     let request =
         PlanRequest { instruction: &args.instruction, map: &map, start: MapPoint::default(), times: &times };
-    let plan = match planner.plan(&request) {
-        Ok(plan) => plan,
-        Err(error) => {
-            crate::outcome::tell(&format!("openbench: {error}"));
-            say_json(&openbench_core::Plan {
-                planner: planner.name().to_owned(),
-                deliveries: Vec::new(),
-                fallbacks: Vec::new(),
-            })?;
-            return Ok(Outcome::Problem);
-        }
-    };
-    say_json(&plan)?;
-    let problem = plan.deliveries.iter().any(|d| d.problem.is_some());
+    let planned = planner.plan(&request);
+    if let Err(error) = &planned {
+        crate::outcome::tell(&format!("openbench: {error}"));
+    }
+    let nothing =
+        || Plan { planner: planner.name().to_owned(), deliveries: Vec::new(), fallbacks: Vec::new() };
+    let problem = planned.as_ref().map_or(true, |plan| plan.deliveries.iter().any(|d| d.problem.is_some()));
+    let models = Some(models.meter().spent()).filter(|used| used.calls > 0);
+    say_json(&Planned { plan: planned.unwrap_or_else(|_| nothing()), models })?;
     Ok(if problem { Outcome::Problem } else { Outcome::Done })
 }

@@ -70,11 +70,12 @@ fn probe(path: &Path) -> anyhow::Result<()> {
     Ok(std::fs::remove_file(&name)?)
 }
 
-fn fetch_reader(settings: &BTreeMap<String, String>) -> anyhow::Result<()> {
+/// Brings the files of the reader that the settings name.
+pub(super) fn fetch_reader(settings: &BTreeMap<String, String>) -> anyhow::Result<()> {
     open_parts::check(settings).map_err(anyhow::Error::msg)?;
-    let reader = settings.get("reader").map_or(open_parts::DEFAULT_READER, String::as_str);
-    if reader == open_parts::DEFAULT_READER {
-        models::ensure(&ModelStore::from_environment()?, reader)?;
+    let readers = settings.get("reader").map_or(open_parts::DEFAULT_READER, String::as_str);
+    if open_parts::readers(readers).any(|reader| reader == open_parts::DEFAULT_READER) {
+        models::ensure(&ModelStore::from_environment()?, open_parts::DEFAULT_READER)?;
     }
     Ok(())
 }

@@ -7,6 +7,7 @@ use openbench_bench::instructions::{Difficulty, Split, built_in, read};
 
 use crate::args::{SplitArg, SrtpArgs};
 use crate::commands::read_map;
+use crate::open_models::Models;
 use crate::open_parts::planner;
 use crate::outcome::{Outcome, say, say_json};
 use crate::progress::progress_bar;
@@ -25,7 +26,8 @@ const SHOWN: usize = 10;
 
 /// Prints how many instructions a planner understands.
 pub fn run(args: &SrtpArgs) -> anyhow::Result<Outcome> {
-    let planner = planner(&args.planner).map_err(anyhow::Error::msg)?;
+    let mut models = Models::unbounded(args.exchanges.as_deref());
+    let planner = planner(&args.planner, &mut models).map_err(anyhow::Error::msg)?;
     let (what, cases) = match &args.data {
         Some(path) => (path.display().to_string(), read(path)?),
         None => {
@@ -38,7 +40,8 @@ pub fn run(args: &SrtpArgs) -> anyhow::Result<Outcome> {
     };
     let map = args.map.as_deref().map(read_map).transpose()?;
     let bar = progress_bar(cases.len(), "instructions");
-    let scores = score(planner.as_ref(), &cases, map.as_ref(), || bar.inc(1));
+    let mut scores = score(planner.as_ref(), &cases, map.as_ref(), || bar.inc(1));
+    scores.models = Some(models.meter().spent()).filter(|used| used.calls > 0);
     bar.finish_and_clear();
     if args.json {
         say_json(&scores)?
@@ -67,6 +70,18 @@ fn table(scores: &Scores, what: &str) -> String {
     scores.difficulties.iter().for_each(|(difficulty, share)| line(named(*difficulty), share));
     scores.languages.iter().for_each(|(language, share)| line(language, share));
     let _ = writeln!(text, "\n{:.3} ms an instruction, {:.3} ms at most", scores.mean_ms, scores.max_ms);
+    if let Some(used) = &scores.models {
+        let each = |sum: u64| sum as f64 / scores.all.instructions.max(1) as f64;
+        let _ = writeln!(
+            text,
+            "an instruction: {:.1} calls, {:.0} tokens read, {:.0} written; {} calls failed; {} plans in part by the grammar",
+            each(used.calls.into()),
+            each(used.prompt_tokens),
+            each(used.completion_tokens),
+            used.failed,
+            scores.fallbacks,
+        );
+    }
     for wrong in scores.wrong.iter().take(SHOWN) {
         let planned: Vec<String> = wrong.planned.iter().map(|door| format!("({door})")).collect();
         let said = wrong.said.as_ref().map(|said| format!("; {said}")).unwrap_or_default();

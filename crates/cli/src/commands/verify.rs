@@ -1,14 +1,14 @@
 //! `openbench verify`
 
-use openbench_bench::Prepared;
 use openbench_bench::recording::{Recording, RunRecord, verify};
+use openbench_bench::{BenchError, Level, Prepared, Registry, RunRequest, memory_of, repeat};
 
 use crate::args::VerifyArgs;
 use crate::outcome::{Outcome, say};
 use crate::progress::progress_bar;
 
-/// Drives a run's actions again.
-pub fn run(args: &VerifyArgs) -> anyhow::Result<Outcome> {
+/// Drives a run's actions again, and its agent if that is asked for.
+pub fn run(args: &VerifyArgs, registry: &Registry) -> anyhow::Result<Outcome> {
     let record = RunRecord::read(&args.run)?;
     if record.version != env!("CARGO_PKG_VERSION") {
         anyhow::bail!(
@@ -24,6 +24,15 @@ pub fn run(args: &VerifyArgs) -> anyhow::Result<Outcome> {
     let recordings: Result<Vec<Recording>, _> =
         (0..record.episodes).map(|i| Recording::read(&args.run, i)).collect();
     let recordings = recordings?;
+    if args.agent {
+        drive_again(&record, args, registry)?;
+        say(&format!(
+            "{}: the agent of {} episodes repeats to the bit\n",
+            args.run.display(),
+            record.episodes
+        ))?;
+        return Ok(Outcome::Done);
+    }
     let prepared = Prepared::world_of(record.suite)?;
     let bar = progress_bar(recordings.len(), "verifying");
     for (number, recording) in recordings.iter().enumerate() {
@@ -33,4 +42,32 @@ pub fn run(args: &VerifyArgs) -> anyhow::Result<Outcome> {
     bar.finish_and_clear();
     say(&format!("{}: {} episodes repeat to the bit\n", args.run.display(), recordings.len()))?;
     Ok(Outcome::Done)
+}
+
+/// Runs the agent again. What its actions do to the world is compared with the same stroke.
+fn drive_again(record: &RunRecord, args: &VerifyArgs, registry: &Registry) -> anyhow::Result<()> {
+    let unknown = || BenchError::UnknownAgent { name: record.agent.clone(), known: registry.names() };
+    let factory = registry.get(&record.agent).ok_or_else(unknown)?;
+    let prepared = Prepared::new(record.suite.clone(), record.truth.as_deref())?;
+    let memory = memory_of(&args.run)?;
+    if record.agent == "open" {
+        super::run::fetch_reader(&record.settings)?;
+    }
+    let bar = progress_bar(prepared.episodes.len(), "driving again");
+    let request = RunRequest {
+        prepared: &prepared,
+        agent: &record.agent,
+        factory,
+        settings: &record.settings,
+        seed: record.seed,
+        jobs: usize::from(args.jobs),
+        level: Level::None,
+        out: None,
+        memory: memory.as_ref(),
+        command: "",
+        progress: &|done| bar.set_position(done as u64),
+    };
+    repeat(&request, &args.run)?;
+    bar.finish_and_clear();
+    Ok(())
 }

@@ -1,10 +1,10 @@
 //! Runs the real binary in a folder of its own.
 #![allow(dead_code, unused_imports, reason = "no test file uses all of it")]
 
+pub mod endpoint;
 mod published;
 mod ran;
 pub mod town;
-pub mod vlm;
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -47,9 +47,17 @@ impl Place {
 
     pub fn openbench_with(&self, words: &[&str]) -> Ran {
         let mut command = Command::new(env!("CARGO_BIN_EXE_openbench"));
-        for key in ["OPENBENCH_LOG", "OPENBENCH_API_BASE", "OPENBENCH_API_KEY", "OPENAI_API_KEY"] {
+        for key in [
+            "OPENBENCH_LOG",
+            "OPENBENCH_API_BASE",
+            "OPENBENCH_API_KEY",
+            "OPENAI_API_KEY",
+            "ANTHROPIC_API_KEY",
+            "GEMINI_API_KEY",
+        ] {
             command.env_remove(key);
         }
+        command.env("OPENBENCH_API_TIMEOUT", "2");
         let output = command.args(words).current_dir(self.0.path()).output().unwrap();
         let ran = Ran::of(output);
         assert!(!ran.stderr.contains("panicked"), "{words:?}: {}", ran.stderr);

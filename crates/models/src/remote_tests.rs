@@ -1,12 +1,15 @@
 //! The client against scripted servers on this machine.
 
-use std::io::{BufRead, BufReader, Write};
+use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::thread::JoinHandle;
-use std::time::Instant;
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
 
 use super::*;
 use crate::spec::endpoint;
+use crate::transport::Bounds;
 
 const KEY: &str = "sk-top-secret-123";
 
@@ -54,20 +57,50 @@ fn ok(text: &str) -> String {
     http("200 OK", &json!({ "choices": [{ "message": { "content": text } }], "usage": usage }).to_string())
 }
 
-fn model(base: &str) -> OpenAi {
-    let settings = OpenAiSettings {
+fn bounds() -> Bounds {
+    Bounds {
         timeout: Duration::from_millis(400),
         retries: 2,
         first_pause: Duration::from_millis(5),
         longest_pause: Duration::from_millis(50),
         max_reply_bytes: 2000,
-    };
-    endpoint("m", Some(base), settings, |name| (name == "OPENBENCH_API_KEY").then(|| KEY.into())).unwrap()
+    }
+}
+
+fn model_of(provider: Provider, base: &str) -> Remote {
+    let environment = |name: &str| (name == "OPENBENCH_API_KEY").then(|| KEY.into());
+    endpoint(provider, "m", Some(base), bounds(), environment).unwrap()
+}
+
+fn model(base: &str) -> Remote {
+    model_of(Provider::OpenAi, base)
+}
+
+fn hello() -> ChatRequest {
+    ChatRequest::new(vec![Message::system("be brief"), Message::user("hello")])
+}
+
+/// A list of numbers.
+fn schema() -> Schema {
+    let text = json!({
+        "type": "object",
+        "properties": { "order": { "type": "array", "items": { "type": "integer" } } },
+        "required": ["order"],
+    });
+    Schema { name: "order".into(), text: text.to_string() }
 }
 
 fn ask(script: Vec<String>) -> (Result<ChatReply, ChatError>, Vec<String>) {
+    ask_for(Provider::OpenAi, &hello(), script)
+}
+
+fn ask_for(
+    provider: Provider,
+    request: &ChatRequest,
+    script: Vec<String>,
+) -> (Result<ChatReply, ChatError>, Vec<String>) {
     let (base, server) = serve(script);
-    let answer = model(&base).chat(&ChatRequest::new(vec![Message::user("hello")]));
+    let answer = model_of(provider, &base).chat(request);
     let shown = format!(
         "{answer:?} {}",
         answer.as_ref().map_or_else(ToString::to_string, |reply| reply.text.clone())
@@ -76,23 +109,102 @@ fn ask(script: Vec<String>) -> (Result<ChatReply, ChatError>, Vec<String>) {
     (answer, server.join().unwrap())
 }
 
+/// The JSON that a request carries.
+fn sent(request: &str) -> Value {
+    serde_json::from_str(request.split("\r\n\r\n").nth(1).unwrap()).unwrap()
+}
+
+fn costs(reply: &ChatReply) -> (&str, u32, u32) {
+    (&reply.text, reply.prompt_tokens, reply.completion_tokens)
+}
+
 #[test]
 fn an_answer_with_its_costs() {
     let (answer, requests) = ask(vec![ok("hi")]);
-    assert_eq!(answer.unwrap(), ChatReply { text: "hi".into(), prompt_tokens: 12, completion_tokens: 3 });
+    assert_eq!(costs(&answer.unwrap()), ("hi", 12, 3));
     assert!(requests[0].starts_with("POST /v1/chat/completions HTTP/1.1\r\n"));
     assert!(requests[0].contains(&format!("Bearer {KEY}")));
-    let sent: Value = serde_json::from_str(requests[0].split("\r\n\r\n").nth(1).unwrap()).unwrap();
-    let messages = json!([{ "role": "user", "content": "hello" }]);
-    assert_eq!(sent, json!({ "model": "m", "messages": messages, "max_tokens": 1024, "temperature": 0.0 }));
+    let messages =
+        json!([{ "role": "system", "content": "be brief" }, { "role": "user", "content": "hello" }]);
+    let wanted = json!({ "model": "m", "messages": messages, "max_tokens": 1024, "temperature": 0.0 });
+    assert_eq!(sent(&requests[0]), wanted);
+}
+
+#[test]
+fn anthropic_in_its_own_words() {
+    let reply = json!({
+        "id": "msg_1", "type": "message", "role": "assistant", "model": "m",
+        "content": [{ "type": "text", "text": "hi" }],
+        "stop_reason": "end_turn", "stop_sequence": null,
+        "usage": { "input_tokens": 12, "output_tokens": 3 },
+    });
+    let request = hello().as_schema(schema());
+    let (answer, requests) = ask_for(Provider::Anthropic, &request, vec![http("200 OK", &reply.to_string())]);
+    assert_eq!(costs(&answer.unwrap()), ("hi", 12, 3));
+    assert!(requests[0].starts_with("POST /v1/messages HTTP/1.1\r\n"), "{}", requests[0]);
+    assert!(requests[0].contains(&format!("x-api-key: {KEY}")) && requests[0].contains("anthropic-version"));
+    let sent = sent(&requests[0]);
+    assert_eq!(sent["system"][0]["text"], "be brief");
+    assert_eq!(sent["messages"][0]["content"][0]["text"], "hello");
+    assert_eq!(sent["output_config"]["format"]["schema"]["properties"]["order"]["type"], "array");
+}
+
+#[test]
+fn gemini_in_its_own_words_with_the_key_in_a_header() {
+    let candidate =
+        json!({ "content": { "parts": [{ "text": "hi" }], "role": "model" }, "finishReason": "STOP" });
+    let usage = json!({ "promptTokenCount": 12, "candidatesTokenCount": 3, "totalTokenCount": 15 });
+    let reply = json!({ "candidates": [candidate], "usageMetadata": usage }).to_string();
+    let request = ChatRequest {
+        messages: vec![Message::system("be brief"), Message::user("see").with_image(vec![0x89, 1])],
+        ..hello().as_schema(schema())
+    };
+    let (answer, requests) = ask_for(Provider::Gemini, &request, vec![http("200 OK", &reply)]);
+    assert_eq!(costs(&answer.unwrap()), ("hi", 12, 3));
+    let line = requests[0].lines().next().unwrap();
+    assert_eq!(line, "POST /v1/v1beta/models/m:generateContent HTTP/1.1");
+    assert!(requests[0].contains(&format!("x-goog-api-key: {KEY}")));
+    let sent = sent(&requests[0]);
+    assert_eq!(sent["systemInstruction"]["parts"][0]["text"], "be brief");
+    assert_eq!(sent["contents"][0]["parts"][1]["inlineData"]["data"], "iQE=");
+    assert_eq!(sent["generationConfig"]["responseJsonSchema"]["type"], "object");
 }
 
 #[test]
 fn pictures_travel_as_data_urls_and_json_is_asked_for() {
     let request = ChatRequest::new(vec![Message::user("see").with_image(vec![0xff, 0xd8, 1])]).as_json();
-    let sent = body("m", &request);
+    let (_, requests) = ask_for(Provider::OpenAi, &request, vec![ok("{}")]);
+    let sent = sent(&requests[0]);
     assert_eq!(sent["messages"][0]["content"][1]["image_url"]["url"], "data:image/jpeg;base64,/9gB");
     assert_eq!(sent["response_format"]["type"], "json_object");
+}
+
+#[test]
+fn an_endpoint_that_knows_no_schemas_is_asked_for_json_then_for_nothing() {
+    let (base, server) = serve(vec![
+        http("400 Bad Request", "{\"error\": {\"message\": \"response_format json_schema is unknown\"}}"),
+        http("400 Bad Request", "{}"),
+        ok("{\"order\": [1]}"),
+        ok("{\"order\": [1]}"),
+    ]);
+    let model = model(&base);
+    let request = hello().as_schema(schema());
+    assert_eq!(model.chat(&request).unwrap().text, "{\"order\": [1]}");
+    assert!(model.chat(&request).is_ok());
+    let form = |request: &String| sent(request)["response_format"]["type"].as_str().map(str::to_owned);
+    let forms: Vec<_> = server.join().unwrap().iter().map(form).collect();
+    assert_eq!(forms, [Some("json_schema".into()), Some("json_object".into()), None, None]);
+}
+
+#[test]
+fn what_is_wrong_with_a_request_is_said_once() {
+    let (answer, _) = ask(vec![http("400 Bad Request", "{\"error\": {\"message\": \"no such model\"}}")]);
+    assert!(matches!(answer, Err(ChatError::Status { code: 400, .. })), "{answer:?}");
+    let nothing = model("http://127.0.0.1:9/v1").chat(&ChatRequest::new(vec![]));
+    assert!(matches!(nothing, Err(ChatError::BadRequest { .. })), "{nothing:?}");
+    let bad = Schema { name: "x".into(), text: "{".into() };
+    let bad = model("http://127.0.0.1:9/v1").chat(&hello().as_schema(bad));
+    assert!(matches!(bad, Err(ChatError::BadRequest { .. })), "{bad:?}");
 }
 
 #[test]
@@ -172,7 +284,7 @@ fn slow_servers_time_out_once() {
 fn garbage_and_nobody_are_unreachable() {
     let (answer, _) = ask(vec!["garbage\r\n\r\n".into(); 3]);
     assert!(matches!(answer, Err(ChatError::Unreachable { .. })), "{answer:?}");
-    let nobody = model("http://127.0.0.1:9/v1").chat(&ChatRequest::new(vec![]));
+    let nobody = model("http://127.0.0.1:9/v1").chat(&hello());
     assert!(matches!(nobody, Err(ChatError::Unreachable { .. })), "{nobody:?}");
 }
 

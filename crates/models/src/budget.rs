@@ -1,0 +1,192 @@
+//! What a mission asks of models: counted, and bounded.
+//!
+//! One [`Meter`] belongs to a mission; every model that the mission asks is wrapped in a [`Metered`] with it.
+
+use std::str::FromStr;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use openbench_core::ModelUse;
+
+use crate::chat::{ChatError, ChatModel, ChatReply, ChatRequest};
+
+/// The most that a mission may ask of models.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Budget {
+    /// Requests.
+    pub calls: u32,
+    /// Tokens of requests and answers together, as the servers count them.
+    pub tokens: u64,
+    /// Seconds that it waits for answers.
+    pub seconds: u32,
+}
+
+impl Default for Budget {
+    /// Enough to read a plate at every place that a mission looks from; little enough that a loop costs no fortune.
+    fn default() -> Self {
+        Self { calls: 1000, tokens: 2_000_000, seconds: 1800 }
+    }
+}
+
+impl Budget {
+    /// Which bound is reached, in words.
+    fn reached(&self, spent: &ModelUse) -> Option<String> {
+        let tokens = spent.prompt_tokens.saturating_add(spent.completion_tokens);
+        let bounds = [
+            (u64::from(spent.calls), u64::from(self.calls), "calls"),
+            (tokens, self.tokens, "tokens"),
+            (spent.latency_ms / 1000, u64::from(self.seconds), "seconds"),
+        ];
+        let reached = bounds.into_iter().find(|(spent, bound, _)| spent >= bound);
+        reached.map(|(spent, bound, unit)| format!("{spent} of {bound} {unit} are spent"))
+    }
+}
+
+impl FromStr for Budget {
+    type Err = String;
+
+    /// Reads `CALLS,TOKENS,SECONDS`.
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let bad = || format!("`{text}` is no budget: write CALLS,TOKENS,SECONDS, as in 100,50000,300");
+        let parts: Vec<&str> = text.split(',').map(str::trim).collect();
+        let &[calls, tokens, seconds] = &parts[..] else { return Err(bad()) };
+        Ok(Self {
+            calls: calls.parse().map_err(|_| bad())?,
+            tokens: tokens.parse().map_err(|_| bad())?,
+            seconds: seconds.parse().map_err(|_| bad())?,
+        })
+    }
+}
+
+/// Counts what a mission asks. Clones count together.
+#[derive(Debug, Clone, Default)]
+pub struct Meter {
+    budget: Budget,
+    spent: Arc<Mutex<ModelUse>>,
+}
+
+impl Meter {
+    /// Nothing asked yet.
+    pub fn new(budget: Budget) -> Self {
+        Self { budget, spent: Arc::default() }
+    }
+
+    /// What was asked so far.
+    pub fn spent(&self) -> ModelUse {
+        *self.spent.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn check(&self) -> Result<(), ChatError> {
+        match self.budget.reached(&self.spent()) {
+            Some(spent) => Err(ChatError::Budget { spent }),
+            None => Ok(()),
+        }
+    }
+
+    fn count(&self, answer: &Result<ChatReply, ChatError>) {
+        let one = ModelUse { calls: 1, ..ModelUse::default() };
+        let asked = match answer {
+            Ok(reply) => ModelUse {
+                prompt_tokens: u64::from(reply.prompt_tokens),
+                completion_tokens: u64::from(reply.completion_tokens),
+                latency_ms: u64::from(reply.latency_ms),
+                ..one
+            },
+            Err(ChatError::Timeout { seconds, .. }) => {
+                ModelUse { failed: 1, latency_ms: seconds.saturating_mul(1000), ..one }
+            }
+            Err(_) => ModelUse { failed: 1, ..one },
+        };
+        let mut spent = self.spent.lock().unwrap_or_else(PoisonError::into_inner);
+        *spent = spent.plus(asked);
+    }
+}
+
+/// A model of which no more is asked than the meter's budget allows. A call that has begun is waited for, so seconds and tokens may
+/// go beyond the bound by one call.
+#[derive(Debug)]
+pub struct Metered<M> {
+    model: M,
+    meter: Meter,
+}
+
+impl<M: ChatModel> Metered<M> {
+    /// Counts what is asked of `model` by `meter`.
+    pub fn new(model: M, meter: Meter) -> Self {
+        Self { model, meter }
+    }
+}
+
+impl<M: ChatModel> ChatModel for Metered<M> {
+    fn name(&self) -> &str {
+        self.model.name()
+    }
+
+    fn chat(&self, request: &ChatRequest) -> Result<ChatReply, ChatError> {
+        self.meter.check()?;
+        let answer = self.model.chat(request);
+        self.meter.count(&answer);
+        answer
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chat::Message;
+
+    /// Costs 10 tokens and 2 s a call, or times out.
+    struct Scripted {
+        answers: bool,
+    }
+
+    impl ChatModel for Scripted {
+        fn name(&self) -> &str {
+            "scripted"
+        }
+
+        fn chat(&self, _: &ChatRequest) -> Result<ChatReply, ChatError> {
+            let timeout = || ChatError::Timeout { endpoint: "e".into(), seconds: 60 };
+            let reply =
+                || ChatReply { text: "x".into(), prompt_tokens: 7, completion_tokens: 3, latency_ms: 2000 };
+            self.answers.then(reply).ok_or_else(timeout)
+        }
+    }
+
+    /// How many calls go through before the budget is spent.
+    fn calls_within(budget: Budget, answers: bool) -> usize {
+        let model = Metered::new(Scripted { answers }, Meter::new(budget));
+        let request = ChatRequest::new(vec![Message::user("x")]);
+        let within = |_: &usize| !matches!(model.chat(&request), Err(ChatError::Budget { .. }));
+        (0..100).take_while(within).count()
+    }
+
+    #[test]
+    fn budgets_are_read() {
+        assert_eq!("1, 2,3".parse(), Ok(Budget { calls: 1, tokens: 2, seconds: 3 }));
+        for bad in ["", "1,2", "1,2,3,4", "1,-2,3", "a,b,c", "99999999999,1,1"] {
+            assert!(bad.parse::<Budget>().is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn each_bound_holds() {
+        let wide = Budget { calls: 50, tokens: 10_000, seconds: 10_000 };
+        assert_eq!(calls_within(wide, true), 50);
+        assert_eq!(calls_within(Budget { tokens: 25, ..wide }, true), 3);
+        assert_eq!(calls_within(Budget { seconds: 5, ..wide }, true), 3);
+        assert_eq!(calls_within(Budget { seconds: 61, ..wide }, false), 2);
+        assert_eq!(calls_within(Budget { calls: 0, ..wide }, true), 0);
+    }
+
+    #[test]
+    fn models_of_one_mission_count_together() {
+        let meter = Meter::new(Budget::default());
+        let request = ChatRequest::new(vec![Message::user("x")]);
+        for answers in [true, true, false] {
+            let _ = Metered::new(Scripted { answers }, meter.clone()).chat(&request);
+        }
+        let wanted =
+            ModelUse { calls: 3, failed: 1, prompt_tokens: 14, completion_tokens: 6, latency_ms: 64_000 };
+        assert_eq!(meter.spent(), wanted);
+    }
+}

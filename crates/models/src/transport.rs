@@ -1,0 +1,250 @@
+//! How requests reach a provider: one HTTP exchange, bounded in time, tries and size.
+//!
+//! Follows no redirects. Tried again are refused or broken connections and the statuses 429 and 5xx, waiting longer each time; not a time-out,
+//! which a second try would only double. The key is put in here and nowhere else, into a header, and blotted out of whatever comes back.
+
+use std::io::Read;
+use std::sync::Arc;
+use std::time::Duration;
+
+use bytes::Bytes;
+use http::{HeaderMap, Request, Response, header};
+use rig_core::http_client::{self, HttpClientExt, LazyBody, MultipartForm, StreamingResponse};
+use serde_json::Value;
+use ureq::Agent;
+
+use crate::chat::ChatError;
+use crate::secret::Secret;
+use crate::spec::is_this_machine;
+
+/// Characters of a server's complaint that an error quotes.
+const QUOTED: usize = 300;
+
+/// Bounds of a call.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Bounds {
+    /// The longest that one try may take, from the connection to the last byte.
+    pub timeout: Duration,
+    /// Further tries after the first.
+    pub retries: u32,
+    /// The pause before the second try; each further pause is twice as long. A server's `Retry-After` may lengthen it.
+    pub first_pause: Duration,
+    /// No pause is longer.
+    pub longest_pause: Duration,
+    /// Longer answers are refused, bytes after decompression.
+    pub max_reply_bytes: u64,
+}
+
+impl Default for Bounds {
+    fn default() -> Self {
+        Self {
+            timeout: Duration::from_secs(60),
+            retries: 3,
+            first_pause: Duration::from_millis(500),
+            longest_pause: Duration::from_secs(20),
+            max_reply_bytes: 4 << 20,
+        }
+    }
+}
+
+/// A key and the header that carries it.
+#[derive(Debug, Clone)]
+pub(crate) struct Credential {
+    pub key: Secret,
+    pub header: &'static str,
+    /// What stands before the key.
+    pub scheme: &'static str,
+}
+
+/// Sends the requests that a provider's wire makes. Blocks; its futures are ready when they are first polled.
+#[derive(Debug, Clone)]
+pub(crate) struct Transport {
+    agent: Agent,
+    credential: Option<Arc<Credential>>,
+    bounds: Bounds,
+}
+
+/// A failed try.
+struct Failure {
+    error: ChatError,
+    /// Whether another try may help.
+    passing: bool,
+    /// What the server asked to wait.
+    wait: Option<Duration>,
+}
+
+/// A request as it is sent: without what the wire put in for the key.
+struct Outgoing {
+    endpoint: String,
+    body: Bytes,
+    headers: HeaderMap,
+}
+
+impl Transport {
+    /// For requests to `base`, which say who asks by `credential`.
+    pub(crate) fn new(base: &str, credential: Option<Credential>, bounds: Bounds) -> Self {
+        let config = Agent::config_builder()
+            .timeout_global(Some(bounds.timeout))
+            .max_redirects(0)
+            .max_redirects_will_error(false)
+            .http_status_as_error(false);
+        let config = if is_this_machine(base) { config.proxy(None) } else { config };
+        Self { agent: config.build().new_agent(), credential: credential.map(Arc::new), bounds }
+    }
+
+    #[cfg(test)]
+    pub(crate) fn has_key(&self) -> bool {
+        self.credential.is_some()
+    }
+
+    /// `text` without the key.
+    pub(crate) fn blot_out(&self, text: &str) -> String {
+        self.credential.as_ref().map_or_else(|| text.to_owned(), |credential| credential.key.blot_out(text))
+    }
+
+    /// Sends until an answer of status 200 is there, or no further try is worth it.
+    fn exchange(&self, outgoing: &Outgoing) -> Result<String, ChatError> {
+        let mut pause = self.bounds.first_pause;
+        for _ in 0..self.bounds.retries {
+            match self.attempt(outgoing) {
+                Ok(text) => return Ok(text),
+                Err(failure) if failure.passing => {
+                    let wait = failure.wait.unwrap_or_default().max(pause);
+                    std::thread::sleep(wait.min(self.bounds.longest_pause));
+                    pause *= 2;
+                }
+                Err(failure) => return Err(failure.error),
+            }
+        }
+        self.attempt(outgoing).map_err(|failure| failure.error)
+    }
+
+    fn attempt(&self, outgoing: &Outgoing) -> Result<String, Failure> {
+        let mut request = self.agent.post(&outgoing.endpoint);
+        for (name, value) in &outgoing.headers {
+            request = request.header(name, value);
+        }
+        if let Some(credential) = &self.credential {
+            let value = format!("{}{}", credential.scheme, credential.key.expose());
+            request = request.header(credential.header, value);
+        }
+        let endpoint = &outgoing.endpoint;
+        let mut response = request.send(&outgoing.body[..]).map_err(|error| self.broken(endpoint, &error))?;
+        let status = response.status().as_u16();
+        let wait = response.headers().get(header::RETRY_AFTER);
+        let wait = wait.and_then(|value| value.to_str().ok()?.trim().parse().ok()).map(Duration::from_secs);
+        let text = self.read(endpoint, response.body_mut())?;
+        if status != 200 {
+            let passing = status == 429 || status >= 500;
+            return Err(Failure { error: self.status(endpoint, status, &text), passing, wait });
+        }
+        Ok(text)
+    }
+
+    fn read(&self, endpoint: &str, body: &mut ureq::Body) -> Result<String, Failure> {
+        let mut bytes = Vec::new();
+        let limit = self.bounds.max_reply_bytes;
+        body.as_reader()
+            .take(limit + 1)
+            .read_to_end(&mut bytes)
+            .map_err(|error| self.broken(endpoint, &error.into()))?;
+        if bytes.len() as u64 > limit {
+            let detail = format!("it is longer than {limit} bytes");
+            let error = ChatError::BadReply { endpoint: endpoint.to_owned(), detail };
+            return Err(Failure { error, passing: false, wait: None });
+        }
+        Ok(self.blot_out(&String::from_utf8_lossy(&bytes)))
+    }
+
+    fn broken(&self, endpoint: &str, error: &ureq::Error) -> Failure {
+        let endpoint = endpoint.to_owned();
+        if is_timeout(error) {
+            let seconds = self.bounds.timeout.as_millis().div_ceil(1000) as u64;
+            return Failure { error: ChatError::Timeout { endpoint, seconds }, passing: false, wait: None };
+        }
+        let detail = self.blot_out(&error.to_string());
+        Failure { error: ChatError::Unreachable { endpoint, detail }, passing: true, wait: None }
+    }
+
+    /// What OpenAI, Anthropic and Gemini complain about stands at the same place.
+    fn status(&self, endpoint: &str, code: u16, text: &str) -> ChatError {
+        let value: Value = serde_json::from_str(text).unwrap_or_default();
+        let said =
+            value["error"]["message"].as_str().map_or_else(|| text.to_owned(), |said| self.blot_out(said));
+        ChatError::Status { endpoint: endpoint.to_owned(), code, detail: quote(&said) }
+    }
+}
+
+impl Outgoing {
+    /// The wire knows no key: what it put where keys go is empty, and goes.
+    fn new<T: Into<Bytes>>(request: Request<T>) -> Self {
+        let (parts, body) = request.into_parts();
+        let endpoint = parts.uri.to_string();
+        let endpoint = endpoint.split('?').next().unwrap_or_default().to_owned();
+        let mut headers = parts.headers;
+        for name in ["authorization", "x-api-key", "x-goog-api-key"] {
+            headers.remove(name);
+        }
+        Self { endpoint, body: body.into(), headers }
+    }
+}
+
+impl HttpClientExt for Transport {
+    fn send<T, U>(
+        &self,
+        request: Request<T>,
+    ) -> impl Future<Output = http_client::Result<Response<LazyBody<U>>>> + Send + 'static
+    where
+        T: Into<Bytes> + Send,
+        U: From<Bytes> + Send + 'static,
+    {
+        let (transport, outgoing) = (self.clone(), Outgoing::new(request));
+        async move {
+            let text = transport.exchange(&outgoing).map_err(http_client::Error::instance)?;
+            let body: LazyBody<U> = Box::pin(async move { Ok(U::from(Bytes::from(text))) });
+            Ok(Response::builder().header(header::CONTENT_TYPE, "application/json").body(body)?)
+        }
+    }
+
+    fn send_multipart<U>(
+        &self,
+        _: Request<MultipartForm>,
+    ) -> impl Future<Output = http_client::Result<Response<LazyBody<U>>>> + Send + 'static
+    where
+        U: From<Bytes> + Send + 'static,
+    {
+        std::future::ready(Err(unused()))
+    }
+
+    fn send_streaming<T>(
+        &self,
+        _: Request<T>,
+    ) -> impl Future<Output = http_client::Result<StreamingResponse>> + Send
+    where
+        T: Into<Bytes> + Send,
+    {
+        std::future::ready(Err(unused()))
+    }
+}
+
+/// Chats neither send files in parts nor take their answers in pieces.
+fn unused() -> http_client::Error {
+    let detail = "only whole requests and whole answers are sent".to_owned();
+    http_client::Error::instance(ChatError::BadRequest { endpoint: String::new(), detail })
+}
+
+fn is_timeout(error: &ureq::Error) -> bool {
+    match error {
+        ureq::Error::Timeout(_) => true,
+        ureq::Error::Io(io) => {
+            let wrapped = io.get_ref().and_then(|inner| inner.downcast_ref::<ureq::Error>());
+            matches!(wrapped, Some(ureq::Error::Timeout(_))) || io.kind() == std::io::ErrorKind::TimedOut
+        }
+        _ => false,
+    }
+}
+
+/// The beginning of a foreign text, on one line.
+pub(crate) fn quote(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).take(QUOTED).collect()
+}
