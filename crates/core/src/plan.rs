@@ -53,6 +53,25 @@ pub struct PlannedDelivery {
     pub steps: Vec<Step>,
     /// Why this cannot be delivered as understood (the map lacks the building, several fit), in words.
     pub problem: Option<String>,
+    /// Until when, if the instruction says so.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub deadline: Option<Deadline>,
+}
+
+/// Until when something is to be delivered. Lengths of time order before times of day.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Deadline {
+    /// From the beginning of the drive.
+    Within {
+        /// So many seconds.
+        seconds: u32,
+    },
+    /// A time of day.
+    Clock {
+        /// Since midnight.
+        minutes: u32,
+    },
 }
 
 impl PlannedDelivery {

@@ -1,9 +1,9 @@
 //! From resolved stops to planned deliveries: driving order, steps.
 
-use openbench_core::{MapPoint, PlannedDelivery};
+use openbench_core::{Deadline, MapPoint, PlannedDelivery};
 
 use crate::PlanRequest;
-use crate::order::{Precedence, UNKNOWN, best_order};
+use crate::order::{Precedence, UNKNOWN, best_order, order_in_time};
 use crate::resolve::{Stop, Stops};
 use crate::steps::{destination, steps};
 
@@ -18,16 +18,56 @@ pub(crate) fn shortest(request: &PlanRequest<'_>, stops: &Stops) -> Vec<usize> {
     if stops.stops.len() < 2 {
         return (0..stops.stops.len()).collect();
     }
-    best_order(&travel_times(request, &stops.stops), &precedence(stops))
+    let times = travel_times(request, &stops.stops);
+    let precedence = precedence(stops);
+    let due: Vec<Option<u64>> = stops.stops.iter().map(|stop| due_ms(stop.due)).collect();
+    if due.iter().all(Option::is_none) {
+        return best_order(&times, &precedence);
+    }
+    order_in_time(&times, &precedence, &due)
+        .unwrap_or_else(|| best_order(&times, &sooner_first(precedence, &stops.stops)))
 }
 
-/// What the instruction asks for, as far as it does not contradict itself.
+fn due_ms(due: Option<Deadline>) -> Option<u64> {
+    match due? {
+        Deadline::Within { seconds } => Some(u64::from(seconds) * 1000),
+        Deadline::Clock { .. } => None,
+    }
+}
+
+/// What the instruction asks for, as far as it does not contradict itself. What time it is when the robot starts nobody tells: what is due at a
+/// time of day comes in the order of those times, and before what is due at none.
 pub(crate) fn precedence(stops: &Stops) -> Precedence {
     let mut precedence = Precedence::new(stops.stops.len());
     for (earlier, later) in &stops.before {
         precedence.add(*earlier, *later);
     }
+    let by_clock = |stop: &Stop| stop.due.filter(|due| matches!(due, Deadline::Clock { .. }));
+    let key = |stop: &Stop| by_clock(stop).map_or((1, None), |due| (0, Some(due)));
+    put_in_order(&mut precedence, &stops.stops, |stop| stop.due.is_none() || by_clock(stop).is_some(), key);
     precedence
+}
+
+/// Where not all can be in time, what is due sooner comes first.
+fn sooner_first(mut precedence: Precedence, stops: &[Stop]) -> Precedence {
+    put_in_order(&mut precedence, stops, |_| true, |stop| (u8::from(stop.due.is_none()), stop.due));
+    precedence
+}
+
+/// Puts stops of a lower key before those of a higher one.
+fn put_in_order<K: Ord>(
+    precedence: &mut Precedence,
+    stops: &[Stop],
+    counts: impl Fn(&Stop) -> bool,
+    key: impl Fn(&Stop) -> K,
+) {
+    for (a, earlier) in stops.iter().enumerate().filter(|(_, stop)| counts(stop)) {
+        for (b, later) in stops.iter().enumerate().filter(|(_, stop)| counts(stop)) {
+            if key(earlier) < key(later) {
+                precedence.add(a, b);
+            }
+        }
+    }
 }
 
 /// Deliveries in a given order: a permutation of the stops' indices.
@@ -41,6 +81,7 @@ pub(crate) fn in_order(request: &PlanRequest<'_>, stops: Vec<Stop>, order: &[usi
             unit: stop.address.unit.clone(),
             steps: steps(request.map, &stop.address),
             problem: stop.problem.clone(),
+            deadline: stop.due,
         })
     };
     order.iter().filter_map(delivery).collect()

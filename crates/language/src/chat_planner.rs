@@ -119,6 +119,7 @@ impl<'a> Conversation<'a> {
         let mut stops = self.stops(verified);
         if let Some(read) = self.read_by_grammar() {
             doubt(&mut stops, &read);
+            hasten(&mut stops, &read);
             stops.before = orders(&stops, &read);
         }
         Ok(stops)
@@ -283,6 +284,7 @@ impl<'a> Conversation<'a> {
             unit: entry.unit.as_deref().map(|unit| self.unit(unit)),
             item: entry.item.unwrap_or_default(),
             doubtful: false,
+            due: None,
         };
         let wishes = Wishes { doors: entries.into_iter().map(wish).collect(), before: Vec::new() };
         resolve(wishes, self.request.map, &self.gazetteer)
@@ -321,6 +323,14 @@ impl<'a> Conversation<'a> {
 fn orders(stops: &Stops, read: &Stops) -> Vec<(usize, usize)> {
     let place = |i: usize| stops.stops.iter().position(|s| s.address.same_door(&read.stops[i].address));
     read.before.iter().filter_map(|(a, b)| Some((place(*a)?, place(*b)?))).collect()
+}
+
+/// Until when, as the grammar reads it.
+fn hasten(stops: &mut Stops, read: &Stops) {
+    for stop in &mut stops.stops {
+        let same = read.stops.iter().find(|r| r.address.same_door(&stop.address));
+        stop.due = same.and_then(|r| r.due);
+    }
 }
 
 /// What the grammar doubts that the sender said stays in doubt, however sure the model is.

@@ -79,6 +79,49 @@ pub(crate) fn best_order(times: &[Vec<u64>], precedence: &Precedence) -> Vec<usi
     }
 }
 
+/// The order that is done soonest among those that reach every stop in time; `due` is in milliseconds from the start. `None` where there is no such order, or
+/// there are too many stops to say.
+pub(crate) fn order_in_time(
+    times: &[Vec<u64>],
+    precedence: &Precedence,
+    due: &[Option<u64>],
+) -> Option<Vec<usize>> {
+    let count = times.len().saturating_sub(1);
+    if count > EXACT {
+        return None;
+    }
+    let all = (1_usize << count) - 1;
+    let need: Vec<usize> = precedence.earlier.iter().map(|row| mask(row)).collect();
+    let may = |visited: usize, next: usize| visited & (1 << next) == 0 && need[next] & !visited == 0;
+    // When all of a set is visited at the soonest, the last of it being there, and who came before that.
+    let mut soonest = vec![vec![(u64::MAX, 0); count + 1]; all + 1];
+    soonest[0][0] = (0, 0);
+    for visited in 0..all {
+        for at in 0..=count {
+            let (now, _) = soonest[visited][at];
+            for next in (0..count).filter(|next| now < u64::MAX && may(visited, *next)) {
+                let then = now.saturating_add(times[at][next + 1]);
+                let in_time = due[next].is_none_or(|due| then <= due);
+                let known = &mut soonest[visited | 1 << next][next + 1];
+                if in_time && then < known.0 {
+                    *known = (then, at);
+                }
+            }
+        }
+    }
+    let last =
+        (1..=count).filter(|at| soonest[all][*at].0 < u64::MAX).min_by_key(|at| soonest[all][*at].0)?;
+    let (mut visited, mut at, mut order) = (all, last, Vec::with_capacity(count));
+    while at > 0 {
+        order.push(at - 1);
+        let before = soonest[visited][at].1;
+        visited &= !(1 << (at - 1));
+        at = before;
+    }
+    order.reverse();
+    Some(order)
+}
+
 /// Stops with no time between them, each group in the instruction's order.
 fn groups(times: &[Vec<u64>]) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
@@ -279,7 +322,49 @@ mod tests {
         assert_eq!(best_order(&line(&[10, 90, 10]), &precedence), [0, 1, 2]);
     }
 
+    #[test]
+    fn what_is_due_comes_in_time_and_no_sooner_than_need_be() {
+        let times = line(&[30, 10, -20]);
+        let order = |due: [Option<u64>; 3]| order_in_time(&times, &Precedence::new(3), &due);
+        assert_eq!(order([None, None, Some(200)]), Some(vec![2, 1, 0]), "the shortest is in time");
+        assert_eq!(order([Some(30), None, None]), Some(vec![1, 0, 2]), "on the way is in time");
+        assert_eq!(order([None, Some(10), Some(40)]), Some(vec![1, 2, 0]));
+        assert_eq!(order([Some(30), None, Some(20)]), None);
+        let mut precedence = Precedence::new(3);
+        assert!(precedence.add(2, 0));
+        assert_eq!(order_in_time(&times, &precedence, &[Some(60), None, None]), None);
+    }
+
     proptest! {
+        #[test]
+        fn orders_in_time_are_the_shortest_of_those(
+            cells in proptest::collection::vec(1_u64..40, 36),
+            due in proptest::collection::vec(proptest::option::of(1_u64..120), 5),
+            pair in (0_usize..5, 0_usize..5),
+        ) {
+            let times: Vec<Vec<u64>> = (0..=5).map(|i| cells[i * 6..i * 6 + 6].to_vec()).collect();
+            let mut precedence = Precedence::new(5);
+            precedence.add(pair.0, pair.1);
+            let in_time = |order: &[usize]| {
+                let mut now = 0;
+                std::iter::once(0).chain(order.iter().map(|s| s + 1)).zip(order).all(|(from, to)| {
+                    now += times[from][to + 1];
+                    due[*to].is_none_or(|due| now <= due)
+                })
+            };
+            let mut orders: Vec<Vec<usize>> = vec![vec![]];
+            for _ in 0..5 {
+                let longer = |o: &Vec<usize>| (0..5).filter(|n| !o.contains(n)).map(|n| [&o[..], &[n]].concat()).collect::<Vec<_>>();
+                orders = orders.iter().flat_map(longer).collect();
+            }
+            let best = orders.iter().filter(|o| precedence.allows(o) && in_time(o)).map(|o| length(&times, o)).min();
+            let found = order_in_time(&times, &precedence, &due);
+            prop_assert_eq!(found.as_ref().map(|o| length(&times, o)), best);
+            if let Some(order) = found {
+                prop_assert!(precedence.allows(&order) && in_time(&order));
+            }
+        }
+
         #[test]
         fn exact_orders_equal_brute_force(
             cells in proptest::collection::vec(1_u64..40, 49),

@@ -2,7 +2,7 @@
 //!
 //! Wishes for one door become one stop; a building without a unit is dropped where one of its units is asked for too.
 
-use openbench_core::Address;
+use openbench_core::{Address, Deadline};
 use openbench_osm::names::fold_unit;
 use openbench_osm::{Location, OsmMap, locate};
 
@@ -22,6 +22,8 @@ pub(crate) struct Stop {
     pub items: Vec<String>,
     pub address: Address,
     pub problem: Option<String>,
+    /// Until when; the soonest of several.
+    pub due: Option<Deadline>,
 }
 
 /// The stops in the order of the instruction, and which must come before which.
@@ -54,7 +56,7 @@ fn stop(wish: Wish, map: &OsmMap, gazetteer: &Gazetteer) -> Stop {
         problem = doubt(&building, map);
     }
     let items = if wish.item.is_empty() { Vec::new() } else { vec![wish.item] };
-    Stop { items, address: Address { building, unit }, problem }
+    Stop { items, address: Address { building, unit }, problem, due: wish.due }
 }
 
 /// What speaks against a name that was chosen: the map has it twice.
@@ -193,12 +195,13 @@ fn merge(stops: Vec<Stop>, before: &[(usize, usize)]) -> Stops {
     for (stop, address) in stops.into_iter().zip(addresses) {
         let known = merged.iter().position(|m| m.address.same_door(&address));
         let at = known.unwrap_or_else(|| {
-            merged.push(Stop { items: Vec::new(), address, problem: stop.problem });
+            merged.push(Stop { items: Vec::new(), address, problem: stop.problem, due: None });
             merged.len() - 1
         });
         let new_items: Vec<String> =
             stop.items.into_iter().filter(|item| !merged[at].items.contains(item)).collect();
         merged[at].items.extend(new_items);
+        merged[at].due = merged[at].due.into_iter().chain(stop.due).min();
         place.push(at);
     }
     let pairs = before.iter().filter_map(|(a, b)| Some((*place.get(*a)?, *place.get(*b)?)));

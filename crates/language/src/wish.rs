@@ -1,5 +1,7 @@
 //! What an instruction asks for, before the map has been asked.
 
+use openbench_core::Deadline;
+
 /// How an instruction names a place.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Named {
@@ -21,6 +23,8 @@ pub(crate) struct Wish {
     pub unit: Option<Named>,
     /// Whether these may be the words of somebody else than the sender, a label's say.
     pub doubtful: bool,
+    /// Until when.
+    pub due: Option<Deadline>,
 }
 
 /// All doors, in the order of the instruction, and which must come before which.

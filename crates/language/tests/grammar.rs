@@ -2,7 +2,8 @@
 
 mod support;
 
-use openbench_language::{GrammarPlanner, PlanError};
+use openbench_core::{Deadline, MapPoint};
+use openbench_language::{GrammarPlanner, PlanError, PlanRequest, Planner};
 use support::{Flat, Straight, doors, map, named, numbered, plan};
 
 /// The doors of an instruction on a map with `building1` to `building12`.
@@ -93,7 +94,7 @@ fn words_that_deny_elsewhere_do_not_deny_here() {
         ("Leave it at building 3 out front", "building3"),
         ("Lass das Paket bei Haus 3, Eingang 1", "building3/unit1"),
         ("Deliver to building 3, wait for a signature and go to building 4", "building3 building4"),
-        ("送2号楼。9号楼要在6点之前送到。", "building2 building9"),
+        ("送2号楼。9号楼要在6点之前送到。", "building9 building2"),
     ]);
 }
 
@@ -375,3 +376,85 @@ const HEAP: [&str; 44] = [
     "号棟",
     "é\u{301}",
 ];
+
+/// The deadline of each delivery in driving order, minutes since midnight or seconds from the start.
+fn deadlines(instruction: &str) -> Vec<(String, Option<Deadline>)> {
+    let map = numbered(9);
+    let request = PlanRequest { instruction, map: &map, start: MapPoint::default(), times: &Flat };
+    let plan = GrammarPlanner::new().plan(&request).unwrap();
+    plan.deliveries.into_iter().map(|d| (d.building, d.deadline)).collect()
+}
+
+#[test]
+fn times_of_day_are_read_in_every_language() {
+    let clock = |hour: u32, minute: u32| Some(Deadline::Clock { minutes: 60 * hour + minute });
+    for (instruction, due) in [
+        ("Bring the box to building 3 by 6 pm.", clock(18, 0)),
+        ("Before 18:30, please take this to unit 1, building 3.", clock(18, 30)),
+        ("The box must reach building 3 no later than 9:15 a.m.", clock(9, 15)),
+        ("A parcel for building 3, by noon.", clock(12, 0)),
+        ("Bring das Paket bis 18 Uhr zu Gebäude 3.", clock(18, 0)),
+        ("Das Paket muss vor 9.30 Uhr zu Haus 3.", clock(9, 30)),
+        ("Livrez le colis au bâtiment 3 avant 17h30.", clock(17, 30)),
+        ("Apportez ceci au bâtiment 3 avant midi.", clock(12, 0)),
+        ("Lleva la caja al edificio 3 antes de las 6 de la tarde.", clock(18, 0)),
+        ("下午6点前把箱子送到3号楼1单元。", clock(18, 0)),
+        ("请在上午十点半之前送到3号楼。", clock(10, 30)),
+        ("18時までに3号棟に荷物を届けてください。", clock(18, 0)),
+        ("午後5時までに荷物を3号棟へお願いします。", clock(17, 0)),
+    ] {
+        assert_eq!(deadlines(instruction), [("building3".to_owned(), due)], "{instruction}");
+    }
+}
+
+#[test]
+fn lengths_of_time_are_read_in_every_language() {
+    let within = |minutes: u32| Some(Deadline::Within { seconds: 60 * minutes });
+    for (instruction, due) in [
+        ("Bring the box to building 3 within 10 minutes.", within(10)),
+        ("Take this to unit 1 of building 3 within half an hour.", within(30)),
+        ("Within two hours, a bag has to be at building 3.", within(120)),
+        ("Bring das Paket innerhalb von 20 Minuten zu Gebäude 3.", within(20)),
+        ("Livrez le colis au bâtiment 3 en moins de vingt minutes.", within(20)),
+        ("Lleva la caja al edificio 3 en menos de 15 minutos.", within(15)),
+        ("十分钟内把箱子送到3号楼。", within(10)),
+        ("10分以内に荷物を3号棟へ届けてください。", within(10)),
+    ] {
+        assert_eq!(deadlines(instruction), [("building3".to_owned(), due)], "{instruction}");
+    }
+}
+
+#[test]
+fn what_is_due_sooner_is_driven_to_sooner() {
+    let buildings =
+        |instruction: &str| deadlines(instruction).into_iter().map(|(b, _)| b).collect::<Vec<_>>();
+    let at_five = "A box to building 2, a letter to building 7 by 5 pm, and a bag to building 4 by 3 pm.";
+    assert_eq!(buildings(at_five), ["building4", "building7", "building2"]);
+    let asked = "First a box to building 2, then a letter to building 7 by 5 pm.";
+    assert_eq!(buildings(asked), ["building2", "building7"], "the sender's order is kept");
+    // A minute between any two houses: the third stop is reached after three.
+    let soon = "A box to building 2. A letter to building 7. A bag to building 4 within 2 minutes.";
+    assert_eq!(buildings(soon)[..2].iter().filter(|b| *b == "building4").count(), 1, "{soon}");
+    let too_soon =
+        "A box to building 2. A bag to building 4 within 1 minute. A letter to building 7 within 1 minute.";
+    assert_eq!(
+        buildings(too_soon),
+        ["building4", "building7", "building2"],
+        "late, but not the latest possible"
+    );
+}
+
+#[test]
+fn a_deadline_is_of_the_doors_it_stands_with() {
+    let six = Some(Deadline::Clock { minutes: 18 * 60 });
+    let listed = deadlines("Boxes to buildings 2 and 3 by 6 pm. A letter to building 5.");
+    assert_eq!(listed.iter().map(|(_, due)| *due).collect::<Vec<_>>(), [six, six, None], "{listed:?}");
+    for none in [
+        "Bring the box to building 3. Office hours are 9 am to 6 pm.",
+        "It is 6 pm; bring the box to building 3.",
+        "Take the box to building 3 before building 5.",
+        "Bring 6 boxes of 10 kg to building 3.",
+    ] {
+        assert!(deadlines(none).iter().all(|(_, due)| due.is_none()), "{none}: {:?}", deadlines(none));
+    }
+}

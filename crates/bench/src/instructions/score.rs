@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use openbench_core::{Address, Georeference, LonLat, MapPoint, ModelUse, Plan, TravelTimes};
 use openbench_language::{PlanRequest, Planner};
-use openbench_osm::{OsmData, OsmMap};
+use openbench_osm::{Location, OsmData, OsmMap, locate};
 use serde::Serialize;
 
 use super::{Case, Difficulty, MapName};
@@ -114,7 +114,7 @@ pub fn score(planner: &dyn Planner, cases: &[Case], map: Option<&OsmMap>, mut do
             fallbacks: Vec::new(),
         });
         scores.fallbacks += usize::from(!plan.fallbacks.is_empty());
-        scores.take(case, &plan, said, known.is_some());
+        scores.take(case, &plan, said, known);
         done();
     }
     scores.mean_ms = total / cases.len().max(1) as f64;
@@ -122,8 +122,8 @@ pub fn score(planner: &dyn Planner, cases: &[Case], map: Option<&OsmMap>, mut do
 }
 
 impl Scores {
-    fn take(&mut self, case: &Case, plan: &Plan, said: Option<String>, is_mapped: bool) {
-        let right = is_right(case, plan, is_mapped);
+    fn take(&mut self, case: &Case, plan: &Plan, said: Option<String>, map: Option<&OsmMap>) {
+        let right = is_right(case, plan, map);
         self.all.add(right);
         if !case.lang.is_empty() {
             self.languages.entry(case.lang.clone()).or_default().add(right);
@@ -144,12 +144,17 @@ impl Scores {
     }
 }
 
-fn is_right(case: &Case, plan: &Plan, is_mapped: bool) -> bool {
+/// The right doors in an order that is allowed, and no question where none is called for: what the map lacks may be said, what it has is not asked about.
+fn is_right(case: &Case, plan: &Plan, map: Option<&OsmMap>) -> bool {
     if case.ambiguous {
         return matches!(&plan.deliveries[..], [one] if one.problem.is_some());
     }
     let planned: Vec<Address> = plan.deliveries.iter().map(|d| d.address()).collect();
-    let asks = is_mapped && plan.deliveries.iter().any(|d| d.problem.is_some());
+    let has = |name: &str| {
+        let building = Address { building: name.to_owned(), unit: None };
+        map.is_some_and(|map| locate(map, &building) != Location::Unknown)
+    };
+    let asks = plan.deliveries.iter().any(|d| d.problem.is_some() && has(&d.building));
     case.expected().is_met_by(&planned) && !asks
 }
 
@@ -184,6 +189,7 @@ mod tests {
                 unit: address.unit.clone(),
                 steps: Vec::new(),
                 problem: self.1.clone(),
+                deadline: None,
             };
             Ok(Plan {
                 planner: "always".into(),

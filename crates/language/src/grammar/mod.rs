@@ -2,8 +2,9 @@
 //!
 //! The instruction passes through `text` (tokens), `names` (the map's own names in it), `words` and `numbers` (lexemes, after the
 //! tables in `lexicon`), `mentions` (buildings and units), `intent` (those that are meant), `pairing` (doors), `items` and
-//! `sequence`. It understands addresses, not stories: pronouns, conditions and times of day are passed over.
+//! `sequence`, `deadlines`. It understands addresses, not stories: pronouns and conditions are passed over.
 
+mod deadlines;
 mod fallback;
 mod intent;
 mod items;
@@ -91,9 +92,12 @@ impl GrammarPlanner {
             building: named(&door.building),
             unit: named(&door.unit),
             doubtful: is_overriding(&reading, &doors, door),
+            due: None,
         };
         let before = sequence::constraints(&reading, &doors);
-        Ok(Wishes { doors: doors.iter().zip(items).map(wish).collect(), before })
+        let due = deadlines::deadlines(&reading, &self.words, languages, &doors);
+        let wishes = doors.iter().zip(items).map(wish).zip(due);
+        Ok(Wishes { doors: wishes.map(|(wish, due)| Wish { due, ..wish }).collect(), before })
     }
 
     /// The numbers and names that the instruction mentions at all, meant or not: what a plan may be built from.

@@ -6,6 +6,7 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
+use super::deadlines::FoldedTimes;
 use super::lexicon::{Class, LANGUAGES, Script};
 use super::numbers;
 use super::text::{Kind, Token, is_kana, tokenize};
@@ -65,6 +66,8 @@ pub(crate) struct Words {
     entries: HashMap<String, Vec<Entry>>,
     /// Single words for levels, to be found in spite of typing errors.
     levels: Vec<(String, Class)>,
+    /// How each language says until when.
+    pub(super) times: Vec<FoldedTimes>,
 }
 
 /// The languages in force, one bit each.
@@ -72,7 +75,8 @@ pub(crate) type Languages = u8;
 
 impl Words {
     pub(crate) fn new() -> Self {
-        let mut words = Self { entries: HashMap::new(), levels: Vec::new() };
+        let times = LANGUAGES.iter().map(|lexicon| FoldedTimes::new(&lexicon.times)).collect();
+        let mut words = Self { entries: HashMap::new(), levels: Vec::new(), times };
         for (language, lexicon) in LANGUAGES.iter().enumerate() {
             for (class, list) in lexicon.words {
                 list.iter().for_each(|word| words.add(word, Meaning::Word(*class), language));

@@ -1,7 +1,7 @@
 //! German, the most usual words.
 
 use super::Class::*;
-use super::{Lexicon, Script};
+use super::{Lexicon, Script, Times};
 
 #[rustfmt::skip]
 pub(super) const LEXICON: Lexicon = Lexicon {
@@ -122,4 +122,19 @@ pub(super) const LEXICON: Lexicon = Lexicon {
     units_first: Some("und"),
     number_first: false,
     script: Script::Latin,
+    times: Times {
+        by: &["bis", "vor", "bis um", "bis spätestens", "spätestens um", "spätestens bis", "nicht später als"],
+        by_after: &["spätestens"],
+        within: &["innerhalb von", "innerhalb der nächsten", "binnen", "in den nächsten", "in weniger als", "in höchstens", "in spätestens"],
+        within_after: &[],
+        clock: &["uhr"],
+        half: &[],
+        am: &["morgens", "vormittags", "früh"],
+        pm: &["nachmittags", "abends", "mittags"],
+        noon: &["mittag", "zwölf uhr mittags"],
+        minutes: &["minute", "minuten", "min"],
+        hours: &["stunde", "stunden", "std"],
+        half_hour: &["einer halben stunde", "der nächsten halben stunde", "eine halbe stunde"],
+        one_hour: &["einer stunde", "eine stunde", "der nächsten stunde"],
+    },
 };

@@ -1,7 +1,7 @@
 //! English.
 
 use super::Class::*;
-use super::{Lexicon, Script};
+use super::{Lexicon, Script, Times};
 
 #[rustfmt::skip]
 pub(super) const LEXICON: Lexicon = Lexicon {
@@ -165,4 +165,19 @@ pub(super) const LEXICON: Lexicon = Lexicon {
     units_first: None,
     number_first: false,
     script: Script::Latin,
+    times: Times {
+        by: &["by", "before", "until", "till", "no later than", "not later than", "at the latest by", "latest by", "ahead of"],
+        by_after: &["at the latest", "or earlier", "sharp at the latest"],
+        within: &["within", "within the next", "in the next", "in under", "in less than", "in at most", "no later than in"],
+        within_after: &["at most", "or less"],
+        clock: &["o'clock"],
+        half: &[],
+        am: &["am", "a.m.", "a.m", "in the morning"],
+        pm: &["pm", "p.m.", "p.m", "in the afternoon", "in the evening", "at night"],
+        noon: &["noon", "midday", "lunchtime"],
+        minutes: &["minute", "minutes", "min", "mins"],
+        hours: &["hour", "hours", "hrs", "h"],
+        half_hour: &["half an hour", "half hour", "the half hour"],
+        one_hour: &["an hour", "the hour", "one hour"],
+    },
 };

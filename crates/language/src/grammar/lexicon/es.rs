@@ -1,7 +1,7 @@
 //! Spanish, the most usual words.
 
 use super::Class::*;
-use super::{Lexicon, Script};
+use super::{Lexicon, Script, Times};
 
 #[rustfmt::skip]
 pub(super) const LEXICON: Lexicon = Lexicon {
@@ -128,4 +128,19 @@ pub(super) const LEXICON: Lexicon = Lexicon {
     units_first: None,
     number_first: false,
     script: Script::Latin,
+    times: Times {
+        by: &["antes de las", "antes de la", "antes de", "hasta las", "a más tardar a las", "para las", "no más tarde de las"],
+        by_after: &["a más tardar", "como muy tarde"],
+        within: &["en menos de", "dentro de", "dentro de los próximos", "en los próximos", "en las próximas", "en un plazo de"],
+        within_after: &["como máximo"],
+        clock: &["h", "horas", "hrs"],
+        half: &[],
+        am: &["am", "a.m.", "de la mañana"],
+        pm: &["pm", "p.m.", "de la tarde", "de la noche"],
+        noon: &["mediodía", "el mediodía", "del mediodía"],
+        minutes: &["minuto", "minutos", "min"],
+        hours: &["hora", "horas"],
+        half_hour: &["media hora"],
+        one_hour: &["una hora"],
+    },
 };

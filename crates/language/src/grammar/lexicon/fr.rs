@@ -1,7 +1,7 @@
 //! French, the most usual words.
 
 use super::Class::*;
-use super::{Lexicon, Script};
+use super::{Lexicon, Script, Times};
 
 #[rustfmt::skip]
 pub(super) const LEXICON: Lexicon = Lexicon {
@@ -125,4 +125,19 @@ pub(super) const LEXICON: Lexicon = Lexicon {
     units_first: None,
     number_first: false,
     script: Script::Latin,
+    times: Times {
+        by: &["avant", "d'ici", "jusqu'à", "au plus tard à", "pour"],
+        by_after: &["au plus tard"],
+        within: &["dans les", "dans les prochaines", "sous", "en moins de", "d'ici"],
+        within_after: &["au plus tard", "maximum"],
+        clock: &["h", "heures", "heure"],
+        half: &[],
+        am: &["du matin"],
+        pm: &["de l'après-midi", "du soir"],
+        noon: &["midi"],
+        minutes: &["minute", "minutes", "min", "prochaines minutes"],
+        hours: &["heure", "heures"],
+        half_hour: &["une demi-heure", "la demi-heure", "une demi heure"],
+        one_hour: &["une heure", "l'heure"],
+    },
 };

@@ -1,7 +1,7 @@
 //! Japanese, the most usual words.
 
 use super::Class::*;
-use super::{Lexicon, Script};
+use super::{Lexicon, Script, Times};
 
 #[rustfmt::skip]
 pub(super) const LEXICON: Lexicon = Lexicon {
@@ -88,4 +88,19 @@ pub(super) const LEXICON: Lexicon = Lexicon {
     units_first: None,
     number_first: true,
     script: Script::Kana,
+    times: Times {
+        by: &["遅くとも"],
+        by_after: &["までに", "まで", "前に", "より前に", "以前に"],
+        within: &[],
+        within_after: &["以内に", "以内", "内に", "で"],
+        clock: &["時"],
+        half: &["半"],
+        am: &["午前", "朝"],
+        pm: &["午後", "夕方", "夜"],
+        noon: &["正午", "お昼"],
+        minutes: &["分"],
+        hours: &["時間"],
+        half_hour: &["半時間", "30分"],
+        one_hour: &["一時間", "1時間"],
+    },
 };

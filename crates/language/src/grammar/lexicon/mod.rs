@@ -109,6 +109,38 @@ pub(crate) struct Lexicon {
     pub number_first: bool,
     /// The script that the language is told by.
     pub script: Script,
+    /// Words of deadlines.
+    pub times: Times,
+}
+
+/// How a language says until when.
+pub(crate) struct Times {
+    /// Before a time of day: `by`.
+    pub by: &'static [&'static str],
+    /// After one: `までに`.
+    pub by_after: &'static [&'static str],
+    /// Before a length of time: `within`.
+    pub within: &'static [&'static str],
+    /// After one: `以内`.
+    pub within_after: &'static [&'static str],
+    /// After the hour: `o'clock`, `h`.
+    pub clock: &'static [&'static str],
+    /// Half past, after the hour: `半`.
+    pub half: &'static [&'static str],
+    /// The hours before noon, before or after the hour: `a.m.`, `上午`.
+    pub am: &'static [&'static str],
+    /// Those after.
+    pub pm: &'static [&'static str],
+    /// Twelve o'clock in the day.
+    pub noon: &'static [&'static str],
+    /// Minutes.
+    pub minutes: &'static [&'static str],
+    /// Hours of length.
+    pub hours: &'static [&'static str],
+    /// Thirty minutes.
+    pub half_hour: &'static [&'static str],
+    /// Sixty, where that is no number and `hour`.
+    pub one_hour: &'static [&'static str],
 }
 
 /// How a language is told from others.

@@ -1,7 +1,7 @@
 //! Chinese, simplified; traditional characters are folded before.
 
 use super::Class::*;
-use super::{Lexicon, Script};
+use super::{Lexicon, Script, Times};
 
 #[rustfmt::skip]
 pub(super) const LEXICON: Lexicon = Lexicon {
@@ -103,4 +103,19 @@ pub(super) const LEXICON: Lexicon = Lexicon {
     units_first: None,
     number_first: true,
     script: Script::Han,
+    times: Times {
+        by: &["不晚于", "不迟于", "最晚"],
+        by_after: &["前", "之前", "以前", "前送到", "前送达"],
+        within: &["在未来"],
+        within_after: &["内", "以内", "之内", "内送到"],
+        clock: &["点", "点钟", "时"],
+        half: &["半"],
+        am: &["上午", "早上", "凌晨"],
+        pm: &["下午", "晚上", "傍晚"],
+        noon: &["中午", "正午", "中午12点", "中午十二点"],
+        minutes: &["分钟", "分"],
+        hours: &["小时", "个小时"],
+        half_hour: &["半小时", "半个小时"],
+        one_hour: &["一个小时", "一小时"],
+    },
 };
