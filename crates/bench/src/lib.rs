@@ -57,7 +57,7 @@ pub use openbench_sim::traffic::TrafficPlan;
 pub use recorder::{Faults, Level};
 pub use registry::{AgentFactory, AgentRequest, Exchanges, Registry};
 pub use results::Results;
-pub use run::{RunRequest, memory_of, repeat, run};
+pub use run::{MEMORY_BEFORE, RunRequest, memory_of, repeat, run};
 pub use stage::Prepared;
 pub use suite::{Episode, Sensors, Suite, WorldSource};
 pub use truth::{TruthHandle, TruthLocalizer};

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use openbench_core::Velocity;
 use openbench_osm::write_atomically;
 use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 
 use crate::BenchError;
 use crate::runner::EpisodeTrace;
@@ -64,6 +65,9 @@ pub struct Recording {
     pub chain: String,
     /// What was driven.
     pub driven: Vec<Stretch>,
+    /// SHA-256 over what else the agent did: its plan, which deliveries it declared where or why not, its copy of the map.
+    #[serde(default)]
+    pub deeds: String,
 }
 
 impl Recording {
@@ -76,7 +80,7 @@ impl Recording {
                 _ => driven.push(Stretch { steps: 1, velocity }),
             }
         }
-        Self { seed, chain: hex(&trace.chain), driven }
+        Self { seed, chain: hex(&trace.chain), driven, deeds: deeds(trace) }
     }
 
     /// Whether another drive of the same episode does the same.
@@ -103,6 +107,9 @@ impl Recording {
             }
             None if self.chain != other.chain => {
                 format!("after the same steps the hash chain is {}, recorded is {}", other.chain, self.chain)
+            }
+            None if self.deeds != other.deeds => {
+                "it drives the same, but plans, declares or maps something else".to_owned()
             }
             None => return Ok(()),
         };
@@ -147,6 +154,20 @@ pub fn verify(prepared: &Prepared, episode: usize, recording: &Recording) -> Res
     Err(BenchError::Differs { episode, detail })
 }
 
+fn deeds(trace: &EpisodeTrace) -> String {
+    let mut hasher = Sha256::new();
+    let mut part = |bytes: &[u8]| {
+        hasher.update((bytes.len() as u64).to_le_bytes());
+        hasher.update(bytes);
+    };
+    part(&serde_json::to_vec(&trace.plan).unwrap_or_default());
+    for task in &trace.tasks {
+        part(format!("{} {} {:?} {:?}", task.target, task.declared, task.ended, task.failure).as_bytes());
+    }
+    part(trace.map.as_deref().unwrap_or_default());
+    hex(&hasher.finalize())
+}
+
 fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|b| format!("{b:02x}")).collect()
 }
@@ -183,6 +204,8 @@ mod tests {
         assert!(said(&[0.1, 0.1]).contains("at step 2 (0.10 s) the agent has ended"));
         let other_state = Recording { chain: "00".into(), ..then.clone() };
         assert!(then.compare(0, &other_state).is_err());
+        let other_deeds = Recording { deeds: "00".into(), ..then.clone() };
+        assert!(then.compare(0, &other_deeds).is_err());
     }
 
     #[test]

@@ -188,6 +188,9 @@ impl Results {
     pub fn machine_independent(&self) -> Self {
         let mut results = self.clone();
         (results.metrics.wall_seconds, results.metrics.real_time_factor) = (0.0, 0.0);
+        if let Some(used) = &mut results.models {
+            used.latency_ms = 0;
+        }
         results
     }
 

@@ -22,7 +22,7 @@ use crate::truth::TruthHandle;
 use crate::{BenchError, report_input, threads};
 
 /// The file of a run with the doors that were known before it.
-const MEMORY: &str = "memory.osm";
+pub const MEMORY_BEFORE: &str = "memory-before.osm";
 
 /// What is to be run, and how.
 pub struct RunRequest<'a> {
@@ -83,7 +83,7 @@ fn clear(out: &Path) -> Result<(), BenchError> {
         Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(BenchError::file(&path, e)),
         _ => Ok(()),
     };
-    for name in ["results.json", "report.html", "run.json", MEMORY] {
+    for name in ["results.json", "report.html", "run.json", MEMORY_BEFORE] {
         remove(out.join(name))?;
     }
     let folder = out.join("episodes");
@@ -139,8 +139,7 @@ fn run_one(request: &RunRequest<'_>, number: usize) -> Result<EpisodeTrace, Benc
 pub fn repeat(request: &RunRequest<'_>, run: &Path) -> Result<(), BenchError> {
     let one = |number: usize| {
         let recording = Recording::read(run, number)?;
-        let kept = exchanges_path(run, number);
-        let exchanges = if kept.exists() { Exchanges::Repeat(kept) } else { Exchanges::Unkept };
+        let exchanges = Exchanges::Repeat(exchanges_path(run, number));
         let trace = drive(request, number, exchanges, &mut Recorder::none())?;
         recording.compare(number, &Recording::of(&trace, episode_seed(request.seed, number)))
     };
@@ -155,7 +154,7 @@ pub fn repeat(request: &RunRequest<'_>, run: &Path) -> Result<(), BenchError> {
 
 /// The map of doors found before with which the agents of a recorded run began.
 pub fn memory_of(run: &Path) -> Result<Option<OsmData>, BenchError> {
-    let path = run.join(MEMORY);
+    let path = run.join(MEMORY_BEFORE);
     let bad = |e: openbench_osm::OsmError| BenchError::BadFile { path: path.clone(), problem: e.to_string() };
     path.exists().then(|| OsmData::read(&path).map_err(bad)).transpose()
 }
@@ -252,7 +251,7 @@ fn write_files(
         }
     }
     if let Some(memory) = request.memory {
-        write(out.join(MEMORY), &memory.to_xml())?;
+        write(out.join(MEMORY_BEFORE), &memory.to_xml())?;
     }
     let record = RunRecord {
         version: env!("CARGO_PKG_VERSION").to_owned(),

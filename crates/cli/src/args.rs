@@ -455,8 +455,8 @@ pub struct VerifyArgs {
     /// Run the agent again too, with what models answered in the run, and compare what it does
     #[arg(long)]
     pub agent: bool,
-    /// Episodes run at the same time
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
+    /// Episodes run at the same time, with --agent
+    #[arg(long, default_value_t = 1, requires = "agent", value_parser = clap::value_parser!(u16).range(1..=256))]
     pub jobs: u16,
 }
 

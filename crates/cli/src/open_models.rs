@@ -13,18 +13,26 @@ pub struct Models {
     exchanges: Exchanges,
     /// Where all of them are recorded.
     file: Option<Arc<File>>,
+    /// What all of them answer from.
+    replay: Option<Arc<Replay>>,
 }
 
 impl Models {
     /// Within a budget, with what they answer kept or repeated.
     pub fn new(budget: Budget, exchanges: Exchanges) -> Self {
-        Self { meter: Meter::new(budget), exchanges, file: None }
+        Self { meter: Meter::new(budget), exchanges, file: None, replay: None }
     }
 
     /// For a command line: as much as it takes, kept in a file if one is named.
-    pub fn unbounded(exchanges: Option<&Path>) -> Self {
+    pub fn unbounded(planner: &str, exchanges: Option<&Path>) -> anyhow::Result<Self> {
+        let read = planner.strip_prefix("replay:").map(Path::new);
+        if let (Some(read), Some(kept)) = (read, exchanges)
+            && (read == kept || read.canonicalize().is_ok_and(|read| kept.canonicalize().ok() == Some(read)))
+        {
+            anyhow::bail!("{} cannot be read and written at once; name another file", kept.display());
+        }
         let budget = Budget { calls: u32::MAX, tokens: u64::MAX, seconds: u32::MAX };
-        Self::new(budget, exchanges.map_or(Exchanges::Unkept, |path| Exchanges::Keep(path.to_owned())))
+        Ok(Self::new(budget, exchanges.map_or(Exchanges::Unkept, |path| Exchanges::Keep(path.to_owned()))))
     }
 
     /// What is asked of all of them.
@@ -36,7 +44,15 @@ impl Models {
     pub fn open(&mut self, word: &str) -> Result<Box<dyn ChatModel>, String> {
         let spec = ModelSpec::parse(word).map_err(|e| e.to_string())?;
         if let Exchanges::Repeat(path) = &self.exchanges {
-            return Ok(Box::new(Metered::new(repeat(&spec, path)?, self.meter())));
+            let replay = match &self.replay {
+                Some(replay) => replay.clone(),
+                None => self.replay.insert(Arc::new(Replay::open(path).map_err(|e| e.to_string())?)).clone(),
+            };
+            let name = match &spec {
+                ModelSpec::Remote { model, .. } => model,
+                ModelSpec::Replay(_) => replay.name(),
+            };
+            return Ok(Box::new(Metered::new(replay.named(name), self.meter())));
         }
         let model = spec.open().map_err(|e| e.to_string())?;
         if let Exchanges::Keep(path) = &self.exchanges {
@@ -48,14 +64,6 @@ impl Models {
         }
         Ok(Box::new(Metered::new(model, self.meter())))
     }
-}
-
-fn repeat(spec: &ModelSpec, path: &Path) -> Result<Replay, String> {
-    let replay = Replay::open(path).map_err(|e| e.to_string())?;
-    Ok(match spec {
-        ModelSpec::Remote { model, .. } => replay.named(model),
-        ModelSpec::Replay(_) => replay,
-    })
 }
 
 fn create(path: &Path) -> Result<File, String> {

@@ -11,7 +11,7 @@ use openbench_core::{Agent, RobotDescription};
 use openbench_language::{ChatPlanner, GrammarPlanner, Planner};
 use openbench_localization::fixes::Gnss;
 use openbench_localization::{DeadReckoning, FixSource, Fused, LidarInertial, Localizer};
-use openbench_models::{Budget, ModelStore};
+use openbench_models::{Budget, ModelSpec, ModelStore};
 use openbench_motion::costmap::ground::Preferences;
 use openbench_motion::teb::settings::Margins;
 use openbench_motion::{Follower, LocalPlanner, Mppi, Teb, TebSettings};
@@ -94,9 +94,19 @@ fn thinking(word: &str) -> Result<bool, String> {
     }
 }
 
-/// The readers of which the setting `reader` is a list.
-pub fn readers(words: &str) -> impl Iterator<Item = &str> {
-    words.split(',').map(str::trim)
+/// The readers of which the setting `reader` is a list. A comma parts two only before the beginning of one: names and files may hold commas.
+pub fn readers(words: &str) -> Vec<&str> {
+    let begins = |text: &str| {
+        let text = text.trim_start();
+        text.starts_with(DEFAULT_READER) || ModelSpec::parse(text).is_ok()
+    };
+    let (mut list, mut start) = (Vec::new(), 0);
+    for (at, _) in words.match_indices(',').filter(|(at, _)| begins(&words[at + 1..])) {
+        list.push(words[start..at].trim());
+        start = at + 1;
+    }
+    list.push(words[start..].trim());
+    list
 }
 
 /// The plate readers that the words name, to be asked in turn. Their files must be here; `run` pulls them beforehand.
@@ -106,7 +116,7 @@ fn reader(
     models: &mut Models,
 ) -> Result<Box<dyn PlateReader>, String> {
     let made: Result<Vec<_>, String> =
-        readers(words).map(|word| one_reader(word, networks, models)).collect();
+        readers(words).into_iter().map(|word| one_reader(word, networks, models)).collect();
     let mut made = made?.into_iter();
     let first = made.next().ok_or_else(|| "reader= names no reader".to_owned())?;
     let others: Vec<_> = made.collect();

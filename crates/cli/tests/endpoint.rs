@@ -208,6 +208,21 @@ fn what_models_take_to_answer_is_charged_if_that_is_asked_for() {
 }
 
 #[test]
+fn a_reader_that_thinks_long_makes_the_robot_slow_not_stuck() {
+    let place = town();
+    let reader = endpoint(|_, _| {
+        std::thread::sleep(std::time::Duration::from_millis(1700));
+        says(UNIT_1)
+    });
+    let words = format!("--deliveries one.txt --json --set reader={reader} --set thinking=charged");
+    let results = deliver(&place, &words).succeeded().json();
+    assert_eq!(results["deliveries"][0]["success_2m"], true, "{results}");
+    let (calls, taken) = (&results["models"]["calls"], &results["models"]["latency_ms"]);
+    let (calls, taken) = (calls.as_u64().unwrap(), taken.as_u64().unwrap());
+    assert!(taken >= 1700 * calls && calls < 15, "one picture after the other of the same view: {results}");
+}
+
+#[test]
 fn a_plan_is_answered_again_from_its_exchanges() {
     let place = town();
     let planner = endpoint(|_, _| says(right()));

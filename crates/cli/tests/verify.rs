@@ -135,9 +135,47 @@ fn an_agent_repeats_what_it_did_without_its_models() {
 }
 
 #[test]
-fn an_agent_without_models_repeats_too() {
+fn an_agent_whose_readers_stand_in_for_each_other_repeats() {
     let place = town();
     place.file("one.txt", "To unit1, building1.\n");
-    deliver(&place, "--deliveries one.txt --out run --set reader=openai:m@http://127.0.0.1:9/v1").succeeded();
+    // Both are asked the same about each picture; the first answers every second one.
+    let fickle = endpoint(|number, _| if number % 2 == 0 { says(NOTHING) } else { says("I see no JSON.") });
+    let sure = reader_that_says(UNIT_1);
+    deliver(&place, &format!("--deliveries one.txt --out run --set reader={fickle},{sure}")).succeeded();
+    place.openbench("verify run --agent").succeeded();
+}
+
+#[test]
+fn a_run_whose_answers_are_gone_is_not_asked_again() {
+    let place = town();
+    place.file("one.txt", "To unit1, building1.\n");
+    let reader = reader_that_says(UNIT_1);
+    deliver(&place, &format!("--deliveries one.txt --out run --set reader={reader}")).succeeded();
+    std::fs::remove_file(place.path("run/episodes/000.models.jsonl")).unwrap();
+    let ran = place.openbench("verify run --agent");
+    assert!(ran.code != 0 && ran.stderr.contains("000.models.jsonl"), "{}", ran.stderr);
+}
+
+#[test]
+fn what_a_run_is_to_read_is_not_cleared_by_it() {
+    let place = town();
+    let reader = reader_that_says(UNIT_1);
+    deliver(&place, &format!("--deliveries one.txt --out run --set reader={reader}")).succeeded();
+    let answers = "run/episodes/000.models.jsonl";
+    deliver(&place, &format!("--deliveries one.txt --out run --set reader=replay:{answers}"))
+        .refused_with(&["is cleared", "--out"]);
+    assert!(place.path(answers).exists());
+    deliver(&place, &format!("--deliveries one.txt --out again --set reader=replay:{answers}")).succeeded();
+    place.openbench("verify again --agent").succeeded();
+}
+
+#[test]
+fn a_run_with_a_memory_repeats() {
+    let place = town();
+    let reader = reader_that_says(UNIT_1);
+    for _ in 0..2 {
+        let words = format!("--deliveries one.txt --out run --memory doors.osm --set reader={reader}");
+        deliver(&place, &words).succeeded();
+    }
     place.openbench("verify run --agent").succeeded();
 }

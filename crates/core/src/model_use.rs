@@ -13,8 +13,7 @@ pub struct ModelUse {
     pub prompt_tokens: u64,
     /// Tokens of the answers.
     pub completion_tokens: u64,
-    /// Time waited for answers, milliseconds of the clock on the wall, and for those that did not come in time; what failed otherwise is not counted. A
-    /// replay has the times that were recorded.
+    /// Time waited for answers and for those that did not come, milliseconds of the clock on the wall. A replay has the times that were recorded.
     pub latency_ms: u64,
 }
 

@@ -82,22 +82,9 @@ impl Meter {
         }
     }
 
-    fn count(&self, answer: &Result<ChatReply, ChatError>) {
-        let one = ModelUse { calls: 1, ..ModelUse::default() };
-        let asked = match answer {
-            Ok(reply) => ModelUse {
-                prompt_tokens: u64::from(reply.prompt_tokens),
-                completion_tokens: u64::from(reply.completion_tokens),
-                latency_ms: u64::from(reply.latency_ms),
-                ..one
-            },
-            Err(ChatError::Timeout { seconds, .. }) => {
-                ModelUse { failed: 1, latency_ms: seconds.saturating_mul(1000), ..one }
-            }
-            Err(_) => ModelUse { failed: 1, ..one },
-        };
+    fn count(&self, used: ModelUse) {
         let mut spent = self.spent.lock().unwrap_or_else(PoisonError::into_inner);
-        *spent = spent.plus(asked);
+        *spent = spent.plus(used);
     }
 }
 
@@ -122,10 +109,16 @@ impl<M: ChatModel> ChatModel for Metered<M> {
     }
 
     fn chat(&self, request: &ChatRequest) -> Result<ChatReply, ChatError> {
-        self.meter.check()?;
-        let answer = self.model.chat(request);
-        self.meter.count(&answer);
-        answer
+        self.chat_counted(request).0
+    }
+
+    fn chat_counted(&self, request: &ChatRequest) -> (Result<ChatReply, ChatError>, ModelUse) {
+        if let Err(error) = self.meter.check() {
+            return (Err(error), ModelUse::default());
+        }
+        let (answer, used) = self.model.chat_counted(request);
+        self.meter.count(used);
+        (answer, used)
     }
 }
 
@@ -134,7 +127,7 @@ mod tests {
     use super::*;
     use crate::chat::Message;
 
-    /// Costs 10 tokens and 2 s a call, or times out.
+    /// Costs 10 tokens and 2 s a call, or 60 s and no answer.
     struct Scripted {
         answers: bool,
     }
@@ -144,11 +137,18 @@ mod tests {
             "scripted"
         }
 
-        fn chat(&self, _: &ChatRequest) -> Result<ChatReply, ChatError> {
-            let timeout = || ChatError::Timeout { endpoint: "e".into(), seconds: 60 };
-            let reply =
-                || ChatReply { text: "x".into(), prompt_tokens: 7, completion_tokens: 3, latency_ms: 2000 };
-            self.answers.then(reply).ok_or_else(timeout)
+        fn chat(&self, request: &ChatRequest) -> Result<ChatReply, ChatError> {
+            self.chat_counted(request).0
+        }
+
+        fn chat_counted(&self, _: &ChatRequest) -> (Result<ChatReply, ChatError>, ModelUse) {
+            let one = ModelUse { calls: 1, ..ModelUse::default() };
+            if !self.answers {
+                let error = ChatError::Timeout { endpoint: "e".into(), seconds: 60 };
+                return (Err(error), ModelUse { failed: 1, latency_ms: 60_000, ..one });
+            }
+            let reply = ChatReply { text: "x".into(), prompt_tokens: 7, completion_tokens: 3 };
+            (Ok(reply), ModelUse { prompt_tokens: 7, completion_tokens: 3, latency_ms: 2000, ..one })
         }
     }
 

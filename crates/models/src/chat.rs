@@ -4,6 +4,7 @@
 //! streaming, no tools, no several choices. Everything here can be written to a file and read back unchanged, errors too,
 //! so that a recorded conversation replays exactly ([`crate::replay`]).
 
+use openbench_core::ModelUse;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
@@ -20,6 +21,20 @@ pub trait ChatModel: Send + Sync {
     /// # Errors
     /// Any [`ChatError`]; retries are the implementation's business, so an error here is final for this request.
     fn chat(&self, request: &ChatRequest) -> Result<ChatReply, ChatError>;
+
+    /// [`ChatModel::chat`], and what it cost: also where there is no answer in the end.
+    fn chat_counted(&self, request: &ChatRequest) -> (Result<ChatReply, ChatError>, ModelUse) {
+        let answer = self.chat(request);
+        let reply = answer.as_ref().ok();
+        let used = ModelUse {
+            calls: 1,
+            failed: u32::from(reply.is_none()),
+            prompt_tokens: reply.map_or(0, |reply| reply.prompt_tokens.into()),
+            completion_tokens: reply.map_or(0, |reply| reply.completion_tokens.into()),
+            latency_ms: 0,
+        };
+        (answer, used)
+    }
 }
 
 impl<M: ChatModel + ?Sized> ChatModel for Box<M> {
@@ -30,6 +45,10 @@ impl<M: ChatModel + ?Sized> ChatModel for Box<M> {
     fn chat(&self, request: &ChatRequest) -> Result<ChatReply, ChatError> {
         (**self).chat(request)
     }
+
+    fn chat_counted(&self, request: &ChatRequest) -> (Result<ChatReply, ChatError>, ModelUse) {
+        (**self).chat_counted(request)
+    }
 }
 
 impl<M: ChatModel + ?Sized> ChatModel for std::sync::Arc<M> {
@@ -39,6 +58,10 @@ impl<M: ChatModel + ?Sized> ChatModel for std::sync::Arc<M> {
 
     fn chat(&self, request: &ChatRequest) -> Result<ChatReply, ChatError> {
         (**self).chat(request)
+    }
+
+    fn chat_counted(&self, request: &ChatRequest) -> (Result<ChatReply, ChatError>, ModelUse) {
+        (**self).chat_counted(request)
     }
 }
 
@@ -180,9 +203,6 @@ pub struct ChatReply {
     pub prompt_tokens: u32,
     /// Tokens that the answer cost; 0 where the server did not say.
     pub completion_tokens: u32,
-    /// How long the answer took, further tries included, milliseconds of the clock on the wall. A replay gives what was recorded.
-    #[serde(default)]
-    pub latency_ms: u32,
 }
 
 /// Why there is no answer. No variant ever holds a key.

@@ -3,10 +3,11 @@
 //! What a request looks like on the wire of OpenAI (and of the many servers that speak as it does), Anthropic and Gemini is `rig-core`'s business; how it
 //! gets there, [`crate::transport`]'s. Each exchange is one request and one whole answer.
 
-use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::time::Instant;
 
 use base64::Engine;
+use openbench_core::ModelUse;
 use rig_core::completion::{CompletionRequest, CompletionResponse, FinishReason};
 use rig_core::driver::{DynModel, Model};
 use rig_core::message::{ImageMediaType, Message as RigMessage, UserContent};
@@ -32,7 +33,12 @@ pub(crate) struct Remote {
     transport: Transport,
     /// How much less than a schema the endpoint was found to understand: an index into [`LADDER`].
     rung: AtomicU8,
+    /// Whether the model was found to take no temperature, as those that reason do.
+    is_stubborn: AtomicBool,
 }
+
+/// What a provider said or failed to say, and what it counted.
+type Counted = (Result<ChatReply, ChatError>, ModelUse);
 
 /// How an answer's form is asked for, the strictest first. Endpoints that speak as OpenAI does differ in how many of these they know.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd)]
@@ -73,6 +79,7 @@ impl Remote {
             wire,
             transport,
             rung: AtomicU8::new(0),
+            is_stubborn: AtomicBool::new(false),
         }
     }
 
@@ -81,35 +88,68 @@ impl Remote {
         self.transport.has_key()
     }
 
-    /// Asks, one rung lower as long as the endpoint refuses the request, and remembers where it did not.
-    fn ask(&self, request: &ChatRequest) -> Result<ChatReply, ChatError> {
+    /// Asks; where the endpoint refuses how the answer's form is asked for, or the temperature, without that, and remembers it.
+    fn ask(&self, request: &ChatRequest) -> Counted {
         let first = match &request.format {
-            Format::Text => return self.ask_by(Rung::Prompt, request),
+            Format::Text => Rung::Prompt,
             Format::Json => Rung::Json,
             Format::Schema(_) => Rung::Schema,
         };
         let known = LADDER[usize::from(self.rung.load(Ordering::Relaxed)).min(LADDER.len() - 1)];
-        let mut refusal = None;
-        for rung in LADDER.into_iter().filter(|rung| *rung >= first && *rung >= known) {
-            match self.ask_by(rung, request) {
-                Err(error @ ChatError::Status { code: 400 | 422, .. }) => {
+        let rungs = LADDER.into_iter().filter(|rung| *rung >= first && *rung >= known);
+        // Anthropic has no mode for JSON without a schema.
+        let rungs = rungs.filter(|rung| self.provider != Provider::Anthropic || *rung != Rung::Json);
+        let (mut total, mut refusal) = (ModelUse::default(), None);
+        for rung in rungs {
+            let (answer, used) = self.ask_by(rung, request);
+            total = total.plus(used);
+            match answer {
+                Err(error) if is_about(&error, &FORM) => {
                     refusal.get_or_insert(error);
                 }
                 answer => {
                     if refusal.is_some() && answer.is_ok() {
                         self.rung.store(rung as u8, Ordering::Relaxed);
                     }
-                    return answer;
+                    return (answer, total);
                 }
             }
         }
-        Err(refusal.unwrap_or_else(|| self.bad_request("there is no form to ask for")))
+        let refusal = refusal.unwrap_or_else(|| self.bad_request("there is no form to ask for"));
+        (Err(refusal), total)
     }
 
-    fn ask_by(&self, rung: Rung, request: &ChatRequest) -> Result<ChatReply, ChatError> {
-        let request = self.translated(rung, request)?;
-        let answer = pollster::block_on(self.wire.call(request));
-        self.reply(&answer.map_err(|error| self.failure(&error))?)
+    fn ask_by(&self, rung: Rung, request: &ChatRequest) -> Counted {
+        let is_stubborn = self.is_stubborn.load(Ordering::Relaxed);
+        let (answer, used) = self.ask_once(rung, request, is_stubborn);
+        if is_stubborn || !answer.as_ref().is_err_and(|error| is_about(error, &["temperature"])) {
+            return (answer, used);
+        }
+        let (again, more) = self.ask_once(rung, request, true);
+        if again.is_ok() {
+            self.is_stubborn.store(true, Ordering::Relaxed);
+        }
+        (again, used.plus(more))
+    }
+
+    fn ask_once(&self, rung: Rung, request: &ChatRequest, is_stubborn: bool) -> Counted {
+        let request = match self.translated(rung, request) {
+            Ok(request) if is_stubborn => request.temperature(None),
+            Ok(request) => request,
+            Err(error) => return (Err(error), ModelUse::default()),
+        };
+        let one = ModelUse { calls: 1, ..ModelUse::default() };
+        let failed = ModelUse { failed: 1, ..one };
+        match pollster::block_on(self.wire.call(request)) {
+            Err(error) => (Err(self.failure(&error)), failed),
+            Ok(response) => {
+                let answer = self.reply(&response);
+                let used = if answer.is_ok() { one } else { failed };
+                let (prompt_tokens, completion_tokens) = tokens(&response);
+                let (prompt_tokens, completion_tokens) = (prompt_tokens.into(), completion_tokens.into());
+                (answer, ModelUse { prompt_tokens, completion_tokens, ..used })
+            }
+        }
     }
 
     fn translated(&self, rung: Rung, request: &ChatRequest) -> Result<CompletionRequest, ChatError> {
@@ -161,13 +201,8 @@ impl Remote {
             }
             _ => {}
         }
-        let tokens = |count: Option<u64>| count.unwrap_or(0).min(u32::MAX.into()) as u32;
-        Ok(ChatReply {
-            text: self.transport.blot_out(&text),
-            prompt_tokens: tokens(response.usage.input_tokens),
-            completion_tokens: tokens(response.usage.output_tokens),
-            latency_ms: 0,
-        })
+        let (prompt_tokens, completion_tokens) = tokens(response);
+        Ok(ChatReply { text: self.transport.blot_out(&text), prompt_tokens, completion_tokens })
     }
 
     /// What the transport said, or what the wire could not make of the answer.
@@ -183,19 +218,17 @@ impl Remote {
             _ if inner.is_some() => inner.unwrap_or_else(|| self.bad_reply("")),
             ProviderError::Request(detail) => self.bad_request(&detail.to_string()),
             ProviderError::Json(detail) => self.bad_reply(&format!("not JSON: {detail}")),
-            ProviderError::ProviderResponse(response) => {
-                self.bad_reply(&self.transport.blot_out(&response.body))
-            }
-            _ => self.bad_reply(&self.transport.blot_out(&error.to_string())),
+            ProviderError::ProviderResponse(response) => self.bad_reply(&response.body),
+            _ => self.bad_reply(&error.to_string()),
         }
     }
 
     fn bad_reply(&self, detail: &str) -> ChatError {
-        ChatError::BadReply { endpoint: self.base.clone(), detail: quote(detail) }
+        ChatError::BadReply { endpoint: self.base.clone(), detail: quote(&self.transport.blot_out(detail)) }
     }
 
     fn bad_request(&self, detail: &str) -> ChatError {
-        ChatError::BadRequest { endpoint: self.base.clone(), detail: quote(detail) }
+        ChatError::BadRequest { endpoint: self.base.clone(), detail: quote(&self.transport.blot_out(detail)) }
     }
 }
 
@@ -205,11 +238,41 @@ impl ChatModel for Remote {
     }
 
     fn chat(&self, request: &ChatRequest) -> Result<ChatReply, ChatError> {
-        let start = Instant::now();
-        let mut reply = self.ask(request)?;
-        reply.latency_ms = start.elapsed().as_millis().try_into().unwrap_or(u32::MAX);
-        Ok(reply)
+        self.chat_counted(request).0
     }
+
+    fn chat_counted(&self, request: &ChatRequest) -> Counted {
+        let start = Instant::now();
+        let (answer, used) = self.ask(request);
+        let latency_ms = start.elapsed().as_millis().try_into().unwrap_or(u64::MAX);
+        (answer, ModelUse { latency_ms, ..used })
+    }
+}
+
+/// Words of endpoints that refuse how an answer's form is asked for.
+const FORM: [&str; 9] = [
+    "format",
+    "schema",
+    "json",
+    "structured",
+    "output_config",
+    "unsupported",
+    "unexpected",
+    "unrecognized",
+    "extra",
+];
+
+/// Whether a request was refused for one of these words, or without a word.
+fn is_about(error: &ChatError, words: &[&str]) -> bool {
+    let ChatError::Status { code: 400 | 422, detail, .. } = error else { return false };
+    let said = detail.to_lowercase();
+    words.iter().any(|word| said.contains(word)) || (said.trim().is_empty() && words.len() > 1)
+}
+
+/// Tokens of a request and its answer, as far as the provider counts them.
+fn tokens(response: &CompletionResponse) -> (u32, u32) {
+    let count = |tokens: Option<u64>| tokens.unwrap_or(0).min(u32::MAX.into()) as u32;
+    (count(response.usage.input_tokens), count(response.usage.output_tokens))
 }
 
 fn translated(message: &Message) -> RigMessage {

@@ -183,7 +183,7 @@ fn pictures_travel_as_data_urls_and_json_is_asked_for() {
 fn an_endpoint_that_knows_no_schemas_is_asked_for_json_then_for_nothing() {
     let (base, server) = serve(vec![
         http("400 Bad Request", "{\"error\": {\"message\": \"response_format json_schema is unknown\"}}"),
-        http("400 Bad Request", "{}"),
+        http("400 Bad Request", ""),
         ok("{\"order\": [1]}"),
         ok("{\"order\": [1]}"),
     ]);
@@ -194,6 +194,36 @@ fn an_endpoint_that_knows_no_schemas_is_asked_for_json_then_for_nothing() {
     let form = |request: &String| sent(request)["response_format"]["type"].as_str().map(str::to_owned);
     let forms: Vec<_> = server.join().unwrap().iter().map(form).collect();
     assert_eq!(forms, [Some("json_schema".into()), Some("json_object".into()), None, None]);
+}
+
+#[test]
+fn a_model_that_takes_no_temperature_is_asked_without_one() {
+    let complaint = "{\"error\": {\"message\": \"Unsupported value: 'temperature' does not support 0\"}}";
+    let (base, server) = serve(vec![http("400 Bad Request", complaint), ok("hi"), ok("hi")]);
+    let model = model(&base);
+    assert!(model.chat(&hello()).is_ok() && model.chat(&hello()).is_ok());
+    let has_one = |request: &String| sent(request).get("temperature").is_some();
+    assert_eq!(server.join().unwrap().iter().map(has_one).collect::<Vec<_>>(), [true, false, false]);
+}
+
+#[test]
+fn what_has_nothing_to_do_with_the_form_is_refused_at_once() {
+    let (base, server) =
+        serve(vec![http("400 Bad Request", "{\"error\": {\"message\": \"no such model\"}}")]);
+    let answer = model(&base).chat(&hello().as_schema(schema()));
+    assert!(matches!(answer, Err(ChatError::Status { code: 400, .. })), "{answer:?}");
+    assert_eq!(server.join().unwrap().len(), 1);
+}
+
+#[test]
+fn what_is_of_no_use_costs_too() {
+    let usage = json!({ "prompt_tokens": 12, "completion_tokens": 900 });
+    let choice = json!({ "message": { "content": "[" }, "finish_reason": "length" });
+    let cut = json!({ "choices": [choice], "usage": usage });
+    let (base, _server) = serve(vec![http("200 OK", &cut.to_string())]);
+    let (answer, used) = model(&base).chat_counted(&hello());
+    assert!(matches!(answer, Err(ChatError::BadReply { .. })), "{answer:?}");
+    assert_eq!((used.calls, used.failed, used.prompt_tokens, used.completion_tokens), (1, 1, 12, 900));
 }
 
 #[test]

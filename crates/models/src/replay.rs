@@ -7,12 +7,15 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
+use openbench_core::ModelUse;
 use serde::{Deserialize, Serialize};
 
 use crate::chat::{ChatError, ChatModel, ChatReply, ChatRequest, Role};
 
+/// A recorder writes no more than this, bytes, so that three in one file can be read again.
+const LONGEST_RECORDING: u64 = 80 << 20;
 /// Larger recordings are refused, bytes.
 const MAX_BYTES: u64 = 256 << 20;
 
@@ -25,6 +28,9 @@ struct Exchange {
     #[serde(default)]
     messages: Vec<RecordedMessage>,
     outcome: Outcome,
+    /// What it cost.
+    #[serde(default)]
+    used: ModelUse,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -47,24 +53,31 @@ enum Outcome {
 #[derive(Debug)]
 pub struct Recorder<M, W> {
     model: M,
-    sink: Mutex<W>,
+    /// And how many bytes were written to it by this recorder.
+    sink: Mutex<(W, u64)>,
 }
 
 impl<M: ChatModel, W: Write + Send> Recorder<M, W> {
     /// Records to `sink`: a file, or a `Vec<u8>` in memory. Each exchange is written and flushed at once.
     pub fn new(model: M, sink: W) -> Self {
-        Self { model, sink: Mutex::new(sink) }
+        Self { model, sink: Mutex::new((sink, 0)) }
     }
 
     /// Ends the recording and returns where it was written.
     pub fn into_sink(self) -> W {
-        self.sink.into_inner().unwrap_or_else(PoisonError::into_inner)
+        self.sink.into_inner().unwrap_or_else(PoisonError::into_inner).0
     }
 
     fn write(&self, exchange: &Exchange) -> std::io::Result<()> {
         let mut line = serde_json::to_vec(exchange)?;
         line.push(b'\n');
-        let mut sink = self.sink.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut guard = self.sink.lock().unwrap_or_else(PoisonError::into_inner);
+        let (sink, written) = &mut *guard;
+        *written += line.len() as u64;
+        if *written > LONGEST_RECORDING {
+            let detail = format!("it would be longer than {LONGEST_RECORDING} bytes");
+            return Err(std::io::Error::new(std::io::ErrorKind::FileTooLarge, detail));
+        }
         sink.write_all(&line)?;
         sink.flush()
     }
@@ -76,12 +89,17 @@ impl<M: ChatModel, W: Write + Send> ChatModel for Recorder<M, W> {
     }
 
     fn chat(&self, request: &ChatRequest) -> Result<ChatReply, ChatError> {
-        let answer = self.model.chat(request);
+        self.chat_counted(request).0
+    }
+
+    fn chat_counted(&self, request: &ChatRequest) -> (Result<ChatReply, ChatError>, ModelUse) {
+        let (answer, used) = self.model.chat_counted(request);
         let outcome = answer.clone().map_or_else(Outcome::Error, Outcome::Reply);
         let messages = request.messages.iter().map(recorded).collect();
-        let exchange = Exchange { digest: request.digest(), model: self.name().into(), messages, outcome };
-        self.write(&exchange).map_err(|error| ChatError::Recording { detail: error.to_string() })?;
-        answer
+        let (digest, model) = (request.digest(), self.name().into());
+        let written = self.write(&Exchange { digest, model, messages, outcome, used });
+        let unkept = |error: std::io::Error| ChatError::Recording { detail: error.to_string() };
+        (written.map_err(unkept).and(answer), used)
     }
 }
 
@@ -117,7 +135,7 @@ pub enum ReplayError {
 #[derive(Debug)]
 pub struct Replay {
     name: String,
-    answers: Mutex<BTreeMap<String, VecDeque<Outcome>>>,
+    answers: Mutex<BTreeMap<String, VecDeque<(Outcome, ModelUse)>>>,
 }
 
 impl Replay {
@@ -131,11 +149,9 @@ impl Replay {
         Self::from_reader(reader)
     }
 
-    /// The same answers under another name: where several models were recorded into one file.
-    #[must_use]
-    pub fn named(mut self, name: &str) -> Self {
-        name.clone_into(&mut self.name);
-        self
+    /// These answers under another name. Several models that were recorded into one file share the recording: the same question may have been put to each of them.
+    pub fn named(self: &Arc<Self>, name: &str) -> impl ChatModel + use<> {
+        Named { replay: Arc::clone(self), name: name.to_owned() }
     }
 
     /// Reads a recording from memory or a stream.
@@ -143,7 +159,7 @@ impl Replay {
     /// # Errors
     /// [`ReplayError::BadLine`]; a recording cut off at 256 MiB ends in such a line.
     pub fn from_reader(reader: impl Read) -> Result<Self, ReplayError> {
-        let (mut answers, mut name) = (BTreeMap::<String, VecDeque<Outcome>>::new(), None);
+        let (mut answers, mut name) = (BTreeMap::<String, VecDeque<(Outcome, ModelUse)>>::new(), None);
         let mut read = 0;
         for (index, line) in BufReader::new(reader).take(MAX_BYTES).lines().enumerate() {
             let bad = |detail: String| ReplayError::BadLine { line: index + 1, detail };
@@ -157,7 +173,7 @@ impl Replay {
             }
             let exchange: Exchange = serde_json::from_str(&line).map_err(|error| bad(error.to_string()))?;
             name.get_or_insert(exchange.model);
-            answers.entry(exchange.digest).or_default().push_back(exchange.outcome);
+            answers.entry(exchange.digest).or_default().push_back((exchange.outcome, exchange.used));
         }
         Ok(Self { name: name.unwrap_or_else(|| "replay".into()), answers: Mutex::new(answers) })
     }
@@ -169,13 +185,40 @@ impl ChatModel for Replay {
     }
 
     fn chat(&self, request: &ChatRequest) -> Result<ChatReply, ChatError> {
+        self.chat_counted(request).0
+    }
+
+    fn chat_counted(&self, request: &ChatRequest) -> (Result<ChatReply, ChatError>, ModelUse) {
         let digest = request.digest();
         let mut answers = self.answers.lock().unwrap_or_else(PoisonError::into_inner);
         match answers.get_mut(&digest).and_then(VecDeque::pop_front) {
-            Some(Outcome::Reply(reply)) => Ok(reply),
-            Some(Outcome::Error(error)) => Err(error),
-            None => Err(ChatError::NotRecorded { digest }),
+            Some((Outcome::Reply(reply), used)) => (Ok(reply), used),
+            Some((Outcome::Error(error), used)) => (Err(error), used),
+            None => {
+                let used = ModelUse { calls: 1, failed: 1, ..ModelUse::default() };
+                (Err(ChatError::NotRecorded { digest }), used)
+            }
         }
+    }
+}
+
+/// A shared [`Replay`] under a name of its own.
+struct Named {
+    replay: Arc<Replay>,
+    name: String,
+}
+
+impl ChatModel for Named {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn chat(&self, request: &ChatRequest) -> Result<ChatReply, ChatError> {
+        self.replay.chat(request)
+    }
+
+    fn chat_counted(&self, request: &ChatRequest) -> (Result<ChatReply, ChatError>, ModelUse) {
+        self.replay.chat_counted(request)
     }
 }
 
@@ -203,7 +246,6 @@ mod tests {
                 text: format!("{call} \u{2028} \"ü\"\n"),
                 prompt_tokens: call,
                 completion_tokens: 0,
-                latency_ms: call,
             })
         }
     }

@@ -8,8 +8,8 @@
 //! | `ollama:MODEL` | Ollama on this machine; `@URL` for another |
 //! | `replay:FILE` | what was recorded in FILE |
 //!
-//! The key is that in `OPENBENCH_API_KEY`. `OPENAI_API_KEY`, `ANTHROPIC_API_KEY` and `GEMINI_API_KEY` serve too, but go to the endpoint
-//! of that provider only, so that none reaches a server for which it was not made. Without a key a request has none, as local servers like it; the
+//! The keys for the providers' own endpoints are those in `OPENAI_API_KEY`, `ANTHROPIC_API_KEY` and `GEMINI_API_KEY`, which go nowhere else. For any other endpoint, and where
+//! the provider's own variable is empty, the key is that in `OPENBENCH_API_KEY`. Without a key a request has none, as local servers like it; the
 //! providers' own endpoints need one. A key is not sent unencrypted to another machine. `OPENBENCH_API_TIMEOUT` is how many seconds an answer is
 //! waited for (60).
 
@@ -196,7 +196,8 @@ pub(crate) fn endpoint(
     let base = base.map(str::to_owned).or_else(elsewhere).unwrap_or_else(|| provider.own_base().into());
     let base = checked_base(&base)?;
     let is_own = base == provider.own_base();
-    let variables = [KEY_VARIABLE, provider.key_variable()].into_iter().take(if is_own { 2 } else { 1 });
+    let own = is_own.then(|| provider.key_variable());
+    let variables = own.into_iter().chain([KEY_VARIABLE]);
     let found = variables.filter_map(|variable| filled(variable).map(|key| (variable, key))).next();
     let key = match found {
         Some((variable, key)) => Some(Secret::new(&key).ok_or(SpecError::UnusableKey { variable })?),

@@ -5,7 +5,7 @@
 
 use std::io::Read;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use bytes::Bytes;
 use http::{HeaderMap, Request, Response, header};
@@ -25,7 +25,7 @@ const QUOTED: usize = 300;
 pub struct Bounds {
     /// The longest that one try may take, from the connection to the last byte.
     pub timeout: Duration,
-    /// Further tries after the first.
+    /// Further tries after the first; none is begun when the time-out has passed since the first began.
     pub retries: u32,
     /// The pause before the second try; each further pause is twice as long. A server's `Retry-After` may lengthen it.
     pub first_pause: Duration,
@@ -104,19 +104,21 @@ impl Transport {
 
     /// Sends until an answer of status 200 is there, or no further try is worth it.
     fn exchange(&self, outgoing: &Outgoing) -> Result<String, ChatError> {
-        let mut pause = self.bounds.first_pause;
-        for _ in 0..self.bounds.retries {
-            match self.attempt(outgoing) {
+        let (began, mut pause, mut tries) = (Instant::now(), self.bounds.first_pause, 0);
+        loop {
+            let failure = match self.attempt(outgoing) {
                 Ok(text) => return Ok(text),
-                Err(failure) if failure.passing => {
-                    let wait = failure.wait.unwrap_or_default().max(pause);
-                    std::thread::sleep(wait.min(self.bounds.longest_pause));
-                    pause *= 2;
-                }
-                Err(failure) => return Err(failure.error),
+                Err(failure) => failure,
+            };
+            let wait = failure.wait.unwrap_or_default().max(pause).min(self.bounds.longest_pause);
+            tries += 1;
+            let late = began.elapsed() + wait >= self.bounds.timeout;
+            if !failure.passing || tries > self.bounds.retries || late {
+                return Err(failure.error);
             }
+            std::thread::sleep(wait);
+            pause *= 2;
         }
-        self.attempt(outgoing).map_err(|failure| failure.error)
     }
 
     fn attempt(&self, outgoing: &Outgoing) -> Result<String, Failure> {

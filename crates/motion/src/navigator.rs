@@ -301,8 +301,14 @@ impl Navigator {
 
     /// Begins anew from where the robot finds itself after it had lost its pose; the time in between does not count.
     fn find_again(&mut self, now: &Surroundings<'_>) {
-        let Some(since) = self.lost.take() else { return };
-        self.anchor = self.anchor.map(|(place, time)| (place, time + now.time.since(since)));
+        if let Some(since) = self.lost.take() {
+            self.resume(now.time.since(since));
+        }
+    }
+
+    /// Begins anew from where the robot is, after it stood for so long for a reason that is no driver's; that time does not count.
+    pub fn resume(&mut self, stood: Duration) {
+        self.anchor = self.anchor.map(|(place, time)| (place, time + stood));
         (self.moved, self.last, self.blocked) = (None, None, None);
         (self.planned, self.maneuver) = (None, None);
         self.planner.reset();

@@ -19,6 +19,8 @@ const MAX_PLATES: usize = 64;
 const MAX_TEXT: usize = 100;
 /// What a plate counts for which the model gave no confidence.
 const UNSTATED: f32 = 0.8;
+/// The longest answer wanted, in tokens: models that reason count what they think.
+const MAX_TOKENS: u32 = 4096;
 /// Characters of a bad answer that an error quotes.
 const QUOTED: usize = 200;
 
@@ -50,7 +52,10 @@ impl<M: ChatModel> PlateReader for VlmReader<M> {
         let question =
             format!("The image has {} x {} pixels. Which plates do you read?", image.width, image.height);
         let messages = vec![Message::system(ORDERS), Message::user(question).with_image(png(image)?)];
-        let answer = self.model.chat(&ChatRequest::new(messages).as_schema(schema()))?.text;
+        let answer = self
+            .model
+            .chat(&ChatRequest { max_tokens: MAX_TOKENS, ..ChatRequest::new(messages) }.as_schema(schema()))?
+            .text;
         let bad = |detail| ReaderError::BadAnswer { model: self.model.name().to_owned(), detail };
         let mut readings = plates(&answer, image).map_err(bad)?;
         sort_readings(&mut readings);

@@ -60,7 +60,7 @@ impl ChatModel for Scripted {
         );
         let text = r#"{"plates": [{"text": "no parking", "box": [9, 9, 40, 20], "confidence": 0.3},
             {"text": "UNIT 2", "box": [300, 40, 360, 70], "confidence": 0.9}]}"#;
-        Ok(ChatReply { text: text.into(), prompt_tokens: 0, completion_tokens: 0, latency_ms: 0 })
+        Ok(ChatReply { text: text.into(), prompt_tokens: 0, completion_tokens: 0 })
     }
 }
 

@@ -116,6 +116,12 @@ impl Driver {
         self.costmap.observe_but(ring, |point| self.tracker.covers(point));
     }
 
+    /// Goes on after the robot stood for so long for a reason that is no driver's: it is not late for that.
+    pub fn resume(&mut self, stood: Duration) {
+        self.navigator.resume(stood);
+        self.patience.looked = None;
+    }
+
     /// Takes in how the wheels turned.
     pub fn observe_wheels(&mut self, wheels: &[WheelSample]) {
         for now in wheels {

@@ -1,6 +1,7 @@
 //! The deliveries and the stage that each is in.
 
 use std::collections::VecDeque;
+use std::time::Duration;
 
 use openbench_core::{
     Action, Address, Briefing, Event, Events, FailureCause, GiveUp, Goal, MapPoint, Observation,
@@ -132,6 +133,12 @@ impl Mission {
     pub fn wait(&mut self, observation: &Observation<'_>, events: &mut dyn Events) -> Action {
         self.sense(observation, events);
         Action::Drive(Velocity::ZERO)
+    }
+
+    /// Goes on after it stood for so long while models were asked: neither late nor curious for that.
+    pub fn resume(&mut self, stood: Duration) {
+        self.driver.resume(stood);
+        self.last_glance.0 = self.last_glance.0 + stood;
     }
 
     /// What to do until the next observation.

@@ -84,6 +84,9 @@ impl Agent for Open {
         match &mut self.mission {
             Some(mission) if self.thinking.lasts(observation.time) => mission.wait(observation, events),
             Some(mission) => {
+                if let Some(stood) = self.thinking.ended() {
+                    mission.resume(stood);
+                }
                 let action = mission.act(observation, events);
                 self.thinking.account(observation.time, events);
                 action

@@ -22,7 +22,7 @@ struct Planned {
 
 /// Prints what an instruction asks for.
 pub fn run(args: &PlanArgs) -> anyhow::Result<Outcome> {
-    let mut models = Models::unbounded(args.exchanges.as_deref());
+    let mut models = Models::unbounded(&args.planner, args.exchanges.as_deref())?;
     let planner = planner(&args.planner, &mut models).map_err(anyhow::Error::msg)?;
     let data = read_data(&args.map)?;
     let georeference =

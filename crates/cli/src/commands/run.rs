@@ -30,7 +30,10 @@ pub fn run(args: &RunArgs, registry: &Registry) -> anyhow::Result<Outcome> {
     if args.agent == "open" {
         fetch_reader(&settings)?;
     }
+    spare(&args.out, args.memory.as_deref(), &settings)?;
     let memory = args.memory.as_deref().filter(|path| path.exists()).map(OsmData::read).transpose()?;
+    // As precise as it is kept, so that the run can be repeated.
+    let memory = memory.map(|memory| OsmData::from_bytes(&memory.to_xml())).transpose()?;
     if let Some(path) = &args.memory {
         probe(path)?;
     }
@@ -62,6 +65,25 @@ pub fn run(args: &RunArgs, registry: &Registry) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
+/// Refuses what the run is told to read from the folder that it clears first.
+fn spare(out: &Path, memory: Option<&Path>, settings: &BTreeMap<String, String>) -> anyhow::Result<()> {
+    let Ok(folder) = out.canonicalize() else { return Ok(()) };
+    let words = settings.values().flat_map(|value| open_parts::readers(value));
+    let replayed = words.filter_map(|word| word.strip_prefix("replay:")).map(Path::new);
+    for path in memory.into_iter().chain(replayed) {
+        let Ok(full) = path.canonicalize() else { continue };
+        let cleared = [folder.join("episodes"), folder.join(openbench_bench::MEMORY_BEFORE)];
+        if cleared.iter().any(|cleared| full.starts_with(cleared)) {
+            anyhow::bail!(
+                "{} is of an earlier run in {}, which is cleared before this one begins; copy it, or choose another folder with --out",
+                path.display(),
+                out.display()
+            );
+        }
+    }
+    Ok(())
+}
+
 /// Whether a file can be written, before hours are driven for it.
 fn probe(path: &Path) -> anyhow::Result<()> {
     let name = format!("{}.probe-{}", path.display(), std::process::id());
@@ -74,7 +96,7 @@ fn probe(path: &Path) -> anyhow::Result<()> {
 pub(super) fn fetch_reader(settings: &BTreeMap<String, String>) -> anyhow::Result<()> {
     open_parts::check(settings).map_err(anyhow::Error::msg)?;
     let readers = settings.get("reader").map_or(open_parts::DEFAULT_READER, String::as_str);
-    if open_parts::readers(readers).any(|reader| reader == open_parts::DEFAULT_READER) {
+    if open_parts::readers(readers).into_iter().any(|reader| reader == open_parts::DEFAULT_READER) {
         models::ensure(&ModelStore::from_environment()?, open_parts::DEFAULT_READER)?;
     }
     Ok(())

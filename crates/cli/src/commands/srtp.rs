@@ -26,7 +26,7 @@ const SHOWN: usize = 10;
 
 /// Prints how many instructions a planner understands.
 pub fn run(args: &SrtpArgs) -> anyhow::Result<Outcome> {
-    let mut models = Models::unbounded(args.exchanges.as_deref());
+    let mut models = Models::unbounded(&args.planner, args.exchanges.as_deref())?;
     let planner = planner(&args.planner, &mut models).map_err(anyhow::Error::msg)?;
     let (what, cases) = match &args.data {
         Some(path) => (path.display().to_string(), read(path)?),

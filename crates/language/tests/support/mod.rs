@@ -113,7 +113,7 @@ impl ChatModel for Script {
     fn chat(&self, request: &ChatRequest) -> Result<ChatReply, ChatError> {
         self.asked.lock().unwrap().push(request.messages.last().unwrap().text.clone());
         match self.lines.lock().unwrap().pop() {
-            Some(text) => Ok(ChatReply { text, prompt_tokens: 0, completion_tokens: 0, latency_ms: 0 }),
+            Some(text) => Ok(ChatReply { text, prompt_tokens: 0, completion_tokens: 0 }),
             None => Err(ChatError::Timeout { endpoint: "script".into(), seconds: 1 }),
         }
     }
