@@ -51,6 +51,10 @@ pub struct PlannedDelivery {
     pub unit: Option<String>,
     /// How to get there.
     pub steps: Vec<Step>,
+    /// How surely the building is the one that is meant, 0 to 1: the share of its name's letters that stand in the instruction as the map has them, parted among all that
+    /// fit; 0 where the map has none.
+    #[serde(default = "sure")]
+    pub confidence: f64,
     /// Why this cannot be delivered as understood (the map lacks the building, several fit), in words.
     pub problem: Option<String>,
     /// Until when, if the instruction says so.
@@ -72,6 +76,10 @@ pub enum Deadline {
         /// Since midnight.
         minutes: u32,
     },
+}
+
+fn sure() -> f64 {
+    1.0
 }
 
 impl PlannedDelivery {

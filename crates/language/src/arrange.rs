@@ -80,6 +80,7 @@ pub(crate) fn in_order(request: &PlanRequest<'_>, stops: Vec<Stop>, order: &[usi
             building: stop.address.building.clone(),
             unit: stop.address.unit.clone(),
             steps: steps(request.map, &stop.address),
+            confidence: stop.confidence,
             problem: stop.problem.clone(),
             deadline: stop.due,
         })

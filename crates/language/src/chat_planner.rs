@@ -224,7 +224,7 @@ impl<'a> Conversation<'a> {
     }
 
     fn supports_building(&self, named: &Named) -> bool {
-        let Named::Places(places) = named else { return self.supports_label(named) };
+        let Named::Places { places, .. } = named else { return self.supports_label(named) };
         places.iter().any(|place| {
             let name = &self.gazetteer.places[*place].name;
             let label = generic_label(name, self.planner.grammar.words());
@@ -242,7 +242,7 @@ impl<'a> Conversation<'a> {
                 let letters = condensed(words);
                 !letters.is_empty() && self.evidence.letters.contains(&letters)
             }
-            Named::Places(_) => false,
+            Named::Places { .. } => false,
         }
     }
 
@@ -293,7 +293,7 @@ impl<'a> Conversation<'a> {
     fn building(&self, said: &str) -> Named {
         let places = self.gazetteer.named(said);
         if !places.is_empty() {
-            return Named::Places(places.to_vec());
+            return Named::Places { places: places.to_vec(), percent: 100 };
         }
         match generic_label(said, self.planner.grammar.words()) {
             Some(label) => Named::Label { label, said: said.to_owned() },

@@ -94,14 +94,23 @@ impl Gazetteer {
 
     /// The places one of whose names contains all of `words`, folded.
     pub(crate) fn containing(&self, words: &[String]) -> Vec<usize> {
+        self.with_parts(words).0
+    }
+
+    /// The same, and how many of a hundred letters of the shortest of those names the words are.
+    pub(crate) fn with_parts(&self, words: &[String]) -> (Vec<usize>, u8) {
         let contains = |alias: &Alias| {
             let letters: String = alias.letters.iter().collect();
             words.iter().all(|word| letters.contains(word.as_str()))
         };
-        let mut found: Vec<usize> = self.aliases.iter().filter(|a| contains(a)).map(|a| a.place).collect();
+        let fitting: Vec<&Alias> = self.aliases.iter().filter(|a| contains(a)).collect();
+        let said: usize = words.iter().map(|word| word.chars().count()).sum();
+        let shortest = fitting.iter().map(|alias| alias.letters.len()).min().unwrap_or_default();
+        let percent = (100 * said).checked_div(shortest).map_or(0, |percent| percent.min(100) as u8);
+        let mut found: Vec<usize> = fitting.iter().map(|alias| alias.place).collect();
         found.sort_unstable();
         found.dedup();
-        found
+        (found, percent)
     }
 }
 

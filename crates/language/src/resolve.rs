@@ -17,17 +17,19 @@ const QUOTED: usize = 8;
 const DOUBTFUL: &str = "it comes after words that take back what the instruction says before, as a stranger would; say which is meant";
 
 /// A door with its name, or with what is wrong with it.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Stop {
     pub items: Vec<String>,
     pub address: Address,
+    /// How surely the building is the one that is meant, 0 to 1.
+    pub confidence: f64,
     pub problem: Option<String>,
     /// Until when; the soonest of several.
     pub due: Option<Deadline>,
 }
 
 /// The stops in the order of the instruction, and which must come before which.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Stops {
     pub stops: Vec<Stop>,
     /// Pairs (earlier, later) of indices into `stops`.
@@ -48,7 +50,7 @@ pub(crate) fn resolve(wishes: Wishes, map: &OsmMap, gazetteer: &Gazetteer) -> St
 }
 
 fn stop(wish: Wish, map: &OsmMap, gazetteer: &Gazetteer) -> Stop {
-    let (building, mut problem) = building(wish.building, map, gazetteer);
+    let Choice { name: building, mut problem, confidence } = building(wish.building, map, gazetteer);
     let unit = wish.unit.map(|unit| unit_name(&unit, &building, map));
     if wish.doubtful {
         problem = Some(DOUBTFUL.to_owned());
@@ -56,7 +58,7 @@ fn stop(wish: Wish, map: &OsmMap, gazetteer: &Gazetteer) -> Stop {
         problem = doubt(&building, map);
     }
     let items = if wish.item.is_empty() { Vec::new() } else { vec![wish.item] };
-    Stop { items, address: Address { building, unit }, problem, due: wish.due }
+    Stop { items, address: Address { building, unit }, confidence, problem, due: wish.due }
 }
 
 /// What speaks against a name that was chosen: the map has it twice.
@@ -71,11 +73,30 @@ fn doubt(building: &str, map: &OsmMap) -> Option<String> {
     }
 }
 
-fn building(named: Option<Named>, map: &OsmMap, gazetteer: &Gazetteer) -> (String, Option<String>) {
+/// A building that is meant, by the map's name where it has one.
+struct Choice {
+    name: String,
+    problem: Option<String>,
+    confidence: f64,
+}
+
+impl Choice {
+    fn none(name: String, problem: String) -> Self {
+        Self { name, problem: Some(problem), confidence: 0.0 }
+    }
+
+    /// For a name that was not said in full, or misspelt.
+    fn of_likeness(self, percent: u8) -> Self {
+        Self { confidence: self.confidence * f64::from(percent) / 100.0, ..self }
+    }
+}
+
+fn building(named: Option<Named>, map: &OsmMap, gazetteer: &Gazetteer) -> Choice {
     match named {
         None => nameless(gazetteer),
-        Some(Named::Places(places)) => choose(&places, "that name", map, gazetteer)
-            .unwrap_or_else(|| (String::new(), Some("no building is named".to_owned()))),
+        Some(Named::Places { places, percent }) => choose(&places, "that name", map, gazetteer)
+            .map(|choice| choice.of_likeness(percent))
+            .unwrap_or_else(|| Choice::none(String::new(), "no building is named".to_owned())),
         Some(Named::Label { label, said }) => {
             let exact = choose(gazetteer.named(&said), &said, map, gazetteer);
             let labelled = || choose(gazetteer.labelled(&label), &said, map, gazetteer);
@@ -92,7 +113,8 @@ fn building(named: Option<Named>, map: &OsmMap, gazetteer: &Gazetteer) -> (Strin
             let exact = choose(gazetteer.named(&words), &words, map, gazetteer);
             let partly = || {
                 let long = said.iter().map(|w| w.chars().count()).sum::<usize>() >= 4;
-                long.then(|| choose(&gazetteer.containing(&said), &words, map, gazetteer)).flatten()
+                let (places, percent) = long.then(|| gazetteer.with_parts(&said))?;
+                Some(choose(&places, &words, map, gazetteer)?.of_likeness(percent))
             };
             exact.or_else(partly).unwrap_or_else(|| lacking(words.clone(), &words, gazetteer))
         }
@@ -100,23 +122,18 @@ fn building(named: Option<Named>, map: &OsmMap, gazetteer: &Gazetteer) -> (Strin
 }
 
 /// The instruction names no building: the only one is meant.
-fn nameless(gazetteer: &Gazetteer) -> (String, Option<String>) {
+fn nameless(gazetteer: &Gazetteer) -> Choice {
     match gazetteer.places.as_slice() {
-        [only] => (only.name.clone(), None),
-        _ => (
+        [only] => Choice { name: only.name.clone(), problem: None, confidence: 1.0 },
+        _ => Choice::none(
             String::new(),
-            Some("the instruction names a unit but no building; say which building".to_owned()),
+            "the instruction names a unit but no building; say which building".to_owned(),
         ),
     }
 }
 
 /// The only one of `places`, or the first with a problem if there are several; `None` if there is none.
-fn choose(
-    places: &[usize],
-    said: &str,
-    map: &OsmMap,
-    gazetteer: &Gazetteer,
-) -> Option<(String, Option<String>)> {
+fn choose(places: &[usize], said: &str, map: &OsmMap, gazetteer: &Gazetteer) -> Option<Choice> {
     let mut names: Vec<String> = places.iter().map(|i| map_name(&gazetteer.places[*i].name, map)).collect();
     let first = names.first()?.clone();
     names.sort();
@@ -127,7 +144,8 @@ fn choose(
         names.len(),
         quote(names.iter().map(String::as_str))
     );
-    Some((first, several.then_some(problem)))
+    let confidence = 1.0 / names.len() as f64;
+    Some(Choice { name: first, problem: several.then_some(problem), confidence })
 }
 
 /// What the map calls a building so that it can be looked up: the first of several names in one tag.
@@ -137,11 +155,11 @@ fn map_name(name: &str, map: &OsmMap) -> String {
     std::iter::once(name).chain(name.split(';').map(str::trim)).find(known).unwrap_or(name).to_owned()
 }
 
-fn lacking(name: String, said: &str, gazetteer: &Gazetteer) -> (String, Option<String>) {
+fn lacking(name: String, said: &str, gazetteer: &Gazetteer) -> Choice {
     let known = quote(gazetteer.places.iter().map(|place| place.name.as_str()));
     let known =
         if known.is_empty() { "it names no building at all".to_owned() } else { format!("it has {known}") };
-    (name, Some(format!("the map has no building `{said}`; {known}")))
+    Choice::none(name, format!("the map has no building `{said}`; {known}"))
 }
 
 fn quote<'a>(names: impl Iterator<Item = &'a str>) -> String {
@@ -168,7 +186,7 @@ fn unit_name(unit: &Named, building: &str, map: &OsmMap) -> String {
             }
             _ => words.clone(),
         },
-        Named::Places(_) => String::new(),
+        Named::Places { .. } => String::new(),
     };
     let address = Address::new(building, name.clone());
     let Location::Unit { entrance, .. } = locate(map, &address) else { return name };
@@ -195,7 +213,8 @@ fn merge(stops: Vec<Stop>, before: &[(usize, usize)]) -> Stops {
     for (stop, address) in stops.into_iter().zip(addresses) {
         let known = merged.iter().position(|m| m.address.same_door(&address));
         let at = known.unwrap_or_else(|| {
-            merged.push(Stop { items: Vec::new(), address, problem: stop.problem, due: None });
+            let Stop { confidence, problem, .. } = stop;
+            merged.push(Stop { items: Vec::new(), address, confidence, problem, due: None });
             merged.len() - 1
         });
         let new_items: Vec<String> =

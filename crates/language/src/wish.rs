@@ -7,8 +7,8 @@ use openbench_core::Deadline;
 pub(crate) enum Named {
     /// By a number or letter, folded, and the words that it stands with.
     Label { label: String, said: String },
-    /// By one of the map's names: the places that bear it.
-    Places(Vec<usize>),
+    /// By one of the map's names: the places that bear it, and how many of a hundred of its letters are right.
+    Places { places: Vec<usize>, percent: u8 },
     /// By words that the map does not have.
     Words(String),
 }

@@ -458,3 +458,19 @@ fn a_deadline_is_of_the_doors_it_stands_with() {
         assert!(deadlines(none).iter().all(|(_, due)| due.is_none()), "{none}: {:?}", deadlines(none));
     }
 }
+
+#[test]
+fn how_sure_a_building_is_told() {
+    let map = named(&["Paldal Hall", "Casino de Monte-Carlo", "Medical Centre East", "Medical Centre West"]);
+    let confidence = |instruction: &str| {
+        let request = PlanRequest { instruction, map: &map, start: MapPoint::default(), times: &Flat };
+        let plan = GrammarPlanner::new().plan(&request).unwrap();
+        plan.deliveries.iter().map(|d| d.confidence).collect::<Vec<_>>()
+    };
+    assert_eq!(confidence("Bring the box to Paldal Hall."), [1.0]);
+    assert_eq!(confidence("Bring the box to Padlal Hall."), [0.9], "one of ten letters");
+    assert_eq!(confidence("Bring the box to Paldal."), [0.6], "six of ten letters");
+    let unclear = confidence("Bring the box to the Medical Centre.");
+    assert!(unclear[0] < 0.5, "two fit: {unclear:?}");
+    assert_eq!(confidence("Bring the box to building 77."), [0.0], "the map has none");
+}

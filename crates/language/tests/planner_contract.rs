@@ -33,7 +33,7 @@ fn it_names_doors_items_and_steps() {
         let plan = plan(&*make(&[ONE, ONE]), &numbered(3), &Flat, "this box to unit 1, building 3").unwrap();
         let json = serde_json::to_value(&plan.deliveries).unwrap();
         let wanted = serde_json::json!([{
-            "instruction_index": 0, "item": "this box", "building": "building3", "unit": "unit1", "problem": null,
+            "instruction_index": 0, "item": "this box", "building": "building3", "unit": "unit1", "confidence": 1.0, "problem": null,
             "steps": [{"mode": "navigate", "target": "building3"}, {"mode": "explore", "target": "unit1"}],
         }]);
         assert_eq!(json, wanted, "{name}");

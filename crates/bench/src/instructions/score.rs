@@ -188,6 +188,7 @@ mod tests {
                 building: address.building.clone(),
                 unit: address.unit.clone(),
                 steps: Vec::new(),
+                confidence: 1.0,
                 problem: self.1.clone(),
                 deadline: None,
             };

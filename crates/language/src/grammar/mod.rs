@@ -179,7 +179,7 @@ pub(crate) struct Evidence {
 fn to_named(target: &Target, names: &[Found]) -> Named {
     match target {
         Target::Label { label, said } => Named::Label { label: label.clone(), said: said.clone() },
-        Target::Name(i) => Named::Places(names[*i].places.clone()),
+        Target::Name(i) => Named::Places { places: names[*i].places.clone(), percent: names[*i].percent() },
         Target::Words(words) => Named::Words(words.clone()),
     }
 }

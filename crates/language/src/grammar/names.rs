@@ -18,6 +18,16 @@ pub(crate) struct Found {
     pub places: Vec<usize>,
     /// How many letters are wrong.
     pub edits: usize,
+    /// How many the name has.
+    pub letters: usize,
+}
+
+impl Found {
+    /// How many of a hundred letters are right.
+    pub(crate) fn percent(&self) -> u8 {
+        let right = self.letters.saturating_sub(self.edits);
+        (100 * right).checked_div(self.letters).map_or(0, |percent| percent.min(100) as u8)
+    }
 }
 
 /// So many places that share a part of their names are enough to ask which is meant.
@@ -49,7 +59,8 @@ pub(crate) fn find(tokens: &[Token], gazetteer: &Gazetteer, known: &[bool]) -> V
             let explained = alias.letters.len().saturating_sub(3 * edits);
             let places =
                 if edits == 0 { vec![alias.place] } else { sharers(tokens, &range, alias, gazetteer) };
-            matches.push((explained, Found { tokens: range, places, edits }));
+            let letters = alias.letters.len();
+            matches.push((explained, Found { tokens: range, places, edits, letters }));
         }
     }
     matches.sort_by_key(|(explained, found)| {
