@@ -474,3 +474,14 @@ fn how_sure_a_building_is_told() {
     assert!(unclear[0] < 0.5, "two fit: {unclear:?}");
     assert_eq!(confidence("Bring the box to building 77."), [0.0], "the map has none");
 }
+
+#[test]
+fn a_house_of_a_street_that_the_map_lacks_is_a_door_too() {
+    let map = named(&["Paldal Hall"]);
+    let ran =
+        plan(&GrammarPlanner::new(), &map, &Flat, "Take a box to Wonder Hall and a letter to 12 Oak Street.");
+    let plan = ran.unwrap();
+    let named: Vec<&str> = plan.deliveries.iter().map(|d| d.building.as_str()).collect();
+    assert_eq!(named, ["Wonder Hall", "12 Oak Street"]);
+    assert!(plan.deliveries.iter().all(|d| d.problem.is_some()));
+}

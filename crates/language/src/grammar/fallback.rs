@@ -66,7 +66,7 @@ fn numbered(reading: &Reading<'_>, at: usize) -> Option<Door> {
     ends.then_some(Door { building: Some(building), unit, first: at, last })
 }
 
-/// `to the Wonder Hall`.
+/// `to the Wonder Hall`, `to 12 Oak Street`.
 fn named(reading: &Reading<'_>, mut at: usize) -> Option<Door> {
     while matches!(reading.class(at), Some(Class::Article | Class::Determiner)) {
         at += 1;
@@ -79,7 +79,11 @@ fn named(reading: &Reading<'_>, mut at: usize) -> Option<Door> {
         let inner = *i > at && matches!(reading.lex(*i), Some(Lex::Dash | Lex::Word(Class::Link, _)));
         reading.lex(*i) == Some(&Lex::Unknown) || noun || inner
     };
-    let length = (at..reading.lexemes.len()).take_while(part).take(LONGEST_NAME).count();
+    let is_numbered = matches!(reading.lex(at), Some(Lex::Number { ordinal: false, .. }))
+        && reading.lex(at + 1) == Some(&Lex::Unknown);
+    let number = usize::from(is_numbered);
+    let length =
+        number + (at + number..reading.lexemes.len()).take_while(part).take(LONGEST_NAME - number).count();
     let unknown = (at..at + length).any(|i| reading.lex(i) == Some(&Lex::Unknown));
     let words = Target::Words(reading.words(at..at + length).to_owned());
     unknown.then_some(Door { building: Some(words), unit: None, first: at, last: at + length })
