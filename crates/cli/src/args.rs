@@ -142,7 +142,7 @@ pub struct PlanArgs {
     /// The map (.osm or .osm.pbf)
     #[arg(long)]
     pub map: PathBuf,
-    /// grammar; or a chat model: openai:NAME[@URL], anthropic:NAME, gemini:NAME, ollama:NAME, replay:FILE
+    /// grammar; or a chat model: openai:NAME, openai:NAME@URL, anthropic:NAME, gemini:NAME, ollama:NAME, replay:FILE
     #[arg(long, default_value = "grammar")]
     pub planner: String,
     /// Keep what the model answers in a file, from which `--planner replay:FILE` answers again
@@ -165,7 +165,7 @@ A file of your own is a JSON list, or has one case a line:
 and may have id, lang, difficulty (easy, medium, hard), map (estate, town), before ([[0, 1]]: the first before the second) and
 ambiguous (true, without deliveries: the planner has to ask back).")]
 pub struct SrtpArgs {
-    /// grammar; or a chat model: openai:NAME[@URL], anthropic:NAME, gemini:NAME, ollama:NAME, replay:FILE
+    /// grammar; or a chat model: openai:NAME, openai:NAME@URL, anthropic:NAME, gemini:NAME, ollama:NAME, replay:FILE
     #[arg(long, default_value = "grammar")]
     pub planner: String,
     /// Keep what the model answers in a file, from which `--planner replay:FILE` answers again

@@ -20,7 +20,9 @@ pub(crate) fn shortest(request: &PlanRequest<'_>, stops: &Stops) -> Vec<usize> {
     }
     let times = travel_times(request, &stops.stops);
     let precedence = precedence(stops);
-    let due: Vec<Option<u64>> = stops.stops.iter().map(|stop| due_ms(stop.due)).collect();
+    // What cannot be in time whatever comes first, or nobody knows the way to, makes nothing else late.
+    let in_time = |(i, stop): (usize, &Stop)| due_ms(stop.due).filter(|due| times[0][i + 1] <= *due);
+    let due: Vec<Option<u64>> = stops.stops.iter().enumerate().map(in_time).collect();
     if due.iter().all(Option::is_none) {
         return best_order(&times, &precedence);
     }
@@ -43,8 +45,14 @@ pub(crate) fn precedence(stops: &Stops) -> Precedence {
         precedence.add(*earlier, *later);
     }
     let by_clock = |stop: &Stop| stop.due.filter(|due| matches!(due, Deadline::Clock { .. }));
-    let key = |stop: &Stop| by_clock(stop).map_or((1, None), |due| (0, Some(due)));
-    put_in_order(&mut precedence, &stops.stops, |stop| stop.due.is_none() || by_clock(stop).is_some(), key);
+    // Doors of one building are driven to together.
+    let of_building = |stop: &Stop| {
+        let same = stops.stops.iter().filter(|other| other.address.building == stop.address.building);
+        same.filter_map(by_clock).min()
+    };
+    let key = |stop: &Stop| of_building(stop).map_or((1, None), |due| (0, Some(due)));
+    let counts = |stop: &Stop| stop.due.is_none() || by_clock(stop).is_some();
+    put_in_order(&mut precedence, &stops.stops, counts, key);
     precedence
 }
 
@@ -61,6 +69,7 @@ fn put_in_order<K: Ord>(
     counts: impl Fn(&Stop) -> bool,
     key: impl Fn(&Stop) -> K,
 ) {
+    let counts = |stop: &Stop| stop.problem.is_none() && counts(stop);
     for (a, earlier) in stops.iter().enumerate().filter(|(_, stop)| counts(stop)) {
         for (b, later) in stops.iter().enumerate().filter(|(_, stop)| counts(stop)) {
             if key(earlier) < key(later) {

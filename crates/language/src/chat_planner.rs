@@ -155,6 +155,10 @@ impl<'a> Conversation<'a> {
         if count < 2 {
             return Ok((0..count).collect());
         }
+        // Times are kept by what knows them.
+        if stops.stops.iter().any(|stop| stop.due.is_some()) {
+            return Ok(shortest(self.request, stops));
+        }
         let list: Vec<String> = (1..)
             .zip(&stops.stops)
             .map(|(i, stop)| format!("{i}: {}", quoted(&stop.address.to_string())))
@@ -325,11 +329,12 @@ fn orders(stops: &Stops, read: &Stops) -> Vec<(usize, usize)> {
     read.before.iter().filter_map(|(a, b)| Some((place(*a)?, place(*b)?))).collect()
 }
 
-/// Until when, as the grammar reads it.
+/// Until when, and how surely that building, as the grammar reads it.
 fn hasten(stops: &mut Stops, read: &Stops) {
     for stop in &mut stops.stops {
-        let same = read.stops.iter().find(|r| r.address.same_door(&stop.address));
-        stop.due = same.and_then(|r| r.due);
+        let Some(same) = read.stops.iter().find(|r| r.address.same_door(&stop.address)) else { continue };
+        stop.due = same.due;
+        stop.confidence = stop.confidence.min(same.confidence);
     }
 }
 

@@ -93,33 +93,25 @@ pub(crate) fn order_in_time(
     let all = (1_usize << count) - 1;
     let need: Vec<usize> = precedence.earlier.iter().map(|row| mask(row)).collect();
     let may = |visited: usize, next: usize| visited & (1 << next) == 0 && need[next] & !visited == 0;
-    // When all of a set is visited at the soonest, the last of it being there, and who came before that.
-    let mut soonest = vec![vec![(u64::MAX, 0); count + 1]; all + 1];
+    // When all of a set is visited at the soonest, the last of it being there, and in which order, four bits a stop: of equals the first.
+    let mut soonest = vec![vec![(u64::MAX, 0_u64); count + 1]; all + 1];
     soonest[0][0] = (0, 0);
     for visited in 0..all {
         for at in 0..=count {
-            let (now, _) = soonest[visited][at];
+            let (now, order) = soonest[visited][at];
             for next in (0..count).filter(|next| now < u64::MAX && may(visited, *next)) {
                 let then = now.saturating_add(times[at][next + 1]);
                 let in_time = due[next].is_none_or(|due| then <= due);
                 let known = &mut soonest[visited | 1 << next][next + 1];
-                if in_time && then < known.0 {
-                    *known = (then, at);
+                if in_time {
+                    *known = (*known).min((then, order << 4 | next as u64));
                 }
             }
         }
     }
-    let last =
-        (1..=count).filter(|at| soonest[all][*at].0 < u64::MAX).min_by_key(|at| soonest[all][*at].0)?;
-    let (mut visited, mut at, mut order) = (all, last, Vec::with_capacity(count));
-    while at > 0 {
-        order.push(at - 1);
-        let before = soonest[visited][at].1;
-        visited &= !(1 << (at - 1));
-        at = before;
-    }
-    order.reverse();
-    Some(order)
+    let (time, order) = soonest[all].iter().min()?;
+    let stop = |i: usize| (order >> (4 * (count - 1 - i)) & 15) as usize;
+    (*time < u64::MAX).then(|| (0..count).map(stop).collect())
 }
 
 /// Stops with no time between them, each group in the instruction's order.
@@ -327,9 +319,11 @@ mod tests {
         let times = line(&[30, 10, -20]);
         let order = |due: [Option<u64>; 3]| order_in_time(&times, &Precedence::new(3), &due);
         assert_eq!(order([None, None, Some(200)]), Some(vec![2, 1, 0]), "the shortest is in time");
-        assert_eq!(order([Some(30), None, None]), Some(vec![1, 0, 2]), "on the way is in time");
+        assert_eq!(order([Some(30), None, None]), Some(vec![0, 1, 2]), "as short, and as said");
         assert_eq!(order([None, Some(10), Some(40)]), Some(vec![1, 2, 0]));
         assert_eq!(order([Some(30), None, Some(20)]), None);
+        let all_alike = order_in_time(&equal(4), &Precedence::new(4), &[None, None, Some(99), None]);
+        assert_eq!(all_alike, Some(vec![0, 1, 2, 3]), "of equals the instruction's");
         let mut precedence = Precedence::new(3);
         assert!(precedence.add(2, 0));
         assert_eq!(order_in_time(&times, &precedence, &[Some(60), None, None]), None);

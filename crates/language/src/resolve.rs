@@ -50,25 +50,28 @@ pub(crate) fn resolve(wishes: Wishes, map: &OsmMap, gazetteer: &Gazetteer) -> St
 }
 
 fn stop(wish: Wish, map: &OsmMap, gazetteer: &Gazetteer) -> Stop {
-    let Choice { name: building, mut problem, confidence } = building(wish.building, map, gazetteer);
+    let Choice { name: building, mut problem, mut confidence } = building(wish.building, map, gazetteer);
     let unit = wish.unit.map(|unit| unit_name(&unit, &building, map));
     if wish.doubtful {
         problem = Some(DOUBTFUL.to_owned());
     } else if problem.is_none() {
-        problem = doubt(&building, map);
+        problem = doubt(&building, map, &mut confidence);
     }
     let items = if wish.item.is_empty() { Vec::new() } else { vec![wish.item] };
     Stop { items, address: Address { building, unit }, confidence, problem, due: wish.due }
 }
 
 /// What speaks against a name that was chosen: the map has it twice.
-fn doubt(building: &str, map: &OsmMap) -> Option<String> {
+fn doubt(building: &str, map: &OsmMap, confidence: &mut f64) -> Option<String> {
     let address = Address { building: building.to_owned(), unit: None };
     match locate(map, &address) {
-        Location::Ambiguous(all) => Some(format!(
-            "the map has {} buildings called `{building}`; say which one is meant, for instance by its street and number",
-            all.len()
-        )),
+        Location::Ambiguous(all) => {
+            *confidence /= all.len() as f64;
+            Some(format!(
+                "the map has {} buildings called `{building}`; say which one is meant, for instance by its street and number",
+                all.len()
+            ))
+        }
         _ => None,
     }
 }
@@ -220,6 +223,7 @@ fn merge(stops: Vec<Stop>, before: &[(usize, usize)]) -> Stops {
         let new_items: Vec<String> =
             stop.items.into_iter().filter(|item| !merged[at].items.contains(item)).collect();
         merged[at].items.extend(new_items);
+        merged[at].confidence = merged[at].confidence.max(stop.confidence);
         merged[at].due = merged[at].due.into_iter().chain(stop.due).min();
         place.push(at);
     }

@@ -485,3 +485,59 @@ fn a_house_of_a_street_that_the_map_lacks_is_a_door_too() {
     assert_eq!(named, ["Wonder Hall", "12 Oak Street"]);
     assert!(plan.deliveries.iter().all(|d| d.problem.is_some()));
 }
+
+#[test]
+fn what_is_no_deadline_is_none() {
+    for none in [
+        "Bring the box to building 3, but not before 6 pm.",
+        "Das Paket zu Gebäude 3, nicht vor 18 Uhr.",
+        "把箱子送到3号楼，下午6点前不要送。",
+        "Bring das Paket zu Haus 3 (geöffnet von 9 bis 17 Uhr).",
+        "Bring the box to building 3, open from 9 am until 6 pm.",
+        "Box to building 3 by 9 am tomorrow.",
+        "明天上午10点前把箱子送到3号楼。",
+        "Livrez la pizza pour 12.50 euros au bâtiment 3.",
+        "徒歩10分で着く3号棟に荷物を届けてください。",
+        "1小时30分钟内送到3号楼。",
+    ] {
+        let read = deadlines(none);
+        assert!(read.iter().all(|(_, due)| due.is_none()), "{none}: {read:?}");
+    }
+}
+
+#[test]
+fn a_deadline_may_come_before_its_door() {
+    let clock = |hour: u32| Some(Deadline::Clock { minutes: 60 * hour });
+    let due_of = |instruction: &str, building: &str| {
+        deadlines(instruction).into_iter().find(|(b, _)| b == building).and_then(|(_, due)| due)
+    };
+    for (instruction, three, five) in [
+        ("下午5点前送3号楼，下午6点前送5号楼。", clock(17), clock(18)),
+        ("By 5 pm a box to building 3, by 6 pm a letter to building 5.", clock(17), clock(18)),
+        ("A box to building 3, then by 6 pm a letter to building 5.", None, clock(18)),
+        ("A box to building 3, by 5 pm, a letter to building 5.", clock(17), None),
+        ("A box to building 3, a letter to building 5 by 6 o'clock.", None, clock(18)),
+    ] {
+        assert_eq!(due_of(instruction, "building3"), three, "{instruction}");
+        assert_eq!(due_of(instruction, "building5"), five, "{instruction}");
+    }
+    let french = "Livrez le colis au bâtiment 3 d'ici 2 heures.";
+    assert_eq!(due_of(french, "building3"), Some(Deadline::Within { seconds: 7200 }));
+    let german = "Bring das Paket bis 18 Uhr 30 zu Gebäude 3.";
+    assert_eq!(due_of(german, "building3"), Some(Deadline::Clock { minutes: 18 * 60 + 30 }));
+}
+
+#[test]
+fn deadlines_part_no_building_and_what_is_unknown_hurries_nobody() {
+    let order = |instruction: &str| {
+        let map = numbered(9);
+        let request = PlanRequest { instruction, map: &map, start: MapPoint::default(), times: &Flat };
+        let plan = GrammarPlanner::new().plan(&request).unwrap();
+        plan.deliveries.iter().map(|d| d.address().to_string()).collect::<Vec<_>>()
+    };
+    let one = "A box to unit 1 of building 2 by 5 pm. A letter to building 7 by 6 pm. A bag to unit 2 of building 2.";
+    assert_eq!(order(one), ["unit1, building2", "unit2, building2", "building7"]);
+    let unknown =
+        "A box to building 99 within 5 minutes. A bag to building 3. A letter to building 4 within 1 minute.";
+    assert_eq!(order(unknown)[0], "building4");
+}

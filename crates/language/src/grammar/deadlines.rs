@@ -1,6 +1,9 @@
 //! Until when a door is to be reached: `by 6 pm`, `within ten minutes`, `下午6点前`, `18時までに`.
 //!
-//! A deadline belongs to the door before it in its sentence, and to those that are listed with that; where no door stands before it, to the one after.
+//! A deadline belongs to the door before it in its sentence, and to those that are listed with that; where no door stands before it, or a comma or the like comes between and
+//! none between it and the next one, to the one after. What is denied (`not before 6 pm`), of another day, or the end of a span (`9 to 6 pm`) is none.
+
+use std::ops::Range;
 
 use openbench_core::Deadline;
 
@@ -11,6 +14,10 @@ use super::pairing::Door;
 use super::text::{Kind, Token, tokenize};
 use super::words::{Languages, Lex, Words};
 
+/// A day that is named so many tokens from a time is the time's.
+const DAY_BESIDE: usize = 3;
+/// No number is a longer word, bytes.
+const LONGEST_WORD: usize = 40;
 /// The most tokens that a number spelt in words takes.
 const LONGEST_NUMBER: usize = 4;
 
@@ -28,22 +35,34 @@ pub(super) fn deadlines(
         .collect();
     let mut at = 0;
     while at < reading.tokens.len() {
-        let Some((length, deadline)) = speakers.iter().find_map(|s| s.deadline(&reading.tokens[at..])) else {
+        let mut fresh = speakers.iter().filter(|s| !s.goes_on(reading.tokens, at));
+        let Some((length, deadline)) = fresh.find_map(|s| s.deadline(&reading.tokens[at..])) else {
             at += 1;
             continue;
         };
-        for door in meant(reading, doors, at) {
+        let time = at..at + length;
+        at += length;
+        if is_denied(reading, time.clone())
+            || !speakers.iter().all(|s| s.is_today(reading.tokens, time.clone()))
+        {
+            continue;
+        }
+        for door in meant(reading, doors, time.start) {
             due[door] = Some(due[door].map_or(deadline, |known| known.min(deadline)));
         }
-        at += length;
     }
     due
 }
 
 /// The doors that a deadline at a token is for.
-fn meant(reading: &Reading<'_>, doors: &[Door], token: usize) -> std::ops::Range<usize> {
-    let Some(at) = reading.lexemes.iter().position(|l| l.tokens.end > token) else { return 0..0 };
+fn meant(reading: &Reading<'_>, doors: &[Door], token: usize) -> Range<usize> {
+    let at = lexeme_of(reading, token);
     let parted = |from: usize, to: usize| (from..to).any(|i| reading.lex(i) == Some(&Lex::Stop));
+    let breaks = |from: usize, to: usize| {
+        let is_break =
+            |lex: &Lex| matches!(lex, Lex::Comma | Lex::Word(Class::And | Class::Then | Class::Finally, _));
+        (from..to).any(|i| reading.lex(i).is_some_and(is_break))
+    };
     let listed = |a: &Door, b: &Door| {
         (a.last.min(b.first)..b.first).all(|i| {
             matches!(
@@ -52,13 +71,34 @@ fn meant(reading: &Reading<'_>, doors: &[Door], token: usize) -> std::ops::Range
             )
         })
     };
-    if let Some(last) = doors.iter().rposition(|d| d.last <= at).filter(|i| !parted(doors[*i].last, at)) {
+    if let Some(inside) = doors.iter().position(|d| d.first < at && at < d.last) {
+        return inside..inside + 1;
+    }
+    let before = doors.iter().rposition(|d| d.last <= at).filter(|i| !parted(doors[*i].last, at));
+    let after = doors.iter().position(|d| d.first >= at).filter(|i| !parted(at, doors[*i].first));
+    let leads = before
+        .zip(after)
+        .is_some_and(|(before, after)| breaks(doors[before].last, at) && !breaks(at, doors[after].first));
+    if let Some(last) = before.filter(|_| !leads) {
         let first = (1..=last).rev().find(|i| !listed(&doors[i - 1], &doors[*i])).unwrap_or(0);
         return first..last + 1;
     }
-    let Some(first) = doors.iter().position(|d| d.first >= at && !parted(at, d.first)) else { return 0..0 };
+    let Some(first) = after else { return 0..0 };
     let end = (first + 1..doors.len()).find(|i| !listed(&doors[i - 1], &doors[*i])).unwrap_or(doors.len());
     first..end
+}
+
+/// The lexeme that a token is of, or the next.
+fn lexeme_of(reading: &Reading<'_>, token: usize) -> usize {
+    reading.lexemes.partition_point(|l| l.tokens.end <= token)
+}
+
+/// `not before 6 pm`, `下午6点前不要送`.
+fn is_denied(reading: &Reading<'_>, tokens: Range<usize>) -> bool {
+    let denies =
+        |at: usize| matches!(reading.class(at), Some(Class::Not | Class::NotBefore | Class::Dropped));
+    let (first, next) = (lexeme_of(reading, tokens.start), lexeme_of(reading, tokens.end));
+    (first.saturating_sub(2)..first).any(denies) || denies(next)
 }
 
 /// A language's [`Times`] as tokens.
@@ -76,6 +116,9 @@ pub(crate) struct FoldedTimes {
     hours: Vec<Vec<String>>,
     half_hour: Vec<Vec<String>>,
     one_hour: Vec<Vec<String>>,
+    other_days: Vec<Vec<String>>,
+    from: Vec<Vec<String>>,
+    has_half_days: bool,
 }
 
 impl FoldedTimes {
@@ -100,6 +143,9 @@ impl FoldedTimes {
             hours: folded(times.hours),
             half_hour: folded(times.half_hour),
             one_hour: folded(times.one_hour),
+            other_days: folded(times.other_days),
+            from: folded(times.from),
+            has_half_days: times.has_half_days,
         }
     }
 }
@@ -116,12 +162,39 @@ impl Speaker<'_> {
     fn deadline(&self, tokens: &[Token]) -> Option<(usize, Deadline)> {
         let clock = |(length, minutes)| (length, Deadline::Clock { minutes });
         let within = |(length, seconds)| (length, Deadline::Within { seconds });
-        self.marked(tokens, &self.times.by, &self.times.by_after, |t| self.clock(t)).map(clock).or_else(
-            || {
-                self.marked(tokens, &self.times.within, &self.times.within_after, |t| self.duration(t))
-                    .map(within)
-            },
-        )
+        // `d'ici 2 heures` is no time of day.
+        let length = self.marked(tokens, &self.times.within, &self.times.within_after, |t| self.duration(t));
+        length.map(within).or_else(|| {
+            self.marked(tokens, &self.times.by, &self.times.by_after, |t| self.clock(t)).map(clock)
+        })
+    }
+
+    /// Whether what stands at a token goes on with a time before it: `9 am to 6 pm`, `von 9 bis 17 Uhr`, `1小时30分钟内`.
+    fn goes_on(&self, tokens: &[Token], at: usize) -> bool {
+        let ends_before = |at: usize, entries: &[Vec<String>]| {
+            entries.iter().any(|entry| {
+                let start = at.checked_sub(entry.len());
+                start.is_some_and(|start| entry.iter().zip(&tokens[start..at]).all(|(e, t)| *e == t.text))
+            })
+        };
+        let is_number = |at: usize| match tokens[at].kind {
+            Kind::Digits => true,
+            Kind::Ideograph => numbers::numeral(&tokens[at].text).is_some(),
+            _ => false,
+        };
+        let times = self.times;
+        let is_span = at >= 1 && is_number(at - 1) && ends_before(at - 1, &times.from);
+        let lists = [&times.clock, &times.am, &times.pm, &times.minutes, &times.hours];
+        let is_rest =
+            at >= 1 && is_number(at) && (is_number(at - 1) || tokens[at - 1].text == "." && tokens[at].glued);
+        is_span || is_rest || lists.into_iter().any(|entries| ends_before(at, entries))
+    }
+
+    /// Whether no other day is named beside a time.
+    fn is_today(&self, tokens: &[Token], time: Range<usize>) -> bool {
+        let beside = time.start.saturating_sub(DAY_BESIDE)..(time.end + DAY_BESIDE).min(tokens.len());
+        let mut outside = beside.filter(|at| !time.contains(at));
+        outside.all(|at| begins(&tokens[at..], &self.times.other_days).is_none())
     }
 
     /// What `read` finds after one of `before`, or before one of `after`.
@@ -144,10 +217,15 @@ impl Speaker<'_> {
 
     /// A time of day, minutes since midnight: `6 pm`, `18:30`, `下午6点半`, `noon`.
     fn clock(&self, tokens: &[Token]) -> Option<(usize, u32)> {
-        if let Some(length) = begins(tokens, &self.times.noon) {
-            return Some((length, 12 * 60));
-        }
-        let before = self.half_of_day(tokens);
+        let noon = begins(tokens, &self.times.noon);
+        // `中午1点`
+        let before = noon.map(|length| (length, true)).or_else(|| self.half_of_day(tokens));
+        let read = self.hour_and_minutes(tokens, before);
+        read.or_else(|| noon.map(|length| (length, 12 * 60)))
+    }
+
+    /// A time of day after the words for its half, if any.
+    fn hour_and_minutes(&self, tokens: &[Token], before: Option<(usize, bool)>) -> Option<(usize, u32)> {
         let mut at = before.map_or(0, |(length, _)| length);
         let (length, hour) = self.number(&tokens[at..])?;
         at += length;
@@ -158,25 +236,32 @@ impl Speaker<'_> {
             is_clock = true;
             if let Some(length) = begins(&tokens[at..], &self.times.half) {
                 (at, minutes) = (at + length, 30);
-            } else if let Some((length, value)) = glued_minutes(&tokens[at..]) {
+            } else if let Some((length, value)) = minutes_of(&tokens[at..], !self.times.has_half_days) {
                 (at, minutes) = (at + length, value);
                 at += begins(&tokens[at..], &self.times.minutes).unwrap_or(0);
             }
         } else if tokens.get(at).is_some_and(|t| t.glued && matches!(t.text.as_str(), ":" | "."))
-            && let Some((length, value)) = glued_minutes(&tokens[at + 1..])
+            && let Some((length, value)) = minutes_of(&tokens[at + 1..], false)
         {
-            (at, minutes, is_clock) = (at + 1 + length, value, true);
-            at += begins(&tokens[at..], &self.times.clock).unwrap_or(0);
+            // `12.50` may be a price.
+            is_clock = tokens[at].text == ":";
+            (at, minutes) = (at + 1 + length, value);
+            let clock = begins(&tokens[at..], &self.times.clock);
+            is_clock |= clock.is_some();
+            at += clock.unwrap_or(0);
         }
         let after = self.half_of_day(&tokens[at..]);
         at += after.map_or(0, |(length, _)| length);
         let half = before.or(after).map(|(_, is_afternoon)| is_afternoon);
         let hour = match half {
             Some(true) if hour < 12 => hour + 12,
-            Some(false) if hour == 12 => 0,
+            Some(false) if hour == 12 => 24,
+            // Parcels are brought by day.
+            None if self.times.has_half_days && (1..=7).contains(&hour) => hour + 12,
             _ => hour,
         };
-        ((is_clock || half.is_some()) && hour <= 24).then_some((at, hour * 60 + minutes))
+        let minutes = hour * 60 + minutes;
+        ((is_clock || half.is_some()) && minutes <= 24 * 60).then_some((at, minutes))
     }
 
     /// Words for the half of the day, and whether it is the second.
@@ -206,6 +291,9 @@ impl Speaker<'_> {
         if first.kind == Kind::Digits {
             return first.text.parse().ok().filter(|n| *n < 1000).map(|n| (1, n));
         }
+        if first.text.len() > LONGEST_WORD {
+            return None;
+        }
         // Without what follows, which may be a measure.
         (1..=LONGEST_NUMBER.min(tokens.len())).rev().find_map(|length| {
             match numbers::number(self.words, &tokens[..length], 0, self.languages)? {
@@ -218,9 +306,10 @@ impl Speaker<'_> {
     }
 }
 
-/// Two digits that are minutes, with no blank before them.
-fn glued_minutes(tokens: &[Token]) -> Option<(usize, u32)> {
-    let token = tokens.first().filter(|t| t.glued && t.kind == Kind::Digits && t.text.len() == 2)?;
+/// Two digits that are minutes, with a blank before them or none: `17h30`, `18 Uhr 30`.
+fn minutes_of(tokens: &[Token], may_be_apart: bool) -> Option<(usize, u32)> {
+    let is_near = |t: &&Token| t.glued || may_be_apart;
+    let token = tokens.first().filter(is_near).filter(|t| t.kind == Kind::Digits && t.text.len() == 2)?;
     token.text.parse().ok().filter(|minutes| *minutes < 60).map(|minutes| (1, minutes))
 }
 

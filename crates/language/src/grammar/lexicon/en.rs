@@ -166,7 +166,7 @@ pub(super) const LEXICON: Lexicon = Lexicon {
     number_first: false,
     script: Script::Latin,
     times: Times {
-        by: &["by", "before", "until", "till", "no later than", "not later than", "at the latest by", "latest by", "ahead of"],
+        by: &["by", "before", "no later than", "not later than", "at the latest by", "latest by", "ahead of"],
         by_after: &["at the latest", "or earlier", "sharp at the latest"],
         within: &["within", "within the next", "in the next", "in under", "in less than", "in at most", "no later than in"],
         within_after: &["at most", "or less"],
@@ -179,5 +179,8 @@ pub(super) const LEXICON: Lexicon = Lexicon {
         hours: &["hour", "hours", "hrs", "h"],
         half_hour: &["half an hour", "half hour", "the half hour"],
         one_hour: &["an hour", "the hour", "one hour"],
+        other_days: &["tomorrow", "monday", "tuesday", "wednesday", "thursday", "friday", "saturday", "sunday", "next week"],
+        from: &["from", "between"],
+        has_half_days: true,
     },
 };

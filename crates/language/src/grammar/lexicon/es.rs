@@ -129,8 +129,8 @@ pub(super) const LEXICON: Lexicon = Lexicon {
     number_first: false,
     script: Script::Latin,
     times: Times {
-        by: &["antes de las", "antes de la", "antes de", "hasta las", "a más tardar a las", "para las", "no más tarde de las"],
-        by_after: &["a más tardar", "como muy tarde"],
+        by: &["antes de las", "antes de la", "antes de", "a más tardar a las", "para las", "no más tarde de las"],
+        by_after: &[],
         within: &["en menos de", "dentro de", "dentro de los próximos", "en los próximos", "en las próximas", "en un plazo de"],
         within_after: &["como máximo"],
         clock: &["h", "horas", "hrs"],
@@ -142,5 +142,8 @@ pub(super) const LEXICON: Lexicon = Lexicon {
         hours: &["hora", "horas"],
         half_hour: &["media hora"],
         one_hour: &["una hora"],
+        other_days: &["mañana", "pasado mañana", "lunes", "martes", "miércoles", "jueves", "viernes", "sábado", "domingo"],
+        from: &["de", "entre", "desde", "desde las", "de las"],
+        has_half_days: true,
     },
 };

@@ -126,9 +126,9 @@ pub(super) const LEXICON: Lexicon = Lexicon {
     number_first: false,
     script: Script::Latin,
     times: Times {
-        by: &["avant", "d'ici", "jusqu'à", "au plus tard à", "pour"],
-        by_after: &["au plus tard"],
-        within: &["dans les", "dans les prochaines", "sous", "en moins de", "d'ici"],
+        by: &["avant", "d'ici", "au plus tard à", ],
+        by_after: &[],
+        within: &["dans", "dans les", "dans les prochaines", "sous", "en moins de", "d'ici"],
         within_after: &["au plus tard", "maximum"],
         clock: &["h", "heures", "heure"],
         half: &[],
@@ -139,5 +139,8 @@ pub(super) const LEXICON: Lexicon = Lexicon {
         hours: &["heure", "heures"],
         half_hour: &["une demi-heure", "la demi-heure", "une demi heure"],
         one_hour: &["une heure", "l'heure"],
+        other_days: &["demain", "lundi", "mardi", "mercredi", "jeudi", "vendredi", "samedi", "dimanche"],
+        from: &["de", "entre"],
+        has_half_days: false,
     },
 };

@@ -90,9 +90,9 @@ pub(super) const LEXICON: Lexicon = Lexicon {
     script: Script::Kana,
     times: Times {
         by: &["遅くとも"],
-        by_after: &["までに", "まで", "前に", "より前に", "以前に"],
+        by_after: &["までに", "前に", "より前に", "以前に"],
         within: &[],
-        within_after: &["以内に", "以内", "内に", "で"],
+        within_after: &["以内に", "以内", "内に", ],
         clock: &["時"],
         half: &["半"],
         am: &["午前", "朝"],
@@ -102,5 +102,8 @@ pub(super) const LEXICON: Lexicon = Lexicon {
         hours: &["時間"],
         half_hour: &["半時間", "30分"],
         one_hour: &["一時間", "1時間"],
+        other_days: &["明日", "あした", "明後日", "来週", "曜日"],
+        from: &[],
+        has_half_days: true,
     },
 };

@@ -141,6 +141,12 @@ pub(crate) struct Times {
     pub half_hour: &'static [&'static str],
     /// Sixty, where that is no number and `hour`.
     pub one_hour: &'static [&'static str],
+    /// Days that are not today.
+    pub other_days: &'static [&'static str],
+    /// Before the beginning of a span: `from`.
+    pub from: &'static [&'static str],
+    /// Whether hours are counted to twelve twice, and the half of the day is often left out.
+    pub has_half_days: bool,
 }
 
 /// How a language is told from others.
