@@ -69,12 +69,11 @@ fn put_in_order<K: Ord>(
     counts: impl Fn(&Stop) -> bool,
     key: impl Fn(&Stop) -> K,
 ) {
-    let counts = |stop: &Stop| stop.problem.is_none() && counts(stop);
-    for (a, earlier) in stops.iter().enumerate().filter(|(_, stop)| counts(stop)) {
-        for (b, later) in stops.iter().enumerate().filter(|(_, stop)| counts(stop)) {
-            if key(earlier) < key(later) {
-                precedence.add(a, b);
-            }
+    let counting = stops.iter().enumerate().filter(|(_, stop)| stop.problem.is_none() && counts(stop));
+    let keyed: Vec<(usize, K)> = counting.map(|(i, stop)| (i, key(stop))).collect();
+    for (a, earlier) in &keyed {
+        for (b, _) in keyed.iter().filter(|(_, later)| earlier < later) {
+            precedence.add(*a, *b);
         }
     }
 }
