@@ -4,7 +4,7 @@
 //!
 //! - nothing is invented: every building and unit must be supported by the instruction's numbers, words or names;
 //! - nothing is dropped: a door that the grammar reads is in the list, or the model quotes the words by which the sender rejects it;
-//! - the order holds each stop once, and keeps to what the instruction asks for (as the grammar reads it).
+//! - the order holds each stop once, and keeps to what the instruction asks for (as the grammar reads it); where something is due at a time, the model is not asked for one.
 //!
 //! Each prompt is asked again once with the reason. Then the grammar makes that part of the plan, which says so ([`Fallback`]), also where the model does not answer at
 //! all; there is no plan only where the grammar understands nothing either. Names and problems are made as for every planner. The prompts are the files in `prompts/`.

@@ -104,7 +104,7 @@ impl Remote {
             let (answer, used) = self.ask_by(rung, request);
             total = total.plus(used);
             match answer {
-                Err(error) if is_about(&error, &FORM) => {
+                Err(error) if is_about_form(&error) => {
                     refusal.get_or_insert(error);
                 }
                 answer => {
@@ -122,7 +122,8 @@ impl Remote {
     fn ask_by(&self, rung: Rung, request: &ChatRequest) -> Counted {
         let is_stubborn = self.is_stubborn.load(Ordering::Relaxed);
         let (answer, used) = self.ask_once(rung, request, is_stubborn);
-        if is_stubborn || !answer.as_ref().is_err_and(|error| is_about(error, &["temperature"])) {
+        let said = answer.as_ref().err().and_then(refusal).unwrap_or_default();
+        if is_stubborn || !said.contains("temperature") {
             return (answer, used);
         }
         let (again, more) = self.ask_once(rung, request, true);
@@ -262,11 +263,17 @@ const FORM: [&str; 9] = [
     "extra",
 ];
 
-/// Whether a request was refused for one of these words, or without a word.
-fn is_about(error: &ChatError, words: &[&str]) -> bool {
-    let ChatError::Status { code: 400 | 422, detail, .. } = error else { return false };
-    let said = detail.to_lowercase();
-    words.iter().any(|word| said.contains(word)) || (said.trim().is_empty() && words.len() > 1)
+/// What an endpoint says that refuses a request as such, in lower case.
+fn refusal(error: &ChatError) -> Option<String> {
+    match error {
+        ChatError::Status { code: 400 | 422, detail, .. } => Some(detail.trim().to_lowercase()),
+        _ => None,
+    }
+}
+
+/// Whether an endpoint may refuse how an answer's form is asked for: it says so, or does not say why.
+fn is_about_form(error: &ChatError) -> bool {
+    refusal(error).is_some_and(|said| said.is_empty() || FORM.iter().any(|word| said.contains(word)))
 }
 
 /// Tokens of a request and its answer, as far as the provider counts them.
