@@ -22,6 +22,9 @@ pub use command::wanted;
 const ELSEWHERE: f64 = 1.0;
 /// Distance from obstacles that a motion has to keep to be driven, metres.
 const SURE: f64 = 0.003;
+/// Among those who move a band that comes nearer than this is not taken for one that was driven and does not, metres: a robot does not drive quite as
+/// foreseen, and they do not wait. Wary robots need it not: they are slow where somebody might come nearer.
+const FIRM: f64 = 0.015;
 /// A robot that is nearer to something than the first gets off it before it plans on, until it is as far as the second, metres.
 const WEDGED: (f64, f64) = (0.004, 0.01);
 /// Seconds of a motion off something that need not be driven to their end.
@@ -303,6 +306,7 @@ impl Teb {
         };
         let vias = self.vias(situation);
         let warm = self.candidates.len();
+        let is_firm = self.settings.surprise.is_none() && situation.obstacles.iter().any(Obstacle::is_moving);
         self.candidates.extend(new);
         for (i, candidate) in self.candidates.iter_mut().enumerate() {
             let effort = if i < warm { Effort::WARM } else { Effort::COLD };
@@ -315,7 +319,12 @@ impl Teb {
             candidate.conflict = conflict(&candidate.band);
             // Not for a better cost is a way given up that leads there.
             let leads = |b: &Band| conflict(b).is_none() && is_drivable(b, &self.limits);
-            let kept = before.filter(|b| candidate.conflict.is_some() && leads(&b.band));
+            let is_near = |b: &Band| {
+                first_conflict(&self.footprint, &self.limits, situation.obstacles, b, FIRM).is_some()
+            };
+            let is_worse =
+                |b: &Band| candidate.conflict.is_some() || is_firm && is_near(&candidate.band) && !is_near(b);
+            let kept = before.filter(|b| is_worse(&b.band) && leads(&b.band));
             if let Some(before) = kept {
                 *candidate = Candidate { tangled: true, ..before };
             }
