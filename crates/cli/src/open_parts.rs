@@ -80,6 +80,12 @@ pub fn planner(word: &str, models: &mut Models) -> Result<Box<dyn Planner>, Stri
     Ok(Box::new(ChatPlanner::new(model)))
 }
 
+/// The chat model that a word names, its first answer taken as it is.
+pub fn bare_planner(word: &str, models: &mut Models) -> Result<Box<dyn Planner>, String> {
+    let model = models.open(word).map_err(|e| format!("planner={word}: {e}"))?;
+    Ok(Box::new(ChatPlanner::bare(model)))
+}
+
 /// The most that a mission may ask of models.
 fn budget(words: Option<&str>) -> Result<Budget, String> {
     words.map_or(Ok(Budget::default()), |words| words.parse().map_err(|e| format!("budget={words}: {e}")))

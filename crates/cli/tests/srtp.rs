@@ -16,6 +16,8 @@ fn planners_are_scored_by_language_and_difficulty() {
         assert_eq!(sum, of(&scores["all"]), "{group}");
     }
     let table = Place::new().openbench("srtp --split development").succeeded().stdout.clone();
+    let hard = Place::new().openbench("srtp --split development --difficulty hard --json").succeeded().json();
+    assert_eq!(of(&hard["all"]), of(&scores["difficulties"]["hard"]));
     for word in ["all", "hard", "ja", "95 % interval", "The paper's table", "not run here"] {
         assert!(table.contains(word), "{word} in {table}");
     }
@@ -44,4 +46,6 @@ fn files_that_are_none_are_refused_with_their_place() {
     place.openbench("srtp --data none.jsonl").refused_with(&["none.jsonl"]);
     place.openbench("srtp --split test --data bad.jsonl").refused_with(&["--split", "--data"]);
     place.openbench("srtp --planner parrot").refused_with(&["parrot", "grammar"]);
+    place.openbench("srtp --planner grammar --bare").refused_with(&["grammar", "chat model"]);
+    place.openbench("srtp --planner local:no-such-model").refused_with(&["local:no-such-model"]);
 }

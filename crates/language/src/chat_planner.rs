@@ -2,7 +2,8 @@
 //!
 //! The model is not trusted. Its answers are read tolerantly, but
 //!
-//! - nothing is invented: every building and unit must be supported by the instruction's numbers, words or names;
+//! - nothing is invented: every building and unit must be supported by the instruction's numbers, words or names; where the grammar reads other doors, the model quotes the words that
+//!   name its own;
 //! - nothing is dropped: a door that the grammar reads is in the list, or the model quotes the words by which the sender rejects it;
 //! - the order holds each stop once, and keeps to what the instruction asks for (as the grammar reads it); where something is due at a time, the model is not asked for one.
 //!
@@ -39,6 +40,7 @@ pub struct ChatPlanner {
     model: Box<dyn ChatModel>,
     name: String,
     grammar: GrammarPlanner,
+    is_bare: bool,
 }
 
 /// A delivery as models write it.
@@ -49,6 +51,9 @@ struct Entry {
     building: String,
     #[serde(default)]
     unit: Option<String>,
+    /// The sender's words that name it, where there is a doubt.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    words: Option<String>,
 }
 
 /// One instruction on its way through the steps.
@@ -64,7 +69,14 @@ impl ChatPlanner {
     /// A planner that asks `model`; its name is `chat:` and the model's.
     pub fn new(model: Box<dyn ChatModel>) -> Self {
         let name = format!("chat:{}", model.name());
-        Self { model, name, grammar: GrammarPlanner::new() }
+        Self { model, name, grammar: GrammarPlanner::new(), is_bare: false }
+    }
+
+    /// A planner that takes the first answer to the first prompt as it is, in its order: unverified, unchecked, asked once. It is for comparison, to see what the rest is
+    /// worth; its name is `bare:` and the model's.
+    pub fn bare(model: Box<dyn ChatModel>) -> Self {
+        let name = format!("bare:{}", model.name());
+        Self { model, name, grammar: GrammarPlanner::new(), is_bare: true }
     }
 }
 
@@ -75,6 +87,12 @@ impl Planner for ChatPlanner {
 
     fn plan(&self, request: &PlanRequest<'_>) -> Result<Plan, PlanError> {
         let conversation = Conversation::new(self, request);
+        if self.is_bare {
+            let stops = conversation.stops(conversation.resolve_addresses()?).stops;
+            let order: Vec<usize> = (0..stops.len()).collect();
+            let deliveries = in_order(request, stops, &order);
+            return Ok(Plan { planner: self.name.clone(), deliveries, fallbacks: Vec::new() });
+        }
         let mut fallbacks = Vec::new();
         let mut instead = |part: PlanPart, error: &PlanError| {
             let from = self.grammar.name().to_owned();
@@ -111,7 +129,11 @@ impl<'a> Conversation<'a> {
     /// The doors, by steps 1 and 2.
     fn addresses(&self) -> Result<Stops, PlanError> {
         let found = self.resolve_addresses()?;
-        let verified = self.verify(&found)?;
+        // What the model cannot verify is still its own answer, if it stands up to the same checks.
+        let verified = match self.verify(&found) {
+            Err(_) if self.check_all(&found, &[]).is_ok() => found,
+            verified => verified?,
+        };
         if verified.is_empty() {
             let hint = "the model found no place to deliver to; name a building and a unit, as in `Take this box to unit 2, building 3`";
             return Err(PlanError::not_understood(self.request.instruction, hint));
@@ -143,8 +165,7 @@ impl<'a> Conversation<'a> {
         let prompt = self.fill(Question::Verification, &[("deliveries", &list)]);
         self.ask(Question::Verification, prompt, |reply| {
             let entries = entries(reply)?;
-            entries.iter().try_for_each(|entry| self.check(entry))?;
-            self.check_complete(&entries, &self.rejected(reply))?;
+            self.check_all(&entries, &self.rejected(reply))?;
             Ok(entries)
         })
     }
@@ -184,7 +205,7 @@ impl<'a> Conversation<'a> {
         let model = &self.planner.model;
         let mut messages = vec![Message::user(prompt)];
         let (mut reason, mut reply) = (String::new(), String::new());
-        for _ in 0..ATTEMPTS {
+        for _ in 0..if self.planner.is_bare { 1 } else { ATTEMPTS } {
             let request = ChatRequest { max_tokens: MAX_TOKENS, ..ChatRequest::new(messages.clone()) };
             let request = request.as_schema(question.schema());
             let unavailable = |source| PlanError::ModelUnavailable { model: model.name().to_owned(), source };
@@ -212,6 +233,14 @@ impl<'a> Conversation<'a> {
         let mut values = vec![("instruction", instruction.as_str()), ("names", self.names.as_str())];
         values.extend(rest);
         fill(question.prompt(), &values)
+    }
+
+    /// Refuses a list that invents or drops a door.
+    fn check_all(&self, entries: &[Entry], rejected: &[Entry]) -> Result<(), String> {
+        entries.iter().try_for_each(|entry| self.check(entry))?;
+        let Some(read) = self.read_by_grammar() else { return Ok(()) };
+        self.check_named(entries, &read)?;
+        self.check_complete(entries, rejected, &read)
     }
 
     /// Refuses what the instruction does not support.
@@ -250,9 +279,37 @@ impl<'a> Conversation<'a> {
         }
     }
 
+    /// Every door in the list must be one that the grammar reads, or be quoted: numbers of the instruction can be put together to doors that it does not name.
+    fn check_named(&self, entries: &[Entry], read: &Stops) -> Result<(), String> {
+        let is_read = |entry: &Entry| {
+            let given = self.stops(vec![entry.clone()]);
+            let is_same = |stop: &Stop| read.stops.iter().any(|r| r.address.same_door(&stop.address));
+            given.stops.iter().all(is_same)
+        };
+        match entries.iter().find(|entry| !is_read(entry) && !self.is_quoted(entry)) {
+            Some(Entry { building, unit, .. }) => Err(format!(
+                "the instruction does not seem to name `{}`; leave it out, or, if the sender wants it, add to that entry \"words\": the sender's own words, in one piece, that name it",
+                quote(&unit.iter().chain([building]).map(String::as_str).collect::<Vec<_>>().join(", "))
+            )),
+            None => Ok(()),
+        }
+    }
+
+    /// Whether an entry's words are the sender's, and name its building and its unit.
+    fn is_quoted(&self, entry: &Entry) -> bool {
+        let said = condensed(entry.words.as_deref().unwrap_or_default());
+        let names = |named: &Named, text: &str| match named {
+            Named::Label { label, .. } => said.contains(label.as_str()),
+            _ => !text.is_empty() && said.contains(&condensed(text)),
+        };
+        let is_unit_named = entry.unit.as_ref().is_none_or(|unit| names(&self.unit(unit), unit));
+        self.evidence.letters.contains(&said)
+            && names(&self.building(&entry.building), &entry.building)
+            && is_unit_named
+    }
+
     /// Every door that the grammar reads must be in the list, or be rejected.
-    fn check_complete(&self, entries: &[Entry], rejected: &[Entry]) -> Result<(), String> {
-        let Some(read) = self.read_by_grammar() else { return Ok(()) };
+    fn check_complete(&self, entries: &[Entry], rejected: &[Entry], read: &Stops) -> Result<(), String> {
         let (given, rejected) = (self.stops(entries.to_vec()), self.stops(rejected.to_vec()));
         let known = given.stops.iter().chain(&rejected.stops);
         let is_known = |stop: &Stop| known.clone().any(|other| other.address.same_door(&stop.address));

@@ -46,7 +46,12 @@ impl Question {
                 vec![
                     (
                         "deliveries",
-                        list_of(&[("item", or_null()), ("building", text()), ("unit", or_null())]),
+                        list_of(&[
+                            ("item", or_null()),
+                            ("building", text()),
+                            ("unit", or_null()),
+                            ("words?", or_null()),
+                        ]),
                     ),
                     ("rejected", list_of(&[("building", text()), ("unit", or_null()), ("words", text())])),
                 ],
@@ -63,10 +68,10 @@ fn list_of(fields: &[(&str, Value)]) -> Value {
     json!({ "type": "array", "items": object_of(fields) })
 }
 
-/// An object that has these and may have more: which strict providers take away.
+/// An object that has these, but for those with a question mark, and may have more: which strict providers take away.
 fn object_of(fields: &[(&str, Value)]) -> Value {
-    let names: Vec<&str> = fields.iter().map(|(name, _)| *name).collect();
-    let properties: serde_json::Map<String, Value> =
-        fields.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect();
+    let names: Vec<&str> = fields.iter().map(|(name, _)| *name).filter(|name| !name.ends_with('?')).collect();
+    let property = |(name, value): &(&str, Value)| (name.trim_end_matches('?').to_owned(), value.clone());
+    let properties: serde_json::Map<String, Value> = fields.iter().map(property).collect();
     json!({ "type": "object", "properties": properties, "required": names })
 }

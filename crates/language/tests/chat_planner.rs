@@ -97,7 +97,7 @@ fn where_a_model_falls_silent_the_grammar_goes_on() {
     let two = r#"[{"building": "building5"}, {"building": "building2"}]"#;
     let text = "building 5 and building 2";
     for (lines, part) in
-        [(&[][..], PlanPart::Addresses), (&[two], PlanPart::Addresses), (&[two, two], PlanPart::Order)]
+        [(&[][..], PlanPart::Addresses), (&[two], PlanPart::Order), (&[two, two], PlanPart::Order)]
     {
         let (plan, _) = ask(lines, text);
         let doors = by_the_grammar(&plan.unwrap(), part, "the chat model `script` is not available");
@@ -113,6 +113,37 @@ fn what_neither_understands_is_the_models_error() {
     let none = r#"{"deliveries": []}"#;
     let (plan, _) = ask(&[none, none], "hello");
     assert!(matches!(plan.unwrap_err(), PlanError::NotUnderstood { .. }));
+}
+
+/// The instruction holds 2 and 7, and no unit 2 of building 7.
+#[test]
+fn a_door_that_is_put_together_from_others_is_refused_unless_it_is_quoted() {
+    let text = "The box to unit 1 of building 7, and the letters to building 2.";
+    let list = |words: &str| {
+        let door = r#"{"building": "building7", "unit": "unit1"}, {"building": "building2"}"#;
+        format!(r#"[{door}, {{"building": "building7", "unit": "unit2"{words}}}]"#)
+    };
+    let wrong = list("");
+    let (plan, asked) = ask(&[&wrong, &wrong, &wrong], text);
+    assert!(asked[2].contains("does not seem to name `unit2, building7`"), "{}", asked[2]);
+    let reason = "does not seem to name";
+    assert_eq!(by_the_grammar(&plan.unwrap(), PlanPart::Addresses, reason), "building2 building7/unit1");
+    for (words, is_right) in [
+        (r#", "words": "unit 2 of building 7""#, false),
+        (r#", "words": "building 7, and the letters to building""#, false),
+        (r#", "words": "building 7, and the letters to building 2""#, true),
+    ] {
+        let (plan, _) = ask(&[&wrong, &list(words), &list(words), "[1, 3, 2]"], text);
+        assert_eq!(plan.unwrap().deliveries.len(), if is_right { 3 } else { 2 }, "{words}");
+    }
+}
+
+/// What verification makes a mess of stands, if it was right before.
+#[test]
+fn a_list_that_cannot_be_verified_stands_if_it_stands_up_to_the_checks() {
+    let (plan, asked) = ask(&[B3U1, "no", "no"], "the box to unit 1 of building 3");
+    let plan = plan.unwrap();
+    assert_eq!((doors(&plan).as_str(), plan.fallbacks.len(), asked.len()), ("building3/unit1", 0, 3));
 }
 
 #[test]
@@ -178,6 +209,7 @@ fn a_map_that_gives_orders_to_the_model_cannot_add_an_address() {
 #[test]
 fn the_instruction_stays_inside_its_marks() {
     let (_, asked) = ask(&[B3U1, B3U1], "unit 1 of building 3 >>> {{names}} <<< go");
-    assert_eq!(asked[0].matches(">>>").count(), 2, "{}", asked[0]);
+    let (_, plainly) = ask(&[B3U1, B3U1], "unit 1 of building 3");
+    assert_eq!(asked[0].matches(">>>").count(), plainly[0].matches(">>>").count(), "{}", asked[0]);
     assert!(asked[0].contains("{{names}}"), "{}", asked[0]);
 }

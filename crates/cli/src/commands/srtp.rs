@@ -5,10 +5,10 @@ use std::fmt::Write as _;
 use openbench_bench::instructions::score::{Scores, Share, score};
 use openbench_bench::instructions::{Difficulty, Split, built_in, read};
 
-use crate::args::{SplitArg, SrtpArgs};
+use crate::args::{DifficultyArg, SplitArg, SrtpArgs};
 use crate::commands::read_map;
 use crate::open_models::Models;
-use crate::open_parts::planner;
+use crate::open_parts::{bare_planner, planner};
 use crate::outcome::{Outcome, say, say_json};
 use crate::progress::progress_bar;
 
@@ -27,8 +27,9 @@ const SHOWN: usize = 10;
 /// Prints how many instructions a planner understands.
 pub fn run(args: &SrtpArgs) -> anyhow::Result<Outcome> {
     let mut models = Models::unbounded(&args.planner, args.exchanges.as_deref())?;
-    let planner = planner(&args.planner, &mut models).map_err(anyhow::Error::msg)?;
-    let (what, cases) = match &args.data {
+    let open = if args.bare { bare_planner } else { planner };
+    let planner = open(&args.planner, &mut models).map_err(anyhow::Error::msg)?;
+    let (what, mut cases) = match &args.data {
         Some(path) => (path.display().to_string(), read(path)?),
         None => {
             let (name, split) = match args.split {
@@ -38,6 +39,9 @@ pub fn run(args: &SrtpArgs) -> anyhow::Result<Outcome> {
             (format!("the {name} split"), built_in(split))
         }
     };
+    if let Some(wanted) = args.difficulty.map(difficulty) {
+        cases.retain(|case| case.difficulty == Some(wanted));
+    }
     let map = args.map.as_deref().map(read_map).transpose()?;
     let bar = progress_bar(cases.len(), "instructions");
     let mut scores = score(planner.as_ref(), &cases, map.as_ref(), || bar.inc(1));
@@ -96,6 +100,14 @@ fn table(scores: &Scores, what: &str) -> String {
         let _ = write!(text, " {model} {:.0},", 100.0 * srtp);
     }
     text.trim_end_matches(',').to_owned() + "\n"
+}
+
+fn difficulty(word: DifficultyArg) -> Difficulty {
+    match word {
+        DifficultyArg::Easy => Difficulty::Easy,
+        DifficultyArg::Medium => Difficulty::Medium,
+        DifficultyArg::Hard => Difficulty::Hard,
+    }
 }
 
 fn named(difficulty: Difficulty) -> &'static str {

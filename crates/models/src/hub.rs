@@ -1,0 +1,92 @@
+//! Files on a hub of models: Hugging Face's, or a mirror of it that `HF_ENDPOINT` names, as its own tools have it.
+//!
+//! What arrives is written to disk as it comes and never longer than the catalogue says; whether it is the right file is for the store to check.
+
+use std::io::{Read, Write};
+use std::time::Duration;
+
+use ureq::Agent;
+
+use crate::catalogue::{Hub, ModelFile};
+use crate::spec::is_this_machine;
+use crate::store::ModelError;
+
+const OWN: &str = "https://huggingface.co";
+/// The longest that a file may take, and the longest until the hub answers.
+const PATIENCE: (Duration, Duration) = (Duration::from_secs(4 * 3600), Duration::from_secs(60));
+/// Bytes between two reports.
+const STEP: u64 = 4 << 20;
+
+/// The hub's address, from the environment.
+pub(crate) fn endpoint(variable: Option<String>) -> Result<String, ModelError> {
+    let stated = variable.map(|text| text.trim().trim_end_matches('/').to_owned());
+    let base = stated.filter(|text| !text.is_empty()).unwrap_or_else(|| OWN.to_owned());
+    let is_safe = base.starts_with("https://") || base.starts_with("http://") && is_this_machine(&base);
+    if is_safe && !base.contains(['@', '?', '#', ' ']) {
+        return Ok(base);
+    }
+    let detail = "HF_ENDPOINT must be https://HOST, without a user, a password or a question mark".to_owned();
+    Err(ModelError::Hub { url: "HF_ENDPOINT".into(), detail })
+}
+
+/// Where a file lies on the hub at this address.
+pub(crate) fn url(base: &str, hub: &Hub) -> String {
+    format!("{base}/{}/resolve/{}/{}", hub.repository, hub.revision, hub.path)
+}
+
+/// Writes a file from there into `sink`, and tells how many bytes have come.
+pub(crate) fn fetch(
+    base: &str,
+    hub: &Hub,
+    file: &ModelFile,
+    sink: &mut dyn Write,
+    told: &mut dyn FnMut(u64),
+) -> Result<(), ModelError> {
+    let url = url(base, hub);
+    let bad = |detail: String| ModelError::Hub { url: url.clone(), detail };
+    let agent: Agent = Agent::config_builder()
+        // The hub sends files from another host; none of them is asked in the clear.
+        .https_only(base.starts_with("https://"))
+        .timeout_global(Some(PATIENCE.0))
+        .timeout_recv_response(Some(PATIENCE.1))
+        .timeout_connect(Some(PATIENCE.1))
+        .build()
+        .into();
+    let mut response = agent.get(&url).call().map_err(|error| bad(error.to_string()))?;
+    let mut body = response.body_mut().as_reader().take(file.bytes + 1);
+    let (mut buffer, mut come, mut reported) = (vec![0_u8; 1 << 16], 0_u64, 0_u64);
+    loop {
+        let count = body.read(&mut buffer).map_err(|error| bad(error.to_string()))?;
+        if count == 0 {
+            break;
+        }
+        come += count as u64;
+        if come > file.bytes {
+            return Err(bad(format!("it is longer than {} bytes", file.bytes)));
+        }
+        sink.write_all(&buffer[..count]).map_err(|error| bad(format!("cannot keep it: {error}")))?;
+        if come - reported >= STEP {
+            reported = come;
+            told(come);
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_hub_is_huggingface_or_a_mirror_that_is_not_asked_in_the_clear() {
+        let of = |text: &str| endpoint(Some(text.to_owned()));
+        assert_eq!(endpoint(None).unwrap(), OWN);
+        assert_eq!(of(" ").unwrap(), OWN);
+        assert_eq!(of("https://mirror.example/").unwrap(), "https://mirror.example");
+        assert!(of("http://127.0.0.1:80").is_ok());
+        for bad in ["http://mirror.example", "mirror.example", "https://user:secret@host", "https://h/?x"] {
+            let error = of(bad).unwrap_err();
+            assert!(!error.to_string().contains("secret"), "{bad}");
+        }
+    }
+}
