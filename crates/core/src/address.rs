@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// where the map has them, else `building<N>` and `unit<N>`.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Address {
-    /// Name of the building.
+    /// Name of the building; where several bear it, and what it lies in: `building3, Rose Estate`.
     pub building: String,
     /// Name of the unit, if the address has that level.
     pub unit: Option<String>,

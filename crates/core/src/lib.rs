@@ -28,7 +28,9 @@ pub use agent::{Action, Agent, Briefing, FailureCause, GiveUp, Goal, Observation
 pub use events::{Discard, Event, Events};
 pub use frames::{Georeference, GeoreferenceError, LonLat, MapPoint, Pose2, Pose3};
 pub use model_use::ModelUse;
-pub use plan::{Deadline, Fallback, Plan, PlanPart, PlannedDelivery, Step, StepMode, TravelTimes};
+pub use plan::{
+    AddressLevel, Deadline, Fallback, Level, Plan, PlanPart, PlannedDelivery, Step, StepMode, TravelTimes,
+};
 pub use robot::RobotDescription;
 pub use sensors::{Camera, CameraIntrinsics, GnssFix, Image, ImuSample, LidarPoint, LidarScan, WheelSample};
 pub use time::SimTime;

@@ -49,6 +49,9 @@ pub struct PlannedDelivery {
     pub building: String,
     /// Name of the unit, if the instruction names one.
     pub unit: Option<String>,
+    /// What the instruction says of the address above the building and below the unit, the widest level first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub levels: Vec<AddressLevel>,
     /// How to get there.
     pub steps: Vec<Step>,
     /// How surely the building is the one that is meant, 0 to 1: the share of its name's letters that stand in the instruction as the map has them, parted among all that
@@ -60,6 +63,29 @@ pub struct PlannedDelivery {
     /// Until when, if the instruction says so.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub deadline: Option<Deadline>,
+}
+
+/// A level of an address above the building or below the unit, the widest first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Level {
+    /// A town, a quarter, an estate.
+    District,
+    /// A street.
+    Street,
+    /// A floor inside the building.
+    Floor,
+    /// A flat or a room behind the unit's door.
+    Flat,
+}
+
+/// What an instruction says of one level.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct AddressLevel {
+    /// Which level.
+    pub level: Level,
+    /// The map's own name, else `floor<N>` or `flat<N>`.
+    pub name: String,
 }
 
 /// Until when something is to be delivered. Lengths of time order before times of day.
@@ -95,7 +121,7 @@ impl PlannedDelivery {
 pub struct Step {
     /// Whether the map knows the target.
     pub mode: StepMode,
-    /// Name of the building or unit.
+    /// Name of the street, building, unit, or whatever level it is.
     pub target: String,
 }
 

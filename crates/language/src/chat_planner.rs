@@ -346,6 +346,8 @@ impl<'a> Conversation<'a> {
             item: entry.item.unwrap_or_default(),
             doubtful: false,
             due: None,
+            around: self.evidence.letters.clone(),
+            below: Vec::new(),
         };
         let wishes = Wishes { doors: entries.into_iter().map(wish).collect(), before: Vec::new() };
         resolve(wishes, self.request.map, &self.gazetteer)
@@ -386,11 +388,12 @@ fn orders(stops: &Stops, read: &Stops) -> Vec<(usize, usize)> {
     read.before.iter().filter_map(|(a, b)| Some((place(*a)?, place(*b)?))).collect()
 }
 
-/// Until when, and how surely that building, as the grammar reads it.
+/// Until when, on which floor and the like, and how surely that building, as the grammar reads it.
 fn hasten(stops: &mut Stops, read: &Stops) {
     for stop in &mut stops.stops {
         let Some(same) = read.stops.iter().find(|r| r.address.same_door(&stop.address)) else { continue };
         stop.due = same.due;
+        stop.levels.clone_from(&same.levels);
         stop.confidence = stop.confidence.min(same.confidence);
     }
 }

@@ -2,7 +2,10 @@
 //!
 //! Wishes for one door become one stop; a building without a unit is dropped where one of its units is asked for too.
 
-use openbench_core::{Address, Deadline};
+use std::cell::OnceCell;
+
+use openbench_core::{Address, AddressLevel, Deadline};
+use openbench_osm::hierarchy::{Above, above, all_above};
 use openbench_osm::names::fold_unit;
 use openbench_osm::{Location, OsmMap, locate};
 
@@ -26,6 +29,8 @@ pub(crate) struct Stop {
     pub problem: Option<String>,
     /// Until when; the soonest of several.
     pub due: Option<Deadline>,
+    /// The levels above the building and below the unit that are said.
+    pub levels: Vec<AddressLevel>,
 }
 
 /// The stops in the order of the instruction, and which must come before which.
@@ -45,12 +50,21 @@ impl Stop {
 
 /// Gives every wish its address on `map`.
 pub(crate) fn resolve(wishes: Wishes, map: &OsmMap, gazetteer: &Gazetteer) -> Stops {
-    let stops: Vec<Stop> = wishes.doors.into_iter().map(|wish| stop(wish, map, gazetteer)).collect();
+    let whole: String = wishes.doors.iter().map(|wish| wish.around.as_str()).collect();
+    let surroundings = Surroundings { map, whole, said: OnceCell::new() };
+    let stops = wishes.doors.into_iter().map(|wish| stop(wish, &surroundings, gazetteer)).collect();
     merge(stops, &wishes.before)
 }
 
-fn stop(wish: Wish, map: &OsmMap, gazetteer: &Gazetteer) -> Stop {
-    let Choice { name: building, mut problem, mut confidence } = building(wish.building, map, gazetteer);
+fn stop(wish: Wish, surroundings: &Surroundings<'_>, gazetteer: &Gazetteer) -> Stop {
+    let map = surroundings.map;
+    let mut chosen = building(wish.building, map, gazetteer);
+    for said in [&wish.around, &surroundings.whole] {
+        chosen = surroundings.narrow(chosen, said);
+    }
+    let Choice { name: building, mut problem, mut confidence, .. } = chosen;
+    let mut levels = surroundings.above(&building, &wish.around);
+    levels.extend(wish.below);
     let unit = wish.unit.map(|unit| unit_name(&unit, &building, map));
     if wish.doubtful {
         problem = Some(DOUBTFUL.to_owned());
@@ -58,7 +72,73 @@ fn stop(wish: Wish, map: &OsmMap, gazetteer: &Gazetteer) -> Stop {
         problem = doubt(&building, map, &mut confidence);
     }
     let items = if wish.item.is_empty() { Vec::new() } else { vec![wish.item] };
-    Stop { items, address: Address { building, unit }, confidence, problem, due: wish.due }
+    Stop { items, address: Address { building, unit }, confidence, problem, due: wish.due, levels }
+}
+
+/// The streets, quarters and towns of the map that an instruction speaks of. They are looked for when they are asked for.
+struct Surroundings<'a> {
+    map: &'a OsmMap,
+    /// What is said around all doors: `In Rose Estate: building 3 and building 4`.
+    whole: String,
+    said: OnceCell<Vec<Above>>,
+}
+
+impl Surroundings<'_> {
+    fn said(&self) -> &[Above] {
+        let is_meant = |above: &Above| is_said(&above.level, &self.whole);
+        self.said.get_or_init(|| all_above(self.map).into_iter().filter(is_meant).collect())
+    }
+
+    /// Of several that fit the one whose street, quarter or town is said, if it is the only one.
+    fn narrow(&self, choice: Choice, said: &str) -> Choice {
+        let map = self.map;
+        let buildings: Vec<(&String, usize)> =
+            choice.fitting.iter().flat_map(|name| all_of(name, map)).collect();
+        if buildings.len() < 2 {
+            return choice;
+        }
+        let here: Vec<&Above> = self.said().iter().filter(|above| is_said(&above.level, said)).collect();
+        let lies_there = |(_, b): &&(&String, usize)| here.iter().any(|above| above.holds(map, *b));
+        let mut there = buildings.iter().filter(lies_there);
+        let (Some((name, building)), None) = (there.next(), there.next()) else { return choice };
+        let within = here.iter().filter(|above| above.holds(map, *building));
+        let longer = within.map(|above| format!("{name}, {}", above.level.name));
+        let names = std::iter::once((*name).clone()).chain(longer);
+        match names.into_iter().find(|name| matches!(all_of(name, map)[..], [_])) {
+            Some(name) => Choice { name, problem: None, confidence: 1.0, fitting: Vec::new() },
+            None => choice,
+        }
+    }
+
+    /// The levels above a building that are said; where the map lacks the building, those that are said around its door.
+    fn above(&self, building: &str, around: &str) -> Vec<AddressLevel> {
+        let own = match locate(self.map, &Address { building: building.to_owned(), unit: None }) {
+            Location::Building(building) | Location::Unit { building, .. } => above(self.map, building),
+            Location::Unknown => {
+                let said = self.said().iter().filter(|above| is_said(&above.level, around));
+                return said.map(|above| above.level.clone()).collect();
+            }
+            Location::Ambiguous(_) => return Vec::new(),
+        };
+        own.into_iter().filter(|level| is_said(level, &self.whole)).collect()
+    }
+}
+
+/// The buildings of a name.
+fn all_of<'a>(name: &'a String, map: &OsmMap) -> Vec<(&'a String, usize)> {
+    match locate(map, &Address { building: name.clone(), unit: None }) {
+        Location::Ambiguous(all) => all.into_iter().map(|building| (name, building)).collect(),
+        Location::Building(building) | Location::Unit { building, .. } => vec![(name, building)],
+        Location::Unknown => Vec::new(),
+    }
+}
+
+/// Whether the name of a level stands in what is said.
+fn is_said(level: &AddressLevel, said: &str) -> bool {
+    let name = condensed(&level.name);
+    // One letter or two are in many words; of ideographs two are a name.
+    let is_long = name.chars().count() >= if name.is_ascii() { 3 } else { 2 };
+    is_long && said.contains(&name)
 }
 
 /// What speaks against a name that was chosen: the map has it twice.
@@ -81,11 +161,13 @@ struct Choice {
     name: String,
     problem: Option<String>,
     confidence: f64,
+    /// All names on the map that fit.
+    fitting: Vec<String>,
 }
 
 impl Choice {
     fn none(name: String, problem: String) -> Self {
-        Self { name, problem: Some(problem), confidence: 0.0 }
+        Self { name, problem: Some(problem), confidence: 0.0, fitting: Vec::new() }
     }
 
     /// For a name that was not said in full, or misspelt.
@@ -127,7 +209,7 @@ fn building(named: Option<Named>, map: &OsmMap, gazetteer: &Gazetteer) -> Choice
 /// The instruction names no building: the only one is meant.
 fn nameless(gazetteer: &Gazetteer) -> Choice {
     match gazetteer.places.as_slice() {
-        [only] => Choice { name: only.name.clone(), problem: None, confidence: 1.0 },
+        [only] => Choice { name: only.name.clone(), problem: None, confidence: 1.0, fitting: Vec::new() },
         _ => Choice::none(
             String::new(),
             "the instruction names a unit but no building; say which building".to_owned(),
@@ -148,7 +230,7 @@ fn choose(places: &[usize], said: &str, map: &OsmMap, gazetteer: &Gazetteer) -> 
         quote(names.iter().map(String::as_str))
     );
     let confidence = 1.0 / names.len() as f64;
-    Some(Choice { name: first, problem: several.then_some(problem), confidence })
+    Some(Choice { name: first, problem: several.then_some(problem), confidence, fitting: names })
 }
 
 /// What the map calls a building so that it can be looked up: the first of several names in one tag.
@@ -216,8 +298,9 @@ fn merge(stops: Vec<Stop>, before: &[(usize, usize)]) -> Stops {
     for (stop, address) in stops.into_iter().zip(addresses) {
         let known = merged.iter().position(|m| m.address.same_door(&address));
         let at = known.unwrap_or_else(|| {
-            let Stop { confidence, problem, .. } = stop;
-            merged.push(Stop { items: Vec::new(), address, confidence, problem, due: None });
+            let (problem, levels) = (stop.problem.clone(), stop.levels.clone());
+            let confidence = stop.confidence;
+            merged.push(Stop { items: Vec::new(), address, confidence, problem, due: None, levels });
             merged.len() - 1
         });
         let new_items: Vec<String> =

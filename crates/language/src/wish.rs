@@ -1,6 +1,6 @@
 //! What an instruction asks for, before the map has been asked.
 
-use openbench_core::Deadline;
+use openbench_core::{AddressLevel, Deadline};
 
 /// How an instruction names a place.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -25,6 +25,10 @@ pub(crate) struct Wish {
     pub doubtful: bool,
     /// Until when.
     pub due: Option<Deadline>,
+    /// The letters of what is said around it, among which the levels above the building may be.
+    pub around: String,
+    /// The levels below the unit.
+    pub below: Vec<AddressLevel>,
 }
 
 /// All doors, in the order of the instruction, and which must come before which.

@@ -1,13 +1,18 @@
 //! The *location query* of the OpenBench paper: an address is looked up level by level, from the lowest (unit) to the highest
 //! (building), and the first level that the map knows is where the robot drives; what lies below must be explored for.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use openbench_core::Address;
 
+use crate::hierarchy::{Above, called};
 use crate::map::{Building, Entrance, OsmMap};
 use crate::names::{fold, fold_number, fold_unit, full_names, numbers};
 use crate::tags::Tags;
+
+/// The most levels above a building that a name holds.
+const DEEPEST: usize = 4;
 
 /// What the map knows of an address.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -30,10 +35,11 @@ pub enum Location {
 /// Looks an address up from the lowest level to the highest.
 ///
 /// A building is looked for by its full names, then by the addresses that stand on its doors, then by its bare number
-/// (`ref`, `addr:housenumber`); the first of these that fits any building counts. Of several doors to one unit the one
+/// (`ref`, `addr:housenumber`); the first of these that fits any building counts. After commas may stand what it lies in, `building3, Rose Estate`: streets, quarters, towns by its tags, named areas. A unit
+/// is looked for by the names of doors, then by the numbers of the flats behind them (`addr:flats`). Of several doors to one unit the one
 /// with `entrance=main` is taken, else the one with the lowest node number.
 pub fn locate(map: &OsmMap, address: &Address) -> Location {
-    let fitting = map.names.buildings(&address.building);
+    let fitting = &*fitting(map, &address.building);
     let Some(first) = fitting.first() else { return Location::Unknown };
     let element = map.buildings[*first].element;
     if fitting.iter().any(|i| map.buildings[*i].element != element) {
@@ -46,14 +52,47 @@ pub fn locate(map: &OsmMap, address: &Address) -> Location {
     }
 }
 
+/// The buildings of a name; of a name and what they lie in, `building3, Rose Estate`, where there are none.
+fn fitting<'a>(map: &'a OsmMap, name: &str) -> Cow<'a, [usize]> {
+    let (mut inner, mut around): (&str, Vec<Above>) = (name, Vec::new());
+    loop {
+        let found = map.names.buildings(inner);
+        if !found.is_empty() || around.len() == DEEPEST {
+            let lies_in_all = |b: &usize| around.iter().all(|above| above.holds(map, *b));
+            return match &around[..] {
+                [] => Cow::Borrowed(found),
+                _ => found.iter().copied().filter(lies_in_all).collect(),
+            };
+        }
+        let Some((rest, last)) = inner.rsplit_once(',') else { return Cow::Borrowed(&[]) };
+        around.push(called(map, last));
+        inner = rest;
+    }
+}
+
 fn door(map: &OsmMap, buildings: &[usize], unit: &str) -> Option<(usize, usize)> {
     let unit = fold_unit(unit);
     let into = |e: &Entrance| e.building.filter(|b| buildings.contains(b));
-    let fits = |e: &Entrance| e.units.iter().any(|name| fold_unit(name) == unit);
-    let doors = map.entrances.iter().enumerate().filter(|(_, e)| fits(e));
-    let doors =
-        doors.filter_map(|(i, e)| into(e).map(|building| (!e.tags.is("entrance", "main"), i, building)));
-    doors.min().map(|(_, entrance, building)| (entrance, building))
+    let is_named = |e: &Entrance| e.units.iter().any(|name| fold_unit(name) == unit);
+    let flat: Option<u32> = unit.parse().ok();
+    let leads_to = |e: &Entrance| flat.is_some_and(|flat| has_flat(&e.tags, flat));
+    // A unit's own name counts before the number of a flat behind it.
+    let rank = |e: &Entrance| if is_named(e) { Some(0) } else { leads_to(e).then_some(1) };
+    let doors = map.entrances.iter().enumerate().filter_map(|(i, e)| {
+        let building = into(e)?;
+        Some((rank(e)?, !e.tags.is("entrance", "main"), i, building))
+    });
+    doors.min().map(|(_, _, entrance, building)| (entrance, building))
+}
+
+/// Whether a flat is among those of `addr:flats`: `1-8;10`.
+fn has_flat(tags: &Tags, flat: u32) -> bool {
+    let Some(flats) = tags.get("addr:flats") else { return false };
+    flats.split([';', ',']).any(|part| {
+        let (first, last) = part.split_once('-').unwrap_or((part, part));
+        let bounds = first.trim().parse::<u32>().ok().zip(last.trim().parse::<u32>().ok());
+        bounds.is_some_and(|(first, last)| (first..=last).contains(&flat))
+    })
 }
 
 fn largest(map: &OsmMap, buildings: &[usize]) -> usize {
@@ -175,6 +214,45 @@ mod tests {
         tag_node(&mut data, 12, &address);
         assert_eq!(look_up(&data, "Rua Alta 7", None), Location::Building(1));
         assert_eq!(look_up(&data, "7", None), Location::Building(1));
+    }
+
+    #[test]
+    fn what_a_building_lies_in_tells_it_from_others_of_its_name() {
+        let data = street(&[
+            &[("name", "building3"), ("addr:suburb", "Rose Estate"), ("addr:city", "Rivertown")],
+            &[("name", "building3"), ("addr:suburb", "Lily Estate"), ("addr:city", "Rivertown")],
+            &[("name", "Tower, North"), ("addr:street", "Rua Alta")],
+        ]);
+        assert_eq!(look_up(&data, "building3", None), Location::Ambiguous(vec![0, 1]));
+        assert_eq!(look_up(&data, "building 3, lily estate", None), Location::Building(1));
+        assert_eq!(look_up(&data, "building3, Rose Estate, Rivertown", None), Location::Building(0));
+        assert_eq!(look_up(&data, "building3, Rivertown", None), Location::Ambiguous(vec![0, 1]));
+        assert_eq!(look_up(&data, "building3, Elsewhere", None), Location::Unknown);
+        assert_eq!(look_up(&data, "Tower, North, Rua Alta", None), Location::Building(2));
+        assert_eq!(look_up(&data, &"building3,".repeat(10_000), None), Location::Unknown);
+    }
+
+    #[test]
+    fn a_flat_leads_to_its_door() {
+        let mut data = street(&[&[("name", "A")]]);
+        tag_node(&mut data, 1, &[("entrance", "yes"), ("ref", "1"), ("addr:flats", "1-8;20")]);
+        tag_node(
+            &mut data,
+            3,
+            &[("entrance", "yes"), ("ref", "2"), ("addr:flats", "9-16, x, 30-18, 4294967296")],
+        );
+        for (unit, entrance) in [
+            ("flat 12", None),
+            ("12", Some(1)),
+            ("unit20", Some(0)),
+            ("2", Some(1)),
+            ("8", Some(0)),
+            ("17", None),
+        ] {
+            let wanted =
+                entrance.map_or(Location::Building(0), |entrance| Location::Unit { entrance, building: 0 });
+            assert_eq!(look_up(&data, "A", Some(unit)), wanted, "{unit}");
+        }
     }
 
     #[test]

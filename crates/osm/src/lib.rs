@@ -25,6 +25,7 @@ pub mod cutout;
 pub mod data;
 pub mod edit;
 pub mod error;
+pub mod hierarchy;
 pub mod map;
 pub mod names;
 mod pbf;

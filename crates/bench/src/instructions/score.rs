@@ -187,6 +187,7 @@ mod tests {
                 item: String::new(),
                 building: address.building.clone(),
                 unit: address.unit.clone(),
+                levels: Vec::new(),
                 steps: Vec::new(),
                 confidence: 1.0,
                 problem: self.1.clone(),

@@ -8,6 +8,7 @@ mod deadlines;
 mod fallback;
 mod intent;
 mod items;
+mod levels;
 pub(crate) mod lexicon;
 mod mentions;
 mod names;
@@ -74,6 +75,7 @@ impl GrammarPlanner {
         let silent = mentions.is_empty();
         mentions.extend(fallback::partial(&reading, gazetteer, &mentions));
         mentions.sort_by_key(|m| m.at.start);
+        let rooms = levels::rooms(&mentions);
         let meant = intent::meant(&reading, mentions);
         let mut doors = pairing::doors(&reading, meant, gazetteer);
         if doors.is_empty() && silent {
@@ -93,11 +95,15 @@ impl GrammarPlanner {
             unit: named(&door.unit),
             doubtful: is_overriding(&reading, &doors, door),
             due: None,
+            around: String::new(),
+            below: Vec::new(),
         };
         let before = sequence::constraints(&reading, &doors);
         let due = deadlines::deadlines(&reading, &self.words, languages, &doors);
-        let wishes = doors.iter().zip(items).map(wish).zip(due);
-        Ok(Wishes { doors: wishes.map(|(wish, due)| Wish { due, ..wish }).collect(), before })
+        let beside = levels::beside(&reading, &doors, &rooms);
+        let wishes = doors.iter().zip(items).map(wish).zip(due).zip(beside);
+        let whole = |((wish, due), levels::Beside { around, below })| Wish { due, around, below, ..wish };
+        Ok(Wishes { doors: wishes.map(whole).collect(), before })
     }
 
     /// The numbers and names that the instruction mentions at all, meant or not: what a plan may be built from.

@@ -1,0 +1,122 @@
+//! Addresses of more levels than building and unit: towns and quarters, streets, floors, flats.
+
+mod support;
+
+use openbench_core::{Georeference, Level, LonLat, Plan, PlannedDelivery, StepMode};
+use openbench_language::GrammarPlanner;
+use openbench_osm::{OsmData, OsmMap};
+use support::{Flat, map, numbered, plan};
+
+fn understood(map: &OsmMap, text: &str) -> PlannedDelivery {
+    let Plan { deliveries, .. } = plan(&GrammarPlanner::new(), map, &Flat, text).unwrap();
+    let [delivery] = &deliveries[..] else { panic!("{text}: {deliveries:?}") };
+    delivery.clone()
+}
+
+fn levels(delivery: &PlannedDelivery) -> String {
+    delivery.levels.iter().map(|level| level.name.as_str()).collect::<Vec<_>>().join(" ")
+}
+
+fn steps(delivery: &PlannedDelivery) -> String {
+    let word = |mode| if mode == StepMode::Navigate { "navigate" } else { "explore" };
+    let steps = delivery.steps.iter().map(|step| format!("{} {}", word(step.mode), step.target));
+    steps.collect::<Vec<_>>().join(", ")
+}
+
+#[test]
+fn floors_and_flats_are_behind_the_unit() {
+    let map = numbered(9);
+    for text in [
+        "Parcel to entrance 2 of building 3, 4th floor, flat 12",
+        "Parcel to building 3, entrance 2, floor 4, apartment 12, please",
+        "把包裹送到3号楼2单元4层12室",
+        "Paket zu Gebäude 3, Eingang 2, 4. Stock, Wohnung 12",
+        "Lleva el paquete al edificio 3, entrada 2, planta 4, apartamento 12",
+        "Colis pour le bâtiment 3, entrée 2, 4e étage, appartement 12",
+        "3号棟の入口2、4階の12号室に荷物を届けてください",
+    ] {
+        let delivery = understood(&map, text);
+        assert_eq!(delivery.unit.as_deref(), Some("unit2"), "{text}");
+        assert_eq!(levels(&delivery), "floor4 flat12", "{text}");
+        assert_eq!(
+            steps(&delivery),
+            "navigate building3, explore unit2, explore floor4, explore flat12",
+            "{text}"
+        );
+    }
+}
+
+#[test]
+fn a_flat_without_an_entrance_is_the_unit() {
+    let delivery = understood(&numbered(9), "Parcel to building 3, flat 12, on the third floor");
+    assert_eq!((delivery.unit.as_deref(), levels(&delivery).as_str()), (Some("unit12"), "floor3"));
+}
+
+#[test]
+fn floors_are_of_the_door_that_they_stand_with() {
+    let text = "A box to unit 1 of building 3, 2nd floor, and a letter to unit 2 of building 5, 7th floor.";
+    let Plan { deliveries, .. } = plan(&GrammarPlanner::new(), &numbered(9), &Flat, text).unwrap();
+    let of = |building: &str| levels(deliveries.iter().find(|d| d.building == building).unwrap());
+    assert_eq!((of("building3").as_str(), of("building5").as_str()), ("floor2", "floor7"));
+}
+
+/// Two estates with a building 3 each.
+fn estates() -> OsmMap {
+    let house = |name, estate| [("name", name), ("addr:suburb", estate), ("addr:city", "Rivertown")];
+    let houses = [
+        house("building3", "Rose Estate"),
+        house("building3", "百合园"),
+        house("building4", "Rose Estate"),
+        house("building4", "百合园"),
+    ];
+    let all: Vec<&[(&str, &str)]> = houses.iter().map(|tags| &tags[..]).collect();
+    map(&all, &[])
+}
+
+#[test]
+fn the_quarter_tells_buildings_of_one_name_apart() {
+    for (text, building, level) in [
+        ("The box to unit 1, building 3 in Rose Estate", "building3, Rose Estate", "Rose Estate"),
+        ("Rose Estate, building 4, unit 1: a letter", "building4, Rose Estate", "Rose Estate"),
+        ("请送到百合园3号楼1单元", "building3, 百合园", "百合园"),
+    ] {
+        let delivery = understood(&estates(), text);
+        assert_eq!((delivery.building.as_str(), &delivery.problem), (building, &None), "{text}");
+        assert_eq!((levels(&delivery).as_str(), delivery.confidence), (level, 1.0), "{text}");
+        assert_eq!(delivery.levels[0].level, Level::District);
+        assert_eq!(steps(&delivery), format!("navigate {building}, explore unit1"), "{text}");
+    }
+    for unclear in ["The box to unit 1, building 3", "The box to unit 1, building 3, Rivertown"] {
+        assert!(understood(&estates(), unclear).problem.is_some(), "{unclear}");
+    }
+}
+
+#[test]
+fn each_door_has_the_quarter_that_it_stands_with_or_all_have_the_same() {
+    let doors = |text: &str| {
+        let Plan { deliveries, .. } = plan(&GrammarPlanner::new(), &estates(), &Flat, text).unwrap();
+        let mut names: Vec<String> = deliveries.iter().map(|d| d.building.clone()).collect();
+        names.sort();
+        names.join("; ")
+    };
+    let both = doors("A box to building 3 in Rose Estate and a letter to building 4 in 百合园.");
+    assert_eq!(both, "building3, Rose Estate; building4, 百合园");
+    let one = doors("In Rose Estate: a box to building 3 and a letter to building 4.");
+    assert_eq!(one, "building3, Rose Estate; building4, Rose Estate");
+}
+
+#[test]
+fn a_building_that_the_map_lacks_is_looked_for_in_its_street() {
+    let xml = r#"<osm version="0.6">
+        <node id="1" lat="0" lon="0"/><node id="2" lat="0" lon="1e-3"/>
+        <way id="1"><nd ref="1"/><nd ref="2"/><tag k="highway" v="residential"/><tag k="name" v="Oak Street"/></way>
+        </osm>"#;
+    let data = OsmData::from_xml(xml.as_bytes()).unwrap();
+    let map = OsmMap::new(&data, Georeference::TangentPlane(LonLat::new(0.0, 0.0)));
+    let delivery = understood(&map, "The box to unit 1, building 7, Oak Street");
+    assert!(delivery.problem.is_some());
+    assert_eq!((levels(&delivery).as_str(), delivery.levels[0].level), ("Oak Street", Level::Street));
+    assert_eq!(steps(&delivery), "navigate Oak Street, explore building7, explore unit1");
+    let nowhere = understood(&map, "The box to unit 1, building 7");
+    assert_eq!(steps(&nowhere), "explore building7, explore unit1");
+}
