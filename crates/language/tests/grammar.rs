@@ -449,6 +449,14 @@ fn a_deadline_is_of_the_doors_it_stands_with() {
     let six = Some(Deadline::Clock { minutes: 18 * 60 });
     let listed = deadlines("Boxes to buildings 2 and 3 by 6 pm. A letter to building 5.");
     assert_eq!(listed.iter().map(|(_, due)| *due).collect::<Vec<_>>(), [six, six, None], "{listed:?}");
+    for both in [
+        "A box to building 2 and a letter to building 3, both by 6 pm. A book to building 5.",
+        "Ein Paket zu Gebäude 2 und ein Brief zu Gebäude 3, beides bis 18 Uhr. Das Buch zu Gebäude 5.",
+        "箱子送到2号楼，信送到3号楼，都要在下午6点前送到。书送到5号楼。",
+    ] {
+        let due: Vec<Option<Deadline>> = deadlines(both).into_iter().map(|(_, due)| due).collect();
+        assert_eq!(due, [six, six, None], "{both}");
+    }
     for none in [
         "Bring the box to building 3. Office hours are 9 am to 6 pm.",
         "It is 6 pm; bring the box to building 3.",
@@ -456,6 +464,20 @@ fn a_deadline_is_of_the_doors_it_stands_with() {
         "Bring 6 boxes of 10 kg to building 3.",
     ] {
         assert!(deadlines(none).iter().all(|(_, due)| due.is_none()), "{none}: {:?}", deadlines(none));
+    }
+}
+
+#[test]
+fn lengths_of_time_may_have_two_parts() {
+    for instruction in [
+        "Bring the box to building 3 within 1 hour and 30 minutes.",
+        "The box must be at building 3 within an hour 30 minutes.",
+        "Das Paket innerhalb von 1 Stunde und 30 Minuten zu Gebäude 3.",
+        "1小时30分钟内把箱子送到3号楼。",
+        "Llévalo al edificio 3 en menos de 1 hora y 30 minutos.",
+    ] {
+        let due = Some(Deadline::Within { seconds: 5400 });
+        assert_eq!(deadlines(instruction), [("building3".to_owned(), due)], "{instruction}");
     }
 }
 
@@ -498,7 +520,6 @@ fn what_is_no_deadline_is_none() {
         "明天上午10点前把箱子送到3号楼。",
         "Livrez la pizza pour 12.50 euros au bâtiment 3.",
         "徒歩10分で着く3号棟に荷物を届けてください。",
-        "1小时30分钟内送到3号楼。",
     ] {
         let read = deadlines(none);
         assert!(read.iter().all(|(_, due)| due.is_none()), "{none}: {read:?}");

@@ -1,7 +1,7 @@
 //! Until when a door is to be reached: `by 6 pm`, `within ten minutes`, `下午6点前`, `18時までに`.
 //!
 //! A deadline belongs to the door before it in its sentence, and to those that are listed with that; where no door stands before it, or a comma or the like comes between and
-//! none between it and the next one, to the one after. What is denied (`not before 6 pm`), of another day, or the end of a span (`9 to 6 pm`) is none.
+//! none between it and the next one, to the one after; after `both` and the like to all doors of the sentence. What is denied (`not before 6 pm`), of another day, or the end of a span (`9 to 6 pm`) is none.
 
 use std::ops::Range;
 
@@ -16,6 +16,8 @@ use super::words::{Languages, Lex, Words};
 
 /// A day that is named so many tokens from a time is the time's.
 const DAY_BESIDE: usize = 3;
+/// A word for all doors is so many tokens before a deadline at most.
+const ALL_BESIDE: usize = 5;
 /// No number is a longer word, bytes.
 const LONGEST_WORD: usize = 40;
 /// The most tokens that a number spelt in words takes.
@@ -47,7 +49,8 @@ pub(super) fn deadlines(
         {
             continue;
         }
-        for door in meant(reading, doors, time.start) {
+        let is_of_all = speakers.iter().any(|s| s.is_of_all(reading.tokens, time.start));
+        for door in meant(reading, doors, time.start, is_of_all) {
             due[door] = Some(due[door].map_or(deadline, |known| known.min(deadline)));
         }
     }
@@ -55,7 +58,7 @@ pub(super) fn deadlines(
 }
 
 /// The doors that a deadline at a token is for.
-fn meant(reading: &Reading<'_>, doors: &[Door], token: usize) -> Range<usize> {
+fn meant(reading: &Reading<'_>, doors: &[Door], token: usize, is_of_all: bool) -> Range<usize> {
     let at = lexeme_of(reading, token);
     let parted = |from: usize, to: usize| (from..to).any(|i| reading.lex(i) == Some(&Lex::Stop));
     let breaks = |from: usize, to: usize| {
@@ -71,6 +74,14 @@ fn meant(reading: &Reading<'_>, doors: &[Door], token: usize) -> Range<usize> {
             )
         })
     };
+    if is_of_all {
+        let first = doors.iter().position(|d| d.last <= at && !parted(d.last, at));
+        let end = doors.iter().rposition(|d| d.first >= at && !parted(at, d.first)).map(|i| i + 1);
+        let none_before = || doors.iter().position(|d| d.first >= at).unwrap_or(doors.len());
+        let from = first.unwrap_or_else(none_before);
+        let before = || doors.iter().rposition(|d| d.last <= at).map_or(from, |i| i + 1);
+        return from..end.unwrap_or_else(before).max(from);
+    }
     if let Some(inside) = doors.iter().position(|d| d.first < at && at < d.last) {
         return inside..inside + 1;
     }
@@ -116,6 +127,7 @@ pub(crate) struct FoldedTimes {
     hours: Vec<Vec<String>>,
     half_hour: Vec<Vec<String>>,
     one_hour: Vec<Vec<String>>,
+    all: Vec<Vec<String>>,
     other_days: Vec<Vec<String>>,
     from: Vec<Vec<String>>,
     has_half_days: bool,
@@ -143,6 +155,7 @@ impl FoldedTimes {
             hours: folded(times.hours),
             half_hour: folded(times.half_hour),
             one_hour: folded(times.one_hour),
+            all: folded(times.all),
             other_days: folded(times.other_days),
             from: folded(times.from),
             has_half_days: times.has_half_days,
@@ -188,6 +201,12 @@ impl Speaker<'_> {
         let is_rest =
             at >= 1 && is_number(at) && (is_number(at - 1) || tokens[at - 1].text == "." && tokens[at].glued);
         is_span || is_rest || lists.into_iter().any(|entries| ends_before(at, entries))
+    }
+
+    /// Whether a deadline that begins at a token is of all doors: `both by 6 pm`, `都要在下午6点前`.
+    fn is_of_all(&self, tokens: &[Token], at: usize) -> bool {
+        let near = at.saturating_sub(ALL_BESIDE)..at;
+        near.into_iter().any(|from| begins(&tokens[from..at], &self.times.all).is_some())
     }
 
     /// Whether no other day is named beside a time.
@@ -276,13 +295,28 @@ impl Speaker<'_> {
             return Some((length, 30 * 60));
         }
         if let Some(length) = begins(tokens, &self.times.one_hour) {
-            return Some((length, 3600));
+            let more = self.minutes_more(&tokens[length..]);
+            return Some(
+                more.map_or((length, 3600), |(after, minutes)| (length + after, 3600 + 60 * minutes)),
+            );
         }
         let (at, value) = self.number(tokens)?;
         let units = [(&self.times.minutes, 60), (&self.times.hours, 3600)];
         let unit =
             units.into_iter().find_map(|(unit, seconds)| Some((begins(&tokens[at..], unit)?, seconds)));
-        unit.map(|(length, seconds)| (at + length, value * seconds))
+        let (length, seconds) = unit?;
+        let (at, sum) = (at + length, value * seconds);
+        let more = (seconds == 3600).then(|| self.minutes_more(&tokens[at..])).flatten();
+        Some(more.map_or((at, sum), |(length, minutes)| (at + length, sum + 60 * minutes)))
+    }
+
+    /// The minutes after hours: `1 hour 30 minutes`, `une heure et 15 minutes`.
+    fn minutes_more(&self, tokens: &[Token]) -> Option<(usize, u32)> {
+        (0..=1).find_map(|skipped| {
+            let (length, minutes) = self.number(tokens.get(skipped..)?)?;
+            let unit = begins(&tokens[skipped + length..], &self.times.minutes)?;
+            (minutes < 60).then_some((skipped + length + unit, minutes))
+        })
     }
 
     /// A number in digits or words, no ordinal, below a thousand.

@@ -136,6 +136,7 @@ pub(super) const LEXICON: Lexicon = Lexicon {
         hours: &["stunde", "stunden", "std"],
         half_hour: &["einer halben stunde", "der nächsten halben stunde", "eine halbe stunde"],
         one_hour: &["einer stunde", "eine stunde", "der nächsten stunde"],
+        all: &["beide", "beides", "alle", "alles"],
         other_days: &["morgen", "übermorgen", "montag", "dienstag", "mittwoch", "donnerstag", "freitag", "samstag", "sonntag"],
         from: &["von", "zwischen", "ab"],
         has_half_days: false,

@@ -179,6 +179,7 @@ pub(super) const LEXICON: Lexicon = Lexicon {
         hours: &["hour", "hours", "hrs", "h"],
         half_hour: &["half an hour", "half hour", "the half hour"],
         one_hour: &["an hour", "the hour", "one hour"],
+        all: &["both", "all", "all of them", "everything"],
         other_days: &["tomorrow", "monday", "tuesday", "wednesday", "thursday", "friday", "saturday", "sunday", "next week"],
         from: &["from", "between"],
         has_half_days: true,

@@ -142,6 +142,7 @@ pub(super) const LEXICON: Lexicon = Lexicon {
         hours: &["hora", "horas"],
         half_hour: &["media hora"],
         one_hour: &["una hora"],
+        all: &["ambos", "ambas", "todo", "todos", "todas"],
         other_days: &["mañana", "pasado mañana", "lunes", "martes", "miércoles", "jueves", "viernes", "sábado", "domingo"],
         from: &["de", "entre", "desde", "desde las", "de las"],
         has_half_days: true,

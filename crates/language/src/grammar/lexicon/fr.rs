@@ -139,6 +139,7 @@ pub(super) const LEXICON: Lexicon = Lexicon {
         hours: &["heure", "heures"],
         half_hour: &["une demi-heure", "la demi-heure", "une demi heure"],
         one_hour: &["une heure", "l'heure"],
+        all: &["les deux", "tous", "toutes", "tout"],
         other_days: &["demain", "lundi", "mardi", "mercredi", "jeudi", "vendredi", "samedi", "dimanche"],
         from: &["de", "entre"],
         has_half_days: false,

@@ -102,6 +102,7 @@ pub(super) const LEXICON: Lexicon = Lexicon {
         hours: &["時間"],
         half_hour: &["半時間", "30分"],
         one_hour: &["一時間", "1時間"],
+        all: &["両方", "両方とも", "どちらも", "全部", "すべて"],
         other_days: &["明日", "あした", "明後日", "来週", "曜日"],
         from: &[],
         has_half_days: true,

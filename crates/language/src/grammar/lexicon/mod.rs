@@ -127,6 +127,8 @@ pub(crate) struct Times {
     pub clock: &'static [&'static str],
     /// Half past, after the hour: `半`.
     pub half: &'static [&'static str],
+    /// Before a deadline that is of all doors of its sentence: `both`.
+    pub all: &'static [&'static str],
     /// The hours before noon, before or after the hour: `a.m.`, `上午`.
     pub am: &'static [&'static str],
     /// Those after.

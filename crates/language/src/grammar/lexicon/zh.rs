@@ -117,6 +117,7 @@ pub(super) const LEXICON: Lexicon = Lexicon {
         hours: &["小时", "个小时"],
         half_hour: &["半小时", "半个小时"],
         one_hour: &["一个小时", "一小时"],
+        all: &["都", "全部", "均"],
         other_days: &["明天", "后天", "明早", "明晚", "周一", "周二", "周三", "周四", "周五", "周六", "周日", "星期"],
         from: &["从", "自"],
         has_half_days: true,
