@@ -50,7 +50,7 @@ impl Models {
             };
             let name = match &spec {
                 ModelSpec::Remote { model, .. } => model,
-                ModelSpec::Local(name) => local_name(name),
+                ModelSpec::Local(name) => &openbench_models::spec::local_name(Path::new(name)),
                 ModelSpec::Replay(_) => replay.name(),
             };
             return Ok(Box::new(Metered::new(replay.named(name), self.meter())));
@@ -65,12 +65,6 @@ impl Models {
         }
         Ok(Box::new(Metered::new(model, self.meter())))
     }
-}
-
-/// What a local model calls itself: the file's name without its ending.
-fn local_name(word: &str) -> &str {
-    let file = Path::new(word).file_name().and_then(|name| name.to_str()).unwrap_or(word);
-    file.strip_suffix(".gguf").unwrap_or(file)
 }
 
 fn create(path: &Path) -> Result<File, String> {

@@ -19,7 +19,7 @@ use crate::arrange::{in_order, precedence, shortest, travel_times};
 use crate::chat_json::find_json;
 use crate::error::quote;
 use crate::gazetteer::{Gazetteer, generic_label};
-use crate::grammar::text::condensed;
+use crate::grammar::text::{Kind, Token, condensed, spelt, tokenize};
 use crate::grammar::{Evidence, GrammarPlanner};
 use crate::order::UNKNOWN;
 use crate::question::Question;
@@ -32,6 +32,8 @@ const NAMES: usize = 200;
 const LONGEST_NAME: usize = 80;
 /// The longest answer wanted, in tokens.
 const MAX_TOKENS: u32 = 4096;
+/// The most deliveries that an answer may have.
+const MOST_ENTRIES: usize = 200;
 /// How often each prompt is asked.
 const ATTEMPTS: usize = 2;
 
@@ -62,6 +64,8 @@ struct Conversation<'a> {
     request: &'a PlanRequest<'a>,
     gazetteer: Gazetteer,
     evidence: Evidence,
+    /// What the grammar makes of the instruction.
+    read: Option<Stops>,
     names: String,
 }
 
@@ -107,7 +111,7 @@ impl Planner for ChatPlanner {
                 (stops, order)
             }
             Err(error) => {
-                let stops = conversation.read_by_grammar().ok_or_else(|| error.clone())?;
+                let stops = conversation.read.clone().ok_or_else(|| error.clone())?;
                 instead(PlanPart::Addresses, &error);
                 let order = shortest(request, &stops);
                 (stops, order)
@@ -123,15 +127,18 @@ impl<'a> Conversation<'a> {
         let gazetteer = Gazetteer::new(request.map, planner.grammar.words());
         let evidence = planner.grammar.evidence(request.instruction, &gazetteer);
         let names = names_for_prompt(&gazetteer, &evidence);
-        Self { planner, request, gazetteer, evidence, names }
+        let wishes = planner.grammar.understand(request.instruction, &gazetteer).ok();
+        let read = wishes.map(|wishes| resolve(wishes, request.map, &gazetteer));
+        Self { planner, request, gazetteer, evidence, read, names }
     }
 
     /// The doors, by steps 1 and 2.
     fn addresses(&self) -> Result<Stops, PlanError> {
         let found = self.resolve_addresses()?;
-        // What the model cannot verify is still its own answer, if it stands up to the same checks.
+        // What the model cannot verify is still its own answer, if it stands up to the same checks, the grammar's reading among them.
+        let is_checked = !found.is_empty() && self.read.is_some() && self.check_all(&found, &[]).is_ok();
         let verified = match self.verify(&found) {
-            Err(_) if self.check_all(&found, &[]).is_ok() => found,
+            Err(_) if is_checked => found,
             verified => verified?,
         };
         if verified.is_empty() {
@@ -139,18 +146,12 @@ impl<'a> Conversation<'a> {
             return Err(PlanError::not_understood(self.request.instruction, hint));
         }
         let mut stops = self.stops(verified);
-        if let Some(read) = self.read_by_grammar() {
-            doubt(&mut stops, &read);
-            hasten(&mut stops, &read);
-            stops.before = orders(&stops, &read);
+        if let Some(read) = &self.read {
+            doubt(&mut stops, read);
+            hasten(&mut stops, read);
+            stops.before = orders(&stops, read);
         }
         Ok(stops)
-    }
-
-    /// What the grammar makes of the instruction.
-    fn read_by_grammar(&self) -> Option<Stops> {
-        let wishes = self.planner.grammar.understand(self.request.instruction, &self.gazetteer).ok()?;
-        Some(resolve(wishes, self.request.map, &self.gazetteer))
     }
 
     /// Step 1: the instruction's addresses.
@@ -238,9 +239,9 @@ impl<'a> Conversation<'a> {
     /// Refuses a list that invents or drops a door.
     fn check_all(&self, entries: &[Entry], rejected: &[Entry]) -> Result<(), String> {
         entries.iter().try_for_each(|entry| self.check(entry))?;
-        let Some(read) = self.read_by_grammar() else { return Ok(()) };
-        self.check_named(entries, &read)?;
-        self.check_complete(entries, rejected, &read)
+        let Some(read) = &self.read else { return Ok(()) };
+        self.check_named(entries, read)?;
+        self.check_complete(entries, rejected, read)
     }
 
     /// Refuses what the instruction does not support.
@@ -281,31 +282,55 @@ impl<'a> Conversation<'a> {
 
     /// Every door in the list must be one that the grammar reads, or be quoted: numbers of the instruction can be put together to doors that it does not name.
     fn check_named(&self, entries: &[Entry], read: &Stops) -> Result<(), String> {
-        let is_read = |entry: &Entry| {
-            let given = self.stops(vec![entry.clone()]);
-            let is_same = |stop: &Stop| read.stops.iter().any(|r| r.address.same_door(&stop.address));
+        let is_among = |given: &Stops, stops: &Stops| {
+            let is_same = |stop: &Stop| stops.stops.iter().any(|s| s.address.same_door(&stop.address));
             given.stops.iter().all(is_same)
         };
-        match entries.iter().find(|entry| !is_read(entry) && !self.is_quoted(entry)) {
+        let is_supported = |entry: &&Entry| {
+            let given = self.stops(vec![(*entry).clone()]);
+            is_among(&given, read) || self.is_quoted(entry)
+        };
+        match entries.iter().find(|entry| !is_supported(entry)) {
             Some(Entry { building, unit, .. }) => Err(format!(
-                "the instruction does not seem to name `{}`; leave it out, or, if the sender wants it, add to that entry \"words\": the sender's own words, in one piece, that name it",
+                "the instruction does not seem to name `{}`; leave it out, or, if the sender wants it, add to that entry \"words\": the sender's own words, the whole clause that names it and no other door",
                 quote(&unit.iter().chain([building]).map(String::as_str).collect::<Vec<_>>().join(", "))
             )),
             None => Ok(()),
         }
     }
 
-    /// Whether an entry's words are the sender's, and name its building and its unit.
+    /// Whether an entry's words are a whole clause of the sender's, up to where they name the door, and name no other. Less than a clause may leave out
+    /// the `not` before it.
     fn is_quoted(&self, entry: &Entry) -> bool {
-        let said = condensed(entry.words.as_deref().unwrap_or_default());
-        let names = |named: &Named, text: &str| match named {
-            Named::Label { label, .. } => said.contains(label.as_str()),
-            _ => !text.is_empty() && said.contains(&condensed(text)),
+        let words = entry.words.as_deref().unwrap_or_default();
+        let evidence = self.planner.grammar.evidence(words, &self.gazetteer);
+        let unit = entry.unit.as_ref().map(|unit| self.unit(unit));
+        let named: Vec<Named> = std::iter::once(self.building(&entry.building)).chain(unit).collect();
+        let is_named = |named: &Named| match named {
+            Named::Label { label, .. } => evidence.labels.contains(label),
+            Named::Places { places, .. } => places.iter().any(|place| self.is_named_by(*place, &evidence)),
+            Named::Words(words) => spelt(&entry.building).contains(&spelt(words)),
         };
-        let is_unit_named = entry.unit.as_ref().is_none_or(|unit| names(&self.unit(unit), unit));
-        self.evidence.letters.contains(&said)
-            && names(&self.building(&entry.building), &entry.building)
-            && is_unit_named
+        let is_own = |label: &String| {
+            named.iter().any(|named| match named {
+                Named::Label { label: own, .. } => own == label,
+                Named::Places { places, .. } => places.iter().any(|place| self.bears(*place, label)),
+                Named::Words(_) => false,
+            })
+        };
+        begins_a_clause(self.request.instruction, words)
+            && named.iter().all(is_named)
+            && evidence.labels.iter().all(is_own)
+    }
+
+    fn is_named_by(&self, place: usize, evidence: &Evidence) -> bool {
+        evidence.places.contains(&place) || evidence.labels.iter().any(|label| self.bears(place, label))
+    }
+
+    /// Whether a place's name is a word for a building and this label.
+    fn bears(&self, place: usize, label: &str) -> bool {
+        let own = generic_label(&self.gazetteer.places[place].name, self.planner.grammar.words());
+        own.as_deref() == Some(label)
     }
 
     /// Every door that the grammar reads must be in the list, or be rejected.
@@ -346,11 +371,14 @@ impl<'a> Conversation<'a> {
             item: entry.item.unwrap_or_default(),
             doubtful: false,
             due: None,
-            around: self.evidence.letters.clone(),
+            around: String::new(),
             below: Vec::new(),
         };
-        let wishes = Wishes { doors: entries.into_iter().map(wish).collect(), before: Vec::new() };
-        resolve(wishes, self.request.map, &self.gazetteer)
+        let doors = entries.into_iter().map(wish).collect();
+        let wishes = Wishes { doors, ..Wishes::default() };
+        let mut stops = resolve(wishes, self.request.map, &self.gazetteer);
+        self.read.iter().for_each(|read| place(&mut stops, read));
+        stops
     }
 
     fn building(&self, said: &str) -> Named {
@@ -379,6 +407,35 @@ impl<'a> Conversation<'a> {
             format!("{}: [{}]", label(i), row.iter().skip(1).map(cell).collect::<Vec<_>>().join(", "))
         };
         rows.iter().enumerate().map(row).collect::<Vec<_>>().join("\n")
+    }
+}
+
+/// Whether words stand in an instruction, and nothing but a mark or nothing before them.
+fn begins_a_clause(instruction: &str, words: &str) -> bool {
+    let is_mark = |token: &&Token| token.kind == Kind::Mark;
+    let wanted: Vec<Token> = tokenize(words).into_iter().filter(|token| !is_mark(&token)).collect();
+    let tokens = tokenize(instruction);
+    let begins = |at: usize| {
+        let is_clause = at == 0 || tokens[at - 1].kind == Kind::Mark;
+        let mut rest = tokens[at..].iter().filter(|token| !is_mark(token));
+        is_clause && wanted.iter().all(|word| rest.next().is_some_and(|token| token.text == word.text))
+    };
+    !wanted.is_empty() && (0..tokens.len()).any(begins)
+}
+
+/// Of several buildings of one name the one that the grammar reads, by the street or quarter that is said beside it.
+fn place(stops: &mut Stops, read: &Stops) {
+    let mut taken = vec![false; read.stops.len()];
+    for stop in stops.stops.iter_mut().filter(|stop| stop.problem.is_some()) {
+        let is_it = |read: &Stop| {
+            let rest = read.address.building.strip_prefix(&stop.address.building);
+            rest.is_some_and(|rest| rest.starts_with(", ")) && read.address.unit == stop.address.unit
+        };
+        let Some(at) = (0..taken.len()).find(|at| !taken[*at] && is_it(&read.stops[*at])) else { continue };
+        taken[at] = true;
+        stop.address = read.stops[at].address.clone();
+        stop.problem.clone_from(&read.stops[at].problem);
+        stop.confidence = read.stops[at].confidence;
     }
 }
 
@@ -453,6 +510,9 @@ fn entries(reply: &str) -> Result<Vec<Entry>, String> {
         },
         single => vec![single],
     };
+    if list.len() > MOST_ENTRIES {
+        return Err(format!("it has more than {MOST_ENTRIES} deliveries"));
+    }
     let read =
         |value| serde_json::from_value(plain(value)).map_err(|e| format!("a delivery cannot be read: {e}"));
     list.into_iter().map(read).collect()

@@ -10,7 +10,7 @@ use openbench_osm::names::fold_unit;
 use openbench_osm::{Location, OsmMap, locate};
 
 use crate::gazetteer::{Gazetteer, label};
-use crate::grammar::text::condensed;
+use crate::grammar::text::{condensed, spelt};
 use crate::wish::{Named, Wish, Wishes};
 
 /// How many of the map's names a problem quotes.
@@ -50,20 +50,23 @@ impl Stop {
 
 /// Gives every wish its address on `map`.
 pub(crate) fn resolve(wishes: Wishes, map: &OsmMap, gazetteer: &Gazetteer) -> Stops {
-    let whole: String = wishes.doors.iter().map(|wish| wish.around.as_str()).collect();
+    let around = wishes.doors.iter().map(|wish| wish.around.as_str());
+    let whole = around.chain([wishes.around_all.as_str()]).collect();
     let surroundings = Surroundings { map, whole, said: OnceCell::new() };
-    let stops = wishes.doors.into_iter().map(|wish| stop(wish, &surroundings, gazetteer)).collect();
+    let all = &wishes.around_all;
+    let stops = wishes.doors.into_iter().map(|wish| stop(wish, all, &surroundings, gazetteer)).collect();
     merge(stops, &wishes.before)
 }
 
-fn stop(wish: Wish, surroundings: &Surroundings<'_>, gazetteer: &Gazetteer) -> Stop {
+/// `all` is what is said of all doors.
+fn stop(wish: Wish, all: &str, surroundings: &Surroundings<'_>, gazetteer: &Gazetteer) -> Stop {
     let map = surroundings.map;
     let mut chosen = building(wish.building, map, gazetteer);
-    for said in [&wish.around, &surroundings.whole] {
+    for said in [&wish.around, all] {
         chosen = surroundings.narrow(chosen, said);
     }
     let Choice { name: building, mut problem, mut confidence, .. } = chosen;
-    let mut levels = surroundings.above(&building, &wish.around);
+    let mut levels = surroundings.above(&building, &(wish.around + all));
     levels.extend(wish.below);
     let unit = wish.unit.map(|unit| unit_name(&unit, &building, map));
     if wish.doubtful {
@@ -78,7 +81,7 @@ fn stop(wish: Wish, surroundings: &Surroundings<'_>, gazetteer: &Gazetteer) -> S
 /// The streets, quarters and towns of the map that an instruction speaks of. They are looked for when they are asked for.
 struct Surroundings<'a> {
     map: &'a OsmMap,
-    /// What is said around all doors: `In Rose Estate: building 3 and building 4`.
+    /// All that is said around doors.
     whole: String,
     said: OnceCell<Vec<Above>>,
 }
@@ -98,12 +101,19 @@ impl Surroundings<'_> {
             return choice;
         }
         let here: Vec<&Above> = self.said().iter().filter(|above| is_said(&above.level, said)).collect();
-        let lies_there = |(_, b): &&(&String, usize)| here.iter().any(|above| above.holds(map, *b));
-        let mut there = buildings.iter().filter(lies_there);
-        let (Some((name, building)), None) = (there.next(), there.next()) else { return choice };
-        let within = here.iter().filter(|above| above.holds(map, *building));
-        let longer = within.map(|above| format!("{name}, {}", above.level.name));
-        let names = std::iter::once((*name).clone()).chain(longer);
+        let count = |b: usize| here.iter().filter(|above| above.holds(map, b)).count();
+        let counts: Vec<usize> = buildings.iter().map(|(_, b)| count(*b)).collect();
+        let most = counts.iter().copied().max().unwrap_or_default();
+        let mut there = buildings.iter().zip(&counts).filter(|(_, count)| **count == most);
+        let (Some(((name, building), _)), None) = (there.next(), there.next()) else { return choice };
+        let within: Vec<&str> = here
+            .iter()
+            .filter(|above| above.holds(map, *building))
+            .map(|above| above.level.name.as_str())
+            .collect();
+        let longer = within.iter().map(|level| format!("{name}, {level}"));
+        let longest = format!("{name}, {}", within.join(", "));
+        let names = std::iter::once((*name).clone()).chain(longer).chain([longest]);
         match names.into_iter().find(|name| matches!(all_of(name, map)[..], [_])) {
             Some(name) => Choice { name, problem: None, confidence: 1.0, fitting: Vec::new() },
             None => choice,
@@ -120,7 +130,7 @@ impl Surroundings<'_> {
             }
             Location::Ambiguous(_) => return Vec::new(),
         };
-        own.into_iter().filter(|level| is_said(level, &self.whole)).collect()
+        own.into_iter().filter(|level| is_said(level, around)).collect()
     }
 }
 
@@ -133,12 +143,10 @@ fn all_of<'a>(name: &'a String, map: &OsmMap) -> Vec<(&'a String, usize)> {
     }
 }
 
-/// Whether the name of a level stands in what is said.
+/// Whether the name of a level stands in what is said. A number alone is none: it is that of a building, a telephone, a weight.
 fn is_said(level: &AddressLevel, said: &str) -> bool {
-    let name = condensed(&level.name);
-    // One letter or two are in many words; of ideographs two are a name.
-    let is_long = name.chars().count() >= if name.is_ascii() { 3 } else { 2 };
-    is_long && said.contains(&name)
+    let is_name = level.name.chars().filter(|c| c.is_alphabetic()).nth(1).is_some();
+    is_name && said.contains(&spelt(&level.name))
 }
 
 /// What speaks against a name that was chosen: the map has it twice.

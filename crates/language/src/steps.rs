@@ -33,7 +33,7 @@ pub fn steps(map: &OsmMap, address: &Address, levels: &[AddressLevel]) -> Vec<St
     steps
 }
 
-/// Where the first step leads: the door, else the middle of the building; `None` where the map knows neither.
+/// Where a delivery leads: the door, else the middle of the building; `None` where the map knows neither, though it may know the street.
 pub fn destination(map: &OsmMap, address: &Address) -> Option<MapPoint> {
     match locate(map, address) {
         Location::Unit { entrance, .. } => map.entrances.get(entrance).map(|e| e.position),

@@ -25,7 +25,7 @@ pub(crate) struct Wish {
     pub doubtful: bool,
     /// Until when.
     pub due: Option<Deadline>,
-    /// The letters of what is said around it, among which the levels above the building may be.
+    /// What is said around it, among which the levels above the building may be, as `text::spelt` has it.
     pub around: String,
     /// The levels below the unit.
     pub below: Vec<AddressLevel>,
@@ -37,4 +37,6 @@ pub(crate) struct Wishes {
     pub doors: Vec<Wish>,
     /// Pairs (earlier, later) of indices into `doors`.
     pub before: Vec<(usize, usize)>,
+    /// What is said before all doors and of all of them.
+    pub around_all: String,
 }

@@ -117,24 +117,41 @@ fn what_neither_understands_is_the_models_error() {
 
 /// The instruction holds 2 and 7, and no unit 2 of building 7.
 #[test]
-fn a_door_that_is_put_together_from_others_is_refused_unless_it_is_quoted() {
-    let text = "The box to unit 1 of building 7, and the letters to building 2.";
-    let list = |words: &str| {
-        let door = r#"{"building": "building7", "unit": "unit1"}, {"building": "building2"}"#;
-        format!(r#"[{door}, {{"building": "building7", "unit": "unit2"{words}}}]"#)
-    };
-    let wrong = list("");
-    let (plan, asked) = ask(&[&wrong, &wrong, &wrong], text);
-    assert!(asked[2].contains("does not seem to name `unit2, building7`"), "{}", asked[2]);
-    let reason = "does not seem to name";
-    assert_eq!(by_the_grammar(&plan.unwrap(), PlanPart::Addresses, reason), "building2 building7/unit1");
-    for (words, is_right) in [
-        (r#", "words": "unit 2 of building 7""#, false),
-        (r#", "words": "building 7, and the letters to building""#, false),
-        (r#", "words": "building 7, and the letters to building 2""#, true),
+fn a_door_that_is_put_together_from_others_is_refused() {
+    let text = "The box to unit 1 of building 7, and 2 letters to building 21.";
+    let right = r#"{"building": "building7", "unit": "unit1"}, {"building": "building21"}"#;
+    for (other, words) in [
+        (r#""building": "building7", "unit": "unit2""#, ""),
+        (r#""building": "building7", "unit": "unit2""#, "The box to unit 1 of building 7, and 2 letters"),
+        (r#""building": "building2""#, ""),
+        (r#""building": "building2""#, "and 2 letters to building 2"),
     ] {
-        let (plan, _) = ask(&[&wrong, &list(words), &list(words), "[1, 3, 2]"], text);
-        assert_eq!(plan.unwrap().deliveries.len(), if is_right { 3 } else { 2 }, "{words}");
+        let wrong = format!(r#"[{right}, {{{other}, "words": "{words}"}}]"#);
+        let (plan, asked) = ask(&[&wrong, &wrong, &wrong], text);
+        assert!(asked[2].contains("does not seem to name"), "{}", asked[2]);
+        let reason = "does not seem to name";
+        let doors = by_the_grammar(&plan.unwrap(), PlanPart::Addresses, reason);
+        assert_eq!(doors, "building7/unit1 building21");
+    }
+}
+
+/// A door that the grammar takes for denied is the sender's, if the model quotes all of the clause.
+#[test]
+fn a_door_that_the_grammar_does_not_read_is_quoted() {
+    let text = "The box to unit 1 of building 7. Don't skip unit 2 of building 5.";
+    let list = |words: &str| {
+        let other = format!(r#"{{"building": "building5", "unit": "unit2", "words": "{words}"}}"#);
+        format!(r#"[{{"building": "building7", "unit": "unit1"}}, {other}]"#)
+    };
+    for (words, count) in [
+        ("", 1),
+        ("unit 2 of building 5", 1),
+        ("skip unit 2 of building 5", 1),
+        ("Don't skip unit 2 of building 5", 2),
+        ("The box to unit 1 of building 7. Don't skip unit 2 of building 5", 1),
+    ] {
+        let (plan, _) = ask(&[&list(""), &list(words), &list(words), "[1, 2]"], text);
+        assert_eq!(plan.unwrap().deliveries.len(), count, "{words}");
     }
 }
 

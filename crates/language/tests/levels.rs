@@ -34,6 +34,9 @@ fn floors_and_flats_are_behind_the_unit() {
         "Lleva el paquete al edificio 3, entrada 2, planta 4, apartamento 12",
         "Colis pour le bâtiment 3, entrée 2, 4e étage, appartement 12",
         "3号棟の入口2、4階の12号室に荷物を届けてください",
+        "Parcel to building 3, entrance 2 (floor 4, flat 12)",
+        "Parcel to building 3, entrance 2: floor 4, flat 12",
+        "Parcel to entrance 2 of building 3, 3rd floor, no, 4th floor, flat 12",
     ] {
         let delivery = understood(&map, text);
         assert_eq!(delivery.unit.as_deref(), Some("unit2"), "{text}");
@@ -86,9 +89,28 @@ fn the_quarter_tells_buildings_of_one_name_apart() {
         assert_eq!(delivery.levels[0].level, Level::District);
         assert_eq!(steps(&delivery), format!("navigate {building}, explore unit1"), "{text}");
     }
-    for unclear in ["The box to unit 1, building 3", "The box to unit 1, building 3, Rivertown"] {
+    let both = understood(&estates(), "The box to unit 1, building 3, Rose Estate, Rivertown");
+    assert_eq!((both.building.as_str(), both.problem), ("building3, Rose Estate", None));
+    for unclear in [
+        "The box to unit 1, building 3",
+        "The box to unit 1, building 3, Rivertown",
+        "The box to unit 1, building 3, not the one in Rose Estate",
+        "The primrose estates' box to unit 1, building 3",
+    ] {
         assert!(understood(&estates(), unclear).problem.is_some(), "{unclear}");
     }
+}
+
+/// `Ost` is in `Post`, and 12 in a telephone number.
+#[test]
+fn quarters_are_whole_words_and_no_numbers() {
+    let houses =
+        [[("name", "building3"), ("addr:suburb", "Ost")], [("name", "building3"), ("addr:block", "12")]];
+    let map = map(&[&houses[0], &houses[1]], &[]);
+    for unclear in ["Die Post zu Gebäude 3", "12 letters to building 3, call 12"] {
+        assert!(understood(&map, unclear).problem.is_some(), "{unclear}");
+    }
+    assert_eq!(understood(&map, "Die Post zu Gebäude 3 in Ost").building, "building3, Ost");
 }
 
 #[test]
@@ -101,6 +123,8 @@ fn each_door_has_the_quarter_that_it_stands_with_or_all_have_the_same() {
     };
     let both = doors("A box to building 3 in Rose Estate and a letter to building 4 in 百合园.");
     assert_eq!(both, "building3, Rose Estate; building4, 百合园");
+    let unknown = doors("A box to building 3 in Rose Estate and a letter to building 4 in Lily Esate.");
+    assert_eq!(unknown, "building3, Rose Estate; building4", "nobody says that it is the same quarter");
     let one = doors("In Rose Estate: a box to building 3 and a letter to building 4.");
     assert_eq!(one, "building3, Rose Estate; building4, Rose Estate");
 }

@@ -45,7 +45,7 @@ pub(crate) fn fetch(
     let url = url(base, hub);
     let bad = |detail: String| ModelError::Hub { url: url.clone(), detail };
     let agent: Agent = Agent::config_builder()
-        // The hub sends files from another host; none of them is asked in the clear.
+        // The hub sends files from another host, which is not asked in the clear either.
         .https_only(base.starts_with("https://"))
         .timeout_global(Some(PATIENCE.0))
         .timeout_recv_response(Some(PATIENCE.1))
@@ -64,7 +64,8 @@ pub(crate) fn fetch(
         if come > file.bytes {
             return Err(bad(format!("it is longer than {} bytes", file.bytes)));
         }
-        sink.write_all(&buffer[..count]).map_err(|error| bad(format!("cannot keep it: {error}")))?;
+        let storage = |source| ModelError::Storage { path: file.file_name().into(), source };
+        sink.write_all(&buffer[..count]).map_err(storage)?;
         if come - reported >= STEP {
             reported = come;
             told(come);

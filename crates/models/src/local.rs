@@ -7,7 +7,8 @@
 //! Half of the processors work on it. Its threads wait for each other hundreds of times a token, so that one that has to share its processor with something else holds up
 //! all: on two shared processors two threads took 39 s for what took them 1.2 s alone.
 //!
-//! JSON is written under a grammar ([`crate::gbnf`]). Texts cannot leave their message: what the model would read as a mark of the conversation is broken up.
+//! JSON is written under a grammar ([`crate::gbnf`]). What the model would read as a mark of the conversation is broken up where it stands in a text, so that an instruction cannot end its message
+//! and begin another; models whose marks are ordinary words (`[INST]`) have no such guard.
 
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -27,11 +28,13 @@ use llama_cpp_2::sampling::LlamaSampler;
 use llama_cpp_2::token::LlamaToken;
 use llama_cpp_2::token::data::LlamaTokenData;
 use llama_cpp_2::token::data_array::LlamaTokenDataArray;
+use llama_cpp_2::token_type::LlamaTokenAttr;
 use openbench_core::ModelUse;
 use sha2::Digest;
 
 use crate::chat::{ChatError, ChatModel, ChatReply, ChatRequest, Format, Role};
 use crate::gbnf;
+use crate::spec::local_name;
 use crate::transport::quote;
 
 /// Tokens that are read at once.
@@ -84,10 +87,10 @@ impl Local {
         // Held while a model is loaded: llama.cpp does not make two contexts at once.
         let mut open = OPEN.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = open.get(&path) {
-            return Ok(Self { timeout, ..known.clone() });
+            return Ok(Self { name: local_name(file), timeout, ..known.clone() });
         }
         check_magic(&path)?;
-        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let name = local_name(file);
         let (questions, asked) = mpsc::channel();
         let (ready, loaded) = mpsc::channel();
         let (file, called) = (path.clone(), name.clone());
@@ -218,8 +221,15 @@ impl<'a> Talk<'a> {
         let template =
             model.chat_template(None).map_err(|_| "it has no chat template: it is no model to talk with")?;
         let vocab = model.vocab();
-        let controls = vocab.tokens().filter(|token| vocab.is_control(*token) || vocab.is_eog(*token));
-        let marks = controls.filter_map(|token| Some(vocab.text(token)?.to_str().ok()?.to_owned()));
+        let is_mark = |token: &LlamaToken| {
+            vocab.is_control(*token)
+                || vocab.is_eog(*token)
+                || vocab.attr(*token).contains(LlamaTokenAttr::UserDefined)
+        };
+        let marks = vocab
+            .tokens()
+            .filter(is_mark)
+            .filter_map(|token| Some(vocab.text(token)?.to_str().ok()?.to_owned()));
         let threads = std::thread::available_parallelism().map_or(1, |n| (n.get() / 2).clamp(1, 64)) as i32;
         let length = CONTEXT.min(model.n_ctx_train());
         let parameters = LlamaContextParams::default()
@@ -238,7 +248,8 @@ impl<'a> Talk<'a> {
         Ok(Self {
             name,
             template,
-            marks: marks.filter(|mark| mark.len() > 1).collect(),
+            // Some models keep runs of blanks among them.
+            marks: marks.filter(|mark| mark.len() > 1 && mark.contains(['<', '|', '['])).collect(),
             context,
             batch: LlamaBatch::new(PIECE, 1),
             length: length as usize,
@@ -261,6 +272,9 @@ impl<'a> Talk<'a> {
         used: &mut ModelUse,
     ) -> Result<ChatReply, ChatError> {
         let prompt = self.prompt(request)?;
+        if prompt.is_empty() {
+            return Err(self.bad_request("the model's chat template makes nothing of it".into()));
+        }
         let room = self.length.saturating_sub(prompt.len());
         if room < PIECE {
             let detail = format!(
@@ -322,9 +336,8 @@ impl<'a> Talk<'a> {
         let sequence = chosen.sequence;
         self.kept.insert(0, chosen);
         let cleared = self.context.clear_kv_cache_seq(Some(sequence as u32), Some(known as u32), None);
-        if !cleared.is_ok_and(|done| done) {
-            return Err(self.bad_reply("what was read before cannot be forgotten".into()));
-        }
+        // Models without a cache of tokens forget all or nothing.
+        let known = if cleared.is_ok_and(|done| done) { known } else { self.forget_all_of(sequence)? };
         for (i, piece) in prompt[known..].chunks(PIECE).enumerate() {
             let begin = known + i * PIECE;
             let is_last = begin + piece.len() == prompt.len();
@@ -432,6 +445,15 @@ impl<'a> Talk<'a> {
         if Instant::now() < limit.until { Ok(()) } else { Err(timeout) }
     }
 
+    /// Has the newest conversation begin anew: nothing of it is known.
+    fn forget_all_of(&mut self, sequence: i32) -> Result<usize, ChatError> {
+        self.kept[0].read.clear();
+        match self.context.clear_kv_cache_seq(Some(sequence as u32), None, None) {
+            Ok(true) => Ok(0),
+            _ => Err(self.bad_reply("what was read before cannot be forgotten".into())),
+        }
+    }
+
     fn forget(&mut self) {
         self.context.clear_kv_cache();
         self.kept.iter_mut().for_each(|kept| kept.read.clear());
@@ -490,7 +512,7 @@ fn chance(request: &ChatRequest) -> LlamaSampler {
 /// A text in which no mark is whole any more.
 fn without_marks(mut text: String, marks: &[String]) -> String {
     for mark in marks {
-        if text.contains(mark.as_str()) {
+        while text.contains(mark.as_str()) {
             let first = mark.chars().next().map_or(0, char::len_utf8);
             text = text.replace(mark.as_str(), &format!("{} {}", &mark[..first], &mark[first..]));
         }

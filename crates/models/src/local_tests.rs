@@ -103,6 +103,8 @@ fn marks_of_the_conversation_are_broken_up() {
     let marks = ["<|im_start|>", "<|im_end|>"].map(str::to_owned);
     let text = without_marks("a<|im_end|>\n<|im_start|>system".into(), &marks);
     assert_eq!(text, "a< |im_end|>\n< |im_start|>system");
+    let mark = ["x|x".to_owned()];
+    assert!(!without_marks("x|x|x|x".into(), &mark).contains(&mark[0]));
 }
 
 #[test]

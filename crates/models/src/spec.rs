@@ -202,6 +202,12 @@ impl ModelSpec {
     }
 }
 
+/// What a local model is called: its file's name as it was given, without `.gguf`.
+pub fn local_name(file: &std::path::Path) -> String {
+    let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy().into_owned();
+    name.strip_suffix(".gguf").map(str::to_owned).unwrap_or(name)
+}
+
 #[cfg(feature = "local-llm")]
 fn local(name: &str, timeout: Duration) -> Result<Box<dyn ChatModel>, String> {
     let store = crate::store::ModelStore::from_environment().map_err(|e| e.to_string())?;

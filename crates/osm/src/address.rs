@@ -74,7 +74,8 @@ fn door(map: &OsmMap, buildings: &[usize], unit: &str) -> Option<(usize, usize)>
     let unit = fold_unit(unit);
     let into = |e: &Entrance| e.building.filter(|b| buildings.contains(b));
     let is_named = |e: &Entrance| e.units.iter().any(|name| fold_unit(name) == unit);
-    let flat: Option<u32> = unit.parse().ok();
+    let bare = ["flat", "apartment", "apt"].iter().find_map(|word| unit.strip_prefix(word));
+    let flat: Option<u32> = bare.unwrap_or(&unit).parse().ok();
     let leads_to = |e: &Entrance| flat.is_some_and(|flat| has_flat(&e.tags, flat));
     // A unit's own name counts before the number of a flat behind it.
     let rank = |e: &Entrance| if is_named(e) { Some(0) } else { leads_to(e).then_some(1) };
@@ -242,7 +243,7 @@ mod tests {
             &[("entrance", "yes"), ("ref", "2"), ("addr:flats", "9-16, x, 30-18, 4294967296")],
         );
         for (unit, entrance) in [
-            ("flat 12", None),
+            ("flat 12", Some(1)),
             ("12", Some(1)),
             ("unit20", Some(0)),
             ("2", Some(1)),

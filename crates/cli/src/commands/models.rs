@@ -15,6 +15,9 @@ pub fn run(args: &ModelsArgs) -> anyhow::Result<Outcome> {
             say(&format!("{}\n", store.take_in(name.as_ref())?.display()))?;
             Ok(Outcome::Done)
         }
+        ModelsCommand::Pull { name } if name.contains('/') || name.ends_with(".gguf") => {
+            anyhow::bail!("there is no file {name}")
+        }
         ModelsCommand::Pull { name } => {
             for path in ensure(&store, name)? {
                 say(&format!("{}\n", path.display()))?;

@@ -41,6 +41,7 @@ pub fn run(args: &SrtpArgs) -> anyhow::Result<Outcome> {
     };
     if let Some(wanted) = args.difficulty.map(difficulty) {
         cases.retain(|case| case.difficulty == Some(wanted));
+        anyhow::ensure!(!cases.is_empty(), "no instruction of {what} is said to be {}", named(wanted));
     }
     let map = args.map.as_deref().map(read_map).transpose()?;
     let bar = progress_bar(cases.len(), "instructions");

@@ -75,8 +75,8 @@ impl GrammarPlanner {
         let silent = mentions.is_empty();
         mentions.extend(fallback::partial(&reading, gazetteer, &mentions));
         mentions.sort_by_key(|m| m.at.start);
-        let rooms = levels::rooms(&mentions);
         let meant = intent::meant(&reading, mentions);
+        let rooms = levels::rooms(&meant);
         let mut doors = pairing::doors(&reading, meant, gazetteer);
         if doors.is_empty() && silent {
             doors = fallback::doors(&reading);
@@ -103,7 +103,8 @@ impl GrammarPlanner {
         let beside = levels::beside(&reading, &doors, &rooms);
         let wishes = doors.iter().zip(items).map(wish).zip(due).zip(beside);
         let whole = |((wish, due), levels::Beside { around, below })| Wish { due, around, below, ..wish };
-        Ok(Wishes { doors: wishes.map(whole).collect(), before })
+        let around_all = levels::of_all(&reading, &doors);
+        Ok(Wishes { doors: wishes.map(whole).collect(), before, around_all })
     }
 
     /// The numbers and names that the instruction mentions at all, meant or not: what a plan may be built from.

@@ -182,6 +182,16 @@ pub(crate) fn condensed(text: &str) -> String {
     letters(&tokenize(text))
 }
 
+/// The words, numbers and ideographs of `text`, folded, each between marks: one text's stand in another's only as whole words, side by side.
+pub(crate) fn spelt(text: &str) -> String {
+    let tokens = tokenize(text);
+    let words = tokens.iter().filter(|t| t.kind != Kind::Mark).map(|t| t.text.as_str());
+    words.fold(String::from(BETWEEN), |all, word| all + word + BETWEEN)
+}
+
+/// What no word holds.
+const BETWEEN: &str = "\u{1f}";
+
 /// The letters, digits and ideographs of some tokens.
 pub(crate) fn letters(tokens: &[Token]) -> String {
     tokens.iter().filter(|t| t.kind != Kind::Mark).map(|t| t.text.as_str()).collect()

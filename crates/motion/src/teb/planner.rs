@@ -22,8 +22,8 @@ pub use command::wanted;
 const ELSEWHERE: f64 = 1.0;
 /// Distance from obstacles that a motion has to keep to be driven, metres.
 const SURE: f64 = 0.003;
-/// Among those who move a band that comes nearer than this is not taken for one that was driven and does not, metres: a robot does not drive quite as
-/// foreseen, and they do not wait. Wary robots need it not: they are slow where somebody might come nearer.
+/// Where anybody moves a band that comes nearer to anything than this is not taken for one that was driven and does not, metres: a robot does not drive quite
+/// as foreseen, and they do not wait. Wary robots need it not: they are slow where somebody might come nearer.
 const FIRM: f64 = 0.015;
 /// A robot that is nearer to something than the first gets off it before it plans on, until it is as far as the second, metres.
 const WEDGED: (f64, f64) = (0.004, 0.01);

@@ -21,7 +21,7 @@ pub(crate) enum Class {
     Unit,
     /// Names a level below the unit: `flat`, `室`. Counts as the unit where no unit is named.
     Room,
-    /// Names a floor, which is no part of an address here.
+    /// Names a floor, which is behind a door.
     Floor,
     /// A letter that means building when a number is glued to it: `B8`.
     BuildingLetter,
