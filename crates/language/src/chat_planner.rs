@@ -250,7 +250,7 @@ impl<'a> Conversation<'a> {
         let doors = entries.into_iter().map(wish).collect();
         let wishes = Wishes { doors, ..Wishes::default() };
         let mut stops = resolve(wishes, self.request.map, &self.gazetteer);
-        self.read.iter().for_each(|read| place(&mut stops, read));
+        self.read.iter().filter(|_| !self.planner.is_bare).for_each(|read| place(&mut stops, read));
         stops
     }
 

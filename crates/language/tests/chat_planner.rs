@@ -147,6 +147,7 @@ fn a_door_that_the_grammar_does_not_read_is_quoted() {
         ("", 1),
         ("unit 2 of building 5", 1),
         ("skip unit 2 of building 5", 1),
+        ("t skip unit 2 of building 5", 1),
         ("Don't skip unit 2 of building 5", 2),
         ("The box to unit 1 of building 7. Don't skip unit 2 of building 5", 1),
     ] {

@@ -5,7 +5,7 @@
 //! differ in the last bit of a sum and so in a word: what is to be repeated elsewhere is recorded.
 //!
 //! Half of the processors work on it. Its threads wait for each other hundreds of times a token, so that one that has to share its processor with something else holds up
-//! all: on two shared processors two threads took 39 s for what took them 1.2 s alone.
+//! all: on two shared processors two threads took 39 s for an answer of a hundred tokens beside other work, and three alone.
 //!
 //! JSON is written under a grammar ([`crate::gbnf`]). What the model would read as a mark of the conversation is broken up where it stands in a text, so that an instruction cannot end its message
 //! and begin another; models whose marks are ordinary words (`[INST]`) have no such guard.

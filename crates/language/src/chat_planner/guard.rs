@@ -147,7 +147,9 @@ fn begins_a_clause(instruction: &str, words: &str) -> bool {
     let wanted: Vec<Token> = tokenize(words).into_iter().filter(|token| !is_mark(&token)).collect();
     let tokens = tokenize(instruction);
     let begins = |at: usize| {
-        let is_clause = at == 0 || tokens[at - 1].kind == Kind::Mark;
+        // `Don't` is one word.
+        let parts = |mark: &Token| mark.kind == Kind::Mark && !matches!(mark.text.as_str(), "'" | "’" | "-");
+        let is_clause = at == 0 || parts(&tokens[at - 1]);
         let mut rest = tokens[at..].iter().filter(|token| !is_mark(token));
         is_clause && wanted.iter().all(|word| rest.next().is_some_and(|token| token.text == word.text))
     };
