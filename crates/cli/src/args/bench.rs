@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, Subcommand, ValueEnum};
 
-use super::*;
+use super::{RoadArgs, values::*};
 
 /// Arguments of `bench`.
 #[derive(Debug, ClapArgs)]
