@@ -243,6 +243,8 @@ impl<'a> Conversation<'a> {
             unit: entry.unit.as_deref().map(|unit| self.unit(unit)),
             item: entry.item.unwrap_or_default(),
             doubtful: false,
+            unsure: false,
+            is_room: false,
             due: None,
             around: String::new(),
             below: Vec::new(),

@@ -35,6 +35,14 @@ pub(crate) struct Alias {
     pub place: usize,
 }
 
+impl Alias {
+    /// Whether a word stands in it.
+    pub(crate) fn holds(&self, word: &str) -> bool {
+        let word: Vec<char> = word.chars().collect();
+        !word.is_empty() && self.letters.windows(word.len()).any(|part| part == word)
+    }
+}
+
 /// All names on a map.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Gazetteer {

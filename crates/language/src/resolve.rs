@@ -4,20 +4,29 @@
 
 use std::cell::OnceCell;
 
-use openbench_core::{Address, AddressLevel, Deadline};
+use openbench_core::{Address, AddressLevel, Deadline, Level};
 use openbench_osm::hierarchy::{Above, above, all_above};
 use openbench_osm::names::fold_unit;
 use openbench_osm::{Location, OsmMap, locate};
 
-use crate::gazetteer::{Gazetteer, label};
-use crate::grammar::text::{condensed, spelt};
+use crate::gazetteer::{Alias, Gazetteer, label};
+use crate::grammar::text::{condensed, spelt, tokenize};
 use crate::wish::{Named, Wish, Wishes};
 
 /// How many of the map's names a problem quotes.
 const QUOTED: usize = 8;
+/// Numbers from here on are of flats on a floor.
+const LEAST_FLAT: usize = 100;
+/// A word of a name that tells it from others has so many letters at least.
+const SHORTEST_WORD: usize = 3;
+/// Where all units would make more stops than these, their building is one stop.
+const MOST_STOPS: usize = 200;
 
 /// What is wrong with doors that may not be the sender's.
 const DOUBTFUL: &str = "it comes after words that take back what the instruction says before, as a stranger would; say which is meant";
+
+/// What is wrong where the sender is not sure.
+const UNSURE: &str = "the sender names several doors and is not sure which; say which is meant";
 
 /// A door with its name, or with what is wrong with it.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,7 +53,7 @@ pub(crate) struct Stops {
 impl Stop {
     /// Whether these may be the words of somebody else than the sender.
     pub(crate) fn is_doubtful(&self) -> bool {
-        self.problem.as_deref() == Some(DOUBTFUL)
+        matches!(self.problem.as_deref(), Some(DOUBTFUL | UNSURE))
     }
 }
 
@@ -54,8 +63,61 @@ pub(crate) fn resolve(wishes: Wishes, map: &OsmMap, gazetteer: &Gazetteer) -> St
     let whole = around.chain([wishes.around_all.as_str()]).collect();
     let surroundings = Surroundings { map, whole, said: OnceCell::new() };
     let all = &wishes.around_all;
-    let stops = wishes.doors.into_iter().map(|wish| stop(wish, all, &surroundings, gazetteer)).collect();
-    merge(stops, &wishes.before)
+    let mut stops = Vec::new();
+    // Which stops each wish has become.
+    let mut ranges = Vec::with_capacity(wishes.doors.len());
+    for wish in wishes.doors {
+        let first = stops.len();
+        let single = single(wish, MOST_STOPS.saturating_sub(stops.len()), map, gazetteer);
+        stops.extend(single.into_iter().map(|wish| stop(wish, all, &surroundings, gazetteer)));
+        ranges.push(first..stops.len());
+    }
+    let pairs = wishes.before.iter().flat_map(|(earlier, later)| {
+        let (earlier, later) = (ranges.get(*earlier).cloned(), ranges.get(*later).cloned());
+        earlier
+            .into_iter()
+            .flatten()
+            .flat_map(move |a| later.clone().into_iter().flatten().map(move |b| (a, b)))
+    });
+    let before: Vec<(usize, usize)> = pairs.collect();
+    merge(stops, &before)
+}
+
+/// A wish for all units of a building as one for each of them that the map has; as one for the building where it has none, or more than `most`.
+fn single(wish: Wish, most: usize, map: &OsmMap, gazetteer: &Gazetteer) -> Vec<Wish> {
+    let Some(Named::All { but, count, parity }) = &wish.unit else { return vec![wish] };
+    let name = building(wish.building.clone(), map, gazetteer).name;
+    let is_excepted =
+        |unit: &String| but.iter().any(|label| fold_unit(&generic("unit", label)) == fold_unit(unit));
+    let all = units_of(&name, map);
+    let is_other = count.is_some_and(|count| count != all.len());
+    let is_of_parity = |unit: &String| {
+        let number = unit.trim_start_matches(|c: char| !c.is_ascii_digit()).parse::<usize>();
+        parity.is_none_or(|parity| number.is_ok_and(|number| number % 2 == parity))
+    };
+    let units: Vec<String> =
+        all.into_iter().filter(|unit| !is_excepted(unit) && is_of_parity(unit)).collect();
+    if is_other || units.is_empty() || units.len() > most {
+        return vec![Wish { unit: None, ..wish }];
+    }
+    let one = |unit: String| Wish { unit: Some(Named::Words(unit)), ..wish.clone() };
+    units.into_iter().map(one).collect()
+}
+
+/// The units of a building, each once, in the order of their names.
+fn units_of(building: &str, map: &OsmMap) -> Vec<String> {
+    let Location::Building(building) = locate(map, &Address { building: building.to_owned(), unit: None })
+    else {
+        return Vec::new();
+    };
+    // Parts of one multipolygon are one building.
+    let element = map.buildings[building].element;
+    let is_here = |own: usize| map.buildings[own].element == element;
+    let here = map.entrances.iter().filter(|entrance| entrance.building.is_some_and(is_here));
+    let mut units: Vec<String> = here.filter_map(|entrance| entrance.units.first().cloned()).collect();
+    units.sort_by_key(|unit| (unit.len(), unit.clone()));
+    units.dedup_by_key(|unit| fold_unit(unit));
+    units
 }
 
 /// `all` is what is said of all doors.
@@ -63,19 +125,34 @@ fn stop(wish: Wish, all: &str, surroundings: &Surroundings<'_>, gazetteer: &Gaze
     let map = surroundings.map;
     let mut chosen = building(wish.building, map, gazetteer);
     for said in [&wish.around, all] {
-        chosen = surroundings.narrow(chosen, said);
+        chosen = by_own_words(surroundings.narrow(chosen, said), said, map, gazetteer);
     }
     let Choice { name: building, mut problem, mut confidence, .. } = chosen;
     let mut levels = surroundings.above(&building, &(wish.around + all));
     levels.extend(wish.below);
-    let unit = wish.unit.map(|unit| unit_name(&unit, &building, map));
+    let mut unit = wish.unit.map(|unit| unit_name(&unit, &building, map));
+    if let Some(room) = unit.take_if(|unit| wish.is_room && is_behind_a_unit(&building, unit, map)) {
+        let name = room.strip_prefix("unit").map_or(room.clone(), |label| format!("flat{label}"));
+        levels.push(AddressLevel { level: Level::Flat, name });
+    }
     if wish.doubtful {
         problem = Some(DOUBTFUL.to_owned());
+    } else if wish.unsure {
+        problem = Some(UNSURE.to_owned());
     } else if problem.is_none() {
         problem = doubt(&building, map, &mut confidence);
     }
     let items = if wish.item.is_empty() { Vec::new() } else { vec![wish.item] };
     Stop { items, address: Address { building, unit }, confidence, problem, due: wish.due, levels }
+}
+
+/// Whether a flat is none of the doors that the map knows of its building: where it knows none, one with a number such as flats have.
+fn is_behind_a_unit(building: &str, flat: &str, map: &OsmMap) -> bool {
+    if matches!(locate(map, &Address::new(building, flat)), Location::Unit { .. }) {
+        return false;
+    }
+    let number: usize = flat.trim_start_matches("unit").parse().unwrap_or_default();
+    number >= LEAST_FLAT || !units_of(building, map).is_empty()
 }
 
 /// The streets, quarters and towns of the map that an instruction speaks of. They are looked for when they are asked for.
@@ -115,7 +192,9 @@ impl Surroundings<'_> {
         let longest = format!("{name}, {}", within.join(", "));
         let names = std::iter::once((*name).clone()).chain(longer).chain([longest]);
         match names.into_iter().find(|name| matches!(all_of(name, map)[..], [_])) {
-            Some(name) => Choice { name, problem: None, confidence: 1.0, fitting: Vec::new() },
+            Some(name) => {
+                Choice { name, problem: None, confidence: 1.0, fitting: Vec::new(), places: Vec::new() }
+            }
             None => choice,
         }
     }
@@ -132,6 +211,36 @@ impl Surroundings<'_> {
         };
         own.into_iter().filter(|level| is_said(level, around)).collect()
     }
+}
+
+/// Of several that fit the one of whose names alone a word is said: `the medical centre, the one in the north`.
+fn by_own_words(choice: Choice, said: &str, map: &OsmMap, gazetteer: &Gazetteer) -> Choice {
+    if choice.fitting.len() < 2 {
+        return choice;
+    }
+    let is_of_one = |alias: &&Alias| choice.places.contains(&alias.place);
+    let aliases: Vec<&Alias> = gazetteer.aliases.iter().filter(is_of_one).collect();
+    let only = |word: Vec<char>| {
+        let mut bearers = aliases.iter().filter(|alias| bears(alias, &word)).map(|alias| alias.place);
+        let first = bearers.next()?;
+        bearers.all(|place| place == first).then_some(first)
+    };
+    let tokens = tokenize(said);
+    let mut told = tokens.iter().filter_map(|token| only(token.text.chars().collect()));
+    match told.next() {
+        Some(place) if told.all(|other| other == place) => {
+            let name = map_name(&gazetteer.places[place].name, map);
+            Choice { name, problem: None, confidence: 1.0, fitting: Vec::new(), places: vec![place] }
+        }
+        _ => choice,
+    }
+}
+
+/// Whether a name begins or ends with a word, or holds a point of the compass.
+fn bears(alias: &Alias, word: &[char]) -> bool {
+    let is_compass = matches!(word, ['东' | '南' | '西' | '北']);
+    let is_end = alias.letters.starts_with(word) || alias.letters.ends_with(word);
+    is_compass && alias.letters.contains(&word[0]) || word.len() >= SHORTEST_WORD && is_end
 }
 
 /// The buildings of a name.
@@ -171,11 +280,13 @@ struct Choice {
     confidence: f64,
     /// All names on the map that fit.
     fitting: Vec<String>,
+    /// The places that bear them: indices into [`Gazetteer::places`].
+    places: Vec<usize>,
 }
 
 impl Choice {
     fn none(name: String, problem: String) -> Self {
-        Self { name, problem: Some(problem), confidence: 0.0, fitting: Vec::new() }
+        Self { name, problem: Some(problem), confidence: 0.0, fitting: Vec::new(), places: Vec::new() }
     }
 
     /// For a name that was not said in full, or misspelt.
@@ -200,6 +311,7 @@ fn building(named: Option<Named>, map: &OsmMap, gazetteer: &Gazetteer) -> Choice
                 .or_else(bare)
                 .unwrap_or_else(|| lacking(generic("building", &label), &said, gazetteer))
         }
+        Some(Named::All { .. }) => nameless(gazetteer),
         Some(Named::Words(words)) => {
             let said: Vec<String> =
                 words.split_whitespace().map(condensed).filter(|w| !w.is_empty()).collect();
@@ -217,7 +329,13 @@ fn building(named: Option<Named>, map: &OsmMap, gazetteer: &Gazetteer) -> Choice
 /// The instruction names no building: the only one is meant.
 fn nameless(gazetteer: &Gazetteer) -> Choice {
     match gazetteer.places.as_slice() {
-        [only] => Choice { name: only.name.clone(), problem: None, confidence: 1.0, fitting: Vec::new() },
+        [only] => Choice {
+            name: only.name.clone(),
+            problem: None,
+            confidence: 1.0,
+            fitting: Vec::new(),
+            places: Vec::new(),
+        },
         _ => Choice::none(
             String::new(),
             "the instruction names a unit but no building; say which building".to_owned(),
@@ -238,7 +356,13 @@ fn choose(places: &[usize], said: &str, map: &OsmMap, gazetteer: &Gazetteer) -> 
         quote(names.iter().map(String::as_str))
     );
     let confidence = 1.0 / names.len() as f64;
-    Some(Choice { name: first, problem: several.then_some(problem), confidence, fitting: names })
+    Some(Choice {
+        name: first,
+        problem: several.then_some(problem),
+        confidence,
+        fitting: names,
+        places: places.to_vec(),
+    })
 }
 
 /// What the map calls a building so that it can be looked up: the first of several names in one tag.
@@ -279,7 +403,7 @@ fn unit_name(unit: &Named, building: &str, map: &OsmMap) -> String {
             }
             _ => words.clone(),
         },
-        Named::Places { .. } => String::new(),
+        Named::Places { .. } | Named::All { .. } => String::new(),
     };
     let address = Address::new(building, name.clone());
     let Location::Unit { entrance, .. } = locate(map, &address) else { return name };

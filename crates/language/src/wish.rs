@@ -11,6 +11,8 @@ pub(crate) enum Named {
     Places { places: Vec<usize>, percent: u8 },
     /// By words that the map does not have.
     Words(String),
+    /// All units of the building but those with these labels, folded; if there are `count` of them, where that is said; of numbers with this `parity`, if with any.
+    All { but: Vec<String>, count: Option<usize>, parity: Option<usize> },
 }
 
 /// A door to deliver to.
@@ -21,8 +23,12 @@ pub(crate) struct Wish {
     /// `None`: the instruction names a unit only.
     pub building: Option<Named>,
     pub unit: Option<Named>,
+    /// Whether the unit is said as a flat or a room, which may lie behind another door.
+    pub is_room: bool,
     /// Whether these may be the words of somebody else than the sender, a label's say.
     pub doubtful: bool,
+    /// Whether the sender says not to know whether this door is meant or another.
+    pub unsure: bool,
     /// Until when.
     pub due: Option<Deadline>,
     /// What is said around it, among which the levels above the building may be, as `text::spelt` has it.

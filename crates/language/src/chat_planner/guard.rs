@@ -26,7 +26,8 @@ impl Conversation<'_> {
             return Err(format!("the instruction names no building `{}`", quote(&entry.building)));
         }
         match entry.unit.as_deref().map(|unit| (unit, self.unit(unit))) {
-            Some((unit, named)) if !self.supports_label(&named) => {
+            // Which units `all of them` are the map says; whether these are meant, `check_named`.
+            Some((unit, named)) if !self.supports_label(&named) && !self.evidence.all_units => {
                 Err(format!("the instruction names no unit `{}`", quote(unit)))
             }
             _ => Ok(()),
@@ -52,7 +53,7 @@ impl Conversation<'_> {
                 let letters = condensed(words);
                 !letters.is_empty() && self.evidence.letters.contains(&letters)
             }
-            Named::Places { .. } => false,
+            Named::Places { .. } | Named::All { .. } => false,
         }
     }
 
@@ -86,12 +87,13 @@ impl Conversation<'_> {
             Named::Label { label, .. } => evidence.labels.contains(label),
             Named::Places { places, .. } => places.iter().any(|place| self.is_named_by(*place, &evidence)),
             Named::Words(name) => spelt(words).contains(&spelt(name)),
+            Named::All { .. } => false,
         };
         let is_own = |label: &String| {
             named.iter().any(|named| match named {
                 Named::Label { label: own, .. } => own == label,
                 Named::Places { places, .. } => places.iter().any(|place| self.bears(*place, label)),
-                Named::Words(_) => false,
+                Named::Words(_) | Named::All { .. } => false,
             })
         };
         begins_a_clause(self.request.instruction, words)

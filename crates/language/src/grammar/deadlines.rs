@@ -106,8 +106,9 @@ fn lexeme_of(reading: &Reading<'_>, token: usize) -> usize {
 
 /// `not before 6 pm`, `下午6点前不要送`.
 fn is_denied(reading: &Reading<'_>, tokens: Range<usize>) -> bool {
-    let denies =
-        |at: usize| matches!(reading.class(at), Some(Class::Not | Class::NotBefore | Class::Dropped));
+    let denies = |at: usize| {
+        matches!(reading.class(at), Some(Class::Not | Class::Except | Class::NotBefore | Class::Dropped))
+    };
     let (first, next) = (lexeme_of(reading, tokens.start), lexeme_of(reading, tokens.end));
     (first.saturating_sub(2)..first).any(denies) || denies(next)
 }
@@ -118,6 +119,7 @@ pub(crate) struct FoldedTimes {
     by_after: Vec<Vec<String>>,
     within: Vec<Vec<String>>,
     within_after: Vec<Vec<String>>,
+    at: Vec<Vec<String>>,
     clock: Vec<Vec<String>>,
     half: Vec<Vec<String>>,
     am: Vec<Vec<String>>,
@@ -146,6 +148,7 @@ impl FoldedTimes {
             by_after: folded(times.by_after),
             within: folded(times.within),
             within_after: folded(times.within_after),
+            at: folded(times.at),
             clock: folded(times.clock),
             half: folded(times.half),
             am: folded(times.am),
@@ -177,8 +180,14 @@ impl Speaker<'_> {
         let within = |(length, seconds)| (length, Deadline::Within { seconds });
         // `d'ici 2 heures` is no time of day.
         let length = self.marked(tokens, &self.times.within, &self.times.within_after, |t| self.duration(t));
+        let by_clock = || {
+            let marker = begins(tokens, &self.times.by)?;
+            let (length, minutes) = self.bare_hour(tokens, marker)?;
+            Some((marker + length, minutes))
+        };
         length.map(within).or_else(|| {
-            self.marked(tokens, &self.times.by, &self.times.by_after, |t| self.clock(t)).map(clock)
+            let marked = self.marked(tokens, &self.times.by, &self.times.by_after, |t| self.clock(t));
+            marked.or_else(by_clock).map(clock)
         })
     }
 
@@ -234,6 +243,29 @@ impl Speaker<'_> {
         Some((length + marker, value))
     }
 
+    /// An hour with no word for it, where nothing else can be meant: `antes de las 10`, or `by 4` at the end of a clause.
+    fn bare_hour(&self, tokens: &[Token], marker: usize) -> Option<(usize, u32)> {
+        let rest = &tokens[marker..];
+        let (length, hour) = self.number(rest).filter(|(_, hour)| *hour <= 24)?;
+        let is_of_hours = matches!(tokens[marker - 1].text.as_str(), "las" | "la");
+        let is_last = rest
+            .get(length)
+            .is_none_or(|next| next.kind == Kind::Mark && !matches!(next.text.as_str(), "-" | ":" | "#"));
+        let is_by = marker == 1 && tokens[0].text == "by";
+        (is_of_hours || is_by && is_last).then(|| (length, self.by_day(hour, 0, None) * 60))
+    }
+
+    /// The hour of twenty-four; parcels are brought by day.
+    fn by_day(&self, hour: u32, minutes: u32, is_afternoon: Option<bool>) -> u32 {
+        let latest = if minutes > 0 { 6 } else { 7 };
+        match is_afternoon {
+            Some(true) if hour < 12 => hour + 12,
+            Some(false) if hour == 12 => 24,
+            None if self.times.has_half_days && (1..=latest).contains(&hour) => hour + 12,
+            _ => hour,
+        }
+    }
+
     /// A time of day, minutes since midnight: `6 pm`, `18:30`, `下午6点半`, `noon`.
     fn clock(&self, tokens: &[Token]) -> Option<(usize, u32)> {
         let noon = begins(tokens, &self.times.noon);
@@ -246,10 +278,12 @@ impl Speaker<'_> {
     /// A time of day after the words for its half, if any.
     fn hour_and_minutes(&self, tokens: &[Token], before: Option<(usize, bool)>) -> Option<(usize, u32)> {
         let mut at = before.map_or(0, |(length, _)| length);
+        let marker = begins(&tokens[at..], &self.times.at);
+        at += marker.unwrap_or(0);
         let (length, hour) = self.number(&tokens[at..])?;
         at += length;
         let mut minutes = 0;
-        let mut is_clock = false;
+        let mut is_clock = marker.is_some();
         if let Some(length) = begins(&tokens[at..], &self.times.clock) {
             at += length;
             is_clock = true;
@@ -272,13 +306,7 @@ impl Speaker<'_> {
         let after = self.half_of_day(&tokens[at..]);
         at += after.map_or(0, |(length, _)| length);
         let half = before.or(after).map(|(_, is_afternoon)| is_afternoon);
-        let hour = match half {
-            Some(true) if hour < 12 => hour + 12,
-            Some(false) if hour == 12 => 24,
-            // Parcels are brought by day.
-            None if self.times.has_half_days && (1..=7).contains(&hour) => hour + 12,
-            _ => hour,
-        };
+        let hour = self.by_day(hour, minutes, half);
         let minutes = hour * 60 + minutes;
         ((is_clock || half.is_some()) && minutes <= 24 * 60).then_some((at, minutes))
     }

@@ -79,7 +79,7 @@ fn begin(reading: &Reading<'_>, noun: usize) -> usize {
     let (mut start, mut adjectives) = (noun, 0);
     for at in (0..noun).rev() {
         match reading.lex(at) {
-            Some(Lex::Word(Class::Determiner | Class::Article, _)) => return at,
+            Some(Lex::Word(Class::Determiner | Class::Article | Class::All, _)) => return at,
             Some(Lex::Number { .. } | Lex::Quantity | Lex::Word(Class::Item, _)) => start = at,
             Some(Lex::Unknown)
                 if adjectives < ADJECTIVES && reading.token(at).is_some_and(|t| t.kind == Kind::Letters) =>

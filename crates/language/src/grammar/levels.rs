@@ -64,7 +64,9 @@ fn said(reading: &Reading<'_>, at: Range<usize>) -> String {
         if clause.iter().any(|at| matches!(class(&at), Some(Class::NotBefore | Class::Dropped))) {
             return None;
         }
-        let denial = clause.iter().find(|at| matches!(class(at), Some(Class::Not | Class::Elsewhere)));
+        let denial = clause.iter().find(|at| {
+            matches!(class(at), Some(Class::Not | Class::Except | Class::Elsewhere | Class::Sender))
+        });
         Some(spelt(reading.words(first..denial.map_or(last + 1, |denial| *denial))))
     };
     clauses.split(|at| ends(*at)).filter_map(of_clause).collect()

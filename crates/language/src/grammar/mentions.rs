@@ -5,7 +5,8 @@
 
 use std::ops::Range;
 
-use super::lexicon::Class;
+use super::lexicon::{Class, LANGUAGES};
+use super::numbers;
 use super::text::{Kind, Token};
 use super::words::{Lex, Lexeme};
 
@@ -27,6 +28,14 @@ pub(crate) enum Target {
     Name(usize),
     /// Words that the map does not have.
     Words(String),
+    /// All units of the building but those with these labels.
+    All {
+        but: Vec<String>,
+        /// How many there are, where only their number says that all are meant: `the four units`.
+        count: Option<usize>,
+        /// What is left of the labels divided by two, where only those are meant: `even units`.
+        parity: Option<usize>,
+    },
 }
 
 /// A place that is named.
@@ -43,6 +52,8 @@ pub(crate) struct Mention {
 
 /// No list or range names more places than this.
 const LONGEST_LIST: usize = 50;
+/// So many words at most stand between a word for all and that for the level: `each of the four units`.
+const MOST_BEFORE_ALL: usize = 4;
 
 /// What is read: the instruction, its tokens and its lexemes.
 #[derive(Clone, Copy)]
@@ -76,7 +87,8 @@ impl Reading<'_> {
     }
 
     fn is_plural(&self, at: usize) -> bool {
-        self.token(at).is_some_and(|t| t.text.len() > 3 && t.text.ends_with('s'))
+        let mut endings = LANGUAGES.iter().flat_map(|lexicon| lexicon.plural_endings);
+        self.token(at).is_some_and(|t| t.text.len() > 3 && endings.any(|ending| t.text.ends_with(ending)))
     }
 
     /// The label at a place: a number, or a single capital.
@@ -89,6 +101,13 @@ impl Reading<'_> {
             }
             _ => None,
         }
+    }
+
+    /// The number in `第二个`, which is one word where it stands before things.
+    fn ordinal_determiner(&self, at: usize) -> Option<u32> {
+        let lexeme = self.lexemes.get(at).filter(|lexeme| lexeme.is(Class::Determiner))?;
+        let [first, number, ..] = self.tokens.get(lexeme.tokens.clone())? else { return None };
+        (first.text == "第").then(|| numbers::numeral(&number.text)).flatten()
     }
 
     fn is_ordinal(&self, at: usize) -> bool {
@@ -141,18 +160,27 @@ pub(crate) fn mentions(reading: &Reading<'_>) -> Vec<Mention> {
     found
 }
 
-/// `2号室から4号室まで`, where something is for each of them: else it is a way from one to the other.
+/// `2号室から4号室まで`, `von Gebäude 4 bis Gebäude 7`, where something is for each of them: else it is a way from one to the other.
 fn join_ranges(reading: &Reading<'_>, found: &mut Vec<Mention>) {
-    let is_each = |at: usize| matches!(reading.class(at), Some(Class::Each | Class::Respectively));
-    if !(0..reading.lexemes.len()).any(is_each) {
-        return;
-    }
+    let is_each = |at: usize| {
+        matches!(reading.class(at), Some(Class::Each | Class::Respectively | Class::All | Class::AllUnits))
+    };
+    let is_for_each = (0..reading.lexemes.len()).any(is_each);
     let mut i = 1;
     while i < found.len() {
-        if let Some(targets) = range_between(reading, &found[i - 1], &found[i]) {
+        // `2号棟から4号棟までのユニット1`
+        let is_linked = reading.class(found[i].at.end + 1) == Some(Class::Link)
+            && reading.class(found[i - 1].at.end) == Some(Class::NotBefore);
+        let range = || range_between(reading, &found[i - 1], &found[i]);
+        if let Some(targets) = (is_for_each || is_linked).then(range).flatten() {
             let second = found.remove(i);
+            let is_behind = reading.class(second.at.end) == Some(Class::Toward);
+            let is_headed = found[i - 1].at.start > 0
+                && reading.class(found[i - 1].at.end) != Some(Class::NotBefore)
+                && is_from(reading, found[i - 1].at.start - 1);
             found[i - 1].targets = targets;
-            found[i - 1].at.end = second.at.end + 1;
+            found[i - 1].at.start -= usize::from(is_headed);
+            found[i - 1].at.end = second.at.end + usize::from(is_behind);
         } else {
             i += 1;
         }
@@ -162,14 +190,28 @@ fn join_ranges(reading: &Reading<'_>, found: &mut Vec<Mention>) {
 fn range_between(reading: &Reading<'_>, a: &Mention, b: &Mention) -> Option<Vec<Target>> {
     let from = reading.class(a.at.end) == Some(Class::NotBefore) && a.at.end + 1 == b.at.start;
     let to = reading.class(b.at.end) == Some(Class::Toward);
+    let is_between = |at: usize| {
+        let class = reading.class(at);
+        matches!(class, Some(Class::Range | Class::Toward | Class::Article | Class::Link | Class::Filler))
+    };
+    let is_to = |at: usize| matches!(reading.class(at), Some(Class::Range | Class::Toward));
+    let mut gap = a.at.end..b.at.start;
+    let is_tied = gap.clone().any(is_to) && gap.all(is_between);
+    // `3号楼到6号楼`
+    let is_headed = b.at.start == a.at.end + 1 || a.at.start > 0 && is_from(reading, a.at.start - 1);
     let ([Target::Label { label: first, .. }], [Target::Label { label: last, said }]) =
         (&a.targets[..], &b.targets[..])
     else {
         return None;
     };
-    let is_range = from && to && a.level == b.level && a.level != Level::Building;
+    let is_range = a.level == b.level && (from && to || is_headed && is_tied);
     let numbers = is_range.then(|| span(first, last)).flatten()?;
     Some(numbers.into_iter().map(|label| Target::Label { label, said: said.clone() }).collect())
+}
+
+/// `from`, `von`
+fn is_from(reading: &Reading<'_>, at: usize) -> bool {
+    matches!(reading.class(at), Some(Class::Elsewhere | Class::Link))
 }
 
 fn mention(reading: &Reading<'_>, at: usize, taken: usize, last: Option<&Mention>) -> Option<Mention> {
@@ -177,16 +219,112 @@ fn mention(reading: &Reading<'_>, at: usize, taken: usize, last: Option<&Mention
         return None;
     }
     match reading.lex(at)? {
+        // `Frau Rosenhof`
+        Lex::Name(_) if at > 0 && reading.class(at - 1) == Some(Class::Title) => None,
         Lex::Name(i) => {
             let targets = vec![Target::Name(*i)];
             Some(Mention { level: Level::Building, targets, at: at..at + 1, weak: false })
         }
         Lex::Word(Class::BuildingLetter, _) => lettered(reading, at, Level::Building),
-        Lex::Word(Class::UnitLetter, _) => lettered(reading, at, Level::Unit),
+        Lex::Word(Class::UnitLetter, _) => {
+            lettered(reading, at, Level::Unit).or_else(|| spaced_unit(reading, at, last))
+        }
+        Lex::Word(Class::AllUnits, _) => Some(all_of(Level::Unit, at..at + 1, None)),
         Lex::Word(Class::Sign, _) => signed(reading, at, last),
-        Lex::Word(class, number_first) => levelled(reading, at, level(*class)?, *number_first, taken),
+        Lex::Word(class, number_first) => {
+            let level = level(*class)?;
+            let numbered = || levelled(reading, at, level, *number_first, taken);
+            let numbered =
+                if level != Level::Building && is_counted(reading, at) { None } else { numbered() };
+            numbered.or_else(|| all_units(reading, at, level, taken))
+        }
         _ => None,
     }
+}
+
+/// `四个单元`, `全四室`: so many units, but `第四个单元` is one.
+fn is_counted(reading: &Reading<'_>, at: usize) -> bool {
+    let is_counter = reading.token(at).is_some_and(|token| token.text == "个");
+    let is_number = |at: usize| matches!(reading.lex(at), Some(Lex::Number { ordinal: false, .. }));
+    let before = at.checked_sub(2).and_then(|at| reading.class(at));
+    at > 0 && is_number(at - 1) && (before == Some(Class::All) || is_counter && before != Some(Class::Sign))
+}
+
+fn all_of(level: Level, at: Range<usize>, count: Option<usize>) -> Mention {
+    let all = Target::All { but: Vec::new(), count, parity: None };
+    Mention { level, targets: vec![all], at, weak: false }
+}
+
+/// `all four units`, `each of the entrances`
+fn all_units(reading: &Reading<'_>, at: usize, level: Level, taken: usize) -> Option<Mention> {
+    // `all units of insulin`
+    let is_of_a_thing = reading.class(at + 1) == Some(Class::Link)
+        && matches!(reading.lex(at + 2), Some(Lex::Unknown | Lex::Word(Class::Item, _)));
+    if level == Level::Building || is_of_a_thing {
+        return None;
+    }
+    let is_passed = |at: &usize| {
+        matches!(
+            reading.lex(*at),
+            Some(Lex::Number { ordinal: false, .. } | Lex::Word(Class::Article | Class::Link, _))
+        )
+    };
+    if let Some((parity, range)) = every_second(reading, at, taken) {
+        let some = Target::All { but: Vec::new(), count: None, parity: Some(parity) };
+        return Some(Mention { level, targets: vec![some], at: range, weak: false });
+    }
+    // `入口ぜんぶ`
+    if matches!(reading.lex(at + 1), Some(Lex::Word(Class::All, true))) {
+        return Some(all_of(level, at..at + 2, None));
+    }
+    let before = (taken..at).rev().take(MOST_BEFORE_ALL).find(|at| !is_passed(at));
+    if let Some(before) = before
+        && matches!(reading.class(before), Some(Class::All | Class::Each))
+    {
+        return Some(all_of(level, before..at + 1, None));
+    }
+    counted_units(reading, at, level, taken)
+}
+
+/// `the even units`, `les entrées paires`
+fn every_second(reading: &Reading<'_>, at: usize, taken: usize) -> Option<(usize, Range<usize>)> {
+    let parity = |at: usize| match reading.class(at)? {
+        Class::Even => Some(0),
+        Class::Odd => Some(1),
+        _ => None,
+    };
+    // `偶数の号室`
+    let is_linked = at > taken + 1 && reading.class(at - 1) == Some(Class::Link);
+    let before = at.checked_sub(1 + usize::from(is_linked)).filter(|before| *before >= taken);
+    let in_front = before.and_then(|before| Some((parity(before)?, before..at + 1)));
+    in_front.or_else(|| Some((parity(at + 1)?, at..at + 2)))
+}
+
+/// `the four units`, `四个单元`
+fn counted_units(reading: &Reading<'_>, at: usize, level: Level, taken: usize) -> Option<Mention> {
+    let number = at.checked_sub(1).filter(|number| *number >= taken)?;
+    let Some(Lex::Number { label, ordinal: false }) = reading.lex(number) else { return None };
+    let is_definite = || {
+        let article = number.checked_sub(1).filter(|article| *article >= taken);
+        article.is_some_and(|article| reading.class(article) == Some(Class::Article)) && reading.is_plural(at)
+    };
+    if !is_counted(reading, at) && !is_definite() {
+        return None;
+    }
+    Some(all_of(level, number..at + 1, Some(label.parse().ok()?)))
+}
+
+/// `building 12 u 4`, `bldg. 8 u. 3`: right behind a building the letter need not be glued to its number.
+fn spaced_unit(reading: &Reading<'_>, at: usize, last: Option<&Mention>) -> Option<Mention> {
+    let last = last.filter(|last| last.level == Level::Building)?;
+    let is_beside = (last.at.end..at).all(|at| reading.lex(at) == Some(&Lex::Comma));
+    let is_point = reading.token(at + 1).is_some_and(|token| token.text == "." && token.glued);
+    let number = at + 1 + usize::from(is_point);
+    if !is_beside || !matches!(reading.lex(number), Some(Lex::Number { ordinal: false, .. })) {
+        return None;
+    }
+    let targets = vec![target(reading, number, at..number + 1)?];
+    Some(Mention { level: Level::Unit, targets, at: at..number + 1, weak: false })
 }
 
 fn level(class: Class) -> Option<Level> {
@@ -221,7 +359,11 @@ fn signed(reading: &Reading<'_>, at: usize, last: Option<&Mention>) -> Option<Me
             && gap.clone().all(|i| matches!(reading.lex(i), Some(Lex::Comma | Lex::Dash)))
     });
     let level = if after_building { Level::Unit } else { Level::Building };
-    let range = if reading.label(at + 1).is_some() {
+    // `6#2单元`
+    let is_glued = reading.token(at).is_some_and(|token| token.glued)
+        && at > 0
+        && matches!(reading.lex(at - 1), Some(Lex::Number { .. }));
+    let range = if reading.label(at + 1).is_some() && !is_glued {
         at..at + 2
     } else {
         at.checked_sub(1).filter(|i| matches!(reading.lex(*i), Some(Lex::Number { .. })))?..at + 1
@@ -269,14 +411,24 @@ fn levelled(
 /// The numbers after a level and where they end: `building no. 3`, `units 1, 2 and 4`, `units 1 to 3`.
 fn numbers_after(reading: &Reading<'_>, level: usize) -> Option<(Vec<String>, usize)> {
     let mut at = level + 1;
-    // `the unit is number 2`
-    if reading.class(at) == Some(Class::Verb) && reading.class(at + 1) == Some(Class::Sign) {
-        at += 1;
+    // `the unit is number 2`, `la unidad es la 2`
+    if reading.class(at) == Some(Class::Verb)
+        && matches!(reading.class(at + 1), Some(Class::Sign | Class::Article))
+    {
+        let is_label = reading.label(at + 2).is_some()
+            && matches!(reading.lex(at + 3), None | Some(Lex::Stop | Lex::Comma | Lex::Word(Class::And, _)));
+        at += if is_label { 2 } else { 1 };
     }
     let plural = reading.is_plural(level);
     // `unidades de la 2 a la 4`
     let is_passed =
         |class: Class| class == Class::Sign || plural && matches!(class, Class::Link | Class::Article);
+    // `入口は3番`
+    let is_own =
+        |at: usize| reading.label(at).is_some() && reading.class(at + 1).and_then(self::level).is_none();
+    if matches!(reading.lex(at), Some(Lex::Word(Class::Toward, true))) && is_own(at + 1) {
+        at += 1;
+    }
     while reading.class(at).is_some_and(is_passed)
         || reading.lex(at) == Some(&Lex::Dash)
         || is_colon(reading, at)
@@ -298,8 +450,12 @@ fn numbers_after(reading: &Reading<'_>, level: usize) -> Option<(Vec<String>, us
         let before_a_word = plural
             && reading.lex(number + 1) == Some(&Lex::Unknown)
             && matches!(reading.lex(number), Some(Lex::Number { ordinal: false, .. }));
-        let is_listed = reading.continues_list(number) || before_a_word;
-        if !is_listed || numbers.len() + pending.len() >= LONGEST_LIST {
+        // `Gebäude 1, 6 und 11 waren geplant`
+        // `entrée 1 et 6 pour le bâtiment 11`
+        let is_counted = joined && goes_to_a_building(reading, number + 1);
+        let ends_a_list = joined && !pending.is_empty() && reading.lex(number + 1) == Some(&Lex::Unknown);
+        let is_listed = reading.continues_list(number) || before_a_word || ends_a_list;
+        if !is_listed || is_counted || numbers.len() + pending.len() >= LONGEST_LIST {
             break;
         }
         pending.extend(reading.label(number).map(str::to_owned));
@@ -310,6 +466,13 @@ fn numbers_after(reading: &Reading<'_>, level: usize) -> Option<(Vec<String>, us
         }
     }
     Some((numbers, end))
+}
+
+/// `for building 11`
+fn goes_to_a_building(reading: &Reading<'_>, at: usize) -> bool {
+    let is_toward = matches!(reading.class(at), Some(Class::Toward | Class::TowardOrAfter));
+    let article = usize::from(reading.class(at + 1) == Some(Class::Article));
+    is_toward && matches!(reading.lex(at + 1 + article), Some(Lex::Name(_) | Lex::Word(Class::Building, _)))
 }
 
 fn is_colon(reading: &Reading<'_>, at: usize) -> bool {
@@ -324,12 +487,21 @@ fn list_separator(reading: &Reading<'_>, mut at: usize) -> Option<(usize, bool)>
     }
     let joined = reading.class(at) == Some(Class::And);
     at += usize::from(joined);
+    // `la unidad 1 y la 4`, but `unité 2, et le 6, unité 4`
+    let is_alone = reading.lex(start) != Some(&Lex::Comma);
+    at += usize::from(joined && is_alone && reading.class(at) == Some(Class::Article));
     (at > start).then_some((at, joined))
 }
 
 /// The end of a range and where it stands: `units 1 to 3`, `Eingang 1 bis 3`.
 fn range_end(reading: &Reading<'_>, at: usize, plural: bool) -> Option<(String, usize)> {
     let loose = reading.lex(at) == Some(&Lex::Dash) || reading.class(at) == Some(Class::Toward);
+    // `入口1から4まで`
+    let is_from_to =
+        reading.class(at) == Some(Class::NotBefore) && reading.class(at + 2) == Some(Class::Toward);
+    if let Some(label) = reading.label(at + 1).filter(|_| is_from_to) {
+        return Some((label.to_owned(), at + 3));
+    }
     let tied = reading.class(at) == Some(Class::Range) || plural && loose;
     let last = at + 1 + usize::from(reading.class(at + 1) == Some(Class::Article));
     let label = (tied && reading.continues_list(last)).then(|| reading.label(last)).flatten()?;
@@ -350,6 +522,9 @@ fn numbers_before(
     taken: usize,
 ) -> Option<(Vec<String>, usize)> {
     let mut at = level.checked_sub(1).filter(|at| *at >= taken)?;
+    if let Some(label) = reading.ordinal_determiner(at).filter(|_| number_first) {
+        return Some((vec![label.to_string()], at));
+    }
     if reading.lex(at) == Some(&Lex::Dash) && number_first {
         at = at.checked_sub(1)?;
     }
@@ -387,7 +562,11 @@ fn listed_before(reading: &Reading<'_>, at: usize, number_first: bool, taken: us
     if reading.class(i) == Some(Class::Article) {
         i = i.checked_sub(1)?;
     }
+    // `一番と四番の入口`
     let joined = reading.class(i) == Some(Class::And);
+    if joined && number_first && i > 0 && reading.class(i - 1) == Some(Class::Sign) {
+        i -= 1;
+    }
     if !joined && (number_first || reading.lex(i) != Some(&Lex::Comma)) {
         return None;
     }

@@ -22,6 +22,7 @@ use std::ops::Range;
 
 use openbench_core::Plan;
 
+use self::lexicon::Class;
 use self::mentions::{Reading, Target};
 use self::names::Found;
 use self::text::{Token, tokenize};
@@ -72,6 +73,7 @@ impl GrammarPlanner {
         if mentions.iter().map(|m| m.targets.len()).sum::<usize>() > MOST_TARGETS {
             return Err(refuse("it names more than 200 doors; split it"));
         }
+        name_once(&mut mentions, &names);
         let silent = mentions.is_empty();
         mentions.extend(fallback::partial(&reading, gazetteer, &mentions));
         mentions.sort_by_key(|m| m.at.start);
@@ -87,13 +89,22 @@ impl GrammarPlanner {
         if doors.len() > MOST_DOORS {
             return Err(refuse("it names more than 200 doors; split it"));
         }
+        // `3号楼还是5号楼`: which also corrects.
+        let has_choice = doors.len() > 1 || lexemes.iter().any(|lexeme| lexeme.is(Class::Correct));
+        let is_unsure = has_choice && lexemes.iter().any(|lexeme| lexeme.is(Class::Unsure));
+        if is_unsure {
+            // One is meant, and the sender has to say which.
+            doors.truncate(1);
+        }
         let items = items::items(&reading, &doors);
         let named = |target: &Option<Target>| target.as_ref().map(|t| to_named(t, &names));
         let wish = |(door, item): (&pairing::Door, String)| Wish {
             item,
             building: named(&door.building),
             unit: named(&door.unit),
+            is_room: door.is_room,
             doubtful: is_overriding(&reading, &doors, door),
+            unsure: is_unsure,
             due: None,
             around: String::new(),
             below: Vec::new(),
@@ -119,6 +130,8 @@ impl GrammarPlanner {
         });
         let reading = self.words.lexemes(&tokens, &ranges, languages);
         let mentions = mentions::mentions(&Reading { text: instruction, tokens: &tokens, lexemes: &reading });
+        let is_all = |mention: &mentions::Mention| matches!(mention.targets[..], [Target::All { .. }]);
+        let all_units = mentions.iter().any(is_all);
         let said = mentions.into_iter().flat_map(|m| m.targets).filter_map(|t| match t {
             Target::Label { label, .. } => Some(label),
             _ => None,
@@ -127,6 +140,7 @@ impl GrammarPlanner {
             labels: labels.chain(said).collect(),
             places: names.into_iter().flat_map(|name| name.places).collect(),
             letters: text::condensed(instruction),
+            all_units,
         }
     }
 
@@ -135,8 +149,11 @@ impl GrammarPlanner {
         let tokens = tokenize(words);
         let lexemes = self.words.lexemes(&tokens, &[], self.words.languages(&tokens));
         lexemes.iter().any(|lexeme| {
-            use lexicon::Class::{Correct, Dropped, Elsewhere, Not, NotBefore};
-            let denying = [Not, NotBefore, Dropped, Correct, Elsewhere];
+            use lexicon::Class::{
+                Absent, Correct, Dropped, Elsewhere, Except, Instead, Not, NotBefore, Sender, Sends,
+            };
+            let denying =
+                [Not, Except, NotBefore, Dropped, Absent, Correct, Instead, Elsewhere, Sender, Sends];
             lexeme.lex == Lex::Unknown || denying.iter().any(|class| lexeme.is(*class))
         })
     }
@@ -181,6 +198,18 @@ pub(crate) struct Evidence {
     pub places: Vec<usize>,
     /// All its letters and digits, folded.
     pub letters: String,
+    /// Whether it speaks of all units of a building.
+    pub all_units: bool,
+}
+
+/// A name that stands in the text twice is the one that stands there first.
+fn name_once(mentions: &mut [mentions::Mention], names: &[Found]) {
+    for target in mentions.iter_mut().flat_map(|mention| &mut mention.targets) {
+        if let Target::Name(i) = target {
+            let first = names.iter().position(|name| name.places == names[*i].places);
+            *i = first.unwrap_or(*i);
+        }
+    }
 }
 
 fn to_named(target: &Target, names: &[Found]) -> Named {
@@ -188,6 +217,7 @@ fn to_named(target: &Target, names: &[Found]) -> Named {
         Target::Label { label, said } => Named::Label { label: label.clone(), said: said.clone() },
         Target::Name(i) => Named::Places { places: names[*i].places.clone(), percent: names[*i].percent() },
         Target::Words(words) => Named::Words(words.clone()),
+        Target::All { but, count, parity } => Named::All { but: but.clone(), count: *count, parity: *parity },
     }
 }
 

@@ -53,7 +53,13 @@ pub(crate) fn find(tokens: &[Token], gazetteer: &Gazetteer, known: &[bool]) -> V
     for alias in &gazetteer.aliases {
         for (range, edits) in letters.matches(alias) {
             let ordinary = known[range.clone()].iter().all(|k| *k);
-            if ordinary && (edits > 0 || range.len() == 1) {
+            // No slip of the pen is a comma: `Medical Centre, …` is no misspelt `Medical Centre West`.
+            // Nor is it another word: `Ärztehaus und` is no misspelt `Ärztehaus Süd`.
+            let is_other_word =
+                |at: usize| known[at] && tokens[at].kind == Kind::Letters && !alias.holds(&tokens[at].text);
+            let is_broken =
+                edits > 0 && (stretched(&tokens[range.clone()]).0 > 0 || range.clone().any(is_other_word));
+            if is_broken || ordinary && (edits > 0 || range.len() == 1) {
                 continue;
             }
             let explained = alias.letters.len().saturating_sub(3 * edits);

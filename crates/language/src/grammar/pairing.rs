@@ -12,6 +12,8 @@ pub(crate) struct Door {
     /// `None`: the instruction names a unit only.
     pub building: Option<Target>,
     pub unit: Option<Target>,
+    /// Whether the unit is said as a flat or a room.
+    pub is_room: bool,
     /// First and last lexeme.
     pub first: usize,
     pub last: usize,
@@ -19,6 +21,8 @@ pub(crate) struct Door {
 
 /// A gap that only the lack of anything nearer bridges.
 const FAR: i32 = 100;
+/// So many words at most part a building from `same unit`.
+const SAME_BESIDE: usize = 4;
 /// Up to here a building is beside its unit.
 const BESIDE: i32 = 3;
 
@@ -43,11 +47,17 @@ pub(crate) fn doors(reading: &Reading<'_>, mut mentions: Vec<Mention>, gazetteer
         }
         doors.extend(combine(building, &units, respectively));
     }
-    let homeless = |i: &usize| mentions[*i].level != Level::Building && owners[*i].is_none();
+    // `flat 3` alone is a door, but none beside a building that it is not of.
+    let has_building = owners.iter().any(Option::is_some);
+    let homeless = |i: &usize| {
+        let is_door = mentions[*i].level == Level::Unit || mentions[*i].level == Level::Room && !has_building;
+        is_door && owners[*i].is_none()
+    };
     for unit in (0..mentions.len()).filter(homeless).map(|i| &mentions[i]) {
         let door = |t: &Target| Door {
             building: None,
             unit: Some(t.clone()),
+            is_room: unit.level == Level::Room,
             first: unit.at.start,
             last: unit.at.end,
         };
@@ -61,7 +71,13 @@ fn combine(building: &Mention, units: &[&Mention], respectively: bool) -> Vec<Do
     let door = |b: &Target, u: Option<(&Target, &Mention)>| Door {
         building: Some(b.clone()),
         unit: u.map(|(target, _)| target.clone()),
-        first: u.map_or(building.at.start, |(_, m)| m.at.start.min(building.at.start)),
+        is_room: u.is_some_and(|(_, m)| m.level == Level::Room),
+        // Of several units behind a building the first one stands with it.
+        first: u.map_or(building.at.start, |(_, m)| {
+            let is_later = m.at.start > building.at.end
+                && units.first().is_some_and(|first| first.at.start < m.at.start);
+            if is_later { m.at.start } else { m.at.start.min(building.at.start) }
+        }),
         last: u.map_or(building.at.end, |(_, m)| m.at.end.max(building.at.end)),
     };
     let targets: Vec<(&Target, &Mention)> =
@@ -110,14 +126,70 @@ fn shared_units(
             shared.push((b - 1, theirs));
         }
     }
+    shared.extend(said_of_all(reading, mentions, owners, &shared));
+    shared.extend(of_the_same_number(reading, mentions, owners));
     shared
+}
+
+/// `unit 2 in building 7 and the same unit in building 8`
+fn of_the_same_number(
+    reading: &Reading<'_>,
+    mentions: &[Mention],
+    owners: &[Option<usize>],
+) -> Vec<(usize, Vec<usize>)> {
+    let is_building = |i: &usize| mentions[*i].level == Level::Building;
+    let units = |b: usize| -> Vec<usize> {
+        (0..mentions.len()).filter(|i| !is_building(i) && owners[*i] == Some(b)).collect()
+    };
+    let mut shared = Vec::new();
+    for at in (0..reading.lexemes.len()).filter(|at| reading.class(*at) == Some(Class::SameUnit)) {
+        let distance = |b: &usize| {
+            let range = &mentions[*b].at;
+            if range.start > at { range.start - at } else { at.saturating_sub(range.end) }
+        };
+        let bare =
+            (0..mentions.len()).filter(|b| is_building(b) && units(*b).is_empty()).min_by_key(distance);
+        let Some(bare) = bare.filter(|b| distance(b) <= SAME_BESIDE) else { continue };
+        let others = (0..mentions.len()).filter(|b| is_building(b) && !units(*b).is_empty());
+        if let Some(other) = others.min_by_key(|b| b.abs_diff(bare)) {
+            shared.push((bare, units(other)));
+        }
+    }
+    shared
+}
+
+/// `one bag to building 3, one to building 5, always unit 2`
+fn said_of_all(
+    reading: &Reading<'_>,
+    mentions: &[Mention],
+    owners: &[Option<usize>],
+    shared: &[(usize, Vec<usize>)],
+) -> Vec<(usize, Vec<usize>)> {
+    let is_building = |i: usize| mentions[i].level == Level::Building;
+    let is_bare = |b: usize| {
+        !shared.iter().any(|(other, _)| *other == b)
+            && !(0..mentions.len()).any(|i| i != b && owners[i] == Some(b))
+    };
+    let is_said_of_all = |unit: &usize| {
+        let before = (0..mentions[*unit].at.start).rev();
+        let mut before =
+            before.skip_while(|at| matches!(reading.class(*at), Some(Class::Link | Class::Article)));
+        !is_building(*unit) && before.next().is_some_and(|at| reading.class(at) == Some(Class::Shared))
+    };
+    let Some(unit) = (0..mentions.len()).find(is_said_of_all) else { return Vec::new() };
+    (0..unit).filter(|b| is_building(*b) && is_bare(*b)).map(|b| (b, vec![unit])).collect()
 }
 
 /// For each mention the building that it belongs to; buildings own themselves.
 pub(crate) fn owners(reading: &Reading<'_>, mentions: &[Mention]) -> Vec<Option<usize>> {
+    if let Some(owners) = by_turns(reading, mentions) {
+        return owners;
+    }
     let gaps: Vec<i32> = mentions.windows(2).map(|pair| gap(reading, &pair[0], &pair[1])).collect();
     let is_building = |i: &usize| mentions[*i].level == Level::Building;
     let mut building_first = true;
+    let mut buildings = (0..mentions.len()).filter(is_building);
+    let only = buildings.next().filter(|_| buildings.next().is_none());
     let mut owners = Vec::new();
     for i in 0..mentions.len() {
         if is_building(&i) {
@@ -146,8 +218,9 @@ pub(crate) fn owners(reading: &Reading<'_>, mentions: &[Mention]) -> Vec<Option<
                 }
             }
             (Some((b, _)), None) | (None, Some((b, _))) => b,
+            // `To unit 2. The building is number 3.`
             (None, None) => {
-                owners.push(None);
+                owners.push(only);
                 continue;
             }
         };
@@ -155,6 +228,27 @@ pub(crate) fn owners(reading: &Reading<'_>, mentions: &[Mention]) -> Vec<Option<
         owners.push(Some(owner));
     }
     owners
+}
+
+/// `Building 3 gets a box at unit 1, building 5 one at unit 2`: where buildings and units come by turns, each building has the unit beside it.
+fn by_turns(reading: &Reading<'_>, mentions: &[Mention]) -> Option<Vec<Option<usize>>> {
+    let is_building = |i: usize| mentions[i].level == Level::Building;
+    let count = mentions.len();
+    let alternate = (1..count).all(|i| is_building(i) != is_building(i - 1));
+    if count < 4 || !count.is_multiple_of(2) || !alternate {
+        return None;
+    }
+    let building_first = is_building(0);
+    // `building 3, unit 2 of building 5, …`
+    let is_tied = |i: usize| {
+        let mut gap = mentions[i].at.end..mentions[i + 1].at.start;
+        gap.clone().any(|at| reading.class(at) == Some(Class::Link))
+            && gap.all(|at| matches!(reading.class(at), Some(Class::Link | Class::Article)))
+    };
+    if (1..count - 1).step_by(2).any(is_tied) {
+        return None;
+    }
+    Some((0..count).map(|i| Some(if building_first { i & !1 } else { i | 1 })).collect())
 }
 
 /// How far apart two mentions are that follow each other.
@@ -165,10 +259,13 @@ fn gap(reading: &Reading<'_>, a: &Mention, b: &Mention) -> i32 {
             | Lex::Word(Class::Then | Class::Finally | Class::Before | Class::After | Class::Wait, _),
         ) => FAR,
         Some(Lex::Dash | Lex::Word(Class::Link | Class::Article | Class::Sign | Class::First, _)) => 0,
-        Some(Lex::Mark | Lex::Word(Class::Filler | Class::Each | Class::Same | Class::Respectively, _)) => 1,
+        Some(
+            Lex::Mark
+            | Lex::Word(Class::Filler | Class::Also | Class::Each | Class::Same | Class::Respectively, _),
+        ) => 1,
         Some(Lex::Comma) => 2,
         Some(Lex::Word(
-            Class::And | Class::Toward | Class::TowardOrAfter | Class::Determiner | Class::Range,
+            Class::And | Class::Toward | Class::TowardOrAfter | Class::Determiner | Class::Range | Class::All,
             _,
         )) => 3,
         Some(Lex::Word(Class::Verb, _)) => 6,
@@ -192,7 +289,9 @@ fn name_the_unknown(reading: &Reading<'_>, mentions: &mut Vec<Mention>, gazettee
         if has_neighbour || is_of_the_same(reading, unit.at.end) {
             continue;
         }
-        if let Some(building) = number_after(reading, unit.at.end, gazetteer) {
+        let number = number_after(reading, unit.at.end, gazetteer)
+            .or_else(|| number_before(reading, unit.at.start, gazetteer));
+        if let Some(building) = number {
             named.push(building);
             continue;
         }
@@ -208,7 +307,7 @@ fn name_the_unknown(reading: &Reading<'_>, mentions: &mut Vec<Mention>, gazettee
 }
 
 /// `unit 2 of the same building`
-fn is_of_the_same(reading: &Reading<'_>, mut at: usize) -> bool {
+pub(crate) fn is_of_the_same(reading: &Reading<'_>, mut at: usize) -> bool {
     while matches!(reading.class(at), Some(Class::Link | Class::Article)) {
         at += 1;
     }
@@ -221,10 +320,29 @@ fn number_after(reading: &Reading<'_>, unit: usize, gazetteer: &Gazetteer) -> Op
     let Some(Lex::Number { label, ordinal: false }) = reading.lex(unit + 1).filter(|_| linked) else {
         return None;
     };
-    let at = unit + 1..unit + 2;
-    let target = Target::Label { label: label.clone(), said: label.clone() };
+    numbered_building(label, unit + 1, gazetteer)
+}
+
+/// `one for building 2, unit 3; another for 6, unit 1`, where the map has a building 6.
+fn number_before(reading: &Reading<'_>, unit: usize, gazetteer: &Gazetteer) -> Option<Mention> {
+    // `el 9 (entrada 1)`
+    let is_between = |at: usize| matches!(reading.lex(at), Some(Lex::Comma | Lex::Mark));
+    // `building 3 unit 1 then 4 unit 2`
+    let gap = 1 + usize::from(unit > 0 && is_between(unit - 1));
+    let at = unit.checked_sub(gap)?;
+    let Some(Lex::Number { label, ordinal: false }) = reading.lex(at) else { return None };
+    let is_destination = at.checked_sub(1).is_some_and(|at| {
+        use Class::{After, And, Article, Before, Then, Toward, TowardOrAfter};
+        matches!(reading.class(at), Some(Toward | TowardOrAfter | Article | And | Then | Before | After))
+    });
+    if is_destination { numbered_building(label, at, gazetteer) } else { None }
+}
+
+/// A number that is a building of the map.
+fn numbered_building(label: &str, at: usize, gazetteer: &Gazetteer) -> Option<Mention> {
+    let target = Target::Label { label: label.to_owned(), said: label.to_owned() };
     let known = !gazetteer.labelled(label).is_empty();
-    known.then(|| Mention { level: Level::Building, targets: vec![target], at, weak: false })
+    known.then(|| Mention { level: Level::Building, targets: vec![target], at: at..at + 1, weak: false })
 }
 
 fn is_name(reading: &Reading<'_>, at: usize) -> bool {

@@ -64,11 +64,14 @@ impl Lexeme {
 /// All lexicons, by the first token of each entry.
 pub(crate) struct Words {
     entries: HashMap<String, Vec<Entry>>,
-    /// Single words for levels, to be found in spite of typing errors.
-    levels: Vec<(String, Class)>,
+    /// Single words for levels and their languages, to be found in spite of typing errors.
+    levels: Vec<(String, Class, usize)>,
     /// How each language says until when.
     pub(super) times: Vec<FoldedTimes>,
 }
+
+/// Shorter words are not mended to numbers.
+const SHORTEST_MISSPELT: usize = 4;
 
 /// The languages in force, one bit each.
 pub(crate) type Languages = u8;
@@ -98,7 +101,7 @@ impl Words {
             && rest.is_empty()
             && first.chars().count() >= 4
         {
-            self.levels.push((first.clone(), class));
+            self.levels.push((first.clone(), class, language));
         }
         self.entries.entry(first).or_default().push(Entry { rest, meaning, language });
     }
@@ -159,13 +162,15 @@ impl Words {
     }
 
     /// The word for a level that `text` was probably meant to be.
-    fn misspelt_level(&self, text: &str) -> Option<Class> {
+    fn misspelt_level(&self, text: &str, languages: Languages) -> Option<Class> {
         let near = |word: &str| {
             let edits = if word.chars().count() >= 7 { 2 } else { 1 };
             word.chars().next() == text.chars().next() && edit_distance(word, text, edits) <= edits
         };
         let long_enough = text.chars().count() >= 4;
-        self.levels.iter().find(|(word, _)| long_enough && near(word)).map(|(_, class)| *class)
+        let is_active = |language: usize| languages & (1 << language) != 0;
+        let mut active = self.levels.iter().filter(|(.., language)| long_enough && is_active(*language));
+        active.find(|(word, ..)| near(word)).map(|(_, class, _)| *class)
     }
 
     /// Takes the tokens for lexemes; `names` are the token ranges of names on the map.
@@ -186,7 +191,7 @@ impl Words {
             lexemes.push(Lexeme { lex, tokens: at..at + length });
             at += length;
         }
-        self.mend_levels(&mut lexemes, tokens);
+        self.mend_levels(&mut lexemes, tokens, languages);
         count_articles(&mut lexemes, tokens, languages);
         lexemes
     }
@@ -200,6 +205,8 @@ impl Words {
         }
         let lex = match tokens[at].text.as_str() {
             "," | "，" => Lex::Comma,
+            // `J. Novak`
+            "." if is_initial(tokens, at) => Lex::Mark,
             "." | "。" | "!" | "?" | ";" | "；" | "！" | "？" => Lex::Stop,
             "-" | "/" => Lex::Dash,
             _ if tokens[at].kind == Kind::Mark => Lex::Mark,
@@ -208,19 +215,51 @@ impl Words {
         (1, lex)
     }
 
-    /// Unknown words beside a number that are a letter or two away from a word for a level.
-    fn mend_levels(&self, lexemes: &mut [Lexeme], tokens: &[Token]) {
+    /// Unknown words beside a number that are a letter or two away from a word for a level, and such behind one that are a letter away from a number.
+    fn mend_levels(&self, lexemes: &mut [Lexeme], tokens: &[Token], languages: Languages) {
         for at in 0..lexemes.len() {
             let is_number = |i: usize| matches!(lexemes.get(i).map(|l| &l.lex), Some(Lex::Number { .. }));
             let beside = is_number(at + 1) || (at > 0 && is_number(at - 1));
-            if lexemes[at].lex == Lex::Unknown && beside {
+            let text = |at: usize| lexemes.get(at).map_or("", |l| tokens[l.tokens.start].text.as_str());
+            let before_number = || {
+                lexemes.get(at + 1).is_some_and(|l| l.lex == Lex::Unknown)
+                    && misspelt_number(text(at + 1), languages).is_some()
+            };
+            if lexemes[at].lex == Lex::Unknown && (beside || before_number()) {
                 let text = &tokens[lexemes[at].tokens.start].text;
-                if let Some(class) = self.misspelt_level(text) {
+                if let Some(class) = self.misspelt_level(text, languages) {
                     lexemes[at].lex = Lex::Word(class, false);
+                }
+            }
+            let is_level = |lexeme: &Lexeme| lexeme.is(Class::Building) || lexeme.is(Class::Unit);
+            if at > 0 && lexemes[at].lex == Lex::Unknown && is_level(&lexemes[at - 1]) {
+                let text = &tokens[lexemes[at].tokens.start].text;
+                if let Some(number) = misspelt_number(text, languages) {
+                    lexemes[at].lex = Lex::Number { label: number.to_string(), ordinal: false };
                 }
             }
         }
     }
+}
+
+/// Whether the point at a token makes an initial of the capital before it.
+fn is_initial(tokens: &[Token], at: usize) -> bool {
+    let letter = at.checked_sub(1).map(|before| &tokens[before]);
+    let is_letter = letter.is_some_and(|letter| letter.capital && letter.text.chars().count() == 1);
+    is_letter && tokens[at].glued && tokens.get(at + 1).is_some_and(|next| next.capital)
+}
+
+/// The number that a word was probably meant to be, if only one is that near: `sevn`.
+fn misspelt_number(text: &str, languages: Languages) -> Option<u32> {
+    if text.chars().count() < SHORTEST_MISSPELT {
+        return None;
+    }
+    let active = (0..LANGUAGES.len()).filter(|i| languages & (1 << i) != 0);
+    let cardinals = active.flat_map(|i| LANGUAGES[i].cardinals);
+    let near = |word: &str| edit_distance(&super::text::condensed(word), text, 1) <= 1;
+    let mut found = cardinals.filter(|(word, _)| near(word)).map(|(_, number)| *number);
+    let number = found.next()?;
+    found.all(|other| other == number).then_some(number)
 }
 
 /// `bâtiment un`: an article after a word for a level is the number one, unless a thing follows that it belongs to.

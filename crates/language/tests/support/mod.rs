@@ -9,21 +9,17 @@ use openbench_models::{ChatError, ChatModel, ChatReply, ChatRequest};
 use openbench_osm::{OsmData, OsmMap};
 
 /// A row of square houses along the equator, 22 m apart, the first about 22 m east of the origin: one for each list of tags.
-/// `doors` puts an entrance with a unit on the house of that index.
+/// `doors` puts entrances with a unit on the house of that index, up to four.
 pub fn map(houses: &[&[(&str, &str)]], doors: &[(usize, &str)]) -> OsmMap {
     let mut nodes = String::new();
     let mut ways = String::new();
     for (i, tags) in houses.iter().enumerate() {
         let west = (i as f64 + 1.0) * 2e-4;
         let id = |corner: usize| i * 10 + corner + 1;
-        let unit = doors.iter().find(|(house, _)| *house == i).map(|(_, unit)| *unit);
+        let units: Vec<&str> = doors.iter().filter(|(house, _)| *house == i).map(|(_, unit)| *unit).collect();
         for (corner, (x, y)) in [(0.0, 0.0), (1e-4, 0.0), (1e-4, 1e-4), (0.0, 1e-4)].into_iter().enumerate() {
-            let door = match unit {
-                Some(unit) if corner == 0 => {
-                    format!(r#"<tag k="entrance" v="yes"/><tag k="addr:unit" v="{unit}"/>"#)
-                }
-                _ => String::new(),
-            };
+            let tags = |unit: &&str| format!(r#"<tag k="entrance" v="yes"/><tag k="addr:unit" v="{unit}"/>"#);
+            let door = units.get(corner).map(tags).unwrap_or_default();
             nodes += &format!(r#"<node id="{}" lat="{y}" lon="{}">{door}</node>"#, id(corner), west + x);
         }
         let refs: String = [0, 1, 2, 3, 0].iter().map(|c| format!(r#"<nd ref="{}"/>"#, id(*c))).collect();
@@ -41,6 +37,16 @@ pub fn numbered(count: usize) -> OsmMap {
     let tags: Vec<[(&str, &str); 1]> = names.iter().map(|name| [("name", name.as_str())]).collect();
     let houses: Vec<&[(&str, &str)]> = tags.iter().map(|t| t.as_slice()).collect();
     map(&houses, &[])
+}
+
+/// `building1` to `building<count>`, each with `unit1` to `unit4`.
+pub fn numbered_with_units(count: usize) -> OsmMap {
+    let names: Vec<String> = (1..=count).map(|n| format!("building{n}")).collect();
+    let tags: Vec<[(&str, &str); 1]> = names.iter().map(|name| [("name", name.as_str())]).collect();
+    let houses: Vec<&[(&str, &str)]> = tags.iter().map(|t| t.as_slice()).collect();
+    let units = ["unit1", "unit2", "unit3", "unit4"];
+    let doors: Vec<(usize, &str)> = (0..count).flat_map(|house| units.map(|unit| (house, unit))).collect();
+    map(&houses, &doors)
 }
 
 /// Houses with these names.

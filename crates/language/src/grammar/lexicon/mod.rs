@@ -57,22 +57,62 @@ pub(crate) enum Class {
     TowardOrAfter,
     /// The next place is not meant: `not`, `别`.
     Not,
+    /// As [`Class::Not`], of some of all: `apart from`, `除了`.
+    Except,
+    /// What follows may be so or not: `if`.
+    If,
+    /// The sender does not know which of the places is meant: `I'm not sure which`.
+    Unsure,
     /// The next place replaces the one before: `I mean`, `不对`.
     Correct,
     /// The next place is only a landmark or the origin: `from`, `next to`.
     Elsewhere,
+    /// The next place is the sender's, also behind a colon: `sender`, `寄件地址`.
+    Sender,
+    /// Behind a person's name: who lives at the place before it speaks: `の鈴木ですが`.
+    Speaking,
     /// The place before the word is not meant, or only a landmark: `ではなく`, `旁边`.
     NotBefore,
     /// The place before the word, words without weight between them, is not meant any more: `was cancelled`.
     Dropped,
+    /// The same, if another place is meant: `is closed`.
+    Absent,
+    /// The place before the word is where something comes from: `sends`, `寄来的`.
+    Sends,
+    /// What follows, or stands before, comes on top of the rest: `also`.
+    Also,
     /// Deals units out to buildings one by one, or the same to each: `respectively`, `分别`.
     Respectively,
     /// Deals the same out to each: `each`, `各`.
     Each,
+    /// The unit behind it is that of all buildings before that have none: `always`, `都是`.
+    Shared,
+    /// Where something is to be fetched, or somebody is for now: the next place, things before it, is an origin: `pick up`.
+    Pickup,
+    /// Before a word for a level without numbers, all of the building's: `all`, `所有`.
+    All,
+    /// The same in one word: `每个单元`, `全室`.
+    AllUnits,
+    /// The stops come in the order in which they are named: `in this order`.
+    InOrder,
+    /// The stops named before come the other way round: `swap the order`.
+    Swap,
+    /// The stop of its clause comes before the one named before: `before that`.
+    Earlier,
+    /// As [`Class::Correct`], but may stand behind the place: `instead`.
+    Instead,
     /// Takes back all that was said before, which may not be the sender speaking: `ignore the above`.
     Override,
     /// The building named before: `same building`.
     Same,
+    /// The unit named before, of another building: `same unit`.
+    SameUnit,
+    /// With a word for units, every second one: `even`.
+    Even,
+    /// The same of the others.
+    Odd,
+    /// Where something is put down: before a building as [`Class::Elsewhere`], before a unit as `at`.
+    InFront,
     /// Begins a person's name: `Mrs`.
     Title,
     /// A thing to deliver.
@@ -101,6 +141,8 @@ pub(crate) struct Lexicon {
     pub ordinal_endings: &'static [&'static str],
     /// Articles that are the number one after a word for a level: `bâtiment un`.
     pub ones: &'static [&'static str],
+    /// How plurals of words for levels end, folded: `s`.
+    pub plural_endings: &'static [&'static str],
     /// Words between tens and units: `y` in `treinta y uno`.
     pub joints: &'static [&'static str],
     /// Whether tens and units make one word with the units first: `einundzwanzig`.
@@ -123,6 +165,8 @@ pub(crate) struct Times {
     pub within: &'static [&'static str],
     /// After one: `以内`.
     pub within_after: &'static [&'static str],
+    /// Before an hour that needs no other word: `a las`.
+    pub at: &'static [&'static str],
     /// After the hour: `o'clock`, `h`.
     pub clock: &'static [&'static str],
     /// Half past, after the hour: `半`.
@@ -186,7 +230,9 @@ mod tests {
     #[test]
     fn every_language_can_say_an_address() {
         for lexicon in LANGUAGES {
-            for class in [Class::Building, Class::Unit, Class::And, Class::Then, Class::Not, Class::Item] {
+            let denies = |class: Class| matches!(class, Class::Not | Class::NotBefore);
+            assert!(lexicon.words.iter().any(|(class, words)| denies(*class) && !words.is_empty()));
+            for class in [Class::Building, Class::Unit, Class::And, Class::Then, Class::All, Class::Item] {
                 assert!(lexicon.words.iter().any(|(c, words)| *c == class && !words.is_empty()), "{class:?}");
             }
         }

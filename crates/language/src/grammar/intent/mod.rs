@@ -1,8 +1,15 @@
 //! Which mentions are meant: not those after `not`, those that a correction replaces or that were cancelled, origins and landmarks, floors.
 
+mod corrections;
+mod denial;
+mod exceptions;
+
+use self::corrections::{correct, correct_numbers};
+use self::denial::denial;
+use self::exceptions::{all_but, except, except_lists, take_back};
 use super::lexicon::Class;
-use super::mentions::{Level, Mention, Reading};
-use super::pairing::owners;
+use super::mentions::{Level, Mention, Reading, Target};
+use super::pairing::{is_of_the_same, owners};
 use super::words::Lex;
 
 /// Why a mention is left out.
@@ -18,16 +25,24 @@ const REACH: usize = 7;
 const TAIL: usize = 4;
 
 /// The mentions that the robot shall go to.
-pub(crate) fn meant(reading: &Reading<'_>, mentions: Vec<Mention>) -> Vec<Mention> {
+pub(crate) fn meant(reading: &Reading<'_>, mut mentions: Vec<Mention>) -> Vec<Mention> {
     let mut left_out: Vec<Option<Why>> = mentions.iter().map(|m| denial(reading, m)).collect();
     allow_where_to_begin(reading, &mentions, &mut left_out);
     allow_what_is_put_in_order(reading, &mentions, &mut left_out);
     spread(reading, &mentions, &mut left_out);
+    except_lists(reading, &mentions, &mut left_out);
+    together(reading, &mentions, &mut left_out);
+    take_back(reading, &mut mentions, &mut left_out);
     together(reading, &mentions, &mut left_out);
     correct(reading, &mentions, &mut left_out);
+    correct_numbers(reading, &mut mentions, &mut left_out);
+    take_back(reading, &mut mentions, &mut left_out);
+    all_but(reading, &mut mentions, &mut left_out);
+    except(reading, &mut mentions, &mut left_out);
     let strong = |i: usize, out: &[Option<Why>]| {
         out[i].is_none() && !mentions[i].weak && mentions[i].level == Level::Building
     };
+    return_to_units(reading, &mentions, &mut left_out);
     if !(0..mentions.len()).any(|i| left_out[i].is_none() && mentions[i].level == Level::Building) {
         // `Leave it behind building 3`: the landmark is the place after all.
         left_out.iter_mut().filter(|why| **why == Some(Why::Elsewhere)).for_each(|why| *why = None);
@@ -37,41 +52,16 @@ pub(crate) fn meant(reading: &Reading<'_>, mentions: Vec<Mention>) -> Vec<Mentio
     kept.filter(|(m, why)| why.is_none() && !(m.weak && any_strong)).map(|(m, _)| m).collect()
 }
 
-fn denial(reading: &Reading<'_>, mention: &Mention) -> Option<Why> {
-    match after(reading, mention.at.end) {
-        Some((Class::NotBefore, 0)) => return Some(Why::Elsewhere),
-        Some((Class::Dropped, _)) => return Some(Why::Denied),
-        _ => {}
-    }
-    for at in (0..mention.at.start).rev().take(REACH) {
-        match reading.lex(at)? {
-            Lex::Word(Class::Not, _) => return Some(Why::Denied),
-            // `They called off the one in building 3`, but `goes out to building 3`
-            Lex::Word(Class::Dropped, _) => {
-                let is_object = (at + 1..mention.at.start)
-                    .all(|i| matches!(reading.class(i), Some(Class::Article | Class::Determiner)));
-                return (is_object && says_no_place_before(reading, at)).then_some(Why::Denied);
-            }
-            Lex::Word(Class::Elsewhere, _) => return Some(Why::Elsewhere),
-            Lex::Word(class, _) if is_light(*class) || *class == Class::Item => {}
-            _ => return None,
-        }
-    }
-    None
+fn names(mention: &Mention, target: &Target) -> bool {
+    mention.targets.iter().any(|other| is_same_target(other, target))
 }
 
-/// Whether no level is named between the beginning of the clause and a place: what was cancelled comes after it then.
-fn says_no_place_before(reading: &Reading<'_>, at: usize) -> bool {
-    let inside = |i: &usize| !matches!(reading.lex(*i), Some(Lex::Stop | Lex::Comma));
-    let is_place = |i: usize| {
-        matches!(
-            reading.lex(i),
-            Some(
-                Lex::Name(_) | Lex::Number { .. } | Lex::Word(Class::Building | Class::Unit | Class::Room, _)
-            )
-        )
-    };
-    !(0..at).rev().take_while(inside).any(is_place)
+fn is_same_target(a: &Target, b: &Target) -> bool {
+    match (a, b) {
+        (Target::Label { label: a, .. }, Target::Label { label: b, .. }) => a == b,
+        (Target::Name(a), Target::Name(b)) => a == b,
+        _ => false,
+    }
 }
 
 /// Words that change nothing of what is denied.
@@ -84,7 +74,9 @@ fn is_light(class: Class) -> bool {
             | Class::TowardOrAfter
             | Class::Verb
             | Class::Filler
+            | Class::Also
             | Class::Each
+            | Class::All
             | Class::Same
             | Class::Determiner
     )
@@ -183,6 +175,20 @@ fn allow_where_to_begin(reading: &Reading<'_>, mentions: &[Mention], left_out: &
     }
 }
 
+/// `Cancel building 3 unit 1; unit 4 stays`: where a unit is meant its building is, if no other one is.
+fn return_to_units(reading: &Reading<'_>, mentions: &[Mention], left_out: &mut [Option<Why>]) {
+    let is_building = |i: &usize| mentions[*i].level == Level::Building;
+    if (0..mentions.len()).any(|i| is_building(&i) && left_out[i].is_none()) {
+        return;
+    }
+    let owners = owners(reading, mentions);
+    let is_meant = |i: &usize| mentions[*i].level == Level::Unit && left_out[*i].is_none();
+    let building = (0..mentions.len()).find(is_meant).and_then(|unit| owners[unit]);
+    if let Some(building) = building {
+        left_out[building] = None;
+    }
+}
+
 /// `not unit 2 of building 6`: what is tied to a place left out is left out too.
 fn spread(reading: &Reading<'_>, mentions: &[Mention], left_out: &mut [Option<Why>]) {
     for i in 1..mentions.len() {
@@ -206,8 +212,8 @@ fn together(reading: &Reading<'_>, mentions: &[Mention], left_out: &mut [Option<
     let parted = |a: usize, b: usize| {
         let mut gap = mentions[a.min(b)].at.end..mentions[a.max(b)].at.start;
         gap.any(|at| {
-            use Class::{Correct, Dropped, Elsewhere, Not, NotBefore};
-            matches!(reading.class(at), Some(Not | NotBefore | Dropped | Elsewhere | Correct))
+            use Class::{Correct, Dropped, Elsewhere, Except, Not, NotBefore};
+            matches!(reading.class(at), Some(Not | Except | NotBefore | Dropped | Elsewhere | Correct))
         })
     };
     let has_unit = |b: usize| (0..mentions.len()).any(|i| i != b && owners[i] == Some(b));
@@ -220,53 +226,17 @@ fn together(reading: &Reading<'_>, mentions: &[Mention], left_out: &mut [Option<
         {
             left_out[building] = left_out[*nearest];
         } else if let Some(why) = left_out[building] {
+            // `not unit 1 of building 5 …. Unit 4 of the same building`
+            let is_of_the_same =
+                |i: &&usize| left_out[**i].is_none() && is_of_the_same(reading, mentions[**i].at.end);
+            if units.iter().any(|i| is_of_the_same(&i)) {
+                left_out[building] = None;
+                continue;
+            }
             // `not building 6, unit 2, but building 8`: the unit may belong to a building that is meant, if one has none.
             let is_bare = |b: &usize| is_building(*b) && left_out[*b].is_none() && !has_unit(*b);
             if !(0..mentions.len()).any(|b| is_bare(&b)) {
                 units.into_iter().for_each(|i| left_out[i] = left_out[i].or(Some(why)));
-            }
-        }
-    }
-}
-
-/// After `no wait` and the like each level named replaces the last one of its level.
-fn correct(reading: &Reading<'_>, mentions: &[Mention], left_out: &mut [Option<Why>]) {
-    // `3号棟へ、じゃなくて4号棟へ`: what denies the place before takes it back where it begins a clause.
-    let begins = |at: usize| {
-        at > 0
-            && matches!(
-                reading.lex(at - 1),
-                Some(Lex::Comma | Lex::Dash | Lex::Mark | Lex::Word(Class::And, _))
-            )
-    };
-    let corrects = |at: &usize| match reading.class(*at) {
-        Some(Class::Correct) => true,
-        Some(Class::NotBefore) => begins(*at),
-        _ => false,
-    };
-    for at in (0..reading.lexemes.len()).filter(corrects) {
-        let Some(next) = mentions.iter().position(|m| m.at.start > at) else { continue };
-        if mentions[next].at.start - at > REACH {
-            continue;
-        }
-        let mut replaced = Vec::new();
-        for i in next..mentions.len() {
-            let ends = |at: usize| {
-                matches!(
-                    reading.lex(at),
-                    Some(
-                        Lex::Stop | Lex::Word(Class::Then | Class::Finally | Class::And | Class::Correct, _)
-                    )
-                )
-            };
-            if i > next && (mentions[i - 1].at.end..mentions[i].at.start).any(ends) {
-                break;
-            }
-            let level = mentions[i].level;
-            let old = (0..next).rev().find(|o| left_out[*o].is_none() && mentions[*o].level == level);
-            if let Some(old) = old.filter(|_| left_out[i].is_none() && !replaced.contains(&level)) {
-                left_out[old] = Some(Why::Denied);
-                replaced.push(level);
             }
         }
     }
