@@ -5,8 +5,8 @@
 //! | [`mod@made`] | instructions from templates, from a seed |
 //! | [`score`] | a planner through all of them |
 //!
-//! What lies in `data/instructions` is built in: instructions written by hand and made ones, in two splits. The development split is there to be looked at, and grows; the test split was written before the grammar was changed for it, and
-//! `SHA256SUMS` holds it fixed.
+//! What lies in `data/instructions` is built in: instructions written by hand and made ones, in three splits. The development split is there to be looked at, and grows; the test split was written before the grammar was changed for it, the unseen one
+//! without sight of the grammar, and `SHA256SUMS` holds both fixed.
 
 pub mod made;
 pub mod score;
@@ -23,14 +23,16 @@ use crate::metrics::ExpectedPlan;
 const ESTATE: &str = include_str!("../../data/instructions/estate.osm");
 const TOWN: &str = include_str!("../../data/instructions/town.osm");
 /// By hand and made, for each split.
-const DEVELOPMENT: [&str; 2] = [
+const DEVELOPMENT: [&str; 3] = [
     include_str!("../../data/instructions/hand-development.jsonl"),
     include_str!("../../data/instructions/made-development.jsonl"),
+    include_str!("../../data/instructions/free-development.jsonl"),
 ];
 const TEST: [&str; 2] = [
     include_str!("../../data/instructions/hand-test.jsonl"),
     include_str!("../../data/instructions/made-test.jsonl"),
 ];
+const UNSEEN: &str = include_str!("../../data/instructions/unseen.jsonl");
 /// Files of instructions that are larger are refused, bytes.
 const LARGEST: u64 = 64 << 20;
 
@@ -41,6 +43,8 @@ pub enum Split {
     Development,
     /// To measure a planner that was written without it.
     Test,
+    /// The same, and written from a description of the maps alone, without sight of the grammar or of other instructions.
+    Unseen,
 }
 
 /// How hard an instruction is.
@@ -144,14 +148,15 @@ pub enum InstructionsError {
 /// The built-in instructions of a split.
 ///
 /// # Panics
-/// Never: a test reads both splits.
+/// Never: a test reads all splits.
 pub fn built_in(split: Split) -> Vec<Case> {
-    let files = match split {
-        Split::Development => DEVELOPMENT,
-        Split::Test => TEST,
+    let files: &[&str] = match split {
+        Split::Development => &DEVELOPMENT,
+        Split::Test => &TEST,
+        Split::Unseen => &[UNSEEN],
     };
-    let read = |text| read_lines(text, "the built-in instructions").expect("they can be read");
-    files.into_iter().flat_map(read).collect()
+    let read = |text: &&str| read_lines(text, "the built-in instructions").expect("they can be read");
+    files.iter().flat_map(read).collect()
 }
 
 /// The instructions of a file: a JSON list of cases, or one a line.
@@ -214,7 +219,9 @@ mod tests {
 
     #[test]
     fn the_built_in_instructions_can_be_read_and_their_doors_are_on_the_map() {
-        for (split, by_hand, all) in [(Split::Development, 60, 200), (Split::Test, 90, 300)] {
+        for (split, by_hand, all) in
+            [(Split::Development, 60, 200), (Split::Test, 90, 300), (Split::Unseen, 0, 200)]
+        {
             let cases = built_in(split);
             assert!(cases.len() >= all, "{}", cases.len());
             assert!(cases.iter().filter(|c| !c.id.contains("made")).count() >= by_hand);
@@ -236,21 +243,21 @@ mod tests {
     }
 
     #[test]
-    fn the_test_split_is_the_one_that_was_frozen() {
+    fn the_splits_to_measure_with_are_those_that_were_frozen() {
         let sums = include_str!("../../data/instructions/SHA256SUMS");
-        for (name, text) in [("hand-test.jsonl", TEST[0]), ("made-test.jsonl", TEST[1])] {
+        let frozen = [("hand-test.jsonl", TEST[0]), ("made-test.jsonl", TEST[1]), ("unseen.jsonl", UNSEEN)];
+        for (name, text) in frozen {
             let sum: String = Sha256::digest(text.as_bytes()).iter().map(|b| format!("{b:02x}")).collect();
             assert!(sums.contains(&format!("{sum}  {name}\n")), "{name} has changed: {sum}");
         }
     }
 
     #[test]
-    fn no_instruction_is_in_both_splits() {
-        let known: BTreeSet<String> =
-            built_in(Split::Development).into_iter().map(|c| c.instruction).collect();
-        let both: Vec<Case> =
-            built_in(Split::Test).into_iter().filter(|c| known.contains(&c.instruction)).collect();
-        assert!(both.is_empty(), "{both:?}");
+    fn no_instruction_is_in_two_splits() {
+        let mut known = BTreeSet::new();
+        let all = [Split::Development, Split::Test, Split::Unseen].into_iter().flat_map(built_in);
+        let twice: Vec<Case> = all.filter(|case| !known.insert(case.instruction.clone())).collect();
+        assert!(twice.is_empty(), "{twice:?}");
     }
 
     #[test]

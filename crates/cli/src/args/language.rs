@@ -66,6 +66,8 @@ pub enum SplitArg {
     Development,
     /// To measure a planner with
     Test,
+    /// The same, written without sight of the grammar
+    Unseen,
 }
 
 /// How hard instructions are, as their authors say.

@@ -35,6 +35,7 @@ pub fn run(args: &SrtpArgs) -> anyhow::Result<Outcome> {
             let (name, split) = match args.split {
                 SplitArg::Development => ("development", Split::Development),
                 SplitArg::Test => ("test", Split::Test),
+                SplitArg::Unseen => ("unseen", Split::Unseen),
             };
             (format!("the {name} split"), built_in(split))
         }
