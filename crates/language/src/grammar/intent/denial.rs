@@ -1,5 +1,7 @@
 //! Which mentions the words beside them deny, or make an origin or a landmark.
 
+use std::ops::Range;
+
 use super::super::lexicon::Class;
 use super::super::mentions::{Level, Mention, Reading};
 use super::super::words::Lex;
@@ -8,43 +10,49 @@ use super::{REACH, Why, after, is_light};
 /// So many words of no lexicon at most are somebody's name.
 const LONGEST_PERSON: usize = 4;
 
+/// Why a place is not meant, by the words beside it.
 pub(super) fn denial(reading: &Reading<'_>, mention: &Mention) -> Option<Why> {
-    match after(reading, mention.at.end) {
-        Some((Class::NotBefore | Class::Sends, 0)) => return Some(Why::Elsewhere),
-        Some((Class::Absent, _)) => return Some(Why::Elsewhere),
-        Some((Class::Dropped, _)) if !is_conditional(reading, mention.at.start) => return Some(Why::Denied),
-        // `building 6, unit 2, has cancelled`
-        _ if reading.lex(mention.at.end) == Some(&Lex::Comma) => {
-            if let Some(why) = dropped_behind(reading, mention.at.end + 1) {
-                return Some(why);
-            }
-        }
-        // `Mrs Roche (building 6) sends`
-        _ if reading.lex(mention.at.end) == Some(&Lex::Mark)
-            && reading.class(mention.at.end + 1) == Some(Class::Sends) =>
-        {
-            return Some(Why::Elsewhere);
-        }
-        // `9号楼1单元的先别送，`
-        Some((Class::Link, 0))
-            if reading.class(mention.at.end + 1) == Some(Class::Not)
-                && ends_a_clause(reading, mention.at.end + 2) =>
-        {
-            return Some(Why::Denied);
-        }
-        // `nur der Eingang 3 nicht.`
-        Some((Class::Not, 0)) if ends_a_clause(reading, mention.at.end + 1) => return Some(Why::Denied),
-        _ => {}
-    }
-    if let Some(why) = said_of_somebody(reading, mention.at.end) {
+    if let Some(why) = denied_behind(reading, mention) {
         return Some(why);
     }
-    if is_of_the_sender(reading, mention.at.start)
-        || is_where_to_fetch(reading, mention.at.start)
-        || is_fetched_behind(reading, mention.at.end)
+    let Range { start, end } = mention.at;
+    if is_of_the_sender(reading, start)
+        || is_where_to_fetch(reading, start)
+        || is_fetched_behind(reading, end)
     {
         return Some(Why::Elsewhere);
     }
+    denied_before(reading, mention)
+}
+
+/// The same by the words behind it.
+fn denied_behind(reading: &Reading<'_>, mention: &Mention) -> Option<Why> {
+    let end = mention.at.end;
+    let class = |at: usize| reading.class(at);
+    let why = match after(reading, end) {
+        Some((Class::NotBefore | Class::Sends, 0)) => Some(Why::Elsewhere),
+        Some((Class::Absent, _)) => Some(Why::Elsewhere),
+        Some((Class::Dropped, _)) if !is_conditional(reading, mention.at.start) => Some(Why::Denied),
+        // `nur der Eingang 3 nicht.`
+        Some((Class::Not, 0)) if ends_a_clause(reading, end + 1) => Some(Why::Denied),
+        // `9号楼1单元的先别送，`
+        Some((Class::Link, 0)) if class(end + 1) == Some(Class::Not) && ends_a_clause(reading, end + 2) => {
+            Some(Why::Denied)
+        }
+        _ => None,
+    };
+    let behind_a_mark = || match reading.lex(end)? {
+        // `building 6, unit 2, has cancelled`
+        Lex::Comma => dropped_behind(reading, end + 1),
+        // `Mrs Roche (building 6) sends`
+        Lex::Mark => (class(end + 1) == Some(Class::Sends)).then_some(Why::Elsewhere),
+        _ => None,
+    };
+    why.or_else(behind_a_mark).or_else(|| said_of_somebody(reading, end))
+}
+
+/// The same by the words before it.
+fn denied_before(reading: &Reading<'_>, mention: &Mention) -> Option<Why> {
     for at in (0..mention.at.start).rev().take(REACH) {
         match reading.lex(at)? {
             Lex::Word(Class::Not | Class::Except, _) => return Some(Why::Denied),
