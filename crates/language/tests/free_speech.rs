@@ -148,6 +148,32 @@ fn addresses_are_shortened_and_misspelt() {
 }
 
 #[test]
+fn hints_and_landmarks_are_no_doors() {
+    check(&[
+        ("I am in building 8, unit 2 and I need my glasses.", "building8/unit2"),
+        ("The parcel goes to building 8, unit 2, first door on the left.", "building8/unit2"),
+        ("The gate at building 3 unit 2 is closed, ring the bell", "building3/unit2"),
+        ("The lift in building 6 is broken, but the parcel goes to building 5, unit 2.", "building5/unit2"),
+        (
+            "Building 3 unit 1, sorry for the late notice, and building 4 unit 2",
+            "building3/unit1 building4/unit2",
+        ),
+        ("Deliver all units of insulin to building 5 unit 2", "building5/unit2"),
+        ("Fahr zu Gebäude 8 und gib den Schlüssel bei Einheit 2 ab.", "building8/unit2"),
+        ("Haus 3 u. 4", "building3 building4"),
+        ("Lleva el paquete al edificio 6, unidad 3, segunda puerta a la derecha.", "building6/unit3"),
+        ("Lleva esta carta al edificio 6, unidad 3, entre los edificios 5 y 7.", "building6/unit3"),
+        ("Apporte cette lettre au bâtiment 6, unité 3, entre 2 et 4 heures.", "building6/unit3"),
+        ("L'ascenseur du bâtiment 4 est en panne. Le colis va au bâtiment 6, unité 3.", "building6/unit3"),
+        ("请送到5号楼3单元,对面是6号楼。", "building5/unit3"),
+        ("5号楼有4个单元,请送到3单元。", "building5/unit3"),
+        ("5号楼3单元和4单元,8号楼1单元。", "building5/unit3 building5/unit4 building8/unit1"),
+        ("6号棟の向かいの5号棟3号室に届けてください。", "building5/unit3"),
+        ("地下鉄2号線の駅の近くの5号棟3号室に", "building5/unit3"),
+    ]);
+}
+
+#[test]
 fn who_is_not_sure_is_asked() {
     let map = map();
     for text in [

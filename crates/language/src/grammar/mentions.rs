@@ -104,13 +104,13 @@ impl Reading<'_> {
     }
 
     /// The number in `第二个`, which is one word where it stands before things.
-    fn ordinal_determiner(&self, at: usize) -> Option<u32> {
+    pub(crate) fn ordinal_determiner(&self, at: usize) -> Option<u32> {
         let lexeme = self.lexemes.get(at).filter(|lexeme| lexeme.is(Class::Determiner))?;
         let [first, number, ..] = self.tokens.get(lexeme.tokens.clone())? else { return None };
         (first.text == "第").then(|| numbers::numeral(&number.text)).flatten()
     }
 
-    fn is_ordinal(&self, at: usize) -> bool {
+    pub(crate) fn is_ordinal(&self, at: usize) -> bool {
         matches!(self.lex(at), Some(Lex::Number { ordinal: true, .. }))
     }
 
@@ -171,8 +171,11 @@ fn join_ranges(reading: &Reading<'_>, found: &mut Vec<Mention>) {
         // `2号棟から4号棟までのユニット1`
         let is_linked = reading.class(found[i].at.end + 1) == Some(Class::Link)
             && reading.class(found[i - 1].at.end) == Some(Class::NotBefore);
+        let is_behind_building = found[i].level != Level::Building
+            && reading.class(found[i - 1].at.end) == Some(Class::NotBefore)
+            && found[i].at.start == found[i - 1].at.end + 1;
         let range = || range_between(reading, &found[i - 1], &found[i]);
-        if let Some(targets) = (is_for_each || is_linked).then(range).flatten() {
+        if let Some(targets) = (is_for_each || is_linked || is_behind_building).then(range).flatten() {
             let second = found.remove(i);
             let is_behind = reading.class(second.at.end) == Some(Class::Toward);
             let is_headed = found[i - 1].at.start > 0
@@ -233,6 +236,9 @@ fn mention(reading: &Reading<'_>, at: usize, taken: usize, last: Option<&Mention
         Lex::Word(Class::Sign, _) => signed(reading, at, last),
         Lex::Word(class, number_first) => {
             let level = level(*class)?;
+            if is_described(reading, at) {
+                return None;
+            }
             let numbered = || levelled(reading, at, level, *number_first, taken);
             let numbered =
                 if level != Level::Building && is_counted(reading, at) { None } else { numbered() };
@@ -240,6 +246,19 @@ fn mention(reading: &Reading<'_>, at: usize, taken: usize, last: Option<&Mention
         }
         _ => None,
     }
+}
+
+/// `一共有四个单元`, `12棟あります`: how many there are, not which.
+fn is_described(reading: &Reading<'_>, at: usize) -> bool {
+    let text = |at: usize| reading.token(at).map_or("", |token| token.text.as_str());
+    let is_number = |at: usize| matches!(reading.lex(at), Some(Lex::Number { ordinal: false, .. }));
+    if at == 0 || !is_number(at - 1) {
+        return false;
+    }
+    let is_told_behind = text(at + 1) == "あ" && text(at + 2) == "り";
+    let is_counter = text(at) == "个" || matches!(reading.words(at..at + 1), "栋楼" | "幢楼" | "座楼");
+    let is_told_before = at > 1 && matches!(text(at - 2), "有" | "共" | "每");
+    is_told_behind || is_counter && is_told_before
 }
 
 /// `四个单元`, `全四室`: so many units, but `第四个单元` is one.
@@ -453,8 +472,14 @@ fn numbers_after(reading: &Reading<'_>, level: usize) -> Option<(Vec<String>, us
         // `Gebäude 1, 6 und 11 waren geplant`
         // `entrée 1 et 6 pour le bâtiment 11`
         let is_counted = joined && goes_to_a_building(reading, number + 1);
-        let ends_a_list = joined && !pending.is_empty() && reading.lex(number + 1) == Some(&Lex::Unknown);
-        let is_listed = reading.continues_list(number) || before_a_word || ends_a_list;
+        let is_or = reading
+            .token(number.saturating_sub(1))
+            .is_some_and(|token| matches!(token.text.as_str(), "o" | "u" | "ou" | "oder" | "or"));
+        let ends_a_list =
+            joined && !is_or && !pending.is_empty() && reading.lex(number + 1) == Some(&Lex::Unknown);
+        // `unit 2 in building 5 and I will be happy`
+        let is_pronoun = reading.token(number).is_some_and(|token| token.text == "i");
+        let is_listed = !is_pronoun && (reading.continues_list(number) || before_a_word || ends_a_list);
         if !is_listed || is_counted || numbers.len() + pending.len() >= LONGEST_LIST {
             break;
         }

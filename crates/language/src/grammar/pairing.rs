@@ -196,12 +196,18 @@ pub(crate) fn owners(reading: &Reading<'_>, mentions: &[Mention]) -> Vec<Option<
             owners.push(Some(i));
             continue;
         }
+        // Where the number stands before its word a unit comes behind its building.
+        let is_number_first = mentions[i]
+            .at
+            .clone()
+            .any(|at| matches!(reading.lex(at), Some(Lex::Word(Class::Unit | Class::Room, true))));
         let before =
             (0..i).rev().find(is_building).map(|b| (b, gaps[b..i].iter().copied().max().unwrap_or(0)));
         let after = (i + 1..mentions.len())
             .find(is_building)
             .map(|b| (b, gaps[i..b].iter().copied().max().unwrap_or(0)))
-            .filter(|(_, gap)| *gap < FAR);
+            .filter(|(_, gap)| *gap < FAR)
+            .filter(|_| !(is_number_first && before.is_some_and(|(_, gap)| gap < FAR)));
         let owner = match (before, after) {
             (Some(before), Some(after)) if before.1 == after.1 => {
                 if building_first {
@@ -355,19 +361,25 @@ fn is_name(reading: &Reading<'_>, at: usize) -> bool {
 }
 
 fn name_after(reading: &Reading<'_>, mut at: usize) -> Option<std::ops::Range<usize>> {
+    let unit = at;
     while matches!(reading.lex(at), Some(Lex::Comma | Lex::Word(Class::Link | Class::Article, _))) {
         at += 1;
     }
     let length = (at..reading.lexemes.len()).take_while(|i| is_name(reading, *i)).count();
     let unknown = (at..at + length).any(|i| reading.lex(i) == Some(&Lex::Unknown));
-    unknown.then_some(at..at + length)
+    // `unit 2, Wonder Hall.`, but `Einheit 2, Brot für Einheit 4`
+    let is_behind_comma = (unit..at).any(|i| reading.lex(i) == Some(&Lex::Comma));
+    let ends = matches!(
+        reading.lex(at + length),
+        None | Some(Lex::Stop | Lex::Comma | Lex::Dash | Lex::Word(Class::And, _))
+    );
+    (unknown && (ends || !is_behind_comma)).then_some(at..at + length)
 }
 
 fn name_before(reading: &Reading<'_>, unit: usize) -> Option<std::ops::Range<usize>> {
     let mut end = unit;
-    while end > 0
-        && matches!(reading.lex(end - 1), Some(Lex::Comma | Lex::Word(Class::Link | Class::Article, _)))
-    {
+    // `Wonder Hall, unit 2`, but `den Schlüssel bei Einheit 2`
+    while end > 0 && matches!(reading.lex(end - 1), Some(Lex::Comma | Lex::Word(Class::Article, _))) {
         end -= 1;
     }
     let length = (0..end).rev().take_while(|i| is_name(reading, *i)).count();

@@ -190,8 +190,13 @@ fn last(reading: &Reading<'_>, doors: &[Door], at: usize, pairs: &mut Vec<(usize
 /// `A. Before that, B`, `A, and B before that`: B, then A.
 fn earlier(reading: &Reading<'_>, doors: &[Door], at: usize, pairs: &mut Vec<(usize, usize)>) {
     let Some(before) = doors.iter().rposition(|door| door.last <= at) else { return };
-    let begins = at == 0
-        || matches!(reading.lex(at - 1), Some(Lex::Stop | Lex::Comma | Lex::Mark | Lex::Word(Class::And, _)));
+    // `…, but before that …`
+    let opening = (0..at).rev().take_while(|at| reading.class(*at) == Some(Class::Filler)).count();
+    let begins = at == opening
+        || matches!(
+            reading.lex(at - opening - 1),
+            Some(Lex::Stop | Lex::Comma | Lex::Mark | Lex::Word(Class::And, _))
+        );
     let is_near = |door: usize| (at..doors[door].first).all(|at| reading.lex(at) != Some(&Lex::Stop));
     let after = (0..doors.len()).filter(|i| begins && doors[*i].first > at && is_near(*i));
     let count = pairs.len();

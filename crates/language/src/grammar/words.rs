@@ -205,6 +205,8 @@ impl Words {
         }
         let lex = match tokens[at].text.as_str() {
             "," | "，" => Lex::Comma,
+            // `1・2号室`
+            "・" if at > 0 && tokens[at - 1].kind == Kind::Digits => Lex::Word(Class::And, true),
             // `J. Novak`
             "." if is_initial(tokens, at) => Lex::Mark,
             "." | "。" | "!" | "?" | ";" | "；" | "！" | "？" => Lex::Stop,
@@ -225,7 +227,11 @@ impl Words {
                 lexemes.get(at + 1).is_some_and(|l| l.lex == Lex::Unknown)
                     && misspelt_number(text(at + 1), languages).is_some()
             };
-            if lexemes[at].lex == Lex::Unknown && (beside || before_number()) {
+            // `entre 2 et 4 heures`
+            let is_span = is_number(at + 1)
+                && lexemes.get(at + 2).is_some_and(|lexeme| lexeme.is(Class::And))
+                && matches!(lexemes.get(at + 3).map(|l| &l.lex), Some(Lex::Quantity));
+            if lexemes[at].lex == Lex::Unknown && !is_span && (beside || before_number()) {
                 let text = &tokens[lexemes[at].tokens.start].text;
                 if let Some(class) = self.misspelt_level(text, languages) {
                     lexemes[at].lex = Lex::Word(class, false);

@@ -63,7 +63,15 @@ fn corrected(reading: &Reading<'_>, mentions: &[Mention], at: usize) -> Option<u
     let next = mentions.iter().position(|m| m.at.start > at).filter(|next| {
         let from = mentions[*next].at.start;
         let is_parted = (at..from).any(|at| reading.lex(at) == Some(&Lex::Stop));
-        let is_near = from - at <= REACH || !is_instead && !is_parted && from - at <= FAR_REACH;
+        // `Sorry. Building 8`, but not `sorry to be late. Building 8`
+        let begins = (at + 1..from).take_while(|at| reading.lex(*at) != Some(&Lex::Stop)).all(|at| {
+            matches!(
+                reading.lex(at),
+                Some(Lex::Comma | Lex::Mark | Lex::Dash | Lex::Word(Class::Correct | Class::Filler, _))
+            )
+        });
+        let is_near = from - at <= REACH && (begins || !is_parted)
+            || !is_instead && !is_parted && from - at <= FAR_REACH;
         // Of its building and unit the last.
         let is_same_place =
             |i: &usize| mentions.get(*i).is_some_and(|m| m.at.start == mentions[*next].at.end);

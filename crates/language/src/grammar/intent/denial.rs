@@ -13,7 +13,10 @@ const LONGEST_PERSON: usize = 4;
 /// Why a place is not meant, by the words beside it.
 pub(super) fn denial(reading: &Reading<'_>, mention: &Mention) -> Option<Why> {
     if let Some(why) = denied_behind(reading, mention) {
-        return Some(why);
+        // `Vergiss Gebäude 8 nicht!`
+        let is_twice = reading.class(mention.at.end) == Some(Class::Not)
+            && denied_before(reading, mention) == Some(Why::Denied);
+        return (!is_twice).then_some(why);
     }
     let Range { start, end } = mention.at;
     if is_of_the_sender(reading, start)
@@ -30,7 +33,7 @@ fn denied_behind(reading: &Reading<'_>, mention: &Mention) -> Option<Why> {
     let end = mention.at.end;
     let class = |at: usize| reading.class(at);
     let why = match after(reading, end) {
-        Some((Class::NotBefore | Class::Sends, 0)) => Some(Why::Elsewhere),
+        Some((Class::NotBefore | Class::Sends | Class::ExceptBehind, 0)) => Some(Why::Elsewhere),
         Some((Class::Absent, _)) => Some(Why::Elsewhere),
         Some((Class::Dropped, _)) if !is_conditional(reading, mention.at.start) => Some(Why::Denied),
         // `nur der Eingang 3 nicht.`
@@ -62,7 +65,7 @@ fn denied_before(reading: &Reading<'_>, mention: &Mention) -> Option<Why> {
                     .all(|i| matches!(reading.class(i), Some(Class::Article | Class::Determiner)));
                 return (is_object && says_no_place_before(reading, at)).then_some(Why::Denied);
             }
-            Lex::Word(Class::Elsewhere, _) => return Some(Why::Elsewhere),
+            Lex::Word(Class::Elsewhere | Class::Between, _) => return Some(Why::Elsewhere),
             Lex::Word(Class::InFront, _) => {
                 return (mention.level == Level::Building).then_some(Why::Elsewhere);
             }
@@ -125,6 +128,11 @@ fn is_where_to_fetch(reading: &Reading<'_>, from: usize) -> bool {
             Some(Lex::Word(Class::Pickup, _)) => return is_thing || at + 1 == from,
             Some(Lex::Unknown | Lex::Number { .. } | Lex::Word(Class::Item, _)) => is_thing = true,
             Some(Lex::Word(Class::Article | Class::Determiner | Class::Link | Class::Filler, _)) => {}
+            // `récupère le colis au bâtiment 4`
+            Some(Lex::Word(Class::Toward, _))
+                if reading
+                    .token(at)
+                    .is_some_and(|token| matches!(token.text.as_str(), "a" | "au" | "aux")) => {}
             _ => return false,
         }
     }

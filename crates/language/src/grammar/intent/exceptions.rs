@@ -109,6 +109,9 @@ pub(super) fn except_lists(reading: &Reading<'_>, mentions: &[Mention], left_out
 
 /// Whether a word for an exception stands before a place, or before one that it is listed with.
 fn is_excepted(reading: &Reading<'_>, mention: &Mention) -> bool {
+    if reading.class(mention.at.end) == Some(Class::ExceptBehind) {
+        return true;
+    }
     let mut before = (0..mention.at.start).rev().take(REACH);
     let is_passed = |at: usize| {
         matches!(
@@ -117,7 +120,7 @@ fn is_excepted(reading: &Reading<'_>, mention: &Mention) -> bool {
         ) || reading.class(at).is_some_and(is_light)
     };
     let weighty = before.find(|at| !is_passed(*at));
-    weighty.is_some_and(|at| reading.class(at) == Some(Class::Except))
+    weighty.is_some_and(|at| matches!(reading.class(at), Some(Class::Except | Class::Between)))
 }
 
 /// `all units of building 3 but unit 2`

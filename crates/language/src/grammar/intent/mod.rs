@@ -31,6 +31,7 @@ pub(crate) fn meant(reading: &Reading<'_>, mut mentions: Vec<Mention>) -> Vec<Me
     allow_what_is_put_in_order(reading, &mentions, &mut left_out);
     spread(reading, &mentions, &mut left_out);
     except_lists(reading, &mentions, &mut left_out);
+    pass_hints(reading, &mentions, &mut left_out);
     together(reading, &mentions, &mut left_out);
     take_back(reading, &mut mentions, &mut left_out);
     together(reading, &mentions, &mut left_out);
@@ -175,6 +176,29 @@ fn allow_where_to_begin(reading: &Reading<'_>, mentions: &[Mention], left_out: &
     }
 }
 
+/// `unit 2, first door on the left`: an ordinal of another word right behind a unit says how to find it.
+fn pass_hints(reading: &Reading<'_>, mentions: &[Mention], left_out: &mut [Option<Why>]) {
+    let word = |mention: &Mention| {
+        mention.at.clone().find(|at| matches!(reading.class(*at), Some(Class::Unit | Class::Room)))
+    };
+    let text = |at: Option<usize>| at.and_then(|at| reading.token(at)).map(|token| token.text.as_str());
+    for i in 1..mentions.len() {
+        let (unit, hint) = (&mentions[i - 1], &mentions[i]);
+        let are_units = unit.level != Level::Building && hint.level != Level::Building;
+        let is_ordinal =
+            reading.is_ordinal(hint.at.start) || reading.ordinal_determiner(hint.at.start).is_some();
+        let is_other = text(word(unit)) != text(word(hint)) && !reading.is_ordinal(unit.at.start);
+        let mut gap = unit.at.end..hint.at.start;
+        let adds = |at: usize| {
+            matches!(reading.class(at), Some(Class::And | Class::Also | Class::Then | Class::Toward))
+                && reading.token(at).is_none_or(|t| t.text != "、")
+        };
+        if are_units && is_ordinal && is_other && !gap.any(adds) {
+            left_out[i] = Some(Why::Elsewhere);
+        }
+    }
+}
+
 /// `Cancel building 3 unit 1; unit 4 stays`: where a unit is meant its building is, if no other one is.
 fn return_to_units(reading: &Reading<'_>, mentions: &[Mention], left_out: &mut [Option<Why>]) {
     let is_building = |i: &usize| mentions[*i].level == Level::Building;
@@ -218,7 +242,10 @@ fn together(reading: &Reading<'_>, mentions: &[Mention], left_out: &mut [Option<
     };
     let has_unit = |b: usize| (0..mentions.len()).any(|i| i != b && owners[i] == Some(b));
     for building in (0..mentions.len()).filter(|i| is_building(*i)) {
-        let is_own = |i: &usize| !is_building(*i) && owners[*i] == Some(building) && !parted(*i, building);
+        let is_excepted = |i: usize| reading.class(mentions[i].at.end) == Some(Class::ExceptBehind);
+        let is_own = |i: &usize| {
+            !is_building(*i) && owners[*i] == Some(building) && !parted(*i, building) && !is_excepted(*i)
+        };
         let all = (0..mentions.len()).filter(|i| !is_building(*i) && owners[*i] == Some(building)).count();
         let units: Vec<usize> = (0..mentions.len()).filter(is_own).collect();
         let Some(nearest) = units.first() else { continue };

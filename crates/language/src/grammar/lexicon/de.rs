@@ -32,7 +32,8 @@ pub(super) const LEXICON: Lexicon = Lexicon {
             "sobald das erledigt ist", "nächster halt", "nächster stopp", "weiter zu", "weiter zum", "weiter zur",
             "weiter nach", "und weiter zu", "wenn sie dort fertig sind", "erst danach", "erst dann", "und erst danach",
             "und erst dann", "→", "->", "=>", "⇒", "➡", "auf dem rückweg", "weiter mit", "mach weiter mit",
-            "wenn das abgegeben ist", "sobald das abgegeben ist",
+            "wenn das abgegeben ist", "sobald das abgegeben ist", "als zweites", "als zweiter", "als drittes",
+            "als nächster",
         ]),
         (Finally, &[
             "schließe mit", "hör auf bei", "als abschluss", "und ende bei", "letzter halt", "letzte station",
@@ -51,7 +52,7 @@ pub(super) const LEXICON: Lexicon = Lexicon {
         (Before, &[
             "bevor", "ehe", "bevor du zu", "bevor sie zu", "vor der lieferung an", "noch vor der lieferung an",
             "vor der zustellung an", "noch vor der zustellung an", "noch vor", "vor der lieferung in",
-            "vor dem paket für", "noch bevor",
+            "vor dem paket für", "noch bevor", "auf dem weg zu", "auf dem weg zum", "auf dem weg zur",
         ]),
         (After, &[
             "nachdem", "erst nach", "gleich nach", "direkt nach", "im anschluss an", "sobald", "und zwar nach",
@@ -97,6 +98,8 @@ pub(super) const LEXICON: Lexicon = Lexicon {
             "kommt aus", "kommt von", "kommt vom", "stammt aus", "von frau", "von herrn", "eigentlich sollte",
             "ursprünglich", "ich hatte gesagt", "geplant war", "eigentlich war", "auf dem etikett steht",
             "auf dem aufkleber steht", "laut etikett", "ich komme aus", "ich komme von", "ich komme vom",
+            "ich arbeite in", "ich arbeite im", "links von", "rechts von", "kurz nach", "kurz vor", "nicht weit von",
+            "unweit von",
         ]),
         (Same, &[
             "selben gebäude", "im selben gebäude", "selben haus", "im selben haus", "gleichen gebäude",
@@ -129,7 +132,7 @@ pub(super) const LEXICON: Lexicon = Lexicon {
             "umgekehrt", "andersherum", "andersrum", "in umgekehrter reihenfolge", "tausch die reihenfolge",
             "die reihenfolge tauschen", "reihenfolge umdrehen", "dreh die reihenfolge um",
         ]),
-        (Earlier, &["davor", "vorher", "zuvor", "vorab"]),
+        (Earlier, &["davor", "vorher", "zuvor", "vorab", "aber vorher", "aber zuvor", "aber davor"]),
         (Instead, &["stattdessen"]),
         (Sender, &[
             "absender", "absenderin", "absenderadresse", "abholung", "abholort", "von:", "abholadresse",
@@ -154,12 +157,13 @@ pub(super) const LEXICON: Lexicon = Lexicon {
         (Absent, &[
             "haben zu", "hat zu", "ist zu", "ist geschlossen", "hat geschlossen", "geschlossen", "haben geschlossen",
             "ist im urlaub", "sind im urlaub", "steht leer", "ist leer", "ist verreist", "sind verreist", "nicht da",
-            "ist nicht da", "hat dicht", "haben dicht",
+            "ist nicht da", "hat dicht", "haben dicht", "ist kaputt", "ist defekt",
         ]),
         (Also, &["auch"]),
         (Sends, &[
             "schickt", "schicken", "sendet", "verschickt", "geschickt", "abgeschickt", "hat geschickt", "bereit",
         ]),
+        (Between, &["zwischen"]),
         (Item, &[
             "paket", "pakete", "kiste", "kisten", "karton", "kartons", "päckchen", "brief", "briefe", "sendung",
             "essen", "tasche", "buch", "bücher", "medikamente", "blumen", "einkauf", "einkäufe", "lebensmittel",

@@ -30,7 +30,8 @@ pub(super) const LEXICON: Lexicon = Lexicon {
             "solo después", "sólo después", "solo entonces", "y solo después", "→", "->", "=>", "⇒", "➡",
             "a la vuelta", "de vuelta", "al volver", "sigue con", "sigue con el", "sigue con la", "continúa con",
             "siga con", "continúe con", "solo cuando lo hayas entregado", "cuando lo hayas entregado",
-            "cuando la hayas entregado", "al terminar", "cuando lo hayas dejado", "y al terminar",
+            "cuando la hayas entregado", "al terminar", "cuando lo hayas dejado", "y al terminar", "después de eso",
+            "después de esto", "tras eso", "y después de eso", "y de ahí",
         ]),
         (Finally, &[
             "finaliza en", "finalice en", "concluye en", "terminando en", "acabando en", "última parada", "finalmente",
@@ -48,7 +49,7 @@ pub(super) const LEXICON: Lexicon = Lexicon {
             "antes de", "antes de ir", "antes del", "antes de ir a", "antes de ir al", "hasta que", "hasta terminar",
             "hasta terminar con", "hasta acabar", "hasta acabar con", "hasta haber", "antes de pasar por",
             "hasta después de", "antes que", "antes que el", "antes que la", "antes que los", "antes que las",
-            "antes que al",
+            "antes que al", "de camino a", "de camino al",
         ]),
         (After, &[
             "después de", "después del", "tras", "solo después de", "solo después del", "sólo después de",
@@ -87,8 +88,7 @@ pub(super) const LEXICON: Lexicon = Lexicon {
             "no, en realidad", "quise decir", "quería decir", "me confundí", "perdón", "quiero decir", "mejor dicho",
             "digo", "no, perdón", "corrección", "no, espere", "no, espera", "espera", "espere", "no, mejor", "mejor",
             "perdona", "perdone", "me equivoqué", "o mejor", "o más bien", "más bien", "no, digo", "lo siento",
-            "no, quiero decir", "sino", "me he equivocado", "pero es", "pero en realidad es", "debería ser",
-            "tenía que ser", "en realidad es",
+            "no, quiero decir", "sino", "me he equivocado", "pero es", "pero en realidad es", "en realidad es",
         ]),
         (Elsewhere, &[
             "desde", "cerca de", "cerca del", "al lado de", "al lado del", "junto a", "junto al", "frente a",
@@ -98,7 +98,9 @@ pub(super) const LEXICON: Lexicon = Lexicon {
             "le había dicho", "había pedido", "en principio era para", "en principio", "la etiqueta diga",
             "la etiqueta dice", "pensaba mandarlo a", "pensaba enviarlo a", "pensaba mandarlo al", "iba a mandarlo a",
             "iba a mandarlo al", "iba a pedirte que fueras a", "vengo del", "vengo de", "vengo desde", "sale del",
-            "sale de",
+            "sale de", "trabajo en", "trabajo en el", "enfrente de", "enfrente del", "a la derecha de",
+            "a la derecha del", "a la izquierda de", "a la izquierda del", "al otro lado de", "al otro lado del",
+            "encima de", "encima del",
         ]),
         (Same, &[
             "mismo edificio", "del mismo edificio", "el mismo edificio", "en el mismo edificio", "mismo bloque",
@@ -128,7 +130,10 @@ pub(super) const LEXICON: Lexicon = Lexicon {
             "al revés", "en orden inverso", "cambia el orden", "cambie el orden", "invierte el orden",
             "invierta el orden",
         ]),
-        (Earlier, &["antes de eso", "antes de ello", "previamente", "antes de esto"]),
+        (Earlier, &[
+            "antes de eso", "antes de ello", "previamente", "antes de esto", "pero antes", "y antes", "antes deja",
+            "antes pasa", "antes ve", "antes lleva",
+        ]),
         (Instead, &["en su lugar", "en vez de eso", "en lugar de eso"]),
         (Sender, &[
             "remitente", "dirección del remitente", "origen", "recogida", "recogida en", "de:", "desde:",
@@ -136,7 +141,7 @@ pub(super) const LEXICON: Lexicon = Lexicon {
             "llamo desde la", "mi vecino del", "mi vecina del", "soy de", "soy del", "remite", "lo manda",
             "lo manda el", "lo manda la", "la manda", "la manda el", "lo envía", "lo envía el", "lo envía la",
             "la envía", "preparado por", "preparada por", "preparados por", "preparadas por", "hecho por",
-            "hechos por",
+            "hechos por", "soy",
         ]),
         (Except, &["exceptuando", "menos", "excepto", "salvo", "a excepción de", "a excepción del"]),
         (Unsure, &[
@@ -154,10 +159,12 @@ pub(super) const LEXICON: Lexicon = Lexicon {
         (SameUnit, &["misma unidad", "misma entrada", "mismo portal", "misma puerta"]),
         (Absent, &[
             "está cerrado", "está cerrada", "cerrado", "cerrada", "está de vacaciones", "ha cerrado", "están de obras",
-            "está de obras", "está vacío", "está vacía",
+            "está de obras", "está vacío", "está vacía", "no funciona", "está roto", "está rota", "está averiado",
+            "no tiene luz",
         ]),
         (Also, &["también"]),
         (Sends, &["me han dado", "me dieron", "me han dejado"]),
+        (Between, &["entre"]),
         (Item, &[
             "caja", "cajas", "paquete", "paquetes", "comida", "carta", "cartas", "pedido", "envío", "bolsa", "libro",
             "libros", "compra", "medicina", "flores", "artículo", "cosa", "sobre", "pizza", "bulto", "mercancía",
@@ -180,7 +187,7 @@ pub(super) const LEXICON: Lexicon = Lexicon {
             "robot", "destinatario", "destinataria", "destino", "dirección de entrega", "dirección de destino",
             "de inmediato", "pero", "vive", "viven", "que vive", "eso", "en el orden que quieras",
             "en cualquier orden", "en el orden que quiera", "el orden da igual", "da igual el orden", "sin orden",
-            "nada", "no más tarde de", "no más tarde de las", "no más tarde",
+            "nada", "no más tarde de", "no más tarde de las", "no más tarde", "nuevo", "nueva", "nuevos", "nuevas",
         ]),
         (Measure, &[
             "kg", "kilos", "gramos", "g", "metros", "m", "minutos", "horas", "h", "euros", "pm", "am", "veces",

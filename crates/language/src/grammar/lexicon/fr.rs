@@ -8,7 +8,8 @@ pub(super) const LEXICON: Lexicon = Lexicon {
     words: &[
         (Building, &[
             "bâtiment", "bâtiments", "immeuble", "immeubles", "bloc", "blocs", "tour", "tours", "maison", "maisons",
-            "bât", "bât.", "résidence", "imm", "imm.", "bâtim", "bâtim.", "bt", "bt.",
+            "bât", "bât.", "résidence", "imm", "imm.", "bâtim", "bâtim.", "bt", "bt.", "batimen", "batimant",
+            "batimnt", "bâtimen",
         ]),
         (Unit, &[
             "unité", "unités", "entrée", "entrées", "porte", "portes", "cage d'escalier", "escalier", "hall", "halls",
@@ -30,6 +31,7 @@ pub(super) const LEXICON: Lexicon = Lexicon {
             "une fois que c'est livré", "une fois que c'est fait", "une fois livré", "une fois que c'est fini",
             "quand c'est livré", "quand c'est fait", "au retour", "sur le retour", "sur le chemin du retour",
             "continue avec", "continuez avec", "enchaîne avec", "quand c'est fini", "en sortant", "une fois remis",
+            "et de là", "dans la foulée",
         ]),
         (Finally, &[
             "terminer par", "finir par", "conclus par", "en terminant par", "en finissant par", "dernier arrêt",
@@ -46,7 +48,8 @@ pub(super) const LEXICON: Lexicon = Lexicon {
         (Before, &[
             "avant d'être allé", "avant d'être allé au", "avant d'être passé", "avant d'être passé au",
             "avant d'avoir livré", "avant d'avoir fini", "avant", "avant d'aller", "avant de", "avant d'aller à",
-            "avant d'aller au", "tant que", "avant que", "avant d'avoir fait", "jusqu'à ce que", "avant le", "avant la",
+            "avant d'aller au", "tant que", "avant que", "avant d'avoir fait", "jusqu'à ce que", "avant le",
+            "avant la", "sur le chemin du", "sur le chemin de",
         ]),
         (After, &[
             "après", "qu'après", "seulement après", "une fois passé à", "juste après", "une fois passé au",
@@ -89,7 +92,8 @@ pub(super) const LEXICON: Lexicon = Lexicon {
             "initialement", "c'était prévu pour", "prévu pour", "venant du", "venant de", "venant de la",
             "j'allais l'envoyer à", "j'allais l'envoyer au", "je pensais l'envoyer à", "je pensais l'envoyer au",
             "l'étiquette dit", "l'étiquette indique", "étiqueté", "je viens du", "je viens de", "ça part du",
-            "ça part de", "part du",
+            "ça part de", "part du", "je travaille au", "je travaille dans", "je travaille à", "à droite du",
+            "à droite de", "à gauche du", "à gauche de", "de l'autre côté du",
         ]),
         (Same, &[
             "même bâtiment", "du même bâtiment", "le même bâtiment", "dans le même bâtiment", "même immeuble",
@@ -118,14 +122,16 @@ pub(super) const LEXICON: Lexicon = Lexicon {
             "inverse l'ordre", "inversez l'ordre", "dans l'ordre inverse", "l'inverse", "change l'ordre",
             "changez l'ordre", "en sens inverse",
         ]),
-        (Earlier, &["auparavant", "avant cela", "avant ça", "au préalable"]),
+        (Earlier, &[
+            "auparavant", "avant cela", "avant ça", "au préalable", "mais avant", "mais juste avant", "et avant",
+        ]),
         (Instead, &["à la place", "au lieu de cela", "au lieu de ça"]),
         (Sender, &[
             "expéditeur", "expéditrice", "adresse de l'expéditeur", "origine", "retrait", "enlèvement", "de:", "de :",
             "ramassage", "de la part de", "de la part du", "au nom de", "j'appelle du", "j'appelle de",
             "mon voisin du", "ma voisine du", "je suis de", "envoyé par", "envoyée par", "expédié par", "expédiée par",
             "vient de chez", "préparé par", "préparés par", "préparée par", "préparées par", "fabriqué par",
-            "commandé par", "offert par",
+            "commandé par", "offert par", "je suis",
         ]),
         (Except, &["hormis", "excepté", "à part", "à l'exception de", "à l'exception du", "sauf"]),
         (If, &["s'il n'y a personne", "si"]),
@@ -145,9 +151,11 @@ pub(super) const LEXICON: Lexicon = Lexicon {
         (SameUnit, &["même entrée", "même unité", "même porte"]),
         (Absent, &[
             "est fermé", "est fermée", "fermé", "fermée", "est en vacances", "est vide", "est absent", "est absente",
+            "est en panne", "en panne", "est cassé", "est cassée",
         ]),
         (Also, &["aussi"]),
         (Sends, &["envoie", "expédie", "vous envoie"]),
+        (Between, &["entre les", "entre le", "entre la", "entre l'"]),
         (Item, &[
             "colis", "boîte", "boîtes", "paquet", "paquets", "lettre", "lettres", "carton", "cartons", "courrier",
             "repas", "sac", "livre", "livres", "courses", "médicaments", "fleurs", "commande", "article", "livraison",
@@ -205,7 +213,7 @@ pub(super) const LEXICON: Lexicon = Lexicon {
         within_after: &["au plus tard", "maximum"],
         at: &[],
         clock: &["h", "heures", "heure"],
-        half: &[],
+        half: &["et demie"],
         am: &["du matin"],
         pm: &["de l'après-midi", "du soir"],
         noon: &["midi"],

@@ -59,6 +59,10 @@ pub(crate) enum Class {
     Not,
     /// As [`Class::Not`], of some of all: `apart from`, `除了`.
     Except,
+    /// As [`Class::Except`], behind the place: `以外`.
+    ExceptBehind,
+    /// As [`Class::Elsewhere`], for both of two places: `between`.
+    Between,
     /// What follows may be so or not: `if`.
     If,
     /// The sender does not know which of the places is meant: `I'm not sure which`.
