@@ -76,6 +76,8 @@ fn senders_are_no_destinations() {
         ("7号棟3号室の山本さんから預かった荷物を、12号棟2号室に", "building12/unit2"),
         ("Pick up the keys in building 2 and take them to building 5", "building5"),
         ("去2号楼4单元老张家拿一下电钻，送到5号楼1单元", "building5/unit1"),
+        ("Bring den Tisch von Gebäude 3, Einheit 1 zu Gebäude 8, Einheit 2.", "building8/unit2"),
+        ("Lleva la caja de la unidad 2 del edificio 4 a la unidad 3 del edificio 6", "building6/unit3"),
         // Where nothing else is named it is the place after all.
         ("Sender: building 2 unit 4", "building2/unit4"),
     ]);

@@ -8,9 +8,9 @@ use std::ops::Range;
 use openbench_core::Deadline;
 
 use super::lexicon::{Class, LANGUAGES, Times};
-use super::mentions::Reading;
 use super::numbers;
 use super::pairing::Door;
+use super::reading::Reading;
 use super::text::{Kind, Token, tokenize};
 use super::words::{Languages, Lex, Words};
 

@@ -2,8 +2,9 @@
 //! (`to Paldal` for Paldal Hall).
 
 use super::lexicon::Class;
-use super::mentions::{Level, Mention, Reading, Target};
+use super::mentions::{Level, Mention, Target};
 use super::pairing::Door;
+use super::reading::Reading;
 use super::text::condensed;
 use super::words::Lex;
 use crate::gazetteer::Gazetteer;

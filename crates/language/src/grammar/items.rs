@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use super::lexicon::Class;
-use super::mentions::Reading;
 use super::pairing::Door;
+use super::reading::Reading;
 use super::text::Kind;
 use super::words::Lex;
 

@@ -5,8 +5,9 @@ use std::ops::Range;
 use openbench_core::{AddressLevel, Level as AddressKind};
 
 use super::lexicon::Class;
-use super::mentions::{Level, Mention, Reading, Target};
+use super::mentions::{Level, Mention, Target};
 use super::pairing::Door;
+use super::reading::Reading;
 use super::text::spelt;
 use super::words::Lex;
 

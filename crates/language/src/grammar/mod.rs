@@ -1,8 +1,8 @@
 //! The offline planner: a grammar that knows the map. No model, no network, well under a millisecond.
 //!
 //! The instruction passes through `text` (tokens), `names` (the map's own names in it), `words` and `numbers` (lexemes, after the
-//! tables in `lexicon`), `mentions` (buildings and units), `intent` (those that are meant), `pairing` (doors), `items` and
-//! `sequence`, `deadlines`. It understands addresses, not stories: pronouns and conditions are passed over.
+//! tables in `lexicon`), `mentions` (buildings and units, lists of them, all of them), `intent` (those that are meant: not denied, not
+//! taken back, not corrected), `pairing` (doors), `items` and `sequence`, `deadlines`. All of them read a `Reading`. It understands addresses, not stories: pronouns and conditions are passed over.
 
 mod deadlines;
 mod fallback;
@@ -14,6 +14,7 @@ mod mentions;
 mod names;
 mod numbers;
 mod pairing;
+mod reading;
 mod sequence;
 pub(crate) mod text;
 pub(crate) mod words;
@@ -23,8 +24,9 @@ use std::ops::Range;
 use openbench_core::Plan;
 
 use self::lexicon::Class;
-use self::mentions::{Reading, Target};
+use self::mentions::Target;
 use self::names::Found;
+use self::reading::Reading;
 use self::text::{Token, tokenize};
 use self::words::{Languages, Lex, Meaning, Words};
 use crate::arrange::arrange;

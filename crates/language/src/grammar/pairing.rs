@@ -2,7 +2,8 @@
 //! (`unit 1 building 3 unit 2 building 5`).
 
 use super::lexicon::Class;
-use super::mentions::{Level, Mention, Reading, Target};
+use super::mentions::{Level, Mention, Target};
+use super::reading::Reading;
 use super::words::Lex;
 use crate::gazetteer::Gazetteer;
 

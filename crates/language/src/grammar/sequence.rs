@@ -6,8 +6,8 @@ use std::ops::Range;
 
 use super::intent::is_order_after_not;
 use super::lexicon::Class;
-use super::mentions::Reading;
 use super::pairing::Door;
+use super::reading::Reading;
 use super::words::Lex;
 
 /// Pairs (earlier, later) of indices into `doors`.

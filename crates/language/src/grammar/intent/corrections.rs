@@ -3,8 +3,9 @@
 use std::ops::Range;
 
 use super::super::lexicon::Class;
-use super::super::mentions::{Level, Mention, Reading, Target};
+use super::super::mentions::{Level, Mention, Target};
 use super::super::pairing::owners;
+use super::super::reading::Reading;
 use super::super::text::Kind;
 use super::super::words::Lex;
 use super::{REACH, Why, is_light, names};

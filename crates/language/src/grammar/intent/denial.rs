@@ -3,7 +3,8 @@
 use std::ops::Range;
 
 use super::super::lexicon::Class;
-use super::super::mentions::{Level, Mention, Reading};
+use super::super::mentions::{Level, Mention};
+use super::super::reading::Reading;
 use super::super::words::Lex;
 use super::{REACH, Why, after, is_light};
 
@@ -22,6 +23,7 @@ pub(super) fn denial(reading: &Reading<'_>, mention: &Mention) -> Option<Why> {
     if is_of_the_sender(reading, start)
         || is_where_to_fetch(reading, start)
         || is_fetched_behind(reading, end)
+        || is_brought_from(reading, mention)
     {
         return Some(Why::Elsewhere);
     }
@@ -137,6 +139,33 @@ fn is_where_to_fetch(reading: &Reading<'_>, from: usize) -> bool {
         }
     }
     false
+}
+
+/// `von Gebäude 3, Einheit 1 zu Gebäude 8`: a word that ties before a building, and the way to another place right behind it.
+fn is_brought_from(reading: &Reading<'_>, mention: &Mention) -> bool {
+    let text = |at: usize| reading.token(at).map_or("", |token| token.text.as_str());
+    let start = mention.at.start;
+    let is_tied = start > 0 && matches!(text(start - 1), "von" | "vom" | "de" | "del");
+    if mention.level != Level::Building || !is_tied {
+        return false;
+    }
+    let is_unit = |at: &usize| {
+        matches!(
+            reading.lex(*at),
+            Some(Lex::Number { .. } | Lex::Comma | Lex::Word(Class::Unit | Class::Room, _))
+        )
+    };
+    let to = mention.at.end + (mention.at.end..reading.lexemes.len()).take_while(is_unit).count();
+    let place = to + 1 + usize::from(reading.class(to + 1) == Some(Class::Article));
+    // `le colis du bâtiment 4 à l'entrée 2` is of one address.
+    let has_unit =
+        to > mention.at.end || start > 1 && matches!(reading.lex(start - 2), Some(Lex::Number { .. }));
+    let is_place = match reading.lex(place) {
+        Some(Lex::Name(_) | Lex::Word(Class::Building, _)) => true,
+        Some(Lex::Word(Class::Unit, _)) => has_unit,
+        _ => false,
+    };
+    is_place && matches!(reading.class(to), Some(Class::Toward | Class::TowardOrAfter))
 }
 
 /// `去2号楼老张家拿一下电钻`, `図書館で本を受け取って`: in languages that put the verb behind.

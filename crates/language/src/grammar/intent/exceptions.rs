@@ -1,8 +1,9 @@
 //! What is taken back of what was named before, and all units of a building but some.
 
 use super::super::lexicon::Class;
-use super::super::mentions::{Level, Mention, Reading, Target};
+use super::super::mentions::{Level, Mention, Target};
 use super::super::pairing::owners;
+use super::super::reading::Reading;
 use super::super::words::Lex;
 use super::{REACH, Why, after, is_light, is_same_target, names};
 

@@ -8,8 +8,9 @@ use self::corrections::{correct, correct_numbers};
 use self::denial::denial;
 use self::exceptions::{all_but, except, except_lists, take_back};
 use super::lexicon::Class;
-use super::mentions::{Level, Mention, Reading, Target};
+use super::mentions::{Level, Mention, Target};
 use super::pairing::{is_of_the_same, owners};
+use super::reading::Reading;
 use super::words::Lex;
 
 /// Why a mention is left out.
