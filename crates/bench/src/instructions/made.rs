@@ -69,7 +69,7 @@ struct Template {
 /// A door of the estate: numbers of building and unit, from 1.
 type Door = (usize, usize);
 
-/// The instructions of a split from a seed; the unseen ones are all written by hand.
+/// The instructions of a split from a seed; no unseen ones are made from templates.
 ///
 /// # Panics
 /// Never: the built-in templates are sound, as a test shows.

@@ -5,8 +5,8 @@
 //! | [`mod@made`] | instructions from templates, from a seed |
 //! | [`score`] | a planner through all of them |
 //!
-//! What lies in `data/instructions` is built in: instructions written by hand and made ones, in three splits. The development split is there to be looked at, and grows; the test split was written before the grammar was changed for it, the unseen one
-//! without sight of the grammar, and `SHA256SUMS` holds both fixed.
+//! What lies in `data/instructions` is built in: instructions written by hand, made ones, and such as people speak, in three splits. The development split is there to be looked at, and grows; the test split was written before the grammar was changed for it, the unseen one
+//! independently of the grammar, and `SHA256SUMS` holds both fixed.
 
 pub mod made;
 pub mod score;
@@ -22,7 +22,7 @@ use crate::metrics::ExpectedPlan;
 
 const ESTATE: &str = include_str!("../../data/instructions/estate.osm");
 const TOWN: &str = include_str!("../../data/instructions/town.osm");
-/// By hand and made, for each split.
+/// By hand, made, and as people speak.
 const DEVELOPMENT: [&str; 3] = [
     include_str!("../../data/instructions/hand-development.jsonl"),
     include_str!("../../data/instructions/made-development.jsonl"),
@@ -43,7 +43,7 @@ pub enum Split {
     Development,
     /// To measure a planner that was written without it.
     Test,
-    /// The same, and written from a description of the maps alone, without sight of the grammar or of other instructions.
+    /// The same, and written from a description of the maps alone, independent of the grammar and of other instructions.
     Unseen,
 }
 
@@ -253,7 +253,7 @@ mod tests {
     }
 
     #[test]
-    fn no_instruction_is_in_two_splits() {
+    fn no_instruction_is_there_twice() {
         let mut known = BTreeSet::new();
         let all = [Split::Development, Split::Test, Split::Unseen].into_iter().flat_map(built_in);
         let twice: Vec<Case> = all.filter(|case| !known.insert(case.instruction.clone())).collect();

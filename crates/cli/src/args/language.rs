@@ -66,7 +66,7 @@ pub enum SplitArg {
     Development,
     /// To measure a planner with
     Test,
-    /// The same, written without sight of the grammar
+    /// The same, written independently of the grammar
     Unseen,
 }
 

@@ -243,14 +243,12 @@ impl Speaker<'_> {
         Some((length + marker, value))
     }
 
-    /// An hour with no word for it, where nothing else can be meant: `antes de las 10`, or `by 4` at the end of a clause.
+    /// An hour with no word for it, where nothing else can be meant: `antes de las 10`, or `by 4` at the end of a sentence.
     fn bare_hour(&self, tokens: &[Token], marker: usize) -> Option<(usize, u32)> {
         let rest = &tokens[marker..];
         let (length, hour) = self.number(rest).filter(|(_, hour)| *hour <= 24)?;
-        let is_of_hours = matches!(tokens[marker - 1].text.as_str(), "las" | "la");
-        let is_last = rest
-            .get(length)
-            .is_none_or(|next| next.kind == Kind::Mark && !matches!(next.text.as_str(), "-" | ":" | "#"));
+        let is_of_hours = matches!(tokens[marker.checked_sub(1)?].text.as_str(), "las" | "la");
+        let is_last = rest.get(length).is_none_or(|next| matches!(next.text.as_str(), "." | "!" | "?" | ";"));
         let is_by = marker == 1 && tokens[0].text == "by";
         (is_of_hours || is_by && is_last).then(|| (length, self.by_day(hour, 0, None) * 60))
     }

@@ -2,7 +2,7 @@
 //!
 //! The instruction passes through `text` (tokens), `names` (the map's own names in it), `words` and `numbers` (lexemes, after the
 //! tables in `lexicon`), `mentions` (buildings and units, lists of them, all of them), `intent` (those that are meant: not denied, not
-//! taken back, not corrected), `pairing` (doors), `items` and `sequence`, `deadlines`. All of them read a `Reading`. It understands addresses, not stories: pronouns and conditions are passed over.
+//! taken back, not corrected), `pairing` (doors), `items` and `sequence`, `deadlines`. All of them read a `Reading`. It understands addresses, not stories: pronouns are passed over, and conditions where nothing is cancelled in them.
 
 mod deadlines;
 mod fallback;

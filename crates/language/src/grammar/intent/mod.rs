@@ -20,7 +20,7 @@ enum Why {
     Elsewhere,
 }
 
-/// How many words may stand between `not` and the place.
+/// How many words may stand between a place and the word that says what it is to the robot: `not`, `sender`, `pick up`, `if`.
 const REACH: usize = 7;
 /// How many words without weight may stand between a place and what says that it is not meant: `was already cancelled`.
 const TAIL: usize = 4;
@@ -125,7 +125,7 @@ pub(crate) fn is_order_after_not(reading: &Reading<'_>, at: usize) -> bool {
         })
     };
     let next = (at + 1..reading.lexemes.len()).find(|i| is_building(*i) || !goes_on(*i));
-    let is_before_a_place = next.is_some_and(|i| is_building(i) || level_of(reading, i));
+    let is_before_a_place = next.is_some_and(|i| is_building(i) || is_level(reading, i));
     for i in (0..at).rev().take_while(|i| !stops(i)) {
         match reading.class(i) {
             Some(Class::Not) => return is_before_a_place && buildings == 1 && others == 0,
@@ -136,7 +136,7 @@ pub(crate) fn is_order_after_not(reading: &Reading<'_>, at: usize) -> bool {
     false
 }
 
-fn level_of(reading: &Reading<'_>, at: usize) -> bool {
+fn is_level(reading: &Reading<'_>, at: usize) -> bool {
     matches!(reading.class(at), Some(Class::Unit | Class::Room))
 }
 

@@ -144,7 +144,7 @@ pub(super) const LEXICON: Lexicon = Lexicon {
         (Respectively, &["respectively"]),
         (All, &[
             "all", "all of", "every", "every single", "each and every", "all the", "every one of", "each of",
-            "any and all", "all other", "every other", "the other", "the remaining", "all remaining", "the rest of",
+            "any and all", "all other", "the other", "the remaining", "all remaining", "the rest of",
         ]),
         (InOrder, &[
             "in this order", "in that order", "in exactly this order", "in the following order", "in the order given",
@@ -196,7 +196,7 @@ pub(super) const LEXICON: Lexicon = Lexicon {
             "is closed", "are closed", "is closed today", "closed today", "has closed", "is away", "is away today",
             "are away", "is empty", "is vacant", "stand empty", "stands empty", "is out", "are out", "is not home",
             "isn't home", "aren't home", "are not home", "isn't in", "aren't in", "is on holiday", "is on vacation",
-            " is not in", "is broken", "is out of order", "is under repair",
+            "is broken", "is out of order", "is under repair", "is not in",
         ]),
         (Also, &["also", "too"]),
         (Sends, &["sends", "is sending", "are sending", "has sent", "shipped", "speaking"]),

@@ -50,9 +50,9 @@ pub(super) fn numbers_after(reading: &Reading<'_>, level: usize) -> Option<(Vec<
         let before_a_word = plural
             && reading.lex(number + 1) == Some(&Lex::Unknown)
             && matches!(reading.lex(number), Some(Lex::Number { ordinal: false, .. }));
-        // `Gebäude 1, 6 und 11 waren geplant`
         // `entrée 1 et 6 pour le bâtiment 11`
         let is_counted = joined && goes_to_a_building(reading, number + 1);
+        // `Gebäude 1, 6 und 11 waren geplant`
         let is_or = reading
             .token(number.saturating_sub(1))
             .is_some_and(|token| matches!(token.text.as_str(), "o" | "u" | "ou" | "oder" | "or"));

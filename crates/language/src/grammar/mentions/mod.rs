@@ -1,7 +1,8 @@
 //! Which buildings and units an instruction mentions: words for levels with the numbers that belong to them, lists and ranges
 //! of those, the map's own names.
 //!
-//! Numbers without a word for a level are no address, except after `#` and, in [`super::fallback`], where nothing else is there.
+//! Numbers without a word for a level are no address, except after `#`; where they are one all the same (`sorry, 2`, `another for 6, unit 1`, `to 105`) is the matter
+//! of [`super::intent`], [`super::pairing`] and [`super::fallback`].
 
 mod every;
 mod lists;
