@@ -192,9 +192,7 @@ impl Surroundings<'_> {
         let longest = format!("{name}, {}", within.join(", "));
         let names = std::iter::once((*name).clone()).chain(longer).chain([longest]);
         match names.into_iter().find(|name| matches!(all_of(name, map)[..], [_])) {
-            Some(name) => {
-                Choice { name, problem: None, confidence: 1.0, fitting: Vec::new(), places: Vec::new() }
-            }
+            Some(name) => Choice::sure(name),
             None => choice,
         }
     }
@@ -229,8 +227,7 @@ fn by_own_words(choice: Choice, said: &str, map: &OsmMap, gazetteer: &Gazetteer)
     let mut told = tokens.iter().filter_map(|token| only(token.text.chars().collect()));
     match told.next() {
         Some(place) if told.all(|other| other == place) => {
-            let name = map_name(&gazetteer.places[place].name, map);
-            Choice { name, problem: None, confidence: 1.0, fitting: Vec::new(), places: vec![place] }
+            Choice::sure(map_name(&gazetteer.places[place].name, map))
         }
         _ => choice,
     }
@@ -285,6 +282,11 @@ struct Choice {
 }
 
 impl Choice {
+    /// The only one that can be meant.
+    fn sure(name: String) -> Self {
+        Self { name, problem: None, confidence: 1.0, fitting: Vec::new(), places: Vec::new() }
+    }
+
     fn none(name: String, problem: String) -> Self {
         Self { name, problem: Some(problem), confidence: 0.0, fitting: Vec::new(), places: Vec::new() }
     }
@@ -329,13 +331,7 @@ fn building(named: Option<Named>, map: &OsmMap, gazetteer: &Gazetteer) -> Choice
 /// The instruction names no building: the only one is meant.
 fn nameless(gazetteer: &Gazetteer) -> Choice {
     match gazetteer.places.as_slice() {
-        [only] => Choice {
-            name: only.name.clone(),
-            problem: None,
-            confidence: 1.0,
-            fitting: Vec::new(),
-            places: Vec::new(),
-        },
+        [only] => Choice::sure(only.name.clone()),
         _ => Choice::none(
             String::new(),
             "the instruction names a unit but no building; say which building".to_owned(),

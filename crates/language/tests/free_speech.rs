@@ -5,7 +5,7 @@ mod support;
 use openbench_core::TravelTimes;
 use openbench_language::GrammarPlanner;
 use openbench_osm::OsmMap;
-use support::{Flat, Straight, doors, numbered_with_units, plan};
+use support::{Flat, Straight, compare, doors, numbered_with_units, plan};
 
 fn map() -> OsmMap {
     numbered_with_units(12)
@@ -20,18 +20,10 @@ fn check(cases: &[(&str, &str)]) {
 #[track_caller]
 fn check_in_time(cases: &[(&str, &str)], times: &dyn TravelTimes) {
     let map = map();
-    let read = |text: &str| match plan(&GrammarPlanner::new(), &map, times, text) {
+    compare(cases, |text| match plan(&GrammarPlanner::new(), &map, times, text) {
         Ok(plan) => doors(&plan),
         Err(error) => error.to_string(),
-    };
-    let wrong: Vec<String> = cases
-        .iter()
-        .filter(|(instruction, wanted)| read(instruction) != *wanted)
-        .map(|(instruction, wanted)| {
-            format!("{instruction}\n  wanted {wanted}\n  got    {}", read(instruction))
-        })
-        .collect();
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    });
 }
 
 const ALL_OF_3: &str = "building3/unit1 building3/unit2 building3/unit3 building3/unit4";

@@ -4,7 +4,7 @@ mod support;
 
 use openbench_core::{Deadline, MapPoint};
 use openbench_language::{GrammarPlanner, PlanError, PlanRequest, Planner};
-use support::{Flat, Straight, doors, map, named, numbered, plan};
+use support::{Flat, Straight, compare, doors, map, named, numbered, plan};
 
 /// The doors of an instruction on a map with `building1` to `building12`.
 fn read(instruction: &str) -> String {
@@ -13,14 +13,7 @@ fn read(instruction: &str) -> String {
 
 #[track_caller]
 fn check(cases: &[(&str, &str)]) {
-    let wrong: Vec<String> = cases
-        .iter()
-        .filter(|(instruction, wanted)| read(instruction) != *wanted)
-        .map(|(instruction, wanted)| {
-            format!("{instruction}\n  wanted {wanted}\n  got    {}", read(instruction))
-        })
-        .collect();
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    compare(cases, read);
 }
 
 #[test]

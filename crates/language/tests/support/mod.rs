@@ -93,6 +93,18 @@ pub fn doors(plan: &Plan) -> String {
     plan.deliveries.iter().map(door).collect::<Vec<_>>().join(" ")
 }
 
+/// Compares what is read with what is wanted, all cases before it fails.
+#[track_caller]
+pub fn compare(cases: &[(&str, &str)], read: impl Fn(&str) -> String) {
+    let wrong: Vec<String> = cases
+        .iter()
+        .map(|(instruction, wanted)| (instruction, wanted, read(instruction)))
+        .filter(|(_, wanted, got)| got != *wanted)
+        .map(|(instruction, wanted, got)| format!("{instruction}\n  wanted {wanted}\n  got    {got}"))
+        .collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
 /// A chat model that says its lines one after the other and remembers what it was asked.
 pub struct Script {
     lines: Mutex<Vec<String>>,
