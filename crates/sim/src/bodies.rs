@@ -4,8 +4,8 @@
 
 use openbench_core::{MapPoint, Pose2};
 use openbench_scene::SemanticClass;
-use rapier3d::pipeline::PhysicsWorld;
-use rapier3d::prelude::{
+use rapier3d_f64::pipeline::PhysicsWorld;
+use rapier3d_f64::prelude::{
     ColliderBuilder, ColliderHandle, Pose, RigidBodyBuilder, RigidBodyHandle, SharedShape, Vector,
 };
 
@@ -16,7 +16,7 @@ use crate::traffic::{Hull, Mover, figures};
 /// Bodies further from the robot than this take no part, metres: no car's end reaches the robot from there within a leg.
 const NEAR: f64 = 8.0;
 /// Height of a person, metres.
-const PERSON_HEIGHT: f32 = 1.75;
+const PERSON_HEIGHT: f64 = 1.75;
 
 /// A straight piece of a mover's way, from one observation to the next.
 #[derive(Debug, Clone, Copy)]
@@ -50,7 +50,7 @@ impl Bodies {
     /// Adds the body of a mover that is drawn as number `look` of its kind. It takes no part yet.
     pub(crate) fn add(&mut self, world: &mut PhysicsWorld, mover: &Mover, look: u32) {
         let (collider, class) = match mover.hull {
-            Hull::Disc { radius } => (person(radius as f32), SemanticClass::Person),
+            Hull::Disc { radius } => (person(radius), SemanticClass::Person),
             Hull::Box { .. } => (car(look), SemanticClass::Vehicle),
         };
         let collider = collider.friction(0.3).enabled(false);
@@ -96,26 +96,26 @@ impl Bodies {
 }
 
 /// A cylinder on the ground. Those of the engine stand along y.
-fn person(radius: f32) -> ColliderBuilder {
+fn person(radius: f64) -> ColliderBuilder {
     let half = PERSON_HEIGHT / 2.0;
     ColliderBuilder::new(SharedShape::cylinder(half, radius))
         .translation(Vector::new(0.0, 0.0, half))
-        .rotation(Vector::new(std::f32::consts::FRAC_PI_2, 0.0, 0.0))
+        .rotation(Vector::new(std::f64::consts::FRAC_PI_2, 0.0, 0.0))
 }
 
 /// The convex hull of what is drawn: a robot meets a car where its sensors see one.
 fn car(look: u32) -> ColliderBuilder {
     let solid = figures::car(look).solid;
-    let corners: Vec<Vector> = solid.positions.iter().map(|p| Vector::new(p[0], p[1], p[2])).collect();
+    let corners: Vec<Vector> = solid.positions.iter().map(|p| Vector::from_array(p.map(f64::from))).collect();
     ColliderBuilder::new(SharedShape::convex_hull(&corners).expect("a car's corners lie in no plane"))
 }
 
 /// Where a body is after a share of its leg.
 fn pose(leg: &Leg, share: f64) -> Pose {
-    let between = |a: f64, b: f64| (a + share * (b - a)) as f32;
+    let between = |a: f64, b: f64| a + share * (b - a);
     let turned = openbench_core::frames::wrap_angle(leg.to.yaw - leg.from.yaw);
     let (sin, cos) = libm::sincos((leg.from.yaw + share * turned) / 2.0);
-    let rotation = rapier3d::math::Rotation::from_xyzw(0.0, 0.0, sin as f32, cos as f32);
-    let at = Vector::new(between(leg.from.x, leg.to.x), between(leg.from.y, leg.to.y), leg.ground as f32);
+    let rotation = rapier3d_f64::math::Rotation::from_xyzw(0.0, 0.0, sin, cos);
+    let at = Vector::new(between(leg.from.x, leg.to.x), between(leg.from.y, leg.to.y), leg.ground);
     Pose::from_parts(at, rotation)
 }

@@ -11,9 +11,9 @@ use std::sync::Arc;
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
 use openbench_core::{MapPoint, Pose2, Pose3, RobotDescription, Velocity};
 use openbench_scene::{RayCaster, Scene, SemanticClass};
-use rapier3d::geometry::PairContacts;
-use rapier3d::pipeline::PhysicsWorld;
-use rapier3d::prelude::{
+use rapier3d_f64::geometry::PairContacts;
+use rapier3d_f64::pipeline::PhysicsWorld;
+use rapier3d_f64::prelude::{
     ColliderBuilder, ColliderHandle, Pose, RigidBodyBuilder, RigidBodyHandle, SharedShape, TriMeshFlags,
     Vector,
 };
@@ -24,24 +24,24 @@ use crate::traffic::Mover;
 
 /// Physics step, nanoseconds: 400 Hz.
 pub const STEP_NS: u64 = 2_500_000;
-const DT: f32 = STEP_NS as f32 * 1e-9;
-const GRAVITY: f32 = 9.8;
+const DT: f64 = STEP_NS as f64 * 1e-9;
+const GRAVITY: f64 = 9.8;
 /// Mass of chassis and wheels, kg.
-const MASS: f32 = 8.2 + 4.0 * 0.5;
+const MASS: f64 = 8.2 + 4.0 * 0.5;
 /// Wheel hubs relative to the chassis's middle, metres.
-const HUBS: [(f32, f32); 4] = [(0.1, 0.13), (0.1, -0.13), (-0.1, 0.13), (-0.1, -0.13)];
+const HUBS: [(f64, f64); 4] = [(0.1, 0.13), (0.1, -0.13), (-0.1, 0.13), (-0.1, -0.13)];
 /// Spring of one wheel, N/m: 3 mm of travel under the robot's weight.
-const SPRING: f32 = 8000.0;
+const SPRING: f64 = 8000.0;
 /// Damper of one wheel, N s/m.
-const DAMPER: f32 = 160.0;
+const DAMPER: f64 = 160.0;
 /// Free length of the suspension below the hub, wheel radius included, metres.
-const REACH: f32 = 0.065;
+const REACH: f64 = 0.065;
 /// Friction of rubber on asphalt.
-const FRICTION: f32 = 0.9;
+const FRICTION: f64 = 0.9;
 /// Slip at which friction is saturated, m/s.
-const SATURATION: f32 = 0.05;
+const SATURATION: f64 = 0.05;
 /// Lowest point of the body above the ground, metres.
-const CLEARANCE: f32 = 0.045;
+const CLEARANCE: f64 = 0.045;
 
 /// A touch between the robot and something solid, in one physics step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,19 +59,19 @@ pub struct Physics {
     hull: ColliderHandle,
     movers: Bodies,
     classes: Arc<[SemanticClass]>,
-    track: f32,
+    track: f64,
     limits: Limits,
     /// Rim speeds, left and right, m/s.
-    rims: [f32; 2],
-    radius: f32,
-    chassis_height: f32,
+    rims: [f64; 2],
+    radius: f64,
+    chassis_height: f64,
 }
 
 struct Limits {
-    forward: f32,
-    backward: f32,
-    turn: f32,
-    acceleration: f32,
+    forward: f64,
+    backward: f64,
+    turn: f64,
+    acceleration: f64,
 }
 
 /// The solid part of a world as the physics engine wants it: made once, shared by all episodes in it.
@@ -88,7 +88,7 @@ impl Solids {
         if solid.triangles.is_empty() {
             return Err(SimError::NothingSolid);
         }
-        let vertices = solid.positions.iter().map(|p| Vector::new(p[0], p[1], p[2])).collect();
+        let vertices = solid.positions.iter().map(|p| Vector::from_array(p.map(f64::from))).collect();
         let mesh = SharedShape::trimesh_with_flags(vertices, solid.triangles.clone(), TriMeshFlags::empty())
             .map_err(|e| SimError::Mesh(e.to_string()))?;
         Ok(Self { mesh, classes: solid.classes.as_slice().into() })
@@ -109,26 +109,26 @@ impl Physics {
         world.integration_parameters.dt = DT;
         world.insert_collider(ColliderBuilder::new(solids.mesh.clone()).friction(0.3), None);
         let classes = solids.classes.clone();
-        let chassis_height = robot.wheel_radius as f32;
-        let z = ground as f32 + chassis_height;
+        let chassis_height = robot.wheel_radius;
+        let z = ground + chassis_height;
         let (sin, cos) = libm::sincos(start.yaw / 2.0);
-        let rotation = rapier3d::math::Rotation::from_xyzw(0.0, 0.0, sin as f32, cos as f32);
-        let at = Pose::from_parts(Vector::new(start.x as f32, start.y as f32, z), rotation);
+        let rotation = rapier3d_f64::math::Rotation::from_xyzw(0.0, 0.0, sin, cos);
+        let at = Pose::from_parts(Vector::new(start.x, start.y, z), rotation);
         let body = RigidBodyBuilder::dynamic().pose(at).can_sleep(false);
-        let half_height = (robot.height as f32 - CLEARANCE) / 2.0;
+        let half_height = (robot.height - CLEARANCE) / 2.0;
         let middle = CLEARANCE + half_height - chassis_height;
-        let hull = ColliderBuilder::cuboid(robot.length as f32 / 2.0, robot.width as f32 / 2.0, half_height)
+        let hull = ColliderBuilder::cuboid(robot.length / 2.0, robot.width / 2.0, half_height)
             .translation(Vector::new(0.0, 0.0, middle))
             .friction(0.3)
             .mass(MASS);
         let (body, hull) = world.insert(body, hull);
         let limits = Limits {
-            forward: robot.max_forward as f32,
-            backward: robot.max_backward as f32,
-            turn: robot.max_turn as f32,
-            acceleration: robot.max_acceleration as f32,
+            forward: robot.max_forward,
+            backward: robot.max_backward,
+            turn: robot.max_turn,
+            acceleration: robot.max_acceleration,
         };
-        let (track, radius) = (robot.effective_track as f32, robot.wheel_radius as f32);
+        let (track, radius) = (robot.effective_track, robot.wheel_radius);
         Self {
             world,
             body,
@@ -165,48 +165,42 @@ impl Physics {
     pub fn base_link(&self) -> Pose3 {
         let at = self.world.bodies[self.body].position();
         let (t, q) = (at.translation, at.rotation);
-        let rotation = UnitQuaternion::from_quaternion(Quaternion::new(
-            f64::from(q.w),
-            f64::from(q.x),
-            f64::from(q.y),
-            f64::from(q.z),
-        ));
-        let chassis =
-            Pose3::from_parts(Translation3::new(f64::from(t.x), f64::from(t.y), f64::from(t.z)), rotation);
-        chassis * Pose3::translation(0.0, 0.0, -f64::from(self.chassis_height))
+        let rotation = UnitQuaternion::from_quaternion(Quaternion::new(q.w, q.x, q.y, q.z));
+        let chassis = Pose3::from_parts(Translation3::new(t.x, t.y, t.z), rotation);
+        chassis * Pose3::translation(0.0, 0.0, -self.chassis_height)
     }
 
     /// Velocity of the point at `offset` from `base_link` (in its axes), m/s in `map`.
     pub fn velocity_at(&self, offset: Vector3<f64>) -> Vector3<f64> {
         let body = &self.world.bodies[self.body];
         let point = self.base_link() * nalgebra::Point3::from(offset);
-        let v = body.velocity_at_point(Vector::new(point.x as f32, point.y as f32, point.z as f32));
-        Vector3::new(f64::from(v.x), f64::from(v.y), f64::from(v.z))
+        let v = body.velocity_at_point(Vector::new(point.x, point.y, point.z));
+        Vector3::new(v.x, v.y, v.z)
     }
 
     /// Angular velocity, rad/s in `map`.
     pub fn angular_velocity(&self) -> Vector3<f64> {
         let w = self.world.bodies[self.body].angvel();
-        Vector3::new(f64::from(w.x), f64::from(w.y), f64::from(w.z))
+        Vector3::new(w.x, w.y, w.z)
     }
 
     /// Angular speeds of the left and right wheels, rad/s.
     pub fn wheel_speeds(&self) -> [f64; 2] {
-        self.rims.map(|rim| f64::from(rim / self.radius))
+        self.rims.map(|rim| rim / self.radius)
     }
 
     /// What the robot's hull touches now: the impulse of all touches, ascribed to what is touched deepest.
     pub fn contact(&self) -> Option<Contact> {
         let pairs = self.world.narrow_phase.contact_pairs_with(self.hull);
-        let (mut impulse, mut deepest) = (0.0_f32, (f32::INFINITY, SemanticClass::Other));
+        let (mut impulse, mut deepest) = (0.0, (f64::INFINITY, SemanticClass::Other));
         for pair in pairs {
             let PairContacts::Rigid(contacts) = &pair.contacts else { continue };
             let solved = contacts.solver_manifolds().iter().flat_map(|m| &m.points);
-            impulse += solved.map(|p| p.data.impulse).sum::<f32>();
+            impulse += solved.map(|p| p.data.impulse).sum::<f64>();
             for manifold in &contacts.manifolds {
                 let hull_is_second = pair.collider2 == self.hull;
                 let triangle = if hull_is_second { manifold.subshape1 } else { manifold.subshape2 } as usize;
-                let depth = manifold.points.iter().map(|p| p.dist).fold(f32::INFINITY, f32::min);
+                let depth = manifold.points.iter().map(|p| p.dist).fold(f64::INFINITY, f64::min);
                 if depth < deepest.0 {
                     let other = if hull_is_second { pair.collider1 } else { pair.collider2 };
                     let standing = || self.classes.get(triangle).copied().unwrap_or(SemanticClass::Other);
@@ -214,7 +208,7 @@ impl Physics {
                 }
             }
         }
-        (impulse > 0.0).then_some(Contact { class: deepest.1, impulse: f64::from(impulse) })
+        (impulse > 0.0).then_some(Contact { class: deepest.1, impulse })
     }
 
     /// The body's state as bytes, for the hash chain.
@@ -230,7 +224,7 @@ impl Physics {
 
     /// Brings the rims' speeds towards what the wanted velocity asks for, as fast as the motors can.
     fn drive(&mut self, wanted: Velocity) {
-        let finite = |v: f64| if v.is_finite() { v as f32 } else { 0.0 };
+        let finite = |v: f64| if v.is_finite() { v } else { 0.0 };
         let linear = finite(wanted.linear).clamp(-self.limits.backward, self.limits.forward);
         let turn = finite(wanted.angular).clamp(-self.limits.turn, self.limits.turn) * self.track / 2.0;
         let change = self.limits.acceleration * DT;
@@ -251,11 +245,13 @@ impl Physics {
             // From a little above the hub, so that a wheel pressed into the ground still finds it.
             let lift = 0.05;
             let (from, down) = (hub + up * lift, up * -1.0);
-            let hit = caster.solid().cast([from.x, from.y, from.z], [down.x, down.y, down.z], REACH + lift);
+            let single = |v: Vector| v.to_array().map(|c| c as f32);
+            let hit = caster.solid().cast(single(from), single(down), (REACH + lift) as f32);
             let Some(hit) = hit else { continue };
-            let foot = from + down * hit.distance;
+            let distance = f64::from(hit.distance);
+            let foot = from + down * distance;
             let velocity = body.velocity_at_point(foot);
-            let travel = REACH + lift - hit.distance;
+            let travel = REACH + lift - distance;
             let load = (SPRING * travel - DAMPER * velocity.dot(up)).clamp(0.0, 400.0);
             let slip_x = velocity.dot(forward) - self.rims[i % 2];
             let slip_y = velocity.dot(left);
