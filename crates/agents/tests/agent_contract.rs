@@ -56,7 +56,7 @@ const MAP: &str = r#"<osm version="0.6">
 fn briefing(map: &[u8], instruction: &str) -> Briefing {
     Briefing {
         map_osm: map.to_vec(),
-        georeference: Georeference::TangentPlane(LonLat::new(8.0, 50.0)),
+        georeference: Georeference::tangent_plane(LonLat::new(8.0, 50.0)),
         goal: Goal::Instruction(instruction.to_owned()),
         start: Pose2::new(-8.0, 3.0, 0.0),
         robot: RobotDescription::sentry(),

@@ -211,6 +211,9 @@ impl Run<'_> {
             let before = self.pose();
             self.simulator.step(velocity);
             self.after_step(velocity, before, truth);
+            if let Some(how) = self.simulator.left_world() {
+                self.fail_rest(FailureCause::LeftWorld, &how.to_string());
+            }
         }
     }
 

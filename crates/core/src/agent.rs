@@ -159,6 +159,8 @@ pub enum FailureCause {
     WrongPlace,
     /// The agent itself failed.
     AgentError,
+    /// The robot left the ground of the world or lies on its side.
+    LeftWorld,
 }
 
 impl fmt::Display for FailureCause {
@@ -176,6 +178,7 @@ impl fmt::Display for FailureCause {
             Self::NotDeclared => "not declared",
             Self::WrongPlace => "wrong place",
             Self::AgentError => "agent failed",
+            Self::LeftWorld => "left the world",
         })
     }
 }

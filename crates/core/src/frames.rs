@@ -143,14 +143,74 @@ pub enum Georeference {
         /// Added to the northing, metres.
         offset_y: f64,
     },
-    /// The plane that touches the WGS 84 ellipsoid at a point, which is the map's origin.
-    TangentPlane(LonLat),
+    /// The plane that touches the WGS 84 ellipsoid at a point: `map = (east, north) + offset`.
+    TangentPlane {
+        /// Where the plane touches.
+        at: LonLat,
+        /// Added to the metres east of that point.
+        offset_x: f64,
+        /// Added to the metres north of that point.
+        offset_y: f64,
+    },
+}
+
+/// Local origins lie on a lattice of this spacing in the plane of the projection, metres. They depend on the place alone
+/// and not on the false origin that a map came with.
+const LATTICE_M: f64 = 100.0;
+
+impl Georeference {
+    /// The tangent plane whose origin is the point at which it touches.
+    pub const fn tangent_plane(at: LonLat) -> Self {
+        Self::TangentPlane { at, offset_x: 0.0, offset_y: 0.0 }
+    }
+
+    /// The false origin: metres that are added to the coordinates of the projection.
+    pub const fn offset(&self) -> MapPoint {
+        match *self {
+            Self::Utm { offset_x, offset_y, .. } | Self::TangentPlane { offset_x, offset_y, .. } => {
+                MapPoint::new(offset_x, offset_y)
+            }
+        }
+    }
+
+    /// The same projection with its origin within 71 m of `point`, which is given in this frame.
+    ///
+    /// ```
+    /// use openbench_core::{Georeference, MapPoint};
+    /// let raw: Georeference = "utm:32N,0,0".parse().unwrap();
+    /// let local = raw.about(MapPoint::new(373_012.0, 4_843_960.0));
+    /// assert_eq!(local.to_string(), "utm:32N,-373000,-4844000");
+    /// ```
+    #[must_use]
+    pub fn about(self, point: MapPoint) -> Self {
+        let offset = self.offset();
+        // Subtracted from zero, since -0 would print with its sign.
+        let nearest = |metres: f64| 0.0 - libm::round(metres / LATTICE_M) * LATTICE_M;
+        let (x, y) = (nearest(point.x - offset.x), nearest(point.y - offset.y));
+        match self {
+            Self::Utm { zone, north, .. } => Self::Utm { zone, north, offset_x: x, offset_y: y },
+            Self::TangentPlane { at, .. } => Self::TangentPlane { at, offset_x: x, offset_y: y },
+        }
+    }
+
+    /// How far `point`, given in this frame, lies from where the projection keeps lengths: UTM's central meridian, or
+    /// the point at which the plane touches. Metres.
+    pub fn distance_from_true_scale(&self, point: MapPoint) -> f64 {
+        /// UTM's easting of its central meridian, metres.
+        const CENTRAL_EASTING: f64 = 500_000.0;
+        let offset = self.offset();
+        let plane = MapPoint::new(point.x - offset.x, point.y - offset.y);
+        match self {
+            Self::Utm { .. } => (plane.x - CENTRAL_EASTING).abs(),
+            Self::TangentPlane { .. } => plane.distance(MapPoint::default()),
+        }
+    }
 }
 
 /// A georeference in words that cannot be read.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(
-    "`{0}` is no georeference; write `utm:50N,-500000,-4483000` (zone, offset added to easting and northing) or `tangent:LON,LAT`"
+    "`{0}` is no georeference; write `utm:50N,-500000,-4483000` (zone, offset added to easting and northing), `tangent:LON,LAT` or `tangent:LON,LAT,X,Y` (offset added to metres east and north)"
 )]
 pub struct GeoreferenceError(pub String);
 
@@ -176,9 +236,15 @@ fn parse_georeference(text: &str) -> Option<Georeference> {
             let zone: u8 = zone[..zone.len() - 1].parse().ok().filter(|z| (1..=60).contains(z))?;
             Some(Georeference::Utm { zone, north, offset_x: number(dx)?, offset_y: number(dy)? })
         }
-        ("tangent", [lon, lat]) => {
+        ("tangent", [lon, lat, offset @ ..]) => {
             let at = LonLat::new(number(lon)?, number(lat)?);
-            (at.lon.abs() <= 180.0 && at.lat.abs() < 90.0).then_some(Georeference::TangentPlane(at))
+            let (offset_x, offset_y) = match offset {
+                [] => (0.0, 0.0),
+                [x, y] => (number(x)?, number(y)?),
+                _ => return None,
+            };
+            let on_earth = at.lon.abs() <= 180.0 && at.lat.abs() < 90.0;
+            on_earth.then_some(Georeference::TangentPlane { at, offset_x, offset_y })
         }
         _ => None,
     }
@@ -190,7 +256,12 @@ impl fmt::Display for Georeference {
             Self::Utm { zone, north, offset_x, offset_y } => {
                 write!(f, "utm:{zone}{},{offset_x},{offset_y}", if *north { 'N' } else { 'S' })
             }
-            Self::TangentPlane(at) => write!(f, "tangent:{},{}", at.lon, at.lat),
+            Self::TangentPlane { at, offset_x: 0.0, offset_y: 0.0 } => {
+                write!(f, "tangent:{},{}", at.lon, at.lat)
+            }
+            Self::TangentPlane { at, offset_x, offset_y } => {
+                write!(f, "tangent:{},{},{offset_x},{offset_y}", at.lon, at.lat)
+            }
         }
     }
 }
@@ -201,7 +272,12 @@ mod tests {
 
     #[test]
     fn georeference_words_round_trip() {
-        for text in ["utm:50N,-500000,-4483000", "utm:1S,0,0.5", "tangent:127.04,37.28"] {
+        for text in [
+            "utm:50N,-500000,-4483000",
+            "utm:1S,0,0.5",
+            "tangent:127.04,37.28",
+            "tangent:127.04,37.28,5,-0.25",
+        ] {
             assert_eq!(text.parse::<Georeference>().unwrap().to_string(), text);
         }
     }
@@ -216,11 +292,29 @@ mod tests {
             "utm:N,0,0",
             "utm:50N,0",
             "tangent:0,90",
+            "tangent:0,9,1",
+            "tangent:0,9,1,2,3",
             "utm:50N,nan,0",
             "utm:é,0,0",
         ] {
             let error = text.parse::<Georeference>().unwrap_err().to_string();
             assert!(error.contains("utm:50N"), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_local_origin_depends_on_the_place_and_not_on_the_false_origin() {
+        for moved in [0.0, 5e3, 5e5, 5e6] {
+            for text in ["utm:33N,0,0", "tangent:15.6,48.4"] {
+                let plane: Georeference = text.parse().unwrap();
+                let shifted = plane.about(MapPoint::new(moved, -moved));
+                let offset = shifted.offset();
+                let point = MapPoint::new(544_633.0 + offset.x, 5_362_345.0 + offset.y);
+                let local = shifted.about(point);
+                assert_eq!(local, plane.about(MapPoint::new(544_633.0, 5_362_345.0)));
+                let near = MapPoint::new(544_633.0 + local.offset().x, 5_362_345.0 + local.offset().y);
+                assert!(near.distance(MapPoint::default()) < 71.0, "{near}");
+            }
         }
     }
 

@@ -136,7 +136,7 @@ fn a_building_that_the_map_lacks_is_looked_for_in_its_street() {
         <way id="1"><nd ref="1"/><nd ref="2"/><tag k="highway" v="residential"/><tag k="name" v="Oak Street"/></way>
         </osm>"#;
     let data = OsmData::from_xml(xml.as_bytes()).unwrap();
-    let map = OsmMap::new(&data, Georeference::TangentPlane(LonLat::new(0.0, 0.0)));
+    let map = OsmMap::new(&data, Georeference::tangent_plane(LonLat::new(0.0, 0.0)));
     let delivery = understood(&map, "The box to unit 1, building 7, Oak Street");
     assert!(delivery.problem.is_some());
     assert_eq!((levels(&delivery).as_str(), delivery.levels[0].level), ("Oak Street", Level::Street));

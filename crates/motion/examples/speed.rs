@@ -134,7 +134,7 @@ fn costmaps() -> Result<(), Failure> {
 }
 
 fn costmap(what: &str, posts: impl Iterator<Item = MapPoint>) -> Result<(), Failure> {
-    let map = OsmMap::new(&OsmData::default(), Georeference::TangentPlane(LonLat::new(8.0, 50.0)));
+    let map = OsmMap::new(&OsmData::default(), Georeference::tangent_plane(LonLat::new(8.0, 50.0)));
     let robot = RobotDescription::sentry();
     let corner = MapPoint::new(200.0, 200.0);
     let mut costmap = Costmap::new(&map, MapPoint::default(), corner, &robot)?;

@@ -177,7 +177,7 @@ mod tests {
     }
 
     fn look_up(data: &OsmData, building: &str, unit: Option<&str>) -> Location {
-        let map = OsmMap::new(data, Georeference::TangentPlane(LonLat::new(0.0, 0.0)));
+        let map = OsmMap::new(data, Georeference::tangent_plane(LonLat::new(0.0, 0.0)));
         locate(&map, &Address { building: building.into(), unit: unit.map(str::to_owned) })
     }
 

@@ -76,7 +76,7 @@ pub fn merge_entrances(base: &mut OsmData, from: &OsmData) -> usize {
         if base.nodes.get(&node.id) == Some(node) || !base.has(*host) {
             continue;
         }
-        let plane = Projection::new(Georeference::TangentPlane(node.position));
+        let plane = Projection::new(Georeference::tangent_plane(node.position));
         merged += usize::from(put_door(base, &plane, *host, MapPoint::default(), node.tags.clone()).is_ok());
     }
     merged
@@ -295,7 +295,7 @@ fn without(data: &OsmData, way: &Way, node: i64) -> Option<Vec<i64>> {
 /// Whether `node` lies on the straight line between its neighbours; `None` if the data lacks one of them.
 fn is_straight(data: &OsmData, before: i64, node: i64, after: i64) -> Option<bool> {
     let position = |id: i64| data.nodes.get(&id).map(|node| node.position);
-    let plane = Projection::new(Georeference::TangentPlane(position(node)?));
+    let plane = Projection::new(Georeference::tangent_plane(position(node)?));
     let (a, b) = (plane.to_map(position(before)?), plane.to_map(position(after)?));
     let here = MapPoint::default();
     Some(nearest_on_segment(a, b, here).0.distance(here) <= CORNER)
@@ -354,7 +354,7 @@ mod tests {
     use crate::address::{Location, locate};
     use crate::map::OsmMap;
 
-    const ORIGIN: Georeference = Georeference::TangentPlane(LonLat::new(0.0, 0.0));
+    const ORIGIN: Georeference = Georeference::tangent_plane(LonLat::new(0.0, 0.0));
     const COURT: ElementId = ElementId::relation(40);
     const HOUSE: ElementId = ElementId::way(24);
 

@@ -338,7 +338,7 @@ mod tests {
 
     fn court() -> OsmMap {
         let data = OsmData::from_xml(include_bytes!("../tests/fixtures/court.osm")).unwrap();
-        OsmMap::new(&data, Georeference::TangentPlane(LonLat::new(0.0, 0.0)))
+        OsmMap::new(&data, Georeference::tangent_plane(LonLat::new(0.0, 0.0)))
     }
 
     #[test]

@@ -56,7 +56,9 @@ impl Projection {
                 let south = if north { 0.0 } else { FALSE_NORTHING_SOUTH };
                 Plane::Utm(Utm::new(zone, FALSE_EASTING + offset_x, south + offset_y))
             }
-            Georeference::TangentPlane(origin) => Plane::Tangent(Tangent::new(origin)),
+            Georeference::TangentPlane { at, offset_x, offset_y } => {
+                Plane::Tangent(Tangent::new(at, MapPoint::new(offset_x, offset_y)))
+            }
         };
         Self { georeference, plane }
     }
@@ -225,6 +227,7 @@ const BETA: [&[f64]; 6] = [
 /// The plane that touches the ellipsoid at `origin`.
 #[derive(Debug, Clone, PartialEq)]
 struct Tangent {
+    offset: MapPoint,
     origin: [f64; 3],
     east: [f64; 3],
     north: [f64; 3],
@@ -232,10 +235,11 @@ struct Tangent {
 }
 
 impl Tangent {
-    fn new(origin: LonLat) -> Self {
+    fn new(origin: LonLat, offset: MapPoint) -> Self {
         let (sin_lon, cos_lon) = libm::sincos(origin.lon.to_radians());
         let (sin_lat, cos_lat) = libm::sincos(origin.lat.to_radians());
         Self {
+            offset,
             origin: on_ellipsoid(origin),
             east: [-sin_lon, cos_lon, 0.0],
             north: [-sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat],
@@ -246,7 +250,7 @@ impl Tangent {
     fn forward(&self, position: LonLat) -> MapPoint {
         let p = on_ellipsoid(position);
         let d = [p[0] - self.origin[0], p[1] - self.origin[1], p[2] - self.origin[2]];
-        MapPoint::new(dot(d, self.east), dot(d, self.north))
+        MapPoint::new(dot(d, self.east) + self.offset.x, dot(d, self.north) + self.offset.y)
     }
 
     /// Follows the origin's vertical from the plane down to the ellipsoid. A point beyond the Earth's rim is taken to the
@@ -254,8 +258,8 @@ impl Tangent {
     fn inverse(&self, point: MapPoint) -> LonLat {
         // Where z is stretched so that the ellipsoid is a sphere of radius A, the line meets it at the larger root.
         let stretch = 1.0 / (1.0 - F);
-        let start =
-            std::array::from_fn(|i| self.origin[i] + point.x * self.east[i] + point.y * self.north[i]);
+        let (x, y) = (point.x - self.offset.x, point.y - self.offset.y);
+        let start = std::array::from_fn(|i| self.origin[i] + x * self.east[i] + y * self.north[i]);
         let [p, v] = [start, self.up].map(|[x, y, z]: [f64; 3]| [x, y, z * stretch]);
         let (a, b, c) = (dot(v, v), dot(p, v), dot(p, p) - A * A);
         // -c / (b + root), not (root - b) / a: no digits cancel near the origin.
@@ -314,7 +318,7 @@ mod tests {
 
     #[test]
     fn the_tangent_plane_is_east_and_north_of_its_point() {
-        let plane = Projection::new(Georeference::TangentPlane(LonLat::new(127.0457, 37.2823)));
+        let plane = Projection::new(Georeference::tangent_plane(LonLat::new(127.0457, 37.2823)));
         assert_eq!(plane.to_map(LonLat::new(127.0457, 37.2823)), MapPoint::default());
         near(plane.to_map(LonLat::new(127.05, 37.29)), MapPoint::new(381.29168539135, 854.57786434398), 1e-7);
         near(plane.to_map(LonLat::new(127.5, 36.9)), MapPoint::new(40490.472813773, -42329.854243405), 1e-6);
@@ -359,9 +363,11 @@ mod tests {
         }
 
         #[test]
-        fn tangent_plane_there_and_back(lon in -179.0f64..179.0, lat in -89.0f64..89.0, x in -2e5f64..2e5, y in -2e5f64..2e5) {
-            let projection = Projection::new(Georeference::TangentPlane(LonLat::new(lon, lat)));
-            let point = MapPoint::new(x, y);
+        fn tangent_plane_there_and_back(lon in -179.0f64..179.0, lat in -89.0f64..89.0, x in -2e5f64..2e5, y in -2e5f64..2e5, offset in -5e6f64..5e6) {
+            let at = LonLat::new(lon, lat);
+            let plane = Georeference::TangentPlane { at, offset_x: offset, offset_y: -offset };
+            let projection = Projection::new(plane);
+            let point = MapPoint::new(x + offset, y - offset);
             prop_assert!(projection.to_map(projection.to_lonlat(point)).distance(point) < 1e-7);
         }
     }

@@ -9,7 +9,7 @@ const COURT: &[u8] = include_bytes!("fixtures/court.osm");
 /// Reads, builds the map, edits and writes: nothing of it may panic.
 fn survive(bytes: &[u8]) {
     if let Ok(data) = OsmData::from_bytes(bytes) {
-        let map = OsmMap::new(&data, Georeference::TangentPlane(LonLat::new(0.0, 0.0)));
+        let map = OsmMap::new(&data, Georeference::tangent_plane(LonLat::new(0.0, 0.0)));
         map.nearest_building(map.projection.to_map(LonLat::new(0.0, 0.0)));
         without_doors(&data).to_xml();
     }
@@ -61,7 +61,7 @@ fn a_small_file_does_not_make_a_huge_map() {
         text += &format!("<relation id='{i}'><member type='way' ref='1' role='outer'/>{tags}</relation>");
     }
     let data = OsmData::from_xml((text + "</osm>").as_bytes()).unwrap();
-    let map = OsmMap::new(&data, Georeference::TangentPlane(LonLat::new(0.0, 0.0)));
+    let map = OsmMap::new(&data, Georeference::tangent_plane(LonLat::new(0.0, 0.0)));
     let points: usize = map.buildings.iter().map(|b| b.polygon.outer.len()).sum();
     let words: usize = map.roads.iter().map(|r| r.tags.get("name").map_or(0, str::len)).sum();
     assert!(points < 3_000_000 && words < 60_000_000, "{points} points, {words} letters");

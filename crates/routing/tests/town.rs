@@ -24,7 +24,7 @@ struct Town {
 impl Town {
     fn new(profile: &str, more: &str) -> Self {
         let data = OsmData::from_xml(TOWN.replace("MORE", more).as_bytes()).unwrap();
-        let projection = Projection::new(Georeference::TangentPlane(LonLat::new(0.0, 0.0)));
+        let projection = Projection::new(Georeference::tangent_plane(LonLat::new(0.0, 0.0)));
         let profile = Profile::named(profile).unwrap();
         Self { router: MapRouter::new(&data, projection.clone(), profile).unwrap(), projection }
     }
@@ -217,7 +217,7 @@ fn turning_round_at_a_barrier_takes_no_longer_than_it_counts() {
         r#"<nd ref="2"/><nd ref="90"/><nd ref="3"/><nd ref="4"/>"#,
     );
     let data = OsmData::from_xml(town.replace("MORE", blocked).as_bytes()).unwrap();
-    let projection = Projection::new(Georeference::TangentPlane(LonLat::new(0.0, 0.0)));
+    let projection = Projection::new(Georeference::tangent_plane(LonLat::new(0.0, 0.0)));
     let router = MapRouter::new(&data, projection.clone(), Profile::named("car").unwrap()).unwrap();
     let at = |(lon, lat): (f64, f64)| projection.to_map(LonLat::new(lon, lat));
     let route = router.route(at(WEST), at(NORTH)).unwrap();

@@ -14,7 +14,7 @@ pub struct World {
     pub scene: Scene,
     /// The public map: ordinary OSM, in which doors may be missing.
     pub map: OsmData,
-    /// How the `map` frame lies on the Earth.
+    /// How the `map` frame lies on the Earth. Its origin is near the start.
     pub georeference: Georeference,
     /// Where robots start.
     pub start: Pose2,

@@ -6,10 +6,10 @@ use std::time::Instant;
 mod maps;
 
 use maps::{map_of, row_of_houses};
-use openbench_core::{MapPoint, Pose2};
+use openbench_core::{Georeference, MapPoint, Pose2};
 use openbench_osm::{OsmData, OsmMap, Tags};
 use openbench_scene::generate::{GenerateOptions, builtin, builtin_names, generate};
-use openbench_scene::{Scene, SemanticClass, World};
+use openbench_scene::{RayCaster, Scene, SemanticClass, World};
 
 fn world(name: &str, seed: u64) -> World {
     builtin(name, seed).unwrap().unwrap()
@@ -338,4 +338,47 @@ fn maps_of_real_places_become_worlds() {
         worlds += 1;
     }
     assert!(worlds > 0);
+}
+
+/// Ranges from the same places of a world, given from its start.
+fn ranges_about_the_start(world: &World) -> Vec<Option<f32>> {
+    let caster = RayCaster::new(std::sync::Arc::new(world.scene.clone()));
+    let start = world.start.point();
+    let places = (0..40).map(|i| start.offset(f64::from(i) * 0.7, f64::from(i)));
+    let cast = |from: MapPoint| {
+        (0..36).map(move |k| {
+            let (sin, cos) = libm::sincos(f64::from(k) * 0.1745);
+            (from, [cos as f32, sin as f32, 0.05])
+        })
+    };
+    let rays = places.flat_map(cast);
+    rays.map(|(from, direction)| {
+        caster.cast([from.x as f32, from.y as f32, 0.3], direction, 50.0).map(|hit| hit.distance)
+    })
+    .collect()
+}
+
+#[test]
+fn a_false_origin_anywhere_gives_the_same_world() {
+    let (data, _) = maps::row_of_houses(6, &[("highway", "residential")], &[("building", "yes")]);
+    let plane = openbench_osm::default_georeference(&data).unwrap();
+    let Georeference::Utm { zone, north, offset_x, offset_y } = plane else { panic!("{plane}") };
+    let at = |metres: f64| {
+        let (offset_x, offset_y) = (offset_x + metres, offset_y - metres);
+        let moved = Georeference::Utm { zone, north, offset_x, offset_y };
+        generate(&data, moved, 4, &GenerateOptions::default()).unwrap()
+    };
+    let here = at(0.0);
+    let expected = ranges_about_the_start(&here);
+    assert!(expected.iter().flatten().count() > 100, "the rays must meet something");
+    for metres in [5e3, 5e5, 5e6] {
+        let there = at(metres);
+        assert!(there.start.point().distance(MapPoint::default()) < 600.0, "{:?}", there.start);
+        assert!(there.warnings.iter().any(|w| w.contains("far from the start")), "{:?}", there.warnings);
+        assert_eq!(there.scene.triangles.len(), here.scene.triangles.len());
+        for (a, b) in expected.iter().zip(ranges_about_the_start(&there)) {
+            let apart = a.zip(b).map(|(a, b)| (a - b).abs());
+            assert!(apart.map_or(*a == b, |apart| apart < 1e-4), "{a:?} against {b:?}");
+        }
+    }
 }

@@ -30,7 +30,7 @@ pub mod simulator;
 pub mod traffic;
 
 pub use render::{Labels, Renderer, View};
-pub use simulator::{Collision, OBSERVATION_NS, Simulator, Stage};
+pub use simulator::{Collision, LeftWorld, OBSERVATION_NS, Simulator, Stage};
 
 /// Why a world cannot be simulated.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -46,6 +46,22 @@ pub struct Collision {
     pub cut_off: bool,
 }
 
+/// Why the robot can no longer take part in an episode.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum LeftWorld {
+    /// No ground is under it, or it has fallen off the ground.
+    #[error("the robot drove off the ground of the world")]
+    OffTheGround,
+    /// It lies on its side or back.
+    #[error("the robot has tipped over")]
+    TippedOver,
+}
+
+/// So far below the ground of its start the robot has fallen off, metres.
+const FALLEN_M: f64 = 2.0;
+/// Cosine of the tilt beyond which the robot's wheels carry it no more: 60 degrees.
+const TIPPED_COSINE: f64 = 0.5;
+
 /// A world prepared for simulation: shared by all episodes in it.
 #[derive(Debug, Clone)]
 pub struct Stage {
@@ -94,6 +110,8 @@ pub struct Simulator {
     stage: Stage,
     robot: RobotDescription,
     physics: Physics,
+    /// Height of the ground at the start, metres.
+    ground: f64,
     imu: Imu,
     encoders: Encoders,
     lidar: Lidar,
@@ -130,6 +148,7 @@ impl Simulator {
             stage,
             robot,
             physics,
+            ground,
             imu,
             encoders: Encoders::default(),
             lidar,
@@ -240,6 +259,15 @@ impl Simulator {
     /// The truth: the scene as it is now.
     pub fn snapshot(&self) -> Snapshot<'_> {
         self.stage.snapshot(&self.movers)
+    }
+
+    /// The truth: whether the robot left the world, and how.
+    pub fn left_world(&self) -> Option<LeftWorld> {
+        let base = self.base_link();
+        if (base.rotation * nalgebra::Vector3::z()).z < TIPPED_COSINE {
+            return Some(LeftWorld::TippedOver);
+        }
+        (base.translation.z < self.ground - FALLEN_M).then_some(LeftWorld::OffTheGround)
     }
 
     /// Every collision so far.

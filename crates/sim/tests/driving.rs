@@ -6,7 +6,7 @@ use nalgebra::{Point3, Vector3};
 use openbench_core::{Pose2, RobotDescription, Velocity};
 use openbench_scene::scene::Layer;
 use openbench_scene::{Material, RayCaster, SceneBuilder, SemanticClass};
-use openbench_sim::{Simulator, Stage};
+use openbench_sim::{LeftWorld, Simulator, Stage};
 
 /// Ground of 40 m x 40 m at z = 0.1 and a wall across x = 3.
 fn stage() -> Stage {
@@ -212,4 +212,38 @@ fn at_rest_the_imu_feels_gravity_upwards() {
     let sample = simulator.observation().imu.last().copied().unwrap();
     assert!((sample.accel[2] - 9.8).abs() < 0.25 && sample.accel[0].abs() < 0.25, "{sample:?}");
     assert!(sample.gyro.iter().all(|w| w.abs() < 0.02), "{sample:?}");
+}
+
+#[test]
+fn a_robot_that_leaves_the_ground_has_left_the_world() {
+    let start = Pose2::new(-19.0, 0.0, std::f64::consts::PI);
+    let mut simulator = Simulator::new(stage(), RobotDescription::sentry(), start, 1);
+    drive(&mut simulator, Velocity::new(0.5, 0.0), 1.0);
+    assert_eq!(simulator.left_world(), None);
+    drive(&mut simulator, Velocity::new(0.5, 0.0), 4.0);
+    // Over the edge it tips before it falls.
+    assert_eq!(simulator.left_world(), Some(LeftWorld::TippedOver));
+    let beyond = Pose2::new(-30.0, 0.0, 0.0);
+    let mut falling = Simulator::new(stage(), RobotDescription::sentry(), beyond, 1);
+    drive(&mut falling, Velocity::ZERO, 1.0);
+    assert_eq!(falling.left_world(), Some(LeftWorld::OffTheGround));
+}
+
+/// Physics is in double precision, and rays lose nothing here: every number is a sum of powers of two.
+#[test]
+fn a_robot_kilometres_from_the_origin_drives_as_one_near_it() {
+    let driven = |x: f64| {
+        let mut builder = SceneBuilder::new();
+        let ground = builder.material(Material::plain(SemanticClass::Ground, [0.4, 0.5, 0.3]));
+        let (corner, sides) = (Point3::new(x - 32.0, -32.0, 0.0), (Vector3::x() * 64.0, Vector3::y() * 64.0));
+        builder.rectangle(Layer::Both, ground, corner, sides, [1.0; 2]);
+        let stage = Stage::new(RayCaster::new(Arc::new(builder.build()))).unwrap();
+        let start = Pose2::new(x, 0.0, 0.3);
+        let mut simulator = Simulator::new(stage, RobotDescription::sentry(), start, 1);
+        let end = drive(&mut simulator, Velocity::new(0.5, 0.2), 10.0);
+        (end.x - x, end.y, end.yaw)
+    };
+    let (here, there) = (driven(0.0), driven(4096.0));
+    let apart = libm::hypot(here.0 - there.0, here.1 - there.1);
+    assert!(apart < 1e-4 && (here.2 - there.2).abs() < 1e-4, "{here:?} against {there:?}");
 }

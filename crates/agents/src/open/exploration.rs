@@ -167,7 +167,7 @@ mod tests {
           <way id="5"><nd ref="1"/><nd ref="2"/><nd ref="3"/><nd ref="4"/><nd ref="1"/>
             <tag k="building" v="yes"/><tag k="name" v="building1"/></way></osm>"#;
         let data = OsmData::from_xml(xml.as_bytes()).unwrap();
-        OsmMap::new(&data, Georeference::TangentPlane(LonLat::new(8.0, 50.0)))
+        OsmMap::new(&data, Georeference::tangent_plane(LonLat::new(8.0, 50.0)))
     }
 
     #[test]

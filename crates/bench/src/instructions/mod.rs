@@ -114,7 +114,7 @@ impl MapName {
             Self::Town => TOWN,
         };
         let data = OsmData::from_xml(text.as_bytes()).expect("a built-in map can be read");
-        OsmMap::new(&data, Georeference::TangentPlane(LonLat::new(11.0, 48.0)))
+        OsmMap::new(&data, Georeference::tangent_plane(LonLat::new(11.0, 48.0)))
     }
 }
 

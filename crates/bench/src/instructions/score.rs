@@ -77,7 +77,7 @@ pub struct Scores {
 
 /// Plans every instruction. `map` stands for the map of cases that name none; `done` is called after each.
 pub fn score(planner: &dyn Planner, cases: &[Case], map: Option<&OsmMap>, mut done: impl FnMut()) -> Scores {
-    let nowhere = OsmMap::new(&OsmData::default(), Georeference::TangentPlane(LonLat::default()));
+    let nowhere = OsmMap::new(&OsmData::default(), Georeference::tangent_plane(LonLat::default()));
     let mut built_in: BTreeMap<MapName, OsmMap> = BTreeMap::new();
     for name in cases.iter().filter_map(|case| case.map) {
         built_in.entry(name).or_insert_with(|| name.open());

@@ -28,7 +28,7 @@ pub fn map(houses: &[&[(&str, &str)]], doors: &[(usize, &str)]) -> OsmMap {
     }
     let xml = format!(r#"<?xml version="1.0"?><osm version="0.6">{nodes}{ways}</osm>"#);
     let data = OsmData::from_xml(xml.as_bytes()).unwrap();
-    OsmMap::new(&data, Georeference::TangentPlane(LonLat::new(0.0, 0.0)))
+    OsmMap::new(&data, Georeference::tangent_plane(LonLat::new(0.0, 0.0)))
 }
 
 /// `building1` to `building<count>`.

@@ -314,7 +314,7 @@ pub(crate) mod tests {
     use openbench_osm::{Area, Barrier, ElementId, ElementKind, OsmData, Polygon};
 
     pub(crate) fn empty_map() -> OsmMap {
-        OsmMap::new(&OsmData::default(), Georeference::TangentPlane(LonLat::new(8.0, 50.0)))
+        OsmMap::new(&OsmData::default(), Georeference::tangent_plane(LonLat::new(8.0, 50.0)))
     }
 
     pub(crate) fn open_ground() -> Costmap {

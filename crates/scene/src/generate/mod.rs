@@ -75,6 +75,13 @@ use palette::Palette;
 
 /// Largest extent of a map that is built, metres.
 const MAX_EXTENT: f64 = 20_000.0;
+/// Farther than this from UTM's central meridian lengths are half a percent too long, metres.
+const MAX_FROM_MERIDIAN_M: f64 = 640_000.0;
+/// Farther than this from the point at which a plane touches the Earth lengths are half a percent too short, metres.
+const MAX_FROM_TOUCH_M: f64 = 640_000.0;
+/// A start farther than this from its frame's origin moves the origin, metres. Single precision, in which the triangles
+/// are, resolves 0.03 mm here, and 0.12 mm four times as far away.
+const MAX_FROM_ORIGIN_M: f64 = 500.0;
 /// Most buildings in a world.
 const MAX_BUILDINGS: usize = 30_000;
 /// Above so many buildings windows lose their sills and hedges their dents: a town has a hundred thousand of them.
@@ -87,7 +94,7 @@ const GROUND_MARGIN: f64 = 80.0;
 pub struct GenerateOptions {
     /// Name of the world, as in results.
     pub name: String,
-    /// Where robots start, in the `map` frame; by default a clear place on a pavement or path, in the middle of the doors, from
+    /// Where robots start, in the frame of the georeference that is asked for; by default a clear place on a pavement or path, in the middle of the doors, from
     /// which most of them are reached.
     pub start: Option<Pose2>,
     /// Share of the parking places with a car in them, 0 to 1.
@@ -136,12 +143,13 @@ pub enum GenerateError {
         /// How many.
         buildings: usize,
     },
-    /// The georeference belongs to another place.
+    /// The georeference belongs to another place: its projection distorts lengths here.
     #[error(
-        "the map lies {metres:.0} m from the origin of `{georeference}`; give the georeference of this map"
+        "the map lies {metres:.0} m from where `{georeference}` keeps lengths; give the UTM zone of this map, or a \
+         tangent plane that touches the Earth near it"
     )]
-    FarFromOrigin {
-        /// Distance of the middle of the map from the origin.
+    Distorted {
+        /// Distance of the middle of the map from the central meridian or the point of touch.
         metres: f64,
         /// What was given.
         georeference: String,
@@ -217,13 +225,52 @@ struct Feature {
 }
 
 /// Makes a world of a map: scene, doors, public map without doors, start.
+///
+/// The world has its origin near the start. Where `georeference` has it elsewhere, [`World::georeference`] is the same
+/// projection with another offset, and a warning says so. The same map, seed and options therefore give the same
+/// world wherever the false origin lies.
 pub fn generate(
     data: &OsmData,
     georeference: Georeference,
     seed: u64,
     options: &GenerateOptions,
 ) -> Result<World, GenerateError> {
-    generate_within(Limits::USUAL, data, georeference, (seed, options))
+    let anchor = match options.start {
+        Some(start) => start.point(),
+        None => extent(&OsmMap::new(data, georeference), georeference)?.middle(),
+    };
+    let mut world = generate_about(anchor, data, georeference, (seed, options))?;
+    if world.start.point().distance(MapPoint::default()) > MAX_FROM_ORIGIN_M {
+        let from = world.georeference.offset();
+        let start = moved(world.start, from, georeference.offset()).point();
+        world = generate_about(start, data, georeference, (seed, options))?;
+    }
+    if world.georeference != georeference {
+        world.warnings.push(format!(
+            "the origin of `{georeference}` is far from the start; coordinates of this world are of `{}`",
+            world.georeference
+        ));
+    }
+    Ok(world)
+}
+
+/// The world with its origin near `anchor`, which is a point of the frame of `georeference`.
+fn generate_about(
+    anchor: MapPoint,
+    data: &OsmData,
+    georeference: Georeference,
+    (seed, options): (u64, &GenerateOptions),
+) -> Result<World, GenerateError> {
+    let is_near = anchor.distance(MapPoint::default()) <= MAX_FROM_ORIGIN_M;
+    let local = if is_near { georeference } else { georeference.about(anchor) };
+    let (from, to) = (georeference.offset(), local.offset());
+    let start = options.start.map(|start| moved(start, from, to));
+    generate_within(Limits::USUAL, data, local, (seed, &GenerateOptions { start, ..options.clone() }))
+}
+
+/// A pose of the frame whose false origin is `from`, in the frame whose false origin is `to`.
+fn moved(pose: Pose2, from: MapPoint, to: MapPoint) -> Pose2 {
+    Pose2::new(pose.x - from.x + to.x, pose.y - from.y + to.y, pose.yaw)
 }
 
 fn generate_within(
@@ -341,10 +388,13 @@ fn extent(map: &OsmMap, georeference: Georeference) -> Result<Extent, GenerateEr
     if metres > MAX_EXTENT {
         return Err(GenerateError::TooLarge { metres });
     }
-    let away = extent.middle().distance(MapPoint::default());
-    if away.is_nan() || away > MAX_EXTENT {
-        let georeference = georeference.to_string();
-        return Err(GenerateError::FarFromOrigin { metres: away, georeference });
+    let metres = georeference.distance_from_true_scale(extent.middle());
+    let limit = match georeference {
+        Georeference::Utm { .. } => MAX_FROM_MERIDIAN_M,
+        Georeference::TangentPlane { .. } => MAX_FROM_TOUCH_M,
+    };
+    if metres.is_nan() || metres > limit {
+        return Err(GenerateError::Distorted { metres, georeference: georeference.to_string() });
     }
     Ok(extent)
 }

@@ -8,8 +8,13 @@ use super::mesh::{Corner, Part};
 
 const SEGMENTS: u32 = 24;
 const RINGS: u32 = 12;
-/// Collision planes have no end in Gazebo; this is far enough.
+/// Shortest side of the middle of a collision plane, metres.
 const SOLID_PLANE_EDGE: f64 = 200.0;
+/// Collision planes are infinite in Gazebo, whatever `<size>` says. Here they go on for so many metres beyond their
+/// middle: a robot needs five hours to get there.
+const SOLID_PLANE_BEYOND: f64 = 10_000.0;
+/// The middle and what lies beyond overlap by so many metres, so that no ray passes between them.
+const SOLID_PLANE_OVERLAP: f64 = 1.0;
 
 /// A box around the origin. `metres` is what one repeat of the image covers; nothing stretches one repeat over each side.
 pub(crate) fn cuboid(size: Vector3<f64>, metres: Option<[f64; 2]>) -> Part {
@@ -37,8 +42,23 @@ pub(crate) fn plane(normal: Vector3<f64>, size: [f64; 2], visual: bool, metres: 
         .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI));
     let repeat = metres.map_or([1.0; 2], |m| [size[0] / m[0], size[1] / m[1]]);
     let mut part = Part::default();
-    quad(&mut part, Vector3::zeros(), turn * Vector3::x() * size[0], turn * Vector3::y() * size[1], repeat);
+    let (x, y) = (turn * Vector3::x(), turn * Vector3::y());
+    quad(&mut part, Vector3::zeros(), x * size[0], y * size[1], repeat);
+    if !visual {
+        beyond(&mut part, (x, y), size);
+    }
     part
+}
+
+/// Four rectangles around a rectangle of sides `size` along the unit vectors `x` and `y`.
+fn beyond(part: &mut Part, (x, y): (Vector3<f64>, Vector3<f64>), size: [f64; 2]) {
+    let depth = SOLID_PLANE_BEYOND + SOLID_PLANE_OVERLAP;
+    let out = |side: f64| (side + SOLID_PLANE_BEYOND - SOLID_PLANE_OVERLAP) / 2.0;
+    for sign in [-1.0, 1.0] {
+        let whole_width = size[0] + 2.0 * SOLID_PLANE_BEYOND;
+        quad(part, y * (sign * out(size[1])), x * whole_width, y * depth, [1.0; 2]);
+        quad(part, x * (sign * out(size[0])), x * depth, y * size[1], [1.0; 2]);
+    }
 }
 
 fn quad(part: &mut Part, middle: Vector3<f64>, u: Vector3<f64>, v: Vector3<f64>, repeat: [f64; 2]) {
@@ -121,6 +141,17 @@ mod tests {
         let p = |i: usize| part.corners[i].0;
         assert!(((p(1) - p(0)).cross(&(p(2) - p(0))).normalize() - Vector3::x()).norm() < 1e-9);
         let solid = plane(Vector3::z(), [4.0, 2.0], false, None);
-        assert!(solid.corners.iter().all(|(p, _)| p.x.abs() >= 100.0));
+        let touched = |x: f64, y: f64| {
+            let holds = |q: &[Corner]| {
+                let side = |axis: usize, at: f64| {
+                    let of = |c: &Corner| c.0[axis];
+                    let low = q.iter().map(of).fold(f64::INFINITY, f64::min);
+                    (low..=q.iter().map(of).fold(low, f64::max)).contains(&at)
+                };
+                side(0, x) && side(1, y)
+            };
+            solid.corners.chunks(4).any(holds)
+        };
+        assert!([0.0, 99.9, 100.0, 100.1, 10_000.0].into_iter().all(|d| touched(d, 0.0) && touched(-d, d)));
     }
 }

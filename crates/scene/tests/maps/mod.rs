@@ -9,7 +9,7 @@ pub type WayOf<'a> = (&'a [(f64, f64)], &'a [(&'a str, &'a str)]);
 
 /// A map of ways; buildings, their parts and waters are closed.
 pub fn map_of(ways: &[WayOf]) -> (OsmData, Georeference) {
-    let georeference = Georeference::TangentPlane(LonLat::new(8.0, 48.0));
+    let georeference = Georeference::tangent_plane(LonLat::new(8.0, 48.0));
     let projection = openbench_osm::Projection::new(georeference);
     let mut data = OsmData::default();
     for (i, (ring, tags)) in ways.iter().enumerate() {
