@@ -3,8 +3,11 @@
 //!
 //! | module | its one job |
 //! |---|---|
+//! | [`border`] | [`Border`]: the briefing's frame outside, a frame with its origin near the start inside |
 //! | [`open`] | [`Open`]: plan, drive, explore, read plates, deliver, remember |
 
+pub mod border;
 pub mod open;
 
+pub use border::Border;
 pub use open::{Open, Parts};

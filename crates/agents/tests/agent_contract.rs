@@ -166,6 +166,42 @@ fn broken_briefings_are_given_up_with_their_cause() {
     }
 }
 
+/// What an agent does and tells in the first minutes, its map frame's false origin being `shift` metres farther away.
+fn minutes_with_origin_at(make: Make, shift: f64) -> (Vec<Action>, Vec<Event>) {
+    let (mut agent, mut events, mut world) = (make(), Kept::default(), Plain::new());
+    let at = LonLat::new(8.0, 50.0);
+    let near = briefing(MAP.as_bytes(), "box to unit 1, building 1");
+    let moved = Briefing {
+        georeference: Georeference::TangentPlane { at, offset_x: shift, offset_y: -shift },
+        start: Pose2::new(near.start.x + shift, near.start.y - shift, near.start.yaw),
+        ..near
+    };
+    agent.begin(&moved, &mut events).unwrap();
+    let actions = (0..20 * 120).map(|_| world.step(agent.as_mut(), &mut events)).collect();
+    (actions, events.0)
+}
+
+#[test]
+fn a_false_origin_anywhere_gives_the_same_actions_and_events_in_its_frame() {
+    for make in AGENTS {
+        let (actions, events) = minutes_with_origin_at(make, 0.0);
+        let paths = |events: &[Event]| {
+            let path = |e: &Event| if let Event::Path(path) = e { Some(path.clone()) } else { None };
+            events.iter().filter_map(path).collect::<Vec<_>>()
+        };
+        assert!(!paths(&events).is_empty());
+        for shift in [5e3, 5e5, 5e6] {
+            let (same_actions, moved) = minutes_with_origin_at(make, shift);
+            assert!(actions == same_actions, "other actions {shift} m away");
+            assert_eq!(events.len(), moved.len());
+            for (here, there) in paths(&events).iter().flatten().zip(paths(&moved).iter().flatten()) {
+                let apart = libm::hypot(here.x + shift - there.x, here.y - shift - there.y);
+                assert!(apart < 1e-6, "{here} against {there}");
+            }
+        }
+    }
+}
+
 #[test]
 fn actions_are_within_reason_repeat_and_come_to_an_end() {
     for make in AGENTS {

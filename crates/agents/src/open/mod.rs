@@ -28,6 +28,7 @@ use openbench_motion::costmap::ground::Preferences;
 use openbench_osm::OsmData;
 use openbench_vision::PlateReader;
 
+use crate::Border;
 use mission::Mission;
 use thinking::Thinking;
 
@@ -57,13 +58,14 @@ pub struct Open {
     parts: Option<Parts>,
     mission: Option<Mission>,
     thinking: Thinking,
+    border: Border,
 }
 
 impl Open {
     /// An agent made of these parts.
     pub fn new(parts: Parts) -> Self {
         let thinking = Thinking::new(parts.meter.clone(), parts.thinks_in_simulated_time);
-        Self { parts: Some(parts), mission: None, thinking }
+        Self { parts: Some(parts), mission: None, thinking, border: Border::default() }
     }
 }
 
@@ -74,13 +76,19 @@ impl Agent for Open {
             cause: FailureCause::AgentError,
             detail: "the agent was begun twice; make a new one for each episode".into(),
         })?;
-        let begun = Mission::begin(parts, briefing, events);
+        let (border, briefing) = Border::of(briefing);
+        self.border = border;
+        let events = &mut border.events(events);
+        let begun = Mission::begin(parts, &briefing, events);
         self.thinking.account(SimTime::ZERO, events);
         self.mission = Some(begun?);
         Ok(())
     }
 
     fn act(&mut self, observation: &Observation<'_>, events: &mut dyn Events) -> Action {
+        let fix = self.border.fix(observation);
+        let observation = &Observation { gnss: fix.as_ref(), ..*observation };
+        let events = &mut self.border.events(events);
         match &mut self.mission {
             Some(mission) if self.thinking.lasts(observation.time) => mission.wait(observation, events),
             Some(mission) => {

@@ -1,0 +1,93 @@
+//! The border between the map frame of a briefing and the frame that an agent works in.
+//!
+//! A briefing may be in raw UTM, thousands of kilometres from the origin. Behind the border the origin is near the
+//! start, so that costmaps, sightings and scans in single precision keep their last digits. Both frames belong to one
+//! projection and differ by their false origins alone: nothing turns and nothing is stretched.
+
+use openbench_core::{Briefing, Event, Events, GnssFix, Goal, MapPoint, Observation, Pose2};
+
+/// A start nearer to the origin than this keeps its frame, metres.
+const NEAR_M: f64 = 500.0;
+
+/// Moves what crosses the border.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Border {
+    /// Coordinates of the briefing's frame less those of the inner frame, metres.
+    shift: MapPoint,
+}
+
+impl Border {
+    /// The border of a briefing, and the briefing in the inner frame.
+    pub fn of(briefing: &Briefing) -> (Self, Briefing) {
+        let start = briefing.start.point();
+        if start.distance(MapPoint::default()) <= NEAR_M {
+            return (Self::default(), briefing.clone());
+        }
+        let georeference = briefing.georeference.about(start);
+        let (outer, inner) = (briefing.georeference.offset(), georeference.offset());
+        let border = Self { shift: MapPoint::new(outer.x - inner.x, outer.y - inner.y) };
+        let goal = match &briefing.goal {
+            Goal::Point(point) => Goal::Point(border.inwards(*point)),
+            goal => goal.clone(),
+        };
+        let at = border.inwards(start);
+        let start = Pose2::new(at.x, at.y, briefing.start.yaw);
+        (border, Briefing { georeference, goal, start, ..briefing.clone() })
+    }
+
+    /// The satellite fix of an observation in the inner frame.
+    pub fn fix(&self, observation: &Observation<'_>) -> Option<GnssFix> {
+        let fix = *observation.gnss?;
+        let [x, y, z] = fix.position;
+        Some(GnssFix { position: [x - self.shift.x, y - self.shift.y, z], ..fix })
+    }
+
+    /// `events` with everything in the briefing's frame.
+    pub fn events<'a>(&self, events: &'a mut dyn Events) -> Outwards<'a> {
+        Outwards { border: *self, events }
+    }
+
+    fn inwards(&self, point: MapPoint) -> MapPoint {
+        MapPoint::new(point.x - self.shift.x, point.y - self.shift.y)
+    }
+
+    fn outwards(&self, point: MapPoint) -> MapPoint {
+        MapPoint::new(point.x + self.shift.x, point.y + self.shift.y)
+    }
+
+    fn pose_outwards(&self, pose: Pose2) -> Pose2 {
+        Pose2::new(pose.x + self.shift.x, pose.y + self.shift.y, pose.yaw)
+    }
+
+    fn event_outwards(&self, event: Event) -> Event {
+        let points = |points: Vec<MapPoint>| points.into_iter().map(|p| self.outwards(p)).collect();
+        match event {
+            Event::Route(route) => Event::Route(points(route)),
+            Event::Path(path) => Event::Path(points(path)),
+            Event::PoseEstimate(pose) => Event::PoseEstimate(self.pose_outwards(pose)),
+            Event::Waypoints(poses) => {
+                Event::Waypoints(poses.into_iter().map(|pose| self.pose_outwards(pose)).collect())
+            }
+            Event::PlateRead { text, confidence, corners, position, image } => {
+                let position = position.map(|p| self.outwards(p));
+                Event::PlateRead { text, confidence, corners, position, image }
+            }
+            Event::DoorWritten { address, position } => {
+                Event::DoorWritten { address, position: self.outwards(position) }
+            }
+            Event::Plan(_) | Event::Task(_) | Event::Models(_) | Event::Note(_) => event,
+        }
+    }
+}
+
+/// Takes events of the inner frame and records them in the briefing's.
+pub struct Outwards<'a> {
+    border: Border,
+    events: &'a mut dyn Events,
+}
+
+impl Events for Outwards<'_> {
+    fn record(&mut self, event: Event) {
+        self.events.record(self.border.event_outwards(event));
+    }
+}
