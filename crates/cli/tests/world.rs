@@ -208,7 +208,7 @@ fn maps_that_make_no_world_are_refused() {
     place.file("cut.osm", "<osm><node id='1'");
     refused("cut.osm", "", &["cut.osm"]);
     refused("missing.osm", "", &["missing.osm", "No such file"]);
-    refused("village.osm", "--georef utm:31S,0,0", &["village.osm", "utm:31S", "origin"]);
+    refused("village.osm", "--georef utm:41S,0,0", &["village.osm", "utm:41S", "keeps lengths"]);
     refused("village.osm", "--parked-cars 2", &["0 to 1"]);
     refused("village.osm", "--radius 5", &["--around"]);
     refused("village.osm", "--reach 1", &["no door can be delivered to", "--reach"]);
