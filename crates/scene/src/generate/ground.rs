@@ -16,8 +16,8 @@ pub(super) const SEA_LEVEL: f64 = -0.5;
 const Z_SEA: f64 = 0.001;
 /// Ground beyond the sea's edge, metres, so that the sea is a hole in it.
 const RIM: f64 = 0.05;
-/// Solid ground beyond the ground that is drawn, metres.
-const SKIRT: f64 = 200.0;
+/// Solid ground ends with the ground that is drawn, or a robot would drive round the end of a river.
+const SKIRT: f64 = RIM;
 /// How far beyond the ground each row of hills is, and how high they are there, metres.
 const HILLS: [(f64, (f64, f64)); 4] =
     [(0.0, (-0.3, -0.3)), (60.0, (0.5, 6.0)), (150.0, (4.0, 22.0)), (320.0, (10.0, 48.0))];
@@ -56,7 +56,7 @@ impl Site {
         self.sea = sea;
     }
 
-    /// A robot finds ground everywhere, also beyond what is drawn; what keeps it out of the sea are the kerbs.
+    /// A robot finds ground everywhere; what keeps it out of the sea are the kerbs.
     fn solid_ground(&mut self) {
         let Extent { min, max } = self.extent.grown(GROUND_MARGIN + SKIRT);
         let sides = (nalgebra::Vector3::x() * (max.x - min.x), nalgebra::Vector3::y() * (max.y - min.y));
