@@ -210,7 +210,8 @@ impl Georeference {
 /// A georeference in words that cannot be read.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(
-    "`{0}` is no georeference; write `utm:50N,-500000,-4483000` (zone, offset added to easting and northing), `tangent:LON,LAT` or `tangent:LON,LAT,X,Y` (offset added to metres east and north)"
+    "`{0}` is no georeference; write `utm:50N,-500000,-4483000` (zone, offset added to easting and northing), \
+     `tangent:LON,LAT` or `tangent:LON,LAT,X,Y` (offset added to metres east and north)"
 )]
 pub struct GeoreferenceError(pub String);
 

@@ -229,7 +229,7 @@ fn a_robot_that_leaves_the_ground_has_left_the_world() {
     assert_eq!(falling.left_world(), Some(LeftWorld::OffTheGround));
 }
 
-/// Physics is in double precision, and rays lose nothing here: every number is a sum of powers of two.
+/// Wheel rays are in single precision, but on level ground their lengths depend on heights alone.
 #[test]
 fn a_robot_kilometres_from_the_origin_drives_as_one_near_it() {
     let driven = |x: f64| {

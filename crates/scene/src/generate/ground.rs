@@ -7,7 +7,7 @@ use super::clearance::WATER;
 use super::seeds::{Purpose, between, stream};
 use super::shapes::{Corner, Surface, along, at, floor, signed_area};
 use super::triangulate::{triangulate, turn};
-use super::{Extent, GROUND_MARGIN, Site};
+use super::{GROUND_MARGIN, Site};
 use crate::material::SemanticClass;
 use crate::scene::Layer;
 
@@ -16,8 +16,6 @@ pub(super) const SEA_LEVEL: f64 = -0.5;
 const Z_SEA: f64 = 0.001;
 /// Ground beyond the sea's edge, metres, so that the sea is a hole in it.
 const RIM: f64 = 0.05;
-/// Solid ground ends with the ground that is drawn, or a robot would drive round the end of a river.
-const SKIRT: f64 = RIM;
 /// How far beyond the ground each row of hills is, and how high they are there, metres.
 const HILLS: [(f64, (f64, f64)); 4] =
     [(0.0, (-0.3, -0.3)), (60.0, (0.5, 6.0)), (150.0, (4.0, 22.0)), (320.0, (10.0, 48.0))];
@@ -34,9 +32,10 @@ impl Site {
         self.builder.object("ground", SemanticClass::Ground);
         let sides = (nalgebra::Vector3::x() * (max.x - min.x), nalgebra::Vector3::y() * (max.y - min.y));
         let repeat = [(sides.0.x / grass.tile) as f32, (sides.1.y / grass.tile) as f32];
-        self.solid_ground();
+        // A robot finds ground everywhere; what keeps it out of the sea are the kerbs.
+        let layer = if self.sea.is_empty() { Layer::Both } else { Layer::Solid };
+        self.builder.rectangle(layer, grass.material, at(min, 0.0), sides, repeat);
         if self.sea.is_empty() {
-            self.builder.rectangle(Layer::Visible, grass.material, at(min, 0.0), sides, repeat);
             return;
         }
         let sea = std::mem::take(&mut self.sea);
@@ -54,13 +53,6 @@ impl Site {
             }
         }
         self.sea = sea;
-    }
-
-    /// A robot finds ground everywhere; what keeps it out of the sea are the kerbs.
-    fn solid_ground(&mut self) {
-        let Extent { min, max } = self.extent.grown(GROUND_MARGIN + SKIRT);
-        let sides = (nalgebra::Vector3::x() * (max.x - min.x), nalgebra::Vector3::y() * (max.y - min.y));
-        self.builder.rectangle(Layer::Solid, self.palette.grass.material, at(min, 0.0), sides, [1.0; 2]);
     }
 
     /// The visible land around the sea: two long faces on one another would show through each other from afar. Whether it could be
@@ -82,8 +74,9 @@ impl Site {
     pub(super) fn horizon(&mut self) {
         let edge = self.extent.grown(GROUND_MARGIN - RIM);
         let rim = self.extent.grown(GROUND_MARGIN);
-        let corners =
-            |e: Extent| [e.min, MapPoint::new(e.max.x, e.min.y), e.max, MapPoint::new(e.min.x, e.max.y)];
+        let corners = |e: super::Extent| {
+            [e.min, MapPoint::new(e.max.x, e.min.y), e.max, MapPoint::new(e.min.x, e.max.y)]
+        };
         let (inner, outer) = (corners(edge), corners(rim));
         self.builder.object("horizon", SemanticClass::Ground);
         let mut rng = stream(self.seed, Purpose::Horizon, 0);

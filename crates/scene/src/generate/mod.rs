@@ -94,7 +94,7 @@ const GROUND_MARGIN: f64 = 80.0;
 pub struct GenerateOptions {
     /// Name of the world, as in results.
     pub name: String,
-    /// Where robots start, in the frame of the georeference that is asked for; by default a clear place on a pavement or path, in the middle of the doors, from
+    /// Where robots start, in the frame of the requested georeference; by default a clear place on a pavement or path, in the middle of the doors, from
     /// which most of them are reached.
     pub start: Option<Pose2>,
     /// Share of the parking places with a car in them, 0 to 1.
