@@ -4,7 +4,7 @@
 //! start, so that costmaps, sightings and scans in single precision keep their last digits. Both frames belong to one
 //! projection and differ by their false origins alone: nothing turns and nothing is stretched.
 
-use openbench_core::{Briefing, Event, Events, GnssFix, Goal, MapPoint, Observation, Pose2};
+use openbench_core::{Briefing, Event, Events, GnssFix, Goal, MapPoint, Observation, Pose2, PoseEstimate};
 
 /// A start nearer to the origin than this keeps its frame, metres.
 const NEAR_M: f64 = 500.0;
@@ -64,7 +64,9 @@ impl Border {
         match event {
             Event::Route(route) => Event::Route(points(route)),
             Event::Path(path) => Event::Path(points(path)),
-            Event::PoseEstimate(pose) => Event::PoseEstimate(self.pose_outwards(pose)),
+            Event::PoseEstimate(PoseEstimate { pose, health }) => {
+                Event::PoseEstimate(PoseEstimate { pose: self.pose_outwards(pose), health })
+            }
             Event::Waypoints(poses) => {
                 Event::Waypoints(poses.into_iter().map(|pose| self.pose_outwards(pose)).collect())
             }

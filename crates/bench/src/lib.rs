@@ -21,6 +21,7 @@
 //! | [`world_folder`] | worlds as folders: recipe, maps, suite |
 //! | [`threads`] | numbered work on several threads |
 //! | [`tour`] | drives for the sake of their logs |
+//! | [`towns`] | neighbourhoods from a seed, and an agent's deliveries in each |
 //! | [`truth`] | the truth as a localizer, for comparisons |
 //! | [`disturbed`] | fixes made from the truth, for trials |
 
@@ -48,6 +49,7 @@ pub mod statistics;
 pub mod suite;
 pub mod threads;
 pub mod tour;
+pub mod towns;
 pub mod truth;
 pub mod world_folder;
 

@@ -152,7 +152,7 @@ impl Recorder {
             Event::Task(address) => log.write("/task", time, &say(address.to_string())),
             Event::Route(points) => log.write("/route", time, &PathMessage::over(header(), points)),
             Event::Path(points) => log.write("/path", time, &PathMessage::over(header(), points)),
-            Event::PoseEstimate(pose) => log.write("/pose", time, &stamped(header(), *pose)),
+            Event::PoseEstimate(told) => log.write("/pose", time, &stamped(header(), told.pose)),
             Event::Waypoints(poses) => {
                 let poses = poses.iter().map(|p| stamped(header(), *p)).collect();
                 log.write("/waypoints", time, &PathMessage { header: header(), poses })

@@ -9,7 +9,7 @@ use openbench_core::ModelUse;
 use openbench_osm::{OsmData, merge_entrances, write_atomically};
 
 use crate::metrics::localization::localization;
-use crate::metrics::{RunTotals, summarize};
+use crate::metrics::{ErrorCounts, RunTotals, summarize};
 use crate::recorder::{Level, Recorder};
 use crate::recording::{Recording, RunRecord};
 use crate::registry::{AgentFactory, AgentRequest, Exchanges};
@@ -57,6 +57,8 @@ pub struct RunOutput {
     pub results: Results,
     /// The public map with every door that was found or known before.
     pub memory: OsmData,
+    /// Errors of all poses that the agent told.
+    pub pose_errors: ErrorCounts,
 }
 
 /// Runs every episode and writes the run's files.
@@ -74,7 +76,8 @@ pub fn run(request: &RunRequest<'_>) -> Result<RunOutput, BenchError> {
     if let Some(out) = request.out {
         write_files(request, out, &traces, &results)?;
     }
-    Ok(RunOutput { memory: merged_memory(request, &traces), results })
+    let pose_errors = ErrorCounts::of(traces.iter().flat_map(|t| &t.pose_errors));
+    Ok(RunOutput { memory: merged_memory(request, &traces), results, pose_errors })
 }
 
 /// Removes an earlier run's files from a folder, and nothing else: after a run that is broken off, what is left must not be of two.

@@ -251,9 +251,9 @@ impl Run<'_> {
             match event {
                 Event::Plan(plan) => self.trace.plan = Some(plan),
                 Event::Route(points) => self.trace.routes.push(points),
-                Event::PoseEstimate(pose) => {
-                    self.trace.estimated.push(pose.point());
-                    self.trace.pose_errors.push(PoseError::new(time, self.pose(), pose));
+                Event::PoseEstimate(told) => {
+                    self.trace.estimated.push(told.pose.point());
+                    self.trace.pose_errors.push(PoseError::new(time, self.pose(), told));
                 }
                 Event::DoorWritten { address, position } => {
                     // A door that is written again was moved.

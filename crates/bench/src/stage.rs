@@ -65,11 +65,15 @@ impl Prepared {
     /// Builds the world of a suite and looks up its doors. `truth` is a file of true door positions that, where it is given,
     /// says which doors are meant.
     pub fn new(suite: Suite, truth: Option<&Path>) -> Result<Self, BenchError> {
-        let mut prepared = Self::world_of(suite)?;
-        let truths = truth.map(|path| read_truths(path, &prepared.suite, &prepared.world)).transpose()?;
-        prepared.episodes = prepared.look_up(truths.as_deref())?;
-        prepared.truth = truth.map(|path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned()));
-        Ok(prepared)
+        Self::world_of(suite)?.with_episodes(truth)
+    }
+
+    /// The same with the suite's episodes looked up, see [`new`](Self::new).
+    pub fn with_episodes(mut self, truth: Option<&Path>) -> Result<Self, BenchError> {
+        let truths = truth.map(|path| read_truths(path, &self.suite, &self.world)).transpose()?;
+        self.episodes = self.look_up(truths.as_deref())?;
+        self.truth = truth.map(|path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned()));
+        Ok(self)
     }
 
     /// Builds the world of a suite, without its episodes.

@@ -9,7 +9,6 @@ use openbench_sim::Simulator;
 use openbench_sim::noise::Noise;
 use openbench_sim::traffic::Hull;
 
-use crate::recorder::Recorder;
 use crate::{BenchError, Prepared};
 
 /// Stands still that long at first, as robots do when they are switched on.
@@ -56,12 +55,11 @@ pub struct Driven {
     pub collisions: usize,
 }
 
-/// Drives and records. `progress` is told the simulated time now and then.
+/// Drives. `watch` is shown the robot after each step, with the velocity that was asked for.
 pub fn drive(
     prepared: &Prepared,
     tour: &Tour,
-    recorder: &mut Recorder,
-    progress: &dyn Fn(SimTime),
+    watch: &mut dyn FnMut(&Simulator, Velocity) -> Result<(), BenchError>,
 ) -> Result<Driven, BenchError> {
     let mut simulator = prepared.simulator(tour.seed)?;
     let mut driver = Driver::new(prepared, tour)?;
@@ -75,8 +73,7 @@ pub fn drive(
         };
         simulator.step(velocity);
         metres += before.distance(pose(&simulator).point());
-        recorder.step(&simulator, velocity)?;
-        progress(simulator.time());
+        watch(&simulator, velocity)?;
     }
     Ok(Driven { metres, collisions: simulator.collisions().len() })
 }
@@ -119,12 +116,11 @@ impl<'a> Driver<'a> {
         let wide = FreeSpace::new(prepared.stage.caster(), start, CLEARANCE);
         let space = Space { wide, narrow: &prepared.free_space };
         let mut noise = Noise::new(tour.seed, STREAM);
-        let wanted = if tour.via.is_empty() { doors(prepared, &mut noise) } else { tour.via.clone() };
-        let reachable = |place: &MapPoint| space.path(start, *place).is_some();
-        let places: Vec<MapPoint> = wanted.iter().copied().filter(reachable).collect();
-        if places.is_empty() || (!tour.via.is_empty() && places.len() < wanted.len()) {
-            let place = wanted.iter().find(|place| !reachable(place));
-            let place = place.map_or("it has no door".to_owned(), |p| format!("({:.1}, {:.1})", p.x, p.y));
+        let places = if tour.via.is_empty() { doors(prepared, &mut noise) } else { tour.via.clone() };
+        // In front of doors a robot stands where it gets to from the start.
+        let missed = tour.via.iter().find(|place| space.path(start, **place).is_none());
+        let missed = missed.map(|place| format!("({:.1}, {:.1})", place.x, place.y));
+        if let Some(place) = missed.or_else(|| places.is_empty().then(|| "any door".to_owned())) {
             return Err(BenchError::World(format!(
                 "a robot cannot drive round here: nothing leads to {place}"
             )));

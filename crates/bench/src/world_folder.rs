@@ -106,6 +106,23 @@ impl Recipe {
             .map_err(|e| BenchError::BadFile { path, problem: format!("this is no recipe of a world: {e}") })
     }
 
+    /// The recipe of a world generated from the map beside it, with what is usual.
+    pub fn generated(name: &str, georeference: Georeference, seed: u64) -> Self {
+        let usual = GenerateOptions::default();
+        Self::Generated {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            name: name.to_owned(),
+            map: Self::map_file(),
+            seed,
+            georeference: georeference.to_string(),
+            start: None,
+            parked_cars: usual.parked_cars,
+            planting: usual.planting,
+            invent_doors: usual.invent_doors,
+            attribution: vec!["Map: © OpenStreetMap contributors, ODbL 1.0".to_owned()],
+        }
+    }
+
     /// Builds the world; `folder` is where the recipe lies.
     pub fn build(&self, folder: &Path) -> Result<World, BenchError> {
         let bad = |problem: String| BenchError::BadFile { path: folder.join(RECIPE), problem };

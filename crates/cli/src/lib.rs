@@ -54,6 +54,6 @@ fn dispatch(command: Command, registry: &Registry) -> anyhow::Result<Outcome> {
         Command::Verify(args) => commands::verify::run(&args, registry),
         Command::World(args) => commands::world::run(&args),
         Command::Models(args) => commands::models::run(&args),
-        Command::Bench(args) => commands::bench::run(&args),
+        Command::Bench(args) => commands::bench::run(&args, registry),
     }
 }

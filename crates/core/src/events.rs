@@ -4,9 +4,19 @@ use std::sync::Arc;
 
 use crate::address::Address;
 use crate::frames::{MapPoint, Pose2};
+use crate::health::Health;
 use crate::model_use::ModelUse;
 use crate::plan::Plan;
 use crate::sensors::Image;
+
+/// Where an agent believes to be.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PoseEstimate {
+    /// Of `base_link` in `map`.
+    pub pose: Pose2,
+    /// How far it trusts that.
+    pub health: Health,
+}
 
 /// Something worth recording.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,7 +30,7 @@ pub enum Event {
     /// The path that is being followed, in the map.
     Path(Vec<MapPoint>),
     /// Where the agent believes to be.
-    PoseEstimate(Pose2),
+    PoseEstimate(PoseEstimate),
     /// Candidate places to look for a door from.
     Waypoints(Vec<Pose2>),
     /// A plate was read in an image.

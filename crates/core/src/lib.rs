@@ -10,6 +10,7 @@
 //! | [`address`] | [`Address`]: building and unit |
 //! | [`plan`] | [`Plan`], [`PlannedDelivery`], [`TravelTimes`]: what a language planner and a router exchange |
 //! | [`agent`] | [`Agent`], [`Briefing`], [`Observation`], [`Action`]: the contract |
+//! | [`health`] | [`Health`], [`Doubt`]: how far a pose can be trusted |
 //! | [`model_use`] | [`ModelUse`]: what was asked of language and vision models |
 //! | [`events`] | [`Event`], [`Events`]: what an agent wishes to have recorded |
 
@@ -17,6 +18,7 @@ pub mod address;
 pub mod agent;
 pub mod events;
 pub mod frames;
+pub mod health;
 pub mod model_use;
 pub mod plan;
 pub mod robot;
@@ -25,8 +27,9 @@ pub mod time;
 
 pub use address::Address;
 pub use agent::{Action, Agent, Briefing, FailureCause, GiveUp, Goal, Observation, Velocity};
-pub use events::{Discard, Event, Events};
+pub use events::{Discard, Event, Events, PoseEstimate};
 pub use frames::{Georeference, GeoreferenceError, LonLat, MapPoint, Pose2, Pose3};
+pub use health::{Doubt, Health};
 pub use model_use::ModelUse;
 pub use plan::{
     AddressLevel, Deadline, Fallback, Level, Plan, PlanPart, PlannedDelivery, Step, StepMode, TravelTimes,

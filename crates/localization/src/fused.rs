@@ -5,7 +5,7 @@
 
 use nalgebra::{Isometry2, Matrix2, Matrix3, SymmetricEigen, Vector2, Vector3};
 use openbench_core::frames::wrap_angle;
-use openbench_core::{Observation, Pose2, RobotDescription, SimTime};
+use openbench_core::{Health, Observation, Pose2, RobotDescription, SimTime};
 
 use crate::fixes::{Fix, FixSource};
 use crate::graph::{Pose as _, Window};
@@ -163,6 +163,10 @@ impl Localizer for Fused {
 
     fn ready(&self) -> bool {
         self.odometry.ready()
+    }
+
+    fn health(&self) -> Health {
+        self.odometry.health()
     }
 
     fn odom(&self) -> Pose2 {

@@ -22,7 +22,7 @@ pub mod lio;
 pub mod wheels;
 
 use nalgebra::Matrix3;
-use openbench_core::{Observation, Pose2, SimTime};
+use openbench_core::{Health, Observation, Pose2, SimTime};
 
 pub use dead_reckoning::DeadReckoning;
 pub use fixes::{Fix, FixSource};
@@ -48,6 +48,11 @@ pub trait Localizer {
 
     /// Whether the pose can be trusted already; a robot does better to stand still until then.
     fn ready(&self) -> bool;
+
+    /// How far the pose can be trusted. It must not say [`Health::Good`] more than two seconds after trouble began.
+    fn health(&self) -> Health {
+        Health::Good
+    }
 
     /// Pose of `odom` in `map` (REP 105). It changes with corrections only: what is planned in `odom` stays where the robot sees it. They are the same where nothing
     /// corrects.

@@ -1,7 +1,7 @@
 //! LiDAR-inertial odometry with wheels, from a known start.
 
 use nalgebra::{Matrix3, Matrix6, SMatrix, Vector3};
-use openbench_core::{Observation, Pose2, Pose3, RobotDescription, SimTime};
+use openbench_core::{Doubt, Health, Observation, Pose2, Pose3, RobotDescription, SimTime};
 
 use crate::Localizer;
 use crate::history::History;
@@ -97,6 +97,15 @@ impl Localizer for LidarInertial {
 
     fn ready(&self) -> bool {
         self.status.is_some()
+    }
+
+    fn health(&self) -> Health {
+        match self.status {
+            None | Some(Status::Tracking) => Health::Good,
+            Some(Status::Coasting) => Health::Degraded(Doubt::FewFeatures),
+            Some(Status::Disputed) => Health::Degraded(Doubt::Contradiction),
+            Some(Status::Lost) => Health::Lost,
+        }
     }
 
     fn covariance(&self) -> Option<Matrix3<f64>> {

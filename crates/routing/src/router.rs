@@ -48,6 +48,18 @@ impl MapRouter {
         Ok(Self { roads, metric, projection, memory: Mutex::default() })
     }
 
+    /// Closes the stretch of road nearest to a place, from junction to junction, as one that proved blocked; whether a
+    /// road was within `limit` metres.
+    pub fn close(&mut self, near: MapPoint, limit: f64) -> bool {
+        let memory = self.memory.get_mut().unwrap_or_else(PoisonError::into_inner);
+        let Some(place) = Place::new(self.projection.to_lonlat(near)) else { return false };
+        let options = SnapOptions { radius: limit, ..SnapOptions::default() };
+        let snap = Snap::new(&self.roads, &self.metric, place, &options, &mut memory.0);
+        let edges: Vec<u32> = snap.nearest.iter().map(|position| position.edge).collect();
+        self.metric.set_closed(&self.roads, &edges, true);
+        !edges.is_empty()
+    }
+
     fn route_from(&self, leg: &Leg) -> Route {
         let (distance, duration) = leg.length_and_duration(&self.roads, &self.metric);
         let points =

@@ -1,6 +1,5 @@
 //! Getting to a place: what is known of the ground, a navigator over it, and when a place is given up.
 
-use std::collections::VecDeque;
 use std::time::Duration;
 
 use openbench_core::{
@@ -8,26 +7,20 @@ use openbench_core::{
 };
 use openbench_motion::costmap::window::Window;
 use openbench_motion::{
-    Costmap, Footprint, Guide, LocalPlanner, Navigation, Navigator, Obstacle, PlanError, RangeRing, Search,
-    Surroundings, Tracker, plan, tracking::Newcomers,
+    Footprint, LocalPlanner, Navigation, Navigator, Obstacle, RangeRing, Surroundings, Tracker,
+    tracking::Newcomers,
 };
-use openbench_osm::polygon::nearest_on_segment;
 
-/// Within this distance of the robot's middle its own hull stands, metres.
-const OWN_HULL: f64 = 0.4;
+use crate::open::terrain::Terrain;
+
 /// Half the time of a scan, nanoseconds: on average its points are as old when it is over.
 const HALF_SCAN_NS: u64 = 50_000_000;
-/// How far ahead of the robot the way is checked against every scan, metres.
-const CHECK_AHEAD: f64 = 3.0;
 /// Obstacles within this distance are told to the local planner, metres.
 const SIGHT: f64 = 5.0;
 /// A place is given up after this long and this much for each metre of the first way to it.
 const LEG_TIME: (f64, f64) = (30.0, 8.0);
 /// Time with somebody who moves within so many metres does not count, up to so long: he will be gone sooner or later.
 const AMONG_PEOPLE: (f64, Duration) = (2.0, Duration::from_secs(300));
-
-/// A point of a road is passed within this distance, metres.
-const PASSED: f64 = 2.0;
 /// A place that may be missed is given up once the way to it is known to be this many times and metres longer than it was believed to be.
 const DETOUR: (f64, f64) = (1.6, 6.0);
 
@@ -57,15 +50,12 @@ pub enum Driving {
 pub struct Driver {
     robot: RobotDescription,
     footprint: Footprint,
-    costmap: Costmap,
+    terrain: Terrain,
     /// What stands around the robot, more finely: what the local planner keeps off.
     window: Window,
-    search: Search,
     tracker: Tracker,
     navigator: Navigator,
     target: Option<Target>,
-    /// Points of a road on the way to it.
-    road: VecDeque<MapPoint>,
     wheels: Option<WheelSample>,
     velocity: Velocity,
     /// Length of the way when it was first searched, metres.
@@ -76,9 +66,9 @@ pub struct Driver {
 }
 
 impl Driver {
-    /// A driver over a costmap with a local planner.
+    /// A driver over ground with a local planner.
     pub fn new(
-        costmap: Costmap,
+        terrain: Terrain,
         robot: RobotDescription,
         planner: Box<dyn LocalPlanner>,
     ) -> Result<Self, GiveUp> {
@@ -86,13 +76,11 @@ impl Driver {
         Ok(Self {
             footprint: Footprint::of(&robot).map_err(|e| unfit(e.to_string()))?,
             navigator: Navigator::new(&robot, planner).map_err(|e| unfit(e.to_string()))?,
-            window: Window::new(&costmap, costmap.grid().center(0)),
-            search: Search::default(),
+            window: Window::new(terrain.near(), terrain.near().grid().center(0)),
             robot,
-            costmap,
+            terrain,
             tracker: Tracker::default(),
             target: None,
-            road: VecDeque::new(),
             wheels: None,
             velocity: Velocity::ZERO,
             first_length: None,
@@ -102,18 +90,18 @@ impl Driver {
     }
 
     /// What is known about the ground.
-    pub fn costmap(&self) -> &Costmap {
-        &self.costmap
+    pub fn terrain(&self) -> &Terrain {
+        &self.terrain
     }
 
     /// Takes in what a scan shows.
     pub fn observe(&mut self, ring: &RangeRing, now: SimTime) {
-        self.window.follow(&self.costmap, ring.center);
-        let low = self.costmap.newcomers(ring);
+        self.window.follow(self.terrain.near(), ring.center);
+        let low = self.terrain.near().newcomers(ring);
         let seen = Newcomers { sensor: ring.center, low: &low, above: &ring.above };
         self.tracker.update(SimTime(now.0.saturating_sub(HALF_SCAN_NS)), &seen);
         self.window.observe_but(ring, |point| self.tracker.covers(point));
-        self.costmap.observe_but(ring, |point| self.tracker.covers(point));
+        self.terrain.near_mut().observe_but(ring, |point| self.tracker.covers(point));
     }
 
     /// Goes on after the robot stood for so long for a reason that is no driver's: it is not late for that.
@@ -140,12 +128,7 @@ impl Driver {
 
     /// Sets out for a place.
     pub fn set_target(&mut self, target: Target) {
-        self.set_out(VecDeque::new(), target);
-    }
-
-    /// Sets out for a place along a road, past its points without stopping there.
-    pub fn set_out(&mut self, road: VecDeque<MapPoint>, target: Target) {
-        (self.road, self.target) = (road, Some(target));
+        self.target = Some(target);
         self.navigator.set_goal(target.point, target.yaw);
         (self.patience, self.first_length) = (Patience::default(), None);
         self.told.clear();
@@ -154,22 +137,24 @@ impl Driver {
     /// What to do now at `pose`.
     pub fn drive(&mut self, pose: Pose2, now: SimTime, events: &mut dyn Events) -> Driving {
         let Some(target) = self.target else { return Driving::Arrived };
-        self.costmap.clear_below(&self.footprint, pose);
+        self.terrain.near_mut().clear_below(&self.footprint, pose);
         self.window.clear_below(&self.footprint, pose);
-        self.pass_road(pose.point());
         let mut obstacles = self.window.obstacles_near(pose.point(), SIGHT);
         obstacles.extend(self.tracker.moving(now));
         let is_near = |o: &Obstacle| o.is_moving() && o.distance_to(pose.point()) < AMONG_PEOPLE.0;
         self.patience.spend(now, obstacles.iter().any(is_near));
         let surroundings = Surroundings { time: now, pose, velocity: self.velocity, obstacles: &obstacles };
-        let mut ground =
-            Ground { costmap: &mut self.costmap, search: &mut self.search, road: &mut self.road };
-        let decided = self.navigator.drive(&surroundings, &mut ground);
+        let decided = self.navigator.drive(&surroundings, &mut self.terrain);
         self.tell(events);
         let late = self.patience.is_spent();
         let driving = match decided {
             Navigation::Drive(_) if late || !target.must && self.is_detour() => Driving::Unreachable,
             Navigation::Drive(velocity) => Driving::OnTheWay(velocity),
+            // The way led to where more can be seen, and goes on from there.
+            Navigation::Arrived if self.terrain.is_partial() && !late => {
+                self.navigator.set_goal(target.point, target.yaw);
+                Driving::OnTheWay(Velocity::ZERO)
+            }
             Navigation::Arrived => Driving::Arrived,
             Navigation::Failed(cause) => {
                 events.record(Event::Note(cause.to_string()));
@@ -180,17 +165,6 @@ impl Driver {
             self.target = None;
         }
         driving
-    }
-
-    /// Leaves behind the points of the road that were passed.
-    fn pass_road(&mut self, here: MapPoint) {
-        while let Some(&first) = self.road.front() {
-            let beyond = self.road.get(1).is_some_and(|next| here.distance(*next) < first.distance(*next));
-            if first.distance(here) > PASSED && !beyond {
-                break;
-            }
-            self.road.pop_front();
-        }
     }
 
     /// Tells of new ways and of what was done where it did not go on, and says how long the first way may take.
@@ -242,68 +216,6 @@ impl Patience {
     fn is_spent(&self) -> bool {
         self.left == Some(Duration::ZERO)
     }
-}
-
-/// The costmap as a guide, along what is left of a road.
-struct Ground<'a> {
-    costmap: &'a mut Costmap,
-    search: &'a mut Search,
-    road: &'a mut VecDeque<MapPoint>,
-}
-
-impl Guide for Ground<'_> {
-    fn way(&mut self, from: MapPoint, to: MapPoint) -> Result<Vec<MapPoint>, PlanError> {
-        self.costmap.inflate();
-        let mut way = vec![from];
-        let (search, costmap) = (&mut *self.search, &*self.costmap);
-        self.road.retain(|&point| match plan(search, costmap, way[way.len() - 1], point) {
-            Ok(leg) => {
-                way.extend(leg.into_iter().skip(1));
-                true
-            }
-            Err(PlanError::StartOutside(_) | PlanError::StartBlocked(_)) => true,
-            // What cannot be reached of a road need not be: its end is what matters.
-            Err(PlanError::GoalOutside(_) | PlanError::GoalBlocked(_) | PlanError::NoWay(..)) => false,
-        });
-        let leg = plan(self.search, self.costmap, way[way.len() - 1], to)?;
-        way.extend(leg.into_iter().skip(1));
-        Ok(way)
-    }
-
-    /// By the newest scans.
-    fn is_blocked(&self, path: &[MapPoint], from: MapPoint) -> bool {
-        let Some((at, start)) = nearest_on_path(path, from) else { return false };
-        let mut left = CHECK_AHEAD;
-        let mut begin = start;
-        for &corner in &path[at + 1..] {
-            let length = begin.distance(corner);
-            let end = along(begin, corner, left / length);
-            // The robot stands where it stands: only what lies ahead of its own hull counts.
-            let hull = (OWN_HULL - begin.distance(from)).max(0.0) / begin.distance(end);
-            if hull < 1.0 && !self.costmap.is_clear(along(begin, end, hull), end) {
-                return true;
-            }
-            left -= length;
-            if left <= 0.0 {
-                break;
-            }
-            begin = corner;
-        }
-        false
-    }
-}
-
-/// The place on a way that is nearest to `from`, and the number of the stretch that it is on.
-fn nearest_on_path(path: &[MapPoint], from: MapPoint) -> Option<(usize, MapPoint)> {
-    let on = |i: usize| (i, nearest_on_segment(path[i], path[i + 1], from).0);
-    let stretches = (0..path.len().saturating_sub(1)).map(on);
-    stretches.min_by(|a, b| a.1.distance(from).total_cmp(&b.1.distance(from)))
-}
-
-/// The point at the share `t` of the way from `a` to `b`, `b` at most.
-fn along(a: MapPoint, b: MapPoint, t: f64) -> MapPoint {
-    let t = if t < 1.0 { t } else { 1.0 };
-    MapPoint::new(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y))
 }
 
 fn length(path: &[MapPoint]) -> f64 {

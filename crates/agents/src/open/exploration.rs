@@ -6,14 +6,14 @@ use openbench_core::{MapPoint, Pose2};
 use openbench_motion::Costmap;
 use openbench_osm::OsmMap;
 
+use crate::open::terrain::Terrain;
+
 /// Distance between two places along the wall that are considered, metres.
 const SPACING: f64 = 2.0;
 /// Most places along a wall that are considered.
 const MOST: f64 = 400.0;
 /// Stretch of wall that is seen well from a place: so many times its distance from the wall. Plates are read at up to 40 degrees.
 const COVERAGE: f64 = 1.0;
-/// Ways longer than this are not compared, metres.
-const SEARCH: f64 = 60.0;
 /// Distance from which a plate is looked at that could not be read, metres.
 const PLATE: f64 = 3.0;
 /// Share of the distance from which something is looked at again.
@@ -111,13 +111,12 @@ pub fn nearer_to_plate(map: &OsmMap, plate: MapPoint, facing: f64, viewer: MapPo
     if standoff < PLATE { on_line } else { before_plate(map, plate, facing).unwrap_or(on_line) }
 }
 
-/// Index of the waypoint that is cheapest to get to over what is known of the ground; without a way to any, of the one nearest in a
-/// straight line.
-pub fn nearest(waypoints: &[Waypoint], from: MapPoint, costmap: &Costmap) -> Option<usize> {
+/// Index of the waypoint that is cheapest to get to over what is known of the ground; `None` without a way to any.
+pub fn nearest(waypoints: &[Waypoint], from: MapPoint, terrain: &Terrain) -> Option<usize> {
     let places: Vec<MapPoint> = waypoints.iter().map(|w| w.place.point()).collect();
-    let costs = openbench_motion::costs(costmap, from, &places, SEARCH);
-    let away = |i: usize| costs[i].unwrap_or(SEARCH + places[i].distance(from));
-    (0..places.len()).min_by(|&a, &b| away(a).total_cmp(&away(b)))
+    let costs = terrain.costs(from, &places);
+    let known = (0..places.len()).filter_map(|i| Some((i, costs[i]?)));
+    known.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
 }
 
 /// The view of `wall` from in front of it, nearer where other buildings leave no more room; `None` in a gap too narrow to stand in.
@@ -157,6 +156,7 @@ fn thinned(views: &[Waypoint]) -> Vec<Waypoint> {
 mod tests {
     use super::*;
     use openbench_core::{Georeference, LonLat};
+    use openbench_motion::costmap::ground::Preferences;
     use openbench_osm::OsmData;
 
     /// A house of about 14 m x 11 m.
@@ -218,11 +218,11 @@ mod tests {
     fn the_nearest_comes_first() {
         let places = waypoints(&map(), 0, 4.0);
         let from = MapPoint::new(-20.0, 5.0);
-        let (low, high) = (MapPoint::new(-30.0, -30.0), MapPoint::new(40.0, 40.0));
-        let costmap = Costmap::new(&map(), low, high, &openbench_core::RobotDescription::sentry()).unwrap();
-        let first = places[nearest(&places, from, &costmap).unwrap()].place;
+        let robot = openbench_core::RobotDescription::sentry();
+        let terrain = Terrain::new(map(), None, from, &robot, Preferences::NONE).unwrap();
+        let first = places[nearest(&places, from, &terrain).unwrap()].place;
         let nearest_by_far = places.iter().map(|w| w.place.point().distance(from)).reduce(f64::min).unwrap();
         assert!(first.point().distance(from) < nearest_by_far + 1.0);
-        assert_eq!(nearest(&[], from, &costmap), None);
+        assert_eq!(nearest(&[], from, &terrain), None);
     }
 }

@@ -5,12 +5,10 @@ use std::time::Duration;
 
 use openbench_core::{
     Action, Address, Briefing, Event, Events, FailureCause, GiveUp, Goal, MapPoint, Observation,
-    PlannedDelivery, RobotDescription, SimTime, Velocity,
+    PlannedDelivery, PoseEstimate, RobotDescription, SimTime, Velocity,
 };
 use openbench_language::{PlanError, PlanRequest, Planner};
 use openbench_localization::Localizer;
-use openbench_motion::Costmap;
-use openbench_motion::costmap::ground::Preferences;
 use openbench_osm::{Location, OsmData, OsmMap, locate};
 use openbench_routing::{MapRouter, Profile, Router, RouterTimes};
 use openbench_vision::PlateReader;
@@ -21,11 +19,10 @@ use crate::open::exploration::{self, Waypoint};
 use crate::open::memory::Memory;
 use crate::open::perception::Perception;
 use crate::open::sighting::Sighting;
+use crate::open::terrain::Terrain;
 
 mod looking;
 
-/// Ground around start and goals that the costmap covers, metres.
-const SURROUNDINGS: f64 = 25.0;
 /// A correction of the pose that is worth a word, metres.
 const NOTABLE: f64 = 0.3;
 /// Distances from the wall to look from: all places at the first, then all at the next.
@@ -65,6 +62,8 @@ struct Task {
     place: Option<Waypoint>,
     /// How often all places were looked from.
     round: usize,
+    /// Whether any place was looked from.
+    looked: bool,
     /// Where map or memory have the door, to be trusted if its plate cannot be read there.
     expected: Option<Sighting>,
     /// Distance in front of the plate that is driven to, metres.
@@ -79,7 +78,6 @@ pub struct Mission {
     perception: Perception,
     driver: Driver,
     memory: Memory,
-    router: MapRouter,
     queue: VecDeque<PlannedDelivery>,
     task: Option<Task>,
     seen: Vec<Sighting>,
@@ -102,13 +100,15 @@ impl Mission {
         let router = MapRouter::new(memory.data(), memory.map().projection.clone(), Profile::delivery())
             .map_err(|e| all(FailureCause::Briefing, e.to_string()))?;
         let queue = understand(parts.planner.as_ref(), briefing, memory.map(), &router, events)?;
-        let costmap = survey(memory.map(), briefing, &queue, parts.ground)?;
+        let robot = briefing.robot.clone();
+        let terrain =
+            Terrain::new(memory.map().clone(), Some(router), briefing.start.point(), &robot, parts.ground)
+                .map_err(|e| all(FailureCause::Briefing, e.to_string()))?;
         let mut localizer = parts.localizer;
         localizer.reset(briefing.start);
-        let robot = briefing.robot.clone();
         Ok(Self {
             perception: Perception::new(robot.clone()),
-            driver: Driver::new(costmap, robot.clone(), parts.motion)?,
+            driver: Driver::new(terrain, robot.clone(), parts.motion)?,
             reader: parts.reader,
             task: None,
             seen: Vec::new(),
@@ -119,7 +119,6 @@ impl Mission {
             robot,
             localizer,
             memory,
-            router,
             queue,
         })
     }
@@ -159,7 +158,8 @@ impl Mission {
         if let Some(scan) = observation.scan {
             let ring = self.perception.observe(scan, self.localizer.as_ref());
             self.driver.observe(&ring, observation.time);
-            events.record(Event::PoseEstimate(self.localizer.pose()));
+            let (pose, health) = (self.localizer.pose(), self.localizer.health());
+            events.record(Event::PoseEstimate(PoseEstimate { pose, health }));
         }
         self.announce(events);
     }
@@ -212,12 +212,13 @@ impl Mission {
             waypoints: Vec::new(),
             place: None,
             round: 0,
+            looked: false,
             expected,
             doorstep: DOORSTEP,
         };
-        match road.back() {
-            Some(&last) if last.distance(self.localizer.pose().point()) > NEARBY => {
-                self.driver.set_out(road, Target { point: last, yaw: None, must: false });
+        match road {
+            Some(end) if end.distance(self.localizer.pose().point()) > NEARBY => {
+                self.driver.set_target(Target { point: end, yaw: None, must: false });
                 self.task = Some(task);
                 Action::Drive(Velocity::ZERO)
             }
@@ -225,30 +226,23 @@ impl Mission {
         }
     }
 
-    /// Points of the road to a building, if the map has one worth taking.
-    fn road_to(&self, building: usize, events: &mut dyn Events) -> VecDeque<MapPoint> {
+    /// Where the road to a building ends, if the map has one worth taking.
+    fn road_to(&self, building: usize, events: &mut dyn Events) -> Option<MapPoint> {
         let from = self.localizer.pose().point();
         let polygon = &self.memory.map().buildings[building].polygon;
         let to = polygon.nearest_boundary_point(from).0;
-        let Ok(route) = self.router.route(from, to) else { return VecDeque::new() };
-        let (Some(first), Some(last)) = (route.points.first(), route.points.last()) else {
-            return VecDeque::new();
-        };
-        let length = route.distance + from.distance(*first) + to.distance(*last);
-        events.record(Event::Route(route.points.clone()));
-        if length > DETOUR * from.distance(to) {
-            return VecDeque::new();
-        }
-        // A road may leave the ground that the costmap covers; it comes back before it ends.
-        let covered = |point: &MapPoint| self.driver.costmap().grid().cell_at(*point).is_some();
-        route.points.into_iter().filter(covered).collect()
+        let route = self.driver.terrain().roads()?.route(from, to).ok()?;
+        let (first, last) = (*route.points.first()?, *route.points.last()?);
+        let length = route.distance + from.distance(first) + to.distance(last);
+        events.record(Event::Route(route.points));
+        (length <= DETOUR * from.distance(to)).then_some(last)
     }
 
     fn pursue(&mut self, task: Task, observation: &Observation<'_>, events: &mut dyn Events) -> Action {
         let now = observation.time;
         match &task.stage {
             Stage::Look(since) => {
-                let since = *since;
+                let (since, task) = (*since, Task { looked: true, ..task });
                 self.look(task, since, observation, events)
             }
             Stage::Travel | Stage::ToWaypoint | Stage::Approach(_) => {
@@ -329,11 +323,21 @@ impl Mission {
         self.task = Some(task);
     }
 
-    /// The nearest place not yet looked from; after the last one all again from another distance; then the door is not found.
+    /// The nearest place not yet looked from that a way leads to; after the last one all again from another distance; then
+    /// the door is not found, or nothing leads there.
     fn next_waypoint(&mut self, mut task: Task, events: &mut dyn Events) -> Action {
         let here = self.localizer.pose().point();
-        while task.waypoints.is_empty() {
+        let nearest = loop {
+            if let Some(nearest) = exploration::nearest(&task.waypoints, here, self.driver.terrain()) {
+                break nearest;
+            }
             let Some(&standoff) = STANDOFFS.get(task.round) else {
+                if !task.looked {
+                    let wall =
+                        self.memory.map().buildings[task.building].polygon.nearest_boundary_point(here);
+                    let detail = self.driver.terrain().obstacle(here, wall.0);
+                    return Action::GiveUp(one(task.address, FailureCause::NoRoute, detail));
+                }
                 let detail =
                     format!("no plate of {} was read from any place around the building", task.address);
                 return Action::GiveUp(one(task.address, FailureCause::DoorNotFound, detail));
@@ -341,15 +345,14 @@ impl Mission {
             task.round += 1;
             task.waypoints = exploration::waypoints(self.memory.map(), task.building, standoff);
             events.record(Event::Waypoints(task.waypoints.iter().map(|w| w.place).collect()));
-        }
-        let nearest = exploration::nearest(&task.waypoints, here, self.driver.costmap()).unwrap_or(0);
+        };
         let waypoint = task.waypoints.remove(nearest);
         self.go_to(task, waypoint);
         Action::Drive(Velocity::ZERO)
     }
 
     fn go_to(&mut self, mut task: Task, waypoint: Waypoint) {
-        let waypoint = waypoint.before_obstacles(self.driver.costmap()).unwrap_or(waypoint);
+        let waypoint = waypoint.before_obstacles(self.driver.terrain().near()).unwrap_or(waypoint);
         let target = Target { point: waypoint.place.point(), yaw: Some(waypoint.place.yaw), must: false };
         self.driver.set_target(target);
         task.place = Some(waypoint);
@@ -396,28 +399,4 @@ fn cause_of(error: &PlanError) -> FailureCause {
         PlanError::NotUnderstood { .. } => FailureCause::NotUnderstood,
         _ => FailureCause::PlannerUnavailable,
     }
-}
-
-/// The costmap around the start and every building to be driven to.
-fn survey(
-    map: &OsmMap,
-    briefing: &Briefing,
-    queue: &VecDeque<PlannedDelivery>,
-    ground: Preferences,
-) -> Result<Costmap, GiveUp> {
-    let start = briefing.start.point();
-    let (mut low, mut high) = (start, start);
-    for delivery in queue {
-        let building = match locate(map, &delivery.address()) {
-            Location::Unit { building, .. } | Location::Building(building) => building,
-            Location::Unknown | Location::Ambiguous(_) => continue,
-        };
-        let (a, b) = map.buildings[building].polygon.bounds();
-        low = MapPoint::new(low.x.min(a.x), low.y.min(a.y));
-        high = MapPoint::new(high.x.max(b.x), high.y.max(b.y));
-    }
-    let low = MapPoint::new(low.x - SURROUNDINGS, low.y - SURROUNDINGS);
-    let high = MapPoint::new(high.x + SURROUNDINGS, high.y + SURROUNDINGS);
-    Costmap::with_preferences(map, low, high, &briefing.robot, ground)
-        .map_err(|e| all(FailureCause::Briefing, e.to_string()))
 }

@@ -5,6 +5,7 @@
 //! |---|---|
 //! | [`mission`] | the deliveries and the stage that each is in |
 //! | [`driving`] | costmap, navigator, and when a place is given up |
+//! | [`terrain`] | the ground near by, and corridors to goals farther off |
 //! | [`exploration`] | where to look at a building from |
 //! | [`sighting`] | where a plate that was read in an image is, by the LiDAR |
 //! | [`perception`] | scans and images in the `map` frame |
@@ -17,6 +18,7 @@ pub mod memory;
 pub mod mission;
 pub mod perception;
 pub mod sighting;
+pub mod terrain;
 mod thinking;
 
 use openbench_core::{Action, Agent, Briefing, Events, FailureCause, GiveUp, Observation, SimTime};

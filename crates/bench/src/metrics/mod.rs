@@ -15,9 +15,11 @@
 //! | [`smoothness`] | how much the robot turns, speeds up and down, and stops |
 //! | [`doors`] | doors that an agent wrote into its map |
 //! | [`mod@localization`] | how far the agent was from where it believed to be |
+//! | [`consistency`] | whether odometry is as far off as its covariance says |
 //! | [`summary`] | all of them over the deliveries of a run, with intervals |
 
 pub mod collisions;
+pub mod consistency;
 pub mod doors;
 pub mod encounters;
 pub mod localization;
@@ -29,9 +31,10 @@ pub mod success;
 pub mod summary;
 
 pub use collisions::CollisionSum;
+pub use consistency::{Nees, nees};
 pub use doors::{DoorScore, score_doors};
 pub use encounters::EncounterSum;
-pub use localization::{LocalizationSum, PoseError};
+pub use localization::{ErrorCounts, LocalizationSum, PoseError};
 pub use path_ratio::{path_ratio, spl};
 pub use sequence::{sequence_mean, sequence_weights};
 pub use smoothness::{Smoothness, SmoothnessSum};

@@ -6,9 +6,11 @@ use std::time::Duration;
 
 use openbench_agents::open::driving::{Driver, Driving, Target};
 use openbench_agents::open::perception::Perception;
+use openbench_agents::open::terrain::Terrain;
 use openbench_core::{Event, Events, MapPoint, Pose2, SimTime, Velocity};
 use openbench_localization::Localizer;
-use openbench_motion::{Costmap, LocalPlanner};
+use openbench_motion::LocalPlanner;
+use openbench_motion::costmap::ground::Preferences;
 use openbench_osm::OsmMap;
 use openbench_sim::noise::Noise;
 use openbench_sim::traffic::Encounters;
@@ -22,8 +24,6 @@ use crate::{BenchError, Prepared, TrafficPlan, TruthHandle, TruthLocalizer, thre
 const DRIVE: f64 = 500.0;
 /// or takes so long at most.
 const LIMIT: Duration = Duration::from_secs(3000);
-/// Ground that is known around the doors, metres.
-const SURROUNDINGS: f64 = 25.0;
 /// Stream of random numbers, beside those of sensors and traffic.
 const STREAM: u64 = 41;
 
@@ -162,16 +162,10 @@ impl<'a> Course<'a> {
         Ok(Self { prepared, map: prepared.osm_map(), places })
     }
 
-    fn costmap(&self) -> Result<Costmap, BenchError> {
-        let start = self.prepared.world.start.point();
-        let (mut low, mut high) = (start, start);
-        for place in &self.places {
-            low = MapPoint::new(low.x.min(place.x), low.y.min(place.y));
-            high = MapPoint::new(high.x.max(place.x), high.y.max(place.y));
-        }
-        let low = MapPoint::new(low.x - SURROUNDINGS, low.y - SURROUNDINGS);
-        let high = MapPoint::new(high.x + SURROUNDINGS, high.y + SURROUNDINGS);
-        Costmap::new(&self.map, low, high, &self.prepared.robot).map_err(|e| BenchError::World(e.to_string()))
+    fn terrain(&self) -> Result<Terrain, BenchError> {
+        let Prepared { world, robot, .. } = self.prepared;
+        Terrain::new(self.map.clone(), None, world.start.point(), robot, Preferences::NONE)
+            .map_err(|e| BenchError::World(e.to_string()))
     }
 
     /// One of the places, but not where the robot is.
@@ -209,7 +203,7 @@ impl<'a> Ride<'a> {
         let (prepared, handle) = (course.prepared, TruthHandle::default());
         let simulator = prepared.simulator(seed)?;
         handle.set(simulator.time(), pose(&simulator));
-        let driver = Driver::new(course.costmap()?, prepared.robot.clone(), planner);
+        let driver = Driver::new(course.terrain()?, prepared.robot.clone(), planner);
         Ok(Self {
             course,
             simulator,

@@ -27,6 +27,50 @@ pub enum BenchCommand {
     Motion(BenchMotionArgs),
     /// Driving among people: kilometres in the simulator, collisions, and who was to blame
     People(BenchPeopleArgs),
+    /// Deliveries in neighbourhoods that a seed draws from maps: success, failures by cause, errors of poses
+    Towns(BenchTownsArgs),
+}
+
+/// Arguments of `bench towns`.
+#[derive(Debug, ClapArgs)]
+#[command(after_help = "\
+A window is a square of a map with ten doors at least. Four single deliveries and a sequence of three are drawn in each.
+Windows that are done are kept in the folder: the same command again goes on where it was broken off.
+
+Examples:
+  openbench bench towns --map krems.osm.pbf --map heidelberg.osm.pbf --windows 20 --jobs 2
+  openbench bench towns --map krems.osm.pbf --windows 4 --seed 7 --false-origin 5000 --out far --json > far.json")]
+pub struct BenchTownsArgs {
+    /// A map (.osm or .osm.pbf); windows are drawn from each in turn
+    #[arg(long = "map", required = true)]
+    pub maps: Vec<PathBuf>,
+    /// How many windows
+    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u16).range(1..=10_000))]
+    pub windows: u16,
+    /// How far a window reaches to each side of its middle, metres
+    #[arg(long, value_name = "M", default_value_t = 160.0, value_parser = radius)]
+    pub radius: f64,
+    /// What windows, worlds, deliveries and noise are drawn from
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// How far the origin of coordinates is from each window, kilometres; nothing should depend on it
+    #[arg(long, value_name = "KM", default_value_t = 0.0, value_parser = far)]
+    pub false_origin: f64,
+    /// The agent
+    #[arg(long, default_value = "open")]
+    pub agent: String,
+    /// A setting of the agent
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
+    pub settings: Vec<(String, String)>,
+    /// Episodes run at the same time; results do not depend on it
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
+    pub jobs: u16,
+    /// Folder for worlds, results and reports
+    #[arg(long, default_value = "runs/towns")]
+    pub out: PathBuf,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Arguments of `bench motion`.

@@ -63,6 +63,11 @@ pub(super) fn kilometres(text: &str) -> Result<f64, String> {
     kilometres.ok_or_else(|| format!("`{text}` should be kilometres, from 0.001 to 1000"))
 }
 
+pub(super) fn far(text: &str) -> Result<f64, String> {
+    let kilometres = text.parse().ok().filter(|kilometres: &f64| (0.0..=10_000.0).contains(kilometres));
+    kilometres.ok_or_else(|| format!("`{text}` should be kilometres, from 0 to 10000"))
+}
+
 pub(super) fn minutes(text: &str) -> Result<f64, String> {
     let minutes = text.parse().ok().filter(|minutes| (0.05..=600.0).contains(minutes));
     minutes.ok_or_else(|| format!("`{text}` should be minutes, from 0.05 to 600"))

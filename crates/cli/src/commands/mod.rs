@@ -3,6 +3,7 @@
 pub mod bench;
 mod bench_motion;
 mod bench_people;
+mod bench_towns;
 pub mod costmap;
 pub mod evaluate;
 pub mod models;

@@ -36,7 +36,10 @@ pub fn run(args: &RecordArgs) -> anyhow::Result<Outcome> {
     let recorder = Recorder::create(&args.out, Level::Full, prepared.world.georeference)?;
     let mut recorder = recorder.with_faults(faults);
     let bar = progress_bar(tour.time.as_secs() as usize, "driving");
-    let driven = drive(&prepared, &tour, &mut recorder, &|time| bar.set_position(time.seconds() as u64))?;
+    let driven = drive(&prepared, &tour, &mut |simulator, velocity| {
+        bar.set_position(simulator.time().seconds() as u64);
+        Ok(recorder.step(simulator, velocity)?)
+    })?;
     recorder.finish()?;
     bar.finish_and_clear();
     tell(&format!(

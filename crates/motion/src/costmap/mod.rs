@@ -8,11 +8,13 @@
 //! | [`ground`] | the map's: what blocks the way, and which ground is preferred |
 //! | [`seen`] | the LiDAR's: hits, cleared along each beam, forgotten after a minute |
 //! | [`walls`] | both, as obstacles for a local planner |
+//! | [`overview`] | ways between places far apart, in coarser cells |
 //! | [`window`] | both around the robot, in finer cells that move along |
 //! | [`map_server`] | files of ROS's map server |
 
 pub mod ground;
 pub mod map_server;
+pub mod overview;
 pub mod seen;
 pub mod walls;
 pub mod window;
@@ -130,6 +132,20 @@ impl Costmap {
         let grid = GridGeometry::covering(low, high, cell, MAX_SIDE as usize + 1);
         let ground = Ground::of(map, &grid);
         Ok(Self::over(grid, ground, Room::of(robot)?, preferences))
+    }
+
+    /// Covers the square that reaches `half` metres to each side of `middle` from now on: the ground is the map's, and what
+    /// was seen stays known where both areas overlap. [`Costmap::inflate`] makes it count.
+    pub fn cover(&mut self, map: &OsmMap, middle: MapPoint, half: f64) {
+        let before = self.grid;
+        // By whole cells, so that cells stay where they are.
+        let corner =
+            |at: f64, origin: f64| origin + ((at - half - origin) / before.cell).round() * before.cell;
+        let origin = MapPoint::new(corner(middle.x, before.origin.x), corner(middle.y, before.origin.y));
+        let side = ((2.0 * half / before.cell).ceil() as usize).clamp(1, MAX_SIDE as usize + 1);
+        self.grid = GridGeometry { origin, width: side, height: side, cell: before.cell };
+        self.ground = Ground::of(map, &self.grid);
+        self.seen.carry(&before, &self.grid);
     }
 
     /// The costmap of a grid as ROS's map server keeps it: what is not likely to be occupied ([`Occupancy::LIKELY`]) is open.

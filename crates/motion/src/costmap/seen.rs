@@ -94,8 +94,9 @@ impl Seen {
     fn mark_clear(&mut self, grid: &GridGeometry, ring: &RangeRing, beam: Beam, bearing: f64) {
         let (sin, cos) = libm::sincos(bearing);
         // Stop short of what was hit, by a cell's diagonal.
-        let steps = ((beam.reach.min(FURTHEST) - 1.5 * grid.cell) / grid.cell).max(0.0) as usize;
-        for i in 0..steps {
+        let steps = (beam.reach.min(FURTHEST) - 1.5 * grid.cell) / grid.cell;
+        // Beams reach farther than many a grid.
+        for i in steps_within(grid, ring.center, [cos, sin], steps) {
             let along = i as f64 * grid.cell;
             let at = MapPoint::new(ring.center.x + along * cos, ring.center.y + along * sin);
             let Some(cell) = grid.cell_at(at).map(|cell| &mut self.cells[cell]) else { continue };
@@ -122,14 +123,39 @@ impl Seen {
         }
     }
 
-    /// Moves what is known over to a grid of the same shape, `columns` further east and `rows` further north.
-    pub fn shift(&mut self, grid: &GridGeometry, columns: i64, rows: i64) {
-        let old = std::mem::replace(&mut self.cells, vec![Cell::default(); grid.len()]);
+    /// Moves what is known from one grid over to another with cells of the same size in the same places.
+    pub fn carry(&mut self, from: &GridGeometry, to: &GridGeometry) {
+        let cells = |a: f64, b: f64| ((a - b) / to.cell).round() as i64;
+        let (columns, rows) = (cells(to.origin.x, from.origin.x), cells(to.origin.y, from.origin.y));
+        let old = std::mem::replace(&mut self.cells, vec![Cell::default(); to.len()]);
         for (cell, known) in self.cells.iter_mut().enumerate() {
-            let (x, y) = grid.column_row(cell);
-            if let Some(before) = grid.cell_in(x + columns, y + rows) {
+            let (x, y) = to.column_row(cell);
+            if let Some(before) = from.cell_in(x + columns, y + rows) {
                 *known = old[before];
             }
         }
     }
+}
+
+/// Those of the first `steps` steps of a cell's side each in a direction that lie on a grid, and a step before and after.
+fn steps_within(
+    grid: &GridGeometry,
+    from: MapPoint,
+    direction: [f64; 2],
+    steps: f64,
+) -> std::ops::Range<usize> {
+    let (mut first, mut end) = (0.0_f64, steps);
+    let sides = [
+        (from.x - grid.origin.x, direction[0], grid.width as f64),
+        (from.y - grid.origin.y, direction[1], grid.height as f64),
+    ];
+    for (at, way, cells) in sides {
+        let at = at / grid.cell;
+        let (near, far) = (-at / way, (cells - at) / way);
+        // Along a side both are infinite, or no numbers on it; then the other direction decides.
+        first = first.max(near.min(far) - 1.0);
+        end = end.min(near.max(far) + 1.0);
+    }
+    // Casts take what is below zero, or no number, for zero.
+    first as usize..end.max(first) as usize
 }

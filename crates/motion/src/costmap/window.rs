@@ -37,6 +37,7 @@ impl Window {
 
     /// Moves along with a robot that got to `place`.
     pub fn follow(&mut self, whole: &Costmap, place: MapPoint) {
+        let before = self.costmap.grid;
         let grid = &mut self.costmap.grid;
         let cells = |at: f64, origin: f64| ((at - HALF - origin) / grid.cell).round();
         let (columns, rows) = (cells(place.x, grid.origin.x), cells(place.y, grid.origin.y));
@@ -49,7 +50,7 @@ impl Window {
         // Counted in cells, so that rounding does not add up.
         let moved = |at: f64, by: f64| ((at / CELL).round() + by) * CELL;
         grid.origin = MapPoint::new(moved(grid.origin.x, columns), moved(grid.origin.y, rows));
-        self.costmap.seen.shift(&self.costmap.grid, columns as i64, rows as i64);
+        self.costmap.seen.carry(&before, &self.costmap.grid);
         self.take_ground(whole);
     }
 

@@ -64,7 +64,7 @@ impl Mission {
             }
             None => {
                 let hidden =
-                    task.place.take().and_then(|place| place.before_obstacles(self.driver.costmap()));
+                    task.place.take().and_then(|place| place.before_obstacles(self.driver.terrain().near()));
                 task.waypoints.extend(hidden);
                 match self.doubtful(&task, known) {
                     Some(view) => self.look_from(task, view),

@@ -4,10 +4,8 @@
 //! |---|---|
 //! | `bag` | the files of a log |
 //! | `sensors` | what the sensors are like |
-//! | `consistency` | whether the way is as far off as it says |
 
 mod bag;
-mod consistency;
 mod sensors;
 
 use std::fmt::Write as _;
@@ -16,6 +14,7 @@ use std::time::Duration;
 use anyhow::Context;
 use cpu_time::ThreadTime;
 use nalgebra::Matrix6;
+use openbench_bench::metrics::{Nees, nees};
 use openbench_core::{Pose3, RobotDescription, SimTime};
 use openbench_localization::lio::{Estimate, LidarInertialOdometry, Refused, Status};
 use openbench_localization::wheels::Wheels;
@@ -26,7 +25,6 @@ use serde::Serialize;
 use crate::args::OdometryArgs;
 use crate::outcome::{Outcome, say_json, tell};
 
-use consistency::Nees;
 use sensors::Sensors;
 
 /// Reads a log and writes the way.
@@ -159,7 +157,7 @@ impl Drive {
             cpu_ms_p99: at(99),
             cubes: self.odometry.map_size(),
             refused: self.odometry.refused(),
-            nees: consistency::nees(&self.told, &self.true_way, &self.sensors.settings.imu),
+            nees: nees(&self.told, &self.true_way, &self.sensors.settings.imu),
             version: env!("CARGO_PKG_VERSION"),
         }
     }

@@ -2,11 +2,11 @@
 
 use nalgebra::{Matrix6, Vector6};
 use openbench_core::{Pose3, SimTime};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The normalized estimation error squared (Y. Bar-Shalom, X. R. Li, T. Kirubarajan, *Estimation with Applications to Tracking and Navigation*, 2001, section 5.4): six
 /// on average if the covariance is right, less if it is too large, more if it is too small.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Nees {
     /// Over all poses.
     pub mean: f64,
@@ -24,9 +24,9 @@ pub fn nees(
     imu: &Pose3,
 ) -> Option<Nees> {
     let (start, first, _) = told.first()?;
-    let apart = at(truth, *start)?.inverse();
+    let apart = pose_at(truth, *start)?.inverse();
     let errors = told[1..].iter().filter_map(|(stamp, pose, covariance)| {
-        let right = first * apart * at(truth, *stamp)? * imu;
+        let right = first * apart * pose_at(truth, *stamp)? * imu;
         let pose = pose * imu;
         let turned = (right.rotation.inverse() * pose.rotation).scaled_axis();
         let moved = pose.translation.vector - right.translation.vector;
@@ -43,7 +43,7 @@ pub fn nees(
 }
 
 /// The true pose at an instant, between two that are known.
-fn at(truth: &[(SimTime, Pose3)], time: SimTime) -> Option<Pose3> {
+pub(crate) fn pose_at(truth: &[(SimTime, Pose3)], time: SimTime) -> Option<Pose3> {
     let after = truth.partition_point(|(t, _)| *t < time);
     let (t1, b) = truth.get(after)?;
     let Some((t0, a)) = after.checked_sub(1).and_then(|i| truth.get(i)) else {

@@ -1,0 +1,298 @@
+//! The ground between here and a goal: near by in fine cells that follow the robot, farther off along a corridor.
+//!
+//! The corridor comes from the map: the cheapest way over its ground, or over its roads where they lead farther round than
+//! is looked at. Near by the costmap's own search decides, so that what was seen counts. Where that finds no way, what was
+//! seen is remembered, the road is closed, and the next corridor is taken, until there is none.
+
+use openbench_core::{MapPoint, RobotDescription};
+use openbench_motion::costmap::ground::Preferences;
+use openbench_motion::costmap::overview::Overview;
+use openbench_motion::{Costmap, CostmapError, Guide, PlanError, Search, costs, plan};
+use openbench_osm::OsmMap;
+use openbench_osm::polygon::nearest_on_segment;
+use openbench_routing::{MapRouter, Router};
+
+/// How far the fine costmap reaches to each side, metres.
+const HALF: f64 = 50.0;
+/// It follows once the robot is so far from its middle, metres.
+const SLACK: f64 = 20.0;
+/// What is so near to its rim does not serve as a goal, metres: the next scans move it.
+const RIM: f64 = 3.0;
+/// Points of a corridor are looked at so far apart, metres.
+const STRIDE: f64 = 1.0;
+/// Corridors that are tried one after another at most before there is no way.
+const CORRIDORS: usize = 4;
+/// A corridor that the robot is farther from is of an earlier place, metres.
+const STRAYED: f64 = 25.0;
+/// Ways to places beyond this are compared by the map alone, metres.
+const COMPARED: f64 = 60.0;
+/// What is nearer than that is no part of a way to be driven, metres.
+const HERE: f64 = 2.0;
+/// Roads within this distance of where a corridor is blocked are closed, metres.
+const ON_ROAD: f64 = 3.0;
+/// How far ahead of the robot the way is checked against every scan, metres.
+const CHECK_AHEAD: f64 = 3.0;
+/// Within this distance of the robot's middle its own hull stands, metres.
+const OWN_HULL: f64 = 0.4;
+
+/// A way from the map to a goal.
+#[derive(Debug, Clone)]
+struct Corridor {
+    goal: MapPoint,
+    /// No farther apart than [`STRIDE`].
+    points: Vec<MapPoint>,
+}
+
+/// What is known of the ground.
+pub struct Terrain {
+    map: OsmMap,
+    roads: Option<MapRouter>,
+    near: Costmap,
+    overview: Overview,
+    corridor: Option<Corridor>,
+    /// Whether the last way ends before its goal.
+    partial: bool,
+    search: Search,
+}
+
+impl Terrain {
+    /// The ground of a map around `start`. Without roads, ways lead over ground that hangs together near by only.
+    pub fn new(
+        map: OsmMap,
+        roads: Option<MapRouter>,
+        start: MapPoint,
+        robot: &RobotDescription,
+        preferences: Preferences,
+    ) -> Result<Self, CostmapError> {
+        let low = MapPoint::new(start.x - HALF, start.y - HALF);
+        let high = MapPoint::new(start.x + HALF, start.y + HALF);
+        Ok(Self {
+            near: Costmap::with_preferences(&map, low, high, robot, preferences)?,
+            overview: Overview::new(robot)?,
+            map,
+            roads,
+            corridor: None,
+            partial: false,
+            search: Search::default(),
+        })
+    }
+
+    /// The ground near by.
+    pub fn near(&self) -> &Costmap {
+        &self.near
+    }
+
+    /// The same, to take in what is seen.
+    pub fn near_mut(&mut self) -> &mut Costmap {
+        &mut self.near
+    }
+
+    /// The map's roads.
+    pub fn roads(&self) -> Option<&MapRouter> {
+        self.roads.as_ref()
+    }
+
+    /// Whether the last way leads only to where more of the ground can be seen.
+    pub fn is_partial(&self) -> bool {
+        self.partial
+    }
+
+    /// What the ways to places cost, metres of open ground; `None` where by all that is known none leads.
+    pub fn costs(&self, from: MapPoint, places: &[MapPoint]) -> Vec<Option<f64>> {
+        let near = costs(&self.near, from, places, COMPARED);
+        if near.iter().any(Option::is_some) {
+            return near;
+        }
+        self.overview.costs(&self.map, from, places)
+    }
+
+    /// What is in the way to a place that cannot be reached, in words.
+    pub fn obstacle(&self, from: MapPoint, to: MapPoint) -> String {
+        match self.overview.bar(&self.map, from, to) {
+            Some((bar, at)) => format!("no way leads to {to} past {bar} at {at}"),
+            None => format!("no way leads to {to}"),
+        }
+    }
+
+    /// Moves the fine costmap along with the robot.
+    fn follow(&mut self, here: MapPoint) {
+        let grid = self.near.grid();
+        let middle = grid.origin.x + 0.5 * grid.width as f64 * grid.cell;
+        let middle = MapPoint::new(middle, grid.origin.y + 0.5 * grid.height as f64 * grid.cell);
+        // Who does not know where he is has not left.
+        let off = (here.x - middle.x).abs().max((here.y - middle.y).abs());
+        if off.is_finite() && off > SLACK {
+            self.overview.note(&self.near);
+            self.near.cover(&self.map, here, HALF);
+        }
+    }
+
+    /// A corridor from here to a goal by all that is known: over the ground, or over roads.
+    fn lay(&mut self, from: MapPoint, goal: MapPoint) -> Result<Corridor, PlanError> {
+        let ground = self.overview.way(&self.map, from, goal);
+        let points = match (ground, self.over_roads(from, goal)) {
+            (Ok(way), _) => way,
+            (Err(_), Some(road)) => road,
+            (Err(error), None) => return Err(error),
+        };
+        Ok(Corridor { goal, points: dense(&points) })
+    }
+
+    fn over_roads(&self, from: MapPoint, goal: MapPoint) -> Option<Vec<MapPoint>> {
+        let route = self.roads.as_ref()?.route(from, goal).ok()?;
+        let (first, last) = (*route.points.first()?, *route.points.last()?);
+        // Between the roads and both ends the map's ground has to be open.
+        let mut points = self.overview.way(&self.map, from, first).ok()?;
+        points.extend(route.points.into_iter().skip(1));
+        points.extend(self.overview.way(&self.map, last, goal).ok()?.into_iter().skip(1));
+        Some(points)
+    }
+
+    /// The way along the corridor: searched as far as the fine costmap reaches, the corridor itself from there.
+    fn along(&mut self, from: MapPoint) -> Result<Vec<MapPoint>, Blocked> {
+        let Some(corridor) = &self.corridor else { return Err(Blocked { reached: None, beyond: from }) };
+        let ahead = &corridor.points[nearest(&corridor.points, from)..];
+        let inside = |point: &&MapPoint| is_within(&self.near, **point, RIM);
+        let covered = ahead.iter().take_while(inside).count();
+        let is_free = |i: &usize| {
+            let cell = self.near.grid().cell_at(ahead[*i]);
+            cell.is_some_and(|cell| self.near.cost(cell).is_some())
+        };
+        let goal = ahead.last().copied().unwrap_or(corridor.goal);
+        // The goal itself may lie in something; `plan` knows what to do.
+        let end = if covered == ahead.len() { covered.checked_sub(1) } else { (0..covered).rfind(is_free) };
+        let Some(end) = end else { return Err(Blocked { reached: None, beyond: goal }) };
+        match plan(&mut self.search, &self.near, from, ahead[end]) {
+            Ok(mut way) => {
+                way.extend_from_slice(&ahead[end + 1..]);
+                Ok(way)
+            }
+            Err(_) => {
+                let reached = |point: &MapPoint| {
+                    let cell = self.near.grid().cell_at(*point);
+                    cell.is_some_and(|cell| self.search.reached(cell))
+                };
+                let last = ahead[..=end].iter().rposition(reached);
+                let beyond = ahead[last.map_or(0, |last| (last + 1).min(end))];
+                Err(Blocked { reached: last.map(|last| ahead[last]), beyond })
+            }
+        }
+    }
+}
+
+/// Where a corridor is blocked.
+#[derive(Debug, Clone, Copy)]
+struct Blocked {
+    /// Its last point that can be reached.
+    reached: Option<MapPoint>,
+    /// Its first point that cannot.
+    beyond: MapPoint,
+}
+
+impl Guide for Terrain {
+    fn way(&mut self, from: MapPoint, to: MapPoint) -> Result<Vec<MapPoint>, PlanError> {
+        self.follow(from);
+        self.partial = false;
+        self.near.inflate();
+        if is_within(&self.near, to, 0.0) {
+            match plan(&mut self.search, &self.near, from, to) {
+                Err(PlanError::NoWay(..)) => {}
+                found => return found,
+            }
+        }
+        let is_current = |corridor: &Corridor| {
+            let at = corridor.points[nearest(&corridor.points, from)];
+            corridor.goal == to && at.distance(from) < STRAYED
+        };
+        self.corridor = self.corridor.take().filter(is_current);
+        let mut blocked = None;
+        for _ in 0..CORRIDORS {
+            if self.corridor.is_none() {
+                let laid = match self.lay(from, to) {
+                    // What was seen may have gone by now.
+                    Err(_) if self.overview.forget() => self.lay(from, to),
+                    laid => laid,
+                };
+                match laid {
+                    Ok(corridor) => self.corridor = Some(corridor),
+                    Err(error) => return Err(error),
+                }
+            }
+            match self.along(from) {
+                Ok(way) => return Ok(way),
+                Err(at) => {
+                    self.overview.note(&self.near);
+                    if let Some(roads) = &mut self.roads {
+                        roads.close(at.beyond, ON_ROAD);
+                    }
+                    (self.corridor, blocked) = (None, Some(at));
+                }
+            }
+        }
+        // More may be seen from nearer.
+        let near = blocked.and_then(|blocked| blocked.reached).filter(|at| at.distance(from) > HERE);
+        let near = near.ok_or(PlanError::NoWay(from, to))?;
+        self.partial = true;
+        plan(&mut self.search, &self.near, from, near)
+    }
+
+    /// By the newest scans.
+    fn is_blocked(&self, path: &[MapPoint], from: MapPoint) -> bool {
+        let Some((at, start)) = nearest_on_path(path, from) else { return false };
+        let mut left = CHECK_AHEAD;
+        let mut begin = start;
+        for &corner in &path[at + 1..] {
+            let length = begin.distance(corner);
+            let end = along(begin, corner, left / length);
+            // The robot stands where it stands: only what lies ahead of its own hull counts.
+            let hull = (OWN_HULL - begin.distance(from)).max(0.0) / begin.distance(end);
+            if hull < 1.0 && !self.near.is_clear(along(begin, end, hull), end) {
+                return true;
+            }
+            left -= length;
+            if left <= 0.0 {
+                break;
+            }
+            begin = corner;
+        }
+        false
+    }
+}
+
+/// Whether a point lies on a costmap, so far from its rim.
+fn is_within(costmap: &Costmap, point: MapPoint, rim: f64) -> bool {
+    let grid = costmap.grid();
+    let inside = |at: f64, origin: f64, cells: usize| {
+        at - origin >= rim && origin + cells as f64 * grid.cell - at > rim
+    };
+    inside(point.x, grid.origin.x, grid.width) && inside(point.y, grid.origin.y, grid.height)
+}
+
+/// The number of the point nearest to a place, the last of those that are as near.
+fn nearest(points: &[MapPoint], place: MapPoint) -> usize {
+    let away = |i: usize| points[i].distance(place);
+    (0..points.len()).rev().min_by(|a, b| away(*a).total_cmp(&away(*b))).unwrap_or(0)
+}
+
+/// The same line with points no farther apart than [`STRIDE`].
+fn dense(points: &[MapPoint]) -> Vec<MapPoint> {
+    let mut line = points.first().map_or(Vec::new(), |first| vec![*first]);
+    for pair in points.windows(2) {
+        let count = (pair[0].distance(pair[1]) / STRIDE).ceil().max(1.0) as usize;
+        line.extend((1..=count).map(|i| along(pair[0], pair[1], i as f64 / count as f64)));
+    }
+    line
+}
+
+/// The place on a way that is nearest to `from`, and the number of the stretch that it is on.
+fn nearest_on_path(path: &[MapPoint], from: MapPoint) -> Option<(usize, MapPoint)> {
+    let on = |i: usize| (i, nearest_on_segment(path[i], path[i + 1], from).0);
+    let stretches = (0..path.len().saturating_sub(1)).map(on);
+    stretches.min_by(|a, b| a.1.distance(from).total_cmp(&b.1.distance(from)))
+}
+
+/// The point at the share `t` of the way from `a` to `b`, `b` at most.
+fn along(a: MapPoint, b: MapPoint, t: f64) -> MapPoint {
+    let t = if t < 1.0 { t } else { 1.0 };
+    MapPoint::new(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y))
+}

@@ -1,0 +1,191 @@
+//! A battery of towns: neighbourhoods that a seed draws from maps, and an agent's deliveries in each.
+//!
+//! Worlds that nobody chose show what an agent was tuned to. A window is a square of a map; its world is generated, four
+//! single deliveries and a sequence of three are drawn, driven and scored, and a drive of three minutes is given to the
+//! odometry. What is done stays in the folder: a battery that was broken off goes on with the next window.
+//!
+//! | module | its one job |
+//! |---|---|
+//! | [`windows`] | neighbourhoods from a seed |
+//! | [`odometry`] | a drive through a window, and how well odometry follows it |
+//! | [`summary`] | [`Town`] and [`Towns`]: what came of one window and of all |
+
+pub mod odometry;
+pub mod summary;
+pub mod windows;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use openbench_core::LonLat;
+use openbench_osm::write_atomically;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use crate::recorder::Level;
+use crate::run::{RunRequest, run as run_suite};
+use crate::{AgentFactory, BenchError, Prepared, world_folder};
+
+pub use odometry::OdometrySum;
+pub use summary::{Town, Towns};
+use windows::{Maps, Place};
+
+/// Doors that a window needs.
+pub const DOORS: usize = 10;
+/// The file of a window that is done.
+const DONE: &str = "town.json";
+/// The file that says what a folder's windows are of.
+const PLAN: &str = "towns.json";
+
+/// What a battery is: the same plan gives the same windows and deliveries.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TownsPlan {
+    /// Version of OpenBench; another one may build other worlds.
+    pub version: String,
+    /// The maps; windows are drawn from each in turn.
+    pub maps: Vec<PathBuf>,
+    /// Half the side of a window, metres.
+    pub radius: f64,
+    /// What windows, worlds, deliveries and noise are drawn from.
+    pub seed: u64,
+    /// How far east of the window's middle the origin of its frame lies, metres.
+    pub false_origin: f64,
+    /// Name of the agent.
+    pub agent: String,
+    /// What was set with `--set`.
+    pub settings: BTreeMap<String, String>,
+}
+
+/// A battery to be run.
+pub struct TownsRequest<'a> {
+    /// What it is.
+    pub plan: &'a TownsPlan,
+    /// How many windows.
+    pub windows: usize,
+    /// Makes the agent.
+    pub factory: &'a AgentFactory,
+    /// Episodes at a time.
+    pub jobs: usize,
+    /// Folder for windows and results.
+    pub out: &'a Path,
+    /// Told of each window that is done, and whether it was done before.
+    pub progress: &'a dyn Fn(&Town, bool),
+}
+
+/// Runs the windows that are not done yet and sums up all.
+///
+/// # Errors
+/// A folder that holds windows of another plan, maps that cannot be read, a window that cannot be driven to its end.
+pub fn run(request: &TownsRequest<'_>) -> Result<Towns, BenchError> {
+    std::fs::create_dir_all(request.out).map_err(|e| BenchError::file(request.out, e))?;
+    claim(request)?;
+    let maps = Maps::read(&request.plan.maps)?;
+    let mut towns: Vec<Town> = Vec::new();
+    for number in 0..request.windows {
+        let folder = request.out.join(format!("{number:03}"));
+        if let Some(town) = read::<Town>(&folder.join(DONE))? {
+            (request.progress)(&town, true);
+            towns.push(town);
+            continue;
+        }
+        let taken: Vec<(usize, LonLat)> =
+            towns.iter().map(|town| (town.place.map, town.place.around)).collect();
+        let Some((place, prepared)) = maps.draw(request.plan, number, &taken, &folder.join("world"))? else {
+            // No map has room for another one.
+            break;
+        };
+        let town = drive(request, number, place, &prepared, &folder)?;
+        write(&folder.join(DONE), &town)?;
+        (request.progress)(&town, false);
+        towns.push(town);
+    }
+    Ok(Towns::of(request.plan.clone(), request.windows, towns))
+}
+
+/// Notes what the folder's windows are of, or checks it.
+fn claim(request: &TownsRequest<'_>) -> Result<(), BenchError> {
+    let path = request.out.join(PLAN);
+    match read::<TownsPlan>(&path)? {
+        None => write(&path, request.plan),
+        Some(before) if before == *request.plan => Ok(()),
+        Some(_) => Err(BenchError::BadFile {
+            path,
+            problem: "the folder holds windows of other maps, settings or another version; name another one with --out".into(),
+        }),
+    }
+}
+
+fn drive(
+    request: &TownsRequest<'_>,
+    number: usize,
+    place: Place,
+    prepared: &Prepared,
+    folder: &Path,
+) -> Result<Town, BenchError> {
+    let plan = request.plan;
+    let out = folder.join("run");
+    let output = run_suite(&RunRequest {
+        prepared,
+        agent: &plan.agent,
+        factory: request.factory,
+        settings: &plan.settings,
+        seed: plan.seed.wrapping_add(number as u64),
+        jobs: request.jobs,
+        level: Level::None,
+        out: Some(&out),
+        memory: None,
+        command: "openbench bench towns",
+        progress: &|_| {},
+    })?;
+    let odometry = odometry::measure(prepared, plan.seed.wrapping_add(number as u64))?;
+    Ok(Town { number, place, results: output.results, pose_errors: output.pose_errors, odometry })
+}
+
+fn read<T: DeserializeOwned>(path: &Path) -> Result<Option<T>, BenchError> {
+    let text = match std::fs::read(path) {
+        Ok(text) => text,
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+        Err(e) => return Err(BenchError::file(path, e)),
+    };
+    let bad = |e: serde_json::Error| BenchError::BadFile {
+        path: path.to_owned(),
+        problem: format!("{e}; remove the file to drive this again"),
+    };
+    serde_json::from_slice(&text).map(Some).map_err(bad)
+}
+
+fn write(path: &Path, value: &impl Serialize) -> Result<(), BenchError> {
+    let bad = |problem: String| BenchError::BadFile { path: path.to_owned(), problem };
+    let text = serde_json::to_vec_pretty(value).map_err(|e| bad(e.to_string()))?;
+    write_atomically(path, &text).map_err(|e| bad(e.to_string()))
+}
+
+/// The seed of a window's world and deliveries.
+fn window_seed(plan: &TownsPlan, number: usize) -> u64 {
+    // As TOML has integers: not above 2^63.
+    (plan.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(number as u64)) >> 1
+}
+
+/// The folder's recipe, suite and maps of a window.
+fn write_world(
+    plan: &TownsPlan,
+    number: usize,
+    place: &Place,
+    map: &openbench_osm::OsmData,
+    folder: &Path,
+) -> Result<Option<Prepared>, BenchError> {
+    let georeference = openbench_core::Georeference::TangentPlane {
+        at: place.around,
+        offset_x: -plan.false_origin,
+        offset_y: 0.0,
+    };
+    let seed = window_seed(plan, number);
+    let recipe = world_folder::Recipe::generated(&place.name, georeference, seed);
+    let wanted = world_folder::Wanted { singles: 4, sequences: (1, 3), reach: 2.0 * plan.radius, seed };
+    match world_folder::write(folder, &recipe, map, wanted) {
+        Ok(written) if written.candidates >= DOORS => Ok(Some(written.prepared.with_episodes(None)?)),
+        // Without ground to start on, or without doors: not a place for a robot.
+        Ok(_) | Err(BenchError::World(_)) => Ok(None),
+        Err(error) => Err(error),
+    }
+}

@@ -1,0 +1,131 @@
+//! `openbench bench towns`
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use openbench_bench::towns::summary::PoseSum;
+use openbench_bench::towns::{Town, Towns, TownsPlan, TownsRequest, run as run_towns};
+use openbench_bench::{BenchError, Registry};
+use openbench_core::FailureCause;
+
+use crate::args::BenchTownsArgs;
+use crate::commands::run::fetch_reader;
+use crate::outcome::{Outcome, say, say_json, tell};
+use crate::progress::progress_bar;
+
+/// Delivers in neighbourhoods that a seed draws.
+pub fn run(args: &BenchTownsArgs, registry: &Registry) -> anyhow::Result<Outcome> {
+    let unknown = || BenchError::UnknownAgent { name: args.agent.clone(), known: registry.names() };
+    let factory = registry.get(&args.agent).ok_or_else(unknown)?;
+    let settings: BTreeMap<String, String> = args.settings.iter().cloned().collect();
+    if args.agent == "open" {
+        fetch_reader(&settings)?;
+    }
+    let absolute = |path: &std::path::PathBuf| std::path::absolute(path).unwrap_or_else(|_| path.clone());
+    let plan = TownsPlan {
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        maps: args.maps.iter().map(absolute).collect(),
+        radius: args.radius,
+        seed: args.seed,
+        false_origin: args.false_origin * 1000.0,
+        agent: args.agent.clone(),
+        settings,
+    };
+    let windows = usize::from(args.windows);
+    let bar = progress_bar(windows, "towns");
+    let request = TownsRequest {
+        plan: &plan,
+        windows,
+        factory,
+        jobs: usize::from(args.jobs),
+        out: &args.out,
+        progress: &|town, was_done| {
+            bar.inc(1);
+            let again = if was_done { " (done before)" } else { "" };
+            bar.suspend(|| tell(&format!("{}{again}", line(town).trim_end())));
+        },
+    };
+    let towns = run_towns(&request)?;
+    bar.finish_and_clear();
+    if towns.towns.len() < windows {
+        let found = towns.towns.len();
+        tell(&format!("the maps have room for {found} windows that do not overlap, of {windows}"));
+    }
+    if args.json {
+        say_json(&towns)?;
+    } else {
+        say(&table(&towns))?;
+    }
+    tell(&format!("reports: {}", args.out.join("*/run/report.html").display()));
+    Ok(Outcome::Done)
+}
+
+const HEAD: &str = "window                    SR   SPL   LSR  pose 95 %  largest  silent  \
+                    odometry  NEES  hits     x  failures\n";
+
+fn table(towns: &Towns) -> String {
+    let mut text = HEAD.to_owned();
+    towns.towns.iter().for_each(|town| text.push_str(&line(town)));
+    let Towns { metrics, failures, silent_divergences, .. } = towns;
+    let _ = writeln!(
+        text,
+        "{:<22}  {}  {}  {}  {}  {silent_divergences:>6}  {:>8}  {:>4}  {:>4}  {:>4.1}  {}",
+        "all",
+        percent(metrics.sr_2m),
+        percent(metrics.spl),
+        percent(metrics.lsr),
+        pose(towns.pose),
+        "",
+        "",
+        metrics.collisions,
+        metrics.real_time_factor,
+        causes(failures)
+    );
+    let interval = |name: &str| {
+        let found = metrics.intervals.get(name);
+        found.map_or(String::new(), |[low, high]| format!("{:.0} to {:.0}", low * 100.0, high * 100.0))
+    };
+    let deliveries: usize = towns.towns.iter().map(|town| town.results.deliveries.len()).sum();
+    let _ = writeln!(
+        text,
+        "\n{deliveries} deliveries; 95 % intervals: SR {}, SPL {}, LSR {}\n\
+         SR, SPL, LSR: percent, strict. Pose and odometry: metres; odometry's error is that of a drive of 3 minutes,\n\
+         NEES is 6 if it is as large as told. Silent: times more than a metre off with good health. x: times real time\n\
+         a core.",
+        interval("sr_2m"),
+        interval("spl"),
+        interval("lsr")
+    );
+    text
+}
+
+fn line(town: &Town) -> String {
+    let metrics = &town.results.metrics;
+    let silent = metrics.localization.map_or(0, |sum| sum.silent_divergences);
+    let nees = town.odometry.nees.map_or("–".to_owned(), |nees| format!("{:.1}", nees.mean));
+    format!(
+        "{:<22}  {}  {}  {}  {}  {silent:>6}  {:>8.4}  {nees:>4}  {:>4}  {:>4.1}  {}\n",
+        town.place.name,
+        percent(metrics.sr_2m),
+        percent(metrics.spl),
+        percent(metrics.lsr),
+        pose(PoseSum::of(&town.pose_errors)),
+        town.odometry.rms_m,
+        metrics.collisions,
+        metrics.real_time_factor,
+        causes(&town.failures())
+    )
+}
+
+fn percent(share: Option<f64>) -> String {
+    share.map_or("   –".to_owned(), |share| format!("{:4.0}", share * 100.0))
+}
+
+fn pose(sum: Option<PoseSum>) -> String {
+    sum.map_or(format!("{:>9}  {:>7}", "–", "–"), |sum| format!("{:9.3}  {:7.3}", sum.p95_m, sum.max_m))
+}
+
+fn causes(failures: &BTreeMap<FailureCause, usize>) -> String {
+    let words: Vec<String> = failures.iter().map(|(cause, count)| format!("{count} {cause}")).collect();
+    words.join(", ")
+}
