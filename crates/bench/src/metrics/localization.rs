@@ -38,7 +38,8 @@ impl PoseError {
     /// Whether the agent is far off and does not know it.
     fn is_silent(&self) -> bool {
         // What is no number is no good pose either.
-        self.health == Health::Good && !(self.distance() <= SILENT_M)
+        let is_near = self.distance() <= SILENT_M;
+        self.health == Health::Good && !is_near
     }
 
     /// By how many metres the error changed since another one.

@@ -79,12 +79,18 @@ fn metres(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use openbench_core::{Pose2, SimTime};
+    use openbench_core::{Health, Pose2, PoseEstimate, SimTime};
 
     fn errors(count: u64, metres: f64) -> Vec<PoseError> {
         let told = |i: u64| Pose2::new(metres * i as f64 / count as f64, 0.0, 0.0);
         (1..=count)
-            .map(|i| PoseError::new(SimTime::from_millis(100 * i), Pose2::default(), told(i)))
+            .map(|i| {
+                PoseError::new(
+                    SimTime::from_millis(100 * i),
+                    Pose2::default(),
+                    PoseEstimate { pose: told(i), health: Health::Good },
+                )
+            })
             .collect()
     }
 
