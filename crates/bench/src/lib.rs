@@ -23,8 +23,10 @@
 //! | [`tour`] | drives for the sake of their logs |
 //! | [`towns`] | neighbourhoods from a seed, and an agent's deliveries in each |
 //! | [`truth`] | the truth as a localizer, for comparisons |
+//! | [`degraded`] | drives with sensors that are worse than believed |
 //! | [`disturbed`] | fixes made from the truth, for trials |
 
+pub mod degraded;
 pub mod deliveries;
 pub mod disturbed;
 pub mod draw;

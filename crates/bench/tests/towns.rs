@@ -37,9 +37,7 @@ fn battery(plan: &TownsPlan, windows: usize, out: &Path) -> Result<(Towns, Vec<b
     let factory: AgentFactory = Box::new(|_| Ok(Box::new(Quitter)));
     let seen = RefCell::new(Vec::new());
     let progress = |_: &_, was_done| seen.borrow_mut().push(was_done);
-    let request = TownsRequest { plan, windows, factory: &factory, jobs: 2, out, progress: &progress };
-    let towns = run(&request)?;
-    drop(request);
+    let towns = run(&TownsRequest { plan, windows, factory: &factory, jobs: 2, out, progress: &progress })?;
     Ok((towns, seen.into_inner()))
 }
 

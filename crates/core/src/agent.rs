@@ -161,6 +161,8 @@ pub enum FailureCause {
     AgentError,
     /// The robot left the ground of the world or lies on its side.
     LeftWorld,
+    /// The agent no longer knew where it was.
+    Lost,
 }
 
 impl fmt::Display for FailureCause {
@@ -179,6 +181,7 @@ impl fmt::Display for FailureCause {
             Self::WrongPlace => "wrong place",
             Self::AgentError => "agent failed",
             Self::LeftWorld => "left the world",
+            Self::Lost => "lost",
         })
     }
 }

@@ -166,7 +166,7 @@ impl Localizer for Fused {
     }
 
     fn health(&self) -> Health {
-        self.odometry.health()
+        self.odometry.health_within(self.covariance())
     }
 
     fn odom(&self) -> Pose2 {

@@ -11,6 +11,10 @@ use crate::lio::update::LidarNoise;
 use crate::lio::{LidarInertialOdometry, Settings, Status};
 use crate::wheels::Wheels;
 
+/// A pose with a larger deviation is not to be trusted, and one with a still larger one is of no use, metres.
+const DOUBTFUL_M: f64 = 0.5;
+const LOST_M: f64 = 5.0;
+
 /// Pose from LiDAR, IMU and wheels.
 #[derive(Debug, Clone)]
 pub struct LidarInertial {
@@ -31,6 +35,21 @@ impl LidarInertial {
         let (start, history) = (Pose2::default(), History::from(Pose2::default()));
         let wheels = Wheels::new(&robot);
         Self { robot, odometry, start, history, wheels, status: None, covariance: None }
+    }
+
+    /// The health of a pose of that covariance that comes from here.
+    pub(crate) fn health_within(&self, covariance: Option<Matrix3<f64>>) -> Health {
+        let deviation = covariance.map_or(0.0, |covariance| (covariance[(0, 0)] + covariance[(1, 1)]).sqrt());
+        match self.status {
+            Some(Status::Lost) => Health::Lost,
+            // No number is no covariance.
+            Some(_) if deviation.is_nan() || deviation > LOST_M => Health::Lost,
+            Some(Status::Coasting) => Health::Degraded(Doubt::FewFeatures),
+            Some(Status::Noisy) => Health::Degraded(Doubt::Noise),
+            Some(Status::Disputed) => Health::Degraded(Doubt::Contradiction),
+            Some(Status::Tracking) if deviation > DOUBTFUL_M => Health::Degraded(Doubt::FewFeatures),
+            None | Some(Status::Tracking) => Health::Good,
+        }
     }
 
     fn newest(&self) -> (SimTime, Pose2) {
@@ -100,12 +119,7 @@ impl Localizer for LidarInertial {
     }
 
     fn health(&self) -> Health {
-        match self.status {
-            None | Some(Status::Tracking) => Health::Good,
-            Some(Status::Coasting) => Health::Degraded(Doubt::FewFeatures),
-            Some(Status::Disputed) => Health::Degraded(Doubt::Contradiction),
-            Some(Status::Lost) => Health::Lost,
-        }
+        self.health_within(self.covariance())
     }
 
     fn covariance(&self) -> Option<Matrix3<f64>> {

@@ -12,6 +12,8 @@ const STRIDE: Duration = Duration::from_millis(50);
 /// How wrong wheels' speed is along the robot's axes, m/s, and how much more so in turns, m/s per rad/s: skidding wheels slide sideways.
 const SLIP: [f64; 3] = [0.03, 0.05, 0.1];
 const SLIP_IN_TURNS: f64 = 0.2;
+/// Rims that are so many times as fast as the robot's limits make them were misread.
+const MISREAD: f64 = 3.0;
 
 /// The wheels of a robot that steers by the difference of its sides.
 #[derive(Debug, Clone)]
@@ -20,6 +22,8 @@ pub struct Wheels {
     radius: f64,
     /// By which the turn rate follows from the sides' speeds, metres.
     track: f64,
+    /// No rim is faster, m/s: what shows more was misread.
+    fastest: f64,
     /// When they were looked at last, and what they showed.
     last: Option<WheelSample>,
 }
@@ -27,7 +31,9 @@ pub struct Wheels {
 impl Wheels {
     /// Those of a robot.
     pub fn new(robot: &RobotDescription) -> Self {
-        Self { radius: robot.wheel_radius, track: robot.effective_track, last: None }
+        let rim = robot.max_forward + robot.max_turn * robot.effective_track / 2.0;
+        let fastest = MISREAD * rim;
+        Self { radius: robot.wheel_radius, track: robot.effective_track, fastest, last: None }
     }
 
     /// Takes in a sample; the velocity of `base_link` when enough time has passed since the last one that was told.
@@ -43,12 +49,16 @@ impl Wheels {
         let took = sample.stamp.since(last.stamp);
         let [left, right] = [sample.left - last.left, sample.right - last.right]
             .map(|angle| angle * self.radius / took.as_secs_f64());
-        let turn = (right - left).abs() / self.track;
+        if [left, right].iter().any(|rim| rim.abs() > self.fastest) {
+            return None;
+        }
+        let turn = (right - left) / self.track;
         // The mean over a stretch is the speed at its middle.
         Some(Speed {
             stamp: last.stamp + took / 2,
             velocity: Vector3::new((left + right) / 2.0, 0.0, 0.0),
-            deviation: Vector3::from(SLIP).map(|slip| slip + SLIP_IN_TURNS * turn),
+            deviation: Vector3::from(SLIP).map(|slip| slip + SLIP_IN_TURNS * turn.abs()),
+            turn,
         })
     }
 }

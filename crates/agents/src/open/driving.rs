@@ -104,6 +104,12 @@ impl Driver {
         self.terrain.near_mut().observe_but(ring, |point| self.tracker.covers(point));
     }
 
+    /// Forgets all that was seen: it was drawn where it is not.
+    pub fn forget_seen(&mut self) {
+        self.terrain.forget_seen();
+        self.window.forget_seen();
+    }
+
     /// Goes on after the robot stood for so long for a reason that is no driver's: it is not late for that.
     pub fn resume(&mut self, stood: Duration) {
         self.navigator.resume(stood);

@@ -14,6 +14,7 @@ use openbench_routing::{MapRouter, Profile, Router, RouterTimes};
 use openbench_vision::PlateReader;
 
 use crate::open::Parts;
+use crate::open::caution::{Caution, Measure};
 use crate::open::driving::{Driver, Driving, Target};
 use crate::open::exploration::{self, Waypoint};
 use crate::open::memory::Memory;
@@ -89,6 +90,7 @@ pub struct Mission {
     doubted: Vec<MapPoint>,
     /// Whether the pose is being corrected by more than a little.
     correcting: bool,
+    caution: Caution,
 }
 
 impl Mission {
@@ -116,6 +118,7 @@ impl Mission {
             puzzling: Vec::new(),
             doubted: Vec::new(),
             correcting: false,
+            caution: Caution::default(),
             robot,
             localizer,
             memory,
@@ -146,6 +149,28 @@ impl Mission {
         if !self.localizer.ready() {
             return Action::Drive(Velocity::ZERO);
         }
+        let health = self.localizer.health();
+        let measure = self.caution.look(health, observation.time);
+        if self.caution.is_over() {
+            events
+                .record(Event::Note("the pose is trusted again; what was seen in doubt is forgotten".into()));
+            self.driver.forget_seen();
+        }
+        match measure {
+            Measure::GoOn => self.go_on(observation, events),
+            Measure::Slow => match self.go_on(observation, events) {
+                Action::Drive(velocity) => Action::Drive(Caution::slowed(velocity)),
+                decided => decided,
+            },
+            Measure::Stand => Action::Drive(Velocity::ZERO),
+            Measure::GiveUp => {
+                let detail = "the localizer no longer knows where the robot is";
+                Action::GiveUp(all(FailureCause::Lost, detail.into()))
+            }
+        }
+    }
+
+    fn go_on(&mut self, observation: &Observation<'_>, events: &mut dyn Events) -> Action {
         match self.task.take() {
             Some(task) => self.pursue(task, observation, events),
             None => self.next_delivery(events),

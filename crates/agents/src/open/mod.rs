@@ -4,6 +4,7 @@
 //! | module | its part |
 //! |---|---|
 //! | [`mission`] | the deliveries and the stage that each is in |
+//! | [`caution`] | what to do about a pose that is not to be trusted |
 //! | [`driving`] | costmap, navigator, and when a place is given up |
 //! | [`terrain`] | the ground near by, and corridors to goals farther off |
 //! | [`exploration`] | where to look at a building from |
@@ -12,6 +13,7 @@
 //! | [`memory`] | the agent's own copy of the map |
 //! | `thinking` | what is asked of models, and how long the robot stands for it |
 
+pub mod caution;
 pub mod driving;
 pub mod exploration;
 pub mod memory;

@@ -87,6 +87,13 @@ impl Terrain {
         &mut self.near
     }
 
+    /// Forgets all that was seen.
+    pub fn forget_seen(&mut self) {
+        self.near.forget_seen();
+        self.overview.forget_all();
+        self.corridor = None;
+    }
+
     /// The map's roads.
     pub fn roads(&self) -> Option<&MapRouter> {
         self.roads.as_ref()

@@ -27,8 +27,35 @@ pub enum BenchCommand {
     Motion(BenchMotionArgs),
     /// Driving among people: kilometres in the simulator, collisions, and who was to blame
     People(BenchPeopleArgs),
+    /// Localization with sensors that are worse than believed: errors, and whether they are told
+    Health(BenchHealthArgs),
     /// Deliveries in neighbourhoods that a seed draws from maps: success, failures by cause, errors of poses
     Towns(BenchTownsArgs),
+}
+
+/// Arguments of `bench health`.
+#[derive(Debug, ClapArgs)]
+#[command(after_help = "\
+The same drive for each kind of trouble: noise, points in steps, a LiDAR that is blind, turned or late, an IMU that is hit,
+wheels of another size. A localizer may be off then, but not by a metre while it calls its pose good.
+
+Example:
+  openbench bench health medium --minutes 3 --jobs 2")]
+pub struct BenchHealthArgs {
+    /// A built-in world (small, medium, large), a suite file (.toml), or the folder of a generated or imported world
+    pub world: String,
+    /// How long each drive is
+    #[arg(long, default_value_t = 3.0, value_parser = minutes)]
+    pub minutes: f64,
+    /// Seed of noise and the order of doors
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Drives at a time; results do not depend on it
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
+    pub jobs: u16,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Arguments of `bench towns`.

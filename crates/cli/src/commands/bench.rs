@@ -10,7 +10,7 @@ use openbench_routing::Profile;
 use serde::Serialize;
 
 use crate::args::{BenchArgs, BenchCommand, BenchPosegraphArgs, BenchRoutingArgs, BenchSimArgs};
-use crate::commands::{bench_motion, bench_people, bench_towns};
+use crate::commands::{bench_health, bench_motion, bench_people, bench_towns};
 use crate::outcome::{Outcome, say, say_json};
 
 /// Measures what is asked for.
@@ -21,6 +21,7 @@ pub fn run(args: &BenchArgs, registry: &Registry) -> anyhow::Result<Outcome> {
         BenchCommand::Posegraph(args) => posegraph(args),
         BenchCommand::Motion(args) => bench_motion::run(args),
         BenchCommand::People(args) => bench_people::run(args),
+        BenchCommand::Health(args) => bench_health::run(args),
         BenchCommand::Towns(args) => bench_towns::run(args, registry),
     }
 }

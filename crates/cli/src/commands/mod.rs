@@ -1,6 +1,7 @@
 //! One file a command.
 
 pub mod bench;
+mod bench_health;
 mod bench_motion;
 mod bench_people;
 mod bench_towns;

@@ -4,13 +4,14 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 use nalgebra::Vector3;
-use openbench_core::{ImuSample, SimTime};
+use openbench_core::{ImuSample, Pose3, SimTime};
 
 use super::Settings;
 use super::limits::{AtLimit, Limits};
-use super::propagation::{Node, advance, propagate};
+use super::propagation::{ImuNoise, Node, advance, propagate};
 use super::speed::{Speed, correct, temper};
 use super::state::{Covariance, State};
+use super::watch::{Reckoned, Reckoning};
 
 /// Samples farther apart than that leave a gap.
 const GAP: Duration = Duration::from_millis(50);
@@ -25,6 +26,12 @@ const MOST: [f64; 2] = [1e3, 1e5];
 /// Velocities farther than that from an instant say nothing about it, and so many of them wait at most.
 const NEAR: Duration = Duration::from_millis(20);
 const SPEEDS: usize = 1000;
+/// What wheels say holds for so long.
+const HOLDS: Duration = Duration::from_millis(300);
+/// Wheels and gyroscope are no further apart, and no robot on wheels tumbles faster, rad/s.
+const SHAKEN: f64 = 0.8;
+/// No robot on wheels speeds up or brakes harder, kerbs included, m/s².
+const HIT: f64 = 4.0;
 
 /// A state at an instant.
 #[derive(Debug, Clone)]
@@ -116,11 +123,14 @@ impl Inertial {
             let ahead = behind.0.stamp > known.stamp;
             let next = if ahead { behind.0.stamp.min(until) } else { until };
             let next = speeds.peek().map_or(next, |speed| next.min(speed.stamp)).min(known.stamp + STEP);
-            let (mut gyro, accel) =
+            let (mut gyro, mut accel) =
                 (mean(before.0.gyro, behind.0.gyro), mean(before.0.accel, behind.0.accel));
             let mut noise = settings.imu_noise;
             if behind.0.stamp.since(before.0.stamp) > GAP {
                 [noise.gyro, noise.accel] = UNSEEN;
+            }
+            if let Some(said) = self.said_at(known.stamp) {
+                self.steady(&known.state, settings, said, &mut gyro, &mut accel, &mut noise);
             }
             noise.gyro = libm::hypot(noise.gyro, MISSCALED * gyro.norm());
             let limit = behind.1;
@@ -147,6 +157,66 @@ impl Inertial {
         way
     }
 
+    /// What wheels said last before an instant, if not long ago.
+    fn said_at(&self, stamp: SimTime) -> Option<&Speed> {
+        let before = self.speeds.partition_point(|speed| speed.stamp <= stamp);
+        let said = self.speeds.get(before.saturating_sub(1))?;
+        (stamp.since(said.stamp) <= HOLDS && said.stamp.since(stamp) <= HOLDS).then_some(said)
+    }
+
+    /// What a robot on wheels cannot have done, an IMU shows because it was hit: nothing is known of that instant but what
+    /// the wheels say.
+    fn steady(
+        &self,
+        state: &State,
+        settings: &Settings,
+        said: &Speed,
+        gyro: &mut Vector3<f64>,
+        accel: &mut Vector3<f64>,
+        noise: &mut ImuNoise,
+    ) {
+        let rate = settings.imu.rotation * (*gyro - state.gyro_bias);
+        if is_shaken(&rate, said) {
+            let turn = settings.imu.rotation.inverse() * (Vector3::z() * said.turn);
+            (*gyro, noise.gyro) = (turn + state.gyro_bias, UNSEEN[0]);
+        }
+        if (accel.norm() - state.gravity.norm()).abs() > HIT {
+            let rest = -(state.rotation.inverse() * state.gravity);
+            (*accel, noise.accel) = (rest + state.accel_bias, UNSEEN[1]);
+        }
+    }
+
+    /// The way from one instant to another by wheels and gyroscope; `None` where wheels said nothing.
+    pub(super) fn reckon(
+        &self,
+        from: SimTime,
+        until: SimTime,
+        bias: Vector3<f64>,
+        imu: &Pose3,
+    ) -> Option<Reckoned> {
+        let mut way = Reckoning::new();
+        let mut speeds = self.speeds.iter().peekable();
+        let mut speed = *speeds.peek().filter(|first| first.stamp < from + HOLDS)?;
+        for ((before, _), (behind, _)) in self.samples.iter().zip(self.samples.iter().skip(1)) {
+            let (start, end) = (before.stamp.max(from), behind.stamp.min(until));
+            if end <= start {
+                continue;
+            }
+            while let Some(next) = speeds.next_if(|next| next.stamp <= end) {
+                speed = next;
+            }
+            if start.since(speed.stamp) > HOLDS {
+                return None;
+            }
+            let mut rate = imu.rotation * (mean(before.gyro, behind.gyro) - bias);
+            if is_shaken(&rate, speed) {
+                rate = Vector3::z() * speed.turn;
+            }
+            way.go_on(speed.velocity, rate, end.since(start).as_secs_f64());
+        }
+        Some(way.step())
+    }
+
     /// Where a state has come to with the newest sample.
     pub(super) fn extrapolate(&self, known: &Known) -> (SimTime, State) {
         let (mut stamp, mut state) = (known.stamp, known.state.clone());
@@ -167,7 +237,8 @@ impl Inertial {
             gaps += usize::from(self.samples[1].0.stamp.since(self.samples[0].0.stamp) > GAP);
             self.samples.pop_front();
         }
-        while self.speeds.front().is_some_and(|speed| speed.stamp <= until) {
+        // The last one holds on.
+        while self.speeds.get(1).is_some_and(|speed| speed.stamp <= until) {
             self.speeds.pop_front();
         }
         gaps
@@ -178,6 +249,11 @@ impl Inertial {
         self.samples.drain(..self.samples.len().saturating_sub(1));
         self.speeds.clear();
     }
+}
+
+/// Whether a gyroscope shows what the wheels did not do, by a turn rate of the robot's frame.
+fn is_shaken(rate: &Vector3<f64>, said: &Speed) -> bool {
+    (rate.z - said.turn).abs() > SHAKEN || rate.xy().norm() > SHAKEN
 }
 
 fn mean(a: [f64; 3], b: [f64; 3]) -> Vector3<f64> {

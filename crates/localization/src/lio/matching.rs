@@ -58,6 +58,8 @@ pub struct Matching {
     pub clusters: Vec<Cluster>,
     /// Points in cubes with planes that lie on none of them.
     contradicting: usize,
+    /// One over the square of how many times as widely as usual points are scattered; 0 before anything was told.
+    certainty: f64,
 }
 
 /// Bits of a key: the point's number, then one bit an axis for each size below the largest, then nine an axis.
@@ -89,9 +91,16 @@ impl Matching {
             gate,
             clusters: &mut self.clusters,
             contradicting: 0,
+            certainty: if self.certainty > 0.0 { self.certainty } else { 1.0 },
         };
         search.split(&self.order, 0, false, &mut self.rest);
         self.contradicting = search.contradicting;
+    }
+
+    /// Weighs points as if they were scattered so many times as widely as the LiDAR's noise says. What passes for a point of a
+    /// plane does not depend on it: a wider gate lets in what lies beside the plane.
+    pub(super) fn scatter(&mut self, times: f64) {
+        self.certainty = 1.0 / (times * times);
     }
 
     /// Of the points where planes are known the share that lies on them; 1 where there are none.
@@ -169,6 +178,7 @@ struct Search<'a> {
     gate: f64,
     clusters: &'a mut Vec<Cluster>,
     contradicting: usize,
+    certainty: f64,
 }
 
 impl Search<'_> {
@@ -247,6 +257,8 @@ struct Gate {
     noise: LidarNoise,
     /// Nothing farther off lies on it, m².
     widest: f64,
+    /// What a point's weight is multiplied by.
+    certainty: f64,
 }
 
 impl Gate {
@@ -270,6 +282,7 @@ impl Gate {
             known: plane.variance(place) + (row.transpose() * pose * row)[0],
             noise: *search.noise,
             widest: search.gate * search.gate,
+            certainty: search.certainty,
         }
     }
 
@@ -285,6 +298,6 @@ impl Gate {
         let variance = range + sideways + ROUGHNESS * ROUGHNESS;
         let residual = along + self.offset;
         let passes = residual * residual < (GATE * GATE * (variance + self.known)).min(self.widest);
-        passes.then(|| (point * (1.0 - grazing(along, squared, &self.noise)), 1.0 / variance))
+        passes.then(|| (point * (1.0 - grazing(along, squared, &self.noise)), self.certainty / variance))
     }
 }

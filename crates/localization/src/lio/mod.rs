@@ -16,7 +16,9 @@
 //! | [`matching`] | which points lie on which planes |
 //! | [`speed`] | what wheels say |
 //! | [`mod@update`] | what a scan says about the state |
+//! | `scatter` | how noisy the LiDAR turns out to be |
 //! | `start` | the first state |
+//! | `watch` | whether the way is one that the robot can have gone |
 
 mod drift;
 mod inertial;
@@ -25,11 +27,13 @@ pub mod matching;
 pub mod moments;
 pub mod planes;
 pub mod propagation;
+mod scatter;
 pub mod so3;
 pub mod speed;
 mod start;
 pub mod state;
 pub mod update;
+mod watch;
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -44,11 +48,13 @@ use limits::Limits;
 use matching::Matching;
 use planes::PlaneMap;
 use propagation::{ImuNoise, Node};
+use scatter::Scatter;
 use so3::log;
 use speed::Speed;
 use start::{First, Start};
 use state::{State, at};
 use update::{LidarNoise, Matched, update};
+use watch::{Reckoned, Verdict, Watch};
 
 /// Scans that wait for the IMU at most.
 const WAITING: usize = 20;
@@ -79,6 +85,11 @@ const RECENT: f64 = 1.0 / 30.0;
 /// late are noticed, 0.06 s not.
 const DISPUTED: f64 = 15.0;
 const SHOCK: f64 = 100.0;
+/// How far off a way is that wheels and gyroscope alone reckon: metres, and the part of the way; radians, and the part of the
+/// turn.
+const RECKONED: [f64; 4] = [0.05, 0.05, 0.01, 0.05];
+/// So long after it was begun anew the filter is not to be trusted.
+const SETTLED: Duration = Duration::from_secs(3);
 /// No LiDAR sees farther, metres.
 const FARTHEST: f64 = 1e4;
 /// The map reaches that far, metres, and is cut to it each time that the IMU has come a quarter of it.
@@ -113,6 +124,9 @@ pub enum Status {
     /// The scan agrees with the map, but scans and IMU have contradicted each other for a while: a sensor sits elsewhere or is turned otherwise than is believed, has another clock, or
     /// shows other units. The pose's heading, lean and covariance are then not to be trusted.
     Disputed,
+    /// The scan agrees with the map, but its points are scattered several times as widely as the LiDAR's are thought to be: they
+    /// count less, and the pose is known worse.
+    Noisy,
     /// The scan says nothing, or not along all directions, or it contradicts the map: the pose is the IMU's, and its covariance grows.
     Coasting,
     /// The IMU was silent for so long that nobody knows how the robot moved between the estimate before and this one. Those
@@ -154,6 +168,8 @@ pub struct Refused {
     pub points: usize,
     /// Times without samples of the IMU.
     pub gaps: usize,
+    /// Times that the filter ran away from what wheels and gyroscope say, and was begun anew by these.
+    pub runaways: usize,
 }
 
 /// The odometry.
@@ -175,6 +191,10 @@ pub struct LidarInertialOdometry {
     cut_at: Vector3<f64>,
     /// Mean of [`Matched::surprise`] over the last scans.
     surprise: f64,
+    scatter: Scatter,
+    watch: Watch,
+    /// When it last began anew because it had run away.
+    recovered: Option<SimTime>,
     refused: Refused,
 }
 
@@ -194,6 +214,9 @@ impl LidarInertialOdometry {
             unseen: Vec::new(),
             cut_at: Vector3::zeros(),
             surprise: 0.0,
+            scatter: Scatter::default(),
+            watch: Watch::default(),
+            recovered: None,
             refused: Refused::default(),
         }
     }
@@ -283,6 +306,7 @@ impl LidarInertialOdometry {
         self.drift.lose(&mut known, turned, far);
         self.map = PlaneMap::new(self.settings.lidar_noise);
         self.inertial.clear();
+        self.watch.clear();
         self.refused.gaps += 1;
         self.refused.scans += self.scans.len();
         self.scans.clear();
@@ -328,13 +352,16 @@ impl LidarInertialOdometry {
         let before = self.known.clone().filter(|known| known.stamp < until)?;
         let (first, since) = (self.map.is_empty(), before.stamp);
         let (mut known, mut matched) = (before.clone(), None);
+        let step = self.inertial.reckon(since, until, before.state.gyro_bias, &self.settings.imu);
+        self.matching.scatter(self.scatter.factor());
+        let noise = self.settings.lidar_noise;
         for _ in 0..PASSES {
             known = before.clone();
             let way = self.inertial.travel(&mut known, until, &self.settings, self.missing);
             let points = self.undistorted(scan, &known.state, &way.nodes);
             let expected = known.state.rotation;
-            let (noise, mount) = (&self.settings.lidar_noise, self.settings.estimate_lidar);
-            matched = update(&mut known, &points, &self.map, noise, mount, &mut self.matching);
+            let mount = self.settings.estimate_lidar;
+            matched = update(&mut known, &points, &self.map, &noise, mount, &mut self.matching);
             let unseen = UNSEEN_TURN * way.blind.as_secs_f64();
             (0..3).filter(|axis| way.axes[*axis]).for_each(|axis| {
                 known.covariance[(at::ROTATION + axis, at::ROTATION + axis)] += unseen * unseen
@@ -353,6 +380,7 @@ impl LidarInertialOdometry {
         self.refused.gaps += self.inertial.forget(until);
         self.refused.points += scan.points.iter().filter(|point| !self.usable(&position(point))).count();
         let good = matched.as_ref().is_some_and(Matched::is_good);
+        matched.iter().for_each(|matched| self.scatter.look(matched));
         if !good {
             // What contradicts the map is not believed.
             known = before.clone();
@@ -377,14 +405,41 @@ impl LidarInertialOdometry {
         if let Some(matched) = matched.as_ref().filter(|_| good) {
             self.surprise += (matched.surprise.min(SHOCK) - self.surprise) * RECENT;
         }
+        let verdict = step
+            .map_or(Verdict::Sound, |step| self.watch.look(&known, &step, first || good, &self.settings.imu));
+        if let (Verdict::RunAway, Some(step)) = (verdict, step) {
+            known = self.recover(&step).unwrap_or(known);
+        }
+        let shaken = self.recovered.is_some_and(|at| until.since(at) < SETTLED);
+        let disputed = shaken || verdict == Verdict::Contradicted || self.surprise > DISPUTED;
         let status = match first || good && firm {
-            true if self.surprise > DISPUTED => Status::Disputed,
+            true if disputed => Status::Disputed,
+            true if self.scatter.is_wide() => Status::Noisy,
             true => Status::Tracking,
             false => Status::Coasting,
         };
         let estimate = self.estimate(&known, matched, status);
         self.known = Some(known);
         Some(estimate)
+    }
+
+    /// Begins anew from the last state that agreed with everything, moved on by wheels and gyroscope, with a new map: the
+    /// old one may have been put in on the way that was none.
+    fn recover(&mut self, step: &Reckoned) -> Option<Known> {
+        let (mut known, metres, turned) = self.watch.recover(&self.settings.imu)?;
+        let base = known.state.rotation * self.settings.imu.rotation.inverse();
+        known.state.velocity = base * step.velocity;
+        let [level, turn] = [RECKONED[0] + RECKONED[1] * metres, RECKONED[2] + RECKONED[3] * turned];
+        for (first, deviation) in [(at::ROTATION, RECKONED[2]), (at::VELOCITY, level)] {
+            (first..first + 3).for_each(|i| known.covariance[(i, i)] += deviation * deviation);
+        }
+        self.drift.lose(&mut known, turn, level);
+        self.map = PlaneMap::new(self.settings.lidar_noise);
+        self.watch.restart(&known, &self.settings.imu);
+        self.surprise = 0.0;
+        self.recovered = Some(known.stamp);
+        self.refused.runaways += 1;
+        Some(known)
     }
 
     /// Forgets what is far away, now and then.

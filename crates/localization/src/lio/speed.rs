@@ -23,6 +23,8 @@ pub struct Speed {
     pub velocity: Vector3<f64>,
     /// Its deviations along the frame's axes, m/s.
     pub deviation: Vector3<f64>,
+    /// How fast the frame turns about its upright axis, rad/s: skidding wheels know it roughly.
+    pub turn: f64,
 }
 
 impl Speed {
@@ -30,6 +32,7 @@ impl Speed {
     pub(super) fn is_sound(&self) -> bool {
         self.velocity.iter().all(|x| x.abs() <= FASTEST)
             && self.deviation.iter().all(|x| (BEST..=FASTEST).contains(x))
+            && self.turn.abs() <= FASTEST
     }
 }
 
@@ -131,7 +134,7 @@ mod tests {
         }
         let gyro = Vector3::new(0.2, -0.5, 1.0);
         let velocity = Vector3::new(0.5, 0.0, 0.1);
-        let speed = Speed { stamp: SimTime::ZERO, velocity, deviation: Vector3::repeat(1e-4) };
+        let speed = Speed { stamp: SimTime::ZERO, velocity, deviation: Vector3::repeat(1e-4), turn: 0.0 };
         correct(&mut state, &mut covariance, &imu, gyro, &speed);
         let base = state.rotation * imu.rotation.inverse();
         let rate = base.inverse() * (state.rotation * (gyro - state.gyro_bias));
@@ -145,7 +148,7 @@ mod tests {
     fn a_velocity_that_cannot_be_counts_little() {
         let (mut state, mut covariance) = (moving(), Covariance::identity() * 1e-6);
         let velocity = Vector3::new(50.0, 0.0, 0.0);
-        let speed = Speed { stamp: SimTime::ZERO, velocity, deviation: Vector3::repeat(1e-2) };
+        let speed = Speed { stamp: SimTime::ZERO, velocity, deviation: Vector3::repeat(1e-2), turn: 0.0 };
         correct(&mut state, &mut covariance, &Pose3::identity(), Vector3::zeros(), &speed);
         assert!((state.velocity - moving().velocity).norm() < 0.01);
     }

@@ -220,6 +220,11 @@ impl Costmap {
         self.seen.observe(&self.grid, ring, moves);
     }
 
+    /// Forgets all that was seen. [`Costmap::inflate`] makes it count.
+    pub fn forget_seen(&mut self) {
+        self.seen = Seen::nothing(self.grid.len());
+    }
+
     /// Computes distances to obstacles and costs anew, and forgets obstacles that were not seen for a minute.
     pub fn inflate(&mut self) {
         self.seen.forget();

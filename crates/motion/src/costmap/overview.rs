@@ -106,6 +106,11 @@ impl Overview {
         self.known.len() < before
     }
 
+    /// Forgets all that was seen.
+    pub fn forget_all(&mut self) {
+        self.known.clear();
+    }
+
     /// The way from one place to another, both included, over the ground around them.
     pub fn way(&self, map: &OsmMap, from: MapPoint, to: MapPoint) -> Result<Vec<MapPoint>, PlanError> {
         plan(&mut Search::default(), &self.lay(map, from, &[to]), from, to)

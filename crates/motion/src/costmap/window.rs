@@ -72,6 +72,11 @@ impl Window {
         self.costmap.seen.forget();
     }
 
+    /// See [`Costmap::forget_seen`].
+    pub fn forget_seen(&mut self) {
+        self.costmap.forget_seen();
+    }
+
     /// Forgets what is believed to be where the robot stands, water too: it has to drive out of there.
     pub fn clear_below(&mut self, footprint: &Footprint, pose: Pose2) {
         for cell in self.costmap.obstacles_below(footprint, pose) {

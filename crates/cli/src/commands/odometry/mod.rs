@@ -190,7 +190,7 @@ const OFTEN: f64 = 0.1;
 
 impl Summary {
     fn text(&self) -> String {
-        let Refused { imu, scans, speeds, points, gaps } = self.refused;
+        let Refused { imu, scans, speeds, points, gaps, runaways } = self.refused;
         let mut text = format!(
             "{} scans; CPU time a scan: median {:.1} ms, 99 % {:.1} ms\n",
             self.scans, self.cpu_ms_p50, self.cpu_ms_p99
@@ -203,6 +203,7 @@ impl Summary {
                 "times without an IMU for so long that the way after them hangs together with none before",
             ),
             (gaps, "times without samples of the IMU"),
+            (runaways, "times that the way ran away from what wheels and gyroscope say, and was begun anew"),
             (imu, "samples of the IMU refused: no numbers, or not later than those before"),
             (scans, "scans refused: older than those before, or before the start"),
             (speeds, "speeds of the wheels refused"),

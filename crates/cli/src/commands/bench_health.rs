@@ -1,0 +1,54 @@
+//! `openbench bench health`
+
+use std::fmt::Write as _;
+use std::time::Duration;
+
+use openbench_bench::Prepared;
+use openbench_bench::degraded::{Trial, trials};
+use openbench_core::RobotDescription;
+use openbench_localization::{Fused, Localizer};
+
+use crate::args::BenchHealthArgs;
+use crate::commands::run::named;
+use crate::outcome::{Outcome, say, say_json, tell};
+
+/// Drives with each kind of trouble.
+pub fn run(args: &BenchHealthArgs) -> anyhow::Result<Outcome> {
+    let prepared = Prepared::world_of(named(&args.world)?)?;
+    prepared.warnings().iter().for_each(|w| tell(w));
+    let make = || -> Box<dyn Localizer> { Box::new(Fused::new(RobotDescription::sentry(), Vec::new())) };
+    let time = Duration::from_secs_f64(args.minutes * 60.0);
+    let trials = trials(&prepared, args.seed, time, usize::from(args.jobs), &make)?;
+    if args.json {
+        say_json(&trials)?;
+    } else {
+        say(&table(&trials))?;
+    }
+    Ok(Outcome::Done)
+}
+
+fn table(trials: &[Trial]) -> String {
+    let mut text = format!(
+        "{:<40}  {:>8}  {:>8}  {:>12}  {:>6}  {:>6}  {:>6}\n",
+        "trouble", "rms m", "largest", "called good", "good %", "lost %", "silent"
+    );
+    for trial in trials {
+        let number = |value: Option<f64>| value.map_or("–".to_owned(), |value| format!("{value:.3}"));
+        let _ = writeln!(
+            text,
+            "{:<40}  {:>8}  {:>8}  {:>12.3}  {:>6.1}  {:>6.1}  {:>6}",
+            trial.degradation.to_string(),
+            number(trial.errors.map(|errors| errors.rmse_m)),
+            number(trial.errors.map(|errors| errors.max_m)),
+            trial.largest_good_m,
+            trial.good * 100.0,
+            trial.lost * 100.0,
+            trial.errors.map_or(0, |errors| errors.silent_divergences)
+        );
+    }
+    text.push_str(
+        "\nErrors in metres; called good: the largest error of a pose whose health was called good; silent: how often the pose\n\
+         came to be more than a metre off with good health.\n",
+    );
+    text
+}
