@@ -166,7 +166,10 @@ impl Localizer for Fused {
     }
 
     fn health(&self) -> Health {
-        self.odometry.health_within(self.covariance())
+        // Odometry's own covariance is of the way since the start; fixes may know the place better.
+        let size = |covariance: &Matrix3<f64>| covariance[(0, 0)] + covariance[(1, 1)];
+        let known = [self.odometry.covariance(), self.covariance()].into_iter().flatten();
+        self.odometry.health_within(known.min_by(|a, b| size(a).total_cmp(&size(b))))
     }
 
     fn odom(&self) -> Pose2 {

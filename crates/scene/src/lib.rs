@@ -10,6 +10,7 @@
 //! | [`import`] | [`import_world`]: Gazebo worlds and their meshes |
 //! | [`plate`] | number plates |
 //! | [`generate`](mod@generate) | worlds from an OSM file and a seed |
+//! | `triangulate` | an outline with holes into triangles |
 //! | [`world`] | [`World`]: a scene with its public map, georeference and start |
 
 pub mod bvh;
@@ -20,6 +21,7 @@ pub mod material;
 pub mod plate;
 pub mod raycast;
 pub mod scene;
+mod triangulate;
 pub mod world;
 
 pub use bvh::{Hit, Movers, Placed, RayPacket, TriangleBvh};

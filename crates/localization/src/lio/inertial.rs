@@ -28,10 +28,17 @@ const NEAR: Duration = Duration::from_millis(20);
 const SPEEDS: usize = 1000;
 /// What wheels say holds for so long.
 const HOLDS: Duration = Duration::from_millis(300);
-/// Wheels and gyroscope are no further apart, and no robot on wheels tumbles faster, rad/s.
-const SHAKEN: f64 = 0.8;
+/// Wheels, which are told a twentieth of a second late, and gyroscope are no further apart, whatever the motors do, and no robot
+/// on wheels tumbles faster, rad/s; and the same while the wheels go on evenly.
+const SHAKEN: [f64; 2] = [2.0, 0.6];
 /// No robot on wheels speeds up or brakes harder, kerbs included, m/s².
 const HIT: f64 = 4.0;
+/// A hit lasts about so long, seconds.
+const HIT_LASTS: f64 = 0.03;
+/// Wheels that change by less than that go on evenly, m/s and rad/s.
+const EVENLY: [f64; 2] = [0.1, 0.3];
+/// What wheels say is a mean over some time, and is told after it.
+const TOLD_LATE: Duration = Duration::from_millis(100);
 
 /// A state at an instant.
 #[derive(Debug, Clone)]
@@ -111,7 +118,7 @@ impl Inertial {
         settings: &Settings,
         missing: Vector3<f64>,
     ) -> Way {
-        let (mut way, mut at) = (Way::default(), 0);
+        let (mut way, mut at, mut hit) = (Way::default(), 0, None);
         let from = known.stamp;
         let mut speeds = self.speeds.iter().skip_while(|speed| speed.stamp <= from).peekable();
         while known.stamp < until && !self.samples.is_empty() {
@@ -131,6 +138,12 @@ impl Inertial {
             }
             if let Some(said) = self.said_at(known.stamp) {
                 self.steady(&known.state, settings, said, &mut gyro, &mut accel, &mut noise);
+                // Wheels that were stopped by a hit say so a little later.
+                if noise.accel > UNSEEN[1] {
+                    hit = Some((known.stamp, noise.accel));
+                } else if let Some((_, unseen)) = hit.filter(|(at, _)| known.stamp.since(*at) < TOLD_LATE) {
+                    noise.accel = unseen;
+                }
             }
             noise.gyro = libm::hypot(noise.gyro, MISSCALED * gyro.norm());
             let limit = behind.1;
@@ -164,6 +177,14 @@ impl Inertial {
         (stamp.since(said.stamp) <= HOLDS && said.stamp.since(stamp) <= HOLDS).then_some(said)
     }
 
+    /// Whether the wheels said after this that nothing had changed: then a hit moved nothing.
+    fn go_on_evenly(&self, said: &Speed) -> bool {
+        let after = self.speeds.partition_point(|speed| speed.stamp <= said.stamp);
+        self.speeds.get(after).is_some_and(|next| {
+            (next.velocity - said.velocity).norm() < EVENLY[0] && (next.turn - said.turn).abs() < EVENLY[1]
+        })
+    }
+
     /// What a robot on wheels cannot have done, an IMU shows because it was hit: nothing is known of that instant but what
     /// the wheels say.
     fn steady(
@@ -176,13 +197,20 @@ impl Inertial {
         noise: &mut ImuNoise,
     ) {
         let rate = settings.imu.rotation * (*gyro - state.gyro_bias);
-        if is_shaken(&rate, said) {
+        let evenly = self.go_on_evenly(said);
+        if is_shaken(&rate, said, evenly) {
             let turn = settings.imu.rotation.inverse() * (Vector3::z() * said.turn);
             (*gyro, noise.gyro) = (turn + state.gyro_bias, UNSEEN[0]);
         }
-        if (accel.norm() - state.gravity.norm()).abs() > HIT {
-            let rest = -(state.rotation.inverse() * state.gravity);
-            (*accel, noise.accel) = (rest + state.accel_bias, UNSEEN[1]);
+        let beyond = (accel.norm() - state.gravity.norm()).abs();
+        if beyond > HIT {
+            if evenly {
+                let rest = -(state.rotation.inverse() * state.gravity);
+                (*accel, noise.accel) = (rest + state.accel_bias, UNSEEN[1]);
+            } else {
+                // The velocity may have changed by as much as that, or not at all.
+                noise.accel = UNSEEN[1].max(beyond * HIT_LASTS.sqrt());
+            }
         }
     }
 
@@ -209,7 +237,7 @@ impl Inertial {
                 return None;
             }
             let mut rate = imu.rotation * (mean(before.gyro, behind.gyro) - bias);
-            if is_shaken(&rate, speed) {
+            if is_shaken(&rate, speed, self.go_on_evenly(speed)) {
                 rate = Vector3::z() * speed.turn;
             }
             way.go_on(speed.velocity, rate, end.since(start).as_secs_f64());
@@ -252,8 +280,9 @@ impl Inertial {
 }
 
 /// Whether a gyroscope shows what the wheels did not do, by a turn rate of the robot's frame.
-fn is_shaken(rate: &Vector3<f64>, said: &Speed) -> bool {
-    (rate.z - said.turn).abs() > SHAKEN || rate.xy().norm() > SHAKEN
+fn is_shaken(rate: &Vector3<f64>, said: &Speed, evenly: bool) -> bool {
+    let most = SHAKEN[usize::from(evenly)];
+    (rate.z - said.turn).abs() > most || rate.xy().norm() > most
 }
 
 fn mean(a: [f64; 3], b: [f64; 3]) -> Vector3<f64> {

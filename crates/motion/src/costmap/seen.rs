@@ -95,15 +95,22 @@ impl Seen {
         let (sin, cos) = libm::sincos(bearing);
         // Stop short of what was hit, by a cell's diagonal.
         let steps = (beam.reach.min(FURTHEST) - 1.5 * grid.cell) / grid.cell;
+        // In cells, since divisions at each step would take longer than all the rest.
+        let [x, y] = [ring.center.x - grid.origin.x, ring.center.y - grid.origin.y].map(|at| at / grid.cell);
+        let [width, height] = [grid.width as f64, grid.height as f64];
         // Beams reach farther than many a grid.
         for i in steps_within(grid, ring.center, [cos, sin], steps) {
-            let along = i as f64 * grid.cell;
-            let at = MapPoint::new(ring.center.x + along * cos, ring.center.y + along * sin);
-            let Some(cell) = grid.cell_at(at).map(|cell| &mut self.cells[cell]) else { continue };
+            let (x, y) = (x + i as f64 * cos, y + i as f64 * sin);
+            // Written so that what is no number is nowhere.
+            if !(x >= 0.0 && y >= 0.0 && x < width && y < height) {
+                continue;
+            }
+            let cell = &mut self.cells[y as usize * grid.width + x as usize];
             if cell.cleared_in == self.scans {
                 continue;
             }
-            let passes_over = cell.evidence > 0 && f64::from(cell.top) < 100.0 * ring.height_at(beam, along);
+            let passes_over =
+                cell.evidence > 0 && f64::from(cell.top) < 100.0 * ring.height_at(beam, i as f64 * grid.cell);
             if !passes_over {
                 cell.cleared_in = self.scans;
                 cell.evidence = (cell.evidence - 1).max(EVIDENCE.0);

@@ -9,9 +9,9 @@ use super::lanes::{Lanes, ends};
 use super::seeds::{Purpose, between, chance, pick, stream};
 use super::shapes::{Surface, along, at, cuboid, facet};
 use super::streets::{KERB, metres, profile};
-use super::triangulate::turn;
 use crate::material::SemanticClass;
 use crate::scene::{Layer, SceneBuilder};
+use crate::triangulate::turn;
 
 /// Free width beside a road that goes through, metres.
 pub(super) const GATE_MARGIN: f64 = 0.8;

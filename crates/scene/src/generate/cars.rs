@@ -9,10 +9,10 @@ use super::palette::PAINTS;
 use super::seeds::{Purpose, chance, pick, stream};
 use super::shapes::{Corner, Surface, along, cuboid, facet, signed_area};
 use super::streets::profile;
-use super::triangulate::triangulate;
 use super::{Site, element_number};
 use crate::material::{Material, SemanticClass};
 use crate::scene::{Layer, Scene, SceneBuilder};
+use crate::triangulate::triangulate;
 
 /// Length of a place along the kerb, metres.
 const KERB_PLACE: f64 = 6.0;

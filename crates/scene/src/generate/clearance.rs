@@ -193,7 +193,7 @@ fn cells(a: MapPoint, b: MapPoint, margin: f64) -> impl Iterator<Item = (i32, i3
 }
 
 fn segment_distance((a, b): (MapPoint, MapPoint), (c, d): (MapPoint, MapPoint)) -> f64 {
-    use super::triangulate::turn;
+    use crate::triangulate::turn;
     if turn(a, b, c) * turn(a, b, d) < 0.0 && turn(c, d, a) * turn(c, d, b) < 0.0 {
         return 0.0;
     }

@@ -6,10 +6,10 @@ use openbench_core::MapPoint;
 use super::clearance::WATER;
 use super::seeds::{Purpose, between, stream};
 use super::shapes::{Corner, Surface, along, at, floor, signed_area};
-use super::triangulate::{triangulate, turn};
 use super::{GROUND_MARGIN, Site};
 use crate::material::SemanticClass;
 use crate::scene::Layer;
+use crate::triangulate::{triangulate, turn};
 
 /// Height of the sea, metres; just above the ground where the ground could not be cut out.
 pub(super) const SEA_LEVEL: f64 = -0.5;

@@ -13,7 +13,6 @@
 //! | `images`, `openings` | procedural textures: walls and grounds; windows, doors, leaves |
 //! | `palette` | the materials of a world |
 //! | `shapes` | boxes, prisms, strips, filled outlines |
-//! | `triangulate` | an outline with holes into triangles |
 //! | `clearance` | what must stay free, and whether a thing would stand in the way |
 //! | `streets`, `markings`, `wear` | carriageways, pavements, paths; lines on them; mended places and drains |
 //! | `ground` | the ground, and the hills on the horizon |
@@ -52,7 +51,6 @@ mod shapes;
 mod start;
 mod streets;
 mod trees;
-mod triangulate;
 mod water;
 mod wear;
 mod windows;

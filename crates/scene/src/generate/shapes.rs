@@ -3,9 +3,9 @@
 use nalgebra::Point3;
 use openbench_core::{MapPoint, Pose2};
 
-use super::triangulate::{triangulate, turn};
 use crate::material::MaterialId;
 use crate::scene::{Layer, SceneBuilder};
+use crate::triangulate::{triangulate, turn};
 
 /// A material, and how many metres its image covers.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -142,6 +142,7 @@ impl<'a> Emitter<'a> {
             }
             Geometry::Cylinder { radius, length } => forms::cylinder(*radius, *length),
             Geometry::Sphere(radius) => forms::sphere(*radius),
+            Geometry::Extrusion { outlines, height } => forms::extrusion(outlines, *height, metres),
             Geometry::Mesh(_) => Part::default(),
         };
         self.part(&part, &look, setting)

@@ -1,10 +1,13 @@
-//! Triangles of boxes, planes, cylinders and spheres, in the shape's own frame.
+//! Triangles of boxes, planes, cylinders, spheres and outlines that are drawn up, in the shape's own frame.
 
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 
+use openbench_core::MapPoint;
+
 use super::mesh::{Corner, Part};
+use crate::triangulate::triangulate;
 
 const SEGMENTS: u32 = 24;
 const RINGS: u32 = 12;
@@ -90,6 +93,45 @@ pub(crate) fn cylinder(radius: f64, length: f64) -> Part {
     part
 }
 
+/// Outlines drawn up from z = 0, the first being the outer one and the others holes. `metres` is what one repeat of the
+/// image covers; nothing stretches one repeat over each wall.
+pub(crate) fn extrusion(outlines: &[Vec<[f64; 2]>], height: f64, metres: Option<[f64; 2]>) -> Part {
+    let mut part = Part::default();
+    let mut rings: Vec<Vec<MapPoint>> = Vec::new();
+    for (i, outline) in outlines.iter().enumerate() {
+        let mut ring: Vec<MapPoint> = outline.iter().map(|[x, y]| MapPoint::new(*x, *y)).collect();
+        // The outer one counter-clockwise, holes clockwise: walls face away from what is solid.
+        if (area(&ring) > 0.0) != (i == 0) {
+            ring.reverse();
+        }
+        for (a, b) in ring.iter().zip(ring.iter().cycle().skip(1)) {
+            let (along, up) = (Vector3::new(b.x - a.x, b.y - a.y, 0.0), Vector3::z() * height);
+            let repeat = metres.map_or([1.0; 2], |[u, v]| [along.norm() / u, height / v]);
+            quad(&mut part, Vector3::new(a.x, a.y, 0.0) + along / 2.0 + up / 2.0, along, up, repeat);
+        }
+        rings.push(ring);
+    }
+    let Some((outer, holes)) = rings.split_first() else { return part };
+    let [u, v] = metres.unwrap_or([1.0; 2]);
+    for triangle in triangulate(outer, holes) {
+        for (z, order) in [(height, [0, 1, 2]), (0.0, [0, 2, 1])] {
+            let base = part.corners.len() as u32;
+            part.corners.extend(order.map(|i: usize| {
+                let MapPoint { x, y } = triangle[i];
+                (Point3::new(x, y, z), [(x / u) as f32, (y / v) as f32])
+            }));
+            part.triangles.push([base, base + 1, base + 2]);
+        }
+    }
+    part
+}
+
+/// Signed area, positive counter-clockwise.
+fn area(ring: &[MapPoint]) -> f64 {
+    let sides = ring.iter().zip(ring.iter().cycle().skip(1));
+    sides.map(|(a, b)| a.x * b.y - b.x * a.y).sum::<f64>() / 2.0
+}
+
 /// A ball around the origin.
 pub(crate) fn sphere(radius: f64) -> Part {
     let mut part = Part::default();
@@ -131,6 +173,12 @@ mod tests {
         assert!((volume(&cuboid(Vector3::new(1.0, 2.0, 3.0), None)) - 6.0).abs() < 1e-9);
         let cylinder = volume(&cylinder(0.5, 2.0)) / (PI * 0.5);
         assert!((0.97..1.0).contains(&cylinder), "{cylinder}");
+        let square = |half: f64| vec![[-half, -half], [half, -half], [half, half], [-half, half]];
+        let clockwise = square(0.5).into_iter().rev().collect();
+        for hole in [square(0.5), clockwise] {
+            let ring = volume(&extrusion(&[square(1.0), hole], 2.0, None));
+            assert!((ring - 6.0).abs() < 1e-9, "a square yard in a square house: {ring}");
+        }
         let sphere = volume(&sphere(2.0)) / (4.0 / 3.0 * PI * 8.0);
         assert!((0.95..1.0).contains(&sphere), "{sphere}");
     }

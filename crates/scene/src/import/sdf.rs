@@ -76,6 +76,13 @@ pub(crate) enum Geometry {
     },
     /// A ball of that radius.
     Sphere(f64),
+    /// Outlines drawn up from z = 0: the first is the outer one, the others are holes in it.
+    Extrusion {
+        /// x and y of the corners, open: the last is joined to the first.
+        outlines: Vec<Vec<[f64; 2]>>,
+        /// How high they are drawn up.
+        height: f64,
+    },
     /// A mesh file.
     Mesh(MeshUse),
 }

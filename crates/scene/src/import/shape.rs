@@ -11,6 +11,9 @@ use super::sdf::{Geometry, MeshUse, Paint};
 use super::warnings::Warnings;
 use super::xml::{child, child_numbers, child_text, children, malformed, numbers};
 
+/// Most corners of an outline.
+const MAX_POINTS: usize = 1000;
+
 /// The form of a `<visual>` or `<collision>`; nothing for forms that are not supported, which are counted.
 pub(crate) fn read_geometry(
     path: &Path,
@@ -28,6 +31,7 @@ pub(crate) fn read_geometry(
             Geometry::Cylinder { radius, length }
         }
         "sphere" => Geometry::Sphere(positive::<1>(path, node, "radius")?[0]),
+        "polyline" => read_polylines(path, node)?,
         "mesh" => Geometry::Mesh(read_mesh_use(path, node)?),
         "empty" => return Ok(None),
         _ => {
@@ -47,6 +51,29 @@ fn read_plane(path: &Path, node: Node) -> Result<Geometry, ImportError> {
         return Err(malformed(path, node, "<size> must be positive"));
     }
     Ok(Geometry::Plane { normal, size })
+}
+
+/// All `<polyline>` elements of a `<geometry>`, of which `first` is one.
+fn read_polylines(path: &Path, first: Node) -> Result<Geometry, ImportError> {
+    let [height] = positive(path, first, "height")?;
+    let lines: Vec<Node> = first.parent().map_or(vec![first], |all| children(all, "polyline").collect());
+    let outline = |line: &Node| -> Result<Vec<[f64; 2]>, ImportError> {
+        let mut points =
+            children(*line, "point").map(|p| numbers::<2>(path, p)).collect::<Result<Vec<_>, _>>()?;
+        // Closed or not, it is the same.
+        if points.len() > 1 && points.first() == points.last() {
+            points.pop();
+        }
+        if points.len() > MAX_POINTS {
+            return Err(malformed(path, *line, format!("<polyline> has more than {MAX_POINTS} points")));
+        }
+        if points.len() < 3 {
+            return Err(malformed(path, *line, "<polyline> needs three different <point>s"));
+        }
+        Ok(points)
+    };
+    let outlines = lines.iter().map(outline).collect::<Result<Vec<_>, _>>()?;
+    Ok(Geometry::Extrusion { outlines, height })
 }
 
 fn read_mesh_use(path: &Path, node: Node) -> Result<MeshUse, ImportError> {

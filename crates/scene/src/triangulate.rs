@@ -7,7 +7,7 @@ use openbench_core::MapPoint;
 const MAX_CORNERS: usize = 2_000;
 
 /// Triangles of a polygon, each counter-clockwise. `outer` is counter-clockwise, the holes clockwise.
-pub(super) fn triangulate(outer: &[MapPoint], holes: &[Vec<MapPoint>]) -> Vec<[MapPoint; 3]> {
+pub(crate) fn triangulate(outer: &[MapPoint], holes: &[Vec<MapPoint>]) -> Vec<[MapPoint; 3]> {
     let mut ring = thinned(outer);
     let mut rest: Vec<Vec<MapPoint>> = holes.iter().map(|h| thinned(h)).filter(|h| h.len() > 2).collect();
     let rightmost = |h: &[MapPoint]| h.iter().map(|p| p.x).fold(f64::NEG_INFINITY, f64::max);
@@ -26,7 +26,7 @@ fn thinned(ring: &[MapPoint]) -> Vec<MapPoint> {
 }
 
 /// Twice the signed area; positive if `a`, `b`, `c` turn left.
-pub(super) fn turn(a: MapPoint, b: MapPoint, c: MapPoint) -> f64 {
+pub(crate) fn turn(a: MapPoint, b: MapPoint, c: MapPoint) -> f64 {
     (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)
 }
 
