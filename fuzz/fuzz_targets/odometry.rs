@@ -54,7 +54,12 @@ fn run(input: &mut Unstructured<'_>) -> Result<()> {
             1 => {
                 let (velocity, deviation) = (vector(input, 2.0)?, vector(input, 1.0)?);
                 let deviation = deviation.map(|x| x.abs() + 1e-3);
-                odometry.speed(Speed { stamp, velocity: velocity.into(), deviation: deviation.into() });
+                odometry.speed(Speed {
+                    stamp,
+                    velocity: velocity.into(),
+                    deviation: deviation.into(),
+                    turn: velocity[1],
+                });
             }
             _ => {
                 let (gyro, mut accel) = (vector(input, 1.0)?, vector(input, 2.0)?);
