@@ -303,3 +303,79 @@ fn along(a: MapPoint, b: MapPoint, t: f64) -> MapPoint {
     let t = if t < 1.0 { t } else { 1.0 };
     MapPoint::new(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use openbench_core::{Georeference, LonLat};
+    use openbench_motion::RangeRing;
+    use openbench_osm::{Barrier, OsmData};
+
+    const MIDDLE: LonLat = LonLat { lon: 8.0, lat: 50.0 };
+
+    /// Open ground with walls along lines.
+    fn walled(walls: &[&[(f64, f64)]]) -> Terrain {
+        let mut map = OsmMap::new(&OsmData::default(), Georeference::tangent_plane(MIDDLE));
+        map.barriers = walls
+            .iter()
+            .enumerate()
+            .map(|(way, points)| Barrier {
+                way: way as i64,
+                points: points.iter().map(|(x, y)| MapPoint::new(*x, *y)).collect(),
+                gates: vec![],
+                tags: [("barrier", "wall")].into_iter().collect(),
+            })
+            .collect();
+        let robot = RobotDescription::sentry();
+        Terrain::new(map, None, MapPoint::default(), &robot, Preferences::NONE).unwrap()
+    }
+
+    fn length(way: &[MapPoint]) -> f64 {
+        way.windows(2).map(|pair| pair[0].distance(pair[1])).sum()
+    }
+
+    #[test]
+    fn a_goal_far_off_is_led_to_round_walls_that_the_fine_costmap_does_not_cover() {
+        let mut terrain = walled(&[&[(200.0, -30.0), (200.0, 120.0)]]);
+        let (start, goal) = (MapPoint::default(), MapPoint::new(400.0, 0.0));
+        let shortest = 2.0 * 200.0_f64.hypot(30.0);
+        let way = terrain.way(start, goal).unwrap();
+        assert!((shortest..1.03 * shortest).contains(&length(&way)), "{} for {shortest}", length(&way));
+        assert!(!terrain.is_partial() && way.last().unwrap().distance(goal) < 1.0);
+        // The same from further on, once the costmap has followed.
+        let later = MapPoint::new(120.0, -18.0);
+        let rest = terrain.way(later, goal).unwrap();
+        assert!(length(&rest) < length(&way) - 110.0);
+        assert!(terrain.near().grid().cell_at(later).is_some());
+    }
+
+    #[test]
+    fn what_was_seen_is_gone_round_beyond_what_is_seen() {
+        let mut terrain = walled(&[]);
+        let (start, goal) = (MapPoint::default(), MapPoint::new(150.0, 0.0));
+        let straight = length(&terrain.way(start, goal).unwrap());
+        // A hedge that no map has, from rim to rim but for its northern end.
+        for north in -24..23 {
+            let from = MapPoint::new(8.0, 2.0 * f64::from(north));
+            let hedge = (-20..20).map(|i| (MapPoint::new(10.0, from.y + f64::from(i) / 10.0), 0.3));
+            terrain.near_mut().observe(&RangeRing::new(from, 0.25, hedge));
+        }
+        let round = length(&terrain.way(start, goal).unwrap());
+        assert!(straight < 151.0 && round > 165.0, "{straight} {round}");
+        terrain.forget_seen();
+        assert!(length(&terrain.way(start, goal).unwrap()) < 151.0);
+    }
+
+    #[test]
+    fn where_there_is_no_way_it_is_said_what_is_in_it() {
+        let yard = [(60.0, -20.0), (100.0, -20.0), (100.0, 20.0), (60.0, 20.0), (60.0, -20.0)];
+        let mut terrain = walled(&[&yard]);
+        let (start, goal) = (MapPoint::default(), MapPoint::new(80.0, 0.0));
+        assert!(matches!(terrain.way(start, goal), Err(PlanError::NoWay(..))));
+        let words = terrain.obstacle(start, goal);
+        assert!(words.contains("wall") && words.contains("59.9") || words.contains("60."), "{words}");
+        let outside = MapPoint::new(120.0, 0.0);
+        let costs = terrain.costs(start, &[goal, outside]);
+        assert!(costs[0].is_none() && costs[1].is_some_and(|cost| cost > 125.0), "{costs:?}");
+    }
+}
