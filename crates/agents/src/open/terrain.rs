@@ -338,7 +338,7 @@ mod tests {
     fn a_goal_far_off_is_led_to_round_walls_that_the_fine_costmap_does_not_cover() {
         let mut terrain = walled(&[&[(200.0, -30.0), (200.0, 120.0)]]);
         let (start, goal) = (MapPoint::default(), MapPoint::new(400.0, 0.0));
-        let shortest = 2.0 * 200.0_f64.hypot(30.0);
+        let shortest = 2.0 * start.distance(MapPoint::new(200.0, -30.0));
         let way = terrain.way(start, goal).unwrap();
         assert!((shortest..1.03 * shortest).contains(&length(&way)), "{} for {shortest}", length(&way));
         assert!(!terrain.is_partial() && way.last().unwrap().distance(goal) < 1.0);
