@@ -1,4 +1,5 @@
-//! Drives with sensors that are worse than believed: a localizer may be off then, but it has to say so.
+//! Drives with sensors that are worse than believed: a localizer may be off then, but it has to say
+//! so.
 
 use std::fmt;
 use std::time::Duration;
@@ -36,7 +37,8 @@ pub enum Degradation {
     None,
     /// LiDAR and IMU are so many times as noisy as their data sheets say.
     Noisy(f64),
-    /// Coordinates of points are multiples of so many metres, as after a detour through single precision.
+    /// Coordinates of points are multiples of so many metres, as after a detour through single
+    /// precision.
     Quantised(f64),
     /// The LiDAR sees a sector of so many degrees only, for 15 s in 45.
     Blinded(f64),

@@ -23,7 +23,8 @@ pub enum Health {
 pub enum Doubt {
     /// Scans show too little, or nothing that was seen before: the pose goes on by wheels and IMU.
     FewFeatures,
-    /// Sensors contradict each other: one sits elsewhere than is believed, or shows what is not there.
+    /// Sensors contradict each other: one sits elsewhere than is believed, or shows what is not
+    /// there.
     Contradiction,
     /// Sensors are noisier than their data sheets say.
     Noise,

@@ -240,3 +240,16 @@ fn the_date_line_is_crossed() {
         assert!((snap.nearest[0].place.position().lon - lon).abs() < 1e-6, "{snap:?}");
     }
 }
+
+#[test]
+fn a_road_that_proves_blocked_is_closed_and_gone_round() {
+    let mut town = Town::new("delivery", "");
+    let (first_street, high_street) = ((0.001, 0.0004), (0.0012, 0.001));
+    let before = town.length(WEST, high_street);
+    let nowhere = town.at(0.5, 0.5);
+    assert!(!town.router.close(nowhere, 10.0), "no road is near");
+    assert_eq!(town.length(WEST, high_street), before);
+    let blocked = town.at(first_street.0, first_street.1);
+    assert!(town.router.close(blocked, 10.0));
+    assert!(town.length(WEST, high_street) > before);
+}

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use openbench_core::{Health, SimTime, Velocity};
+use openbench_core::{Doubt, Health, SimTime, Velocity};
 
 /// A robot that does not trust its pose drives at this part of its speed.
 const SLOWER: f64 = 0.5;
@@ -43,8 +43,9 @@ impl Caution {
         let lasted = now.since(self.since);
         match health {
             Health::Good => Measure::GoOn,
-            Health::Degraded(_) => {
-                self.misled |= lasted >= MISLED;
+            Health::Degraded(doubt) => {
+                // Without features the pose only drifts, as it does among noise.
+                self.misled |= doubt == Doubt::Contradiction && lasted >= MISLED;
                 Measure::Slow
             }
             Health::Lost => {
@@ -54,7 +55,8 @@ impl Caution {
         }
     }
 
-    /// Whether the pose is trusted again, and what was seen before is to be forgotten; once each time.
+    /// Whether the pose is trusted again, and what was seen before is to be forgotten; once each
+    /// time.
     pub fn is_over(&mut self) -> bool {
         self.health == Health::Good && std::mem::take(&mut self.misled)
     }
@@ -68,7 +70,6 @@ impl Caution {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use openbench_core::Doubt;
 
     #[test]
     fn who_is_lost_stands_and_then_gives_up() {

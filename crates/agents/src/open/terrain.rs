@@ -1,8 +1,10 @@
-//! The ground between here and a goal: near by in fine cells that follow the robot, farther off along a corridor.
+//! The ground between here and a goal: near by in fine cells that follow the robot, farther off
+//! along a corridor.
 //!
-//! The corridor comes from the map: the cheapest way over its ground, or over its roads where they lead farther round than
-//! is looked at. Near by the costmap's own search decides, so that what was seen counts. Where that finds no way, what was
-//! seen is remembered, the road is closed, and the next corridor is taken, until there is none.
+//! The corridor comes from the map: the cheapest way over its ground, or over its roads where they
+//! lead farther round than is looked at. Near by the costmap's own search decides, so that what was
+//! seen counts. Where that finds no way, what was seen is remembered, the road is closed, and the
+//! next corridor is taken, until there is none.
 
 use openbench_core::{MapPoint, RobotDescription};
 use openbench_motion::costmap::ground::Preferences;
@@ -56,7 +58,8 @@ pub struct Terrain {
 }
 
 impl Terrain {
-    /// The ground of a map around `start`. Without roads, ways lead over ground that hangs together near by only.
+    /// The ground of a map around `start`. Without `roads`, corridors lead over the map's open
+    /// ground alone.
     pub fn new(
         map: OsmMap,
         roads: Option<MapRouter>,
@@ -104,10 +107,11 @@ impl Terrain {
         self.partial
     }
 
-    /// What the ways to places cost, metres of open ground; `None` where by all that is known none leads.
+    /// What the ways to places cost, metres of open ground; `None` where by all that is known none
+    /// leads.
     pub fn costs(&self, from: MapPoint, places: &[MapPoint]) -> Vec<Option<f64>> {
         let near = costs(&self.near, from, places, COMPARED);
-        if near.iter().any(Option::is_some) {
+        if places.is_empty() || near.iter().any(Option::is_some) {
             return near;
         }
         self.overview.costs(&self.map, from, places)
@@ -135,13 +139,9 @@ impl Terrain {
     }
 
     /// A corridor from here to a goal by all that is known: over the ground, or over roads.
-    fn lay(&mut self, from: MapPoint, goal: MapPoint) -> Result<Corridor, PlanError> {
+    fn lay(&self, from: MapPoint, goal: MapPoint) -> Result<Corridor, PlanError> {
         let ground = self.overview.way(&self.map, from, goal);
-        let points = match (ground, self.over_roads(from, goal)) {
-            (Ok(way), _) => way,
-            (Err(_), Some(road)) => road,
-            (Err(error), None) => return Err(error),
-        };
+        let points = ground.or_else(|error| self.over_roads(from, goal).ok_or(error))?;
         Ok(Corridor { goal, points: dense(&points) })
     }
 
@@ -155,7 +155,8 @@ impl Terrain {
         Some(points)
     }
 
-    /// The way along the corridor: searched as far as the fine costmap reaches, the corridor itself from there.
+    /// The way along the corridor: searched as far as the fine costmap reaches, the corridor itself
+    /// from there.
     fn along(&mut self, from: MapPoint) -> Result<Vec<MapPoint>, Blocked> {
         let Some(corridor) = &self.corridor else { return Err(Blocked { reached: None, beyond: from }) };
         let ahead = &corridor.points[nearest(&corridor.points, from)..];

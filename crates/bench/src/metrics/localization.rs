@@ -75,8 +75,9 @@ impl ErrorCounts {
     /// Of poses that were told.
     pub fn of<'a>(errors: impl IntoIterator<Item = &'a PoseError>) -> Self {
         let mut counts = Self::default();
-        for error in errors {
-            // A cast takes what is too large for the largest, and what is no number for none.
+        // What is no number is no pose, as in [`localization`].
+        for error in errors.into_iter().filter(|error| error.distance().is_finite()) {
+            // A cast takes what is too large for the largest number.
             *counts.0.entry((error.distance() * 1e4).round() as u32).or_default() += 1;
         }
         counts
@@ -168,7 +169,7 @@ mod tests {
             let told = PoseEstimate { pose: Pose2::new(x, 0.0, 0.0), health: Health::Good };
             PoseError::new(SimTime::ZERO, Pose2::default(), told)
         };
-        let mut counts = ErrorCounts::of(&[told(0.1), told(-0.1), told(0.3)]);
+        let mut counts = ErrorCounts::of(&[told(0.1), told(-0.1), told(0.3), told(f64::NAN)]);
         counts.add(&ErrorCounts::of(&[told(1.0)]));
         assert_eq!(counts.quantile(0.5), Some(0.1));
         assert!((counts.quantile(0.75).unwrap() - 0.3).abs() < 1e-9 && counts.quantile(1.0) == Some(1.0));

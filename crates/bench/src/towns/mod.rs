@@ -1,8 +1,10 @@
-//! A battery of towns: neighbourhoods that a seed draws from maps, and an agent's deliveries in each.
+//! A battery of towns: neighbourhoods that a seed draws from maps, and an agent's deliveries in
+//! each.
 //!
-//! Worlds that nobody chose show what an agent was tuned to. A window is a square of a map; its world is generated, four
-//! single deliveries and a sequence of three are drawn, driven and scored, and a drive of three minutes is given to the
-//! odometry. What is done stays in the folder: a battery that was broken off goes on with the next window.
+//! Worlds that nobody chose show what an agent was tuned to. A window is a square of a map; its
+//! world is generated, four single deliveries and a sequence of three are drawn, driven and scored,
+//! and a drive of three minutes is given to the odometry. What is done stays in the folder: a
+//! battery that was broken off goes on with the next window.
 //!
 //! | module | its one job |
 //! |---|---|
@@ -17,8 +19,8 @@ pub mod windows;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use openbench_core::LonLat;
-use openbench_osm::write_atomically;
+use openbench_core::{Georeference, LonLat};
+use openbench_osm::{OsmData, write_atomically};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
@@ -75,7 +77,8 @@ pub struct TownsRequest<'a> {
 /// Runs the windows that are not done yet and sums up all.
 ///
 /// # Errors
-/// A folder that holds windows of another plan, maps that cannot be read, a window that cannot be driven to its end.
+/// A folder that holds windows of another plan, maps that cannot be read, a window that cannot be
+/// driven to its end.
 pub fn run(request: &TownsRequest<'_>) -> Result<Towns, BenchError> {
     std::fs::create_dir_all(request.out).map_err(|e| BenchError::file(request.out, e))?;
     claim(request)?;
@@ -166,19 +169,16 @@ fn window_seed(plan: &TownsPlan, number: usize) -> u64 {
     (plan.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(number as u64)) >> 1
 }
 
-/// The folder's recipe, suite and maps of a window.
+/// Writes the world of a window; `None` if a robot has too little to do there.
 fn write_world(
     plan: &TownsPlan,
     number: usize,
     place: &Place,
-    map: &openbench_osm::OsmData,
+    map: &OsmData,
     folder: &Path,
 ) -> Result<Option<Prepared>, BenchError> {
-    let georeference = openbench_core::Georeference::TangentPlane {
-        at: place.around,
-        offset_x: -plan.false_origin,
-        offset_y: 0.0,
-    };
+    let georeference =
+        Georeference::TangentPlane { at: place.around, offset_x: -plan.false_origin, offset_y: 0.0 };
     let seed = window_seed(plan, number);
     let recipe = world_folder::Recipe::generated(&place.name, georeference, seed);
     let wanted = world_folder::Wanted { singles: 4, sequences: (1, 3), reach: 2.0 * plan.radius, seed };

@@ -29,7 +29,8 @@ pub struct OdometrySum {
     pub coasting: usize,
     /// Of them those while scans and IMU contradict each other.
     pub disputed: usize,
-    /// Root of the mean square distance from the true way, both laid on each other at the first pose, metres.
+    /// Root of the mean square distance from the true way, both laid on each other at the first
+    /// pose, metres.
     pub rms_m: f64,
     /// The largest distance, metres.
     pub max_m: f64,

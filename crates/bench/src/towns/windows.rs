@@ -46,8 +46,8 @@ impl Maps {
         Ok(Self(maps?))
     }
 
-    /// Window `number` of a plan, away from those that are taken, with its world in `folder`. Where its map has no room
-    /// for another one the next has its turn; `None` if none has.
+    /// Window `number` of a plan, away from those that are taken, with its world in `folder`. Where
+    /// its map has no room for another one the next has its turn; `None` if none has.
     pub fn draw(
         &self,
         plan: &TownsPlan,

@@ -86,9 +86,10 @@ fn table(towns: &Towns) -> String {
         found.map_or(String::new(), |[low, high]| format!("{:.0} to {:.0}", low * 100.0, high * 100.0))
     };
     let deliveries: usize = towns.towns.iter().map(|town| town.results.deliveries.len()).sum();
+    let rms = towns.pose.map_or("–".to_owned(), |pose| format!("{:.3} m", pose.rms_m));
     let _ = writeln!(
         text,
-        "\n{deliveries} deliveries; 95 % intervals: SR {}, SPL {}, LSR {}\n\
+        "\n{deliveries} deliveries; pose {rms} rms; 95 % intervals: SR {}, SPL {}, LSR {}\n\
          SR, SPL, LSR: percent, strict. Pose and odometry: metres; odometry's error is that of a drive of 3 minutes,\n\
          NEES is 6 if it is as large as told. Silent: times more than a metre off with good health. x: times real time\n\
          a core.",

@@ -11,7 +11,7 @@ use super::limits::{AtLimit, Limits};
 use super::propagation::{ImuNoise, Node, advance, propagate};
 use super::speed::{Speed, correct, temper};
 use super::state::{Covariance, State};
-use super::watch::{Reckoned, Reckoning};
+use super::watch::Reckoned;
 
 /// Samples farther apart than that leave a gap.
 const GAP: Duration = Duration::from_millis(50);
@@ -37,7 +37,7 @@ const HIT: f64 = 4.0;
 const HIT_LASTS: f64 = 0.03;
 /// Wheels that change by less than that go on evenly, m/s and rad/s.
 const EVENLY: [f64; 2] = [0.1, 0.3];
-/// What wheels say is a mean over some time, and is told after it.
+/// The wheels' velocity is a mean over some time, and comes after it.
 const TOLD_LATE: Duration = Duration::from_millis(100);
 
 /// A state at an instant.
@@ -222,7 +222,7 @@ impl Inertial {
         bias: Vector3<f64>,
         imu: &Pose3,
     ) -> Option<Reckoned> {
-        let mut way = Reckoning::new();
+        let mut way = Reckoned::nothing();
         let mut speeds = self.speeds.iter().peekable();
         let mut speed = *speeds.peek().filter(|first| first.stamp < from + HOLDS)?;
         for ((before, _), (behind, _)) in self.samples.iter().zip(self.samples.iter().skip(1)) {
@@ -242,7 +242,7 @@ impl Inertial {
             }
             way.go_on(speed.velocity, rate, end.since(start).as_secs_f64());
         }
-        Some(way.step())
+        Some(way)
     }
 
     /// Where a state has come to with the newest sample.

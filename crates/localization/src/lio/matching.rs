@@ -8,6 +8,7 @@ use nalgebra::{Isometry3, Matrix3, SMatrix, Vector3};
 
 use super::moments::Moments;
 use super::planes::{CORNER, Place, Plane, PlaneMap, Rays, SIDES, SIZES, grazing};
+use super::scatter::Scatter;
 use super::state::{Covariance, State};
 use super::update::LidarNoise;
 
@@ -58,8 +59,9 @@ pub struct Matching {
     pub clusters: Vec<Cluster>,
     /// Points in cubes with planes that lie on none of them.
     contradicting: usize,
-    /// One over the square of how many times as widely as usual points are scattered; 0 before anything was told.
-    certainty: f64,
+    /// How noisy the LiDAR turns out to be. What passes for a point of a plane does not depend on it: a wider gate lets in what
+    /// lies beside the plane.
+    pub(super) scatter: Scatter,
 }
 
 /// Bits of a key: the point's number, then one bit an axis for each size below the largest, then nine an axis.
@@ -91,16 +93,10 @@ impl Matching {
             gate,
             clusters: &mut self.clusters,
             contradicting: 0,
-            certainty: if self.certainty > 0.0 { self.certainty } else { 1.0 },
+            certainty: 1.0 / (self.scatter.factor() * self.scatter.factor()),
         };
         search.split(&self.order, 0, false, &mut self.rest);
         self.contradicting = search.contradicting;
-    }
-
-    /// Weighs points as if they were scattered so many times as widely as the LiDAR's noise says. What passes for a point of a
-    /// plane does not depend on it: a wider gate lets in what lies beside the plane.
-    pub(super) fn scatter(&mut self, times: f64) {
-        self.certainty = 1.0 / (times * times);
     }
 
     /// Of the points where planes are known the share that lies on them; 1 where there are none.

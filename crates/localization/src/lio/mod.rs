@@ -48,7 +48,6 @@ use limits::Limits;
 use matching::Matching;
 use planes::PlaneMap;
 use propagation::{ImuNoise, Node};
-use scatter::Scatter;
 use so3::log;
 use speed::Speed;
 use start::{First, Start};
@@ -191,7 +190,6 @@ pub struct LidarInertialOdometry {
     cut_at: Vector3<f64>,
     /// Mean of [`Matched::surprise`] over the last scans.
     surprise: f64,
-    scatter: Scatter,
     watch: Watch,
     /// When it last began anew because it had run away.
     recovered: Option<SimTime>,
@@ -214,7 +212,6 @@ impl LidarInertialOdometry {
             unseen: Vec::new(),
             cut_at: Vector3::zeros(),
             surprise: 0.0,
-            scatter: Scatter::default(),
             watch: Watch::default(),
             recovered: None,
             refused: Refused::default(),
@@ -353,7 +350,6 @@ impl LidarInertialOdometry {
         let (first, since) = (self.map.is_empty(), before.stamp);
         let (mut known, mut matched) = (before.clone(), None);
         let step = self.inertial.reckon(since, until, before.state.gyro_bias, &self.settings.imu);
-        self.matching.scatter(self.scatter.factor());
         let noise = self.settings.lidar_noise;
         for _ in 0..PASSES {
             known = before.clone();
@@ -380,7 +376,7 @@ impl LidarInertialOdometry {
         self.refused.gaps += self.inertial.forget(until);
         self.refused.points += scan.points.iter().filter(|point| !self.usable(&position(point))).count();
         let good = matched.as_ref().is_some_and(Matched::is_good);
-        matched.iter().for_each(|matched| self.scatter.look(matched));
+        matched.iter().for_each(|matched| self.matching.scatter.look(matched));
         if !good {
             // What contradicts the map is not believed.
             known = before.clone();
@@ -414,7 +410,7 @@ impl LidarInertialOdometry {
         let disputed = shaken || verdict == Verdict::Contradicted || self.surprise > DISPUTED;
         let status = match first || good && firm {
             true if disputed => Status::Disputed,
-            true if self.scatter.is_wide() => Status::Noisy,
+            true if self.matching.scatter.is_wide() => Status::Noisy,
             true => Status::Tracking,
             false => Status::Coasting,
         };

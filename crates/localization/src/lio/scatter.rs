@@ -1,12 +1,15 @@
-//! How noisy the LiDAR turns out to be: points that are scattered more widely than its data sheet says count less.
+//! How noisy the LiDAR turns out to be: points that are scattered more widely than its data sheet
+//! says count less.
 //!
-//! A filter that believes noisier points as if they were sound comes to poses, biases and headings that are surely wrong. One
-//! that refuses them has nothing to go by. The residuals say how wide the scatter is (R. Mehra, *On the Identification of
-//! Variances and Adaptive Kalman Filtering*, 1970: noise from innovations).
+//! A filter that believes noisier points as if they were sound comes to poses, biases and headings
+//! that are surely wrong. One that refuses them has nothing to go by. The residuals say how wide
+//! the scatter is (R. Mehra, *On the Identification of Variances and Adaptive Kalman Filtering*,
+//! 1970: noise from innovations).
 
 use super::update::Matched;
 
-/// Mean square of residuals, in deviations, of a LiDAR that is as noisy as it is thought to be: surfaces are not quite even.
+/// Mean square of residuals, in deviations, of a LiDAR that is as noisy as it is thought to be:
+/// surfaces are not quite even.
 const USUAL: f64 = 1.1;
 /// Mean over about so many scans, as one over it.
 const RECENT: f64 = 1.0 / 10.0;
@@ -35,7 +38,8 @@ impl Scatter {
         if matched.points < FEW || !matched.fit.is_finite() {
             return;
         }
-        // What is scattered beyond the gate is not in the residuals: the fewer points pass, the wider it must be.
+        // What is scattered beyond the gate is not in the residuals: the fewer points pass, the
+        // wider it must be.
         let seen = self.factor() * (matched.fit / USUAL).sqrt() / matched.agreeing.max(LEAST_AGREEING);
         self.0 = (self.0 + RECENT * (seen - self.0)).clamp(1.0, WIDEST);
     }
@@ -55,7 +59,8 @@ impl Scatter {
 mod tests {
     use super::*;
 
-    /// What becomes of it with a LiDAR whose residuals have that mean square by its data sheet, and so many points within the gate.
+    /// What becomes of it with a LiDAR whose residuals have that mean square by its data sheet, and
+    /// so many points within the gate.
     fn settled(fit: f64, agreeing: f64) -> Scatter {
         let mut scatter = Scatter::default();
         for _ in 0..200 {
@@ -67,7 +72,8 @@ mod tests {
 
     #[test]
     fn the_scatter_is_found_out() {
-        // As measured on the drive of `bench health large` with noise of once, twice, five and ten times what is told.
+        // Medians of fit and share on a drive in `large` with noise of 1, 2, 5 and 10 times the
+        // data sheet's.
         assert_eq!(settled(1.11, 0.99).factor(), 1.0);
         let found = [(2.65, 0.97), (4.07, 0.77), (4.28, 0.59)].map(|(fit, agreeing)| settled(fit, agreeing));
         assert!(found.windows(2).all(|pair| pair[0].factor() < pair[1].factor()), "{found:?}");

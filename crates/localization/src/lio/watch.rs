@@ -1,9 +1,10 @@
 //! Whether the way that the filter comes to is one that the robot can have gone.
 //!
-//! Wheels and gyroscope reckon a way of their own, beside the filter: they slip and drift, but never by much in a few
-//! seconds. A filter that scans or a shaken accelerometer mislead runs away by metres in that time. What it comes to is
-//! therefore laid on what is reckoned, over the last seconds. Where both disagree and the scans do not support the filter,
-//! it begins anew from the last state that agreed, moved on by what was reckoned since; where the scans do support it, the
+//! Wheels and gyroscope reckon a way of their own, beside the filter: they slip and drift, but
+//! never by much in a few seconds. A filter that scans or a shaken accelerometer mislead runs away
+//! by metres in that time. What it comes to is therefore laid on what is reckoned, over the last
+//! seconds. Where both disagree and the scans do not support the filter, it begins anew from the
+//! last state that agreed, moved on by what was reckoned since; where the scans do support it, the
 //! sensors contradict each other, and nobody can say who is right.
 
 use std::collections::VecDeque;
@@ -16,8 +17,8 @@ use super::inertial::Known;
 
 /// The way is looked at over so long a time.
 const WINDOW: Duration = Duration::from_secs(2);
-/// The filter and what is reckoned may be apart by so many metres, by that part of the way and so many metres a radian: wheels
-/// slip.
+/// The filter and what is reckoned may be apart by so many metres, by that part of the way and so
+/// many metres a radian: wheels slip.
 const APART: [f64; 3] = [0.10, 0.15, 0.10];
 /// The same for turns: radians, and that part of what was turned.
 const TURNED: [f64; 2] = [0.04, 0.10];
@@ -25,17 +26,19 @@ const TURNED: [f64; 2] = [0.04, 0.10];
 const SUPPORTED: f64 = 0.7;
 /// Nothing is faster than so many times what the robot's wheels show and a little, m/s.
 const FASTEST: [f64; 2] = [2.0, 0.5];
-/// Straight on wheels slide neither sideways nor along by more than these parts of the way, over so many metres.
+/// Straight on wheels slide neither sideways nor along by more than these parts of the way, over so
+/// many metres.
 const SIDEWAYS: f64 = 0.03;
 const ALONG: f64 = 0.08;
 const SLID_OVER: f64 = 6.0;
-/// A filter that has turned by so many radians more than the gyroscope, over about so many seconds, is turned by its scans.
+/// A filter that has turned by so many radians more than the gyroscope, over about so many seconds,
+/// is turned by its scans.
 const TURNING: f64 = 0.06;
 const TURNING_OVER: f64 = 20.0;
 /// Slower turns count as straight on, rad/s.
 const STRAIGHT: f64 = 0.15;
 
-/// A step of the way between two scans, as wheels and gyroscope have it.
+/// The way between two scans by wheels and gyroscope, step by step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Reckoned {
     /// Pose of the robot's frame at the end in that at the beginning.
@@ -85,15 +88,16 @@ struct Anchor {
 pub(super) struct Watch {
     marks: VecDeque<Mark>,
     anchor: Option<Anchor>,
-    /// Metres straight on, and how many more sideways and along the filter has than the wheels, older ones counting less.
+    /// Metres straight on, and how many more sideways and along the filter has than the wheels,
+    /// older ones counting less.
     slid: [f64; 3],
     /// Radians that the filter has turned more than the gyroscope, the older ones counting less.
     turning: f64,
 }
 
 impl Watch {
-    /// Takes in the state after a scan and the step that led to it; `supported` if the scan lies on the map. `imu` is the
-    /// IMU's place on the robot.
+    /// Takes in the state after a scan and the step that led to it; `supported` if the scan lies on
+    /// the map. `imu` is the IMU's place on the robot.
     pub(super) fn look(&mut self, known: &Known, step: &Reckoned, supported: bool, imu: &Pose3) -> Verdict {
         let filtered = super::pose(&known.state) * imu.inverse();
         let last = self.marks.back().copied();
@@ -125,7 +129,8 @@ impl Watch {
         if share >= SUPPORTED && !too_fast { Verdict::Contradicted } else { Verdict::RunAway }
     }
 
-    /// The last state that agreed, moved on by what was reckoned since then; how far that was, metres and radians.
+    /// The last state that agreed, moved on by what was reckoned since then; how far that was,
+    /// metres and radians.
     pub(super) fn recover(&self, imu: &Pose3) -> Option<(Known, f64, f64)> {
         let (anchor, now) = (self.anchor.as_ref()?, self.marks.back()?);
         let moved = anchor.mark.reckoned.inverse() * now.reckoned;
@@ -176,36 +181,22 @@ fn agree(from: &Mark, to: &Mark) -> bool {
     apart <= APART[0] + APART[1] * metres + APART[2] * turned && off <= TURNED[0] + TURNED[1] * turned
 }
 
-/// A way that wheels and gyroscope reckon, step by step, in the robot's frame.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Reckoning {
-    pose: Isometry3<f64>,
-    metres: f64,
-    turned: f64,
-    velocity: Vector3<f64>,
-}
-
-impl Reckoning {
-    /// Begins where the robot's frame is.
-    pub(super) fn new() -> Self {
-        Self { pose: Isometry3::identity(), metres: 0.0, turned: 0.0, velocity: Vector3::zeros() }
+impl Reckoned {
+    /// No way yet.
+    pub(super) fn nothing() -> Self {
+        Self { step: Isometry3::identity(), metres: 0.0, turned: 0.0, velocity: Vector3::zeros() }
     }
 
-    /// Goes on for some seconds with a velocity, m/s, and a turn rate, rad/s, of the robot's frame in itself.
+    /// Goes on for some seconds with a velocity, m/s, and a turn rate, rad/s, of the robot's frame
+    /// in itself.
     pub(super) fn go_on(&mut self, velocity: Vector3<f64>, rate: Vector3<f64>, seconds: f64) {
         let turn = UnitQuaternion::from_scaled_axis(rate * seconds);
         // Along the chord of the arc.
         let half = UnitQuaternion::from_scaled_axis(rate * (0.5 * seconds));
-        let step = Isometry3::from_parts((half * velocity * seconds).into(), turn);
-        self.pose *= step;
+        self.step *= Isometry3::from_parts((half * velocity * seconds).into(), turn);
         self.metres += velocity.norm() * seconds;
         self.turned += rate.norm() * seconds;
         self.velocity = velocity;
-    }
-
-    /// What it came to.
-    pub(super) fn step(&self) -> Reckoned {
-        Reckoned { step: self.pose, metres: self.metres, turned: self.turned, velocity: self.velocity }
     }
 }
 
@@ -232,12 +223,13 @@ mod tests {
 
     /// Half a metre a second straight on, as wheels have it.
     fn step() -> Reckoned {
-        let mut way = Reckoning::new();
+        let mut way = Reckoned::nothing();
         way.go_on(Vector3::x() * 0.5, Vector3::zeros(), 0.1);
-        way.step()
+        way
     }
 
-    /// The verdicts on ten seconds in which the filter goes as told: its place after so many seconds, and its speed.
+    /// The verdicts on ten seconds in which the filter goes as told: its place after so many
+    /// seconds, and its speed.
     fn verdicts(way: impl Fn(f64) -> (f64, f64, f64), supported: bool) -> (Watch, Vec<Verdict>) {
         let mut watch = Watch::default();
         let look = |i: u64| {

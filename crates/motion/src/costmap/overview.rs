@@ -1,8 +1,9 @@
 //! Ways between places far apart, over coarser cells than a robot drives by.
 //!
-//! The map says where buildings, walls and water are; what the LiDAR saw where the robot has been is remembered, so that
-//! a way that proved blocked is not found again. Mapped roads and paths are preferred to ground of which the map says
-//! nothing: people who drew them knew that one gets through.
+//! The map says where buildings, walls and water are; what the LiDAR saw where the robot has been
+//! is remembered, so that a way that proved blocked is not found again. Mapped roads and paths are
+//! preferred to ground of which the map says nothing: people who drew them knew that one gets
+//! through.
 
 use std::collections::BTreeMap;
 
@@ -75,26 +76,21 @@ impl Overview {
 
     /// Remembers what a costmap has seen and the map does not say.
     pub fn note(&mut self, near: &Costmap) {
+        // What stood somewhere and was seen to be gone is forgotten first: squares are larger than
+        // cells, and what stands in one of a square's cells counts.
+        let is_gone = |square: &(i32, i32)| {
+            let cell = near.grid.cell_at(middle(*square));
+            cell.is_some_and(|cell| near.seen.is_free(cell))
+        };
+        self.known.retain(|square, known| *known == Known::Free || !is_gone(square));
         for cell in 0..near.grid.len() {
-            let barred = near.ground.barred[cell];
-            let says = match barred {
-                Barred::No if near.seen.is_hit(cell) => Some(Known::Hit),
-                Barred::Solid if near.seen.is_free(cell) => Some(Known::Free),
-                _ => None,
-            };
             let square = square(near.grid.center(cell));
-            match says {
-                Some(known) => {
-                    // Several cells share a square: what stands in one of them counts.
-                    let entry = self.known.entry(square).or_insert(known);
-                    if known == Known::Hit {
-                        *entry = known;
-                    }
+            match near.ground.barred[cell] {
+                Barred::No if near.seen.is_hit(cell) => drop(self.known.insert(square, Known::Hit)),
+                Barred::Solid if near.seen.is_free(cell) => {
+                    self.known.entry(square).or_insert(Known::Free);
                 }
-                None if near.seen.is_free(cell) => {
-                    self.known.remove(&square);
-                }
-                None => {}
+                _ => {}
             }
         }
     }
@@ -116,7 +112,8 @@ impl Overview {
         plan(&mut Search::default(), &self.lay(map, from, &[to]), from, to)
     }
 
-    /// What the ways from one place to others cost, in metres of mapped ways; `None` where none leads.
+    /// What the ways from one place to others cost, in metres of mapped ways; `None` where none
+    /// leads.
     pub fn costs(&self, map: &OsmMap, from: MapPoint, to: &[MapPoint]) -> Vec<Option<f64>> {
         costs(&self.lay(map, from, to), from, to, f64::INFINITY)
     }
@@ -152,9 +149,8 @@ impl Overview {
         let cell = FINEST.max((high.x - low.x).max(high.y - low.y) / SIDE);
         let grid = GridGeometry::covering(low, high, cell, SIDE as usize + 1);
         let mut ground = Ground::of(map, &grid);
-        for (&(column, row), known) in &self.known {
-            let middle = |n: i32| (f64::from(n) + 0.5) * MEMORY;
-            let Some(cell) = grid.cell_at(MapPoint::new(middle(column), middle(row))) else { continue };
+        for (square, known) in &self.known {
+            let Some(cell) = grid.cell_at(middle(*square)) else { continue };
             match (known, &mut ground.barred[cell]) {
                 (Known::Hit, barred) if *barred == Barred::No => *barred = Barred::Solid,
                 (Known::Free, barred) if *barred == Barred::Solid => *barred = Barred::No,
@@ -163,6 +159,11 @@ impl Overview {
         }
         Costmap::over(grid, ground, self.room, WAYS)
     }
+}
+
+fn middle((column, row): (i32, i32)) -> MapPoint {
+    let at = |n: i32| (f64::from(n) + 0.5) * MEMORY;
+    MapPoint::new(at(column), at(row))
 }
 
 fn square(at: MapPoint) -> (i32, i32) {

@@ -66,6 +66,7 @@ struct Drive {
     scans: usize,
     coasting: usize,
     disputed: usize,
+    noisy: usize,
     lost: usize,
     /// CPU time since the last estimate, and of each one.
     spent: Duration,
@@ -85,6 +86,7 @@ impl Drive {
             scans: 0,
             coasting: 0,
             disputed: 0,
+            noisy: 0,
             lost: 0,
             spent: Duration::ZERO,
             times: Vec::new(),
@@ -137,6 +139,7 @@ impl Drive {
         self.scans += 1;
         self.coasting += usize::from(estimate.status == Status::Coasting);
         self.disputed += usize::from(estimate.status == Status::Disputed);
+        self.noisy += usize::from(estimate.status == Status::Noisy);
         self.lost += usize::from(estimate.status == Status::Lost);
         line(&mut self.path, estimate.stamp, &estimate.pose);
         self.told.push((estimate.stamp, estimate.pose, estimate.covariance));
@@ -152,6 +155,7 @@ impl Drive {
             scans: self.scans,
             coasting: self.coasting,
             disputed: self.disputed,
+            noisy: self.noisy,
             lost: self.lost,
             cpu_ms_p50: at(50),
             cpu_ms_p99: at(99),
@@ -172,6 +176,8 @@ struct Summary {
     coasting: usize,
     /// Of them those while scans and IMU contradict each other.
     disputed: usize,
+    /// Of them those while points are scattered several times as widely as the LiDAR's noise says.
+    noisy: usize,
     /// Times after which nobody knows how far the sensors have gone.
     lost: usize,
     /// CPU time a scan, reading it and the IMU included.
@@ -198,6 +204,10 @@ impl Summary {
         for (count, what) in [
             (self.coasting, "scans without enough to go by: their poses are the IMU's"),
             (self.disputed, "scans while LiDAR and IMU contradict each other"),
+            (
+                self.noisy,
+                "scans whose points are scattered several times as widely as the LiDAR's noise says",
+            ),
             (
                 self.lost,
                 "times without an IMU for so long that the way after them hangs together with none before",
