@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
-use openbench_bench::towns::{Towns, TownsPlan, TownsRequest, run};
+use openbench_bench::towns::{Towns, TownsPlan, TownsRequest, draw, run};
 use openbench_bench::{AgentFactory, BenchError};
 use openbench_core::{Action, Agent, Briefing, Events, FailureCause, GiveUp, Observation};
 
@@ -61,6 +61,12 @@ fn a_battery_goes_on_where_it_was_broken_off() {
     assert_eq!(two.towns[0], one.towns[0]);
     assert_eq!((two.towns[1].place.map, two.towns[1].place.name.as_str()), (1, "medium-001"));
     assert_eq!(two.metrics.intervals["lsr"].len(), 2, "two sequences, of different windows");
+    // Windows that are only drawn are the same ones.
+    let elsewhere = tempfile::tempdir().unwrap();
+    let drawn = draw(&plan(3), 2, elsewhere.path()).unwrap();
+    assert!(drawn.iter().map(|drawn| &drawn.place).eq(two.towns.iter().map(|town| &town.place)));
+    let map = |folder: &Path| std::fs::read(folder.join("000/world/map.osm")).unwrap();
+    assert_eq!(map(elsewhere.path()), map(folder.path()));
     // Windows of another plan are not mixed in.
     let other = battery(&plan(4), 1, folder.path()).unwrap_err().to_string();
     assert!(other.contains("towns.json") && other.contains("--out"), "{other}");

@@ -13,6 +13,7 @@
 //! | `triangulate` | an outline with holes into triangles |
 //! | [`world`] | [`World`]: a scene with its public map, georeference and start |
 
+mod beyond;
 pub mod bvh;
 pub mod free_space;
 pub mod generate;

@@ -52,11 +52,16 @@ pub enum LeftWorld {
     /// No ground is under it, or it has fallen off the ground.
     #[error("the robot drove off the ground of the world")]
     OffTheGround,
+    /// It is beyond all that there is, or nowhere.
+    #[error("the robot drove out of the world")]
+    OutOfBounds,
     /// It lies on its side or back.
     #[error("the robot has tipped over")]
     TippedOver,
 }
 
+/// So far beyond all that can be seen the robot is out of the world, metres.
+const OUTSIDE_M: f64 = 50.0;
 /// So far below the ground of its start the robot has fallen off, metres.
 const FALLEN_M: f64 = 2.0;
 /// Cosine of the tilt beyond which the robot's wheels carry it no more: 60 degrees.
@@ -69,6 +74,39 @@ pub struct Stage {
     renderer: Arc<Renderer>,
     solids: Solids,
     gallery: Arc<Gallery>,
+    bounds: Bounds,
+}
+
+/// A box on the ground, metres.
+#[derive(Debug, Clone, Copy)]
+struct Bounds {
+    low: [f64; 2],
+    high: [f64; 2],
+}
+
+impl Bounds {
+    /// Round what stands in a scene; round everywhere where nothing does.
+    fn of(scene: &Scene) -> Self {
+        const EMPTY: Bounds = Bounds { low: [f64::INFINITY; 2], high: [f64::NEG_INFINITY; 2] };
+        const EVERYWHERE: Bounds = Bounds { low: [f64::NEG_INFINITY; 2], high: [f64::INFINITY; 2] };
+        let corners = scene.standing().iter().flat_map(|triangle| triangle.corners);
+        let bounds = corners.fold(EMPTY, |mut bounds, corner| {
+            for (axis, at) in scene.vertices[corner as usize].position[..2].iter().enumerate() {
+                bounds.low[axis] = bounds.low[axis].min(f64::from(*at));
+                bounds.high[axis] = bounds.high[axis].max(f64::from(*at));
+            }
+            bounds
+        });
+        if bounds.low[0] <= bounds.high[0] { bounds } else { EVERYWHERE }
+    }
+
+    /// Whether a place lies no farther outside than so many metres. What is no number lies nowhere.
+    fn hold(&self, place: [f64; 2], margin: f64) -> bool {
+        let holds = |axis: usize| {
+            place[axis] >= self.low[axis] - margin && place[axis] <= self.high[axis] + margin
+        };
+        holds(0) && holds(1)
+    }
 }
 
 impl Stage {
@@ -77,6 +115,7 @@ impl Stage {
         let solids = Solids::new(caster.scene())?;
         Ok(Self {
             renderer: Arc::new(Renderer::new(caster.clone())),
+            bounds: Bounds::of(caster.scene()),
             solids,
             caster,
             gallery: Arc::default(),
@@ -264,10 +303,14 @@ impl Simulator {
     /// The truth: whether the robot left the world, and how.
     pub fn left_world(&self) -> Option<LeftWorld> {
         let base = self.base_link();
+        let [x, y, z] = base.translation.vector.into();
+        if !(z.is_finite() && self.stage.bounds.hold([x, y], OUTSIDE_M)) {
+            return Some(LeftWorld::OutOfBounds);
+        }
         if (base.rotation * nalgebra::Vector3::z()).z < TIPPED_COSINE {
             return Some(LeftWorld::TippedOver);
         }
-        (base.translation.z < self.ground - FALLEN_M).then_some(LeftWorld::OffTheGround)
+        (z < self.ground - FALLEN_M).then_some(LeftWorld::OffTheGround)
     }
 
     /// Every collision so far.

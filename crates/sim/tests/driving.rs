@@ -227,6 +227,10 @@ fn a_robot_that_leaves_the_ground_has_left_the_world() {
     let mut falling = Simulator::new(stage(), RobotDescription::sentry(), beyond, 1);
     drive(&mut falling, Velocity::ZERO, 1.0);
     assert_eq!(falling.left_world(), Some(LeftWorld::OffTheGround));
+    for outside in [Pose2::new(-90.0, 0.0, 0.0), Pose2::new(0.0, 90.0, 0.0)] {
+        let far = Simulator::new(stage(), RobotDescription::sentry(), outside, 1);
+        assert_eq!(far.left_world(), Some(LeftWorld::OutOfBounds));
+    }
 }
 
 /// Wheel rays are in single precision, but on level ground their lengths depend on heights alone.

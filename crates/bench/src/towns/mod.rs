@@ -80,12 +80,11 @@ pub struct TownsRequest<'a> {
 /// A folder that holds windows of another plan, maps that cannot be read, a window that cannot be
 /// driven to its end.
 pub fn run(request: &TownsRequest<'_>) -> Result<Towns, BenchError> {
-    std::fs::create_dir_all(request.out).map_err(|e| BenchError::file(request.out, e))?;
-    claim(request)?;
+    claim(request.plan, request.out)?;
     let maps = Maps::read(&request.plan.maps)?;
     let mut towns: Vec<Town> = Vec::new();
     for number in 0..request.windows {
-        let folder = request.out.join(format!("{number:03}"));
+        let folder = folder(request.out, number);
         if let Some(town) = read::<Town>(&folder.join(DONE))? {
             (request.progress)(&town, true);
             towns.push(town);
@@ -105,12 +104,45 @@ pub fn run(request: &TownsRequest<'_>) -> Result<Towns, BenchError> {
     Ok(Towns::of(request.plan.clone(), request.windows, towns))
 }
 
+/// A window whose world was made.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Drawn {
+    /// Where it lies.
+    pub place: Place,
+    /// The folder of its world.
+    pub world: PathBuf,
+}
+
+/// Draws the windows of a battery and makes their worlds, which are those that [`run`] drives in.
+///
+/// # Errors
+/// A folder that holds windows of another plan, maps that cannot be read.
+pub fn draw(plan: &TownsPlan, windows: usize, out: &Path) -> Result<Vec<Drawn>, BenchError> {
+    claim(plan, out)?;
+    let maps = Maps::read(&plan.maps)?;
+    let mut drawn: Vec<Drawn> = Vec::new();
+    for number in 0..windows {
+        let taken: Vec<(usize, LonLat)> =
+            drawn.iter().map(|Drawn { place, .. }| (place.map, place.around)).collect();
+        let world = folder(out, number).join("world");
+        let Some((place, _)) = maps.draw(plan, number, &taken, &world)? else { break };
+        drawn.push(Drawn { place, world });
+    }
+    Ok(drawn)
+}
+
+/// The folder of a window.
+fn folder(out: &Path, number: usize) -> PathBuf {
+    out.join(format!("{number:03}"))
+}
+
 /// Notes what the folder's windows are of, or checks it.
-fn claim(request: &TownsRequest<'_>) -> Result<(), BenchError> {
-    let path = request.out.join(PLAN);
+fn claim(plan: &TownsPlan, out: &Path) -> Result<(), BenchError> {
+    std::fs::create_dir_all(out).map_err(|e| BenchError::file(out, e))?;
+    let path = out.join(PLAN);
     match read::<TownsPlan>(&path)? {
-        None => write(&path, request.plan),
-        Some(before) if before == *request.plan => Ok(()),
+        None => write(&path, plan),
+        Some(before) if before == *plan => Ok(()),
         Some(_) => Err(BenchError::BadFile {
             path,
             problem: "the folder holds windows of other maps, settings or another version; name another one with --out".into(),

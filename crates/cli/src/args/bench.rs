@@ -66,7 +66,9 @@ Windows that are done are kept in the folder: the same command again goes on whe
 
 Examples:
   openbench bench towns --map krems.osm.pbf --map heidelberg.osm.pbf --windows 20 --jobs 2
-  openbench bench towns --map krems.osm.pbf --windows 4 --seed 7 --false-origin 5000 --out far --json > far.json")]
+  openbench bench towns --map krems.osm.pbf --windows 4 --seed 7 --false-origin 5000 --out far --json > far.json
+  openbench bench towns --map krems.osm.pbf --windows 30 --draw --out windows
+  openbench record windows/000/world --out 000.mcap")]
 pub struct BenchTownsArgs {
     /// A map (.osm or .osm.pbf); windows are drawn from each in turn
     #[arg(long = "map", required = true)]
@@ -95,6 +97,9 @@ pub struct BenchTownsArgs {
     /// Folder for worlds, results and reports
     #[arg(long, default_value = "runs/towns")]
     pub out: PathBuf,
+    /// Draw the windows and make their worlds, and deliver nothing
+    #[arg(long)]
+    pub draw: bool,
     /// Print JSON
     #[arg(long)]
     pub json: bool,

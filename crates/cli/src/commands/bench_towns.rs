@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use openbench_bench::towns::summary::PoseSum;
-use openbench_bench::towns::{Town, Towns, TownsPlan, TownsRequest, run as run_towns};
+use openbench_bench::towns::{Drawn, Town, Towns, TownsPlan, TownsRequest, draw, run as run_towns};
 use openbench_bench::{BenchError, Registry};
-use openbench_core::FailureCause;
+use openbench_core::{FailureCause, LonLat};
 
 use crate::args::BenchTownsArgs;
 use crate::commands::run::fetch_reader;
@@ -18,7 +18,7 @@ pub fn run(args: &BenchTownsArgs, registry: &Registry) -> anyhow::Result<Outcome
     let unknown = || BenchError::UnknownAgent { name: args.agent.clone(), known: registry.names() };
     let factory = registry.get(&args.agent).ok_or_else(unknown)?;
     let settings: BTreeMap<String, String> = args.settings.iter().cloned().collect();
-    if args.agent == "open" {
+    if args.agent == "open" && !args.draw {
         fetch_reader(&settings)?;
     }
     let absolute = |path: &std::path::PathBuf| std::path::absolute(path).unwrap_or_else(|_| path.clone());
@@ -32,6 +32,9 @@ pub fn run(args: &BenchTownsArgs, registry: &Registry) -> anyhow::Result<Outcome
         settings,
     };
     let windows = usize::from(args.windows);
+    if args.draw {
+        return draw_only(&plan, windows, args);
+    }
     let bar = progress_bar(windows, "towns");
     let request = TownsRequest {
         plan: &plan,
@@ -47,10 +50,7 @@ pub fn run(args: &BenchTownsArgs, registry: &Registry) -> anyhow::Result<Outcome
     };
     let towns = run_towns(&request)?;
     bar.finish_and_clear();
-    if towns.towns.len() < windows {
-        let found = towns.towns.len();
-        tell(&format!("the maps have room for {found} windows that do not overlap, of {windows}"));
-    }
+    tell_of_room(towns.towns.len(), windows);
     if args.json {
         say_json(&towns)?;
     } else {
@@ -58,6 +58,27 @@ pub fn run(args: &BenchTownsArgs, registry: &Registry) -> anyhow::Result<Outcome
     }
     tell(&format!("reports: {}", args.out.join("*/run/report.html").display()));
     Ok(Outcome::Done)
+}
+
+fn draw_only(plan: &TownsPlan, windows: usize, args: &BenchTownsArgs) -> anyhow::Result<Outcome> {
+    let drawn = draw(plan, windows, &args.out)?;
+    tell_of_room(drawn.len(), windows);
+    if args.json {
+        say_json(&drawn)?;
+    } else {
+        let line = |Drawn { place, world }: &Drawn| {
+            let LonLat { lon, lat } = place.around;
+            format!("{:<22}  {lon:9.5}  {lat:9.5}  {}\n", place.name, world.display())
+        };
+        say(&drawn.iter().map(line).collect::<String>())?;
+    }
+    Ok(Outcome::Done)
+}
+
+fn tell_of_room(found: usize, wanted: usize) {
+    if found < wanted {
+        tell(&format!("the maps have room for {found} windows that do not overlap, of {wanted}"));
+    }
 }
 
 const HEAD: &str = "window                    SR   SPL   LSR  pose 95 %  largest  silent  \

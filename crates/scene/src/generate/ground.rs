@@ -7,6 +7,7 @@ use super::clearance::WATER;
 use super::seeds::{Purpose, between, stream};
 use super::shapes::{Corner, Surface, along, at, floor, signed_area};
 use super::{GROUND_MARGIN, Site};
+use crate::beyond::{Rectangle, beyond};
 use crate::material::SemanticClass;
 use crate::scene::Layer;
 use crate::triangulate::{triangulate, turn};
@@ -35,6 +36,12 @@ impl Site {
         // A robot finds ground everywhere; what keeps it out of the sea are the kerbs.
         let layer = if self.sea.is_empty() { Layer::Both } else { Layer::Solid };
         self.builder.rectangle(layer, grass.material, at(min, 0.0), sides, repeat);
+        for Rectangle { low, high } in beyond(Rectangle { low: [min.x, min.y], high: [max.x, max.y] }) {
+            let [x, y] = [nalgebra::Vector3::x(), nalgebra::Vector3::y()];
+            let sides = (x * (high[0] - low[0]), y * (high[1] - low[1]));
+            let corner = Point3::new(low[0], low[1], 0.0);
+            self.builder.rectangle(Layer::Solid, grass.material, corner, sides, [1.0; 2]);
+        }
         if self.sea.is_empty() {
             return;
         }

@@ -7,18 +7,13 @@ use nalgebra::{Point3, UnitQuaternion, Vector3};
 use openbench_core::MapPoint;
 
 use super::mesh::{Corner, Part};
+use crate::beyond::{Rectangle, beyond};
 use crate::triangulate::triangulate;
 
 const SEGMENTS: u32 = 24;
 const RINGS: u32 = 12;
 /// Shortest side of the middle of a collision plane, metres.
 const SOLID_PLANE_EDGE: f64 = 200.0;
-/// Collision planes are infinite in Gazebo, whatever `<size>` says. Here they go on for so many metres beyond their
-/// middle: a robot needs five hours to get there.
-const SOLID_PLANE_BEYOND: f64 = 10_000.0;
-/// The middle and what lies beyond overlap by so many metres, so that no ray passes between them.
-const SOLID_PLANE_OVERLAP: f64 = 1.0;
-
 /// A box around the origin. `metres` is what one repeat of the image covers; nothing stretches one repeat over each side.
 pub(crate) fn cuboid(size: Vector3<f64>, metres: Option<[f64; 2]>) -> Part {
     let mut part = Part::default();
@@ -48,20 +43,14 @@ pub(crate) fn plane(normal: Vector3<f64>, size: [f64; 2], visual: bool, metres: 
     let (x, y) = (turn * Vector3::x(), turn * Vector3::y());
     quad(&mut part, Vector3::zeros(), x * size[0], y * size[1], repeat);
     if !visual {
-        beyond(&mut part, (x, y), size);
+        // Collision planes are infinite in Gazebo, whatever `<size>` says.
+        let [right, top] = size.map(|s| s / 2.0);
+        for Rectangle { low, high } in beyond(Rectangle { low: [-right, -top], high: [right, top] }) {
+            let middle = x * ((low[0] + high[0]) / 2.0) + y * ((low[1] + high[1]) / 2.0);
+            quad(&mut part, middle, x * (high[0] - low[0]), y * (high[1] - low[1]), [1.0; 2]);
+        }
     }
     part
-}
-
-/// Four rectangles around a rectangle of sides `size` along the unit vectors `x` and `y`.
-fn beyond(part: &mut Part, (x, y): (Vector3<f64>, Vector3<f64>), size: [f64; 2]) {
-    let depth = SOLID_PLANE_BEYOND + SOLID_PLANE_OVERLAP;
-    let out = |side: f64| (side + SOLID_PLANE_BEYOND - SOLID_PLANE_OVERLAP) / 2.0;
-    for sign in [-1.0, 1.0] {
-        let whole_width = size[0] + 2.0 * SOLID_PLANE_BEYOND;
-        quad(part, y * (sign * out(size[1])), x * whole_width, y * depth, [1.0; 2]);
-        quad(part, x * (sign * out(size[0])), x * depth, y * size[1], [1.0; 2]);
-    }
 }
 
 fn quad(part: &mut Part, middle: Vector3<f64>, u: Vector3<f64>, v: Vector3<f64>, repeat: [f64; 2]) {
