@@ -60,6 +60,7 @@ impl WorldSource {
                     map: map.clone(),
                     models: models.clone(),
                     georeference,
+                    start: None,
                 };
                 import_world(&request).map_err(|e| BenchError::World(e.to_string()))
             }

@@ -71,6 +71,9 @@ pub enum Recipe {
         models: Vec<PathBuf>,
         /// How the world lies on the Earth, in words.
         georeference: String,
+        /// Where the robot starts: x, y in metres, yaw in degrees; by default the world's origin, or before a door.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        start: Option<[f64; 3]>,
     },
 }
 
@@ -134,12 +137,13 @@ impl Recipe {
                 generate(&data, place(georeference)?, *seed, &options)
                     .map_err(|e| BenchError::World(e.to_string()))?
             }
-            Self::Imported { name, world, map, models, georeference, .. } => {
+            Self::Imported { name, world, map, models, georeference, start, .. } => {
                 let request = ImportRequest {
                     world: folder.join(world),
                     map: folder.join(map),
                     models: models.iter().map(|m| folder.join(m)).collect(),
                     georeference: Some(place(georeference)?),
+                    start: start.map(pose),
                 };
                 let mut world = import_world(&request).map_err(|e| BenchError::World(e.to_string()))?;
                 world.name.clone_from(name);
@@ -164,7 +168,7 @@ impl Recipe {
         };
         Some(GenerateOptions {
             name: name.clone(),
-            start: start.map(|[x, y, yaw]| Pose2::new(x, y, yaw.to_radians())),
+            start: start.map(pose),
             parked_cars: *parked_cars,
             planting: *planting,
             invent_doors: *invent_doors,
@@ -188,6 +192,11 @@ impl Recipe {
     pub fn map_file() -> PathBuf {
         MAP.into()
     }
+}
+
+/// A pose from x, y in metres and yaw in degrees.
+fn pose([x, y, yaw]: [f64; 3]) -> Pose2 {
+    Pose2::new(x, y, yaw.to_radians())
 }
 
 /// Whether `path` is the folder of a world.

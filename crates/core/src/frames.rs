@@ -193,6 +193,12 @@ impl Georeference {
         }
     }
 
+    /// The same, or with its origin [about](Self::about) `point` where that is farther than so many metres from it.
+    #[must_use]
+    pub fn near(self, point: MapPoint, metres: f64) -> Self {
+        if point.distance(MapPoint::default()) <= metres { self } else { self.about(point) }
+    }
+
     /// How far `point`, given in this frame, lies from where the projection keeps lengths: UTM's central meridian, or
     /// the point at which the plane touches. Metres.
     pub fn distance_from_true_scale(&self, point: MapPoint) -> f64 {

@@ -44,11 +44,16 @@ impl Place {
     }
 
     fn import_text(&self, text: &str) -> Result<World, ImportError> {
+        self.import_at(text, "tangent:3,0")
+    }
+
+    fn import_at(&self, text: &str, georeference: &str) -> Result<World, ImportError> {
         import_world(&ImportRequest {
             world: self.file("test.world", text),
             map: self.folder.path().join("map.osm"),
             models: vec![self.folder.path().join("models")],
-            georeference: Some("tangent:3,0".parse().unwrap()),
+            georeference: Some(georeference.parse().unwrap()),
+            start: None,
         })
     }
 
@@ -321,6 +326,47 @@ fn plates_become_doors_of_the_nearest_building() {
     assert_eq!(corners(&world, SemanticClass::Plate).len(), 3 * 36);
     let public = openbench_osm::OsmMap::new(&world.map, world.georeference);
     assert!(public.entrances.is_empty() && public.buildings.len() == 2, "the public map has no doors");
+}
+
+/// A ground without an end, a box, a road and a door, with coordinates moved by so much.
+fn moved_world(x: f64, y: f64) -> String {
+    let door = DOOR.replace("4 0 2", &format!("{} {} 2", 4.0 + x, y));
+    format!(
+        "<sdf version='1.7'><world name='default'>\
+         <model name='ground'><link name='l'><collision name='c'><geometry><plane/></geometry></collision></link></model>\
+         <model name='wall'><pose>{} {} 0.5 0 0 0.3</pose><link name='l'><visual name='v'><geometry><box><size>1 2 1</size></box>\
+         </geometry></visual></link></model>\
+         <road name='r'><width>6</width><point>{} {y} 0</point><point>{} {y} 0</point></road>{door}</world></sdf>",
+        2.0 + x, 7.0 + y, x - 20.0, x + 20.0
+    )
+}
+
+#[test]
+fn coordinates_of_millions_of_metres_give_the_same_world() {
+    let place = Place::new();
+    let near = place.import_at(&moved_world(0.0, 0.0), "utm:31N,-500000,0").unwrap();
+    let far = place.import_at(&moved_world(500_000.0, 4_712_000.0), "utm:31N,0,4712000").unwrap();
+    assert_eq!(far.georeference, near.georeference);
+    assert_eq!(far.scene.vertices, near.scene.vertices);
+    assert_eq!(far.scene.doors.len(), 1);
+    let door = far.scene.doors[0].point();
+    assert!(door.distance(near.scene.doors[0].point()) < 1e-6, "{door}");
+    assert!(far.warnings.iter().any(|w| w.contains("utm:31N,-500000,0")), "{:?}", far.warnings);
+    // Nobody said where to start, and the file's origin is an ocean away: before the door.
+    assert!((2.0..4.0).contains(&far.start.point().distance(door)), "{:?}", far.start);
+    assert_eq!(near.start, openbench_core::Pose2::default());
+    let touched = |x: f32, y: f32| {
+        let solid = &far.scene.solid;
+        let corner = |i: u32| solid.positions[i as usize];
+        solid.triangles.iter().any(|t| {
+            let [low, high] = [f32::min as fn(f32, f32) -> f32, f32::max].map(|pick| {
+                let [a, b, c] = t.map(corner);
+                [0, 1].map(|i| pick(pick(a[i], b[i]), c[i]))
+            });
+            low[0] <= x && x <= high[0] && low[1] <= y && y <= high[1]
+        })
+    };
+    assert!(touched(0.0, 0.0) && touched(300.0, -2000.0), "ground is everywhere");
 }
 
 #[test]

@@ -27,6 +27,7 @@ fn published(name: &str) -> Option<World> {
         map: folder.join(format!("{name}.osm")),
         models: vec![data.join("gazebo_models")],
         georeference: None,
+        start: None,
     };
     Some(import_world(&request).unwrap())
 }

@@ -88,6 +88,9 @@ pub struct ImportArgs {
     /// How the world lies on the Earth; by default UTM around the middle of the map
     #[arg(long)]
     pub georef: Option<openbench_core::Georeference>,
+    /// Where the robot starts, metres and degrees in the world's own frame; by default its origin, or before a door if that is far away
+    #[arg(long, value_name = "X,Y,YAW", allow_hyphen_values = true, value_parser = pose)]
+    pub start: Option<openbench_core::Pose2>,
     /// What the deliveries are drawn from
     #[arg(long, default_value_t = 1)]
     pub seed: u64,

@@ -55,6 +55,7 @@ fn import(args: &ImportArgs) -> anyhow::Result<Outcome> {
         map: Recipe::map_file(),
         models: args.models.iter().map(|m| absolute(m)).collect(),
         georeference: georeference.to_string(),
+        start: args.start.map(|p| [p.x, p.y, p.yaw.to_degrees()]),
     };
     let written = write(&args.out, &recipe, &map, wanted(&args.drawn, args.seed))?;
     report(&written, &args.out)

@@ -66,6 +66,7 @@ pub use cars::car_figure;
 use crate::material::MaterialId;
 use crate::scene::SceneBuilder;
 use crate::world::World;
+use crate::world::MAX_FROM_ORIGIN_M;
 use clearance::Clearance;
 use entrances::Doorway;
 use lanes::Lanes;
@@ -77,9 +78,6 @@ const MAX_EXTENT: f64 = 20_000.0;
 const MAX_FROM_MERIDIAN_M: f64 = 640_000.0;
 /// Farther than this from the point at which a plane touches the Earth lengths are half a percent too short, metres.
 const MAX_FROM_TOUCH_M: f64 = 640_000.0;
-/// A start farther than this from its frame's origin moves the origin, metres. Single precision, in which the triangles
-/// are, resolves 0.03 mm here, and 0.12 mm four times as far away.
-const MAX_FROM_ORIGIN_M: f64 = 500.0;
 /// Most buildings in a world.
 const MAX_BUILDINGS: usize = 30_000;
 /// Above so many buildings windows lose their sills and hedges their dents: a town has a hundred thousand of them.
@@ -259,8 +257,7 @@ fn generate_about(
     georeference: Georeference,
     (seed, options): (u64, &GenerateOptions),
 ) -> Result<World, GenerateError> {
-    let is_near = anchor.distance(MapPoint::default()) <= MAX_FROM_ORIGIN_M;
-    let local = if is_near { georeference } else { georeference.about(anchor) };
+    let local = georeference.near(anchor, MAX_FROM_ORIGIN_M);
     let (from, to) = (georeference.offset(), local.offset());
     let start = options.start.map(|start| moved(start, from, to));
     generate_within(Limits::USUAL, data, local, (seed, &GenerateOptions { start, ..options.clone() }))

@@ -13,7 +13,7 @@ use super::forms;
 use super::looks::{Look, Looks};
 use super::mesh::{self, Corner, Mesh, Part};
 use super::patterns::Pattern;
-use super::plates::{PlateAt, plate_of};
+use super::plates::plate_of;
 use super::road::{ribbon, shift_to_ground};
 use super::sdf::{Geometry, MeshUse, Model, Road, Shape};
 use super::search::{SearchPath, model_of};
@@ -25,6 +25,9 @@ const MAX_TRIANGLES: usize = 20_000_000;
 /// Level planes at least this long, metres, are ground that roads lie on.
 const GROUND_EDGE: f64 = 10.0;
 
+/// Collision planes whose middle is farther than that are moved along themselves, metres.
+const WITHIN_PLANE: f64 = 1000.0;
+
 /// Puts models and roads into a scene.
 pub(crate) struct Emitter<'a> {
     search: &'a SearchPath,
@@ -35,8 +38,6 @@ pub(crate) struct Emitter<'a> {
     meshes: BTreeMap<PathBuf, Rc<Mesh>>,
     triangles: usize,
     ground: Option<f64>,
-    /// Plates found on the way, in the order of the file.
-    pub(crate) plates: Vec<PlateAt>,
 }
 
 /// Where a shape stands and what it belongs to.
@@ -65,11 +66,10 @@ impl<'a> Emitter<'a> {
             meshes: BTreeMap::new(),
             triangles: 0,
             ground: None,
-            plates: Vec::new(),
         }
     }
 
-    /// Adds a model and the models in it.
+    /// Adds a model and the models in it, without plates.
     pub(crate) fn model(
         &mut self,
         model: &Model,
@@ -78,8 +78,7 @@ impl<'a> Emitter<'a> {
     ) -> Result<(), ImportError> {
         let pose = parent * model.pose;
         let scale = scale.component_mul(&model.scale);
-        if let Some(plate) = plate_of(model, &pose) {
-            self.plates.push(plate);
+        if plate_of(model, &pose).is_some() {
             return Ok(());
         }
         if model.links.iter().any(|link| !link.shapes.is_empty()) {
@@ -138,7 +137,9 @@ impl<'a> Emitter<'a> {
             Geometry::Box(size) => forms::cuboid(*size, metres),
             Geometry::Plane { normal, size } => {
                 self.note_ground(setting.pose * normal, setting.pose.translation.z, *size);
-                forms::plane(*normal, *size, shape.visual, metres)
+                let part = forms::plane(*normal, *size, shape.visual, metres);
+                let pose = if shape.visual { setting.pose } else { along_plane(setting.pose, normal) };
+                return self.part(&part, &look, &Setting { pose, ..*setting });
             }
             Geometry::Cylinder { radius, length } => forms::cylinder(*radius, *length),
             Geometry::Sphere(radius) => forms::sphere(*radius),
@@ -224,6 +225,16 @@ impl<'a> Emitter<'a> {
         }
         Ok(())
     }
+}
+
+/// A plane without an end is the same wherever its middle is: a pose at which it reaches round the world's origin.
+fn along_plane(pose: Pose3, normal: &Vector3<f64>) -> Pose3 {
+    let (at, across) = (pose.translation.vector, pose.rotation * normal);
+    let along = at - across * across.dot(&at);
+    if along.norm() < WITHIN_PLANE {
+        return pose;
+    }
+    Pose3::from_parts((at - along).into(), pose.rotation)
 }
 
 /// What most of a model is: what its first shape says.

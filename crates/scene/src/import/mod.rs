@@ -38,15 +38,16 @@ mod xml;
 
 use std::path::PathBuf;
 
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
 use openbench_core::{Georeference, Pose2, Pose3};
 use openbench_osm::{OsmData, OsmMap, default_georeference, without_doors};
 
 pub use error::ImportError;
 
+use crate::world::MAX_FROM_ORIGIN_M;
 use crate::{SceneBuilder, World};
 use emit::Emitter;
-use plates::add_doors;
+use plates::{add_doors, plates_of, usual_start};
 use read::SdfReader;
 use search::SearchPath;
 use warnings::Warnings;
@@ -62,9 +63,18 @@ pub struct ImportRequest {
     pub models: Vec<PathBuf>,
     /// Where the world lies on the Earth; by default where the map's own middle says.
     pub georeference: Option<Georeference>,
+    /// Where robots start, in the world's own frame; by default its origin, or before the middle door if that is far
+    /// from all doors.
+    pub start: Option<Pose2>,
 }
 
 /// Imports a Gazebo world.
+///
+/// The world has its origin near the start. Where that is far from the origin of the file, as with coordinates in raw UTM,
+/// [`World::georeference`] is the same projection with another offset, and a warning says so.
+///
+/// # Errors
+/// Files that are missing, broken or too large, and worlds without doors or a map; see [`ImportError`].
 pub fn import_world(request: &ImportRequest) -> Result<World, ImportError> {
     let data = OsmData::read(&request.map)?;
     let georeference = match request.georeference {
@@ -72,29 +82,41 @@ pub fn import_world(request: &ImportRequest) -> Result<World, ImportError> {
         None => default_georeference(&data)
             .map_err(|source| ImportError::Georeference { path: request.map.clone(), source })?,
     };
-    let map = OsmMap::new(&data, georeference);
-    if map.buildings.is_empty() {
-        return Err(ImportError::NoBuildings { path: request.map.clone() });
-    }
-
     let mut warnings = Warnings::default();
     data.report
         .notes()
         .into_iter()
         .for_each(|note| warnings.add(format!("{}: {note}", request.map.display())));
     let search = SearchPath::new(&request.models);
-    let world = SdfReader { search: &search, warnings: &mut warnings, models: 0 }.world(&request.world)?;
+    let mut world = SdfReader { search: &search, warnings: &mut warnings, models: 0 }.world(&request.world)?;
 
-    let mut builder = SceneBuilder::new();
-    let mut emitter = Emitter::new(&search, &request.world, &mut builder, &mut warnings);
-    for model in &world.models {
-        emitter.model(model, &Pose3::identity(), &Vector3::repeat(1.0))?;
-    }
-    emitter.roads(&world.roads)?;
-    let plates = emitter.plates;
+    let mut plates = plates_of(&world.models);
     if plates.is_empty() {
         return Err(ImportError::NoDoors { path: request.world.clone() });
     }
+    let start = request.start.unwrap_or_else(|| usual_start(&plates));
+    let local = georeference.near(start.point(), MAX_FROM_ORIGIN_M);
+    if local != georeference {
+        warnings.add(format!(
+            "the origin of `{georeference}` is far from the start; coordinates of this world are of `{local}`"
+        ));
+    }
+    let map = OsmMap::new(&data, local);
+    if map.buildings.is_empty() {
+        return Err(ImportError::NoBuildings { path: request.map.clone() });
+    }
+
+    let (from, to) = (georeference.offset(), local.offset());
+    let shift = Vector3::new(to.x - from.x, to.y - from.y, 0.0);
+    let moved = Pose3::from_parts(shift.into(), UnitQuaternion::identity());
+    world.roads.iter_mut().for_each(|road| road.shift(&shift));
+    plates.iter_mut().for_each(|plate| plate.pose = moved * plate.pose);
+    let mut builder = SceneBuilder::new();
+    let mut emitter = Emitter::new(&search, &request.world, &mut builder, &mut warnings);
+    for model in &world.models {
+        emitter.model(model, &moved, &Vector3::repeat(1.0))?;
+    }
+    emitter.roads(&world.roads)?;
     add_doors(&mut builder, &plates, &map, &mut warnings);
     if let Some(sun) = world.sun {
         builder.sun(sun);
@@ -103,8 +125,8 @@ pub fn import_world(request: &ImportRequest) -> Result<World, ImportError> {
         name: request.world.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned()),
         scene: builder.build(),
         map: without_doors(&data),
-        georeference,
-        start: Pose2::default(),
+        georeference: local,
+        start: Pose2::new(start.x + shift.x, start.y + shift.y, start.yaw),
         attribution: vec![
             "Gazebo models: Open Source Robotics Foundation, CC BY 3.0".to_owned(),
             "Map: © OpenStreetMap contributors, ODbL".to_owned(),

@@ -3,18 +3,22 @@
 
 use std::collections::BTreeMap;
 
-use openbench_core::{Address, MapPoint, Pose3};
+use nalgebra::{Vector2, Vector3};
+use openbench_core::{Address, MapPoint, Pose2, Pose3};
 use openbench_osm::OsmMap;
 
 use super::sdf::{Geometry, Model};
 use super::search::model_of;
 use super::warnings::Warnings;
+use crate::world::MAX_FROM_ORIGIN_M;
 use crate::plate::{hang_plate, plate_material};
 use crate::{Door, SceneBuilder, SemanticClass};
 
 /// How far plates stand out, metres: in the published worlds their poses lie up to 9 cm behind the frames of their doors.
 const STANDS_OUT: f64 = 0.10;
 
+/// So far before a door a robot starts of whom nothing is said, metres.
+const BEFORE_DOOR: f64 = 3.0;
 /// Plates further than this from every outline make one doubt that world and map fit together, metres.
 const OFF_BUILDING: f64 = 5.0;
 
@@ -25,6 +29,18 @@ pub(crate) struct PlateAt {
     pub(crate) unit: u32,
     /// Middle of the plate, in `map`.
     pub(crate) pose: Pose3,
+}
+
+impl PlateAt {
+    fn point(&self) -> MapPoint {
+        MapPoint::new(self.pose.translation.x, self.pose.translation.y)
+    }
+
+    /// Where it faces: radians, counter-clockwise from east.
+    fn facing(&self) -> f64 {
+        let normal = self.pose.rotation * Vector3::y();
+        libm::atan2(normal.y, normal.x)
+    }
 }
 
 /// The unit that a model called `text_model<N>`, perhaps with a suffix such as `_0`, marks.
@@ -46,6 +62,39 @@ pub(crate) fn plate_of(model: &Model, pose: &Pose3) -> Option<PlateAt> {
     by_mesh.or_else(|| unit_of_name(&model.name).map(|unit| PlateAt { unit, pose: *pose }))
 }
 
+/// The plates of models and of models in them, in the order of the file.
+pub(crate) fn plates_of(models: &[Model]) -> Vec<PlateAt> {
+    fn collect(models: &[Model], parent: &Pose3, plates: &mut Vec<PlateAt>) {
+        for model in models {
+            let pose = parent * model.pose;
+            match plate_of(model, &pose) {
+                Some(plate) => plates.push(plate),
+                None => collect(&model.models, &pose, plates),
+            }
+        }
+    }
+    let mut plates = Vec::new();
+    collect(models, &Pose3::identity(), &mut plates);
+    plates
+}
+
+/// Where robots start of whom nothing is said: at the origin, as in Gazebo; where that is far from all doors, before the
+/// one that is nearest to the middle of all.
+pub(crate) fn usual_start(plates: &[PlateAt]) -> Pose2 {
+    let points = || plates.iter().map(|plate| plate.pose.translation.vector.xy());
+    if plates.is_empty() || points().any(|point| point.norm() < MAX_FROM_ORIGIN_M) {
+        return Pose2::default();
+    }
+    let middle = points().sum::<Vector2<f64>>() / plates.len() as f64;
+    let off = |plate: &&PlateAt| (plate.pose.translation.vector.xy() - middle).norm();
+    let nearest = plates.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+    nearest.map_or(Pose2::default(), |plate| {
+        let out = plate.facing();
+        let at = plate.point().offset(out, BEFORE_DOOR);
+        Pose2::new(at.x, at.y, out)
+    })
+}
+
 /// Draws the plates and adds their doors, each to the building whose outline is nearest.
 pub(crate) fn add_doors(
     builder: &mut SceneBuilder,
@@ -57,8 +106,7 @@ pub(crate) fn add_doors(
     let mut faces = BTreeMap::new();
     let mut strays = 0;
     for plate in plates {
-        let at = plate.pose.translation.vector;
-        let point = MapPoint::new(at.x, at.y);
+        let point = plate.point();
         let Some(building) = map.nearest_building(point) else { continue };
         strays += usize::from(map.distance_to_building(building, point) > OFF_BUILDING);
         let named = map.buildings.get(building).and_then(|b| b.name.clone());
@@ -72,9 +120,8 @@ pub(crate) fn add_doors(
         let face = *faces.entry(plate.unit).or_insert_with(|| plate_material(builder, &text));
         builder.object(format!("plate of {address}"), SemanticClass::Plate);
         hang_plate(builder, face, &plate.pose, STANDS_OUT);
-        let normal = plate.pose.rotation * nalgebra::Vector3::y();
-        let facing = libm::atan2(normal.y, normal.x);
-        builder.door(Door { address, text, plate: at.into(), facing });
+        let at = plate.pose.translation.vector.into();
+        builder.door(Door { address, text, plate: at, facing: plate.facing() });
     }
     if strays > 0 {
         warnings.add(format!(

@@ -125,3 +125,10 @@ pub(crate) struct Road {
     /// Its looks.
     pub(crate) paint: Option<Paint>,
 }
+
+impl Road {
+    /// Moves it.
+    pub(crate) fn shift(&mut self, by: &Vector3<f64>) {
+        self.points.iter_mut().for_each(|point| *point = (Vector3::from(*point) + by).into());
+    }
+}
