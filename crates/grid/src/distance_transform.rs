@@ -1,25 +1,57 @@
 //! Exact squared Euclidean distance to the nearest marked cell, in linear time.
 //!
-//! After Felzenszwalb and Huttenlocher, *Distance Transforms of Sampled Functions*, 2012: the lower envelope of
-//! parabolas along the rows, then along the columns.
+//! After Felzenszwalb and Huttenlocher, *Distance Transforms of Sampled Functions*, 2012: along the columns the lower
+//! envelope of parabolas, whose heights are the distances along the rows.
+
+/// Columns that are gone through together: what a cache line holds of a row.
+const BAND: usize = 16;
+/// Nothing is marked in the row.
+const FAR: f32 = 1e12;
 
 /// Squared distance in cells from each cell's middle to the nearest marked cell's middle; `width * height` values row by
 /// row. Where nothing is marked all distances are huge.
 pub fn squared_distances(marked: &[bool], width: usize, height: usize) -> Vec<f32> {
-    const FAR: f32 = 1e12;
-    let mut field: Vec<f32> = marked.iter().map(|&m| if m { 0.0 } else { FAR }).collect();
-    let mut line = Envelope::new(width.max(height));
-    for row in field.chunks_exact_mut(width.max(1)) {
-        line.transform(row.len(), |i| row[i]);
-        row.copy_from_slice(&line.result[..width]);
+    let mut field = vec![FAR; marked.len()];
+    for (row, marks) in field.chunks_exact_mut(width.max(1)).zip(marked.chunks_exact(width.max(1))) {
+        along_row(marks, row);
     }
-    for x in 0..width {
-        line.transform(height, |y| field[y * width + x]);
+    let mut line = Envelope::new(height);
+    let mut band = vec![0.0; BAND * height];
+    for left in (0..width).step_by(BAND) {
+        let columns = BAND.min(width - left);
         for y in 0..height {
-            field[y * width + x] = line.result[y];
+            let row = &field[y * width + left..][..columns];
+            row.iter().enumerate().for_each(|(x, value)| band[x * height + y] = *value);
+        }
+        for column in band.chunks_exact_mut(height.max(1)).take(columns) {
+            line.transform(column);
+        }
+        for y in 0..height {
+            let row = &mut field[y * width + left..][..columns];
+            row.iter_mut().enumerate().for_each(|(x, value)| *value = band[x * height + y]);
         }
     }
     field
+}
+
+/// Squared distance to the nearest mark of the row, where it has any.
+fn along_row(marks: &[bool], row: &mut [f32]) {
+    let mut last = None;
+    for (x, (mark, value)) in marks.iter().zip(row.iter_mut()).enumerate() {
+        last = if *mark { Some(x) } else { last };
+        if let Some(last) = last {
+            let away = (x - last) as f32;
+            *value = away * away;
+        }
+    }
+    let mut next = None;
+    for (x, (mark, value)) in marks.iter().zip(row.iter_mut()).enumerate().rev() {
+        next = if *mark { Some(x) } else { next };
+        if let Some(next) = next {
+            let away = (next - x) as f32;
+            *value = value.min(away * away);
+        }
+    }
 }
 
 /// Lower envelope of parabolas over one line.
@@ -27,26 +59,22 @@ struct Envelope {
     apex: Vec<usize>,
     border: Vec<f32>,
     value: Vec<f32>,
-    result: Vec<f32>,
 }
 
 impl Envelope {
     fn new(length: usize) -> Self {
-        Self {
-            apex: vec![0; length],
-            border: vec![0.0; length + 1],
-            value: vec![0.0; length],
-            result: vec![0.0; length],
-        }
+        Self { apex: vec![0; length], border: vec![0.0; length + 1], value: vec![0.0; length] }
     }
 
-    fn transform(&mut self, length: usize, sample: impl Fn(usize) -> f32) {
-        for i in 0..length {
-            self.value[i] = sample(i);
-        }
+    /// Lowers a line's values to the envelope.
+    fn transform(&mut self, line: &mut [f32]) {
+        self.value[..line.len()].copy_from_slice(line);
+        // Where nothing is marked there is no parabola.
+        let mut known = (0..line.len()).filter(|q| line[*q] < FAR);
+        let Some(first) = known.next() else { return };
         let mut last = 0;
-        (self.apex[0], self.border[0], self.border[1]) = (0, f32::NEG_INFINITY, f32::INFINITY);
-        for q in 1..length {
+        (self.apex[0], self.border[0], self.border[1]) = (first, f32::NEG_INFINITY, f32::INFINITY);
+        for q in known {
             let mut s = self.meeting(q, self.apex[last]);
             while s <= self.border[last] {
                 last -= 1;
@@ -56,12 +84,12 @@ impl Envelope {
             (self.apex[last], self.border[last], self.border[last + 1]) = (q, s, f32::INFINITY);
         }
         let mut k = 0;
-        for q in 0..length {
+        for (q, lowest) in line.iter_mut().enumerate() {
             while self.border[k + 1] < q as f32 {
                 k += 1;
             }
             let away = q as f32 - self.apex[k] as f32;
-            self.result[q] = away * away + self.value[self.apex[k]];
+            *lowest = away * away + self.value[self.apex[k]];
         }
     }
 

@@ -26,6 +26,8 @@ pub struct Cluster {
     pub points: Moments,
     /// The plane that they lie on, if there is one.
     pub seen: Option<Seen>,
+    /// Whether the cube takes no more points.
+    full: bool,
 }
 
 /// A plane as a scan sees it.
@@ -54,6 +56,9 @@ pub struct Matching {
     places: Vec<Vector3<f64>>,
     /// Cubes and points' numbers, so that points of one cube stand together.
     order: Vec<u64>,
+    /// The points in this order, and where they are in `odom`.
+    sorted: Vec<Vector3<f64>>,
+    sorted_places: Vec<Vector3<f64>>,
     rest: [Vec<u64>; SIZES],
     /// What came of it.
     pub clusters: Vec<Cluster>,
@@ -86,8 +91,8 @@ impl Matching {
             state,
             lidar: lidar(state),
             covariance,
-            points,
-            places: &self.places,
+            points: &self.sorted,
+            places: &self.sorted_places,
             map,
             noise,
             gate,
@@ -112,6 +117,10 @@ impl Matching {
         let lidar = lidar(state);
         let (mut new, mut all) = (0.0, 0.0);
         for cluster in &self.clusters {
+            if cluster.full {
+                all += cluster.points.weight;
+                continue;
+            }
             let about = lidar.translation.vector - cluster.place.middle;
             let motion = Isometry3::from_parts(about.into(), lidar.rotation);
             let rays = match cluster.seen {
@@ -144,6 +153,15 @@ impl Matching {
             }
         }
         self.order.sort_unstable();
+        // Points that are looked at together lie together, and are numbered anew.
+        self.sorted.clear();
+        self.sorted_places.clear();
+        for (new, key) in self.order.iter_mut().enumerate() {
+            let old = number(*key);
+            self.sorted.push(points[old]);
+            self.sorted_places.push(self.places[old]);
+            *key = *key - old as u64 + new as u64;
+        }
     }
 }
 
@@ -193,13 +211,16 @@ impl Search<'_> {
         let left = &mut mine[0];
         left.clear();
         let mut points = Moments::default();
-        let seen = self.map.plane(&place).map(|plane| self.seen(plane, run, &mut points, left));
+        let known = self.map.look(&place);
+        let full = known.is_some_and(|known| known.full);
+        let plane = known.and_then(|known| known.plane);
+        let seen = plane.map(|plane| self.seen(plane, run, &mut points, left));
         if seen.is_none() {
             run.iter().for_each(|key| points.add(self.points[number(*key)], 1.0));
         }
         let (met, next) = if seen.is_some() { (true, &left[..]) } else { (met, run) };
         if points.weight > 0.0 {
-            self.clusters.push(Cluster { place, points, seen });
+            self.clusters.push(Cluster { place, points, seen, full });
         }
         if size + 1 < SIZES {
             self.split(next, size + 1, met, below);

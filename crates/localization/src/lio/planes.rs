@@ -223,6 +223,15 @@ impl Place {
     }
 }
 
+/// What is known of a cube.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Looked<'a> {
+    /// The plane of its points, if they lie on one.
+    pub(super) plane: Option<&'a Plane>,
+    /// Whether there is a plane and it takes no more points.
+    pub(super) full: bool,
+}
+
 impl PlaneMap {
     /// An empty map of a LiDAR's points.
     pub fn new(noise: LidarNoise) -> Self {
@@ -239,7 +248,15 @@ impl PlaneMap {
 
     /// The plane of a cube's points, if they lie on one.
     pub fn plane(&self, place: &Place) -> Option<&Plane> {
-        self.cubes[place.size].get(&place.number)?.plane.as_ref()
+        self.look(place)?.plane
+    }
+
+    /// What is known of a cube that has points.
+    pub(super) fn look(&self, place: &Place) -> Option<Looked<'_>> {
+        let cube = self.cubes[place.size].get(&place.number)?;
+        // A cube without a plane is not passed over, since its points are no part of what is known.
+        let full = cube.plane.is_some() && cube.points.weight >= FULL;
+        Some(Looked { plane: cube.plane.as_ref(), full })
     }
 
     /// Forgets what is farther than so many metres from a place along some axis.

@@ -230,7 +230,11 @@ impl Costmap {
         self.seen.forget();
         let blocked: Vec<bool> = (0..self.grid.len()).map(|c| self.is_obstacle(c)).collect();
         self.clearance = squared_distances(&blocked, self.grid.width, self.grid.height);
-        let costs = (0..self.grid.len()).map(|cell| self.cost_now(cell));
+        let comfort = (self.room.comfort / self.grid.cell).powi(2) as f32;
+        let costs = self.clearance.iter().enumerate().map(|(cell, clearance)| {
+            // Most cells are far from everything.
+            if *clearance > comfort { self.preferences.of(self.ground.surface[cell]) } else { self.cost_now(cell) }
+        });
         self.costs = costs.collect();
     }
 

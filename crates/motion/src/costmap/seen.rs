@@ -12,12 +12,15 @@ const EVIDENCE: (i8, i8) = (-6, 12);
 const FREE: i8 = -3;
 /// Lines of cells that one beam clears, at most.
 const MOST_RAYS: f64 = 4.0;
+/// Beyond that every fourth scan clears: what stands there is not yet in the way, metres.
+const NEAR: f64 = 20.0;
+const FAR_EVERY: u16 = 4;
 /// No beam is believed to reach further, metres.
 const FURTHEST: f64 = 500.0;
 /// Scans after which an obstacle that is not seen again is forgotten: a minute of a LiDAR that scans ten times a second.
-const MEMORY: u32 = 600;
+const MEMORY: u16 = 600;
 /// Scans ago that are a moment: two seconds of it.
-const MOMENT: u32 = 20;
+const MOMENT: u16 = 20;
 
 /// What is known of one cell.
 #[derive(Debug, Clone, Copy, Default)]
@@ -26,18 +29,19 @@ struct Cell {
     /// Height above the ground of the highest hit since it was last free, centimetres.
     top: u8,
     /// Number of the scan that last hit it.
-    hit_in: u32,
+    hit_in: u16,
     /// Number of the scan by which it was last known to be free; 0 if never.
-    free_in: u32,
+    free_in: u16,
     /// Number of the scan that last cleared it: beams crowd near the sensor, and one scan is one piece of evidence.
-    cleared_in: u32,
+    cleared_in: u16,
 }
 
 /// Evidence for each cell of a grid.
 #[derive(Debug, Clone)]
 pub struct Seen {
     cells: Vec<Cell>,
-    scans: u32,
+    /// Number of the newest scan. Numbers begin anew before there are too many of them for a cell to hold.
+    scans: u16,
 }
 
 impl Seen {
@@ -69,13 +73,14 @@ impl Seen {
 
     /// Takes in what a scan shows, without the points of which `moves` says that they do not stay.
     pub fn observe(&mut self, grid: &GridGeometry, ring: &RangeRing, moves: impl Fn(MapPoint) -> bool) {
-        self.scans += 1;
+        self.count();
+        let furthest = if self.scans.is_multiple_of(FAR_EVERY) { FURTHEST } else { NEAR };
         for (degrees, &beam) in ring.beams.iter().enumerate() {
             // A beam stands for its whole degree, which far off is wider than a cell.
-            let rays = (beam.reach * 1f64.to_radians() / grid.cell).ceil().clamp(1.0, MOST_RAYS);
+            let rays = (beam.reach.min(furthest) * 1f64.to_radians() / grid.cell).ceil().clamp(1.0, MOST_RAYS);
             for ray in 0..rays as usize {
                 let bearing = degrees as f64 + (ray as f64 + 0.5) / rays;
-                self.mark_clear(grid, ring, beam, bearing.to_radians());
+                self.mark_clear(grid, ring, (beam, bearing.to_radians()), furthest);
             }
         }
         for &(point, height) in &ring.obstacles {
@@ -90,11 +95,33 @@ impl Seen {
         }
     }
 
-    /// Counts against every obstacle that is high enough for `beam` to have hit it on its way.
-    fn mark_clear(&mut self, grid: &GridGeometry, ring: &RangeRing, beam: Beam, bearing: f64) {
+    /// Counts a scan.
+    fn count(&mut self) {
+        if self.scans == u16::MAX {
+            // What was longer ago than anybody asks for was never.
+            let kept = 2 * MEMORY;
+            let gone = self.scans - kept;
+            for cell in &mut self.cells {
+                for number in [&mut cell.hit_in, &mut cell.free_in, &mut cell.cleared_in] {
+                    *number = number.saturating_sub(gone);
+                }
+            }
+            self.scans = kept;
+        }
+        self.scans += 1;
+    }
+
+    /// Counts against every obstacle that is high enough for a beam to have hit it on its way, as far as `furthest` metres.
+    fn mark_clear(
+        &mut self,
+        grid: &GridGeometry,
+        ring: &RangeRing,
+        (beam, bearing): (Beam, f64),
+        furthest: f64,
+    ) {
         let (sin, cos) = libm::sincos(bearing);
         // Stop short of what was hit, by a cell's diagonal.
-        let steps = (beam.reach.min(FURTHEST) - 1.5 * grid.cell) / grid.cell;
+        let steps = (beam.reach.min(furthest) - 1.5 * grid.cell) / grid.cell;
         // In cells, since divisions at each step would take longer than all the rest.
         let [x, y] = [ring.center.x - grid.origin.x, ring.center.y - grid.origin.y].map(|at| at / grid.cell);
         let [width, height] = [grid.width as f64, grid.height as f64];
@@ -165,4 +192,30 @@ fn steps_within(
     }
     // Casts take what is below zero, or no number, for zero.
     first as usize..end.max(first) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of a line of cells that beams pass over, and of one that is hit.
+    fn after(scans: u32) -> [Cell; 2] {
+        let grid = GridGeometry { origin: MapPoint::new(-1.0, -1.0), width: 40, height: 20, cell: 0.1 };
+        let mut seen = Seen::nothing(grid.len());
+        let post = MapPoint::new(2.05, 0.05);
+        let ring = RangeRing::new(MapPoint::default(), 0.25, std::iter::once((post, 0.3)));
+        (0..scans).for_each(|_| seen.observe(&grid, &ring, |_| false));
+        seen.forget();
+        [MapPoint::new(1.05, 0.02), post].map(|at| seen.cells[grid.cell_at(at).unwrap()])
+    }
+
+    #[test]
+    fn what_is_known_does_not_depend_on_how_many_scans_there_were() {
+        let [free, hit] = after(1000);
+        assert!(free.evidence <= FREE && hit.evidence == EVIDENCE.1);
+        for scans in [u32::from(u16::MAX) - 1, u32::from(u16::MAX) + 1, 200_000] {
+            let [late_free, late_hit] = after(scans);
+            assert_eq!((late_free.evidence, late_hit.evidence), (free.evidence, hit.evidence), "{scans}");
+        }
+    }
 }

@@ -18,8 +18,11 @@ impl Costmap {
         let index = |column: i64, row: i64| (row - rows.0) as usize * width + (column - columns.0) as usize;
         let mut border = vec![false; width * (rows.1 - rows.0 + 1) as usize];
         for row in rows.0..=rows.1 {
+            let first = row as usize * self.grid().width;
             for column in columns.0..=columns.1 {
-                border[index(column, row)] = self.is_border(column, row);
+                // Most cells are open.
+                let blocked = self.is_obstacle(first + column as usize);
+                border[index(column, row)] = blocked && self.is_rim(column, row);
             }
         }
         let longest = (LONGEST / self.grid().cell) as i64;
@@ -46,12 +49,12 @@ impl Costmap {
         walls
     }
 
-    /// Whether a cell is blocked and one of the four beside it is not.
-    fn is_border(&self, column: i64, row: i64) -> bool {
+    /// Whether one of the four cells beside a cell is open.
+    fn is_rim(&self, column: i64, row: i64) -> bool {
         let blocked = |dx: i64, dy: i64| {
             self.grid().cell_in(column + dx, row + dy).is_some_and(|cell| self.is_obstacle(cell))
         };
-        blocked(0, 0) && !(blocked(1, 0) && blocked(-1, 0) && blocked(0, 1) && blocked(0, -1))
+        !(blocked(1, 0) && blocked(-1, 0) && blocked(0, 1) && blocked(0, -1))
     }
 
     fn wall(&self, from: (i64, i64), to: (i64, i64)) -> Option<Obstacle> {

@@ -161,6 +161,41 @@ pub struct Explorer {
     /// For each cell the last entry of `reached` that was closed there, and for each entry the one before.
     closed: Vec<u32>,
     closed_before: Vec<u32>,
+    /// The same of those that were opened.
+    opened: Vec<u32>,
+    opened_before: Vec<u32>,
+    crossings: Crossings,
+}
+
+/// Which rays a step from each column to the next one east crosses, if it is north of their clumps.
+#[derive(Debug, Default)]
+struct Crossings {
+    /// Numbers of clumps, column by column.
+    clumps: Vec<usize>,
+    /// For each column where its own begin.
+    first: Vec<usize>,
+}
+
+impl Crossings {
+    fn lay(&mut self, grid: &GridGeometry, standing: &[MapPoint]) {
+        self.clumps.clear();
+        self.first.clear();
+        let east = |column: usize, clump: &MapPoint| grid.center(column).x < clump.x;
+        for column in 0..grid.width {
+            self.first.push(self.clumps.len());
+            let crossed = |(_, clump): &(usize, &MapPoint)| {
+                column + 1 < grid.width && east(column, clump) != east(column + 1, clump)
+            };
+            self.clumps.extend(standing.iter().enumerate().filter(crossed).map(|(i, _)| i));
+        }
+        self.first.push(self.clumps.len());
+    }
+
+    /// Those between two columns that are the same or neighbours.
+    fn between(&self, a: i64, b: i64) -> &[usize] {
+        let column = a.min(b) as usize;
+        if a == b { &[] } else { &self.clumps[self.first[column]..self.first[column + 1]] }
+    }
 }
 
 impl Explorer {
@@ -292,6 +327,10 @@ impl Explorer {
     fn search(&mut self, grid: &GridGeometry, from: usize, to: usize, how: &Exploring) -> Vec<u32> {
         self.closed.fill(NOWHERE);
         self.closed_before.clear();
+        self.opened.clear();
+        self.opened.resize(grid.len(), NOWHERE);
+        self.opened_before.clear();
+        self.crossings.lay(grid, &self.clumps.standing);
         let estimate = |cell: usize| {
             let ((x, y), (u, v)) = (grid.column_row(cell), grid.column_row(to));
             let (dx, dy) = ((x - u).abs() as f64, (y - v).abs() as f64);
@@ -300,6 +339,7 @@ impl Explorer {
         let mut queue = Frontier::default();
         self.reached.push(Reached { cell: from, signature: Signature::default(), cost: 0.0, from: NOWHERE });
         self.closed_before.push(NOWHERE);
+        self.opened_before.push(NOWHERE);
         queue.push(estimate(from), 0);
         let mut found = Vec::new();
         let mut limit = f64::INFINITY;
@@ -355,15 +395,37 @@ impl Explorer {
             if k < 4 {
                 free[k] = true;
             }
-            let signature = self.clumps.after(here.signature, at, grid.center(cell));
+            let crossed = self.crossings.between(x, x + dx).iter();
+            let signature = crossed.fold(here.signature, |signature, &i| {
+                signature.wound(i, self.clumps.standing[i], at, grid.center(cell))
+            });
             if self.is_closed(cell, signature) {
                 continue;
             }
             let cost = here.cost + length * 0.5 * (self.costs[here.cell] + self.costs[cell]);
+            if self.is_open(cell, signature, cost) {
+                continue;
+            }
             self.reached.push(Reached { cell, signature, cost, from: entry as u32 });
             self.closed_before.push(NOWHERE);
-            open(cost, cell, self.reached.len() - 1);
+            let new = self.reached.len() - 1;
+            self.opened_before.push(std::mem::replace(&mut self.opened[cell], new as u32));
+            open(cost, cell, new);
         }
+    }
+
+    /// Whether a way of the class to the cell is open that is no dearer: it will be closed first.
+    fn is_open(&self, cell: usize, signature: Signature, cost: f64) -> bool {
+        let mut other = self.opened[cell];
+        while other != NOWHERE {
+            let Reached { signature: its, cost: its_cost, .. } = self.reached[other as usize];
+            // The last of a class is the cheapest of it.
+            if its == signature {
+                return its_cost <= cost;
+            }
+            other = self.opened_before[other as usize];
+        }
+        false
     }
 
     fn is_closed(&self, cell: usize, signature: Signature) -> bool {
