@@ -46,7 +46,11 @@ impl FreeSpace {
         let polygons: Vec<Vec<MapPoint>> = slices.collect();
         let doors: Vec<MapPoint> = caster.scene().doors.iter().map(Door::point).collect();
         let everything = solid.positions.iter().map(|p| MapPoint::new(f64::from(p[0]), f64::from(p[1])));
-        let grid = covering(&polygons, bounds(start, everything), start, &doors);
+        let world = match caster.scene().extent {
+            Some(corners) => bounds(start, corners.into_iter()),
+            None => bounds(start, everything),
+        };
+        let grid = covering(&polygons, world, start, &doors);
         let mut blocked = vec![false; grid.len()];
         for polygon in &polygons {
             draw(&grid, polygon, &mut blocked);

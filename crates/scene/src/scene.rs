@@ -106,6 +106,9 @@ pub struct Scene {
     pub doors: Vec<Door>,
     /// Light.
     pub sun: Sun,
+    /// South-western and north-eastern corner of the ground that a world is about, where that is known: ground goes on
+    /// beyond it, but no way is taken to lead there.
+    pub extent: Option<[MapPoint; 2]>,
 }
 
 impl Scene {
@@ -256,6 +259,11 @@ impl SceneBuilder {
     /// Sets the light.
     pub fn sun(&mut self, sun: Sun) {
         self.scene.sun = sun;
+    }
+
+    /// Sets the ground that the world is about.
+    pub fn extent(&mut self, low: MapPoint, high: MapPoint) {
+        self.scene.extent = Some([low, high]);
     }
 
     /// The scene.

@@ -341,6 +341,44 @@ fn moved_world(x: f64, y: f64) -> String {
     )
 }
 
+/// A grey PNG of these pixels.
+fn png(place: &Place, name: &str, width: u32, pixels: &[u8]) {
+    let image = image::GrayImage::from_raw(width, pixels.len() as u32 / width, pixels.to_vec()).unwrap();
+    let path = place.file(name, "");
+    image.save(path).unwrap();
+}
+
+#[test]
+fn images_become_hills_and_walls() {
+    let place = Place::new();
+    png(&place, "models/hill/hill.png", 3, &[0, 0, 0, 0, 200, 0, 0, 0, 0]);
+    png(&place, "models/plan/plan.png", 4, &[0, 0, 255, 255, 255, 255, 255, 255]);
+    let shape = |kind: &str, inner: &str| {
+        format!(
+            "<{kind} name='s'><geometry>{inner}</geometry></{kind}>"
+        )
+    };
+    let hill = "<heightmap><uri>model://hill/hill.png</uri><size>20 20 5</size><pos>0 0 -1</pos></heightmap>";
+    let plan = "<image><uri>model://plan/plan.png</uri><scale>0.5</scale><height>2</height></image>";
+    let elements = format!(
+        "<model name='terrain'><link name='l'>{}{}</link></model><model name='wall'><link name='l'>{}</link></model>{DOOR}",
+        shape("visual", hill),
+        shape("collision", hill),
+        shape("visual", plan)
+    );
+    let world = place.import(&elements).unwrap();
+    let ground = corners(&world, SemanticClass::Ground);
+    assert_eq!(ground.len(), 3 * 8);
+    let top = ground.iter().max_by(|a, b| a[2].total_cmp(&b[2])).unwrap();
+    assert!(top[0].abs() < 1e-6 && top[1].abs() < 1e-6 && (top[2] - 4.0).abs() < 1e-6, "{top:?}");
+    assert_eq!(world.scene.solid.triangles.len(), 8);
+    let wall = corners(&world, SemanticClass::Wall);
+    assert_eq!(wall.len(), 3 * 12);
+    assert!(wall.iter().all(|p| (-1.0..=0.0).contains(&p[0]) && (0.0..=0.5).contains(&p[1])), "{wall:?}");
+    let gone = place.import(&elements.replace("hill.png", "gone.png")).unwrap_err().to_string();
+    assert!(gone.contains("terrain") && gone.contains("gone.png"), "{gone}");
+}
+
 #[test]
 fn coordinates_of_millions_of_metres_give_the_same_world() {
     let place = Place::new();
@@ -446,12 +484,12 @@ fn broken_meshes_are_errors_that_name_the_file() {
 
 #[test]
 fn what_is_harmless_is_counted() {
-    let shape = "<visual name='v'><geometry><heightmap/></geometry></visual>";
+    let shape = "<visual name='v'><geometry><capsule/></geometry></visual>";
     let elements = format!(
         "<actor name='a'/><light name='l' type='point'/><model name='m'><link name='l'>{shape}{shape}</link></model>{DOOR}"
     );
     let warnings = Place::new().import(&elements).unwrap().warnings;
-    assert!(warnings.iter().any(|w| w.contains("heightmap") && w.contains("2 times")), "{warnings:?}");
+    assert!(warnings.iter().any(|w| w.contains("capsule") && w.contains("2 times")), "{warnings:?}");
     assert_eq!(warnings.len(), 3, "{warnings:?}");
 }
 

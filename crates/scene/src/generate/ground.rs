@@ -36,6 +36,7 @@ impl Site {
         // A robot finds ground everywhere; what keeps it out of the sea are the kerbs.
         let layer = if self.sea.is_empty() { Layer::Both } else { Layer::Solid };
         self.builder.rectangle(layer, grass.material, at(min, 0.0), sides, repeat);
+        self.builder.extent(min, max);
         for Rectangle { low, high } in beyond(Rectangle { low: [min.x, min.y], high: [max.x, max.y] }) {
             let [x, y] = [nalgebra::Vector3::x(), nalgebra::Vector3::y()];
             let sides = (x * (high[0] - low[0]), y * (high[1] - low[1]));

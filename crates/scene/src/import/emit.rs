@@ -10,12 +10,14 @@ use openbench_core::Pose3;
 use super::classes::class_of;
 use super::error::ImportError;
 use super::forms;
+use super::images::read_grey;
 use super::looks::{Look, Looks};
 use super::mesh::{self, Corner, Mesh, Part};
 use super::patterns::Pattern;
 use super::plates::plate_of;
+use super::relief;
 use super::road::{ribbon, shift_to_ground};
-use super::sdf::{Geometry, MeshUse, Model, Road, Shape};
+use super::sdf::{Geometry, Heightmap, ImageShape, MeshUse, Model, Paint, Road, Shape};
 use super::search::{SearchPath, model_of};
 use super::warnings::Warnings;
 use crate::scene::Layer;
@@ -144,9 +146,38 @@ impl<'a> Emitter<'a> {
             Geometry::Cylinder { radius, length } => forms::cylinder(*radius, *length),
             Geometry::Sphere(radius) => forms::sphere(*radius),
             Geometry::Extrusion { outlines, height } => forms::extrusion(outlines, *height, metres),
+            Geometry::Heightmap(heightmap) => return self.heightmap(heightmap, shape, look, setting),
+            Geometry::Image(image) => self.drawn_up(image, setting)?,
             Geometry::Mesh(_) => Part::default(),
         };
         self.part(&part, &look, setting)
+    }
+
+    fn heightmap(
+        &mut self,
+        heightmap: &Heightmap,
+        shape: &Shape,
+        look: Look,
+        setting: &Setting,
+    ) -> Result<(), ImportError> {
+        let image = read_grey(&self.file(&heightmap.uri, setting.model)?)?;
+        // Gazebo paints heightmaps by their own textures alone.
+        let textured = heightmap.texture.clone().filter(|_| shape.visual && shape.paint.is_none());
+        let paint = |image| Paint { image: Some(image), ..Paint::default() };
+        let (own, tile) = match textured {
+            Some((image, tile)) => {
+                (self.looks.of_paint(self.builder, &paint(image), self.warnings)?, tile)
+            }
+            None => (None, 1.0),
+        };
+        let part = relief::surface(&image, heightmap, tile);
+        self.part(&part, &own.unwrap_or(look), setting)
+    }
+
+    fn drawn_up(&mut self, image: &ImageShape, setting: &Setting) -> Result<Part, ImportError> {
+        let path = self.file(&image.uri, setting.model)?;
+        let part = relief::boxes(&read_grey(&path)?, image);
+        part.ok_or_else(|| ImportError::too_large(&path, "boxes of dark pixels", relief::MAX_BOXES))
     }
 
     fn note_ground(&mut self, normal: Vector3<f64>, height: f64, size: [f64; 2]) {
@@ -190,14 +221,19 @@ impl<'a> Emitter<'a> {
         Ok(())
     }
 
-    fn load(&mut self, wanted: &MeshUse, model: &str) -> Result<(PathBuf, Rc<Mesh>), ImportError> {
+    /// The file that a model names.
+    fn file(&self, uri: &str, model: &str) -> Result<PathBuf, ImportError> {
         let beside = self.world.parent().unwrap_or(Path::new("."));
-        let path = self.search.find(&wanted.uri, beside).filter(|p| p.is_file());
-        let path = path.ok_or_else(|| ImportError::Missing {
+        let path = self.search.find(uri, beside).filter(|p| p.is_file());
+        path.ok_or_else(|| ImportError::Missing {
             model: model.to_owned(),
-            uri: wanted.uri.clone(),
+            uri: uri.to_owned(),
             searched: self.search.folders(),
-        })?;
+        })
+    }
+
+    fn load(&mut self, wanted: &MeshUse, model: &str) -> Result<(PathBuf, Rc<Mesh>), ImportError> {
+        let path = self.file(&wanted.uri, model)?;
         if let Some(mesh) = self.meshes.get(&path) {
             return Ok((path, mesh.clone()));
         }

@@ -3,12 +3,14 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use image::{ImageReader, Limits};
+use image::{DynamicImage, ImageReader, Limits};
 
 use super::error::ImportError;
 use crate::{SceneBuilder, Texture, TextureId};
 
 const MAX_TEXELS_A_SIDE: u32 = 1024;
+/// Two triangles between each four pixels.
+const MAX_GREY_A_SIDE: u32 = 2049;
 const MAX_PIXELS_A_SIDE: u32 = 16_384;
 const MAX_DECODED_BYTES: u64 = 512 << 20;
 
@@ -30,7 +32,41 @@ impl Images {
     }
 }
 
+/// A grey image.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Grey {
+    /// Pixels in a row.
+    pub(crate) width: usize,
+    /// Rows.
+    pub(crate) height: usize,
+    /// Brightness row by row, 0 to 1.
+    pub(crate) values: Vec<f32>,
+}
+
+/// Reads an image as a grey one of two pixels a side at least.
+pub(crate) fn read_grey(path: &Path) -> Result<Grey, ImportError> {
+    let image = decode(path)?.into_luma16();
+    let (width, height) = image.dimensions();
+    if !(2..=MAX_GREY_A_SIDE).contains(&width) || !(2..=MAX_GREY_A_SIDE).contains(&height) {
+        let problem = format!(
+            "this image has {width} by {height} pixels; a shape is made of 2 to {MAX_GREY_A_SIDE} each way"
+        );
+        return Err(ImportError::asset(path, problem));
+    }
+    let values = image.into_raw().into_iter().map(|value| f32::from(value) / f32::from(u16::MAX)).collect();
+    Ok(Grey { width: width as usize, height: height as usize, values })
+}
+
 fn read_image(path: &Path) -> Result<Texture, ImportError> {
+    let rgba = decode(path)?.into_rgba8();
+    let (width, height) = rgba.dimensions();
+    if width == 0 || height == 0 {
+        return Err(ImportError::asset(path, "this image is empty"));
+    }
+    Ok(shrink(&Texture { width, height, rgba: rgba.into_raw().into() }))
+}
+
+fn decode(path: &Path) -> Result<DynamicImage, ImportError> {
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_PIXELS_A_SIDE);
     limits.max_image_height = Some(MAX_PIXELS_A_SIDE);
@@ -38,14 +74,7 @@ fn read_image(path: &Path) -> Result<Texture, ImportError> {
     let io = |e| ImportError::io(path, e);
     let mut reader = ImageReader::open(path).map_err(io)?.with_guessed_format().map_err(io)?;
     reader.limits(limits);
-    let image =
-        reader.decode().map_err(|e| ImportError::asset(path, format!("cannot read this image: {e}")))?;
-    let rgba = image.into_rgba8();
-    let (width, height) = rgba.dimensions();
-    if width == 0 || height == 0 {
-        return Err(ImportError::asset(path, "this image is empty"));
-    }
-    Ok(shrink(&Texture { width, height, rgba: rgba.into_raw().into() }))
+    reader.decode().map_err(|e| ImportError::asset(path, format!("cannot read this image: {e}")))
 }
 
 /// Averages blocks of texels until no side is longer than allowed. Transparent texels give no colour.

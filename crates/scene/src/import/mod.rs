@@ -11,7 +11,7 @@
 //! | `search` | `model://` on the search path |
 //! | `mesh` | COLLADA, OBJ, STL |
 //! | `ogre`, `builtin`, `patterns`, `images`, `looks` | materials |
-//! | `forms`, `road`, `emit`, `classes` | triangles |
+//! | `forms`, `relief`, `road`, `emit`, `classes` | triangles |
 //! | `plates` | plates and doors |
 
 mod builtin;
@@ -27,6 +27,7 @@ mod ogre;
 mod patterns;
 mod plates;
 mod read;
+mod relief;
 mod road;
 mod sdf;
 mod search;

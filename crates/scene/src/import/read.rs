@@ -71,7 +71,7 @@ impl SdfReader<'_> {
         for road in children(world, "road") {
             result.roads.push(read_road(path, road)?);
         }
-        for tag in ["actor", "population", "heightmap"] {
+        for tag in ["actor", "population"] {
             children(world, tag).for_each(|_| self.warnings.add(format!("<{tag}> is not supported")));
         }
         Ok(result)

@@ -85,6 +85,36 @@ pub(crate) enum Geometry {
     },
     /// A mesh file.
     Mesh(MeshUse),
+    /// A surface whose heights are an image's.
+    Heightmap(Heightmap),
+    /// The dark pixels of an image, drawn up.
+    Image(ImageShape),
+}
+
+/// A surface whose heights are an image's.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Heightmap {
+    /// What the world calls the image.
+    pub(crate) uri: String,
+    /// How wide and long it is, and how high where the image is brightest.
+    pub(crate) size: Vector3<f64>,
+    /// Its middle.
+    pub(crate) position: Vector3<f64>,
+    /// Image on it, and what one repeat of that covers, metres.
+    pub(crate) texture: Option<(String, f64)>,
+}
+
+/// The dark pixels of an image, drawn up.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ImageShape {
+    /// What the world calls the image.
+    pub(crate) uri: String,
+    /// Side of a pixel, metres.
+    pub(crate) scale: f64,
+    /// No brighter pixel is dark, 0 to 1.
+    pub(crate) threshold: f32,
+    /// How high they are drawn up, metres.
+    pub(crate) height: f64,
 }
 
 /// A mesh file as a shape uses it.

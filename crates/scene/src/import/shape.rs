@@ -7,7 +7,7 @@ use roxmltree::Node;
 
 use super::error::ImportError;
 use super::read::color;
-use super::sdf::{Geometry, MeshUse, Paint};
+use super::sdf::{Geometry, Heightmap, ImageShape, MeshUse, Paint};
 use super::warnings::Warnings;
 use super::xml::{child, child_numbers, child_text, children, malformed, numbers};
 
@@ -33,6 +33,8 @@ pub(crate) fn read_geometry(
         "sphere" => Geometry::Sphere(positive::<1>(path, node, "radius")?[0]),
         "polyline" => read_polylines(path, node)?,
         "mesh" => Geometry::Mesh(read_mesh_use(path, node)?),
+        "heightmap" => Geometry::Heightmap(read_heightmap(path, node)?),
+        "image" => Geometry::Image(read_image_shape(path, node)?),
         "empty" => return Ok(None),
         _ => {
             warnings.add(format!("geometry <{tag}> is not supported"));
@@ -86,6 +88,43 @@ fn read_mesh_use(path: &Path, node: Node) -> Result<MeshUse, ImportError> {
         submesh: submesh.and_then(|s| child_text(s, "name")).map(str::to_owned),
         center: submesh.and_then(|s| child_text(s, "center")).is_some_and(|t| t == "true" || t == "1"),
     })
+}
+
+fn read_heightmap(path: &Path, node: Node) -> Result<Heightmap, ImportError> {
+    let size = match child(node, "size") {
+        Some(_) => positive::<3>(path, node, "size")?.into(),
+        None => Vector3::repeat(1.0),
+    };
+    let texture = child(node, "texture");
+    let image = texture.and_then(|texture| child_text(texture, "diffuse")).map(str::to_owned);
+    let tile = texture.map(|t| child_numbers::<1>(path, t, "size")).transpose()?.flatten();
+    let tile = tile.map_or(10.0, |[metres]| metres);
+    Ok(Heightmap {
+        uri: uri_of(path, node)?,
+        size,
+        position: child_numbers::<3>(path, node, "pos")?.map_or(Vector3::zeros(), Vector3::from),
+        texture: image.filter(|_| tile > 0.0).map(|image| (image, tile)),
+    })
+}
+
+fn read_image_shape(path: &Path, node: Node) -> Result<ImageShape, ImportError> {
+    let number = |name: &str, usual: f64| -> Result<f64, ImportError> {
+        match child(node, name) {
+            Some(_) => Ok(positive::<1>(path, node, name)?[0]),
+            None => Ok(usual),
+        }
+    };
+    Ok(ImageShape {
+        uri: uri_of(path, node)?,
+        scale: number("scale", 1.0)?,
+        threshold: (number("threshold", 200.0)? / 255.0) as f32,
+        height: number("height", 1.0)?,
+    })
+}
+
+fn uri_of(path: &Path, node: Node) -> Result<String, ImportError> {
+    let lacks = || malformed(path, node, format!("<{}> needs a <uri>", node.tag_name().name()));
+    Ok(child_text(node, "uri").ok_or_else(lacks)?.to_owned())
 }
 
 /// A mesh file in its own size.
