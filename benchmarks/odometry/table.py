@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The table of a comparison: table.py FOLDER, with a folder of .tum and .json files for each log.
+"""The table of a comparison: table.py FOLDER [LOG ...], with a folder of .tum and .json files for each log. With logs named, also how ours stands to the best
+peer of each.
 
 Errors are evo's: the root of the mean square of positions' errors, truth interpolated to the stamps of each estimate as they are. Aligned as a whole by a rotation and
 a shift, or at the first pose that all have, and per 100 m of the way.
@@ -43,6 +44,33 @@ def read(folder, name, truth):
     return interpolated(truth, estimate.timestamps), estimate
 
 
+def standing(out, logs):
+    """How our error as a whole, without wheels and with them, stands to that of the best peer of each log."""
+    lines = []
+    for mine in ("ours", "ours-wheels"):
+        ratios, parts = [], []
+        for log in logs:
+            folder = out / log
+            truth = file_interface.read_tum_trajectory_file(folder / "truth.tum")
+            peers = [path.stem for path in folder.glob("*.json") if not path.stem.startswith("ours")]
+            peers = [name for name in peers if "error" not in json.loads((folder / f"{name}.json").read_text())]
+
+            def whole(name):
+                reference, estimate = read(folder, name, truth)
+                return rms(errors(reference, estimate, True)), reference.path_length
+
+            error, length = whole(mine)
+            parts.append(10_000 * error / length)
+            ratios.append(error / min((whole(name)[0] for name in peers), default=float("inf")))
+        better, near = sum(r <= 1 for r in ratios), sum(r <= 1.5 for r in ratios)
+        middle = sorted(parts)[len(parts) // 2]
+        lines.append(
+            f"- {mine}: at or better than the best peer in {better} of {len(logs)} logs, within 1.5 times in {near}, "
+            f"at worst {max(ratios):.2f} times; median {middle:.2f} cm per 100 m"
+        )
+    return "\n".join(lines)
+
+
 def row(folder, name, truth):
     """A line of the table."""
     facts = json.loads((folder / f"{name}.json").read_text())
@@ -77,15 +105,19 @@ def drift(folder, name, truth):
 
 def main():
     out = Path(sys.argv[1])
+    logs = sys.argv[2:] or LOGS
     print("| log | odometry | SE(3), cm | first pose, cm | SE(3), cm per 100 m | first pose, cm per 100 m | CPU ms a scan, p50; p99 |")
     print("|---|---|---|---|---|---|---|")
-    for log in LOGS:
+    for log in logs:
         folder = out / log
         truth = file_interface.read_tum_trajectory_file(folder / "truth.tum")
         names = sorted(path.stem for path in folder.glob("*.json"))
         for name in sorted(names, key=lambda name: (not name.startswith("ours"), name)):
             print(row(folder, name, truth))
     print()
+    if sys.argv[2:]:
+        print(standing(out, logs))
+        return
     for log in LONG:
         truth = file_interface.read_tum_trajectory_file(out / log / "truth.tum")
         for name in ("ours", "ours-wheels"):

@@ -25,6 +25,11 @@ const FEW: f64 = 8.0;
 const FULL: f64 = 2000.0;
 /// Nothing built is as even as many points make it seem, metres: no plane is known better than that (one deviation).
 const EVEN: f64 = 0.005;
+/// Nor is it known better than that part of the variance of its points: leaves, cars and whatever else is no plane are
+/// seen elsewhere by each scan, and the noise of a scan's points on one surface is not all their own. In fifteen drives
+/// of three minutes (twelve windows of two towns, three built-in worlds) errors are 0.91 as large as without, and the mean
+/// NEES is 3.2 instead of 9.5; 0.25 gives 0.92 and 4.1, 1 gives 0.92 and 2.3.
+const UNEVEN: f64 = 0.5;
 /// What a LiDAR is known to be like counts as much as that many points.
 const BELIEF: f64 = 10.0;
 /// Points lie on a plane if they are no farther from it, metres (one deviation),
@@ -45,6 +50,8 @@ pub struct Plane {
     spread: [f64; 2],
     /// Variance of its points across it, m².
     pub thickness: f64,
+    /// Variance of the plane that no number of points makes better, m².
+    uneven: f64,
     /// How many they are.
     count: f64,
 }
@@ -58,14 +65,14 @@ impl Plane {
     /// In which ways the plane may be off: shifted along its normal, and leaning about each of its two directions. Each as what a point is multiplied by, so that (p - middle)
     /// times it and its shift is how far the plane is off at p, with its variance, m².
     pub(super) fn errors(&self) -> [(Vector3<f64>, f64, f64); 3] {
-        let variance = EVEN * EVEN + self.thickness / self.count;
+        let variance = self.uneven + self.thickness / self.count;
         let leaning = |i: usize| (self.along[i], 0.0, variance / self.spread[i]);
         [(Vector3::zeros(), 1.0, variance), leaning(0), leaning(1)]
     }
 
     /// Covariance of the normal.
     pub fn normal_covariance(&self) -> Matrix3<f64> {
-        let variance = EVEN * EVEN + self.thickness / self.count;
+        let variance = self.uneven + self.thickness / self.count;
         let along = |i: usize| self.along[i] * self.along[i].transpose() * (variance / self.spread[i]);
         along(0) + along(1)
     }
@@ -77,7 +84,7 @@ impl Plane {
             let distance = self.along[i].dot(&offset);
             distance * distance / self.spread[i]
         };
-        EVEN * EVEN + self.thickness / self.count * (1.0 + lever(0) + lever(1))
+        self.uneven + self.thickness / self.count * (1.0 + lever(0) + lever(1))
     }
 }
 
@@ -130,6 +137,7 @@ impl Cube {
             // Three degrees of freedom of the points went into the plane; what few of them say about their own noise counts little.
             thickness: (thickness * count + BELIEF * noise.range * noise.range) / (count - 3.0 + BELIEF),
             count,
+            uneven: EVEN * EVEN + UNEVEN * thickness,
         });
     }
 
