@@ -337,7 +337,10 @@ fn moved_world(x: f64, y: f64) -> String {
          <model name='wall'><pose>{} {} 0.5 0 0 0.3</pose><link name='l'><visual name='v'><geometry><box><size>1 2 1</size></box>\
          </geometry></visual></link></model>\
          <road name='r'><width>6</width><point>{} {y} 0</point><point>{} {y} 0</point></road>{door}</world></sdf>",
-        2.0 + x, 7.0 + y, x - 20.0, x + 20.0
+        2.0 + x,
+        7.0 + y,
+        x - 20.0,
+        x + 20.0
     )
 }
 
@@ -353,11 +356,7 @@ fn images_become_hills_and_walls() {
     let place = Place::new();
     png(&place, "models/hill/hill.png", 3, &[0, 0, 0, 0, 200, 0, 0, 0, 0]);
     png(&place, "models/plan/plan.png", 4, &[0, 0, 255, 255, 255, 255, 255, 255]);
-    let shape = |kind: &str, inner: &str| {
-        format!(
-            "<{kind} name='s'><geometry>{inner}</geometry></{kind}>"
-        )
-    };
+    let shape = |kind: &str, inner: &str| format!("<{kind} name='s'><geometry>{inner}</geometry></{kind}>");
     let hill = "<heightmap><uri>model://hill/hill.png</uri><size>20 20 5</size><pos>0 0 -1</pos></heightmap>";
     let plan = "<image><uri>model://plan/plan.png</uri><scale>0.5</scale><height>2</height></image>";
     let elements = format!(

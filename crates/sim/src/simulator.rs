@@ -102,9 +102,8 @@ impl Bounds {
 
     /// Whether a place lies no farther outside than so many metres. What is no number lies nowhere.
     fn hold(&self, place: [f64; 2], margin: f64) -> bool {
-        let holds = |axis: usize| {
-            place[axis] >= self.low[axis] - margin && place[axis] <= self.high[axis] + margin
-        };
+        let holds =
+            |axis: usize| place[axis] >= self.low[axis] - margin && place[axis] <= self.high[axis] + margin;
         holds(0) && holds(1)
     }
 }

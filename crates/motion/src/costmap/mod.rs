@@ -233,7 +233,11 @@ impl Costmap {
         let comfort = (self.room.comfort / self.grid.cell).powi(2) as f32;
         let costs = self.clearance.iter().enumerate().map(|(cell, clearance)| {
             // Most cells are far from everything.
-            if *clearance > comfort { self.preferences.of(self.ground.surface[cell]) } else { self.cost_now(cell) }
+            if *clearance > comfort {
+                self.preferences.of(self.ground.surface[cell])
+            } else {
+                self.cost_now(cell)
+            }
         });
         self.costs = costs.collect();
     }

@@ -77,7 +77,8 @@ impl Seen {
         let furthest = if self.scans.is_multiple_of(FAR_EVERY) { FURTHEST } else { NEAR };
         for (degrees, &beam) in ring.beams.iter().enumerate() {
             // A beam stands for its whole degree, which far off is wider than a cell.
-            let rays = (beam.reach.min(furthest) * 1f64.to_radians() / grid.cell).ceil().clamp(1.0, MOST_RAYS);
+            let rays =
+                (beam.reach.min(furthest) * 1f64.to_radians() / grid.cell).ceil().clamp(1.0, MOST_RAYS);
             for ray in 0..rays as usize {
                 let bearing = degrees as f64 + (ray as f64 + 0.5) / rays;
                 self.mark_clear(grid, ring, (beam, bearing.to_radians()), furthest);

@@ -65,8 +65,8 @@ pub use cars::car_figure;
 
 use crate::material::MaterialId;
 use crate::scene::SceneBuilder;
-use crate::world::World;
 use crate::world::MAX_FROM_ORIGIN_M;
+use crate::world::World;
 use clearance::Clearance;
 use entrances::Doorway;
 use lanes::Lanes;

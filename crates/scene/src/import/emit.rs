@@ -165,9 +165,7 @@ impl<'a> Emitter<'a> {
         let textured = heightmap.texture.clone().filter(|_| shape.visual && shape.paint.is_none());
         let paint = |image| Paint { image: Some(image), ..Paint::default() };
         let (own, tile) = match textured {
-            Some((image, tile)) => {
-                (self.looks.of_paint(self.builder, &paint(image), self.warnings)?, tile)
-            }
+            Some((image, tile)) => (self.looks.of_paint(self.builder, &paint(image), self.warnings)?, tile),
             None => (None, 1.0),
         };
         let part = relief::surface(&image, heightmap, tile);

@@ -89,7 +89,8 @@ pub fn import_world(request: &ImportRequest) -> Result<World, ImportError> {
         .into_iter()
         .for_each(|note| warnings.add(format!("{}: {note}", request.map.display())));
     let search = SearchPath::new(&request.models);
-    let mut world = SdfReader { search: &search, warnings: &mut warnings, models: 0 }.world(&request.world)?;
+    let mut world =
+        SdfReader { search: &search, warnings: &mut warnings, models: 0 }.world(&request.world)?;
 
     let mut plates = plates_of(&world.models);
     if plates.is_empty() {

@@ -10,8 +10,8 @@ use openbench_osm::OsmMap;
 use super::sdf::{Geometry, Model};
 use super::search::model_of;
 use super::warnings::Warnings;
-use crate::world::MAX_FROM_ORIGIN_M;
 use crate::plate::{hang_plate, plate_material};
+use crate::world::MAX_FROM_ORIGIN_M;
 use crate::{Door, SceneBuilder, SemanticClass};
 
 /// How far plates stand out, metres: in the published worlds their poses lie up to 9 cm behind the frames of their doors.
