@@ -348,13 +348,14 @@ impl LidarInertialOdometry {
         let until = end(scan);
         let before = self.known.clone().filter(|known| known.stamp < until)?;
         let (first, since) = (self.map.is_empty(), before.stamp);
-        let (mut known, mut matched) = (before.clone(), None);
+        let (mut known, mut matched, mut used) = (before.clone(), None, 0);
         let step = self.inertial.reckon(since, until, before.state.gyro_bias, &self.settings.imu);
         let noise = self.settings.lidar_noise;
         for _ in 0..PASSES {
             known = before.clone();
             let way = self.inertial.travel(&mut known, until, &self.settings, self.missing);
             let points = self.undistorted(scan, &known.state, &way.nodes);
+            used = points.len();
             let expected = known.state.rotation;
             let mount = self.settings.estimate_lidar;
             matched = update(&mut known, &points, &self.map, &noise, mount, &mut self.matching);
@@ -374,7 +375,7 @@ impl LidarInertialOdometry {
             (0..3).filter(|axis| way.axes[*axis]).for_each(|axis| self.missing[axis] += rate[axis]);
         }
         self.refused.gaps += self.inertial.forget(until);
-        self.refused.points += scan.points.iter().filter(|point| !self.usable(&position(point))).count();
+        self.refused.points += scan.points.len() - used;
         let good = matched.as_ref().is_some_and(Matched::is_good);
         matched.iter().for_each(|matched| self.matching.scatter.look(matched));
         if !good {

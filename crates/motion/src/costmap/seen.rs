@@ -10,8 +10,10 @@ const HIT: i8 = 4;
 const EVIDENCE: (i8, i8) = (-6, 12);
 /// Evidence below which a cell is known to be free.
 const FREE: i8 = -3;
-/// Lines of cells that one beam clears, at most.
-const MOST_RAYS: f64 = 4.0;
+/// A beam clears one line of cells as far as so many cells, where its degree is two thirds of a cell wide, then two lines
+/// as far again, and so on to so many lines.
+const LINE: usize = 38;
+const LINES: usize = 4;
 /// Beyond that every fourth scan clears: what stands there is not yet in the way, metres.
 const NEAR: f64 = 20.0;
 const FAR_EVERY: u16 = 4;
@@ -76,12 +78,17 @@ impl Seen {
         self.count();
         let furthest = if self.scans.is_multiple_of(FAR_EVERY) { FURTHEST } else { NEAR };
         for (degrees, &beam) in ring.beams.iter().enumerate() {
-            // A beam stands for its whole degree, which far off is wider than a cell.
-            let rays =
-                (beam.reach.min(furthest) * 1f64.to_radians() / grid.cell).ceil().clamp(1.0, MOST_RAYS);
-            for ray in 0..rays as usize {
-                let bearing = degrees as f64 + (ray as f64 + 0.5) / rays;
-                self.mark_clear(grid, ring, (beam, bearing.to_radians()), furthest);
+            let bearing = |part: f64| (degrees as f64 + part).to_radians();
+            for lines in 1..=LINES {
+                let end = if lines == LINES { usize::MAX } else { lines * LINE };
+                let part = (lines - 1) * LINE..end;
+                if beam.reach.min(furthest) < part.start as f64 * grid.cell {
+                    break;
+                }
+                for line in 0..lines {
+                    let bearing = bearing((line as f64 + 0.5) / lines as f64);
+                    self.mark_clear(grid, ring, (beam, bearing), (furthest, part.clone()));
+                }
             }
         }
         for &(point, height) in &ring.obstacles {
@@ -112,13 +119,13 @@ impl Seen {
         self.scans += 1;
     }
 
-    /// Counts against every obstacle that is high enough for a beam to have hit it on its way, as far as `furthest` metres.
+    /// Counts against every obstacle that is high enough for a beam to have hit it on a part of its way, counted in cells, as far as `furthest` metres.
     fn mark_clear(
         &mut self,
         grid: &GridGeometry,
         ring: &RangeRing,
         (beam, bearing): (Beam, f64),
-        furthest: f64,
+        (furthest, part): (f64, std::ops::Range<usize>),
     ) {
         let (sin, cos) = libm::sincos(bearing);
         // Stop short of what was hit, by a cell's diagonal.
@@ -127,7 +134,8 @@ impl Seen {
         let [x, y] = [ring.center.x - grid.origin.x, ring.center.y - grid.origin.y].map(|at| at / grid.cell);
         let [width, height] = [grid.width as f64, grid.height as f64];
         // Beams reach farther than many a grid.
-        for i in steps_within(grid, ring.center, [cos, sin], steps) {
+        let within = steps_within(grid, ring.center, [cos, sin], steps);
+        for i in within.start.max(part.start)..within.end.min(part.end) {
             let (x, y) = (x + i as f64 * cos, y + i as f64 * sin);
             // Written so that what is no number is nowhere.
             if !(x >= 0.0 && y >= 0.0 && x < width && y < height) {
