@@ -77,6 +77,7 @@ impl Folder {
             map: self.0.path().join("map.osm"),
             models: vec![self.0.path().to_owned()],
             georeference: None,
+            start: None,
         })
     }
 }

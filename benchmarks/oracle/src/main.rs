@@ -27,7 +27,8 @@ fn main() -> ExitCode {
         [] => None,
         [world, map, models] => {
             let models = vec![models.into()];
-            let request = ImportRequest { world: world.into(), map: map.into(), models, georeference: None };
+            let request =
+                ImportRequest { world: world.into(), map: map.into(), models, georeference: None, start: None };
             match import_world(&request) {
                 Ok(world) => Some((world, FRAMES.1)),
                 Err(error) => return bad_input(&error.to_string()),
