@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Odometries on logs of neighbourhoods that a seed draws from maps: towns.sh FOLDER WINDOWS SEED MAP...
-# Each log is recorded, run and removed, since thirty of them take 25 GB. What is done already is not done again.
+# Logs last MINUTES, 1.5 unless told. Each is recorded, run and removed, since thirty of them take 25 GB. What is done already is not done again.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 if [ $# -lt 4 ]; then

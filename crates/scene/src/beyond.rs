@@ -1,6 +1,6 @@
 //! Ground that goes on beyond what is drawn of it, so that nobody falls off.
 
-/// So far it goes on, metres: a robot needs three hours to get there.
+/// So far it goes on, metres: hours for a robot.
 const FAR: f64 = 10_000.0;
 /// What lies beyond overlaps the drawn ground by so many metres, so that no ray passes between them.
 const OVERLAP: f64 = 1.0;

@@ -25,10 +25,10 @@ const FEW: f64 = 8.0;
 const FULL: f64 = 2000.0;
 /// Nothing built is as even as many points make it seem, metres: no plane is known better than that (one deviation).
 const EVEN: f64 = 0.005;
-/// Nor is it known better than that part of the variance of its points: leaves, cars and whatever else is no plane are
-/// seen elsewhere by each scan, and the noise of a scan's points on one surface is not all their own. In fifteen drives
-/// of three minutes (twelve windows of two towns, three built-in worlds) errors are 0.91 as large as without, and the mean
-/// NEES is 3.2 instead of 9.5; 0.25 gives 0.93 and 4.1, 1 gives 0.91 and 2.3.
+/// Nor is it known better than that part of the variance of its points: leaves, cars and whatever
+/// else is no plane are seen elsewhere by each scan. Chosen on fifteen drives of three minutes
+/// (twelve windows of two towns, three built-in worlds): errors are 0.91 as large as without, and
+/// the mean NEES is 3.2 instead of 9.5; 0.25 gives 0.93 and 4.1, 1 gives 0.91 and 2.3.
 const UNEVEN: f64 = 0.5;
 /// What a LiDAR is known to be like counts as much as that many points.
 const BELIEF: f64 = 10.0;

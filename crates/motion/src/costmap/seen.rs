@@ -10,8 +10,8 @@ const HIT: i8 = 4;
 const EVIDENCE: (i8, i8) = (-6, 12);
 /// Evidence below which a cell is known to be free.
 const FREE: i8 = -3;
-/// A beam clears one line of cells as far as so many cells, where its degree is two thirds of a cell wide, then two lines
-/// as far again, and so on to so many lines.
+/// A beam clears one line of cells as far as so many cells, where its degree is two thirds of a
+/// cell wide. It clears two lines as far again, and so on to so many lines.
 const LINE: usize = 38;
 const LINES: usize = 4;
 /// Beyond that every fourth scan clears: what stands there is not yet in the way, metres.
@@ -119,7 +119,8 @@ impl Seen {
         self.scans += 1;
     }
 
-    /// Counts against every obstacle that is high enough for a beam to have hit it on a part of its way, counted in cells, as far as `furthest` metres.
+    /// Counts against every obstacle that is high enough for a beam to have hit it on a part of its
+    /// way, counted in cells, as far as `furthest` metres.
     fn mark_clear(
         &mut self,
         grid: &GridGeometry,

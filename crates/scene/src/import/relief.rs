@@ -78,7 +78,8 @@ fn dark_rectangles(image: &Grey, threshold: f32) -> Vec<Pixels> {
     let (mut done, mut open): (Vec<Pixels>, Vec<Pixels>) = (Vec::new(), Vec::new());
     for row in 0..image.height {
         let pixels = &image.values[row * image.width..][..image.width];
-        let mut below = Vec::new();
+        // Both rows run from west to east.
+        let mut above = std::mem::take(&mut open).into_iter().peekable();
         let mut column = 0;
         for run in pixels.chunk_by(|a, b| (*a <= threshold) == (*b <= threshold)) {
             let columns = column..column + run.len();
@@ -86,12 +87,14 @@ fn dark_rectangles(image: &Grey, threshold: f32) -> Vec<Pixels> {
             if run[0] > threshold {
                 continue;
             }
-            let above = open.iter().position(|above| above.columns == columns);
-            let first = above.map_or(row, |above| open.swap_remove(above).rows.start);
-            below.push(Pixels { columns, rows: first..row + 1 });
+            while let Some(ended) = above.next_if(|above| above.columns.start < columns.start) {
+                done.push(ended);
+            }
+            let same = above.next_if(|above| above.columns == columns);
+            let first = same.map_or(row, |above| above.rows.start);
+            open.push(Pixels { columns, rows: first..row + 1 });
         }
-        done.append(&mut open);
-        open = below;
+        done.extend(above);
     }
     done.append(&mut open);
     // In an order that does not depend on how they were joined.
