@@ -5,8 +5,9 @@
 
 use std::collections::BTreeMap;
 
+use openbench_core::Address;
 use openbench_osm::names::fold;
-use openbench_osm::{Building, OsmMap, Tags};
+use openbench_osm::{Building, Location, OsmMap, Tags, locate};
 
 use crate::grammar::lexicon::Class;
 use crate::grammar::text::{Token, condensed, letters, tokenize};
@@ -22,7 +23,7 @@ const LONGEST_ALIAS: usize = 200;
 /// A building that can be asked for.
 #[derive(Debug, Clone)]
 pub(crate) struct Place {
-    /// What the map calls it.
+    /// What the map calls it, so that it is told from others of its name if it can be.
     pub name: String,
 }
 
@@ -64,15 +65,15 @@ impl Gazetteer {
                 continue;
             }
             if let Some(name) = &building.name {
-                gazetteer.add(name, building, words);
+                gazetteer.add(name, building, map, words);
             }
         }
         gazetteer
     }
 
-    fn add(&mut self, name: &str, building: &Building, words: &Words) {
+    fn add(&mut self, name: &str, building: &Building, map: &OsmMap, words: &Words) {
         let place = self.places.len();
-        self.places.push(Place { name: name.to_owned() });
+        self.places.push(Place { name: telling_name(name, building, map) });
         for number in numbers(&building.tags) {
             push_once(self.labels.entry(label(&number)).or_default(), place);
         }
@@ -122,6 +123,20 @@ impl Gazetteer {
     }
 }
 
+/// The name of a building; where others have it too, its address or another name that it has alone.
+fn telling_name(name: &str, building: &Building, map: &OsmMap) -> String {
+    let look_up = |name: &str| locate(map, &Address { building: name.to_owned(), unit: None });
+    let tells = |other: &String| match look_up(other) {
+        Location::Building(found) => map.buildings[found].element == building.element,
+        _ => false,
+    };
+    if !matches!(look_up(name), Location::Ambiguous(_)) {
+        return name.to_owned();
+    }
+    let others = street_and_number(&building.tags).into_iter().chain(aliases(name, &building.tags));
+    others.into_iter().find(tells).unwrap_or_else(|| name.to_owned())
+}
+
 fn push_once(list: &mut Vec<usize>, place: usize) {
     if list.last() != Some(&place) {
         list.push(place);
@@ -148,13 +163,18 @@ fn aliases(name: &str, tags: &Tags) -> Vec<String> {
     for (_, value) in tags.iter().filter(|(key, _)| is_name(key)) {
         names.extend(value.split(';').map(|n| n.trim().to_owned()));
     }
-    if let (Some(street), Some(number)) = (tags.get("addr:street"), tags.get("addr:housenumber")) {
-        names.push(format!("{street} {number}"));
-        names.push(format!("{number} {street}"));
-    }
+    names.extend(street_and_number(tags));
     names.sort();
     names.dedup();
     names
+}
+
+/// In either order.
+fn street_and_number(tags: &Tags) -> Vec<String> {
+    match (tags.get("addr:street"), tags.get("addr:housenumber")) {
+        (Some(street), Some(number)) => vec![format!("{street} {number}"), format!("{number} {street}")],
+        _ => Vec::new(),
+    }
 }
 
 fn is_language(suffix: &str) -> bool {

@@ -172,8 +172,7 @@ impl Surroundings<'_> {
     /// Of several that fit the one whose street, quarter or town is said, if it is the only one.
     fn narrow(&self, choice: Choice, said: &str) -> Choice {
         let map = self.map;
-        let buildings: Vec<(&String, usize)> =
-            choice.fitting.iter().flat_map(|name| all_of(name, map)).collect();
+        let buildings = buildings_called(&choice.fitting, map);
         if buildings.len() < 2 {
             return choice;
         }
@@ -247,6 +246,22 @@ fn all_of<'a>(name: &'a String, map: &OsmMap) -> Vec<(&'a String, usize)> {
         Location::Building(building) | Location::Unit { building, .. } => vec![(name, building)],
         Location::Unknown => Vec::new(),
     }
+}
+
+/// The buildings of several names, each once; with the name that it has alone, if there is one.
+fn buildings_called<'a>(names: &'a [String], map: &OsmMap) -> Vec<(&'a String, usize)> {
+    let mut all: Vec<(&String, usize)> = Vec::new();
+    for found in names.iter().map(|name| all_of(name, map)) {
+        let is_own = found.len() == 1;
+        for (name, building) in found {
+            match all.iter_mut().find(|(_, known)| *known == building) {
+                Some(known) if is_own => known.0 = name,
+                Some(_) => {}
+                None => all.push((name, building)),
+            }
+        }
+    }
+    all
 }
 
 /// Whether the name of a level stands in what is said. A number alone is none: it is that of a building, a telephone, a weight.

@@ -101,6 +101,19 @@ fn the_quarter_tells_buildings_of_one_name_apart() {
     }
 }
 
+/// Towns have several of a chain's shops; an address is that of one.
+#[test]
+fn an_address_tells_buildings_of_one_name_apart() {
+    let shop = |street, number| [("name", "Speedy"), ("addr:street", street), ("addr:housenumber", number)];
+    let shops = [shop("Rua Alta", "17"), shop("Rua Baixa", "4")];
+    let map = map(&[&shops[0], &shops[1], &[("name", "Speedy")]], &[]);
+    let delivery = understood(&map, "The box to unit 1 of Rua Alta 17");
+    assert_eq!((delivery.building.as_str(), &delivery.problem), ("Rua Alta 17", &None));
+    assert_eq!(steps(&delivery), "navigate Rua Alta 17, explore unit1");
+    let problem = understood(&map, "The box to unit 1 of Speedy").problem.unwrap();
+    assert!(problem.contains("Rua Alta 17, Rua Baixa 4, Speedy"), "{problem}");
+}
+
 /// `Ost` is in `Post`, and 12 in a telephone number.
 #[test]
 fn quarters_are_whole_words_and_no_numbers() {

@@ -255,6 +255,25 @@ fn a_house_without_name_or_entrance_gets_both() {
     assert_eq!(world.map.ways[&1].tags.get("name"), Some("building1"));
 }
 
+#[test]
+fn no_door_is_in_a_wall_of_two_buildings() {
+    // Both drawn with the same front to the street.
+    let house: &[(f64, f64)] = &[(4.0, 5.0), (24.0, 5.0), (24.0, 13.0), (4.0, 13.0)];
+    let wing: &[(f64, f64)] = &[(4.0, 5.0), (15.0, 5.0), (15.0, 30.0), (4.0, 30.0)];
+    let road: &[(f64, f64)] = &[(-30.0, 0.0), (40.0, 0.0)];
+    let (data, georeference) = map_of(&[
+        (house, &[("building", "yes")]),
+        (wing, &[("building", "yes")]),
+        (road, &[("highway", "residential")]),
+    ]);
+    let world = generate(&data, georeference, 1, &GenerateOptions::default()).unwrap();
+    assert_eq!(world.scene.doors.len(), 2);
+    for door in &world.scene.doors {
+        let at = door.point();
+        assert!(at.x > 15.0 || at.y > 13.0, "{} at {at:?}", door.address);
+    }
+}
+
 fn names_of_doors(world: &World) -> BTreeSet<&str> {
     world.scene.doors.iter().map(|d| d.address.building.as_str()).collect()
 }

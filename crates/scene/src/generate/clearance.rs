@@ -164,11 +164,16 @@ impl Clearance {
         {
             return false;
         }
-        let holds = |i: &u32| {
-            let (polygon, kind) = &self.areas[*i as usize];
-            kind & kinds != 0 && polygon.contains(a)
+        self.areas_at(a, kinds) == 0
+    }
+
+    /// How many areas of `kinds` a point lies in.
+    pub fn areas_at(&self, point: MapPoint, kinds: Kinds) -> usize {
+        let holds = |i: &&u32| {
+            let (polygon, kind) = &self.areas[**i as usize];
+            kind & kinds != 0 && polygon.contains(point)
         };
-        !self.area_cells.get(&cell_of(a)).is_some_and(|list| list.iter().any(holds))
+        self.area_cells.get(&cell_of(point)).map_or(0, |list| list.iter().filter(holds).count())
     }
 
     /// Distance of `point` from the nearest capsule of `kinds`, metres; `limit` if there is none so near.

@@ -19,6 +19,8 @@ use crate::plate::PLATE_WIDTH;
 pub(super) const LEAF: f64 = 1.0;
 /// Middle of the plate from the middle of the door along the wall, metres.
 const BESIDE: f64 = 1.25;
+/// What is behind a wall is looked at so far behind it, metres.
+const BEHIND: f64 = 0.3;
 /// An entrance node farther than this from a wall is not taken for one in it, metres.
 const REACH: f64 = 2.0;
 /// Doors in a world at most.
@@ -208,6 +210,13 @@ impl Placer<'_> {
         self.clearance.is_free(foot.offset(out, 0.4), foot.offset(out, 1.4), 0.3, BUILDING)
     }
 
+    /// Whether what is behind a wall is one building's alone: maps draw some buildings over each other, and whose a door in
+    /// such a wall is nobody can tell.
+    fn is_of_one(&self, (a, b): (MapPoint, MapPoint), foot: MapPoint) -> bool {
+        let inward = a.bearing_to(b) + std::f64::consts::FRAC_PI_2;
+        self.clearance.areas_at(foot.offset(inward, BEHIND), BUILDING) < 2
+    }
+
     fn invented(&mut self, index: usize, options: &GenerateOptions) -> Option<Doorway> {
         let building = &self.map.buildings[index];
         if !options.invent_doors || !is_lived_in(building) || is_open_below(&building.tags) {
@@ -217,7 +226,7 @@ impl Placer<'_> {
         let ranked = candidates.filter_map(|wall| {
             let middle = along(wall.0, wall.1, 0.5);
             let out = wall.0.bearing_to(wall.1) - std::f64::consts::FRAC_PI_2;
-            let free = self.front_is_free(wall, middle);
+            let free = self.front_is_free(wall, middle) && self.is_of_one(wall, middle);
             free.then(|| (self.clearance.distance(middle.offset(out, 1.0), ROAD | PATH, 60.0), wall, middle))
         });
         let (_, wall, middle) = ranked.min_by(|a, b| a.0.total_cmp(&b.0))?;
