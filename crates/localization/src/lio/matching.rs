@@ -123,8 +123,9 @@ impl Matching {
             }
             let about = lidar.translation.vector - cluster.place.middle;
             let motion = Isometry3::from_parts(about.into(), lidar.rotation);
-            let rays = match cluster.seen {
-                Some(_) => Rays::Right,
+            let rays = match &cluster.seen {
+                // Of points that are weighed by one over their variances the harmonic mean of these.
+                Some(seen) => Rays::Right(cluster.points.weight / seen.weighed.weight),
                 None => Rays::Raw(lidar.rotation * cluster.points.mean()),
             };
             if let Some(share) = map.add(&cluster.place, &cluster.points.moved(&motion), rays) {
@@ -307,12 +308,7 @@ impl Gate {
     fn pass(&self, point: &Vector3<f64>) -> Option<(Vector3<f64>, f64)> {
         let along = self.normal.dot(point);
         let squared = point.norm_squared().max(1e-6);
-        // The part of the range that is across the plane, squared: sin² α.
-        let across = along * along / squared;
-        let turn = self.noise.angle * self.noise.angle;
-        let (range, sideways) =
-            (across * self.noise.range * self.noise.range, (1.0 - across) * turn * squared);
-        let variance = range + sideways + ROUGHNESS * ROUGHNESS;
+        let variance = self.noise.across(along, squared) + ROUGHNESS * ROUGHNESS;
         let residual = along + self.offset;
         let passes = residual * residual < (GATE * GATE * (variance + self.known)).min(self.widest);
         passes.then(|| (point * (1.0 - grazing(along, squared, &self.noise)), self.certainty / variance))

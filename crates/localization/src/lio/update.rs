@@ -37,6 +37,16 @@ pub struct LidarNoise {
     pub angle: f64,
 }
 
+impl LidarNoise {
+    /// Variance across a plane of a point on it, m². `along` is how far the point is from the LiDAR along the plane's
+    /// normal, metres, `squared` how far in all, m².
+    pub(super) fn across(&self, along: f64, squared: f64) -> f64 {
+        // The part of the range that is across the plane, squared: sin² α.
+        let across = along * along / squared;
+        across * self.range * self.range + (1.0 - across) * self.angle * self.angle * squared
+    }
+}
+
 /// What an update came to.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Matched {
