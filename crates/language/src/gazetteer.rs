@@ -23,7 +23,7 @@ const LONGEST_ALIAS: usize = 200;
 /// A building that can be asked for.
 #[derive(Debug, Clone)]
 pub(crate) struct Place {
-    /// What the map calls it, so that it is told from others of its name if it can be.
+    /// A name that no other building on the map has, where it has one; else what the map calls it.
     pub name: String,
 }
 
@@ -73,7 +73,7 @@ impl Gazetteer {
 
     fn add(&mut self, name: &str, building: &Building, map: &OsmMap, words: &Words) {
         let place = self.places.len();
-        self.places.push(Place { name: telling_name(name, building, map) });
+        self.places.push(Place { name: distinct_name(name, building, map) });
         for number in numbers(&building.tags) {
             push_once(self.labels.entry(label(&number)).or_default(), place);
         }
@@ -123,10 +123,10 @@ impl Gazetteer {
     }
 }
 
-/// The name of a building; where others have it too, its address or another name that it has alone.
-fn telling_name(name: &str, building: &Building, map: &OsmMap) -> String {
+/// The name of a building; where others have it too, its address or another name of its own.
+fn distinct_name(name: &str, building: &Building, map: &OsmMap) -> String {
     let look_up = |name: &str| locate(map, &Address { building: name.to_owned(), unit: None });
-    let tells = |other: &String| match look_up(other) {
+    let is_its_own = |other: &String| match look_up(other) {
         Location::Building(found) => map.buildings[found].element == building.element,
         _ => false,
     };
@@ -134,7 +134,7 @@ fn telling_name(name: &str, building: &Building, map: &OsmMap) -> String {
         return name.to_owned();
     }
     let others = street_and_number(&building.tags).into_iter().chain(aliases(name, &building.tags));
-    others.into_iter().find(tells).unwrap_or_else(|| name.to_owned())
+    others.into_iter().find(is_its_own).unwrap_or_else(|| name.to_owned())
 }
 
 fn push_once(list: &mut Vec<usize>, place: usize) {
@@ -169,7 +169,7 @@ fn aliases(name: &str, tags: &Tags) -> Vec<String> {
     names
 }
 
-/// In either order.
+/// The address of a building as it is written in different countries: number last, number first.
 fn street_and_number(tags: &Tags) -> Vec<String> {
     match (tags.get("addr:street"), tags.get("addr:housenumber")) {
         (Some(street), Some(number)) => vec![format!("{street} {number}"), format!("{number} {street}")],

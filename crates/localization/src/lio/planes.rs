@@ -25,18 +25,19 @@ const FEW: f64 = 8.0;
 const FULL: f64 = 2000.0;
 /// Nothing built is as even as many points make it seem, metres: no plane is known better than that (one deviation).
 const EVEN: f64 = 0.005;
-/// Nor is it known better than that part of what its points vary beyond the LiDAR's noise: leaves, cars and whatever else
-/// is no plane are seen elsewhere by each scan. The noise itself averages out. Chosen together with [`FLAT`] on thirteen
-/// drives of three minutes (ten windows of two towns, the built-in worlds) and five of 450 to 800 m in four of the
-/// windows: errors on the ground are 0.88 and 0.69 as large as where the noise counts as unevenness too, the mean NEES is
-/// 5.2 and 5.0 for 3.6 and 4.6.
+/// Nor is it known better than that part of the variance of its points beyond the LiDAR's noise.
+/// Leaves, cars and whatever else is no plane are seen elsewhere by each scan; noise averages out.
+/// Chosen together with [`FLAT`] on thirteen drives of three minutes (ten windows of two towns, the
+/// built-in worlds) and five of 450 to 800 m in four of these windows. Compared with counting the
+/// noise as unevenness, errors on the ground are 0.88 and 0.71 as large, and the mean NEES is 5.2
+/// and 5.0 instead of 3.6 and 4.9.
 const UNEVEN: f64 = 0.5;
 /// What a LiDAR is known to be like counts as much as that many points.
 const BELIEF: f64 = 10.0;
 /// Points lie on a plane if they are no farther from it, metres (one deviation),
 const THICK: f64 = 0.04;
-/// and so many times farther spread along it in its narrower direction. With 3 errors on the ground are 0.79 and 0.85 as
-/// large in the drives of [`UNEVEN`], with 5 1.02 and 0.69, with 7 on the long ones 1.01.
+/// and so many times farther spread along it in its narrower direction. On the drives of [`UNEVEN`]
+/// errors are 0.79 and 0.85 as large with 3, 1.02 and 0.69 with 5, and 1.01 on the long ones with 7.
 const FLAT: f64 = 4.0;
 
 /// A plane that points lie on.
@@ -99,7 +100,8 @@ struct Cube {
     points: Moments,
     /// Of those that are not yet put right for the angle that rays meet the plane under, how many they are and the sum of their ways from the LiDAR.
     raw: (f64, Vector3<f64>),
-    /// Of the others, the sum of the variances across the plane that the LiDAR's noise gives them, m².
+    /// Of those that are, the sum of the variances across the plane that the LiDAR's noise gives
+    /// them, m².
     noisy: f64,
     plane: Option<Plane>,
 }
@@ -303,27 +305,6 @@ impl PlaneMap {
 mod tests {
     use super::*;
 
-    #[test]
-    fn unevenness_is_what_is_beyond_the_noise() {
-        let noise = LidarNoise { range: 0.02, angle: 0.001 };
-        // Two layers of points, 4 cm apart, seen from straight ahead.
-        let uneven = |rays: Rays| {
-            let mut cube = Cube::default();
-            let mut points = Moments::default();
-            for i in 0..400 {
-                let layer = f64::from(i % 2) * 0.04;
-                points.add(Vector3::new(f64::from(i % 20) * 0.05, f64::from(i / 20) * 0.05, layer), 1.0);
-            }
-            cube.add(&points, rays, Vector3::zeros(), &noise);
-            cube.plane.unwrap().uneven
-        };
-        let most = EVEN * EVEN + UNEVEN * 0.02 * 0.02;
-        assert!((uneven(Rays::Right(0.0)) / most - 1.0).abs() < 0.02);
-        for noisy in [Rays::Right(0.02 * 0.02), Rays::Right(1.0), Rays::Raw(Vector3::z() * 5.0)] {
-            assert!(uneven(noisy) <= EVEN * EVEN, "{noisy:?}");
-        }
-    }
-
     fn add(map: &mut PlaneMap, point: Vector3<f64>) {
         for place in (0..SIZES).filter_map(|size| Place::of(point, size)) {
             let mut points = Moments::default();
@@ -391,5 +372,26 @@ mod tests {
         assert!(wall.normal.x.abs() > 0.99);
         let floor = plane(&map, Vector3::new(0.6, 0.6, 0.005)).unwrap();
         assert!(floor.normal.z.abs() > 0.99);
+    }
+
+    #[test]
+    fn unevenness_is_what_is_beyond_the_noise() {
+        let noise = LidarNoise { range: 0.02, angle: 0.001 };
+        // Two layers of points, 4 cm apart, seen from straight ahead.
+        let uneven = |rays: Rays| {
+            let mut cube = Cube::default();
+            let mut points = Moments::default();
+            for i in 0..400 {
+                let layer = f64::from(i % 2) * 0.04;
+                points.add(Vector3::new(f64::from(i % 20) * 0.05, f64::from(i / 20) * 0.05, layer), 1.0);
+            }
+            cube.add(&points, rays, Vector3::zeros(), &noise);
+            cube.plane.unwrap().uneven
+        };
+        let most = EVEN * EVEN + UNEVEN * 0.02 * 0.02;
+        assert!((uneven(Rays::Right(0.0)) / most - 1.0).abs() < 0.02);
+        for noisy in [Rays::Right(0.02 * 0.02), Rays::Right(1.0), Rays::Raw(Vector3::z() * 5.0)] {
+            assert!(uneven(noisy) <= EVEN * EVEN, "{noisy:?}");
+        }
     }
 }

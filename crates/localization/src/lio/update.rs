@@ -38,8 +38,8 @@ pub struct LidarNoise {
 }
 
 impl LidarNoise {
-    /// Variance across a plane of a point on it, m². `along` is how far the point is from the LiDAR along the plane's
-    /// normal, metres, `squared` how far in all, m².
+    /// Variance across a plane of a point on it, m². `along` is how far the point is from the LiDAR
+    /// along the plane's normal, metres, and `squared` the square of its whole distance, m².
     pub(super) fn across(&self, along: f64, squared: f64) -> f64 {
         // The part of the range that is across the plane, squared: sin² α.
         let across = along * along / squared;

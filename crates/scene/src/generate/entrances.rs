@@ -19,7 +19,7 @@ use crate::plate::PLATE_WIDTH;
 pub(super) const LEAF: f64 = 1.0;
 /// Middle of the plate from the middle of the door along the wall, metres.
 const BESIDE: f64 = 1.25;
-/// What is behind a wall is looked at so far behind it, metres.
+/// So far behind a wall it is looked up which buildings are there, metres.
 const BEHIND: f64 = 0.3;
 /// An entrance node farther than this from a wall is not taken for one in it, metres.
 const REACH: f64 = 2.0;
@@ -210,9 +210,9 @@ impl Placer<'_> {
         self.clearance.is_free(foot.offset(out, 0.4), foot.offset(out, 1.4), 0.3, BUILDING)
     }
 
-    /// Whether what is behind a wall is one building's alone: maps draw some buildings over each other, and whose a door in
-    /// such a wall is nobody can tell.
-    fn is_of_one(&self, (a, b): (MapPoint, MapPoint), foot: MapPoint) -> bool {
+    /// Whether one building alone is behind a wall. Maps draw some buildings over each other; to
+    /// which of them a door in such a wall belongs, nobody could tell.
+    fn is_unshared(&self, (a, b): (MapPoint, MapPoint), foot: MapPoint) -> bool {
         let inward = a.bearing_to(b) + std::f64::consts::FRAC_PI_2;
         self.clearance.areas_at(foot.offset(inward, BEHIND), BUILDING) < 2
     }
@@ -226,7 +226,7 @@ impl Placer<'_> {
         let ranked = candidates.filter_map(|wall| {
             let middle = along(wall.0, wall.1, 0.5);
             let out = wall.0.bearing_to(wall.1) - std::f64::consts::FRAC_PI_2;
-            let free = self.front_is_free(wall, middle) && self.is_of_one(wall, middle);
+            let free = self.front_is_free(wall, middle) && self.is_unshared(wall, middle);
             free.then(|| (self.clearance.distance(middle.offset(out, 1.0), ROAD | PATH, 60.0), wall, middle))
         });
         let (_, wall, middle) = ranked.min_by(|a, b| a.0.total_cmp(&b.0))?;
