@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use openbench_core::{Doubt, Health, SimTime, Velocity};
+use openbench_core::{Doubt, Health, RobotDescription, SimTime, Velocity};
 
-/// A robot that does not trust its pose drives at this part of its speed.
+/// A robot that does not trust its pose drives and turns at no more than this part of what it can.
 const SLOWER: f64 = 0.5;
 /// A robot that does not know where it is stands for so long in case it finds out, then gives up.
 const PATIENCE: Duration = Duration::from_secs(15);
@@ -61,9 +61,13 @@ impl Caution {
         self.health == Health::Good && std::mem::take(&mut self.misled)
     }
 
-    /// A velocity as it is driven while the pose is doubted.
-    pub fn slowed(velocity: Velocity) -> Velocity {
-        Velocity::new(velocity.linear * SLOWER, velocity.angular * SLOWER)
+    /// A velocity as it is driven while the pose is doubted: along the same arc, no faster than a
+    /// part of what `robot` can. A part of the velocity itself would be halved again and again,
+    /// since the next one is planned from what the robot has come to, and leave it creeping.
+    pub fn slowed(velocity: Velocity, robot: &RobotDescription) -> Velocity {
+        let part = |now: f64, most: f64| (SLOWER * most / now.abs()).min(1.0);
+        let part = part(velocity.linear, robot.max_forward).min(part(velocity.angular, robot.max_turn));
+        Velocity::new(velocity.linear * part, velocity.angular * part)
     }
 }
 
@@ -94,5 +98,23 @@ mod tests {
         assert!(!caution.is_over(), "not yet over");
         caution.look(Health::Good, at(1600));
         assert!(caution.is_over() && !caution.is_over());
+    }
+
+    #[test]
+    fn who_doubts_drives_at_half_speed_along_the_same_arc_and_does_not_come_to_creep() {
+        let robot = RobotDescription::sentry();
+        let half = SLOWER * robot.max_forward;
+        // As a driver does that speeds up from what it has come to.
+        let (mut speed, faster) = (0.0, 0.05);
+        for _ in 0..100 {
+            let wanted = f64::min(speed + faster, robot.max_forward);
+            speed = Caution::slowed(Velocity::new(wanted, 0.0), &robot).linear;
+        }
+        assert!((speed - half).abs() < 1e-9, "{speed}");
+        let arc = Caution::slowed(Velocity::new(robot.max_forward, 0.3), &robot);
+        assert!((arc.linear - half).abs() < 1e-9 && (arc.angular - 0.15).abs() < 1e-9, "{arc:?}");
+        let turn = Caution::slowed(Velocity::new(0.0, -robot.max_turn), &robot);
+        assert!((turn.angular + SLOWER * robot.max_turn).abs() < 1e-9, "{turn:?}");
+        assert_eq!(Caution::slowed(Velocity::ZERO, &robot), Velocity::ZERO);
     }
 }

@@ -159,7 +159,7 @@ impl Mission {
         match measure {
             Measure::GoOn => self.go_on(observation, events),
             Measure::Slow => match self.go_on(observation, events) {
-                Action::Drive(velocity) => Action::Drive(Caution::slowed(velocity)),
+                Action::Drive(velocity) => Action::Drive(Caution::slowed(velocity, &self.robot)),
                 decided => decided,
             },
             Measure::Stand => Action::Drive(Velocity::ZERO),
