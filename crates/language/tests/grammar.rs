@@ -234,6 +234,9 @@ fn the_maps_own_names_are_used() {
     assert_eq!(read("tower 5 unit 1"), "Tower 5/unit1");
     assert_eq!(read("take it to 105"), "105");
     assert_eq!(read("take it to unit 2 of 105"), "105/unit2");
+    assert_eq!(read("Please deliver this letter to unit2, 105."), "105/unit2");
+    assert_eq!(read("unit 2, 105 books for building 3"), "3号楼/unit2");
+    assert_eq!(read("unit 2, 105"), "105/unit2");
     assert_eq!(read("Tower B, unit 1"), "Tower B/unit1");
     assert_eq!(read("送到B座1单元"), "Tower B/unit1");
 }

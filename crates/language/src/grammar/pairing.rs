@@ -321,10 +321,15 @@ pub(crate) fn is_of_the_same(reading: &Reading<'_>, mut at: usize) -> bool {
     reading.class(at) == Some(Class::Same)
 }
 
-/// `unit 2 of 105`, where the map has a building 105.
+/// `unit 2 of 105`, `unit 2, 105.`, where the map has a building 105.
 fn number_after(reading: &Reading<'_>, unit: usize, gazetteer: &Gazetteer) -> Option<Mention> {
-    let linked = reading.class(unit) == Some(Class::Link);
-    let Some(Lex::Number { label, ordinal: false }) = reading.lex(unit + 1).filter(|_| linked) else {
+    // `unit 2, 3 boxes`
+    let ends = matches!(reading.lex(unit + 2), None | Some(Lex::Stop | Lex::Mark));
+    let belongs = match reading.lex(unit) {
+        Some(Lex::Comma) => ends,
+        _ => reading.class(unit) == Some(Class::Link),
+    };
+    let Some(Lex::Number { label, ordinal: false }) = reading.lex(unit + 1).filter(|_| belongs) else {
         return None;
     };
     numbered_building(label, unit + 1, gazetteer)
