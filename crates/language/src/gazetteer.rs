@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use openbench_core::Address;
-use openbench_osm::names::fold;
+use openbench_osm::names::{fold, street};
 use openbench_osm::{Building, Location, OsmMap, Tags, locate};
 
 use crate::grammar::lexicon::Class;
@@ -171,7 +171,7 @@ fn aliases(name: &str, tags: &Tags) -> Vec<String> {
 
 /// The address of a building as it is written in different countries: number last, number first.
 fn street_and_number(tags: &Tags) -> Vec<String> {
-    match (tags.get("addr:street"), tags.get("addr:housenumber")) {
+    match (street(tags), tags.get("addr:housenumber")) {
         (Some(street), Some(number)) => vec![format!("{street} {number}"), format!("{number} {street}")],
         _ => Vec::new(),
     }

@@ -242,6 +242,15 @@ fn the_maps_own_names_are_used() {
 }
 
 #[test]
+fn houses_of_a_village_without_streets_are_asked_for_either_way_round() {
+    let village: &[(&str, &str)] = &[("addr:place", "Seulbitz"), ("addr:housenumber", "5")];
+    let map = map(&[village], &[]);
+    let read = |text: &str| doors(&plan(&GrammarPlanner::new(), &map, &Flat, text).unwrap());
+    assert_eq!(read("The box goes to unit1, Seulbitz 5."), "Seulbitz 5/unit1");
+    assert_eq!(read("The box goes to 5 Seulbitz, unit1."), "Seulbitz 5/unit1");
+}
+
+#[test]
 fn what_the_map_lacks_or_has_twice_is_a_problem() {
     let planner = GrammarPlanner::new();
     let problem = |map: &openbench_osm::OsmMap, text: &str| {

@@ -129,7 +129,9 @@ fn list(value: &str) -> impl Iterator<Item = String> {
     value.split(';').map(fold).filter(|name| !name.is_empty())
 }
 
-fn street(tags: &Tags) -> Option<&str> {
+/// The street of an address, or the place that houses without a street are numbered by
+/// (`addr:place`).
+pub fn street(tags: &Tags) -> Option<&str> {
     tags.get("addr:street").or_else(|| tags.get("addr:place"))
 }
 
