@@ -401,3 +401,33 @@ fn a_false_origin_anywhere_gives_the_same_world() {
         }
     }
 }
+
+/// The same world so many metres farther east.
+fn moved_east(world: &World, metres: f64) -> World {
+    let mut moved = world.clone();
+    moved.start.x += metres;
+    for vertex in &mut moved.scene.vertices {
+        vertex.position[0] = (f64::from(vertex.position[0]) + metres) as f32;
+    }
+    moved
+}
+
+#[test]
+fn kilometres_from_the_origin_ranges_keep_their_millimetres() {
+    let (data, _) = maps::row_of_houses(6, &[("highway", "residential")], &[("building", "yes")]);
+    let plane = openbench_osm::default_georeference(&data).unwrap();
+    let here = generate(&data, plane, 4, &GenerateOptions::default()).unwrap();
+    let expected = ranges_about_the_start(&here);
+    // What ARCHITECTURE.md states: distances between neighbours in single precision.
+    for (metres, step) in [(2e3, 0.000_13), (1e4, 0.001), (2e4, 0.002)] {
+        let found = ranges_about_the_start(&moved_east(&here, metres));
+        let both = expected.iter().zip(&found).filter_map(|(a, b)| Some(f64::from((*a)? - (*b)?)));
+        // A ray past an edge may meet what is behind it.
+        let near: Vec<f64> = both.filter(|apart| apart.abs() < 0.1).collect();
+        let seen = expected.iter().flatten().count();
+        assert!(near.len() * 200 > seen * 199, "{} of {seen}", near.len());
+        let rms = libm::sqrt(near.iter().map(|apart| apart * apart).sum::<f64>() / near.len() as f64);
+        eprintln!("{metres} m: {rms:.6} m");
+        assert!(rms < step, "{rms} m at {metres}");
+    }
+}

@@ -2,7 +2,7 @@
 //! the building. An OSM outline already is the outer boundary, which the paper must first compute as a concave hull.
 
 use openbench_core::frames::wrap_angle;
-use openbench_core::{MapPoint, Pose2};
+use openbench_core::{MapPoint, Pose2, RobotDescription};
 use openbench_motion::Costmap;
 use openbench_osm::OsmMap;
 
@@ -24,6 +24,14 @@ const ROOM: f64 = 0.6;
 const AWAY: f64 = 0.5;
 /// Nearest that a waypoint is put to the wall that it looks at, metres.
 const NEAREST: f64 = 1.0;
+/// Height up to which plates are looked for, metres: somewhat below the top of a door.
+const PLATE_TOP: f64 = 1.9;
+/// Steepest angle to a wall's normal under which it is looked at, radians: 60 degrees.
+const STEEPEST: f64 = 1.05;
+/// Plates seen from farther aside than this are looked at again from nearer to their normal, radians.
+const ASIDE: f64 = 0.8;
+/// Room that a line of sight keeps from every building of the map, metres.
+const SIGHT: f64 = 0.2;
 
 /// A place to look from, and the wall that it looks at.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,9 +74,17 @@ impl Waypoint {
     }
 }
 
-/// Places around a building, facing it, `standoff` metres from its wall or, in narrow yards, as far from it as there is room;
-/// in the order of the wall.
-pub fn waypoints(map: &OsmMap, building: usize, standoff: f64) -> Vec<Waypoint> {
+/// Distance from a wall at which the robot's camera has plates at door height in the picture, metres.
+pub fn sees_plates_from(robot: &RobotDescription) -> f64 {
+    let optics = robot.camera_intrinsics;
+    let upwards = f64::from(optics.height) / 2.0 / optics.focal_length();
+    ((PLATE_TOP - robot.camera.translation.z) / upwards).max(0.0)
+}
+
+/// Places around a building, facing it, `standoff` metres from its wall or, in narrow yards, as far
+/// from it as there is room; in the order of the wall. Where that is nearer than plates are seen
+/// from (`sees_from`, metres), the wall is looked at aslant, from both sides.
+pub fn waypoints(map: &OsmMap, building: usize, standoff: f64, sees_from: f64) -> Vec<Waypoint> {
     let Some(outline) = map.buildings.get(building).map(|b| &b.polygon) else { return Vec::new() };
     let ring = &outline.outer[..outline.outer.len().min(MOST as usize)];
     // A mapping error can make an outline of any length: its places are bounded.
@@ -86,29 +102,45 @@ pub fn waypoints(map: &OsmMap, building: usize, standoff: f64) -> Vec<Waypoint> 
         for k in 0..count {
             let t = (k as f64 + 0.5) / count as f64;
             let wall = MapPoint::new(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y));
-            views.extend(look_at(map, wall, outwards, standoff));
+            views.extend(look_at(map, wall, outwards, standoff, sees_from));
         }
         if turns_left(a, b, c) {
             let next = b.bearing_to(c) - std::f64::consts::FRAC_PI_2;
             let between = wrap_angle(next - outwards) / 2.0;
-            views.extend(look_at(map, b, outwards + between, standoff));
+            views.extend(look_at(map, b, outwards + between, standoff, sees_from));
         }
     }
     thinned(&views)
 }
 
-/// A place to look at a plate from that hangs at `plate` and faces `facing`, in front of it and near.
-pub fn before_plate(map: &OsmMap, plate: MapPoint, facing: f64) -> Option<Waypoint> {
-    look_at(map, plate, facing, PLATE).map(|waypoint| Waypoint { second: true, ..waypoint })
+/// Places to look at a plate from that hangs at `plate` and faces `facing`: in front of it and near
+/// or, where that is nearer than plates are seen from (`sees_from`, metres), from both sides.
+pub fn before_plate(map: &OsmMap, plate: MapPoint, facing: f64, sees_from: f64) -> Vec<Waypoint> {
+    let views = look_at(map, plate, facing, PLATE, sees_from);
+    views.into_iter().map(|waypoint| Waypoint { second: true, ..waypoint }).collect()
 }
 
-/// A place to look at a plate from that was seen from `viewer`, nearer to it: in front of it or, if it was seen from near or the map leaves no room there, on the line between them, where it can be seen whatever the map says.
-pub fn nearer_to_plate(map: &OsmMap, plate: MapPoint, facing: f64, viewer: MapPoint) -> Waypoint {
-    let standoff = (NEARER * plate.distance(viewer)).clamp(NEAREST, PLATE);
-    let at = plate.offset(plate.bearing_to(viewer), standoff);
+/// A place to look at a plate from that was seen from `viewer`: in front of it if it was seen from
+/// afar or from the side, else nearer on the line between them. There it can be seen whatever the
+/// map says, so a map without room in front of the plate leads there too.
+pub fn nearer_to_plate(
+    map: &OsmMap,
+    plate: MapPoint,
+    facing: f64,
+    viewer: MapPoint,
+    sees_from: f64,
+) -> Waypoint {
+    let (distance, towards) = (plate.distance(viewer), plate.bearing_to(viewer));
+    let standoff = (NEARER * distance).clamp(sees_from.min(PLATE), PLATE).min(distance).max(NEAREST);
+    let at = plate.offset(towards, standoff);
     let place = Pose2::new(at.x, at.y, at.bearing_to(plate));
     let on_line = Waypoint { place, wall: plate, standoff, second: true };
-    if standoff < PLATE { on_line } else { before_plate(map, plate, facing).unwrap_or(on_line) }
+    if standoff < PLATE && wrap_angle(towards - facing).abs() < ASIDE {
+        return on_line;
+    }
+    let away = |view: &Waypoint| view.place.point().distance(viewer);
+    let views = before_plate(map, plate, facing, sees_from).into_iter();
+    views.min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(on_line)
 }
 
 /// Index of the waypoint that is cheapest to get to over what is known of the ground; `None` without a way to any.
@@ -119,16 +151,31 @@ pub fn nearest(waypoints: &[Waypoint], from: MapPoint, terrain: &Terrain) -> Opt
     known.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
 }
 
-/// The view of `wall` from in front of it, nearer where other buildings leave no more room; `None` in a gap too narrow to stand in.
-fn look_at(map: &OsmMap, wall: MapPoint, outwards: f64, standoff: f64) -> Option<Waypoint> {
-    let clear = |d: &f64| {
-        let at = wall.offset(outwards, *d);
-        map.nearest_building(at).is_none_or(|i| map.distance_to_building(i, at) >= ROOM)
+/// The view of `wall` from in front of it, nearer where other buildings leave no more room, or the
+/// views from both sides where so near a plate would be above the picture; none in a gap too narrow
+/// to stand in.
+fn look_at(map: &OsmMap, wall: MapPoint, outwards: f64, standoff: f64, sees_from: f64) -> Vec<Waypoint> {
+    let has_room = |d: &f64| is_clear(map, wall.offset(outwards, *d), ROOM);
+    let mut distances = (0..).map(|i| standoff - 0.4 * f64::from(i)).take_while(|d| *d >= NEAREST);
+    let Some(from_wall) = distances.find(has_room) else { return Vec::new() };
+    let aslant = libm::acos((from_wall / sees_from.min(standoff)).min(1.0)).min(STEEPEST);
+    let view = |turned: f64| {
+        let standoff = from_wall / libm::cos(turned);
+        let at = wall.offset(outwards + turned, standoff);
+        Waypoint { place: Pose2::new(at.x, at.y, at.bearing_to(wall)), wall, standoff, second: false }
     };
-    let distances = (0..).map(|i| standoff - 0.4 * f64::from(i)).take_while(|d| *d >= NEAREST);
-    let standoff = distances.into_iter().find(clear)?;
-    let at = wall.offset(outwards, standoff);
-    Some(Waypoint { place: Pose2::new(at.x, at.y, at.bearing_to(wall)), wall, standoff, second: false })
+    let is_open = |view: &Waypoint| {
+        let (at, steps) = (view.place.point(), (view.standoff / SIGHT) as usize);
+        let on_line = |i: usize| at.offset(view.place.yaw, i as f64 * SIGHT);
+        is_clear(map, at, ROOM) && (0..steps * 4 / 5).all(|i| is_clear(map, on_line(i), SIGHT))
+    };
+    let sides: Vec<Waypoint> = [aslant, -aslant].map(view).into_iter().filter(is_open).collect();
+    if aslant > 0.0 && !sides.is_empty() { sides } else { vec![view(0.0)] }
+}
+
+/// Whether a place is so far from every building of the map, metres.
+fn is_clear(map: &OsmMap, at: MapPoint, room: f64) -> bool {
+    map.nearest_building(at).is_none_or(|i| map.distance_to_building(i, at) >= room)
 }
 
 fn turns_left(a: MapPoint, b: MapPoint, c: MapPoint) -> bool {
@@ -157,23 +204,38 @@ mod tests {
     use super::*;
     use openbench_core::{Georeference, LonLat};
     use openbench_motion::costmap::ground::Preferences;
-    use openbench_osm::OsmData;
+    use openbench_osm::{OsmData, Projection};
+
+    /// Distance from which plates are in the picture, metres.
+    const SEES_FROM: f64 = 2.6;
 
     /// A house of about 14 m x 11 m.
     fn map() -> OsmMap {
-        let xml = r#"<osm version="0.6">
-          <node id="1" lat="50.0" lon="8.0"/><node id="2" lat="50.0" lon="8.0002"/>
-          <node id="3" lat="50.0001" lon="8.0002"/><node id="4" lat="50.0001" lon="8.0"/>
-          <way id="5"><nd ref="1"/><nd ref="2"/><nd ref="3"/><nd ref="4"/><nd ref="1"/>
-            <tag k="building" v="yes"/><tag k="name" v="building1"/></way></osm>"#;
-        let data = OsmData::from_xml(xml.as_bytes()).unwrap();
-        OsmMap::new(&data, Georeference::tangent_plane(LonLat::new(8.0, 50.0)))
+        houses(&[(0.0, 0.0, 14.3, 11.1)])
+    }
+
+    /// Houses from west, south to east, north, metres from the origin.
+    fn houses(boxes: &[(f64, f64, f64, f64)]) -> OsmMap {
+        let georeference = Georeference::tangent_plane(LonLat::new(8.0, 50.0));
+        let projection = Projection::new(georeference);
+        let (mut nodes, mut ways) = (String::new(), String::new());
+        for (i, &(west, south, east, north)) in boxes.iter().enumerate() {
+            let corners = [(west, south), (east, south), (east, north), (west, north)];
+            for (k, (x, y)) in corners.into_iter().enumerate() {
+                let at = projection.to_lonlat(MapPoint::new(x, y));
+                nodes += &format!(r#"<node id="{}" lat="{}" lon="{}"/>"#, 10 * i + k + 1, at.lat, at.lon);
+            }
+            let ends = [1, 2, 3, 4, 1].map(|k| format!(r#"<nd ref="{}"/>"#, 10 * i + k)).concat();
+            ways += &format!(r#"<way id="{}">{ends}<tag k="building" v="yes"/></way>"#, i + 1);
+        }
+        let data = OsmData::from_xml(format!(r#"<osm version="0.6">{nodes}{ways}</osm>"#).as_bytes());
+        OsmMap::new(&data.unwrap(), georeference)
     }
 
     #[test]
     fn waypoints_go_round_the_house_and_face_it() {
         let map = map();
-        let places = waypoints(&map, 0, 4.0);
+        let places = waypoints(&map, 0, 4.0, SEES_FROM);
         assert!((12..20).contains(&places.len()), "{}", places.len());
         let outline = &map.buildings[0].polygon;
         for place in places.iter().map(|w| w.place) {
@@ -191,7 +253,7 @@ mod tests {
 
     #[test]
     fn a_nearer_place_has_the_same_view() {
-        let place = waypoints(&map(), 0, 4.0)[0];
+        let place = waypoints(&map(), 0, 4.0, SEES_FROM)[0];
         let nearer = place.nearer().unwrap();
         assert!((nearer.place.point().distance(place.wall) - 2.4).abs() < 1e-9);
         assert!(nearer.place.transform(2.4, 0.0).distance(place.wall) < 1e-9);
@@ -202,21 +264,54 @@ mod tests {
     fn a_plate_is_looked_at_from_where_it_was_seen_if_the_map_has_a_wall_there() {
         let map = map();
         let plate = map.buildings[0].polygon.centroid();
-        assert_eq!(before_plate(&map, plate, 0.0), None);
-        for (away, standoff) in [(8.0, 3.0), (2.0, 1.2), (0.9, 1.0)] {
-            let view = nearer_to_plate(&map, plate, 0.0, plate.offset(2.0, away));
+        assert_eq!(before_plate(&map, plate, 0.0, SEES_FROM), []);
+        for (away, standoff) in [(8.0, 3.0), (4.0, 2.6), (2.0, 2.0), (0.9, 1.0)] {
+            let view = nearer_to_plate(&map, plate, 0.0, plate.offset(2.0, away), SEES_FROM);
             assert!(view.place.point().distance(plate.offset(2.0, standoff)) < 1e-9);
             assert!(view.place.transform(standoff, 0.0).distance(plate) < 1e-9);
         }
         // In front of a wall that the map has where it is.
         let (wall, facing) = map.buildings[0].polygon.nearest_boundary_point(MapPoint::new(-9.0, 5.0));
-        let view = nearer_to_plate(&map, wall, facing, wall.offset(facing + 0.6, 8.0));
-        assert!(view.place.point().distance(wall.offset(facing, 3.0)) < 1e-6, "{view:?}");
+        for (away, aside) in [(8.0, 0.6), (4.0, 1.2)] {
+            let view = nearer_to_plate(&map, wall, facing, wall.offset(facing + aside, away), SEES_FROM);
+            assert!(view.place.point().distance(wall.offset(facing, 3.0)) < 1e-6, "{view:?}");
+        }
+    }
+
+    #[test]
+    fn in_an_alley_walls_are_looked_at_aslant() {
+        // The second house leaves an alley of 2.4 m to the east of the first.
+        let map = houses(&[(0.0, 0.0, 14.0, 11.0), (16.4, 0.0, 30.0, 11.0)]);
+        let at_wall = |w: &&Waypoint| (w.wall.x - 14.0).abs() < 0.1 && w.wall.y > 3.0 && w.wall.y < 8.0;
+        let views = waypoints(&map, 0, 4.0, SEES_FROM);
+        let views: Vec<_> = views.iter().filter(at_wall).collect();
+        for side in [-1.0, 1.0] {
+            assert!(views.iter().any(|w| side * (w.place.y - w.wall.y) > 1.5), "{views:?}");
+        }
+        for view in views {
+            assert!((15.0..15.9).contains(&view.place.x), "{view:?}");
+            assert!(view.standoff > 0.9 * SEES_FROM, "{view:?}");
+        }
+    }
+
+    #[test]
+    fn a_corner_hides_what_is_looked_at_aslant() {
+        // The alley ends 1 m beyond the plate, so there is one side to look from.
+        let map = houses(&[(0.0, 0.0, 14.0, 11.0), (16.4, 0.0, 30.0, 11.0), (14.0, 6.0, 16.4, 11.0)]);
+        let views = before_plate(&map, MapPoint::new(14.05, 5.0), 0.0, SEES_FROM);
+        assert_eq!(views.len(), 1, "{views:?}");
+        assert!(views[0].place.y < 4.0, "{views:?}");
+    }
+
+    #[test]
+    fn plates_are_in_the_picture_from_two_and_a_half_metres() {
+        let robot = openbench_core::RobotDescription::sentry();
+        assert!((sees_plates_from(&robot) - 2.6).abs() < 0.1, "{}", sees_plates_from(&robot));
     }
 
     #[test]
     fn the_nearest_comes_first() {
-        let places = waypoints(&map(), 0, 4.0);
+        let places = waypoints(&map(), 0, 4.0, SEES_FROM);
         let from = MapPoint::new(-20.0, 5.0);
         let robot = openbench_core::RobotDescription::sentry();
         let terrain = Terrain::new(map(), None, from, &robot, Preferences::NONE).unwrap();

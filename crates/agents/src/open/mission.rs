@@ -91,6 +91,8 @@ pub struct Mission {
     /// Whether the pose is being corrected by more than a little.
     correcting: bool,
     caution: Caution,
+    /// Distance from which plates at door height are in the picture, metres.
+    sees_from: f64,
 }
 
 impl Mission {
@@ -119,6 +121,7 @@ impl Mission {
             doubted: Vec::new(),
             correcting: false,
             caution: Caution::default(),
+            sees_from: exploration::sees_plates_from(&robot),
             robot,
             localizer,
             memory,
@@ -368,7 +371,8 @@ impl Mission {
                 return Action::GiveUp(one(task.address, FailureCause::DoorNotFound, detail));
             };
             task.round += 1;
-            task.waypoints = exploration::waypoints(self.memory.map(), task.building, standoff);
+            task.waypoints =
+                exploration::waypoints(self.memory.map(), task.building, standoff, self.sees_from);
             events.record(Event::Waypoints(task.waypoints.iter().map(|w| w.place).collect()));
         };
         let waypoint = task.waypoints.remove(nearest);

@@ -89,7 +89,8 @@ impl Mission {
         }
         self.doubted.push(position);
         let here = self.localizer.pose().point();
-        Some(exploration::nearer_to_plate(self.memory.map(), position, facing, here))
+        let map = self.memory.map();
+        Some(exploration::nearer_to_plate(map, position, facing, here, self.sees_from))
     }
 
     /// Goes to look from a place before all others.
@@ -175,7 +176,7 @@ impl Mission {
                 && map.distance_to_building(task.building, plate) <= sighting::OFF_BUILDING;
             if its && self.puzzling.len() < MOST_PUZZLING {
                 self.puzzling.push(plate);
-                task.waypoints.extend(exploration::before_plate(map, plate, facing));
+                task.waypoints.extend(exploration::before_plate(map, plate, facing, self.sees_from));
             }
         }
     }
