@@ -30,6 +30,8 @@ const PLATE_TOP: f64 = 1.9;
 const STEEPEST: f64 = 1.05;
 /// Plates seen from farther aside than this are looked at again from nearer to their normal, radians.
 const ASIDE: f64 = 0.8;
+/// Steps in which a place is moved nearer to a wall until there is room, metres.
+const STEP: f64 = 0.1;
 /// Room that a line of sight keeps from every building of the map, metres.
 const SIGHT: f64 = 0.2;
 
@@ -42,6 +44,8 @@ pub struct Waypoint {
     pub wall: MapPoint,
     /// Distance between them, metres.
     pub standoff: f64,
+    /// Distance of the place from the line of the wall, metres: shorter where it looks aslant.
+    pub from_wall: f64,
     /// Whether it stands in for a place that could not be reached or saw too little. Nothing stands in for it in turn: each look shows
     /// obstacles that hide something, and there would be no end of places.
     pub second: bool,
@@ -70,7 +74,14 @@ impl Waypoint {
         let back = self.place.yaw + std::f64::consts::PI;
         let at = self.wall.offset(back, standoff);
         let place = Pose2::new(at.x, at.y, self.place.yaw);
-        (standoff >= NEAREST && !self.second).then_some(Self { place, standoff, second: true, ..*self })
+        let from_wall = self.from_wall * standoff / self.standoff;
+        (standoff >= NEAREST && !self.second).then_some(Self {
+            place,
+            standoff,
+            from_wall,
+            second: true,
+            ..*self
+        })
     }
 }
 
@@ -134,7 +145,8 @@ pub fn nearer_to_plate(
     let standoff = (NEARER * distance).clamp(sees_from.min(PLATE), PLATE).min(distance).max(NEAREST);
     let at = plate.offset(towards, standoff);
     let place = Pose2::new(at.x, at.y, at.bearing_to(plate));
-    let on_line = Waypoint { place, wall: plate, standoff, second: true };
+    let from_wall = standoff * libm::cos(wrap_angle(towards - facing));
+    let on_line = Waypoint { place, wall: plate, standoff, from_wall, second: true };
     if standoff < PLATE && wrap_angle(towards - facing).abs() < ASIDE {
         return on_line;
     }
@@ -156,13 +168,14 @@ pub fn nearest(waypoints: &[Waypoint], from: MapPoint, terrain: &Terrain) -> Opt
 /// to stand in.
 fn look_at(map: &OsmMap, wall: MapPoint, outwards: f64, standoff: f64, sees_from: f64) -> Vec<Waypoint> {
     let has_room = |d: &f64| is_clear(map, wall.offset(outwards, *d), ROOM);
-    let mut distances = (0..).map(|i| standoff - 0.4 * f64::from(i)).take_while(|d| *d >= NEAREST);
+    let mut distances = (0..).map(|i| standoff - STEP * f64::from(i)).take_while(|d| *d >= NEAREST);
     let Some(from_wall) = distances.find(has_room) else { return Vec::new() };
     let aslant = libm::acos((from_wall / sees_from.min(standoff)).min(1.0)).min(STEEPEST);
     let view = |turned: f64| {
         let standoff = from_wall / libm::cos(turned);
         let at = wall.offset(outwards + turned, standoff);
-        Waypoint { place: Pose2::new(at.x, at.y, at.bearing_to(wall)), wall, standoff, second: false }
+        let place = Pose2::new(at.x, at.y, at.bearing_to(wall));
+        Waypoint { place, wall, standoff, from_wall, second: false }
     };
     let is_open = |view: &Waypoint| {
         let (at, steps) = (view.place.point(), (view.standoff / SIGHT) as usize);
@@ -190,7 +203,7 @@ fn thinned(views: &[Waypoint]) -> Vec<Waypoint> {
         let seen = |k: &Waypoint| {
             let apart = k.wall.distance(view.wall);
             let turn = wrap_angle(k.place.yaw - view.place.yaw).abs();
-            apart < COVERAGE * k.standoff.min(view.standoff) && turn < 0.5
+            apart < COVERAGE * k.from_wall.min(view.from_wall) && turn < 0.5
         };
         if !kept.iter().any(seen) {
             kept.push(*view);

@@ -128,7 +128,7 @@ impl Matching {
                 Some(seen) => Rays::Right(cluster.points.weight / seen.weighed.weight),
                 None => Rays::Raw(lidar.rotation * cluster.points.mean()),
             };
-            if let Some(share) = map.add(&cluster.place, &cluster.points.moved(&motion), rays) {
+            if let Some(share) = map.add(&cluster.place, &cluster.points.moved(&motion), rays, about) {
                 new += share * cluster.points.weight;
                 all += cluster.points.weight;
             }
@@ -212,7 +212,7 @@ impl Search<'_> {
         let left = &mut mine[0];
         left.clear();
         let mut points = Moments::default();
-        let known = self.map.look(&place);
+        let known = self.map.look(&place, self.lidar.translation.vector);
         let full = known.is_some_and(|known| known.full);
         let plane = known.and_then(|known| known.plane);
         let seen = plane.map(|plane| self.seen(plane, run, &mut points, left));

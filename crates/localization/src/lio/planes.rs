@@ -43,7 +43,7 @@ const FLAT: f64 = 4.0;
 /// A plane that points lie on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plane {
-    /// Of unit length.
+    /// Of unit length, towards where the points were seen from.
     pub normal: Vector3<f64>,
     /// The middle of its points.
     pub middle: Vector3<f64>,
@@ -103,16 +103,27 @@ struct Cube {
     /// Of those that are, the sum of the variances across the plane that the LiDAR's noise gives
     /// them, m².
     noisy: f64,
+    /// The sum of their directions to the LiDAR, of unit length each.
+    towards: Vector3<f64>,
     plane: Option<Plane>,
 }
 
 impl Cube {
-    /// Takes points in, relative to the cube's `middle`.
-    fn add(&mut self, points: &Moments, rays: Rays, middle: Vector3<f64>, noise: &LidarNoise) {
+    /// Takes points in, relative to the cube's `middle` as is the LiDAR.
+    fn add(
+        &mut self,
+        points: &Moments,
+        rays: Rays,
+        lidar: Vector3<f64>,
+        middle: Vector3<f64>,
+        noise: &LidarNoise,
+    ) {
         if self.points.weight >= FULL {
             return;
         }
         self.points.merge(points);
+        let direction = (lidar - points.mean()).try_normalize(0.0).unwrap_or_default();
+        self.towards += direction * points.weight;
         match rays {
             Rays::Right(variance) => self.noisy += variance * points.weight,
             Rays::Raw(ray) => {
@@ -126,6 +137,11 @@ impl Cube {
         }
     }
 
+    /// Whether the LiDAR is where it cannot see the plane.
+    fn is_seen_from_behind(&self, lidar: Vector3<f64>) -> bool {
+        self.plane.is_some_and(|plane| plane.distance(lidar) < 0.0)
+    }
+
     fn fit(&mut self, middle: Vector3<f64>, noise: &LidarNoise) {
         let count = self.points.weight;
         self.fitted = count;
@@ -135,11 +151,13 @@ impl Cube {
         let [thickness, narrow, wide] = order.map(|i| eigen.eigenvalues[i].max(0.0));
         let direction = |i: usize| eigen.eigenvectors.column(order[i]).into_owned();
         let flat = thickness < THICK * THICK && narrow > FLAT * FLAT * thickness.max(1e-5);
+        let across = direction(0);
+        let normal = if across.dot(&self.towards) < 0.0 { -across } else { across };
         if flat {
-            self.put_right(direction(0), noise);
+            self.put_right(normal, noise);
         }
         self.plane = flat.then(|| Plane {
-            normal: direction(0),
+            normal,
             middle: middle + self.points.mean(),
             along: [direction(1), direction(2)],
             spread: [narrow, wide],
@@ -209,10 +227,17 @@ pub(super) type ByCube<T> = HashMap<u64, T, BuildHasherDefault<Mix>>;
 type Cubes = ByCube<Cube>;
 
 /// The map.
+///
+/// A surface is seen from one side. Where the LiDAR is behind a cube's plane, the cube's points are not on that surface,
+/// however near they are to it: beside the corner of a house, the points of one wall near the edge pass for points of the
+/// other, all of them on the same side of it, and would pull the pose along. What is seen from behind has cubes of its
+/// own.
 #[derive(Debug, Clone)]
 pub struct PlaneMap {
     /// Of each size of [`SIDES`].
     cubes: [Cubes; SIZES],
+    /// What is seen of cubes from behind their planes.
+    backs: [Cubes; SIZES],
     /// What points are expected to be off by.
     noise: LidarNoise,
 }
@@ -253,25 +278,34 @@ pub(super) struct Looked<'a> {
 impl PlaneMap {
     /// An empty map of a LiDAR's points.
     pub fn new(noise: LidarNoise) -> Self {
-        Self { cubes: Default::default(), noise }
+        Self { cubes: Default::default(), backs: Default::default(), noise }
     }
 
-    /// Takes points of one cube in; they are relative to its middle. If the cube has a plane, the share of its points that these are.
-    pub fn add(&mut self, place: &Place, points: &Moments, rays: Rays) -> Option<f64> {
-        let cube = self.cubes[place.size].entry(place.number).or_default();
+    /// Takes points of one cube in; they and where the LiDAR was are relative to its middle. If the cube has a plane, the
+    /// share of its points that these are.
+    pub fn add(&mut self, place: &Place, points: &Moments, rays: Rays, lidar: Vector3<f64>) -> Option<f64> {
+        let front = self.cubes[place.size].entry(place.number).or_default();
+        let cube = if front.is_seen_from_behind(lidar + place.middle) {
+            self.backs[place.size].entry(place.number).or_default()
+        } else {
+            front
+        };
         let before = cube.points.weight;
-        cube.add(points, rays, place.middle, &self.noise);
+        cube.add(points, rays, lidar, place.middle, &self.noise);
         cube.plane.map(|_| (cube.points.weight - before) / cube.points.weight)
     }
 
-    /// The plane of a cube's points, if they lie on one.
-    pub fn plane(&self, place: &Place) -> Option<&Plane> {
-        self.look(place)?.plane
+    /// The plane of a cube's points, if they lie on one; as seen from where the LiDAR is.
+    pub fn plane(&self, place: &Place, lidar: Vector3<f64>) -> Option<&Plane> {
+        self.look(place, lidar)?.plane
     }
 
-    /// What is known of a cube that has points.
-    pub(super) fn look(&self, place: &Place) -> Option<Looked<'_>> {
-        let cube = self.cubes[place.size].get(&place.number)?;
+    /// What is known of a cube that has points; as seen from where the LiDAR is.
+    pub(super) fn look(&self, place: &Place, lidar: Vector3<f64>) -> Option<Looked<'_>> {
+        let mut cube = self.cubes[place.size].get(&place.number)?;
+        if cube.is_seen_from_behind(lidar) {
+            cube = self.backs[place.size].get(&place.number)?;
+        }
         // A cube without a plane is not passed over, since its points are no part of what is known.
         let full = cube.plane.is_some() && cube.points.weight >= FULL;
         Some(Looked { plane: cube.plane.as_ref(), full })
@@ -280,7 +314,8 @@ impl PlaneMap {
     /// Forgets what is farther than so many metres from a place along some axis.
     pub fn forget(&mut self, place: Vector3<f64>, distance: f64) {
         const HALF: i64 = 1 << 20;
-        for (cubes, side) in self.cubes.iter_mut().zip(SIDES) {
+        let sides = SIDES.iter().chain(&SIDES);
+        for (cubes, side) in self.cubes.iter_mut().chain(&mut self.backs).zip(sides) {
             cubes.retain(|number, _| {
                 (0..3).all(|axis| {
                     let cell = (number >> (42 - 21 * axis) & ((1 << 21) - 1)) as i64 - HALF;
@@ -292,7 +327,7 @@ impl PlaneMap {
 
     /// Number of cubes of all sizes.
     pub fn len(&self) -> usize {
-        self.cubes.iter().map(HashMap::len).sum()
+        self.cubes.iter().chain(&self.backs).map(HashMap::len).sum()
     }
 
     /// Whether it is empty.
@@ -305,16 +340,27 @@ impl PlaneMap {
 mod tests {
     use super::*;
 
+    /// Where the LiDAR is in most tests.
+    const LIDAR: Vector3<f64> = Vector3::new(5.0, 4.0, 3.0);
+
     fn add(map: &mut PlaneMap, point: Vector3<f64>) {
+        add_from(map, point, LIDAR);
+    }
+
+    fn add_from(map: &mut PlaneMap, point: Vector3<f64>, lidar: Vector3<f64>) {
         for place in (0..SIZES).filter_map(|size| Place::of(point, size)) {
             let mut points = Moments::default();
             points.add(point - place.middle, 1.0);
-            map.add(&place, &points, Rays::Right(0.0));
+            map.add(&place, &points, Rays::Right(0.0), lidar - place.middle);
         }
     }
 
     fn plane(map: &PlaneMap, point: Vector3<f64>) -> Option<&Plane> {
-        (0..SIZES).find_map(|size| map.plane(&Place::of(point, size)?))
+        plane_from(map, point, LIDAR)
+    }
+
+    fn plane_from(map: &PlaneMap, point: Vector3<f64>, lidar: Vector3<f64>) -> Option<&Plane> {
+        (0..SIZES).find_map(|size| map.plane(&Place::of(point, size)?, lidar))
     }
 
     /// Points on a slope, a little off it now and then.
@@ -367,11 +413,34 @@ mod tests {
         }
         // The largest cube holds both.
         let middle = Vector3::new(0.5, 0.5, 0.5);
-        assert!(map.plane(&Place::of(middle, 0).unwrap()).is_none());
+        assert!(map.plane(&Place::of(middle, 0).unwrap(), LIDAR).is_none());
         let wall = plane(&map, Vector3::new(0.005, 0.6, 0.6)).unwrap();
         assert!(wall.normal.x.abs() > 0.99);
         let floor = plane(&map, Vector3::new(0.6, 0.6, 0.005)).unwrap();
         assert!(floor.normal.z.abs() > 0.99);
+    }
+
+    #[test]
+    fn a_wall_has_two_sides() {
+        let mut map = PlaneMap::new(LidarNoise { range: 0.01, angle: 0.001 });
+        let (front, behind) = (Vector3::new(0.0, 5.0, 0.7), Vector3::new(0.0, -5.0, 0.7));
+        for i in 0..2500 {
+            let (x, z) = (f64::from(i % 50) / 25.0, f64::from(i / 50) / 25.0);
+            add_from(&mut map, Vector3::new(x, 0.50, z), front);
+        }
+        let middle = Vector3::new(0.9, 0.5, 0.9);
+        let plane = plane_from(&map, middle, front).unwrap();
+        assert!(plane.normal.y > 0.99, "{plane:?}");
+        assert!(plane_from(&map, middle, behind).is_none());
+        let before = *plane;
+        // The other side of the wall is 4 cm farther back.
+        for i in 0..2500 {
+            let (x, z) = (f64::from(i % 50) / 25.0, f64::from(i / 50) / 25.0);
+            add_from(&mut map, Vector3::new(x, 0.46, z), behind);
+        }
+        assert_eq!(plane_from(&map, middle, front), Some(&before));
+        let back = plane_from(&map, middle, behind).unwrap();
+        assert!(back.normal.y < -0.99 && (back.middle.y - 0.46).abs() < 1e-6, "{back:?}");
     }
 
     #[test]
@@ -385,7 +454,7 @@ mod tests {
                 let layer = f64::from(i % 2) * 0.04;
                 points.add(Vector3::new(f64::from(i % 20) * 0.05, f64::from(i / 20) * 0.05, layer), 1.0);
             }
-            cube.add(&points, rays, Vector3::zeros(), &noise);
+            cube.add(&points, rays, Vector3::z() * 5.0, Vector3::zeros(), &noise);
             cube.plane.unwrap().uneven
         };
         let most = EVEN * EVEN + UNEVEN * 0.02 * 0.02;
