@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
-"""The table of a comparison: table.py FOLDER [LOG ...], with a folder of .tum and .json files for each log. With logs named, also how ours stands to the best
-peer of each.
+"""The table of a comparison: table.py FOLDER [LOG ...], with a folder of .tum and .json files for each log.
+
+With logs named, a row for each of them, with errors aligned as a whole and the median of the CPU times that half of the
+scans stay below, and how ours stands to the best peer of each log.
 
 Errors are evo's: the root of the mean square of positions' errors, truth interpolated to the stamps of each estimate as they are. Aligned as a whole by a rotation and
 a shift, or at the first pose that all have, and per 100 m of the way.
@@ -85,6 +87,33 @@ def row(folder, name, truth):
     return f"| {log} | {name} | {numbers} | {facts['cpu_ms_p50']:.1f}; {facts['cpu_ms_p99']:.1f} |"
 
 
+def by_ours(name):
+    """Ours first, then by name."""
+    return not name.startswith("ours"), name
+
+
+def side_by_side(out, logs):
+    """A table with a row for each log and a column for each odometry."""
+    facts = {log: {path.stem: json.loads(path.read_text()) for path in (out / log).glob("*.json")} for log in logs}
+    names = sorted({name for found in facts.values() for name in found}, key=by_ours)
+    lines = ["| log | way, m | " + " | ".join(f"{name}, cm" for name in names) + " |", "|---|---:|" + "---:|" * len(names)]
+    for log in logs:
+        truth = file_interface.read_tum_trajectory_file(out / log / "truth.tum")
+        cells, length = [], 0.0
+        for name in names:
+            if "error" in facts[log].get(name, {"error": ""}):
+                cells.append("fails")
+                continue
+            reference, estimate = read(out / log, name, truth)
+            length = max(length, reference.path_length)
+            cells.append(f"{100 * rms(errors(reference, estimate, True)):.2f}")
+        lines.append(f"| {log} | {length:.0f} | " + " | ".join(cells) + " |")
+    times = [sorted(found[name]["cpu_ms_p50"] for found in facts.values() if "cpu_ms_p50" in found.get(name, {})) for name in names]
+    cells = [f"{time[len(time) // 2]:.1f} ms" if time else "" for time in times]
+    lines.append("| CPU a scan | | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
 def interpolated(truth, stamps):
     """The truth at these instants."""
     import numpy as np
@@ -105,19 +134,21 @@ def drift(folder, name, truth):
 
 def main():
     out = Path(sys.argv[1])
-    logs = sys.argv[2:] or LOGS
+    if sys.argv[2:]:
+        print(side_by_side(out, sys.argv[2:]))
+        print()
+        print(standing(out, sys.argv[2:]))
+        return
+    logs = LOGS
     print("| log | odometry | SE(3), cm | first pose, cm | SE(3), cm per 100 m | first pose, cm per 100 m | CPU ms a scan, p50; p99 |")
     print("|---|---|---|---|---|---|---|")
     for log in logs:
         folder = out / log
         truth = file_interface.read_tum_trajectory_file(folder / "truth.tum")
         names = sorted(path.stem for path in folder.glob("*.json"))
-        for name in sorted(names, key=lambda name: (not name.startswith("ours"), name)):
+        for name in sorted(names, key=by_ours):
             print(row(folder, name, truth))
     print()
-    if sys.argv[2:]:
-        print(standing(out, logs))
-        return
     for log in LONG:
         truth = file_interface.read_tum_trajectory_file(out / log / "truth.tum")
         for name in ("ours", "ours-wheels"):
