@@ -427,7 +427,6 @@ fn kilometres_from_the_origin_ranges_keep_their_millimetres() {
         let seen = expected.iter().flatten().count();
         assert!(near.len() * 200 > seen * 199, "{} of {seen}", near.len());
         let rms = libm::sqrt(near.iter().map(|apart| apart * apart).sum::<f64>() / near.len() as f64);
-        eprintln!("{metres} m: {rms:.6} m");
         assert!(rms < step, "{rms} m at {metres}");
     }
 }
