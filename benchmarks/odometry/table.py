@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """The table of a comparison: table.py FOLDER [LOG ...], with a folder of .tum and .json files for each log.
 
-With logs named, a row for each of them, with errors aligned as a whole and the median of the CPU times that half of the
-scans stay below, and how ours stands to the best peer of each log.
+With logs named: a row for each of them, with errors aligned as a whole; the median CPU time of a scan, of
+which the middle log's is shown; and how ours stands to the best peer of each log.
 
 Errors are evo's: the root of the mean square of positions' errors, truth interpolated to the stamps of each estimate as they are. Aligned as a whole by a rotation and
 a shift, or at the first pose that all have, and per 100 m of the way.
@@ -96,7 +96,8 @@ def side_by_side(out, logs):
     """A table with a row for each log and a column for each odometry."""
     facts = {log: {path.stem: json.loads(path.read_text()) for path in (out / log).glob("*.json")} for log in logs}
     names = sorted({name for found in facts.values() for name in found}, key=by_ours)
-    lines = ["| log | way, m | " + " | ".join(f"{name}, cm" for name in names) + " |", "|---|---:|" + "---:|" * len(names)]
+    columns = " | ".join(f"{name}, cm" for name in names)
+    lines = [f"| log | way, m | {columns} |", "|---|---:|" + "---:|" * len(names)]
     for log in logs:
         truth = file_interface.read_tum_trajectory_file(out / log / "truth.tum")
         cells, length = [], 0.0
@@ -108,8 +109,11 @@ def side_by_side(out, logs):
             length = max(length, reference.path_length)
             cells.append(f"{100 * rms(errors(reference, estimate, True)):.2f}")
         lines.append(f"| {log} | {length:.0f} | " + " | ".join(cells) + " |")
-    times = [sorted(found[name]["cpu_ms_p50"] for found in facts.values() if "cpu_ms_p50" in found.get(name, {})) for name in names]
-    cells = [f"{time[len(time) // 2]:.1f} ms" if time else "" for time in times]
+    cells = []
+    for name in names:
+        known = [found[name] for found in facts.values() if name in found]
+        times = sorted(fact["cpu_ms_p50"] for fact in known if "cpu_ms_p50" in fact)
+        cells.append(f"{times[len(times) // 2]:.1f} ms" if times else "")
     lines.append("| CPU a scan | | " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
@@ -139,10 +143,9 @@ def main():
         print()
         print(standing(out, sys.argv[2:]))
         return
-    logs = LOGS
     print("| log | odometry | SE(3), cm | first pose, cm | SE(3), cm per 100 m | first pose, cm per 100 m | CPU ms a scan, p50; p99 |")
     print("|---|---|---|---|---|---|---|")
-    for log in logs:
+    for log in LOGS:
         folder = out / log
         truth = file_interface.read_tum_trajectory_file(folder / "truth.tum")
         names = sorted(path.stem for path in folder.glob("*.json"))
