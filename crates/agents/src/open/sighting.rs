@@ -25,6 +25,10 @@ const DEPTH: f64 = 0.4;
 const NEAR_WALL: f64 = 5.0;
 /// Largest angle between where a plate seems to face and the normal of its wall, radians.
 const MISFIT: f64 = 0.9;
+/// Points this near to a line are of its wall, metres: weatherboards and frames stand out.
+const WALL_THICKNESS: f64 = 0.06;
+/// Directions that a wall is tried in; three degrees apart.
+const NORMALS: u32 = 60;
 /// Fewest points that make a place.
 const FEWEST: usize = 5;
 
@@ -93,10 +97,11 @@ pub fn place(
     };
     // Far away few points fall into the box itself.
     let plate =
-        [0.0, 0.3].into_iter().map(|grow| surface(behind(grow), None)).find(|s| s.points.len() >= FEWEST)?;
-    let middle = mean(&plate.points);
-    let wall = surface(behind(WALL_AROUND), Some(plate.depth)).points;
-    Some((middle, facing(&wall, base.point()).unwrap_or_else(|| middle.bearing_to(base.point()))))
+        [0.0, 0.3].into_iter().map(|grow| surface(behind(grow))).find(|points| points.len() >= FEWEST)?;
+    let middle = mean(&plate);
+    let around: Vec<MapPoint> = behind(WALL_AROUND).into_iter().map(|p| p.1).collect();
+    let facing = facing(&around, middle, base.point());
+    Some((middle, facing.unwrap_or_else(|| middle.bearing_to(base.point()))))
 }
 
 /// The sighting that a reading amounts to, if it names a unit, can be placed, and lies at a building.
@@ -133,18 +138,11 @@ fn along_wall(facing: f64, plate: MapPoint, outline: &Polygon) -> f64 {
     best.map_or(facing, wrap_angle)
 }
 
-/// Points of about one depth.
-struct Surface {
-    depth: f64,
-    points: Vec<MapPoint>,
-}
-
-/// The surface at `depth`, or at the depth of most points: where a text can be read, most of its pixels are not hidden.
-fn surface(mut points: Vec<(f64, MapPoint)>, depth: Option<f64>) -> Surface {
+/// The points at about the depth of most of them: where a text can be read, most of its pixels are not hidden.
+fn surface(mut points: Vec<(f64, MapPoint)>) -> Vec<MapPoint> {
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let depth = depth.or_else(|| points.get(points.len() / 2).map(|p| p.0)).unwrap_or_default();
-    let points = points.into_iter().filter(|p| (p.0 - depth).abs() <= DEPTH).map(|p| p.1).collect();
-    Surface { depth, points }
+    let depth = points.get(points.len() / 2).map(|p| p.0).unwrap_or_default();
+    points.into_iter().filter(|p| (p.0 - depth).abs() <= DEPTH).map(|p| p.1).collect()
 }
 
 fn mean(points: &[MapPoint]) -> MapPoint {
@@ -152,11 +150,29 @@ fn mean(points: &[MapPoint]) -> MapPoint {
     MapPoint::new(points.iter().map(|p| p.x).sum::<f64>() / n, points.iter().map(|p| p.y).sum::<f64>() / n)
 }
 
-/// Normal of the line through points (total least squares), on the side of `viewer`. `None` where they form no line.
-fn facing(points: &[MapPoint], viewer: MapPoint) -> Option<f64> {
-    if points.len() < FEWEST {
+/// Normal of the wall through `plate`, on the side of `viewer`: of all lines through the plate that
+/// on which most of the points lie. Beside a corner the points of two walls are seen, and only one
+/// of the walls goes through the plate. `None` where no line has a third of the points.
+fn facing(points: &[MapPoint], plate: MapPoint, viewer: MapPoint) -> Option<f64> {
+    let normals = (0..NORMALS).map(|i| f64::from(i) * std::f64::consts::PI / f64::from(NORMALS));
+    let on = |normal: f64| points.iter().filter(move |p| off_line(**p, plate, normal) <= WALL_THICKNESS);
+    let (_, best) = normals.map(|n| (on(n).count(), n)).reduce(|a, b| if b.0 > a.0 { b } else { a })?;
+    let wall: Vec<MapPoint> = on(best).copied().collect();
+    if wall.len() < FEWEST || 3 * wall.len() < points.len() {
         return None;
     }
+    let normal = normal_of_line(&wall);
+    let ahead = libm::cos(normal - plate.bearing_to(viewer)) >= 0.0;
+    Some(wrap_angle(if ahead { normal } else { normal + std::f64::consts::PI }))
+}
+
+/// How far a point is from the line through `on` with this normal, metres.
+fn off_line(point: MapPoint, on: MapPoint, normal: f64) -> f64 {
+    ((point.x - on.x) * libm::cos(normal) + (point.y - on.y) * libm::sin(normal)).abs()
+}
+
+/// Normal of the line through points (total least squares), radians, to either side.
+fn normal_of_line(points: &[MapPoint]) -> f64 {
     let m = mean(points);
     let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
     for p in points {
@@ -165,36 +181,47 @@ fn facing(points: &[MapPoint], viewer: MapPoint) -> Option<f64> {
         xy += dx * dy;
         yy += dy * dy;
     }
-    let spread = ((xx - yy) * (xx - yy) + 4.0 * xy * xy).sqrt();
-    if spread < 0.5 * (xx + yy) {
-        return None;
-    }
-    let along = 0.5 * libm::atan2(2.0 * xy, xx - yy);
-    let normal = along + std::f64::consts::FRAC_PI_2;
-    let towards = m.bearing_to(viewer);
-    let ahead = libm::cos(normal - towards) >= 0.0;
-    Some(wrap_angle(if ahead { normal } else { normal + std::f64::consts::PI }))
+    0.5 * libm::atan2(2.0 * xy, xx - yy) + std::f64::consts::FRAC_PI_2
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// Points of a wall from `a` to `b`, 5 cm apart, up to a centimetre beside it.
+    fn wall(a: MapPoint, b: MapPoint) -> Vec<MapPoint> {
+        let (count, along) = ((a.distance(b) / 0.05) as u32, a.bearing_to(b));
+        let aside = |i: u32| f64::from(i % 3) * 0.01 - 0.01;
+        let across = along + std::f64::consts::FRAC_PI_2;
+        (0..count).map(|i| a.offset(along, 0.05 * f64::from(i)).offset(across, aside(i))).collect()
+    }
+
     #[test]
     fn a_wall_faces_its_viewer() {
-        let wall: Vec<MapPoint> =
-            (0..20).map(|i| MapPoint::new(3.0 + 0.01 * f64::from(i % 3), 0.1 * f64::from(i))).collect();
-        let west = facing(&wall, MapPoint::new(0.0, 1.0)).unwrap();
+        let points = wall(MapPoint::new(3.0, 0.0), MapPoint::new(3.0, 2.0));
+        let plate = MapPoint::new(3.0, 1.0);
+        let west = facing(&points, plate, MapPoint::new(0.0, 1.0)).unwrap();
         assert!((west.abs() - std::f64::consts::PI).abs() < 0.05, "{west}");
-        let east = facing(&wall, MapPoint::new(6.0, 1.0)).unwrap();
+        let east = facing(&points, plate, MapPoint::new(6.0, 1.0)).unwrap();
         assert!(east.abs() < 0.05, "{east}");
+    }
+
+    #[test]
+    fn beside_a_corner_a_plate_faces_as_its_own_wall_does() {
+        // A viewer in the south-west sees 1.5 m of a wall that faces west, aslant, and 2 m of one
+        // that faces south.
+        let mut points = wall(MapPoint::new(0.0, 0.0), MapPoint::new(0.0, 1.5));
+        points.extend(wall(MapPoint::new(-2.0, 1.5), MapPoint::new(0.0, 1.5)));
+        let viewer = MapPoint::new(-3.8, -5.6);
+        let west = facing(&points, MapPoint::new(0.0, 0.8), viewer).unwrap();
+        assert!((west.abs() - std::f64::consts::PI).abs() < 0.05, "{west}");
     }
 
     #[test]
     fn a_heap_of_points_faces_nowhere() {
         let heap: Vec<MapPoint> =
             (0..25).map(|i| MapPoint::new(f64::from(i % 5), f64::from(i / 5))).collect();
-        assert_eq!(facing(&heap, MapPoint::new(9.0, 9.0)), None);
+        assert_eq!(facing(&heap, MapPoint::new(2.0, 2.0), MapPoint::new(9.0, 9.0)), None);
     }
 
     #[test]
