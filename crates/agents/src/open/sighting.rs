@@ -154,8 +154,13 @@ fn mean(points: &[MapPoint]) -> MapPoint {
 /// on which most of the points lie. Beside a corner the points of two walls are seen, and only one
 /// of the walls goes through the plate. `None` where no line has a third of the points.
 fn facing(points: &[MapPoint], plate: MapPoint, viewer: MapPoint) -> Option<f64> {
-    let normals = (0..NORMALS).map(|i| f64::from(i) * std::f64::consts::PI / f64::from(NORMALS));
-    let on = |normal: f64| points.iter().filter(move |p| off_line(**p, plate, normal) <= WALL_THICKNESS);
+    let normals = (0..NORMALS).map(|i| {
+        let (sin, cos) = libm::sincos(f64::from(i) * std::f64::consts::PI / f64::from(NORMALS));
+        MapPoint::new(cos, sin)
+    });
+    let is_on =
+        |p: &MapPoint, n: MapPoint| ((p.x - plate.x) * n.x + (p.y - plate.y) * n.y).abs() <= WALL_THICKNESS;
+    let on = |normal: MapPoint| points.iter().filter(move |p| is_on(p, normal));
     let (_, best) = normals.map(|n| (on(n).count(), n)).reduce(|a, b| if b.0 > a.0 { b } else { a })?;
     let wall: Vec<MapPoint> = on(best).copied().collect();
     if wall.len() < FEWEST || 3 * wall.len() < points.len() {
@@ -164,11 +169,6 @@ fn facing(points: &[MapPoint], plate: MapPoint, viewer: MapPoint) -> Option<f64>
     let normal = normal_of_line(&wall);
     let ahead = libm::cos(normal - plate.bearing_to(viewer)) >= 0.0;
     Some(wrap_angle(if ahead { normal } else { normal + std::f64::consts::PI }))
-}
-
-/// How far a point is from the line through `on` with this normal, metres.
-fn off_line(point: MapPoint, on: MapPoint, normal: f64) -> f64 {
-    ((point.x - on.x) * libm::cos(normal) + (point.y - on.y) * libm::sin(normal)).abs()
 }
 
 /// Normal of the line through points (total least squares), radians, to either side.
