@@ -15,6 +15,7 @@ use openbench_vision::PlateReader;
 
 use crate::open::Parts;
 use crate::open::caution::{Caution, Measure};
+use crate::open::doorstep;
 use crate::open::driving::{Driver, Driving, Target};
 use crate::open::exploration::{self, Waypoint};
 use crate::open::memory::Memory;
@@ -28,10 +29,6 @@ mod looking;
 const NOTABLE: f64 = 0.3;
 /// Distances from the wall to look from: all places at the first, then all at the next.
 const STANDOFFS: [f64; 3] = [4.0, 5.5, 2.6];
-/// Distance in front of a plate at which a parcel is put down, metres.
-const DOORSTEP: f64 = 0.8;
-/// Where it cannot be reached, places further out are tried, up to this distance, metres.
-const FARTHEST_DOORSTEP: f64 = 3.2;
 /// Distance in front of a known door from which its plate is read again, metres.
 const CHECK_FROM: f64 = 3.6;
 /// A road that ends within this distance is not worth setting out for, metres.
@@ -67,7 +64,7 @@ struct Task {
     looked: bool,
     /// Where map or memory have the door, to be trusted if its plate cannot be read there.
     expected: Option<Sighting>,
-    /// Distance in front of the plate that is driven to, metres.
+    /// The next doorstep is looked for so far from the plate or farther, metres.
     doorstep: f64,
 }
 
@@ -242,7 +239,7 @@ impl Mission {
             round: 0,
             looked: false,
             expected,
-            doorstep: DOORSTEP,
+            doorstep: doorstep::NEAREST,
         };
         match road {
             Some(end) if end.distance(self.localizer.pose().point()) > NEARBY => {
@@ -296,6 +293,10 @@ impl Mission {
     fn arrived(&mut self, mut task: Task, now: SimTime, events: &mut dyn Events) -> Action {
         match &task.stage {
             Stage::Travel => return self.end_travel(task, events),
+            // What was seen on the way may have moved its end beside a porch.
+            Stage::Approach(door) if !self.is_before(door) && task.doorstep <= doorstep::FARTHEST => {
+                return self.missed(task, events);
+            }
             Stage::Approach(_) => return Action::Delivered(task.address),
             Stage::ToWaypoint | Stage::Look(_) => {
                 task.stage = Stage::Look(now);
@@ -309,18 +310,14 @@ impl Mission {
     fn missed(&mut self, mut task: Task, events: &mut dyn Events) -> Action {
         match &mut task.stage {
             Stage::Travel => return self.end_travel(task, events),
-            Stage::Approach(sighting) => {
-                // Porches and steps keep the robot off some doors: nearer than this it cannot get.
-                let door = sighting.clone();
-                task.doorstep += DOORSTEP;
-                if task.doorstep <= FARTHEST_DOORSTEP {
+            Stage::Approach(door) => {
+                let door = door.clone();
+                if task.doorstep <= doorstep::FARTHEST {
                     self.approach(task, door);
-                } else if self.localizer.pose().point().distance(door.position)
-                    <= FARTHEST_DOORSTEP + DOORSTEP
-                {
+                } else if doorstep::is_at_door(&door, self.localizer.pose().point()) {
                     return Action::Delivered(task.address);
                 } else {
-                    (task.expected, task.doorstep) = (None, DOORSTEP);
+                    (task.expected, task.doorstep) = (None, doorstep::NEAREST);
                     return self.next_waypoint(task, events);
                 }
             }
@@ -389,9 +386,14 @@ impl Mission {
         self.task = Some(task);
     }
 
+    fn is_before(&self, door: &Sighting) -> bool {
+        doorstep::is_in_front(door, self.localizer.pose().point())
+    }
+
     fn approach(&mut self, mut task: Task, door: Sighting) {
-        let point = door.position.offset(door.facing, task.doorstep);
-        self.driver.set_target(Target { point, yaw: None, must: true });
+        let step = doorstep::doorstep(&door, task.doorstep, self.driver.terrain().near());
+        self.driver.set_target(Target { point: step.place, yaw: None, must: true });
+        task.doorstep = step.next;
         task.stage = Stage::Approach(door);
         task.expected = None;
         self.task = Some(task);

@@ -8,12 +8,14 @@
 //! | [`driving`] | costmap, navigator, and when a place is given up |
 //! | [`terrain`] | the ground near by, and corridors to goals farther off |
 //! | [`exploration`] | where to look at a building from |
+//! | [`doorstep`] | where in front of a door a parcel is put down |
 //! | [`sighting`] | where a plate that was read in an image is, by the LiDAR |
 //! | [`perception`] | scans and images in the `map` frame |
 //! | [`memory`] | the agent's own copy of the map |
 //! | `thinking` | what is asked of models, and how long the robot stands for it |
 
 pub mod caution;
+pub mod doorstep;
 pub mod driving;
 pub mod exploration;
 pub mod memory;

@@ -29,6 +29,8 @@ const MISFIT: f64 = 0.9;
 const WALL_THICKNESS: f64 = 0.06;
 /// Directions that a wall is tried in; three degrees apart.
 const NORMALS: u32 = 60;
+/// Points farther from a plate than this say nothing of how it faces, metres.
+const AROUND_PLATE: f64 = 1.5;
 /// Fewest points that make a place.
 const FEWEST: usize = 5;
 
@@ -99,7 +101,8 @@ pub fn place(
     let plate =
         [0.0, 0.3].into_iter().map(|grow| surface(behind(grow))).find(|points| points.len() >= FEWEST)?;
     let middle = mean(&plate);
-    let around: Vec<MapPoint> = behind(WALL_AROUND).into_iter().map(|p| p.1).collect();
+    let around = behind(WALL_AROUND).into_iter().map(|p| p.1);
+    let around: Vec<MapPoint> = around.filter(|p| p.distance(middle) <= AROUND_PLATE).collect();
     let facing = facing(&around, middle, base.point());
     Some((middle, facing.unwrap_or_else(|| middle.bearing_to(base.point()))))
 }

@@ -10,10 +10,11 @@ use openbench_core::{
 };
 use openbench_vision::parse_unit;
 
+use crate::open::doorstep;
 use crate::open::exploration::{self, Waypoint};
 use crate::open::sighting::{self, Sighting};
 
-use super::{DOORSTEP, Mission, Stage, Task, one};
+use super::{Mission, Stage, Task, one};
 
 /// On the way to a door its newer place is taken if it is this far from the older one, metres.
 const CORRECTION: f64 = 0.25;
@@ -124,7 +125,7 @@ impl Mission {
         }
         match self.remembered(task.building, &task.address).filter(|door| wants(&task, door)) {
             Some(door) => {
-                task.doorstep = DOORSTEP;
+                task.doorstep = doorstep::NEAREST;
                 self.approach(task, door);
                 Err(Action::Drive(Velocity::ZERO))
             }

@@ -1,0 +1,144 @@
+//! Where a parcel is put down: in front of a door's plate, as near to it as the robot gets.
+
+use openbench_core::MapPoint;
+use openbench_core::frames::wrap_angle;
+use openbench_motion::Costmap;
+
+use crate::open::sighting::Sighting;
+
+/// Distance from a plate at which a parcel is put down where nothing is in the way, metres.
+pub const NEAREST: f64 = 0.8;
+/// Porches and steps keep the robot off some doors; from farther it is not looked for a place, metres.
+pub const FARTHEST: f64 = 3.2;
+/// A doorstep that is not reached is given up for one so much farther from the plate, metres.
+const FARTHER: f64 = 0.8;
+/// Distances from the plate that are looked at lie so far apart, metres.
+const STEP: f64 = 0.1;
+/// Directions that are looked at, from straight out to farther aside, radians.
+const ASIDES: [f64; 7] = [0.0, 0.25, -0.25, 0.5, -0.5, 0.75, -0.75];
+/// Who stands farther aside is beside the door and not in front of it, radians.
+const BESIDE: f64 = 0.9;
+
+/// A place in front of a door.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Doorstep {
+    /// The place.
+    pub place: MapPoint,
+    /// Distance from the plate from which to look for another where this one is not reached,
+    /// metres.
+    pub next: f64,
+}
+
+/// The free place nearest to a door's plate that is `from` metres away or farther, and of those the
+/// one straightest in front. Where nothing is known to be free, the place straight in front.
+///
+/// A planner that is given a place inside a porch ends at the nearest free one, which may be beside
+/// the porch and nearer to the neighbours' door.
+pub fn doorstep(door: &Sighting, from: f64, near: &Costmap) -> Doorstep {
+    let at = |distance: f64, aside: f64| Doorstep {
+        place: door.position.offset(door.facing + aside, distance),
+        next: distance + FARTHER,
+    };
+    // What the costmap does not cover is not known to be taken.
+    let is_free =
+        |step: &Doorstep| near.grid().cell_at(step.place).is_none_or(|cell| near.cost(cell).is_some());
+    let steps = ((FARTHEST - from) / STEP).round().max(0.0) as u32;
+    let distances = (0..=steps).map(|i| from + STEP * f64::from(i));
+    let mut places = distances.flat_map(|distance| ASIDES.map(|aside| at(distance, aside)));
+    places.find(is_free).unwrap_or(at(from, 0.0))
+}
+
+/// Whether who stands at `here` is in front of a door, not beside it.
+pub fn is_in_front(door: &Sighting, here: MapPoint) -> bool {
+    wrap_angle(door.position.bearing_to(here) - door.facing).abs() <= BESIDE
+}
+
+/// Whether `here` is as near to a door as a robot has to be that got to no doorstep.
+pub fn is_at_door(door: &Sighting, here: MapPoint) -> bool {
+    here.distance(door.position) <= FARTHEST + FARTHER
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use openbench_core::{Georeference, LonLat, RobotDescription};
+    use openbench_motion::RangeRing;
+    use openbench_osm::{OsmData, OsmMap};
+
+    /// A door whose plate faces east.
+    fn door() -> Sighting {
+        Sighting {
+            unit: "unit1".into(),
+            building: 0,
+            position: MapPoint::new(0.0, 0.0),
+            facing: 0.0,
+            confidence: 1.0,
+        }
+    }
+
+    /// Open ground round the door on which low things in the given places were seen.
+    fn ground(seen: &[MapPoint]) -> Costmap {
+        let map =
+            OsmMap::new(&OsmData::default(), Georeference::tangent_plane(LonLat { lon: 8.0, lat: 50.0 }));
+        let (low, high) = (MapPoint::new(-10.0, -10.0), MapPoint::new(10.0, 10.0));
+        let mut costmap = Costmap::new(&map, low, high, &RobotDescription::sentry()).unwrap();
+        let points = seen.iter().map(|point| (*point, 0.3));
+        costmap.observe(&RangeRing::new(MapPoint::new(6.0, 0.0), 0.25, points));
+        costmap.inflate();
+        costmap
+    }
+
+    /// A heap of things before the door, from `from` to `depth` metres from its wall and from
+    /// `south` to `north` of the plate.
+    fn heap((from, depth): (f64, f64), (south, north): (f64, f64)) -> Vec<MapPoint> {
+        let between = |a: f64, b: f64| (0..=((b - a) / 0.1) as u32).map(move |i| a + 0.1 * f64::from(i));
+        between(from, depth).flat_map(|x| between(south, north).map(move |y| MapPoint::new(x, y))).collect()
+    }
+
+    fn found(from: f64, ground: &Costmap) -> Doorstep {
+        doorstep(&door(), from, ground)
+    }
+
+    #[test]
+    fn on_open_ground_a_parcel_is_put_down_straight_before_the_plate() {
+        let step = found(NEAREST, &ground(&[]));
+        assert_eq!(step.place, MapPoint::new(NEAREST, 0.0));
+        assert!((step.next - 1.6).abs() < 1e-9);
+    }
+
+    #[test]
+    fn before_a_porch_it_is_put_down_in_front_of_the_porch() {
+        let ground = ground(&heap((0.0, 1.2), (-1.5, 1.5)));
+        let step = found(NEAREST, &ground);
+        assert!((1.3..2.0).contains(&step.place.x), "{step:?}");
+        assert!(is_in_front(&door(), step.place));
+        let cell = ground.grid().cell_at(step.place).unwrap();
+        assert!(ground.cost(cell).is_some());
+        // The next one is farther out than that.
+        assert!(found(step.next, &ground).place.x > step.place.x + 0.5);
+    }
+
+    #[test]
+    fn a_bush_in_front_is_passed_by_aside() {
+        let bush = heap((0.8, 1.4), (-0.2, -0.1));
+        let step = found(NEAREST, &ground(&bush));
+        assert!(step.place.y > 0.1 && is_in_front(&door(), step.place), "{step:?}");
+        assert!(step.place.distance(door().position) < 1.5, "{step:?}");
+    }
+
+    #[test]
+    fn where_nothing_is_free_it_is_tried_straight_in_front() {
+        let crowd = heap((0.0, 4.0), (-4.0, 4.0));
+        assert_eq!(found(1.6, &ground(&crowd)).place, MapPoint::new(1.6, 0.0));
+        assert_eq!(found(FARTHEST + 0.5, &ground(&crowd)).place, MapPoint::new(FARTHEST + 0.5, 0.0));
+    }
+
+    #[test]
+    fn beside_a_door_is_not_in_front_of_it() {
+        assert!(is_in_front(&door(), MapPoint::new(1.0, 0.5)));
+        assert!(!is_in_front(&door(), MapPoint::new(0.5, 1.5)));
+        assert!(!is_in_front(&door(), MapPoint::new(-1.0, 0.0)));
+        assert!(is_at_door(&door(), MapPoint::new(0.5, 1.5)));
+        assert!(!is_at_door(&door(), MapPoint::new(4.5, 0.0)));
+    }
+}
