@@ -29,23 +29,42 @@ pub struct Doorstep {
     pub next: f64,
 }
 
-/// The free place nearest to a door's plate that is `from` metres away or farther, and of those the
-/// one straightest in front. Where nothing is known to be free, the place straight in front.
+/// The best free place that is `from` metres from a door's plate or farther: near to it, and rather
+/// straight in front than aside, a metre aside being as bad as a metre farther out. Where nothing
+/// is known to be free, the place straight in front.
 ///
 /// A planner that is given a place inside a porch ends at the nearest free one, which may be beside
 /// the porch and nearer to the neighbours' door.
 pub fn doorstep(door: &Sighting, from: f64, near: &Costmap) -> Doorstep {
-    let at = |distance: f64, aside: f64| Doorstep {
-        place: door.position.offset(door.facing + aside, distance),
-        next: distance + FARTHER,
-    };
     // What the costmap does not cover is not known to be taken.
-    let is_free =
-        |step: &Doorstep| near.grid().cell_at(step.place).is_none_or(|cell| near.cost(cell).is_some());
+    let is_free = |at: &MapPoint| near.grid().cell_at(*at).is_none_or(|cell| near.cost(cell).is_some());
     let steps = ((FARTHEST - from) / STEP).round().max(0.0) as u32;
     let distances = (0..=steps).map(|i| from + STEP * f64::from(i));
-    let mut places = distances.flat_map(|distance| ASIDES.map(|aside| at(distance, aside)));
-    places.find(is_free).unwrap_or(at(from, 0.0))
+    let views = distances.flat_map(|distance| ASIDES.map(|aside| View { distance, aside }));
+    let free = views.filter(|view| is_free(&view.of(door)));
+    let best = free.reduce(|best, view| if view.cost() < best.cost() { view } else { best });
+    let view = best.unwrap_or(View { distance: from, aside: 0.0 });
+    Doorstep { place: view.of(door), next: view.distance + FARTHER }
+}
+
+/// A place as its door's plate sees it.
+#[derive(Debug, Clone, Copy)]
+struct View {
+    /// Metres.
+    distance: f64,
+    /// From straight out, counter-clockwise, radians.
+    aside: f64,
+}
+
+impl View {
+    fn of(self, door: &Sighting) -> MapPoint {
+        door.position.offset(door.facing + self.aside, self.distance)
+    }
+
+    /// Metres.
+    fn cost(self) -> f64 {
+        self.distance * (1.0 + libm::sin(self.aside).abs())
+    }
 }
 
 /// Whether who stands at `here` is in front of a door, not beside it.
@@ -124,6 +143,14 @@ mod tests {
         let step = found(NEAREST, &ground(&bush));
         assert!(step.place.y > 0.1 && is_in_front(&door(), step.place), "{step:?}");
         assert!(step.place.distance(door().position) < 1.5, "{step:?}");
+    }
+
+    #[test]
+    fn straight_in_front_is_better_than_a_little_nearer_and_aside() {
+        // From 1.6 m away one could stand beside this porch, with the door aslant.
+        let ground = ground(&heap((0.0, 1.6), (-0.9, 1.5)));
+        let step = found(NEAREST, &ground);
+        assert!(step.place.y == 0.0 && (1.7..2.0).contains(&step.place.x), "{step:?}");
     }
 
     #[test]
