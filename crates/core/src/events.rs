@@ -65,6 +65,13 @@ pub trait Events {
     fn record(&mut self, event: Event);
 }
 
+/// Keeps every event.
+impl Events for Vec<Event> {
+    fn record(&mut self, event: Event) {
+        self.push(event);
+    }
+}
+
 /// Drops every event.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Discard;

@@ -6,6 +6,7 @@
 //! | [`frames`] | [`MapPoint`], [`LonLat`], [`Pose2`], [`Pose3`], [`Georeference`]: where things are |
 //! | [`time`] | [`SimTime`]: when, in simulated nanoseconds |
 //! | [`sensors`] | [`LidarScan`], [`ImuSample`], [`WheelSample`], [`GnssFix`], [`Image`], [`Camera`]: what the robot perceives |
+//! | [`sensed`] | [`Sensed`]: an observation that can be kept and sent |
 //! | [`robot`] | [`RobotDescription`]: size, sensor poses and limits of the robot |
 //! | [`address`] | [`Address`]: building and unit |
 //! | [`plan`] | [`Plan`], [`PlannedDelivery`], [`TravelTimes`]: what a language planner and a router exchange |
@@ -22,6 +23,7 @@ pub mod health;
 pub mod model_use;
 pub mod plan;
 pub mod robot;
+pub mod sensed;
 pub mod sensors;
 pub mod time;
 
@@ -35,5 +37,6 @@ pub use plan::{
     AddressLevel, Deadline, Fallback, Level, Plan, PlanPart, PlannedDelivery, Step, StepMode, TravelTimes,
 };
 pub use robot::RobotDescription;
+pub use sensed::Sensed;
 pub use sensors::{Camera, CameraIntrinsics, GnssFix, Image, ImuSample, LidarPoint, LidarScan, WheelSample};
 pub use time::SimTime;

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::time::SimTime;
 
 /// One sample of the inertial measurement unit, in its own frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ImuSample {
     /// When it was taken.
     pub stamp: SimTime,
@@ -18,7 +18,7 @@ pub struct ImuSample {
 }
 
 /// Angles of the wheels since the start, as encoders count them: a slipping wheel turns without moving the robot.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct WheelSample {
     /// When it was taken.
     pub stamp: SimTime,
@@ -29,7 +29,7 @@ pub struct WheelSample {
 }
 
 /// A position from satellites. Robots of the benchmark have no receiver unless a suite gives them one.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct GnssFix {
     /// When it was measured.
     pub stamp: SimTime,
@@ -42,7 +42,7 @@ pub struct GnssFix {
 }
 
 /// One return of the LiDAR.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LidarPoint {
     /// Position in `livox_frame` at the instant this point was measured, metres.
     pub xyz: [f32; 3],
@@ -56,7 +56,7 @@ pub struct LidarPoint {
 
 /// The returns of one scan. Rays that hit nothing have no point. Points are in the order they were measured, each in
 /// the sensor's frame of its own instant: a moving robot's scan is distorted, as a real one is.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct LidarScan {
     /// When the first ray was cast.
     pub stamp: SimTime,
@@ -65,7 +65,7 @@ pub struct LidarScan {
 }
 
 /// An 8-bit RGB image, rows from the top, three bytes a pixel.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Image {
     /// When it was exposed.
     pub stamp: SimTime,
