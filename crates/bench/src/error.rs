@@ -60,6 +60,14 @@ pub enum BenchError {
         /// What it says.
         instruction: String,
     },
+    /// No episode of that number.
+    #[error("there is no episode {episode}: the suite has {count}, numbered from 0")]
+    NoSuchEpisode {
+        /// What was asked for, from 0.
+        episode: usize,
+        /// How many there are.
+        count: usize,
+    },
     /// A truth is no door of the world.
     #[error("{}:{line}: ({}, {}) is no door of the world; the nearest is {nearest}, {away:.2} m away", path.display(), at.x, at.y)]
     NoSuchTruth {

@@ -7,6 +7,7 @@
 //! | [`draw`] | deliveries with instructions, from a seed |
 //! | [`stage`] | [`Prepared`]: a suite with its world built and its doors looked up |
 //! | [`registry`] | [`Registry`]: agents by name |
+//! | [`rollout`] | an episode, one step at a time |
 //! | [`runner`] | one agent through one episode |
 //! | [`mod@run`] | all episodes of a suite, on several threads, with results and files |
 //! | [`recorder`] | the log of an episode |
@@ -42,6 +43,7 @@ pub mod registry;
 pub mod report;
 mod report_input;
 pub mod results;
+pub mod rollout;
 pub mod run;
 pub mod runner;
 pub mod scoring;
@@ -61,6 +63,7 @@ pub use openbench_sim::traffic::TrafficPlan;
 pub use recorder::{Faults, Level};
 pub use registry::{AgentFactory, AgentRequest, Exchanges, Registry};
 pub use results::Results;
+pub use rollout::{EpisodeTrace, Observer, Rollout, Status};
 pub use run::{MEMORY_BEFORE, RunRequest, memory_of, repeat, run};
 pub use stage::Prepared;
 pub use suite::{Episode, Sensors, Suite, WorldSource};

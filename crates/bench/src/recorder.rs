@@ -15,7 +15,7 @@ use openbench_osm::Projection;
 use openbench_sim::Simulator;
 use openbench_sim::traffic::MoverKind;
 
-use crate::picture;
+use crate::{BenchError, Observer, picture};
 
 /// How much is recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -186,6 +186,16 @@ impl Recorder {
             Some(log) => log.finish().map(drop),
             None => Ok(()),
         }
+    }
+}
+
+impl Observer for &mut Recorder {
+    fn step(&mut self, simulator: &Simulator, velocity: Velocity) -> Result<(), BenchError> {
+        Ok(Recorder::step(self, simulator, velocity)?)
+    }
+
+    fn event(&mut self, time: SimTime, event: &Event) -> Result<(), BenchError> {
+        Ok(Recorder::event(self, time, event)?)
     }
 }
 

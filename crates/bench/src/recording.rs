@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use openbench_core::Velocity;
+use openbench_core::{Action, Velocity};
 use openbench_osm::write_atomically;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::BenchError;
-use crate::runner::EpisodeTrace;
+use crate::rollout::{EpisodeTrace, Rollout};
 use crate::stage::Prepared;
 use crate::suite::Suite;
 
@@ -134,23 +134,24 @@ impl Recording {
 
 /// Drives the recorded actions of an episode again and compares the hash chains.
 pub fn verify(prepared: &Prepared, episode: usize, recording: &Recording) -> Result<(), BenchError> {
-    let mut simulator = prepared.simulator(recording.seed)?;
     let steps: u64 = recording.driven.iter().map(|s| u64::from(s.steps)).sum();
     if steps > MOST_STEPS {
         let detail = format!("{steps} recorded steps are more than a day; the recording is damaged");
         return Err(BenchError::Differs { episode, detail });
     }
+    let mut rollout = Rollout::new(prepared, episode, recording.seed)?;
     for stretch in &recording.driven {
         for _ in 0..stretch.steps {
-            simulator.step(stretch.velocity);
+            rollout.step(Action::Drive(stretch.velocity));
         }
     }
-    let chain = hex(&simulator.chain());
+    let trace = rollout.finish(None)?;
+    let chain = hex(&trace.chain);
     if chain == recording.chain {
         return Ok(());
     }
-    let detail =
-        format!("after {} the hash chain is {chain}, recorded is {}", simulator.time(), recording.chain);
+    let (seconds, recorded) = (trace.sim_seconds, &recording.chain);
+    let detail = format!("after {seconds:.2} s the hash chain is {chain}, recorded is {recorded}");
     Err(BenchError::Differs { episode, detail })
 }
 

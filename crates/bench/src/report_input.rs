@@ -6,7 +6,7 @@ use openbench_osm::Polygon;
 use crate::picture;
 use crate::report::{Declaration, DoorMark, EpisodeReport, MapArea, PlateFrame, ReportInput, WorldMap};
 use crate::results::Results;
-use crate::runner::{EpisodeTrace, Frame};
+use crate::rollout::{EpisodeTrace, Frame};
 use crate::stage::{Prepared, PreparedEpisode};
 
 /// What the report of a run shows.

@@ -15,7 +15,8 @@ use crate::recording::{Recording, RunRecord};
 use crate::registry::{AgentFactory, AgentRequest, Exchanges};
 use crate::report;
 use crate::results::Results;
-use crate::runner::{EpisodeTrace, run_episode};
+use crate::rollout::{EpisodeTrace, Rollout};
+use crate::runner::run_episode;
 use crate::scoring;
 use crate::stage::Prepared;
 use crate::truth::TruthHandle;
@@ -179,8 +180,8 @@ fn drive(
     };
     let mut agent = (request.factory)(&wanted)
         .map_err(|problem| BenchError::Agent { name: request.agent.to_owned(), problem })?;
-    let episode = &request.prepared.episodes[number];
-    run_episode(request.prepared, episode, agent.as_mut(), &truth, seed, recorder)
+    let rollout = Rollout::new(request.prepared, number, seed)?.watched_by(truth).watched_by(recorder);
+    run_episode(rollout, agent.as_mut())
 }
 
 /// Only who asks for the truth by name, and is named in the results for it, gets a handle that tells it.

@@ -6,7 +6,7 @@ use openbench_scene::Door;
 
 use crate::metrics::{DoorScore, EncounterSum, Strict, collisions, paper_success, score_doors};
 use crate::results::DeliveryResult;
-use crate::runner::{EpisodeTrace, TaskOutcome};
+use crate::rollout::{EpisodeTrace, TaskOutcome};
 use crate::stage::{Prepared, PreparedEpisode};
 
 /// The results of an episode's deliveries, in driving order.

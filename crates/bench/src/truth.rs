@@ -4,8 +4,11 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use openbench_core::frames::wrap_angle;
-use openbench_core::{Observation, Pose2, SimTime};
+use openbench_core::{Observation, Pose2, SimTime, Velocity};
 use openbench_localization::Localizer;
+use openbench_sim::Simulator;
+
+use crate::{BenchError, Observer};
 
 /// Where the runner writes the true pose of each instant.
 #[derive(Debug, Clone, Default)]
@@ -37,6 +40,18 @@ impl TruthHandle {
             }
             (one, other) => one.or(other).map(|p| p.1).unwrap_or_default(),
         }
+    }
+}
+
+/// Tells the handle of each step.
+impl Observer for TruthHandle {
+    fn begin(&mut self, simulator: &Simulator) -> Result<(), BenchError> {
+        self.set(simulator.time(), Pose2::from_pose3(&simulator.base_link()));
+        Ok(())
+    }
+
+    fn step(&mut self, simulator: &Simulator, _velocity: Velocity) -> Result<(), BenchError> {
+        self.begin(simulator)
     }
 }
 

@@ -33,7 +33,7 @@ pub fn run(args: &VerifyArgs, registry: &Registry) -> anyhow::Result<Outcome> {
         ))?;
         return Ok(Outcome::Done);
     }
-    let prepared = Prepared::world_of(record.suite)?;
+    let prepared = Prepared::new(record.suite, record.truth.as_deref())?;
     let bar = progress_bar(recordings.len(), "verifying");
     for (number, recording) in recordings.iter().enumerate() {
         verify(&prepared, number, recording)?;

@@ -1,0 +1,162 @@
+//! Episodes, one step at a time.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+use std::sync::{Arc, LazyLock};
+
+use openbench_bench::runner::run_episode;
+use openbench_bench::{BenchError, Observer, Prepared, Rollout, Status, Suite};
+use openbench_core::{
+    Action, Address, Agent, Briefing, Event, Events, FailureCause, GiveUp, Observation, SimTime, Velocity,
+};
+use openbench_sim::Simulator;
+
+static SMALL: LazyLock<Prepared> =
+    LazyLock::new(|| Prepared::new(Suite::builtin("small").unwrap(), None).unwrap());
+
+const FORWARD: Velocity = Velocity::new(0.3, 0.1);
+
+/// Drives in a circle for a second and then gives up.
+struct Circle;
+
+impl Agent for Circle {
+    fn begin(&mut self, _: &Briefing, events: &mut dyn Events) -> Result<(), GiveUp> {
+        events.record(Event::Note("begun".into()));
+        Ok(())
+    }
+
+    fn act(&mut self, observation: &Observation<'_>, _: &mut dyn Events) -> Action {
+        if observation.time < SimTime::from_millis(1000) {
+            return Action::Drive(FORWARD);
+        }
+        Action::GiveUp(given_up(None))
+    }
+}
+
+fn given_up(address: Option<Address>) -> GiveUp {
+    GiveUp { address, cause: FailureCause::DoorNotFound, detail: "tired".into() }
+}
+
+/// What an observer was shown.
+#[derive(Debug, Default)]
+struct Seen {
+    begun: usize,
+    steps: usize,
+    events: Vec<String>,
+}
+
+/// Notes what it is shown, and fails at a step.
+struct Watching {
+    seen: Rc<RefCell<Seen>>,
+    fails_at: usize,
+}
+
+impl Observer for Watching {
+    fn begin(&mut self, _: &Simulator) -> Result<(), BenchError> {
+        self.seen.borrow_mut().begun += 1;
+        Ok(())
+    }
+
+    fn step(&mut self, _: &Simulator, _: Velocity) -> Result<(), BenchError> {
+        let mut seen = self.seen.borrow_mut();
+        seen.steps += 1;
+        let full = || BenchError::World("the disk is full".into());
+        if seen.steps == self.fails_at { Err(full()) } else { Ok(()) }
+    }
+
+    fn event(&mut self, time: SimTime, event: &Event) -> Result<(), BenchError> {
+        self.seen.borrow_mut().events.push(format!("{time}: {event:?}"));
+        Ok(())
+    }
+}
+
+fn rollout<'o>() -> Rollout<'o> {
+    Rollout::new(&SMALL, 0, 7).unwrap()
+}
+
+#[test]
+fn who_steps_gets_what_an_agent_gets() {
+    let driven = run_episode(rollout(), &mut Circle).unwrap();
+    let mut by_hand = rollout();
+    for _ in 0..20 {
+        assert_eq!(by_hand.step(Action::Drive(FORWARD)), Status::Running);
+    }
+    assert_eq!(by_hand.step(Action::GiveUp(given_up(None))), Status::Ended);
+    let by_hand = by_hand.finish(None).unwrap();
+    assert_eq!(by_hand.chain, driven.chain);
+    assert_eq!(by_hand.velocities, driven.velocities);
+    assert_eq!(by_hand.tasks, driven.tasks);
+    assert_eq!(by_hand.tasks[0].failure.as_ref().unwrap().0, FailureCause::DoorNotFound);
+}
+
+#[test]
+fn after_the_end_nothing_happens() {
+    let mut rollout = rollout();
+    rollout.step(Action::GiveUp(given_up(None)));
+    let time = rollout.observation().time;
+    assert_eq!(rollout.step(Action::Drive(FORWARD)), Status::Ended);
+    assert_eq!(rollout.observation().time, time);
+    assert_eq!(rollout.finish(None).unwrap().velocities, [Velocity::ZERO]);
+}
+
+#[test]
+fn who_cannot_begin_fails_every_delivery() {
+    let sequence = SMALL.episodes.iter().position(|episode| episode.targets.len() > 1).unwrap();
+    let mut rollout = Rollout::new(&SMALL, sequence, 1).unwrap();
+    let address = SMALL.episodes[sequence].targets[0].address.clone();
+    rollout.refuse(&given_up(Some(address)));
+    assert_eq!(rollout.status(), Status::Ended);
+    let trace = rollout.finish(None).unwrap();
+    assert_eq!(trace.tasks.len(), SMALL.episodes[sequence].targets.len());
+    assert_eq!(trace.sim_seconds, 0.0);
+}
+
+#[test]
+fn observers_see_the_begin_each_step_and_each_event() {
+    let seen = Rc::new(RefCell::new(Seen::default()));
+    let watching = Watching { seen: seen.clone(), fails_at: 0 };
+    let trace = run_episode(rollout().watched_by(watching), &mut Circle).unwrap();
+    let seen = seen.borrow();
+    assert_eq!((seen.begun, seen.steps), (1, trace.velocities.len()));
+    assert_eq!(seen.events, [r#"0.000 s: Note("begun")"#]);
+}
+
+#[test]
+fn an_observer_that_fails_ends_the_episode_with_its_error() {
+    let seen = Rc::new(RefCell::new(Seen::default()));
+    let mut rollout = rollout().watched_by(Watching { seen: seen.clone(), fails_at: 3 });
+    while rollout.step(Action::Drive(FORWARD)) == Status::Running {}
+    assert_eq!(seen.borrow().steps, 3);
+    assert!(rollout.finish(None).unwrap_err().to_string().contains("the disk is full"));
+}
+
+#[test]
+fn velocities_that_are_no_numbers_are_not_driven() {
+    let mut rollout = rollout();
+    rollout.step(Action::Drive(Velocity::new(f64::NAN, f64::INFINITY)));
+    assert_eq!(rollout.finish(None).unwrap().velocities, [Velocity::ZERO]);
+}
+
+#[test]
+fn an_address_that_nobody_named_counts_against_a_delivery_once() {
+    let nobody = Address { building: "nowhere".into(), unit: None };
+    let mut rollout = rollout();
+    rollout.step(Action::Delivered(nobody));
+    let trace = rollout.finish(Some(b"<osm/>".to_vec())).unwrap();
+    assert_eq!(trace.tasks[0].failure.as_ref().unwrap().0, FailureCause::WrongPlace);
+    assert_eq!(trace.map.as_deref(), Some(&b"<osm/>"[..]));
+}
+
+#[test]
+fn an_episode_that_there_is_none_of_is_named() {
+    let error = Rollout::new(&SMALL, 99, 0).err().unwrap().to_string();
+    assert!(error.contains("no episode 99"), "{error}");
+}
+
+#[test]
+fn a_rollout_without_observers_can_be_kept_anywhere() {
+    fn is_static<T: 'static>(_: &T) {}
+    let rollout = rollout();
+    is_static(&rollout);
+    drop(Arc::new(rollout));
+}
