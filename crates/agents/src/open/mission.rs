@@ -13,12 +13,12 @@ use openbench_osm::{Location, OsmData, OsmMap, locate};
 use openbench_routing::{MapRouter, Profile, Router, RouterTimes};
 use openbench_vision::PlateReader;
 
-use crate::open::Parts;
 use crate::open::caution::{Caution, Measure};
 use crate::open::doorstep;
 use crate::open::driving::{Driver, Driving, Target};
 use crate::open::exploration::{self, Waypoint};
 use crate::open::memory::Memory;
+use crate::open::parts::Parts;
 use crate::open::perception::Perception;
 use crate::open::sighting::Sighting;
 use crate::open::terrain::Terrain;
