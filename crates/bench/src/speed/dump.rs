@@ -14,25 +14,25 @@ use openbench_scene::{RayPacket, Scene};
 use openbench_sim::Stage;
 use openbench_sim::lidar::pattern::{LINES, Pattern};
 use openbench_sim::lidar::{RAYS, returns::RANGE};
-use serde_json::json;
+use serde_json::{Value, json};
 
-use super::sim::SimSpeed;
 use crate::BenchError;
 
-/// Writes the files into `folder`, one scan from each pose.
+/// Writes the files into `folder`, one scan from each pose. What was `measured`, a JSON object, goes
+/// into `meta.json`.
 pub(super) fn write(
     folder: &Path,
     stage: &Stage,
     poses: &[Pose3],
-    speed: &SimSpeed,
+    measured: Value,
 ) -> Result<(), BenchError> {
     std::fs::create_dir_all(folder).map_err(|e| BenchError::file(folder, e))?;
     let (origins, directions) = rays(poses);
     let ranges = ranges(stage, &origins, &directions);
-    let meta = json!({
-        "world": speed.world, "max_range": RANGE.1, "rays": ranges.len(), "scans": poses.len(),
-        "triangles": speed.triangles, "ours": speed,
-    });
+    let mut meta = measured;
+    meta["max_range"] = json!(RANGE.1);
+    meta["rays"] = json!(ranges.len());
+    meta["scans"] = json!(poses.len());
     let save = |name: &str, bytes: &[u8]| {
         let path = folder.join(name);
         let bad =

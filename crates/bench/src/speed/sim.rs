@@ -13,6 +13,7 @@ use openbench_sim::noise::Noise;
 use openbench_sim::traffic::{MoverKind, TrafficPlan};
 use openbench_sim::{Simulator, Stage, View};
 use serde::Serialize;
+use serde_json::json;
 
 use super::{dump, fastest, peak_memory_mb};
 use crate::{BenchError, WorldSource};
@@ -84,7 +85,8 @@ pub fn measure(source: &WorldSource, plan: TrafficPlan, dump: Option<&Path>) -> 
         peak_memory_mb: peak_memory_mb(),
     };
     if let Some(folder) = dump {
-        dump::write(folder, &scenery.stage, &sensors(seen.caster, &doors), &speed)?;
+        let measured = json!({ "world": speed.world, "triangles": speed.triangles, "ours": speed });
+        dump::write(folder, &scenery.stage, &sensors(seen.caster, &doors), measured)?;
     }
     Ok(speed)
 }

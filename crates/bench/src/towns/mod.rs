@@ -8,55 +8,37 @@
 //!
 //! | module | its one job |
 //! |---|---|
+//! | [`plan`] | [`TownsPlan`]: what a battery is |
 //! | [`windows`] | neighbourhoods from a seed |
 //! | [`odometry`] | a drive through a window, and how well odometry follows it |
 //! | [`summary`] | [`Town`] and [`Towns`]: what came of one window and of all |
 
 pub mod odometry;
+pub mod plan;
 pub mod summary;
 pub mod windows;
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use openbench_core::{Georeference, LonLat};
-use openbench_osm::{OsmData, write_atomically};
+use openbench_core::LonLat;
+use openbench_osm::write_atomically;
+use serde::Serialize;
 use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
 
 use crate::recorder::Level;
 use crate::run::{RunRequest, run as run_suite};
-use crate::{AgentFactory, BenchError, Prepared, world_folder};
+use crate::{AgentFactory, BenchError, Prepared};
 
 pub use odometry::OdometrySum;
+pub use plan::TownsPlan;
 pub use summary::{Town, Towns};
+pub use windows::DOORS;
 use windows::{Maps, Place};
 
-/// Doors that a window needs.
-pub const DOORS: usize = 10;
 /// The file of a window that is done.
 const DONE: &str = "town.json";
 /// The file that says what a folder's windows are of.
 const PLAN: &str = "towns.json";
-
-/// What a battery is: the same plan gives the same windows and deliveries.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct TownsPlan {
-    /// Version of OpenBench; another one may build other worlds.
-    pub version: String,
-    /// The maps; windows are drawn from each in turn.
-    pub maps: Vec<PathBuf>,
-    /// Half the side of a window, metres.
-    pub radius: f64,
-    /// What windows, worlds, deliveries and noise are drawn from.
-    pub seed: u64,
-    /// How far east of the window's middle the origin of its frame lies, metres.
-    pub false_origin: f64,
-    /// Name of the agent.
-    pub agent: String,
-    /// What was set with `--set`.
-    pub settings: BTreeMap<String, String>,
-}
 
 /// A battery to be run.
 pub struct TownsRequest<'a> {
@@ -193,31 +175,4 @@ fn write(path: &Path, value: &impl Serialize) -> Result<(), BenchError> {
     let bad = |problem: String| BenchError::BadFile { path: path.to_owned(), problem };
     let text = serde_json::to_vec_pretty(value).map_err(|e| bad(e.to_string()))?;
     write_atomically(path, &text).map_err(|e| bad(e.to_string()))
-}
-
-/// The seed of a window's world and deliveries.
-fn window_seed(plan: &TownsPlan, number: usize) -> u64 {
-    // As TOML has integers: not above 2^63.
-    (plan.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(number as u64)) >> 1
-}
-
-/// Writes the world of a window; `None` if a robot has too little to do there.
-fn write_world(
-    plan: &TownsPlan,
-    number: usize,
-    place: &Place,
-    map: &OsmData,
-    folder: &Path,
-) -> Result<Option<Prepared>, BenchError> {
-    let georeference =
-        Georeference::TangentPlane { at: place.around, offset_x: -plan.false_origin, offset_y: 0.0 };
-    let seed = window_seed(plan, number);
-    let recipe = world_folder::Recipe::generated(&place.name, georeference, seed);
-    let wanted = world_folder::Wanted { singles: 4, sequences: (1, 3), reach: 2.0 * plan.radius, seed };
-    match world_folder::write(folder, &recipe, map, wanted) {
-        Ok(written) if written.candidates >= DOORS => Ok(Some(written.prepared.with_episodes(None)?)),
-        // Without ground to start on, or without doors: not a place for a robot.
-        Ok(_) | Err(BenchError::World(_)) => Ok(None),
-        Err(error) => Err(error),
-    }
 }

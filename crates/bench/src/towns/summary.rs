@@ -6,8 +6,8 @@ use openbench_core::FailureCause;
 use serde::{Deserialize, Serialize};
 
 use super::odometry::OdometrySum;
+use super::plan::TownsPlan;
 use super::windows::Place;
-use super::{TownsPlan, window_seed};
 use crate::metrics::{ErrorCounts, RunTotals, summarize};
 use crate::results::{DeliveryResult, Metrics, Results};
 
@@ -95,7 +95,7 @@ impl Towns {
             sim_seconds: sum(|town| town.results.metrics.sim_seconds),
             wall_seconds: sum(|town| town.results.metrics.wall_seconds),
             cpu_seconds: sum(Town::cpu_seconds),
-            seed: window_seed(&plan, 0),
+            seed: plan.window_seed(0),
             ..RunTotals::default()
         };
         let mut errors = ErrorCounts::default();

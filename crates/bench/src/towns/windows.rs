@@ -2,15 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
-use openbench_core::LonLat;
+use openbench_core::{Georeference, LonLat};
 use openbench_osm::{OsmData, Window, cut_out};
 use rand::RngExt;
 use rand_pcg::Pcg32;
 use serde::{Deserialize, Serialize};
 
-use super::{TownsPlan, write_world};
-use crate::{BenchError, Prepared};
+use super::plan::TownsPlan;
+use crate::{BenchError, Prepared, world_folder};
 
+/// Doors that a window needs.
+pub const DOORS: usize = 10;
 /// Places of a map that are tried for one window.
 const TRIES: usize = 60;
 /// Buildings below which a window is not worth generating.
@@ -117,6 +119,27 @@ impl Map {
 fn metres(a: LonLat, b: LonLat) -> f64 {
     let east = (a.lon - b.lon) * libm::cos(a.lat.to_radians());
     METRES_A_DEGREE * libm::hypot(east, a.lat - b.lat)
+}
+
+/// Writes the world of a window; `None` if a robot has too little to do there.
+fn write_world(
+    plan: &TownsPlan,
+    number: usize,
+    place: &Place,
+    map: &OsmData,
+    folder: &Path,
+) -> Result<Option<Prepared>, BenchError> {
+    let georeference =
+        Georeference::TangentPlane { at: place.around, offset_x: -plan.false_origin, offset_y: 0.0 };
+    let seed = plan.window_seed(number);
+    let recipe = world_folder::Recipe::generated(&place.name, georeference, seed);
+    let wanted = world_folder::Wanted { singles: 4, sequences: (1, 3), reach: 2.0 * plan.radius, seed };
+    match world_folder::write(folder, &recipe, map, wanted) {
+        Ok(written) if written.candidates >= DOORS => Ok(Some(written.prepared.with_episodes(None)?)),
+        // Without ground to start on, or without doors: not a place for a robot.
+        Ok(_) | Err(BenchError::World(_)) => Ok(None),
+        Err(error) => Err(error),
+    }
 }
 
 #[cfg(test)]
