@@ -9,8 +9,7 @@ use rapier3d_f64::prelude::{
     ColliderBuilder, ColliderHandle, Pose, RigidBodyBuilder, RigidBodyHandle, SharedShape, Vector,
 };
 
-use crate::OBSERVATION_NS;
-use crate::physics::STEP_NS;
+use crate::clock::{OBSERVATION_NS, STEP_NS};
 use crate::traffic::{Hull, Mover, figures};
 
 /// Bodies further from the robot than this take no part, metres: no car's end reaches the robot from there within a leg.

@@ -7,8 +7,8 @@ use openbench_core::{Pose2, Pose3};
 use openbench_scene::free_space::ground_height;
 use openbench_scene::{Movers, Placed, RayCaster};
 
-use crate::OBSERVATION_NS;
 use crate::bodies::Leg;
+use crate::clock::OBSERVATION_NS;
 use crate::physics::Physics;
 use crate::traffic::figures::Gallery;
 use crate::traffic::{Mover, RobotState, Traffic};

@@ -11,12 +11,14 @@
 //! | [`gnss`] | the satellite receiver, where a robot has one |
 //! | [`render`] | pictures |
 //! | [`noise`] | seeded random numbers |
+//! | `clock` | how time passes |
 //! | `rounding` | rounding down in vector instructions |
 //! | `crowd`, `bodies` | what moves by itself, as rays and the physics engine meet it |
 //! | [`traffic`] | people and cars that move, how they look, and how near the robot came to them |
 
 mod bodies;
 mod camera;
+mod clock;
 mod crowd;
 pub mod exposure;
 pub mod gnss;
@@ -29,8 +31,9 @@ mod rounding;
 pub mod simulator;
 pub mod traffic;
 
+pub use clock::OBSERVATION_NS;
 pub use render::{Labels, Renderer, View};
-pub use simulator::{Collision, LeftWorld, OBSERVATION_NS, Simulator, Stage};
+pub use simulator::{Collision, LeftWorld, Simulator, Stage};
 
 /// Why a world cannot be simulated.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

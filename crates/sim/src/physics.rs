@@ -20,10 +20,9 @@ use rapier3d_f64::prelude::{
 
 use crate::SimError;
 use crate::bodies::{Bodies, Leg};
+use crate::clock::STEP_NS;
 use crate::traffic::Mover;
 
-/// Physics step, nanoseconds: 400 Hz.
-pub const STEP_NS: u64 = 2_500_000;
 const DT: f64 = STEP_NS as f64 * 1e-9;
 const GRAVITY: f64 = 9.8;
 /// Mass of chassis and wheels, kg.

@@ -11,19 +11,18 @@ use openbench_scene::{FreeSpace, Movers, RayCaster, Scene, SemanticClass, Snapsh
 
 use crate::SimError;
 use crate::camera::SimCamera;
+use crate::clock::{OBSERVATION_NS, STEP_NS};
 use crate::crowd::Crowd;
 use crate::gnss::{self, Gnss};
 use crate::inertial::{self, Encoders, Imu};
 use crate::lidar::{Lidar, SCAN_NS};
 use crate::noise::Noise;
-use crate::physics::{Physics, STEP_NS, Solids};
+use crate::physics::{Physics, Solids};
 use crate::render::Renderer;
 use crate::traffic::figures::Gallery;
 use crate::traffic::yielding::Yielding;
 use crate::traffic::{Mover, MoverKind, PERSON_RADIUS, RobotState, Traffic, TrafficPlan};
 
-/// Simulated time between two observations, nanoseconds.
-pub const OBSERVATION_NS: u64 = 50_000_000;
 /// Rims slower than this do not drive a robot, m/s.
 const STANDS: f64 = 0.01;
 /// A touch after less than this time without one belongs to the same collision.

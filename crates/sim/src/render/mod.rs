@@ -2,9 +2,11 @@
 //!
 //! | module | its one job |
 //! |---|---|
+//! | `block` | pixels that are cast and coloured together |
 //! | `shade` | the colour of what a ray hits |
 //! | `texture` | textures at full, half, quarter … size |
 
+mod block;
 mod shade;
 mod texture;
 
@@ -13,18 +15,9 @@ use openbench_scene::bvh::{Beam, Kernel, LANES, Lane, MISS, PacketHits, widest};
 use openbench_scene::{Movers, RayCaster, RayPacket, SemanticClass, Snapshot};
 
 use crate::rounding::whole;
+use block::{BLOCK, Block, PACKETS, PLACES, SIDE, pixel};
 use shade::{Look, Shader};
 
-/// Side of the square of pixels that one packet covers.
-const TILE: usize = 4;
-/// Side of the block of pixels that are cast and coloured together.
-const SIDE: usize = 8;
-/// Pixels in a block.
-const BLOCK: usize = SIDE * SIDE;
-/// Packets in a block.
-const PACKETS: usize = BLOCK / LANES;
-/// A number for each pixel of a block, tile after tile.
-type Block = [f32; BLOCK];
 /// How far off its surface a ray towards the sun begins, metres.
 const OFF_SURFACE: f32 = 0.01;
 /// What throws shadows, metres.
@@ -164,12 +157,6 @@ fn index((x, y): (u32, u32), width: u32, row: usize, column: usize) -> usize {
     (y as usize + row) * width as usize + x as usize + column
 }
 
-/// Place in its block of a pixel.
-const fn pixel(column: usize, row: usize) -> usize {
-    let tile = row / TILE * (SIDE / TILE) + column / TILE;
-    LANES * tile + row % TILE * TILE + column % TILE
-}
-
 /// For each pixel 1 if the sun shines on what was hit, 0 if something stands between.
 fn sunlit(seen: Snapshot<'_>, rays: &[RayPacket; PACKETS], hits: &[PacketHits; PACKETS]) -> Block {
     let towards = seen.caster.scene().sun.direction.map(|c| -c);
@@ -283,19 +270,6 @@ struct Rays {
     rays: [RayPacket; PACKETS],
     beam: Beam,
 }
-
-/// Columns and rows of a block's pixels.
-const PLACES: [Block; 2] = {
-    let mut places = [[0.0; BLOCK]; 2];
-    let mut i = 0;
-    while i < BLOCK {
-        let (column, row) = (i % SIDE, i / SIDE);
-        places[0][pixel(column, row)] = column as f32;
-        places[1][pixel(column, row)] = row as f32;
-        i += 1;
-    }
-    places
-};
 
 #[cfg(test)]
 mod tests {

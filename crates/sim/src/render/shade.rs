@@ -7,8 +7,8 @@
 use openbench_scene::bvh::{LANES, MISS, PacketHits};
 use openbench_scene::{RayCaster, Snapshot, Sun};
 
+use super::block::{BLOCK, Block, PACKETS};
 use super::texture::{Mipmaps, blend, corners};
-use super::{BLOCK, Block, PACKETS};
 
 /// Sky at the horizon and at the zenith, sRGB, 0 to 255.
 const HORIZON: [f32; 3] = [204.0, 222.0, 237.0];

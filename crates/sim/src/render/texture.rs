@@ -2,7 +2,7 @@
 
 use openbench_scene::Texture;
 
-use super::{BLOCK, Block};
+use super::block::{BLOCK, Block};
 use crate::rounding::{fraction, whole};
 
 /// A pixel may cover this many texels before the next smaller image is taken.

@@ -10,10 +10,11 @@
 use openbench_core::MapPoint;
 
 use super::ground::Ground;
+use super::hull::CarHull;
 use super::lanes::{HALF, Lanes, slowing};
+use super::mover::RobotState;
 use super::neighbours::Neighbours;
 use super::pedestrians::Pedestrians;
-use super::{CarHull, RobotState};
 use crate::noise::Noise;
 
 /// Largest acceleration and comfortable deceleration, m/s².

@@ -12,7 +12,7 @@ use openbench_osm::OsmMap;
 
 use super::footways::shifted;
 use super::ground::Ground;
-use super::pedestrians::PERSON_RADIUS;
+use super::mover::PERSON_RADIUS;
 use super::ways::{Carriageway, carriageway};
 
 /// Half length and half width of a car, metres.

@@ -10,7 +10,8 @@
 //! | `neighbours` | who is near |
 //! | `footways`, `pedestrians` | the network that people walk on; the social force model |
 //! | `lanes`, `cars` | lanes and turns; the intelligent driver model and yielding |
-//! | `hull` | the outline of a car |
+//! | `mover`, `hull` | a person or a car at an instant, the robot as they see it; the outline of a car |
+//! | `plan` | how many there shall be |
 //! | [`figures`] | how a person and a car look |
 //! | [`measures`] | how near the robot came to them |
 //! | [`yielding`] | whether the robot stepped before somebody who could no longer stop |
@@ -24,8 +25,10 @@ mod ground;
 mod hull;
 mod lanes;
 pub mod measures;
+mod mover;
 mod neighbours;
 mod pedestrians;
+mod plan;
 #[cfg(test)]
 mod tests;
 mod ways;
@@ -34,96 +37,21 @@ pub mod yielding;
 use openbench_core::{MapPoint, Pose2};
 use openbench_osm::OsmMap;
 
-use serde::{Deserialize, Serialize};
-
 use crate::noise::Noise;
 use cars::Cars;
 use footways::Footways;
 use ground::Ground;
-pub(crate) use hull::CarHull;
 use lanes::{HALF, Lanes};
 use pedestrians::Pedestrians;
 
 pub use measures::{Encounters, Totals};
-pub use pedestrians::PERSON_RADIUS;
+pub use mover::{Hull, Mover, MoverKind, PERSON_RADIUS, RobotState};
+pub use plan::TrafficPlan;
 
 /// The models' longest step, seconds; longer ones are cut.
 const LONGEST_STEP: f64 = 0.05;
 /// Streams of random numbers, beside those of the sensors.
 const STREAMS: [u64; 2] = [11, 12];
-
-/// How many there shall be.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct TrafficPlan {
-    /// People on foot.
-    pub pedestrians: usize,
-    /// Cars that drive.
-    pub cars: usize,
-}
-
-impl TrafficPlan {
-    /// Whether nothing moves.
-    pub fn is_empty(&self) -> bool {
-        *self == Self::default()
-    }
-}
-
-/// The robot as others see it: a disc.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RobotState {
-    /// Its middle in `map`, metres.
-    pub position: MapPoint,
-    /// Its velocity in `map`, m/s.
-    pub velocity: [f64; 2],
-    /// Radius of the disc, metres.
-    pub radius: f64,
-}
-
-/// What moves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum MoverKind {
-    /// A person on foot.
-    Pedestrian,
-    /// A car.
-    Car,
-}
-
-/// The outline of a mover, seen from above.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Hull {
-    /// A person.
-    Disc {
-        /// Metres.
-        radius: f64,
-    },
-    /// A car: a rectangle about its pose.
-    Box {
-        /// Half the length, metres.
-        half_length: f64,
-        /// Half the width, metres.
-        half_width: f64,
-    },
-}
-
-/// A person or a car at an instant.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Mover {
-    /// What it is.
-    pub kind: MoverKind,
-    /// Whether it is there at all: cars leave and come in again.
-    pub present: bool,
-    /// Middle of the hull and heading, in `map`.
-    pub pose: Pose2,
-    /// Velocity in `map`, m/s.
-    pub velocity: [f64; 2],
-    /// Outline.
-    pub hull: Hull,
-    /// Phase of the walking cycle, 0 to 1 (left foot in front at 0); 0 for cars.
-    pub gait: f64,
-    /// Which of the [`figures`] it looks like: any number, the same for the mover's whole life.
-    pub look: u32,
-}
 
 /// People and cars in a map.
 #[derive(Debug)]
@@ -151,7 +79,7 @@ impl Traffic {
         let pedestrians = Pedestrians::new(footways, &ground, plan.pedestrians, start, people);
         let cars = Cars::new(Lanes::new(map, &ground), plan.cars, start, &pedestrians, cars);
         let mut traffic = Self { ground, pedestrians, cars, movers: Vec::new() };
-        traffic.movers = vec![absent(); traffic.pedestrians.people.len() + traffic.cars.cars.len()];
+        traffic.movers = vec![Mover::absent(); traffic.pedestrians.people.len() + traffic.cars.cars.len()];
         traffic.show();
         traffic
     }
@@ -175,7 +103,7 @@ impl Traffic {
         }
         let dt = dt.min(1.0);
         let parts = (dt / LONGEST_STEP - 1e-9).ceil().max(1.0);
-        let robot = seen(robot);
+        let robot = robot.seen();
         for _ in 0..parts as usize {
             self.cars.step(dt / parts, &self.ground, &robot, &self.pedestrians);
             let cars = (self.cars.hulls.as_slice(), &self.cars.near);
@@ -211,24 +139,4 @@ impl Traffic {
             };
         }
     }
-}
-
-fn absent() -> Mover {
-    Mover {
-        kind: MoverKind::Pedestrian,
-        present: false,
-        pose: Pose2::default(),
-        velocity: [0.0; 2],
-        hull: Hull::Disc { radius: PERSON_RADIUS },
-        gait: 0.0,
-        look: 0,
-    }
-}
-
-fn seen(robot: RobotState) -> RobotState {
-    let numbers = [robot.position.x, robot.position.y, robot.velocity[0], robot.velocity[1], robot.radius];
-    if numbers.iter().all(|v| v.is_finite() && v.abs() < 1e7) {
-        return robot;
-    }
-    RobotState { position: MapPoint::new(1e7, 1e7), velocity: [0.0; 2], radius: 0.0 }
 }

@@ -22,12 +22,11 @@ use openbench_core::frames::wrap_angle;
 
 use super::footways::Footways;
 use super::ground::Ground;
+use super::hull::CarHull;
+use super::mover::{PERSON_RADIUS, RobotState};
 use super::neighbours::Neighbours;
-use super::{CarHull, RobotState};
 use crate::noise::Noise;
 
-/// Radius of the place that a person needs: what `free` must stand for, metres.
-pub const PERSON_RADIUS: f64 = 0.25;
 /// Nobody walks faster than this times the desired speed (Helbing and Molnár).
 const HURRY: f64 = 1.3;
 /// Largest acceleration, m/s².

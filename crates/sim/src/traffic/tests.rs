@@ -5,6 +5,7 @@ use openbench_scene::generate::{builtin, builtin_georeference};
 use openbench_scene::{FreeSpace, RayCaster};
 use std::sync::Arc;
 
+use super::hull::CarHull;
 use super::*;
 
 pub(super) const DT: f64 = 0.05;
