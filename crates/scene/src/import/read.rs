@@ -12,16 +12,14 @@ use roxmltree::Node;
 use super::error::ImportError;
 use super::frames::{Frames, pose_of};
 use super::plates::unit_of_name;
-use super::sdf::{Link, Model, Road, SdfWorld, Shape};
+use super::sdf::{Link, MAX_DEPTH, Model, Road, SdfWorld, Shape};
 use super::search::{SearchPath, model_of};
 use super::shape::{read_geometry, read_paint};
 use super::state::State;
 use super::sun::read_sun;
 use super::warnings::Warnings;
-use super::xml::{child, child_text, children, is, list, malformed, numbers, parse, read_text};
+use super::xml::{child, child_text, children, is, malformed, numbers, parse, read_text};
 
-/// How deep models and includes may be nested.
-pub(crate) const MAX_DEPTH: usize = 16;
 const MAX_MODELS: usize = 200_000;
 
 /// Reads worlds and the models that they include.
@@ -219,11 +217,4 @@ fn read_road(path: &Path, node: Node) -> Result<Road, ImportError> {
         return Err(malformed(path, node, format!("road `{name}` needs two points and a positive width")));
     }
     Ok(Road { name, width, points, paint: read_paint(path, node)? })
-}
-
-/// The colour in a child element: red, green, blue, from 0 to 1, and alpha, which is not used.
-pub(crate) fn color(path: &Path, node: Node, name: &str) -> Result<Option<[f32; 3]>, ImportError> {
-    let Some(node) = child(node, name) else { return Ok(None) };
-    let values: Vec<f32> = list(path, node)?;
-    Ok(values.get(..3).map(|c| [c[0], c[1], c[2]].map(|v| v.clamp(0.0, 1.0))))
 }

@@ -5,6 +5,9 @@ use openbench_core::Pose3;
 
 use crate::Sun;
 
+/// How deep models and includes may be nested.
+pub(crate) const MAX_DEPTH: usize = 16;
+
 /// A world.
 #[derive(Debug, Default)]
 pub(crate) struct SdfWorld {

@@ -6,10 +6,9 @@ use nalgebra::Vector3;
 use roxmltree::Node;
 
 use super::error::ImportError;
-use super::read::color;
 use super::sdf::{Geometry, Heightmap, ImageShape, MeshUse, Paint};
 use super::warnings::Warnings;
-use super::xml::{child, child_numbers, child_text, children, malformed, numbers};
+use super::xml::{child, child_color, child_numbers, child_text, children, malformed, numbers};
 
 /// Most corners of an outline.
 const MAX_POINTS: usize = 1000;
@@ -145,7 +144,7 @@ fn positive<const N: usize>(path: &Path, node: Node, name: &str) -> Result<[f64;
 pub(crate) fn read_paint(path: &Path, shape: Node) -> Result<Option<Paint>, ImportError> {
     let Some(node) = child(shape, "material") else { return Ok(None) };
     let script = child(node, "script");
-    let diffuse = color(path, node, "diffuse")?;
+    let diffuse = child_color(path, node, "diffuse")?;
     let image =
         child(node, "pbr").and_then(|p| p.first_element_child()).and_then(|m| child_text(m, "albedo_map"));
     let uris = script.into_iter().flat_map(|s| children(s, "uri").collect::<Vec<_>>());
@@ -153,6 +152,6 @@ pub(crate) fn read_paint(path: &Path, shape: Node) -> Result<Option<Paint>, Impo
         uris: uris.filter_map(|u| u.text()).map(|t| t.trim().to_owned()).collect(),
         script: script.and_then(|s| child_text(s, "name")).map(str::to_owned),
         image: image.map(str::to_owned),
-        color: if diffuse.is_some() { diffuse } else { color(path, node, "ambient")? },
+        color: if diffuse.is_some() { diffuse } else { child_color(path, node, "ambient")? },
     }))
 }

@@ -10,7 +10,7 @@ use roxmltree::Node;
 
 use super::error::ImportError;
 use super::frames::parse_pose;
-use super::sdf::Model;
+use super::sdf::{MAX_DEPTH, Model};
 use super::xml::{child, child_numbers, children};
 
 /// What the state says of one model.
@@ -72,7 +72,7 @@ impl ModelState {
 
 fn read_models(path: &Path, node: Node, depth: usize) -> Result<BTreeMap<String, ModelState>, ImportError> {
     let mut states = BTreeMap::new();
-    if depth > super::read::MAX_DEPTH {
+    if depth > MAX_DEPTH {
         return Ok(states);
     }
     for model in children(node, "model") {

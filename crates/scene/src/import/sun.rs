@@ -7,9 +7,8 @@ use roxmltree::Node;
 
 use super::error::ImportError;
 use super::frames::pose_of;
-use super::read::color;
 use super::warnings::Warnings;
-use super::xml::{child, child_numbers, children};
+use super::xml::{child, child_color, child_numbers, children};
 use crate::Sun;
 
 /// The first directional `<light>` with the `<ambient>` of the `<scene>`; further lights are counted.
@@ -34,10 +33,10 @@ fn directional(path: &Path, world: Node, light: Node) -> Result<Sun, ImportError
     let direction = child_numbers::<3>(path, light, "direction")?.map_or(-Vector3::z(), Vector3::from);
     let turned = pose_of(path, light)?.0.rotation * direction;
     let unit = turned.try_normalize(1e-9).unwrap_or(-Vector3::z());
-    let ambient = child(world, "scene").map(|s| color(path, s, "ambient")).transpose()?.flatten();
+    let ambient = child(world, "scene").map(|s| child_color(path, s, "ambient")).transpose()?.flatten();
     Ok(Sun {
         direction: [unit.x as f32, unit.y as f32, unit.z as f32],
-        diffuse: color(path, light, "diffuse")?.map_or(1.0, mean),
+        diffuse: child_color(path, light, "diffuse")?.map_or(1.0, mean),
         ambient: ambient.map_or(Sun::default().ambient, mean),
     })
 }

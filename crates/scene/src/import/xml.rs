@@ -100,6 +100,13 @@ pub(crate) fn child_numbers<const N: usize>(
     child(node, name).map(|n| numbers(path, n)).transpose()
 }
 
+/// The colour in the first child of that name: red, green, blue, from 0 to 1. Alpha is not used.
+pub(crate) fn child_color(path: &Path, node: Node, name: &str) -> Result<Option<[f32; 3]>, ImportError> {
+    let Some(node) = child(node, name) else { return Ok(None) };
+    let values: Vec<f32> = list(path, node)?;
+    Ok(values.get(..3).map(|c| [c[0], c[1], c[2]].map(|v| v.clamp(0.0, 1.0))))
+}
+
 fn clip(word: &str) -> String {
     word.chars().take(40).collect()
 }

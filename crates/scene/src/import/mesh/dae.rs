@@ -4,43 +4,20 @@
 //! specification, which applies all in turn: meshes that were made for Gazebo count on it. Left out: animation and skinning
 //! (a skinned mesh is read in its bind shape), cameras, lights, physics.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use nalgebra::{Matrix4, Rotation3, Unit, Vector3};
-use roxmltree::{Document, Node};
+use roxmltree::Node;
 
 use super::super::error::ImportError;
-use super::super::xml::{child, children, list, malformed, numbers, parse};
+use super::super::xml::{child, malformed, numbers, parse};
+use super::dae_document::Dae;
 use super::dae_geometry::read_primitives;
 use super::dae_material::Materials;
-use super::{MAX_TRIANGLES, Mesh};
+use super::part::{MAX_TRIANGLES, Mesh};
 
 const MAX_DEPTH: usize = 64;
 const MAX_VISITS: usize = 100_000;
-
-/// A document with an index of its ids.
-pub(super) struct Dae<'a, 'i> {
-    pub(super) path: &'a Path,
-    ids: BTreeMap<&'a str, Node<'a, 'i>>,
-}
-
-impl<'a, 'i> Dae<'a, 'i> {
-    fn new(path: &'a Path, doc: &'a Document<'i>) -> Self {
-        let named = doc.descendants().filter_map(|n| Some((n.attribute("id")?, n)));
-        Self { path, ids: named.collect() }
-    }
-
-    /// The element that `#id` in an attribute names.
-    pub(super) fn target(&self, node: Node<'a, 'i>, attribute: &str) -> Option<Node<'a, 'i>> {
-        self.by_id(node.attribute(attribute)?)
-    }
-
-    /// The element with that id, with or without `#`.
-    pub(super) fn by_id(&self, id: &str) -> Option<Node<'a, 'i>> {
-        self.ids.get(id.strip_prefix('#').unwrap_or(id)).copied()
-    }
-}
 
 /// Reads COLLADA.
 pub(super) fn read(path: &Path, text: &str) -> Result<Mesh, ImportError> {
@@ -179,18 +156,4 @@ fn own_transform(path: &Path, node: Node) -> Result<Matrix4<f64>, ImportError> {
         };
     }
     Ok(transform)
-}
-
-/// The numbers of a `<source>` and how many of them make one item.
-pub(super) fn source(dae: &Dae, node: Node) -> Result<(Vec<f64>, usize), ImportError> {
-    let array = child(node, "float_array")
-        .ok_or_else(|| malformed(dae.path, node, "<source> has no <float_array>"))?;
-    let accessor = child(node, "technique_common").and_then(|t| child(t, "accessor"));
-    let stride = accessor.and_then(|a| a.attribute("stride")).and_then(|s| s.parse().ok()).unwrap_or(1);
-    Ok((list(dae.path, array)?, usize::max(stride, 1)))
-}
-
-/// The source that an `<input>` of that meaning names.
-pub(super) fn input<'a, 'i>(parent: Node<'a, 'i>, semantic: &str) -> Option<Node<'a, 'i>> {
-    children(parent, "input").find(|n| n.attribute("semantic") == Some(semantic))
 }

@@ -7,8 +7,8 @@ use roxmltree::Node;
 
 use super::super::error::ImportError;
 use super::super::xml::{child, children, list, malformed};
-use super::dae::{Dae, input, source};
-use super::{Corner, Joiner, Part};
+use super::dae_document::{Dae, input, source};
+use super::part::{Corner, Joiner, Part};
 
 /// What the indices of a primitive point into.
 struct Streams {

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use roxmltree::Node;
 
 use super::super::xml::{child, child_text, children, is};
-use super::MeshMaterial;
-use super::dae::Dae;
+use super::dae_document::Dae;
+use super::part::MeshMaterial;
 
 /// How one primitive of one instance is painted.
 pub(super) struct Binding {

@@ -10,7 +10,7 @@ use nalgebra::Point3;
 
 use super::super::error::ImportError;
 use super::super::xml::read_text;
-use super::{Corner, Joiner, MAX_TRIANGLES, Mesh, MeshMaterial, Part};
+use super::part::{Corner, Joiner, MAX_TRIANGLES, Mesh, MeshMaterial, Part};
 
 #[derive(Default)]
 struct Obj {

@@ -5,7 +5,7 @@ use std::path::Path;
 use nalgebra::Point3;
 
 use super::super::error::ImportError;
-use super::{Mesh, Part};
+use super::part::{Mesh, Part};
 
 /// Reads STL.
 pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Mesh, ImportError> {

@@ -1,0 +1,46 @@
+//! A COLLADA document: its elements by their ids, and the sources of numbers.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use roxmltree::{Document, Node};
+
+use super::super::error::ImportError;
+use super::super::xml::{child, children, list, malformed};
+
+/// A document with an index of its ids.
+pub(super) struct Dae<'a, 'i> {
+    pub(super) path: &'a Path,
+    ids: BTreeMap<&'a str, Node<'a, 'i>>,
+}
+
+impl<'a, 'i> Dae<'a, 'i> {
+    pub(super) fn new(path: &'a Path, doc: &'a Document<'i>) -> Self {
+        let named = doc.descendants().filter_map(|n| Some((n.attribute("id")?, n)));
+        Self { path, ids: named.collect() }
+    }
+
+    /// The element that `#id` in an attribute names.
+    pub(super) fn target(&self, node: Node<'a, 'i>, attribute: &str) -> Option<Node<'a, 'i>> {
+        self.by_id(node.attribute(attribute)?)
+    }
+
+    /// The element with that id, with or without `#`.
+    pub(super) fn by_id(&self, id: &str) -> Option<Node<'a, 'i>> {
+        self.ids.get(id.strip_prefix('#').unwrap_or(id)).copied()
+    }
+}
+
+/// The numbers of a `<source>` and how many of them make one item.
+pub(super) fn source(dae: &Dae, node: Node) -> Result<(Vec<f64>, usize), ImportError> {
+    let array = child(node, "float_array")
+        .ok_or_else(|| malformed(dae.path, node, "<source> has no <float_array>"))?;
+    let accessor = child(node, "technique_common").and_then(|t| child(t, "accessor"));
+    let stride = accessor.and_then(|a| a.attribute("stride")).and_then(|s| s.parse().ok()).unwrap_or(1);
+    Ok((list(dae.path, array)?, usize::max(stride, 1)))
+}
+
+/// The source that an `<input>` of that meaning names.
+pub(super) fn input<'a, 'i>(parent: Node<'a, 'i>, semantic: &str) -> Option<Node<'a, 'i>> {
+    children(parent, "input").find(|n| n.attribute("semantic") == Some(semantic))
+}

@@ -1,0 +1,75 @@
+//! Triangles with materials, as every format of meshes gives them.
+
+use std::collections::BTreeMap;
+
+use nalgebra::Point3;
+
+/// Triangles of a mesh file at most.
+pub(super) const MAX_TRIANGLES: usize = 5_000_000;
+
+/// A mesh file.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Mesh {
+    /// Its parts in the order of the file.
+    pub(crate) parts: Vec<Part>,
+    /// What the parts' indices name.
+    pub(crate) materials: Vec<MeshMaterial>,
+}
+
+/// Triangles of one material.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Part {
+    /// Names by which `<submesh>` can ask for it.
+    pub(crate) names: Vec<String>,
+    /// Index into [`Mesh::materials`].
+    pub(crate) material: Option<usize>,
+    /// Position and texture coordinates.
+    pub(crate) corners: Vec<Corner>,
+    /// Counter-clockwise from outside.
+    pub(crate) triangles: Vec<[u32; 3]>,
+}
+
+/// Position and texture coordinates.
+pub(crate) type Corner = (Point3<f64>, [f32; 2]);
+
+/// How a mesh file paints a part.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct MeshMaterial {
+    /// sRGB colour; white under an image.
+    pub(crate) color: [f32; 3],
+    /// The image as the file names it.
+    pub(crate) image: Option<String>,
+    /// Whether transparent texels are holes.
+    pub(crate) cutout: bool,
+}
+
+impl Default for MeshMaterial {
+    fn default() -> Self {
+        Self { color: [1.0; 3], image: None, cutout: false }
+    }
+}
+
+/// Joins corners that share position and texture coordinates, by their indices in the file.
+#[derive(Debug, Default)]
+pub(super) struct Joiner {
+    known: BTreeMap<(usize, usize), u32>,
+    pub(super) part: Part,
+}
+
+impl Joiner {
+    /// The number of the corner with these indices, which `make` makes when it is new.
+    pub(super) fn corner(&mut self, key: (usize, usize), make: impl FnOnce() -> Corner) -> u32 {
+        let corners = &mut self.part.corners;
+        *self.known.entry(key).or_insert_with(|| {
+            corners.push(make());
+            corners.len() as u32 - 1
+        })
+    }
+
+    /// Adds a polygon as a fan of triangles.
+    pub(super) fn fan(&mut self, corners: &[u32]) {
+        for pair in corners.windows(2).skip(1) {
+            self.part.triangles.push([corners[0], pair[0], pair[1]]);
+        }
+    }
+}
