@@ -15,13 +15,14 @@ use crate::teb::terms::Problem;
 
 mod command;
 
-use command::TOO_LATE;
 pub use command::wanted;
 
 /// A goal that moves further than this at once is another one, metres.
 const ELSEWHERE: f64 = 1.0;
 /// Distance from obstacles that a motion has to keep to be driven, metres.
 const SURE: f64 = 0.003;
+/// Seconds until a conflict below which a band is not driven any further.
+const TOO_LATE: f64 = 1.0;
 /// Where anybody moves a band that comes nearer to anything than this is not taken for one that was driven and does not, metres: a robot does not drive quite
 /// as foreseen, and they do not wait. Wary robots need it not: they are slow where somebody might come nearer.
 const FIRM: f64 = 0.015;

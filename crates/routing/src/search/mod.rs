@@ -9,11 +9,13 @@
 //!
 //! | module | its one job |
 //! |---|---|
+//! | `graph` | what is searched, and the ends of a search |
 //! | `side` | one direction of a search: labels, and what is reached from them |
 //! | `table` | from many places to many |
 //! | `values` | what ways take, beside what they weigh |
 //! | `path` | from both directions to a row of states |
 
+mod graph;
 mod path;
 mod side;
 mod table;
@@ -21,96 +23,19 @@ mod values;
 
 use std::collections::HashSet;
 
-use crate::overlay::{Cliques, FAR, Overlay, Weights};
+use crate::overlay::FAR;
+use graph::Ends;
+pub use graph::{End, Searched};
 pub use path::Path;
 use side::{Side, Tables};
 pub use table::{Found, TableMemory, ValuedEnd};
 pub use values::{Value, Values};
-
-/// A graph with its layers and what is known of them for one set of weights.
-#[derive(Debug, Clone, Copy)]
-pub struct Searched<'a> {
-    /// The layers.
-    pub overlay: &'a Overlay,
-    /// The weights of arcs.
-    pub weights: &'a Weights,
-    /// Ways through cells, a layer each.
-    pub cliques: &'a [Cliques],
-}
-
-/// A state with what reaching it (or going on from it) counts as.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct End {
-    /// The state.
-    pub state: u32,
-    /// Below [`FAR`].
-    pub weight: u32,
-}
 
 /// Memory of searches, which is used again for the next one.
 #[derive(Debug, Default)]
 pub struct Workspace {
     sides: [Side; 2],
     ends: Ends,
-}
-
-/// The cells that the ends of a search are in.
-#[derive(Debug, Default)]
-struct Ends {
-    /// For each layer the cells of all ends.
-    cells: Vec<Vec<u32>>,
-    /// For each layer its first label.
-    base: Vec<u32>,
-}
-
-impl Ends {
-    fn set(&mut self, overlay: &Overlay, states: impl Iterator<Item = u32> + Clone) {
-        self.base.clear();
-        self.base.push(0);
-        self.cells.resize_with(overlay.layers.len(), Vec::new);
-        let mut base = overlay.out.states() as u32;
-        for (height, cells) in self.cells.iter_mut().enumerate() {
-            self.base.push(base);
-            base += overlay.layers[height].state.len() as u32;
-            cells.clear();
-            cells.extend(states.clone().map(|state| overlay.cell(height, state)));
-            cells.sort_unstable();
-            cells.dedup();
-        }
-        self.base.push(base);
-    }
-
-    /// The layer that a state takes part in.
-    #[inline]
-    fn layer(&self, overlay: &Overlay, state: u32) -> usize {
-        let leaf = overlay.leaf[state as usize] as usize;
-        let away = |height: &usize| {
-            let cell = overlay.layers[*height].cell_of_leaf[leaf];
-            !self.cells[*height].contains(&cell)
-        };
-        (0..overlay.layers.len()).rev().find(away).map_or(0, |height| height + 1)
-    }
-
-    /// The layer that a label is of.
-    #[inline]
-    fn layer_of_label(&self, label: u32) -> usize {
-        let mut layer = 0;
-        while self.base[layer + 1] <= label {
-            layer += 1;
-        }
-        layer
-    }
-
-    fn state(&self, overlay: &Overlay, label: u32) -> u32 {
-        match self.layer_of_label(label) {
-            0 => label,
-            layer => overlay.layers[layer - 1].state[(label - self.base[layer]) as usize],
-        }
-    }
-
-    fn labels(&self) -> usize {
-        self.base.last().map_or(0, |end| *end as usize)
-    }
 }
 
 impl Workspace {

@@ -1,7 +1,7 @@
 //! From the labels of a search to the states of a path.
 
+use super::graph::{Ends, Searched};
 use super::side::{BEGUN, Side};
-use super::{Ends, Searched};
 use crate::overlay::UNREACHED;
 
 /// The states of a path, in order. Its memory is used again.

@@ -3,7 +3,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use super::{End, Ends, Searched};
+use super::graph::{End, Ends, Searched};
 use crate::overlay::{Arcs, Cliques, FAR, Layer, Overlay};
 
 /// Where a label was reached from; the highest bit says that it was straight through a cell.

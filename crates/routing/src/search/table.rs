@@ -5,9 +5,10 @@
 //! looks into them. A search back ends on the border of the target's largest cell, one forwards goes on through all of the highest
 //! layer.
 
+use super::Workspace;
+use super::graph::{End, Ends, Searched};
 use super::side::{BEGUN, Side, Tables};
 use super::values::{Value, Values, plus};
-use super::{End, Ends, Searched, Workspace};
 use crate::overlay::FAR;
 
 /// A state with what reaching it (or going on from it) counts as and takes.

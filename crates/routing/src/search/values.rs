@@ -5,7 +5,7 @@
 
 use rayon::prelude::*;
 
-use super::Searched;
+use super::graph::Searched;
 use crate::overlay::{FAR, Layer};
 
 /// Hundredths of a second, and centimetres.

@@ -10,7 +10,7 @@ use rten_imageproc::{Point, RetrievalMode, find_contours};
 use rten_tensor::prelude::*;
 use rten_tensor::{NdTensor, NdTensorView};
 
-use super::PpOcrSettings;
+use super::settings::PpOcrSettings;
 
 /// Narrower boxes hold nothing legible, map pixels before widening.
 const MIN_SIDE: f32 = 2.0;

@@ -9,10 +9,10 @@ use rten::ThreadPool;
 use rten_tensor::NdTensor;
 use rten_tensor::prelude::*;
 
-use super::PpOcrSettings;
 use super::boxes::{self, TextBox};
 use super::network::Network;
 use super::pixels::bgr_at;
+use super::settings::PpOcrSettings;
 use crate::reader::ReaderError;
 
 /// The network halves its input five times, so sides are multiples of this.

@@ -10,12 +10,10 @@ use crate::teb::band::Band;
 use crate::teb::settings::Limits;
 use crate::yielding::Ways;
 
-use super::{SURE, Teb};
+use super::{SURE, TOO_LATE, Teb};
 
 /// Seconds ahead that a velocity is taken from: the time until the next one and a little for what lags.
 const COMMAND: f64 = 0.1;
-/// Seconds until a conflict below which a band is not driven any further.
-pub(super) const TOO_LATE: f64 = 1.0;
 /// Who is nearer than this may surprise, metres.
 const ALERT: f64 = 1.5;
 /// Looks ahead at whom one passes, and the seconds between them.
