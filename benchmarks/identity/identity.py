@@ -19,6 +19,7 @@ import pathlib
 import subprocess
 import sys
 import tomllib
+import urllib.error
 import urllib.request
 
 HERE = pathlib.Path(__file__).resolve().parent

@@ -206,7 +206,7 @@ impl<'o> Rollout<'o> {
         self
     }
 
-    /// What an agent is told of the episode.
+    /// The agent's briefing.
     pub fn briefing(&self) -> &Briefing {
         &self.briefing
     }

@@ -8,15 +8,15 @@ use crate::open::sighting::Sighting;
 
 /// Distance from a plate at which a parcel is put down where nothing is in the way, metres.
 pub const NEAREST: f64 = 0.8;
-/// Porches and steps keep the robot off some doors; from farther it is not looked for a place, metres.
+/// No doorstep is looked for farther from the plate than this, metres.
 pub const FARTHEST: f64 = 3.2;
 /// A doorstep that is not reached is given up for one so much farther from the plate, metres.
 const FARTHER: f64 = 0.8;
-/// Distances from the plate that are looked at lie so far apart, metres.
+/// Spacing of the distances from the plate that are tried, metres.
 const STEP: f64 = 0.1;
-/// Directions that are looked at, from straight out to farther aside, radians.
+/// Directions from the plate that are tried, radians from its normal.
 const ASIDES: [f64; 7] = [0.0, 0.25, -0.25, 0.5, -0.5, 0.75, -0.75];
-/// Who stands farther aside is beside the door and not in front of it, radians.
+/// Largest angle from the plate's normal at which a robot is in front of the door, radians.
 const BESIDE: f64 = 0.9;
 
 /// A place in front of a door.
@@ -72,13 +72,15 @@ pub fn is_in_front(door: &Sighting, here: MapPoint) -> bool {
     wrap_angle(door.position.bearing_to(here) - door.facing).abs() <= BESIDE
 }
 
-/// Whether `here` is as near to a door as a robot has to be that got to no doorstep.
+/// Whether `here` is near enough to a door to put the parcel down, where no doorstep was reached.
 pub fn is_at_door(door: &Sighting, here: MapPoint) -> bool {
     here.distance(door.position) <= FARTHEST + FARTHER
 }
 
 #[cfg(test)]
 mod tests {
+    use std::ops::Range;
+
     use super::*;
     use openbench_core::{Georeference, LonLat, RobotDescription};
     use openbench_motion::RangeRing;
@@ -107,11 +109,15 @@ mod tests {
         costmap
     }
 
-    /// A heap of things before the door, from `from` to `depth` metres from its wall and from
-    /// `south` to `north` of the plate.
-    fn heap((from, depth): (f64, f64), (south, north): (f64, f64)) -> Vec<MapPoint> {
-        let between = |a: f64, b: f64| (0..=((b - a) / 0.1) as u32).map(move |i| a + 0.1 * f64::from(i));
-        between(from, depth).flat_map(|x| between(south, north).map(move |y| MapPoint::new(x, y))).collect()
+    /// Every 0.1 m of a range.
+    fn tenths(range: Range<f64>) -> impl Iterator<Item = f64> {
+        let count = ((range.end - range.start) / 0.1) as u32;
+        (0..=count).map(move |i| range.start + 0.1 * f64::from(i))
+    }
+
+    /// Points of an obstacle: `out` metres from the door's wall, `north` metres north of the plate.
+    fn heap(out: Range<f64>, north: Range<f64>) -> Vec<MapPoint> {
+        tenths(out).flat_map(|x| tenths(north.clone()).map(move |y| MapPoint::new(x, y))).collect()
     }
 
     fn found(from: f64, ground: &Costmap) -> Doorstep {
@@ -127,7 +133,7 @@ mod tests {
 
     #[test]
     fn before_a_porch_it_is_put_down_in_front_of_the_porch() {
-        let ground = ground(&heap((0.0, 1.2), (-1.5, 1.5)));
+        let ground = ground(&heap(0.0..1.2, -1.5..1.5));
         let step = found(NEAREST, &ground);
         assert!((1.3..2.0).contains(&step.place.x), "{step:?}");
         assert!(is_in_front(&door(), step.place));
@@ -139,7 +145,7 @@ mod tests {
 
     #[test]
     fn a_bush_in_front_is_passed_by_aside() {
-        let bush = heap((0.8, 1.4), (-0.2, -0.1));
+        let bush = heap(0.8..1.4, -0.2..-0.1);
         let step = found(NEAREST, &ground(&bush));
         assert!(step.place.y > 0.1 && is_in_front(&door(), step.place), "{step:?}");
         assert!(step.place.distance(door().position) < 1.5, "{step:?}");
@@ -148,14 +154,14 @@ mod tests {
     #[test]
     fn straight_in_front_is_better_than_a_little_nearer_and_aside() {
         // From 1.6 m away one could stand beside this porch, with the door aslant.
-        let ground = ground(&heap((0.0, 1.6), (-0.9, 1.5)));
+        let ground = ground(&heap(0.0..1.6, -0.9..1.5));
         let step = found(NEAREST, &ground);
         assert!(step.place.y == 0.0 && (1.7..2.0).contains(&step.place.x), "{step:?}");
     }
 
     #[test]
     fn where_nothing_is_free_it_is_tried_straight_in_front() {
-        let crowd = heap((0.0, 4.0), (-4.0, 4.0));
+        let crowd = heap(0.0..4.0, -4.0..4.0);
         assert_eq!(found(1.6, &ground(&crowd)).place, MapPoint::new(1.6, 0.0));
         assert_eq!(found(FARTHEST + 0.5, &ground(&crowd)).place, MapPoint::new(FARTHEST + 0.5, 0.0));
     }
