@@ -90,7 +90,7 @@ class Recorder:
 
     def plans(self):
         """What is planned for each instruction at hand, by its number and text."""
-        folder = ROOT / "crates/bench/data/instructions"
+        folder = ROOT / "crates/trials/data/instructions"
         cases = []
         for path in sorted(folder.glob("*.jsonl")):
             for line in path.read_text().splitlines():

@@ -3,17 +3,16 @@
 //!
 //! The readers' two files are compiled by themselves: `openbench-bench`, which they belong to, brings the runtime of the networks, and that compiles for half an hour once it is instrumented.
 
-use evaluate::{log::parse_log, truth::parse_truth};
+use log::parse_log;
+use truth_file::parse_truth;
 use libfuzzer_sys::fuzz_target;
 
-#[path = "../../crates/bench/src/evaluate"]
-mod evaluate {
-    pub mod log;
-    pub mod truth;
-
-    /// As `openbench_bench::evaluate` has it.
-    pub type LineProblem = (usize, String);
-}
+#[path = "../../crates/bench/src/line_problem.rs"]
+mod line_problem;
+#[path = "../../crates/bench/src/score/evaluate/log.rs"]
+mod log;
+#[path = "../../crates/bench/src/suite/truth_file.rs"]
+mod truth_file;
 
 fuzz_target!(|text: &str| {
     if let Ok(tasks) = parse_log(text) {

@@ -87,7 +87,7 @@ pub enum BenchError {
     Log(#[from] openbench_logs::LogError),
     /// Results cannot be written or read.
     #[error(transparent)]
-    Results(#[from] crate::results::ResultsError),
+    Results(#[from] crate::score::results::ResultsError),
     /// A run does not repeat.
     #[error("episode {episode} differs from its recording: {detail}")]
     Differs {

@@ -1,18 +1,16 @@
 //! Episodes, one step at a time.
 
-use std::cell::RefCell;
-use std::rc::Rc;
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock, Mutex};
 
-use openbench_bench::runner::run_episode;
-use openbench_bench::{BenchError, Observer, Prepared, Rollout, Status, Suite};
+use openbench_bench::run::run_episode;
+use openbench_bench::{BenchError, Observer, Prepared, Rollout, Status, builtin_suite};
 use openbench_core::{
     Action, Address, Agent, Briefing, Event, Events, FailureCause, GiveUp, Observation, SimTime, Velocity,
 };
 use openbench_sim::Simulator;
 
 static SMALL: LazyLock<Prepared> =
-    LazyLock::new(|| Prepared::new(Suite::builtin("small").unwrap(), None).unwrap());
+    LazyLock::new(|| Prepared::new(builtin_suite("small").unwrap(), None).unwrap());
 
 const FORWARD: Velocity = Velocity::new(0.3, 0.1);
 
@@ -47,25 +45,25 @@ struct Seen {
 
 /// Notes what it is shown, and fails at a step.
 struct Watching {
-    seen: Rc<RefCell<Seen>>,
+    seen: Arc<Mutex<Seen>>,
     fails_at: usize,
 }
 
 impl Observer for Watching {
     fn begin(&mut self, _: &Simulator) -> Result<(), BenchError> {
-        self.seen.borrow_mut().begun += 1;
+        self.seen.lock().unwrap().begun += 1;
         Ok(())
     }
 
     fn step(&mut self, _: &Simulator, _: Velocity) -> Result<(), BenchError> {
-        let mut seen = self.seen.borrow_mut();
+        let mut seen = self.seen.lock().unwrap();
         seen.steps += 1;
         let full = || BenchError::World("the disk is full".into());
         if seen.steps == self.fails_at { Err(full()) } else { Ok(()) }
     }
 
     fn event(&mut self, time: SimTime, event: &Event) -> Result<(), BenchError> {
-        self.seen.borrow_mut().events.push(format!("{time}: {event:?}"));
+        self.seen.lock().unwrap().events.push(format!("{time}: {event:?}"));
         Ok(())
     }
 }
@@ -113,20 +111,20 @@ fn who_cannot_begin_fails_every_delivery() {
 
 #[test]
 fn observers_see_the_begin_each_step_and_each_event() {
-    let seen = Rc::new(RefCell::new(Seen::default()));
+    let seen = Arc::new(Mutex::new(Seen::default()));
     let watching = Watching { seen: seen.clone(), fails_at: 0 };
     let trace = run_episode(rollout().watched_by(watching), &mut Circle).unwrap();
-    let seen = seen.borrow();
+    let seen = seen.lock().unwrap();
     assert_eq!((seen.begun, seen.steps), (1, trace.velocities.len()));
     assert_eq!(seen.events, [r#"0.000 s: Note("begun")"#]);
 }
 
 #[test]
 fn an_observer_that_fails_ends_the_episode_with_its_error() {
-    let seen = Rc::new(RefCell::new(Seen::default()));
+    let seen = Arc::new(Mutex::new(Seen::default()));
     let mut rollout = rollout().watched_by(Watching { seen: seen.clone(), fails_at: 3 });
     while rollout.step(Action::Drive(FORWARD)) == Status::Running {}
-    assert_eq!(seen.borrow().steps, 3);
+    assert_eq!(seen.lock().unwrap().steps, 3);
     assert!(rollout.finish(None).unwrap_err().to_string().contains("the disk is full"));
 }
 
@@ -154,7 +152,7 @@ fn an_episode_that_there_is_none_of_is_named() {
 }
 
 #[test]
-fn a_rollout_without_observers_borrows_nothing() {
-    fn is_static<T: 'static>(_: &T) {}
-    is_static(&rollout());
+fn a_rollout_without_observers_borrows_nothing_and_can_be_sent() {
+    fn is_static_and_send<T: 'static + Send>(_: &T) {}
+    is_static_and_send(&rollout());
 }

@@ -7,6 +7,7 @@
 //! | [`time`] | [`SimTime`]: when, in simulated nanoseconds |
 //! | [`sensors`] | [`LidarScan`], [`ImuSample`], [`WheelSample`], [`GnssFix`], [`Image`], [`Camera`]: what the robot perceives |
 //! | [`sensed`] | [`Sensed`]: an observation that can be kept and sent |
+//! | [`registry`] | [`Registry`]: exchangeable parts by name |
 //! | [`robot`] | [`RobotDescription`]: size, sensor poses and limits of the robot |
 //! | [`address`] | [`Address`]: building and unit |
 //! | [`plan`] | [`Plan`], [`PlannedDelivery`], [`TravelTimes`]: what a language planner and a router exchange |
@@ -22,6 +23,7 @@ pub mod frames;
 pub mod health;
 pub mod model_use;
 pub mod plan;
+pub mod registry;
 pub mod robot;
 pub mod sensed;
 pub mod sensors;
@@ -36,6 +38,7 @@ pub use model_use::ModelUse;
 pub use plan::{
     AddressLevel, Deadline, Fallback, Level, Plan, PlanPart, PlannedDelivery, Step, StepMode, TravelTimes,
 };
+pub use registry::{Registry, UnknownName};
 pub use robot::RobotDescription;
 pub use sensed::Sensed;
 pub use sensors::{Camera, CameraIntrinsics, GnssFix, Image, ImuSample, LidarPoint, LidarScan, WheelSample};

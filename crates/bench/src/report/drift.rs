@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::metrics::localization::{PoseError, localization};
+use crate::score::metrics::localization::{PoseError, localization};
 
 const WIDTH: f64 = 1040.0;
 const HEIGHT: f64 = 120.0;

@@ -5,8 +5,9 @@ use std::fmt::Write;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
-use super::html::{count, escape};
+use super::html::escape;
 use super::input::PlateFrame;
+use crate::plural::count;
 
 /// More frames than these would make the file heavy and tell little new; they are counted instead.
 const SHOWN: usize = 12;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::results::Results;
+use crate::score::results::Results;
 
 /// `text` so that it stands for itself in HTML and SVG, in elements and in attributes.
 pub fn escape(text: &str) -> String {
@@ -33,11 +33,6 @@ pub fn number(value: Option<f64>, decimals: usize) -> String {
     }
 }
 
-/// `1 delivery`, `3 deliveries`.
-pub fn count(n: usize, one: &str, many: &str) -> String {
-    format!("{n} {}", if n == 1 { one } else { many })
-}
-
 /// How many episodes the deliveries belong to.
 pub fn episode_count(results: &Results) -> usize {
     results.deliveries.iter().map(|d| d.episode).collect::<BTreeSet<_>>().len()
@@ -57,9 +52,5 @@ mod tests {
         assert_eq!((percent(1.0), percent(0.7558)), ("100.0".into(), "75.6".into()));
         assert_eq!((number(Some(1.25), 1), number(None, 1)), ("1.2".into(), "–".into()));
         assert_eq!(number(Some(f64::NAN), 1), "–");
-        assert_eq!(
-            (count(1, "door", "doors"), count(0, "door", "doors")),
-            ("1 door".into(), "0 doors".into())
-        );
     }
 }

@@ -2,8 +2,8 @@
 
 use openbench_core::{Address, MapPoint, PlannedDelivery, Pose2, SimTime};
 
-use crate::metrics::PoseError;
-use crate::results::Results;
+use crate::score::metrics::PoseError;
+use crate::score::results::Results;
 
 /// All that a report shows.
 #[derive(Debug, Clone)]

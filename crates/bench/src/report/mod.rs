@@ -3,6 +3,7 @@
 //! | module | what it draws |
 //! |---|---|
 //! | [`input`] | what a report is made from |
+//! | [`from_run`] | from what happened to that |
 //! | [`html`] | escaping and numbers |
 //! | [`tiles`] | the headline numbers with their intervals, paper and strict side by side |
 //! | [`table`] | one row a delivery |
@@ -13,6 +14,7 @@
 
 pub mod drift;
 pub mod frames;
+pub mod from_run;
 pub mod html;
 pub mod input;
 pub mod map;
@@ -22,6 +24,7 @@ pub mod tiles;
 
 use std::fmt::Write;
 
+use crate::plural::count;
 use html::escape;
 pub use input::{Declaration, DoorMark, EpisodeReport, MapArea, PlateFrame, ReportInput, WorldMap};
 pub use terminal::terminal_table;
@@ -61,8 +64,8 @@ fn header(out: &mut String, input: &ReportInput<'_>) {
         escape(&results.agent),
         results.seed,
         escape(&results.version),
-        html::count(results.deliveries.len(), "delivery", "deliveries"),
-        html::count(html::episode_count(results), "episode", "episodes"),
+        count(results.deliveries.len(), "delivery", "deliveries"),
+        count(html::episode_count(results), "episode", "episodes"),
     );
 }
 
@@ -141,7 +144,7 @@ const READING: &str = "<p class=\"note\">SR is the share of deliveries that succ
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::tests::{delivery, results};
+    use crate::score::results::tests::{delivery, results};
     use openbench_core::{MapPoint, Pose2};
 
     fn world() -> WorldMap {

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::html::{escape, number};
-use crate::results::{DeliveryResult, Results};
+use crate::score::results::{DeliveryResult, Results};
 
 /// Writes one row a delivery.
 pub fn render(out: &mut String, results: &Results) {

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::html::{number, percent};
-use crate::results::{DeliveryResult, Metrics, Results};
+use crate::score::results::{DeliveryResult, Metrics, Results};
 
 const ADDRESS_WIDTH: usize = 22;
 const FAILURE_WIDTH: usize = 20;
@@ -131,8 +131,8 @@ fn columns(c: char) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::metrics::{RunTotals, summarize};
-    use crate::results::tests::{delivery, results};
+    use crate::score::metrics::{RunTotals, summarize};
+    use crate::score::results::tests::{delivery, results};
     use openbench_core::FailureCause;
 
     #[test]

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::html::{escape, number, percent};
-use crate::results::{Metrics, Results};
+use crate::score::results::{Metrics, Results};
 
 /// Writes both readings as rows of tiles, then the counts.
 pub fn render(out: &mut String, results: &Results) {

@@ -2,11 +2,11 @@
 
 use anyhow::Context;
 use cpu_time::ProcessTime;
-use openbench_bench::speed::routing::{RoutingSpeed, measure as measure_routing, read_pairs};
-use openbench_bench::speed::sim::{SimSpeed, measure};
 use openbench_bench::{Registry, TrafficPlan, WorldSource};
 use openbench_localization::graph::PoseGraph;
 use openbench_routing::Profile;
+use openbench_trials::speed::routing::{RoutingSpeed, measure as measure_routing, read_pairs};
+use openbench_trials::speed::sim::{SimSpeed, measure};
 use serde::Serialize;
 
 use crate::args::{BenchArgs, BenchCommand, BenchPosegraphArgs, BenchRoutingArgs, BenchSimArgs};

@@ -4,9 +4,9 @@ use std::fmt::Write as _;
 use std::time::Duration;
 
 use openbench_bench::Prepared;
-use openbench_bench::degraded::{Trial, trials};
 use openbench_core::RobotDescription;
 use openbench_localization::{Fused, Localizer};
+use openbench_trials::degraded::{Trial, trials};
 
 use crate::args::BenchHealthArgs;
 use crate::commands::run::named;

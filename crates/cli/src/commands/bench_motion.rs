@@ -4,9 +4,9 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use anyhow::Context as _;
-use openbench_bench::motion::picture::picture;
-use openbench_bench::motion::trial::{PlannerKind, Request, Row, Trial, hold};
 use openbench_core::RobotDescription;
+use openbench_trials::motion::picture::picture;
+use openbench_trials::motion::trial::{PlannerKind, Request, Row, Trial, hold};
 
 use crate::args::{BenchMotionArgs, PlannerArg};
 use crate::outcome::{Outcome, say, say_json};
@@ -63,7 +63,7 @@ fn kind(planner: PlannerArg) -> PlannerKind {
 
 fn draw(
     folder: &Path,
-    outcome: &openbench_bench::motion::trial::Outcome,
+    outcome: &openbench_trials::motion::trial::Outcome,
     robot: &RobotDescription,
 ) -> anyhow::Result<()> {
     for (planner, drive) in &outcome.drives {

@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use openbench_bench::motion::people::{Among, Request, drive, drives};
 use openbench_bench::{Prepared, TrafficPlan};
+use openbench_trials::motion::people::{Among, Request, drive, drives};
 
 use crate::args::{BenchPeopleArgs, PlannerArg};
 use crate::commands::run::named;
@@ -50,7 +50,7 @@ fn table(rows: &[Among]) -> String {
         "people  cars     km  hours  doors reached  given up  collisions  driven into  cut off  near misses/km  stops/km\n",
     );
     for row in rows {
-        let total = |count: fn(&openbench_bench::metrics::CollisionSum) -> usize| {
+        let total = |count: fn(&openbench_bench::score::metrics::CollisionSum) -> usize| {
             row.collisions.values().map(count).sum::<usize>()
         };
         let km = row.metres / 1000.0;

@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use openbench_bench::towns::summary::PoseSum;
-use openbench_bench::towns::{Drawn, Town, Towns, TownsPlan, TownsRequest, draw, run as run_towns};
 use openbench_bench::{BenchError, Registry};
 use openbench_core::{FailureCause, LonLat};
+use openbench_trials::towns::summary::PoseSum;
+use openbench_trials::towns::{Drawn, Town, Towns, TownsPlan, TownsRequest, draw, run as run_towns};
 
 use crate::args::BenchTownsArgs;
 use crate::commands::run::fetch_reader;

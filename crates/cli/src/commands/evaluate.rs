@@ -1,6 +1,6 @@
 //! `openbench evaluate`
 
-use openbench_bench::evaluate::evaluate;
+use openbench_bench::score::evaluate::evaluate;
 
 use crate::args::EvaluateArgs;
 use crate::outcome::{Outcome, say_json};

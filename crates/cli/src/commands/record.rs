@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
-use openbench_bench::recorder::Recorder;
-use openbench_bench::tour::{Style, Tour, drive};
+use openbench_bench::run::recorder::Recorder;
 use openbench_bench::{Faults, Level, Prepared};
 use openbench_core::SimTime;
+use openbench_trials::tour::{Style, Tour, drive};
 
 use crate::args::RecordArgs;
 use crate::commands::run::named;

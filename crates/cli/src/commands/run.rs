@@ -4,11 +4,13 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::Context;
-use openbench_bench::draw::Draw;
 use openbench_bench::report::terminal_table;
-use openbench_bench::suite::{Sensors, known_suites};
+use openbench_bench::suite::draw::Draw;
+use openbench_bench::suite::{Sensors, deliveries};
+use openbench_bench::worlds::{folder, load};
 use openbench_bench::{
-    BenchError, Prepared, Registry, RunRequest, Suite, TrafficPlan, WorldSource, deliveries, world_folder,
+    BenchError, Prepared, Registry, RunRequest, Suite, TrafficPlan, WorldSource, builtin_suite,
+    builtin_suites,
 };
 use openbench_core::Address;
 use openbench_models::ModelStore;
@@ -121,14 +123,14 @@ fn prepare(args: &RunArgs) -> anyhow::Result<Prepared> {
 /// The suite that a word names.
 pub(super) fn named(name: &str) -> anyhow::Result<Suite> {
     let path = Path::new(name);
-    if world_folder::is_world(path) {
-        return Ok(world_folder::suite_of(path)?);
+    if folder::is_world(path) {
+        return Ok(folder::suite_of(path)?);
     }
-    if path.is_dir() && !known_suites().iter().any(|known| known == name) {
+    if path.is_dir() && !builtin_suites().iter().any(|known| known == name) {
         anyhow::bail!("{name}: the folder has no world.toml; make a world with `openbench world generate`");
     }
     let is_file = path.extension().is_some_and(|e| e == "toml");
-    Ok(if is_file { Suite::read(path)? } else { Suite::builtin(name)? })
+    Ok(if is_file { Suite::read(path)? } else { builtin_suite(name)? })
 }
 
 fn imported(args: &RunArgs, world: &Path, map: &Path) -> anyhow::Result<Suite> {
@@ -154,7 +156,7 @@ fn imported(args: &RunArgs, world: &Path, map: &Path) -> anyhow::Result<Suite> {
             episodes
         }
         (None, Some(&[singles, sequences, length])) => {
-            let doors: Vec<Address> = source.load()?.scene.doors.into_iter().map(|d| d.address).collect();
+            let doors: Vec<Address> = load(&source)?.scene.doors.into_iter().map(|d| d.address).collect();
             let mut draw = Draw::new(doors, args.seed);
             let mut episodes = draw.singles(singles);
             episodes.extend(draw.sequences(sequences, length));

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use nalgebra::{UnitQuaternion, Vector3};
-use openbench_bench::picture;
-use openbench_bench::world_folder::is_world;
+use openbench_bench::image_file;
+use openbench_bench::worlds::folder::is_world;
+use openbench_bench::worlds::load;
 use openbench_bench::{TrafficPlan, WorldSource};
 use openbench_core::{Image, Pose2, Pose3, RobotDescription, Velocity};
 use openbench_osm::{OsmMap, write_atomically};
@@ -21,7 +22,7 @@ const BLACK: [u8; 3] = [0; 3];
 
 /// Draws a world.
 pub fn show(args: &ShowArgs) -> anyhow::Result<Outcome> {
-    let world = source(args)?.load()?;
+    let world = load(&source(args)?)?;
     world.warnings.iter().for_each(|w| tell(w));
     let plan = TrafficPlan { pedestrians: args.pedestrians.into(), cars: args.cars.into() };
     let stage = Stage::peopled(world.scene.clone(), plan)?;
@@ -69,9 +70,9 @@ fn write_picture(path: &Path, size: (u32, u32), rgb: Vec<u8>, quality: u8) -> an
     let image = Image { stamp: Default::default(), width: size.0, height: size.1, rgb };
     let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
     let bytes = if ending == "jpg" || ending == "jpeg" {
-        picture::jpeg_of_quality(&image, quality)?
+        image_file::jpeg_of_quality(&image, quality)?
     } else {
-        picture::png(&image)?
+        image_file::png(&image)?
     };
     Ok(write_atomically(path, &bytes)?)
 }
@@ -79,7 +80,7 @@ fn write_picture(path: &Path, size: (u32, u32), rgb: Vec<u8>, quality: u8) -> an
 fn write_labels(args: &ShowArgs, labels: &Labels, scene: &Scene) -> anyhow::Result<()> {
     if let Some(path) = &args.depth {
         let millimetres: Vec<u16> = labels.depth.iter().map(|d| millimetres(*d)).collect();
-        write_atomically(path, &picture::grey16_png(labels.size, &millimetres)?)?;
+        write_atomically(path, &image_file::grey16_png(labels.size, &millimetres)?)?;
     }
     if let Some(path) = &args.classes {
         let colors = labels.class.iter().map(|class| class.map_or(BLACK, color_of_class));
@@ -97,7 +98,7 @@ fn write_colors(path: &Path, size: (u32, u32), colors: impl Iterator<Item = [u8;
     // Lossless whatever the name: another colour would be another thing.
     let image =
         Image { stamp: Default::default(), width: size.0, height: size.1, rgb: colors.flatten().collect() };
-    Ok(write_atomically(path, &picture::png(&image)?)?)
+    Ok(write_atomically(path, &image_file::png(&image)?)?)
 }
 
 fn write_legend(image: &Path, legend: serde_json::Value) -> anyhow::Result<()> {

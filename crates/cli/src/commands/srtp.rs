@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use openbench_bench::instructions::score::{Scores, Share, score};
-use openbench_bench::instructions::{Difficulty, Split, built_in, read};
+use openbench_trials::instructions::score::{Scores, Share, score};
+use openbench_trials::instructions::{Difficulty, Split, built_in, read};
 
 use crate::args::{DifficultyArg, SplitArg, SrtpArgs};
 use crate::commands::read_map;

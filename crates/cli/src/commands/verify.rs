@@ -1,6 +1,6 @@
 //! `openbench verify`
 
-use openbench_bench::recording::{Recording, RunRecord, verify};
+use openbench_bench::run::recording::{Recording, RunRecord, verify};
 use openbench_bench::{BenchError, Level, Prepared, Registry, RunRequest, memory_of, repeat};
 
 use crate::args::VerifyArgs;

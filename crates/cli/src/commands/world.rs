@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use anyhow::Context;
-use openbench_bench::world_folder::{Recipe, Wanted, Written, write};
+use openbench_bench::worlds::Recipe;
+use openbench_bench::worlds::folder::{Wanted, Written, write};
 use openbench_osm::default_georeference;
 
 use crate::args::{DrawArgs, GenerateArgs, ImportArgs, WorldArgs, WorldCommand};

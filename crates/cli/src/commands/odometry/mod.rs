@@ -14,7 +14,7 @@ use std::time::Duration;
 use anyhow::Context;
 use cpu_time::ThreadTime;
 use nalgebra::Matrix6;
-use openbench_bench::metrics::{Nees, nees};
+use openbench_bench::score::metrics::{Nees, nees};
 use openbench_core::{Pose3, RobotDescription, SimTime};
 use openbench_localization::lio::{Estimate, LidarInertialOdometry, Refused, Status};
 use openbench_localization::wheels::Wheels;

@@ -1,0 +1,106 @@
+//! From what happened to what a report shows.
+
+use openbench_core::MapPoint;
+use openbench_osm::Polygon;
+
+use super::{Declaration, DoorMark, EpisodeReport, MapArea, PlateFrame, ReportInput, WorldMap};
+use crate::image_file;
+use crate::run::trace::{EpisodeTrace, Frame};
+use crate::score::results::Results;
+use crate::worlds::{Prepared, PreparedEpisode};
+
+/// What the report of a run shows.
+pub fn report_input<'a>(
+    prepared: &Prepared,
+    results: &'a Results,
+    traces: &[EpisodeTrace],
+    command: &str,
+) -> ReportInput<'a> {
+    let pairs = prepared.episodes.iter().zip(traces).enumerate();
+    ReportInput {
+        results,
+        command: command.to_owned(),
+        worlds: vec![world_map(prepared)],
+        episodes: pairs
+            .map(|(i, (episode, trace))| episode_report(prepared, results, i, episode, trace))
+            .collect(),
+    }
+}
+
+fn world_map(prepared: &Prepared) -> WorldMap {
+    let map = prepared.osm_map();
+    let area = |name: Option<&String>, polygon: &Polygon| MapArea {
+        name: name.cloned(),
+        outline: polygon.outer.clone(),
+        holes: polygon.holes.clone(),
+    };
+    WorldMap {
+        name: prepared.world.name.clone(),
+        buildings: map.buildings.iter().map(|b| area(b.name.as_ref(), &b.polygon)).collect(),
+        roads: map.roads.iter().map(|r| r.points.clone()).collect(),
+        barriers: map.barriers.iter().map(|b| b.points.clone()).collect(),
+        areas: map
+            .areas
+            .iter()
+            .filter(|a| !a.tags.says("building:part"))
+            .map(|a| area(None, &a.polygon))
+            .collect(),
+    }
+}
+
+fn episode_report(
+    prepared: &Prepared,
+    results: &Results,
+    number: usize,
+    episode: &PreparedEpisode,
+    trace: &EpisodeTrace,
+) -> EpisodeReport {
+    let wanted = |door: usize| episode.targets.iter().any(|t| t.door == Some(door));
+    let doors = prepared.world.scene.doors.iter().enumerate();
+    let declared = results.deliveries.iter().filter(|d| d.episode == number).filter_map(|d| {
+        Some(Declaration {
+            task: d.task,
+            address: d.address(),
+            position: d.declared_at?,
+            success: d.success_2m,
+        })
+    });
+    let found = trace.doors.iter();
+    EpisodeReport {
+        episode: number,
+        world: 0,
+        start: prepared.world.start,
+        driven: trace.driven.clone(),
+        estimated: trace.estimated.clone(),
+        pose_errors: trace.pose_errors.clone(),
+        routes: trace.routes.clone(),
+        true_doors: doors
+            .map(|(i, d)| DoorMark { address: d.address.clone(), position: d.point(), wanted: wanted(i) })
+            .collect(),
+        found_doors: found
+            .map(|(address, at)| DoorMark { address: address.clone(), position: *at, wanted: false })
+            .collect(),
+        declared: declared.collect(),
+        collisions: trace.collisions.iter().map(|c| MapPoint::new(c.pose.x, c.pose.y)).collect(),
+        plates: frames(trace),
+        plan: trace.plan.as_ref().map(|p| p.deliveries.clone()).unwrap_or_default(),
+    }
+}
+
+/// The last images, each with the surest of the plates that were read in it.
+fn frames(trace: &EpisodeTrace) -> Vec<PlateFrame> {
+    let frame = |f: &Frame| {
+        let read = trace.plates.iter().filter(|p| p.time == f.time);
+        let surest = read.max_by(|a, b| a.confidence.total_cmp(&b.confidence))?;
+        Some(PlateFrame {
+            jpeg: image_file::jpeg(&f.image).unwrap_or_default(),
+            width: f.image.width,
+            height: f.image.height,
+            time: f.time,
+            text: surest.text.clone(),
+            confidence: surest.confidence,
+            corners: surest.corners,
+        })
+    };
+    trace.frames.iter().filter_map(frame).collect()
+}

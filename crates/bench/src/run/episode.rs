@@ -1,0 +1,34 @@
+//! Lets an agent drive an episode.
+
+use openbench_core::{Agent, Event};
+
+use crate::BenchError;
+use crate::run::rollout::{Rollout, Status};
+use crate::run::trace::EpisodeTrace;
+
+/// Drives an episode to its end as an agent decides.
+///
+/// # Errors
+/// The first error of the rollout's observers.
+pub fn run_episode(mut rollout: Rollout<'_>, agent: &mut dyn Agent) -> Result<EpisodeTrace, BenchError> {
+    let mut events = Vec::new();
+    let begun = agent.begin(rollout.briefing(), &mut events);
+    record(&mut rollout, &mut events);
+    if let Err(give_up) = begun {
+        rollout.refuse(&give_up);
+    }
+    while rollout.status() == Status::Running {
+        let action = agent.act(&rollout.observation(), &mut events);
+        record(&mut rollout, &mut events);
+        rollout.step(action);
+    }
+    let map = agent.finish(&mut events);
+    record(&mut rollout, &mut events);
+    rollout.finish(map)
+}
+
+fn record(rollout: &mut Rollout<'_>, events: &mut Vec<Event>) {
+    for event in events.drain(..) {
+        rollout.record(event);
+    }
+}

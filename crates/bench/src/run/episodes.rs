@@ -1,0 +1,312 @@
+//! All episodes of a suite: on several threads, with the same results on any number of them.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use cpu_time::ProcessTime;
+use openbench_core::ModelUse;
+use openbench_osm::{OsmData, merge_entrances, write_atomically};
+
+use crate::BenchError;
+use crate::report;
+use crate::report::from_run::report_input;
+use crate::run::episode::run_episode;
+use crate::run::recorder::{Level, Recorder};
+use crate::run::recording::{Recording, RunRecord};
+use crate::run::registry::{AgentFactory, AgentRequest, Exchanges};
+use crate::run::rollout::Rollout;
+use crate::run::threads;
+use crate::run::trace::EpisodeTrace;
+use crate::run::truth::TruthHandle;
+use crate::score::deliveries;
+use crate::score::metrics::localization::localization;
+use crate::score::metrics::{ErrorCounts, RunTotals, summarize};
+use crate::score::results::Results;
+use crate::worlds::Prepared;
+
+/// The file of a run with the doors that were known before it.
+pub const MEMORY_BEFORE: &str = "memory-before.osm";
+
+/// What is to be run, and how.
+pub struct RunRequest<'a> {
+    /// The suite.
+    pub prepared: &'a Prepared,
+    /// Name of the agent.
+    pub agent: &'a str,
+    /// Makes it.
+    pub factory: &'a AgentFactory,
+    /// What was set with `--set`.
+    pub settings: &'a BTreeMap<String, String>,
+    /// What all randomness comes from.
+    pub seed: u64,
+    /// Number of threads.
+    pub jobs: usize,
+    /// How much is recorded.
+    pub level: Level,
+    /// Folder for all files of the run; `None` writes nothing.
+    pub out: Option<&'a Path>,
+    /// Doors found in earlier runs.
+    pub memory: Option<&'a OsmData>,
+    /// The command line, for the report.
+    pub command: &'a str,
+    /// Called after each episode with the number of those that are done.
+    pub progress: &'a (dyn Fn(usize) + Sync),
+}
+
+/// What a run yields.
+#[derive(Debug)]
+pub struct RunOutput {
+    /// The results.
+    pub results: Results,
+    /// The public map with every door that was found or known before.
+    pub memory: OsmData,
+    /// Errors of all poses that the agent told.
+    pub pose_errors: ErrorCounts,
+}
+
+/// Runs every episode and writes the run's files.
+pub fn run(request: &RunRequest<'_>) -> Result<RunOutput, BenchError> {
+    let began = Instant::now();
+    if let Some(out) = request.out {
+        let folder = out.join("episodes");
+        std::fs::create_dir_all(&folder).map_err(|e| BenchError::file(&folder, e))?;
+        clear(out)?;
+    }
+    // Of all threads: readers of plates may have threads of their own.
+    let cpu = ProcessTime::now();
+    let traces = run_all(request)?;
+    let results = results(request, &traces, began.elapsed().as_secs_f64(), cpu.elapsed().as_secs_f64());
+    if let Some(out) = request.out {
+        write_files(request, out, &traces, &results)?;
+    }
+    let pose_errors = ErrorCounts::of(traces.iter().flat_map(|t| &t.pose_errors));
+    Ok(RunOutput { memory: merged_memory(request, &traces), results, pose_errors })
+}
+
+/// Removes an earlier run's files from a folder, and nothing else: after a run that is broken off, what is left must not be of two.
+fn clear(out: &Path) -> Result<(), BenchError> {
+    let remove = |path: PathBuf| match std::fs::remove_file(&path) {
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(BenchError::file(&path, e)),
+        _ => Ok(()),
+    };
+    for name in ["results.json", "report.html", "run.json", MEMORY_BEFORE] {
+        remove(out.join(name))?;
+    }
+    let folder = out.join("episodes");
+    for entry in std::fs::read_dir(&folder).map_err(|e| BenchError::file(&folder, e))? {
+        let path = entry.map_err(|e| BenchError::file(&folder, e))?.path();
+        let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default();
+        let (number, kind) = name.split_once('.').unwrap_or_default();
+        let numbered = number.len() >= 3 && number.bytes().all(|b| b.is_ascii_digit());
+        if numbered && ["mcap", "osm", "actions.json", "models.jsonl"].contains(&kind) {
+            remove(path)?;
+        }
+    }
+    Ok(())
+}
+
+fn run_all(request: &RunRequest<'_>) -> Result<Vec<EpisodeTrace>, BenchError> {
+    let count = request.prepared.episodes.len();
+    let mut finished = 0;
+    let seen = |trace| {
+        finished += 1;
+        (request.progress)(finished);
+        Ok(trace)
+    };
+    threads::each(0..count, request.jobs, |number| run_one(request, number), seen)
+}
+
+/// The seed of an episode.
+fn episode_seed(seed: u64, number: usize) -> u64 {
+    seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(number as u64)
+}
+
+fn run_one(request: &RunRequest<'_>, number: usize) -> Result<EpisodeTrace, BenchError> {
+    let mut recorder = match request.out {
+        Some(out) => {
+            Recorder::create(&log_path(out, number), request.level, request.prepared.world.georeference)?
+        }
+        None => Recorder::none(),
+    };
+    let exchanges = request.out.map_or(Exchanges::Unkept, |out| Exchanges::Keep(exchanges_path(out, number)));
+    let trace = drive(request, number, exchanges, &mut recorder)?;
+    recorder.finish()?;
+    if let Some(out) = request.out {
+        Recording::of(&trace, episode_seed(request.seed, number)).write(out, number)?;
+    }
+    Ok(trace)
+}
+
+/// Runs the agent of a recorded run again, with what models answered then, and compares what it does with what is recorded. Nothing is written;
+/// `request.out` is not looked at.
+///
+/// # Errors
+/// [`BenchError::Differs`] with the first step at which it does something else.
+pub fn repeat(request: &RunRequest<'_>, run: &Path) -> Result<(), BenchError> {
+    let one = |number: usize| {
+        let recording = Recording::read(run, number)?;
+        let exchanges = Exchanges::Repeat(exchanges_path(run, number));
+        let trace = drive(request, number, exchanges, &mut Recorder::none())?;
+        recording.compare(number, &Recording::of(&trace, episode_seed(request.seed, number)))
+    };
+    let mut finished = 0;
+    let seen = |()| {
+        finished += 1;
+        (request.progress)(finished);
+        Ok(())
+    };
+    threads::each(0..request.prepared.episodes.len(), request.jobs, one, seen).map(|_: Vec<()>| ())
+}
+
+/// The map of doors found before with which the agents of a recorded run began.
+pub fn memory_of(run: &Path) -> Result<Option<OsmData>, BenchError> {
+    let path = run.join(MEMORY_BEFORE);
+    let bad = |e: openbench_osm::OsmError| BenchError::BadFile { path: path.clone(), problem: e.to_string() };
+    path.exists().then(|| OsmData::read(&path).map_err(bad)).transpose()
+}
+
+fn drive(
+    request: &RunRequest<'_>,
+    number: usize,
+    exchanges: Exchanges,
+    recorder: &mut Recorder,
+) -> Result<EpisodeTrace, BenchError> {
+    let seed = episode_seed(request.seed, number);
+    let truth = TruthHandle::default();
+    let wanted = AgentRequest {
+        truth: offered(request.settings, &truth),
+        memory: request.memory,
+        settings: request.settings,
+        seed,
+        exchanges,
+    };
+    let mut agent = (request.factory)(&wanted)
+        .map_err(|problem| BenchError::Agent { name: request.agent.to_owned(), problem })?;
+    let rollout = Rollout::new(request.prepared, number, seed)?.watched_by(truth).watched_by(recorder);
+    run_episode(rollout, agent.as_mut())
+}
+
+/// Only who asks for the truth by name, and is named in the results for it, gets a handle that tells it.
+fn offered(settings: &BTreeMap<String, String>, truth: &TruthHandle) -> TruthHandle {
+    let set =
+        |key: &str, word: &str| settings.get(key).is_some_and(|value| value.split(':').next() == Some(word));
+    let asked = set("localizer", "truth") || set("fixes", "disturbed-truth");
+    if asked { truth.clone() } else { TruthHandle::default() }
+}
+
+/// What models answered in an episode.
+fn exchanges_path(out: &Path, number: usize) -> PathBuf {
+    out.join("episodes").join(format!("{number:03}.models.jsonl"))
+}
+
+fn log_path(out: &Path, number: usize) -> PathBuf {
+    out.join("episodes").join(format!("{number:03}.mcap"))
+}
+
+fn results(
+    request: &RunRequest<'_>,
+    traces: &[EpisodeTrace],
+    wall_seconds: f64,
+    cpu_seconds: f64,
+) -> Results {
+    let prepared = request.prepared;
+    let pairs = prepared.episodes.iter().zip(traces).enumerate();
+    let deliveries: Vec<_> = pairs
+        .flat_map(|(i, (episode, trace))| deliveries::score_episode(prepared, i, episode, trace))
+        .collect();
+    let totals = RunTotals {
+        sim_seconds: traces.iter().map(|t| t.sim_seconds).sum(),
+        wall_seconds,
+        cpu_seconds,
+        instructions: deliveries::understood(prepared, traces),
+        localization: localization(traces.iter().map(|t| &t.pose_errors[..])),
+        seed: request.seed,
+    };
+    Results {
+        suite: prepared.suite.name.clone(),
+        agent: request.agent.to_owned(),
+        seed: request.seed,
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        settings: request.settings.clone(),
+        traffic: prepared.suite.traffic,
+        metrics: summarize(&deliveries, &totals),
+        deliveries,
+        models: Some(asked_of_models(traces)).filter(|used| used.calls > 0),
+        doors: deliveries::score_written_doors(prepared, traces),
+        attribution: prepared.world.attribution.clone(),
+    }
+}
+
+fn asked_of_models(traces: &[EpisodeTrace]) -> ModelUse {
+    traces.iter().fold(ModelUse::default(), |sum, trace| sum.plus(trace.models))
+}
+
+fn write_files(
+    request: &RunRequest<'_>,
+    out: &Path,
+    traces: &[EpisodeTrace],
+    results: &Results,
+) -> Result<(), BenchError> {
+    let write = |path: PathBuf, bytes: &[u8]| {
+        let bad =
+            |e: openbench_osm::OsmError| BenchError::BadFile { path: path.clone(), problem: e.to_string() };
+        write_atomically(&path, bytes).map_err(bad)
+    };
+    for (number, trace) in traces.iter().enumerate() {
+        if let Some(map) = &trace.map {
+            write(out.join("episodes").join(format!("{number:03}.osm")), map)?;
+        }
+    }
+    if let Some(memory) = request.memory {
+        write(out.join(MEMORY_BEFORE), &memory.to_xml())?;
+    }
+    let record = RunRecord {
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        suite: request.prepared.suite.clone(),
+        agent: request.agent.to_owned(),
+        settings: request.settings.clone(),
+        seed: request.seed,
+        episodes: traces.len(),
+        truth: request.prepared.truth.clone(),
+    };
+    record.write(out)?;
+    let input = report_input(request.prepared, results, traces, request.command);
+    write(out.join("report.html"), report::render(&input).as_bytes())?;
+    Ok(results.write(&out.join("results.json"))?)
+}
+
+/// The public map with the doors known before and those found in each episode, in the episodes' order.
+fn merged_memory(request: &RunRequest<'_>, traces: &[EpisodeTrace]) -> OsmData {
+    let mut merged = request.prepared.world.map.clone();
+    if let Some(memory) = request.memory {
+        merge_entrances(&mut merged, memory);
+    }
+    let maps = traces.iter().filter_map(|t| OsmData::from_bytes(t.map.as_deref()?).ok());
+    for map in maps {
+        merge_entrances(&mut merged, &map);
+    }
+    merged
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use openbench_core::{Pose2, SimTime};
+
+    #[test]
+    fn the_truth_is_told_to_those_only_who_asked_for_it_by_name() {
+        let truth = TruthHandle::default();
+        truth.set(SimTime::ZERO, Pose2::new(5.0, 6.0, 0.0));
+        let told = |words: &[(&str, &str)]| {
+            let settings = words.iter().map(|(key, word)| ((*key).to_owned(), (*word).to_owned())).collect();
+            offered(&settings, &truth).at(SimTime::ZERO) == Pose2::new(5.0, 6.0, 0.0)
+        };
+        assert!(told(&[("localizer", "truth")]) && told(&[("fixes", "disturbed-truth:1,0,1")]));
+        assert!(
+            !told(&[])
+                && !told(&[("localizer", "fused"), ("fixes", "gnss"), ("planner", "truth")])
+                && !told(&[("localizer", "truthful")])
+        );
+    }
+}

@@ -1,0 +1,349 @@
+//! An episode, one step at a time: the only door into one.
+//!
+//! A [`Rollout`] holds the simulator and keeps what happens. Who drives it is not its concern: the
+//! runner lets an [`Agent`](openbench_core::Agent) decide, `verify` repeats recorded velocities.
+//! Everybody else who wants to know what happens, a recorder or a live view, is an [`Observer`].
+
+use std::time::Duration;
+
+use openbench_core::{
+    Action, Address, Briefing, Event, FailureCause, GiveUp, Goal, MapPoint, Observation, Pose2, SimTime,
+    Velocity,
+};
+use openbench_sim::traffic::Encounters;
+use openbench_sim::{OBSERVATION_NS, Simulator};
+
+use super::observer::Observer;
+use super::trace::{EpisodeTrace, Frame, PlateRead, TaskOutcome};
+use crate::BenchError;
+use crate::score::metrics::PoseError;
+use crate::score::metrics::Smoothness;
+use crate::worlds::{Prepared, PreparedEpisode};
+
+/// Images with plates that are kept for the report of an episode. Each is a megabyte.
+const FRAMES: usize = 6;
+/// Time between two true poses of [`EpisodeTrace::driven`].
+const DRIVEN_NS: u64 = 200_000_000;
+/// Agents are told the time limit in steps of this many seconds: the exact limit depends on how far
+/// the door is, which they are not to know.
+const STATED_LIMIT_STEP: u64 = 600;
+
+/// Whether an episode goes on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Status {
+    /// Deliveries are still to be made.
+    Running,
+    /// Every delivery has ended. Further steps change nothing.
+    Ended,
+}
+
+/// An episode that is being driven.
+///
+/// The lifetime is that of its observers; a rollout without any borrows nothing.
+///
+/// ```no_run
+/// use openbench_bench::{Prepared, Rollout, Status, builtin_suite};
+/// use openbench_core::{Action, Velocity};
+///
+/// # fn main() -> Result<(), openbench_bench::BenchError> {
+/// let prepared = Prepared::new(builtin_suite("small")?, None)?;
+/// let mut rollout = Rollout::new(&prepared, 0, 7)?;
+/// while rollout.status() == Status::Running {
+///     let scan = rollout.observation().scan;
+///     println!("{} points", scan.map_or(0, |scan| scan.points.len()));
+///     rollout.step(Action::Drive(Velocity::new(0.2, 0.0)));
+/// }
+/// let trace = rollout.finish(None)?;
+/// println!("{} s, {} collisions", trace.sim_seconds, trace.collisions.len());
+/// # Ok(())
+/// # }
+/// ```
+pub struct Rollout<'o> {
+    briefing: Briefing,
+    episode: PreparedEpisode,
+    simulator: Simulator,
+    observers: Vec<Box<dyn Observer + 'o>>,
+    trace: EpisodeTrace,
+    task: Task,
+    error: Option<BenchError>,
+}
+
+impl<'o> Rollout<'o> {
+    /// The episode of that number, with all noise drawn from `seed`.
+    ///
+    /// # Errors
+    /// [`BenchError::NoSuchEpisode`], or [`BenchError::World`] if people and cars cannot be placed.
+    pub fn new(prepared: &Prepared, episode: usize, seed: u64) -> Result<Self, BenchError> {
+        let count = prepared.episodes.len();
+        let missing = BenchError::NoSuchEpisode { episode, count };
+        let episode = prepared.episodes.get(episode).ok_or(missing)?.clone();
+        Ok(Self {
+            briefing: briefing(prepared, &episode),
+            episode,
+            simulator: prepared.simulator(seed)?,
+            observers: Vec::new(),
+            trace: EpisodeTrace::default(),
+            task: Task::new(prepared.world.start.point()),
+            error: None,
+        })
+    }
+
+    /// The same, watched by one more observer.
+    #[must_use]
+    pub fn watched_by(mut self, mut observer: impl Observer + 'o) -> Self {
+        let begun = observer.begin(&self.simulator);
+        self.keep_error(begun);
+        self.observers.push(Box::new(observer));
+        self
+    }
+
+    /// The agent's briefing.
+    pub fn briefing(&self) -> &Briefing {
+        &self.briefing
+    }
+
+    /// What the sensors delivered since the last step.
+    pub fn observation(&self) -> Observation<'_> {
+        self.simulator.observation()
+    }
+
+    /// Whether the episode goes on.
+    pub fn status(&self) -> Status {
+        let all_ended = self.trace.tasks.len() >= self.episode.targets.len();
+        if all_ended || self.error.is_some() { Status::Ended } else { Status::Running }
+    }
+
+    /// Takes in what an agent tells of.
+    pub fn record(&mut self, event: Event) {
+        let time = self.simulator.time();
+        for i in 0..self.observers.len() {
+            let seen = self.observers[i].event(time, &event);
+            self.keep_error(seen);
+        }
+        match event {
+            Event::Plan(plan) => self.trace.plan = Some(plan),
+            Event::Route(points) => self.trace.routes.push(points),
+            Event::PoseEstimate(estimate) => {
+                self.trace.estimated.push(estimate.pose.point());
+                self.trace.pose_errors.push(PoseError::new(time, self.pose(), estimate));
+            }
+            Event::DoorWritten { address, position } => {
+                // A door that is written again was moved.
+                self.trace.doors.retain(|(known, _)| !known.same_door(&address));
+                self.trace.doors.push((address, position));
+            }
+            Event::PlateRead { text, confidence, corners, image, .. } => {
+                self.trace.plates.push(PlateRead { time, text, confidence, corners });
+                self.keep_frame(Frame { time, image });
+            }
+            Event::Models(used) => self.trace.models = used,
+            Event::Task(_) | Event::Path(_) | Event::Waypoints(_) | Event::Note(_) => {}
+        }
+    }
+
+    /// Ends the episode before its first step, for an agent that cannot begin.
+    pub fn refuse(&mut self, give_up: &GiveUp) {
+        self.fail_open_targets(give_up.cause, &give_up.detail);
+    }
+
+    /// Does what an agent decided and moves simulated time on by 50 ms.
+    ///
+    /// A robot that declares or gives up a delivery stands meanwhile. After the episode has ended
+    /// nothing happens any more.
+    pub fn step(&mut self, action: Action) -> Status {
+        if self.status() == Status::Ended {
+            return Status::Ended;
+        }
+        let velocity = self.apply(action);
+        let before = self.pose();
+        self.simulator.step(velocity);
+        self.after_step(velocity, before);
+        if let Some(how) = self.simulator.left_world() {
+            self.fail_open_targets(FailureCause::LeftWorld, &how.to_string());
+        } else if self.simulator.time().since(SimTime::ZERO) >= self.episode.time_limit {
+            self.fail_open_targets(FailureCause::Timeout, "the time limit is over");
+        }
+        self.status()
+    }
+
+    /// What happened. `map` is the agent's copy of the map, OSM XML.
+    ///
+    /// # Errors
+    /// The first error of an observer.
+    pub fn finish(mut self, map: Option<Vec<u8>>) -> Result<EpisodeTrace, BenchError> {
+        if let Some(error) = self.error {
+            return Err(error);
+        }
+        self.trace.map = map;
+        self.trace.collisions = self.simulator.collisions().to_vec();
+        self.trace.sim_seconds = self.simulator.time().seconds();
+        self.trace.chain = self.simulator.chain();
+        Ok(self.trace)
+    }
+
+    fn pose(&self) -> Pose2 {
+        Pose2::from_pose3(&self.simulator.base_link())
+    }
+
+    fn keep_error(&mut self, outcome: Result<(), BenchError>) {
+        if let Err(error) = outcome {
+            self.error.get_or_insert(error);
+        }
+    }
+
+    fn after_step(&mut self, velocity: Velocity, before: Pose2) {
+        let pose = self.pose();
+        let seconds = OBSERVATION_NS as f64 * 1e-9;
+        self.task.path_m += before.point().distance(pose.point());
+        self.task.smoothness.step(before, pose, seconds);
+        self.task.encounters.update(seconds, &self.simulator.robot_state(), self.simulator.movers());
+        self.trace.velocities.push(velocity);
+        if self.simulator.time().0.is_multiple_of(DRIVEN_NS) {
+            self.trace.driven.push(pose.point());
+        }
+        for i in 0..self.observers.len() {
+            let seen = self.observers[i].step(&self.simulator, velocity);
+            self.keep_error(seen);
+        }
+    }
+
+    /// The velocity that an action asks for.
+    fn apply(&mut self, action: Action) -> Velocity {
+        match action {
+            Action::Drive(velocity) => return finite(velocity),
+            Action::Delivered(address) => self.delivered(&address),
+            Action::GiveUp(give_up) => self.give_up(&give_up),
+        }
+        Velocity::ZERO
+    }
+
+    fn keep_frame(&mut self, frame: Frame) {
+        let frames = &mut self.trace.frames;
+        if frames.back().is_some_and(|last| last.time == frame.time) {
+            return;
+        }
+        frames.push_back(frame);
+        if frames.len() > FRAMES {
+            frames.pop_front();
+        }
+    }
+
+    fn has_ended(&self, target: usize) -> bool {
+        self.trace.tasks.iter().any(|outcome| outcome.target == target)
+    }
+
+    fn open_targets(&self) -> Vec<usize> {
+        (0..self.episode.targets.len()).filter(|target| !self.has_ended(*target)).collect()
+    }
+
+    fn names(&self, target: usize, address: &Address) -> bool {
+        self.episode.targets[target].address.same_door(address)
+    }
+
+    /// An address that nobody asked for counts against the first open target; one that was
+    /// delivered to already, against none.
+    fn delivered(&mut self, address: &Address) {
+        let open = self.open_targets();
+        if let Some(&target) = open.iter().find(|target| self.names(**target, address)) {
+            self.end(target, true, None);
+            return;
+        }
+        let again = self.trace.tasks.iter().any(|outcome| self.names(outcome.target, address));
+        if let Some(&target) = open.first().filter(|_| !again) {
+            let detail = format!("{address} was declared, which the instruction does not name");
+            self.end(target, false, Some((FailureCause::WrongPlace, detail)));
+        }
+    }
+
+    /// Giving up what nobody asked for costs nothing.
+    fn give_up(&mut self, give_up: &GiveUp) {
+        let Some(address) = &give_up.address else {
+            return self.fail_open_targets(give_up.cause, &give_up.detail);
+        };
+        let open = self.open_targets();
+        if let Some(&target) = open.iter().find(|target| self.names(**target, address)) {
+            self.end(target, false, Some((give_up.cause, give_up.detail.clone())));
+        }
+    }
+
+    fn fail_open_targets(&mut self, cause: FailureCause, detail: &str) {
+        for target in self.open_targets() {
+            self.end(target, false, Some((cause, detail.to_owned())));
+        }
+    }
+
+    fn end(&mut self, target: usize, declared: bool, failure: Option<(FailureCause, String)>) {
+        let (now, here) = (self.simulator.time(), self.pose().point());
+        let collisions = self.simulator.collisions();
+        let next = Task {
+            began: now,
+            collisions_before: collisions.len(),
+            plates_before: self.trace.plates.len(),
+            ..Task::new(here)
+        };
+        let task = std::mem::replace(&mut self.task, next);
+        self.trace.tasks.push(TaskOutcome {
+            target,
+            began_at: task.began_at,
+            began: task.began,
+            ended: now,
+            ended_at: here,
+            declared,
+            path_m: task.path_m,
+            smoothness: task.smoothness.sum(),
+            collisions: collisions[task.collisions_before..].to_vec(),
+            encounters: (!self.simulator.movers().is_empty()).then(|| task.encounters.totals()),
+            pose_error_m: self.trace.estimated.last().map(|p| p.distance(here)),
+            plates_read: self.trace.plates.len() - task.plates_before,
+            failure,
+        });
+    }
+}
+
+/// The delivery at hand.
+struct Task {
+    began_at: MapPoint,
+    began: SimTime,
+    path_m: f64,
+    collisions_before: usize,
+    plates_before: usize,
+    encounters: Encounters,
+    smoothness: Smoothness,
+}
+
+impl Task {
+    /// The first delivery, from where the robot starts.
+    fn new(began_at: MapPoint) -> Self {
+        Self {
+            began_at,
+            began: SimTime::ZERO,
+            path_m: 0.0,
+            collisions_before: 0,
+            plates_before: 0,
+            encounters: Encounters::new(),
+            smoothness: Smoothness::default(),
+        }
+    }
+}
+
+fn briefing(prepared: &Prepared, episode: &PreparedEpisode) -> Briefing {
+    Briefing {
+        map_osm: prepared.world.map.to_xml(),
+        georeference: prepared.world.georeference,
+        goal: Goal::Instruction(episode.instruction.clone()),
+        start: prepared.world.start,
+        robot: prepared.robot.clone(),
+        time_limit: stated_limit(episode.time_limit),
+    }
+}
+
+/// The time limit as agents are told it.
+fn stated_limit(exact: Duration) -> Duration {
+    Duration::from_secs((exact.as_secs() / STATED_LIMIT_STEP + 1) * STATED_LIMIT_STEP)
+}
+
+/// `velocity` without what is no number: no motor takes it, and no recording holds it.
+fn finite(velocity: Velocity) -> Velocity {
+    let number = |v: f64| if v.is_finite() { v } else { 0.0 };
+    Velocity::new(number(velocity.linear), number(velocity.angular))
+}

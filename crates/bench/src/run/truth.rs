@@ -1,0 +1,114 @@
+//! The truth as a localizer, for comparisons only: made here, handed to an agent from outside, named in the results.
+
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use openbench_core::frames::wrap_angle;
+use openbench_core::{Observation, Pose2, SimTime, Velocity};
+use openbench_localization::Localizer;
+use openbench_sim::Simulator;
+
+use super::observer::Observer;
+use crate::BenchError;
+
+/// Where the runner writes the true pose of each instant.
+#[derive(Debug, Clone, Default)]
+pub struct TruthHandle(Arc<Mutex<VecDeque<(SimTime, Pose2)>>>);
+
+/// Poses that are remembered: one second at 20 Hz.
+const MEMORY: usize = 20;
+
+impl TruthHandle {
+    /// Notes where the robot is now.
+    pub fn set(&self, time: SimTime, pose: Pose2) {
+        let mut poses = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        poses.push_back((time, pose));
+        if poses.len() > MEMORY {
+            poses.pop_front();
+        }
+    }
+
+    /// The pose at an instant, between two that are known along a straight line; outside them the nearest.
+    pub(crate) fn at(&self, time: SimTime) -> Pose2 {
+        let poses = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let after = poses.partition_point(|(t, _)| *t < time);
+        let before = after.checked_sub(1).and_then(|i| poses.get(i));
+        match (before, poses.get(after)) {
+            (Some((t0, a)), Some((t1, b))) => {
+                let s = time.since(*t0).as_secs_f64() / t1.since(*t0).as_secs_f64();
+                let yaw = wrap_angle(a.yaw + s * wrap_angle(b.yaw - a.yaw));
+                Pose2::new(a.x + s * (b.x - a.x), a.y + s * (b.y - a.y), yaw)
+            }
+            (one, other) => one.or(other).map(|p| p.1).unwrap_or_default(),
+        }
+    }
+}
+
+/// Tells the handle of each step.
+impl Observer for TruthHandle {
+    fn begin(&mut self, simulator: &Simulator) -> Result<(), BenchError> {
+        self.set(simulator.time(), Pose2::from_pose3(&simulator.base_link()));
+        Ok(())
+    }
+
+    fn step(&mut self, simulator: &Simulator, _velocity: Velocity) -> Result<(), BenchError> {
+        self.begin(simulator)
+    }
+}
+
+/// A localizer that is never wrong.
+#[derive(Debug, Clone)]
+pub struct TruthLocalizer {
+    handle: TruthHandle,
+    now: SimTime,
+}
+
+impl TruthLocalizer {
+    /// A localizer that reads from `handle`.
+    pub fn new(handle: TruthHandle) -> Self {
+        Self { handle, now: SimTime::ZERO }
+    }
+}
+
+impl Localizer for TruthLocalizer {
+    fn name(&self) -> &str {
+        "truth"
+    }
+
+    fn reset(&mut self, _start: Pose2) {
+        self.now = SimTime::ZERO;
+    }
+
+    fn update(&mut self, observation: &Observation<'_>) {
+        self.now = observation.time;
+    }
+
+    fn pose_at(&self, time: SimTime) -> Pose2 {
+        self.handle.at(time)
+    }
+
+    fn pose(&self) -> Pose2 {
+        self.handle.at(self.now)
+    }
+
+    fn ready(&self) -> bool {
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn poses_between_two_steps_are_interpolated_across_the_seam_of_angles() {
+        let handle = TruthHandle::default();
+        assert_eq!(handle.at(SimTime::ZERO), Pose2::default());
+        handle.set(SimTime::from_millis(0), Pose2::new(0.0, 0.0, 3.1));
+        handle.set(SimTime::from_millis(50), Pose2::new(1.0, 2.0, -3.1));
+        let middle = handle.at(SimTime::from_millis(25));
+        assert!((middle.x - 0.5).abs() < 1e-9 && (middle.y - 1.0).abs() < 1e-9);
+        assert!((middle.yaw.abs() - std::f64::consts::PI).abs() < 1e-9, "{middle:?}");
+        assert_eq!(handle.at(SimTime::from_millis(99)).x, 1.0);
+    }
+}

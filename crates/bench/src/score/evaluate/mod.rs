@@ -1,0 +1,253 @@
+//! Metrics of a log that the reference's recorder wrote, in the paper's reading.
+//!
+//! The log is CSV, `timestamp,status,address,robot_x,robot_y,robot_z`: a row of status `start` opens each task, `running`
+//! and `end` go on with it. The truth holds one `(x, y)` a line, or several in one line for a sequence. Both are read as
+//! they are; a file that does not fit is refused with its line.
+//!
+//! As in the reference's own scripts a delivery succeeds within 10 m of its truth in a straight line, the path is the
+//! sum of the straight lines between rows, and it is compared with the straight line from the origin, in a sequence
+//! from the truth before. Truths are in driving order.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use openbench_core::MapPoint;
+use serde::Serialize;
+
+use crate::line_problem::LineProblem;
+use crate::plural::count;
+use crate::score::metrics::{paper_success, path_ratio, sequence_mean, spl};
+use crate::score::statistics::{bootstrap_interval, wilson_interval};
+use crate::suite::truth_file::parse_truth;
+
+mod log;
+
+pub use log::{LoggedTask, parse_log};
+
+/// Input that cannot be evaluated.
+#[derive(Debug, thiserror::Error)]
+pub enum EvaluateError {
+    /// The file could not be read.
+    #[error("{}: {source}", path.display())]
+    File {
+        /// Which file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// A line that does not fit the format.
+    #[error("{}:{line}: {problem}", path.display())]
+    Line {
+        /// Which file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// What is wrong and what is expected.
+        problem: String,
+    },
+    /// The files do not belong together.
+    #[error("{}: {problem}", path.display())]
+    Mismatch {
+        /// The truth file.
+        path: PathBuf,
+        /// What does not fit, and what to do.
+        problem: String,
+    },
+}
+
+/// The evaluation of a log.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Evaluation {
+    /// Over all tasks.
+    pub metrics: PaperMetrics,
+    /// In the order of the log.
+    pub deliveries: Vec<EvaluatedDelivery>,
+}
+
+/// The metrics of the paper.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PaperMetrics {
+    /// Share of tasks that ended within 10 m of their truth.
+    pub sr_10m: f64,
+    /// SPL against straight lines.
+    pub spl_straight: f64,
+    /// Mean LSR of the sequences; null for single deliveries.
+    pub lsr_10m: Option<f64>,
+    /// Mean LSPL of the sequences; null for single deliveries.
+    pub lspl_straight: Option<f64>,
+    /// 95 % intervals of the metrics of these names.
+    pub intervals: BTreeMap<&'static str, [f64; 2]>,
+}
+
+/// One task of the log.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EvaluatedDelivery {
+    /// Which line of the truth file it belongs to, from 0.
+    pub episode: usize,
+    /// Which delivery of that line, from 0.
+    pub task: usize,
+    /// The address as logged.
+    pub address: String,
+    /// Ended within 10 m of the truth.
+    pub success_10m: bool,
+    /// Where the task ended to the truth, metres.
+    pub distance_to_door_m: f64,
+    /// Metres driven.
+    pub path_m: f64,
+    /// Straight line that the path is compared with, metres.
+    pub straight_line_m: f64,
+}
+
+/// Evaluates a log file against a truth file; `sequence` says that deliveries follow on each other.
+pub fn evaluate(log: &Path, truth: &Path, sequence: bool) -> Result<Evaluation, EvaluateError> {
+    let read = |path: &Path| {
+        fs::read_to_string(path).map_err(|source| EvaluateError::File { path: path.to_owned(), source })
+    };
+    let tasks = at(log, parse_log(&read(log)?))?;
+    let lines = at(truth, parse_truth(&read(truth)?))?;
+    let episodes = group_truths(lines, sequence).map_err(|problem| mismatch(truth, problem))?;
+    score(&tasks, &episodes).map_err(|problem| mismatch(truth, problem))
+}
+
+fn at<T>(path: &Path, parsed: Result<T, LineProblem>) -> Result<T, EvaluateError> {
+    parsed.map_err(|LineProblem { line, problem }| EvaluateError::Line {
+        path: path.to_owned(),
+        line,
+        problem,
+    })
+}
+
+fn mismatch(path: &Path, problem: String) -> EvaluateError {
+    EvaluateError::Mismatch { path: path.to_owned(), problem }
+}
+
+/// Truths by episode. A sequence may stand in one line, or one truth a line; several lines of several are several
+/// sequences.
+fn group_truths(lines: Vec<Vec<MapPoint>>, sequence: bool) -> Result<Vec<Vec<MapPoint>>, String> {
+    let singles = lines.iter().all(|line| line.len() == 1);
+    match (sequence, singles) {
+        (true, true) => Ok(vec![lines.concat()]),
+        (false, false) => Err("a line holds several truths, which is a sequence; add --sequence".to_owned()),
+        _ => Ok(lines),
+    }
+}
+
+fn score(tasks: &[LoggedTask], episodes: &[Vec<MapPoint>]) -> Result<Evaluation, String> {
+    let truths: usize = episodes.iter().map(Vec::len).sum();
+    if truths != tasks.len() {
+        return Err(format!(
+            "{} for {}; each task of the log needs a true position of its own, in the order of the log",
+            count(truths, "true position", "true positions"),
+            count(tasks.len(), "task", "tasks")
+        ));
+    }
+    if truths == 0 {
+        return Err("no truths; write one `(x, y)` a line".to_owned());
+    }
+    let places = episodes.iter().enumerate().flat_map(|(episode, doors)| {
+        let before = std::iter::once(MapPoint::default()).chain(doors.iter().copied());
+        let legs = before.zip(doors.iter().copied()).enumerate();
+        legs.map(move |(task, (from, door))| (episode, task, from, door))
+    });
+    let deliveries: Vec<_> = places.zip(tasks).map(|(place, task)| score_task(place, task)).collect();
+    Ok(Evaluation { metrics: metrics(&deliveries), deliveries })
+}
+
+fn score_task(
+    (episode, task, from, door): (usize, usize, MapPoint, MapPoint),
+    log: &LoggedTask,
+) -> EvaluatedDelivery {
+    EvaluatedDelivery {
+        episode,
+        task,
+        address: log.address.clone(),
+        success_10m: paper_success(Some(log.end), door),
+        distance_to_door_m: log.end.distance(door),
+        path_m: log.path_m,
+        straight_line_m: from.distance(door),
+    }
+}
+
+fn metrics(deliveries: &[EvaluatedDelivery]) -> PaperMetrics {
+    let success = |d: &EvaluatedDelivery| f64::from(d.success_10m);
+    let ratio = |d: &EvaluatedDelivery| path_ratio(d.success_10m, d.straight_line_m, d.path_m);
+    let ratios: Vec<f64> = deliveries.iter().map(ratio).collect();
+    let successes = deliveries.iter().filter(|d| d.success_10m).count();
+    let (lsr, lspl) = (sequence_values(deliveries, success), sequence_values(deliveries, ratio));
+    let intervals = [
+        ("sr_10m", wilson_interval(successes, deliveries.len())),
+        ("spl_straight", bootstrap_interval(&ratios, 0)),
+        ("lsr_10m", bootstrap_interval(&lsr, 0)),
+        ("lspl_straight", bootstrap_interval(&lspl, 0)),
+    ];
+    PaperMetrics {
+        sr_10m: successes as f64 / deliveries.len() as f64,
+        spl_straight: spl(&ratios).unwrap_or(0.0),
+        lsr_10m: spl(&lsr),
+        lspl_straight: spl(&lspl),
+        intervals: intervals.into_iter().filter_map(|(name, i)| Some((name, i?))).collect(),
+    }
+}
+
+/// LSR or LSPL of each sequence.
+fn sequence_values(deliveries: &[EvaluatedDelivery], value: impl Fn(&EvaluatedDelivery) -> f64) -> Vec<f64> {
+    let episodes = deliveries.chunk_by(|a, b| a.episode == b.episode).filter(|e| e.len() > 1);
+    episodes.filter_map(|e| sequence_mean(&e.iter().map(&value).collect::<Vec<_>>())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LOG: &str = "timestamp,status,address,robot_x,robot_y,robot_z\r\n\
+        1.0,start,\"unit1, building3\",0,0,0.1\r\n\
+        2.0,running,\"unit1, building3\",3,4,0.1\r\n\
+        3.0,end,\"unit1, building3\",6,8,0.1\r\n\
+        4.0,start,unit2,6,8,0.1\r\n\
+        5.0,running,unit2,6,28,0.1\r\n";
+
+    fn run(truth: &str, sequence: bool) -> Result<Evaluation, String> {
+        let dir = tempfile::tempdir().unwrap();
+        let (log, gt) = (dir.path().join("log.csv"), dir.path().join("gt.txt"));
+        fs::write(&log, LOG).unwrap();
+        fs::write(&gt, truth).unwrap();
+        evaluate(&log, &gt, sequence).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn singles_are_measured_from_the_origin() {
+        let result = run("(6.0, 8.0)\n(6, 48)\n", false).unwrap();
+        assert_eq!(result.deliveries[0].address, "unit1, building3");
+        assert_eq!((result.deliveries[0].path_m, result.deliveries[0].straight_line_m), (10.0, 10.0));
+        assert_eq!((result.metrics.sr_10m, result.metrics.spl_straight), (0.5, 0.5));
+        assert_eq!(result.deliveries[1].distance_to_door_m, 20.0);
+        assert_eq!(result.metrics.lsr_10m, None);
+    }
+
+    #[test]
+    fn a_sequence_is_measured_from_door_to_door() {
+        for truth in ["(6, 8) (6, 18)\n", "(6, 8)\n(6, 18)\n"] {
+            let result = run(truth, true).unwrap();
+            assert_eq!(result.deliveries[1].straight_line_m, 10.0);
+            assert_eq!(result.metrics.lsr_10m, Some(1.0));
+            // Weights 1 / 1.9 and 0.9 / 1.9, ratios 1 and 0.5.
+            assert!((result.metrics.lspl_straight.unwrap() - 1.45 / 1.9).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn truths_that_do_not_fit_are_refused() {
+        assert!(run("(6, 8)\n", false).unwrap_err().contains("1 true position for 2 tasks"));
+        assert!(run("(6, 8) (1, 1)\n", false).unwrap_err().contains("--sequence"));
+        assert!(run("(6, 8)\n(1; 2)\n", false).unwrap_err().contains("gt.txt:2: "));
+        assert!(run("", false).unwrap_err().contains("0 true positions"));
+    }
+
+    #[test]
+    fn a_missing_file_is_named() {
+        let error = evaluate(Path::new("/nonexistent.csv"), Path::new("/x"), false).unwrap_err();
+        assert!(error.to_string().starts_with("/nonexistent.csv: "));
+    }
+}

@@ -1,0 +1,151 @@
+//! All metrics over the deliveries of a run.
+
+use std::collections::BTreeMap;
+
+use super::collisions;
+use super::encounters::EncounterSum;
+use super::localization::LocalizationSum;
+use super::path_ratio::{path_ratio, spl};
+use super::sequence::sequence_mean;
+use super::smoothness::SmoothnessSum;
+use crate::score::results::{DeliveryResult, Metrics};
+use crate::score::statistics::{bootstrap_interval, wilson_interval};
+
+/// What a run knows besides its deliveries.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct RunTotals {
+    /// Simulated seconds of all episodes.
+    pub sim_seconds: f64,
+    /// Seconds from the beginning of the run to its end.
+    pub wall_seconds: f64,
+    /// CPU seconds of the workers.
+    pub cpu_seconds: f64,
+    /// Instructions that were understood exactly, and all; `None` if the agent plans no instructions.
+    pub instructions: Option<(usize, usize)>,
+    /// Errors of the poses that the agent told.
+    pub localization: Option<LocalizationSum>,
+    /// Seed of the bootstrap.
+    pub seed: u64,
+}
+
+/// The metrics of a run. Deliveries of one episode form a sequence if there are several of them; `task` is their order.
+pub fn summarize(deliveries: &[DeliveryResult], totals: &RunTotals) -> Metrics {
+    let mut metrics = Metrics {
+        collisions: deliveries.iter().map(|d| d.collisions).sum(),
+        collisions_by_class: collisions::total(deliveries.iter().map(|d| &d.collisions_by_class)),
+        encounters: deliveries.iter().filter_map(|d| d.encounters).reduce(EncounterSum::and),
+        // From plus zero: the sum of nothing is minus zero.
+        path_m: deliveries.iter().map(|d| d.path_m).fold(0.0, |sum, p| sum + p),
+        smoothness: deliveries
+            .iter()
+            .map(|d| d.smoothness)
+            .fold(SmoothnessSum::default(), SmoothnessSum::and),
+        localization: totals.localization,
+        sim_seconds: totals.sim_seconds,
+        wall_seconds: totals.wall_seconds,
+        real_time_factor: if totals.cpu_seconds > 0.0 {
+            totals.sim_seconds / totals.cpu_seconds
+        } else {
+            0.0
+        },
+        ..Metrics::default()
+    };
+    let mut intervals = Intervals { seed: totals.seed, found: BTreeMap::new() };
+    let count = |holds: fn(&DeliveryResult) -> bool| {
+        (deliveries.iter().filter(|d| holds(d)).count(), deliveries.len())
+    };
+    metrics.sr_10m = intervals.rate("sr_10m", count(|d| d.success_10m));
+    metrics.sr_2m = intervals.rate("sr_2m", count(|d| d.success_2m));
+    metrics.correct_unit = intervals.rate("correct_unit", count(|d| d.correct_unit));
+    metrics.srtp = totals.instructions.and_then(|i| intervals.rate("srtp", i));
+    let over = |value: fn(&DeliveryResult) -> f64| deliveries.iter().map(value).collect::<Vec<_>>();
+    metrics.spl_straight = intervals.mean("spl_straight", &over(paper_ratio));
+    metrics.spl = intervals.mean("spl", &over(strict_ratio));
+    let sequences = sequences(deliveries);
+    let over = |value: fn(&DeliveryResult) -> f64| sequence_means(&sequences, value);
+    metrics.lsr = intervals.mean("lsr", &over(|d| f64::from(d.success_2m)));
+    metrics.lspl = intervals.mean("lspl", &over(strict_ratio));
+    metrics.lsr_10m = intervals.mean("lsr_10m", &over(|d| f64::from(d.success_10m)));
+    metrics.lspl_straight = intervals.mean("lspl_straight", &over(paper_ratio));
+    metrics.intervals = intervals.found;
+    metrics
+}
+
+fn paper_ratio(delivery: &DeliveryResult) -> f64 {
+    path_ratio(delivery.success_10m, delivery.straight_line_m, delivery.path_m)
+}
+
+fn strict_ratio(delivery: &DeliveryResult) -> f64 {
+    let shortest = delivery.shortest_path_m.unwrap_or(f64::INFINITY);
+    path_ratio(delivery.success_2m, shortest, delivery.path_m)
+}
+
+fn sequences(deliveries: &[DeliveryResult]) -> Vec<Vec<&DeliveryResult>> {
+    let mut episodes = BTreeMap::<usize, Vec<&DeliveryResult>>::new();
+    for delivery in deliveries {
+        episodes.entry(delivery.episode).or_default().push(delivery);
+    }
+    let mut sequences: Vec<_> = episodes.into_values().filter(|e| e.len() > 1).collect();
+    sequences.iter_mut().for_each(|s| s.sort_by_key(|d| d.task));
+    sequences
+}
+
+fn sequence_means(sequences: &[Vec<&DeliveryResult>], value: fn(&DeliveryResult) -> f64) -> Vec<f64> {
+    let mean = |s: &Vec<&DeliveryResult>| sequence_mean(&s.iter().map(|d| value(d)).collect::<Vec<_>>());
+    sequences.iter().filter_map(mean).collect()
+}
+
+/// Intervals found so far, by the name of their metric.
+struct Intervals {
+    seed: u64,
+    found: BTreeMap<String, [f64; 2]>,
+}
+
+impl Intervals {
+    fn rate(&mut self, name: &str, (successes, trials): (usize, usize)) -> Option<f64> {
+        self.found.extend(wilson_interval(successes, trials).map(|i| (name.to_owned(), i)));
+        (trials > 0).then(|| successes as f64 / trials as f64)
+    }
+
+    fn mean(&mut self, name: &str, values: &[f64]) -> Option<f64> {
+        self.found.extend(bootstrap_interval(values, self.seed).map(|i| (name.to_owned(), i)));
+        spl(values)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::score::results::tests::delivery;
+
+    #[test]
+    fn both_readings_stand_side_by_side() {
+        let mut far = delivery(1, 0);
+        (far.success_2m, far.correct_unit) = (false, true);
+        let totals = RunTotals { sim_seconds: 40.0, cpu_seconds: 2.0, ..RunTotals::default() };
+        let metrics = summarize(&[delivery(0, 0), far], &totals);
+        assert_eq!((metrics.sr_10m, metrics.sr_2m, metrics.correct_unit), (Some(1.0), Some(0.5), Some(1.0)));
+        assert_eq!((metrics.spl_straight, metrics.spl), (Some(0.5), Some(0.375)));
+        assert_eq!((metrics.lsr, metrics.lspl, metrics.srtp), (None, None, None));
+        assert_eq!((metrics.path_m, metrics.real_time_factor), (16.0, 20.0));
+        assert_eq!(metrics.intervals["sr_10m"][1], 1.0);
+        assert!(!metrics.intervals.contains_key("lsr"));
+    }
+
+    #[test]
+    fn sequences_are_episodes_of_several_deliveries_in_task_order() {
+        let mut deliveries: Vec<_> = (0..5).rev().map(|task| delivery(3, task)).collect();
+        deliveries.iter_mut().find(|d| d.task == 0).unwrap().success_2m = false;
+        deliveries.push(delivery(4, 0));
+        let metrics = summarize(&deliveries, &RunTotals::default());
+        assert_eq!(libm::round(metrics.lsr.unwrap() * 1e4), 7558.0);
+        assert_eq!(metrics.lsr_10m.map(|v| libm::round(v * 1e9)), Some(1e9));
+    }
+
+    #[test]
+    fn a_run_without_deliveries_has_no_rates() {
+        let metrics = summarize(&[], &RunTotals { instructions: Some((0, 0)), ..RunTotals::default() });
+        assert_eq!((metrics.sr_10m, metrics.spl, metrics.srtp), (None, None, None));
+        assert!(metrics.intervals.is_empty());
+    }
+}

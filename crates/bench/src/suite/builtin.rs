@@ -1,0 +1,25 @@
+//! What the built-in suites hold.
+
+/// What a built-in suite holds.
+pub struct BuiltIn {
+    /// Its name.
+    pub name: &'static str,
+    /// Number of single deliveries.
+    pub singles: usize,
+    /// Number of sequences.
+    pub sequences: usize,
+    /// Doors in each sequence.
+    pub length: usize,
+}
+
+/// All of them.
+pub const BUILT_IN: [BuiltIn; 3] = [
+    BuiltIn { name: "small", singles: 8, sequences: 1, length: 3 },
+    BuiltIn { name: "medium", singles: 10, sequences: 2, length: 5 },
+    BuiltIn { name: "large", singles: 10, sequences: 2, length: 5 },
+];
+
+/// The names of the built-in suites.
+pub fn builtin_suites() -> Vec<String> {
+    BUILT_IN.iter().map(|suite| suite.name.to_owned()).collect()
+}

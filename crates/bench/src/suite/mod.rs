@@ -1,0 +1,161 @@
+//! Suites: a world and the episodes in it, as files. Pure data: worlds are made in
+//! [`worlds`](crate::worlds).
+//!
+//! | module | its one job |
+//! |---|---|
+//! | [`source`] | [`WorldSource`]: where the world comes from |
+//! | [`sensors`] | [`Sensors`]: what the robot has besides the benchmark's own |
+//! | [`builtin`] | what the built-in suites hold |
+//! | [`deliveries`] | the published files of deliveries |
+//! | [`truth_file`] | the published files of true door positions |
+//! | [`draw`] | deliveries with instructions, from a seed |
+
+pub mod builtin;
+pub mod deliveries;
+pub mod draw;
+pub mod sensors;
+pub mod source;
+pub mod truth_file;
+
+use std::path::{Path, PathBuf};
+
+use openbench_core::Address;
+use openbench_sim::traffic::TrafficPlan;
+use serde::{Deserialize, Serialize};
+
+pub use self::sensors::Sensors;
+pub use self::source::WorldSource;
+use crate::BenchError;
+
+/// One episode: an instruction and the doors that it asks for.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Episode {
+    /// What the agent is told.
+    pub instruction: String,
+    /// The doors, in the order in which the suite counts them; each once.
+    pub deliveries: Vec<Address>,
+}
+
+/// A world and the episodes in it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Suite {
+    /// Name, as in results.
+    pub name: String,
+    /// The world.
+    pub world: WorldSource,
+    /// People and cars that move in it; none by default, and none in the published suites.
+    #[serde(default, skip_serializing_if = "TrafficPlan::is_empty")]
+    pub traffic: TrafficPlan,
+    /// The episodes, all from the world's start.
+    pub episodes: Vec<Episode>,
+    /// Sensors besides the benchmark's own.
+    #[serde(default, skip_serializing_if = "Sensors::none")]
+    pub sensors: Sensors,
+}
+
+impl Suite {
+    /// Reads a suite from a TOML file.
+    pub fn read(path: &Path) -> Result<Self, BenchError> {
+        let text = std::fs::read_to_string(path).map_err(|e| BenchError::file(path, e))?;
+        let suite: Self = toml::from_str(&text).map_err(|e| BenchError::BadFile {
+            path: path.to_owned(),
+            problem: format!("this is no suite: {e}"),
+        })?;
+        if suite.episodes.is_empty() {
+            return Err(BenchError::BadFile {
+                path: path.to_owned(),
+                problem: "the suite has no episodes".into(),
+            });
+        }
+        Ok(suite.relative_to(path.parent().unwrap_or(Path::new("."))))
+    }
+
+    /// The suite as a TOML file.
+    pub fn to_toml(&self) -> String {
+        // Strings, integers and lists only: every value has a TOML form.
+        toml::to_string_pretty(self).unwrap_or_default()
+    }
+
+    /// Paths in a suite file count from the file's folder.
+    fn relative_to(mut self, folder: &Path) -> Self {
+        let paths: Vec<&mut PathBuf> = match &mut self.world {
+            WorldSource::Builtin { .. } => Vec::new(),
+            WorldSource::Imported { world, map, models, .. } => {
+                [world, map].into_iter().chain(models).collect()
+            }
+            WorldSource::Folder { path } => vec![path],
+        };
+        for path in paths {
+            let joined = folder.join(&*path);
+            *path = std::path::absolute(&joined).unwrap_or(joined);
+        }
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::worlds::builtin_suite;
+
+    #[test]
+    fn suites_survive_their_file() {
+        let suite = Suite {
+            name: "yard".into(),
+            world: WorldSource::Imported {
+                world: "yard.world".into(),
+                map: "yard.osm".into(),
+                models: vec!["models".into()],
+                georeference: Some("utm:50N,-500000,-4483000".into()),
+            },
+            traffic: TrafficPlan { pedestrians: 5, cars: 0 },
+            episodes: vec![Episode {
+                instruction: "To unit1, building2, \"please\".".into(),
+                deliveries: vec![Address::new("building2", "unit1")],
+            }],
+            sensors: Sensors { gnss: true },
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("yard.toml");
+        std::fs::write(&path, suite.to_toml()).unwrap();
+        let read = Suite::read(&path).unwrap();
+        assert_eq!((read.traffic, &read.episodes), (suite.traffic, &suite.episodes));
+        assert_eq!(read.sensors, suite.sensors);
+        let WorldSource::Imported { world, .. } = read.world else { panic!("another source") };
+        assert_eq!(world, folder.path().join("yard.world"));
+    }
+
+    #[test]
+    fn nothing_moves_unless_a_suite_says_so() {
+        assert!(builtin_suite("small").unwrap().traffic.is_empty());
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("crowded.toml");
+        let still = builtin_suite("small").unwrap().to_toml();
+        assert!(!still.contains("traffic"));
+        std::fs::write(&path, format!("{still}\n[traffic]\npedestrians = 12\n")).unwrap();
+        assert_eq!(Suite::read(&path).unwrap().traffic, TrafficPlan { pedestrians: 12, cars: 0 });
+        std::fs::write(&path, format!("{still}\n[traffic]\npedestrian = 12\n")).unwrap();
+        assert!(Suite::read(&path).unwrap_err().to_string().contains("pedestrian"));
+    }
+
+    #[test]
+    fn robots_get_a_receiver_only_where_a_suite_says_so() {
+        let plain = "name = 'a'\n[world.builtin]\nname = 'small'\nseed = 1\n\
+                     [[episodes]]\ninstruction = 'x'\ndeliveries = []\n";
+        let sensors = |text: &str| toml::from_str::<Suite>(text).map(|s| s.sensors.robot().gnss.is_some());
+        assert_eq!(sensors(plain), Ok(false));
+        assert_eq!(sensors(&format!("{plain}[sensors]\ngnss = true\n")), Ok(true));
+        assert!(
+            sensors(&format!("{plain}[sensors]\nradar = true\n")).unwrap_err().to_string().contains("radar")
+        );
+        assert!(!toml::from_str::<Suite>(plain).unwrap().to_toml().contains("sensors"));
+    }
+
+    #[test]
+    fn a_file_that_is_no_suite_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("nonsense.toml");
+        std::fs::write(&path, "name = 3").unwrap();
+        assert!(Suite::read(&path).unwrap_err().to_string().contains("nonsense.toml"));
+    }
+}

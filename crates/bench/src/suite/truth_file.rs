@@ -1,0 +1,56 @@
+//! The reference's truth files: points in brackets.
+
+use openbench_core::MapPoint;
+
+use crate::line_problem::LineProblem;
+
+/// The points of each line that is not empty.
+pub fn parse_truth(text: &str) -> Result<Vec<Vec<MapPoint>>, LineProblem> {
+    let lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty());
+    lines
+        .map(|(number, line)| {
+            parse_line(line.trim()).ok_or_else(|| LineProblem { line: number, problem: problem(line) })
+        })
+        .collect()
+}
+
+fn problem(line: &str) -> String {
+    format!("`{}` is not a row of `(x, y)`", line.trim().chars().take(60).collect::<String>())
+}
+
+fn parse_line(line: &str) -> Option<Vec<MapPoint>> {
+    let mut points = Vec::new();
+    let mut rest = line;
+    while !rest.is_empty() {
+        let (point, after) = rest.strip_prefix('(')?.split_once(')')?;
+        let (x, y) = point.split_once(',')?;
+        points.push(MapPoint::new(number(x)?, number(y)?));
+        rest = after.trim_start_matches([' ', '\t', ',', ';']);
+    }
+    Some(points)
+}
+
+fn number(text: &str) -> Option<f64> {
+    text.trim().parse().ok().filter(|v: &f64| v.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_or_several_stand_in_a_line() {
+        let lines = parse_truth("(1.66, -24.35)\n\n(-2.59, -27.03) (0.85, -27.57)\n").unwrap();
+        assert_eq!(lines[0], [MapPoint::new(1.66, -24.35)]);
+        assert_eq!(lines[1], [MapPoint::new(-2.59, -27.03), MapPoint::new(0.85, -27.57)]);
+        assert!(parse_truth("").unwrap().is_empty());
+    }
+
+    #[test]
+    fn anything_else_is_refused_with_its_line() {
+        for text in ["1, 2", "(1, 2", "(1 2)", "(1, inf)", "(1, 2) x", "(1, 2, 3)"] {
+            let LineProblem { line, problem } = parse_truth(&format!("(0, 0)\n{text}")).unwrap_err();
+            assert!(line == 2 && problem.contains(text), "{problem}");
+        }
+    }
+}

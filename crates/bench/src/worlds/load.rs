@@ -1,0 +1,47 @@
+//! From a suite's world source to the world.
+
+use std::path::PathBuf;
+
+use openbench_core::Georeference;
+use openbench_scene::World;
+use openbench_scene::generate;
+use openbench_scene::import::{ImportRequest, import_world};
+
+use super::recipe::Recipe;
+use crate::BenchError;
+use crate::suite::WorldSource;
+use crate::suite::builtin::builtin_suites;
+
+/// Makes a world.
+///
+/// # Errors
+/// [`BenchError`] with the file or the name that does not do.
+pub fn load(source: &WorldSource) -> Result<World, BenchError> {
+    match source {
+        WorldSource::Builtin { name, seed } => builtin(name, *seed),
+        WorldSource::Imported { world, map, models, georeference } => {
+            imported(world.clone(), map.clone(), models.clone(), georeference.as_deref())
+        }
+        WorldSource::Folder { path } => Recipe::read(path)?.build(path),
+    }
+}
+
+fn builtin(name: &str, seed: u64) -> Result<World, BenchError> {
+    let unknown = || BenchError::UnknownSuite { name: name.to_owned(), known: builtin_suites() };
+    let world = generate::builtin(name, seed).ok_or_else(unknown)?;
+    world.map_err(|e| BenchError::World(e.to_string()))
+}
+
+fn imported(
+    world: PathBuf,
+    map: PathBuf,
+    models: Vec<PathBuf>,
+    georeference: Option<&str>,
+) -> Result<World, BenchError> {
+    let georeference = georeference
+        .map(str::parse::<Georeference>)
+        .transpose()
+        .map_err(|e| BenchError::World(e.to_string()))?;
+    let request = ImportRequest { world, map, models, georeference, start: None };
+    import_world(&request).map_err(|e| BenchError::World(e.to_string()))
+}

@@ -1,0 +1,22 @@
+//! Makes instructions from the templates in `data/instructions`, one JSON object a line.
+//!
+//!     cargo run -p openbench-bench --example instructions -- development|test [SEED]
+#![expect(clippy::print_stdout, reason = "an example prints what it makes")]
+
+use std::error::Error;
+
+use openbench_trials::instructions::{Split, made::made};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let split = match words.first().map(String::as_str) {
+        Some("development") => Split::Development,
+        Some("test") => Split::Test,
+        _ => return Err("usage: instructions development|test [SEED]".into()),
+    };
+    let seed = words.get(1).map_or(Ok(1), |seed| seed.parse())?;
+    for case in made(split, seed) {
+        println!("{}", serde_json::to_string(&case)?);
+    }
+    Ok(())
+}

@@ -1,0 +1,255 @@
+//! SRTP of a planner: the share of instructions of which it makes exactly the right plan, with 95 % intervals (Wilson), by language and difficulty.
+//!
+//! A plan is right if its doors are those of the answer, each once, in an order that the instruction allows, and it asks back about none of them; where several places fit, if it asks back.
+//! Of an instruction without a map a plan need not know where the doors are.
+
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+use openbench_core::{Address, Georeference, LonLat, MapPoint, ModelUse, Plan, TravelTimes};
+use openbench_language::{PlanRequest, Planner};
+use openbench_osm::{Location, OsmData, OsmMap, locate};
+use serde::Serialize;
+
+use super::{Case, Difficulty, MapName};
+use openbench_bench::score::statistics::wilson_interval;
+
+/// How many of some instructions were understood.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Share {
+    /// Instructions.
+    pub instructions: usize,
+    /// Right plans.
+    pub right: usize,
+    /// Share of right plans; none without instructions.
+    pub srtp: Option<f64>,
+    /// Its 95 % interval.
+    pub interval: Option<[f64; 2]>,
+}
+
+impl Share {
+    fn add(&mut self, right: bool) {
+        self.instructions += 1;
+        self.right += usize::from(right);
+        self.srtp = Some(self.right as f64 / self.instructions as f64);
+        self.interval = wilson_interval(self.right, self.instructions);
+    }
+}
+
+/// An instruction that was not understood.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Wrong {
+    /// The case's name.
+    pub id: String,
+    /// The instruction.
+    pub instruction: String,
+    /// The right answer; empty where several places fit.
+    pub expected: Vec<Address>,
+    /// What was planned.
+    pub planned: Vec<Address>,
+    /// What the planner said against it, if it did.
+    pub said: Option<String>,
+}
+
+/// How well a planner understands.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Scores {
+    /// The planner.
+    pub planner: String,
+    /// Over all instructions.
+    pub all: Share,
+    /// By language.
+    pub languages: BTreeMap<String, Share>,
+    /// By difficulty.
+    pub difficulties: BTreeMap<Difficulty, Share>,
+    /// Milliseconds that a plan took, on average and at most; by the clock, since models are waited for.
+    pub mean_ms: f64,
+    /// See [`Scores::mean_ms`].
+    pub max_ms: f64,
+    /// How many plans were made by another planner in part.
+    pub fallbacks: usize,
+    /// What was asked of models, where that was counted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub models: Option<ModelUse>,
+    /// The instructions that were not understood.
+    pub wrong: Vec<Wrong>,
+}
+
+/// Plans every instruction. `map` stands for the map of cases that name none; `done` is called after each.
+pub fn score(planner: &dyn Planner, cases: &[Case], map: Option<&OsmMap>, mut done: impl FnMut()) -> Scores {
+    let nowhere = OsmMap::new(&OsmData::default(), Georeference::tangent_plane(LonLat::default()));
+    let mut built_in: BTreeMap<MapName, OsmMap> = BTreeMap::new();
+    for name in cases.iter().filter_map(|case| case.map) {
+        built_in.entry(name).or_insert_with(|| name.open());
+    }
+    let mut scores = Scores {
+        planner: planner.name().to_owned(),
+        all: Share::default(),
+        languages: BTreeMap::new(),
+        difficulties: BTreeMap::new(),
+        mean_ms: 0.0,
+        max_ms: 0.0,
+        fallbacks: 0,
+        models: None,
+        wrong: Vec::new(),
+    };
+    let mut total = 0.0;
+    for case in cases {
+        let known = case.map.map(|name| &built_in[&name]).or(map);
+        let request = PlanRequest {
+            instruction: &case.instruction,
+            map: known.unwrap_or(&nowhere),
+            start: MapPoint::default(),
+            times: &Beeline,
+        };
+        let began = Instant::now();
+        let planned = planner.plan(&request);
+        let took = began.elapsed().as_secs_f64() * 1e3;
+        total += took;
+        scores.max_ms = scores.max_ms.max(took);
+        let said = planned.as_ref().err().map(ToString::to_string);
+        let plan = planned.unwrap_or_else(|_| Plan {
+            planner: String::new(),
+            deliveries: Vec::new(),
+            fallbacks: Vec::new(),
+        });
+        scores.fallbacks += usize::from(!plan.fallbacks.is_empty());
+        scores.take(case, &plan, said, known);
+        done();
+    }
+    scores.mean_ms = total / cases.len().max(1) as f64;
+    scores
+}
+
+impl Scores {
+    fn take(&mut self, case: &Case, plan: &Plan, said: Option<String>, map: Option<&OsmMap>) {
+        let right = is_right(case, plan, map);
+        self.all.add(right);
+        if !case.lang.is_empty() {
+            self.languages.entry(case.lang.clone()).or_default().add(right);
+        }
+        if let Some(difficulty) = case.difficulty {
+            self.difficulties.entry(difficulty).or_default().add(right);
+        }
+        if !right {
+            let problem = || plan.deliveries.iter().find_map(|d| d.problem.clone());
+            self.wrong.push(Wrong {
+                id: case.id.clone(),
+                instruction: case.instruction.clone(),
+                expected: case.deliveries.clone(),
+                planned: plan.deliveries.iter().map(|d| d.address()).collect(),
+                said: said.or_else(problem),
+            });
+        }
+    }
+}
+
+/// The right doors in an order that is allowed, and no question where none is called for: what the map lacks may be said, what it has is not asked about.
+fn is_right(case: &Case, plan: &Plan, map: Option<&OsmMap>) -> bool {
+    if case.ambiguous {
+        return matches!(&plan.deliveries[..], [one] if one.problem.is_some());
+    }
+    let planned: Vec<Address> = plan.deliveries.iter().map(|d| d.address()).collect();
+    let has = |name: &str| {
+        let building = Address { building: name.to_owned(), unit: None };
+        map.is_some_and(|map| locate(map, &building) != Location::Unknown)
+    };
+    let asks = plan.deliveries.iter().any(|d| d.problem.is_some() && has(&d.building));
+    case.expected().is_met_by(&planned) && !asks
+}
+
+/// Half a metre a second as the crow flies: orders that the instruction leaves open count for nothing here.
+struct Beeline;
+
+impl TravelTimes for Beeline {
+    fn matrix(&self, places: &[MapPoint]) -> Vec<f64> {
+        places.iter().flat_map(|a| places.iter().map(|b| 2.0 * a.distance(*b))).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use openbench_core::PlannedDelivery;
+    use openbench_language::{GrammarPlanner, PlanError};
+
+    /// Always the same doors.
+    struct Always(Vec<Address>, Option<String>);
+
+    impl Planner for Always {
+        fn name(&self) -> &str {
+            "always"
+        }
+
+        fn plan(&self, _: &PlanRequest<'_>) -> Result<Plan, PlanError> {
+            let delivery = |address: &Address| PlannedDelivery {
+                instruction_index: 0,
+                item: String::new(),
+                building: address.building.clone(),
+                unit: address.unit.clone(),
+                levels: Vec::new(),
+                steps: Vec::new(),
+                confidence: 1.0,
+                problem: self.1.clone(),
+                deadline: None,
+            };
+            Ok(Plan {
+                planner: "always".into(),
+                deliveries: self.0.iter().map(delivery).collect(),
+                fallbacks: Vec::new(),
+            })
+        }
+    }
+
+    fn case(deliveries: &[Address], before: &[(usize, usize)]) -> Case {
+        Case {
+            id: "a".into(),
+            lang: "en".into(),
+            difficulty: Some(Difficulty::Easy),
+            map: Some(MapName::Estate),
+            instruction: "?".into(),
+            deliveries: deliveries.to_vec(),
+            before: before.to_vec(),
+            ambiguous: deliveries.is_empty(),
+        }
+    }
+
+    fn right(doors: &[Address], problem: Option<&str>, case: &Case) -> bool {
+        let planner = Always(doors.to_vec(), problem.map(str::to_owned));
+        score(&planner, std::slice::from_ref(case), None, || {}).all.right == 1
+    }
+
+    #[test]
+    fn doors_order_and_doubts_count() {
+        let (a, b) = (Address::new("building1", "unit1"), Address::new("building2", "unit1"));
+        let both = [a.clone(), b.clone()];
+        assert!(right(&[b.clone(), a.clone()], None, &case(&both, &[])));
+        assert!(!right(&[b.clone(), a.clone()], None, &case(&both, &[(0, 1)])));
+        assert!(!right(&both, Some("which?"), &case(&both, &[])));
+        assert!(!right(&both[..1], None, &case(&both, &[])));
+        let unclear = case(&[], &[]);
+        assert!(right(&both[..1], Some("which?"), &unclear) && !right(&both[..1], None, &unclear));
+        let anywhere = Case { map: None, ..case(&both[..1], &[]) };
+        assert!(right(&both[..1], Some("the map lacks it"), &anywhere));
+    }
+
+    #[test]
+    fn the_grammar_is_scored_by_language_and_difficulty() {
+        let cases = super::super::built_in(super::super::Split::Development);
+        let mut count = 0;
+        let scores = score(&GrammarPlanner::new(), &cases, None, || count += 1);
+        assert_eq!((scores.all.instructions, count), (cases.len(), cases.len()));
+        assert_eq!(scores.languages.len(), 6);
+        assert_eq!(scores.difficulties.values().map(|s| s.instructions).sum::<usize>(), cases.len());
+        assert_eq!(scores.wrong.len(), cases.len() - scores.all.right);
+    }
+
+    #[test]
+    fn the_grammar_understands_most_instructions() {
+        use super::super::Split::{Development, Test, Unseen};
+        for (split, least) in [(Development, 0.94), (Test, 0.97), (Unseen, 0.85)] {
+            let scores = score(&GrammarPlanner::new(), &super::super::built_in(split), None, || {});
+            assert!(scores.all.srtp >= Some(least), "{split:?}: {:?}", scores.all);
+        }
+    }
+}

@@ -1,0 +1,219 @@
+//! How fast routes are found.
+
+use std::path::Path;
+use std::time::Duration;
+
+use cpu_time::ProcessTime;
+use openbench_core::LonLat;
+use openbench_osm::stream::Source;
+use openbench_routing::geo::Place;
+use openbench_routing::osrm::{
+    Geometries, Limits, NearestRequest, Overview, Places, Request, RouteRequest, Service, ServiceMemory,
+    TableRequest,
+};
+use openbench_routing::overlay::FAR;
+use openbench_routing::search::{End, Path as RoutePath, Workspace};
+use openbench_routing::{Metric, Profile, Roads};
+use serde::Serialize;
+
+use super::{fastest, peak_memory_mb};
+use openbench_bench::BenchError;
+
+/// Goes of which the fastest counts.
+const GOES: usize = 3;
+/// Places of the table.
+const TABLE: usize = 100;
+
+/// What was measured. All times are CPU time; routes and the like on one thread.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RoutingSpeed {
+    /// Vertices of the network.
+    pub vertices: usize,
+    /// Its edges.
+    pub edges: usize,
+    /// Pairs of places.
+    pub pairs: usize,
+    /// Those of them without a way between them.
+    pub pairs_without_route: usize,
+    /// A route's distance and duration as JSON, snapping included, microseconds: the median pair.
+    pub route_us_p50: f64,
+    /// The pair that 99 of 100 are faster than.
+    pub route_us_p99: f64,
+    /// With steps and the whole line as GeoJSON.
+    pub steps_us_p50: f64,
+    /// The pair that 99 of 100 are faster than.
+    pub steps_us_p99: f64,
+    /// The nearest place on the network, as JSON.
+    pub nearest_us_p50: f64,
+    /// The place that 99 of 100 are faster than.
+    pub nearest_us_p99: f64,
+    /// Durations between the first 100 starts and the first 100 goals, as JSON, milliseconds.
+    pub table_100_ms: f64,
+    /// From the file until routes are found, all threads.
+    pub build_seconds: f64,
+    /// Another profile's weights on the same network, all threads.
+    pub customize_seconds: f64,
+    /// Most memory held while building, megabytes; null where the system does not say.
+    pub build_peak_memory_mb: Option<f64>,
+    /// Most memory held in all.
+    pub peak_memory_mb: Option<f64>,
+    /// Metres and seconds of each pair; not a number where there is no way.
+    #[serde(skip)]
+    pub answers: Vec<(f64, f64)>,
+}
+
+/// Reads rows of `lon,lat,lon,lat`. A first row of words is passed over.
+pub fn read_pairs(path: &Path) -> Result<Vec<[Place; 2]>, BenchError> {
+    let bad = |line: usize| BenchError::BadFile {
+        path: path.to_owned(),
+        problem: format!("line {line} is not lon,lat,lon,lat in degrees"),
+    };
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| BenchError::BadFile { path: path.to_owned(), problem: error.to_string() })?;
+    let mut pairs = Vec::new();
+    for (number, line) in (1..).zip(text.lines()) {
+        if line.trim().is_empty() || (number == 1 && line.contains(|c: char| c.is_alphabetic())) {
+            continue;
+        }
+        let numbers: Vec<f64> = line.split(',').filter_map(|word| word.trim().parse().ok()).collect();
+        let &[a, b, c, d] = &numbers[..] else { return Err(bad(number)) };
+        let place = |lon, lat| Place::new(LonLat::new(lon, lat)).ok_or_else(|| bad(number));
+        pairs.push([place(a, b)?, place(c, d)?]);
+    }
+    if pairs.is_empty() {
+        return Err(BenchError::BadFile { path: path.to_owned(), problem: "no pairs in it".into() });
+    }
+    Ok(pairs)
+}
+
+/// Measures a map and a profile with pairs of places. With `dump`, the graph of vertices goes into that folder, for peers that know no
+/// maps: `tail`, `head` and `weight` of arcs, `lat` and `lon` of vertices, and 1,000 `queries` (from, to, weight), numbers of four bytes.
+pub fn measure(
+    map: &Path,
+    profile: Profile,
+    pairs: &[[Place; 2]],
+    dump: Option<&Path>,
+) -> Result<RoutingSpeed, BenchError> {
+    let input = |problem: String| BenchError::BadFile { path: map.to_owned(), problem };
+    let began = ProcessTime::now();
+    let source = Source::open(map).map_err(|e| input(e.to_string()))?;
+    let roads = Roads::read(&source, &Default::default()).map_err(|e| input(e.to_string()))?;
+    drop(source);
+    let metric = Metric::new(&roads, profile.clone()).map_err(|e| input(e.to_string()))?;
+    let build = began.elapsed();
+    let build_peak_memory_mb = peak_memory_mb();
+    let began = ProcessTime::now();
+    drop(std::hint::black_box(Metric::new(&roads, profile).map_err(|e| input(e.to_string()))?));
+    let customize = began.elapsed();
+    if let Some(folder) = dump {
+        dump_graph(folder, &roads, &metric)?;
+    }
+    let service = Service { roads, metric, limits: Limits::default() };
+    let memory = &mut ServiceMemory::default();
+
+    let places = |places: &[Place]| Places { hints: false, ..RouteRequest::through(places.to_vec()).places };
+    let route = |pair: &[Place; 2], steps: bool| {
+        let overview = if steps { Overview::Full } else { Overview::False };
+        let geometries = Geometries::GeoJson;
+        Request::Route(RouteRequest {
+            places: places(pair),
+            steps,
+            overview,
+            geometries,
+            ..Default::default()
+        })
+    };
+    let nearest =
+        |pair: &[Place; 2]| Request::Nearest(NearestRequest { places: places(&pair[..1]), number: 1 });
+    let each = |requests: Vec<Request>, memory: &mut ServiceMemory| {
+        percentiles(
+            requests
+                .iter()
+                .map(|request| fastest(GOES, || drop(std::hint::black_box(service.body(request, memory))))),
+        )
+    };
+    let [route_us_p50, route_us_p99] = each(pairs.iter().map(|pair| route(pair, false)).collect(), memory);
+    let [steps_us_p50, steps_us_p99] = each(pairs.iter().map(|pair| route(pair, true)).collect(), memory);
+    let [nearest_us_p50, nearest_us_p99] = each(pairs.iter().map(nearest).collect(), memory);
+    let table = fastest(GOES, || drop(std::hint::black_box(service.table(&table(pairs), memory))));
+    let answers: Vec<_> = pairs.iter().map(|pair| answer(&service, &route(pair, false), memory)).collect();
+    Ok(RoutingSpeed {
+        vertices: service.roads.network.vertices.len(),
+        edges: service.roads.network.edge_count(),
+        pairs: pairs.len(),
+        pairs_without_route: answers.iter().filter(|(metres, _)| metres.is_nan()).count(),
+        route_us_p50,
+        route_us_p99,
+        steps_us_p50,
+        steps_us_p99,
+        nearest_us_p50,
+        nearest_us_p99,
+        table_100_ms: table.as_secs_f64() * 1e3,
+        build_seconds: build.as_secs_f64(),
+        customize_seconds: customize.as_secs_f64(),
+        build_peak_memory_mb,
+        peak_memory_mb: peak_memory_mb(),
+        answers,
+    })
+}
+
+fn dump_graph(folder: &Path, roads: &Roads, metric: &Metric) -> Result<(), BenchError> {
+    let file = |source| BenchError::File { path: folder.to_owned(), source };
+    std::fs::create_dir_all(folder).map_err(file)?;
+    let write = |name: &str, numbers: Vec<u32>| {
+        let bytes: Vec<u8> = numbers.into_iter().flat_map(u32::to_le_bytes).collect();
+        let path = folder.join(name);
+        std::fs::write(&path, bytes).map_err(|source| BenchError::File { path, source })
+    };
+    let graph = metric.searched(roads);
+    let (out, weights) = (&graph.overlay.out, &graph.weights.out);
+    let open: Vec<(u32, usize)> = out.iter().filter(|(_, slot)| weights[*slot] < FAR).collect();
+    write("tail.u32", open.iter().map(|(tail, _)| *tail).collect())?;
+    write("head.u32", open.iter().map(|(_, slot)| out.head[*slot]).collect())?;
+    write("weight.u32", open.iter().map(|(_, slot)| weights[*slot]).collect())?;
+    let position = |place: &Place| place.position();
+    let vertices = &roads.network.vertices;
+    write("lat.f32", vertices.iter().map(|v| (position(v).lat as f32).to_bits()).collect())?;
+    write("lon.f32", vertices.iter().map(|v| (position(v).lon as f32).to_bits()).collect())?;
+    let (mut workspace, mut path) = (Workspace::default(), RoutePath::default());
+    let count = vertices.len() as u64;
+    let queries = (0..1000_u64).flat_map(|i| {
+        // A linear congruential generator, after D. Knuth.
+        let draw = |i: u64| {
+            (i.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407) >> 33) % count
+        };
+        let [from, to] = [draw(2 * i) as u32, draw(2 * i + 1) as u32];
+        let ends = [from, to].map(|state| [End { state, weight: 0 }]);
+        [from, to, workspace.route(graph, &ends[0], &ends[1], &mut path).unwrap_or(u32::MAX)]
+    });
+    write("queries.u32", queries.collect())
+}
+
+/// From the first starts to the first goals.
+fn table(pairs: &[[Place; 2]]) -> TableRequest {
+    let count = pairs.len().min(TABLE);
+    let places = (0..2).flat_map(|end| pairs[..count].iter().map(move |pair| pair[end])).collect();
+    let mut request = TableRequest::between(places);
+    (request.sources, request.destinations) = ((0..count).collect(), (count..2 * count).collect());
+    request.places.hints = false;
+    request
+}
+
+/// Metres and seconds of a route.
+fn answer(service: &Service, request: &Request, memory: &mut ServiceMemory) -> (f64, f64) {
+    let none = (f64::NAN, f64::NAN);
+    let Ok(body) = service.body(request, memory) else { return none };
+    let Ok(json) = serde_json::from_slice::<serde_json::Value>(&body) else { return none };
+    let number = |key: &str| json["routes"][0][key].as_f64().unwrap_or(f64::NAN);
+    (number("distance"), number("duration"))
+}
+
+/// The median and the 99th percentile, microseconds.
+fn percentiles(times: impl Iterator<Item = Duration>) -> [f64; 2] {
+    let mut times: Vec<Duration> = times.collect();
+    times.sort_unstable();
+    [0.5, 0.99].map(|share| {
+        let index = (times.len() as f64 * share) as usize;
+        times.get(index.min(times.len().saturating_sub(1))).map_or(0.0, |time| time.as_secs_f64() * 1e6)
+    })
+}

@@ -1,0 +1,186 @@
+//! The simulator: LiDAR rays, images, and seconds simulated in a second.
+
+use std::path::Path;
+use std::time::Instant;
+
+use cpu_time::ThreadTime;
+use openbench_core::{MapPoint, Pose2, Pose3, RobotDescription, SimTime, Velocity};
+use openbench_osm::OsmMap;
+use openbench_scene::free_space::ground_height;
+use openbench_scene::{Movers, RayCaster, Snapshot, World};
+use openbench_sim::lidar::{Lidar, RAYS};
+use openbench_sim::noise::Noise;
+use openbench_sim::traffic::{MoverKind, TrafficPlan};
+use openbench_sim::{Simulator, Stage, View};
+use serde::Serialize;
+use serde_json::json;
+
+use super::{dump, fastest, peak_memory_mb};
+use openbench_bench::worlds::load;
+use openbench_bench::{BenchError, WorldSource};
+
+/// Most places from which scans and images are taken.
+const PLACES: usize = 20;
+/// Distance of those places in front of doors, metres.
+const BEFORE_DOORS: f64 = 3.0;
+/// Seconds that the whole is simulated for.
+const DRIVE: f64 = 20.0;
+/// Goes of which the fastest counts.
+const GOES: usize = 5;
+/// The same for drives.
+const DRIVES: usize = 2;
+
+/// What was measured.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SimSpeed {
+    /// The world.
+    pub world: String,
+    /// Visible triangles that stand.
+    pub triangles: usize,
+    /// People who move.
+    pub pedestrians: usize,
+    /// Cars that move.
+    pub cars: usize,
+    /// Million LiDAR rays in a second of one core, all that a scan needs included: aiming, casting, noise, points.
+    pub lidar_mrays_per_core_second: f64,
+    /// Million of the same rays, ordered and cast only, holes in leaves not regarded: what peers are compared with.
+    pub cast_mrays_per_core_second: f64,
+    /// Camera images of 640 x 480 in a second of one core.
+    pub camera_fps_per_core: f64,
+    /// Seconds simulated in a second of one core, with physics, IMU, wheels and LiDAR.
+    pub rtf_lidar: f64,
+    /// The same with an image ten times a second.
+    pub rtf_camera: f64,
+    /// Seconds from the world's files to the first step.
+    pub load_seconds: f64,
+    /// Most memory held, megabytes; null where the system does not say.
+    pub peak_memory_mb: Option<f64>,
+}
+
+/// Measures a world with so many people and cars in it. With `dump`, the triangles and rays go into that folder.
+pub fn measure(source: &WorldSource, plan: TrafficPlan, dump: Option<&Path>) -> Result<SimSpeed, BenchError> {
+    let began = Instant::now();
+    let world = load(source)?;
+    let (name, start, doors) = (world.name.clone(), world.start, places(&world));
+    let map = (!plan.is_empty()).then(|| OsmMap::new(&world.map, world.georeference));
+    let triangles = world.scene.triangles.len();
+    let stage = Stage::peopled(world.scene, plan).map_err(|e| BenchError::World(e.to_string()))?;
+    let scenery = Scenery { stage, map, plan, start };
+    let mut simulator = scenery.simulator()?;
+    simulator.step(Velocity::ZERO);
+    let load_seconds = began.elapsed().as_secs_f64();
+    let placed = (simulator.movers().iter()).filter(|m| m.kind == MoverKind::Pedestrian).count();
+    let (pedestrians, cars) = (placed, simulator.movers().len() - placed);
+    let seen = simulator.snapshot();
+    let speed = SimSpeed {
+        world: name,
+        triangles,
+        pedestrians,
+        cars,
+        lidar_mrays_per_core_second: lidar(seen, &doors),
+        cast_mrays_per_core_second: cast(seen.caster, &doors),
+        camera_fps_per_core: camera(&scenery.stage, seen.movers, &doors),
+        rtf_lidar: scenery.drive(false)?,
+        rtf_camera: scenery.drive(true)?,
+        load_seconds,
+        peak_memory_mb: peak_memory_mb(),
+    };
+    if let Some(folder) = dump {
+        let measured = json!({ "world": speed.world, "triangles": speed.triangles, "ours": speed });
+        dump::write(folder, &scenery.stage, &sensors(seen.caster, &doors), measured)?;
+    }
+    Ok(speed)
+}
+
+/// A world to drive in.
+struct Scenery {
+    stage: Stage,
+    /// Where anything shall move.
+    map: Option<OsmMap>,
+    plan: TrafficPlan,
+    start: Pose2,
+}
+
+impl Scenery {
+    fn simulator(&self) -> Result<Simulator, BenchError> {
+        let still = Simulator::new(self.stage.clone(), RobotDescription::sentry(), self.start, 0);
+        let Some(map) = &self.map else { return Ok(still) };
+        still.among_traffic_of(map, self.plan, 0).map_err(|e| BenchError::World(e.to_string()))
+    }
+
+    /// Drives in circles; seconds simulated in a second.
+    fn drive(&self, images: bool) -> Result<f64, BenchError> {
+        let mut best = 0.0_f64;
+        for _ in 0..DRIVES {
+            let mut simulator = self.simulator()?;
+            let began = ThreadTime::now();
+            while simulator.time().seconds() < DRIVE {
+                simulator.step(Velocity::new(0.4, 0.3));
+                if images {
+                    std::hint::black_box(simulator.observation().camera.image());
+                }
+            }
+            best = best.max(simulator.time().seconds() / began.elapsed().as_secs_f64());
+        }
+        Ok(best)
+    }
+}
+
+/// Places in front of doors, facing them, spread over the world.
+fn places(world: &World) -> Vec<Pose2> {
+    let doors = &world.scene.doors;
+    let stride = doors.len().div_ceil(PLACES).max(1);
+    let before = |door: &openbench_scene::Door| {
+        let at: MapPoint = door.point().offset(door.facing, BEFORE_DOORS);
+        Pose2::new(at.x, at.y, at.bearing_to(door.point()))
+    };
+    let spread: Vec<Pose2> = doors.iter().step_by(stride).map(before).collect();
+    if spread.is_empty() { vec![world.start] } else { spread }
+}
+
+/// Poses of the robot's base on the ground at these places.
+fn bases(caster: &RayCaster, places: &[Pose2]) -> Vec<Pose3> {
+    places.iter().map(|p| p.to_pose3(ground_height(caster, p.point()))).collect()
+}
+
+fn sensors(caster: &RayCaster, places: &[Pose2]) -> Vec<Pose3> {
+    let mount = RobotDescription::sentry().lidar;
+    bases(caster, places).iter().map(|base| base * mount).collect()
+}
+
+fn lidar(seen: Snapshot<'_>, places: &[Pose2]) -> f64 {
+    let mut lidar = Lidar::new(Noise::new(0, 2));
+    let poses = sensors(seen.caster, places);
+    let time = fastest(GOES, || {
+        for pose in &poses {
+            std::hint::black_box(lidar.scan(seen, SimTime::ZERO, &[*pose; 2]));
+        }
+    });
+    (RAYS * poses.len()) as f64 / time.as_secs_f64() / 1e6
+}
+
+fn cast(caster: &RayCaster, places: &[Pose2]) -> f64 {
+    let mut lidar = Lidar::new(Noise::new(0, 2));
+    let poses = sensors(caster, places);
+    let time = fastest(GOES, || {
+        for pose in &poses {
+            std::hint::black_box(lidar.ranges(caster.visible(), &[*pose; 2]));
+        }
+    });
+    (RAYS * poses.len()) as f64 / time.as_secs_f64() / 1e6
+}
+
+fn camera(stage: &Stage, movers: &Movers, places: &[Pose2]) -> f64 {
+    let robot = RobotDescription::sentry();
+    let optics = robot.camera_intrinsics;
+    let (size, focal_length) = ((optics.width, optics.height), optics.focal_length());
+    let bases = bases(stage.caster(), places);
+    let time = fastest(GOES, || {
+        for base in &bases {
+            let pose = base * robot.camera;
+            let view = View { pose, size, focal_length, range: 200.0, shadows: false, exposure: 1.0 };
+            std::hint::black_box(stage.renderer().render(&view, movers));
+        }
+    });
+    bases.len() as f64 / time.as_secs_f64()
+}

@@ -1,0 +1,132 @@
+//! A drive through a window, and how well odometry follows it.
+
+use std::time::Duration;
+
+use cpu_time::ThreadTime;
+use nalgebra::Matrix6;
+use openbench_core::{Observation, Pose3, RobotDescription, SimTime};
+use openbench_localization::lidar_inertial::settings;
+use openbench_localization::lio::{Estimate, LidarInertialOdometry, Status};
+use openbench_localization::wheels::Wheels;
+use serde::{Deserialize, Serialize};
+
+use crate::tour::{Style, Tour, drive};
+use openbench_bench::score::metrics::consistency::pose_at;
+use openbench_bench::score::metrics::{Nees, nees};
+use openbench_bench::{BenchError, Prepared};
+
+/// How long the drive is.
+const LASTS: Duration = Duration::from_secs(180);
+
+/// How well odometry followed a drive.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct OdometrySum {
+    /// Length of the way, metres.
+    pub metres: f64,
+    /// Poses told.
+    pub scans: usize,
+    /// Of them those while scans say too little.
+    pub coasting: usize,
+    /// Of them those while scans and IMU contradict each other.
+    pub disputed: usize,
+    /// Root of the mean square distance from the true way, both laid on each other at the first
+    /// pose, metres.
+    pub rms_m: f64,
+    /// The largest distance, metres.
+    pub max_m: f64,
+    /// Whether that is as much as odometry says.
+    pub nees: Option<Nees>,
+    /// CPU time a scan, milliseconds. Depends on the machine.
+    pub cpu_ms_p50: f64,
+    /// The same of one scan in a hundred.
+    pub cpu_ms_p99: f64,
+}
+
+/// Drives from door to door for three minutes.
+pub fn measure(prepared: &Prepared, seed: u64) -> Result<OdometrySum, BenchError> {
+    let tour = Tour { time: LASTS, via: Vec::new(), style: Style::Smooth, seed };
+    let mut follower = Follower::new(&prepared.robot);
+    let driven = drive(prepared, &tour, &mut |simulator, _| {
+        follower.take(&simulator.observation(), simulator.base_link());
+        Ok(())
+    })?;
+    Ok(follower.sum(driven.metres, &prepared.robot))
+}
+
+struct Follower {
+    odometry: LidarInertialOdometry,
+    wheels: Wheels,
+    told: Vec<(SimTime, Pose3, Matrix6<f64>)>,
+    truth: Vec<(SimTime, Pose3)>,
+    coasting: usize,
+    disputed: usize,
+    spent: Duration,
+    times: Vec<Duration>,
+}
+
+impl Follower {
+    fn new(robot: &RobotDescription) -> Self {
+        Self {
+            odometry: LidarInertialOdometry::new(settings(robot)),
+            wheels: Wheels::new(robot),
+            told: Vec::new(),
+            truth: Vec::new(),
+            coasting: 0,
+            disputed: 0,
+            spent: Duration::ZERO,
+            times: Vec::new(),
+        }
+    }
+
+    fn take(&mut self, observation: &Observation<'_>, truth: Pose3) {
+        self.truth.push((observation.time, truth));
+        let began = ThreadTime::now();
+        let speeds = observation.wheels.iter().filter_map(|sample| self.wheels.take(sample));
+        speeds.for_each(|speed| self.odometry.speed(speed));
+        let mut estimates: Vec<Estimate> =
+            observation.imu.iter().flat_map(|sample| self.odometry.imu(*sample)).collect();
+        estimates.extend(observation.scan.into_iter().flat_map(|scan| self.odometry.scan(scan.clone())));
+        self.spent += began.elapsed();
+        if !estimates.is_empty() {
+            self.times.push(std::mem::take(&mut self.spent));
+        }
+        for estimate in estimates {
+            self.coasting += usize::from(estimate.status == Status::Coasting);
+            self.disputed += usize::from(estimate.status == Status::Disputed);
+            self.told.push((estimate.stamp, estimate.pose, estimate.covariance));
+        }
+    }
+
+    fn sum(mut self, metres: f64, robot: &RobotDescription) -> OdometrySum {
+        self.times.sort_unstable();
+        let time = |part: usize| {
+            let time = self.times.get(self.times.len() * part / 100).copied().unwrap_or_default();
+            time.as_secs_f64() * 1e3
+        };
+        let distances = distances(&self.told, &self.truth);
+        let squares: f64 = distances.iter().map(|d| d * d).sum();
+        OdometrySum {
+            metres,
+            scans: self.told.len(),
+            coasting: self.coasting,
+            disputed: self.disputed,
+            rms_m: (squares / distances.len().max(1) as f64).sqrt(),
+            max_m: distances.iter().copied().fold(0.0, f64::max),
+            nees: nees(&self.told, &self.truth, &robot.imu),
+            cpu_ms_p50: time(50),
+            cpu_ms_p99: time(99),
+        }
+    }
+}
+
+/// Of each pose from the true one of its instant, both ways laid on each other at the first pose.
+fn distances(told: &[(SimTime, Pose3, Matrix6<f64>)], truth: &[(SimTime, Pose3)]) -> Vec<f64> {
+    let Some(apart) = told.first().and_then(|(time, pose, _)| Some(pose * pose_at(truth, *time)?.inverse()))
+    else {
+        return Vec::new();
+    };
+    let off = |(time, pose, _): &(SimTime, Pose3, Matrix6<f64>)| {
+        Some((pose.translation.vector - (apart * pose_at(truth, *time)?).translation.vector).norm())
+    };
+    told.iter().filter_map(off).collect()
+}

@@ -1,0 +1,122 @@
+//! What came of one window and of all.
+
+use std::collections::BTreeMap;
+
+use openbench_core::FailureCause;
+use serde::{Deserialize, Serialize};
+
+use super::odometry::OdometrySum;
+use super::plan::TownsPlan;
+use super::windows::Place;
+use openbench_bench::score::metrics::{ErrorCounts, RunTotals, summarize};
+use openbench_bench::score::results::{DeliveryResult, Metrics, Results};
+
+/// What came of a window.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Town {
+    /// Number of the window.
+    pub number: usize,
+    /// Where it lies.
+    pub place: Place,
+    /// The deliveries.
+    pub results: Results,
+    /// Errors of the poses that the agent told.
+    pub pose_errors: ErrorCounts,
+    /// How well odometry follows a drive.
+    pub odometry: OdometrySum,
+}
+
+impl Town {
+    /// Failures by cause.
+    pub fn failures(&self) -> BTreeMap<FailureCause, usize> {
+        failures(&self.results.deliveries)
+    }
+
+    /// CPU seconds of the run.
+    fn cpu_seconds(&self) -> f64 {
+        let Metrics { sim_seconds, real_time_factor, .. } = self.results.metrics;
+        if real_time_factor > 0.0 { sim_seconds / real_time_factor } else { 0.0 }
+    }
+}
+
+/// What came of a battery.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Towns {
+    /// What it is.
+    pub plan: TownsPlan,
+    /// Windows that were asked for; maps may have room for fewer.
+    pub wanted: usize,
+    /// The windows.
+    pub towns: Vec<Town>,
+    /// Over the deliveries of all windows.
+    pub metrics: Metrics,
+    /// Failures by cause.
+    pub failures: BTreeMap<FailureCause, usize>,
+    /// Over the poses of all windows, metres; null if the agent told none.
+    pub pose: Option<PoseSum>,
+    /// How often the agent was more than a metre off and called its pose good.
+    pub silent_divergences: usize,
+}
+
+/// Errors of poses, metres.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PoseSum {
+    /// Root of the mean square.
+    pub rms_m: f64,
+    /// Nineteen of twenty are no larger.
+    pub p95_m: f64,
+    /// The largest.
+    pub max_m: f64,
+}
+
+impl PoseSum {
+    /// Of errors that were counted; `None` without any.
+    pub fn of(counts: &ErrorCounts) -> Option<Self> {
+        Some(Self { rms_m: counts.rms()?, p95_m: counts.quantile(0.95)?, max_m: counts.quantile(1.0)? })
+    }
+}
+
+impl Towns {
+    /// Sums up windows.
+    pub fn of(plan: TownsPlan, wanted: usize, towns: Vec<Town>) -> Self {
+        let mut deliveries: Vec<DeliveryResult> = Vec::new();
+        for town in &towns {
+            // Episodes of different windows are different ones.
+            let before = deliveries.last().map_or(0, |last| last.episode + 1);
+            deliveries.extend(
+                town.results.deliveries.iter().map(|delivery| DeliveryResult {
+                    episode: before + delivery.episode,
+                    ..delivery.clone()
+                }),
+            );
+        }
+        let sum = |value: fn(&Town) -> f64| towns.iter().map(value).sum::<f64>();
+        let totals = RunTotals {
+            sim_seconds: sum(|town| town.results.metrics.sim_seconds),
+            wall_seconds: sum(|town| town.results.metrics.wall_seconds),
+            cpu_seconds: sum(Town::cpu_seconds),
+            seed: plan.window_seed(0),
+            ..RunTotals::default()
+        };
+        let mut errors = ErrorCounts::default();
+        towns.iter().for_each(|town| errors.add(&town.pose_errors));
+        let silent = |town: &Town| town.results.metrics.localization.map_or(0, |l| l.silent_divergences);
+        Self {
+            metrics: summarize(&deliveries, &totals),
+            failures: failures(&deliveries),
+            pose: PoseSum::of(&errors),
+            silent_divergences: towns.iter().map(silent).sum(),
+            plan,
+            wanted,
+            towns,
+        }
+    }
+}
+
+fn failures(deliveries: &[DeliveryResult]) -> BTreeMap<FailureCause, usize> {
+    let mut counts = BTreeMap::new();
+    for cause in deliveries.iter().filter_map(|delivery| delivery.failure) {
+        *counts.entry(cause).or_default() += 1;
+    }
+    counts
+}

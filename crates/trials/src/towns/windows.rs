@@ -1,0 +1,157 @@
+//! Neighbourhoods from a seed.
+
+use std::path::{Path, PathBuf};
+
+use openbench_core::{Georeference, LonLat};
+use openbench_osm::{OsmData, Window, cut_out};
+use rand::RngExt;
+use rand_pcg::Pcg32;
+use serde::{Deserialize, Serialize};
+
+use super::plan::TownsPlan;
+use openbench_bench::worlds::Recipe;
+use openbench_bench::worlds::folder::{Wanted, write};
+use openbench_bench::{BenchError, Prepared};
+
+/// Doors that a window needs.
+pub const DOORS: usize = 10;
+/// Places of a map that are tried for one window.
+const TRIES: usize = 60;
+/// Buildings below which a window is not worth generating.
+const BUILDINGS: usize = 6;
+/// Metres in a degree of latitude.
+const METRES_A_DEGREE: f64 = 111_320.0;
+
+/// Where a window lies.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Place {
+    /// Number of the map.
+    pub map: usize,
+    /// The map's name and the window's number.
+    pub name: String,
+    /// Its middle.
+    pub around: LonLat,
+}
+
+/// Maps, read, and where they have buildings.
+pub struct Maps(Vec<Map>);
+
+struct Map {
+    name: String,
+    data: OsmData,
+    /// A corner of each building, in the order of their numbers.
+    buildings: Vec<LonLat>,
+}
+
+impl Maps {
+    /// Reads maps.
+    pub fn read(paths: &[PathBuf]) -> Result<Self, BenchError> {
+        let maps: Result<Vec<Map>, BenchError> = paths.iter().map(|path| Map::read(path)).collect();
+        Ok(Self(maps?))
+    }
+
+    /// Window `number` of a plan, away from those that are taken, with its world in `folder`. Where
+    /// its map has no room for another one the next has its turn; `None` if none has.
+    pub fn draw(
+        &self,
+        plan: &TownsPlan,
+        number: usize,
+        taken: &[(usize, LonLat)],
+        folder: &Path,
+    ) -> Result<Option<(Place, Prepared)>, BenchError> {
+        for turn in 0..self.0.len() {
+            let map = (number + turn) % self.0.len();
+            let drawn = self.draw_from(map, plan, number, taken, folder)?;
+            if drawn.is_some() {
+                return Ok(drawn);
+            }
+        }
+        Ok(None)
+    }
+
+    fn draw_from(
+        &self,
+        map: usize,
+        plan: &TownsPlan,
+        number: usize,
+        taken: &[(usize, LonLat)],
+        folder: &Path,
+    ) -> Result<Option<(Place, Prepared)>, BenchError> {
+        let Map { name, data, buildings } = &self.0[map];
+        let mut random = Pcg32::new(plan.seed, number as u64);
+        let mut tried: Vec<LonLat> = Vec::new();
+        for _ in 0..TRIES.min(buildings.len()) {
+            let around = buildings[random.random_range(0..buildings.len())];
+            let near = |other: &LonLat, apart: f64| metres(around, *other) < apart;
+            let overlaps = taken.iter().any(|(m, other)| *m == map && near(other, 2.0 * plan.radius));
+            if overlaps || tried.iter().any(|other| near(other, plan.radius / 2.0)) {
+                continue;
+            }
+            tried.push(around);
+            let Ok(window) = Window::around(around, plan.radius) else { continue };
+            if buildings.iter().filter(|at| window.contains(**at)).count() < BUILDINGS {
+                continue;
+            }
+            let part = cut_out(data, &window);
+            let place = Place { map, name: format!("{name}-{number:03}"), around };
+            if let Some(prepared) = write_world(plan, number, &place, &part, folder)? {
+                return Ok(Some((place, prepared)));
+            }
+        }
+        Ok(None)
+    }
+}
+
+impl Map {
+    fn read(path: &Path) -> Result<Self, BenchError> {
+        let data = OsmData::read(path).map_err(|e| BenchError::World(e.to_string()))?;
+        let corner = |way: &openbench_osm::Way| {
+            let first = way.nodes.iter().find_map(|id| data.nodes.get(id));
+            first.map(|node| node.position)
+        };
+        let houses = data.ways.values().filter(|way| way.tags.says("building"));
+        let buildings = houses.filter_map(corner).collect();
+        let file = path.file_name().unwrap_or_default().to_string_lossy();
+        let name = file.split('.').next().unwrap_or_default().to_owned();
+        Ok(Self { name, data, buildings })
+    }
+}
+
+/// Distance of two places of one town, metres.
+fn metres(a: LonLat, b: LonLat) -> f64 {
+    let east = (a.lon - b.lon) * libm::cos(a.lat.to_radians());
+    METRES_A_DEGREE * libm::hypot(east, a.lat - b.lat)
+}
+
+/// Writes the world of a window; `None` if a robot has too little to do there.
+fn write_world(
+    plan: &TownsPlan,
+    number: usize,
+    place: &Place,
+    map: &OsmData,
+    folder: &Path,
+) -> Result<Option<Prepared>, BenchError> {
+    let georeference =
+        Georeference::TangentPlane { at: place.around, offset_x: -plan.false_origin, offset_y: 0.0 };
+    let seed = plan.window_seed(number);
+    let recipe = Recipe::generated(&place.name, georeference, seed);
+    let wanted = Wanted { singles: 4, sequences: (1, 3), reach: 2.0 * plan.radius, seed };
+    match write(folder, &recipe, map, wanted) {
+        Ok(written) if written.candidates >= DOORS => Ok(Some(written.prepared.with_episodes(None)?)),
+        // Without ground to start on, or without doors: not a place for a robot.
+        Ok(_) | Err(BenchError::World(_)) => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distances_in_a_town_are_metres() {
+        let (a, b) = (LonLat::new(8.0, 60.0), LonLat::new(8.001, 60.0));
+        assert!((metres(a, b) - 55.66).abs() < 0.1);
+        assert!((metres(a, LonLat::new(8.0, 60.001)) - 111.32).abs() < 0.1);
+    }
+}
