@@ -37,8 +37,8 @@ fn open() -> Box<dyn Agent> {
     Box::new(Open::new(Parts {
         planner: Box::new(GrammarPlanner::new()),
         reader: Box::new(Blank),
-        localizer: Box::new(DeadReckoning::new(RobotDescription::sentry())),
-        motion: Box::new(Follower::new(RobotDescription::sentry()).unwrap()),
+        localizer: Box::new(|robot| Box::new(DeadReckoning::new(robot.clone()))),
+        motion: Arc::new(|robot| Ok(Box::new(Follower::new(robot.clone())?))),
         ground: Preferences::NONE,
         memory: None,
         meter: Meter::default(),

@@ -1,8 +1,9 @@
 //! What can go wrong with a run as a whole. A delivery that fails is a result, not an error.
 
+use std::error::Error;
 use std::path::{Path, PathBuf};
 
-use openbench_core::MapPoint;
+use openbench_core::{MapPoint, UnknownName};
 
 /// Why a run cannot be made or checked.
 #[derive(Debug, thiserror::Error)]
@@ -16,26 +17,21 @@ pub enum BenchError {
         known: Vec<String>,
     },
     /// No agent of that name.
-    #[error("there is no agent `{name}`; there are {}", known.join(", "))]
-    UnknownAgent {
-        /// What was asked for.
-        name: String,
-        /// What there is.
-        known: Vec<String>,
-    },
+    #[error(transparent)]
+    UnknownAgent(#[from] UnknownName),
     /// An agent cannot be made.
-    #[error("the agent `{name}` cannot be made: {problem}")]
+    #[error("the agent `{name}` cannot be made")]
     Agent {
         /// Which.
         name: String,
         /// Why.
-        problem: String,
+        source: Box<dyn Error + Send + Sync>,
     },
     /// The world cannot be made.
-    #[error("{0}")]
-    World(String),
+    #[error(transparent)]
+    World(Box<dyn Error + Send + Sync>),
     /// A file cannot be opened or written.
-    #[error("{}: {source}", path.display())]
+    #[error("cannot access {}", path.display())]
     File {
         /// Which.
         path: PathBuf,
@@ -43,12 +39,22 @@ pub enum BenchError {
         source: std::io::Error,
     },
     /// A file holds something else than expected.
-    #[error("{}: {problem}", path.display())]
+    #[error("{} cannot be used", path.display())]
     BadFile {
         /// Which.
         path: PathBuf,
         /// What is wrong, and where.
-        problem: String,
+        source: Box<dyn Error + Send + Sync>,
+    },
+    /// A file that is not in the expected format.
+    #[error("{} is no {expected}", path.display())]
+    WrongFormat {
+        /// Which.
+        path: PathBuf,
+        /// What it ought to be.
+        expected: &'static str,
+        /// What is wrong, and where.
+        source: Box<dyn Error + Send + Sync>,
     },
     /// An instruction in which nothing to deliver was found.
     #[error(
@@ -102,5 +108,24 @@ impl BenchError {
     /// An error of the file system.
     pub fn file(path: &Path, source: std::io::Error) -> Self {
         Self::File { path: path.to_owned(), source }
+    }
+
+    /// A file that holds something else than expected.
+    pub fn bad_file(path: &Path, problem: impl Into<Box<dyn Error + Send + Sync>>) -> Self {
+        Self::BadFile { path: path.to_owned(), source: problem.into() }
+    }
+
+    /// A file that is not in the expected format, such as a `suite`.
+    pub fn wrong_format(
+        path: &Path,
+        expected: &'static str,
+        source: impl Into<Box<dyn Error + Send + Sync>>,
+    ) -> Self {
+        Self::WrongFormat { path: path.to_owned(), expected, source: source.into() }
+    }
+
+    /// A world that cannot be made.
+    pub fn world(problem: impl Into<Box<dyn Error + Send + Sync>>) -> Self {
+        Self::World(problem.into())
     }
 }

@@ -58,7 +58,7 @@ impl Observer for Watching {
     fn step(&mut self, _: &Simulator, _: Velocity) -> Result<(), BenchError> {
         let mut seen = self.seen.lock().unwrap();
         seen.steps += 1;
-        let full = || BenchError::World("the disk is full".into());
+        let full = || BenchError::world("the disk is full");
         if seen.steps == self.fails_at { Err(full()) } else { Ok(()) }
     }
 

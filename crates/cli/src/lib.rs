@@ -1,19 +1,20 @@
 //! The command line: parse, build the parts that were asked for, call, print.
 //!
-//! An agent of your own becomes a binary of your own: hand its factory to [`main_with`] and every command knows it beside the
-//! built-in ones.
+//! An agent, reader, localizer or local planner of your own becomes a binary of your own: hand it to [`main_with`] in
+//! [`Extensions`] and every command knows it beside the built-in ones.
 //!
 //! | module | its one job |
 //! |---|---|
 //! | [`args`] | what can be written on the command line |
 //! | [`commands`] | one file a command |
-//! | [`open_parts`] | OPEN's parts from `--set` |
+//! | [`extensions`] | [`Extensions`]: agents and parts from outside |
+//! | `open_agent` | OPEN as an agent of the benchmark |
 //! | [`outcome`] | exit codes, in one place |
 
 pub mod args;
 pub mod commands;
-mod open_models;
-pub mod open_parts;
+pub mod extensions;
+mod open_agent;
 pub mod outcome;
 mod progress;
 
@@ -21,13 +22,14 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
-pub use openbench_bench::{AgentFactory, AgentRequest, Registry};
+pub use extensions::Extensions;
+pub use openbench_bench::{AgentFactory, AgentRequest};
 
 use args::{Args, Command};
 use outcome::Outcome;
 
-/// Runs the command line with the agents of `extra` beside the built-in ones.
-pub fn main_with(extra: Registry) -> ExitCode {
+/// Runs the command line with agents and parts beside the built-in ones.
+pub fn main_with(extensions: Extensions) -> ExitCode {
     let filter =
         tracing_subscriber::EnvFilter::try_from_env("OPENBENCH_LOG").unwrap_or_else(|_| "warn".into());
     tracing_subscriber::fmt().with_writer(std::io::stderr).with_env_filter(filter).without_time().init();
@@ -35,15 +37,14 @@ pub fn main_with(extra: Registry) -> ExitCode {
         Ok(args) => args,
         Err(error) => return outcome::usage(&error),
     };
-    let registry = extra.with("open", open_parts::factory());
-    outcome::exit(dispatch(args.command, &registry))
+    outcome::exit(dispatch(args.command, &extensions))
 }
 
-fn dispatch(command: Command, registry: &Registry) -> anyhow::Result<Outcome> {
+fn dispatch(command: Command, extensions: &Extensions) -> anyhow::Result<Outcome> {
     match command {
-        Command::Run(args) => commands::run::run(&args, registry),
-        Command::Plan(args) => commands::plan::run(&args),
-        Command::Srtp(args) => commands::srtp::run(&args),
+        Command::Run(args) => commands::run::run(&args, &extensions.agents()),
+        Command::Plan(args) => commands::plan::run(&args, extensions.parts()),
+        Command::Srtp(args) => commands::srtp::run(&args, extensions.parts()),
         Command::Route(args) => commands::route::run(&args),
         Command::Odometry(args) => commands::odometry::run(&args),
         Command::Record(args) => commands::record::run(&args),
@@ -51,9 +52,9 @@ fn dispatch(command: Command, registry: &Registry) -> anyhow::Result<Outcome> {
         Command::Costmap(args) => commands::costmap::run(&args),
         Command::Serve(args) => commands::serve::run(&args),
         Command::Evaluate(args) => commands::evaluate::run(&args),
-        Command::Verify(args) => commands::verify::run(&args, registry),
+        Command::Verify(args) => commands::verify::run(&args, &extensions.agents()),
         Command::World(args) => commands::world::run(&args),
         Command::Models(args) => commands::models::run(&args),
-        Command::Bench(args) => commands::bench::run(&args, registry),
+        Command::Bench(args) => commands::bench::run(&args, extensions),
     }
 }

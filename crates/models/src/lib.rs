@@ -7,6 +7,7 @@
 //! | `remote`, `transport` | a provider's endpoint as a [`ChatModel`]: what is said, and how it gets there |
 //! | `local`, `gbnf` | a GGUF file as a [`ChatModel`] in this process, and JSON Schemas as its grammar (feature `local-llm`) |
 //! | [`budget`] | [`Metered`]: what a mission asks of models, counted and bounded |
+//! | [`exchanges`] | [`Exchanges`]: where answers go, or come from |
 //! | [`replay`] | [`Recorder`] and [`Replay`]: what a model answered, kept and given again |
 //! | [`catalogue`] | [`CATALOGUE`]: the model files that OpenBench knows, their source, licence and checksum |
 //! | [`store`] | [`ModelStore`]: the folder where model files lie |
@@ -16,6 +17,7 @@ pub mod budget;
 pub mod catalogue;
 pub mod chat;
 mod digest;
+pub mod exchanges;
 #[cfg(any(test, feature = "local-llm"))]
 mod gbnf;
 mod hub;
@@ -32,6 +34,7 @@ mod transport;
 pub use budget::{Budget, Meter, Metered};
 pub use catalogue::{CATALOGUE, Hub, ModelFile, Source, Wheel};
 pub use chat::{ChatError, ChatModel, ChatReply, ChatRequest, Format, Message, Role, Schema};
+pub use exchanges::Exchanges;
 pub use replay::{Recorder, Replay, ReplayError};
 pub use spec::{ModelSpec, Provider, SpecError};
 pub use store::{ModelError, ModelStore, PullEvent};

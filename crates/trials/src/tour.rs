@@ -121,7 +121,7 @@ impl<'a> Driver<'a> {
         let missed = tour.via.iter().find(|place| space.path(start, **place).is_none());
         let missed = missed.map(|place| format!("({:.1}, {:.1})", place.x, place.y));
         if let Some(place) = missed.or_else(|| places.is_empty().then(|| "any door".to_owned())) {
-            return Err(BenchError::World(format!(
+            return Err(BenchError::world(format!(
                 "a robot cannot drive round here: nothing leads to {place}"
             )));
         }

@@ -3,7 +3,8 @@
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
-use openbench_bench::{AgentFactory, BenchError};
+use openbench_bench::run::registry::AgentError;
+use openbench_bench::{AgentRequest, BenchError};
 use openbench_core::{Action, Agent, Briefing, Events, FailureCause, GiveUp, Observation};
 use openbench_trials::towns::{Towns, TownsPlan, TownsRequest, draw, run};
 
@@ -34,7 +35,7 @@ fn plan(seed: u64) -> TownsPlan {
 
 /// The battery, and for each window whether it was done before.
 fn battery(plan: &TownsPlan, windows: usize, out: &Path) -> Result<(Towns, Vec<bool>), BenchError> {
-    let factory: AgentFactory = Box::new(|_| Ok(Box::new(Quitter)));
+    let factory = |_: &AgentRequest<'_>| -> Result<Box<dyn Agent>, AgentError> { Ok(Box::new(Quitter)) };
     let seen = RefCell::new(Vec::new());
     let progress = |_: &_, was_done| seen.borrow_mut().push(was_done);
     let towns = run(&TownsRequest { plan, windows, factory: &factory, jobs: 2, out, progress: &progress })?;

@@ -5,7 +5,7 @@
 
 use std::process::ExitCode;
 
-use openbench::Registry;
+use openbench::Extensions;
 use openbench_core::address::fold_name;
 use openbench_core::frames::wrap_angle;
 use openbench_core::{Action, Address, Agent, Briefing, Events, FailureCause, GiveUp, Goal};
@@ -55,11 +55,8 @@ impl Agent for Beeline {
 }
 
 fn main() -> ExitCode {
-    openbench::main_with(Registry::new().with(
-        "beeline",
-        Box::new(|_| {
-            let localizer = DeadReckoning::new(openbench_core::RobotDescription::sentry());
-            Ok(Box::new(Beeline { localizer, target: None }))
-        }),
-    ))
+    openbench::main_with(Extensions::new().with_agent("beeline", "drives straight at the building", |_| {
+        let localizer = DeadReckoning::new(openbench_core::RobotDescription::sentry());
+        Ok(Box::new(Beeline { localizer, target: None }))
+    }))
 }

@@ -102,14 +102,15 @@ impl Mission {
             .map_err(|e| all(FailureCause::Briefing, e.to_string()))?;
         let queue = understand(parts.planner.as_ref(), briefing, memory.map(), &router, events)?;
         let robot = briefing.robot.clone();
+        let motion = (parts.motion)(&robot).map_err(|e| all(FailureCause::Briefing, e.to_string()))?;
         let terrain =
             Terrain::new(memory.map().clone(), Some(router), briefing.start.point(), &robot, parts.ground)
                 .map_err(|e| all(FailureCause::Briefing, e.to_string()))?;
-        let mut localizer = parts.localizer;
+        let mut localizer = (parts.localizer)(&robot);
         localizer.reset(briefing.start);
         Ok(Self {
             perception: Perception::new(robot.clone()),
-            driver: Driver::new(terrain, robot.clone(), parts.motion)?,
+            driver: Driver::new(terrain, robot.clone(), motion)?,
             reader: parts.reader,
             task: None,
             seen: Vec::new(),

@@ -3,7 +3,10 @@
 //!
 //! | module | its part |
 //! |---|---|
+//! | [`settings`] | [`Settings`]: what can be set, defaults, the constants of the tuning |
 //! | [`parts`] | what can be exchanged: planner, reader, localizer, local planner |
+//! | [`catalogue`] | [`Catalogue`]: the parts that there are, by name |
+//! | [`models`] | [`Models`]: the language and vision models of a mission |
 //! | [`mission`] | the deliveries and the stage that each is in |
 //! | [`caution`] | what to do about a pose that is not to be trusted |
 //! | [`driving`] | costmap, navigator, and when a place is given up |
@@ -15,14 +18,17 @@
 //! | [`memory`] | the agent's own copy of the map |
 //! | `thinking` | what is asked of models, and how long the robot stands for it |
 
+pub mod catalogue;
 pub mod caution;
 pub mod doorstep;
 pub mod driving;
 pub mod exploration;
 pub mod memory;
 pub mod mission;
+pub mod models;
 pub mod parts;
 pub mod perception;
+pub mod settings;
 pub mod sighting;
 pub mod terrain;
 mod thinking;
@@ -30,8 +36,11 @@ mod thinking;
 use openbench_core::{Action, Agent, Briefing, Events, FailureCause, GiveUp, Observation, SimTime};
 
 use crate::Border;
+pub use catalogue::Catalogue;
 use mission::Mission;
+pub use models::{Models, ModelsError};
 pub use parts::Parts;
+pub use settings::{Settings, SettingsError};
 use thinking::Thinking;
 
 /// The baseline agent.

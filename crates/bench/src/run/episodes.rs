@@ -6,7 +6,8 @@ use std::time::Instant;
 
 use cpu_time::ProcessTime;
 use openbench_core::ModelUse;
-use openbench_osm::{OsmData, merge_entrances, write_atomically};
+use openbench_models::Exchanges;
+use openbench_osm::{OsmData, OsmError, merge_entrances, write_atomically};
 
 use crate::BenchError;
 use crate::report;
@@ -14,7 +15,7 @@ use crate::report::from_run::report_input;
 use crate::run::episode::run_episode;
 use crate::run::recorder::{Level, Recorder};
 use crate::run::recording::{Recording, RunRecord};
-use crate::run::registry::{AgentFactory, AgentRequest, Exchanges};
+use crate::run::registry::{AgentFactory, AgentRequest};
 use crate::run::rollout::Rollout;
 use crate::run::threads;
 use crate::run::trace::EpisodeTrace;
@@ -35,7 +36,7 @@ pub struct RunRequest<'a> {
     /// Name of the agent.
     pub agent: &'a str,
     /// Makes it.
-    pub factory: &'a AgentFactory,
+    pub factory: &'a dyn AgentFactory,
     /// What was set with `--set`.
     pub settings: &'a BTreeMap<String, String>,
     /// What all randomness comes from.
@@ -162,7 +163,7 @@ pub fn repeat(request: &RunRequest<'_>, run: &Path) -> Result<(), BenchError> {
 /// The map of doors found before with which the agents of a recorded run began.
 pub fn memory_of(run: &Path) -> Result<Option<OsmData>, BenchError> {
     let path = run.join(MEMORY_BEFORE);
-    let bad = |e: openbench_osm::OsmError| BenchError::BadFile { path: path.clone(), problem: e.to_string() };
+    let bad = |e: OsmError| BenchError::bad_file(&path, e);
     path.exists().then(|| OsmData::read(&path).map_err(bad)).transpose()
 }
 
@@ -181,8 +182,10 @@ fn drive(
         seed,
         exchanges,
     };
-    let mut agent = (request.factory)(&wanted)
-        .map_err(|problem| BenchError::Agent { name: request.agent.to_owned(), problem })?;
+    let mut agent = request
+        .factory
+        .make(&wanted)
+        .map_err(|source| BenchError::Agent { name: request.agent.to_owned(), source })?;
     let rollout = Rollout::new(request.prepared, number, seed)?.watched_by(truth).watched_by(recorder);
     run_episode(rollout, agent.as_mut())
 }
@@ -249,9 +252,7 @@ fn write_files(
     results: &Results,
 ) -> Result<(), BenchError> {
     let write = |path: PathBuf, bytes: &[u8]| {
-        let bad =
-            |e: openbench_osm::OsmError| BenchError::BadFile { path: path.clone(), problem: e.to_string() };
-        write_atomically(&path, bytes).map_err(bad)
+        write_atomically(&path, bytes).map_err(|e| BenchError::bad_file(&path, e))
     };
     for (number, trace) in traces.iter().enumerate() {
         if let Some(map) = &trace.map {

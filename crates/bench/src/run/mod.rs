@@ -2,7 +2,7 @@
 //!
 //! | module | its one job |
 //! |---|---|
-//! | [`registry`] | [`Registry`]: agents by name |
+//! | [`registry`] | [`Agents`]: agents by name |
 //! | [`rollout`] | [`Rollout`]: an episode, one step at a time |
 //! | [`trace`] | [`EpisodeTrace`]: what happened in an episode |
 //! | [`observer`] | [`Observer`]: who watches an episode |
@@ -31,7 +31,7 @@ pub use episode::run_episode;
 pub use episodes::{MEMORY_BEFORE, RunRequest, memory_of, repeat, run};
 pub use observer::Observer;
 pub use recorder::{Faults, Level};
-pub use registry::{AgentFactory, AgentRequest, Exchanges, Registry};
+pub use registry::{AgentFactory, AgentRequest, Agents};
 pub use rollout::{Rollout, Status};
 pub use trace::EpisodeTrace;
 pub use truth::{TruthHandle, TruthLocalizer};

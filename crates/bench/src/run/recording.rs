@@ -176,17 +176,12 @@ fn hex(bytes: &[u8]) -> String {
 
 fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, BenchError> {
     let text = std::fs::read_to_string(path).map_err(|e| BenchError::file(path, e))?;
-    let problem = |e: serde_json::Error| BenchError::BadFile {
-        path: path.to_owned(),
-        problem: format!("this is no record of a run: {e}"),
-    };
-    serde_json::from_str(&text).map_err(problem)
+    serde_json::from_str(&text).map_err(|e| BenchError::wrong_format(path, "record of a run", e))
 }
 
 fn write_json(path: &Path, value: &impl Serialize) -> Result<(), BenchError> {
-    let bad = |problem: String| BenchError::BadFile { path: path.to_owned(), problem };
-    let json = serde_json::to_vec(value).map_err(|e| bad(e.to_string()))?;
-    write_atomically(path, &json).map_err(|e| bad(e.to_string()))
+    let json = serde_json::to_vec(value).map_err(|e| BenchError::bad_file(path, e))?;
+    write_atomically(path, &json).map_err(|e| BenchError::bad_file(path, e))
 }
 
 #[cfg(test)]

@@ -1,12 +1,19 @@
 //! The agents that can be run, by name.
 
 use std::collections::BTreeMap;
+use std::error::Error;
 use std::path::PathBuf;
 
 use openbench_core::Agent;
+use openbench_models::{Exchanges, PullEvent};
 use openbench_osm::OsmData;
 
-use crate::run::truth::TruthHandle;
+use super::truth::TruthHandle;
+
+/// What was set with `--set`: keys and values.
+pub type AgentSettings = BTreeMap<String, String>;
+/// Why an agent cannot be made.
+pub type AgentError = Box<dyn Error + Send + Sync>;
 
 /// What an agent is made from, beside its own settings.
 #[derive(Debug, Clone)]
@@ -16,54 +23,49 @@ pub struct AgentRequest<'a> {
     /// Doors found in earlier runs.
     pub memory: Option<&'a OsmData>,
     /// What was set with `--set`.
-    pub settings: &'a BTreeMap<String, String>,
+    pub settings: &'a AgentSettings,
     /// Seed of the episode.
     pub seed: u64,
     /// Where what models answer goes, or comes from.
     pub exchanges: Exchanges,
 }
 
-/// Where what language and vision models answer in an episode goes, or comes from.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub enum Exchanges {
-    /// Models are asked, and nothing is kept.
-    #[default]
-    Unkept,
-    /// Models are asked, and what they answer is kept in this file. An agent without models makes none.
-    Keep(PathBuf),
-    /// Nobody is asked: the answers are those in this file.
-    Repeat(PathBuf),
+/// Makes agents of one kind. Any function from an [`AgentRequest`] to an agent does.
+pub trait AgentFactory: Send + Sync {
+    /// Makes an agent, a fresh one for each episode.
+    ///
+    /// # Errors
+    /// An error that says which setting names what does not exist.
+    fn make(&self, request: &AgentRequest<'_>) -> Result<Box<dyn Agent>, AgentError>;
+
+    /// Checks settings and downloads what they need, once before a run. `observer` sees the progress.
+    ///
+    /// # Errors
+    /// As of [`make`](Self::make); or a file that cannot be had.
+    fn prepare(
+        &self,
+        settings: &AgentSettings,
+        observer: &mut dyn FnMut(PullEvent),
+    ) -> Result<(), AgentError> {
+        let _ = (settings, observer);
+        Ok(())
+    }
+
+    /// Files that settings name: a run must not clear them before they are read.
+    fn inputs(&self, settings: &AgentSettings) -> Vec<PathBuf> {
+        let _ = settings;
+        Vec::new()
+    }
 }
 
-/// Makes an agent, a fresh one for each episode.
-pub type AgentFactory = Box<dyn Fn(&AgentRequest<'_>) -> Result<Box<dyn Agent>, String> + Send + Sync>;
+impl<F> AgentFactory for F
+where
+    F: Fn(&AgentRequest<'_>) -> Result<Box<dyn Agent>, AgentError> + Send + Sync,
+{
+    fn make(&self, request: &AgentRequest<'_>) -> Result<Box<dyn Agent>, AgentError> {
+        self(request)
+    }
+}
 
 /// Agents by name.
-#[derive(Default)]
-pub struct Registry {
-    agents: BTreeMap<String, AgentFactory>,
-}
-
-impl Registry {
-    /// No agents.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
-    /// Adds an agent, or replaces the one of that name.
-    #[must_use]
-    pub fn with(mut self, name: &str, factory: AgentFactory) -> Self {
-        self.agents.insert(name.to_owned(), factory);
-        self
-    }
-
-    /// The factory of an agent.
-    pub fn get(&self, name: &str) -> Option<&AgentFactory> {
-        self.agents.get(name)
-    }
-
-    /// All names.
-    pub fn names(&self) -> Vec<String> {
-        self.agents.keys().cloned().collect()
-    }
-}
+pub type Agents = openbench_core::Registry<std::sync::Arc<dyn AgentFactory>>;

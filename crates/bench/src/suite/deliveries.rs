@@ -27,7 +27,7 @@ pub fn read(path: &Path, map: &OsmMap) -> Result<Vec<Episode>, BenchError> {
         lines.map(|line| Episode { instruction: line.to_owned(), deliveries: doors_in(line, map) }).collect();
     if episodes.is_empty() {
         let problem = "there is no delivery in it; write one instruction a line".to_owned();
-        return Err(BenchError::BadFile { path: path.to_owned(), problem });
+        return Err(BenchError::bad_file(path, problem));
     }
     Ok(episodes)
 }

@@ -57,15 +57,9 @@ impl Suite {
     /// Reads a suite from a TOML file.
     pub fn read(path: &Path) -> Result<Self, BenchError> {
         let text = std::fs::read_to_string(path).map_err(|e| BenchError::file(path, e))?;
-        let suite: Self = toml::from_str(&text).map_err(|e| BenchError::BadFile {
-            path: path.to_owned(),
-            problem: format!("this is no suite: {e}"),
-        })?;
+        let suite: Self = toml::from_str(&text).map_err(|e| BenchError::wrong_format(path, "suite", e))?;
         if suite.episodes.is_empty() {
-            return Err(BenchError::BadFile {
-                path: path.to_owned(),
-                problem: "the suite has no episodes".into(),
-            });
+            return Err(BenchError::bad_file(path, "the suite has no episodes"));
         }
         Ok(suite.relative_to(path.parent().unwrap_or(Path::new("."))))
     }

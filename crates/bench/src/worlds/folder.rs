@@ -9,6 +9,7 @@
 //!
 //! The world itself is not stored: recipe and map give the same bytes within one version. A folder appears whole or not at all.
 
+use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use openbench_core::Address;
@@ -63,7 +64,7 @@ pub fn write(folder: &Path, recipe: &Recipe, map: &OsmData, wanted: Wanted) -> R
     refuse_others(folder)?;
     let staging = StagingFolder::new(folder)?;
     staging.put(MAP, &map.to_xml())?;
-    let text = toml::to_string_pretty(recipe).map_err(|e| staging.bad(RECIPE, e.to_string()))?;
+    let text = toml::to_string_pretty(recipe).map_err(|e| staging.bad(RECIPE, e))?;
     staging.put(RECIPE, text.as_bytes())?;
     let source = WorldSource::Folder { path: staging.path.clone() };
     let suite = Suite {
@@ -77,7 +78,7 @@ pub fn write(folder: &Path, recipe: &Recipe, map: &OsmData, wanted: Wanted) -> R
     staging.put(PUBLIC, &prepared.world.map.to_xml())?;
     let (reachable, candidates) = draw(&mut prepared, wanted);
     if prepared.suite.episodes.is_empty() {
-        return Err(BenchError::World(format!(
+        return Err(BenchError::world(format!(
             "no door can be delivered to: of {} doors a robot gets to {reachable}, and none of these has an address of its own \
              within {} m of the start; take a larger part of the map, another --start or a longer --reach",
             prepared.world.scene.doors.len(),
@@ -114,7 +115,7 @@ fn draw(prepared: &mut Prepared, wanted: Wanted) -> (usize, usize) {
 }
 
 fn refuse_others(folder: &Path) -> Result<(), BenchError> {
-    let bad = |problem: &str| Err(BenchError::BadFile { path: folder.to_owned(), problem: problem.into() });
+    let bad = |problem: &str| Err(BenchError::bad_file(folder, problem));
     let Ok(entries) = std::fs::read_dir(folder) else {
         return if folder.exists() { bad("this is a file; name a folder") } else { Ok(()) };
     };
@@ -138,11 +139,11 @@ impl StagingFolder {
     }
 
     fn put(&self, name: &str, bytes: &[u8]) -> Result<(), BenchError> {
-        write_atomically(&self.path.join(name), bytes).map_err(|e| self.bad(name, e.to_string()))
+        write_atomically(&self.path.join(name), bytes).map_err(|e| self.bad(name, e))
     }
 
-    fn bad(&self, name: &str, problem: String) -> BenchError {
-        BenchError::BadFile { path: self.path.join(name), problem }
+    fn bad(&self, name: &str, problem: impl Into<Box<dyn Error + Send + Sync>>) -> BenchError {
+        BenchError::bad_file(&self.path.join(name), problem)
     }
 
     fn move_to(&self, folder: &Path) -> Result<(), BenchError> {

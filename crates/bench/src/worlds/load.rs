@@ -29,7 +29,7 @@ pub fn load(source: &WorldSource) -> Result<World, BenchError> {
 fn builtin(name: &str, seed: u64) -> Result<World, BenchError> {
     let unknown = || BenchError::UnknownSuite { name: name.to_owned(), known: builtin_suites() };
     let world = generate::builtin(name, seed).ok_or_else(unknown)?;
-    world.map_err(|e| BenchError::World(e.to_string()))
+    world.map_err(BenchError::world)
 }
 
 fn imported(
@@ -38,10 +38,7 @@ fn imported(
     models: Vec<PathBuf>,
     georeference: Option<&str>,
 ) -> Result<World, BenchError> {
-    let georeference = georeference
-        .map(str::parse::<Georeference>)
-        .transpose()
-        .map_err(|e| BenchError::World(e.to_string()))?;
+    let georeference = georeference.map(str::parse::<Georeference>).transpose().map_err(BenchError::world)?;
     let request = ImportRequest { world, map, models, georeference, start: None };
-    import_world(&request).map_err(|e| BenchError::World(e.to_string()))
+    import_world(&request).map_err(BenchError::world)
 }

@@ -69,8 +69,7 @@ impl Prepared {
     pub fn world_of(suite: Suite) -> Result<Self, BenchError> {
         let world = load(&suite.world)?;
         let robot = suite.sensors.robot();
-        let stage = Stage::peopled(world.scene.clone(), suite.traffic)
-            .map_err(|e| BenchError::World(e.to_string()))?;
+        let stage = Stage::peopled(world.scene.clone(), suite.traffic).map_err(BenchError::world)?;
         let space = |radius| FreeSpace::new(stage.caster(), world.start.point(), radius);
         let free_space = space(robot.circumscribed_radius());
         let people_space = (!suite.traffic.is_empty()).then(|| space(PERSON_RADIUS));
@@ -95,7 +94,7 @@ impl Prepared {
     pub fn simulator(&self, seed: u64) -> Result<Simulator, BenchError> {
         let still = Simulator::new(self.stage.clone(), self.robot.clone(), self.world.start, seed);
         match self.traffic(seed) {
-            Some(traffic) => still.among(traffic).map_err(|e| BenchError::World(e.to_string())),
+            Some(traffic) => still.among(traffic).map_err(BenchError::world),
             None => Ok(still),
         }
     }

@@ -69,8 +69,7 @@ impl Recipe {
     pub fn read(folder: &Path) -> Result<Self, BenchError> {
         let path = folder.join(RECIPE);
         let text = std::fs::read_to_string(&path).map_err(|e| BenchError::file(&path, e))?;
-        toml::from_str(&text)
-            .map_err(|e| BenchError::BadFile { path, problem: format!("this is no recipe of a world: {e}") })
+        toml::from_str(&text).map_err(|e| BenchError::wrong_format(&path, "recipe of a world", e))
     }
 
     /// The recipe of a world generated from the map beside it, with what is usual.
@@ -92,14 +91,13 @@ impl Recipe {
 
     /// Builds the world; `folder` is where the recipe lies.
     pub fn build(&self, folder: &Path) -> Result<World, BenchError> {
-        let bad = |problem: String| BenchError::BadFile { path: folder.join(RECIPE), problem };
-        let place = |words: &str| words.parse::<Georeference>().map_err(|e| bad(e.to_string()));
+        let recipe = folder.join(RECIPE);
+        let place = |words: &str| words.parse::<Georeference>().map_err(|e| BenchError::bad_file(&recipe, e));
         let mut world = match self {
             Self::Generated { map, seed, georeference, .. } => {
                 let data = read_map(&folder.join(map))?;
                 let options = self.options().unwrap_or_default();
-                generate(&data, place(georeference)?, *seed, &options)
-                    .map_err(|e| BenchError::World(e.to_string()))?
+                generate(&data, place(georeference)?, *seed, &options).map_err(BenchError::world)?
             }
             Self::Imported { name, world, map, models, georeference, start, .. } => {
                 let request = ImportRequest {
@@ -109,7 +107,7 @@ impl Recipe {
                     georeference: Some(place(georeference)?),
                     start: start.map(pose),
                 };
-                let mut world = import_world(&request).map_err(|e| BenchError::World(e.to_string()))?;
+                let mut world = import_world(&request).map_err(BenchError::world)?;
                 world.name.clone_from(name);
                 world
             }
@@ -165,7 +163,7 @@ fn pose([x, y, yaw]: [f64; 3]) -> Pose2 {
 }
 
 fn read_map(path: &Path) -> Result<OsmData, BenchError> {
-    OsmData::read(path).map_err(|e| BenchError::World(e.to_string()))
+    OsmData::read(path).map_err(BenchError::world)
 }
 
 #[cfg(test)]

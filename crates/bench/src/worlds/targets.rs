@@ -52,7 +52,7 @@ pub(super) fn match_doors(episode: &Episode, truths: &[usize], world: &World) ->
 
 /// For each episode the doors at its true positions.
 pub(super) fn read_truths(path: &Path, suite: &Suite, world: &World) -> Result<Vec<Vec<usize>>, BenchError> {
-    let bad = |problem: String| BenchError::BadFile { path: path.to_owned(), problem };
+    let bad = |problem: String| BenchError::bad_file(path, problem);
     let text = std::fs::read_to_string(path).map_err(|e| BenchError::file(path, e))?;
     let lines =
         parse_truth(&text).map_err(|LineProblem { line, problem }| bad(format!("line {line}: {problem}")))?;

@@ -159,9 +159,9 @@ pub struct BenchPeopleArgs {
     /// Seed of people, noise and the order of doors
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Who drives
-    #[arg(long, value_enum, default_value = "teb")]
-    pub planner: PlannerArg,
+    /// The local planner, as in `run --set motion=`
+    #[arg(long, default_value = "teb")]
+    pub planner: String,
     /// Drives at a time; results do not depend on it
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
     pub jobs: u16,

@@ -2,27 +2,28 @@
 
 use anyhow::Context;
 use cpu_time::ProcessTime;
-use openbench_bench::{Registry, TrafficPlan, WorldSource};
+use openbench_bench::{TrafficPlan, WorldSource};
 use openbench_localization::graph::PoseGraph;
 use openbench_routing::Profile;
 use openbench_trials::speed::routing::{RoutingSpeed, measure as measure_routing, read_pairs};
 use openbench_trials::speed::sim::{SimSpeed, measure};
 use serde::Serialize;
 
+use crate::Extensions;
 use crate::args::{BenchArgs, BenchCommand, BenchPosegraphArgs, BenchRoutingArgs, BenchSimArgs};
 use crate::commands::{bench_health, bench_motion, bench_people, bench_towns};
 use crate::outcome::{Outcome, say, say_json};
 
 /// Measures what is asked for.
-pub fn run(args: &BenchArgs, registry: &Registry) -> anyhow::Result<Outcome> {
+pub fn run(args: &BenchArgs, extensions: &Extensions) -> anyhow::Result<Outcome> {
     match &args.command {
         BenchCommand::Sim(args) => sim(args),
         BenchCommand::Routing(args) => routing(args),
         BenchCommand::Posegraph(args) => posegraph(args),
         BenchCommand::Motion(args) => bench_motion::run(args),
-        BenchCommand::People(args) => bench_people::run(args),
+        BenchCommand::People(args) => bench_people::run(args, extensions.parts()),
         BenchCommand::Health(args) => bench_health::run(args),
-        BenchCommand::Towns(args) => bench_towns::run(args, registry),
+        BenchCommand::Towns(args) => bench_towns::run(args, &extensions.agents()),
     }
 }
 

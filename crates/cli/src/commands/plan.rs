@@ -1,14 +1,13 @@
 //! `openbench plan`
 
+use openbench_agents::open::Catalogue;
 use openbench_core::{MapPoint, ModelUse, Plan};
 use openbench_language::PlanRequest;
 use openbench_osm::{OsmMap, default_georeference};
 use openbench_routing::{MapRouter, Profile, RouterTimes};
 
 use crate::args::PlanArgs;
-use crate::commands::read_data;
-use crate::open_models::Models;
-use crate::open_parts::planner;
+use crate::commands::{read_data, unbounded_models};
 use crate::outcome::{Outcome, say_json};
 
 /// A plan, and what was asked of models for it.
@@ -21,9 +20,9 @@ struct Planned {
 }
 
 /// Prints what an instruction asks for.
-pub fn run(args: &PlanArgs) -> anyhow::Result<Outcome> {
-    let mut models = Models::unbounded(&args.planner, args.exchanges.as_deref())?;
-    let planner = planner(&args.planner, &mut models).map_err(anyhow::Error::msg)?;
+pub fn run(args: &PlanArgs, parts: &Catalogue) -> anyhow::Result<Outcome> {
+    let mut models = unbounded_models(&args.planner, args.exchanges.as_deref())?;
+    let planner = parts.planner(&args.planner, &mut models)?;
     let data = read_data(&args.map)?;
     let georeference =
         default_georeference(&data).map_err(|e| anyhow::anyhow!("{}: {e}", args.map.display()))?;

@@ -1,7 +1,7 @@
 //! `openbench run`
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use openbench_bench::report::terminal_table;
@@ -9,30 +9,25 @@ use openbench_bench::suite::draw::Draw;
 use openbench_bench::suite::{Sensors, deliveries};
 use openbench_bench::worlds::{folder, load};
 use openbench_bench::{
-    BenchError, Prepared, Registry, RunRequest, Suite, TrafficPlan, WorldSource, builtin_suite,
+    AgentFactory, Agents, Prepared, RunRequest, Suite, TrafficPlan, WorldSource, builtin_suite,
     builtin_suites,
 };
 use openbench_core::Address;
-use openbench_models::ModelStore;
 use openbench_osm::{OsmData, write_atomically};
 
 use crate::args::RunArgs;
-use crate::commands::{models, read_map};
-use crate::open_parts;
+use crate::commands::read_map;
 use crate::outcome::{Outcome, say, say_json, tell};
-use crate::progress::progress_bar;
+use crate::progress::{PullProgress, progress_bar};
 
 /// Runs a suite and prints the results.
-pub fn run(args: &RunArgs, registry: &Registry) -> anyhow::Result<Outcome> {
-    let factory = registry
-        .get(&args.agent)
-        .ok_or_else(|| BenchError::UnknownAgent { name: args.agent.clone(), known: registry.names() })?;
+pub fn run(args: &RunArgs, agents: &Agents) -> anyhow::Result<Outcome> {
+    let factory = agents.get(&args.agent)?.as_ref();
     let settings: BTreeMap<String, String> = args.settings.iter().cloned().collect();
     let prepared = prepare(args)?;
-    if args.agent == "open" {
-        fetch_reader(&settings)?;
-    }
-    spare(&args.out, args.memory.as_deref(), &settings)?;
+    prepare_agent(factory, &settings)?;
+    let read = factory.inputs(&settings).into_iter().chain(args.memory.clone());
+    spare(&args.out, &read.collect::<Vec<_>>())?;
     let memory = args.memory.as_deref().filter(|path| path.exists()).map(OsmData::read).transpose()?;
     // As precise as it is kept, so that the run can be repeated.
     let memory = memory.map(|memory| OsmData::from_bytes(&memory.to_xml())).transpose()?;
@@ -68,11 +63,9 @@ pub fn run(args: &RunArgs, registry: &Registry) -> anyhow::Result<Outcome> {
 }
 
 /// Refuses what the run is told to read from the folder that it clears first.
-fn spare(out: &Path, memory: Option<&Path>, settings: &BTreeMap<String, String>) -> anyhow::Result<()> {
+fn spare(out: &Path, read: &[PathBuf]) -> anyhow::Result<()> {
     let Ok(folder) = out.canonicalize() else { return Ok(()) };
-    let words = settings.values().flat_map(|value| open_parts::readers(value));
-    let replayed = words.filter_map(|word| word.strip_prefix("replay:")).map(Path::new);
-    for path in memory.into_iter().chain(replayed) {
+    for path in read {
         let Ok(full) = path.canonicalize() else { continue };
         let cleared = [folder.join("episodes"), folder.join(openbench_bench::MEMORY_BEFORE)];
         if cleared.iter().any(|cleared| full.starts_with(cleared)) {
@@ -94,14 +87,13 @@ fn probe(path: &Path) -> anyhow::Result<()> {
     Ok(std::fs::remove_file(&name)?)
 }
 
-/// Brings the files of the reader that the settings name.
-pub(super) fn fetch_reader(settings: &BTreeMap<String, String>) -> anyhow::Result<()> {
-    open_parts::check(settings).map_err(anyhow::Error::msg)?;
-    let readers = settings.get("reader").map_or(open_parts::DEFAULT_READER, String::as_str);
-    if open_parts::readers(readers).into_iter().any(|reader| reader == open_parts::DEFAULT_READER) {
-        models::ensure(&ModelStore::from_environment()?, open_parts::DEFAULT_READER)?;
-    }
-    Ok(())
+/// Lets an agent check its settings and download what it needs.
+pub(super) fn prepare_agent(
+    factory: &dyn AgentFactory,
+    settings: &BTreeMap<String, String>,
+) -> anyhow::Result<()> {
+    let mut progress = PullProgress::default();
+    factory.prepare(settings, &mut |event| progress.show(event)).map_err(anyhow::Error::from_boxed)
 }
 
 fn prepare(args: &RunArgs) -> anyhow::Result<Prepared> {

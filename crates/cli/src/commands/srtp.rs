@@ -2,13 +2,13 @@
 
 use std::fmt::Write as _;
 
+use openbench_agents::open::Catalogue;
+use openbench_language::{ChatPlanner, Planner};
 use openbench_trials::instructions::score::{Scores, Share, score};
 use openbench_trials::instructions::{Difficulty, Split, built_in, read};
 
 use crate::args::{DifficultyArg, SplitArg, SrtpArgs};
-use crate::commands::read_map;
-use crate::open_models::Models;
-use crate::open_parts::{bare_planner, planner};
+use crate::commands::{read_map, unbounded_models};
 use crate::outcome::{Outcome, say, say_json};
 use crate::progress::progress_bar;
 
@@ -25,10 +25,13 @@ const PAPER: [(&str, f64); 6] = [
 const SHOWN: usize = 10;
 
 /// Prints how many instructions a planner understands.
-pub fn run(args: &SrtpArgs) -> anyhow::Result<Outcome> {
-    let mut models = Models::unbounded(&args.planner, args.exchanges.as_deref())?;
-    let open = if args.bare { bare_planner } else { planner };
-    let planner = open(&args.planner, &mut models).map_err(anyhow::Error::msg)?;
+pub fn run(args: &SrtpArgs, parts: &Catalogue) -> anyhow::Result<Outcome> {
+    let mut models = unbounded_models(&args.planner, args.exchanges.as_deref())?;
+    let planner: Box<dyn Planner> = if args.bare {
+        Box::new(ChatPlanner::bare(models.open(&args.planner)?))
+    } else {
+        parts.planner(&args.planner, &mut models)?
+    };
     let (what, mut cases) = match &args.data {
         Some(path) => (path.display().to_string(), read(path)?),
         None => {

@@ -1,14 +1,14 @@
 //! `openbench verify`
 
 use openbench_bench::run::recording::{Recording, RunRecord, verify};
-use openbench_bench::{BenchError, Level, Prepared, Registry, RunRequest, memory_of, repeat};
+use openbench_bench::{Agents, Level, Prepared, RunRequest, memory_of, repeat};
 
 use crate::args::VerifyArgs;
 use crate::outcome::{Outcome, say};
 use crate::progress::progress_bar;
 
 /// Drives a run's actions again, and its agent if that is asked for.
-pub fn run(args: &VerifyArgs, registry: &Registry) -> anyhow::Result<Outcome> {
+pub fn run(args: &VerifyArgs, agents: &Agents) -> anyhow::Result<Outcome> {
     let record = RunRecord::read(&args.run)?;
     if record.version != env!("CARGO_PKG_VERSION") {
         anyhow::bail!(
@@ -25,7 +25,7 @@ pub fn run(args: &VerifyArgs, registry: &Registry) -> anyhow::Result<Outcome> {
         (0..record.episodes).map(|i| Recording::read(&args.run, i)).collect();
     let recordings = recordings?;
     if args.agent {
-        drive_again(&record, args, registry)?;
+        drive_again(&record, args, agents)?;
         say(&format!(
             "{}: the agent of {} episodes repeats to the bit\n",
             args.run.display(),
@@ -45,14 +45,11 @@ pub fn run(args: &VerifyArgs, registry: &Registry) -> anyhow::Result<Outcome> {
 }
 
 /// Runs the agent again. What its actions do to the world is compared with the same stroke.
-fn drive_again(record: &RunRecord, args: &VerifyArgs, registry: &Registry) -> anyhow::Result<()> {
-    let unknown = || BenchError::UnknownAgent { name: record.agent.clone(), known: registry.names() };
-    let factory = registry.get(&record.agent).ok_or_else(unknown)?;
+fn drive_again(record: &RunRecord, args: &VerifyArgs, agents: &Agents) -> anyhow::Result<()> {
+    let factory = agents.get(&record.agent)?.as_ref();
     let prepared = Prepared::new(record.suite.clone(), record.truth.as_deref())?;
     let memory = memory_of(&args.run)?;
-    if record.agent == "open" {
-        super::run::fetch_reader(&record.settings)?;
-    }
+    super::run::prepare_agent(factory, &record.settings)?;
     let bar = progress_bar(prepared.episodes.len(), "driving again");
     let request = RunRequest {
         prepared: &prepared,

@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use openbench_agents::open::driving::{Driver, Driving, Target};
+use openbench_agents::open::parts::PartError;
 use openbench_agents::open::perception::Perception;
 use openbench_agents::open::terrain::Terrain;
-use openbench_core::{Event, Events, MapPoint, Pose2, SimTime, Velocity};
+use openbench_core::{Event, Events, MapPoint, Pose2, RobotDescription, SimTime, Velocity};
 use openbench_localization::Localizer;
 use openbench_motion::LocalPlanner;
 use openbench_motion::costmap::ground::Preferences;
@@ -31,7 +32,7 @@ const LIMIT: Duration = Duration::from_secs(3000);
 const STREAM: u64 = 41;
 
 /// Makes the local planner of a drive.
-pub type MakePlanner<'a> = dyn Fn() -> Result<Box<dyn LocalPlanner>, String> + Sync + 'a;
+pub type MakePlanner<'a> = dyn Fn(&RobotDescription) -> Result<Box<dyn LocalPlanner>, PartError> + Sync + 'a;
 
 /// What is driven.
 #[derive(Clone, Copy)]
@@ -113,7 +114,7 @@ pub fn drives(kilometres: f64) -> usize {
 }
 
 fn one(course: &Course<'_>, request: &Request<'_>, number: usize) -> Result<Among, BenchError> {
-    let planner = (request.planner)().map_err(BenchError::World)?;
+    let planner = (request.planner)(&course.prepared.robot).map_err(BenchError::world)?;
     let seed = request.seed.wrapping_add((number as u64) << 32);
     let metres = 1000.0 * request.kilometres / drives(request.kilometres) as f64;
     Ok(Ride::new(course, planner, seed)?.ride(number, metres))
@@ -160,7 +161,7 @@ impl<'a> Course<'a> {
         let places: Vec<MapPoint> = prepared.approach.iter().flatten().copied().collect();
         if places.len() < 2 {
             let why = "fewer than two doors can be reached: there is nowhere to drive";
-            return Err(BenchError::World(why.into()));
+            return Err(BenchError::world(why));
         }
         Ok(Self { prepared, map: prepared.osm_map(), places })
     }
@@ -168,7 +169,7 @@ impl<'a> Course<'a> {
     fn terrain(&self) -> Result<Terrain, BenchError> {
         let Prepared { world, robot, .. } = self.prepared;
         Terrain::new(self.map.clone(), None, world.start.point(), robot, Preferences::NONE)
-            .map_err(|e| BenchError::World(e.to_string()))
+            .map_err(BenchError::world)
     }
 
     /// One of the places, but not where the robot is.
@@ -210,7 +211,7 @@ impl<'a> Ride<'a> {
         Ok(Self {
             course,
             simulator,
-            driver: driver.map_err(|e| BenchError::World(e.to_string()))?,
+            driver: driver.map_err(BenchError::world)?,
             localizer: TruthLocalizer::new(handle.clone()),
             handle,
             perception: Perception::new(prepared.robot.clone()),

@@ -35,8 +35,7 @@ pub(super) fn write(
     meta["scans"] = json!(poses.len());
     let save = |name: &str, bytes: &[u8]| {
         let path = folder.join(name);
-        let bad =
-            |e: openbench_osm::OsmError| BenchError::BadFile { path: path.clone(), problem: e.to_string() };
+        let bad = |e: openbench_osm::OsmError| BenchError::bad_file(&path, e);
         openbench_osm::write_atomically(&path, bytes).map_err(bad)
     };
     save("triangles.f32", &bytes(corners(stage.caster().scene())))?;

@@ -64,12 +64,9 @@ pub struct RoutingSpeed {
 
 /// Reads rows of `lon,lat,lon,lat`. A first row of words is passed over.
 pub fn read_pairs(path: &Path) -> Result<Vec<[Place; 2]>, BenchError> {
-    let bad = |line: usize| BenchError::BadFile {
-        path: path.to_owned(),
-        problem: format!("line {line} is not lon,lat,lon,lat in degrees"),
-    };
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| BenchError::BadFile { path: path.to_owned(), problem: error.to_string() })?;
+    let bad =
+        |line: usize| BenchError::bad_file(path, format!("line {line} is not lon,lat,lon,lat in degrees"));
+    let text = std::fs::read_to_string(path).map_err(|error| BenchError::file(path, error))?;
     let mut pairs = Vec::new();
     for (number, line) in (1..).zip(text.lines()) {
         if line.trim().is_empty() || (number == 1 && line.contains(|c: char| c.is_alphabetic())) {
@@ -81,7 +78,7 @@ pub fn read_pairs(path: &Path) -> Result<Vec<[Place; 2]>, BenchError> {
         pairs.push([place(a, b)?, place(c, d)?]);
     }
     if pairs.is_empty() {
-        return Err(BenchError::BadFile { path: path.to_owned(), problem: "no pairs in it".into() });
+        return Err(BenchError::bad_file(path, "no pairs in it"));
     }
     Ok(pairs)
 }
@@ -94,16 +91,15 @@ pub fn measure(
     pairs: &[[Place; 2]],
     dump: Option<&Path>,
 ) -> Result<RoutingSpeed, BenchError> {
-    let input = |problem: String| BenchError::BadFile { path: map.to_owned(), problem };
     let began = ProcessTime::now();
-    let source = Source::open(map).map_err(|e| input(e.to_string()))?;
-    let roads = Roads::read(&source, &Default::default()).map_err(|e| input(e.to_string()))?;
+    let source = Source::open(map).map_err(|e| BenchError::bad_file(map, e))?;
+    let roads = Roads::read(&source, &Default::default()).map_err(|e| BenchError::bad_file(map, e))?;
     drop(source);
-    let metric = Metric::new(&roads, profile.clone()).map_err(|e| input(e.to_string()))?;
+    let metric = Metric::new(&roads, profile.clone()).map_err(|e| BenchError::bad_file(map, e))?;
     let build = began.elapsed();
     let build_peak_memory_mb = peak_memory_mb();
     let began = ProcessTime::now();
-    drop(std::hint::black_box(Metric::new(&roads, profile).map_err(|e| input(e.to_string()))?));
+    drop(std::hint::black_box(Metric::new(&roads, profile).map_err(|e| BenchError::bad_file(map, e))?));
     let customize = began.elapsed();
     if let Some(folder) = dump {
         dump_graph(folder, &roads, &metric)?;

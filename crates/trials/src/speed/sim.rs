@@ -64,7 +64,7 @@ pub fn measure(source: &WorldSource, plan: TrafficPlan, dump: Option<&Path>) -> 
     let (name, start, doors) = (world.name.clone(), world.start, places(&world));
     let map = (!plan.is_empty()).then(|| OsmMap::new(&world.map, world.georeference));
     let triangles = world.scene.triangles.len();
-    let stage = Stage::peopled(world.scene, plan).map_err(|e| BenchError::World(e.to_string()))?;
+    let stage = Stage::peopled(world.scene, plan).map_err(BenchError::world)?;
     let scenery = Scenery { stage, map, plan, start };
     let mut simulator = scenery.simulator()?;
     simulator.step(Velocity::ZERO);
@@ -105,7 +105,7 @@ impl Scenery {
     fn simulator(&self) -> Result<Simulator, BenchError> {
         let still = Simulator::new(self.stage.clone(), RobotDescription::sentry(), self.start, 0);
         let Some(map) = &self.map else { return Ok(still) };
-        still.among_traffic_of(map, self.plan, 0).map_err(|e| BenchError::World(e.to_string()))
+        still.among_traffic_of(map, self.plan, 0).map_err(BenchError::world)
     }
 
     /// Drives in circles; seconds simulated in a second.

@@ -45,7 +45,7 @@ pub struct TownsRequest<'a> {
     /// How many windows.
     pub windows: usize,
     /// Makes the agent.
-    pub factory: &'a AgentFactory,
+    pub factory: &'a dyn AgentFactory,
     /// Episodes at a time.
     pub jobs: usize,
     /// Folder for windows and results.
@@ -123,10 +123,10 @@ fn claim(plan: &TownsPlan, out: &Path) -> Result<(), BenchError> {
     match read::<TownsPlan>(&path)? {
         None => write(&path, plan),
         Some(before) if before == *plan => Ok(()),
-        Some(_) => Err(BenchError::BadFile {
-            path,
-            problem: "the folder holds windows of other maps, settings or another version; name another one with --out".into(),
-        }),
+        Some(_) => Err(BenchError::bad_file(
+            &path,
+            "the folder holds windows of other maps, settings or another version; name another one with --out",
+        )),
     }
 }
 
@@ -162,15 +162,13 @@ fn read<T: DeserializeOwned>(path: &Path) -> Result<Option<T>, BenchError> {
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
         Err(e) => return Err(BenchError::file(path, e)),
     };
-    let bad = |e: serde_json::Error| BenchError::BadFile {
-        path: path.to_owned(),
-        problem: format!("{e}; remove the file to drive this again"),
+    let bad = |e: serde_json::Error| {
+        BenchError::bad_file(path, format!("{e}; remove the file to drive this again"))
     };
     serde_json::from_slice(&text).map(Some).map_err(bad)
 }
 
 fn write(path: &Path, value: &impl Serialize) -> Result<(), BenchError> {
-    let bad = |problem: String| BenchError::BadFile { path: path.to_owned(), problem };
-    let text = serde_json::to_vec_pretty(value).map_err(|e| bad(e.to_string()))?;
-    write_atomically(path, &text).map_err(|e| bad(e.to_string()))
+    let text = serde_json::to_vec_pretty(value).map_err(|e| BenchError::bad_file(path, e))?;
+    write_atomically(path, &text).map_err(|e| BenchError::bad_file(path, e))
 }

@@ -104,7 +104,7 @@ impl Maps {
 
 impl Map {
     fn read(path: &Path) -> Result<Self, BenchError> {
-        let data = OsmData::read(path).map_err(|e| BenchError::World(e.to_string()))?;
+        let data = OsmData::read(path).map_err(BenchError::world)?;
         let corner = |way: &openbench_osm::Way| {
             let first = way.nodes.iter().find_map(|id| data.nodes.get(id));
             first.map(|node| node.position)

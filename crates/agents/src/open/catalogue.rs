@@ -1,0 +1,311 @@
+//! The parts that OPEN can be made of, by name. A new part is one file and one line here; a part
+//! from elsewhere is added to a [`Catalogue`] from outside.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use openbench_core::{Registry, RobotDescription, UnknownName};
+use openbench_language::{ChatPlanner, GrammarPlanner, Planner};
+use openbench_localization::fixes::Gnss;
+use openbench_localization::{DeadReckoning, Fused, LidarInertial};
+use openbench_models::{ModelSpec, ModelStore};
+use openbench_motion::{Follower, LocalPlanner, Mppi, Teb};
+use openbench_osm::OsmData;
+use openbench_vision::{InTurn, PlateReader, PpOcr, VlmReader};
+
+use super::models::Models;
+use super::parts::{
+    LocalizerPart, MakeFixes, MakeLocalPlanner, MakeLocalizer, MakeReader, PartError, Parts, ReadFixes,
+    ReaderPart,
+};
+use super::settings::{self, DEFAULT_READER, Settings, SettingsError};
+
+/// The parts that OPEN can be made of.
+#[derive(Clone)]
+#[non_exhaustive]
+pub struct Catalogue {
+    /// Plate readers, beside vision models.
+    pub readers: Registry<ReaderPart>,
+    /// Localizers.
+    pub localizers: Registry<LocalizerPart>,
+    /// Sources of fixes: where the robot is in `map`.
+    pub fixes: Registry<Arc<ReadFixes>>,
+    /// Local planners.
+    pub local_planners: Registry<Arc<MakeLocalPlanner>>,
+}
+
+impl Default for Catalogue {
+    fn default() -> Self {
+        Self {
+            readers: readers(),
+            localizers: localizers(),
+            fixes: fixes(),
+            local_planners: local_planners(),
+        }
+    }
+}
+
+fn readers() -> Registry<ReaderPart> {
+    Registry::new("plate reader").with(
+        DEFAULT_READER,
+        "PP-OCRv4 text detection and recognition on the CPU",
+        ReaderPart { make: shared_ppocr(), files: Some(DEFAULT_READER) },
+    )
+}
+
+fn localizers() -> Registry<LocalizerPart> {
+    use LocalizerPart::{WithFixes, WithoutFixes};
+    Registry::new("localizer")
+        .with(
+            "fused",
+            "LiDAR-inertial odometry and fixes in a pose graph",
+            WithFixes(Arc::new(|robot, fixes| Box::new(Fused::new(robot.clone(), fixes)))),
+        )
+        .with(
+            "lidar-inertial",
+            "LiDAR-inertial odometry alone",
+            WithoutFixes(Arc::new(|robot| Box::new(LidarInertial::new(robot.clone())))),
+        )
+        .with(
+            "dead-reckoning",
+            "wheel odometry and gyroscope",
+            WithoutFixes(Arc::new(|robot| Box::new(DeadReckoning::new(robot.clone())))),
+        )
+}
+
+fn fixes() -> Registry<Arc<ReadFixes>> {
+    let sources: Registry<Arc<ReadFixes>> = Registry::new("source of fixes");
+    sources.with("gnss", "a satellite receiver", Arc::new(gnss)).with("none", "no fixes", Arc::new(no_fixes))
+}
+
+fn local_planners() -> Registry<Arc<MakeLocalPlanner>> {
+    let planners: Registry<Arc<MakeLocalPlanner>> = Registry::new("local planner");
+    planners
+        .with("teb", "Timed Elastic Band", Arc::new(teb))
+        .with("follower", "pure pursuit that stops before obstacles", Arc::new(follower))
+        .with("mppi", "Model Predictive Path Integral control", Arc::new(mppi))
+}
+
+fn teb(robot: &RobotDescription) -> Result<Box<dyn LocalPlanner>, PartError> {
+    Ok(Box::new(Teb::new(robot, settings::teb())?))
+}
+
+fn follower(robot: &RobotDescription) -> Result<Box<dyn LocalPlanner>, PartError> {
+    Ok(Box::new(Follower::new(robot.clone())?))
+}
+
+fn mppi(robot: &RobotDescription) -> Result<Box<dyn LocalPlanner>, PartError> {
+    Ok(Box::new(Mppi::new(robot, settings::MPPI_SEED)?))
+}
+
+/// Loads the networks of PP-OCR with the first reader; all readers share them.
+fn shared_ppocr() -> Arc<MakeReader> {
+    let networks: Mutex<Option<PpOcr>> = Mutex::new(None);
+    Arc::new(move || {
+        let mut loaded = networks.lock().unwrap_or_else(PoisonError::into_inner);
+        if loaded.is_none() {
+            *loaded = Some(load_ppocr()?);
+        }
+        let shared = loaded.as_ref().ok_or("the networks are not loaded")?;
+        Ok(Box::new(shared.clone()))
+    })
+}
+
+fn load_ppocr() -> Result<PpOcr, PartError> {
+    let store = ModelStore::from_environment()?;
+    Ok(PpOcr::from_store(&store)?.with_settings(settings::ocr()))
+}
+
+/// A robot without a receiver gets no fixes from it.
+fn gnss(argument: &str) -> Result<MakeFixes, PartError> {
+    refuse_argument(argument)?;
+    Ok(Box::new(|robot| {
+        let antenna = robot.gnss.unwrap_or_default();
+        vec![Box::new(Gnss::new(antenna.translation.vector.xy()))]
+    }))
+}
+
+fn no_fixes(argument: &str) -> Result<MakeFixes, PartError> {
+    refuse_argument(argument)?;
+    Ok(Box::new(|_| Vec::new()))
+}
+
+fn refuse_argument(argument: &str) -> Result<(), PartError> {
+    if argument.is_empty() { Ok(()) } else { Err("it takes no argument after a colon".into()) }
+}
+
+impl Catalogue {
+    /// The parts that settings name.
+    ///
+    /// # Errors
+    /// [`SettingsError`] with the key whose value names no part, or a part that cannot be made.
+    pub fn assemble(
+        &self,
+        settings: &Settings,
+        models: &mut Models,
+        memory: Option<OsmData>,
+    ) -> Result<Parts, SettingsError> {
+        Ok(Parts {
+            planner: self.planner(&settings.planner, models)?,
+            reader: self.reader(&settings.reader, models)?,
+            localizer: self.localizer(settings)?,
+            motion: self.local_planner(&settings.motion)?,
+            ground: settings.ground,
+            memory,
+            meter: models.meter(),
+            thinks_in_simulated_time: settings.thinks_in_simulated_time,
+        })
+    }
+
+    /// The planner of instructions that a word names: `grammar`, or a chat model.
+    ///
+    /// # Errors
+    /// [`SettingsError::Part`] if the word names no model that can be opened.
+    pub fn planner(&self, word: &str, models: &mut Models) -> Result<Box<dyn Planner>, SettingsError> {
+        if word == "grammar" {
+            return Ok(Box::new(GrammarPlanner::new()));
+        }
+        let model = models.open(word).map_err(|error| part_error("planner", word, error))?;
+        Ok(Box::new(ChatPlanner::new(model)))
+    }
+
+    /// The local planner of that name.
+    ///
+    /// # Errors
+    /// [`SettingsError::UnknownPart`] with the names that there are.
+    pub fn local_planner(&self, name: &str) -> Result<Arc<MakeLocalPlanner>, SettingsError> {
+        let found = self.local_planners.get(name);
+        found.cloned().map_err(|source| unknown_part("motion", name, source))
+    }
+
+    /// The names and model specs of which the setting `reader` is a list.
+    ///
+    /// A comma separates two only before the beginning of one, since names and files may hold
+    /// commas. The list is never empty.
+    pub fn reader_words<'w>(&self, words: &'w str) -> Vec<&'w str> {
+        let mut list = Vec::new();
+        let mut start = 0;
+        for (at, _) in words.match_indices(',') {
+            if self.begins_a_reader(&words[at + 1..]) {
+                list.push(words[start..at].trim());
+                start = at + 1;
+            }
+        }
+        list.push(words[start..].trim());
+        list
+    }
+
+    fn begins_a_reader(&self, text: &str) -> bool {
+        let text = text.trim_start();
+        self.readers.names().any(|name| text.starts_with(name)) || ModelSpec::parse(text).is_ok()
+    }
+
+    /// The sets of model files that the setting `reader` needs.
+    pub fn files_of_readers(&self, words: &str) -> Vec<&'static str> {
+        let words = self.reader_words(words).into_iter();
+        words.filter_map(|word| self.readers.get(word).ok()?.files).collect()
+    }
+
+    fn reader(&self, words: &str, models: &mut Models) -> Result<Box<dyn PlateReader>, SettingsError> {
+        let mut readers = Vec::new();
+        for word in self.reader_words(words) {
+            readers.push(self.one_reader(word, models)?);
+        }
+        let first = readers.remove(0);
+        Ok(if readers.is_empty() { first } else { Box::new(InTurn::new(first, readers)) })
+    }
+
+    fn one_reader(&self, word: &str, models: &mut Models) -> Result<Box<dyn PlateReader>, SettingsError> {
+        match self.readers.get(word) {
+            Ok(part) => (part.make)().map_err(|error| part_error("reader", word, error)),
+            Err(unknown) if ModelSpec::parse(word).is_err() => Err(unknown_part("reader", word, unknown)),
+            Err(_) => {
+                let model = models.open(word).map_err(|error| part_error("reader", word, error))?;
+                Ok(Box::new(VlmReader::new(model)))
+            }
+        }
+    }
+
+    fn localizer(&self, settings: &Settings) -> Result<MakeLocalizer, SettingsError> {
+        let name = &settings.localizer;
+        let part = self.localizers.get(name);
+        let part = part.map_err(|source| unknown_part("localizer", name, source))?.clone();
+        match (part, &settings.fixes) {
+            (LocalizerPart::WithoutFixes(make), None) => Ok(Box::new(move |robot| make(robot))),
+            (LocalizerPart::WithoutFixes(_), Some(fixes)) => {
+                Err(SettingsError::TakesNoFixes { fixes: fixes.clone(), localizer: name.clone() })
+            }
+            (LocalizerPart::WithFixes(make), fixes) => {
+                let fixes = self.sources(fixes.as_deref().unwrap_or("none"))?;
+                Ok(Box::new(move |robot| make(robot, fixes(robot))))
+            }
+        }
+    }
+
+    fn sources(&self, value: &str) -> Result<MakeFixes, SettingsError> {
+        let (name, argument) = value.split_once(':').unwrap_or((value, ""));
+        let read = self.fixes.get(name);
+        let read = read.map_err(|source| unknown_part("fixes", value, source))?;
+        read(argument).map_err(|error| part_error("fixes", value, error))
+    }
+}
+
+fn part_error(key: &'static str, value: &str, source: impl Into<PartError>) -> SettingsError {
+    SettingsError::Part { key, value: value.to_owned(), source: source.into() }
+}
+
+fn unknown_part(key: &'static str, value: &str, source: UnknownName) -> SettingsError {
+    SettingsError::UnknownPart { key, value: value.to_owned(), source }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::error::Error;
+
+    use openbench_models::{Budget, Exchanges};
+
+    use super::*;
+
+    fn assemble(settings: Settings) -> Result<Parts, SettingsError> {
+        let mut models = Models::new(Budget::default(), Exchanges::Unkept);
+        Catalogue::default().assemble(&settings, &mut models, None)
+    }
+
+    /// Settings that need no model files.
+    fn settings() -> Settings {
+        Settings { reader: "replay:nowhere.jsonl".into(), ..Settings::default() }
+    }
+
+    #[test]
+    fn commas_within_names_do_not_separate_readers() {
+        let catalogue = Catalogue::default();
+        let words = "ppocr-v4, openai:a,b@http://x/v1,replay:c,d.jsonl";
+        let expected = ["ppocr-v4", "openai:a,b@http://x/v1", "replay:c,d.jsonl"];
+        assert_eq!(catalogue.reader_words(words), expected);
+        assert_eq!(catalogue.files_of_readers(words), ["ppocr-v4"]);
+    }
+
+    #[test]
+    fn a_name_that_is_not_registered_is_answered_with_those_that_are() {
+        let catalogue = Catalogue::default();
+        let error = catalogue.local_planner("pure-pursuit").err().unwrap();
+        let source = error.source().unwrap().to_string();
+        assert_eq!(error.to_string(), "motion=pure-pursuit");
+        assert!(source.contains("teb, follower, mppi"), "{source}");
+    }
+
+    #[test]
+    fn fixes_are_refused_where_nothing_takes_them() {
+        let localizer = "dead-reckoning".to_owned();
+        let settings = Settings { localizer, fixes: Some("gnss".into()), ..settings() };
+        let Err(error) = Catalogue::default().localizer(&settings) else { panic!("accepted") };
+        assert!(matches!(error, SettingsError::TakesNoFixes { .. }), "{error}");
+    }
+
+    #[test]
+    fn a_reader_that_is_no_name_and_no_model_is_refused() {
+        let Err(error) = assemble(Settings { reader: "eyes".into(), ..settings() }) else {
+            panic!("accepted")
+        };
+        assert!(matches!(error, SettingsError::UnknownPart { key: "reader", .. }), "{error}");
+    }
+}
