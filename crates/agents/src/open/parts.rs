@@ -36,13 +36,18 @@ pub struct ReaderPart {
     pub files: Option<&'static str>,
 }
 
+/// Makes a localizer of a robot, without fixes.
+pub type MakeOdometry = dyn Fn(&RobotDescription) -> Box<dyn Localizer> + Send + Sync;
+/// Makes a localizer of a robot, with fixes.
+pub type MakeFused = dyn Fn(&RobotDescription, Fixes) -> Box<dyn Localizer> + Send + Sync;
+
 /// A registered localizer.
 #[derive(Clone)]
 pub enum LocalizerPart {
     /// Takes no fixes.
-    WithoutFixes(Arc<dyn Fn(&RobotDescription) -> Box<dyn Localizer> + Send + Sync>),
+    WithoutFixes(Arc<MakeOdometry>),
     /// Takes fixes.
-    WithFixes(Arc<dyn Fn(&RobotDescription, Fixes) -> Box<dyn Localizer> + Send + Sync>),
+    WithFixes(Arc<MakeFused>),
 }
 
 /// Makes the localizer of a robot.
