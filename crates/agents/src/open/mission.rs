@@ -68,6 +68,48 @@ struct Task {
     doorstep: f64,
 }
 
+impl Task {
+    /// A delivery that begins.
+    fn new(address: Address, building: usize, expected: Option<Sighting>) -> Self {
+        Self {
+            address,
+            building,
+            stage: Stage::Travel,
+            waypoints: Vec::new(),
+            place: None,
+            round: 0,
+            looked: false,
+            expected,
+            doorstep: doorstep::NEAREST,
+        }
+    }
+}
+
+/// What follows from a decision.
+enum Next {
+    /// The delivery goes on: the robot drives so until the next observation.
+    GoOn(Task, Velocity),
+    /// The delivery, or the episode, ends.
+    End(Action),
+}
+
+impl Next {
+    /// The delivery goes on, standing still until the next observation.
+    fn stand(task: Task) -> Self {
+        Self::GoOn(task, Velocity::ZERO)
+    }
+
+    /// The delivery is given up.
+    fn give_up(task: Task, cause: FailureCause, detail: String) -> Self {
+        Self::End(Action::GiveUp(one(task.address, cause, detail)))
+    }
+
+    /// The parcel is put down.
+    fn delivered(task: Task) -> Self {
+        Self::End(Action::Delivered(task.address))
+    }
+}
+
 /// All deliveries of an episode.
 pub struct Mission {
     robot: RobotDescription,
@@ -172,9 +214,16 @@ impl Mission {
     }
 
     fn go_on(&mut self, observation: &Observation<'_>, events: &mut dyn Events) -> Action {
-        match self.task.take() {
+        let next = match self.task.take() {
             Some(task) => self.pursue(task, observation, events),
             None => self.next_delivery(events),
+        };
+        match next {
+            Next::GoOn(task, velocity) => {
+                self.task = Some(task);
+                Action::Drive(velocity)
+            }
+            Next::End(action) => action,
         }
     }
 
@@ -200,16 +249,33 @@ impl Mission {
         self.correcting = pending > NOTABLE || self.correcting && pending > NOTABLE / 2.0;
     }
 
-    fn next_delivery(&mut self, events: &mut dyn Events) -> Action {
+    fn next_delivery(&mut self, events: &mut dyn Events) -> Next {
         let Some(delivery) = self.queue.pop_front() else {
-            return Action::GiveUp(all(FailureCause::NotDeclared, "every planned delivery is done".into()));
+            let detail = "every planned delivery is done".to_owned();
+            return Next::End(Action::GiveUp(all(FailureCause::NotDeclared, detail)));
         };
-        let address = delivery.address();
         self.puzzling.clear();
         self.doubted.clear();
-        events.record(Event::Task(address.clone()));
+        events.record(Event::Task(delivery.address()));
+        let task = match self.look_up(delivery) {
+            Ok(task) => task,
+            Err(give_up) => return Next::End(Action::GiveUp(give_up)),
+        };
+        match self.road_to(task.building, events) {
+            Some(end) if end.distance(self.localizer.pose().point()) > NEARBY => {
+                self.driver.set_target(Target { point: end, yaw: None, must: false });
+                Next::stand(task)
+            }
+            _ => self.end_travel(task, events),
+        }
+    }
+
+    /// Finds the building of a delivery, and its door if map or memory have it.
+    fn look_up(&self, delivery: PlannedDelivery) -> Result<Task, GiveUp> {
+        let address = delivery.address();
+        let unknown = FailureCause::UnknownAddress;
         if let Some(problem) = delivery.problem {
-            return Action::GiveUp(one(address, FailureCause::UnknownAddress, problem));
+            return Err(one(address, unknown, problem));
         }
         let map = self.memory.map();
         let (building, entrance) = match locate(map, &address) {
@@ -217,39 +283,13 @@ impl Mission {
             Location::Building(building) => (building, None),
             Location::Unknown | Location::Ambiguous(_) => {
                 let detail = format!("the map has no single building `{}`", address.building);
-                return Action::GiveUp(one(address, FailureCause::UnknownAddress, detail));
+                return Err(one(address, unknown, detail));
             }
         };
-        let expected = self.remembered(building, &address).or_else(|| {
-            let (wall, facing) = map.buildings[building].polygon.nearest_boundary_point(entrance?);
-            Some(Sighting {
-                unit: address.unit.clone().unwrap_or_default(),
-                building,
-                position: wall,
-                facing,
-                confidence: 1.0,
-            })
-        });
-        let road = self.road_to(building, events);
-        let task = Task {
-            address,
-            building,
-            stage: Stage::Travel,
-            waypoints: Vec::new(),
-            place: None,
-            round: 0,
-            looked: false,
-            expected,
-            doorstep: doorstep::NEAREST,
-        };
-        match road {
-            Some(end) if end.distance(self.localizer.pose().point()) > NEARBY => {
-                self.driver.set_target(Target { point: end, yaw: None, must: false });
-                self.task = Some(task);
-                Action::Drive(Velocity::ZERO)
-            }
-            _ => self.end_travel(task, events),
-        }
+        let expected = self
+            .remembered(building, &address)
+            .or_else(|| Some(mapped_door(map, building, &address, entrance?)));
+        Ok(Task::new(address, building, expected))
     }
 
     /// Where the road to a building ends, if the map has one worth taking.
@@ -264,140 +304,148 @@ impl Mission {
         (length <= DETOUR * from.distance(to)).then_some(last)
     }
 
-    fn pursue(&mut self, task: Task, observation: &Observation<'_>, events: &mut dyn Events) -> Action {
-        let now = observation.time;
-        match &task.stage {
+    fn pursue(&mut self, task: Task, observation: &Observation<'_>, events: &mut dyn Events) -> Next {
+        match task.stage {
             Stage::Look(since) => {
-                let (since, task) = (*since, Task { looked: true, ..task });
+                let task = Task { looked: true, ..task };
                 self.look(task, since, observation, events)
             }
             Stage::Travel | Stage::ToWaypoint | Stage::Approach(_) => {
                 match self.glance(task, observation, events) {
-                    Ok(task) => self.drive(task, now, events),
-                    Err(action) => action,
+                    Ok(task) => self.drive(task, observation.time, events),
+                    Err(next) => next,
                 }
             }
         }
     }
 
-    fn drive(&mut self, task: Task, now: SimTime, events: &mut dyn Events) -> Action {
+    fn drive(&mut self, task: Task, now: SimTime, events: &mut dyn Events) -> Next {
         match self.driver.drive(self.localizer.pose(), now, events) {
-            Driving::OnTheWay(velocity) => {
-                self.task = Some(task);
-                Action::Drive(velocity)
-            }
+            Driving::OnTheWay(velocity) => Next::GoOn(task, velocity),
             Driving::Arrived => self.arrived(task, now, events),
             Driving::Unreachable => self.missed(task, events),
         }
     }
 
-    fn arrived(&mut self, mut task: Task, now: SimTime, events: &mut dyn Events) -> Action {
+    fn arrived(&mut self, task: Task, now: SimTime, events: &mut dyn Events) -> Next {
         match &task.stage {
-            Stage::Travel => return self.end_travel(task, events),
+            Stage::Travel => self.end_travel(task, events),
             // What was seen on the way may have moved its end beside a porch.
             Stage::Approach(door) if !self.is_before(door) && task.doorstep <= doorstep::FARTHEST => {
-                return self.missed(task, events);
+                self.missed(task, events)
             }
-            Stage::Approach(_) => return Action::Delivered(task.address),
-            Stage::ToWaypoint | Stage::Look(_) => {
-                task.stage = Stage::Look(now);
-                self.task = Some(task);
-            }
+            Stage::Approach(_) => Next::delivered(task),
+            Stage::ToWaypoint | Stage::Look(_) => Next::stand(Task { stage: Stage::Look(now), ..task }),
         }
-        Action::Drive(Velocity::ZERO)
     }
 
     /// A place could not be reached.
-    fn missed(&mut self, mut task: Task, events: &mut dyn Events) -> Action {
-        match &mut task.stage {
-            Stage::Travel => return self.end_travel(task, events),
+    fn missed(&mut self, mut task: Task, events: &mut dyn Events) -> Next {
+        match &task.stage {
+            Stage::Travel => self.end_travel(task, events),
             Stage::Approach(door) => {
                 let door = door.clone();
-                if task.doorstep <= doorstep::FARTHEST {
-                    self.approach(task, door);
-                } else if doorstep::is_at_door(&door, self.localizer.pose().point()) {
-                    return Action::Delivered(task.address);
-                } else {
-                    (task.expected, task.doorstep) = (None, doorstep::NEAREST);
-                    return self.next_waypoint(task, events);
-                }
+                self.missed_door(task, door, events)
             }
             Stage::ToWaypoint | Stage::Look(_) => {
                 task.waypoints.extend(task.place.take().and_then(|place| place.nearer()));
-                return self.next_waypoint(task, events);
+                self.next_waypoint(task, events)
             }
         }
-        Action::Drive(Velocity::ZERO)
+    }
+
+    /// The doorstep could not be reached: one farther out, or here if that is near enough; else the
+    /// door is searched for anew.
+    fn missed_door(&mut self, mut task: Task, door: Sighting, events: &mut dyn Events) -> Next {
+        if task.doorstep <= doorstep::FARTHEST {
+            return self.approach(task, door);
+        }
+        if doorstep::is_at_door(&door, self.localizer.pose().point()) {
+            return Next::delivered(task);
+        }
+        (task.expected, task.doorstep) = (None, doorstep::NEAREST);
+        self.next_waypoint(task, events)
     }
 
     /// Near the building: to its door, where it is known, or to the first place to look from.
-    fn end_travel(&mut self, task: Task, events: &mut dyn Events) -> Action {
+    fn end_travel(&mut self, task: Task, events: &mut dyn Events) -> Next {
         match task.expected.clone() {
             Some(door) => self.check_door(task, &door),
-            None => return self.next_waypoint(task, events),
+            None => self.next_waypoint(task, events),
         }
-        Action::Drive(Velocity::ZERO)
     }
 
     /// Goes to where a known door's plate can be read.
-    fn check_door(&mut self, mut task: Task, door: &Sighting) {
+    fn check_door(&mut self, task: Task, door: &Sighting) -> Next {
         let point = door.position.offset(door.facing, CHECK_FROM);
-        let target = Target { point, yaw: Some(point.bearing_to(door.position)), must: true };
-        self.driver.set_target(target);
-        task.stage = Stage::ToWaypoint;
-        task.place = None;
-        self.task = Some(task);
+        let yaw = Some(point.bearing_to(door.position));
+        self.driver.set_target(Target { point, yaw, must: true });
+        Next::stand(Task { stage: Stage::ToWaypoint, place: None, ..task })
     }
 
-    /// The nearest place not yet looked from that a way leads to; after the last one all again from another distance; then
-    /// the door is not found, or nothing leads there.
-    fn next_waypoint(&mut self, mut task: Task, events: &mut dyn Events) -> Action {
+    /// The nearest place not yet looked from that a path leads to; after the last one all again
+    /// from another distance; then the door is not found, or nothing leads there.
+    fn next_waypoint(&mut self, mut task: Task, events: &mut dyn Events) -> Next {
         let here = self.localizer.pose().point();
         let nearest = loop {
-            if let Some(nearest) = exploration::nearest(&task.waypoints, here, self.driver.terrain()) {
+            let terrain = self.driver.terrain();
+            if let Some(nearest) = exploration::nearest(&task.waypoints, here, terrain) {
                 break nearest;
             }
             let Some(&standoff) = STANDOFFS.get(task.round) else {
-                if !task.looked {
-                    let wall =
-                        self.memory.map().buildings[task.building].polygon.nearest_boundary_point(here);
-                    let detail = self.driver.terrain().obstacle(here, wall.0);
-                    return Action::GiveUp(one(task.address, FailureCause::NoRoute, detail));
-                }
-                let detail =
-                    format!("no plate of {} was read from any place around the building", task.address);
-                return Action::GiveUp(one(task.address, FailureCause::DoorNotFound, detail));
+                return self.not_found(task, here);
             };
             task.round += 1;
             task.waypoints =
                 exploration::waypoints(self.memory.map(), task.building, standoff, self.sees_from);
-            events.record(Event::Waypoints(task.waypoints.iter().map(|w| w.place).collect()));
+            let places = task.waypoints.iter().map(|waypoint| waypoint.place).collect();
+            events.record(Event::Waypoints(places));
         };
         let waypoint = task.waypoints.remove(nearest);
-        self.go_to(task, waypoint);
-        Action::Drive(Velocity::ZERO)
+        self.go_to(task, waypoint)
     }
 
-    fn go_to(&mut self, mut task: Task, waypoint: Waypoint) {
-        let waypoint = waypoint.before_obstacles(self.driver.terrain().near()).unwrap_or(waypoint);
-        let target = Target { point: waypoint.place.point(), yaw: Some(waypoint.place.yaw), must: false };
-        self.driver.set_target(target);
-        task.place = Some(waypoint);
-        task.stage = Stage::ToWaypoint;
-        self.task = Some(task);
+    /// Every place was looked from, or none could be reached.
+    fn not_found(&self, task: Task, here: MapPoint) -> Next {
+        if task.looked {
+            let detail = format!("no plate of {} was read from any place around the building", task.address);
+            return Next::give_up(task, FailureCause::DoorNotFound, detail);
+        }
+        let polygon = &self.memory.map().buildings[task.building].polygon;
+        let (wall, _) = polygon.nearest_boundary_point(here);
+        let detail = self.driver.terrain().obstacle(here, wall);
+        Next::give_up(task, FailureCause::NoRoute, detail)
+    }
+
+    fn go_to(&mut self, task: Task, waypoint: Waypoint) -> Next {
+        let near = self.driver.terrain().near();
+        let waypoint = waypoint.before_obstacles(near).unwrap_or(waypoint);
+        let (point, yaw) = (waypoint.place.point(), Some(waypoint.place.yaw));
+        self.driver.set_target(Target { point, yaw, must: false });
+        Next::stand(Task { stage: Stage::ToWaypoint, place: Some(waypoint), ..task })
     }
 
     fn is_before(&self, door: &Sighting) -> bool {
         doorstep::is_in_front(door, self.localizer.pose().point())
     }
 
-    fn approach(&mut self, mut task: Task, door: Sighting) {
+    fn approach(&mut self, task: Task, door: Sighting) -> Next {
         let step = doorstep::doorstep(&door, task.doorstep, self.driver.terrain().near());
         self.driver.set_target(Target { point: step.place, yaw: None, must: true });
-        task.doorstep = step.next;
-        task.stage = Stage::Approach(door);
-        task.expected = None;
-        self.task = Some(task);
+        let stage = Stage::Approach(door);
+        Next::stand(Task { doorstep: step.next, stage, expected: None, ..task })
+    }
+}
+
+/// A door as the map has it, on the building's wall.
+fn mapped_door(map: &OsmMap, building: usize, address: &Address, entrance: MapPoint) -> Sighting {
+    let (wall, facing) = map.buildings[building].polygon.nearest_boundary_point(entrance);
+    Sighting {
+        unit: address.unit.clone().unwrap_or_default(),
+        building,
+        position: wall,
+        facing,
+        confidence: 1.0,
     }
 }
 

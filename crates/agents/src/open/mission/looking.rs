@@ -5,16 +5,14 @@ use std::time::Duration;
 
 use openbench_core::address::fold_name;
 use openbench_core::frames::wrap_angle;
-use openbench_core::{
-    Action, Address, Event, Events, FailureCause, Image, MapPoint, Observation, SimTime, Velocity,
-};
+use openbench_core::{Address, Event, Events, FailureCause, Image, MapPoint, Observation, SimTime};
 use openbench_vision::parse_unit;
 
 use crate::open::doorstep;
 use crate::open::exploration::{self, Waypoint};
 use crate::open::sighting::{self, Sighting};
 
-use super::{Mission, Stage, Task, one};
+use super::{Mission, Next, Stage, Task};
 
 /// On the way to a door its newer place is taken if it is this far from the older one, metres.
 const CORRECTION: f64 = 0.25;
@@ -32,47 +30,36 @@ const TURNED: f64 = 1.0 / 3.0;
 impl Mission {
     pub(super) fn look(
         &mut self,
-        task: Task,
+        mut task: Task,
         since: SimTime,
         observation: &Observation<'_>,
         events: &mut dyn Events,
-    ) -> Action {
+    ) -> Next {
         if observation.time.since(since) < STEADY {
-            self.task = Some(task);
-            return Action::Drive(Velocity::ZERO);
+            return Next::stand(task);
         }
-        let Some(image) = observation.camera.image() else {
-            self.task = Some(task);
-            return Action::Drive(Velocity::ZERO);
-        };
+        let Some(image) = observation.camera.image() else { return Next::stand(task) };
         let known = self.seen.len();
         match self.read(&image, events) {
-            Err(detail) => Action::GiveUp(one(task.address, FailureCause::ReaderUnavailable, detail)),
+            Err(detail) => Next::give_up(task, FailureCause::ReaderUnavailable, detail),
             Ok(unread) => {
-                let mut task = task;
                 self.look_closer(&mut task, &unread);
                 self.after_look(task, known, events)
             }
         }
     }
 
-    fn after_look(&mut self, mut task: Task, known: usize, events: &mut dyn Events) -> Action {
-        let door = self.remembered(task.building, &task.address).or_else(|| task.expected.take());
-        match door {
-            Some(door) => {
-                self.approach(task, door);
-                Action::Drive(Velocity::ZERO)
-            }
-            None => {
-                let hidden =
-                    task.place.take().and_then(|place| place.before_obstacles(self.driver.terrain().near()));
-                task.waypoints.extend(hidden);
-                match self.doubtful(&task, known) {
-                    Some(view) => self.look_from(task, view),
-                    None => return self.next_waypoint(task, events),
-                }
-                Action::Drive(Velocity::ZERO)
-            }
+    fn after_look(&mut self, mut task: Task, known: usize, events: &mut dyn Events) -> Next {
+        let door = self.remembered(task.building, &task.address);
+        if let Some(door) = door.or_else(|| task.expected.take()) {
+            return self.approach(task, door);
+        }
+        let near = self.driver.terrain().near();
+        let hidden = task.place.take().and_then(|place| place.before_obstacles(near));
+        task.waypoints.extend(hidden);
+        match self.doubtful(&task, known) {
+            Some(view) => self.look_from(task, view),
+            None => self.next_waypoint(task, events),
         }
     }
 
@@ -95,47 +82,42 @@ impl Mission {
     }
 
     /// Goes to look from a place before all others.
-    fn look_from(&mut self, mut task: Task, view: Waypoint) {
+    fn look_from(&mut self, mut task: Task, view: Waypoint) -> Next {
         task.waypoints.extend(task.place.take());
-        self.go_to(task, view);
+        self.go_to(task, view)
     }
 
-    /// Reads what the camera happens to see on the way, near the building.
+    /// Reads what the camera happens to see on the way, near the building. Returns the task if that
+    /// changes nothing.
     pub(super) fn glance(
         &mut self,
-        task: Task,
+        mut task: Task,
         observation: &Observation<'_>,
         events: &mut dyn Events,
-    ) -> Result<Task, Action> {
+    ) -> Result<Task, Next> {
         if !self.is_new_view(observation.time) || !self.faces(task.building) {
             return Ok(task);
         }
         let Some(image) = observation.camera.image() else { return Ok(task) };
         self.last_glance = (observation.time, self.localizer.pose().yaw);
-        let mut task = task;
         let known = self.seen.len();
         match self.read(&image, events) {
             Ok(unread) => self.look_closer(&mut task, &unread),
             Err(detail) => {
-                return Err(Action::GiveUp(one(task.address, FailureCause::ReaderUnavailable, detail)));
+                return Err(Next::give_up(task, FailureCause::ReaderUnavailable, detail));
             }
         }
         if self.is_refuted(&task) {
             return Err(self.next_waypoint(task, events));
         }
-        match self.remembered(task.building, &task.address).filter(|door| wants(&task, door)) {
-            Some(door) => {
-                task.doorstep = doorstep::NEAREST;
-                self.approach(task, door);
-                Err(Action::Drive(Velocity::ZERO))
-            }
-            None => match self.doubtful(&task, known) {
-                Some(view) => {
-                    self.look_from(task, view);
-                    Err(Action::Drive(Velocity::ZERO))
-                }
-                None => Ok(task),
-            },
+        let door = self.remembered(task.building, &task.address);
+        if let Some(door) = door.filter(|door| wants(&task, door)) {
+            task.doorstep = doorstep::NEAREST;
+            return Err(self.approach(task, door));
+        }
+        match self.doubtful(&task, known) {
+            Some(view) => Err(self.look_from(task, view)),
+            None => Ok(task),
         }
     }
 
