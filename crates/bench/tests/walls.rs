@@ -22,7 +22,7 @@ const FLOORS: [(&str, u8); 17] = [
     ("openbench-bench", 4),
     ("openbench-trials", 5),
     ("openbench", 6),
-    ("beeline", 7),
+    ("extensions", 7),
 ];
 
 /// For each crate of the workspace: those of ours that it depends on when it is built (not for its tests).
