@@ -1,6 +1,7 @@
 //! What can be written on the command line.
 
 mod bench;
+mod data;
 mod language;
 mod logs;
 mod maps;
@@ -11,6 +12,7 @@ mod world;
 use clap::{Parser, Subcommand};
 
 pub use bench::*;
+pub use data::*;
 pub use language::*;
 pub use logs::*;
 pub use maps::*;
@@ -65,6 +67,8 @@ pub enum Command {
     Verify(VerifyArgs),
     /// Make worlds and look at them
     World(WorldArgs),
+    /// Download published worlds and a sample map
+    Data(DataArgs),
     /// Model files
     Models(ModelsArgs),
     /// Measure our own speed, for comparisons

@@ -7,12 +7,14 @@
 //! |---|---|
 //! | [`args`] | what can be written on the command line |
 //! | [`commands`] | one file a command |
+//! | [`datasets`] | published data: manifests and download |
 //! | [`extensions`] | [`Extensions`]: agents and parts from outside |
 //! | `open_agent` | OPEN as an agent of the benchmark |
 //! | [`outcome`] | exit codes, in one place |
 
 pub mod args;
 pub mod commands;
+pub mod datasets;
 pub mod extensions;
 mod open_agent;
 pub mod outcome;
@@ -54,6 +56,7 @@ fn dispatch(command: Command, extensions: &Extensions) -> anyhow::Result<Outcome
         Command::Evaluate(args) => commands::evaluate::run(&args),
         Command::Verify(args) => commands::verify::run(&args, &extensions.agents()),
         Command::World(args) => commands::world::run(&args),
+        Command::Data(args) => commands::data::run(&args),
         Command::Models(args) => commands::models::run(&args),
         Command::Bench(args) => commands::bench::run(&args, extensions),
     }

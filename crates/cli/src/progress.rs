@@ -57,6 +57,16 @@ fn bytes_bar(length: u64) -> ProgressBar {
     ProgressBar::new(length).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
+/// A count of bytes on stderr for a download of unknown size, if a person is watching.
+pub fn download_spinner(what: &str) -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{msg}: {bytes}  {bytes_per_sec}  {elapsed}");
+    let style = style.unwrap_or_else(|_| ProgressStyle::default_spinner());
+    ProgressBar::no_length().with_message(what.to_owned()).with_style(style)
+}
+
 /// Says what is being done, until it is done, without knowing how long that takes.
 pub fn doing<T>(what: &'static str, work: impl FnOnce() -> T) -> T {
     if !std::io::stderr().is_terminal() {

@@ -6,6 +6,7 @@ mod bench_motion;
 mod bench_people;
 mod bench_towns;
 pub mod costmap;
+pub mod data;
 pub mod evaluate;
 pub mod models;
 pub mod odometry;
