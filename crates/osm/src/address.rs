@@ -40,13 +40,19 @@ pub enum Location {
 /// with `entrance=main` is taken, else the one with the lowest node number.
 pub fn locate(map: &OsmMap, address: &Address) -> Location {
     let fitting = &*fitting(map, &address.building);
-    let Some(first) = fitting.first() else { return Location::Unknown };
+    let Some(first) = fitting.first() else {
+        return Location::Unknown;
+    };
     let element = map.buildings[*first].element;
     if fitting.iter().any(|i| map.buildings[*i].element != element) {
         return Location::Ambiguous(fitting.to_vec());
     }
     // What is left are the parts of one multipolygon.
-    match address.unit.as_ref().and_then(|unit| door(map, fitting, unit)) {
+    match address
+        .unit
+        .as_ref()
+        .and_then(|unit| door(map, fitting, unit))
+    {
         Some((entrance, building)) => Location::Unit { entrance, building },
         None => Location::Building(largest(map, fitting)),
     }
@@ -64,7 +70,9 @@ fn fitting<'a>(map: &'a OsmMap, name: &str) -> Cow<'a, [usize]> {
                 _ => found.iter().copied().filter(lies_in_all).collect(),
             };
         }
-        let Some((rest, last)) = inner.rsplit_once(',') else { return Cow::Borrowed(&[]) };
+        let Some((rest, last)) = inner.rsplit_once(',') else {
+            return Cow::Borrowed(&[]);
+        };
         around.push(called(map, last));
         inner = rest;
     }
@@ -74,31 +82,51 @@ fn door(map: &OsmMap, buildings: &[usize], unit: &str) -> Option<(usize, usize)>
     let unit = fold_unit(unit);
     let into = |e: &Entrance| e.building.filter(|b| buildings.contains(b));
     let is_named = |e: &Entrance| e.units.iter().any(|name| fold_unit(name) == unit);
-    let bare = ["flat", "apartment", "apt"].iter().find_map(|word| unit.strip_prefix(word));
+    let bare = ["flat", "apartment", "apt"]
+        .iter()
+        .find_map(|word| unit.strip_prefix(word));
     let flat: Option<u32> = bare.unwrap_or(&unit).parse().ok();
     let leads_to = |e: &Entrance| flat.is_some_and(|flat| has_flat(&e.tags, flat));
     // A unit's own name counts before the number of a flat behind it.
-    let rank = |e: &Entrance| if is_named(e) { Some(0) } else { leads_to(e).then_some(1) };
+    let rank = |e: &Entrance| {
+        if is_named(e) {
+            Some(0)
+        } else {
+            leads_to(e).then_some(1)
+        }
+    };
     let doors = map.entrances.iter().enumerate().filter_map(|(i, e)| {
         let building = into(e)?;
         Some((rank(e)?, !e.tags.is("entrance", "main"), i, building))
     });
-    doors.min().map(|(_, _, entrance, building)| (entrance, building))
+    doors
+        .min()
+        .map(|(_, _, entrance, building)| (entrance, building))
 }
 
 /// Whether a flat is among those of `addr:flats`: `1-8;10`.
 fn has_flat(tags: &Tags, flat: u32) -> bool {
-    let Some(flats) = tags.get("addr:flats") else { return false };
+    let Some(flats) = tags.get("addr:flats") else {
+        return false;
+    };
     flats.split([';', ',']).any(|part| {
         let (first, last) = part.split_once('-').unwrap_or((part, part));
-        let bounds = first.trim().parse::<u32>().ok().zip(last.trim().parse::<u32>().ok());
+        let bounds = first
+            .trim()
+            .parse::<u32>()
+            .ok()
+            .zip(last.trim().parse::<u32>().ok());
         bounds.is_some_and(|(first, last)| (first..=last).contains(&flat))
     })
 }
 
 fn largest(map: &OsmMap, buildings: &[usize]) -> usize {
     let area = |i: &usize| map.buildings[*i].polygon.area();
-    buildings.iter().copied().reduce(|a, b| if area(&b) > area(&a) { b } else { a }).unwrap_or_default()
+    buildings
+        .iter()
+        .copied()
+        .reduce(|a, b| if area(&b) > area(&a) { b } else { a })
+        .unwrap_or_default()
 }
 
 /// An index from folded names to buildings.
@@ -117,8 +145,11 @@ impl Names {
         }
         for entrance in entrances {
             if let Some(i) = entrance.building {
-                let address: Tags =
-                    entrance.tags.iter().filter(|(key, _)| key.starts_with("addr:")).collect();
+                let address: Tags = entrance
+                    .tags
+                    .iter()
+                    .filter(|(key, _)| key.starts_with("addr:"))
+                    .collect();
                 names.add(1, full_names(&address), i);
                 names.add(2, numbers(&address), i);
             }
@@ -142,7 +173,11 @@ impl Names {
     fn buildings(&self, name: &str) -> &[usize] {
         let folded = fold(name);
         let full = self.tiers[..2].iter().find_map(|tier| tier.get(&folded));
-        let number = || self.tiers[2].get(&folded).or_else(|| self.tiers[2].get(&fold_number(name)));
+        let number = || {
+            self.tiers[2]
+                .get(&folded)
+                .or_else(|| self.tiers[2].get(&fold_number(name)))
+        };
         full.or_else(number).map_or(&[], Vec::as_slice)
     }
 }
@@ -163,11 +198,25 @@ mod tests {
             let id = |corner: usize| house * 10 + corner as i64 + 1;
             for (i, (x, y)) in corners.iter().enumerate() {
                 let position = LonLat::new((house as f64 * 2.0 + x) * 1e-4, y * 1e-4);
-                data.nodes.insert(id(i), Node { id: id(i), position, tags: Tags::new() });
+                data.nodes.insert(
+                    id(i),
+                    Node {
+                        id: id(i),
+                        position,
+                        tags: Tags::new(),
+                    },
+                );
             }
             let mut tags: Tags = tags.iter().copied().collect();
             tags.insert("building", "yes");
-            data.ways.insert(house, Way { id: house, nodes: vec![id(0), id(1), id(2), id(3), id(0)], tags });
+            data.ways.insert(
+                house,
+                Way {
+                    id: house,
+                    nodes: vec![id(0), id(1), id(2), id(3), id(0)],
+                    tags,
+                },
+            );
         }
         data
     }
@@ -178,19 +227,46 @@ mod tests {
 
     fn look_up(data: &OsmData, building: &str, unit: Option<&str>) -> Location {
         let map = OsmMap::new(data, Georeference::tangent_plane(LonLat::new(0.0, 0.0)));
-        locate(&map, &Address { building: building.into(), unit: unit.map(str::to_owned) })
+        locate(
+            &map,
+            &Address {
+                building: building.into(),
+                unit: unit.map(str::to_owned),
+            },
+        )
     }
 
     #[test]
     fn the_lowest_level_that_the_map_knows_is_found() {
         let mut data = street(&[&[("name", "building1")], &[("name", "building11")]]);
         tag_node(&mut data, 2, &[("entrance", "yes"), ("addr:unit", "unit1")]);
-        assert_eq!(look_up(&data, "Building 1", Some("Unit 1")), Location::Unit { entrance: 0, building: 0 });
-        assert_eq!(look_up(&data, "Building 1", Some("1")), Location::Unit { entrance: 0, building: 0 });
-        assert_eq!(look_up(&data, "Building 1", Some("unit11")), Location::Building(0));
+        assert_eq!(
+            look_up(&data, "Building 1", Some("Unit 1")),
+            Location::Unit {
+                entrance: 0,
+                building: 0
+            }
+        );
+        assert_eq!(
+            look_up(&data, "Building 1", Some("1")),
+            Location::Unit {
+                entrance: 0,
+                building: 0
+            }
+        );
+        assert_eq!(
+            look_up(&data, "Building 1", Some("unit11")),
+            Location::Building(0)
+        );
         assert_eq!(look_up(&data, "Building 1", None), Location::Building(0));
-        assert_eq!(look_up(&data, "building 11", Some("1")), Location::Building(1));
-        assert_eq!(look_up(&data, "building 2", Some("unit1")), Location::Unknown);
+        assert_eq!(
+            look_up(&data, "building 11", Some("1")),
+            Location::Building(1)
+        );
+        assert_eq!(
+            look_up(&data, "building 2", Some("unit1")),
+            Location::Unknown
+        );
     }
 
     #[test]
@@ -205,13 +281,20 @@ mod tests {
         assert_eq!(look_up(&data, "3", None), Location::Building(0));
         assert_eq!(look_up(&data, "rua baixa 3", None), Location::Building(2));
         assert_eq!(look_up(&data, "3 Rua Alta", None), Location::Building(1));
-        assert_eq!(look_up(&data, "Building 5", None), Location::Ambiguous(vec![3, 4]));
+        assert_eq!(
+            look_up(&data, "Building 5", None),
+            Location::Ambiguous(vec![3, 4])
+        );
     }
 
     #[test]
     fn a_building_is_found_by_the_address_on_its_door() {
         let mut data = street(&[&[], &[]]);
-        let address = [("addr:street", "Rua Alta"), ("addr:housenumber", "7"), ("entrance", "main")];
+        let address = [
+            ("addr:street", "Rua Alta"),
+            ("addr:housenumber", "7"),
+            ("entrance", "main"),
+        ];
         tag_node(&mut data, 12, &address);
         assert_eq!(look_up(&data, "Rua Alta 7", None), Location::Building(1));
         assert_eq!(look_up(&data, "7", None), Location::Building(1));
@@ -220,27 +303,64 @@ mod tests {
     #[test]
     fn what_a_building_lies_in_tells_it_from_others_of_its_name() {
         let data = street(&[
-            &[("name", "building3"), ("addr:suburb", "Rose Estate"), ("addr:city", "Rivertown")],
-            &[("name", "building3"), ("addr:suburb", "Lily Estate"), ("addr:city", "Rivertown")],
+            &[
+                ("name", "building3"),
+                ("addr:suburb", "Rose Estate"),
+                ("addr:city", "Rivertown"),
+            ],
+            &[
+                ("name", "building3"),
+                ("addr:suburb", "Lily Estate"),
+                ("addr:city", "Rivertown"),
+            ],
             &[("name", "Tower, North"), ("addr:street", "Rua Alta")],
         ]);
-        assert_eq!(look_up(&data, "building3", None), Location::Ambiguous(vec![0, 1]));
-        assert_eq!(look_up(&data, "building 3, lily estate", None), Location::Building(1));
-        assert_eq!(look_up(&data, "building3, Rose Estate, Rivertown", None), Location::Building(0));
-        assert_eq!(look_up(&data, "building3, Rivertown", None), Location::Ambiguous(vec![0, 1]));
-        assert_eq!(look_up(&data, "building3, Elsewhere", None), Location::Unknown);
-        assert_eq!(look_up(&data, "Tower, North, Rua Alta", None), Location::Building(2));
-        assert_eq!(look_up(&data, &"building3,".repeat(10_000), None), Location::Unknown);
+        assert_eq!(
+            look_up(&data, "building3", None),
+            Location::Ambiguous(vec![0, 1])
+        );
+        assert_eq!(
+            look_up(&data, "building 3, lily estate", None),
+            Location::Building(1)
+        );
+        assert_eq!(
+            look_up(&data, "building3, Rose Estate, Rivertown", None),
+            Location::Building(0)
+        );
+        assert_eq!(
+            look_up(&data, "building3, Rivertown", None),
+            Location::Ambiguous(vec![0, 1])
+        );
+        assert_eq!(
+            look_up(&data, "building3, Elsewhere", None),
+            Location::Unknown
+        );
+        assert_eq!(
+            look_up(&data, "Tower, North, Rua Alta", None),
+            Location::Building(2)
+        );
+        assert_eq!(
+            look_up(&data, &"building3,".repeat(10_000), None),
+            Location::Unknown
+        );
     }
 
     #[test]
     fn a_flat_leads_to_its_door() {
         let mut data = street(&[&[("name", "A")]]);
-        tag_node(&mut data, 1, &[("entrance", "yes"), ("ref", "1"), ("addr:flats", "1-8;20")]);
+        tag_node(
+            &mut data,
+            1,
+            &[("entrance", "yes"), ("ref", "1"), ("addr:flats", "1-8;20")],
+        );
         tag_node(
             &mut data,
             3,
-            &[("entrance", "yes"), ("ref", "2"), ("addr:flats", "9-16, x, 30-18, 4294967296")],
+            &[
+                ("entrance", "yes"),
+                ("ref", "2"),
+                ("addr:flats", "9-16, x, 30-18, 4294967296"),
+            ],
         );
         for (unit, entrance) in [
             ("flat 12", Some(1)),
@@ -250,8 +370,10 @@ mod tests {
             ("8", Some(0)),
             ("17", None),
         ] {
-            let wanted =
-                entrance.map_or(Location::Building(0), |entrance| Location::Unit { entrance, building: 0 });
+            let wanted = entrance.map_or(Location::Building(0), |entrance| Location::Unit {
+                entrance,
+                building: 0,
+            });
             assert_eq!(look_up(&data, "A", Some(unit)), wanted, "{unit}");
         }
     }
@@ -261,6 +383,12 @@ mod tests {
         let mut data = street(&[&[("name", "A")]]);
         tag_node(&mut data, 1, &[("entrance", "yes"), ("ref", "2")]);
         tag_node(&mut data, 3, &[("entrance", "main"), ("ref", "2")]);
-        assert_eq!(look_up(&data, "A", Some("2")), Location::Unit { entrance: 1, building: 0 });
+        assert_eq!(
+            look_up(&data, "A", Some("2")),
+            Location::Unit {
+                entrance: 1,
+                building: 0
+            }
+        );
     }
 }

@@ -92,17 +92,26 @@ pub struct ElementId {
 impl ElementId {
     /// The node `id`.
     pub const fn node(id: i64) -> Self {
-        Self { kind: ElementKind::Node, id }
+        Self {
+            kind: ElementKind::Node,
+            id,
+        }
     }
 
     /// The way `id`.
     pub const fn way(id: i64) -> Self {
-        Self { kind: ElementKind::Way, id }
+        Self {
+            kind: ElementKind::Way,
+            id,
+        }
     }
 
     /// The relation `id`.
     pub const fn relation(id: i64) -> Self {
-        Self { kind: ElementKind::Relation, id }
+        Self {
+            kind: ElementKind::Relation,
+            id,
+        }
     }
 }
 
@@ -133,15 +142,22 @@ impl ReadReport {
     /// What was left out or mended, in words; empty if nothing was.
     pub fn notes(&self) -> Vec<String> {
         let counts = [
-            (self.ways_with_missing_nodes, "name nodes that the file lacks"),
+            (
+                self.ways_with_missing_nodes,
+                "name nodes that the file lacks",
+            ),
             (self.ways_without_nodes, "are ways without nodes"),
-            (self.relations_with_missing_members, "are relations with members that the file lacks"),
+            (
+                self.relations_with_missing_members,
+                "are relations with members that the file lacks",
+            ),
             (self.bad_elements, "cannot be read and were left out"),
             (self.repeated_elements, "stand there twice"),
         ];
         let plural = |n: usize| if n == 1 { "element" } else { "elements" };
         let told = counts.into_iter().filter(|(count, _)| *count > 0);
-        told.map(|(count, what)| format!("{count} {} {what}", plural(count))).collect()
+        told.map(|(count, what)| format!("{count} {} {what}", plural(count)))
+            .collect()
     }
 }
 
@@ -171,7 +187,11 @@ impl OsmData {
 
     /// Reads OSM XML or PBF, whichever the first bytes look like.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, OsmError> {
-        if pbf::looks_like_pbf(bytes) { Self::from_pbf(bytes) } else { Self::from_xml(bytes) }
+        if pbf::looks_like_pbf(bytes) {
+            Self::from_pbf(bytes)
+        } else {
+            Self::from_xml(bytes)
+        }
     }
 
     /// Reads OSM XML (API 0.6, Overpass, JOSM). A document type is refused.
@@ -224,9 +244,18 @@ impl OsmData {
     fn count_missing(&mut self) {
         let lacks = |way: &&Way| way.nodes.iter().any(|id| !self.nodes.contains_key(id));
         self.report.ways_with_missing_nodes = self.ways.values().filter(lacks).count();
-        self.report.ways_without_nodes = self.ways.values().filter(|way| way.nodes.is_empty()).count();
+        self.report.ways_without_nodes = self
+            .ways
+            .values()
+            .filter(|way| way.nodes.is_empty())
+            .count();
         let lacks = |relation: &&Relation| {
-            relation.members.iter().any(|m| !self.has(ElementId { kind: m.kind, id: m.id }))
+            relation.members.iter().any(|m| {
+                !self.has(ElementId {
+                    kind: m.kind,
+                    id: m.id,
+                })
+            })
         };
         self.report.relations_with_missing_members = self.relations.values().filter(lacks).count();
     }
@@ -235,17 +264,35 @@ impl OsmData {
 /// Keeps all that it is shown.
 impl Visitor for OsmData {
     fn node(&mut self, node: NodeRef<'_>) {
-        self.put_node(Node { id: node.id, position: node.position, tags: node.tags.into() });
+        self.put_node(Node {
+            id: node.id,
+            position: node.position,
+            tags: node.tags.into(),
+        });
     }
 
     fn way(&mut self, way: WayRef<'_>) {
-        self.put_way(Way { id: way.id, nodes: way.nodes.to_vec(), tags: way.tags.into() });
+        self.put_way(Way {
+            id: way.id,
+            nodes: way.nodes.to_vec(),
+            tags: way.tags.into(),
+        });
     }
 
     fn relation(&mut self, relation: RelationRef<'_>) {
         let members = relation.members.iter();
-        let members = members.map(|m| Member { kind: m.kind, id: m.id, role: m.role.to_owned() }).collect();
-        self.put_relation(Relation { id: relation.id, members, tags: relation.tags.into() });
+        let members = members
+            .map(|m| Member {
+                kind: m.kind,
+                id: m.id,
+                role: m.role.to_owned(),
+            })
+            .collect();
+        self.put_relation(Relation {
+            id: relation.id,
+            members,
+            tags: relation.tags.into(),
+        });
     }
 
     fn deleted(&mut self) {

@@ -49,20 +49,27 @@ impl fmt::Display for Place {
 
 impl OsmError {
     pub(crate) fn malformed(place: Place, problem: impl Into<String>) -> Self {
-        Self::Malformed { file: None, place, problem: problem.into() }
+        Self::Malformed {
+            file: None,
+            place,
+            problem: problem.into(),
+        }
     }
 
     /// The same failure, said of the file at `path`.
     pub fn in_file(self, path: &Path) -> Self {
         match self {
-            Self::Malformed { place, problem, .. } => {
-                Self::Malformed { file: Some(path.to_owned()), place, problem }
-            }
+            Self::Malformed { place, problem, .. } => Self::Malformed {
+                file: Some(path.to_owned()),
+                place,
+                problem,
+            },
             io => io,
         }
     }
 }
 
 fn in_file(file: &Option<PathBuf>) -> String {
-    file.as_ref().map_or_else(String::new, |path| format!("{}: ", path.display()))
+    file.as_ref()
+        .map_or_else(String::new, |path| format!("{}: ", path.display()))
 }

@@ -18,7 +18,13 @@ impl Polygon {
     /// encloses no area.
     pub fn new(outer: Vec<MapPoint>, holes: Vec<Vec<MapPoint>>) -> Option<Self> {
         let outer = ring(outer, true)?;
-        Some(Self { outer, holes: holes.into_iter().filter_map(|hole| ring(hole, false)).collect() })
+        Some(Self {
+            outer,
+            holes: holes
+                .into_iter()
+                .filter_map(|hole| ring(hole, false))
+                .collect(),
+        })
     }
 
     /// Whether `point` lies inside the outline and in no hole. On the boundary either answer may come.
@@ -37,7 +43,8 @@ impl Polygon {
         let mut best = (f64::INFINITY, point, 0.0);
         for (a, b) in self.sides() {
             let foot = nearest_on_segment(a, b, point).0;
-            let squared = (foot.x - point.x) * (foot.x - point.x) + (foot.y - point.y) * (foot.y - point.y);
+            let squared =
+                (foot.x - point.x) * (foot.x - point.x) + (foot.y - point.y) * (foot.y - point.y);
             if squared < best.0 {
                 best = (squared, foot, libm::atan2(a.x - b.x, b.y - a.y));
             }
@@ -58,10 +65,17 @@ impl Polygon {
     /// Centre of mass. It may lie outside of an area that is bent or has holes.
     pub fn centroid(&self) -> MapPoint {
         // Relative to a corner, so that large coordinates cost no digits.
-        let Some(&origin) = self.outer.first() else { return MapPoint::default() };
+        let Some(&origin) = self.outer.first() else {
+            return MapPoint::default();
+        };
         let (mut x, mut y, mut twice) = (0.0, 0.0, 0.0);
         for (a, b) in self.sides() {
-            let (ax, ay, bx, by) = (a.x - origin.x, a.y - origin.y, b.x - origin.x, b.y - origin.y);
+            let (ax, ay, bx, by) = (
+                a.x - origin.x,
+                a.y - origin.y,
+                b.x - origin.x,
+                b.y - origin.y,
+            );
             let cross = ax * by - bx * ay;
             x += (ax + bx) * cross;
             y += (ay + by) * cross;
@@ -77,10 +91,14 @@ impl Polygon {
     pub fn interior_point(&self) -> MapPoint {
         let centroid = self.centroid();
         let (low, high) = self.bounds();
-        let cuts = (1..8).filter_map(|i| self.widest_cut(low.y + (high.y - low.y) * f64::from(i) / 8.0));
-        let inside = std::iter::once(centroid).chain(cuts).filter(|p| self.contains(*p));
-        let best =
-            inside.map(|p| (self.distance_to_boundary(p), p)).reduce(|a, b| if b.0 > a.0 { b } else { a });
+        let cuts =
+            (1..8).filter_map(|i| self.widest_cut(low.y + (high.y - low.y) * f64::from(i) / 8.0));
+        let inside = std::iter::once(centroid)
+            .chain(cuts)
+            .filter(|p| self.contains(*p));
+        let best = inside
+            .map(|p| (self.distance_to_boundary(p), p))
+            .reduce(|a, b| if b.0 > a.0 { b } else { a });
         best.map_or(centroid, |(_, point)| point)
     }
 
@@ -88,7 +106,10 @@ impl Polygon {
     pub fn bounds(&self) -> (MapPoint, MapPoint) {
         let start = self.outer.first().copied().unwrap_or_default();
         self.outer.iter().fold((start, start), |(low, high), p| {
-            (MapPoint::new(low.x.min(p.x), low.y.min(p.y)), MapPoint::new(high.x.max(p.x), high.y.max(p.y)))
+            (
+                MapPoint::new(low.x.min(p.x), low.y.min(p.y)),
+                MapPoint::new(high.x.max(p.x), high.y.max(p.y)),
+            )
         })
     }
 
@@ -109,7 +130,9 @@ impl Polygon {
         };
         let mut xs: Vec<f64> = self.sides().filter_map(cut).collect();
         xs.sort_by(f64::total_cmp);
-        let stretches = xs.chunks_exact(2).map(|pair| (pair[1] - pair[0], (pair[0] + pair[1]) / 2.0));
+        let stretches = xs
+            .chunks_exact(2)
+            .map(|pair| (pair[1] - pair[0], (pair[0] + pair[1]) / 2.0));
         let widest = stretches.reduce(|a, b| if b.0 > a.0 { b } else { a })?;
         Some(MapPoint::new(widest.1, y))
     }
@@ -120,7 +143,11 @@ pub fn nearest_on_segment(a: MapPoint, b: MapPoint, point: MapPoint) -> (MapPoin
     let (dx, dy) = (b.x - a.x, b.y - a.y);
     let squared = dx * dx + dy * dy;
     let t = ((point.x - a.x) * dx + (point.y - a.y) * dy) / squared;
-    let t = if squared > 0.0 { t.clamp(0.0, 1.0) } else { 0.0 };
+    let t = if squared > 0.0 {
+        t.clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
     (MapPoint::new(a.x + t * dx, a.y + t * dy), t)
 }
 
@@ -131,13 +158,17 @@ fn sides(ring: &[MapPoint]) -> impl Iterator<Item = (MapPoint, MapPoint)> + '_ {
 
 /// Whether a ray from `point` to the east crosses the side; each end belongs to one side only.
 fn crosses(a: MapPoint, b: MapPoint, point: MapPoint) -> bool {
-    (a.y > point.y) != (b.y > point.y) && point.x < (b.x - a.x) * (point.y - a.y) / (b.y - a.y) + a.x
+    (a.y > point.y) != (b.y > point.y)
+        && point.x < (b.x - a.x) * (point.y - a.y) / (b.y - a.y) + a.x
 }
 
 /// Positive for a counter-clockwise ring.
 fn signed_area(ring: &[MapPoint]) -> f64 {
     let Some(&o) = ring.first() else { return 0.0 };
-    sides(ring).map(|(a, b)| (a.x - o.x) * (b.y - o.y) - (b.x - o.x) * (a.y - o.y)).sum::<f64>() / 2.0
+    sides(ring)
+        .map(|(a, b)| (a.x - o.x) * (b.y - o.y) - (b.x - o.x) * (a.y - o.y))
+        .sum::<f64>()
+        / 2.0
 }
 
 /// The ring without repeated points, in the direction asked for; `None` if it encloses nothing.
@@ -171,7 +202,13 @@ mod tests {
 
     /// A courtyard house: 10 x 6 m with a hole of 2 x 2 m, given the wrong way round.
     fn courtyard() -> Polygon {
-        let outer = vec![p(0.0, 0.0), p(0.0, 6.0), p(10.0, 6.0), p(10.0, 0.0), p(0.0, 0.0)];
+        let outer = vec![
+            p(0.0, 0.0),
+            p(0.0, 6.0),
+            p(10.0, 6.0),
+            p(10.0, 0.0),
+            p(0.0, 0.0),
+        ];
         let hole = vec![p(4.0, 2.0), p(6.0, 2.0), p(6.0, 4.0), p(4.0, 4.0)];
         Polygon::new(outer, vec![hole]).unwrap()
     }
@@ -180,7 +217,11 @@ mod tests {
     fn a_hole_is_outside_and_takes_area() {
         let house = courtyard();
         assert_eq!((house.area(), house.perimeter()), (56.0, 32.0));
-        assert!(house.contains(p(1.0, 1.0)) && !house.contains(p(5.0, 3.0)) && !house.contains(p(-1.0, 3.0)));
+        assert!(
+            house.contains(p(1.0, 1.0))
+                && !house.contains(p(5.0, 3.0))
+                && !house.contains(p(-1.0, 3.0))
+        );
         assert_eq!(house.centroid(), p(5.0, 3.0));
         assert!(house.contains(house.interior_point()));
     }
@@ -188,9 +229,18 @@ mod tests {
     #[test]
     fn normals_point_out_of_the_area() {
         let house = courtyard();
-        assert_eq!(house.nearest_boundary_point(p(3.0, -2.0)), (p(3.0, 0.0), -FRAC_PI_2));
-        assert_eq!(house.nearest_boundary_point(p(3.0, 0.5)), (p(3.0, 0.0), -FRAC_PI_2));
-        assert_eq!(house.nearest_boundary_point(p(12.0, 3.0)), (p(10.0, 3.0), 0.0));
+        assert_eq!(
+            house.nearest_boundary_point(p(3.0, -2.0)),
+            (p(3.0, 0.0), -FRAC_PI_2)
+        );
+        assert_eq!(
+            house.nearest_boundary_point(p(3.0, 0.5)),
+            (p(3.0, 0.0), -FRAC_PI_2)
+        );
+        assert_eq!(
+            house.nearest_boundary_point(p(12.0, 3.0)),
+            (p(10.0, 3.0), 0.0)
+        );
         // From the courtyard's west wall, out of the house is east, into the courtyard.
         let (wall, normal) = house.nearest_boundary_point(p(4.1, 3.0));
         assert_eq!((wall, normal), (p(4.0, 3.0), 0.0));
@@ -201,8 +251,14 @@ mod tests {
     #[test]
     fn rings_without_area_are_no_polygons() {
         assert_eq!(Polygon::new(vec![], vec![]), None);
-        assert_eq!(Polygon::new(vec![p(0.0, 0.0), p(1.0, 1.0), p(2.0, 2.0)], vec![]), None);
-        assert_eq!(Polygon::new(vec![p(0.0, 0.0), p(f64::NAN, 1.0), p(2.0, 0.0)], vec![]), None);
+        assert_eq!(
+            Polygon::new(vec![p(0.0, 0.0), p(1.0, 1.0), p(2.0, 2.0)], vec![]),
+            None
+        );
+        assert_eq!(
+            Polygon::new(vec![p(0.0, 0.0), p(f64::NAN, 1.0), p(2.0, 0.0)], vec![]),
+            None
+        );
     }
 
     proptest! {

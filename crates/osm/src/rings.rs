@@ -10,9 +10,13 @@ pub(crate) fn assemble(pieces: &[&[i64]]) -> (Vec<Vec<i64>>, usize) {
     let mut loose = Loose::new(pieces);
     let (mut rings, mut open) = (Vec::new(), 0);
     for start in 0..pieces.len() {
-        let Some(mut chain) = loose.take(start) else { continue };
+        let Some(mut chain) = loose.take(start) else {
+            continue;
+        };
         while chain.first() != chain.last() {
-            let Some(next) = chain.last().and_then(|end| loose.take_at(*end)) else { break };
+            let Some(next) = chain.last().and_then(|end| loose.take_at(*end)) else {
+                break;
+            };
             chain.extend_from_slice(&next[1..]);
         }
         if chain.len() > 3 && chain.first() == chain.last() {
@@ -39,7 +43,13 @@ impl<'a> Loose<'a> {
                 by_end.entry(*end).or_default().push(i);
             }
         }
-        Self { pieces: pieces.iter().map(|piece| (!piece.is_empty()).then_some(*piece)).collect(), by_end }
+        Self {
+            pieces: pieces
+                .iter()
+                .map(|piece| (!piece.is_empty()).then_some(*piece))
+                .collect(),
+            by_end,
+        }
     }
 
     fn take(&mut self, index: usize) -> Option<Vec<i64>> {

@@ -40,13 +40,22 @@ enum Branch {
 impl BoxTree {
     /// A tree over boxes given by their south-west and north-east corners.
     pub(crate) fn new(boxes: impl Iterator<Item = (MapPoint, MapPoint)>) -> Self {
-        let mut items: Vec<_> = boxes.map(|(low, high)| Bounds { low, high }).enumerate().collect();
-        Self { root: (!items.is_empty()).then(|| Box::new(branch(&mut items))) }
+        let mut items: Vec<_> = boxes
+            .map(|(low, high)| Bounds { low, high })
+            .enumerate()
+            .collect();
+        Self {
+            root: (!items.is_empty()).then(|| Box::new(branch(&mut items))),
+        }
     }
 
     /// The item for which `distance` is least, and that distance. `distance` must not be less than the distance to the item's
     /// box. Of several equally near the one with the lowest index.
-    pub(crate) fn nearest(&self, point: MapPoint, distance: impl Fn(usize) -> f64) -> Option<(usize, f64)> {
+    pub(crate) fn nearest(
+        &self,
+        point: MapPoint,
+        distance: impl Fn(usize) -> f64,
+    ) -> Option<(usize, f64)> {
         let mut best = None;
         if let Some(root) = &self.root {
             root.nearest(point, &distance, &mut best);
@@ -70,9 +79,18 @@ fn branch(items: &mut [(usize, Bounds)]) -> Branch {
         return Branch::Leaf(*bounds, *index);
     }
     let all = items.iter().map(|(_, b)| *b).reduce(Bounds::around);
-    let all = all.unwrap_or(Bounds { low: MapPoint::default(), high: MapPoint::default() });
+    let all = all.unwrap_or(Bounds {
+        low: MapPoint::default(),
+        high: MapPoint::default(),
+    });
     let wide = all.high.x - all.low.x > all.high.y - all.low.y;
-    let key = |(_, b): &(usize, Bounds)| if wide { b.low.x + b.high.x } else { b.low.y + b.high.y };
+    let key = |(_, b): &(usize, Bounds)| {
+        if wide {
+            b.low.x + b.high.x
+        } else {
+            b.low.y + b.high.y
+        }
+    };
     let middle = items.len() / 2;
     items.select_nth_unstable_by(middle, |a, b| key(a).total_cmp(&key(b)).then(a.0.cmp(&b.0)));
     let (left, right) = items.split_at_mut(middle);
@@ -86,7 +104,12 @@ impl Branch {
         }
     }
 
-    fn nearest(&self, point: MapPoint, distance: &impl Fn(usize) -> f64, best: &mut Option<(usize, f64)>) {
+    fn nearest(
+        &self,
+        point: MapPoint,
+        distance: &impl Fn(usize) -> f64,
+        best: &mut Option<(usize, f64)>,
+    ) {
         if best.is_some_and(|(_, least)| self.bounds().distance(point) > least) {
             return;
         }

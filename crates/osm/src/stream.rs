@@ -18,13 +18,21 @@ pub struct Words<'a>(pub &'a [(&'a str, &'a str)]);
 impl<'a> Words<'a> {
     /// The value under `key`; of several the last one, as in [`Tags`].
     pub fn get(&self, key: &str) -> Option<&'a str> {
-        self.0.iter().rev().find(|(k, _)| *k == key).map(|(_, value)| *value)
+        self.0
+            .iter()
+            .rev()
+            .find(|(k, _)| *k == key)
+            .map(|(_, value)| *value)
     }
 }
 
 impl From<Words<'_>> for Tags {
     fn from(words: Words<'_>) -> Self {
-        words.0.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect()
+        words
+            .0
+            .iter()
+            .map(|(key, value)| ((*key).to_owned(), (*value).to_owned()))
+            .collect()
     }
 }
 
@@ -143,17 +151,27 @@ impl Elements for OsmData {
         if visitor.wants(ElementKind::Node) {
             for node in self.nodes.values() {
                 let words = borrowed(&node.tags);
-                visitor.node(NodeRef { id: node.id, position: node.position, tags: Words(&words) });
+                visitor.node(NodeRef {
+                    id: node.id,
+                    position: node.position,
+                    tags: Words(&words),
+                });
             }
         }
         if visitor.wants(ElementKind::Way) {
             for way in self.ways.values() {
                 let words = borrowed(&way.tags);
-                visitor.way(WayRef { id: way.id, nodes: &way.nodes, tags: Words(&words) });
+                visitor.way(WayRef {
+                    id: way.id,
+                    nodes: &way.nodes,
+                    tags: Words(&words),
+                });
             }
         }
         if visitor.wants(ElementKind::Relation) {
-            self.relations.values().for_each(|relation| show(relation, visitor));
+            self.relations
+                .values()
+                .for_each(|relation| show(relation, visitor));
         }
         Ok(())
     }
@@ -162,8 +180,18 @@ impl Elements for OsmData {
 fn show(relation: &Relation, visitor: &mut impl Visitor) {
     let words = borrowed(&relation.tags);
     let members = relation.members.iter();
-    let members: Vec<_> = members.map(|m| MemberRef { kind: m.kind, id: m.id, role: &m.role }).collect();
-    visitor.relation(RelationRef { id: relation.id, members: &members, tags: Words(&words) });
+    let members: Vec<_> = members
+        .map(|m| MemberRef {
+            kind: m.kind,
+            id: m.id,
+            role: &m.role,
+        })
+        .collect();
+    visitor.relation(RelationRef {
+        id: relation.id,
+        members: &members,
+        tags: Words(&words),
+    });
 }
 
 fn borrowed(tags: &Tags) -> Vec<(&str, &str)> {

@@ -18,9 +18,15 @@ impl OsmData {
     /// The data as OSM XML 0.6 in UTF-8. Characters that XML cannot hold (most control characters) are left out of tags.
     pub fn to_xml(&self) -> Vec<u8> {
         let mut out = document("osm");
-        self.nodes.values().for_each(|node| write_node(&mut out, 1, node));
-        self.ways.values().for_each(|way| write_way(&mut out, 1, way));
-        self.relations.values().for_each(|relation| write_relation(&mut out, 1, relation));
+        self.nodes
+            .values()
+            .for_each(|node| write_node(&mut out, 1, node));
+        self.ways
+            .values()
+            .for_each(|way| write_way(&mut out, 1, way));
+        self.relations
+            .values()
+            .for_each(|relation| write_relation(&mut out, 1, relation));
         out.push_str("</osm>\n");
         out.into_bytes()
     }
@@ -33,13 +39,23 @@ pub fn changes(old: &OsmData, new: &OsmData) -> Vec<u8> {
     let written = Elements::of;
     let (old, new) = (written(old), written(new));
     let mut out = document("osmChange");
-    section(&mut out, "create", new.0.iter().filter(|(key, _)| old.get(key).is_none()));
+    section(
+        &mut out,
+        "create",
+        new.0.iter().filter(|(key, _)| old.get(key).is_none()),
+    );
     section(
         &mut out,
         "modify",
-        new.0.iter().filter(|(key, text)| old.get(key).is_some_and(|was| was != *text)),
+        new.0
+            .iter()
+            .filter(|(key, text)| old.get(key).is_some_and(|was| was != *text)),
     );
-    section(&mut out, "delete", old.0.iter().rev().filter(|(key, _)| new.get(key).is_none()));
+    section(
+        &mut out,
+        "delete",
+        old.0.iter().rev().filter(|(key, _)| new.get(key).is_none()),
+    );
     out.push_str("</osmChange>\n");
     out.into_bytes()
 }
@@ -54,9 +70,18 @@ impl Elements {
             write(&mut text);
             text
         };
-        let nodes = data.nodes.values().map(|n| ((0, n.id), text(&|out| write_node(out, 2, n))));
-        let ways = data.ways.values().map(|w| ((1, w.id), text(&|out| write_way(out, 2, w))));
-        let relations = data.relations.values().map(|r| ((2, r.id), text(&|out| write_relation(out, 2, r))));
+        let nodes = data
+            .nodes
+            .values()
+            .map(|n| ((0, n.id), text(&|out| write_node(out, 2, n))));
+        let ways = data
+            .ways
+            .values()
+            .map(|w| ((1, w.id), text(&|out| write_way(out, 2, w))));
+        let relations = data
+            .relations
+            .values()
+            .map(|r| ((2, r.id), text(&|out| write_relation(out, 2, r))));
         Self(nodes.chain(ways).chain(relations).collect())
     }
 
@@ -65,7 +90,11 @@ impl Elements {
     }
 }
 
-fn section<'a>(out: &mut String, name: &str, elements: impl Iterator<Item = (&'a (u8, i64), &'a String)>) {
+fn section<'a>(
+    out: &mut String,
+    name: &str,
+    elements: impl Iterator<Item = (&'a (u8, i64), &'a String)>,
+) {
     let body: String = elements.map(|(_, text)| text.as_str()).collect();
     if !body.is_empty() {
         let _ = write!(out, "  <{name}>\n{body}  </{name}>\n");
@@ -73,7 +102,9 @@ fn section<'a>(out: &mut String, name: &str, elements: impl Iterator<Item = (&'a
 }
 
 fn document(root: &str) -> String {
-    format!("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<{root} version=\"0.6\" generator=\"openbench\">\n")
+    format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<{root} version=\"0.6\" generator=\"openbench\">\n"
+    )
 }
 
 fn write_node(out: &mut String, depth: usize, node: &Node) {
@@ -94,22 +125,52 @@ fn write_relation(out: &mut String, depth: usize, relation: &Relation) {
     let mut body = String::new();
     for Member { kind, id, role } in &relation.members {
         let (indent, kind, role) = (2 * depth + 2, kind.word(), Escaped(role));
-        let _ = writeln!(body, "{:indent$}<member type=\"{kind}\" ref=\"{id}\" role=\"{role}\"/>", "");
+        let _ = writeln!(
+            body,
+            "{:indent$}<member type=\"{kind}\" ref=\"{id}\" role=\"{role}\"/>",
+            ""
+        );
     }
-    element(out, depth, "relation", relation.id, "", &relation.tags, &body);
+    element(
+        out,
+        depth,
+        "relation",
+        relation.id,
+        "",
+        &relation.tags,
+        &body,
+    );
 }
 
-fn element(out: &mut String, depth: usize, name: &str, id: i64, attributes: &str, tags: &Tags, body: &str) {
+fn element(
+    out: &mut String,
+    depth: usize,
+    name: &str,
+    id: i64,
+    attributes: &str,
+    tags: &Tags,
+    body: &str,
+) {
     let indent = 2 * depth;
     let version = if id > 0 { " version=\"1\"" } else { "" };
-    let _ = write!(out, "{:indent$}<{name} id=\"{id}\"{version}{attributes}", "");
+    let _ = write!(
+        out,
+        "{:indent$}<{name} id=\"{id}\"{version}{attributes}",
+        ""
+    );
     if tags.is_empty() && body.is_empty() {
         out.push_str("/>\n");
         return;
     }
     let _ = write!(out, ">\n{body}");
     for (key, value) in tags.iter() {
-        let _ = writeln!(out, "{:indent$}  <tag k=\"{}\" v=\"{}\"/>", "", Escaped(key), Escaped(value));
+        let _ = writeln!(
+            out,
+            "{:indent$}  <tag k=\"{}\" v=\"{}\"/>",
+            "",
+            Escaped(key),
+            Escaped(value)
+        );
     }
     let _ = writeln!(out, "{:indent$}</{name}>", "");
 }
@@ -161,7 +222,11 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), OsmError> {
     };
     write().map_err(|source| {
         let _ = std::fs::remove_file(&beside);
-        OsmError::Io { doing: "write", path: path.to_owned(), source }
+        OsmError::Io {
+            doing: "write",
+            path: path.to_owned(),
+            source,
+        }
     })
 }
 
@@ -208,7 +273,14 @@ mod tests {
     fn changes_are_created_modified_and_deleted() {
         let old = data();
         let mut new = data();
-        new.nodes.insert(-3, Node { id: -3, position: LonLat::new(1.0, 1.0), tags: Tags::new() });
+        new.nodes.insert(
+            -3,
+            Node {
+                id: -3,
+                position: LonLat::new(1.0, 1.0),
+                tags: Tags::new(),
+            },
+        );
         new.ways.get_mut(&7).unwrap().nodes.push(-3);
         new.relations.clear();
         let text = String::from_utf8(changes(&old, &new)).unwrap();
@@ -231,7 +303,11 @@ mod tests {
 </osmChange>
 "#;
         assert_eq!(text.split_once('\n').unwrap().1, expected);
-        assert!(!String::from_utf8(changes(&old, &old)).unwrap().contains("node"));
+        assert!(
+            !String::from_utf8(changes(&old, &old))
+                .unwrap()
+                .contains("node")
+        );
     }
 
     #[test]
@@ -242,7 +318,12 @@ mod tests {
         write_atomically(&path, b"new").unwrap();
         assert_eq!(std::fs::read(&path).unwrap(), b"new");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
-        let error = write_atomically(&folder.path().join("no/map.osm"), b"").unwrap_err().to_string();
-        assert!(error.starts_with("cannot write") && error.contains("map.osm"), "{error}");
+        let error = write_atomically(&folder.path().join("no/map.osm"), b"")
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.starts_with("cannot write") && error.contains("map.osm"),
+            "{error}"
+        );
     }
 }

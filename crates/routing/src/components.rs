@@ -24,22 +24,36 @@ impl Components {
         let graph = metric.searched(roads);
         let of_state = strong_components(&graph.overlay.out, &graph.weights.out);
         let mut sizes = vec![0_usize; of_state.iter().max().map_or(0, |last| *last as usize + 1)];
-        of_state.iter().for_each(|component| sizes[*component as usize] += 1);
+        of_state
+            .iter()
+            .for_each(|component| sizes[*component as usize] += 1);
         let largest = sizes.iter().max().map_or(0, |size| *size);
-        let large = sizes.iter().map(|size| *size >= largest.min(LARGE)).collect();
+        let large = sizes
+            .iter()
+            .map(|size| *size >= largest.min(LARGE))
+            .collect();
         let of_edge = (0..roads.network.edge_count() as u32).map(|edge| {
             let sides = [2 * edge, 2 * edge + 1];
-            let open = sides.into_iter().filter(|directed| metric.edges[*directed as usize].is_open());
+            let open = sides
+                .into_iter()
+                .filter(|directed| metric.edges[*directed as usize].is_open());
             let component = |directed: u32| match &metric.turns {
                 Some(turns) => {
-                    let components = turns.states_of(directed).map(|state| of_state[state as usize]);
+                    let components = turns
+                        .states_of(directed)
+                        .map(|state| of_state[state as usize]);
                     components.max_by_key(|component| sizes[*component as usize])
                 }
                 None => of_side(roads, metric, &of_state, directed),
             };
-            open.filter_map(component).max_by_key(|component| sizes[*component as usize]).unwrap_or(NONE)
+            open.filter_map(component)
+                .max_by_key(|component| sizes[*component as usize])
+                .unwrap_or(NONE)
         });
-        Self { of_edge: of_edge.collect(), large }
+        Self {
+            of_edge: of_edge.collect(),
+            large,
+        }
     }
 
     /// The component that an edge is in.
@@ -49,7 +63,8 @@ impl Components {
 
     /// Whether an edge is in a large component.
     pub fn is_large(&self, edge: u32) -> bool {
-        self.of(edge).is_some_and(|component| self.large[component as usize])
+        self.of(edge)
+            .is_some_and(|component| self.large[component as usize])
     }
 }
 
@@ -114,13 +129,15 @@ impl Tarjan<'_> {
                 if self.number[head as usize] == NONE {
                     way.push((head, self.find(head)));
                 } else if self.component[head as usize] == NONE {
-                    self.low[state as usize] = self.low[state as usize].min(self.number[head as usize]);
+                    self.low[state as usize] =
+                        self.low[state as usize].min(self.number[head as usize]);
                 }
                 continue;
             }
             way.pop();
             if let Some((before, _)) = way.last() {
-                self.low[*before as usize] = self.low[*before as usize].min(self.low[state as usize]);
+                self.low[*before as usize] =
+                    self.low[*before as usize].min(self.low[state as usize]);
             }
             if self.low[state as usize] == self.number[state as usize] {
                 self.complete(state);

@@ -123,7 +123,11 @@ impl Guide<'_> {
     /// The direction in which a directed edge leaves its first vertex.
     pub fn leaving(&self, directed: u32) -> f64 {
         let points = self.roads.network.edge_points(directed / 2);
-        if directed.is_multiple_of(2) { look(points.iter()) } else { look(points.iter().rev()) }
+        if directed.is_multiple_of(2) {
+            look(points.iter())
+        } else {
+            look(points.iter().rev())
+        }
     }
 
     /// The direction in which a directed edge reaches its last vertex.
@@ -140,7 +144,11 @@ impl Guide<'_> {
     /// A directed edge as a way out of the vertex that it leaves.
     pub fn exit(&self, directed: u32) -> Exit {
         let open = self.metric.edges[directed as usize].is_open();
-        Exit { directed, bearing: self.leaving(directed), open }
+        Exit {
+            directed,
+            bearing: self.leaving(directed),
+            open,
+        }
     }
 
     fn name(&self, directed: u32) -> u32 {
@@ -149,7 +157,11 @@ impl Guide<'_> {
 
     fn is_roundabout(&self, directed: u32) -> bool {
         let network = &self.roads.network;
-        let is = |kind| network.way_words.is(network.edges[directed as usize / 2].class, "junction", kind);
+        let is = |kind| {
+            network
+                .way_words
+                .is(network.edges[directed as usize / 2].class, "junction", kind)
+        };
         self.metric.profile.turns().is_some() && (is("roundabout") || is("circular"))
     }
 
@@ -161,13 +173,19 @@ impl Guide<'_> {
                 begun.push((i, kind, Some(turn)));
             }
         }
-        let ends = begun.iter().skip(1).map(|(i, ..)| *i).chain([leg.edges.len()]);
+        let ends = begun
+            .iter()
+            .skip(1)
+            .map(|(i, ..)| *i)
+            .chain([leg.edges.len()]);
         let mut steps: Vec<Step> = begun
             .iter()
             .zip(ends)
             .map(|((first, kind, turn), end)| {
                 let edges = *first..end;
-                let before = first.checked_sub(1).map_or(0.0, |i| self.reaching(leg.edges[i]));
+                let before = first
+                    .checked_sub(1)
+                    .map_or(0.0, |i| self.reaching(leg.edges[i]));
                 // The directions by which turns were told, which are also those of the junction's roads.
                 let after = match first {
                     0 => look(line.part(edges.clone()).iter().copied()),
@@ -190,7 +208,14 @@ impl Guide<'_> {
         let edges = leg.edges.len()..leg.edges.len();
         let bearings = [if last.len() > 1 { before } else { 0.0 }, 0.0];
         let measures = Measures::default();
-        steps.push(Step { kind: Kind::Arrive, modifier: None, exit: None, bearings, edges, measures });
+        steps.push(Step {
+            kind: Kind::Arrive,
+            modifier: None,
+            exit: None,
+            bearings,
+            edges,
+            measures,
+        });
         steps
     }
 
@@ -208,8 +233,11 @@ impl Guide<'_> {
         // The leg's own end is passed by nobody.
         let passed = edges.filter(|i| i + 1 < leg.edges.len());
         let ends = passed.map(|i| self.roads.network.ends(leg.edges[i])[1]);
-        ends.filter(|vertex| self.exits(*vertex).any(|exit| exit.open && !self.is_roundabout(exit.directed)))
-            .count()
+        ends.filter(|vertex| {
+            self.exits(*vertex)
+                .any(|exit| exit.open && !self.is_roundabout(exit.directed))
+        })
+        .count()
     }
 
     /// What is to be said where one directed edge follows another, and by how much one turns.
@@ -238,7 +266,8 @@ impl Guide<'_> {
         }
         let straight = |exit: &&Exit| angle(exit).abs() < STRAIGHT;
         if taken.abs() < STRAIGHT {
-            let obvious = |exit: &Exit| name == before && name != 0 && self.name(exit.directed) != name;
+            let obvious =
+                |exit: &Exit| name == before && name != 0 && self.name(exit.directed) != name;
             let Some(other) = others.iter().find(|exit| straight(exit) && !obvious(exit)) else {
                 return renamed.filter(|_| name != 0);
             };
@@ -274,5 +303,7 @@ fn look(points: impl Iterator<Item = Place>) -> f64 {
             break;
         }
     }
-    first.zip(last).map_or(0.0, |(first, last)| bearing(first, last))
+    first
+        .zip(last)
+        .map_or(0.0, |(first, last)| bearing(first, last))
 }

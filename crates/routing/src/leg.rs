@@ -69,7 +69,11 @@ fn part(whole: u32, share: f64) -> u32 {
 /// One of a directed edge's two costs before a place on it.
 fn before(whole: u32, position: &Position, directed: u32) -> u32 {
     let forward = part(whole, position.share);
-    if directed.is_multiple_of(2) { forward } else { whole - forward }
+    if directed.is_multiple_of(2) {
+        forward
+    } else {
+        whole - forward
+    }
 }
 
 impl Leg {
@@ -83,7 +87,13 @@ impl Leg {
     ) -> Option<Self> {
         let straight = straight(metric, from, to);
         memory.hold(roads, metric, from, to);
-        let Memory { workspace, path, sources, targets, ends } = memory;
+        let Memory {
+            workspace,
+            path,
+            sources,
+            targets,
+            ends,
+        } = memory;
         let around = workspace.route(metric.searched(roads), &ends[0], &ends[1], path);
         match (straight, around) {
             (Some(straight), around) if around.is_none_or(|weight| straight.weight <= weight) => {
@@ -110,22 +120,34 @@ impl Leg {
         others: usize,
         memory: &mut Memory,
     ) -> Vec<Self> {
-        let Some(best) = Self::find(roads, metric, from, to, memory) else { return Vec::new() };
+        let Some(best) = Self::find(roads, metric, from, to, memory) else {
+            return Vec::new();
+        };
         let mut legs = vec![best];
         if legs[0].edges.len() < 2 {
             return legs;
         }
         memory.hold(roads, metric, from, to);
-        let Memory { workspace, path, sources, targets, ends } = memory;
+        let Memory {
+            workspace,
+            path,
+            sources,
+            targets,
+            ends,
+        } = memory;
         let graph = metric.searched(roads);
         let ways = workspace.ways(graph, &ends[0], &ends[1], STRETCH, CANDIDATES);
         for (weight, states) in ways {
             if legs.len() > others {
                 break;
             }
-            let leg = unpacked(roads, metric, weight, &states, [sources, targets]).trimmed(roads, metric);
-            let most = |known: &Self| SHARED * known.edge_weight(metric).min(f64::from(legs[0].weight));
-            let new = legs.iter().all(|known| leg.shared(metric, known) <= most(known));
+            let leg =
+                unpacked(roads, metric, weight, &states, [sources, targets]).trimmed(roads, metric);
+            let most =
+                |known: &Self| SHARED * known.edge_weight(metric).min(f64::from(legs[0].weight));
+            let new = legs
+                .iter()
+                .all(|known| leg.shared(metric, known) <= most(known));
             if new
                 && is_simple(&states)
                 && is_locally_optimal(graph, &states, legs[0].weight, workspace, path)
@@ -149,15 +171,31 @@ impl Leg {
     ) -> Vec<Option<Measures>> {
         let mut held = |from: &[Position], to: &[Position]| {
             memory.hold(roads, metric, from, to);
-            let holds = if to.is_empty() { &memory.sources } else { &memory.targets };
-            holds.iter().map(|hold| ValuedEnd { end: hold.end, value: hold.value }).collect()
+            let holds = if to.is_empty() {
+                &memory.sources
+            } else {
+                &memory.targets
+            };
+            holds
+                .iter()
+                .map(|hold| ValuedEnd {
+                    end: hold.end,
+                    value: hold.value,
+                })
+                .collect()
         };
         let sources: Vec<Vec<ValuedEnd>> = from.iter().map(|place| held(place, &[])).collect();
         let targets: Vec<Vec<ValuedEnd>> = to.iter().map(|place| held(&[], place)).collect();
         // Where everything counts as long as it takes, durations need no sums of their own.
         let plain = !lengths && metric.weight_is_duration();
         let values = (!plain).then(|| metric.values(roads));
-        let found = tables.table(&mut memory.workspace, metric.searched(roads), values, &sources, &targets);
+        let found = tables.table(
+            &mut memory.workspace,
+            metric.searched(roads),
+            values,
+            &sources,
+            &targets,
+        );
         let pairs = from.iter().flat_map(|a| to.iter().map(move |b| (a, b)));
         let measures = found.into_iter().zip(pairs).map(|(found, (a, b))| {
             let around = (found.weight < FAR).then(|| Measures {
@@ -186,7 +224,12 @@ impl Leg {
             let last = directed.is_multiple_of(2) == end;
             let points = roads.network.edge_points(directed / 2).len() as u32;
             let (share, segment) = if last { (1.0, points - 2) } else { (0.0, 0) };
-            Position { edge: directed / 2, share, segment, ..*position }
+            Position {
+                edge: directed / 2,
+                share,
+                segment,
+                ..*position
+            }
         };
         while let [first, second, ..] = self.edges[..] {
             let free = metric.entry_weight(roads, first, second) == 0;
@@ -211,18 +254,25 @@ impl Leg {
     fn shared(&self, metric: &Metric, other: &Self) -> f64 {
         let others: HashSet<u32> = other.edges.iter().copied().collect();
         let shared = self.edges.iter().filter(|edge| others.contains(edge));
-        shared.map(|edge| f64::from(metric.edges[*edge as usize].weight())).sum()
+        shared
+            .map(|edge| f64::from(metric.edges[*edge as usize].weight()))
+            .sum()
     }
 
     /// The weight of all its edges.
     fn edge_weight(&self, metric: &Metric) -> f64 {
-        self.edges.iter().map(|edge| f64::from(metric.edges[*edge as usize].weight())).sum()
+        self.edges
+            .iter()
+            .map(|edge| f64::from(metric.edges[*edge as usize].weight()))
+            .sum()
     }
 
     /// Metres, hundredths of a second.
     pub fn length_and_duration(&self, roads: &Roads, metric: &Metric) -> (f64, u32) {
         let edges = (0..self.edges.len()).map(|i| self.measures(roads, metric, i));
-        edges.fold((0.0, 0), |(length, duration), edge| (length + edge.length, duration + edge.duration))
+        edges.fold((0.0, 0), |(length, duration), edge| {
+            (length + edge.length, duration + edge.duration)
+        })
     }
 
     /// What travelling the edge of that index takes, with the vertex at its end.
@@ -231,12 +281,25 @@ impl Leg {
         let cost = metric.edges[directed as usize];
         let last = index + 1 == self.edges.len();
         let [begin, end] = self.travelled(index);
-        let length = f64::from(roads.network.edges[directed as usize / 2].length) / 1000.0 * (end - begin);
+        let length =
+            f64::from(roads.network.edges[directed as usize / 2].length) / 1000.0 * (end - begin);
         let travelled = |whole: u32| {
-            let first = if index == 0 { before(whole, &self.from, directed) } else { 0 };
-            if last { before(whole, &self.to, directed) - first } else { whole - first }
+            let first = if index == 0 {
+                before(whole, &self.from, directed)
+            } else {
+                0
+            };
+            if last {
+                before(whole, &self.to, directed) - first
+            } else {
+                whole - first
+            }
         };
-        let past = if last { [0, 0] } else { metric.passing(roads, directed, self.edges[index + 1]) };
+        let past = if last {
+            [0, 0]
+        } else {
+            metric.passing(roads, directed, self.edges[index + 1])
+        };
         let before_it = index.checked_sub(1).map(|i| self.edges[i]);
         let entry = before_it.map_or(0, |from| metric.entry_weight(roads, from, directed));
         Measures {
@@ -249,23 +312,53 @@ impl Leg {
     /// From which share of its edge to which one the edge of that index is travelled.
     pub fn travelled(&self, index: usize) -> [f64; 2] {
         let directed = self.edges[index];
-        let begin = if index == 0 { self.from.share_before(directed) } else { 0.0 };
+        let begin = if index == 0 {
+            self.from.share_before(directed)
+        } else {
+            0.0
+        };
         let last = index + 1 == self.edges.len();
-        [begin, if last { self.to.share_before(directed) } else { 1.0 }]
+        [
+            begin,
+            if last {
+                self.to.share_before(directed)
+            } else {
+                1.0
+            },
+        ]
     }
 
     /// The line, from place to place.
     pub fn line(&self, roads: &Roads) -> Line {
-        let mut line = Line { points: vec![self.from.place], ends: Vec::with_capacity(self.edges.len()) };
+        let mut line = Line {
+            points: vec![self.from.place],
+            ends: Vec::with_capacity(self.edges.len()),
+        };
         for (i, &directed) in self.edges.iter().enumerate() {
             let points = roads.network.edge_points(directed / 2);
             let forward = directed.is_multiple_of(2);
             let (begins, ends) = (i == 0, i + 1 == self.edges.len());
             // Between the places on the edge, in its own direction.
-            let [a, b] = if forward { [&self.from, &self.to] } else { [&self.to, &self.from] };
-            let [first_here, last_here] = if forward { [begins, ends] } else { [ends, begins] };
-            let first = if first_here { a.segment as usize + 1 } else { 0 };
-            let last = if last_here { b.segment as usize + 1 } else { points.len() };
+            let [a, b] = if forward {
+                [&self.from, &self.to]
+            } else {
+                [&self.to, &self.from]
+            };
+            let [first_here, last_here] = if forward {
+                [begins, ends]
+            } else {
+                [ends, begins]
+            };
+            let first = if first_here {
+                a.segment as usize + 1
+            } else {
+                0
+            };
+            let last = if last_here {
+                b.segment as usize + 1
+            } else {
+                points.len()
+            };
             let between = points.part(first, last);
             if forward {
                 between.for_each(|point| line.push(point));
@@ -299,7 +392,10 @@ impl Line {
 
     /// The points of some of the leg's edges; at least one, at the leg's end.
     pub fn part(&self, edges: std::ops::Range<usize>) -> &[Place] {
-        let first = edges.start.checked_sub(1).map_or(0, |before| self.ends[before]);
+        let first = edges
+            .start
+            .checked_sub(1)
+            .map_or(0, |before| self.ends[before]);
         let last = edges.end.checked_sub(1).map_or(0, |last| self.ends[last]);
         &self.points[first..=last.max(first)]
     }
@@ -309,8 +405,9 @@ impl Memory {
     /// Takes down the directed edges that one can begin and end on.
     fn hold(&mut self, roads: &Roads, metric: &Metric, from: &[Position], to: &[Position]) {
         self.sources.clear();
-        self.sources
-            .extend(open_sides(metric, from).map(|(directed, at)| source(roads, metric, directed, at)));
+        self.sources.extend(
+            open_sides(metric, from).map(|(directed, at)| source(roads, metric, directed, at)),
+        );
         self.targets.clear();
         for (directed, at) in open_sides(metric, to) {
             self.hold_target(roads, metric, directed, at);
@@ -326,22 +423,44 @@ impl Memory {
     /// Takes down the ends that one can reach a place from along a directed edge.
     fn hold_target(&mut self, roads: &Roads, metric: &Metric, directed: u32, position: Position) {
         let cost = metric.edges[directed as usize];
-        let [first, time] = [cost.weight(), cost.duration()].map(|whole| before(whole, &position, directed));
-        let length = part(centimetres(roads, directed), position.share_before(directed));
+        let [first, time] =
+            [cost.weight(), cost.duration()].map(|whole| before(whole, &position, directed));
+        let length = part(
+            centimetres(roads, directed),
+            position.share_before(directed),
+        );
         let Some(turns) = &metric.turns else {
             let [state, _] = roads.network.ends(directed);
-            let end = End { state, weight: metric.edge_weight(&roads.network, directed, first) };
-            return self.targets.push(Hold { directed, position, end, value: [time, length] });
+            let end = End {
+                state,
+                weight: metric.edge_weight(&roads.network, directed, first),
+            };
+            return self.targets.push(Hold {
+                directed,
+                position,
+                end,
+                value: [time, length],
+            });
         };
         // By each turn into the edge.
         let graph = metric.searched(roads);
         let incoming = graph.overlay.incoming();
-        let slots = turns.states_of(directed).flat_map(|state| incoming.of(state));
+        let slots = turns
+            .states_of(directed)
+            .flat_map(|state| incoming.of(state));
         for slot in slots.filter(|slot| graph.weights.into[*slot] < FAR) {
             let from = incoming.head[slot];
-            let end = End { state: from, weight: graph.weights.into[slot] - cost.weight() + first };
+            let end = End {
+                state: from,
+                weight: graph.weights.into[slot] - cost.weight() + first,
+            };
             let [passed, _] = metric.passing(roads, turns.edge_of[from as usize], directed);
-            self.targets.push(Hold { directed, position, end, value: [time + passed, length] });
+            self.targets.push(Hold {
+                directed,
+                position,
+                end,
+                value: [time + passed, length],
+            });
         }
     }
 }
@@ -351,7 +470,9 @@ fn open_sides<'a>(
     metric: &'a Metric,
     positions: &'a [Position],
 ) -> impl Iterator<Item = (u32, Position)> + 'a {
-    let sides = positions.iter().flat_map(|at| [(2 * at.edge, *at), (2 * at.edge + 1, *at)]);
+    let sides = positions
+        .iter()
+        .flat_map(|at| [(2 * at.edge, *at), (2 * at.edge + 1, *at)]);
     sides.filter(|(directed, at)| {
         at.open[*directed as usize % 2] && metric.edges[*directed as usize].is_open()
     })
@@ -362,7 +483,10 @@ fn source(roads: &Roads, metric: &Metric, directed: u32, position: Position) -> 
     let cost = metric.edges[directed as usize];
     let [weight, time] =
         [cost.weight(), cost.duration()].map(|whole| whole - before(whole, &position, directed));
-    let length = part(centimetres(roads, directed), 1.0 - position.share_before(directed));
+    let length = part(
+        centimetres(roads, directed),
+        1.0 - position.share_before(directed),
+    );
     let (state, past) = match &metric.turns {
         Some(turns) => (turns.state_of[directed as usize], [0, 0]),
         None => {
@@ -371,8 +495,16 @@ fn source(roads: &Roads, metric: &Metric, directed: u32, position: Position) -> 
             (state, [vertex.weight(), vertex.duration()])
         }
     };
-    let end = End { state, weight: weight + past[0] };
-    Hold { directed, position, end, value: [time + past[1], length] }
+    let end = End {
+        state,
+        weight: weight + past[0],
+    };
+    Hold {
+        directed,
+        position,
+        end,
+        value: [time + past[1], length],
+    }
 }
 
 fn is_simple(states: &[u32]) -> bool {
@@ -405,24 +537,39 @@ fn is_locally_optimal(
     }
     let mut first = 0;
     while first + 1 < states.len() {
-        let end =
-            along.partition_point(|a| *a <= along[first] + 2 * stretch).clamp(first + 2, states.len()) - 1;
-        let ends = [first, end].map(|i| [End { state: states[i], weight: 0 }]);
-        if workspace.route(graph, &ends[0], &ends[1], path).is_none_or(|w| w < along[end] - along[first]) {
+        let end = along
+            .partition_point(|a| *a <= along[first] + 2 * stretch)
+            .clamp(first + 2, states.len())
+            - 1;
+        let ends = [first, end].map(|i| {
+            [End {
+                state: states[i],
+                weight: 0,
+            }]
+        });
+        if workspace
+            .route(graph, &ends[0], &ends[1], path)
+            .is_none_or(|w| w < along[end] - along[first])
+        {
             return false;
         }
         if end + 1 == states.len() {
             return true;
         }
-        first = along.partition_point(|a| *a <= along[first] + stretch).max(first + 1);
+        first = along
+            .partition_point(|a| *a <= along[first] + stretch)
+            .max(first + 1);
     }
     true
 }
 
 /// The lightest way along a single edge.
 fn straight(metric: &Metric, from: &[Position], to: &[Position]) -> Option<Leg> {
-    let pairs = from.iter().flat_map(|a| to.iter().filter(|b| b.edge == a.edge).map(move |b| (a, b)));
-    let ways = pairs.flat_map(|(a, b)| [2 * a.edge, 2 * a.edge + 1].map(|directed| (a, b, directed)));
+    let pairs = from
+        .iter()
+        .flat_map(|a| to.iter().filter(|b| b.edge == a.edge).map(move |b| (a, b)));
+    let ways =
+        pairs.flat_map(|(a, b)| [2 * a.edge, 2 * a.edge + 1].map(|directed| (a, b, directed)));
     let legs = ways.filter_map(|(a, b, directed)| {
         let whole = metric.edges[directed as usize].weight();
         let onwards = a.share_before(directed) <= b.share_before(directed);
@@ -439,27 +586,51 @@ fn straight(metric: &Metric, from: &[Position], to: &[Position]) -> Option<Leg> 
 }
 
 /// The leg that a row of vertices stands for.
-fn unpacked(roads: &Roads, metric: &Metric, weight: u32, states: &[u32], holds: [&[Hold]; 2]) -> Leg {
+fn unpacked(
+    roads: &Roads,
+    metric: &Metric,
+    weight: u32,
+    states: &[u32],
+    holds: [&[Hold]; 2],
+) -> Leg {
     let best = |holds: &[Hold], state: u32| {
-        holds.iter().filter(|hold| hold.end.state == state).min_by_key(|hold| hold.end.weight).copied()
+        holds
+            .iter()
+            .filter(|hold| hold.end.state == state)
+            .min_by_key(|hold| hold.end.weight)
+            .copied()
     };
     let [first, last] = [states[0], states[states.len() - 1]];
     let (source, target) = (best(holds[0], first), best(holds[1], last));
     let mut edges = match &metric.turns {
-        Some(turns) => states.iter().map(|state| turns.edge_of[*state as usize]).collect(),
+        Some(turns) => states
+            .iter()
+            .map(|state| turns.edge_of[*state as usize])
+            .collect(),
         None => {
             let graph = metric.searched(roads);
             let (out, weights) = (&graph.overlay.out, &graph.weights.out);
             let arcs = states.windows(2).filter_map(|pair| {
                 let slots = out.of(pair[0]).filter(|slot| out.head[*slot] == pair[1]);
-                slots.min_by_key(|slot| weights[*slot]).map(|slot| out.via[slot])
+                slots
+                    .min_by_key(|slot| weights[*slot])
+                    .map(|slot| out.via[slot])
             });
-            source.iter().map(|hold| hold.directed).chain(arcs).collect::<Vec<u32>>()
+            source
+                .iter()
+                .map(|hold| hold.directed)
+                .chain(arcs)
+                .collect::<Vec<u32>>()
         }
     };
     edges.extend(target.iter().map(|hold| hold.directed));
     // A search begins and ends with what was held.
     let from = source.map_or_else(|| holds[0][0].position, |hold| hold.position);
     let to = target.map_or_else(|| holds[1][0].position, |hold| hold.position);
-    Leg { weight, edges, from, to }
+    Leg {
+        weight,
+        edges,
+        from,
+        to,
+    }
 }

@@ -124,10 +124,16 @@ impl Metric {
         let edges = edge_costs(network, &profile);
         let vertices = vertex_costs(network, &profile, &edges);
         let entry = units(profile.entry());
-        let weight_is_duration =
-            edges.iter().all(|edge| edge.weight() == edge.duration() && !edge.ends_only())
-                && vertices.iter().all(|vertex| vertex.weight() == vertex.duration());
-        let turns = profile.turns().map(|_| TurnGraph::new(roads, &profile, &edges)).transpose()?;
+        let weight_is_duration = edges
+            .iter()
+            .all(|edge| edge.weight() == edge.duration() && !edge.ends_only())
+            && vertices
+                .iter()
+                .all(|vertex| vertex.weight() == vertex.duration());
+        let turns = profile
+            .turns()
+            .map(|_| TurnGraph::new(roads, &profile, &edges))
+            .transpose()?;
         let mut metric = Self {
             profile,
             edges,
@@ -142,7 +148,11 @@ impl Metric {
         };
         let overlay = metric.overlay(roads);
         metric.weights = Weights {
-            out: overlay.out.iter().map(|(from, slot)| metric.weight_of_arc_out(roads, from, slot)).collect(),
+            out: overlay
+                .out
+                .iter()
+                .map(|(from, slot)| metric.weight_of_arc_out(roads, from, slot))
+                .collect(),
             into: overlay
                 .incoming()
                 .iter()
@@ -157,12 +167,18 @@ impl Metric {
 
     /// The layers that are searched.
     fn overlay<'a>(&'a self, roads: &'a Roads) -> &'a Overlay {
-        self.turns.as_ref().map_or(&roads.vertices, |turns| &turns.overlay)
+        self.turns
+            .as_ref()
+            .map_or(&roads.vertices, |turns| &turns.overlay)
     }
 
     /// What searches need.
     pub fn searched<'a>(&'a self, roads: &'a Roads) -> Searched<'a> {
-        Searched { overlay: self.overlay(roads), weights: &self.weights, cliques: &self.cliques }
+        Searched {
+            overlay: self.overlay(roads),
+            weights: &self.weights,
+            cliques: &self.cliques,
+        }
     }
 
     /// Whether an edge can be travelled in some direction.
@@ -186,7 +202,10 @@ impl Metric {
                     Some(turns) => self.passing(roads, turns.edge_of[from as usize], via)[0],
                     None => self.vertices[out.head[slot] as usize].duration(),
                 };
-                [self.edges[via as usize].duration().saturating_add(passed), centimetres(roads, via)]
+                [
+                    self.edges[via as usize].duration().saturating_add(passed),
+                    centimetres(roads, via),
+                ]
             });
             Values::new(graph, arcs.collect())
         })
@@ -194,7 +213,10 @@ impl Metric {
 
     /// What passing from one directed edge to the next takes: the vertex between them, and the turn.
     pub fn passing(&self, roads: &Roads, from: u32, to: u32) -> [u32; 2] {
-        let turn = self.turns.as_ref().map_or(0, |turns| turns.penalty(roads, self, from, to));
+        let turn = self
+            .turns
+            .as_ref()
+            .map_or(0, |turns| turns.penalty(roads, self, from, to));
         if to == from ^ 1 && self.turns.is_some() {
             // One turns round in front of the vertex, which may be a barrier.
             return [turn, turn];
@@ -236,11 +258,18 @@ impl Metric {
             let Edge { class, length, .. } = network.edges[edge as usize];
             let goings = self.profile.way(&network.way_words.get(class));
             for (direction, going) in goings.into_iter().enumerate() {
-                let cost = if closed { EdgeCost::CLOSED } else { edge_cost(length, going) };
+                let cost = if closed {
+                    EdgeCost::CLOSED
+                } else {
+                    edge_cost(length, going)
+                };
                 self.edges[2 * edge as usize + direction] = cost;
             }
         }
-        let mut vertices: Vec<u32> = edges.iter().flat_map(|edge| network.ends(2 * edge)).collect();
+        let mut vertices: Vec<u32> = edges
+            .iter()
+            .flat_map(|edge| network.ends(2 * edge))
+            .collect();
         vertices.sort_unstable();
         vertices.dedup();
         let states = self.states_at(roads, &vertices);
@@ -263,7 +292,10 @@ impl Metric {
                 }
             }
         }
-        let overlay = self.turns.as_ref().map_or(&roads.vertices, |turns| &turns.overlay);
+        let overlay = self
+            .turns
+            .as_ref()
+            .map_or(&roads.vertices, |turns| &turns.overlay);
         Cliques::update(&mut self.cliques, overlay, &self.weights, &states);
         self.components = Components::new(roads, self);
         self.values = OnceLock::new();
@@ -271,22 +303,38 @@ impl Metric {
 
     /// The states that arcs at these vertices lead between.
     fn states_at(&self, roads: &Roads, vertices: &[u32]) -> Vec<u32> {
-        let Some(turns) = &self.turns else { return vertices.to_vec() };
-        let around = vertices.iter().flat_map(|vertex| roads.vertices.out.of(*vertex));
+        let Some(turns) = &self.turns else {
+            return vertices.to_vec();
+        };
+        let around = vertices
+            .iter()
+            .flat_map(|vertex| roads.vertices.out.of(*vertex));
         let leaving = around.map(|slot| roads.vertices.out.via[slot]);
-        leaving.flat_map(|directed| [directed, directed ^ 1]).flat_map(|d| turns.states_of(d)).collect()
+        leaving
+            .flat_map(|directed| [directed, directed ^ 1])
+            .flat_map(|d| turns.states_of(d))
+            .collect()
     }
 
     fn neighbours(&self, roads: &Roads, state: u32) -> Vec<u32> {
         let overlay = self.overlay(roads);
         let out = overlay.out.of(state).map(|slot| overlay.out.head[slot]);
-        out.chain(overlay.incoming().of(state).map(|slot| overlay.incoming().head[slot])).collect()
+        out.chain(
+            overlay
+                .incoming()
+                .of(state)
+                .map(|slot| overlay.incoming().head[slot]),
+        )
+        .collect()
     }
 
     /// What going along a directed edge and past the vertex at its end counts as.
     pub fn arc_weight(&self, network: &Network, directed: u32) -> u32 {
         let past = self.vertices[network.ends(directed)[1] as usize].weight();
-        sum(self.edge_weight(network, directed, self.edges[directed as usize].weight()), past)
+        sum(
+            self.edge_weight(network, directed, self.edges[directed as usize].weight()),
+            past,
+        )
     }
 
     /// What the first part of a directed edge, which itself counts as `part`, counts as with entering it.
@@ -296,14 +344,21 @@ impl Metric {
             return FAR;
         }
         let first = self.vertices[network.ends(directed)[0] as usize];
-        let entry = if cost.ends_only() && first.is_public() { self.entry } else { 0 };
+        let entry = if cost.ends_only() && first.is_public() {
+            self.entry
+        } else {
+            0
+        };
         sum(part, entry)
     }
 }
 
 /// How long a directed edge is.
 pub(crate) fn centimetres(roads: &Roads, directed: u32) -> u32 {
-    roads.network.edges[directed as usize / 2].length.saturating_add(5) / 10
+    roads.network.edges[directed as usize / 2]
+        .length
+        .saturating_add(5)
+        / 10
 }
 
 /// Two weights together.
@@ -317,13 +372,26 @@ pub(crate) fn units(seconds: f64) -> u32 {
 }
 
 fn edge_costs(network: &Network, profile: &Profile) -> Vec<EdgeCost> {
-    let goings: Vec<_> = network.way_words.iter().map(|words| profile.way(&words)).collect();
+    let goings: Vec<_> = network
+        .way_words
+        .iter()
+        .map(|words| profile.way(&words))
+        .collect();
     let edges = network.edges().iter();
-    edges.flat_map(|edge| goings[edge.class as usize].map(|going| edge_cost(edge.length, going))).collect()
+    edges
+        .flat_map(|edge| goings[edge.class as usize].map(|going| edge_cost(edge.length, going)))
+        .collect()
 }
 
 fn edge_cost(millimetres: u32, going: Option<Going>) -> EdgeCost {
-    let Some(Going { speed, cost, ends_only }) = going else { return EdgeCost::CLOSED };
+    let Some(Going {
+        speed,
+        cost,
+        ends_only,
+    }) = going
+    else {
+        return EdgeCost::CLOSED;
+    };
     let seconds = f64::from(millimetres) / 1000.0 / speed;
     let mark = if ends_only { MARK } else { 0 };
     EdgeCost(Marked::new(units(seconds * cost) | mark, units(seconds)))
@@ -335,8 +403,16 @@ fn vertex_costs(network: &Network, profile: &Profile, edges: &[EdgeCost]) -> Vec
         None => Marked::NEVER,
     };
     let classes: Vec<_> = network.node_words.iter().map(cost).collect();
-    let mut vertices: Vec<_> = network.vertex_classes.iter().map(|class| classes[*class as usize]).collect();
-    for (directed, _) in edges.iter().enumerate().filter(|(_, e)| e.is_open() && !e.ends_only()) {
+    let mut vertices: Vec<_> = network
+        .vertex_classes
+        .iter()
+        .map(|class| classes[*class as usize])
+        .collect();
+    for (directed, _) in edges
+        .iter()
+        .enumerate()
+        .filter(|(_, e)| e.is_open() && !e.ends_only())
+    {
         for vertex in network.ends(directed as u32) {
             vertices[vertex as usize].weight |= MARK;
         }

@@ -39,7 +39,10 @@ pub struct SnapOptions {
 
 impl Default for SnapOptions {
     fn default() -> Self {
-        Self { radius: f64::INFINITY, bearing: None }
+        Self {
+            radius: f64::INFINITY,
+            bearing: None,
+        }
     }
 }
 
@@ -63,30 +66,50 @@ impl Position {
             }
             all += distance(a, b);
         }
-        let share = if all > 0.0 { (before / all).min(1.0) } else { 0.0 };
+        let share = if all > 0.0 {
+            (before / all).min(1.0)
+        } else {
+            0.0
+        };
         // At its end a share is 1, whatever was lost in rounding.
         let at_end = segment + 2 == points.len() && foot.share >= 1.0;
         let share = if at_end { 1.0 } else { share };
         let (edge, segment, place, away) = (foot.edge, foot.segment, foot.place, foot.away);
-        Self { edge, share, segment, place, away, open: [true; 2] }
+        Self {
+            edge,
+            share,
+            segment,
+            place,
+            away,
+            open: [true; 2],
+        }
     }
 }
 
 impl Position {
     /// The share of its edge before the place, in the direction in which the edge is travelled.
     pub fn share_before(&self, directed: u32) -> f64 {
-        if directed.is_multiple_of(2) { self.share } else { 1.0 - self.share }
+        if directed.is_multiple_of(2) {
+            self.share
+        } else {
+            1.0 - self.share
+        }
     }
 }
 
 impl SnapOptions {
     /// In which directions a foot's segment may be travelled.
     fn open(&self, roads: &Roads, foot: &Foot) -> [bool; 2] {
-        let Some((bearing, range)) = self.bearing else { return [true; 2] };
+        let Some((bearing, range)) = self.bearing else {
+            return [true; 2];
+        };
         let points = roads.network.edge_points(foot.edge);
-        let forward =
-            crate::geo::bearing(points.at(foot.segment as usize), points.at(foot.segment as usize + 1));
-        [forward, forward + 180.0].map(|direction| crate::geo::turn(bearing, direction).abs() <= range)
+        let forward = crate::geo::bearing(
+            points.at(foot.segment as usize),
+            points.at(foot.segment as usize + 1),
+        );
+        [forward, forward + 180.0]
+            .map(|direction| crate::geo::turn(bearing, direction).abs() <= range)
     }
 }
 
@@ -122,12 +145,20 @@ impl Snap {
 
     /// As [`Snap::positions`].
     pub fn into_positions(self, small: bool) -> Vec<Position> {
-        if small || self.large.is_empty() { self.nearest } else { self.large }
+        if small || self.large.is_empty() {
+            self.nearest
+        } else {
+            self.large
+        }
     }
 
     /// Where to begin or end: if `small` places will do, the nearest one, or else the nearest in a large component.
     pub fn positions(&self, small: bool) -> &[Position] {
-        if small || self.large.is_empty() { &self.nearest } else { &self.large }
+        if small || self.large.is_empty() {
+            &self.nearest
+        } else {
+            &self.large
+        }
     }
 }
 
@@ -138,7 +169,9 @@ fn nearest_large(
     options: &SnapOptions,
     memory: &mut Nearest,
 ) -> Vec<Position> {
-    nearest(roads, metric, place, options, memory, |edge| metric.components.is_large(edge))
+    nearest(roads, metric, place, options, memory, |edge| {
+        metric.components.is_large(edge)
+    })
 }
 
 /// The nearest place, on each usable edge that goes through it.
@@ -152,27 +185,39 @@ fn nearest(
 ) -> Vec<Position> {
     let (mut found, mut looked_at): (Vec<Position>, usize) = (Vec::new(), 0);
     let usable = |edge| metric.is_open(edge) && usable(edge);
-    roads.segments.nearest(&roads.network, place, options.radius, memory, usable, |foot| {
-        let first = found.first();
-        if first.is_some_and(|first| foot.away > first.away + SAME) {
-            return false;
-        }
-        looked_at += 1;
-        let same = first.is_none_or(|first| distance(first.place, foot.place) < SAME);
-        let bearings = options.open(roads, &foot);
-        let open = [0, 1].map(|i| bearings[i] && metric.edges[2 * foot.edge as usize + i].is_open());
-        if same && open != [false; 2] {
-            let position = Position { open, ..Position::new(roads, foot) };
-            let known = |p: &Position| p.edge == position.edge && p.share == position.share;
-            if !found.iter().any(known) {
-                found.push(position);
+    roads.segments.nearest(
+        &roads.network,
+        place,
+        options.radius,
+        memory,
+        usable,
+        |foot| {
+            let first = found.first();
+            if first.is_some_and(|first| foot.away > first.away + SAME) {
+                return false;
             }
-        }
-        looked_at < MOST
-    });
+            looked_at += 1;
+            let same = first.is_none_or(|first| distance(first.place, foot.place) < SAME);
+            let bearings = options.open(roads, &foot);
+            let open =
+                [0, 1].map(|i| bearings[i] && metric.edges[2 * foot.edge as usize + i].is_open());
+            if same && open != [false; 2] {
+                let position = Position {
+                    open,
+                    ..Position::new(roads, foot)
+                };
+                let known = |p: &Position| p.edge == position.edge && p.share == position.share;
+                if !found.iter().any(known) {
+                    found.push(position);
+                }
+            }
+            looked_at < MOST
+        },
+    );
     // Where a public road and private ground meet, one is on the road.
-    let public =
-        |p: &Position| (0..2).any(|i| p.open[i] && !metric.edges[2 * p.edge as usize + i].ends_only());
+    let public = |p: &Position| {
+        (0..2).any(|i| p.open[i] && !metric.edges[2 * p.edge as usize + i].ends_only())
+    };
     if found.iter().any(public) {
         found.retain(public);
     }
@@ -190,14 +235,25 @@ pub fn several(
 ) -> Vec<Position> {
     let (mut found, mut looked_at) = (Vec::new(), 0);
     let usable = |edge| metric.is_open(edge);
-    roads.segments.nearest(&roads.network, place, options.radius, memory, usable, |foot| {
-        let bearings = options.open(roads, &foot);
-        let open = [0, 1].map(|i| bearings[i] && metric.edges[2 * foot.edge as usize + i].is_open());
-        if open != [false; 2] && found.iter().all(|p: &Position| p.edge != foot.edge) {
-            found.push(Position { open, ..Position::new(roads, foot) });
-        }
-        looked_at += 1;
-        found.len() < count && looked_at < MOST
-    });
+    roads.segments.nearest(
+        &roads.network,
+        place,
+        options.radius,
+        memory,
+        usable,
+        |foot| {
+            let bearings = options.open(roads, &foot);
+            let open =
+                [0, 1].map(|i| bearings[i] && metric.edges[2 * foot.edge as usize + i].is_open());
+            if open != [false; 2] && found.iter().all(|p: &Position| p.edge != foot.edge) {
+                found.push(Position {
+                    open,
+                    ..Position::new(roads, foot)
+                });
+            }
+            looked_at += 1;
+            found.len() < count && looked_at < MOST
+        },
+    );
     found
 }

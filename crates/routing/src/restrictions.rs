@@ -48,23 +48,34 @@ impl Restrictions {
             let (ways, rest) = via_ways.split_at((restriction.ways as usize).min(via_ways.len()));
             via_ways = rest;
             let words = network.restriction_words.get(restriction.words);
-            let Some(only) = profile.restricts(&words) else { continue };
+            let Some(only) = profile.restricts(&words) else {
+                continue;
+            };
             let rows = finder.rows(restriction, ways);
             odd += usize::from(rows.is_none());
             for (row, to) in rows.into_iter().flatten() {
                 found.entry((row, only)).or_default().push(to);
             }
         }
-        let mut all = Self { odd, ..Self::default() };
+        let mut all = Self {
+            odd,
+            ..Self::default()
+        };
         let mut rows = Vec::new();
         for ((row, only), to) in found {
             rows.extend((2..=row.len()).map(|length| row[..length].to_vec()));
-            all.rules.entry(row[row.len() - 1]).or_default().push(Rule { row, to, only });
+            all.rules
+                .entry(row[row.len() - 1])
+                .or_default()
+                .push(Rule { row, to, only });
         }
         rows.sort_unstable();
         rows.dedup();
         for (number, row) in (0..).zip(&rows) {
-            all.ending.entry(row[row.len() - 1]).or_default().push(number);
+            all.ending
+                .entry(row[row.len() - 1])
+                .or_default()
+                .push(number);
         }
         for numbers in all.ending.values_mut() {
             numbers.sort_by_key(|number| std::cmp::Reverse(rows[*number as usize].len()));
@@ -86,10 +97,17 @@ impl Restrictions {
     pub(crate) fn forbid(&self, travelled: &[u32], to: u32) -> bool {
         let last = travelled[travelled.len() - 1];
         let rules = self.rules.get(&last).map_or(&[][..], Vec::as_slice);
-        rules.iter().filter(|rule| travelled.ends_with(&rule.row)).any(|rule| {
-            let named = rule.to.contains(&to);
-            if rule.only { !named && to != last ^ 1 } else { named }
-        })
+        rules
+            .iter()
+            .filter(|rule| travelled.ends_with(&rule.row))
+            .any(|rule| {
+                let named = rule.to.contains(&to);
+                if rule.only {
+                    !named && to != last ^ 1
+                } else {
+                    named
+                }
+            })
     }
 
     /// The row that one is in who has travelled a row of directed edges and goes on along another; [`NONE`] if in none of two or more.
@@ -115,7 +133,11 @@ struct Finder<'a> {
 
 impl<'a> Finder<'a> {
     fn new(network: &'a Network, open: &dyn Fn(u32) -> bool) -> Self {
-        let ends: HashSet<i64> = network.restrictions.iter().flat_map(|r| [r.from, r.to]).collect();
+        let ends: HashSet<i64> = network
+            .restrictions
+            .iter()
+            .flat_map(|r| [r.from, r.to])
+            .collect();
         let between: HashSet<i64> = network.via_ways.iter().copied().collect();
         let (mut reaching, mut leaving) = (Vec::new(), Vec::new());
         for (edge, way) in (0..).zip(network.ways.iter()) {
@@ -132,7 +154,12 @@ impl<'a> Finder<'a> {
         }
         reaching.sort_unstable();
         leaving.sort_unstable();
-        Self { network, reaching, leaving, work: WORK }
+        Self {
+            network,
+            reaching,
+            leaving,
+            work: WORK,
+        }
     }
 
     /// Rows of directed edges and the edge that a restriction says something about behind each; `None` if there are none, or too many.
@@ -141,14 +168,18 @@ impl<'a> Finder<'a> {
         if ways.is_empty() {
             for from in at(&self.reaching, restriction.from, restriction.via) {
                 rows.extend(
-                    self.turns_into(restriction.to, restriction.via).map(|to| (vec![from], to)).take(MOST),
+                    self.turns_into(restriction.to, restriction.via)
+                        .map(|to| (vec![from], to))
+                        .take(MOST),
                 );
                 if rows.len() >= MOST {
                     return None;
                 }
             }
         } else {
-            let first = self.reaching.partition_point(|(way, ..)| *way < restriction.from);
+            let first = self
+                .reaching
+                .partition_point(|(way, ..)| *way < restriction.from);
             for i in first..self.reaching.len() {
                 let (way, node, from) = self.reaching[i];
                 if way != restriction.from {
@@ -179,19 +210,24 @@ impl<'a> Finder<'a> {
         let mut reached = HashMap::from([(node, None)]);
         let mut waiting = VecDeque::from([node]);
         while let Some(node) = waiting.pop_front() {
-            let mut row: Vec<u32> = std::iter::successors(reached[&node], |(_, before)| reached[before])
-                .map(|(directed, _)| directed)
-                .collect();
+            let mut row: Vec<u32> =
+                std::iter::successors(reached[&node], |(_, before)| reached[before])
+                    .map(|(directed, _)| directed)
+                    .collect();
             if let Some(&last) = row.first() {
                 row.push(from);
                 row.reverse();
                 // All beginnings of the row will be kept.
                 self.work = self.work.checked_sub(row.len() * row.len())?;
-                let turns = self.turns_into(restriction.to, node).filter(|to| *to != last ^ 1);
+                let turns = self
+                    .turns_into(restriction.to, node)
+                    .filter(|to| *to != last ^ 1);
                 rows.extend(turns.take(MOST).map(|to| (row.clone(), to)));
             }
-            for directed in
-                ways.iter().flat_map(|way| at(&self.leaving, *way, node)).filter(|d| *d != from ^ 1)
+            for directed in ways
+                .iter()
+                .flat_map(|way| at(&self.leaving, *way, node))
+                .filter(|d| *d != from ^ 1)
             {
                 self.work = self.work.checked_sub(1)?;
                 let end = self.network.vertex_nodes[self.network.ends(directed)[1] as usize];
@@ -211,5 +247,8 @@ impl<'a> Finder<'a> {
 /// The directed edges of a way at a node.
 fn at(edges: &[(i64, i64, u32)], way: i64, node: i64) -> impl Iterator<Item = u32> {
     let first = edges.partition_point(|(w, n, _)| (*w, *n) < (way, node));
-    edges[first..].iter().take_while(move |(w, n, _)| (*w, *n) == (way, node)).map(|(.., directed)| *directed)
+    edges[first..]
+        .iter()
+        .take_while(move |(w, n, _)| (*w, *n) == (way, node))
+        .map(|(.., directed)| *directed)
 }

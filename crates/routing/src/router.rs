@@ -42,18 +42,35 @@ pub struct MapRouter {
 
 impl MapRouter {
     /// Prepares a map for a profile.
-    pub fn new(map: &impl Elements, projection: Projection, profile: Profile) -> Result<Self, PrepareError> {
+    pub fn new(
+        map: &impl Elements,
+        projection: Projection,
+        profile: Profile,
+    ) -> Result<Self, PrepareError> {
         let roads = Roads::read(map, &CellSizes::default())?;
         let metric = Metric::new(&roads, profile)?;
-        Ok(Self { roads, metric, projection, memory: Mutex::default() })
+        Ok(Self {
+            roads,
+            metric,
+            projection,
+            memory: Mutex::default(),
+        })
     }
 
     /// Closes the stretch of road nearest to a place, from junction to junction, as one that proved blocked; whether a
     /// road was within `limit` metres.
     pub fn close(&mut self, near: MapPoint, limit: f64) -> bool {
-        let memory = self.memory.get_mut().unwrap_or_else(PoisonError::into_inner);
-        let Some(place) = Place::new(self.projection.to_lonlat(near)) else { return false };
-        let options = SnapOptions { radius: limit, ..SnapOptions::default() };
+        let memory = self
+            .memory
+            .get_mut()
+            .unwrap_or_else(PoisonError::into_inner);
+        let Some(place) = Place::new(self.projection.to_lonlat(near)) else {
+            return false;
+        };
+        let options = SnapOptions {
+            radius: limit,
+            ..SnapOptions::default()
+        };
         let snap = Snap::new(&self.roads, &self.metric, place, &options, &mut memory.0);
         let edges: Vec<u32> = snap.nearest.iter().map(|position| position.edge).collect();
         self.metric.set_closed(&self.roads, &edges, true);
@@ -62,11 +79,17 @@ impl MapRouter {
 
     fn route_from(&self, leg: &Leg) -> Route {
         let (distance, duration) = leg.length_and_duration(&self.roads, &self.metric);
-        let points =
-            leg.line(&self.roads).points.into_iter().map(|place| self.projection.to_map(place.position()));
+        let points = leg
+            .line(&self.roads)
+            .points
+            .into_iter()
+            .map(|place| self.projection.to_map(place.position()));
         let network = &self.roads.network;
-        let names =
-            leg.edges.iter().map(|directed| network.name(directed / 2).name).filter(|name| !name.is_empty());
+        let names = leg
+            .edges
+            .iter()
+            .map(|directed| network.name(directed / 2).name)
+            .filter(|name| !name.is_empty());
         let mut names: Vec<String> = names.map(str::to_owned).collect();
         names.dedup();
         Route {
@@ -82,16 +105,24 @@ impl Router for MapRouter {
     fn route(&self, from: MapPoint, to: MapPoint) -> Result<Route, RouteError> {
         let mut memory = self.memory.lock().unwrap_or_else(PoisonError::into_inner);
         let (nearest, memory) = &mut *memory;
-        let near_by = SnapOptions { radius: SNAP_LIMIT, ..SnapOptions::default() };
+        let near_by = SnapOptions {
+            radius: SNAP_LIMIT,
+            ..SnapOptions::default()
+        };
         let mut snap = |near: MapPoint| {
             let place = Place::new(self.projection.to_lonlat(near));
             let snap = place.map(|p| Snap::new(&self.roads, &self.metric, p, &near_by, nearest));
-            snap.filter(|s| !s.nearest.is_empty()).ok_or(RouteError::NoSegment { near, limit: SNAP_LIMIT })
+            snap.filter(|s| !s.nearest.is_empty())
+                .ok_or(RouteError::NoSegment {
+                    near,
+                    limit: SNAP_LIMIT,
+                })
         };
         let ends = [snap(from)?, snap(to)?];
         let small = Snap::small_will_do(&ends, &self.metric);
         let [a, b] = ends.each_ref().map(|end| end.positions(small));
         let leg = Leg::find(&self.roads, &self.metric, a, b, memory);
-        leg.map(|leg| self.route_from(&leg)).ok_or(RouteError::NoRoute { from, to })
+        leg.map(|leg| self.route_from(&leg))
+            .ok_or(RouteError::NoRoute { from, to })
     }
 }

@@ -111,7 +111,10 @@ impl Bounds {
     fn middle(&self) -> Place {
         let middle = |a: i32, b: i32| ((i64::from(a) + i64::from(b)) / 2) as i32;
         let [west, south, east, north] = self.0;
-        Place { lon: middle(west, east), lat: middle(south, north) }
+        Place {
+            lon: middle(west, east),
+            lat: middle(south, north),
+        }
     }
 
     /// Metres to a place, squared; 0 within.
@@ -134,19 +137,31 @@ impl SegmentTree {
             let points = network.edge_points(edge);
             for first in (0..points.len() - 1).step_by(RUN) {
                 let bounds = Bounds::around(points.part(first, first + RUN + 1));
-                runs.push((bounds.middle().hilbert(), Run { edge, first: first as u32 }, bounds));
+                runs.push((
+                    bounds.middle().hilbert(),
+                    Run {
+                        edge,
+                        first: first as u32,
+                    },
+                    bounds,
+                ));
             }
         }
         runs.sort_by_key(|(place, ..)| *place);
         let rows = rows(runs.len());
-        let union = |runs: &[(u64, Run, Bounds)]| Bounds::union(runs.iter().map(|(_, _, bounds)| bounds));
+        let union =
+            |runs: &[(u64, Run, Bounds)]| Bounds::union(runs.iter().map(|(_, _, bounds)| bounds));
         let mut boxes: Vec<Bounds> = runs.chunks(LEAF).map(union).collect();
         for row in rows.windows(2).take(rows.len() - 2) {
             for node in (row[0]..row[1]).step_by(FAN) {
                 boxes.push(Bounds::union(boxes[node..row[1].min(node + FAN)].iter()));
             }
         }
-        Self { runs: runs.into_iter().map(|(_, run, _)| run).collect(), boxes: boxes.into(), rows }
+        Self {
+            runs: runs.into_iter().map(|(_, run, _)| run).collect(),
+            boxes: boxes.into(),
+            rows,
+        }
     }
 
     /// A tree from its parts, `None` if they do not fit together.
@@ -220,7 +235,13 @@ impl SegmentTree {
         }
         let (away, segment, share) = best;
         let [a, b] = [points.at(segment as usize), points.at(segment as usize + 1)];
-        Foot { edge, segment, share, place: between(a, b, share), away: away.sqrt() }
+        Foot {
+            edge,
+            segment,
+            share,
+            place: between(a, b, share),
+            away: away.sqrt(),
+        }
     }
 }
 
@@ -239,7 +260,11 @@ fn rows(runs: usize) -> Vec<usize> {
 fn project(a: Place, b: Place, place: Place, scale: Scale) -> (f64, f64) {
     let ([dx, dy], [px, py]) = (scale.offset(a, b), scale.offset(a, place));
     let square = dx * dx + dy * dy;
-    let share = if square > 0.0 { ((px * dx + py * dy) / square).clamp(0.0, 1.0) } else { 0.0 };
+    let share = if square > 0.0 {
+        ((px * dx + py * dy) / square).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
     let (x, y) = (px - share * dx, py - share * dy);
     (x * x + y * y, share)
 }
@@ -253,5 +278,8 @@ pub fn between(a: Place, b: Place, share: f64) -> Place {
     }
     let lon = (i64::from(a.lon) + step(east) + TURN / 2).rem_euclid(TURN) - TURN / 2;
     let lat = i64::from(a.lat) + step(i64::from(b.lat) - i64::from(a.lat));
-    Place { lon: lon as i32, lat: lat as i32 }
+    Place {
+        lon: lon as i32,
+        lat: lat as i32,
+    }
 }

@@ -51,18 +51,32 @@ impl TurnGraph {
         let restrictions = Restrictions::new(network, profile, &is_open);
         let mut order: Vec<u32> = (0..2 * network.edge_count() as u32).collect();
         order.sort_by_key(|directed| network.ends(*directed)[0]);
-        let (mut state_of, mut edge_of, mut row_of) = (vec![NONE; order.len()], Vec::new(), Vec::new());
+        let (mut state_of, mut edge_of, mut row_of) =
+            (vec![NONE; order.len()], Vec::new(), Vec::new());
         for directed in order {
             state_of[directed as usize] = edge_of.len() as u32;
             let rows = restrictions.ending(directed);
             edge_of.extend(std::iter::repeat_n(directed, 1 + rows.len()));
             row_of.extend([NONE].iter().chain(rows));
         }
-        let states = States { network, restrictions: &restrictions, state_of, edge_of, row_of };
+        let states = States {
+            network,
+            restrictions: &restrictions,
+            state_of,
+            edge_of,
+            row_of,
+        };
         let arcs = states.arcs()?;
         let overlay = Overlay::new(arcs, &states.levels(&roads.levels));
-        let States { state_of, edge_of, .. } = states;
-        Ok(Self { overlay, state_of, edge_of, odd_restrictions: restrictions.odd })
+        let States {
+            state_of, edge_of, ..
+        } = states;
+        Ok(Self {
+            overlay,
+            state_of,
+            edge_of,
+            odd_restrictions: restrictions.odd,
+        })
     }
 
     /// The states on a directed edge.
@@ -81,16 +95,26 @@ impl TurnGraph {
         let turned = sum(b.weight(), self.penalty(roads, metric, from, to));
         if to == from ^ 1 {
             // One turns round where there is no other way only, be it for a barrier.
-            return if self.is_dead_end(roads, metric, state) { turned } else { FAR };
+            return if self.is_dead_end(roads, metric, state) {
+                turned
+            } else {
+                FAR
+            };
         }
         let passed = metric.vertices[roads.network.ends(from)[1] as usize].weight();
-        let entry = if b.ends_only() && !a.ends_only() { metric.entry } else { 0 };
+        let entry = if b.ends_only() && !a.ends_only() {
+            metric.entry
+        } else {
+            0
+        };
         sum(sum(turned, passed), entry)
     }
 
     /// Hundredths of a second that turning from one directed edge into the next takes.
     pub fn penalty(&self, roads: &Roads, metric: &Metric, from: u32, to: u32) -> u32 {
-        let Some(turns) = metric.profile.turns() else { return 0 };
+        let Some(turns) = metric.profile.turns() else {
+            return 0;
+        };
         if to == from ^ 1 {
             return units(turns.u_turn);
         }
@@ -103,7 +127,11 @@ impl TurnGraph {
 
     fn is_dead_end(&self, roads: &Roads, metric: &Metric, state: u32) -> bool {
         let directed = self.edge_of[state as usize];
-        let mut others = self.overlay.out.of(state).map(|slot| self.overlay.out.via[slot]);
+        let mut others = self
+            .overlay
+            .out
+            .of(state)
+            .map(|slot| self.overlay.out.via[slot]);
         metric.vertices[roads.network.ends(directed)[1] as usize].weight() >= FAR
             || others.all(|to| to == directed ^ 1 || !metric.edges[to as usize].is_open())
     }
@@ -122,7 +150,8 @@ struct States<'a> {
 impl States<'_> {
     /// The first state that begins at a vertex, or behind it.
     fn first(&self, vertex: u32) -> u32 {
-        self.edge_of.partition_point(|directed| self.network.ends(*directed)[0] < vertex) as u32
+        self.edge_of
+            .partition_point(|directed| self.network.ends(*directed)[0] < vertex) as u32
     }
 
     /// Where cells begin, as states.
@@ -133,34 +162,56 @@ impl States<'_> {
             starts.dedup();
             starts
         };
-        levels.iter().map(in_states).take_while(|starts| starts.len() > 1).collect()
+        levels
+            .iter()
+            .map(in_states)
+            .take_while(|starts| starts.len() > 1)
+            .collect()
     }
 
     /// From each state to all that one may go on to.
     fn arcs(&self) -> Result<Arcs, TooManyTurns> {
         let network = self.network;
-        let firsts: Vec<u32> = (0..=network.vertices.len() as u32).map(|vertex| self.first(vertex)).collect();
+        let firsts: Vec<u32> = (0..=network.vertices.len() as u32)
+            .map(|vertex| self.first(vertex))
+            .collect();
         let end = |state: u32| network.ends(self.edge_of[state as usize])[1] as usize;
         let leaving = |vertex: usize| firsts[vertex]..firsts[vertex + 1];
         let states = self.edge_of.len();
-        let turns: usize = (0..states as u32).map(|state| leaving(end(state)).len()).sum();
+        let turns: usize = (0..states as u32)
+            .map(|state| leaving(end(state)).len())
+            .sum();
         let roads = |vertex: &usize| leaving(*vertex).len();
-        let worst = (0..network.vertices.len()).max_by_key(roads).unwrap_or_default();
+        let worst = (0..network.vertices.len())
+            .max_by_key(roads)
+            .unwrap_or_default();
         if turns > MOST_TURNS * states || (states > 0 && roads(&worst) > MOST_ROADS) {
-            return Err(TooManyTurns { turns, node: network.vertex_nodes[worst], roads: roads(&worst) });
+            return Err(TooManyTurns {
+                turns,
+                node: network.vertex_nodes[worst],
+                roads: roads(&worst),
+            });
         }
-        let crossing: Vec<bool> = network.way_words.iter().map(|words| words.has(CROSSING)).collect();
+        let crossing: Vec<bool> = network
+            .way_words
+            .iter()
+            .map(|words| words.has(CROSSING))
+            .collect();
         // No vehicle crosses squares.
-        let is_road = |directed: u32| !crossing[network.edges[directed as usize / 2].class as usize];
+        let is_road =
+            |directed: u32| !crossing[network.edges[directed as usize / 2].class as usize];
         let (is_road, leaving) = (&is_road, &leaving);
-        let arcs =
-            (0..states as u32).filter(|state| is_road(self.edge_of[*state as usize])).flat_map(|state| {
+        let arcs = (0..states as u32)
+            .filter(|state| is_road(self.edge_of[*state as usize]))
+            .flat_map(|state| {
                 let travelled = match self.row_of[state as usize] {
                     NONE => std::slice::from_ref(&self.edge_of[state as usize]),
                     row => self.restrictions.row(row),
                 };
                 let edges = leaving(end(state)).filter(|to| self.row_of[*to as usize] == NONE);
-                let edges = edges.map(|to| self.edge_of[to as usize]).filter(|to| is_road(*to));
+                let edges = edges
+                    .map(|to| self.edge_of[to as usize])
+                    .filter(|to| is_road(*to));
                 let allowed = edges.filter(move |to| !self.restrictions.forbid(travelled, *to));
                 allowed.map(move |to| (state, self.next(travelled, to), to))
             });
@@ -173,7 +224,11 @@ impl States<'_> {
         match self.restrictions.next(travelled, to) {
             NONE => alone,
             row => {
-                let place = self.restrictions.ending(to).iter().position(|number| *number == row);
+                let place = self
+                    .restrictions
+                    .ending(to)
+                    .iter()
+                    .position(|number| *number == row);
                 place.map_or(alone, |place| alone + 1 + place as u32)
             }
         }
@@ -184,7 +239,11 @@ impl Turns {
     /// Seconds that a turn by so many degrees takes, to the right above 0.
     pub fn seconds(&self, degrees: f64) -> f64 {
         let to_near_side = (degrees >= 0.0) == self.right_hand;
-        let bias = if to_near_side { self.bias } else { 1.0 / self.bias };
+        let bias = if to_near_side {
+            self.bias
+        } else {
+            1.0 / self.bias
+        };
         let steepness = 13.0 / bias * degrees.abs() / 180.0 - 6.5 * bias;
         self.sharpest / (1.0 + libm::exp(-steepness))
     }
@@ -200,7 +259,12 @@ mod tests {
         let car = Profile::named("car").unwrap();
         let seconds = |degrees| car.turns().unwrap().seconds(degrees);
         assert!(seconds(0.0) < 0.02 && seconds(180.0) > 7.3);
-        assert!(seconds(90.0) < seconds(-90.0), "{} {}", seconds(90.0), seconds(-90.0));
+        assert!(
+            seconds(90.0) < seconds(-90.0),
+            "{} {}",
+            seconds(90.0),
+            seconds(-90.0)
+        );
         let right = 7.5 / (1.0 + libm::exp(-(13.0 / 1.075 * 90.0 / 180.0 - 6.5 * 1.075)));
         assert!((seconds(90.0) - right).abs() < 1e-9);
         let left = 7.5 / (1.0 + libm::exp(-(13.0 * 1.075 * 90.0 / 180.0 - 6.5 / 1.075)));

@@ -21,15 +21,24 @@ fn graph() -> impl Strategy<Value = Graph> {
     let weight = prop_oneof![4 => 0_u32..50, 1 => Just(0), 1 => Just(FAR), 1 => Just(FAR / 3)];
     (2_u32..80).prop_flat_map(move |count| {
         let places = proptest::collection::vec((-9_i32..9, -9_i32..9), count as usize);
-        let arcs = proptest::collection::vec((0..count, 0..count, [weight.clone(), weight.clone()]), 0..220);
+        let arcs = proptest::collection::vec(
+            (0..count, 0..count, [weight.clone(), weight.clone()]),
+            0..220,
+        );
         (places, arcs, any::<bool>()).prop_map(|(places, arcs, streets)| Graph {
-            places: places.into_iter().map(|(lon, lat)| Place { lon, lat }).collect(),
+            places: places
+                .into_iter()
+                .map(|(lon, lat)| Place { lon, lat })
+                .collect(),
             arcs: if streets {
                 // Each arc has one back, as those of streets have.
                 let arcs = arcs.into_iter().filter(|(a, b, _)| a != b).take(110);
-                arcs.flat_map(|(a, b, [there, back])| [(a, b, there), (b, a, back)]).collect()
+                arcs.flat_map(|(a, b, [there, back])| [(a, b, there), (b, a, back)])
+                    .collect()
             } else {
-                arcs.into_iter().map(|(a, b, [weight, _])| (a, b, weight)).collect()
+                arcs.into_iter()
+                    .map(|(a, b, [weight, _])| (a, b, weight))
+                    .collect()
             },
         })
     })
@@ -44,13 +53,30 @@ impl Graph {
         for (i, state) in partition.order.iter().enumerate() {
             position[*state as usize] = i as u32;
         }
-        let arcs = self.arcs.iter().map(|(a, b, w)| (position[*a as usize], position[*b as usize], *w));
-        let places = partition.order.iter().map(|state| self.places[*state as usize]).collect();
-        (Self { places, arcs: arcs.collect() }, partition.levels)
+        let arcs = self
+            .arcs
+            .iter()
+            .map(|(a, b, w)| (position[*a as usize], position[*b as usize], *w));
+        let places = partition
+            .order
+            .iter()
+            .map(|state| self.places[*state as usize])
+            .collect();
+        (
+            Self {
+                places,
+                arcs: arcs.collect(),
+            },
+            partition.levels,
+        )
     }
 
     fn overlay(&self, levels: &[Vec<u32>]) -> Overlay {
-        let arcs = self.arcs.iter().zip(0..).map(|((a, b, _), via)| (*a, *b, via));
+        let arcs = self
+            .arcs
+            .iter()
+            .zip(0..)
+            .map(|((a, b, _), via)| (*a, *b, via));
         Overlay::new(Arcs::new(self.places.len(), arcs), levels)
     }
 
@@ -58,8 +84,13 @@ impl Graph {
         let weight = |via: u32| self.arcs[via as usize].2;
         let slots = 0..overlay.out.via.len();
         Weights {
-            out: slots.clone().map(|slot| weight(overlay.out.via[slot])).collect(),
-            into: slots.map(|slot| weight(overlay.via_incoming(slot))).collect(),
+            out: slots
+                .clone()
+                .map(|slot| weight(overlay.out.via[slot]))
+                .collect(),
+            into: slots
+                .map(|slot| weight(overlay.via_incoming(slot)))
+                .collect(),
         }
     }
 
@@ -74,21 +105,35 @@ impl Graph {
                 continue;
             }
             distance[state as usize] = reached;
-            for (_, to, weight) in self.arcs.iter().filter(|(from, _, w)| *from == state && *w < FAR) {
+            for (_, to, weight) in self
+                .arcs
+                .iter()
+                .filter(|(from, _, w)| *from == state && *w < FAR)
+            {
                 heap.push(Reverse((reached + weight, *to)));
             }
         }
-        let total = targets.iter().map(|end| distance[end.state as usize] + end.weight).min();
+        let total = targets
+            .iter()
+            .map(|end| distance[end.state as usize] + end.weight)
+            .min();
         total.filter(|total| *total < FAR)
     }
 
     /// What a row of states weighs, by the lightest arcs between them.
     fn along(&self, path: &[u32], sources: &[End], targets: &[End]) -> u32 {
         let end = |ends: &[End], state: u32| {
-            ends.iter().filter(|e| e.state == state).map(|e| e.weight).min().unwrap()
+            ends.iter()
+                .filter(|e| e.state == state)
+                .map(|e| e.weight)
+                .min()
+                .unwrap()
         };
         let arc = |pair: &[u32]| {
-            let between = self.arcs.iter().filter(|(a, b, _)| [*a, *b] == [pair[0], pair[1]]);
+            let between = self
+                .arcs
+                .iter()
+                .filter(|(a, b, _)| [*a, *b] == [pair[0], pair[1]]);
             between.map(|arc| arc.2).min().unwrap()
         };
         let arcs: u32 = path.windows(2).map(arc).sum();
@@ -97,7 +142,13 @@ impl Graph {
 }
 
 fn ends(count: u32, drawn: &[(u32, u32)]) -> Vec<End> {
-    drawn.iter().map(|(state, weight)| End { state: state % count, weight: *weight }).collect()
+    drawn
+        .iter()
+        .map(|(state, weight)| End {
+            state: state % count,
+            weight: *weight,
+        })
+        .collect()
 }
 
 fn drawn() -> impl Strategy<Value = Vec<(u32, u32)>> {

@@ -26,7 +26,14 @@ pub(super) fn read(bytes: &[u8], visitor: &mut impl Visitor) -> Result<(), Probl
     let block = Block::new(bytes)?;
     let text = bytes.len().saturating_mul(TEXT.0).saturating_add(TEXT.1);
     let (words, numbers, members) = (Vec::new(), Vec::new(), Vec::new());
-    let mut reader = Reader { block: &block, visitor, text, words, numbers, members };
+    let mut reader = Reader {
+        block: &block,
+        visitor,
+        text,
+        words,
+        numbers,
+        members,
+    };
     // Groups may stand before what they need.
     for field in Fields(bytes) {
         if let (2, group) = field? {
@@ -61,7 +68,12 @@ impl<'a> Common<'a> {
 
 impl<'a> Block<'a> {
     fn new(bytes: &'a [u8]) -> Result<Self, Problem> {
-        let mut block = Self { strings: Vec::new(), granularity: 100, lat_offset: 0, lon_offset: 0 };
+        let mut block = Self {
+            strings: Vec::new(),
+            granularity: 100,
+            lat_offset: 0,
+            lon_offset: 0,
+        };
         for field in Fields(bytes) {
             match field? {
                 (1, table) => block.table(table.bytes()?)?,
@@ -86,10 +98,16 @@ impl<'a> Block<'a> {
     /// Divided, not multiplied, so that the same place read from XML has the same bits.
     fn position(&self, lat: i64, lon: i64) -> Result<LonLat, Problem> {
         let degrees = |units: i64, offset: i64| {
-            let nano = units.checked_mul(self.granularity).and_then(|n| n.checked_add(offset));
-            nano.map(|n| n as f64 / 1e9).ok_or("a position that makes no sense")
+            let nano = units
+                .checked_mul(self.granularity)
+                .and_then(|n| n.checked_add(offset));
+            nano.map(|n| n as f64 / 1e9)
+                .ok_or("a position that makes no sense")
         };
-        Ok(LonLat::new(degrees(lon, self.lon_offset)?, degrees(lat, self.lat_offset)?))
+        Ok(LonLat::new(
+            degrees(lon, self.lon_offset)?,
+            degrees(lat, self.lat_offset)?,
+        ))
     }
 }
 
@@ -135,7 +153,11 @@ impl<V: Visitor> Reader<'_, V> {
         }
         let (id, position) = (signed(common.id), self.block.position(lat, lon)?);
         if self.tags(&common)? {
-            self.visitor.node(NodeRef { id, position, tags: Words(&self.words) });
+            self.visitor.node(NodeRef {
+                id,
+                position,
+                tags: Words(&self.words),
+            });
         }
         Ok(())
     }
@@ -162,7 +184,11 @@ impl<V: Visitor> Reader<'_, V> {
             if visible.next().transpose()? == Some(0) {
                 self.visitor.deleted();
             } else {
-                self.visitor.node(NodeRef { id, position, tags: Words(&self.words) });
+                self.visitor.node(NodeRef {
+                    id,
+                    position,
+                    tags: Words(&self.words),
+                });
             }
         }
         Ok(())
@@ -192,7 +218,11 @@ impl<V: Visitor> Reader<'_, V> {
         }
         if self.tags(&common)? {
             let id = common.id as i64;
-            self.visitor.way(WayRef { id, nodes: &self.numbers, tags: Words(&self.words) });
+            self.visitor.way(WayRef {
+                id,
+                nodes: &self.numbers,
+                tags: Words(&self.words),
+            });
         }
         Ok(())
     }
@@ -213,12 +243,20 @@ impl<V: Visitor> Reader<'_, V> {
             let (Some(role), Some(kind)) = (roles.next(), kinds.next()) else {
                 return Err("a member without a role or a type");
             };
-            let member = MemberRef { kind: kind_of(kind?)?, id: id?, role: self.string(role?)? };
+            let member = MemberRef {
+                kind: kind_of(kind?)?,
+                id: id?,
+                role: self.string(role?)?,
+            };
             self.members.push(member);
         }
         if self.tags(&common)? {
             let id = common.id as i64;
-            self.visitor.relation(RelationRef { id, members: &self.members, tags: Words(&self.words) });
+            self.visitor.relation(RelationRef {
+                id,
+                members: &self.members,
+                tags: Words(&self.words),
+            });
         }
         Ok(())
     }
@@ -242,9 +280,14 @@ impl<V: Visitor> Reader<'_, V> {
 
 impl<'b, V> Reader<'b, V> {
     fn string(&mut self, number: u64) -> Result<&'b str, Problem> {
-        let string = usize::try_from(number).ok().and_then(|i| self.block.strings.get(i));
+        let string = usize::try_from(number)
+            .ok()
+            .and_then(|i| self.block.strings.get(i));
         let string = string.ok_or("a word that is not in the block's table")?;
-        self.text = self.text.checked_sub(string.len()).ok_or("the same long words again and again")?;
+        self.text = self
+            .text
+            .checked_sub(string.len())
+            .ok_or("the same long words again and again")?;
         Ok(string)
     }
 }
@@ -297,7 +340,12 @@ mod tests {
 
     /// Nodes 1 and 2, the second deleted.
     fn dense() -> Vec<u8> {
-        let rows = [field(1, &[2, 2]), field(8, &[20, 2]), field(9, &[40, 2]), field(5, &field(6, &[1, 0]))];
+        let rows = [
+            field(1, &[2, 2]),
+            field(8, &[20, 2]),
+            field(9, &[40, 2]),
+            field(5, &field(6, &[1, 0])),
+        ];
         field(2, &field(2, &rows.concat()))
     }
 
@@ -305,22 +353,38 @@ mod tests {
     fn units_and_offsets_hold_wherever_they_stand() {
         // Groups first; then a granularity of 1000 and a latitude's offset of 1 nanodegree.
         let data = read_all(&[dense(), vec![0x88, 1, 0xE8, 7], vec![0x98, 1, 1]]).unwrap();
-        assert_eq!(data.nodes[&1].position, LonLat::new(20_000.0 / 1e9, 10_001.0 / 1e9));
+        assert_eq!(
+            data.nodes[&1].position,
+            LonLat::new(20_000.0 / 1e9, 10_001.0 / 1e9)
+        );
     }
 
     #[test]
     fn what_is_deleted_is_counted_and_left_out() {
         let gone = field(4, &[0x30, 0]);
-        let node = field(2, &field(1, &[vec![0x08, 6, 0x40, 2, 0x48, 4], gone.clone()].concat()));
+        let node = field(
+            2,
+            &field(1, &[vec![0x08, 6, 0x40, 2, 0x48, 4], gone.clone()].concat()),
+        );
         let way = field(2, &field(3, &[vec![0x08, 5], gone].concat()));
         let data = read_all(&[dense(), node, way]).unwrap();
-        assert_eq!((data.nodes.len(), data.ways.len(), data.report.deleted_elements), (1, 0, 3));
+        assert_eq!(
+            (
+                data.nodes.len(),
+                data.ways.len(),
+                data.report.deleted_elements
+            ),
+            (1, 0, 3)
+        );
     }
 
     #[test]
     fn nodes_may_stand_alone() {
         let node = field(2, &field(1, &[0x08, 6, 0x40, 2, 0x48, 4]));
-        assert_eq!(read_all(&[node]).unwrap().nodes[&3].position, LonLat::new(2.0 / 1e7, 1.0 / 1e7));
+        assert_eq!(
+            read_all(&[node]).unwrap().nodes[&3].position,
+            LonLat::new(2.0 / 1e7, 1.0 / 1e7)
+        );
     }
 
     #[test]
@@ -342,11 +406,23 @@ mod tests {
         let word = vec![b'x'; 1 << 16];
         let long = |number: u8, bytes: &[u8]| {
             let n = bytes.len();
-            [&[number << 3 | 2, n as u8 | 128, (n >> 7) as u8 | 128, (n >> 14) as u8], bytes].concat()
+            [
+                &[
+                    number << 3 | 2,
+                    n as u8 | 128,
+                    (n >> 7) as u8 | 128,
+                    (n >> 14) as u8,
+                ],
+                bytes,
+            ]
+            .concat()
         };
         // Ways of two bytes for each mention of the word: 2,000 mentions are 130 MB.
         let way = field(3, &[field(2, &[0; 50]), field(3, &[0; 50])].concat());
         let block = [long(1, &long(1, &word)), long(2, &way.repeat(20))];
-        assert_eq!(read_all(&block).unwrap_err(), "the same long words again and again");
+        assert_eq!(
+            read_all(&block).unwrap_err(),
+            "the same long words again and again"
+        );
     }
 }

@@ -40,7 +40,8 @@ pub(crate) fn looks_like_pbf(bytes: &[u8]) -> bool {
 pub(crate) fn read(bytes: &[u8], visitor: &mut impl Visitor) -> Result<(), OsmError> {
     let mut unpacked = Vec::new();
     for blob in blobs(bytes)? {
-        blob.read(&mut unpacked, visitor).map_err(|problem| at(blob.offset, problem))?;
+        blob.read(&mut unpacked, visitor)
+            .map_err(|problem| at(blob.offset, problem))?;
     }
     Ok(())
 }
@@ -63,20 +64,40 @@ fn blobs(bytes: &[u8]) -> Result<Vec<Blob<'_>>, OsmError> {
     let mut rest = bytes;
     while !rest.is_empty() {
         let offset = bytes.len() - rest.len();
-        let cut =
-            |part: &str| at(offset, format!("the file ends within {part}; it is cut off, fetch it again"));
-        let (length, after) = rest.split_first_chunk().ok_or_else(|| cut("a blob header"))?;
+        let cut = |part: &str| {
+            at(
+                offset,
+                format!("the file ends within {part}; it is cut off, fetch it again"),
+            )
+        };
+        let (length, after) = rest
+            .split_first_chunk()
+            .ok_or_else(|| cut("a blob header"))?;
         let length = u32::from_be_bytes(*length);
         if length > LARGEST_HEADER {
-            return Err(at(offset, "a blob header of impossible size; this is not OSM PBF or it is damaged"));
+            return Err(at(
+                offset,
+                "a blob header of impossible size; this is not OSM PBF or it is damaged",
+            ));
         }
-        let (header, after) = after.split_at_checked(length as usize).ok_or_else(|| cut("a blob header"))?;
+        let (header, after) = after
+            .split_at_checked(length as usize)
+            .ok_or_else(|| cut("a blob header"))?;
         let (kind, size) = read_header(header).map_err(|problem| at(offset, problem))?;
         if size > LARGEST_BLOB {
-            return Err(at(offset, "a blob of impossible size; this is not OSM PBF or it is damaged"));
+            return Err(at(
+                offset,
+                "a blob of impossible size; this is not OSM PBF or it is damaged",
+            ));
         }
-        let (blob, after) = after.split_at_checked(size as usize).ok_or_else(|| cut("this blob"))?;
-        blobs.push(Blob { offset, kind, bytes: blob });
+        let (blob, after) = after
+            .split_at_checked(size as usize)
+            .ok_or_else(|| cut("this blob"))?;
+        blobs.push(Blob {
+            offset,
+            kind,
+            bytes: blob,
+        });
         rest = after;
     }
     Ok(blobs)
@@ -92,7 +113,8 @@ fn read_header(header: &[u8]) -> Result<(&[u8], u64), wire::Problem> {
             _ => {}
         }
     }
-    kind.zip(size).ok_or("a blob header without kind or size; this is not OSM PBF or it is damaged")
+    kind.zip(size)
+        .ok_or("a blob header without kind or size; this is not OSM PBF or it is damaged")
 }
 
 impl Blob<'_> {
@@ -114,7 +136,9 @@ impl Blob<'_> {
                 (1, raw) => return Ok(raw.bytes()?),
                 (3, packed) => return inflate(packed.bytes()?, buffer),
                 (4..=7, _) => {
-                    return Err("this blob is not compressed with zlib, which alone is supported".into());
+                    return Err(
+                        "this blob is not compressed with zlib, which alone is supported".into(),
+                    );
                 }
                 _ => {}
             }
@@ -126,7 +150,9 @@ impl Blob<'_> {
 fn inflate<'b>(packed: &[u8], unpacked: &'b mut Vec<u8>) -> Result<&'b [u8], String> {
     let largest = (LARGEST_RATIO * packed.len() as u64).clamp(ANY_BLOB, LARGEST_BLOB);
     unpacked.clear();
-    let read = ZlibDecoder::new(packed).take(largest + 1).read_to_end(unpacked);
+    let read = ZlibDecoder::new(packed)
+        .take(largest + 1)
+        .read_to_end(unpacked);
     read.map_err(|error| format!("this blob cannot be unpacked: {error}"))?;
     if unpacked.len() as u64 > largest {
         return Err(format!(
@@ -142,7 +168,9 @@ fn check_features(header: &[u8]) -> Result<(), String> {
         let (4, feature) = field? else { continue };
         let feature = String::from_utf8_lossy(feature.bytes()?);
         if !KNOWN_FEATURES.contains(&feature.as_ref()) {
-            return Err(format!("the file needs the feature {feature}, which is not supported"));
+            return Err(format!(
+                "the file needs the feature {feature}, which is not supported"
+            ));
         }
     }
     Ok(())
@@ -157,7 +185,12 @@ mod tests {
         let field = |tag: u8, bytes: &[u8]| [&[tag, bytes.len() as u8], bytes].concat();
         let blob = field(0x0A, &field(0x22, feature.as_bytes()));
         let header = [field(0x0A, b"OSMHeader"), vec![0x18, blob.len() as u8]].concat();
-        [&(header.len() as u32).to_be_bytes(), header.as_slice(), &blob].concat()
+        [
+            &(header.len() as u32).to_be_bytes(),
+            header.as_slice(),
+            &blob,
+        ]
+        .concat()
     }
 
     #[test]
@@ -168,24 +201,44 @@ mod tests {
 
     #[test]
     fn an_unknown_feature_is_refused_by_name() {
-        let error = OsmData::from_bytes(&header_blob("LocationsOnMars")).unwrap_err().to_string();
-        assert_eq!(error, "byte 0: the file needs the feature LocationsOnMars, which is not supported");
+        let error = OsmData::from_bytes(&header_blob("LocationsOnMars"))
+            .unwrap_err()
+            .to_string();
+        assert_eq!(
+            error,
+            "byte 0: the file needs the feature LocationsOnMars, which is not supported"
+        );
     }
 
     #[test]
     fn every_cut_of_a_file_is_noticed() {
         let whole = header_blob("DenseNodes");
         for length in 1..whole.len() {
-            assert!(OsmData::from_pbf(&whole[..length]).is_err(), "cut to {length} bytes");
+            assert!(
+                OsmData::from_pbf(&whole[..length]).is_err(),
+                "cut to {length} bytes"
+            );
         }
     }
 
     #[test]
     fn a_negative_blob_size_does_not_loop() {
         // Size -1 as a ten-byte varint.
-        let header = [&[0x0A, 9], b"OSMHeader".as_slice(), &[0x18], &[0xFF; 9], &[1]].concat();
+        let header = [
+            &[0x0A, 9],
+            b"OSMHeader".as_slice(),
+            &[0x18],
+            &[0xFF; 9],
+            &[1],
+        ]
+        .concat();
         let bytes = [&(header.len() as u32).to_be_bytes(), header.as_slice()].concat();
-        assert!(OsmData::from_pbf(&bytes).unwrap_err().to_string().contains("impossible size"));
+        assert!(
+            OsmData::from_pbf(&bytes)
+                .unwrap_err()
+                .to_string()
+                .contains("impossible size")
+        );
     }
 
     /// A file of one blob of zeros, packed.
@@ -195,13 +248,26 @@ mod tests {
         let number = |n: usize| [n as u8 | 128, (n >> 7) as u8 | 128, (n >> 14) as u8];
         let packed = packer.finish().unwrap();
         let blob = [&[0x1A], number(packed.len()).as_slice(), &packed].concat();
-        let header = [[0x0A, 7].as_slice(), b"OSMData", &[0x18], &number(blob.len())].concat();
-        [&(header.len() as u32).to_be_bytes(), header.as_slice(), &blob].concat()
+        let header = [
+            [0x0A, 7].as_slice(),
+            b"OSMData",
+            &[0x18],
+            &number(blob.len()),
+        ]
+        .concat();
+        [
+            &(header.len() as u32).to_be_bytes(),
+            header.as_slice(),
+            &blob,
+        ]
+        .concat()
     }
 
     #[test]
     fn a_small_blob_that_unpacks_to_megabytes_is_refused() {
-        let error = OsmData::from_pbf(&packed(20 << 20)).unwrap_err().to_string();
+        let error = OsmData::from_pbf(&packed(20 << 20))
+            .unwrap_err()
+            .to_string();
         assert!(error.contains("it is no map"), "{error}");
         // Few enough to be looked at: zeros are no fields.
         let error = OsmData::from_pbf(&packed(1000)).unwrap_err().to_string();

@@ -84,7 +84,9 @@ impl<'a> Numbers<'a> {
     pub(super) fn sums(self) -> impl Iterator<Item = Result<i64, Problem>> + use<'a> {
         let mut sum = 0_i64;
         self.map(move |step| {
-            sum = sum.checked_add(signed(step?)).ok_or("a number that is too large")?;
+            sum = sum
+                .checked_add(signed(step?))
+                .ok_or("a number that is too large")?;
             Ok(sum)
         })
     }
@@ -126,7 +128,10 @@ fn take_number(bytes: &mut &[u8]) -> Result<u64, Problem> {
 }
 
 fn take<'a>(bytes: &mut &'a [u8], length: u64) -> Result<&'a [u8], Problem> {
-    let (taken, rest) = usize::try_from(length).ok().and_then(|l| bytes.split_at_checked(l)).ok_or(CUT)?;
+    let (taken, rest) = usize::try_from(length)
+        .ok()
+        .and_then(|l| bytes.split_at_checked(l))
+        .ok_or(CUT)?;
     *bytes = rest;
     Ok(taken)
 }
@@ -141,15 +146,24 @@ mod tests {
         let fields: Vec<_> = Fields(&bytes).collect();
         assert_eq!(
             fields,
-            [Ok((1, Value::Number(150))), Ok((2, Value::Bytes(b"hi"))), Ok((3, Value::Fixed))]
+            [
+                Ok((1, Value::Number(150))),
+                Ok((2, Value::Bytes(b"hi"))),
+                Ok((3, Value::Fixed))
+            ]
         );
     }
 
     #[test]
     fn what_is_cut_or_endless_is_an_error_and_the_last() {
-        for bytes in
-            [&[0x08_u8][..], &[0x12, 3, 1, 2], &[0xFF; 12], &[0x1D, 0, 0], &[0x0B], &[0x12, 0xFF, 0xFF, 0x7F]]
-        {
+        for bytes in [
+            &[0x08_u8][..],
+            &[0x12, 3, 1, 2],
+            &[0xFF; 12],
+            &[0x1D, 0, 0],
+            &[0x0B],
+            &[0x12, 0xFF, 0xFF, 0x7F],
+        ] {
             let found: Vec<_> = Fields(bytes).collect();
             assert!(found.len() == 1 && found[0].is_err(), "{bytes:?}");
         }
@@ -158,8 +172,14 @@ mod tests {
 
     #[test]
     fn signs_and_sums() {
-        assert_eq!([0, 1, 2, u64::MAX, u64::MAX - 1].map(signed), [0, -1, 1, i64::MIN, i64::MAX]);
-        assert_eq!(Numbers(&[20, 1, 4]).sums().collect::<Vec<_>>(), [Ok(10), Ok(9), Ok(11)]);
+        assert_eq!(
+            [0, 1, 2, u64::MAX, u64::MAX - 1].map(signed),
+            [0, -1, 1, i64::MIN, i64::MAX]
+        );
+        assert_eq!(
+            Numbers(&[20, 1, 4]).sums().collect::<Vec<_>>(),
+            [Ok(10), Ok(9), Ok(11)]
+        );
         let largest = [0xFE, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 1, 2];
         assert!(Numbers(&largest).sums().nth(1).unwrap().is_err());
     }

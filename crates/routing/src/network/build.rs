@@ -48,12 +48,22 @@ impl<'a> Builder<'a> {
     fn new(nodes: &'a Nodes, uses: &[u8]) -> Self {
         let vertex = vertices(nodes, uses);
         let mut rows = Rows::default();
-        for (index, _) in vertex.iter().enumerate().filter(|(_, vertex)| **vertex != NO_VERTEX) {
+        for (index, _) in vertex
+            .iter()
+            .enumerate()
+            .filter(|(_, vertex)| **vertex != NO_VERTEX)
+        {
             rows.vertices.push(nodes.places[index].unwrap_or_default());
             rows.vertex_classes.push(nodes.classes[index]);
             rows.vertex_nodes.push(nodes.ids[index]);
         }
-        Self { nodes, vertex, rows, report: NetworkReport::default(), piece: Vec::new() }
+        Self {
+            nodes,
+            vertex,
+            rows,
+            report: NetworkReport::default(),
+            piece: Vec::new(),
+        }
     }
 
     fn way(&mut self, ways: &Ways, way: &Way) {
@@ -81,22 +91,47 @@ impl<'a> Builder<'a> {
     fn crossing(&mut self, square: &Square, ends: [usize; 2]) {
         self.piece.clear();
         self.piece.extend(ends);
-        let Square { id, class, name, .. } = *square;
-        let way = Way { id, first: 0, count: 0, class, name, seconds: None };
+        let Square {
+            id, class, name, ..
+        } = *square;
+        let way = Way {
+            id,
+            first: 0,
+            count: 0,
+            class,
+            name,
+            seconds: None,
+        };
         self.edge(&way);
     }
 
     /// Makes an edge of the piece, if it is one.
     fn edge(&mut self, way: &Way) {
         if let [first, between @ .., last] = self.piece.as_slice() {
-            let places = self.piece.iter().map(|i| self.nodes.places[*i].unwrap_or_default());
+            let places = self
+                .piece
+                .iter()
+                .map(|i| self.nodes.places[*i].unwrap_or_default());
             let length = millimetres(places);
             let first_point = self.rows.points.len() as u32;
-            self.rows.points.extend(between.iter().map(|i| self.nodes.places[*i].unwrap_or_default()));
-            self.rows.nodes.extend(between.iter().map(|i| self.nodes.ids[*i]));
+            self.rows.points.extend(
+                between
+                    .iter()
+                    .map(|i| self.nodes.places[*i].unwrap_or_default()),
+            );
+            self.rows
+                .nodes
+                .extend(between.iter().map(|i| self.nodes.ids[*i]));
             let (from, to) = (self.vertex[*first], self.vertex[*last]);
             let (class, name) = (way.class, way.name);
-            self.rows.edges.push(Edge { from, to, length, class, name, first_point });
+            self.rows.edges.push(Edge {
+                from,
+                to,
+                length,
+                class,
+                name,
+                first_point,
+            });
             self.rows.ways.push(way.id);
         }
         self.piece.clear();
@@ -108,10 +143,15 @@ fn keep_timetables(ways: &mut Ways, nodes: &Nodes) {
     for i in 0..ways.ways.len() {
         let way = ways.ways[i];
         let Some(seconds) = way.seconds else { continue };
-        let places = ways.nodes(&way).iter().filter_map(|id| nodes.places[nodes.index(*id)?]);
+        let places = ways
+            .nodes(&way)
+            .iter()
+            .filter_map(|id| nodes.places[nodes.index(*id)?]);
         let metres = f64::from(millimetres(places)) / 1000.0;
         let speed = (metres / seconds * 3.6).clamp(0.1, 100.0);
-        ways.ways[i].class = ways.classes.with(way.class, TIMETABLE, &format!("{speed:.2}"));
+        ways.ways[i].class = ways
+            .classes
+            .with(way.class, TIMETABLE, &format!("{speed:.2}"));
     }
 }
 
@@ -153,6 +193,10 @@ fn vertices(nodes: &Nodes, uses: &[u8]) -> Vec<u32> {
 }
 
 fn millimetres(points: impl Iterator<Item = Place> + Clone) -> u32 {
-    let metres: f64 = points.clone().zip(points.skip(1)).map(|(a, b)| distance(a, b)).sum();
+    let metres: f64 = points
+        .clone()
+        .zip(points.skip(1))
+        .map(|(a, b)| distance(a, b))
+        .sum();
     libm::round(metres * 1000.0) as u32
 }

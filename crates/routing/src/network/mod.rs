@@ -122,7 +122,10 @@ impl Rows {
     /// The network of these rows; its words are still missing.
     pub(crate) fn into_network(mut self) -> Network {
         let first_point = self.points.len() as u32;
-        self.edges.push(Edge { first_point, ..Edge::default() });
+        self.edges.push(Edge {
+            first_point,
+            ..Edge::default()
+        });
         Network {
             vertices: self.vertices.into(),
             vertex_classes: self.vertex_classes.into(),
@@ -157,7 +160,11 @@ impl Network {
     /// The vertices at which a directed edge begins and ends: twice the edge's number, and one more against its direction.
     pub fn ends(&self, directed: u32) -> [u32; 2] {
         let edge = &self.edges[directed as usize / 2];
-        if directed.is_multiple_of(2) { [edge.from, edge.to] } else { [edge.to, edge.from] }
+        if directed.is_multiple_of(2) {
+            [edge.from, edge.to]
+        } else {
+            [edge.to, edge.from]
+        }
     }
 
     /// The points of an edge, from vertex to vertex.

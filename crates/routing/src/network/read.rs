@@ -104,16 +104,31 @@ impl Ways {
 
     /// The outlines of squares that are relations.
     fn read_outlines(&mut self, source: &impl Elements) -> Result<(), OsmError> {
-        let wanted: HashSet<i64> =
-            self.squares.iter().filter(|s| s.rings.is_empty()).flat_map(|s| &s.outlines).copied().collect();
+        let wanted: HashSet<i64> = self
+            .squares
+            .iter()
+            .filter(|s| s.rings.is_empty())
+            .flat_map(|s| &s.outlines)
+            .copied()
+            .collect();
         if !wanted.is_empty() {
-            let mut outlines = Outlines { wanted, lines: HashMap::new() };
+            let mut outlines = Outlines {
+                wanted,
+                lines: HashMap::new(),
+            };
             source.visit(&mut outlines)?;
             // A million relations can name the same outline.
             let mut room = OUTLINES;
-            for square in self.squares.iter_mut().filter(|square| square.rings.is_empty()) {
-                let lines: Option<Vec<&[i64]>> =
-                    square.outlines.iter().map(|way| outlines.lines.get(way).map(Vec::as_slice)).collect();
+            for square in self
+                .squares
+                .iter_mut()
+                .filter(|square| square.rings.is_empty())
+            {
+                let lines: Option<Vec<&[i64]>> = square
+                    .outlines
+                    .iter()
+                    .map(|way| outlines.lines.get(way).map(Vec::as_slice))
+                    .collect();
                 let size = |lines: &Vec<&[i64]>| lines.iter().map(|line| line.len()).sum::<usize>();
                 let lines = lines.filter(|lines| size(lines) <= room.min(2 * CORNERS));
                 room -= lines.as_ref().map_or(0, size);
@@ -123,10 +138,15 @@ impl Ways {
         let all = self.squares.len();
         self.squares.retain(|square| !square.rings.is_empty());
         self.squares_without_outline = all - self.squares.len();
-        self.squares.sort_by_key(|square| (square.is_relation, square.id));
-        self.squares.dedup_by_key(|square| (square.is_relation, square.id));
+        self.squares
+            .sort_by_key(|square| (square.is_relation, square.id));
+        self.squares
+            .dedup_by_key(|square| (square.is_relation, square.id));
         // What is crossed is part of the network, and so are its corners.
-        let corners = self.squares.iter().flat_map(|square| square.rings.iter().flatten());
+        let corners = self
+            .squares
+            .iter()
+            .flat_map(|square| square.rings.iter().flatten());
         self.corners = corners.copied().collect();
         Ok(())
     }
@@ -140,7 +160,10 @@ impl Ways {
     /// Takes down a turn restriction.
     fn restriction(&mut self, relation: RelationRef<'_>) {
         let members = |role: &'static str, kind| {
-            let members = relation.members.iter().filter(move |m| m.role == role && m.kind == kind);
+            let members = relation
+                .members
+                .iter()
+                .filter(move |m| m.role == role && m.kind == kind);
             members.map(|member| member.id)
         };
         // Several roads may be forbidden to be entered, or to be come from.
@@ -149,7 +172,9 @@ impl Ways {
             Some(ways).filter(|ways| (1..=ENDS).contains(&ways.len()))
         };
         let [from, to] = ["from", "to"].map(several);
-        let ways: Vec<i64> = members("via", ElementKind::Way).take(VIA_WAYS + 1).collect();
+        let ways: Vec<i64> = members("via", ElementKind::Way)
+            .take(VIA_WAYS + 1)
+            .collect();
         let mut nodes = members("via", ElementKind::Node);
         let via = match (nodes.next(), nodes.next(), ways.len()) {
             (Some(node), None, 0) => Some(node),
@@ -160,10 +185,22 @@ impl Ways {
             self.odd_restrictions += 1;
             return;
         };
-        let (words, count) = (self.restriction_sets.number(relation.tags, None), ways.len() as u32);
-        for (from, to) in from.iter().flat_map(|from| to.iter().map(move |to| (*from, *to))) {
+        let (words, count) = (
+            self.restriction_sets.number(relation.tags, None),
+            ways.len() as u32,
+        );
+        for (from, to) in from
+            .iter()
+            .flat_map(|from| to.iter().map(move |to| (*from, *to)))
+        {
             self.via_ways.extend(&ways);
-            self.restrictions.push(Restriction { from, via, to, words, ways: count });
+            self.restrictions.push(Restriction {
+                from,
+                via,
+                to,
+                words,
+                ways: count,
+            });
         }
     }
 }
@@ -176,15 +213,29 @@ impl Visitor for Ways {
     fn relation(&mut self, relation: RelationRef<'_>) {
         if relation.tags.get("type") == Some("multipolygon") && is_for_pedestrians(relation.tags) {
             let class = self.classes.number(relation.tags, Some((CROSSING, "yes")));
-            let ways = relation.members.iter().filter(|member| member.kind == ElementKind::Way);
+            let ways = relation
+                .members
+                .iter()
+                .filter(|member| member.kind == ElementKind::Way);
             let mut outlines: Vec<i64> = ways.map(|way| way.id).collect();
             outlines.sort_unstable();
             outlines.dedup();
             let name = self.names.number(relation.tags);
             let (id, is_relation) = (relation.id, true);
-            self.squares.push(Square { id, is_relation, outlines, rings: Vec::new(), class, name });
+            self.squares.push(Square {
+                id,
+                is_relation,
+                outlines,
+                rings: Vec::new(),
+                class,
+                name,
+            });
         }
-        if !relation.tags.get("type").is_some_and(|kind| kind.starts_with("restriction")) {
+        if !relation
+            .tags
+            .get("type")
+            .is_some_and(|kind| kind.starts_with("restriction"))
+        {
             return;
         }
         self.restriction(relation);
@@ -194,18 +245,40 @@ impl Visitor for Ways {
         if way.nodes.len() < 2 || !is_way_of_network(way.tags) {
             return;
         }
-        self.conditional += usize::from(way.tags.0.iter().any(|(key, _)| key.ends_with(":conditional")));
-        let (class, name) = (self.classes.number(way.tags, None), self.names.number(way.tags));
+        self.conditional += usize::from(
+            way.tags
+                .0
+                .iter()
+                .any(|(key, _)| key.ends_with(":conditional")),
+        );
+        let (class, name) = (
+            self.classes.number(way.tags, None),
+            self.names.number(way.tags),
+        );
         let closed = way.nodes.len() > 3 && way.nodes.first() == way.nodes.last();
         if closed && way.tags.get("area") == Some("yes") && is_for_pedestrians(way.tags) {
             let class = self.classes.number(way.tags, Some((CROSSING, "yes")));
             let (id, rings) = (way.id, vec![way.nodes[1..].to_vec()]);
-            self.squares.push(Square { id, is_relation: false, outlines: vec![id], rings, class, name });
+            self.squares.push(Square {
+                id,
+                is_relation: false,
+                outlines: vec![id],
+                rings,
+                class,
+                name,
+            });
         }
         let (first, count) = (self.references.len(), way.nodes.len());
         let ferry = way.tags.get("route") == Some("ferry");
         let seconds = way.tags.get("duration").filter(|_| ferry).and_then(seconds);
-        self.ways.push(Way { id: way.id, first, count, class, name, seconds });
+        self.ways.push(Way {
+            id: way.id,
+            first,
+            count,
+            class,
+            name,
+            seconds,
+        });
         self.references.extend_from_slice(way.nodes);
     }
 }
@@ -245,7 +318,10 @@ fn seconds(duration: &str) -> Option<f64> {
 }
 
 fn is_for_pedestrians(words: Words<'_>) -> bool {
-    matches!(words.get("highway"), Some("pedestrian" | "footway" | "path" | "platform"))
+    matches!(
+        words.get("highway"),
+        Some("pedestrian" | "footway" | "path" | "platform")
+    )
 }
 
 /// The nodes of ways that are wanted.
@@ -275,8 +351,9 @@ fn joined(mut lines: Vec<&[i64]>) -> Option<Vec<Vec<i64>>> {
             if first == last {
                 break;
             }
-            let next =
-                lines.iter().position(|line| line.first() == Some(&last) || line.last() == Some(&last))?;
+            let next = lines
+                .iter()
+                .position(|line| line.first() == Some(&last) || line.last() == Some(&last))?;
             let line = lines.swap_remove(next);
             if line.first() == Some(&last) {
                 ring.extend(&line[1..]);
@@ -296,10 +373,24 @@ fn joined(mut lines: Vec<&[i64]>) -> Option<Vec<Vec<i64>>> {
 /// Whether some profile may have something to say about a way: all roads, ferries, platforms, piers and car parks, and what says in
 /// so many words who may go there.
 fn is_way_of_network(words: Words<'_>) -> bool {
-    const PLACES: [&str; 7] =
-        ["amenity", "bridge", "man_made", "platform", "public_transport", "railway", "route"];
-    const GOERS: [&str; 7] =
-        ["access", "bicycle", "foot", "motor_vehicle", "motorcar", "vehicle", "wheelchair"];
+    const PLACES: [&str; 7] = [
+        "amenity",
+        "bridge",
+        "man_made",
+        "platform",
+        "public_transport",
+        "railway",
+        "route",
+    ];
+    const GOERS: [&str; 7] = [
+        "access",
+        "bicycle",
+        "foot",
+        "motor_vehicle",
+        "motorcar",
+        "vehicle",
+        "wheelchair",
+    ];
     let mut place = false;
     let mut told = false;
     for (key, value) in words.0 {
@@ -328,7 +419,15 @@ impl Nodes {
         ids.dedup();
         ids.shrink_to_fit();
         let (places, classes) = (vec![None; ids.len()], vec![0; ids.len()]);
-        let mut reader = Reader { nodes: Self { ids, places, classes, sets: Classes::new() }, next: 0 };
+        let mut reader = Reader {
+            nodes: Self {
+                ids,
+                places,
+                classes,
+                sets: Classes::new(),
+            },
+            next: 0,
+        };
         source.visit(&mut reader)?;
         Ok(reader.nodes)
     }
@@ -351,15 +450,27 @@ impl Visitor for Reader {
     }
 
     fn node(&mut self, node: NodeRef<'_>) {
-        while self.nodes.ids.get(self.next).is_some_and(|id| *id < node.id) {
+        while self
+            .nodes
+            .ids
+            .get(self.next)
+            .is_some_and(|id| *id < node.id)
+        {
             self.next += 1;
         }
         let in_order = self.nodes.ids.get(self.next) == Some(&node.id);
-        let index = if in_order { Some(self.next) } else { self.nodes.index(node.id) };
+        let index = if in_order {
+            Some(self.next)
+        } else {
+            self.nodes.index(node.id)
+        };
         let Some(index) = index else { return };
         self.nodes.places[index] = Place::new(node.position);
-        self.nodes.classes[index] =
-            if node.tags.0.is_empty() { 0 } else { self.nodes.sets.number(node.tags, None) };
+        self.nodes.classes[index] = if node.tags.0.is_empty() {
+            0
+        } else {
+            self.nodes.sets.number(node.tags, None)
+        };
     }
 }
 
@@ -371,17 +482,27 @@ mod tests {
     fn outlines_are_joined_end_to_end() {
         let ring = |lines: &[&[i64]]| joined(lines.to_vec());
         assert_eq!(ring(&[&[1, 2, 3, 1]]), Some(vec![vec![1, 2, 3]]));
-        assert_eq!(ring(&[&[1, 2], &[4, 3, 2], &[4, 1]]), Some(vec![vec![4, 1, 2, 3]]));
-        assert_eq!(ring(&[&[7, 8, 9, 7], &[1, 2, 3], &[1, 3]]).map(|rings| rings.len()), Some(2));
+        assert_eq!(
+            ring(&[&[1, 2], &[4, 3, 2], &[4, 1]]),
+            Some(vec![vec![4, 1, 2, 3]])
+        );
+        assert_eq!(
+            ring(&[&[7, 8, 9, 7], &[1, 2, 3], &[1, 3]]).map(|rings| rings.len()),
+            Some(2)
+        );
         assert_eq!(ring(&[&[1, 2], &[2, 3]]), None);
         assert_eq!(ring(&[&[1, 2], &[2, 1]]), None);
     }
 
     #[test]
     fn timetables_are_read() {
-        for (text, expected) in
-            [("10", 600.0), ("01:30", 5400.0), ("0:10:30", 630.0), ("PT1H30M", 5400.0), ("PT45S", 45.0)]
-        {
+        for (text, expected) in [
+            ("10", 600.0),
+            ("01:30", 5400.0),
+            ("0:10:30", 630.0),
+            ("PT1H30M", 5400.0),
+            ("PT45S", 45.0),
+        ] {
             assert_eq!(seconds(text), Some(expected), "{text}");
         }
         for text in ["", "soon", "-5", "1:2:3:4", "PT", "PTxH", "nan", "inf"] {

@@ -35,7 +35,9 @@ pub(super) struct Crossing {
 pub(super) fn crossings(ways: &Ways, nodes: &Nodes, uses: &mut [u8]) -> Crossings {
     let (mut crossings, mut work) = (Crossings::default(), 0);
     for (number, square) in ways.squares.iter().enumerate() {
-        let Some(shape) = Shape::new(ways, square, nodes, uses) else { continue };
+        let Some(shape) = Shape::new(ways, square, nodes, uses) else {
+            continue;
+        };
         let too_large = shape.corners.len() > CORNERS || shape.entries.len() > ENTRIES;
         if !too_large && shape.entries.len() > 1 {
             work += (shape.corners.len() as u64).pow(3);
@@ -47,7 +49,10 @@ pub(super) fn crossings(ways: &Ways, nodes: &Nodes, uses: &mut [u8]) -> Crossing
         for [a, b] in shape.lines() {
             let ends = [shape.corners[a].node, shape.corners[b].node];
             ends.iter().for_each(|end| uses[*end] = uses[*end].max(2));
-            crossings.lines.push(Crossing { square: number, ends });
+            crossings.lines.push(Crossing {
+                square: number,
+                ends,
+            });
         }
     }
     crossings
@@ -81,8 +86,15 @@ impl Shape {
             let (first, count) = (corners.len(), ring.len());
             for (i, id) in ring.iter().enumerate() {
                 let node = nodes.index(*id)?;
-                let [before, behind] = [(i + count - 1) % count, (i + 1) % count].map(|j| first + j);
-                corners.push(Corner { node, place: nodes.places[node]?, before, behind, reflex: false });
+                let [before, behind] =
+                    [(i + count - 1) % count, (i + 1) % count].map(|j| first + j);
+                corners.push(Corner {
+                    node,
+                    place: nodes.places[node]?,
+                    before,
+                    behind,
+                    reflex: false,
+                });
             }
         }
         find_reflex(&mut corners, square.rings.iter().map(Vec::len));
@@ -102,8 +114,14 @@ impl Shape {
                 1
             }
         };
-        let entries = (0..corners.len()).filter(|c| uses[corners[*c].node] > own(corners[*c].node)).collect();
-        Some(Self { corners, entries, outlined })
+        let entries = (0..corners.len())
+            .filter(|c| uses[corners[*c].node] > own(corners[*c].node))
+            .collect();
+        Some(Self {
+            corners,
+            entries,
+            outlined,
+        })
     }
 
     /// The lines that lie on a shortest way between entries, as pairs of corners.
@@ -120,7 +138,11 @@ impl Shape {
             for j in 0..i {
                 let [a, b] = [points[i], points[j]];
                 let apart = self.corners[a].place != self.corners[b].place;
-                if apart && (self.corners[a].before == b || self.corners[a].behind == b || self.sees(a, b)) {
+                if apart
+                    && (self.corners[a].before == b
+                        || self.corners[a].behind == b
+                        || self.sees(a, b))
+                {
                     let length = distance(self.corners[a].place, self.corners[b].place);
                     lines[i].push((j, length));
                     lines[j].push((i, length));
@@ -128,9 +150,17 @@ impl Shape {
             }
         }
         let mut kept: Vec<[usize; 2]> = Vec::new();
-        for entry in self.entries.iter().filter_map(|entry| points.binary_search(entry).ok()) {
+        for entry in self
+            .entries
+            .iter()
+            .filter_map(|entry| points.binary_search(entry).ok())
+        {
             let (_, tree) = shortest(&lines, entry);
-            for mut at in self.entries.iter().filter_map(|entry| points.binary_search(entry).ok()) {
+            for mut at in self
+                .entries
+                .iter()
+                .filter_map(|entry| points.binary_search(entry).ok())
+            {
                 while at != entry && tree[at] != usize::MAX {
                     kept.push([at.min(tree[at]), at.max(tree[at])]);
                     at = tree[at];
@@ -141,16 +171,21 @@ impl Shape {
         kept.dedup();
         let kept = self.thinned(&points, &kept);
         let lines = kept.into_iter().map(|ends| ends.map(|end| points[end]));
-        let beside = |[a, b]: &[usize; 2]| self.corners[*a].before == *b || self.corners[*a].behind == *b;
-        lines.filter(|ends| !(self.outlined && beside(ends))).collect()
+        let beside =
+            |[a, b]: &[usize; 2]| self.corners[*a].before == *b || self.corners[*a].behind == *b;
+        lines
+            .filter(|ends| !(self.outlined && beside(ends)))
+            .collect()
     }
 
     /// Those of the lines without which a way would be longer than it must by more than [`DETOUR`]: I. Althöfer et al., *On sparse
     /// spanners of weighted graphs*, 1993. Between a hundred entries there are thousands of lines, and a few hundred will do.
     fn thinned(&self, points: &[usize], lines: &[[usize; 2]]) -> Vec<[usize; 2]> {
         let place = |point: usize| self.corners[points[point]].place;
-        let mut sorted: Vec<(f64, [usize; 2])> =
-            lines.iter().map(|[a, b]| (distance(place(*a), place(*b)), [*a, *b])).collect();
+        let mut sorted: Vec<(f64, [usize; 2])> = lines
+            .iter()
+            .map(|[a, b]| (distance(place(*a), place(*b)), [*a, *b]))
+            .collect();
         sorted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut graph: Vec<Vec<(usize, f64)>> = vec![Vec::new(); points.len()];
         let mut kept = Vec::new();
@@ -187,14 +222,18 @@ impl Shape {
 
     /// Whether the middle between two places is inside: a ray from it eastwards meets an odd number of sides.
     fn contains_middle(&self, p: Place, q: Place) -> bool {
-        let doubled = [i128::from(p.lon) + i128::from(q.lon), i128::from(p.lat) + i128::from(q.lat)];
+        let doubled = [
+            i128::from(p.lon) + i128::from(q.lon),
+            i128::from(p.lat) + i128::from(q.lat),
+        ];
         let mut inside = false;
         for corner in &self.corners {
             let [a, b] = [corner.place, self.corners[corner.behind].place]
                 .map(|place| [2 * i128::from(place.lon), 2 * i128::from(place.lat)]);
             if (a[1] > doubled[1]) != (b[1] > doubled[1]) {
                 // Left of the side, without division.
-                let cross = (b[0] - a[0]) * (doubled[1] - a[1]) - (doubled[0] - a[0]) * (b[1] - a[1]);
+                let cross =
+                    (b[0] - a[0]) * (doubled[1] - a[1]) - (doubled[0] - a[0]) * (b[1] - a[1]);
                 if (cross > 0) == (b[1] > a[1]) && cross != 0 {
                     inside = !inside;
                 }
@@ -213,10 +252,14 @@ fn find_reflex(corners: &mut [Corner], rings: impl Iterator<Item = usize>) {
             first += count;
             let origin = corners[ring.start].place;
             let at = |place: Place| {
-                (f64::from(place.lon) - f64::from(origin.lon), f64::from(place.lat) - f64::from(origin.lat))
+                (
+                    f64::from(place.lon) - f64::from(origin.lon),
+                    f64::from(place.lat) - f64::from(origin.lat),
+                )
             };
             let area = ring.clone().map(|c| {
-                let ((ax, ay), (bx, by)) = (at(corners[c].place), at(corners[corners[c].behind].place));
+                let ((ax, ay), (bx, by)) =
+                    (at(corners[c].place), at(corners[corners[c].behind].place));
                 ax * by - bx * ay
             });
             (ring, area.sum())
@@ -226,7 +269,12 @@ fn find_reflex(corners: &mut [Corner], rings: impl Iterator<Item = usize>) {
     for (ring, area) in rings {
         let left_is_inside = (area > 0.0) == (area.abs() == largest);
         for c in ring {
-            let Corner { place, before, behind, .. } = corners[c];
+            let Corner {
+                place,
+                before,
+                behind,
+                ..
+            } = corners[c];
             let turn = side(corners[before].place, place, corners[behind].place);
             corners[c].reflex = if left_is_inside { turn < 0 } else { turn > 0 };
         }
@@ -247,10 +295,14 @@ fn strictly_between(a: Place, b: Place, place: Place) -> bool {
 
 /// For each point how far it is from the first, and the one before it on the shortest way.
 fn shortest(lines: &[Vec<(usize, f64)>], from: usize) -> (Vec<f64>, Vec<usize>) {
-    let (mut length, mut before) = (vec![f64::INFINITY; lines.len()], vec![usize::MAX; lines.len()]);
+    let (mut length, mut before) = (
+        vec![f64::INFINITY; lines.len()],
+        vec![usize::MAX; lines.len()],
+    );
     let mut open: Vec<usize> = (0..lines.len()).collect();
     length[from] = 0.0;
-    while let Some(i) = (0..open.len()).min_by(|a, b| length[open[*a]].total_cmp(&length[open[*b]])) {
+    while let Some(i) = (0..open.len()).min_by(|a, b| length[open[*a]].total_cmp(&length[open[*b]]))
+    {
         let point = open.swap_remove(i);
         for (to, step) in &lines[point] {
             if length[point] + step < length[*to] {

@@ -70,11 +70,17 @@ pub struct Texts {
 impl Texts {
     fn get(&self, number: u32) -> &str {
         let number = number as usize;
-        let begin =
-            number.checked_sub(1).and_then(|before| self.ends.get(before)).copied().unwrap_or_default();
+        let begin = number
+            .checked_sub(1)
+            .and_then(|before| self.ends.get(before))
+            .copied()
+            .unwrap_or_default();
         let range = begin as usize..self.ends.get(number).copied().unwrap_or_default() as usize;
         // Texts of a file have been looked at when it was opened.
-        self.bytes.get(range).and_then(|bytes| std::str::from_utf8(bytes).ok()).unwrap_or_default()
+        self.bytes
+            .get(range)
+            .and_then(|bytes| std::str::from_utf8(bytes).ok())
+            .unwrap_or_default()
     }
 
     /// Whether all are texts, one behind the other.
@@ -82,7 +88,9 @@ impl Texts {
         let ends = self.ends.iter().map(|end| *end as usize);
         let begins = std::iter::once(0).chain(ends.clone());
         let texts = begins.zip(ends).all(|(begin, end)| {
-            self.bytes.get(begin..end).is_some_and(|bytes| std::str::from_utf8(bytes).is_ok())
+            self.bytes
+                .get(begin..end)
+                .is_some_and(|bytes| std::str::from_utf8(bytes).is_ok())
         });
         texts && self.ends.last().map_or(0, |end| *end as usize) == self.bytes.len()
     }
@@ -95,7 +103,10 @@ impl<'a> FromIterator<&'a str> for Texts {
             bytes.extend_from_slice(text.as_bytes());
             ends.push(bytes.len() as u32);
         }
-        Self { bytes: bytes.into(), ends: ends.into() }
+        Self {
+            bytes: bytes.into(),
+            ends: ends.into(),
+        }
     }
 }
 
@@ -136,7 +147,8 @@ impl WordSets {
 
 /// Keys and values of a set that is a text.
 fn words(set: &str) -> impl Iterator<Item = (&str, &str)> {
-    set.split_terminator(MARKS[1]).filter_map(|word| word.split_once(MARKS[0]))
+    set.split_terminator(MARKS[1])
+        .filter_map(|word| word.split_once(MARKS[0]))
 }
 
 /// Texts while they are collected, each once.
@@ -173,12 +185,21 @@ impl Classes {
     pub(super) fn new() -> Self {
         let mut sets = Collected::default();
         sets.number("");
-        Self { sets, text: String::new() }
+        Self {
+            sets,
+            text: String::new(),
+        }
     }
 
     /// The number of the set of those `words` that a profile may ask for, with `more` added.
     pub(super) fn number(&mut self, words: Words<'_>, more: Option<(&str, &str)>) -> u32 {
-        let mut kept: Vec<_> = words.0.iter().copied().filter(|(key, _)| !informs(key)).chain(more).collect();
+        let mut kept: Vec<_> = words
+            .0
+            .iter()
+            .copied()
+            .filter(|(key, _)| !informs(key))
+            .chain(more)
+            .collect();
         kept.retain(|(key, value)| !key.contains(MARKS) && !value.contains(MARKS));
         kept.sort_by_key(|(key, _)| *key);
         self.text.clear();
@@ -244,11 +265,19 @@ impl Names {
     pub(super) fn new() -> Self {
         let mut names = Collected::default();
         names.number(&MARKS[0].to_string());
-        Self { names, text: String::new() }
+        Self {
+            names,
+            text: String::new(),
+        }
     }
 
     pub(super) fn number(&mut self, words: Words<'_>) -> u32 {
-        let word = |key: &str| words.get(key).filter(|value| !value.contains(MARKS)).unwrap_or_default();
+        let word = |key: &str| {
+            words
+                .get(key)
+                .filter(|value| !value.contains(MARKS))
+                .unwrap_or_default()
+        };
         self.text.clear();
         self.text.push_str(word("name"));
         self.text.push(MARKS[0]);
@@ -268,15 +297,26 @@ mod tests {
     #[test]
     fn sets_are_kept_once_and_found_again() {
         let mut classes = Classes::new();
-        let words = [("surface", "sett"), ("highway", "path"), ("name", "Elm Path"), ("odd", "a\u{1f}b")];
+        let words = [
+            ("surface", "sett"),
+            ("highway", "path"),
+            ("name", "Elm Path"),
+            ("odd", "a\u{1f}b"),
+        ];
         let one = classes.number(Words(&words), None);
         let same = classes.number(Words(&words[..2]), None);
         let other = classes.number(Words(&words[..1]), Some(("openbench:crossing", "yes")));
-        assert_eq!([one, same, other, classes.number(Words(&[]), None)], [1, 1, 2, 0]);
+        assert_eq!(
+            [one, same, other, classes.number(Words(&[]), None)],
+            [1, 1, 2, 0]
+        );
         let sets = classes.into_sets();
         assert_eq!(sets.len(), 3);
         assert_eq!(sets.get(0), Tags::new());
-        assert_eq!(sets.get(1), Tags::from_iter([("highway", "path"), ("surface", "sett")]));
+        assert_eq!(
+            sets.get(1),
+            Tags::from_iter([("highway", "path"), ("surface", "sett")])
+        );
         assert!(sets.is(2, "surface", "sett") && sets.is(2, "openbench:crossing", "yes"));
         assert!(!sets.is(1, "surface", "asphalt") && sets.get(99) == Tags::new());
         assert!(sets.0.are_whole());
@@ -291,7 +331,19 @@ mod tests {
         assert_eq!(number(&mut names, &[("name", "Elm Path")]), 2);
         let names = names.into_names();
         assert_eq!((names.len(), names.get(0)), (3, RoadName::default()));
-        assert_eq!(names.get(1), RoadName { name: "", reference: "N 14" });
-        assert_eq!(names.get(2), RoadName { name: "Elm Path", reference: "" });
+        assert_eq!(
+            names.get(1),
+            RoadName {
+                name: "",
+                reference: "N 14"
+            }
+        );
+        assert_eq!(
+            names.get(2),
+            RoadName {
+                name: "Elm Path",
+                reference: ""
+            }
+        );
     }
 }

@@ -26,6 +26,7 @@ mod table;
 
 pub use failure::Failure;
 pub use request::{
-    Annotations, Geometries, Limits, NearestRequest, Overview, Places, Request, RouteRequest, TableRequest,
+    Annotations, Geometries, Limits, NearestRequest, Overview, Places, Request, RouteRequest,
+    TableRequest,
 };
 pub use service::{Answer, Service, ServiceMemory};

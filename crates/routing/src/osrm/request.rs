@@ -141,7 +141,12 @@ pub struct Limits {
 impl Default for Limits {
     /// As `osrm-routed` has them.
     fn default() -> Self {
-        Self { route: 500, table: 100, nearest: 100, alternatives: 3 }
+        Self {
+            route: 500,
+            table: 100,
+            nearest: 100,
+            alternatives: 3,
+        }
     }
 }
 
@@ -157,22 +162,38 @@ impl Request {
     /// Reads the path and the query of an address.
     pub fn parse(target: &str, limits: &Limits) -> Result<Self, Failure> {
         let (path, query) = target.split_once('?').unwrap_or((target, ""));
-        let parts: Vec<&str> = path.strip_prefix('/').unwrap_or_default().splitn(4, '/').collect();
+        let parts: Vec<&str> = path
+            .strip_prefix('/')
+            .unwrap_or_default()
+            .splitn(4, '/')
+            .collect();
         let malformed = || {
-            let message = format!("URL string malformed close to position 1: \"{}\"", shown(path));
+            let message = format!(
+                "URL string malformed close to position 1: \"{}\"",
+                shown(path)
+            );
             Failure::new("InvalidUrl", message)
         };
-        let [service, version, profile, coordinates] = parts[..] else { return Err(malformed()) };
-        let version_is_one =
-            version.strip_prefix('v').is_some_and(|v| v.bytes().all(|b| b.is_ascii_digit()) && !v.is_empty());
+        let [service, version, profile, coordinates] = parts[..] else {
+            return Err(malformed());
+        };
+        let version_is_one = version
+            .strip_prefix('v')
+            .is_some_and(|v| v.bytes().all(|b| b.is_ascii_digit()) && !v.is_empty());
         if !version_is_one || profile.is_empty() {
             return Err(malformed());
         }
         if !["route", "nearest", "table"].contains(&service) {
-            return Err(Failure::new("InvalidService", format!("Service {} not found!", shown(service))));
+            return Err(Failure::new(
+                "InvalidService",
+                format!("Service {} not found!", shown(service)),
+            ));
         }
         if version != "v1" {
-            return Err(Failure::new("InvalidVersion", format!("Service {} not found!", shown(service))));
+            return Err(Failure::new(
+                "InvalidVersion",
+                format!("Service {} not found!", shown(service)),
+            ));
         }
         let position = path.len() - coordinates.len();
         let places = places(coordinates, position)?;
@@ -201,7 +222,9 @@ fn places(coordinates: &str, position: usize) -> Result<Vec<Place>, Failure> {
     let positions: Vec<LonLat> = match line("polyline(", 5).or_else(|| line("polyline6(", 6)) {
         Some(line) => {
             let line = line.ok_or_else(|| Failure::query(position))?;
-            line.into_iter().map(|[lat, lon]| LonLat::new(lon, lat)).collect()
+            line.into_iter()
+                .map(|[lat, lon]| LonLat::new(lon, lat))
+                .collect()
         }
         None => {
             let mut at = position;
@@ -214,7 +237,10 @@ fn places(coordinates: &str, position: usize) -> Result<Vec<Place>, Failure> {
         }
     };
     let invalid = || Failure::new("InvalidValue", "Invalid coordinate value.");
-    positions.into_iter().map(|position| Place::new(position).ok_or_else(invalid)).collect()
+    positions
+        .into_iter()
+        .map(|position| Place::new(position).ok_or_else(invalid))
+        .collect()
 }
 
 fn lonlat(pair: &str) -> Option<LonLat> {
@@ -224,8 +250,12 @@ fn lonlat(pair: &str) -> Option<LonLat> {
 
 /// A finite number, written in digits.
 fn number(text: &str) -> Option<f64> {
-    let digits = text.bytes().all(|b| b.is_ascii_digit() || b"+-.eE".contains(&b));
-    text.parse().ok().filter(|number: &f64| digits && number.is_finite())
+    let digits = text
+        .bytes()
+        .all(|b| b.is_ascii_digit() || b"+-.eE".contains(&b));
+    text.parse()
+        .ok()
+        .filter(|number: &f64| digits && number.is_finite())
 }
 
 fn percent_decoded(text: &str) -> Option<String> {
@@ -239,7 +269,9 @@ fn percent_decoded(text: &str) -> Option<String> {
             bytes.push(*first);
             continue;
         }
-        let [high, low, after @ ..] = after else { return None };
+        let [high, low, after @ ..] = after else {
+            return None;
+        };
         let digit = |byte: u8| char::from(byte).to_digit(16);
         bytes.push((digit(*high)? * 16 + digit(*low)?) as u8);
         rest = after;
@@ -250,7 +282,9 @@ fn percent_decoded(text: &str) -> Option<String> {
 fn options(query: &str, mut position: usize) -> Result<Vec<(String, String, usize)>, Failure> {
     let mut options = Vec::new();
     for option in query.split('&').filter(|_| !query.is_empty()) {
-        let (key, value) = option.split_once('=').ok_or_else(|| Failure::query(position))?;
+        let (key, value) = option
+            .split_once('=')
+            .ok_or_else(|| Failure::query(position))?;
         let value = percent_decoded(value).ok_or_else(|| Failure::query(position))?;
         options.push((key.to_owned(), value, position));
         position += option.len() + 1;
@@ -259,7 +293,11 @@ fn options(query: &str, mut position: usize) -> Result<Vec<(String, String, usiz
 }
 
 fn each<'a>(options: &'a [(String, String, usize)]) -> impl Iterator<Item = Setting<'a>> {
-    options.iter().map(|(key, value, position)| Setting { key, value, position: *position })
+    options.iter().map(|(key, value, position)| Setting {
+        key,
+        value,
+        position: *position,
+    })
 }
 
 impl Setting<'_> {
@@ -283,7 +321,10 @@ impl Setting<'_> {
     fn indices(&self) -> Result<Vec<usize>, Failure> {
         match self.value {
             "all" | "" => Ok(Vec::new()),
-            list => list.split(';').map(|i| i.parse().map_err(|_| self.fail())).collect(),
+            list => list
+                .split(';')
+                .map(|i| i.parse().map_err(|_| self.fail()))
+                .collect(),
         }
     }
 }
@@ -291,7 +332,12 @@ impl Setting<'_> {
 impl Places {
     fn new(places: Vec<Place>) -> Self {
         let snap = vec![SnapOptions::default(); places.len()];
-        Self { places, snap, hints: true, skip_waypoints: false }
+        Self {
+            places,
+            snap,
+            hints: true,
+            skip_waypoints: false,
+        }
     }
 
     /// Takes an option in that all services know; whether it is one.
@@ -311,14 +357,19 @@ impl Places {
                 for (i, radius) in self.list(option)?.into_iter().enumerate() {
                     self.snap[i].radius = match radius {
                         "" | "unlimited" => f64::INFINITY,
-                        radius => number(radius).filter(|r| *r >= 0.0).ok_or_else(|| option.fail())?,
+                        radius => number(radius)
+                            .filter(|r| *r >= 0.0)
+                            .ok_or_else(|| option.fail())?,
                     };
                 }
             }
             "bearings" => {
                 for (i, bearing) in self.list(option)?.into_iter().enumerate() {
-                    let pair = bearing.split_once(',').and_then(|(b, r)| Some((number(b)?, number(r)?)));
-                    let valid = pair.filter(|(b, r)| (0.0..=360.0).contains(b) && (0.0..=180.0).contains(r));
+                    let pair = bearing
+                        .split_once(',')
+                        .and_then(|(b, r)| Some((number(b)?, number(r)?)));
+                    let valid = pair
+                        .filter(|(b, r)| (0.0..=360.0).contains(b) && (0.0..=180.0).contains(r));
                     if valid.is_none() && !bearing.is_empty() {
                         return Err(option.fail());
                     }
@@ -327,7 +378,10 @@ impl Places {
             }
             "snapping" if ["default", "any"].contains(&option.value) => {}
             "exclude" => {
-                return Err(Failure::new("InvalidValue", "Exclude flag combination is not supported."));
+                return Err(Failure::new(
+                    "InvalidValue",
+                    "Exclude flag combination is not supported.",
+                ));
             }
             _ => return Ok(false),
         }
@@ -353,7 +407,10 @@ impl Places {
         if self.places.len() >= 2 {
             return Ok(());
         }
-        Err(Failure::new("InvalidOptions", "Number of coordinates needs to be at least two."))
+        Err(Failure::new(
+            "InvalidOptions",
+            "Number of coordinates needs to be at least two.",
+        ))
     }
 }
 
@@ -361,13 +418,19 @@ fn too_big(what: &str, count: usize, limit: usize) -> Result<(), Failure> {
     if count <= limit {
         return Ok(());
     }
-    Err(Failure::new("TooBig", format!("{what} {count} is higher than current maximum ({limit})")))
+    Err(Failure::new(
+        "TooBig",
+        format!("{what} {count} is higher than current maximum ({limit})"),
+    ))
 }
 
 impl RouteRequest {
     /// A request for the way through some places, and nothing else.
     pub fn through(places: Vec<Place>) -> Self {
-        Self { places: Places::new(places), ..Self::default() }
+        Self {
+            places: Places::new(places),
+            ..Self::default()
+        }
     }
 
     fn new(
@@ -377,7 +440,11 @@ impl RouteRequest {
     ) -> Result<Self, Failure> {
         let mut request = Self::through(places);
         request.places.at_least_two()?;
-        too_big("Number of entries", request.places.places.len(), limits.route)?;
+        too_big(
+            "Number of entries",
+            request.places.places.len(),
+            limits.route,
+        )?;
         for option in each(options) {
             if request.places.take(option)? {
                 continue;
@@ -405,8 +472,9 @@ impl RouteRequest {
         }
         if request.alternatives > limits.alternatives {
             let limit = limits.alternatives;
-            let message =
-                format!("Requested number of alternatives is higher than current maximum ({limit})");
+            let message = format!(
+                "Requested number of alternatives is higher than current maximum ({limit})"
+            );
             return Err(Failure::new("TooBig", message));
         }
         request.check_waypoints()?;
@@ -425,7 +493,10 @@ impl RouteRequest {
             ));
         }
         if waypoints.windows(2).any(|pair| pair[0] >= pair[1]) {
-            return Err(Failure::new("InvalidValue", "Waypoints must be in ascending order."));
+            return Err(Failure::new(
+                "InvalidValue",
+                "Waypoints must be in ascending order.",
+            ));
         }
         Ok(())
     }
@@ -464,7 +535,10 @@ impl NearestRequest {
         options: &[(String, String, usize)],
         limits: &Limits,
     ) -> Result<Self, Failure> {
-        let mut request = Self { places: Places::new(places), number: 1 };
+        let mut request = Self {
+            places: Places::new(places),
+            number: 1,
+        };
         for option in each(options) {
             if request.places.take(option)? {
                 continue;
@@ -475,10 +549,17 @@ impl NearestRequest {
             }
         }
         if request.number == 0 {
-            return Err(Failure::new("InvalidOptions", "The number of results must be at least one."));
+            return Err(Failure::new(
+                "InvalidOptions",
+                "The number of results must be at least one.",
+            ));
         }
         too_big("Number of results", request.number, limits.nearest)?;
-        too_big("Number of coordinates", request.places.places.len(), limits.nearest)?;
+        too_big(
+            "Number of coordinates",
+            request.places.places.len(),
+            limits.nearest,
+        )?;
         Ok(request)
     }
 }
@@ -486,7 +567,12 @@ impl NearestRequest {
 impl TableRequest {
     /// A request for the durations between all places.
     pub fn between(places: Vec<Place>) -> Self {
-        Self { places: Places::new(places), duration: true, scale: 1.0, ..Self::default() }
+        Self {
+            places: Places::new(places),
+            duration: true,
+            scale: 1.0,
+            ..Self::default()
+        }
     }
 
     fn new(
@@ -513,7 +599,10 @@ impl TableRequest {
                 "destinations" => request.destinations = option.indices()?,
                 "annotations" => {
                     let words: Vec<&str> = option.value.split(',').collect();
-                    if !words.iter().all(|word| ["duration", "distance"].contains(word)) {
+                    if !words
+                        .iter()
+                        .all(|word| ["duration", "distance"].contains(word))
+                    {
                         return Err(option.fail());
                     }
                     (request.duration, request.distance) =
@@ -534,7 +623,12 @@ impl TableRequest {
                 "There are more sources or destinations than coordinates.",
             ));
         }
-        if request.sources.iter().chain(&request.destinations).any(|index| *index >= count) {
+        if request
+            .sources
+            .iter()
+            .chain(&request.destinations)
+            .any(|index| *index >= count)
+        {
             return Err(Failure::new(
                 "InvalidOptions",
                 "A source or destination is not among the coordinates.",

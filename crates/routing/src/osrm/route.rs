@@ -19,18 +19,27 @@ type Way = Vec<(Leg, Line)>;
 
 impl Service {
     /// Answers *route*.
-    pub fn route(&self, request: &RouteRequest, memory: &mut ServiceMemory) -> Result<Vec<u8>, Failure> {
+    pub fn route(
+        &self,
+        request: &RouteRequest,
+        memory: &mut ServiceMemory,
+    ) -> Result<Vec<u8>, Failure> {
         if request.places.places.len() < 2 {
-            return Err(Failure::new("InvalidOptions", "Number of coordinates needs to be at least two."));
+            return Err(Failure::new(
+                "InvalidOptions",
+                "Number of coordinates needs to be at least two.",
+            ));
         }
         let positions = self.positions(&request.places, &mut memory.nearest)?;
         let routes = self.ways(request, &positions, memory)?;
         let mut json = Json::default();
         json.object(|json| {
             json.key("code").string("Ok");
-            json.key("routes").array(|json| routes.iter().for_each(|way| self.way(json, request, way)));
+            json.key("routes")
+                .array(|json| routes.iter().for_each(|way| self.way(json, request, way)));
             if !request.places.skip_waypoints {
-                json.key("waypoints").array(|json| self.waypoints(json, request, &positions, &routes[0]));
+                json.key("waypoints")
+                    .array(|json| self.waypoints(json, request, &positions, &routes[0]));
             }
         });
         Ok(json.into_bytes())
@@ -51,9 +60,16 @@ impl Service {
         if let ([a, b], 1..) = (positions, request.alternatives) {
             let legs = Leg::alternatives(roads, metric, a, b, request.alternatives, memory);
             let ways: Vec<Way> = legs.into_iter().map(|leg| vec![with_line(leg)]).collect();
-            return if ways.is_empty() { Err(none()) } else { Ok(ways) };
+            return if ways.is_empty() {
+                Err(none())
+            } else {
+                Ok(ways)
+            };
         }
-        let straight = metric.profile.turns().is_some_and(|turns| turns.continue_straight);
+        let straight = metric
+            .profile
+            .turns()
+            .is_some_and(|turns| turns.continue_straight);
         let straight = request.continue_straight.unwrap_or(straight);
         let legs = through(roads, metric, positions, straight, memory).ok_or_else(none)?;
         Ok(vec![legs.into_iter().map(with_line).collect()])
@@ -70,7 +86,11 @@ impl Service {
     fn measures<'a>(&self, legs: impl Iterator<Item = &'a (Leg, Line)>) -> (f64, u64, u64) {
         legs.fold((0.0, 0, 0), |(length, duration, weight), (leg, _)| {
             let (metres, time) = leg.length_and_duration(&self.roads, &self.metric);
-            (length + metres, duration + u64::from(time), weight + u64::from(leg.weight))
+            (
+                length + metres,
+                duration + u64::from(time),
+                weight + u64::from(leg.weight),
+            )
         })
     }
 
@@ -85,8 +105,13 @@ impl Service {
             json.key("weight_name").string("duration");
             match request.overview {
                 Overview::Simplified => {
-                    let lines: Vec<&[Place]> = way.iter().map(|(_, line)| line.points.as_slice()).collect();
-                    geometry(json.key("geometry"), &simplified(&lines), request.geometries)
+                    let lines: Vec<&[Place]> =
+                        way.iter().map(|(_, line)| line.points.as_slice()).collect();
+                    geometry(
+                        json.key("geometry"),
+                        &simplified(&lines),
+                        request.geometries,
+                    )
                 }
                 Overview::Full => geometry(json.key("geometry"), &whole(way), request.geometries),
                 Overview::ByLegs | Overview::False => {}
@@ -107,7 +132,11 @@ impl Service {
                     .for_each(|(leg, line)| self.steps(json, leg, line, form));
             });
             json.key("weight").seconds(weight);
-            json.key("summary").string(&if request.steps { self.summary(legs) } else { String::new() });
+            json.key("summary").string(&if request.steps {
+                self.summary(legs)
+            } else {
+                String::new()
+            });
             json.key("duration").seconds(duration);
             json.key("distance").decimal(length, 1);
             if request.annotations != Default::default() {
@@ -133,8 +162,11 @@ impl Service {
             }
         }
         let text = |name: u32| self.roads.network.names.get(name).name;
-        let mut named: Vec<(usize, (u32, f64))> =
-            names.into_iter().enumerate().filter(|(_, (name, _))| !text(*name).is_empty()).collect();
+        let mut named: Vec<(usize, (u32, f64))> = names
+            .into_iter()
+            .enumerate()
+            .filter(|(_, (name, _))| !text(*name).is_empty())
+            .collect();
         named.sort_by(|a, b| b.1.1.total_cmp(&a.1.1));
         named.truncate(2);
         named.sort_by_key(|(place, _)| *place);
@@ -142,7 +174,13 @@ impl Service {
         words.join(", ")
     }
 
-    fn waypoints(&self, json: &mut Json, request: &RouteRequest, positions: &[Vec<Position>], way: &Way) {
+    fn waypoints(
+        &self,
+        json: &mut Json,
+        request: &RouteRequest,
+        positions: &[Vec<Position>],
+        way: &Way,
+    ) {
         let divides = |i: &usize| request.waypoints.is_empty() || request.waypoints.contains(i);
         for i in (0..positions.len()).filter(divides) {
             let at = match i.checked_sub(1) {
@@ -156,14 +194,19 @@ impl Service {
     /// What is asked about every segment.
     fn annotation(&self, json: &mut Json, request: &RouteRequest, legs: &[(Leg, Line)]) {
         let asked = request.annotations;
-        let segments: Vec<Segment> = legs.iter().flat_map(|(leg, line)| self.segments(leg, line)).collect();
+        let segments: Vec<Segment> = legs
+            .iter()
+            .flat_map(|(leg, line)| self.segments(leg, line))
+            .collect();
         let list = |json: &mut Json, key: &str, write: &dyn Fn(&mut Json, &Segment)| {
-            json.key(key).array(|json| segments.iter().for_each(|segment| write(json, segment)));
+            json.key(key)
+                .array(|json| segments.iter().for_each(|segment| write(json, segment)));
         };
         json.key("annotation").object(|json| {
             if asked.datasources {
                 json.key("metadata").object(|json| {
-                    json.key("datasource_names").array(|json| json.string(self.metric.profile.name()));
+                    json.key("datasource_names")
+                        .array(|json| json.string(self.metric.profile.name()));
                 });
                 list(json, "datasources", &|json, _| json.whole(0));
             }
@@ -172,21 +215,32 @@ impl Service {
             }
             if asked.nodes {
                 let (leg, _) = &legs[0];
-                let begins =
-                    segments.first().map_or_else(|| self.nodes(leg, 0)[0], |segment| segment.nodes[0]);
+                let begins = segments
+                    .first()
+                    .map_or_else(|| self.nodes(leg, 0)[0], |segment| segment.nodes[0]);
                 json.key("nodes").array(|json| {
                     json.whole(begins);
-                    segments.iter().for_each(|segment| json.whole(segment.nodes[1]));
+                    segments
+                        .iter()
+                        .for_each(|segment| json.whole(segment.nodes[1]));
                 });
             }
             if asked.distance {
                 list(json, "distance", &|json, s| json.decimal(s.length, 6));
             }
             if asked.duration {
-                list(json, "duration", &|json, s| json.decimal(s.duration / UNITS, 1));
+                list(json, "duration", &|json, s| {
+                    json.decimal(s.duration / UNITS, 1)
+                });
             }
             if asked.speed {
-                let speed = |s: &Segment| if s.duration > 0.0 { s.length / s.duration * UNITS } else { 0.0 };
+                let speed = |s: &Segment| {
+                    if s.duration > 0.0 {
+                        s.length / s.duration * UNITS
+                    } else {
+                        0.0
+                    }
+                };
                 list(json, "speed", &|json, s| json.decimal(speed(s), 1));
             }
         });
@@ -197,11 +251,19 @@ impl Service {
         let mut segments = Vec::new();
         for (i, &directed) in leg.edges.iter().enumerate() {
             let points = line.part(i..i + 1);
-            let Measures { length, duration, weight } = leg.measures(&self.roads, &self.metric, i);
+            let Measures {
+                length,
+                duration,
+                weight,
+            } = leg.measures(&self.roads, &self.metric, i);
             let next = leg.edges.get(i + 1);
-            let passed = next.map_or([0, 0], |next| self.metric.passing(&self.roads, directed, *next));
-            let entry =
-                i.checked_sub(1).map_or(0, |i| self.metric.entry_weight(&self.roads, leg.edges[i], directed));
+            let passed = next.map_or([0, 0], |next| {
+                self.metric.passing(&self.roads, directed, *next)
+            });
+            let entry = i.checked_sub(1).map_or(0, |i| {
+                self.metric
+                    .entry_weight(&self.roads, leg.edges[i], directed)
+            });
             let nodes = self.nodes(leg, i);
             for (pair, ids) in points.windows(2).zip(nodes.windows(2)) {
                 let metres = distance(pair[0], pair[1]);
@@ -221,12 +283,22 @@ impl Service {
     /// node at its far end.
     fn nodes(&self, leg: &Leg, index: usize) -> Vec<i64> {
         let directed = leg.edges[index];
-        let (places, all) =
-            (self.roads.network.edge_points(directed / 2), self.roads.network.edge_nodes(directed / 2));
+        let (places, all) = (
+            self.roads.network.edge_points(directed / 2),
+            self.roads.network.edge_nodes(directed / 2),
+        );
         let forward = directed.is_multiple_of(2);
         let (begins, ends) = (index == 0, index + 1 == leg.edges.len());
-        let [a, b] = if forward { [&leg.from, &leg.to] } else { [&leg.to, &leg.from] };
-        let [first_here, last_here] = if forward { [begins, ends] } else { [ends, begins] };
+        let [a, b] = if forward {
+            [&leg.from, &leg.to]
+        } else {
+            [&leg.to, &leg.from]
+        };
+        let [first_here, last_here] = if forward {
+            [begins, ends]
+        } else {
+            [ends, begins]
+        };
         let mut along: Vec<(Place, i64)> = Vec::new();
         // As lines have it: of points in one place the first one stays, and the node of a place between two nodes is overwritten by a real one.
         let mut push = |place: Place, node: i64, real: bool| match along.last_mut() {
@@ -237,8 +309,16 @@ impl Service {
             }
             _ => along.push((place, node)),
         };
-        let first = if first_here { a.segment as usize + 1 } else { 0 };
-        let last = if last_here { b.segment as usize + 1 } else { all.len() };
+        let first = if first_here {
+            a.segment as usize + 1
+        } else {
+            0
+        };
+        let last = if last_here {
+            b.segment as usize + 1
+        } else {
+            all.len()
+        };
         if first_here {
             push(a.place, all.at(a.segment as usize), false);
         }
@@ -258,7 +338,10 @@ impl Service {
 
 /// The points of some legs, one after another.
 fn whole(legs: &[(Leg, Line)]) -> Vec<Place> {
-    let mut points: Vec<Place> = legs.iter().flat_map(|(_, line)| line.points.iter().copied()).collect();
+    let mut points: Vec<Place> = legs
+        .iter()
+        .flat_map(|(_, line)| line.points.iter().copied())
+        .collect();
     points.dedup();
     points
 }

@@ -11,12 +11,27 @@ use crate::position::Position;
 
 impl Service {
     /// Answers *table*.
-    pub fn table(&self, request: &TableRequest, memory: &mut ServiceMemory) -> Result<Vec<u8>, Failure> {
+    pub fn table(
+        &self,
+        request: &TableRequest,
+        memory: &mut ServiceMemory,
+    ) -> Result<Vec<u8>, Failure> {
         let positions = self.positions(&request.places, &mut memory.nearest)?;
         let all: Vec<usize> = (0..positions.len()).collect();
-        let chosen = |indices: &Vec<usize>| if indices.is_empty() { all.clone() } else { indices.clone() };
+        let chosen = |indices: &Vec<usize>| {
+            if indices.is_empty() {
+                all.clone()
+            } else {
+                indices.clone()
+            }
+        };
         let [sources, targets] = [&request.sources, &request.destinations].map(chosen);
-        let of = |indices: &[usize]| indices.iter().map(|i| positions[*i].as_slice()).collect::<Vec<_>>();
+        let of = |indices: &[usize]| {
+            indices
+                .iter()
+                .map(|i| positions[*i].as_slice())
+                .collect::<Vec<_>>()
+        };
         let (from, to) = (of(&sources), of(&targets));
         let measures = self.measured(&from, &to, request, [&sources, &targets], memory);
         let mut json = Json::default();
@@ -60,11 +75,25 @@ impl Service {
         memory: &mut ServiceMemory,
     ) -> Measured {
         let ServiceMemory { legs, tables, .. } = memory;
-        let table = Leg::table(&self.roads, &self.metric, from, to, request.distance, legs, tables);
+        let table = Leg::table(
+            &self.roads,
+            &self.metric,
+            from,
+            to,
+            request.distance,
+            legs,
+            tables,
+        );
         let seconds = |measures: &Measures| f64::from(measures.duration) / UNITS;
         let mut measured = Measured {
-            lengths: table.iter().map(|cell| cell.map_or(f64::NAN, |measures| measures.length)).collect(),
-            durations: table.iter().map(|cell| cell.as_ref().map_or(f64::NAN, seconds)).collect(),
+            lengths: table
+                .iter()
+                .map(|cell| cell.map_or(f64::NAN, |measures| measures.length))
+                .collect(),
+            durations: table
+                .iter()
+                .map(|cell| cell.as_ref().map_or(f64::NAN, seconds))
+                .collect(),
             filled: Vec::new(),
         };
         for (i, duration) in measured.durations.iter_mut().enumerate() {
@@ -98,7 +127,11 @@ fn rows(json: &mut Json, values: &[f64], width: usize, places: u32) {
         for row in values.chunks(width.max(1)) {
             json.array(|json| {
                 for value in row {
-                    if value.is_nan() { json.null() } else { json.decimal(*value, places) }
+                    if value.is_nan() {
+                        json.null()
+                    } else {
+                        json.decimal(*value, places)
+                    }
                 }
             });
         }

@@ -27,7 +27,11 @@ impl Graph {
             first[i] += first[i - 1];
         }
         let slots = first[count] as usize;
-        let mut graph = Self { first, head: vec![0; slots], twin: vec![0; slots] };
+        let mut graph = Self {
+            first,
+            head: vec![0; slots],
+            twin: vec![0; slots],
+        };
         let mut next = graph.first.clone();
         let mut take = |vertex: u32| {
             next[vertex as usize] += 1;
@@ -81,7 +85,10 @@ impl Flow {
         self.residual.resize(graph.head.len(), 1);
         let is_source = |vertex: u32| roles[vertex as usize] == Role::Source;
         let leaves = |vertex: &u32| {
-            is_source(*vertex) && graph.slots(*vertex).any(|slot| !is_source(graph.head[slot]))
+            is_source(*vertex)
+                && graph
+                    .slots(*vertex)
+                    .any(|slot| !is_source(graph.head[slot]))
         };
         self.begin.clear();
         self.begin.extend((0..graph.len() as u32).filter(leaves));
@@ -101,7 +108,9 @@ impl Flow {
         self.level.resize(graph.len(), FAR);
         self.queue.clear();
         self.queue.extend_from_slice(&self.begin);
-        self.begin.iter().for_each(|vertex| self.level[*vertex as usize] = 0);
+        self.begin
+            .iter()
+            .for_each(|vertex| self.level[*vertex as usize] = 0);
         let (mut done, mut last) = (0, FAR);
         while let Some(&vertex) = self.queue.get(done) {
             done += 1;
@@ -111,7 +120,10 @@ impl Flow {
             }
             for slot in graph.slots(vertex) {
                 let head = graph.head[slot] as usize;
-                if self.residual[slot] == 0 || self.level[head] != FAR || roles[head] == Role::Source {
+                if self.residual[slot] == 0
+                    || self.level[head] != FAR
+                    || roles[head] == Role::Source
+                {
                     continue;
                 }
                 self.level[head] = next;
@@ -154,7 +166,9 @@ impl Flow {
                 }
             } else {
                 // A dead end: back, and not this way again.
-                let Some(slot) = self.path.pop() else { return false };
+                let Some(slot) = self.path.pop() else {
+                    return false;
+                };
                 vertex = graph.head[graph.twin[slot as usize] as usize];
                 self.next[vertex as usize] += 1;
             }
@@ -167,7 +181,13 @@ impl Flow {
     }
 
     /// After [`Flow::largest`]: the vertices that can still be reached from the sources (`from_sinks`: that can reach the sinks).
-    pub(super) fn side(&mut self, graph: &Graph, roles: &[Role], from_sinks: bool, inside: &mut Vec<bool>) {
+    pub(super) fn side(
+        &mut self,
+        graph: &Graph,
+        roles: &[Role],
+        from_sinks: bool,
+        inside: &mut Vec<bool>,
+    ) {
         inside.clear();
         inside.resize(graph.len(), false);
         self.queue.clear();
@@ -181,7 +201,11 @@ impl Flow {
         while let Some(vertex) = self.queue.pop() {
             for slot in graph.slots(vertex) {
                 let head = graph.head[slot] as usize;
-                let way = if from_sinks { graph.twin[slot] as usize } else { slot };
+                let way = if from_sinks {
+                    graph.twin[slot] as usize
+                } else {
+                    slot
+                };
                 if self.residual[way] > 0 && !inside[head] {
                     inside[head] = true;
                     self.queue.push(head as u32);
@@ -205,8 +229,17 @@ mod tests {
                 Role::Sink => set >> v & 1 == 0,
             })
         };
-        let cut = |set: usize| edges.iter().filter(|(a, b)| (set >> a ^ set >> b) & 1 == 1).count();
-        (0..1 << count).filter(|set| fits(*set)).map(cut).min().unwrap()
+        let cut = |set: usize| {
+            edges
+                .iter()
+                .filter(|(a, b)| (set >> a ^ set >> b) & 1 == 1)
+                .count()
+        };
+        (0..1 << count)
+            .filter(|set| fits(*set))
+            .map(cut)
+            .min()
+            .unwrap()
     }
 
     proptest! {

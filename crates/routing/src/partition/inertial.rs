@@ -39,10 +39,19 @@ impl Part {
         for (i, vertex) in (0..).zip(&vertices) {
             number[*vertex as usize] = i;
         }
-        let edges = edges.iter().map(|(a, b)| (number[*a as usize], number[*b as usize]));
+        let edges = edges
+            .iter()
+            .map(|(a, b)| (number[*a as usize], number[*b as usize]));
         let graph = Graph::new(places.len(), edges);
-        let places = vertices.iter().map(|vertex| places[*vertex as usize]).collect();
-        Self { vertices, places, graph }
+        let places = vertices
+            .iter()
+            .map(|vertex| places[*vertex as usize])
+            .collect();
+        Self {
+            vertices,
+            places,
+            graph,
+        }
     }
 
     pub(super) fn len(&self) -> usize {
@@ -52,16 +61,23 @@ impl Part {
     /// The vertices inside as a part of their own.
     fn side(&self, inside: &[bool], of: bool) -> Self {
         let mut number = vec![u32::MAX; self.len()];
-        let members: Vec<u32> = (0..self.len() as u32).filter(|v| inside[*v as usize] == of).collect();
+        let members: Vec<u32> = (0..self.len() as u32)
+            .filter(|v| inside[*v as usize] == of)
+            .collect();
         for (i, member) in members.iter().enumerate() {
             number[*member as usize] = i as u32;
         }
         let edges = members.iter().flat_map(|&v| {
             let heads = self.graph.slots(v).map(|slot| self.graph.head[slot]);
-            heads.filter(move |&head| v < head).map(move |head| (v, head))
+            heads
+                .filter(move |&head| v < head)
+                .map(move |head| (v, head))
         });
         let edges = edges.filter(|(_, head)| inside[*head as usize] == of);
-        let graph = Graph::new(members.len(), edges.map(|(a, b)| (number[a as usize], number[b as usize])));
+        let graph = Graph::new(
+            members.len(),
+            edges.map(|(a, b)| (number[a as usize], number[b as usize])),
+        );
         Self {
             vertices: members.iter().map(|v| self.vertices[*v as usize]).collect(),
             places: members.iter().map(|v| self.places[*v as usize]).collect(),
@@ -79,9 +95,12 @@ impl Halver {
         for line in LINES {
             self.hold_ends(part, line);
             let limit = best.0 / count.div_ceil(2);
-            let Some(cut) = self.flow.largest(&part.graph, &self.roles, limit) else { continue };
+            let Some(cut) = self.flow.largest(&part.graph, &self.roles, limit) else {
+                continue;
+            };
             for from_sinks in [false, true] {
-                self.flow.side(&part.graph, &self.roles, from_sinks, &mut self.inside);
+                self.flow
+                    .side(&part.graph, &self.roles, from_sinks, &mut self.inside);
                 let size = self.inside.iter().filter(|inside| **inside).count();
                 let larger = size.max(count - size);
                 if (cut * larger, larger) < best {
@@ -96,7 +115,12 @@ impl Halver {
     fn hold_ends(&mut self, part: &Part, line: [i64; 2]) {
         let along = |p: &Place| line[0] * i64::from(p.lon) + line[1] * i64::from(p.lat);
         self.order.clear();
-        self.order.extend(part.places.iter().zip(0..).map(|(place, i)| (along(place), i)));
+        self.order.extend(
+            part.places
+                .iter()
+                .zip(0..)
+                .map(|(place, i)| (along(place), i)),
+        );
         let (count, held) = (part.len(), part.len().div_ceil(HELD).min(part.len() / 2));
         self.order.select_nth_unstable(held);
         self.order[held..].select_nth_unstable(count - held - held);

@@ -142,8 +142,16 @@ impl Rules {
         check_all("nodes.delay", &nodes.delay, 0.0..=36_000.0)?;
         check_all("nodes.cost", &nodes.cost, 0.0..=36_000.0)?;
         check("access.entry", self.access.entry, 0.0..=36_000.0)?;
-        check("ways.speed_if_open", ways.speed_if_open.unwrap_or(1.0), 0.01..=1000.0)?;
-        check("ways.maxspeed.share", ways.maxspeed.as_ref().map_or(1.0, |m| m.share), 0.1..=2.0)?;
+        check(
+            "ways.speed_if_open",
+            ways.speed_if_open.unwrap_or(1.0),
+            0.01..=1000.0,
+        )?;
+        check(
+            "ways.maxspeed.share",
+            ways.maxspeed.as_ref().map_or(1.0, |m| m.share),
+            0.1..=2.0,
+        )?;
         if let Some(turns) = &self.turns {
             check("turns.sharpest", turns.sharpest, 0.0..=3600.0)?;
             check("turns.bias", turns.bias, 0.1..=10.0)?;
@@ -153,7 +161,11 @@ impl Rules {
     }
 }
 
-fn check_all(place: &str, numbers: &Numbers, range: std::ops::RangeInclusive<f64>) -> Result<(), String> {
+fn check_all(
+    place: &str,
+    numbers: &Numbers,
+    range: std::ops::RangeInclusive<f64>,
+) -> Result<(), String> {
     for (key, values) in numbers {
         for (value, number) in values {
             check(&format!("{place} {key}.{value}"), *number, range.clone())?;
@@ -166,17 +178,24 @@ fn check(place: &str, number: f64, range: std::ops::RangeInclusive<f64>) -> Resu
     if range.contains(&number) {
         return Ok(());
     }
-    Err(format!("{place} = {number} is not between {} and {}", range.start(), range.end()))
+    Err(format!(
+        "{place} = {number} is not between {} and {}",
+        range.start(),
+        range.end()
+    ))
 }
 
 /// Those of the numbers that an element's tags ask for.
 pub(super) fn matching<'a>(numbers: &'a Numbers, tags: &'a Tags) -> impl Iterator<Item = f64> + 'a {
-    tags.iter().filter_map(|(key, value)| numbers.get(key)?.get(value).copied())
+    tags.iter()
+        .filter_map(|(key, value)| numbers.get(key)?.get(value).copied())
 }
 
 /// Whether one of an element's tags is in the lists.
 pub(super) fn listed(lists: &Lists, tags: &Tags) -> bool {
     tags.iter().any(|(key, value)| {
-        lists.get(key).is_some_and(|values| values.iter().any(|v| v == value || v == "*"))
+        lists
+            .get(key)
+            .is_some_and(|values| values.iter().any(|v| v == value || v == "*"))
     })
 }

@@ -71,7 +71,10 @@ impl Workspace {
         stretch: f64,
         most: usize,
     ) -> Vec<(u32, Vec<u32>)> {
-        self.ends.set(graph.overlay, sources.iter().chain(targets).map(|end| end.state));
+        self.ends.set(
+            graph.overlay,
+            sources.iter().chain(targets).map(|end| end.state),
+        );
         let labels = self.ends.labels();
         for (side, ends) in self.sides.iter_mut().zip([sources, targets]) {
             side.begin(labels, ends);
@@ -96,10 +99,14 @@ impl Workspace {
 
     /// All meetings that are light enough, the lightest first.
     fn meetings(&mut self, graph: Searched<'_>, stretch: f64) -> Vec<(u32, u32)> {
-        let Some((best, _)) = self.meet(graph, stretch) else { return Vec::new() };
+        let Some((best, _)) = self.meet(graph, stretch) else {
+            return Vec::new();
+        };
         let limit = ((f64::from(best) * stretch) as u32).min(FAR - 1);
         let [forward, backward] = &self.sides;
-        let both = forward.reached().map(|label| (forward.weight(label) + backward.weight(label), label));
+        let both = forward
+            .reached()
+            .map(|label| (forward.weight(label) + backward.weight(label), label));
         let mut meetings: Vec<_> = both.filter(|(weight, _)| *weight <= limit).collect();
         meetings.sort_unstable();
         meetings
@@ -124,7 +131,9 @@ impl Workspace {
             } else {
                 (&mut *backward, &*forward, &tables[1])
             };
-            let Some((label, weight)) = this.pop() else { break };
+            let Some((label, weight)) = this.pop() else {
+                break;
+            };
             this.go_on(tables, &self.ends, label, weight, limit, |to, reached| {
                 best = best.min((reached + other.weight(to), to));
             });

@@ -79,7 +79,11 @@ impl Path {
         // A tree has no circles, and only exits that are reached are asked for.
         while last != first && tree[last] != UNREACHED {
             let before = usize::from(tree[last]);
-            self.waiting.push((height - 1, (inner.start + before) as u32, (inner.start + last) as u32));
+            self.waiting.push((
+                height - 1,
+                (inner.start + before) as u32,
+                (inner.start + last) as u32,
+            ));
             last = before;
         }
     }
@@ -87,5 +91,8 @@ impl Path {
 
 /// The cell of a slot.
 fn cell(graph: Searched<'_>, height: usize, slot: u32) -> u32 {
-    graph.overlay.cell(height - 1, graph.overlay.layers[height - 1].state[slot as usize])
+    graph.overlay.cell(
+        height - 1,
+        graph.overlay.layers[height - 1].state[slot as usize],
+    )
 }

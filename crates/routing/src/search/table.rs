@@ -53,19 +53,46 @@ impl TableMemory {
         targets: &[Vec<ValuedEnd>],
     ) -> Vec<Found> {
         self.fill_buckets(workspace, graph, values, targets);
-        let mut table = vec![Found { weight: FAR, value: [0, 0] }; sources.len() * targets.len()];
+        let mut table = vec![
+            Found {
+                weight: FAR,
+                value: [0, 0]
+            };
+            sources.len() * targets.len()
+        ];
         let tables = Tables::forward(graph);
         for (row, source) in table.chunks_exact_mut(targets.len().max(1)).zip(sources) {
-            let (Workspace { sides: [side, _], ends }, Self { value, first, buckets, .. }) =
-                (&mut *workspace, &mut *self);
-            let mut search = Search { graph, tables: &tables, values, backward: false, side, ends, value };
+            let (
+                Workspace {
+                    sides: [side, _],
+                    ends,
+                },
+                Self {
+                    value,
+                    first,
+                    buckets,
+                    ..
+                },
+            ) = (&mut *workspace, &mut *self);
+            let mut search = Search {
+                graph,
+                tables: &tables,
+                values,
+                backward: false,
+                side,
+                ends,
+                value,
+            };
             search.run(source, usize::MAX, |state, reached| {
                 let [begin, end] = [0, 1].map(|i| first[state as usize + i] as usize);
                 for (target, away) in &buckets[begin..end] {
                     let cell = &mut row[*target as usize];
                     let weight = reached.weight + away.weight;
                     if weight < cell.weight {
-                        *cell = Found { weight, value: plus(reached.value, away.value) };
+                        *cell = Found {
+                            weight,
+                            value: plus(reached.value, away.value),
+                        };
                     }
                 }
             });
@@ -84,19 +111,45 @@ impl TableMemory {
         let tables = Tables::backward(graph);
         let highest = graph.overlay.layers.len();
         for (target, begin) in (0..).zip(targets) {
-            let (Workspace { sides: [side, _], ends }, Self { value, found, .. }) =
-                (&mut *workspace, &mut *self);
-            let mut search = Search { graph, tables: &tables, values, backward: true, side, ends, value };
-            search.run(begin, highest, |state, reached| found.push((state, target, reached)));
+            let (
+                Workspace {
+                    sides: [side, _],
+                    ends,
+                },
+                Self { value, found, .. },
+            ) = (&mut *workspace, &mut *self);
+            let mut search = Search {
+                graph,
+                tables: &tables,
+                values,
+                backward: true,
+                side,
+                ends,
+                value,
+            };
+            search.run(begin, highest, |state, reached| {
+                found.push((state, target, reached))
+            });
         }
         self.first.clear();
         self.first.resize(graph.overlay.out.states() + 1, 0);
-        self.found.iter().for_each(|(state, ..)| self.first[*state as usize + 1] += 1);
+        self.found
+            .iter()
+            .for_each(|(state, ..)| self.first[*state as usize + 1] += 1);
         for i in 1..self.first.len() {
             self.first[i] += self.first[i - 1];
         }
         self.buckets.clear();
-        self.buckets.resize(self.found.len(), (0, Found { weight: FAR, value: [0, 0] }));
+        self.buckets.resize(
+            self.found.len(),
+            (
+                0,
+                Found {
+                    weight: FAR,
+                    value: [0, 0],
+                },
+            ),
+        );
         for (state, target, away) in self.found.iter().rev() {
             let end = &mut self.first[*state as usize + 1];
             *end -= 1;
@@ -122,7 +175,10 @@ struct Search<'a> {
 impl Search<'_> {
     /// Settles all that can be reached; what takes part in the layer `highest` is shown, but not gone on from.
     fn run(&mut self, begin: &[ValuedEnd], highest: usize, mut show: impl FnMut(u32, Found)) {
-        self.ends.set(self.graph.overlay, begin.iter().map(|begin| begin.end.state));
+        self.ends.set(
+            self.graph.overlay,
+            begin.iter().map(|begin| begin.end.state),
+        );
         let labels = self.ends.labels();
         if self.values.is_some() && self.value.len() < labels {
             self.value.resize(labels, [0, 0]);
@@ -131,10 +187,14 @@ impl Search<'_> {
         self.side.begin(labels, &ends);
         while let Some((label, weight)) = self.side.pop() {
             let value = self.reach(begin, label, weight);
-            show(self.ends.state(self.graph.overlay, label), Found { weight, value });
+            show(
+                self.ends.state(self.graph.overlay, label),
+                Found { weight, value },
+            );
             let layer = self.ends.layer_of_label(label);
             if layer < highest || layer == 0 {
-                self.side.go_on(self.tables, self.ends, label, weight, FAR, |_, _| {});
+                self.side
+                    .go_on(self.tables, self.ends, label, weight, FAR, |_, _| {});
             }
         }
         self.side.clear();
@@ -142,20 +202,35 @@ impl Search<'_> {
 
     /// What it takes to reach a label, which is settled.
     fn reach(&mut self, begin: &[ValuedEnd], label: u32, weight: u32) -> Value {
-        let Some(values) = self.values else { return [0, 0] };
+        let Some(values) = self.values else {
+            return [0, 0];
+        };
         let parent = self.side.parent(label);
         let value = if parent == BEGUN {
-            let first = begin.iter().find(|begin| begin.end == End { state: label, weight });
+            let first = begin.iter().find(|begin| {
+                begin.end
+                    == End {
+                        state: label,
+                        weight,
+                    }
+            });
             first.map_or([0, 0], |first| first.value)
         } else {
-            plus(self.value[parent as usize], self.step(values, parent, label))
+            plus(
+                self.value[parent as usize],
+                self.step(values, parent, label),
+            )
         };
         self.value[label as usize] = value;
         value
     }
 
     fn step(&self, values: &Values, parent: u32, label: u32) -> Value {
-        let [from, to] = if self.backward { [label, parent] } else { [parent, label] };
+        let [from, to] = if self.backward {
+            [label, parent]
+        } else {
+            [parent, label]
+        };
         if self.side.is_through(label) {
             let layer = self.ends.layer_of_label(label);
             let base = self.ends.base[layer];
