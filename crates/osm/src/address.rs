@@ -2,13 +2,13 @@
 //! (building), and the first level that the map knows is where the robot drives; what lies below must be explored for.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 
 use openbench_core::Address;
 
 use crate::hierarchy::{Above, called};
-use crate::map::{Building, Entrance, OsmMap};
-use crate::names::{fold, fold_number, fold_unit, full_names, numbers};
+use crate::map::{Entrance, OsmMap};
+use crate::names::fold_unit;
 use crate::tags::Tags;
 
 /// The most levels above a building that a name holds.
@@ -40,14 +40,23 @@ pub enum Location {
 /// with `entrance=main` is taken, else the one with the lowest node number.
 pub fn locate(map: &OsmMap, address: &Address) -> Location {
     let fitting = &*fitting(map, &address.building);
-    let Some(first) = fitting.first() else { return Location::Unknown };
+    let Some(first) = fitting.first() else {
+        return Location::Unknown;
+    };
     let element = map.buildings[*first].element;
     if fitting.iter().any(|i| map.buildings[*i].element != element) {
         return Location::Ambiguous(fitting.to_vec());
     }
     // What is left are the parts of one multipolygon.
-    match address.unit.as_ref().and_then(|unit| door(map, fitting, unit)) {
-        Some((entrance, building)) => Location::Unit { entrance, building },
+    match address
+        .unit
+        .as_ref()
+        .and_then(|unit| door(map, fitting, unit))
+    {
+        Some(door) => Location::Unit {
+            entrance: door.entrance,
+            building: door.building,
+        },
         None => Location::Building(largest(map, fitting)),
     }
 }
@@ -58,93 +67,116 @@ fn fitting<'a>(map: &'a OsmMap, name: &str) -> Cow<'a, [usize]> {
     loop {
         let found = map.names.buildings(inner);
         if !found.is_empty() || around.len() == DEEPEST {
-            let lies_in_all = |b: &usize| around.iter().all(|above| above.holds(map, *b));
-            return match &around[..] {
-                [] => Cow::Borrowed(found),
-                _ => found.iter().copied().filter(lies_in_all).collect(),
-            };
+            return lying_in(map, found, &around);
         }
-        let Some((rest, last)) = inner.rsplit_once(',') else { return Cow::Borrowed(&[]) };
+        let Some((rest, last)) = inner.rsplit_once(',') else {
+            return Cow::Borrowed(&[]);
+        };
         around.push(called(map, last));
         inner = rest;
     }
 }
 
-fn door(map: &OsmMap, buildings: &[usize], unit: &str) -> Option<(usize, usize)> {
-    let unit = fold_unit(unit);
-    let into = |e: &Entrance| e.building.filter(|b| buildings.contains(b));
-    let is_named = |e: &Entrance| e.units.iter().any(|name| fold_unit(name) == unit);
-    let bare = ["flat", "apartment", "apt"].iter().find_map(|word| unit.strip_prefix(word));
-    let flat: Option<u32> = bare.unwrap_or(&unit).parse().ok();
-    let leads_to = |e: &Entrance| flat.is_some_and(|flat| has_flat(&e.tags, flat));
-    // A unit's own name counts before the number of a flat behind it.
-    let rank = |e: &Entrance| if is_named(e) { Some(0) } else { leads_to(e).then_some(1) };
-    let doors = map.entrances.iter().enumerate().filter_map(|(i, e)| {
-        let building = into(e)?;
-        Some((rank(e)?, !e.tags.is("entrance", "main"), i, building))
-    });
-    doors.min().map(|(_, _, entrance, building)| (entrance, building))
+/// Those of the buildings that lie in all of `around`.
+fn lying_in<'a>(map: &'a OsmMap, buildings: &'a [usize], around: &[Above]) -> Cow<'a, [usize]> {
+    if around.is_empty() {
+        return Cow::Borrowed(buildings);
+    }
+    let lies_in_all = |b: &usize| around.iter().all(|above| above.holds(map, *b));
+    buildings.iter().copied().filter(lies_in_all).collect()
+}
+
+/// A door of a building.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Door {
+    /// The better the sooner: named for the unit, then the main entrance, then the lowest number.
+    rank: (UnitMatch, bool),
+    entrance: usize,
+    building: usize,
+}
+
+/// How an entrance is known to lead to a unit. The better match is the lesser.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum UnitMatch {
+    /// It bears the unit's name.
+    Name,
+    /// The unit is the number of a flat behind it.
+    Flat,
+}
+
+/// The best entrance of these buildings that leads to `unit`.
+fn door(map: &OsmMap, buildings: &[usize], unit: &str) -> Option<Door> {
+    let unit = Unit::new(unit);
+    let doors = map
+        .entrances
+        .iter()
+        .enumerate()
+        .filter_map(|(i, entrance)| {
+            let building = entrance.building.filter(|b| buildings.contains(b))?;
+            let rank = (
+                unit.is_behind(entrance)?,
+                !entrance.tags.is("entrance", "main"),
+            );
+            Some(Door {
+                rank,
+                entrance: i,
+                building,
+            })
+        });
+    doors.min()
+}
+
+/// A unit that is looked for.
+struct Unit {
+    folded: String,
+    /// The number of the flat, if the unit's name can be one.
+    flat: Option<u32>,
+}
+
+impl Unit {
+    fn new(name: &str) -> Self {
+        let folded = fold_unit(name);
+        let bare = ["flat", "apartment", "apt"]
+            .iter()
+            .find_map(|word| folded.strip_prefix(word));
+        let flat = bare.unwrap_or(&folded).parse().ok();
+        Self { folded, flat }
+    }
+
+    fn is_behind(&self, entrance: &Entrance) -> Option<UnitMatch> {
+        if entrance
+            .units
+            .iter()
+            .any(|name| fold_unit(name) == self.folded)
+        {
+            return Some(UnitMatch::Name);
+        }
+        let has_flat = self.flat.is_some_and(|flat| has_flat(&entrance.tags, flat));
+        has_flat.then_some(UnitMatch::Flat)
+    }
 }
 
 /// Whether a flat is among those of `addr:flats`: `1-8;10`.
 fn has_flat(tags: &Tags, flat: u32) -> bool {
-    let Some(flats) = tags.get("addr:flats") else { return false };
-    flats.split([';', ',']).any(|part| {
-        let (first, last) = part.split_once('-').unwrap_or((part, part));
-        let bounds = first.trim().parse::<u32>().ok().zip(last.trim().parse::<u32>().ok());
-        bounds.is_some_and(|(first, last)| (first..=last).contains(&flat))
-    })
+    let Some(flats) = tags.get("addr:flats") else {
+        return false;
+    };
+    flats
+        .split([';', ','])
+        .filter_map(flat_range)
+        .any(|range| range.contains(&flat))
+}
+
+/// The flats of `10` or `1-8`.
+fn flat_range(text: &str) -> Option<RangeInclusive<u32>> {
+    let (first, last) = text.split_once('-').unwrap_or((text, text));
+    Some(first.trim().parse().ok()?..=last.trim().parse().ok()?)
 }
 
 fn largest(map: &OsmMap, buildings: &[usize]) -> usize {
-    let area = |i: &usize| map.buildings[*i].polygon.area();
-    buildings.iter().copied().reduce(|a, b| if area(&b) > area(&a) { b } else { a }).unwrap_or_default()
-}
-
-/// An index from folded names to buildings.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Names {
-    /// From the best kind of name to the poorest.
-    tiers: [BTreeMap<String, Vec<usize>>; 3],
-}
-
-impl Names {
-    pub(crate) fn new(buildings: &[Building], entrances: &[Entrance]) -> Self {
-        let mut names = Self::default();
-        for (i, building) in buildings.iter().enumerate() {
-            names.add(0, full_names(&building.tags), i);
-            names.add(2, numbers(&building.tags), i);
-        }
-        for entrance in entrances {
-            if let Some(i) = entrance.building {
-                let address: Tags =
-                    entrance.tags.iter().filter(|(key, _)| key.starts_with("addr:")).collect();
-                names.add(1, full_names(&address), i);
-                names.add(2, numbers(&address), i);
-            }
-        }
-        for tier in &mut names.tiers {
-            tier.values_mut().for_each(|found| {
-                found.sort_unstable();
-                found.dedup();
-            });
-        }
-        names
-    }
-
-    fn add(&mut self, tier: usize, names: Vec<String>, building: usize) {
-        for name in names {
-            self.tiers[tier].entry(name).or_default().push(building);
-        }
-    }
-
-    /// The buildings that go by `name`, in order.
-    fn buildings(&self, name: &str) -> &[usize] {
-        let folded = fold(name);
-        let full = self.tiers[..2].iter().find_map(|tier| tier.get(&folded));
-        let number = || self.tiers[2].get(&folded).or_else(|| self.tiers[2].get(&fold_number(name)));
-        full.or_else(number).map_or(&[], Vec::as_slice)
-    }
+    let area = |i: usize| map.buildings[i].polygon.area();
+    let larger = |a, b| if area(b) > area(a) { b } else { a };
+    buildings.iter().copied().reduce(larger).unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -153,7 +185,8 @@ mod tests {
     use openbench_core::LonLat;
 
     use super::*;
-    use crate::data::{Node, OsmData, Way};
+    use crate::data::OsmData;
+    use crate::element::{Node, Way};
 
     /// Square houses of 0.0001 degrees (11 m) in a row along the equator, one for each list of tags.
     fn street(houses: &[&[(&str, &str)]]) -> OsmData {
@@ -163,11 +196,25 @@ mod tests {
             let id = |corner: usize| house * 10 + corner as i64 + 1;
             for (i, (x, y)) in corners.iter().enumerate() {
                 let position = LonLat::new((house as f64 * 2.0 + x) * 1e-4, y * 1e-4);
-                data.nodes.insert(id(i), Node { id: id(i), position, tags: Tags::new() });
+                data.nodes.insert(
+                    id(i),
+                    Node {
+                        id: id(i),
+                        position,
+                        tags: Tags::new(),
+                    },
+                );
             }
             let mut tags: Tags = tags.iter().copied().collect();
             tags.insert("building", "yes");
-            data.ways.insert(house, Way { id: house, nodes: vec![id(0), id(1), id(2), id(3), id(0)], tags });
+            data.ways.insert(
+                house,
+                Way {
+                    id: house,
+                    nodes: vec![id(0), id(1), id(2), id(3), id(0)],
+                    tags,
+                },
+            );
         }
         data
     }
@@ -178,19 +225,46 @@ mod tests {
 
     fn look_up(data: &OsmData, building: &str, unit: Option<&str>) -> Location {
         let map = OsmMap::new(data, Georeference::tangent_plane(LonLat::new(0.0, 0.0)));
-        locate(&map, &Address { building: building.into(), unit: unit.map(str::to_owned) })
+        locate(
+            &map,
+            &Address {
+                building: building.into(),
+                unit: unit.map(str::to_owned),
+            },
+        )
     }
 
     #[test]
     fn the_lowest_level_that_the_map_knows_is_found() {
         let mut data = street(&[&[("name", "building1")], &[("name", "building11")]]);
         tag_node(&mut data, 2, &[("entrance", "yes"), ("addr:unit", "unit1")]);
-        assert_eq!(look_up(&data, "Building 1", Some("Unit 1")), Location::Unit { entrance: 0, building: 0 });
-        assert_eq!(look_up(&data, "Building 1", Some("1")), Location::Unit { entrance: 0, building: 0 });
-        assert_eq!(look_up(&data, "Building 1", Some("unit11")), Location::Building(0));
+        assert_eq!(
+            look_up(&data, "Building 1", Some("Unit 1")),
+            Location::Unit {
+                entrance: 0,
+                building: 0
+            }
+        );
+        assert_eq!(
+            look_up(&data, "Building 1", Some("1")),
+            Location::Unit {
+                entrance: 0,
+                building: 0
+            }
+        );
+        assert_eq!(
+            look_up(&data, "Building 1", Some("unit11")),
+            Location::Building(0)
+        );
         assert_eq!(look_up(&data, "Building 1", None), Location::Building(0));
-        assert_eq!(look_up(&data, "building 11", Some("1")), Location::Building(1));
-        assert_eq!(look_up(&data, "building 2", Some("unit1")), Location::Unknown);
+        assert_eq!(
+            look_up(&data, "building 11", Some("1")),
+            Location::Building(1)
+        );
+        assert_eq!(
+            look_up(&data, "building 2", Some("unit1")),
+            Location::Unknown
+        );
     }
 
     #[test]
@@ -205,13 +279,20 @@ mod tests {
         assert_eq!(look_up(&data, "3", None), Location::Building(0));
         assert_eq!(look_up(&data, "rua baixa 3", None), Location::Building(2));
         assert_eq!(look_up(&data, "3 Rua Alta", None), Location::Building(1));
-        assert_eq!(look_up(&data, "Building 5", None), Location::Ambiguous(vec![3, 4]));
+        assert_eq!(
+            look_up(&data, "Building 5", None),
+            Location::Ambiguous(vec![3, 4])
+        );
     }
 
     #[test]
     fn a_building_is_found_by_the_address_on_its_door() {
         let mut data = street(&[&[], &[]]);
-        let address = [("addr:street", "Rua Alta"), ("addr:housenumber", "7"), ("entrance", "main")];
+        let address = [
+            ("addr:street", "Rua Alta"),
+            ("addr:housenumber", "7"),
+            ("entrance", "main"),
+        ];
         tag_node(&mut data, 12, &address);
         assert_eq!(look_up(&data, "Rua Alta 7", None), Location::Building(1));
         assert_eq!(look_up(&data, "7", None), Location::Building(1));
@@ -220,27 +301,64 @@ mod tests {
     #[test]
     fn what_a_building_lies_in_tells_it_from_others_of_its_name() {
         let data = street(&[
-            &[("name", "building3"), ("addr:suburb", "Rose Estate"), ("addr:city", "Rivertown")],
-            &[("name", "building3"), ("addr:suburb", "Lily Estate"), ("addr:city", "Rivertown")],
+            &[
+                ("name", "building3"),
+                ("addr:suburb", "Rose Estate"),
+                ("addr:city", "Rivertown"),
+            ],
+            &[
+                ("name", "building3"),
+                ("addr:suburb", "Lily Estate"),
+                ("addr:city", "Rivertown"),
+            ],
             &[("name", "Tower, North"), ("addr:street", "Rua Alta")],
         ]);
-        assert_eq!(look_up(&data, "building3", None), Location::Ambiguous(vec![0, 1]));
-        assert_eq!(look_up(&data, "building 3, lily estate", None), Location::Building(1));
-        assert_eq!(look_up(&data, "building3, Rose Estate, Rivertown", None), Location::Building(0));
-        assert_eq!(look_up(&data, "building3, Rivertown", None), Location::Ambiguous(vec![0, 1]));
-        assert_eq!(look_up(&data, "building3, Elsewhere", None), Location::Unknown);
-        assert_eq!(look_up(&data, "Tower, North, Rua Alta", None), Location::Building(2));
-        assert_eq!(look_up(&data, &"building3,".repeat(10_000), None), Location::Unknown);
+        assert_eq!(
+            look_up(&data, "building3", None),
+            Location::Ambiguous(vec![0, 1])
+        );
+        assert_eq!(
+            look_up(&data, "building 3, lily estate", None),
+            Location::Building(1)
+        );
+        assert_eq!(
+            look_up(&data, "building3, Rose Estate, Rivertown", None),
+            Location::Building(0)
+        );
+        assert_eq!(
+            look_up(&data, "building3, Rivertown", None),
+            Location::Ambiguous(vec![0, 1])
+        );
+        assert_eq!(
+            look_up(&data, "building3, Elsewhere", None),
+            Location::Unknown
+        );
+        assert_eq!(
+            look_up(&data, "Tower, North, Rua Alta", None),
+            Location::Building(2)
+        );
+        assert_eq!(
+            look_up(&data, &"building3,".repeat(10_000), None),
+            Location::Unknown
+        );
     }
 
     #[test]
     fn a_flat_leads_to_its_door() {
         let mut data = street(&[&[("name", "A")]]);
-        tag_node(&mut data, 1, &[("entrance", "yes"), ("ref", "1"), ("addr:flats", "1-8;20")]);
+        tag_node(
+            &mut data,
+            1,
+            &[("entrance", "yes"), ("ref", "1"), ("addr:flats", "1-8;20")],
+        );
         tag_node(
             &mut data,
             3,
-            &[("entrance", "yes"), ("ref", "2"), ("addr:flats", "9-16, x, 30-18, 4294967296")],
+            &[
+                ("entrance", "yes"),
+                ("ref", "2"),
+                ("addr:flats", "9-16, x, 30-18, 4294967296"),
+            ],
         );
         for (unit, entrance) in [
             ("flat 12", Some(1)),
@@ -250,8 +368,10 @@ mod tests {
             ("8", Some(0)),
             ("17", None),
         ] {
-            let wanted =
-                entrance.map_or(Location::Building(0), |entrance| Location::Unit { entrance, building: 0 });
+            let wanted = entrance.map_or(Location::Building(0), |entrance| Location::Unit {
+                entrance,
+                building: 0,
+            });
             assert_eq!(look_up(&data, "A", Some(unit)), wanted, "{unit}");
         }
     }
@@ -261,6 +381,12 @@ mod tests {
         let mut data = street(&[&[("name", "A")]]);
         tag_node(&mut data, 1, &[("entrance", "yes"), ("ref", "2")]);
         tag_node(&mut data, 3, &[("entrance", "main"), ("ref", "2")]);
-        assert_eq!(look_up(&data, "A", Some("2")), Location::Unit { entrance: 1, building: 0 });
+        assert_eq!(
+            look_up(&data, "A", Some("2")),
+            Location::Unit {
+                entrance: 1,
+                building: 0
+            }
+        );
     }
 }

@@ -8,10 +8,11 @@ use std::collections::BTreeSet;
 
 use openbench_core::MapPoint;
 
-use crate::data::{ElementKind, OsmData, Relation, Way};
+use crate::data::OsmData;
+use crate::element::{ElementKind, Relation, Way};
 use crate::polygon::Polygon;
 use crate::projection::Projection;
-use crate::rings::assemble;
+use crate::rings::{Assembled, assemble};
 use crate::spatial::BoxTree;
 use crate::tags::Tags;
 
@@ -54,7 +55,33 @@ pub(crate) fn is_area(tags: &Tags) -> bool {
 
 /// Whether a relation's members make rings.
 pub(crate) fn is_multipolygon(relation: &Relation) -> bool {
-    ["multipolygon", "boundary"].iter().any(|kind| relation.tags.is("type", kind))
+    ["multipolygon", "boundary"]
+        .iter()
+        .any(|kind| relation.tags.is("type", kind))
+}
+
+/// The areas of a multipolygon.
+pub(crate) struct Shapes {
+    /// One for each outer ring.
+    pub(crate) polygons: Vec<Polygon>,
+    /// How many rings could not be used: open ones, holes in nothing, and rings beyond the budget.
+    pub(crate) unused_rings: usize,
+}
+
+/// Rings of a multipolygon.
+struct Rings {
+    rings: Vec<Vec<MapPoint>>,
+    /// How many more could not be used.
+    unused: usize,
+}
+
+/// On which side of its boundary a multipolygon's area is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Side {
+    /// Members that are outlines.
+    Outer,
+    /// Members that are holes.
+    Inner,
 }
 
 /// Makes polygons of one map's elements.
@@ -68,13 +95,20 @@ pub(crate) struct Shaper<'a> {
 impl<'a> Shaper<'a> {
     pub(crate) fn new(data: &'a OsmData, projection: &'a Projection) -> Self {
         let references: usize = data.ways.values().map(|way| way.nodes.len()).sum();
-        Self { data, projection, budget: Cell::new(1_000_000 + 16 * references) }
+        Self {
+            data,
+            projection,
+            budget: Cell::new(1_000_000 + 16 * references),
+        }
     }
 
     /// Whether the map may take in `points` more points with a copy of `tags`. A small file can name one long way in very
     /// many relations, or very many parts under one long list of tags; memory must not grow with their product.
     pub(crate) fn afford(&self, points: usize, tags: &Tags) -> bool {
-        let words: usize = tags.iter().map(|(key, value)| key.len() + value.len()).sum();
+        let words: usize = tags
+            .iter()
+            .map(|(key, value)| key.len() + value.len())
+            .sum();
         let left = self.budget.get().checked_sub(points + words / 16);
         self.budget.set(left.unwrap_or_default());
         left.is_some()
@@ -82,42 +116,60 @@ impl<'a> Shaper<'a> {
 
     /// Where a node is; `None` if the data lacks it.
     pub(crate) fn point(&self, node: i64) -> Option<MapPoint> {
-        self.data.nodes.get(&node).map(|node| self.projection.to_map(node.position))
+        self.data
+            .nodes
+            .get(&node)
+            .map(|node| self.projection.to_map(node.position))
     }
 
     /// The area within a closed way.
     pub(crate) fn way(&self, way: &Way) -> Option<Polygon> {
-        let closed = way.nodes.len() > 3 && way.nodes.first() == way.nodes.last();
-        if closed { Polygon::new(self.points(&way.nodes), Vec::new()) } else { None }
+        if way.is_closed() {
+            Polygon::new(self.points(&way.nodes), Vec::new())
+        } else {
+            None
+        }
     }
 
-    /// The areas of a multipolygon, one for each outer ring, and how many rings could not be used: open ones, holes in
-    /// nothing, and what is out of all proportion.
-    pub(crate) fn relation(&self, relation: &Relation) -> (Vec<Polygon>, usize) {
-        let (outer, open_outer) = self.rings(relation, false);
-        let (inner, open_inner) = self.rings(relation, true);
-        let mut polygons: Vec<Polygon> =
-            outer.into_iter().filter_map(|ring| Polygon::new(ring, Vec::new())).collect();
-        let stray = cut_holes(&mut polygons, inner);
-        (polygons, open_outer + open_inner + stray)
+    /// The areas of a multipolygon, one for each outer ring.
+    pub(crate) fn relation(&self, relation: &Relation) -> Shapes {
+        let outer = self.rings(relation, Side::Outer);
+        let inner = self.rings(relation, Side::Inner);
+        let outlines = outer.rings.into_iter();
+        let mut polygons: Vec<Polygon> = outlines
+            .filter_map(|ring| Polygon::new(ring, Vec::new()))
+            .collect();
+        let stray = cut_holes(&mut polygons, inner.rings);
+        Shapes {
+            polygons,
+            unused_rings: outer.unused + inner.unused + stray,
+        }
     }
 
-    fn rings(&self, relation: &Relation, inner: bool) -> (Vec<Vec<MapPoint>>, usize) {
-        let members =
-            relation.members.iter().filter(|m| m.kind == ElementKind::Way && (m.role == "inner") == inner);
+    /// The rings that the members on one side of the boundary make.
+    fn rings(&self, relation: &Relation, side: Side) -> Rings {
+        let members = relation.members.iter().filter(|member| {
+            member.kind == ElementKind::Way && (member.role == "inner") == (side == Side::Inner)
+        });
         let mut seen = BTreeSet::new();
         let once = members.filter(|member| seen.insert(member.id));
-        let pieces: Vec<&[i64]> = once
-            .filter_map(|member| self.data.ways.get(&member.id))
-            .map(|way| way.nodes.as_slice())
-            .collect();
+        let ways = once.filter_map(|member| self.data.ways.get(&member.id));
+        let pieces: Vec<&[i64]> = ways.map(|way| way.nodes.as_slice()).collect();
         let length = pieces.iter().map(|piece| piece.len()).sum();
         if !self.afford(length, &Tags::new()) {
-            return (Vec::new(), 1);
+            return Rings {
+                rings: Vec::new(),
+                unused: 1,
+            };
         }
-        let (rings, open) = assemble(&pieces);
-        let (good, bad): (Vec<_>, Vec<_>) = rings.iter().partition(|_| self.afford(0, &relation.tags));
-        (good.into_iter().map(|ring| self.points(ring)).collect(), open + bad.len())
+        let Assembled { rings, open } = assemble(&pieces);
+        let (good, bad): (Vec<_>, Vec<_>) =
+            rings.iter().partition(|_| self.afford(0, &relation.tags));
+        let rings = good.into_iter().map(|ring| self.points(ring)).collect();
+        Rings {
+            rings,
+            unused: open + bad.len(),
+        }
     }
 
     fn points(&self, nodes: &[i64]) -> Vec<MapPoint> {
@@ -130,11 +182,19 @@ fn cut_holes(polygons: &mut [Polygon], holes: Vec<Vec<MapPoint>>) -> usize {
     let tree = BoxTree::new(polygons.iter().map(Polygon::bounds));
     let solid = polygons.to_vec();
     let mut stray = 0;
-    for hole in holes.into_iter().filter_map(|ring| Polygon::new(ring, Vec::new())) {
+    for hole in holes
+        .into_iter()
+        .filter_map(|ring| Polygon::new(ring, Vec::new()))
+    {
         let inside = hole.interior_point();
-        let around = tree.within(inside, 0.0).into_iter().filter(|i| solid[*i].contains(inside));
+        let around = tree
+            .within(inside, 0.0)
+            .into_iter()
+            .filter(|i| solid[*i].contains(inside));
         match around.min_by(|a, b| solid[*a].area().total_cmp(&solid[*b].area())) {
-            Some(i) => polygons[i].holes.push(hole.outer.into_iter().rev().collect()),
+            Some(i) => polygons[i]
+                .holes
+                .push(hole.outer.into_iter().rev().collect()),
             None => stray += 1,
         }
     }

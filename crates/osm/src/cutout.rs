@@ -10,7 +10,8 @@ use std::fmt;
 use openbench_core::LonLat;
 
 use crate::areas::{is_area, is_multipolygon};
-use crate::data::{ElementKind, OsmData, Relation, Way};
+use crate::data::OsmData;
+use crate::element::{ElementKind, Relation, Way};
 
 /// Metres in a degree of latitude; good to half a percent everywhere.
 const METRES_A_DEGREE: f64 = 111_320.0;
@@ -28,22 +29,36 @@ pub struct Window {
 
 /// No rectangle on the Earth.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("`{0}` is no window; give west, south, east, north in degrees, west of east and south of north")]
+#[error(
+    "`{0}` is no window; give west, south, east, north in degrees, west of east and south of north"
+)]
 pub struct WindowError(Window);
 
 impl Window {
     /// A window from its edges, degrees. One across the date line is refused.
     pub fn new(west: f64, south: f64, east: f64, north: f64) -> Result<Self, WindowError> {
-        let window = Self { low: LonLat::new(west, south), high: LonLat::new(east, north) };
+        let window = Self {
+            low: LonLat::new(west, south),
+            high: LonLat::new(east, north),
+        };
         let good = west >= -180.0 && east <= 180.0 && south >= -90.0 && north <= 90.0;
-        if good && west < east && south < north { Ok(window) } else { Err(WindowError(window)) }
+        if good && west < east && south < north {
+            Ok(window)
+        } else {
+            Err(WindowError(window))
+        }
     }
 
     /// The square that reaches `radius` metres to each side of `middle`.
     pub fn around(middle: LonLat, radius: f64) -> Result<Self, WindowError> {
         let tall = radius / METRES_A_DEGREE;
         let wide = tall / libm::cos(middle.lat.to_radians()).max(1e-6);
-        Self::new(middle.lon - wide, middle.lat - tall, middle.lon + wide, middle.lat + tall)
+        Self::new(
+            middle.lon - wide,
+            middle.lat - tall,
+            middle.lon + wide,
+            middle.lat + tall,
+        )
     }
 
     /// The same and so many metres more to each side.
@@ -73,24 +88,38 @@ impl Window {
 
 impl fmt::Display for Window {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{},{},{},{}", self.low.lon, self.low.lat, self.high.lon, self.high.lat)
+        write!(
+            f,
+            "{},{},{},{}",
+            self.low.lon, self.low.lat, self.high.lon, self.high.lat
+        )
     }
 }
 
 /// The part of `data` in `window`. Buildings with a corner in it are kept, and all other areas that reach into it.
 pub fn cut_out(data: &OsmData, window: &Window) -> OsmData {
-    let mut cut = Cut { data, window, out: OsmData::default() };
+    let mut cut = Cut {
+        data,
+        window,
+        out: OsmData::default(),
+    };
     for relation in data.relations.values().filter(|r| is_multipolygon(r)) {
         cut.relation(relation);
     }
-    let mut next = data.ways.first_key_value().map_or(-1, |(id, _)| (*id).min(0).saturating_sub(1));
+    let mut next = data
+        .ways
+        .first_key_value()
+        .map_or(-1, |(id, _)| (*id).min(0).saturating_sub(1));
     for way in data.ways.values() {
         cut.way(way, &mut next);
     }
     cut.nodes();
     let mut out = cut.out;
     out.report = data.report;
-    (out.report.ways_with_missing_nodes, out.report.relations_with_missing_members) = (0, 0);
+    (
+        out.report.ways_with_missing_nodes,
+        out.report.relations_with_missing_members,
+    ) = (0, 0);
     out
 }
 
@@ -119,15 +148,17 @@ impl Cut<'_> {
         }
         let ids: BTreeSet<i64> = ways.iter().map(|way| way.id).collect();
         let mut kept = relation.clone();
-        kept.members.retain(|m| m.kind == ElementKind::Way && ids.contains(&m.id));
+        kept.members
+            .retain(|m| m.kind == ElementKind::Way && ids.contains(&m.id));
         let whole: Vec<Way> = ways.iter().map(|way| self.complete(way)).collect();
-        self.out.ways.extend(whole.into_iter().map(|way| (way.id, way)));
+        self.out
+            .ways
+            .extend(whole.into_iter().map(|way| (way.id, way)));
         self.out.relations.insert(kept.id, kept);
     }
 
     fn way(&mut self, way: &Way, next: &mut i64) {
-        let closed = way.nodes.len() > 3 && way.nodes.first() == way.nodes.last();
-        let area = closed && (way.tags.says("building") || is_area(&way.tags));
+        let area = way.is_closed() && (way.tags.says("building") || is_area(&way.tags));
         if area {
             let wanted = if way.tags.says("building") {
                 self.has_corner(way.nodes.iter())
@@ -145,20 +176,40 @@ impl Cut<'_> {
         for (i, nodes) in self.stretches(way).into_iter().enumerate() {
             let id = if i == 0 { way.id } else { *next };
             *next -= i64::from(i > 0);
-            self.out.ways.insert(id, Way { id, nodes, tags: way.tags.clone() });
+            self.out.ways.insert(
+                id,
+                Way {
+                    id,
+                    nodes,
+                    tags: way.tags.clone(),
+                },
+            );
         }
     }
 
     /// The way without the nodes that the data lacks.
     fn complete(&self, way: &Way) -> Way {
-        let nodes = way.nodes.iter().copied().filter(|id| self.data.nodes.contains_key(id)).collect();
-        Way { id: way.id, nodes, tags: way.tags.clone() }
+        let nodes = way
+            .nodes
+            .iter()
+            .copied()
+            .filter(|id| self.data.nodes.contains_key(id))
+            .collect();
+        Way {
+            id: way.id,
+            nodes,
+            tags: way.tags.clone(),
+        }
     }
 
     /// The stretches of a line whose segments reach into the window.
     fn stretches(&self, way: &Way) -> Vec<Vec<i64>> {
         let coast = way.tags.is("natural", "coastline");
-        let window = if coast { self.window.grown(BEYOND_COAST) } else { *self.window };
+        let window = if coast {
+            self.window.grown(BEYOND_COAST)
+        } else {
+            *self.window
+        };
         let mut stretches: Vec<Vec<i64>> = Vec::new();
         let mut open = false;
         for pair in way.nodes.windows(2) {
@@ -178,11 +229,18 @@ impl Cut<'_> {
 
     /// The nodes that are used or have something to say.
     fn nodes(&mut self) {
-        let used: BTreeSet<i64> = self.out.ways.values().flat_map(|way| way.nodes.iter().copied()).collect();
+        let used: BTreeSet<i64> = self
+            .out
+            .ways
+            .values()
+            .flat_map(|way| way.nodes.iter().copied())
+            .collect();
         let wanted = self.data.nodes.values().filter(|node| {
             used.contains(&node.id) || !node.tags.is_empty() && self.window.contains(node.position)
         });
-        self.out.nodes = wanted.map(|node| (node.id, node.clone())).collect::<BTreeMap<_, _>>();
+        self.out.nodes = wanted
+            .map(|node| (node.id, node.clone()))
+            .collect::<BTreeMap<_, _>>();
     }
 
     fn position(&self, node: i64) -> Option<LonLat> {
@@ -207,34 +265,55 @@ impl Cut<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::ElementId;
+    use crate::element::{ElementId, Member};
 
     /// Whether every reference has its target.
     fn is_whole(data: &OsmData) -> bool {
         let members = data.relations.values().flat_map(|r| &r.members);
-        data.ways.values().flat_map(|w| &w.nodes).all(|n| data.has(ElementId::node(*n)))
-            && members.map(|m| ElementId { kind: m.kind, id: m.id }).all(|e| data.has(e))
+        data.ways
+            .values()
+            .flat_map(|w| &w.nodes)
+            .all(|n| data.has(ElementId::node(*n)))
+            && members.map(Member::element).all(|e| data.has(e))
     }
 
     /// A road that leaves the window and comes back, a house on its edge, a park around it all, a house outside.
     fn town() -> OsmData {
-        let node = |id: i64, lon: f64, lat: f64| format!("<node id='{id}' lat='{lat}' lon='{lon}'/>");
+        let node =
+            |id: i64, lon: f64, lat: f64| format!("<node id='{id}' lat='{lat}' lon='{lon}'/>");
         let way = |id: i64, nodes: &[i64], tag: (&str, &str)| {
             let nodes: String = nodes.iter().map(|n| format!("<nd ref='{n}'/>")).collect();
-            format!("<way id='{id}'>{nodes}<tag k='{}' v='{}'/></way>", tag.0, tag.1)
+            format!(
+                "<way id='{id}'>{nodes}<tag k='{}' v='{}'/></way>",
+                tag.0, tag.1
+            )
         };
         let mut text = String::from("<osm>");
-        for (i, (lon, lat)) in
-            [(0.1, 0.1), (0.2, 0.1), (1.5, 0.1), (1.6, 0.9), (1.5, 0.9), (0.5, 0.9)].into_iter().enumerate()
+        for (i, (lon, lat)) in [
+            (0.1, 0.1),
+            (0.2, 0.1),
+            (1.5, 0.1),
+            (1.6, 0.9),
+            (1.5, 0.9),
+            (0.5, 0.9),
+        ]
+        .into_iter()
+        .enumerate()
         {
             text += &node(1 + i as i64, lon, lat);
         }
         for (first, x) in [(10, 0.9), (20, 1.2)] {
-            for (k, (dx, dy)) in [(0.0, 0.0), (0.2, 0.0), (0.2, 0.2), (0.0, 0.2)].into_iter().enumerate() {
+            for (k, (dx, dy)) in [(0.0, 0.0), (0.2, 0.0), (0.2, 0.2), (0.0, 0.2)]
+                .into_iter()
+                .enumerate()
+            {
                 text += &node(first + k as i64, x + dx, 0.4 + dy);
             }
         }
-        for (k, (x, y)) in [(-5.0, -5.0), (5.0, -5.0), (5.0, 5.0), (-5.0, 5.0)].into_iter().enumerate() {
+        for (k, (x, y)) in [(-5.0, -5.0), (5.0, -5.0), (5.0, 5.0), (-5.0, 5.0)]
+            .into_iter()
+            .enumerate()
+        {
             text += &node(30 + k as i64, x, y);
         }
         text += &way(1, &[1, 2, 3, 4, 5, 6], ("highway", "residential"));
@@ -249,7 +328,11 @@ mod tests {
         let cut = cut_out(&town(), &Window::new(0.0, 0.0, 1.0, 1.0).unwrap());
         assert!(is_whole(&cut));
         assert_eq!(cut.ways[&1].nodes, [1, 2, 3]);
-        assert_eq!(cut.ways[&-1].nodes, [5, 6], "the way back is a way of its own");
+        assert_eq!(
+            cut.ways[&-1].nodes,
+            [5, 6],
+            "the way back is a way of its own"
+        );
         assert_eq!(cut.ways[&2].nodes.len(), 5);
         assert!(!cut.ways.contains_key(&3), "outside");
         assert!(cut.ways.contains_key(&4), "around the window");
@@ -268,15 +351,28 @@ mod tests {
         let court = OsmData::from_xml(include_bytes!("../tests/fixtures/court.osm")).unwrap();
         let cut = cut_out(&court, &Window::new(-1.0, -1.0, 1.0, 1.0).unwrap());
         assert!(is_whole(&cut));
-        assert_eq!(cut.relations[&40].members.len(), court.relations[&40].members.len());
-        assert!(cut_out(&court, &Window::new(50.0, 50.0, 51.0, 51.0).unwrap()).nodes.is_empty());
+        assert_eq!(
+            cut.relations[&40].members.len(),
+            court.relations[&40].members.len()
+        );
+        assert!(
+            cut_out(&court, &Window::new(50.0, 50.0, 51.0, 51.0).unwrap())
+                .nodes
+                .is_empty()
+        );
     }
 
     #[test]
     fn a_window_that_is_none_is_refused() {
-        assert!(Window::new(2.0, 0.0, 1.0, 1.0).is_err() && Window::new(0.0, f64::NAN, 1.0, 1.0).is_err());
+        assert!(
+            Window::new(2.0, 0.0, 1.0, 1.0).is_err()
+                && Window::new(0.0, f64::NAN, 1.0, 1.0).is_err()
+        );
         assert!(Window::around(LonLat::new(179.9999, 0.0), 500.0).is_err());
         let window = Window::around(LonLat::new(7.42, 43.73), 500.0).unwrap();
-        assert!(window.contains(LonLat::new(7.4261, 43.734)) && !window.contains(LonLat::new(7.4263, 43.73)));
+        assert!(
+            window.contains(LonLat::new(7.4261, 43.734))
+                && !window.contains(LonLat::new(7.4263, 43.73))
+        );
     }
 }

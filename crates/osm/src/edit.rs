@@ -8,20 +8,21 @@ use std::collections::{BTreeMap, BTreeSet};
 use openbench_core::{Address, Georeference, LonLat, MapPoint};
 
 use crate::areas::is_multipolygon;
-use crate::data::{ElementId, ElementKind, Node, OsmData, Relation, Way};
+use crate::data::OsmData;
+use crate::element::{ElementId, ElementKind, Node, Relation, Way};
 use crate::map::is_door;
 use crate::names::{fold_unit, unit_names};
-use crate::polygon::nearest_on_segment;
+use crate::polygon::Segment;
 use crate::projection::Projection;
 use crate::tags::Tags;
 use crate::write::round7;
 
 /// A door keeps this far from the corners and doors beside it, metres, or a third of a shorter wall.
-const CLEARANCE: f64 = 0.05;
+const CLEARANCE_M: f64 = 0.05;
 /// A node further than this from the line between its neighbours is a corner, metres.
-const CORNER: f64 = 0.05;
+const CORNER_M: f64 = 0.05;
 /// Two doors without a unit are the same door if they are no further apart than this, metres.
-const SAME_DOOR: f64 = 2.0;
+const SAME_DOOR_M: f64 = 2.0;
 
 /// An entrance as it now stands in the data.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,12 +73,16 @@ pub fn merge_entrances(base: &mut OsmData, from: &OsmData) -> usize {
     let hosts = door_hosts(from);
     // New nodes have falling negative numbers.
     for node in from.nodes.values().rev().filter(|node| is_door(&node.tags)) {
-        let Some(host) = hosts.get(&node.id) else { continue };
+        let Some(host) = hosts.get(&node.id) else {
+            continue;
+        };
         if base.nodes.get(&node.id) == Some(node) || !base.has(*host) {
             continue;
         }
         let plane = Projection::new(Georeference::tangent_plane(node.position));
-        merged += usize::from(put_door(base, &plane, *host, MapPoint::default(), node.tags.clone()).is_ok());
+        merged += usize::from(
+            put_door(base, &plane, *host, MapPoint::default(), node.tags.clone()).is_ok(),
+        );
     }
     merged
 }
@@ -86,8 +91,12 @@ pub fn merge_entrances(base: &mut OsmData, from: &OsmData) -> usize {
 /// corner there or a path leads there.
 pub fn without_doors(data: &OsmData) -> OsmData {
     let mut public = data.clone();
-    let doors: BTreeSet<i64> =
-        data.nodes.values().filter(|n| is_door(&n.tags) || n.tags.says("door")).map(|n| n.id).collect();
+    let doors: BTreeSet<i64> = data
+        .nodes
+        .values()
+        .filter(|n| is_door(&n.tags) || n.tags.says("door"))
+        .map(|n| n.id)
+        .collect();
     let users = ways_of(data, &doors);
     for id in &doors {
         let ways = users.get(id).map_or(&[][..], Vec::as_slice);
@@ -98,17 +107,31 @@ pub fn without_doors(data: &OsmData) -> OsmData {
         }
     }
     for relation in public.relations.values_mut() {
-        relation.members.retain(|m| m.kind != ElementKind::Node || !doors.contains(&m.id));
+        relation
+            .members
+            .retain(|m| m.kind != ElementKind::Node || !doors.contains(&m.id));
     }
-    public.nodes.values_mut().for_each(|node| forget_units(&mut node.tags));
-    public.ways.values_mut().for_each(|way| forget_units(&mut way.tags));
-    public.relations.values_mut().for_each(|relation| forget_units(&mut relation.tags));
+    public
+        .nodes
+        .values_mut()
+        .for_each(|node| forget_units(&mut node.tags));
+    public
+        .ways
+        .values_mut()
+        .for_each(|way| forget_units(&mut way.tags));
+    public
+        .relations
+        .values_mut()
+        .for_each(|relation| forget_units(&mut relation.tags));
     public
 }
 
 fn forget_units(tags: &mut Tags) {
     tags.retain(|key, _| {
-        !matches!(key, "addr:unit" | "addr:flats" | "addr:door" | "addr:floor" | "entrance")
+        !matches!(
+            key,
+            "addr:unit" | "addr:flats" | "addr:door" | "addr:floor" | "entrance"
+        )
     });
 }
 
@@ -129,7 +152,8 @@ fn put_door(
         Some(old) => take_out(data, old, tags),
         None => (free_id(data), tags),
     };
-    let wall = nearest_wall(data, projection, &outline, at).ok_or(EditError::NoOutline(building))?;
+    let wall =
+        nearest_wall(data, projection, &outline, at).ok_or(EditError::NoOutline(building))?;
     if let Some(name) = data.tags(building).and_then(|tags| tags.get("name"))
         && is_shared(data, &outline, &wall)
     {
@@ -138,8 +162,19 @@ fn put_door(
     let exact = projection.to_lonlat(wall.place);
     let lonlat = LonLat::new(round7(exact.lon), round7(exact.lat));
     insert_between(data, &wall, id);
-    data.nodes.insert(id, Node { id, position: lonlat, tags });
-    Ok(NewEntrance { node: id, position: projection.to_map(lonlat), lonlat })
+    data.nodes.insert(
+        id,
+        Node {
+            id,
+            position: lonlat,
+            tags,
+        },
+    );
+    Ok(NewEntrance {
+        node: id,
+        position: projection.to_map(lonlat),
+        lonlat,
+    })
 }
 
 /// The ways that make up a building's outline and its courtyards.
@@ -149,14 +184,20 @@ fn outline(data: &OsmData, building: ElementId) -> Result<Vec<i64>, EditError> {
         ElementKind::Node => Err(missing),
         ElementKind::Way if data.ways.contains_key(&building.id) => Ok(vec![building.id]),
         ElementKind::Way => Err(missing),
-        ElementKind::Relation => {
-            data.relations.get(&building.id).map(|r| member_ways(r).collect()).ok_or(missing)
-        }
+        ElementKind::Relation => data
+            .relations
+            .get(&building.id)
+            .map(|r| member_ways(r).collect())
+            .ok_or(missing),
     }
 }
 
 fn member_ways(relation: &Relation) -> impl Iterator<Item = i64> {
-    relation.members.iter().filter(|m| m.kind == ElementKind::Way).map(|m| m.id)
+    relation
+        .members
+        .iter()
+        .filter(|m| m.kind == ElementKind::Way)
+        .map(|m| m.id)
 }
 
 /// The side of an outline between two nodes, and a place on it.
@@ -165,45 +206,71 @@ struct Wall {
     place: MapPoint,
 }
 
-fn nearest_wall(data: &OsmData, projection: &Projection, outline: &[i64], at: MapPoint) -> Option<Wall> {
-    let point = |id: i64| data.nodes.get(&id).map(|node| projection.to_map(node.position));
-    let mut best: Option<(f64, Wall)> = None;
-    for way in outline.iter().filter_map(|id| data.ways.get(id)) {
-        for pair in way.nodes.windows(2) {
-            let (Some(a), Some(b)) = (point(pair[0]), point(pair[1])) else { continue };
-            let distance = nearest_on_segment(a, b, at).0.distance(at);
-            if best.as_ref().is_none_or(|(least, _)| distance < *least) {
-                best = Some((distance, Wall { ends: [pair[0], pair[1]], place: clear_of_ends(a, b, at) }));
-            }
-        }
-    }
-    best.map(|(_, wall)| wall)
-}
-
-fn clear_of_ends(a: MapPoint, b: MapPoint, at: MapPoint) -> MapPoint {
-    let (_, t) = nearest_on_segment(a, b, at);
-    let length = a.distance(b);
-    let margin = if length > 3.0 * CLEARANCE { CLEARANCE / length } else { 1.0 / 3.0 };
-    let t = t.clamp(margin, 1.0 - margin);
-    MapPoint::new(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y))
-}
-
-/// Whether another building stands on the other side of the wall.
-fn is_shared(data: &OsmData, outline: &[i64], wall: &Wall) -> bool {
-    let others = data.ways.values().filter(|way| way.tags.says("building") && !outline.contains(&way.id));
-    others.into_iter().any(|way| way.nodes.windows(2).any(|pair| wall.is(pair)))
-}
-
 impl Wall {
-    fn is(&self, pair: &[i64]) -> bool {
+    fn is_between(&self, pair: &[i64]) -> bool {
         let [a, b] = self.ends;
         pair == [a, b] || pair == [b, a]
     }
 }
 
+fn nearest_wall(
+    data: &OsmData,
+    projection: &Projection,
+    outline: &[i64],
+    at: MapPoint,
+) -> Option<Wall> {
+    let mut nearest = None;
+    let mut least = f64::INFINITY;
+    for way in outline.iter().filter_map(|id| data.ways.get(id)) {
+        for pair in way.nodes.windows(2) {
+            let Some(side) = side_between(data, projection, pair[0], pair[1]) else {
+                continue;
+            };
+            let distance = side.nearest_point(at).point.distance(at);
+            if nearest.is_none() || distance < least {
+                least = distance;
+                nearest = Some(Wall {
+                    ends: [pair[0], pair[1]],
+                    place: clear_of_ends(side, at),
+                });
+            }
+        }
+    }
+    nearest
+}
+
+/// The line between two nodes; `None` if the data lacks one of them.
+fn side_between(data: &OsmData, projection: &Projection, a: i64, b: i64) -> Option<Segment> {
+    let point = |id: i64| Some(projection.to_map(data.nodes.get(&id)?.position));
+    Some(Segment::new(point(a)?, point(b)?))
+}
+
+fn clear_of_ends(side: Segment, at: MapPoint) -> MapPoint {
+    let Segment { start: a, end: b } = side;
+    let length = side.length();
+    let margin = if length > 3.0 * CLEARANCE_M {
+        CLEARANCE_M / length
+    } else {
+        1.0 / 3.0
+    };
+    let t = side.nearest_point(at).share.clamp(margin, 1.0 - margin);
+    MapPoint::new(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y))
+}
+
+/// Whether another building stands on the other side of the wall.
+fn is_shared(data: &OsmData, outline: &[i64], wall: &Wall) -> bool {
+    let mut others = data
+        .ways
+        .values()
+        .filter(|way| way.tags.says("building") && !outline.contains(&way.id));
+    others.any(|way| way.nodes.windows(2).any(|pair| wall.is_between(pair)))
+}
+
 fn insert_between(data: &mut OsmData, wall: &Wall, node: i64) {
     for way in data.ways.values_mut() {
-        let places: Vec<usize> = (1..way.nodes.len()).filter(|i| wall.is(&way.nodes[i - 1..=*i])).collect();
+        let places: Vec<usize> = (1..way.nodes.len())
+            .filter(|i| wall.is_between(&way.nodes[i - 1..=*i]))
+            .collect();
         for i in places.into_iter().rev() {
             way.nodes.insert(i, node);
         }
@@ -218,28 +285,45 @@ fn same_door(
     at: MapPoint,
     tags: &Tags,
 ) -> Option<i64> {
-    let folded = |tags: &Tags| unit_names(tags).iter().map(|name| fold_unit(name)).collect::<BTreeSet<_>>();
-    let wanted = folded(tags);
-    let nodes = outline.iter().filter_map(|id| data.ways.get(id)).flat_map(|way| &way.nodes);
-    let doors = nodes.filter_map(|id| data.nodes.get(id)).filter(|node| is_door(&node.tags));
-    let far = |node: &Node| projection.to_map(node.position).distance(at);
+    let wanted = folded_units(tags);
+    let nodes = outline
+        .iter()
+        .filter_map(|id| data.ways.get(id))
+        .flat_map(|way| &way.nodes);
+    let doors = nodes
+        .filter_map(|id| data.nodes.get(id))
+        .filter(|node| is_door(&node.tags));
+    let distance = |node: &Node| projection.to_map(node.position).distance(at);
     let same = doors.filter(|node| {
-        let units = folded(&node.tags);
-        let nameless = units.is_empty() && wanted.is_empty() && far(node) <= SAME_DOOR;
-        nameless || !units.is_disjoint(&wanted)
+        let units = folded_units(&node.tags);
+        let both_nameless = units.is_empty() && wanted.is_empty();
+        both_nameless && distance(node) <= SAME_DOOR_M || !units.is_disjoint(&wanted)
     });
-    same.map(|node| (far(node), node.id))
-        .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
-        .map(|(_, id)| id)
+    let by_distance = same.map(|node| (distance(node), node.id));
+    let nearest = by_distance.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    nearest.map(|(_, id)| id)
+}
+
+fn folded_units(tags: &Tags) -> BTreeSet<String> {
+    unit_names(tags)
+        .iter()
+        .map(|name| fold_unit(name))
+        .collect()
 }
 
 /// Takes a door out of the outlines, to be put in elsewhere: the number and the tags for its new place, where `tags` win over the
 /// door's old ones. A door at a corner or at the end of a path leaves its node behind and gets a new number.
 fn take_out(data: &mut OsmData, door: i64, tags: Tags) -> (i64, Tags) {
-    let ways = ways_of(data, &BTreeSet::from([door])).remove(&door).unwrap_or_default();
+    let ways = ways_of(data, &BTreeSet::from([door]))
+        .remove(&door)
+        .unwrap_or_default();
     let movable = detach(data, door, &ways);
     let id = if movable { door } else { free_id(data) };
-    let mut merged = data.nodes.get_mut(&door).map(|node| std::mem::take(&mut node.tags)).unwrap_or_default();
+    let mut merged = data
+        .nodes
+        .get_mut(&door)
+        .map(|node| std::mem::take(&mut node.tags))
+        .unwrap_or_default();
     for (key, value) in tags.iter() {
         // `entrance=yes` says less than the `entrance=main` that may stand there.
         if key != "entrance" || !merged.has(key) {
@@ -252,7 +336,10 @@ fn take_out(data: &mut OsmData, door: i64, tags: Tags) -> (i64, Tags) {
 /// Takes a node out of `ways`, all that run through it, if it is a corner or an end of none, no road needs it and enough
 /// nodes remain.
 fn detach(data: &mut OsmData, node: i64, ways: &[i64]) -> bool {
-    let shorter: Option<Vec<Vec<i64>>> = ways.iter().map(|id| without(data, &data.ways[id], node)).collect();
+    let shorter: Option<Vec<Vec<i64>>> = ways
+        .iter()
+        .map(|id| without(data, &data.ways[id], node))
+        .collect();
     let Some(shorter) = shorter else { return false };
     for (id, nodes) in ways.iter().zip(shorter) {
         if let Some(way) = data.ways.get_mut(id) {
@@ -264,7 +351,7 @@ fn detach(data: &mut OsmData, node: i64, ways: &[i64]) -> bool {
 
 /// The nodes of a way without one that its line does not need; `None` if it needs it.
 fn without(data: &OsmData, way: &Way, node: i64) -> Option<Vec<i64>> {
-    let closed = way.nodes.len() > 3 && way.nodes.first() == way.nodes.last();
+    let closed = way.is_closed();
     let mut line = way.nodes.clone();
     if closed {
         line.pop();
@@ -274,7 +361,10 @@ fn without(data: &OsmData, way: &Way, node: i64) -> Option<Vec<i64>> {
             line.rotate_left(half);
         }
     }
-    let place = line.iter().position(|id| *id == node).filter(|i| (1..line.len() - 1).contains(i))?;
+    let place = line
+        .iter()
+        .position(|id| *id == node)
+        .filter(|i| (1..line.len() - 1).contains(i))?;
     let straight = is_straight(data, line[place - 1], node, line[place + 1])?;
     line.remove(place);
     let least = if closed { 3 } else { 2 };
@@ -285,8 +375,9 @@ fn without(data: &OsmData, way: &Way, node: i64) -> Option<Vec<i64>> {
         return Some(line);
     }
     // The ring begins where it began, or with the node after.
-    let start =
-        line.iter().position(|id| *id == way.nodes[0] || way.nodes[0] == node && *id == way.nodes[1])?;
+    let start = line
+        .iter()
+        .position(|id| *id == way.nodes[0] || way.nodes[0] == node && *id == way.nodes[1])?;
     line.rotate_left(start);
     line.push(line[0]);
     Some(line)
@@ -294,11 +385,10 @@ fn without(data: &OsmData, way: &Way, node: i64) -> Option<Vec<i64>> {
 
 /// Whether `node` lies on the straight line between its neighbours; `None` if the data lacks one of them.
 fn is_straight(data: &OsmData, before: i64, node: i64, after: i64) -> Option<bool> {
-    let position = |id: i64| data.nodes.get(&id).map(|node| node.position);
-    let plane = Projection::new(Georeference::tangent_plane(position(node)?));
-    let (a, b) = (plane.to_map(position(before)?), plane.to_map(position(after)?));
+    let plane = Projection::new(Georeference::tangent_plane(data.nodes.get(&node)?.position));
+    let line = side_between(data, &plane, before, after)?;
     let here = MapPoint::default();
-    Some(nearest_on_segment(a, b, here).0.distance(here) <= CORNER)
+    Some(line.nearest_point(here).point.distance(here) <= CORNER_M)
 }
 
 /// For each of `nodes` the ways that run through it, each once.
@@ -318,30 +408,66 @@ fn ways_of(data: &OsmData, nodes: &BTreeSet<i64>) -> BTreeMap<i64, Vec<i64>> {
 /// For each door in an outline the building that it belongs to: a way with `building=*`, else a multipolygon with it. In a
 /// shared wall the one that bears the door's `addr:housename`, else the first.
 fn door_hosts(data: &OsmData) -> BTreeMap<i64, ElementId> {
-    let doors = data.nodes.values().filter(|node| is_door(&node.tags)).map(|node| node.id).collect();
-    let mut relations: BTreeMap<i64, i64> = BTreeMap::new();
-    for relation in data.relations.values().filter(|r| is_multipolygon(r) && r.tags.says("building")) {
-        member_ways(relation).for_each(|way| {
-            relations.entry(way).or_insert(relation.id);
-        });
+    let doors = data
+        .nodes
+        .values()
+        .filter(|node| is_door(&node.tags))
+        .map(|node| node.id)
+        .collect();
+    let relations = building_relations(data);
+    let mut door_hosts = BTreeMap::new();
+    for (door, ways) in ways_of(data, &doors) {
+        let hosts: Vec<ElementId> = ways
+            .iter()
+            .filter_map(|way| host_of_way(data, &relations, *way))
+            .collect();
+        let house = data
+            .nodes
+            .get(&door)
+            .and_then(|node| node.tags.get("addr:housename"));
+        let named = hosts
+            .iter()
+            .find(|host| house.is_some() && name_of(data, **host) == house);
+        if let Some(host) = named.or(hosts.first()) {
+            door_hosts.insert(door, *host);
+        }
     }
-    let host = |way: &i64| {
-        let itself = data.ways[way].tags.says("building").then_some(ElementId::way(*way));
-        itself.or_else(|| relations.get(way).map(|id| ElementId::relation(*id)))
-    };
-    let choose = |door: i64, ways: &[i64]| {
-        let house = data.nodes.get(&door).and_then(|node| node.tags.get("addr:housename"));
-        let bears =
-            |host: &ElementId| house.is_some() && data.tags(*host).and_then(|tags| tags.get("name")) == house;
-        let hosts: Vec<ElementId> = ways.iter().filter_map(host).collect();
-        hosts.iter().copied().find(bears).or(hosts.first().copied())
-    };
-    ways_of(data, &doors).into_iter().filter_map(|(door, ways)| Some((door, choose(door, &ways)?))).collect()
+    door_hosts
+}
+
+/// For each member way of a multipolygon with `building=*` the number of the first such relation.
+fn building_relations(data: &OsmData) -> BTreeMap<i64, i64> {
+    let mut relations = BTreeMap::new();
+    for relation in data
+        .relations
+        .values()
+        .filter(|r| is_multipolygon(r) && r.tags.says("building"))
+    {
+        for way in member_ways(relation) {
+            relations.entry(way).or_insert(relation.id);
+        }
+    }
+    relations
+}
+
+/// The building whose outline a way is.
+fn host_of_way(data: &OsmData, relations: &BTreeMap<i64, i64>, way: i64) -> Option<ElementId> {
+    if data.ways[&way].tags.says("building") {
+        return Some(ElementId::way(way));
+    }
+    relations.get(&way).map(|id| ElementId::relation(*id))
+}
+
+fn name_of(data: &OsmData, element: ElementId) -> Option<&str> {
+    data.tags(element)?.get("name")
 }
 
 /// A negative number below all others, as editors number what the OSM database does not have yet.
 fn free_id(data: &OsmData) -> i64 {
-    let lowest = data.nodes.first_key_value().map_or(0, |(id, _)| (*id).min(0));
+    let lowest = data
+        .nodes
+        .first_key_value()
+        .map_or(0, |(id, _)| (*id).min(0));
     lowest
         .checked_sub(1)
         .or_else(|| (i64::MIN..0).rev().find(|id| !data.nodes.contains_key(id)))
@@ -371,9 +497,10 @@ mod tests {
     fn find(data: &OsmData, building: &str, unit: &str) -> Option<(i64, MapPoint)> {
         let map = OsmMap::new(data, ORIGIN);
         match locate(&map, &Address::new(building, unit)) {
-            Location::Unit { entrance, .. } => {
-                Some((map.entrances[entrance].node, map.entrances[entrance].position))
-            }
+            Location::Unit { entrance, .. } => Some((
+                map.entrances[entrance].node,
+                map.entrances[entrance].position,
+            )),
             _ => None,
         }
     }
@@ -385,7 +512,10 @@ mod tests {
         assert_eq!(door.node, -1);
         assert_eq!(door.lonlat, LonLat::new(0.0004, 0.0));
         assert_eq!(data.ways[&24].nodes, [2, -1, 12, 13, 3, 2]);
-        assert_eq!(data.nodes[&-1].tags.to_string(), "addr:unit=unit 7 entrance=yes ref=unit 7");
+        assert_eq!(
+            data.nodes[&-1].tags.to_string(),
+            "addr:unit=unit 7 entrance=yes ref=unit 7"
+        );
         assert_eq!(find(&data, "house", "7"), Some((-1, door.position)));
     }
 
@@ -396,7 +526,10 @@ mod tests {
         assert_eq!(data.ways[&21].nodes, [1, -1, 4, 3]);
         add(&mut data, COURT, 0.00015, 0.00012, "3");
         assert_eq!(data.ways[&22].nodes, [5, -2, 6, 7, 8, 5]);
-        assert_eq!(find(&data, "Court", "unit3").map(|(node, _)| node), Some(-2));
+        assert_eq!(
+            find(&data, "Court", "unit3").map(|(node, _)| node),
+            Some(-2)
+        );
     }
 
     #[test]
@@ -442,11 +575,23 @@ mod tests {
         let mut data = data();
         let plane = Projection::new(ORIGIN);
         let mut add = |building, x| {
-            add_entrance(&mut data, &plane, building, MapPoint::new(x, 0.0), &Address::new("", "1"))
-                .unwrap_err()
+            add_entrance(
+                &mut data,
+                &plane,
+                building,
+                MapPoint::new(x, 0.0),
+                &Address::new("", "1"),
+            )
+            .unwrap_err()
         };
-        assert_eq!(add(ElementId::way(5), 0.0), EditError::NoSuchBuilding(ElementId::way(5)));
-        assert_eq!(add(ElementId::way(27), 0.0), EditError::NoOutline(ElementId::way(27)));
+        assert_eq!(
+            add(ElementId::way(5), 0.0),
+            EditError::NoSuchBuilding(ElementId::way(5))
+        );
+        assert_eq!(
+            add(ElementId::way(27), 0.0),
+            EditError::NoOutline(ElementId::way(27))
+        );
         assert!(matches!(add(HOUSE, f64::NAN), EditError::NoPosition(_)));
     }
 
@@ -463,7 +608,11 @@ mod tests {
         assert!(place.distance(find(&other, "House", "7").unwrap().1) < 0.02);
         let merged = base.clone();
         merge_entrances(&mut base, &other);
-        assert_eq!((base.ways, base.nodes), (merged.ways, merged.nodes), "merging again changes nothing");
+        assert_eq!(
+            (base.ways, base.nodes),
+            (merged.ways, merged.nodes),
+            "merging again changes nothing"
+        );
     }
 
     #[test]
@@ -472,9 +621,17 @@ mod tests {
         let mut edited = data();
         add(&mut edited, HOUSE, 0.0004, 0.0, "7");
         add(&mut edited, COURT, 0.00015, 0.0001, "3");
-        edited.ways.get_mut(&24).unwrap().tags.insert("addr:unit", "7");
+        edited
+            .ways
+            .get_mut(&24)
+            .unwrap()
+            .tags
+            .insert("addr:unit", "7");
         let public = without_doors(&edited);
-        assert_eq!(String::from_utf8(public.to_xml()), String::from_utf8(plain.to_xml()));
+        assert_eq!(
+            String::from_utf8(public.to_xml()),
+            String::from_utf8(plain.to_xml())
+        );
         assert!(public.nodes.contains_key(&13), "the corner stays");
         let map = OsmMap::new(&public, ORIGIN);
         assert!(map.entrances.is_empty());

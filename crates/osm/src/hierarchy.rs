@@ -35,41 +35,58 @@ pub struct Above {
 impl Above {
     /// Whether a building of [`OsmMap::buildings`] lies in it, by its tags or because an area holds its middle.
     pub fn holds(&self, map: &OsmMap, building: usize) -> bool {
-        let Some(building) = map.buildings.get(building) else { return false };
+        let Some(building) = map.buildings.get(building) else {
+            return false;
+        };
         let wanted = fold(&self.level.name);
         let middle = || building.polygon.centroid();
         tagged(&building.tags).any(|level| fold(&level.name) == wanted)
-            || self.areas.iter().any(|area| map.areas[*area].polygon.contains(middle()))
+            || self
+                .areas
+                .iter()
+                .any(|area| map.areas[*area].polygon.contains(middle()))
     }
 
     /// Somewhere in it: the middle of an area, or a place on a road.
     pub fn place(&self, map: &OsmMap) -> Option<MapPoint> {
         let area = self.areas.first().and_then(|area| map.areas.get(*area));
-        area.map(|area: &Area| area.polygon.centroid()).or(self.on_road)
+        area.map(|area: &Area| area.polygon.centroid())
+            .or(self.on_road)
     }
 }
 
 /// The levels above a building of [`OsmMap::buildings`] that its own tags have, the widest first.
 pub fn above(map: &OsmMap, building: usize) -> Vec<AddressLevel> {
-    map.buildings.get(building).map(|building| tagged(&building.tags).collect()).unwrap_or_default()
+    map.buildings
+        .get(building)
+        .map(|building| tagged(&building.tags).collect())
+        .unwrap_or_default()
 }
 
 /// All streets, quarters and towns that the map names, each once; takes as long as the map has roads, areas and buildings.
 pub fn all_above(map: &OsmMap) -> Vec<Above> {
     let mut found: BTreeMap<AddressLevel, Above> = BTreeMap::new();
     let mut entry = |level: AddressLevel, area: Option<usize>, on_road: Option<MapPoint>| {
-        let empty = || Above { level: level.clone(), areas: Vec::new(), on_road: None };
+        let empty = || Above {
+            level: level.clone(),
+            areas: Vec::new(),
+            on_road: None,
+        };
         let above = found.entry(level.clone()).or_insert_with(empty);
         above.areas.extend(area);
         above.on_road = above.on_road.or(on_road);
     };
     let name_of = |tags: &Tags, level| named(level, tags.get("name")?);
     for (i, area) in map.areas.iter().enumerate() {
-        name_of(&area.tags, Level::District).into_iter().for_each(|level| entry(level, Some(i), None));
+        name_of(&area.tags, Level::District)
+            .into_iter()
+            .for_each(|level| entry(level, Some(i), None));
     }
     for road in &map.roads {
         let middle = road.points.get(road.points.len() / 2).copied();
-        name_of(&road.tags, Level::Street).into_iter().for_each(|level| entry(level, None, middle));
+        name_of(&road.tags, Level::Street)
+            .into_iter()
+            .for_each(|level| entry(level, None, middle));
     }
     for building in &map.buildings {
         tagged(&building.tags).for_each(|level| entry(level, None, None));
@@ -80,17 +97,39 @@ pub fn all_above(map: &OsmMap) -> Vec<Above> {
 /// What goes by this name, as all levels at once.
 pub(crate) fn called(map: &OsmMap, name: &str) -> Above {
     let wanted = fold(name);
-    let is_named = |area: &Area| area.tags.get("name").is_some_and(|name| fold(name) == wanted);
-    let areas = map.areas.iter().enumerate().filter(|(_, area)| is_named(area)).map(|(i, _)| i).collect();
-    let level = AddressLevel { level: Level::District, name: name.to_owned() };
-    Above { level, areas, on_road: None }
+    let is_named = |area: &Area| {
+        area.tags
+            .get("name")
+            .is_some_and(|name| fold(name) == wanted)
+    };
+    let areas = map
+        .areas
+        .iter()
+        .enumerate()
+        .filter(|(_, area)| is_named(area))
+        .map(|(i, _)| i)
+        .collect();
+    let level = AddressLevel {
+        level: Level::District,
+        name: name.to_owned(),
+    };
+    Above {
+        level,
+        areas,
+        on_road: None,
+    }
 }
 
 fn tagged(tags: &Tags) -> impl Iterator<Item = AddressLevel> + '_ {
-    ABOVE.iter().filter_map(|(key, level)| named(*level, tags.get(key)?))
+    ABOVE
+        .iter()
+        .filter_map(|(key, level)| named(*level, tags.get(key)?))
 }
 
 fn named(level: Level, name: &str) -> Option<AddressLevel> {
     let name = name.trim();
-    (!name.is_empty()).then(|| AddressLevel { level, name: name.to_owned() })
+    (!name.is_empty()).then(|| AddressLevel {
+        level,
+        name: name.to_owned(),
+    })
 }

@@ -6,8 +6,15 @@
 use crate::tags::Tags;
 
 /// Keys that hold a building's name in full, besides `name:<language>`.
-const NAME_KEYS: [&str; 7] =
-    ["name", "addr:housename", "alt_name", "short_name", "official_name", "loc_name", "int_name"];
+const NAME_KEYS: [&str; 7] = [
+    "name",
+    "addr:housename",
+    "alt_name",
+    "short_name",
+    "official_name",
+    "loc_name",
+    "int_name",
+];
 
 /// No house has more numbers; a list without end would be multiplied by the street's name.
 const MOST_NUMBERS: usize = 100;
@@ -16,18 +23,35 @@ const MOST_NUMBERS: usize = 100;
 /// house number, else `ref`.
 pub fn building_name(tags: &Tags) -> Option<String> {
     let number = tags.get("addr:housenumber");
-    let plain = tags.get("name").or_else(|| tags.get("addr:housename")).map(str::to_owned);
-    let street = || street(tags).zip(number).map(|(street, number)| format!("{street} {number}"));
-    plain.or_else(street).or_else(|| number.or_else(|| tags.get("ref")).map(str::to_owned))
+    let plain = tags
+        .get("name")
+        .or_else(|| tags.get("addr:housename"))
+        .map(str::to_owned);
+    let street = || {
+        street(tags)
+            .zip(number)
+            .map(|(street, number)| format!("{street} {number}"))
+    };
+    plain
+        .or_else(street)
+        .or_else(|| number.or_else(|| tags.get("ref")).map(str::to_owned))
 }
 
 /// Every full name by which a building may be asked for, folded: names in all languages, house name, street and number in
 /// either order.
 pub(crate) fn full_names(tags: &Tags) -> Vec<String> {
-    let mut names: Vec<String> =
-        tags.iter().filter(|(key, _)| is_name_key(key)).flat_map(|(_, v)| list(v)).collect();
+    let mut names: Vec<String> = tags
+        .iter()
+        .filter(|(key, _)| is_name_key(key))
+        .flat_map(|(_, v)| list(v))
+        .collect();
     if let (Some(street), Some(numbers)) = (street(tags), tags.get("addr:housenumber")) {
-        for number in numbers.split([';', ',']).map(str::trim).filter(|n| !n.is_empty()).take(MOST_NUMBERS) {
+        for number in numbers
+            .split([';', ','])
+            .map(str::trim)
+            .filter(|n| !n.is_empty())
+            .take(MOST_NUMBERS)
+        {
             names.push(fold(&format!("{street} {number}")));
             names.push(fold(&format!("{number} {street}")));
         }
@@ -50,9 +74,19 @@ pub(crate) fn numbers(tags: &Tags) -> Vec<String> {
 /// The names of the unit behind a door: `addr:unit`, `ref`, `name`, in this order, lists taken apart, each once.
 pub(crate) fn unit_names(tags: &Tags) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
-    for value in ["addr:unit", "ref", "name"].into_iter().filter_map(|key| tags.get(key)) {
-        for name in value.split(';').map(str::trim).filter(|name| !name.is_empty()) {
-            if !names.iter().any(|known| fold_unit(known) == fold_unit(name)) {
+    for value in ["addr:unit", "ref", "name"]
+        .into_iter()
+        .filter_map(|key| tags.get(key))
+    {
+        for name in value
+            .split(';')
+            .map(str::trim)
+            .filter(|name| !name.is_empty())
+        {
+            if !names
+                .iter()
+                .any(|known| fold_unit(known) == fold_unit(name))
+            {
                 names.push(name.to_owned());
             }
         }
@@ -93,17 +127,24 @@ pub(crate) fn fold_number(name: &str) -> String {
 }
 
 fn without_word(folded: String, words: &[&str]) -> String {
-    let rest = words.iter().find_map(|word| folded.strip_prefix(word)).filter(|rest| !rest.is_empty());
+    let rest = words
+        .iter()
+        .find_map(|word| folded.strip_prefix(word))
+        .filter(|rest| !rest.is_empty());
     rest.map_or_else(|| folded.clone(), str::to_owned)
 }
 
 /// Whether the text ends in a zero that begins a number.
 fn after_leading_zero(text: &str) -> bool {
-    text.strip_suffix('0').is_some_and(|before| !before.ends_with(|c: char| c.is_ascii_digit()))
+    text.strip_suffix('0')
+        .is_some_and(|before| !before.ends_with(|c: char| c.is_ascii_digit()))
 }
 
 fn is_separator(c: char) -> bool {
-    matches!(c, '-' | '_' | '.' | ',' | '#' | '\'' | '’' | '\u{2010}'..='\u{2015}')
+    matches!(
+        c,
+        '-' | '_' | '.' | ',' | '#' | '\'' | '’' | '\u{2010}'..='\u{2015}'
+    )
 }
 
 fn half_width(c: char) -> char {
@@ -116,7 +157,10 @@ fn half_width(c: char) -> char {
 
 fn is_name_key(key: &str) -> bool {
     NAME_KEYS.contains(&key)
-        || key.strip_prefix("name:").or_else(|| key.strip_prefix("alt_name:")).is_some_and(is_language)
+        || key
+            .strip_prefix("name:")
+            .or_else(|| key.strip_prefix("alt_name:"))
+            .is_some_and(is_language)
 }
 
 /// `de`, `yue`, `zh-Hant`, `ja_rm`; not `etymology`, `left` or `signed`.
@@ -143,7 +187,13 @@ mod tests {
 
     #[test]
     fn writing_does_not_matter_but_numbers_do() {
-        for name in ["Building 3", "building3", "BUILDING-03", "Ｂuilding　３", "building_003"] {
+        for name in [
+            "Building 3",
+            "building3",
+            "BUILDING-03",
+            "Ｂuilding　３",
+            "building_003",
+        ] {
             assert_eq!(fold(name), "building3", "{name}");
         }
         for (name, folded) in [
@@ -174,7 +224,10 @@ mod tests {
         let address = [("addr:street", "Rua Alta"), ("addr:housenumber", "5")];
         assert_eq!(name(&address).as_deref(), Some("Rua Alta 5"));
         assert_eq!(name(&address[1..]).as_deref(), Some("5"));
-        assert_eq!(name(&[address[0], address[1], ("addr:housename", "Villa")]).as_deref(), Some("Villa"));
+        assert_eq!(
+            name(&[address[0], address[1], ("addr:housename", "Villa")]).as_deref(),
+            Some("Villa")
+        );
         assert_eq!(name(&[("ref", "B7")]).as_deref(), Some("B7"));
         assert_eq!(name(&[("building", "yes")]), None);
     }
@@ -192,7 +245,11 @@ mod tests {
 
     #[test]
     fn each_unit_of_a_door_is_named_once() {
-        let tags = Tags::from([("ref", "1"), ("addr:unit", "Unit 1;Unit 2"), ("name", "Post")]);
+        let tags = Tags::from([
+            ("ref", "1"),
+            ("addr:unit", "Unit 1;Unit 2"),
+            ("name", "Post"),
+        ]);
         assert_eq!(unit_names(&tags), ["Unit 1", "Unit 2", "Post"]);
     }
 

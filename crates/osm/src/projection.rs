@@ -52,15 +52,25 @@ impl Projection {
     /// A projection as `georeference` says.
     pub fn new(georeference: Georeference) -> Self {
         let plane = match georeference {
-            Georeference::Utm { zone, north, offset_x, offset_y } => {
+            Georeference::Utm {
+                zone,
+                north,
+                offset_x,
+                offset_y,
+            } => {
                 let south = if north { 0.0 } else { FALSE_NORTHING_SOUTH };
                 Plane::Utm(Utm::new(zone, FALSE_EASTING + offset_x, south + offset_y))
             }
-            Georeference::TangentPlane { at, offset_x, offset_y } => {
-                Plane::Tangent(Tangent::new(at, MapPoint::new(offset_x, offset_y)))
-            }
+            Georeference::TangentPlane {
+                at,
+                offset_x,
+                offset_y,
+            } => Plane::Tangent(Tangent::new(at, MapPoint::new(offset_x, offset_y))),
         };
-        Self { georeference, plane }
+        Self {
+            georeference,
+            plane,
+        }
     }
 
     /// What it was made from.
@@ -91,22 +101,40 @@ pub fn default_georeference(data: &OsmData) -> Result<Georeference, ProjectionEr
     let middle = middle(data).ok_or(ProjectionError::Empty)?;
     let zone = (libm::floor((middle.lon + 180.0) / 6.0) as u8 + 1).min(60);
     let north = middle.lat >= 0.0;
-    let utm = Projection::new(Georeference::Utm { zone, north, offset_x: 0.0, offset_y: 0.0 }).to_map(middle);
-    let kilometre = |metres: f64| -libm::round(metres / 1000.0) * 1000.0;
-    Ok(Georeference::Utm { zone, north, offset_x: kilometre(utm.x), offset_y: kilometre(utm.y) })
-}
-
-fn middle(data: &OsmData) -> Option<LonLat> {
-    let (west, east) = extent(data.nodes.values().map(|node| node.position.lon))?;
-    let (south, north) = extent(data.nodes.values().map(|node| node.position.lat))?;
-    Some(LonLat::new((west + east) / 2.0, (south + north) / 2.0))
-}
-
-fn extent(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
-    values.fold(None, |extent, v| {
-        let (low, high) = extent.unwrap_or((v, v));
-        Some((v.min(low), v.max(high)))
+    let utm = Projection::new(Georeference::Utm {
+        zone,
+        north,
+        offset_x: 0.0,
+        offset_y: 0.0,
     })
+    .to_map(middle);
+    let offset_x = to_nearest_kilometre(utm.x);
+    let offset_y = to_nearest_kilometre(utm.y);
+    Ok(Georeference::Utm {
+        zone,
+        north,
+        offset_x,
+        offset_y,
+    })
+}
+
+/// The middle of the bounding box of all nodes.
+fn middle(data: &OsmData) -> Option<LonLat> {
+    let lon = middle_of(data.nodes.values().map(|node| node.position.lon))?;
+    let lat = middle_of(data.nodes.values().map(|node| node.position.lat))?;
+    Some(LonLat::new(lon, lat))
+}
+
+/// Half-way between the least and the greatest value; `None` if there are no values.
+fn middle_of(values: impl Iterator<Item = f64> + Clone) -> Option<f64> {
+    let low = values.clone().reduce(|low, value| value.min(low))?;
+    let high = values.reduce(|high, value| value.max(high))?;
+    Some((low + high) / 2.0)
+}
+
+/// A number of metres whose addition moves `metres` to within 500 m of zero.
+fn to_nearest_kilometre(metres: f64) -> f64 {
+    -libm::round(metres / 1000.0) * 1000.0
 }
 
 /// One UTM zone with a false origin.
@@ -142,15 +170,18 @@ impl Utm {
         let xi = libm::atan2(tau, cos_lon);
         let eta = libm::asinh(sin_lon / libm::hypot(tau, cos_lon));
         // Equation (11)
-        let (dx, dy) = series(&self.alpha, xi, eta);
-        MapPoint::new(self.radius * (eta + dx) + self.origin.x, self.radius * (xi + dy) + self.origin.y)
+        let [dx, dy] = series(&self.alpha, xi, eta);
+        MapPoint::new(
+            self.radius * (eta + dx) + self.origin.x,
+            self.radius * (xi + dy) + self.origin.y,
+        )
     }
 
     fn inverse(&self, point: MapPoint) -> LonLat {
         let eta = (point.x - self.origin.x) / self.radius;
         let xi = (point.y - self.origin.y) / self.radius;
         // Equation (15)
-        let (dx, dy) = series(&self.beta, xi, eta);
+        let [dx, dy] = series(&self.beta, xi, eta);
         // Equation (18)
         let (sin, cos) = libm::sincos(xi - dy);
         let sinh = libm::sinh(eta - dx);
@@ -162,7 +193,7 @@ impl Utm {
 
 /// The sums over j of `c_j cos(2 j xi) sinh(2 j eta)` and `c_j sin(2 j xi) cosh(2 j eta)`. The multiples come from the
 /// addition theorems, which costs a fifth of calling the functions for each.
-fn series(coefficients: &[f64; 6], xi: f64, eta: f64) -> (f64, f64) {
+fn series(coefficients: &[f64; 6], xi: f64, eta: f64) -> [f64; 2] {
     let (sin1, cos1) = libm::sincos(2.0 * xi);
     let (sinh1, cosh1) = (libm::sinh(2.0 * eta), libm::cosh(2.0 * eta));
     let (mut sin, mut cos, mut sinh, mut cosh) = (sin1, cos1, sinh1, cosh1);
@@ -173,7 +204,7 @@ fn series(coefficients: &[f64; 6], xi: f64, eta: f64) -> (f64, f64) {
         (sin, cos) = (sin * cos1 + cos * sin1, cos * cos1 - sin * sin1);
         (sinh, cosh) = (sinh * cosh1 + cosh * sinh1, cosh * cosh1 + sinh * sinh1);
     }
-    (x, y)
+    [x, y]
 }
 
 /// Tangent of the conformal latitude from that of the geographic latitude, equations (7) to (9).
@@ -206,9 +237,27 @@ fn polynomials(coefficients: &[&[f64]; 6], n: f64) -> [f64; 6] {
 
 /// Equation (35).
 const ALPHA: [&[f64]; 6] = [
-    &[1.0 / 2.0, -2.0 / 3.0, 5.0 / 16.0, 41.0 / 180.0, -127.0 / 288.0, 7891.0 / 37800.0],
-    &[13.0 / 48.0, -3.0 / 5.0, 557.0 / 1440.0, 281.0 / 630.0, -1983433.0 / 1935360.0],
-    &[61.0 / 240.0, -103.0 / 140.0, 15061.0 / 26880.0, 167603.0 / 181440.0],
+    &[
+        1.0 / 2.0,
+        -2.0 / 3.0,
+        5.0 / 16.0,
+        41.0 / 180.0,
+        -127.0 / 288.0,
+        7891.0 / 37800.0,
+    ],
+    &[
+        13.0 / 48.0,
+        -3.0 / 5.0,
+        557.0 / 1440.0,
+        281.0 / 630.0,
+        -1983433.0 / 1935360.0,
+    ],
+    &[
+        61.0 / 240.0,
+        -103.0 / 140.0,
+        15061.0 / 26880.0,
+        167603.0 / 181440.0,
+    ],
     &[49561.0 / 161280.0, -179.0 / 168.0, 6601661.0 / 7257600.0],
     &[34729.0 / 80640.0, -3418889.0 / 1995840.0],
     &[212378941.0 / 319334400.0],
@@ -216,9 +265,27 @@ const ALPHA: [&[f64]; 6] = [
 
 /// Equation (36).
 const BETA: [&[f64]; 6] = [
-    &[1.0 / 2.0, -2.0 / 3.0, 37.0 / 96.0, -1.0 / 360.0, -81.0 / 512.0, 96199.0 / 604800.0],
-    &[1.0 / 48.0, 1.0 / 15.0, -437.0 / 1440.0, 46.0 / 105.0, -1118711.0 / 3870720.0],
-    &[17.0 / 480.0, -37.0 / 840.0, -209.0 / 4480.0, 5569.0 / 90720.0],
+    &[
+        1.0 / 2.0,
+        -2.0 / 3.0,
+        37.0 / 96.0,
+        -1.0 / 360.0,
+        -81.0 / 512.0,
+        96199.0 / 604800.0,
+    ],
+    &[
+        1.0 / 48.0,
+        1.0 / 15.0,
+        -437.0 / 1440.0,
+        46.0 / 105.0,
+        -1118711.0 / 3870720.0,
+    ],
+    &[
+        17.0 / 480.0,
+        -37.0 / 840.0,
+        -209.0 / 4480.0,
+        5569.0 / 90720.0,
+    ],
     &[4397.0 / 161280.0, -11.0 / 504.0, -830251.0 / 7257600.0],
     &[4583.0 / 161280.0, -108847.0 / 3991680.0],
     &[20648693.0 / 638668800.0],
@@ -249,8 +316,15 @@ impl Tangent {
 
     fn forward(&self, position: LonLat) -> MapPoint {
         let p = on_ellipsoid(position);
-        let d = [p[0] - self.origin[0], p[1] - self.origin[1], p[2] - self.origin[2]];
-        MapPoint::new(dot(d, self.east) + self.offset.x, dot(d, self.north) + self.offset.y)
+        let d = [
+            p[0] - self.origin[0],
+            p[1] - self.origin[1],
+            p[2] - self.origin[2],
+        ];
+        MapPoint::new(
+            dot(d, self.east) + self.offset.x,
+            dot(d, self.north) + self.offset.y,
+        )
     }
 
     /// Follows the origin's vertical from the plane down to the ellipsoid. A point beyond the Earth's rim is taken to the
@@ -275,7 +349,11 @@ fn on_ellipsoid(position: LonLat) -> [f64; 3] {
     let (sin_lon, cos_lon) = libm::sincos(position.lon.to_radians());
     let (sin_lat, cos_lat) = libm::sincos(position.lat.to_radians());
     let normal = A / (1.0 - E2 * sin_lat * sin_lat).sqrt();
-    [normal * cos_lat * cos_lon, normal * cos_lat * sin_lon, normal * (1.0 - E2) * sin_lat]
+    [
+        normal * cos_lat * cos_lon,
+        normal * cos_lat * sin_lon,
+        normal * (1.0 - E2) * sin_lat,
+    ]
 }
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -287,10 +365,15 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::data::Node;
+    use crate::element::Node;
 
     fn utm(zone: u8, north: bool) -> Projection {
-        Projection::new(Georeference::Utm { zone, north, offset_x: 0.0, offset_y: 0.0 })
+        Projection::new(Georeference::Utm {
+            zone,
+            north,
+            offset_x: 0.0,
+            offset_y: 0.0,
+        })
     }
 
     fn near(a: MapPoint, b: MapPoint, metres: f64) {
@@ -302,26 +385,69 @@ mod tests {
     fn utm_agrees_with_the_definition_of_the_projection() {
         let golden = [
             (117.0, 40.4976, 50, true, 500000.0, 4482988.332259791),
-            (116.9999411, 40.497769, 50, true, 499995.0090105285, 4483007.091226624),
+            (
+                116.9999411,
+                40.497769,
+                50,
+                true,
+                499995.0090105285,
+                4483007.091226624,
+            ),
             (7.42, 43.735, 32, true, 372761.711753707, 4843653.558798204),
             (-8.61, 41.15, 29, true, 532725.1591872805, 4555481.992291499),
-            (127.0457, 37.2823, 52, true, 326750.0012784884, 4127979.7524615),
-            (151.2153, -33.8568, 56, false, 334900.5696522619, 6252288.752888292),
-            (-0.1276, 51.5072, 31, true, 282963.1398403319, 5710868.344320089),
+            (
+                127.0457,
+                37.2823,
+                52,
+                true,
+                326750.0012784884,
+                4127979.7524615,
+            ),
+            (
+                151.2153,
+                -33.8568,
+                56,
+                false,
+                334900.5696522619,
+                6252288.752888292,
+            ),
+            (
+                -0.1276,
+                51.5072,
+                31,
+                true,
+                282963.1398403319,
+                5710868.344320089,
+            ),
             (9.0, 0.0, 31, true, 1168881.688527472, 0.0),
             (20.5, 78.2, 33, true, 625380.7555463414, 8686585.42884636),
         ];
         for (lon, lat, zone, north, x, y) in golden {
-            near(utm(zone, north).to_map(LonLat::new(lon, lat)), MapPoint::new(x, y), 1e-7);
+            near(
+                utm(zone, north).to_map(LonLat::new(lon, lat)),
+                MapPoint::new(x, y),
+                1e-7,
+            );
         }
     }
 
     #[test]
     fn the_tangent_plane_is_east_and_north_of_its_point() {
         let plane = Projection::new(Georeference::tangent_plane(LonLat::new(127.0457, 37.2823)));
-        assert_eq!(plane.to_map(LonLat::new(127.0457, 37.2823)), MapPoint::default());
-        near(plane.to_map(LonLat::new(127.05, 37.29)), MapPoint::new(381.29168539135, 854.57786434398), 1e-7);
-        near(plane.to_map(LonLat::new(127.5, 36.9)), MapPoint::new(40490.472813773, -42329.854243405), 1e-6);
+        assert_eq!(
+            plane.to_map(LonLat::new(127.0457, 37.2823)),
+            MapPoint::default()
+        );
+        near(
+            plane.to_map(LonLat::new(127.05, 37.29)),
+            MapPoint::new(381.29168539135, 854.57786434398),
+            1e-7,
+        );
+        near(
+            plane.to_map(LonLat::new(127.5, 36.9)),
+            MapPoint::new(40490.472813773, -42329.854243405),
+            1e-6,
+        );
     }
 
     #[test]
@@ -333,7 +459,9 @@ mod tests {
 
     #[test]
     fn a_map_without_nodes_has_no_place() {
-        let error = default_georeference(&OsmData::default()).unwrap_err().to_string();
+        let error = default_georeference(&OsmData::default())
+            .unwrap_err()
+            .to_string();
         assert!(error.contains("utm:50N"), "{error}");
     }
 
@@ -342,12 +470,25 @@ mod tests {
         let georeference = |places: &[(f64, f64)]| {
             let mut data = OsmData::default();
             for (id, (lon, lat)) in (1..).zip(places) {
-                data.nodes.insert(id, Node { id, position: LonLat::new(*lon, *lat), ..Node::default() });
+                data.nodes.insert(
+                    id,
+                    Node {
+                        id,
+                        position: LonLat::new(*lon, *lat),
+                        ..Node::default()
+                    },
+                );
             }
             default_georeference(&data).unwrap().to_string()
         };
-        assert_eq!(georeference(&[(116.9999411, 40.497769), (117.0, 40.4976)]), "utm:50N,-500000,-4483000");
-        assert_eq!(georeference(&[(151.2153, -33.8568)]), "utm:56S,-335000,-6252000");
+        assert_eq!(
+            georeference(&[(116.9999411, 40.497769), (117.0, 40.4976)]),
+            "utm:50N,-500000,-4483000"
+        );
+        assert_eq!(
+            georeference(&[(151.2153, -33.8568)]),
+            "utm:56S,-335000,-6252000"
+        );
         assert!(georeference(&[(180.0, 0.0)]).starts_with("utm:60N,"));
     }
 

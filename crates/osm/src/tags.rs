@@ -59,9 +59,13 @@ impl Tags {
         let text = self.get(key)?.trim().replace(',', ".");
         let length = match text.split_once('\'') {
             Some((feet, "")) => number(feet)? * FOOT,
-            Some((feet, inches)) => number(feet)? * FOOT + number(inches.trim_end_matches('"'))? * INCH,
+            Some((feet, inches)) => {
+                number(feet)? * FOOT + number(inches.trim_end_matches('"'))? * INCH
+            }
             None => {
-                let unit = text.find(|c: char| c.is_alphabetic() || c == '"').unwrap_or(text.len());
+                let unit = text
+                    .find(|c: char| c.is_alphabetic() || c == '"')
+                    .unwrap_or(text.len());
                 let scale = match &text[unit..] {
                     "" | "m" => 1.0,
                     "cm" => 0.01,
@@ -105,7 +109,10 @@ impl Tags {
 /// Of two pairs with one key the later counts.
 impl<K: Into<String>, V: Into<String>> FromIterator<(K, V)> for Tags {
     fn from_iter<I: IntoIterator<Item = (K, V)>>(pairs: I) -> Self {
-        let mut all: Vec<(String, String)> = pairs.into_iter().map(|(k, v)| (k.into(), v.into())).collect();
+        let mut all: Vec<(String, String)> = pairs
+            .into_iter()
+            .map(|(k, v)| (k.into(), v.into()))
+            .collect();
         all.sort_by(|a, b| a.0.cmp(&b.0));
         all.reverse();
         all.dedup_by(|a, b| a.0 == b.0);
@@ -129,7 +136,10 @@ impl fmt::Display for Tags {
 
 /// A finite number.
 fn number(text: &str) -> Option<f64> {
-    text.trim().parse().ok().filter(|number: &f64| number.is_finite())
+    text.trim()
+        .parse()
+        .ok()
+        .filter(|number: &f64| number.is_finite())
 }
 
 #[cfg(test)]
@@ -138,7 +148,12 @@ mod tests {
 
     #[test]
     fn tags_are_sorted_and_the_later_of_two_counts() {
-        let tags = Tags::from([("name", "b"), ("building", "yes"), ("name", "c"), ("a", "1")]);
+        let tags = Tags::from([
+            ("name", "b"),
+            ("building", "yes"),
+            ("name", "c"),
+            ("a", "1"),
+        ]);
         assert_eq!(tags.to_string(), "a=1 building=yes name=c");
     }
 
@@ -146,19 +161,43 @@ mod tests {
     fn lengths_have_units() {
         let metres = |text: &str| Tags::from([("height", text)]).metres("height");
         let close = |text: &str, wanted: f64| {
-            assert!((metres(text).unwrap() - wanted).abs() < 1e-9, "{text}: {:?}", metres(text));
+            assert!(
+                (metres(text).unwrap() - wanted).abs() < 1e-9,
+                "{text}: {:?}",
+                metres(text)
+            );
         };
-        for (text, wanted) in
-            [("2", 2.0), (" 2,5 m", 2.5), ("15 cm", 0.15), ("150mm", 0.15), ("0", 0.0), ("1 km", 1000.0)]
-        {
+        for (text, wanted) in [
+            ("2", 2.0),
+            (" 2,5 m", 2.5),
+            ("15 cm", 0.15),
+            ("150mm", 0.15),
+            ("0", 0.0),
+            ("1 km", 1000.0),
+        ] {
             close(text, wanted);
         }
-        for (text, wanted) in
-            [("6 ft", 1.8288), ("5'", 1.524), ("5'6\"", 1.6764), ("6\"", 0.1524), ("0'6\"", 0.1524)]
-        {
+        for (text, wanted) in [
+            ("6 ft", 1.8288),
+            ("5'", 1.524),
+            ("5'6\"", 1.6764),
+            ("6\"", 0.1524),
+            ("0'6\"", 0.1524),
+        ] {
             close(text, wanted);
         }
-        for text in ["", "high", "-3", "nan", "inf", "2 storeys", "1e3x", "'", "m", "1'x"] {
+        for text in [
+            "",
+            "high",
+            "-3",
+            "nan",
+            "inf",
+            "2 storeys",
+            "1e3x",
+            "'",
+            "m",
+            "1'x",
+        ] {
             assert_eq!(metres(text), None, "{text}");
         }
         assert_eq!(Tags::new().metres("height"), None);

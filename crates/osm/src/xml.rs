@@ -11,8 +11,9 @@ use quick_xml::XmlVersion;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::reader::Reader;
 
-use crate::data::{ElementKind, Member, Node, OsmData, Relation, Way};
-use crate::error::{OsmError, Place};
+use crate::data::OsmData;
+use crate::element::{ElementKind, Member, Node, Relation, Way};
+use crate::error::{OsmError, Place, Problem};
 use crate::tags::Tags;
 
 pub(crate) fn read(bytes: &[u8]) -> Result<OsmData, OsmError> {
@@ -22,10 +23,16 @@ pub(crate) fn read(bytes: &[u8]) -> Result<OsmData, OsmError> {
     loop {
         let before = reader.buffer_position();
         let event = reader.read_event().map_err(|error| {
-            malformed(text, reader.error_position(), format!("not well-formed XML: {error}"))
+            malformed(
+                text,
+                reader.error_position(),
+                Problem::caused("not well-formed XML", error),
+            )
         })?;
         let done = matches!(event, Event::Eof);
-        document.take(event).map_err(|problem| malformed(text, before, problem))?;
+        document
+            .take(event)
+            .map_err(|problem| malformed(text, before, problem))?;
         if done {
             return Ok(document.data);
         }
@@ -34,18 +41,9 @@ pub(crate) fn read(bytes: &[u8]) -> Result<OsmData, OsmError> {
 
 /// The bytes as text; what other formats begin with is named, since a wrong file is the likeliest mistake.
 fn text(bytes: &[u8]) -> Result<&str, OsmError> {
-    let start = |problem: &str| Err(OsmError::malformed(Place::Byte(0), problem));
     let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
-    match bytes {
-        [] => return start("the file is empty; it should be OSM XML or PBF"),
-        [0x1F, 0x8B, ..] | [b'B', b'Z', b'h', ..] | [b'P', b'K', ..] => {
-            return start("the file is compressed; unpack it first");
-        }
-        [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..] => return start("the file is UTF-16; save it as UTF-8"),
-        _ if bytes.trim_ascii_start().starts_with(b"{") => {
-            return start("the file is JSON; ask Overpass for [out:xml]");
-        }
-        _ => {}
+    if let Some(problem) = foreign_format(bytes) {
+        return Err(OsmError::malformed(Place::Byte(0), problem));
     }
     std::str::from_utf8(bytes).map_err(|error| {
         let at = error.valid_up_to();
@@ -54,9 +52,30 @@ fn text(bytes: &[u8]) -> Result<&str, OsmError> {
     })
 }
 
-fn malformed(text: &str, at: u64, problem: impl Into<String>) -> OsmError {
-    let before = text.as_bytes().iter().take(usize::try_from(at).unwrap_or(usize::MAX));
-    OsmError::malformed(Place::Line(1 + before.filter(|b| **b == b'\n').count()), problem)
+/// Names the format that bytes have instead, if its first bytes are known.
+fn foreign_format(bytes: &[u8]) -> Option<&'static str> {
+    match bytes {
+        [] => Some("the file is empty; it should be OSM XML or PBF"),
+        [0x1F, 0x8B, ..] | [b'B', b'Z', b'h', ..] | [b'P', b'K', ..] => {
+            Some("the file is compressed; unpack it first")
+        }
+        [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..] => Some("the file is UTF-16; save it as UTF-8"),
+        _ if bytes.trim_ascii_start().starts_with(b"{") => {
+            Some("the file is JSON; ask Overpass for [out:xml]")
+        }
+        _ => None,
+    }
+}
+
+fn malformed(text: &str, at: u64, problem: impl Into<Problem>) -> OsmError {
+    let before = text
+        .as_bytes()
+        .iter()
+        .take(usize::try_from(at).unwrap_or(usize::MAX));
+    OsmError::malformed(
+        Place::Line(1 + before.filter(|b| **b == b'\n').count()),
+        problem,
+    )
 }
 
 /// The document as read so far.
@@ -80,7 +99,7 @@ enum Open {
 }
 
 impl Document {
-    fn take(&mut self, event: Event<'_>) -> Result<(), String> {
+    fn take(&mut self, event: Event<'_>) -> Result<(), Problem> {
         match event {
             Event::Start(start) => {
                 self.begin(&start)?;
@@ -94,14 +113,16 @@ impl Document {
                 self.depth = self.depth.saturating_sub(1);
                 self.end();
             }
-            Event::DocType(_) => return Err("a document type is not allowed in OSM XML; remove it".into()),
+            Event::DocType(_) => {
+                return Err("a document type is not allowed in OSM XML; remove it".into());
+            }
             Event::Eof => return self.finish(),
             _ => {}
         }
         Ok(())
     }
 
-    fn finish(&self) -> Result<(), String> {
+    fn finish(&self) -> Result<(), Problem> {
         match (self.seen_root, self.depth) {
             (false, _) => Err("no <osm> element; this is not OSM XML".into()),
             (true, 0) => Ok(()),
@@ -109,11 +130,15 @@ impl Document {
         }
     }
 
-    fn begin(&mut self, start: &BytesStart<'_>) -> Result<(), String> {
+    fn begin(&mut self, start: &BytesStart<'_>) -> Result<(), Problem> {
         let name = start.name();
         match (self.depth, name.as_ref()) {
             (0, "osm") => self.seen_root = true,
-            (0, other) => return Err(format!("the root is <{other}>, not <osm>; this is not OSM XML")),
+            (0, other) => {
+                return Err(
+                    format!("the root is <{other}>, not <osm>; this is not OSM XML").into(),
+                );
+            }
             (1, "node") => self.begin_element(start, ElementKind::Node)?,
             (1, "way") => self.begin_element(start, ElementKind::Way)?,
             (1, "relation") => self.begin_element(start, ElementKind::Relation)?,
@@ -125,7 +150,7 @@ impl Document {
         Ok(())
     }
 
-    fn begin_element(&mut self, start: &BytesStart<'_>, kind: ElementKind) -> Result<(), String> {
+    fn begin_element(&mut self, start: &BytesStart<'_>, kind: ElementKind) -> Result<(), Problem> {
         let head = Head::read(start)?;
         self.open = match head.open(kind) {
             _ if head.deleted => {
@@ -141,17 +166,21 @@ impl Document {
         Ok(())
     }
 
-    fn tag(&mut self, start: &BytesStart<'_>) -> Result<(), String> {
+    fn tag(&mut self, start: &BytesStart<'_>) -> Result<(), Problem> {
         let [key, value] = attributes(start, ["k", "v"])?;
-        let (Some(key), Some(value)) = (key, value) else { return Ok(()) };
+        let (Some(key), Some(value)) = (key, value) else {
+            return Ok(());
+        };
         if let Some(tags) = self.open.tags() {
             tags.insert(key, value);
         }
         Ok(())
     }
 
-    fn way_node(&mut self, start: &BytesStart<'_>) -> Result<(), String> {
-        let Open::Way(way) = &mut self.open else { return Ok(()) };
+    fn way_node(&mut self, start: &BytesStart<'_>) -> Result<(), Problem> {
+        let Open::Way(way) = &mut self.open else {
+            return Ok(());
+        };
         let [id] = attributes(start, ["ref"])?;
         match number(id) {
             Some(id) => way.nodes.push(id),
@@ -160,8 +189,10 @@ impl Document {
         Ok(())
     }
 
-    fn member(&mut self, start: &BytesStart<'_>) -> Result<(), String> {
-        let Open::Relation(relation) = &mut self.open else { return Ok(()) };
+    fn member(&mut self, start: &BytesStart<'_>) -> Result<(), Problem> {
+        let Open::Relation(relation) = &mut self.open else {
+            return Ok(());
+        };
         let [kind, id, role] = attributes(start, ["type", "ref", "role"])?;
         match (kind.as_deref().and_then(kind_from_word), number(id)) {
             (Some(kind), Some(id)) => {
@@ -206,12 +237,14 @@ struct Head {
 }
 
 impl Head {
-    fn read(start: &BytesStart<'_>) -> Result<Self, String> {
-        let [id, lon, lat, visible, action] = attributes(start, ["id", "lon", "lat", "visible", "action"])?;
-        let degrees = |text: Option<Cow<'_, str>>| text.and_then(|t| t.trim().parse::<f64>().ok());
+    fn read(start: &BytesStart<'_>) -> Result<Self, Problem> {
+        let [id, lon, lat, visible, action] =
+            attributes(start, ["id", "lon", "lat", "visible", "action"])?;
         Ok(Self {
             id: number(id),
-            position: degrees(lon).zip(degrees(lat)).map(|(lon, lat)| LonLat::new(lon, lat)),
+            position: degrees(lon)
+                .zip(degrees(lat))
+                .map(|(lon, lat)| LonLat::new(lon, lat)),
             deleted: visible.as_deref() == Some("false") || action.as_deref() == Some("delete"),
         })
     }
@@ -219,11 +252,25 @@ impl Head {
     fn open(&self, kind: ElementKind) -> Option<Open> {
         let id = self.id?;
         Some(match kind {
-            ElementKind::Node => Open::Node(Node { id, position: self.position?, tags: Tags::new() }),
-            ElementKind::Way => Open::Way(Way { id, ..Way::default() }),
-            ElementKind::Relation => Open::Relation(Relation { id, ..Relation::default() }),
+            ElementKind::Node => Open::Node(Node {
+                id,
+                position: self.position?,
+                tags: Tags::new(),
+            }),
+            ElementKind::Way => Open::Way(Way {
+                id,
+                ..Way::default()
+            }),
+            ElementKind::Relation => Open::Relation(Relation {
+                id,
+                ..Relation::default()
+            }),
         })
     }
+}
+
+fn degrees(text: Option<Cow<'_, str>>) -> Option<f64> {
+    text?.trim().parse().ok()
 }
 
 fn number(text: Option<Cow<'_, str>>) -> Option<i64> {
@@ -231,20 +278,28 @@ fn number(text: Option<Cow<'_, str>>) -> Option<i64> {
 }
 
 fn kind_from_word(word: &str) -> Option<ElementKind> {
-    [ElementKind::Node, ElementKind::Way, ElementKind::Relation].into_iter().find(|kind| kind.word() == word)
+    [ElementKind::Node, ElementKind::Way, ElementKind::Relation]
+        .into_iter()
+        .find(|kind| kind.word() == word)
 }
 
 /// The values of the attributes called `names`, with entities resolved.
 fn attributes<'a, const N: usize>(
     start: &'a BytesStart<'_>,
     names: [&str; N],
-) -> Result<[Option<Cow<'a, str>>; N], String> {
+) -> Result<[Option<Cow<'a, str>>; N], Problem> {
     let mut values = [const { None }; N];
     for attribute in start.attributes().with_checks(false) {
-        let attribute = attribute.map_err(|error| format!("unreadable attribute: {error}"))?;
-        if let Some(i) = names.iter().position(|name| *name == attribute.key.as_ref()) {
+        let attribute =
+            attribute.map_err(|error| Problem::caused("unreadable attribute", error))?;
+        if let Some(i) = names
+            .iter()
+            .position(|name| *name == attribute.key.as_ref())
+        {
             let value = attribute.normalized_value(XmlVersion::Implicit1_0);
-            values[i] = Some(value.map_err(|error| format!("unreadable value of {}: {error}", names[i]))?);
+            let unreadable =
+                |error| Problem::caused(&format!("unreadable value of {}", names[i]), error);
+            values[i] = Some(value.map_err(unreadable)?);
         }
     }
     Ok(values)
@@ -273,7 +328,11 @@ mod tests {
         assert_eq!(data.nodes[&1].position, LonLat::new(2.5, 1.5));
         assert!(data.nodes[&-2].tags.is("name", "A & B €\n"));
         assert_eq!(data.ways[&7].nodes, [1, -2]);
-        let member = Member { kind: ElementKind::Way, id: 7, role: "outer".into() };
+        let member = Member {
+            kind: ElementKind::Way,
+            id: 7,
+            role: "outer".into(),
+        };
         assert_eq!(data.relations[&9].members, [member]);
         assert_eq!(data.report, crate::ReadReport::default());
     }
@@ -305,7 +364,10 @@ mod tests {
     #[test]
     fn a_cut_off_file_says_where_it_ends() {
         let text = "<osm>\n<node id=\"1\" lat=\"1\" lon=\"2\"/>\n<way id=\"1\">";
-        assert_eq!(problem(text), "line 3: the file ends before </osm>; it is cut off, fetch it again");
+        assert_eq!(
+            problem(text),
+            "line 3: the file ends before </osm>; it is cut off, fetch it again"
+        );
         assert!(problem("<osm>\n<node id=\"1\" la").starts_with("line 2: not well-formed XML"));
         assert!(problem("<osm>\n<node></way></osm>").starts_with("line 2: not well-formed XML"));
     }
@@ -316,14 +378,27 @@ mod tests {
         assert!(problem("  {\"elements\": []}").contains("[out:xml]"));
         assert!(problem("\u{1}hello").contains("no <osm> element"));
         assert!(problem("<html></html>").contains("the root is <html>"));
-        assert!(OsmData::from_xml(b"\x1f\x8b\x08").unwrap_err().to_string().contains("unpack"));
-        assert!(OsmData::from_xml(b"<osm>\n\xff").unwrap_err().to_string().starts_with("line 2: neither"));
+        assert!(
+            OsmData::from_xml(b"\x1f\x8b\x08")
+                .unwrap_err()
+                .to_string()
+                .contains("unpack")
+        );
+        assert!(
+            OsmData::from_xml(b"<osm>\n\xff")
+                .unwrap_err()
+                .to_string()
+                .starts_with("line 2: neither")
+        );
     }
 
     #[test]
     fn entity_bombs_are_refused() {
         let bomb = "<!DOCTYPE lolz [<!ENTITY a \"lol\"><!ENTITY b \"&a;&a;&a;\">]>\n<osm><node id=\"1\" lat=\"&b;\" lon=\"1\"/></osm>";
-        assert_eq!(problem(bomb), "line 1: a document type is not allowed in OSM XML; remove it");
+        assert_eq!(
+            problem(bomb),
+            "line 1: a document type is not allowed in OSM XML; remove it"
+        );
         assert!(problem("<osm><node id=\"&b;\"/></osm>").contains("unreadable value of id"));
     }
 }

@@ -1,7 +1,9 @@
 //! No input may bring the readers down: whatever the bytes, an answer or an error in words.
 
 use openbench_core::{Georeference, LonLat};
-use openbench_osm::{ElementKind, Member, Node, OsmData, OsmMap, Relation, Tags, Way, without_doors};
+use openbench_osm::{
+    ElementKind, Member, Node, OsmData, OsmMap, Relation, Tags, Way, without_doors,
+};
 use proptest::prelude::*;
 
 const COURT: &[u8] = include_bytes!("fixtures/court.osm");
@@ -19,14 +21,21 @@ fn survive(bytes: &[u8]) {
 fn every_cut_of_a_map_is_an_error() {
     let end = COURT.windows(6).rposition(|w| w == b"</osm>").unwrap() + 6;
     for length in 0..end {
-        let error = OsmData::from_bytes(&COURT[..length]).expect_err("a cut map was read").to_string();
-        assert!(error.starts_with("line ") || error.starts_with("byte "), "{error}");
+        let error = OsmData::from_bytes(&COURT[..length])
+            .expect_err("a cut map was read")
+            .to_string();
+        assert!(
+            error.starts_with("line ") || error.starts_with("byte "),
+            "{error}"
+        );
     }
 }
 
 #[test]
 fn a_file_that_is_not_there_is_named() {
-    let error = OsmData::read("no/such.osm".as_ref()).unwrap_err().to_string();
+    let error = OsmData::read("no/such.osm".as_ref())
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("no/such.osm"), "{error}");
 }
 
@@ -46,25 +55,42 @@ fn a_small_file_does_not_make_a_huge_map() {
     let mut text = String::from("<osm>");
     for i in 0..20_000 {
         let turn = f64::from(i) / 20_000.0 * std::f64::consts::TAU;
-        text += &format!("<node id='{i}' lat='{}' lon='{}'/>", libm::sin(turn), libm::cos(turn));
+        text += &format!(
+            "<node id='{i}' lat='{}' lon='{}'/>",
+            libm::sin(turn),
+            libm::cos(turn)
+        );
     }
-    let references: String = (0..20_000).chain([0]).map(|i| format!("<nd ref='{i}'/>")).collect();
+    let references: String = (0..20_000)
+        .chain([0])
+        .map(|i| format!("<nd ref='{i}'/>"))
+        .collect();
     text += &format!("<way id='1'>{references}</way>");
-    let gaps: String =
-        (0..20_000).map(|i| format!("<nd ref='{i}'/>{}", ["", "<nd ref='-1'/>"][i % 2])).collect();
+    let gaps: String = (0..20_000)
+        .map(|i| format!("<nd ref='{i}'/>{}", ["", "<nd ref='-1'/>"][i % 2]))
+        .collect();
     text += &format!(
         "<way id='2'>{gaps}<tag k='highway' v='path'/><tag k='name' v='{}'/></way>",
         "x".repeat(50_000)
     );
     for i in 0..2_000 {
         let tags = "<tag k='type' v='multipolygon'/><tag k='building' v='yes'/>";
-        text += &format!("<relation id='{i}'><member type='way' ref='1' role='outer'/>{tags}</relation>");
+        text += &format!(
+            "<relation id='{i}'><member type='way' ref='1' role='outer'/>{tags}</relation>"
+        );
     }
     let data = OsmData::from_xml((text + "</osm>").as_bytes()).unwrap();
     let map = OsmMap::new(&data, Georeference::tangent_plane(LonLat::new(0.0, 0.0)));
     let points: usize = map.buildings.iter().map(|b| b.polygon.outer.len()).sum();
-    let words: usize = map.roads.iter().map(|r| r.tags.get("name").map_or(0, str::len)).sum();
-    assert!(points < 3_000_000 && words < 60_000_000, "{points} points, {words} letters");
+    let words: usize = map
+        .roads
+        .iter()
+        .map(|r| r.tags.get("name").map_or(0, str::len))
+        .sum();
+    assert!(
+        points < 3_000_000 && words < 60_000_000,
+        "{points} points, {words} letters"
+    );
     assert!(map.buildings.len() > 10 && map.report.broken_buildings > 1_000);
 }
 
@@ -76,15 +102,31 @@ fn field(tag: u8, bytes: &[u8]) -> Vec<u8> {
 
 /// A block with the strings "", "building", "yes", the nodes 1 and 2 (1 with a tag), a way through both and a relation of it.
 fn pbf_block() -> Vec<u8> {
-    let strings = [field(0x0A, b""), field(0x0A, b"building"), field(0x0A, b"yes")].concat();
-    let (positions, tags) =
-        ([field(0x42, &[20, 2]), field(0x4A, &[40, 2])].concat(), field(0x52, &[1, 2, 0, 0]));
+    let strings = [
+        field(0x0A, b""),
+        field(0x0A, b"building"),
+        field(0x0A, b"yes"),
+    ]
+    .concat();
+    let (positions, tags) = (
+        [field(0x42, &[20, 2]), field(0x4A, &[40, 2])].concat(),
+        field(0x52, &[1, 2, 0, 0]),
+    );
     let nodes = field(0x12, &[field(0x0A, &[2, 2]), positions, tags].concat());
     let tags = [field(0x12, &[1]), field(0x1A, &[2])].concat();
-    let way = field(0x1A, &[&[0x08, 7], tags.as_slice(), &field(0x42, &[2, 2])].concat());
+    let way = field(
+        0x1A,
+        &[&[0x08, 7], tags.as_slice(), &field(0x42, &[2, 2])].concat(),
+    );
     let members = [field(0x42, &[2]), field(0x4A, &[14]), field(0x52, &[1])].concat();
     let relation = field(0x22, &[&[0x08, 9], tags.as_slice(), &members].concat());
-    [field(0x0A, &strings), field(0x12, &nodes), field(0x12, &way), field(0x12, &relation)].concat()
+    [
+        field(0x0A, &strings),
+        field(0x12, &nodes),
+        field(0x12, &way),
+        field(0x12, &relation),
+    ]
+    .concat()
 }
 
 /// A file of that one block, not compressed.
@@ -92,7 +134,12 @@ fn pbf_file(block: &[u8]) -> Vec<u8> {
     let blob = field(0x0A, block);
     let size = [0x18, blob.len() as u8 | 0x80, (blob.len() >> 7) as u8];
     let header = [field(0x0A, b"OSMData"), size.to_vec()].concat();
-    [&(header.len() as u32).to_be_bytes(), header.as_slice(), &blob].concat()
+    [
+        &(header.len() as u32).to_be_bytes(),
+        header.as_slice(),
+        &blob,
+    ]
+    .concat()
 }
 
 #[test]
@@ -101,7 +148,11 @@ fn a_pbf_block_is_read() {
     assert_eq!(data.nodes[&1].position, LonLat::new(20.0 / 1e7, 10.0 / 1e7));
     assert_eq!(data.nodes[&1].tags, Tags::from([("building", "yes")]));
     assert_eq!((data.nodes.len(), &data.ways[&7].nodes), (2, &vec![1, 2]));
-    let member = Member { kind: ElementKind::Way, id: 7, role: "yes".into() };
+    let member = Member {
+        kind: ElementKind::Way,
+        id: 7,
+        role: "yes".into(),
+    };
     assert_eq!(data.relations[&9].members, [member]);
 }
 
@@ -109,7 +160,9 @@ fn a_pbf_block_is_read() {
 fn a_member_of_unknown_type_is_an_error_in_words() {
     let mut block = pbf_block();
     *block.last_mut().unwrap() = 5;
-    let error = OsmData::from_bytes(&pbf_file(&block)).unwrap_err().to_string();
+    let error = OsmData::from_bytes(&pbf_file(&block))
+        .unwrap_err()
+        .to_string();
     assert_eq!(error, "byte 0: a member of unknown type");
 }
 
@@ -118,12 +171,19 @@ fn text() -> impl Strategy<Value = String> {
 }
 
 fn tags() -> impl Strategy<Value = Tags> {
-    let key = prop_oneof![Just("building".to_owned()), Just("entrance".to_owned()), text()];
+    let key = prop_oneof![
+        Just("building".to_owned()),
+        Just("entrance".to_owned()),
+        text()
+    ];
     prop::collection::vec((key, text()), 0..4).prop_map(|pairs| pairs.into_iter().collect())
 }
 
 fn node() -> impl Strategy<Value = Node> {
-    let position = (-1_800_000_000i64..=1_800_000_000, -900_000_000i64..=900_000_000);
+    let position = (
+        -1_800_000_000i64..=1_800_000_000,
+        -900_000_000i64..=900_000_000,
+    );
     (-9i64..9, position, tags()).prop_map(|(id, (lon, lat), tags)| Node {
         id,
         position: LonLat::new(lon as f64 / 1e7, lat as f64 / 1e7),
@@ -140,7 +200,11 @@ fn way() -> impl Strategy<Value = Way> {
 }
 
 fn relation() -> impl Strategy<Value = Relation> {
-    let kind = prop::sample::select(vec![ElementKind::Node, ElementKind::Way, ElementKind::Relation]);
+    let kind = prop::sample::select(vec![
+        ElementKind::Node,
+        ElementKind::Way,
+        ElementKind::Relation,
+    ]);
     let member = (kind, -9i64..9, text()).prop_map(|(kind, id, role)| Member { kind, id, role });
     (-9i64..9, prop::collection::vec(member, 0..6), tags()).prop_map(|(id, members, mut tags)| {
         tags.insert("type", "multipolygon");

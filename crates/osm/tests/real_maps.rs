@@ -5,10 +5,14 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use openbench_core::{Address, MapPoint};
-use openbench_osm::{Location, OsmData, OsmMap, add_entrance, default_georeference, locate, without_doors};
+use openbench_osm::{
+    Location, OsmData, OsmMap, add_entrance, default_georeference, locate, without_doors,
+};
 
 fn path(name: &str) -> Option<PathBuf> {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(name);
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+        .join("../../../shared/data")
+        .join(name);
     if !path.exists() {
         eprintln!("skipped: ../shared/data/{name} is not there");
         return None;
@@ -42,14 +46,25 @@ fn open(name: &str) -> Option<(OsmData, OsmMap)> {
 #[test]
 fn the_published_worlds_lie_where_their_map_says() {
     for (name, buildings, roads) in [("small", 3, 0), ("medium", 14, 3)] {
-        let Some((data, map)) = open(&format!("openbench/{name}/{name}.osm")) else { return };
-        assert_eq!(default_georeference(&data).unwrap().to_string(), "utm:50N,-500000,-4483000");
+        let Some((data, map)) = open(&format!("openbench/{name}/{name}.osm")) else {
+            return;
+        };
+        assert_eq!(
+            default_georeference(&data).unwrap().to_string(),
+            "utm:50N,-500000,-4483000"
+        );
         assert_eq!((map.buildings.len(), map.roads.len()), (buildings, roads));
-        assert!(map.buildings.iter().all(|b| b.polygon.centroid().distance(MapPoint::default()) < 300.0));
+        assert!(
+            map.buildings
+                .iter()
+                .all(|b| b.polygon.centroid().distance(MapPoint::default()) < 300.0)
+        );
         assert_eq!(map.report, Default::default());
         for number in 1..=buildings {
             let name = format!("building{number}");
-            let Location::Building(i) = locate(&map, &Address::new(&name, "unit1")) else { panic!("{name}") };
+            let Location::Building(i) = locate(&map, &Address::new(&name, "unit1")) else {
+                panic!("{name}")
+            };
             assert_eq!(map.buildings[i].name.as_deref(), Some(name.as_str()));
         }
     }
@@ -57,16 +72,32 @@ fn the_published_worlds_lie_where_their_map_says() {
 
 #[test]
 fn a_door_survives_writing_and_reading() {
-    let Some((mut data, map)) = open("openbench/medium/medium.osm") else { return };
+    let Some((mut data, map)) = open("openbench/medium/medium.osm") else {
+        return;
+    };
     let building = &map.buildings[4];
     let address = Address::new(building.name.clone().unwrap(), "unit2");
-    let (wall, normal) = building.polygon.nearest_boundary_point(MapPoint::new(0.0, 0.0));
-    let door = add_entrance(&mut data, &map.projection, building.element, wall.offset(normal, 0.4), &address)
-        .unwrap();
-    assert!(door.position.distance(wall) < 0.06);
+    let wall = building
+        .polygon
+        .nearest_boundary_point(MapPoint::new(0.0, 0.0));
+    let door = add_entrance(
+        &mut data,
+        &map.projection,
+        building.element,
+        wall.point.offset(wall.normal, 0.4),
+        &address,
+    )
+    .unwrap();
+    assert!(door.position.distance(wall.point) < 0.06);
     let back = OsmData::from_xml(&data.to_xml()).unwrap();
     let map = OsmMap::new(&back, map.projection.georeference());
-    assert_eq!(locate(&map, &address), Location::Unit { entrance: 0, building: 4 });
+    assert_eq!(
+        locate(&map, &address),
+        Location::Unit {
+            entrance: 0,
+            building: 4
+        }
+    );
     assert_eq!(map.entrances[0].position, door.position);
 }
 
@@ -78,9 +109,19 @@ fn cities_are_read_whole() {
         ("osm/porto_portugal.osm.pbf", 5..100, 50_000..60_000),
         ("osm/ajou_campus.osm", 50..500, 100..2_000),
     ] {
-        let Some((data, map)) = open(name) else { continue };
-        assert!(buildings.contains(&map.buildings.len()), "{} buildings", map.buildings.len());
-        assert!(roads.contains(&map.roads.len()), "{} roads", map.roads.len());
+        let Some((data, map)) = open(name) else {
+            continue;
+        };
+        assert!(
+            buildings.contains(&map.buildings.len()),
+            "{} buildings",
+            map.buildings.len()
+        );
+        assert!(
+            roads.contains(&map.roads.len()),
+            "{} roads",
+            map.roads.len()
+        );
         assert_eq!(data.report.bad_elements, 0);
         let start = Instant::now();
         for building in map.buildings.iter().step_by(10) {
@@ -88,13 +129,19 @@ fn cities_are_read_whole() {
             let nearest = map.nearest_building(inside).unwrap();
             assert_eq!(map.distance_to_building(nearest, inside), 0.0);
         }
-        eprintln!("{name}: {} look-ups in {:?}", map.buildings.len().div_ceil(10), start.elapsed());
+        eprintln!(
+            "{name}: {} look-ups in {:?}",
+            map.buildings.len().div_ceil(10),
+            start.elapsed()
+        );
     }
 }
 
 #[test]
 fn a_city_reads_the_same_from_xml_and_pbf() {
-    let Some(path) = path("osm/monaco.osm.pbf") else { return };
+    let Some(path) = path("osm/monaco.osm.pbf") else {
+        return;
+    };
     let data = OsmData::read(&path).unwrap();
     let back = OsmData::from_xml(&data.to_xml()).unwrap();
     assert!(back.nodes == data.nodes && back.ways == data.ways && back.relations == data.relations);
@@ -103,10 +150,14 @@ fn a_city_reads_the_same_from_xml_and_pbf() {
 
 #[test]
 fn a_cut_off_city_is_noticed() {
-    let Some(path) = path("osm/porto_portugal.osm.pbf") else { return };
+    let Some(path) = path("osm/porto_portugal.osm.pbf") else {
+        return;
+    };
     let bytes = std::fs::read(path).unwrap();
     for length in [1, 3, 100, bytes.len() / 2, bytes.len() - 1] {
-        let error = OsmData::from_bytes(&bytes[..length]).unwrap_err().to_string();
+        let error = OsmData::from_bytes(&bytes[..length])
+            .unwrap_err()
+            .to_string();
         assert!(error.contains("byte") || error.contains("line"), "{error}");
     }
 }
@@ -114,21 +165,35 @@ fn a_cut_off_city_is_noticed() {
 #[test]
 fn a_door_is_found_in_the_building_it_was_written_for() {
     for (name, step) in [("osm/ajou_campus.osm", 1), ("osm/monaco.osm.pbf", 5)] {
-        let Some((mut data, map)) = open(name) else { continue };
+        let Some((mut data, map)) = open(name) else {
+            continue;
+        };
         let named = |i: &usize| {
             let name = map.buildings[*i].name.clone()?;
-            let known = locate(&map, &Address { building: name.clone(), unit: None });
+            let known = locate(
+                &map,
+                &Address {
+                    building: name.clone(),
+                    unit: None,
+                },
+            );
             (known == Location::Building(*i)).then(|| Address::new(name, "unit 77"))
         };
-        let addresses: Vec<_> =
-            (0..map.buildings.len()).filter_map(|i| Some((i, named(&i)?))).step_by(step).collect();
+        let addresses: Vec<_> = (0..map.buildings.len())
+            .filter_map(|i| Some((i, named(&i)?)))
+            .step_by(step)
+            .collect();
         let start = Instant::now();
         for (i, address) in &addresses {
             let building = &map.buildings[*i];
             let at = building.polygon.interior_point();
             add_entrance(&mut data, &map.projection, building.element, at, address).unwrap();
         }
-        eprintln!("{name}: {} doors written in {:?}", addresses.len(), start.elapsed());
+        eprintln!(
+            "{name}: {} doors written in {:?}",
+            addresses.len(),
+            start.elapsed()
+        );
         let edited = OsmMap::new(&data, map.projection.georeference());
         for (i, address) in &addresses {
             let found = locate(&edited, address);

@@ -23,7 +23,10 @@ impl Place {
     pub fn new(position: LonLat) -> Option<Self> {
         let on_earth = position.lon.abs() <= 180.0 && position.lat.abs() <= 90.0;
         let units = |degrees: f64| libm::round(degrees * UNITS) as i32;
-        on_earth.then(|| Self { lon: units(position.lon), lat: units(position.lat) })
+        on_earth.then(|| Self {
+            lon: units(position.lon),
+            lat: units(position.lat),
+        })
     }
 
     /// Where it lies on a Hilbert curve over an Earth of 2^32 by 2^32 cells: what is near by on the curve is near by.
@@ -71,7 +74,10 @@ impl Scale {
         let normal = EQUATOR / square.sqrt();
         let meridian = normal * (1.0 - E2) / square;
         let unit = (1.0 / UNITS).to_radians();
-        Self { lon: normal * cosine * unit, lat: meridian * unit }
+        Self {
+            lon: normal * cosine * unit,
+            lat: meridian * unit,
+        }
     }
 
     /// Metres eastwards and northwards from `a` to `b`, the short way round the Earth.
@@ -80,7 +86,10 @@ impl Scale {
         if lon.abs() > TURN / 2 {
             lon -= lon.signum() * TURN;
         }
-        [lon as f64 * self.lon, (i64::from(b.lat) - i64::from(a.lat)) as f64 * self.lat]
+        [
+            lon as f64 * self.lon,
+            (i64::from(b.lat) - i64::from(a.lat)) as f64 * self.lat,
+        ]
     }
 }
 
@@ -95,7 +104,11 @@ pub fn distance(a: Place, b: Place) -> f64 {
 pub fn bearing(a: Place, b: Place) -> f64 {
     let [east, north] = Scale::at(f64::from(a.lat)).offset(a, b);
     let degrees = libm::atan2(east, north).to_degrees();
-    if degrees < 0.0 { degrees + 360.0 } else { degrees }
+    if degrees < 0.0 {
+        degrees + 360.0
+    } else {
+        degrees
+    }
 }
 
 /// How far one turns from a bearing to another, degrees: to the right above 0, at most 180.
@@ -117,9 +130,18 @@ mod tests {
     fn degrees_are_as_long_as_the_tables_say() {
         let near = |a: f64, b: f64| assert!((a - b).abs() < 1.0, "{a} {b}");
         near(distance(place(10.0, 0.0), place(11.0, 0.0)), 111_319.5);
-        near(100.0 * distance(place(0.0, -0.005), place(0.0, 0.005)), 110_574.3);
-        near(100.0 * distance(place(0.0, 89.985), place(0.0, 89.995)), 111_693.9);
-        near(100.0 * distance(place(7.0, 60.0), place(7.01, 60.0)), 55_800.3);
+        near(
+            100.0 * distance(place(0.0, -0.005), place(0.0, 0.005)),
+            110_574.3,
+        );
+        near(
+            100.0 * distance(place(0.0, 89.985), place(0.0, 89.995)),
+            111_693.9,
+        );
+        near(
+            100.0 * distance(place(7.0, 60.0), place(7.01, 60.0)),
+            55_800.3,
+        );
     }
 
     #[test]
@@ -130,7 +152,12 @@ mod tests {
 
     #[test]
     fn places_off_the_earth_are_none() {
-        for (lon, lat) in [(180.1, 0.0), (0.0, -90.1), (f64::NAN, 0.0), (0.0, f64::INFINITY)] {
+        for (lon, lat) in [
+            (180.1, 0.0),
+            (0.0, -90.1),
+            (f64::NAN, 0.0),
+            (0.0, f64::INFINITY),
+        ] {
             assert_eq!(Place::new(LonLat::new(lon, lat)), None);
         }
         assert_eq!(place(-180.0, 90.0).position(), LonLat::new(-180.0, 90.0));

@@ -44,7 +44,9 @@
 //!
 //! [`Router`] is the seam to agents.
 
+pub mod bearings;
 pub mod components;
+pub mod costs;
 pub mod geo;
 pub mod guidance;
 pub mod leg;
@@ -122,7 +124,9 @@ pub struct RouterTimes<'a, R> {
 
 impl<R: Router> TravelTimes for RouterTimes<'_, R> {
     fn matrix(&self, places: &[MapPoint]) -> Vec<f64> {
-        let pairs = places.iter().flat_map(|a| places.iter().map(move |b| (*a, *b)));
+        let pairs = places
+            .iter()
+            .flat_map(|a| places.iter().map(move |b| (*a, *b)));
         pairs.map(|(a, b)| self.between(a, b)).collect()
     }
 }
@@ -130,8 +134,12 @@ impl<R: Router> TravelTimes for RouterTimes<'_, R> {
 impl<R: Router> RouterTimes<'_, R> {
     fn between(&self, a: MapPoint, b: MapPoint) -> f64 {
         let direct = a.distance(b) / self.speed;
-        let Ok(route) = self.router.route(a, b) else { return direct };
-        let (Some(first), Some(last)) = (route.points.first(), route.points.last()) else { return direct };
+        let Ok(route) = self.router.route(a, b) else {
+            return direct;
+        };
+        let (Some(first), Some(last)) = (route.points.first(), route.points.last()) else {
+            return direct;
+        };
         let access = a.distance(*first) + b.distance(*last);
         // Near places are reached across open ground.
         direct.max(((access + route.distance) / self.speed).min(1.5 * direct))

@@ -1,10 +1,10 @@
 //! A network in cells: all that is known of a map before anybody says who travels.
 
 use openbench_osm::OsmError;
-use openbench_osm::stream::Elements;
+use openbench_osm::visitor::Elements;
 
 use crate::network::{Edge, Network, Rows};
-use crate::overlay::{Arcs, NONE, Overlay};
+use crate::overlay::{Arc, Arcs, NONE, Overlay};
 use crate::partition::{CellSizes, Partition};
 use crate::tree::SegmentTree;
 
@@ -29,7 +29,11 @@ impl Roads {
 
     /// Prepares a network.
     pub fn new(network: Network, sizes: &CellSizes) -> Self {
-        let edges: Vec<_> = network.edges().iter().map(|edge| (edge.from, edge.to)).collect();
+        let edges: Vec<[u32; 2]> = network
+            .edges()
+            .iter()
+            .map(|edge| [edge.from, edge.to])
+            .collect();
         let partition = Partition::new(&network.vertices, &edges, sizes);
         let network = in_order(network, &partition.order);
         let segments = SegmentTree::new(&network);
@@ -39,7 +43,12 @@ impl Roads {
     /// What follows from a network in the order of its cells.
     pub(crate) fn assemble(network: Network, levels: Vec<Vec<u32>>, segments: SegmentTree) -> Self {
         let vertices = Overlay::new(vertex_arcs(&network), &levels);
-        Self { network, levels, vertices, segments }
+        Self {
+            network,
+            levels,
+            vertices,
+            segments,
+        }
     }
 }
 
@@ -56,17 +65,32 @@ fn in_order(network: Network, order: &[u32]) -> Network {
         (from.min(to), from.max(to))
     });
     let mut rows = Rows {
-        vertices: order.iter().map(|v| network.vertices[*v as usize]).collect(),
-        vertex_classes: order.iter().map(|v| network.vertex_classes[*v as usize]).collect(),
-        vertex_nodes: order.iter().map(|v| network.vertex_nodes[*v as usize]).collect(),
+        vertices: order
+            .iter()
+            .map(|v| network.vertices[*v as usize])
+            .collect(),
+        vertex_classes: order
+            .iter()
+            .map(|v| network.vertex_classes[*v as usize])
+            .collect(),
+        vertex_nodes: order
+            .iter()
+            .map(|v| network.vertex_nodes[*v as usize])
+            .collect(),
         ..Rows::default()
     };
     for &edge in &edges {
         let old = network.edges[edge as usize];
         let [from, to] = place(&old);
-        rows.edges.push(Edge { from, to, first_point: rows.points.len() as u32, ..old });
+        rows.edges.push(Edge {
+            from,
+            to,
+            first_point: rows.points.len() as u32,
+            ..old
+        });
         let between = network.between(edge);
-        rows.points.extend_from_slice(&network.points[between.clone()]);
+        rows.points
+            .extend_from_slice(&network.points[between.clone()]);
         rows.nodes.extend_from_slice(&network.nodes[between]);
         rows.ways.push(network.ways[edge as usize]);
     }
@@ -84,7 +108,25 @@ fn in_order(network: Network, order: &[u32]) -> Network {
 
 /// Both directions of all edges, except of those that end where they begin.
 fn vertex_arcs(network: &Network) -> Arcs {
-    let edges = network.edges().iter().zip(0_u32..).filter(|(edge, _)| edge.from != edge.to);
-    let both = edges.flat_map(|(e, i)| [(e.from, e.to, 2 * i), (e.to, e.from, 2 * i + 1)]);
+    let edges = network
+        .edges()
+        .iter()
+        .zip(0_u32..)
+        .filter(|(edge, _)| edge.from != edge.to);
+    let both = edges.flat_map(|(edge, i)| {
+        let Edge { from, to, .. } = *edge;
+        [
+            Arc {
+                from,
+                to,
+                via: 2 * i,
+            },
+            Arc {
+                from: to,
+                to: from,
+                via: 2 * i + 1,
+            },
+        ]
+    });
     Arcs::new(network.vertices.len(), both)
 }

@@ -26,7 +26,11 @@ fn roads(north: f64, south: f64) -> Roads {
         n = north / 1e3,
         s = -south / 1e3
     );
-    Roads::read(&OsmData::from_xml(xml.as_bytes()).unwrap(), &CellSizes::new(&[100]).unwrap()).unwrap()
+    Roads::read(
+        &OsmData::from_xml(xml.as_bytes()).unwrap(),
+        &CellSizes::new(&[100]).unwrap(),
+    )
+    .unwrap()
 }
 
 /// Metres of all ways that are offered.
@@ -35,11 +39,26 @@ fn ways(north: f64, south: f64, others: usize) -> Vec<f64> {
     let metric = Metric::new(&roads, Profile::named("foot").unwrap()).unwrap();
     let snap = |lon: f64| -> Vec<Position> {
         let place = Place::new(LonLat::new(lon, 0.0)).unwrap();
-        Snap::new(&roads, &metric, place, &SnapOptions::default(), &mut Default::default()).nearest
+        Snap::new(
+            &roads,
+            &metric,
+            place,
+            &SnapOptions::default(),
+            &mut Default::default(),
+        )
+        .nearest
     };
-    let legs =
-        Leg::alternatives(&roads, &metric, &snap(0.0001), &snap(0.0039), others, &mut Memory::default());
-    legs.iter().map(|leg| leg.length_and_duration(&roads, &metric).0.round()).collect()
+    let legs = Leg::alternatives(
+        &roads,
+        &metric,
+        &snap(0.0001),
+        &snap(0.0039),
+        others,
+        &mut Memory::default(),
+    );
+    legs.iter()
+        .map(|leg| leg.length_and_duration(&roads, &metric).length.round())
+        .collect()
 }
 
 #[test]
@@ -62,8 +81,13 @@ fn a_detour_by_a_side_street_is_no_other_way() {
 /// Where cells hide what is inside them, other ways are found on real maps all the same, and keep to the rules.
 #[test]
 fn other_ways_through_a_city_keep_to_the_rules() {
-    let map = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/osm/porto_portugal.osm.pbf");
-    let Ok(source) = openbench_osm::stream::Source::open(map.as_ref()) else { return };
+    let map = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../../shared/data/osm/porto_portugal.osm.pbf"
+    );
+    let Ok(source) = openbench_osm::stream::Source::open(map.as_ref()) else {
+        return;
+    };
     let roads = Roads::read(&source, &Default::default()).unwrap();
     let metric = Metric::new(&roads, Profile::named("foot").unwrap()).unwrap();
     let (mut memory, mut with_others) = (Memory::default(), 0);
@@ -73,21 +97,45 @@ fn other_ways_through_a_city_keep_to_the_rules() {
                 -8.64 + f64::from(k * 7 % 40) * 0.002,
                 41.14 + f64::from(k * 11 % 40) * 0.001,
             ));
-            Snap::new(&roads, &metric, place.unwrap(), &SnapOptions::default(), &mut Default::default())
+            Snap::new(
+                &roads,
+                &metric,
+                place.unwrap(),
+                &SnapOptions::default(),
+                &mut Default::default(),
+            )
         };
         let (a, b) = (snap(i), snap(i + 17));
-        let legs = Leg::alternatives(&roads, &metric, a.positions(false), b.positions(false), 3, &mut memory);
+        let legs = Leg::alternatives(
+            &roads,
+            &metric,
+            a.positions(false),
+            b.positions(false),
+            3,
+            &mut memory,
+        );
         with_others += usize::from(legs.len() > 1);
         for (number, leg) in legs.iter().enumerate() {
-            assert!(f64::from(leg.weight) <= 1.25 * f64::from(legs[0].weight), "{i}");
-            let (_, duration) = leg.length_and_duration(&roads, &metric);
-            assert_eq!(duration, leg.weight, "{i} {number}: the way is what it claims to be");
+            assert!(
+                f64::from(leg.weight) <= 1.25 * f64::from(legs[0].weight),
+                "{i}"
+            );
+            let duration = leg.length_and_duration(&roads, &metric).duration;
+            assert_eq!(
+                duration, leg.weight,
+                "{i} {number}: the way is what it claims to be"
+            );
             for other in &legs[..number] {
                 let shared = leg.edges.iter().filter(|edge| other.edges.contains(edge));
-                let shared: f64 = shared.map(|edge| f64::from(metric.edges[*edge as usize].weight())).sum();
+                let shared: f64 = shared
+                    .map(|edge| f64::from(metric.edges[*edge as usize].weight()))
+                    .sum();
                 assert!(shared <= 0.75 * f64::from(legs[0].weight), "{i} {number}");
             }
         }
     }
-    assert!(with_others >= 15, "only {with_others} of 40 had another way");
+    assert!(
+        with_others >= 15,
+        "only {with_others} of 40 had another way"
+    );
 }

@@ -13,15 +13,27 @@ fn grid(width: i32, height: i32) -> Roads {
         xml += &format!("<node id=\"{}\" lat=\"{lat}\" lon=\"{lon}\"/>", i + 1);
     }
     let mut way = |id: i32, nodes: Vec<i32>| {
-        let nodes: String = nodes.iter().map(|n| format!("<nd ref=\"{}\"/>", n + 1)).collect();
-        let oneway = if id % 3 == 0 { "<tag k=\"oneway\" v=\"yes\"/>" } else { "" };
-        xml += &format!("<way id=\"{id}\">{nodes}<tag k=\"highway\" v=\"residential\"/>{oneway}</way>");
+        let nodes: String = nodes
+            .iter()
+            .map(|n| format!("<nd ref=\"{}\"/>", n + 1))
+            .collect();
+        let oneway = if id % 3 == 0 {
+            "<tag k=\"oneway\" v=\"yes\"/>"
+        } else {
+            ""
+        };
+        xml += &format!(
+            "<way id=\"{id}\">{nodes}<tag k=\"highway\" v=\"residential\"/>{oneway}</way>"
+        );
     };
     for row in 0..height {
         way(row + 1, (0..width).map(|i| row * width + i).collect());
     }
     for column in 0..width {
-        way(100 + column, (0..height).map(|i| i * width + column).collect());
+        way(
+            100 + column,
+            (0..height).map(|i| i * width + column).collect(),
+        );
     }
     let data = OsmData::from_xml((xml + "</osm>").as_bytes()).unwrap();
     Roads::read(&data, &CellSizes::new(&[6, 20]).unwrap()).unwrap()
@@ -30,7 +42,12 @@ fn grid(width: i32, height: i32) -> Roads {
 /// Everything that searches look at.
 fn state(metric: &Metric, roads: &Roads) -> impl PartialEq + std::fmt::Debug {
     let graph = metric.searched(roads);
-    (graph.weights.clone(), graph.cliques.to_vec(), metric.components.clone(), metric.edges.clone())
+    (
+        graph.weights.clone(),
+        graph.cliques.to_vec(),
+        metric.components.clone(),
+        metric.edges.clone(),
+    )
 }
 
 proptest! {

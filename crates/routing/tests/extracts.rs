@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use openbench_osm::stream::Source;
 use openbench_routing::overlay::FAR;
-use openbench_routing::search::{End, Path, Searched, TableMemory, ValuedEnd, Workspace};
+use openbench_routing::search::{End, Path, Searched, TableMemory, Value, ValuedEnd, Workspace};
 use openbench_routing::{Metric, Profile, Roads};
 
 #[expect(clippy::print_stderr, reason = "a test that is skipped says so")]
@@ -51,11 +51,16 @@ fn routes_and_tables_on_real_maps_are_exact() {
             let targets: Vec<u32> = (100..150).map(state).collect();
             let (mut workspace, mut path) = (Workspace::default(), Path::default());
             let end = |state: u32| vec![End { state, weight: 0 }];
-            let [from, to] =
-                [&sources, &targets].map(|states| states.iter().map(|s| end(*s)).collect::<Vec<_>>());
+            let [from, to] = [&sources, &targets]
+                .map(|states| states.iter().map(|s| end(*s)).collect::<Vec<_>>());
             let valued = |all: &[Vec<End>]| {
-                let one = |end: &End| ValuedEnd { end: *end, value: [0, 0] };
-                all.iter().map(|ends| ends.iter().map(one).collect()).collect::<Vec<Vec<_>>>()
+                let one = |end: &End| ValuedEnd {
+                    end: *end,
+                    value: Value::default(),
+                };
+                all.iter()
+                    .map(|ends| ends.iter().map(one).collect())
+                    .collect::<Vec<Vec<_>>>()
             };
             let table = TableMemory::default().table(
                 &mut Workspace::default(),

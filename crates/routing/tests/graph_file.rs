@@ -9,7 +9,11 @@ use openbench_routing::{Metric, Profile, Roads};
 fn roads() -> Roads {
     let mut xml = "<osm version=\"0.6\">".to_owned();
     for i in 0..100 {
-        let gate = if i == 42 { "<tag k=\"barrier\" v=\"gate\"/>" } else { "" };
+        let gate = if i == 42 {
+            "<tag k=\"barrier\" v=\"gate\"/>"
+        } else {
+            ""
+        };
         xml += &format!(
             "<node id=\"{}\" lat=\"{}\" lon=\"{}\">{gate}</node>",
             i + 1,
@@ -18,8 +22,16 @@ fn roads() -> Roads {
         );
     }
     for way in 0..20 {
-        let node = |i: i32| if way < 10 { 10 * way + i } else { 10 * i + way - 10 };
-        let nodes: String = (0..10).map(|i| format!("<nd ref=\"{}\"/>", node(i) + 1)).collect();
+        let node = |i: i32| {
+            if way < 10 {
+                10 * way + i
+            } else {
+                10 * i + way - 10
+            }
+        };
+        let nodes: String = (0..10)
+            .map(|i| format!("<nd ref=\"{}\"/>", node(i) + 1))
+            .collect();
         xml += &format!(
             "<way id=\"{way}\">{nodes}<tag k=\"highway\" v=\"residential\"/><tag k=\"name\" v=\"Street {}\"/></way>",
             way % 3
@@ -40,7 +52,10 @@ fn what_is_written_is_read_again() {
     let again = read(&file).unwrap();
     assert_eq!(again.network.edges, roads.network.edges);
     assert_eq!(again.network.names, roads.network.names);
-    assert_eq!((again.levels.clone(), again.network.restrictions.len()), (roads.levels.clone(), 1));
+    assert_eq!(
+        (again.levels.clone(), again.network.restrictions.len()),
+        (roads.levels.clone(), 1)
+    );
     for name in Profile::NAMES {
         let metric = |roads: &Roads| Metric::new(roads, Profile::named(name).unwrap()).unwrap();
         let (one, two) = (metric(&roads), metric(&again));
@@ -60,8 +75,14 @@ fn cut_off_and_changed_files_are_refused() {
     };
     for length in [0, 7, 63, 200, whole.len() / 2, whole.len() - 1] {
         let said = problem(&whole[..length]);
-        assert!(said.contains("beginning of one") || said.contains("cut off"), "{length}: {said}");
-        assert!(said.contains("town.graph") && said.contains("openbench prepare"), "{said}");
+        assert!(
+            said.contains("beginning of one") || said.contains("cut off"),
+            "{length}: {said}"
+        );
+        assert!(
+            said.contains("town.graph") && said.contains("openbench prepare"),
+            "{said}"
+        );
     }
     for at in (0..whole.len()).step_by(97) {
         let mut changed = whole.clone();
@@ -91,7 +112,9 @@ fn what_cannot_be_true_is_refused_or_does_no_harm() {
             changed[32..64].copy_from_slice(sum.as_bytes());
             std::fs::write(&file, &changed).unwrap();
             match read(&file) {
-                Ok(roads) if at % 2 == 0 => drop(Metric::new(&roads, Profile::named("car").unwrap())),
+                Ok(roads) if at % 2 == 0 => {
+                    drop(Metric::new(&roads, Profile::named("car").unwrap()))
+                }
                 Ok(_) => {}
                 Err(_) => refused += 1,
             }

@@ -10,11 +10,18 @@ fn roads(xml: &str, sizes: &CellSizes) -> Roads {
 }
 
 fn node(id: usize, x: usize, y: usize) -> String {
-    format!("<node id=\"{id}\" lat=\"{}\" lon=\"{}\"/>", y as f64 / 1e4, x as f64 / 1e4)
+    format!(
+        "<node id=\"{id}\" lat=\"{}\" lon=\"{}\"/>",
+        y as f64 / 1e4,
+        x as f64 / 1e4
+    )
 }
 
 fn way(id: usize, nodes: &[usize], tags: &str) -> String {
-    let nodes: String = nodes.iter().map(|node| format!("<nd ref=\"{node}\"/>")).collect();
+    let nodes: String = nodes
+        .iter()
+        .map(|node| format!("<nd ref=\"{node}\"/>"))
+        .collect();
     format!("<way id=\"{id}\">{nodes}{tags}</way>")
 }
 
@@ -23,20 +30,27 @@ const STREET: &str = "<tag k=\"highway\" v=\"residential\"/>";
 /// Three thousand roads from one place have nine million turns.
 #[test]
 fn junctions_of_thousands_of_roads_are_refused_where_turns_matter() {
-    let star: String = (2..3002).map(|i| node(i, i % 60 + 1, i / 60) + &way(i, &[1, i], STREET)).collect();
+    let star: String = (2..3002)
+        .map(|i| node(i, i % 60 + 1, i / 60) + &way(i, &[1, i], STREET))
+        .collect();
     let roads = roads(&(node(1, 0, 0) + &star), &CellSizes::default());
     assert!(Metric::new(&roads, Profile::named("foot").unwrap()).is_ok());
     let problem = Metric::new(&roads, Profile::named("car").unwrap()).unwrap_err();
     assert_eq!((problem.node, problem.roads), (1, 3000));
     let said = problem.to_string();
-    assert!(said.contains("node 1") && said.contains("3000 roads"), "{said}");
+    assert!(
+        said.contains("node 1") && said.contains("3000 roads"),
+        "{said}"
+    );
 }
 
 /// Roads from each place to places anywhere: whatever is put into a cell, most of it is on its border.
 #[test]
 fn layers_that_would_know_too_much_are_left_out() {
     let places = 12_000;
-    let mut xml: String = (1..=places).map(|i| node(i, i * 7919 % 9973, i * 104_729 % 9967)).collect();
+    let mut xml: String = (1..=places)
+        .map(|i| node(i, i * 7919 % 9973, i * 104_729 % 9967))
+        .collect();
     for a in 1..=places {
         xml += &way(a, &[a, a * 31 % places + 1], STREET);
         xml += &way(places + a, &[a, a * 173 % places + 1], STREET);
@@ -60,7 +74,10 @@ fn restrictions_without_number_are_looked_up_not_searched_for() {
     let kind = "<tag k=\"type\" v=\"restriction\"/><tag k=\"restriction\" v=\"no_u_turn\"/>";
     for id in 0..100_000 {
         let via = match id % 2 {
-            0 => format!("<member type=\"node\" ref=\"{}\" role=\"via\"/>", id % places + 1),
+            0 => format!(
+                "<member type=\"node\" ref=\"{}\" role=\"via\"/>",
+                id % places + 1
+            ),
             _ => "<member type=\"way\" ref=\"3\" role=\"via\"/>".to_owned(),
         };
         xml += &format!(

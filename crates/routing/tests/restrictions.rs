@@ -30,7 +30,10 @@ fn streets() -> BTreeMap<i64, [i64; 2]> {
 fn place(node: i64) -> (f64, f64) {
     // Not quite regular, so that no two ways are equally long.
     let (x, y) = (node % WIDTH, node / WIDTH);
-    ((x * 1000 + node * 13 % 7 * 20) as f64 / 1e6, (y * 1000 + node * 11 % 5 * 30) as f64 / 1e6)
+    (
+        (x * 1000 + node * 13 % 7 * 20) as f64 / 1e6,
+        (y * 1000 + node * 11 % 5 * 30) as f64 / 1e6,
+    )
 }
 
 fn roads(restrictions: &[Said]) -> Roads {
@@ -47,15 +50,22 @@ fn roads(restrictions: &[Said]) -> Roads {
         let member = |kind: &str, id: i64, role: &str| {
             format!("<member type=\"{kind}\" ref=\"{id}\" role=\"{role}\"/>")
         };
-        let [from, via @ .., to] = ways.as_slice() else { continue };
+        let [from, via @ .., to] = ways.as_slice() else {
+            continue;
+        };
         let mut members = member("way", *from, "from") + &member("way", *to, "to");
         if via.is_empty() {
             let [a, b] = [from, to].map(|way| streets()[way]);
             let node = a.iter().find(|node| b.contains(node)).unwrap();
             members += &member("node", node + 1, "via");
         }
-        via.iter().for_each(|way| members += &member("way", *way, "via"));
-        let kind = if *only { "only_straight_on" } else { "no_straight_on" };
+        via.iter()
+            .for_each(|way| members += &member("way", *way, "via"));
+        let kind = if *only {
+            "only_straight_on"
+        } else {
+            "no_straight_on"
+        };
         xml += &format!(
             "<relation id=\"{id}\">{members}<tag k=\"type\" v=\"restriction\"/><tag k=\"restriction\" v=\"{kind}\"/></relation>"
         );
@@ -83,7 +93,9 @@ fn walk(begin: i64, turns: &[usize]) -> Vec<i64> {
             Some((*way, ends[1 - end])).filter(|(_, end)| !met.contains(end))
         });
         let onwards: Vec<_> = onwards.collect();
-        let Some((way, end)) = onwards.get(turn % onwards.len().max(1)) else { break };
+        let Some((way, end)) = onwards.get(turn % onwards.len().max(1)) else {
+            break;
+        };
         ways.push(*way);
         met.push(*end);
         at = *end;
@@ -101,28 +113,39 @@ fn oracle(restrictions: &[Said], from: i64, to: i64, weight: &impl Fn(i64) -> u3
     let allowed = |travelled: &[Directed], next: Directed| {
         let last = travelled[travelled.len() - 1];
         let matches = |ways: &[i64]| {
-            let tail = travelled.len().checked_sub(ways.len()).map(|first| &travelled[first..]);
+            let tail = travelled
+                .len()
+                .checked_sub(ways.len())
+                .map(|first| &travelled[first..]);
             tail.is_some_and(|tail| tail.iter().map(|d| d.0).eq(ways.iter().copied()))
         };
         let behind = |said: &&Said| {
             // The ways of a restriction meet no node twice, so their numbers say in which direction they are travelled, but for the last one.
-            let [row @ .., to] = said.0.as_slice() else { return false };
+            let [row @ .., to] = said.0.as_slice() else {
+                return false;
+            };
             let onwards = streets[to].contains(&end(last));
             matches(row) && onwards
         };
         let here: Vec<&Said> = restrictions.iter().filter(behind).collect();
-        let no = here.iter().any(|said| !said.1 && said.0.last() == Some(&next.0));
+        let no = here
+            .iter()
+            .any(|said| !said.1 && said.0.last() == Some(&next.0));
         // Of all that say "only" behind the same row one must be kept; of different rows all.
         let row = |said: &Said| said.0[..said.0.len() - 1].to_vec();
         let kept = |said: &Said| {
-            here.iter().any(|other| other.1 && row(other) == row(said) && other.0.last() == Some(&next.0))
+            here.iter()
+                .any(|other| other.1 && row(other) == row(said) && other.0.last() == Some(&next.0))
         };
         let back = next == (last.0, !last.1);
         !no && (back || here.iter().all(|said| !said.1 || kept(said)))
     };
     let mut heap: BinaryHeap<Reverse<(u32, Vec<Directed>)>> = BinaryHeap::new();
     for back in [false, true] {
-        heap.push(Reverse((weight(from) - half(weight(from), back), vec![(from, back)])));
+        heap.push(Reverse((
+            weight(from) - half(weight(from), back),
+            vec![(from, back)],
+        )));
     }
     let (mut done, mut best) = (std::collections::BTreeSet::new(), None::<u32>);
     while let Some(Reverse((reached, travelled))) = heap.pop() {
@@ -130,11 +153,16 @@ fn oracle(restrictions: &[Said], from: i64, to: i64, weight: &impl Fn(i64) -> u3
             continue;
         }
         let last = travelled[travelled.len() - 1];
-        let exits =
-            streets.keys().flat_map(|way| [(*way, false), (*way, true)]).filter(|d| begin(*d) == end(last));
+        let exits = streets
+            .keys()
+            .flat_map(|way| [(*way, false), (*way, true)])
+            .filter(|d| begin(*d) == end(last));
         let exits: Vec<Directed> = exits.filter(|d| allowed(&travelled, *d)).collect();
         let dead_end = exits.iter().all(|d| *d == (last.0, !last.1));
-        for next in exits.into_iter().filter(|d| dead_end || *d != (last.0, !last.1)) {
+        for next in exits
+            .into_iter()
+            .filter(|d| dead_end || *d != (last.0, !last.1))
+        {
             if next.0 == to {
                 let weight = reached + half(weight(to), next.1);
                 best = Some(best.map_or(weight, |best| best.min(weight)));
@@ -199,7 +227,13 @@ fn a_turn_may_depend_on_where_one_came_from() {
     assert!(round.iter().all(|way| streets().contains_key(way)));
     let free = roads(&[]);
     let kept = roads(&[(round, false)]);
-    assert_eq!((free.network.restrictions.len(), kept.network.restrictions.len()), (0, 1));
+    assert_eq!(
+        (
+            free.network.restrictions.len(),
+            kept.network.restrictions.len()
+        ),
+        (0, 1)
+    );
     assert_eq!(kept.network.report.odd_restrictions, 0);
     let turns = |roads: &Roads| Metric::new(roads, car()).unwrap().turns.unwrap();
     assert_eq!(turns(&kept).edge_of.len(), turns(&free).edge_of.len() + 1);

@@ -4,9 +4,11 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use openbench_routing::geo::Place;
-use openbench_routing::overlay::{Arcs, Cliques, FAR, Overlay, Weights};
+use openbench_routing::overlay::{Arc, Arcs, Cliques, FAR, Overlay, Weights};
 use openbench_routing::partition::{CellSizes, Partition};
-use openbench_routing::search::{End, Path, Searched, TableMemory, ValuedEnd, Values, Workspace};
+use openbench_routing::search::{
+    End, Path, Searched, TableMemory, Value, ValuedEnd, Values, Workspace,
+};
 use proptest::prelude::*;
 
 /// Arcs with weights, between states that lie somewhere.
@@ -21,15 +23,24 @@ fn graph() -> impl Strategy<Value = Graph> {
     let weight = prop_oneof![4 => 0_u32..50, 1 => Just(0), 1 => Just(FAR), 1 => Just(FAR / 3)];
     (2_u32..80).prop_flat_map(move |count| {
         let places = proptest::collection::vec((-9_i32..9, -9_i32..9), count as usize);
-        let arcs = proptest::collection::vec((0..count, 0..count, [weight.clone(), weight.clone()]), 0..220);
+        let arcs = proptest::collection::vec(
+            (0..count, 0..count, [weight.clone(), weight.clone()]),
+            0..220,
+        );
         (places, arcs, any::<bool>()).prop_map(|(places, arcs, streets)| Graph {
-            places: places.into_iter().map(|(lon, lat)| Place { lon, lat }).collect(),
+            places: places
+                .into_iter()
+                .map(|(lon, lat)| Place { lon, lat })
+                .collect(),
             arcs: if streets {
                 // Each arc has one back, as those of streets have.
                 let arcs = arcs.into_iter().filter(|(a, b, _)| a != b).take(110);
-                arcs.flat_map(|(a, b, [there, back])| [(a, b, there), (b, a, back)]).collect()
+                arcs.flat_map(|(a, b, [there, back])| [(a, b, there), (b, a, back)])
+                    .collect()
             } else {
-                arcs.into_iter().map(|(a, b, [weight, _])| (a, b, weight)).collect()
+                arcs.into_iter()
+                    .map(|(a, b, [weight, _])| (a, b, weight))
+                    .collect()
             },
         })
     })
@@ -38,19 +49,36 @@ fn graph() -> impl Strategy<Value = Graph> {
 impl Graph {
     /// The same with states in the order of their cells.
     fn in_cells(&self, sizes: &[usize]) -> (Self, Vec<Vec<u32>>) {
-        let edges: Vec<_> = self.arcs.iter().map(|(a, b, _)| (*a, *b)).collect();
+        let edges: Vec<_> = self.arcs.iter().map(|(a, b, _)| [*a, *b]).collect();
         let partition = Partition::new(&self.places, &edges, &CellSizes::new(sizes).unwrap());
         let mut position = vec![0; self.places.len()];
         for (i, state) in partition.order.iter().enumerate() {
             position[*state as usize] = i as u32;
         }
-        let arcs = self.arcs.iter().map(|(a, b, w)| (position[*a as usize], position[*b as usize], *w));
-        let places = partition.order.iter().map(|state| self.places[*state as usize]).collect();
-        (Self { places, arcs: arcs.collect() }, partition.levels)
+        let arcs = self
+            .arcs
+            .iter()
+            .map(|(a, b, w)| (position[*a as usize], position[*b as usize], *w));
+        let places = partition
+            .order
+            .iter()
+            .map(|state| self.places[*state as usize])
+            .collect();
+        (
+            Self {
+                places,
+                arcs: arcs.collect(),
+            },
+            partition.levels,
+        )
     }
 
     fn overlay(&self, levels: &[Vec<u32>]) -> Overlay {
-        let arcs = self.arcs.iter().zip(0..).map(|((a, b, _), via)| (*a, *b, via));
+        let arcs = self.arcs.iter().zip(0..).map(|((a, b, _), via)| Arc {
+            from: *a,
+            to: *b,
+            via,
+        });
         Overlay::new(Arcs::new(self.places.len(), arcs), levels)
     }
 
@@ -58,8 +86,13 @@ impl Graph {
         let weight = |via: u32| self.arcs[via as usize].2;
         let slots = 0..overlay.out.via.len();
         Weights {
-            out: slots.clone().map(|slot| weight(overlay.out.via[slot])).collect(),
-            into: slots.map(|slot| weight(overlay.via_incoming(slot))).collect(),
+            out: slots
+                .clone()
+                .map(|slot| weight(overlay.out.via[slot]))
+                .collect(),
+            into: slots
+                .map(|slot| weight(overlay.via_incoming(slot)))
+                .collect(),
         }
     }
 
@@ -74,21 +107,35 @@ impl Graph {
                 continue;
             }
             distance[state as usize] = reached;
-            for (_, to, weight) in self.arcs.iter().filter(|(from, _, w)| *from == state && *w < FAR) {
+            for (_, to, weight) in self
+                .arcs
+                .iter()
+                .filter(|(from, _, w)| *from == state && *w < FAR)
+            {
                 heap.push(Reverse((reached + weight, *to)));
             }
         }
-        let total = targets.iter().map(|end| distance[end.state as usize] + end.weight).min();
+        let total = targets
+            .iter()
+            .map(|end| distance[end.state as usize] + end.weight)
+            .min();
         total.filter(|total| *total < FAR)
     }
 
     /// What a row of states weighs, by the lightest arcs between them.
     fn along(&self, path: &[u32], sources: &[End], targets: &[End]) -> u32 {
         let end = |ends: &[End], state: u32| {
-            ends.iter().filter(|e| e.state == state).map(|e| e.weight).min().unwrap()
+            ends.iter()
+                .filter(|e| e.state == state)
+                .map(|e| e.weight)
+                .min()
+                .unwrap()
         };
         let arc = |pair: &[u32]| {
-            let between = self.arcs.iter().filter(|(a, b, _)| [*a, *b] == [pair[0], pair[1]]);
+            let between = self
+                .arcs
+                .iter()
+                .filter(|(a, b, _)| [*a, *b] == [pair[0], pair[1]]);
             between.map(|arc| arc.2).min().unwrap()
         };
         let arcs: u32 = path.windows(2).map(arc).sum();
@@ -97,7 +144,13 @@ impl Graph {
 }
 
 fn ends(count: u32, drawn: &[(u32, u32)]) -> Vec<End> {
-    drawn.iter().map(|(state, weight)| End { state: state % count, weight: *weight }).collect()
+    drawn
+        .iter()
+        .map(|(state, weight)| End {
+            state: state % count,
+            weight: *weight,
+        })
+        .collect()
 }
 
 fn drawn() -> impl Strategy<Value = Vec<(u32, u32)>> {
@@ -156,15 +209,16 @@ proptest! {
             let [sources, targets] =
                 [&sources, &targets].map(|all| all.iter().map(|drawn| ends(count, drawn)).collect::<Vec<_>>());
             // Each arc takes its weight, and 1: so a way takes what it weighs, and as many arcs as it has.
-            let arcs = overlay.out.via.iter().map(|via| [graph.arcs[*via as usize].2, 1]).collect();
+            let arcs = overlay.out.via.iter();
+            let arcs = arcs.map(|via| Value { duration: graph.arcs[*via as usize].2, length: 1 }).collect();
             let values = Values::new(searched, arcs);
             let valued = |all: &[Vec<End>]| {
-                let one = |end: &End| ValuedEnd { end: *end, value: [end.weight, 0] };
+                let one = |end: &End| ValuedEnd { end: *end, value: Value { duration: end.weight, length: 0 } };
                 all.iter().map(|ends| ends.iter().map(one).collect()).collect::<Vec<Vec<_>>>()
             };
             let mut memory = TableMemory::default();
             let table = memory.table(&mut Workspace::default(), searched, Some(&values), &valued(&sources), &valued(&targets));
-            prop_assert!(table.iter().all(|cell| cell.weight == FAR || cell.weight == cell.value[0]));
+            prop_assert!(table.iter().all(|cell| cell.weight == FAR || cell.weight == cell.value.duration));
             let plain = sources.iter().flat_map(|s| targets.iter().map(|t| graph.dijkstra(s, t).unwrap_or(FAR)));
             let weights: Vec<u32> = table.iter().map(|cell| cell.weight).collect();
             prop_assert_eq!(&weights, &plain.collect::<Vec<_>>(), "{:?}", sizes);

@@ -27,15 +27,26 @@ const WAY_OUT: &str = r#"<node id="6" lat="0.01" lon="0"/>
 
 fn roads() -> Roads {
     let town = TOWN.replace("</osm>", WAY_OUT);
-    Roads::read(&OsmData::from_xml(town.as_bytes()).unwrap(), &Default::default()).unwrap()
+    Roads::read(
+        &OsmData::from_xml(town.as_bytes()).unwrap(),
+        &Default::default(),
+    )
+    .unwrap()
 }
 
 /// Metres of a route, in hundreds, and the answer.
 fn route(profile: &str, places: &str, options: &str) -> (f64, Value) {
     let roads = roads();
     let metric = Metric::new(&roads, Profile::named(profile).unwrap()).unwrap();
-    let service = Service { roads, metric, limits: Limits::default() };
-    let answer = service.answer(&format!("/route/v1/x/{places}?{options}"), &mut ServiceMemory::default());
+    let service = Service {
+        roads,
+        metric,
+        limits: Limits::default(),
+    };
+    let answer = service.answer(
+        &format!("/route/v1/x/{places}?{options}"),
+        &mut ServiceMemory::default(),
+    );
     let answer: Value = serde_json::from_slice(&answer.body).unwrap();
     let metres = answer["routes"][0]["distance"].as_f64().unwrap_or_default();
     ((metres / 11.13).round() / 10.0, answer)
@@ -47,10 +58,19 @@ fn one_turns_round_in_between_or_goes_on() {
     let there_and_back = "0.0002,0;0.001,0.0005;0.0002,0";
     assert_eq!(route("foot", there_and_back, "").0, 2.6);
     // Without turns nobody remembers at the next corner where one came from.
-    assert_eq!(route("foot", there_and_back, "continue_straight=true").0, 3.6);
-    assert_eq!(route("delivery", there_and_back, "continue_straight=default").0, 2.6);
+    assert_eq!(
+        route("foot", there_and_back, "continue_straight=true").0,
+        3.6
+    );
+    assert_eq!(
+        route("delivery", there_and_back, "continue_straight=default").0,
+        2.6
+    );
     assert_eq!(route("car", there_and_back, "").0, 4.0);
-    assert_eq!(route("car", there_and_back, "continue_straight=true").0, 4.0);
+    assert_eq!(
+        route("car", there_and_back, "continue_straight=true").0,
+        4.0
+    );
 }
 
 #[test]
@@ -58,15 +78,25 @@ fn at_a_corner_one_does_not_go_back_either() {
     let to_the_corner_and_back = "0.0002,0;0.001,0;0.0002,0";
     assert_eq!(route("foot", to_the_corner_and_back, "").0, 1.6);
     // Into the dead end and out again, or round the block.
-    assert_eq!(route("foot", to_the_corner_and_back, "continue_straight=true").0, 3.6);
-    assert_eq!(route("car", to_the_corner_and_back, "continue_straight=true").0, 4.0);
+    assert_eq!(
+        route("foot", to_the_corner_and_back, "continue_straight=true").0,
+        3.6
+    );
+    assert_eq!(
+        route("car", to_the_corner_and_back, "continue_straight=true").0,
+        4.0
+    );
 }
 
 #[test]
 fn in_a_dead_end_one_turns_round() {
     let into_it_and_back = "0.0002,0;0.001,-0.001;0.0002,0";
     for profile in Profile::NAMES {
-        assert_eq!(route(profile, into_it_and_back, "continue_straight=true").0, 3.6, "{profile}");
+        assert_eq!(
+            route(profile, into_it_and_back, "continue_straight=true").0,
+            3.6,
+            "{profile}"
+        );
     }
 }
 
@@ -74,7 +104,10 @@ fn in_a_dead_end_one_turns_round() {
 fn where_one_begins_at_a_corner_there_is_nothing_to_turn_into_first() {
     let (length, answer) = route("foot", "0.001,0;0.001,0.0005", "steps=true");
     let steps = answer["routes"][0]["legs"][0]["steps"].as_array().unwrap();
-    let kinds: Vec<&str> = steps.iter().filter_map(|step| step["maneuver"]["type"].as_str()).collect();
+    let kinds: Vec<&str> = steps
+        .iter()
+        .filter_map(|step| step["maneuver"]["type"].as_str())
+        .collect();
     assert_eq!((length, kinds), (0.5, vec!["depart", "arrive"]));
     assert_eq!(steps[0]["name"], "East Street");
     // One arrives at a corner by the road that one came along, from its direction.
@@ -85,7 +118,10 @@ fn where_one_begins_at_a_corner_there_is_nothing_to_turn_into_first() {
         (&180.into(), &"East Street".into())
     );
     for step in answer["routes"][0]["legs"][0]["steps"].as_array().unwrap() {
-        assert!(step["distance"].as_f64().unwrap() > 0.0 || step["maneuver"]["type"] == "arrive", "{step}");
+        assert!(
+            step["distance"].as_f64().unwrap() > 0.0 || step["maneuver"]["type"] == "arrive",
+            "{step}"
+        );
     }
 }
 
@@ -96,13 +132,23 @@ fn where_a_place_in_between_cannot_be_reached_there_is_no_route() {
     let metric = Metric::new(&roads, Profile::named("car").unwrap()).unwrap();
     let near = |(lon, lat): (f64, f64)| {
         let place = Place::new(LonLat::new(lon, lat)).unwrap();
-        Snap::new(&roads, &metric, place, &SnapOptions::default(), &mut Nearest::default()).nearest
+        Snap::new(
+            &roads,
+            &metric,
+            place,
+            &SnapOptions::default(),
+            &mut Nearest::default(),
+        )
+        .nearest
     };
     let places = [(0.0002, 0.0), (0.0, 0.005), (0.001, 0.0005)].map(near);
     let town = [places[0].clone(), places[2].clone(), places[0].clone()];
     for straight in [false, true] {
         let memory = &mut Memory::default();
         assert_eq!(through(&roads, &metric, &places, straight, memory), None);
-        assert_eq!(through(&roads, &metric, &town, straight, memory).map(|legs| legs.len()), Some(2));
+        assert_eq!(
+            through(&roads, &metric, &town, straight, memory).map(|legs| legs.len()),
+            Some(2)
+        );
     }
 }

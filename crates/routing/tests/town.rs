@@ -26,7 +26,10 @@ impl Town {
         let data = OsmData::from_xml(TOWN.replace("MORE", more).as_bytes()).unwrap();
         let projection = Projection::new(Georeference::tangent_plane(LonLat::new(0.0, 0.0)));
         let profile = Profile::named(profile).unwrap();
-        Self { router: MapRouter::new(&data, projection.clone(), profile).unwrap(), projection }
+        Self {
+            router: MapRouter::new(&data, projection.clone(), profile).unwrap(),
+            projection,
+        }
     }
 
     fn at(&self, lon: f64, lat: f64) -> MapPoint {
@@ -34,7 +37,8 @@ impl Town {
     }
 
     fn route(&self, from: (f64, f64), to: (f64, f64)) -> Result<Route, RouteError> {
-        self.router.route(self.at(from.0, from.1), self.at(to.0, to.1))
+        self.router
+            .route(self.at(from.0, from.1), self.at(to.0, to.1))
     }
 
     /// Metres of a route, in hundreds.
@@ -56,8 +60,10 @@ fn a_turn_that_is_not_allowed_is_driven_round_by_cars() {
     let round = Town::new("car", no_left).length(WEST, NORTH);
     assert_eq!(round, 6.0);
     assert_eq!(Town::new("delivery", no_left).length(WEST, NORTH), 1.6);
-    let not_for_cars =
-        no_left.replace("\"no_left_turn\"/>", "\"no_left_turn\"/><tag k=\"except\" v=\"bicycle;motorcar\"/>");
+    let not_for_cars = no_left.replace(
+        "\"no_left_turn\"/>",
+        "\"no_left_turn\"/><tag k=\"except\" v=\"bicycle;motorcar\"/>",
+    );
     assert_eq!(Town::new("car", &not_for_cars).length(WEST, NORTH), 1.6);
 }
 
@@ -104,7 +110,10 @@ fn private_ground_is_for_those_who_begin_or_end_there() {
     // Where there is no other way, private ground is passed.
     let bridge = r#"<node id="30" lat="0.002" lon="0.002"/><way id="20"><nd ref="13"/><nd ref="30"/><tag k="highway" v="service"/>
       <tag k="access" v="private"/></way><node id="31" lat="0.003" lon="0.002"/><way id="21"><nd ref="30"/><nd ref="31"/><tag k="highway" v="footway"/></way>"#;
-    assert_eq!(Town::new("delivery", bridge).length((0.002, 0.001), (0.002, 0.003)), 2.0);
+    assert_eq!(
+        Town::new("delivery", bridge).length((0.002, 0.001), (0.002, 0.003)),
+        2.0
+    );
 }
 
 #[test]
@@ -116,18 +125,32 @@ fn barriers_stop_and_gates_delay() {
         )
     };
     let (south, north) = ((0.002, 0.0), (0.002, 0.001));
-    let through = Town::new("delivery", &gate("gate")).route(south, north).unwrap();
-    assert!((through.duration - (through.distance / 0.5 + 10.0)).abs() < 0.1, "{through:?}");
-    assert_eq!(Town::new("delivery", &gate("stile")).length(south, north), 3.0);
+    let through = Town::new("delivery", &gate("gate"))
+        .route(south, north)
+        .unwrap();
+    assert!(
+        (through.duration - (through.distance / 0.5 + 10.0)).abs() < 0.1,
+        "{through:?}"
+    );
+    assert_eq!(
+        Town::new("delivery", &gate("stile")).length(south, north),
+        3.0
+    );
     // One can go up to the barrier from either side.
-    assert_eq!(Town::new("delivery", &gate("stile")).length(south, (0.002, 0.0004)), 0.4);
+    assert_eq!(
+        Town::new("delivery", &gate("stile")).length(south, (0.002, 0.0004)),
+        0.4
+    );
 }
 
 #[test]
 fn both_ends_on_one_street() {
     let town = Town::new("car", "");
     let there = town.route((0.0002, 0.0), (0.0008, 0.0)).unwrap();
-    assert_eq!((there.names.as_slice(), there.points.len()), (&["Main Street".to_owned()][..], 2));
+    assert_eq!(
+        (there.names.as_slice(), there.points.len()),
+        (&["Main Street".to_owned()][..], 2)
+    );
     assert_eq!(town.length((0.0008, 0.0), (0.0002, 0.0)), 0.6);
     assert_eq!(town.length((0.0005, 0.0), (0.0005, 0.0)), 0.0);
 }
@@ -135,13 +158,18 @@ fn both_ends_on_one_street() {
 #[test]
 fn what_does_not_hang_together_has_no_route() {
     let town = Town::new("delivery", "");
-    assert!(matches!(town.route(WEST, (0.5, 0.5)), Err(RouteError::NoSegment { .. })));
+    assert!(matches!(
+        town.route(WEST, (0.5, 0.5)),
+        Err(RouteError::NoSegment { .. })
+    ));
     let island = r#"<node id="30" lat="0.004" lon="0.004"/><node id="31" lat="0.004" lon="0.005"/>
       <way id="30"><nd ref="30"/><nd ref="31"/><tag k="highway" v="footway"/></way>"#;
     let town = Town::new("delivery", island);
     // Within an island one stays; to the town's streets the island's visitor is moved.
     assert_eq!(town.length((0.004, 0.004), (0.005, 0.004)), 1.0);
-    assert!(town.route((0.004, 0.004), WEST).unwrap().points[0].distance(town.at(0.003, 0.001)) < 1.0);
+    assert!(
+        town.route((0.004, 0.004), WEST).unwrap().points[0].distance(town.at(0.003, 0.001)) < 1.0
+    );
 }
 
 /// A square of 100 m with a path at its south-west and another at its north-east corner, and a fountain as a relation may have it.
@@ -160,10 +188,20 @@ const OUTLINE: &str = r#"<tag k="highway" v="pedestrian"/><tag k="area" v="yes"/
 #[test]
 fn squares_are_crossed_and_osrms_pedestrian_walks_round() {
     let (from, to) = ((0.01, 0.009), (0.011, 0.012));
-    let across = Town::new("delivery", &square(OUTLINE)).route(from, to).unwrap();
-    assert!((across.distance - (110.57 * 2.0 + 156.9)).abs() < 1.0, "{}", across.distance);
+    let across = Town::new("delivery", &square(OUTLINE))
+        .route(from, to)
+        .unwrap();
+    assert!(
+        (across.distance - (110.57 * 2.0 + 156.9)).abs() < 1.0,
+        "{}",
+        across.distance
+    );
     let round = Town::new("foot", &square(OUTLINE)).route(from, to).unwrap();
-    assert!((round.distance - (110.57 * 3.0 + 111.3)).abs() < 1.0, "{}", round.distance);
+    assert!(
+        (round.distance - (110.57 * 3.0 + 111.3)).abs() < 1.0,
+        "{}",
+        round.distance
+    );
 }
 
 #[test]
@@ -175,9 +213,15 @@ fn holes_in_squares_are_gone_round() {
       <way id="53"><nd ref="60"/><nd ref="61"/><nd ref="62"/><nd ref="63"/><nd ref="60"/></way>
       <relation id="9"><member type="way" ref="52" role="outer"/><member type="way" ref="53" role="inner"/>
       <tag k="type" v="multipolygon"/><tag k="highway" v="pedestrian"/></relation>"#;
-    let route = Town::new("delivery", &holed).route((0.01, 0.009), (0.011, 0.012)).unwrap();
+    let route = Town::new("delivery", &holed)
+        .route((0.01, 0.009), (0.011, 0.012))
+        .unwrap();
     // By a corner of the fountain: 76.1 m twice.
-    assert!((route.distance - (110.57 * 2.0 + 2.0 * 84.5)).abs() < 2.0, "{}", route.distance);
+    assert!(
+        (route.distance - (110.57 * 2.0 + 2.0 * 84.5)).abs() < 2.0,
+        "{}",
+        route.distance
+    );
     assert_eq!(route.points.len(), 5);
 }
 
@@ -188,7 +232,11 @@ fn a_square_that_is_no_simple_shape_does_no_harm() {
         "<nd ref=\"50\"/><nd ref=\"52\"/><nd ref=\"51\"/><nd ref=\"53\"/><nd ref=\"50\"/>",
     ] {
         let odd = square(OUTLINE) + &format!("<way id=\"60\">{rings}{OUTLINE}</way>");
-        assert!(Town::new("delivery", &odd).route((0.01, 0.009), (0.011, 0.012)).is_ok());
+        assert!(
+            Town::new("delivery", &odd)
+                .route((0.01, 0.009), (0.011, 0.012))
+                .is_ok()
+        );
     }
 }
 
@@ -221,7 +269,10 @@ fn turning_round_at_a_barrier_takes_no_longer_than_it_counts() {
     let router = MapRouter::new(&data, projection.clone(), Profile::named("car").unwrap()).unwrap();
     let at = |(lon, lat): (f64, f64)| projection.to_map(LonLat::new(lon, lat));
     let route = router.route(at(WEST), at(NORTH)).unwrap();
-    assert!((route.distance / 111.3 - 2.6).abs() < 0.05 && route.duration < 120.0, "{route:?}");
+    assert!(
+        (route.distance / 111.3 - 2.6).abs() < 0.05 && route.duration < 120.0,
+        "{route:?}"
+    );
 }
 
 #[test]
@@ -235,9 +286,18 @@ fn the_date_line_is_crossed() {
     use openbench_routing::position::{Snap, SnapOptions};
     for lon in [179.9995, -179.9995] {
         let place = Place::new(LonLat::new(lon, 10.0001)).unwrap();
-        let snap = Snap::new(&roads, &metric, place, &SnapOptions::default(), &mut Default::default());
+        let snap = Snap::new(
+            &roads,
+            &metric,
+            place,
+            &SnapOptions::default(),
+            &mut Default::default(),
+        );
         assert!((snap.nearest[0].away - 11.06).abs() < 0.1, "{snap:?}");
-        assert!((snap.nearest[0].place.position().lon - lon).abs() < 1e-6, "{snap:?}");
+        assert!(
+            (snap.nearest[0].place.position().lon - lon).abs() < 1e-6,
+            "{snap:?}"
+        );
     }
 }
 

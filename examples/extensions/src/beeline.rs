@@ -52,7 +52,7 @@ impl Agent for Beeline {
             building
                 .polygon
                 .nearest_boundary_point(briefing.start.point())
-                .0,
+                .point,
         ));
         self.localizer.reset(briefing.start);
         Ok(())

@@ -296,7 +296,7 @@ impl Mission {
     fn road_to(&self, building: usize, events: &mut dyn Events) -> Option<MapPoint> {
         let from = self.localizer.pose().point();
         let polygon = &self.memory.map().buildings[building].polygon;
-        let to = polygon.nearest_boundary_point(from).0;
+        let to = polygon.nearest_boundary_point(from).point;
         let route = self.driver.terrain().roads()?.route(from, to).ok()?;
         let (first, last) = (*route.points.first()?, *route.points.last()?);
         let length = route.distance + from.distance(first) + to.distance(last);
@@ -412,7 +412,7 @@ impl Mission {
             return Next::give_up(task, FailureCause::DoorNotFound, detail);
         }
         let polygon = &self.memory.map().buildings[task.building].polygon;
-        let (wall, _) = polygon.nearest_boundary_point(here);
+        let wall = polygon.nearest_boundary_point(here).point;
         let detail = self.driver.terrain().obstacle(here, wall);
         Next::give_up(task, FailureCause::NoRoute, detail)
     }
@@ -439,12 +439,12 @@ impl Mission {
 
 /// A door as the map has it, on the building's wall.
 fn mapped_door(map: &OsmMap, building: usize, address: &Address, entrance: MapPoint) -> Sighting {
-    let (wall, facing) = map.buildings[building].polygon.nearest_boundary_point(entrance);
+    let wall = map.buildings[building].polygon.nearest_boundary_point(entrance);
     Sighting {
         unit: address.unit.clone().unwrap_or_default(),
         building,
-        position: wall,
-        facing,
+        position: wall.point,
+        facing: wall.normal,
         confidence: 1.0,
     }
 }

@@ -36,12 +36,20 @@ impl<'a> Value<'a> {
     }
 }
 
-/// The fields of a message, with their numbers. Nothing follows an error.
+/// A field of a message.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Field<'a> {
+    /// Which field of the message it is.
+    pub(super) number: u64,
+    pub(super) value: Value<'a>,
+}
+
+/// The fields of a message, in order. Nothing follows an error.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Fields<'a>(pub(super) &'a [u8]);
 
 impl<'a> Fields<'a> {
-    fn field(&mut self) -> Result<(u64, Value<'a>), Problem> {
+    fn field(&mut self) -> Result<Field<'a>, Problem> {
         let key = take_number(&mut self.0)?;
         if key >> 3 == 0 {
             return Err("a field with the number 0, which no field has");
@@ -56,12 +64,15 @@ impl<'a> Fields<'a> {
             5 => take(&mut self.0, 4).map(|_| Value::Fixed)?,
             _ => return Err("a field of unknown kind"),
         };
-        Ok((key >> 3, value))
+        Ok(Field {
+            number: key >> 3,
+            value,
+        })
     }
 }
 
 impl<'a> Iterator for Fields<'a> {
-    type Item = Result<(u64, Value<'a>), Problem>;
+    type Item = Result<Field<'a>, Problem>;
 
     fn next(&mut self) -> Option<Self::Item> {
         if self.0.is_empty() {
@@ -84,7 +95,9 @@ impl<'a> Numbers<'a> {
     pub(super) fn sums(self) -> impl Iterator<Item = Result<i64, Problem>> + use<'a> {
         let mut sum = 0_i64;
         self.map(move |step| {
-            sum = sum.checked_add(signed(step?)).ok_or("a number that is too large")?;
+            sum = sum
+                .checked_add(signed(step?))
+                .ok_or("a number that is too large")?;
             Ok(sum)
         })
     }
@@ -126,7 +139,10 @@ fn take_number(bytes: &mut &[u8]) -> Result<u64, Problem> {
 }
 
 fn take<'a>(bytes: &mut &'a [u8], length: u64) -> Result<&'a [u8], Problem> {
-    let (taken, rest) = usize::try_from(length).ok().and_then(|l| bytes.split_at_checked(l)).ok_or(CUT)?;
+    let (taken, rest) = usize::try_from(length)
+        .ok()
+        .and_then(|l| bytes.split_at_checked(l))
+        .ok_or(CUT)?;
     *bytes = rest;
     Ok(taken)
 }
@@ -139,17 +155,24 @@ mod tests {
     fn fields_are_read_in_turn() {
         let bytes = [0x08, 0x96, 0x01, 0x12, 2, b'h', b'i', 0x1D, 0, 0, 0, 0];
         let fields: Vec<_> = Fields(&bytes).collect();
-        assert_eq!(
-            fields,
-            [Ok((1, Value::Number(150))), Ok((2, Value::Bytes(b"hi"))), Ok((3, Value::Fixed))]
-        );
+        let values = [Value::Number(150), Value::Bytes(b"hi"), Value::Fixed];
+        let expected: Vec<_> = (1..)
+            .zip(values)
+            .map(|(number, value)| Ok(Field { number, value }))
+            .collect();
+        assert_eq!(fields, expected);
     }
 
     #[test]
     fn what_is_cut_or_endless_is_an_error_and_the_last() {
-        for bytes in
-            [&[0x08_u8][..], &[0x12, 3, 1, 2], &[0xFF; 12], &[0x1D, 0, 0], &[0x0B], &[0x12, 0xFF, 0xFF, 0x7F]]
-        {
+        for bytes in [
+            &[0x08_u8][..],
+            &[0x12, 3, 1, 2],
+            &[0xFF; 12],
+            &[0x1D, 0, 0],
+            &[0x0B],
+            &[0x12, 0xFF, 0xFF, 0x7F],
+        ] {
             let found: Vec<_> = Fields(bytes).collect();
             assert!(found.len() == 1 && found[0].is_err(), "{bytes:?}");
         }
@@ -158,8 +181,14 @@ mod tests {
 
     #[test]
     fn signs_and_sums() {
-        assert_eq!([0, 1, 2, u64::MAX, u64::MAX - 1].map(signed), [0, -1, 1, i64::MIN, i64::MAX]);
-        assert_eq!(Numbers(&[20, 1, 4]).sums().collect::<Vec<_>>(), [Ok(10), Ok(9), Ok(11)]);
+        assert_eq!(
+            [0, 1, 2, u64::MAX, u64::MAX - 1].map(signed),
+            [0, -1, 1, i64::MIN, i64::MAX]
+        );
+        assert_eq!(
+            Numbers(&[20, 1, 4]).sums().collect::<Vec<_>>(),
+            [Ok(10), Ok(9), Ok(11)]
+        );
         let largest = [0xFE, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 1, 2];
         assert!(Numbers(&largest).sums().nth(1).unwrap().is_err());
     }

@@ -11,7 +11,11 @@ pub struct Chain<'a, T> {
 impl<'a, T: Copy> Chain<'a, T> {
     /// What is at the first vertex, between them, and at the last one.
     pub fn new(first: T, between: &'a [T], last: T) -> Self {
-        Self { first, between, last }
+        Self {
+            first,
+            between,
+            last,
+        }
     }
 
     /// How many there are: two at least.
@@ -45,8 +49,8 @@ impl<'a, T: Copy> Chain<'a, T> {
     }
 
     /// Neighbours, in order.
-    pub fn pairs(&self) -> impl Iterator<Item = (T, T)> + 'a {
-        self.iter().zip(self.iter().skip(1))
+    pub fn pairs(&self) -> impl Iterator<Item = [T; 2]> + 'a {
+        self.iter().zip(self.iter().skip(1)).map(|(a, b)| [a, b])
     }
 }
 
@@ -60,7 +64,10 @@ mod tests {
             let chain = Chain::new(1, between, 9);
             let all = [&[1], between, &[9]].concat();
             assert_eq!(chain.iter().collect::<Vec<_>>(), all);
-            assert_eq!((0..chain.len()).map(|i| chain.at(i)).collect::<Vec<_>>(), all);
+            assert_eq!(
+                (0..chain.len()).map(|i| chain.at(i)).collect::<Vec<_>>(),
+                all
+            );
             assert_eq!(chain.part(1, 99).collect::<Vec<_>>(), all[1..]);
             assert_eq!(chain.pairs().count(), all.len() - 1);
             assert_eq!(chain.iter().next_back(), Some(9));

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::rc::Rc;
 
 use openbench_osm::Tags;
-use openbench_osm::stream::Words;
+use openbench_osm::visitor::{TagRef, TagsRef};
 
 use crate::store::Column;
 
@@ -70,11 +70,17 @@ pub struct Texts {
 impl Texts {
     fn get(&self, number: u32) -> &str {
         let number = number as usize;
-        let begin =
-            number.checked_sub(1).and_then(|before| self.ends.get(before)).copied().unwrap_or_default();
+        let begin = number
+            .checked_sub(1)
+            .and_then(|before| self.ends.get(before))
+            .copied()
+            .unwrap_or_default();
         let range = begin as usize..self.ends.get(number).copied().unwrap_or_default() as usize;
         // Texts of a file have been looked at when it was opened.
-        self.bytes.get(range).and_then(|bytes| std::str::from_utf8(bytes).ok()).unwrap_or_default()
+        self.bytes
+            .get(range)
+            .and_then(|bytes| std::str::from_utf8(bytes).ok())
+            .unwrap_or_default()
     }
 
     /// Whether all are texts, one behind the other.
@@ -82,7 +88,9 @@ impl Texts {
         let ends = self.ends.iter().map(|end| *end as usize);
         let begins = std::iter::once(0).chain(ends.clone());
         let texts = begins.zip(ends).all(|(begin, end)| {
-            self.bytes.get(begin..end).is_some_and(|bytes| std::str::from_utf8(bytes).is_ok())
+            self.bytes
+                .get(begin..end)
+                .is_some_and(|bytes| std::str::from_utf8(bytes).is_ok())
         });
         texts && self.ends.last().map_or(0, |end| *end as usize) == self.bytes.len()
     }
@@ -95,7 +103,10 @@ impl<'a> FromIterator<&'a str> for Texts {
             bytes.extend_from_slice(text.as_bytes());
             ends.push(bytes.len() as u32);
         }
-        Self { bytes: bytes.into(), ends: ends.into() }
+        Self {
+            bytes: bytes.into(),
+            ends: ends.into(),
+        }
     }
 }
 
@@ -116,7 +127,7 @@ impl WordSets {
 
     /// The words of a set; none, if there is no such set.
     pub fn get(&self, number: u32) -> Tags {
-        self.words(number).collect()
+        self.tags(number).map(|tag| (tag.key, tag.value)).collect()
     }
 
     /// All sets in order.
@@ -126,17 +137,20 @@ impl WordSets {
 
     /// Whether `key` stands in a set with exactly this `value`.
     pub fn is(&self, number: u32, key: &str, value: &str) -> bool {
-        self.words(number).any(|word| word == (key, value))
+        self.tags(number).any(|tag| tag == TagRef { key, value })
     }
 
-    fn words(&self, number: u32) -> impl Iterator<Item = (&str, &str)> {
-        words(self.0.get(number))
+    fn tags(&self, number: u32) -> impl Iterator<Item = TagRef<'_>> {
+        tags(self.0.get(number))
     }
 }
 
-/// Keys and values of a set that is a text.
-fn words(set: &str) -> impl Iterator<Item = (&str, &str)> {
-    set.split_terminator(MARKS[1]).filter_map(|word| word.split_once(MARKS[0]))
+/// The tags of a set that is a text.
+fn tags(set: &str) -> impl Iterator<Item = TagRef<'_>> {
+    let pairs = set
+        .split_terminator(MARKS[1])
+        .filter_map(|tag| tag.split_once(MARKS[0]));
+    pairs.map(|(key, value)| TagRef { key, value })
 }
 
 /// Texts while they are collected, each once.
@@ -173,28 +187,33 @@ impl Classes {
     pub(super) fn new() -> Self {
         let mut sets = Collected::default();
         sets.number("");
-        Self { sets, text: String::new() }
+        Self {
+            sets,
+            text: String::new(),
+        }
     }
 
-    /// The number of the set of those `words` that a profile may ask for, with `more` added.
-    pub(super) fn number(&mut self, words: Words<'_>, more: Option<(&str, &str)>) -> u32 {
-        let mut kept: Vec<_> = words.0.iter().copied().filter(|(key, _)| !informs(key)).chain(more).collect();
-        kept.retain(|(key, value)| !key.contains(MARKS) && !value.contains(MARKS));
-        kept.sort_by_key(|(key, _)| *key);
+    /// The number of the set of those tags that a profile may ask for, together with `more`.
+    pub(super) fn number(&mut self, tags: TagsRef<'_>, more: Option<TagRef<'_>>) -> u32 {
+        let told = tags.0.iter().copied().filter(|tag| !informs(tag.key));
+        let mut kept: Vec<TagRef<'_>> = told.chain(more).collect();
+        kept.retain(|tag| !tag.key.contains(MARKS) && !tag.value.contains(MARKS));
+        kept.sort_by_key(|tag| tag.key);
         self.text.clear();
-        for (key, value) in &kept {
-            self.text.push_str(key);
+        for tag in &kept {
+            self.text.push_str(tag.key);
             self.text.push(MARKS[0]);
-            self.text.push_str(value);
+            self.text.push_str(tag.value);
             self.text.push(MARKS[1]);
         }
         self.sets.number(&self.text)
     }
 
-    /// The number of a set with one more word.
-    pub(super) fn with(&mut self, class: u32, key: &str, value: &str) -> u32 {
+    /// The number of a set with one more tag.
+    pub(super) fn with(&mut self, class: u32, more: TagRef<'_>) -> u32 {
         let set = self.sets.texts[class as usize].clone();
-        self.number(Words(&words(&set).collect::<Vec<_>>()), Some((key, value)))
+        let tags: Vec<TagRef<'_>> = tags(&set).collect();
+        self.number(TagsRef(&tags), Some(more))
     }
 
     pub(super) fn into_sets(self) -> WordSets {
@@ -244,21 +263,31 @@ impl Names {
     pub(super) fn new() -> Self {
         let mut names = Collected::default();
         names.number(&MARKS[0].to_string());
-        Self { names, text: String::new() }
+        Self {
+            names,
+            text: String::new(),
+        }
     }
 
-    pub(super) fn number(&mut self, words: Words<'_>) -> u32 {
-        let word = |key: &str| words.get(key).filter(|value| !value.contains(MARKS)).unwrap_or_default();
+    /// The number of the name and the reference of a road with these tags.
+    pub(super) fn number(&mut self, tags: TagsRef<'_>) -> u32 {
         self.text.clear();
-        self.text.push_str(word("name"));
+        self.text.push_str(readable(tags, "name"));
         self.text.push(MARKS[0]);
-        self.text.push_str(word("ref"));
+        self.text.push_str(readable(tags, "ref"));
         self.names.number(&self.text)
     }
 
     pub(super) fn into_names(self) -> RoadNames {
         RoadNames(self.names.into_texts())
     }
+}
+
+/// The value of a key, empty if there is none or it holds a mark.
+fn readable<'a>(tags: TagsRef<'a>, key: &str) -> &'a str {
+    tags.get(key)
+        .filter(|value| !value.contains(MARKS))
+        .unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -268,15 +297,29 @@ mod tests {
     #[test]
     fn sets_are_kept_once_and_found_again() {
         let mut classes = Classes::new();
-        let words = [("surface", "sett"), ("highway", "path"), ("name", "Elm Path"), ("odd", "a\u{1f}b")];
-        let one = classes.number(Words(&words), None);
-        let same = classes.number(Words(&words[..2]), None);
-        let other = classes.number(Words(&words[..1]), Some(("openbench:crossing", "yes")));
-        assert_eq!([one, same, other, classes.number(Words(&[]), None)], [1, 1, 2, 0]);
+        let words = [
+            TagRef::new("surface", "sett"),
+            TagRef::new("highway", "path"),
+            TagRef::new("name", "Elm Path"),
+            TagRef::new("odd", "a\u{1f}b"),
+        ];
+        let one = classes.number(TagsRef(&words), None);
+        let same = classes.number(TagsRef(&words[..2]), None);
+        let other = classes.number(
+            TagsRef(&words[..1]),
+            Some(TagRef::new("openbench:crossing", "yes")),
+        );
+        assert_eq!(
+            [one, same, other, classes.number(TagsRef(&[]), None)],
+            [1, 1, 2, 0]
+        );
         let sets = classes.into_sets();
         assert_eq!(sets.len(), 3);
         assert_eq!(sets.get(0), Tags::new());
-        assert_eq!(sets.get(1), Tags::from_iter([("highway", "path"), ("surface", "sett")]));
+        assert_eq!(
+            sets.get(1),
+            Tags::from_iter([("highway", "path"), ("surface", "sett")])
+        );
         assert!(sets.is(2, "surface", "sett") && sets.is(2, "openbench:crossing", "yes"));
         assert!(!sets.is(1, "surface", "asphalt") && sets.get(99) == Tags::new());
         assert!(sets.0.are_whole());
@@ -285,13 +328,25 @@ mod tests {
     #[test]
     fn roads_without_a_name_are_called_nothing() {
         let mut names = Names::new();
-        let number = |names: &mut Names, words: &[(&str, &str)]| names.number(Words(words));
+        let number = |names: &mut Names, tags: &[TagRef<'_>]| names.number(TagsRef(tags));
         assert_eq!(number(&mut names, &[]), 0);
-        assert_eq!(number(&mut names, &[("ref", "N 14")]), 1);
-        assert_eq!(number(&mut names, &[("name", "Elm Path")]), 2);
+        assert_eq!(number(&mut names, &[TagRef::new("ref", "N 14")]), 1);
+        assert_eq!(number(&mut names, &[TagRef::new("name", "Elm Path")]), 2);
         let names = names.into_names();
         assert_eq!((names.len(), names.get(0)), (3, RoadName::default()));
-        assert_eq!(names.get(1), RoadName { name: "", reference: "N 14" });
-        assert_eq!(names.get(2), RoadName { name: "Elm Path", reference: "" });
+        assert_eq!(
+            names.get(1),
+            RoadName {
+                name: "",
+                reference: "N 14"
+            }
+        );
+        assert_eq!(
+            names.get(2),
+            RoadName {
+                name: "Elm Path",
+                reference: ""
+            }
+        );
     }
 }

@@ -15,12 +15,18 @@ pub struct Failure {
 impl Failure {
     /// A failure.
     pub fn new(code: &'static str, message: impl Into<String>) -> Self {
-        Self { code, message: message.into() }
+        Self {
+            code,
+            message: message.into(),
+        }
     }
 
     /// The query is malformed at so many bytes from its beginning.
     pub fn query(position: usize) -> Self {
-        Self::new("InvalidQuery", format!("Query string malformed close to position {position}"))
+        Self::new(
+            "InvalidQuery",
+            format!("Query string malformed close to position {position}"),
+        )
     }
 
     /// The answer.

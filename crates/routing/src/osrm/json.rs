@@ -67,7 +67,8 @@ impl Json {
     /// `true` or `false`.
     pub fn boolean(&mut self, value: bool) {
         self.begin();
-        self.text.extend_from_slice(if value { b"true" } else { b"false" });
+        self.text
+            .extend_from_slice(if value { b"true" } else { b"false" });
     }
 
     /// `null`.
@@ -110,7 +111,8 @@ impl Json {
     }
 
     fn digits(&mut self, value: i64) {
-        self.text.extend_from_slice(itoa::Buffer::new().format(value).as_bytes());
+        self.text
+            .extend_from_slice(itoa::Buffer::new().format(value).as_bytes());
     }
 
     fn fixed(&mut self, units: i64, places: u32) {
@@ -140,17 +142,28 @@ mod tests {
     fn numbers_are_written_as_osrm_writes_them() {
         let mut json = Json::default();
         json.array(|json| {
-            for (value, places) in
-                [(1684.04, 1), (1684.05, 1), (-0.05, 1), (0.0, 1), (34.969_474_9, 3), (-12.5, 2)]
-            {
+            for (value, places) in [
+                (1684.04, 1),
+                (1684.05, 1),
+                (-0.05, 1),
+                (0.0, 1),
+                (34.969_474_9, 3),
+                (-12.5, 2),
+            ] {
                 json.decimal(value, places);
             }
             json.seconds(12_349);
-            json.place(Place { lon: -86_218_685, lat: 411_000_000 });
+            json.place(Place {
+                lon: -86_218_685,
+                lat: 411_000_000,
+            });
             json.place(Place { lon: -4, lat: 50 });
         });
         let text = String::from_utf8(json.into_bytes()).unwrap();
-        assert_eq!(text, "[1684,1684.1,-0.1,0,34.969,-12.5,123.5,[-8.621869,41.1],[0,0.000005]]");
+        assert_eq!(
+            text,
+            "[1684,1684.1,-0.1,0,34.969,-12.5,123.5,[-8.621869,41.1],[0,0.000005]]"
+        );
     }
 
     #[test]
@@ -167,6 +180,9 @@ mod tests {
             json.key("empty").object(|_| {});
         });
         let read: serde_json::Value = serde_json::from_slice(&json.into_bytes()).unwrap();
-        assert_eq!(read, serde_json::json!({ "text": text, "list": [null, true, -7], "empty": {} }));
+        assert_eq!(
+            read,
+            serde_json::json!({ "text": text, "list": [null, true, -7], "empty": {} })
+        );
     }
 }

@@ -8,13 +8,27 @@ use crate::position::{Position, several};
 
 impl Service {
     /// Answers *nearest*.
-    pub fn nearest(&self, request: &NearestRequest, memory: &mut ServiceMemory) -> Result<Vec<u8>, Failure> {
+    pub fn nearest(
+        &self,
+        request: &NearestRequest,
+        memory: &mut ServiceMemory,
+    ) -> Result<Vec<u8>, Failure> {
         let mut found = Vec::new();
         for (place, options) in request.places.places.iter().zip(&request.places.snap) {
             let number = request.number;
-            let near = several(&self.roads, &self.metric, *place, number, options, &mut memory.nearest);
+            let near = several(
+                &self.roads,
+                &self.metric,
+                *place,
+                number,
+                options,
+                &mut memory.nearest,
+            );
             if near.is_empty() {
-                return Err(Failure::new("NoSegment", "Could not find a matching segment for coordinate"));
+                return Err(Failure::new(
+                    "NoSegment",
+                    "Could not find a matching segment for coordinate",
+                ));
             }
             found.push(near);
         }
@@ -23,7 +37,9 @@ impl Service {
             json.key("code").string("Ok");
             json.key("waypoints").array(|json| match &found[..] {
                 [one] => self.near(json, request, one),
-                all => all.iter().for_each(|near| json.array(|json| self.near(json, request, near))),
+                all => all
+                    .iter()
+                    .for_each(|near| json.array(|json| self.near(json, request, near))),
             });
         });
         Ok(json.into_bytes())
@@ -35,7 +51,9 @@ impl Service {
             let segment = at.segment as usize;
             self.waypoint(json, at, request.places.hints, |json| {
                 json.key("nodes").array(|json| {
-                    nodes.part(segment, segment + 2).for_each(|node| json.whole(node));
+                    nodes
+                        .part(segment, segment + 2)
+                        .for_each(|node| json.whole(node));
                 });
             });
         }

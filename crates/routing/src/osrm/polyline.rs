@@ -69,7 +69,10 @@ mod tests {
         let line = [(-120.2, 38.5), (-120.95, 40.7), (-126.453, 43.252)];
         let line = line.map(|(lon, lat)| Place::new(LonLat::new(lon, lat)).unwrap());
         assert_eq!(encode(&line, 5), "_p~iF~ps|U_ulLnnqC_mqNvxq`@");
-        assert_eq!(decode("_p~iF~ps|U_ulLnnqC_mqNvxq`@", 5).unwrap()[2], [43.252, -126.453]);
+        assert_eq!(
+            decode("_p~iF~ps|U_ulLnnqC_mqNvxq`@", 5).unwrap()[2],
+            [43.252, -126.453]
+        );
     }
 
     proptest! {

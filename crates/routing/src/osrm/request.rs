@@ -5,7 +5,7 @@ use openbench_core::LonLat;
 use super::failure::Failure;
 use super::polyline;
 use crate::geo::Place;
-use crate::position::SnapOptions;
+use crate::position::{BearingRange, SnapOptions};
 
 /// What is asked for.
 #[derive(Debug, Clone, PartialEq)]
@@ -141,15 +141,21 @@ pub struct Limits {
 impl Default for Limits {
     /// As `osrm-routed` has them.
     fn default() -> Self {
-        Self { route: 500, table: 100, nearest: 100, alternatives: 3 }
+        Self {
+            route: 500,
+            table: 100,
+            nearest: 100,
+            alternatives: 3,
+        }
     }
 }
 
-/// One `key=value` of a request and where it stands.
-#[derive(Debug, Clone, Copy)]
+/// One `key=value` of a query, and where it stands.
+#[derive(Debug, Clone)]
 struct Setting<'a> {
     key: &'a str,
-    value: &'a str,
+    /// Percent-decoded.
+    value: String,
     position: usize,
 }
 
@@ -157,22 +163,38 @@ impl Request {
     /// Reads the path and the query of an address.
     pub fn parse(target: &str, limits: &Limits) -> Result<Self, Failure> {
         let (path, query) = target.split_once('?').unwrap_or((target, ""));
-        let parts: Vec<&str> = path.strip_prefix('/').unwrap_or_default().splitn(4, '/').collect();
+        let parts: Vec<&str> = path
+            .strip_prefix('/')
+            .unwrap_or_default()
+            .splitn(4, '/')
+            .collect();
         let malformed = || {
-            let message = format!("URL string malformed close to position 1: \"{}\"", shown(path));
+            let message = format!(
+                "URL string malformed close to position 1: \"{}\"",
+                shown(path)
+            );
             Failure::new("InvalidUrl", message)
         };
-        let [service, version, profile, coordinates] = parts[..] else { return Err(malformed()) };
-        let version_is_one =
-            version.strip_prefix('v').is_some_and(|v| v.bytes().all(|b| b.is_ascii_digit()) && !v.is_empty());
+        let [service, version, profile, coordinates] = parts[..] else {
+            return Err(malformed());
+        };
+        let version_is_one = version
+            .strip_prefix('v')
+            .is_some_and(|v| v.bytes().all(|b| b.is_ascii_digit()) && !v.is_empty());
         if !version_is_one || profile.is_empty() {
             return Err(malformed());
         }
         if !["route", "nearest", "table"].contains(&service) {
-            return Err(Failure::new("InvalidService", format!("Service {} not found!", shown(service))));
+            return Err(Failure::new(
+                "InvalidService",
+                format!("Service {} not found!", shown(service)),
+            ));
         }
         if version != "v1" {
-            return Err(Failure::new("InvalidVersion", format!("Service {} not found!", shown(service))));
+            return Err(Failure::new(
+                "InvalidVersion",
+                format!("Service {} not found!", shown(service)),
+            ));
         }
         let position = path.len() - coordinates.len();
         let places = places(coordinates, position)?;
@@ -201,7 +223,9 @@ fn places(coordinates: &str, position: usize) -> Result<Vec<Place>, Failure> {
     let positions: Vec<LonLat> = match line("polyline(", 5).or_else(|| line("polyline6(", 6)) {
         Some(line) => {
             let line = line.ok_or_else(|| Failure::query(position))?;
-            line.into_iter().map(|[lat, lon]| LonLat::new(lon, lat)).collect()
+            line.into_iter()
+                .map(|[lat, lon]| LonLat::new(lon, lat))
+                .collect()
         }
         None => {
             let mut at = position;
@@ -214,7 +238,10 @@ fn places(coordinates: &str, position: usize) -> Result<Vec<Place>, Failure> {
         }
     };
     let invalid = || Failure::new("InvalidValue", "Invalid coordinate value.");
-    positions.into_iter().map(|position| Place::new(position).ok_or_else(invalid)).collect()
+    positions
+        .into_iter()
+        .map(|position| Place::new(position).ok_or_else(invalid))
+        .collect()
 }
 
 fn lonlat(pair: &str) -> Option<LonLat> {
@@ -224,8 +251,32 @@ fn lonlat(pair: &str) -> Option<LonLat> {
 
 /// A finite number, written in digits.
 fn number(text: &str) -> Option<f64> {
-    let digits = text.bytes().all(|b| b.is_ascii_digit() || b"+-.eE".contains(&b));
-    text.parse().ok().filter(|number: &f64| digits && number.is_finite())
+    let digits = text
+        .bytes()
+        .all(|b| b.is_ascii_digit() || b"+-.eE".contains(&b));
+    text.parse()
+        .ok()
+        .filter(|number: &f64| digits && number.is_finite())
+}
+
+/// Metres; without a limit if the text is empty.
+fn radius(text: &str) -> Option<f64> {
+    match text {
+        "" | "unlimited" => Some(f64::INFINITY),
+        _ => number(text).filter(|radius| *radius >= 0.0),
+    }
+}
+
+/// `bearing,tolerance`, degrees.
+fn bearing_range(text: &str) -> Option<BearingRange> {
+    let (bearing, tolerance) = text.split_once(',')?;
+    let range = BearingRange {
+        bearing: number(bearing)?,
+        tolerance: number(tolerance)?,
+    };
+    let is_valid =
+        (0.0..=360.0).contains(&range.bearing) && (0.0..=180.0).contains(&range.tolerance);
+    is_valid.then_some(range)
 }
 
 fn percent_decoded(text: &str) -> Option<String> {
@@ -239,7 +290,9 @@ fn percent_decoded(text: &str) -> Option<String> {
             bytes.push(*first);
             continue;
         }
-        let [high, low, after @ ..] = after else { return None };
+        let [high, low, after @ ..] = after else {
+            return None;
+        };
         let digit = |byte: u8| char::from(byte).to_digit(16);
         bytes.push((digit(*high)? * 16 + digit(*low)?) as u8);
         rest = after;
@@ -247,19 +300,22 @@ fn percent_decoded(text: &str) -> Option<String> {
     String::from_utf8(bytes).ok()
 }
 
-fn options(query: &str, mut position: usize) -> Result<Vec<(String, String, usize)>, Failure> {
+/// The options of a query that begins at `position`.
+fn options(query: &str, mut position: usize) -> Result<Vec<Setting<'_>>, Failure> {
     let mut options = Vec::new();
     for option in query.split('&').filter(|_| !query.is_empty()) {
-        let (key, value) = option.split_once('=').ok_or_else(|| Failure::query(position))?;
+        let (key, value) = option
+            .split_once('=')
+            .ok_or_else(|| Failure::query(position))?;
         let value = percent_decoded(value).ok_or_else(|| Failure::query(position))?;
-        options.push((key.to_owned(), value, position));
+        options.push(Setting {
+            key,
+            value,
+            position,
+        });
         position += option.len() + 1;
     }
     Ok(options)
-}
-
-fn each<'a>(options: &'a [(String, String, usize)]) -> impl Iterator<Item = Setting<'a>> {
-    options.iter().map(|(key, value, position)| Setting { key, value, position: *position })
 }
 
 impl Setting<'_> {
@@ -268,7 +324,7 @@ impl Setting<'_> {
     }
 
     fn boolean(&self) -> Result<bool, Failure> {
-        match self.value {
+        match self.value.as_str() {
             "true" => Ok(true),
             "false" => Ok(false),
             _ => Err(self.fail()),
@@ -281,9 +337,12 @@ impl Setting<'_> {
 
     /// Indices separated by semicolons; `all` is none.
     fn indices(&self) -> Result<Vec<usize>, Failure> {
-        match self.value {
+        match self.value.as_str() {
             "all" | "" => Ok(Vec::new()),
-            list => list.split(';').map(|i| i.parse().map_err(|_| self.fail())).collect(),
+            list => list
+                .split(';')
+                .map(|i| i.parse().map_err(|_| self.fail()))
+                .collect(),
         }
     }
 }
@@ -291,11 +350,16 @@ impl Setting<'_> {
 impl Places {
     fn new(places: Vec<Place>) -> Self {
         let snap = vec![SnapOptions::default(); places.len()];
-        Self { places, snap, hints: true, skip_waypoints: false }
+        Self {
+            places,
+            snap,
+            hints: true,
+            skip_waypoints: false,
+        }
     }
 
     /// Takes an option in that all services know; whether it is one.
-    fn take(&mut self, option: Setting<'_>) -> Result<bool, Failure> {
+    fn take(&mut self, option: &Setting<'_>) -> Result<bool, Failure> {
         match option.key {
             "generate_hints" => self.hints = option.boolean()?,
             "skip_waypoints" => self.skip_waypoints = option.boolean()?,
@@ -308,26 +372,27 @@ impl Places {
                 }
             }
             "radiuses" => {
-                for (i, radius) in self.list(option)?.into_iter().enumerate() {
-                    self.snap[i].radius = match radius {
-                        "" | "unlimited" => f64::INFINITY,
-                        radius => number(radius).filter(|r| *r >= 0.0).ok_or_else(|| option.fail())?,
-                    };
+                let radiuses = self.list(option)?;
+                for (snap, text) in self.snap.iter_mut().zip(radiuses) {
+                    snap.radius = radius(text).ok_or_else(|| option.fail())?;
                 }
             }
             "bearings" => {
-                for (i, bearing) in self.list(option)?.into_iter().enumerate() {
-                    let pair = bearing.split_once(',').and_then(|(b, r)| Some((number(b)?, number(r)?)));
-                    let valid = pair.filter(|(b, r)| (0.0..=360.0).contains(b) && (0.0..=180.0).contains(r));
-                    if valid.is_none() && !bearing.is_empty() {
+                let bearings = self.list(option)?;
+                for (snap, text) in self.snap.iter_mut().zip(bearings) {
+                    let range = bearing_range(text);
+                    if range.is_none() && !text.is_empty() {
                         return Err(option.fail());
                     }
-                    self.snap[i].bearing = valid;
+                    snap.bearing = range;
                 }
             }
-            "snapping" if ["default", "any"].contains(&option.value) => {}
+            "snapping" if ["default", "any"].contains(&option.value.as_str()) => {}
             "exclude" => {
-                return Err(Failure::new("InvalidValue", "Exclude flag combination is not supported."));
+                return Err(Failure::new(
+                    "InvalidValue",
+                    "Exclude flag combination is not supported.",
+                ));
             }
             _ => return Ok(false),
         }
@@ -335,7 +400,7 @@ impl Places {
     }
 
     /// One value for each place.
-    fn list<'a>(&self, option: Setting<'a>) -> Result<Vec<&'a str>, Failure> {
+    fn list<'a>(&self, option: &'a Setting<'_>) -> Result<Vec<&'a str>, Failure> {
         let values: Vec<&str> = option.value.split(';').collect();
         if values.len() == self.places.len() {
             return Ok(values);
@@ -353,7 +418,10 @@ impl Places {
         if self.places.len() >= 2 {
             return Ok(());
         }
-        Err(Failure::new("InvalidOptions", "Number of coordinates needs to be at least two."))
+        Err(Failure::new(
+            "InvalidOptions",
+            "Number of coordinates needs to be at least two.",
+        ))
     }
 }
 
@@ -361,28 +429,34 @@ fn too_big(what: &str, count: usize, limit: usize) -> Result<(), Failure> {
     if count <= limit {
         return Ok(());
     }
-    Err(Failure::new("TooBig", format!("{what} {count} is higher than current maximum ({limit})")))
+    Err(Failure::new(
+        "TooBig",
+        format!("{what} {count} is higher than current maximum ({limit})"),
+    ))
 }
 
 impl RouteRequest {
     /// A request for the way through some places, and nothing else.
     pub fn through(places: Vec<Place>) -> Self {
-        Self { places: Places::new(places), ..Self::default() }
+        Self {
+            places: Places::new(places),
+            ..Self::default()
+        }
     }
 
-    fn new(
-        places: Vec<Place>,
-        options: &[(String, String, usize)],
-        limits: &Limits,
-    ) -> Result<Self, Failure> {
+    fn new(places: Vec<Place>, options: &[Setting<'_>], limits: &Limits) -> Result<Self, Failure> {
         let mut request = Self::through(places);
         request.places.at_least_two()?;
-        too_big("Number of entries", request.places.places.len(), limits.route)?;
-        for option in each(options) {
+        too_big(
+            "Number of entries",
+            request.places.places.len(),
+            limits.route,
+        )?;
+        for option in options {
             if request.places.take(option)? {
                 continue;
             }
-            match (option.key, option.value) {
+            match (option.key, option.value.as_str()) {
                 ("alternatives", "true") => request.alternatives = 1,
                 ("alternatives", "false") => request.alternatives = 0,
                 ("alternatives", _) => request.alternatives = option.whole()?,
@@ -405,8 +479,9 @@ impl RouteRequest {
         }
         if request.alternatives > limits.alternatives {
             let limit = limits.alternatives;
-            let message =
-                format!("Requested number of alternatives is higher than current maximum ({limit})");
+            let message = format!(
+                "Requested number of alternatives is higher than current maximum ({limit})"
+            );
             return Err(Failure::new("TooBig", message));
         }
         request.check_waypoints()?;
@@ -425,7 +500,10 @@ impl RouteRequest {
             ));
         }
         if waypoints.windows(2).any(|pair| pair[0] >= pair[1]) {
-            return Err(Failure::new("InvalidValue", "Waypoints must be in ascending order."));
+            return Err(Failure::new(
+                "InvalidValue",
+                "Waypoints must be in ascending order.",
+            ));
         }
         Ok(())
     }
@@ -459,13 +537,12 @@ fn annotations(words: &str) -> Option<Annotations> {
 }
 
 impl NearestRequest {
-    fn new(
-        places: Vec<Place>,
-        options: &[(String, String, usize)],
-        limits: &Limits,
-    ) -> Result<Self, Failure> {
-        let mut request = Self { places: Places::new(places), number: 1 };
-        for option in each(options) {
+    fn new(places: Vec<Place>, options: &[Setting<'_>], limits: &Limits) -> Result<Self, Failure> {
+        let mut request = Self {
+            places: Places::new(places),
+            number: 1,
+        };
+        for option in options {
             if request.places.take(option)? {
                 continue;
             }
@@ -475,10 +552,17 @@ impl NearestRequest {
             }
         }
         if request.number == 0 {
-            return Err(Failure::new("InvalidOptions", "The number of results must be at least one."));
+            return Err(Failure::new(
+                "InvalidOptions",
+                "The number of results must be at least one.",
+            ));
         }
         too_big("Number of results", request.number, limits.nearest)?;
-        too_big("Number of coordinates", request.places.places.len(), limits.nearest)?;
+        too_big(
+            "Number of coordinates",
+            request.places.places.len(),
+            limits.nearest,
+        )?;
         Ok(request)
     }
 }
@@ -486,25 +570,26 @@ impl NearestRequest {
 impl TableRequest {
     /// A request for the durations between all places.
     pub fn between(places: Vec<Place>) -> Self {
-        Self { places: Places::new(places), duration: true, scale: 1.0, ..Self::default() }
+        Self {
+            places: Places::new(places),
+            duration: true,
+            scale: 1.0,
+            ..Self::default()
+        }
     }
 
-    fn new(
-        places: Vec<Place>,
-        options: &[(String, String, usize)],
-        limits: &Limits,
-    ) -> Result<Self, Failure> {
+    fn new(places: Vec<Place>, options: &[Setting<'_>], limits: &Limits) -> Result<Self, Failure> {
         let mut request = Self::between(places);
         request.places.at_least_two()?;
         if request.places.places.len() > limits.table {
             return Err(Failure::new("TooBig", "Too many table coordinates"));
         }
-        let positive = |option: Setting<'_>| {
-            let value = number(option.value).ok_or_else(|| option.fail())?;
+        let positive = |option: &Setting<'_>| {
+            let value = number(&option.value).ok_or_else(|| option.fail())?;
             let low = || Failure::new("InvalidOptions", format!("{} must be > 0", option.key));
             (value > 0.0).then_some(value).ok_or_else(low)
         };
-        for option in each(options) {
+        for option in options {
             if request.places.take(option)? {
                 continue;
             }
@@ -513,14 +598,17 @@ impl TableRequest {
                 "destinations" => request.destinations = option.indices()?,
                 "annotations" => {
                     let words: Vec<&str> = option.value.split(',').collect();
-                    if !words.iter().all(|word| ["duration", "distance"].contains(word)) {
+                    if !words
+                        .iter()
+                        .all(|word| ["duration", "distance"].contains(word))
+                    {
                         return Err(option.fail());
                     }
                     (request.duration, request.distance) =
                         (words.contains(&"duration"), words.contains(&"distance"));
                 }
                 "fallback_speed" => request.fallback_speed = Some(positive(option)?),
-                "fallback_coordinate" if ["input", "snapped"].contains(&option.value) => {
+                "fallback_coordinate" if ["input", "snapped"].contains(&option.value.as_str()) => {
                     request.fallback_snapped = option.value == "snapped";
                 }
                 "scale_factor" => request.scale = positive(option)?,
@@ -534,7 +622,12 @@ impl TableRequest {
                 "There are more sources or destinations than coordinates.",
             ));
         }
-        if request.sources.iter().chain(&request.destinations).any(|index| *index >= count) {
+        if request
+            .sources
+            .iter()
+            .chain(&request.destinations)
+            .any(|index| *index >= count)
+        {
             return Err(Failure::new(
                 "InvalidOptions",
                 "A source or destination is not among the coordinates.",

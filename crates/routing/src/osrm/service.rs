@@ -41,10 +41,14 @@ pub struct Answer {
 impl Service {
     /// Answers an address's path and query.
     pub fn answer(&self, target: &str, memory: &mut ServiceMemory) -> Answer {
-        let body = Request::parse(target, &self.limits).and_then(|request| self.body(&request, memory));
+        let body =
+            Request::parse(target, &self.limits).and_then(|request| self.body(&request, memory));
         match body {
             Ok(body) => Answer { status: 200, body },
-            Err(failure) => Answer { status: 400, body: failure.to_json() },
+            Err(failure) => Answer {
+                status: 400,
+                body: failure.to_json(),
+            },
         }
     }
 
@@ -73,11 +77,20 @@ impl Service {
             snaps.push(snap);
         }
         let small = Snap::small_will_do(&snaps, &self.metric);
-        Ok(snaps.into_iter().map(|snap| snap.into_positions(small)).collect())
+        Ok(snaps
+            .into_iter()
+            .map(|snap| snap.into_positions(small))
+            .collect())
     }
 
     /// A place on the network; `more` are members that stand first.
-    pub(super) fn waypoint(&self, json: &mut Json, at: &Position, hints: bool, more: impl FnOnce(&mut Json)) {
+    pub(super) fn waypoint(
+        &self,
+        json: &mut Json,
+        at: &Position,
+        hints: bool,
+        more: impl FnOnce(&mut Json),
+    ) {
         json.object(|json| {
             more(json);
             if hints {
@@ -85,7 +98,8 @@ impl Service {
                 json.key("hint").string("AAAAAAAAAAA=");
             }
             json.key("location").place(at.place);
-            json.key("name").string(self.roads.network.name(at.edge).name);
+            json.key("name")
+                .string(self.roads.network.name(at.edge).name);
             json.key("distance").decimal(at.away, 6);
         });
     }

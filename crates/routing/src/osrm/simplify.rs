@@ -15,11 +15,19 @@ const FINEST: (i32, f64) = (18, 67_600.0);
 
 /// The points that are kept of some lines, one going on where another ends; of each the first and the last always are.
 pub fn simplified(lines: &[&[Place]]) -> Vec<Place> {
-    let points: Vec<Vec<[f64; 2]>> = lines.iter().map(|line| line.iter().map(mercator).collect()).collect();
+    let points: Vec<Vec<[f64; 2]>> = lines
+        .iter()
+        .map(|line| line.iter().map(mercator).collect())
+        .collect();
     let limit = FINEST.1 * 4_f64.powi(FINEST.0 - zoom(&points.concat()));
     let mut kept: Vec<Place> = Vec::new();
     for (line, points) in lines.iter().zip(&points) {
-        kept.extend(line.iter().zip(keep(points, limit)).filter(|(_, keep)| *keep).map(|(point, _)| *point));
+        kept.extend(
+            line.iter()
+                .zip(keep(points, limit))
+                .filter(|(_, keep)| *keep)
+                .map(|(point, _)| *point),
+        );
     }
     kept.dedup();
     kept
@@ -28,12 +36,18 @@ pub fn simplified(lines: &[&[Place]]) -> Vec<Place> {
 /// Which points of a line are needed for all of them to be within a limit, squared, of it.
 fn keep(points: &[[f64; 2]], limit: f64) -> Vec<bool> {
     let mut kept = vec![false; points.len()];
-    let mut waiting = if points.is_empty() { Vec::new() } else { vec![(0, points.len() - 1)] };
+    let mut waiting = if points.is_empty() {
+        Vec::new()
+    } else {
+        vec![(0, points.len() - 1)]
+    };
     while let Some((first, last)) = waiting.pop() {
         kept[first] = true;
         kept[last] = true;
         let away = |i: usize| (away(points[i], points[first], points[last]), i);
-        let furthest = (first + 1..last).map(away).max_by(|a, b| a.0.total_cmp(&b.0));
+        let furthest = (first + 1..last)
+            .map(away)
+            .max_by(|a, b| a.0.total_cmp(&b.0));
         if let Some((_, middle)) = furthest.filter(|(away, _)| *away > limit) {
             waiting.push((first, middle));
             waiting.push((middle, last));
@@ -43,7 +57,11 @@ fn keep(points: &[[f64; 2]], limit: f64) -> Vec<bool> {
 }
 
 fn mercator(place: &Place) -> [f64; 2] {
-    let latitude = place.position().lat.clamp(-85.051_13, 85.051_13).to_radians();
+    let latitude = place
+        .position()
+        .lat
+        .clamp(-85.051_13, 85.051_13)
+        .to_radians();
     let y = libm::log(libm::tan(std::f64::consts::FRAC_PI_4 + latitude / 2.0));
     [f64::from(place.lon), y * EQUATOR / std::f64::consts::TAU]
 }
@@ -55,7 +73,11 @@ fn zoom(points: &[[f64; 2]]) -> i32 {
         values.clone().fold(f64::MIN, f64::max) - values.fold(f64::MAX, f64::min)
     };
     // At zoom z the equator is TILE * 2^z pixels long.
-    let fits = |i: usize| libm::floor(libm::log2(SEEN[i] * TILE * EQUATOR / (TILE * extent(i).max(1.0))));
+    let fits = |i: usize| {
+        libm::floor(libm::log2(
+            SEEN[i] * TILE * EQUATOR / (TILE * extent(i).max(1.0)),
+        ))
+    };
     (fits(0).min(fits(1)) as i32).clamp(1, FINEST.0)
 }
 
@@ -64,7 +86,11 @@ fn away(point: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let [dx, dy] = [b[0] - a[0], b[1] - a[1]];
     let [px, py] = [point[0] - a[0], point[1] - a[1]];
     let square = dx * dx + dy * dy;
-    let share = if square > 0.0 { ((px * dx + py * dy) / square).clamp(0.0, 1.0) } else { 0.0 };
+    let share = if square > 0.0 {
+        ((px * dx + py * dy) / square).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
     let [x, y] = [px - share * dx, py - share * dy];
     x * x + y * y
 }
@@ -75,12 +101,27 @@ mod tests {
 
     #[test]
     fn a_straight_line_needs_its_ends_and_a_corner_is_kept() {
-        let line: Vec<Place> = (0..100).map(|i| Place { lon: i * 10_000, lat: i % 2 * 20 }).collect();
+        let line: Vec<Place> = (0..100)
+            .map(|i| Place {
+                lon: i * 10_000,
+                lat: i % 2 * 20,
+            })
+            .collect();
         assert_eq!(simplified(&[&line]), [line[0], line[99]]);
-        let corner = [line.clone(), vec![Place { lon: 990_000, lat: 900_000 }]].concat();
+        let corner = [
+            line.clone(),
+            vec![Place {
+                lon: 990_000,
+                lat: 900_000,
+            }],
+        ]
+        .concat();
         assert_eq!(simplified(&[&corner]), [line[0], line[99], corner[100]]);
         assert_eq!(simplified(&[&line[..1]]), [line[0]]);
         // Where one line ends and another begins there is a point.
-        assert_eq!(simplified(&[&line[..50], &line[49..]]), [line[0], line[49], line[99]]);
+        assert_eq!(
+            simplified(&[&line[..50], &line[49..]]),
+            [line[0], line[49], line[99]]
+        );
     }
 }

@@ -17,7 +17,8 @@ pub(super) fn geometry(json: &mut Json, points: &[Place], form: Geometries) {
         Geometries::Polyline => json.string(&polyline::encode(points, 5)),
         Geometries::Polyline6 => json.string(&polyline::encode(points, 6)),
         Geometries::GeoJson => json.object(|json| {
-            json.key("coordinates").array(|json| points.iter().for_each(|point| json.place(*point)));
+            json.key("coordinates")
+                .array(|json| points.iter().for_each(|point| json.place(*point)));
             json.key("type").string("LineString");
         }),
     }
@@ -30,7 +31,10 @@ fn degrees(bearing: f64) -> i64 {
 
 impl Service {
     pub(super) fn steps(&self, json: &mut Json, leg: &Leg, line: &Line, form: Geometries) {
-        let guide = Guide { roads: &self.roads, metric: &self.metric };
+        let guide = Guide {
+            roads: &self.roads,
+            metric: &self.metric,
+        };
         for step in guide.steps(leg, line) {
             self.step(json, &guide, leg, line, &step, form);
         }
@@ -50,11 +54,13 @@ impl Service {
         let edge = leg.edges[step.edges.start.min(leg.edges.len() - 1)] / 2;
         let name = self.roads.network.name(edge);
         json.object(|json| {
-            json.key("intersections").array(|json| self.intersections(json, guide, leg, step, points));
-            json.key("driving_side").string(match self.metric.profile.turns() {
-                Some(turns) if !turns.right_hand => "left",
-                _ => "right",
-            });
+            json.key("intersections")
+                .array(|json| self.intersections(json, guide, leg, step, points));
+            json.key("driving_side")
+                .string(match self.metric.profile.turns() {
+                    Some(turns) if !turns.right_hand => "left",
+                    _ => "right",
+                });
             geometry(json.key("geometry"), points, form);
             json.key("maneuver").object(|json| {
                 json.key("bearing_after").whole(degrees(step.bearings[1]));
@@ -81,7 +87,10 @@ impl Service {
 
     fn mode(&self, edge: u32) -> &'static str {
         let network = &self.roads.network;
-        match network.way_words.is(network.edges[edge as usize].class, "route", "ferry") {
+        match network
+            .way_words
+            .is(network.edges[edge as usize].class, "route", "ferry")
+        {
             true => "ferry",
             false if self.metric.profile.turns().is_some() => "driving",
             false => "walking",
@@ -89,13 +98,21 @@ impl Service {
     }
 
     /// Where the step begins, and the junctions that are passed in it.
-    fn intersections(&self, json: &mut Json, guide: &Guide<'_>, leg: &Leg, step: &Step, points: &[Place]) {
+    fn intersections(
+        &self,
+        json: &mut Json,
+        guide: &Guide<'_>,
+        leg: &Leg,
+        step: &Step,
+        points: &[Place],
+    ) {
         let network = &self.roads.network;
         let end = |json: &mut Json, bearing: f64, word: &str| {
             json.object(|json| {
                 json.key(word).whole(0);
                 json.key("entry").array(|json| json.boolean(true));
-                json.key("bearings").array(|json| json.whole(degrees(bearing)));
+                json.key("bearings")
+                    .array(|json| json.whole(degrees(bearing)));
                 json.key("location").place(points[0]);
             });
         };
@@ -130,12 +147,18 @@ impl Service {
                 }
                 json.key("entry").array(|json| {
                     exits.iter().for_each(|exit| {
-                        json.boolean(exit.open && (exit.directed != from ^ 1 || exit.directed == to))
+                        json.boolean(
+                            exit.open && (exit.directed != from ^ 1 || exit.directed == to),
+                        )
                     });
                 });
-                json.key("bearings")
-                    .array(|json| exits.iter().for_each(|exit| json.whole(degrees(exit.bearing))));
-                json.key("location").place(network.vertices[vertex as usize]);
+                json.key("bearings").array(|json| {
+                    exits
+                        .iter()
+                        .for_each(|exit| json.whole(degrees(exit.bearing)))
+                });
+                json.key("location")
+                    .place(network.vertices[vertex as usize]);
             });
         }
     }

@@ -42,7 +42,11 @@ impl Cliques {
         for layer in &overlay.layers {
             let cells: Vec<u32> = (0..layer.cells() as u32).collect();
             let mut cliques = Self::empty(layer);
-            let below = Below { overlay, weights, layers: &layers };
+            let below = Below {
+                overlay,
+                weights,
+                layers: &layers,
+            };
             cliques.fill(layer, &below, &cells);
             layers.push(cliques);
         }
@@ -52,11 +56,18 @@ impl Cliques {
     /// Those cells again that hold one of these states, in all layers: after the weights of arcs between them have changed.
     pub fn update(layers: &mut [Self], overlay: &Overlay, weights: &Weights, states: &[u32]) {
         for (height, layer) in overlay.layers.iter().enumerate() {
-            let mut cells: Vec<u32> = states.iter().map(|state| overlay.cell(height, *state)).collect();
+            let mut cells: Vec<u32> = states
+                .iter()
+                .map(|state| overlay.cell(height, *state))
+                .collect();
             cells.sort_unstable();
             cells.dedup();
             let (lower, upper) = layers.split_at_mut(height);
-            let below = Below { overlay, weights, layers: lower };
+            let below = Below {
+                overlay,
+                weights,
+                layers: lower,
+            };
             upper[0].fill(layer, &below, &cells);
         }
     }
@@ -74,14 +85,20 @@ impl Cliques {
     fn fill(&mut self, layer: &Layer, below: &Below<'_>, cells: &[u32]) {
         let parts = parts(&mut self.rows, &layer.matrix, cells);
         let parts = parts.zip(self::parts(&mut self.columns, &layer.matrix, cells));
-        let parts = parts.zip(self::parts(&mut self.trees, &layer.trees, cells)).zip(cells);
-        let work: Vec<_> =
-            parts.map(|(((rows, columns), trees), cell)| (rows, columns, trees, *cell)).collect();
-        work.into_par_iter().for_each_init(Local::default, |local, (rows, columns, trees, cell)| {
-            local.load(below, layer.inner(cell));
-            local.cell(layer, cell, rows, trees);
-            transpose(rows, columns, layer.exits(cell).len());
-        });
+        let parts = parts
+            .zip(self::parts(&mut self.trees, &layer.trees, cells))
+            .zip(cells);
+        let work: Vec<_> = parts
+            .map(|(((rows, columns), trees), cell)| (rows, columns, trees, *cell))
+            .collect();
+        work.into_par_iter().for_each_init(
+            Local::default,
+            |local, (rows, columns, trees, cell)| {
+                local.load(below, layer.inner(cell));
+                local.cell(layer, cell, rows, trees);
+                transpose(rows, columns, layer.exits(cell).len());
+            },
+        );
     }
 }
 
@@ -148,7 +165,9 @@ impl Local {
     /// The arcs that lead from one subcell to another, in the lowest layer from one state to another.
     fn load_arcs(&mut self, below: &Below<'_>, index: usize, inner: &Range<usize>) {
         let (overlay, height) = (below.overlay, below.layers.len());
-        let state = height.checked_sub(1).map_or(index as u32, |h| overlay.layers[h].state[index]);
+        let state = height
+            .checked_sub(1)
+            .map_or(index as u32, |h| overlay.layers[h].state[index]);
         for slot in overlay.out.of(state) {
             let weight = below.weights.out[slot];
             if usize::from(overlay.out.border[slot]) != height || weight >= FAR {
@@ -163,7 +182,9 @@ impl Local {
 
     /// The ways through the subcell that an entry belongs to.
     fn load_clique(&mut self, below: &Below<'_>, index: usize) {
-        let Some(height) = below.layers.len().checked_sub(1) else { return };
+        let Some(height) = below.layers.len().checked_sub(1) else {
+            return;
+        };
         let (layer, cliques) = (&below.overlay.layers[height], &below.layers[height]);
         let cell = below.overlay.cell(height, layer.state[index]);
         if !layer.entries(cell).contains(&index) {
@@ -184,7 +205,9 @@ impl Local {
         if exits.is_empty() || size == 0 {
             return;
         }
-        let searches = rows.chunks_exact_mut(exits.len()).zip(trees.chunks_exact_mut(size));
+        let searches = rows
+            .chunks_exact_mut(exits.len())
+            .zip(trees.chunks_exact_mut(size));
         for (entry, (row, tree)) in layer.entries(cell).zip(searches) {
             self.search(layer.below[entry] as usize - self.begin, tree);
             for (weight, exit) in row.iter_mut().zip(exits.clone()) {
@@ -206,12 +229,15 @@ impl Local {
             if distance > self.distance[index] {
                 continue;
             }
-            for (head, weight) in &self.arcs[self.first[index] as usize..self.first[index + 1] as usize] {
+            for (head, weight) in
+                &self.arcs[self.first[index] as usize..self.first[index + 1] as usize]
+            {
                 let reached = distance + weight;
                 if reached < self.distance[*head as usize] {
                     self.distance[*head as usize] = reached;
                     tree[*head as usize] = index as u16;
-                    self.heap.push(Reverse(u64::from(reached) << 32 | u64::from(*head)));
+                    self.heap
+                        .push(Reverse(u64::from(reached) << 32 | u64::from(*head)));
                 }
             }
         }

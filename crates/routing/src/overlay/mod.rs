@@ -16,7 +16,7 @@
 mod arcs;
 mod customize;
 
-pub use arcs::{Arcs, NONE};
+pub use arcs::{Arc, Arcs, NONE};
 pub use customize::{Cliques, UNREACHED, Weights};
 
 /// The highest weight that counts; anything from [`FAR`] on is no way. Two of them can be added.
@@ -74,10 +74,13 @@ impl Layer {
     /// Whether what is to be known of its cells has room: where a map is as flat as streets are, always. Of a map that is not, cells have borders as
     /// long as they are large, and searches do better without them.
     fn is_affordable(&self, states: usize) -> bool {
-        let known = [&self.matrix, &self.trees].map(|ends| ends.last().copied().unwrap_or_default());
+        let known =
+            [&self.matrix, &self.trees].map(|ends| ends.last().copied().unwrap_or_default());
         let inner = (0..self.cells() as u32).map(|cell| self.inner(cell).len());
         known.iter().sum::<u64>() <= MOST_KNOWN * (states as u64 + (1 << 18))
-            && inner.max().is_none_or(|largest| largest < usize::from(UNREACHED))
+            && inner
+                .max()
+                .is_none_or(|largest| largest < usize::from(UNREACHED))
     }
 
     /// Number of cells.
@@ -106,24 +109,42 @@ impl Overlay {
     pub fn new(mut out: Arcs, levels: &[Vec<u32>]) -> Self {
         let leaf = match levels.first() {
             Some(starts) => (0..starts.len() as u32 - 1)
-                .flat_map(|cell| (starts[cell as usize]..starts[cell as usize + 1]).map(move |_| cell))
+                .flat_map(|cell| {
+                    (starts[cell as usize]..starts[cell as usize + 1]).map(move |_| cell)
+                })
                 .collect(),
             None => vec![0; out.states()],
         };
-        let cells_of_leaf: Vec<Vec<u32>> =
-            levels.iter().map(|starts| cells_of_leaves(levels, starts)).collect();
+        let cells_of_leaf: Vec<Vec<u32>> = levels
+            .iter()
+            .map(|starts| cells_of_leaves(levels, starts))
+            .collect();
         let border = |a: u32, b: u32| {
             let [a, b] = [a, b].map(|state| leaf[state as usize] as usize);
-            cells_of_leaf.iter().take_while(|cells| cells[a] != cells[b]).count() as u8
+            cells_of_leaf
+                .iter()
+                .take_while(|cells| cells[a] != cells[b])
+                .count() as u8
         };
-        let borders: Vec<u8> = out.iter().map(|(from, slot)| border(from, out.head[slot])).collect();
+        let borders: Vec<u8> = out
+            .iter()
+            .map(|(from, slot)| border(from, out.head[slot]))
+            .collect();
         out.border = borders;
         let into = (!out.is_symmetric()).then(|| {
             let mut into = out.reversed();
-            into.border = into.iter().map(|(to, slot)| border(to, into.head[slot])).collect();
+            into.border = into
+                .iter()
+                .map(|(to, slot)| border(to, into.head[slot]))
+                .collect();
             into
         });
-        let mut overlay = Self { out, into, leaf, layers: Vec::new() };
+        let mut overlay = Self {
+            out,
+            into,
+            leaf,
+            layers: Vec::new(),
+        };
         for (starts, cell_of_leaf) in levels.iter().zip(cells_of_leaf) {
             let layer = overlay.layer(starts, cell_of_leaf);
             if !layer.is_affordable(overlay.out.states()) {
@@ -138,17 +159,27 @@ impl Overlay {
     fn layer(&self, starts: &[u32], cell_of_leaf: Vec<u32>) -> Layer {
         let height = self.layers.len() as u8 + 1;
         let lower = self.layers.last();
-        let crosses = |arcs: &Arcs, state: u32| arcs.of(state).any(|slot| arcs.border[slot] >= height);
-        let mut layer = Layer { cell_of_leaf, ..Layer::default() };
+        let crosses =
+            |arcs: &Arcs, state: u32| arcs.of(state).any(|slot| arcs.border[slot] >= height);
+        let mut layer = Layer {
+            cell_of_leaf,
+            ..Layer::default()
+        };
         let size = lower.map_or(self.out.states(), |lower| lower.state.len());
         layer.slot = vec![NONE; size];
         for cell in 0..starts.len() - 1 {
-            let inner = [0, 1]
-                .map(|i| lower.map_or(starts[cell + i], |l| first_slot(l, &self.leaf, starts[cell + i])));
+            let inner = [0, 1].map(|i| {
+                lower.map_or(starts[cell + i], |l| {
+                    first_slot(l, &self.leaf, starts[cell + i])
+                })
+            });
             let state = |index: u32| lower.map_or(index, |lower| lower.state[index as usize]);
             let mut groups = [const { Vec::new() }; 3];
             for index in inner[0]..inner[1] {
-                match (crosses(self.incoming(), state(index)), crosses(&self.out, state(index))) {
+                match (
+                    crosses(self.incoming(), state(index)),
+                    crosses(&self.out, state(index)),
+                ) {
                     (true, false) => groups[0].push(index),
                     (true, true) => groups[1].push(index),
                     (false, true) => groups[2].push(index),
@@ -169,7 +200,9 @@ impl Overlay {
 
     /// The directed edge that an arc of [`Overlay::incoming`] passes along.
     pub fn via_incoming(&self, slot: usize) -> u32 {
-        self.into.as_ref().map_or_else(|| self.out.via[slot] ^ 1, |into| into.via[slot])
+        self.into
+            .as_ref()
+            .map_or_else(|| self.out.via[slot] ^ 1, |into| into.via[slot])
     }
 
     /// The cell that a state is in, by the number of its layer counted from 0.
@@ -200,8 +233,10 @@ impl Layer {
         self.entries_end.push(first + entries + both);
         self.exits_begin.push(first + entries);
         self.inner.push(inner[0]);
-        self.matrix.push(u64::from(entries + both) * u64::from(both + exits));
-        self.trees.push(u64::from(entries + both) * u64::from(inner[1] - inner[0]));
+        self.matrix
+            .push(u64::from(entries + both) * u64::from(both + exits));
+        self.trees
+            .push(u64::from(entries + both) * u64::from(inner[1] - inner[0]));
         for index in groups.iter().flatten() {
             self.slot[*index as usize] = self.state.len() as u32;
             self.below.push(*index);

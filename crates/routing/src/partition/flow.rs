@@ -16,10 +16,10 @@ pub(super) struct Graph {
 
 impl Graph {
     /// Edges between `count` vertices; those from a vertex to itself are left out.
-    pub(super) fn new(count: usize, edges: impl Iterator<Item = (u32, u32)> + Clone) -> Self {
-        let edges = edges.filter(|(a, b)| a != b);
+    pub(super) fn new(count: usize, edges: impl Iterator<Item = [u32; 2]> + Clone) -> Self {
+        let edges = edges.filter(|[a, b]| a != b);
         let mut first = vec![0_u32; count + 1];
-        for (a, b) in edges.clone() {
+        for [a, b] in edges.clone() {
             first[a as usize + 1] += 1;
             first[b as usize + 1] += 1;
         }
@@ -27,13 +27,17 @@ impl Graph {
             first[i] += first[i - 1];
         }
         let slots = first[count] as usize;
-        let mut graph = Self { first, head: vec![0; slots], twin: vec![0; slots] };
+        let mut graph = Self {
+            first,
+            head: vec![0; slots],
+            twin: vec![0; slots],
+        };
         let mut next = graph.first.clone();
         let mut take = |vertex: u32| {
             next[vertex as usize] += 1;
             next[vertex as usize] - 1
         };
-        for (a, b) in edges {
+        for [a, b] in edges {
             let (s, t) = (take(a), take(b));
             (graph.head[s as usize], graph.head[t as usize]) = (b, a);
             (graph.twin[s as usize], graph.twin[t as usize]) = (t, s);
@@ -81,7 +85,10 @@ impl Flow {
         self.residual.resize(graph.head.len(), 1);
         let is_source = |vertex: u32| roles[vertex as usize] == Role::Source;
         let leaves = |vertex: &u32| {
-            is_source(*vertex) && graph.slots(*vertex).any(|slot| !is_source(graph.head[slot]))
+            is_source(*vertex)
+                && graph
+                    .slots(*vertex)
+                    .any(|slot| !is_source(graph.head[slot]))
         };
         self.begin.clear();
         self.begin.extend((0..graph.len() as u32).filter(leaves));
@@ -101,7 +108,9 @@ impl Flow {
         self.level.resize(graph.len(), FAR);
         self.queue.clear();
         self.queue.extend_from_slice(&self.begin);
-        self.begin.iter().for_each(|vertex| self.level[*vertex as usize] = 0);
+        self.begin
+            .iter()
+            .for_each(|vertex| self.level[*vertex as usize] = 0);
         let (mut done, mut last) = (0, FAR);
         while let Some(&vertex) = self.queue.get(done) {
             done += 1;
@@ -111,7 +120,10 @@ impl Flow {
             }
             for slot in graph.slots(vertex) {
                 let head = graph.head[slot] as usize;
-                if self.residual[slot] == 0 || self.level[head] != FAR || roles[head] == Role::Source {
+                if self.residual[slot] == 0
+                    || self.level[head] != FAR
+                    || roles[head] == Role::Source
+                {
                     continue;
                 }
                 self.level[head] = next;
@@ -154,7 +166,9 @@ impl Flow {
                 }
             } else {
                 // A dead end: back, and not this way again.
-                let Some(slot) = self.path.pop() else { return false };
+                let Some(slot) = self.path.pop() else {
+                    return false;
+                };
                 vertex = graph.head[graph.twin[slot as usize] as usize];
                 self.next[vertex as usize] += 1;
             }
@@ -167,7 +181,13 @@ impl Flow {
     }
 
     /// After [`Flow::largest`]: the vertices that can still be reached from the sources (`from_sinks`: that can reach the sinks).
-    pub(super) fn side(&mut self, graph: &Graph, roles: &[Role], from_sinks: bool, inside: &mut Vec<bool>) {
+    pub(super) fn side(
+        &mut self,
+        graph: &Graph,
+        roles: &[Role],
+        from_sinks: bool,
+        inside: &mut Vec<bool>,
+    ) {
         inside.clear();
         inside.resize(graph.len(), false);
         self.queue.clear();
@@ -181,7 +201,11 @@ impl Flow {
         while let Some(vertex) = self.queue.pop() {
             for slot in graph.slots(vertex) {
                 let head = graph.head[slot] as usize;
-                let way = if from_sinks { graph.twin[slot] as usize } else { slot };
+                let way = if from_sinks {
+                    graph.twin[slot] as usize
+                } else {
+                    slot
+                };
                 if self.residual[way] > 0 && !inside[head] {
                     inside[head] = true;
                     self.queue.push(head as u32);
@@ -197,7 +221,7 @@ mod tests {
     use proptest::prelude::*;
 
     /// The smallest number of edges between a set that holds the sources and the rest that holds the sinks, by trying all sets.
-    fn smallest_cut(count: usize, edges: &[(u32, u32)], roles: &[Role]) -> usize {
+    fn smallest_cut(count: usize, edges: &[[u32; 2]], roles: &[Role]) -> usize {
         let fits = |set: usize| {
             (0..count).all(|v| match roles[v] {
                 Role::Free => true,
@@ -205,8 +229,17 @@ mod tests {
                 Role::Sink => set >> v & 1 == 0,
             })
         };
-        let cut = |set: usize| edges.iter().filter(|(a, b)| (set >> a ^ set >> b) & 1 == 1).count();
-        (0..1 << count).filter(|set| fits(*set)).map(cut).min().unwrap()
+        let cut = |set: usize| {
+            edges
+                .iter()
+                .filter(|[a, b]| (set >> a ^ set >> b) & 1 == 1)
+                .count()
+        };
+        (0..1 << count)
+            .filter(|set| fits(*set))
+            .map(cut)
+            .min()
+            .unwrap()
     }
 
     proptest! {
@@ -215,6 +248,7 @@ mod tests {
             edges in proptest::collection::vec((0_u32..9, 0_u32..9), 0..24),
             roles in proptest::collection::vec(0_u8..4, 9),
         ) {
+            let edges: Vec<[u32; 2]> = edges.into_iter().map(|(a, b)| [a, b]).collect();
             let roles: Vec<Role> =
                 roles.iter().map(|r| [Role::Free, Role::Free, Role::Source, Role::Sink][*r as usize]).collect();
             let graph = Graph::new(9, edges.iter().copied());
@@ -223,7 +257,7 @@ mod tests {
             prop_assert_eq!(largest, smallest_cut(9, &edges, &roles));
             for from_sinks in [false, true] {
                 flow.side(&graph, &roles, from_sinks, &mut inside);
-                let apart = |e: &&(u32, u32)| inside[e.0 as usize] != inside[e.1 as usize];
+                let apart = |edge: &&[u32; 2]| inside[edge[0] as usize] != inside[edge[1] as usize];
                 prop_assert_eq!(edges.iter().filter(apart).count(), largest);
             }
             let stopped = largest.checked_sub(1).and_then(|limit| flow.largest(&graph, &roles, limit));

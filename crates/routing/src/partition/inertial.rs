@@ -20,6 +20,67 @@ const HELD: usize = 4;
 /// Lines: weights of longitude and latitude.
 const LINES: [[i64; 2]; 4] = [[1, 0], [0, 1], [1, 1], [1, -1]];
 
+impl Part {
+    /// A whole network, its vertices along a Hilbert curve: what a flow passes through one after another should lie side by side.
+    pub(super) fn new(places: &[Place], edges: &[[u32; 2]]) -> Self {
+        let mut vertices: Vec<u32> = (0..places.len() as u32).collect();
+        vertices.sort_by_cached_key(|vertex| places[*vertex as usize].hilbert());
+        let mut number = vec![0; places.len()];
+        for (i, vertex) in (0..).zip(&vertices) {
+            number[*vertex as usize] = i;
+        }
+        let edges = edges
+            .iter()
+            .map(|ends| ends.map(|end| number[end as usize]));
+        let graph = Graph::new(places.len(), edges);
+        let places = vertices
+            .iter()
+            .map(|vertex| places[*vertex as usize])
+            .collect();
+        Self {
+            vertices,
+            places,
+            graph,
+        }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.vertices.len()
+    }
+
+    /// The vertices on one side as a part of their own: those that are inside, or those that are
+    /// not.
+    fn side(&self, inside: &[bool], of: bool) -> Self {
+        let mut number = vec![u32::MAX; self.len()];
+        let members: Vec<u32> = (0..self.len() as u32)
+            .filter(|vertex| inside[*vertex as usize] == of)
+            .collect();
+        for (i, member) in (0..).zip(&members) {
+            number[*member as usize] = i;
+        }
+        let edges = members.iter().flat_map(|&vertex| {
+            let heads = self.graph.slots(vertex).map(|slot| self.graph.head[slot]);
+            // Each edge stands at both of its ends, and is taken once.
+            heads
+                .filter(move |&head| vertex < head)
+                .map(move |head| [vertex, head])
+        });
+        let edges = edges.filter(|[_, head]| inside[*head as usize] == of);
+        let edges = edges.map(|ends| ends.map(|end| number[end as usize]));
+        Self {
+            vertices: members
+                .iter()
+                .map(|vertex| self.vertices[*vertex as usize])
+                .collect(),
+            places: members
+                .iter()
+                .map(|vertex| self.places[*vertex as usize])
+                .collect(),
+            graph: Graph::new(members.len(), edges),
+        }
+    }
+}
+
 /// Halves parts; its memory is used again.
 #[derive(Debug, Default)]
 pub(super) struct Halver {
@@ -28,46 +89,6 @@ pub(super) struct Halver {
     roles: Vec<Role>,
     inside: Vec<bool>,
     best: Vec<bool>,
-}
-
-impl Part {
-    /// A whole network, its vertices along a Hilbert curve: what a flow passes through one after another should lie side by side.
-    pub(super) fn new(places: &[Place], edges: &[(u32, u32)]) -> Self {
-        let mut vertices: Vec<u32> = (0..places.len() as u32).collect();
-        vertices.sort_by_cached_key(|vertex| places[*vertex as usize].hilbert());
-        let mut number = vec![0; places.len()];
-        for (i, vertex) in (0..).zip(&vertices) {
-            number[*vertex as usize] = i;
-        }
-        let edges = edges.iter().map(|(a, b)| (number[*a as usize], number[*b as usize]));
-        let graph = Graph::new(places.len(), edges);
-        let places = vertices.iter().map(|vertex| places[*vertex as usize]).collect();
-        Self { vertices, places, graph }
-    }
-
-    pub(super) fn len(&self) -> usize {
-        self.vertices.len()
-    }
-
-    /// The vertices inside as a part of their own.
-    fn side(&self, inside: &[bool], of: bool) -> Self {
-        let mut number = vec![u32::MAX; self.len()];
-        let members: Vec<u32> = (0..self.len() as u32).filter(|v| inside[*v as usize] == of).collect();
-        for (i, member) in members.iter().enumerate() {
-            number[*member as usize] = i as u32;
-        }
-        let edges = members.iter().flat_map(|&v| {
-            let heads = self.graph.slots(v).map(|slot| self.graph.head[slot]);
-            heads.filter(move |&head| v < head).map(move |head| (v, head))
-        });
-        let edges = edges.filter(|(_, head)| inside[*head as usize] == of);
-        let graph = Graph::new(members.len(), edges.map(|(a, b)| (number[a as usize], number[b as usize])));
-        Self {
-            vertices: members.iter().map(|v| self.vertices[*v as usize]).collect(),
-            places: members.iter().map(|v| self.places[*v as usize]).collect(),
-            graph,
-        }
-    }
 }
 
 impl Halver {
@@ -79,9 +100,12 @@ impl Halver {
         for line in LINES {
             self.hold_ends(part, line);
             let limit = best.0 / count.div_ceil(2);
-            let Some(cut) = self.flow.largest(&part.graph, &self.roles, limit) else { continue };
+            let Some(cut) = self.flow.largest(&part.graph, &self.roles, limit) else {
+                continue;
+            };
             for from_sinks in [false, true] {
-                self.flow.side(&part.graph, &self.roles, from_sinks, &mut self.inside);
+                self.flow
+                    .side(&part.graph, &self.roles, from_sinks, &mut self.inside);
                 let size = self.inside.iter().filter(|inside| **inside).count();
                 let larger = size.max(count - size);
                 if (cut * larger, larger) < best {
@@ -96,7 +120,12 @@ impl Halver {
     fn hold_ends(&mut self, part: &Part, line: [i64; 2]) {
         let along = |p: &Place| line[0] * i64::from(p.lon) + line[1] * i64::from(p.lat);
         self.order.clear();
-        self.order.extend(part.places.iter().zip(0..).map(|(place, i)| (along(place), i)));
+        self.order.extend(
+            part.places
+                .iter()
+                .zip(0..)
+                .map(|(place, i)| (along(place), i)),
+        );
         let (count, held) = (part.len(), part.len().div_ceil(HELD).min(part.len() / 2));
         self.order.select_nth_unstable(held);
         self.order[held..].select_nth_unstable(count - held - held);

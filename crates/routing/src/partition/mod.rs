@@ -35,7 +35,11 @@ impl CellSizes {
         let ascending = sizes.windows(2).all(|pair| pair[0] < pair[1]);
         let fits = sizes.iter().all(|size| (2..=1 << 30).contains(size));
         let good = (1..=7).contains(&sizes.len()) && ascending && fits;
-        if good { Ok(Self(sizes.to_vec())) } else { Err(CellSizesError) }
+        if good {
+            Ok(Self(sizes.to_vec()))
+        } else {
+            Err(CellSizesError)
+        }
     }
 }
 
@@ -57,16 +61,31 @@ pub struct Partition {
 
 impl Partition {
     /// Puts vertices into cells. Levels whose cells could hold the whole network are left out.
-    pub fn new(places: &[Place], edges: &[(u32, u32)], sizes: &CellSizes) -> Self {
-        let levels = sizes.0.iter().take_while(|size| **size < places.len()).count();
-        let mut partition = Self::of_part(Part::new(places, edges), levels, sizes, &mut Halver::default());
-        partition.levels.iter_mut().for_each(|level| level.push(places.len() as u32));
+    pub fn new(places: &[Place], edges: &[[u32; 2]], sizes: &CellSizes) -> Self {
+        let levels = sizes
+            .0
+            .iter()
+            .take_while(|size| **size < places.len())
+            .count();
+        let mut partition = Self::of_part(
+            Part::new(places, edges),
+            levels,
+            sizes,
+            &mut Halver::default(),
+        );
+        partition
+            .levels
+            .iter_mut()
+            .for_each(|level| level.push(places.len() as u32));
         partition
     }
 
     /// The cells of a part that is larger than cells of `level` and above may be; without where the last one ends.
     fn of_part(part: Part, mut level: usize, sizes: &CellSizes, halver: &mut Halver) -> Self {
-        let mut partition = Self { order: Vec::new(), levels: vec![Vec::new(); level] };
+        let mut partition = Self {
+            order: Vec::new(),
+            levels: vec![Vec::new(); level],
+        };
         while level > 0 && part.len() <= sizes.0[level - 1] {
             level -= 1;
             partition.levels[level].push(0);
@@ -81,7 +100,10 @@ impl Partition {
             let of_part = |part| Self::of_part(part, level, sizes, &mut Halver::default());
             rayon::join(|| of_part(first), || of_part(second))
         } else {
-            (Self::of_part(first, level, sizes, halver), Self::of_part(second, level, sizes, halver))
+            (
+                Self::of_part(first, level, sizes, halver),
+                Self::of_part(second, level, sizes, halver),
+            )
         };
         for (all, half) in partition.levels.iter_mut().zip(first.levels) {
             all.extend(half);
@@ -101,30 +123,40 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn grid(width: u32, height: u32) -> (Vec<Place>, Vec<(u32, u32)>) {
-        let places = (0..width * height).map(|i| Place { lon: (i % width) as i32, lat: (i / width) as i32 });
-        let across = (0..width * height).filter(|i| i % width > 0).map(|i| (i - 1, i));
-        let up = (width..width * height).map(|i| (i - width, i));
+    fn grid(width: u32, height: u32) -> (Vec<Place>, Vec<[u32; 2]>) {
+        let places = (0..width * height).map(|i| Place {
+            lon: (i % width) as i32,
+            lat: (i / width) as i32,
+        });
+        let across = (0..width * height)
+            .filter(|i| i % width > 0)
+            .map(|i| [i - 1, i]);
+        let up = (width..width * height).map(|i| [i - width, i]);
         (places.collect(), across.chain(up).collect())
     }
 
     /// Edges between cells of a level.
-    fn cut(partition: &Partition, level: usize, edges: &[(u32, u32)]) -> usize {
+    fn cut(partition: &Partition, level: usize, edges: &[[u32; 2]]) -> usize {
         let mut position = vec![0; partition.order.len()];
         for (i, vertex) in partition.order.iter().enumerate() {
             position[*vertex as usize] = i as u32;
         }
-        let cell = |v: u32| partition.levels[level].partition_point(|start| *start <= position[v as usize]);
-        edges.iter().filter(|(a, b)| cell(*a) != cell(*b)).count()
+        let cell = |v: u32| {
+            partition.levels[level].partition_point(|start| *start <= position[v as usize])
+        };
+        edges.iter().filter(|[a, b]| cell(*a) != cell(*b)).count()
     }
 
     #[test]
     fn two_towns_are_parted_at_the_bridge() {
         let (mut places, mut edges) = grid(8, 8);
         let (other, more) = grid(8, 8);
-        places.extend(other.iter().map(|p| Place { lon: p.lon + 20, lat: p.lat }));
-        edges.extend(more.iter().map(|(a, b)| (a + 64, b + 64)));
-        edges.push((7, 64));
+        places.extend(other.iter().map(|p| Place {
+            lon: p.lon + 20,
+            lat: p.lat,
+        }));
+        edges.extend(more.iter().map(|ends| ends.map(|end| end + 64)));
+        edges.push([7, 64]);
         let partition = Partition::new(&places, &edges, &CellSizes::new(&[64]).unwrap());
         assert_eq!(
             (partition.levels[0].as_slice(), cut(&partition, 0, &edges)),
@@ -137,20 +169,39 @@ mod tests {
         let (places, edges) = grid(32, 32);
         let partition = Partition::new(&places, &edges, &CellSizes::new(&[300]).unwrap());
         // Three straight cuts through all, or two and two through what is left.
-        assert!(cut(&partition, 0, &edges) <= 100, "{}", cut(&partition, 0, &edges));
+        assert!(
+            cut(&partition, 0, &edges) <= 100,
+            "{}",
+            cut(&partition, 0, &edges)
+        );
     }
 
     #[test]
     fn a_network_in_one_place_is_halved_too() {
         let places = vec![Place::default(); 100];
         let partition = Partition::new(&places, &[], &CellSizes::new(&[2, 7]).unwrap());
-        assert!(partition.levels[0].windows(2).all(|cell| cell[1] - cell[0] <= 2));
-        assert!(Partition::new(&[], &[], &CellSizes::default()).levels.is_empty());
+        assert!(
+            partition.levels[0]
+                .windows(2)
+                .all(|cell| cell[1] - cell[0] <= 2)
+        );
+        assert!(
+            Partition::new(&[], &[], &CellSizes::default())
+                .levels
+                .is_empty()
+        );
     }
 
     #[test]
     fn cell_sizes_must_ascend() {
-        for bad in [[].as_slice(), &[1], &[8, 8], &[16, 8], &[2, 1 << 31], &[2, 3, 4, 5, 6, 7, 8, 9]] {
+        for bad in [
+            [].as_slice(),
+            &[1],
+            &[8, 8],
+            &[16, 8],
+            &[2, 1 << 31],
+            &[2, 3, 4, 5, 6, 7, 8, 9],
+        ] {
             assert_eq!(CellSizes::new(bad), Err(CellSizesError));
         }
     }
@@ -163,7 +214,7 @@ mod tests {
         ) {
             let places: Vec<Place> = places.iter().map(|(lon, lat)| Place { lon: *lon, lat: *lat }).collect();
             let count = places.len() as u32;
-            let edges: Vec<_> = edges.iter().map(|(a, b)| (a % count, b % count)).collect();
+            let edges: Vec<_> = edges.iter().map(|(a, b)| [a % count, b % count]).collect();
             let sizes = [3, 10, 40];
             let partition = Partition::new(&places, &edges, &CellSizes::new(&sizes).unwrap());
             let mut all = partition.order.clone();

@@ -18,7 +18,7 @@ use std::path::Path;
 use openbench_osm::Tags;
 
 pub use node::Passing;
-pub use rules::{Places, Turns};
+pub use rules::{OutOfRange, Places, Turns};
 pub use way::Going;
 pub(crate) use way::{CROSSING, TIMETABLE};
 
@@ -48,14 +48,31 @@ pub enum ProfileError {
         /// Why.
         source: std::io::Error,
     },
-    /// The file is no profile; the problem says where.
-    #[error("the profile {name} cannot be used: {problem}")]
+    /// The file is not TOML, or holds other keys than a profile.
+    #[error("the profile {name} cannot be used: {source}")]
     Malformed {
         /// What was asked for.
         name: String,
         /// What is wrong, and where.
-        problem: String,
+        source: toml::de::Error,
     },
+    /// A number in the file is out of range.
+    #[error("the profile {name} cannot be used: {source}")]
+    OutOfRange {
+        /// What was asked for.
+        name: String,
+        /// Which number.
+        source: OutOfRange,
+    },
+}
+
+/// What a turn restriction does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum RestrictionKind {
+    /// It forbids the turns that it names.
+    Forbidden,
+    /// It forbids all turns but those that it names.
+    Only,
 }
 
 impl Profile {
@@ -74,10 +91,14 @@ impl Profile {
             return Ok(profile);
         }
         if !Path::new(name).exists() {
-            return Err(ProfileError::Unknown { name: name.to_owned() });
+            return Err(ProfileError::Unknown {
+                name: name.to_owned(),
+            });
         }
-        let text = std::fs::read_to_string(name)
-            .map_err(|source| ProfileError::Io { name: name.to_owned(), source })?;
+        let text = std::fs::read_to_string(name).map_err(|source| ProfileError::Io {
+            name: name.to_owned(),
+            source,
+        })?;
         Self::from_toml(name, &text)
     }
 
@@ -99,10 +120,18 @@ impl Profile {
 
     /// Reads a profile; `name` is what it is called in errors and answers.
     pub fn from_toml(name: &str, text: &str) -> Result<Self, ProfileError> {
-        let malformed = |problem: String| ProfileError::Malformed { name: name.to_owned(), problem };
-        let rules: Rules = toml::from_str(text).map_err(|error| malformed(error.to_string()))?;
-        rules.check().map_err(malformed)?;
-        Ok(Self { name: name.to_owned(), rules })
+        let rules: Rules = toml::from_str(text).map_err(|source| ProfileError::Malformed {
+            name: name.to_owned(),
+            source,
+        })?;
+        rules.check().map_err(|source| ProfileError::OutOfRange {
+            name: name.to_owned(),
+            source,
+        })?;
+        Ok(Self {
+            name: name.to_owned(),
+            rules,
+        })
     }
 
     /// What it is called.
@@ -125,17 +154,22 @@ impl Profile {
         self.rules.turns.as_ref()
     }
 
-    /// What a turn restriction with these words means: `Some(true)` if the turn is the only one allowed, `Some(false)` if it is not allowed.
-    pub fn restricts(&self, words: &Tags) -> Option<bool> {
+    /// What a turn restriction with these tags means to the profile; `None` if it does not bind it.
+    pub fn restricts(&self, tags: &Tags) -> Option<RestrictionKind> {
         let modes = &self.turns()?.restrictions;
-        let exempt = |list: &str| list.split(';').any(|mode| modes.iter().any(|m| m == mode.trim()));
-        if words.get("except").is_some_and(exempt) {
+        let is_exempt = |list: &str| {
+            list.split(';')
+                .any(|mode| modes.iter().any(|own| own == mode.trim()))
+        };
+        if tags.get("except").is_some_and(is_exempt) {
             return None;
         }
-        let own = modes.iter().find_map(|mode| words.get(&format!("restriction:{mode}")));
-        match own.or_else(|| words.get("restriction"))? {
-            only if only.starts_with("only_") => Some(true),
-            no if no.starts_with("no_") => Some(false),
+        let own = modes
+            .iter()
+            .find_map(|mode| tags.get(&format!("restriction:{mode}")));
+        match own.or_else(|| tags.get("restriction"))? {
+            only if only.starts_with("only_") => Some(RestrictionKind::Only),
+            no if no.starts_with("no_") => Some(RestrictionKind::Forbidden),
             _ => None,
         }
     }
@@ -160,20 +194,35 @@ mod tests {
 
     #[test]
     fn wrong_keys_and_values_are_named() {
-        let problem = |text: &str| Profile::from_toml("mine.toml", text).unwrap_err().to_string();
+        let problem = |text: &str| {
+            Profile::from_toml("mine.toml", text)
+                .unwrap_err()
+                .to_string()
+        };
         let foot = Profile::text("foot").unwrap();
         let wrong = problem(&foot.replace("[ways.limit]", "[ways.limits]"));
-        assert!(wrong.contains("mine.toml") && wrong.contains("limits") && wrong.contains("line"), "{wrong}");
+        assert!(
+            wrong.contains("mine.toml") && wrong.contains("limits") && wrong.contains("line"),
+            "{wrong}"
+        );
         for bad in ["-3", "0", "nan", "inf", "1e9"] {
-            let wrong = problem(&foot.replace("highway.path = 5", &format!("highway.path = {bad}")));
+            let wrong =
+                problem(&foot.replace("highway.path = 5", &format!("highway.path = {bad}")));
             assert!(wrong.contains("ways.speed highway.path"), "{wrong}");
         }
-        assert!(problem("").contains("missing field `description`"), "{}", problem(""));
+        assert!(
+            problem("").contains("missing field `description`"),
+            "{}",
+            problem("")
+        );
     }
 
     #[test]
     fn unknown_profiles_are_told_the_known_ones() {
         let error = Profile::open("hovercraft").unwrap_err().to_string();
-        assert!(error.contains("hovercraft") && error.contains("delivery, foot, car"), "{error}");
+        assert!(
+            error.contains("hovercraft") && error.contains("delivery, foot, car"),
+            "{error}"
+        );
     }
 }

@@ -26,8 +26,15 @@ impl Profile {
             return None;
         }
         let most = |numbers| matching(numbers, tags).fold(0.0, f64::max);
-        let entry = if access.node_at_ends(tags) { access.entry } else { 0.0 };
-        Some(Passing { delay: most(&nodes.delay), cost: most(&nodes.cost) + entry })
+        let entry = if access.node_at_ends(tags) {
+            access.entry
+        } else {
+            0.0
+        };
+        Some(Passing {
+            delay: most(&nodes.delay),
+            cost: most(&nodes.cost) + entry,
+        })
     }
 }
 
@@ -36,7 +43,9 @@ mod tests {
     use super::*;
 
     fn passing(profile: &str, words: &[(&'static str, &'static str)]) -> Option<Passing> {
-        Profile::named(profile).unwrap().node(&words.iter().copied().collect())
+        Profile::named(profile)
+            .unwrap()
+            .node(&words.iter().copied().collect())
     }
 
     #[test]
@@ -60,8 +69,19 @@ mod tests {
 
     #[test]
     fn signals_and_kerbs_are_not_free() {
-        assert_eq!(passing("foot", &[("highway", "traffic_signals")]).unwrap().delay, 2.0);
-        assert_eq!(passing("delivery", &[("kerb", "raised")]).unwrap(), Passing { delay: 0.0, cost: 120.0 });
+        assert_eq!(
+            passing("foot", &[("highway", "traffic_signals")])
+                .unwrap()
+                .delay,
+            2.0
+        );
+        assert_eq!(
+            passing("delivery", &[("kerb", "raised")]).unwrap(),
+            Passing {
+                delay: 0.0,
+                cost: 120.0
+            }
+        );
         assert_eq!(passing("delivery", &[]), Some(Passing::default()));
     }
 }

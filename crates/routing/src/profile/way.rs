@@ -33,15 +33,28 @@ enum Word {
 impl Access {
     /// Of several words the one that opens most counts; a word that is not known counts least.
     fn word(&self, value: &str) -> Word {
-        let has = |list: &[String]| value.split(';').any(|part| list.iter().any(|word| word == part.trim()));
-        let lists = [(&self.open, Word::Open), (&self.at_ends, Word::AtEnds), (&self.closed, Word::Closed)];
-        lists.into_iter().find(|(list, _)| has(list)).map_or(Word::Other, |(_, word)| word)
+        let has = |list: &[String]| {
+            value
+                .split(';')
+                .any(|part| list.iter().any(|word| word == part.trim()))
+        };
+        let lists = [
+            (&self.open, Word::Open),
+            (&self.at_ends, Word::AtEnds),
+            (&self.closed, Word::Closed),
+        ];
+        lists
+            .into_iter()
+            .find(|(list, _)| has(list))
+            .map_or(Word::Other, |(_, word)| word)
     }
 
     /// What is said of a direction, `:forward` or `:backward`.
     fn directed(&self, tags: &Tags, direction: &str) -> Option<Word> {
-        let value =
-            self.keys.iter().find_map(|key| tags.get(&format!("{key}{direction}")).or_else(|| tags.get(key)));
+        let value = self.keys.iter().find_map(|key| {
+            tags.get(&format!("{key}{direction}"))
+                .or_else(|| tags.get(key))
+        });
         value.map(|value| self.word(value))
     }
 
@@ -72,7 +85,8 @@ impl Profile {
 
     fn going(&self, tags: &Tags, word: Option<Word>) -> Option<Going> {
         let ways = &self.rules.ways;
-        if word == Some(Word::Closed) || (word.is_none() && listed(&ways.closed_unless_open, tags)) {
+        if word == Some(Word::Closed) || (word.is_none() && listed(&ways.closed_unless_open, tags))
+        {
             return None;
         }
         let told = matching(&ways.speed, tags).reduce(f64::max);
@@ -82,7 +96,11 @@ impl Profile {
         let speed = timetable.or_else(|| self.max_speed(tags)).unwrap_or(told);
         let speed = matching(&ways.limit, tags).fold(speed, f64::min);
         let cost = matching(&ways.cost, tags).product();
-        Some(Going { speed: speed / 3.6, cost, ends_only: word == Some(Word::AtEnds) })
+        Some(Going {
+            speed: speed / 3.6,
+            cost,
+            ends_only: word == Some(Word::AtEnds),
+        })
     }
 
     /// The share of the way's speed limit that is driven, km/h.
@@ -118,7 +136,10 @@ mod tests {
 
     fn open(profile: &str, words: &[(&'static str, &'static str)]) -> [bool; 2] {
         let tags: Tags = words.iter().copied().collect();
-        Profile::named(profile).unwrap().way(&tags).map(|going| going.is_some())
+        Profile::named(profile)
+            .unwrap()
+            .way(&tags)
+            .map(|going| going.is_some())
     }
 
     fn going(profile: &str, words: &[(&'static str, &'static str)]) -> Going {
@@ -129,46 +150,90 @@ mod tests {
     #[test]
     fn robots_take_no_steps_but_enter_private_ground() {
         let steps = [("highway", "steps")];
-        assert_eq!((open("delivery", &steps), open("foot", &steps)), ([false; 2], [true; 2]));
+        assert_eq!(
+            (open("delivery", &steps), open("foot", &steps)),
+            ([false; 2], [true; 2])
+        );
         let private = [("highway", "service"), ("access", "private")];
         assert!(going("delivery", &private).ends_only);
         assert_eq!(open("foot", &private), [false; 2]);
-        assert_eq!(open("delivery", &[("highway", "footway"), ("wheelchair", "no")]), [false; 2]);
+        assert_eq!(
+            open("delivery", &[("highway", "footway"), ("wheelchair", "no")]),
+            [false; 2]
+        );
     }
 
     #[test]
     fn the_most_specific_word_counts() {
-        let allowed = [("highway", "residential"), ("access", "no"), ("foot", "yes")];
-        assert_eq!((open("foot", &allowed), open("car", &allowed)), ([true; 2], [false; 2]));
+        let allowed = [
+            ("highway", "residential"),
+            ("access", "no"),
+            ("foot", "yes"),
+        ];
+        assert_eq!(
+            (open("foot", &allowed), open("car", &allowed)),
+            ([true; 2], [false; 2])
+        );
         // And of several the one that opens most.
-        assert_eq!(open("foot", &[("highway", "path"), ("foot", "no; permissive")]), [true; 2]);
+        assert_eq!(
+            open("foot", &[("highway", "path"), ("foot", "no; permissive")]),
+            [true; 2]
+        );
     }
 
     #[test]
     fn one_way_streets_bind_cars_only() {
         let street = [("highway", "residential"), ("oneway", "yes")];
-        assert_eq!((open("car", &street), open("delivery", &street)), ([true, false], [true; 2]));
-        assert_eq!(open("car", &[("highway", "residential"), ("oneway", "-1")]), [false, true]);
-        assert_eq!(open("car", &[("highway", "primary"), ("junction", "roundabout")]), [true, false]);
+        assert_eq!(
+            (open("car", &street), open("delivery", &street)),
+            ([true, false], [true; 2])
+        );
+        assert_eq!(
+            open("car", &[("highway", "residential"), ("oneway", "-1")]),
+            [false, true]
+        );
+        assert_eq!(
+            open("car", &[("highway", "primary"), ("junction", "roundabout")]),
+            [true, false]
+        );
         let let_out = [("highway", "motorway"), ("oneway", "no")];
         assert_eq!(open("car", &let_out), [true; 2]);
-        assert_eq!(open("foot", &[("highway", "footway"), ("conveying", "backward")]), [false, true]);
+        assert_eq!(
+            open("foot", &[("highway", "footway"), ("conveying", "backward")]),
+            [false, true]
+        );
     }
 
     #[test]
     fn words_for_one_direction_count_there() {
         let words = [("highway", "cycleway"), ("foot:forward", "yes")];
         assert_eq!(open("foot", &words), [true, false]);
-        assert_eq!(open("foot", &[("highway", "path"), ("foot:backward", "no")]), [true, false]);
+        assert_eq!(
+            open("foot", &[("highway", "path"), ("foot:backward", "no")]),
+            [true, false]
+        );
     }
 
     /// What `osrm.md` says of cycleways, of pavements of their own and of surfaces.
     #[test]
     fn pedestrians_keep_osrms_rules() {
         assert_eq!(open("foot", &[("highway", "cycleway")]), [false; 2]);
-        assert_eq!(open("foot", &[("highway", "cycleway"), ("access", "yes")]), [true; 2]);
-        assert_eq!(open("foot", &[("highway", "residential"), ("sidewalk", "separate")]), [false; 2]);
-        let asked = [("highway", "residential"), ("sidewalk", "separate"), ("foot", "destination")];
+        assert_eq!(
+            open("foot", &[("highway", "cycleway"), ("access", "yes")]),
+            [true; 2]
+        );
+        assert_eq!(
+            open(
+                "foot",
+                &[("highway", "residential"), ("sidewalk", "separate")]
+            ),
+            [false; 2]
+        );
+        let asked = [
+            ("highway", "residential"),
+            ("sidewalk", "separate"),
+            ("foot", "destination"),
+        ];
         assert_eq!(open("foot", &asked), [true; 2]);
         let gravel = going("foot", &[("highway", "track"), ("surface", "gravel")]);
         assert!((gravel.speed - 3.75 / 3.6).abs() < 1e-12);
@@ -176,17 +241,28 @@ mod tests {
 
     #[test]
     fn cars_drive_a_share_of_the_limit() {
-        let speed = |limit| going("car", &[("highway", "residential"), ("maxspeed", limit)]).speed * 3.6;
-        for (limit, expected) in
-            [("50", 40.0), ("30 mph", 30.0 * 1.609_344 * 0.8), ("signals", 25.0), ("-5", 25.0)]
-        {
-            assert!((speed(limit) - expected).abs() < 1e-9, "{limit}: {}", speed(limit));
+        let speed =
+            |limit| going("car", &[("highway", "residential"), ("maxspeed", limit)]).speed * 3.6;
+        for (limit, expected) in [
+            ("50", 40.0),
+            ("30 mph", 30.0 * 1.609_344 * 0.8),
+            ("signals", 25.0),
+            ("-5", 25.0),
+        ] {
+            assert!(
+                (speed(limit) - expected).abs() < 1e-9,
+                "{limit}: {}",
+                speed(limit)
+            );
         }
     }
 
     #[test]
     fn places_are_crossed_or_walked_round() {
         let crossing = [("highway", "pedestrian"), (CROSSING, "yes")];
-        assert_eq!((open("delivery", &crossing), open("foot", &crossing)), ([true; 2], [false; 2]));
+        assert_eq!(
+            (open("delivery", &crossing), open("foot", &crossing)),
+            ([true; 2], [false; 2])
+        );
     }
 }

@@ -56,7 +56,10 @@ impl Ends {
             let cell = overlay.layers[*height].cell_of_leaf[leaf];
             !self.cells[*height].contains(&cell)
         };
-        (0..overlay.layers.len()).rev().find(away).map_or(0, |height| height + 1)
+        (0..overlay.layers.len())
+            .rev()
+            .find(away)
+            .map_or(0, |height| height + 1)
     }
 
     /// The layer that a label is of.

@@ -17,18 +17,38 @@ pub(super) struct Tables<'a> {
     arcs: &'a Arcs,
     weights: &'a [u32],
     cliques: &'a [Cliques],
-    backward: bool,
+    pub(super) backward: bool,
 }
 
 impl<'a> Tables<'a> {
     pub(super) fn forward(graph: Searched<'a>) -> Self {
-        let Searched { overlay, weights, cliques } = graph;
-        Self { overlay, arcs: &overlay.out, weights: &weights.out, cliques, backward: false }
+        let Searched {
+            overlay,
+            weights,
+            cliques,
+        } = graph;
+        Self {
+            overlay,
+            arcs: &overlay.out,
+            weights: &weights.out,
+            cliques,
+            backward: false,
+        }
     }
 
     pub(super) fn backward(graph: Searched<'a>) -> Self {
-        let Searched { overlay, weights, cliques } = graph;
-        Self { overlay, arcs: overlay.incoming(), weights: &weights.into, cliques, backward: true }
+        let Searched {
+            overlay,
+            weights,
+            cliques,
+        } = graph;
+        Self {
+            overlay,
+            arcs: overlay.incoming(),
+            weights: &weights.into,
+            cliques,
+            backward: true,
+        }
     }
 
     /// The slots that a slot's cell is left through, and how far they are; none if the cell cannot be entered there.
@@ -45,7 +65,11 @@ impl<'a> Tables<'a> {
             return None;
         }
         let cliques = &self.cliques[height];
-        let matrix = if self.backward { &cliques.columns } else { &cliques.rows };
+        let matrix = if self.backward {
+            &cliques.columns
+        } else {
+            &cliques.rows
+        };
         let begin = layer.matrix[cell as usize] as usize + (slot - from.start) * to.len();
         Some((to.start, &matrix[begin..begin + to.len()]))
     }
@@ -129,7 +153,8 @@ impl Side {
         }
         *before = weight;
         self.parent[label as usize] = parent;
-        self.heap.push(Reverse(u64::from(weight) << 32 | u64::from(label)));
+        self.heap
+            .push(Reverse(u64::from(weight) << 32 | u64::from(label)));
         true
     }
 

@@ -8,12 +8,24 @@ use rayon::prelude::*;
 use super::graph::Searched;
 use crate::overlay::{FAR, Layer};
 
-/// Hundredths of a second, and centimetres.
-pub type Value = [u32; 2];
+/// What a path takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Value {
+    /// Hundredths of a second.
+    pub duration: u32,
+    /// Centimetres.
+    pub length: u32,
+}
 
-/// Both values together.
-pub(super) fn plus(a: Value, b: Value) -> Value {
-    [a[0].saturating_add(b[0]), a[1].saturating_add(b[1])]
+impl Value {
+    /// The sum of both, the largest number at most.
+    #[must_use]
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            duration: self.duration.saturating_add(other.duration),
+            length: self.length.saturating_add(other.length),
+        }
+    }
 }
 
 /// Values of arcs and of ways through cells.
@@ -28,17 +40,24 @@ pub struct Values {
 impl Values {
     /// Sums up the values of arcs, which stand in the order of the arcs that leave states.
     pub fn new(graph: Searched<'_>, arcs: Vec<Value>) -> Self {
-        let mut values = Self { arcs, rows: Vec::new() };
+        let mut values = Self {
+            arcs,
+            rows: Vec::new(),
+        };
         for (height, layer) in graph.overlay.layers.iter().enumerate() {
             let cells = (0..layer.cells() as u32).into_par_iter();
-            let rows: Vec<Vec<Value>> = cells.map(|cell| values.cell(graph, height, layer, cell)).collect();
+            let rows: Vec<Vec<Value>> = cells
+                .map(|cell| values.cell(graph, height, layer, cell))
+                .collect();
             values.rows.push(rows.concat());
         }
         values
     }
 
+    /// The values of a cell's matrix, row by row.
     fn cell(&self, graph: Searched<'_>, height: usize, layer: &Layer, cell: u32) -> Vec<Value> {
-        let (cliques, inner, exits) = (&graph.cliques[height], layer.inner(cell), layer.exits(cell));
+        let cliques = &graph.cliques[height];
+        let (inner, exits) = (layer.inner(cell), layer.exits(cell));
         let mut rows = Vec::new();
         for (row, entry) in layer.entries(cell).enumerate() {
             let matrix = layer.matrix[cell as usize] as usize + row * exits.len();
@@ -46,11 +65,12 @@ impl Values {
             let tree = &cliques.trees[begin..begin + inner.len()];
             let first = layer.below[entry] as usize - inner.start;
             for (exit, weight) in exits.clone().zip(&cliques.rows[matrix..]) {
-                let (mut value, mut last) = ([0, 0], layer.below[exit] as usize - inner.start);
+                let mut value = Value::default();
+                let mut last = layer.below[exit] as usize - inner.start;
                 while *weight < FAR && last != first {
                     let before = usize::from(tree[last]);
                     let [from, to] = [before, last].map(|local| (inner.start + local) as u32);
-                    value = plus(value, self.below(graph, height, from, to));
+                    value = value.plus(self.below(graph, height, from, to));
                     last = before;
                 }
                 rows.push(value);
@@ -61,15 +81,27 @@ impl Values {
 
     /// From one index in the layer below to the next.
     fn below(&self, graph: Searched<'_>, height: usize, from: u32, to: u32) -> Value {
-        let Some(lower) = height.checked_sub(1) else { return self.arc(graph, from, to) };
+        let Some(lower) = height.checked_sub(1) else {
+            return self.arc(graph, from, to);
+        };
         let layer = &graph.overlay.layers[lower];
         let [a, b] = [from, to].map(|slot| layer.state[slot as usize]);
         let [p, q] = [a, b].map(|state| graph.overlay.cell(lower, state));
-        if p == q { self.through(graph, lower, from, to) } else { self.arc(graph, a, b) }
+        if p == q {
+            self.through(graph, lower, from, to)
+        } else {
+            self.arc(graph, a, b)
+        }
     }
 
     /// Through a cell, from an entry to an exit, by their slots.
-    pub(super) fn through(&self, graph: Searched<'_>, height: usize, entry: u32, exit: u32) -> Value {
+    pub(super) fn through(
+        &self,
+        graph: Searched<'_>,
+        height: usize,
+        entry: u32,
+        exit: u32,
+    ) -> Value {
         let layer = &graph.overlay.layers[height];
         let cell = graph.overlay.cell(height, layer.state[entry as usize]);
         let (entries, exits) = (layer.entries(cell), layer.exits(cell));
@@ -82,6 +114,8 @@ impl Values {
     pub(super) fn arc(&self, graph: Searched<'_>, from: u32, to: u32) -> Value {
         let out = &graph.overlay.out;
         let slots = out.of(from).filter(|slot| out.head[*slot] == to);
-        slots.min_by_key(|slot| graph.weights.out[*slot]).map_or([0, 0], |slot| self.arcs[slot])
+        slots
+            .min_by_key(|slot| graph.weights.out[*slot])
+            .map_or(Value::default(), |slot| self.arcs[slot])
     }
 }

@@ -1,6 +1,6 @@
 //! Whether what a graph file says can be true: a file with the right checksum can still have been made by anybody.
 
-use crate::network::{Network, VIA_WAYS};
+use crate::network::{MOST_VIA_WAYS, Network};
 use crate::roads::Roads;
 
 type Checked = Result<(), &'static str>;
@@ -12,32 +12,62 @@ fn check(good: bool, problem: &'static str) -> Checked {
 /// Everything that numbers refer to is there, and edges are in order.
 pub(super) fn network(network: &Network) -> Checked {
     let vertices = network.vertices.len();
-    check(network.vertex_classes.len() == vertices, "vertices and their words do not match")?;
-    let nodes = (network.vertex_nodes.len(), network.nodes.len()) == (vertices, network.points.len());
+    check(
+        network.vertex_classes.len() == vertices,
+        "vertices and their words do not match",
+    )?;
+    let nodes =
+        (network.vertex_nodes.len(), network.nodes.len()) == (vertices, network.points.len());
     check(nodes, "points and their nodes do not match")?;
-    check(network.ways.len() == network.edge_count(), "edges and their ways do not match")?;
+    check(
+        network.ways.len() == network.edge_count(),
+        "edges and their ways do not match",
+    )?;
     let classes = network.vertex_classes.iter();
     check(
-        classes.max().is_none_or(|c| (*c as usize) < network.node_words.len()),
+        classes
+            .max()
+            .is_none_or(|c| (*c as usize) < network.node_words.len()),
         "a vertex has unknown words",
     )?;
     let ends = network.edges.last().map(|edge| edge.first_point as usize);
-    check(ends == Some(network.points.len()), "the last edge's points are missing")?;
-    check(network.edge_count() < (1 << 30) && vertices < (1 << 30), "there are too many vertices or edges")?;
+    check(
+        ends == Some(network.points.len()),
+        "the last edge's points are missing",
+    )?;
+    check(
+        network.edge_count() < (1 << 30) && vertices < (1 << 30),
+        "there are too many vertices or edges",
+    )?;
     for (edge, next) in network.edges().iter().zip(&network.edges[1..]) {
         let known = (edge.from.max(edge.to) as usize) < vertices
             && (edge.class as usize) < network.way_words.len()
             && (edge.name as usize) < network.names.len();
         check(known, "an edge's vertices, words or name are unknown")?;
-        check(edge.first_point <= next.first_point, "the points of an edge are not its own")?;
+        check(
+            edge.first_point <= next.first_point,
+            "the points of an edge are not its own",
+        )?;
     }
-    let words = network.restrictions.iter().map(|restriction| restriction.words);
+    let words = network
+        .restrictions
+        .iter()
+        .map(|restriction| restriction.words);
     check(
-        words.max().is_none_or(|w| (w as usize) < network.restriction_words.len()),
+        words
+            .max()
+            .is_none_or(|w| (w as usize) < network.restriction_words.len()),
         "a restriction has unknown words",
     )?;
-    let ways = network.restrictions.iter().map(|restriction| u64::from(restriction.ways)).sum::<u64>();
-    let few = network.restrictions.iter().all(|restriction| restriction.ways as usize <= VIA_WAYS);
+    let ways = network
+        .restrictions
+        .iter()
+        .map(|restriction| u64::from(restriction.ways))
+        .sum::<u64>();
+    let few = network
+        .restrictions
+        .iter()
+        .all(|restriction| restriction.ways as usize <= MOST_VIA_WAYS);
     check(
         few && ways == network.via_ways.len() as u64,
         "the ways of a turn restriction are missing, or too many",
@@ -53,9 +83,17 @@ pub(super) fn levels(levels: &[Vec<u32>], vertices: usize) -> Checked {
             starts.first() == Some(&0) && starts.last().map(|end| *end as usize) == Some(vertices),
             PROBLEM,
         )?;
-        check(starts.len() >= 2 && starts.windows(2).all(|cell| cell[0] < cell[1]), PROBLEM)?;
+        check(
+            starts.len() >= 2 && starts.windows(2).all(|cell| cell[0] < cell[1]),
+            PROBLEM,
+        )?;
         if let Some(above) = levels.get(i + 1) {
-            check(above.iter().all(|start| starts.binary_search(start).is_ok()), PROBLEM)?;
+            check(
+                above
+                    .iter()
+                    .all(|start| starts.binary_search(start).is_ok()),
+                PROBLEM,
+            )?;
         }
     }
     Ok(())

@@ -20,7 +20,9 @@ impl<T: Pod> Column<T> {
     /// Part of a mapped file; `None` if it does not lie in the file, is no whole number of elements or is not aligned.
     pub(super) fn mapped(file: &Arc<Mmap>, begin: usize, bytes: usize) -> Option<Self> {
         let attached = Yoke::try_attach_to_cart(Arc::clone(file), |file: &Mmap| {
-            let part = file.get(begin..begin.checked_add(bytes).ok_or(())?).ok_or(())?;
+            let part = file
+                .get(begin..begin.checked_add(bytes).ok_or(())?)
+                .ok_or(())?;
             bytemuck::try_cast_slice(part).map_err(|_| ())
         });
         attached.ok().map(|yoke| Self(Kept::Mapped(yoke)))

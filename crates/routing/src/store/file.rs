@@ -46,7 +46,10 @@ pub enum GraphFileError {
 /// Whether a file begins like a graph file.
 pub fn is_graph_file(path: &Path) -> bool {
     let mut begin = [0; MAGIC.len()];
-    File::open(path).and_then(|mut file| file.read_exact(&mut begin)).is_ok() && begin == MAGIC
+    File::open(path)
+        .and_then(|mut file| file.read_exact(&mut begin))
+        .is_ok()
+        && begin == MAGIC
 }
 
 /// Writes a network in its cells to a file, which is replaced whole or not at all.
@@ -114,9 +117,16 @@ fn sections<'a>(roads: &'a Roads, levels: &'a [u32]) -> [&'a [u8]; SECTIONS] {
 
 /// Opens a graph file.
 pub fn read(path: &Path) -> Result<Roads, GraphFileError> {
-    let io = |source| GraphFileError::Io { doing: "read", path: path.to_owned(), source };
+    let io = |source| GraphFileError::Io {
+        doing: "read",
+        path: path.to_owned(),
+        source,
+    };
     let mut file = File::open(path).map_err(io)?;
-    let bad = |problem: &str| GraphFileError::Bad { path: path.to_owned(), problem: problem.to_owned() };
+    let bad = |problem: &str| GraphFileError::Bad {
+        path: path.to_owned(),
+        problem: problem.to_owned(),
+    };
     whole(&mut file).map_err(io)?.map_err(bad)?;
     let file = Arc::new(map::mapped(&file).map_err(io)?);
     let roads = Sections { file, next: 0 }.roads().map_err(bad)?;
@@ -128,15 +138,21 @@ pub fn read(path: &Path) -> Result<Roads, GraphFileError> {
 fn whole(file: &mut File) -> io::Result<Result<(), &'static str>> {
     const FOREIGN: &str = "this is not a graph file";
     if cfg!(target_endian = "big") {
-        return Ok(Err("graph files can be read on little-endian machines only"));
+        return Ok(Err(
+            "graph files can be read on little-endian machines only",
+        ));
     }
     let size = file.metadata()?.len();
     let mut header = [0; HEADER];
     if size < (HEADER + SECTIONS * ENTRY) as u64 {
-        return Ok(Err("this is not a graph file, or only the beginning of one"));
+        return Ok(Err(
+            "this is not a graph file, or only the beginning of one",
+        ));
     }
     file.read_exact(&mut header)?;
-    let number = |at: usize| u32::from_le_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]]);
+    let number = |at: usize| {
+        u32::from_le_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]])
+    };
     if header[..8] != MAGIC {
         return Ok(Err(FOREIGN));
     }
@@ -144,7 +160,9 @@ fn whole(file: &mut File) -> io::Result<Result<(), &'static str>> {
         return Ok(Err("this graph file is of another version of the program"));
     }
     if u64::from(number(16)) | u64::from(number(20)) << 32 != size {
-        return Ok(Err("this graph file is cut off, or something stands behind its end"));
+        return Ok(Err(
+            "this graph file is cut off, or something stands behind its end",
+        ));
     }
     // Read, not mapped, so that looking at all of it once does not keep all of it in memory.
     let mut hasher = blake3::Hasher::new();
@@ -187,8 +205,15 @@ impl Sections {
     }
 
     fn texts(&mut self) -> Result<Texts, &'static str> {
-        let texts = Texts { bytes: self.column()?, ends: self.column()? };
-        if texts.are_whole() { Ok(texts) } else { Err("the words of this graph file cannot be read") }
+        let texts = Texts {
+            bytes: self.column()?,
+            ends: self.column()?,
+        };
+        if texts.are_whole() {
+            Ok(texts)
+        } else {
+            Err("the words of this graph file cannot be read")
+        }
     }
 
     fn roads(&mut self) -> Result<Roads, &'static str> {
@@ -220,8 +245,9 @@ impl Sections {
 fn levels(mut rest: &[u32]) -> Result<Vec<Vec<u32>>, &'static str> {
     let mut levels = Vec::new();
     while let [length, after @ ..] = rest {
-        let (level, after) =
-            after.split_at_checked(*length as usize).ok_or("the cells of this graph file are incomplete")?;
+        let (level, after) = after
+            .split_at_checked(*length as usize)
+            .ok_or("the cells of this graph file are incomplete")?;
         levels.push(level.to_vec());
         rest = after;
     }
