@@ -82,12 +82,22 @@ impl DeadReckoning {
             self.resting.push_back(imu.gyro[2]);
         }
         if self.resting.len() > STARTING {
-            self.resting.pop_front().into_iter().for_each(|rate| self.learn_bias(rate));
+            self.resting
+                .pop_front()
+                .into_iter()
+                .for_each(|rate| self.learn_bias(rate));
         }
-        let turned = if self.ready { (imu.gyro[2] - self.bias) * dt } else { 0.0 };
+        let turned = if self.ready {
+            (imu.gyro[2] - self.bias) * dt
+        } else {
+            0.0
+        };
         // Along the chord of the arc.
         let chord = Pose2::new(pose.x, pose.y, pose.yaw + turned / 2.0).transform(forward, 0.0);
-        self.history.push(imu.stamp, Pose2::new(chord.x, chord.y, wrap_angle(pose.yaw + turned)));
+        self.history.push(
+            imu.stamp,
+            Pose2::new(chord.x, chord.y, wrap_angle(pose.yaw + turned)),
+        );
     }
 
     fn learn_bias(&mut self, rate: f64) {
@@ -110,7 +120,8 @@ impl Localizer for DeadReckoning {
     fn update(&mut self, observation: &Observation<'_>) {
         // Both come at 100 Hz with the same stamps.
         for (imu, wheels) in observation.imu.iter().zip(observation.wheels) {
-            let sound = imu.gyro[2].is_finite() && wheels.left.is_finite() && wheels.right.is_finite();
+            let sound =
+                imu.gyro[2].is_finite() && wheels.left.is_finite() && wheels.right.is_finite();
             if sound && imu.stamp > self.newest().0 {
                 self.advance(imu, wheels);
             }
@@ -145,14 +156,28 @@ mod tests {
     }
 
     /// Feeds `seconds` of samples with a gyroscope bias; wheel speed and turn rate as given.
-    fn feed(localizer: &mut DeadReckoning, from_ms: u64, seconds: f64, speed: f64, rate: f64) -> u64 {
+    fn feed(
+        localizer: &mut DeadReckoning,
+        from_ms: u64,
+        seconds: f64,
+        speed: f64,
+        rate: f64,
+    ) -> u64 {
         let end = from_ms + (seconds * 1000.0) as u64;
         let mut angle = localizer.wheels.map_or(0.0, |w| w.left);
         for ms in (from_ms + 10..=end).step_by(10) {
             angle += speed * 0.01 / 0.06;
             let stamp = SimTime::from_millis(ms);
-            let imu = [ImuSample { stamp, gyro: [0.0, 0.0, rate + 0.01], accel: [0.0, 0.0, 9.8] }];
-            let wheels = [WheelSample { stamp, left: angle, right: angle }];
+            let imu = [ImuSample {
+                stamp,
+                gyro: [0.0, 0.0, rate + 0.01],
+                accel: [0.0, 0.0, 9.8],
+            }];
+            let wheels = [WheelSample {
+                stamp,
+                left: angle,
+                right: angle,
+            }];
             localizer.update(&Observation {
                 time: stamp,
                 imu: &imu,
@@ -173,7 +198,12 @@ mod tests {
         assert!(localizer.ready());
         feed(&mut localizer, at, std::f64::consts::TAU / 0.5, 0.4, 0.5);
         let pose = localizer.pose();
-        assert!(pose.point().distance(openbench_core::MapPoint::new(2.0, 1.0)) < 0.02, "{pose:?}");
+        assert!(
+            pose.point()
+                .distance(openbench_core::MapPoint::new(2.0, 1.0))
+                < 0.02,
+            "{pose:?}"
+        );
         assert!(wrap_angle(pose.yaw - 0.5).abs() < 0.01, "{pose:?}");
     }
 
@@ -188,7 +218,11 @@ mod tests {
             at = feed(&mut localizer, at, 0.4, 0.0, 0.0);
         }
         let turned = 20.0 * 0.6 * 0.2;
-        assert!((localizer.pose().yaw - turned).abs() < 0.02, "{:?}", localizer.pose());
+        assert!(
+            (localizer.pose().yaw - turned).abs() < 0.02,
+            "{:?}",
+            localizer.pose()
+        );
         assert!((localizer.bias - 0.01).abs() < 1e-4, "{}", localizer.bias);
     }
 
@@ -197,10 +231,15 @@ mod tests {
         let mut localizer = DeadReckoning::new(RobotDescription::sentry());
         let at = feed(&mut localizer, 0, 4.0, 0.0, 0.0);
         feed(&mut localizer, at, 0.5, 0.5, 0.0);
-        let (a, b) =
-            (localizer.pose_at(SimTime::from_millis(4200)), localizer.pose_at(SimTime::from_millis(4210)));
+        let (a, b) = (
+            localizer.pose_at(SimTime::from_millis(4200)),
+            localizer.pose_at(SimTime::from_millis(4210)),
+        );
         let middle = localizer.pose_at(SimTime::from_millis(4205));
         assert!((middle.x - (a.x + b.x) / 2.0).abs() < 1e-9 && b.x > a.x);
-        assert_eq!(localizer.pose_at(SimTime::from_millis(99_999)), localizer.pose());
+        assert_eq!(
+            localizer.pose_at(SimTime::from_millis(99_999)),
+            localizer.pose()
+        );
     }
 }

@@ -50,20 +50,30 @@ pub struct Gnss {
 impl Gnss {
     /// With the antenna there in `base_link`, metres forward and left.
     pub fn new(antenna: Vector2<f64>) -> Self {
-        Self { antenna, last: None }
+        Self {
+            antenna,
+            last: None,
+        }
     }
 
     fn fix(&mut self, fix: &GnssFix, now: SimTime, near: Pose2) -> Option<Fix> {
-        let sound = fix.position.iter().chain(fix.covariance.iter().flatten()).all(|x| x.is_finite());
-        let soon = self
-            .last
-            .is_some_and(|last| fix.stamp <= last || fix.stamp.since(last).as_secs_f64() < REFLECTED);
+        let sound = fix
+            .position
+            .iter()
+            .chain(fix.covariance.iter().flatten())
+            .all(|x| x.is_finite());
+        let soon = self.last.is_some_and(|last| {
+            fix.stamp <= last || fix.stamp.since(last).as_secs_f64() < REFLECTED
+        });
         // A stamp from the future would make all that follow come too late.
         if !sound || soon || fix.stamp > now {
             return None;
         }
         self.last = Some(fix.stamp);
-        let said = fix.covariance[0][0].max(fix.covariance[1][1]).max(0.0).sqrt();
+        let said = fix.covariance[0][0]
+            .max(fix.covariance[1][1])
+            .max(0.0)
+            .sqrt();
         let deviation = (said * OPTIMISM).max(BEST);
         let level = 1.0 / (deviation * deviation) * REFLECTED / SLOW;
         // The heading is not measured; it only says where the antenna is.
@@ -111,19 +121,42 @@ mod tests {
     fn a_receiver_is_believed_now_and_then_and_less_than_it_says() {
         let mut gnss = Gnss::new(Vector2::new(0.5, 0.0));
         let near = Pose2::new(9.0, 2.0, std::f64::consts::FRAC_PI_2);
-        let first = gnss.fix(&fix(100, 10.0, 0.5), SimTime::from_millis(30_000), near).unwrap();
+        let first = gnss
+            .fix(&fix(100, 10.0, 0.5), SimTime::from_millis(30_000), near)
+            .unwrap();
         assert!((first.pose.translation.vector - Vector2::new(10.0, 1.5)).norm() < 1e-12);
         // A fix of 2 m counts for a 180th of that; it is false beyond three times as far.
-        assert!((first.information[(0, 0)] - 0.25 / 180.0).abs() < 1e-12 && first.information[(2, 2)] == 0.0);
-        assert!((first.credible / first.information[(0, 0)].sqrt() - 6.0).abs() < 1e-9);
-        assert!(gnss.fix(&fix(5_000, 11.0, 5.0), SimTime::from_millis(30_000), near).is_none(), "too soon");
         assert!(
-            gnss.fix(&fix(40_000, 11.0, 5.0), SimTime::from_millis(30_000), near).is_none(),
+            (first.information[(0, 0)] - 0.25 / 180.0).abs() < 1e-12
+                && first.information[(2, 2)] == 0.0
+        );
+        assert!((first.credible / first.information[(0, 0)].sqrt() - 6.0).abs() < 1e-9);
+        assert!(
+            gnss.fix(&fix(5_000, 11.0, 5.0), SimTime::from_millis(30_000), near)
+                .is_none(),
+            "too soon"
+        );
+        assert!(
+            gnss.fix(&fix(40_000, 11.0, 5.0), SimTime::from_millis(30_000), near)
+                .is_none(),
             "from the future"
         );
-        assert!(gnss.fix(&fix(20_000, f64::NAN, 5.0), SimTime::from_millis(30_000), near).is_none());
-        let later = gnss.fix(&fix(20_000, 11.0, 5.0), SimTime::from_millis(30_000), near).unwrap();
+        assert!(
+            gnss.fix(
+                &fix(20_000, f64::NAN, 5.0),
+                SimTime::from_millis(30_000),
+                near
+            )
+            .is_none()
+        );
+        let later = gnss
+            .fix(&fix(20_000, 11.0, 5.0), SimTime::from_millis(30_000), near)
+            .unwrap();
         assert!((later.information[(0, 0)] - 0.01 / 180.0).abs() < 1e-12);
-        assert!(gnss.fix(&fix(10_000, 11.0, 5.0), SimTime::from_millis(30_000), near).is_none(), "backwards");
+        assert!(
+            gnss.fix(&fix(10_000, 11.0, 5.0), SimTime::from_millis(30_000), near)
+                .is_none(),
+            "backwards"
+        );
     }
 }

@@ -71,7 +71,9 @@ impl Fused {
 
     /// A new pose in the graph where the robot has come far enough since the last one.
     fn go_on(&mut self) {
-        let Some(covariance) = self.odometry.covariance() else { return };
+        let Some(covariance) = self.odometry.covariance() else {
+            return;
+        };
         let odom = self.odometry.pose();
         let here = Key { odom, covariance };
         let Some(last) = self.key else {
@@ -117,7 +119,11 @@ impl Fused {
         let way = believed.translation.vector - told.translation.vector;
         let turn = (told.rotation.inverse() * believed.rotation).angle();
         let (far, most) = (way.norm(), RATE.map(|rate| rate * seconds));
-        let way = if far > most[0] { way * (most[0] / far) } else { way };
+        let way = if far > most[0] {
+            way * (most[0] / far)
+        } else {
+            way
+        };
         let turn = turn.clamp(-most[1], most[1]);
         let next = Isometry2::new(told.translation.vector + way, told.rotation.angle() + turn);
         self.told = next * odom.inverse();
@@ -147,8 +153,11 @@ impl Localizer for Fused {
         self.now = self.now.max(observation.time);
         self.go_on();
         let near = self.pose();
-        let fixes: Vec<Fix> =
-            self.sources.iter_mut().filter_map(|source| source.update(observation, near)).collect();
+        let fixes: Vec<Fix> = self
+            .sources
+            .iter_mut()
+            .filter_map(|source| source.update(observation, near))
+            .collect();
         fixes.iter().for_each(|fix| self.take(fix));
         self.correct(seconds.min(LONGEST));
     }
@@ -168,8 +177,11 @@ impl Localizer for Fused {
     fn health(&self) -> Health {
         // Odometry's own covariance is of the way since the start; fixes may know the place better.
         let size = |covariance: &Matrix3<f64>| covariance[(0, 0)] + covariance[(1, 1)];
-        let known = [self.odometry.covariance(), self.covariance()].into_iter().flatten();
-        self.odometry.health_within(known.min_by(|a, b| size(a).total_cmp(&size(b))))
+        let known = [self.odometry.covariance(), self.covariance()]
+            .into_iter()
+            .flatten();
+        self.odometry
+            .health_within(known.min_by(|a, b| size(a).total_cmp(&size(b))))
     }
 
     fn odom(&self) -> Pose2 {
@@ -179,7 +191,10 @@ impl Localizer for Fused {
     /// What the graph says of its newest pose and odometry of the way from there; and what is still to be passed on.
     fn covariance(&self) -> Option<Matrix3<f64>> {
         let key = self.key?;
-        let here = Key { odom: self.odometry.pose(), covariance: self.odometry.covariance()? };
+        let here = Key {
+            odom: self.odometry.pose(),
+            covariance: self.odometry.covariance()?,
+        };
         let way = isometry(key.odom).inverse() * isometry(here.odom);
         let carried = way.inverse().adjoint();
         let since = information(&key, &here).try_inverse()?;
@@ -206,7 +221,11 @@ impl Fused {
 
 fn window(start: Isometry2<f64>) -> Window<Isometry2<f64>, 3> {
     let [level, turn] = START.map(|deviation| 1.0 / (deviation * deviation));
-    Window::new(start, Matrix3::from_diagonal(&[level, level, turn].into()), KEPT)
+    Window::new(
+        start,
+        Matrix3::from_diagonal(&[level, level, turn].into()),
+        KEPT,
+    )
 }
 
 /// One over the covariance of the way between two poses in the frame of its end: by how much the odometry's covariance grew.
@@ -230,7 +249,8 @@ fn information(from: &Key, to: &Key) -> Matrix3<f64> {
 fn turned(yaw: f64) -> Matrix3<f64> {
     let (sine, cosine) = libm::sincos(yaw);
     let mut turn = Matrix3::identity();
-    turn.fixed_view_mut::<2, 2>(0, 0).copy_from(&Matrix2::new(cosine, -sine, sine, cosine));
+    turn.fixed_view_mut::<2, 2>(0, 0)
+        .copy_from(&Matrix2::new(cosine, -sine, sine, cosine));
     turn
 }
 
@@ -242,7 +262,11 @@ fn isometry(pose: Pose2) -> Isometry2<f64> {
 
 fn pose(isometry: &Isometry2<f64>) -> Pose2 {
     let turn = isometry.rotation;
-    Pose2::new(isometry.translation.x, isometry.translation.y, libm::atan2(turn.im, turn.re))
+    Pose2::new(
+        isometry.translation.x,
+        isometry.translation.y,
+        libm::atan2(turn.im, turn.re),
+    )
 }
 
 #[cfg(test)]
@@ -252,15 +276,27 @@ mod tests {
     fn key(x: f64, deviation: f64) -> Key {
         let square = deviation * deviation;
         let covariance = Matrix3::from_diagonal(&[square, square, 1e-6].into());
-        Key { odom: Pose2::new(x, 0.0, 0.5), covariance }
+        Key {
+            odom: Pose2::new(x, 0.0, 0.5),
+            covariance,
+        }
     }
 
     #[test]
     fn a_way_is_no_better_known_than_what_its_ends_differ_by() {
         let of = |from, to| 1.0 / information(&from, &to).try_inverse().unwrap()[(0, 0)].sqrt();
         // Coasting makes a pose uncertain, and so is the way to it; a scan that fits again takes it back, and the way from there is as uncertain.
-        let (out, back) = (of(key(0.0, 0.1), key(1.0, 2.0)), of(key(1.0, 2.0), key(2.0, 0.1)));
-        assert!((out - 0.5).abs() < 0.01 && (back - 0.5).abs() < 0.01, "{out} {back}");
-        assert!(of(key(0.0, 0.1), key(1.0, 0.1)) > 10.0, "a way that nothing is wrong with");
+        let (out, back) = (
+            of(key(0.0, 0.1), key(1.0, 2.0)),
+            of(key(1.0, 2.0), key(2.0, 0.1)),
+        );
+        assert!(
+            (out - 0.5).abs() < 0.01 && (back - 0.5).abs() < 0.01,
+            "{out} {back}"
+        );
+        assert!(
+            of(key(0.0, 0.1), key(1.0, 0.1)) > 10.0,
+            "a way that nothing is wrong with"
+        );
     }
 }

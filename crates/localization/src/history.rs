@@ -36,9 +36,17 @@ impl History {
     /// The pose at an instant, between two along a straight line; outside them the nearest.
     pub(crate) fn at(&self, time: SimTime) -> Pose2 {
         let after = self.0.partition_point(|(t, _)| *t < time);
-        let Some(&(t1, b)) = self.0.get(after) else { return self.newest().1 };
-        let Some(&(t0, a)) = after.checked_sub(1).and_then(|i| self.0.get(i)) else { return b };
+        let Some(&(t1, b)) = self.0.get(after) else {
+            return self.newest().1;
+        };
+        let Some(&(t0, a)) = after.checked_sub(1).and_then(|i| self.0.get(i)) else {
+            return b;
+        };
         let s = time.since(t0).as_secs_f64() / t1.since(t0).as_secs_f64().max(1e-9);
-        Pose2::new(a.x + s * (b.x - a.x), a.y + s * (b.y - a.y), a.yaw + s * wrap_angle(b.yaw - a.yaw))
+        Pose2::new(
+            a.x + s * (b.x - a.x),
+            a.y + s * (b.y - a.y),
+            a.yaw + s * wrap_angle(b.yaw - a.yaw),
+        )
     }
 }

@@ -34,12 +34,22 @@ impl LidarInertial {
         let odometry = LidarInertialOdometry::new(settings(&robot));
         let (start, history) = (Pose2::default(), History::from(Pose2::default()));
         let wheels = Wheels::new(&robot);
-        Self { robot, odometry, start, history, wheels, status: None, covariance: None }
+        Self {
+            robot,
+            odometry,
+            start,
+            history,
+            wheels,
+            status: None,
+            covariance: None,
+        }
     }
 
     /// The health of a pose of that covariance that comes from here.
     pub(crate) fn health_within(&self, covariance: Option<Matrix3<f64>>) -> Health {
-        let deviation = covariance.map_or(0.0, |covariance| (covariance[(0, 0)] + covariance[(1, 1)]).sqrt());
+        let deviation = covariance.map_or(0.0, |covariance| {
+            (covariance[(0, 0)] + covariance[(1, 1)]).sqrt()
+        });
         match self.status {
             Some(Status::Lost) => Health::Lost,
             // No number is no covariance.
@@ -47,7 +57,9 @@ impl LidarInertial {
             Some(Status::Coasting) => Health::Degraded(Doubt::FewFeatures),
             Some(Status::Noisy) => Health::Degraded(Doubt::Noise),
             Some(Status::Disputed) => Health::Degraded(Doubt::Contradiction),
-            Some(Status::Tracking) if deviation > DOUBTFUL_M => Health::Degraded(Doubt::FewFeatures),
+            Some(Status::Tracking) if deviation > DOUBTFUL_M => {
+                Health::Degraded(Doubt::FewFeatures)
+            }
             None | Some(Status::Tracking) => Health::Good,
         }
     }
@@ -59,7 +71,9 @@ impl LidarInertial {
     fn remember(&mut self, stamp: SimTime, pose: &Pose3) {
         let ahead = pose.rotation * Vector3::x();
         let yaw = libm::atan2(ahead.y, ahead.x);
-        let on_map = self.start.compose(Pose2::new(pose.translation.x, pose.translation.y, yaw));
+        let on_map = self
+            .start
+            .compose(Pose2::new(pose.translation.x, pose.translation.y, yaw));
         self.history.push(stamp, on_map);
     }
 }
@@ -70,9 +84,17 @@ pub fn settings(robot: &RobotDescription) -> Settings {
         imu: robot.imu,
         lidar: robot.imu.inverse() * robot.lidar,
         estimate_lidar: false,
-        imu_noise: ImuNoise { gyro: 2e-4, accel: 2e-3, gyro_walk: 1e-5, accel_walk: 1e-4 },
+        imu_noise: ImuNoise {
+            gyro: 2e-4,
+            accel: 2e-3,
+            gyro_walk: 1e-5,
+            accel_walk: 1e-4,
+        },
         imu_limits: None,
-        lidar_noise: LidarNoise { range: 0.02, angle: 0.001 },
+        lidar_noise: LidarNoise {
+            range: 0.02,
+            angle: 0.001,
+        },
         typical_speed: robot.max_forward,
         blind: 0.3,
     }
@@ -90,10 +112,16 @@ impl Localizer for LidarInertial {
     }
 
     fn update(&mut self, observation: &Observation<'_>) {
-        let speeds = observation.wheels.iter().filter_map(|sample| self.wheels.take(sample));
+        let speeds = observation
+            .wheels
+            .iter()
+            .filter_map(|sample| self.wheels.take(sample));
         speeds.for_each(|speed| self.odometry.speed(speed));
-        let mut estimates: Vec<_> =
-            observation.imu.iter().flat_map(|sample| self.odometry.imu(*sample)).collect();
+        let mut estimates: Vec<_> = observation
+            .imu
+            .iter()
+            .flat_map(|sample| self.odometry.imu(*sample))
+            .collect();
         if let Some(scan) = observation.scan {
             estimates.extend(self.odometry.scan(scan.clone()));
         }
@@ -130,7 +158,8 @@ impl Localizer for LidarInertial {
         let upright = imu.inverse() * Vector3::z();
         let mut rows = SMatrix::<f64, 3, 6>::zeros();
         (rows[(0, 3)], rows[(0, 4)], rows[(1, 3)], rows[(1, 4)]) = (cosine, -sine, sine, cosine);
-        rows.fixed_view_mut::<1, 3>(2, 0).copy_from(&upright.transpose());
+        rows.fixed_view_mut::<1, 3>(2, 0)
+            .copy_from(&upright.transpose());
         // `base_link` goes along with the IMU's rotation.
         let lever = imu * self.robot.imu.inverse().translation.vector;
         let turn = -hat(lever) * imu.to_rotation_matrix().into_inner();

@@ -33,7 +33,12 @@ impl Wheels {
     pub fn new(robot: &RobotDescription) -> Self {
         let rim = robot.max_forward + robot.max_turn * robot.effective_track / 2.0;
         let fastest = MISREAD * rim;
-        Self { radius: robot.wheel_radius, track: robot.effective_track, fastest, last: None }
+        Self {
+            radius: robot.wheel_radius,
+            track: robot.effective_track,
+            fastest,
+            last: None,
+        }
     }
 
     /// Takes in a sample; the velocity of `base_link` when enough time has passed since the last one that was told.
@@ -72,7 +77,11 @@ mod tests {
     fn a_turn_of_the_wheels_is_a_way() {
         let robot = RobotDescription::sentry();
         let mut wheels = Wheels::new(&robot);
-        let sample = |millis, left, right| WheelSample { stamp: SimTime::from_millis(millis), left, right };
+        let sample = |millis, left, right| WheelSample {
+            stamp: SimTime::from_millis(millis),
+            left,
+            right,
+        };
         assert!(wheels.take(&sample(0, 1.0, 1.0)).is_none());
         assert!(wheels.take(&sample(40, 1.1, 1.1)).is_none());
         assert!(wheels.take(&sample(45, f64::NAN, 1.1)).is_none());

@@ -45,16 +45,23 @@ impl PoseGraph {
         let (mut plane, mut space) = (Part::default(), Part::default());
         let mut held = Vec::new();
         for (number, line) in text.lines().enumerate() {
-            let error = |what: String| G2oError::Line { line: number + 1, what };
+            let error = |what: String| G2oError::Line {
+                line: number + 1,
+                what,
+            };
             let mut words = line.split_whitespace();
-            let Some(tag) = words.next().filter(|tag| !tag.starts_with('#')) else { continue };
+            let Some(tag) = words.next().filter(|tag| !tag.starts_with('#')) else {
+                continue;
+            };
             let words: Vec<&str> = words.collect();
             match tag {
                 "VERTEX_SE2" => plane.vertex(&words, 3, flat),
                 "VERTEX_SE3:QUAT" => space.vertex(&words, 7, solid),
                 "EDGE_SE2" => plane.edge(&words, 3, flat, number + 1),
                 "EDGE_SE3:QUAT" => space.edge(&words, 7, solid, number + 1),
-                "FIX" => words.iter().try_for_each(|word| id(word).map(|id| held.push((id, number + 1)))),
+                "FIX" => words
+                    .iter()
+                    .try_for_each(|word| id(word).map(|id| held.push((id, number + 1)))),
                 _ => Err(format!(
                     "`{tag}` is none of VERTEX_SE2, EDGE_SE2, VERTEX_SE3:QUAT, EDGE_SE3:QUAT, FIX"
                 )),
@@ -62,8 +69,12 @@ impl PoseGraph {
             .map_err(error)?;
         }
         match (plane.ids.is_empty(), space.ids.is_empty()) {
-            (false, true) => plane.finish(&held).map(|(graph, ids)| Self::Plane(graph, ids)),
-            (true, false) => space.finish(&held).map(|(graph, ids)| Self::Space(graph, ids)),
+            (false, true) => plane
+                .finish(&held)
+                .map(|(graph, ids)| Self::Plane(graph, ids)),
+            (true, false) => space
+                .finish(&held)
+                .map(|(graph, ids)| Self::Space(graph, ids)),
             (true, true) => Err(G2oError::Empty),
             (false, false) => Err(G2oError::Mixed),
         }
@@ -92,9 +103,16 @@ impl PoseGraph {
                 let distance = pose.distance();
                 distance.iter().copied().collect()
             }),
-            Self::Space(graph, ids) => write(graph, ids, ["VERTEX_SE3:QUAT", "EDGE_SE3:QUAT"], |pose| {
-                pose.translation.vector.iter().chain(pose.rotation.coords.iter()).copied().collect()
-            }),
+            Self::Space(graph, ids) => {
+                write(graph, ids, ["VERTEX_SE3:QUAT", "EDGE_SE3:QUAT"], |pose| {
+                    pose.translation
+                        .vector
+                        .iter()
+                        .chain(pose.rotation.coords.iter())
+                        .copied()
+                        .collect()
+                })
+            }
         }
     }
 }
@@ -122,8 +140,10 @@ fn write<P, const D: usize>(
     for edge in &graph.edges {
         let _ = write!(text, "{} {} {}", tags[1], ids[edge.from], ids[edge.to]);
         put(&mut text, &numbers(&edge.measured));
-        let upper: Vec<f64> =
-            (0..D).flat_map(|i| (i..D).map(move |j| (i, j))).map(|at| edge.information[at]).collect();
+        let upper: Vec<f64> = (0..D)
+            .flat_map(|i| (i..D).map(move |j| (i, j)))
+            .map(|at| edge.information[at])
+            .collect();
         put(&mut text, &upper);
         text.push('\n');
     }
@@ -142,19 +162,31 @@ struct Part<P, const D: usize> {
 
 impl<P, const D: usize> Default for Part<P, D> {
     fn default() -> Self {
-        Self { ids: BTreeMap::new(), poses: Vec::new(), edges: Vec::new() }
+        Self {
+            ids: BTreeMap::new(),
+            poses: Vec::new(),
+            edges: Vec::new(),
+        }
     }
 }
 
 impl<P: Pose<D>, const D: usize> Part<P, D> {
-    fn vertex(&mut self, words: &[&str], size: usize, pose: fn(&[f64]) -> Option<P>) -> Result<(), String> {
-        let [name, rest @ ..] = words else { return Err("the pose has no number".into()) };
+    fn vertex(
+        &mut self,
+        words: &[&str],
+        size: usize,
+        pose: fn(&[f64]) -> Option<P>,
+    ) -> Result<(), String> {
+        let [name, rest @ ..] = words else {
+            return Err("the pose has no number".into());
+        };
         let id = id(name)?;
         let numbers = numbers(rest, size)?;
         if self.ids.insert(id, self.poses.len()).is_some() {
             return Err(format!("pose {id} was there before"));
         }
-        self.poses.push(pose(&numbers).ok_or("that is no pose: the quaternion is none")?);
+        self.poses
+            .push(pose(&numbers).ok_or("that is no pose: the quaternion is none")?);
         Ok(())
     }
 
@@ -179,36 +211,70 @@ impl<P: Pose<D>, const D: usize> Part<P, D> {
         if !is_information(&information) {
             return Err("that is no information: it is not positive along all directions".into());
         }
-        self.edges.push((Edge { from: 0, to: 0, measured, information }, ends, line));
+        self.edges.push((
+            Edge {
+                from: 0,
+                to: 0,
+                measured,
+                information,
+            },
+            ends,
+            line,
+        ));
         Ok(())
     }
 
     fn finish(self, held: &[(u64, usize)]) -> Result<(Graph<P, D>, Vec<u64>), G2oError> {
         let find = |id: u64, line: usize| {
             let what = || format!("pose {id} is named, but the file has none of that number");
-            self.ids.get(&id).copied().ok_or_else(|| G2oError::Line { line, what: what() })
+            self.ids
+                .get(&id)
+                .copied()
+                .ok_or_else(|| G2oError::Line { line, what: what() })
         };
         let edges = self.edges.into_iter().map(|(edge, [from, to], line)| {
-            Ok(Edge { from: find(from, line)?, to: find(to, line)?, ..edge })
+            Ok(Edge {
+                from: find(from, line)?,
+                to: find(to, line)?,
+                ..edge
+            })
         });
         let edges = edges.collect::<Result<_, G2oError>>()?;
-        let held = held.iter().map(|(id, line)| find(*id, *line)).collect::<Result<_, _>>()?;
+        let held = held
+            .iter()
+            .map(|(id, line)| find(*id, *line))
+            .collect::<Result<_, _>>()?;
         let mut ids = vec![0; self.poses.len()];
         self.ids.iter().for_each(|(id, at)| ids[*at] = *id);
-        Ok((Graph { poses: self.poses, edges, priors: Vec::new(), held }, ids))
+        Ok((
+            Graph {
+                poses: self.poses,
+                edges,
+                priors: Vec::new(),
+                held,
+            },
+            ids,
+        ))
     }
 }
 
 fn id(word: &str) -> Result<u64, String> {
-    word.parse().map_err(|_| format!("`{word}` is no number of a pose"))
+    word.parse()
+        .map_err(|_| format!("`{word}` is no number of a pose"))
 }
 
 fn numbers(words: &[&str], size: usize) -> Result<Vec<f64>, String> {
     if words.len() != size {
-        return Err(format!("there are {} numbers where {size} are wanted", words.len()));
+        return Err(format!(
+            "there are {} numbers where {size} are wanted",
+            words.len()
+        ));
     }
     let number = |word: &&str| {
-        word.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| format!("`{word}` is no number"))
+        word.parse()
+            .ok()
+            .filter(|x: &f64| x.is_finite())
+            .ok_or_else(|| format!("`{word}` is no number"))
     };
     words.iter().map(number).collect()
 }
@@ -221,7 +287,10 @@ fn solid(n: &[f64]) -> Option<Isometry3<f64>> {
     let rotation = UnitQuaternion::try_new(Quaternion::new(n[6], n[3], n[4], n[5]), 1e-6)?;
     // The square of a large number is none.
     let rotation = Some(rotation).filter(|rotation| (rotation.norm() - 1.0).abs() < 1e-6)?;
-    Some(Isometry3::from_parts(Translation3::new(n[0], n[1], n[2]), rotation))
+    Some(Isometry3::from_parts(
+        Translation3::new(n[0], n[1], n[2]),
+        rotation,
+    ))
 }
 
 #[cfg(test)]
@@ -232,21 +301,33 @@ mod tests {
     #[test]
     fn a_quaternion_that_overflows_is_refused() {
         let error = PoseGraph::parse("VERTEX_SE3:QUAT 0 5 0 5 0 96e256 0.1 0").unwrap_err();
-        assert!(error.to_string().contains("the quaternion is none"), "{error}");
+        assert!(
+            error.to_string().contains("the quaternion is none"),
+            "{error}"
+        );
     }
 
     #[test]
     fn information_is_of_a_covariance() {
         let file = |numbers: &str| FILE.replace("2 0.5 0 2 0 3", numbers);
         assert!(
-            PoseGraph::parse(&file("0 0 0 0 0 0")).is_ok() && PoseGraph::parse(&file("2 0 0 2 0 0")).is_ok()
+            PoseGraph::parse(&file("0 0 0 0 0 0")).is_ok()
+                && PoseGraph::parse(&file("2 0 0 2 0 0")).is_ok()
         );
         for bad in ["2 3 0 2 0 3", "-1 0 0 2 0 3"] {
             let error = PoseGraph::parse(&file(bad)).unwrap_err().to_string();
-            assert!(error.contains("line 5") && error.contains("not positive"), "{error}");
+            assert!(
+                error.contains("line 5") && error.contains("not positive"),
+                "{error}"
+            );
         }
-        let error = PoseGraph::parse(&file("1e308 0 0 1e308 0 1e308")).unwrap().solve();
-        assert!(error.is_ok() || error == Err(super::super::SolveError::NotFinite), "{error:?}");
+        let error = PoseGraph::parse(&file("1e308 0 0 1e308 0 1e308"))
+            .unwrap()
+            .solve();
+        assert!(
+            error.is_ok() || error == Err(super::super::SolveError::NotFinite),
+            "{error:?}"
+        );
     }
 
     const FILE: &str = "\
@@ -263,11 +344,20 @@ EDGE_SE2 7 3 1 0 0.25 2 0.5 0 2 0 3
         assert_eq!(graph.size(), (2, 1));
         assert!(graph.solve().unwrap().chi2 < 1e-12);
         let text = graph.to_text();
-        assert!(text.starts_with("VERTEX_SE2 7 0 0 0\nVERTEX_SE2 3 "), "{text}");
-        assert!(text.ends_with("FIX 7\nEDGE_SE2 7 3 1 0 0.25 2 0.5 0 2 0 3\n"), "{text}");
+        assert!(
+            text.starts_with("VERTEX_SE2 7 0 0 0\nVERTEX_SE2 3 "),
+            "{text}"
+        );
+        assert!(
+            text.ends_with("FIX 7\nEDGE_SE2 7 3 1 0 0.25 2 0.5 0 2 0 3\n"),
+            "{text}"
+        );
         // Through sine and cosine an angle comes back but for its last digit.
         let mut again = PoseGraph::parse(&text).unwrap();
-        assert_eq!((again.size(), again.solve().unwrap().chi2 < 1e-12), ((2, 1), true));
+        assert_eq!(
+            (again.size(), again.solve().unwrap().chi2 < 1e-12),
+            ((2, 1), true)
+        );
     }
 
     #[test]
@@ -283,11 +373,20 @@ EDGE_SE2 7 3 1 0 0.25 2 0.5 0 2 0 3
     #[test]
     fn bad_files_are_told_by_line() {
         for (text, what) in [
-            ("VERTEX_SE2 0 0 0", "line 1: there are 2 numbers where 3 are wanted"),
+            (
+                "VERTEX_SE2 0 0 0",
+                "line 1: there are 2 numbers where 3 are wanted",
+            ),
             ("VERTEX_SE2 0 0 0 nan", "line 1: `nan` is no number"),
-            ("VERTEX_SE2 0 0 0 0\nVERTEX_SE2 0 0 0 0", "line 2: pose 0 was there before"),
+            (
+                "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 0 0 0 0",
+                "line 2: pose 0 was there before",
+            ),
             ("\nVERTEX_XY 0 0 0", "line 2: `VERTEX_XY` is none of"),
-            ("VERTEX_SE2 0 0 0 0\nEDGE_SE2 0 4 1 0 0 1 0 0 1 0 1", "line 2: pose 4 is named"),
+            (
+                "VERTEX_SE2 0 0 0 0\nEDGE_SE2 0 4 1 0 0 1 0 0 1 0 1",
+                "line 2: pose 4 is named",
+            ),
             ("VERTEX_SE3:QUAT 0 0 0 0 0 0 0 0", "line 1: that is no pose"),
             (
                 "VERTEX_SE2 0 0 0 0\nVERTEX_SE3:QUAT 1 0 0 0 0 0 0 1",
@@ -314,9 +413,14 @@ EDGE_SE2 7 3 1 0 0.25 2 0.5 0 2 0 3
             ("EDGE_SE3:QUAT", 30),
             ("FIX", 1),
         ]);
-        (kind, prop::collection::vec(number, 31), prop_oneof![9 => Just(0_usize), 1 => 0..3_usize]).prop_map(
-            |((kind, count), numbers, off)| format!("{kind} {}", numbers[..count - off.min(count)].join(" ")),
+        (
+            kind,
+            prop::collection::vec(number, 31),
+            prop_oneof![9 => Just(0_usize), 1 => 0..3_usize],
         )
+            .prop_map(|((kind, count), numbers, off)| {
+                format!("{kind} {}", numbers[..count - off.min(count)].join(" "))
+            })
     }
 
     proptest! {

@@ -51,7 +51,9 @@ impl<P: Pose<D>, const D: usize> Edge<P, D> {
 
     /// Z⁻¹ Xᵢ⁻¹ Xⱼ
     pub(super) fn disagreement(&self, poses: &[P]) -> P {
-        self.measured.back().then(&poses[self.from].back().then(&poses[self.to]))
+        self.measured
+            .back()
+            .then(&poses[self.from].back().then(&poses[self.to]))
     }
 }
 
@@ -73,15 +75,21 @@ pub(super) fn is_information<const D: usize>(information: &SMatrix<f64, D, D>) -
     let largest = information.amax();
     // Scaled, so that none of the numbers overflows.
     largest == 0.0
-        || (information / largest + SMatrix::<f64, D, D>::identity() * ROUNDING).cholesky().is_some()
+        || (information / largest + SMatrix::<f64, D, D>::identity() * ROUNDING)
+            .cholesky()
+            .is_some()
 }
 
 impl<P: Pose<D>, const D: usize> Graph<P, D> {
     /// The sum of squared residuals in deviations. A prior counts no more than if it were just credible.
     pub fn chi2(&self) -> f64 {
-        let edges = self.edges.iter().map(|edge| square(&edge.residual(&self.poses), &edge.information));
+        let edges = self
+            .edges
+            .iter()
+            .map(|edge| square(&edge.residual(&self.poses), &edge.information));
         let priors = self.priors.iter().map(|prior| {
-            square(&prior.residual(&self.poses), &prior.information).min(prior.credible * prior.credible)
+            square(&prior.residual(&self.poses), &prior.information)
+                .min(prior.credible * prior.credible)
         });
         edges.sum::<f64>() + priors.sum::<f64>()
     }
@@ -101,15 +109,25 @@ impl<P: Pose<D>, const D: usize> Graph<P, D> {
             parent[a.max(b)] = a.min(b);
         }
         let mut kept = vec![false; self.poses.len()];
-        for at in self.priors.iter().map(|prior| prior.at).chain(self.held.iter().copied()) {
+        for at in self
+            .priors
+            .iter()
+            .map(|prior| prior.at)
+            .chain(self.held.iter().copied())
+        {
             kept[root(&mut parent, at)] = true;
         }
-        (0..self.poses.len()).filter(|i| parent[*i] == *i && !kept[*i]).collect()
+        (0..self.poses.len())
+            .filter(|i| parent[*i] == *i && !kept[*i])
+            .collect()
     }
 }
 
 /// A residual in deviations, squared.
-pub(super) fn square<const D: usize>(residual: &SVector<f64, D>, information: &SMatrix<f64, D, D>) -> f64 {
+pub(super) fn square<const D: usize>(
+    residual: &SVector<f64, D>,
+    information: &SMatrix<f64, D, D>,
+) -> f64 {
     let square = residual.dot(&(information * residual));
     // Rounding may leave it below; `max` would make a number of what is none.
     if square < 0.0 { 0.0 } else { square }

@@ -49,7 +49,9 @@ impl<P: Pose<D>, const D: usize> Graph<P, D> {
         if !chi2.is_finite() {
             return Err(SolveError::NotFinite);
         }
-        let Some(mut system) = System::new(self)? else { return Ok(Solved { chi2, steps: 0 }) };
+        let Some(mut system) = System::new(self)? else {
+            return Ok(Solved { chi2, steps: 0 });
+        };
         for step in 0..STEPS {
             system.linearize(self);
             // What says nothing has no number on its diagonal to take a part of.
@@ -59,7 +61,10 @@ impl<P: Pose<D>, const D: usize> Graph<P, D> {
                 return Err(SolveError::NotFinite);
             }
             let better = loop {
-                let tried = system.normal.solve(damping).map(|motions| system.moved(self, &motions));
+                let tried = system
+                    .normal
+                    .solve(damping)
+                    .map(|motions| system.moved(self, &motions));
                 if let Some((poses, after)) = tried.map(|poses| {
                     let before = std::mem::replace(&mut self.poses, poses);
                     let after = self.chi2();
@@ -67,7 +72,11 @@ impl<P: Pose<D>, const D: usize> Graph<P, D> {
                 }) && after <= chi2 * (1.0 + 1e-12)
                 {
                     self.poses = poses;
-                    damping = if damping > least * 10.0 { damping / 10.0 } else { 0.0 };
+                    damping = if damping > least * 10.0 {
+                        damping / 10.0
+                    } else {
+                        0.0
+                    };
                     break Some(chi2 - after);
                 }
                 damping = (damping * 10.0).max(least);
@@ -75,10 +84,15 @@ impl<P: Pose<D>, const D: usize> Graph<P, D> {
                     break None;
                 }
             };
-            let Some(gain) = better else { return Ok(Solved { chi2, steps: step }) };
+            let Some(gain) = better else {
+                return Ok(Solved { chi2, steps: step });
+            };
             chi2 -= gain;
             if gain <= chi2 * little {
-                return Ok(Solved { chi2: self.chi2(), steps: step + 1 });
+                return Ok(Solved {
+                    chi2: self.chi2(),
+                    steps: step + 1,
+                });
             }
         }
         Ok(Solved { chi2, steps: STEPS })
@@ -86,12 +100,17 @@ impl<P: Pose<D>, const D: usize> Graph<P, D> {
 
     fn check(&self) -> Result<(), SolveError> {
         let named = self.edges.iter().flat_map(|edge| [edge.from, edge.to]);
-        let named = named.chain(self.priors.iter().map(|prior| prior.at)).chain(self.held.iter().copied());
+        let named = named
+            .chain(self.priors.iter().map(|prior| prior.at))
+            .chain(self.held.iter().copied());
         if let Some(missing) = named.into_iter().find(|at| *at >= self.poses.len()) {
             return Err(SolveError::NoSuchPose(missing));
         }
         let edges = self.edges.iter().map(|edge| &edge.information);
-        if !edges.chain(self.priors.iter().map(|prior| &prior.information)).all(is_information) {
+        if !edges
+            .chain(self.priors.iter().map(|prior| &prior.information))
+            .all(is_information)
+        {
             return Err(SolveError::NotFinite);
         }
         Ok(())
@@ -123,7 +142,10 @@ impl<const D: usize> System<D> {
         if unknowns == 0 {
             return Ok(None);
         }
-        let pairs = graph.edges.iter().filter_map(|edge| Some((unknown[edge.from]?, unknown[edge.to]?)));
+        let pairs = graph
+            .edges
+            .iter()
+            .filter_map(|edge| Some((unknown[edge.from]?, unknown[edge.to]?)));
         let normal = Normal::new(unknowns, pairs).ok_or(SolveError::TooLarge)?;
         Ok(Some(Self { normal, unknown }))
     }
@@ -136,8 +158,10 @@ impl<const D: usize> System<D> {
             // The first pose moves the other way, seen from the second.
             let way = graph.poses[edge.to].back().then(&graph.poses[edge.from]);
             let at_start = -at_end * way.adjoint();
-            let (weighed_end, weighed_start) =
-                (at_end.transpose() * edge.information, at_start.transpose() * edge.information);
+            let (weighed_end, weighed_start) = (
+                at_end.transpose() * edge.information,
+                at_start.transpose() * edge.information,
+            );
             let [from, to] = [edge.from, edge.to].map(|pose| self.unknown[pose]);
             if let Some(from) = from {
                 self.normal.add(from, from, &(weighed_start * at_start));
@@ -167,7 +191,9 @@ impl<const D: usize> System<D> {
     fn moved<P: Pose<D>>(&self, graph: &Graph<P, D>, motions: &[SVector<f64, D>]) -> Vec<P> {
         let poses = graph.poses.iter().zip(&self.unknown);
         poses
-            .map(|(pose, unknown)| unknown.map_or_else(|| pose.clone(), |i| pose.moved(&motions[i])))
+            .map(|(pose, unknown)| {
+                unknown.map_or_else(|| pose.clone(), |i| pose.moved(&motions[i]))
+            })
             .collect()
     }
 }
@@ -186,9 +212,18 @@ mod tests {
     fn round() -> Graph<Isometry2<f64>, 3> {
         let quarter = std::f64::consts::FRAC_PI_2;
         let way = pose(10.1, 0.0, quarter);
-        let edge = |from, to| Edge { from, to, measured: way, information: Matrix3::identity() };
-        let poses =
-            vec![pose(0.0, 0.0, 0.0), pose(9.0, 1.0, 1.0), pose(12.0, 8.0, 3.0), pose(0.0, 12.0, -1.0)];
+        let edge = |from, to| Edge {
+            from,
+            to,
+            measured: way,
+            information: Matrix3::identity(),
+        };
+        let poses = vec![
+            pose(0.0, 0.0, 0.0),
+            pose(9.0, 1.0, 1.0),
+            pose(12.0, 8.0, 3.0),
+            pose(0.0, 12.0, -1.0),
+        ];
         Graph {
             poses,
             edges: vec![edge(0, 1), edge(1, 2), edge(2, 3), edge(3, 0)],
@@ -235,7 +270,10 @@ mod tests {
         assert_eq!(graph.solve(), Err(SolveError::NotFinite));
         // Edges that say nothing leave the poses where they are.
         let mut graph = round();
-        graph.edges.iter_mut().for_each(|edge| edge.information = Matrix3::zeros());
+        graph
+            .edges
+            .iter_mut()
+            .for_each(|edge| edge.information = Matrix3::zeros());
         assert_eq!(graph.solve().unwrap().chi2, 0.0);
         let mut graph = Graph::<Isometry2<f64>, 3>::default();
         assert_eq!(graph.solve().unwrap().steps, 0);

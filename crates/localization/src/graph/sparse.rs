@@ -22,7 +22,10 @@ pub(super) struct Normal<const D: usize> {
 
 impl<const D: usize> Normal<D> {
     /// Of so many unknown poses, of which pairs are coupled; `None` if it is too large for this machine's memory.
-    pub(super) fn new(unknowns: usize, pairs: impl Iterator<Item = (usize, usize)>) -> Option<Self> {
+    pub(super) fn new(
+        unknowns: usize,
+        pairs: impl Iterator<Item = (usize, usize)>,
+    ) -> Option<Self> {
         let mut below = vec![BTreeSet::new(); unknowns];
         for (a, b) in pairs.filter(|(a, b)| a != b) {
             below[a.min(b)].insert(a.max(b));
@@ -36,14 +39,23 @@ impl<const D: usize> Normal<D> {
         for blocks in &rows {
             for column in 0..D {
                 let diagonal = blocks[0] * D + column..(blocks[0] + 1) * D;
-                indices.extend(diagonal.chain(blocks[1..].iter().flat_map(|row| row * D..(row + 1) * D)));
+                indices.extend(
+                    diagonal.chain(blocks[1..].iter().flat_map(|row| row * D..(row + 1) * D)),
+                );
                 starts.push(indices.len());
             }
         }
         let (size, entries) = (unknowns * D, indices.len());
         let symbolic = SymbolicSparseColMat::new_checked(size, size, starts.clone(), None, indices);
         let factoring = SymbolicLlt::try_new(symbolic.as_ref(), Side::Lower).ok()?;
-        Some(Self { rows, starts, symbolic, factoring, values: vec![0.0; entries], right: vec![0.0; size] })
+        Some(Self {
+            rows,
+            starts,
+            symbolic,
+            factoring,
+            values: vec![0.0; entries],
+            right: vec![0.0; size],
+        })
     }
 
     pub(super) fn clear(&mut self) {
@@ -56,7 +68,9 @@ impl<const D: usize> Normal<D> {
         if row < column {
             return self.add(column, row, &block.transpose());
         }
-        let Ok(place) = self.rows[column].binary_search(&row) else { return };
+        let Ok(place) = self.rows[column].binary_search(&row) else {
+            return;
+        };
         for c in 0..D {
             let start = self.starts[column * D + c];
             if place == 0 {
@@ -74,19 +88,29 @@ impl<const D: usize> Normal<D> {
 
     /// The largest number on the diagonal.
     pub(super) fn largest(&self) -> f64 {
-        self.starts[..self.starts.len() - 1].iter().map(|start| self.values[*start]).fold(0.0, f64::max)
+        self.starts[..self.starts.len() - 1]
+            .iter()
+            .map(|start| self.values[*start])
+            .fold(0.0, f64::max)
     }
 
     /// The solution with something added to the diagonal; `None` if the matrix is not positive definite.
     pub(super) fn solve(&self, damping: f64) -> Option<Vec<SVector<f64, D>>> {
         let mut values = self.values.clone();
-        self.starts[..self.starts.len() - 1].iter().for_each(|start| values[*start] += damping);
+        self.starts[..self.starts.len() - 1]
+            .iter()
+            .for_each(|start| values[*start] += damping);
         let matrix = SparseColMat::new(self.symbolic.clone(), values);
-        let factor = Llt::try_new_with_symbolic(self.factoring.clone(), matrix.as_ref(), Side::Lower).ok()?;
+        let factor =
+            Llt::try_new_with_symbolic(self.factoring.clone(), matrix.as_ref(), Side::Lower)
+                .ok()?;
         let mut solution = Mat::from_fn(self.right.len(), 1, |row, _| self.right[row]);
         factor.solve_in_place(&mut solution);
         let parts = (0..self.rows.len()).map(|i| SVector::from_fn(|r, _| solution[(i * D + r, 0)]));
         let steps: Vec<SVector<f64, D>> = parts.collect();
-        steps.iter().all(|step| step.iter().all(|x| x.is_finite())).then_some(steps)
+        steps
+            .iter()
+            .all(|step| step.iter().all(|x| x.is_finite()))
+            .then_some(steps)
     }
 }

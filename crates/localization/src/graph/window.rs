@@ -43,7 +43,12 @@ pub struct Window<P, const D: usize> {
 impl<P: Pose<D>, const D: usize> Window<P, D> {
     /// Begins at a pose; so many poses are kept, two at least.
     pub fn new(start: P, information: SMatrix<f64, D, D>, capacity: usize) -> Self {
-        let anchor = Prior { at: 0, measured: start.clone(), information, credible: f64::INFINITY };
+        let anchor = Prior {
+            at: 0,
+            measured: start.clone(),
+            information,
+            credible: f64::INFINITY,
+        };
         Self {
             capacity: capacity.max(2),
             poses: VecDeque::from([start]),
@@ -75,13 +80,21 @@ impl<P: Pose<D>, const D: usize> Window<P, D> {
         if self.fixes.len() - first == FIXES {
             self.fixes.remove(first);
         }
-        let fix = Prior { at, measured, information, credible };
+        let fix = Prior {
+            at,
+            measured,
+            information,
+            credible,
+        };
         self.fixes.push_back(Believed { fix, weight: 1.0 });
     }
 
     /// Of the fixes in the window those that are thought to be true, and all.
     pub fn believed(&self) -> (usize, usize) {
-        (self.fixes.iter().filter(|fix| fix.weight > 0.5).count(), self.fixes.len())
+        (
+            self.fixes.iter().filter(|fix| fix.weight > 0.5).count(),
+            self.fixes.len(),
+        )
     }
 
     /// Brings all into agreement.
@@ -105,7 +118,9 @@ impl<P: Pose<D>, const D: usize> Window<P, D> {
             }
             control = Some(mu * GRADUATION);
         }
-        self.fixes.iter_mut().for_each(|fix| fix.weight = fix.weight.round());
+        self.fixes
+            .iter_mut()
+            .for_each(|fix| fix.weight = fix.weight.round());
         self.weigh(&mut graph);
         graph.solve_to(LITTLE[1])?;
         self.poses = graph.poses.into();
@@ -125,14 +140,19 @@ impl<P: Pose<D>, const D: usize> Window<P, D> {
                 information = (covariance + known.try_inverse()?).try_inverse()?;
             }
             let fixes = self.fixes.iter().filter(|fix| fix.fix.at == at);
-            information += fixes.map(|fix| fix.fix.information * fix.weight).sum::<SMatrix<f64, D, D>>();
+            information += fixes
+                .map(|fix| fix.fix.information * fix.weight)
+                .sum::<SMatrix<f64, D, D>>();
         }
         information.try_inverse()
     }
 
     /// Squares of the fixes' residuals, in deviations.
     fn squares(&self, poses: &[P]) -> Vec<f64> {
-        self.fixes.iter().map(|fix| square(&fix.fix.residual(poses), &fix.fix.information)).collect()
+        self.fixes
+            .iter()
+            .map(|fix| square(&fix.fix.residual(poses), &fix.fix.information))
+            .collect()
     }
 
     fn convex(&self, squares: &[f64]) -> f64 {
@@ -142,7 +162,11 @@ impl<P: Pose<D>, const D: usize> Window<P, D> {
             .zip(squares)
             .map(|(fix, square)| square / (fix.fix.credible * fix.fix.credible));
         let largest = ratios.fold(0.0, f64::max);
-        if 2.0 * largest > 1.0 { 1.0 / (2.0 * largest - 1.0) } else { f64::INFINITY }
+        if 2.0 * largest > 1.0 {
+            1.0 / (2.0 * largest - 1.0)
+        } else {
+            f64::INFINITY
+        }
     }
 
     fn graph(&self) -> Graph<P, D> {
@@ -169,17 +193,29 @@ impl<P: Pose<D>, const D: usize> Window<P, D> {
             credible: f64::INFINITY,
             ..fix.clone()
         });
-        graph.priors = std::iter::once(self.anchor.clone()).chain(weighed).collect();
+        graph.priors = std::iter::once(self.anchor.clone())
+            .chain(weighed)
+            .collect();
     }
 
     /// What the oldest pose was told goes over to the next one: Schur's complement at where they are thought to be.
     fn drop_oldest(&mut self) {
-        let Some((way, information)) = self.ways.pop_front() else { return };
+        let Some((way, information)) = self.ways.pop_front() else {
+            return;
+        };
         let poses: Vec<P> = self.poses.iter().take(2).cloned().collect();
-        let edge = Edge { from: 0, to: 1, measured: way, information };
+        let edge = Edge {
+            from: 0,
+            to: 1,
+            measured: way,
+            information,
+        };
         let (mut own, mut own_right) = (SMatrix::<f64, D, D>::zeros(), SVector::<f64, D>::zeros());
         let fixes = self.fixes.iter().filter(|fix| fix.fix.at == 0);
-        for (prior, weight) in fixes.map(|fix| (&fix.fix, fix.weight)).chain([(&self.anchor, 1.0)]) {
+        for (prior, weight) in fixes
+            .map(|fix| (&fix.fix, fix.weight))
+            .chain([(&self.anchor, 1.0)])
+        {
             let off = prior.disagreement(&poses);
             let weighed = off.distance_jacobian().transpose() * prior.information * weight;
             own += weighed * off.distance_jacobian();
@@ -188,12 +224,17 @@ impl<P: Pose<D>, const D: usize> Window<P, D> {
         let off = edge.disagreement(&poses);
         let (residual, at_end) = (off.distance(), off.distance_jacobian());
         let at_start = -at_end * poses[1].back().then(&poses[0]).adjoint();
-        let (weighed_end, weighed_start) =
-            (at_end.transpose() * information, at_start.transpose() * information);
+        let (weighed_end, weighed_start) = (
+            at_end.transpose() * information,
+            at_start.transpose() * information,
+        );
         own += weighed_start * at_start;
         own_right -= weighed_start * residual;
-        let (next, mixed, next_right) =
-            (weighed_end * at_end, weighed_end * at_start, -(weighed_end * residual));
+        let (next, mixed, next_right) = (
+            weighed_end * at_end,
+            weighed_end * at_start,
+            -(weighed_end * residual),
+        );
         self.poses.pop_front();
         self.fixes.retain(|fix| fix.fix.at > 0);
         self.fixes.iter_mut().for_each(|fix| fix.fix.at -= 1);
@@ -208,15 +249,26 @@ impl<P: Pose<D>, const D: usize> Window<P, D> {
         mixed: SMatrix<f64, D, D>,
         next_right: SVector<f64, D>,
     ) -> Prior<P, D> {
-        let prior =
-            |measured: P, information| Prior { at: 0, measured, information, credible: f64::INFINITY };
+        let prior = |measured: P, information| Prior {
+            at: 0,
+            measured,
+            information,
+            credible: f64::INFINITY,
+        };
         // Without a solution nothing is known of it, and the pose stays where it is.
         let nothing = prior(at.clone(), SMatrix::zeros());
-        let Some(solved) = own.try_inverse() else { return nothing };
+        let Some(solved) = own.try_inverse() else {
+            return nothing;
+        };
         let information = next - mixed * solved * mixed.transpose();
         let information = (information + information.transpose()) * 0.5;
-        let Some(covariance) = information.try_inverse() else { return nothing };
-        prior(at.moved(&(covariance * (next_right - mixed * solved * own_right))), information)
+        let Some(covariance) = information.try_inverse() else {
+            return nothing;
+        };
+        prior(
+            at.moved(&(covariance * (next_right - mixed * solved * own_right))),
+            information,
+        )
     }
 }
 
@@ -254,7 +306,10 @@ mod tests {
 
     impl Noise {
         fn uniform(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            self.0 = self
+                .0
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             (self.0 >> 33) as f64 / (1_u64 << 31) as f64
         }
 
@@ -264,7 +319,11 @@ mod tests {
     }
 
     /// Drives for so many steps with fixes of a metre's noise of which three in ten are false by up to fifty metres; errors in metres, and normalized ones squared.
-    fn drive(seed: u64, start: [f64; 3], steps: usize) -> (Window<Isometry2<f64>, 3>, Vec<[f64; 2]>) {
+    fn drive(
+        seed: u64,
+        start: [f64; 3],
+        steps: usize,
+    ) -> (Window<Isometry2<f64>, 3>, Vec<[f64; 2]>) {
         let mut noise = Noise(seed);
         let mut truth = pose(0.0, 0.0, 0.0);
         let off = Vector3::from(start).map(|x| x * noise.normal());
@@ -281,7 +340,11 @@ mod tests {
                 Vector2::new(noise.normal(), noise.normal())
             };
             let heading = window.newest().rotation.angle();
-            window.fix(pose(here.x + off.x, here.y + off.y, heading), of([1.0, 1.0, 1e6]), 3.0);
+            window.fix(
+                pose(here.x + off.x, here.y + off.y, heading),
+                of([1.0, 1.0, 1e6]),
+                3.0,
+            );
             window.settle().unwrap();
             let error = truth.back().then(window.newest()).distance();
             let nees = error.dot(&(window.covariance().unwrap().try_inverse().unwrap() * error));
@@ -296,9 +359,16 @@ mod tests {
         let (window, errors) = drive(3, [0.1, 0.1, 0.02], 400);
         let mut metres: Vec<f64> = errors.iter().map(|e| e[0]).collect();
         metres.sort_by(f64::total_cmp);
-        assert!(metres[380] < 0.5 && metres[399] < 0.8, "{:?}", &metres[380..]);
+        assert!(
+            metres[380] < 0.5 && metres[399] < 0.8,
+            "{:?}",
+            &metres[380..]
+        );
         let (believed, all) = window.believed();
-        assert!(all == 100 && (55..85).contains(&believed), "{believed} of {all}");
+        assert!(
+            all == 100 && (55..85).contains(&believed),
+            "{believed} of {all}"
+        );
     }
 
     #[test]

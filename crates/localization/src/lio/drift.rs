@@ -71,10 +71,16 @@ impl Drift {
         self.carry(after.state.position);
         for direction in loose {
             let variance = |known: &Known| {
-                direction.dot(&(known.covariance.fixed_view::<3, 3>(at::POSITION, at::POSITION) * direction))
+                direction.dot(
+                    &(known
+                        .covariance
+                        .fixed_view::<3, 3>(at::POSITION, at::POSITION)
+                        * direction),
+                )
             };
             let mut block = self.covariance.fixed_view_mut::<3, 3>(3, 3);
-            block += direction * direction.transpose() * (variance(before) - variance(after)).max(0.0);
+            block +=
+                direction * direction.transpose() * (variance(before) - variance(after)).max(0.0);
         }
     }
 
@@ -91,7 +97,9 @@ impl Drift {
     /// A map that is turned is the farther off the farther the robot goes in it.
     fn carry(&mut self, to: Vector3<f64>) {
         let mut lever = Matrix6::identity();
-        lever.fixed_view_mut::<3, 3>(3, 0).copy_from(&-hat(to - self.at));
+        lever
+            .fixed_view_mut::<3, 3>(3, 0)
+            .copy_from(&-hat(to - self.at));
         self.covariance = lever * self.covariance * lever.transpose();
         self.at = to;
     }
@@ -100,7 +108,14 @@ impl Drift {
     pub(super) fn told(&self, known: &Known) -> Matrix6<f64> {
         let mut here = self.clone();
         here.carry(known.state.position);
-        let mut back = turning(&known.state.rotation.to_rotation_matrix().into_inner().transpose());
+        let mut back = turning(
+            &known
+                .state
+                .rotation
+                .to_rotation_matrix()
+                .into_inner()
+                .transpose(),
+        );
         // How far the pose leans, it knows itself.
         back.fixed_columns_mut::<2>(0).fill(0.0);
         known.covariance.fixed_view::<6, 6>(0, 0) + back * here.covariance * back.transpose()
@@ -111,7 +126,10 @@ impl Drift {
 pub(super) fn upright(known: &mut Known) {
     known.state.map_tilt = Vector2::zeros();
     known.covariance.fixed_rows_mut::<2>(at::MAP_TILT).fill(0.0);
-    known.covariance.fixed_columns_mut::<2>(at::MAP_TILT).fill(0.0);
+    known
+        .covariance
+        .fixed_columns_mut::<2>(at::MAP_TILT)
+        .fill(0.0);
     (at::MAP_TILT..at::MAP_TILT + 2).for_each(|i| known.covariance[(i, i)] = UPRIGHT * UPRIGHT);
 }
 
@@ -127,7 +145,9 @@ fn lean(known: &mut Known, share: f64, seen: &Matrix2<f64>) {
     let mut tilt = step.fixed_view_mut::<2, 2>(at::MAP_TILT, at::MAP_TILT);
     tilt *= 1.0 - share;
     known.covariance = step * known.covariance * step.transpose();
-    let mut tilt = known.covariance.fixed_view_mut::<2, 2>(at::MAP_TILT, at::MAP_TILT);
+    let mut tilt = known
+        .covariance
+        .fixed_view_mut::<2, 2>(at::MAP_TILT, at::MAP_TILT);
     tilt += seen * (share * LEANING);
 }
 
@@ -163,7 +183,11 @@ mod tests {
             mount_position: Vector3::zeros(),
             map_tilt: Vector2::zeros(),
         };
-        Known { stamp: SimTime::ZERO, state, covariance: Covariance::identity() * 1e-6 }
+        Known {
+            stamp: SimTime::ZERO,
+            state,
+            covariance: Covariance::identity() * 1e-6,
+        }
     }
 
     #[test]
@@ -176,7 +200,10 @@ mod tests {
         let far = drift.told(&known(10.0));
         // Along the way: the pose and half of it once more. Across it ten metres times half a milliradian squared as well.
         assert!((far[(3, 3)] - 1.5e-6).abs() < 1e-9);
-        assert!((far[(4, 4)] - (1.5e-6 + 100.0 * 0.5e-6)).abs() < 1e-9, "{far}");
+        assert!(
+            (far[(4, 4)] - (1.5e-6 + 100.0 * 0.5e-6)).abs() < 1e-9,
+            "{far}"
+        );
         assert!((far[(2, 2)] - 1.5e-6).abs() < 1e-9);
     }
 
@@ -186,9 +213,15 @@ mod tests {
         let (mut before, after) = (known(0.0), known(0.0));
         before.covariance[(3, 3)] = 4.0;
         (0..100).for_each(|_| drift.grow(&mut before, 0.1, &along));
-        assert!((drift.told(&before)[(3, 3)] - 4.0).abs() < 1e-6, "told once");
+        assert!(
+            (drift.told(&before)[(3, 3)] - 4.0).abs() < 1e-6,
+            "told once"
+        );
         drift.keep(&before, &after, &along);
         let told = drift.told(&after);
-        assert!((told[(3, 3)] - 4.0).abs() < 1e-6 && told[(4, 4)] < 1e-4, "{told}");
+        assert!(
+            (told[(3, 3)] - 4.0).abs() < 1e-6 && told[(4, 4)] < 1e-4,
+            "{told}"
+        );
     }
 }

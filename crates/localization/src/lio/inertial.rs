@@ -53,7 +53,13 @@ impl Known {
     pub(super) fn temper(&mut self, unseen: &[Vector3<f64>], settings: &Settings, since: Duration) {
         for direction in unseen {
             let (typical, seconds) = (settings.typical_speed, since.as_secs_f64());
-            temper(&mut self.state, &mut self.covariance, direction, typical, seconds);
+            temper(
+                &mut self.state,
+                &mut self.covariance,
+                direction,
+                typical,
+                seconds,
+            );
         }
     }
 }
@@ -77,7 +83,10 @@ pub(super) struct Inertial {
 
 impl Inertial {
     pub(super) fn new(limits: Limits) -> Self {
-        Self { limits, ..Self::default() }
+        Self {
+            limits,
+            ..Self::default()
+        }
     }
 
     /// When the newest sample of the IMU was taken.
@@ -102,7 +111,10 @@ impl Inertial {
 
     /// Takes in a velocity, if it can be used.
     pub(super) fn push_speed(&mut self, speed: Speed) -> bool {
-        let late = self.speeds.back().is_some_and(|last| speed.stamp <= last.stamp);
+        let late = self
+            .speeds
+            .back()
+            .is_some_and(|last| speed.stamp <= last.stamp);
         let usable = speed.is_sound() && !late && self.speeds.len() < SPEEDS;
         if usable {
             self.speeds.push_back(speed);
@@ -120,28 +132,53 @@ impl Inertial {
     ) -> Way {
         let (mut way, mut at, mut hit) = (Way::default(), 0, None);
         let from = known.stamp;
-        let mut speeds = self.speeds.iter().skip_while(|speed| speed.stamp <= from).peekable();
+        let mut speeds = self
+            .speeds
+            .iter()
+            .skip_while(|speed| speed.stamp <= from)
+            .peekable();
         while known.stamp < until && !self.samples.is_empty() {
             // The samples round this instant; before the first and behind the last one they hold on.
             while at + 2 < self.samples.len() && self.samples[at + 1].0.stamp <= known.stamp {
                 at += 1;
             }
-            let [before, behind] = [&self.samples[at], &self.samples[(at + 1).min(self.samples.len() - 1)]];
+            let [before, behind] = [
+                &self.samples[at],
+                &self.samples[(at + 1).min(self.samples.len() - 1)],
+            ];
             let ahead = behind.0.stamp > known.stamp;
-            let next = if ahead { behind.0.stamp.min(until) } else { until };
-            let next = speeds.peek().map_or(next, |speed| next.min(speed.stamp)).min(known.stamp + STEP);
-            let (mut gyro, mut accel) =
-                (mean(before.0.gyro, behind.0.gyro), mean(before.0.accel, behind.0.accel));
+            let next = if ahead {
+                behind.0.stamp.min(until)
+            } else {
+                until
+            };
+            let next = speeds
+                .peek()
+                .map_or(next, |speed| next.min(speed.stamp))
+                .min(known.stamp + STEP);
+            let (mut gyro, mut accel) = (
+                mean(before.0.gyro, behind.0.gyro),
+                mean(before.0.accel, behind.0.accel),
+            );
             let mut noise = settings.imu_noise;
             if behind.0.stamp.since(before.0.stamp) > GAP {
                 [noise.gyro, noise.accel] = UNSEEN;
             }
             if let Some(said) = self.said_at(known.stamp) {
-                self.steady(&known.state, settings, said, &mut gyro, &mut accel, &mut noise);
+                self.steady(
+                    &known.state,
+                    settings,
+                    said,
+                    &mut gyro,
+                    &mut accel,
+                    &mut noise,
+                );
                 // Wheels that were stopped by a hit say so a little later.
                 if noise.accel > UNSEEN[1] {
                     hit = Some((known.stamp, noise.accel));
-                } else if let Some((_, unseen)) = hit.filter(|(at, _)| known.stamp.since(*at) < TOLD_LATE) {
+                } else if let Some((_, unseen)) =
+                    hit.filter(|(at, _)| known.stamp.since(*at) < TOLD_LATE)
+                {
                     noise.accel = unseen;
                 }
             }
@@ -158,8 +195,14 @@ impl Inertial {
             if limit.accel.contains(&true) {
                 noise.accel = UNSEEN[1];
             }
-            let Known { stamp, state, covariance } = known;
-            way.nodes.push(propagate(state, covariance, &noise, *stamp, next, gyro, accel));
+            let Known {
+                stamp,
+                state,
+                covariance,
+            } = known;
+            way.nodes.push(propagate(
+                state, covariance, &noise, *stamp, next, gyro, accel,
+            ));
             *stamp = next;
             while let Some(speed) = speeds.next_if(|speed| speed.stamp <= next) {
                 if next.since(speed.stamp) < NEAR {
@@ -179,9 +222,12 @@ impl Inertial {
 
     /// Whether the wheels said after this that nothing had changed: then a hit moved nothing.
     fn go_on_evenly(&self, said: &Speed) -> bool {
-        let after = self.speeds.partition_point(|speed| speed.stamp <= said.stamp);
+        let after = self
+            .speeds
+            .partition_point(|speed| speed.stamp <= said.stamp);
         self.speeds.get(after).is_some_and(|next| {
-            (next.velocity - said.velocity).norm() < EVENLY[0] && (next.turn - said.turn).abs() < EVENLY[1]
+            (next.velocity - said.velocity).norm() < EVENLY[0]
+                && (next.turn - said.turn).abs() < EVENLY[1]
         })
     }
 
@@ -250,7 +296,10 @@ impl Inertial {
         let (mut stamp, mut state) = (known.stamp, known.state.clone());
         for ((before, _), (behind, _)) in self.samples.iter().zip(self.samples.iter().skip(1)) {
             if behind.stamp > stamp {
-                let (gyro, accel) = (mean(before.gyro, behind.gyro), mean(before.accel, behind.accel));
+                let (gyro, accel) = (
+                    mean(before.gyro, behind.gyro),
+                    mean(before.accel, behind.accel),
+                );
                 advance(&mut state, stamp, behind.stamp, gyro, accel);
                 stamp = behind.stamp;
             }

@@ -25,7 +25,10 @@ pub(super) struct Limits {
 
 impl Limits {
     pub(super) fn new(stated: Option<[f64; 2]>) -> Self {
-        Self { stated, ..Self::default() }
+        Self {
+            stated,
+            ..Self::default()
+        }
     }
 
     /// Looks at a sample. As many samples before it as are told were at the limit, too, though it could not be known.
@@ -34,12 +37,19 @@ impl Limits {
         let mut late = 0;
         for (axis, x) in sample.gyro.into_iter().chain(sample.accel).enumerate() {
             let (size, sensor) = (x.abs(), axis / 3);
-            if self.stated.is_some_and(|stated| size >= stated[sensor] * (1.0 - 1e-6)) {
+            if self
+                .stated
+                .is_some_and(|stated| size >= stated[sensor] * (1.0 - 1e-6))
+            {
                 at[axis] = true;
                 continue;
             }
             let (largest, count) = &mut self.seen[axis];
-            *count = if size == *largest { *count + 1 } else { u32::from(size > *largest) };
+            *count = if size == *largest {
+                *count + 1
+            } else {
+                u32::from(size > *largest)
+            };
             *largest = largest.max(size);
             at[axis] = *count >= REPEATS && size >= LEAST[sensor];
             if at[axis] && *count == REPEATS {
@@ -47,7 +57,13 @@ impl Limits {
             }
         }
         let [a, b, c, d, e, f] = at;
-        (AtLimit { gyro: [a, b, c], accel: [d, e, f] }, late)
+        (
+            AtLimit {
+                gyro: [a, b, c],
+                accel: [d, e, f],
+            },
+            late,
+        )
     }
 }
 
@@ -57,7 +73,11 @@ mod tests {
     use openbench_core::SimTime;
 
     fn turn(rate: f64) -> ImuSample {
-        ImuSample { stamp: SimTime::ZERO, gyro: [0.0, 0.0, rate], accel: [0.0, 0.0, 9.8] }
+        ImuSample {
+            stamp: SimTime::ZERO,
+            gyro: [0.0, 0.0, rate],
+            accel: [0.0, 0.0, 9.8],
+        }
     }
 
     #[test]
@@ -69,7 +89,21 @@ mod tests {
             .map(|(at, late)| (at.gyro[2], *late))
             .collect();
         let none = (false, 0);
-        assert_eq!(at, [none, none, none, none, (true, 2), (true, 0), none, none, none, none]);
+        assert_eq!(
+            at,
+            [
+                none,
+                none,
+                none,
+                none,
+                (true, 2),
+                (true, 0),
+                none,
+                none,
+                none,
+                none
+            ]
+        );
     }
 
     #[test]
@@ -77,6 +111,8 @@ mod tests {
         let mut limits = Limits::default();
         assert!((0..10).all(|_| limits.look(&turn(0.0)).0 == AtLimit::default()));
         let mut limits = Limits::new(Some([0.5, 30.0]));
-        assert!(limits.look(&turn(-0.5)).0.gyro[2] && limits.look(&turn(0.4)).0 == AtLimit::default());
+        assert!(
+            limits.look(&turn(-0.5)).0.gyro[2] && limits.look(&turn(0.4)).0 == AtLimit::default()
+        );
     }
 }

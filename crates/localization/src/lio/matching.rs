@@ -106,7 +106,10 @@ impl Matching {
 
     /// Of the points where planes are known the share that lies on them; 1 where there are none.
     pub(super) fn agreeing(&self) -> f64 {
-        let seen = self.clusters.iter().filter(|cluster| cluster.seen.is_some());
+        let seen = self
+            .clusters
+            .iter()
+            .filter(|cluster| cluster.seen.is_some());
         let agreeing: f64 = seen.map(|cluster| cluster.points.weight).sum();
         let all = agreeing + self.contradicting as f64;
         if all > 0.0 { agreeing / all } else { 1.0 }
@@ -128,7 +131,9 @@ impl Matching {
                 Some(seen) => Rays::Right(cluster.points.weight / seen.weighed.weight),
                 None => Rays::Raw(lidar.rotation * cluster.points.mean()),
             };
-            if let Some(share) = map.add(&cluster.place, &cluster.points.moved(&motion), rays, about) {
+            if let Some(share) =
+                map.add(&cluster.place, &cluster.points.moved(&motion), rays, about)
+            {
                 new += share * cluster.points.weight;
                 all += cluster.points.weight;
             }
@@ -140,7 +145,9 @@ impl Matching {
         let lidar = lidar(state);
         let rotation = lidar.rotation.to_rotation_matrix();
         let cell = |p: Vector3<f64>| p.map(|x| libm::floor(x / SIDES[SIZES - 1]));
-        let corner = state.position.map(|x| libm::floor((x - CORNER) / SIDES[0]) * SIDES[0] + CORNER);
+        let corner = state
+            .position
+            .map(|x| libm::floor((x - CORNER) / SIDES[0]) * SIDES[0] + CORNER);
         let corner = corner.map(|x| x - f64::from(1 << (AXIS - 1)) * SIDES[0]);
         self.places.clear();
         self.order.clear();
@@ -150,7 +157,8 @@ impl Matching {
             let cell = cell(place - corner);
             let far = f64::from(1 << (AXIS + SPLITS));
             if cell.iter().all(|x| (0.0..far).contains(x)) {
-                self.order.push(key(cell.map(|x| x as u64)) << NUMBER | number as u64);
+                self.order
+                    .push(key(cell.map(|x| x as u64)) << NUMBER | number as u64);
             }
         }
         self.order.sort_unstable();
@@ -207,7 +215,9 @@ impl Search<'_> {
 
     /// Points on the cube's plane are its own; others, and all if it has none, are looked up in smaller cubes.
     fn cube(&mut self, run: &[u64], size: usize, met: bool, rest: &mut [Vec<u64>]) {
-        let Some(place) = Place::of(self.places[number(run[0])], size) else { return };
+        let Some(place) = Place::of(self.places[number(run[0])], size) else {
+            return;
+        };
         let (mine, below) = rest.split_at_mut(1);
         let left = &mut mine[0];
         left.clear();
@@ -217,11 +227,21 @@ impl Search<'_> {
         let plane = known.and_then(|known| known.plane);
         let seen = plane.map(|plane| self.seen(plane, run, &mut points, left));
         if seen.is_none() {
-            run.iter().for_each(|key| points.add(self.points[number(*key)], 1.0));
+            run.iter()
+                .for_each(|key| points.add(self.points[number(*key)], 1.0));
         }
-        let (met, next) = if seen.is_some() { (true, &left[..]) } else { (met, run) };
+        let (met, next) = if seen.is_some() {
+            (true, &left[..])
+        } else {
+            (met, run)
+        };
         if points.weight > 0.0 {
-            self.clusters.push(Cluster { place, points, seen, full });
+            self.clusters.push(Cluster {
+                place,
+                points,
+                seen,
+                full,
+            });
         }
         if size + 1 < SIZES {
             self.split(next, size + 1, met, below);
@@ -247,7 +267,9 @@ impl Search<'_> {
         let from_middle = self.lidar.translation.vector - plane.middle;
         let errors = plane.errors();
         let rows = errors.map(|(along, shift, _)| {
-            (self.lidar.rotation.inverse() * along).push(shift + along.dot(&from_middle)).transpose()
+            (self.lidar.rotation.inverse() * along)
+                .push(shift + along.dot(&from_middle))
+                .transpose()
         });
         Seen {
             normal: plane.normal,
@@ -311,6 +333,11 @@ impl Gate {
         let variance = self.noise.across(along, squared) + ROUGHNESS * ROUGHNESS;
         let residual = along + self.offset;
         let passes = residual * residual < (GATE * GATE * (variance + self.known)).min(self.widest);
-        passes.then(|| (point * (1.0 - grazing(along, squared, &self.noise)), self.certainty / variance))
+        passes.then(|| {
+            (
+                point * (1.0 - grazing(along, squared, &self.noise)),
+                self.certainty / variance,
+            )
+        })
     }
 }

@@ -68,8 +68,11 @@ const LOST_DEVIATIONS: [f64; 2] = [100.0, 1.0];
 /// A scan is gone through that often where the gyroscope was at its limit: what it did not show is seen in how the scan lies.
 const PASSES: usize = 3;
 /// Directions of which a scan that is not there says nothing.
-const UNSEEN: [Vector3<f64>; 3] =
-    [Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 1.0, 0.0), Vector3::new(0.0, 0.0, 1.0)];
+const UNSEEN: [Vector3<f64>; 3] = [
+    Vector3::new(1.0, 0.0, 0.0),
+    Vector3::new(0.0, 1.0, 0.0),
+    Vector3::new(0.0, 0.0, 1.0),
+];
 /// Turn rate that is still unknown then, rad/s.
 const UNSEEN_TURN: f64 = 0.05;
 /// Turned by less than that it lies well, radians.
@@ -232,15 +235,24 @@ impl LidarInertialOdometry {
 
     /// Takes in a sample of the IMU; estimates for scans that waited for it.
     pub fn imu(&mut self, sample: ImuSample) -> Vec<Estimate> {
-        let lost = self.inertial.newest().is_some_and(|newest| sample.stamp.since(newest) > LOST);
+        let lost = self
+            .inertial
+            .newest()
+            .is_some_and(|newest| sample.stamp.since(newest) > LOST);
         if !self.inertial.push(sample) {
             self.refused.imu += 1;
             return Vec::new();
         }
         if self.known.is_some() {
-            return if lost { self.lose(sample.stamp).into_iter().collect() } else { self.estimates() };
+            return if lost {
+                self.lose(sample.stamp).into_iter().collect()
+            } else {
+                self.estimates()
+            };
         }
-        let Some(first) = self.start.take(&sample, &self.settings) else { return Vec::new() };
+        let Some(first) = self.start.take(&sample, &self.settings) else {
+            return Vec::new();
+        };
         let mut estimates = self.begin(sample.stamp, first);
         estimates.append(&mut self.estimates());
         estimates
@@ -249,19 +261,36 @@ impl LidarInertialOdometry {
     /// The first state. What was seen from where the robot stood makes the map's beginning; what was seen on the way to it has no place.
     fn begin(&mut self, stamp: SimTime, first: First) -> Vec<Estimate> {
         let mut estimates = Vec::new();
-        let mut known = Known { stamp, state: first.state, covariance: first.covariance };
+        let mut known = Known {
+            stamp,
+            state: first.state,
+            covariance: first.covariance,
+        };
         while self.scans.front().is_some_and(|scan| end(scan) <= stamp) {
-            let Some(scan) = self.scans.pop_front() else { break };
+            let Some(scan) = self.scans.pop_front() else {
+                break;
+            };
             if first.at_rest.is_none_or(|since| scan.stamp < since) {
                 self.refused.scans += 1;
                 continue;
             }
-            let points: Vec<_> =
-                scan.points.iter().map(position).filter(|point| self.usable(point)).collect();
+            let points: Vec<_> = scan
+                .points
+                .iter()
+                .map(position)
+                .filter(|point| self.usable(point))
+                .collect();
             self.refused.points += scan.points.len() - points.len();
             known.stamp = end(&scan);
             let noise = &self.settings.lidar_noise;
-            self.matching.find(&known.state, &known.covariance, &points, &self.map, noise, f64::INFINITY);
+            self.matching.find(
+                &known.state,
+                &known.covariance,
+                &points,
+                &self.map,
+                noise,
+                f64::INFINITY,
+            );
             self.matching.insert(&known.state, &mut self.map);
             estimates.push(self.estimate(&known, None, Status::Tracking));
         }
@@ -282,8 +311,11 @@ impl LidarInertialOdometry {
 
     /// Takes in a scan; estimates for it and those before it, as far as the IMU has come.
     pub fn scan(&mut self, scan: LidarScan) -> Vec<Estimate> {
-        let newest =
-            self.scans.back().map(|last| last.stamp).or(self.known.as_ref().map(|known| known.stamp));
+        let newest = self
+            .scans
+            .back()
+            .map(|last| last.stamp)
+            .or(self.known.as_ref().map(|known| known.stamp));
         let late = newest.is_some_and(|newest| end(&scan) <= newest);
         if late || self.scans.len() == WAITING {
             self.refused.scans += 1;
@@ -299,7 +331,11 @@ impl LidarInertialOdometry {
         known.stamp = stamp;
         known.state.velocity = Vector3::zeros();
         let [far, turned] = LOST_DEVIATIONS;
-        for (first, deviation) in [(at::ROTATION, turned), (at::POSITION, far), (at::VELOCITY, far)] {
+        for (first, deviation) in [
+            (at::ROTATION, turned),
+            (at::POSITION, far),
+            (at::VELOCITY, far),
+        ] {
             (first..first + 3).for_each(|i| known.covariance[(i, i)] += deviation * deviation);
         }
         self.drift.lose(&mut known, turned, far);
@@ -316,13 +352,21 @@ impl LidarInertialOdometry {
 
     fn estimates(&mut self) -> Vec<Estimate> {
         let mut estimates = Vec::new();
-        let Some(newest) = self.inertial.newest() else { return estimates };
-        while self.scans.front().is_some_and(|scan| end(scan) > newest + AHEAD) {
+        let Some(newest) = self.inertial.newest() else {
+            return estimates;
+        };
+        while self
+            .scans
+            .front()
+            .is_some_and(|scan| end(scan) > newest + AHEAD)
+        {
             self.scans.pop_front();
             self.refused.scans += 1;
         }
         while self.scans.front().is_some_and(|scan| end(scan) <= newest) && self.known.is_some() {
-            let Some(scan) = self.scans.pop_front() else { break };
+            let Some(scan) = self.scans.pop_front() else {
+                break;
+            };
             match self.process(&scan) {
                 Some(estimate) => estimates.push(estimate),
                 None => self.refused.scans += 1,
@@ -339,7 +383,8 @@ impl LidarInertialOdometry {
             return None;
         }
         let since = newest.since(known.stamp);
-        self.inertial.travel(known, newest, &self.settings, Vector3::zeros());
+        self.inertial
+            .travel(known, newest, &self.settings, Vector3::zeros());
         known.temper(&UNSEEN, &self.settings, since);
         self.refused.gaps += self.inertial.forget(newest);
         let known = self.known.as_ref()?;
@@ -351,16 +396,27 @@ impl LidarInertialOdometry {
         let before = self.known.clone().filter(|known| known.stamp < until)?;
         let (first, since) = (self.map.is_empty(), before.stamp);
         let (mut known, mut matched, mut used) = (before.clone(), None, 0);
-        let step = self.inertial.reckon(since, until, before.state.gyro_bias, &self.settings.imu);
+        let step = self
+            .inertial
+            .reckon(since, until, before.state.gyro_bias, &self.settings.imu);
         let noise = self.settings.lidar_noise;
         for _ in 0..PASSES {
             known = before.clone();
-            let way = self.inertial.travel(&mut known, until, &self.settings, self.missing);
+            let way = self
+                .inertial
+                .travel(&mut known, until, &self.settings, self.missing);
             let points = self.undistorted(scan, &known.state, &way.nodes);
             used = points.len();
             let expected = known.state.rotation;
             let mount = self.settings.estimate_lidar;
-            matched = update(&mut known, &points, &self.map, &noise, mount, &mut self.matching);
+            matched = update(
+                &mut known,
+                &points,
+                &self.map,
+                &noise,
+                mount,
+                &mut self.matching,
+            );
             let unseen = UNSEEN_TURN * way.blind.as_secs_f64();
             (0..3).filter(|axis| way.axes[*axis]).for_each(|axis| {
                 known.covariance[(at::ROTATION + axis, at::ROTATION + axis)] += unseen * unseen
@@ -374,18 +430,27 @@ impl LidarInertialOdometry {
                 break;
             }
             let rate = turned / way.blind.as_secs_f64();
-            (0..3).filter(|axis| way.axes[*axis]).for_each(|axis| self.missing[axis] += rate[axis]);
+            (0..3)
+                .filter(|axis| way.axes[*axis])
+                .for_each(|axis| self.missing[axis] += rate[axis]);
         }
         self.refused.gaps += self.inertial.forget(until);
         self.refused.points += scan.points.len() - used;
         let good = matched.as_ref().is_some_and(Matched::is_good);
-        matched.iter().for_each(|matched| self.matching.scatter.look(matched));
+        matched
+            .iter()
+            .for_each(|matched| self.matching.scatter.look(matched));
         if !good {
             // What contradicts the map is not believed.
             known = before.clone();
-            self.inertial.travel(&mut known, until, &self.settings, self.missing);
+            self.inertial
+                .travel(&mut known, until, &self.settings, self.missing);
         }
-        let unseen = matched.as_ref().filter(|_| good).map_or(&UNSEEN[..], |matched| &matched.loose).to_vec();
+        let unseen = matched
+            .as_ref()
+            .filter(|_| good)
+            .map_or(&UNSEEN[..], |matched| &matched.loose)
+            .to_vec();
         let expected = std::mem::replace(&mut self.unseen, unseen);
         if good && self.unseen.is_empty() && !expected.is_empty() {
             self.drift.keep(&before, &known, &expected);
@@ -400,12 +465,16 @@ impl LidarInertialOdometry {
             self.drift.grow(&mut known, new, &self.unseen);
         }
         self.cut(known.state.position);
-        let firm = matched.as_ref().is_some_and(|matched| matched.loose.is_empty());
+        let firm = matched
+            .as_ref()
+            .is_some_and(|matched| matched.loose.is_empty());
         if let Some(matched) = matched.as_ref().filter(|_| good) {
             self.surprise += (matched.surprise.min(SHOCK) - self.surprise) * RECENT;
         }
-        let verdict = step
-            .map_or(Verdict::Sound, |step| self.watch.look(&known, &step, first || good, &self.settings.imu));
+        let verdict = step.map_or(Verdict::Sound, |step| {
+            self.watch
+                .look(&known, &step, first || good, &self.settings.imu)
+        });
         if let (Verdict::RunAway, Some(step)) = (verdict, step) {
             known = self.recover(&step).unwrap_or(known);
         }
@@ -428,7 +497,10 @@ impl LidarInertialOdometry {
         let (mut known, metres, turned) = self.watch.recover(&self.settings.imu)?;
         let base = known.state.rotation * self.settings.imu.rotation.inverse();
         known.state.velocity = base * step.velocity;
-        let [level, turn] = [RECKONED[0] + RECKONED[1] * metres, RECKONED[2] + RECKONED[3] * turned];
+        let [level, turn] = [
+            RECKONED[0] + RECKONED[1] * metres,
+            RECKONED[2] + RECKONED[3] * turned,
+        ];
         for (first, deviation) in [(at::ROTATION, RECKONED[2]), (at::VELOCITY, level)] {
             (first..first + 3).for_each(|i| known.covariance[(i, i)] += deviation * deviation);
         }
@@ -450,7 +522,9 @@ impl LidarInertialOdometry {
     }
 
     fn estimate(&self, known: &Known, matched: Option<Matched>, status: Status) -> Estimate {
-        let (points, fit) = matched.as_ref().map_or((0, 0.0), |matched| (matched.points, matched.fit));
+        let (points, fit) = matched
+            .as_ref()
+            .map_or((0, 0.0), |matched| (matched.points, matched.fit));
         Estimate {
             stamp: known.stamp,
             pose: pose(&known.state) * self.settings.imu.inverse(),
@@ -475,13 +549,16 @@ impl LidarInertialOdometry {
         let passages: Vec<_> = nodes.iter().map(|node| node.seen_from(&at_end)).collect();
         let turn = mount.rotation.to_rotation_matrix();
         let (mut points, mut node) = (Vec::with_capacity(scan.points.len()), 0);
-        let Some(first) = nodes.first() else { return points };
+        let Some(first) = nodes.first() else {
+            return points;
+        };
         for point in &scan.points {
             let raw = position(point);
             if !self.usable(&raw) {
                 continue;
             }
-            let stamp = (scan.stamp + Duration::from_nanos(point.offset_ns.into())).max(first.stamp);
+            let stamp =
+                (scan.stamp + Duration::from_nanos(point.offset_ns.into())).max(first.stamp);
             // Points come in the order of their time, or nearly.
             while node > 0 && nodes[node].stamp > stamp {
                 node -= 1;
@@ -507,6 +584,11 @@ fn pose(state: &State) -> Isometry3<f64> {
 
 /// When the last point of a scan was measured.
 fn end(scan: &LidarScan) -> SimTime {
-    let last = scan.points.iter().map(|point| point.offset_ns).max().unwrap_or_default();
+    let last = scan
+        .points
+        .iter()
+        .map(|point| point.offset_ns)
+        .max()
+        .unwrap_or_default();
     scan.stamp + Duration::from_nanos(last.into())
 }

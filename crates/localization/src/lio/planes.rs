@@ -76,7 +76,8 @@ impl Plane {
     /// Covariance of the normal.
     pub fn normal_covariance(&self) -> Matrix3<f64> {
         let variance = self.uneven + self.thickness / self.count;
-        let along = |i: usize| self.along[i] * self.along[i].transpose() * (variance / self.spread[i]);
+        let along =
+            |i: usize| self.along[i] * self.along[i].transpose() * (variance / self.spread[i]);
         along(0) + along(1)
     }
 
@@ -122,7 +123,9 @@ impl Cube {
             return;
         }
         self.points.merge(points);
-        let direction = (lidar - points.mean()).try_normalize(0.0).unwrap_or_default();
+        let direction = (lidar - points.mean())
+            .try_normalize(0.0)
+            .unwrap_or_default();
         self.towards += direction * points.weight;
         match rays {
             Rays::Right(variance) => self.noisy += variance * points.weight,
@@ -152,7 +155,11 @@ impl Cube {
         let direction = |i: usize| eigen.eigenvectors.column(order[i]).into_owned();
         let flat = thickness < THICK * THICK && narrow > FLAT * FLAT * thickness.max(1e-5);
         let across = direction(0);
-        let normal = if across.dot(&self.towards) < 0.0 { -across } else { across };
+        let normal = if across.dot(&self.towards) < 0.0 {
+            -across
+        } else {
+            across
+        };
         if flat {
             self.put_right(normal, noise);
         }
@@ -162,7 +169,8 @@ impl Cube {
             along: [direction(1), direction(2)],
             spread: [narrow, wide],
             // Three degrees of freedom of the points went into the plane; what few of them say about their own noise counts little.
-            thickness: (thickness * count + BELIEF * noise.range * noise.range) / (count - 3.0 + BELIEF),
+            thickness: (thickness * count + BELIEF * noise.range * noise.range)
+                / (count - 3.0 + BELIEF),
             count,
             uneven: EVEN * EVEN + UNEVEN * (thickness - self.noisy / count).max(0.0),
         });
@@ -177,7 +185,9 @@ impl Cube {
             self.noisy += noise.across(along, ray.norm_squared().max(1e-6)) * count;
             let too_far = normal * (along * grazing(along, ray.norm_squared(), noise));
             let shift = -too_far * (count / self.points.weight);
-            self.points = self.points.moved(&Isometry3::translation(shift.x, shift.y, shift.z));
+            self.points = self
+                .points
+                .moved(&Isometry3::translation(shift.x, shift.y, shift.z));
         }
     }
 }
@@ -213,7 +223,9 @@ impl Hasher for Mix {
     }
 
     fn write(&mut self, bytes: &[u8]) {
-        bytes.iter().for_each(|byte| self.write_u64(u64::from(*byte)));
+        bytes
+            .iter()
+            .for_each(|byte| self.write_u64(u64::from(*byte)));
     }
 
     fn write_u64(&mut self, number: u64) {
@@ -261,8 +273,14 @@ impl Place {
         if !cell.iter().all(|x| x.abs() < HALF) {
             return None;
         }
-        let number = cell.iter().fold(0, |number, x| number << 21 | (x + HALF) as u64);
-        Some(Self { size, number, middle: cell.map(|x| (x + 0.5) * SIDES[size] + CORNER) })
+        let number = cell
+            .iter()
+            .fold(0, |number, x| number << 21 | (x + HALF) as u64);
+        Some(Self {
+            size,
+            number,
+            middle: cell.map(|x| (x + 0.5) * SIDES[size] + CORNER),
+        })
     }
 }
 
@@ -278,12 +296,22 @@ pub(super) struct Looked<'a> {
 impl PlaneMap {
     /// An empty map of a LiDAR's points.
     pub fn new(noise: LidarNoise) -> Self {
-        Self { cubes: Default::default(), backs: Default::default(), noise }
+        Self {
+            cubes: Default::default(),
+            backs: Default::default(),
+            noise,
+        }
     }
 
     /// Takes points of one cube in; they and where the LiDAR was are relative to its middle. If the cube has a plane, the
     /// share of its points that these are.
-    pub fn add(&mut self, place: &Place, points: &Moments, rays: Rays, lidar: Vector3<f64>) -> Option<f64> {
+    pub fn add(
+        &mut self,
+        place: &Place,
+        points: &Moments,
+        rays: Rays,
+        lidar: Vector3<f64>,
+    ) -> Option<f64> {
         let front = self.cubes[place.size].entry(place.number).or_default();
         let cube = if front.is_seen_from_behind(lidar + place.middle) {
             self.backs[place.size].entry(place.number).or_default()
@@ -292,7 +320,8 @@ impl PlaneMap {
         };
         let before = cube.points.weight;
         cube.add(points, rays, lidar, place.middle, &self.noise);
-        cube.plane.map(|_| (cube.points.weight - before) / cube.points.weight)
+        cube.plane
+            .map(|_| (cube.points.weight - before) / cube.points.weight)
     }
 
     /// The plane of a cube's points, if they lie on one; as seen from where the LiDAR is.
@@ -308,7 +337,10 @@ impl PlaneMap {
         }
         // A cube without a plane is not passed over, since its points are no part of what is known.
         let full = cube.plane.is_some() && cube.points.weight >= FULL;
-        Some(Looked { plane: cube.plane.as_ref(), full })
+        Some(Looked {
+            plane: cube.plane.as_ref(),
+            full,
+        })
     }
 
     /// Forgets what is farther than so many metres from a place along some axis.
@@ -365,9 +397,15 @@ mod tests {
 
     /// Points on a slope, a little off it now and then.
     fn slope() -> PlaneMap {
-        let mut map = PlaneMap::new(LidarNoise { range: 0.003, angle: 0.001 });
+        let mut map = PlaneMap::new(LidarNoise {
+            range: 0.003,
+            angle: 0.001,
+        });
         for i in 0..4000 {
-            let (x, y) = (f64::from(i % 63) / 21.0 - 1.5, f64::from(i / 63) / 21.0 - 1.5);
+            let (x, y) = (
+                f64::from(i % 63) / 21.0 - 1.5,
+                f64::from(i / 63) / 21.0 - 1.5,
+            );
             let off = f64::from(i * 7 % 5 - 2) * 0.002;
             add(&mut map, Vector3::new(x, y, 0.1 * x + 0.3 + off));
         }
@@ -379,10 +417,17 @@ mod tests {
         let map = slope();
         let plane = plane(&map, Vector3::new(0.4, -0.3, 0.33)).unwrap();
         let normal = Vector3::new(-0.1, 0.0, 1.0).normalize();
-        assert!((plane.normal.dot(&normal).abs() - 1.0).abs() < 1e-5, "{plane:?}");
+        assert!(
+            (plane.normal.dot(&normal).abs() - 1.0).abs() < 1e-5,
+            "{plane:?}"
+        );
         assert!(plane.distance(Vector3::new(0.4, -0.3, 0.34)).abs() < 1e-3);
         // 1.4 times two millimetres.
-        assert!((plane.thickness.sqrt() - 0.0028).abs() < 5e-4, "{}", plane.thickness.sqrt());
+        assert!(
+            (plane.thickness.sqrt() - 0.0028).abs() < 5e-4,
+            "{}",
+            plane.thickness.sqrt()
+        );
         assert!((EVEN..EVEN + 1e-3).contains(&plane.variance(plane.middle).sqrt()));
         assert!(plane.variance(plane.middle + plane.along[0]) > plane.variance(plane.middle));
         assert!(super::tests::plane(&map, Vector3::new(5.0, 0.0, 0.5)).is_none());
@@ -403,7 +448,10 @@ mod tests {
 
     #[test]
     fn a_corner_has_planes_in_small_cubes_only() {
-        let mut map = PlaneMap::new(LidarNoise { range: 0.01, angle: 0.001 });
+        let mut map = PlaneMap::new(LidarNoise {
+            range: 0.01,
+            angle: 0.001,
+        });
         for i in 0..10_000 {
             // All over the walls, as rays are.
             let i = i * 7919 % 10_000;
@@ -422,7 +470,10 @@ mod tests {
 
     #[test]
     fn a_wall_has_two_sides() {
-        let mut map = PlaneMap::new(LidarNoise { range: 0.01, angle: 0.001 });
+        let mut map = PlaneMap::new(LidarNoise {
+            range: 0.01,
+            angle: 0.001,
+        });
         let (front, behind) = (Vector3::new(0.0, 5.0, 0.7), Vector3::new(0.0, -5.0, 0.7));
         for i in 0..2500 {
             let (x, z) = (f64::from(i % 50) / 25.0, f64::from(i / 50) / 25.0);
@@ -440,26 +491,39 @@ mod tests {
         }
         assert_eq!(plane_from(&map, middle, front), Some(&before));
         let back = plane_from(&map, middle, behind).unwrap();
-        assert!(back.normal.y < -0.99 && (back.middle.y - 0.46).abs() < 1e-6, "{back:?}");
+        assert!(
+            back.normal.y < -0.99 && (back.middle.y - 0.46).abs() < 1e-6,
+            "{back:?}"
+        );
     }
 
     #[test]
     fn unevenness_is_what_is_beyond_the_noise() {
-        let noise = LidarNoise { range: 0.02, angle: 0.001 };
+        let noise = LidarNoise {
+            range: 0.02,
+            angle: 0.001,
+        };
         // Two layers of points, 4 cm apart, seen from straight ahead.
         let uneven = |rays: Rays| {
             let mut cube = Cube::default();
             let mut points = Moments::default();
             for i in 0..400 {
                 let layer = f64::from(i % 2) * 0.04;
-                points.add(Vector3::new(f64::from(i % 20) * 0.05, f64::from(i / 20) * 0.05, layer), 1.0);
+                points.add(
+                    Vector3::new(f64::from(i % 20) * 0.05, f64::from(i / 20) * 0.05, layer),
+                    1.0,
+                );
             }
             cube.add(&points, rays, Vector3::z() * 5.0, Vector3::zeros(), &noise);
             cube.plane.unwrap().uneven
         };
         let most = EVEN * EVEN + UNEVEN * 0.02 * 0.02;
         assert!((uneven(Rays::Right(0.0)) / most - 1.0).abs() < 0.02);
-        for noisy in [Rays::Right(0.02 * 0.02), Rays::Right(1.0), Rays::Raw(Vector3::z() * 5.0)] {
+        for noisy in [
+            Rays::Right(0.02 * 0.02),
+            Rays::Right(1.0),
+            Rays::Raw(Vector3::z() * 5.0),
+        ] {
             assert!(uneven(noisy) <= EVEN * EVEN, "{noisy:?}");
         }
     }

@@ -41,7 +41,10 @@ impl Node {
     pub fn later(&self, dt: f64) -> Isometry3<f64> {
         let position =
             self.pose.translation.vector + self.velocity * dt + self.acceleration * (0.5 * dt * dt);
-        Isometry3::from_parts(Translation3::from(position), self.pose.rotation * exp(self.rate * dt))
+        Isometry3::from_parts(
+            Translation3::from(position),
+            self.pose.rotation * exp(self.rate * dt),
+        )
     }
 
     /// The same way, seen from `frame`.
@@ -78,7 +81,9 @@ impl Passage {
         let cosine = 0.5 * (1.0 - square / 12.0 * (1.0 - square / 30.0));
         let cross = turn.cross(&point);
         let turned = point + cross * sine + turn.cross(&cross) * cosine;
-        self.rotation * turned + self.position + (self.velocity + self.acceleration * (0.5 * dt)) * dt
+        self.rotation * turned
+            + self.position
+            + (self.velocity + self.acceleration * (0.5 * dt)) * dt
     }
 }
 
@@ -93,7 +98,14 @@ pub fn propagate(
     accel: Vector3<f64>,
 ) -> Node {
     let (rate, force) = (gyro - state.gyro_bias, accel - state.accel_bias);
-    grow(state, covariance, noise, rate, force, until.since(from).as_secs_f64());
+    grow(
+        state,
+        covariance,
+        noise,
+        rate,
+        force,
+        until.since(from).as_secs_f64(),
+    );
     advance(state, from, until, gyro, accel)
 }
 
@@ -140,7 +152,11 @@ fn grow(
         step.fixed_view_mut::<3, 3>(row, column).copy_from(&block);
     };
     let turned = rotation * hat(force);
-    set(at::ROTATION, at::ROTATION, exp(-rate * dt).to_rotation_matrix().into_inner());
+    set(
+        at::ROTATION,
+        at::ROTATION,
+        exp(-rate * dt).to_rotation_matrix().into_inner(),
+    );
     set(at::ROTATION, at::GYRO_BIAS, -right_jacobian(rate * dt) * dt);
     set(at::POSITION, at::VELOCITY, identity * dt);
     set(at::POSITION, at::ROTATION, -turned * (0.5 * dt * dt));
@@ -149,8 +165,10 @@ fn grow(
     set(at::VELOCITY, at::ACCEL_BIAS, -rotation * dt);
     // Gravity turned by a small vector t is g + t x g.
     let tilt: SMatrix<f64, 3, 2> = -hat(state.gravity) * tangent(state.gravity);
-    step.fixed_view_mut::<3, 2>(at::VELOCITY, at::GRAVITY).copy_from(&(tilt * dt));
-    step.fixed_view_mut::<3, 2>(at::POSITION, at::GRAVITY).copy_from(&(tilt * (0.5 * dt * dt)));
+    step.fixed_view_mut::<3, 2>(at::VELOCITY, at::GRAVITY)
+        .copy_from(&(tilt * dt));
+    step.fixed_view_mut::<3, 2>(at::POSITION, at::GRAVITY)
+        .copy_from(&(tilt * (0.5 * dt * dt)));
     *covariance = step * *covariance * step.transpose();
     for (first, density) in [
         (at::ROTATION, noise.gyro),

@@ -40,7 +40,8 @@ impl Scatter {
         }
         // What is scattered beyond the gate is not in the residuals: the fewer points pass, the
         // wider it must be.
-        let seen = self.factor() * (matched.fit / USUAL).sqrt() / matched.agreeing.max(LEAST_AGREEING);
+        let seen =
+            self.factor() * (matched.fit / USUAL).sqrt() / matched.agreeing.max(LEAST_AGREEING);
         self.0 = (self.0 + RECENT * (seen - self.0)).clamp(1.0, WIDEST);
     }
 
@@ -65,7 +66,13 @@ mod tests {
         let mut scatter = Scatter::default();
         for _ in 0..200 {
             let fit = fit / scatter.factor().powi(2);
-            scatter.look(&Matched { points: 9000, agreeing, fit, loose: vec![], surprise: 1.0 });
+            scatter.look(&Matched {
+                points: 9000,
+                agreeing,
+                fit,
+                loose: vec![],
+                surprise: 1.0,
+            });
         }
         scatter
     }
@@ -75,8 +82,14 @@ mod tests {
         // Medians of fit and share on a drive in `large` with noise of 1, 2, 5 and 10 times the
         // data sheet's.
         assert_eq!(settled(1.11, 0.99).factor(), 1.0);
-        let found = [(2.65, 0.97), (4.07, 0.77), (4.28, 0.59)].map(|(fit, agreeing)| settled(fit, agreeing));
-        assert!(found.windows(2).all(|pair| pair[0].factor() < pair[1].factor()), "{found:?}");
+        let found = [(2.65, 0.97), (4.07, 0.77), (4.28, 0.59)]
+            .map(|(fit, agreeing)| settled(fit, agreeing));
+        assert!(
+            found
+                .windows(2)
+                .all(|pair| pair[0].factor() < pair[1].factor()),
+            "{found:?}"
+        );
         assert!(!found[0].is_wide() && found[1].is_wide() == (found[1].factor() >= WIDE));
         assert!(found[2].is_wide() && settled(1e9, 0.01).factor() <= WIDEST);
     }
@@ -84,8 +97,20 @@ mod tests {
     #[test]
     fn few_points_say_nothing() {
         let mut scatter = Scatter::default();
-        scatter.look(&Matched { points: 60, agreeing: 0.1, fit: 100.0, loose: vec![], surprise: 1.0 });
-        scatter.look(&Matched { points: 9000, agreeing: 1.0, fit: f64::NAN, loose: vec![], surprise: 1.0 });
+        scatter.look(&Matched {
+            points: 60,
+            agreeing: 0.1,
+            fit: 100.0,
+            loose: vec![],
+            surprise: 1.0,
+        });
+        scatter.look(&Matched {
+            points: 9000,
+            agreeing: 1.0,
+            fit: f64::NAN,
+            loose: vec![],
+            surprise: 1.0,
+        });
         assert_eq!(scatter.factor(), 1.0);
     }
 }

@@ -60,7 +60,9 @@ pub(super) fn correct(
     }
     let known = jacobian * *covariance * jacobian.transpose();
     let mut noise = nalgebra::Matrix3::from_diagonal(&speed.deviation.map(|x| x * x));
-    let Some(inverse) = (known + noise).try_inverse() else { return };
+    let Some(inverse) = (known + noise).try_inverse() else {
+        return;
+    };
     let far = (residual.transpose() * inverse * residual)[0] / (GATE * GATE);
     if far > 1.0 {
         noise *= far;
@@ -78,7 +80,9 @@ pub(super) fn temper(
     seconds: f64,
 ) {
     let mut jacobian = SMatrix::<f64, 1, SIZE>::zeros();
-    jacobian.fixed_view_mut::<1, 3>(0, at::VELOCITY).copy_from(&direction.transpose());
+    jacobian
+        .fixed_view_mut::<1, 3>(0, at::VELOCITY)
+        .copy_from(&direction.transpose());
     let residual = SMatrix::<f64, 1, 1>::new(-direction.dot(&state.velocity));
     // What is said each time adds up to one such measurement in the time for which a drive goes on in one way.
     let noise = SMatrix::<f64, 1, 1>::new(typical * typical * LASTING / seconds.max(1e-3));
@@ -93,7 +97,10 @@ fn believe<const M: usize>(
     residual: &SMatrix<f64, M, 1>,
     noise: &SMatrix<f64, M, M>,
 ) {
-    let Some(inverse) = (jacobian * *covariance * jacobian.transpose() + noise).try_inverse() else { return };
+    let Some(inverse) = (jacobian * *covariance * jacobian.transpose() + noise).try_inverse()
+    else {
+        return;
+    };
     let gain = *covariance * jacobian.transpose() * inverse;
     let step: Error = gain * residual;
     let left = Covariance::identity() - gain * jacobian;
@@ -134,13 +141,22 @@ mod tests {
         }
         let gyro = Vector3::new(0.2, -0.5, 1.0);
         let velocity = Vector3::new(0.5, 0.0, 0.1);
-        let speed = Speed { stamp: SimTime::ZERO, velocity, deviation: Vector3::repeat(1e-4), turn: 0.0 };
+        let speed = Speed {
+            stamp: SimTime::ZERO,
+            velocity,
+            deviation: Vector3::repeat(1e-4),
+            turn: 0.0,
+        };
         correct(&mut state, &mut covariance, &imu, gyro, &speed);
         let base = state.rotation * imu.rotation.inverse();
         let rate = base.inverse() * (state.rotation * (gyro - state.gyro_bias));
         // The IMU moves as the frame's origin does and with its turn: v + ω × r.
         let there = base * (velocity + rate.cross(&imu.translation.vector));
-        assert!((there - state.velocity).norm() < 1e-3, "{there} {}", state.velocity);
+        assert!(
+            (there - state.velocity).norm() < 1e-3,
+            "{there} {}",
+            state.velocity
+        );
         assert!(covariance[(at::VELOCITY, at::VELOCITY)] < 1e-6);
     }
 
@@ -148,8 +164,19 @@ mod tests {
     fn a_velocity_that_cannot_be_counts_little() {
         let (mut state, mut covariance) = (moving(), Covariance::identity() * 1e-6);
         let velocity = Vector3::new(50.0, 0.0, 0.0);
-        let speed = Speed { stamp: SimTime::ZERO, velocity, deviation: Vector3::repeat(1e-2), turn: 0.0 };
-        correct(&mut state, &mut covariance, &Pose3::identity(), Vector3::zeros(), &speed);
+        let speed = Speed {
+            stamp: SimTime::ZERO,
+            velocity,
+            deviation: Vector3::repeat(1e-2),
+            turn: 0.0,
+        };
+        correct(
+            &mut state,
+            &mut covariance,
+            &Pose3::identity(),
+            Vector3::zeros(),
+            &speed,
+        );
         assert!((state.velocity - moving().velocity).norm() < 0.01);
     }
 }

@@ -44,31 +44,51 @@ impl Start {
         }
         let samples = std::mem::take(&mut self.samples);
         let settled = &samples[samples.len() / PUT_DOWN..];
-        let at_rest =
-            deviation(settled, |s| s.gyro) < AT_REST[0] && deviation(settled, |s| s.accel) < AT_REST[1];
+        let at_rest = deviation(settled, |s| s.gyro) < AT_REST[0]
+            && deviation(settled, |s| s.accel) < AT_REST[1];
         let counted = if at_rest { settled } else { &samples[..] };
-        let (state, covariance) =
-            first(mean(counted, |s| s.gyro), mean(counted, |s| s.accel), at_rest, settings);
-        Some(First { state, covariance, at_rest: at_rest.then(|| settled[0].stamp) })
+        let (state, covariance) = first(
+            mean(counted, |s| s.gyro),
+            mean(counted, |s| s.accel),
+            at_rest,
+            settings,
+        );
+        Some(First {
+            state,
+            covariance,
+            at_rest: at_rest.then(|| settled[0].stamp),
+        })
     }
 }
 
 fn mean(samples: &[ImuSample], part: impl Fn(&ImuSample) -> [f64; 3]) -> Vector3<f64> {
-    samples.iter().map(|sample| Vector3::from(part(sample))).sum::<Vector3<f64>>() / samples.len() as f64
+    samples
+        .iter()
+        .map(|sample| Vector3::from(part(sample)))
+        .sum::<Vector3<f64>>()
+        / samples.len() as f64
 }
 
 fn deviation(samples: &[ImuSample], part: impl Fn(&ImuSample) -> [f64; 3]) -> f64 {
     let mean = mean(samples, &part);
-    let squares = samples.iter().map(|sample| (Vector3::from(part(sample)) - mean).norm_squared());
+    let squares = samples
+        .iter()
+        .map(|sample| (Vector3::from(part(sample)) - mean).norm_squared());
     (squares.sum::<f64>() / samples.len() as f64).sqrt()
 }
 
 /// The state with the heading 0 of the frame whose pose is told, and its origin there.
-fn first(gyro: Vector3<f64>, accel: Vector3<f64>, at_rest: bool, settings: &Settings) -> (State, Covariance) {
+fn first(
+    gyro: Vector3<f64>,
+    accel: Vector3<f64>,
+    at_rest: bool,
+    settings: &Settings,
+) -> (State, Covariance) {
     let up = UnitQuaternion::rotation_between(&accel, &Vector3::z()).unwrap_or_default();
     // `up` turns the IMU's frame upright about a level axis; the heading is taken out of it.
     let ahead = up * (settings.imu.rotation.inverse() * Vector3::x());
-    let heading = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), -libm::atan2(ahead.y, ahead.x));
+    let heading =
+        UnitQuaternion::from_axis_angle(&Vector3::z_axis(), -libm::atan2(ahead.y, ahead.x));
     let rotation = heading * up;
     let body = rotation * settings.imu.rotation.inverse();
     let state = State {
@@ -82,7 +102,11 @@ fn first(gyro: Vector3<f64>, accel: Vector3<f64>, at_rest: bool, settings: &Sett
         mount_position: settings.lidar.translation.vector,
         map_tilt: Vector2::zeros(),
     };
-    let mount = if settings.estimate_lidar { [0.02, 0.02] } else { [1e-6, 1e-6] };
+    let mount = if settings.estimate_lidar {
+        [0.02, 0.02]
+    } else {
+        [1e-6, 1e-6]
+    };
     let moving = |rest: f64, motion: f64| if at_rest { rest } else { motion };
     let deviations = [
         (at::ROTATION, moving(1e-4, 1e-2), 3),

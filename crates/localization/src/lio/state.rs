@@ -81,18 +81,27 @@ impl State {
     /// The error that leads from `other` here: ⊟.
     pub fn minus(&self, other: &Self) -> Error {
         let mut error = Error::zeros();
-        let mut set = |first: usize, part: Vector3<f64>| error.fixed_rows_mut::<3>(first).copy_from(&part);
+        let mut set =
+            |first: usize, part: Vector3<f64>| error.fixed_rows_mut::<3>(first).copy_from(&part);
         set(at::ROTATION, log(other.rotation.inverse() * self.rotation));
         set(at::POSITION, self.position - other.position);
         set(at::VELOCITY, self.velocity - other.velocity);
         set(at::GYRO_BIAS, self.gyro_bias - other.gyro_bias);
         set(at::ACCEL_BIAS, self.accel_bias - other.accel_bias);
-        set(at::MOUNT_ROTATION, log(other.mount_rotation.inverse() * self.mount_rotation));
-        set(at::MOUNT_POSITION, self.mount_position - other.mount_position);
+        set(
+            at::MOUNT_ROTATION,
+            log(other.mount_rotation.inverse() * self.mount_rotation),
+        );
+        set(
+            at::MOUNT_POSITION,
+            self.mount_position - other.mount_position,
+        );
         let turned = UnitQuaternion::rotation_between(&other.gravity, &self.gravity);
         let tilt = tangent(other.gravity).transpose() * turned.map_or_else(Vector3::zeros, log);
         error.fixed_rows_mut::<2>(at::GRAVITY).copy_from(&tilt);
-        error.fixed_rows_mut::<2>(at::MAP_TILT).copy_from(&(self.map_tilt - other.map_tilt));
+        error
+            .fixed_rows_mut::<2>(at::MAP_TILT)
+            .copy_from(&(self.map_tilt - other.map_tilt));
         error
     }
 
@@ -100,7 +109,11 @@ impl State {
     #[must_use]
     pub fn in_map(&self) -> Self {
         let leaning = exp(self.map_tilt.push(0.0));
-        Self { rotation: leaning * self.rotation, map_tilt: Vector2::zeros(), ..self.clone() }
+        Self {
+            rotation: leaning * self.rotation,
+            map_tilt: Vector2::zeros(),
+            ..self.clone()
+        }
     }
 
     /// Whether all its numbers are numbers.
@@ -129,7 +142,9 @@ impl State {
         for first in [at::ROTATION, at::MOUNT_ROTATION] {
             let part: Vector3<f64> = away.fixed_rows::<3>(first).into_owned();
             let block: Matrix3<f64> = inverse_right_jacobian(part);
-            projection.fixed_view_mut::<3, 3>(first, first).copy_from(&block);
+            projection
+                .fixed_view_mut::<3, 3>(first, first)
+                .copy_from(&block);
         }
         projection
     }

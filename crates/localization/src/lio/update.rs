@@ -87,11 +87,22 @@ pub(super) fn update(
     matching: &mut Matching,
 ) -> Option<Matched> {
     let covariance = known.covariance;
-    let prior =
-        Prior { state: known.state.clone(), information: covariance.cholesky()?.inverse(), covariance };
+    let prior = Prior {
+        state: known.state.clone(),
+        information: covariance.cholesky()?.inverse(),
+        covariance,
+    };
     let wide = spread(&known.in_map().covariance) > WIDE;
     let gates = if wide { &GATES[..] } else { &[f64::INFINITY] };
-    let registration = Registration { prior, wide, gates, points, map, noise, estimate_lidar };
+    let registration = Registration {
+        prior,
+        wide,
+        gates,
+        points,
+        map,
+        noise,
+        estimate_lidar,
+    };
     if wide && points.len() >= ENOUGH {
         // Some of the points will do until it is known about where they lie; where they do not, all of them may.
         let thinned: Vec<_> = points.iter().copied().step_by(THINNED).collect();
@@ -119,13 +130,29 @@ struct Registration<'a> {
 
 impl Registration<'_> {
     /// Looks points up and corrects the state, in turn, until the state stays where it is; `rough` are the points that are looked up in all searches that have a gate but the last.
-    fn search(&self, known: &mut Known, rough: &[Vector3<f64>], matching: &mut Matching) -> Option<Matched> {
+    fn search(
+        &self,
+        known: &mut Known,
+        rough: &[Vector3<f64>],
+        matching: &mut Matching,
+    ) -> Option<Matched> {
         let mut here = known.clone();
         for search in 0..SEARCHES {
             let gate = self.gates.get(search).copied().unwrap_or(f64::INFINITY);
-            let points = if search + 1 < self.gates.len() { rough } else { self.points };
+            let points = if search + 1 < self.gates.len() {
+                rough
+            } else {
+                self.points
+            };
             let in_map = here.in_map();
-            matching.find(&in_map.state, &in_map.covariance, points, self.map, self.noise, gate);
+            matching.find(
+                &in_map.state,
+                &in_map.covariance,
+                points,
+                self.map,
+                self.noise,
+                gate,
+            );
             let (there, posterior, matched) = if self.estimate_lidar {
                 settle::<12>(&self.prior, here.state, &matching.clusters)?
             } else {
@@ -145,7 +172,11 @@ impl Registration<'_> {
                 let surprise = self.prior.surprise(&here.state, &posterior);
                 known.state = here.state;
                 known.covariance = (posterior + posterior.transpose()) * 0.5;
-                return Some(Matched { agreeing: matching.agreeing(), surprise, ..matched });
+                return Some(Matched {
+                    agreeing: matching.agreeing(),
+                    surprise,
+                    ..matched
+                });
             }
         }
         None
@@ -247,19 +278,35 @@ impl Known {
         covariance
             .fixed_view_mut::<6, 6>(0, 0)
             .copy_from(&(observed * self.covariance * observed.transpose()));
-        Self { stamp: self.stamp, state, covariance }
+        Self {
+            stamp: self.stamp,
+            state,
+            covariance,
+        }
     }
 }
 
 /// How what a point says something about, which is the pose in the map and then the LiDAR's pose on the IMU, changes with a state that is `seen` in the map.
 fn observed<const N: usize>(seen: &State) -> SMatrix<f64, N, SIZE> {
     let mut observed = SMatrix::<f64, N, SIZE>::zeros();
-    let firsts = [at::ROTATION, at::POSITION, at::MOUNT_ROTATION, at::MOUNT_POSITION];
-    for (row, column) in firsts.into_iter().flat_map(|first| first..first + 3).take(N).enumerate() {
+    let firsts = [
+        at::ROTATION,
+        at::POSITION,
+        at::MOUNT_ROTATION,
+        at::MOUNT_POSITION,
+    ];
+    for (row, column) in firsts
+        .into_iter()
+        .flat_map(|first| first..first + 3)
+        .take(N)
+        .enumerate()
+    {
         observed[(row, column)] = 1.0;
     }
     let upright = seen.rotation.inverse().to_rotation_matrix();
-    observed.fixed_view_mut::<3, 2>(0, at::MAP_TILT).copy_from(&upright.matrix().fixed_columns::<2>(0));
+    observed
+        .fixed_view_mut::<3, 2>(0, at::MAP_TILT)
+        .copy_from(&upright.matrix().fixed_columns::<2>(0));
     observed
 }
 
@@ -270,7 +317,10 @@ fn measure<const N: usize>(
 ) -> (SMatrix<f64, N, N>, SVector<f64, N>, Matched) {
     let (mut information, mut vector) = (SMatrix::<f64, N, N>::zeros(), SVector::<f64, N>::zeros());
     let (mut points, mut fit, mut feigned) = (0.0, 0.0, Matrix3::zeros());
-    for (cluster, seen) in clusters.iter().filter_map(|cluster| Some((cluster, cluster.seen.as_ref()?))) {
+    for (cluster, seen) in clusters
+        .iter()
+        .filter_map(|cluster| Some((cluster, cluster.seen.as_ref()?)))
+    {
         let (distance, jacobian) = residual::<N>(state, seen);
         let sums = seen.weighed.matrix();
         let weighed = jacobian * sums;
@@ -278,7 +328,9 @@ fn measure<const N: usize>(
         // The points share what is wrong with their plane: their covariance is that of their own noise and of three numbers more, and its inverse after Woodbury.
         let bent = seen.errors * sums;
         let shared = bent * seen.errors.transpose() + Matrix3::from_diagonal(&seen.known);
-        let Some(shared) = shared.try_inverse() else { continue };
+        let Some(shared) = shared.try_inverse() else {
+            continue;
+        };
         let (rows, bent) = (jacobian * bent.transpose(), bent * distance);
         information += weighed * jacobian.transpose() - rows * shared * rows.transpose();
         vector += weighed * distance - rows * (shared * bent);
@@ -292,22 +344,36 @@ fn measure<const N: usize>(
         forget(&mut information, &mut vector, direction);
     }
     let fit = fit / points.max(1.0);
-    let matched = Matched { points: points as usize, agreeing: 1.0, fit, loose, surprise: 0.0 };
+    let matched = Matched {
+        points: points as usize,
+        agreeing: 1.0,
+        fit,
+        loose,
+        surprise: 0.0,
+    };
     (information, vector, matched)
 }
 
 /// A point's distance from a plane, and how that changes with the state, both as what (p, 1) is multiplied by, p being in the LiDAR's frame.
-fn residual<const N: usize>(state: &State, seen: &Seen) -> (nalgebra::Vector4<f64>, SMatrix<f64, N, 4>) {
+fn residual<const N: usize>(
+    state: &State,
+    seen: &Seen,
+) -> (nalgebra::Vector4<f64>, SMatrix<f64, N, 4>) {
     let on_imu = state.rotation.inverse() * seen.normal;
     let on_lidar = state.mount_rotation.inverse() * on_imu;
     let middle = state.rotation * state.mount_position + state.position;
     let distance = on_lidar.push(seen.normal.dot(&middle) - seen.offset);
     let mut jacobian = SMatrix::<f64, N, 4>::zeros();
     // p × n = -n × p.
-    let turned: Matrix3<f64> = -hat(on_imu) * state.mount_rotation.to_rotation_matrix().into_inner();
+    let turned: Matrix3<f64> =
+        -hat(on_imu) * state.mount_rotation.to_rotation_matrix().into_inner();
     jacobian.fixed_view_mut::<3, 3>(0, 0).copy_from(&turned);
-    jacobian.fixed_view_mut::<3, 1>(0, 3).copy_from(&state.mount_position.cross(&on_imu));
-    jacobian.fixed_view_mut::<3, 1>(3, 3).copy_from(&seen.normal);
+    jacobian
+        .fixed_view_mut::<3, 1>(0, 3)
+        .copy_from(&state.mount_position.cross(&on_imu));
+    jacobian
+        .fixed_view_mut::<3, 1>(3, 3)
+        .copy_from(&seen.normal);
     if N > 6 {
         jacobian.view_mut((6, 0), (3, 3)).copy_from(&-hat(on_lidar));
         jacobian.view_mut((9, 3), (3, 1)).copy_from(&on_imu);
@@ -324,9 +390,14 @@ fn loose(information: &Matrix3<f64>, feigned: &Matrix3<f64>) -> Vec<Vector3<f64>
     const RATIO: f64 = 1e-4;
     let eigen = SymmetricEigen::new(*information);
     let best = eigen.eigenvalues.max();
-    let directions = (0..3).map(|i| (eigen.eigenvalues[i], eigen.eigenvectors.column(i).into_owned()));
-    let weak =
-        directions.filter(|(known, u)| *known <= best * RATIO || *known < REAL * u.dot(&(feigned * u)));
+    let directions = (0..3).map(|i| {
+        (
+            eigen.eigenvalues[i],
+            eigen.eigenvectors.column(i).into_owned(),
+        )
+    });
+    let weak = directions
+        .filter(|(known, u)| *known <= best * RATIO || *known < REAL * u.dot(&(feigned * u)));
     weak.map(|(_, direction)| direction).collect()
 }
 
@@ -339,7 +410,8 @@ fn forget<const N: usize>(
 ) {
     let mut keep = SMatrix::<f64, N, N>::identity();
     let others = Matrix3::identity() - direction * direction.transpose();
-    keep.fixed_view_mut::<3, 3>(at::POSITION, at::POSITION).copy_from(&others);
+    keep.fixed_view_mut::<3, 3>(at::POSITION, at::POSITION)
+        .copy_from(&others);
     *information = keep * *information * keep;
     *vector = keep * *vector;
 }

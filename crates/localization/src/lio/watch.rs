@@ -98,13 +98,30 @@ pub(super) struct Watch {
 impl Watch {
     /// Takes in the state after a scan and the step that led to it; `supported` if the scan lies on
     /// the map. `imu` is the IMU's place on the robot.
-    pub(super) fn look(&mut self, known: &Known, step: &Reckoned, supported: bool, imu: &Pose3) -> Verdict {
+    pub(super) fn look(
+        &mut self,
+        known: &Known,
+        step: &Reckoned,
+        supported: bool,
+        imu: &Pose3,
+    ) -> Verdict {
         let filtered = super::pose(&known.state) * imu.inverse();
         let last = self.marks.back().copied();
         let (reckoned, metres, turned) = last.map_or((filtered, 0.0, 0.0), |last| {
-            (last.reckoned * step.step, last.metres + step.metres, last.turned + step.turned)
+            (
+                last.reckoned * step.step,
+                last.metres + step.metres,
+                last.turned + step.turned,
+            )
         });
-        let mark = Mark { stamp: known.stamp, filtered, reckoned, metres, turned, supported };
+        let mark = Mark {
+            stamp: known.stamp,
+            filtered,
+            reckoned,
+            metres,
+            turned,
+            supported,
+        };
         if let Some(last) = last {
             self.note_slow_drift(&last, &mark, step, known);
         }
@@ -115,18 +132,30 @@ impl Watch {
         let agrees = agree(&self.marks[0], &mark);
         let fastest = FASTEST[0] * step.velocity.norm() + FASTEST[1];
         let too_fast = known.state.velocity.norm() > fastest;
-        let share = self.marks.iter().filter(|mark| mark.supported).count() as f64 / self.marks.len() as f64;
+        let share = self.marks.iter().filter(|mark| mark.supported).count() as f64
+            / self.marks.len() as f64;
         if agrees && !too_fast {
             if supported && share >= SUPPORTED {
-                self.anchor = Some(Anchor { known: known.clone(), mark });
+                self.anchor = Some(Anchor {
+                    known: known.clone(),
+                    mark,
+                });
             }
             let [metres, sideways, along] = self.slid;
             let slides = metres > SLID_OVER / 2.0
                 && (sideways.abs() > SIDEWAYS * metres || along.abs() > ALONG * metres);
             let slides = slides || self.turning.abs() > TURNING;
-            return if slides { Verdict::Contradicted } else { Verdict::Sound };
+            return if slides {
+                Verdict::Contradicted
+            } else {
+                Verdict::Sound
+            };
         }
-        if share >= SUPPORTED && !too_fast { Verdict::Contradicted } else { Verdict::RunAway }
+        if share >= SUPPORTED && !too_fast {
+            Verdict::Contradicted
+        } else {
+            Verdict::RunAway
+        }
     }
 
     /// The last state that agreed, moved on by what was reckoned since then; how far that was,
@@ -138,7 +167,11 @@ impl Watch {
         let mut known = anchor.known.clone();
         known.stamp = now.stamp;
         (known.state.position, known.state.rotation) = (there.translation.vector, there.rotation);
-        Some((known, now.metres - anchor.mark.metres, now.turned - anchor.mark.turned))
+        Some((
+            known,
+            now.metres - anchor.mark.metres,
+            now.turned - anchor.mark.turned,
+        ))
     }
 
     /// Begins anew with nothing to go back to.
@@ -150,9 +183,24 @@ impl Watch {
     pub(super) fn restart(&mut self, known: &Known, imu: &Pose3) {
         let filtered = super::pose(&known.state) * imu.inverse();
         let (stamp, reckoned) = (known.stamp, filtered);
-        let mark = Mark { stamp, filtered, reckoned, metres: 0.0, turned: 0.0, supported: true };
-        let anchor = Some(Anchor { known: known.clone(), mark });
-        *self = Self { marks: VecDeque::from([mark]), anchor, slid: [0.0; 3], turning: 0.0 };
+        let mark = Mark {
+            stamp,
+            filtered,
+            reckoned,
+            metres: 0.0,
+            turned: 0.0,
+            supported: true,
+        };
+        let anchor = Some(Anchor {
+            known: known.clone(),
+            mark,
+        });
+        *self = Self {
+            marks: VecDeque::from([mark]),
+            anchor,
+            slid: [0.0; 3],
+            turning: 0.0,
+        };
     }
 
     fn note_slow_drift(&mut self, last: &Mark, mark: &Mark, step: &Reckoned, known: &Known) {
@@ -167,7 +215,11 @@ impl Watch {
         let more = filtered - step.step.translation.vector;
         let kept = 1.0 - (step.metres / SLID_OVER).min(1.0);
         let [metres, sideways, along] = self.slid;
-        self.slid = [kept * metres + step.metres, kept * sideways + more.y, kept * along + more.x];
+        self.slid = [
+            kept * metres + step.metres,
+            kept * sideways + more.y,
+            kept * along + more.x,
+        ];
     }
 }
 
@@ -178,13 +230,19 @@ fn agree(from: &Mark, to: &Mark) -> bool {
     let reckoned = from.reckoned.inverse() * to.reckoned;
     let apart = (filtered.translation.vector - reckoned.translation.vector).norm();
     let off = filtered.rotation.angle_to(&reckoned.rotation);
-    apart <= APART[0] + APART[1] * metres + APART[2] * turned && off <= TURNED[0] + TURNED[1] * turned
+    apart <= APART[0] + APART[1] * metres + APART[2] * turned
+        && off <= TURNED[0] + TURNED[1] * turned
 }
 
 impl Reckoned {
     /// No way yet.
     pub(super) fn nothing() -> Self {
-        Self { step: Isometry3::identity(), metres: 0.0, turned: 0.0, velocity: Vector3::zeros() }
+        Self {
+            step: Isometry3::identity(),
+            metres: 0.0,
+            turned: 0.0,
+            velocity: Vector3::zeros(),
+        }
     }
 
     /// Goes on for some seconds with a velocity, m/s, and a turn rate, rad/s, of the robot's frame
@@ -218,7 +276,11 @@ mod tests {
             mount_position: Vector3::zeros(),
             map_tilt: Vector2::zeros(),
         };
-        Known { stamp: SimTime::from_millis(millis), state, covariance: Covariance::identity() * 1e-6 }
+        Known {
+            stamp: SimTime::from_millis(millis),
+            state,
+            covariance: Covariance::identity() * 1e-6,
+        }
     }
 
     /// Half a metre a second straight on, as wheels have it.
@@ -236,7 +298,12 @@ mod tests {
             let (x, y, speed) = way(i as f64 * 0.1);
             // The first second is sound, so that there is something to come back to.
             let supported = supported || i < 10;
-            watch.look(&known(100 * i, x, y, speed), &step(), supported, &Pose3::identity())
+            watch.look(
+                &known(100 * i, x, y, speed),
+                &step(),
+                supported,
+                &Pose3::identity(),
+            )
         };
         let verdicts = (0..100).map(look).collect();
         (watch, verdicts)
@@ -245,20 +312,56 @@ mod tests {
     #[test]
     fn a_way_that_wheels_confirm_is_sound() {
         let (_, verdicts) = verdicts(|t| (0.51 * t, 0.0, 0.5), false);
-        assert!(verdicts.iter().all(|verdict| *verdict == Verdict::Sound), "{verdicts:?}");
+        assert!(
+            verdicts.iter().all(|verdict| *verdict == Verdict::Sound),
+            "{verdicts:?}"
+        );
     }
 
     #[test]
     fn a_way_that_nothing_confirms_has_run_away_and_is_gone_back_on() {
-        let runs = |t: f64| (if t < 3.0 { 0.5 * t } else { 1.5 + 2.0 * (t - 3.0) }, 0.0, 0.5);
+        let runs = |t: f64| {
+            (
+                if t < 3.0 {
+                    0.5 * t
+                } else {
+                    1.5 + 2.0 * (t - 3.0)
+                },
+                0.0,
+                0.5,
+            )
+        };
         let (watch, told) = verdicts(runs, false);
-        let first = told.iter().position(|verdict| *verdict == Verdict::RunAway).unwrap();
-        assert!((30..45).contains(&first), "noticed within one and a half seconds: {first}");
+        let first = told
+            .iter()
+            .position(|verdict| *verdict == Verdict::RunAway)
+            .unwrap();
+        assert!(
+            (30..45).contains(&first),
+            "noticed within one and a half seconds: {first}"
+        );
         let (back, metres, _) = watch.recover(&Pose3::identity()).unwrap();
-        assert!((back.state.position.x - 0.5 * 9.9).abs() < 0.1, "{}", back.state.position);
-        assert!((4.4..4.6).contains(&metres), "since the sound second: {metres}");
+        assert!(
+            (back.state.position.x - 0.5 * 9.9).abs() < 0.1,
+            "{}",
+            back.state.position
+        );
+        assert!(
+            (4.4..4.6).contains(&metres),
+            "since the sound second: {metres}"
+        );
         // Scans that confirm it contradict the wheels; nobody knows who is right.
-        let slow = |t: f64| (if t < 3.0 { 0.5 * t } else { 1.5 + 0.8 * (t - 3.0) }, 0.0, 0.5);
+        let slow = |t: f64| {
+            (
+                if t < 3.0 {
+                    0.5 * t
+                } else {
+                    1.5 + 0.8 * (t - 3.0)
+                },
+                0.0,
+                0.5,
+            )
+        };
         let (_, told) = verdicts(slow, true);
         assert!(told.contains(&Verdict::Contradicted) && !told.contains(&Verdict::RunAway));
         // Nothing is ten times as fast as its wheels.
