@@ -13,6 +13,7 @@
 //! [`Localizer`] is the seam: agents know only it.
 
 pub mod dead_reckoning;
+mod deviation;
 pub mod fixes;
 pub mod fused;
 pub mod graph;
