@@ -2,9 +2,9 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 use openbench_core::{ImuSample, LidarPoint, LidarScan, Pose3, SimTime};
-use openbench_localization::lio::propagation::ImuNoise;
-use openbench_localization::lio::update::LidarNoise;
-use openbench_localization::lio::{Estimate, LidarInertialOdometry, Settings, Status};
+use openbench_localization::lio::{
+    Estimate, ImuNoise, LidarInertialOdometry, LidarNoise, Settings, Status,
+};
 
 const GRAVITY: f64 = 9.8;
 /// Milliseconds between samples of the IMU, and between scans.

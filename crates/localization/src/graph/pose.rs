@@ -8,7 +8,7 @@ use nalgebra::{
 };
 use openbench_core::frames::wrap_angle;
 
-use crate::lio::so3;
+use crate::so3;
 
 /// A pose with `D` degrees of freedom.
 pub trait Pose<const D: usize>: Clone + Send + Sync {

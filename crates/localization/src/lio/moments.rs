@@ -94,7 +94,7 @@ impl Moments {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lio::so3::exp;
+    use crate::so3::exp;
 
     #[test]
     fn moving_the_sums_is_moving_the_points() {
