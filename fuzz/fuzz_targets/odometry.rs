@@ -6,8 +6,7 @@ use libfuzzer_sys::fuzz_target;
 use nalgebra::Vector3;
 use openbench_core::{ImuSample, LidarPoint, LidarScan, RobotDescription, SimTime};
 use openbench_localization::lidar_inertial::settings;
-use openbench_localization::lio::speed::Speed;
-use openbench_localization::lio::{Estimate, LidarInertialOdometry};
+use openbench_localization::lio::{Estimate, LidarInertialOdometry, Speed};
 
 /// A number of the sensors' own size, or any.
 fn number(input: &mut Unstructured<'_>, size: f64) -> Result<f64> {

@@ -2,11 +2,11 @@
 
 use kiddo::SquaredEuclidean;
 use nalgebra::{Isometry3, Matrix3, SymmetricEigen, Vector3};
+use openbench_localization::lio::LidarNoise;
 use openbench_localization::lio::matching::Matching;
 use openbench_localization::lio::moments::Moments;
 use openbench_localization::lio::planes::PlaneMap;
 use openbench_localization::lio::state::{Covariance, State};
-use openbench_localization::lio::update::LidarNoise;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 const NOISE: LidarNoise = LidarNoise { range: 0.02, angle: 0.001 };
@@ -48,17 +48,7 @@ impl Default for Planes {
 
 impl Planes {
     fn look(&mut self, points: &[Vector3<f64>], pose: &Isometry3<f64>) -> State {
-        let state = State {
-            rotation: pose.rotation,
-            position: pose.translation.vector,
-            velocity: Vector3::zeros(),
-            gyro_bias: Vector3::zeros(),
-            accel_bias: Vector3::zeros(),
-            gravity: Vector3::z() * -9.8,
-            mount_rotation: nalgebra::UnitQuaternion::identity(),
-            mount_position: Vector3::zeros(),
-            map_tilt: nalgebra::Vector2::zeros(),
-        };
+        let state = State::at_rest(pose, 9.8);
         let mut covariance = Covariance::zeros();
         for i in 0..6 {
             covariance[(i, i)] = super::GUESS[usize::from(i < 3)].powi(2);

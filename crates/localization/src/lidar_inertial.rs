@@ -5,14 +5,13 @@ use openbench_core::{Doubt, Health, Observation, Pose2, Pose3, RobotDescription,
 
 use crate::Localizer;
 use crate::history::History;
-use crate::lio::propagation::ImuNoise;
-use crate::lio::so3::hat;
-use crate::lio::update::LidarNoise;
-use crate::lio::{LidarInertialOdometry, Settings, Status};
+use crate::lio::{ImuNoise, LidarInertialOdometry, LidarNoise, Settings, Status};
+use crate::so3::hat;
 use crate::wheels::Wheels;
 
-/// A pose with a larger deviation is not to be trusted, and one with a still larger one is of no use, metres.
-const DOUBTFUL_M: f64 = 0.5;
+/// A pose with a larger standard deviation is degraded, metres.
+const DEGRADED_M: f64 = 0.5;
+/// A pose with a larger standard deviation is of no use, metres.
 const LOST_M: f64 = 5.0;
 
 /// Pose from LiDAR, IMU and wheels.
@@ -23,56 +22,101 @@ pub struct LidarInertial {
     start: Pose2,
     history: History,
     wheels: Wheels,
-    status: Option<Status>,
-    /// Of the newest estimate: of the IMU, rotation in its own frame, position in `odom`; and the pose it is of.
-    covariance: Option<(Matrix6<f64>, Pose3)>,
+    last: Option<LastEstimate>,
+}
+
+/// What the odometry said last.
+#[derive(Debug, Clone)]
+struct LastEstimate {
+    status: Status,
+    /// In `odom`.
+    pose: Pose3,
+    /// Of the IMU: rotation in its own frame, position in `odom`.
+    covariance: Matrix6<f64>,
 }
 
 impl LidarInertial {
     /// A localizer for a robot.
     pub fn new(robot: RobotDescription) -> Self {
-        let odometry = LidarInertialOdometry::new(settings(&robot));
-        let (start, history) = (Pose2::default(), History::from(Pose2::default()));
-        let wheels = Wheels::new(&robot);
-        Self { robot, odometry, start, history, wheels, status: None, covariance: None }
-    }
-
-    /// The health of a pose of that covariance that comes from here.
-    pub(crate) fn health_within(&self, covariance: Option<Matrix3<f64>>) -> Health {
-        let deviation = covariance.map_or(0.0, |covariance| (covariance[(0, 0)] + covariance[(1, 1)]).sqrt());
-        match self.status {
-            Some(Status::Lost) => Health::Lost,
-            // No number is no covariance.
-            Some(_) if deviation.is_nan() || deviation > LOST_M => Health::Lost,
-            Some(Status::Coasting) => Health::Degraded(Doubt::FewFeatures),
-            Some(Status::Noisy) => Health::Degraded(Doubt::Noise),
-            Some(Status::Disputed) => Health::Degraded(Doubt::Contradiction),
-            Some(Status::Tracking) if deviation > DOUBTFUL_M => Health::Degraded(Doubt::FewFeatures),
-            None | Some(Status::Tracking) => Health::Good,
+        Self {
+            odometry: LidarInertialOdometry::new(settings(&robot)),
+            start: Pose2::default(),
+            history: History::from(Pose2::default()),
+            wheels: Wheels::new(&robot),
+            last: None,
+            robot,
         }
     }
 
-    fn newest(&self) -> (SimTime, Pose2) {
-        self.history.newest()
+    /// Health of a pose that comes from this localizer and has this covariance: x, y and yaw.
+    pub(crate) fn health_within(&self, covariance: Option<Matrix3<f64>>) -> Health {
+        let Some(last) = &self.last else {
+            return Health::Good;
+        };
+        let variance = covariance.map_or(0.0, |covariance| covariance[(0, 0)] + covariance[(1, 1)]);
+        let deviation = variance.sqrt();
+        // A covariance that contains NaN says nothing.
+        let is_useless = deviation.is_nan() || deviation > LOST_M;
+        match last.status {
+            Status::Lost => Health::Lost,
+            _ if is_useless => Health::Lost,
+            Status::Coasting => Health::Degraded(Doubt::FewFeatures),
+            Status::Noisy => Health::Degraded(Doubt::Noise),
+            Status::Disputed => Health::Degraded(Doubt::Contradiction),
+            Status::Tracking if deviation > DEGRADED_M => Health::Degraded(Doubt::FewFeatures),
+            Status::Tracking => Health::Good,
+        }
     }
 
     fn remember(&mut self, stamp: SimTime, pose: &Pose3) {
         let ahead = pose.rotation * Vector3::x();
         let yaw = libm::atan2(ahead.y, ahead.x);
-        let on_map = self.start.compose(Pose2::new(pose.translation.x, pose.translation.y, yaw));
-        self.history.push(stamp, on_map);
+        let in_odom = Pose2::new(pose.translation.x, pose.translation.y, yaw);
+        self.history.push(stamp, self.start.compose(in_odom));
+    }
+
+    /// How x, y and yaw in `map` change with the IMU's rotation in its own frame and its position
+    /// in `odom`; `pose` is the robot's.
+    fn map_jacobian(&self, pose: &Pose3) -> SMatrix<f64, 3, 6> {
+        let (sine, cosine) = libm::sincos(self.start.yaw);
+        let imu = pose.rotation * self.robot.imu.rotation;
+        // The robot's frame moves with the IMU's rotation.
+        let lever = imu * self.robot.imu.inverse().translation.vector;
+        let moved = -hat(lever) * imu.to_rotation_matrix().into_inner();
+        let upright = imu.inverse() * Vector3::z();
+        let mut jacobian = SMatrix::<f64, 3, 6>::zeros();
+        for (row, [x, y]) in [[cosine, -sine], [sine, cosine]].into_iter().enumerate() {
+            let by_rotation = moved.row(0) * x + moved.row(1) * y;
+            jacobian
+                .fixed_view_mut::<1, 3>(row, 0)
+                .copy_from(&by_rotation);
+            jacobian[(row, 3)] = x;
+            jacobian[(row, 4)] = y;
+        }
+        jacobian
+            .fixed_view_mut::<1, 3>(2, 0)
+            .copy_from(&upright.transpose());
+        jacobian
     }
 }
 
-/// The sensors of a robot: a MID-360 and the IMU in it, as their data sheets have them.
+/// The sensors of a robot: a MID-360 and the IMU in it, as their data sheets describe them.
 pub fn settings(robot: &RobotDescription) -> Settings {
     Settings {
         imu: robot.imu,
         lidar: robot.imu.inverse() * robot.lidar,
         estimate_lidar: false,
-        imu_noise: ImuNoise { gyro: 2e-4, accel: 2e-3, gyro_walk: 1e-5, accel_walk: 1e-4 },
+        imu_noise: ImuNoise {
+            gyro: 2e-4,
+            accel: 2e-3,
+            gyro_walk: 1e-5,
+            accel_walk: 1e-4,
+        },
         imu_limits: None,
-        lidar_noise: LidarNoise { range: 0.02, angle: 0.001 },
+        lidar_noise: LidarNoise {
+            range: 0.02,
+            angle: 0.001,
+        },
         typical_speed: robot.max_forward,
         blind: 0.3,
     }
@@ -90,16 +134,25 @@ impl Localizer for LidarInertial {
     }
 
     fn update(&mut self, observation: &Observation<'_>) {
-        let speeds = observation.wheels.iter().filter_map(|sample| self.wheels.take(sample));
-        speeds.for_each(|speed| self.odometry.speed(speed));
-        let mut estimates: Vec<_> =
-            observation.imu.iter().flat_map(|sample| self.odometry.imu(*sample)).collect();
+        for sample in observation.wheels {
+            if let Some(speed) = self.wheels.take(sample) {
+                self.odometry.speed(speed);
+            }
+        }
+        let mut estimates = Vec::new();
+        for sample in observation.imu {
+            estimates.extend(self.odometry.imu(*sample));
+        }
         if let Some(scan) = observation.scan {
             estimates.extend(self.odometry.scan(scan.clone()));
         }
-        if let Some(last) = estimates.last() {
-            self.status = Some(last.status);
-            self.covariance = Some((last.covariance, last.pose));
+        if let Some(last) = estimates.pop() {
+            let (status, pose, covariance) = (last.status, last.pose, last.covariance);
+            self.last = Some(LastEstimate {
+                status,
+                pose,
+                covariance,
+            });
         }
         if let Some((stamp, pose)) = self.odometry.now() {
             self.remember(stamp, &pose);
@@ -111,11 +164,11 @@ impl Localizer for LidarInertial {
     }
 
     fn pose(&self) -> Pose2 {
-        self.newest().1
+        self.history.newest().pose
     }
 
     fn ready(&self) -> bool {
-        self.status.is_some()
+        self.last.is_some()
     }
 
     fn health(&self) -> Health {
@@ -123,21 +176,8 @@ impl Localizer for LidarInertial {
     }
 
     fn covariance(&self) -> Option<Matrix3<f64>> {
-        let (covariance, pose) = self.covariance.as_ref()?;
-        let imu = pose.rotation * self.robot.imu.rotation;
-        // x, y and yaw in `map`, by rotation in the IMU's frame and position in `odom`.
-        let (sine, cosine) = libm::sincos(self.start.yaw);
-        let upright = imu.inverse() * Vector3::z();
-        let mut rows = SMatrix::<f64, 3, 6>::zeros();
-        (rows[(0, 3)], rows[(0, 4)], rows[(1, 3)], rows[(1, 4)]) = (cosine, -sine, sine, cosine);
-        rows.fixed_view_mut::<1, 3>(2, 0).copy_from(&upright.transpose());
-        // `base_link` goes along with the IMU's rotation.
-        let lever = imu * self.robot.imu.inverse().translation.vector;
-        let turn = -hat(lever) * imu.to_rotation_matrix().into_inner();
-        for (row, [x, y]) in [(0, [cosine, -sine]), (1, [sine, cosine])] {
-            let moved = turn.row(0) * x + turn.row(1) * y;
-            rows.fixed_view_mut::<1, 3>(row, 0).copy_from(&moved);
-        }
-        Some(rows * covariance * rows.transpose())
+        let last = self.last.as_ref()?;
+        let jacobian = self.map_jacobian(&last.pose);
+        Some(jacobian * last.covariance * jacobian.transpose())
     }
 }

@@ -1,18 +1,19 @@
-//! Wheels' angles as velocities.
+//! Wheel angles as velocities.
 
 use std::time::Duration;
 
 use nalgebra::Vector3;
 use openbench_core::{RobotDescription, WheelSample};
 
-use crate::lio::speed::Speed;
+use crate::lio::Speed;
 
-/// Wheels are looked at over so long a time: one mark of their encoders is a small part of the way then.
-const STRIDE: Duration = Duration::from_millis(50);
-/// How wrong wheels' speed is along the robot's axes, m/s, and how much more so in turns, m/s per rad/s: skidding wheels slide sideways.
-const SLIP: [f64; 3] = [0.03, 0.05, 0.1];
+/// Velocities are means over this time: one tick of the wheels' encoders is little then.
+const INTERVAL: Duration = Duration::from_millis(50);
+/// Standard deviation of the velocity along the robot's axes, m/s: wheels slip.
+const SLIP_M_S: Vector3<f64> = Vector3::new(0.03, 0.05, 0.1);
+/// How much larger it is in turns, m/s per rad/s: skidding wheels slide sideways.
 const SLIP_IN_TURNS: f64 = 0.2;
-/// Rims that are so many times as fast as the robot's limits make them were misread.
+/// A rim this many times as fast as the robot's limits allow was misread.
 const MISREAD: f64 = 3.0;
 
 /// The wheels of a robot that steers by the difference of its sides.
@@ -20,44 +21,49 @@ const MISREAD: f64 = 3.0;
 pub struct Wheels {
     /// Metres.
     radius: f64,
-    /// By which the turn rate follows from the sides' speeds, metres.
+    /// Effective distance of the sides, which the turn rate follows from, metres.
     track: f64,
-    /// No rim is faster, m/s: what shows more was misread.
-    fastest: f64,
-    /// When they were looked at last, and what they showed.
+    /// A faster rim was misread, m/s.
+    max_rim_speed: f64,
+    /// The sample that the next velocity begins at.
     last: Option<WheelSample>,
 }
 
 impl Wheels {
-    /// Those of a robot.
+    /// The wheels of a robot.
     pub fn new(robot: &RobotDescription) -> Self {
-        let rim = robot.max_forward + robot.max_turn * robot.effective_track / 2.0;
-        let fastest = MISREAD * rim;
-        Self { radius: robot.wheel_radius, track: robot.effective_track, fastest, last: None }
+        let rim_speed = robot.max_forward + robot.max_turn * robot.effective_track / 2.0;
+        Self {
+            radius: robot.wheel_radius,
+            track: robot.effective_track,
+            max_rim_speed: MISREAD * rim_speed,
+            last: None,
+        }
     }
 
-    /// Takes in a sample; the velocity of `base_link` when enough time has passed since the last one that was told.
+    /// Takes in a sample. Returns the velocity of `base_link` once 50 ms have passed since the one
+    /// before.
     pub fn take(&mut self, sample: &WheelSample) -> Option<Speed> {
         if !(sample.left.is_finite() && sample.right.is_finite()) {
             return None;
         }
         let last = *self.last.get_or_insert(*sample);
-        if sample.stamp.since(last.stamp) < STRIDE {
+        let interval = sample.stamp.since(last.stamp);
+        if interval < INTERVAL {
             return None;
         }
         self.last = Some(*sample);
-        let took = sample.stamp.since(last.stamp);
-        let [left, right] = [sample.left - last.left, sample.right - last.right]
-            .map(|angle| angle * self.radius / took.as_secs_f64());
-        if [left, right].iter().any(|rim| rim.abs() > self.fastest) {
+        let angles = [sample.left - last.left, sample.right - last.right];
+        let [left, right] = angles.map(|angle| angle * self.radius / interval.as_secs_f64());
+        if left.abs() > self.max_rim_speed || right.abs() > self.max_rim_speed {
             return None;
         }
         let turn = (right - left) / self.track;
-        // The mean over a stretch is the speed at its middle.
+        // The mean over an interval is the velocity in its middle.
         Some(Speed {
-            stamp: last.stamp + took / 2,
+            stamp: last.stamp + interval / 2,
             velocity: Vector3::new((left + right) / 2.0, 0.0, 0.0),
-            deviation: Vector3::from(SLIP).map(|slip| slip + SLIP_IN_TURNS * turn.abs()),
+            deviation: SLIP_M_S.map(|slip| slip + SLIP_IN_TURNS * turn.abs()),
             turn,
         })
     }
@@ -72,7 +78,11 @@ mod tests {
     fn a_turn_of_the_wheels_is_a_way() {
         let robot = RobotDescription::sentry();
         let mut wheels = Wheels::new(&robot);
-        let sample = |millis, left, right| WheelSample { stamp: SimTime::from_millis(millis), left, right };
+        let sample = |millis, left, right| WheelSample {
+            stamp: SimTime::from_millis(millis),
+            left,
+            right,
+        };
         assert!(wheels.take(&sample(0, 1.0, 1.0)).is_none());
         assert!(wheels.take(&sample(40, 1.1, 1.1)).is_none());
         assert!(wheels.take(&sample(45, f64::NAN, 1.1)).is_none());

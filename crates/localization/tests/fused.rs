@@ -8,6 +8,7 @@ use std::rc::Rc;
 use common::Robot;
 use nalgebra::{Isometry2, Matrix3, Vector2};
 use openbench_core::{Observation, Pose2, RobotDescription, SimTime};
+use openbench_localization::graph::FixCount;
 use openbench_localization::{Fix, FixSource, Fused, Localizer};
 
 /// Says once a second what stands in it.
@@ -26,7 +27,10 @@ impl FixSource for Oracle {
     }
 
     fn update(&mut self, observation: &Observation<'_>, _near: Pose2) -> Option<Fix> {
-        let pose = self.says.get().filter(|_| observation.time.since(self.last).as_secs_f64() >= 1.0)?;
+        let pose = self
+            .says
+            .get()
+            .filter(|_| observation.time.since(self.last).as_secs_f64() >= 1.0)?;
         self.last = observation.time;
         Some(Fix {
             stamp: observation.time,
@@ -47,12 +51,19 @@ struct Trial {
 impl Trial {
     fn new(told: Pose2, truth: Pose2) -> Self {
         let says = Rc::new(Cell::new(None));
-        let oracle = Oracle { says: says.clone(), last: SimTime::ZERO };
+        let oracle = Oracle {
+            says: says.clone(),
+            last: SimTime::ZERO,
+        };
         let mut localizer = Fused::new(RobotDescription::sentry(), vec![Box::new(oracle)]);
         localizer.reset(told);
         let mut robot = Robot::at(truth);
         robot.drive(&mut localizer, 0.0, 0.0, 2.0);
-        Self { localizer, robot, says }
+        Self {
+            localizer,
+            robot,
+            says,
+        }
     }
 
     /// Drives on with fixes that are off by something; the largest step of `odom` in `map` at the robot, and the largest correction that was still to come.
@@ -61,7 +72,11 @@ impl Trial {
         for step in 0..(seconds / 0.05) as usize {
             let off = off(step / 20);
             let truth = self.robot.truth;
-            self.says.set(Some(Pose2::new(truth.x + off.x, truth.y + off.y, truth.yaw)));
+            self.says.set(Some(Pose2::new(
+                truth.x + off.x,
+                truth.y + off.y,
+                truth.yaw,
+            )));
             let before = (self.localizer.odom(), self.localizer.pose());
             self.robot.drive(&mut self.localizer, 0.5, 0.1, 0.05);
             // Where the pose of before would be told now.
@@ -74,7 +89,10 @@ impl Trial {
     }
 
     fn error(&self) -> f64 {
-        self.localizer.pose().point().distance(self.robot.truth.point())
+        self.localizer
+            .pose()
+            .point()
+            .distance(self.robot.truth.point())
     }
 }
 
@@ -83,7 +101,10 @@ fn a_start_that_was_wrong_is_found_out_and_mended_without_a_jump() {
     let mut trial = Trial::new(Pose2::new(10.0, 5.0, 0.3), Pose2::new(10.0, 5.5, 0.31));
     let (jump, pending) = trial.drive(60.0, |_| Vector2::zeros());
     assert!(trial.error() < 0.05, "{}", trial.error());
-    assert!(jump < 0.0101 && jump > 0.009 && pending > 0.2, "{jump} {pending}");
+    assert!(
+        jump < 0.0101 && jump > 0.009 && pending > 0.2,
+        "{jump} {pending}"
+    );
     let deviation = trial.localizer.covariance().unwrap()[(0, 0)].sqrt();
     assert!(deviation < 0.1 && deviation > 1e-3, "{deviation}");
 }
@@ -95,12 +116,21 @@ fn false_fixes_bend_nothing() {
     // Two of three are false, and differ from each other.
     let off = |i: usize| match i % 3 {
         0 => Vector2::zeros(),
-        other => Vector2::new(libm::sin(i as f64), libm::cos(3.0 * i as f64)) * (10.0 * other as f64),
+        other => {
+            Vector2::new(libm::sin(i as f64), libm::cos(3.0 * i as f64)) * (10.0 * other as f64)
+        }
     };
     let (_, pending) = trial.drive(60.0, off);
-    assert!(trial.error() < 0.1 && pending < 0.1, "{} {pending}", trial.error());
-    let (believed, all) = trial.localizer.believed_fixes();
-    assert!(believed * 2 < all && believed * 4 > all, "{believed} of {all}");
+    assert!(
+        trial.error() < 0.1 && pending < 0.1,
+        "{} {pending}",
+        trial.error()
+    );
+    let FixCount { accepted, total } = trial.localizer.accepted_fixes();
+    assert!(
+        accepted * 2 < total && accepted * 4 > total,
+        "{accepted} of {total}"
+    );
 }
 
 #[test]

@@ -16,7 +16,10 @@ const LOCALIZERS: [Make; 3] = [
 ];
 
 fn apart(a: Pose2, b: Pose2) -> (f64, f64) {
-    (a.point().distance(b.point()), wrap_angle(a.yaw - b.yaw).abs())
+    (
+        a.point().distance(b.point()),
+        wrap_angle(a.yaw - b.yaw).abs(),
+    )
 }
 
 #[test]
@@ -28,7 +31,10 @@ fn it_begins_where_it_is_told_and_stays_there_at_rest() {
         assert!(!localizer.name().is_empty() && apart(localizer.pose(), start) < (1e-9, 1e-9));
         robot.drive(localizer.as_mut(), 0.0, 0.0, 30.0);
         let (away, turned) = apart(localizer.pose(), start);
-        assert!(localizer.ready() && away < 0.01 && turned < 0.01, "{away} m, {turned} rad");
+        assert!(
+            localizer.ready() && away < 0.01 && turned < 0.01,
+            "{away} m, {turned} rad"
+        );
     }
 }
 
@@ -45,12 +51,18 @@ fn it_follows_a_drive_and_its_history_agrees_with_what_it_said() {
             said.push((robot.time, localizer.pose()));
         }
         let (away, turned) = apart(localizer.pose(), robot.truth);
-        assert!(away < 0.05 && turned < 0.01, "{away} m, {turned} rad after 5 m");
+        assert!(
+            away < 0.05 && turned < 0.01,
+            "{away} m, {turned} rad after 5 m"
+        );
         let (time, pose) = *said.last().unwrap();
         assert!(apart(localizer.pose_at(time), pose) < (1e-6, 1e-6));
         let before = localizer.pose_at(SimTime(time.0 - 500_000_000));
         let driven = before.point().distance(pose.point());
-        assert!((0.2..0.3).contains(&driven), "half a second at 0.5 m/s: {driven}");
+        assert!(
+            (0.2..0.3).contains(&driven),
+            "half a second at 0.5 m/s: {driven}"
+        );
         localizer.reset(start);
         assert!(apart(localizer.pose(), start) < (1e-9, 1e-9) && !localizer.ready());
     }
@@ -64,19 +76,38 @@ fn broken_samples_do_not_break_it() {
         let mut robot = Robot::at(Pose2::default());
         robot.drive(localizer.as_mut(), 0.0, 0.0, 2.0);
         let stamp = SimTime(robot.time.0 + 10_000_000);
-        let nan = [ImuSample { stamp, gyro: [f64::NAN; 3], accel: [f64::INFINITY; 3] }];
-        let far = [WheelSample { stamp, left: f64::NAN, right: f64::INFINITY }];
+        let nan = [ImuSample {
+            stamp,
+            gyro: [f64::NAN; 3],
+            accel: [f64::INFINITY; 3],
+        }];
+        let far = [WheelSample {
+            stamp,
+            left: f64::NAN,
+            right: f64::INFINITY,
+        }];
         // Nothing, no numbers, and time that runs backwards.
         localizer.update(&seen(robot.time, &[], &[]));
         localizer.update(&seen(stamp, &nan, &far));
-        let early = [ImuSample { stamp: SimTime::ZERO, gyro: [0.0; 3], accel: [0.0; 3] }];
+        let early = [ImuSample {
+            stamp: SimTime::ZERO,
+            gyro: [0.0; 3],
+            accel: [0.0; 3],
+        }];
         localizer.update(&seen(
             SimTime::ZERO,
             &early,
-            &[WheelSample { stamp: SimTime::ZERO, left: 0.0, right: 0.0 }],
+            &[WheelSample {
+                stamp: SimTime::ZERO,
+                left: 0.0,
+                right: 0.0,
+            }],
         ));
         robot.drive(localizer.as_mut(), 0.0, 0.0, 1.0);
         let pose = localizer.pose();
-        assert!(pose.point().distance(MapPoint::default()) < 0.05 && pose.yaw.abs() < 0.05, "{pose:?}");
+        assert!(
+            pose.point().distance(MapPoint::default()) < 0.05 && pose.yaw.abs() < 0.05,
+            "{pose:?}"
+        );
     }
 }

@@ -3,7 +3,7 @@
 use anyhow::Context;
 use cpu_time::ProcessTime;
 use openbench_bench::{TrafficPlan, WorldSource};
-use openbench_localization::graph::PoseGraph;
+use openbench_localization::graph::{GraphSize, PoseGraph};
 use openbench_routing::Profile;
 use openbench_trials::speed::routing::{RoutingSpeed, measure as measure_routing, read_pairs};
 use openbench_trials::speed::sim::{SimSpeed, measure};
@@ -43,7 +43,7 @@ fn posegraph(args: &BenchPosegraphArgs) -> anyhow::Result<Outcome> {
     let file = || args.graph.display().to_string();
     let text = std::fs::read_to_string(&args.graph).with_context(file)?;
     let mut graph = PoseGraph::parse(&text).with_context(file)?;
-    let (vertices, edges) = graph.size();
+    let GraphSize { poses: vertices, edges } = graph.size();
     let began = ProcessTime::now();
     let solved = graph.solve().with_context(file)?;
     let seconds = began.elapsed().as_secs_f64();

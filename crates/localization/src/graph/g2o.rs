@@ -1,35 +1,58 @@
 //! Pose graphs as g2o's text files.
 //!
-//! R. Kümmerle, G. Grisetti, H. Strasdat, K. Konolige, W. Burgard, *g2o: A General Framework for Graph Optimization*, 2011. Read and written are `VERTEX_SE2`, `EDGE_SE2`,
-//! `VERTEX_SE3:QUAT`, `EDGE_SE3:QUAT` and `FIX`. As GTSAM reads them, the information about a rotation in space is that about its logarithm.
+//! R. Kümmerle, G. Grisetti, H. Strasdat, K. Konolige, W. Burgard, *g2o: A General Framework for
+//! Graph Optimization*, 2011. Read and written are `VERTEX_SE2`, `EDGE_SE2`, `VERTEX_SE3:QUAT`,
+//! `EDGE_SE3:QUAT` and `FIX`. As in GTSAM, the information about a rotation in space is that about
+//! its logarithm.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::num::{ParseFloatError, ParseIntError};
 
 use nalgebra::{Isometry2, Isometry3, Quaternion, SMatrix, Translation3, UnitQuaternion, Vector2};
 
 use super::pose::Pose;
 use super::problem::{Edge, Graph, is_information};
+use super::solve::{SolveError, Solved};
 
-/// A graph of a file, with the numbers that its poses have there.
+/// A graph of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub enum PoseGraph {
     /// In the plane.
-    Plane(Graph<Isometry2<f64>, 3>, Vec<u64>),
+    Plane(NumberedGraph<Isometry2<f64>, 3>),
     /// In space.
-    Space(Graph<Isometry3<f64>, 6>, Vec<u64>),
+    Space(NumberedGraph<Isometry3<f64>, 6>),
+}
+
+/// A graph, and the numbers that its poses have in a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NumberedGraph<P, const D: usize> {
+    /// The graph.
+    pub graph: Graph<P, D>,
+    /// One for each pose.
+    pub numbers: Vec<u64>,
+}
+
+/// How large a graph is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct GraphSize {
+    /// Number of poses.
+    pub poses: usize,
+    /// Number of edges.
+    pub edges: usize,
 }
 
 /// What is wrong with a file.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum G2oError {
     /// A line is not as it should be.
-    #[error("line {line}: {what}")]
+    #[error("line {line}")]
     Line {
         /// Which, from 1.
         line: usize,
         /// What is wrong with it.
-        what: String,
+        #[source]
+        problem: LineError,
     },
     /// Poses in the plane and in space.
     #[error("the file has poses in the plane and in space; give one of them")]
@@ -39,214 +62,447 @@ pub enum G2oError {
     Empty,
 }
 
+/// What is wrong with a line.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum LineError {
+    /// The first word is not known.
+    #[error("`{0}` is none of VERTEX_SE2, EDGE_SE2, VERTEX_SE3:QUAT, EDGE_SE3:QUAT, FIX")]
+    Tag(String),
+    /// A pose has no number.
+    #[error("the pose has no number")]
+    NoNumber,
+    /// An edge does not name two poses.
+    #[error("the edge does not say between which poses")]
+    NoEnds,
+    /// A word is not the number of a pose.
+    #[error("`{word}` is no number of a pose")]
+    PoseNumber {
+        /// The word.
+        word: String,
+        /// Why.
+        source: ParseIntError,
+    },
+    /// Too few or too many numbers.
+    #[error("there are {found} numbers where {wanted} are wanted")]
+    Count {
+        /// How many there are.
+        found: usize,
+        /// How many there should be.
+        wanted: usize,
+    },
+    /// A word is not a number.
+    #[error("`{word}` is no number")]
+    NoFloat {
+        /// The word.
+        word: String,
+        /// Why.
+        source: ParseFloatError,
+    },
+    /// A number is NaN or infinite.
+    #[error("`{0}` is no number")]
+    NotFinite(String),
+    /// A pose has the number of an earlier one.
+    #[error("pose {0} was there before")]
+    Repeated(u64),
+    /// A quaternion has no direction.
+    #[error("that is no pose: the quaternion is none")]
+    Quaternion,
+    /// Information that is not that of a covariance.
+    #[error("that is no information: it is not positive along all directions")]
+    Information,
+    /// An edge or `FIX` names a pose that is not there.
+    #[error("pose {0} is named, but the file has none of that number")]
+    NoSuchPose(u64),
+}
+
 impl PoseGraph {
     /// Reads a file's text.
     pub fn parse(text: &str) -> Result<Self, G2oError> {
-        let (mut plane, mut space) = (Part::default(), Part::default());
+        let mut plane = Part::default();
+        let mut space = Part::default();
         let mut held = Vec::new();
-        for (number, line) in text.lines().enumerate() {
-            let error = |what: String| G2oError::Line { line: number + 1, what };
-            let mut words = line.split_whitespace();
-            let Some(tag) = words.next().filter(|tag| !tag.starts_with('#')) else { continue };
-            let words: Vec<&str> = words.collect();
-            match tag {
-                "VERTEX_SE2" => plane.vertex(&words, 3, flat),
-                "VERTEX_SE3:QUAT" => space.vertex(&words, 7, solid),
-                "EDGE_SE2" => plane.edge(&words, 3, flat, number + 1),
-                "EDGE_SE3:QUAT" => space.edge(&words, 7, solid, number + 1),
-                "FIX" => words.iter().try_for_each(|word| id(word).map(|id| held.push((id, number + 1)))),
-                _ => Err(format!(
-                    "`{tag}` is none of VERTEX_SE2, EDGE_SE2, VERTEX_SE3:QUAT, EDGE_SE3:QUAT, FIX"
-                )),
-            }
-            .map_err(error)?;
+        for (index, text) in text.lines().enumerate() {
+            let line = index + 1;
+            read_line(text, line, &mut plane, &mut space, &mut held)
+                .map_err(|problem| G2oError::Line { line, problem })?;
         }
-        match (plane.ids.is_empty(), space.ids.is_empty()) {
-            (false, true) => plane.finish(&held).map(|(graph, ids)| Self::Plane(graph, ids)),
-            (true, false) => space.finish(&held).map(|(graph, ids)| Self::Space(graph, ids)),
+        match (plane.is_empty(), space.is_empty()) {
+            (false, true) => plane.finish(&held).map(Self::Plane),
+            (true, false) => space.finish(&held).map(Self::Space),
             (true, true) => Err(G2oError::Empty),
             (false, false) => Err(G2oError::Mixed),
         }
     }
 
     /// Numbers of poses and of edges.
-    pub fn size(&self) -> (usize, usize) {
+    pub fn size(&self) -> GraphSize {
         match self {
-            Self::Plane(graph, _) => (graph.poses.len(), graph.edges.len()),
-            Self::Space(graph, _) => (graph.poses.len(), graph.edges.len()),
+            Self::Plane(numbered) => numbered.size(),
+            Self::Space(numbered) => numbered.size(),
         }
     }
 
     /// Solves it, see [`Graph::solve`].
-    pub fn solve(&mut self) -> Result<super::Solved, super::SolveError> {
+    pub fn solve(&mut self) -> Result<Solved, SolveError> {
         match self {
-            Self::Plane(graph, _) => graph.solve(),
-            Self::Space(graph, _) => graph.solve(),
+            Self::Plane(numbered) => numbered.graph.solve(),
+            Self::Space(numbered) => numbered.graph.solve(),
         }
     }
 
     /// The text of a file.
     pub fn to_text(&self) -> String {
         match self {
-            Self::Plane(graph, ids) => write(graph, ids, ["VERTEX_SE2", "EDGE_SE2"], |pose| {
-                let distance = pose.distance();
-                distance.iter().copied().collect()
-            }),
-            Self::Space(graph, ids) => write(graph, ids, ["VERTEX_SE3:QUAT", "EDGE_SE3:QUAT"], |pose| {
-                pose.translation.vector.iter().chain(pose.rotation.coords.iter()).copied().collect()
-            }),
+            Self::Plane(numbered) => text_of(numbered),
+            Self::Space(numbered) => text_of(numbered),
         }
     }
 }
 
-fn write<P, const D: usize>(
-    graph: &Graph<P, D>,
-    ids: &[u64],
-    tags: [&str; 2],
-    numbers: impl Fn(&P) -> Vec<f64>,
-) -> String {
+/// A pose as it stands in a file.
+trait Entry<const D: usize>: Pose<D> {
+    /// First word of the line of a pose.
+    const VERTEX: &'static str;
+    /// First word of the line of an edge.
+    const EDGE: &'static str;
+    /// How many numbers describe a pose.
+    const SIZE: usize;
+
+    /// The pose of [`SIZE`](Self::SIZE) numbers; `None` if they describe none.
+    fn from_numbers(numbers: &[f64]) -> Option<Self>;
+
+    /// The numbers of the pose.
+    fn to_numbers(&self) -> Vec<f64>;
+}
+
+impl Entry<3> for Isometry2<f64> {
+    const VERTEX: &'static str = "VERTEX_SE2";
+    const EDGE: &'static str = "EDGE_SE2";
+    const SIZE: usize = 3;
+
+    fn from_numbers(numbers: &[f64]) -> Option<Self> {
+        let &[x, y, yaw] = numbers else { return None };
+        Some(Self::new(Vector2::new(x, y), yaw))
+    }
+
+    fn to_numbers(&self) -> Vec<f64> {
+        self.distance().iter().copied().collect()
+    }
+}
+
+impl Entry<6> for Isometry3<f64> {
+    const VERTEX: &'static str = "VERTEX_SE3:QUAT";
+    const EDGE: &'static str = "EDGE_SE3:QUAT";
+    const SIZE: usize = 7;
+
+    fn from_numbers(numbers: &[f64]) -> Option<Self> {
+        let &[x, y, z, i, j, k, w] = numbers else {
+            return None;
+        };
+        let rotation = UnitQuaternion::try_new(Quaternion::new(w, i, j, k), 1e-6)?;
+        // The square of a large number overflows.
+        let is_unit = (rotation.norm() - 1.0).abs() < 1e-6;
+        is_unit.then(|| Self::from_parts(Translation3::new(x, y, z), rotation))
+    }
+
+    fn to_numbers(&self) -> Vec<f64> {
+        self.translation
+            .vector
+            .iter()
+            .chain(self.rotation.coords.iter())
+            .copied()
+            .collect()
+    }
+}
+
+impl<P, const D: usize> NumberedGraph<P, D> {
+    fn size(&self) -> GraphSize {
+        GraphSize {
+            poses: self.graph.poses.len(),
+            edges: self.graph.edges.len(),
+        }
+    }
+}
+
+/// The text of a file: poses, `FIX` lines, edges.
+fn text_of<P: Entry<D>, const D: usize>(numbered: &NumberedGraph<P, D>) -> String {
+    let NumberedGraph { graph, numbers } = numbered;
     let mut text = String::new();
-    let put = |text: &mut String, values: &[f64]| {
-        values.iter().for_each(|x| {
-            let _ = write!(text, " {x}");
-        })
-    };
-    for (pose, id) in graph.poses.iter().zip(ids) {
-        let _ = write!(text, "{} {id}", tags[0]);
-        put(&mut text, &numbers(pose));
+    for (pose, number) in graph.poses.iter().zip(numbers) {
+        let _ = write!(text, "{} {number}", P::VERTEX);
+        push_numbers(&mut text, &pose.to_numbers());
         text.push('\n');
     }
     for held in &graph.held {
-        let _ = writeln!(text, "FIX {}", ids[*held]);
+        let _ = writeln!(text, "FIX {}", numbers[*held]);
     }
     for edge in &graph.edges {
-        let _ = write!(text, "{} {} {}", tags[1], ids[edge.from], ids[edge.to]);
-        put(&mut text, &numbers(&edge.measured));
-        let upper: Vec<f64> =
-            (0..D).flat_map(|i| (i..D).map(move |j| (i, j))).map(|at| edge.information[at]).collect();
-        put(&mut text, &upper);
+        let _ = write!(
+            text,
+            "{} {} {}",
+            P::EDGE,
+            numbers[edge.from],
+            numbers[edge.to]
+        );
+        push_numbers(&mut text, &edge.measured.to_numbers());
+        let upper: Vec<f64> = upper_triangle::<D>()
+            .map(|at| edge.information[at])
+            .collect();
+        push_numbers(&mut text, &upper);
         text.push('\n');
     }
     text
 }
 
-/// An edge as it stands in a file: the numbers of its poses, and its line.
-type Named<P, const D: usize> = (Edge<P, D>, [u64; 2], usize);
+fn push_numbers(text: &mut String, numbers: &[f64]) {
+    for number in numbers {
+        let _ = write!(text, " {number}");
+    }
+}
+
+/// Row and column of each entry of the upper triangle of a matrix, row by row.
+fn upper_triangle<const D: usize>() -> impl Iterator<Item = (usize, usize)> {
+    (0..D).flat_map(|row| (row..D).map(move |column| (row, column)))
+}
+
+/// A pose that a line of a file names.
+#[derive(Debug, Clone, Copy)]
+struct Reference {
+    number: u64,
+    line: usize,
+}
+
+/// An edge as it stands in a file; the indices of its poses are not known yet.
+struct FileEdge<P, const D: usize> {
+    from: Reference,
+    to: Reference,
+    measured: P,
+    information: SMatrix<f64, D, D>,
+}
 
 /// Poses and edges of one kind.
 struct Part<P, const D: usize> {
-    ids: BTreeMap<u64, usize>,
+    /// Index of each pose by its number.
+    indices: BTreeMap<u64, usize>,
     poses: Vec<P>,
-    edges: Vec<Named<P, D>>,
+    edges: Vec<FileEdge<P, D>>,
 }
 
 impl<P, const D: usize> Default for Part<P, D> {
     fn default() -> Self {
-        Self { ids: BTreeMap::new(), poses: Vec::new(), edges: Vec::new() }
+        Self {
+            indices: BTreeMap::new(),
+            poses: Vec::new(),
+            edges: Vec::new(),
+        }
     }
 }
 
-impl<P: Pose<D>, const D: usize> Part<P, D> {
-    fn vertex(&mut self, words: &[&str], size: usize, pose: fn(&[f64]) -> Option<P>) -> Result<(), String> {
-        let [name, rest @ ..] = words else { return Err("the pose has no number".into()) };
-        let id = id(name)?;
-        let numbers = numbers(rest, size)?;
-        if self.ids.insert(id, self.poses.len()).is_some() {
-            return Err(format!("pose {id} was there before"));
-        }
-        self.poses.push(pose(&numbers).ok_or("that is no pose: the quaternion is none")?);
-        Ok(())
-    }
-
-    fn edge(
-        &mut self,
-        words: &[&str],
-        size: usize,
-        pose: fn(&[f64]) -> Option<P>,
-        line: usize,
-    ) -> Result<(), String> {
-        let [from, to, rest @ ..] = words else {
-            return Err("the edge does not say between which poses".into());
-        };
-        let ends = [id(from)?, id(to)?];
-        let numbers = numbers(rest, size + D * (D + 1) / 2)?;
-        let measured = pose(&numbers[..size]).ok_or("that is no pose: the quaternion is none")?;
-        let mut information = SMatrix::<f64, D, D>::zeros();
-        let upper = (0..D).flat_map(|i| (i..D).map(move |j| (i, j)));
-        for ((i, j), value) in upper.zip(&numbers[size..]) {
-            (information[(i, j)], information[(j, i)]) = (*value, *value);
-        }
-        if !is_information(&information) {
-            return Err("that is no information: it is not positive along all directions".into());
-        }
-        self.edges.push((Edge { from: 0, to: 0, measured, information }, ends, line));
-        Ok(())
-    }
-
-    fn finish(self, held: &[(u64, usize)]) -> Result<(Graph<P, D>, Vec<u64>), G2oError> {
-        let find = |id: u64, line: usize| {
-            let what = || format!("pose {id} is named, but the file has none of that number");
-            self.ids.get(&id).copied().ok_or_else(|| G2oError::Line { line, what: what() })
-        };
-        let edges = self.edges.into_iter().map(|(edge, [from, to], line)| {
-            Ok(Edge { from: find(from, line)?, to: find(to, line)?, ..edge })
-        });
-        let edges = edges.collect::<Result<_, G2oError>>()?;
-        let held = held.iter().map(|(id, line)| find(*id, *line)).collect::<Result<_, _>>()?;
-        let mut ids = vec![0; self.poses.len()];
-        self.ids.iter().for_each(|(id, at)| ids[*at] = *id);
-        Ok((Graph { poses: self.poses, edges, priors: Vec::new(), held }, ids))
-    }
-}
-
-fn id(word: &str) -> Result<u64, String> {
-    word.parse().map_err(|_| format!("`{word}` is no number of a pose"))
-}
-
-fn numbers(words: &[&str], size: usize) -> Result<Vec<f64>, String> {
-    if words.len() != size {
-        return Err(format!("there are {} numbers where {size} are wanted", words.len()));
-    }
-    let number = |word: &&str| {
-        word.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| format!("`{word}` is no number"))
+/// Reads a line into the part that it belongs to.
+fn read_line(
+    text: &str,
+    line: usize,
+    plane: &mut Part<Isometry2<f64>, 3>,
+    space: &mut Part<Isometry3<f64>, 6>,
+    held: &mut Vec<Reference>,
+) -> Result<(), LineError> {
+    let mut words = text.split_whitespace();
+    let Some(tag) = words.next().filter(|tag| !tag.starts_with('#')) else {
+        return Ok(());
     };
-    words.iter().map(number).collect()
+    let words: Vec<&str> = words.collect();
+    match tag {
+        Isometry2::<f64>::VERTEX => plane.read_vertex(&words),
+        Isometry3::<f64>::VERTEX => space.read_vertex(&words),
+        Isometry2::<f64>::EDGE => plane.read_edge(&words, line),
+        Isometry3::<f64>::EDGE => space.read_edge(&words, line),
+        "FIX" => read_held(&words, line, held),
+        _ => Err(LineError::Tag(tag.to_owned())),
+    }
 }
 
-fn flat(n: &[f64]) -> Option<Isometry2<f64>> {
-    Some(Isometry2::new(Vector2::new(n[0], n[1]), n[2]))
+fn read_held(words: &[&str], line: usize, held: &mut Vec<Reference>) -> Result<(), LineError> {
+    for word in words {
+        held.push(Reference {
+            number: pose_number(word)?,
+            line,
+        });
+    }
+    Ok(())
 }
 
-fn solid(n: &[f64]) -> Option<Isometry3<f64>> {
-    let rotation = UnitQuaternion::try_new(Quaternion::new(n[6], n[3], n[4], n[5]), 1e-6)?;
-    // The square of a large number is none.
-    let rotation = Some(rotation).filter(|rotation| (rotation.norm() - 1.0).abs() < 1e-6)?;
-    Some(Isometry3::from_parts(Translation3::new(n[0], n[1], n[2]), rotation))
+impl<P: Entry<D>, const D: usize> Part<P, D> {
+    fn is_empty(&self) -> bool {
+        self.indices.is_empty()
+    }
+
+    fn read_vertex(&mut self, words: &[&str]) -> Result<(), LineError> {
+        let [number, rest @ ..] = words else {
+            return Err(LineError::NoNumber);
+        };
+        let number = pose_number(number)?;
+        let numbers = numbers(rest, P::SIZE)?;
+        if self.indices.insert(number, self.poses.len()).is_some() {
+            return Err(LineError::Repeated(number));
+        }
+        self.poses
+            .push(P::from_numbers(&numbers).ok_or(LineError::Quaternion)?);
+        Ok(())
+    }
+
+    fn read_edge(&mut self, words: &[&str], line: usize) -> Result<(), LineError> {
+        let [from, to, rest @ ..] = words else {
+            return Err(LineError::NoEnds);
+        };
+        let from = Reference {
+            number: pose_number(from)?,
+            line,
+        };
+        let to = Reference {
+            number: pose_number(to)?,
+            line,
+        };
+        let numbers = numbers(rest, P::SIZE + D * (D + 1) / 2)?;
+        let (pose, upper) = numbers.split_at(P::SIZE);
+        let measured = P::from_numbers(pose).ok_or(LineError::Quaternion)?;
+        let information = symmetric(upper);
+        if !is_information(&information) {
+            return Err(LineError::Information);
+        }
+        self.edges.push(FileEdge {
+            from,
+            to,
+            measured,
+            information,
+        });
+        Ok(())
+    }
+
+    /// The graph, once all poses are known.
+    fn finish(self, held: &[Reference]) -> Result<NumberedGraph<P, D>, G2oError> {
+        let held = held.iter().map(|pose| index_of(*pose, &self.indices));
+        let held = held.collect::<Result<_, _>>();
+        let mut edges = Vec::with_capacity(self.edges.len());
+        for FileEdge {
+            from,
+            to,
+            measured,
+            information,
+        } in self.edges
+        {
+            let from = index_of(from, &self.indices)?;
+            let to = index_of(to, &self.indices)?;
+            edges.push(Edge {
+                from,
+                to,
+                measured,
+                information,
+            });
+        }
+        let mut numbers = vec![0; self.poses.len()];
+        for (number, index) in &self.indices {
+            numbers[*index] = *number;
+        }
+        let graph = Graph {
+            poses: self.poses,
+            edges,
+            priors: Vec::new(),
+            held: held?,
+        };
+        Ok(NumberedGraph { graph, numbers })
+    }
+}
+
+/// Index of a pose that a line names.
+fn index_of(pose: Reference, indices: &BTreeMap<u64, usize>) -> Result<usize, G2oError> {
+    let Reference { number, line } = pose;
+    let problem = LineError::NoSuchPose(number);
+    indices
+        .get(&number)
+        .copied()
+        .ok_or(G2oError::Line { line, problem })
+}
+
+/// The symmetric matrix with an upper triangle, row by row.
+fn symmetric<const D: usize>(upper: &[f64]) -> SMatrix<f64, D, D> {
+    let mut matrix = SMatrix::zeros();
+    for ((row, column), value) in upper_triangle::<D>().zip(upper) {
+        matrix[(row, column)] = *value;
+        matrix[(column, row)] = *value;
+    }
+    matrix
+}
+
+fn pose_number(word: &str) -> Result<u64, LineError> {
+    word.parse().map_err(|source| LineError::PoseNumber {
+        word: word.to_owned(),
+        source,
+    })
+}
+
+/// The finite numbers of words, of which there must be `wanted`.
+fn numbers(words: &[&str], wanted: usize) -> Result<Vec<f64>, LineError> {
+    if words.len() != wanted {
+        return Err(LineError::Count {
+            found: words.len(),
+            wanted,
+        });
+    }
+    words.iter().map(|word| finite_number(word)).collect()
+}
+
+fn finite_number(word: &str) -> Result<f64, LineError> {
+    let number: f64 = word.parse().map_err(|source| LineError::NoFloat {
+        word: word.to_owned(),
+        source,
+    })?;
+    if number.is_finite() {
+        Ok(number)
+    } else {
+        Err(LineError::NotFinite(word.to_owned()))
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use std::error::Error;
+
+    /// An error with its sources.
+    fn message(error: &G2oError) -> String {
+        let problem = error.source().map(|source| format!(": {source}"));
+        format!("{error}{}", problem.unwrap_or_default())
+    }
 
     #[test]
     fn a_quaternion_that_overflows_is_refused() {
         let error = PoseGraph::parse("VERTEX_SE3:QUAT 0 5 0 5 0 96e256 0.1 0").unwrap_err();
-        assert!(error.to_string().contains("the quaternion is none"), "{error}");
+        assert!(
+            message(&error).contains("the quaternion is none"),
+            "{error:?}"
+        );
     }
 
     #[test]
     fn information_is_of_a_covariance() {
         let file = |numbers: &str| FILE.replace("2 0.5 0 2 0 3", numbers);
-        assert!(
-            PoseGraph::parse(&file("0 0 0 0 0 0")).is_ok() && PoseGraph::parse(&file("2 0 0 2 0 0")).is_ok()
-        );
+        assert!(PoseGraph::parse(&file("0 0 0 0 0 0")).is_ok());
+        assert!(PoseGraph::parse(&file("2 0 0 2 0 0")).is_ok());
         for bad in ["2 3 0 2 0 3", "-1 0 0 2 0 3"] {
-            let error = PoseGraph::parse(&file(bad)).unwrap_err().to_string();
-            assert!(error.contains("line 5") && error.contains("not positive"), "{error}");
+            let error = message(&PoseGraph::parse(&file(bad)).unwrap_err());
+            assert!(
+                error.contains("line 5") && error.contains("not positive"),
+                "{error}"
+            );
         }
-        let error = PoseGraph::parse(&file("1e308 0 0 1e308 0 1e308")).unwrap().solve();
-        assert!(error.is_ok() || error == Err(super::super::SolveError::NotFinite), "{error:?}");
+        let error = PoseGraph::parse(&file("1e308 0 0 1e308 0 1e308"))
+            .unwrap()
+            .solve();
+        assert!(
+            error.is_ok() || error == Err(SolveError::NotFinite),
+            "{error:?}"
+        );
     }
 
     const FILE: &str = "\
@@ -260,14 +516,22 @@ EDGE_SE2 7 3 1 0 0.25 2 0.5 0 2 0 3
     #[test]
     fn a_file_is_read_solved_and_written() {
         let mut graph = PoseGraph::parse(FILE).unwrap();
-        assert_eq!(graph.size(), (2, 1));
+        let size = GraphSize { poses: 2, edges: 1 };
+        assert_eq!(graph.size(), size);
         assert!(graph.solve().unwrap().chi2 < 1e-12);
         let text = graph.to_text();
-        assert!(text.starts_with("VERTEX_SE2 7 0 0 0\nVERTEX_SE2 3 "), "{text}");
-        assert!(text.ends_with("FIX 7\nEDGE_SE2 7 3 1 0 0.25 2 0.5 0 2 0 3\n"), "{text}");
+        assert!(
+            text.starts_with("VERTEX_SE2 7 0 0 0\nVERTEX_SE2 3 "),
+            "{text}"
+        );
+        assert!(
+            text.ends_with("FIX 7\nEDGE_SE2 7 3 1 0 0.25 2 0.5 0 2 0 3\n"),
+            "{text}"
+        );
         // Through sine and cosine an angle comes back but for its last digit.
         let mut again = PoseGraph::parse(&text).unwrap();
-        assert_eq!((again.size(), again.solve().unwrap().chi2 < 1e-12), ((2, 1), true));
+        assert_eq!(again.size(), size);
+        assert!(again.solve().unwrap().chi2 < 1e-12);
     }
 
     #[test]
@@ -283,11 +547,20 @@ EDGE_SE2 7 3 1 0 0.25 2 0.5 0 2 0 3
     #[test]
     fn bad_files_are_told_by_line() {
         for (text, what) in [
-            ("VERTEX_SE2 0 0 0", "line 1: there are 2 numbers where 3 are wanted"),
+            (
+                "VERTEX_SE2 0 0 0",
+                "line 1: there are 2 numbers where 3 are wanted",
+            ),
             ("VERTEX_SE2 0 0 0 nan", "line 1: `nan` is no number"),
-            ("VERTEX_SE2 0 0 0 0\nVERTEX_SE2 0 0 0 0", "line 2: pose 0 was there before"),
+            (
+                "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 0 0 0 0",
+                "line 2: pose 0 was there before",
+            ),
             ("\nVERTEX_XY 0 0 0", "line 2: `VERTEX_XY` is none of"),
-            ("VERTEX_SE2 0 0 0 0\nEDGE_SE2 0 4 1 0 0 1 0 0 1 0 1", "line 2: pose 4 is named"),
+            (
+                "VERTEX_SE2 0 0 0 0\nEDGE_SE2 0 4 1 0 0 1 0 0 1 0 1",
+                "line 2: pose 4 is named",
+            ),
             ("VERTEX_SE3:QUAT 0 0 0 0 0 0 0 0", "line 1: that is no pose"),
             (
                 "VERTEX_SE2 0 0 0 0\nVERTEX_SE3:QUAT 1 0 0 0 0 0 0 1",
@@ -296,7 +569,7 @@ EDGE_SE2 7 3 1 0 0.25 2 0.5 0 2 0 3
             ("FIX -1", "line 1: `-1` is no number of a pose"),
             ("", "the file has no VERTEX_SE2"),
         ] {
-            let told = PoseGraph::parse(text).unwrap_err().to_string();
+            let told = message(&PoseGraph::parse(text).unwrap_err());
             assert!(told.starts_with(what), "{text}: {told}");
         }
     }
@@ -314,9 +587,14 @@ EDGE_SE2 7 3 1 0 0.25 2 0.5 0 2 0 3
             ("EDGE_SE3:QUAT", 30),
             ("FIX", 1),
         ]);
-        (kind, prop::collection::vec(number, 31), prop_oneof![9 => Just(0_usize), 1 => 0..3_usize]).prop_map(
-            |((kind, count), numbers, off)| format!("{kind} {}", numbers[..count - off.min(count)].join(" ")),
+        (
+            kind,
+            prop::collection::vec(number, 31),
+            prop_oneof![9 => Just(0_usize), 1 => 0..3_usize],
         )
+            .prop_map(|((kind, count), numbers, off)| {
+                format!("{kind} {}", numbers[..count - off.min(count)].join(" "))
+            })
     }
 
     proptest! {

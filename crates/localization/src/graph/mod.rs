@@ -16,8 +16,8 @@ pub mod solve;
 mod sparse;
 pub mod window;
 
-pub use g2o::{G2oError, PoseGraph};
+pub use g2o::{G2oError, GraphSize, LineError, NumberedGraph, PoseGraph};
 pub use pose::Pose;
 pub use problem::{Edge, Graph, Prior};
 pub use solve::{SolveError, Solved};
-pub use window::Window;
+pub use window::{FixCount, Window};

@@ -3,10 +3,12 @@
 //! J. Solà, J. Deray, D. Atchuthan, *A micro Lie theory for state estimation in robotics*, 2018; equation numbers are its. Tangent vectors have the translation first. A pose
 //! is perturbed from the right: in its own frame.
 
-use nalgebra::{Isometry2, Isometry3, Matrix3, Matrix6, SMatrix, SVector, Vector2, Vector3, Vector6};
+use nalgebra::{
+    Isometry2, Isometry3, Matrix3, Matrix6, SMatrix, SVector, Vector2, Vector3, Vector6,
+};
 use openbench_core::frames::wrap_angle;
 
-use crate::lio::so3;
+use crate::so3;
 
 /// A pose with `D` degrees of freedom.
 pub trait Pose<const D: usize>: Clone + Send + Sync {
@@ -77,8 +79,10 @@ impl Pose<6> for Isometry3<f64> {
 
     /// Translation and rotation apart: a retraction that agrees with the exponential to first order, which is all that is asked of one.
     fn moved(&self, motion: &Vector6<f64>) -> Self {
-        let (shift, turn): (Vector3<f64>, Vector3<f64>) =
-            (motion.fixed_rows::<3>(0).into_owned(), motion.fixed_rows::<3>(3).into_owned());
+        let (shift, turn): (Vector3<f64>, Vector3<f64>) = (
+            motion.fixed_rows::<3>(0).into_owned(),
+            motion.fixed_rows::<3>(3).into_owned(),
+        );
         let there = self.translation.vector + self.rotation * shift;
         let mut rotation = self.rotation * so3::exp(turn);
         rotation.renormalize();
@@ -114,7 +118,9 @@ impl Pose<6> for Isometry3<f64> {
         let mut adjoint = Matrix6::zeros();
         adjoint.fixed_view_mut::<3, 3>(0, 0).copy_from(&rotation);
         adjoint.fixed_view_mut::<3, 3>(3, 3).copy_from(&rotation);
-        adjoint.fixed_view_mut::<3, 3>(0, 3).copy_from(&(so3::hat(self.translation.vector) * rotation));
+        adjoint
+            .fixed_view_mut::<3, 3>(0, 3)
+            .copy_from(&(so3::hat(self.translation.vector) * rotation));
         adjoint
     }
 }
@@ -130,8 +136,12 @@ mod tests {
         let jacobian = a.distance_jacobian();
         for i in 0..D {
             let motion = SVector::<f64, D>::from_fn(|row, _| if row == i { STEP } else { 0.0 });
-            let difference = (a.moved(&motion).distance() - a.moved(&-motion).distance()) / (2.0 * STEP);
-            prop_assert!((difference - jacobian.column(i)).norm() < 1e-4, "{i}: {difference} {jacobian}");
+            let difference =
+                (a.moved(&motion).distance() - a.moved(&-motion).distance()) / (2.0 * STEP);
+            prop_assert!(
+                (difference - jacobian.column(i)).norm() < 1e-4,
+                "{i}: {difference} {jacobian}"
+            );
             // X exp(m) = exp(Ad m) X.
             let same = a.then(&b.moved(&motion)).then(&a.then(b).back());
             let there = a.then(b).adjoint() * motion;

@@ -1,22 +1,29 @@
-//! The least squares of a graph, after Gauss and Newton, damped after Levenberg and Marquardt where a step would make it worse.
+//! Least squares of a graph: Gauss-Newton, damped after Levenberg and Marquardt where a step would
+//! make it worse.
 
 use nalgebra::SVector;
 
 use super::pose::Pose;
-use super::problem::{Graph, is_information, square};
-use super::sparse::Normal;
+use super::problem::{Edge, Graph, Prior, is_information, normalized_square};
+use super::sparse::{Coupling, Normal};
 
-/// Steps at most.
-const STEPS: usize = 100;
-/// A smaller part of chi² is not worth another step.
-const LITTLE: f64 = 1e-5;
-/// Damping as a part of the largest number on the diagonal: the least, and the most that is tried.
-const DAMPING: [f64; 2] = [1e-9, 1e6];
+/// At most this many steps.
+const MAX_STEPS: usize = 100;
+/// A smaller share of chi² is not worth another step.
+const MIN_GAIN: f64 = 1e-5;
+/// The least damping, as a share of the largest number on the diagonal,
+const MIN_DAMPING: f64 = 1e-9;
+/// and the most that is tried.
+const MAX_DAMPING: f64 = 1e6;
+/// Factor between one damping and the next.
+const DAMPING_STEP: f64 = 10.0;
+/// Chi² may grow by this share by rounding alone.
+const ROUNDING: f64 = 1e-12;
 
 /// What came of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Solved {
-    /// The sum of squared residuals in deviations.
+    /// The sum of squared residuals in standard deviations.
     pub chi2: f64,
     /// Steps that were taken.
     pub steps: usize,
@@ -36,138 +43,209 @@ pub enum SolveError {
     TooLarge,
 }
 
+/// Damping that is worth trying.
+#[derive(Debug, Clone, Copy)]
+struct DampingRange {
+    least: f64,
+    most: f64,
+}
+
 impl<P: Pose<D>, const D: usize> Graph<P, D> {
-    /// Moves the poses to where they agree best with all that was measured, from where they are. Where nothing holds a part, its first pose is held.
+    /// Moves the poses to where they agree best with all measurements, beginning where they are.
+    /// Where nothing holds a part of the graph, its first pose is held.
     pub fn solve(&mut self) -> Result<Solved, SolveError> {
-        self.solve_to(LITTLE)
+        self.solve_to(MIN_GAIN)
     }
 
-    /// The same until a step makes chi² less by no more than that part of it.
-    pub fn solve_to(&mut self, little: f64) -> Result<Solved, SolveError> {
+    /// The same until a step reduces chi² by no more than the share `min_gain` of it.
+    pub fn solve_to(&mut self, min_gain: f64) -> Result<Solved, SolveError> {
         self.check()?;
-        let (mut chi2, mut damping) = (self.chi2(), 0.0);
+        let mut chi2 = self.chi2();
         if !chi2.is_finite() {
             return Err(SolveError::NotFinite);
         }
-        let Some(mut system) = System::new(self)? else { return Ok(Solved { chi2, steps: 0 }) };
-        for step in 0..STEPS {
+        let Some(mut system) = System::new(self)? else {
+            return Ok(Solved { chi2, steps: 0 });
+        };
+        let mut damping = 0.0;
+        for step in 0..MAX_STEPS {
             system.linearize(self);
-            // What says nothing has no number on its diagonal to take a part of.
-            let largest = system.normal.largest().max(f64::MIN_POSITIVE / DAMPING[0]);
-            let (least, most) = (largest * DAMPING[0], largest * DAMPING[1]);
-            if !most.is_finite() {
-                return Err(SolveError::NotFinite);
-            }
-            let better = loop {
-                let tried = system.normal.solve(damping).map(|motions| system.moved(self, &motions));
-                if let Some((poses, after)) = tried.map(|poses| {
-                    let before = std::mem::replace(&mut self.poses, poses);
-                    let after = self.chi2();
-                    (std::mem::replace(&mut self.poses, before), after)
-                }) && after <= chi2 * (1.0 + 1e-12)
-                {
-                    self.poses = poses;
-                    damping = if damping > least * 10.0 { damping / 10.0 } else { 0.0 };
-                    break Some(chi2 - after);
-                }
-                damping = (damping * 10.0).max(least);
-                if damping > most {
-                    break None;
-                }
+            let range = DampingRange::of(&system.normal)?;
+            let Some(gain) = self.improve(&system, chi2, &mut damping, range) else {
+                return Ok(Solved { chi2, steps: step });
             };
-            let Some(gain) = better else { return Ok(Solved { chi2, steps: step }) };
             chi2 -= gain;
-            if gain <= chi2 * little {
-                return Ok(Solved { chi2: self.chi2(), steps: step + 1 });
+            if gain <= chi2 * min_gain {
+                return Ok(Solved {
+                    chi2: self.chi2(),
+                    steps: step + 1,
+                });
             }
         }
-        Ok(Solved { chi2, steps: STEPS })
+        Ok(Solved {
+            chi2,
+            steps: MAX_STEPS,
+        })
+    }
+
+    /// Takes a step that does not increase chi², with as little damping as that needs. Returns by
+    /// how much chi² decreased; `None` if no damping helps.
+    fn improve(
+        &mut self,
+        system: &System<D>,
+        chi2: f64,
+        damping: &mut f64,
+        range: DampingRange,
+    ) -> Option<f64> {
+        loop {
+            if let Some(motions) = system.normal.solve(*damping) {
+                let moved = system.moved(&self.poses, &motions);
+                let before = std::mem::replace(&mut self.poses, moved);
+                let after = self.chi2();
+                if after <= chi2 * (1.0 + ROUNDING) {
+                    *damping = range.less(*damping);
+                    return Some(chi2 - after);
+                }
+                self.poses = before;
+            }
+            *damping = range.more(*damping)?;
+        }
     }
 
     fn check(&self) -> Result<(), SolveError> {
-        let named = self.edges.iter().flat_map(|edge| [edge.from, edge.to]);
-        let named = named.chain(self.priors.iter().map(|prior| prior.at)).chain(self.held.iter().copied());
-        if let Some(missing) = named.into_iter().find(|at| *at >= self.poses.len()) {
+        let of_edges = self.edges.iter().flat_map(|edge| [edge.from, edge.to]);
+        let of_priors = self.priors.iter().map(|prior| prior.at);
+        let mut named = of_edges.chain(of_priors).chain(self.held.iter().copied());
+        if let Some(missing) = named.find(|pose| *pose >= self.poses.len()) {
             return Err(SolveError::NoSuchPose(missing));
         }
-        let edges = self.edges.iter().map(|edge| &edge.information);
-        if !edges.chain(self.priors.iter().map(|prior| &prior.information)).all(is_information) {
+        let of_edges = self.edges.iter().map(|edge| &edge.information);
+        let of_priors = self.priors.iter().map(|prior| &prior.information);
+        if !of_edges.chain(of_priors).all(is_information) {
             return Err(SolveError::NotFinite);
         }
         Ok(())
     }
 }
 
+impl DampingRange {
+    fn of<const D: usize>(normal: &Normal<D>) -> Result<Self, SolveError> {
+        // Measurements without information leave zeros on the diagonal, of which a share is zero.
+        let largest = normal.largest().max(f64::MIN_POSITIVE / MIN_DAMPING);
+        let range = Self {
+            least: largest * MIN_DAMPING,
+            most: largest * MAX_DAMPING,
+        };
+        if range.most.is_finite() {
+            Ok(range)
+        } else {
+            Err(SolveError::NotFinite)
+        }
+    }
+
+    /// The damping after a step that helped.
+    fn less(&self, damping: f64) -> f64 {
+        if damping > self.least * DAMPING_STEP {
+            damping / DAMPING_STEP
+        } else {
+            0.0
+        }
+    }
+
+    /// The damping after a step that did not help; `None` beyond the range.
+    fn more(&self, damping: f64) -> Option<f64> {
+        let more = (damping * DAMPING_STEP).max(self.least);
+        (more <= self.most).then_some(more)
+    }
+}
+
 /// The equations of a graph.
 struct System<const D: usize> {
     normal: Normal<D>,
-    /// Which unknown a pose is; none of those that are held.
+    /// Index of the unknown that a pose is; none for a pose that is held.
     unknown: Vec<Option<usize>>,
 }
 
 impl<const D: usize> System<D> {
     /// `None` if nothing is unknown.
     fn new<P: Pose<D>>(graph: &Graph<P, D>) -> Result<Option<Self>, SolveError> {
-        let mut held = vec![false; graph.poses.len()];
+        let mut is_held = vec![false; graph.poses.len()];
         for pose in graph.held.iter().copied().chain(graph.anchors()) {
-            held[pose] = true;
+            is_held[pose] = true;
         }
-        let mut unknowns = 0;
-        let number = |held: &bool| {
-            (!held).then(|| {
-                unknowns += 1;
-                unknowns - 1
-            })
-        };
-        let unknown: Vec<Option<usize>> = held.iter().map(number).collect();
-        if unknowns == 0 {
+        let mut unknown = Vec::with_capacity(is_held.len());
+        let mut count = 0;
+        for is_held in is_held {
+            unknown.push((!is_held).then_some(count));
+            count += usize::from(!is_held);
+        }
+        if count == 0 {
             return Ok(None);
         }
-        let pairs = graph.edges.iter().filter_map(|edge| Some((unknown[edge.from]?, unknown[edge.to]?)));
-        let normal = Normal::new(unknowns, pairs).ok_or(SolveError::TooLarge)?;
+        let couplings = graph.edges.iter().filter_map(|edge| {
+            Some(Coupling {
+                from: unknown[edge.from]?,
+                to: unknown[edge.to]?,
+            })
+        });
+        let normal = Normal::new(count, couplings).ok_or(SolveError::TooLarge)?;
         Ok(Some(Self { normal, unknown }))
     }
 
+    /// Sets up the equations about the graph's poses.
     fn linearize<P: Pose<D>>(&mut self, graph: &Graph<P, D>) {
         self.normal.clear();
         for edge in &graph.edges {
-            let off = edge.disagreement(&graph.poses);
-            let (residual, at_end) = (off.distance(), off.distance_jacobian());
-            // The first pose moves the other way, seen from the second.
-            let way = graph.poses[edge.to].back().then(&graph.poses[edge.from]);
-            let at_start = -at_end * way.adjoint();
-            let (weighed_end, weighed_start) =
-                (at_end.transpose() * edge.information, at_start.transpose() * edge.information);
-            let [from, to] = [edge.from, edge.to].map(|pose| self.unknown[pose]);
-            if let Some(from) = from {
-                self.normal.add(from, from, &(weighed_start * at_start));
-                self.normal.add_right(from, &-(weighed_start * residual));
-            }
-            if let Some(to) = to {
-                self.normal.add(to, to, &(weighed_end * at_end));
-                self.normal.add_right(to, &-(weighed_end * residual));
-            }
-            if let (Some(from), Some(to)) = (from, to) {
-                self.normal.add(to, from, &(weighed_end * at_start));
-            }
+            self.add_edge(edge, &graph.poses);
         }
         for prior in &graph.priors {
-            let off = prior.disagreement(&graph.poses);
-            let (residual, jacobian) = (off.distance(), off.distance_jacobian());
-            // Beyond what is credible it counts for nothing.
-            let credible = square(&residual, &prior.information) < prior.credible * prior.credible;
-            if let Some(at) = self.unknown[prior.at].filter(|_| credible) {
-                let weighed = jacobian.transpose() * prior.information;
-                self.normal.add(at, at, &(weighed * jacobian));
-                self.normal.add_right(at, &-(weighed * residual));
-            }
+            self.add_prior(prior, &graph.poses);
         }
     }
 
-    fn moved<P: Pose<D>>(&self, graph: &Graph<P, D>, motions: &[SVector<f64, D>]) -> Vec<P> {
-        let poses = graph.poses.iter().zip(&self.unknown);
+    fn add_edge<P: Pose<D>>(&mut self, edge: &Edge<P, D>, poses: &[P]) {
+        let linear = edge.linearized(poses);
+        let weighted_to = linear.to.transpose() * edge.information;
+        let weighted_from = linear.from.transpose() * edge.information;
+        let from = self.unknown[edge.from];
+        let to = self.unknown[edge.to];
+        if let Some(from) = from {
+            self.normal.add(from, from, &(weighted_from * linear.from));
+            self.normal
+                .add_right(from, &-(weighted_from * linear.residual));
+        }
+        if let Some(to) = to {
+            self.normal.add(to, to, &(weighted_to * linear.to));
+            self.normal.add_right(to, &-(weighted_to * linear.residual));
+        }
+        if let (Some(from), Some(to)) = (from, to) {
+            self.normal.add(to, from, &(weighted_to * linear.from));
+        }
+    }
+
+    fn add_prior<P: Pose<D>>(&mut self, prior: &Prior<P, D>, poses: &[P]) {
+        let off = prior.disagreement(poses);
+        let residual = off.distance();
+        let square = normalized_square(&residual, &prior.information);
+        let is_credible = square < prior.credible * prior.credible;
+        if let Some(pose) = self.unknown[prior.at]
+            && is_credible
+        {
+            let jacobian = off.distance_jacobian();
+            let weighted = jacobian.transpose() * prior.information;
+            self.normal.add(pose, pose, &(weighted * jacobian));
+            self.normal.add_right(pose, &-(weighted * residual));
+        }
+    }
+
+    /// The poses, the unknown ones moved.
+    fn moved<P: Pose<D>>(&self, poses: &[P], motions: &[SVector<f64, D>]) -> Vec<P> {
+        let poses = poses.iter().zip(&self.unknown);
         poses
-            .map(|(pose, unknown)| unknown.map_or_else(|| pose.clone(), |i| pose.moved(&motions[i])))
+            .map(|(pose, unknown)| match unknown {
+                Some(index) => pose.moved(&motions[*index]),
+                None => pose.clone(),
+            })
             .collect()
     }
 }
@@ -186,9 +264,18 @@ mod tests {
     fn round() -> Graph<Isometry2<f64>, 3> {
         let quarter = std::f64::consts::FRAC_PI_2;
         let way = pose(10.1, 0.0, quarter);
-        let edge = |from, to| Edge { from, to, measured: way, information: Matrix3::identity() };
-        let poses =
-            vec![pose(0.0, 0.0, 0.0), pose(9.0, 1.0, 1.0), pose(12.0, 8.0, 3.0), pose(0.0, 12.0, -1.0)];
+        let edge = |from, to| Edge {
+            from,
+            to,
+            measured: way,
+            information: Matrix3::identity(),
+        };
+        let poses = vec![
+            pose(0.0, 0.0, 0.0),
+            pose(9.0, 1.0, 1.0),
+            pose(12.0, 8.0, 3.0),
+            pose(0.0, 12.0, -1.0),
+        ];
         Graph {
             poses,
             edges: vec![edge(0, 1), edge(1, 2), edge(2, 3), edge(3, 0)],
@@ -235,7 +322,10 @@ mod tests {
         assert_eq!(graph.solve(), Err(SolveError::NotFinite));
         // Edges that say nothing leave the poses where they are.
         let mut graph = round();
-        graph.edges.iter_mut().for_each(|edge| edge.information = Matrix3::zeros());
+        graph
+            .edges
+            .iter_mut()
+            .for_each(|edge| edge.information = Matrix3::zeros());
         assert_eq!(graph.solve().unwrap().chi2, 0.0);
         let mut graph = Graph::<Isometry2<f64>, 3>::default();
         assert_eq!(graph.solve().unwrap().steps, 0);

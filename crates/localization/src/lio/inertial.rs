@@ -1,4 +1,4 @@
-//! What IMU and wheels said, and the way that follows from it.
+//! Samples of the IMU and velocities of the wheels, and the motion that follows from them.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -6,215 +6,160 @@ use std::time::Duration;
 use nalgebra::Vector3;
 use openbench_core::{ImuSample, Pose3, SimTime};
 
-use super::Settings;
-use super::limits::{AtLimit, Limits};
-use super::propagation::{ImuNoise, Node, advance, propagate};
-use super::speed::{Speed, correct, temper};
-use super::state::{Covariance, State};
-use super::watch::Reckoned;
+use super::belief::Belief;
+use super::impacts::{ImpactFilter, WheelReport, is_shaken};
+use super::noise::{UNMEASURED_ACCEL, UNMEASURED_GYRO};
+use super::propagation::{Node, Reading, propagate, propagate_state};
+use super::reckoning::Reckoned;
+use super::saturation::{SaturatedAxes, SaturationDetector};
+use super::settings::{ImuLimits, Settings};
+use super::speed::Speed;
+use super::state::State;
+use super::velocity_update::apply_speed;
+use super::wheel_speeds::{VALIDITY, WheelSpeeds};
 
-/// Samples farther apart than that leave a gap.
+/// Samples farther apart than this leave a gap.
 const GAP: Duration = Duration::from_millis(50);
-/// No step of the way is longer, so that turns in it are small: seconds.
-const STEP: Duration = Duration::from_millis(20);
-/// Densities of what happens unseen, in a gap or beyond the IMU's limits: rad/s/√Hz and m/s²/√Hz.
-const UNSEEN: [f64; 2] = [0.3, 1.0];
-/// Part of a turn that a gyroscope's scale may be off by, √s: over the tenth of a second of a scan three times this number, over longer turns less, is the part.
-const MISSCALED: f64 = 1e-3;
-/// No IMU shows more, rad/s and m/s².
-const MOST: [f64; 2] = [1e3, 1e5];
-/// Velocities farther than that from an instant say nothing about it, and so many of them wait at most.
-const NEAR: Duration = Duration::from_millis(20);
-const SPEEDS: usize = 1000;
-/// What wheels say holds for so long.
-const HOLDS: Duration = Duration::from_millis(300);
-/// Wheels, which are told a twentieth of a second late, and gyroscope are no further apart, whatever the motors do, and no robot
-/// on wheels tumbles faster, rad/s; and the same while the wheels go on evenly.
-const SHAKEN: [f64; 2] = [2.0, 0.6];
-/// No robot on wheels speeds up or brakes harder, kerbs included, m/s².
-const HIT: f64 = 4.0;
-/// A hit lasts about so long, seconds.
-const HIT_LASTS: f64 = 0.03;
-/// Wheels that change by less than that go on evenly, m/s and rad/s.
-const EVENLY: [f64; 2] = [0.1, 0.3];
-/// The wheels' velocity is a mean over some time, and comes after it.
-const TOLD_LATE: Duration = Duration::from_millis(100);
+/// No step of a prediction is longer, so that the robot turns little during it.
+const MAX_STEP: Duration = Duration::from_millis(20);
+/// Error of a gyroscope's scale, √s: over the tenth of a second of a scan, three times this number
+/// is the share of a turn that is wrong; over longer turns it is less.
+const SCALE_ERROR: f64 = 1e-3;
+/// No IMU shows more, rad/s,
+const MAX_GYRO_RAD_S: f64 = 1e3;
+/// nor more than this, m/s².
+const MAX_ACCEL_M_S2: f64 = 1e5;
+/// A velocity farther than this from an instant does not correct the state then.
+const MAX_SPEED_AGE: Duration = Duration::from_millis(20);
 
-/// A state at an instant.
-#[derive(Debug, Clone)]
-pub(super) struct Known {
-    pub(super) stamp: SimTime,
-    pub(super) state: State,
-    pub(super) covariance: Covariance,
+/// A sample of the IMU, and which of its axes are at their limits.
+#[derive(Debug, Clone, Copy)]
+struct Sample {
+    imu: ImuSample,
+    saturated: SaturatedAxes,
 }
 
-impl Known {
-    /// Holds velocities back along directions of which nothing was said for so long.
-    pub(super) fn temper(&mut self, unseen: &[Vector3<f64>], settings: &Settings, since: Duration) {
-        for direction in unseen {
-            let (typical, seconds) = (settings.typical_speed, since.as_secs_f64());
-            temper(&mut self.state, &mut self.covariance, direction, typical, seconds);
-        }
-    }
-}
-
-/// How it went on from there.
-#[derive(Debug, Default)]
-pub(super) struct Way {
-    pub(super) nodes: Vec<Node>,
-    /// For how long the gyroscope was at its limit, and about which axes.
-    pub(super) blind: Duration,
+/// For how long and about which axes the gyroscope was at its limit.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct GyroSaturation {
+    pub(super) duration: Duration,
     pub(super) axes: [bool; 3],
 }
 
-/// Samples that are not used up yet.
-#[derive(Debug, Clone, Default)]
+/// A predicted motion.
+#[derive(Debug, Default)]
+pub(super) struct Prediction {
+    pub(super) nodes: Vec<Node>,
+    pub(super) saturation: GyroSaturation,
+}
+
+/// Samples and velocities that are still needed.
+#[derive(Debug, Clone)]
 pub(super) struct Inertial {
-    samples: VecDeque<(ImuSample, AtLimit)>,
-    speeds: VecDeque<Speed>,
-    limits: Limits,
+    samples: VecDeque<Sample>,
+    speeds: WheelSpeeds,
+    detector: SaturationDetector,
 }
 
 impl Inertial {
-    pub(super) fn new(limits: Limits) -> Self {
-        Self { limits, ..Self::default() }
+    pub(super) fn new(limits: Option<ImuLimits>) -> Self {
+        Self {
+            samples: VecDeque::new(),
+            speeds: WheelSpeeds::default(),
+            detector: SaturationDetector::new(limits),
+        }
     }
 
-    /// When the newest sample of the IMU was taken.
+    /// Time of the newest sample of the IMU.
     pub(super) fn newest(&self) -> Option<SimTime> {
-        self.samples.back().map(|(sample, _)| sample.stamp)
+        self.samples.back().map(|sample| sample.imu.stamp)
     }
 
     /// Takes in a sample, if it can be used.
-    pub(super) fn push(&mut self, sample: ImuSample) -> bool {
-        let within = |values: [f64; 3], most: f64| values.iter().all(|x| x.abs() <= most);
-        let sound = within(sample.gyro, MOST[0]) && within(sample.accel, MOST[1]);
-        if !sound || self.newest().is_some_and(|newest| sample.stamp <= newest) {
+    pub(super) fn push(&mut self, imu: ImuSample) -> bool {
+        let is_late = self.newest().is_some_and(|newest| imu.stamp <= newest);
+        if is_late || !is_sound(&imu) {
             return false;
         }
-        let (at, late) = self.limits.look(&sample);
-        for (_, before) in self.samples.iter_mut().rev().take(late) {
-            *before = at;
+        let found = self.detector.examine(&imu);
+        for earlier in self.samples.iter_mut().rev().take(found.earlier) {
+            earlier.saturated = found.axes;
         }
-        self.samples.push_back((sample, at));
+        self.samples.push_back(Sample {
+            imu,
+            saturated: found.axes,
+        });
         true
     }
 
     /// Takes in a velocity, if it can be used.
     pub(super) fn push_speed(&mut self, speed: Speed) -> bool {
-        let late = self.speeds.back().is_some_and(|last| speed.stamp <= last.stamp);
-        let usable = speed.is_sound() && !late && self.speeds.len() < SPEEDS;
-        if usable {
-            self.speeds.push_back(speed);
-        }
-        usable
+        self.speeds.push(speed)
     }
 
-    /// Moves on to `until`; `missing` is the turn rate that the gyroscope does not show at its limit.
-    pub(super) fn travel(
+    /// Predicts a belief at `until`, corrected by the wheels' velocities on the way. `unmeasured`
+    /// is the turn rate that a gyroscope at its limit does not show, rad/s.
+    pub(super) fn predict(
         &self,
-        known: &mut Known,
+        belief: &mut Belief,
         until: SimTime,
         settings: &Settings,
-        missing: Vector3<f64>,
-    ) -> Way {
-        let (mut way, mut at, mut hit) = (Way::default(), 0, None);
-        let from = known.stamp;
-        let mut speeds = self.speeds.iter().skip_while(|speed| speed.stamp <= from).peekable();
-        while known.stamp < until && !self.samples.is_empty() {
-            // The samples round this instant; before the first and behind the last one they hold on.
-            while at + 2 < self.samples.len() && self.samples[at + 1].0.stamp <= known.stamp {
-                at += 1;
+        unmeasured: &Vector3<f64>,
+    ) -> Prediction {
+        let mut prediction = Prediction::default();
+        let mut impacts = ImpactFilter::default();
+        let mut speeds = self.speeds.after(belief.stamp).peekable();
+        let mut index = 0;
+        while belief.stamp < until && !self.samples.is_empty() {
+            index = self.index_at(belief.stamp, index);
+            let before = &self.samples[index];
+            let after = &self.samples[(index + 1).min(self.samples.len() - 1)];
+            let next_speed = speeds.peek().map(|speed| speed.stamp);
+            let next = step_end(belief.stamp, until, after.imu.stamp, next_speed);
+
+            let mut reading = mean_reading(before, after, settings);
+            if let Some(wheels) = self.wheels_at(belief.stamp) {
+                let (stamp, state) = (belief.stamp, &belief.state);
+                impacts.apply(&mut reading, stamp, state, wheels, &settings.imu);
             }
-            let [before, behind] = [&self.samples[at], &self.samples[(at + 1).min(self.samples.len() - 1)]];
-            let ahead = behind.0.stamp > known.stamp;
-            let next = if ahead { behind.0.stamp.min(until) } else { until };
-            let next = speeds.peek().map_or(next, |speed| next.min(speed.stamp)).min(known.stamp + STEP);
-            let (mut gyro, mut accel) =
-                (mean(before.0.gyro, behind.0.gyro), mean(before.0.accel, behind.0.accel));
-            let mut noise = settings.imu_noise;
-            if behind.0.stamp.since(before.0.stamp) > GAP {
-                [noise.gyro, noise.accel] = UNSEEN;
-            }
-            if let Some(said) = self.said_at(known.stamp) {
-                self.steady(&known.state, settings, said, &mut gyro, &mut accel, &mut noise);
-                // Wheels that were stopped by a hit say so a little later.
-                if noise.accel > UNSEEN[1] {
-                    hit = Some((known.stamp, noise.accel));
-                } else if let Some((_, unseen)) = hit.filter(|(at, _)| known.stamp.since(*at) < TOLD_LATE) {
-                    noise.accel = unseen;
-                }
-            }
-            noise.gyro = libm::hypot(noise.gyro, MISSCALED * gyro.norm());
-            let limit = behind.1;
-            if limit.gyro.contains(&true) {
-                noise.gyro = UNSEEN[0];
-                way.blind += next.since(known.stamp);
-                for axis in (0..3).filter(|axis| limit.gyro[*axis]) {
-                    way.axes[axis] = true;
-                    gyro[axis] += missing[axis];
-                }
-            }
-            if limit.accel.contains(&true) {
-                noise.accel = UNSEEN[1];
-            }
-            let Known { stamp, state, covariance } = known;
-            way.nodes.push(propagate(state, covariance, &noise, *stamp, next, gyro, accel));
-            *stamp = next;
+            add_scale_error(&mut reading);
+            let duration = next.since(belief.stamp);
+            prediction.saturation.note(after.saturated.gyro, duration);
+            correct_saturated(&mut reading, after.saturated, unmeasured);
+
+            prediction.nodes.push(propagate(belief, &reading, next));
             while let Some(speed) = speeds.next_if(|speed| speed.stamp <= next) {
-                if next.since(speed.stamp) < NEAR {
-                    correct(state, covariance, &settings.imu, gyro, speed);
+                if next.since(speed.stamp) < MAX_SPEED_AGE {
+                    apply_speed(belief, &settings.imu, reading.gyro, speed);
                 }
             }
         }
-        way
+        prediction
     }
 
-    /// What wheels said last before an instant, if not long ago.
-    fn said_at(&self, stamp: SimTime) -> Option<&Speed> {
-        let before = self.speeds.partition_point(|speed| speed.stamp <= stamp);
-        let said = self.speeds.get(before.saturating_sub(1))?;
-        (stamp.since(said.stamp) <= HOLDS && said.stamp.since(stamp) <= HOLDS).then_some(said)
-    }
-
-    /// Whether the wheels said after this that nothing had changed: then a hit moved nothing.
-    fn go_on_evenly(&self, said: &Speed) -> bool {
-        let after = self.speeds.partition_point(|speed| speed.stamp <= said.stamp);
-        self.speeds.get(after).is_some_and(|next| {
-            (next.velocity - said.velocity).norm() < EVENLY[0] && (next.turn - said.turn).abs() < EVENLY[1]
-        })
-    }
-
-    /// What a robot on wheels cannot have done, an IMU shows because it was hit: nothing is known of that instant but what
-    /// the wheels say.
-    fn steady(
-        &self,
-        state: &State,
-        settings: &Settings,
-        said: &Speed,
-        gyro: &mut Vector3<f64>,
-        accel: &mut Vector3<f64>,
-        noise: &mut ImuNoise,
-    ) {
-        let rate = settings.imu.rotation * (*gyro - state.gyro_bias);
-        let evenly = self.go_on_evenly(said);
-        if is_shaken(&rate, said, evenly) {
-            let turn = settings.imu.rotation.inverse() * (Vector3::z() * said.turn);
-            (*gyro, noise.gyro) = (turn + state.gyro_bias, UNSEEN[0]);
+    /// Number of the last sample at or before an instant, from `index` on; there is one after it,
+    /// as far as there is one at all.
+    fn index_at(&self, stamp: SimTime, mut index: usize) -> usize {
+        while index + 2 < self.samples.len() && self.samples[index + 1].imu.stamp <= stamp {
+            index += 1;
         }
-        let beyond = (accel.norm() - state.gravity.norm()).abs();
-        if beyond > HIT {
-            if evenly {
-                let rest = -(state.rotation.inverse() * state.gravity);
-                (*accel, noise.accel) = (rest + state.accel_bias, UNSEEN[1]);
-            } else {
-                // The velocity may have changed by as much as that, or not at all.
-                noise.accel = UNSEEN[1].max(beyond * HIT_LASTS.sqrt());
-            }
+        index
+    }
+
+    /// What the wheels report at an instant.
+    fn wheels_at(&self, stamp: SimTime) -> Option<WheelReport<'_>> {
+        self.speeds.at(stamp).map(|speed| self.report(speed))
+    }
+
+    fn report<'a>(&self, speed: &'a Speed) -> WheelReport<'a> {
+        WheelReport {
+            speed,
+            is_steady: self.speeds.is_steady_after(speed),
         }
     }
 
-    /// The way from one instant to another by wheels and gyroscope; `None` where wheels said nothing.
+    /// The motion from one instant to another by wheels and gyroscope; `None` where the wheels
+    /// report nothing. `bias` is the gyroscope's, rad/s, and `imu` the IMU's pose on the robot.
     pub(super) fn reckon(
         &self,
         from: SimTime,
@@ -222,53 +167,63 @@ impl Inertial {
         bias: Vector3<f64>,
         imu: &Pose3,
     ) -> Option<Reckoned> {
-        let mut way = Reckoned::nothing();
+        let mut reckoned = Reckoned::default();
         let mut speeds = self.speeds.iter().peekable();
-        let mut speed = *speeds.peek().filter(|first| first.stamp < from + HOLDS)?;
-        for ((before, _), (behind, _)) in self.samples.iter().zip(self.samples.iter().skip(1)) {
-            let (start, end) = (before.stamp.max(from), behind.stamp.min(until));
-            if end <= start {
+        let mut speed = *speeds
+            .peek()
+            .filter(|first| first.stamp < from + VALIDITY)?;
+        for (before, after) in self.pairs() {
+            let begin = before.stamp.max(from);
+            let end = after.stamp.min(until);
+            if end <= begin {
                 continue;
             }
             while let Some(next) = speeds.next_if(|next| next.stamp <= end) {
                 speed = next;
             }
-            if start.since(speed.stamp) > HOLDS {
+            if begin.since(speed.stamp) > VALIDITY {
                 return None;
             }
-            let mut rate = imu.rotation * (mean(before.gyro, behind.gyro) - bias);
-            if is_shaken(&rate, speed, self.go_on_evenly(speed)) {
+            let mut rate = imu.rotation * (mean(before.gyro, after.gyro) - bias);
+            if is_shaken(&rate, self.report(speed)) {
                 rate = Vector3::z() * speed.turn;
             }
-            way.go_on(speed.velocity, rate, end.since(start).as_secs_f64());
+            reckoned.advance(speed.velocity, rate, end.since(begin).as_secs_f64());
         }
-        Some(way)
+        Some(reckoned)
     }
 
-    /// Where a state has come to with the newest sample.
-    pub(super) fn extrapolate(&self, known: &Known) -> (SimTime, State) {
-        let (mut stamp, mut state) = (known.stamp, known.state.clone());
-        for ((before, _), (behind, _)) in self.samples.iter().zip(self.samples.iter().skip(1)) {
-            if behind.stamp > stamp {
-                let (gyro, accel) = (mean(before.gyro, behind.gyro), mean(before.accel, behind.accel));
-                advance(&mut state, stamp, behind.stamp, gyro, accel);
-                stamp = behind.stamp;
+    /// The state of a belief at the newest sample, and when that was.
+    pub(super) fn extrapolate(&self, belief: &Belief) -> (SimTime, State) {
+        let mut stamp = belief.stamp;
+        let mut state = belief.state.clone();
+        for (before, after) in self.pairs() {
+            if after.stamp > stamp {
+                let gyro = mean(before.gyro, after.gyro);
+                let accel = mean(before.accel, after.accel);
+                let dt = after.stamp.since(stamp).as_secs_f64();
+                propagate_state(&mut state, stamp, dt, gyro, accel);
+                stamp = after.stamp;
             }
         }
         (stamp, state)
     }
 
-    /// Drops what is used up; how many gaps there were in it.
+    /// Each sample with the next one.
+    fn pairs(&self) -> impl Iterator<Item = (&ImuSample, &ImuSample)> {
+        let samples = self.samples.iter().map(|sample| &sample.imu);
+        samples.clone().zip(samples.skip(1))
+    }
+
+    /// Drops what is older than an instant; returns how many gaps were in it.
     pub(super) fn forget(&mut self, until: SimTime) -> usize {
         let mut gaps = 0;
-        while self.samples.len() > 2 && self.samples[1].0.stamp <= until {
-            gaps += usize::from(self.samples[1].0.stamp.since(self.samples[0].0.stamp) > GAP);
+        while self.samples.len() > 2 && self.samples[1].imu.stamp <= until {
+            let interval = self.samples[1].imu.stamp.since(self.samples[0].imu.stamp);
+            gaps += usize::from(interval > GAP);
             self.samples.pop_front();
         }
-        // The last one holds on.
-        while self.speeds.get(1).is_some_and(|speed| speed.stamp <= until) {
-            self.speeds.pop_front();
-        }
+        self.speeds.forget(until);
         gaps
     }
 
@@ -279,10 +234,67 @@ impl Inertial {
     }
 }
 
-/// Whether a gyroscope shows what the wheels did not do, by a turn rate of the robot's frame.
-fn is_shaken(rate: &Vector3<f64>, said: &Speed, evenly: bool) -> bool {
-    let most = SHAKEN[usize::from(evenly)];
-    (rate.z - said.turn).abs() > most || rate.xy().norm() > most
+impl GyroSaturation {
+    /// Notes a step that took so long, and the axes at their limits during it.
+    fn note(&mut self, axes: [bool; 3], duration: Duration) {
+        if axes.contains(&true) {
+            self.duration += duration;
+            for (axis, is_saturated) in axes.into_iter().enumerate() {
+                self.axes[axis] |= is_saturated;
+            }
+        }
+    }
+}
+
+/// Whether an IMU can show that.
+fn is_sound(sample: &ImuSample) -> bool {
+    sample.gyro.iter().all(|x| x.abs() <= MAX_GYRO_RAD_S)
+        && sample.accel.iter().all(|x| x.abs() <= MAX_ACCEL_M_S2)
+}
+
+/// End of the step that begins at `from`: the next sample or velocity, or a full step.
+fn step_end(from: SimTime, until: SimTime, sample: SimTime, speed: Option<SimTime>) -> SimTime {
+    // After the last sample its readings stay valid.
+    let next = if sample > from {
+        sample.min(until)
+    } else {
+        until
+    };
+    let next = speed.map_or(next, |speed| next.min(speed));
+    next.min(from + MAX_STEP)
+}
+
+/// Mean readings between two samples; noisier if there is a gap between them.
+fn mean_reading(before: &Sample, after: &Sample, settings: &Settings) -> Reading {
+    let mut noise = settings.imu_noise;
+    if after.imu.stamp.since(before.imu.stamp) > GAP {
+        noise.gyro = UNMEASURED_GYRO;
+        noise.accel = UNMEASURED_ACCEL;
+    }
+    Reading {
+        gyro: mean(before.imu.gyro, after.imu.gyro),
+        accel: mean(before.imu.accel, after.imu.accel),
+        noise,
+    }
+}
+
+/// The faster the robot turns, the more the gyroscope's scale matters.
+fn add_scale_error(reading: &mut Reading) {
+    let error = SCALE_ERROR * reading.gyro.norm();
+    reading.noise.gyro = libm::hypot(reading.noise.gyro, error);
+}
+
+/// Adds what a gyroscope at its limit does not show, and says that the motion is unmeasured.
+fn correct_saturated(reading: &mut Reading, saturated: SaturatedAxes, unmeasured: &Vector3<f64>) {
+    if saturated.gyro.contains(&true) {
+        reading.noise.gyro = UNMEASURED_GYRO;
+        for axis in (0..3).filter(|axis| saturated.gyro[*axis]) {
+            reading.gyro[axis] += unmeasured[axis];
+        }
+    }
+    if saturated.accel.contains(&true) {
+        reading.noise.accel = UNMEASURED_ACCEL;
+    }
 }
 
 fn mean(a: [f64; 3], b: [f64; 3]) -> Vector3<f64> {

@@ -19,15 +19,28 @@ impl Moments {
         let q = p * weight;
         self.weight += weight;
         self.first += q;
-        let products = [q.x * p.x, q.x * p.y, q.x * p.z, q.y * p.y, q.y * p.z, q.z * p.z];
-        self.second.iter_mut().zip(products).for_each(|(sum, product)| *sum += product);
+        let products = [
+            q.x * p.x,
+            q.x * p.y,
+            q.x * p.z,
+            q.y * p.y,
+            q.y * p.z,
+            q.z * p.z,
+        ];
+        self.second
+            .iter_mut()
+            .zip(products)
+            .for_each(|(sum, product)| *sum += product);
     }
 
     /// Takes the points of other sums in.
     pub fn merge(&mut self, other: &Self) {
         self.weight += other.weight;
         self.first += other.first;
-        self.second.iter_mut().zip(other.second).for_each(|(sum, more)| *sum += more);
+        self.second
+            .iter_mut()
+            .zip(other.second)
+            .for_each(|(sum, more)| *sum += more);
     }
 
     fn squares(&self) -> Matrix3<f64> {
@@ -39,7 +52,9 @@ impl Moments {
     pub fn matrix(&self) -> Matrix4<f64> {
         let [xx, xy, xz, yy, yz, zz] = self.second;
         let (f, w) = (self.first, self.weight);
-        Matrix4::new(xx, xy, xz, f.x, xy, yy, yz, f.y, xz, yz, zz, f.z, f.x, f.y, f.z, w)
+        Matrix4::new(
+            xx, xy, xz, f.x, xy, yy, yz, f.y, xz, yz, zz, f.z, f.x, f.y, f.z, w,
+        )
     }
 
     /// The sums over the same points after a motion.
@@ -62,7 +77,11 @@ impl Moments {
 
     /// The middle of the points; of none, the origin.
     pub fn mean(&self) -> Vector3<f64> {
-        if self.weight > 0.0 { self.first / self.weight } else { Vector3::zeros() }
+        if self.weight > 0.0 {
+            self.first / self.weight
+        } else {
+            Vector3::zeros()
+        }
     }
 
     /// Their covariance about the middle.
@@ -75,18 +94,23 @@ impl Moments {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lio::so3::exp;
+    use crate::so3::exp;
 
     #[test]
     fn moving_the_sums_is_moving_the_points() {
-        let motion =
-            Isometry3::from_parts(Vector3::new(3.0, -2.0, 0.5).into(), exp(Vector3::new(0.3, -0.2, 1.0)));
+        let motion = Isometry3::from_parts(
+            Vector3::new(3.0, -2.0, 0.5).into(),
+            exp(Vector3::new(0.3, -0.2, 1.0)),
+        );
         let (mut here, mut there) = (Moments::default(), Moments::default());
         for i in 0..50 {
             let x = f64::from(i);
             let point = Vector3::new(libm::sin(x), 0.1 * x, libm::cos(3.0 * x));
             here.add(point, 1.0 + 0.1 * x);
-            there.add((motion * nalgebra::Point3::from(point)).coords, 1.0 + 0.1 * x);
+            there.add(
+                (motion * nalgebra::Point3::from(point)).coords,
+                1.0 + 0.1 * x,
+            );
         }
         let moved = here.moved(&motion);
         assert!((moved.matrix() - there.matrix()).norm() < 1e-9 * there.matrix().norm());

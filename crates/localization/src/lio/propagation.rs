@@ -1,66 +1,59 @@
-//! Where the IMU says that it moves to, and where each point of a scan was measured.
+//! Motion predicted from the IMU, and where each point of a scan was measured.
 //!
-//! W. Xu, F. Zhang, *FAST-LIO: A Fast, Robust LiDAR-inertial Odometry Package by Tightly-Coupled Iterated Kalman Filter*, 2021: the discrete model is its
-//! equation 2, propagation 4 to 8, and going back in time for each point 9 to 10.
+//! W. Xu, F. Zhang, *FAST-LIO: A Fast, Robust LiDAR-inertial Odometry Package by Tightly-Coupled
+//! Iterated Kalman Filter*, 2021: the discrete model is its equation 2, forward propagation 4 to 8,
+//! backward propagation 9 to 10.
 
-use nalgebra::{Isometry3, Matrix3, SMatrix, Translation3, Vector3};
+use nalgebra::{Isometry3, Matrix3, SMatrix, Vector3};
 use openbench_core::SimTime;
 
-use super::so3::{exp, hat, right_jacobian, tangent};
-use super::state::{Covariance, SIZE, State, at};
+use super::belief::Belief;
+use super::noise::ImuNoise;
+use super::state::{Covariance, State, at};
+use crate::so3::{exp, hat, right_jacobian, tangent};
 
-/// What is wrong with an IMU: densities of white noise, and of the random walk of biases.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ImuNoise {
-    /// rad/s/√Hz.
-    pub gyro: f64,
-    /// m/s²/√Hz.
-    pub accel: f64,
-    /// rad/s²/√Hz.
-    pub gyro_walk: f64,
-    /// m/s³/√Hz.
-    pub accel_walk: f64,
+/// Mean readings of an IMU over a step, and how noisy they are.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Reading {
+    /// rad/s.
+    pub(super) gyro: Vector3<f64>,
+    /// m/s².
+    pub(super) accel: Vector3<f64>,
+    pub(super) noise: ImuNoise,
 }
 
-/// Where the IMU was, and how it moved on until the next of these.
+/// Pose and velocity of the IMU at an instant, and its motion until the next node.
 #[derive(Debug, Clone, Copy)]
-pub struct Node {
-    /// When.
-    pub stamp: SimTime,
+pub(super) struct Node {
+    pub(super) stamp: SimTime,
     /// Of the IMU in `odom`.
-    pub pose: Isometry3<f64>,
+    pose: Isometry3<f64>,
+    /// In `odom`, m/s.
     velocity: Vector3<f64>,
-    /// From here on, in the IMU's frame.
+    /// In the IMU's frame, rad/s.
     rate: Vector3<f64>,
-    /// From here on, in `odom`.
+    /// In `odom`, m/s².
     acceleration: Vector3<f64>,
 }
 
 impl Node {
-    /// Where the IMU was so many seconds later.
-    pub fn later(&self, dt: f64) -> Isometry3<f64> {
-        let position =
-            self.pose.translation.vector + self.velocity * dt + self.acceleration * (0.5 * dt * dt);
-        Isometry3::from_parts(Translation3::from(position), self.pose.rotation * exp(self.rate * dt))
-    }
-
-    /// The same way, seen from `frame`.
-    pub fn seen_from(&self, frame: &Isometry3<f64>) -> Passage {
+    /// The same motion relative to `frame`, a pose in `odom`.
+    pub(super) fn relative_to(&self, frame: &Isometry3<f64>) -> RelativeMotion {
         let pose = frame.inverse() * self.pose;
-        let turn = frame.rotation.inverse();
-        Passage {
+        let into_frame = frame.rotation.inverse();
+        RelativeMotion {
             rotation: pose.rotation.to_rotation_matrix().into_inner(),
             position: pose.translation.vector,
-            velocity: turn * self.velocity,
-            acceleration: turn * self.acceleration,
+            velocity: into_frame * self.velocity,
+            acceleration: into_frame * self.acceleration,
             rate: self.rate,
         }
     }
 }
 
-/// A way of some hundredths of a second, for the many points that are measured on it.
+/// Motion of the IMU after a node, prepared for the many points that are measured during it.
 #[derive(Debug, Clone, Copy)]
-pub struct Passage {
+pub(super) struct RelativeMotion {
     rotation: Matrix3<f64>,
     position: Vector3<f64>,
     velocity: Vector3<f64>,
@@ -68,52 +61,52 @@ pub struct Passage {
     rate: Vector3<f64>,
 }
 
-impl Passage {
-    /// Where a point is that is at `point` in the IMU's frame `dt` seconds from here on: [`Node::later`] with the first terms of sine and cosine, which are right to
+impl RelativeMotion {
+    /// Where a point is that is at `point` in the IMU's frame `dt` seconds after the node.
+    ///
+    /// The rotation is the exponential with the first terms of sine and cosine, which are right to
     /// 10⁻⁸ up to a third of a radian.
-    pub fn at(&self, dt: f64, point: Vector3<f64>) -> Vector3<f64> {
+    pub(super) fn transform(&self, dt: f64, point: Vector3<f64>) -> Vector3<f64> {
         let turn = self.rate * dt;
         let square = turn.norm_squared();
+        // sin θ / θ and (1 - cos θ) / θ².
         let sine = 1.0 - square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0));
         let cosine = 0.5 * (1.0 - square / 12.0 * (1.0 - square / 30.0));
         let cross = turn.cross(&point);
         let turned = point + cross * sine + turn.cross(&cross) * cosine;
-        self.rotation * turned + self.position + (self.velocity + self.acceleration * (0.5 * dt)) * dt
+        let shift = (self.velocity + self.acceleration * (0.5 * dt)) * dt;
+        self.rotation * turned + self.position + shift
     }
 }
 
-/// Moves a state and its covariance on until `until` by a mean turn rate and a mean specific force; returns how it went.
-pub fn propagate(
-    state: &mut State,
-    covariance: &mut Covariance,
-    noise: &ImuNoise,
-    from: SimTime,
-    until: SimTime,
-    gyro: Vector3<f64>,
-    accel: Vector3<f64>,
-) -> Node {
-    let (rate, force) = (gyro - state.gyro_bias, accel - state.accel_bias);
-    grow(state, covariance, noise, rate, force, until.since(from).as_secs_f64());
-    advance(state, from, until, gyro, accel)
+/// Predicts a belief at `until`: equations 4 and 8. Returns the motion.
+pub(super) fn propagate(belief: &mut Belief, reading: &Reading, until: SimTime) -> Node {
+    let from = belief.stamp;
+    let dt = until.since(from).as_secs_f64();
+    propagate_covariance(belief, reading, dt);
+    belief.stamp = until;
+    propagate_state(&mut belief.state, from, dt, reading.gyro, reading.accel)
 }
 
-/// Moves a state on: equation 4.
-pub fn advance(
+/// Predicts a state `dt` seconds later: equation 4. `gyro` and `accel` are mean readings, rad/s and
+/// m/s². Returns the motion.
+pub(super) fn propagate_state(
     state: &mut State,
     from: SimTime,
-    until: SimTime,
+    dt: f64,
     gyro: Vector3<f64>,
     accel: Vector3<f64>,
 ) -> Node {
-    let dt = until.since(from).as_secs_f64();
-    let (rate, force) = (gyro - state.gyro_bias, accel - state.accel_bias);
+    let rate = gyro - state.gyro_bias;
+    let force = accel - state.accel_bias;
     let rotation = state.rotation;
-    // The specific force is measured while the IMU turns: its mean direction is that of half the way.
+    // The IMU turns while it measures the force, whose mean direction is that at half the step.
     let halfway = rotation * exp(rate * (0.5 * dt));
     let acceleration = halfway * force + state.gravity;
+    let pose = Isometry3::from_parts(state.position.into(), rotation);
     let node = Node {
         stamp: from,
-        pose: Isometry3::from_parts(state.position.into(), rotation),
+        pose,
         velocity: state.velocity,
         rate,
         acceleration,
@@ -124,34 +117,11 @@ pub fn advance(
     node
 }
 
-/// The covariance after a step: equation 8, with the Jacobians of equation 7.
-fn grow(
-    state: &State,
-    covariance: &mut Covariance,
-    noise: &ImuNoise,
-    rate: Vector3<f64>,
-    force: Vector3<f64>,
-    dt: f64,
-) {
-    let identity = Matrix3::<f64>::identity();
-    let rotation = state.rotation.to_rotation_matrix().into_inner();
-    let mut step = Covariance::identity();
-    let mut set = |row: usize, column: usize, block: Matrix3<f64>| {
-        step.fixed_view_mut::<3, 3>(row, column).copy_from(&block);
-    };
-    let turned = rotation * hat(force);
-    set(at::ROTATION, at::ROTATION, exp(-rate * dt).to_rotation_matrix().into_inner());
-    set(at::ROTATION, at::GYRO_BIAS, -right_jacobian(rate * dt) * dt);
-    set(at::POSITION, at::VELOCITY, identity * dt);
-    set(at::POSITION, at::ROTATION, -turned * (0.5 * dt * dt));
-    set(at::POSITION, at::ACCEL_BIAS, -rotation * (0.5 * dt * dt));
-    set(at::VELOCITY, at::ROTATION, -turned * dt);
-    set(at::VELOCITY, at::ACCEL_BIAS, -rotation * dt);
-    // Gravity turned by a small vector t is g + t x g.
-    let tilt: SMatrix<f64, 3, 2> = -hat(state.gravity) * tangent(state.gravity);
-    step.fixed_view_mut::<3, 2>(at::VELOCITY, at::GRAVITY).copy_from(&(tilt * dt));
-    step.fixed_view_mut::<3, 2>(at::POSITION, at::GRAVITY).copy_from(&(tilt * (0.5 * dt * dt)));
-    *covariance = step * *covariance * step.transpose();
+/// Predicts the covariance `dt` seconds later: equation 8, with the Jacobians of equation 7.
+fn propagate_covariance(belief: &mut Belief, reading: &Reading, dt: f64) {
+    let jacobian = transition_jacobian(&belief.state, reading, dt);
+    belief.covariance = jacobian * belief.covariance * jacobian.transpose();
+    let noise = &reading.noise;
     for (first, density) in [
         (at::ROTATION, noise.gyro),
         (at::VELOCITY, noise.accel),
@@ -159,18 +129,61 @@ fn grow(
         (at::ACCEL_BIAS, noise.accel_walk),
     ] {
         for i in first..first + 3 {
-            covariance[(i, i)] += density * density * dt;
+            belief.covariance[(i, i)] += density * density * dt;
         }
     }
-    debug_assert_eq!(covariance.nrows(), SIZE);
+}
+
+/// How the error after a step changes with the one before: F of equation 7.
+fn transition_jacobian(state: &State, reading: &Reading, dt: f64) -> Covariance {
+    let rate = reading.gyro - state.gyro_bias;
+    let force = reading.accel - state.accel_bias;
+    let identity = Matrix3::<f64>::identity();
+    let rotation = state.rotation.to_rotation_matrix().into_inner();
+    let turned_force = rotation * hat(force);
+    // Gravity turned by a small vector t is g + t × g.
+    let tilt: SMatrix<f64, 3, 2> = -hat(state.gravity) * tangent(state.gravity);
+    let turned_back = exp(-rate * dt).to_rotation_matrix().into_inner();
+    let mut jacobian = Covariance::identity();
+    for (row, column, block) in [
+        (at::ROTATION, at::ROTATION, turned_back),
+        (at::ROTATION, at::GYRO_BIAS, -right_jacobian(rate * dt) * dt),
+        (at::POSITION, at::VELOCITY, identity * dt),
+        (at::POSITION, at::ROTATION, -turned_force * (0.5 * dt * dt)),
+        (at::POSITION, at::ACCEL_BIAS, -rotation * (0.5 * dt * dt)),
+        (at::VELOCITY, at::ROTATION, -turned_force * dt),
+        (at::VELOCITY, at::ACCEL_BIAS, -rotation * dt),
+    ] {
+        jacobian
+            .fixed_view_mut::<3, 3>(row, column)
+            .copy_from(&block);
+    }
+    let velocity = tilt * dt;
+    let position = tilt * (0.5 * dt * dt);
+    jacobian
+        .fixed_view_mut::<3, 2>(at::VELOCITY, at::GRAVITY)
+        .copy_from(&velocity);
+    jacobian
+        .fixed_view_mut::<3, 2>(at::POSITION, at::GRAVITY)
+        .copy_from(&position);
+    jacobian
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::Translation3;
+
+    /// Pose of the IMU `dt` seconds after a node.
+    fn later(node: &Node, dt: f64) -> Isometry3<f64> {
+        let shift = node.velocity * dt + node.acceleration * (0.5 * dt * dt);
+        let position = node.pose.translation.vector + shift;
+        let rotation = node.pose.rotation * exp(node.rate * dt);
+        Isometry3::from_parts(Translation3::from(position), rotation)
+    }
 
     #[test]
-    fn a_passage_goes_where_its_node_goes() {
+    fn relative_motion_is_that_of_its_node() {
         let node = Node {
             stamp: SimTime::ZERO,
             pose: Isometry3::new(Vector3::new(1.0, 2.0, 3.0), Vector3::new(0.3, -1.0, 0.2)),
@@ -179,10 +192,14 @@ mod tests {
             acceleration: Vector3::new(0.5, 2.0, -1.0),
         };
         let frame = Isometry3::new(Vector3::new(0.5, 1.0, -3.0), Vector3::new(-0.4, 0.1, 2.0));
-        let (passage, point) = (node.seen_from(&frame), Vector3::new(10.0, -20.0, 3.0));
+        let motion = node.relative_to(&frame);
+        let point = Vector3::new(10.0, -20.0, 3.0);
         for dt in [0.0, 0.005, 0.02] {
-            let there = frame.inverse() * (node.later(dt) * nalgebra::Point3::from(point));
-            assert!((passage.at(dt, point) - there.coords).norm() < 1e-6, "{dt}");
+            let expected = frame.inverse() * (later(&node, dt) * nalgebra::Point3::from(point));
+            assert!(
+                (motion.transform(dt, point) - expected.coords).norm() < 1e-6,
+                "{dt}"
+            );
         }
     }
 }

@@ -1,25 +1,63 @@
-//! The first state: gravity from what the accelerometer shows, and the gyroscope's bias where the robot stands.
+//! The first state: gravity from the accelerometer, and the gyroscope's bias if the robot rests.
 
 use std::time::Duration;
 
-use nalgebra::{UnitQuaternion, Vector2, Vector3};
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use openbench_core::{ImuSample, SimTime};
 
-use super::Settings;
-use super::drift::UPRIGHT;
+use super::belief::Belief;
+use super::drift::UPRIGHT_RAD;
+use super::settings::Settings;
 use super::state::{Covariance, State, at};
 
-/// The start is taken from so long a time, and from so many samples at least and at most.
-const TIME: Duration = Duration::from_secs(1);
-const SAMPLES: [usize; 2] = [20, 10_000];
-/// The first part of it may be the robot being put down: rest is what the other three quarters show.
+/// The start is estimated from samples of this time,
+const DURATION: Duration = Duration::from_secs(1);
+/// and from at least this many,
+const MIN_SAMPLES: usize = 20;
+/// and at most this many.
+const MAX_SAMPLES: usize = 10_000;
+/// The first sample in this many may be of the robot being put down: the rest of them shows whether
+/// it rests.
 const PUT_DOWN: usize = 4;
-/// At rest turn rates and specific forces vary no more than that: rad/s and m/s².
-const AT_REST: [f64; 2] = [0.01, 0.1];
-/// Faster than that nothing of this kind moves, m/s.
-const FASTEST: f64 = 3.0;
+/// At rest, turn rates vary by less than this (one standard deviation), rad/s,
+const MAX_REST_GYRO_RAD_S: f64 = 0.01;
+/// and specific forces by less than this, m/s².
+const MAX_REST_ACCEL_M_S2: f64 = 0.1;
 
-/// The first samples.
+/// Standard deviations of what rest shows.
+struct Deviations {
+    /// Radians.
+    rotation: f64,
+    /// m/s.
+    velocity: f64,
+    /// rad/s.
+    gyro_bias: f64,
+    /// As an angle, radians.
+    gravity: f64,
+}
+
+const AT_REST: Deviations = Deviations {
+    rotation: 1e-4,
+    velocity: 1e-3,
+    gyro_bias: 1e-3,
+    gravity: 5e-3,
+};
+/// Nothing of this kind moves faster than 3 m/s.
+const MOVING: Deviations = Deviations {
+    rotation: 1e-2,
+    velocity: 3.0,
+    gyro_bias: 1e-2,
+    gravity: 0.1,
+};
+/// The origin of `odom` is where the robot begins, metres.
+const POSITION_M: f64 = 1e-4;
+const ACCEL_BIAS_M_S2: f64 = 0.05;
+/// The LiDAR's pose on the IMU if it is estimated, radians and metres.
+const ESTIMATED_MOUNT: f64 = 0.02;
+/// The same if it is known.
+const KNOWN_MOUNT: f64 = 1e-6;
+
+/// Collects the first samples.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Start {
     samples: Vec<ImuSample>,
@@ -28,76 +66,104 @@ pub(super) struct Start {
 /// What a robot begins with.
 #[derive(Debug)]
 pub(super) struct First {
-    pub(super) state: State,
-    pub(super) covariance: Covariance,
-    /// Since when it has stood still; `None` in motion.
+    pub(super) belief: Belief,
+    /// Since when it has rested; `None` in motion.
     pub(super) at_rest: Option<SimTime>,
 }
 
 impl Start {
-    /// Takes in a sample; the first state once there are enough.
+    /// Takes in a sample; returns the first state once there are enough.
     pub(super) fn take(&mut self, sample: &ImuSample, settings: &Settings) -> Option<First> {
         self.samples.push(*sample);
-        let long = sample.stamp.since(self.samples[0].stamp) >= TIME;
-        if !(long && self.samples.len() >= SAMPLES[0] || self.samples.len() >= SAMPLES[1]) {
+        if !self.is_complete(sample) {
             return None;
         }
         let samples = std::mem::take(&mut self.samples);
         let settled = &samples[samples.len() / PUT_DOWN..];
-        let at_rest =
-            deviation(settled, |s| s.gyro) < AT_REST[0] && deviation(settled, |s| s.accel) < AT_REST[1];
-        let counted = if at_rest { settled } else { &samples[..] };
-        let (state, covariance) =
-            first(mean(counted, |s| s.gyro), mean(counted, |s| s.accel), at_rest, settings);
-        Some(First { state, covariance, at_rest: at_rest.then(|| settled[0].stamp) })
+        let is_at_rest = is_at_rest(settled);
+        let used = if is_at_rest { settled } else { &samples[..] };
+        let belief = Belief {
+            stamp: sample.stamp,
+            state: first_state(used, is_at_rest, settings),
+            covariance: first_covariance(is_at_rest, settings),
+        };
+        Some(First {
+            belief,
+            at_rest: is_at_rest.then(|| settled[0].stamp),
+        })
+    }
+
+    fn is_complete(&self, newest: &ImuSample) -> bool {
+        let is_long = newest.stamp.since(self.samples[0].stamp) >= DURATION;
+        is_long && self.samples.len() >= MIN_SAMPLES || self.samples.len() >= MAX_SAMPLES
     }
 }
 
+/// Whether neither turn rates nor specific forces vary.
+fn is_at_rest(samples: &[ImuSample]) -> bool {
+    deviation(samples, |sample| sample.gyro) < MAX_REST_GYRO_RAD_S
+        && deviation(samples, |sample| sample.accel) < MAX_REST_ACCEL_M_S2
+}
+
 fn mean(samples: &[ImuSample], part: impl Fn(&ImuSample) -> [f64; 3]) -> Vector3<f64> {
-    samples.iter().map(|sample| Vector3::from(part(sample))).sum::<Vector3<f64>>() / samples.len() as f64
+    let sum = samples
+        .iter()
+        .map(|sample| Vector3::from(part(sample)))
+        .sum::<Vector3<f64>>();
+    sum / samples.len() as f64
 }
 
 fn deviation(samples: &[ImuSample], part: impl Fn(&ImuSample) -> [f64; 3]) -> f64 {
     let mean = mean(samples, &part);
-    let squares = samples.iter().map(|sample| (Vector3::from(part(sample)) - mean).norm_squared());
+    let squares = samples
+        .iter()
+        .map(|sample| (Vector3::from(part(sample)) - mean).norm_squared());
     (squares.sum::<f64>() / samples.len() as f64).sqrt()
 }
 
-/// The state with the heading 0 of the frame whose pose is told, and its origin there.
-fn first(gyro: Vector3<f64>, accel: Vector3<f64>, at_rest: bool, settings: &Settings) -> (State, Covariance) {
+/// The state in which the robot's frame has the heading 0 and is at the origin.
+fn first_state(samples: &[ImuSample], is_at_rest: bool, settings: &Settings) -> State {
+    let gyro = mean(samples, |sample| sample.gyro);
+    let accel = mean(samples, |sample| sample.accel);
     let up = UnitQuaternion::rotation_between(&accel, &Vector3::z()).unwrap_or_default();
-    // `up` turns the IMU's frame upright about a level axis; the heading is taken out of it.
+    // `up` turns the IMU's frame upright about a level axis; the robot's heading is taken out.
     let ahead = up * (settings.imu.rotation.inverse() * Vector3::x());
-    let heading = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), -libm::atan2(ahead.y, ahead.x));
-    let rotation = heading * up;
-    let body = rotation * settings.imu.rotation.inverse();
-    let state = State {
-        rotation,
-        position: body * settings.imu.translation.vector,
-        velocity: Vector3::zeros(),
-        gyro_bias: if at_rest { gyro } else { Vector3::zeros() },
-        accel_bias: Vector3::zeros(),
-        gravity: Vector3::z() * -accel.norm(),
+    let heading = -libm::atan2(ahead.y, ahead.x);
+    let rotation = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), heading) * up;
+    let robot = rotation * settings.imu.rotation.inverse();
+    let position = robot * settings.imu.translation.vector;
+    let pose = Isometry3::from_parts(position.into(), rotation);
+    State {
+        gyro_bias: if is_at_rest { gyro } else { Vector3::zeros() },
         mount_rotation: settings.lidar.rotation,
         mount_position: settings.lidar.translation.vector,
-        map_tilt: Vector2::zeros(),
-    };
-    let mount = if settings.estimate_lidar { [0.02, 0.02] } else { [1e-6, 1e-6] };
-    let moving = |rest: f64, motion: f64| if at_rest { rest } else { motion };
-    let deviations = [
-        (at::ROTATION, moving(1e-4, 1e-2), 3),
-        (at::POSITION, 1e-4, 3),
-        (at::VELOCITY, moving(1e-3, FASTEST), 3),
-        (at::GYRO_BIAS, moving(1e-3, 1e-2), 3),
-        (at::ACCEL_BIAS, 0.05, 3),
-        (at::GRAVITY, moving(5e-3, 0.1), 2),
-        (at::MOUNT_ROTATION, mount[0], 3),
-        (at::MOUNT_POSITION, mount[1], 3),
-        (at::MAP_TILT, UPRIGHT, 2),
-    ];
-    let mut covariance = Covariance::zeros();
-    for (first, deviation, size) in deviations {
-        (first..first + size).for_each(|i| covariance[(i, i)] = deviation * deviation);
+        ..State::at_rest(&pose, accel.norm())
     }
-    (state, covariance)
+}
+
+fn first_covariance(is_at_rest: bool, settings: &Settings) -> Covariance {
+    let deviations = if is_at_rest { AT_REST } else { MOVING };
+    let mount = if settings.estimate_lidar {
+        ESTIMATED_MOUNT
+    } else {
+        KNOWN_MOUNT
+    };
+    let mut covariance = Covariance::zeros();
+    set_deviation::<3>(&mut covariance, at::ROTATION, deviations.rotation);
+    set_deviation::<3>(&mut covariance, at::POSITION, POSITION_M);
+    set_deviation::<3>(&mut covariance, at::VELOCITY, deviations.velocity);
+    set_deviation::<3>(&mut covariance, at::GYRO_BIAS, deviations.gyro_bias);
+    set_deviation::<3>(&mut covariance, at::ACCEL_BIAS, ACCEL_BIAS_M_S2);
+    set_deviation::<2>(&mut covariance, at::GRAVITY, deviations.gravity);
+    set_deviation::<3>(&mut covariance, at::MOUNT_ROTATION, mount);
+    set_deviation::<3>(&mut covariance, at::MOUNT_POSITION, mount);
+    set_deviation::<2>(&mut covariance, at::MAP_TILT, UPRIGHT_RAD);
+    covariance
+}
+
+/// Sets the standard deviation of `N` components of the error, which begin at `first`.
+fn set_deviation<const N: usize>(covariance: &mut Covariance, first: usize, deviation: f64) {
+    for i in first..first + N {
+        covariance[(i, i)] = deviation * deviation;
+    }
 }

@@ -3,9 +3,9 @@
 //! W. Xu, Y. Cai, D. He, J. Lin, F. Zhang, *FAST-LIO2: Fast Direct LiDAR-Inertial Odometry*, 2021, equation 1: rotation, position and velocity of the
 //! IMU, biases of gyroscope and accelerometer, gravity, and the LiDAR's pose on the IMU. Gravity keeps its length: two dimensions. Two more of our own: how the map leans.
 
-use nalgebra::{Matrix3, SMatrix, SVector, UnitQuaternion, Vector2, Vector3};
+use nalgebra::{Isometry3, Matrix3, SMatrix, SVector, UnitQuaternion, Vector2, Vector3};
 
-use super::so3::{exp, inverse_right_jacobian, log, tangent};
+use crate::so3::{exp, inverse_right_jacobian, log, tangent};
 
 /// Dimensions of an error.
 pub const SIZE: usize = 25;
@@ -60,6 +60,22 @@ pub struct State {
 }
 
 impl State {
+    /// The state of an IMU that rests at a pose in `odom`, without biases, with the LiDAR's frame
+    /// on its own; `gravity` is in m/s².
+    pub fn at_rest(imu: &Isometry3<f64>, gravity: f64) -> Self {
+        Self {
+            rotation: imu.rotation,
+            position: imu.translation.vector,
+            velocity: Vector3::zeros(),
+            gyro_bias: Vector3::zeros(),
+            accel_bias: Vector3::zeros(),
+            gravity: Vector3::z() * -gravity,
+            mount_rotation: UnitQuaternion::identity(),
+            mount_position: Vector3::zeros(),
+            map_tilt: Vector2::zeros(),
+        }
+    }
+
     /// The state an error away: ⊞.
     #[must_use]
     pub fn plus(&self, error: &Error) -> Self {
@@ -81,26 +97,76 @@ impl State {
     /// The error that leads from `other` here: ⊟.
     pub fn minus(&self, other: &Self) -> Error {
         let mut error = Error::zeros();
-        let mut set = |first: usize, part: Vector3<f64>| error.fixed_rows_mut::<3>(first).copy_from(&part);
+        let mut set =
+            |first: usize, part: Vector3<f64>| error.fixed_rows_mut::<3>(first).copy_from(&part);
         set(at::ROTATION, log(other.rotation.inverse() * self.rotation));
         set(at::POSITION, self.position - other.position);
         set(at::VELOCITY, self.velocity - other.velocity);
         set(at::GYRO_BIAS, self.gyro_bias - other.gyro_bias);
         set(at::ACCEL_BIAS, self.accel_bias - other.accel_bias);
-        set(at::MOUNT_ROTATION, log(other.mount_rotation.inverse() * self.mount_rotation));
-        set(at::MOUNT_POSITION, self.mount_position - other.mount_position);
+        set(
+            at::MOUNT_ROTATION,
+            log(other.mount_rotation.inverse() * self.mount_rotation),
+        );
+        set(
+            at::MOUNT_POSITION,
+            self.mount_position - other.mount_position,
+        );
         let turned = UnitQuaternion::rotation_between(&other.gravity, &self.gravity);
         let tilt = tangent(other.gravity).transpose() * turned.map_or_else(Vector3::zeros, log);
         error.fixed_rows_mut::<2>(at::GRAVITY).copy_from(&tilt);
-        error.fixed_rows_mut::<2>(at::MAP_TILT).copy_from(&(self.map_tilt - other.map_tilt));
+        error
+            .fixed_rows_mut::<2>(at::MAP_TILT)
+            .copy_from(&(self.map_tilt - other.map_tilt));
         error
     }
 
-    /// Where it is in the map as that leans: what a scan says something about.
+    /// Pose of the IMU in `odom`.
+    pub fn imu_pose(&self) -> Isometry3<f64> {
+        Isometry3::from_parts(self.position.into(), self.rotation)
+    }
+
+    /// Pose of the LiDAR in the IMU's frame.
+    pub fn mount(&self) -> Isometry3<f64> {
+        Isometry3::from_parts(self.mount_position.into(), self.mount_rotation)
+    }
+
+    /// Pose of the LiDAR in `odom`.
+    pub fn lidar_pose(&self) -> Isometry3<f64> {
+        self.imu_pose() * self.mount()
+    }
+
+    /// The state relative to the map as that is tilted: what a scan observes.
     #[must_use]
     pub fn in_map(&self) -> Self {
-        let leaning = exp(self.map_tilt.push(0.0));
-        Self { rotation: leaning * self.rotation, map_tilt: Vector2::zeros(), ..self.clone() }
+        let tilt = exp(self.map_tilt.push(0.0));
+        Self {
+            rotation: tilt * self.rotation,
+            map_tilt: Vector2::zeros(),
+            ..self.clone()
+        }
+    }
+
+    /// Of a state [in the map](Self::in_map): how what a scan observes changes with the state. Of
+    /// the `N` rows six are the IMU's pose in the map, and six more the LiDAR's on the IMU.
+    pub(super) fn in_map_jacobian<const N: usize>(&self) -> SMatrix<f64, N, SIZE> {
+        let mut jacobian = SMatrix::<f64, N, SIZE>::zeros();
+        let observed = [
+            at::ROTATION,
+            at::POSITION,
+            at::MOUNT_ROTATION,
+            at::MOUNT_POSITION,
+        ];
+        let columns = observed.into_iter().flat_map(|first| first..first + 3);
+        for (row, column) in columns.take(N).enumerate() {
+            jacobian[(row, column)] = 1.0;
+        }
+        let upright = self.rotation.inverse().to_rotation_matrix();
+        let level_axes = upright.matrix().fixed_columns::<2>(0);
+        jacobian
+            .fixed_view_mut::<3, 2>(0, at::MAP_TILT)
+            .copy_from(&level_axes);
+        jacobian
     }
 
     /// Whether all its numbers are numbers.
@@ -129,7 +195,9 @@ impl State {
         for first in [at::ROTATION, at::MOUNT_ROTATION] {
             let part: Vector3<f64> = away.fixed_rows::<3>(first).into_owned();
             let block: Matrix3<f64> = inverse_right_jacobian(part);
-            projection.fixed_view_mut::<3, 3>(first, first).copy_from(&block);
+            projection
+                .fixed_view_mut::<3, 3>(first, first)
+                .copy_from(&block);
         }
         projection
     }
@@ -156,6 +224,23 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn what_a_scan_observes_changes_as_its_jacobian_says(
+            numbers in proptest::collection::vec(-1.0_f64..1.0, SIZE),
+            step in proptest::collection::vec(-1e-4_f64..1e-4, SIZE),
+        ) {
+            let mut state = state(&numbers);
+            state.map_tilt *= 0.01;
+            let step = Error::from_vec(step);
+            let in_map = state.in_map();
+            let moved = state.plus(&step).in_map().minus(&in_map);
+            let expected = in_map.in_map_jacobian::<12>() * step;
+            let pose = moved.fixed_rows::<6>(at::ROTATION) - expected.fixed_rows::<6>(0);
+            let mount = moved.fixed_rows::<6>(at::MOUNT_ROTATION) - expected.fixed_rows::<6>(6);
+            prop_assert!(pose.norm() < 4e-6);
+            prop_assert!(mount.norm() < 1e-9);
+        }
+
         #[test]
         fn plus_and_minus_undo_each_other(
             numbers in proptest::collection::vec(-1.0_f64..1.0, SIZE),

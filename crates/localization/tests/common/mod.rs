@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use openbench_core::{Camera, Image, ImuSample, Observation, Pose2, RobotDescription, SimTime, WheelSample};
+use openbench_core::{
+    Camera, Image, ImuSample, Observation, Pose2, RobotDescription, SimTime, WheelSample,
+};
 use openbench_localization::Localizer;
 
 struct Blind;
@@ -27,7 +29,12 @@ const DT: f64 = 0.01;
 
 impl Robot {
     pub fn at(truth: Pose2) -> Self {
-        Self { time: SimTime::ZERO, truth, wheels: [0.0; 2], velocity: [0.0; 2] }
+        Self {
+            time: SimTime::ZERO,
+            truth,
+            wheels: [0.0; 2],
+            velocity: [0.0; 2],
+        }
     }
 
     /// Moves on for one step; the specific force of the IMU, so far in front of the middle.
@@ -36,7 +43,10 @@ impl Robot {
         let before = imu(self.truth);
         // Along the chord of the arc.
         let half = Pose2::new(0.0, 0.0, angular * DT / 2.0);
-        self.truth = self.truth.compose(half).compose(Pose2::new(linear * DT, 0.0, angular * DT / 2.0));
+        self.truth =
+            self.truth
+                .compose(half)
+                .compose(Pose2::new(linear * DT, 0.0, angular * DT / 2.0));
         let after = imu(self.truth);
         let velocity = [(after.x - before.x) / DT, (after.y - before.y) / DT];
         let [x, y] = [0, 1].map(|i| (velocity[i] - self.velocity[i]) / DT);
@@ -45,7 +55,13 @@ impl Robot {
         [cosine * x + sine * y, cosine * y - sine * x, 9.8]
     }
 
-    pub fn drive(&mut self, localizer: &mut dyn Localizer, linear: f64, angular: f64, seconds: f64) {
+    pub fn drive(
+        &mut self,
+        localizer: &mut dyn Localizer,
+        linear: f64,
+        angular: f64,
+        seconds: f64,
+    ) {
         let robot = RobotDescription::sentry();
         for _ in 0..(seconds / 0.05).round() as usize {
             let (mut imu, mut wheels) = (Vec::new(), Vec::new());
@@ -53,11 +69,19 @@ impl Robot {
                 self.time = SimTime(self.time.0 + 10_000_000);
                 let accel = self.go(linear, angular, robot.imu.translation.x);
                 let difference = angular * robot.effective_track / 2.0;
-                for (angle, speed) in self.wheels.iter_mut().zip([linear - difference, linear + difference]) {
+                for (angle, speed) in self
+                    .wheels
+                    .iter_mut()
+                    .zip([linear - difference, linear + difference])
+                {
                     *angle += speed * DT / robot.wheel_radius;
                 }
                 let (stamp, [left, right]) = (self.time, self.wheels);
-                imu.push(ImuSample { stamp, gyro: [0.0, 0.0, angular + BIAS], accel });
+                imu.push(ImuSample {
+                    stamp,
+                    gyro: [0.0, 0.0, angular + BIAS],
+                    accel,
+                });
                 wheels.push(WheelSample { stamp, left, right });
             }
             localizer.update(&seen(self.time, &imu, &wheels));
@@ -66,5 +90,12 @@ impl Robot {
 }
 
 pub fn seen<'a>(time: SimTime, imu: &'a [ImuSample], wheels: &'a [WheelSample]) -> Observation<'a> {
-    Observation { time, imu, wheels, scan: None, gnss: None, camera: &Blind }
+    Observation {
+        time,
+        imu,
+        wheels,
+        scan: None,
+        gnss: None,
+        camera: &Blind,
+    }
 }

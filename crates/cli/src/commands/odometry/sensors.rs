@@ -6,7 +6,7 @@ use anyhow::{Context, ensure};
 use nalgebra::{Translation3, UnitQuaternion};
 use openbench_core::{ImuSample, Pose3, RobotDescription};
 use openbench_localization::lidar_inertial::settings;
-use openbench_localization::lio::Settings;
+use openbench_localization::lio::{ImuLimits, Settings};
 use serde::Deserialize;
 
 /// A sensor's place on the robot.
@@ -98,7 +98,7 @@ impl File {
         let lidar = self.lidar.map_or(robot.lidar, |mount| mount.pose());
         (settings.imu, settings.lidar) = (imu, imu.inverse() * lidar);
         settings.estimate_lidar = self.estimate_lidar;
-        settings.imu_limits = self.imu_limits;
+        settings.imu_limits = self.imu_limits.map(|[gyro, accel]| ImuLimits { gyro, accel });
         for limit in self.imu_limits.into_iter().flatten() {
             ensure!(limit.is_finite() && limit > 0.0, "imu_limits are rad/s and m/s² above 0");
         }

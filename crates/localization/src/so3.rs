@@ -28,7 +28,8 @@ pub fn right_jacobian(rotation: Vector3<f64>) -> Matrix3<f64> {
     }
     let (sine, cosine) = libm::sincos(angle);
     let square = angle * angle;
-    Matrix3::identity() - hat * ((1.0 - cosine) / square) + hat * hat * ((angle - sine) / (square * angle))
+    Matrix3::identity() - hat * ((1.0 - cosine) / square)
+        + hat * hat * ((angle - sine) / (square * angle))
 }
 
 /// Its inverse: `log(exp(a) exp(b)) ≈ a + J⁻¹ b` for small `b`.

@@ -1,0 +1,52 @@
+//! What every localizer offers.
+
+use nalgebra::Matrix3;
+use openbench_core::{Health, Observation, Pose2, SimTime};
+
+/// Estimates the robot's pose from each observation in turn.
+///
+/// Agents know only this trait, so that localizers can be exchanged.
+pub trait Localizer {
+    /// Short name, as in results.
+    fn name(&self) -> &str;
+
+    /// Begins anew at `start` in `map`.
+    fn reset(&mut self, start: Pose2);
+
+    /// Takes in sensor data.
+    fn update(&mut self, observation: &Observation<'_>);
+
+    /// Pose of `base_link` in `map` at an instant within the last second; otherwise the pose
+    /// nearest in time.
+    fn pose_at(&self, time: SimTime) -> Pose2;
+
+    /// The newest pose of `base_link` in `map`.
+    fn pose(&self) -> Pose2;
+
+    /// Whether the pose can be trusted already. A robot should stand still until then.
+    fn ready(&self) -> bool;
+
+    /// How far the pose can be trusted. It must not be [`Health::Good`] for more than two seconds
+    /// after a fault began.
+    fn health(&self) -> Health {
+        Health::Good
+    }
+
+    /// Pose of `odom` in `map` (REP 105). Only corrections change it: a path planned in `odom`
+    /// stays where the robot sees it. Identity if the localizer makes no corrections.
+    fn odom(&self) -> Pose2 {
+        Pose2::default()
+    }
+
+    /// Covariance of the newest pose as of the last scan: x and y in `map`, then yaw; m² and rad².
+    /// `None` if the localizer estimates none.
+    fn covariance(&self) -> Option<Matrix3<f64>> {
+        None
+    }
+
+    /// Distance from the newest pose to the best estimate, metres. Corrections are applied slowly,
+    /// and this is the part still to be applied.
+    fn pending(&self) -> f64 {
+        0.0
+    }
+}
