@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use openbench_agents::open::Catalogue;
-use openbench_agents::open::parts::{LocalizerPart, PartError, ReaderPart};
+use openbench_agents::open::parts::{LocalizerPart, PartError};
 use openbench_bench::run::registry::AgentError;
 use openbench_bench::{AgentFactory, AgentRequest, Agents};
 use openbench_core::{Agent, RobotDescription};
 use openbench_localization::Localizer;
 use openbench_motion::LocalPlanner;
-use openbench_vision::PlateReader;
+use openbench_vision::{PlateReader, ReaderEntry};
 
 use crate::open_agent::OpenFactory;
 
@@ -66,8 +66,8 @@ impl Extensions {
         about: &str,
         make: impl Fn() -> Result<Box<dyn PlateReader>, PartError> + Send + Sync + 'static,
     ) -> Self {
-        let part = ReaderPart { make: Arc::new(make), files: None };
-        self.parts.readers = self.parts.readers.with(name, about, part);
+        let entry = ReaderEntry::new(name, about, move |_, _| make());
+        self.parts.readers = self.parts.readers.with(entry);
         self
     }
 

@@ -39,14 +39,14 @@ impl AgentFactory for OpenFactory {
         observer: &mut dyn FnMut(PullEvent),
     ) -> Result<(), AgentError> {
         let settings = Settings::parse(settings)?;
-        for files in self.catalogue.files_of_readers(&settings.reader) {
+        for files in self.catalogue.readers.model_files(&settings.reader) {
             ModelStore::from_environment()?.ensure(files, observer)?;
         }
         Ok(())
     }
 
     fn inputs(&self, settings: &AgentSettings) -> Vec<PathBuf> {
-        let words = settings.values().flat_map(|value| self.catalogue.reader_words(value));
+        let words = settings.values().flat_map(|value| self.catalogue.readers.split(value));
         words.filter_map(recording).collect()
     }
 }

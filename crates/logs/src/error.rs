@@ -54,12 +54,12 @@ pub enum LogError {
         limit: u64,
     },
     /// A record that contradicts itself or another.
-    #[error("the log is damaged at byte {offset}: {problem}")]
+    #[error("the log is damaged at byte {offset}: {source}")]
     Damaged {
         /// Where the record, or the chunk that holds it, begins.
         offset: u64,
         /// What is wrong with it.
-        problem: String,
+        source: Box<dyn std::error::Error + Send + Sync>,
     },
     /// A topic holds another type than was asked for.
     #[error("topic `{topic}` holds {found}, not {wanted}")]

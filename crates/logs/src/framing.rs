@@ -55,11 +55,18 @@ pub fn read_up_to(source: &mut impl Read, wanted: u64, offset: &mut u64) -> Resu
     Ok(bytes)
 }
 
-/// The records in a chunk, or in the front part of one, and why there are no more of them, if they ended early.
-pub fn chunk_frames(chunk: &[u8], offset: u64) -> (Vec<Frame>, Option<LogError>) {
+/// The records in a chunk, or in the front part of one.
+pub struct Unpacked {
+    pub frames: Vec<Frame>,
+    /// Why there are no more of them, if they ended early.
+    pub error: Option<LogError>,
+}
+
+/// Unpacks a chunk that begins at `offset` of the file.
+pub fn unpack_chunk(chunk: &[u8], offset: u64) -> Unpacked {
     let mut frames = Vec::new();
-    let result = unpack(chunk, offset, &mut frames);
-    (frames, result.err())
+    let error = unpack(chunk, offset, &mut frames).err();
+    Unpacked { frames, error }
 }
 
 fn unpack(chunk: &[u8], offset: u64, frames: &mut Vec<Frame>) -> Result<(), LogError> {
@@ -71,13 +78,11 @@ fn unpack(chunk: &[u8], offset: u64, frames: &mut Vec<Frame>) -> Result<(), LogE
     match header.compression {
         b"" => unpack_stored(header.records, offset, frames),
         b"zstd" => unpack_zstd(chunk, offset, frames),
-        other => Err(LogError::Damaged {
-            offset,
-            problem: format!(
-                "chunk compression `{}` is not read; convert the log to zstd",
-                String::from_utf8_lossy(other)
-            ),
-        }),
+        other => {
+            let compression = String::from_utf8_lossy(other);
+            let problem = format!("chunk compression `{compression}` is not read; convert the log to zstd");
+            Err(LogError::Damaged { offset, source: problem.into() })
+        }
     }
 }
 
@@ -103,7 +108,7 @@ fn unpack_zstd(chunk: &[u8], offset: u64, frames: &mut Vec<Frame>) -> Result<(),
     let head = [&[op::CHUNK][..], &(chunk.len() as u64).to_le_bytes()].concat();
     let mut source = head.as_slice().chain(chunk);
     while let Some(event) = reader.next_event() {
-        match event.map_err(|e| chunk_error(&e, offset))? {
+        match event.map_err(|error| chunk_error(error, offset))? {
             LinearReadEvent::ReadRequest(wanted) => {
                 let bytes = read_up_to(&mut source, wanted.min(chunk.len() + HEAD) as u64, &mut 0)?;
                 reader.insert(bytes.len()).copy_from_slice(&bytes);
@@ -117,12 +122,12 @@ fn unpack_zstd(chunk: &[u8], offset: u64, frames: &mut Vec<Frame>) -> Result<(),
     Ok(())
 }
 
-fn chunk_error(error: &mcap::McapError, offset: u64) -> LogError {
+fn chunk_error(error: mcap::McapError, offset: u64) -> LogError {
     match error {
         mcap::McapError::UnexpectedEof | mcap::McapError::UnexpectedEoc => {
             LogError::Truncated { offset, what: "chunk" }
         }
-        other => LogError::Damaged { offset, problem: other.to_string() },
+        other => LogError::Damaged { offset, source: other.into() },
     }
 }
 

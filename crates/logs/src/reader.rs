@@ -52,10 +52,17 @@ pub struct LogReader<R> {
     source: R,
     offset: u64,
     schemas: BTreeMap<u16, Arc<str>>,
-    channels: BTreeMap<u16, (Arc<str>, Arc<str>)>,
+    channels: BTreeMap<u16, Channel>,
     ready: VecDeque<LoggedMessage>,
     error: Option<LogError>,
     done: bool,
+}
+
+/// A topic and the full name of its type.
+#[derive(Clone)]
+struct Channel {
+    topic: Arc<str>,
+    type_name: Arc<str>,
 }
 
 impl LogReader<BufReader<File>> {
@@ -111,11 +118,11 @@ impl<R: Read> LogReader<R> {
     }
 
     fn take_chunk(&mut self, chunk: &[u8], offset: u64) -> Result<(), LogError> {
-        let (frames, error) = framing::chunk_frames(chunk, offset);
-        for frame in &frames {
+        let unpacked = framing::unpack_chunk(chunk, offset);
+        for frame in &unpacked.frames {
             self.take(frame, offset)?;
         }
-        error.map_or(Ok(()), Err)
+        unpacked.error.map_or(Ok(()), Err)
     }
 
     fn take(&mut self, frame: &Frame, offset: u64) -> Result<(), LogError> {
@@ -137,25 +144,36 @@ impl<R: Read> LogReader<R> {
     fn take_channel(&mut self, mut fields: Fields<'_>) -> Option<()> {
         let (id, schema) = (fields.u16()?, fields.u16()?);
         let type_name = self.schemas.get(&schema).cloned().unwrap_or_default();
-        self.channels.insert(id, (text(fields.text()?), type_name));
+        self.channels.insert(id, Channel { topic: text(fields.text()?), type_name });
         Some(())
     }
 
     fn take_message(&mut self, mut fields: Fields<'_>, offset: u64) -> Result<(), LogError> {
-        let mut head = || {
-            let channel = fields.u16()?;
-            fields.take(4)?; // sequence number
-            let time = fields.u64()?;
-            fields.take(8)?; // publish time
-            Some((channel, time))
-        };
-        let (channel, time) = head().ok_or_else(|| damaged(offset, "a message ends before its fields"))?;
-        let Some((topic, type_name)) = self.channels.get(&channel).cloned() else {
+        let head = MessageHead::read(&mut fields)
+            .ok_or_else(|| damaged(offset, "a message ends before its fields"))?;
+        let Some(Channel { topic, type_name }) = self.channels.get(&head.channel).cloned() else {
             return Err(damaged(offset, "a message belongs to no channel"));
         };
         let data = fields.rest().to_vec();
-        self.ready.push_back(LoggedMessage { topic, type_name, time: SimTime(time), data });
+        self.ready.push_back(LoggedMessage { topic, type_name, time: head.time, data });
         Ok(())
+    }
+}
+
+/// What stands before the bytes of a message.
+struct MessageHead {
+    channel: u16,
+    /// When it was logged.
+    time: SimTime,
+}
+
+impl MessageHead {
+    fn read(fields: &mut Fields<'_>) -> Option<Self> {
+        let channel = fields.u16()?;
+        fields.take(4)?; // sequence number
+        let time = SimTime(fields.u64()?);
+        fields.take(8)?; // publish time
+        Some(Self { channel, time })
     }
 }
 
@@ -164,7 +182,7 @@ fn text(bytes: &[u8]) -> Arc<str> {
 }
 
 fn damaged(offset: u64, problem: &str) -> LogError {
-    LogError::Damaged { offset, problem: problem.to_owned() }
+    LogError::Damaged { offset, source: problem.into() }
 }
 
 impl<R: Read> Iterator for LogReader<R> {

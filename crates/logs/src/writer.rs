@@ -56,36 +56,24 @@ impl<W: Write + Seek> LogWriter<W> {
         time: SimTime,
         definition: &'static Definition,
     ) -> Result<MessageHeader, LogError> {
-        if !self.topics.contains_key(topic) {
-            let channel = self.open_channel(topic, definition)?;
-            self.topics.insert(topic.to_owned(), Topic { channel, definition, messages: 0 });
-        }
-        let wrong = |found: &Definition| LogError::WrongType {
-            topic: topic.to_owned(),
-            found: found.full_name(),
-            wanted: definition.name,
-        };
-        match self.topics.get_mut(topic) {
-            Some(open) if open.definition == definition => {
-                let sequence = open.messages;
-                open.messages = sequence.wrapping_add(1);
-                Ok(MessageHeader {
-                    channel_id: open.channel,
-                    sequence,
-                    log_time: time.0,
-                    publish_time: time.0,
-                })
+        let open = match self.topics.get_mut(topic) {
+            Some(open) => open,
+            None => {
+                let channel = open_channel(&mut self.mcap, topic, definition)?;
+                let open = Topic { channel, definition, messages: 0 };
+                self.topics.entry(topic.to_owned()).or_insert(open)
             }
-            other => Err(wrong(other.map_or(definition, |t| t.definition))),
+        };
+        if open.definition != definition {
+            return Err(LogError::WrongType {
+                topic: topic.to_owned(),
+                found: open.definition.full_name(),
+                wanted: definition.name,
+            });
         }
-    }
-
-    fn open_channel(&mut self, topic: &str, definition: &Definition) -> Result<u16, LogError> {
-        let schema =
-            self.mcap.add_schema(&definition.full_name(), "ros2msg", definition.schema().as_bytes())?;
-        // The ros2 profile asks for this key; empty means the middleware's defaults.
-        let metadata = BTreeMap::from([("offered_qos_profiles".to_owned(), String::new())]);
-        Ok(self.mcap.add_channel(schema, topic, "cdr", &metadata)?)
+        let sequence = open.messages;
+        open.messages = sequence.wrapping_add(1);
+        Ok(MessageHeader { channel_id: open.channel, sequence, log_time: time.0, publish_time: time.0 })
     }
 
     /// Writes the summary and ends the file.
@@ -93,6 +81,17 @@ impl<W: Write + Seek> LogWriter<W> {
         self.mcap.finish()?;
         Ok(self.mcap.into_inner())
     }
+}
+
+fn open_channel<W: Write + Seek>(
+    mcap: &mut mcap::Writer<W>,
+    topic: &str,
+    definition: &Definition,
+) -> Result<u16, LogError> {
+    let schema = mcap.add_schema(&definition.full_name(), "ros2msg", definition.schema().as_bytes())?;
+    // The ros2 profile asks for this key; empty means the middleware's defaults.
+    let metadata = BTreeMap::from([("offered_qos_profiles".to_owned(), String::new())]);
+    Ok(mcap.add_channel(schema, topic, "cdr", &metadata)?)
 }
 
 /// A log on disk. It is written beside its place as `NAME.partial` and moves there when it is complete, so that a file

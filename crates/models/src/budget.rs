@@ -7,7 +7,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use openbench_core::ModelUse;
 
-use crate::chat::{ChatError, ChatModel, ChatReply, ChatRequest};
+use crate::chat::{ChatError, ChatModel, ChatReply, ChatRequest, CountedReply};
+use crate::error::BudgetError;
 
 /// The most that a mission may ask of models.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,29 +32,32 @@ impl Budget {
     /// Which bound is reached, in words.
     fn reached(&self, spent: &ModelUse) -> Option<String> {
         let tokens = spent.prompt_tokens.saturating_add(spent.completion_tokens);
-        let bounds = [
-            (u64::from(spent.calls), u64::from(self.calls), "calls"),
-            (tokens, self.tokens, "tokens"),
-            (spent.latency_ms / 1000, u64::from(self.seconds), "seconds"),
-        ];
-        let reached = bounds.into_iter().find(|(spent, bound, _)| spent >= bound);
-        reached.map(|(spent, bound, unit)| format!("{spent} of {bound} {unit} are spent"))
+        bound_reached(spent.calls.into(), self.calls.into(), "calls")
+            .or_else(|| bound_reached(tokens, self.tokens, "tokens"))
+            .or_else(|| bound_reached(spent.latency_ms / 1000, self.seconds.into(), "seconds"))
+    }
+
+    fn read(text: &str) -> Option<Self> {
+        let parts: Vec<&str> = text.split(',').map(str::trim).collect();
+        let &[calls, tokens, seconds] = &parts[..] else { return None };
+        Some(Self {
+            calls: calls.parse().ok()?,
+            tokens: tokens.parse().ok()?,
+            seconds: seconds.parse().ok()?,
+        })
     }
 }
 
+fn bound_reached(spent: u64, bound: u64, unit: &str) -> Option<String> {
+    (spent >= bound).then(|| format!("{spent} of {bound} {unit} are spent"))
+}
+
 impl FromStr for Budget {
-    type Err = String;
+    type Err = BudgetError;
 
     /// Reads `CALLS,TOKENS,SECONDS`.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let bad = || format!("`{text}` is no budget: write CALLS,TOKENS,SECONDS, as in 100,50000,300");
-        let parts: Vec<&str> = text.split(',').map(str::trim).collect();
-        let &[calls, tokens, seconds] = &parts[..] else { return Err(bad()) };
-        Ok(Self {
-            calls: calls.parse().map_err(|_| bad())?,
-            tokens: tokens.parse().map_err(|_| bad())?,
-            seconds: seconds.parse().map_err(|_| bad())?,
-        })
+        Self::read(text).ok_or_else(|| BudgetError { text: text.to_owned() })
     }
 }
 
@@ -109,16 +113,16 @@ impl<M: ChatModel> ChatModel for Metered<M> {
     }
 
     fn chat(&self, request: &ChatRequest) -> Result<ChatReply, ChatError> {
-        self.chat_counted(request).0
+        self.chat_counted(request).reply
     }
 
-    fn chat_counted(&self, request: &ChatRequest) -> (Result<ChatReply, ChatError>, ModelUse) {
+    fn chat_counted(&self, request: &ChatRequest) -> CountedReply {
         if let Err(error) = self.meter.check() {
-            return (Err(error), ModelUse::default());
+            return CountedReply { reply: Err(error), used: ModelUse::default() };
         }
-        let (answer, used) = self.model.chat_counted(request);
-        self.meter.count(used);
-        (answer, used)
+        let counted = self.model.chat_counted(request);
+        self.meter.count(counted.used);
+        counted
     }
 }
 
@@ -138,17 +142,17 @@ mod tests {
         }
 
         fn chat(&self, request: &ChatRequest) -> Result<ChatReply, ChatError> {
-            self.chat_counted(request).0
+            self.chat_counted(request).reply
         }
 
-        fn chat_counted(&self, _: &ChatRequest) -> (Result<ChatReply, ChatError>, ModelUse) {
-            let one = ModelUse { calls: 1, ..ModelUse::default() };
-            if !self.answers {
-                let error = ChatError::Timeout { endpoint: "e".into(), seconds: 60 };
-                return (Err(error), ModelUse { failed: 1, latency_ms: 60_000, ..one });
-            }
-            let reply = ChatReply { text: "x".into(), prompt_tokens: 7, completion_tokens: 3 };
-            (Ok(reply), ModelUse { prompt_tokens: 7, completion_tokens: 3, latency_ms: 2000, ..one })
+        fn chat_counted(&self, _: &ChatRequest) -> CountedReply {
+            let mut counted = CountedReply::of_one_call(if self.answers {
+                Ok(ChatReply { text: "x".into(), prompt_tokens: 7, completion_tokens: 3 })
+            } else {
+                Err(ChatError::Timeout { endpoint: "e".into(), seconds: 60 })
+            });
+            counted.used.latency_ms = if self.answers { 2000 } else { 60_000 };
+            counted
         }
     }
 
@@ -156,8 +160,10 @@ mod tests {
     fn calls_within(budget: Budget, answers: bool) -> usize {
         let model = Metered::new(Scripted { answers }, Meter::new(budget));
         let request = ChatRequest::new(vec![Message::user("x")]);
-        let within = |_: &usize| !matches!(model.chat(&request), Err(ChatError::Budget { .. }));
-        (0..100).take_while(within).count()
+        (0..100)
+            .map(|_| model.chat(&request))
+            .take_while(|reply| !matches!(reply, Err(ChatError::Budget { .. })))
+            .count()
     }
 
     #[test]

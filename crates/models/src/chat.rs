@@ -23,17 +23,8 @@ pub trait ChatModel: Send + Sync {
     fn chat(&self, request: &ChatRequest) -> Result<ChatReply, ChatError>;
 
     /// [`ChatModel::chat`], and what it cost: also where there is no answer in the end.
-    fn chat_counted(&self, request: &ChatRequest) -> (Result<ChatReply, ChatError>, ModelUse) {
-        let answer = self.chat(request);
-        let reply = answer.as_ref().ok();
-        let used = ModelUse {
-            calls: 1,
-            failed: u32::from(reply.is_none()),
-            prompt_tokens: reply.map_or(0, |reply| reply.prompt_tokens.into()),
-            completion_tokens: reply.map_or(0, |reply| reply.completion_tokens.into()),
-            latency_ms: 0,
-        };
-        (answer, used)
+    fn chat_counted(&self, request: &ChatRequest) -> CountedReply {
+        CountedReply::of_one_call(self.chat(request))
     }
 }
 
@@ -46,7 +37,7 @@ impl<M: ChatModel + ?Sized> ChatModel for Box<M> {
         (**self).chat(request)
     }
 
-    fn chat_counted(&self, request: &ChatRequest) -> (Result<ChatReply, ChatError>, ModelUse) {
+    fn chat_counted(&self, request: &ChatRequest) -> CountedReply {
         (**self).chat_counted(request)
     }
 }
@@ -60,7 +51,7 @@ impl<M: ChatModel + ?Sized> ChatModel for std::sync::Arc<M> {
         (**self).chat(request)
     }
 
-    fn chat_counted(&self, request: &ChatRequest) -> (Result<ChatReply, ChatError>, ModelUse) {
+    fn chat_counted(&self, request: &ChatRequest) -> CountedReply {
         (**self).chat_counted(request)
     }
 }
@@ -203,6 +194,30 @@ pub struct ChatReply {
     pub prompt_tokens: u32,
     /// Tokens that the answer cost; 0 where the server did not say.
     pub completion_tokens: u32,
+}
+
+/// What a [`ChatModel`] answered, or why it did not, and what that cost.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CountedReply {
+    /// The answer.
+    pub reply: Result<ChatReply, ChatError>,
+    /// Calls, tokens and time of all tries together.
+    pub used: ModelUse,
+}
+
+impl CountedReply {
+    /// The outcome of a single call that took no time worth counting.
+    pub fn of_one_call(reply: Result<ChatReply, ChatError>) -> Self {
+        let mut used = ModelUse { calls: 1, ..ModelUse::default() };
+        match &reply {
+            Ok(reply) => {
+                used.prompt_tokens = reply.prompt_tokens.into();
+                used.completion_tokens = reply.completion_tokens.into();
+            }
+            Err(_) => used.failed = 1,
+        }
+        Self { reply, used }
+    }
 }
 
 /// Why there is no answer. No variant ever holds a key.

@@ -19,9 +19,12 @@ use rig_core::providers::openai::wire::{BodyRewrite, OPENAI, OpenAIConfig};
 use rig_core::{ProviderError, schemars};
 use serde_json::json;
 
-use crate::chat::{ChatError, ChatModel, ChatReply, ChatRequest, Format, Message, Role, Schema};
-use crate::spec::Provider;
-use crate::transport::{Transport, quote};
+use crate::chat::{
+    ChatError, ChatModel, ChatReply, ChatRequest, CountedReply, Format, Message, Role, Schema,
+};
+use crate::provider::Provider;
+use crate::quote::quote;
+use crate::transport::Transport;
 
 /// A model behind an endpoint. Made by [`crate::ModelSpec::open`].
 #[derive(Debug)]
@@ -36,9 +39,6 @@ pub(crate) struct Remote {
     /// Whether the model was found to take no temperature, as those that reason do.
     is_stubborn: AtomicBool,
 }
-
-/// What a provider said or failed to say, and what it counted.
-type Counted = (Result<ChatReply, ChatError>, ModelUse);
 
 /// How an answer's form is asked for, the strictest first. Endpoints that speak as OpenAI does differ in how many of these they know.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd)]
@@ -83,72 +83,73 @@ impl Remote {
         }
     }
 
-    #[cfg(test)]
-    pub(crate) fn has_key(&self) -> bool {
-        self.transport.has_key()
+    /// Asks; where the endpoint refuses how the answer's form is asked for, or the temperature, without that, and remembers it.
+    fn ask(&self, request: &ChatRequest) -> CountedReply {
+        let mut total = ModelUse::default();
+        let mut refusal = None;
+        for rung in self.rungs(&request.format) {
+            let CountedReply { reply, used } = self.ask_by(rung, request);
+            total = total.plus(used);
+            match reply {
+                Err(error) if is_about_form(&error) => {
+                    refusal.get_or_insert(error);
+                }
+                reply => {
+                    if refusal.is_some() && reply.is_ok() {
+                        self.rung.store(rung as u8, Ordering::Relaxed);
+                    }
+                    return CountedReply { reply, used: total };
+                }
+            }
+        }
+        let refusal = refusal.unwrap_or_else(|| self.bad_request("there is no form to ask for"));
+        CountedReply { reply: Err(refusal), used: total }
     }
 
-    /// Asks; where the endpoint refuses how the answer's form is asked for, or the temperature, without that, and remembers it.
-    fn ask(&self, request: &ChatRequest) -> Counted {
-        let first = match &request.format {
+    /// The ways to ask for a form that the endpoint may understand, the strictest first.
+    fn rungs(&self, format: &Format) -> impl Iterator<Item = Rung> {
+        let first = match format {
             Format::Text => Rung::Prompt,
             Format::Json => Rung::Json,
             Format::Schema(_) => Rung::Schema,
         };
         let known = LADDER[usize::from(self.rung.load(Ordering::Relaxed)).min(LADDER.len() - 1)];
-        let rungs = LADDER.into_iter().filter(|rung| *rung >= first && *rung >= known);
         // Anthropic has no mode for JSON without a schema.
-        let rungs = rungs.filter(|rung| self.provider != Provider::Anthropic || *rung != Rung::Json);
-        let (mut total, mut refusal) = (ModelUse::default(), None);
-        for rung in rungs {
-            let (answer, used) = self.ask_by(rung, request);
-            total = total.plus(used);
-            match answer {
-                Err(error) if is_about_form(&error) => {
-                    refusal.get_or_insert(error);
-                }
-                answer => {
-                    if refusal.is_some() && answer.is_ok() {
-                        self.rung.store(rung as u8, Ordering::Relaxed);
-                    }
-                    return (answer, total);
-                }
-            }
-        }
-        let refusal = refusal.unwrap_or_else(|| self.bad_request("there is no form to ask for"));
-        (Err(refusal), total)
+        let has_json = self.provider != Provider::Anthropic;
+        LADDER
+            .into_iter()
+            .filter(move |rung| *rung >= first && *rung >= known && (has_json || *rung != Rung::Json))
     }
 
-    fn ask_by(&self, rung: Rung, request: &ChatRequest) -> Counted {
+    fn ask_by(&self, rung: Rung, request: &ChatRequest) -> CountedReply {
         let is_stubborn = self.is_stubborn.load(Ordering::Relaxed);
-        let (answer, used) = self.ask_once(rung, request, is_stubborn);
-        let said = answer.as_ref().err().and_then(refusal).unwrap_or_default();
+        let first = self.ask_once(rung, request, is_stubborn);
+        let said = first.reply.as_ref().err().and_then(refusal).unwrap_or_default();
         if is_stubborn || !said.contains("temperature") {
-            return (answer, used);
+            return first;
         }
-        let (again, more) = self.ask_once(rung, request, true);
-        if again.is_ok() {
+        let again = self.ask_once(rung, request, true);
+        if again.reply.is_ok() {
             self.is_stubborn.store(true, Ordering::Relaxed);
         }
-        (again, used.plus(more))
+        CountedReply { reply: again.reply, used: first.used.plus(again.used) }
     }
 
-    fn ask_once(&self, rung: Rung, request: &ChatRequest, is_stubborn: bool) -> Counted {
+    fn ask_once(&self, rung: Rung, request: &ChatRequest, is_stubborn: bool) -> CountedReply {
         let request = match self.translated(rung, request) {
             Ok(request) if is_stubborn => request.temperature(None),
             Ok(request) => request,
-            Err(error) => return (Err(error), ModelUse::default()),
+            Err(error) => return CountedReply { reply: Err(error), used: ModelUse::default() },
         };
-        let one = ModelUse { calls: 1, ..ModelUse::default() };
-        let failed = ModelUse { failed: 1, ..one };
         match pollster::block_on(self.wire.call(request)) {
-            Err(error) => (Err(self.failure(&error)), failed),
+            Err(error) => CountedReply::of_one_call(Err(self.failure(&error))),
             Ok(response) => {
-                let answer = self.reply(&response);
-                let used = if answer.is_ok() { one } else { failed };
-                let (prompt_tokens, completion_tokens) = tokens(&response);
-                let (prompt_tokens, completion_tokens) = (prompt_tokens.into(), completion_tokens.into());
-                (answer, ModelUse { prompt_tokens, completion_tokens, ..used })
+                let tokens = Tokens::of(&response);
+                let mut counted = CountedReply::of_one_call(self.reply(&response));
+                // An answer of no use costs as much as another.
+                counted.used.prompt_tokens = tokens.prompt.into();
+                counted.used.completion_tokens = tokens.completion.into();
+                counted
             }
         }
     }
@@ -178,13 +179,16 @@ impl Remote {
     }
 
     fn schema(&self, schema: &Schema) -> Result<schemars::Schema, ChatError> {
-        let bad = |detail: String| self.bad_request(&format!("its schema cannot be used: {detail}"));
         let mut value: serde_json::Value =
-            serde_json::from_str(&schema.text).map_err(|e| bad(e.to_string()))?;
+            serde_json::from_str(&schema.text).map_err(|e| self.bad_schema(&e))?;
         if let Some(object) = value.as_object_mut() {
             object.insert("title".into(), schema.name.clone().into());
         }
-        schemars::Schema::try_from(value).map_err(|e| bad(e.to_string()))
+        schemars::Schema::try_from(value).map_err(|e| self.bad_schema(&e))
+    }
+
+    fn bad_schema(&self, error: &dyn std::error::Error) -> ChatError {
+        self.bad_request(&format!("its schema cannot be used: {error}"))
     }
 
     fn reply(&self, response: &CompletionResponse) -> Result<ChatReply, ChatError> {
@@ -197,26 +201,28 @@ impl Remote {
                 return Err(self.bad_reply("the provider's filter withheld it"));
             }
             reason if text.trim().is_empty() => {
-                let reason = reason.map_or_else(|| "none given".into(), |r| quote(&format!("{r:?}")));
+                let reason = match reason {
+                    Some(reason) => quote(&format!("{reason:?}")),
+                    None => "none given".into(),
+                };
                 return Err(self.bad_reply(&format!("it holds no text (finish reason: {reason})")));
             }
             _ => {}
         }
-        let (prompt_tokens, completion_tokens) = tokens(response);
-        Ok(ChatReply { text: self.transport.blot_out(&text), prompt_tokens, completion_tokens })
+        let tokens = Tokens::of(response);
+        Ok(ChatReply {
+            text: self.transport.blot_out(&text),
+            prompt_tokens: tokens.prompt,
+            completion_tokens: tokens.completion,
+        })
     }
 
     /// What the transport said, or what the wire could not make of the answer.
     fn failure(&self, error: &ProviderError) -> ChatError {
-        let inner = match error {
-            ProviderError::Http(inner) => match &**inner {
-                rig_core::http_client::Error::Instance(inner) => inner.downcast_ref::<ChatError>().cloned(),
-                _ => None,
-            },
-            _ => None,
-        };
+        if let Some(error) = of_transport(error) {
+            return error.clone();
+        }
         match error {
-            _ if inner.is_some() => inner.unwrap_or_else(|| self.bad_reply("")),
             ProviderError::Request(detail) => self.bad_request(&detail.to_string()),
             ProviderError::Json(detail) => self.bad_reply(&format!("not JSON: {detail}")),
             ProviderError::ProviderResponse(response) => self.bad_reply(&response.body),
@@ -239,14 +245,14 @@ impl ChatModel for Remote {
     }
 
     fn chat(&self, request: &ChatRequest) -> Result<ChatReply, ChatError> {
-        self.chat_counted(request).0
+        self.chat_counted(request).reply
     }
 
-    fn chat_counted(&self, request: &ChatRequest) -> Counted {
+    fn chat_counted(&self, request: &ChatRequest) -> CountedReply {
         let start = Instant::now();
-        let (answer, used) = self.ask(request);
-        let latency_ms = start.elapsed().as_millis().try_into().unwrap_or(u64::MAX);
-        (answer, ModelUse { latency_ms, ..used })
+        let mut counted = self.ask(request);
+        counted.used.latency_ms = start.elapsed().as_millis().try_into().unwrap_or(u64::MAX);
+        counted
     }
 }
 
@@ -276,10 +282,31 @@ fn is_about_form(error: &ChatError) -> bool {
     refusal(error).is_some_and(|said| said.is_empty() || FORM.iter().any(|word| said.contains(word)))
 }
 
+/// What the transport reported, inside the error of a provider's wire.
+fn of_transport(error: &ProviderError) -> Option<&ChatError> {
+    match error {
+        ProviderError::Http(inner) => match &**inner {
+            rig_core::http_client::Error::Instance(inner) => inner.downcast_ref::<ChatError>(),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
 /// Tokens of a request and its answer, as far as the provider counts them.
-fn tokens(response: &CompletionResponse) -> (u32, u32) {
-    let count = |tokens: Option<u64>| tokens.unwrap_or(0).min(u32::MAX.into()) as u32;
-    (count(response.usage.input_tokens), count(response.usage.output_tokens))
+struct Tokens {
+    prompt: u32,
+    completion: u32,
+}
+
+impl Tokens {
+    fn of(response: &CompletionResponse) -> Self {
+        Self { prompt: count(response.usage.input_tokens), completion: count(response.usage.output_tokens) }
+    }
+}
+
+fn count(tokens: Option<u64>) -> u32 {
+    tokens.unwrap_or(0).try_into().unwrap_or(u32::MAX)
 }
 
 fn translated(message: &Message) -> RigMessage {

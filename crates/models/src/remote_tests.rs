@@ -1,56 +1,15 @@
 //! The client against scripted servers on this machine.
 
-use std::io::{BufRead, BufReader, Read, Write};
-use std::net::{TcpListener, TcpStream};
-use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
 use super::*;
-use crate::spec::endpoint;
+use crate::loopback::{Loopback, SILENCE, http};
+use crate::open::Endpoint;
 use crate::transport::Bounds;
 
 const KEY: &str = "sk-top-secret-123";
-
-/// A server that answers one connection with each text of the script, verbatim, and returns the requests it got.
-fn serve(script: Vec<String>) -> (String, JoinHandle<Vec<String>>) {
-    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-    let base = format!("http://{}/v1", listener.local_addr().unwrap());
-    let thread =
-        std::thread::spawn(move || script.iter().map(|answer| exchange(&listener, answer)).collect());
-    (base, thread)
-}
-
-fn exchange(listener: &TcpListener, answer: &str) -> String {
-    let (mut stream, _) = listener.accept().unwrap();
-    let request = read_request(&stream);
-    if answer == "silence" {
-        std::thread::sleep(Duration::from_millis(600));
-    } else {
-        stream.write_all(answer.as_bytes()).unwrap();
-    }
-    request
-}
-
-fn read_request(stream: &TcpStream) -> String {
-    let mut reader = BufReader::new(stream);
-    let (mut head, mut length) = (String::new(), 0);
-    while !head.ends_with("\r\n\r\n") {
-        let start = head.len();
-        reader.read_line(&mut head).unwrap();
-        if let Some(value) = head[start..].to_lowercase().strip_prefix("content-length:") {
-            length = value.trim().parse().unwrap();
-        }
-    }
-    let mut body = vec![0; length];
-    reader.read_exact(&mut body).unwrap();
-    head + &String::from_utf8(body).unwrap()
-}
-
-fn http(status: &str, body: &str) -> String {
-    format!("HTTP/1.1 {status}\r\ncontent-length: {}\r\nconnection: close\r\n\r\n{body}", body.len())
-}
 
 fn ok(text: &str) -> String {
     let usage = json!({ "prompt_tokens": 12, "completion_tokens": 3 });
@@ -68,12 +27,22 @@ fn bounds() -> Bounds {
 }
 
 fn model_of(provider: Provider, base: &str) -> Remote {
-    let environment = |name: &str| (name == "OPENBENCH_API_KEY").then(|| KEY.into());
-    endpoint(provider, "m", Some(base), bounds(), environment).unwrap()
+    Endpoint::new(provider, Some(base), variable).unwrap().model("m", bounds())
+}
+
+/// The only variable of these tests' environment.
+fn variable(name: &str) -> Option<String> {
+    (name == "OPENBENCH_API_KEY").then(|| KEY.to_owned())
 }
 
 fn model(base: &str) -> Remote {
     model_of(Provider::OpenAi, base)
+}
+
+/// A server that answers by a script, and the base address under which it passes for a provider.
+fn serve(script: Vec<String>) -> (String, Loopback) {
+    let server = Loopback::serve(script);
+    (format!("{}/v1", server.address), server)
 }
 
 fn hello() -> ChatRequest {
@@ -106,12 +75,17 @@ fn ask_for(
         answer.as_ref().map_or_else(ToString::to_string, |reply| reply.text.clone())
     );
     assert!(!shown.contains(KEY), "the key shows in {shown}");
-    (answer, server.join().unwrap())
+    (answer, server.requests())
 }
 
 /// The JSON that a request carries.
 fn sent(request: &str) -> Value {
     serde_json::from_str(request.split("\r\n\r\n").nth(1).unwrap()).unwrap()
+}
+
+/// How a request to OpenAI asks for the form of its answer.
+fn form(request: &str) -> Option<String> {
+    sent(request)["response_format"]["type"].as_str().map(str::to_owned)
 }
 
 fn costs(reply: &ChatReply) -> (&str, u32, u32) {
@@ -191,8 +165,7 @@ fn an_endpoint_that_knows_no_schemas_is_asked_for_json_then_for_nothing() {
     let request = hello().as_schema(schema());
     assert_eq!(model.chat(&request).unwrap().text, "{\"order\": [1]}");
     assert!(model.chat(&request).is_ok());
-    let form = |request: &String| sent(request)["response_format"]["type"].as_str().map(str::to_owned);
-    let forms: Vec<_> = server.join().unwrap().iter().map(form).collect();
+    let forms: Vec<_> = server.requests().iter().map(|request| form(request)).collect();
     assert_eq!(forms, [Some("json_schema".into()), Some("json_object".into()), None, None]);
 }
 
@@ -202,8 +175,9 @@ fn a_model_that_takes_no_temperature_is_asked_without_one() {
     let (base, server) = serve(vec![http("400 Bad Request", complaint), ok("hi"), ok("hi")]);
     let model = model(&base);
     assert!(model.chat(&hello()).is_ok() && model.chat(&hello()).is_ok());
-    let has_one = |request: &String| sent(request).get("temperature").is_some();
-    assert_eq!(server.join().unwrap().iter().map(has_one).collect::<Vec<_>>(), [true, false, false]);
+    let requests = server.requests();
+    let has_one = requests.iter().map(|request| sent(request).get("temperature").is_some());
+    assert_eq!(has_one.collect::<Vec<_>>(), [true, false, false]);
 }
 
 #[test]
@@ -212,7 +186,7 @@ fn what_has_nothing_to_do_with_the_form_is_refused_at_once() {
         serve(vec![http("400 Bad Request", "{\"error\": {\"message\": \"no such model\"}}")]);
     let answer = model(&base).chat(&hello().as_schema(schema()));
     assert!(matches!(answer, Err(ChatError::Status { code: 400, .. })), "{answer:?}");
-    assert_eq!(server.join().unwrap().len(), 1);
+    assert_eq!(server.requests().len(), 1);
 }
 
 #[test]
@@ -221,8 +195,8 @@ fn what_is_of_no_use_costs_too() {
     let choice = json!({ "message": { "content": "[" }, "finish_reason": "length" });
     let cut = json!({ "choices": [choice], "usage": usage });
     let (base, _server) = serve(vec![http("200 OK", &cut.to_string())]);
-    let (answer, used) = model(&base).chat_counted(&hello());
-    assert!(matches!(answer, Err(ChatError::BadReply { .. })), "{answer:?}");
+    let CountedReply { reply, used } = model(&base).chat_counted(&hello());
+    assert!(matches!(reply, Err(ChatError::BadReply { .. })), "{reply:?}");
     assert_eq!((used.calls, used.failed, used.prompt_tokens, used.completion_tokens), (1, 1, 12, 900));
 }
 
@@ -305,7 +279,7 @@ fn answers_that_are_none() {
 #[test]
 fn slow_servers_time_out_once() {
     let start = Instant::now();
-    let (answer, _) = ask(vec!["silence".into()]);
+    let (answer, _) = ask(vec![SILENCE.into()]);
     assert!(matches!(answer, Err(ChatError::Timeout { seconds: 1, .. })), "{answer:?}");
     assert!(start.elapsed() < Duration::from_secs(3));
 }

@@ -6,13 +6,15 @@
 
 use std::collections::{BTreeMap, VecDeque};
 use std::io::{BufRead, BufReader, Read, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use openbench_core::ModelUse;
 use serde::{Deserialize, Serialize};
 
-use crate::chat::{ChatError, ChatModel, ChatReply, ChatRequest, Role};
+use crate::chat::{ChatError, ChatModel, ChatReply, ChatRequest, CountedReply, Message, Role};
+use crate::digest::sha256_of;
+use crate::error::{Cause, ReplayError};
 
 /// A recorder writes no more than this, bytes, so that three in one file can be read again.
 const LONGEST_RECORDING: u64 = 80 << 20;
@@ -49,37 +51,67 @@ enum Outcome {
     Error(ChatError),
 }
 
+impl Exchange {
+    fn new(model: &str, request: &ChatRequest, counted: &CountedReply) -> Self {
+        let outcome = match &counted.reply {
+            Ok(reply) => Outcome::Reply(reply.clone()),
+            Err(error) => Outcome::Error(error.clone()),
+        };
+        Self {
+            digest: request.digest(),
+            model: model.to_owned(),
+            messages: request.messages.iter().map(RecordedMessage::new).collect(),
+            outcome,
+            used: counted.used,
+        }
+    }
+}
+
+impl RecordedMessage {
+    fn new(message: &Message) -> Self {
+        // Reading from memory does not fail.
+        let images = message.images.iter().filter_map(|image| sha256_of(&image[..]).ok()).collect();
+        Self { role: message.role, text: message.text.clone(), images }
+    }
+}
+
 /// A [`ChatModel`] that writes down every exchange with the model inside it.
 #[derive(Debug)]
 pub struct Recorder<M, W> {
     model: M,
-    /// And how many bytes were written to it by this recorder.
-    sink: Mutex<(W, u64)>,
+    sink: Mutex<Sink<W>>,
+}
+
+#[derive(Debug)]
+struct Sink<W> {
+    writer: W,
+    /// Bytes that this recorder wrote to it.
+    written: u64,
+}
+
+impl<W: Write> Sink<W> {
+    fn write(&mut self, exchange: &Exchange) -> std::io::Result<()> {
+        let mut line = serde_json::to_vec(exchange)?;
+        line.push(b'\n');
+        self.written += line.len() as u64;
+        if self.written > LONGEST_RECORDING {
+            let detail = format!("it would be longer than {LONGEST_RECORDING} bytes");
+            return Err(std::io::Error::new(std::io::ErrorKind::FileTooLarge, detail));
+        }
+        self.writer.write_all(&line)?;
+        self.writer.flush()
+    }
 }
 
 impl<M: ChatModel, W: Write + Send> Recorder<M, W> {
     /// Records to `sink`: a file, or a `Vec<u8>` in memory. Each exchange is written and flushed at once.
     pub fn new(model: M, sink: W) -> Self {
-        Self { model, sink: Mutex::new((sink, 0)) }
+        Self { model, sink: Mutex::new(Sink { writer: sink, written: 0 }) }
     }
 
     /// Ends the recording and returns where it was written.
     pub fn into_sink(self) -> W {
-        self.sink.into_inner().unwrap_or_else(PoisonError::into_inner).0
-    }
-
-    fn write(&self, exchange: &Exchange) -> std::io::Result<()> {
-        let mut line = serde_json::to_vec(exchange)?;
-        line.push(b'\n');
-        let mut guard = self.sink.lock().unwrap_or_else(PoisonError::into_inner);
-        let (sink, written) = &mut *guard;
-        *written += line.len() as u64;
-        if *written > LONGEST_RECORDING {
-            let detail = format!("it would be longer than {LONGEST_RECORDING} bytes");
-            return Err(std::io::Error::new(std::io::ErrorKind::FileTooLarge, detail));
-        }
-        sink.write_all(&line)?;
-        sink.flush()
+        self.sink.into_inner().unwrap_or_else(PoisonError::into_inner).writer
     }
 }
 
@@ -89,53 +121,28 @@ impl<M: ChatModel, W: Write + Send> ChatModel for Recorder<M, W> {
     }
 
     fn chat(&self, request: &ChatRequest) -> Result<ChatReply, ChatError> {
-        self.chat_counted(request).0
+        self.chat_counted(request).reply
     }
 
-    fn chat_counted(&self, request: &ChatRequest) -> (Result<ChatReply, ChatError>, ModelUse) {
-        let (answer, used) = self.model.chat_counted(request);
-        let outcome = answer.clone().map_or_else(Outcome::Error, Outcome::Reply);
-        let messages = request.messages.iter().map(recorded).collect();
-        let (digest, model) = (request.digest(), self.name().into());
-        let written = self.write(&Exchange { digest, model, messages, outcome, used });
-        let unkept = |error: std::io::Error| ChatError::Recording { detail: error.to_string() };
-        (written.map_err(unkept).and(answer), used)
+    fn chat_counted(&self, request: &ChatRequest) -> CountedReply {
+        let counted = self.model.chat_counted(request);
+        let exchange = Exchange::new(self.name(), request, &counted);
+        let written = self.sink.lock().unwrap_or_else(PoisonError::into_inner).write(&exchange);
+        match written {
+            Ok(()) => counted,
+            Err(error) => {
+                let error = ChatError::Recording { detail: error.to_string() };
+                CountedReply { reply: Err(error), used: counted.used }
+            }
+        }
     }
-}
-
-fn recorded(message: &crate::chat::Message) -> RecordedMessage {
-    // Reading from memory does not fail.
-    let images =
-        message.images.iter().filter_map(|image| crate::digest::sha256_of(&image[..]).ok()).collect();
-    RecordedMessage { role: message.role, text: message.text.clone(), images }
-}
-
-/// Why a recording cannot be used.
-#[derive(Debug, thiserror::Error)]
-pub enum ReplayError {
-    /// The file cannot be read.
-    #[error("cannot read the recording {}: {source}", file.display())]
-    Read {
-        /// The file.
-        file: PathBuf,
-        /// What the file system said.
-        source: std::io::Error,
-    },
-    /// A line is no exchange.
-    #[error("line {line} of the recording is no exchange: {detail}")]
-    BadLine {
-        /// Counted from 1.
-        line: usize,
-        /// What is wrong with it.
-        detail: String,
-    },
 }
 
 /// A [`ChatModel`] that gives recorded answers again, bit for bit.
 #[derive(Debug)]
 pub struct Replay {
     name: String,
-    answers: Mutex<BTreeMap<String, VecDeque<(Outcome, ModelUse)>>>,
+    answers: Mutex<BTreeMap<String, VecDeque<CountedReply>>>,
 }
 
 impl Replay {
@@ -159,24 +166,35 @@ impl Replay {
     /// # Errors
     /// [`ReplayError::BadLine`]; a recording cut off at 256 MiB ends in such a line.
     pub fn from_reader(reader: impl Read) -> Result<Self, ReplayError> {
-        let (mut answers, mut name) = (BTreeMap::<String, VecDeque<(Outcome, ModelUse)>>::new(), None);
-        let mut read = 0;
+        let mut name = None;
+        let mut answers = BTreeMap::<String, VecDeque<CountedReply>>::new();
+        let mut read_bytes = 0;
         for (index, line) in BufReader::new(reader).take(MAX_BYTES).lines().enumerate() {
-            let bad = |detail: String| ReplayError::BadLine { line: index + 1, detail };
-            let line = line.map_err(|error| bad(error.to_string()))?;
-            read += line.len() as u64 + 1;
-            if read >= MAX_BYTES {
-                return Err(bad(format!("the recording is longer than {MAX_BYTES} bytes")));
+            let line = line.map_err(|error| bad_line(index, error))?;
+            read_bytes += line.len() as u64 + 1;
+            if read_bytes >= MAX_BYTES {
+                let detail = format!("the recording is longer than {MAX_BYTES} bytes");
+                return Err(bad_line(index, detail));
             }
             if line.trim().is_empty() {
                 continue;
             }
-            let exchange: Exchange = serde_json::from_str(&line).map_err(|error| bad(error.to_string()))?;
+            let exchange: Exchange = serde_json::from_str(&line).map_err(|error| bad_line(index, error))?;
             name.get_or_insert(exchange.model);
-            answers.entry(exchange.digest).or_default().push_back((exchange.outcome, exchange.used));
+            let reply = match exchange.outcome {
+                Outcome::Reply(reply) => Ok(reply),
+                Outcome::Error(error) => Err(error),
+            };
+            let counted = CountedReply { reply, used: exchange.used };
+            answers.entry(exchange.digest).or_default().push_back(counted);
         }
         Ok(Self { name: name.unwrap_or_else(|| "replay".into()), answers: Mutex::new(answers) })
     }
+}
+
+/// `index` counts lines from 0.
+fn bad_line(index: usize, source: impl Into<Cause>) -> ReplayError {
+    ReplayError::BadLine { line: index + 1, source: source.into() }
 }
 
 impl ChatModel for Replay {
@@ -185,19 +203,15 @@ impl ChatModel for Replay {
     }
 
     fn chat(&self, request: &ChatRequest) -> Result<ChatReply, ChatError> {
-        self.chat_counted(request).0
+        self.chat_counted(request).reply
     }
 
-    fn chat_counted(&self, request: &ChatRequest) -> (Result<ChatReply, ChatError>, ModelUse) {
+    fn chat_counted(&self, request: &ChatRequest) -> CountedReply {
         let digest = request.digest();
         let mut answers = self.answers.lock().unwrap_or_else(PoisonError::into_inner);
         match answers.get_mut(&digest).and_then(VecDeque::pop_front) {
-            Some((Outcome::Reply(reply), used)) => (Ok(reply), used),
-            Some((Outcome::Error(error), used)) => (Err(error), used),
-            None => {
-                let used = ModelUse { calls: 1, failed: 1, ..ModelUse::default() };
-                (Err(ChatError::NotRecorded { digest }), used)
-            }
+            Some(counted) => counted,
+            None => CountedReply::of_one_call(Err(ChatError::NotRecorded { digest })),
         }
     }
 }
@@ -217,7 +231,7 @@ impl ChatModel for Named {
         self.replay.chat(request)
     }
 
-    fn chat_counted(&self, request: &ChatRequest) -> (Result<ChatReply, ChatError>, ModelUse) {
+    fn chat_counted(&self, request: &ChatRequest) -> CountedReply {
         self.replay.chat_counted(request)
     }
 }

@@ -13,16 +13,15 @@ use rig_core::http_client::{self, HttpClientExt, LazyBody, MultipartForm, Stream
 use serde_json::Value;
 use ureq::Agent;
 
+use crate::address::is_loopback;
 use crate::chat::ChatError;
+use crate::provider::KeyHeader;
+use crate::quote::quote;
 use crate::secret::Secret;
-use crate::spec::is_this_machine;
-
-/// Characters of a server's complaint that an error quotes.
-const QUOTED: usize = 300;
 
 /// Bounds of a call.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Bounds {
+pub(crate) struct Bounds {
     /// The longest that one try may take, from the connection to the last byte.
     pub timeout: Duration,
     /// Further tries after the first; none is begun when the time-out has passed since the first began.
@@ -51,9 +50,7 @@ impl Default for Bounds {
 #[derive(Debug, Clone)]
 pub(crate) struct Credential {
     pub key: Secret,
-    pub header: &'static str,
-    /// What stands before the key.
-    pub scheme: &'static str,
+    pub header: KeyHeader,
 }
 
 /// Sends the requests that a provider's wire makes. Blocks; its futures are ready when they are first polled.
@@ -88,18 +85,16 @@ impl Transport {
             .max_redirects(0)
             .max_redirects_will_error(false)
             .http_status_as_error(false);
-        let config = if is_this_machine(base) { config.proxy(None) } else { config };
+        let config = if is_loopback(base) { config.proxy(None) } else { config };
         Self { agent: config.build().new_agent(), credential: credential.map(Arc::new), bounds }
-    }
-
-    #[cfg(test)]
-    pub(crate) fn has_key(&self) -> bool {
-        self.credential.is_some()
     }
 
     /// `text` without the key.
     pub(crate) fn blot_out(&self, text: &str) -> String {
-        self.credential.as_ref().map_or_else(|| text.to_owned(), |credential| credential.key.blot_out(text))
+        match &self.credential {
+            Some(credential) => credential.key.blot_out(text),
+            None => text.to_owned(),
+        }
     }
 
     /// Sends until an answer of status 200 is there, or no further try is worth it.
@@ -127,14 +122,13 @@ impl Transport {
             request = request.header(name, value);
         }
         if let Some(credential) = &self.credential {
-            let value = format!("{}{}", credential.scheme, credential.key.expose());
-            request = request.header(credential.header, value);
+            let value = format!("{}{}", credential.header.scheme, credential.key.expose());
+            request = request.header(credential.header.name, value);
         }
         let endpoint = &outgoing.endpoint;
         let mut response = request.send(&outgoing.body[..]).map_err(|error| self.broken(endpoint, &error))?;
         let status = response.status().as_u16();
-        let wait = response.headers().get(header::RETRY_AFTER);
-        let wait = wait.and_then(|value| value.to_str().ok()?.trim().parse().ok()).map(Duration::from_secs);
+        let wait = retry_after(response.headers());
         let text = self.read(endpoint, response.body_mut())?;
         if status != 200 {
             let passing = status == 429 || status >= 500;
@@ -171,8 +165,10 @@ impl Transport {
     /// What OpenAI, Anthropic and Gemini complain about stands at the same place.
     fn status(&self, endpoint: &str, code: u16, text: &str) -> ChatError {
         let value: Value = serde_json::from_str(text).unwrap_or_default();
-        let said =
-            value["error"]["message"].as_str().map_or_else(|| text.to_owned(), |said| self.blot_out(said));
+        let said = match value["error"]["message"].as_str() {
+            Some(said) => self.blot_out(said),
+            None => text.to_owned(),
+        };
         ChatError::Status { endpoint: endpoint.to_owned(), code, detail: quote(&said) }
     }
 }
@@ -235,6 +231,12 @@ fn unused() -> http_client::Error {
     http_client::Error::instance(ChatError::BadRequest { endpoint: String::new(), detail })
 }
 
+/// How long a server asks to wait, where it says so in seconds.
+fn retry_after(headers: &HeaderMap) -> Option<Duration> {
+    let value = headers.get(header::RETRY_AFTER)?.to_str().ok()?;
+    value.trim().parse().ok().map(Duration::from_secs)
+}
+
 fn is_timeout(error: &ureq::Error) -> bool {
     match error {
         ureq::Error::Timeout(_) => true,
@@ -246,7 +248,18 @@ fn is_timeout(error: &ureq::Error) -> bool {
     }
 }
 
-/// The beginning of a foreign text, on one line.
-pub(crate) fn quote(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { ' ' } else { c }).take(QUOTED).collect()
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn waits_in_seconds_are_heard_and_dates_are_not() {
+        let asked = |text: &'static str| {
+            let value = http::HeaderValue::from_static(text);
+            retry_after(&HeaderMap::from_iter([(header::RETRY_AFTER, value)]))
+        };
+        assert_eq!(asked(" 7 "), Some(Duration::from_secs(7)));
+        assert_eq!(asked("Wed, 21 Oct 2015 07:28:00 GMT"), None);
+        assert_eq!(retry_after(&HeaderMap::new()), None);
+    }
 }

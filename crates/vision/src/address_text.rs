@@ -13,6 +13,12 @@ const WORDS: [&str; 8] = ["unit", "apartment", "apt", "number", "no", "flat", "s
 const WORDS_BEHIND: [&str; 4] = ["单元", "單元", "号", "门"];
 /// Longer numbers are telephone numbers or years, not units.
 const MAX_DIGITS: usize = 4;
+/// What a number without a word for "unit" counts.
+const BARE_NUMBER_SCORE: f32 = 0.6;
+/// What a letter counts that stands for a digit which looks like it.
+const LOOK_ALIKE_SCORE: f32 = 0.9;
+/// What a word counts that is wrong in one letter.
+const MISSPELT_WORD_SCORE: f32 = 0.7;
 
 /// What a plate says about its unit.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,12 +53,12 @@ fn after_word(text: &str) -> Option<UnitText> {
     for word in WORDS {
         for length in word.chars().count().saturating_sub(1).max(2)..=(word.len() + 1).min(letters.len()) {
             let Some(word_score) = likeness(&letters[..length], word) else { continue };
-            let Some((unit, score)) = number(&letters[length..]) else { continue };
+            let Some(number) = number(&letters[length..]) else { continue };
             // A wrong word before a wrong number may be anything: UNTI is UNIT as well as UNIT 1.
-            if word_score < 1.0 && score < 1.0 {
+            if word_score < 1.0 && number.score < 1.0 {
                 continue;
             }
-            let found = UnitText { unit, score: word_score * score, worded: true };
+            let found = UnitText { score: word_score * number.score, ..number };
             if best.as_ref().is_none_or(|best| found.score > best.score) {
                 best = Some(found);
             }
@@ -65,40 +71,46 @@ fn after_word(text: &str) -> Option<UnitText> {
 fn before_word(text: &str) -> Option<UnitText> {
     let head = WORDS_BEHIND.iter().find_map(|word| text.strip_suffix(word))?;
     let letters: Vec<char> = head.chars().map(western_digit).collect();
-    number(&letters).map(|(unit, score)| UnitText { unit, score, worded: true })
+    number(&letters)
 }
 
 /// "12", with at least one true digit, for a lone "I" or "O" may be anything.
 fn bare(text: &str) -> Option<UnitText> {
     let letters: Vec<char> = text.chars().collect();
     let has_digit = letters.iter().any(char::is_ascii_digit);
-    number(&letters).filter(|_| has_digit).map(|(unit, score)| UnitText {
-        unit,
-        score: 0.6 * score,
-        worded: false,
-    })
+    let number = number(&letters).filter(|_| has_digit)?;
+    Some(UnitText { score: BARE_NUMBER_SCORE * number.score, worded: false, ..number })
 }
 
-/// The whole of `letters` as a number and how literal it is.
-fn number(letters: &[char]) -> Option<(String, f32)> {
+/// The whole of `letters` as a number beside a word for "unit".
+fn number(letters: &[char]) -> Option<UnitText> {
     if letters.is_empty() || letters.len() > MAX_DIGITS {
         return None;
     }
     let (mut value, mut score) = (0_u32, 1.0);
     for &letter in letters {
-        let (digit, literal) = digit(letter)?;
-        value = 10 * value + digit;
-        score *= literal;
+        let digit = Digit::of(letter)?;
+        value = 10 * value + digit.value;
+        score *= digit.score;
     }
-    (value > 0).then(|| (format!("unit{value}"), score))
+    (value > 0).then(|| UnitText { unit: format!("unit{value}"), score, worded: true })
 }
 
-fn digit(letter: char) -> Option<(u32, f32)> {
-    match letter {
-        '0'..='9' => letter.to_digit(10).map(|digit| (digit, 1.0)),
-        'i' | 'l' | '|' | '!' | '工' => Some((1, 0.9)),
-        'o' => Some((0, 0.9)),
-        _ => None,
+/// What a letter counts for where a digit must stand.
+struct Digit {
+    value: u32,
+    /// 1 for a digit, less for a letter that readers confuse with one.
+    score: f32,
+}
+
+impl Digit {
+    fn of(letter: char) -> Option<Self> {
+        match letter {
+            '0'..='9' => Some(Self { value: letter.to_digit(10)?, score: 1.0 }),
+            'i' | 'l' | '|' | '!' | '工' => Some(Self { value: 1, score: LOOK_ALIKE_SCORE }),
+            'o' => Some(Self { value: 0, score: LOOK_ALIKE_SCORE }),
+            _ => None,
+        }
     }
 }
 
@@ -113,21 +125,34 @@ fn western_digit(letter: char) -> char {
 /// 1 for the word itself, also with look-alike letters; 0.7 for one other mistake in a word of four letters or more; `None` for more.
 fn likeness(letters: &[char], word: &str) -> Option<f32> {
     let word: Vec<char> = word.chars().collect();
-    let same = |a: char, b: char| a == b || look_alike(a) == look_alike(b);
     if letters.len() == word.len() {
-        let wrong = letters.iter().zip(&word).filter(|(a, b)| !same(**a, **b)).count();
+        let wrong = letters.iter().zip(&word).filter(|(a, b)| !is_same(**a, **b)).count();
         return score_of(wrong, word.len());
     }
-    let (long, short) = if letters.len() > word.len() { (letters, &word[..]) } else { (&word[..], letters) };
-    let without = |skip: usize| long.iter().enumerate().filter(move |(i, _)| *i != skip).map(|(_, c)| *c);
-    let one_more = (0..long.len()).any(|skip| without(skip).zip(short).all(|(a, b)| same(a, *b)));
+    let one_more = if letters.len() > word.len() {
+        is_with_one_more(letters, &word)
+    } else {
+        is_with_one_more(&word, letters)
+    };
     if one_more { score_of(1, word.len()) } else { None }
+}
+
+/// Whether leaving out one letter of `long` makes it begin as `short` does.
+fn is_with_one_more(long: &[char], short: &[char]) -> bool {
+    (0..long.len()).any(|skip| {
+        let rest = long[..skip].iter().chain(&long[skip + 1..]);
+        rest.zip(short).all(|(a, b)| is_same(*a, *b))
+    })
+}
+
+fn is_same(a: char, b: char) -> bool {
+    a == b || look_alike(a) == look_alike(b)
 }
 
 fn score_of(mistakes: usize, word_length: usize) -> Option<f32> {
     match mistakes {
         0 => Some(1.0),
-        1 if word_length >= 4 => Some(0.7),
+        1 if word_length >= 4 => Some(MISSPELT_WORD_SCORE),
         _ => None,
     }
 }

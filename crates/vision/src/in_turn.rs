@@ -2,7 +2,8 @@
 
 use openbench_core::Image;
 
-use crate::reader::{PlateReader, PlateReading, ReaderError};
+use crate::error::ReaderError;
+use crate::reader::{PlateReader, PlateReading};
 
 /// A reader that failed so often on end is not asked again: it costs its time-out each time.
 const PATIENCE: u32 = 3;
@@ -12,15 +13,21 @@ const PATIENCE: u32 = 3;
 /// Unlike other readers it may read an image otherwise the second time, since who fails three times on end is left out from then on.
 pub struct InTurn {
     name: String,
-    /// Each with the number of times on end that it failed.
-    readers: Vec<(Box<dyn PlateReader>, u32)>,
+    readers: Vec<Attempted>,
+}
+
+/// A reader, and how often on end it failed.
+struct Attempted {
+    reader: Box<dyn PlateReader>,
+    failures: u32,
 }
 
 impl InTurn {
     /// Asks `first`, then each of `others`.
     pub fn new(first: Box<dyn PlateReader>, others: Vec<Box<dyn PlateReader>>) -> Self {
-        let readers: Vec<_> = std::iter::once(first).chain(others).map(|reader| (reader, 0)).collect();
-        let names: Vec<&str> = readers.iter().map(|(reader, _)| reader.name()).collect();
+        let readers: Vec<_> =
+            std::iter::once(first).chain(others).map(|reader| Attempted { reader, failures: 0 }).collect();
+        let names: Vec<&str> = readers.iter().map(|attempted| attempted.reader.name()).collect();
         Self { name: names.join(", else "), readers }
     }
 }
@@ -32,18 +39,17 @@ impl PlateReader for InTurn {
 
     fn read(&mut self, image: &Image) -> Result<Vec<PlateReading>, ReaderError> {
         let last = self.readers.len() - 1;
-        for (index, (reader, failures)) in self.readers.iter_mut().enumerate() {
-            if *failures >= PATIENCE && index < last {
+        for (index, attempted) in self.readers.iter_mut().enumerate() {
+            if attempted.failures >= PATIENCE && index < last {
                 continue;
             }
-            match reader.read(image) {
+            match attempted.reader.read(image) {
                 Ok(readings) => {
-                    *failures = 0;
+                    attempted.failures = 0;
                     return Ok(readings);
                 }
-                Err(error @ ReaderError::BadImage { .. }) => return Err(error),
-                Err(error) if index == last => return Err(error),
-                Err(_) => *failures += 1,
+                Err(error) if error.is_about_image() || index == last => return Err(error),
+                Err(_) => attempted.failures += 1,
             }
         }
         // The last reader answers or its error is returned.
@@ -70,7 +76,7 @@ mod tests {
 
         fn read(&mut self, _: &Image) -> Result<Vec<PlateReading>, ReaderError> {
             if self.1.contains(&self.2.fetch_add(1, Ordering::SeqCst)) {
-                return Err(ReaderError::Inference { stage: "detection", detail: self.0.to_owned() });
+                return Err(ReaderError::Inference { stage: "detection", source: self.0.into() });
             }
             let text = self.0.to_owned();
             Ok(vec![PlateReading { text, confidence: 1.0, corners: [[0.0; 2]; 4] }])

@@ -1,9 +1,10 @@
 //! The contract with a plate reader: an image in, the texts on it out.
 
-use std::path::PathBuf;
+use std::cmp::Ordering;
 
 use openbench_core::Image;
-use openbench_models::ChatError;
+
+use crate::error::ReaderError;
 
 /// The longest side of an image that readers accept, pixels. It bounds their memory.
 pub const MAX_SIDE: u32 = 8192;
@@ -47,48 +48,13 @@ pub struct PlateReading {
 impl PlateReading {
     /// The mean of the corners, pixels.
     pub fn centre(&self) -> [f32; 2] {
-        let sum =
-            self.corners.iter().fold([0.0, 0.0], |sum, corner| [sum[0] + corner[0], sum[1] + corner[1]]);
+        let mut sum = [0.0, 0.0];
+        for [x, y] in self.corners {
+            sum[0] += x;
+            sum[1] += y;
+        }
         [sum[0] / 4.0, sum[1] / 4.0]
     }
-}
-
-/// Why an image could not be read. An image without text is no error.
-#[derive(Debug, thiserror::Error)]
-pub enum ReaderError {
-    /// The image is empty, too large, or its bytes do not fit its size.
-    #[error("not an image: {detail}")]
-    BadImage {
-        /// What does not fit.
-        detail: String,
-    },
-    /// A model file is missing, broken, or of another kind than expected.
-    #[error("cannot use the model file {}: {detail}; pull it again with `openbench models pull`", file.display())]
-    Model {
-        /// The file.
-        file: PathBuf,
-        /// What is wrong with it.
-        detail: String,
-    },
-    /// The network failed on this image.
-    #[error("text {stage} failed: {detail}")]
-    Inference {
-        /// `detection` or `recognition`.
-        stage: &'static str,
-        /// What the runtime reported.
-        detail: String,
-    },
-    /// The chat model gave no answer.
-    #[error("no reading from the vision-language model: {0}")]
-    Chat(#[from] ChatError),
-    /// The chat model's answer is not the list of plates that was asked for.
-    #[error("{model} did not answer with a list of plates: {detail}")]
-    BadAnswer {
-        /// The model's name.
-        model: String,
-        /// What is wrong with the answer.
-        detail: String,
-    },
 }
 
 /// Whether the image is one: not empty, no side longer than [`MAX_SIDE`], three bytes a pixel.
@@ -109,11 +75,13 @@ pub(crate) fn check_image(image: &Image) -> Result<(), ReaderError> {
 
 /// Falling confidence; equal ones from left to right, then from top to bottom.
 pub(crate) fn sort_readings(readings: &mut [PlateReading]) {
-    readings.sort_by(|a, b| {
-        let places = || a.corners.as_flattened().iter().zip(b.corners.as_flattened());
-        let by_place = || places().map(|(x, y)| x.total_cmp(y)).find(|order| order.is_ne());
-        b.confidence.total_cmp(&a.confidence).then_with(|| by_place().unwrap_or(std::cmp::Ordering::Equal))
-    });
+    readings
+        .sort_by(|a, b| b.confidence.total_cmp(&a.confidence).then_with(|| by_place(&a.corners, &b.corners)));
+}
+
+fn by_place(a: &[[f32; 2]; 4], b: &[[f32; 2]; 4]) -> Ordering {
+    let pairs = a.as_flattened().iter().zip(b.as_flattened());
+    pairs.map(|(a, b)| a.total_cmp(b)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
 }
 
 #[cfg(test)]

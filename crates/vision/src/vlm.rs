@@ -8,10 +8,12 @@ use std::io::Cursor;
 
 use image::{ImageFormat, RgbImage};
 use openbench_core::Image;
-use openbench_models::{ChatModel, ChatRequest, Message, Schema};
+use openbench_models::{ChatModel, ChatRequest, Message, ModelSpec, Schema};
 use serde_json::{Value, json};
 
-use crate::reader::{PlateReader, PlateReading, ReaderError, check_image, sort_readings};
+use crate::entry::{ReaderContext, ReaderEntry};
+use crate::error::{AnswerError, ReaderError};
+use crate::reader::{PlateReader, PlateReading, check_image, sort_readings};
 
 /// More plates than this are not taken from one answer.
 const MAX_PLATES: usize = 64;
@@ -52,15 +54,23 @@ impl<M: ChatModel> PlateReader for VlmReader<M> {
         let question =
             format!("The image has {} x {} pixels. Which plates do you read?", image.width, image.height);
         let messages = vec![Message::system(ORDERS), Message::user(question).with_image(png(image)?)];
-        let answer = self
-            .model
-            .chat(&ChatRequest { max_tokens: MAX_TOKENS, ..ChatRequest::new(messages) }.as_schema(schema()))?
-            .text;
-        let bad = |detail| ReaderError::BadAnswer { model: self.model.name().to_owned(), detail };
-        let mut readings = plates(&answer, image).map_err(bad)?;
+        let request = ChatRequest { max_tokens: MAX_TOKENS, ..ChatRequest::new(messages) };
+        let answer = self.model.chat(&request.as_schema(schema()))?.text;
+        let mut readings = plates(&answer, image)
+            .map_err(|source| ReaderError::BadAnswer { model: self.model.name().to_owned(), source })?;
         sort_readings(&mut readings);
         Ok(readings)
     }
+}
+
+/// Any vision-language model as a reader that is asked for by the model's name.
+pub fn entry() -> ReaderEntry {
+    let make = |text: &str, context: &mut ReaderContext<'_>| {
+        let model = (context.open_model)(text)?;
+        Ok(Box::new(VlmReader::new(model)) as _)
+    };
+    let description = "a vision-language model: openai:MODEL@URL and the like";
+    ReaderEntry::new("PROVIDER:MODEL", description, make).accepting(|text| ModelSpec::parse(text).is_ok())
 }
 
 /// What an answer looks like.
@@ -81,18 +91,18 @@ fn schema() -> Schema {
 
 /// The image as a PNG file.
 fn png(image: &Image) -> Result<Vec<u8>, ReaderError> {
-    let bad = |detail: String| ReaderError::BadImage { detail };
     let picture = RgbImage::from_raw(image.width, image.height, image.rgb.clone());
-    let picture = picture.ok_or_else(|| bad("its bytes do not fit its size".into()))?;
+    let picture =
+        picture.ok_or_else(|| ReaderError::BadImage { detail: "its bytes do not fit its size".into() })?;
     let mut file = Cursor::new(Vec::new());
-    picture.write_to(&mut file, ImageFormat::Png).map_err(|error| bad(error.to_string()))?;
+    picture.write_to(&mut file, ImageFormat::Png)?;
     Ok(file.into_inner())
 }
 
-fn plates(answer: &str, image: &Image) -> Result<Vec<PlateReading>, String> {
-    let value = json_within(answer).ok_or_else(|| format!("no JSON in `{}`", quote(answer)))?;
+fn plates(answer: &str, image: &Image) -> Result<Vec<PlateReading>, AnswerError> {
+    let value = json_within(answer).ok_or_else(|| AnswerError::NoJson { quoted: quote(answer) })?;
     let list = value.get("plates").unwrap_or(&value);
-    let list = list.as_array().ok_or_else(|| format!("no list of plates in `{}`", quote(answer)))?;
+    let list = list.as_array().ok_or_else(|| AnswerError::NoList { quoted: quote(answer) })?;
     Ok(list.iter().take(MAX_PLATES).filter_map(|plate| reading(plate, image)).collect())
 }
 
@@ -116,15 +126,21 @@ fn reading(plate: &Value, image: &Image) -> Option<PlateReading> {
 
 fn corners(stated: &Value, image: &Image) -> [[f32; 2]; 4] {
     let (width, height) = (image.width as f32, image.height as f32);
-    let side = |index: usize, limit: f32| stated[index].as_f64().map(|side| (side as f32).clamp(0.0, limit));
-    let sides = (side(0, width), side(1, height), side(2, width), side(3, height));
-    let [left, top, right, bottom] = match sides {
-        (Some(left), Some(top), Some(right), Some(bottom)) if left < right && top < bottom => {
-            [left, top, right, bottom]
-        }
-        _ => [0.0, 0.0, width, height],
-    };
+    let [left, top, right, bottom] = sides(stated, width, height).unwrap_or([0.0, 0.0, width, height]);
     [[left, top], [right, top], [right, bottom], [left, bottom]]
+}
+
+/// Left, top, right and bottom of a box, cut at the image's border; `None` if it has no extent.
+fn sides(stated: &Value, width: f32, height: f32) -> Option<[f32; 4]> {
+    let left = side(&stated[0], width)?;
+    let top = side(&stated[1], height)?;
+    let right = side(&stated[2], width)?;
+    let bottom = side(&stated[3], height)?;
+    (left < right && top < bottom).then_some([left, top, right, bottom])
+}
+
+fn side(stated: &Value, limit: f32) -> Option<f32> {
+    stated.as_f64().map(|side| (side as f32).clamp(0.0, limit))
 }
 
 fn quote(answer: &str) -> String {
@@ -142,7 +158,7 @@ mod tests {
         Image { stamp: SimTime::default(), width: 8, height: 4, rgb: vec![7; 96] }
     }
 
-    fn read(answer: &str) -> Result<Vec<PlateReading>, String> {
+    fn read(answer: &str) -> Result<Vec<PlateReading>, AnswerError> {
         plates(answer, &image())
     }
 

@@ -1,30 +1,26 @@
 //! The parts that OPEN can be made of, by name. A new part is one file and one line here; a part
 //! from elsewhere is added to a [`Catalogue`] from outside.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use openbench_core::{Registry, RobotDescription, UnknownName};
 use openbench_language::{ChatPlanner, GrammarPlanner, Planner};
 use openbench_localization::fixes::Gnss;
 use openbench_localization::{DeadReckoning, Fused, LidarInertial};
-use openbench_models::{ModelSpec, ModelStore};
 use openbench_motion::{Follower, LocalPlanner, Mppi, Teb};
 use openbench_osm::OsmData;
-use openbench_vision::{InTurn, PlateReader, PpOcr, VlmReader};
+use openbench_vision::{PlateReader, ReaderContext, ReaderRegistry};
 
 use super::models::Models;
-use super::parts::{
-    LocalizerPart, MakeFixes, MakeLocalPlanner, MakeLocalizer, MakeReader, PartError, Parts, ReadFixes,
-    ReaderPart,
-};
-use super::settings::{self, DEFAULT_READER, Settings, SettingsError};
+use super::parts::{LocalizerPart, MakeFixes, MakeLocalPlanner, MakeLocalizer, PartError, Parts, ReadFixes};
+use super::settings::{self, Settings, SettingsError};
 
 /// The parts that OPEN can be made of.
 #[derive(Clone)]
 #[non_exhaustive]
 pub struct Catalogue {
-    /// Plate readers, beside vision models.
-    pub readers: Registry<ReaderPart>,
+    /// Plate readers.
+    pub readers: ReaderRegistry,
     /// Localizers.
     pub localizers: Registry<LocalizerPart>,
     /// Sources of fixes: where the robot is in `map`.
@@ -36,20 +32,12 @@ pub struct Catalogue {
 impl Default for Catalogue {
     fn default() -> Self {
         Self {
-            readers: readers(),
+            readers: ReaderRegistry::default(),
             localizers: localizers(),
             fixes: fixes(),
             local_planners: local_planners(),
         }
     }
-}
-
-fn readers() -> Registry<ReaderPart> {
-    Registry::new("plate reader").with(
-        DEFAULT_READER,
-        "PP-OCRv4 text detection and recognition on the CPU",
-        ReaderPart { make: shared_ppocr(), files: Some(DEFAULT_READER) },
-    )
 }
 
 fn localizers() -> Registry<LocalizerPart> {
@@ -95,24 +83,6 @@ fn follower(robot: &RobotDescription) -> Result<Box<dyn LocalPlanner>, PartError
 
 fn mppi(robot: &RobotDescription) -> Result<Box<dyn LocalPlanner>, PartError> {
     Ok(Box::new(Mppi::new(robot, settings::MPPI_SEED)?))
-}
-
-/// Loads the networks of PP-OCR with the first reader; all readers share them.
-fn shared_ppocr() -> Arc<MakeReader> {
-    let networks: Mutex<Option<PpOcr>> = Mutex::new(None);
-    Arc::new(move || {
-        let mut loaded = networks.lock().unwrap_or_else(PoisonError::into_inner);
-        if loaded.is_none() {
-            *loaded = Some(load_ppocr()?);
-        }
-        let shared = loaded.as_ref().ok_or("the networks are not loaded")?;
-        Ok(Box::new(shared.clone()))
-    })
-}
-
-fn load_ppocr() -> Result<PpOcr, PartError> {
-    let store = ModelStore::from_environment()?;
-    Ok(PpOcr::from_store(&store)?.with_settings(settings::ocr()))
 }
 
 /// A robot without a receiver gets no fixes from it.
@@ -177,52 +147,12 @@ impl Catalogue {
         found.cloned().map_err(|source| unknown_part("motion", name, source))
     }
 
-    /// The names and model specs of which the setting `reader` is a list.
-    ///
-    /// A comma separates two only before the beginning of one, since names and files may hold
-    /// commas. The list is never empty.
-    pub fn reader_words<'w>(&self, words: &'w str) -> Vec<&'w str> {
-        let mut list = Vec::new();
-        let mut start = 0;
-        for (at, _) in words.match_indices(',') {
-            if self.begins_a_reader(&words[at + 1..]) {
-                list.push(words[start..at].trim());
-                start = at + 1;
-            }
-        }
-        list.push(words[start..].trim());
-        list
-    }
-
-    fn begins_a_reader(&self, text: &str) -> bool {
-        let text = text.trim_start();
-        self.readers.names().any(|name| text.starts_with(name)) || ModelSpec::parse(text).is_ok()
-    }
-
-    /// The sets of model files that the setting `reader` needs.
-    pub fn files_of_readers(&self, words: &str) -> Vec<&'static str> {
-        let words = self.reader_words(words).into_iter();
-        words.filter_map(|word| self.readers.get(word).ok()?.files).collect()
-    }
-
-    fn reader(&self, words: &str, models: &mut Models) -> Result<Box<dyn PlateReader>, SettingsError> {
-        let mut readers = Vec::new();
-        for word in self.reader_words(words) {
-            readers.push(self.one_reader(word, models)?);
-        }
-        let first = readers.remove(0);
-        Ok(if readers.is_empty() { first } else { Box::new(InTurn::new(first, readers)) })
-    }
-
-    fn one_reader(&self, word: &str, models: &mut Models) -> Result<Box<dyn PlateReader>, SettingsError> {
-        match self.readers.get(word) {
-            Ok(part) => (part.make)().map_err(|error| part_error("reader", word, error)),
-            Err(unknown) if ModelSpec::parse(word).is_err() => Err(unknown_part("reader", word, unknown)),
-            Err(_) => {
-                let model = models.open(word).map_err(|error| part_error("reader", word, error))?;
-                Ok(Box::new(VlmReader::new(model)))
-            }
-        }
+    /// The plate readers that the setting `reader` lists.
+    fn reader(&self, list: &str, models: &mut Models) -> Result<Box<dyn PlateReader>, SettingsError> {
+        let mut open = |word: &str| models.open(word).map_err(PartError::from);
+        let mut context = ReaderContext::new(&mut open).with_settings(settings::reading());
+        let made = self.readers.make(list, &mut context);
+        made.map_err(|error| part_error("reader", list, error))
     }
 
     fn localizer(&self, settings: &Settings) -> Result<MakeLocalizer, SettingsError> {
@@ -276,15 +206,6 @@ mod tests {
     }
 
     #[test]
-    fn commas_within_names_do_not_separate_readers() {
-        let catalogue = Catalogue::default();
-        let words = "ppocr-v4, openai:a,b@http://x/v1,replay:c,d.jsonl";
-        let expected = ["ppocr-v4", "openai:a,b@http://x/v1", "replay:c,d.jsonl"];
-        assert_eq!(catalogue.reader_words(words), expected);
-        assert_eq!(catalogue.files_of_readers(words), ["ppocr-v4"]);
-    }
-
-    #[test]
     fn a_name_that_is_not_registered_is_answered_with_those_that_are() {
         let catalogue = Catalogue::default();
         let error = catalogue.local_planner("pure-pursuit").err().unwrap();
@@ -306,6 +227,6 @@ mod tests {
         let Err(error) = assemble(Settings { reader: "eyes".into(), ..settings() }) else {
             panic!("accepted")
         };
-        assert!(matches!(error, SettingsError::UnknownPart { key: "reader", .. }), "{error}");
+        assert!(matches!(error, SettingsError::Part { key: "reader", .. }), "{error}");
     }
 }

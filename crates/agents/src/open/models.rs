@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use openbench_models::{
-    Budget, ChatModel, Exchanges, Meter, Metered, ModelSpec, Recorder, Replay, ReplayError, SpecError,
+    Budget, ChatModel, Exchanges, Meter, Metered, ModelSpec, OpenError, Recorder, Replay, ReplayError,
+    SpecError,
 };
 
 /// Opens the models that a mission asks.
@@ -27,6 +28,9 @@ pub enum ModelsError {
     /// The text names no usable model.
     #[error(transparent)]
     Spec(#[from] SpecError),
+    /// The model cannot be opened.
+    #[error(transparent)]
+    Open(#[from] OpenError),
     /// The recording cannot be replayed.
     #[error(transparent)]
     Replay(#[from] ReplayError),

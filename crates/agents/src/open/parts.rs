@@ -14,8 +14,6 @@ use openbench_vision::PlateReader;
 
 /// Why a part cannot be made.
 pub type PartError = Box<dyn Error + Send + Sync>;
-/// Makes a plate reader.
-pub type MakeReader = dyn Fn() -> Result<Box<dyn PlateReader>, PartError> + Send + Sync;
 /// Makes a local planner for a robot.
 pub type MakeLocalPlanner =
     dyn Fn(&RobotDescription) -> Result<Box<dyn LocalPlanner>, PartError> + Send + Sync;
@@ -26,15 +24,6 @@ pub type ReadFixes = dyn Fn(&str) -> Result<MakeFixes, PartError> + Send + Sync;
 pub type MakeFixes = Box<dyn Fn(&RobotDescription) -> Vec<Box<dyn FixSource>>>;
 /// The sources of fixes of a localizer.
 pub type Fixes = Vec<Box<dyn FixSource>>;
-
-/// A registered plate reader.
-#[derive(Clone)]
-pub struct ReaderPart {
-    /// Makes it.
-    pub make: Arc<MakeReader>,
-    /// The files that it needs, as [`ModelStore::ensure`](openbench_models::ModelStore::ensure) names them.
-    pub files: Option<&'static str>,
-}
 
 /// Makes a localizer of a robot, without fixes.
 pub type MakeOdometry = dyn Fn(&RobotDescription) -> Box<dyn Localizer> + Send + Sync;

@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 use std::error::Error;
 
 use openbench_core::UnknownName;
-use openbench_models::Budget;
+use openbench_models::{Budget, BudgetError};
 use openbench_motion::TebSettings;
 use openbench_motion::costmap::ground::Preferences;
 use openbench_motion::teb::settings::Margins;
-use openbench_vision::PpOcrSettings;
+use openbench_vision::ReaderSettings;
 
 /// The keys of [`Settings`].
 const KEYS: [&str; 8] = ["planner", "reader", "localizer", "fixes", "motion", "ground", "budget", "thinking"];
@@ -164,7 +164,7 @@ fn thinking(value: &str) -> Result<bool, SettingsError> {
 }
 
 fn budget(value: &str) -> Result<Budget, SettingsError> {
-    value.parse().map_err(|error: String| SettingsError::Part {
+    value.parse().map_err(|error: BudgetError| SettingsError::Part {
         key: "budget",
         value: value.to_owned(),
         source: error.into(),
@@ -206,9 +206,9 @@ pub fn teb() -> TebSettings {
     settings
 }
 
-/// The settings of OPEN's text recognition.
-pub fn ocr() -> PpOcrSettings {
-    PpOcrSettings { upper_part: IMAGE_PART_ABOVE_HORIZON, ..PpOcrSettings::default() }
+/// The settings of OPEN's plate readers.
+pub fn reading() -> ReaderSettings {
+    ReaderSettings::default().with_upper_part(IMAGE_PART_ABOVE_HORIZON)
 }
 
 #[cfg(test)]

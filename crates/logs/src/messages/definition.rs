@@ -22,8 +22,11 @@ impl Definition {
         let mut parts = Vec::new();
         self.collect_parts(&mut parts);
         let line = "=".repeat(80);
-        let describe = |part: &&Self| format!("{line}\nMSG: {}\n{}", part.name, part.fields);
-        std::iter::once(self.fields.to_owned()).chain(parts.iter().map(describe)).collect()
+        let mut text = self.fields.to_owned();
+        for part in parts {
+            text += &format!("{line}\nMSG: {}\n{}", part.name, part.fields);
+        }
+        text
     }
 
     fn collect_parts(&self, parts: &mut Vec<&'static Self>) {

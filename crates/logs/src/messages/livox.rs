@@ -36,14 +36,26 @@ pub struct CustomMsg {
 impl CustomMsg {
     /// The scan. Points that are not finite are left out, and so are those at the origin: rays that met nothing.
     pub fn to_scan(&self) -> LidarScan {
-        let met = |point: &&CustomPoint| point.xyz.iter().all(|x| x.is_finite()) && point.xyz != [0.0; 3];
-        let points = self.points.iter().filter(met).map(|point| LidarPoint {
+        let points = self.points.iter().filter(|point| point.is_return()).map(LidarPoint::from);
+        LidarScan { stamp: self.header.stamp, points: points.collect() }
+    }
+}
+
+impl CustomPoint {
+    /// Whether the ray met something.
+    fn is_return(&self) -> bool {
+        self.xyz.iter().all(|x| x.is_finite()) && self.xyz != [0.0; 3]
+    }
+}
+
+impl From<&CustomPoint> for LidarPoint {
+    fn from(point: &CustomPoint) -> Self {
+        Self {
             xyz: point.xyz,
             offset_ns: point.offset_time,
             reflectivity: point.reflectivity,
             line: point.line,
-        });
-        LidarScan { stamp: self.header.stamp, points: points.collect() }
+        }
     }
 }
 

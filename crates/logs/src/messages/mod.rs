@@ -4,6 +4,7 @@
 //! carries that definition, so that a log explains itself. Definitions are the fields of the standard messages alone,
 //! without their comments.
 
+mod cloud_scan;
 mod definition;
 mod geometry;
 mod livox;
@@ -15,12 +16,13 @@ mod standard;
 
 use crate::cdr::{CdrError, CdrReader, CdrWriter};
 
+pub use cloud_scan::CloudError;
 pub use definition::Definition;
 pub use geometry::{Pose, PoseArray, PoseStamped, TfMessage, TransformStamped, Twist, TwistStamped};
 pub use livox::{CustomMsg, CustomPoint};
 pub use nav::{Odometry, Path};
 pub use nav_sat::NavSatFix;
-pub use point_cloud::{CloudError, PointCloud2, PointField};
+pub use point_cloud::{PointCloud2, PointField};
 pub use sensors::{CompressedImage, Imu, JointState};
 pub use standard::{Header, StringMessage, Time};
 

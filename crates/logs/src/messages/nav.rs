@@ -84,12 +84,11 @@ impl Path {
     pub fn over(header: Header, points: &[MapPoint]) -> Self {
         let legs = points.windows(2).map(|leg| leg[0].bearing_to(leg[1]));
         let last = points.len().checked_sub(2).map_or(0.0, |i| points[i].bearing_to(points[i + 1]));
-        let stamped = |(point, yaw): (&MapPoint, f64)| PoseStamped {
+        let poses = points.iter().zip(legs.chain([last])).map(|(point, yaw)| PoseStamped {
             header: header.clone(),
             pose: Pose2::new(point.x, point.y, yaw).into(),
-        };
-        let poses = points.iter().zip(legs.chain([last])).map(stamped).collect();
-        Self { header, poses }
+        });
+        Self { poses: poses.collect(), header }
     }
 
     /// The points of the path on the ground.

@@ -29,9 +29,7 @@ pub struct NavSatFix {
 impl NavSatFix {
     /// The message of a fix whose place on the Earth is `position`.
     pub fn new(fix: &GnssFix, position: LonLat) -> Self {
-        let [east, north, up] = fix.covariance;
-        let row = |r: [f64; 3], i: usize| r[i % 3];
-        let position_covariance = std::array::from_fn(|i| row([east, north, up][i / 3], i));
+        let position_covariance = std::array::from_fn(|i| fix.covariance[i / 3][i % 3]);
         let header = Header::new(fix.stamp, "gnss_link");
         Self { header, position, altitude: fix.position[2], position_covariance }
     }

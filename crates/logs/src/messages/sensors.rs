@@ -116,11 +116,14 @@ impl From<WheelSample> for JointState {
 impl JointState {
     /// The wheel sample, if the message names the left and the right wheels.
     pub fn wheels(&self) -> Option<WheelSample> {
-        let angle = |wanted: &str| {
-            let index = self.name.iter().position(|n| n == wanted)?;
-            self.position.get(index).copied()
-        };
-        Some(WheelSample { stamp: self.header.stamp, left: angle(LEFT_WHEELS)?, right: angle(RIGHT_WHEELS)? })
+        let left = self.angle(LEFT_WHEELS)?;
+        let right = self.angle(RIGHT_WHEELS)?;
+        Some(WheelSample { stamp: self.header.stamp, left, right })
+    }
+
+    fn angle(&self, joint: &str) -> Option<f64> {
+        let index = self.name.iter().position(|name| name == joint)?;
+        self.position.get(index).copied()
     }
 }
 

@@ -69,25 +69,40 @@ fn around(outline: &[Point], map: NdTensorView<f32, 2>, settings: &PpOcrSettings
 struct Band {
     left: f32,
     right: f32,
-    /// Height at the middle, and slope.
-    top: [f32; 2],
-    bottom: [f32; 2],
+    top: Border,
+    bottom: Border,
+}
+
+/// A sloping line above or below a text.
+#[derive(Debug, Clone, Copy)]
+struct Border {
+    /// Its height at the middle of the text.
+    middle: f32,
+    slope: f32,
+}
+
+/// The uppermost and the lowest row of an outline in one column.
+#[derive(Debug, Clone, Copy)]
+struct Column {
+    top: i32,
+    bottom: i32,
 }
 
 impl Band {
     fn around(outline: &[Point]) -> Option<Self> {
         let left = outline.iter().map(|point| point.x).min()?;
         let right = outline.iter().map(|point| point.x).max()?;
-        let mut columns = vec![(i32::MAX, i32::MIN); (right - left) as usize + 1];
+        let mut columns = vec![Column { top: i32::MAX, bottom: i32::MIN }; (right - left) as usize + 1];
         for point in outline {
-            let (top, bottom) = &mut columns[(point.x - left) as usize];
-            (*top, *bottom) = ((*top).min(point.y), (*bottom).max(point.y));
+            let column = &mut columns[(point.x - left) as usize];
+            column.top = column.top.min(point.y);
+            column.bottom = column.bottom.max(point.y);
         }
         // The ends are round; the lines are those of the part between.
         let skip = columns.len() / 8;
         let middle = &columns[skip..columns.len() - skip];
-        let top = line(middle.iter().map(|column| column.0 as f32), middle.len());
-        let bottom = line(middle.iter().map(|column| column.1 as f32 + 1.0), middle.len());
+        let top = line(middle.iter().map(|column| column.top as f32), middle.len());
+        let bottom = line(middle.iter().map(|column| column.bottom as f32 + 1.0), middle.len());
         Some(Self { left: left as f32, right: right as f32 + 1.0, top, bottom })
     }
 
@@ -97,13 +112,13 @@ impl Band {
 
     /// At the middle.
     fn height(&self) -> f32 {
-        self.bottom[0] - self.top[0]
+        self.bottom.middle - self.top.middle
     }
 
     /// Upper and lower border at `x`.
     fn span(&self, x: f32) -> [f32; 2] {
         let from_middle = x - (self.left + self.right) / 2.0;
-        [self.top, self.bottom].map(|[middle, slope]| middle + slope * from_middle)
+        [self.top, self.bottom].map(|border| border.middle + border.slope * from_middle)
     }
 
     fn corners(&self, margin: f32) -> [[f32; 2]; 4] {
@@ -130,8 +145,8 @@ impl Band {
     }
 }
 
-/// The line of least squares through values at 0.5, 1.5, ...: height at the middle, and slope.
-fn line(values: impl Iterator<Item = f32>, count: usize) -> [f32; 2] {
+/// The line of least squares through values at 0.5, 1.5, ...
+fn line(values: impl Iterator<Item = f32>, count: usize) -> Border {
     let middle = count as f32 / 2.0;
     let (mut sum, mut moment, mut spread) = (0.0, 0.0, 0.0);
     for (index, value) in values.enumerate() {
@@ -140,7 +155,7 @@ fn line(values: impl Iterator<Item = f32>, count: usize) -> [f32; 2] {
         moment += x * value;
         spread += x * x;
     }
-    [sum / count as f32, if spread > 0.0 { moment / spread } else { 0.0 }]
+    Border { middle: sum / count as f32, slope: if spread > 0.0 { moment / spread } else { 0.0 } }
 }
 
 #[cfg(test)]

@@ -10,16 +10,18 @@ use super::pixels::bgr_at;
 pub(super) const HEIGHT: usize = 48;
 /// Widths are rounded up to a multiple of this many columns.
 const WIDTH_STEP: usize = 8;
-/// Columns of the widest and the narrowest strip: wider text is squeezed, narrower text is followed by grey.
-const WIDTHS: (usize, usize) = (48, 960);
+/// Columns of the narrowest strip: narrower text is followed by grey.
+const MIN_WIDTH: usize = 48;
+/// Columns of the widest strip: wider text is squeezed.
+const MAX_WIDTH: usize = 960;
 /// Samples along x and y that a strip's pixel is the mean of, at most.
 const MAX_SAMPLES: usize = 4;
 
 /// The strip within `corners` (clockwise from the top left), one picture of 3 channels, 48 rows; values -1 to 1, grey beyond the text.
 pub(super) fn strip(image: &Image, corners: &[[f32; 2]; 4]) -> NdTensor<f32, 4> {
     let (across, down) = (distance(corners[0], corners[1]), distance(corners[0], corners[3]).max(1.0));
-    let text_width = ((HEIGHT as f32 * across / down).round() as usize).clamp(1, WIDTHS.1);
-    let width = text_width.max(WIDTHS.0).next_multiple_of(WIDTH_STEP);
+    let text_width = ((HEIGHT as f32 * across / down).round() as usize).clamp(1, MAX_WIDTH);
+    let width = text_width.max(MIN_WIDTH).next_multiple_of(WIDTH_STEP);
     let samples = ((down / HEIGHT as f32).ceil() as usize).clamp(1, MAX_SAMPLES);
     let mut strip = NdTensor::zeros([1, 3, HEIGHT, width]);
     for row in 0..HEIGHT {
@@ -40,16 +42,20 @@ fn mean_colour(
     text_width: usize,
     samples: usize,
 ) -> [f32; 3] {
-    let offset = |index: usize| (index as f32 + 0.5) / samples as f32;
     let mut sum = [0.0; 3];
     for index in 0..samples * samples {
-        let u = (cell[0] as f32 + offset(index % samples)) / text_width as f32;
-        let v = (cell[1] as f32 + offset(index / samples)) / HEIGHT as f32;
+        let u = (cell[0] as f32 + offset(index % samples, samples)) / text_width as f32;
+        let v = (cell[1] as f32 + offset(index / samples, samples)) / HEIGHT as f32;
         let [x, y] = within(corners, u, v);
         let colour = bgr_at(image, x, y);
         (0..3).for_each(|channel| sum[channel] += colour[channel]);
     }
     sum.map(|total| total / (samples * samples) as f32)
+}
+
+/// Where in a pixel, 0 to 1, one of several samples side by side lies.
+fn offset(index: usize, samples: usize) -> f32 {
+    (index as f32 + 0.5) / samples as f32
 }
 
 /// The point at shares `u` across and `v` down of a box.

@@ -13,8 +13,10 @@ use super::boxes::{self, TextBox};
 use super::network::Network;
 use super::pixels::bgr_at;
 use super::settings::PpOcrSettings;
-use crate::reader::ReaderError;
+use crate::error::ReaderError;
 
+/// What errors call this network's work.
+const STAGE: &str = "detection";
 /// The network halves its input five times, so sides are multiples of this.
 const STRIDE: u32 = 32;
 
@@ -25,7 +27,7 @@ pub(super) struct Detector {
 
 impl Detector {
     pub(super) fn load(file: &Path) -> Result<Self, ReaderError> {
-        Ok(Self { network: Network::load(file, "detection")? })
+        Ok(Self { network: Network::load(file, STAGE)? })
     }
 
     /// Boxes around lines of text in image pixels, the likeliest first.
@@ -39,7 +41,7 @@ impl Detector {
         let map: NdTensor<f32, 4> = self.network.run(view.tensor(image), thread)?;
         if map.shape() != [1, 1, view.rows, view.columns] {
             let detail = format!("a map of {:?} for {} x {} pixels", map.shape(), view.columns, view.rows);
-            return Err(ReaderError::Inference { stage: "detection", detail });
+            return Err(ReaderError::Inference { stage: STAGE, source: detail.into() });
         }
         let found = boxes::in_map(map.slice((0, 0)), settings);
         Ok(found.into_iter().map(|text_box| text_box.scaled(view.scale)).collect())
@@ -59,9 +61,7 @@ impl View {
         let share = if settings.upper_part.is_finite() { settings.upper_part.clamp(0.0, 1.0) } else { 1.0 };
         let (width, height) = (image.width as f32, (image.height as f32 * share).max(1.0));
         let shrink = (settings.detection_side.max(STRIDE) as f32 / width.max(height)).min(1.0);
-        let side =
-            |length: f32| (((length * shrink / STRIDE as f32).round() as u32).max(1) * STRIDE) as usize;
-        let (columns, rows) = (side(width), side(height));
+        let (columns, rows) = (network_side(width, shrink), network_side(height, shrink));
         Self { columns, rows, scale: [width / columns as f32, height / rows as f32] }
     }
 
@@ -79,6 +79,12 @@ impl View {
         }
         tensor
     }
+}
+
+/// A length of the image in pixels of the network: shrunk, and a multiple of its stride.
+fn network_side(length: f32, shrink: f32) -> usize {
+    let strides = (length * shrink / STRIDE as f32).round() as u32;
+    (strides.max(1) * STRIDE) as usize
 }
 
 #[cfg(test)]

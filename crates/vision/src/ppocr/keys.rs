@@ -3,34 +3,38 @@
 
 use std::path::Path;
 
-use crate::reader::ReaderError;
+use crate::error::{Cause, ReaderError};
 
 /// Larger files are no alphabet, bytes.
 const MAX_FILE: u64 = 4 << 20;
 
+/// A text that is no alphabet.
+#[derive(Debug, thiserror::Error)]
+#[error("an alphabet needs the blank and at least one character")]
+pub(super) struct NoAlphabet;
+
 /// Reads an alphabet. Lines may be a single space; nothing is trimmed but the line break.
 pub(super) fn read(file: &Path) -> Result<Vec<String>, ReaderError> {
-    let broken = |detail: String| ReaderError::Model { file: file.to_owned(), detail };
-    let size = std::fs::metadata(file).map_err(|error| broken(error.to_string()))?.len();
+    try_read(file).map_err(|source| ReaderError::Model { file: file.to_owned(), source })
+}
+
+fn try_read(file: &Path) -> Result<Vec<String>, Cause> {
+    let size = std::fs::metadata(file)?.len();
     if size > MAX_FILE {
-        return Err(broken(format!("{size} bytes are more than any alphabet has")));
+        return Err(format!("{size} bytes are more than any alphabet has").into());
     }
-    let text = std::fs::read_to_string(file).map_err(|error| broken(error.to_string()))?;
-    let keys: Vec<String> = text.lines().map(str::to_owned).collect();
-    check(keys).map_err(broken)
+    let text = std::fs::read_to_string(file)?;
+    Ok(check(text.lines().map(str::to_owned).collect())?)
 }
 
 /// The alphabet in a network's metadata.
-pub(super) fn from_metadata(characters: &str) -> Result<Vec<String>, String> {
+pub(super) fn from_metadata(characters: &str) -> Result<Vec<String>, NoAlphabet> {
     let characters = characters.trim_end_matches('\n').split('\n');
     check(std::iter::once("blank").chain(characters).chain([" "]).map(str::to_owned).collect())
 }
 
-fn check(keys: Vec<String>) -> Result<Vec<String>, String> {
-    if keys.len() < 2 {
-        return Err("an alphabet needs the blank and at least one character".into());
-    }
-    Ok(keys)
+fn check(keys: Vec<String>) -> Result<Vec<String>, NoAlphabet> {
+    if keys.len() < 2 { Err(NoAlphabet) } else { Ok(keys) }
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@
 mod boxes;
 mod crop;
 mod detect;
+mod entry;
 mod keys;
 mod network;
 mod pixels;
@@ -23,14 +24,15 @@ use std::sync::Arc;
 
 use openbench_core::Image;
 use openbench_models::ModelStore;
-
 use rten::ThreadPool;
 
-use crate::reader::{PlateReader, PlateReading, ReaderError, check_image, sort_readings};
+use crate::error::ReaderError;
+use crate::reader::{PlateReader, PlateReading, check_image, sort_readings};
 use boxes::TextBox;
 use detect::Detector;
-use recognise::Recogniser;
+use recognise::{Line, Recogniser};
 
+pub use entry::entry;
 pub use settings::PpOcrSettings;
 
 /// A [`PlateReader`] with PP-OCR's mobile networks. A clone shares them but has a thread of its own, so that two read at once.
@@ -75,7 +77,7 @@ impl PpOcr {
             return Ok(None);
         }
         let strip = crop::strip(image, &text_box.corners);
-        let (text, confidence) = self.recogniser.read(strip, &self.thread)?;
+        let Line { text, confidence } = self.recogniser.read(strip, &self.thread)?;
         let text = text.trim();
         let legible = !text.is_empty() && confidence >= self.settings.min_confidence;
         Ok(legible.then(|| PlateReading { text: text.into(), confidence, corners: text_box.corners }))

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use rten::{Model, ModelOptions, RunOptions, ThreadPool};
 use rten_tensor::NdTensor;
 
-use crate::reader::ReaderError;
+use crate::error::{Cause, ReaderError};
 
 /// Larger model files are refused before they are read, bytes.
 const MAX_FILE: u64 = 256 << 20;
@@ -20,17 +20,7 @@ pub(super) struct Network {
 impl Network {
     /// Reads an ONNX file. `stage` names the network in errors.
     pub(super) fn load(file: &Path, stage: &'static str) -> Result<Self, ReaderError> {
-        let broken = |detail: String| ReaderError::Model { file: file.to_owned(), detail };
-        let bytes = read_bounded(file).map_err(|error| broken(error.to_string()))?;
-        let mut options = ModelOptions::with_all_ops();
-        let model = options.prepack_weights(true).load(bytes).map_err(|error| broken(error.to_string()))?;
-        if model.input_ids().len() != 1 || model.output_ids().is_empty() {
-            return Err(broken(format!(
-                "{} inputs, {} outputs",
-                model.input_ids().len(),
-                model.output_ids().len()
-            )));
-        }
+        let model = load(file).map_err(|source| ReaderError::Model { file: file.to_owned(), source })?;
         Ok(Self { model, stage })
     }
 
@@ -45,14 +35,31 @@ impl Network {
         input: NdTensor<f32, 4>,
         thread: &Arc<ThreadPool>,
     ) -> Result<NdTensor<f32, N>, ReaderError> {
-        let failed = |detail: String| ReaderError::Inference { stage: self.stage, detail };
+        self.try_run(input, thread).map_err(|source| ReaderError::Inference { stage: self.stage, source })
+    }
+
+    fn try_run<const N: usize>(
+        &self,
+        input: NdTensor<f32, 4>,
+        thread: &Arc<ThreadPool>,
+    ) -> Result<NdTensor<f32, N>, Cause> {
         let inputs = vec![(self.model.input_ids()[0], input.into())];
         let outputs = [self.model.output_ids()[0]];
         let options = RunOptions::default().with_thread_pool(Some(thread.clone()));
-        let [output] =
-            self.model.run_n(inputs, outputs, Some(options)).map_err(|error| failed(error.to_string()))?;
-        output.try_into().map_err(|error: rten::TryFromValueError| failed(error.to_string()))
+        let [output] = self.model.run_n(inputs, outputs, Some(options))?;
+        Ok(output.try_into()?)
     }
+}
+
+fn load(file: &Path) -> Result<Model, Cause> {
+    let bytes = read_bounded(file)?;
+    let mut options = ModelOptions::with_all_ops();
+    let model = options.prepack_weights(true).load(bytes)?;
+    let (inputs, outputs) = (model.input_ids().len(), model.output_ids().len());
+    if inputs != 1 || outputs == 0 {
+        return Err(format!("{inputs} inputs, {outputs} outputs").into());
+    }
+    Ok(model)
 }
 
 fn read_bounded(file: &Path) -> std::io::Result<Vec<u8>> {

@@ -5,25 +5,36 @@ use openbench_core::Image;
 /// Colour at (`x`, `y`), bilinear between pixel centres (which lie at half coordinates); beyond the border, the border's.
 /// Channels are blue, green, red, 0 to 255: the order in which PP-OCR was trained.
 pub(super) fn bgr_at(image: &Image, x: f32, y: f32) -> [f32; 3] {
-    let (column, next_column, fx) = neighbours(x, image.width);
-    let (row, next_row, fy) = neighbours(y, image.height);
-    let pixel = |column: usize, row: usize| {
-        let start = 3 * (row * image.width as usize + column);
-        [2, 1, 0].map(|channel| f32::from(image.rgb[start + channel]))
+    let columns = Neighbours::at(x, image.width);
+    let rows = Neighbours::at(y, image.height);
+    let row_at = |row: usize| {
+        let left = pixel(image, columns.first, row);
+        let right = pixel(image, columns.second, row);
+        mix(left, right, columns.share)
     };
-    let (top, bottom) = (
-        mix(pixel(column, row), pixel(next_column, row), fx),
-        mix(pixel(column, next_row), pixel(next_column, next_row), fx),
-    );
-    mix(top, bottom, fy)
+    mix(row_at(rows.first), row_at(rows.second), rows.share)
 }
 
-/// The two pixels between whose centres `position` lies, and how far it is from the first to the second.
-fn neighbours(position: f32, count: u32) -> (usize, usize, f32) {
-    let last = (count - 1) as f32;
-    let place = (position - 0.5).clamp(0.0, last);
-    let first = place as usize;
-    (first, (first + 1).min(last as usize), place - first as f32)
+fn pixel(image: &Image, column: usize, row: usize) -> [f32; 3] {
+    let start = 3 * (row * image.width as usize + column);
+    [2, 1, 0].map(|channel| f32::from(image.rgb[start + channel]))
+}
+
+/// The two pixels between whose centres a position lies.
+struct Neighbours {
+    first: usize,
+    second: usize,
+    /// How far it is from the first to the second, 0 to 1.
+    share: f32,
+}
+
+impl Neighbours {
+    fn at(position: f32, count: u32) -> Self {
+        let last = (count - 1) as f32;
+        let place = (position - 0.5).clamp(0.0, last);
+        let first = place as usize;
+        Self { first, second: (first + 1).min(last as usize), share: place - first as f32 }
+    }
 }
 
 fn mix(a: [f32; 3], b: [f32; 3], share: f32) -> [f32; 3] {

@@ -9,7 +9,10 @@ use rten_tensor::{NdTensor, NdTensorView};
 
 use super::keys;
 use super::network::Network;
-use crate::reader::ReaderError;
+use crate::error::{Cause, ReaderError};
+
+/// What errors call this network's work.
+const STAGE: &str = "recognition";
 
 /// Reads one line of text.
 pub(super) struct Recogniser {
@@ -19,24 +22,21 @@ pub(super) struct Recogniser {
 
 impl Recogniser {
     pub(super) fn load(file: &Path, keys: Option<&Path>) -> Result<Self, ReaderError> {
-        let network = Network::load(file, "recognition")?;
-        let broken = |detail: String| ReaderError::Model { file: file.to_owned(), detail };
-        let keys = match (keys, network.metadata("character")) {
-            (Some(keys), _) => keys::read(keys)?,
-            (None, Some(characters)) => keys::from_metadata(characters).map_err(broken)?,
-            (None, None) => {
-                return Err(broken("it has no alphabet inside and no file of keys was given".into()));
-            }
+        let network = Network::load(file, STAGE)?;
+        let keys = match keys {
+            Some(keys) => keys::read(keys)?,
+            None => keys_inside(&network)
+                .map_err(|source| ReaderError::Model { file: file.to_owned(), source })?,
         };
         Ok(Self { network, keys })
     }
 
-    /// The text of a strip and the mean probability of its characters, 0 where there are none.
+    /// The text of a strip.
     pub(super) fn read(
         &self,
         strip: NdTensor<f32, 4>,
         thread: &Arc<ThreadPool>,
-    ) -> Result<(String, f32), ReaderError> {
+    ) -> Result<Line, ReaderError> {
         let classes: NdTensor<f32, 3> = self.network.run(strip, thread)?;
         let [batch, _, count] = classes.shape();
         if batch != 1 || count != self.keys.len() {
@@ -44,14 +44,30 @@ impl Recogniser {
                 "{count} classes, but the alphabet has {}: the files do not belong together",
                 self.keys.len()
             );
-            return Err(ReaderError::Inference { stage: "recognition", detail });
+            return Err(ReaderError::Inference { stage: STAGE, source: detail.into() });
         }
         Ok(decode(classes.slice(0), &self.keys))
     }
 }
 
+/// A text that was read.
+#[derive(Debug, PartialEq)]
+pub(super) struct Line {
+    pub text: String,
+    /// The mean probability of its characters, 0 where there are none.
+    pub confidence: f32,
+}
+
+/// The alphabet that the network's own file holds.
+fn keys_inside(network: &Network) -> Result<Vec<String>, Cause> {
+    let Some(characters) = network.metadata("character") else {
+        return Err("it has no alphabet inside and no file of keys was given".into());
+    };
+    Ok(keys::from_metadata(characters)?)
+}
+
 /// Greedy CTC: the likeliest class of each step, repetitions counted once, blanks (class 0) dropped.
-fn decode(steps: NdTensorView<f32, 2>, keys: &[String]) -> (String, f32) {
+fn decode(steps: NdTensorView<f32, 2>, keys: &[String]) -> Line {
     let (mut text, mut sum, mut count, mut previous) = (String::new(), 0.0, 0_u32, 0);
     for step in 0..steps.size(0) {
         let (class, probability) = likeliest(steps.slice(step));
@@ -62,7 +78,7 @@ fn decode(steps: NdTensorView<f32, 2>, keys: &[String]) -> (String, f32) {
         }
         previous = class;
     }
-    (text, if count == 0 { 0.0 } else { sum / count as f32 })
+    Line { text, confidence: if count == 0 { 0.0 } else { sum / count as f32 } }
 }
 
 fn likeliest(probabilities: NdTensorView<f32, 1>) -> (usize, f32) {
@@ -86,13 +102,14 @@ mod tests {
 
     #[test]
     fn repetitions_merge_unless_a_blank_parts_them() {
-        let (text, confidence) = decode(steps(&[2, 2, 0, 3, 0, 1, 1, 0, 1]).view(), &alphabet());
-        assert_eq!(text, "U 11");
-        assert!((confidence - 0.7).abs() < 1e-6);
+        let line = decode(steps(&[2, 2, 0, 3, 0, 1, 1, 0, 1]).view(), &alphabet());
+        assert_eq!(line.text, "U 11");
+        assert!((line.confidence - 0.7).abs() < 1e-6);
     }
 
     #[test]
     fn nothing_but_blanks_is_no_text() {
-        assert_eq!(decode(steps(&[0, 0, 0]).view(), &alphabet()), (String::new(), 0.0));
+        let line = decode(steps(&[0, 0, 0]).view(), &alphabet());
+        assert_eq!(line, Line { text: String::new(), confidence: 0.0 });
     }
 }

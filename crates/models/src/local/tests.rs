@@ -2,8 +2,12 @@
 
 use std::io::Write as _;
 
+use llama_cpp_2::sampling::LlamaSampler;
+
+use super::marks::without_marks;
 use super::*;
 use crate::chat::Message;
+use crate::gbnf;
 use crate::store::ModelStore;
 
 const TIMEOUT: Duration = Duration::from_secs(300);
@@ -38,11 +42,11 @@ fn long(begin: &str, end: &str) -> String {
     format!("{begin}{} {end}", " The robot brings parcels to the doors of houses.".repeat(60))
 }
 
-fn text(answer: Counted) -> String {
-    match answer {
-        (Ok(reply), _) => reply.text,
+fn text(answer: CountedReply) -> String {
+    match answer.reply {
+        Ok(reply) => reply.text,
         // Cut off: what was said until then is not told.
-        (Err(error), _) => panic!("{error}"),
+        Err(error) => panic!("{error}"),
     }
 }
 
@@ -69,13 +73,14 @@ fn chance_is_the_same_for_the_same_request() {
 #[test]
 fn bounds_hold_and_are_told() {
     let Some(model) = model() else { return };
-    let (answer, used) = model.chat_counted(&ask("Write a long story about a robot.", 7));
+    let CountedReply { reply: answer, used } =
+        model.chat_counted(&ask("Write a long story about a robot.", 7));
     assert!(
         matches!(&answer, Err(ChatError::BadReply { detail, .. }) if detail.contains("after 7 tokens")),
         "{answer:?}"
     );
     assert_eq!((used.calls, used.failed, used.completion_tokens), (1, 1, 7));
-    let (answer, _) = model.chat_counted(&ask(&"word ".repeat(40_000), 7));
+    let CountedReply { reply: answer, .. } = model.chat_counted(&ask(&"word ".repeat(40_000), 7));
     assert!(
         matches!(&answer, Err(ChatError::BadRequest { detail, .. }) if detail.contains("tokens long")),
         "{answer:?}"

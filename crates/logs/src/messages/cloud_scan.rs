@@ -1,0 +1,345 @@
+//! Scans as `sensor_msgs/PointCloud2`, with the fields that a Livox driver fills: position, intensity, line, and the time of
+//! each point.
+//!
+//! Written clouds have points of 21 bytes: `x y z intensity` (f32), `offset_time` (u32, nanoseconds since the stamp),
+//! `line` (u8). Of clouds from elsewhere `x y z` must be f32; the other fields are taken where they have these types. The time of a point may also stand, as drivers of other
+//! sensors have it, in `t` (u32, nanoseconds since the stamp), in `time` (f32, seconds from the stamp, before it below 0) or in `timestamp` (f64, since 1970, in seconds
+//! or, from 10¹² on, in nanoseconds).
+
+use openbench_core::{LidarPoint, LidarScan, SimTime};
+
+use super::Header;
+use super::point_cloud::{FLOAT32, FLOAT64, PointCloud2, PointField, UINT8, UINT32};
+
+/// Bytes of a point as we write it.
+const POINT_STEP: u32 = 21;
+/// The fields of a point as we write it.
+const FIELDS: [Field; 6] = [
+    Field { name: "x", offset: 0, datatype: FLOAT32 },
+    Field { name: "y", offset: 4, datatype: FLOAT32 },
+    Field { name: "z", offset: 8, datatype: FLOAT32 },
+    Field { name: "intensity", offset: 12, datatype: FLOAT32 },
+    Field { name: "offset_time", offset: 16, datatype: UINT32 },
+    Field { name: "line", offset: 20, datatype: UINT8 },
+];
+
+struct Field {
+    name: &'static str,
+    offset: u32,
+    datatype: u8,
+}
+
+impl From<&Field> for PointField {
+    fn from(field: &Field) -> Self {
+        let name = field.name.to_owned();
+        Self { name, offset: field.offset, datatype: field.datatype, count: 1 }
+    }
+}
+
+/// A cloud that is no scan.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum CloudError {
+    /// A field is missing or has another type.
+    #[error("the cloud has no field `{0}` of 32-bit floats")]
+    MissingField(&'static str),
+    /// Big-endian numbers.
+    #[error("the cloud is big-endian")]
+    BigEndian,
+    /// Width, height, steps, offsets and data contradict each other.
+    #[error(
+        "the cloud claims {points} points of {step} bytes with rows of {row} bytes but has {bytes} bytes"
+    )]
+    Layout {
+        /// Width times height.
+        points: u64,
+        /// Bytes a point.
+        step: u32,
+        /// Bytes a row.
+        row: u32,
+        /// Bytes there are.
+        bytes: usize,
+    },
+    /// Points of a scan that took longer than four seconds, or have no time.
+    #[error("the points' times in field `{0}` are no numbers or lie more than four seconds apart")]
+    Times(&'static str),
+}
+
+impl From<&LidarScan> for PointCloud2 {
+    fn from(scan: &LidarScan) -> Self {
+        let width = scan.points.len() as u32;
+        Self {
+            header: Header::new(scan.stamp, "livox_frame"),
+            height: 1,
+            width,
+            fields: FIELDS.iter().map(PointField::from).collect(),
+            is_bigendian: false,
+            point_step: POINT_STEP,
+            row_step: width * POINT_STEP,
+            data: scan.points.iter().flat_map(point_bytes).collect(),
+            is_dense: true,
+        }
+    }
+}
+
+fn point_bytes(point: &LidarPoint) -> [u8; POINT_STEP as usize] {
+    let mut bytes = [0; POINT_STEP as usize];
+    let [x, y, z] = point.xyz;
+    for (i, value) in [x, y, z, f32::from(point.reflectivity)].into_iter().enumerate() {
+        bytes[4 * i..4 * i + 4].copy_from_slice(&value.to_le_bytes());
+    }
+    bytes[16..20].copy_from_slice(&point.offset_ns.to_le_bytes());
+    bytes[20] = point.line;
+    bytes
+}
+
+impl PointCloud2 {
+    /// The scan. Points that are not finite are left out; fields that the cloud lacks are zero.
+    pub fn to_scan(&self) -> Result<LidarScan, CloudError> {
+        if self.is_bigendian {
+            return Err(CloudError::BigEndian);
+        }
+        self.check_layout()?;
+        let layout = Layout::of(self)?;
+        let mut scan = LidarScan { stamp: self.header.stamp, points: Vec::new() };
+        let mut times = Vec::new();
+        for bytes in self.points() {
+            let point = layout.point(bytes);
+            if !point.xyz.iter().all(|v| v.is_finite()) {
+                continue;
+            }
+            if let Some(clock) = layout.clock {
+                times.push(clock.read(bytes, scan.stamp).ok_or(CloudError::Times(clock.field))?);
+            }
+            scan.points.push(point);
+        }
+        if let Some(clock) = layout.clock {
+            set_times(&mut scan, &times).ok_or(CloudError::Times(clock.field))?;
+        }
+        Ok(scan)
+    }
+
+    fn check_layout(&self) -> Result<(), CloudError> {
+        let points = u64::from(self.width) * u64::from(self.height);
+        let needed = u64::from(self.row_step).checked_mul(u64::from(self.height));
+        let row = u64::from(self.width) * u64::from(self.point_step) <= u64::from(self.row_step);
+        if row && needed.is_some_and(|n| n <= self.data.len() as u64) {
+            return Ok(());
+        }
+        let (step, row) = (self.point_step, self.row_step);
+        Err(CloudError::Layout { points, step, row, bytes: self.data.len() })
+    }
+}
+
+/// Where in a point its numbers stand, bytes from its beginning.
+struct Layout {
+    xyz: [usize; 3],
+    intensity: Option<usize>,
+    line: Option<usize>,
+    clock: Option<Clock>,
+}
+
+impl Layout {
+    fn of(cloud: &PointCloud2) -> Result<Self, CloudError> {
+        Ok(Self {
+            xyz: [coordinate(cloud, "x")?, coordinate(cloud, "y")?, coordinate(cloud, "z")?],
+            intensity: cloud.offset("intensity", FLOAT32),
+            line: cloud.offset("line", UINT8),
+            clock: Clock::of(cloud),
+        })
+    }
+
+    /// A point, its time left open.
+    fn point(&self, bytes: &[u8]) -> LidarPoint {
+        LidarPoint {
+            xyz: self.xyz.map(|at| f32::from_bits(word(bytes, at))),
+            reflectivity: self.intensity.map_or(0, |at| f32::from_bits(word(bytes, at)) as u8),
+            offset_ns: 0,
+            line: self.line.map_or(0, |at| bytes[at]),
+        }
+    }
+}
+
+fn coordinate(cloud: &PointCloud2, name: &'static str) -> Result<usize, CloudError> {
+    cloud.offset(name, FLOAT32).ok_or(CloudError::MissingField(name))
+}
+
+/// Where the time of a point stands, and how.
+#[derive(Debug, Clone, Copy)]
+struct Clock {
+    /// The field's name.
+    field: &'static str,
+    /// Bytes from the beginning of the point.
+    at: usize,
+    unit: TimeUnit,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum TimeUnit {
+    /// Nanoseconds since the stamp, u32.
+    Nanoseconds,
+    /// Seconds from the stamp, f32.
+    Seconds,
+    /// Seconds or nanoseconds since 1970, f64.
+    Epoch,
+}
+
+impl Clock {
+    /// The first of the fields known to hold times that the cloud has.
+    fn of(cloud: &PointCloud2) -> Option<Self> {
+        use TimeUnit::{Epoch, Nanoseconds, Seconds};
+        let known = [
+            ("offset_time", UINT32, Nanoseconds),
+            ("t", UINT32, Nanoseconds),
+            ("time", FLOAT32, Seconds),
+            ("timestamp", FLOAT64, Epoch),
+        ];
+        known.into_iter().find_map(|(field, datatype, unit)| {
+            Some(Self { field, at: cloud.offset(field, datatype)?, unit })
+        })
+    }
+
+    /// Nanoseconds from the stamp to a point.
+    fn read(self, bytes: &[u8], stamp: SimTime) -> Option<i64> {
+        let nanoseconds = match self.unit {
+            TimeUnit::Nanoseconds => return Some(i64::from(word(bytes, self.at))),
+            TimeUnit::Seconds => f64::from(f32::from_bits(word(bytes, self.at))) * 1e9,
+            TimeUnit::Epoch => since_stamp(long_word(bytes, self.at), stamp),
+        };
+        (nanoseconds.abs() < 1e11).then_some(nanoseconds as i64)
+    }
+}
+
+/// Nanoseconds from the stamp to a time since 1970 in seconds or nanoseconds.
+fn since_stamp(time: f64, stamp: SimTime) -> f64 {
+    /// More is no number of seconds since 1970.
+    const NOT_SECONDS: f64 = 1e12;
+    // Seconds are taken apart first: as nanoseconds they do not fit into a float's digits.
+    let (seconds, scale) =
+        if time.abs() < NOT_SECONDS { (stamp.0 as f64 * 1e-9, 1e9) } else { (stamp.0 as f64, 1.0) };
+    (time - seconds) * scale
+}
+
+/// Gives points their times from the stamp, which moves to the first of them where that was before it.
+fn set_times(scan: &mut LidarScan, times: &[i64]) -> Option<()> {
+    let first = times.iter().copied().min().unwrap_or_default().min(0);
+    scan.stamp = SimTime(scan.stamp.0.checked_add_signed(first)?);
+    for (point, time) in scan.points.iter_mut().zip(times) {
+        point.offset_ns = u32::try_from(time - first).ok()?;
+    }
+    Some(())
+}
+
+fn word(bytes: &[u8], at: usize) -> u32 {
+    u32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])
+}
+
+fn long_word(bytes: &[u8], at: usize) -> f64 {
+    f64::from_bits(u64::from(word(bytes, at)) | u64::from(word(bytes, at + 4)) << 32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::messages::Message;
+
+    fn scan() -> LidarScan {
+        let point = |i: u8| LidarPoint {
+            xyz: [f32::from(i), -0.5, 0.25],
+            offset_ns: 5_000 * u32::from(i),
+            reflectivity: 10 + i,
+            line: i % 4,
+        };
+        LidarScan { stamp: SimTime::from_millis(100), points: (0..9).map(point).collect() }
+    }
+
+    #[test]
+    fn scans_survive() {
+        let cloud = PointCloud2::from_cdr(&PointCloud2::from(&scan()).to_cdr()).unwrap();
+        assert_eq!(cloud.data.len(), 9 * 21);
+        assert_eq!(cloud.to_scan().unwrap(), scan());
+        let empty = LidarScan::default();
+        assert_eq!(PointCloud2::from(&empty).to_scan().unwrap(), empty);
+    }
+
+    /// Two points, 50 ms apart, whose times stand in a field of this name and type.
+    fn timed(name: &str, datatype: u8, times: [&[u8]; 2]) -> Result<LidarScan, CloudError> {
+        let field =
+            |name: &str, offset, datatype| PointField { name: name.into(), offset, datatype, count: 1 };
+        let mut data = Vec::new();
+        for time in times {
+            (0..3).for_each(|i| data.extend((i as f32).to_le_bytes()));
+            data.extend(time);
+        }
+        let step = data.len() as u32 / 2;
+        let fields = vec![
+            field("x", 0, FLOAT32),
+            field("y", 4, FLOAT32),
+            field("z", 8, FLOAT32),
+            field(name, 12, datatype),
+        ];
+        let header = Header::new(SimTime(1_700_000_000_000_000_000), "lidar");
+        let cloud = PointCloud2 {
+            header,
+            height: 1,
+            width: 2,
+            fields,
+            point_step: step,
+            row_step: 2 * step,
+            data,
+            ..PointCloud2::default()
+        };
+        cloud.to_scan()
+    }
+
+    #[test]
+    fn points_times_are_read_as_other_drivers_write_them() {
+        const STAMP: u64 = 1_700_000_000_000_000_000;
+        let check = |scan: Result<LidarScan, CloudError>, stamp: u64, apart: u32| {
+            let scan = scan.unwrap();
+            assert!(scan.stamp.0.abs_diff(stamp) < 1_000, "{} {stamp}", scan.stamp.0);
+            assert!(scan.points[1].offset_ns.abs_diff(scan.points[0].offset_ns + apart) < 1_000);
+        };
+        let ms50 = 50_000_000_u32;
+        check(timed("t", UINT32, [&0_u32.to_le_bytes(), &ms50.to_le_bytes()]), STAMP, ms50);
+        check(
+            timed("time", FLOAT32, [&(-0.05_f32).to_le_bytes(), &0_f32.to_le_bytes()]),
+            STAMP - u64::from(ms50),
+            ms50,
+        );
+        let (first, second) = (STAMP as f64 * 1e-9, STAMP as f64 * 1e-9 + 0.05);
+        check(timed("timestamp", FLOAT64, [&first.to_le_bytes(), &second.to_le_bytes()]), STAMP, ms50);
+        let (first, second) = (STAMP as f64, STAMP as f64 + 5e7);
+        check(timed("timestamp", FLOAT64, [&first.to_le_bytes(), &second.to_le_bytes()]), STAMP, ms50);
+        for bad in [f64::NAN, 0.0, 1e300] {
+            assert_eq!(
+                timed("timestamp", FLOAT64, [&first.to_le_bytes(), &bad.to_le_bytes()]),
+                Err(CloudError::Times("timestamp"))
+            );
+        }
+        assert_eq!(
+            timed("time", FLOAT32, [&9_f32.to_le_bytes(), &0_f32.to_le_bytes()]),
+            Err(CloudError::Times("time"))
+        );
+    }
+
+    #[test]
+    fn clouds_that_contradict_themselves_are_refused() {
+        let good = PointCloud2::from(&scan());
+        for (width, point_step, row_step) in [(10, 21, 189), (9, 22, 189), (u32::MAX, u32::MAX, u32::MAX)] {
+            let cloud = PointCloud2 { width, point_step, row_step, ..good.clone() };
+            assert!(matches!(cloud.to_scan(), Err(CloudError::Layout { .. })));
+        }
+        let mut cloud = good.clone();
+        cloud.fields[1].offset = u32::MAX;
+        assert_eq!(cloud.to_scan(), Err(CloudError::MissingField("y")));
+        let cloud = PointCloud2 { is_bigendian: true, ..good };
+        assert_eq!(cloud.to_scan(), Err(CloudError::BigEndian));
+    }
+
+    #[test]
+    fn a_hostile_height_ends() {
+        let cloud =
+            PointCloud2 { height: u32::MAX, width: 0, row_step: 0, point_step: 0, ..PointCloud2::default() };
+        assert!(cloud.to_scan().is_err());
+    }
+}
