@@ -13,8 +13,9 @@ use openbench_localization::fixes::Gnss;
 use openbench_localization::{DeadReckoning, FixSource, Fused, LidarInertial, Localizer};
 use openbench_models::{Budget, ModelSpec, ModelStore};
 use openbench_motion::costmap::ground::Preferences;
+use openbench_motion::local::built_in::built_in;
 use openbench_motion::teb::settings::Margins;
-use openbench_motion::{Follower, LocalPlanner, Mppi, Teb, TebSettings};
+use openbench_motion::{LocalPlanner, PlannerSettings, TebSettings, teb};
 use openbench_vision::{InTurn, PlateReader, PpOcr, PpOcrSettings, VlmReader};
 
 use crate::open_models::Models;
@@ -181,21 +182,18 @@ fn ground(word: &str) -> Result<Preferences, String> {
 
 /// The local planner that a word names.
 pub fn motion(word: &str) -> Result<Box<dyn LocalPlanner>, String> {
-    let robot = RobotDescription::sentry();
-    let failed = |e: &dyn std::fmt::Display| format!("motion={word}: {e}");
-    match word {
-        "teb" => {
-            let mut settings =
-                TebSettings { tolerance: NEAR_ENOUGH, surprise: Some(SURPRISE), ..TebSettings::default() };
-            settings.yields = Some(YIELDS);
-            settings.band.margins = SEEN_BY_LIDAR;
-            settings.band.weights.length = SHORT;
-            Ok(Box::new(Teb::new(&robot, settings).map_err(|e| failed(&e))?))
-        }
-        "follower" => Ok(Box::new(Follower::new(robot).map_err(|e| failed(&e))?)),
-        "mppi" => Ok(Box::new(Mppi::new(&robot, MPPI_SEED).map_err(|e| failed(&e))?)),
-        _ => Err(format!("motion={word}: there is no such local planner; there are teb, follower, mppi")),
-    }
+    let settings = PlannerSettings::new(RobotDescription::sentry()).with_seed(MPPI_SEED);
+    let planners = built_in().with(teb::entry_with(teb_settings()));
+    planners.make(word, &settings).map_err(|e| format!("motion={word}: {:#}", anyhow::Error::new(e)))
+}
+
+fn teb_settings() -> TebSettings {
+    let mut settings =
+        TebSettings { tolerance: NEAR_ENOUGH, surprise: Some(SURPRISE), ..TebSettings::default() };
+    settings.yields = Some(YIELDS);
+    settings.band.margins = SEEN_BY_LIDAR;
+    settings.band.weights.length = SHORT;
+    settings
 }
 
 /// What says where the robot is in the map. A robot without a receiver hears nothing of satellites.

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use openbench_bench::motion::people::{Among, Request, drive, drives};
 use openbench_bench::{Prepared, TrafficPlan};
 
-use crate::args::{BenchPeopleArgs, PlannerArg};
+use crate::args::BenchPeopleArgs;
 use crate::commands::run::named;
 use crate::open_parts;
 use crate::outcome::{Outcome, say, say_json, tell};
@@ -16,15 +16,10 @@ const SHOWN: usize = 20;
 
 /// Drives among people, once for each number of them.
 pub fn run(args: &BenchPeopleArgs) -> anyhow::Result<Outcome> {
-    let planner = match args.planner {
-        PlannerArg::Teb => "teb",
-        PlannerArg::Follower => "follower",
-        PlannerArg::Mppi => "mppi",
-    };
     let request = Request {
         kilometres: args.km,
         seed: args.seed,
-        planner: &|| open_parts::motion(planner),
+        planner: &|| open_parts::motion(&args.planner),
         threads: usize::from(args.jobs),
     };
     let bar = progress_bar(args.pedestrians.len() * drives(args.km), "drives");
