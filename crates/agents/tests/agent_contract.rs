@@ -11,8 +11,8 @@ use openbench_core::{
 use openbench_language::GrammarPlanner;
 use openbench_localization::DeadReckoning;
 use openbench_models::Meter;
-use openbench_motion::Follower;
 use openbench_motion::costmap::ground::Preferences;
+use openbench_motion::follower;
 use openbench_osm::OsmData;
 use openbench_vision::{PlateReader, PlateReading, ReaderError};
 
@@ -38,7 +38,7 @@ fn open() -> Box<dyn Agent> {
         planner: Box::new(GrammarPlanner::new()),
         reader: Box::new(Blank),
         localizer: Box::new(|robot| Box::new(DeadReckoning::new(robot.clone()))),
-        motion: Arc::new(|robot| Ok(Box::new(Follower::new(robot.clone())?))),
+        motion: follower::entry(),
         ground: Preferences::NONE,
         memory: None,
         meter: Meter::default(),

@@ -8,7 +8,7 @@ use openbench_bench::run::registry::AgentError;
 use openbench_bench::{AgentFactory, AgentRequest, Agents};
 use openbench_core::{Agent, RobotDescription};
 use openbench_localization::Localizer;
-use openbench_motion::LocalPlanner;
+use openbench_motion::local::Entry;
 use openbench_vision::{PlateReader, ReaderEntry};
 
 use crate::open_agent::OpenFactory;
@@ -86,13 +86,8 @@ impl Extensions {
 
     /// Adds a local planner: `--set motion=NAME`.
     #[must_use]
-    pub fn with_local_planner(
-        mut self,
-        name: &str,
-        about: &str,
-        make: impl Fn(&RobotDescription) -> Result<Box<dyn LocalPlanner>, PartError> + Send + Sync + 'static,
-    ) -> Self {
-        self.parts.local_planners = self.parts.local_planners.with(name, about, Arc::new(make));
+    pub fn with_local_planner(mut self, entry: Entry) -> Self {
+        self.parts.local_planners = self.parts.local_planners.with(entry);
         self
     }
 

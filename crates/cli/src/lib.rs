@@ -25,6 +25,7 @@ use std::process::ExitCode;
 use clap::Parser;
 
 pub use extensions::Extensions;
+pub use openbench_bench::run::registry::AgentError;
 pub use openbench_bench::{AgentFactory, AgentRequest};
 
 use args::{Args, Command};

@@ -7,8 +7,8 @@
 #![expect(clippy::print_stdout, reason = "the picture is what the example is for")]
 
 use openbench_core::{MapPoint, Pose2, RobotDescription, SimTime, Velocity};
-use openbench_motion::teb::band::Band;
-use openbench_motion::{LocalPlanner, Obstacle, Situation, Teb, TebSettings};
+use openbench_motion::trajectory::Band;
+use openbench_motion::{LocalPlanner, Obstacle, Situation, Teb, TebSettings, Vector2};
 
 /// Cycles of 50 ms, standing, until all classes have their band in shape.
 const CYCLES: u64 = 20;
@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let block = [at(1.9, 0.35), at(2.5, 0.2), at(2.6, 0.7), at(2.1, 0.9)];
     let obstacles = [
         Obstacle::disc(at(1.2, -0.15), 0.25)?,
-        Obstacle::new(&block, 0.0, [0.0; 2])?,
+        Obstacle::new(&block, 0.0, Vector2::ZERO)?,
         Obstacle::disc(at(2.7, -0.6), 0.3)?,
         Obstacle::wall(at(1.5, -1.4), at(2.2, -1.2))?,
     ];
@@ -64,7 +64,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 fn draw_obstacle(obstacle: &Obstacle) {
-    let (corners, rounding) = obstacle.outline();
+    let (corners, rounding) = (obstacle.corners(), obstacle.rounding());
     let points: Vec<String> = corners.map(|c| format!("{:.3},{:.3}", c.x, c.y)).collect();
     let (points, width) = (points.join(" "), (2.0 * rounding).max(0.03));
     // A polyline of one point would not show.

@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let begin = ThreadTime::now();
         let found = search.cheapest(&costs, scenario.start, scenario.goal);
         times.push((scenario.length, begin.elapsed().as_secs_f64() * 1e3));
-        let length = found.map_or(f64::INFINITY, |(length, _)| length);
+        let length = found.map_or(f64::INFINITY, |path| path.cost);
         if (length - scenario.length).abs() <= EXACT {
             optimal += 1;
         } else {

@@ -7,14 +7,16 @@ use std::time::Duration;
 
 use cpu_time::ThreadTime;
 use openbench_core::{Georeference, LonLat, MapPoint, Pose2, RobotDescription, SimTime, Velocity};
-use openbench_motion::feasible::Motion;
-use openbench_motion::teb::band::Band;
+use openbench_motion::Limits;
+use openbench_motion::Motion;
 use openbench_motion::teb::classes::{Explorer, Exploring};
 use openbench_motion::teb::optimize::{Effort, Optimizer};
-use openbench_motion::teb::settings::{Limits, Settings};
+use openbench_motion::teb::settings::Settings;
 use openbench_motion::teb::terms::Problem;
+use openbench_motion::trajectory::Band;
 use openbench_motion::{
-    Costmap, Footprint, LocalPlanner, Obstacle, RangeRing, Search, Situation, Teb, TebSettings, plan,
+    Costmap, Footprint, LocalPlanner, Obstacle, RangeRing, ScanPoint, Search, Situation, Teb, TebSettings,
+    plan,
 };
 use openbench_osm::{OsmData, OsmMap};
 use rand::{RngExt, SeedableRng};
@@ -142,7 +144,7 @@ fn costmap(what: &str, posts: impl Iterator<Item = MapPoint>) -> Result<(), Fail
     let mut seen = vec![Vec::new(); 20 * 20];
     for post in posts {
         let index = |at: f64| (at / 10.0) as usize;
-        seen[20 * index(post.y) + index(post.x)].push((post, 0.3));
+        seen[20 * index(post.y) + index(post.x)].push(ScanPoint::new(post, 0.3));
     }
     for (i, posts) in seen.into_iter().enumerate() {
         let middle = MapPoint::new(10.0 * (i % 20) as f64 + 5.0, 10.0 * (i / 20) as f64 + 5.0);

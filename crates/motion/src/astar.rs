@@ -72,8 +72,8 @@ fn connect(search: &mut Search, costmap: &Costmap, from: Vec<usize>, to: &[usize
             let reached = to.iter().copied().find(|cell| search.reached(*cell))?;
             search.cheapest(&costs, start, reached)
         });
-        if let Some((_, cells)) = found {
-            return Some(cells);
+        if let Some(found) = found {
+            return Some(found.cells);
         }
         from.retain(|cell| !search.reached(*cell));
     }
@@ -210,6 +210,7 @@ mod tests {
     use crate::costmap::ground::Preferences;
     use crate::costmap::map_server::Occupancy;
     use crate::costmap::tests::{empty_map, open_ground, see_wall};
+    use crate::search::GridPath;
     use openbench_core::RobotDescription;
     use openbench_grid::GridGeometry;
     use openbench_osm::{Area, ElementId, ElementKind, Polygon, Road};
@@ -348,7 +349,7 @@ mod tests {
                 see_wall(&mut costmap, MapPoint::new(x, y), MapPoint::new(x + dx, y + dy));
             }
             let cell = |x: f64, y: f64| costmap.grid().cell_at(MapPoint::new(x, y)).unwrap();
-            let Some((cost, cells)) = Search::default().cheapest(&costmap.costs(), cell(-9.0, -9.0), cell(x, y)) else {
+            let Some(GridPath { cost, cells }) = Search::default().cheapest(&costmap.costs(), cell(-9.0, -9.0), cell(x, y)) else {
                 return Ok(());
             };
             let kept = shorten(&costmap, &cells);

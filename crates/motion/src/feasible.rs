@@ -2,9 +2,10 @@
 
 use openbench_core::{Pose2, Velocity};
 
+use crate::kinematics::Motion;
+use crate::limits::Limits;
 use crate::shape::{Footprint, Obstacle};
-use crate::teb::band::Band;
-use crate::teb::settings::Limits;
+use crate::trajectory::Band;
 
 /// Seconds between two looks along a motion: at half a metre and one radian a second no corner moves further than 4 cm.
 const LOOK: f64 = 0.05;
@@ -99,37 +100,6 @@ pub fn first_conflict(
 /// Seconds in which any robot stops.
 const LONGEST_STOP: f64 = 20.0;
 
-/// A robot in motion and what it is told.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Motion {
-    /// Where it is.
-    pub pose: Pose2,
-    /// How it moves.
-    pub velocity: Velocity,
-    /// How it is told to move.
-    pub command: Velocity,
-}
-
-impl Motion {
-    /// The next `seconds`: rims change their speeds as fast as they can until they are as told.
-    pub fn step(&mut self, limits: &Limits, seconds: f64) {
-        let half = limits.half_track;
-        let rim = |v: Velocity, side: f64| v.linear + side * half * v.angular;
-        let most = limits.acceleration * seconds;
-        let next = |side: f64| {
-            let (now, told) = (rim(self.velocity, side), rim(self.command, side));
-            now + (told - now).clamp(-most, most)
-        };
-        let (left, right) = (next(-1.0), next(1.0));
-        self.velocity = Velocity::new((left + right) / 2.0, (right - left) / (2.0 * half));
-        self.pose = arc(self.pose, self.velocity, seconds);
-    }
-
-    pub(crate) fn stands(&self) -> bool {
-        self.velocity.linear.abs() < 1e-9 && self.velocity.angular.abs() < 1e-9
-    }
-}
-
 /// Seconds until the robot comes nearer than `margin` to something that stands if it does as it is told for `hold` seconds and then brakes. Who moves is not looked at: to stop in somebody's way is worse than to be gone.
 pub fn conflict_before_stop(
     footprint: &Footprint,
@@ -160,13 +130,4 @@ pub fn conflict_before_stop(
         }
     }
     None
-}
-
-/// Where a robot gets that drives with a velocity for some seconds.
-pub fn arc(pose: Pose2, velocity: Velocity, seconds: f64) -> Pose2 {
-    let turn = velocity.angular * seconds;
-    let half = turn / 2.0;
-    let chord = velocity.linear * seconds * if half.abs() < 1e-6 { 1.0 } else { libm::sin(half) / half };
-    let (sin, cos) = libm::sincos(pose.yaw + half);
-    Pose2::new(pose.x + chord * cos, pose.y + chord * sin, pose.yaw + turn)
 }

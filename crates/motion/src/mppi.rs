@@ -8,10 +8,13 @@ use openbench_grid::GridGeometry;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use crate::feasible::{Motion, clearance, conflict_before_stop};
-use crate::local::{Blocked, LocalPlanner, Progress, Situation, ahead};
+use crate::checks::SettingsError;
+use crate::feasible::{clearance, conflict_before_stop};
+use crate::kinematics::Motion;
+use crate::limits::Limits;
+use crate::local::{Blocked, Entry, LocalPlanner, PathPoint, PlannerSettings, Progress, Situation, ahead};
+use crate::near_cells::each_cell_near;
 use crate::shape::{Footprint, Obstacle, ShapeError};
-use crate::teb::settings::{Limits, SettingsError};
 
 /// Continuations in a cycle.
 const SAMPLES: usize = 600;
@@ -47,6 +50,13 @@ pub enum MppiError {
     /// The footprint is none.
     #[error(transparent)]
     Footprint(#[from] ShapeError),
+}
+
+/// Its entry among the local planners.
+pub fn entry() -> Entry {
+    Entry::new("mppi", "Model Predictive Path Integral control", |settings: &PlannerSettings| {
+        Mppi::new(&settings.robot, settings.seed)
+    })
 }
 
 /// The controller.
@@ -96,16 +106,9 @@ impl Mppi {
         self.distances.clear();
         self.distances.resize(grid.len(), reach as f32);
         for obstacle in situation.obstacles.iter().filter(|o| !o.is_moving()) {
-            let (middle, far) = (obstacle.middle(), obstacle.radius() + reach);
-            let low = MapPoint::new(middle.x - far, middle.y - far);
-            let high = MapPoint::new(middle.x + far, middle.y + far);
-            let Some((columns, rows)) = grid.window(low, high) else { continue };
-            for row in rows.0..=rows.1 {
-                for cell in (columns.0..=columns.1).filter_map(|column| grid.cell_in(column, row)) {
-                    let distance = obstacle.distance_to(grid.center(cell)) as f32;
-                    self.distances[cell] = self.distances[cell].min(distance);
-                }
-            }
+            each_cell_near(&grid, obstacle, reach, |cell, distance| {
+                self.distances[cell] = self.distances[cell].min(distance as f32);
+            });
         }
         grid
     }
@@ -161,7 +164,7 @@ impl Mppi {
         let standing = grid.cell_at(pose.point()).map_or(outer + COMFORT, |c| f64::from(self.distances[c]));
         let moving = obstacles.iter().filter(|o| o.is_moving()).map(|o| {
             let v = o.velocity();
-            o.distance_to(MapPoint::new(pose.x - v[0] * time, pose.y - v[1] * time))
+            o.distance_to(MapPoint::new(pose.x - v.x * time, pose.y - v.y * time))
         });
         let distance = moving.fold(standing, f64::min);
         let touches = |o: &Obstacle| {
@@ -257,9 +260,10 @@ struct Aim {
 impl Aim {
     fn of(situation: &Situation<'_>) -> Self {
         let from = situation.pose.point();
-        let at = |length: f64| ahead(situation.path, from, length).unwrap_or((from, true));
-        let way = (0..=8).map(|i| at(LOOKAHEAD * f64::from(i) / 8.0).0).collect();
-        let (end, last) = at(LOOKAHEAD);
+        let here = PathPoint { point: from, is_end: true };
+        let at = |length: f64| ahead(situation.path, from, length).unwrap_or(here);
+        let way = (0..=8).map(|i| at(LOOKAHEAD * f64::from(i) / 8.0).point).collect();
+        let PathPoint { point: end, is_end: last } = at(LOOKAHEAD);
         Self { way, end, last, yaw: situation.final_yaw.filter(|_| last) }
     }
 

@@ -17,6 +17,22 @@ const GROUND: f64 = 0.06;
 /// Points further away are left alone: a tilt of one degree lifts the ground by 14 cm there.
 const REACH: f64 = 8.0;
 
+/// A point that a LiDAR hit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ScanPoint {
+    /// Where, in `map`.
+    pub at: MapPoint,
+    /// Its height above the ground, metres.
+    pub height: f64,
+}
+
+impl ScanPoint {
+    /// A point from its place in `map` and its height above the ground, metres.
+    pub const fn new(at: MapPoint, height: f64) -> Self {
+        Self { at, height }
+    }
+}
+
 /// What one scan shows around the robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RangeRing {
@@ -24,8 +40,8 @@ pub struct RangeRing {
     pub center: MapPoint,
     /// Height of the sensor above the ground, metres.
     pub height: f64,
-    /// Obstacle points in `map`, each with its height above the ground in metres.
-    pub obstacles: Vec<(MapPoint, f64)>,
+    /// Points of obstacles.
+    pub obstacles: Vec<ScanPoint>,
     /// Points above the robot's roof that are no higher than people, in `map`.
     pub above: Vec<MapPoint>,
     /// For each direction (degrees counter-clockwise from east): the beam that shows most to be clear.
@@ -42,13 +58,13 @@ pub struct Beam {
 }
 
 impl RangeRing {
-    /// Sorts points in `map`, each with its height above the ground in metres, into a ring around the sensor at `center`, `height`
+    /// Sorts points into a ring around the sensor at `center`, `height`
     /// metres above the ground.
-    pub fn new(center: MapPoint, height: f64, points: impl Iterator<Item = (MapPoint, f64)>) -> Self {
+    pub fn new(center: MapPoint, height: f64, points: impl Iterator<Item = ScanPoint>) -> Self {
         let mut nearest = [Beam { reach: f64::INFINITY, end_height: 0.0 }; DIRECTIONS];
         let mut furthest = [Beam::default(); DIRECTIONS];
         let (mut obstacles, mut above) = (Vec::new(), Vec::new());
-        for (point, z) in points {
+        for ScanPoint { at: point, height: z } in points {
             let (dx, dy) = (point.x - center.x, point.y - center.y);
             let square = dx * dx + dy * dy;
             // Written so that a broken number is passed over too.
@@ -66,7 +82,7 @@ impl RangeRing {
                 furthest[direction] = beam;
             }
             if z >= BODY.0 {
-                obstacles.push((point, z));
+                obstacles.push(ScanPoint::new(point, z));
                 if beam.reach < nearest[direction].reach {
                     nearest[direction] = beam;
                 }
@@ -95,7 +111,7 @@ mod tests {
         RangeRing::new(
             MapPoint::new(1.0, 1.0),
             0.25,
-            points.iter().map(|p| (MapPoint::new(p[0], p[1]), p[2])),
+            points.iter().map(|p| ScanPoint::new(MapPoint::new(p[0], p[1]), p[2])),
         )
     }
 
@@ -103,7 +119,7 @@ mod tests {
     fn heights_tell_obstacles_from_ground_and_from_what_is_above() {
         let ring =
             ring(&[[1.0, 3.0, 0.3], [1.0, 4.0, 0.01], [2.0, 3.0, 2.0], [-1.0, 1.01, 0.0], [1.0, 10.0, 0.2]]);
-        assert_eq!(ring.obstacles, [(MapPoint::new(1.0, 3.0), 0.3)]);
+        assert_eq!(ring.obstacles, [ScanPoint::new(MapPoint::new(1.0, 3.0), 0.3)]);
         // Clear to the obstacle in the north, though ground was seen behind it; clear to the ground in the west.
         assert!((ring.beams[90].reach - 2.0).abs() < 1e-9);
         assert!((ring.beams[179].reach - 2.0).abs() < 1e-3);

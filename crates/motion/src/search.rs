@@ -72,6 +72,15 @@ impl<'a> Costs<'a> {
     }
 }
 
+/// A path over cells.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GridPath {
+    /// What it costs, in sides of cells.
+    pub cost: f64,
+    /// Its cells, both ends included.
+    pub cells: Vec<usize>,
+}
+
 /// What a search knows of a cell.
 #[derive(Debug, Clone, Copy, Default)]
 struct Visited {
@@ -108,7 +117,7 @@ impl Default for Search {
 impl Search {
     /// Cost and cells of the cheapest way from one cell to another, both included; `None` where there is none. Costs are those of cells' sides: a step costs its
     /// length times the mean of both cells' costs. Panics if a cell's number is none of the grid's.
-    pub fn cheapest(&mut self, costs: &Costs<'_>, start: usize, goal: usize) -> Option<(f64, Vec<usize>)> {
+    pub fn cheapest(&mut self, costs: &Costs<'_>, start: usize, goal: usize) -> Option<GridPath> {
         assert!(start < costs.costs.len() && goal < costs.costs.len(), "a cell of another grid");
         if costs.costs[start].is_infinite() || costs.costs[goal].is_infinite() {
             return None;
@@ -125,7 +134,7 @@ impl Search {
             waiting: 0,
         };
         let cost = run.search(start, goal)?;
-        Some((cost, self.trace(costs.width, goal)))
+        Some(GridPath { cost, cells: self.trace(costs.width, goal) })
     }
 
     /// Whether the last search found a way to a cell; one that found none to its goal looked at all that hangs together with its start.
@@ -296,7 +305,7 @@ mod tests {
             let best = by_patience(&cells, start);
             let mut search = Search::default();
             for (goal, &best) in best.iter().enumerate() {
-                let Some((cost, way)) = search.cheapest(&costs, start, goal) else {
+                let Some(GridPath { cost, cells: way }) = search.cheapest(&costs, start, goal) else {
                     prop_assert!(best.is_infinite() || cells[goal] == WALL);
                     continue;
                 };
@@ -304,8 +313,8 @@ mod tests {
                 prop_assert_eq!((way[0], way[way.len() - 1]), (start, goal));
                 let steps: Option<f64> = way.windows(2).map(|pair| step(&cells, pair[0], pair[1])).sum();
                 prop_assert!((steps.unwrap() - cost).abs() < 1e-9 * best.max(1.0));
-                let (back, _) = search.cheapest(&costs, goal, start).unwrap();
-                prop_assert!((back - cost).abs() < 1e-9 * best.max(1.0));
+                let back = search.cheapest(&costs, goal, start).unwrap();
+                prop_assert!((back.cost - cost).abs() < 1e-9 * best.max(1.0));
             }
         }
     }
@@ -315,8 +324,8 @@ mod tests {
         let (small, large) = (vec![1.0; 12], vec![2.0; 20]);
         let mut search = Search::default();
         for _ in 0..2 {
-            assert_eq!(search.cheapest(&Costs::new(4, &small).unwrap(), 0, 3).unwrap().1, [0, 1, 2, 3]);
-            assert_eq!(search.cheapest(&Costs::new(5, &large).unwrap(), 0, 4).unwrap().0, 8.0);
+            assert_eq!(search.cheapest(&Costs::new(4, &small).unwrap(), 0, 3).unwrap().cells, [0, 1, 2, 3]);
+            assert_eq!(search.cheapest(&Costs::new(5, &large).unwrap(), 0, 4).unwrap().cost, 8.0);
         }
     }
 
@@ -336,6 +345,6 @@ mod tests {
         assert_eq!(search.cheapest(&costs, 0, 2), None);
         assert_eq!(search.cheapest(&costs, 1, 2), None);
         assert_eq!(search.cheapest(&costs, 0, 1), None);
-        assert_eq!(search.cheapest(&costs, 2, 2), Some((0.0, vec![2])));
+        assert_eq!(search.cheapest(&costs, 2, 2), Some(GridPath { cost: 0.0, cells: vec![2] }));
     }
 }

@@ -3,10 +3,11 @@
 use std::time::Duration;
 
 use openbench_core::{MapPoint, Pose2, RobotDescription, SimTime, Velocity};
-use openbench_motion::navigator::{Cause, Recovery, Step};
+use openbench_motion::navigator::Cause;
+use openbench_motion::recovery::ladder::{Recovery, Step};
 use openbench_motion::{
     Blocked, Guide, LocalPlanner, Navigation, Navigator, Obstacle, PlanError, Progress, Situation,
-    Surroundings,
+    Surroundings, Vector2,
 };
 
 struct Straight;
@@ -40,7 +41,7 @@ impl LocalPlanner for Timid {
 fn gives_up_after(somebody_for: f64) -> (f64, Vec<Step>) {
     let mut navigator = Navigator::new(&RobotDescription::sentry(), Box::new(Timid)).unwrap();
     navigator.set_goal(MapPoint::new(5.0, 0.0), None);
-    let walker = [Obstacle::new(&[MapPoint::new(0.0, 1.5)], 0.3, [0.3, 0.0]).unwrap()];
+    let walker = [Obstacle::new(&[MapPoint::new(0.0, 1.5)], 0.3, Vector2::new(0.3, 0.0)).unwrap()];
     let mut steps = Vec::new();
     for cycle in 0..4000 {
         let seconds = 0.05 * f64::from(cycle);

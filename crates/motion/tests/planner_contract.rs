@@ -4,12 +4,14 @@ use std::time::Duration;
 
 use openbench_core::frames::wrap_angle;
 use openbench_core::{MapPoint, Pose2, RobotDescription, SimTime, Velocity};
-use openbench_motion::feasible::{Motion, clearance};
+use openbench_motion::Limits;
+use openbench_motion::Motion;
+use openbench_motion::feasible::clearance;
 use openbench_motion::teb::classes::Exploring;
-use openbench_motion::teb::settings::{Limits, Margins};
+use openbench_motion::teb::settings::Margins;
 use openbench_motion::{
     Blocked, Follower, Footprint, LocalPlanner, Mppi, Navigator, Obstacle, Progress, Situation, Teb,
-    TebSettings,
+    TebSettings, Vector2,
 };
 use proptest::prelude::*;
 
@@ -178,7 +180,7 @@ proptest! {
 fn a_drive_repeats_to_the_last_bit() {
     let stones =
         [(1.0, 0.1), (2.2, -0.4), (2.4, 0.7)].map(|(x, y)| Obstacle::disc(MapPoint::new(x, y), 0.2).unwrap());
-    let walker = Obstacle::new(&[MapPoint::new(3.0, -2.0)], 0.25, [0.0, 0.1]).unwrap();
+    let walker = Obstacle::new(&[MapPoint::new(3.0, -2.0)], 0.25, Vector2::new(0.0, 0.1)).unwrap();
     let obstacles = [&stones[..], &[walker]].concat();
     let path = points(&[(0.0, 0.0), (4.0, 0.0), (4.0, 2.0)]);
     for make in PLANNERS {

@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use openbench_core::{MapPoint, Pose2, RobotDescription, SimTime, Velocity};
-use openbench_motion::feasible::Motion;
-use openbench_motion::teb::settings::Limits;
+use openbench_motion::Limits;
+use openbench_motion::Motion;
 use openbench_motion::{LocalPlanner, Obstacle, Situation, Teb, TebSettings};
 
 /// Seconds between two calls.

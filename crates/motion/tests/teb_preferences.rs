@@ -3,9 +3,10 @@
 use std::time::Duration;
 
 use openbench_core::{MapPoint, Pose2, RobotDescription, SimTime, Velocity};
-use openbench_motion::feasible::{Motion, clearance};
-use openbench_motion::teb::settings::Limits;
-use openbench_motion::{Footprint, LocalPlanner, Obstacle, Progress, Situation, Teb, TebSettings};
+use openbench_motion::Limits;
+use openbench_motion::Motion;
+use openbench_motion::feasible::clearance;
+use openbench_motion::{Footprint, LocalPlanner, Obstacle, Progress, Situation, Teb, TebSettings, Vector2};
 
 fn situation(path: &[MapPoint]) -> Situation<'_> {
     let (time, pose, velocity) = (SimTime::ZERO, Pose2::default(), Velocity::ZERO);
@@ -71,7 +72,8 @@ fn touched_at(surprise: Option<f64>, comes_nearer: f64) -> f64 {
     let mut aside = 1.2;
     for cycle in 0..400 {
         let place = MapPoint::new(motion.pose.x, aside);
-        let walker = Obstacle::new(&[place], 0.25, [motion.velocity.linear.max(0.01), 0.0]).unwrap();
+        let walker =
+            Obstacle::new(&[place], 0.25, Vector2::new(motion.velocity.linear.max(0.01), 0.0)).unwrap();
         let seen = [walker, wall.clone()];
         if clearance(&footprint, seen[..1].iter(), motion.pose, 0.0, 1.0) <= 0.0 {
             return motion.velocity.linear.abs();
@@ -102,7 +104,7 @@ fn sets_out_after(surprise: Option<f64>, away: f64, ahead: f64) -> f64 {
     let mut teb =
         Teb::new(&RobotDescription::sentry(), TebSettings { surprise, ..TebSettings::default() }).unwrap();
     let path = [MapPoint::default(), MapPoint::new(30.0 * ahead, 0.0)];
-    let seen = [Obstacle::new(&[MapPoint::new(0.0, away)], 0.25, [0.05, 0.0]).unwrap()];
+    let seen = [Obstacle::new(&[MapPoint::new(0.0, away)], 0.25, Vector2::new(0.05, 0.0)).unwrap()];
     let told = (0..40).find(|cycle| {
         let time = SimTime::ZERO + Duration::from_millis(50) * *cycle;
         match teb.plan(&Situation { time, obstacles: &seen, ..situation(&path) }) {
@@ -136,7 +138,7 @@ fn crosses(yields: Option<f64>, begins: f64) -> (f64, bool) {
     let mut least = 1.0;
     for cycle in 0..400 {
         let place = MapPoint::new(2.0, begins + 0.05 * 1.2 * f64::from(cycle));
-        let seen = [Obstacle::new(&[place], 0.25, [0.0, 1.2]).unwrap()];
+        let seen = [Obstacle::new(&[place], 0.25, Vector2::new(0.0, 1.2)).unwrap()];
         least = clearance(&footprint, seen.iter(), motion.pose, 0.0, least);
         let time = SimTime::ZERO + Duration::from_millis(50) * cycle;
         let now = Situation { time, pose: motion.pose, velocity: motion.velocity, ..situation(&path) };

@@ -1,6 +1,7 @@
 //! An agent: it drives straight at the building whose name the instruction contains, by wheel
 //! odometry and gyroscope, and declares the delivery where an obstacle stops it.
 
+use openbench::{AgentError, AgentRequest};
 use openbench_core::address::fold_name;
 use openbench_core::frames::wrap_angle;
 use openbench_core::{Action, Address, Agent, Briefing, Events, FailureCause, GiveUp, Goal};
@@ -8,8 +9,13 @@ use openbench_core::{LidarPoint, MapPoint, Observation, RobotDescription, Veloci
 use openbench_localization::{DeadReckoning, Localizer};
 use openbench_osm::{OsmData, OsmMap};
 
+/// The agent by its name: `--agent beeline`.
+pub fn make(_: &AgentRequest<'_>) -> Result<Box<dyn Agent>, AgentError> {
+    Ok(Box::new(Beeline::default()))
+}
+
 /// Drives straight at a building.
-pub struct Beeline {
+struct Beeline {
     localizer: DeadReckoning,
     target: Option<(Address, MapPoint)>,
 }

@@ -9,19 +9,18 @@ use openbench_vision::{PlateReader, PlateReading, PpOcr, ReaderError};
 /// Share of the darkest pixels that become black, and of the brightest that become white.
 const CLIPPED: f64 = 0.01;
 
-/// Stretches the contrast of an image, then reads it.
-pub struct Contrast {
-    reader: PpOcr,
+/// The reader by its name: `--set reader=contrast`. `openbench models pull ppocr-v4` downloads its
+/// networks.
+pub fn make() -> Result<Box<dyn PlateReader>, Box<dyn Error + Send + Sync>> {
+    let store = ModelStore::from_environment()?;
+    Ok(Box::new(Contrast {
+        reader: PpOcr::from_store(&store)?,
+    }))
 }
 
-impl Contrast {
-    /// Loads the networks. `openbench models pull ppocr-v4` downloads them.
-    pub fn boxed() -> Result<Box<dyn PlateReader>, Box<dyn Error + Send + Sync>> {
-        let store = ModelStore::from_environment()?;
-        Ok(Box::new(Self {
-            reader: PpOcr::from_store(&store)?,
-        }))
-    }
+/// Stretches the contrast of an image, then reads it.
+struct Contrast {
+    reader: PpOcr,
 }
 
 impl PlateReader for Contrast {

@@ -5,12 +5,12 @@
 //! clearance and speed is driven (equation 13 of the paper, with the distance to a point ahead on
 //! the path instead of the heading towards the goal).
 
-use std::error::Error;
+use std::convert::Infallible;
 
 use openbench_core::frames::wrap_angle;
 use openbench_core::{MapPoint, Pose2, RobotDescription, Velocity};
-use openbench_motion::local::ahead;
-use openbench_motion::{Blocked, LocalPlanner, Progress, Situation};
+use openbench_motion::local::{Entry, ahead};
+use openbench_motion::{Blocked, LocalPlanner, PlannerSettings, Progress, Situation};
 
 /// Duration of a cycle, seconds.
 const CYCLE_S: f64 = 0.05;
@@ -36,13 +36,17 @@ const ENOUGH_CLEARANCE_M: f64 = 0.5;
 const CLEARANCE_WEIGHT: f64 = 0.2;
 const SPEED_WEIGHT: f64 = 0.1;
 
-/// The planner as OPEN takes it.
-pub fn boxed(
-    robot: &RobotDescription,
-) -> Result<Box<dyn LocalPlanner>, Box<dyn Error + Send + Sync>> {
-    Ok(Box::new(DynamicWindow {
-        robot: robot.clone(),
-    }))
+/// The planner by its name: `--set motion=dynamic-window`.
+pub fn entry() -> Entry {
+    Entry::new(
+        "dynamic-window",
+        "Dynamic Window Approach",
+        |settings: &PlannerSettings| {
+            Ok::<_, Infallible>(DynamicWindow {
+                robot: settings.robot.clone(),
+            })
+        },
+    )
 }
 
 /// Chooses among the velocities that can be reached.
@@ -154,8 +158,8 @@ impl LocalPlanner for DynamicWindow {
             let turn = Progress::Drive(self.turn(error));
             return Ok(if has_arrived { Progress::Arrived } else { turn });
         }
-        let (target, _) =
-            ahead(situation.path, pose.point(), LOOKAHEAD_M).ok_or(Blocked::NoPath)?;
+        let ahead = ahead(situation.path, pose.point(), LOOKAHEAD_M).ok_or(Blocked::NoPath)?;
+        let target = ahead.point;
         let (forward, left) = pose.inverse_transform(target);
         let error = libm::atan2(left, forward);
         if error.abs() > TURN_FIRST_RAD {

@@ -18,17 +18,9 @@ use openbench::Extensions;
 
 fn main() -> ExitCode {
     let extensions = Extensions::new()
-        .with_agent("beeline", "drives straight", |_| {
-            Ok(Box::new(beeline::Beeline::default()))
-        })
-        .with_reader("contrast", "PP-OCR on stretched contrast", || {
-            contrast::Contrast::boxed()
-        })
-        .with_local_planner("dynamic-window", "DWA", |robot| {
-            dynamic_window::boxed(robot)
-        })
-        .with_localizer("wheels", "wheels alone", |robot| {
-            Box::new(wheels::Wheels::new(robot))
-        });
+        .with_agent("beeline", "drives straight", beeline::make)
+        .with_reader("contrast", "PP-OCR, stretched contrast", contrast::make)
+        .with_local_planner(dynamic_window::entry())
+        .with_localizer("wheels", "wheels alone", wheels::make);
     openbench::main_with(extensions)
 }

@@ -3,8 +3,13 @@
 use openbench_core::{Observation, Pose2, RobotDescription, SimTime, WheelSample};
 use openbench_localization::Localizer;
 
+/// The localizer by its name: `--set localizer=wheels`.
+pub fn make(robot: &RobotDescription) -> Box<dyn Localizer> {
+    Box::new(Wheels::new(robot))
+}
+
 /// The pose by counting wheel turns.
-pub struct Wheels {
+struct Wheels {
     wheel_radius_m: f64,
     track_m: f64,
     last: Option<WheelSample>,
@@ -12,8 +17,7 @@ pub struct Wheels {
 }
 
 impl Wheels {
-    /// Odometry of a robot.
-    pub fn new(robot: &RobotDescription) -> Self {
+    fn new(robot: &RobotDescription) -> Self {
         let (wheel_radius_m, track_m) = (robot.wheel_radius, robot.wheel_separation);
         Self {
             wheel_radius_m,

@@ -3,16 +3,18 @@
 
 use std::sync::Arc;
 
-use openbench_core::{Registry, RobotDescription, UnknownName};
+use openbench_core::{Registry, UnknownName};
 use openbench_language::{ChatPlanner, GrammarPlanner, Planner};
 use openbench_localization::fixes::Gnss;
 use openbench_localization::{DeadReckoning, Fused, LidarInertial};
-use openbench_motion::{Follower, LocalPlanner, Mppi, Teb};
+use openbench_motion::local::built_in::built_in;
+use openbench_motion::local::{Entry, LocalPlanners};
+use openbench_motion::teb;
 use openbench_osm::OsmData;
 use openbench_vision::{PlateReader, ReaderContext, ReaderRegistry};
 
 use super::models::Models;
-use super::parts::{LocalizerPart, MakeFixes, MakeLocalPlanner, MakeLocalizer, PartError, Parts, ReadFixes};
+use super::parts::{LocalizerPart, MakeFixes, MakeLocalizer, PartError, Parts, ReadFixes};
 use super::settings::{self, Settings, SettingsError};
 
 /// The parts that OPEN can be made of.
@@ -26,7 +28,7 @@ pub struct Catalogue {
     /// Sources of fixes: where the robot is in `map`.
     pub fixes: Registry<Arc<ReadFixes>>,
     /// Local planners.
-    pub local_planners: Registry<Arc<MakeLocalPlanner>>,
+    pub local_planners: LocalPlanners,
 }
 
 impl Default for Catalogue {
@@ -65,24 +67,9 @@ fn fixes() -> Registry<Arc<ReadFixes>> {
     sources.with("gnss", "a satellite receiver", Arc::new(gnss)).with("none", "no fixes", Arc::new(no_fixes))
 }
 
-fn local_planners() -> Registry<Arc<MakeLocalPlanner>> {
-    let planners: Registry<Arc<MakeLocalPlanner>> = Registry::new("local planner");
-    planners
-        .with("teb", "Timed Elastic Band", Arc::new(teb))
-        .with("follower", "pure pursuit that stops before obstacles", Arc::new(follower))
-        .with("mppi", "Model Predictive Path Integral control", Arc::new(mppi))
-}
-
-fn teb(robot: &RobotDescription) -> Result<Box<dyn LocalPlanner>, PartError> {
-    Ok(Box::new(Teb::new(robot, settings::teb())?))
-}
-
-fn follower(robot: &RobotDescription) -> Result<Box<dyn LocalPlanner>, PartError> {
-    Ok(Box::new(Follower::new(robot.clone())?))
-}
-
-fn mppi(robot: &RobotDescription) -> Result<Box<dyn LocalPlanner>, PartError> {
-    Ok(Box::new(Mppi::new(robot, settings::MPPI_SEED)?))
+/// The local planners of `openbench_motion`, with OPEN's settings.
+fn local_planners() -> LocalPlanners {
+    built_in().with(teb::entry_with(settings::teb()))
 }
 
 /// A robot without a receiver gets no fixes from it.
@@ -141,10 +128,10 @@ impl Catalogue {
     /// The local planner of that name.
     ///
     /// # Errors
-    /// [`SettingsError::UnknownPart`] with the names that there are.
-    pub fn local_planner(&self, name: &str) -> Result<Arc<MakeLocalPlanner>, SettingsError> {
+    /// [`SettingsError::Part`] with the names that there are.
+    pub fn local_planner(&self, name: &str) -> Result<Entry, SettingsError> {
         let found = self.local_planners.get(name);
-        found.cloned().map_err(|source| unknown_part("motion", name, source))
+        found.cloned().map_err(|error| part_error("motion", name, error))
     }
 
     /// The plate readers that the setting `reader` lists.

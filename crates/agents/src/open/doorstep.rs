@@ -83,7 +83,7 @@ mod tests {
 
     use super::*;
     use openbench_core::{Georeference, LonLat, RobotDescription};
-    use openbench_motion::RangeRing;
+    use openbench_motion::{RangeRing, ScanPoint};
     use openbench_osm::{OsmData, OsmMap};
 
     /// A door whose plate faces east.
@@ -103,7 +103,7 @@ mod tests {
             OsmMap::new(&OsmData::default(), Georeference::tangent_plane(LonLat { lon: 8.0, lat: 50.0 }));
         let (low, high) = (MapPoint::new(-10.0, -10.0), MapPoint::new(10.0, 10.0));
         let mut costmap = Costmap::new(&map, low, high, &RobotDescription::sentry()).unwrap();
-        let points = seen.iter().map(|point| (*point, 0.3));
+        let points = seen.iter().map(|point| ScanPoint::new(*point, 0.3));
         costmap.observe(&RangeRing::new(MapPoint::new(6.0, 0.0), 0.25, points));
         costmap.inflate();
         costmap

@@ -8,7 +8,7 @@ use openbench_core::{
 use openbench_motion::costmap::window::Window;
 use openbench_motion::{
     Footprint, LocalPlanner, Navigation, Navigator, Obstacle, RangeRing, Surroundings, Tracker,
-    tracking::Newcomers,
+    people::Newcomers,
 };
 
 use crate::open::terrain::Terrain;

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use openbench_core::{
     Action, Address, Briefing, Event, Events, FailureCause, GiveUp, Goal, MapPoint, Observation,
-    PlannedDelivery, PoseEstimate, RobotDescription, SimTime, Velocity,
+    PlannedDelivery, PoseEstimate, RobotDescription, SimTime, Velocity, with_causes,
 };
 use openbench_language::{PlanError, PlanRequest, Planner};
 use openbench_localization::Localizer;
@@ -20,6 +20,7 @@ use crate::open::exploration::{self, Waypoint};
 use crate::open::memory::Memory;
 use crate::open::parts::Parts;
 use crate::open::perception::Perception;
+use crate::open::settings;
 use crate::open::sighting::Sighting;
 use crate::open::terrain::Terrain;
 
@@ -144,7 +145,10 @@ impl Mission {
             .map_err(|e| all(FailureCause::Briefing, e.to_string()))?;
         let queue = understand(parts.planner.as_ref(), briefing, memory.map(), &router, events)?;
         let robot = briefing.robot.clone();
-        let motion = (parts.motion)(&robot).map_err(|e| all(FailureCause::Briefing, e.to_string()))?;
+        let motion = parts
+            .motion
+            .make(&settings::planning(&robot))
+            .map_err(|e| all(FailureCause::Briefing, with_causes(&e)))?;
         let terrain =
             Terrain::new(memory.map().clone(), Some(router), briefing.start.point(), &robot, parts.ground)
                 .map_err(|e| all(FailureCause::Briefing, e.to_string()))?;

@@ -7,16 +7,13 @@ use openbench_core::RobotDescription;
 use openbench_language::Planner;
 use openbench_localization::{FixSource, Localizer};
 use openbench_models::Meter;
-use openbench_motion::LocalPlanner;
 use openbench_motion::costmap::ground::Preferences;
+use openbench_motion::local::Entry;
 use openbench_osm::OsmData;
 use openbench_vision::PlateReader;
 
 /// Why a part cannot be made.
 pub type PartError = Box<dyn Error + Send + Sync>;
-/// Makes a local planner for a robot.
-pub type MakeLocalPlanner =
-    dyn Fn(&RobotDescription) -> Result<Box<dyn LocalPlanner>, PartError> + Send + Sync;
 /// Reads the argument of a source of fixes: what follows the colon in `fixes=NAME:ARGUMENT`, else
 /// nothing.
 pub type ReadFixes = dyn Fn(&str) -> Result<MakeFixes, PartError> + Send + Sync;
@@ -52,7 +49,7 @@ pub struct Parts {
     /// Makes what estimates the robot's pose.
     pub localizer: MakeLocalizer,
     /// Makes what turns paths into velocities.
-    pub motion: Arc<MakeLocalPlanner>,
+    pub motion: Entry,
     /// Which ground is preferred to other.
     pub ground: Preferences,
     /// Doors found in earlier runs, if any are to be remembered.

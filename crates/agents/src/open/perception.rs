@@ -6,7 +6,7 @@ use std::time::Duration;
 use nalgebra::Point3;
 use openbench_core::{LidarScan, MapPoint, Pose2, RobotDescription, SimTime};
 use openbench_localization::Localizer;
-use openbench_motion::RangeRing;
+use openbench_motion::{RangeRing, ScanPoint};
 
 /// Scans of this long are kept.
 const MEMORY: Duration = Duration::from_millis(1000);
@@ -41,7 +41,9 @@ impl Perception {
         }
         let lidar = self.robot.lidar.translation.vector;
         let center = localizer.pose().transform(lidar.x, lidar.y);
-        let flat = points.iter().map(|p| (MapPoint::new(f64::from(p.x), f64::from(p.y)), f64::from(p.z)));
+        let flat = points
+            .iter()
+            .map(|p| ScanPoint::new(MapPoint::new(f64::from(p.x), f64::from(p.y)), f64::from(p.z)));
         let ring = RangeRing::new(center, lidar.z, flat);
         self.scans.push_back((scan.stamp, points));
         while self.scans.front().is_some_and(|(stamp, _)| scan.stamp.since(*stamp) >= MEMORY) {

@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 use std::error::Error;
 
-use openbench_core::UnknownName;
+use openbench_core::{RobotDescription, UnknownName};
 use openbench_models::{Budget, BudgetError};
-use openbench_motion::TebSettings;
 use openbench_motion::costmap::ground::Preferences;
 use openbench_motion::teb::settings::Margins;
+use openbench_motion::{PlannerSettings, TebSettings};
 use openbench_vision::ReaderSettings;
 
 /// The keys of [`Settings`].
@@ -190,8 +190,8 @@ const PATH_COST_S_PER_M: f64 = 12.0;
 /// The camera is level and lower than any plate, so nothing below the horizon is read: the part of
 /// the image above it, with some to spare.
 const IMAGE_PART_ABOVE_HORIZON: f32 = 0.6;
-/// Seed of the sampling controller: runs repeat.
-pub(super) const MPPI_SEED: u64 = 1;
+/// Seed of local planners that draw random numbers: runs repeat.
+const PLANNER_SEED: u64 = 1;
 
 /// The settings of OPEN's Timed Elastic Band.
 pub fn teb() -> TebSettings {
@@ -204,6 +204,11 @@ pub fn teb() -> TebSettings {
     settings.band.margins = MARGINS;
     settings.band.weights.length = PATH_COST_S_PER_M;
     settings
+}
+
+/// The settings that all of OPEN's local planners are made from.
+pub fn planning(robot: &RobotDescription) -> PlannerSettings {
+    PlannerSettings::new(robot.clone()).with_seed(PLANNER_SEED)
 }
 
 /// The settings of OPEN's plate readers.

@@ -8,7 +8,7 @@
 
 use openbench_core::{MapPoint, RobotDescription};
 use openbench_motion::costmap::ground::Preferences;
-use openbench_motion::costmap::overview::Overview;
+use openbench_motion::costmap::overview::{Obstruction, Overview};
 use openbench_motion::{Costmap, CostmapError, Guide, PlanError, Search, costs, plan};
 use openbench_osm::OsmMap;
 use openbench_osm::polygon::Segment;
@@ -120,7 +120,7 @@ impl Terrain {
     /// What is in the way to a place that cannot be reached, in words.
     pub fn obstacle(&self, from: MapPoint, to: MapPoint) -> String {
         match self.overview.bar(&self.map, from, to) {
-            Some((bar, at)) => format!("no way leads to {to} past {bar} at {at}"),
+            Some(Obstruction { bar, at }) => format!("no way leads to {to} past {bar} at {at}"),
             None => format!("no way leads to {to}"),
         }
     }
@@ -309,7 +309,7 @@ fn along(a: MapPoint, b: MapPoint, t: f64) -> MapPoint {
 mod tests {
     use super::*;
     use openbench_core::{Georeference, LonLat};
-    use openbench_motion::RangeRing;
+    use openbench_motion::{RangeRing, ScanPoint};
     use openbench_osm::{Barrier, OsmData};
 
     const MIDDLE: LonLat = LonLat { lon: 8.0, lat: 50.0 };
@@ -358,7 +358,8 @@ mod tests {
         // A hedge that no map has, from rim to rim but for its northern end.
         for north in -24..23 {
             let from = MapPoint::new(8.0, 2.0 * f64::from(north));
-            let hedge = (-20..20).map(|i| (MapPoint::new(10.0, from.y + f64::from(i) / 10.0), 0.3));
+            let hedge =
+                (-20..20).map(|i| ScanPoint::new(MapPoint::new(10.0, from.y + f64::from(i) / 10.0), 0.3));
             terrain.near_mut().observe(&RangeRing::new(from, 0.25, hedge));
         }
         let round = length(&terrain.way(start, goal).unwrap());

@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
-use clap::{Args as ClapArgs, Subcommand, ValueEnum};
+use clap::builder::{PossibleValue, PossibleValuesParser};
+use clap::{Args as ClapArgs, Subcommand};
+use openbench_motion::local::built_in::built_in;
 
 use super::{RoadArgs, values::*};
 
@@ -123,8 +125,8 @@ pub struct BenchMotionArgs {
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// Who drives; may be given several times [default: all of them]
-    #[arg(long = "planner", value_enum, value_delimiter = ',')]
-    pub planners: Vec<PlannerArg>,
+    #[arg(long = "planner", value_parser = local_planner(), value_delimiter = ',')]
+    pub planners: Vec<String>,
     /// Scenes at a time; only CPU times depend on it
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
     pub jobs: u16,
@@ -170,15 +172,10 @@ pub struct BenchPeopleArgs {
     pub json: bool,
 }
 
-/// Local planners.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum PlannerArg {
-    /// Timed Elastic Bands in several classes of ways
-    Teb,
-    /// Pure pursuit that stops before obstacles
-    Follower,
-    /// Model Predictive Path Integral control
-    Mppi,
+/// The names of local planners.
+fn local_planner() -> PossibleValuesParser {
+    let names = built_in().entries().to_vec().into_iter();
+    PossibleValuesParser::new(names.map(|entry| PossibleValue::new(entry.name()).help(entry.description())))
 }
 
 /// Arguments of `bench posegraph`.

@@ -6,9 +6,9 @@ use std::path::Path;
 use anyhow::Context as _;
 use openbench_core::RobotDescription;
 use openbench_trials::motion::picture::picture;
-use openbench_trials::motion::trial::{PlannerKind, Request, Row, Trial, hold};
+use openbench_trials::motion::trial::{Request, Row, Trial, hold, planners};
 
-use crate::args::{BenchMotionArgs, PlannerArg};
+use crate::args::BenchMotionArgs;
 use crate::outcome::{Outcome, say, say_json};
 use crate::progress::progress_bar;
 
@@ -17,12 +17,7 @@ const SHOWN: usize = 20;
 
 /// Drives planners through scenes.
 pub fn run(args: &BenchMotionArgs) -> anyhow::Result<Outcome> {
-    let mut planners: Vec<PlannerKind> = args.planners.iter().map(|p| kind(*p)).collect();
-    if planners.is_empty() {
-        planners = PlannerKind::ALL.to_vec();
-    }
-    planners.sort_unstable();
-    planners.dedup();
+    let planners = planners().select(&args.planners)?;
     let request = Request {
         first: args.first as usize,
         count: args.scenes as usize,
@@ -51,14 +46,6 @@ pub fn run(args: &BenchMotionArgs) -> anyhow::Result<Outcome> {
         say(&table(&trial))?
     }
     Ok(Outcome::Done)
-}
-
-fn kind(planner: PlannerArg) -> PlannerKind {
-    match planner {
-        PlannerArg::Teb => PlannerKind::Teb,
-        PlannerArg::Follower => PlannerKind::Follower,
-        PlannerArg::Mppi => PlannerKind::Mppi,
-    }
 }
 
 fn draw(

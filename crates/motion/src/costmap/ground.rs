@@ -180,9 +180,9 @@ impl Drawing<'_> {
             let y = self.grid.origin.y + (row as f64 + 0.5) * self.grid.cell;
             cuts.clear();
             let crossing = polygon.sides().filter(|side| (side.start.y > y) != (side.end.y > y));
-            cuts.extend(crossing.map(|Segment { start: a, end: b }| {
-                a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x)
-            }));
+            cuts.extend(
+                crossing.map(|Segment { start: a, end: b }| a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x)),
+            );
             cuts.sort_by(f64::total_cmp);
             for pair in cuts.chunks_exact(2) {
                 let column = |x: f64| (x - self.grid.origin.x) / self.grid.cell - 0.5;

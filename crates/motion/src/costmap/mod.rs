@@ -199,7 +199,7 @@ impl Costmap {
     /// The points of a scan where the ground was known to be free a moment ago, away from what stands: who or what has come there.
     pub fn newcomers(&self, ring: &RangeRing) -> Vec<MapPoint> {
         let is_new = |point: &MapPoint| self.grid.cell_at(*point).is_some_and(|cell| self.is_new(cell));
-        ring.obstacles.iter().map(|(point, _)| *point).filter(is_new).collect()
+        ring.obstacles.iter().map(|point| point.at).filter(is_new).collect()
     }
 
     /// Whether a cell was free a moment ago and so were or are those around it.
@@ -338,7 +338,7 @@ impl Costmap {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::obstacles::Beam;
+    use crate::obstacles::{Beam, ScanPoint};
     use openbench_core::{Georeference, LonLat};
     use openbench_osm::{Area, Barrier, ElementId, ElementKind, OsmData, Polygon};
 
@@ -354,7 +354,7 @@ pub(crate) mod tests {
     pub(crate) fn see_wall(costmap: &mut Costmap, from: MapPoint, to: MapPoint) {
         let points = (0..=200).map(|i| {
             let t = f64::from(i) / 200.0;
-            (MapPoint::new(from.x + t * (to.x - from.x), from.y + t * (to.y - from.y)), 0.3)
+            ScanPoint::new(MapPoint::new(from.x + t * (to.x - from.x), from.y + t * (to.y - from.y)), 0.3)
         });
         costmap.observe(&RangeRing::new(MapPoint::default(), 0.25, points));
         costmap.inflate();
@@ -388,7 +388,7 @@ pub(crate) mod tests {
         assert_eq!(costmap.cost(beside), None);
         assert!(!costmap.is_clear(MapPoint::new(0.0, 0.0), MapPoint::new(4.0, 0.0)));
         // The wall has gone: beams reach the ground behind it.
-        let ground = |i: i32| (MapPoint::new(5.0, f64::from(i) / 20.0), 0.0);
+        let ground = |i: i32| ScanPoint::new(MapPoint::new(5.0, f64::from(i) / 20.0), 0.0);
         for _ in 0..12 {
             costmap.observe(&RangeRing::new(MapPoint::default(), 0.25, (-60..60).map(ground)));
         }
@@ -401,7 +401,11 @@ pub(crate) mod tests {
         see_wall(&mut costmap, MapPoint::new(2.0, -1.0), MapPoint::new(2.0, 1.0));
         let wall = costmap.grid().cell_at(MapPoint::new(2.0, 0.0)).unwrap();
         let elsewhere = || {
-            RangeRing::new(MapPoint::new(-9.0, 0.0), 0.25, std::iter::once((MapPoint::new(-9.5, 0.0), 0.3)))
+            RangeRing::new(
+                MapPoint::new(-9.0, 0.0),
+                0.25,
+                std::iter::once(ScanPoint::new(MapPoint::new(-9.5, 0.0), 0.3)),
+            )
         };
         for (scans, is_known) in [(599, true), (2, false)] {
             (0..scans).for_each(|_| costmap.observe(&elsewhere()));
@@ -435,9 +439,9 @@ pub(crate) mod tests {
     fn a_low_obstacle_stays_though_beams_pass_over_it() {
         let mut costmap = open_ground();
         // A kerb of 12 cm, seen from afar; then the robot stands before it, and its lowest beam reaches the ground behind.
-        let kerb = (0..=40).map(|i| (MapPoint::new(2.0, f64::from(i) * 0.05 - 1.0), 0.12));
+        let kerb = (0..=40).map(|i| ScanPoint::new(MapPoint::new(2.0, f64::from(i) * 0.05 - 1.0), 0.12));
         costmap.observe(&RangeRing::new(MapPoint::default(), 0.25, kerb));
-        let behind = |i: i32| (MapPoint::new(3.7, f64::from(i) / 30.0), 0.0);
+        let behind = |i: i32| ScanPoint::new(MapPoint::new(3.7, f64::from(i) / 30.0), 0.0);
         for _ in 0..30 {
             costmap.observe(&RangeRing::new(MapPoint::new(1.4, 0.0), 0.25, (-60..60).map(behind)));
         }
@@ -455,7 +459,7 @@ pub(crate) mod tests {
         });
         let (low, high) = (MapPoint::new(-10.0, -10.0), MapPoint::new(10.0, 10.0));
         let mut costmap = Costmap::new(&map, low, high, &RobotDescription::sentry()).unwrap();
-        let beyond = |i: i32| (MapPoint::new(9.5, f64::from(i) / 20.0), 0.0);
+        let beyond = |i: i32| ScanPoint::new(MapPoint::new(9.5, f64::from(i) / 20.0), 0.0);
         for _ in 0..12 {
             costmap.observe(&RangeRing::new(MapPoint::default(), 0.25, (-60..60).map(beyond)));
         }

@@ -61,6 +61,15 @@ impl std::fmt::Display for Bar {
     }
 }
 
+/// What bars the way somewhere.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Obstruction {
+    /// What it is.
+    pub bar: Bar,
+    /// Where, in `map`.
+    pub at: MapPoint,
+}
+
 /// Remembers what was seen, and finds ways.
 #[derive(Debug, Clone)]
 pub struct Overview {
@@ -118,8 +127,8 @@ impl Overview {
         costs(&self.lay(map, from, to), from, to, f64::INFINITY)
     }
 
-    /// What stands first on the straight line between two places, and where.
-    pub fn bar(&self, map: &OsmMap, from: MapPoint, to: MapPoint) -> Option<(Bar, MapPoint)> {
+    /// What stands first on the straight line between two places.
+    pub fn bar(&self, map: &OsmMap, from: MapPoint, to: MapPoint) -> Option<Obstruction> {
         let costmap = self.lay(map, from, &[to]);
         let steps = (from.distance(to) / costmap.grid.cell).ceil().max(1.0) as usize;
         (0..=steps).find_map(|i| {
@@ -132,7 +141,7 @@ impl Overview {
                 Barred::Solid if map.buildings.iter().any(|b| b.polygon.contains(at)) => Bar::Building,
                 Barred::Solid => Bar::Barrier,
             };
-            Some((bar, at))
+            Some(Obstruction { bar, at })
         })
     }
 
@@ -193,7 +202,7 @@ mod tests {
         let end = MapPoint::new(400.0, 150.0);
         let shortest = from.distance(end) + end.distance(to);
         assert!((shortest..1.02 * shortest).contains(&length(&way)), "{} for {shortest}", length(&way));
-        assert_eq!(overview.bar(&map, from, to).map(|(bar, _)| bar), Some(Bar::Barrier));
+        assert_eq!(overview.bar(&map, from, to).map(|found| found.bar), Some(Bar::Barrier));
         assert_eq!(overview.bar(&map, from, MapPoint::new(100.0, 0.0)), None);
     }
 
@@ -207,7 +216,7 @@ mod tests {
         overview.note(&near);
         let round = length(&overview.way(&empty_map(), from, to).unwrap());
         assert!(straight < 4.1 && round > 15.0, "{straight} {round}");
-        assert_eq!(overview.bar(&empty_map(), from, to).map(|(bar, _)| bar), Some(Bar::Seen));
+        assert_eq!(overview.bar(&empty_map(), from, to).map(|found| found.bar), Some(Bar::Seen));
         assert!(overview.forget() && !overview.forget());
         assert!(length(&overview.way(&empty_map(), from, to).unwrap()) < 4.1);
     }

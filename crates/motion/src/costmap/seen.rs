@@ -3,7 +3,7 @@
 use openbench_core::MapPoint;
 use openbench_grid::GridGeometry;
 
-use crate::obstacles::{Beam, RangeRing};
+use crate::obstacles::{Beam, RangeRing, ScanPoint};
 
 /// Evidence of one hit, and its bounds; one miss counts -1.
 const HIT: i8 = 4;
@@ -91,8 +91,8 @@ impl Seen {
                 }
             }
         }
-        for &(point, height) in &ring.obstacles {
-            let Some(cell) = grid.cell_at(point).filter(|_| !moves(point)) else { continue };
+        for &ScanPoint { at, height } in &ring.obstacles {
+            let Some(cell) = grid.cell_at(at).filter(|_| !moves(at)) else { continue };
             let cell = &mut self.cells[cell];
             let before = if cell.evidence > 0 { cell.top } else { 0 };
             cell.top = before.max((height * 100.0) as u8);
@@ -213,7 +213,7 @@ mod tests {
         let grid = GridGeometry { origin: MapPoint::new(-1.0, -1.0), width: 40, height: 20, cell: 0.1 };
         let mut seen = Seen::nothing(grid.len());
         let post = MapPoint::new(2.05, 0.05);
-        let ring = RangeRing::new(MapPoint::default(), 0.25, std::iter::once((post, 0.3)));
+        let ring = RangeRing::new(MapPoint::default(), 0.25, std::iter::once(ScanPoint::new(post, 0.3)));
         (0..scans).for_each(|_| seen.observe(&grid, &ring, |_| false));
         seen.forget();
         [MapPoint::new(1.05, 0.02), post].map(|at| seen.cells[grid.cell_at(at).unwrap()])

@@ -4,6 +4,7 @@ use openbench_core::MapPoint;
 
 use crate::costmap::Costmap;
 use crate::shape::Obstacle;
+use crate::vector::Vector2;
 
 /// Length of the longest wall, metres: long ones are near to much that they do not touch.
 const LONGEST: f64 = 1.0;
@@ -61,6 +62,6 @@ impl Costmap {
         let center = |at: (i64, i64)| self.grid().cell_in(at.0, at.1).map(|cell| self.grid().center(cell));
         let ends = [center(from)?, center(to)?];
         let corners = if from == to { &ends[..1] } else { &ends[..] };
-        Obstacle::new(corners, self.grid().cell / 2.0, [0.0; 2]).ok()
+        Obstacle::new(corners, self.grid().cell / 2.0, Vector2::ZERO).ok()
     }
 }

@@ -95,6 +95,7 @@ impl Window {
 mod tests {
     use super::*;
     use crate::costmap::tests::open_ground;
+    use crate::obstacles::ScanPoint;
     use openbench_core::RobotDescription;
 
     #[test]
@@ -102,8 +103,10 @@ mod tests {
         let whole = open_ground();
         let mut window = Window::new(&whole, MapPoint::default());
         let post = MapPoint::new(2.03, 1.03);
-        window
-            .observe_but(&RangeRing::new(MapPoint::default(), 0.25, std::iter::once((post, 0.3))), |_| false);
+        window.observe_but(
+            &RangeRing::new(MapPoint::default(), 0.25, std::iter::once(ScanPoint::new(post, 0.3))),
+            |_| false,
+        );
         let near = |window: &Window| window.obstacles_near(post, 0.5);
         assert_eq!(near(&window).len(), 1);
         let place = near(&window)[0].middle();

@@ -26,18 +26,18 @@
 //!
 //! | module | its one job |
 //! |---|---|
-//! | [`band`] | poses and times, resized |
 //! | [`terms`] | what is minimized, with derivatives |
 //! | [`normal`] | banded normal equations |
 //! | [`optimize`] | Levenberg and Marquardt |
 //! | [`classes`] | homotopy classes and the cheapest way of each |
 //! | [`planner`] | several bands from cycle to cycle, the best one driven |
-//! | [`settings`] | limits, weights, margins |
+//! | [`settings`] | weights, margins |
 
-pub mod band;
 pub mod classes;
 pub mod normal;
 pub mod optimize;
 pub mod planner;
 pub mod settings;
 pub mod terms;
+
+pub use planner::{entry, entry_with};

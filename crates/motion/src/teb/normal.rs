@@ -27,6 +27,15 @@ impl Sink for Total {
     }
 }
 
+/// A step of all variables.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step<'a> {
+    /// By how much each variable moves.
+    pub by: &'a [f64],
+    /// By how much the sum of squares would fall were it quadratic.
+    pub fall: f64,
+}
+
 /// JᵀWJ, JᵀWr and rᵀWr.
 #[derive(Debug, Clone, Default)]
 pub struct Normal {
@@ -81,8 +90,8 @@ impl Normal {
         }
     }
 
-    /// The step that minimizes the sum of squares and, `damping` times, of the step itself (Levenberg), and by how much the sum would fall were it quadratic; `None` if the numbers do not allow for one.
-    pub fn step(&mut self, damping: f64) -> Option<(&[f64], f64)> {
+    /// The step that minimizes the sum of squares and, `damping` times, of the step itself (Levenberg); `None` if the numbers do not allow for one.
+    pub fn step(&mut self, damping: f64) -> Option<Step<'_>> {
         self.factor.clone_from(&self.matrix);
         for (i, row) in self.factor.iter_mut().enumerate() {
             row[WIDTH - 1] += damping * SCALE[i % BLOCK];
@@ -91,7 +100,7 @@ impl Normal {
         self.substitute();
         let each = self.step.iter().zip(&self.gradient).enumerate();
         let fall = each.map(|(i, (step, g))| step * (damping * SCALE[i % BLOCK] * step - g)).sum();
-        Some((&self.step, fall))
+        Some(Step { by: &self.step, fall })
     }
 
     /// Cholesky, row by row: each entry is one short scalar product of two rows.
@@ -176,7 +185,7 @@ mod tests {
             }
             let expected = matrix.cholesky().map(|c| -c.solve(&right));
             match (normal.step(damping), expected) {
-                (Some((step, fall)), Some(expected)) => {
+                (Some(Step { by: step, fall }), Some(expected)) => {
                     prop_assert!(fall >= 0.0);
                     let scale = expected.amax().max(1.0);
                     prop_assert!(step.iter().zip(expected.iter()).all(|(a, b)| (a - b).abs() < 1e-6 * scale));

@@ -2,9 +2,9 @@
 
 use openbench_core::{MapPoint, Pose2};
 
-use crate::teb::band::{Band, Knot};
 use crate::teb::normal::{BLOCK, Normal, Total};
-use crate::teb::terms::{Frozen, Problem, collect};
+use crate::teb::terms::{Frozen, Problem, Via, collect};
+use crate::trajectory::{Band, Knot};
 
 /// How much is done for a band.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -92,7 +92,7 @@ impl Optimizer {
         for via in vias {
             let away = |i: &usize| knots[*i].pose.point().distance(*via);
             let nearest = (1..knots.len() - 1).min_by(|a, b| away(a).total_cmp(&away(b)));
-            self.frozen.vias.extend(nearest.map(|i| (i, *via)));
+            self.frozen.vias.extend(nearest.map(|knot| Via { knot, point: *via }));
         }
     }
 
@@ -103,9 +103,9 @@ impl Optimizer {
         for _ in 0..effort.steps {
             let trial = self.trial.get_or_insert_with(|| band.clone());
             trial.clone_from(band);
-            let foreseen = self.normal.step(self.damping).map(|(step, fall)| {
-                take(trial.knots_mut(), step);
-                fall
+            let foreseen = self.normal.step(self.damping).map(|step| {
+                take(trial.knots_mut(), step.by);
+                step.fall
             });
             let mut total = Total::default();
             collect(trial, problem, &self.frozen, &mut total);

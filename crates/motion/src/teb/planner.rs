@@ -2,20 +2,21 @@
 
 use openbench_core::{MapPoint, RobotDescription, SimTime, Velocity, frames::wrap_angle};
 
+use crate::checks::{SettingsError, finite, positive};
 use crate::feasible::{clearance, first_conflict};
-use crate::leave::{KEEP, leave};
-use crate::local::{Blocked, LocalPlanner, Progress, Situation, ahead};
-use crate::maneuver::maneuver;
+use crate::limits::Limits;
+use crate::local::{Blocked, Entry, LocalPlanner, PathPoint, PlannerSettings, Progress, Situation, ahead};
+use crate::people::caution::Hesitation;
+use crate::recovery::leave::{KEEP, leave};
+use crate::recovery::maneuver::maneuver;
 use crate::shape::{Footprint, Obstacle, ShapeError};
-use crate::teb::band::Band;
-use crate::teb::classes::{Clumps, Explorer, Exploring, Signature};
+use crate::teb::classes::{Clusters, Explorer, Exploring, Passing, Signature};
 use crate::teb::optimize::{Effort, Optimizer};
-use crate::teb::settings::{Limits, Settings, SettingsError, finite, positive};
+use crate::teb::settings::Settings;
 use crate::teb::terms::Problem;
+use crate::trajectory::Band;
 
 mod command;
-
-pub use command::wanted;
 
 /// A goal that moves further than this at once is another one, metres.
 const ELSEWHERE: f64 = 1.0;
@@ -123,6 +124,18 @@ pub enum TebError {
     Footprint(#[from] ShapeError),
 }
 
+/// Its entry among the local planners.
+pub fn entry() -> Entry {
+    entry_with(TebSettings::default())
+}
+
+/// Its entry with settings of one's own.
+pub fn entry_with(own: TebSettings) -> Entry {
+    Entry::new("teb", "Timed Elastic Bands in several classes of ways", move |settings: &PlannerSettings| {
+        Teb::new(&settings.robot, own)
+    })
+}
+
 /// A band that is kept from cycle to cycle.
 #[derive(Debug, Clone)]
 pub struct Candidate {
@@ -152,7 +165,7 @@ pub struct Teb {
     settings: TebSettings,
     optimizer: Optimizer,
     explorer: Explorer,
-    clumps: Clumps,
+    clusters: Clusters,
     /// The one that is driven comes first.
     candidates: Vec<Candidate>,
     last: Option<(SimTime, MapPoint)>,
@@ -163,8 +176,7 @@ pub struct Teb {
     way_out: Option<Band>,
     /// When a maneuver was last looked for.
     searched: Option<SimTime>,
-    /// Since when there has been a way to drive.
-    free: Option<SimTime>,
+    hesitation: Hesitation,
 }
 
 /// Where a band is to end.
@@ -190,14 +202,14 @@ impl Teb {
             settings,
             optimizer: Optimizer::default(),
             explorer: Explorer::default(),
-            clumps: Clumps::default(),
+            clusters: Clusters::default(),
             candidates: Vec::new(),
             last: None,
             turning: false,
             wedged: false,
             way_out: None,
             searched: None,
-            free: None,
+            hesitation: Hesitation::default(),
         })
     }
 
@@ -208,7 +220,8 @@ impl Teb {
 
     fn end(&self, situation: &Situation<'_>) -> End {
         let from = situation.pose.point();
-        let (point, last) = ahead(situation.path, from, self.settings.horizon).unwrap_or((from, true));
+        let PathPoint { point, is_end: last } = ahead(situation.path, from, self.settings.horizon)
+            .unwrap_or(PathPoint { point: from, is_end: true });
         End { point, yaw: situation.final_yaw.filter(|_| last), stops: last }
     }
 
@@ -238,10 +251,10 @@ impl Teb {
         let (moving, standing): (Vec<Obstacle>, Vec<Obstacle>) =
             situation.obstacles.iter().cloned().partition(Obstacle::is_moving);
         let mut ways = self.explorer.explore(start, end.point, &standing, &how);
-        self.clumps = self.explorer.take_clumps();
-        self.clumps.set_moving(&moving, start);
+        self.clusters = self.explorer.take_clusters();
+        self.clusters.set_moving(&moving, start);
         for candidate in &mut self.candidates {
-            candidate.signature = signature(&self.clumps, &candidate.band);
+            candidate.signature = signature(&self.clusters, &candidate.band);
         }
         if !moving.is_empty() {
             let met = moving.iter().map(|o| self.when_met(o)).chain(standing).collect::<Vec<_>>();
@@ -262,7 +275,7 @@ impl Teb {
         let at_once = if self.leads() { 1 } else { most };
         let mut new: Vec<Candidate> = Vec::new();
         for band in drafts {
-            let signature = signature(&self.clumps, &band);
+            let signature = signature(&self.clusters, &band);
             let known = self.candidates.iter().chain(&new).any(|c| c.signature == signature && !c.tangled);
             let room = new.len() < at_once && self.candidates.len() + new.len() < most;
             if !known && room {
@@ -277,10 +290,10 @@ impl Teb {
         let Some(band) = self.candidates.first().filter(|_| obstacle.is_moving()).map(|c| &c.band) else {
             return obstacle.clone();
         };
-        let [vx, vy] = obstacle.velocity();
+        let v = obstacle.velocity();
         let middle = obstacle.middle();
         let apart = |time: f64| {
-            MapPoint::new(middle.x + vx * time, middle.y + vy * time).distance(band.pose_at(time).point())
+            MapPoint::new(middle.x + v.x * time, middle.y + v.y * time).distance(band.pose_at(time).point())
         };
         let times = band.knots().iter().map(|k| k.time);
         obstacle.after(times.min_by(|a, b| apart(*a).total_cmp(&apart(*b))).unwrap_or(0.0))
@@ -291,7 +304,7 @@ impl Teb {
         let Some(every) = self.settings.via else { return Vec::new() };
         let count = (self.settings.horizon / every).min(MOST_VIAS) as usize;
         let at = |i: usize| ahead(situation.path, situation.pose.point(), i as f64 * every);
-        (1..=count).filter_map(at).take_while(|(_, last)| !last).map(|(point, _)| point).collect()
+        (1..=count).filter_map(at).take_while(|ahead| !ahead.is_end).map(|ahead| ahead.point).collect()
     }
 
     fn improve(&mut self, new: Vec<Candidate>, situation: &Situation<'_>, end: &End) {
@@ -329,7 +342,7 @@ impl Teb {
             if let Some(before) = kept {
                 *candidate = Candidate { tangled: true, ..before };
             }
-            candidate.signature = signature(&self.clumps, &candidate.band);
+            candidate.signature = signature(&self.clusters, &candidate.band);
         }
     }
 
@@ -370,7 +383,7 @@ impl Teb {
         }
         if let Some(band) = self.search(situation, end) {
             let conflict = first_conflict(&self.footprint, &self.limits, situation.obstacles, &band, SURE);
-            let signature = signature(&self.clumps, &band);
+            let signature = signature(&self.clusters, &band);
             self.candidates.insert(0, Candidate { band, signature, cost: 0.0, conflict, tangled: false });
         }
     }
@@ -413,7 +426,7 @@ impl Teb {
 
     fn driven_out(&self, situation: &Situation<'_>) -> Option<Progress> {
         let band = self.way_out.as_ref().filter(|band| self.keeps(situation, band))?;
-        let velocity = self.secured(situation, wanted(band, &self.limits), Some(band)).ok()?.velocity()?;
+        let velocity = self.secured(situation, band.command(&self.limits), Some(band)).ok()?.velocity()?;
         Some(Progress::Slowed(velocity, Blocked::Touching))
     }
 }
@@ -427,7 +440,7 @@ impl LocalPlanner for Teb {
         self.turning = end.stops && off <= near;
         if self.turning {
             self.candidates.clear();
-            self.free = None;
+            self.hesitation.forget();
             let error = end.yaw.map_or(0.0, |yaw| wrap_angle(yaw - situation.pose.yaw));
             let there = error.abs() <= self.settings.yaw_tolerance;
             return if there { Ok(Progress::Arrived) } else { self.turn(situation, error) };
@@ -436,7 +449,7 @@ impl LocalPlanner for Teb {
         if self.wedged {
             if let Some(progress) = self.drive_out(situation, &end) {
                 self.candidates.clear();
-                self.free = None;
+                self.hesitation.forget();
                 self.last = Some((situation.time, end.point));
                 return Ok(progress);
             }
@@ -453,19 +466,21 @@ impl LocalPlanner for Teb {
     }
 
     fn among_people(&self, situation: &Situation<'_>, velocity: Velocity) -> Velocity {
-        let wary = self.wary(situation, velocity, None);
-        if self.cuts_off(situation, wary, None) { Velocity::ZERO } else { wary }
+        let caution = self.caution();
+        let slowed = caution.slowed(situation, velocity, None);
+        if caution.cuts_off(situation, slowed, None) { Velocity::ZERO } else { slowed }
     }
 
     fn reset(&mut self) {
         self.candidates.clear();
-        (self.last, self.searched, self.way_out, self.free) = (None, None, None, None);
+        (self.last, self.searched, self.way_out) = (None, None, None);
+        self.hesitation.forget();
         (self.turning, self.wedged) = (false, false);
     }
 }
 
-fn signature(clumps: &Clumps, band: &Band) -> Signature {
-    clumps.signature(band.knots().iter().map(|k| (k.pose.point(), k.time)))
+fn signature(clusters: &Clusters, band: &Band) -> Signature {
+    clusters.signature(band.knots().iter().map(|k| Passing { point: k.pose.point(), time: k.time }))
 }
 
 /// -1, 0 or 1.

@@ -5,10 +5,11 @@
 
 use openbench_core::{MapPoint, Velocity};
 
+use crate::limits::Limits;
 use crate::shape::{Footprint, Obstacle};
-use crate::teb::band::{Band, Knot};
 use crate::teb::normal::{BLOCK, Sink};
-use crate::teb::settings::{Limits, Settings};
+use crate::teb::settings::Settings;
+use crate::trajectory::{Band, Knot};
 
 /// Two knots of variables.
 const PAIR: usize = 2 * BLOCK;
@@ -44,8 +45,14 @@ pub struct Problem<'a> {
     pub side: f64,
 }
 
-/// A point to pass by, and the knot that is to.
-pub type Via = (usize, MapPoint);
+/// A point to pass by.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Via {
+    /// The knot that is to.
+    pub knot: usize,
+    /// Where, in `map`.
+    pub point: MapPoint,
+}
 
 /// What does not change while a band is improved: for each knot the seconds that it stands for, and points to pass by.
 #[derive(Debug, Clone, Default)]
@@ -127,7 +134,7 @@ pub fn collect(band: &Band, problem: &Problem<'_>, frozen: &Frozen, sink: &mut i
         stop(knots.len() - 2, &last, frozen.steps[knots.len() - 2], problem, sink);
     }
     let weight = problem.settings.weights.via;
-    for &(knot, point) in &frozen.vias {
+    for &Via { knot, point } in &frozen.vias {
         let at = &knots[knot].pose;
         sink.add(knot, weight, at.x - point.x, &[1.0, 0.0, 0.0, 0.0]);
         sink.add(knot, weight, at.y - point.y, &[0.0, 1.0, 0.0, 0.0]);
@@ -150,7 +157,7 @@ fn obstacles(i: usize, knot: &Knot, problem: &Problem<'_>, frozen: &Frozen, sink
         }
         let n = near.normal;
         let velocity = obstacle.velocity();
-        let away = n[0] * velocity[0] + n[1] * velocity[1];
+        let away = n.dot(velocity);
         let gradient = [-near.gradient[0], -near.gradient[1], -near.gradient[2], -away];
         let depth = comfort - near.distance;
         // As if the whole depth were one unit: what comfort is worth does not depend on how wide it is.
@@ -291,6 +298,7 @@ fn change(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::vector::Vector2;
     use openbench_core::{Pose2, RobotDescription};
     use proptest::prelude::*;
 
@@ -310,10 +318,10 @@ mod tests {
         let at = MapPoint::new;
         let square = [at(1.2, 0.2), at(1.6, 0.2), at(1.6, 0.7), at(1.2, 0.7)];
         vec![
-            Obstacle::new(&square, 0.0, [0.0; 2]).unwrap(),
+            Obstacle::new(&square, 0.0, Vector2::ZERO).unwrap(),
             Obstacle::disc(at(0.8, -0.5), 0.2).unwrap(),
             Obstacle::wall(at(0.5, -1.0), at(2.0, -0.6)).unwrap(),
-            Obstacle::new(&[at(1.5, 1.0)], 0.25, [0.2, -0.9]).unwrap(),
+            Obstacle::new(&[at(1.5, 1.0)], 0.25, Vector2::new(0.2, -0.9)).unwrap(),
         ]
     }
 
@@ -339,7 +347,7 @@ mod tests {
                 Knot { pose: Pose2::new(0.4 * i as f64 + x, *y, *yaw), time }
             }).collect();
             let frozen = Frozen { steps: vec![0.2; 4],
-                lengths: vec![0.3, 0.4, 0.0, 0.5], allowed: vec![f64::INFINITY, 0.01, 0.02, 1.0, 1.0], vias: vec![(2, MapPoint::new(0.9, 0.2))], firmness: 1.0 };
+                lengths: vec![0.3, 0.4, 0.0, 0.5], allowed: vec![f64::INFINITY, 0.01, 0.02, 1.0, 1.0], vias: vec![Via { knot: 2, point: MapPoint::new(0.9, 0.2) }], firmness: 1.0 };
             let residuals = |knots: &[Knot]| {
                 let mut list = List::default();
                 collect(&Band::new(knots.to_vec()).unwrap(), &problem, &frozen, &mut list);

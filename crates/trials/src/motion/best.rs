@@ -6,14 +6,16 @@
 use openbench_core::frames::wrap_angle;
 use openbench_core::{MapPoint, Pose2, RobotDescription, Velocity};
 use openbench_grid::GridGeometry;
+use openbench_motion::Limits;
 use openbench_motion::feasible::clearance;
-use openbench_motion::maneuver::maneuver;
-use openbench_motion::teb::band::{Band, Knot};
+use openbench_motion::recovery::maneuver::maneuver;
 use openbench_motion::teb::classes::{Explorer, Exploring};
 use openbench_motion::teb::optimize::{Effort, Optimizer};
-use openbench_motion::teb::settings::{Limits, Margins, Resolution, Settings, Weights};
+use openbench_motion::teb::settings::{Margins, Settings, Weights};
 use openbench_motion::teb::terms::Problem;
-use openbench_motion::{Footprint, Obstacle};
+use openbench_motion::trajectory::Resolution;
+use openbench_motion::trajectory::{Band, Knot};
+use openbench_motion::{Footprint, Obstacle, Vector2};
 
 use super::drive::is_there;
 use super::retime::retimed;
@@ -73,8 +75,8 @@ pub fn polished(scene: &Scene, robot: &RobotDescription, track: &[Pose2], second
 
 /// Where the goal will be once the estimate has jumped.
 fn true_goal(scene: &Scene) -> Pose2 {
-    let by = scene.jump.map_or([0.0; 2], |j| j.by);
-    Pose2::new(scene.goal.x - by[0], scene.goal.y - by[1], scene.goal.yaw)
+    let by = scene.jump.map_or(Vector2::ZERO, |j| j.by);
+    Pose2::new(scene.goal.x - by.x, scene.goal.y - by.y, scene.goal.yaw)
 }
 
 struct Search<'a> {

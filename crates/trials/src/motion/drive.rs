@@ -7,13 +7,15 @@ use std::time::Duration;
 use cpu_time::ThreadTime;
 use openbench_core::frames::wrap_angle;
 use openbench_core::{MapPoint, Pose2, RobotDescription, SimTime, Velocity};
-use openbench_motion::feasible::{Motion, clearance};
-use openbench_motion::navigator::{Cause, NavigatorError, Step};
+use openbench_motion::Limits;
+use openbench_motion::Motion;
+use openbench_motion::feasible::clearance;
+use openbench_motion::navigator::{Cause, NavigatorError};
+use openbench_motion::recovery::ladder::Step;
 use openbench_motion::teb::classes::{Explorer, Exploring};
-use openbench_motion::teb::settings::Limits;
 use openbench_motion::{
     Blocked, Footprint, Guide, LocalPlanner, Navigation, Navigator, Obstacle, PlanError, Progress, Situation,
-    Surroundings,
+    Surroundings, Vector2,
 };
 
 use super::scene::Scene;
@@ -134,9 +136,9 @@ pub fn drive(
     let mut turned = 0.0;
     for cycle in 0..(limit / CYCLE) as usize {
         let time = cycle as f64 * CYCLE;
-        let by = scene.jump.filter(|j| time >= j.at).map_or([0.0; 2], |j| j.by);
+        let by = scene.jump.filter(|j| time >= j.at).map_or(Vector2::ZERO, |j| j.by);
         let seen = seen(scene, motion.pose, time, by);
-        let pose = Pose2::new(motion.pose.x + by[0], motion.pose.y + by[1], motion.pose.yaw);
+        let pose = Pose2::new(motion.pose.x + by.x, motion.pose.y + by.y, motion.pose.yaw);
         drive.track.push(motion.pose);
         let standing = seen.iter().filter(|o| !o.is_moving()).cloned().collect();
         let mut guide = SceneGuide { explorer: &mut explorer, standing, how: exploring(&footprint) };
@@ -207,14 +209,14 @@ pub fn is_there(pose: Pose2, goal: Pose2) -> bool {
     pose.point().distance(goal.point()) < TOLERANCE.0 && wrap_angle(pose.yaw - goal.yaw).abs() < TOLERANCE.1
 }
 
-fn seen(scene: &Scene, pose: Pose2, time: f64, by: [f64; 2]) -> Vec<Obstacle> {
+fn seen(scene: &Scene, pose: Pose2, time: f64, by: Vector2) -> Vec<Obstacle> {
     let now = scene.obstacles.iter().map(|o| o.after(time));
     let near = now.filter(|o| o.distance_to(pose.point()) < SIGHT);
     near.map(|o| shifted(&o, by)).collect()
 }
 
-fn shifted(o: &Obstacle, by: [f64; 2]) -> Obstacle {
-    let (corners, rounding) = o.outline();
-    let corners: Vec<MapPoint> = corners.map(|c| MapPoint::new(c.x + by[0], c.y + by[1])).collect();
+fn shifted(o: &Obstacle, by: Vector2) -> Obstacle {
+    let (corners, rounding) = (o.corners(), o.rounding());
+    let corners: Vec<MapPoint> = corners.map(|c| MapPoint::new(c.x + by.x, c.y + by.y)).collect();
     Obstacle::new(&corners, rounding, o.velocity()).unwrap_or_else(|_| o.clone())
 }

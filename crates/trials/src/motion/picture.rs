@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use openbench_core::{MapPoint, Pose2, RobotDescription};
-use openbench_motion::Obstacle;
+use openbench_motion::{Obstacle, Vector2};
 
 use super::drive::Drive;
 use super::scene::Scene;
@@ -41,14 +41,14 @@ pub fn picture(scene: &Scene, drive: &Drive, robot: &RobotDescription) -> String
 }
 
 fn obstacle(svg: &mut String, obstacle: &Obstacle) {
-    let (corners, rounding) = obstacle.outline();
+    let (corners, rounding) = (obstacle.corners(), obstacle.rounding());
     let color = if obstacle.is_moving() { "#dd6b20" } else { "#a0aec0" };
     let corners: Vec<MapPoint> = corners.collect();
     let width = (2.0 * rounding).max(0.02);
     if let [middle] = corners[..] {
         let (x, y) = (middle.x, middle.y);
         let _ = writeln!(svg, "<circle cx=\"{x:.3}\" cy=\"{y:.3}\" r=\"{rounding:.3}\" fill=\"{color}\"/>");
-        let [vx, vy] = obstacle.velocity();
+        let Vector2 { x: vx, y: vy } = obstacle.velocity();
         let _ = writeln!(svg, "<path d=\"M{x:.3} {y:.3}l{vx:.3} {vy:.3}\" stroke=\"{color}\"/>");
     } else {
         polygon(svg, &corners, &format!("fill=\"{color}\" stroke=\"{color}\" stroke-width=\"{width:.3}\""));

@@ -4,8 +4,9 @@
 //! Backwards from the end, K is the largest z at each knot from which the rest can be driven; forwards from the start, z rises as much as it may.
 
 use openbench_core::Pose2;
-use openbench_motion::teb::band::{Band, Knot, on_arc, velocity};
-use openbench_motion::teb::settings::Limits;
+use openbench_motion::Limits;
+use openbench_motion::kinematics::{on_arc, velocity};
+use openbench_motion::{Band, Knot};
 
 /// The largest z, where nothing moves.
 const MOST: f64 = 1e6;

@@ -3,7 +3,7 @@
 //! Each kind is drawn straight ahead of a robot at the origin, then turned and mirrored by chance, so that no planner gains from the axes.
 
 use openbench_core::{MapPoint, Pose2, RobotDescription};
-use openbench_motion::{Obstacle, ShapeError};
+use openbench_motion::{Obstacle, ShapeError, Vector2};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
@@ -72,7 +72,7 @@ pub struct Jump {
     /// When, seconds after the start.
     pub at: f64,
     /// By how much, metres in `map`.
-    pub by: [f64; 2],
+    pub by: Vector2,
 }
 
 /// A scene.
@@ -125,9 +125,9 @@ impl Placing {
         self.at.transform(p.x, self.mirror * p.y)
     }
 
-    fn vector(&self, v: [f64; 2]) -> [f64; 2] {
-        let (a, b) = (self.point(MapPoint::new(v[0], v[1])), self.point(MapPoint::default()));
-        [a.x - b.x, a.y - b.y]
+    fn vector(&self, v: Vector2) -> Vector2 {
+        let (a, b) = (self.point(v.point()), self.point(MapPoint::default()));
+        Vector2::new(a.x - b.x, a.y - b.y)
     }
 
     fn pose(&self, p: Pose2) -> Pose2 {
@@ -136,7 +136,7 @@ impl Placing {
     }
 
     fn obstacle(&self, o: &Obstacle) -> Result<Obstacle, ShapeError> {
-        let (corners, rounding) = o.outline();
+        let (corners, rounding) = (o.corners(), o.rounding());
         let mut corners: Vec<MapPoint> = corners.map(|c| self.point(c)).collect();
         if self.mirror < 0.0 {
             corners.reverse();
@@ -192,7 +192,7 @@ impl Draft<'_> {
 
     fn block(&mut self, low: (f64, f64), high: (f64, f64)) -> Result<(), ShapeError> {
         let corners = [(low.0, low.1), (high.0, low.1), (high.0, high.1), (low.0, high.1)];
-        self.obstacles.push(Obstacle::new(&corners.map(|(x, y)| MapPoint::new(x, y)), 0.0, [0.0; 2])?);
+        self.obstacles.push(Obstacle::new(&corners.map(|(x, y)| MapPoint::new(x, y)), 0.0, Vector2::ZERO)?);
         Ok(())
     }
 
@@ -212,7 +212,7 @@ impl Draft<'_> {
                 let (sides, turn) = (self.rng.random_range(3..7), self.between(0.0, 6.3));
                 let corner =
                     |i: usize| at.offset(turn + std::f64::consts::TAU * i as f64 / sides as f64, size);
-                Obstacle::new(&(0..sides).map(corner).collect::<Vec<_>>(), 0.0, [0.0; 2])?
+                Obstacle::new(&(0..sides).map(corner).collect::<Vec<_>>(), 0.0, Vector2::ZERO)?
             }
         };
         let off = |p: MapPoint| thing.distance_to(p) > keep;
@@ -295,7 +295,7 @@ impl Draft<'_> {
         let from = at.offset(bearing + std::f64::consts::PI, speed * seconds);
         let (sin, cos) = libm::sincos(bearing);
         let radius = self.between(0.2, 0.3);
-        self.obstacles.push(Obstacle::new(&[from], radius, [speed * cos, speed * sin])?);
+        self.obstacles.push(Obstacle::new(&[from], radius, Vector2::new(speed * cos, speed * sin))?);
         Ok(())
     }
 
@@ -344,7 +344,7 @@ impl Draft<'_> {
         let count = self.rng.random_range(2..10);
         self.things(count, 0.9)?;
         let (sin, cos) = libm::sincos(self.between(-3.1, 3.1));
-        self.jump = Some(Jump { at: self.between(1.0, 5.0), by: [0.5 * cos, 0.5 * sin] });
+        self.jump = Some(Jump { at: self.between(1.0, 5.0), by: Vector2::new(0.5 * cos, 0.5 * sin) });
         Ok(())
     }
 }
@@ -381,7 +381,7 @@ mod tests {
             );
             let length = scene.start.point().distance(scene.goal.point());
             assert!((0.4..9.0).contains(&length), "{number} {length}");
-            let by = scene.jump.map(|jump| libm::hypot(jump.by[0], jump.by[1]));
+            let by = scene.jump.map(|jump| libm::hypot(jump.by.x, jump.by.y));
             assert_eq!(scene.kind == Kind::Jump, by.is_some());
             assert!(by.is_none_or(|by| (by - 0.5).abs() < 1e-9));
             let moves = scene.obstacles.iter().any(Obstacle::is_moving);

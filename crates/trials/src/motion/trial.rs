@@ -3,9 +3,11 @@
 use std::collections::BTreeMap;
 
 use openbench_core::RobotDescription;
+use openbench_motion::follower::{self, Tolerance};
+use openbench_motion::local::built_in::built_in;
+use openbench_motion::local::{LocalPlanners, PlannerError, PlannerSettings};
 use openbench_motion::navigator::{Cause, NavigatorError};
-use openbench_motion::{Follower, FollowerError, LocalPlanner, Mppi, MppiError, Teb, TebError, TebSettings};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use openbench_bench::run::threads;
 
@@ -21,52 +23,45 @@ const SLOW: f64 = 1.3;
 /// Changes of the turn's sign that are no oscillation: so many, and so many a second.
 const SWERVES: (f64, f64) = (4.0, 0.25);
 
-/// Planners that are compared.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum PlannerKind {
-    /// Timed Elastic Bands.
-    Teb,
-    /// Pure pursuit that stops before obstacles.
-    Follower,
-    /// Model Predictive Path Integral control.
-    Mppi,
+/// Distance and heading error with which the follower has arrived: it drives on while it turns, and has to end well within what counts.
+const FOLLOWER: Tolerance = Tolerance { distance: 0.08, yaw: 0.07 };
+
+/// The planners that are compared by default.
+pub fn planners() -> LocalPlanners {
+    built_in().with(follower::entry_with(FOLLOWER))
+}
+
+/// A planner that is compared: in the order in which planners are listed, and written as its name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct PlannerKind {
+    place: usize,
+    name: &'static str,
 }
 
 impl PlannerKind {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Teb, Self::Follower, Self::Mppi];
-
     /// Its name in tables.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Teb => "teb",
-            Self::Follower => "follower",
-            Self::Mppi => "mppi",
-        }
+        self.name
     }
 
-    fn make(self, robot: &RobotDescription) -> Result<Box<dyn LocalPlanner>, TrialError> {
-        Ok(match self {
-            Self::Teb => Box::new(Teb::new(robot, TebSettings::default())?),
-            Self::Follower => Box::new(Follower::new(robot.clone())?.with_tolerances(0.08, 0.07)),
-            Self::Mppi => Box::new(Mppi::new(robot, 1)?),
-        })
+    fn all(planners: &LocalPlanners) -> Vec<Self> {
+        let entries = planners.entries().iter().enumerate();
+        entries.map(|(place, entry)| Self { place, name: entry.name() }).collect()
+    }
+}
+
+impl Serialize for PlannerKind {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name)
     }
 }
 
 /// A trial cannot be held.
 #[derive(Debug, thiserror::Error)]
 pub enum TrialError {
-    /// The band's planner cannot be made.
+    /// A local planner cannot be made.
     #[error(transparent)]
-    Teb(#[from] TebError),
-    /// The sampling controller cannot be made.
-    #[error(transparent)]
-    Mppi(#[from] MppiError),
-    /// The follower cannot be made.
-    #[error(transparent)]
-    Follower(#[from] FollowerError),
+    Planner(#[from] PlannerError),
     /// The navigator cannot be made.
     #[error(transparent)]
     Navigator(#[from] NavigatorError),
@@ -174,7 +169,7 @@ pub struct Request<'a> {
     /// Their seed.
     pub seed: u64,
     /// Who drives.
-    pub planners: &'a [PlannerKind],
+    pub planners: &'a LocalPlanners,
     /// How many scenes at a time.
     pub threads: usize,
 }
@@ -195,7 +190,7 @@ where
         |number| outcome(number, request, robot),
         |outcome| seen(&outcome).map(|()| outcome.without_pictures()),
     )?;
-    Ok(summary(request.seed, request.planners, &outcomes))
+    Ok(summary(request.seed, &PlannerKind::all(request.planners), &outcomes))
 }
 
 /// The first draw of a scene's number of which it is known what can be done.
@@ -221,7 +216,9 @@ fn outcome(number: usize, request: &Request<'_>, robot: &RobotDescription) -> Re
     let Some((scene, known)) = found else {
         return Ok(Outcome { number, kind, scene: None, best: None, undecided, drives: vec![] });
     };
-    let drives = request.planners.iter().map(|p| Ok((*p, drive(&scene, robot, p.make(robot)?)?)));
+    let settings = PlannerSettings::new(robot.clone());
+    let kinds = PlannerKind::all(request.planners).into_iter().zip(request.planners.entries());
+    let drives = kinds.map(|(kind, entry)| Ok((kind, drive(&scene, robot, entry.make(&settings)?)?)));
     let drives = drives.collect::<Result<Vec<_>, TrialError>>()?;
     let best = match known {
         Possible::Motion(_, seconds) => {
@@ -380,7 +377,7 @@ mod tests {
     fn the_best_is_the_fastest_that_is_known() {
         let touched = Drive { collisions: 1, ..driven(End::Reached, 5.0) };
         let drives = [driven(End::Reached, 9.0), driven(End::Timeout, 1.0), touched];
-        let drives = drives.map(|drive| (PlannerKind::Teb, drive));
+        let drives = drives.map(|drive| (PlannerKind::all(&planners())[0], drive));
         let best = |found, saved| fastest(found, &drives, |d| Some(d.seconds - saved));
         assert_eq!((best(10.0, 0.0), best(8.0, 0.0), best(8.0, 1.5)), (9.0, 8.0, 7.5));
         assert_eq!(fastest(10.0, &drives, |_| None), 9.0);

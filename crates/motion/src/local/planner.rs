@@ -1,7 +1,6 @@
-//! The seam between who knows where to go and who turns that into velocities.
+//! The trait of local planners: what they work from, and what they decide.
 
 use openbench_core::{MapPoint, Pose2, SimTime, Velocity};
-use openbench_osm::polygon::Segment;
 
 use crate::shape::Obstacle;
 
@@ -106,25 +105,4 @@ pub trait LocalPlanner {
 
     /// Forgets what was planned before: the next way has nothing to do with the last.
     fn reset(&mut self);
-}
-
-/// The point `length` metres along a way from its place nearest to `from`, and whether that is its end; `None` of an empty way.
-pub fn ahead(path: &[MapPoint], from: MapPoint, length: f64) -> Option<(MapPoint, bool)> {
-    let (mut segment, mut foot) = (0, *path.first()?);
-    for (i, pair) in path.windows(2).enumerate() {
-        let candidate = Segment::new(pair[0], pair[1]).nearest_point(from).point;
-        if candidate.distance(from) < foot.distance(from) - 1e-9 {
-            (segment, foot) = (i, candidate);
-        }
-    }
-    let (mut at, mut left) = (foot, length);
-    for next in &path[(segment + 1).min(path.len())..] {
-        let step = at.distance(*next);
-        if step >= left && step > 0.0 {
-            let t = left / step;
-            return Some((MapPoint::new(at.x + t * (next.x - at.x), at.y + t * (next.y - at.y)), false));
-        }
-        (at, left) = (*next, left - step);
-    }
-    Some((at, true))
 }

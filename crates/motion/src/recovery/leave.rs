@@ -2,11 +2,12 @@
 
 use openbench_core::{Pose2, Velocity};
 
-use crate::feasible::{Floors, Motion, clearance};
+use crate::feasible::{Floors, clearance};
+use crate::kinematics::Motion;
+use crate::limits::Limits;
 use crate::local::Situation;
 use crate::shape::{Footprint, Obstacle};
-use crate::teb::band::{Band, Knot};
-use crate::teb::settings::Limits;
+use crate::trajectory::{Band, Knot};
 
 /// Distance from what stands beyond which more is no gain, metres.
 const ENOUGH: f64 = 0.03;
@@ -18,8 +19,14 @@ pub(crate) const KEEP: f64 = 0.001;
 const LONGEST: f64 = 10.0;
 /// Seconds between two looks.
 const STEP: f64 = 0.02;
-/// Seconds for which a motion turns, and then goes on straight. Rims that gain speed as fast as they can do not turn the robot before they have it.
-const PHASES: [(f64, f64); 5] = [(0.2, 0.0), (0.5, 0.0), (0.2, 0.5), (0.4, 0.9), (0.35, 1.7)];
+/// Phases of the motions that are tried. Rims that gain speed as fast as they can do not turn the robot before they have it.
+const PHASES: [Phases; 5] = [
+    Phases { turning: 0.2, straight: 0.0 },
+    Phases { turning: 0.5, straight: 0.0 },
+    Phases { turning: 0.2, straight: 0.5 },
+    Phases { turning: 0.4, straight: 0.9 },
+    Phases { turning: 0.35, straight: 1.7 },
+];
 /// The furthest that such a motion leads, metres.
 const AWAY: f64 = 0.7;
 /// Speeds that are tried, m/s.
@@ -56,6 +63,13 @@ fn motion(situation: &Situation<'_>, command: Velocity) -> Motion {
     Motion { pose: situation.pose, velocity: situation.velocity, command }
 }
 
+/// Seconds for which a motion turns, and then goes on straight.
+#[derive(Debug, Clone, Copy)]
+struct Phases {
+    turning: f64,
+    straight: f64,
+}
+
 struct Search<'a> {
     footprint: &'a Footprint,
     limits: &'a Limits,
@@ -76,7 +90,7 @@ impl Search<'_> {
     fn is_free(
         &self,
         mut motion: Motion,
-        (turning, straight): (f64, f64),
+        Phases { turning, straight }: Phases,
         look: &mut dyn FnMut(f64, Pose2),
     ) -> bool {
         let mut floors = Floors::new(self.footprint, self.near(), motion.pose, KEEP);
@@ -102,7 +116,6 @@ impl Search<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::teb::planner::wanted;
     use openbench_core::{MapPoint, RobotDescription, SimTime};
 
     fn after(obstacles: &[Obstacle], cycles: usize) -> f64 {
@@ -122,7 +135,7 @@ mod tests {
             if !band.as_ref().is_some_and(|band: &Band| band.duration() > 0.03) {
                 band = leave(&footprint, &limits, &situation);
             }
-            motion.command = band.as_ref().map_or(Velocity::ZERO, |band| wanted(band, &limits));
+            motion.command = band.as_ref().map_or(Velocity::ZERO, |band| band.command(&limits));
             for _ in 0..5 {
                 motion.step(&limits, 0.01);
                 assert!(clearance(&footprint, obstacles.iter(), motion.pose, 0.0, 1.0) > 0.0);

@@ -2,9 +2,9 @@
 //!
 //! The way of somebody who moves is where the obstacle will be within some seconds, as fast and in the direction that it moves now. Who stands in it already may leave it any way but towards who comes.
 
-use crate::feasible::Motion;
+use crate::kinematics::Motion;
+use crate::limits::Limits;
 use crate::shape::{Footprint, Obstacle, Placed};
-use crate::teb::settings::Limits;
 
 use openbench_core::Velocity;
 
@@ -35,7 +35,7 @@ impl Ways<'_> {
     pub fn is_cut_off(&self, somebody: &Obstacle, motion: Motion, limits: &Limits, hold: f64) -> bool {
         let here = self.footprint.at(motion.pose);
         let off = self.off_way(somebody, &here, 0.0);
-        let ([u, v], mut time) = (somebody.velocity(), 0.0);
+        let (velocity, mut time) = (somebody.velocity(), 0.0);
         let mut motion = motion;
         while time < hold || !motion.stands() && time < LONGEST {
             if time >= hold {
@@ -44,8 +44,8 @@ impl Ways<'_> {
             motion.step(limits, STEP);
             time += STEP;
             let there = self.footprint.at(motion.pose);
-            let [x, y] = here.to(&there);
-            let against = -(x * u + y * v) > AGAINST * time * libm::hypot(u, v);
+            let against =
+                -here.to(&there).dot(velocity) > AGAINST * time * libm::hypot(velocity.x, velocity.y);
             let then = self.off_way(somebody, &there, time);
             let deeper = then < MARGIN && then < self.off_way(somebody, &here, time) - ROUNDING;
             // Who is in somebody's way has to get out of it, to whichever side.
@@ -69,13 +69,14 @@ mod tests {
     use openbench_core::{MapPoint, Pose2, RobotDescription};
 
     use super::*;
+    use crate::vector::Vector2;
 
     /// Whether a robot at the origin that drives like this cuts off a walker who is somewhere and walks at 1.2 m/s in a direction.
     fn cuts_off(speed: f64, (x, y): (f64, f64), direction: f64) -> bool {
         let robot = RobotDescription::sentry();
         let (footprint, limits) = (Footprint::of(&robot).unwrap(), Limits::of(&robot).unwrap());
         let (sin, cos) = libm::sincos(direction);
-        let walker = Obstacle::new(&[MapPoint::new(x, y)], 0.25, [1.2 * cos, 1.2 * sin]).unwrap();
+        let walker = Obstacle::new(&[MapPoint::new(x, y)], 0.25, Vector2::new(1.2 * cos, 1.2 * sin)).unwrap();
         let velocity = Velocity::new(speed, 0.0);
         let motion = Motion { pose: Pose2::default(), velocity, command: velocity };
         Ways { footprint: &footprint, seconds: 0.6 }.is_cut_off(&walker, motion, &limits, 0.1)

@@ -8,9 +8,10 @@ use std::f64::consts::TAU;
 use openbench_core::{MapPoint, Pose2, frames::wrap_angle};
 use openbench_grid::{Frontier, GridGeometry};
 
+use crate::limits::Limits;
+use crate::near_cells::each_cell_near;
 use crate::shape::{Footprint, Obstacle};
-use crate::teb::band::{Band, Knot};
-use crate::teb::settings::Limits;
+use crate::trajectory::{Band, Knot};
 
 /// Headings that are told apart.
 const HEADINGS: usize = 48;
@@ -114,16 +115,9 @@ impl Search<'_> {
         let reach = self.footprint.circumscribed() + 2.0 * self.grid.cell;
         self.clearance.resize(self.grid.len(), reach as f32);
         for obstacle in &self.obstacles {
-            let (middle, far) = (obstacle.middle(), obstacle.radius() + reach);
-            let low = MapPoint::new(middle.x - far, middle.y - far);
-            let high = MapPoint::new(middle.x + far, middle.y + far);
-            let Some((columns, rows)) = self.grid.window(low, high) else { continue };
-            for row in rows.0..=rows.1 {
-                for cell in (columns.0..=columns.1).filter_map(|column| self.grid.cell_in(column, row)) {
-                    let distance = obstacle.distance_to(self.grid.center(cell)) as f32;
-                    self.clearance[cell] = self.clearance[cell].min(distance);
-                }
-            }
+            each_cell_near(&self.grid, obstacle, reach, |cell, distance| {
+                self.clearance[cell] = self.clearance[cell].min(distance as f32);
+            });
         }
     }
 

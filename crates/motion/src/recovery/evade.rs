@@ -2,10 +2,11 @@
 
 use openbench_core::Velocity;
 
-use crate::feasible::{Motion, clearance};
+use crate::feasible::clearance;
+use crate::kinematics::Motion;
+use crate::limits::Limits;
 use crate::local::Situation;
 use crate::shape::{Footprint, Obstacle};
-use crate::teb::settings::Limits;
 
 /// Seconds that a way out is driven before the robot brakes.
 const HOLD: f64 = 1.5;
@@ -75,6 +76,7 @@ fn worth(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::vector::Vector2;
     use openbench_core::{MapPoint, Pose2, RobotDescription, SimTime};
 
     fn out_of(obstacles: &[Obstacle]) -> Option<Velocity> {
@@ -90,26 +92,26 @@ mod tests {
         evade(&Footprint::of(&robot).unwrap(), &Limits::of(&robot).unwrap(), &situation)
     }
 
-    fn somebody(from: (f64, f64), velocity: [f64; 2]) -> Obstacle {
-        Obstacle::new(&[MapPoint::new(from.0, from.1)], 0.3, velocity).unwrap()
+    fn somebody(from: MapPoint, velocity: Vector2) -> Obstacle {
+        Obstacle::new(&[from], 0.3, velocity).unwrap()
     }
 
     #[test]
     fn the_robot_leaves_the_way_of_one_who_comes_from_the_side() {
-        let away = out_of(&[somebody((0.1, 1.4), [0.0, -0.8])]).unwrap();
+        let away = out_of(&[somebody(MapPoint::new(0.1, 1.4), Vector2::new(0.0, -0.8))]).unwrap();
         assert!(away.linear != 0.0, "{away:?}");
     }
 
     #[test]
     fn nothing_is_done_where_nothing_helps_or_nobody_comes() {
         assert_eq!(out_of(&[]), None);
-        assert_eq!(out_of(&[somebody((3.0, 3.0), [1.0, 0.0])]), None);
+        assert_eq!(out_of(&[somebody(MapPoint::new(3.0, 3.0), Vector2::new(1.0, 0.0))]), None);
     }
 
     #[test]
     fn what_stands_is_not_driven_into() {
         let wall = Obstacle::wall(MapPoint::new(0.2, -3.0), MapPoint::new(0.2, 3.0)).unwrap();
-        let away = out_of(&[wall, somebody((0.1, 1.4), [0.0, -0.8])]);
+        let away = out_of(&[wall, somebody(MapPoint::new(0.1, 1.4), Vector2::new(0.0, -0.8))]);
         assert!(away.is_none_or(|v| v.linear <= 0.0), "{away:?}");
     }
 }

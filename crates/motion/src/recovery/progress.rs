@@ -1,0 +1,119 @@
+//! Whether the robot gets on: towards its goal, and at all.
+
+use std::time::Duration;
+
+use openbench_core::frames::wrap_angle;
+use openbench_core::{MapPoint, Pose2, SimTime, Velocity};
+
+use crate::surroundings::Surroundings;
+
+/// Having got this far from where it last was in trouble, the robot is out of it, metres.
+const PROGRESS_M: f64 = 0.5;
+/// Without getting that far for this long, a goal is given up.
+pub(crate) const NO_PROGRESS: Duration = Duration::from_secs(25);
+/// Time in which somebody moves near does not count, up to this: sooner or later they are gone.
+const NO_PROGRESS_AMONG_PEOPLE: Duration = Duration::from_secs(120);
+/// A robot that has moved by less than this has all but stood, metres.
+const CREEPING_M: f64 = 0.03;
+/// A robot that has turned by less than this has all but stood, radians.
+const CREEPING_RAD: f64 = 0.1;
+/// A robot that was driven for so long and has all but stood does not get on, though its planner
+/// thinks so.
+const CREEPING: Duration = Duration::from_millis(2000);
+/// A robot that is told less than this is to stand, m/s.
+const STILL_MPS: f64 = 1e-3;
+/// A robot that is told to turn slower than this is to stand, rad/s.
+const STILL_RADPS: f64 = 1e-2;
+
+/// A place, and when the robot was there.
+#[derive(Debug, Clone, Copy)]
+struct Anchor {
+    place: MapPoint,
+    time: SimTime,
+}
+
+/// A pose, and for how long the robot has been driven since without leaving it.
+#[derive(Debug, Clone, Copy)]
+struct Standstill {
+    pose: Pose2,
+    driven: Duration,
+}
+
+impl Standstill {
+    fn holds(&self, pose: Pose2) -> bool {
+        self.pose.point().distance(pose.point()) < CREEPING_M
+            && wrap_angle(self.pose.yaw - pose.yaw).abs() < CREEPING_RAD
+    }
+}
+
+/// Looks at where the robot gets.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct ProgressMonitor {
+    /// Where the robot was when it last got on.
+    anchor: Option<Anchor>,
+    /// For how long since then somebody has been near.
+    waited: Duration,
+    /// When that was last looked at.
+    last: Option<SimTime>,
+    standstill: Option<Standstill>,
+    /// Whether the robot was last told to drive.
+    is_driven: bool,
+}
+
+impl ProgressMonitor {
+    /// Looks at where the robot is now; whether it has got on.
+    pub fn note(&mut self, now: &Surroundings<'_>) -> bool {
+        let here = now.pose.point();
+        let got_on = self.anchor.is_none_or(|anchor| anchor.place.distance(here) > PROGRESS_M);
+        if got_on {
+            self.anchor = Some(Anchor { place: here, time: now.time });
+            self.waited = Duration::ZERO;
+        }
+        let elapsed = now.time.since(self.last.replace(now.time).unwrap_or(now.time));
+        if now.is_anybody_near() {
+            self.waited += elapsed;
+        }
+        match &mut self.standstill {
+            Some(standstill) if standstill.holds(now.pose) => {
+                if self.is_driven {
+                    standstill.driven += elapsed;
+                }
+            }
+            _ => self.restart(now.pose),
+        }
+        got_on
+    }
+
+    /// The robot is told this.
+    pub fn command(&mut self, velocity: Velocity) {
+        let is_still = velocity.linear.abs() < STILL_MPS && velocity.angular.abs() < STILL_RADPS;
+        self.is_driven = !is_still;
+    }
+
+    /// Whether the robot has all but stood while it was driven for a while. Where somebody moves it
+    /// may well wait.
+    pub fn is_creeping(&self, now: &Surroundings<'_>) -> bool {
+        let still = self.standstill.is_some_and(|standstill| standstill.driven >= CREEPING);
+        still && !now.has_anybody()
+    }
+
+    /// Whether the robot has not got on for so long that its goal is to be given up.
+    pub fn is_stagnant(&self, now: SimTime) -> bool {
+        let Some(anchor) = self.anchor else { return false };
+        let stood = now.since(anchor.time);
+        stood >= NO_PROGRESS_AMONG_PEOPLE || stood.saturating_sub(self.waited) >= NO_PROGRESS
+    }
+
+    /// Counts from `pose` on whether the robot moves at all.
+    pub fn restart(&mut self, pose: Pose2) {
+        self.standstill = Some(Standstill { pose, driven: Duration::ZERO });
+    }
+
+    /// Leaves a time out in which the robot could not get on.
+    pub fn resume(&mut self, stood: Duration) {
+        if let Some(anchor) = &mut self.anchor {
+            anchor.time = anchor.time + stood;
+        }
+        (self.standstill, self.last) = (None, None);
+    }
+}

@@ -1,0 +1,76 @@
+//! A maneuver being driven.
+
+use openbench_core::{SimTime, Velocity};
+
+use super::ladder::Step;
+use crate::feasible::{conflict_before_stop, first_conflict};
+use crate::kinematics::Motion;
+use crate::limits::Limits;
+use crate::shape::Footprint;
+use crate::surroundings::Surroundings;
+use crate::trajectory::Band;
+
+/// Distance from obstacles that a maneuver keeps to be driven on, metres.
+const SURE_M: f64 = 0.001;
+/// Seconds until a conflict below which a maneuver is not driven on.
+const SOON_S: f64 = 1.0;
+/// Seconds that a velocity is driven until the next command, and a little for latency.
+const HOLD_S: f64 = 0.1;
+/// Speeds below this count as none, m/s.
+const NO_SPEED_MPS: f64 = 1e-3;
+
+/// A maneuver, as far as it is still to be driven.
+#[derive(Debug, Clone)]
+pub struct UnderWay {
+    band: Band,
+    /// When it was last looked at.
+    seen: SimTime,
+}
+
+impl UnderWay {
+    /// Sets out on a maneuver.
+    pub fn new(band: Band, now: SimTime) -> Self {
+        Self { band, seen: now }
+    }
+
+    /// What it begins with.
+    pub fn first_step(&self) -> Step {
+        match self.band.velocity(0).linear {
+            v if v < -NO_SPEED_MPS => Step::Back,
+            v if v < NO_SPEED_MPS => Step::Turn,
+            _ => Step::Wind,
+        }
+    }
+
+    /// Drops what has been driven by now.
+    pub fn keep_up(&mut self, now: &Surroundings<'_>) {
+        self.band.keep_up(now.pose, now.time.since(self.seen).as_secs_f64());
+        self.seen = now.time;
+    }
+
+    /// The velocity that leads along it.
+    pub fn command(&self, limits: &Limits) -> Velocity {
+        self.band.command(limits)
+    }
+
+    /// Whether nothing of it is left. Its last steps lead to the goal's very place, which a robot
+    /// that stands beside it may not reach.
+    pub fn is_over(&self) -> bool {
+        self.band.duration() < 3.0 * HOLD_S
+    }
+
+    /// Whether something has come into its way since it was found, or the robot that drives with
+    /// `command` could not stop before something.
+    pub fn is_blocked(
+        &self,
+        footprint: &Footprint,
+        limits: &Limits,
+        now: &Surroundings<'_>,
+        command: Velocity,
+    ) -> bool {
+        let motion = Motion { pose: now.pose, velocity: now.velocity, command };
+        let cannot_stop = conflict_before_stop(footprint, now.obstacles, motion, limits, HOLD_S, SURE_M);
+        let conflict = first_conflict(footprint, limits, now.obstacles, &self.band, SURE_M);
+        cannot_stop.is_some() || conflict.is_some_and(|at| at < SOON_S)
+    }
+}

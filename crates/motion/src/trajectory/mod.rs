@@ -1,0 +1,16 @@
+//! Where the robot is to be, and when.
+//!
+//! Every planner that looks ahead makes a [`Band`], and what drives one or looks for conflicts along one needs not know which planner it comes from.
+//!
+//! | module | its one job |
+//! |---|---|
+//! | [`band`] | [`Band`]: poses at times, read and carried along from cycle to cycle |
+//! | [`draft`] | a first band along a polyline |
+//! | [`resize`] | [`Resolution`]: how finely a band is divided |
+
+pub mod band;
+pub mod draft;
+pub mod resize;
+
+pub use band::{Band, Knot};
+pub use resize::Resolution;

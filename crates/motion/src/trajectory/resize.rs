@@ -1,0 +1,120 @@
+//! Dividing a band: how finely, and the automatic resizing that keeps it so.
+
+use super::band::{Band, Knot};
+use crate::checks::{SettingsError, positive};
+use crate::kinematics::on_arc;
+
+/// Share of the wanted step by which a stretch may be longer or shorter.
+const HYSTERESIS: f64 = 0.4;
+/// New bands have stretches that are just so long: rounding must not tell how they are divided.
+const ROUNDED: f64 = 1e-9;
+
+/// How finely a band is divided.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Resolution {
+    /// Seconds of the first stretch.
+    pub near: f64,
+    /// Seconds of stretches far ahead.
+    pub far: f64,
+    /// Seconds ahead from which on it is far.
+    pub horizon: f64,
+    /// Most knots.
+    pub most: usize,
+}
+
+impl Default for Resolution {
+    fn default() -> Self {
+        Self { near: 0.1, far: 0.3, horizon: 2.0, most: 150 }
+    }
+}
+
+impl Resolution {
+    /// Seconds of a stretch that begins `time` seconds ahead.
+    pub fn step_at(&self, time: f64) -> f64 {
+        self.near + (self.far - self.near) * (time / self.horizon).clamp(0.0, 1.0)
+    }
+
+    /// Whether a band can be divided like that.
+    pub fn check(&self) -> Result<(), SettingsError> {
+        time_step("the first time step", self.near)?;
+        time_step("the last time step", self.far)?;
+        positive("the horizon of time steps", self.horizon)?;
+        let value = self.most as f64;
+        let enough = (4..=10_000).contains(&self.most);
+        let wanted = "between 4 and 10000 are possible";
+        if enough { Ok(()) } else { Err(SettingsError { name: "the number of knots", value, wanted }) }
+    }
+}
+
+impl Band {
+    /// Splits stretches that take too long and joins those that are too short (automatic resizing).
+    pub fn resize(&mut self, resolution: &Resolution) {
+        self.split(resolution);
+        self.join(resolution);
+    }
+
+    fn split(&mut self, resolution: &Resolution) {
+        let mut knots = Vec::with_capacity(self.knots.len() + 8);
+        for pair in self.knots.windows(2) {
+            let (a, b) = (pair[0], pair[1]);
+            knots.push(a);
+            while knots.len() < resolution.most {
+                let at: Knot = knots[knots.len() - 1];
+                let step = resolution.step_at(at.time);
+                let left = b.time - at.time;
+                if left <= (1.0 + HYSTERESIS) * step + ROUNDED {
+                    break;
+                }
+                let time = at.time + left / (left / step + ROUNDED).round().max(2.0);
+                let share = (time - a.time) / (b.time - a.time);
+                knots.push(Knot { pose: on_arc(a.pose, b.pose, share), time });
+            }
+        }
+        knots.push(self.knots[self.knots.len() - 1]);
+        self.knots = knots;
+    }
+
+    fn join(&mut self, resolution: &Resolution) {
+        let mut kept = 1;
+        let last = self.knots.len() - 1;
+        for i in 1..last {
+            let (before, after) = (self.knots[kept - 1].time, self.knots[i + 1].time);
+            let step = resolution.step_at(before);
+            let short = self.knots[i].time - before < (1.0 - HYSTERESIS) * step - ROUNDED;
+            let room = after - before < (1.0 + HYSTERESIS) * step + ROUNDED;
+            // What is left must have three knots, for a velocity and its change.
+            if !(short && room && kept + last - i >= 3) {
+                self.knots[kept] = self.knots[i];
+                kept += 1;
+            }
+        }
+        self.knots[kept] = self.knots[last];
+        self.knots.truncate(kept + 1);
+    }
+}
+
+/// Shorter ones vanish beside the times that they are added to.
+fn time_step(name: &'static str, value: f64) -> Result<(), SettingsError> {
+    let wanted = "1 ms to a minute are possible";
+    if (1e-3..=60.0).contains(&value) { Ok(()) } else { Err(SettingsError { name, value, wanted }) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trajectory::band::tests::band;
+
+    #[test]
+    fn resizing_keeps_ends_and_time_and_makes_steps_even() {
+        let (mut band, resolution) = (band(), Resolution::default());
+        let (end, duration) = (band.pose_at(99.0), band.duration());
+        for _ in 0..3 {
+            band.resize(&resolution);
+        }
+        assert_eq!((band.pose_at(99.0), band.duration()), (end, duration));
+        for pair in band.knots().windows(2) {
+            let (step, wanted) = (pair[1].time - pair[0].time, resolution.step_at(pair[0].time));
+            assert!(step < 1.41 * wanted && step > 0.3 * wanted, "{step} for {wanted}");
+        }
+    }
+}
