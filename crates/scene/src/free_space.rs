@@ -45,7 +45,10 @@ impl FreeSpace {
         });
         let polygons: Vec<Vec<MapPoint>> = slices.collect();
         let doors: Vec<MapPoint> = caster.scene().doors.iter().map(Door::point).collect();
-        let everything = solid.positions.iter().map(|p| MapPoint::new(f64::from(p[0]), f64::from(p[1])));
+        let everything = solid
+            .positions
+            .iter()
+            .map(|p| MapPoint::new(f64::from(p[0]), f64::from(p[1])));
         let world = match caster.scene().extent {
             Some(corners) => bounds(start, corners.into_iter()),
             None => bounds(start, everything),
@@ -58,7 +61,11 @@ impl FreeSpace {
         let clearance = squared_distances(&blocked, grid.width, grid.height);
         let limit = (radius / grid.cell) * (radius / grid.cell);
         let free: Vec<bool> = clearance.iter().map(|&d| f64::from(d) > limit).collect();
-        Self { reachable: flood(&grid, &free, start), grid, ground }
+        Self {
+            reachable: flood(&grid, &free, start),
+            grid,
+            ground,
+        }
     }
 
     /// Height of the ground under the start, metres.
@@ -78,8 +85,8 @@ impl FreeSpace {
         }
         let steps = (limit / CELL) as i64;
         let offsets = (-steps..=steps).flat_map(|dy| (-steps..=steps).map(move |dx| (dx, dy)));
-        let places =
-            offsets.map(|(dx, dy)| MapPoint::new(point.x + dx as f64 * CELL, point.y + dy as f64 * CELL));
+        let places = offsets
+            .map(|(dx, dy)| MapPoint::new(point.x + dx as f64 * CELL, point.y + dy as f64 * CELL));
         places
             .filter(|p| point.distance(*p) <= limit && self.is_reachable(*p))
             .min_by(|a, b| point.distance(*a).total_cmp(&point.distance(*b)))
@@ -104,7 +111,11 @@ impl FreeSpace {
         let start = self.grid.cell_at(from).filter(|c| self.reachable[*c])?;
         let goal = self.grid.cell_at(to).filter(|c| self.reachable[*c])?;
         let cells = self.theta_star(start, goal)?;
-        let mut points: Vec<MapPoint> = self.pull_taut(cells).iter().map(|c| self.grid.center(*c)).collect();
+        let mut points: Vec<MapPoint> = self
+            .pull_taut(cells)
+            .iter()
+            .map(|c| self.grid.center(*c))
+            .collect();
         let last = points.len() - 1;
         if last == 0 {
             return Some(vec![from, to]);
@@ -131,8 +142,19 @@ impl FreeSpace {
     fn expand(&self, cell: usize, goal: usize, search: &mut Search) {
         let parent = search.parent[cell] as usize;
         let (x, y) = self.grid.column_row(cell);
-        for (dx, dy) in [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)] {
-            let Some(next) = self.grid.cell_in(x + dx, y + dy) else { continue };
+        for (dx, dy) in [
+            (-1, -1),
+            (0, -1),
+            (1, -1),
+            (-1, 0),
+            (1, 0),
+            (-1, 1),
+            (0, 1),
+            (1, 1),
+        ] {
+            let Some(next) = self.grid.cell_in(x + dx, y + dy) else {
+                continue;
+            };
             if !self.reachable[next] || search.closed[next] {
                 continue;
             }
@@ -215,7 +237,10 @@ impl Search {
 /// Height of the highest solid surface at most 2 m above the world's origin level under `at`; 0 if there is none.
 pub fn ground_height(caster: &RayCaster, at: MapPoint) -> f64 {
     let origin = [at.x as f32, at.y as f32, 2.0];
-    caster.solid().cast(origin, [0.0, 0.0, -1.0], 1000.0).map_or(0.0, |hit| 2.0 - f64::from(hit.distance))
+    caster
+        .solid()
+        .cast(origin, [0.0, 0.0, -1.0], 1000.0)
+        .map_or(0.0, |hit| 2.0 - f64::from(hit.distance))
 }
 
 /// A grid over the solid surfaces that are not too far from the start and every door, no larger than the `world`.
@@ -228,12 +253,20 @@ fn covering(
     let solid = bounds(start, polygons.iter().flatten().copied());
     let served = bounds(start, doors.iter().copied());
     let low = MapPoint::new(
-        (solid.0.x - MARGIN).max(served.0.x - SURROUNDINGS).max(world.0.x),
-        (solid.0.y - MARGIN).max(served.0.y - SURROUNDINGS).max(world.0.y),
+        (solid.0.x - MARGIN)
+            .max(served.0.x - SURROUNDINGS)
+            .max(world.0.x),
+        (solid.0.y - MARGIN)
+            .max(served.0.y - SURROUNDINGS)
+            .max(world.0.y),
     );
     let high = MapPoint::new(
-        (solid.1.x + MARGIN).min(served.1.x + SURROUNDINGS).min(world.1.x),
-        (solid.1.y + MARGIN).min(served.1.y + SURROUNDINGS).min(world.1.y),
+        (solid.1.x + MARGIN)
+            .min(served.1.x + SURROUNDINGS)
+            .min(world.1.x),
+        (solid.1.y + MARGIN)
+            .min(served.1.y + SURROUNDINGS)
+            .min(world.1.y),
     );
     let cell = CELL.max((high.x - low.x).max(high.y - low.y) / (MAX_CELLS - 1) as f64);
     GridGeometry::covering(low, high, cell, MAX_CELLS)
@@ -242,16 +275,25 @@ fn covering(
 /// Lower and upper corner of what holds `start` and all `points`.
 fn bounds(start: MapPoint, points: impl Iterator<Item = MapPoint>) -> (MapPoint, MapPoint) {
     points.fold((start, start), |(low, high), p| {
-        (MapPoint::new(low.x.min(p.x), low.y.min(p.y)), MapPoint::new(high.x.max(p.x), high.y.max(p.y)))
+        (
+            MapPoint::new(low.x.min(p.x), low.y.min(p.y)),
+            MapPoint::new(high.x.max(p.x), high.y.max(p.y)),
+        )
     })
 }
 
 /// Marks every cell that the convex `polygon` comes near to; a degenerate one is a line.
 fn draw(grid: &GridGeometry, polygon: &[MapPoint], blocked: &mut [bool]) {
     let Some(first) = polygon.first() else { return };
-    let low = polygon.iter().fold(*first, |a, p| MapPoint::new(a.x.min(p.x), a.y.min(p.y)));
-    let high = polygon.iter().fold(*first, |a, p| MapPoint::new(a.x.max(p.x), a.y.max(p.y)));
-    let Some((columns, rows)) = grid.window(low, high) else { return };
+    let low = polygon
+        .iter()
+        .fold(*first, |a, p| MapPoint::new(a.x.min(p.x), a.y.min(p.y)));
+    let high = polygon
+        .iter()
+        .fold(*first, |a, p| MapPoint::new(a.x.max(p.x), a.y.max(p.y)));
+    let Some((columns, rows)) = grid.window(low, high) else {
+        return;
+    };
     for row in rows.0..=rows.1 {
         for cell in (columns.0..=columns.1).filter_map(|column| grid.cell_in(column, row)) {
             blocked[cell] = blocked[cell] || touches(polygon, grid.center(cell), 0.71 * grid.cell);
@@ -265,15 +307,25 @@ fn flood(grid: &GridGeometry, free: &[bool], start: MapPoint) -> Vec<bool> {
     let away = |c: usize| grid.center(c).distance(start);
     // Of a town's 60 million cells the nearest is looked for only if the start itself is not free.
     let here = grid.cell_at(start).filter(|&c| free[c]);
-    let nearest = || (0..free.len()).filter(|&c| free[c]).min_by(|&a, &b| away(a).total_cmp(&away(b)));
+    let nearest = || {
+        (0..free.len())
+            .filter(|&c| free[c])
+            .min_by(|&a, &b| away(a).total_cmp(&away(b)))
+    };
     let mut stack: Vec<usize> = here.or_else(nearest).into_iter().collect();
     while let Some(cell) = stack.pop() {
         if std::mem::replace(&mut reached[cell], true) {
             continue;
         }
         let (x, y) = grid.column_row(cell);
-        let beside = [(-1, 0), (1, 0), (0, -1), (0, 1)].map(|(dx, dy)| grid.cell_in(x + dx, y + dy));
-        stack.extend(beside.into_iter().flatten().filter(|&n| free[n] && !reached[n]));
+        let beside =
+            [(-1, 0), (1, 0), (0, -1), (0, 1)].map(|(dx, dy)| grid.cell_in(x + dx, y + dy));
+        stack.extend(
+            beside
+                .into_iter()
+                .flatten()
+                .filter(|&n| free[n] && !reached[n]),
+        );
     }
     reached
 }
@@ -315,7 +367,11 @@ fn touches(polygon: &[MapPoint], p: MapPoint, reach: f64) -> bool {
 fn segment_distance(p: MapPoint, a: MapPoint, b: MapPoint) -> f64 {
     let (dx, dy) = (b.x - a.x, b.y - a.y);
     let length = dx * dx + dy * dy;
-    let t = if length > 0.0 { (((p.x - a.x) * dx + (p.y - a.y) * dy) / length).clamp(0.0, 1.0) } else { 0.0 };
+    let t = if length > 0.0 {
+        (((p.x - a.x) * dx + (p.y - a.y) * dy) / length).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
     p.distance(MapPoint::new(a.x + t * dx, a.y + t * dy))
 }
 
@@ -335,18 +391,50 @@ mod tests {
         let mut builder = SceneBuilder::new();
         let grey = builder.material(Material::plain(SemanticClass::Ground, [0.5; 3]));
         let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
-        builder.rectangle(Layer::Both, grey, Point3::new(-20.0, -20.0, 0.1), (x * 40.0, y * 40.0), [1.0; 2]);
-        builder.rectangle(Layer::Both, grey, Point3::new(-5.0, 0.0, 0.1), (x * 10.0, z * 2.0), [1.0; 2]);
-        builder.rectangle(Layer::Both, grey, Point3::new(-20.0, -20.0, 0.1), (x * 40.0, z), [1.0; 2]);
-        builder.rectangle(Layer::Both, grey, Point3::new(-20.0, 20.0, 0.1), (x * 40.0, z), [1.0; 2]);
-        FreeSpace::new(&RayCaster::new(Arc::new(builder.build())), MapPoint::new(0.0, -5.0), 0.2)
+        builder.rectangle(
+            Layer::Both,
+            grey,
+            Point3::new(-20.0, -20.0, 0.1),
+            (x * 40.0, y * 40.0),
+            [1.0; 2],
+        );
+        builder.rectangle(
+            Layer::Both,
+            grey,
+            Point3::new(-5.0, 0.0, 0.1),
+            (x * 10.0, z * 2.0),
+            [1.0; 2],
+        );
+        builder.rectangle(
+            Layer::Both,
+            grey,
+            Point3::new(-20.0, -20.0, 0.1),
+            (x * 40.0, z),
+            [1.0; 2],
+        );
+        builder.rectangle(
+            Layer::Both,
+            grey,
+            Point3::new(-20.0, 20.0, 0.1),
+            (x * 40.0, z),
+            [1.0; 2],
+        );
+        FreeSpace::new(
+            &RayCaster::new(Arc::new(builder.build())),
+            MapPoint::new(0.0, -5.0),
+            0.2,
+        )
     }
 
     #[test]
     fn open_ground_is_as_far_as_the_crow_flies_at_any_angle() {
         let space = walled();
         assert!((space.ground() - 0.1).abs() < 1e-6);
-        for to in [MapPoint::new(7.3, -9.0), MapPoint::new(-3.0, -17.0), MapPoint::new(11.0, -4.0)] {
+        for to in [
+            MapPoint::new(7.3, -9.0),
+            MapPoint::new(-3.0, -17.0),
+            MapPoint::new(11.0, -4.0),
+        ] {
             let from = MapPoint::new(0.0, -5.0);
             let error = space.distance(from, to).unwrap() / from.distance(to);
             assert!((1.0..1.003).contains(&error), "{error}");
@@ -360,7 +448,10 @@ mod tests {
         // Past the wall's end at (5, 0) with 0.2 m to spare: within a cell or two of the taut string.
         let shortest = 2.0 * (5.0_f64 * 5.0 + 3.0 * 3.0).sqrt();
         let found = space.distance(from, to).unwrap();
-        assert!((shortest..shortest + 0.6).contains(&found), "{found} against {shortest}");
+        assert!(
+            (shortest..shortest + 0.6).contains(&found),
+            "{found} against {shortest}"
+        );
     }
 
     #[test]
@@ -368,20 +459,32 @@ mod tests {
         let space = walled();
         assert!(!space.is_reachable(MapPoint::new(0.0, 0.15)));
         assert!(space.is_reachable(MapPoint::new(0.0, 0.4)));
-        assert_eq!(space.distance(MapPoint::new(0.0, -3.0), MapPoint::new(0.0, 0.0)), None);
+        assert_eq!(
+            space.distance(MapPoint::new(0.0, -3.0), MapPoint::new(0.0, 0.0)),
+            None
+        );
     }
 
     #[test]
     fn who_starts_in_a_wall_starts_beside_it() {
-        let grid = GridGeometry::covering(MapPoint::default(), MapPoint::new(10.0, 1.0), 0.1, 1_000);
-        let free: Vec<bool> = (0..grid.len()).map(|c| !(3.0..5.0).contains(&grid.center(c).x)).collect();
+        let grid =
+            GridGeometry::covering(MapPoint::default(), MapPoint::new(10.0, 1.0), 0.1, 1_000);
+        let free: Vec<bool> = (0..grid.len())
+            .map(|c| !(3.0..5.0).contains(&grid.center(c).x))
+            .collect();
         let reached = |x: f64, at: f64| {
             let cell = grid.cell_at(MapPoint::new(at, 0.55)).unwrap();
             flood(&grid, &free, MapPoint::new(x, 0.55))[cell]
         };
         assert!(reached(1.0, 2.0) && !reached(1.0, 7.0));
-        assert!(reached(3.4, 2.0) && !reached(3.4, 7.0), "nearer to the left");
-        assert!(!reached(4.8, 2.0) && reached(4.8, 7.0), "nearer to the right");
+        assert!(
+            reached(3.4, 2.0) && !reached(3.4, 7.0),
+            "nearer to the left"
+        );
+        assert!(
+            !reached(4.8, 2.0) && reached(4.8, 7.0),
+            "nearer to the right"
+        );
     }
 
     #[test]
@@ -394,6 +497,9 @@ mod tests {
             facing: -std::f64::consts::FRAC_PI_2,
         };
         let point = space.approach_point(&door).unwrap();
-        assert!((point.x - 1.0).abs() < 1e-9 && (-0.45..-0.2).contains(&point.y), "{point}");
+        assert!(
+            (point.x - 1.0).abs() < 1e-9 && (-0.45..-0.2).contains(&point.y),
+            "{point}"
+        );
     }
 }

@@ -54,7 +54,11 @@ impl Beam {
         for side in 0..4 {
             let normal = cross(wide[side], wide[(side + 1) % 4]);
             let inward = if dot(normal, middle) < 0.0 { -1.0 } else { 1.0 };
-            beam.set(side, scaled(normal, inward / dot(normal, normal).sqrt()), origin);
+            beam.set(
+                side,
+                scaled(normal, inward / dot(normal, normal).sqrt()),
+                origin,
+            );
         }
         let length = dot(middle, middle).sqrt();
         beam.set(FAR, scaled(middle, -1.0 / length), origin);
@@ -72,7 +76,10 @@ impl Beam {
             self.above[axis][plane] = if along > 0.0 { along } else { 0.0 };
             self.below[axis][plane] = if along > 0.0 { 0.0 } else { along };
         }
-        self.offset[plane] = dot(normal, [origin[0].into(), origin[1].into(), origin[2].into()]) as f32;
+        self.offset[plane] = dot(
+            normal,
+            [origin[0].into(), origin[1].into(), origin[2].into()],
+        ) as f32;
     }
 
     /// Widens the beam for rounding in the scene under this node.
@@ -95,10 +102,16 @@ impl Beam {
         let mut furthest = [0.0_f32; LANES];
         for packet in hits {
             for (furthest, &distance) in furthest.iter_mut().zip(&packet.distance) {
-                *furthest = if distance > *furthest { distance } else { *furthest };
+                *furthest = if distance > *furthest {
+                    distance
+                } else {
+                    *furthest
+                };
             }
         }
-        let furthest = furthest.iter().fold(0.0_f32, |most, &d| if d > most { d } else { most });
+        let furthest = furthest
+            .iter()
+            .fold(0.0_f32, |most, &d| if d > most { d } else { most });
         self.offset[FAR] = self.near - furthest * self.stride;
     }
 
@@ -132,8 +145,16 @@ impl<F: Fn(&Hit) -> bool, const K: usize> Kernel for CastBeam<'_, F, K> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { tree, beam, rays, opaque, hits } = self;
-        let Some(root) = tree.nodes.first() else { return };
+        let Self {
+            tree,
+            beam,
+            rays,
+            opaque,
+            hits,
+        } = self;
+        let Some(root) = tree.nodes.first() else {
+            return;
+        };
         let mut beam = *beam;
         beam.widen(root);
         beam.end(hits);
@@ -162,7 +183,12 @@ impl<F: Fn(&Hit) -> bool, const K: usize> Kernel for CastBeam<'_, F, K> {
             let mut entered = false;
             for i in 0..K {
                 if enters(node, &rays[i].origin, &inverses[i], &hits[i].distance) {
-                    Triangles { tree, rays: &rays[i], opaque }.leaf(node, &mut hits[i]);
+                    Triangles {
+                        tree,
+                        rays: &rays[i],
+                        opaque,
+                    }
+                    .leaf(node, &mut hits[i]);
                     entered = true;
                 }
             }
@@ -180,7 +206,11 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 
 #[inline(always)]
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
 }
 
 #[inline(always)]
@@ -213,7 +243,13 @@ mod tests {
             packet
         });
         let far = SIDE - 1;
-        (packets, Beam::new(origin, &[along(0, 0), along(far, 0), along(far, far), along(0, far)]))
+        (
+            packets,
+            Beam::new(
+                origin,
+                &[along(0, 0), along(far, 0), along(far, far), along(0, far)],
+            ),
+        )
     }
 
     fn point(size: f32) -> impl Strategy<Value = [f32; 3]> {
@@ -244,11 +280,18 @@ mod tests {
 
     #[test]
     fn broken_beams_lose_nothing() {
-        let tree = TriangleBvh::new(std::iter::once([[5.0, -9.0, -9.0], [5.0, 9.0, -9.0], [5.0, 0.0, 9.0]]));
+        let tree = TriangleBvh::new(std::iter::once([
+            [5.0, -9.0, -9.0],
+            [5.0, 9.0, -9.0],
+            [5.0, 0.0, 9.0],
+        ]));
         let (packets, _) = block([0.0; 3], [0.0; 3], 0.001);
         for corners in [[[0.0; 3]; 4], [[f32::NAN; 3]; 4], [[1.0, 0.0, 0.0]; 4]] {
             let hits = tree.cast_block(&Beam::new([0.0; 3], &corners), &packets, |_| true);
-            assert!(hits.iter().all(|packet| packet.triangle == [0; LANES]), "{corners:?}");
+            assert!(
+                hits.iter().all(|packet| packet.triangle == [0; LANES]),
+                "{corners:?}"
+            );
         }
     }
 
@@ -256,6 +299,9 @@ mod tests {
     fn an_empty_tree_is_missed() {
         let (packets, beam) = block([0.0; 3], [0.0; 3], 0.01);
         let hits = TriangleBvh::new(std::iter::empty()).cast_block(&beam, &packets, |_| true);
-        assert!(hits.iter().all(|packet| packet.triangle == [super::super::MISS; LANES]));
+        assert!(
+            hits.iter()
+                .all(|packet| packet.triangle == [super::super::MISS; LANES])
+        );
     }
 }

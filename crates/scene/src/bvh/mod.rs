@@ -105,7 +105,10 @@ impl TriangleBvh {
     }
 
     /// The same; `masked` says of which triangles (by index) casts with a filter must ask whether a hit goes through a hole.
-    pub fn masked(corners: impl Iterator<Item = [[f32; 3]; 3]>, masked: impl Fn(u32) -> bool) -> Self {
+    pub fn masked(
+        corners: impl Iterator<Item = [[f32; 3]; 3]>,
+        masked: impl Fn(u32) -> bool,
+    ) -> Self {
         Self::numbered(corners, 0, masked)
     }
 
@@ -116,13 +119,23 @@ impl TriangleBvh {
         masked: impl Fn(u32) -> bool,
     ) -> Self {
         let soup: Vec<obvhs::triangle::Triangle> = corners
-            .map(|[a, b, c]| obvhs::triangle::Triangle { v0: a.into(), v1: b.into(), v2: c.into() })
+            .map(|[a, b, c]| obvhs::triangle::Triangle {
+                v0: a.into(),
+                v1: b.into(),
+                v2: c.into(),
+            })
             .collect();
-        let mut laid = Self { nodes: Vec::new(), triangles: Vec::with_capacity(soup.len()), depth: 0 };
+        let mut laid = Self {
+            nodes: Vec::new(),
+            triangles: Vec::with_capacity(soup.len()),
+            depth: 0,
+        };
         if !soup.is_empty() {
             let mut elapsed = std::time::Duration::ZERO;
             let tree = build_bvh2_from_tris(&soup, BvhBuildParams::slow_build(), &mut elapsed);
-            laid.lay_out(&tree, |i| leaf_triangle(&soup[i as usize], first + i, masked(first + i)));
+            laid.lay_out(&tree, |i| {
+                leaf_triangle(&soup[i as usize], first + i, masked(first + i))
+            });
         }
         laid
     }
@@ -138,7 +151,8 @@ impl TriangleBvh {
             if source.prim_count == 0 {
                 let first = self.nodes.len();
                 self.nodes[to].first = first as u32;
-                self.nodes.extend([source.first_index, source.first_index + 1].map(|i| node(tree, i)));
+                self.nodes
+                    .extend([source.first_index, source.first_index + 1].map(|i| node(tree, i)));
                 todo.push((source.first_index + 1, first + 1, depth + 1));
                 todo.push((source.first_index, first, depth + 1));
             } else {
@@ -169,7 +183,12 @@ impl TriangleBvh {
         opaque: impl Fn(&Hit) -> bool,
     ) -> Option<Hit> {
         let inverse = direction.map(reciprocal);
-        let mut best = Hit { distance: limit, triangle: MISS, u: 0.0, v: 0.0 };
+        let mut best = Hit {
+            distance: limit,
+            triangle: MISS,
+            u: 0.0,
+            v: 0.0,
+        };
         let mut stack = Stack::new();
         if !self.nodes.is_empty() {
             stack.push((0, 0.0));
@@ -190,8 +209,9 @@ impl TriangleBvh {
                 }
                 continue;
             }
-            let enter =
-                |i: u32| slab_one(&self.nodes[i as usize], origin, inverse, best.distance).map(|t| (i, t));
+            let enter = |i: u32| {
+                slab_one(&self.nodes[i as usize], origin, inverse, best.distance).map(|t| (i, t))
+            };
             match (enter(node.first), enter(node.first + 1)) {
                 (Some(a), Some(b)) => {
                     let (near, far) = if a.1 <= b.1 { (a, b) } else { (b, a) };
@@ -211,12 +231,21 @@ impl TriangleBvh {
     }
 
     /// The same, hits of masked triangles only where `opaque` says so.
-    pub fn cast_packet_filtered(&self, rays: &RayPacket, opaque: impl Fn(&Hit) -> bool) -> PacketHits {
+    pub fn cast_packet_filtered(
+        &self,
+        rays: &RayPacket,
+        opaque: impl Fn(&Hit) -> bool,
+    ) -> PacketHits {
         let mut hits = PacketHits::none(rays);
         if self.depth >= PACKET_STACK {
             self.cast_each(rays, &opaque, &mut hits);
         } else {
-            widest(Cast { tree: self, rays, opaque: &opaque, hits: &mut hits });
+            widest(Cast {
+                tree: self,
+                rays,
+                opaque: &opaque,
+                hits: &mut hits,
+            });
         }
         hits
     }
@@ -238,7 +267,13 @@ impl TriangleBvh {
             }
         }
         if self.depth < PACKET_STACK {
-            widest(CastBeam { tree: self, beam, rays, opaque: &opaque, hits: &mut hits });
+            widest(CastBeam {
+                tree: self,
+                beam,
+                rays,
+                opaque: &opaque,
+                hits: &mut hits,
+            });
         }
         hits
     }
@@ -269,12 +304,23 @@ fn node(tree: &Bvh2, index: u32) -> Node {
         0 => {
             let [a, b] = [0, 1].map(|i| &tree.nodes[source.first_index as usize + i].aabb);
             let apart: [f32; 3] = ((b.min + b.max) - (a.min + a.max)).into();
-            let axis = (0..3).fold(0, |best, i| if apart[i].abs() > apart[best].abs() { i } else { best });
+            let axis = (0..3).fold(0, |best, i| {
+                if apart[i].abs() > apart[best].abs() {
+                    i
+                } else {
+                    best
+                }
+            });
             2 * axis as u32 + u32::from(apart[axis] < 0.0)
         }
         count => 8 * count,
     };
-    Node { min: source.aabb.min.into(), first: source.first_index, max: source.aabb.max.into(), kind }
+    Node {
+        min: source.aabb.min.into(),
+        first: source.first_index,
+        max: source.aabb.max.into(),
+        kind,
+    }
 }
 
 /// Nodes still to be visited with the distances at which they are entered: an array, and a vector for degenerate trees.
@@ -286,7 +332,11 @@ struct Stack {
 
 impl Stack {
     fn new() -> Self {
-        Self { shallow: [(0, 0.0); 64], count: 0, deep: Vec::new() }
+        Self {
+            shallow: [(0, 0.0); 64],
+            count: 0,
+            deep: Vec::new(),
+        }
     }
 
     #[inline(always)]
@@ -323,7 +373,11 @@ fn leaf_triangle(t: &obvhs::triangle::Triangle, index: u32, masked: bool) -> Lea
 /// One over `component`, kept finite so that no slab test multiplies zero by infinity.
 #[inline(always)]
 fn reciprocal(component: f32) -> f32 {
-    1.0 / if component.abs() < 1e-18 { 1e-18 } else { component }
+    1.0 / if component.abs() < 1e-18 {
+        1e-18
+    } else {
+        component
+    }
 }
 
 #[inline(always)]
@@ -351,7 +405,11 @@ fn slab_one(node: &Node, origin: [f32; 3], inverse: [f32; 3], limit: f32) -> Opt
 
 #[inline(always)]
 fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
 }
 
 #[inline(always)]
@@ -369,15 +427,22 @@ fn moeller_trumbore(
 ) -> (f32, f32, f32, u32) {
     let p = cross(direction, t.edge2);
     let inverse = 1.0 / dot(t.edge1, p);
-    let s = [origin[0] - t.corner[0], origin[1] - t.corner[1], origin[2] - t.corner[2]];
+    let s = [
+        origin[0] - t.corner[0],
+        origin[1] - t.corner[1],
+        origin[2] - t.corner[2],
+    ];
     let u = dot(s, p) * inverse;
     let q = cross(s, t.edge1);
     let v = dot(direction, q) * inverse;
     let distance = dot(t.edge2, q) * inverse;
     // A ray in the triangle's plane gives NaN or infinity, and no comparison holds. Masks rather than `&&`: a branch for
     // each lane would keep the compiler from using vectors.
-    let hit =
-        mask(u >= 0.0) & mask(v >= 0.0) & mask(u + v <= 1.0) & mask(distance > 1e-5) & mask(distance < limit);
+    let hit = mask(u >= 0.0)
+        & mask(v >= 0.0)
+        & mask(u + v <= 1.0)
+        & mask(distance > 1e-5)
+        & mask(distance < limit);
     (distance, u, v, hit)
 }
 
@@ -392,10 +457,20 @@ fn select(mask: u32, yes: f32, no: f32) -> f32 {
 }
 
 #[inline(always)]
-fn intersect_one(triangle: &LeafTriangle, origin: [f32; 3], direction: [f32; 3], best: &mut Hit) -> bool {
+fn intersect_one(
+    triangle: &LeafTriangle,
+    origin: [f32; 3],
+    direction: [f32; 3],
+    best: &mut Hit,
+) -> bool {
     let (distance, u, v, hit) = moeller_trumbore(triangle, origin, direction, best.distance);
     if hit != 0 {
-        *best = Hit { distance, triangle: triangle.index, u, v };
+        *best = Hit {
+            distance,
+            triangle: triangle.index,
+            u,
+            v,
+        };
     }
     hit != 0
 }
@@ -415,10 +490,24 @@ mod tests {
     }
 
     fn brute_force(soup: &[[[f32; 3]; 3]], origin: [f32; 3], direction: [f32; 3]) -> Option<f32> {
-        let mut best = Hit { distance: 100.0, triangle: MISS, u: 0.0, v: 0.0 };
+        let mut best = Hit {
+            distance: 100.0,
+            triangle: MISS,
+            u: 0.0,
+            v: 0.0,
+        };
         for (i, [a, b, c]) in soup.iter().enumerate() {
-            let t = obvhs::triangle::Triangle { v0: (*a).into(), v1: (*b).into(), v2: (*c).into() };
-            intersect_one(&leaf_triangle(&t, i as u32, false), origin, direction, &mut best);
+            let t = obvhs::triangle::Triangle {
+                v0: (*a).into(),
+                v1: (*b).into(),
+                v2: (*c).into(),
+            };
+            intersect_one(
+                &leaf_triangle(&t, i as u32, false),
+                origin,
+                direction,
+                &mut best,
+            );
         }
         (best.triangle != MISS).then_some(best.distance)
     }

@@ -65,17 +65,31 @@ impl Site {
     fn build_of(&self, barrier: &Barrier) -> Build {
         let mut rng = stream(self.seed, Purpose::Barrier, barrier.way as u64);
         let tags = &barrier.tags;
-        let height =
-            |usual: f64| metres(tags, "height").filter(|h| (0.1..=12.0).contains(h)).unwrap_or(usual);
+        let height = |usual: f64| {
+            metres(tags, "height")
+                .filter(|h| (0.1..=12.0).contains(h))
+                .unwrap_or(usual)
+        };
         let palette = &self.palette;
         match kind(tags) {
-            "wall" | "city_wall" | "retaining_wall" => {
-                Build::Masonry(pick(&mut rng, &palette.free_walls), height(between(&mut rng, 1.5, 2.0)), 0.25)
-            }
-            "hedge" => Build::Hedge(height(between(&mut rng, 1.0, 1.5)), between(&mut rng, 0.6, 0.8)),
+            "wall" | "city_wall" | "retaining_wall" => Build::Masonry(
+                pick(&mut rng, &palette.free_walls),
+                height(between(&mut rng, 1.5, 2.0)),
+                0.25,
+            ),
+            "hedge" => Build::Hedge(
+                height(between(&mut rng, 1.0, 1.5)),
+                between(&mut rng, 0.6, 0.8),
+            ),
             "fence" | "handrail" | "guard_rail" => {
-                let metal = tags.get("fence_type").map_or(chance(&mut rng, 0.4), |t| t != "wood");
-                let surface = if metal { palette.railings } else { pick(&mut rng, &palette.pickets) };
+                let metal = tags
+                    .get("fence_type")
+                    .map_or(chance(&mut rng, 0.4), |t| t != "wood");
+                let surface = if metal {
+                    palette.railings
+                } else {
+                    pick(&mut rng, &palette.pickets)
+                };
                 Build::Panels(surface, height(between(&mut rng, 1.0, 1.3)))
             }
             "kerb" => Build::Kerb(kerb_height(tags).min(HIGHEST_KERB)),
@@ -134,7 +148,11 @@ fn open(
     roads: (&[Road], &Lanes),
     stretch: (MapPoint, MapPoint),
 ) -> Vec<(MapPoint, MapPoint)> {
-    let beyond = if kind(&barrier.tags) == "kerb" { NEIGHBOURS } else { 0.0 };
+    let beyond = if kind(&barrier.tags) == "kerb" {
+        NEIGHBOURS
+    } else {
+        0.0
+    };
     between_gates(roads, &barrier.gates, stretch, beyond)
 }
 
@@ -152,17 +170,25 @@ pub(super) fn between_gates(
     let mut gaps: Vec<(f64, f64)> = Vec::new();
     // The stretch and what lies beyond its ends; along it lengths count from where it begins.
     let (far_a, far_b) = if beyond > 0.0 && length > 0.0 {
-        (along(a, b, -beyond / length), along(a, b, 1.0 + beyond / length))
+        (
+            along(a, b, -beyond / length),
+            along(a, b, 1.0 + beyond / length),
+        )
     } else {
         (a, b)
     };
     let (before, whole) = (far_a.distance(a), far_a.distance(far_b));
-    for gate in gates.iter().filter(|g| super::clearance::point_distance(**g, (far_a, far_b)) < 0.1) {
+    for gate in gates
+        .iter()
+        .filter(|g| super::clearance::point_distance(**g, (far_a, far_b)) < 0.1)
+    {
         let at = far_a.distance(*gate) - before;
         gaps.push((at - 0.9, at + 0.9));
     }
     for segment in lanes.near(far_a, far_b, 0.1) {
-        let Some(profile) = profile(&roads[segment.0 as usize].tags) else { continue };
+        let Some(profile) = profile(&roads[segment.0 as usize].tags) else {
+            continue;
+        };
         if let Some((share, sine)) = crossing((far_a, far_b), ends(roads, segment)) {
             let half = (profile.width / 2.0 + profile.pavement + GATE_MARGIN) / sine.max(0.3);
             let at = share * whole - before;
@@ -173,7 +199,10 @@ pub(super) fn between_gates(
     let (mut kept, mut from) = (Vec::new(), 0.0);
     for (start, end) in gaps.into_iter().chain([(length, length)]) {
         if start - from > 0.3 {
-            kept.push((along(a, b, from / length), along(a, b, start.min(length) / length)));
+            kept.push((
+                along(a, b, from / length),
+                along(a, b, start.min(length) / length),
+            ));
         }
         from = f64::max(from, end);
     }
@@ -182,11 +211,27 @@ pub(super) fn between_gates(
 
 /// The stretches of all barriers that stop a robot.
 pub(super) fn standing(map: &OsmMap, lanes: &Lanes) -> Vec<(MapPoint, MapPoint)> {
-    const SOLID: [&str; 8] =
-        ["wall", "city_wall", "retaining_wall", "hedge", "fence", "handrail", "guard_rail", "kerb"];
-    let solid = map.barriers.iter().filter(|b| SOLID.contains(&kind(&b.tags)));
+    const SOLID: [&str; 8] = [
+        "wall",
+        "city_wall",
+        "retaining_wall",
+        "hedge",
+        "fence",
+        "handrail",
+        "guard_rail",
+        "kerb",
+    ];
+    let solid = map
+        .barriers
+        .iter()
+        .filter(|b| SOLID.contains(&kind(&b.tags)));
     solid
-        .flat_map(|barrier| barrier.points.windows(2).map(move |pair| (barrier, (pair[0], pair[1]))))
+        .flat_map(|barrier| {
+            barrier
+                .points
+                .windows(2)
+                .map(move |pair| (barrier, (pair[0], pair[1])))
+        })
         .flat_map(|(barrier, ends)| open(barrier, (&map.roads, lanes), ends))
         .collect()
 }
@@ -195,7 +240,9 @@ fn kind(tags: &Tags) -> &str {
     if tags.is("natural", "hedge") || tags.is("landuse", "hedge") {
         return "hedge";
     }
-    tags.get("barrier").filter(|k| *k != "yes").unwrap_or("wall")
+    tags.get("barrier")
+        .filter(|k| *k != "yes")
+        .unwrap_or("wall")
 }
 
 /// A panel whose image is as high as the panel and repeats along it.
@@ -212,7 +259,12 @@ pub(super) fn see_through(
         (at(b, z.1), [u, 0.999]),
         (at(a, z.1), [0.0, 0.999]),
     ];
-    builder.mesh(Layer::Visible, surface.material, &corners, &[[0, 1, 2], [0, 2, 3]]);
+    builder.mesh(
+        Layer::Visible,
+        surface.material,
+        &corners,
+        &[[0, 1, 2], [0, 2, 3]],
+    );
 }
 
 /// Where on a-b, as a share, c-d crosses or touches it, and the sine of the angle between them.
@@ -232,9 +284,16 @@ mod tests {
     #[test]
     fn a_road_crosses_a_wall_where_it_does() {
         let p = |x, y| MapPoint::new(x, y);
-        let (share, sine) = crossing((p(0.0, 0.0), p(10.0, 0.0)), (p(4.0, -1.0), p(4.0, 5.0))).unwrap();
+        let (share, sine) =
+            crossing((p(0.0, 0.0), p(10.0, 0.0)), (p(4.0, -1.0), p(4.0, 5.0))).unwrap();
         assert!((share - 0.4).abs() < 1e-12 && (sine - 1.0).abs() < 1e-12);
-        assert_eq!(crossing((p(0.0, 0.0), p(10.0, 0.0)), (p(4.0, 1.0), p(4.0, 5.0))), None);
-        assert_eq!(crossing((p(0.0, 0.0), p(10.0, 0.0)), (p(0.0, 1.0), p(10.0, 1.0))), None);
+        assert_eq!(
+            crossing((p(0.0, 0.0), p(10.0, 0.0)), (p(4.0, 1.0), p(4.0, 5.0))),
+            None
+        );
+        assert_eq!(
+            crossing((p(0.0, 0.0), p(10.0, 0.0)), (p(0.0, 1.0), p(10.0, 1.0))),
+            None
+        );
     }
 }

@@ -79,7 +79,10 @@ impl Site {
         let buildings = std::mem::take(&mut self.map.buildings);
         let mut next = 0;
         for (index, building) in buildings.iter().enumerate() {
-            self.builder.object(building.name.clone().unwrap_or("building".into()), SemanticClass::Building);
+            self.builder.object(
+                building.name.clone().unwrap_or("building".into()),
+                SemanticClass::Building,
+            );
             let first = next;
             while self.doorways.get(next).is_some_and(|d| d.building == index) {
                 next += 1;
@@ -95,7 +98,11 @@ impl Site {
     }
 
     fn building(&mut self, building: &Building, parts: Vec<Area>, doors: &[Doorway]) {
-        let mut rng = stream(self.seed, Purpose::Building, element_number(building.element));
+        let mut rng = stream(
+            self.seed,
+            Purpose::Building,
+            element_number(building.element),
+        );
         let mut house = self.design(building, &mut rng);
         if is_open_below(&building.tags) {
             self.raised_walls(&house, building);
@@ -121,9 +128,17 @@ impl Site {
     /// The walls of what stands on stilts, from its `min_height` up: seen only, a robot drives below.
     fn raised_walls(&mut self, house: &House, building: &Building) {
         let tags = &building.tags;
-        let Some(floor) = foot_of(tags).filter(|floor| (0.5..house.eaves).contains(floor)) else { return };
+        let Some(floor) = foot_of(tags).filter(|floor| (0.5..house.eaves).contains(floor)) else {
+            return;
+        };
         for line in walls(building) {
-            wall(&mut self.builder, Layer::Visible, house.facade, line, (floor, house.eaves));
+            wall(
+                &mut self.builder,
+                Layer::Visible,
+                house.facade,
+                line,
+                (floor, house.eaves),
+            );
         }
     }
 
@@ -143,10 +158,15 @@ impl Site {
     fn garage_door(&mut self, building: &Building, rng: &mut Pcg64Mcg) {
         let to_road = |(a, b): &(MapPoint, MapPoint)| {
             let out = a.bearing_to(*b) - std::f64::consts::FRAC_PI_2;
-            self.clearance.distance(along(*a, *b, 0.5).offset(out, 1.0), ROAD, 60.0)
+            self.clearance
+                .distance(along(*a, *b, 0.5).offset(out, 1.0), ROAD, 60.0)
         };
-        let wide = walls(building).into_iter().filter(|(a, b)| a.distance(*b) > 3.0);
-        let Some((a, b)) = wide.min_by(|s, t| to_road(s).total_cmp(&to_road(t))) else { return };
+        let wide = walls(building)
+            .into_iter()
+            .filter(|(a, b)| a.distance(*b) > 3.0);
+        let Some((a, b)) = wide.min_by(|s, t| to_road(s).total_cmp(&to_road(t))) else {
+            return;
+        };
         let pose = facing_out(a, b, 0.5);
         let line = (pose.transform(0.04, -1.25), pose.transform(0.04, 1.25));
         let leaf = pick(rng, &self.palette.garages);
@@ -162,7 +182,14 @@ impl Site {
         let (levels, eaves) = storeys(tags, area, plain, rng);
         let roof = roof_of(tags, &rings, levels, rng);
         let shuttered = chance(rng, 0.3);
-        let windows = pick(rng, if shuttered { &palette.shuttered } else { &palette.windows });
+        let windows = pick(
+            rng,
+            if shuttered {
+                &palette.shuttered
+            } else {
+                &palette.windows
+            },
+        );
         let width = between(rng, 1.0, 1.5) * if shuttered { 0.85 } else { 1.0 };
         House {
             foot: 0.0,
@@ -171,14 +198,26 @@ impl Site {
             roof,
             facade: pick(
                 rng,
-                if self.detailed && levels < 4 { &palette.facades } else { &palette.town_facades },
+                if self.detailed && levels < 4 {
+                    &palette.facades
+                } else {
+                    &palette.town_facades
+                },
             ),
             plinth: pick(rng, &palette.plinths),
             trim: pick(rng, &palette.trims),
-            roofing: if roof == Roof::Flat { palette.flat_roof } else { pick(rng, &palette.pitched_roofs) },
+            roofing: if roof == Roof::Flat {
+                palette.flat_roof
+            } else {
+                pick(rng, &palette.pitched_roofs)
+            },
             windows,
             window_size: (width, between(rng, 1.25, 1.65)),
-            spacing: between(rng, 2.3, 3.2).max(if shuttered { width * SHUTTERED + 0.5 } else { 0.0 }),
+            spacing: between(rng, 2.3, 3.2).max(if shuttered {
+                width * SHUTTERED + 0.5
+            } else {
+                0.0
+            }),
             shuttered,
             shops: self.shops(tags, levels, rng),
             door: pick(rng, &palette.doors),
@@ -198,26 +237,45 @@ fn has_shops(tags: &Tags) -> bool {
     let kinds = ["retail", "commercial", "supermarket", "kiosk"];
     tags.says("shop")
         || kinds.iter().any(|kind| tags.is("building", kind))
-        || ["restaurant", "cafe", "bar", "pharmacy", "bank"].iter().any(|kind| tags.is("amenity", kind))
+        || ["restaurant", "cafe", "bar", "pharmacy", "bank"]
+            .iter()
+            .any(|kind| tags.is("amenity", kind))
 }
 
 fn is_outbuilding(tags: &Tags) -> bool {
-    let kinds =
-        ["garage", "garages", "shed", "hut", "carport", "greenhouse", "industrial", "warehouse", "service"];
-    tags.get("building").is_some_and(|kind| kinds.contains(&kind))
+    let kinds = [
+        "garage",
+        "garages",
+        "shed",
+        "hut",
+        "carport",
+        "greenhouse",
+        "industrial",
+        "warehouse",
+        "service",
+    ];
+    tags.get("building")
+        .is_some_and(|kind| kinds.contains(&kind))
 }
 
 /// Whether a robot drives under it: a roof, or what begins above the ground.
 pub(super) fn is_open_below(tags: &Tags) -> bool {
-    let raised =
-        metres(tags, "min_height").is_some() || tags.get("building:min_level").is_some_and(|l| l != "0");
-    raised || ["roof", "carport"].iter().any(|kind| tags.is("building", kind))
+    let raised = metres(tags, "min_height").is_some()
+        || tags.get("building:min_level").is_some_and(|l| l != "0");
+    raised
+        || ["roof", "carport"]
+            .iter()
+            .any(|kind| tags.is("building", kind))
 }
 
 /// Height at which the map says that a building or a part of one begins, metres.
 pub(super) fn foot_of(tags: &Tags) -> Option<f64> {
-    let levels = tags.get("building:min_level").and_then(|l| l.parse::<f64>().ok());
-    metres(tags, "min_height").or(levels.map(|l| 3.0 * l)).filter(|foot| (0.0..600.0).contains(foot))
+    let levels = tags
+        .get("building:min_level")
+        .and_then(|l| l.parse::<f64>().ok());
+    metres(tags, "min_height")
+        .or(levels.map(|l| 3.0 * l))
+        .filter(|foot| (0.0..600.0).contains(foot))
 }
 
 /// Floors, and height of the walls in metres.
@@ -229,21 +287,35 @@ pub(super) fn storeys(tags: &Tags, area: f64, plain: bool, rng: &mut Pcg64Mcg) -
     } else {
         pick(rng, &[1, 2, 2, 2])
     };
-    let told =
-        tags.get("building:levels").and_then(|l| l.parse::<f64>().ok()).filter(|l| (1.0..=120.0).contains(l));
+    let told = tags
+        .get("building:levels")
+        .and_then(|l| l.parse::<f64>().ok())
+        .filter(|l| (1.0..=120.0).contains(l));
     let levels = told.map_or(guess, |l| l as usize);
     let storey = between(rng, 2.75, 3.05);
     let roof = metres(tags, "roof:height").unwrap_or(0.0);
     match metres(tags, "height").filter(|h| (2.0..=600.0).contains(h)) {
         Some(height) => {
             let eaves = (height - roof).max(2.0);
-            (told.map_or((eaves / 3.0) as usize, |l| l as usize).clamp(1, 200), eaves)
+            (
+                told.map_or((eaves / 3.0) as usize, |l| l as usize)
+                    .clamp(1, 200),
+                eaves,
+            )
         }
-        None => (levels, levels as f64 * storey + if plain { 0.0 } else { 0.4 }),
+        None => (
+            levels,
+            levels as f64 * storey + if plain { 0.0 } else { 0.4 },
+        ),
     }
 }
 
-pub(super) fn roof_of(tags: &Tags, rings: &[Vec<MapPoint>], levels: usize, rng: &mut Pcg64Mcg) -> Roof {
+pub(super) fn roof_of(
+    tags: &Tags,
+    rings: &[Vec<MapPoint>],
+    levels: usize,
+    rng: &mut Pcg64Mcg,
+) -> Roof {
     let usual = between(rng, 0.5, 0.9);
     let slope = told_slope(tags, &rings[0]).unwrap_or(usual);
     let quad = rings.len() == 1 && is_rectangle(&rings[0]);
@@ -253,7 +325,11 @@ pub(super) fn roof_of(tags: &Tags, rings: &[Vec<MapPoint>], levels: usize, rng: 
         Some("hipped" | "half-hipped") if quad => return Roof::Hipped(slope),
         Some("pyramidal" | "cone" | "dome" | "onion" | "round") if rings.len() == 1 => {
             let usual = slope * signed_area(&rings[0]).max(0.0).sqrt() / 2.0;
-            return Roof::Tent(metres(tags, "roof:height").unwrap_or(usual).clamp(0.3, 60.0));
+            return Roof::Tent(
+                metres(tags, "roof:height")
+                    .unwrap_or(usual)
+                    .clamp(0.3, 60.0),
+            );
         }
         Some("mansard" | "hipped" | "gabled") => return Roof::Mansard,
         _ => {}
@@ -262,7 +338,14 @@ pub(super) fn roof_of(tags: &Tags, rings: &[Vec<MapPoint>], levels: usize, rng: 
         return Roof::Flat;
     }
     match (quad, levels) {
-        (true, 0..=3) => pick(rng, &[Roof::Gabled(slope), Roof::Gabled(slope), Roof::Hipped(slope * 0.8)]),
+        (true, 0..=3) => pick(
+            rng,
+            &[
+                Roof::Gabled(slope),
+                Roof::Gabled(slope),
+                Roof::Hipped(slope * 0.8),
+            ],
+        ),
         (false, 0..=4) => pick(rng, &[Roof::Mansard, Roof::Mansard, Roof::Flat]),
         _ => pick(rng, &[Roof::Flat, Roof::Flat, Roof::Mansard]),
     }
@@ -282,7 +365,9 @@ fn is_rectangle(ring: &[MapPoint]) -> bool {
         let dot = (a.x - b.x) * (c.x - b.x) + (a.y - b.y) * (c.y - b.y);
         dot.abs() < 0.2 * a.distance(b) * c.distance(b)
     };
-    ring.len() == 4 && (0..4).all(square) && ring[0].distance(ring[1]).min(ring[1].distance(ring[2])) < 20.0
+    ring.len() == 4
+        && (0..4).all(square)
+        && ring[0].distance(ring[1]).min(ring[1].distance(ring[2])) < 20.0
 }
 
 #[cfg(test)]
@@ -292,12 +377,26 @@ mod tests {
     #[test]
     fn the_map_decides_on_height_and_levels() {
         let mut rng = stream(1, Purpose::Building, 1);
-        let (levels, eaves) =
-            storeys(&Tags::from([("height", "12 m"), ("roof:height", "3")]), 100.0, false, &mut rng);
+        let (levels, eaves) = storeys(
+            &Tags::from([("height", "12 m"), ("roof:height", "3")]),
+            100.0,
+            false,
+            &mut rng,
+        );
         assert_eq!((levels, eaves), (3, 9.0));
-        let (levels, eaves) = storeys(&Tags::from([("building:levels", "5")]), 100.0, false, &mut rng);
+        let (levels, eaves) = storeys(
+            &Tags::from([("building:levels", "5")]),
+            100.0,
+            false,
+            &mut rng,
+        );
         assert!(levels == 5 && (14.0..16.0).contains(&eaves));
-        let (levels, _) = storeys(&Tags::from([("building:levels", "1e9")]), 100.0, false, &mut rng);
+        let (levels, _) = storeys(
+            &Tags::from([("building:levels", "1e9")]),
+            100.0,
+            false,
+            &mut rng,
+        );
         assert!(levels < 10);
     }
 }

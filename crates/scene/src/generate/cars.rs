@@ -40,9 +40,15 @@ impl Shape {
     /// How far forward the outline reaches at a height, and how far back, metres.
     fn ends(&self, height: f64) -> (f64, f64) {
         let next = self.outline.iter().cycle().skip(1);
-        let sides = self.outline.iter().zip(next).filter(|(p, q)| (p.1 > height) != (q.1 > height));
+        let sides = self
+            .outline
+            .iter()
+            .zip(next)
+            .filter(|(p, q)| (p.1 > height) != (q.1 > height));
         let at = sides.map(|(p, q)| p.0 + (q.0 - p.0) * (height - p.1) / (q.1 - p.1));
-        at.fold((f64::NEG_INFINITY, f64::INFINITY), |(front, back), x| (x.max(front), x.min(back)))
+        at.fold((f64::NEG_INFINITY, f64::INFINITY), |(front, back), x| {
+            (x.max(front), x.min(back))
+        })
     }
 }
 
@@ -105,23 +111,32 @@ impl Site {
         }
         self.map.roads = roads;
         let areas = std::mem::take(&mut self.map.areas);
-        for area in
-            areas.iter().filter(|a| a.tags.is("amenity", "parking") && !a.tags.is("parking", "underground"))
+        for area in areas
+            .iter()
+            .filter(|a| a.tags.is("amenity", "parking") && !a.tags.is("parking", "underground"))
         {
-            let mut rng = stream(self.seed, Purpose::Cars, element_number(area.element) | 1 << 63);
+            let mut rng = stream(
+                self.seed,
+                Purpose::Cars,
+                element_number(area.element) | 1 << 63,
+            );
             self.car_park(&area.polygon, &mut rng);
         }
         self.map.areas = areas;
     }
 
     fn along_kerbs(&mut self, road: &Road, rng: &mut Pcg64Mcg) {
-        let Some(profile) = profile(&road.tags).filter(|p| p.for_cars && p.width >= 5.0) else { return };
+        let Some(profile) = profile(&road.tags).filter(|p| p.for_cars && p.width >= 5.0) else {
+            return;
+        };
         let shares = kerb_shares(&road.tags);
         let count = road.points.len();
         for (i, pair) in road.points.windows(2).enumerate() {
             let length = pair[0].distance(pair[1]);
-            let (first, last) =
-                (if i == 0 { CORNER } else { 3.0 }, if i + 2 == count { CORNER } else { 3.0 });
+            let (first, last) = (
+                if i == 0 { CORNER } else { 3.0 },
+                if i + 2 == count { CORNER } else { 3.0 },
+            );
             let places = ((length - first - last) / KERB_PLACE).clamp(0.0, 1_000.0) as usize;
             for (side, share) in [(1.0, shares[0]), (-1.0, shares[1])] {
                 for place in 0..places {
@@ -133,7 +148,11 @@ impl Site {
                     let yaw = pair[0].bearing_to(pair[1]);
                     let spot = Pose2::new(p.x, p.y, yaw)
                         .transform(0.0, side * (profile.width / 2.0 - HALF.1 - 0.13));
-                    let yaw = if side > 0.0 { yaw + std::f64::consts::PI } else { yaw };
+                    let yaw = if side > 0.0 {
+                        yaw + std::f64::consts::PI
+                    } else {
+                        yaw
+                    };
                     let kinds = PATH | DOOR | OBJECT | START | BARRIER | BUILDING | DRIVEWAY;
                     self.car_if(taken, Pose2::new(spot.x, spot.y, yaw), kinds, rng);
                 }
@@ -142,27 +161,43 @@ impl Site {
     }
 
     fn car_park(&mut self, polygon: &Polygon, rng: &mut Pcg64Mcg) {
-        let Some((a, b)) = polygon.sides().max_by(|s, t| s.0.distance(s.1).total_cmp(&t.0.distance(t.1)))
+        let Some((a, b)) = polygon
+            .sides()
+            .max_by(|s, t| s.0.distance(s.1).total_cmp(&t.0.distance(t.1)))
         else {
             return;
         };
         let origin = Pose2::new(a.x, a.y, a.bearing_to(b));
-        let reach =
-            polygon.outer.iter().map(|p| origin.inverse_transform(*p).1).fold(0.0, f64::max).min(500.0);
+        let reach = polygon
+            .outer
+            .iter()
+            .map(|p| origin.inverse_transform(*p).1)
+            .fold(0.0, f64::max)
+            .min(500.0);
         let columns = ((a.distance(b) - 0.4) / PARK_PLACE.0).min(200.0) as usize;
         let mut from = 0.1;
         let mut row = 0;
         while from + PARK_PLACE.1 < reach {
             for column in 0..columns {
-                let place = ((column as f64 + 0.5) * PARK_PLACE.0 + 0.2, from + PARK_PLACE.1 / 2.0);
+                let place = (
+                    (column as f64 + 0.5) * PARK_PLACE.0 + 0.2,
+                    from + PARK_PLACE.1 / 2.0,
+                );
                 let p = origin.transform(place.0, place.1);
-                let yaw =
-                    origin.yaw + if chance(rng, 0.5) { 1.0 } else { -1.0 } * std::f64::consts::FRAC_PI_2;
+                let yaw = origin.yaw
+                    + if chance(rng, 0.5) { 1.0 } else { -1.0 } * std::f64::consts::FRAC_PI_2;
                 let taken = chance(rng, self.options.parked_cars.clamp(0.0, 1.0));
                 let pose = Pose2::new(p.x, p.y, yaw);
-                if is_inside(polygon, pose) && self.clearance.is_free(p, p, 1.2, ROAD | PATH | BUILDING) {
+                if is_inside(polygon, pose)
+                    && self.clearance.is_free(p, p, 1.2, ROAD | PATH | BUILDING)
+                {
                     self.place_lines(pose);
-                    self.car_if(taken, pose, ROAD | PATH | DOOR | OBJECT | START | BARRIER | BUILDING, rng);
+                    self.car_if(
+                        taken,
+                        pose,
+                        ROAD | PATH | DOOR | OBJECT | START | BARRIER | BUILDING,
+                        rng,
+                    );
                 }
             }
             // Row, aisle, row, row back to back, aisle, …
@@ -180,7 +215,10 @@ impl Site {
     }
 
     fn car_if(&mut self, taken: bool, pose: Pose2, kinds: u16, rng: &mut Pcg64Mcg) {
-        let (front, back) = (pose.transform(HALF.0 - HALF.1, 0.0), pose.transform(HALF.1 - HALF.0, 0.0));
+        let (front, back) = (
+            pose.transform(HALF.0 - HALF.1, 0.0),
+            pose.transform(HALF.1 - HALF.0, 0.0),
+        );
         let near = self.extent.holds(pose.point(), super::GROUND_MARGIN / 2.0) && !self.is_full();
         if taken && near && self.clearance.is_free(front, back, HALF.1 + 0.02, kinds) {
             self.car(pose, rng);
@@ -193,8 +231,21 @@ impl Site {
         let paint = pick(rng, &self.palette.car_paints);
         self.builder.object("car", SemanticClass::Vehicle);
         let palette = &self.palette;
-        let (glass, tyre, rim, lights) = (palette.car_glass, palette.tyre, palette.rim, palette.car_lights);
-        Car { shape, paint, glass, tyre, rim, lights }.build(&mut self.builder, pose);
+        let (glass, tyre, rim, lights) = (
+            palette.car_glass,
+            palette.tyre,
+            palette.rim,
+            palette.car_lights,
+        );
+        Car {
+            shape,
+            paint,
+            glass,
+            tyre,
+            rim,
+            lights,
+        }
+        .build(&mut self.builder, pose);
     }
 }
 
@@ -205,7 +256,13 @@ pub fn car_figure(look: u32) -> Scene {
     let mut surface = |color: [f32; 3], reflectivity: Option<u8>| {
         let plain = Material::plain(SemanticClass::Vehicle, color);
         let reflectivity = reflectivity.unwrap_or(plain.reflectivity);
-        Surface { material: builder.material(Material { reflectivity, ..plain }), tile: 1.0 }
+        Surface {
+            material: builder.material(Material {
+                reflectivity,
+                ..plain
+            }),
+            tile: 1.0,
+        }
     };
     let car = Car {
         shape: shapes[look as usize % shapes.len()],
@@ -213,7 +270,10 @@ pub fn car_figure(look: u32) -> Scene {
         glass: surface([0.10, 0.13, 0.16], Some(8)),
         tyre: surface([0.07; 3], Some(8)),
         rim: surface([0.58, 0.60, 0.62], None),
-        lights: [surface([0.94, 0.94, 0.90], Some(200)), surface([0.60, 0.06, 0.06], Some(200))],
+        lights: [
+            surface([0.94, 0.94, 0.90], Some(200)),
+            surface([0.60, 0.06, 0.06], Some(200)),
+        ],
     };
     car.build(&mut builder, Pose2::default());
     builder.build()
@@ -232,21 +292,35 @@ struct Car {
 impl Car {
     fn build(&self, builder: &mut SceneBuilder, pose: Pose2) {
         let (shape, paint, glass) = (self.shape, self.paint, self.glass);
-        let lean =
-            |z: f64| HALF.1 - 0.2 * ((z - shape.waist.0) / (shape.waist.1 - shape.waist.0)).clamp(0.0, 1.0);
+        let lean = |z: f64| {
+            HALF.1 - 0.2 * ((z - shape.waist.0) / (shape.waist.1 - shape.waist.0)).clamp(0.0, 1.0)
+        };
         let place = |(x, z): (f64, f64), side: f64, out: f64| {
             super::shapes::at(pose.transform(x, side * (lean(z) + out)), z)
         };
         let n = shape.outline.len();
         for i in 0..n {
             let (p, q) = (shape.outline[i], shape.outline[(i + 1) % n]);
-            let surface = if shape.glass.contains(&i) { glass } else { paint };
-            let quad = [place(p, -1.0, 0.0), place(q, -1.0, 0.0), place(q, 1.0, 0.0), place(p, 1.0, 0.0)];
+            let surface = if shape.glass.contains(&i) {
+                glass
+            } else {
+                paint
+            };
+            let quad = [
+                place(p, -1.0, 0.0),
+                place(q, -1.0, 0.0),
+                place(q, 1.0, 0.0),
+                place(p, 1.0, 0.0),
+            ];
             facet(builder, Layer::Both, surface, &quad);
         }
         for side in [-1.0, 1.0] {
-            car_side(builder, Layer::Both, (paint, side), shape.outline, |p| place(p, side, 0.0));
-            car_side(builder, Layer::Visible, (glass, side), shape.window, |p| place(p, side, 0.012));
+            car_side(builder, Layer::Both, (paint, side), shape.outline, |p| {
+                place(p, side, 0.0)
+            });
+            car_side(builder, Layer::Visible, (glass, side), shape.window, |p| {
+                place(p, side, 0.012)
+            });
         }
         self.wheels_and_lights(builder, pose);
     }
@@ -260,8 +334,12 @@ impl Car {
         let [white, red] = self.lights;
         let (front, back) = self.shape.ends(LAMPS);
         for side in [-0.62, 0.62] {
-            let lamp =
-                |x: f64| ([x - 0.015, side - 0.16, LAMPS - 0.06], [x + 0.015, side + 0.16, LAMPS + 0.06]);
+            let lamp = |x: f64| {
+                (
+                    [x - 0.015, side - 0.16, LAMPS - 0.06],
+                    [x + 0.015, side + 0.16, LAMPS + 0.06],
+                )
+            };
             cuboid(builder, Layer::Visible, white, pose, lamp(front));
             cuboid(builder, Layer::Visible, red, pose, lamp(back));
         }
@@ -307,8 +385,12 @@ fn wheel(
     facet(builder, layer, surface, &disc);
     if is_tyre {
         for i in 0..CORNERS {
-            let quad =
-                [rim(order(i + 1), 0.0), rim(order(i), 0.0), rim(order(i), 0.2), rim(order(i + 1), 0.2)];
+            let quad = [
+                rim(order(i + 1), 0.0),
+                rim(order(i), 0.0),
+                rim(order(i), 0.2),
+                rim(order(i + 1), 0.2),
+            ];
             facet(builder, layer, surface, &quad);
         }
     }
@@ -323,10 +405,18 @@ fn kerb_shares(tags: &Tags) -> [f64; 2] {
             format!("parking:lane:{side}"),
             "parking:lane:both".into(),
         ];
-        keys.iter().find_map(|k| tags.get(k)).map(|v| !v.starts_with("no") && v != "separate")
+        keys.iter()
+            .find_map(|k| tags.get(k))
+            .map(|v| !v.starts_with("no") && v != "separate")
     };
-    let untold =
-        if ["residential", "living_street"].iter().any(|k| tags.is("highway", k)) { 0.2 } else { 0.0 };
+    let untold = if ["residential", "living_street"]
+        .iter()
+        .any(|k| tags.is("highway", k))
+    {
+        0.2
+    } else {
+        0.0
+    };
     let told = ["left", "right"].map(allowed);
     match told {
         // Without a word cars stand on one side only, so that one can still drive by.
@@ -337,7 +427,9 @@ fn kerb_shares(tags: &Tags) -> [f64; 2] {
 
 fn is_inside(polygon: &Polygon, pose: Pose2) -> bool {
     let corners = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
-    corners.iter().all(|(x, y)| polygon.contains(pose.transform(x * (HALF.0 + 0.1), y * (HALF.1 + 0.1))))
+    corners
+        .iter()
+        .all(|(x, y)| polygon.contains(pose.transform(x * (HALF.0 + 0.1), y * (HALF.1 + 0.1))))
 }
 
 #[cfg(test)]
@@ -348,15 +440,30 @@ mod tests {
     fn lamps_stand_in_the_body() {
         for shape in [&SALOON, &HATCHBACK, &VAN] {
             let (front, back) = shape.ends(LAMPS);
-            assert!((1.9..2.2).contains(&front) && (-2.22..-1.9).contains(&back), "{front} {back}");
+            assert!(
+                (1.9..2.2).contains(&front) && (-2.22..-1.9).contains(&back),
+                "{front} {back}"
+            );
         }
     }
 
     #[test]
     fn the_map_says_where_cars_stand() {
-        assert_eq!(kerb_shares(&Tags::from([("parking:left", "lane"), ("parking:right", "no")])), [1.0, 0.0]);
-        assert_eq!(kerb_shares(&Tags::from([("parking:both", "no")])), [0.0, 0.0]);
+        assert_eq!(
+            kerb_shares(&Tags::from([
+                ("parking:left", "lane"),
+                ("parking:right", "no")
+            ])),
+            [1.0, 0.0]
+        );
+        assert_eq!(
+            kerb_shares(&Tags::from([("parking:both", "no")])),
+            [0.0, 0.0]
+        );
         assert!(kerb_shares(&Tags::from([("highway", "residential")]))[1] > 0.0);
-        assert_eq!(kerb_shares(&Tags::from([("highway", "primary")])), [0.0, 0.0]);
+        assert_eq!(
+            kerb_shares(&Tags::from([("highway", "primary")])),
+            [0.0, 0.0]
+        );
     }
 }

@@ -61,7 +61,9 @@ impl Clearance {
             all.add_line(&barrier.points, 0.35, BARRIER);
         }
         for road in &map.roads {
-            let Some(profile) = streets::profile(&road.tags) else { continue };
+            let Some(profile) = streets::profile(&road.tags) else {
+                continue;
+            };
             let kind = match road.tags.get("highway") {
                 Some("service" | "track") => ROAD | DRIVEWAY,
                 _ if profile.for_cars => ROAD,
@@ -104,7 +106,10 @@ impl Clearance {
         let pieces = (a.distance(b) / CELL).ceil().clamp(1.0, 4096.0) as usize;
         for i in 0..pieces {
             let share = |k: usize| k as f64 / pieces as f64;
-            let (p, q) = (super::shapes::along(a, b, share(i)), super::shapes::along(a, b, share(i + 1)));
+            let (p, q) = (
+                super::shapes::along(a, b, share(i)),
+                super::shapes::along(a, b, share(i + 1)),
+            );
             if !self.afford(p, q, radius) {
                 continue;
             }
@@ -140,10 +145,19 @@ impl Clearance {
                 self.add(ring[i], ring[(i + 1) % ring.len()], 0.0, kind);
             }
         }
-        let low = |f: fn(&MapPoint) -> f64| polygon.outer.iter().map(f).fold(f64::INFINITY, f64::min);
-        let high = |f: fn(&MapPoint) -> f64| polygon.outer.iter().map(f).fold(f64::NEG_INFINITY, f64::max);
-        let (min, max) =
-            (MapPoint::new(low(|p| p.x), low(|p| p.y)), MapPoint::new(high(|p| p.x), high(|p| p.y)));
+        let low =
+            |f: fn(&MapPoint) -> f64| polygon.outer.iter().map(f).fold(f64::INFINITY, f64::min);
+        let high = |f: fn(&MapPoint) -> f64| {
+            polygon
+                .outer
+                .iter()
+                .map(f)
+                .fold(f64::NEG_INFINITY, f64::max)
+        };
+        let (min, max) = (
+            MapPoint::new(low(|p| p.x), low(|p| p.y)),
+            MapPoint::new(high(|p| p.x), high(|p| p.y)),
+        );
         let index = self.areas.len() as u32;
         if min.distance(max) < super::MAX_EXTENT && self.afford(min, max, 0.0) {
             for cell in cells(min, max, 0.0) {
@@ -159,9 +173,11 @@ impl Clearance {
             let c = &self.capsules[*i as usize];
             c.kind & kinds != 0 && segment_distance((a, b), (c.a, c.b)) < radius + c.radius
         };
-        if cells(a, b, radius)
-            .any(|cell| self.capsule_cells.get(&cell).is_some_and(|list| list.iter().any(touches)))
-        {
+        if cells(a, b, radius).any(|cell| {
+            self.capsule_cells
+                .get(&cell)
+                .is_some_and(|list| list.iter().any(touches))
+        }) {
             return false;
         }
         self.areas_at(a, kinds) == 0
@@ -173,12 +189,16 @@ impl Clearance {
             let (polygon, kind) = &self.areas[**i as usize];
             kind & kinds != 0 && polygon.contains(point)
         };
-        self.area_cells.get(&cell_of(point)).map_or(0, |list| list.iter().filter(holds).count())
+        self.area_cells
+            .get(&cell_of(point))
+            .map_or(0, |list| list.iter().filter(holds).count())
     }
 
     /// Distance of `point` from the nearest capsule of `kinds`, metres; `limit` if there is none so near.
     pub fn distance(&self, point: MapPoint, kinds: Kinds, limit: f64) -> f64 {
-        let near = cells(point, point, limit).filter_map(|cell| self.capsule_cells.get(&cell)).flatten();
+        let near = cells(point, point, limit)
+            .filter_map(|cell| self.capsule_cells.get(&cell))
+            .flatten();
         near.map(|i| &self.capsules[*i as usize])
             .filter(|c| c.kind & kinds != 0)
             .map(|c| point_distance(point, (c.a, c.b)) - c.radius)
@@ -215,8 +235,11 @@ fn segment_distance((a, b): (MapPoint, MapPoint), (c, d): (MapPoint, MapPoint)) 
 pub(super) fn point_distance(p: MapPoint, (a, b): (MapPoint, MapPoint)) -> f64 {
     let (dx, dy) = (b.x - a.x, b.y - a.y);
     let squared = dx * dx + dy * dy;
-    let share =
-        if squared > 0.0 { (((p.x - a.x) * dx + (p.y - a.y) * dy) / squared).clamp(0.0, 1.0) } else { 0.0 };
+    let share = if squared > 0.0 {
+        (((p.x - a.x) * dx + (p.y - a.y) * dy) / squared).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
     p.distance(super::shapes::along(a, b, share))
 }
 
@@ -227,7 +250,12 @@ mod tests {
     #[test]
     fn capsules_are_found_across_cells() {
         let mut clearance = Clearance::default();
-        clearance.add(MapPoint::new(-100.0, 3.0), MapPoint::new(100.0, 3.0), 1.0, ROAD);
+        clearance.add(
+            MapPoint::new(-100.0, 3.0),
+            MapPoint::new(100.0, 3.0),
+            1.0,
+            ROAD,
+        );
         let p = |x, y| MapPoint::new(x, y);
         assert!(!clearance.is_free(p(47.9, 4.9), p(47.9, 4.9), 1.0, ROAD));
         assert!(clearance.is_free(p(47.9, 5.1), p(47.9, 5.1), 1.0, ROAD));

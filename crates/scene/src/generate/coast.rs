@@ -39,7 +39,10 @@ pub(super) fn sea(data: &OsmData, map: &OsmMap, extent: Extent) -> Vec<Polygon> 
         }
     }
     let rings = closed(shores, extent);
-    rings.into_iter().filter_map(|ring| with_islands(ring, &islands)).collect()
+    rings
+        .into_iter()
+        .filter_map(|ring| with_islands(ring, &islands))
+        .collect()
 }
 
 /// A line without the corners that are closer together than a rendered shore needs; both ends stay.
@@ -65,21 +68,37 @@ fn bounded(mut piece: Vec<MapPoint>) -> Vec<MapPoint> {
 
 fn with_islands(ring: Vec<MapPoint>, islands: &[Vec<MapPoint>]) -> Option<Polygon> {
     let outer = Polygon::new(ring, Vec::new())?;
-    let holes = islands.iter().filter(|i| i.first().is_some_and(|p| outer.contains(*p))).cloned().collect();
+    let holes = islands
+        .iter()
+        .filter(|i| i.first().is_some_and(|p| outer.contains(*p)))
+        .cloned()
+        .collect();
     Polygon::new(outer.outer, holes)
 }
 
 /// Node numbers of the coast, ways joined where one begins at another's end.
 fn coastlines(data: &OsmData) -> Vec<Vec<i64>> {
-    let ways = data.ways.values().filter(|w| w.tags.is("natural", "coastline") && w.nodes.len() > 1);
+    let ways = data
+        .ways
+        .values()
+        .filter(|w| w.tags.is("natural", "coastline") && w.nodes.len() > 1);
     let mut begins: BTreeMap<i64, Vec<i64>> = ways.map(|w| (w.nodes[0], w.nodes.clone())).collect();
-    let ends: Vec<i64> = begins.values().filter_map(|nodes| nodes.last().copied()).collect();
+    let ends: Vec<i64> = begins
+        .values()
+        .filter_map(|nodes| nodes.last().copied())
+        .collect();
     // First those that follow on no other, then what is left: rings.
-    let mut starts: Vec<i64> = begins.keys().copied().filter(|n| !ends.contains(n)).collect();
+    let mut starts: Vec<i64> = begins
+        .keys()
+        .copied()
+        .filter(|n| !ends.contains(n))
+        .collect();
     starts.extend(begins.keys().copied().collect::<Vec<_>>());
     let mut lines = Vec::new();
     for start in starts {
-        let Some(mut line) = begins.remove(&start) else { continue };
+        let Some(mut line) = begins.remove(&start) else {
+            continue;
+        };
         while let Some(next) = line.last().and_then(|end| begins.remove(end)) {
             line.extend_from_slice(&next[1..]);
         }
@@ -92,7 +111,9 @@ fn coastlines(data: &OsmData) -> Vec<Vec<i64>> {
 fn clipped(line: &[MapPoint], extent: Extent) -> Vec<Vec<MapPoint>> {
     let (mut pieces, mut piece): (Vec<Vec<MapPoint>>, Option<Vec<MapPoint>>) = (Vec::new(), None);
     for pair in line.windows(2) {
-        let Some((from, to)) = inside(pair[0], pair[1], extent) else { continue };
+        let Some((from, to)) = inside(pair[0], pair[1], extent) else {
+            continue;
+        };
         let (p, q) = (along(pair[0], pair[1], from), along(pair[0], pair[1], to));
         if from > 0.0 {
             piece = Some(vec![p]);
@@ -136,7 +157,13 @@ fn closed(mut pieces: Vec<Vec<MapPoint>>, extent: Extent) -> Vec<Vec<MapPoint>> 
         let begin = run(ring[0], extent);
         loop {
             let from = ring.last().map_or(0.0, |p| run(*p, extent));
-            let ahead = |to: f64| if to >= from { to - from } else { to - from + 4.0 };
+            let ahead = |to: f64| {
+                if to >= from {
+                    to - from
+                } else {
+                    to - from + 4.0
+                }
+            };
             let next = (0..pieces.len()).min_by(|i, j| {
                 ahead(run(pieces[*i][0], extent)).total_cmp(&ahead(run(pieces[*j][0], extent)))
             });
@@ -160,23 +187,36 @@ fn run(p: MapPoint, extent: Extent) -> f64 {
     let (width, depth) = (extent.max.x - extent.min.x, extent.max.y - extent.min.y);
     let (x, y) = ((p.x - extent.min.x) / width, (p.y - extent.min.y) / depth);
     let sides = [(y, x), (1.0 - x, 1.0 + y), (1.0 - y, 3.0 - x), (x, 4.0 - y)];
-    let nearest = sides.into_iter().min_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
+    let nearest = sides
+        .into_iter()
+        .min_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
     nearest.map_or(0.0, |(_, run)| run.rem_euclid(4.0))
 }
 
 /// The rectangle's corners from `from` on for `length` sides.
 fn corners_between(from: f64, length: f64, extent: Extent) -> Vec<MapPoint> {
     let (min, max) = (extent.min, extent.max);
-    let corners = [min, MapPoint::new(max.x, min.y), max, MapPoint::new(min.x, max.y)];
+    let corners = [
+        min,
+        MapPoint::new(max.x, min.y),
+        max,
+        MapPoint::new(min.x, max.y),
+    ];
     let first = from.floor() as usize + 1;
-    (first..first + 4).filter(|i| *i as f64 - from < length).map(|i| corners[i % 4]).collect()
+    (first..first + 4)
+        .filter(|i| *i as f64 - from < length)
+        .map(|i| corners[i % 4])
+        .collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const SQUARE: Extent = Extent { min: MapPoint { x: 0.0, y: 0.0 }, max: MapPoint { x: 10.0, y: 10.0 } };
+    const SQUARE: Extent = Extent {
+        min: MapPoint { x: 0.0, y: 0.0 },
+        max: MapPoint { x: 10.0, y: 10.0 },
+    };
 
     fn points(list: &[(f64, f64)]) -> Vec<MapPoint> {
         list.iter().map(|(x, y)| MapPoint::new(*x, *y)).collect()

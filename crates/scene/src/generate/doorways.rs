@@ -25,26 +25,49 @@ const PLATE_THICKNESS: f64 = 0.03;
 
 impl Site {
     pub(super) fn doorway(&mut self, house: &House, door: &Doorway, rng: &mut Pcg64Mcg) {
-        self.builder.object(format!("door of {}", door.address), SemanticClass::Door);
+        self.builder
+            .object(format!("door of {}", door.address), SemanticClass::Door);
         let pose = door.pose();
         let half = LEAF / 2.0;
         let leaf = (pose.transform(0.05, -half), pose.transform(0.05, half));
-        let own = if chance(rng, 0.3) { pick(rng, &self.palette.doors) } else { house.door };
-        panel(&mut self.builder, Layer::Visible, own, leaf, (STEP, LEAF_HEIGHT));
+        let own = if chance(rng, 0.3) {
+            pick(rng, &self.palette.doors)
+        } else {
+            house.door
+        };
+        panel(
+            &mut self.builder,
+            Layer::Visible,
+            own,
+            leaf,
+            (STEP, LEAF_HEIGHT),
+        );
         self.frame(house.trim, pose, half);
         let mut add = |surface: Surface, min: [f64; 3], max: [f64; 3]| {
             cuboid(&mut self.builder, Layer::Visible, surface, pose, (min, max));
         };
         add(self.palette.doorstep, [0.0, -0.8, 0.0], [1.0, 0.8, STEP]);
-        add(self.palette.earth, [0.1, -0.45, STEP], [0.6, 0.45, STEP + 0.004]);
+        add(
+            self.palette.earth,
+            [0.1, -0.45, STEP],
+            [0.6, 0.45, STEP + 0.004],
+        );
         if house.canopy && house.eaves > 2.8 {
             add(house.trim, [0.0, -0.95, 2.5], [0.95, 0.95, 2.6]);
             add(house.roofing, [0.0, -1.0, 2.6], [1.0, 1.0, 2.66]);
         }
         // A lamp on the side where the plate is not.
         let side = if door.plate_offset > 0.0 { -0.85 } else { 0.85 };
-        add(self.palette.dark_metal, [0.0, side - 0.06, 1.95], [0.12, side + 0.06, 2.0]);
-        add(self.palette.lamp_glass, [0.03, side - 0.05, 2.0], [0.12, side + 0.05, 2.2]);
+        add(
+            self.palette.dark_metal,
+            [0.0, side - 0.06, 1.95],
+            [0.12, side + 0.06, 2.0],
+        );
+        add(
+            self.palette.lamp_glass,
+            [0.03, side - 0.05, 2.0],
+            [0.12, side + 0.05, 2.2],
+        );
         self.plate(door, pose);
     }
 
@@ -62,8 +85,16 @@ impl Site {
 
     fn plate(&mut self, door: &Doorway, pose: Pose2) {
         let on_leaf = door.plate_offset == 0.0;
-        let height = if on_leaf { PLATE_HEIGHT.0 } else { PLATE_HEIGHT.1 };
-        let depth = if on_leaf { PLATE_DEPTH.0 } else { PLATE_DEPTH.1 };
+        let height = if on_leaf {
+            PLATE_HEIGHT.0
+        } else {
+            PLATE_HEIGHT.1
+        };
+        let depth = if on_leaf {
+            PLATE_DEPTH.0
+        } else {
+            PLATE_DEPTH.1
+        };
         let back = pose.transform(depth, door.plate_offset);
         let face = self.plate_face(&door.text);
         let hung = plate_pose([back.x, back.y, height], door.facing);

@@ -74,7 +74,10 @@ impl Doorway {
         }
         let plate = along + self.plate_offset;
         let half = PLATE_WIDTH / 2.0;
-        Some(((along - LEAF / 2.0 - 0.15).min(plate - half), (along + LEAF / 2.0 + 0.15).max(plate + half)))
+        Some((
+            (along - LEAF / 2.0 - 0.15).min(plate - half),
+            (along + LEAF / 2.0 + 0.15).max(plate + half),
+        ))
     }
 }
 
@@ -138,8 +141,14 @@ impl Placer<'_> {
         let given: Vec<Option<String>> = entrances.iter().map(|e| self.unit_of(e)).collect();
         for (entrance, own) in entrances.iter().zip(&given) {
             let known = self.names.given(index).map(|name| fold(&name));
-            let used = known.and_then(|name| self.units.get(&name)).cloned().unwrap_or_default();
-            let Some(unit) = own.clone().or_else(|| free_unit(&used, &given)).filter(|u| !used.contains(u))
+            let used = known
+                .and_then(|name| self.units.get(&name))
+                .cloned()
+                .unwrap_or_default();
+            let Some(unit) = own
+                .clone()
+                .or_else(|| free_unit(&used, &given))
+                .filter(|u| !used.contains(u))
             else {
                 self.repeated += 1;
                 continue;
@@ -150,7 +159,13 @@ impl Placer<'_> {
             };
             let mut rng = stream(self.seed, Purpose::Doorway, entrance.node as u64);
             let name = self.take(index, position, &unit);
-            doors.push(doorway(index, (name, &unit), (wall, position), &mut rng, &doors));
+            doors.push(doorway(
+                index,
+                (name, &unit),
+                (wall, position),
+                &mut rng,
+                &doors,
+            ));
         }
         doors
     }
@@ -158,7 +173,10 @@ impl Placer<'_> {
     /// The name of a building with a door at `position`, which gets the unit.
     fn take(&mut self, index: usize, position: MapPoint, unit: &str) -> String {
         let name = self.names.of(index, position);
-        self.units.entry(fold(&name)).or_default().insert(unit.to_owned());
+        self.units
+            .entry(fold(&name))
+            .or_default()
+            .insert(unit.to_owned());
         name
     }
 
@@ -200,21 +218,29 @@ impl Placer<'_> {
             .collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0));
         let fits = |wall: (MapPoint, MapPoint), foot: MapPoint| {
-            self.front_is_free(wall, foot) && others.iter().all(|d| d.position.distance(foot) > LEAF + 0.4)
+            self.front_is_free(wall, foot)
+                && others
+                    .iter()
+                    .all(|d| d.position.distance(foot) > LEAF + 0.4)
         };
-        near.into_iter().find(|(_, wall, foot)| fits(*wall, *foot)).map(|(_, wall, foot)| (wall, foot))
+        near.into_iter()
+            .find(|(_, wall, foot)| fits(*wall, *foot))
+            .map(|(_, wall, foot)| (wall, foot))
     }
 
     fn front_is_free(&self, (a, b): (MapPoint, MapPoint), foot: MapPoint) -> bool {
         let out = a.bearing_to(b) - std::f64::consts::FRAC_PI_2;
-        self.clearance.is_free(foot.offset(out, 0.4), foot.offset(out, 1.4), 0.3, BUILDING)
+        self.clearance
+            .is_free(foot.offset(out, 0.4), foot.offset(out, 1.4), 0.3, BUILDING)
     }
 
     /// Whether one building alone is behind a wall. Maps draw some buildings over each other; to
     /// which of them a door in such a wall belongs, nobody could tell.
     fn is_unshared(&self, (a, b): (MapPoint, MapPoint), foot: MapPoint) -> bool {
         let inward = a.bearing_to(b) + std::f64::consts::FRAC_PI_2;
-        self.clearance.areas_at(foot.offset(inward, BEHIND), BUILDING) < 2
+        self.clearance
+            .areas_at(foot.offset(inward, BEHIND), BUILDING)
+            < 2
     }
 
     fn invented(&mut self, index: usize, options: &GenerateOptions) -> Option<Doorway> {
@@ -222,15 +248,28 @@ impl Placer<'_> {
         if !options.invent_doors || !is_lived_in(building) || is_open_below(&building.tags) {
             return None;
         }
-        let candidates = walls(building).into_iter().filter(|(a, b)| a.distance(*b) > 2.5);
+        let candidates = walls(building)
+            .into_iter()
+            .filter(|(a, b)| a.distance(*b) > 2.5);
         let ranked = candidates.filter_map(|wall| {
             let middle = along(wall.0, wall.1, 0.5);
             let out = wall.0.bearing_to(wall.1) - std::f64::consts::FRAC_PI_2;
             let free = self.front_is_free(wall, middle) && self.is_unshared(wall, middle);
-            free.then(|| (self.clearance.distance(middle.offset(out, 1.0), ROAD | PATH, 60.0), wall, middle))
+            free.then(|| {
+                (
+                    self.clearance
+                        .distance(middle.offset(out, 1.0), ROAD | PATH, 60.0),
+                    wall,
+                    middle,
+                )
+            })
         });
         let (_, wall, middle) = ranked.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        let mut rng = stream(self.seed, Purpose::Doorway, element_number(building.element));
+        let mut rng = stream(
+            self.seed,
+            Purpose::Doorway,
+            element_number(building.element),
+        );
         let name = self.names.of(index, middle);
         let used = self.units.get(&fold(&name)).cloned().unwrap_or_default();
         let unit = free_unit(&used, &[])?;
@@ -240,18 +279,33 @@ impl Placer<'_> {
 
     fn warnings(&self) -> Vec<String> {
         let counts = [
-            (self.unplaced, "entrances have no free wall nearby and got no door"),
-            (self.repeated, "entrances repeat a unit of their building and got no door"),
-            (self.beyond, "doors are more than a world may have and were left out"),
+            (
+                self.unplaced,
+                "entrances have no free wall nearby and got no door",
+            ),
+            (
+                self.repeated,
+                "entrances repeat a unit of their building and got no door",
+            ),
+            (
+                self.beyond,
+                "doors are more than a world may have and were left out",
+            ),
         ];
-        counts.iter().filter(|(n, _)| *n > 0).map(|(n, words)| format!("{n} {words}")).collect()
+        counts
+            .iter()
+            .filter(|(n, _)| *n > 0)
+            .map(|(n, words)| format!("{n} {words}"))
+            .collect()
     }
 }
 
 /// The lowest number that is no unit yet.
 fn free_unit(used: &BTreeSet<String>, given: &[Option<String>]) -> Option<String> {
     let is_given = |n: &String| given.iter().flatten().any(|g| g == n);
-    (1..1_000).map(|n: u32| n.to_string()).find(|n| !used.contains(n) && !is_given(n))
+    (1..1_000)
+        .map(|n: u32| n.to_string())
+        .find(|n| !used.contains(n) && !is_given(n))
 }
 
 fn doorway(
@@ -266,13 +320,18 @@ fn doorway(
         text: format!("UNIT {}", unit.to_uppercase()),
         building,
         position,
-        facing: openbench_core::frames::wrap_angle(wall.0.bearing_to(wall.1) - std::f64::consts::FRAC_PI_2),
+        facing: openbench_core::frames::wrap_angle(
+            wall.0.bearing_to(wall.1) - std::f64::consts::FRAC_PI_2,
+        ),
         wall,
         plate_offset: 0.0,
     };
     let first = if chance(rng, 0.5) { BESIDE } else { -BESIDE };
     if !chance(rng, 0.3) {
-        door.plate_offset = [first, -first].into_iter().find(|o| has_room(&door, *o, others)).unwrap_or(0.0);
+        door.plate_offset = [first, -first]
+            .into_iter()
+            .find(|o| has_room(&door, *o, others))
+            .unwrap_or(0.0);
     }
     door
 }
@@ -280,9 +339,15 @@ fn doorway(
 fn has_room(door: &Doorway, offset: f64, others: &[Doorway]) -> bool {
     let (a, b) = door.wall;
     let place = door.position.distance(a) + offset;
-    let on_wall = place > PLATE_WIDTH / 2.0 + 0.1 && place < a.distance(b) - PLATE_WIDTH / 2.0 - 0.1;
-    let taken = |span: (f64, f64)| place + PLATE_WIDTH / 2.0 > span.0 && place - PLATE_WIDTH / 2.0 < span.1;
-    on_wall && !others.iter().filter_map(|d| d.span_on(door.wall)).any(taken)
+    let on_wall =
+        place > PLATE_WIDTH / 2.0 + 0.1 && place < a.distance(b) - PLATE_WIDTH / 2.0 - 0.1;
+    let taken =
+        |span: (f64, f64)| place + PLATE_WIDTH / 2.0 > span.0 && place - PLATE_WIDTH / 2.0 < span.1;
+    on_wall
+        && !others
+            .iter()
+            .filter_map(|d| d.span_on(door.wall))
+            .any(taken)
 }
 
 fn nearest_share((a, b): (MapPoint, MapPoint), p: MapPoint) -> f64 {
@@ -305,14 +370,22 @@ fn is_lived_in(building: &Building) -> bool {
         "storage_tank",
         "service",
     ];
-    !building.tags.get("building").is_some_and(|kind| OTHER.contains(&kind)) && building.polygon.area() > 20.0
+    !building
+        .tags
+        .get("building")
+        .is_some_and(|kind| OTHER.contains(&kind))
+        && building.polygon.area() > 20.0
 }
 
 /// The straight walls of a building, the building on the left of each: an entrance node in a wall does not divide it.
 pub(super) fn walls(building: &Building) -> Vec<(MapPoint, MapPoint)> {
     let rings = building.polygon.rings().map(straightened);
     rings
-        .flat_map(|ring| (0..ring.len()).map(|i| (ring[i], ring[(i + 1) % ring.len()])).collect::<Vec<_>>())
+        .flat_map(|ring| {
+            (0..ring.len())
+                .map(|i| (ring[i], ring[(i + 1) % ring.len()]))
+                .collect::<Vec<_>>()
+        })
         .collect()
 }
 

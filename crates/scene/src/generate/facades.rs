@@ -36,7 +36,13 @@ impl Site {
         self.bare_wall(house, (a, b));
         let out = a.bearing_to(b) - std::f64::consts::FRAC_PI_2;
         let plinth = (0.0, PLINTH.min(house.eaves / 4.0));
-        wall(&mut self.builder, Layer::Visible, house.plinth, raised((a, b), RELIEF), plinth);
+        wall(
+            &mut self.builder,
+            Layer::Visible,
+            house.plinth,
+            raised((a, b), RELIEF),
+            plinth,
+        );
         let length = a.distance(b);
         if house.plain || self.is_full() || length < SHORTEST || self.is_party_wall(a, b, out) {
             return;
@@ -67,30 +73,70 @@ impl Site {
     }
 
     fn bare_wall(&mut self, house: &House, line: (MapPoint, MapPoint)) {
-        let top = house.eaves + if house.roof == Roof::Flat { PARAPET } else { 0.0 };
+        let top = house.eaves
+            + if house.roof == Roof::Flat {
+                PARAPET
+            } else {
+                0.0
+            };
         // A robot meets what stands on the ground only.
-        let layer = if house.foot == 0.0 { Layer::Both } else { Layer::Visible };
-        wall(&mut self.builder, layer, house.facade, line, (house.foot, top));
+        let layer = if house.foot == 0.0 {
+            Layer::Both
+        } else {
+            Layer::Visible
+        };
+        wall(
+            &mut self.builder,
+            layer,
+            house.facade,
+            line,
+            (house.foot, top),
+        );
     }
 
     fn ornaments(&mut self, house: &House, (a, b): (MapPoint, MapPoint), doors: &[(f64, f64)]) {
         let storey = house.eaves / house.levels as f64;
-        let bands = if house.levels > 1 { house.bands.min(house.levels - 1) } else { 0 };
+        let bands = if house.levels > 1 {
+            house.bands.min(house.levels - 1)
+        } else {
+            0
+        };
         for level in 1..=bands {
             let z = storey * level as f64;
-            wall(&mut self.builder, Layer::Visible, house.trim, raised((a, b), RELIEF), (z - 0.1, z + 0.08));
+            wall(
+                &mut self.builder,
+                Layer::Visible,
+                house.trim,
+                raised((a, b), RELIEF),
+                (z - 0.1, z + 0.08),
+            );
         }
         if house.roof == Roof::Flat && house.bands > 0 {
             let z = (house.eaves - 0.1, house.eaves + 0.14);
-            wall(&mut self.builder, Layer::Visible, house.trim, raised((a, b), 2.0 * RELIEF), z);
+            wall(
+                &mut self.builder,
+                Layer::Visible,
+                house.trim,
+                raised((a, b), 2.0 * RELIEF),
+                z,
+            );
         }
         let length = a.distance(b);
         let is_free = |from: f64, to: f64| doors.iter().all(|d| to < d.0 || from > d.1);
         if house.quoins && length > 3.0 {
             for (from, to) in [(0.0, QUOIN), (length - QUOIN, length)] {
                 if is_free(from, to) {
-                    let line = raised((along(a, b, from / length), along(a, b, to / length)), RELIEF);
-                    wall(&mut self.builder, Layer::Visible, self.palette.quoins, line, (PLINTH, house.eaves));
+                    let line = raised(
+                        (along(a, b, from / length), along(a, b, to / length)),
+                        RELIEF,
+                    );
+                    wall(
+                        &mut self.builder,
+                        Layer::Visible,
+                        self.palette.quoins,
+                        line,
+                        (PLINTH, house.eaves),
+                    );
                 }
             }
         }
@@ -111,7 +157,12 @@ impl Site {
 
     fn is_party_wall(&self, a: MapPoint, b: MapPoint, out: f64) -> bool {
         let middle = along(a, b, 0.5);
-        !self.clearance.is_free(middle.offset(out, 0.4), middle.offset(out, 0.8), 0.2, BUILDING)
+        !self.clearance.is_free(
+            middle.offset(out, 0.4),
+            middle.offset(out, 0.8),
+            0.2,
+            BUILDING,
+        )
     }
 }
 
@@ -119,7 +170,10 @@ impl Site {
 fn raised((a, b): (MapPoint, MapPoint), relief: f64) -> (MapPoint, MapPoint) {
     let over = relief / a.distance(b).max(relief);
     let out = a.bearing_to(b) - std::f64::consts::FRAC_PI_2;
-    (along(a, b, -over).offset(out, relief), along(a, b, 1.0 + over).offset(out, relief))
+    (
+        along(a, b, -over).offset(out, relief),
+        along(a, b, 1.0 + over).offset(out, relief),
+    )
 }
 
 /// At a share of the wall from `a` to `b`, facing away from the building on its left.

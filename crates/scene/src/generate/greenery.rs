@@ -5,7 +5,9 @@ use openbench_osm::Area;
 use rand_pcg::Pcg64Mcg;
 
 use super::Site;
-use super::clearance::{BARRIER, BUILDING, DOOR, EVERYTHING, OBJECT, PATH, PAVED, ROAD, START, WATER};
+use super::clearance::{
+    BARRIER, BUILDING, DOOR, EVERYTHING, OBJECT, PATH, PAVED, ROAD, START, WATER,
+};
 use super::entrances::walls;
 use super::seeds::{Purpose, between, chance, pick, stream};
 use super::shapes::{along, at, prism};
@@ -36,12 +38,18 @@ impl Site {
             if !self.extent.holds(p, super::GROUND_MARGIN) {
                 continue;
             }
-            if !self.clearance.is_free(p, p, 0.35, BUILDING | DOOR | START | OBJECT) {
+            if !self
+                .clearance
+                .is_free(p, p, 0.35, BUILDING | DOOR | START | OBJECT)
+            {
                 in_the_way += 1;
                 continue;
             }
             let mut rng = stream(self.seed, Purpose::Tree, tree.node as u64);
-            let conifer = tree.tags.get("leaf_type").map_or(chance(&mut rng, 0.15), |t| t == "needleleaved");
+            let conifer = tree
+                .tags
+                .get("leaf_type")
+                .map_or(chance(&mut rng, 0.15), |t| t == "needleleaved");
             self.tree(p, conifer, &mut rng);
         }
         if in_the_way > 0 {
@@ -63,7 +71,11 @@ impl Site {
                 let count = ((length / ROW_SPACING).ceil() as usize).min(500);
                 for i in 0..count {
                     let p = along(pair[0], pair[1], (i as f64 + 0.5) / count as f64);
-                    self.tree_if(p, BUILDING | DOOR | START | OBJECT | ROAD, (conifer, &mut rng));
+                    self.tree_if(
+                        p,
+                        BUILDING | DOOR | START | OBJECT | ROAD,
+                        (conifer, &mut rng),
+                    );
                 }
             }
         }
@@ -81,14 +93,29 @@ impl Site {
         };
         let mut left = MAX_IN_WOODS;
         let extent = self.extent;
-        for area in areas.iter().filter(is_wood).filter(|a| extent.meets(&a.polygon, BACKDROP)) {
-            let mut rng = stream(self.seed, Purpose::Tree, super::element_number(area.element) | 1 << 63);
-            let conifers = if area.tags.is("leaf_type", "needleleaved") { 0.9 } else { 0.2 };
+        for area in areas
+            .iter()
+            .filter(is_wood)
+            .filter(|a| extent.meets(&a.polygon, BACKDROP))
+        {
+            let mut rng = stream(
+                self.seed,
+                Purpose::Tree,
+                super::element_number(area.element) | 1 << 63,
+            );
+            let conifers = if area.tags.is("leaf_type", "needleleaved") {
+                0.9
+            } else {
+                0.2
+            };
             let (low, high) = area.polygon.bounds();
             let (low, high) = (self.nearby(low), self.nearby(high));
             let wanted = ((high.x - low.x) * (high.y - low.y) / AREA_OF_WOOD_TREE) as usize;
             for _ in 0..wanted.min(left) {
-                let p = MapPoint::new(between(&mut rng, low.x, high.x), between(&mut rng, low.y, high.y));
+                let p = MapPoint::new(
+                    between(&mut rng, low.x, high.x),
+                    between(&mut rng, low.y, high.y),
+                );
                 if area.polygon.contains(p) && self.clearance.is_free(p, p, 1.2, EVERYTHING) {
                     let conifer = chance(&mut rng, conifers);
                     self.tree(p, conifer, &mut rng);
@@ -102,7 +129,10 @@ impl Site {
     /// The point of the ground where trees grow that is nearest to `p`.
     fn nearby(&self, p: MapPoint) -> MapPoint {
         let around = self.extent.grown(BACKDROP);
-        MapPoint::new(p.x.clamp(around.min.x, around.max.x), p.y.clamp(around.min.y, around.max.y))
+        MapPoint::new(
+            p.x.clamp(around.min.x, around.max.x),
+            p.y.clamp(around.min.y, around.max.y),
+        )
     }
 
     fn tree_if(&mut self, p: MapPoint, in_the_way: u16, (conifer, rng): (bool, &mut Pcg64Mcg)) {
@@ -116,8 +146,12 @@ impl Site {
         self.shrubs();
         self.backdrop();
         let (min, max) = (self.extent.min, self.extent.max);
-        let (width, depth) = (max.x - min.x + 2.0 * BACKDROP, max.y - min.y + 2.0 * BACKDROP);
-        let wanted = (width * depth / AREA_OF_TREE * self.options.planting.clamp(0.0, 1.0)) as usize;
+        let (width, depth) = (
+            max.x - min.x + 2.0 * BACKDROP,
+            max.y - min.y + 2.0 * BACKDROP,
+        );
+        let wanted =
+            (width * depth / AREA_OF_TREE * self.options.planting.clamp(0.0, 1.0)) as usize;
         let mut rng = stream(self.seed, Purpose::Planting, 0);
         for i in 0..wanted.min(MAX_ADDED) {
             let x = between(&mut rng, min.x - BACKDROP, max.x + BACKDROP);
@@ -148,11 +182,22 @@ impl Site {
             let (a, b) = (corners[i], corners[(i + 1) % 4]);
             let count = ((a.distance(b) / SPACING) as usize).min(500);
             for k in 0..count {
-                let p = along(a, b, (k as f64 + between(&mut rng, 0.0, 1.0)) / count as f64);
-                let p = p.offset(between(&mut rng, 0.0, std::f64::consts::TAU), between(&mut rng, 0.0, 10.0));
+                let p = along(
+                    a,
+                    b,
+                    (k as f64 + between(&mut rng, 0.0, 1.0)) / count as f64,
+                );
+                let p = p.offset(
+                    between(&mut rng, 0.0, std::f64::consts::TAU),
+                    between(&mut rng, 0.0, 10.0),
+                );
                 let (radius, half) = (between(&mut rng, 2.5, 4.5), between(&mut rng, 3.0, 5.0));
                 let (core, _) = pick(&mut rng, &self.palette.crowns);
-                if !self.is_full() && self.clearance.is_free(p, p, radius, ROAD | BUILDING | WATER) {
+                if !self.is_full()
+                    && self
+                        .clearance
+                        .is_free(p, p, radius, ROAD | BUILDING | WATER)
+                {
                     self.builder.object("tree", SemanticClass::Vegetation);
                     blob(
                         &mut self.builder,
@@ -179,14 +224,22 @@ impl Site {
                 let length = a.distance(b);
                 let out = a.bearing_to(b) - std::f64::consts::FRAC_PI_2;
                 for i in 0..((length / 1.6) as usize).min(100) {
-                    let foot = along(a, b, (i as f64 + between(&mut rng, 0.3, 0.7)) * 1.6 / length);
-                    let (radius, wanted) =
-                        (between(&mut rng, 0.3, 0.45), chance(&mut rng, 0.45 * self.options.planting));
+                    let foot = along(
+                        a,
+                        b,
+                        (i as f64 + between(&mut rng, 0.3, 0.7)) * 1.6 / length,
+                    );
+                    let (radius, wanted) = (
+                        between(&mut rng, 0.3, 0.45),
+                        chance(&mut rng, 0.45 * self.options.planting),
+                    );
                     let p = foot.offset(out, radius + 0.08);
                     let passage = foot.offset(out, 2.2);
                     let free = wanted
                         && self.clearance.is_free(p, p, radius + 0.3, in_the_way)
-                        && self.clearance.is_free(passage, passage, 1.1, BUILDING | BARRIER);
+                        && self
+                            .clearance
+                            .is_free(passage, passage, 1.1, BUILDING | BARRIER);
                     if free {
                         self.shrub(p, radius, &mut rng);
                     }
@@ -205,7 +258,13 @@ impl Site {
         self.builder.object("shrub", SemanticClass::Vegetation);
         let height = radius * between(rng, 1.4, 2.2);
         let center = at(p, height * 0.45);
-        blob(&mut self.builder, (surface, Layer::Visible), (center, radius, height * 0.55), 0, rng);
+        blob(
+            &mut self.builder,
+            (surface, Layer::Visible),
+            (center, radius, height * 0.55),
+            0,
+            rng,
+        );
         let trunk = ((0.0, height * 0.8), (radius * 0.8, radius * 0.7));
         prism(&mut self.builder, Layer::Solid, surface, (p, 6), trunk);
         self.clearance.add(p, p, radius, OBJECT);

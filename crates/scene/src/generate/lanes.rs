@@ -53,8 +53,11 @@ impl Lanes {
 
     /// The segments that may come within `margin` metres of the rectangle around `a` and `b`; each once, in the roads' order.
     pub fn near(&self, a: MapPoint, b: MapPoint, margin: f64) -> Vec<Segment> {
-        let mut found: Vec<Segment> =
-            cells(a, b, margin).filter_map(|cell| self.cells.get(&cell)).flatten().copied().collect();
+        let mut found: Vec<Segment> = cells(a, b, margin)
+            .filter_map(|cell| self.cells.get(&cell))
+            .flatten()
+            .copied()
+            .collect();
         found.sort_unstable();
         found.dedup();
         found
@@ -65,8 +68,13 @@ impl Lanes {
         let mut reach = CELL.min(limit);
         loop {
             let away = |s: &Segment| point_distance(point, ends(roads, *s));
-            let all = self.near(point, point, reach).into_iter().map(|s| (s, away(&s)));
-            let best = all.filter(|(_, d)| *d <= reach).reduce(|a, b| if b.1 < a.1 { b } else { a });
+            let all = self
+                .near(point, point, reach)
+                .into_iter()
+                .map(|s| (s, away(&s)));
+            let best = all
+                .filter(|(_, d)| *d <= reach)
+                .reduce(|a, b| if b.1 < a.1 { b } else { a });
             if best.is_some() || reach >= limit {
                 return best;
             }

@@ -36,7 +36,10 @@ impl Site {
     /// Junctions of carriageways and crossings, by cell of the size of [`JUNCTION`].
     fn breaks(&self, roads: &[Road]) -> BTreeMap<(i64, i64), Vec<MapPoint>> {
         let mut uses: BTreeMap<i64, (u32, MapPoint)> = BTreeMap::new();
-        for road in roads.iter().filter(|r| profile(&r.tags).is_some_and(|p| p.for_cars)) {
+        for road in roads
+            .iter()
+            .filter(|r| profile(&r.tags).is_some_and(|p| p.for_cars))
+        {
             for (i, (node, point)) in road.nodes.iter().zip(&road.points).enumerate() {
                 // A way that runs through a node has two arms there.
                 let inner = i > 0 && i + 1 < road.points.len();
@@ -44,7 +47,11 @@ impl Site {
             }
         }
         let junctions = uses.values().filter(|(arms, _)| *arms > 2).map(|(_, p)| *p);
-        let crossings = self.features.iter().filter(|f| f.tags.is("highway", "crossing")).map(|f| f.position);
+        let crossings = self
+            .features
+            .iter()
+            .filter(|f| f.tags.is("highway", "crossing"))
+            .map(|f| f.position);
         let mut cells: BTreeMap<(i64, i64), Vec<MapPoint>> = BTreeMap::new();
         for p in junctions.chain(crossings) {
             cells.entry(cell(p)).or_default().push(p);
@@ -57,8 +64,9 @@ impl Site {
             let length = pair[0].distance(pair[1]);
             let dashes = ((length / DASH.1) as usize).min(2_000);
             for i in 0..dashes {
-                let start =
-                    (length - dashes as f64 * DASH.1) / 2.0 + i as f64 * DASH.1 + (DASH.1 - DASH.0) / 2.0;
+                let start = (length - dashes as f64 * DASH.1) / 2.0
+                    + i as f64 * DASH.1
+                    + (DASH.1 - DASH.0) / 2.0;
                 let (a, b) = (
                     along(pair[0], pair[1], start / length),
                     along(pair[0], pair[1], (start + DASH.0) / length),
@@ -80,8 +88,13 @@ impl Site {
             };
             for (i, node) in road.nodes.iter().enumerate() {
                 let (before, after) = (i.saturating_sub(1), (i + 1).min(road.points.len() - 1));
-                carriageways
-                    .insert(*node, (road.points[before].bearing_to(road.points[after]), profile.width));
+                carriageways.insert(
+                    *node,
+                    (
+                        road.points[before].bearing_to(road.points[after]),
+                        profile.width,
+                    ),
+                );
             }
         }
         let crossings: Vec<(i64, MapPoint)> = self
@@ -91,7 +104,9 @@ impl Site {
             .map(|f| (f.node, f.position))
             .collect();
         for (node, position) in crossings {
-            let Some((yaw, width)) = carriageways.get(&node).copied() else { continue };
+            let Some((yaw, width)) = carriageways.get(&node).copied() else {
+                continue;
+            };
             let stripes = ((width - 0.3) / ZEBRA.2) as usize;
             for i in 0..stripes {
                 let left = (i as f64 - (stripes as f64 - 1.0) / 2.0) * ZEBRA.2;
@@ -107,17 +122,29 @@ impl Site {
             return;
         }
         let (x, y) = (length / 2.0, width / 2.0);
-        let corners = [(-x, -y), (x, -y), (x, y), (-x, y)].map(|(x, y)| at(pose.transform(x, y), Z_MARKING));
-        facet(&mut self.builder, Layer::Visible, self.palette.marking, &corners);
+        let corners =
+            [(-x, -y), (x, -y), (x, y), (-x, y)].map(|(x, y)| at(pose.transform(x, y), Z_MARKING));
+        facet(
+            &mut self.builder,
+            Layer::Visible,
+            self.palette.marking,
+            &corners,
+        );
     }
 }
 
 fn cell(p: MapPoint) -> (i64, i64) {
-    ((p.x / JUNCTION).floor() as i64, (p.y / JUNCTION).floor() as i64)
+    (
+        (p.x / JUNCTION).floor() as i64,
+        (p.y / JUNCTION).floor() as i64,
+    )
 }
 
 fn is_near(breaks: &BTreeMap<(i64, i64), Vec<MapPoint>>, point: MapPoint) -> bool {
     let (x, y) = cell(point);
     let around = (x - 1..=x + 1).flat_map(|x| (y - 1..=y + 1).map(move |y| (x, y)));
-    around.filter_map(|c| breaks.get(&c)).flatten().any(|p| p.distance(point) < JUNCTION)
+    around
+        .filter_map(|c| breaks.get(&c))
+        .flatten()
+        .any(|p| p.distance(point) < JUNCTION)
 }

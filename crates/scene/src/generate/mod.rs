@@ -128,13 +128,17 @@ pub enum GenerateError {
         broken: usize,
     },
     /// The map is no neighbourhood.
-    #[error("the map is {metres:.0} m across, more than {MAX_EXTENT:.0} m; cut out a neighbourhood")]
+    #[error(
+        "the map is {metres:.0} m across, more than {MAX_EXTENT:.0} m; cut out a neighbourhood"
+    )]
     TooLarge {
         /// Its longer side.
         metres: f64,
     },
     /// The map is a whole town.
-    #[error("the map has {buildings} buildings, more than {MAX_BUILDINGS}; cut out a neighbourhood")]
+    #[error(
+        "the map has {buildings} buildings, more than {MAX_BUILDINGS}; cut out a neighbourhood"
+    )]
     TooMany {
         /// How many.
         buildings: usize,
@@ -173,7 +177,10 @@ struct Limits {
 }
 
 impl Limits {
-    const USUAL: Self = Self { ornate: 8_000_000, bare: 10_000_000 };
+    const USUAL: Self = Self {
+        ornate: 8_000_000,
+        bare: 10_000_000,
+    };
 }
 
 /// A rectangle along the axes of the `map` frame.
@@ -260,7 +267,18 @@ fn generate_about(
     let local = georeference.near(anchor, MAX_FROM_ORIGIN_M);
     let (from, to) = (georeference.offset(), local.offset());
     let start = options.start.map(|start| moved(start, from, to));
-    generate_within(Limits::USUAL, data, local, (seed, &GenerateOptions { start, ..options.clone() }))
+    generate_within(
+        Limits::USUAL,
+        data,
+        local,
+        (
+            seed,
+            &GenerateOptions {
+                start,
+                ..options.clone()
+            },
+        ),
+    )
 }
 
 /// A pose of the frame whose false origin is `from`, in the frame whose false origin is `to`.
@@ -280,13 +298,20 @@ fn generate_within(
     let features = features(data, &map);
     let mut clearance = Clearance::of_map(&map);
     let sea = coast::sea(data, &map, extent.grown(GROUND_MARGIN));
-    sea.iter().for_each(|water| clearance.add_area(water.clone(), clearance::WATER));
+    sea.iter()
+        .for_each(|water| clearance.add_area(water.clone(), clearance::WATER));
     let (doorways, mut warnings) = entrances::place(&map, &mut public, (seed, options), &clearance);
     clearance.add_doorways(&doorways);
     let lanes = Lanes::new(&map.roads, |_| true);
     let kerbs = water::kerbs((&map, &lanes), &sea, (&clearance, extent));
-    let standing = barriers::standing(&map, &lanes).into_iter().chain(kerbs.iter().copied());
-    let walls = map.buildings.iter().flat_map(|b| b.polygon.sides()).chain(standing);
+    let standing = barriers::standing(&map, &lanes)
+        .into_iter()
+        .chain(kerbs.iter().copied());
+    let walls = map
+        .buildings
+        .iter()
+        .flat_map(|b| b.polygon.sides())
+        .chain(standing);
     let start = start::choose(&map, (&clearance, extent), (&doorways, walls), options)?;
     clearance.add_start(start.point());
     warnings.extend(report(&map));
@@ -365,10 +390,14 @@ impl Site {
 
 fn extent(map: &OsmMap, georeference: Georeference) -> Result<Extent, GenerateError> {
     if map.buildings.is_empty() {
-        return Err(GenerateError::NoBuildings { broken: map.report.broken_buildings });
+        return Err(GenerateError::NoBuildings {
+            broken: map.report.broken_buildings,
+        });
     }
     if map.buildings.len() > MAX_BUILDINGS {
-        return Err(GenerateError::TooMany { buildings: map.buildings.len() });
+        return Err(GenerateError::TooMany {
+            buildings: map.buildings.len(),
+        });
     }
     // Roads and areas may reach far out of a cut-out; the buildings say where the neighbourhood is.
     let mut extent = Extent {
@@ -389,14 +418,20 @@ fn extent(map: &OsmMap, georeference: Georeference) -> Result<Extent, GenerateEr
         Georeference::TangentPlane { .. } => MAX_FROM_TOUCH_M,
     };
     if metres.is_nan() || metres > limit {
-        return Err(GenerateError::Distorted { metres, georeference: georeference.to_string() });
+        return Err(GenerateError::Distorted {
+            metres,
+            georeference: georeference.to_string(),
+        });
     }
     Ok(extent)
 }
 
 impl Extent {
     fn middle(self) -> MapPoint {
-        MapPoint::new((self.min.x + self.max.x) / 2.0, (self.min.y + self.max.y) / 2.0)
+        MapPoint::new(
+            (self.min.x + self.max.x) / 2.0,
+            (self.min.y + self.max.y) / 2.0,
+        )
     }
 
     fn grown(self, margin: f64) -> Self {
@@ -425,27 +460,62 @@ impl Extent {
 }
 
 fn features(data: &OsmData, map: &OsmMap) -> Vec<Feature> {
-    let kinds = ["natural", "highway", "amenity", "emergency", "barrier", "power", "leisure"];
-    let tagged = data.nodes.values().filter(|n| kinds.iter().any(|k| n.tags.says(k)));
+    let kinds = [
+        "natural",
+        "highway",
+        "amenity",
+        "emergency",
+        "barrier",
+        "power",
+        "leisure",
+    ];
+    let tagged = data
+        .nodes
+        .values()
+        .filter(|n| kinds.iter().any(|k| n.tags.says(k)));
     tagged
-        .map(|n| Feature { node: n.id, position: map.projection.to_map(n.position), tags: n.tags.clone() })
+        .map(|n| Feature {
+            node: n.id,
+            position: map.projection.to_map(n.position),
+            tags: n.tags.clone(),
+        })
         .collect()
 }
 
 fn tree_rows(data: &OsmData, map: &OsmMap) -> Vec<(i64, Vec<MapPoint>)> {
     let point = |n: &i64| data.nodes.get(n).map(|n| map.projection.to_map(n.position));
-    let rows = data.ways.values().filter(|way| way.tags.is("natural", "tree_row"));
-    rows.map(|way| (way.id, way.nodes.iter().filter_map(point).collect())).collect()
+    let rows = data
+        .ways
+        .values()
+        .filter(|way| way.tags.is("natural", "tree_row"));
+    rows.map(|way| (way.id, way.nodes.iter().filter_map(point).collect()))
+        .collect()
 }
 
 fn report(map: &OsmMap) -> Vec<String> {
     let counts = [
-        (map.report.broken_buildings, "buildings without a closed outline were left out"),
-        (map.report.broken_areas, "areas without a closed outline were left out"),
-        (map.report.open_rings, "rings of multipolygons do not close and were left out"),
-        (map.report.stray_entrances, "entrances are near no building and got no door"),
+        (
+            map.report.broken_buildings,
+            "buildings without a closed outline were left out",
+        ),
+        (
+            map.report.broken_areas,
+            "areas without a closed outline were left out",
+        ),
+        (
+            map.report.open_rings,
+            "rings of multipolygons do not close and were left out",
+        ),
+        (
+            map.report.stray_entrances,
+            "entrances are near no building and got no door",
+        ),
     ];
-    counts.iter().filter(|(n, _)| *n > 0).map(|(n, words)| format!("{n} {words}")).collect()
+    counts
+        .iter()
+        .filter(|(n, _)| *n > 0)
+        .map(|(n, words)| format!("{n} {words}"))
+        .collect()
 }
 
 /// A number for an element, so that a way and a relation with one number draw different streams.
@@ -465,9 +535,18 @@ mod tests {
     #[test]
     fn a_world_that_would_be_too_large_is_bounded_and_says_so() {
         let data = builtin_map("large").unwrap().unwrap();
-        let options = GenerateOptions { start: Some(Pose2::default()), ..GenerateOptions::default() };
+        let options = GenerateOptions {
+            start: Some(Pose2::default()),
+            ..GenerateOptions::default()
+        };
         let within = |ornate, bare| {
-            generate_within(Limits { ornate, bare }, &data, builtin_georeference(), (1, &options)).unwrap()
+            generate_within(
+                Limits { ornate, bare },
+                &data,
+                builtin_georeference(),
+                (1, &options),
+            )
+            .unwrap()
         };
         let whole = within(Limits::USUAL.ornate, Limits::USUAL.bare);
         assert!(whole.warnings.is_empty(), "{:?}", whole.warnings);
@@ -479,11 +558,26 @@ mod tests {
             plain.scene.triangles.len()
         );
         assert_eq!(plain.scene.doors.len(), whole.scene.doors.len());
-        assert!(plain.warnings.iter().any(|w| w.contains("5000 triangles")), "{:?}", plain.warnings);
+        assert!(
+            plain.warnings.iter().any(|w| w.contains("5000 triangles")),
+            "{:?}",
+            plain.warnings
+        );
         // What is beyond the second is counted.
         let cut = within(2_000, 4_000);
-        assert!(cut.scene.triangles.len() < 8_000, "{}", cut.scene.triangles.len());
-        let said = cut.warnings.iter().find(|w| w.contains("buildings and streets are beyond 4000"));
-        assert!(said.is_some_and(|w| !w.starts_with("0 ")), "{:?}", cut.warnings);
+        assert!(
+            cut.scene.triangles.len() < 8_000,
+            "{}",
+            cut.scene.triangles.len()
+        );
+        let said = cut
+            .warnings
+            .iter()
+            .find(|w| w.contains("buildings and streets are beyond 4000"));
+        assert!(
+            said.is_some_and(|w| !w.starts_with("0 ")),
+            "{:?}",
+            cut.warnings
+        );
     }
 }

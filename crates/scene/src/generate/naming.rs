@@ -45,7 +45,9 @@ impl<'a> Names<'a> {
             .iter()
             .map(|road| {
                 let length: f64 = road.points.windows(2).map(|p| p[0].distance(p[1])).sum();
-                let so_far = lengths.entry(road.tags.get("name").unwrap_or_default()).or_default();
+                let so_far = lengths
+                    .entry(road.tags.get("name").unwrap_or_default())
+                    .or_default();
                 std::mem::replace(so_far, *so_far + length)
             })
             .collect();
@@ -90,7 +92,9 @@ impl<'a> Names<'a> {
                 ElementKind::Node => None,
             };
             if let Some(tags) = tags {
-                added.iter().for_each(|(key, value)| drop(tags.insert(key, value)));
+                added
+                    .iter()
+                    .for_each(|(key, value)| drop(tags.insert(key, value)));
             }
         }
     }
@@ -100,9 +104,17 @@ impl<'a> Names<'a> {
         let tags = &building.tags;
         let own = |key: &str| tags.get(key).map(str::to_owned);
         let street = own("addr:street").or_else(|| own("addr:place"));
-        let address = street.clone().zip(own("addr:housenumber")).map(|(s, n)| format!("{s} {n}"));
+        let address = street
+            .clone()
+            .zip(own("addr:housenumber"))
+            .map(|(s, n)| format!("{s} {n}"));
         let bare = building.name.is_some() && building.name == own("addr:housenumber");
-        let known = building.name.clone().filter(|_| !bare).into_iter().chain(address);
+        let known = building
+            .name
+            .clone()
+            .filter(|_| !bare)
+            .into_iter()
+            .chain(address);
         let known: Vec<String> = known.filter(|name| is_plain(name)).collect();
         if let Some(name) = known.iter().find(|name| self.is_unique(name)) {
             return (name.clone(), Tags::new());
@@ -112,15 +124,19 @@ impl<'a> Names<'a> {
         {
             return found;
         }
-        if let Some(found) = self.in_street(own("addr:housenumber").filter(|_| street.is_none()), door) {
+        if let Some(found) =
+            self.in_street(own("addr:housenumber").filter(|_| street.is_none()), door)
+        {
             return found;
         }
         if let Some(name) = known.into_iter().next() {
             return (name, Tags::new());
         }
         let numbers = index + 1..=index + self.map.buildings.len() + 1;
-        let name =
-            numbers.map(|n| format!("building{n}")).find(|name| self.is_free(name)).unwrap_or_default();
+        let name = numbers
+            .map(|n| format!("building{n}"))
+            .find(|name| self.is_free(name))
+            .unwrap_or_default();
         (name.clone(), Tags::from([("name", name)]))
     }
 
@@ -134,11 +150,16 @@ impl<'a> Names<'a> {
         }
         let (a, b) = ends(&self.map.roads, segment);
         let (run, aside) = Pose2::new(a.x, a.y, a.bearing_to(b)).inverse_transform(door);
-        let before: f64 =
-            road.points[..=segment.1 as usize].windows(2).map(|p| p[0].distance(p[1])).sum::<f64>();
-        let plot = ((self.begins[segment.0 as usize] + before + run.max(0.0)) / PLOT).min(1e6) as u32;
+        let before: f64 = road.points[..=segment.1 as usize]
+            .windows(2)
+            .map(|p| p[0].distance(p[1]))
+            .sum::<f64>();
+        let plot =
+            ((self.begins[segment.0 as usize] + before + run.max(0.0)) / PLOT).min(1e6) as u32;
         let first = 2 * (plot % (MOST_NUMBERS / 2)) + if aside > 0.0 { 1 } else { 2 };
-        (first..=MOST_NUMBERS + 2).step_by(2).find_map(|number| self.address(street, &number.to_string()))
+        (first..=MOST_NUMBERS + 2)
+            .step_by(2)
+            .find_map(|number| self.address(street, &number.to_string()))
     }
 
     /// Street and number as a name with its tags, if it is nobody's yet.
@@ -149,13 +170,21 @@ impl<'a> Names<'a> {
     }
 
     fn is_unique(&self, name: &str) -> bool {
-        let address = Address { building: name.to_owned(), unit: None };
-        matches!(locate(self.map, &address), Location::Building(_) | Location::Unit { .. })
-            && !self.taken.contains(&fold(name))
+        let address = Address {
+            building: name.to_owned(),
+            unit: None,
+        };
+        matches!(
+            locate(self.map, &address),
+            Location::Building(_) | Location::Unit { .. }
+        ) && !self.taken.contains(&fold(name))
     }
 
     fn is_free(&self, name: &str) -> bool {
-        let address = Address { building: name.to_owned(), unit: None };
+        let address = Address {
+            building: name.to_owned(),
+            unit: None,
+        };
         let found = match locate(self.map, &address) {
             Location::Unknown => false,
             // The address on a door or node of the building itself is lost with the doors.
@@ -173,12 +202,21 @@ impl<'a> Names<'a> {
 fn addresses(map: &OsmMap, data: &OsmData) -> BTreeMap<usize, (String, String)> {
     let mut found = BTreeMap::new();
     for node in data.nodes.values() {
-        let street = node.tags.get("addr:street").or_else(|| node.tags.get("addr:place"));
-        let Some((street, number)) = street.zip(node.tags.get("addr:housenumber")) else { continue };
+        let street = node
+            .tags
+            .get("addr:street")
+            .or_else(|| node.tags.get("addr:place"));
+        let Some((street, number)) = street.zip(node.tags.get("addr:housenumber")) else {
+            continue;
+        };
         let point = map.projection.to_map(node.position);
-        let near = map.nearest_building(point).filter(|i| map.distance_to_building(*i, point) <= NEAR_NODE);
+        let near = map
+            .nearest_building(point)
+            .filter(|i| map.distance_to_building(*i, point) <= NEAR_NODE);
         if let Some(building) = near {
-            found.entry(building).or_insert_with(|| (street.to_owned(), number.to_owned()));
+            found
+                .entry(building)
+                .or_insert_with(|| (street.to_owned(), number.to_owned()));
         }
     }
     found

@@ -86,7 +86,10 @@ impl Mixer<'_> {
         let mut material = Material::plain(class, color);
         material.reflectivity = reflectivity;
         material.texture = image.map(|(texture, _)| texture);
-        Surface { material: self.builder.material(material), tile: image.map_or(1.0, |(_, tile)| tile) }
+        Surface {
+            material: self.builder.material(material),
+            tile: image.map_or(1.0, |(_, tile)| tile),
+        }
     }
 
     fn cutout(
@@ -98,12 +101,18 @@ impl Mixer<'_> {
     ) -> Surface {
         let mut material = Material::plain(class, color).with_texture(image.0);
         (material.reflectivity, material.cutout) = (reflectivity, true);
-        Surface { material: self.builder.material(material), tile: image.1 }
+        Surface {
+            material: self.builder.material(material),
+            tile: image.1,
+        }
     }
 
     fn plain(&mut self, class: SemanticClass, color: [f32; 3]) -> Surface {
         let material = Material::plain(class, color);
-        Surface { material: self.builder.material(material), tile: 1.0 }
+        Surface {
+            material: self.builder.material(material),
+            tile: 1.0,
+        }
     }
 
     fn image(&mut self, texture: Texture) -> TextureId {
@@ -117,12 +126,19 @@ impl Mixer<'_> {
         reflectivity: u8,
         image: (TextureId, f64),
     ) -> Vec<Surface> {
-        colors.iter().map(|c| self.surface(class, *c, reflectivity, Some(image))).collect()
+        colors
+            .iter()
+            .map(|c| self.surface(class, *c, reflectivity, Some(image)))
+            .collect()
     }
 }
 
-const BRICKS: [[f32; 3]; 4] =
-    [[0.70, 0.36, 0.28], [0.76, 0.55, 0.40], [0.52, 0.33, 0.29], [0.80, 0.72, 0.60]];
+const BRICKS: [[f32; 3]; 4] = [
+    [0.70, 0.36, 0.28],
+    [0.76, 0.55, 0.40],
+    [0.52, 0.33, 0.29],
+    [0.80, 0.72, 0.60],
+];
 const PLASTERS: [[f32; 3]; 6] = [
     [0.93, 0.90, 0.83],
     [0.92, 0.83, 0.62],
@@ -131,11 +147,20 @@ const PLASTERS: [[f32; 3]; 6] = [
     [0.80, 0.84, 0.70],
     [0.88, 0.88, 0.88],
 ];
-const SIDINGS: [[f32; 3]; 4] =
-    [[0.90, 0.91, 0.90], [0.56, 0.66, 0.74], [0.66, 0.30, 0.26], [0.62, 0.66, 0.54]];
+const SIDINGS: [[f32; 3]; 4] = [
+    [0.90, 0.91, 0.90],
+    [0.56, 0.66, 0.74],
+    [0.66, 0.30, 0.26],
+    [0.62, 0.66, 0.54],
+];
 const STONES: [[f32; 3]; 2] = [[0.80, 0.76, 0.68], [0.66, 0.66, 0.66]];
-const ROOFS: [[f32; 3]; 5] =
-    [[0.72, 0.36, 0.26], [0.40, 0.40, 0.43], [0.55, 0.40, 0.32], [0.34, 0.38, 0.36], [0.62, 0.45, 0.36]];
+const ROOFS: [[f32; 3]; 5] = [
+    [0.72, 0.36, 0.26],
+    [0.40, 0.40, 0.43],
+    [0.55, 0.40, 0.32],
+    [0.34, 0.38, 0.36],
+    [0.62, 0.45, 0.36],
+];
 const DOORS: [[f32; 3]; 6] = [
     [0.55, 0.20, 0.17],
     [0.18, 0.34, 0.30],
@@ -184,9 +209,15 @@ impl Palette {
         let walls = [(bricks, 1.92), (plaster, 3.0), (siding, 2.0), (stones, 2.4)];
         let facades = facades(m, walls);
         let plasters = BRICKS.len()..BRICKS.len() + PLASTERS.len();
-        let town = facades[..2].iter().chain(&facades[plasters.clone()]).chain(&facades[plasters]);
+        let town = facades[..2]
+            .iter()
+            .chain(&facades[plasters.clone()])
+            .chain(&facades[plasters]);
         Self {
-            town_facades: town.chain(&facades[facades.len() - STONES.len()..]).copied().collect(),
+            town_facades: town
+                .chain(&facades[facades.len() - STONES.len()..])
+                .copied()
+                .collect(),
             facades,
             grass: m.surface(C::Ground, [1.0; 3], 90, Some((grass, 2.4))),
             asphalt: m.surface(C::Road, [0.37, 0.37, 0.39], 22, Some((grit, 1.8))),
@@ -203,7 +234,12 @@ impl Palette {
             patch: m.surface(C::Road, [0.30, 0.30, 0.31], 20, Some((grit, 1.8))),
             marking: m.surface(C::Road, [0.90, 0.90, 0.88], 160, Some((plaster, 1.0))),
             doorstep: m.surface(C::Pavement, [0.62, 0.60, 0.58], 70, Some((plaster, 1.2))),
-            plinths: m.tinted(C::Building, &[[0.50, 0.49, 0.48], [0.62, 0.58, 0.52]], 60, (plaster, 2.0)),
+            plinths: m.tinted(
+                C::Building,
+                &[[0.50, 0.49, 0.48], [0.62, 0.58, 0.52]],
+                60,
+                (plaster, 2.0),
+            ),
             trims: m.tinted(
                 C::Building,
                 &[[0.94, 0.94, 0.92], [0.78, 0.74, 0.66], [0.38, 0.38, 0.40]],
@@ -216,17 +252,33 @@ impl Palette {
             shuttered: shuttered(m, s),
             shop_windows: [0, 1].map(|look| {
                 let image = m.image(openings::shop_window(look, s));
-                m.surface(C::Building, [1.0; 3], 25, Some((image, 1.0))).material
+                m.surface(C::Building, [1.0; 3], 25, Some((image, 1.0)))
+                    .material
             }),
-            signs: [[0.16, 0.20, 0.28], [0.40, 0.14, 0.14], [0.20, 0.30, 0.22], [0.86, 0.83, 0.74]]
-                .map(|c| m.surface(C::Building, c, 80, Some((plaster, 1.0))))
-                .to_vec(),
-            awnings: [[0.70, 0.22, 0.20], [0.24, 0.42, 0.34], [0.26, 0.36, 0.56], [0.82, 0.62, 0.30]]
-                .map(|c| m.surface(C::Building, c, 90, Some((stripes, 1.2))))
-                .to_vec(),
+            signs: [
+                [0.16, 0.20, 0.28],
+                [0.40, 0.14, 0.14],
+                [0.20, 0.30, 0.22],
+                [0.86, 0.83, 0.74],
+            ]
+            .map(|c| m.surface(C::Building, c, 80, Some((plaster, 1.0))))
+            .to_vec(),
+            awnings: [
+                [0.70, 0.22, 0.20],
+                [0.24, 0.42, 0.34],
+                [0.26, 0.36, 0.56],
+                [0.82, 0.62, 0.30],
+            ]
+            .map(|c| m.surface(C::Building, c, 90, Some((stripes, 1.2))))
+            .to_vec(),
             quoins: m.surface(C::Building, [0.86, 0.83, 0.76], 85, Some((stones, 1.4))),
             downpipe: m.surface(C::Building, [0.50, 0.51, 0.52], 60, Some((plaster, 1.0))),
-            doors: leaves_of(m, C::Door, &DOORS, &[openings::door(false), openings::door(true)]),
+            doors: leaves_of(
+                m,
+                C::Door,
+                &DOORS,
+                &[openings::door(false), openings::door(true)],
+            ),
             garages: leaves_of(
                 m,
                 C::Building,
@@ -241,9 +293,14 @@ impl Palette {
             railings: m.cutout(C::Wall, [0.20, 0.21, 0.22], 40, (railings, 1.2)),
             balcony_railings: m.cutout(C::Building, [0.24, 0.25, 0.27], 40, (railings, 1.0)),
             hedge: m.surface(C::Vegetation, [0.52, 0.62, 0.46], 110, Some((foliage, 1.2))),
-            flowers: [[0.95, 0.62, 0.72], [1.0, 0.92, 0.50], [0.98, 0.98, 0.95], [0.72, 0.60, 0.92]]
-                .map(|c| m.surface(C::Vegetation, c, 110, Some((blossoms, 1.0))))
-                .to_vec(),
+            flowers: [
+                [0.95, 0.62, 0.72],
+                [1.0, 0.92, 0.50],
+                [0.98, 0.98, 0.95],
+                [0.72, 0.60, 0.92],
+            ]
+            .map(|c| m.surface(C::Vegetation, c, 110, Some((blossoms, 1.0))))
+            .to_vec(),
             bark: m.surface(C::Vegetation, [1.0; 3], 45, Some((bark, 0.5))),
             pale_bark: m.surface(C::Vegetation, [1.9, 2.2, 2.5], 80, Some((bark, 0.7))),
             crowns: crowns(m, foliage, leaves),
@@ -261,12 +318,16 @@ impl Palette {
             car_glass: m.surface(C::Vehicle, [0.10, 0.13, 0.16], 8, None),
             tyre: m.surface(C::Vehicle, [0.07, 0.07, 0.07], 8, None),
             rim: m.plain(C::Vehicle, [0.58, 0.60, 0.62]),
-            car_lights: [[0.94, 0.94, 0.90], [0.60, 0.06, 0.06]].map(|c| m.surface(C::Vehicle, c, 200, None)),
+            car_lights: [[0.94, 0.94, 0.90], [0.60, 0.06, 0.06]]
+                .map(|c| m.surface(C::Vehicle, c, 200, None)),
         }
     }
 }
 
-fn facades(m: &mut Mixer<'_>, [bricks, plaster, siding, stones]: [(TextureId, f64); 4]) -> Vec<Surface> {
+fn facades(
+    m: &mut Mixer<'_>,
+    [bricks, plaster, siding, stones]: [(TextureId, f64); 4],
+) -> Vec<Surface> {
     let class = SemanticClass::Building;
     let mut all = m.tinted(class, &BRICKS, 65, bricks);
     all.extend(m.tinted(class, &PLASTERS, 110, plaster));
@@ -275,13 +336,20 @@ fn facades(m: &mut Mixer<'_>, [bricks, plaster, siding, stones]: [(TextureId, f6
     all
 }
 
-fn free_walls(m: &mut Mixer<'_>, bricks: TextureId, plaster: TextureId, stones: TextureId) -> Vec<Surface> {
+fn free_walls(
+    m: &mut Mixer<'_>,
+    bricks: TextureId,
+    plaster: TextureId,
+    stones: TextureId,
+) -> Vec<Surface> {
     let kinds = [
         ([0.70, 0.42, 0.34], (bricks, 1.92)),
         ([0.86, 0.83, 0.76], (plaster, 3.0)),
         ([0.72, 0.69, 0.63], (stones, 1.6)),
     ];
-    kinds.map(|(color, image)| m.surface(SemanticClass::Wall, color, 75, Some(image))).to_vec()
+    kinds
+        .map(|(color, image)| m.surface(SemanticClass::Wall, color, 75, Some(image)))
+        .to_vec()
 }
 
 fn windows(m: &mut Mixer<'_>, seed: u64) -> Vec<[MaterialId; 2]> {
@@ -296,21 +364,33 @@ fn windows(m: &mut Mixer<'_>, seed: u64) -> Vec<[MaterialId; 2]> {
             [false, true].map(|curtains| {
                 let image = m.image(openings::window(frame, glazing, curtains, seed));
                 // Glass sends little of the light back; frame and curtains some.
-                m.surface(SemanticClass::Building, [1.0; 3], 25, Some((image, 1.0))).material
+                m.surface(SemanticClass::Building, [1.0; 3], 25, Some((image, 1.0)))
+                    .material
             })
         })
         .to_vec()
 }
 
 fn shuttered(m: &mut Mixer<'_>, seed: u64) -> Vec<[MaterialId; 2]> {
-    let colors =
-        [[0.30, 0.44, 0.36], [0.36, 0.46, 0.58], [0.52, 0.36, 0.26], [0.86, 0.86, 0.84], [0.52, 0.22, 0.20]];
+    let colors = [
+        [0.30, 0.44, 0.36],
+        [0.36, 0.46, 0.58],
+        [0.52, 0.36, 0.26],
+        [0.86, 0.86, 0.84],
+        [0.52, 0.22, 0.20],
+    ];
     colors
         .map(|color| {
             [false, true].map(|curtains| {
-                let window = openings::window([0.95, 0.95, 0.93], Glazing::Casements, curtains, seed);
-                let image = m.image(openings::with_shutters(&window, color, super::windows::SHUTTERED));
-                m.surface(SemanticClass::Building, [1.0; 3], 35, Some((image, 1.0))).material
+                let window =
+                    openings::window([0.95, 0.95, 0.93], Glazing::Casements, curtains, seed);
+                let image = m.image(openings::with_shutters(
+                    &window,
+                    color,
+                    super::windows::SHUTTERED,
+                ));
+                m.surface(SemanticClass::Building, [1.0; 3], 35, Some((image, 1.0)))
+                    .material
             })
         })
         .to_vec()
@@ -325,7 +405,11 @@ fn leaves_of(
     let images: Vec<TextureId> = images.iter().map(|t| m.image(t.clone())).collect();
     let mut all = Vec::new();
     for color in colors {
-        all.extend(images.iter().map(|i| m.surface(class, *color, 70, Some((*i, 1.0))).material));
+        all.extend(
+            images
+                .iter()
+                .map(|i| m.surface(class, *color, 70, Some((*i, 1.0))).material),
+        );
     }
     all
 }

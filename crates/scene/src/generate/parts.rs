@@ -35,8 +35,15 @@ impl Site {
     pub(super) fn parts_of_buildings(&mut self) -> BTreeMap<usize, Vec<Area>> {
         let mut found: BTreeMap<usize, Vec<Area>> = BTreeMap::new();
         let mut stray = 0;
-        for area in self.map.areas.iter().filter(|a| a.tags.says("building:part")) {
-            let around = self.map.buildings_within(area.polygon.interior_point(), 0.0);
+        for area in self
+            .map
+            .areas
+            .iter()
+            .filter(|a| a.tags.says("building:part"))
+        {
+            let around = self
+                .map
+                .buildings_within(area.polygon.interior_point(), 0.0);
             let Some(index) = around.first() else {
                 stray += 1;
                 continue;
@@ -55,16 +62,27 @@ impl Site {
     }
 
     /// What is built of the parts of a building; `house` is lowered where they stand for it.
-    pub(super) fn parts(&self, house: &mut House, building: &Building, areas: &[Area]) -> Vec<Part> {
+    pub(super) fn parts(
+        &self,
+        house: &mut House,
+        building: &Building,
+        areas: &[Area],
+    ) -> Vec<Part> {
         if areas.is_empty() {
             return Vec::new();
         }
-        let mut houses: Vec<House> = areas.iter().map(|area| self.design_part(house, area)).collect();
+        let mut houses: Vec<House> = areas
+            .iter()
+            .map(|area| self.design_part(house, area))
+            .collect();
         let covered: f64 = areas.iter().map(|a| a.polygon.area()).sum();
         if covered >= COVERED * building.polygon.area() {
-            let lowest = houses.iter().map(|p| if p.foot < 1.0 { p.eaves } else { p.foot });
+            let lowest = houses
+                .iter()
+                .map(|p| if p.foot < 1.0 { p.eaves } else { p.foot });
             let top = lowest.fold(house.eaves, f64::min).max(LOWEST_BASE);
-            (house.eaves, house.levels, house.roof) = (top, ((top / 3.0) as usize).max(1), Roof::Terrace);
+            (house.eaves, house.levels, house.roof) =
+                (top, ((top / 3.0) as usize).max(1), Roof::Terrace);
         }
         let base = house.eaves;
         for part in &mut houses {
@@ -72,9 +90,16 @@ impl Site {
             part.levels = (((part.eaves - foot) / 3.0).round() as usize).clamp(1, 200);
             part.foot = foot;
         }
-        let tops = areas.iter().zip(&houses).map(|(a, p)| (a.polygon.clone(), p.eaves)).collect();
+        let tops = areas
+            .iter()
+            .zip(&houses)
+            .map(|(a, p)| (a.polygon.clone(), p.eaves))
+            .collect();
         let siblings = std::rc::Rc::new(tops);
-        let parts = houses.into_iter().map(|house| Part { house, siblings: std::rc::Rc::clone(&siblings) });
+        let parts = houses.into_iter().map(|house| Part {
+            house,
+            siblings: std::rc::Rc::clone(&siblings),
+        });
         parts.collect()
     }
 
@@ -82,16 +107,34 @@ impl Site {
     fn design_part(&self, house: &House, area: &Area) -> House {
         let mut rng = stream(self.seed, Purpose::Building, element_number(area.element));
         let rings: Vec<Vec<MapPoint>> = area.polygon.rings().map(straightened).collect();
-        let told = ["height", "building:levels"].iter().any(|key| area.tags.has(key));
-        let own = if told { storeys(&area.tags, 0.0, false, &mut rng).1 } else { house.eaves };
+        let told = ["height", "building:levels"]
+            .iter()
+            .any(|key| area.tags.has(key));
+        let own = if told {
+            storeys(&area.tags, 0.0, false, &mut rng).1
+        } else {
+            house.eaves
+        };
         let roof = if area.tags.has("roof:shape") {
             roof_of(&area.tags, &rings, house.levels, &mut rng)
         } else {
             Roof::Flat
         };
-        let roofing = if roof == Roof::Flat { self.palette.flat_roof } else { house.roofing };
+        let roofing = if roof == Roof::Flat {
+            self.palette.flat_roof
+        } else {
+            house.roofing
+        };
         let foot = foot_of(&area.tags).unwrap_or(0.0);
-        House { rings, foot, eaves: own, roof, roofing, balconies: false, ..house.clone() }
+        House {
+            rings,
+            foot,
+            eaves: own,
+            roof,
+            roofing,
+            balconies: false,
+            ..house.clone()
+        }
     }
 
     pub(super) fn part(&mut self, part: Part, building: &Building, rng: &mut Pcg64Mcg) {
@@ -100,7 +143,12 @@ impl Site {
             // No higher than the base: its top is the part's.
             return;
         }
-        floor(&mut self.builder, house.facade, (&house.rings[0], &house.rings[1..]), house.foot + 0.01);
+        floor(
+            &mut self.builder,
+            house.facade,
+            (&house.rings[0], &house.rings[1..]),
+            house.foot + 0.01,
+        );
         for ring in &house.rings {
             for i in 0..ring.len() {
                 let wall = (ring[i], ring[(i + 1) % ring.len()]);
@@ -116,5 +164,9 @@ impl Site {
 fn hidden_to(siblings: &[(Polygon, f64)], (a, b): (MapPoint, MapPoint)) -> f64 {
     let out = a.bearing_to(b) - std::f64::consts::FRAC_PI_2;
     let before = along(a, b, 0.5).offset(out, 0.3);
-    siblings.iter().filter(|(polygon, _)| polygon.contains(before)).map(|(_, top)| *top).fold(0.0, f64::max)
+    siblings
+        .iter()
+        .filter(|(polygon, _)| polygon.contains(before))
+        .map(|(_, top)| *top)
+        .fold(0.0, f64::max)
 }

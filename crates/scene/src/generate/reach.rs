@@ -30,14 +30,20 @@ pub(super) struct Reach {
 
 impl Reach {
     /// The ground between `walls` (segments).
-    pub fn new(extent: Extent, walls: impl Iterator<Item = (MapPoint, MapPoint)>, doors: &[Doorway]) -> Self {
+    pub fn new(
+        extent: Extent,
+        walls: impl Iterator<Item = (MapPoint, MapPoint)>,
+        doors: &[Doorway],
+    ) -> Self {
         let low = MapPoint::new(extent.min.x - MARGIN, extent.min.y - MARGIN);
         let high = MapPoint::new(extent.max.x + MARGIN, extent.max.y + MARGIN);
         let cell = CELL.max((high.x - low.x).max(high.y - low.y) / (MAX_CELLS - 1) as f64);
         let grid = GridGeometry::covering(low, high, cell, MAX_CELLS);
         let mut blocked = vec![false; grid.len()];
         for (a, b) in walls {
-            let steps = (2.0 * a.distance(b) / cell).ceil().clamp(1.0, 4.0 * MAX_CELLS as f64) as usize;
+            let steps = (2.0 * a.distance(b) / cell)
+                .ceil()
+                .clamp(1.0, 4.0 * MAX_CELLS as f64) as usize;
             for i in 0..=steps {
                 if let Some(c) = grid.cell_at(along(a, b, i as f64 / steps as f64)) {
                     blocked[c] = true;
@@ -53,7 +59,9 @@ impl Reach {
 
     /// Whether most doors are reached from `point`.
     pub fn serves(&self, point: MapPoint) -> bool {
-        self.grid.cell_at(point).is_some_and(|c| self.part[c] == self.best && self.best > 0)
+        self.grid
+            .cell_at(point)
+            .is_some_and(|c| self.part[c] == self.best && self.best > 0)
     }
 }
 
@@ -71,7 +79,10 @@ fn parts(grid: &GridGeometry, free: impl Fn(usize) -> bool) -> Vec<u32> {
         while let Some(cell) = stack.pop() {
             let (x, y) = grid.column_row(cell);
             for (dx, dy) in [(-1, 0), (1, 0), (0, -1), (0, 1)] {
-                let Some(n) = grid.cell_in(x + dx, y + dy).filter(|n| part[*n] == 0 && free(*n)) else {
+                let Some(n) = grid
+                    .cell_in(x + dx, y + dy)
+                    .filter(|n| part[*n] == 0 && free(*n))
+                else {
                     continue;
                 };
                 part[n] = next;
@@ -90,5 +101,8 @@ fn most_doors(grid: &GridGeometry, part: &[u32], doors: &[Doorway]) -> u32 {
             *counts.entry(part[c]).or_default() += 1;
         }
     }
-    counts.into_iter().max_by_key(|(part, n)| (*n, std::cmp::Reverse(*part))).map_or(0, |(part, _)| part)
+    counts
+        .into_iter()
+        .max_by_key(|(part, n)| (*n, std::cmp::Reverse(*part)))
+        .map_or(0, |(part, _)| part)
 }

@@ -29,7 +29,12 @@ impl Span {
         let long_first = ring[0].distance(ring[1]) >= ring[1].distance(ring[2]);
         let first = if long_first { 0 } else { 1 };
         let corners = [0, 1, 2, 3].map(|i| ring[(i + first) % 4]);
-        Self { half_width: corners[1].distance(corners[2]) / 2.0, corners, eaves, slope }
+        Self {
+            half_width: corners[1].distance(corners[2]) / 2.0,
+            corners,
+            eaves,
+            slope,
+        }
     }
 
     /// The rectangle grown by the overhang, at the height of the roof there.
@@ -71,37 +76,85 @@ impl Site {
     fn tent(&mut self, house: &House, rise: f64) {
         let ring = &house.rings[0];
         let middle = openbench_osm::Polygon::new(ring.clone(), Vec::new()).map(|p| p.centroid());
-        let Some(tip) = middle.map(|p| at(p, house.eaves + rise)) else { return };
+        let Some(tip) = middle.map(|p| at(p, house.eaves + rise)) else {
+            return;
+        };
         for i in 0..ring.len() {
-            let (a, b) = (at(ring[i], house.eaves), at(ring[(i + 1) % ring.len()], house.eaves));
-            facet(&mut self.builder, Layer::Visible, house.roofing, &[a, b, tip]);
+            let (a, b) = (
+                at(ring[i], house.eaves),
+                at(ring[(i + 1) % ring.len()], house.eaves),
+            );
+            facet(
+                &mut self.builder,
+                Layer::Visible,
+                house.roofing,
+                &[a, b, tip],
+            );
         }
     }
 
     fn cover(&mut self, house: &House) {
-        floor(&mut self.builder, house.roofing, (&house.rings[0], &house.rings[1..]), house.eaves);
+        floor(
+            &mut self.builder,
+            house.roofing,
+            (&house.rings[0], &house.rings[1..]),
+            house.eaves,
+        );
     }
 
     /// A roof on posts, nothing below it.
     pub(super) fn shelter(&mut self, house: &House) {
-        floor(&mut self.builder, house.roofing, (&house.rings[0], &house.rings[1..]), house.eaves.max(2.4));
+        floor(
+            &mut self.builder,
+            house.roofing,
+            (&house.rings[0], &house.rings[1..]),
+            house.eaves.max(2.4),
+        );
     }
 
     fn gabled(&mut self, house: &House, slope: f64, rng: &mut Pcg64Mcg) {
         let span = Span::of(&house.rings[0], house.eaves, slope);
         let ([e0, e1, e2, e3], [r0, r1]) = (span.edge(OVERHANG * 0.7), span.ridge(-OVERHANG * 0.7));
-        facet(&mut self.builder, Layer::Visible, house.roofing, &[e0, e1, r1, r0]);
-        facet(&mut self.builder, Layer::Visible, house.roofing, &[e2, e3, r0, r1]);
+        facet(
+            &mut self.builder,
+            Layer::Visible,
+            house.roofing,
+            &[e0, e1, r1, r0],
+        );
+        facet(
+            &mut self.builder,
+            Layer::Visible,
+            house.roofing,
+            &[e2, e3, r0, r1],
+        );
         let [top0, top1] = span.ridge(0.0);
         let [a, b, c, d] = span.corners.map(|p| at(p, house.eaves));
-        facet(&mut self.builder, Layer::Visible, house.facade, &[b, c, top1]);
-        facet(&mut self.builder, Layer::Visible, house.facade, &[d, a, top0]);
+        facet(
+            &mut self.builder,
+            Layer::Visible,
+            house.facade,
+            &[b, c, top1],
+        );
+        facet(
+            &mut self.builder,
+            Layer::Visible,
+            house.facade,
+            &[d, a, top0],
+        );
         for edge in [(e0, e1), (e2, e3), (e1, r1), (r1, e2), (e3, r0), (r0, e0)] {
             self.fascia(house, edge);
         }
         if !house.plain && !self.is_full() {
-            self.gable_window(house, (span.corners[1], span.corners[2]), span.half_width * slope);
-            self.gable_window(house, (span.corners[3], span.corners[0]), span.half_width * slope);
+            self.gable_window(
+                house,
+                (span.corners[1], span.corners[2]),
+                span.half_width * slope,
+            );
+            self.gable_window(
+                house,
+                (span.corners[3], span.corners[0]),
+                span.half_width * slope,
+            );
             if span.half_width * slope > 2.4 && house.detailed && chance(rng, 0.45) {
                 self.dormers(house, &span, rng);
             } else {
@@ -114,12 +167,34 @@ impl Site {
     fn hipped(&mut self, house: &House, slope: f64, rng: &mut Pcg64Mcg) {
         let span = Span::of(&house.rings[0], house.eaves, slope);
         let length = span.corners[0].distance(span.corners[1]);
-        let ([e0, e1, e2, e3], [r0, r1]) =
-            (span.edge(OVERHANG), span.ridge(span.half_width.min(length / 2.0 - 0.05)));
-        facet(&mut self.builder, Layer::Visible, house.roofing, &[e0, e1, r1, r0]);
-        facet(&mut self.builder, Layer::Visible, house.roofing, &[e2, e3, r0, r1]);
-        facet(&mut self.builder, Layer::Visible, house.roofing, &[e1, e2, r1]);
-        facet(&mut self.builder, Layer::Visible, house.roofing, &[e3, e0, r0]);
+        let ([e0, e1, e2, e3], [r0, r1]) = (
+            span.edge(OVERHANG),
+            span.ridge(span.half_width.min(length / 2.0 - 0.05)),
+        );
+        facet(
+            &mut self.builder,
+            Layer::Visible,
+            house.roofing,
+            &[e0, e1, r1, r0],
+        );
+        facet(
+            &mut self.builder,
+            Layer::Visible,
+            house.roofing,
+            &[e2, e3, r0, r1],
+        );
+        facet(
+            &mut self.builder,
+            Layer::Visible,
+            house.roofing,
+            &[e1, e2, r1],
+        );
+        facet(
+            &mut self.builder,
+            Layer::Visible,
+            house.roofing,
+            &[e3, e0, r0],
+        );
         for edge in [(e0, e1), (e1, e2), (e2, e3), (e3, e0)] {
             self.fascia(house, edge);
         }
@@ -130,8 +205,15 @@ impl Site {
 
     fn mansard(&mut self, house: &House, rng: &mut Pcg64Mcg) {
         let (run, rise) = (between(rng, 0.9, 1.4), between(rng, 1.4, 2.0));
-        let ring_of = |offset: f64| house.rings.iter().map(|r| inset(r, offset)).collect::<Option<Vec<_>>>();
-        let inner = ring_of(run).filter(|rings| rings.iter().map(|r| signed_area(r)).sum::<f64>() > 4.0);
+        let ring_of = |offset: f64| {
+            house
+                .rings
+                .iter()
+                .map(|r| inset(r, offset))
+                .collect::<Option<Vec<_>>>()
+        };
+        let inner =
+            ring_of(run).filter(|rings| rings.iter().map(|r| signed_area(r)).sum::<f64>() > 4.0);
         let (Some(inner), Some(outer)) = (inner, ring_of(-0.25)) else {
             self.flat(house, rng);
             return;
@@ -140,7 +222,12 @@ impl Site {
         for (below, above) in outer.iter().zip(&inner) {
             for i in 0..below.len() {
                 let j = (i + 1) % below.len();
-                let slope = [at(below[i], low), at(below[j], low), at(above[j], high), at(above[i], high)];
+                let slope = [
+                    at(below[i], low),
+                    at(below[j], low),
+                    at(above[j], high),
+                    at(above[i], high),
+                ];
                 facet(&mut self.builder, Layer::Visible, house.roofing, &slope);
                 self.fascia(house, (slope[0], slope[1]));
             }
@@ -159,7 +246,10 @@ impl Site {
             for i in 0..ring.len() {
                 let (a, b) = (ring[i], ring[(i + 1) % ring.len()]);
                 let pose = Pose2::new(a.x, a.y, a.bearing_to(b));
-                let box_ = ([-0.06, -0.06, top - 0.02], [a.distance(b) + 0.06, 0.28, top + 0.08]);
+                let box_ = (
+                    [-0.06, -0.06, top - 0.02],
+                    [a.distance(b) + 0.06, 0.28, top + 0.08],
+                );
                 cuboid(&mut self.builder, Layer::Visible, house.trim, pose, box_);
             }
         }
@@ -170,7 +260,8 @@ impl Site {
 
     /// The hut over a staircase, and a ventilator.
     fn stair_head(&mut self, house: &House, rng: &mut Pcg64Mcg) {
-        let Some(polygon) = openbench_osm::Polygon::new(house.rings[0].clone(), house.rings[1..].to_vec())
+        let Some(polygon) =
+            openbench_osm::Polygon::new(house.rings[0].clone(), house.rings[1..].to_vec())
         else {
             return;
         };
@@ -183,12 +274,23 @@ impl Site {
         let hut = ([-1.6, -1.2, z], [1.6, 1.2, z + between(rng, 1.8, 2.4)]);
         cuboid(&mut self.builder, Layer::Visible, house.facade, pose, hut);
         let metal = house.trim;
-        cuboid(&mut self.builder, Layer::Visible, metal, pose, ([1.8, -0.5, z], [2.5, 0.4, z + 0.8]));
+        cuboid(
+            &mut self.builder,
+            Layer::Visible,
+            metal,
+            pose,
+            ([1.8, -0.5, z], [2.5, 0.4, z + 0.8]),
+        );
     }
 
     fn fascia(&mut self, house: &House, (a, b): (Point3<f64>, Point3<f64>)) {
         let down = nalgebra::Vector3::z() * FASCIA;
-        facet(&mut self.builder, Layer::Visible, house.trim, &[a - down, b - down, b, a]);
+        facet(
+            &mut self.builder,
+            Layer::Visible,
+            house.trim,
+            &[a - down, b - down, b, a],
+        );
     }
 
     fn gable_window(&mut self, house: &House, (a, b): (MapPoint, MapPoint), rise: f64) {
@@ -201,7 +303,12 @@ impl Site {
         super::shapes::panel(&mut self.builder, Layer::Visible, house.windows[0], line, z);
     }
 
-    fn roof_windows(&mut self, house: &House, [e0, e1, r1, r0]: [Point3<f64>; 4], rng: &mut Pcg64Mcg) {
+    fn roof_windows(
+        &mut self,
+        house: &House,
+        [e0, e1, r1, r0]: [Point3<f64>; 4],
+        rng: &mut Pcg64Mcg,
+    ) {
         let count = between(rng, 0.0, 3.9) as usize;
         let normal = (e1 - e0).cross(&(r0 - e0)).normalize() * 0.05;
         for i in 0..count {
@@ -212,7 +319,12 @@ impl Site {
             let corners = [bottom - side, bottom + side, top + side, top - side];
             let uv = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
             let corners: Vec<_> = corners.into_iter().zip(uv).collect();
-            self.builder.mesh(Layer::Visible, house.windows[0], &corners, &[[0, 1, 2], [0, 2, 3]]);
+            self.builder.mesh(
+                Layer::Visible,
+                house.windows[0],
+                &corners,
+                &[[0, 1, 2], [0, 2, 3]],
+            );
         }
     }
 
@@ -232,13 +344,27 @@ impl Site {
             let front = depth(sill);
             let line = (pose.transform(front, -wide), pose.transform(front, wide));
             let image = house.windows[i % 2];
-            super::shapes::panel(&mut self.builder, Layer::Visible, image, line, (sill, eaves));
+            super::shapes::panel(
+                &mut self.builder,
+                Layer::Visible,
+                image,
+                line,
+                (sill, eaves),
+            );
             let builder = &mut self.builder;
-            let gable = [p(front, -wide, eaves), p(front, wide, eaves), p(front, 0.0, ridge)];
+            let gable = [
+                p(front, -wide, eaves),
+                p(front, wide, eaves),
+                p(front, 0.0, ridge),
+            ];
             facet(builder, Layer::Visible, house.trim, &gable);
             for side in [-1.0, 1.0] {
                 let y = side * wide;
-                let cheek = [p(front, y, sill), p(front, y, eaves), p(depth(eaves), y, eaves)];
+                let cheek = [
+                    p(front, y, sill),
+                    p(front, y, eaves),
+                    p(depth(eaves), y, eaves),
+                ];
                 facet(builder, Layer::Visible, house.facade, &cheek);
                 let over = y * 1.2;
                 let slope = [
@@ -257,7 +383,11 @@ impl Site {
             return;
         }
         let p = r0 + (r1 - r0) * between(rng, 0.15, 0.85);
-        let pose = Pose2::new(p.x, p.y, MapPoint::new(r0.x, r0.y).bearing_to(MapPoint::new(r1.x, r1.y)));
+        let pose = Pose2::new(
+            p.x,
+            p.y,
+            MapPoint::new(r0.x, r0.y).bearing_to(MapPoint::new(r1.x, r1.y)),
+        );
         let stack = ([-0.35, -0.3, p.z - 0.7], [0.35, 0.3, p.z + 0.8]);
         let surface = self.palette.facades[0];
         cuboid(&mut self.builder, Layer::Visible, surface, pose, stack);

@@ -31,8 +31,12 @@ pub(super) fn wall(
 ) {
     let u = (a.distance(b) / surface.tile) as f32;
     let v = ((z.0 / surface.tile) as f32, (z.1 / surface.tile) as f32);
-    let corners =
-        [(at(a, z.0), [0.0, v.0]), (at(b, z.0), [u, v.0]), (at(b, z.1), [u, v.1]), (at(a, z.1), [0.0, v.1])];
+    let corners = [
+        (at(a, z.0), [0.0, v.0]),
+        (at(b, z.0), [u, v.0]),
+        (at(b, z.1), [u, v.1]),
+        (at(a, z.1), [0.0, v.1]),
+    ];
     builder.mesh(layer, surface.material, &corners, &[[0, 1, 2], [0, 2, 3]]);
 }
 
@@ -55,16 +59,29 @@ pub(super) fn panel(
 
 /// A planar polygon in space, convex, counter-clockwise from outside; texture coordinates along its first edge and
 /// across it.
-pub(super) fn facet(builder: &mut SceneBuilder, layer: Layer, surface: Surface, points: &[Point3<f64>]) {
+pub(super) fn facet(
+    builder: &mut SceneBuilder,
+    layer: Layer,
+    surface: Surface,
+    points: &[Point3<f64>],
+) {
     if points.len() < 3 {
         return;
     }
-    let along = (points[1] - points[0]).try_normalize(1e-9).unwrap_or_else(nalgebra::Vector3::x);
+    let along = (points[1] - points[0])
+        .try_normalize(1e-9)
+        .unwrap_or_else(nalgebra::Vector3::x);
     let normal = (points[1] - points[0]).cross(&(points[points.len() - 1] - points[0]));
-    let across = normal.cross(&along).try_normalize(1e-9).unwrap_or_else(nalgebra::Vector3::y);
+    let across = normal
+        .cross(&along)
+        .try_normalize(1e-9)
+        .unwrap_or_else(nalgebra::Vector3::y);
     let uv = |p: &Point3<f64>| {
         let d = p - points[0];
-        [(d.dot(&along) / surface.tile) as f32, (d.dot(&across) / surface.tile) as f32]
+        [
+            (d.dot(&along) / surface.tile) as f32,
+            (d.dot(&across) / surface.tile) as f32,
+        ]
     };
     let corners: Vec<Corner> = points.iter().map(|p| (*p, uv(p))).collect();
     let fan: Vec<[u32; 3]> = (2..points.len() as u32).map(|i| [0, i - 1, i]).collect();
@@ -80,9 +97,20 @@ pub(super) fn cuboid(
     (min, max): ([f64; 3], [f64; 3]),
 ) {
     let p = |x: f64, y: f64| pose.transform(x, y);
-    let ring = [p(min[0], min[1]), p(max[0], min[1]), p(max[0], max[1]), p(min[0], max[1])];
+    let ring = [
+        p(min[0], min[1]),
+        p(max[0], min[1]),
+        p(max[0], max[1]),
+        p(min[0], max[1]),
+    ];
     for i in 0..4 {
-        wall(builder, layer, surface, (ring[i], ring[(i + 1) % 4]), (min[2], max[2]));
+        wall(
+            builder,
+            layer,
+            surface,
+            (ring[i], ring[(i + 1) % 4]),
+            (min[2], max[2]),
+        );
     }
     facet(builder, layer, surface, &ring.map(|q| at(q, max[2])));
     if min[2] > 0.05 {
@@ -104,7 +132,12 @@ pub(super) fn prism(
     let top = |i: usize| at(center.offset(direction(i), radius.1), z.1);
     for i in 0..sides {
         if radius.1 > 1e-6 {
-            facet(builder, layer, surface, &[bottom(i), bottom(i + 1), top(i + 1), top(i)]);
+            facet(
+                builder,
+                layer,
+                surface,
+                &[bottom(i), bottom(i + 1), top(i + 1), top(i)],
+            );
         } else {
             facet(builder, layer, surface, &[bottom(i), bottom(i + 1), top(i)]);
         }
@@ -130,11 +163,21 @@ pub(super) fn floor(
 }
 
 /// A flat band along a line, `half` metres to either side, with mitred bends and rounded ends.
-pub(super) fn band(builder: &mut SceneBuilder, surface: Surface, line: &[MapPoint], half: f64, z: f64) {
+pub(super) fn band(
+    builder: &mut SceneBuilder,
+    surface: Surface,
+    line: &[MapPoint],
+    half: f64,
+    z: f64,
+) {
     let sides = parallel(line, half).into_iter().zip(parallel(line, -half));
     let (mut corners, mut run) = (Vec::<Corner>::new(), 0.0);
     for (i, (left, right)) in sides.enumerate() {
-        run += if i > 0 { line[i].distance(line[i - 1]) } else { 0.0 };
+        run += if i > 0 {
+            line[i].distance(line[i - 1])
+        } else {
+            0.0
+        };
         let u = (run / surface.tile) as f32;
         corners.push((at(right, z), [u, 0.0]));
         corners.push((at(left, z), [u, (2.0 * half / surface.tile) as f32]));
@@ -143,9 +186,17 @@ pub(super) fn band(builder: &mut SceneBuilder, surface: Surface, line: &[MapPoin
         let k = 2 * i;
         [[k - 2, k, k + 1], [k - 2, k + 1, k - 1]]
     });
-    builder.mesh(Layer::Visible, surface.material, &corners, &quads.collect::<Vec<_>>());
+    builder.mesh(
+        Layer::Visible,
+        surface.material,
+        &corners,
+        &quads.collect::<Vec<_>>(),
+    );
     if line.len() > 1 {
-        for (end, from) in [(line[0], line[1]), (line[line.len() - 1], line[line.len() - 2])] {
+        for (end, from) in [
+            (line[0], line[1]),
+            (line[line.len() - 1], line[line.len() - 2]),
+        ] {
             half_disc(builder, surface, (end, from.bearing_to(end)), half, z);
         }
     }
@@ -160,7 +211,9 @@ fn half_disc(
 ) {
     const STEPS: usize = 6;
     let angle = |i: usize| facing + std::f64::consts::PI * (i as f64 / STEPS as f64 - 0.5);
-    let points: Vec<MapPoint> = (0..=STEPS).map(|i| center.offset(angle(i), radius)).collect();
+    let points: Vec<MapPoint> = (0..=STEPS)
+        .map(|i| center.offset(angle(i), radius))
+        .collect();
     let uv = |p: MapPoint| [(p.x / surface.tile) as f32, (p.y / surface.tile) as f32];
     let corners: Vec<Corner> = points.iter().map(|p| (at(*p, z), uv(*p))).collect();
     let fan: Vec<[u32; 3]> = (2..corners.len() as u32).map(|i| [0, i - 1, i]).collect();
@@ -178,9 +231,15 @@ pub(super) fn parallel(line: &[MapPoint], offset: f64) -> Vec<MapPoint> {
         .map(|i| {
             let before = (i > 0).then(|| normal(line[i - 1], line[i]));
             let after = (i + 1 < n).then(|| normal(line[i], line[i + 1]));
-            let (a, b) = (before.or(after).unwrap_or((0.0, 1.0)), after.or(before).unwrap_or((0.0, 1.0)));
+            let (a, b) = (
+                before.or(after).unwrap_or((0.0, 1.0)),
+                after.or(before).unwrap_or((0.0, 1.0)),
+            );
             let scale = offset / (1.0 + a.0 * b.0 + a.1 * b.1).max(0.5);
-            MapPoint::new(line[i].x + (a.0 + b.0) * scale, line[i].y + (a.1 + b.1) * scale)
+            MapPoint::new(
+                line[i].x + (a.0 + b.0) * scale,
+                line[i].y + (a.1 + b.1) * scale,
+            )
         })
         .collect()
 }
@@ -204,7 +263,9 @@ pub(super) fn inset(ring: &[MapPoint], inset: f64) -> Option<Vec<MapPoint>> {
 /// Sum of signed areas; positive for a counter-clockwise ring.
 pub(super) fn signed_area(ring: &[MapPoint]) -> f64 {
     let origin = MapPoint::default();
-    (0..ring.len()).map(|i| turn(origin, ring[i], ring[(i + 1) % ring.len()]) / 2.0).sum()
+    (0..ring.len())
+        .map(|i| turn(origin, ring[i], ring[(i + 1) % ring.len()]) / 2.0)
+        .sum()
 }
 
 /// The point `share` of the way from `a` to `b`.
@@ -218,7 +279,8 @@ mod tests {
 
     #[test]
     fn a_square_shrinks_until_it_turns_round() {
-        let square = [(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)].map(|(x, y)| MapPoint::new(x, y));
+        let square =
+            [(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)].map(|(x, y)| MapPoint::new(x, y));
         let smaller = inset(&square, 1.0).unwrap();
         assert!((signed_area(&smaller) - 4.0).abs() < 1e-9);
         assert_eq!(inset(&square, 2.5), None);

@@ -32,16 +32,26 @@ pub(super) fn choose(
     let reach = Reach::new(extent, walls, doors);
     let middle = middle_of(doors).unwrap_or_else(|| extent.middle());
     let nearest_first = |mut all: Vec<Pose2>| {
-        all.sort_by(|a, b| middle.distance(a.point()).total_cmp(&middle.distance(b.point())));
+        all.sort_by(|a, b| {
+            middle
+                .distance(a.point())
+                .total_cmp(&middle.distance(b.point()))
+        });
         all
     };
-    let in_streets: Vec<Pose2> =
-        map.roads.iter().flat_map(places).filter(|p| extent.holds(p.point(), NEAR)).collect();
+    let in_streets: Vec<Pose2> = map
+        .roads
+        .iter()
+        .flat_map(places)
+        .filter(|p| extent.holds(p.point(), NEAR))
+        .collect();
     let before_doors = doors.iter().map(|d| {
         let p = d.middle().offset(d.facing, BEFORE_DOOR);
         Pose2::new(p.x, p.y, d.facing)
     });
-    let candidates = nearest_first(in_streets).into_iter().chain(nearest_first(before_doors.collect()));
+    let candidates = nearest_first(in_streets)
+        .into_iter()
+        .chain(nearest_first(before_doors.collect()));
     let is_clear = |p: MapPoint| clearance.is_free(p, p, RADIUS, BUILDING | BARRIER | WATER);
     let mut good =
         candidates.filter(|p| is_clear(p.point()) && (doors.is_empty() || reach.serves(p.point())));
@@ -60,14 +70,19 @@ fn middle_of(doors: &[Doorway]) -> Option<MapPoint> {
 
 /// Places along a road: on its pavement, or near its right edge if it has none; in the middle of a path.
 fn places(road: &Road) -> Vec<Pose2> {
-    let Some(profile) = profile(&road.tags) else { return Vec::new() };
+    let Some(profile) = profile(&road.tags) else {
+        return Vec::new();
+    };
     let aside = match (profile.for_cars, profile.sides) {
         (false, _) => 0.0,
         (true, [_, true]) => -(profile.width + profile.pavement) / 2.0,
         (true, [true, false]) => (profile.width + profile.pavement) / 2.0,
         (true, _) => -(profile.width / 2.0 - 0.4),
     };
-    road.points.windows(2).flat_map(|w| along_segment(w[0], w[1], aside)).collect()
+    road.points
+        .windows(2)
+        .flat_map(|w| along_segment(w[0], w[1], aside))
+        .collect()
 }
 
 fn along_segment(a: MapPoint, b: MapPoint, aside: f64) -> impl Iterator<Item = Pose2> {

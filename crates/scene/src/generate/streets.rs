@@ -63,7 +63,15 @@ pub(super) fn profile(tags: &Tags) -> Option<Profile> {
         "motorway_link" | "trunk_link" | "primary_link" | "secondary_link" | "tertiary_link" => {
             (4.5, true, false)
         }
-        "service" => (if tags.is("service", "parking_aisle") { 5.0 } else { 3.2 }, true, false),
+        "service" => (
+            if tags.is("service", "parking_aisle") {
+                5.0
+            } else {
+                3.2
+            },
+            true,
+            false,
+        ),
         "track" | "busway" => (3.0, true, false),
         "pedestrian" => (4.0, false, false),
         "cycleway" | "bridleway" => (2.2, false, false),
@@ -71,19 +79,35 @@ pub(super) fn profile(tags: &Tags) -> Option<Profile> {
         "footway" | "path" | "steps" | "corridor" => (1.5, false, false),
         _ => return None,
     };
-    let lanes = tags.get("lanes").and_then(|l| l.parse::<f64>().ok()).filter(|l| (1.0..=8.0).contains(l));
+    let lanes = tags
+        .get("lanes")
+        .and_then(|l| l.parse::<f64>().ok())
+        .filter(|l| (1.0..=8.0).contains(l));
     let width = metres(tags, "width")
         .filter(|w| (0.5..=40.0).contains(w))
         .or(lanes.map(|l| 3.0 * l))
         .unwrap_or(width);
-    let sides = if street { pavement_sides(tags) } else { [false; 2] };
+    let sides = if street {
+        pavement_sides(tags)
+    } else {
+        [false; 2]
+    };
     let pavement = if sides[0] || sides[1] { PAVEMENT } else { 0.0 };
-    Some(Profile { width, pavement, sides, for_cars, marked: street && width >= 5.0 })
+    Some(Profile {
+        width,
+        pavement,
+        sides,
+        for_cars,
+        marked: street && width >= 5.0,
+    })
 }
 
 fn pavement_sides(tags: &Tags) -> [bool; 2] {
-    let side =
-        |name: &str| tags.get(&format!("sidewalk:{name}")).or(tags.get("sidewalk:both")).map(|v| v == "yes");
+    let side = |name: &str| {
+        tags.get(&format!("sidewalk:{name}"))
+            .or(tags.get("sidewalk:both"))
+            .map(|v| v == "yes")
+    };
     match tags.get("sidewalk") {
         Some("separate" | "no" | "none") => [false; 2],
         Some("left") => [true, false],
@@ -108,20 +132,37 @@ impl Site {
         self.map.areas = areas;
         let roads = std::mem::take(&mut self.map.roads);
         for road in &roads {
-            let Some(profile) = profile(&road.tags).filter(|_| self.is_near(&road.points)) else { continue };
+            let Some(profile) = profile(&road.tags).filter(|_| self.is_near(&road.points)) else {
+                continue;
+            };
             if self.builder.triangles() >= self.limits.bare {
                 self.left_out += 1;
                 continue;
             }
-            let name = road.tags.get("name").or(road.tags.get("highway")).unwrap_or("road").to_owned();
+            let name = road
+                .tags
+                .get("name")
+                .or(road.tags.get("highway"))
+                .unwrap_or("road")
+                .to_owned();
             if profile.for_cars {
                 self.builder.object(name, SemanticClass::Road);
                 self.carriageway(&road.points, &road.tags, profile);
             } else {
                 self.builder.object(name, SemanticClass::Pavement);
                 let surface = self.path_surface(&road.tags);
-                let z = if surface == self.palette.paving { Z_SIDEWALK } else { Z_PATH };
-                band(&mut self.builder, surface, &road.points, profile.width / 2.0, z);
+                let z = if surface == self.palette.paving {
+                    Z_SIDEWALK
+                } else {
+                    Z_PATH
+                };
+                band(
+                    &mut self.builder,
+                    surface,
+                    &road.points,
+                    profile.width / 2.0,
+                    z,
+                );
             }
         }
         self.map.roads = roads;
@@ -137,8 +178,11 @@ impl Site {
             let middle = self.map.buildings[index].polygon.centroid();
             let near = self.map.buildings_within(middle, NEIGHBOURHOOD);
             // A few hundred tell enough, should thousands be piled up in one place.
-            let built: f64 =
-                near.iter().take(300).map(|i| self.map.buildings[*i].polygon.area().min(MOST_BUILT)).sum();
+            let built: f64 = near
+                .iter()
+                .take(300)
+                .map(|i| self.map.buildings[*i].polygon.area().min(MOST_BUILT))
+                .sum();
             if near.len() < CROWD || built < enough || self.is_full() {
                 continue;
             }
@@ -149,16 +193,26 @@ impl Site {
     }
 
     fn is_near(&self, line: &[MapPoint]) -> bool {
-        line.iter().any(|p| self.extent.holds(*p, super::GROUND_MARGIN))
+        line.iter()
+            .any(|p| self.extent.holds(*p, super::GROUND_MARGIN))
     }
 
     fn carriageway(&mut self, line: &[MapPoint], tags: &Tags, profile: Profile) {
         let half = profile.width / 2.0;
         let paving = self.palette.paving;
         let offset = half + profile.pavement / 2.0;
-        for (sign, _) in [(1.0, 0), (-1.0, 1)].into_iter().filter(|(_, side)| profile.sides[*side]) {
+        for (sign, _) in [(1.0, 0), (-1.0, 1)]
+            .into_iter()
+            .filter(|(_, side)| profile.sides[*side])
+        {
             let side = parallel(line, sign * offset);
-            band(&mut self.builder, paving, &side, profile.pavement / 2.0 + 0.01, Z_PAVEMENT);
+            band(
+                &mut self.builder,
+                paving,
+                &side,
+                profile.pavement / 2.0 + 0.01,
+                Z_PAVEMENT,
+            );
         }
         let kerb = self.palette.kerb;
         let (surface, z) = match tags.get("highway") {
@@ -167,7 +221,9 @@ impl Site {
             _ => (self.palette.asphalt, Z_ROAD),
         };
         let surface = match tags.get("surface") {
-            Some("gravel" | "fine_gravel" | "compacted" | "unpaved" | "dirt") => self.palette.gravel,
+            Some("gravel" | "fine_gravel" | "compacted" | "unpaved" | "dirt") => {
+                self.palette.gravel
+            }
             Some("sett" | "paving_stones" | "cobblestone") => self.palette.path,
             _ => surface,
         };
@@ -183,7 +239,12 @@ impl Site {
             Some("gravel" | "fine_gravel" | "compacted" | "unpaved") => self.palette.gravel,
             Some("ground" | "dirt" | "earth") => self.palette.earth,
             Some("sett" | "cobblestone") => self.palette.path,
-            _ if ["sidewalk", "crossing"].iter().any(|v| tags.is("footway", v)) => self.palette.paving,
+            _ if ["sidewalk", "crossing"]
+                .iter()
+                .any(|v| tags.is("footway", v)) =>
+            {
+                self.palette.paving
+            }
             Some("paving_stones" | "concrete") => self.palette.paving,
             _ => self.palette.path,
         }
@@ -197,11 +258,15 @@ impl Site {
             () if is_water(tags) => palette.water,
             () if tags.is("leisure", "playground") || tags.is("natural", "sand") => palette.gravel,
             () if tags.is("natural", "beach") => palette.gravel,
-            () if tags.is("landuse", "flowerbed") || tags.is("natural", "bare_ground") => palette.earth,
+            () if tags.is("landuse", "flowerbed") || tags.is("natural", "bare_ground") => {
+                palette.earth
+            }
             () if tags.is("highway", "pedestrian")
                 || tags.is("highway", "footway")
                 || tags.is("place", "square")
-                || ["pier", "breakwater", "groyne"].iter().any(|kind| tags.is("man_made", kind))
+                || ["pier", "breakwater", "groyne"]
+                    .iter()
+                    .any(|kind| tags.is("man_made", kind))
                 || tags.is("landuse", "railway") =>
             {
                 palette.paving
@@ -211,7 +276,12 @@ impl Site {
         if self.extent.meets(&area.polygon, super::GROUND_MARGIN) {
             let name = tags.get("name").unwrap_or("area").to_owned();
             self.builder.object(name, SemanticClass::Ground);
-            floor(&mut self.builder, surface, (&area.polygon.outer, &area.polygon.holes), Z_AREA);
+            floor(
+                &mut self.builder,
+                surface,
+                (&area.polygon.outer, &area.polygon.holes),
+                Z_AREA,
+            );
         }
     }
 }
@@ -224,13 +294,23 @@ mod tests {
     fn tags_overrule_the_usual_profile() {
         let usual = profile(&Tags::from([("highway", "residential")])).unwrap();
         assert!(usual.for_cars && usual.sides == [true, true] && usual.pavement > 1.0);
-        let told =
-            profile(&Tags::from([("highway", "residential"), ("width", "7,5 m"), ("sidewalk", "left")]))
-                .unwrap();
+        let told = profile(&Tags::from([
+            ("highway", "residential"),
+            ("width", "7,5 m"),
+            ("sidewalk", "left"),
+        ]))
+        .unwrap();
         assert_eq!((told.width, told.sides), (7.5, [true, false]));
-        let mapped = profile(&Tags::from([("highway", "residential"), ("sidewalk", "separate")])).unwrap();
+        let mapped = profile(&Tags::from([
+            ("highway", "residential"),
+            ("sidewalk", "separate"),
+        ]))
+        .unwrap();
         assert_eq!(mapped.pavement, 0.0);
-        assert_eq!(profile(&Tags::from([("highway", "footway"), ("tunnel", "yes")])), None);
+        assert_eq!(
+            profile(&Tags::from([("highway", "footway"), ("tunnel", "yes")])),
+            None
+        );
         assert_eq!(profile(&Tags::from([("highway", "proposed")])), None);
     }
 }

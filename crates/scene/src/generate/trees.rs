@@ -49,24 +49,52 @@ impl Site {
     fn conifer(&mut self, p: MapPoint, girth: f64, rng: &mut Pcg64Mcg) {
         let height = between(rng, 5.0, 9.5);
         let bark = self.palette.bark;
-        prism(&mut self.builder, Layer::Both, bark, (p, 6), ((0.0, 1.2), (girth, girth * 0.9)));
+        prism(
+            &mut self.builder,
+            Layer::Both,
+            bark,
+            (p, 6),
+            ((0.0, 1.2), (girth, girth * 0.9)),
+        );
         let needles = pick(rng, &self.palette.needles);
         let width = height * between(rng, 0.17, 0.25);
         let tiers = if self.detailed { 5 } else { 3 };
         for tier in 0..tiers {
             let share = f64::from(tier) / f64::from(tiers);
             let reach = (share + 1.5 / f64::from(tiers)).min(1.0);
-            let z = (0.9 + share * (height - 0.9) * 0.85, 0.9 + reach * (height - 0.9));
+            let z = (
+                0.9 + share * (height - 0.9) * 0.85,
+                0.9 + reach * (height - 0.9),
+            );
             let radius = width * (1.0 - 0.78 * share) * between(rng, 0.88, 1.08);
-            prism(&mut self.builder, Layer::Visible, needles, (p, 8), (z, (radius, 0.0)));
+            prism(
+                &mut self.builder,
+                Layer::Visible,
+                needles,
+                (p, 8),
+                (z, (radius, 0.0)),
+            );
         }
     }
 
     fn broadleaf(&mut self, p: MapPoint, girth: f64, rng: &mut Pcg64Mcg) {
-        let form = pick(rng, &[Form::Round, Form::Round, Form::Wide, Form::Wide, Form::Slender, Form::Birch]);
+        let form = pick(
+            rng,
+            &[
+                Form::Round,
+                Form::Round,
+                Form::Wide,
+                Form::Wide,
+                Form::Slender,
+                Form::Birch,
+            ],
+        );
         let (bark, pale) = (self.palette.bark, self.palette.pale_bark);
         let mut crown = |radius: (f64, f64), half: (f64, f64)| {
-            (between(rng, radius.0, radius.1), between(rng, half.0, half.1))
+            (
+                between(rng, radius.0, radius.1),
+                between(rng, half.0, half.1),
+            )
         };
         let (bark, trunk, (radius, half)) = match form {
             Form::Round => (bark, 2.2, crown((1.4, 2.3), (1.5, 2.2))),
@@ -74,10 +102,24 @@ impl Site {
             Form::Slender => (bark, 1.5, crown((0.8, 1.1), (2.8, 4.2))),
             Form::Birch => (pale, 2.4, crown((1.1, 1.5), (1.9, 2.6))),
         };
-        let girth = if matches!(form, Form::Birch) { girth * 0.75 } else { girth };
-        let build = Build { bark, girth, trunk: trunk + between(rng, -0.2, 0.4), radius, half };
+        let girth = if matches!(form, Form::Birch) {
+            girth * 0.75
+        } else {
+            girth
+        };
+        let build = Build {
+            bark,
+            girth,
+            trunk: trunk + between(rng, -0.2, 0.4),
+            radius,
+            half,
+        };
         let crowns = &self.palette.crowns;
-        let foliage = if matches!(form, Form::Birch) { crowns[2] } else { pick(rng, crowns) };
+        let foliage = if matches!(form, Form::Birch) {
+            crowns[2]
+        } else {
+            pick(rng, crowns)
+        };
         let wide = matches!(form, Form::Wide) && self.detailed;
         self.crowned(p, &build, (foliage, wide), rng);
     }
@@ -91,22 +133,49 @@ impl Site {
     ) {
         let (radius, half) = (build.radius, build.half);
         let girth = (build.girth, build.girth * 0.7);
-        prism(&mut self.builder, Layer::Both, build.bark, (p, 6), ((0.0, build.trunk + 0.5), girth));
+        prism(
+            &mut self.builder,
+            Layer::Both,
+            build.bark,
+            (p, 6),
+            ((0.0, build.trunk + 0.5), girth),
+        );
         let center = at(p, build.trunk + half * 0.85);
         let builder = &mut self.builder;
         let dense = (center, radius * 0.78, half * 0.8);
         blob(builder, (core, Layer::Visible), dense, 0, rng);
         if !wide {
-            blob(builder, (shell, Layer::Visible), (center, radius, half), 1, rng);
+            blob(
+                builder,
+                (shell, Layer::Visible),
+                (center, radius, half),
+                1,
+                rng,
+            );
             return;
         }
-        blob(builder, (shell, Layer::Visible), (center, radius * 0.75, half), 1, rng);
+        blob(
+            builder,
+            (shell, Layer::Visible),
+            (center, radius * 0.75, half),
+            1,
+            rng,
+        );
         let turn = between(rng, 0.0, std::f64::consts::TAU);
         for i in 0..4 {
-            let beside = p.offset(turn + std::f64::consts::FRAC_PI_2 * f64::from(i), radius * 0.58);
+            let beside = p.offset(
+                turn + std::f64::consts::FRAC_PI_2 * f64::from(i),
+                radius * 0.58,
+            );
             let lobe = at(beside, center.z - half * between(rng, 0.05, 0.4));
             let size = between(rng, 0.5, 0.62);
-            blob(builder, (core, Layer::Visible), (lobe, radius * size, half * size * 1.1), 0, rng);
+            blob(
+                builder,
+                (core, Layer::Visible),
+                (lobe, radius * size, half * size * 1.1),
+                0,
+                rng,
+            );
         }
     }
 }
@@ -130,10 +199,21 @@ pub(super) fn blob(
         .map(|d| {
             let dent = between(rng, 0.82, 1.12);
             let (x, y) = (cos * d.x - sin * d.y, sin * d.x + cos * d.y);
-            let p = center + Vector3::new(x * radius * dent, y * radius * dent, d.z * half_height * dent);
+            let p = center
+                + Vector3::new(
+                    x * radius * dent,
+                    y * radius * dent,
+                    d.z * half_height * dent,
+                );
             // Texture from the side that the surface looks to; stretched leaves are leaves.
             let around = libm::atan2(y, x) * radius;
-            (p, [(around / surface.tile) as f32, ((p.z + 0.3 * x) / surface.tile) as f32])
+            (
+                p,
+                [
+                    (around / surface.tile) as f32,
+                    ((p.z + 0.3 * x) / surface.tile) as f32,
+                ],
+            )
         })
         .collect();
     builder.mesh(layer, surface.material, &corners, &faces);
@@ -145,7 +225,11 @@ fn icosahedron() -> (Vec<Vector3<f64>>, Vec<[u32; 3]>) {
     let (z, r) = (1.0 / 5.0_f64.sqrt(), 2.0 / 5.0_f64.sqrt());
     for i in 0..10 {
         let (sin, cos) = libm::sincos(std::f64::consts::PI * f64::from(i) / 5.0);
-        points.push(Vector3::new(r * cos, r * sin, if i % 2 == 0 { z } else { -z }));
+        points.push(Vector3::new(
+            r * cos,
+            r * sin,
+            if i % 2 == 0 { z } else { -z },
+        ));
     }
     let ring = |i: u32| 2 + i % 10;
     let mut faces = Vec::new();

@@ -52,7 +52,9 @@ pub(super) fn kerbs(
     (clearance, extent): (&Clearance, Extent),
 ) -> Vec<(MapPoint, MapPoint)> {
     let is_wet = |p: MapPoint| !clearance.is_free(p, p, 0.0, WATER);
-    let lines = shores(map, sea, extent, &is_wet).into_iter().chain(edges(map, extent, &is_wet));
+    let lines = shores(map, sea, extent, &is_wet)
+        .into_iter()
+        .chain(edges(map, extent, &is_wet));
     let open = |line| between_gates((&map.roads, lanes), &[], line, 0.0);
     lines.flat_map(open).take(MAX_KERBS).collect()
 }
@@ -65,11 +67,19 @@ fn shores(
     is_wet: &impl Fn(MapPoint) -> bool,
 ) -> Vec<(MapPoint, MapPoint)> {
     let world = extent.grown(GROUND_MARGIN);
-    let lakes = map.areas.iter().filter(|a| is_water(&a.tags)).map(|a| &a.polygon);
-    let waters = sea.iter().chain(lakes.filter(|p| extent.meets(p, GROUND_MARGIN)));
+    let lakes = map
+        .areas
+        .iter()
+        .filter(|a| is_water(&a.tags))
+        .map(|a| &a.polygon);
+    let waters = sea
+        .iter()
+        .chain(lakes.filter(|p| extent.meets(p, GROUND_MARGIN)));
     let mut found = Vec::new();
     for (a, b) in waters.flat_map(Polygon::sides) {
-        let Some((from, to)) = inside(a, b, world) else { continue };
+        let Some((from, to)) = inside(a, b, world) else {
+            continue;
+        };
         let (a, b) = (along(a, b, from), along(a, b, to));
         let pieces = ((a.distance(b) / LONGEST).ceil() as usize).max(1);
         let at = |i: usize| along(a, b, i as f64 / pieces as f64);
@@ -85,17 +95,32 @@ fn shores(
 }
 
 /// The edges of roads as far as they lead over water, and across those that end there.
-fn edges(map: &OsmMap, extent: Extent, is_wet: &impl Fn(MapPoint) -> bool) -> Vec<(MapPoint, MapPoint)> {
+fn edges(
+    map: &OsmMap,
+    extent: Extent,
+    is_wet: &impl Fn(MapPoint) -> bool,
+) -> Vec<(MapPoint, MapPoint)> {
     let uses = uses_of_nodes(map);
     let is_dead = |node: Option<&i64>| node.is_some_and(|n| uses.get(n) == Some(&1));
     let mut found = Vec::new();
     for road in &map.roads {
-        let Some(profile) = profile(&road.tags) else { continue };
+        let Some(profile) = profile(&road.tags) else {
+            continue;
+        };
         let aside = profile.width / 2.0 + profile.pavement + GATE_MARGIN - THICKNESS;
-        let (left, right) = (parallel(&road.points, aside), parallel(&road.points, -aside));
-        let ends = caps(&left, &right, [is_dead(road.nodes.first()), is_dead(road.nodes.last())]);
+        let (left, right) = (
+            parallel(&road.points, aside),
+            parallel(&road.points, -aside),
+        );
+        let ends = caps(
+            &left,
+            &right,
+            [is_dead(road.nodes.first()), is_dead(road.nodes.last())],
+        );
         for line in [left, right].iter().chain(&ends) {
-            let near = line.windows(2).filter(|pair| extent.holds(pair[0], GROUND_MARGIN));
+            let near = line
+                .windows(2)
+                .filter(|pair| extent.holds(pair[0], GROUND_MARGIN));
             found.extend(near.flat_map(|pair| stretches((pair[0], pair[1]), is_wet)));
         }
     }
@@ -118,7 +143,8 @@ fn uses_of_nodes(map: &OsmMap) -> BTreeMap<i64, u32> {
 fn caps(left: &[MapPoint], right: &[MapPoint], [first, last]: [bool; 2]) -> Vec<Vec<MapPoint>> {
     let n = left.len().min(right.len());
     let round = |end: usize, before: usize| {
-        let beyond = |edge: &[MapPoint]| edge[end].offset(edge[before].bearing_to(edge[end]), BEYOND);
+        let beyond =
+            |edge: &[MapPoint]| edge[end].offset(edge[before].bearing_to(edge[end]), BEYOND);
         vec![left[end], beyond(left), beyond(right), right[end]]
     };
     let mut found = Vec::new();
@@ -132,7 +158,10 @@ fn caps(left: &[MapPoint], right: &[MapPoint], [first, last]: [bool; 2]) -> Vec<
 }
 
 /// The stretches of a segment that `is_wet`, longer by up to a piece at both ends.
-fn stretches((a, b): (MapPoint, MapPoint), is_wet: impl Fn(MapPoint) -> bool) -> Vec<(MapPoint, MapPoint)> {
+fn stretches(
+    (a, b): (MapPoint, MapPoint),
+    is_wet: impl Fn(MapPoint) -> bool,
+) -> Vec<(MapPoint, MapPoint)> {
     let count = ((a.distance(b) / PIECE).ceil() as usize).clamp(1, MAX_PIECES);
     let at = |i: usize| along(a, b, i as f64 / count as f64);
     let wet: Vec<bool> = (0..=count).map(|i| is_wet(at(i))).collect();
@@ -156,9 +185,21 @@ impl Site {
         for (a, b) in std::mem::take(&mut self.kerbs) {
             let pose = Pose2::new(a.x, a.y, a.bearing_to(b));
             let block = |low: f64| ([-half, -half, low], [a.distance(b) + half, half, HEIGHT]);
-            cuboid(&mut self.builder, Layer::Solid, self.palette.quay, pose, block(0.0));
+            cuboid(
+                &mut self.builder,
+                Layer::Solid,
+                self.palette.quay,
+                pose,
+                block(0.0),
+            );
             if self.builder.triangles() < self.limits.bare {
-                cuboid(&mut self.builder, Layer::Visible, self.palette.quay, pose, block(SEA_LEVEL));
+                cuboid(
+                    &mut self.builder,
+                    Layer::Visible,
+                    self.palette.quay,
+                    pose,
+                    block(SEA_LEVEL),
+                );
             }
         }
     }
@@ -172,7 +213,10 @@ mod tests {
     fn the_wet_part_of_a_road_is_found() {
         let (a, b) = (MapPoint::new(0.0, 0.0), MapPoint::new(20.0, 0.0));
         let wet = |p: MapPoint| (7.0..11.0).contains(&p.x) || p.x > 17.0;
-        let found: Vec<_> = stretches((a, b), wet).iter().map(|(p, q)| (p.x, q.x)).collect();
+        let found: Vec<_> = stretches((a, b), wet)
+            .iter()
+            .map(|(p, q)| (p.x, q.x))
+            .collect();
         assert_eq!(found, [(6.0, 12.0), (16.0, 20.0)]);
         assert!(stretches((a, b), |_| false).is_empty());
     }
@@ -180,7 +224,10 @@ mod tests {
     #[test]
     fn water_under_the_ground_is_none() {
         assert!(is_water(&Tags::from([("natural", "water")])));
-        assert!(!is_water(&Tags::from([("natural", "water"), ("tunnel", "yes")])));
+        assert!(!is_water(&Tags::from([
+            ("natural", "water"),
+            ("tunnel", "yes")
+        ])));
         assert!(!is_water(&Tags::from([("natural", "wood")])));
     }
 }

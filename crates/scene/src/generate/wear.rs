@@ -36,8 +36,16 @@ impl Site {
         for pair in road.points.windows(2) {
             let (length, yaw) = (pair[0].distance(pair[1]), pair[0].bearing_to(pair[1]));
             for i in 0..((length / spacing) as usize).min(MOST) {
-                let p = along(pair[0], pair[1], (i as f64 + between(&mut rng, 0.2, 0.8)) * spacing / length);
-                let draws = [chance(&mut rng, 0.5), chance(&mut rng, 0.4), chance(&mut rng, 0.5)];
+                let p = along(
+                    pair[0],
+                    pair[1],
+                    (i as f64 + between(&mut rng, 0.2, 0.8)) * spacing / length,
+                );
+                let draws = [
+                    chance(&mut rng, 0.5),
+                    chance(&mut rng, 0.4),
+                    chance(&mut rng, 0.5),
+                ];
                 if self.extent.holds(p, super::GROUND_MARGIN) && !self.is_full() {
                     self.worn_place(Pose2::new(p.x, p.y, yaw), profile, draws, &mut rng);
                 }
@@ -56,7 +64,10 @@ impl Site {
         let (patch, lid) = (self.palette.patch, self.palette.dark_metal);
         if mended {
             let size = (between(rng, 0.8, 3.5), between(rng, 0.5, 1.4));
-            let place = pose.transform(between(rng, -3.0, 3.0), between(rng, -half + 1.0, half - 1.0));
+            let place = pose.transform(
+                between(rng, -3.0, 3.0),
+                between(rng, -half + 1.0, half - 1.0),
+            );
             self.covering(patch, Pose2::new(place.x, place.y, pose.yaw), size, Z_PATCH);
         }
         if manhole {
@@ -64,19 +75,38 @@ impl Site {
             self.lid(lid, middle);
         }
         if drain {
-            let place = pose.transform(-1.5, (half - 0.22) * if chance(rng, 0.5) { 1.0 } else { -1.0 });
-            self.covering(lid, Pose2::new(place.x, place.y, pose.yaw), (0.5, 0.32), Z_LID);
+            let place = pose.transform(
+                -1.5,
+                (half - 0.22) * if chance(rng, 0.5) { 1.0 } else { -1.0 },
+            );
+            self.covering(
+                lid,
+                Pose2::new(place.x, place.y, pose.yaw),
+                (0.5, 0.32),
+                Z_LID,
+            );
         }
     }
 
     fn covering(&mut self, surface: Surface, pose: Pose2, (length, width): (f64, f64), z: f64) {
         let (x, y) = (length / 2.0, width / 2.0);
-        let corners = [(-x, -y), (x, -y), (x, y), (-x, y)].map(|(x, y)| at(pose.transform(x, y), z));
+        let corners =
+            [(-x, -y), (x, -y), (x, y), (-x, y)].map(|(x, y)| at(pose.transform(x, y), z));
         facet(&mut self.builder, Layer::Visible, surface, &corners);
     }
 
     fn lid(&mut self, surface: Surface, middle: MapPoint) {
-        let corner = |i: i32| at(middle.offset(std::f64::consts::FRAC_PI_4 * f64::from(i), 0.32), Z_LID);
-        facet(&mut self.builder, Layer::Visible, surface, &[0, 1, 2, 3, 4, 5, 6, 7].map(corner));
+        let corner = |i: i32| {
+            at(
+                middle.offset(std::f64::consts::FRAC_PI_4 * f64::from(i), 0.32),
+                Z_LID,
+            )
+        };
+        facet(
+            &mut self.builder,
+            Layer::Visible,
+            surface,
+            &[0, 1, 2, 3, 4, 5, 6, 7].map(corner),
+        );
     }
 }

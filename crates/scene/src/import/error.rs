@@ -102,15 +102,25 @@ impl fmt::Display for SearchList<'_> {
 
 impl ImportError {
     pub(crate) fn io(path: &Path, source: io::Error) -> Self {
-        Self::Io { path: path.to_owned(), source }
+        Self::Io {
+            path: path.to_owned(),
+            source,
+        }
     }
 
     pub(crate) fn asset(path: &Path, problem: impl Into<String>) -> Self {
-        Self::Asset { path: path.to_owned(), problem: problem.into() }
+        Self::Asset {
+            path: path.to_owned(),
+            problem: problem.into(),
+        }
     }
 
     pub(crate) fn too_large(path: &Path, what: &'static str, limit: usize) -> Self {
-        Self::TooLarge { path: path.to_owned(), what, limit: limit as u64 }
+        Self::TooLarge {
+            path: path.to_owned(),
+            what,
+            limit: limit as u64,
+        }
     }
 }
 
@@ -126,7 +136,12 @@ mod tests {
             searched: vec!["models".into(), "more".into()],
         };
         let text = error.to_string();
-        for part in ["fountain_3", "model://fountain/meshes/fountain.dae", "models, more", "--models"] {
+        for part in [
+            "fountain_3",
+            "model://fountain/meshes/fountain.dae",
+            "models, more",
+            "--models",
+        ] {
             assert!(text.contains(part), "{text}");
         }
     }
