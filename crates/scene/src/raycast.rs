@@ -5,9 +5,9 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::bvh::movers::CastAmong;
 use crate::bvh::{
-    Beam, Figure, Hit, LANES, Lane, MISS, Movers, PacketHits, RayPacket, TriangleBvh, widest,
+    Beam, CastAmong, Figure, Hit, LANES, Lane, MISS, Movers, PacketHits, RayPacket, TriangleBvh,
+    widest,
 };
 use crate::material::{Material, Texture};
 use crate::scene::{Scene, Triangle};

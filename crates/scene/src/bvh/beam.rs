@@ -4,9 +4,12 @@
 //! one test of it, six products for each of its planes, says whether any ray can enter a node, and single packets are looked at only in
 //! leaves. After Reshetov, Soupikov and Hurley, *Multi-Level Ray Tracing Algorithm*, 2005.
 
-use super::dispatch::Kernel;
+use super::branchless::mask;
+use super::dispatch::{Kernel, widest};
+use super::node::Node;
 use super::packet::{LANES, PACKET_STACK, PacketHits, RayPacket, Triangles, Visit, enters, invert};
-use super::{Hit, Node, TriangleBvh, mask};
+use super::tree::TriangleBvh;
+use super::triangle::Hit;
 
 /// Planes of a beam: four sides and the far end; the others hold everything.
 const PLANES: usize = 8;
@@ -131,13 +134,43 @@ impl Beam {
     }
 }
 
+impl TriangleBvh {
+    /// What each ray of a block of packets hits first, all of them within `beam` and from its origin; hits of masked triangles only where
+    /// `opaque` says so. Of triangles at one distance it need not be the same as for a packet alone.
+    #[inline(always)]
+    pub fn cast_block<const K: usize>(
+        &self,
+        beam: &Beam,
+        rays: &[RayPacket; K],
+        opaque: impl Fn(&Hit) -> bool,
+    ) -> [PacketHits; K] {
+        let mut hits = [PacketHits::NONE; K];
+        for (hits, rays) in hits.iter_mut().zip(rays) {
+            hits.distance = rays.limit;
+            if self.depth >= PACKET_STACK {
+                self.cast_each(rays, &opaque, hits);
+            }
+        }
+        if self.depth < PACKET_STACK {
+            widest(CastBeam {
+                tree: self,
+                beam,
+                rays,
+                opaque: &opaque,
+                hits: &mut hits,
+            });
+        }
+        hits
+    }
+}
+
 /// What the rays of a beam hit first in a tree no deeper than [`PACKET_STACK`].
-pub(super) struct CastBeam<'a, F, const K: usize> {
-    pub(super) tree: &'a TriangleBvh,
-    pub(super) beam: &'a Beam,
-    pub(super) rays: &'a [RayPacket; K],
-    pub(super) opaque: &'a F,
-    pub(super) hits: &'a mut [PacketHits; K],
+struct CastBeam<'a, F, const K: usize> {
+    tree: &'a TriangleBvh,
+    beam: &'a Beam,
+    rays: &'a [RayPacket; K],
+    opaque: &'a F,
+    hits: &'a mut [PacketHits; K],
 }
 
 impl<F: Fn(&Hit) -> bool, const K: usize> Kernel for CastBeam<'_, F, K> {
@@ -301,7 +334,7 @@ mod tests {
         let hits = TriangleBvh::new(std::iter::empty()).cast_block(&beam, &packets, |_| true);
         assert!(
             hits.iter()
-                .all(|packet| packet.triangle == [super::super::MISS; LANES])
+                .all(|packet| packet.triangle == [super::super::triangle::MISS; LANES])
         );
     }
 }

@@ -7,10 +7,12 @@ use nalgebra::Vector3;
 use openbench_core::Pose3;
 
 use super::dispatch::Kernel;
+use super::node::Node;
 use super::packet::{
     Cast, LANES, Lane, PACKET_STACK, PacketHits, RayPacket, Traversal, Visit, traverse,
 };
-use super::{Hit, MISS, Node, TriangleBvh};
+use super::tree::TriangleBvh;
+use super::triangle::{Hit, MISS};
 
 /// Longest time before the instant at which a ray may be cast, seconds: a LiDAR's scan.
 pub const SWEEP: f32 = 0.1;
