@@ -93,9 +93,10 @@ fn decode(path: &Path) -> Result<DynamicImage, ImportError> {
         .with_guessed_format()
         .map_err(io)?;
     reader.limits(limits);
-    reader
-        .decode()
-        .map_err(|e| ImportError::asset(path, format!("cannot read this image: {e}")))
+    reader.decode().map_err(|source| ImportError::Image {
+        path: path.to_owned(),
+        source,
+    })
 }
 
 /// Averages blocks of texels until no side is longer than allowed. Transparent texels give no colour.

@@ -43,7 +43,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use openbench_core::{Georeference, Pose2, Pose3};
 use openbench_osm::{OsmData, OsmMap, default_georeference, without_doors};
 
-pub use error::ImportError;
+pub use error::{ImportError, ObjError};
 
 use crate::world::MAX_FROM_ORIGIN_M;
 use crate::{SceneBuilder, World};

@@ -5,7 +5,7 @@
 use std::path::Path;
 use std::str::FromStr;
 
-use roxmltree::{Document, Node, ParsingOptions};
+use roxmltree::{Document, Node, ParsingOptions, TextPos};
 
 use super::error::ImportError;
 
@@ -36,27 +36,29 @@ pub(crate) fn parse<'t>(path: &Path, text: &'t str) -> Result<Document<'t>, Impo
         nodes_limit: MAX_NODES,
         ..ParsingOptions::default()
     };
-    Document::parse_with_options(text, options).map_err(|error| {
-        let (line, column) = match error {
-            // Told without a place.
+    Document::parse_with_options(text, options).map_err(|source| {
+        let TextPos {
+            row: line,
+            col: column,
+        } = match source {
+            // Reported without a place.
             roxmltree::Error::UnclosedRootNode => end_of(text),
-            _ => (error.pos().row, error.pos().col),
+            _ => source.pos(),
         };
-        let problem = format!("this is not well-formed XML: {error}; the file may be cut short");
-        ImportError::Malformed {
+        ImportError::Xml {
             path: path.to_owned(),
             line,
             column,
-            problem,
+            source,
         }
     })
 }
 
 /// Line and column, from 1, just after the last character.
-fn end_of(text: &str) -> (u32, u32) {
+fn end_of(text: &str) -> TextPos {
     let last = text.rsplit('\n').next().unwrap_or("");
     let lines = text.bytes().filter(|b| *b == b'\n').count();
-    (lines as u32 + 1, last.chars().count() as u32 + 1)
+    TextPos::new(lines as u32 + 1, last.chars().count() as u32 + 1)
 }
 
 /// An error at `node`.

@@ -8,7 +8,7 @@ use std::str::SplitAsciiWhitespace;
 
 use nalgebra::Point3;
 
-use super::super::error::ImportError;
+use super::super::error::{ImportError, ObjError};
 use super::super::xml::read_text;
 use super::part::{Corner, Joiner, MAX_TRIANGLES, Mesh, MeshMaterial, Part};
 
@@ -29,13 +29,11 @@ struct Obj {
 pub(super) fn read(path: &Path, text: &str) -> Result<Mesh, ImportError> {
     let mut obj = Obj::default();
     for (number, line) in text.lines().enumerate() {
-        obj.line(path, line)
-            .map_err(|problem| ImportError::Malformed {
-                path: path.to_owned(),
-                line: number as u32 + 1,
-                column: 1,
-                problem,
-            })?;
+        obj.line(path, line).map_err(|source| ImportError::Obj {
+            path: path.to_owned(),
+            line: number as u32 + 1,
+            source,
+        })?;
     }
     obj.close();
     Ok(Mesh {
@@ -45,7 +43,7 @@ pub(super) fn read(path: &Path, text: &str) -> Result<Mesh, ImportError> {
 }
 
 impl Obj {
-    fn line(&mut self, path: &Path, line: &str) -> Result<(), String> {
+    fn line(&mut self, path: &Path, line: &str) -> Result<(), ObjError> {
         let mut words = line.split_ascii_whitespace();
         let Some(keyword) = words.next() else {
             return Ok(());
@@ -71,12 +69,14 @@ impl Obj {
         Ok(())
     }
 
-    fn face(&mut self, words: SplitAsciiWhitespace) -> Result<(), String> {
+    fn face(&mut self, words: SplitAsciiWhitespace) -> Result<(), ObjError> {
         let mut corners = Vec::new();
         for word in words {
             // While it is read, not afterwards: two letters of a file make a triangle.
             if self.triangles + corners.len() > MAX_TRIANGLES + 1 {
-                return Err(format!("this mesh has more than {MAX_TRIANGLES} triangles"));
+                return Err(ObjError::TooManyTriangles {
+                    limit: MAX_TRIANGLES,
+                });
             }
             let mut fields = word.split('/');
             let position = index(fields.next().unwrap_or(""), self.positions.len())?;
@@ -158,36 +158,36 @@ fn image_name(rest: &str) -> Option<String> {
     Some(name.to_owned()).filter(|n| !n.is_empty())
 }
 
-fn floats<const N: usize>(words: SplitAsciiWhitespace) -> Result<[f32; N], String> {
+/// The first `N` numbers of a line.
+fn floats<const N: usize>(words: SplitAsciiWhitespace) -> Result<[f32; N], ObjError> {
     let mut values = [0.0; N];
     let mut count = 0;
     for (value, word) in values.iter_mut().zip(words) {
-        *value = word
-            .parse()
-            .map_err(|_| format!("`{word}` is not a number"))?;
+        *value = word.parse().map_err(|source| ObjError::Number {
+            word: word.to_owned(),
+            source,
+        })?;
         count += 1;
     }
-    if count == N {
-        Ok(values)
-    } else {
-        Err(format!("{N} numbers are needed here"))
+    if count < N {
+        return Err(ObjError::TooFewNumbers { needed: N });
     }
+    Ok(values)
 }
 
 /// Zero-based place of an index that counts from 1, or from the end if negative.
-fn index(word: &str, count: usize) -> Result<usize, String> {
-    let number: i64 = word
-        .parse()
-        .map_err(|_| format!("`{word}` is not an index"))?;
-    let place = if number < 0 {
-        count as i64 + number
+fn index(word: &str, count: usize) -> Result<usize, ObjError> {
+    let index: i64 = word.parse().map_err(|source| ObjError::Index {
+        word: word.to_owned(),
+        source,
+    })?;
+    let place = if index < 0 {
+        count as i64 + index
     } else {
-        number - 1
+        index - 1
     };
-    usize::try_from(place)
-        .ok()
-        .filter(|p| *p < count)
-        .ok_or_else(|| format!("index {number} is not among {count}"))
+    let place = usize::try_from(place).ok().filter(|p| *p < count);
+    place.ok_or(ObjError::OutOfRange { index, count })
 }
 
 #[cfg(test)]

@@ -15,8 +15,10 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Mesh, ImportError> {
             "this STL file ends before its last triangle",
         ));
     }
-    let scene = mesh_loader::stl::from_slice(bytes)
-        .map_err(|e| ImportError::asset(path, format!("this is not STL: {e}")))?;
+    let scene = mesh_loader::stl::from_slice(bytes).map_err(|source| ImportError::Stl {
+        path: path.to_owned(),
+        source,
+    })?;
     let parts = scene.meshes.into_iter().map(part).collect();
     Ok(Mesh {
         parts,
