@@ -30,11 +30,11 @@ pub fn builtin_georeference() -> Georeference {
 /// The map of a built-in world, doors included; `None` if there is no such world.
 pub fn builtin_map(name: &str) -> Option<Result<OsmData, GenerateError>> {
     let (name, xml) = MAPS.iter().find(|(known, _)| *known == name)?;
-    let broken = |e: openbench_osm::OsmError| GenerateError::Builtin {
-        name: (*name).into(),
-        problem: e.to_string(),
-    };
-    Some(OsmData::from_xml(xml.as_bytes()).map_err(broken))
+    let data = OsmData::from_xml(xml.as_bytes());
+    Some(data.map_err(|source| GenerateError::Builtin {
+        name: (*name).to_owned(),
+        source,
+    }))
 }
 
 /// A built-in world; `None` if there is none of that name.

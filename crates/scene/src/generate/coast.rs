@@ -1,19 +1,23 @@
 //! The sea beside `natural=coastline` ways: OSM has it as a line only, with the land on its left.
 //!
-//! The lines are cut at a rectangle around the world and closed along its edge, as renderers do it for their tiles: from where a
-//! line leaves the rectangle counter-clockwise to where the next one enters. Lines that end inside are left out; islands that
-//! lie inside are holes.
+//! The lines are cut at a rectangle around the world and closed along its edge, as renderers do it
+//! for their tiles: counter-clockwise from where a line leaves the rectangle to where the next one
+//! enters. Lines that end inside are left out; islands that lie inside are holes.
 
 use std::collections::BTreeMap;
 
 use openbench_core::MapPoint;
 use openbench_osm::{OsmData, OsmMap, Polygon};
 
-use super::Extent;
-use super::shapes::{along, signed_area};
+use super::extent::Extent;
+use super::rings::signed_area;
+use super::segment::segments;
 
-/// Corners of the coast nearer to the one before are left out, metres; twice as many if there are too many corners.
-const FINEST: f64 = 2.0;
+/// Height of the sea, metres.
+pub(super) const SEA_LEVEL_M: f64 = -0.5;
+/// A corner of the coast nearer than this to the one before is left out, metres; twice as much
+/// where there are too many corners.
+const FINEST_M: f64 = 2.0;
 /// Corners of one coast at most.
 const MAX_CORNERS: usize = 1_500;
 
@@ -29,7 +33,7 @@ pub(super) fn sea(data: &OsmData, map: &OsmMap, extent: Extent) -> Vec<Polygon> 
             .map(|n| map.projection.to_map(n.position))
             .filter(|p| p.x.is_finite() && p.y.is_finite())
             .collect();
-        let points = coarse(points, FINEST);
+        let points = coarse(points, FINEST_M);
         let pieces = clipped(&points, extent);
         let whole = line.first() == line.last() && points.iter().all(|p| extent.holds(*p, 0.0));
         if whole {
@@ -58,7 +62,7 @@ fn coarse(line: Vec<MapPoint>, finest: f64) -> Vec<MapPoint> {
 
 /// The same for a piece that lies in the rectangle, so coarse that it has no more than [`MAX_CORNERS`].
 fn bounded(mut piece: Vec<MapPoint>) -> Vec<MapPoint> {
-    let mut finest = FINEST;
+    let mut finest = FINEST_M;
     while piece.len() > MAX_CORNERS && finest < 1_000.0 {
         finest *= 2.0;
         piece = coarse(piece, finest);
@@ -110,44 +114,21 @@ fn coastlines(data: &OsmData) -> Vec<Vec<i64>> {
 /// The parts of a line within the rectangle that begin and end on its edge.
 fn clipped(line: &[MapPoint], extent: Extent) -> Vec<Vec<MapPoint>> {
     let (mut pieces, mut piece): (Vec<Vec<MapPoint>>, Option<Vec<MapPoint>>) = (Vec::new(), None);
-    for pair in line.windows(2) {
-        let Some((from, to)) = inside(pair[0], pair[1], extent) else {
+    for segment in segments(line) {
+        let Some(inside) = extent.clip(segment) else {
             continue;
         };
-        let (p, q) = (along(pair[0], pair[1], from), along(pair[0], pair[1], to));
-        if from > 0.0 {
-            piece = Some(vec![p]);
+        let part = segment.part(inside.start, inside.end);
+        if inside.start > 0.0 {
+            piece = Some(vec![part.a]);
         }
         let Some(points) = &mut piece else { continue };
-        points.push(q);
-        if to < 1.0 {
+        points.push(part.b);
+        if inside.end < 1.0 {
             pieces.extend(piece.take());
         }
     }
     pieces
-}
-
-/// Which part of a segment lies in the rectangle, as shares of it (Liang and Barsky 1984).
-pub(super) fn inside(a: MapPoint, b: MapPoint, extent: Extent) -> Option<(f64, f64)> {
-    let (dx, dy) = (b.x - a.x, b.y - a.y);
-    let edges = [
-        (-dx, a.x - extent.min.x),
-        (dx, extent.max.x - a.x),
-        (-dy, a.y - extent.min.y),
-        (dy, extent.max.y - a.y),
-    ];
-    let (mut from, mut to) = (0.0_f64, 1.0_f64);
-    for (p, q) in edges {
-        if p == 0.0 && q < 0.0 {
-            return None;
-        }
-        if p < 0.0 {
-            from = from.max(q / p);
-        } else if p > 0.0 {
-            to = to.min(q / p);
-        }
-    }
-    (from < to).then_some((from, to))
 }
 
 /// Joins pieces along the edge of the rectangle, counter-clockwise.
@@ -182,10 +163,12 @@ fn closed(mut pieces: Vec<Vec<MapPoint>>, extent: Extent) -> Vec<Vec<MapPoint>> 
     rings
 }
 
-/// How far round the edge of the rectangle a point is, counter-clockwise from the south-west, in sides: 0 to 4.
+/// Position of a point on the edge of the rectangle, in sides: 0 to 4, counter-clockwise from the
+/// south-west.
 fn run(p: MapPoint, extent: Extent) -> f64 {
     let (width, depth) = (extent.max.x - extent.min.x, extent.max.y - extent.min.y);
     let (x, y) = ((p.x - extent.min.x) / width, (p.y - extent.min.y) / depth);
+    // For each side: distance from it, and the position if the point is on it.
     let sides = [(y, x), (1.0 - x, 1.0 + y), (1.0 - y, 3.0 - x), (x, 4.0 - y)];
     let nearest = sides
         .into_iter()
@@ -193,15 +176,9 @@ fn run(p: MapPoint, extent: Extent) -> f64 {
     nearest.map_or(0.0, |(_, run)| run.rem_euclid(4.0))
 }
 
-/// The rectangle's corners from `from` on for `length` sides.
+/// The rectangle's corners from the position `from` on for `length` sides.
 fn corners_between(from: f64, length: f64, extent: Extent) -> Vec<MapPoint> {
-    let (min, max) = (extent.min, extent.max);
-    let corners = [
-        min,
-        MapPoint::new(max.x, min.y),
-        max,
-        MapPoint::new(min.x, max.y),
-    ];
+    let corners = extent.corners();
     let first = from.floor() as usize + 1;
     (first..first + 4)
         .filter(|i| *i as f64 - from < length)

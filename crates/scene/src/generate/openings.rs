@@ -3,6 +3,9 @@
 use super::images::{paint, rgb, speck};
 use crate::material::Texture;
 
+/// Width of a window with its shutters, in widths of the window.
+pub(super) const SHUTTERED_WIDTHS: f64 = 1.8;
+
 /// How a window is divided.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Glazing {
