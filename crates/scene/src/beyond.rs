@@ -16,13 +16,28 @@ pub(crate) struct Rectangle {
 
 /// Four rectangles round a rectangle.
 pub(crate) fn beyond(drawn: Rectangle) -> [Rectangle; 4] {
-    let Rectangle { low: [west, south], high: [east, north] } = drawn;
+    let Rectangle {
+        low: [west, south],
+        high: [east, north],
+    } = drawn;
     let (far_west, far_east) = (west - FAR, east + FAR);
     [
-        Rectangle { low: [far_west, south - FAR], high: [far_east, south + OVERLAP] },
-        Rectangle { low: [far_west, north - OVERLAP], high: [far_east, north + FAR] },
-        Rectangle { low: [far_west, south], high: [west + OVERLAP, north] },
-        Rectangle { low: [east - OVERLAP, south], high: [far_east, north] },
+        Rectangle {
+            low: [far_west, south - FAR],
+            high: [far_east, south + OVERLAP],
+        },
+        Rectangle {
+            low: [far_west, north - OVERLAP],
+            high: [far_east, north + FAR],
+        },
+        Rectangle {
+            low: [far_west, south],
+            high: [west + OVERLAP, north],
+        },
+        Rectangle {
+            low: [east - OVERLAP, south],
+            high: [far_east, north],
+        },
     ]
 }
 
@@ -32,14 +47,22 @@ mod tests {
 
     #[test]
     fn every_place_outside_lies_on_one_of_them() {
-        let drawn = Rectangle { low: [-3.0, 10.0], high: [5.0, 30.0] };
-        let holds = |r: &Rectangle, p: [f64; 2]| (0..2).all(|i| r.low[i] <= p[i] && p[i] <= r.high[i]);
+        let drawn = Rectangle {
+            low: [-3.0, 10.0],
+            high: [5.0, 30.0],
+        };
+        let holds =
+            |r: &Rectangle, p: [f64; 2]| (0..2).all(|i| r.low[i] <= p[i] && p[i] <= r.high[i]);
         for x in [-9_000.0, -3.1, -3.0, 1.0, 5.0, 5.1, 9_000.0] {
             for y in [-9_000.0, 9.9, 10.0, 20.0, 30.0, 30.1, 9_000.0] {
-                let on_one = holds(&drawn, [x, y]) || beyond(drawn).iter().any(|r| holds(r, [x, y]));
+                let on_one =
+                    holds(&drawn, [x, y]) || beyond(drawn).iter().any(|r| holds(r, [x, y]));
                 assert!(on_one, "{x}, {y}");
             }
         }
-        assert!(!beyond(drawn).iter().any(|r| holds(r, [1.0, 20.0])), "the drawn ground stays alone");
+        assert!(
+            !beyond(drawn).iter().any(|r| holds(r, [1.0, 20.0])),
+            "the drawn ground stays alone"
+        );
     }
 }

@@ -72,7 +72,13 @@ impl Material {
     /// An untextured material.
     pub fn plain(class: SemanticClass, color: [f32; 3]) -> Self {
         let luma = 0.3 * color[0] + 0.59 * color[1] + 0.11 * color[2];
-        Self { color, texture: None, cutout: false, class, reflectivity: (luma * 150.0) as u8 }
+        Self {
+            color,
+            texture: None,
+            cutout: false,
+            class,
+            reflectivity: (luma * 150.0) as u8,
+        }
     }
 
     /// The same material under an image.

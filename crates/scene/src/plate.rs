@@ -45,12 +45,20 @@ pub fn plate_texture(text: &str) -> Texture {
     for y in 0..HEIGHT {
         for x in 0..WIDTH {
             let border = x < BORDER || y < BORDER || x >= WIDTH - BORDER || y >= HEIGHT - BORDER;
-            let ink = if border { 1.0 } else { coverage.at(x.wrapping_sub(left), y.wrapping_sub(top)) };
+            let ink = if border {
+                1.0
+            } else {
+                coverage.at(x.wrapping_sub(left), y.wrapping_sub(top))
+            };
             rgba.extend((0..3).map(|c| mix(PAPER[c], INK[c], ink)));
             rgba.push(255);
         }
     }
-    Texture { width: WIDTH as u32, height: HEIGHT as u32, rgba: rgba.into() }
+    Texture {
+        width: WIDTH as u32,
+        height: HEIGHT as u32,
+        rgba: rgba.into(),
+    }
 }
 
 /// Hangs a plate that stands 3 cm out: `pose` is the middle of what it hangs on, its text runs along the pose's x and faces the pose's +y,
@@ -70,7 +78,11 @@ pub fn plate_material(builder: &mut SceneBuilder, text: &str) -> MaterialId {
 pub fn hang_plate(builder: &mut SceneBuilder, face: MaterialId, pose: &Pose3, out: f64) {
     let edge = builder.material(Material::plain(SemanticClass::Plate, [0.35; 3]));
     let (x, z) = (PLATE_WIDTH / 2.0, PLATE_HEIGHT / 2.0);
-    let (right, up, deep) = (-2.0 * x * Vector3::x(), 2.0 * z * Vector3::z(), (out - BACK) * Vector3::y());
+    let (right, up, deep) = (
+        -2.0 * x * Vector3::x(),
+        2.0 * z * Vector3::z(),
+        (out - BACK) * Vector3::y(),
+    );
     // Who reads the plate looks along -y and has +x at his left hand.
     let sides = [
         (face, Vector3::new(x, out, -z), right, up),
@@ -82,13 +94,20 @@ pub fn hang_plate(builder: &mut SceneBuilder, face: MaterialId, pose: &Pose3, ou
     ];
     for (material, corner, u, v) in sides {
         let turned = (pose.rotation * u, pose.rotation * v);
-        builder.rectangle(Layer::Visible, material, pose * Point3::from(corner), turned, [1.0; 2]);
+        builder.rectangle(
+            Layer::Visible,
+            material,
+            pose * Point3::from(corner),
+            turned,
+            [1.0; 2],
+        );
     }
 }
 
 /// The pose of a plate with its middle at `middle` that faces `facing` (radians, counter-clockwise from east).
 pub fn plate_pose(middle: [f64; 3], facing: f64) -> Pose3 {
-    let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), facing - std::f64::consts::FRAC_PI_2);
+    let turn =
+        UnitQuaternion::from_axis_angle(&Vector3::z_axis(), facing - std::f64::consts::FRAC_PI_2);
     Pose3::from_parts(Vector3::from(middle).into(), turn)
 }
 
@@ -101,20 +120,32 @@ struct Coverage {
 
 impl Coverage {
     fn new(width: usize, height: usize) -> Self {
-        Self { width, height, values: vec![0.0; width * height] }
+        Self {
+            width,
+            height,
+            values: vec![0.0; width * height],
+        }
     }
 
     /// Nothing outside.
     fn at(&self, x: usize, y: usize) -> f32 {
-        if x < self.width && y < self.height { self.values[y * self.width + x] } else { 0.0 }
+        if x < self.width && y < self.height {
+            self.values[y * self.width + x]
+        } else {
+            0.0
+        }
     }
 }
 
 fn font() -> &'static Font {
     static FONT: OnceLock<Font> = OnceLock::new();
     FONT.get_or_init(|| {
-        let settings = FontSettings { load_substitutions: false, ..FontSettings::default() };
-        Font::from_bytes(dejavu::sans_condensed::bold(), settings).expect("the embedded font is sound")
+        let settings = FontSettings {
+            load_substitutions: false,
+            ..FontSettings::default()
+        };
+        Font::from_bytes(dejavu::sans_condensed::bold(), settings)
+            .expect("the embedded font is sound")
     })
 }
 
@@ -134,10 +165,18 @@ fn draw_line(text: &str) -> Coverage {
             pen += metrics.advance_width * SPACE;
             continue;
         }
-        glyphs.push(((pen + metrics.xmin as f32).max(0.0) as usize, metrics, bitmap));
+        glyphs.push((
+            (pen + metrics.xmin as f32).max(0.0) as usize,
+            metrics,
+            bitmap,
+        ));
         pen += metrics.advance_width;
     }
-    let right = glyphs.iter().map(|(x, m, _)| x + m.width).max().unwrap_or(1);
+    let right = glyphs
+        .iter()
+        .map(|(x, m, _)| x + m.width)
+        .max()
+        .unwrap_or(1);
     let mut line = Coverage::new(right.max(1), height);
     for (left, metrics, bitmap) in &glyphs {
         let top = height as i32 - metrics.ymin - metrics.height as i32;
@@ -164,8 +203,10 @@ fn squeeze(line: &Coverage, limit: usize) -> Coverage {
             let columns = from..to.max(from + 1);
             let rows = y * OVERSAMPLING..(y + 1) * OVERSAMPLING;
             let count = (columns.len() * rows.len()) as f32;
-            let sum: f32 =
-                rows.flat_map(|r| columns.clone().map(move |c| (c, r))).map(|(c, r)| line.at(c, r)).sum();
+            let sum: f32 = rows
+                .flat_map(|r| columns.clone().map(move |c| (c, r)))
+                .map(|(c, r)| line.at(c, r))
+                .sum();
             small.values[y * width + x] = sum / count;
         }
     }
@@ -185,7 +226,9 @@ mod tests {
     }
 
     fn ink_rows(texture: &Texture) -> Vec<usize> {
-        (10..HEIGHT - 10).filter(|y| (10..WIDTH - 10).any(|x| dark(texture, x, *y))).collect()
+        (10..HEIGHT - 10)
+            .filter(|y| (10..WIDTH - 10).any(|x| dark(texture, x, *y)))
+            .collect()
     }
 
     #[test]
@@ -216,7 +259,11 @@ mod tests {
     #[test]
     fn the_face_looks_along_the_normal_and_reads_from_left_to_right() {
         let mut builder = SceneBuilder::new();
-        add_plate(&mut builder, "UNIT 1", &plate_pose([5.0, 0.0, 2.0], std::f64::consts::PI));
+        add_plate(
+            &mut builder,
+            "UNIT 1",
+            &plate_pose([5.0, 0.0, 2.0], std::f64::consts::PI),
+        );
         let scene = builder.build();
         let [a, b, c, _] = [0, 1, 2, 3].map(|i| Vector3::from(scene.vertices[i].position));
         let normal = (b - a).cross(&(c - a)).normalize();

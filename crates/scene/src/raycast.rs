@@ -5,8 +5,10 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::bvh::movers::CastAmong;
-use crate::bvh::{Beam, Figure, Hit, LANES, Lane, MISS, Movers, PacketHits, RayPacket, TriangleBvh, widest};
+use crate::bvh::{
+    Beam, CastAmong, Figure, Hit, LANES, Lane, MISS, Movers, PacketHits, RayPacket, TriangleBvh,
+    widest,
+};
 use crate::material::{Material, Texture};
 use crate::scene::{Scene, Triangle};
 
@@ -38,7 +40,11 @@ impl Holes {
         for (i, texel) in texture.rgba.chunks_exact(4).enumerate() {
             bits[i / 64] |= u64::from(texel[3] < 128) << (i % 64);
         }
-        Self { width: texture.width, height: texture.height, bits }
+        Self {
+            width: texture.width,
+            height: texture.height,
+            bits,
+        }
     }
 
     /// Whether the texel at `uv` is a hole; the image repeats and v runs upwards.
@@ -65,7 +71,8 @@ impl RayCaster {
     /// Builds the trees over the scene's visible and solid triangles, and one for each of its figures.
     pub fn new(scene: Arc<Scene>) -> Self {
         let corner = |i: u32| scene.vertices[i as usize].position;
-        let cutout = |i: u32| scene.materials[scene.triangles[i as usize].material.0 as usize].cutout;
+        let cutout =
+            |i: u32| scene.materials[scene.triangles[i as usize].material.0 as usize].cutout;
         let corners = |t: &Triangle| t.corners.map(corner);
         let visible = TriangleBvh::masked(scene.standing().iter().map(corners), cutout);
         let figure = |range: &Range<u32>| {
@@ -82,7 +89,9 @@ impl RayCaster {
         };
         let uv = |t: &Triangle| t.corners.map(|i| scene.vertices[i as usize].uv);
         let holes = |m: &Material| {
-            m.texture.filter(|_| m.cutout).map(|texture| Holes::of(&scene.textures[texture.0 as usize]))
+            m.texture
+                .filter(|_| m.cutout)
+                .map(|texture| Holes::of(&scene.textures[texture.0 as usize]))
         };
         Self {
             visible: Arc::new(visible),
@@ -117,13 +126,15 @@ impl RayCaster {
 
     /// What a ray sees first of what stands within `limit` lengths of `direction`; holes of cut-out materials are seen through.
     pub fn cast(&self, origin: [f32; 3], direction: [f32; 3], limit: f32) -> Option<Hit> {
-        self.visible.cast_filtered(origin, direction, limit, |hit| !self.is_hole(hit))
+        self.visible
+            .cast_filtered(origin, direction, limit, |hit| !self.is_hole(hit))
     }
 
     /// What each ray of a packet sees first of what stands, as [`RayCaster::cast`] does for one.
     #[inline]
     pub fn cast_packet(&self, rays: &RayPacket) -> PacketHits {
-        self.visible.cast_packet_filtered(rays, |hit| !self.is_hole(hit))
+        self.visible
+            .cast_packet_filtered(rays, |hit| !self.is_hole(hit))
     }
 
     /// The material of a visible triangle.
@@ -142,14 +153,19 @@ impl RayCaster {
     pub fn texture_coordinates(&self, hit: &Hit) -> [f32; 2] {
         let [a, b, c] = self.corners[hit.triangle as usize];
         let w = 1.0 - hit.u - hit.v;
-        [w * a[0] + hit.u * b[0] + hit.v * c[0], w * a[1] + hit.u * b[1] + hit.v * c[1]]
+        [
+            w * a[0] + hit.u * b[0] + hit.v * c[0],
+            w * a[1] + hit.u * b[1] + hit.v * c[1],
+        ]
     }
 
     /// Whether a hit on a cut-out material goes through one of its holes.
     #[inline]
     fn is_hole(&self, hit: &Hit) -> bool {
         let holes = &self.holes[self.surfaces[hit.triangle as usize].material as usize];
-        holes.as_ref().is_some_and(|holes| holes.has(self.texture_coordinates(hit)))
+        holes
+            .as_ref()
+            .is_some_and(|holes| holes.has(self.texture_coordinates(hit)))
     }
 }
 
@@ -171,20 +187,38 @@ impl Snapshot<'_> {
         if !self.movers.is_empty() {
             let opaque = &|hit: &Hit| !self.caster.is_hole(hit);
             let (movers, figures) = (self.movers, self.caster.figures());
-            widest(CastAmong { movers, figures, rays, lags, opaque, hits: &mut hits });
+            widest(CastAmong {
+                movers,
+                figures,
+                rays,
+                lags,
+                opaque,
+                hits: &mut hits,
+            });
         }
         hits
     }
 
     /// What each ray of a block of packets sees first at the movers' instant, all of them within `beam`.
     #[inline(always)]
-    pub fn cast_block<const K: usize>(&self, beam: &Beam, rays: &[RayPacket; K]) -> [PacketHits; K] {
+    pub fn cast_block<const K: usize>(
+        &self,
+        beam: &Beam,
+        rays: &[RayPacket; K],
+    ) -> [PacketHits; K] {
         let opaque = |hit: &Hit| !self.caster.is_hole(hit);
         let mut hits = self.caster.visible.cast_block(beam, rays, opaque);
         if !self.movers.is_empty() {
             let (movers, figures) = (self.movers, self.caster.figures());
             for (rays, hits) in rays.iter().zip(&mut hits) {
-                widest(CastAmong { movers, figures, rays, lags: &[0.0; LANES], opaque: &opaque, hits });
+                widest(CastAmong {
+                    movers,
+                    figures,
+                    rays,
+                    lags: &[0.0; LANES],
+                    opaque: &opaque,
+                    hits,
+                });
             }
         }
         hits
@@ -194,14 +228,25 @@ impl Snapshot<'_> {
     #[inline]
     pub fn normal(&self, hits: &PacketHits, lane: usize) -> [f32; 3] {
         let normal = self.caster.surface(hits.triangle[lane]).normal;
-        if hits.mover[lane] == MISS { normal } else { self.movers.turn(hits.mover[lane], normal) }
+        if hits.mover[lane] == MISS {
+            normal
+        } else {
+            self.movers.turn(hits.mover[lane], normal)
+        }
     }
 }
 
 /// Unit normal of a triangle; of one without area nothing sensible.
 fn normal([a, b, c]: [[f32; 3]; 3]) -> [f32; 3] {
-    let (e1, e2) = ([b[0] - a[0], b[1] - a[1], b[2] - a[2]], [c[0] - a[0], c[1] - a[1], c[2] - a[2]]);
-    let n = [e1[1] * e2[2] - e1[2] * e2[1], e1[2] * e2[0] - e1[0] * e2[2], e1[0] * e2[1] - e1[1] * e2[0]];
+    let (e1, e2) = (
+        [b[0] - a[0], b[1] - a[1], b[2] - a[2]],
+        [c[0] - a[0], c[1] - a[1], c[2] - a[2]],
+    );
+    let n = [
+        e1[1] * e2[2] - e1[2] * e2[1],
+        e1[2] * e2[0] - e1[0] * e2[2],
+        e1[0] * e2[1] - e1[1] * e2[0],
+    ];
     let length = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt().max(1e-20);
     n.map(|c| c / length)
 }
@@ -212,7 +257,12 @@ pub fn nearest_texel(texture: &Texture, uv: [f32; 2]) -> [u8; 4] {
     let x = ((u * texture.width as f32) as u32).min(texture.width - 1);
     let y = ((v * texture.height as f32) as u32).min(texture.height - 1);
     let i = 4 * (y * texture.width + x) as usize;
-    [texture.rgba[i], texture.rgba[i + 1], texture.rgba[i + 2], texture.rgba[i + 3]]
+    [
+        texture.rgba[i],
+        texture.rgba[i + 1],
+        texture.rgba[i + 2],
+        texture.rgba[i + 3],
+    ]
 }
 
 /// `x` less its floor. By a cast, since `floor` is a call into a library on the target's baseline; of numbers beyond two thousand million

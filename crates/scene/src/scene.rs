@@ -79,7 +79,11 @@ pub struct Sun {
 
 impl Default for Sun {
     fn default() -> Self {
-        Self { direction: [-0.60, 0.12, -0.79], diffuse: 0.65, ambient: 0.45 }
+        Self {
+            direction: [-0.60, 0.12, -0.79],
+            diffuse: 0.65,
+            ambient: 0.45,
+        }
     }
 }
 
@@ -114,32 +118,47 @@ pub struct Scene {
 impl Scene {
     /// Triangles that stand in the world.
     pub fn standing(&self) -> &[Triangle] {
-        let first = self.figures.first().map_or(self.triangles.len(), |range| range.start as usize);
+        let first = self
+            .figures
+            .first()
+            .map_or(self.triangles.len(), |range| range.start as usize);
         &self.triangles[..first.min(self.triangles.len())]
     }
 
     /// Takes in what is visible of a scene about its own origin as a figure, and returns its number.
     pub fn add_figure(&mut self, figure: &Scene) -> usize {
-        let (vertices, materials, textures) =
-            (self.vertices.len() as u32, self.materials.len() as u32, self.textures.len() as u32);
+        let (vertices, materials, textures) = (
+            self.vertices.len() as u32,
+            self.materials.len() as u32,
+            self.textures.len() as u32,
+        );
         let first = self.triangles.len() as u32;
         self.vertices.extend(&figure.vertices);
         self.textures.extend(figure.textures.iter().cloned());
-        self.materials.extend(figure.materials.iter().map(|material| Material {
-            texture: material.texture.map(|texture| TextureId(textures + texture.0)),
-            ..material.clone()
-        }));
-        self.triangles.extend(figure.standing().iter().map(|triangle| Triangle {
-            corners: triangle.corners.map(|corner| vertices + corner),
-            material: MaterialId(materials + triangle.material.0),
-        }));
+        self.materials
+            .extend(figure.materials.iter().map(|material| {
+                Material {
+                    texture: material
+                        .texture
+                        .map(|texture| TextureId(textures + texture.0)),
+                    ..material.clone()
+                }
+            }));
+        self.triangles
+            .extend(figure.standing().iter().map(|triangle| Triangle {
+                corners: triangle.corners.map(|corner| vertices + corner),
+                material: MaterialId(materials + triangle.material.0),
+            }));
         self.figures.push(first..self.triangles.len() as u32);
         self.figures.len() - 1
     }
 
     /// Number of the object that a visible triangle belongs to, counted from 1; 0 for none, and for figures.
     pub fn object_number(&self, triangle: u32) -> u32 {
-        self.object_numbers.get(triangle as usize).copied().unwrap_or(0)
+        self.object_numbers
+            .get(triangle as usize)
+            .copied()
+            .unwrap_or(0)
     }
 
     /// The object of that number.
@@ -178,7 +197,10 @@ impl SceneBuilder {
 
     /// Begins an object: what is added from now on, until the next begins, belongs to it.
     pub fn object(&mut self, name: impl Into<Cow<'static, str>>, class: SemanticClass) {
-        self.scene.objects.push(Object { name: name.into(), class });
+        self.scene.objects.push(Object {
+            name: name.into(),
+            class,
+        });
     }
 
     /// Adds an image.
@@ -205,7 +227,8 @@ impl SceneBuilder {
         let usable = |t: &&[u32; 3]| {
             t.iter().all(|&i| {
                 corners.get(i as usize).is_some_and(|(p, uv)| {
-                    p.iter().all(|c| c.is_finite() && c.abs() < 1e6) && uv.iter().all(|c| c.is_finite())
+                    p.iter().all(|c| c.is_finite() && c.abs() < 1e6)
+                        && uv.iter().all(|c| c.is_finite())
                 })
             })
         };
@@ -215,18 +238,33 @@ impl SceneBuilder {
             let base = self.scene.vertices.len() as u32;
             self.scene
                 .vertices
-                .extend(corners.iter().map(|(p, uv)| Vertex { position: position(p), uv: *uv }));
+                .extend(corners.iter().map(|(p, uv)| Vertex {
+                    position: position(p),
+                    uv: *uv,
+                }));
+            self.scene.triangles.extend(kept.iter().map(|t| Triangle {
+                corners: t.map(|i| base + i),
+                material,
+            }));
             self.scene
-                .triangles
-                .extend(kept.iter().map(|t| Triangle { corners: t.map(|i| base + i), material }));
-            self.scene.object_numbers.resize(self.scene.triangles.len(), self.scene.objects.len() as u32);
+                .object_numbers
+                .resize(self.scene.triangles.len(), self.scene.objects.len() as u32);
         }
         if layer != Layer::Visible {
             let base = self.scene.solid.positions.len() as u32;
-            self.scene.solid.positions.extend(corners.iter().map(|(p, _)| position(p)));
-            self.scene.solid.triangles.extend(kept.iter().map(|t| t.map(|i| base + i)));
-            let class =
-                self.scene.materials.get(material.0 as usize).map_or(SemanticClass::Other, |m| m.class);
+            self.scene
+                .solid
+                .positions
+                .extend(corners.iter().map(|(p, _)| position(p)));
+            self.scene
+                .solid
+                .triangles
+                .extend(kept.iter().map(|t| t.map(|i| base + i)));
+            let class = self
+                .scene
+                .materials
+                .get(material.0 as usize)
+                .map_or(SemanticClass::Other, |m| m.class);
             self.scene.solid.classes.extend(kept.iter().map(|_| class));
         }
         triangles.len() - kept.len()

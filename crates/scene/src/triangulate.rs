@@ -9,7 +9,11 @@ const MAX_CORNERS: usize = 2_000;
 /// Triangles of a polygon, each counter-clockwise. `outer` is counter-clockwise, the holes clockwise.
 pub(crate) fn triangulate(outer: &[MapPoint], holes: &[Vec<MapPoint>]) -> Vec<[MapPoint; 3]> {
     let mut ring = thinned(outer);
-    let mut rest: Vec<Vec<MapPoint>> = holes.iter().map(|h| thinned(h)).filter(|h| h.len() > 2).collect();
+    let mut rest: Vec<Vec<MapPoint>> = holes
+        .iter()
+        .map(|h| thinned(h))
+        .filter(|h| h.len() > 2)
+        .collect();
     let rightmost = |h: &[MapPoint]| h.iter().map(|p| p.x).fold(f64::NEG_INFINITY, f64::max);
     rest.sort_by(|a, b| rightmost(b).total_cmp(&rightmost(a)));
     for hole in rest {
@@ -40,7 +44,9 @@ fn bridged(ring: &[MapPoint], hole: &[MapPoint]) -> Vec<MapPoint> {
     let clear = |&&(_, i, j): &&(f64, usize, usize)| {
         !crosses(ring, ring[i], hole[j]) && !crosses(hole, ring[i], hole[j])
     };
-    let Some(&(_, i, j)) = pairs.iter().take(64).find(clear).or(pairs.first()) else { return ring.to_vec() };
+    let Some(&(_, i, j)) = pairs.iter().take(64).find(clear).or(pairs.first()) else {
+        return ring.to_vec();
+    };
     let mut joined = ring[..=i].to_vec();
     joined.extend(hole.iter().cycle().skip(j).take(hole.len() + 1));
     joined.extend_from_slice(&ring[i..]);
@@ -85,8 +91,12 @@ fn is_ear(ring: &[MapPoint], [a, b, c]: [MapPoint; 3]) -> bool {
     if area.abs() <= 1e-9 {
         return true;
     }
-    let inside = |p: &MapPoint| turn(a, b, *p) >= 0.0 && turn(b, c, *p) >= 0.0 && turn(c, a, *p) >= 0.0;
-    area > 0.0 && !ring.iter().any(|p| *p != a && *p != b && *p != c && inside(p))
+    let inside =
+        |p: &MapPoint| turn(a, b, *p) >= 0.0 && turn(b, c, *p) >= 0.0 && turn(c, a, *p) >= 0.0;
+    area > 0.0
+        && !ring
+            .iter()
+            .any(|p| *p != a && *p != b && *p != c && inside(p))
 }
 
 #[cfg(test)]
@@ -94,16 +104,29 @@ mod tests {
     use super::*;
 
     fn points(coordinates: &[(f64, f64)]) -> Vec<MapPoint> {
-        coordinates.iter().map(|&(x, y)| MapPoint::new(x, y)).collect()
+        coordinates
+            .iter()
+            .map(|&(x, y)| MapPoint::new(x, y))
+            .collect()
     }
 
     fn area(triangles: &[[MapPoint; 3]]) -> f64 {
-        triangles.iter().map(|[a, b, c]| turn(*a, *b, *c) / 2.0).sum()
+        triangles
+            .iter()
+            .map(|[a, b, c]| turn(*a, *b, *c) / 2.0)
+            .sum()
     }
 
     #[test]
     fn an_l_is_covered_once() {
-        let ring = points(&[(0.0, 0.0), (4.0, 0.0), (4.0, 1.0), (1.0, 1.0), (1.0, 3.0), (0.0, 3.0)]);
+        let ring = points(&[
+            (0.0, 0.0),
+            (4.0, 0.0),
+            (4.0, 1.0),
+            (1.0, 1.0),
+            (1.0, 3.0),
+            (0.0, 3.0),
+        ]);
         let triangles = triangulate(&ring, &[]);
         assert_eq!(triangles.len(), 4);
         assert!((area(&triangles) - 6.0).abs() < 1e-9);
@@ -124,7 +147,10 @@ mod tests {
 
     #[test]
     fn a_bow_tie_and_a_line_end() {
-        triangulate(&points(&[(0.0, 0.0), (2.0, 2.0), (2.0, 0.0), (0.0, 2.0)]), &[]);
+        triangulate(
+            &points(&[(0.0, 0.0), (2.0, 2.0), (2.0, 0.0), (0.0, 2.0)]),
+            &[],
+        );
         assert!(triangulate(&points(&[(0.0, 0.0), (1.0, 0.0), (2.0, 0.0)]), &[]).is_empty());
         assert!(triangulate(&[], &[]).is_empty());
     }

@@ -38,7 +38,9 @@ impl Flood {
                 let (x, y) = cell(point);
                 (low, high) = ((low.0.min(x), low.1.min(y)), (high.0.max(x), high.1.max(y)));
                 let reach = (RADIUS / CELL).ceil() as i32;
-                for (dx, dy) in (-reach..=reach).flat_map(|dx| (-reach..=reach).map(move |dy| (dx, dy))) {
+                for (dx, dy) in
+                    (-reach..=reach).flat_map(|dx| (-reach..=reach).map(move |dy| (dx, dy)))
+                {
                     let middle = (f64::from(x + dx) + 0.5, f64::from(y + dy) + 0.5);
                     if MapPoint::new(middle.0 * CELL, middle.1 * CELL).distance(point) <= RADIUS {
                         blocked.insert((x + dx, y + dy));
@@ -72,9 +74,12 @@ fn samples([a, b, c]: [[f64; 3]; 3]) -> Vec<MapPoint> {
     for (p, q) in [(a, b), (b, c), (c, a)] {
         let (p, q) = (MapPoint::new(p[0], p[1]), MapPoint::new(q[0], q[1]));
         let steps = (p.distance(q) / 0.08).ceil() as usize;
-        points.extend(
-            (0..=steps).map(|i| p.offset(p.bearing_to(q), p.distance(q) * i as f64 / steps.max(1) as f64)),
-        );
+        points.extend((0..=steps).map(|i| {
+            p.offset(
+                p.bearing_to(q),
+                p.distance(q) * i as f64 / steps.max(1) as f64,
+            )
+        }));
     }
     points
 }
@@ -82,10 +87,19 @@ fn samples([a, b, c]: [[f64; 3]; 3]) -> Vec<MapPoint> {
 fn assert_doors_reached(name: &str, seed: u64) {
     let world = world(name, seed);
     let flood = Flood::of(&world.scene, world.start.point());
-    assert!(flood.reached.len() > 10_000, "{name} {seed}: start is shut in");
+    assert!(
+        flood.reached.len() > 10_000,
+        "{name} {seed}: start is shut in"
+    );
     for door in &world.scene.doors {
-        let reached = (5..=15).any(|i| flood.has(door.point().offset(door.facing, f64::from(i) * 0.1)));
-        assert!(reached, "{name} {seed}: {} at {}", door.address, door.point());
+        let reached =
+            (5..=15).any(|i| flood.has(door.point().offset(door.facing, f64::from(i) * 0.1)));
+        assert!(
+            reached,
+            "{name} {seed}: {} at {}",
+            door.address,
+            door.point()
+        );
         assert!(
             flood.has(door.point().offset(door.facing, 2.0)),
             "{name} {seed}: {} has no room",
@@ -117,7 +131,9 @@ fn the_start_has_room() {
         let near = world.scene.solid.triangles.iter().filter(|t| {
             let corners = t.map(|i| world.scene.solid.positions[i as usize].map(f64::from));
             corners.iter().any(|c| c[2] > 0.03)
-                && samples(corners).iter().any(|p| p.distance(MapPoint::default()) < 1.5)
+                && samples(corners)
+                    .iter()
+                    .any(|p| p.distance(MapPoint::default()) < 1.5)
         });
         assert_eq!(near.count(), 0, "{name}");
     }
@@ -128,22 +144,43 @@ fn a_seed_gives_one_world_and_another_seed_another() {
     for name in builtin_names() {
         assert_eq!(world(name, 1).scene, world(name, 1).scene, "{name}");
         assert_ne!(world(name, 1).scene, world(name, 2).scene, "{name}");
-        let doors =
-            |seed| world(name, seed).scene.doors.iter().map(|d| d.address.clone()).collect::<Vec<_>>();
+        let doors = |seed| {
+            world(name, seed)
+                .scene
+                .doors
+                .iter()
+                .map(|d| d.address.clone())
+                .collect::<Vec<_>>()
+        };
         assert_eq!(doors(1), doors(2), "{name}: the map decides on the doors");
     }
 }
 
 #[test]
 fn built_in_worlds_stay_within_their_budgets() {
-    let sizes = [("small", 3, 15_000), ("medium", 14, 60_000), ("large", 17, 100_000)];
+    let sizes = [
+        ("small", 3, 15_000),
+        ("medium", 14, 60_000),
+        ("large", 17, 100_000),
+    ];
     for (name, buildings, triangles) in sizes {
         let world = world(name, 3);
         let map = OsmMap::new(&world.map, world.georeference);
         assert!(map.buildings.len() >= buildings, "{name}");
         assert!(map.buildings.iter().all(|b| b.name.is_some()), "{name}");
-        assert!(world.scene.triangles.len() < triangles, "{name}: {} triangles", world.scene.triangles.len());
-        assert!(world.scene.textures.iter().all(|t| t.width <= 512 && t.height <= 512), "{name}");
+        assert!(
+            world.scene.triangles.len() < triangles,
+            "{name}: {} triangles",
+            world.scene.triangles.len()
+        );
+        assert!(
+            world
+                .scene
+                .textures
+                .iter()
+                .all(|t| t.width <= 512 && t.height <= 512),
+            "{name}"
+        );
         assert!(world.warnings.is_empty(), "{name}: {:?}", world.warnings);
     }
 }
@@ -166,7 +203,14 @@ fn doors_of_one_building_are_apart_and_face_away_from_it() {
         let world = world(name, 5);
         let map = OsmMap::new(&world.map, world.georeference);
         let doors = &world.scene.doors;
-        assert_eq!(doors.iter().map(|d| &d.address).collect::<BTreeSet<_>>().len(), doors.len());
+        assert_eq!(
+            doors
+                .iter()
+                .map(|d| &d.address)
+                .collect::<BTreeSet<_>>()
+                .len(),
+            doors.len()
+        );
         for (i, door) in doors.iter().enumerate() {
             let same = |d: &&openbench_scene::Door| d.address.building == door.address.building;
             for other in doors[i + 1..].iter().filter(same) {
@@ -177,15 +221,22 @@ fn doors_of_one_building_are_apart_and_face_away_from_it() {
                     other.address
                 );
             }
-            let building =
-                map.buildings.iter().find(|b| b.name.as_deref() == Some(&door.address.building)).unwrap();
+            let building = map
+                .buildings
+                .iter()
+                .find(|b| b.name.as_deref() == Some(&door.address.building))
+                .unwrap();
             assert!(
-                !building.polygon.contains(door.point().offset(door.facing, 0.5)),
+                !building
+                    .polygon
+                    .contains(door.point().offset(door.facing, 0.5)),
                 "{name}: {}",
                 door.address
             );
             assert!(
-                building.polygon.contains(door.point().offset(door.facing, -0.5)),
+                building
+                    .polygon
+                    .contains(door.point().offset(door.facing, -0.5)),
                 "{name}: {}",
                 door.address
             );
@@ -203,8 +254,11 @@ fn roads_hang_together() {
         let mut reached = BTreeSet::from([map.roads[0].nodes[0]]);
         loop {
             let before = reached.len();
-            for road in
-                map.roads.iter().filter(|r| r.nodes.iter().any(|n| reached.contains(n))).collect::<Vec<_>>()
+            for road in map
+                .roads
+                .iter()
+                .filter(|r| r.nodes.iter().any(|n| reached.contains(n)))
+                .collect::<Vec<_>>()
             {
                 reached.extend(road.nodes.iter().copied());
             }
@@ -212,8 +266,12 @@ fn roads_hang_together() {
                 break;
             }
         }
-        let lost =
-            map.roads.iter().filter(|r| !reached.contains(&r.nodes[0])).map(|r| r.way).collect::<Vec<_>>();
+        let lost = map
+            .roads
+            .iter()
+            .filter(|r| !reached.contains(&r.nodes[0]))
+            .map(|r| r.way)
+            .collect::<Vec<_>>();
         assert_eq!(lost, Vec::<i64>::new(), "{name}");
     }
 }
@@ -222,8 +280,11 @@ fn roads_hang_together() {
 fn all_classes_are_there_and_corners_are_finite() {
     let scene = world("medium", 1).scene;
     let classes: BTreeSet<SemanticClass> = scene.materials.iter().map(|m| m.class).collect();
-    let used: BTreeSet<SemanticClass> =
-        scene.triangles.iter().map(|t| scene.materials[t.material.0 as usize].class).collect();
+    let used: BTreeSet<SemanticClass> = scene
+        .triangles
+        .iter()
+        .map(|t| scene.materials[t.material.0 as usize].class)
+        .collect();
     assert!(classes.is_superset(&used));
     for class in [
         SemanticClass::Ground,
@@ -239,19 +300,29 @@ fn all_classes_are_there_and_corners_are_finite() {
     ] {
         assert!(used.contains(&class), "{class:?}");
     }
-    assert!(scene.vertices.iter().all(|v| v.position.iter().all(|c| c.is_finite())));
+    assert!(
+        scene
+            .vertices
+            .iter()
+            .all(|v| v.position.iter().all(|c| c.is_finite()))
+    );
 }
 
 #[test]
 fn a_house_without_name_or_entrance_gets_both() {
     let house: &[(f64, f64)] = &[(4.0, 5.0), (14.0, 5.0), (14.0, 13.0), (4.0, 13.0)];
     let road: &[(f64, f64)] = &[(-30.0, 0.0), (40.0, 0.0)];
-    let (data, georeference) =
-        map_of(&[(house, &[("building", "yes")]), (road, &[("highway", "residential")])]);
+    let (data, georeference) = map_of(&[
+        (house, &[("building", "yes")]),
+        (road, &[("highway", "residential")]),
+    ]);
     let world = generate(&data, georeference, 1, &GenerateOptions::default()).unwrap();
     let door = &world.scene.doors[0];
     assert_eq!(door.address.building, "building1");
-    assert!((door.facing + std::f64::consts::FRAC_PI_2).abs() < 1e-3, "towards the street");
+    assert!(
+        (door.facing + std::f64::consts::FRAC_PI_2).abs() < 1e-3,
+        "towards the street"
+    );
     assert_eq!(world.map.ways[&1].tags.get("name"), Some("building1"));
 }
 
@@ -275,21 +346,37 @@ fn no_door_is_in_a_wall_of_two_buildings() {
 }
 
 fn names_of_doors(world: &World) -> BTreeSet<&str> {
-    world.scene.doors.iter().map(|d| d.address.building.as_str()).collect()
+    world
+        .scene
+        .doors
+        .iter()
+        .map(|d| d.address.building.as_str())
+        .collect()
 }
 
 #[test]
 fn houses_in_a_named_street_get_numbers_that_the_public_map_knows() {
     let street = [("highway", "residential"), ("name", "Rua Alta")];
-    for tags in [&[("building", "yes")][..], &[("building", "yes"), ("addr:housenumber", "7")]] {
+    for tags in [
+        &[("building", "yes")][..],
+        &[("building", "yes"), ("addr:housenumber", "7")],
+    ] {
         let (data, georeference) = row_of_houses(6, &street, tags);
         let world = generate(&data, georeference, 1, &GenerateOptions::default()).unwrap();
         assert_eq!(names_of_doors(&world).len(), 6);
         let map = OsmMap::new(&world.map, georeference);
         for door in &world.scene.doors {
-            assert!(door.address.building.starts_with("Rua Alta "), "{}", door.address);
+            assert!(
+                door.address.building.starts_with("Rua Alta "),
+                "{}",
+                door.address
+            );
             let found = openbench_osm::locate(&map, &door.address);
-            assert!(matches!(found, openbench_osm::Location::Building(_)), "{}: {found:?}", door.address);
+            assert!(
+                matches!(found, openbench_osm::Location::Building(_)),
+                "{}: {found:?}",
+                door.address
+            );
         }
         assert!(tags.len() == 1 || names_of_doors(&world).contains("Rua Alta 7"));
     }
@@ -306,8 +393,15 @@ fn houses_of_one_name_get_addresses_of_their_own() {
 #[test]
 fn the_start_is_where_most_doors_are_reached() {
     // A walled yard with one house and a path in it beside a street with three; the yard is nearer to the middle.
-    let (mut data, georeference) = row_of_houses(3, &[("highway", "residential")], &[("building", "yes")]);
-    let wall: &[(f64, f64)] = &[(8.0, 20.0), (40.0, 20.0), (40.0, 50.0), (8.0, 50.0), (8.0, 20.0)];
+    let (mut data, georeference) =
+        row_of_houses(3, &[("highway", "residential")], &[("building", "yes")]);
+    let wall: &[(f64, f64)] = &[
+        (8.0, 20.0),
+        (40.0, 20.0),
+        (40.0, 50.0),
+        (8.0, 50.0),
+        (8.0, 20.0),
+    ];
     let hut: &[(f64, f64)] = &[(15.0, 36.0), (25.0, 36.0), (25.0, 44.0), (15.0, 44.0)];
     let path: &[(f64, f64)] = &[(12.0, 24.0), (36.0, 24.0)];
     let (yard, _) = map_of(&[
@@ -315,10 +409,11 @@ fn the_start_is_where_most_doors_are_reached() {
         (hut, &[("building", "yes")]),
         (path, &[("highway", "path")]),
     ]);
-    data.nodes.extend(yard.nodes.into_iter().map(|(id, mut node)| {
-        node.id += 1_000;
-        (id + 1_000, node)
-    }));
+    data.nodes
+        .extend(yard.nodes.into_iter().map(|(id, mut node)| {
+            node.id += 1_000;
+            (id + 1_000, node)
+        }));
     data.ways.extend(yard.ways.into_iter().map(|(id, mut way)| {
         way.id += 1_000;
         way.nodes.iter_mut().for_each(|n| *n += 1_000);
@@ -339,7 +434,10 @@ fn maps_of_real_places_become_worlds() {
     };
     let mut worlds = 0;
     for path in entries.filter_map(|e| e.ok()).map(|e| e.path()) {
-        let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        let name = path
+            .file_name()
+            .map(|n| n.to_string_lossy().into_owned())
+            .unwrap_or_default();
         if !name.ends_with(".osm") && !name.starts_with("monaco") {
             continue;
         }
@@ -372,7 +470,9 @@ fn ranges_about_the_start(world: &World) -> Vec<Option<f32>> {
     };
     let rays = places.flat_map(cast);
     rays.map(|(from, direction)| {
-        caster.cast([from.x as f32, from.y as f32, 0.3], direction, 50.0).map(|hit| hit.distance)
+        caster
+            .cast([from.x as f32, from.y as f32, 0.3], direction, 50.0)
+            .map(|hit| hit.distance)
     })
     .collect()
 }
@@ -381,23 +481,53 @@ fn ranges_about_the_start(world: &World) -> Vec<Option<f32>> {
 fn a_false_origin_anywhere_gives_the_same_world() {
     let (data, _) = maps::row_of_houses(6, &[("highway", "residential")], &[("building", "yes")]);
     let plane = openbench_osm::default_georeference(&data).unwrap();
-    let Georeference::Utm { zone, north, offset_x, offset_y } = plane else { panic!("{plane}") };
+    let Georeference::Utm {
+        zone,
+        north,
+        offset_x,
+        offset_y,
+    } = plane
+    else {
+        panic!("{plane}")
+    };
     let at = |metres: f64| {
         let (offset_x, offset_y) = (offset_x + metres, offset_y - metres);
-        let moved = Georeference::Utm { zone, north, offset_x, offset_y };
+        let moved = Georeference::Utm {
+            zone,
+            north,
+            offset_x,
+            offset_y,
+        };
         generate(&data, moved, 4, &GenerateOptions::default()).unwrap()
     };
     let here = at(0.0);
     let expected = ranges_about_the_start(&here);
-    assert!(expected.iter().flatten().count() > 100, "the rays must meet something");
+    assert!(
+        expected.iter().flatten().count() > 100,
+        "the rays must meet something"
+    );
     for metres in [5e3, 5e5, 5e6] {
         let there = at(metres);
-        assert!(there.start.point().distance(MapPoint::default()) < 600.0, "{:?}", there.start);
-        assert!(there.warnings.iter().any(|w| w.contains("far from the start")), "{:?}", there.warnings);
+        assert!(
+            there.start.point().distance(MapPoint::default()) < 600.0,
+            "{:?}",
+            there.start
+        );
+        assert!(
+            there
+                .warnings
+                .iter()
+                .any(|w| w.contains("far from the start")),
+            "{:?}",
+            there.warnings
+        );
         assert_eq!(there.scene.triangles.len(), here.scene.triangles.len());
         for (a, b) in expected.iter().zip(ranges_about_the_start(&there)) {
             let apart = a.zip(b).map(|(a, b)| (a - b).abs());
-            assert!(apart.map_or(*a == b, |apart| apart < 1e-4), "{a:?} against {b:?}");
+            assert!(
+                apart.map_or(*a == b, |apart| apart < 1e-4),
+                "{a:?} against {b:?}"
+            );
         }
     }
 }
@@ -421,12 +551,16 @@ fn kilometres_from_the_origin_ranges_keep_their_millimetres() {
     // What ARCHITECTURE.md states: distances between neighbours in single precision.
     for (metres, step) in [(2e3, 0.000_13), (1e4, 0.001), (2e4, 0.002)] {
         let found = ranges_about_the_start(&moved_east(&here, metres));
-        let both = expected.iter().zip(&found).filter_map(|(a, b)| Some(f64::from((*a)? - (*b)?)));
+        let both = expected
+            .iter()
+            .zip(&found)
+            .filter_map(|(a, b)| Some(f64::from((*a)? - (*b)?)));
         // A ray past an edge may meet what is behind it.
         let near: Vec<f64> = both.filter(|apart| apart.abs() < 0.1).collect();
         let seen = expected.iter().flatten().count();
         assert!(near.len() * 200 > seen * 199, "{} of {seen}", near.len());
-        let rms = libm::sqrt(near.iter().map(|apart| apart * apart).sum::<f64>() / near.len() as f64);
+        let rms =
+            libm::sqrt(near.iter().map(|apart| apart * apart).sum::<f64>() / near.len() as f64);
         assert!(rms < step, "{rms} m at {metres}");
     }
 }

@@ -26,7 +26,9 @@ struct Place {
 
 impl Place {
     fn new() -> Self {
-        let place = Self { folder: tempfile::tempdir().unwrap() };
+        let place = Self {
+            folder: tempfile::tempdir().unwrap(),
+        };
         place.file("map.osm", MAP);
         place
     }
@@ -40,7 +42,9 @@ impl Place {
 
     /// Imports a world of these elements.
     fn import(&self, elements: &str) -> Result<World, ImportError> {
-        self.import_text(&format!("<sdf version='1.7'><world name='default'>{elements}</world></sdf>"))
+        self.import_text(&format!(
+            "<sdf version='1.7'><world name='default'>{elements}</world></sdf>"
+        ))
     }
 
     fn import_text(&self, text: &str) -> Result<World, ImportError> {
@@ -72,13 +76,23 @@ impl Place {
 /// Corners of the visible triangles of a class, in order.
 fn corners(world: &World, class: SemanticClass) -> Vec<[f32; 3]> {
     let scene = &world.scene;
-    let of_class = scene.triangles.iter().filter(|t| scene.materials[t.material.0 as usize].class == class);
-    of_class.flat_map(|t| t.corners).map(|i| scene.vertices[i as usize].position).collect()
+    let of_class = scene
+        .triangles
+        .iter()
+        .filter(|t| scene.materials[t.material.0 as usize].class == class);
+    of_class
+        .flat_map(|t| t.corners)
+        .map(|i| scene.vertices[i as usize].position)
+        .collect()
 }
 
 fn close(found: &[[f32; 3]], expected: &[[f32; 3]]) -> bool {
     found.len() == expected.len()
-        && found.iter().flatten().zip(expected.iter().flatten()).all(|(a, b)| (a - b).abs() < 1e-5)
+        && found
+            .iter()
+            .flatten()
+            .zip(expected.iter().flatten())
+            .all(|(a, b)| (a - b).abs() < 1e-5)
 }
 
 /// A COLLADA file with the triangle (0,0,0) (1,0,0) (0,2,0) in a node that holds `steps`.
@@ -121,21 +135,30 @@ const CENTIMETRES: &str = r#"<unit name="centimeter" meter="0.01"/><up_axis>Z_UP
 #[test]
 fn collada_units_become_metres() {
     let found = Place::new().mesh_corners("a.dae", &dae(CENTIMETRES, ""));
-    assert!(close(&found, &[[0.0; 3], [0.01, 0.0, 0.0], [0.0, 0.02, 0.0]]), "{found:?}");
+    assert!(
+        close(&found, &[[0.0; 3], [0.01, 0.0, 0.0], [0.0, 0.02, 0.0]]),
+        "{found:?}"
+    );
 }
 
 #[test]
 fn collada_with_y_up_is_stood_upright() {
     let asset = r#"<unit meter="1"/><up_axis>Y_UP</up_axis>"#;
     let found = Place::new().mesh_corners("a.dae", &dae(asset, ""));
-    assert!(close(&found, &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 0.0, 2.0]]), "{found:?}");
+    assert!(
+        close(&found, &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 0.0, 2.0]]),
+        "{found:?}"
+    );
 }
 
 #[test]
 fn collada_transforms_apply_in_turn() {
     let steps = "<translate>5 0 0</translate><rotate>0 0 1 90</rotate><scale>2 1 1</scale>";
     let found = Place::new().mesh_corners("a.dae", &dae("<up_axis>Z_UP</up_axis>", steps));
-    assert!(close(&found, &[[5.0, 0.0, 0.0], [5.0, 2.0, 0.0], [3.0, 0.0, 0.0]]), "{found:?}");
+    assert!(
+        close(&found, &[[5.0, 0.0, 0.0], [5.0, 2.0, 0.0], [3.0, 0.0, 0.0]]),
+        "{found:?}"
+    );
 }
 
 #[test]
@@ -143,13 +166,22 @@ fn a_collada_matrix_silences_the_other_transforms_as_in_gazebo() {
     let matrix = "<matrix>1 0 0 0 0 1 0 0 0 0 1 7 0 0 0 1</matrix>";
     let steps = format!("{matrix}<translate>5 0 0</translate><scale>9 9 9</scale>");
     let found = Place::new().mesh_corners("a.dae", &dae("<up_axis>Z_UP</up_axis>", &steps));
-    assert!(close(&found, &[[0.0, 0.0, 7.0], [1.0, 0.0, 7.0], [0.0, 2.0, 7.0]]), "{found:?}");
+    assert!(
+        close(&found, &[[0.0, 0.0, 7.0], [1.0, 0.0, 7.0], [0.0, 2.0, 7.0]]),
+        "{found:?}"
+    );
 }
 
 #[test]
 fn a_mirrored_mesh_keeps_its_outside() {
-    let found = Place::new().mesh_corners("a.dae", &dae("<up_axis>Z_UP</up_axis>", "<scale>-1 1 1</scale>"));
-    assert!(close(&found, &[[0.0; 3], [0.0, 2.0, 0.0], [-1.0, 0.0, 0.0]]), "{found:?}");
+    let found = Place::new().mesh_corners(
+        "a.dae",
+        &dae("<up_axis>Z_UP</up_axis>", "<scale>-1 1 1</scale>"),
+    );
+    assert!(
+        close(&found, &[[0.0; 3], [0.0, 2.0, 0.0], [-1.0, 0.0, 0.0]]),
+        "{found:?}"
+    );
 }
 
 #[test]
@@ -158,18 +190,28 @@ fn stl_and_obj_stay_in_their_own_numbers() {
     let obj = place.mesh_corners("a.obj", "v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n");
     let stl = "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 2 0\nendloop\nendfacet\nendsolid s\n";
     let stl = place.mesh_corners("a.stl", stl);
-    assert!(close(&obj, &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]]), "{obj:?}");
+    assert!(
+        close(&obj, &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]]),
+        "{obj:?}"
+    );
     assert_eq!(obj, stl);
 }
 
 #[test]
 fn images_are_found_among_the_models_textures_and_the_bound_coordinates_used() {
     let place = Place::new();
-    let skin = place.folder.path().join("models/thing/materials/textures/skin.png");
+    let skin = place
+        .folder
+        .path()
+        .join("models/thing/materials/textures/skin.png");
     std::fs::create_dir_all(skin.parent().unwrap()).unwrap();
-    image::RgbImage::from_pixel(2048, 16, image::Rgb([9, 8, 7])).save(&skin).unwrap();
+    image::RgbImage::from_pixel(2048, 16, image::Rgb([9, 8, 7]))
+        .save(&skin)
+        .unwrap();
     place.file("models/thing/meshes/a.dae", &dae(CENTIMETRES, ""));
-    let world = place.import(&format!("{}{}{DOOR}", thing("", ""), thing("", ""))).unwrap();
+    let world = place
+        .import(&format!("{}{}{DOOR}", thing("", ""), thing("", "")))
+        .unwrap();
     let painted: Vec<_> = world
         .scene
         .triangles
@@ -181,9 +223,16 @@ fn images_are_found_among_the_models_textures_and_the_bound_coordinates_used() {
         .collect();
     assert_eq!(painted.len(), 2, "{:?}", world.warnings);
     assert_eq!(painted[0].material, painted[1].material);
-    assert_eq!(world.scene.vertices[painted[0].corners[0] as usize].uv, [0.75, 0.75]);
+    assert_eq!(
+        world.scene.vertices[painted[0].corners[0] as usize].uv,
+        [0.75, 0.75]
+    );
     let width = world.scene.textures[0].width;
-    assert_eq!((width, world.scene.textures.len()), (1024, 2), "brought down, loaded once");
+    assert_eq!(
+        (width, world.scene.textures.len()),
+        (1024, 2),
+        "brought down, loaded once"
+    );
 }
 
 /// A model with the mesh `a.dae`, with further elements in its `<mesh>` and `<visual>`.
@@ -202,14 +251,21 @@ fn a_script_wins_over_the_meshs_materials_and_holes_are_known() {
         "models/thing/materials/scripts/t.material",
         "material T/Leaf { technique { pass {\n diffuse 0 1 0\n alpha_rejection greater 128\n } } }",
     );
-    let visual =
-        "<material><script><uri>model://thing/materials/scripts</uri><name>T/Leaf</name></script></material>";
+    let visual = "<material><script><uri>model://thing/materials/scripts</uri><name>T/Leaf</name></script></material>";
     let world = place
-        .import(&(thing("<scale>3 3 3</scale><submesh><name>Leaf</name></submesh>", visual) + DOOR))
+        .import(
+            &(thing(
+                "<scale>3 3 3</scale><submesh><name>Leaf</name></submesh>",
+                visual,
+            ) + DOOR),
+        )
         .unwrap();
     let scene = &world.scene;
     let leaf = &scene.materials[scene.triangles[0].material.0 as usize];
-    assert!(leaf.cutout && leaf.color == [0.0, 1.0, 0.0] && leaf.texture.is_none(), "{leaf:?}");
+    assert!(
+        leaf.cutout && leaf.color == [0.0, 1.0, 0.0] && leaf.texture.is_none(),
+        "{leaf:?}"
+    );
     assert!((scene.vertices[1].position[0] - 0.03).abs() < 1e-6);
 }
 
@@ -217,8 +273,14 @@ fn a_script_wins_over_the_meshs_materials_and_holes_are_known() {
 fn an_unknown_submesh_is_a_warning() {
     let place = Place::new();
     place.file("models/thing/meshes/a.dae", &dae(CENTIMETRES, ""));
-    let world = place.import(&(thing("<submesh><name>Root</name></submesh>", "") + DOOR)).unwrap();
-    assert!(world.warnings.iter().any(|w| w.contains("Root")), "{:?}", world.warnings);
+    let world = place
+        .import(&(thing("<submesh><name>Root</name></submesh>", "") + DOOR))
+        .unwrap();
+    assert!(
+        world.warnings.iter().any(|w| w.contains("Root")),
+        "{:?}",
+        world.warnings
+    );
 }
 
 #[test]
@@ -230,10 +292,19 @@ fn visuals_are_seen_and_collisions_touched() {
     let world = Place::new().import(&(model.clone() + DOOR)).unwrap();
     assert_eq!(corners(&world, SemanticClass::Wall).len(), 36);
     assert!(world.scene.solid.triangles.is_empty());
-    let world = Place::new().import(&(model.replace("visual", "collision") + DOOR)).unwrap();
+    let world = Place::new()
+        .import(&(model.replace("visual", "collision") + DOOR))
+        .unwrap();
     assert!(corners(&world, SemanticClass::Wall).is_empty());
     assert_eq!(world.scene.solid.triangles.len(), 12);
-    assert!(world.scene.solid.positions.iter().all(|p| (4.0..=6.0).contains(&p[1]) && p[2] >= 0.0));
+    assert!(
+        world
+            .scene
+            .solid
+            .positions
+            .iter()
+            .all(|p| (4.0..=6.0).contains(&p[1]) && p[2] >= 0.0)
+    );
 }
 
 #[test]
@@ -250,21 +321,32 @@ fn the_saved_state_wins_over_models_and_links() {
          <model name='wall'><pose>0 20 0 0 0 0</pose><scale>2 1 1</scale><link name='b'><pose>0 30 0 0 0 0</pose></link></model></state>",
         model("fence")
     );
-    let world = Place::new().import(&format!("{}{}{state}{DOOR}", model("wall"), model("gone"))).unwrap();
+    let world = Place::new()
+        .import(&format!("{}{}{state}{DOOR}", model("wall"), model("gone")))
+        .unwrap();
     let found = corners(&world, SemanticClass::Wall);
     let near = |x: f32, y: f32, z: f32, half: f32| {
         found
             .iter()
-            .filter(|p| (p[0] - x).abs() <= half + 1e-5 && (p[1] - y).abs() < 0.6 && (p[2] - z).abs() < 0.6)
+            .filter(|p| {
+                (p[0] - x).abs() <= half + 1e-5 && (p[1] - y).abs() < 0.6 && (p[2] - z).abs() < 0.6
+            })
             .count()
     };
-    assert_eq!(found.len(), 4 * 36, "the deleted model is gone, the inserted one is there");
+    assert_eq!(
+        found.len(),
+        4 * 36,
+        "the deleted model is gone, the inserted one is there"
+    );
     assert_eq!(
         (near(0.0, 20.0, 0.0, 1.0), near(0.0, 30.0, 0.0, 1.0)),
         (36, 36),
         "link poses are poses in the world"
     );
-    assert_eq!((near(0.0, 20.0, 0.0, 0.9), near(1.0, 0.0, 3.0, 0.5)), (0, 36));
+    assert_eq!(
+        (near(0.0, 20.0, 0.0, 0.9), near(1.0, 0.0, 3.0, 0.5)),
+        (0, 36)
+    );
 }
 
 #[test]
@@ -277,7 +359,8 @@ fn included_models_are_found_by_their_config_named_and_placed() {
     let sdf = "<sdf version='1.6'><model name='inner'><pose>0 0 9 0 0 0</pose><link name='l'><visual name='v'><geometry>\
         <sphere><radius>1</radius></sphere></geometry></visual></link></model></sdf>";
     place.file("models/oak/new.sdf", sdf);
-    let include = "<include><uri>model://oak</uri><name>tree_1</name><pose>7 0 0 0 0 0</pose></include>";
+    let include =
+        "<include><uri>model://oak</uri><name>tree_1</name><pose>7 0 0 0 0 0</pose></include>";
     let world = place.import(&format!("{include}{DOOR}")).unwrap();
     let found = corners(&world, SemanticClass::Vegetation);
     assert!(!found.is_empty() && found.iter().all(|p| p[0] > 5.9 && p[2] < 1.1));
@@ -294,8 +377,10 @@ fn a_model_that_includes_itself_is_an_error() {
         "models/loop/model.sdf",
         "<sdf version='1.6'><model name='a'><include><uri>model://loop</uri></include></model></sdf>",
     );
-    let error =
-        place.import(&format!("<include><uri>model://loop</uri></include>{DOOR}")).unwrap_err().to_string();
+    let error = place
+        .import(&format!("<include><uri>model://loop</uri></include>{DOOR}"))
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("deep"), "{error}");
 }
 
@@ -306,9 +391,9 @@ fn poses_may_be_given_in_named_frames() {
     let world = Place::new().import(&(model.to_owned() + DOOR)).unwrap();
     let found = corners(&world, SemanticClass::Wall);
     assert!(
-        found
-            .iter()
-            .all(|p| (p[0] - 1.0).abs() < 0.6 && (p[1] - 5.0).abs() < 0.6 && (p[2] - 2.0).abs() < 0.6),
+        found.iter().all(|p| (p[0] - 1.0).abs() < 0.6
+            && (p[1] - 5.0).abs() < 0.6
+            && (p[2] - 2.0).abs() < 0.6),
         "{found:?}"
     );
 }
@@ -320,12 +405,26 @@ fn plates_become_doors_of_the_nearest_building() {
         <include><uri>model://text_model3</uri><pose>-10 1 2 0 0 0</pose></include>\
         <model name='text_model12_0'><pose>-4 0 1 0 0 -1.5707963267948966</pose></model>";
     let world = Place::new().import(elements).unwrap();
-    let doors: Vec<String> =
-        world.scene.doors.iter().map(|d| format!("{} {} {:.2}", d.address, d.text, d.facing)).collect();
-    assert_eq!(doors, ["unit2, east UNIT 2 3.14", "unit3, west UNIT 3 1.57", "unit12, west UNIT 12 0.00"]);
+    let doors: Vec<String> = world
+        .scene
+        .doors
+        .iter()
+        .map(|d| format!("{} {} {:.2}", d.address, d.text, d.facing))
+        .collect();
+    assert_eq!(
+        doors,
+        [
+            "unit2, east UNIT 2 3.14",
+            "unit3, west UNIT 3 1.57",
+            "unit12, west UNIT 12 0.00"
+        ]
+    );
     assert_eq!(corners(&world, SemanticClass::Plate).len(), 3 * 36);
     let public = openbench_osm::OsmMap::new(&world.map, world.georeference);
-    assert!(public.entrances.is_empty() && public.buildings.len() == 2, "the public map has no doors");
+    assert!(
+        public.entrances.is_empty() && public.buildings.len() == 2,
+        "the public map has no doors"
+    );
 }
 
 /// A ground without an end, a box, a road and a door, with coordinates moved by so much.
@@ -346,7 +445,8 @@ fn moved_world(x: f64, y: f64) -> String {
 
 /// A grey PNG of these pixels.
 fn png(place: &Place, name: &str, width: u32, pixels: &[u8]) {
-    let image = image::GrayImage::from_raw(width, pixels.len() as u32 / width, pixels.to_vec()).unwrap();
+    let image =
+        image::GrayImage::from_raw(width, pixels.len() as u32 / width, pixels.to_vec()).unwrap();
     let path = place.file(name, "");
     image.save(path).unwrap();
 }
@@ -354,11 +454,23 @@ fn png(place: &Place, name: &str, width: u32, pixels: &[u8]) {
 #[test]
 fn images_become_hills_and_walls() {
     let place = Place::new();
-    png(&place, "models/hill/hill.png", 3, &[0, 0, 0, 0, 200, 0, 0, 0, 0]);
-    png(&place, "models/plan/plan.png", 4, &[0, 0, 255, 255, 255, 255, 255, 255]);
-    let shape = |kind: &str, inner: &str| format!("<{kind} name='s'><geometry>{inner}</geometry></{kind}>");
+    png(
+        &place,
+        "models/hill/hill.png",
+        3,
+        &[0, 0, 0, 0, 200, 0, 0, 0, 0],
+    );
+    png(
+        &place,
+        "models/plan/plan.png",
+        4,
+        &[0, 0, 255, 255, 255, 255, 255, 255],
+    );
+    let shape =
+        |kind: &str, inner: &str| format!("<{kind} name='s'><geometry>{inner}</geometry></{kind}>");
     let hill = "<heightmap><uri>model://hill/hill.png</uri><size>20 20 5</size><pos>0 0 -1</pos></heightmap>";
-    let plan = "<image><uri>model://plan/plan.png</uri><scale>0.5</scale><height>2</height></image>";
+    let plan =
+        "<image><uri>model://plan/plan.png</uri><scale>0.5</scale><height>2</height></image>";
     let elements = format!(
         "<model name='terrain'><link name='l'>{}{}</link></model><model name='wall'><link name='l'>{}</link></model>{DOOR}",
         shape("visual", hill),
@@ -369,28 +481,53 @@ fn images_become_hills_and_walls() {
     let ground = corners(&world, SemanticClass::Ground);
     assert_eq!(ground.len(), 3 * 8);
     let top = ground.iter().max_by(|a, b| a[2].total_cmp(&b[2])).unwrap();
-    assert!(top[0].abs() < 1e-6 && top[1].abs() < 1e-6 && (top[2] - 4.0).abs() < 1e-6, "{top:?}");
+    assert!(
+        top[0].abs() < 1e-6 && top[1].abs() < 1e-6 && (top[2] - 4.0).abs() < 1e-6,
+        "{top:?}"
+    );
     assert_eq!(world.scene.solid.triangles.len(), 8);
     let wall = corners(&world, SemanticClass::Wall);
     assert_eq!(wall.len(), 3 * 12);
-    assert!(wall.iter().all(|p| (-1.0..=0.0).contains(&p[0]) && (0.0..=0.5).contains(&p[1])), "{wall:?}");
-    let gone = place.import(&elements.replace("hill.png", "gone.png")).unwrap_err().to_string();
-    assert!(gone.contains("terrain") && gone.contains("gone.png"), "{gone}");
+    assert!(
+        wall.iter()
+            .all(|p| (-1.0..=0.0).contains(&p[0]) && (0.0..=0.5).contains(&p[1])),
+        "{wall:?}"
+    );
+    let gone = place
+        .import(&elements.replace("hill.png", "gone.png"))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        gone.contains("terrain") && gone.contains("gone.png"),
+        "{gone}"
+    );
 }
 
 #[test]
 fn coordinates_of_millions_of_metres_give_the_same_world() {
     let place = Place::new();
-    let near = place.import_at(&moved_world(0.0, 0.0), "utm:31N,-500000,0").unwrap();
-    let far = place.import_at(&moved_world(500_000.0, 4_712_000.0), "utm:31N,0,4712000").unwrap();
+    let near = place
+        .import_at(&moved_world(0.0, 0.0), "utm:31N,-500000,0")
+        .unwrap();
+    let far = place
+        .import_at(&moved_world(500_000.0, 4_712_000.0), "utm:31N,0,4712000")
+        .unwrap();
     assert_eq!(far.georeference, near.georeference);
     assert_eq!(far.scene.vertices, near.scene.vertices);
     assert_eq!(far.scene.doors.len(), 1);
     let door = far.scene.doors[0].point();
     assert!(door.distance(near.scene.doors[0].point()) < 1e-6, "{door}");
-    assert!(far.warnings.iter().any(|w| w.contains("utm:31N,-500000,0")), "{:?}", far.warnings);
+    assert!(
+        far.warnings.iter().any(|w| w.contains("utm:31N,-500000,0")),
+        "{:?}",
+        far.warnings
+    );
     // Nobody said where to start, and the file's origin is an ocean away: before the door.
-    assert!((2.0..4.0).contains(&far.start.point().distance(door)), "{:?}", far.start);
+    assert!(
+        (2.0..4.0).contains(&far.start.point().distance(door)),
+        "{:?}",
+        far.start
+    );
     assert_eq!(near.start, openbench_core::Pose2::default());
     let touched = |x: f32, y: f32| {
         let solid = &far.scene.solid;
@@ -403,7 +540,10 @@ fn coordinates_of_millions_of_metres_give_the_same_world() {
             low[0] <= x && x <= high[0] && low[1] <= y && y <= high[1]
         })
     };
-    assert!(touched(0.0, 0.0) && touched(300.0, -2000.0), "ground is everywhere");
+    assert!(
+        touched(0.0, 0.0) && touched(300.0, -2000.0),
+        "ground is everywhere"
+    );
 }
 
 #[test]
@@ -413,7 +553,10 @@ fn roads_are_laid_on_the_ground_and_seen_but_not_touched() {
     let world = Place::new().import(&(elements.to_owned() + DOOR)).unwrap();
     let road = corners(&world, SemanticClass::Road);
     assert!(
-        road.len() == 6 && road.iter().all(|p| (p[2] + 0.09).abs() < 1e-6 && p[1].abs() <= 3.0),
+        road.len() == 6
+            && road
+                .iter()
+                .all(|p| (p[2] + 0.09).abs() < 1e-6 && p[1].abs() <= 3.0),
         "{road:?}"
     );
     assert_eq!(corners(&world, SemanticClass::Ground).len(), 6);
@@ -430,14 +573,23 @@ fn what_cannot_be_imported_is_said_with_its_place() {
     };
     let cases = [
         (place.import(""), "test.world: the world has no doors"),
-        (place.import_text("<sdf version='1.7'>\n<world name='a'>\n <model"), "test.world:3:"),
+        (
+            place.import_text("<sdf version='1.7'>\n<world name='a'>\n <model"),
+            "test.world:3:",
+        ),
         (place.import_text("<sdf/>"), "there is no <world>"),
         (
             place.import(&model("<mesh><uri>model://cow/cow.dae</uri></mesh>")),
             "model `m` needs `model://cow/cow.dae`",
         ),
-        (place.import(&model("<box><size>1 1</size></box>")), "test.world:1:"),
-        (place.import(&model("<box><size>1 1 -1</size></box>")), "must be positive"),
+        (
+            place.import(&model("<box><size>1 1</size></box>")),
+            "test.world:1:",
+        ),
+        (
+            place.import(&model("<box><size>1 1 -1</size></box>")),
+            "must be positive",
+        ),
         (
             place.import(&format!("<include><uri>model://cow</uri></include>{DOOR}")),
             "model `cow` needs `model://cow`",
@@ -452,9 +604,15 @@ fn what_cannot_be_imported_is_said_with_its_place() {
 #[test]
 fn a_map_without_buildings_is_an_error() {
     let place = Place::new();
-    place.file("map.osm", r#"<osm version="0.6"><node id="1" lat="0" lon="3"/></osm>"#);
+    place.file(
+        "map.osm",
+        r#"<osm version="0.6"><node id="1" lat="0" lon="3"/></osm>"#,
+    );
     let error = place.import(DOOR).unwrap_err().to_string();
-    assert!(error.contains("map.osm") && error.contains("no buildings"), "{error}");
+    assert!(
+        error.contains("map.osm") && error.contains("no buildings"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -462,22 +620,43 @@ fn broken_meshes_are_errors_that_name_the_file() {
     let good = dae(CENTIMETRES, "");
     let cases = [
         (good[..good.len() / 2].to_owned(), "a.dae:"),
-        (good.replace("<p>0 0 1 0 2 0</p>", "<p>0 0 1 0 9 0</p>"), "position 9"),
-        (good.replace("<p>0 0 1 0 2 0</p>", "<p>0 0 1 0 2</p>"), "multiple of 2"),
+        (
+            good.replace("<p>0 0 1 0 2 0</p>", "<p>0 0 1 0 9 0</p>"),
+            "position 9",
+        ),
+        (
+            good.replace("<p>0 0 1 0 2 0</p>", "<p>0 0 1 0 2</p>"),
+            "multiple of 2",
+        ),
         (good.replace("<vcount>3", "<vcount>4"), "more corners"),
-        (good.replace("0 2 0</float_array>", "0 x 0</float_array>"), "`x` is not a number"),
+        (
+            good.replace("0 2 0</float_array>", "0 x 0</float_array>"),
+            "`x` is not a number",
+        ),
         (good.replace("url=\"#g\"", "url=\"#h\""), "geometry"),
         (
-            good.replace("<node id", "<node><instance_node url=\"#n\"/></node><node id")
-                .replace("name=\"Leaf\">", "name=\"Leaf\"><instance_node url=\"#n\"/>"),
+            good.replace(
+                "<node id",
+                "<node><instance_node url=\"#n\"/></node><node id",
+            )
+            .replace(
+                "name=\"Leaf\">",
+                "name=\"Leaf\"><instance_node url=\"#n\"/>",
+            ),
             "inside themselves",
         ),
     ];
     for (text, expected) in cases {
         let place = Place::new();
         place.file("models/thing/meshes/a.dae", &text);
-        let error = place.import(&(thing("", "") + DOOR)).unwrap_err().to_string();
-        assert!(error.contains("a.dae") && error.contains(expected), "{error} lacks {expected}");
+        let error = place
+            .import(&(thing("", "") + DOOR))
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains("a.dae") && error.contains(expected),
+            "{error} lacks {expected}"
+        );
     }
 }
 
@@ -488,17 +667,33 @@ fn what_is_harmless_is_counted() {
         "<actor name='a'/><light name='l' type='point'/><model name='m'><link name='l'>{shape}{shape}</link></model>{DOOR}"
     );
     let warnings = Place::new().import(&elements).unwrap().warnings;
-    assert!(warnings.iter().any(|w| w.contains("capsule") && w.contains("2 times")), "{warnings:?}");
+    assert!(
+        warnings
+            .iter()
+            .any(|w| w.contains("capsule") && w.contains("2 times")),
+        "{warnings:?}"
+    );
     assert_eq!(warnings.len(), 3, "{warnings:?}");
 }
 
 #[test]
 fn deep_nests_are_survived() {
     let nest = |tag: &str, count: usize| {
-        format!("{}{}", format!("<{tag}>").repeat(count), format!("</{tag}>").repeat(count))
+        format!(
+            "{}{}",
+            format!("<{tag}>").repeat(count),
+            format!("</{tag}>").repeat(count)
+        )
     };
-    assert!(Place::new().import(&(nest("plugin", 100_000) + DOOR)).is_ok());
-    let error = Place::new().import(&(nest("model", 100_000) + DOOR)).unwrap_err().to_string();
+    assert!(
+        Place::new()
+            .import(&(nest("plugin", 100_000) + DOOR))
+            .is_ok()
+    );
+    let error = Place::new()
+        .import(&(nest("model", 100_000) + DOOR))
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("deep"), "{error}");
 }
 
@@ -516,14 +711,16 @@ fn every_cut_of_a_world_is_an_answer_and_no_panic() {
 
 #[test]
 fn each_model_is_an_object() {
-    let cube =
-        "<link name='l'><visual name='v'><geometry><box><size>1 1 1</size></box></geometry></visual></link>";
+    let cube = "<link name='l'><visual name='v'><geometry><box><size>1 1 1</size></box></geometry></visual></link>";
     let elements = format!(
         "<model name='oak_tree_1'>{cube}</model><model name='shed'>{cube}<model name='inner'>{cube}</model></model>{DOOR}"
     );
     let scene = Place::new().import(&elements).unwrap().scene;
     let names: Vec<&str> = scene.objects.iter().map(|o| &*o.name).collect();
-    assert_eq!(names, ["oak_tree_1", "shed", "inner", "plate of unit1, east"]);
+    assert_eq!(
+        names,
+        ["oak_tree_1", "shed", "inner", "plate of unit1, east"]
+    );
     assert_eq!(scene.objects[0].class, SemanticClass::Vegetation);
     let of_inner = scene.object_numbers.iter().filter(|n| **n == 3).count();
     assert_eq!(of_inner, 12, "the triangles of a box");
@@ -533,16 +730,34 @@ fn each_model_is_an_object() {
 fn triangles_whose_corners_are_no_numbers_are_left_out_and_counted() {
     // STL has no words for it, but binary files hold it.
     let place = Place::new();
-    let vertex = |x: f32| [x.to_le_bytes(), 0.0_f32.to_le_bytes(), 1.0_f32.to_le_bytes()].concat();
+    let vertex = |x: f32| {
+        [
+            x.to_le_bytes(),
+            0.0_f32.to_le_bytes(),
+            1.0_f32.to_le_bytes(),
+        ]
+        .concat()
+    };
     let mut binary = vec![0_u8; 80];
     binary.extend(4_u32.to_le_bytes());
     for x in [1.0, f32::NAN, f32::INFINITY, -3e38] {
         binary.extend([0; 12]);
-        binary.extend([vertex(x), vertex(2.0), [[0_u8; 4], 1.0_f32.to_le_bytes(), [0; 4]].concat()].concat());
+        binary.extend(
+            [
+                vertex(x),
+                vertex(2.0),
+                [[0_u8; 4], 1.0_f32.to_le_bytes(), [0; 4]].concat(),
+            ]
+            .concat(),
+        );
         binary.extend([0; 2]);
     }
     place.file("models/thing/meshes/a.stl", "");
-    std::fs::write(place.folder.path().join("models/thing/meshes/a.stl"), binary).unwrap();
+    std::fs::write(
+        place.folder.path().join("models/thing/meshes/a.stl"),
+        binary,
+    )
+    .unwrap();
     place.file(
         "models/thing/meshes/b.obj",
         "v 0 0 0\nv 1 0 0\nv nan 1 0\nv 1 inf 0\nv 0 1 1e30\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 2 5\nf 1 2 6\n",
@@ -550,25 +765,46 @@ fn triangles_whose_corners_are_no_numbers_are_left_out_and_counted() {
     for (mesh, center) in [
         ("a.stl", ""),
         ("b.obj", ""),
-        ("b.obj", "<submesh><name>default</name><center>true</center></submesh>"),
+        (
+            "b.obj",
+            "<submesh><name>default</name><center>true</center></submesh>",
+        ),
     ] {
         let shape = |tag: &str| {
             format!(
                 "<{tag} name='v'><geometry><mesh><uri>model://thing/meshes/{mesh}</uri>{center}</mesh></geometry></{tag}>"
             )
         };
-        let link = format!("<link name='l'>{}{}</link>", shape("visual"), shape("collision"));
-        let world = place.import(&format!("<model name='thing'>{link}</model>{DOOR}")).unwrap();
+        let link = format!(
+            "<link name='l'>{}{}</link>",
+            shape("visual"),
+            shape("collision")
+        );
+        let world = place
+            .import(&format!("<model name='thing'>{link}</model>{DOOR}"))
+            .unwrap();
         let finite = |p: &[f32; 3]| p.iter().all(|c| c.is_finite());
         let scene = &world.scene;
         let seen = scene.triangles.iter().flat_map(|t| t.corners);
-        assert!(seen.clone().all(|i| finite(&scene.vertices[i as usize].position)), "{mesh}");
+        assert!(
+            seen.clone()
+                .all(|i| finite(&scene.vertices[i as usize].position)),
+            "{mesh}"
+        );
         let touched = scene.solid.triangles.iter().flatten();
-        assert!(touched.clone().all(|i| finite(&scene.solid.positions[*i as usize])), "{mesh}");
+        assert!(
+            touched
+                .clone()
+                .all(|i| finite(&scene.solid.positions[*i as usize])),
+            "{mesh}"
+        );
         if center.is_empty() {
             assert_eq!(scene.solid.triangles.len(), 1, "{mesh}");
             assert!(
-                world.warnings.iter().any(|w| w.contains("no number") && w.contains("6 times")),
+                world
+                    .warnings
+                    .iter()
+                    .any(|w| w.contains("no number") && w.contains("6 times")),
                 "{:?}",
                 world.warnings
             );

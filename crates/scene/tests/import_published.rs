@@ -12,7 +12,9 @@ use openbench_scene::{ImportRequest, Scene, Triangle, World, import_world};
 
 fn data() -> Option<PathBuf> {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    data.join("openbench/small/small_osm.world").is_file().then_some(data)
+    data.join("openbench/small/small_osm.world")
+        .is_file()
+        .then_some(data)
 }
 
 /// The published world `name`; nothing, said aloud, where the data is absent.
@@ -83,9 +85,15 @@ fn hidden_plates(scene: &Scene) -> Vec<String> {
             let to_plate = target - eye;
             cast(eye, to_plate, &triangles).is_some_and(|share| (share - 1.0).abs() < 0.005)
         };
-        let count = [-1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5].iter().filter(|a| sees(a)).count();
+        let count = [-1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5]
+            .iter()
+            .filter(|a| sees(a))
+            .count();
         if count < 3 {
-            hidden.push(format!("{} at {:?}: seen from {count} of 7 places", door.address, door.plate));
+            hidden.push(format!(
+                "{} at {:?}: seen from {count} of 7 places",
+                door.address, door.plate
+            ));
         }
     }
     hidden
@@ -97,8 +105,12 @@ fn check(name: &str, doors: usize) {
     let truths = truths(name);
     assert!(truths.len() >= 5);
     for truth in truths {
-        let nearest =
-            world.scene.doors.iter().map(|d| d.point().distance(truth)).fold(f64::INFINITY, f64::min);
+        let nearest = world
+            .scene
+            .doors
+            .iter()
+            .map(|d| d.point().distance(truth))
+            .fold(f64::INFINITY, f64::min);
         assert!(nearest < 0.02, "no plate at {truth}: {nearest} m");
     }
     let hidden = hidden_plates(&world.scene);
@@ -118,7 +130,9 @@ fn medium_has_thirty_two_doors_in_plain_sight() {
 #[test]
 fn medium_is_imported_in_two_seconds() {
     let start = Instant::now();
-    let Some(world) = published("medium") else { return };
+    let Some(world) = published("medium") else {
+        return;
+    };
     let seconds = start.elapsed().as_secs_f64();
     eprintln!(
         "medium: {seconds:.2} s, {} triangles, {} textures",
@@ -131,10 +145,15 @@ fn medium_is_imported_in_two_seconds() {
 
 #[test]
 fn doors_have_the_addresses_of_the_instructions() {
-    let Some(world) = published("medium") else { return };
-    for (building, unit) in
-        [("building3", "unit1"), ("building11", "unit3"), ("building7", "unit2"), ("building6", "unit1")]
-    {
+    let Some(world) = published("medium") else {
+        return;
+    };
+    for (building, unit) in [
+        ("building3", "unit1"),
+        ("building11", "unit3"),
+        ("building7", "unit2"),
+        ("building6", "unit1"),
+    ] {
         let count = world
             .scene
             .doors

@@ -4,9 +4,12 @@
 //! one test of it, six products for each of its planes, says whether any ray can enter a node, and single packets are looked at only in
 //! leaves. After Reshetov, Soupikov and Hurley, *Multi-Level Ray Tracing Algorithm*, 2005.
 
-use super::dispatch::Kernel;
+use super::branchless::mask;
+use super::dispatch::{Kernel, widest};
+use super::node::Node;
 use super::packet::{LANES, PACKET_STACK, PacketHits, RayPacket, Triangles, Visit, enters, invert};
-use super::{Hit, Node, TriangleBvh, mask};
+use super::tree::TriangleBvh;
+use super::triangle::Hit;
 
 /// Planes of a beam: four sides and the far end; the others hold everything.
 const PLANES: usize = 8;
@@ -54,7 +57,11 @@ impl Beam {
         for side in 0..4 {
             let normal = cross(wide[side], wide[(side + 1) % 4]);
             let inward = if dot(normal, middle) < 0.0 { -1.0 } else { 1.0 };
-            beam.set(side, scaled(normal, inward / dot(normal, normal).sqrt()), origin);
+            beam.set(
+                side,
+                scaled(normal, inward / dot(normal, normal).sqrt()),
+                origin,
+            );
         }
         let length = dot(middle, middle).sqrt();
         beam.set(FAR, scaled(middle, -1.0 / length), origin);
@@ -72,7 +79,10 @@ impl Beam {
             self.above[axis][plane] = if along > 0.0 { along } else { 0.0 };
             self.below[axis][plane] = if along > 0.0 { 0.0 } else { along };
         }
-        self.offset[plane] = dot(normal, [origin[0].into(), origin[1].into(), origin[2].into()]) as f32;
+        self.offset[plane] = dot(
+            normal,
+            [origin[0].into(), origin[1].into(), origin[2].into()],
+        ) as f32;
     }
 
     /// Widens the beam for rounding in the scene under this node.
@@ -95,10 +105,16 @@ impl Beam {
         let mut furthest = [0.0_f32; LANES];
         for packet in hits {
             for (furthest, &distance) in furthest.iter_mut().zip(&packet.distance) {
-                *furthest = if distance > *furthest { distance } else { *furthest };
+                *furthest = if distance > *furthest {
+                    distance
+                } else {
+                    *furthest
+                };
             }
         }
-        let furthest = furthest.iter().fold(0.0_f32, |most, &d| if d > most { d } else { most });
+        let furthest = furthest
+            .iter()
+            .fold(0.0_f32, |most, &d| if d > most { d } else { most });
         self.offset[FAR] = self.near - furthest * self.stride;
     }
 
@@ -118,13 +134,43 @@ impl Beam {
     }
 }
 
+impl TriangleBvh {
+    /// What each ray of a block of packets hits first, all of them within `beam` and from its origin; hits of masked triangles only where
+    /// `opaque` says so. Of triangles at one distance it need not be the same as for a packet alone.
+    #[inline(always)]
+    pub fn cast_block<const K: usize>(
+        &self,
+        beam: &Beam,
+        rays: &[RayPacket; K],
+        opaque: impl Fn(&Hit) -> bool,
+    ) -> [PacketHits; K] {
+        let mut hits = [PacketHits::NONE; K];
+        for (hits, rays) in hits.iter_mut().zip(rays) {
+            hits.distance = rays.limit;
+            if self.depth >= PACKET_STACK {
+                self.cast_each(rays, &opaque, hits);
+            }
+        }
+        if self.depth < PACKET_STACK {
+            widest(CastBeam {
+                tree: self,
+                beam,
+                rays,
+                opaque: &opaque,
+                hits: &mut hits,
+            });
+        }
+        hits
+    }
+}
+
 /// What the rays of a beam hit first in a tree no deeper than [`PACKET_STACK`].
-pub(super) struct CastBeam<'a, F, const K: usize> {
-    pub(super) tree: &'a TriangleBvh,
-    pub(super) beam: &'a Beam,
-    pub(super) rays: &'a [RayPacket; K],
-    pub(super) opaque: &'a F,
-    pub(super) hits: &'a mut [PacketHits; K],
+struct CastBeam<'a, F, const K: usize> {
+    tree: &'a TriangleBvh,
+    beam: &'a Beam,
+    rays: &'a [RayPacket; K],
+    opaque: &'a F,
+    hits: &'a mut [PacketHits; K],
 }
 
 impl<F: Fn(&Hit) -> bool, const K: usize> Kernel for CastBeam<'_, F, K> {
@@ -132,8 +178,16 @@ impl<F: Fn(&Hit) -> bool, const K: usize> Kernel for CastBeam<'_, F, K> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { tree, beam, rays, opaque, hits } = self;
-        let Some(root) = tree.nodes.first() else { return };
+        let Self {
+            tree,
+            beam,
+            rays,
+            opaque,
+            hits,
+        } = self;
+        let Some(root) = tree.nodes.first() else {
+            return;
+        };
         let mut beam = *beam;
         beam.widen(root);
         beam.end(hits);
@@ -162,7 +216,12 @@ impl<F: Fn(&Hit) -> bool, const K: usize> Kernel for CastBeam<'_, F, K> {
             let mut entered = false;
             for i in 0..K {
                 if enters(node, &rays[i].origin, &inverses[i], &hits[i].distance) {
-                    Triangles { tree, rays: &rays[i], opaque }.leaf(node, &mut hits[i]);
+                    Triangles {
+                        tree,
+                        rays: &rays[i],
+                        opaque,
+                    }
+                    .leaf(node, &mut hits[i]);
                     entered = true;
                 }
             }
@@ -180,7 +239,11 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 
 #[inline(always)]
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
 }
 
 #[inline(always)]
@@ -213,7 +276,13 @@ mod tests {
             packet
         });
         let far = SIDE - 1;
-        (packets, Beam::new(origin, &[along(0, 0), along(far, 0), along(far, far), along(0, far)]))
+        (
+            packets,
+            Beam::new(
+                origin,
+                &[along(0, 0), along(far, 0), along(far, far), along(0, far)],
+            ),
+        )
     }
 
     fn point(size: f32) -> impl Strategy<Value = [f32; 3]> {
@@ -244,11 +313,18 @@ mod tests {
 
     #[test]
     fn broken_beams_lose_nothing() {
-        let tree = TriangleBvh::new(std::iter::once([[5.0, -9.0, -9.0], [5.0, 9.0, -9.0], [5.0, 0.0, 9.0]]));
+        let tree = TriangleBvh::new(std::iter::once([
+            [5.0, -9.0, -9.0],
+            [5.0, 9.0, -9.0],
+            [5.0, 0.0, 9.0],
+        ]));
         let (packets, _) = block([0.0; 3], [0.0; 3], 0.001);
         for corners in [[[0.0; 3]; 4], [[f32::NAN; 3]; 4], [[1.0, 0.0, 0.0]; 4]] {
             let hits = tree.cast_block(&Beam::new([0.0; 3], &corners), &packets, |_| true);
-            assert!(hits.iter().all(|packet| packet.triangle == [0; LANES]), "{corners:?}");
+            assert!(
+                hits.iter().all(|packet| packet.triangle == [0; LANES]),
+                "{corners:?}"
+            );
         }
     }
 
@@ -256,6 +332,9 @@ mod tests {
     fn an_empty_tree_is_missed() {
         let (packets, beam) = block([0.0; 3], [0.0; 3], 0.01);
         let hits = TriangleBvh::new(std::iter::empty()).cast_block(&beam, &packets, |_| true);
-        assert!(hits.iter().all(|packet| packet.triangle == [super::super::MISS; LANES]));
+        assert!(
+            hits.iter()
+                .all(|packet| packet.triangle == [super::super::triangle::MISS; LANES])
+        );
     }
 }

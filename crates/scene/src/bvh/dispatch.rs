@@ -18,8 +18,11 @@ pub trait Kernel {
 /// Does a kernel's work with the widest vectors of this machine.
 #[inline]
 pub fn widest<K: Kernel>(kernel: K) -> K::Output {
-    static WIDEST: LazyLock<Vectors> =
-        LazyLock::new(|| Vectors::available().pop().unwrap_or(Vectors(Instructions::Baseline)));
+    static WIDEST: LazyLock<Vectors> = LazyLock::new(|| {
+        Vectors::available()
+            .pop()
+            .unwrap_or(Vectors(Instructions::Baseline))
+    });
     WIDEST.run(kernel)
 }
 

@@ -7,8 +7,12 @@ use nalgebra::Vector3;
 use openbench_core::Pose3;
 
 use super::dispatch::Kernel;
-use super::packet::{Cast, LANES, Lane, PACKET_STACK, PacketHits, RayPacket, Traversal, Visit, traverse};
-use super::{Hit, MISS, Node, TriangleBvh};
+use super::node::Node;
+use super::packet::{
+    Cast, LANES, Lane, PACKET_STACK, PacketHits, RayPacket, Traversal, Visit, traverse,
+};
+use super::tree::TriangleBvh;
+use super::triangle::{Hit, MISS};
 
 /// Longest time before the instant at which a ray may be cast, seconds: a LiDAR's scan.
 pub const SWEEP: f32 = 0.1;
@@ -80,7 +84,9 @@ impl Movers {
     /// A direction in the axes of a mover's figure as one in `map`.
     #[inline]
     pub fn turn(&self, mover: u32, v: [f32; 3]) -> [f32; 3] {
-        let Some(frame) = self.frames.get(mover as usize) else { return v };
+        let Some(frame) = self.frames.get(mover as usize) else {
+            return v;
+        };
         let [x, y, z] = frame.axes;
         [0, 1, 2].map(|i| x[i] * v[0] + y[i] * v[1] + z[i] * v[2])
     }
@@ -88,7 +94,11 @@ impl Movers {
     /// Makes the node `at` over these boxes: halves along the axis in which their middles spread most.
     fn split(&mut self, at: usize, boxes: &mut [(u32, Bounds)]) {
         if let [(mover, bounds)] = boxes {
-            self.nodes[at] = Node { first: *mover, kind: 8, ..bounds.node() };
+            self.nodes[at] = Node {
+                first: *mover,
+                kind: 8,
+                ..bounds.node()
+            };
             return;
         }
         let spread = |axis: usize| {
@@ -96,7 +106,13 @@ impl Movers {
             let (low, high) = middles.fold((f32::MAX, f32::MIN), |(l, h), m| (l.min(m), h.max(m)));
             high - low
         };
-        let axis = (0..3).fold(0, |best, axis| if spread(axis) > spread(best) { axis } else { best });
+        let axis = (0..3).fold(0, |best, axis| {
+            if spread(axis) > spread(best) {
+                axis
+            } else {
+                best
+            }
+        });
         boxes.sort_by(|(i, a), (j, b)| a.middle(axis).total_cmp(&b.middle(axis)).then(i.cmp(j)));
         let (low, high) = boxes.split_at_mut(boxes.len() / 2);
         let first = self.nodes.len();
@@ -122,7 +138,10 @@ impl Frame {
 
     /// The box in `map` around the figure at the instant and during [`SWEEP`] before it.
     fn sweep(&self, (min, max): ([f32; 3], [f32; 3])) -> Bounds {
-        let mut bounds = Bounds { min: self.origin, max: self.origin };
+        let mut bounds = Bounds {
+            min: self.origin,
+            max: self.origin,
+        };
         for i in 0..3 {
             for (axis, (low, high)) in self.axes.iter().zip(min.iter().zip(&max)) {
                 let (a, b) = (axis[i] * low, axis[i] * high);
@@ -140,7 +159,10 @@ impl Frame {
     /// The rays in the figure's axes, as far as they have got. `lags` say how long before the instant each was cast, seconds, negative.
     #[inline(always)]
     fn take_in(&self, rays: &RayPacket, lags: &Lane, limit: &Lane) -> RayPacket {
-        let mut taken = RayPacket { limit: *limit, ..RayPacket::idle() };
+        let mut taken = RayPacket {
+            limit: *limit,
+            ..RayPacket::idle()
+        };
         for (lane, lag) in lags.iter().enumerate() {
             let (mut from, mut along) = ([0.0; 3], [0.0; 3]);
             for i in 0..3 {
@@ -149,7 +171,8 @@ impl Frame {
             }
             for (i, axis) in self.axes.iter().enumerate() {
                 taken.origin[i][lane] = axis[0] * from[0] + axis[1] * from[1] + axis[2] * from[2];
-                taken.direction[i][lane] = axis[0] * along[0] + axis[1] * along[1] + axis[2] * along[2];
+                taken.direction[i][lane] =
+                    axis[0] * along[0] + axis[1] * along[1] + axis[2] * along[2];
             }
         }
         taken
@@ -166,7 +189,12 @@ impl Bounds {
     }
 
     fn node(&self) -> Node {
-        Node { min: self.min, first: 0, max: self.max, kind: 0 }
+        Node {
+            min: self.min,
+            first: 0,
+            max: self.max,
+            kind: 0,
+        }
     }
 }
 
@@ -192,8 +220,21 @@ impl<F: Fn(&Hit) -> bool> Kernel for CastAmong<'_, F> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { movers, figures, rays, lags, opaque, hits } = self;
-        let boxes = Boxes { movers, figures, rays, lags, opaque };
+        let Self {
+            movers,
+            figures,
+            rays,
+            lags,
+            opaque,
+            hits,
+        } = self;
+        let boxes = Boxes {
+            movers,
+            figures,
+            rays,
+            lags,
+            opaque,
+        };
         traverse(&movers.nodes, &Traversal::new(rays), hits, boxes);
     }
 }
@@ -217,7 +258,13 @@ impl<F: Fn(&Hit) -> bool> Visit for Boxes<'_, F> {
         if tree.depth >= PACKET_STACK {
             tree.cast_each(&taken, self.opaque, &mut found);
         } else {
-            Cast { tree, rays: &taken, opaque: self.opaque, hits: &mut found }.run();
+            Cast {
+                tree,
+                rays: &taken,
+                opaque: self.opaque,
+                hits: &mut found,
+            }
+            .run();
         }
         merge(hits, &found, node.first);
     }
@@ -229,7 +276,11 @@ fn merge(hits: &mut PacketHits, found: &PacketHits, mover: u32) {
     for lane in 0..LANES {
         let new = found.triangle[lane] != MISS;
         hits.distance[lane] = found.distance[lane];
-        hits.triangle[lane] = if new { found.triangle[lane] } else { hits.triangle[lane] };
+        hits.triangle[lane] = if new {
+            found.triangle[lane]
+        } else {
+            hits.triangle[lane]
+        };
         hits.u[lane] = if new { found.u[lane] } else { hits.u[lane] };
         hits.v[lane] = if new { found.v[lane] } else { hits.v[lane] };
         hits.mover[lane] = if new { mover } else { hits.mover[lane] };
@@ -254,12 +305,18 @@ mod tests {
     }
 
     fn placed() -> impl Strategy<Value = Placed> {
-        (0_usize..2, within(8.0), within(3.0), within(3.0)).prop_map(|(figure, at, angles, velocity)| {
-            let [x, y, z] = at.map(f64::from);
-            let [roll, pitch, yaw] = angles.map(f64::from);
-            let turn = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
-            Placed { figure, pose: Pose3::from_parts(Translation3::new(x, y, z), turn), velocity }
-        })
+        (0_usize..2, within(8.0), within(3.0), within(3.0)).prop_map(
+            |(figure, at, angles, velocity)| {
+                let [x, y, z] = at.map(f64::from);
+                let [roll, pitch, yaw] = angles.map(f64::from);
+                let turn = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+                Placed {
+                    figure,
+                    pose: Pose3::from_parts(Translation3::new(x, y, z), turn),
+                    velocity,
+                }
+            },
+        )
     }
 
     /// The triangles of a placed figure in `map`, a lag after the instant.
@@ -282,7 +339,14 @@ mod tests {
     fn among(movers: &Movers, figures: &[Figure], rays: &RayPacket, lag: f32) -> PacketHits {
         let mut hits = PacketHits::none(rays);
         let (opaque, lags) = (|_: &Hit| true, [lag; LANES]);
-        widest(CastAmong { movers, figures, rays, lags: &lags, opaque: &opaque, hits: &mut hits });
+        widest(CastAmong {
+            movers,
+            figures,
+            rays,
+            lags: &lags,
+            opaque: &opaque,
+            hits: &mut hits,
+        });
         hits
     }
 
@@ -343,7 +407,15 @@ mod tests {
         let figures = [TriangleBvh::new([wall(0.0)].into_iter())];
         let mut movers = Movers::default();
         let pose = Pose3::translation(4.0, 0.0, 0.0);
-        movers.place(&figures, [Placed { figure: 0, pose, velocity: [0.0; 3] }].into_iter());
+        movers.place(
+            &figures,
+            [Placed {
+                figure: 0,
+                pose,
+                velocity: [0.0; 3],
+            }]
+            .into_iter(),
+        );
         let rays = packet(&[([0.0; 3], [1.0, 0.0, 0.0]); LANES]);
         for (stands, seen) in [(3.0, (3.0, MISS)), (5.0, (4.0, 0))] {
             let mut hits = TriangleBvh::new([wall(stands)].into_iter()).cast_packet(&rays);
@@ -369,8 +441,16 @@ mod tests {
             velocity: [f32::INFINITY; 3],
         };
         let mut movers = Movers::default();
-        movers.place(&figures, [place(0, 0.0), place(7, 1.0), place(usize::MAX, f64::NAN)].into_iter());
-        let hits = among(&movers, &figures, &packet(&[([0.0; 3], [1.0, 0.0, 0.0]); LANES]), 0.0);
+        movers.place(
+            &figures,
+            [place(0, 0.0), place(7, 1.0), place(usize::MAX, f64::NAN)].into_iter(),
+        );
+        let hits = among(
+            &movers,
+            &figures,
+            &packet(&[([0.0; 3], [1.0, 0.0, 0.0]); LANES]),
+            0.0,
+        );
         assert_eq!(hits.triangle, [MISS; LANES]);
         movers.place(&figures, std::iter::empty());
         assert!(movers.is_empty());

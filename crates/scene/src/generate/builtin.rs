@@ -19,15 +19,22 @@ pub fn builtin_names() -> [&'static str; 3] {
 
 /// How the maps of the built-in worlds lie on the Earth: the origin is the robot's start.
 pub fn builtin_georeference() -> Georeference {
-    Georeference::Utm { zone: 50, north: true, offset_x: -500_000.0, offset_y: -4_483_000.0 }
+    Georeference::Utm {
+        zone: 50,
+        north: true,
+        offset_x: -500_000.0,
+        offset_y: -4_483_000.0,
+    }
 }
 
 /// The map of a built-in world, doors included; `None` if there is no such world.
 pub fn builtin_map(name: &str) -> Option<Result<OsmData, GenerateError>> {
     let (name, xml) = MAPS.iter().find(|(known, _)| *known == name)?;
-    let broken =
-        |e: openbench_osm::OsmError| GenerateError::Builtin { name: (*name).into(), problem: e.to_string() };
-    Some(OsmData::from_xml(xml.as_bytes()).map_err(broken))
+    let data = OsmData::from_xml(xml.as_bytes());
+    Some(data.map_err(|source| GenerateError::Builtin {
+        name: (*name).to_owned(),
+        source,
+    }))
 }
 
 /// A built-in world; `None` if there is none of that name.

@@ -1,19 +1,23 @@
 //! The sea beside `natural=coastline` ways: OSM has it as a line only, with the land on its left.
 //!
-//! The lines are cut at a rectangle around the world and closed along its edge, as renderers do it for their tiles: from where a
-//! line leaves the rectangle counter-clockwise to where the next one enters. Lines that end inside are left out; islands that
-//! lie inside are holes.
+//! The lines are cut at a rectangle around the world and closed along its edge, as renderers do it
+//! for their tiles: counter-clockwise from where a line leaves the rectangle to where the next one
+//! enters. Lines that end inside are left out; islands that lie inside are holes.
 
 use std::collections::BTreeMap;
 
 use openbench_core::MapPoint;
 use openbench_osm::{OsmData, OsmMap, Polygon};
 
-use super::Extent;
-use super::shapes::{along, signed_area};
+use super::extent::Extent;
+use super::rings::signed_area;
+use super::segment::segments;
 
-/// Corners of the coast nearer to the one before are left out, metres; twice as many if there are too many corners.
-const FINEST: f64 = 2.0;
+/// Height of the sea, metres.
+pub(super) const SEA_LEVEL_M: f64 = -0.5;
+/// A corner of the coast nearer than this to the one before is left out, metres; twice as much
+/// where there are too many corners.
+const FINEST_M: f64 = 2.0;
 /// Corners of one coast at most.
 const MAX_CORNERS: usize = 1_500;
 
@@ -29,7 +33,7 @@ pub(super) fn sea(data: &OsmData, map: &OsmMap, extent: Extent) -> Vec<Polygon> 
             .map(|n| map.projection.to_map(n.position))
             .filter(|p| p.x.is_finite() && p.y.is_finite())
             .collect();
-        let points = coarse(points, FINEST);
+        let points = coarse(points, FINEST_M);
         let pieces = clipped(&points, extent);
         let whole = line.first() == line.last() && points.iter().all(|p| extent.holds(*p, 0.0));
         if whole {
@@ -39,7 +43,10 @@ pub(super) fn sea(data: &OsmData, map: &OsmMap, extent: Extent) -> Vec<Polygon> 
         }
     }
     let rings = closed(shores, extent);
-    rings.into_iter().filter_map(|ring| with_islands(ring, &islands)).collect()
+    rings
+        .into_iter()
+        .filter_map(|ring| with_islands(ring, &islands))
+        .collect()
 }
 
 /// A line without the corners that are closer together than a rendered shore needs; both ends stay.
@@ -55,7 +62,7 @@ fn coarse(line: Vec<MapPoint>, finest: f64) -> Vec<MapPoint> {
 
 /// The same for a piece that lies in the rectangle, so coarse that it has no more than [`MAX_CORNERS`].
 fn bounded(mut piece: Vec<MapPoint>) -> Vec<MapPoint> {
-    let mut finest = FINEST;
+    let mut finest = FINEST_M;
     while piece.len() > MAX_CORNERS && finest < 1_000.0 {
         finest *= 2.0;
         piece = coarse(piece, finest);
@@ -65,21 +72,37 @@ fn bounded(mut piece: Vec<MapPoint>) -> Vec<MapPoint> {
 
 fn with_islands(ring: Vec<MapPoint>, islands: &[Vec<MapPoint>]) -> Option<Polygon> {
     let outer = Polygon::new(ring, Vec::new())?;
-    let holes = islands.iter().filter(|i| i.first().is_some_and(|p| outer.contains(*p))).cloned().collect();
+    let holes = islands
+        .iter()
+        .filter(|i| i.first().is_some_and(|p| outer.contains(*p)))
+        .cloned()
+        .collect();
     Polygon::new(outer.outer, holes)
 }
 
 /// Node numbers of the coast, ways joined where one begins at another's end.
 fn coastlines(data: &OsmData) -> Vec<Vec<i64>> {
-    let ways = data.ways.values().filter(|w| w.tags.is("natural", "coastline") && w.nodes.len() > 1);
+    let ways = data
+        .ways
+        .values()
+        .filter(|w| w.tags.is("natural", "coastline") && w.nodes.len() > 1);
     let mut begins: BTreeMap<i64, Vec<i64>> = ways.map(|w| (w.nodes[0], w.nodes.clone())).collect();
-    let ends: Vec<i64> = begins.values().filter_map(|nodes| nodes.last().copied()).collect();
+    let ends: Vec<i64> = begins
+        .values()
+        .filter_map(|nodes| nodes.last().copied())
+        .collect();
     // First those that follow on no other, then what is left: rings.
-    let mut starts: Vec<i64> = begins.keys().copied().filter(|n| !ends.contains(n)).collect();
+    let mut starts: Vec<i64> = begins
+        .keys()
+        .copied()
+        .filter(|n| !ends.contains(n))
+        .collect();
     starts.extend(begins.keys().copied().collect::<Vec<_>>());
     let mut lines = Vec::new();
     for start in starts {
-        let Some(mut line) = begins.remove(&start) else { continue };
+        let Some(mut line) = begins.remove(&start) else {
+            continue;
+        };
         while let Some(next) = line.last().and_then(|end| begins.remove(end)) {
             line.extend_from_slice(&next[1..]);
         }
@@ -91,42 +114,21 @@ fn coastlines(data: &OsmData) -> Vec<Vec<i64>> {
 /// The parts of a line within the rectangle that begin and end on its edge.
 fn clipped(line: &[MapPoint], extent: Extent) -> Vec<Vec<MapPoint>> {
     let (mut pieces, mut piece): (Vec<Vec<MapPoint>>, Option<Vec<MapPoint>>) = (Vec::new(), None);
-    for pair in line.windows(2) {
-        let Some((from, to)) = inside(pair[0], pair[1], extent) else { continue };
-        let (p, q) = (along(pair[0], pair[1], from), along(pair[0], pair[1], to));
-        if from > 0.0 {
-            piece = Some(vec![p]);
+    for segment in segments(line) {
+        let Some(inside) = extent.clip(segment) else {
+            continue;
+        };
+        let part = segment.part(inside.start, inside.end);
+        if inside.start > 0.0 {
+            piece = Some(vec![part.a]);
         }
         let Some(points) = &mut piece else { continue };
-        points.push(q);
-        if to < 1.0 {
+        points.push(part.b);
+        if inside.end < 1.0 {
             pieces.extend(piece.take());
         }
     }
     pieces
-}
-
-/// Which part of a segment lies in the rectangle, as shares of it (Liang and Barsky 1984).
-pub(super) fn inside(a: MapPoint, b: MapPoint, extent: Extent) -> Option<(f64, f64)> {
-    let (dx, dy) = (b.x - a.x, b.y - a.y);
-    let edges = [
-        (-dx, a.x - extent.min.x),
-        (dx, extent.max.x - a.x),
-        (-dy, a.y - extent.min.y),
-        (dy, extent.max.y - a.y),
-    ];
-    let (mut from, mut to) = (0.0_f64, 1.0_f64);
-    for (p, q) in edges {
-        if p == 0.0 && q < 0.0 {
-            return None;
-        }
-        if p < 0.0 {
-            from = from.max(q / p);
-        } else if p > 0.0 {
-            to = to.min(q / p);
-        }
-    }
-    (from < to).then_some((from, to))
 }
 
 /// Joins pieces along the edge of the rectangle, counter-clockwise.
@@ -136,7 +138,13 @@ fn closed(mut pieces: Vec<Vec<MapPoint>>, extent: Extent) -> Vec<Vec<MapPoint>> 
         let begin = run(ring[0], extent);
         loop {
             let from = ring.last().map_or(0.0, |p| run(*p, extent));
-            let ahead = |to: f64| if to >= from { to - from } else { to - from + 4.0 };
+            let ahead = |to: f64| {
+                if to >= from {
+                    to - from
+                } else {
+                    to - from + 4.0
+                }
+            };
             let next = (0..pieces.len()).min_by(|i, j| {
                 ahead(run(pieces[*i][0], extent)).total_cmp(&ahead(run(pieces[*j][0], extent)))
             });
@@ -155,28 +163,37 @@ fn closed(mut pieces: Vec<Vec<MapPoint>>, extent: Extent) -> Vec<Vec<MapPoint>> 
     rings
 }
 
-/// How far round the edge of the rectangle a point is, counter-clockwise from the south-west, in sides: 0 to 4.
+/// Position of a point on the edge of the rectangle, in sides: 0 to 4, counter-clockwise from the
+/// south-west.
 fn run(p: MapPoint, extent: Extent) -> f64 {
     let (width, depth) = (extent.max.x - extent.min.x, extent.max.y - extent.min.y);
     let (x, y) = ((p.x - extent.min.x) / width, (p.y - extent.min.y) / depth);
+    // For each side: distance from it, and the position if the point is on it.
     let sides = [(y, x), (1.0 - x, 1.0 + y), (1.0 - y, 3.0 - x), (x, 4.0 - y)];
-    let nearest = sides.into_iter().min_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
+    let nearest = sides
+        .into_iter()
+        .min_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
     nearest.map_or(0.0, |(_, run)| run.rem_euclid(4.0))
 }
 
-/// The rectangle's corners from `from` on for `length` sides.
+/// The rectangle's corners from the position `from` on for `length` sides.
 fn corners_between(from: f64, length: f64, extent: Extent) -> Vec<MapPoint> {
-    let (min, max) = (extent.min, extent.max);
-    let corners = [min, MapPoint::new(max.x, min.y), max, MapPoint::new(min.x, max.y)];
+    let corners = extent.corners();
     let first = from.floor() as usize + 1;
-    (first..first + 4).filter(|i| *i as f64 - from < length).map(|i| corners[i % 4]).collect()
+    (first..first + 4)
+        .filter(|i| *i as f64 - from < length)
+        .map(|i| corners[i % 4])
+        .collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const SQUARE: Extent = Extent { min: MapPoint { x: 0.0, y: 0.0 }, max: MapPoint { x: 10.0, y: 10.0 } };
+    const SQUARE: Extent = Extent {
+        min: MapPoint { x: 0.0, y: 0.0 },
+        max: MapPoint { x: 10.0, y: 10.0 },
+    };
 
     fn points(list: &[(f64, f64)]) -> Vec<MapPoint> {
         list.iter().map(|(x, y)| MapPoint::new(*x, *y)).collect()

@@ -1,91 +1,77 @@
-//! Where the doors are: at the map's `entrance` nodes; else, if asked for, one in the wall nearest to a street. What their
-//! buildings are called, in the public map too, is for [`naming`](super::naming) to say.
+//! Where the doors are: at the map's `entrance` nodes; else, if asked for, one in the wall nearest to
+//! a street. The names of their buildings, in the public map too, come from
+//! [`naming`](super::naming).
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use openbench_core::{Address, MapPoint, Pose2};
+use openbench_core::{Address, MapPoint};
 use openbench_osm::names::{fold, fold_unit};
 use openbench_osm::{Building, Entrance, OsmData, OsmMap};
+use rand_pcg::Pcg64Mcg;
 
-use super::buildings::is_open_below;
 use super::clearance::{BUILDING, Clearance, PATH, ROAD};
+use super::doorway::{Doorway, LEAF_WIDTH_M};
+use super::house::is_open_below;
 use super::naming::Names;
-use super::seeds::{Purpose, chance, stream};
-use super::shapes::along;
-use super::{GenerateOptions, element_number};
+use super::options::GenerateOptions;
+use super::seeds::{Purpose, chance, element_number, stream};
+use super::segment::Segment;
+use super::walls::walls;
 use crate::plate::PLATE_WIDTH;
 
-/// Width of a door leaf, metres.
-pub(super) const LEAF: f64 = 1.0;
 /// Middle of the plate from the middle of the door along the wall, metres.
-const BESIDE: f64 = 1.25;
-/// So far behind a wall it is looked up which buildings are there, metres.
-const BEHIND: f64 = 0.3;
+const PLATE_OFFSET_M: f64 = 1.25;
+/// Space between a plate and the end of its wall, metres.
+const PLATE_MARGIN_M: f64 = 0.1;
+/// Depth behind a wall at which the buildings there are looked up, metres.
+const BEHIND_M: f64 = 0.3;
 /// An entrance node farther than this from a wall is not taken for one in it, metres.
-const REACH: f64 = 2.0;
+const REACH_M: f64 = 2.0;
+/// An invented door is looked for this near to a road or path, metres.
+const STREET_REACH_M: f64 = 60.0;
+/// Shortest wall that gets an invented door, metres.
+const SHORTEST_WALL_M: f64 = 2.5;
+/// A smaller building has no door unless the map has one, m².
+const SMALLEST_HOME_M2: f64 = 20.0;
 /// Doors in a world at most.
 const MAX_DOORS: usize = 20_000;
-/// Longest unit on a plate, characters, and how many different ones the map may bring: each is an image.
+/// Longest unit on a plate, characters.
 const LONGEST_UNIT: usize = 4;
+/// Number of different units that the map may bring: each is an image.
 const MAX_TEXTS: usize = 500;
 
-/// A door in a wall.
-#[derive(Debug, Clone)]
-pub(super) struct Doorway {
-    /// Building and unit.
-    pub address: Address,
-    /// Words on the plate.
-    pub text: String,
-    /// Index of the building.
-    pub building: usize,
-    /// Foot of the door, in the wall.
-    position: MapPoint,
-    /// Direction out of the wall, radians.
-    pub facing: f64,
-    /// The wall, the building on its left.
-    wall: (MapPoint, MapPoint),
-    /// Where the plate is, metres along the wall from the middle of the door; 0 is on the leaf.
-    pub plate_offset: f64,
+/// The doors of a map.
+pub(super) struct Placed {
+    /// In the order of buildings and their entrances.
+    pub doorways: Vec<Doorway>,
+    /// What had to be left out.
+    pub warnings: Vec<String>,
 }
 
-impl Doorway {
+/// A place for a door.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    wall: Segment,
     /// Foot of the door, in the wall.
-    pub fn middle(&self) -> MapPoint {
-        self.position
-    }
-
-    /// Facing out of the wall; left is along the wall.
-    pub fn pose(&self) -> Pose2 {
-        Pose2::new(self.position.x, self.position.y, self.facing)
-    }
-
-    /// Foot of the plate, in the wall.
-    pub fn plate_point(&self) -> MapPoint {
-        self.pose().transform(0.0, self.plate_offset)
-    }
-
-    /// What door and plate take of a wall from `a` to `b`: from and to, metres from `a`; `None` if they are in another.
-    pub fn span_on(&self, (a, b): (MapPoint, MapPoint)) -> Option<(f64, f64)> {
-        let direction = a.bearing_to(b);
-        let (along, aside) = Pose2::new(a.x, a.y, direction).inverse_transform(self.position);
-        let parallel = libm::cos(self.facing + std::f64::consts::FRAC_PI_2 - direction) > 0.99;
-        if !parallel || aside.abs() > 0.1 || along < 0.0 || along > a.distance(b) {
-            return None;
-        }
-        let plate = along + self.plate_offset;
-        let half = PLATE_WIDTH / 2.0;
-        Some(((along - LEAF / 2.0 - 0.15).min(plate - half), (along + LEAF / 2.0 + 0.15).max(plate + half)))
-    }
+    foot: MapPoint,
 }
 
-/// The doors of all buildings, in the order of buildings and entrances, and what had to be left out, in words.
+/// A place, and its cost: the lower, the better.
+#[derive(Debug, Clone, Copy)]
+struct Candidate {
+    place: Place,
+    cost: f64,
+}
+
+/// Places the doors of all buildings, and writes the names of their buildings into the public map.
 pub(super) fn place(
     map: &OsmMap,
     public: &mut OsmData,
-    (seed, options): (u64, &GenerateOptions),
+    seed: u64,
+    options: &GenerateOptions,
     clearance: &Clearance,
-) -> (Vec<Doorway>, Vec<String>) {
-    let mut doors = Vec::new();
+) -> Placed {
+    let mut doorways = Vec::new();
     let mut placer = Placer {
         map,
         clearance,
@@ -97,25 +83,32 @@ pub(super) fn place(
         repeated: 0,
         beyond: 0,
     };
+    for (index, entrances) in entrances_of_buildings(map).iter().enumerate() {
+        let found = if !entrances.is_empty() {
+            placer.mapped(index, entrances)
+        } else if options.invent_doors {
+            placer.invented(index).into_iter().collect()
+        } else {
+            Vec::new()
+        };
+        let room = MAX_DOORS.saturating_sub(doorways.len());
+        placer.beyond += found.len().saturating_sub(room);
+        doorways.extend(found.into_iter().take(room));
+    }
+    let warnings = placer.warnings();
+    placer.names.write(public);
+    Placed { doorways, warnings }
+}
+
+/// The map's entrances, by building.
+fn entrances_of_buildings(map: &OsmMap) -> Vec<Vec<&Entrance>> {
     let mut of_building: Vec<Vec<&Entrance>> = vec![Vec::new(); map.buildings.len()];
     for entrance in &map.entrances {
         if let Some(list) = entrance.building.and_then(|b| of_building.get_mut(b)) {
             list.push(entrance);
         }
     }
-    for (index, entrances) in of_building.iter().enumerate() {
-        let found = if entrances.is_empty() {
-            placer.invented(index, options).into_iter().collect()
-        } else {
-            placer.mapped(index, entrances)
-        };
-        let room = MAX_DOORS.saturating_sub(doors.len());
-        placer.beyond += found.len().saturating_sub(room);
-        doors.extend(found.into_iter().take(room));
-    }
-    let warnings = placer.warnings();
-    placer.names.write(public);
-    (doors, warnings)
+    of_building
 }
 
 struct Placer<'a> {
@@ -125,7 +118,7 @@ struct Placer<'a> {
     names: Names<'a>,
     /// Units that each building name has already, both folded.
     units: BTreeMap<String, BTreeSet<String>>,
-    /// Units that plates were painted for.
+    /// Units of the map that have a plate.
     texts: BTreeSet<String>,
     unplaced: usize,
     repeated: usize,
@@ -133,164 +126,222 @@ struct Placer<'a> {
 }
 
 impl Placer<'_> {
+    /// Doors at the entrances that the map has.
     fn mapped(&mut self, index: usize, entrances: &[&Entrance]) -> Vec<Doorway> {
         let mut doors: Vec<Doorway> = Vec::new();
         let given: Vec<Option<String>> = entrances.iter().map(|e| self.unit_of(e)).collect();
         for (entrance, own) in entrances.iter().zip(&given) {
             let known = self.names.given(index).map(|name| fold(&name));
-            let used = known.and_then(|name| self.units.get(&name)).cloned().unwrap_or_default();
-            let Some(unit) = own.clone().or_else(|| free_unit(&used, &given)).filter(|u| !used.contains(u))
-            else {
+            let used = known
+                .and_then(|name| self.units.get(&name))
+                .cloned()
+                .unwrap_or_default();
+            let unit = own.clone().or_else(|| free_unit(&used, &given));
+            let Some(unit) = unit.filter(|u| !used.contains(u)) else {
                 self.repeated += 1;
                 continue;
             };
-            let Some((wall, position)) = self.wall_at(index, entrance.position, &doors) else {
+            let Some(place) = self.place_near(index, entrance.position, &doors) else {
                 self.unplaced += 1;
                 continue;
             };
             let mut rng = stream(self.seed, Purpose::Doorway, entrance.node as u64);
-            let name = self.take(index, position, &unit);
-            doors.push(doorway(index, (name, &unit), (wall, position), &mut rng, &doors));
+            let address = self.take(index, place.foot, &unit);
+            doors.push(doorway(index, address, &unit, place, &mut rng, &doors));
         }
         doors
     }
 
-    /// The name of a building with a door at `position`, which gets the unit.
-    fn take(&mut self, index: usize, position: MapPoint, unit: &str) -> String {
-        let name = self.names.of(index, position);
-        self.units.entry(fold(&name)).or_default().insert(unit.to_owned());
-        name
+    /// The address of a unit of a building with a door at `foot`; the unit is then used.
+    fn take(&mut self, index: usize, foot: MapPoint, unit: &str) -> Address {
+        let name = self.names.of(index, foot);
+        self.units
+            .entry(fold(&name))
+            .or_default()
+            .insert(unit.to_owned());
+        Address::new(name, format!("unit{unit}"))
     }
 
     /// The unit that the map gives to a door, folded, if it is short enough for a plate.
     fn unit_of(&mut self, entrance: &Entrance) -> Option<String> {
-        let units = entrance.units.iter().map(|u| fold_unit(u));
-        let unit = { units }.find(|u| {
-            (1..=LONGEST_UNIT).contains(&u.len()) && u.bytes().all(|b| b.is_ascii_alphanumeric())
-        })?;
-        let painted = self.texts.contains(&unit) || self.texts.len() < MAX_TEXTS;
-        painted.then(|| {
-            self.texts.insert(unit.clone());
-            unit
-        })
-    }
-
-    /// The wall that a door at `point` is in, and where in it: the nearest wall with free ground in front.
-    fn wall_at(
-        &self,
-        index: usize,
-        point: MapPoint,
-        others: &[Doorway],
-    ) -> Option<((MapPoint, MapPoint), MapPoint)> {
-        let walls = walls(&self.map.buildings[index]);
-        let mut near: Vec<(f64, (MapPoint, MapPoint), MapPoint)> = walls
-            .into_iter()
-            .filter(|(a, b)| a.distance(*b) > LEAF + 0.6)
-            .map(|wall| {
-                let length = wall.0.distance(wall.1);
-                let share = nearest_share(wall, point) * length;
-                let foot = along(
-                    wall.0,
-                    wall.1,
-                    share.clamp(LEAF / 2.0 + 0.25, length - LEAF / 2.0 - 0.25) / length,
-                );
-                (foot.distance(point), wall, foot)
-            })
-            .filter(|(distance, _, _)| *distance <= REACH)
-            .collect();
-        near.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let fits = |wall: (MapPoint, MapPoint), foot: MapPoint| {
-            self.front_is_free(wall, foot) && others.iter().all(|d| d.position.distance(foot) > LEAF + 0.4)
-        };
-        near.into_iter().find(|(_, wall, foot)| fits(*wall, *foot)).map(|(_, wall, foot)| (wall, foot))
-    }
-
-    fn front_is_free(&self, (a, b): (MapPoint, MapPoint), foot: MapPoint) -> bool {
-        let out = a.bearing_to(b) - std::f64::consts::FRAC_PI_2;
-        self.clearance.is_free(foot.offset(out, 0.4), foot.offset(out, 1.4), 0.3, BUILDING)
-    }
-
-    /// Whether one building alone is behind a wall. Maps draw some buildings over each other; to
-    /// which of them a door in such a wall belongs, nobody could tell.
-    fn is_unshared(&self, (a, b): (MapPoint, MapPoint), foot: MapPoint) -> bool {
-        let inward = a.bearing_to(b) + std::f64::consts::FRAC_PI_2;
-        self.clearance.areas_at(foot.offset(inward, BEHIND), BUILDING) < 2
-    }
-
-    fn invented(&mut self, index: usize, options: &GenerateOptions) -> Option<Doorway> {
-        let building = &self.map.buildings[index];
-        if !options.invent_doors || !is_lived_in(building) || is_open_below(&building.tags) {
+        let unit = entrance
+            .units
+            .iter()
+            .map(|u| fold_unit(u))
+            .find(|u| fits_on_plate(u))?;
+        if !self.texts.contains(&unit) && self.texts.len() >= MAX_TEXTS {
             return None;
         }
-        let candidates = walls(building).into_iter().filter(|(a, b)| a.distance(*b) > 2.5);
-        let ranked = candidates.filter_map(|wall| {
-            let middle = along(wall.0, wall.1, 0.5);
-            let out = wall.0.bearing_to(wall.1) - std::f64::consts::FRAC_PI_2;
-            let free = self.front_is_free(wall, middle) && self.is_unshared(wall, middle);
-            free.then(|| (self.clearance.distance(middle.offset(out, 1.0), ROAD | PATH, 60.0), wall, middle))
-        });
-        let (_, wall, middle) = ranked.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        let mut rng = stream(self.seed, Purpose::Doorway, element_number(building.element));
-        let name = self.names.of(index, middle);
+        self.texts.insert(unit.clone());
+        Some(unit)
+    }
+
+    /// The place for a door at `point`: in the nearest wall with free ground in front.
+    fn place_near(&self, index: usize, point: MapPoint, others: &[Doorway]) -> Option<Place> {
+        let mut near: Vec<Candidate> = walls(&self.map.buildings[index])
+            .into_iter()
+            .filter(|wall| wall.length() > LEAF_WIDTH_M + 0.6)
+            .map(|wall| candidate_near(wall, point))
+            .filter(|candidate| candidate.cost <= REACH_M)
+            .collect();
+        near.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        let fits = |place: &Place| {
+            let apart = |d: &Doorway| d.position.distance(place.foot) > LEAF_WIDTH_M + 0.4;
+            self.front_is_free(place) && others.iter().all(apart)
+        };
+        near.into_iter().map(|candidate| candidate.place).find(fits)
+    }
+
+    fn front_is_free(&self, place: &Place) -> bool {
+        let out = place.wall.outward();
+        let front = Segment::new(place.foot.offset(out, 0.4), place.foot.offset(out, 1.4));
+        self.clearance.is_free(front, 0.3, BUILDING)
+    }
+
+    /// Whether one building alone is behind a wall. Maps draw some buildings over each other; a
+    /// door in such a wall would belong to several of them.
+    fn is_unshared(&self, place: &Place) -> bool {
+        let inward = place.wall.bearing() + std::f64::consts::FRAC_PI_2;
+        self.clearance
+            .areas_at(place.foot.offset(inward, BEHIND_M), BUILDING)
+            < 2
+    }
+
+    /// A door for a building without a mapped entrance, in the wall nearest to a street.
+    fn invented(&mut self, index: usize) -> Option<Doorway> {
+        let building = &self.map.buildings[index];
+        if !is_home(building) || is_open_below(&building.tags) {
+            return None;
+        }
+        let place = self.place_towards_street(building)?;
+        let mut rng = stream(
+            self.seed,
+            Purpose::Doorway,
+            element_number(building.element),
+        );
+        let name = self.names.of(index, place.foot);
         let used = self.units.get(&fold(&name)).cloned().unwrap_or_default();
         let unit = free_unit(&used, &[])?;
-        let name = self.take(index, middle, &unit);
-        Some(doorway(index, (name, &unit), (wall, middle), &mut rng, &[]))
+        let address = self.take(index, place.foot, &unit);
+        Some(doorway(index, address, &unit, place, &mut rng, &[]))
+    }
+
+    fn place_towards_street(&self, building: &Building) -> Option<Place> {
+        let long = walls(building)
+            .into_iter()
+            .filter(|wall| wall.length() > SHORTEST_WALL_M);
+        let places = long.map(|wall| Place {
+            wall,
+            foot: wall.middle(),
+        });
+        places
+            .filter(|place| self.front_is_free(place) && self.is_unshared(place))
+            .map(|place| {
+                let before = place.foot.offset(place.wall.outward(), 1.0);
+                let cost = self.clearance.distance(before, ROAD | PATH, STREET_REACH_M);
+                Candidate { place, cost }
+            })
+            .min_by(|a, b| a.cost.total_cmp(&b.cost))
+            .map(|candidate| candidate.place)
     }
 
     fn warnings(&self) -> Vec<String> {
         let counts = [
-            (self.unplaced, "entrances have no free wall nearby and got no door"),
-            (self.repeated, "entrances repeat a unit of their building and got no door"),
-            (self.beyond, "doors are more than a world may have and were left out"),
+            (
+                self.unplaced,
+                "entrances have no free wall nearby and got no door",
+            ),
+            (
+                self.repeated,
+                "entrances repeat a unit of their building and got no door",
+            ),
+            (
+                self.beyond,
+                "doors are more than a world may have and were left out",
+            ),
         ];
-        counts.iter().filter(|(n, _)| *n > 0).map(|(n, words)| format!("{n} {words}")).collect()
+        counts
+            .iter()
+            .filter(|(n, _)| *n > 0)
+            .map(|(n, words)| format!("{n} {words}"))
+            .collect()
+    }
+}
+
+fn fits_on_plate(unit: &str) -> bool {
+    (1..=LONGEST_UNIT).contains(&unit.len()) && unit.bytes().all(|b| b.is_ascii_alphanumeric())
+}
+
+/// The place in a wall that is nearest to a point, far enough from its ends for a door.
+fn candidate_near(wall: Segment, point: MapPoint) -> Candidate {
+    let length = wall.length();
+    let along = nearest_share(wall, point) * length;
+    let margin = LEAF_WIDTH_M / 2.0;
+    let foot = wall.at(along.clamp(margin + 0.25, length - margin - 0.25) / length);
+    Candidate {
+        place: Place { wall, foot },
+        cost: foot.distance(point),
     }
 }
 
 /// The lowest number that is no unit yet.
 fn free_unit(used: &BTreeSet<String>, given: &[Option<String>]) -> Option<String> {
     let is_given = |n: &String| given.iter().flatten().any(|g| g == n);
-    (1..1_000).map(|n: u32| n.to_string()).find(|n| !used.contains(n) && !is_given(n))
+    (1..1_000)
+        .map(|n: u32| n.to_string())
+        .find(|n| !used.contains(n) && !is_given(n))
 }
 
 fn doorway(
     building: usize,
-    (name, unit): (String, &str),
-    (wall, position): ((MapPoint, MapPoint), MapPoint),
-    rng: &mut rand_pcg::Pcg64Mcg,
+    address: Address,
+    unit: &str,
+    Place { wall, foot }: Place,
+    rng: &mut Pcg64Mcg,
     others: &[Doorway],
 ) -> Doorway {
     let mut door = Doorway {
-        address: Address::new(name, format!("unit{unit}")),
+        address,
         text: format!("UNIT {}", unit.to_uppercase()),
         building,
-        position,
-        facing: openbench_core::frames::wrap_angle(wall.0.bearing_to(wall.1) - std::f64::consts::FRAC_PI_2),
+        position: foot,
+        facing: openbench_core::frames::wrap_angle(wall.outward()),
         wall,
         plate_offset: 0.0,
     };
-    let first = if chance(rng, 0.5) { BESIDE } else { -BESIDE };
+    let first = if chance(rng, 0.5) {
+        PLATE_OFFSET_M
+    } else {
+        -PLATE_OFFSET_M
+    };
     if !chance(rng, 0.3) {
-        door.plate_offset = [first, -first].into_iter().find(|o| has_room(&door, *o, others)).unwrap_or(0.0);
+        let offset = [first, -first]
+            .into_iter()
+            .find(|o| has_room(&door, *o, others));
+        door.plate_offset = offset.unwrap_or(0.0);
     }
     door
 }
 
+/// Whether a plate beside a door is on the wall and clear of other doors and plates.
 fn has_room(door: &Doorway, offset: f64, others: &[Doorway]) -> bool {
-    let (a, b) = door.wall;
-    let place = door.position.distance(a) + offset;
-    let on_wall = place > PLATE_WIDTH / 2.0 + 0.1 && place < a.distance(b) - PLATE_WIDTH / 2.0 - 0.1;
-    let taken = |span: (f64, f64)| place + PLATE_WIDTH / 2.0 > span.0 && place - PLATE_WIDTH / 2.0 < span.1;
-    on_wall && !others.iter().filter_map(|d| d.span_on(door.wall)).any(taken)
+    let place = door.position.distance(door.wall.a) + offset;
+    let half = PLATE_WIDTH / 2.0;
+    let on_wall =
+        place > half + PLATE_MARGIN_M && place < door.wall.length() - half - PLATE_MARGIN_M;
+    let mut spans = others.iter().filter_map(|d| d.span_on(door.wall));
+    on_wall && !spans.any(|span| place + half > span.start && place - half < span.end)
 }
 
-fn nearest_share((a, b): (MapPoint, MapPoint), p: MapPoint) -> f64 {
+fn nearest_share(wall: Segment, p: MapPoint) -> f64 {
+    let Segment { a, b } = wall;
     let (dx, dy) = (b.x - a.x, b.y - a.y);
-    (((p.x - a.x) * dx + (p.y - a.y) * dy) / (dx * dx + dy * dy).max(1e-9)).clamp(0.0, 1.0)
+    let squared = (dx * dx + dy * dy).max(1e-9);
+    (((p.x - a.x) * dx + (p.y - a.y) * dy) / squared).clamp(0.0, 1.0)
 }
 
-fn is_lived_in(building: &Building) -> bool {
+/// Whether people may live or work in a building.
+fn is_home(building: &Building) -> bool {
     const OTHER: [&str; 12] = [
         "garage",
         "garages",
@@ -305,29 +356,9 @@ fn is_lived_in(building: &Building) -> bool {
         "storage_tank",
         "service",
     ];
-    !building.tags.get("building").is_some_and(|kind| OTHER.contains(&kind)) && building.polygon.area() > 20.0
-}
-
-/// The straight walls of a building, the building on the left of each: an entrance node in a wall does not divide it.
-pub(super) fn walls(building: &Building) -> Vec<(MapPoint, MapPoint)> {
-    let rings = building.polygon.rings().map(straightened);
-    rings
-        .flat_map(|ring| (0..ring.len()).map(|i| (ring[i], ring[(i + 1) % ring.len()])).collect::<Vec<_>>())
-        .collect()
-}
-
-/// A ring without the corners at which it does not bend.
-pub(super) fn straightened(ring: &[MapPoint]) -> Vec<MapPoint> {
-    let mut kept = ring.to_vec();
-    let mut i = 0;
-    while i < kept.len() && kept.len() > 3 {
-        let n = kept.len();
-        let (before, after) = (kept[(i + n - 1) % n], kept[(i + 1) % n]);
-        if super::clearance::point_distance(kept[i], (before, after)) < 0.05 {
-            kept.remove(i);
-        } else {
-            i += 1;
-        }
-    }
-    kept
+    let is_other = building
+        .tags
+        .get("building")
+        .is_some_and(|kind| OTHER.contains(&kind));
+    !is_other && building.polygon.area() > SMALLEST_HOME_M2
 }

@@ -1,129 +1,182 @@
-//! Walls of buildings: plinth, bands between storeys, corner stones, downpipes. What is in them is for
-//! [`windows`](super::windows) to say.
+//! Walls of buildings: plinth, bands between storeys, corner stones, downpipes. Windows and shops
+//! are built by [`windows`](super::windows).
 
-use openbench_core::{MapPoint, Pose2};
+use std::ops::Range;
+
 use openbench_osm::Polygon;
 use rand_pcg::Pcg64Mcg;
 
-use super::Site;
-use super::buildings::{House, Roof};
 use super::clearance::BUILDING;
-use super::entrances::Doorway;
-use super::shapes::{along, panel, wall};
+use super::doorway::Doorway;
+use super::house::{House, PARAPET_M, RELIEF_M, Roof};
+use super::inputs::Inputs;
+use super::output::Output;
+use super::segment::Segment;
+use super::shapes::{panel, wall};
+use super::windows;
 use crate::scene::Layer;
 
 /// Height of the plinth, metres.
-const PLINTH: f64 = 0.5;
-/// How far plinths and window frames stand out of the wall, metres.
-pub(super) const RELIEF: f64 = 0.03;
-/// Height of a parapet, metres.
-pub(super) const PARAPET: f64 = 0.5;
-/// Width of corner stones, and of a downpipe, metres.
-const QUOIN: f64 = 0.38;
-const PIPE: f64 = 0.09;
+const PLINTH_M: f64 = 0.5;
+/// Width of corner stones, metres.
+const QUOIN_WIDTH_M: f64 = 0.38;
+/// Width of a downpipe, metres.
+const PIPE_WIDTH_M: f64 = 0.09;
 /// A wall that is shorter has neither windows nor ornaments, metres.
-const SHORTEST: f64 = 1.6;
+const SHORTEST_M: f64 = 1.6;
+/// A wall of a part that is lower has no windows, metres.
+const LOWEST_M: f64 = 2.2;
 
-impl Site {
-    /// The wall from `a` to `b`, the building on its left.
-    pub(super) fn facade(
-        &mut self,
-        house: &House,
-        (a, b): (MapPoint, MapPoint),
-        doors: &[Doorway],
-        rng: &mut Pcg64Mcg,
-    ) {
-        self.bare_wall(house, (a, b));
-        let out = a.bearing_to(b) - std::f64::consts::FRAC_PI_2;
-        let plinth = (0.0, PLINTH.min(house.eaves / 4.0));
-        wall(&mut self.builder, Layer::Visible, house.plinth, raised((a, b), RELIEF), plinth);
-        let length = a.distance(b);
-        if house.plain || self.is_full() || length < SHORTEST || self.is_party_wall(a, b, out) {
-            return;
-        }
-        let spans: Vec<(f64, f64)> = doors.iter().filter_map(|d| d.span_on((a, b))).collect();
-        self.ornaments(house, (a, b), &spans);
-        self.windows(house, (a, b), (&spans, 0.0), rng);
+/// Builds a wall that stands on the ground.
+pub(super) fn build(
+    inputs: &Inputs,
+    out: &mut Output,
+    house: &House,
+    line: Segment,
+    doors: &[Doorway],
+    rng: &mut Pcg64Mcg,
+) {
+    bare_wall(out, house, line);
+    let plinth = 0.0..PLINTH_M.min(house.eaves / 4.0);
+    wall(
+        &mut out.scene,
+        Layer::Visible,
+        house.plinth,
+        raised(line, RELIEF_M),
+        plinth,
+    );
+    let is_bare = house.plain || out.is_full() || line.length() < SHORTEST_M;
+    if is_bare || is_party_wall(inputs, line) {
+        return;
     }
+    let spans: Vec<Range<f64>> = doors.iter().filter_map(|d| d.span_on(line)).collect();
+    ornaments(inputs, out, house, line, &spans);
+    windows::build(inputs, out, house, line, &spans, 0.0, rng);
+}
 
-    /// A wall of a part that stands on another part, `hidden` by others up to so many metres.
-    pub(super) fn facade_above(
-        &mut self,
-        house: &House,
-        (a, b): (MapPoint, MapPoint),
-        (outline, hidden): (&Polygon, f64),
-        rng: &mut Pcg64Mcg,
-    ) {
-        self.bare_wall(house, (a, b));
-        let out = a.bearing_to(b) - std::f64::consts::FRAC_PI_2;
-        let is_inside = outline.contains(along(a, b, 0.5).offset(out, 0.4));
-        let low = house.eaves - house.foot < 2.2;
-        if house.plain || self.is_full() || low || a.distance(b) < SHORTEST {
-            return;
-        }
-        if is_inside || !self.is_party_wall(a, b, out) {
-            self.windows(house, (a, b), (&[], hidden), rng);
-        }
+/// Builds a wall of a part that stands on another part of the building with this `outline`; other
+/// parts hide it up to `hidden` metres.
+pub(super) fn build_above(
+    inputs: &Inputs,
+    out: &mut Output,
+    house: &House,
+    line: Segment,
+    outline: &Polygon,
+    hidden: f64,
+    rng: &mut Pcg64Mcg,
+) {
+    bare_wall(out, house, line);
+    let is_low = house.eaves - house.foot < LOWEST_M;
+    if house.plain || out.is_full() || is_low || line.length() < SHORTEST_M {
+        return;
     }
-
-    fn bare_wall(&mut self, house: &House, line: (MapPoint, MapPoint)) {
-        let top = house.eaves + if house.roof == Roof::Flat { PARAPET } else { 0.0 };
-        // A robot meets what stands on the ground only.
-        let layer = if house.foot == 0.0 { Layer::Both } else { Layer::Visible };
-        wall(&mut self.builder, layer, house.facade, line, (house.foot, top));
+    let is_inside = outline.contains(line.middle().offset(line.outward(), 0.4));
+    if is_inside || !is_party_wall(inputs, line) {
+        windows::build(inputs, out, house, line, &[], hidden, rng);
     }
+}
 
-    fn ornaments(&mut self, house: &House, (a, b): (MapPoint, MapPoint), doors: &[(f64, f64)]) {
-        let storey = house.eaves / house.levels as f64;
-        let bands = if house.levels > 1 { house.bands.min(house.levels - 1) } else { 0 };
-        for level in 1..=bands {
-            let z = storey * level as f64;
-            wall(&mut self.builder, Layer::Visible, house.trim, raised((a, b), RELIEF), (z - 0.1, z + 0.08));
-        }
-        if house.roof == Roof::Flat && house.bands > 0 {
-            let z = (house.eaves - 0.1, house.eaves + 0.14);
-            wall(&mut self.builder, Layer::Visible, house.trim, raised((a, b), 2.0 * RELIEF), z);
-        }
-        let length = a.distance(b);
-        let is_free = |from: f64, to: f64| doors.iter().all(|d| to < d.0 || from > d.1);
-        if house.quoins && length > 3.0 {
-            for (from, to) in [(0.0, QUOIN), (length - QUOIN, length)] {
-                if is_free(from, to) {
-                    let line = raised((along(a, b, from / length), along(a, b, to / length)), RELIEF);
-                    wall(&mut self.builder, Layer::Visible, self.palette.quoins, line, (PLINTH, house.eaves));
-                }
+fn bare_wall(out: &mut Output, house: &House, line: Segment) {
+    let parapet = if house.roof == Roof::Flat {
+        PARAPET_M
+    } else {
+        0.0
+    };
+    // A robot meets what stands on the ground only.
+    let layer = if house.foot == 0.0 {
+        Layer::Both
+    } else {
+        Layer::Visible
+    };
+    let z = house.foot..house.eaves + parapet;
+    wall(&mut out.scene, layer, house.facade, line, z);
+}
+
+fn ornaments(
+    inputs: &Inputs,
+    out: &mut Output,
+    house: &House,
+    line: Segment,
+    doors: &[Range<f64>],
+) {
+    bands(out, house, line);
+    let length = line.length();
+    let is_free = |span: &Range<f64>| {
+        doors
+            .iter()
+            .all(|d| span.end < d.start || span.start > d.end)
+    };
+    if house.quoins && length > 3.0 {
+        for span in [0.0..QUOIN_WIDTH_M, length - QUOIN_WIDTH_M..length] {
+            if is_free(&span) {
+                let stones = raised(line.part(span.start / length, span.end / length), RELIEF_M);
+                let z = PLINTH_M..house.eaves;
+                wall(
+                    &mut out.scene,
+                    Layer::Visible,
+                    inputs.palette.quoins,
+                    stones,
+                    z,
+                );
             }
         }
-        let pipe = (QUOIN + 0.1, QUOIN + 0.1 + PIPE);
-        if house.detailed && length > 4.0 && is_free(pipe.0, pipe.1) {
-            let out = a.bearing_to(b) - std::f64::consts::FRAC_PI_2;
-            let foot = |run: f64| along(a, b, run / length).offset(out, 2.0 * RELIEF);
-            let line = (foot(pipe.0), foot(pipe.1));
-            panel(
-                &mut self.builder,
-                Layer::Visible,
-                self.palette.downpipe.material,
-                line,
-                (0.1, house.eaves),
-            );
-        }
     }
-
-    fn is_party_wall(&self, a: MapPoint, b: MapPoint, out: f64) -> bool {
-        let middle = along(a, b, 0.5);
-        !self.clearance.is_free(middle.offset(out, 0.4), middle.offset(out, 0.8), 0.2, BUILDING)
+    let pipe = QUOIN_WIDTH_M + 0.1..QUOIN_WIDTH_M + 0.1 + PIPE_WIDTH_M;
+    if house.detailed && length > 4.0 && is_free(&pipe) {
+        let foot = |run: f64| line.at(run / length).offset(line.outward(), 2.0 * RELIEF_M);
+        let face = Segment::new(foot(pipe.start), foot(pipe.end));
+        let material = inputs.palette.downpipe.material;
+        panel(
+            &mut out.scene,
+            Layer::Visible,
+            material,
+            face,
+            0.1..house.eaves,
+        );
     }
 }
 
-/// The line moved out of the wall by `relief` metres, and longer by as much, so that it closes round the corners.
-fn raised((a, b): (MapPoint, MapPoint), relief: f64) -> (MapPoint, MapPoint) {
-    let over = relief / a.distance(b).max(relief);
-    let out = a.bearing_to(b) - std::f64::consts::FRAC_PI_2;
-    (along(a, b, -over).offset(out, relief), along(a, b, 1.0 + over).offset(out, relief))
+/// Bands between the storeys, and one below a flat roof.
+fn bands(out: &mut Output, house: &House, line: Segment) {
+    let storey = house.storey();
+    let count = if house.levels > 1 {
+        house.bands.min(house.levels - 1)
+    } else {
+        0
+    };
+    for level in 1..=count {
+        let z = storey * level as f64;
+        let band = raised(line, RELIEF_M);
+        wall(
+            &mut out.scene,
+            Layer::Visible,
+            house.trim,
+            band,
+            z - 0.1..z + 0.08,
+        );
+    }
+    if house.roof == Roof::Flat && house.bands > 0 {
+        let cornice = raised(line, 2.0 * RELIEF_M);
+        let z = house.eaves - 0.1..house.eaves + 0.14;
+        wall(&mut out.scene, Layer::Visible, house.trim, cornice, z);
+    }
 }
 
-/// At a share of the wall from `a` to `b`, facing away from the building on its left.
-pub(super) fn facing_out(a: MapPoint, b: MapPoint, share: f64) -> Pose2 {
-    let p = along(a, b, share);
-    Pose2::new(p.x, p.y, a.bearing_to(b) - std::f64::consts::FRAC_PI_2)
+/// Whether another building stands right before the middle of a wall.
+fn is_party_wall(inputs: &Inputs, line: Segment) -> bool {
+    let before = |distance: f64| line.middle().offset(line.outward(), distance);
+    !inputs
+        .clearance
+        .is_free(Segment::new(before(0.4), before(0.8)), 0.2, BUILDING)
+}
+
+/// The line moved out of the wall by `relief` metres, and longer by as much, so that it closes
+/// around the corners.
+fn raised(line: Segment, relief: f64) -> Segment {
+    let over = relief / line.length().max(relief);
+    let out = line.outward();
+    Segment::new(
+        line.at(-over).offset(out, relief),
+        line.at(1.0 + over).offset(out, relief),
+    )
 }

@@ -1,206 +1,286 @@
-//! Lamps, benches, baskets, boxes, hydrants, bollards and poles at the map's nodes; bins that the seed adds.
+//! Street furniture at the map's nodes: lamps, benches, baskets, boxes, hydrants, bollards, poles.
+
+use std::f64::consts::FRAC_PI_2;
 
 use openbench_core::Pose2;
-use rand_pcg::Pcg64Mcg;
+use openbench_core::frames::wrap_angle;
 
-use super::clearance::{BARRIER, BUILDING, DOOR, OBJECT, PATH, PAVED, ROAD, START, WATER};
-use super::element_number;
-use super::entrances::walls;
-use super::facades::facing_out;
-use super::lanes::ends;
-use super::seeds::{Purpose, between, chance, pick, stream};
-use super::shapes::{Surface, along, cuboid, prism};
-use super::{Feature, Site};
+use super::clearance::{BUILDING, DOOR, START};
+use super::features::Feature;
+use super::inputs::Inputs;
+use super::occupied::Occupied;
+use super::output::Output;
+use super::palette::Palette;
+use super::seeds::{Purpose, between, stream};
+use super::shapes::{Block, Frustum, Surface, cuboid, frustum};
 use crate::material::SemanticClass;
-use crate::scene::Layer;
+use crate::scene::{Layer, SceneBuilder};
 
-/// A thing further than this from every road or path looks to the east, metres.
-const FACING: f64 = 200.0;
+/// A thing farther than this from every road or path faces east, metres.
+const FACING_REACH_M: f64 = 200.0;
+/// Free radius that a thing needs, metres.
+const FREE_RADIUS_M: f64 = 0.3;
+/// Radius that a thing keeps free, metres.
+const KEPT_RADIUS_M: f64 = 0.4;
 
-/// A larger building has its bins inside, m².
-const MOST_WITH_BINS: f64 = 500.0;
-
-impl Site {
-    pub(super) fn furniture(&mut self) {
-        let features = std::mem::take(&mut self.features);
-        let mut in_the_way = 0;
-        for feature in &features {
-            let Some((kind, build)) =
-                build_of(feature).filter(|_| self.extent.holds(feature.position, super::GROUND_MARGIN))
-            else {
-                continue;
-            };
-            let p = feature.position;
-            if self.is_full() {
-                break;
-            }
-            if !self.clearance.is_free(p, p, 0.3, BUILDING | DOOR | START) {
-                in_the_way += 1;
-                continue;
-            }
-            let pose = Pose2::new(p.x, p.y, self.facing(feature));
-            self.builder.object(kind, SemanticClass::Furniture);
-            build(self, pose, feature);
-            self.clearance.add(p, p, 0.4, OBJECT);
+/// Builds the map's furniture.
+pub(super) fn build(inputs: &Inputs, occupied: &mut Occupied, out: &mut Output) {
+    let mut in_the_way = 0;
+    for feature in inputs
+        .features
+        .iter()
+        .filter(|f| inputs.is_on_ground(f.position))
+    {
+        let Some(kind) = kind_of(feature) else {
+            continue;
+        };
+        if out.is_full() {
+            break;
         }
-        if in_the_way > 0 {
-            self.warnings.push(format!(
-                "{in_the_way} pieces of furniture stand in front of doors or in buildings and were left out"
-            ));
+        let p = feature.position;
+        if !occupied.is_free_at(p, FREE_RADIUS_M, BUILDING | DOOR | START) {
+            in_the_way += 1;
+            continue;
         }
-        self.features = features;
+        out.scene.object(kind.value, SemanticClass::Furniture);
+        let mut piece = Piece {
+            scene: &mut out.scene,
+            palette: &inputs.palette,
+            pose: Pose2::new(p.x, p.y, facing(inputs, feature)),
+            seed: inputs.seed,
+            node: feature.node,
+        };
+        (kind.build)(&mut piece);
+        occupied.add_disc(p, KEPT_RADIUS_M);
     }
-
-    /// Towards the nearest road or path, unless the map says otherwise.
-    fn facing(&self, feature: &Feature) -> f64 {
-        if let Some(degrees) =
-            feature.tags.get("direction").and_then(|d| d.parse::<f64>().ok()).filter(|d| d.is_finite())
-        {
-            return openbench_core::frames::wrap_angle(std::f64::consts::FRAC_PI_2 - degrees.to_radians());
-        }
-        let nearest = self.lanes.nearest(&self.map.roads, feature.position, FACING);
-        let nearest = nearest.map(|(segment, _)| ends(&self.map.roads, segment));
-        nearest.map_or(0.0, |(a, b)| {
-            let length = a.distance(b).max(1e-9);
-            let (run, _) = Pose2::new(a.x, a.y, a.bearing_to(b)).inverse_transform(feature.position);
-            feature.position.bearing_to(along(a, b, (run / length).clamp(0.0, 1.0)))
-        })
-    }
-
-    /// Wheelie bins at the walls of houses, where they stand in nobody's way.
-    pub(super) fn bins(&mut self) {
-        let buildings = std::mem::take(&mut self.map.buildings);
-        let in_the_way = DOOR | PATH | ROAD | PAVED | START | BARRIER | OBJECT | WATER;
-        for building in buildings.iter().filter(|b| b.polygon.area() < MOST_WITH_BINS) {
-            let mut rng = stream(self.seed, Purpose::Furniture, element_number(building.element) | 1 << 63);
-            let sides = walls(building);
-            let (a, b) = pick(&mut rng, &sides);
-            let (count, share) = (1 + usize::from(chance(&mut rng, 0.6)), between(&mut rng, 0.2, 0.8));
-            if a.distance(b) < 4.0 || !chance(&mut rng, self.options.planting) {
-                continue;
-            }
-            let wall = facing_out(a, b, share);
-            let near = self.extent.holds(wall.point(), super::GROUND_MARGIN);
-            for i in 0..count {
-                let p = wall.transform(0.5, 0.8 * i as f64);
-                let before = wall.transform(1.9, 0.8 * i as f64);
-                let free = self.clearance.is_free(p, p, 0.45, in_the_way)
-                    && self.clearance.is_free(before, before, 1.0, BUILDING | BARRIER);
-                if near && free && !self.is_full() {
-                    self.bin(Pose2::new(p.x, p.y, wall.yaw), &mut rng);
-                    self.clearance.add(p, p, 0.3, OBJECT);
-                }
-            }
-        }
-        self.map.buildings = buildings;
-    }
-
-    fn bin(&mut self, pose: Pose2, rng: &mut Pcg64Mcg) {
-        self.builder.object("bin", SemanticClass::Furniture);
-        let palette = &self.palette;
-        let body = pick(rng, &[palette.dark_metal, palette.green, palette.dark_metal]);
-        let lid = pick(rng, &[palette.green, palette.yellow, palette.dark_metal, palette.metal]);
-        self.add_box(Layer::Both, body, pose, [-0.32, -0.28, 0.08], [0.32, 0.28, 0.95]);
-        self.add_box(Layer::Visible, lid, pose, [-0.36, -0.31, 0.95], [0.36, 0.31, 1.03]);
-    }
-
-    fn add_box(&mut self, layer: Layer, surface: Surface, pose: Pose2, min: [f64; 3], max: [f64; 3]) {
-        cuboid(&mut self.builder, layer, surface, pose, (min, max));
-    }
-
-    fn lamp(&mut self, pose: Pose2, feature: &Feature) {
-        let mut rng = stream(self.seed, Purpose::Furniture, feature.node as u64);
-        let height = between(&mut rng, 4.6, 5.4);
-        let (metal, glass) = (self.palette.dark_metal, self.palette.lamp_glass);
-        let p = pose.point();
-        prism(&mut self.builder, Layer::Both, metal, (p, 6), ((0.0, 0.6), (0.11, 0.10)));
-        prism(&mut self.builder, Layer::Both, metal, (p, 6), ((0.6, height), (0.06, 0.045)));
-        self.add_box(Layer::Visible, metal, pose, [0.0, -0.04, height - 0.06], [1.0, 0.04, height]);
-        self.add_box(Layer::Visible, metal, pose, [0.7, -0.14, height], [1.3, 0.14, height + 0.08]);
-        self.add_box(Layer::Visible, glass, pose, [0.78, -0.11, height - 0.09], [1.25, 0.11, height]);
-    }
-
-    fn bench(&mut self, pose: Pose2, _: &Feature) {
-        let (wood, metal) = (self.palette.wood, self.palette.dark_metal);
-        for x in [-0.18, 0.0, 0.18] {
-            self.add_box(Layer::Both, wood, pose, [x - 0.075, -0.8, 0.42], [x + 0.075, 0.8, 0.46]);
-        }
-        for z in [0.58, 0.74] {
-            self.add_box(Layer::Both, wood, pose, [-0.30, -0.8, z], [-0.26, 0.8, z + 0.12]);
-        }
-        for y in [-0.65, 0.6] {
-            self.add_box(Layer::Both, metal, pose, [-0.25, y, 0.0], [0.22, y + 0.06, 0.42]);
-            self.add_box(Layer::Visible, metal, pose, [-0.26, y, 0.42], [-0.22, y + 0.06, 0.86]);
-        }
-    }
-
-    fn waste_basket(&mut self, pose: Pose2, _: &Feature) {
-        let (green, metal) = (self.palette.green, self.palette.dark_metal);
-        prism(&mut self.builder, Layer::Both, green, (pose.point(), 8), ((0.05, 0.85), (0.2, 0.24)));
-        prism(&mut self.builder, Layer::Visible, metal, (pose.point(), 8), ((0.85, 0.9), (0.26, 0.2)));
-    }
-
-    fn post_box(&mut self, pose: Pose2, _: &Feature) {
-        let (red, dark) = (self.palette.red, self.palette.dark_metal);
-        self.add_box(Layer::Both, dark, pose, [-0.12, -0.12, 0.0], [0.12, 0.12, 0.7]);
-        self.add_box(Layer::Both, red, pose, [-0.2, -0.25, 0.7], [0.2, 0.25, 1.35]);
-        self.add_box(Layer::Visible, dark, pose, [0.2, -0.16, 1.15], [0.21, 0.16, 1.19]);
-    }
-
-    fn hydrant(&mut self, pose: Pose2, _: &Feature) {
-        let (red, yellow) = (self.palette.red, self.palette.yellow);
-        let p = pose.point();
-        prism(&mut self.builder, Layer::Both, red, (p, 8), ((0.0, 0.55), (0.13, 0.12)));
-        prism(&mut self.builder, Layer::Both, yellow, (p, 8), ((0.55, 0.72), (0.15, 0.05)));
-        self.add_box(Layer::Visible, yellow, pose, [-0.05, -0.22, 0.36], [0.05, 0.22, 0.46]);
-    }
-
-    fn bollard(&mut self, pose: Pose2, _: &Feature) {
-        let (metal, glass) = (self.palette.metal, self.palette.red);
-        prism(&mut self.builder, Layer::Both, metal, (pose.point(), 8), ((0.0, 0.8), (0.09, 0.08)));
-        prism(&mut self.builder, Layer::Visible, glass, (pose.point(), 8), ((0.8, 0.9), (0.085, 0.03)));
-    }
-
-    fn pole(&mut self, pose: Pose2, _: &Feature) {
-        let wood = self.palette.bark;
-        prism(&mut self.builder, Layer::Both, wood, (pose.point(), 8), ((0.0, 8.0), (0.15, 0.11)));
-        self.add_box(Layer::Visible, wood, pose, [-0.06, -0.9, 7.2], [0.06, 0.9, 7.35]);
-    }
-
-    fn container(&mut self, pose: Pose2, _: &Feature) {
-        let (green, yellow) = (self.palette.green, self.palette.yellow);
-        self.add_box(Layer::Both, green, pose, [-0.5, -1.3, 0.0], [0.5, -0.05, 1.4]);
-        self.add_box(Layer::Both, yellow, pose, [-0.5, 0.05, 0.0], [0.5, 1.3, 1.4]);
-    }
-
-    fn stop_sign(&mut self, pose: Pose2, _: &Feature) {
-        let (metal, glass, yellow) = (self.palette.metal, self.palette.lamp_glass, self.palette.yellow);
-        prism(&mut self.builder, Layer::Both, metal, (pose.point(), 6), ((0.0, 2.6), (0.04, 0.04)));
-        self.add_box(Layer::Visible, yellow, pose, [-0.03, -0.25, 2.2], [0.03, 0.25, 2.7]);
-        self.add_box(Layer::Visible, glass, pose, [-0.03, -0.2, 1.3], [0.03, 0.2, 1.8]);
+    if in_the_way > 0 {
+        out.warnings.push(format!(
+            "{in_the_way} pieces of furniture stand in front of doors or in buildings and were \
+             left out"
+        ));
     }
 }
 
-type Build = fn(&mut Site, Pose2, &Feature);
+/// Towards the nearest road or path, unless the map has a direction: radians.
+fn facing(inputs: &Inputs, feature: &Feature) -> f64 {
+    let direction = feature
+        .tags
+        .get("direction")
+        .and_then(|d| d.parse::<f64>().ok());
+    if let Some(degrees) = direction.filter(|d| d.is_finite()) {
+        return wrap_angle(FRAC_PI_2 - degrees.to_radians());
+    }
+    let roads = &inputs.map.roads;
+    let nearest = inputs
+        .lanes
+        .nearest(roads, feature.position, FACING_REACH_M);
+    nearest.map_or(0.0, |nearest| {
+        let ends = nearest.lane.ends(roads);
+        let length = ends.length().max(1e-9);
+        let (run, _) = ends.pose().inverse_transform(feature.position);
+        feature
+            .position
+            .bearing_to(ends.at((run / length).clamp(0.0, 1.0)))
+    })
+}
 
-/// The kind of thing, and how it is built.
-fn build_of(feature: &Feature) -> Option<(&'static str, Build)> {
-    let table: [((&str, &'static str), Build); 10] = [
-        (("highway", "street_lamp"), Site::lamp),
-        (("amenity", "bench"), Site::bench),
-        (("amenity", "waste_basket"), Site::waste_basket),
-        (("amenity", "waste_disposal"), Site::container),
-        (("amenity", "recycling"), Site::container),
-        (("amenity", "post_box"), Site::post_box),
-        (("emergency", "fire_hydrant"), Site::hydrant),
-        (("barrier", "bollard"), Site::bollard),
-        (("power", "pole"), Site::pole),
-        (("highway", "bus_stop"), Site::stop_sign),
-    ];
-    let found = table.into_iter().find(|((key, value), _)| feature.tags.is(key, value))?;
+/// A kind of furniture: its tag, and the function that builds it.
+struct Kind {
+    key: &'static str,
+    value: &'static str,
+    build: fn(&mut Piece),
+}
+
+const KINDS: [Kind; 10] = [
+    Kind {
+        key: "highway",
+        value: "street_lamp",
+        build: lamp,
+    },
+    Kind {
+        key: "amenity",
+        value: "bench",
+        build: bench,
+    },
+    Kind {
+        key: "amenity",
+        value: "waste_basket",
+        build: waste_basket,
+    },
+    Kind {
+        key: "amenity",
+        value: "waste_disposal",
+        build: container,
+    },
+    Kind {
+        key: "amenity",
+        value: "recycling",
+        build: container,
+    },
+    Kind {
+        key: "amenity",
+        value: "post_box",
+        build: post_box,
+    },
+    Kind {
+        key: "emergency",
+        value: "fire_hydrant",
+        build: hydrant,
+    },
+    Kind {
+        key: "barrier",
+        value: "bollard",
+        build: bollard,
+    },
+    Kind {
+        key: "power",
+        value: "pole",
+        build: pole,
+    },
+    Kind {
+        key: "highway",
+        value: "bus_stop",
+        build: stop_sign,
+    },
+];
+
+/// The kind of furniture that a node stands for.
+fn kind_of(feature: &Feature) -> Option<&'static Kind> {
     let underground = feature.tags.is("fire_hydrant:type", "underground");
-    let ((_, kind), build) = found;
-    (!underground).then_some((kind, build))
+    let kind = KINDS
+        .iter()
+        .find(|kind| feature.tags.is(kind.key, kind.value));
+    kind.filter(|_| !underground)
+}
+
+/// A piece of furniture under construction. It faces along its pose.
+struct Piece<'a> {
+    scene: &'a mut SceneBuilder,
+    palette: &'a Palette,
+    pose: Pose2,
+    seed: u64,
+    /// Number of the map's node.
+    node: i64,
+}
+
+impl Piece<'_> {
+    fn block(&mut self, layer: Layer, surface: Surface, min: [f64; 3], max: [f64; 3]) {
+        cuboid(self.scene, layer, surface, self.pose, Block { min, max });
+    }
+
+    /// A round post between two heights, with radii at its foot and its top, metres.
+    fn post(&mut self, layer: Layer, surface: Surface, sides: usize, z: [f64; 2], radii: [f64; 2]) {
+        let center = self.pose.point();
+        let post = Frustum {
+            center,
+            sides,
+            z: z[0]..z[1],
+            radii,
+        };
+        frustum(self.scene, layer, surface, post);
+    }
+}
+
+fn lamp(piece: &mut Piece) {
+    let mut rng = stream(piece.seed, Purpose::Furniture, piece.node as u64);
+    let height = between(&mut rng, 4.6, 5.4);
+    let (metal, glass) = (piece.palette.dark_metal, piece.palette.lamp_glass);
+    let (low, seen) = (height - 0.06, Layer::Visible);
+    piece.post(Layer::Both, metal, 6, [0.0, 0.6], [0.11, 0.10]);
+    piece.post(Layer::Both, metal, 6, [0.6, height], [0.06, 0.045]);
+    piece.block(seen, metal, [0.0, -0.04, low], [1.0, 0.04, height]);
+    piece.block(
+        seen,
+        metal,
+        [0.7, -0.14, height],
+        [1.3, 0.14, height + 0.08],
+    );
+    piece.block(
+        seen,
+        glass,
+        [0.78, -0.11, height - 0.09],
+        [1.25, 0.11, height],
+    );
+}
+
+fn bench(piece: &mut Piece) {
+    let (wood, metal) = (piece.palette.wood, piece.palette.dark_metal);
+    for x in [-0.18, 0.0, 0.18] {
+        piece.block(
+            Layer::Both,
+            wood,
+            [x - 0.075, -0.8, 0.42],
+            [x + 0.075, 0.8, 0.46],
+        );
+    }
+    for z in [0.58, 0.74] {
+        piece.block(Layer::Both, wood, [-0.30, -0.8, z], [-0.26, 0.8, z + 0.12]);
+    }
+    for y in [-0.65, 0.6] {
+        piece.block(Layer::Both, metal, [-0.25, y, 0.0], [0.22, y + 0.06, 0.42]);
+        piece.block(
+            Layer::Visible,
+            metal,
+            [-0.26, y, 0.42],
+            [-0.22, y + 0.06, 0.86],
+        );
+    }
+}
+
+fn waste_basket(piece: &mut Piece) {
+    let (green, metal) = (piece.palette.green, piece.palette.dark_metal);
+    piece.post(Layer::Both, green, 8, [0.05, 0.85], [0.2, 0.24]);
+    piece.post(Layer::Visible, metal, 8, [0.85, 0.9], [0.26, 0.2]);
+}
+
+fn post_box(piece: &mut Piece) {
+    let (red, dark) = (piece.palette.red, piece.palette.dark_metal);
+    piece.block(Layer::Both, dark, [-0.12, -0.12, 0.0], [0.12, 0.12, 0.7]);
+    piece.block(Layer::Both, red, [-0.2, -0.25, 0.7], [0.2, 0.25, 1.35]);
+    piece.block(Layer::Visible, dark, [0.2, -0.16, 1.15], [0.21, 0.16, 1.19]);
+}
+
+fn hydrant(piece: &mut Piece) {
+    let (red, yellow) = (piece.palette.red, piece.palette.yellow);
+    piece.post(Layer::Both, red, 8, [0.0, 0.55], [0.13, 0.12]);
+    piece.post(Layer::Both, yellow, 8, [0.55, 0.72], [0.15, 0.05]);
+    piece.block(
+        Layer::Visible,
+        yellow,
+        [-0.05, -0.22, 0.36],
+        [0.05, 0.22, 0.46],
+    );
+}
+
+fn bollard(piece: &mut Piece) {
+    let (metal, red) = (piece.palette.metal, piece.palette.red);
+    piece.post(Layer::Both, metal, 8, [0.0, 0.8], [0.09, 0.08]);
+    piece.post(Layer::Visible, red, 8, [0.8, 0.9], [0.085, 0.03]);
+}
+
+fn pole(piece: &mut Piece) {
+    let wood = piece.palette.bark;
+    piece.post(Layer::Both, wood, 8, [0.0, 8.0], [0.15, 0.11]);
+    piece.block(Layer::Visible, wood, [-0.06, -0.9, 7.2], [0.06, 0.9, 7.35]);
+}
+
+fn container(piece: &mut Piece) {
+    let (green, yellow) = (piece.palette.green, piece.palette.yellow);
+    piece.block(Layer::Both, green, [-0.5, -1.3, 0.0], [0.5, -0.05, 1.4]);
+    piece.block(Layer::Both, yellow, [-0.5, 0.05, 0.0], [0.5, 1.3, 1.4]);
+}
+
+fn stop_sign(piece: &mut Piece) {
+    let palette = piece.palette;
+    let (metal, glass, yellow) = (palette.metal, palette.lamp_glass, palette.yellow);
+    piece.post(Layer::Both, metal, 6, [0.0, 2.6], [0.04, 0.04]);
+    piece.block(
+        Layer::Visible,
+        yellow,
+        [-0.03, -0.25, 2.2],
+        [0.03, 0.25, 2.7],
+    );
+    piece.block(Layer::Visible, glass, [-0.03, -0.2, 1.3], [0.03, 0.2, 1.8]);
 }
 
 #[cfg(test)]
@@ -216,9 +296,12 @@ mod tests {
             position: MapPoint::default(),
             tags: tags.iter().copied().collect::<Tags>(),
         };
-        assert!(build_of(&feature(&[("emergency", "fire_hydrant")])).is_some());
-        let hidden = [("emergency", "fire_hydrant"), ("fire_hydrant:type", "underground")];
-        assert!(build_of(&feature(&hidden)).is_none());
-        assert!(build_of(&feature(&[("amenity", "cafe")])).is_none());
+        assert!(kind_of(&feature(&[("emergency", "fire_hydrant")])).is_some());
+        let hidden = [
+            ("emergency", "fire_hydrant"),
+            ("fire_hydrant:type", "underground"),
+        ];
+        assert!(kind_of(&feature(&hidden)).is_none());
+        assert!(kind_of(&feature(&[("amenity", "cafe")])).is_none());
     }
 }

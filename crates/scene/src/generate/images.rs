@@ -16,7 +16,11 @@ pub(super) fn paint(width: u32, height: u32, texel: impl Fn(u32, u32) -> [u8; 4]
             rgba.extend(texel(x, y));
         }
     }
-    Texture { width, height, rgba: Arc::from(rgba) }
+    Texture {
+        width,
+        height,
+        rgba: Arc::from(rgba),
+    }
 }
 
 /// A colour from numbers between 0 and 1.
@@ -38,11 +42,16 @@ pub(super) fn speck(x: u32, y: u32, seed: u64) -> f32 {
 pub(super) fn cloud(x: u32, y: u32, grain: u32, seed: u64) -> f32 {
     let period = SIDE / grain;
     let smooth = |t: f32| t * t * (3.0 - 2.0 * t);
-    let (tx, ty) = (smooth((x % grain) as f32 / grain as f32), smooth((y % grain) as f32 / grain as f32));
+    let (tx, ty) = (
+        smooth((x % grain) as f32 / grain as f32),
+        smooth((y % grain) as f32 / grain as f32),
+    );
     let (cx, cy) = (x / grain, y / grain);
     let knot = |i: u32, j: u32| speck((cx + i) % period, (cy + j) % period, seed);
-    let (top, bottom) =
-        (knot(0, 0) + (knot(1, 0) - knot(0, 0)) * tx, knot(0, 1) + (knot(1, 1) - knot(0, 1)) * tx);
+    let (top, bottom) = (
+        knot(0, 0) + (knot(1, 0) - knot(0, 0)) * tx,
+        knot(0, 1) + (knot(1, 1) - knot(0, 1)) * tx,
+    );
     top + (bottom - top) * ty
 }
 
@@ -66,14 +75,20 @@ pub(super) fn bricks(seed: u64) -> Texture {
 
 /// Rendered wall with faint stains.
 pub(super) fn plaster(seed: u64) -> Texture {
-    paint(SIDE, SIDE, |x, y| grey(0.90 + 0.07 * rough(x, y, seed) + 0.04 * speck(x, y, seed)))
+    paint(SIDE, SIDE, |x, y| {
+        grey(0.90 + 0.07 * rough(x, y, seed) + 0.04 * speck(x, y, seed))
+    })
 }
 
 /// Horizontal boards, 10 in the image (about 2 m).
 pub(super) fn siding(seed: u64) -> Texture {
     paint(SIDE, SIDE, |x, y| {
         let (board, within) = (y * 10 / SIDE, (y * 10 % SIDE) as f32 / SIDE as f32);
-        let edge = if within > 0.90 { 0.55 } else { 0.86 + 0.12 * within };
+        let edge = if within > 0.90 {
+            0.55
+        } else {
+            0.86 + 0.12 * within
+        };
         let tone = 0.05 * speck(0, board, seed) + 0.04 * cloud(x, y, 32, seed);
         grey(edge + tone)
     })
@@ -101,7 +116,9 @@ pub(super) fn tiles(seed: u64) -> Texture {
         let bulge = 1.0 - (across - 0.5) * (across - 0.5);
         let lip = if within > 0.86 { 0.55 } else { 1.0 };
         grey(
-            (0.62 + 0.16 * speck(shifted * 12 / SIDE, row, seed) + 0.08 * speck(x, y, seed)) * bulge * lip
+            (0.62 + 0.16 * speck(shifted * 12 / SIDE, row, seed) + 0.08 * speck(x, y, seed))
+                * bulge
+                * lip
                 + 0.08,
         )
     })
@@ -109,7 +126,9 @@ pub(super) fn tiles(seed: u64) -> Texture {
 
 /// Small stones: asphalt, roof gravel.
 pub(super) fn grit(seed: u64) -> Texture {
-    paint(SIDE, SIDE, |x, y| grey(0.70 + 0.16 * rough(x, y, seed) + 0.22 * speck(x, y, seed)))
+    paint(SIDE, SIDE, |x, y| {
+        grey(0.70 + 0.16 * rough(x, y, seed) + 0.22 * speck(x, y, seed))
+    })
 }
 
 /// Paving slabs, 4 by 4 (about 2 m).
@@ -120,7 +139,11 @@ pub(super) fn slabs(seed: u64) -> Texture {
         if shifted % 64 < 2 || y % 64 < 2 {
             return grey(0.56 + 0.12 * speck(x, y, seed));
         }
-        let stain = if cloud(x, y, 16, seed ^ 9) > 0.80 { 0.06 } else { 0.0 };
+        let stain = if cloud(x, y, 16, seed ^ 9) > 0.80 {
+            0.06
+        } else {
+            0.0
+        };
         let tone = 0.78 + 0.13 * speck(shifted / 64, row, seed) + 0.08 * rough(x, y, seed);
         grey(tone - stain + 0.10 * (speck(x, y, seed) - 0.5))
     })
@@ -144,7 +167,10 @@ pub(super) fn grass(seed: u64) -> Texture {
         let lean = (8.0 * cloud(x, y, 32, seed ^ 11)) as u32;
         let blades = 0.6 * speck((x + lean) % SIDE, y / 5, seed) + 0.4 * speck(x, y / 2, seed ^ 3);
         let patch = rough(x, y, seed);
-        rgb([0.32 + 0.16 * patch, 0.45 + 0.06 * patch, 0.20], 0.56 + 0.52 * blades)
+        rgb(
+            [0.32 + 0.16 * patch, 0.45 + 0.06 * patch, 0.20],
+            0.56 + 0.52 * blades,
+        )
     })
 }
 
@@ -152,7 +178,10 @@ pub(super) fn grass(seed: u64) -> Texture {
 pub(super) fn earth(seed: u64) -> Texture {
     paint(SIDE, SIDE, |x, y| {
         let chips = speck(x / 3, y / 2, seed);
-        rgb([0.36, 0.27, 0.19], 0.55 + 0.4 * chips + 0.25 * rough(x, y, seed))
+        rgb(
+            [0.36, 0.27, 0.19],
+            0.55 + 0.4 * chips + 0.25 * rough(x, y, seed),
+        )
     })
 }
 
@@ -193,7 +222,10 @@ fn leafage(x: u32, y: u32, seed: u64) -> f32 {
 pub(super) fn foliage(seed: u64) -> Texture {
     paint(SIDE, SIDE, |x, y| {
         let depth = 0.72 + 0.4 * cloud(x, y, 32, seed ^ 4);
-        rgb([0.62, 0.86, 0.44], (leafage(x, y, seed) * depth + 0.10).min(1.1))
+        rgb(
+            [0.62, 0.86, 0.44],
+            (leafage(x, y, seed) * depth + 0.10).min(1.1),
+        )
     })
 }
 
@@ -215,7 +247,11 @@ pub(super) fn leaves(seed: u64) -> Texture {
         let (number, edge) = leaf(x, y, 16, seed);
         let gap = cloud(x, y, 32, seed ^ 4) + 0.35 * ((number >> 48 & 0xff) as f32 / 255.0 - 0.5);
         let mut texel = rgb([0.62, 0.86, 0.44], leafage(x, y, seed) + 0.16);
-        texel[3] = if gap < 0.34 || gap < 0.46 && edge > 0.8 { 0 } else { 255 };
+        texel[3] = if gap < 0.34 || gap < 0.46 && edge > 0.8 {
+            0
+        } else {
+            255
+        };
         texel
     })
 }
@@ -231,14 +267,23 @@ pub(super) fn ripples(seed: u64) -> Texture {
 
 /// Stones end to end, one in the image (about 1 m).
 pub(super) fn kerbstones(seed: u64) -> Texture {
-    paint(SIDE, SIDE, |x, y| grey(if x < 5 { 0.58 } else { 0.86 + 0.12 * rough(x, y, seed) }))
+    paint(SIDE, SIDE, |x, y| {
+        grey(if x < 5 {
+            0.58
+        } else {
+            0.86 + 0.12 * rough(x, y, seed)
+        })
+    })
 }
 
 /// Upright furrows.
 pub(super) fn bark(seed: u64) -> Texture {
     paint(64, 64, |x, y| {
         let furrow = speck(x / 3, y / 12, seed);
-        rgb([0.42, 0.33, 0.26], 0.55 + 0.45 * furrow + 0.15 * speck(x, y, seed))
+        rgb(
+            [0.42, 0.33, 0.26],
+            0.55 + 0.45 * furrow + 0.15 * speck(x, y, seed),
+        )
     })
 }
 

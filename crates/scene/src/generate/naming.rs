@@ -1,54 +1,71 @@
-//! What the buildings are called: instructions, public map and doors must agree on it, and no two may be called the same.
+//! Names of the buildings: instructions, the public map and doors must agree on them, and no two
+//! buildings may have the same.
 //!
-//! A name of the map is kept if it is the building's alone; else street and house number are taken, if they are. A building
-//! without a name gets the address that stands on a node in it or at its door, else an invented number in the nearest named
-//! street, counted along it with even numbers on the right, else `building<N>`.
+//! A name of the map is kept if it is the building's alone; else street and house number, if they
+//! are. A building without a name gets the address of a node in it or at its door, else an invented
+//! number in the nearest named street, else `building<N>`. Invented numbers count along the street,
+//! even ones on the right.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use openbench_core::{Address, MapPoint, Pose2};
-use openbench_osm::names::fold;
-use openbench_osm::{Building, ElementId, ElementKind, Location, OsmData, OsmMap, Tags, locate};
+use openbench_core::{Address, MapPoint};
+use openbench_osm::names::{building_name, fold};
+use openbench_osm::{
+    Building, ElementId, ElementKind, Location, OsmData, OsmMap, Road, Tags, locate,
+};
 
-use super::lanes::{Lanes, ends};
-use super::streets::profile;
+use super::lanes::Lanes;
+use super::profile::profile;
 
-/// A street further than this from a door is not the one that it is in, metres.
-const NEAR_STREET: f64 = 60.0;
+/// A street farther than this from a door is not the door's street, metres.
+const NEAR_STREET_M: f64 = 60.0;
 /// A node with an address within this distance of a building is that building's, metres.
-const NEAR_NODE: f64 = 3.0;
-/// House numbers go up by two in so many metres.
-const PLOT: f64 = 12.0;
+const NEAR_NODE_M: f64 = 3.0;
+/// Length of street in which house numbers go up by two, metres.
+const PLOT_M: f64 = 12.0;
 /// The highest house number that is tried.
 const MOST_NUMBERS: u32 = 20_000;
+/// Longest name that instructions can use, characters.
+const LONGEST_NAME: usize = 60;
 
 /// Gives names to buildings.
 pub(super) struct Names<'a> {
     map: &'a OsmMap,
     streets: Lanes,
-    /// For each road how far along its street it begins, metres.
+    /// For each road the position along its street at which it begins, metres.
     begins: Vec<f64>,
     /// Addresses on nodes, by building.
-    addresses: BTreeMap<usize, (String, String)>,
+    addresses: BTreeMap<usize, StreetAddress>,
     /// Names that were given, folded.
     taken: BTreeSet<String>,
     given: BTreeMap<ElementId, String>,
     tags: Vec<(ElementId, Tags)>,
 }
 
+/// Street and house number.
+struct StreetAddress {
+    street: String,
+    number: String,
+}
+
+/// A name, and the tags that the public map needs for it.
+struct Named {
+    name: String,
+    tags: Tags,
+}
+
 impl<'a> Names<'a> {
+    /// No names yet for the buildings of `map`, which was made of `data`.
     pub fn new(map: &'a OsmMap, data: &OsmData) -> Self {
-        let is_street = |r: &openbench_osm::Road| r.tags.has("name") && profile(&r.tags).is_some();
+        let is_street = |r: &Road| r.tags.has("name") && profile(&r.tags).is_some();
         let mut lengths: BTreeMap<&str, f64> = BTreeMap::new();
-        let begins = map
-            .roads
-            .iter()
-            .map(|road| {
-                let length: f64 = road.points.windows(2).map(|p| p[0].distance(p[1])).sum();
-                let so_far = lengths.entry(road.tags.get("name").unwrap_or_default()).or_default();
-                std::mem::replace(so_far, *so_far + length)
-            })
-            .collect();
+        let mut begins = Vec::with_capacity(map.roads.len());
+        for road in &map.roads {
+            let street = road.tags.get("name").unwrap_or_default();
+            let so_far = lengths.entry(street).or_default();
+            begins.push(*so_far);
+            *so_far += length(&road.points);
+        }
         Self {
             map,
             streets: Lanes::new(&map.roads, is_street),
@@ -60,19 +77,19 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// What a building is called so far.
+    /// The name that a building has so far.
     pub fn given(&self, index: usize) -> Option<String> {
         let building = &self.map.buildings[index];
         self.given.get(&building.element).cloned()
     }
 
-    /// What a building with a door at `door` is called.
+    /// The name of a building with a door at `door`.
     pub fn of(&mut self, index: usize, door: MapPoint) -> String {
         let building = &self.map.buildings[index];
         if let Some(name) = self.given.get(&building.element) {
             return name.clone();
         }
-        let (name, tags) = self.choose(index, building, door);
+        let Named { name, tags } = self.choose(index, building, door);
         if !tags.is_empty() {
             self.taken.insert(fold(&name));
             self.tags.push((building.element, tags));
@@ -81,7 +98,7 @@ impl<'a> Names<'a> {
         name
     }
 
-    /// Writes what was given into the public map.
+    /// Writes the names that the map lacks into the public map.
     pub fn write(self, public: &mut OsmData) {
         for (element, added) in self.tags {
             let tags = match element.kind {
@@ -89,102 +106,152 @@ impl<'a> Names<'a> {
                 ElementKind::Relation => public.relations.get_mut(&element.id).map(|r| &mut r.tags),
                 ElementKind::Node => None,
             };
-            if let Some(tags) = tags {
-                added.iter().for_each(|(key, value)| drop(tags.insert(key, value)));
+            let Some(tags) = tags else { continue };
+            for (key, value) in added.iter() {
+                tags.insert(key, value);
             }
         }
     }
 
-    /// A name, and the tags that the public map needs for it.
-    fn choose(&self, index: usize, building: &Building, door: MapPoint) -> (String, Tags) {
-        let tags = &building.tags;
-        let own = |key: &str| tags.get(key).map(str::to_owned);
+    fn choose(&self, index: usize, building: &Building, door: MapPoint) -> Named {
+        let own = |key: &str| building.tags.get(key).map(str::to_owned);
         let street = own("addr:street").or_else(|| own("addr:place"));
-        let address = street.clone().zip(own("addr:housenumber")).map(|(s, n)| format!("{s} {n}"));
-        let bare = building.name.is_some() && building.name == own("addr:housenumber");
-        let known = building.name.clone().filter(|_| !bare).into_iter().chain(address);
-        let known: Vec<String> = known.filter(|name| is_plain(name)).collect();
+        let number = own("addr:housenumber");
+        let known = known_names(building, street.as_deref(), number.as_deref());
         if let Some(name) = known.iter().find(|name| self.is_unique(name)) {
-            return (name.clone(), Tags::new());
+            return Named {
+                name: name.clone(),
+                tags: Tags::new(),
+            };
         }
-        if let Some((street, number)) = self.addresses.get(&index)
-            && let Some(found) = self.address(street, number)
-        {
+        let on_node = self.addresses.get(&index);
+        if let Some(found) = on_node.and_then(|a| self.address(&a.street, &a.number)) {
             return found;
         }
-        if let Some(found) = self.in_street(own("addr:housenumber").filter(|_| street.is_none()), door) {
+        if let Some(found) = self.in_street(number.filter(|_| street.is_none()), door) {
             return found;
         }
-        if let Some(name) = known.into_iter().next() {
-            return (name, Tags::new());
+        match known.into_iter().next() {
+            Some(name) => Named {
+                name,
+                tags: Tags::new(),
+            },
+            None => self.numbered(index),
         }
-        let numbers = index + 1..=index + self.map.buildings.len() + 1;
-        let name =
-            numbers.map(|n| format!("building{n}")).find(|name| self.is_free(name)).unwrap_or_default();
-        (name.clone(), Tags::from([("name", name)]))
     }
 
-    /// A number in the nearest named street: the one that is told, or an invented one.
-    fn in_street(&self, told: Option<String>, door: MapPoint) -> Option<(String, Tags)> {
-        let (segment, _) = self.streets.nearest(&self.map.roads, door, NEAR_STREET)?;
-        let road = &self.map.roads[segment.0 as usize];
+    /// `building<N>`, with the first number from the building's index on that is free.
+    fn numbered(&self, index: usize) -> Named {
+        let mut names = (index + 1..=index + self.map.buildings.len() + 1)
+            .map(|number| format!("building{number}"));
+        let name = names.find(|name| self.is_free(name)).unwrap_or_default();
+        Named {
+            name: name.clone(),
+            tags: Tags::from([("name", name)]),
+        }
+    }
+
+    /// A number in the nearest named street: the one that is given, or an invented one.
+    fn in_street(&self, given: Option<String>, door: MapPoint) -> Option<Named> {
+        let lane = self
+            .streets
+            .nearest(&self.map.roads, door, NEAR_STREET_M)?
+            .lane;
+        let road = &self.map.roads[lane.road as usize];
         let street = road.tags.get("name").filter(|name| is_plain(name))?;
-        if let Some(found) = told.and_then(|number| self.address(street, &number)) {
+        if let Some(found) = given.and_then(|number| self.address(street, &number)) {
             return Some(found);
         }
-        let (a, b) = ends(&self.map.roads, segment);
-        let (run, aside) = Pose2::new(a.x, a.y, a.bearing_to(b)).inverse_transform(door);
-        let before: f64 =
-            road.points[..=segment.1 as usize].windows(2).map(|p| p[0].distance(p[1])).sum::<f64>();
-        let plot = ((self.begins[segment.0 as usize] + before + run.max(0.0)) / PLOT).min(1e6) as u32;
+        let (run, aside) = lane.ends(&self.map.roads).pose().inverse_transform(door);
+        let before = length(&road.points[..=lane.segment as usize]);
+        let along = self.begins[lane.road as usize] + before + run.max(0.0);
+        let plot = (along / PLOT_M).min(1e6) as u32;
         let first = 2 * (plot % (MOST_NUMBERS / 2)) + if aside > 0.0 { 1 } else { 2 };
-        (first..=MOST_NUMBERS + 2).step_by(2).find_map(|number| self.address(street, &number.to_string()))
+        (first..=MOST_NUMBERS + 2)
+            .step_by(2)
+            .find_map(|number| self.address(street, &number.to_string()))
     }
 
-    /// Street and number as a name with its tags, if it is nobody's yet.
-    fn address(&self, street: &str, number: &str) -> Option<(String, Tags)> {
+    /// Street and number as a name with its tags, if no building has it yet.
+    fn address(&self, street: &str, number: &str) -> Option<Named> {
         let name = format!("{street} {number}");
         let tags = Tags::from([("addr:street", street), ("addr:housenumber", number)]);
-        (is_plain(&name) && self.is_free(&name)).then_some((name, tags))
+        (is_plain(&name) && self.is_free(&name)).then_some(Named { name, tags })
     }
 
     fn is_unique(&self, name: &str) -> bool {
-        let address = Address { building: name.to_owned(), unit: None };
-        matches!(locate(self.map, &address), Location::Building(_) | Location::Unit { .. })
-            && !self.taken.contains(&fold(name))
+        let found = matches!(
+            self.locate(name),
+            Location::Building(_) | Location::Unit { .. }
+        );
+        found && !self.taken.contains(&fold(name))
     }
 
     fn is_free(&self, name: &str) -> bool {
-        let address = Address { building: name.to_owned(), unit: None };
-        let found = match locate(self.map, &address) {
+        let found = match self.locate(name) {
             Location::Unknown => false,
             // The address on a door or node of the building itself is lost with the doors.
             Location::Building(i) | Location::Unit { building: i, .. } => {
                 let tags = &self.map.buildings[i].tags;
-                openbench_osm::names::building_name(tags).is_some_and(|n| fold(&n) == fold(name))
+                building_name(tags).is_some_and(|n| fold(&n) == fold(name))
             }
             Location::Ambiguous(_) => true,
         };
         !found && !self.taken.contains(&fold(name))
     }
+
+    fn locate(&self, name: &str) -> Location {
+        let address = Address {
+            building: name.to_owned(),
+            unit: None,
+        };
+        locate(self.map, &address)
+    }
+}
+
+/// The names that the map has for a building: its own, then street and number. A house number alone
+/// is no name.
+fn known_names(building: &Building, street: Option<&str>, number: Option<&str>) -> Vec<String> {
+    let address = street
+        .zip(number)
+        .map(|(street, number)| format!("{street} {number}"));
+    let is_number = building.name.is_some() && building.name.as_deref() == number;
+    let name = building.name.clone().filter(|_| !is_number);
+    name.into_iter()
+        .chain(address)
+        .filter(|name| is_plain(name))
+        .collect()
 }
 
 /// The lowest address on a node in or at each building.
-fn addresses(map: &OsmMap, data: &OsmData) -> BTreeMap<usize, (String, String)> {
+fn addresses(map: &OsmMap, data: &OsmData) -> BTreeMap<usize, StreetAddress> {
     let mut found = BTreeMap::new();
     for node in data.nodes.values() {
-        let street = node.tags.get("addr:street").or_else(|| node.tags.get("addr:place"));
-        let Some((street, number)) = street.zip(node.tags.get("addr:housenumber")) else { continue };
+        let tags = &node.tags;
+        let street = tags.get("addr:street").or_else(|| tags.get("addr:place"));
+        let Some((street, number)) = street.zip(tags.get("addr:housenumber")) else {
+            continue;
+        };
         let point = map.projection.to_map(node.position);
-        let near = map.nearest_building(point).filter(|i| map.distance_to_building(*i, point) <= NEAR_NODE);
+        let nearest = map.nearest_building(point);
+        let near = nearest.filter(|i| map.distance_to_building(*i, point) <= NEAR_NODE_M);
         if let Some(building) = near {
-            found.entry(building).or_insert_with(|| (street.to_owned(), number.to_owned()));
+            found.entry(building).or_insert_with(|| StreetAddress {
+                street: street.to_owned(),
+                number: number.to_owned(),
+            });
         }
     }
     found
 }
 
-/// Whether a name can be said in one breath: no list, no paragraph.
+/// Whether a name is one that instructions can use: no list, no paragraph.
 fn is_plain(name: &str) -> bool {
-    !name.trim().is_empty() && name.chars().count() <= 60 && !name.contains([';', '\n', '|'])
+    let short = name.chars().count() <= LONGEST_NAME;
+    !name.trim().is_empty() && short && !name.contains([';', '\n', '|'])
+}
+
+/// Length of a line, metres.
+fn length(line: &[MapPoint]) -> f64 {
+    line.windows(2).map(|pair| pair[0].distance(pair[1])).sum()
 }

@@ -3,6 +3,9 @@
 use super::images::{paint, rgb, speck};
 use crate::material::Texture;
 
+/// Width of a window with its shutters, in widths of the window.
+pub(super) const SHUTTERED_WIDTHS: f64 = 1.8;
+
 /// How a window is divided.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Glazing {
@@ -36,9 +39,16 @@ pub(super) fn window(frame: [f32; 3], glazing: Glazing, curtains: bool, seed: u6
             let fold = if (x / 3) % 2 == 0 { 0.86 } else { 0.74 };
             return rgb([0.88, 0.86, 0.80], fold * reveal * 0.85);
         }
-        let streak = if (u + v * 0.7 + 0.2).fract() < 0.22 { 0.16 } else { 0.0 };
+        let streak = if (u + v * 0.7 + 0.2).fract() < 0.22 {
+            0.16
+        } else {
+            0.0
+        };
         let sky = 0.50 - 0.26 * v + streak;
-        rgb([0.62 + 0.1 * v, 0.76, 0.90], (sky + 0.03 * speck(x, y, seed)) * reveal)
+        rgb(
+            [0.62 + 0.1 * v, 0.76, 0.90],
+            (sky + 0.03 * speck(x, y, seed)) * reveal,
+        )
     })
 }
 
@@ -49,10 +59,19 @@ pub(super) fn with_shutters(window: &Texture, color: [f32; 3], widths: f64) -> T
     paint(width, window.height, |x, y| {
         if (side..side + window.width).contains(&x) {
             let at = 4 * (y * window.width + x - side) as usize;
-            return [window.rgba[at], window.rgba[at + 1], window.rgba[at + 2], 255];
+            return [
+                window.rgba[at],
+                window.rgba[at + 1],
+                window.rgba[at + 2],
+                255,
+            ];
         }
         let across = if x < side { x } else { x - side - window.width };
-        let frame = across < 4 || across + 4 >= side || y < 5 || y + 5 >= window.height || y.abs_diff(56) < 3;
+        let frame = across < 4
+            || across + 4 >= side
+            || y < 5
+            || y + 5 >= window.height
+            || y.abs_diff(56) < 3;
         let slat = [0.62, 0.74, 0.90, 1.0, 0.98, 0.84][(y % 6) as usize];
         rgb(color, if frame { 0.92 } else { slat })
     })
@@ -63,14 +82,20 @@ pub(super) fn shop_window(look: u32, seed: u64) -> Texture {
     let (width, height) = (160_u32, 112_u32);
     paint(width, height, |x, y| {
         let bar = x < 5 || x + 5 >= width || y < 5 || y + 5 >= height;
-        if bar || look == 0 && x.abs_diff(width / 2) < 3 || look == 1 && y.abs_diff(height / 4) < 2 {
+        if bar || look == 0 && x.abs_diff(width / 2) < 3 || look == 1 && y.abs_diff(height / 4) < 2
+        {
             return rgb([0.22, 0.23, 0.25], 0.9);
         }
         let (u, v) = (x as f32 / width as f32, y as f32 / height as f32);
-        let streak = if (u + v * 0.6 + 0.3).fract() < 0.16 { 0.12 } else { 0.0 };
+        let streak = if (u + v * 0.6 + 0.3).fract() < 0.16 {
+            0.12
+        } else {
+            0.0
+        };
         // Goods on shelves, dim behind the glass.
         let (shelf, place) = (y / 22, x / 12);
-        let is_good = y % 22 > 6 + (speck(place, shelf, seed) * 9.0) as u32 && x % 12 > 2 && v > 0.28;
+        let is_good =
+            y % 22 > 6 + (speck(place, shelf, seed) * 9.0) as u32 && x % 12 > 2 && v > 0.28;
         if is_good {
             let hue = |k: u32| 0.35 + 0.6 * speck(place * 3 + k, shelf + 7 * look, seed ^ 5);
             return rgb([hue(0), hue(1), hue(2)], 0.80 + streak);
@@ -81,7 +106,9 @@ pub(super) fn shop_window(look: u32, seed: u64) -> Texture {
 
 /// Stripes for awnings, light and dark, grey for tinting.
 pub(super) fn stripes() -> Texture {
-    paint(64, 64, |x, _| rgb([1.0; 3], if x / 16 % 2 == 0 { 1.0 } else { 0.62 }))
+    paint(64, 64, |x, _| {
+        rgb([1.0; 3], if x / 16 % 2 == 0 { 1.0 } else { 0.62 })
+    })
 }
 
 fn is_bar(x: u32, y: u32, (width, height): (u32, u32), glazing: Glazing) -> bool {
@@ -102,7 +129,8 @@ fn is_bar(x: u32, y: u32, (width, height): (u32, u32), glazing: Glazing) -> bool
 pub(super) fn door(glass: bool) -> Texture {
     let (width, height) = (96_u32, 192_u32);
     paint(width, height, |x, y| {
-        if (76..86).contains(&x) && (98..102).contains(&y) || (81..86).contains(&x) && (92..112).contains(&y)
+        if (76..86).contains(&x) && (98..102).contains(&y)
+            || (81..86).contains(&x) && (92..112).contains(&y)
         {
             return rgb([0.95, 0.9, 0.75], 0.95);
         }
@@ -113,7 +141,14 @@ pub(super) fn door(glass: bool) -> Texture {
             let streak = if (x + y / 2) % 48 < 12 { 0.16 } else { 0.0 };
             return rgb([0.55, 0.68, 0.78], 0.55 + streak);
         }
-        rgb([1.0; 3], if inside <= 2 { if depth { 0.55 } else { 0.98 } } else { 0.78 })
+        rgb(
+            [1.0; 3],
+            if inside <= 2 {
+                if depth { 0.55 } else { 0.98 }
+            } else {
+                0.78
+            },
+        )
     })
 }
 
@@ -131,7 +166,14 @@ fn door_panel(x: u32, y: u32) -> Option<(u32, bool)> {
 pub(super) fn garage() -> Texture {
     paint(128, 128, |x, y| {
         let groove = y % 26 < 2 || x % 32 < 1;
-        rgb([1.0; 3], if groove { 0.6 } else { 0.9 - 0.02 * speck(x / 4, y / 4, 2) })
+        rgb(
+            [1.0; 3],
+            if groove {
+                0.6
+            } else {
+                0.9 - 0.02 * speck(x / 4, y / 4, 2)
+            },
+        )
     })
 }
 
@@ -140,7 +182,14 @@ pub(super) fn pickets() -> Texture {
     paint(128, 128, |x, y| {
         let picket = x % 16 < 10 && y >= (x % 16).abs_diff(5);
         let rail = (22..32).contains(&y) || (92..102).contains(&y);
-        let mut texel = rgb([1.0; 3], if picket { 0.9 - 0.1 * speck(x / 16, 0, 6) } else { 0.72 });
+        let mut texel = rgb(
+            [1.0; 3],
+            if picket {
+                0.9 - 0.1 * speck(x / 16, 0, 6)
+            } else {
+                0.72
+            },
+        );
         texel[3] = if picket || rail { 255 } else { 0 };
         texel
     })

@@ -1,9 +1,11 @@
-//! Streams of random numbers: one for each purpose and element, so that they do not depend on each other.
+//! Streams of random numbers: one for each purpose and element, so that one more tree in the map
+//! does not repaint the houses.
 
+use openbench_osm::{ElementId, ElementKind};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
-/// What a stream is drawn for.
+/// The purpose of a stream.
 #[derive(Debug, Clone, Copy)]
 #[repr(u64)]
 pub(super) enum Purpose {
@@ -25,6 +27,16 @@ pub(super) fn stream(seed: u64, purpose: Purpose, element: u64) -> Pcg64Mcg {
     Pcg64Mcg::new((u128::from(mixed) << 64) | u128::from(mix(mixed)))
 }
 
+/// A number for an element; a way and a relation of one number have different ones.
+pub(super) fn element_number(element: ElementId) -> u64 {
+    let kind = match element.kind {
+        ElementKind::Node => 0,
+        ElementKind::Way => 1,
+        ElementKind::Relation => 2,
+    };
+    (element.id as u64).wrapping_mul(3).wrapping_add(kind)
+}
+
 /// A number between `low` and `high`.
 pub(super) fn between(rng: &mut Pcg64Mcg, low: f64, high: f64) -> f64 {
     low + (high - low) * rng.random::<f64>()
@@ -35,7 +47,7 @@ pub(super) fn pick<T: Copy>(rng: &mut Pcg64Mcg, choices: &[T]) -> T {
     choices[rng.random_range(0..choices.len() as u32) as usize]
 }
 
-/// Whether something that happens in a `share` of all cases happens now.
+/// True in a `share` of all cases.
 pub(super) fn chance(rng: &mut Pcg64Mcg, share: f64) -> bool {
     rng.random::<f64>() < share
 }

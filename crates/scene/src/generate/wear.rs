@@ -1,82 +1,113 @@
-//! What years leave on carriageways: mended places, manholes, drains at the kerb.
+//! Wear of carriageways: mended places, manholes, drains at the kerb.
+
+use std::f64::consts::FRAC_PI_4;
 
 use openbench_core::{MapPoint, Pose2};
 use openbench_osm::Road;
 use rand_pcg::Pcg64Mcg;
 
-use super::Site;
+use super::inputs::Inputs;
+use super::levels::{Z_LID_M, Z_PATCH_M};
+use super::output::Output;
+use super::profile::{Profile, profile};
 use super::seeds::{Purpose, between, chance, stream};
-use super::shapes::{Surface, along, at, facet};
-use super::streets::{Profile, profile};
-use crate::scene::Layer;
+use super::segment::segments;
+use super::shapes::{Surface, at, facet, level_rectangle};
+use crate::scene::{Layer, SceneBuilder};
 
-/// Between carriageway and lines, metres.
-const Z_PATCH: f64 = 0.013;
-const Z_LID: f64 = 0.014;
-/// One of each for so many metres of a street, in a neighbourhood and in a town.
-const SPACING: (f64, f64) = (14.0, 40.0);
+/// Length of street in a neighbourhood with one place of wear, metres.
+const SPACING_M: f64 = 14.0;
+/// The same in a town, metres.
+const TOWN_SPACING_M: f64 = 40.0;
+/// Narrowest carriageway with wear, metres.
+const NARROWEST_M: f64 = 4.5;
+/// Radius of a manhole's lid, metres.
+const LID_RADIUS_M: f64 = 0.32;
 /// Places in one segment at most.
 const MOST: usize = 200;
 
-impl Site {
-    pub(super) fn wear(&mut self) {
-        let roads = std::mem::take(&mut self.map.roads);
-        for road in &roads {
-            let worn = profile(&road.tags).filter(|p| p.for_cars && p.width >= 4.5);
-            if let Some(profile) = worn {
-                self.wear_of(road, profile);
+/// What is at a place of wear.
+struct Wear {
+    mended: bool,
+    manhole: bool,
+    drain: bool,
+}
+
+/// Builds the wear of all carriageways.
+pub(super) fn build(inputs: &Inputs, out: &mut Output) {
+    for road in &inputs.map.roads {
+        let profile = profile(&road.tags).filter(|p| p.for_cars && p.width >= NARROWEST_M);
+        if let Some(profile) = profile {
+            wear_of(inputs, out, road, profile);
+        }
+    }
+}
+
+fn wear_of(inputs: &Inputs, out: &mut Output, road: &Road, profile: Profile) {
+    let mut rng = stream(inputs.seed, Purpose::Wear, road.way as u64);
+    let spacing = if inputs.detailed {
+        SPACING_M
+    } else {
+        TOWN_SPACING_M
+    };
+    for segment in segments(&road.points) {
+        let (length, yaw) = (segment.length(), segment.bearing());
+        for i in 0..((length / spacing) as usize).min(MOST) {
+            let p = segment.at((i as f64 + between(&mut rng, 0.2, 0.8)) * spacing / length);
+            let wear = Wear {
+                mended: chance(&mut rng, 0.5),
+                manhole: chance(&mut rng, 0.4),
+                drain: chance(&mut rng, 0.5),
+            };
+            if inputs.is_on_ground(p) && !out.is_full() {
+                let pose = Pose2::new(p.x, p.y, yaw);
+                worn_place(
+                    inputs,
+                    &mut out.scene,
+                    pose,
+                    profile.width / 2.0,
+                    &wear,
+                    &mut rng,
+                );
             }
         }
-        self.map.roads = roads;
     }
+}
 
-    fn wear_of(&mut self, road: &Road, profile: Profile) {
-        let mut rng = stream(self.seed, Purpose::Wear, road.way as u64);
-        let spacing = if self.detailed { SPACING.0 } else { SPACING.1 };
-        for pair in road.points.windows(2) {
-            let (length, yaw) = (pair[0].distance(pair[1]), pair[0].bearing_to(pair[1]));
-            for i in 0..((length / spacing) as usize).min(MOST) {
-                let p = along(pair[0], pair[1], (i as f64 + between(&mut rng, 0.2, 0.8)) * spacing / length);
-                let draws = [chance(&mut rng, 0.5), chance(&mut rng, 0.4), chance(&mut rng, 0.5)];
-                if self.extent.holds(p, super::GROUND_MARGIN) && !self.is_full() {
-                    self.worn_place(Pose2::new(p.x, p.y, yaw), profile, draws, &mut rng);
-                }
-            }
-        }
+/// A place of wear on a carriageway that reaches `half` metres to each side.
+fn worn_place(
+    inputs: &Inputs,
+    scene: &mut SceneBuilder,
+    pose: Pose2,
+    half: f64,
+    wear: &Wear,
+    rng: &mut Pcg64Mcg,
+) {
+    let (patch, iron) = (inputs.palette.patch, inputs.palette.dark_metal);
+    if wear.mended {
+        let (length, width) = (between(rng, 0.8, 3.5), between(rng, 0.5, 1.4));
+        let along = between(rng, -3.0, 3.0);
+        let p = pose.transform(along, between(rng, -half + 1.0, half - 1.0));
+        let place = Pose2::new(p.x, p.y, pose.yaw);
+        level_rectangle(scene, patch, place, length, width, Z_PATCH_M);
     }
+    if wear.manhole {
+        let side = if chance(rng, 0.5) { 0.45 } else { -0.45 };
+        lid(scene, iron, pose.transform(1.5, half * side));
+    }
+    if wear.drain {
+        let side = if chance(rng, 0.5) { 1.0 } else { -1.0 };
+        let p = pose.transform(-1.5, (half - 0.22) * side);
+        let place = Pose2::new(p.x, p.y, pose.yaw);
+        level_rectangle(scene, iron, place, 0.5, 0.32, Z_LID_M);
+    }
+}
 
-    fn worn_place(
-        &mut self,
-        pose: Pose2,
-        profile: Profile,
-        [mended, manhole, drain]: [bool; 3],
-        rng: &mut Pcg64Mcg,
-    ) {
-        let half = profile.width / 2.0;
-        let (patch, lid) = (self.palette.patch, self.palette.dark_metal);
-        if mended {
-            let size = (between(rng, 0.8, 3.5), between(rng, 0.5, 1.4));
-            let place = pose.transform(between(rng, -3.0, 3.0), between(rng, -half + 1.0, half - 1.0));
-            self.covering(patch, Pose2::new(place.x, place.y, pose.yaw), size, Z_PATCH);
-        }
-        if manhole {
-            let middle = pose.transform(1.5, half * if chance(rng, 0.5) { 0.45 } else { -0.45 });
-            self.lid(lid, middle);
-        }
-        if drain {
-            let place = pose.transform(-1.5, (half - 0.22) * if chance(rng, 0.5) { 1.0 } else { -1.0 });
-            self.covering(lid, Pose2::new(place.x, place.y, pose.yaw), (0.5, 0.32), Z_LID);
-        }
-    }
-
-    fn covering(&mut self, surface: Surface, pose: Pose2, (length, width): (f64, f64), z: f64) {
-        let (x, y) = (length / 2.0, width / 2.0);
-        let corners = [(-x, -y), (x, -y), (x, y), (-x, y)].map(|(x, y)| at(pose.transform(x, y), z));
-        facet(&mut self.builder, Layer::Visible, surface, &corners);
-    }
-
-    fn lid(&mut self, surface: Surface, middle: MapPoint) {
-        let corner = |i: i32| at(middle.offset(std::f64::consts::FRAC_PI_4 * f64::from(i), 0.32), Z_LID);
-        facet(&mut self.builder, Layer::Visible, surface, &[0, 1, 2, 3, 4, 5, 6, 7].map(corner));
-    }
+/// An octagonal lid.
+fn lid(scene: &mut SceneBuilder, surface: Surface, middle: MapPoint) {
+    let corners = [0, 1, 2, 3, 4, 5, 6, 7].map(|i| {
+        let direction = FRAC_PI_4 * f64::from(i);
+        at(middle.offset(direction, LID_RADIUS_M), Z_LID_M)
+    });
+    facet(scene, Layer::Visible, surface, &corners);
 }

@@ -64,8 +64,16 @@ const PATTERNS: [(&str, Pattern); 14] = [
 /// The built-in material of that name, if Gazebo brings it and its looks are known here.
 pub(crate) fn builtin(name: &str) -> Option<Builtin> {
     let name = name.strip_prefix("Gazebo/")?;
-    let color = COLORS.iter().find(|(n, _)| *n == name).map(|(_, c)| Builtin::Color(*c));
-    color.or_else(|| PATTERNS.iter().find(|(n, _)| *n == name).map(|(_, p)| Builtin::Pattern(*p)))
+    let color = COLORS
+        .iter()
+        .find(|(n, _)| *n == name)
+        .map(|(_, c)| Builtin::Color(*c));
+    color.or_else(|| {
+        PATTERNS
+            .iter()
+            .find(|(n, _)| *n == name)
+            .map(|(_, p)| Builtin::Pattern(*p))
+    })
 }
 
 #[cfg(test)]
@@ -74,7 +82,10 @@ mod tests {
 
     #[test]
     fn only_gazebos_own_names_are_known() {
-        assert_eq!(builtin("Gazebo/Residential"), Some(Builtin::Pattern(Pattern::MarkedRoad)));
+        assert_eq!(
+            builtin("Gazebo/Residential"),
+            Some(Builtin::Pattern(Pattern::MarkedRoad))
+        );
         assert_eq!(builtin("Gazebo/Grey"), Some(Builtin::Color([0.70; 3])));
         assert_eq!(builtin("Grey"), None);
         assert_eq!(builtin("Gazebo/Nonsense"), None);

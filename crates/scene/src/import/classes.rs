@@ -29,7 +29,10 @@ const WORDS: [(SemanticClass, &[&str]); 11] = [
             "bridge",
         ],
     ),
-    (SemanticClass::Vegetation, &["tree", "bush", "hedge", "shrub", "plant", "pine", "oak"]),
+    (
+        SemanticClass::Vegetation,
+        &["tree", "bush", "hedge", "shrub", "plant", "pine", "oak"],
+    ),
     (
         SemanticClass::Vehicle,
         &[
@@ -46,12 +49,27 @@ const WORDS: [(SemanticClass, &[&str]); 11] = [
             "vehicle",
         ],
     ),
-    (SemanticClass::Person, &["person", "pedestrian", "actor", "human"]),
-    (SemanticClass::Wall, &["wall", "walls", "fence", "barrier", "gate"]),
+    (
+        SemanticClass::Person,
+        &["person", "pedestrian", "actor", "human"],
+    ),
+    (
+        SemanticClass::Wall,
+        &["wall", "walls", "fence", "barrier", "gate"],
+    ),
     (SemanticClass::Road, &["road", "asphalt", "street", "lane"]),
-    (SemanticClass::Pavement, &["sidewalk", "pavement", "footway"]),
-    (SemanticClass::Kerb, &["kerb", "curb", "kerbstone", "curbstone"]),
-    (SemanticClass::Ground, &["ground", "grass", "terrain", "heightmap"]),
+    (
+        SemanticClass::Pavement,
+        &["sidewalk", "pavement", "footway"],
+    ),
+    (
+        SemanticClass::Kerb,
+        &["kerb", "curb", "kerbstone", "curbstone"],
+    ),
+    (
+        SemanticClass::Ground,
+        &["ground", "grass", "terrain", "heightmap"],
+    ),
     (SemanticClass::Door, &["door"]),
     (
         SemanticClass::Furniture,
@@ -82,7 +100,10 @@ pub(crate) fn class_of(name: &str) -> SemanticClass {
     let lower = name.to_ascii_lowercase();
     let words: Vec<&str> = lower.split(|c: char| !c.is_ascii_alphabetic()).collect();
     let speaks = |(_, known): &&(SemanticClass, &[&str])| words.iter().any(|w| known.contains(w));
-    WORDS.iter().find(speaks).map_or(SemanticClass::Other, |(class, _)| *class)
+    WORDS
+        .iter()
+        .find(speaks)
+        .map_or(SemanticClass::Other, |(class, _)| *class)
 }
 
 #[cfg(test)]

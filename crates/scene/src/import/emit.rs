@@ -84,7 +84,8 @@ impl<'a> Emitter<'a> {
             return Ok(());
         }
         if model.links.iter().any(|link| !link.shapes.is_empty()) {
-            self.builder.object(model.name.clone(), class_of_model(model));
+            self.builder
+                .object(model.name.clone(), class_of_model(model));
         }
         for link in &model.links {
             for shape in &link.shapes {
@@ -92,13 +93,20 @@ impl<'a> Emitter<'a> {
                     model: &model.name,
                     pose: pose * link.pose * shape.pose,
                     scale,
-                    layer: if shape.visual { Layer::Visible } else { Layer::Solid },
+                    layer: if shape.visual {
+                        Layer::Visible
+                    } else {
+                        Layer::Solid
+                    },
                     class: class_of_shape(model, shape),
                 };
                 self.shape(shape, &setting)?;
             }
         }
-        model.models.iter().try_for_each(|inner| self.model(inner, &pose, &scale))
+        model
+            .models
+            .iter()
+            .try_for_each(|inner| self.model(inner, &pose, &scale))
     }
 
     /// Adds the roads, onto the ground if there is a ground plane near them. Call it after the models.
@@ -132,7 +140,11 @@ impl<'a> Emitter<'a> {
         if let Geometry::Mesh(mesh) = &shape.geometry {
             return self.mesh(mesh, shape, painted, setting);
         }
-        let color = shape.paint.as_ref().and_then(|p| p.color).unwrap_or([0.7; 3]);
+        let color = shape
+            .paint
+            .as_ref()
+            .and_then(|p| p.color)
+            .unwrap_or([0.7; 3]);
         let look = painted.unwrap_or_else(|| Look::plain(color));
         let metres = look.pattern.map(Pattern::metres);
         let part = match &shape.geometry {
@@ -140,13 +152,19 @@ impl<'a> Emitter<'a> {
             Geometry::Plane { normal, size } => {
                 self.note_ground(setting.pose * normal, setting.pose.translation.z, *size);
                 let part = forms::plane(*normal, *size, shape.visual, metres);
-                let pose = if shape.visual { setting.pose } else { along_plane(setting.pose, normal) };
+                let pose = if shape.visual {
+                    setting.pose
+                } else {
+                    along_plane(setting.pose, normal)
+                };
                 return self.part(&part, &look, &Setting { pose, ..*setting });
             }
             Geometry::Cylinder { radius, length } => forms::cylinder(*radius, *length),
             Geometry::Sphere(radius) => forms::sphere(*radius),
             Geometry::Extrusion { outlines, height } => forms::extrusion(outlines, *height, metres),
-            Geometry::Heightmap(heightmap) => return self.heightmap(heightmap, shape, look, setting),
+            Geometry::Heightmap(heightmap) => {
+                return self.heightmap(heightmap, shape, look, setting);
+            }
             Geometry::Image(image) => self.drawn_up(image, setting)?,
             Geometry::Mesh(_) => Part::default(),
         };
@@ -162,10 +180,20 @@ impl<'a> Emitter<'a> {
     ) -> Result<(), ImportError> {
         let image = read_grey(&self.file(&heightmap.uri, setting.model)?)?;
         // Gazebo paints heightmaps by their own textures alone.
-        let textured = heightmap.texture.clone().filter(|_| shape.visual && shape.paint.is_none());
-        let paint = |image| Paint { image: Some(image), ..Paint::default() };
+        let textured = heightmap
+            .texture
+            .clone()
+            .filter(|_| shape.visual && shape.paint.is_none());
+        let paint = |image| Paint {
+            image: Some(image),
+            ..Paint::default()
+        };
         let (own, tile) = match textured {
-            Some((image, tile)) => (self.looks.of_paint(self.builder, &paint(image), self.warnings)?, tile),
+            Some((image, tile)) => (
+                self.looks
+                    .of_paint(self.builder, &paint(image), self.warnings)?,
+                tile,
+            ),
             None => (None, 1.0),
         };
         let part = relief::surface(&image, heightmap, tile);
@@ -192,13 +220,23 @@ impl<'a> Emitter<'a> {
         setting: &Setting,
     ) -> Result<(), ImportError> {
         let (path, mesh) = self.load(wanted, setting.model)?;
-        let used = |p: &&Part| wanted.submesh.as_ref().is_none_or(|name| p.names.contains(name));
+        let used = |p: &&Part| {
+            wanted
+                .submesh
+                .as_ref()
+                .is_none_or(|name| p.names.contains(name))
+        };
         let parts: Vec<&Part> = mesh.parts.iter().filter(used).collect();
         if parts.is_empty() {
             let name = wanted.submesh.as_deref().unwrap_or_default();
-            self.warnings.add(format!("{} has no part `{name}`", wanted.uri));
+            self.warnings
+                .add(format!("{} has no part `{name}`", wanted.uri));
         }
-        let middle = if wanted.center { middle_of(&parts) } else { Vector3::zeros() };
+        let middle = if wanted.center {
+            middle_of(&parts)
+        } else {
+            Vector3::zeros()
+        };
         let setting = Setting {
             pose: setting.pose * nalgebra::Translation3::from(-middle.component_mul(&wanted.scale)),
             scale: setting.scale.component_mul(&wanted.scale),
@@ -211,7 +249,8 @@ impl<'a> Emitter<'a> {
                 Some(look) => look.clone(),
                 None => {
                     let paint = shape.paint.as_ref();
-                    self.looks.of_mesh(self.builder, &path, material, paint, self.warnings)?
+                    self.looks
+                        .of_mesh(self.builder, &path, material, paint, self.warnings)?
                 }
             };
             self.part(part, &look, &setting)?;
@@ -243,19 +282,30 @@ impl<'a> Emitter<'a> {
     fn part(&mut self, part: &Part, look: &Look, setting: &Setting) -> Result<(), ImportError> {
         self.triangles += part.triangles.len();
         if self.triangles > MAX_TRIANGLES {
-            return Err(ImportError::too_large(self.world, "triangles", MAX_TRIANGLES));
+            return Err(ImportError::too_large(
+                self.world,
+                "triangles",
+                MAX_TRIANGLES,
+            ));
         }
         let material = self.looks.material(self.builder, look, setting.class);
         let [su, sv] = look.stretch;
         let place = |(p, [u, v]): &Corner| -> Corner {
-            (setting.pose * Point3::from(p.coords.component_mul(&setting.scale)), [u / su, v / sv])
+            (
+                setting.pose * Point3::from(p.coords.component_mul(&setting.scale)),
+                [u / su, v / sv],
+            )
         };
         let corners: Vec<Corner> = part.corners.iter().map(place).collect();
         let mirrored = setting.scale.product() < 0.0;
         let turned = |&[a, b, c]: &[u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
         let triangles: Vec<[u32; 3]> = part.triangles.iter().map(turned).collect();
-        for _ in 0..self.builder.mesh(setting.layer, material, &corners, &triangles) {
-            self.warnings.add("triangle with a corner that is no number or too far away");
+        for _ in 0..self
+            .builder
+            .mesh(setting.layer, material, &corners, &triangles)
+        {
+            self.warnings
+                .add("triangle with a corner that is no number or too far away");
         }
         Ok(())
     }
@@ -274,7 +324,10 @@ fn along_plane(pose: Pose3, normal: &Vector3<f64>) -> Pose3 {
 /// What most of a model is: what its first shape says.
 fn class_of_model(model: &Model) -> SemanticClass {
     let first = model.links.iter().flat_map(|l| &l.shapes).next();
-    first.map_or_else(|| class_of(&model.name), |shape| class_of_shape(model, shape))
+    first.map_or_else(
+        || class_of(&model.name),
+        |shape| class_of_shape(model, shape),
+    )
 }
 
 fn class_of_shape(model: &Model, shape: &Shape) -> SemanticClass {
@@ -282,13 +335,17 @@ fn class_of_shape(model: &Model, shape: &Shape) -> SemanticClass {
         Geometry::Mesh(mesh) => model_of(&mesh.uri).map(class_of),
         _ => None,
     };
-    by_mesh.filter(|c| *c != SemanticClass::Other).unwrap_or_else(|| class_of(&model.name))
+    by_mesh
+        .filter(|c| *c != SemanticClass::Other)
+        .unwrap_or_else(|| class_of(&model.name))
 }
 
 /// Middle of the box around the parts.
 fn middle_of(parts: &[&Part]) -> Vector3<f64> {
     let mut points = parts.iter().flat_map(|p| &p.corners).map(|(p, _)| p.coords);
-    let Some(first) = points.next() else { return Vector3::zeros() };
+    let Some(first) = points.next() else {
+        return Vector3::zeros();
+    };
     let (low, high) = points.fold((first, first), |(low, high), p| (low.inf(&p), high.sup(&p)));
     (low + high) / 2.0
 }

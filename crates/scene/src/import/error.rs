@@ -2,12 +2,14 @@
 
 use std::fmt;
 use std::io;
+use std::num::{ParseFloatError, ParseIntError};
 use std::path::{Path, PathBuf};
 
 use openbench_osm::{OsmError, ProjectionError};
 
 /// A world that cannot be imported.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ImportError {
     /// The file system refused.
     #[error("cannot read {}: {source}", path.display())]
@@ -29,7 +31,48 @@ pub enum ImportError {
         /// What is wrong there.
         problem: String,
     },
-    /// A mesh or an image cannot be read.
+    /// A file is not well-formed XML.
+    #[error(
+        "{}:{line}:{column}: this is not well-formed XML: {source}; the file may be cut short",
+        path.display()
+    )]
+    Xml {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: u32,
+        /// Column, from 1.
+        column: u32,
+        /// What the parser reports.
+        source: roxmltree::Error,
+    },
+    /// A line of a Wavefront OBJ file is broken.
+    #[error("{}:{line}:1: {source}", path.display())]
+    Obj {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: u32,
+        /// What is wrong in it.
+        source: ObjError,
+    },
+    /// A file is not STL.
+    #[error("{}: this is not STL: {source}", path.display())]
+    Stl {
+        /// The file.
+        path: PathBuf,
+        /// What the parser reports.
+        source: io::Error,
+    },
+    /// An image cannot be decoded.
+    #[error("{}: cannot read this image: {source}", path.display())]
+    Image {
+        /// The file.
+        path: PathBuf,
+        /// What the decoder reports.
+        source: image::ImageError,
+    },
+    /// A mesh or an image cannot be used.
     #[error("{}: {problem}", path.display())]
     Asset {
         /// The file.
@@ -88,6 +131,48 @@ pub enum ImportError {
     },
 }
 
+/// What is wrong in a line of a Wavefront OBJ file.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ObjError {
+    /// A word should be a number.
+    #[error("`{word}` is not a number")]
+    Number {
+        /// The word.
+        word: String,
+        /// Why it is none.
+        source: ParseFloatError,
+    },
+    /// The line ends too early.
+    #[error("{needed} numbers are needed here")]
+    TooFewNumbers {
+        /// How many numbers are needed.
+        needed: usize,
+    },
+    /// A word should be an index.
+    #[error("`{word}` is not an index")]
+    Index {
+        /// The word.
+        word: String,
+        /// Why it is none.
+        source: ParseIntError,
+    },
+    /// An index names what is not there.
+    #[error("index {index} is not among {count}")]
+    OutOfRange {
+        /// The index, from 1, or from the end if negative.
+        index: i64,
+        /// How many there are so far.
+        count: usize,
+    },
+    /// The mesh is too large.
+    #[error("this mesh has more than {limit} triangles")]
+    TooManyTriangles {
+        /// How many triangles there may be.
+        limit: usize,
+    },
+}
+
 struct SearchList<'a>(&'a [PathBuf]);
 
 impl fmt::Display for SearchList<'_> {
@@ -102,15 +187,25 @@ impl fmt::Display for SearchList<'_> {
 
 impl ImportError {
     pub(crate) fn io(path: &Path, source: io::Error) -> Self {
-        Self::Io { path: path.to_owned(), source }
+        Self::Io {
+            path: path.to_owned(),
+            source,
+        }
     }
 
     pub(crate) fn asset(path: &Path, problem: impl Into<String>) -> Self {
-        Self::Asset { path: path.to_owned(), problem: problem.into() }
+        Self::Asset {
+            path: path.to_owned(),
+            problem: problem.into(),
+        }
     }
 
     pub(crate) fn too_large(path: &Path, what: &'static str, limit: usize) -> Self {
-        Self::TooLarge { path: path.to_owned(), what, limit: limit as u64 }
+        Self::TooLarge {
+            path: path.to_owned(),
+            what,
+            limit: limit as u64,
+        }
     }
 }
 
@@ -126,7 +221,12 @@ mod tests {
             searched: vec!["models".into(), "more".into()],
         };
         let text = error.to_string();
-        for part in ["fountain_3", "model://fountain/meshes/fountain.dae", "models, more", "--models"] {
+        for part in [
+            "fountain_3",
+            "model://fountain/meshes/fountain.dae",
+            "models, more",
+            "--models",
+        ] {
             assert!(text.contains(part), "{text}");
         }
     }

@@ -22,32 +22,66 @@ pub(crate) fn cuboid(size: Vector3<f64>, metres: Option<[f64; 2]>) -> Part {
         for sign in [-1.0, 1.0] {
             let mut normal = Vector3::zeros();
             normal[axis] = sign;
-            let up = if axis == 2 { Vector3::y() } else { Vector3::z() };
+            let up = if axis == 2 {
+                Vector3::y()
+            } else {
+                Vector3::z()
+            };
             let right = up.cross(&normal);
             let extent = |v: Vector3<f64>| v.abs().dot(&size);
             let repeat = metres.map_or([1.0; 2], |[u, v]| [extent(right) / u, extent(up) / v]);
             let middle = normal.component_mul(&h);
-            quad(&mut part, middle, right * extent(right), up * extent(up), repeat);
+            quad(
+                &mut part,
+                middle,
+                right * extent(right),
+                up * extent(up),
+                repeat,
+            );
         }
     }
     part
 }
 
 /// A rectangle around the origin that faces `normal`.
-pub(crate) fn plane(normal: Vector3<f64>, size: [f64; 2], visual: bool, metres: Option<[f64; 2]>) -> Part {
-    let size = if visual { size } else { size.map(|s| s.max(SOLID_PLANE_EDGE)) };
+pub(crate) fn plane(
+    normal: Vector3<f64>,
+    size: [f64; 2],
+    visual: bool,
+    metres: Option<[f64; 2]>,
+) -> Part {
+    let size = if visual {
+        size
+    } else {
+        size.map(|s| s.max(SOLID_PLANE_EDGE))
+    };
     let turn = UnitQuaternion::rotation_between(&Vector3::z(), &normal)
         .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI));
     let repeat = metres.map_or([1.0; 2], |m| [size[0] / m[0], size[1] / m[1]]);
     let mut part = Part::default();
     let (x, y) = (turn * Vector3::x(), turn * Vector3::y());
-    quad(&mut part, Vector3::zeros(), x * size[0], y * size[1], repeat);
+    quad(
+        &mut part,
+        Vector3::zeros(),
+        x * size[0],
+        y * size[1],
+        repeat,
+    );
     if !visual {
         // Collision planes are infinite in Gazebo, whatever `<size>` says.
         let [right, top] = size.map(|s| s / 2.0);
-        for Rectangle { low, high } in beyond(Rectangle { low: [-right, -top], high: [right, top] }) {
+        for Rectangle { low, high } in beyond(Rectangle {
+            low: [-right, -top],
+            high: [right, top],
+        }) {
             let middle = x * ((low[0] + high[0]) / 2.0) + y * ((low[1] + high[1]) / 2.0);
-            quad(&mut part, middle, x * (high[0] - low[0]), y * (high[1] - low[1]), [1.0; 2]);
+            quad(
+                &mut part,
+                middle,
+                x * (high[0] - low[0]),
+                y * (high[1] - low[1]),
+                [1.0; 2],
+            );
         }
     }
     part
@@ -58,25 +92,34 @@ fn quad(part: &mut Part, middle: Vector3<f64>, u: Vector3<f64>, v: Vector3<f64>,
     let repeat = repeat.map(|r| r as f32);
     for (a, b) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)] {
         let at = middle + u * (a - 0.5) + v * (b - 0.5);
-        part.corners.push((at.into(), [a as f32 * repeat[0], b as f32 * repeat[1]]));
+        part.corners
+            .push((at.into(), [a as f32 * repeat[0], b as f32 * repeat[1]]));
     }
-    part.triangles.extend([[base, base + 1, base + 2], [base, base + 2, base + 3]]);
+    part.triangles
+        .extend([[base, base + 1, base + 2], [base, base + 2, base + 3]]);
 }
 
 /// A cylinder along z around the origin.
 pub(crate) fn cylinder(radius: f64, length: f64) -> Part {
     let mut part = Part::default();
     for (z, v) in [(-length / 2.0, 0.0), (length / 2.0, 1.0)] {
-        part.corners.extend((0..=SEGMENTS).map(|i| circle_corner(radius, i, z, v)));
+        part.corners
+            .extend((0..=SEGMENTS).map(|i| circle_corner(radius, i, z, v)));
     }
     let row = SEGMENTS + 1;
-    part.triangles.extend((0..SEGMENTS).flat_map(|i| band(i, i + row)));
+    part.triangles
+        .extend((0..SEGMENTS).flat_map(|i| band(i, i + row)));
     for (start, top) in [(0, false), (row, true)] {
         let middle = part.corners.len() as u32;
         let z = if top { length / 2.0 } else { -length / 2.0 };
         part.corners.push((Point3::new(0.0, 0.0, z), [0.5, 0.5]));
-        let cap =
-            (start..start + SEGMENTS).map(|i| if top { [middle, i, i + 1] } else { [middle, i + 1, i] });
+        let cap = (start..start + SEGMENTS).map(|i| {
+            if top {
+                [middle, i, i + 1]
+            } else {
+                [middle, i + 1, i]
+            }
+        });
         part.triangles.extend(cap);
     }
     part
@@ -94,13 +137,24 @@ pub(crate) fn extrusion(outlines: &[Vec<[f64; 2]>], height: f64, metres: Option<
             ring.reverse();
         }
         for (a, b) in ring.iter().zip(ring.iter().cycle().skip(1)) {
-            let (along, up) = (Vector3::new(b.x - a.x, b.y - a.y, 0.0), Vector3::z() * height);
+            let (along, up) = (
+                Vector3::new(b.x - a.x, b.y - a.y, 0.0),
+                Vector3::z() * height,
+            );
             let repeat = metres.map_or([1.0; 2], |[u, v]| [along.norm() / u, height / v]);
-            quad(&mut part, Vector3::new(a.x, a.y, 0.0) + along / 2.0 + up / 2.0, along, up, repeat);
+            quad(
+                &mut part,
+                Vector3::new(a.x, a.y, 0.0) + along / 2.0 + up / 2.0,
+                along,
+                up,
+                repeat,
+            );
         }
         rings.push(ring);
     }
-    let Some((outer, holes)) = rings.split_first() else { return part };
+    let Some((outer, holes)) = rings.split_first() else {
+        return part;
+    };
     let [u, v] = metres.unwrap_or([1.0; 2]);
     for triangle in triangulate(outer, holes) {
         for (z, order) in [(height, [0, 1, 2]), (0.0, [0, 2, 1])] {
@@ -127,11 +181,13 @@ pub(crate) fn sphere(radius: f64) -> Part {
     for ring in 0..=RINGS {
         let v = f64::from(ring) / f64::from(RINGS);
         let (sin, cos) = libm::sincos(PI * v);
-        part.corners.extend((0..=SEGMENTS).map(|i| circle_corner(radius * sin, i, -radius * cos, v)));
+        part.corners
+            .extend((0..=SEGMENTS).map(|i| circle_corner(radius * sin, i, -radius * cos, v)));
     }
     let row = SEGMENTS + 1;
     for ring in 0..RINGS {
-        part.triangles.extend((0..SEGMENTS).flat_map(|i| band(ring * row + i, (ring + 1) * row + i)));
+        part.triangles
+            .extend((0..SEGMENTS).flat_map(|i| band(ring * row + i, (ring + 1) * row + i)));
     }
     part
 }
@@ -139,7 +195,10 @@ pub(crate) fn sphere(radius: f64) -> Part {
 fn circle_corner(radius: f64, i: u32, z: f64, v: f64) -> Corner {
     let u = f64::from(i) / f64::from(SEGMENTS);
     let (sin, cos) = libm::sincos(TAU * u);
-    (Point3::new(radius * cos, radius * sin, z), [u as f32, v as f32])
+    (
+        Point3::new(radius * cos, radius * sin, z),
+        [u as f32, v as f32],
+    )
 }
 
 /// Two triangles between neighbours in a lower and an upper row.
@@ -154,7 +213,10 @@ mod tests {
     /// Volume inside the triangles: right only if every triangle faces outward.
     fn volume(part: &Part) -> f64 {
         let p = |i: u32| part.corners[i as usize].0.coords;
-        part.triangles.iter().map(|[a, b, c]| p(*a).dot(&p(*b).cross(&p(*c))) / 6.0).sum()
+        part.triangles
+            .iter()
+            .map(|[a, b, c]| p(*a).dot(&p(*b).cross(&p(*c))) / 6.0)
+            .sum()
     }
 
     #[test]
@@ -166,7 +228,10 @@ mod tests {
         let clockwise = square(0.5).into_iter().rev().collect();
         for hole in [square(0.5), clockwise] {
             let ring = volume(&extrusion(&[square(1.0), hole], 2.0, None));
-            assert!((ring - 6.0).abs() < 1e-9, "a square yard in a square house: {ring}");
+            assert!(
+                (ring - 6.0).abs() < 1e-9,
+                "a square yard in a square house: {ring}"
+            );
         }
         let sphere = volume(&sphere(2.0)) / (4.0 / 3.0 * PI * 8.0);
         assert!((0.95..1.0).contains(&sphere), "{sphere}");
@@ -189,6 +254,10 @@ mod tests {
             };
             solid.corners.chunks(4).any(holds)
         };
-        assert!([0.0, 99.9, 100.0, 100.1, 10_000.0].into_iter().all(|d| touched(d, 0.0) && touched(-d, d)));
+        assert!(
+            [0.0, 99.9, 100.0, 100.1, 10_000.0]
+                .into_iter()
+                .all(|d| touched(d, 0.0) && touched(-d, d))
+        );
     }
 }

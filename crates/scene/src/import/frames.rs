@@ -28,9 +28,12 @@ impl Frames {
         let mut frames = BTreeMap::new();
         for tag in ["link", "model", "frame"] {
             for node in children(scope, tag) {
-                let Some(name) = node.attribute("name") else { continue };
+                let Some(name) = node.attribute("name") else {
+                    continue;
+                };
                 let (pose, relative) = pose_of(path, node)?;
-                let relative = relative.or_else(|| node.attribute("attached_to").map(str::to_owned));
+                let relative =
+                    relative.or_else(|| node.attribute("attached_to").map(str::to_owned));
                 frames.insert(name.to_owned(), (pose, relative));
             }
         }
@@ -65,21 +68,34 @@ impl Frames {
                 return Ok(pose);
             };
             let Some((own, relative)) = self.0.get(name) else {
-                warnings.add(format!("frame `{name}` is not in its model; the model's own frame is used"));
+                warnings.add(format!(
+                    "frame `{name}` is not in its model; the model's own frame is used"
+                ));
                 return Ok(pose);
             };
             pose = own * pose;
             next = relative.as_deref();
         }
-        Err(malformed(path, node, format!("frame `{name}` is defined by itself")))
+        Err(malformed(
+            path,
+            node,
+            format!("frame `{name}` is defined by itself"),
+        ))
     }
 }
 
 /// The `<pose>` of `node` and the frame that it names. No `<pose>` is no shift.
 pub(crate) fn pose_of(path: &Path, node: Node) -> Result<Relative, ImportError> {
-    let Some(pose) = child(node, "pose") else { return Ok((Pose3::identity(), None)) };
-    let frame = pose.attribute("relative_to").or_else(|| pose.attribute("frame"));
-    Ok((parse_pose(path, pose)?, frame.filter(|f| !f.is_empty()).map(str::to_owned)))
+    let Some(pose) = child(node, "pose") else {
+        return Ok((Pose3::identity(), None));
+    };
+    let frame = pose
+        .attribute("relative_to")
+        .or_else(|| pose.attribute("frame"));
+    Ok((
+        parse_pose(path, pose)?,
+        frame.filter(|f| !f.is_empty()).map(str::to_owned),
+    ))
 }
 
 /// `x y z roll pitch yaw`: metres and radians, or degrees where the element says so.
@@ -89,7 +105,11 @@ pub(crate) fn parse_pose(path: &Path, node: Node) -> Result<Pose3, ImportError> 
     }
     let [x, y, z, roll, pitch, yaw] = numbers::<6>(path, node)?;
     let degrees = matches!(node.attribute("degrees"), Some("true" | "1"));
-    let unit = if degrees { std::f64::consts::PI / 180.0 } else { 1.0 };
+    let unit = if degrees {
+        std::f64::consts::PI / 180.0
+    } else {
+        1.0
+    };
     let rotation = UnitQuaternion::from_euler_angles(roll * unit, pitch * unit, yaw * unit);
     Ok(Pose3::from_parts(Translation3::new(x, y, z), rotation))
 }
@@ -134,6 +154,9 @@ mod tests {
         let doc = parse(Path::new("f"), "<pose degrees='true'>0 0 0 90 0 90</pose>").unwrap();
         let pose = parse_pose(Path::new("f"), doc.root_element()).unwrap();
         let turned = pose * Point3::new(0.0, 1.0, 0.0);
-        assert!((turned - Point3::new(0.0, 0.0, 1.0)).norm() < 1e-12, "{turned}");
+        assert!(
+            (turned - Point3::new(0.0, 0.0, 1.0)).norm() < 1e-12,
+            "{turned}"
+        );
     }
 }

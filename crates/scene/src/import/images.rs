@@ -22,7 +22,11 @@ pub(crate) struct Images {
 
 impl Images {
     /// The texture made from the file at `path`.
-    pub(crate) fn load(&mut self, builder: &mut SceneBuilder, path: &Path) -> Result<TextureId, ImportError> {
+    pub(crate) fn load(
+        &mut self,
+        builder: &mut SceneBuilder,
+        path: &Path,
+    ) -> Result<TextureId, ImportError> {
         if let Some(id) = self.known.get(path) {
             return Ok(*id);
         }
@@ -53,8 +57,16 @@ pub(crate) fn read_grey(path: &Path) -> Result<Grey, ImportError> {
         );
         return Err(ImportError::asset(path, problem));
     }
-    let values = image.into_raw().into_iter().map(|value| f32::from(value) / f32::from(u16::MAX)).collect();
-    Ok(Grey { width: width as usize, height: height as usize, values })
+    let values = image
+        .into_raw()
+        .into_iter()
+        .map(|value| f32::from(value) / f32::from(u16::MAX))
+        .collect();
+    Ok(Grey {
+        width: width as usize,
+        height: height as usize,
+        values,
+    })
 }
 
 fn read_image(path: &Path) -> Result<Texture, ImportError> {
@@ -63,7 +75,11 @@ fn read_image(path: &Path) -> Result<Texture, ImportError> {
     if width == 0 || height == 0 {
         return Err(ImportError::asset(path, "this image is empty"));
     }
-    Ok(shrink(&Texture { width, height, rgba: rgba.into_raw().into() }))
+    Ok(shrink(&Texture {
+        width,
+        height,
+        rgba: rgba.into_raw().into(),
+    }))
 }
 
 fn decode(path: &Path) -> Result<DynamicImage, ImportError> {
@@ -72,29 +88,48 @@ fn decode(path: &Path) -> Result<DynamicImage, ImportError> {
     limits.max_image_height = Some(MAX_PIXELS_A_SIDE);
     limits.max_alloc = Some(MAX_DECODED_BYTES);
     let io = |e| ImportError::io(path, e);
-    let mut reader = ImageReader::open(path).map_err(io)?.with_guessed_format().map_err(io)?;
+    let mut reader = ImageReader::open(path)
+        .map_err(io)?
+        .with_guessed_format()
+        .map_err(io)?;
     reader.limits(limits);
-    reader.decode().map_err(|e| ImportError::asset(path, format!("cannot read this image: {e}")))
+    reader.decode().map_err(|source| ImportError::Image {
+        path: path.to_owned(),
+        source,
+    })
 }
 
 /// Averages blocks of texels until no side is longer than allowed. Transparent texels give no colour.
 fn shrink(texture: &Texture) -> Texture {
-    let factor = texture.width.max(texture.height).div_ceil(MAX_TEXELS_A_SIDE);
+    let factor = texture
+        .width
+        .max(texture.height)
+        .div_ceil(MAX_TEXELS_A_SIDE);
     if factor <= 1 {
         return texture.clone();
     }
-    let (width, height) = ((texture.width / factor).max(1), (texture.height / factor).max(1));
+    let (width, height) = (
+        (texture.width / factor).max(1),
+        (texture.height / factor).max(1),
+    );
     let mut rgba = Vec::with_capacity(4 * width as usize * height as usize);
     for y in 0..height {
         for x in 0..width {
             rgba.extend(block_mean(texture, x * factor, y * factor, factor));
         }
     }
-    Texture { width, height, rgba: rgba.into() }
+    Texture {
+        width,
+        height,
+        rgba: rgba.into(),
+    }
 }
 
 fn block_mean(texture: &Texture, x0: u32, y0: u32, factor: u32) -> [u8; 4] {
-    let (columns, rows) = (factor.min(texture.width - x0), factor.min(texture.height - y0));
+    let (columns, rows) = (
+        factor.min(texture.width - x0),
+        factor.min(texture.height - y0),
+    );
     let mut sums = [0u64; 4];
     for y in y0..y0 + rows {
         let start = 4 * (y as usize * texture.width as usize + x0 as usize);
@@ -109,7 +144,12 @@ fn block_mean(texture: &Texture, x0: u32, y0: u32, factor: u32) -> [u8; 4] {
     let alpha = sums[3];
     let color = |sum: u64| (sum + alpha / 2).checked_div(alpha).unwrap_or(0) as u8;
     let count = u64::from(columns) * u64::from(rows);
-    [color(sums[0]), color(sums[1]), color(sums[2]), ((alpha + count / 2) / count) as u8]
+    [
+        color(sums[0]),
+        color(sums[1]),
+        color(sums[2]),
+        ((alpha + count / 2) / count) as u8,
+    ]
 }
 
 #[cfg(test)]
@@ -119,8 +159,14 @@ mod tests {
     #[test]
     fn holes_do_not_darken_what_is_left() {
         let mut rgba = vec![0u8; 4 * 2048 * 2];
-        rgba.chunks_exact_mut(4).step_by(2).for_each(|t| t.copy_from_slice(&[200, 100, 50, 255]));
-        let small = shrink(&Texture { width: 2048, height: 2, rgba: rgba.into() });
+        rgba.chunks_exact_mut(4)
+            .step_by(2)
+            .for_each(|t| t.copy_from_slice(&[200, 100, 50, 255]));
+        let small = shrink(&Texture {
+            width: 2048,
+            height: 2,
+            rgba: rgba.into(),
+        });
         assert_eq!((small.width, small.height), (1024, 1));
         assert_eq!(small.rgba[..4], [200, 100, 50, 128]);
     }
@@ -130,7 +176,10 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("bad.png");
         std::fs::write(&path, b"\x89PNG\r\n\x1a\nnothing").unwrap();
-        let error = Images::default().load(&mut SceneBuilder::new(), &path).unwrap_err().to_string();
+        let error = Images::default()
+            .load(&mut SceneBuilder::new(), &path)
+            .unwrap_err()
+            .to_string();
         assert!(error.contains("bad.png"), "{error}");
     }
 }

@@ -32,14 +32,23 @@ pub(crate) struct Look {
 
 impl Default for Look {
     fn default() -> Self {
-        Self { color: [1.0; 3], texture: None, cutout: false, stretch: [1.0; 2], pattern: None }
+        Self {
+            color: [1.0; 3],
+            texture: None,
+            cutout: false,
+            stretch: [1.0; 2],
+            pattern: None,
+        }
     }
 }
 
 impl Look {
     /// One colour all over.
     pub(crate) fn plain(color: [f32; 3]) -> Self {
-        Self { color, ..Self::default() }
+        Self {
+            color,
+            ..Self::default()
+        }
     }
 }
 
@@ -79,10 +88,19 @@ impl<'a> Looks<'a> {
         look: &Look,
         class: SemanticClass,
     ) -> MaterialId {
-        let key = (class, look.color.map(f32::to_bits), look.texture, look.cutout);
+        let key = (
+            class,
+            look.color.map(f32::to_bits),
+            look.texture,
+            look.cutout,
+        );
         *self.materials.entry(key).or_insert_with(|| {
             let plain = Material::plain(class, look.color);
-            builder.material(Material { texture: look.texture, cutout: look.cutout, ..plain })
+            builder.material(Material {
+                texture: look.texture,
+                cutout: look.cutout,
+                ..plain
+            })
         })
     }
 
@@ -97,7 +115,11 @@ impl<'a> Looks<'a> {
             Some(name) => self.of_script(builder, name, &paint.uris, warnings)?,
             None => None,
         };
-        if let Some(file) = paint.image.as_ref().and_then(|i| self.search.find(i, &self.beside)) {
+        if let Some(file) = paint
+            .image
+            .as_ref()
+            .and_then(|i| self.search.find(i, &self.beside))
+        {
             look = Some(self.with_image(builder, &file, warnings)?);
         }
         if let (Some(look), Some(color)) = (&mut look, paint.color) {
@@ -117,7 +139,10 @@ impl<'a> Looks<'a> {
     ) -> Result<Look, ImportError> {
         let plain = MeshMaterial::default();
         let material = material.unwrap_or(&plain);
-        let mut look = Look { color: material.color, ..Look::default() };
+        let mut look = Look {
+            color: material.color,
+            ..Look::default()
+        };
         if let Some(name) = &material.image {
             match self.mesh_image(mesh, name) {
                 Some(file) => look = self.with_image(builder, &file, warnings)?,
@@ -136,25 +161,44 @@ impl<'a> Looks<'a> {
         uris: &[String],
         warnings: &mut Warnings,
     ) -> Result<Option<Look>, ImportError> {
-        let places: Vec<PathBuf> = uris.iter().filter_map(|u| self.search.find(u, &self.beside)).collect();
+        let places: Vec<PathBuf> = uris
+            .iter()
+            .filter_map(|u| self.search.find(u, &self.beside))
+            .collect();
         for file in script_files(&places) {
             let script = self.script(&file)?;
             if let Some(material) = script.get(name) {
-                return self.of_ogre(builder, material, name, &file, &places, warnings).map(Some);
+                return self
+                    .of_ogre(builder, material, name, &file, &places, warnings)
+                    .map(Some);
             }
         }
         match builtin(name) {
-            Some(Builtin::Color(color)) => return Ok(Some(Look { color, ..Look::default() })),
+            Some(Builtin::Color(color)) => {
+                return Ok(Some(Look {
+                    color,
+                    ..Look::default()
+                }));
+            }
             Some(Builtin::Pattern(pattern)) => return Ok(Some(self.drawn(builder, pattern))),
-            None => warnings.add(format!("material `{name}` is in no script; the mesh's own is used")),
+            None => warnings.add(format!(
+                "material `{name}` is in no script; the mesh's own is used"
+            )),
         }
         Ok(None)
     }
 
     /// The look of a drawn image.
     pub(crate) fn drawn(&mut self, builder: &mut SceneBuilder, pattern: Pattern) -> Look {
-        let texture = *self.patterns.entry(pattern).or_insert_with(|| builder.texture(pattern.draw()));
-        Look { texture: Some(texture), pattern: Some(pattern), ..Look::default() }
+        let texture = *self
+            .patterns
+            .entry(pattern)
+            .or_insert_with(|| builder.texture(pattern.draw()));
+        Look {
+            texture: Some(texture),
+            pattern: Some(pattern),
+            ..Look::default()
+        }
     }
 
     fn of_ogre(
@@ -194,12 +238,21 @@ impl<'a> Looks<'a> {
         file: &Path,
         warnings: &mut Warnings,
     ) -> Result<Look, ImportError> {
-        let ending = file.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+        let ending = file
+            .extension()
+            .and_then(|e| e.to_str())
+            .map(str::to_ascii_lowercase);
         if !matches!(ending.as_deref(), Some("png" | "jpg" | "jpeg")) {
-            warnings.add(format!("image format of {} is not supported", file.display()));
+            warnings.add(format!(
+                "image format of {} is not supported",
+                file.display()
+            ));
             return Ok(Look::default());
         }
-        Ok(Look { texture: Some(self.images.load(builder, file)?), ..Look::default() })
+        Ok(Look {
+            texture: Some(self.images.load(builder, file)?),
+            ..Look::default()
+        })
     }
 
     /// The image that a mesh file names: as it says, else that file name beside the mesh or among its model's textures.
@@ -208,8 +261,15 @@ impl<'a> Looks<'a> {
         let folder = mesh.parent()?;
         let file = Path::new(&name).file_name()?;
         let textures = folder.join("../materials/textures").join(file);
-        let beside = || [folder.join(file), textures].into_iter().find(|p| p.is_file());
-        self.search.find(&name, folder).filter(|p| p.is_file()).or_else(beside)
+        let beside = || {
+            [folder.join(file), textures]
+                .into_iter()
+                .find(|p| p.is_file())
+        };
+        self.search
+            .find(&name, folder)
+            .filter(|p| p.is_file())
+            .or_else(beside)
     }
 }
 
@@ -221,7 +281,11 @@ fn script_files(places: &[PathBuf]) -> Vec<PathBuf> {
         if place.is_file() {
             files.push(place.clone());
         } else if let Ok(entries) = std::fs::read_dir(place) {
-            let mut inside: Vec<PathBuf> = entries.flatten().map(|e| e.path()).filter(is_script).collect();
+            let mut inside: Vec<PathBuf> = entries
+                .flatten()
+                .map(|e| e.path())
+                .filter(is_script)
+                .collect();
             inside.sort();
             files.extend(inside);
         }

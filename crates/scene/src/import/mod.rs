@@ -43,7 +43,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use openbench_core::{Georeference, Pose2, Pose3};
 use openbench_osm::{OsmData, OsmMap, default_georeference, without_doors};
 
-pub use error::ImportError;
+pub use error::{ImportError, ObjError};
 
 use crate::world::MAX_FROM_ORIGIN_M;
 use crate::{SceneBuilder, World};
@@ -80,8 +80,10 @@ pub fn import_world(request: &ImportRequest) -> Result<World, ImportError> {
     let data = OsmData::read(&request.map)?;
     let georeference = match request.georeference {
         Some(georeference) => georeference,
-        None => default_georeference(&data)
-            .map_err(|source| ImportError::Georeference { path: request.map.clone(), source })?,
+        None => default_georeference(&data).map_err(|source| ImportError::Georeference {
+            path: request.map.clone(),
+            source,
+        })?,
     };
     let mut warnings = Warnings::default();
     data.report
@@ -89,12 +91,18 @@ pub fn import_world(request: &ImportRequest) -> Result<World, ImportError> {
         .into_iter()
         .for_each(|note| warnings.add(format!("{}: {note}", request.map.display())));
     let search = SearchPath::new(&request.models);
-    let mut world =
-        SdfReader { search: &search, warnings: &mut warnings, models: 0 }.world(&request.world)?;
+    let mut world = SdfReader {
+        search: &search,
+        warnings: &mut warnings,
+        models: 0,
+    }
+    .world(&request.world)?;
 
     let mut plates = plates_of(&world.models);
     if plates.is_empty() {
-        return Err(ImportError::NoDoors { path: request.world.clone() });
+        return Err(ImportError::NoDoors {
+            path: request.world.clone(),
+        });
     }
     let start = request.start.unwrap_or_else(|| usual_start(&plates));
     let local = georeference.near(start.point(), MAX_FROM_ORIGIN_M);
@@ -105,14 +113,18 @@ pub fn import_world(request: &ImportRequest) -> Result<World, ImportError> {
     }
     let map = OsmMap::new(&data, local);
     if map.buildings.is_empty() {
-        return Err(ImportError::NoBuildings { path: request.map.clone() });
+        return Err(ImportError::NoBuildings {
+            path: request.map.clone(),
+        });
     }
 
     let (from, to) = (georeference.offset(), local.offset());
     let shift = Vector3::new(to.x - from.x, to.y - from.y, 0.0);
     let moved = Pose3::from_parts(shift.into(), UnitQuaternion::identity());
     world.roads.iter_mut().for_each(|road| road.shift(&shift));
-    plates.iter_mut().for_each(|plate| plate.pose = moved * plate.pose);
+    plates
+        .iter_mut()
+        .for_each(|plate| plate.pose = moved * plate.pose);
     let mut builder = SceneBuilder::new();
     let mut emitter = Emitter::new(&search, &request.world, &mut builder, &mut warnings);
     for model in &world.models {
@@ -124,7 +136,10 @@ pub fn import_world(request: &ImportRequest) -> Result<World, ImportError> {
         builder.sun(sun);
     }
     Ok(World {
-        name: request.world.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned()),
+        name: request
+            .world
+            .file_stem()
+            .map_or_else(String::new, |s| s.to_string_lossy().into_owned()),
         scene: builder.build(),
         map: without_doors(&data),
         georeference: local,

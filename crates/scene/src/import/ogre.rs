@@ -20,7 +20,12 @@ pub(crate) struct OgreMaterial {
 
 impl Default for OgreMaterial {
     fn default() -> Self {
-        Self { image: None, color: None, cutout: false, stretch: [1.0; 2] }
+        Self {
+            image: None,
+            color: None,
+            cutout: false,
+            stretch: [1.0; 2],
+        }
     }
 }
 
@@ -70,8 +75,13 @@ impl Script {
         if self.open.is_empty()
             && let Some(rest) = header.strip_prefix("material ")
         {
-            let (name, parent) = rest.split_once(':').map_or((rest, None), |(n, p)| (n, Some(p.trim())));
-            let start = parent.and_then(|p| self.materials.get(unquoted(p))).cloned().unwrap_or_default();
+            let (name, parent) = rest
+                .split_once(':')
+                .map_or((rest, None), |(n, p)| (n, Some(p.trim())));
+            let start = parent
+                .and_then(|p| self.materials.get(unquoted(p)))
+                .cloned()
+                .unwrap_or_default();
             let name = unquoted(name.trim()).to_owned();
             self.materials.insert(name.clone(), start);
             self.current = Some(name);
@@ -80,22 +90,41 @@ impl Script {
     }
 
     fn attribute(&mut self, line: &str) {
-        let Some(material) = self.current.as_ref().and_then(|n| self.materials.get_mut(n)) else { return };
-        let block = self.open.last().and_then(|h| h.split_ascii_whitespace().next()).unwrap_or("");
+        let Some(material) = self
+            .current
+            .as_ref()
+            .and_then(|n| self.materials.get_mut(n))
+        else {
+            return;
+        };
+        let block = self
+            .open
+            .last()
+            .and_then(|h| h.split_ascii_whitespace().next())
+            .unwrap_or("");
         let mut words = line.split_ascii_whitespace();
         let keyword = words.next().unwrap_or("");
         let values: Vec<&str> = words.collect();
-        let number = |i: usize| values.get(i).and_then(|w| w.parse::<f32>().ok()).filter(|v| v.is_finite());
+        let number = |i: usize| {
+            values
+                .get(i)
+                .and_then(|w| w.parse::<f32>().ok())
+                .filter(|v| v.is_finite())
+        };
         match (block, keyword) {
             ("pass", "diffuse") => {
                 if let (Some(r), Some(g), Some(b)) = (number(0), number(1), number(2)) {
                     material.color = Some([r, g, b].map(|v| v.clamp(0.0, 1.0)));
                 }
             }
-            ("pass", "alpha_rejection") => material.cutout |= values.first() != Some(&"always_pass"),
+            ("pass", "alpha_rejection") => {
+                material.cutout |= values.first() != Some(&"always_pass")
+            }
             ("pass", "scene_blend") => {
-                material.cutout |=
-                    matches!(values.as_slice(), ["alpha_blend"] | ["src_alpha", "one_minus_src_alpha"]);
+                material.cutout |= matches!(
+                    values.as_slice(),
+                    ["alpha_blend"] | ["src_alpha", "one_minus_src_alpha"]
+                );
             }
             ("texture_unit", "texture") if material.image.is_none() => {
                 material.image = values.first().map(|v| unquoted(v).to_owned());
@@ -166,7 +195,10 @@ mod tests {
     fn a_material_takes_from_its_parent() {
         let found = parse_script(SCRIPT);
         let red = &found["Tree/Red leaf"];
-        assert_eq!((red.image.as_deref(), red.color), (Some("leaf.png"), Some([1.0, 0.0, 0.0])));
+        assert_eq!(
+            (red.image.as_deref(), red.color),
+            (Some("leaf.png"), Some([1.0, 0.0, 0.0]))
+        );
         assert_eq!(found.len(), 2);
     }
 

@@ -37,7 +37,11 @@ impl Pattern {
             [r, g, b, 255]
         };
         let rgba: Vec<u8> = (0..EDGE * EDGE).flat_map(texel).collect();
-        Texture { width: EDGE, height: EDGE, rgba: rgba.into() }
+        Texture {
+            width: EDGE,
+            height: EDGE,
+            rgba: rgba.into(),
+        }
     }
 }
 
@@ -80,7 +84,10 @@ mod tests {
     fn roads_have_light_lines_on_dark_ground() {
         let road = Pattern::MarkedRoad.draw();
         let at = |x: u32, y: u32| road.rgba[(4 * (y * EDGE + x)) as usize];
-        assert!(at(63, 10) > 180 && at(63, 100) < 110, "the middle line is broken");
+        assert!(
+            at(63, 10) > 180 && at(63, 100) < 110,
+            "the middle line is broken"
+        );
         assert!(at(5, 10) > 180 && at(5, 100) > 180, "the edge line is not");
         assert!(at(30, 10) < 110);
     }

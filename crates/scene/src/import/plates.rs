@@ -46,16 +46,28 @@ impl PlateAt {
 /// The unit that a model called `text_model<N>`, perhaps with a suffix such as `_0`, marks.
 pub(crate) fn unit_of_name(name: &str) -> Option<u32> {
     let rest = name.strip_prefix("text_model")?;
-    let end = rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(rest.len());
+    let end = rest
+        .find(|c: char| !c.is_ascii_digit())
+        .unwrap_or(rest.len());
     let (number, suffix) = rest.split_at(end);
-    if suffix.is_empty() || suffix.starts_with(['_', ' ', '-', '(']) { number.parse().ok() } else { None }
+    if suffix.is_empty() || suffix.starts_with(['_', ' ', '-', '(']) {
+        number.parse().ok()
+    } else {
+        None
+    }
 }
 
 /// The plate that `model` stands for, by the file of its mesh or else by its name. `pose` is the model's pose in `map`.
 pub(crate) fn plate_of(model: &Model, pose: &Pose3) -> Option<PlateAt> {
-    let shapes = model.links.iter().flat_map(|l| l.shapes.iter().map(move |s| (l, s)));
+    let shapes = model
+        .links
+        .iter()
+        .flat_map(|l| l.shapes.iter().map(move |s| (l, s)));
     let mut with_unit = shapes.filter_map(|(link, shape)| match &shape.geometry {
-        Geometry::Mesh(mesh) => Some((unit_of_name(model_of(&mesh.uri)?)?, pose * link.pose * shape.pose)),
+        Geometry::Mesh(mesh) => Some((
+            unit_of_name(model_of(&mesh.uri)?)?,
+            pose * link.pose * shape.pose,
+        )),
         _ => None,
     });
     let by_mesh = with_unit.next().map(|(unit, pose)| PlateAt { unit, pose });
@@ -81,7 +93,11 @@ pub(crate) fn plates_of(models: &[Model]) -> Vec<PlateAt> {
 /// Where robots start of whom nothing is said: at the origin, as in Gazebo; where that is far from all doors, before the
 /// one that is nearest to the middle of all.
 pub(crate) fn usual_start(plates: &[PlateAt]) -> Pose2 {
-    let points = || plates.iter().map(|plate| plate.pose.translation.vector.xy());
+    let points = || {
+        plates
+            .iter()
+            .map(|plate| plate.pose.translation.vector.xy())
+    };
     if plates.is_empty() || points().any(|point| point.norm() < MAX_FROM_ORIGIN_M) {
         return Pose2::default();
     }
@@ -107,7 +123,9 @@ pub(crate) fn add_doors(
     let mut strays = 0;
     for plate in plates {
         let point = plate.point();
-        let Some(building) = map.nearest_building(point) else { continue };
+        let Some(building) = map.nearest_building(point) else {
+            continue;
+        };
         strays += usize::from(map.distance_to_building(building, point) > OFF_BUILDING);
         let named = map.buildings.get(building).and_then(|b| b.name.clone());
         let building = named.unwrap_or_else(|| format!("building{}", building + 1));
@@ -117,11 +135,18 @@ pub(crate) fn add_doors(
         }
         known.push(address.clone());
         let text = format!("UNIT {}", plate.unit);
-        let face = *faces.entry(plate.unit).or_insert_with(|| plate_material(builder, &text));
+        let face = *faces
+            .entry(plate.unit)
+            .or_insert_with(|| plate_material(builder, &text));
         builder.object(format!("plate of {address}"), SemanticClass::Plate);
         hang_plate(builder, face, &plate.pose, STANDS_OUT);
         let at = plate.pose.translation.vector.into();
-        builder.door(Door { address, text, plate: at, facing: plate.facing() });
+        builder.door(Door {
+            address,
+            text,
+            plate: at,
+            facing: plate.facing(),
+        });
     }
     if strays > 0 {
         warnings.add(format!(

@@ -42,9 +42,16 @@ struct Place<'a> {
 impl Place<'_> {
     fn deeper(self, node: Node) -> Result<Self, ImportError> {
         if self.depth >= MAX_DEPTH {
-            return Err(malformed(self.path, node, format!("models are nested more than {MAX_DEPTH} deep")));
+            return Err(malformed(
+                self.path,
+                node,
+                format!("models are nested more than {MAX_DEPTH} deep"),
+            ));
         }
-        Ok(Self { depth: self.depth + 1, ..self })
+        Ok(Self {
+            depth: self.depth + 1,
+            ..self
+        })
     }
 }
 
@@ -58,7 +65,10 @@ impl SdfReader<'_> {
             return Err(malformed(path, root, "there is no <world> in this file"));
         };
         let place = Place { path, depth: 0 };
-        let mut result = SdfWorld { models: self.models_in(place, world)?, ..SdfWorld::default() };
+        let mut result = SdfWorld {
+            models: self.models_in(place, world)?,
+            ..SdfWorld::default()
+        };
         if let Some(state) = child(world, "state") {
             for inserted in children(state, "insertions") {
                 result.models.extend(self.models_in(place, inserted)?);
@@ -70,7 +80,8 @@ impl SdfReader<'_> {
             result.roads.push(read_road(path, road)?);
         }
         for tag in ["actor", "population"] {
-            children(world, tag).for_each(|_| self.warnings.add(format!("<{tag}> is not supported")));
+            children(world, tag)
+                .for_each(|_| self.warnings.add(format!("<{tag}> is not supported")));
         }
         Ok(result)
     }
@@ -87,7 +98,9 @@ impl SdfReader<'_> {
                 }
                 models.push(model);
             } else if is(node, "include") {
-                let Some(mut model) = self.include(place, node)? else { continue };
+                let Some(mut model) = self.include(place, node)? else {
+                    continue;
+                };
                 if let Some(pose) = frames.explicit(place.path, node, self.warnings)? {
                     model.pose = pose;
                 }
@@ -121,29 +134,55 @@ impl SdfReader<'_> {
         let own = frames.explicit(place.path, node, self.warnings)?;
         let pose = own.map_or_else(|| pose_of(place.path, node).map(|(p, _)| p), Ok)?;
         let mut shapes = Vec::new();
-        for child in node.children().filter(|n| is(*n, "visual") || is(*n, "collision")) {
-            let Some(geometry) = read_geometry(place.path, child, self.warnings)? else { continue };
+        for child in node
+            .children()
+            .filter(|n| is(*n, "visual") || is(*n, "collision"))
+        {
+            let Some(geometry) = read_geometry(place.path, child, self.warnings)? else {
+                continue;
+            };
             let in_model = frames.explicit(place.path, child, self.warnings)?;
-            let own = in_model
-                .map_or_else(|| pose_of(place.path, child).map(|(p, _)| p), |p| Ok(pose.inverse() * p))?;
+            let own = in_model.map_or_else(
+                || pose_of(place.path, child).map(|(p, _)| p),
+                |p| Ok(pose.inverse() * p),
+            )?;
             let visual = is(child, "visual");
-            let paint = if visual { read_paint(place.path, child)? } else { None };
-            shapes.push(Shape { visual, pose: own, geometry, paint });
+            let paint = if visual {
+                read_paint(place.path, child)?
+            } else {
+                None
+            };
+            shapes.push(Shape {
+                visual,
+                pose: own,
+                geometry,
+                paint,
+            });
         }
-        Ok(Link { name: node.attribute("name").unwrap_or_default().to_owned(), pose, shapes })
+        Ok(Link {
+            name: node.attribute("name").unwrap_or_default().to_owned(),
+            pose,
+            shapes,
+        })
     }
 
     /// The model of an `<include>`; nothing for included lights. Number plates whose model was never published become models
     /// without links.
     fn include(&mut self, place: Place, node: Node) -> Result<Option<Model>, ImportError> {
         let place = place.deeper(node)?;
-        let uri =
-            child_text(node, "uri").ok_or_else(|| malformed(place.path, node, "<include> needs a <uri>"))?;
-        let name = child_text(node, "name").or_else(|| model_of(uri)).unwrap_or(uri).to_owned();
+        let uri = child_text(node, "uri")
+            .ok_or_else(|| malformed(place.path, node, "<include> needs a <uri>"))?;
+        let name = child_text(node, "name")
+            .or_else(|| model_of(uri))
+            .unwrap_or(uri)
+            .to_owned();
         let beside = place.path.parent().unwrap_or(Path::new("."));
         let found = self.search.find(uri, beside).and_then(|p| model_file(&p));
         let mut model = match found {
-            Some(file) => match self.model_in_file(Place { path: &file, ..place })? {
+            Some(file) => match self.model_in_file(Place {
+                path: &file,
+                ..place
+            })? {
                 Some(model) => model,
                 None => return Ok(None),
             },
@@ -151,7 +190,11 @@ impl SdfReader<'_> {
             None if model_of(uri).and_then(unit_of_name).is_some() => plate_model(uri),
             None => {
                 let searched = self.search.folders();
-                return Err(ImportError::Missing { model: name, uri: uri.to_owned(), searched });
+                return Err(ImportError::Missing {
+                    model: name,
+                    uri: uri.to_owned(),
+                    searched,
+                });
             }
         };
         model.name = name;
@@ -168,7 +211,11 @@ impl SdfReader<'_> {
         match child(root, "model") {
             Some(model) => self.model(place, model).map(Some),
             None if child(root, "light").is_some() => Ok(None),
-            None => Err(malformed(place.path, root, "there is no <model> in this file")),
+            None => Err(malformed(
+                place.path,
+                root,
+                "there is no <model> in this file",
+            )),
         }
     }
 }
@@ -186,7 +233,11 @@ fn plate_model(uri: &str) -> Model {
         name: String::new(),
         pose: Pose3::identity(),
         scale: Vector3::repeat(1.0),
-        links: vec![Link { name: "link".into(), pose: Pose3::identity(), shapes: vec![shape] }],
+        links: vec![Link {
+            name: "link".into(),
+            pose: Pose3::identity(),
+            shapes: vec![shape],
+        }],
         models: Vec::new(),
     }
 }
@@ -200,7 +251,11 @@ fn model_file(found: &Path) -> Option<PathBuf> {
         let config = found.join("model.config");
         let text = read_text(&config).ok()?;
         let doc = parse(&config, &text).ok()?;
-        let version = |n: &Node| n.attribute("version").and_then(|v| v.parse::<f64>().ok()).unwrap_or(0.0);
+        let version = |n: &Node| {
+            n.attribute("version")
+                .and_then(|v| v.parse::<f64>().ok())
+                .unwrap_or(0.0)
+        };
         let newest = children(doc.root_element(), "sdf")
             .filter(|n| version(n) < 2.0)
             .max_by(|a, b| version(a).total_cmp(&version(b)))?;
@@ -211,10 +266,24 @@ fn model_file(found: &Path) -> Option<PathBuf> {
 
 fn read_road(path: &Path, node: Node) -> Result<Road, ImportError> {
     let name = node.attribute("name").unwrap_or("unnamed").to_owned();
-    let width = child(node, "width").map(|w| numbers::<1>(path, w)).transpose()?.map_or(1.0, |[w]| w);
-    let points = children(node, "point").map(|p| numbers::<3>(path, p)).collect::<Result<Vec<_>, _>>()?;
+    let width = child(node, "width")
+        .map(|w| numbers::<1>(path, w))
+        .transpose()?
+        .map_or(1.0, |[w]| w);
+    let points = children(node, "point")
+        .map(|p| numbers::<3>(path, p))
+        .collect::<Result<Vec<_>, _>>()?;
     if points.len() < 2 || width <= 0.0 {
-        return Err(malformed(path, node, format!("road `{name}` needs two points and a positive width")));
+        return Err(malformed(
+            path,
+            node,
+            format!("road `{name}` needs two points and a positive width"),
+        ));
     }
-    Ok(Road { name, width, points, paint: read_paint(path, node)? })
+    Ok(Road {
+        name,
+        width,
+        points,
+        paint: read_paint(path, node)?,
+    })
 }

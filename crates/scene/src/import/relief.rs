@@ -18,9 +18,16 @@ pub(crate) const MAX_BOXES: usize = 100_000;
 pub(crate) fn surface(image: &Grey, shape: &Heightmap, tile: f64) -> Part {
     let brightest = image.values.iter().copied().fold(0.0, f32::max);
     // A black image is level.
-    let scale = if brightest > 0.0 { shape.size.z / f64::from(brightest) } else { 0.0 };
+    let scale = if brightest > 0.0 {
+        shape.size.z / f64::from(brightest)
+    } else {
+        0.0
+    };
     let step = |pixels: usize, metres: f64| metres / (pixels - 1) as f64;
-    let (dx, dy) = (step(image.width, shape.size.x), step(image.height, shape.size.y));
+    let (dx, dy) = (
+        step(image.width, shape.size.x),
+        step(image.height, shape.size.y),
+    );
     let mut part = Part::default();
     for row in 0..image.height {
         for column in 0..image.width {
@@ -28,7 +35,8 @@ pub(crate) fn surface(image: &Grey, shape: &Heightmap, tile: f64) -> Part {
             let y = shape.size.y / 2.0 - row as f64 * dy;
             let z = f64::from(image.values[row * image.width + column]) * scale;
             let at = Point3::new(x, y, z) + shape.position;
-            part.corners.push((at, [(x / tile) as f32, (y / tile) as f32]));
+            part.corners
+                .push((at, [(x / tile) as f32, (y / tile) as f32]));
         }
     }
     let width = image.width as u32;
@@ -36,7 +44,8 @@ pub(crate) fn surface(image: &Grey, shape: &Heightmap, tile: f64) -> Part {
         for column in 0..width - 1 {
             let north = row * width + column;
             let south = north + width;
-            part.triangles.extend([[south, south + 1, north + 1], [south, north + 1, north]]);
+            part.triangles
+                .extend([[south, south + 1, north + 1], [south, north + 1, north]]);
         }
     }
     part
@@ -60,8 +69,10 @@ pub(crate) fn boxes(image: &Grey, shape: &ImageShape) -> Option<Part> {
         );
         let cuboid = forms::cuboid(size, None);
         let base = part.corners.len() as u32;
-        part.corners.extend(cuboid.corners.into_iter().map(|(at, uv)| (at + middle, uv)));
-        part.triangles.extend(cuboid.triangles.into_iter().map(|t| t.map(|i| base + i)));
+        part.corners
+            .extend(cuboid.corners.into_iter().map(|(at, uv)| (at + middle, uv)));
+        part.triangles
+            .extend(cuboid.triangles.into_iter().map(|t| t.map(|i| base + i)));
     }
     Some(part)
 }
@@ -92,7 +103,10 @@ fn dark_rectangles(image: &Grey, threshold: f32) -> Vec<Pixels> {
             }
             let same = above.next_if(|above| above.columns == columns);
             let first = same.map_or(row, |above| above.rows.start);
-            open.push(Pixels { columns, rows: first..row + 1 });
+            open.push(Pixels {
+                columns,
+                rows: first..row + 1,
+            });
         }
         done.extend(above);
     }
@@ -107,7 +121,11 @@ mod tests {
     use super::*;
 
     fn grey(width: usize, values: &[f32]) -> Grey {
-        Grey { width, height: values.len() / width, values: values.to_vec() }
+        Grey {
+            width,
+            height: values.len() / width,
+            values: values.to_vec(),
+        }
     }
 
     #[test]
@@ -120,8 +138,16 @@ mod tests {
         };
         let part = surface(&grey(3, &[0.0, 0.1, 0.5, 0.0, 0.0, 0.0]), &shape, 2.0);
         let at = |i: u32| part.corners[i as usize].0;
-        assert_eq!(at(0), Point3::new(-3.0, 2.0, -1.0), "the first pixel is in the north-west");
-        assert_eq!(at(2), Point3::new(5.0, 2.0, 2.0), "the brightest is 3 m high");
+        assert_eq!(
+            at(0),
+            Point3::new(-3.0, 2.0, -1.0),
+            "the first pixel is in the north-west"
+        );
+        assert_eq!(
+            at(2),
+            Point3::new(5.0, 2.0, 2.0),
+            "the brightest is 3 m high"
+        );
         assert_eq!(part.triangles.len(), 4);
         for [a, b, c] in &part.triangles {
             assert!((at(*b) - at(*a)).cross(&(at(*c) - at(*a))).z > 0.0);
@@ -131,17 +157,27 @@ mod tests {
     #[test]
     fn dark_pixels_become_few_boxes() {
         // An L, and a pixel apart.
-        let image = grey(4, &[0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0]);
+        let image = grey(
+            4,
+            &[0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0],
+        );
         let found = dark_rectangles(&image, 0.5);
         assert_eq!(found.len(), 3, "{found:?}");
         let covered: usize = found.iter().map(|p| p.columns.len() * p.rows.len()).sum();
         assert_eq!(covered, 5);
-        let shape = ImageShape { uri: String::new(), scale: 0.5, threshold: 0.5, height: 2.0 };
+        let shape = ImageShape {
+            uri: String::new(),
+            scale: 0.5,
+            threshold: 0.5,
+            height: 2.0,
+        };
         let part = boxes(&image, &shape).unwrap();
         let highest = part.corners.iter().map(|(p, _)| p.z).fold(0.0, f64::max);
         let west = part.corners.iter().map(|(p, _)| p.x).fold(0.0, f64::min);
         assert_eq!((part.triangles.len(), highest, west), (3 * 12, 2.0, -1.0));
-        let checked: Vec<f32> = (0..640 * 640).map(|i| ((i % 640 + i / 640) % 2) as f32).collect();
+        let checked: Vec<f32> = (0..640 * 640)
+            .map(|i| ((i % 640 + i / 640) % 2) as f32)
+            .collect();
         assert!(boxes(&grey(640, &checked), &shape).is_none());
     }
 }

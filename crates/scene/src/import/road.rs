@@ -17,9 +17,15 @@ const CLEARANCE: f64 = 0.01;
 
 /// How far all roads have to be raised (or, negative, lowered) to lie on the ground at height `ground`.
 pub(crate) fn shift_to_ground(roads: &[Road], ground: Option<f64>) -> f64 {
-    let lowest = roads.iter().flat_map(|r| &r.points).map(|p| p[2]).min_by(f64::total_cmp);
+    let lowest = roads
+        .iter()
+        .flat_map(|r| &r.points)
+        .map(|p| p[2])
+        .min_by(f64::total_cmp);
     match (lowest, ground) {
-        (Some(lowest), Some(ground)) if (lowest - ground).abs() < NEAR_GROUND => ground + CLEARANCE - lowest,
+        (Some(lowest), Some(ground)) if (lowest - ground).abs() < NEAR_GROUND => {
+            ground + CLEARANCE - lowest
+        }
         _ => 0.0,
     }
 }
@@ -43,7 +49,8 @@ pub(crate) fn ribbon(road: &Road, shift: f64, repeat: f64) -> Part {
     }
     for i in 1..points.len() as u32 {
         let (left, right) = (2 * i - 2, 2 * i - 1);
-        part.triangles.extend([[left, right, right + 2], [left, right + 2, left + 2]]);
+        part.triangles
+            .extend([[left, right, right + 2], [left, right + 2, left + 2]]);
     }
     part
 }
@@ -51,7 +58,10 @@ pub(crate) fn ribbon(road: &Road, shift: f64, repeat: f64) -> Part {
 fn distinct(points: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let mut kept: Vec<[f64; 3]> = Vec::new();
     for p in points {
-        if kept.last().is_none_or(|last| (flat(p) - flat(last)).norm() > 1e-6) {
+        if kept
+            .last()
+            .is_none_or(|last| (flat(p) - flat(last)).norm() > 1e-6)
+        {
             kept.push(*p);
         }
     }
@@ -75,7 +85,11 @@ fn mitre(before: Option<Vector2<f64>>, after: Option<Vector2<f64>>) -> Vector2<f
     let middle = left(before) + left(after);
     let length = 2.0 / middle.norm_squared().max(1e-12);
     let mitred = middle * length;
-    if mitred.norm() < MAX_MITRE { mitred } else { left(before) }
+    if mitred.norm() < MAX_MITRE {
+        mitred
+    } else {
+        left(before)
+    }
 }
 
 #[cfg(test)]
@@ -83,15 +97,32 @@ mod tests {
     use super::*;
 
     fn road(points: &[[f64; 3]]) -> Road {
-        Road { name: "r".into(), width: 4.0, points: points.to_vec(), paint: None }
+        Road {
+            name: "r".into(),
+            width: 4.0,
+            points: points.to_vec(),
+            paint: None,
+        }
     }
 
     #[test]
     fn a_corner_is_mitred() {
-        let part = ribbon(&road(&[[0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [10.0, 10.0, 0.0]]), 0.0, 8.0);
+        let part = ribbon(
+            &road(&[[0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [10.0, 10.0, 0.0]]),
+            0.0,
+            8.0,
+        );
         let at = |i: usize| part.corners[i].0;
-        assert!((at(2) - Point3::new(8.0, 2.0, 0.0)).norm() < 1e-9, "{}", at(2));
-        assert!((at(3) - Point3::new(12.0, -2.0, 0.0)).norm() < 1e-9, "{}", at(3));
+        assert!(
+            (at(2) - Point3::new(8.0, 2.0, 0.0)).norm() < 1e-9,
+            "{}",
+            at(2)
+        );
+        assert!(
+            (at(3) - Point3::new(12.0, -2.0, 0.0)).norm() < 1e-9,
+            "{}",
+            at(3)
+        );
         assert!((part.corners[5].1[1] - 2.5).abs() < 1e-6);
         for [a, b, c] in &part.triangles {
             let [a, b, c] = [a, b, c].map(|i| at(*i as usize));
@@ -101,9 +132,17 @@ mod tests {
 
     #[test]
     fn points_that_repeat_and_turn_back_are_survived() {
-        let part = ribbon(&road(&[[0.0; 3], [0.0; 3], [5.0, 0.0, 0.0], [0.0; 3]]), 0.0, 8.0);
+        let part = ribbon(
+            &road(&[[0.0; 3], [0.0; 3], [5.0, 0.0, 0.0], [0.0; 3]]),
+            0.0,
+            8.0,
+        );
         assert!(part.corners.iter().all(|(p, _)| p.coords.norm() < 10.0));
-        assert!(ribbon(&road(&[[0.0; 3], [0.0; 3]]), 0.0, 8.0).triangles.is_empty());
+        assert!(
+            ribbon(&road(&[[0.0; 3], [0.0; 3]]), 0.0, 8.0)
+                .triangles
+                .is_empty()
+        );
     }
 
     #[test]

@@ -162,6 +162,8 @@ pub(crate) struct Road {
 impl Road {
     /// Moves it.
     pub(crate) fn shift(&mut self, by: &Vector3<f64>) {
-        self.points.iter_mut().for_each(|point| *point = (Vector3::from(*point) + by).into());
+        self.points
+            .iter_mut()
+            .for_each(|point| *point = (Vector3::from(*point) + by).into());
     }
 }

@@ -11,7 +11,9 @@ pub(crate) struct SearchPath {
 impl SearchPath {
     /// The folders as given.
     pub(crate) fn new(folders: &[PathBuf]) -> Self {
-        Self { folders: folders.to_vec() }
+        Self {
+            folders: folders.to_vec(),
+        }
     }
 
     /// The folders, for error messages.
@@ -35,7 +37,9 @@ impl SearchPath {
     /// `name/rest` in the first folder that has it; a folder on the path may itself be the model `name`.
     fn find_model(&self, rest: &str) -> Option<PathBuf> {
         let relative = Path::new(rest.trim_end_matches('/'));
-        let inside = relative.components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
+        let inside = relative
+            .components()
+            .all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
         if rest.is_empty() || !inside {
             return None;
         }
@@ -54,7 +58,10 @@ impl SearchPath {
 
 /// The model that a `model://NAME/…` uri names.
 pub(crate) fn model_of(uri: &str) -> Option<&str> {
-    uri.strip_prefix("model://")?.split('/').next().filter(|s| !s.is_empty())
+    uri.strip_prefix("model://")?
+        .split('/')
+        .next()
+        .filter(|s| !s.is_empty())
 }
 
 #[cfg(test)]
@@ -64,8 +71,13 @@ mod tests {
     #[test]
     fn uris_cannot_leave_the_search_path() {
         let search = SearchPath::new(&[std::env::temp_dir()]);
-        for uri in ["model://..", "model://a/../../etc", "model:///etc", "model://", "https://example.org/x"]
-        {
+        for uri in [
+            "model://..",
+            "model://a/../../etc",
+            "model:///etc",
+            "model://",
+            "https://example.org/x",
+        ] {
             assert_eq!(search.find(uri, Path::new("/nowhere")), None, "{uri}");
         }
     }
@@ -78,13 +90,19 @@ mod tests {
         std::fs::write(model.join("a.obj"), "").unwrap();
         for root in [folder.path(), model.as_path()] {
             let search = SearchPath::new(&[root.to_owned()]);
-            assert_eq!(search.find("model://tree/a.obj", Path::new("/")), Some(model.join("a.obj")));
+            assert_eq!(
+                search.find("model://tree/a.obj", Path::new("/")),
+                Some(model.join("a.obj"))
+            );
         }
     }
 
     #[test]
     fn the_model_of_a_uri() {
-        assert_eq!(model_of("model://house_3/meshes/house_3.dae"), Some("house_3"));
+        assert_eq!(
+            model_of("model://house_3/meshes/house_3.dae"),
+            Some("house_3")
+        );
         assert_eq!(model_of("file://house_3"), None);
     }
 }

@@ -19,7 +19,9 @@ pub(crate) fn read_geometry(
     shape: Node,
     warnings: &mut Warnings,
 ) -> Result<Option<Geometry>, ImportError> {
-    let Some(node) = child(shape, "geometry").and_then(|g| g.first_element_child()) else { return Ok(None) };
+    let Some(node) = child(shape, "geometry").and_then(|g| g.first_element_child()) else {
+        return Ok(None);
+    };
     let tag = node.tag_name().name();
     let geometry = match tag {
         "box" => Geometry::Box(positive::<3>(path, node, "size")?.into()),
@@ -46,8 +48,9 @@ pub(crate) fn read_geometry(
 fn read_plane(path: &Path, node: Node) -> Result<Geometry, ImportError> {
     let normal = child_numbers::<3>(path, node, "normal")?.map_or(Vector3::z(), Vector3::from);
     let size = child_numbers::<2>(path, node, "size")?.unwrap_or([1.0, 1.0]);
-    let normal =
-        normal.try_normalize(1e-9).ok_or_else(|| malformed(path, node, "the plane's normal is zero"))?;
+    let normal = normal
+        .try_normalize(1e-9)
+        .ok_or_else(|| malformed(path, node, "the plane's normal is zero"))?;
     if size.iter().any(|s| *s <= 0.0) {
         return Err(malformed(path, node, "<size> must be positive"));
     }
@@ -57,19 +60,30 @@ fn read_plane(path: &Path, node: Node) -> Result<Geometry, ImportError> {
 /// All `<polyline>` elements of a `<geometry>`, of which `first` is one.
 fn read_polylines(path: &Path, first: Node) -> Result<Geometry, ImportError> {
     let [height] = positive(path, first, "height")?;
-    let lines: Vec<Node> = first.parent().map_or(vec![first], |all| children(all, "polyline").collect());
+    let lines: Vec<Node> = first
+        .parent()
+        .map_or(vec![first], |all| children(all, "polyline").collect());
     let outline = |line: &Node| -> Result<Vec<[f64; 2]>, ImportError> {
-        let mut points =
-            children(*line, "point").map(|p| numbers::<2>(path, p)).collect::<Result<Vec<_>, _>>()?;
+        let mut points = children(*line, "point")
+            .map(|p| numbers::<2>(path, p))
+            .collect::<Result<Vec<_>, _>>()?;
         // Closed or not, it is the same.
         if points.len() > 1 && points.first() == points.last() {
             points.pop();
         }
         if points.len() > MAX_POINTS {
-            return Err(malformed(path, *line, format!("<polyline> has more than {MAX_POINTS} points")));
+            return Err(malformed(
+                path,
+                *line,
+                format!("<polyline> has more than {MAX_POINTS} points"),
+            ));
         }
         if points.len() < 3 {
-            return Err(malformed(path, *line, "<polyline> needs three different <point>s"));
+            return Err(malformed(
+                path,
+                *line,
+                "<polyline> needs three different <point>s",
+            ));
         }
         Ok(points)
     };
@@ -82,10 +96,16 @@ fn read_mesh_use(path: &Path, node: Node) -> Result<MeshUse, ImportError> {
     let uri = child_text(node, "uri").or_else(|| child_text(node, "filename"));
     let submesh = child(node, "submesh");
     Ok(MeshUse {
-        uri: uri.ok_or_else(|| malformed(path, node, "<mesh> needs a <uri>"))?.to_owned(),
+        uri: uri
+            .ok_or_else(|| malformed(path, node, "<mesh> needs a <uri>"))?
+            .to_owned(),
         scale: child_numbers::<3>(path, node, "scale")?.map_or(Vector3::repeat(1.0), Vector3::from),
-        submesh: submesh.and_then(|s| child_text(s, "name")).map(str::to_owned),
-        center: submesh.and_then(|s| child_text(s, "center")).is_some_and(|t| t == "true" || t == "1"),
+        submesh: submesh
+            .and_then(|s| child_text(s, "name"))
+            .map(str::to_owned),
+        center: submesh
+            .and_then(|s| child_text(s, "center"))
+            .is_some_and(|t| t == "true" || t == "1"),
     })
 }
 
@@ -95,8 +115,13 @@ fn read_heightmap(path: &Path, node: Node) -> Result<Heightmap, ImportError> {
         None => Vector3::repeat(1.0),
     };
     let texture = child(node, "texture");
-    let image = texture.and_then(|texture| child_text(texture, "diffuse")).map(str::to_owned);
-    let tile = texture.map(|t| child_numbers::<1>(path, t, "size")).transpose()?.flatten();
+    let image = texture
+        .and_then(|texture| child_text(texture, "diffuse"))
+        .map(str::to_owned);
+    let tile = texture
+        .map(|t| child_numbers::<1>(path, t, "size"))
+        .transpose()?
+        .flatten();
     let tile = tile.map_or(10.0, |[metres]| metres);
     Ok(Heightmap {
         uri: uri_of(path, node)?,
@@ -122,17 +147,34 @@ fn read_image_shape(path: &Path, node: Node) -> Result<ImageShape, ImportError> 
 }
 
 fn uri_of(path: &Path, node: Node) -> Result<String, ImportError> {
-    let lacks = || malformed(path, node, format!("<{}> needs a <uri>", node.tag_name().name()));
+    let lacks = || {
+        malformed(
+            path,
+            node,
+            format!("<{}> needs a <uri>", node.tag_name().name()),
+        )
+    };
     Ok(child_text(node, "uri").ok_or_else(lacks)?.to_owned())
 }
 
 /// A mesh file in its own size.
 pub(crate) fn whole_mesh(uri: &str) -> Geometry {
-    Geometry::Mesh(MeshUse { uri: uri.to_owned(), scale: Vector3::repeat(1.0), submesh: None, center: false })
+    Geometry::Mesh(MeshUse {
+        uri: uri.to_owned(),
+        scale: Vector3::repeat(1.0),
+        submesh: None,
+        center: false,
+    })
 }
 
 fn positive<const N: usize>(path: &Path, node: Node, name: &str) -> Result<[f64; N], ImportError> {
-    let lacks = || malformed(path, node, format!("<{}> needs a <{name}>", node.tag_name().name()));
+    let lacks = || {
+        malformed(
+            path,
+            node,
+            format!("<{}> needs a <{name}>", node.tag_name().name()),
+        )
+    };
     let values = numbers::<N>(path, child(node, name).ok_or_else(lacks)?)?;
     if values.iter().any(|v| *v <= 0.0) {
         return Err(malformed(path, node, format!("<{name}> must be positive")));
@@ -142,16 +184,30 @@ fn positive<const N: usize>(path: &Path, node: Node, name: &str) -> Result<[f64;
 
 /// The `<material>` of a `<visual>` or `<road>`, if it has one.
 pub(crate) fn read_paint(path: &Path, shape: Node) -> Result<Option<Paint>, ImportError> {
-    let Some(node) = child(shape, "material") else { return Ok(None) };
+    let Some(node) = child(shape, "material") else {
+        return Ok(None);
+    };
     let script = child(node, "script");
     let diffuse = child_color(path, node, "diffuse")?;
-    let image =
-        child(node, "pbr").and_then(|p| p.first_element_child()).and_then(|m| child_text(m, "albedo_map"));
-    let uris = script.into_iter().flat_map(|s| children(s, "uri").collect::<Vec<_>>());
+    let image = child(node, "pbr")
+        .and_then(|p| p.first_element_child())
+        .and_then(|m| child_text(m, "albedo_map"));
+    let uris = script
+        .into_iter()
+        .flat_map(|s| children(s, "uri").collect::<Vec<_>>());
     Ok(Some(Paint {
-        uris: uris.filter_map(|u| u.text()).map(|t| t.trim().to_owned()).collect(),
-        script: script.and_then(|s| child_text(s, "name")).map(str::to_owned),
+        uris: uris
+            .filter_map(|u| u.text())
+            .map(|t| t.trim().to_owned())
+            .collect(),
+        script: script
+            .and_then(|s| child_text(s, "name"))
+            .map(str::to_owned),
         image: image.map(str::to_owned),
-        color: if diffuse.is_some() { diffuse } else { child_color(path, node, "ambient")? },
+        color: if diffuse.is_some() {
+            diffuse
+        } else {
+            child_color(path, node, "ambient")?
+        },
     }))
 }

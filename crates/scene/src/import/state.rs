@@ -33,8 +33,14 @@ impl State {
     /// Reads a `<state>` element.
     pub(crate) fn read(path: &Path, node: Node) -> Result<Self, ImportError> {
         let gone = children(node, "deletions").flat_map(|d| children(d, "name"));
-        let deleted = gone.filter_map(|n| n.text()).map(|t| t.trim().to_owned()).collect();
-        Ok(Self { models: read_models(path, node, 0)?, deleted })
+        let deleted = gone
+            .filter_map(|n| n.text())
+            .map(|t| t.trim().to_owned())
+            .collect();
+        Ok(Self {
+            models: read_models(path, node, 0)?,
+            deleted,
+        })
     }
 
     /// Moves, stretches and removes models as the state says.
@@ -70,15 +76,23 @@ impl ModelState {
     }
 }
 
-fn read_models(path: &Path, node: Node, depth: usize) -> Result<BTreeMap<String, ModelState>, ImportError> {
+fn read_models(
+    path: &Path,
+    node: Node,
+    depth: usize,
+) -> Result<BTreeMap<String, ModelState>, ImportError> {
     let mut states = BTreeMap::new();
     if depth > MAX_DEPTH {
         return Ok(states);
     }
     for model in children(node, "model") {
-        let Some(name) = model.attribute("name") else { continue };
+        let Some(name) = model.attribute("name") else {
+            continue;
+        };
         let mut state = ModelState {
-            pose: child(model, "pose").map(|p| parse_pose(path, p)).transpose()?,
+            pose: child(model, "pose")
+                .map(|p| parse_pose(path, p))
+                .transpose()?,
             scale: child_numbers::<3>(path, model, "scale")?.map(Vector3::from),
             links: BTreeMap::new(),
             models: read_models(path, model, depth + 1)?,

@@ -30,10 +30,14 @@ pub(crate) fn read_sun(
 
 fn directional(path: &Path, world: Node, light: Node) -> Result<Sun, ImportError> {
     let mean = |c: [f32; 3]| (c[0] + c[1] + c[2]) / 3.0;
-    let direction = child_numbers::<3>(path, light, "direction")?.map_or(-Vector3::z(), Vector3::from);
+    let direction =
+        child_numbers::<3>(path, light, "direction")?.map_or(-Vector3::z(), Vector3::from);
     let turned = pose_of(path, light)?.0.rotation * direction;
     let unit = turned.try_normalize(1e-9).unwrap_or(-Vector3::z());
-    let ambient = child(world, "scene").map(|s| child_color(path, s, "ambient")).transpose()?.flatten();
+    let ambient = child(world, "scene")
+        .map(|s| child_color(path, s, "ambient"))
+        .transpose()?
+        .flatten();
     Ok(Sun {
         direction: [unit.x as f32, unit.y as f32, unit.z as f32],
         diffuse: child_color(path, light, "diffuse")?.map_or(1.0, mean),
@@ -52,7 +56,9 @@ mod tests {
             <scene><ambient>0.4 0.4 0.4 1</ambient></scene></world>";
         let doc = roxmltree::Document::parse(text).unwrap();
         let mut warnings = Warnings::default();
-        let sun = read_sun(Path::new("f"), doc.root_element(), &mut warnings).unwrap().unwrap();
+        let sun = read_sun(Path::new("f"), doc.root_element(), &mut warnings)
+            .unwrap()
+            .unwrap();
         assert_eq!(sun.direction, [0.0, 0.6, -0.8]);
         assert!((sun.diffuse - 0.8).abs() < 1e-6 && (sun.ambient - 0.4).abs() < 1e-6);
         assert_eq!(warnings.into_lines().len(), 1);

@@ -16,7 +16,13 @@ impl Warnings {
     pub(crate) fn into_lines(self) -> Vec<String> {
         self.0
             .into_iter()
-            .map(|(what, n)| if n == 1 { what } else { format!("{what} ({n} times)") })
+            .map(|(what, n)| {
+                if n == 1 {
+                    what
+                } else {
+                    format!("{what} ({n} times)")
+                }
+            })
             .collect()
     }
 }

@@ -5,7 +5,7 @@
 use std::path::Path;
 use std::str::FromStr;
 
-use roxmltree::{Document, Node, ParsingOptions};
+use roxmltree::{Document, Node, ParsingOptions, TextPos};
 
 use super::error::ImportError;
 
@@ -26,34 +26,50 @@ pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, ImportError> {
 /// The text of a file of bounded size. Bytes that are not UTF-8 are replaced: they only ever stand in names.
 pub(crate) fn read_text(path: &Path) -> Result<String, ImportError> {
     let bytes = read_bytes(path)?;
-    Ok(String::from_utf8(bytes).unwrap_or_else(|e| String::from_utf8_lossy(e.as_bytes()).into_owned()))
+    Ok(String::from_utf8(bytes)
+        .unwrap_or_else(|e| String::from_utf8_lossy(e.as_bytes()).into_owned()))
 }
 
 /// Parses XML.
 pub(crate) fn parse<'t>(path: &Path, text: &'t str) -> Result<Document<'t>, ImportError> {
-    let options = ParsingOptions { nodes_limit: MAX_NODES, ..ParsingOptions::default() };
-    Document::parse_with_options(text, options).map_err(|error| {
-        let (line, column) = match error {
-            // Told without a place.
+    let options = ParsingOptions {
+        nodes_limit: MAX_NODES,
+        ..ParsingOptions::default()
+    };
+    Document::parse_with_options(text, options).map_err(|source| {
+        let TextPos {
+            row: line,
+            col: column,
+        } = match source {
+            // Reported without a place.
             roxmltree::Error::UnclosedRootNode => end_of(text),
-            _ => (error.pos().row, error.pos().col),
+            _ => source.pos(),
         };
-        let problem = format!("this is not well-formed XML: {error}; the file may be cut short");
-        ImportError::Malformed { path: path.to_owned(), line, column, problem }
+        ImportError::Xml {
+            path: path.to_owned(),
+            line,
+            column,
+            source,
+        }
     })
 }
 
 /// Line and column, from 1, just after the last character.
-fn end_of(text: &str) -> (u32, u32) {
+fn end_of(text: &str) -> TextPos {
     let last = text.rsplit('\n').next().unwrap_or("");
     let lines = text.bytes().filter(|b| *b == b'\n').count();
-    (lines as u32 + 1, last.chars().count() as u32 + 1)
+    TextPos::new(lines as u32 + 1, last.chars().count() as u32 + 1)
 }
 
 /// An error at `node`.
 pub(crate) fn malformed(path: &Path, node: Node, problem: impl Into<String>) -> ImportError {
     let at = node.document().text_pos_at(node.range().start);
-    ImportError::Malformed { path: path.to_owned(), line: at.row, column: at.col, problem: problem.into() }
+    ImportError::Malformed {
+        path: path.to_owned(),
+        line: at.row,
+        column: at.col,
+        problem: problem.into(),
+    }
 }
 
 /// The first child element of that name, whatever its namespace.
@@ -62,7 +78,10 @@ pub(crate) fn child<'a, 'i>(node: Node<'a, 'i>, name: &str) -> Option<Node<'a, '
 }
 
 /// Child elements of that name, whatever their namespace.
-pub(crate) fn children<'a, 'i: 'a>(node: Node<'a, 'i>, name: &str) -> impl Iterator<Item = Node<'a, 'i>> {
+pub(crate) fn children<'a, 'i: 'a>(
+    node: Node<'a, 'i>,
+    name: &str,
+) -> impl Iterator<Item = Node<'a, 'i>> {
     node.children().filter(move |n| is(*n, name))
 }
 
@@ -73,22 +92,44 @@ pub(crate) fn is(node: Node, name: &str) -> bool {
 
 /// Trimmed text of the first child element of that name, if it has any.
 pub(crate) fn child_text<'a>(node: Node<'a, '_>, name: &str) -> Option<&'a str> {
-    child(node, name)?.text().map(str::trim).filter(|t| !t.is_empty())
+    child(node, name)?
+        .text()
+        .map(str::trim)
+        .filter(|t| !t.is_empty())
 }
 
 /// All numbers in the text of `node`.
 pub(crate) fn list<T: FromStr>(path: &Path, node: Node) -> Result<Vec<T>, ImportError> {
-    let word =
-        |w: &str| w.parse().map_err(|_| malformed(path, node, format!("`{}` is not a number", clip(w))));
-    node.text().unwrap_or("").split_ascii_whitespace().map(word).collect()
+    let word = |w: &str| {
+        w.parse()
+            .map_err(|_| malformed(path, node, format!("`{}` is not a number", clip(w))))
+    };
+    node.text()
+        .unwrap_or("")
+        .split_ascii_whitespace()
+        .map(word)
+        .collect()
 }
 
 /// Exactly the first `N` numbers in the text of `node`, all finite.
 pub(crate) fn numbers<const N: usize>(path: &Path, node: Node) -> Result<[f64; N], ImportError> {
     let found: Vec<f64> = list(path, node)?;
-    let few = || malformed(path, node, format!("<{}> needs {N} finite numbers", node.tag_name().name()));
-    let first: [f64; N] = found.get(..N).and_then(|s| s.try_into().ok()).ok_or_else(few)?;
-    if first.iter().all(|v| v.is_finite() && v.abs() < 1e9) { Ok(first) } else { Err(few()) }
+    let few = || {
+        malformed(
+            path,
+            node,
+            format!("<{}> needs {N} finite numbers", node.tag_name().name()),
+        )
+    };
+    let first: [f64; N] = found
+        .get(..N)
+        .and_then(|s| s.try_into().ok())
+        .ok_or_else(few)?;
+    if first.iter().all(|v| v.is_finite() && v.abs() < 1e9) {
+        Ok(first)
+    } else {
+        Err(few())
+    }
 }
 
 /// The numbers of the first child of that name, if there is one.
@@ -101,10 +142,18 @@ pub(crate) fn child_numbers<const N: usize>(
 }
 
 /// The colour in the first child of that name: red, green, blue, from 0 to 1. Alpha is not used.
-pub(crate) fn child_color(path: &Path, node: Node, name: &str) -> Result<Option<[f32; 3]>, ImportError> {
-    let Some(node) = child(node, name) else { return Ok(None) };
+pub(crate) fn child_color(
+    path: &Path,
+    node: Node,
+    name: &str,
+) -> Result<Option<[f32; 3]>, ImportError> {
+    let Some(node) = child(node, name) else {
+        return Ok(None);
+    };
     let values: Vec<f32> = list(path, node)?;
-    Ok(values.get(..3).map(|c| [c[0], c[1], c[2]].map(|v| v.clamp(0.0, 1.0))))
+    Ok(values
+        .get(..3)
+        .map(|c| [c[0], c[1], c[2]].map(|v| v.clamp(0.0, 1.0))))
 }
 
 fn clip(word: &str) -> String {
@@ -117,15 +166,23 @@ mod tests {
 
     #[test]
     fn a_cut_file_is_an_error_with_its_place() {
-        let error = parse(Path::new("a.world"), "<sdf>\n <world>\n").unwrap_err().to_string();
+        let error = parse(Path::new("a.world"), "<sdf>\n <world>\n")
+            .unwrap_err()
+            .to_string();
         assert!(error.starts_with("a.world:3:"), "{error}");
     }
 
     #[test]
     fn bad_numbers_are_errors_with_their_place() {
-        for text in ["<a>\n <p>1 2</p></a>", "<a>\n <p>1 2 x</p></a>", "<a>\n <p>1 2 inf</p></a>"] {
+        for text in [
+            "<a>\n <p>1 2</p></a>",
+            "<a>\n <p>1 2 x</p></a>",
+            "<a>\n <p>1 2 inf</p></a>",
+        ] {
             let doc = parse(Path::new("f"), text).unwrap();
-            let error = child_numbers::<3>(Path::new("f"), doc.root_element(), "p").unwrap_err().to_string();
+            let error = child_numbers::<3>(Path::new("f"), doc.root_element(), "p")
+                .unwrap_err()
+                .to_string();
             assert!(error.starts_with("f:2:2: "), "{error}");
         }
     }

@@ -17,14 +17,31 @@ pub fn map_of(ways: &[WayOf]) -> (OsmData, Georeference) {
         for (x, y) in *ring {
             let id = data.nodes.len() as i64 + 1;
             let position = projection.to_lonlat(MapPoint::new(*x, *y));
-            data.nodes.insert(id, Node { id, position, tags: Tags::new() });
+            data.nodes.insert(
+                id,
+                Node {
+                    id,
+                    position,
+                    tags: Tags::new(),
+                },
+            );
             nodes.push(id);
         }
-        if tags.iter().any(|(k, v)| k.starts_with("building") || *v == "water") {
+        if tags
+            .iter()
+            .any(|(k, v)| k.starts_with("building") || *v == "water")
+        {
             nodes.push(nodes[0]);
         }
         let id = i as i64 + 1;
-        data.ways.insert(id, Way { id, nodes, tags: tags.iter().copied().collect() });
+        data.ways.insert(
+            id,
+            Way {
+                id,
+                nodes,
+                tags: tags.iter().copied().collect(),
+            },
+        );
     }
     (data, georeference)
 }

@@ -27,10 +27,19 @@ pub(super) fn read(path: &Path, text: &str) -> Result<Mesh, ImportError> {
     let named = child(root, "scene").and_then(|s| child(s, "instance_visual_scene"));
     let first = || child(root, "library_visual_scenes").and_then(|l| child(l, "visual_scene"));
     let Some(scene) = named.and_then(|n| dae.target(n, "url")).or_else(first) else {
-        return Err(malformed(path, root, "there is no <visual_scene> in this file"));
+        return Err(malformed(
+            path,
+            root,
+            "there is no <visual_scene> in this file",
+        ));
     };
-    let mut walk =
-        Walk { dae: &dae, mesh: Mesh::default(), materials: Materials::default(), visits: 0, triangles: 0 };
+    let mut walk = Walk {
+        dae: &dae,
+        mesh: Mesh::default(),
+        materials: Materials::default(),
+        visits: 0,
+        triangles: 0,
+    };
     walk.children(scene, &base_transform(path, root)?, 0)?;
     walk.mesh.materials = walk.materials.into_list();
     Ok(walk.mesh)
@@ -38,17 +47,31 @@ pub(super) fn read(path: &Path, text: &str) -> Result<Mesh, ImportError> {
 
 /// From the file's unit and up axis to metres with z up.
 fn base_transform(path: &Path, root: Node) -> Result<Matrix4<f64>, ImportError> {
-    let Some(asset) = child(root, "asset") else { return Ok(Matrix4::identity()) };
-    let meter = child(asset, "unit").and_then(|u| u.attribute("meter")).map_or(Ok(1.0), str::parse::<f64>);
-    let Some(meter) = meter.ok().filter(|m| m.is_finite() && *m > 0.0) else {
-        return Err(malformed(path, asset, "<unit> needs a positive number of metres"));
+    let Some(asset) = child(root, "asset") else {
+        return Ok(Matrix4::identity());
     };
-    let up = child(asset, "up_axis").and_then(|u| u.text()).map(str::trim);
+    let meter = child(asset, "unit")
+        .and_then(|u| u.attribute("meter"))
+        .map_or(Ok(1.0), str::parse::<f64>);
+    let Some(meter) = meter.ok().filter(|m| m.is_finite() && *m > 0.0) else {
+        return Err(malformed(
+            path,
+            asset,
+            "<unit> needs a positive number of metres",
+        ));
+    };
+    let up = child(asset, "up_axis")
+        .and_then(|u| u.text())
+        .map(str::trim);
     let turn = match up {
         Some("Z_UP") => Matrix4::identity(),
-        Some("X_UP") => Matrix4::new(0., -1., 0., 0., 0., 0., -1., 0., 1., 0., 0., 0., 0., 0., 0., 1.),
+        Some("X_UP") => Matrix4::new(
+            0., -1., 0., 0., 0., 0., -1., 0., 1., 0., 0., 0., 0., 0., 0., 1.,
+        ),
         // Y_UP, which is also what the specification supposes where nothing is said.
-        _ => Matrix4::new(1., 0., 0., 0., 0., 0., -1., 0., 0., 1., 0., 0., 0., 0., 0., 1.),
+        _ => Matrix4::new(
+            1., 0., 0., 0., 0., 0., -1., 0., 0., 1., 0., 0., 0., 0., 0., 1.,
+        ),
     };
     Ok(turn * Matrix4::new_scaling(meter))
 }
@@ -90,10 +113,19 @@ impl<'a, 'i> Walk<'_, 'a, 'i> {
         Ok(())
     }
 
-    fn node(&mut self, node: Node<'a, 'i>, parent: &Matrix4<f64>, depth: usize) -> Result<(), ImportError> {
+    fn node(
+        &mut self,
+        node: Node<'a, 'i>,
+        parent: &Matrix4<f64>,
+        depth: usize,
+    ) -> Result<(), ImportError> {
         self.visits += 1;
         if depth > MAX_DEPTH || self.visits > MAX_VISITS {
-            return Err(malformed(self.dae.path, node, "nodes are nested too deep, or inside themselves"));
+            return Err(malformed(
+                self.dae.path,
+                node,
+                "nodes are nested too deep, or inside themselves",
+            ));
         }
         let transform = parent * own_transform(self.dae.path, node)?;
         self.children(node, &transform, depth + 1)
@@ -113,18 +145,33 @@ impl<'a, 'i> Walk<'_, 'a, 'i> {
                 "the geometry that this names is not in the file",
             ));
         };
-        let Some(mesh) = child(geometry, "mesh") else { return Ok(()) };
+        let Some(mesh) = child(geometry, "mesh") else {
+            return Ok(());
+        };
         let named = [node, geometry];
-        let names = named.iter().flat_map(|n| [n.attribute("name"), n.attribute("id")]).flatten();
+        let names = named
+            .iter()
+            .flat_map(|n| [n.attribute("name"), n.attribute("id")])
+            .flatten();
         let names: Vec<String> = names.map(str::to_owned).collect();
         for primitive in mesh.children().filter(Node::is_element) {
-            let binding = self.materials.bind(self.dae, instance, primitive.attribute("material"));
-            let Some(mut part) = read_primitives(self.dae, primitive, binding.uv_set)? else { continue };
+            let binding = self
+                .materials
+                .bind(self.dae, instance, primitive.attribute("material"));
+            let Some(mut part) = read_primitives(self.dae, primitive, binding.uv_set)? else {
+                continue;
+            };
             self.triangles += part.triangles.len();
             if self.triangles > MAX_TRIANGLES {
-                return Err(ImportError::too_large(self.dae.path, "triangles", MAX_TRIANGLES));
+                return Err(ImportError::too_large(
+                    self.dae.path,
+                    "triangles",
+                    MAX_TRIANGLES,
+                ));
             }
-            part.corners.iter_mut().for_each(|(p, _)| *p = transform.transform_point(p));
+            part.corners
+                .iter_mut()
+                .for_each(|(p, _)| *p = transform.transform_point(p));
             if transform.fixed_view::<3, 3>(0, 0).determinant() < 0.0 {
                 part.triangles.iter_mut().for_each(|t| t.swap(1, 2));
             }

@@ -16,8 +16,13 @@ pub(super) struct Dae<'a, 'i> {
 
 impl<'a, 'i> Dae<'a, 'i> {
     pub(super) fn new(path: &'a Path, doc: &'a Document<'i>) -> Self {
-        let named = doc.descendants().filter_map(|n| Some((n.attribute("id")?, n)));
-        Self { path, ids: named.collect() }
+        let named = doc
+            .descendants()
+            .filter_map(|n| Some((n.attribute("id")?, n)));
+        Self {
+            path,
+            ids: named.collect(),
+        }
     }
 
     /// The element that `#id` in an attribute names.
@@ -36,7 +41,10 @@ pub(super) fn source(dae: &Dae, node: Node) -> Result<(Vec<f64>, usize), ImportE
     let array = child(node, "float_array")
         .ok_or_else(|| malformed(dae.path, node, "<source> has no <float_array>"))?;
     let accessor = child(node, "technique_common").and_then(|t| child(t, "accessor"));
-    let stride = accessor.and_then(|a| a.attribute("stride")).and_then(|s| s.parse().ok()).unwrap_or(1);
+    let stride = accessor
+        .and_then(|a| a.attribute("stride"))
+        .and_then(|s| s.parse().ok())
+        .unwrap_or(1);
     Ok((list(dae.path, array)?, usize::max(stride, 1)))
 }
 

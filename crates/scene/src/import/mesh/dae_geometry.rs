@@ -29,7 +29,10 @@ pub(super) fn read_primitives(
     uv_set: Option<u32>,
 ) -> Result<Option<Part>, ImportError> {
     let kind = primitive.tag_name().name();
-    if !matches!(kind, "triangles" | "polylist" | "polygons" | "tristrips" | "trifans") {
+    if !matches!(
+        kind,
+        "triangles" | "polylist" | "polygons" | "tristrips" | "trifans"
+    ) {
         return Ok(None);
     }
     let streams = Streams::read(dae, primitive, uv_set)?;
@@ -50,7 +53,10 @@ pub(super) fn read_primitives(
                 malformed(
                     dae.path,
                     p,
-                    format!("<p> names position {} or coordinates that are not there", key.0),
+                    format!(
+                        "<p> names position {} or coordinates that are not there",
+                        key.0
+                    ),
                 )
             })?;
             corners.push(joiner.corner(key, || corner));
@@ -81,7 +87,11 @@ fn add_polygons(
             let mut rest = corners;
             for count in list::<usize>(dae.path, counts)? {
                 let Some((polygon, after)) = rest.split_at_checked(count) else {
-                    return Err(malformed(dae.path, counts, "<vcount> asks for more corners than <p> has"));
+                    return Err(malformed(
+                        dae.path,
+                        counts,
+                        "<vcount> asks for more corners than <p> has",
+                    ));
                 };
                 joiner.fan(polygon);
                 rest = after;
@@ -89,7 +99,11 @@ fn add_polygons(
         }
         "tristrips" => {
             for (i, t) in corners.windows(3).enumerate() {
-                joiner.fan(&if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[1], t[0], t[2]] });
+                joiner.fan(&if i % 2 == 0 {
+                    [t[0], t[1], t[2]]
+                } else {
+                    [t[1], t[0], t[2]]
+                });
             }
         }
         // One <p> is one polygon or fan.
@@ -100,22 +114,33 @@ fn add_polygons(
 
 impl Streams {
     fn read(dae: &Dae, primitive: Node, uv_set: Option<u32>) -> Result<Self, ImportError> {
-        let wrong = |what: &str| malformed(dae.path, primitive, format!("this primitive has no {what}"));
-        let offset = |n: Node| n.attribute("offset").and_then(|o| o.parse::<usize>().ok()).unwrap_or(0);
+        let wrong =
+            |what: &str| malformed(dae.path, primitive, format!("this primitive has no {what}"));
+        let offset = |n: Node| {
+            n.attribute("offset")
+                .and_then(|o| o.parse::<usize>().ok())
+                .unwrap_or(0)
+        };
         let width = children(primitive, "input").map(offset).max().unwrap_or(0) + 1;
         if width > 64 {
             return Err(wrong("sane input offsets"));
         }
         let vertex = input(primitive, "VERTEX").ok_or_else(|| wrong("input VERTEX"))?;
-        let vertices = dae.target(vertex, "source").ok_or_else(|| wrong("vertices"))?;
+        let vertices = dae
+            .target(vertex, "source")
+            .ok_or_else(|| wrong("vertices"))?;
         let position = input(vertices, "POSITION").and_then(|i| dae.target(i, "source"));
-        let (positions, position_stride) = source(dae, position.ok_or_else(|| wrong("positions"))?)?;
+        let (positions, position_stride) =
+            source(dae, position.ok_or_else(|| wrong("positions"))?)?;
         if position_stride < 3 {
             return Err(wrong("positions of three numbers"));
         }
         let uv_input = uv_input(primitive, uv_set);
         let uv_source = uv_input.and_then(|i| dae.target(i, "source"));
-        let (uvs, uv_stride) = uv_source.map(|s| source(dae, s)).transpose()?.unwrap_or((Vec::new(), 2));
+        let (uvs, uv_stride) = uv_source
+            .map(|s| source(dae, s))
+            .transpose()?
+            .unwrap_or((Vec::new(), 2));
         let usable = uv_source.is_some() && uv_stride >= 2;
         Ok(Self {
             positions,
@@ -130,11 +155,17 @@ impl Streams {
 
     /// Indices of position and texture coordinates; the latter 0 where there are none.
     fn key(&self, indices: &[usize]) -> (usize, usize) {
-        (indices[self.position_offset], self.uv_offset.map_or(0, |o| indices[o]))
+        (
+            indices[self.position_offset],
+            self.uv_offset.map_or(0, |o| indices[o]),
+        )
     }
 
     fn corner(&self, (position, uv): (usize, usize)) -> Option<Corner> {
-        let p = self.positions.get(position.checked_mul(self.position_stride)?..)?.get(..3)?;
+        let p = self
+            .positions
+            .get(position.checked_mul(self.position_stride)?..)?
+            .get(..3)?;
         let uv = match self.uv_offset {
             None => [0.0; 2],
             Some(_) => {
@@ -148,7 +179,14 @@ impl Streams {
 
 /// The texture coordinates of set `wanted`, else the first.
 fn uv_input<'a, 'i>(primitive: Node<'a, 'i>, wanted: Option<u32>) -> Option<Node<'a, 'i>> {
-    let set = |n: &Node| n.attribute("set").and_then(|s| s.parse::<u32>().ok()).unwrap_or(0);
-    let all = || children(primitive, "input").filter(|n| n.attribute("semantic") == Some("TEXCOORD"));
-    all().find(|n| Some(set(n)) == wanted).or_else(|| all().next())
+    let set = |n: &Node| {
+        n.attribute("set")
+            .and_then(|s| s.parse::<u32>().ok())
+            .unwrap_or(0)
+    };
+    let all =
+        || children(primitive, "input").filter(|n| n.attribute("semantic") == Some("TEXCOORD"));
+    all()
+        .find(|n| Some(set(n)) == wanted)
+        .or_else(|| all().next())
 }

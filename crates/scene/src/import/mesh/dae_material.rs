@@ -31,27 +31,43 @@ impl Materials {
 
     /// What the `symbol` of a primitive means in `instance`. A symbol that is bound to nothing is tried as a material's id.
     pub(super) fn bind(&mut self, dae: &Dae, instance: Node, symbol: Option<&str>) -> Binding {
-        let none = Binding { material: None, uv_set: None };
+        let none = Binding {
+            material: None,
+            uv_set: None,
+        };
         let Some(symbol) = symbol else { return none };
         let bound = instance
             .descendants()
             .find(|n| is(*n, "instance_material") && n.attribute("symbol") == Some(symbol));
         let target = bound.and_then(|b| b.attribute("target")).unwrap_or(symbol);
-        let Some(material) = dae.by_id(target).filter(|n| is(*n, "material")) else { return none };
-        let effect =
-            child(material, "instance_effect").and_then(|i| i.attribute("url")).and_then(|u| dae.by_id(u));
+        let Some(material) = dae.by_id(target).filter(|n| is(*n, "material")) else {
+            return none;
+        };
+        let effect = child(material, "instance_effect")
+            .and_then(|i| i.attribute("url"))
+            .and_then(|u| dae.by_id(u));
         let Some(effect) = effect else { return none };
         let texture = diffuse(effect).and_then(|d| child(d, "texture"));
-        let uv_set = texture.and_then(|t| t.attribute("texcoord")).zip(bound).and_then(|(channel, bound)| {
-            let same = |n: &Node| n.attribute("semantic") == Some(channel);
-            children(bound, "bind_vertex_input").find(same)?.attribute("input_set")?.parse().ok()
-        });
+        let uv_set = texture
+            .and_then(|t| t.attribute("texcoord"))
+            .zip(bound)
+            .and_then(|(channel, bound)| {
+                let same = |n: &Node| n.attribute("semantic") == Some(channel);
+                children(bound, "bind_vertex_input")
+                    .find(same)?
+                    .attribute("input_set")?
+                    .parse()
+                    .ok()
+            });
         let next = self.list.len();
         let number = *self.numbers.entry(target.to_owned()).or_insert(next);
         if number == next {
             self.list.push(read_effect(dae, effect));
         }
-        Binding { material: Some(number), uv_set }
+        Binding {
+            material: Some(number),
+            uv_set,
+        }
     }
 }
 
@@ -62,13 +78,22 @@ fn diffuse<'a, 'i>(effect: Node<'a, 'i>) -> Option<Node<'a, 'i>> {
 
 fn read_effect(dae: &Dae, effect: Node) -> MeshMaterial {
     let diffuse = diffuse(effect);
-    let sampler = diffuse.and_then(|d| child(d, "texture")).and_then(|t| t.attribute("texture"));
+    let sampler = diffuse
+        .and_then(|d| child(d, "texture"))
+        .and_then(|t| t.attribute("texture"));
     let image = sampler.and_then(|s| image_of(dae, effect, s));
     let channels = |n: Node| {
-        let values: Vec<f32> = n.text()?.split_ascii_whitespace().map_while(|w| w.parse().ok()).collect();
+        let values: Vec<f32> = n
+            .text()?
+            .split_ascii_whitespace()
+            .map_while(|w| w.parse().ok())
+            .collect();
         Some([*values.first()?, *values.get(1)?, *values.get(2)?].map(|v| v.clamp(0.0, 1.0)))
     };
-    let color = diffuse.and_then(|d| child(d, "color")).and_then(channels).unwrap_or([1.0; 3]);
+    let color = diffuse
+        .and_then(|d| child(d, "color"))
+        .and_then(channels)
+        .unwrap_or([1.0; 3]);
     let transparent = effect.descendants().find(|n| is(*n, "transparent"));
     MeshMaterial {
         color: if image.is_some() { [1.0; 3] } else { color },
@@ -79,14 +104,26 @@ fn read_effect(dae: &Dae, effect: Node) -> MeshMaterial {
 
 /// The file behind a sampler: sampler, surface, image. Some exporters name the image at once.
 fn image_of(dae: &Dae, effect: Node, sampler: &str) -> Option<String> {
-    let param =
-        |sid: &str| effect.descendants().find(|n| is(*n, "newparam") && n.attribute("sid") == Some(sid));
+    let param = |sid: &str| {
+        effect
+            .descendants()
+            .find(|n| is(*n, "newparam") && n.attribute("sid") == Some(sid))
+    };
     let inner = |node: Node, tag: &str| {
-        node.descendants().find(|n| is(*n, tag)).and_then(|n| n.text()).map(str::trim).map(str::to_owned)
+        node.descendants()
+            .find(|n| is(*n, tag))
+            .and_then(|n| n.text())
+            .map(str::trim)
+            .map(str::to_owned)
     };
     let surface = param(sampler).and_then(|p| inner(p, "source"));
-    let image = surface.and_then(|s| param(&s)).and_then(|p| inner(p, "init_from"));
-    let node = dae.by_id(image.as_deref().unwrap_or(sampler)).filter(|n| is(*n, "image"))?;
+    let image = surface
+        .and_then(|s| param(&s))
+        .and_then(|p| inner(p, "init_from"));
+    let node = dae
+        .by_id(image.as_deref().unwrap_or(sampler))
+        .filter(|n| is(*n, "image"))?;
     let from = child_text(node, "init_from").map(str::to_owned);
-    from.or_else(|| inner(node, "ref")).filter(|f| !f.is_empty())
+    from.or_else(|| inner(node, "ref"))
+        .filter(|f| !f.is_empty())
 }

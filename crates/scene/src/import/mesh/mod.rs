@@ -21,7 +21,10 @@ pub(crate) use part::{Corner, Mesh, MeshMaterial, Part};
 /// Reads a mesh file; its name's ending tells the format.
 pub(crate) fn read(path: &Path) -> Result<Mesh, ImportError> {
     let bytes = read_bytes(path)?;
-    let ending = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+    let ending = path
+        .extension()
+        .and_then(|e| e.to_str())
+        .map(str::to_ascii_lowercase);
     let mesh = match ending.as_deref() {
         Some("dae") => dae::read(path, &String::from_utf8_lossy(&bytes))?,
         Some("obj") => obj::read(path, &String::from_utf8_lossy(&bytes))?,
@@ -38,7 +41,10 @@ pub(crate) fn read(path: &Path) -> Result<Mesh, ImportError> {
         return Err(ImportError::too_large(path, "triangles", MAX_TRIANGLES));
     }
     if triangles == 0 {
-        return Err(ImportError::asset(path, "there is no triangle in this mesh"));
+        return Err(ImportError::asset(
+            path,
+            "there is no triangle in this mesh",
+        ));
     }
     Ok(mesh)
 }

@@ -8,7 +8,7 @@ use std::str::SplitAsciiWhitespace;
 
 use nalgebra::Point3;
 
-use super::super::error::ImportError;
+use super::super::error::{ImportError, ObjError};
 use super::super::xml::read_text;
 use super::part::{Corner, Joiner, MAX_TRIANGLES, Mesh, MeshMaterial, Part};
 
@@ -29,24 +29,30 @@ struct Obj {
 pub(super) fn read(path: &Path, text: &str) -> Result<Mesh, ImportError> {
     let mut obj = Obj::default();
     for (number, line) in text.lines().enumerate() {
-        obj.line(path, line).map_err(|problem| ImportError::Malformed {
+        obj.line(path, line).map_err(|source| ImportError::Obj {
             path: path.to_owned(),
             line: number as u32 + 1,
-            column: 1,
-            problem,
+            source,
         })?;
     }
     obj.close();
-    Ok(Mesh { parts: obj.parts, materials: obj.materials })
+    Ok(Mesh {
+        parts: obj.parts,
+        materials: obj.materials,
+    })
 }
 
 impl Obj {
-    fn line(&mut self, path: &Path, line: &str) -> Result<(), String> {
+    fn line(&mut self, path: &Path, line: &str) -> Result<(), ObjError> {
         let mut words = line.split_ascii_whitespace();
-        let Some(keyword) = words.next() else { return Ok(()) };
+        let Some(keyword) = words.next() else {
+            return Ok(());
+        };
         let rest = line.trim_start().get(keyword.len()..).unwrap_or("").trim();
         match keyword {
-            "v" => self.positions.push(floats::<3>(words)?.map(f64::from).into()),
+            "v" => self
+                .positions
+                .push(floats::<3>(words)?.map(f64::from).into()),
             "vt" => self.uvs.push(floats::<2>(words)?),
             "f" => self.face(words)?,
             "g" | "o" => {
@@ -63,17 +69,28 @@ impl Obj {
         Ok(())
     }
 
-    fn face(&mut self, words: SplitAsciiWhitespace) -> Result<(), String> {
+    fn face(&mut self, words: SplitAsciiWhitespace) -> Result<(), ObjError> {
         let mut corners = Vec::new();
         for word in words {
             // While it is read, not afterwards: two letters of a file make a triangle.
             if self.triangles + corners.len() > MAX_TRIANGLES + 1 {
-                return Err(format!("this mesh has more than {MAX_TRIANGLES} triangles"));
+                return Err(ObjError::TooManyTriangles {
+                    limit: MAX_TRIANGLES,
+                });
             }
             let mut fields = word.split('/');
             let position = index(fields.next().unwrap_or(""), self.positions.len())?;
-            let uv = fields.next().filter(|f| !f.is_empty()).map(|f| index(f, self.uvs.len())).transpose()?;
-            let make = || -> Corner { (self.positions[position], uv.map_or([0.0; 2], |i| self.uvs[i])) };
+            let uv = fields
+                .next()
+                .filter(|f| !f.is_empty())
+                .map(|f| index(f, self.uvs.len()))
+                .transpose()?;
+            let make = || -> Corner {
+                (
+                    self.positions[position],
+                    uv.map_or([0.0; 2], |i| self.uvs[i]),
+                )
+            };
             corners.push(self.open.corner((position, uv.map_or(0, |i| i + 1)), make));
         }
         self.triangles += corners.len().saturating_sub(2);
@@ -109,7 +126,9 @@ fn materials(text: &str) -> Vec<(String, MeshMaterial)> {
         if keyword == "newmtl" {
             found.push((rest.trim().to_owned(), MeshMaterial::default()));
         }
-        let Some((_, material)) = found.last_mut() else { continue };
+        let Some((_, material)) = found.last_mut() else {
+            continue;
+        };
         match keyword {
             "Kd" => material.color = floats::<3>(rest.split_ascii_whitespace()).unwrap_or([1.0; 3]),
             "map_Kd" => material.image = image_name(rest),
@@ -119,8 +138,11 @@ fn materials(text: &str) -> Vec<(String, MeshMaterial)> {
     }
     for (_, material) in &mut found {
         // Exporters write a meaningless grey beside an image.
-        material.color =
-            if material.image.is_some() { [1.0; 3] } else { material.color.map(|c| c.clamp(0.0, 1.0)) };
+        material.color = if material.image.is_some() {
+            [1.0; 3]
+        } else {
+            material.color.map(|c| c.clamp(0.0, 1.0))
+        };
     }
     found
 }
@@ -128,35 +150,52 @@ fn materials(text: &str) -> Vec<(String, MeshMaterial)> {
 /// The file name after options such as `-s 1 1 1`: without options it may hold spaces.
 fn image_name(rest: &str) -> Option<String> {
     let rest = rest.trim();
-    let name = if rest.starts_with('-') { rest.split_ascii_whitespace().last()? } else { rest };
+    let name = if rest.starts_with('-') {
+        rest.split_ascii_whitespace().last()?
+    } else {
+        rest
+    };
     Some(name.to_owned()).filter(|n| !n.is_empty())
 }
 
-fn floats<const N: usize>(words: SplitAsciiWhitespace) -> Result<[f32; N], String> {
+/// The first `N` numbers of a line.
+fn floats<const N: usize>(words: SplitAsciiWhitespace) -> Result<[f32; N], ObjError> {
     let mut values = [0.0; N];
     let mut count = 0;
     for (value, word) in values.iter_mut().zip(words) {
-        *value = word.parse().map_err(|_| format!("`{word}` is not a number"))?;
+        *value = word.parse().map_err(|source| ObjError::Number {
+            word: word.to_owned(),
+            source,
+        })?;
         count += 1;
     }
-    if count == N { Ok(values) } else { Err(format!("{N} numbers are needed here")) }
+    if count < N {
+        return Err(ObjError::TooFewNumbers { needed: N });
+    }
+    Ok(values)
 }
 
 /// Zero-based place of an index that counts from 1, or from the end if negative.
-fn index(word: &str, count: usize) -> Result<usize, String> {
-    let number: i64 = word.parse().map_err(|_| format!("`{word}` is not an index"))?;
-    let place = if number < 0 { count as i64 + number } else { number - 1 };
-    usize::try_from(place)
-        .ok()
-        .filter(|p| *p < count)
-        .ok_or_else(|| format!("index {number} is not among {count}"))
+fn index(word: &str, count: usize) -> Result<usize, ObjError> {
+    let index: i64 = word.parse().map_err(|source| ObjError::Index {
+        word: word.to_owned(),
+        source,
+    })?;
+    let place = if index < 0 {
+        count as i64 + index
+    } else {
+        index - 1
+    };
+    let place = usize::try_from(place).ok().filter(|p| *p < count);
+    place.ok_or(ObjError::OutOfRange { index, count })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 1\ng side\nf 1/1 2/2 3/2 -1/1\n";
+    const SQUARE: &str =
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 1\ng side\nf 1/1 2/2 3/2 -1/1\n";
 
     #[test]
     fn a_square_becomes_two_triangles() {
@@ -170,7 +209,9 @@ mod tests {
     #[test]
     fn bad_indices_are_errors_with_their_line() {
         for face in ["f 1 2 5", "f 0 1 2", "f -5 1 2", "f 1/3 2/1 3/1", "f a b c"] {
-            let error = read(Path::new("a.obj"), &format!("{SQUARE}{face}\n")).unwrap_err().to_string();
+            let error = read(Path::new("a.obj"), &format!("{SQUARE}{face}\n"))
+                .unwrap_err()
+                .to_string();
             assert!(error.starts_with("a.obj:9:1: "), "{error}");
         }
     }
@@ -178,13 +219,19 @@ mod tests {
     #[test]
     fn a_mesh_of_too_many_triangles_is_refused_while_it_is_read() {
         let corners = " 1 2".repeat(MAX_TRIANGLES / 2 + 2);
-        let error = read(Path::new("a.obj"), &format!("{SQUARE}f{corners}\n")).unwrap_err().to_string();
-        assert!(error.starts_with("a.obj:9:1: ") && error.contains("5000000 triangles"), "{error}");
+        let error = read(Path::new("a.obj"), &format!("{SQUARE}f{corners}\n"))
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.starts_with("a.obj:9:1: ") && error.contains("5000000 triangles"),
+            "{error}"
+        );
     }
 
     #[test]
     fn materials_know_their_image() {
-        let found = materials("newmtl A\n\tKd 0.5 0.5 0.5\n\tmap_Kd -s 1 1 1 a.png\nnewmtl B\nKd 0 1 0\n");
+        let found =
+            materials("newmtl A\n\tKd 0.5 0.5 0.5\n\tmap_Kd -s 1 1 1 a.png\nnewmtl B\nKd 0 1 0\n");
         assert_eq!(found[0].1.image.as_deref(), Some("a.png"));
         assert_eq!(found[0].1.color, [1.0; 3]);
         assert_eq!(found[1].1.color, [0.0, 1.0, 0.0]);

@@ -45,7 +45,11 @@ pub(crate) struct MeshMaterial {
 
 impl Default for MeshMaterial {
     fn default() -> Self {
-        Self { color: [1.0; 3], image: None, cutout: false }
+        Self {
+            color: [1.0; 3],
+            image: None,
+            cutout: false,
+        }
     }
 }
 

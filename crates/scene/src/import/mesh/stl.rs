@@ -10,23 +10,39 @@ use super::part::{Mesh, Part};
 /// Reads STL.
 pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Mesh, ImportError> {
     if is_cut_short(bytes) {
-        return Err(ImportError::asset(path, "this STL file ends before its last triangle"));
+        return Err(ImportError::asset(
+            path,
+            "this STL file ends before its last triangle",
+        ));
     }
-    let scene = mesh_loader::stl::from_slice(bytes)
-        .map_err(|e| ImportError::asset(path, format!("this is not STL: {e}")))?;
+    let scene = mesh_loader::stl::from_slice(bytes).map_err(|source| ImportError::Stl {
+        path: path.to_owned(),
+        source,
+    })?;
     let parts = scene.meshes.into_iter().map(part).collect();
-    Ok(Mesh { parts, materials: Vec::new() })
+    Ok(Mesh {
+        parts,
+        materials: Vec::new(),
+    })
 }
 
 /// Whether binary STL holds fewer triangles of 50 bytes than its header promises.
 fn is_cut_short(bytes: &[u8]) -> bool {
-    let promised = bytes.get(80..84).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes);
+    let promised = bytes
+        .get(80..84)
+        .and_then(|b| b.try_into().ok())
+        .map(u32::from_le_bytes);
     let needed = promised.map_or(84, |n| 84 + 50 * u64::from(n));
     !bytes.trim_ascii_start().starts_with(b"solid") && (bytes.len() as u64) < needed
 }
 
 fn part(mesh: mesh_loader::Mesh) -> Part {
-    let corner = |[x, y, z]: &[f32; 3]| (Point3::new(f64::from(*x), f64::from(*y), f64::from(*z)), [0.0; 2]);
+    let corner = |[x, y, z]: &[f32; 3]| {
+        (
+            Point3::new(f64::from(*x), f64::from(*y), f64::from(*z)),
+            [0.0; 2],
+        )
+    };
     Part {
         names: vec![mesh.name],
         material: None,

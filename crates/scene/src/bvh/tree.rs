@@ -1,0 +1,212 @@
+//! Triangles in a tree of boxes: how it is built, and what a single ray hits in it.
+
+use obvhs::BvhBuildParams;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::builder::build_bvh2_from_tris;
+
+use super::node::{Node, reciprocal, slab_one};
+use super::triangle::{Hit, LeafTriangle, MISS, intersect_one, leaf_triangle};
+
+/// Triangles in a tree.
+#[derive(Debug, Clone)]
+pub struct TriangleBvh {
+    pub(super) nodes: Vec<Node>,
+    pub(super) triangles: Vec<LeafTriangle>,
+    pub(super) depth: usize,
+}
+
+impl TriangleBvh {
+    /// Builds the tree over the triangles that `corners` yields, three positions each, in metres.
+    pub fn new(corners: impl Iterator<Item = [[f32; 3]; 3]>) -> Self {
+        Self::masked(corners, |_| false)
+    }
+
+    /// The same; `masked` says of which triangles (by index) casts with a filter must ask whether a hit goes through a hole.
+    pub fn masked(
+        corners: impl Iterator<Item = [[f32; 3]; 3]>,
+        masked: impl Fn(u32) -> bool,
+    ) -> Self {
+        Self::numbered(corners, 0, masked)
+    }
+
+    /// The same, with the triangles numbered from `first`.
+    pub fn numbered(
+        corners: impl Iterator<Item = [[f32; 3]; 3]>,
+        first: u32,
+        masked: impl Fn(u32) -> bool,
+    ) -> Self {
+        let soup: Vec<obvhs::triangle::Triangle> = corners
+            .map(|[a, b, c]| obvhs::triangle::Triangle {
+                v0: a.into(),
+                v1: b.into(),
+                v2: c.into(),
+            })
+            .collect();
+        let mut laid = Self {
+            nodes: Vec::new(),
+            triangles: Vec::with_capacity(soup.len()),
+            depth: 0,
+        };
+        if !soup.is_empty() {
+            let mut elapsed = std::time::Duration::ZERO;
+            let tree = build_bvh2_from_tris(&soup, BvhBuildParams::slow_build(), &mut elapsed);
+            laid.lay_out(&tree, |i| {
+                leaf_triangle(&soup[i as usize], first + i, masked(first + i))
+            });
+        }
+        laid
+    }
+
+    /// Copies nodes and triangles in the order in which a traversal meets them, siblings in pairs.
+    fn lay_out(&mut self, tree: &Bvh2, triangle: impl Fn(u32) -> LeafTriangle) {
+        // The root has no sibling; a place left empty beside it lets every pair begin at an even one.
+        self.nodes = vec![node(tree, 0); 2];
+        let mut todo = vec![(0_u32, 0_usize, 1_usize)];
+        while let Some((from, to, depth)) = todo.pop() {
+            self.depth = self.depth.max(depth);
+            let source = &tree.nodes[from as usize];
+            if source.prim_count == 0 {
+                let first = self.nodes.len();
+                self.nodes[to].first = first as u32;
+                self.nodes
+                    .extend([source.first_index, source.first_index + 1].map(|i| node(tree, i)));
+                todo.push((source.first_index + 1, first + 1, depth + 1));
+                todo.push((source.first_index, first, depth + 1));
+            } else {
+                self.nodes[to].first = self.triangles.len() as u32;
+                let primitives = source.first_index..source.first_index + source.prim_count;
+                let indices = primitives.map(|i| tree.primitive_indices[i as usize]);
+                self.triangles.extend(indices.map(&triangle));
+            }
+        }
+    }
+
+    /// Lowest and highest corner of the box around everything, metres; `None` if there is nothing.
+    pub fn bounds(&self) -> Option<([f32; 3], [f32; 3])> {
+        self.nodes.first().map(|root| (root.min, root.max))
+    }
+
+    /// What a ray from `origin` along `direction` hits first within `limit` lengths of `direction`.
+    pub fn cast(&self, origin: [f32; 3], direction: [f32; 3], limit: f32) -> Option<Hit> {
+        self.cast_filtered(origin, direction, limit, |_| true)
+    }
+
+    /// The same, hits of masked triangles only where `opaque` says so.
+    pub fn cast_filtered(
+        &self,
+        origin: [f32; 3],
+        direction: [f32; 3],
+        limit: f32,
+        opaque: impl Fn(&Hit) -> bool,
+    ) -> Option<Hit> {
+        let inverse = direction.map(reciprocal);
+        let mut best = Hit {
+            distance: limit,
+            triangle: MISS,
+            u: 0.0,
+            v: 0.0,
+        };
+        let mut stack = Stack::new();
+        if !self.nodes.is_empty() {
+            stack.push((0, 0.0));
+        }
+        while let Some((index, entry)) = stack.pop() {
+            if entry > best.distance {
+                continue;
+            }
+            let node = &self.nodes[index as usize];
+            if node.is_leaf() {
+                for triangle in self.leaf(node) {
+                    let mut hit = best;
+                    if intersect_one(triangle, origin, direction, &mut hit)
+                        && (!triangle.masked || opaque(&hit))
+                    {
+                        best = hit;
+                    }
+                }
+                continue;
+            }
+            let enter = |i: u32| {
+                slab_one(&self.nodes[i as usize], origin, inverse, best.distance).map(|t| (i, t))
+            };
+            match (enter(node.first), enter(node.first + 1)) {
+                (Some(a), Some(b)) => {
+                    let (near, far) = if a.1 <= b.1 { (a, b) } else { (b, a) };
+                    stack.push(far);
+                    stack.push(near);
+                }
+                (Some(one), None) | (None, Some(one)) => stack.push(one),
+                (None, None) => {}
+            }
+        }
+        (best.triangle != MISS).then_some(best)
+    }
+
+    #[inline(always)]
+    pub(super) fn leaf(&self, node: &Node) -> &[LeafTriangle] {
+        &self.triangles[node.first as usize..(node.first + node.kind / 8) as usize]
+    }
+}
+
+/// A node of the builder's tree; `first` is still the builder's.
+fn node(tree: &Bvh2, index: u32) -> Node {
+    let source = &tree.nodes[index as usize];
+    let kind = match source.prim_count {
+        0 => {
+            let [a, b] = [0, 1].map(|i| &tree.nodes[source.first_index as usize + i].aabb);
+            let apart: [f32; 3] = ((b.min + b.max) - (a.min + a.max)).into();
+            let axis = (0..3).fold(0, |best, i| {
+                if apart[i].abs() > apart[best].abs() {
+                    i
+                } else {
+                    best
+                }
+            });
+            2 * axis as u32 + u32::from(apart[axis] < 0.0)
+        }
+        count => 8 * count,
+    };
+    Node {
+        min: source.aabb.min.into(),
+        first: source.first_index,
+        max: source.aabb.max.into(),
+        kind,
+    }
+}
+
+/// Nodes still to be visited with the distances at which they are entered: an array, and a vector for degenerate trees.
+struct Stack {
+    shallow: [(u32, f32); 64],
+    count: usize,
+    deep: Vec<(u32, f32)>,
+}
+
+impl Stack {
+    fn new() -> Self {
+        Self {
+            shallow: [(0, 0.0); 64],
+            count: 0,
+            deep: Vec::new(),
+        }
+    }
+
+    #[inline(always)]
+    fn push(&mut self, entry: (u32, f32)) {
+        match self.shallow.get_mut(self.count) {
+            Some(slot) => {
+                *slot = entry;
+                self.count += 1;
+            }
+            None => self.deep.push(entry),
+        }
+    }
+
+    #[inline(always)]
+    fn pop(&mut self) -> Option<(u32, f32)> {
+        if let Some(entry) = self.deep.pop() {
+            return Some(entry);
+        }
+        self.count = self.count.checked_sub(1)?;
+        Some(self.shallow[self.count])
+    }
+}

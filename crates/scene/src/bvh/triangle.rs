@@ -1,0 +1,108 @@
+//! One ray against one triangle, after Möller and Trumbore, *Fast, Minimum Storage Ray/Triangle
+//! Intersection*, 1997; both sides of a triangle are hit.
+
+use super::branchless::mask;
+
+/// Marks a ray that hit nothing.
+pub const MISS: u32 = u32::MAX;
+
+/// What one ray hit first.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// Distance in lengths of the direction.
+    pub distance: f32,
+    /// Index of the triangle.
+    pub triangle: u32,
+    /// Weight of the triangle's second corner at the hit.
+    pub u: f32,
+    /// Weight of the triangle's third corner at the hit.
+    pub v: f32,
+}
+
+/// A triangle as the intersection test needs it.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(16))]
+pub(super) struct LeafTriangle {
+    pub(super) corner: [f32; 3],
+    pub(super) edge1: [f32; 3],
+    pub(super) edge2: [f32; 3],
+    pub(super) index: u32,
+    /// Whether the triangle may have holes, for the caller to say.
+    pub(super) masked: bool,
+}
+
+pub(super) fn leaf_triangle(
+    t: &obvhs::triangle::Triangle,
+    index: u32,
+    masked: bool,
+) -> LeafTriangle {
+    LeafTriangle {
+        corner: t.v0.into(),
+        edge1: (t.v1 - t.v0).into(),
+        edge2: (t.v2 - t.v0).into(),
+        index,
+        masked,
+    }
+}
+
+#[inline(always)]
+fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+#[inline(always)]
+fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Distance and corner weights of the hit, and a mask of ones if there is one before `limit`.
+#[inline(always)]
+pub(super) fn moeller_trumbore(
+    t: &LeafTriangle,
+    origin: [f32; 3],
+    direction: [f32; 3],
+    limit: f32,
+) -> (f32, f32, f32, u32) {
+    let p = cross(direction, t.edge2);
+    let inverse = 1.0 / dot(t.edge1, p);
+    let s = [
+        origin[0] - t.corner[0],
+        origin[1] - t.corner[1],
+        origin[2] - t.corner[2],
+    ];
+    let u = dot(s, p) * inverse;
+    let q = cross(s, t.edge1);
+    let v = dot(direction, q) * inverse;
+    let distance = dot(t.edge2, q) * inverse;
+    // A ray in the triangle's plane gives NaN or infinity, and no comparison holds. Masks rather than `&&`: a branch for
+    // each lane would keep the compiler from using vectors.
+    let hit = mask(u >= 0.0)
+        & mask(v >= 0.0)
+        & mask(u + v <= 1.0)
+        & mask(distance > 1e-5)
+        & mask(distance < limit);
+    (distance, u, v, hit)
+}
+
+#[inline(always)]
+pub(super) fn intersect_one(
+    triangle: &LeafTriangle,
+    origin: [f32; 3],
+    direction: [f32; 3],
+    best: &mut Hit,
+) -> bool {
+    let (distance, u, v, hit) = moeller_trumbore(triangle, origin, direction, best.distance);
+    if hit != 0 {
+        *best = Hit {
+            distance,
+            triangle: triangle.index,
+            u,
+            v,
+        };
+    }
+    hit != 0
+}

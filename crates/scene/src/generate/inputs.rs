@@ -1,0 +1,45 @@
+//! What a world is generated from: the map with all that was computed of it before anything is
+//! built. Generators read it and change nothing in it.
+
+use openbench_core::MapPoint;
+use openbench_osm::{OsmMap, Polygon};
+
+use super::clearance::Clearance;
+use super::doorway::Doorway;
+use super::extent::{Extent, GROUND_MARGIN_M};
+use super::features::{Feature, TreeRow};
+use super::lanes::Lanes;
+use super::options::GenerateOptions;
+use super::palette::Palette;
+use super::segment::Segment;
+
+/// The inputs of all generators.
+pub(super) struct Inputs<'a> {
+    pub map: &'a OsmMap,
+    /// Tagged nodes.
+    pub features: Vec<Feature>,
+    pub tree_rows: Vec<TreeRow>,
+    pub sea: Vec<Polygon>,
+    /// Lines of the low walls around water.
+    pub quays: Vec<Segment>,
+    /// In the order of buildings and their entrances.
+    pub doorways: Vec<Doorway>,
+    /// Every road's segments.
+    pub lanes: Lanes,
+    /// Around the buildings.
+    pub extent: Extent,
+    /// What the map, the doors and the start keep free.
+    pub clearance: Clearance,
+    pub palette: Palette,
+    pub seed: u64,
+    pub options: &'a GenerateOptions,
+    /// Whether there are so few buildings that each is worth more triangles.
+    pub detailed: bool,
+}
+
+impl Inputs<'_> {
+    /// Whether the world has ground at a point.
+    pub fn is_on_ground(&self, p: MapPoint) -> bool {
+        self.extent.holds(p, GROUND_MARGIN_M)
+    }
+}

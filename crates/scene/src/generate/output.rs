@@ -1,0 +1,95 @@
+//! The world that generators build: its scene, and what had to be left out.
+
+use std::collections::BTreeMap;
+
+use crate::material::MaterialId;
+use crate::plate::plate_material;
+use crate::scene::{Scene, SceneBuilder};
+
+/// Number of visible triangles that a world may have. One takes about 150 bytes of memory, with all
+/// that is made of it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Limits {
+    /// From so many on a world gets no more windows, lines, fences, trees and cars: walls, roofs,
+    /// doors and streets only.
+    pub ornate: usize,
+    /// From so many on it gets nothing more at all.
+    pub bare: usize,
+}
+
+impl Limits {
+    pub const USUAL: Self = Self {
+        ornate: 8_000_000,
+        bare: 10_000_000,
+    };
+}
+
+/// A world under construction.
+pub(super) struct Output {
+    /// Meshes, objects and doors.
+    pub scene: SceneBuilder,
+    /// What had to be left out, in words.
+    pub warnings: Vec<String>,
+    /// Materials of plates by text.
+    plates: BTreeMap<String, MaterialId>,
+    limits: Limits,
+    /// Buildings and streets beyond the limit.
+    left_out: usize,
+}
+
+impl Output {
+    pub fn new(scene: SceneBuilder, warnings: Vec<String>, limits: Limits) -> Self {
+        Self {
+            scene,
+            warnings,
+            plates: BTreeMap::new(),
+            limits,
+            left_out: 0,
+        }
+    }
+
+    /// Whether there is no room for more than walls, roofs, doors and streets.
+    pub fn is_full(&self) -> bool {
+        self.scene.triangles() >= self.limits.ornate
+    }
+
+    /// Whether there is no room for anything.
+    pub fn is_closed(&self) -> bool {
+        self.scene.triangles() >= self.limits.bare
+    }
+
+    /// Whether there is room for a building or street; counts it as left out if there is none.
+    pub fn admits(&mut self) -> bool {
+        self.left_out += usize::from(self.is_closed());
+        !self.is_closed()
+    }
+
+    /// The material with the image of a text, shared by all plates that bear it.
+    pub fn plate_face(&mut self, text: &str) -> MaterialId {
+        if let Some(face) = self.plates.get(text) {
+            return *face;
+        }
+        let face = plate_material(&mut self.scene, text);
+        self.plates.insert(text.to_owned(), face);
+        face
+    }
+
+    /// The scene and the warnings.
+    pub fn finish(mut self) -> (Scene, Vec<String>) {
+        if self.is_full() {
+            self.warnings.push(format!(
+                "the map is more than {} triangles; windows, fences, trees and cars beyond that \
+                 were left out",
+                self.limits.ornate
+            ));
+        }
+        if self.left_out > 0 {
+            self.warnings.push(format!(
+                "{} buildings and streets are beyond {} triangles and were left out; cut out a \
+                 neighbourhood",
+                self.left_out, self.limits.bare
+            ));
+        }
+        (self.scene.build(), self.warnings)
+    }
+}
