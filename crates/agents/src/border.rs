@@ -4,7 +4,9 @@
 //! start, so that costmaps, sightings and scans in single precision keep their last digits. Both frames belong to one
 //! projection and differ by their false origins alone: nothing turns and nothing is stretched.
 
-use openbench_core::{Briefing, Event, Events, GnssFix, Goal, MapPoint, Observation, Pose2, PoseEstimate};
+use openbench_core::{
+    Briefing, Event, Events, GnssFix, Goal, MapPoint, Observation, Pose2, PoseEstimate,
+};
 
 /// A start nearer to the origin than this keeps its frame, metres.
 const NEAR_M: f64 = 500.0;
@@ -25,26 +27,42 @@ impl Border {
         }
         let georeference = briefing.georeference.about(start);
         let (outer, inner) = (briefing.georeference.offset(), georeference.offset());
-        let border = Self { shift: MapPoint::new(outer.x - inner.x, outer.y - inner.y) };
+        let border = Self {
+            shift: MapPoint::new(outer.x - inner.x, outer.y - inner.y),
+        };
         let goal = match &briefing.goal {
             Goal::Point(point) => Goal::Point(border.inwards(*point)),
             goal => goal.clone(),
         };
         let at = border.inwards(start);
         let start = Pose2::new(at.x, at.y, briefing.start.yaw);
-        (border, Briefing { georeference, goal, start, ..briefing.clone() })
+        (
+            border,
+            Briefing {
+                georeference,
+                goal,
+                start,
+                ..briefing.clone()
+            },
+        )
     }
 
     /// The satellite fix of an observation in the inner frame.
     pub fn fix(&self, observation: &Observation<'_>) -> Option<GnssFix> {
         let fix = *observation.gnss?;
         let [x, y, z] = fix.position;
-        Some(GnssFix { position: [x - self.shift.x, y - self.shift.y, z], ..fix })
+        Some(GnssFix {
+            position: [x - self.shift.x, y - self.shift.y, z],
+            ..fix
+        })
     }
 
     /// `events` with everything in the briefing's frame.
     pub fn events<'a>(&self, events: &'a mut dyn Events) -> Outwards<'a> {
-        Outwards { border: *self, events }
+        Outwards {
+            border: *self,
+            events,
+        }
     }
 
     fn inwards(&self, point: MapPoint) -> MapPoint {
@@ -65,18 +83,37 @@ impl Border {
             Event::Route(route) => Event::Route(points(route)),
             Event::Path(path) => Event::Path(points(path)),
             Event::PoseEstimate(PoseEstimate { pose, health }) => {
-                Event::PoseEstimate(PoseEstimate { pose: self.pose_outwards(pose), health })
+                Event::PoseEstimate(PoseEstimate {
+                    pose: self.pose_outwards(pose),
+                    health,
+                })
             }
-            Event::Waypoints(poses) => {
-                Event::Waypoints(poses.into_iter().map(|pose| self.pose_outwards(pose)).collect())
-            }
-            Event::PlateRead { text, confidence, corners, position, image } => {
+            Event::Waypoints(poses) => Event::Waypoints(
+                poses
+                    .into_iter()
+                    .map(|pose| self.pose_outwards(pose))
+                    .collect(),
+            ),
+            Event::PlateRead {
+                text,
+                confidence,
+                corners,
+                position,
+                image,
+            } => {
                 let position = position.map(|p| self.outwards(p));
-                Event::PlateRead { text, confidence, corners, position, image }
+                Event::PlateRead {
+                    text,
+                    confidence,
+                    corners,
+                    position,
+                    image,
+                }
             }
-            Event::DoorWritten { address, position } => {
-                Event::DoorWritten { address, position: self.outwards(position) }
-            }
+            Event::DoorWritten { address, position } => Event::DoorWritten {
+                address,
+                position: self.outwards(position),
+            },
             Event::Plan(_) | Event::Task(_) | Event::Models(_) | Event::Note(_) => event,
         }
     }

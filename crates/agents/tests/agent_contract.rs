@@ -5,8 +5,9 @@ use std::time::Duration;
 
 use openbench_agents::{Open, Parts};
 use openbench_core::{
-    Action, Agent, Briefing, Camera, Event, Events, FailureCause, Georeference, Goal, Image, ImuSample,
-    LidarPoint, LidarScan, LonLat, Observation, Pose2, RobotDescription, SimTime, Velocity, WheelSample,
+    Action, Agent, Briefing, Camera, Event, Events, FailureCause, Georeference, Goal, Image,
+    ImuSample, LidarPoint, LidarScan, LonLat, Observation, Pose2, RobotDescription, SimTime,
+    Velocity, WheelSample,
 };
 use openbench_language::GrammarPlanner;
 use openbench_localization::DeadReckoning;
@@ -96,7 +97,11 @@ struct Plain {
 
 impl Plain {
     fn new() -> Self {
-        Self { time: SimTime::ZERO, wheels: [0.0; 2], velocity: Velocity::ZERO }
+        Self {
+            time: SimTime::ZERO,
+            wheels: [0.0; 2],
+            velocity: Velocity::ZERO,
+        }
     }
 
     /// What the agent does in the next 50 ms.
@@ -111,10 +116,18 @@ impl Plain {
                 *angle += speed * 0.01 / robot.wheel_radius;
             }
             let (stamp, [left, right]) = (self.time, self.wheels);
-            imu.push(ImuSample { stamp, gyro: [0.0, 0.0, self.velocity.angular], accel: [0.0, 0.0, 9.8] });
+            imu.push(ImuSample {
+                stamp,
+                gyro: [0.0, 0.0, self.velocity.angular],
+                accel: [0.0, 0.0, 9.8],
+            });
             wheels.push(WheelSample { stamp, left, right });
         }
-        let scan = self.time.0.is_multiple_of(100_000_000).then(|| self.scan(&robot));
+        let scan = self
+            .time
+            .0
+            .is_multiple_of(100_000_000)
+            .then(|| self.scan(&robot));
         let observation = Observation {
             time: self.time,
             imu: &imu,
@@ -124,7 +137,11 @@ impl Plain {
             camera: &Grey,
         };
         let action = agent.act(&observation, events);
-        self.velocity = if let Action::Drive(v) = &action { *v } else { Velocity::ZERO };
+        self.velocity = if let Action::Drive(v) = &action {
+            *v
+        } else {
+            Velocity::ZERO
+        };
         action
     }
 
@@ -132,10 +149,22 @@ impl Plain {
         let down = -robot.lidar.translation.vector.z as f32;
         let ring = (0..360_u32).map(|i| {
             let bearing = f64::from(i).to_radians();
-            let xyz = [(2.0 * libm::cos(bearing)) as f32, (2.0 * libm::sin(bearing)) as f32, down];
-            LidarPoint { xyz, offset_ns: i * 277_000, reflectivity: 50, line: 0 }
+            let xyz = [
+                (2.0 * libm::cos(bearing)) as f32,
+                (2.0 * libm::sin(bearing)) as f32,
+                down,
+            ];
+            LidarPoint {
+                xyz,
+                offset_ns: i * 277_000,
+                reflectivity: 50,
+                line: 0,
+            }
         });
-        LidarScan { stamp: SimTime(self.time.0 - 100_000_000), points: ring.collect() }
+        LidarScan {
+            stamp: SimTime(self.time.0 - 100_000_000),
+            points: ring.collect(),
+        }
     }
 }
 
@@ -144,23 +173,39 @@ fn an_agent_that_was_not_begun_or_begun_twice_says_so() {
     for make in AGENTS {
         let (mut agent, mut events) = (make(), Kept::default());
         let action = Plain::new().step(agent.as_mut(), &mut events);
-        assert!(matches!(&action, Action::GiveUp(g) if g.cause == FailureCause::AgentError), "{action:?}");
+        assert!(
+            matches!(&action, Action::GiveUp(g) if g.cause == FailureCause::AgentError),
+            "{action:?}"
+        );
         let briefing = briefing(MAP.as_bytes(), "box to unit 1, building 1");
         agent.begin(&briefing, &mut events).unwrap();
-        assert_eq!(agent.begin(&briefing, &mut events).unwrap_err().cause, FailureCause::AgentError);
+        assert_eq!(
+            agent.begin(&briefing, &mut events).unwrap_err().cause,
+            FailureCause::AgentError
+        );
     }
 }
 
 #[test]
 fn broken_briefings_are_given_up_with_their_cause() {
     let cases = [
-        (&b"<osm"[..], "box to unit 1, building 1", FailureCause::Briefing),
-        (b"\xff\xfe", "box to unit 1, building 1", FailureCause::Briefing),
+        (
+            &b"<osm"[..],
+            "box to unit 1, building 1",
+            FailureCause::Briefing,
+        ),
+        (
+            b"\xff\xfe",
+            "box to unit 1, building 1",
+            FailureCause::Briefing,
+        ),
         (MAP.as_bytes(), "la la la", FailureCause::NotUnderstood),
     ];
     for make in AGENTS {
         for (map, instruction, cause) in cases {
-            let given_up = make().begin(&briefing(map, instruction), &mut Kept::default()).unwrap_err();
+            let given_up = make()
+                .begin(&briefing(map, instruction), &mut Kept::default())
+                .unwrap_err();
             assert_eq!(given_up.cause, cause, "{instruction}: {given_up}");
         }
     }
@@ -172,12 +217,18 @@ fn minutes_with_origin_at(make: Make, shift: f64) -> (Vec<Action>, Vec<Event>) {
     let at = LonLat::new(8.0, 50.0);
     let near = briefing(MAP.as_bytes(), "box to unit 1, building 1");
     let moved = Briefing {
-        georeference: Georeference::TangentPlane { at, offset_x: shift, offset_y: -shift },
+        georeference: Georeference::TangentPlane {
+            at,
+            offset_x: shift,
+            offset_y: -shift,
+        },
         start: Pose2::new(near.start.x + shift, near.start.y - shift, near.start.yaw),
         ..near
     };
     agent.begin(&moved, &mut events).unwrap();
-    let actions = (0..20 * 120).map(|_| world.step(agent.as_mut(), &mut events)).collect();
+    let actions = (0..20 * 120)
+        .map(|_| world.step(agent.as_mut(), &mut events))
+        .collect();
     (actions, events.0)
 }
 
@@ -186,7 +237,13 @@ fn a_false_origin_anywhere_gives_the_same_actions_and_events_in_its_frame() {
     for make in AGENTS {
         let (actions, events) = minutes_with_origin_at(make, 0.0);
         let paths = |events: &[Event]| {
-            let path = |e: &Event| if let Event::Path(path) = e { Some(path.clone()) } else { None };
+            let path = |e: &Event| {
+                if let Event::Path(path) = e {
+                    Some(path.clone())
+                } else {
+                    None
+                }
+            };
             events.iter().filter_map(path).collect::<Vec<_>>()
         };
         assert!(!paths(&events).is_empty());
@@ -194,7 +251,11 @@ fn a_false_origin_anywhere_gives_the_same_actions_and_events_in_its_frame() {
             let (same_actions, moved) = minutes_with_origin_at(make, shift);
             assert!(actions == same_actions, "other actions {shift} m away");
             assert_eq!(events.len(), moved.len());
-            for (here, there) in paths(&events).iter().flatten().zip(paths(&moved).iter().flatten()) {
+            for (here, there) in paths(&events)
+                .iter()
+                .flatten()
+                .zip(paths(&moved).iter().flatten())
+            {
                 let apart = libm::hypot(here.x + shift - there.x, here.y - shift - there.y);
                 assert!(apart < 1e-6, "{here} against {there}");
             }
@@ -214,8 +275,12 @@ fn actions_are_within_reason_repeat_and_come_to_an_end() {
                 let action = world.step(agent.as_mut(), &mut events);
                 actions.push(action.clone());
                 match action {
-                    Action::Drive(v) => assert!(v.linear.is_finite() && v.angular.is_finite(), "{v:?}"),
-                    Action::Delivered(address) => panic!("{address} was declared, though no plate was read"),
+                    Action::Drive(v) => {
+                        assert!(v.linear.is_finite() && v.angular.is_finite(), "{v:?}")
+                    }
+                    Action::Delivered(address) => {
+                        panic!("{address} was declared, though no plate was read")
+                    }
                     Action::GiveUp(_) => break,
                 }
             }
@@ -223,12 +288,25 @@ fn actions_are_within_reason_repeat_and_come_to_an_end() {
             (actions, events.0, map)
         };
         let (actions, events, map) = run();
-        assert!(matches!(actions.last(), Some(Action::GiveUp(g)) if g.cause == FailureCause::DoorNotFound));
-        assert!(actions.iter().any(|a| matches!(a, Action::Drive(v) if v.linear > 0.3)));
-        assert!(events.iter().any(|e| matches!(e, Event::Plan(p) if p.deliveries.len() == 1)));
+        assert!(
+            matches!(actions.last(), Some(Action::GiveUp(g)) if g.cause == FailureCause::DoorNotFound)
+        );
+        assert!(
+            actions
+                .iter()
+                .any(|a| matches!(a, Action::Drive(v) if v.linear > 0.3))
+        );
+        assert!(
+            events
+                .iter()
+                .any(|e| matches!(e, Event::Plan(p) if p.deliveries.len() == 1))
+        );
         let map = map.expect("OPEN edits its map");
         assert_eq!(OsmData::from_bytes(&map).unwrap().ways.len(), 1);
         let again = run();
-        assert!(again.0 == actions && again.2 == Some(map), "the same briefing and sensors, other actions");
+        assert!(
+            again.0 == actions && again.2 == Some(map),
+            "the same briefing and sensors, other actions"
+        );
     }
 }

@@ -48,23 +48,31 @@ fn localizers() -> Registry<LocalizerPart> {
         .with(
             "fused",
             "LiDAR-inertial odometry and fixes in a pose graph",
-            WithFixes(Arc::new(|robot, fixes| Box::new(Fused::new(robot.clone(), fixes)))),
+            WithFixes(Arc::new(|robot, fixes| {
+                Box::new(Fused::new(robot.clone(), fixes))
+            })),
         )
         .with(
             "lidar-inertial",
             "LiDAR-inertial odometry alone",
-            WithoutFixes(Arc::new(|robot| Box::new(LidarInertial::new(robot.clone())))),
+            WithoutFixes(Arc::new(|robot| {
+                Box::new(LidarInertial::new(robot.clone()))
+            })),
         )
         .with(
             "dead-reckoning",
             "wheel odometry and gyroscope",
-            WithoutFixes(Arc::new(|robot| Box::new(DeadReckoning::new(robot.clone())))),
+            WithoutFixes(Arc::new(|robot| {
+                Box::new(DeadReckoning::new(robot.clone()))
+            })),
         )
 }
 
 fn fixes() -> Registry<Arc<ReadFixes>> {
     let sources: Registry<Arc<ReadFixes>> = Registry::new("source of fixes");
-    sources.with("gnss", "a satellite receiver", Arc::new(gnss)).with("none", "no fixes", Arc::new(no_fixes))
+    sources
+        .with("gnss", "a satellite receiver", Arc::new(gnss))
+        .with("none", "no fixes", Arc::new(no_fixes))
 }
 
 /// The local planners of `openbench_motion`, with OPEN's settings.
@@ -87,7 +95,11 @@ fn no_fixes(argument: &str) -> Result<MakeFixes, PartError> {
 }
 
 fn refuse_argument(argument: &str) -> Result<(), PartError> {
-    if argument.is_empty() { Ok(()) } else { Err("it takes no argument after a colon".into()) }
+    if argument.is_empty() {
+        Ok(())
+    } else {
+        Err("it takes no argument after a colon".into())
+    }
 }
 
 impl Catalogue {
@@ -117,11 +129,17 @@ impl Catalogue {
     ///
     /// # Errors
     /// [`SettingsError::Part`] if the word names no model that can be opened.
-    pub fn planner(&self, word: &str, models: &mut Models) -> Result<Box<dyn Planner>, SettingsError> {
+    pub fn planner(
+        &self,
+        word: &str,
+        models: &mut Models,
+    ) -> Result<Box<dyn Planner>, SettingsError> {
         if word == "grammar" {
             return Ok(Box::new(GrammarPlanner::new()));
         }
-        let model = models.open(word).map_err(|error| part_error("planner", word, error))?;
+        let model = models
+            .open(word)
+            .map_err(|error| part_error("planner", word, error))?;
         Ok(Box::new(ChatPlanner::new(model)))
     }
 
@@ -131,11 +149,17 @@ impl Catalogue {
     /// [`SettingsError::Part`] with the names that there are.
     pub fn local_planner(&self, name: &str) -> Result<Entry, SettingsError> {
         let found = self.local_planners.get(name);
-        found.cloned().map_err(|error| part_error("motion", name, error))
+        found
+            .cloned()
+            .map_err(|error| part_error("motion", name, error))
     }
 
     /// The plate readers that the setting `reader` lists.
-    fn reader(&self, list: &str, models: &mut Models) -> Result<Box<dyn PlateReader>, SettingsError> {
+    fn reader(
+        &self,
+        list: &str,
+        models: &mut Models,
+    ) -> Result<Box<dyn PlateReader>, SettingsError> {
         let mut open = |word: &str| models.open(word).map_err(PartError::from);
         let mut context = ReaderContext::new(&mut open).with_settings(settings::reading());
         let made = self.readers.make(list, &mut context);
@@ -145,12 +169,15 @@ impl Catalogue {
     fn localizer(&self, settings: &Settings) -> Result<MakeLocalizer, SettingsError> {
         let name = &settings.localizer;
         let part = self.localizers.get(name);
-        let part = part.map_err(|source| unknown_part("localizer", name, source))?.clone();
+        let part = part
+            .map_err(|source| unknown_part("localizer", name, source))?
+            .clone();
         match (part, &settings.fixes) {
             (LocalizerPart::WithoutFixes(make), None) => Ok(Box::new(move |robot| make(robot))),
-            (LocalizerPart::WithoutFixes(_), Some(fixes)) => {
-                Err(SettingsError::TakesNoFixes { fixes: fixes.clone(), localizer: name.clone() })
-            }
+            (LocalizerPart::WithoutFixes(_), Some(fixes)) => Err(SettingsError::TakesNoFixes {
+                fixes: fixes.clone(),
+                localizer: name.clone(),
+            }),
             (LocalizerPart::WithFixes(make), fixes) => {
                 let fixes = self.sources(fixes.as_deref().unwrap_or("none"))?;
                 Ok(Box::new(move |robot| make(robot, fixes(robot))))
@@ -167,11 +194,19 @@ impl Catalogue {
 }
 
 fn part_error(key: &'static str, value: &str, source: impl Into<PartError>) -> SettingsError {
-    SettingsError::Part { key, value: value.to_owned(), source: source.into() }
+    SettingsError::Part {
+        key,
+        value: value.to_owned(),
+        source: source.into(),
+    }
 }
 
 fn unknown_part(key: &'static str, value: &str, source: UnknownName) -> SettingsError {
-    SettingsError::UnknownPart { key, value: value.to_owned(), source }
+    SettingsError::UnknownPart {
+        key,
+        value: value.to_owned(),
+        source,
+    }
 }
 
 #[cfg(test)]
@@ -189,7 +224,10 @@ mod tests {
 
     /// Settings that need no model files.
     fn settings() -> Settings {
-        Settings { reader: "replay:nowhere.jsonl".into(), ..Settings::default() }
+        Settings {
+            reader: "replay:nowhere.jsonl".into(),
+            ..Settings::default()
+        }
     }
 
     #[test]
@@ -204,16 +242,31 @@ mod tests {
     #[test]
     fn fixes_are_refused_where_nothing_takes_them() {
         let localizer = "dead-reckoning".to_owned();
-        let settings = Settings { localizer, fixes: Some("gnss".into()), ..settings() };
-        let Err(error) = Catalogue::default().localizer(&settings) else { panic!("accepted") };
-        assert!(matches!(error, SettingsError::TakesNoFixes { .. }), "{error}");
+        let settings = Settings {
+            localizer,
+            fixes: Some("gnss".into()),
+            ..settings()
+        };
+        let Err(error) = Catalogue::default().localizer(&settings) else {
+            panic!("accepted")
+        };
+        assert!(
+            matches!(error, SettingsError::TakesNoFixes { .. }),
+            "{error}"
+        );
     }
 
     #[test]
     fn a_reader_that_is_no_name_and_no_model_is_refused() {
-        let Err(error) = assemble(Settings { reader: "eyes".into(), ..settings() }) else {
+        let Err(error) = assemble(Settings {
+            reader: "eyes".into(),
+            ..settings()
+        }) else {
             panic!("accepted")
         };
-        assert!(matches!(error, SettingsError::Part { key: "reader", .. }), "{error}");
+        assert!(
+            matches!(error, SettingsError::Part { key: "reader", .. }),
+            "{error}"
+        );
     }
 }

@@ -50,7 +50,11 @@ impl Caution {
             }
             Health::Lost => {
                 self.misled = true;
-                if lasted < PATIENCE { Measure::Stand } else { Measure::GiveUp }
+                if lasted < PATIENCE {
+                    Measure::Stand
+                } else {
+                    Measure::GiveUp
+                }
             }
         }
     }
@@ -66,7 +70,8 @@ impl Caution {
     /// since the next one is planned from what the robot has come to, and leave it creeping.
     pub fn slowed(velocity: Velocity, robot: &RobotDescription) -> Velocity {
         let part = |now: f64, most: f64| (SLOWER * most / now.abs()).min(1.0);
-        let part = part(velocity.linear, robot.max_forward).min(part(velocity.angular, robot.max_turn));
+        let part =
+            part(velocity.linear, robot.max_forward).min(part(velocity.angular, robot.max_turn));
         Velocity::new(velocity.linear * part, velocity.angular * part)
     }
 }
@@ -112,9 +117,15 @@ mod tests {
         }
         assert!((speed - half).abs() < 1e-9, "{speed}");
         let arc = Caution::slowed(Velocity::new(robot.max_forward, 0.3), &robot);
-        assert!((arc.linear - half).abs() < 1e-9 && (arc.angular - 0.15).abs() < 1e-9, "{arc:?}");
+        assert!(
+            (arc.linear - half).abs() < 1e-9 && (arc.angular - 0.15).abs() < 1e-9,
+            "{arc:?}"
+        );
         let turn = Caution::slowed(Velocity::new(0.0, -robot.max_turn), &robot);
-        assert!((turn.angular + SLOWER * robot.max_turn).abs() < 1e-9, "{turn:?}");
+        assert!(
+            (turn.angular + SLOWER * robot.max_turn).abs() < 1e-9,
+            "{turn:?}"
+        );
         assert_eq!(Caution::slowed(Velocity::ZERO, &robot), Velocity::ZERO);
     }
 }

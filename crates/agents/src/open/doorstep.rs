@@ -37,14 +37,30 @@ pub struct Doorstep {
 /// the porch and nearer to the neighbours' door.
 pub fn doorstep(door: &Sighting, from: f64, near: &Costmap) -> Doorstep {
     // What the costmap does not cover is not known to be taken.
-    let is_free = |at: &MapPoint| near.grid().cell_at(*at).is_none_or(|cell| near.cost(cell).is_some());
+    let is_free = |at: &MapPoint| {
+        near.grid()
+            .cell_at(*at)
+            .is_none_or(|cell| near.cost(cell).is_some())
+    };
     let steps = ((FARTHEST - from) / STEP).round().max(0.0) as u32;
     let distances = (0..=steps).map(|i| from + STEP * f64::from(i));
     let views = distances.flat_map(|distance| ASIDES.map(|aside| View { distance, aside }));
     let free = views.filter(|view| is_free(&view.of(door)));
-    let best = free.reduce(|best, view| if view.cost() < best.cost() { view } else { best });
-    let view = best.unwrap_or(View { distance: from, aside: 0.0 });
-    Doorstep { place: view.of(door), next: view.distance + FARTHER }
+    let best = free.reduce(|best, view| {
+        if view.cost() < best.cost() {
+            view
+        } else {
+            best
+        }
+    });
+    let view = best.unwrap_or(View {
+        distance: from,
+        aside: 0.0,
+    });
+    Doorstep {
+        place: view.of(door),
+        next: view.distance + FARTHER,
+    }
 }
 
 /// A place as its door's plate sees it.
@@ -58,7 +74,8 @@ struct View {
 
 impl View {
     fn of(self, door: &Sighting) -> MapPoint {
-        door.position.offset(door.facing + self.aside, self.distance)
+        door.position
+            .offset(door.facing + self.aside, self.distance)
     }
 
     /// Metres.
@@ -99,8 +116,13 @@ mod tests {
 
     /// Open ground round the door on which low things in the given places were seen.
     fn ground(seen: &[MapPoint]) -> Costmap {
-        let map =
-            OsmMap::new(&OsmData::default(), Georeference::tangent_plane(LonLat { lon: 8.0, lat: 50.0 }));
+        let map = OsmMap::new(
+            &OsmData::default(),
+            Georeference::tangent_plane(LonLat {
+                lon: 8.0,
+                lat: 50.0,
+            }),
+        );
         let (low, high) = (MapPoint::new(-10.0, -10.0), MapPoint::new(10.0, 10.0));
         let mut costmap = Costmap::new(&map, low, high, &RobotDescription::sentry()).unwrap();
         let points = seen.iter().map(|point| ScanPoint::new(*point, 0.3));
@@ -117,7 +139,9 @@ mod tests {
 
     /// Points of an obstacle: `out` metres from the door's wall, `north` metres north of the plate.
     fn heap(out: Range<f64>, north: Range<f64>) -> Vec<MapPoint> {
-        tenths(out).flat_map(|x| tenths(north.clone()).map(move |y| MapPoint::new(x, y))).collect()
+        tenths(out)
+            .flat_map(|x| tenths(north.clone()).map(move |y| MapPoint::new(x, y)))
+            .collect()
     }
 
     fn found(from: f64, ground: &Costmap) -> Doorstep {
@@ -147,7 +171,10 @@ mod tests {
     fn a_bush_in_front_is_passed_by_aside() {
         let bush = heap(0.8..1.4, -0.2..-0.1);
         let step = found(NEAREST, &ground(&bush));
-        assert!(step.place.y > 0.1 && is_in_front(&door(), step.place), "{step:?}");
+        assert!(
+            step.place.y > 0.1 && is_in_front(&door(), step.place),
+            "{step:?}"
+        );
         assert!(step.place.distance(door().position) < 1.5, "{step:?}");
     }
 
@@ -156,14 +183,20 @@ mod tests {
         // From 1.6 m away one could stand beside this porch, with the door aslant.
         let ground = ground(&heap(0.0..1.6, -0.9..1.5));
         let step = found(NEAREST, &ground);
-        assert!(step.place.y == 0.0 && (1.7..2.0).contains(&step.place.x), "{step:?}");
+        assert!(
+            step.place.y == 0.0 && (1.7..2.0).contains(&step.place.x),
+            "{step:?}"
+        );
     }
 
     #[test]
     fn where_nothing_is_free_it_is_tried_straight_in_front() {
         let crowd = heap(0.0..4.0, -4.0..4.0);
         assert_eq!(found(1.6, &ground(&crowd)).place, MapPoint::new(1.6, 0.0));
-        assert_eq!(found(FARTHEST + 0.5, &ground(&crowd)).place, MapPoint::new(FARTHEST + 0.5, 0.0));
+        assert_eq!(
+            found(FARTHEST + 0.5, &ground(&crowd)).place,
+            MapPoint::new(FARTHEST + 0.5, 0.0)
+        );
     }
 
     #[test]

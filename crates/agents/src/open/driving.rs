@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 use openbench_core::{
-    Event, Events, FailureCause, GiveUp, MapPoint, Pose2, RobotDescription, SimTime, Velocity, WheelSample,
+    Event, Events, FailureCause, GiveUp, MapPoint, Pose2, RobotDescription, SimTime, Velocity,
+    WheelSample,
 };
 use openbench_motion::costmap::window::Window;
 use openbench_motion::{
@@ -72,7 +73,11 @@ impl Driver {
         robot: RobotDescription,
         planner: Box<dyn LocalPlanner>,
     ) -> Result<Self, GiveUp> {
-        let unfit = |why: String| GiveUp { address: None, cause: FailureCause::Briefing, detail: why };
+        let unfit = |why: String| GiveUp {
+            address: None,
+            cause: FailureCause::Briefing,
+            detail: why,
+        };
         Ok(Self {
             footprint: Footprint::of(&robot).map_err(|e| unfit(e.to_string()))?,
             navigator: Navigator::new(&robot, planner).map_err(|e| unfit(e.to_string()))?,
@@ -98,10 +103,18 @@ impl Driver {
     pub fn observe(&mut self, ring: &RangeRing, now: SimTime) {
         self.window.follow(self.terrain.near(), ring.center);
         let low = self.terrain.near().newcomers(ring);
-        let seen = Newcomers { sensor: ring.center, low: &low, above: &ring.above };
-        self.tracker.update(SimTime(now.0.saturating_sub(HALF_SCAN_NS)), &seen);
-        self.window.observe_but(ring, |point| self.tracker.covers(point));
-        self.terrain.near_mut().observe_but(ring, |point| self.tracker.covers(point));
+        let seen = Newcomers {
+            sensor: ring.center,
+            low: &low,
+            above: &ring.above,
+        };
+        self.tracker
+            .update(SimTime(now.0.saturating_sub(HALF_SCAN_NS)), &seen);
+        self.window
+            .observe_but(ring, |point| self.tracker.covers(point));
+        self.terrain
+            .near_mut()
+            .observe_but(ring, |point| self.tracker.covers(point));
     }
 
     /// Forgets all that was seen: it was drawn where it is not.
@@ -142,19 +155,28 @@ impl Driver {
 
     /// What to do now at `pose`.
     pub fn drive(&mut self, pose: Pose2, now: SimTime, events: &mut dyn Events) -> Driving {
-        let Some(target) = self.target else { return Driving::Arrived };
+        let Some(target) = self.target else {
+            return Driving::Arrived;
+        };
         self.terrain.near_mut().clear_below(&self.footprint, pose);
         self.window.clear_below(&self.footprint, pose);
         let mut obstacles = self.window.obstacles_near(pose.point(), SIGHT);
         obstacles.extend(self.tracker.moving(now));
         let is_near = |o: &Obstacle| o.is_moving() && o.distance_to(pose.point()) < AMONG_PEOPLE.0;
         self.patience.spend(now, obstacles.iter().any(is_near));
-        let surroundings = Surroundings { time: now, pose, velocity: self.velocity, obstacles: &obstacles };
+        let surroundings = Surroundings {
+            time: now,
+            pose,
+            velocity: self.velocity,
+            obstacles: &obstacles,
+        };
         let decided = self.navigator.drive(&surroundings, &mut self.terrain);
         self.tell(events);
         let late = self.patience.is_spent();
         let driving = match decided {
-            Navigation::Drive(_) if late || !target.must && self.is_detour() => Driving::Unreachable,
+            Navigation::Drive(_) if late || !target.must && self.is_detour() => {
+                Driving::Unreachable
+            }
             Navigation::Drive(velocity) => Driving::OnTheWay(velocity),
             // The way led to where more can be seen, and goes on from there.
             Navigation::Arrived if self.terrain.is_partial() && !late => {
@@ -184,12 +206,16 @@ impl Driver {
             self.told = path.to_vec();
         }
         for recovery in self.navigator.take_recoveries() {
-            events.record(Event::Note(format!("{:?}: {}", recovery.step, recovery.cause)));
+            events.record(Event::Note(format!(
+                "{:?}: {}",
+                recovery.step, recovery.cause
+            )));
         }
     }
 
     fn is_detour(&self) -> bool {
-        self.first_length.is_some_and(|first| length(&self.told) > DETOUR.0 * first + DETOUR.1)
+        self.first_length
+            .is_some_and(|first| length(&self.told) > DETOUR.0 * first + DETOUR.1)
     }
 }
 
@@ -205,11 +231,14 @@ struct Patience {
 impl Patience {
     /// The first way is this long, metres; those that are found later change nothing.
     fn begin(&mut self, length: f64) {
-        self.left.get_or_insert(Duration::from_secs_f64(LEG_TIME.0 + LEG_TIME.1 * length));
+        self.left
+            .get_or_insert(Duration::from_secs_f64(LEG_TIME.0 + LEG_TIME.1 * length));
     }
 
     fn spend(&mut self, now: SimTime, is_anybody_near: bool) {
-        let passed = self.looked.map_or(Duration::ZERO, |looked| now.since(looked));
+        let passed = self
+            .looked
+            .map_or(Duration::ZERO, |looked| now.since(looked));
         self.looked = Some(now);
         let Some(left) = &mut self.left else { return };
         if is_anybody_near && self.among_people < AMONG_PEOPLE.1 {
@@ -236,7 +265,10 @@ mod tests {
     fn lasts(is_anybody_near: impl Fn(u64) -> bool) -> u64 {
         let mut patience = Patience::default();
         for second in 0.. {
-            patience.spend(SimTime::ZERO + Duration::from_secs(second), is_anybody_near(second));
+            patience.spend(
+                SimTime::ZERO + Duration::from_secs(second),
+                is_anybody_near(second),
+            );
             patience.begin(10.0 + second as f64);
             if patience.is_spent() {
                 return second;

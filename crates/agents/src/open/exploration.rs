@@ -65,7 +65,10 @@ impl Waypoint {
         let steps = ((self.standoff - from) / 0.1).max(0.0) as usize;
         let distances = (0..steps).map(|i| from + 0.1 * i as f64);
         let blocked = |d: &f64| {
-            costmap.grid().cell_at(self.wall.offset(back, *d)).is_some_and(|cell| costmap.is_obstacle(cell))
+            costmap
+                .grid()
+                .cell_at(self.wall.offset(back, *d))
+                .is_some_and(|cell| costmap.is_obstacle(cell))
         };
         self.at_distance(distances.into_iter().find(blocked)? - AWAY)
     }
@@ -96,13 +99,19 @@ pub fn sees_plates_from(robot: &RobotDescription) -> f64 {
 /// from it as there is room; in the order of the wall. Where that is nearer than plates are seen
 /// from (`sees_from`, metres), the wall is looked at aslant, from both sides.
 pub fn waypoints(map: &OsmMap, building: usize, standoff: f64, sees_from: f64) -> Vec<Waypoint> {
-    let Some(outline) = map.buildings.get(building).map(|b| &b.polygon) else { return Vec::new() };
+    let Some(outline) = map.buildings.get(building).map(|b| &b.polygon) else {
+        return Vec::new();
+    };
     let ring = &outline.outer[..outline.outer.len().min(MOST as usize)];
     // A mapping error can make an outline of any length: its places are bounded.
     let spacing = SPACING.max(outline.perimeter() / MOST);
     let mut views = Vec::new();
     for i in 0..ring.len() {
-        let (a, b, c) = (ring[i], ring[(i + 1) % ring.len()], ring[(i + 2) % ring.len()]);
+        let (a, b, c) = (
+            ring[i],
+            ring[(i + 1) % ring.len()],
+            ring[(i + 2) % ring.len()],
+        );
         let length = a.distance(b);
         if length < 1e-6 {
             continue;
@@ -128,7 +137,13 @@ pub fn waypoints(map: &OsmMap, building: usize, standoff: f64, sees_from: f64) -
 /// or, where that is nearer than plates are seen from (`sees_from`, metres), from both sides.
 pub fn before_plate(map: &OsmMap, plate: MapPoint, facing: f64, sees_from: f64) -> Vec<Waypoint> {
     let views = look_at(map, plate, facing, PLATE, sees_from);
-    views.into_iter().map(|waypoint| Waypoint { second: true, ..waypoint }).collect()
+    views
+        .into_iter()
+        .map(|waypoint| Waypoint {
+            second: true,
+            ..waypoint
+        })
+        .collect()
 }
 
 /// A place to look at a plate from that was seen from `viewer`: in front of it if it was seen from
@@ -142,17 +157,28 @@ pub fn nearer_to_plate(
     sees_from: f64,
 ) -> Waypoint {
     let (distance, towards) = (plate.distance(viewer), plate.bearing_to(viewer));
-    let standoff = (NEARER * distance).clamp(sees_from.min(PLATE), PLATE).min(distance).max(NEAREST);
+    let standoff = (NEARER * distance)
+        .clamp(sees_from.min(PLATE), PLATE)
+        .min(distance)
+        .max(NEAREST);
     let at = plate.offset(towards, standoff);
     let place = Pose2::new(at.x, at.y, at.bearing_to(plate));
     let from_wall = standoff * libm::cos(wrap_angle(towards - facing));
-    let on_line = Waypoint { place, wall: plate, standoff, from_wall, second: true };
+    let on_line = Waypoint {
+        place,
+        wall: plate,
+        standoff,
+        from_wall,
+        second: true,
+    };
     if standoff < PLATE && wrap_angle(towards - facing).abs() < ASIDE {
         return on_line;
     }
     let away = |view: &Waypoint| view.place.point().distance(viewer);
     let views = before_plate(map, plate, facing, sees_from).into_iter();
-    views.min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(on_line)
+    views
+        .min_by(|a, b| away(a).total_cmp(&away(b)))
+        .unwrap_or(on_line)
 }
 
 /// Index of the waypoint that is cheapest to get to over what is known of the ground; `None` without a way to any.
@@ -166,29 +192,54 @@ pub fn nearest(waypoints: &[Waypoint], from: MapPoint, terrain: &Terrain) -> Opt
 /// The view of `wall` from in front of it, nearer where other buildings leave no more room, or the
 /// views from both sides where so near a plate would be above the picture; none in a gap too narrow
 /// to stand in.
-fn look_at(map: &OsmMap, wall: MapPoint, outwards: f64, standoff: f64, sees_from: f64) -> Vec<Waypoint> {
+fn look_at(
+    map: &OsmMap,
+    wall: MapPoint,
+    outwards: f64,
+    standoff: f64,
+    sees_from: f64,
+) -> Vec<Waypoint> {
     let has_room = |d: &f64| is_clear(map, wall.offset(outwards, *d), ROOM);
-    let mut distances = (0..).map(|i| standoff - STEP * f64::from(i)).take_while(|d| *d >= NEAREST);
-    let Some(from_wall) = distances.find(has_room) else { return Vec::new() };
+    let mut distances = (0..)
+        .map(|i| standoff - STEP * f64::from(i))
+        .take_while(|d| *d >= NEAREST);
+    let Some(from_wall) = distances.find(has_room) else {
+        return Vec::new();
+    };
     let aslant = libm::acos((from_wall / sees_from.min(standoff)).min(1.0)).min(STEEPEST);
     let view = |turned: f64| {
         let standoff = from_wall / libm::cos(turned);
         let at = wall.offset(outwards + turned, standoff);
         let place = Pose2::new(at.x, at.y, at.bearing_to(wall));
-        Waypoint { place, wall, standoff, from_wall, second: false }
+        Waypoint {
+            place,
+            wall,
+            standoff,
+            from_wall,
+            second: false,
+        }
     };
     let is_open = |view: &Waypoint| {
         let (at, steps) = (view.place.point(), (view.standoff / SIGHT) as usize);
         let on_line = |i: usize| at.offset(view.place.yaw, i as f64 * SIGHT);
         is_clear(map, at, ROOM) && (0..steps * 4 / 5).all(|i| is_clear(map, on_line(i), SIGHT))
     };
-    let sides: Vec<Waypoint> = [aslant, -aslant].map(view).into_iter().filter(is_open).collect();
-    if aslant > 0.0 && !sides.is_empty() { sides } else { vec![view(0.0)] }
+    let sides: Vec<Waypoint> = [aslant, -aslant]
+        .map(view)
+        .into_iter()
+        .filter(is_open)
+        .collect();
+    if aslant > 0.0 && !sides.is_empty() {
+        sides
+    } else {
+        vec![view(0.0)]
+    }
 }
 
 /// Whether a place is so far from every building of the map, metres.
 fn is_clear(map: &OsmMap, at: MapPoint, room: f64) -> bool {
-    map.nearest_building(at).is_none_or(|i| map.distance_to_building(i, at) >= room)
+    map.nearest_building(at)
+        .is_none_or(|i| map.distance_to_building(i, at) >= room)
 }
 
 fn turns_left(a: MapPoint, b: MapPoint, c: MapPoint) -> bool {
@@ -236,12 +287,23 @@ mod tests {
             let corners = [(west, south), (east, south), (east, north), (west, north)];
             for (k, (x, y)) in corners.into_iter().enumerate() {
                 let at = projection.to_lonlat(MapPoint::new(x, y));
-                nodes += &format!(r#"<node id="{}" lat="{}" lon="{}"/>"#, 10 * i + k + 1, at.lat, at.lon);
+                nodes += &format!(
+                    r#"<node id="{}" lat="{}" lon="{}"/>"#,
+                    10 * i + k + 1,
+                    at.lat,
+                    at.lon
+                );
             }
-            let ends = [1, 2, 3, 4, 1].map(|k| format!(r#"<nd ref="{}"/>"#, 10 * i + k)).concat();
-            ways += &format!(r#"<way id="{}">{ends}<tag k="building" v="yes"/></way>"#, i + 1);
+            let ends = [1, 2, 3, 4, 1]
+                .map(|k| format!(r#"<nd ref="{}"/>"#, 10 * i + k))
+                .concat();
+            ways += &format!(
+                r#"<way id="{}">{ends}<tag k="building" v="yes"/></way>"#,
+                i + 1
+            );
         }
-        let data = OsmData::from_xml(format!(r#"<osm version="0.6">{nodes}{ways}</osm>"#).as_bytes());
+        let data =
+            OsmData::from_xml(format!(r#"<osm version="0.6">{nodes}{ways}</osm>"#).as_bytes());
         OsmMap::new(&data.unwrap(), georeference)
     }
 
@@ -255,12 +317,25 @@ mod tests {
             let distance = outline.distance_to_boundary(place.point());
             assert!((3.9..4.1).contains(&distance), "{distance}");
             let ahead = place.transform(distance + 0.2, 0.0);
-            assert!(outline.contains(ahead) || outline.distance_to_boundary(ahead) < 0.3, "{place:?}");
+            assert!(
+                outline.contains(ahead) || outline.distance_to_boundary(ahead) < 0.3,
+                "{place:?}"
+            );
         }
         for side in [-1.0, 1.0] {
             let middle = outline.centroid();
-            assert!(places.iter().map(|w| w.place).any(|p| (p.x - middle.x) * side > 8.0));
-            assert!(places.iter().map(|w| w.place).any(|p| (p.y - middle.y) * side > 8.0));
+            assert!(
+                places
+                    .iter()
+                    .map(|w| w.place)
+                    .any(|p| (p.x - middle.x) * side > 8.0)
+            );
+            assert!(
+                places
+                    .iter()
+                    .map(|w| w.place)
+                    .any(|p| (p.y - middle.y) * side > 8.0)
+            );
         }
     }
 
@@ -284,11 +359,22 @@ mod tests {
             assert!(view.place.transform(standoff, 0.0).distance(plate) < 1e-9);
         }
         // In front of a wall that the map has where it is.
-        let wall = map.buildings[0].polygon.nearest_boundary_point(MapPoint::new(-9.0, 5.0));
+        let wall = map.buildings[0]
+            .polygon
+            .nearest_boundary_point(MapPoint::new(-9.0, 5.0));
         let (wall, facing) = (wall.point, wall.normal);
         for (away, aside) in [(8.0, 0.6), (4.0, 1.2)] {
-            let view = nearer_to_plate(&map, wall, facing, wall.offset(facing + aside, away), SEES_FROM);
-            assert!(view.place.point().distance(wall.offset(facing, 3.0)) < 1e-6, "{view:?}");
+            let view = nearer_to_plate(
+                &map,
+                wall,
+                facing,
+                wall.offset(facing + aside, away),
+                SEES_FROM,
+            );
+            assert!(
+                view.place.point().distance(wall.offset(facing, 3.0)) < 1e-6,
+                "{view:?}"
+            );
         }
     }
 
@@ -296,11 +382,15 @@ mod tests {
     fn in_an_alley_walls_are_looked_at_aslant() {
         // The second house leaves an alley of 2.4 m to the east of the first.
         let map = houses(&[(0.0, 0.0, 14.0, 11.0), (16.4, 0.0, 30.0, 11.0)]);
-        let at_wall = |w: &&Waypoint| (w.wall.x - 14.0).abs() < 0.1 && w.wall.y > 3.0 && w.wall.y < 8.0;
+        let at_wall =
+            |w: &&Waypoint| (w.wall.x - 14.0).abs() < 0.1 && w.wall.y > 3.0 && w.wall.y < 8.0;
         let views = waypoints(&map, 0, 4.0, SEES_FROM);
         let views: Vec<_> = views.iter().filter(at_wall).collect();
         for side in [-1.0, 1.0] {
-            assert!(views.iter().any(|w| side * (w.place.y - w.wall.y) > 1.5), "{views:?}");
+            assert!(
+                views.iter().any(|w| side * (w.place.y - w.wall.y) > 1.5),
+                "{views:?}"
+            );
         }
         for view in views {
             assert!((15.0..15.9).contains(&view.place.x), "{view:?}");
@@ -311,7 +401,11 @@ mod tests {
     #[test]
     fn a_corner_hides_what_is_looked_at_aslant() {
         // The alley ends 1 m beyond the plate, so there is one side to look from.
-        let map = houses(&[(0.0, 0.0, 14.0, 11.0), (16.4, 0.0, 30.0, 11.0), (14.0, 6.0, 16.4, 11.0)]);
+        let map = houses(&[
+            (0.0, 0.0, 14.0, 11.0),
+            (16.4, 0.0, 30.0, 11.0),
+            (14.0, 6.0, 16.4, 11.0),
+        ]);
         let views = before_plate(&map, MapPoint::new(14.05, 5.0), 0.0, SEES_FROM);
         assert_eq!(views.len(), 1, "{views:?}");
         assert!(views[0].place.y < 4.0, "{views:?}");
@@ -320,7 +414,11 @@ mod tests {
     #[test]
     fn plates_are_in_the_picture_from_two_and_a_half_metres() {
         let robot = openbench_core::RobotDescription::sentry();
-        assert!((sees_plates_from(&robot) - 2.6).abs() < 0.1, "{}", sees_plates_from(&robot));
+        assert!(
+            (sees_plates_from(&robot) - 2.6).abs() < 0.1,
+            "{}",
+            sees_plates_from(&robot)
+        );
     }
 
     #[test]
@@ -330,7 +428,11 @@ mod tests {
         let robot = openbench_core::RobotDescription::sentry();
         let terrain = Terrain::new(map(), None, from, &robot, Preferences::NONE).unwrap();
         let first = places[nearest(&places, from, &terrain).unwrap()].place;
-        let nearest_by_far = places.iter().map(|w| w.place.point().distance(from)).reduce(f64::min).unwrap();
+        let nearest_by_far = places
+            .iter()
+            .map(|w| w.place.point().distance(from))
+            .reduce(f64::min)
+            .unwrap();
         assert!(first.point().distance(from) < nearest_by_far + 1.0);
         assert_eq!(nearest(&[], from, &terrain), None);
     }

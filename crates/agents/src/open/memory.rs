@@ -26,7 +26,12 @@ impl Memory {
         if let Some(remembered) = remembered {
             merge_entrances(&mut data, remembered);
         }
-        Self { map: OsmMap::new(&data, georeference), data, georeference, written: Vec::new() }
+        Self {
+            map: OsmMap::new(&data, georeference),
+            data,
+            georeference,
+            written: Vec::new(),
+        }
     }
 
     /// The map in metres.
@@ -47,7 +52,10 @@ impl Memory {
             return;
         }
         let building = &self.map.buildings[sighting.building];
-        let name = building.name.clone().unwrap_or_else(|| building.element.to_string());
+        let name = building
+            .name
+            .clone()
+            .unwrap_or_else(|| building.element.to_string());
         let address = Address::new(name, sighting.unit.clone());
         let projection = self.map.projection.clone();
         let at = doorway(sighting, &building.polygon);
@@ -57,7 +65,10 @@ impl Memory {
                 self.written.push(sighting.clone());
                 // Building indices stay: entrances add nodes, not buildings.
                 self.map = OsmMap::new(&self.data, self.georeference);
-                events.record(Event::DoorWritten { address, position: entrance.position });
+                events.record(Event::DoorWritten {
+                    address,
+                    position: entrance.position,
+                });
             }
             Err(error) => events.record(Event::Note(format!("door not written: {error}"))),
         }
@@ -66,8 +77,11 @@ impl Memory {
 
 /// Where the outline lies in front of a plate: recessed doors lie inside it.
 fn doorway(sighting: &Sighting, outline: &Polygon) -> MapPoint {
-    let steps =
-        (0..=(RECESS / 0.1) as usize).map(|i| sighting.position.offset(sighting.facing, i as f64 * 0.1));
+    let steps = (0..=(RECESS / 0.1) as usize)
+        .map(|i| sighting.position.offset(sighting.facing, i as f64 * 0.1));
     let inside = outline.contains(sighting.position);
-    steps.into_iter().find(|p| !inside || !outline.contains(*p)).unwrap_or(sighting.position)
+    steps
+        .into_iter()
+        .find(|p| !inside || !outline.contains(*p))
+        .unwrap_or(sighting.position)
 }

@@ -137,21 +137,40 @@ pub struct Mission {
 
 impl Mission {
     /// Reads the map, understands the instruction, prepares to drive.
-    pub fn begin(parts: Parts, briefing: &Briefing, events: &mut dyn Events) -> Result<Self, GiveUp> {
-        let data =
-            OsmData::from_bytes(&briefing.map_osm).map_err(|e| all(FailureCause::Briefing, e.to_string()))?;
-        let memory = Memory::new(data, briefing.georeference, parts.memory.as_ref());
-        let router = MapRouter::new(memory.data(), memory.map().projection.clone(), Profile::delivery())
+    pub fn begin(
+        parts: Parts,
+        briefing: &Briefing,
+        events: &mut dyn Events,
+    ) -> Result<Self, GiveUp> {
+        let data = OsmData::from_bytes(&briefing.map_osm)
             .map_err(|e| all(FailureCause::Briefing, e.to_string()))?;
-        let queue = understand(parts.planner.as_ref(), briefing, memory.map(), &router, events)?;
+        let memory = Memory::new(data, briefing.georeference, parts.memory.as_ref());
+        let router = MapRouter::new(
+            memory.data(),
+            memory.map().projection.clone(),
+            Profile::delivery(),
+        )
+        .map_err(|e| all(FailureCause::Briefing, e.to_string()))?;
+        let queue = understand(
+            parts.planner.as_ref(),
+            briefing,
+            memory.map(),
+            &router,
+            events,
+        )?;
         let robot = briefing.robot.clone();
         let motion = parts
             .motion
             .make(&settings::planning(&robot))
             .map_err(|e| all(FailureCause::Briefing, with_causes(&e)))?;
-        let terrain =
-            Terrain::new(memory.map().clone(), Some(router), briefing.start.point(), &robot, parts.ground)
-                .map_err(|e| all(FailureCause::Briefing, e.to_string()))?;
+        let terrain = Terrain::new(
+            memory.map().clone(),
+            Some(router),
+            briefing.start.point(),
+            &robot,
+            parts.ground,
+        )
+        .map_err(|e| all(FailureCause::Briefing, e.to_string()))?;
         let mut localizer = (parts.localizer)(&robot);
         localizer.reset(briefing.start);
         Ok(Self {
@@ -199,8 +218,9 @@ impl Mission {
         let health = self.localizer.health();
         let measure = self.caution.look(health, observation.time);
         if self.caution.is_over() {
-            events
-                .record(Event::Note("the pose is trusted again; what was seen in doubt is forgotten".into()));
+            events.record(Event::Note(
+                "the pose is trusted again; what was seen in doubt is forgotten".into(),
+            ));
             self.driver.forget_seen();
         }
         match measure {
@@ -247,8 +267,9 @@ impl Mission {
     fn announce(&mut self, events: &mut dyn Events) {
         let pending = self.localizer.pending();
         if pending > NOTABLE && !self.correcting {
-            events
-                .record(Event::Note(format!("the pose turns out to be {pending:.1} m off and is corrected")));
+            events.record(Event::Note(format!(
+                "the pose turns out to be {pending:.1} m off and is corrected"
+            )));
         }
         self.correcting = pending > NOTABLE || self.correcting && pending > NOTABLE / 2.0;
     }
@@ -267,7 +288,11 @@ impl Mission {
         };
         match self.road_to(task.building, events) {
             Some(end) if end.distance(self.localizer.pose().point()) > NEARBY => {
-                self.driver.set_target(Target { point: end, yaw: None, must: false });
+                self.driver.set_target(Target {
+                    point: end,
+                    yaw: None,
+                    must: false,
+                });
                 Next::stand(task)
             }
             _ => self.end_travel(task, events),
@@ -283,7 +308,9 @@ impl Mission {
         }
         let map = self.memory.map();
         let (building, entrance) = match locate(map, &address) {
-            Location::Unit { entrance, building } => (building, Some(map.entrances[entrance].position)),
+            Location::Unit { entrance, building } => {
+                (building, Some(map.entrances[entrance].position))
+            }
             Location::Building(building) => (building, None),
             Location::Unknown | Location::Ambiguous(_) => {
                 let detail = format!("the map has no single building `{}`", address.building);
@@ -308,10 +335,18 @@ impl Mission {
         (length <= DETOUR * from.distance(to)).then_some(last)
     }
 
-    fn pursue(&mut self, task: Task, observation: &Observation<'_>, events: &mut dyn Events) -> Next {
+    fn pursue(
+        &mut self,
+        task: Task,
+        observation: &Observation<'_>,
+        events: &mut dyn Events,
+    ) -> Next {
         match task.stage {
             Stage::Look(since) => {
-                let task = Task { looked: true, ..task };
+                let task = Task {
+                    looked: true,
+                    ..task
+                };
                 self.look(task, since, observation, events)
             }
             Stage::Travel | Stage::ToWaypoint | Stage::Approach(_) => {
@@ -335,11 +370,16 @@ impl Mission {
         match &task.stage {
             Stage::Travel => self.end_travel(task, events),
             // What was seen on the way may have moved its end beside a porch.
-            Stage::Approach(door) if !self.is_before(door) && task.doorstep <= doorstep::FARTHEST => {
+            Stage::Approach(door)
+                if !self.is_before(door) && task.doorstep <= doorstep::FARTHEST =>
+            {
                 self.missed(task, events)
             }
             Stage::Approach(_) => Next::delivered(task),
-            Stage::ToWaypoint | Stage::Look(_) => Next::stand(Task { stage: Stage::Look(now), ..task }),
+            Stage::ToWaypoint | Stage::Look(_) => Next::stand(Task {
+                stage: Stage::Look(now),
+                ..task
+            }),
         }
     }
 
@@ -352,7 +392,8 @@ impl Mission {
                 self.missed_door(task, door, events)
             }
             Stage::ToWaypoint | Stage::Look(_) => {
-                task.waypoints.extend(task.place.take().and_then(|place| place.nearer()));
+                task.waypoints
+                    .extend(task.place.take().and_then(|place| place.nearer()));
                 self.next_waypoint(task, events)
             }
         }
@@ -383,8 +424,16 @@ impl Mission {
     fn check_door(&mut self, task: Task, door: &Sighting) -> Next {
         let point = door.position.offset(door.facing, CHECK_FROM);
         let yaw = Some(point.bearing_to(door.position));
-        self.driver.set_target(Target { point, yaw, must: true });
-        Next::stand(Task { stage: Stage::ToWaypoint, place: None, ..task })
+        self.driver.set_target(Target {
+            point,
+            yaw,
+            must: true,
+        });
+        Next::stand(Task {
+            stage: Stage::ToWaypoint,
+            place: None,
+            ..task
+        })
     }
 
     /// The nearest place not yet looked from that a path leads to; after the last one all again
@@ -402,7 +451,11 @@ impl Mission {
             task.round += 1;
             task.waypoints =
                 exploration::waypoints(self.memory.map(), task.building, standoff, self.sees_from);
-            let places = task.waypoints.iter().map(|waypoint| waypoint.place).collect();
+            let places = task
+                .waypoints
+                .iter()
+                .map(|waypoint| waypoint.place)
+                .collect();
             events.record(Event::Waypoints(places));
         };
         let waypoint = task.waypoints.remove(nearest);
@@ -412,7 +465,10 @@ impl Mission {
     /// Every place was looked from, or none could be reached.
     fn not_found(&self, task: Task, here: MapPoint) -> Next {
         if task.looked {
-            let detail = format!("no plate of {} was read from any place around the building", task.address);
+            let detail = format!(
+                "no plate of {} was read from any place around the building",
+                task.address
+            );
             return Next::give_up(task, FailureCause::DoorNotFound, detail);
         }
         let polygon = &self.memory.map().buildings[task.building].polygon;
@@ -425,8 +481,16 @@ impl Mission {
         let near = self.driver.terrain().near();
         let waypoint = waypoint.before_obstacles(near).unwrap_or(waypoint);
         let (point, yaw) = (waypoint.place.point(), Some(waypoint.place.yaw));
-        self.driver.set_target(Target { point, yaw, must: false });
-        Next::stand(Task { stage: Stage::ToWaypoint, place: Some(waypoint), ..task })
+        self.driver.set_target(Target {
+            point,
+            yaw,
+            must: false,
+        });
+        Next::stand(Task {
+            stage: Stage::ToWaypoint,
+            place: Some(waypoint),
+            ..task
+        })
     }
 
     fn is_before(&self, door: &Sighting) -> bool {
@@ -435,15 +499,26 @@ impl Mission {
 
     fn approach(&mut self, task: Task, door: Sighting) -> Next {
         let step = doorstep::doorstep(&door, task.doorstep, self.driver.terrain().near());
-        self.driver.set_target(Target { point: step.place, yaw: None, must: true });
+        self.driver.set_target(Target {
+            point: step.place,
+            yaw: None,
+            must: true,
+        });
         let stage = Stage::Approach(door);
-        Next::stand(Task { doorstep: step.next, stage, expected: None, ..task })
+        Next::stand(Task {
+            doorstep: step.next,
+            stage,
+            expected: None,
+            ..task
+        })
     }
 }
 
 /// A door as the map has it, on the building's wall.
 fn mapped_door(map: &OsmMap, building: usize, address: &Address, entrance: MapPoint) -> Sighting {
-    let wall = map.buildings[building].polygon.nearest_boundary_point(entrance);
+    let wall = map.buildings[building]
+        .polygon
+        .nearest_boundary_point(entrance);
     Sighting {
         unit: address.unit.clone().unwrap_or_default(),
         building,
@@ -454,11 +529,19 @@ fn mapped_door(map: &OsmMap, building: usize, address: &Address, entrance: MapPo
 }
 
 fn all(cause: FailureCause, detail: String) -> GiveUp {
-    GiveUp { address: None, cause, detail }
+    GiveUp {
+        address: None,
+        cause,
+        detail,
+    }
 }
 
 fn one(address: Address, cause: FailureCause, detail: String) -> GiveUp {
-    GiveUp { address: Some(address), cause, detail }
+    GiveUp {
+        address: Some(address),
+        cause,
+        detail,
+    }
 }
 
 fn understand(
@@ -469,11 +552,24 @@ fn understand(
     events: &mut dyn Events,
 ) -> Result<VecDeque<PlannedDelivery>, GiveUp> {
     let Goal::Instruction(instruction) = &briefing.goal else {
-        return Err(all(FailureCause::NotUnderstood, "OPEN takes instructions in words only".into()));
+        return Err(all(
+            FailureCause::NotUnderstood,
+            "OPEN takes instructions in words only".into(),
+        ));
     };
-    let times = RouterTimes { router, speed: briefing.robot.max_forward };
-    let request = PlanRequest { instruction, map, start: briefing.start.point(), times: &times };
-    let plan = planner.plan(&request).map_err(|error| all(cause_of(&error), error.to_string()))?;
+    let times = RouterTimes {
+        router,
+        speed: briefing.robot.max_forward,
+    };
+    let request = PlanRequest {
+        instruction,
+        map,
+        start: briefing.start.point(),
+        times: &times,
+    };
+    let plan = planner
+        .plan(&request)
+        .map_err(|error| all(cause_of(&error), error.to_string()))?;
     events.record(Event::Plan(plan.clone()));
     Ok(plan.deliveries.into())
 }

@@ -55,7 +55,12 @@ impl Open {
     /// An agent made of these parts.
     pub fn new(parts: Parts) -> Self {
         let thinking = Thinking::new(parts.meter.clone(), parts.thinks_in_simulated_time);
-        Self { parts: Some(parts), mission: None, thinking, border: Border::default() }
+        Self {
+            parts: Some(parts),
+            mission: None,
+            thinking,
+            border: Border::default(),
+        }
     }
 }
 
@@ -77,10 +82,15 @@ impl Agent for Open {
 
     fn act(&mut self, observation: &Observation<'_>, events: &mut dyn Events) -> Action {
         let fix = self.border.fix(observation);
-        let observation = &Observation { gnss: fix.as_ref(), ..*observation };
+        let observation = &Observation {
+            gnss: fix.as_ref(),
+            ..*observation
+        };
         let events = &mut self.border.events(events);
         match &mut self.mission {
-            Some(mission) if self.thinking.lasts(observation.time) => mission.wait(observation, events),
+            Some(mission) if self.thinking.lasts(observation.time) => {
+                mission.wait(observation, events)
+            }
             Some(mission) => {
                 if let Some(stood) = self.thinking.ended() {
                     mission.resume(stood);

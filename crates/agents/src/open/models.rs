@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use openbench_models::{
-    Budget, ChatModel, Exchanges, Meter, Metered, ModelSpec, OpenError, Recorder, Replay, ReplayError,
-    SpecError,
+    Budget, ChatModel, Exchanges, Meter, Metered, ModelSpec, OpenError, Recorder, Replay,
+    ReplayError, SpecError,
 };
 
 /// Opens the models that a mission asks.
@@ -47,7 +47,12 @@ pub enum ModelsError {
 impl Models {
     /// Models within a budget, with their answers recorded or replayed.
     pub fn new(budget: Budget, exchanges: Exchanges) -> Self {
-        Self { meter: Meter::new(budget), exchanges, file: None, replay: None }
+        Self {
+            meter: Meter::new(budget),
+            exchanges,
+            file: None,
+            replay: None,
+        }
     }
 
     /// What is asked of all of them.
@@ -77,7 +82,10 @@ impl Models {
             return Ok(file.clone());
         }
         let made = File::create(path);
-        let file = made.map_err(|source| ModelsError::Record { path: path.to_owned(), source })?;
+        let file = made.map_err(|source| ModelsError::Record {
+            path: path.to_owned(),
+            source,
+        })?;
         Ok(self.file.insert(Arc::new(file)).clone())
     }
 

@@ -23,7 +23,10 @@ pub struct Perception {
 impl Perception {
     /// Nothing seen yet.
     pub fn new(robot: RobotDescription) -> Self {
-        Self { robot, scans: VecDeque::new() }
+        Self {
+            robot,
+            scans: VecDeque::new(),
+        }
     }
 
     /// Takes a scan in, undoing the robot's motion during it, and says what it shows around the robot.
@@ -34,19 +37,26 @@ impl Perception {
             if point.offset_ns / STRETCH_NS != stretch {
                 stretch = point.offset_ns / STRETCH_NS;
                 let middle = Duration::from_nanos(u64::from(stretch * STRETCH_NS + STRETCH_NS / 2));
-                pose =
-                    (localizer.pose_at(scan.stamp + middle).to_pose3(0.0) * self.robot.lidar).cast::<f32>();
+                pose = (localizer.pose_at(scan.stamp + middle).to_pose3(0.0) * self.robot.lidar)
+                    .cast::<f32>();
             }
             points.push(pose * Point3::from(point.xyz));
         }
         let lidar = self.robot.lidar.translation.vector;
         let center = localizer.pose().transform(lidar.x, lidar.y);
-        let flat = points
-            .iter()
-            .map(|p| ScanPoint::new(MapPoint::new(f64::from(p.x), f64::from(p.y)), f64::from(p.z)));
+        let flat = points.iter().map(|p| {
+            ScanPoint::new(
+                MapPoint::new(f64::from(p.x), f64::from(p.y)),
+                f64::from(p.z),
+            )
+        });
         let ring = RangeRing::new(center, lidar.z, flat);
         self.scans.push_back((scan.stamp, points));
-        while self.scans.front().is_some_and(|(stamp, _)| scan.stamp.since(*stamp) >= MEMORY) {
+        while self
+            .scans
+            .front()
+            .is_some_and(|(stamp, _)| scan.stamp.since(*stamp) >= MEMORY)
+        {
             self.scans.pop_front();
         }
         ring

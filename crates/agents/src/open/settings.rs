@@ -11,7 +11,16 @@ use openbench_motion::{PlannerSettings, TebSettings};
 use openbench_vision::ReaderSettings;
 
 /// The keys of [`Settings`].
-const KEYS: [&str; 8] = ["planner", "reader", "localizer", "fixes", "motion", "ground", "budget", "thinking"];
+const KEYS: [&str; 8] = [
+    "planner",
+    "reader",
+    "localizer",
+    "fixes",
+    "motion",
+    "ground",
+    "budget",
+    "thinking",
+];
 /// The plate reader by default.
 pub const DEFAULT_READER: &str = "ppocr-v4";
 
@@ -108,7 +117,9 @@ pub enum SettingsError {
         source: Box<dyn Error + Send + Sync>,
     },
     /// The localizer takes no fixes.
-    #[error("fixes={fixes}: localizer={localizer} takes no fixes; use localizer=fused, or leave out fixes")]
+    #[error(
+        "fixes={fixes}: localizer={localizer} takes no fixes; use localizer=fused, or leave out fixes"
+    )]
     TakesNoFixes {
         /// The value of `fixes`.
         fixes: String,
@@ -141,7 +152,11 @@ impl Settings {
             "ground" => self.ground = ground(value)?,
             "budget" => self.budget = budget(value)?,
             "thinking" => self.thinks_in_simulated_time = thinking(value)?,
-            _ => return Err(SettingsError::UnknownKey { key: key.to_owned() }),
+            _ => {
+                return Err(SettingsError::UnknownKey {
+                    key: key.to_owned(),
+                });
+            }
         }
         Ok(())
     }
@@ -159,27 +174,41 @@ fn thinking(value: &str) -> Result<bool, SettingsError> {
     match value {
         "free" => Ok(false),
         "charged" => Ok(true),
-        _ => Err(bad_word("thinking", value, "free, or charged for models that take simulated time")),
+        _ => Err(bad_word(
+            "thinking",
+            value,
+            "free, or charged for models that take simulated time",
+        )),
     }
 }
 
 fn budget(value: &str) -> Result<Budget, SettingsError> {
-    value.parse().map_err(|error: BudgetError| SettingsError::Part {
-        key: "budget",
-        value: value.to_owned(),
-        source: error.into(),
-    })
+    value
+        .parse()
+        .map_err(|error: BudgetError| SettingsError::Part {
+            key: "budget",
+            value: value.to_owned(),
+            source: error.into(),
+        })
 }
 
 fn bad_word(key: &'static str, value: &str, expected: &'static str) -> SettingsError {
-    SettingsError::BadWord { key, value: value.to_owned(), expected }
+    SettingsError::BadWord {
+        key,
+        value: value.to_owned(),
+        expected,
+    }
 }
 
 /// Distance from a place at which OPEN has arrived, metres: what it looks at is metres away.
 const GOAL_TOLERANCE_M: f64 = 0.15;
 /// Distances that OPEN keeps. Static obstacles are known to half a cell of its costmap, and cars
 /// bulge between the rings of the LiDAR.
-const MARGINS: Margins = Margins { least: 0.06, moving: 0.3, comfort: 0.35 };
+const MARGINS: Margins = Margins {
+    least: 0.06,
+    moving: 0.3,
+    comfort: 0.35,
+};
 /// How much faster than predicted people may approach, m/s: they accelerate and turn at will.
 const PEOPLE_SPEED_MARGIN_MPS: f64 = 0.7;
 /// Time that a person needs to stop, seconds: half a second, and the predictions lag a little.
@@ -226,9 +255,18 @@ mod tests {
 
     #[test]
     fn what_is_not_set_keeps_its_default() {
-        assert_eq!(Settings::parse(&BTreeMap::new()).unwrap(), Settings::default());
+        assert_eq!(
+            Settings::parse(&BTreeMap::new()).unwrap(),
+            Settings::default()
+        );
         let charged = parse("thinking", "charged").unwrap();
-        assert_eq!(charged, Settings { thinks_in_simulated_time: true, ..Settings::default() });
+        assert_eq!(
+            charged,
+            Settings {
+                thinks_in_simulated_time: true,
+                ..Settings::default()
+            }
+        );
     }
 
     #[test]
@@ -247,9 +285,20 @@ mod tests {
     #[test]
     fn errors_name_key_value_and_what_there_is() {
         let error = parse("colour", "red").unwrap_err().to_string();
-        assert!(error.contains("`colour`") && error.contains("planner, reader"), "{error}");
+        assert!(
+            error.contains("`colour`") && error.contains("planner, reader"),
+            "{error}"
+        );
         let error = parse("ground", "sand").unwrap_err().to_string();
-        assert!(error.contains("ground=sand") && error.contains("pavements"), "{error}");
-        assert!(parse("budget", "much").unwrap_err().to_string().contains("budget=much"));
+        assert!(
+            error.contains("ground=sand") && error.contains("pavements"),
+            "{error}"
+        );
+        assert!(
+            parse("budget", "much")
+                .unwrap_err()
+                .to_string()
+                .contains("budget=much")
+        );
     }
 }

@@ -59,7 +59,8 @@ impl Sighting {
 /// Whether `sighting` can be trusted, given all sightings so far: readers err, so one sure reading or several agreeing ones are
 /// wanted, and more for it than against it.
 pub fn is_trusted(sighting: &Sighting, all: &[Sighting]) -> bool {
-    weight(sighting, all, true) >= SURE && weight(sighting, all, true) > weight(sighting, all, false)
+    weight(sighting, all, true) >= SURE
+        && weight(sighting, all, true) > weight(sighting, all, false)
 }
 
 /// Whether there is more for `sighting` than against it, but not enough to trust it.
@@ -70,7 +71,9 @@ pub fn is_doubtful(sighting: &Sighting, all: &[Sighting]) -> bool {
 
 /// How sure readings of the same plate were that agree with `sighting`, or do not, all together.
 fn weight(sighting: &Sighting, all: &[Sighting], agree: bool) -> f32 {
-    let there = all.iter().filter(|s| s.same_place(sighting) && (s.unit == sighting.unit) == agree);
+    let there = all
+        .iter()
+        .filter(|s| s.same_place(sighting) && (s.unit == sighting.unit) == agree);
     there.map(|s| s.confidence).sum()
 }
 
@@ -83,7 +86,13 @@ pub fn place(
 ) -> Option<(MapPoint, f64)> {
     let to_camera = perception.camera_pose(base).inverse().cast::<f32>();
     let corner = |f: fn(f32, f32) -> f32, axis: usize| {
-        f64::from(reading.corners.iter().map(|c| c[axis]).fold(reading.corners[0][axis], f))
+        f64::from(
+            reading
+                .corners
+                .iter()
+                .map(|c| c[axis])
+                .fold(reading.corners[0][axis], f),
+        )
     };
     let (left, right) = (corner(f32::min, 0), corner(f32::max, 0));
     let (top, bottom) = (corner(f32::min, 1), corner(f32::max, 1));
@@ -93,22 +102,38 @@ pub fn place(
             let c = to_camera * p;
             let (u, v) = camera.project([f64::from(c.x), f64::from(c.y), f64::from(c.z)])?;
             let within = u >= left - dx && u <= right + dx && v >= top - dy && v <= bottom + dy;
-            within.then(|| (f64::from(c.x), MapPoint::new(f64::from(p.x), f64::from(p.y))))
+            within.then(|| {
+                (
+                    f64::from(c.x),
+                    MapPoint::new(f64::from(p.x), f64::from(p.y)),
+                )
+            })
         };
         perception.points().filter_map(inside).collect()
     };
     // Far away few points fall into the box itself.
-    let plate =
-        [0.0, 0.3].into_iter().map(|grow| surface(behind(grow))).find(|points| points.len() >= FEWEST)?;
+    let plate = [0.0, 0.3]
+        .into_iter()
+        .map(|grow| surface(behind(grow)))
+        .find(|points| points.len() >= FEWEST)?;
     let middle = mean(&plate);
     let around = behind(WALL_AROUND).into_iter().map(|p| p.1);
-    let around: Vec<MapPoint> = around.filter(|p| p.distance(middle) <= AROUND_PLATE).collect();
+    let around: Vec<MapPoint> = around
+        .filter(|p| p.distance(middle) <= AROUND_PLATE)
+        .collect();
     let facing = facing(&around, middle, base.point());
-    Some((middle, facing.unwrap_or_else(|| middle.bearing_to(base.point()))))
+    Some((
+        middle,
+        facing.unwrap_or_else(|| middle.bearing_to(base.point())),
+    ))
 }
 
 /// The sighting that a reading amounts to, if it names a unit, can be placed, and lies at a building.
-pub fn recognise(reading: &PlateReading, placed: Option<(MapPoint, f64)>, map: &OsmMap) -> Option<Sighting> {
+pub fn recognise(
+    reading: &PlateReading,
+    placed: Option<(MapPoint, f64)>,
+    map: &OsmMap,
+) -> Option<Sighting> {
     // A bare number may be a window frame or a pipe.
     let unit = parse_unit(&reading.text).filter(|u| u.worded)?;
     // "UNIT!" may be unit 1; another reading must agree.
@@ -120,7 +145,13 @@ pub fn recognise(reading: &PlateReading, placed: Option<(MapPoint, f64)>, map: &
     let building = map.nearest_building(position)?;
     let near = map.distance_to_building(building, position) <= OFF_BUILDING;
     let facing = along_wall(facing, position, &map.buildings[building].polygon);
-    near.then_some(Sighting { unit: unit.unit, building, position, facing, confidence })
+    near.then_some(Sighting {
+        unit: unit.unit,
+        building,
+        position,
+        facing,
+        confidence,
+    })
 }
 
 /// Whether a reading that names no unit may be of a plate that does, seen badly: it has a letter and a digit.
@@ -137,20 +168,32 @@ fn along_wall(facing: f64, plate: MapPoint, outline: &Polygon) -> f64 {
     let normal = |side: Segment| side.start.bearing_to(side.end) - std::f64::consts::FRAC_PI_2;
     let normals = outline.sides().filter(near).map(normal);
     let off = |normal: &f64| wrap_angle(normal - facing).abs();
-    let best = normals.min_by(|a, b| off(a).total_cmp(&off(b))).filter(|n| off(n) <= MISFIT);
+    let best = normals
+        .min_by(|a, b| off(a).total_cmp(&off(b)))
+        .filter(|n| off(n) <= MISFIT);
     best.map_or(facing, wrap_angle)
 }
 
 /// The points at about the depth of most of them: where a text can be read, most of its pixels are not hidden.
 fn surface(mut points: Vec<(f64, MapPoint)>) -> Vec<MapPoint> {
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let depth = points.get(points.len() / 2).map(|p| p.0).unwrap_or_default();
-    points.into_iter().filter(|p| (p.0 - depth).abs() <= DEPTH).map(|p| p.1).collect()
+    let depth = points
+        .get(points.len() / 2)
+        .map(|p| p.0)
+        .unwrap_or_default();
+    points
+        .into_iter()
+        .filter(|p| (p.0 - depth).abs() <= DEPTH)
+        .map(|p| p.1)
+        .collect()
 }
 
 fn mean(points: &[MapPoint]) -> MapPoint {
     let n = points.len() as f64;
-    MapPoint::new(points.iter().map(|p| p.x).sum::<f64>() / n, points.iter().map(|p| p.y).sum::<f64>() / n)
+    MapPoint::new(
+        points.iter().map(|p| p.x).sum::<f64>() / n,
+        points.iter().map(|p| p.y).sum::<f64>() / n,
+    )
 }
 
 /// Normal of the wall through `plate`, on the side of `viewer`: of all lines through the plate that
@@ -161,17 +204,24 @@ fn facing(points: &[MapPoint], plate: MapPoint, viewer: MapPoint) -> Option<f64>
         let (sin, cos) = libm::sincos(f64::from(i) * std::f64::consts::PI / f64::from(NORMALS));
         MapPoint::new(cos, sin)
     });
-    let is_on =
-        |p: &MapPoint, n: MapPoint| ((p.x - plate.x) * n.x + (p.y - plate.y) * n.y).abs() <= WALL_THICKNESS;
+    let is_on = |p: &MapPoint, n: MapPoint| {
+        ((p.x - plate.x) * n.x + (p.y - plate.y) * n.y).abs() <= WALL_THICKNESS
+    };
     let on = |normal: MapPoint| points.iter().filter(move |p| is_on(p, normal));
-    let (_, best) = normals.map(|n| (on(n).count(), n)).reduce(|a, b| if b.0 > a.0 { b } else { a })?;
+    let (_, best) = normals
+        .map(|n| (on(n).count(), n))
+        .reduce(|a, b| if b.0 > a.0 { b } else { a })?;
     let wall: Vec<MapPoint> = on(best).copied().collect();
     if wall.len() < FEWEST || 3 * wall.len() < points.len() {
         return None;
     }
     let normal = normal_of_line(&wall);
     let ahead = libm::cos(normal - plate.bearing_to(viewer)) >= 0.0;
-    Some(wrap_angle(if ahead { normal } else { normal + std::f64::consts::PI }))
+    Some(wrap_angle(if ahead {
+        normal
+    } else {
+        normal + std::f64::consts::PI
+    }))
 }
 
 /// Normal of the line through points (total least squares), radians, to either side.
@@ -196,7 +246,12 @@ mod tests {
         let (count, along) = ((a.distance(b) / 0.05) as u32, a.bearing_to(b));
         let aside = |i: u32| f64::from(i % 3) * 0.01 - 0.01;
         let across = along + std::f64::consts::FRAC_PI_2;
-        (0..count).map(|i| a.offset(along, 0.05 * f64::from(i)).offset(across, aside(i))).collect()
+        (0..count)
+            .map(|i| {
+                a.offset(along, 0.05 * f64::from(i))
+                    .offset(across, aside(i))
+            })
+            .collect()
     }
 
     #[test]
@@ -222,9 +277,13 @@ mod tests {
 
     #[test]
     fn a_heap_of_points_faces_nowhere() {
-        let heap: Vec<MapPoint> =
-            (0..25).map(|i| MapPoint::new(f64::from(i % 5), f64::from(i / 5))).collect();
-        assert_eq!(facing(&heap, MapPoint::new(2.0, 2.0), MapPoint::new(9.0, 9.0)), None);
+        let heap: Vec<MapPoint> = (0..25)
+            .map(|i| MapPoint::new(f64::from(i % 5), f64::from(i / 5)))
+            .collect();
+        assert_eq!(
+            facing(&heap, MapPoint::new(2.0, 2.0), MapPoint::new(9.0, 9.0)),
+            None
+        );
     }
 
     #[test]
@@ -240,15 +299,27 @@ mod tests {
         assert!(!is_trusted(&weak, std::slice::from_ref(&weak)));
         assert!(is_doubtful(&weak, std::slice::from_ref(&weak)));
         assert!(is_trusted(&weak, &[weak.clone(), seen("unit1", 0.5, 0.6)]));
-        assert!(is_trusted(&weak, &[seen("unit1", 0.2, 0.95), weak.clone(), seen("unit11", 5.0, 0.99)]));
-        let better =
-            [weak.clone(), seen("unit1", 0.2, 0.6), seen("unit11", 0.3, 0.95), seen("unit11", 0.1, 0.9)];
+        assert!(is_trusted(
+            &weak,
+            &[
+                seen("unit1", 0.2, 0.95),
+                weak.clone(),
+                seen("unit11", 5.0, 0.99)
+            ]
+        ));
+        let better = [
+            weak.clone(),
+            seen("unit1", 0.2, 0.6),
+            seen("unit11", 0.3, 0.95),
+            seen("unit11", 0.1, 0.9),
+        ];
         assert!(!is_trusted(&weak, &better) && !is_doubtful(&weak, &better));
     }
 
     #[test]
     fn the_surface_of_most_points_counts() {
-        let at = |depth: f64| move |i: i32| (depth + 0.01 * f64::from(i), MapPoint::new(depth, 0.0));
+        let at =
+            |depth: f64| move |i: i32| (depth + 0.01 * f64::from(i), MapPoint::new(depth, 0.0));
         let points: Vec<_> = (0..4).map(at(4.0)).chain((0..10).map(at(7.0))).collect();
         assert_eq!(surface(points).len(), 10);
         assert!(surface(Vec::new()).is_empty());

@@ -142,7 +142,10 @@ impl Terrain {
     fn lay(&self, from: MapPoint, goal: MapPoint) -> Result<Corridor, PlanError> {
         let ground = self.overview.way(&self.map, from, goal);
         let points = ground.or_else(|error| self.over_roads(from, goal).ok_or(error))?;
-        Ok(Corridor { goal, points: dense(&points) })
+        Ok(Corridor {
+            goal,
+            points: dense(&points),
+        })
     }
 
     fn over_roads(&self, from: MapPoint, goal: MapPoint) -> Option<Vec<MapPoint>> {
@@ -151,14 +154,25 @@ impl Terrain {
         // Between the roads and both ends the map's ground has to be open.
         let mut points = self.overview.way(&self.map, from, first).ok()?;
         points.extend(route.points.into_iter().skip(1));
-        points.extend(self.overview.way(&self.map, last, goal).ok()?.into_iter().skip(1));
+        points.extend(
+            self.overview
+                .way(&self.map, last, goal)
+                .ok()?
+                .into_iter()
+                .skip(1),
+        );
         Some(points)
     }
 
     /// The way along the corridor: searched as far as the fine costmap reaches, the corridor itself
     /// from there.
     fn along(&mut self, from: MapPoint) -> Result<Vec<MapPoint>, Blocked> {
-        let Some(corridor) = &self.corridor else { return Err(Blocked { reached: None, beyond: from }) };
+        let Some(corridor) = &self.corridor else {
+            return Err(Blocked {
+                reached: None,
+                beyond: from,
+            });
+        };
         let ahead = &corridor.points[nearest(&corridor.points, from)..];
         let inside = |point: &&MapPoint| is_within(&self.near, **point, RIM);
         let covered = ahead.iter().take_while(inside).count();
@@ -168,8 +182,17 @@ impl Terrain {
         };
         let goal = ahead.last().copied().unwrap_or(corridor.goal);
         // The goal itself may lie in something; `plan` knows what to do.
-        let end = if covered == ahead.len() { covered.checked_sub(1) } else { (0..covered).rfind(is_free) };
-        let Some(end) = end else { return Err(Blocked { reached: None, beyond: goal }) };
+        let end = if covered == ahead.len() {
+            covered.checked_sub(1)
+        } else {
+            (0..covered).rfind(is_free)
+        };
+        let Some(end) = end else {
+            return Err(Blocked {
+                reached: None,
+                beyond: goal,
+            });
+        };
         match plan(&mut self.search, &self.near, from, ahead[end]) {
             Ok(mut way) => {
                 way.extend_from_slice(&ahead[end + 1..]);
@@ -182,7 +205,10 @@ impl Terrain {
                 };
                 let last = ahead[..=end].iter().rposition(reached);
                 let beyond = ahead[last.map_or(0, |last| (last + 1).min(end))];
-                Err(Blocked { reached: last.map(|last| ahead[last]), beyond })
+                Err(Blocked {
+                    reached: last.map(|last| ahead[last]),
+                    beyond,
+                })
             }
         }
     }
@@ -238,7 +264,9 @@ impl Guide for Terrain {
             }
         }
         // More may be seen from nearer.
-        let near = blocked.and_then(|blocked| blocked.reached).filter(|at| at.distance(from) > HERE);
+        let near = blocked
+            .and_then(|blocked| blocked.reached)
+            .filter(|at| at.distance(from) > HERE);
         let near = near.ok_or(PlanError::NoWay(from, to))?;
         self.partial = true;
         plan(&mut self.search, &self.near, from, near)
@@ -246,7 +274,9 @@ impl Guide for Terrain {
 
     /// By the newest scans.
     fn is_blocked(&self, path: &[MapPoint], from: MapPoint) -> bool {
-        let Some((at, start)) = nearest_on_path(path, from) else { return false };
+        let Some((at, start)) = nearest_on_path(path, from) else {
+            return false;
+        };
         let mut left = CHECK_AHEAD;
         let mut begin = start;
         for &corner in &path[at + 1..] {
@@ -279,7 +309,10 @@ fn is_within(costmap: &Costmap, point: MapPoint, rim: f64) -> bool {
 /// The number of the point nearest to a place, the last of those that are as near.
 fn nearest(points: &[MapPoint], place: MapPoint) -> usize {
     let away = |i: usize| points[i].distance(place);
-    (0..points.len()).rev().min_by(|a, b| away(*a).total_cmp(&away(*b))).unwrap_or(0)
+    (0..points.len())
+        .rev()
+        .min_by(|a, b| away(*a).total_cmp(&away(*b)))
+        .unwrap_or(0)
 }
 
 /// The same line with points no farther apart than [`STRIDE`].
@@ -294,7 +327,12 @@ fn dense(points: &[MapPoint]) -> Vec<MapPoint> {
 
 /// The place on a way that is nearest to `from`, and the number of the stretch that it is on.
 fn nearest_on_path(path: &[MapPoint], from: MapPoint) -> Option<(usize, MapPoint)> {
-    let on = |i: usize| (i, Segment::new(path[i], path[i + 1]).nearest_point(from).point);
+    let on = |i: usize| {
+        (
+            i,
+            Segment::new(path[i], path[i + 1]).nearest_point(from).point,
+        )
+    };
     let stretches = (0..path.len().saturating_sub(1)).map(on);
     stretches.min_by(|a, b| a.1.distance(from).total_cmp(&b.1.distance(from)))
 }
@@ -312,7 +350,10 @@ mod tests {
     use openbench_motion::{RangeRing, ScanPoint};
     use openbench_osm::{Barrier, OsmData};
 
-    const MIDDLE: LonLat = LonLat { lon: 8.0, lat: 50.0 };
+    const MIDDLE: LonLat = LonLat {
+        lon: 8.0,
+        lat: 50.0,
+    };
 
     /// Open ground with walls along lines.
     fn walled(walls: &[&[(f64, f64)]]) -> Terrain {
@@ -341,7 +382,11 @@ mod tests {
         let (start, goal) = (MapPoint::default(), MapPoint::new(400.0, 0.0));
         let shortest = 2.0 * start.distance(MapPoint::new(200.0, -30.0));
         let way = terrain.way(start, goal).unwrap();
-        assert!((shortest..1.03 * shortest).contains(&length(&way)), "{} for {shortest}", length(&way));
+        assert!(
+            (shortest..1.03 * shortest).contains(&length(&way)),
+            "{} for {shortest}",
+            length(&way)
+        );
         assert!(!terrain.is_partial() && way.last().unwrap().distance(goal) < 1.0);
         // The same from further on, once the costmap has followed.
         let later = MapPoint::new(120.0, -18.0);
@@ -358,9 +403,11 @@ mod tests {
         // A hedge that no map has, from rim to rim but for its northern end.
         for north in -24..23 {
             let from = MapPoint::new(8.0, 2.0 * f64::from(north));
-            let hedge =
-                (-20..20).map(|i| ScanPoint::new(MapPoint::new(10.0, from.y + f64::from(i) / 10.0), 0.3));
-            terrain.near_mut().observe(&RangeRing::new(from, 0.25, hedge));
+            let hedge = (-20..20)
+                .map(|i| ScanPoint::new(MapPoint::new(10.0, from.y + f64::from(i) / 10.0), 0.3));
+            terrain
+                .near_mut()
+                .observe(&RangeRing::new(from, 0.25, hedge));
         }
         let round = length(&terrain.way(start, goal).unwrap());
         assert!(straight < 151.0 && round > 165.0, "{straight} {round}");
@@ -370,14 +417,29 @@ mod tests {
 
     #[test]
     fn where_there_is_no_way_it_is_said_what_is_in_it() {
-        let yard = [(60.0, -20.0), (100.0, -20.0), (100.0, 20.0), (60.0, 20.0), (60.0, -20.0)];
+        let yard = [
+            (60.0, -20.0),
+            (100.0, -20.0),
+            (100.0, 20.0),
+            (60.0, 20.0),
+            (60.0, -20.0),
+        ];
         let mut terrain = walled(&[&yard]);
         let (start, goal) = (MapPoint::default(), MapPoint::new(80.0, 0.0));
-        assert!(matches!(terrain.way(start, goal), Err(PlanError::NoWay(..))));
+        assert!(matches!(
+            terrain.way(start, goal),
+            Err(PlanError::NoWay(..))
+        ));
         let words = terrain.obstacle(start, goal);
-        assert!(words.contains("wall") && words.contains("59.9") || words.contains("60."), "{words}");
+        assert!(
+            words.contains("wall") && words.contains("59.9") || words.contains("60."),
+            "{words}"
+        );
         let outside = MapPoint::new(120.0, 0.0);
         let costs = terrain.costs(start, &[goal, outside]);
-        assert!(costs[0].is_none() && costs[1].is_some_and(|cost| cost > 125.0), "{costs:?}");
+        assert!(
+            costs[0].is_none() && costs[1].is_some_and(|cost| cost > 125.0),
+            "{costs:?}"
+        );
     }
 }

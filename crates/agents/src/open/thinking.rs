@@ -19,7 +19,13 @@ pub(super) struct Thinking {
 
 impl Thinking {
     pub(super) fn new(meter: Meter, is_charged: bool) -> Self {
-        Self { meter, is_charged, known: ModelUse::default(), until: SimTime::ZERO, stands: Duration::ZERO }
+        Self {
+            meter,
+            is_charged,
+            known: ModelUse::default(),
+            until: SimTime::ZERO,
+            stands: Duration::ZERO,
+        }
     }
 
     /// Whether the robot stands.
@@ -39,7 +45,8 @@ impl Thinking {
             return;
         }
         if self.is_charged {
-            let took = Duration::from_millis(spent.latency_ms.saturating_sub(self.known.latency_ms));
+            let took =
+                Duration::from_millis(spent.latency_ms.saturating_sub(self.known.latency_ms));
             self.until = now.max(self.until) + took;
             self.stands += took;
         }

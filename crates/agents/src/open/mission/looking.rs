@@ -38,7 +38,9 @@ impl Mission {
         if observation.time.since(since) < STEADY {
             return Next::stand(task);
         }
-        let Some(image) = observation.camera.image() else { return Next::stand(task) };
+        let Some(image) = observation.camera.image() else {
+            return Next::stand(task);
+        };
         let known = self.seen.len();
         match self.read(&image, events) {
             Err(detail) => Next::give_up(task, FailureCause::ReaderUnavailable, detail),
@@ -55,7 +57,10 @@ impl Mission {
             return self.approach(task, door);
         }
         let near = self.driver.terrain().near();
-        let hidden = task.place.take().and_then(|place| place.before_obstacles(near));
+        let hidden = task
+            .place
+            .take()
+            .and_then(|place| place.before_obstacles(near));
         task.waypoints.extend(hidden);
         match self.doubtful(&task, known) {
             Some(view) => self.look_from(task, view),
@@ -68,17 +73,30 @@ impl Mission {
         if task.expected.is_some() || matches!(task.stage, Stage::Approach(_)) {
             return None;
         }
-        let may_be_it =
-            |s: &&Sighting| fits(s, task.building, &task.address) && sighting::is_doubtful(s, &self.seen);
-        let (position, facing) = self.seen[known..].iter().find(may_be_it).map(|s| (s.position, s.facing))?;
-        let looked_at = self.doubted.iter().any(|p| p.distance(position) <= sighting::SAME_PLATE);
+        let may_be_it = |s: &&Sighting| {
+            fits(s, task.building, &task.address) && sighting::is_doubtful(s, &self.seen)
+        };
+        let (position, facing) = self.seen[known..]
+            .iter()
+            .find(may_be_it)
+            .map(|s| (s.position, s.facing))?;
+        let looked_at = self
+            .doubted
+            .iter()
+            .any(|p| p.distance(position) <= sighting::SAME_PLATE);
         if looked_at || self.doubted.len() == MOST_DOUBTED {
             return None;
         }
         self.doubted.push(position);
         let here = self.localizer.pose().point();
         let map = self.memory.map();
-        Some(exploration::nearer_to_plate(map, position, facing, here, self.sees_from))
+        Some(exploration::nearer_to_plate(
+            map,
+            position,
+            facing,
+            here,
+            self.sees_from,
+        ))
     }
 
     /// Goes to look from a place before all others.
@@ -98,7 +116,9 @@ impl Mission {
         if !self.is_new_view(observation.time) || !self.faces(task.building) {
             return Ok(task);
         }
-        let Some(image) = observation.camera.image() else { return Ok(task) };
+        let Some(image) = observation.camera.image() else {
+            return Ok(task);
+        };
         self.last_glance = (observation.time, self.localizer.pose().yaw);
         let known = self.seen.len();
         match self.read(&image, events) {
@@ -125,12 +145,15 @@ impl Mission {
     fn is_new_view(&self, now: SimTime) -> bool {
         let (then, heading) = self.last_glance;
         let turned = wrap_angle(self.localizer.pose().yaw - heading).abs();
-        now.since(then) >= GLANCE.0 || turned >= TURNED * self.robot.camera_intrinsics.horizontal_fov
+        now.since(then) >= GLANCE.0
+            || turned >= TURNED * self.robot.camera_intrinsics.horizontal_fov
     }
 
     /// Whether the door that the robot is on its way to was read otherwise meanwhile.
     fn is_refuted(&self, task: &Task) -> bool {
-        let Stage::Approach(aim) = &task.stage else { return false };
+        let Stage::Approach(aim) = &task.stage else {
+            return false;
+        };
         self.seen.contains(aim) && !sighting::is_trusted(aim, &self.seen)
     }
 
@@ -160,17 +183,31 @@ impl Mission {
                 && map.distance_to_building(task.building, plate) <= sighting::OFF_BUILDING;
             if its && self.puzzling.len() < MOST_PUZZLING {
                 self.puzzling.push(plate);
-                task.waypoints.extend(exploration::before_plate(map, plate, facing, self.sees_from));
+                task.waypoints.extend(exploration::before_plate(
+                    map,
+                    plate,
+                    facing,
+                    self.sees_from,
+                ));
             }
         }
     }
 
     /// Reads an image and remembers every door in it; where plates are that it could not read.
-    fn read(&mut self, image: &Arc<Image>, events: &mut dyn Events) -> Result<Vec<(MapPoint, f64)>, String> {
+    fn read(
+        &mut self,
+        image: &Arc<Image>,
+        events: &mut dyn Events,
+    ) -> Result<Vec<(MapPoint, f64)>, String> {
         let pose = self.localizer.pose();
         let readings = self.reader.read(image).map_err(|e| e.to_string())?;
         for reading in readings.iter().filter(|r| parse_unit(&r.text).is_some()) {
-            let placed = sighting::place(reading, &self.perception, pose, &self.robot.camera_intrinsics);
+            let placed = sighting::place(
+                reading,
+                &self.perception,
+                pose,
+                &self.robot.camera_intrinsics,
+            );
             events.record(Event::PlateRead {
                 text: reading.text.clone(),
                 confidence: reading.confidence,
@@ -191,14 +228,23 @@ impl Mission {
     }
 
     pub(super) fn remembered(&self, building: usize, address: &Address) -> Option<Sighting> {
-        let fitting = self.seen.iter().rev().filter(|s| fits(s, building, address));
-        fitting.into_iter().find(|s| sighting::is_trusted(s, &self.seen)).cloned()
+        let fitting = self
+            .seen
+            .iter()
+            .rev()
+            .filter(|s| fits(s, building, address));
+        fitting
+            .into_iter()
+            .find(|s| sighting::is_trusted(s, &self.seen))
+            .cloned()
     }
 }
 
 /// Whether two segments cross.
 fn cross_each_other(a: MapPoint, b: MapPoint, c: MapPoint, d: MapPoint) -> bool {
-    let side = |p: MapPoint, q: MapPoint, r: MapPoint| (q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x);
+    let side = |p: MapPoint, q: MapPoint, r: MapPoint| {
+        (q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x)
+    };
     side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0
 }
 
