@@ -1,17 +1,39 @@
-//! The border between the map frame of a briefing and the frame that an agent works in.
+//! The border between the `map` frame of a briefing and the frame that an agent works in.
 //!
-//! A briefing may be in raw UTM, thousands of kilometres from the origin. Behind the border the origin is near the
-//! start, so that costmaps, sightings and scans in single precision keep their last digits. Both frames belong to one
-//! projection and differ by their false origins alone: nothing turns and nothing is stretched.
+//! A briefing may be in raw UTM, thousands of kilometres from the origin. Behind the border the
+//! origin is near the start, so that costmaps, sightings and scans in single precision keep their
+//! last digits. Both frames belong to one projection and differ by their false origins alone,
+//! without rotation or scale.
 
 use openbench_core::{
     Briefing, Event, Events, GnssFix, Goal, MapPoint, Observation, Pose2, PoseEstimate,
 };
 
-/// A start nearer to the origin than this keeps its frame, metres.
+/// A start nearer to the origin than this keeps its frame.
 const NEAR_M: f64 = 500.0;
 
-/// Moves what crosses the border.
+/// Translates between both frames.
+///
+/// ```
+/// use std::time::Duration;
+///
+/// use openbench_agents::Border;
+/// use openbench_core::{Briefing, Goal, MapPoint, Pose2, RobotDescription};
+///
+/// // A start in raw UTM coordinates, zone 33 north: Krems on the Danube.
+/// let briefing = Briefing {
+///     map_osm: Vec::new(),
+///     georeference: "utm:33N,0,0".parse().unwrap(),
+///     goal: Goal::Point(MapPoint::new(544_760.0, 5_362_020.0)),
+///     start: Pose2::new(544_700.0, 5_362_000.0, 0.0),
+///     robot: RobotDescription::sentry(),
+///     time_limit: Duration::from_secs(600),
+/// };
+/// let (_, inner) = Border::of(&briefing);
+/// assert!(inner.start.point().distance(MapPoint::default()) < 500.0);
+/// let Goal::Point(goal) = inner.goal else { unreachable!() };
+/// assert!((goal.distance(inner.start.point()) - 63.25).abs() < 0.01);
+/// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Border {
     /// Coordinates of the briefing's frame less those of the inner frame, metres.
@@ -57,7 +79,7 @@ impl Border {
         })
     }
 
-    /// `events` with everything in the briefing's frame.
+    /// A recorder that translates events into the briefing's frame.
     pub fn events<'a>(&self, events: &'a mut dyn Events) -> Outwards<'a> {
         Outwards {
             border: *self,
@@ -119,7 +141,7 @@ impl Border {
     }
 }
 
-/// Takes events of the inner frame and records them in the briefing's.
+/// Records events of the inner frame in the briefing's frame.
 pub struct Outwards<'a> {
     border: Border,
     events: &'a mut dyn Events,

@@ -1,9 +1,8 @@
-//! OPEN, the baseline of the OpenBench paper. An agent sees a briefing and observations, nothing else: this crate cannot
-//! reach the simulator.
+#![doc = include_str!("../README.md")]
 //!
 //! | module | its one job |
 //! |---|---|
-//! | [`border`] | [`Border`]: the briefing's frame outside, a frame with its origin near the start inside |
+//! | [`border`] | [`Border`]: from the briefing's frame to one with its origin near the start |
 //! | [`open`] | [`Open`]: plan, drive, explore, read plates, deliver, remember |
 
 pub mod border;

@@ -211,7 +211,8 @@ fn broken_briefings_are_given_up_with_their_cause() {
     }
 }
 
-/// What an agent does and tells in the first minutes, its map frame's false origin being `shift` metres farther away.
+/// Actions and events of an agent in the first minutes. The false origin of its `map` frame is
+/// `shift` metres farther away.
 fn minutes_with_origin_at(make: Make, shift: f64) -> (Vec<Action>, Vec<Event>) {
     let (mut agent, mut events, mut world) = (make(), Kept::default(), Plain::new());
     let at = LonLat::new(8.0, 50.0);
@@ -288,9 +289,10 @@ fn actions_are_within_reason_repeat_and_come_to_an_end() {
             (actions, events.0, map)
         };
         let (actions, events, map) = run();
-        assert!(
-            matches!(actions.last(), Some(Action::GiveUp(g)) if g.cause == FailureCause::DoorNotFound)
-        );
+        assert!(matches!(
+            actions.last(),
+            Some(Action::GiveUp(g)) if g.cause == FailureCause::DoorNotFound
+        ));
         assert!(
             actions
                 .iter()

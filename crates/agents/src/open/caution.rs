@@ -1,15 +1,15 @@
-//! What to do about a pose that is not to be trusted.
+//! What the robot does when its pose estimate cannot be trusted.
 
 use std::time::Duration;
 
 use openbench_core::{Doubt, Health, RobotDescription, SimTime, Velocity};
 
-/// A robot that does not trust its pose drives and turns at no more than this part of what it can.
-const SLOWER: f64 = 0.5;
-/// A robot that does not know where it is stands for so long in case it finds out, then gives up.
-const PATIENCE: Duration = Duration::from_secs(15);
-/// After contradictions that lasted so long, what was seen meanwhile may be drawn anywhere.
-const MISLED: Duration = Duration::from_secs(1);
+/// Share of the robot's limits at which it drives and turns while its pose is in doubt.
+const SLOW_SHARE: f64 = 0.5;
+/// How long a lost robot stands, in case the localizer recovers, before it gives up.
+const LOST_TIMEOUT: Duration = Duration::from_secs(15);
+/// After contradictions of this duration, obstacles seen meanwhile may be misplaced.
+const MISLEADING_TIME: Duration = Duration::from_secs(1);
 
 /// What to do.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,24 +18,24 @@ pub enum Measure {
     GoOn,
     /// Drive slowly.
     Slow,
-    /// Stand.
+    /// Stand still.
     Stand,
-    /// Give up: nobody knows where the robot is.
+    /// Give up: the robot is lost.
     GiveUp,
 }
 
-/// Remembers how it has gone.
+/// Follows the health of the localizer.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Caution {
     health: Health,
-    /// Since when the pose is doubted for the same reason.
+    /// Since when the health is the same.
     since: SimTime,
-    /// Whether what was seen meanwhile is to be forgotten.
+    /// Whether obstacles seen in doubt must be forgotten.
     misled: bool,
 }
 
 impl Caution {
-    /// Takes in how far the pose is to be trusted now.
+    /// Takes the localizer's health and returns the measure to take.
     pub fn look(&mut self, health: Health, now: SimTime) -> Measure {
         if self.health != health {
             (self.health, self.since) = (health, now);
@@ -44,13 +44,13 @@ impl Caution {
         match health {
             Health::Good => Measure::GoOn,
             Health::Degraded(doubt) => {
-                // Without features the pose only drifts, as it does among noise.
-                self.misled |= doubt == Doubt::Contradiction && lasted >= MISLED;
+                // In other kinds of doubt the pose drifts slowly, so obstacles stay about right.
+                self.misled |= doubt == Doubt::Contradiction && lasted >= MISLEADING_TIME;
                 Measure::Slow
             }
             Health::Lost => {
                 self.misled = true;
-                if lasted < PATIENCE {
+                if lasted < LOST_TIMEOUT {
                     Measure::Stand
                 } else {
                     Measure::GiveUp
@@ -59,17 +59,18 @@ impl Caution {
         }
     }
 
-    /// Whether the pose is trusted again, and what was seen before is to be forgotten; once each
-    /// time.
+    /// Whether the pose is trusted again and obstacles seen in doubt must be forgotten. True once
+    /// each time.
     pub fn is_over(&mut self) -> bool {
         self.health == Health::Good && std::mem::take(&mut self.misled)
     }
 
-    /// A velocity as it is driven while the pose is doubted: along the same arc, no faster than a
-    /// part of what `robot` can. A part of the velocity itself would be halved again and again,
-    /// since the next one is planned from what the robot has come to, and leave it creeping.
+    /// A velocity limited for driving in doubt: the same arc, within a share of the robot's limits.
+    ///
+    /// Halving the planned velocity instead would halve it again and again, since the planner
+    /// starts from the current velocity, until the robot creeps.
     pub fn slowed(velocity: Velocity, robot: &RobotDescription) -> Velocity {
-        let part = |now: f64, most: f64| (SLOWER * most / now.abs()).min(1.0);
+        let part = |now: f64, most: f64| (SLOW_SHARE * most / now.abs()).min(1.0);
         let part =
             part(velocity.linear, robot.max_forward).min(part(velocity.angular, robot.max_turn));
         Velocity::new(velocity.linear * part, velocity.angular * part)
@@ -81,7 +82,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn who_is_lost_stands_and_then_gives_up() {
+    fn a_lost_robot_stands_and_then_gives_up() {
         let mut caution = Caution::default();
         let at = SimTime::from_millis;
         assert_eq!(caution.look(Health::Good, at(0)), Measure::GoOn);
@@ -91,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_seen_in_doubt_is_forgotten_once_it_is_over() {
+    fn obstacles_seen_in_doubt_are_forgotten_once_when_it_is_over() {
         let mut caution = Caution::default();
         let at = SimTime::from_millis;
         let doubt = Health::Degraded(Doubt::Contradiction);
@@ -106,10 +107,10 @@ mod tests {
     }
 
     #[test]
-    fn who_doubts_drives_at_half_speed_along_the_same_arc_and_does_not_come_to_creep() {
+    fn in_doubt_the_robot_drives_the_same_arc_at_half_speed_and_does_not_creep() {
         let robot = RobotDescription::sentry();
-        let half = SLOWER * robot.max_forward;
-        // As a driver does that speeds up from what it has come to.
+        let half = SLOW_SHARE * robot.max_forward;
+        // Like a planner that accelerates from the current velocity.
         let (mut speed, faster) = (0.0, 0.05);
         for _ in 0..100 {
             let wanted = f64::min(speed + faster, robot.max_forward);
@@ -123,7 +124,7 @@ mod tests {
         );
         let turn = Caution::slowed(Velocity::new(0.0, -robot.max_turn), &robot);
         assert!(
-            (turn.angular + SLOWER * robot.max_turn).abs() < 1e-9,
+            (turn.angular + SLOW_SHARE * robot.max_turn).abs() < 1e-9,
             "{turn:?}"
         );
         assert_eq!(Caution::slowed(Velocity::ZERO, &robot), Velocity::ZERO);

@@ -1,4 +1,4 @@
-//! Where a parcel is put down: in front of a door's plate, as near to it as the robot gets.
+//! Where a parcel is put down: in front of a door's plate, as near to it as the robot can get.
 
 use openbench_core::MapPoint;
 use openbench_core::frames::wrap_angle;
@@ -6,45 +6,44 @@ use openbench_motion::Costmap;
 
 use crate::open::sighting::Sighting;
 
-/// Distance from a plate at which a parcel is put down where nothing is in the way, metres.
-pub const NEAREST: f64 = 0.8;
-/// No doorstep is looked for farther from the plate than this, metres.
-pub const FARTHEST: f64 = 3.2;
-/// A doorstep that is not reached is given up for one so much farther from the plate, metres.
-const FARTHER: f64 = 0.8;
-/// Spacing of the distances from the plate that are tried, metres.
-const STEP: f64 = 0.1;
-/// Directions from the plate that are tried, radians from its normal.
-const ASIDES: [f64; 7] = [0.0, 0.25, -0.25, 0.5, -0.5, 0.75, -0.75];
-/// Largest angle from the plate's normal at which a robot is in front of the door, radians.
-const BESIDE: f64 = 0.9;
+/// Distance from a plate at which a parcel is put down on free ground.
+pub const NEAREST_M: f64 = 0.8;
+/// Largest distance of a doorstep from the plate.
+pub const FARTHEST_M: f64 = 3.2;
+/// A doorstep that cannot be reached is replaced by one this much farther from the plate.
+const FARTHER_M: f64 = 0.8;
+/// Step between the distances that are tried.
+const STEP_M: f64 = 0.1;
+/// Directions from the plate that are tried, measured from its normal.
+const ASIDES_RAD: [f64; 7] = [0.0, 0.25, -0.25, 0.5, -0.5, 0.75, -0.75];
+/// Largest angle from the plate's normal at which the robot is in front of the door.
+const BESIDE_RAD: f64 = 0.9;
 
 /// A place in front of a door.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Doorstep {
     /// The place.
     pub place: MapPoint,
-    /// Distance from the plate from which to look for another where this one is not reached,
-    /// metres.
+    /// Least distance from the plate of the next doorstep, if this one cannot be reached, metres.
     pub next: f64,
 }
 
-/// The best free place that is `from` metres from a door's plate or farther: near to it, and rather
-/// straight in front than aside, a metre aside being as bad as a metre farther out. Where nothing
-/// is known to be free, the place straight in front.
+/// The best free place at least `from` metres from a door's plate: near to it, and rather straight
+/// in front than aside, where a metre aside costs as much as a metre farther out. The place
+/// straight in front, if no place is known to be free.
 ///
-/// A planner that is given a place inside a porch ends at the nearest free one, which may be beside
+/// A planner with a goal inside a porch would end at the nearest free place, which may be beside
 /// the porch and nearer to the neighbours' door.
 pub fn doorstep(door: &Sighting, from: f64, near: &Costmap) -> Doorstep {
-    // What the costmap does not cover is not known to be taken.
+    // Ground that the costmap does not cover counts as free.
     let is_free = |at: &MapPoint| {
         near.grid()
             .cell_at(*at)
             .is_none_or(|cell| near.cost(cell).is_some())
     };
-    let steps = ((FARTHEST - from) / STEP).round().max(0.0) as u32;
-    let distances = (0..=steps).map(|i| from + STEP * f64::from(i));
-    let views = distances.flat_map(|distance| ASIDES.map(|aside| View { distance, aside }));
+    let steps = ((FARTHEST_M - from) / STEP_M).round().max(0.0) as u32;
+    let distances = (0..=steps).map(|i| from + STEP_M * f64::from(i));
+    let views = distances.flat_map(|distance| ASIDES_RAD.map(|aside| View { distance, aside }));
     let free = views.filter(|view| is_free(&view.of(door)));
     let best = free.reduce(|best, view| {
         if view.cost() < best.cost() {
@@ -59,16 +58,16 @@ pub fn doorstep(door: &Sighting, from: f64, near: &Costmap) -> Doorstep {
     });
     Doorstep {
         place: view.of(door),
-        next: view.distance + FARTHER,
+        next: view.distance + FARTHER_M,
     }
 }
 
-/// A place as its door's plate sees it.
+/// A place in polar coordinates about a plate.
 #[derive(Debug, Clone, Copy)]
 struct View {
     /// Metres.
     distance: f64,
-    /// From straight out, counter-clockwise, radians.
+    /// Angle from the plate's normal, counter-clockwise, radians.
     aside: f64,
 }
 
@@ -84,14 +83,14 @@ impl View {
     }
 }
 
-/// Whether who stands at `here` is in front of a door, not beside it.
+/// Whether `here` is in front of a door, not beside it.
 pub fn is_in_front(door: &Sighting, here: MapPoint) -> bool {
-    wrap_angle(door.position.bearing_to(here) - door.facing).abs() <= BESIDE
+    wrap_angle(door.position.bearing_to(here) - door.facing).abs() <= BESIDE_RAD
 }
 
-/// Whether `here` is near enough to a door to put the parcel down, where no doorstep was reached.
+/// Whether `here` is near enough to a door to put the parcel down if no doorstep can be reached.
 pub fn is_at_door(door: &Sighting, here: MapPoint) -> bool {
-    here.distance(door.position) <= FARTHEST + FARTHER
+    here.distance(door.position) <= FARTHEST_M + FARTHER_M
 }
 
 #[cfg(test)]
@@ -150,15 +149,15 @@ mod tests {
 
     #[test]
     fn on_open_ground_a_parcel_is_put_down_straight_before_the_plate() {
-        let step = found(NEAREST, &ground(&[]));
-        assert_eq!(step.place, MapPoint::new(NEAREST, 0.0));
+        let step = found(NEAREST_M, &ground(&[]));
+        assert_eq!(step.place, MapPoint::new(NEAREST_M, 0.0));
         assert!((step.next - 1.6).abs() < 1e-9);
     }
 
     #[test]
     fn before_a_porch_it_is_put_down_in_front_of_the_porch() {
         let ground = ground(&heap(0.0..1.2, -1.5..1.5));
-        let step = found(NEAREST, &ground);
+        let step = found(NEAREST_M, &ground);
         assert!((1.3..2.0).contains(&step.place.x), "{step:?}");
         assert!(is_in_front(&door(), step.place));
         let cell = ground.grid().cell_at(step.place).unwrap();
@@ -170,7 +169,7 @@ mod tests {
     #[test]
     fn a_bush_in_front_is_passed_by_aside() {
         let bush = heap(0.8..1.4, -0.2..-0.1);
-        let step = found(NEAREST, &ground(&bush));
+        let step = found(NEAREST_M, &ground(&bush));
         assert!(
             step.place.y > 0.1 && is_in_front(&door(), step.place),
             "{step:?}"
@@ -182,7 +181,7 @@ mod tests {
     fn straight_in_front_is_better_than_a_little_nearer_and_aside() {
         // From 1.6 m away one could stand beside this porch, with the door aslant.
         let ground = ground(&heap(0.0..1.6, -0.9..1.5));
-        let step = found(NEAREST, &ground);
+        let step = found(NEAREST_M, &ground);
         assert!(
             step.place.y == 0.0 && (1.7..2.0).contains(&step.place.x),
             "{step:?}"
@@ -194,8 +193,8 @@ mod tests {
         let crowd = heap(0.0..4.0, -4.0..4.0);
         assert_eq!(found(1.6, &ground(&crowd)).place, MapPoint::new(1.6, 0.0));
         assert_eq!(
-            found(FARTHEST + 0.5, &ground(&crowd)).place,
-            MapPoint::new(FARTHEST + 0.5, 0.0)
+            found(FARTHEST_M + 0.5, &ground(&crowd)).place,
+            MapPoint::new(FARTHEST_M + 0.5, 0.0)
         );
     }
 

@@ -1,4 +1,4 @@
-//! Getting to a place: what is known of the ground, a navigator over it, and when a place is given up.
+//! Driving to a target: costmaps, tracked people, the navigator, and when a target is given up.
 
 use std::time::Duration;
 
@@ -14,60 +14,68 @@ use openbench_motion::{
 
 use crate::open::terrain::Terrain;
 
-/// Half the time of a scan, nanoseconds: on average its points are as old when it is over.
+/// Half the duration of a scan: the mean age of its points at its end.
 const HALF_SCAN_NS: u64 = 50_000_000;
-/// Obstacles within this distance are told to the local planner, metres.
-const SIGHT: f64 = 5.0;
-/// A place is given up after this long and this much for each metre of the first way to it.
-const LEG_TIME: (f64, f64) = (30.0, 8.0);
-/// Time with somebody who moves within so many metres does not count, up to so long: he will be gone sooner or later.
-const AMONG_PEOPLE: (f64, Duration) = (2.0, Duration::from_secs(300));
-/// A place that may be missed is given up once the way to it is known to be this many times and metres longer than it was believed to be.
-const DETOUR: (f64, f64) = (1.6, 6.0);
+/// Obstacles within this distance are passed to the local planner.
+const SIGHT_M: f64 = 5.0;
+/// A target is given up after this time, and this much more for each metre of the first path.
+const BASE_TIME_S: f64 = 30.0;
+const TIME_PER_METRE_S: f64 = 8.0;
+/// Time with a moving person within this distance does not count: people move on.
+const PEOPLE_NEAR_M: f64 = 2.0;
+/// The longest time with people near that does not count.
+const LONGEST_AMONG_PEOPLE: Duration = Duration::from_secs(300);
+/// An optional target is given up once its path is longer than the first one by this factor and
+/// this many metres.
+const DETOUR_FACTOR: f64 = 1.6;
+const DETOUR_M: f64 = 6.0;
 
-/// A place to get to.
+/// A target to drive to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Target {
-    /// Where.
+    /// Its position in `map`.
     pub point: MapPoint,
-    /// Heading there, if it matters.
+    /// Heading at the target, if it matters: radians.
     pub yaw: Option<f64>,
-    /// Whether to get there however long the way turns out to be.
+    /// Whether to pursue it however long the path turns out to be.
     pub must: bool,
 }
 
-/// How driving goes.
+/// The state of driving to a target.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Driving {
-    /// On the way.
+    /// On the way, with the velocity to drive.
     OnTheWay(Velocity),
-    /// There, or as near as free ground goes.
+    /// At the target, or as near as free ground permits.
     Arrived,
-    /// The place cannot be reached.
+    /// The target cannot be reached.
     Unreachable,
 }
 
-/// Drives to one place after another.
+/// Drives to one target after another.
 pub struct Driver {
     robot: RobotDescription,
     footprint: Footprint,
     terrain: Terrain,
-    /// What stands around the robot, more finely: what the local planner keeps off.
+    /// The costmap around the robot in finer cells, for the local planner.
     window: Window,
     tracker: Tracker,
     navigator: Navigator,
     target: Option<Target>,
     wheels: Option<WheelSample>,
     velocity: Velocity,
-    /// Length of the way when it was first searched, metres.
+    /// Length of the first path to the target, metres.
     first_length: Option<f64>,
     patience: Patience,
-    /// The way that was last told.
-    told: Vec<MapPoint>,
+    /// The path that was last reported.
+    reported: Vec<MapPoint>,
 }
 
 impl Driver {
-    /// A driver over ground with a local planner.
+    /// A driver for a robot, with its terrain and local planner.
+    ///
+    /// # Errors
+    /// A robot without a sound footprint or limits: [`FailureCause::Briefing`].
     pub fn new(
         terrain: Terrain,
         robot: RobotDescription,
@@ -90,16 +98,16 @@ impl Driver {
             velocity: Velocity::ZERO,
             first_length: None,
             patience: Patience::default(),
-            told: Vec::new(),
+            reported: Vec::new(),
         })
     }
 
-    /// What is known about the ground.
+    /// The terrain as known so far.
     pub fn terrain(&self) -> &Terrain {
         &self.terrain
     }
 
-    /// Takes in what a scan shows.
+    /// Adds a scan to the costmaps and to the tracker of people.
     pub fn observe(&mut self, ring: &RangeRing, now: SimTime) {
         self.window.follow(self.terrain.near(), ring.center);
         let low = self.terrain.near().newcomers(ring);
@@ -117,24 +125,24 @@ impl Driver {
             .observe_but(ring, |point| self.tracker.covers(point));
     }
 
-    /// Forgets all that was seen: it was drawn where it is not.
+    /// Forgets all obstacles that were seen, after they were misplaced.
     pub fn forget_seen(&mut self) {
         self.terrain.forget_seen();
         self.window.forget_seen();
     }
 
-    /// Goes on after the robot stood for so long for a reason that is no driver's: it is not late for that.
+    /// Continues after the robot stood for this long for another reason: that time does not count.
     pub fn resume(&mut self, stood: Duration) {
         self.navigator.resume(stood);
         self.patience.looked = None;
     }
 
-    /// Takes in how the wheels turned.
+    /// Updates the velocity estimate from wheel angles.
     pub fn observe_wheels(&mut self, wheels: &[WheelSample]) {
         for now in wheels {
             if let Some(before) = self.wheels.replace(*now) {
                 let seconds = now.stamp.since(before.stamp).as_secs_f64();
-                // Samples in quick succession say more of their stamps than of the wheels.
+                // In shorter intervals errors of the stamps would dominate.
                 if seconds > 1e-3 {
                     let rim = |a: f64, b: f64| self.robot.wheel_radius * (b - a) / seconds;
                     let (left, right) = (rim(before.left, now.left), rim(before.right, now.right));
@@ -145,24 +153,24 @@ impl Driver {
         }
     }
 
-    /// Sets out for a place.
+    /// Sets a new target.
     pub fn set_target(&mut self, target: Target) {
         self.target = Some(target);
         self.navigator.set_goal(target.point, target.yaw);
         (self.patience, self.first_length) = (Patience::default(), None);
-        self.told.clear();
+        self.reported.clear();
     }
 
-    /// What to do now at `pose`.
+    /// Decides how to drive on from `pose`.
     pub fn drive(&mut self, pose: Pose2, now: SimTime, events: &mut dyn Events) -> Driving {
         let Some(target) = self.target else {
             return Driving::Arrived;
         };
         self.terrain.near_mut().clear_below(&self.footprint, pose);
         self.window.clear_below(&self.footprint, pose);
-        let mut obstacles = self.window.obstacles_near(pose.point(), SIGHT);
+        let mut obstacles = self.window.obstacles_near(pose.point(), SIGHT_M);
         obstacles.extend(self.tracker.moving(now));
-        let is_near = |o: &Obstacle| o.is_moving() && o.distance_to(pose.point()) < AMONG_PEOPLE.0;
+        let is_near = |o: &Obstacle| o.is_moving() && o.distance_to(pose.point()) < PEOPLE_NEAR_M;
         self.patience.spend(now, obstacles.iter().any(is_near));
         let surroundings = Surroundings {
             time: now,
@@ -171,14 +179,14 @@ impl Driver {
             obstacles: &obstacles,
         };
         let decided = self.navigator.drive(&surroundings, &mut self.terrain);
-        self.tell(events);
+        self.report(events);
         let late = self.patience.is_spent();
         let driving = match decided {
             Navigation::Drive(_) if late || !target.must && self.is_detour() => {
                 Driving::Unreachable
             }
             Navigation::Drive(velocity) => Driving::OnTheWay(velocity),
-            // The way led to where more can be seen, and goes on from there.
+            // The path led to a place from which more can be seen, and continues from there.
             Navigation::Arrived if self.terrain.is_partial() && !late => {
                 self.navigator.set_goal(target.point, target.yaw);
                 Driving::OnTheWay(Velocity::ZERO)
@@ -195,15 +203,15 @@ impl Driver {
         driving
     }
 
-    /// Tells of new ways and of what was done where it did not go on, and says how long the first way may take.
-    fn tell(&mut self, events: &mut dyn Events) {
+    /// Reports new paths and recoveries, and sets the time limit by the first path.
+    fn report(&mut self, events: &mut dyn Events) {
         let path = self.navigator.path();
-        if !path.is_empty() && path != self.told {
+        if !path.is_empty() && path != self.reported {
             let length = length(path);
             self.first_length.get_or_insert(length);
             self.patience.begin(length);
             events.record(Event::Path(path.to_vec()));
-            self.told = path.to_vec();
+            self.reported = path.to_vec();
         }
         for recovery in self.navigator.take_recoveries() {
             events.record(Event::Note(format!(
@@ -215,24 +223,25 @@ impl Driver {
 
     fn is_detour(&self) -> bool {
         self.first_length
-            .is_some_and(|first| length(&self.told) > DETOUR.0 * first + DETOUR.1)
+            .is_some_and(|first| length(&self.reported) > DETOUR_FACTOR * first + DETOUR_M)
     }
 }
 
-/// How long getting to a place may still take.
+/// The time that is left for a target.
 #[derive(Debug, Clone, Copy, Default)]
 struct Patience {
-    /// Nothing said as long as no way is known.
+    /// `None` until a path is known.
     left: Option<Duration>,
     among_people: Duration,
     looked: Option<SimTime>,
 }
 
 impl Patience {
-    /// The first way is this long, metres; those that are found later change nothing.
+    /// Starts the clock with the first path's length, metres. Later calls change nothing.
     fn begin(&mut self, length: f64) {
-        self.left
-            .get_or_insert(Duration::from_secs_f64(LEG_TIME.0 + LEG_TIME.1 * length));
+        self.left.get_or_insert(Duration::from_secs_f64(
+            BASE_TIME_S + TIME_PER_METRE_S * length,
+        ));
     }
 
     fn spend(&mut self, now: SimTime, is_anybody_near: bool) {
@@ -241,7 +250,7 @@ impl Patience {
             .map_or(Duration::ZERO, |looked| now.since(looked));
         self.looked = Some(now);
         let Some(left) = &mut self.left else { return };
-        if is_anybody_near && self.among_people < AMONG_PEOPLE.1 {
+        if is_anybody_near && self.among_people < LONGEST_AMONG_PEOPLE {
             self.among_people += passed;
         } else {
             *left = left.saturating_sub(passed);
@@ -261,7 +270,7 @@ fn length(path: &[MapPoint]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Seconds until patience with a way of 10 m is spent.
+    /// Seconds until the time for a path of 10 m is over.
     fn lasts(is_anybody_near: impl Fn(u64) -> bool) -> u64 {
         let mut patience = Patience::default();
         for second in 0.. {
@@ -278,7 +287,7 @@ mod tests {
     }
 
     #[test]
-    fn who_waits_for_people_has_longer_but_not_for_ever() {
+    fn waiting_for_people_extends_the_time_limit_but_not_for_ever() {
         assert_eq!(lasts(|_| false), 110);
         assert_eq!(lasts(|second| second % 2 == 0), 219);
         assert_eq!(lasts(|_| true), 410);

@@ -1,5 +1,6 @@
-//! Where to look at a building from, as in the paper: its outer boundary, inflated, sampled uniformly, each waypoint facing
-//! the building. An OSM outline already is the outer boundary, which the paper must first compute as a concave hull.
+//! Waypoints around a building, as in the paper: its outer boundary, inflated and sampled
+//! uniformly, each waypoint facing the building. An OSM outline already is the outer boundary,
+//! which the paper must first compute as a concave hull.
 
 use openbench_core::frames::wrap_angle;
 use openbench_core::{MapPoint, Pose2, RobotDescription};
@@ -8,60 +9,62 @@ use openbench_osm::OsmMap;
 
 use crate::open::terrain::Terrain;
 
-/// Distance between two places along the wall that are considered, metres.
-const SPACING: f64 = 2.0;
-/// Most places along a wall that are considered.
-const MOST: f64 = 400.0;
-/// Stretch of wall that is seen well from a place: so many times its distance from the wall. Plates are read at up to 40 degrees.
+/// Distance between two candidates along the wall.
+const SPACING_M: f64 = 2.0;
+/// Most candidates around a building.
+const MOST_CANDIDATES: f64 = 400.0;
+/// Length of wall that is seen well from a waypoint, over its distance from the wall. Plates are
+/// read at up to 40 degrees.
 const COVERAGE: f64 = 1.0;
-/// Distance from which a plate is looked at that could not be read, metres.
-const PLATE: f64 = 3.0;
+/// Distance from which an unreadable plate is looked at.
+const PLATE_DISTANCE_M: f64 = 3.0;
 /// Share of the distance from which something is looked at again.
 const NEARER: f64 = 0.6;
-/// Room that a waypoint keeps from every building of the map, metres.
-const ROOM: f64 = 0.6;
-/// Distance that a place keeps from an obstacle behind it, metres.
-const AWAY: f64 = 0.5;
-/// Nearest that a waypoint is put to the wall that it looks at, metres.
-const NEAREST: f64 = 1.0;
-/// Height up to which plates are looked for, metres: somewhat below the top of a door.
-const PLATE_TOP: f64 = 1.9;
-/// Steepest angle to a wall's normal under which it is looked at, radians: 60 degrees.
-const STEEPEST: f64 = 1.05;
-/// Plates seen from farther aside than this are looked at again from nearer to their normal, radians.
-const ASIDE: f64 = 0.8;
-/// Steps in which a place is moved nearer to a wall until there is room, metres.
-const STEP: f64 = 0.1;
-/// Room that a line of sight keeps from every building of the map, metres.
-const SIGHT: f64 = 0.2;
+/// Clearance of a waypoint from every building of the map.
+const CLEARANCE_M: f64 = 0.6;
+/// Distance of a waypoint from an obstacle behind it.
+const FROM_OBSTACLE_M: f64 = 0.5;
+/// Least distance of a waypoint from the wall that it looks at.
+const NEAREST_M: f64 = 1.0;
+/// Height up to which plates are looked for: somewhat below the top of a door.
+const PLATE_TOP_M: f64 = 1.9;
+/// Largest angle between the view and the wall's normal: 60 degrees.
+const STEEPEST_RAD: f64 = 1.05;
+/// Plates seen at a larger angle are looked at again from nearer to their normal.
+const ASIDE_RAD: f64 = 0.8;
+/// Steps in which a waypoint is moved nearer to a wall until it has clearance.
+const STEP_M: f64 = 0.1;
+/// Clearance of a line of sight from every building of the map.
+const SIGHT_CLEARANCE_M: f64 = 0.2;
 
-/// A place to look from, and the wall that it looks at.
+/// A pose to look from, and the wall that it looks at.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Waypoint {
-    /// The place, facing the wall.
+    /// The pose, facing the wall.
     pub place: Pose2,
-    /// The middle of what is looked at.
+    /// The point of the wall that is looked at.
     pub wall: MapPoint,
     /// Distance between them, metres.
     pub standoff: f64,
-    /// Distance of the place from the line of the wall, metres: shorter where it looks aslant.
+    /// Distance from the line of the wall, metres: less than `standoff` in an oblique view.
     pub from_wall: f64,
-    /// Whether it stands in for a place that could not be reached or saw too little. Nothing stands in for it in turn: each look shows
-    /// obstacles that hide something, and there would be no end of places.
+    /// Whether it replaces a waypoint that could not be reached or saw too little. It is not
+    /// replaced in turn: each look shows obstacles that hide something, without end.
     pub second: bool,
 }
 
 impl Waypoint {
-    /// The same view from nearer by, for when something unmapped stands where the place is; `None` if it is near already.
+    /// The same view from nearer, if an unmapped obstacle stands at the waypoint; `None` if it is
+    /// near already.
     pub fn nearer(&self) -> Option<Self> {
         self.at_distance(NEARER * self.standoff)
     }
 
-    /// The same view from in front of the first obstacle that stands between the wall and the place, a hedge or a parked car, if there is
-    /// room to stand; `None` if nothing is known to stand there.
+    /// The same view from in front of the first obstacle between the wall and the waypoint, such as
+    /// a hedge or a parked car; `None` if there is none, or no room in front of it.
     pub fn before_obstacles(&self, costmap: &Costmap) -> Option<Self> {
         let back = self.place.yaw + std::f64::consts::PI;
-        let from = NEAREST + AWAY;
+        let from = NEAREST_M + FROM_OBSTACLE_M;
         let steps = ((self.standoff - from) / 0.1).max(0.0) as usize;
         let distances = (0..steps).map(|i| from + 0.1 * i as f64);
         let blocked = |d: &f64| {
@@ -70,7 +73,7 @@ impl Waypoint {
                 .cell_at(self.wall.offset(back, *d))
                 .is_some_and(|cell| costmap.is_obstacle(cell))
         };
-        self.at_distance(distances.into_iter().find(blocked)? - AWAY)
+        self.at_distance(distances.into_iter().find(blocked)? - FROM_OBSTACLE_M)
     }
 
     fn at_distance(&self, standoff: f64) -> Option<Self> {
@@ -78,7 +81,7 @@ impl Waypoint {
         let at = self.wall.offset(back, standoff);
         let place = Pose2::new(at.x, at.y, self.place.yaw);
         let from_wall = self.from_wall * standoff / self.standoff;
-        (standoff >= NEAREST && !self.second).then_some(Self {
+        (standoff >= NEAREST_M && !self.second).then_some(Self {
             place,
             standoff,
             from_wall,
@@ -88,23 +91,25 @@ impl Waypoint {
     }
 }
 
-/// Distance from a wall at which the robot's camera has plates at door height in the picture, metres.
+/// Distance from a wall at which plates at door height are in the camera's image, metres.
 pub fn sees_plates_from(robot: &RobotDescription) -> f64 {
     let optics = robot.camera_intrinsics;
     let upwards = f64::from(optics.height) / 2.0 / optics.focal_length();
-    ((PLATE_TOP - robot.camera.translation.z) / upwards).max(0.0)
+    ((PLATE_TOP_M - robot.camera.translation.z) / upwards).max(0.0)
 }
 
-/// Places around a building, facing it, `standoff` metres from its wall or, in narrow yards, as far
-/// from it as there is room; in the order of the wall. Where that is nearer than plates are seen
-/// from (`sees_from`, metres), the wall is looked at aslant, from both sides.
+/// Waypoints around a building, facing it, in the order of its wall.
+///
+/// They are `standoff` metres from the wall or, in narrow yards, as far as there is room. Where
+/// that is nearer than `sees_from` metres, plates would be above the image: the wall is then looked
+/// at obliquely, from both sides.
 pub fn waypoints(map: &OsmMap, building: usize, standoff: f64, sees_from: f64) -> Vec<Waypoint> {
     let Some(outline) = map.buildings.get(building).map(|b| &b.polygon) else {
         return Vec::new();
     };
-    let ring = &outline.outer[..outline.outer.len().min(MOST as usize)];
-    // A mapping error can make an outline of any length: its places are bounded.
-    let spacing = SPACING.max(outline.perimeter() / MOST);
+    let ring = &outline.outer[..outline.outer.len().min(MOST_CANDIDATES as usize)];
+    // A mapping error can make an outline of any length: the number of candidates is bounded.
+    let spacing = SPACING_M.max(outline.perimeter() / MOST_CANDIDATES);
     let mut views = Vec::new();
     for i in 0..ring.len() {
         let (a, b, c) = (
@@ -116,7 +121,7 @@ pub fn waypoints(map: &OsmMap, building: usize, standoff: f64, sees_from: f64) -
         if length < 1e-6 {
             continue;
         }
-        // Outwards is on the right of a counter-clockwise outline.
+        // The outside is on the right of a counter-clockwise outline.
         let outwards = a.bearing_to(b) - std::f64::consts::FRAC_PI_2;
         let count = (length / spacing).ceil().max(1.0) as usize;
         for k in 0..count {
@@ -133,10 +138,10 @@ pub fn waypoints(map: &OsmMap, building: usize, standoff: f64, sees_from: f64) -
     thinned(&views)
 }
 
-/// Places to look at a plate from that hangs at `plate` and faces `facing`: in front of it and near
-/// or, where that is nearer than plates are seen from (`sees_from`, metres), from both sides.
+/// Waypoints for a plate at `plate` that faces `facing` (radians): in front of it and near or,
+/// where that is nearer than `sees_from` metres, from both sides.
 pub fn before_plate(map: &OsmMap, plate: MapPoint, facing: f64, sees_from: f64) -> Vec<Waypoint> {
-    let views = look_at(map, plate, facing, PLATE, sees_from);
+    let views = look_at(map, plate, facing, PLATE_DISTANCE_M, sees_from);
     views
         .into_iter()
         .map(|waypoint| Waypoint {
@@ -146,9 +151,9 @@ pub fn before_plate(map: &OsmMap, plate: MapPoint, facing: f64, sees_from: f64) 
         .collect()
 }
 
-/// A place to look at a plate from that was seen from `viewer`: in front of it if it was seen from
-/// afar or from the side, else nearer on the line between them. There it can be seen whatever the
-/// map says, so a map without room in front of the plate leads there too.
+/// A waypoint for a plate that was seen from `viewer`: in front of it if it was seen from afar or
+/// from the side, else nearer on the line between them. On that line it is visible whatever the map
+/// has, so this is also the result where the map leaves no room in front of the plate.
 pub fn nearer_to_plate(
     map: &OsmMap,
     plate: MapPoint,
@@ -158,9 +163,9 @@ pub fn nearer_to_plate(
 ) -> Waypoint {
     let (distance, towards) = (plate.distance(viewer), plate.bearing_to(viewer));
     let standoff = (NEARER * distance)
-        .clamp(sees_from.min(PLATE), PLATE)
+        .clamp(sees_from.min(PLATE_DISTANCE_M), PLATE_DISTANCE_M)
         .min(distance)
-        .max(NEAREST);
+        .max(NEAREST_M);
     let at = plate.offset(towards, standoff);
     let place = Pose2::new(at.x, at.y, at.bearing_to(plate));
     let from_wall = standoff * libm::cos(wrap_angle(towards - facing));
@@ -171,7 +176,7 @@ pub fn nearer_to_plate(
         from_wall,
         second: true,
     };
-    if standoff < PLATE && wrap_angle(towards - facing).abs() < ASIDE {
+    if standoff < PLATE_DISTANCE_M && wrap_angle(towards - facing).abs() < ASIDE_RAD {
         return on_line;
     }
     let away = |view: &Waypoint| view.place.point().distance(viewer);
@@ -181,7 +186,7 @@ pub fn nearer_to_plate(
         .unwrap_or(on_line)
 }
 
-/// Index of the waypoint that is cheapest to get to over what is known of the ground; `None` without a way to any.
+/// Index of the waypoint with the cheapest path over the terrain; `None` if none can be reached.
 pub fn nearest(waypoints: &[Waypoint], from: MapPoint, terrain: &Terrain) -> Option<usize> {
     let places: Vec<MapPoint> = waypoints.iter().map(|w| w.place.point()).collect();
     let costs = terrain.costs(from, &places);
@@ -189,9 +194,9 @@ pub fn nearest(waypoints: &[Waypoint], from: MapPoint, terrain: &Terrain) -> Opt
     known.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
 }
 
-/// The view of `wall` from in front of it, nearer where other buildings leave no more room, or the
-/// views from both sides where so near a plate would be above the picture; none in a gap too narrow
-/// to stand in.
+/// The view of `wall` from in front of it, nearer where other buildings leave less room, or the
+/// views from both sides where a plate would be above the image. None in a gap too narrow to stand
+/// in.
 fn look_at(
     map: &OsmMap,
     wall: MapPoint,
@@ -199,14 +204,14 @@ fn look_at(
     standoff: f64,
     sees_from: f64,
 ) -> Vec<Waypoint> {
-    let has_room = |d: &f64| is_clear(map, wall.offset(outwards, *d), ROOM);
+    let has_room = |d: &f64| is_clear(map, wall.offset(outwards, *d), CLEARANCE_M);
     let mut distances = (0..)
-        .map(|i| standoff - STEP * f64::from(i))
-        .take_while(|d| *d >= NEAREST);
+        .map(|i| standoff - STEP_M * f64::from(i))
+        .take_while(|d| *d >= NEAREST_M);
     let Some(from_wall) = distances.find(has_room) else {
         return Vec::new();
     };
-    let aslant = libm::acos((from_wall / sees_from.min(standoff)).min(1.0)).min(STEEPEST);
+    let aslant = libm::acos((from_wall / sees_from.min(standoff)).min(1.0)).min(STEEPEST_RAD);
     let view = |turned: f64| {
         let standoff = from_wall / libm::cos(turned);
         let at = wall.offset(outwards + turned, standoff);
@@ -220,9 +225,13 @@ fn look_at(
         }
     };
     let is_open = |view: &Waypoint| {
-        let (at, steps) = (view.place.point(), (view.standoff / SIGHT) as usize);
-        let on_line = |i: usize| at.offset(view.place.yaw, i as f64 * SIGHT);
-        is_clear(map, at, ROOM) && (0..steps * 4 / 5).all(|i| is_clear(map, on_line(i), SIGHT))
+        let (at, steps) = (
+            view.place.point(),
+            (view.standoff / SIGHT_CLEARANCE_M) as usize,
+        );
+        let on_line = |i: usize| at.offset(view.place.yaw, i as f64 * SIGHT_CLEARANCE_M);
+        is_clear(map, at, CLEARANCE_M)
+            && (0..steps * 4 / 5).all(|i| is_clear(map, on_line(i), SIGHT_CLEARANCE_M))
     };
     let sides: Vec<Waypoint> = [aslant, -aslant]
         .map(view)
@@ -236,7 +245,7 @@ fn look_at(
     }
 }
 
-/// Whether a place is so far from every building of the map, metres.
+/// Whether a point is at least `room` metres from every building of the map.
 fn is_clear(map: &OsmMap, at: MapPoint, room: f64) -> bool {
     map.nearest_building(at)
         .is_none_or(|i| map.distance_to_building(i, at) >= room)
@@ -247,7 +256,7 @@ fn turns_left(a: MapPoint, b: MapPoint, c: MapPoint) -> bool {
     turn > 0.3 * a.distance(b) * b.distance(c)
 }
 
-/// Leaves out what a neighbour sees as well.
+/// Drops waypoints whose wall a neighbour covers.
 fn thinned(views: &[Waypoint]) -> Vec<Waypoint> {
     let mut kept: Vec<Waypoint> = Vec::new();
     for view in views {

@@ -5,10 +5,10 @@ use openbench_osm::{OsmData, OsmMap, Polygon, add_entrance, merge_entrances};
 
 use crate::open::sighting::Sighting;
 
-/// How far inside its building's outline a door may lie, metres.
-const RECESS: f64 = 4.0;
-/// A door is moved if it is seen this far from where it was written, metres.
-const MOVED: f64 = 0.3;
+/// How far inside the outline of its building a recessed door may lie.
+const RECESS_M: f64 = 4.0;
+/// A written door is moved if it is seen at least this far away.
+const MOVED_M: f64 = 0.3;
 
 /// The map as the agent knows it.
 #[derive(Debug)]
@@ -20,7 +20,7 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// The public map, and the doors of an earlier copy of it.
+    /// The public map, with the doors of an earlier copy of it.
     pub fn new(public: OsmData, georeference: Georeference, remembered: Option<&OsmData>) -> Self {
         let mut data = public;
         if let Some(remembered) = remembered {
@@ -39,16 +39,16 @@ impl Memory {
         &self.map
     }
 
-    /// The map as a file.
+    /// The map as OSM data.
     pub fn data(&self) -> &OsmData {
         &self.data
     }
 
-    /// Writes a door in, or moves it if it was written before and is now seen elsewhere.
+    /// Writes a door, or moves it if it was written before and is now seen elsewhere.
     pub fn write(&mut self, sighting: &Sighting, events: &mut dyn Events) {
         let same = |w: &Sighting| w.building == sighting.building && w.unit == sighting.unit;
         let before = self.written.iter().position(same);
-        if before.is_some_and(|i| self.written[i].position.distance(sighting.position) < MOVED) {
+        if before.is_some_and(|i| self.written[i].position.distance(sighting.position) < MOVED_M) {
             return;
         }
         let building = &self.map.buildings[sighting.building];
@@ -75,9 +75,9 @@ impl Memory {
     }
 }
 
-/// Where the outline lies in front of a plate: recessed doors lie inside it.
+/// The point of the outline in front of a plate. Recessed doors lie inside the outline.
 fn doorway(sighting: &Sighting, outline: &Polygon) -> MapPoint {
-    let steps = (0..=(RECESS / 0.1) as usize)
+    let steps = (0..=(RECESS_M / 0.1) as usize)
         .map(|i| sighting.position.offset(sighting.facing, i as f64 * 0.1));
     let inside = outline.contains(sighting.position);
     steps

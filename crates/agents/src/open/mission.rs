@@ -1,4 +1,4 @@
-//! The deliveries and the stage that each is in.
+//! The mission: deliveries one after another, and the stages of each.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -26,51 +26,51 @@ use crate::open::terrain::Terrain;
 
 mod looking;
 
-/// A correction of the pose that is worth a word, metres.
-const NOTABLE: f64 = 0.3;
-/// Distances from the wall to look from: all places at the first, then all at the next.
-const STANDOFFS: [f64; 3] = [4.0, 5.5, 2.6];
-/// Distance in front of a known door from which its plate is read again, metres.
-const CHECK_FROM: f64 = 3.6;
-/// A road that ends within this distance is not worth setting out for, metres.
-const NEARBY: f64 = 2.0;
-/// A way over roads is taken if it is no longer than this many times the straight line.
-const DETOUR: f64 = 1.3;
+/// A pending correction of the pose from which on it is noted.
+const NOTABLE_CORRECTION_M: f64 = 0.3;
+/// Distances of waypoints from the wall: all at the first, then all at the next.
+const STANDOFFS_M: [f64; 3] = [4.0, 5.5, 2.6];
+/// Distance in front of a known door from which its plate is read again.
+const CHECK_DISTANCE_M: f64 = 3.6;
+/// A road that ends within this distance is ignored.
+const NEARBY_M: f64 = 2.0;
+/// A road route is taken if it is at most this many times as long as the straight line.
+const DETOUR_FACTOR: f64 = 1.3;
 
 /// What the robot is doing about the current delivery.
 #[derive(Debug, Clone, PartialEq)]
 enum Stage {
-    /// Along the road towards the building.
+    /// Driving along the road towards the building.
     Travel,
-    /// To a place to look from.
+    /// Driving to a waypoint.
     ToWaypoint,
-    /// Standing, to look.
+    /// Standing at a waypoint since this instant, to look.
     Look(SimTime),
-    /// To the door.
+    /// Driving to the door.
     Approach(Sighting),
 }
 
-/// The delivery at hand.
+/// The current delivery.
 struct Task {
     address: Address,
     building: usize,
     stage: Stage,
-    /// Places not yet looked from.
+    /// Waypoints that were not visited yet.
     waypoints: Vec<Waypoint>,
-    /// The place that the robot is at or on its way to.
+    /// The waypoint that the robot is at or drives to.
     place: Option<Waypoint>,
-    /// How often all places were looked from.
+    /// How often all waypoints were visited.
     round: usize,
-    /// Whether any place was looked from.
+    /// Whether any waypoint was reached.
     looked: bool,
-    /// Where map or memory have the door, to be trusted if its plate cannot be read there.
+    /// The door as map or memory have it, trusted if its plate cannot be read there.
     expected: Option<Sighting>,
-    /// The next doorstep is looked for so far from the plate or farther, metres.
+    /// Least distance of the next doorstep from the plate, metres.
     doorstep: f64,
 }
 
 impl Task {
-    /// A delivery that begins.
+    /// A delivery at its beginning.
     fn new(address: Address, building: usize, expected: Option<Sighting>) -> Self {
         Self {
             address,
@@ -81,21 +81,21 @@ impl Task {
             round: 0,
             looked: false,
             expected,
-            doorstep: doorstep::NEAREST,
+            doorstep: doorstep::NEAREST_M,
         }
     }
 }
 
-/// What follows from a decision.
+/// The outcome of a decision.
 enum Next {
-    /// The delivery goes on: the robot drives so until the next observation.
+    /// The delivery continues; the robot drives so until the next observation.
     GoOn(Task, Velocity),
     /// The delivery, or the episode, ends.
     End(Action),
 }
 
 impl Next {
-    /// The delivery goes on, standing still until the next observation.
+    /// The delivery continues; the robot stands until the next observation.
     fn stand(task: Task) -> Self {
         Self::GoOn(task, Velocity::ZERO)
     }
@@ -111,6 +111,13 @@ impl Next {
     }
 }
 
+/// When the robot last glanced, and its heading then, radians.
+#[derive(Debug, Clone, Copy)]
+struct Glance {
+    time: SimTime,
+    yaw: f64,
+}
+
 /// All deliveries of an episode.
 pub struct Mission {
     robot: RobotDescription,
@@ -122,13 +129,12 @@ pub struct Mission {
     queue: VecDeque<PlannedDelivery>,
     task: Option<Task>,
     seen: Vec<Sighting>,
-    /// When, and heading where.
-    last_glance: (SimTime, f64),
-    /// Plates that could not be read, and were given a place to look from.
-    puzzling: Vec<MapPoint>,
-    /// Plates that were read once, not surely, as the one that is looked for, and were given a place to look from.
-    doubted: Vec<MapPoint>,
-    /// Whether the pose is being corrected by more than a little.
+    last_glance: Glance,
+    /// Plates that could not be read and have a waypoint.
+    unreadable: Vec<MapPoint>,
+    /// Uncertain matches that have a waypoint.
+    uncertain_plates: Vec<MapPoint>,
+    /// Whether a notable correction of the pose is pending.
     correcting: bool,
     caution: Caution,
     /// Distance from which plates at door height are in the picture, metres.
@@ -136,21 +142,25 @@ pub struct Mission {
 }
 
 impl Mission {
-    /// Reads the map, understands the instruction, prepares to drive.
+    /// Reads the map, understands the instruction, and prepares to drive.
+    ///
+    /// # Errors
+    /// A briefing that cannot be used, an instruction that is not understood, or a planner that
+    /// cannot answer.
     pub fn begin(
         parts: Parts,
         briefing: &Briefing,
         events: &mut dyn Events,
     ) -> Result<Self, GiveUp> {
         let data = OsmData::from_bytes(&briefing.map_osm)
-            .map_err(|e| all(FailureCause::Briefing, e.to_string()))?;
+            .map_err(|e| all(FailureCause::Briefing, with_causes(&e)))?;
         let memory = Memory::new(data, briefing.georeference, parts.memory.as_ref());
         let router = MapRouter::new(
             memory.data(),
             memory.map().projection.clone(),
             Profile::delivery(),
         )
-        .map_err(|e| all(FailureCause::Briefing, e.to_string()))?;
+        .map_err(|e| all(FailureCause::Briefing, with_causes(&e)))?;
         let queue = understand(
             parts.planner.as_ref(),
             briefing,
@@ -170,7 +180,7 @@ impl Mission {
             &robot,
             parts.ground,
         )
-        .map_err(|e| all(FailureCause::Briefing, e.to_string()))?;
+        .map_err(|e| all(FailureCause::Briefing, with_causes(&e)))?;
         let mut localizer = (parts.localizer)(&robot);
         localizer.reset(briefing.start);
         Ok(Self {
@@ -179,9 +189,12 @@ impl Mission {
             reader: parts.reader,
             task: None,
             seen: Vec::new(),
-            last_glance: (SimTime::ZERO, briefing.start.yaw),
-            puzzling: Vec::new(),
-            doubted: Vec::new(),
+            last_glance: Glance {
+                time: SimTime::ZERO,
+                yaw: briefing.start.yaw,
+            },
+            unreadable: Vec::new(),
+            uncertain_plates: Vec::new(),
             correcting: false,
             caution: Caution::default(),
             sees_from: exploration::sees_plates_from(&robot),
@@ -197,19 +210,20 @@ impl Mission {
         self.memory.data().to_xml()
     }
 
-    /// Stands still until the next observation, eyes open.
+    /// Stands still until the next observation, and senses meanwhile.
     pub fn wait(&mut self, observation: &Observation<'_>, events: &mut dyn Events) -> Action {
         self.sense(observation, events);
         Action::Drive(Velocity::ZERO)
     }
 
-    /// Goes on after it stood for so long while models were asked: neither late nor curious for that.
+    /// Continues after the robot stood for this long while models were asked: that time counts
+    /// against no timeout.
     pub fn resume(&mut self, stood: Duration) {
         self.driver.resume(stood);
-        self.last_glance.0 = self.last_glance.0 + stood;
+        self.last_glance.time = self.last_glance.time + stood;
     }
 
-    /// What to do until the next observation.
+    /// Decides what to do until the next observation.
     pub fn act(&mut self, observation: &Observation<'_>, events: &mut dyn Events) -> Action {
         self.sense(observation, events);
         if !self.localizer.ready() {
@@ -263,15 +277,16 @@ impl Mission {
         self.announce(events);
     }
 
-    /// Says when the pose is being corrected by so much that one who watches would wonder.
+    /// Notes a pending correction of the pose that is large enough to be visible.
     fn announce(&mut self, events: &mut dyn Events) {
         let pending = self.localizer.pending();
-        if pending > NOTABLE && !self.correcting {
+        if pending > NOTABLE_CORRECTION_M && !self.correcting {
             events.record(Event::Note(format!(
                 "the pose turns out to be {pending:.1} m off and is corrected"
             )));
         }
-        self.correcting = pending > NOTABLE || self.correcting && pending > NOTABLE / 2.0;
+        self.correcting = pending > NOTABLE_CORRECTION_M
+            || self.correcting && pending > NOTABLE_CORRECTION_M / 2.0;
     }
 
     fn next_delivery(&mut self, events: &mut dyn Events) -> Next {
@@ -279,15 +294,15 @@ impl Mission {
             let detail = "every planned delivery is done".to_owned();
             return Next::End(Action::GiveUp(all(FailureCause::NotDeclared, detail)));
         };
-        self.puzzling.clear();
-        self.doubted.clear();
+        self.unreadable.clear();
+        self.uncertain_plates.clear();
         events.record(Event::Task(delivery.address()));
         let task = match self.look_up(delivery) {
             Ok(task) => task,
             Err(give_up) => return Next::End(Action::GiveUp(give_up)),
         };
         match self.road_to(task.building, events) {
-            Some(end) if end.distance(self.localizer.pose().point()) > NEARBY => {
+            Some(end) if end.distance(self.localizer.pose().point()) > NEARBY_M => {
                 self.driver.set_target(Target {
                     point: end,
                     yaw: None,
@@ -332,7 +347,7 @@ impl Mission {
         let (first, last) = (*route.points.first()?, *route.points.last()?);
         let length = route.distance + from.distance(first) + to.distance(last);
         events.record(Event::Route(route.points));
-        (length <= DETOUR * from.distance(to)).then_some(last)
+        (length <= DETOUR_FACTOR * from.distance(to)).then_some(last)
     }
 
     fn pursue(
@@ -369,9 +384,9 @@ impl Mission {
     fn arrived(&mut self, task: Task, now: SimTime, events: &mut dyn Events) -> Next {
         match &task.stage {
             Stage::Travel => self.end_travel(task, events),
-            // What was seen on the way may have moved its end beside a porch.
+            // Obstacles seen on the way may have moved its end beside a porch.
             Stage::Approach(door)
-                if !self.is_before(door) && task.doorstep <= doorstep::FARTHEST =>
+                if !self.is_before(door) && task.doorstep <= doorstep::FARTHEST_M =>
             {
                 self.missed(task, events)
             }
@@ -383,7 +398,7 @@ impl Mission {
         }
     }
 
-    /// A place could not be reached.
+    /// The target of the stage could not be reached.
     fn missed(&mut self, mut task: Task, events: &mut dyn Events) -> Next {
         match &task.stage {
             Stage::Travel => self.end_travel(task, events),
@@ -402,13 +417,13 @@ impl Mission {
     /// The doorstep could not be reached: one farther out, or here if that is near enough; else the
     /// door is searched for anew.
     fn missed_door(&mut self, mut task: Task, door: Sighting, events: &mut dyn Events) -> Next {
-        if task.doorstep <= doorstep::FARTHEST {
+        if task.doorstep <= doorstep::FARTHEST_M {
             return self.approach(task, door);
         }
         if doorstep::is_at_door(&door, self.localizer.pose().point()) {
             return Next::delivered(task);
         }
-        (task.expected, task.doorstep) = (None, doorstep::NEAREST);
+        (task.expected, task.doorstep) = (None, doorstep::NEAREST_M);
         self.next_waypoint(task, events)
     }
 
@@ -422,7 +437,7 @@ impl Mission {
 
     /// Goes to where a known door's plate can be read.
     fn check_door(&mut self, task: Task, door: &Sighting) -> Next {
-        let point = door.position.offset(door.facing, CHECK_FROM);
+        let point = door.position.offset(door.facing, CHECK_DISTANCE_M);
         let yaw = Some(point.bearing_to(door.position));
         self.driver.set_target(Target {
             point,
@@ -445,7 +460,7 @@ impl Mission {
             if let Some(nearest) = exploration::nearest(&task.waypoints, here, terrain) {
                 break nearest;
             }
-            let Some(&standoff) = STANDOFFS.get(task.round) else {
+            let Some(&standoff) = STANDOFFS_M.get(task.round) else {
                 return self.not_found(task, here);
             };
             task.round += 1;
@@ -569,7 +584,7 @@ fn understand(
     };
     let plan = planner
         .plan(&request)
-        .map_err(|error| all(cause_of(&error), error.to_string()))?;
+        .map_err(|error| all(cause_of(&error), with_causes(&error)))?;
     events.record(Event::Plan(plan.clone()));
     Ok(plan.deliveries.into())
 }

@@ -1,5 +1,6 @@
-//! OPEN's mission, after Fig. 2 of the paper: the instruction becomes ordered deliveries; each is looked up in the map; what
-//! the map knows is driven to, what it does not know is explored for; a door that was found is written into the map.
+//! OPEN's mission, after Fig. 2 of the paper. The instruction becomes ordered deliveries. Each is
+//! looked up in the map: a mapped door is driven to, an unmapped one is searched for around its
+//! building. A door that was found is written into the map.
 //!
 //! | module | its part |
 //! |---|---|
@@ -7,16 +8,16 @@
 //! | [`parts`] | what can be exchanged: planner, reader, localizer, local planner |
 //! | [`catalogue`] | [`Catalogue`]: the parts that there are, by name |
 //! | [`models`] | [`Models`]: the language and vision models of a mission |
-//! | [`mission`] | the deliveries and the stage that each is in |
-//! | [`caution`] | what to do about a pose that is not to be trusted |
-//! | [`driving`] | costmap, navigator, and when a place is given up |
-//! | [`terrain`] | the ground near by, and corridors to goals farther off |
-//! | [`exploration`] | where to look at a building from |
-//! | [`doorstep`] | where in front of a door a parcel is put down |
-//! | [`sighting`] | where a plate that was read in an image is, by the LiDAR |
-//! | [`perception`] | scans and images in the `map` frame |
+//! | [`mission`] | deliveries one after another, and the stages of each |
+//! | [`caution`] | what the robot does when its pose cannot be trusted |
+//! | [`driving`] | costmaps, navigator, and when a target is given up |
+//! | [`terrain`] | the ground nearby, and corridors to distant goals |
+//! | [`exploration`] | waypoints around a building |
+//! | [`doorstep`] | where a parcel is put down in front of a door |
+//! | [`sighting`] | the position of a plate, by LiDAR |
+//! | [`perception`] | LiDAR scans in the `map` frame |
 //! | [`memory`] | the agent's own copy of the map |
-//! | `thinking` | what is asked of models, and how long the robot stands for it |
+//! | `thinking` | how long the robot stands while models compute |
 
 pub mod catalogue;
 pub mod caution;

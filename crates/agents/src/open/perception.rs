@@ -1,4 +1,4 @@
-//! Scans in the `map` frame.
+//! LiDAR scans in the `map` frame.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -8,12 +8,12 @@ use openbench_core::{LidarScan, MapPoint, Pose2, RobotDescription, SimTime};
 use openbench_localization::Localizer;
 use openbench_motion::{RangeRing, ScanPoint};
 
-/// Scans of this long are kept.
+/// How long scans are kept.
 const MEMORY: Duration = Duration::from_millis(1000);
-/// Points of one stretch of this length share a pose, nanoseconds: the robot moves 5 mm in it.
+/// Points within this time share a pose: the robot moves 5 mm in it.
 const STRETCH_NS: u32 = 10_000_000;
 
-/// The last second of scans, each point where it was measured: (x, y) in `map`, z above the robot's ground.
+/// The scans of the last second, undistorted: x and y in `map`, z above the robot's ground.
 #[derive(Debug)]
 pub struct Perception {
     robot: RobotDescription,
@@ -21,7 +21,7 @@ pub struct Perception {
 }
 
 impl Perception {
-    /// Nothing seen yet.
+    /// No scans yet.
     pub fn new(robot: RobotDescription) -> Self {
         Self {
             robot,
@@ -29,7 +29,8 @@ impl Perception {
         }
     }
 
-    /// Takes a scan in, undoing the robot's motion during it, and says what it shows around the robot.
+    /// Adds a scan, corrected for the robot's motion during it, and returns it as ranges around the
+    /// LiDAR.
     pub fn observe(&mut self, scan: &LidarScan, localizer: &dyn Localizer) -> RangeRing {
         let mut points = Vec::with_capacity(scan.points.len());
         let (mut stretch, mut pose) = (u32::MAX, nalgebra::Isometry3::identity());
@@ -62,12 +63,12 @@ impl Perception {
         ring
     }
 
-    /// Every remembered point.
+    /// All points that are kept.
     pub fn points(&self) -> impl Iterator<Item = &Point3<f32>> {
         self.scans.iter().flat_map(|(_, points)| points)
     }
 
-    /// The camera's pose in the frame of the remembered points, for a robot at `base`.
+    /// The camera's pose in the frame of the points, for a robot at `base`.
     pub fn camera_pose(&self, base: Pose2) -> nalgebra::Isometry3<f64> {
         base.to_pose3(0.0) * self.robot.camera
     }

@@ -1,4 +1,5 @@
-//! OPEN's settings, as written with `--set KEY=VALUE`, and the constants that its parts are tuned to.
+//! OPEN's settings, as written with `--set KEY=VALUE`, and the constants that its parts are tuned
+//! to.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -118,7 +119,7 @@ pub enum SettingsError {
     },
     /// The localizer takes no fixes.
     #[error(
-        "fixes={fixes}: localizer={localizer} takes no fixes; use localizer=fused, or leave out fixes"
+        "fixes={fixes}: localizer={localizer} takes no fixes; use localizer=fused, or drop fixes"
     )]
     TakesNoFixes {
         /// The value of `fixes`.

@@ -1,4 +1,5 @@
-//! Where a plate is: the LiDAR's points behind the text's pixels give its place and the direction that it faces.
+//! Where a plate is: the LiDAR's points behind the pixels of its text give its position and the
+//! direction that it faces.
 
 use nalgebra::Point3;
 use openbench_core::frames::wrap_angle;
@@ -9,67 +10,76 @@ use openbench_vision::{PlateReading, parse_unit};
 
 use crate::open::perception::Perception;
 
-/// Plates further than this from every outline belong to no building, metres.
-pub const OFF_BUILDING: f64 = 4.0;
-/// Readings less sure than this are not believed.
-const CONFIDENCE: f32 = 0.6;
-/// Confidence, summed over agreeing readings, with which a plate is believed.
-const SURE: f32 = 0.9;
-/// Sightings this near to each other are of one plate, metres.
-pub const SAME_PLATE: f64 = 1.2;
-/// The text's box is widened by this share of its size for the wall around it.
+/// Plates farther than this from every outline belong to no building.
+pub const OFF_BUILDING_M: f64 = 4.0;
+/// Readings of lower confidence are ignored.
+const LEAST_CONFIDENCE: f32 = 0.6;
+/// Confidence, summed over agreeing readings, above which a plate is trusted.
+const TRUSTED_CONFIDENCE: f32 = 0.9;
+/// Sightings this near to each other are of one plate.
+pub const SAME_PLATE_M: f64 = 1.2;
+/// The box of the text is grown by this share of its size to include the wall around it.
 const WALL_AROUND: f64 = 1.5;
-/// Points further than this in front of or behind a surface are something else, metres.
-const DEPTH: f64 = 0.4;
-/// Walls of the outline this near to a plate may be the one that it hangs on, metres.
-const NEAR_WALL: f64 = 5.0;
-/// Largest angle between where a plate seems to face and the normal of its wall, radians.
-const MISFIT: f64 = 0.9;
-/// Points this near to a line are of its wall, metres: weatherboards and frames stand out.
-const WALL_THICKNESS: f64 = 0.06;
-/// Directions that a wall is tried in; three degrees apart.
+/// Points farther than this from the depth of a surface belong to something else.
+const DEPTH_M: f64 = 0.4;
+/// A plate may hang on any wall of the outline within this distance.
+const NEAR_WALL_M: f64 = 5.0;
+/// Largest angle between the apparent facing of a plate and the normal of its wall.
+const MISFIT_RAD: f64 = 0.9;
+/// Points within this distance of a line belong to its wall: weatherboards and frames stand out.
+const WALL_THICKNESS_M: f64 = 0.06;
+/// Number of directions that are tried for a wall: three degrees apart.
 const NORMALS: u32 = 60;
-/// Points farther from a plate than this say nothing of how it faces, metres.
-const AROUND_PLATE: f64 = 1.5;
-/// Fewest points that make a place.
-const FEWEST: usize = 5;
+/// Only points within this distance of a plate count for its facing.
+const AROUND_PLATE_M: f64 = 1.5;
+/// Fewest points that locate a plate.
+const FEWEST_POINTS: usize = 5;
 
-/// A door plate, read and placed.
+/// Where a plate is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Location {
+    /// Its position in `map`.
+    pub position: MapPoint,
+    /// Direction that it faces, radians.
+    pub facing: f64,
+}
+
+/// A door plate that was read and located.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sighting {
     /// Canonical name of the unit.
     pub unit: String,
     /// Index of the building in the map.
     pub building: usize,
-    /// The plate's place.
+    /// The plate's position in `map`.
     pub position: MapPoint,
     /// Direction that the plate faces, radians.
     pub facing: f64,
-    /// How sure the reader was, and how literally the text names the unit, 0 to 1.
+    /// The reader's confidence times how literally the text names the unit, 0 to 1.
     pub confidence: f32,
 }
 
 impl Sighting {
-    /// Whether both saw a plate at the same place, whatever they read.
+    /// Whether both are of a plate at the same position, whatever was read.
     fn same_place(&self, other: &Self) -> bool {
-        self.building == other.building && self.position.distance(other.position) <= SAME_PLATE
+        self.building == other.building && self.position.distance(other.position) <= SAME_PLATE_M
     }
 }
 
-/// Whether `sighting` can be trusted, given all sightings so far: readers err, so one sure reading or several agreeing ones are
-/// wanted, and more for it than against it.
+/// Whether `sighting` can be trusted, given all sightings so far. Readers err: one confident
+/// reading or several agreeing ones are needed, and more evidence for it than against it.
 pub fn is_trusted(sighting: &Sighting, all: &[Sighting]) -> bool {
-    weight(sighting, all, true) >= SURE
+    weight(sighting, all, true) >= TRUSTED_CONFIDENCE
         && weight(sighting, all, true) > weight(sighting, all, false)
 }
 
-/// Whether there is more for `sighting` than against it, but not enough to trust it.
+/// Whether there is more evidence for `sighting` than against it, but too little to trust it.
 pub fn is_doubtful(sighting: &Sighting, all: &[Sighting]) -> bool {
     let agreeing = weight(sighting, all, true);
-    agreeing < SURE && agreeing > weight(sighting, all, false)
+    agreeing < TRUSTED_CONFIDENCE && agreeing > weight(sighting, all, false)
 }
 
-/// How sure readings of the same plate were that agree with `sighting`, or do not, all together.
+/// Summed confidence of readings of the same plate that agree with `sighting`, or disagree.
 fn weight(sighting: &Sighting, all: &[Sighting], agree: bool) -> f32 {
     let there = all
         .iter()
@@ -77,13 +87,14 @@ fn weight(sighting: &Sighting, all: &[Sighting], agree: bool) -> f32 {
     there.map(|s| s.confidence).sum()
 }
 
-/// What the sensors say about a reading: its place and facing, if the LiDAR saw the wall behind the text.
-pub fn place(
+/// Position and facing of a reading, if the LiDAR saw the wall behind the text. `base` is the
+/// robot's pose, `camera` the camera that took the image.
+pub fn locate(
     reading: &PlateReading,
     perception: &Perception,
     base: Pose2,
     camera: &CameraIntrinsics,
-) -> Option<(MapPoint, f64)> {
+) -> Option<Location> {
     let to_camera = perception.camera_pose(base).inverse().cast::<f32>();
     let corner = |f: fn(f32, f32) -> f32, axis: usize| {
         f64::from(
@@ -115,35 +126,35 @@ pub fn place(
     let plate = [0.0, 0.3]
         .into_iter()
         .map(|grow| surface(behind(grow)))
-        .find(|points| points.len() >= FEWEST)?;
+        .find(|points| points.len() >= FEWEST_POINTS)?;
     let middle = mean(&plate);
     let around = behind(WALL_AROUND).into_iter().map(|p| p.1);
     let around: Vec<MapPoint> = around
-        .filter(|p| p.distance(middle) <= AROUND_PLATE)
+        .filter(|p| p.distance(middle) <= AROUND_PLATE_M)
         .collect();
     let facing = facing(&around, middle, base.point());
-    Some((
-        middle,
-        facing.unwrap_or_else(|| middle.bearing_to(base.point())),
-    ))
+    Some(Location {
+        position: middle,
+        facing: facing.unwrap_or_else(|| middle.bearing_to(base.point())),
+    })
 }
 
-/// The sighting that a reading amounts to, if it names a unit, can be placed, and lies at a building.
+/// The sighting of a reading, if it names a unit, was located, and is at a building.
 pub fn recognise(
     reading: &PlateReading,
-    placed: Option<(MapPoint, f64)>,
+    located: Option<Location>,
     map: &OsmMap,
 ) -> Option<Sighting> {
-    // A bare number may be a window frame or a pipe.
+    // Readers see bare numbers in window frames and pipes.
     let unit = parse_unit(&reading.text).filter(|u| u.worded)?;
-    // "UNIT!" may be unit 1; another reading must agree.
+    // "UNIT!" may be unit 1: another reading must agree.
     let confidence = reading.confidence * unit.score;
-    if confidence < CONFIDENCE {
+    if confidence < LEAST_CONFIDENCE {
         return None;
     }
-    let (position, facing) = placed?;
+    let Location { position, facing } = located?;
     let building = map.nearest_building(position)?;
-    let near = map.distance_to_building(building, position) <= OFF_BUILDING;
+    let near = map.distance_to_building(building, position) <= OFF_BUILDING_M;
     let facing = along_wall(facing, position, &map.buildings[building].polygon);
     near.then_some(Sighting {
         unit: unit.unit,
@@ -154,27 +165,28 @@ pub fn recognise(
     })
 }
 
-/// Whether a reading that names no unit may be of a plate that does, seen badly: it has a letter and a digit.
+/// Whether a reading that names no unit may still be of a plate that does: it has a letter and a
+/// digit.
 pub fn is_puzzling(reading: &PlateReading) -> bool {
     let unread = parse_unit(&reading.text).is_none_or(|unit| !unit.worded);
     let has = |of_kind: fn(char) -> bool| reading.text.chars().any(of_kind);
     unread && has(char::is_alphabetic) && has(|c| c.is_ascii_digit())
 }
 
-/// `facing` turned to the normal of the wall that fits it best, of those near the plate: porches and shutters around a plate make what
-/// the LiDAR sees of its wall crooked.
+/// `facing` replaced by the normal of the nearby wall that fits it best: porches and shutters
+/// around a plate distort what the LiDAR sees of its wall.
 fn along_wall(facing: f64, plate: MapPoint, outline: &Polygon) -> f64 {
-    let near = |side: &Segment| side.nearest_point(plate).point.distance(plate) <= NEAR_WALL;
+    let near = |side: &Segment| side.nearest_point(plate).point.distance(plate) <= NEAR_WALL_M;
     let normal = |side: Segment| side.start.bearing_to(side.end) - std::f64::consts::FRAC_PI_2;
     let normals = outline.sides().filter(near).map(normal);
     let off = |normal: &f64| wrap_angle(normal - facing).abs();
     let best = normals
         .min_by(|a, b| off(a).total_cmp(&off(b)))
-        .filter(|n| off(n) <= MISFIT);
+        .filter(|n| off(n) <= MISFIT_RAD);
     best.map_or(facing, wrap_angle)
 }
 
-/// The points at about the depth of most of them: where a text can be read, most of its pixels are not hidden.
+/// The points at about the median depth: where a text can be read, most of its pixels are visible.
 fn surface(mut points: Vec<(f64, MapPoint)>) -> Vec<MapPoint> {
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     let depth = points
@@ -183,7 +195,7 @@ fn surface(mut points: Vec<(f64, MapPoint)>) -> Vec<MapPoint> {
         .unwrap_or_default();
     points
         .into_iter()
-        .filter(|p| (p.0 - depth).abs() <= DEPTH)
+        .filter(|p| (p.0 - depth).abs() <= DEPTH_M)
         .map(|p| p.1)
         .collect()
 }
@@ -196,8 +208,8 @@ fn mean(points: &[MapPoint]) -> MapPoint {
     )
 }
 
-/// Normal of the wall through `plate`, on the side of `viewer`: of all lines through the plate that
-/// on which most of the points lie. Beside a corner the points of two walls are seen, and only one
+/// Normal of the wall through `plate`, on the side of `viewer`: of all lines through the plate, the
+/// one with most points. Beside a corner the points of two walls are seen, and only one
 /// of the walls goes through the plate. `None` where no line has a third of the points.
 fn facing(points: &[MapPoint], plate: MapPoint, viewer: MapPoint) -> Option<f64> {
     let normals = (0..NORMALS).map(|i| {
@@ -205,14 +217,14 @@ fn facing(points: &[MapPoint], plate: MapPoint, viewer: MapPoint) -> Option<f64>
         MapPoint::new(cos, sin)
     });
     let is_on = |p: &MapPoint, n: MapPoint| {
-        ((p.x - plate.x) * n.x + (p.y - plate.y) * n.y).abs() <= WALL_THICKNESS
+        ((p.x - plate.x) * n.x + (p.y - plate.y) * n.y).abs() <= WALL_THICKNESS_M
     };
     let on = |normal: MapPoint| points.iter().filter(move |p| is_on(p, normal));
     let (_, best) = normals
         .map(|n| (on(n).count(), n))
         .reduce(|a, b| if b.0 > a.0 { b } else { a })?;
     let wall: Vec<MapPoint> = on(best).copied().collect();
-    if wall.len() < FEWEST || 3 * wall.len() < points.len() {
+    if wall.len() < FEWEST_POINTS || 3 * wall.len() < points.len() {
         return None;
     }
     let normal = normal_of_line(&wall);

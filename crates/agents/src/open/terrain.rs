@@ -1,9 +1,9 @@
-//! The ground between here and a goal: near by in fine cells that follow the robot, farther off
-//! along a corridor.
+//! The ground between the robot and a goal: fine cells that follow the robot nearby, and a corridor
+//! beyond.
 //!
-//! The corridor comes from the map: the cheapest way over its ground, or over its roads where they
-//! lead farther round than is looked at. Near by the costmap's own search decides, so that what was
-//! seen counts. Where that finds no way, what was seen is remembered, the road is closed, and the
+//! The corridor comes from the map: the cheapest path over its ground, or over its roads where they
+//! make a wider detour than the search covers. Nearby the costmap's own search decides, so that
+//! seen obstacles count. Where it finds no path, these are remembered, the road is closed, and the
 //! next corridor is taken, until there is none.
 
 use openbench_core::{MapPoint, RobotDescription};
@@ -14,45 +14,45 @@ use openbench_osm::OsmMap;
 use openbench_osm::polygon::Segment;
 use openbench_routing::{MapRouter, Router};
 
-/// How far the fine costmap reaches to each side, metres.
-const HALF: f64 = 50.0;
-/// It follows once the robot is so far from its middle, metres.
-const SLACK: f64 = 20.0;
-/// What is so near to its rim does not serve as a goal, metres: the next scans move it.
-const RIM: f64 = 3.0;
-/// Points of a corridor are looked at so far apart, metres.
-const STRIDE: f64 = 1.0;
-/// Corridors that are tried one after another at most before there is no way.
+/// How far the fine costmap reaches to each side.
+const HALF_WIDTH_M: f64 = 50.0;
+/// The costmap follows once the robot is this far from its middle.
+const SLACK_M: f64 = 20.0;
+/// No goal is set this near to the rim of the costmap: it moves.
+const RIM_M: f64 = 3.0;
+/// Largest distance between points of a corridor.
+const STRIDE_M: f64 = 1.0;
+/// Most corridors that are tried before a goal counts as unreachable.
 const CORRIDORS: usize = 4;
-/// A corridor that the robot is farther from is of an earlier place, metres.
-const STRAYED: f64 = 25.0;
-/// Ways to places beyond this are compared by the map alone, metres.
-const COMPARED: f64 = 60.0;
-/// What is nearer than that is no part of a way to be driven, metres.
-const HERE: f64 = 2.0;
-/// Roads within this distance of where a corridor is blocked are closed, metres.
-const ON_ROAD: f64 = 3.0;
-/// How far ahead of the robot the way is checked against every scan, metres.
-const CHECK_AHEAD: f64 = 3.0;
-/// Within this distance of the robot's middle its own hull stands, metres.
-const OWN_HULL: f64 = 0.4;
+/// A corridor farther than this from the robot is outdated.
+const STRAYED_M: f64 = 25.0;
+/// Paths to places beyond this distance are compared by the map alone.
+const COMPARED_M: f64 = 60.0;
+/// A partial path must lead at least this far.
+const HERE_M: f64 = 2.0;
+/// Roads within this distance of a blocked point are closed.
+const ON_ROAD_M: f64 = 3.0;
+/// How far ahead of the robot the path is checked against every scan.
+const CHECK_AHEAD_M: f64 = 3.0;
+/// The robot's own hull is within this distance of its middle.
+const OWN_HULL_M: f64 = 0.4;
 
-/// A way from the map to a goal.
+/// A coarse path to a goal.
 #[derive(Debug, Clone)]
 struct Corridor {
     goal: MapPoint,
-    /// No farther apart than [`STRIDE`].
+    /// No farther apart than [`STRIDE_M`].
     points: Vec<MapPoint>,
 }
 
-/// What is known of the ground.
+/// The ground as known so far.
 pub struct Terrain {
     map: OsmMap,
     roads: Option<MapRouter>,
     near: Costmap,
     overview: Overview,
     corridor: Option<Corridor>,
-    /// Whether the last way ends before its goal.
+    /// Whether the last path ends before its goal.
     partial: bool,
     search: Search,
 }
@@ -67,8 +67,8 @@ impl Terrain {
         robot: &RobotDescription,
         preferences: Preferences,
     ) -> Result<Self, CostmapError> {
-        let low = MapPoint::new(start.x - HALF, start.y - HALF);
-        let high = MapPoint::new(start.x + HALF, start.y + HALF);
+        let low = MapPoint::new(start.x - HALF_WIDTH_M, start.y - HALF_WIDTH_M);
+        let high = MapPoint::new(start.x + HALF_WIDTH_M, start.y + HALF_WIDTH_M);
         Ok(Self {
             near: Costmap::with_preferences(&map, low, high, robot, preferences)?,
             overview: Overview::new(robot)?,
@@ -80,17 +80,17 @@ impl Terrain {
         })
     }
 
-    /// The ground near by.
+    /// The fine costmap around the robot.
     pub fn near(&self) -> &Costmap {
         &self.near
     }
 
-    /// The same, to take in what is seen.
+    /// The fine costmap, to add scans.
     pub fn near_mut(&mut self) -> &mut Costmap {
         &mut self.near
     }
 
-    /// Forgets all that was seen.
+    /// Forgets all obstacles that were seen.
     pub fn forget_seen(&mut self) {
         self.near.forget_seen();
         self.overview.forget_all();
@@ -102,26 +102,25 @@ impl Terrain {
         self.roads.as_ref()
     }
 
-    /// Whether the last way leads only to where more of the ground can be seen.
+    /// Whether the last path leads only to a place from which more can be seen.
     pub fn is_partial(&self) -> bool {
         self.partial
     }
 
-    /// What the ways to places cost, metres of open ground; `None` where by all that is known none
-    /// leads.
+    /// Costs of the paths to places, in metres of open ground; `None` where no path is known.
     pub fn costs(&self, from: MapPoint, places: &[MapPoint]) -> Vec<Option<f64>> {
-        let near = costs(&self.near, from, places, COMPARED);
+        let near = costs(&self.near, from, places, COMPARED_M);
         if places.is_empty() || near.iter().any(Option::is_some) {
             return near;
         }
         self.overview.costs(&self.map, from, places)
     }
 
-    /// What is in the way to a place that cannot be reached, in words.
+    /// Describes what blocks the path to a place that cannot be reached.
     pub fn obstacle(&self, from: MapPoint, to: MapPoint) -> String {
         match self.overview.bar(&self.map, from, to) {
-            Some(Obstruction { bar, at }) => format!("no way leads to {to} past {bar} at {at}"),
-            None => format!("no way leads to {to}"),
+            Some(Obstruction { bar, at }) => format!("no path leads to {to} past {bar} at {at}"),
+            None => format!("no path leads to {to}"),
         }
     }
 
@@ -130,15 +129,15 @@ impl Terrain {
         let grid = self.near.grid();
         let middle = grid.origin.x + 0.5 * grid.width as f64 * grid.cell;
         let middle = MapPoint::new(middle, grid.origin.y + 0.5 * grid.height as f64 * grid.cell);
-        // Who does not know where he is has not left.
+        // A pose that is no number moves nothing.
         let off = (here.x - middle.x).abs().max((here.y - middle.y).abs());
-        if off.is_finite() && off > SLACK {
+        if off.is_finite() && off > SLACK_M {
             self.overview.note(&self.near);
-            self.near.cover(&self.map, here, HALF);
+            self.near.cover(&self.map, here, HALF_WIDTH_M);
         }
     }
 
-    /// A corridor from here to a goal by all that is known: over the ground, or over roads.
+    /// A corridor to a goal by all that is known: over the ground, or over roads.
     fn lay(&self, from: MapPoint, goal: MapPoint) -> Result<Corridor, PlanError> {
         let ground = self.overview.way(&self.map, from, goal);
         let points = ground.or_else(|error| self.over_roads(from, goal).ok_or(error))?;
@@ -164,8 +163,8 @@ impl Terrain {
         Some(points)
     }
 
-    /// The way along the corridor: searched as far as the fine costmap reaches, the corridor itself
-    /// from there.
+    /// The path along the corridor: searched as far as the fine costmap reaches, the corridor
+    /// itself from there.
     fn along(&mut self, from: MapPoint) -> Result<Vec<MapPoint>, Blocked> {
         let Some(corridor) = &self.corridor else {
             return Err(Blocked {
@@ -174,14 +173,14 @@ impl Terrain {
             });
         };
         let ahead = &corridor.points[nearest(&corridor.points, from)..];
-        let inside = |point: &&MapPoint| is_within(&self.near, **point, RIM);
+        let inside = |point: &&MapPoint| is_within(&self.near, **point, RIM_M);
         let covered = ahead.iter().take_while(inside).count();
         let is_free = |i: &usize| {
             let cell = self.near.grid().cell_at(ahead[*i]);
             cell.is_some_and(|cell| self.near.cost(cell).is_some())
         };
         let goal = ahead.last().copied().unwrap_or(corridor.goal);
-        // The goal itself may lie in something; `plan` knows what to do.
+        // The goal itself may lie in an obstacle; `plan` handles that.
         let end = if covered == ahead.len() {
             covered.checked_sub(1)
         } else {
@@ -236,14 +235,14 @@ impl Guide for Terrain {
         }
         let is_current = |corridor: &Corridor| {
             let at = corridor.points[nearest(&corridor.points, from)];
-            corridor.goal == to && at.distance(from) < STRAYED
+            corridor.goal == to && at.distance(from) < STRAYED_M
         };
         self.corridor = self.corridor.take().filter(is_current);
         let mut blocked = None;
         for _ in 0..CORRIDORS {
             if self.corridor.is_none() {
                 let laid = match self.lay(from, to) {
-                    // What was seen may have gone by now.
+                    // Obstacles that were seen may have gone by now.
                     Err(_) if self.overview.forget() => self.lay(from, to),
                     laid => laid,
                 };
@@ -257,7 +256,7 @@ impl Guide for Terrain {
                 Err(at) => {
                     self.overview.note(&self.near);
                     if let Some(roads) = &mut self.roads {
-                        roads.close(at.beyond, ON_ROAD);
+                        roads.close(at.beyond, ON_ROAD_M);
                     }
                     (self.corridor, blocked) = (None, Some(at));
                 }
@@ -266,24 +265,24 @@ impl Guide for Terrain {
         // More may be seen from nearer.
         let near = blocked
             .and_then(|blocked| blocked.reached)
-            .filter(|at| at.distance(from) > HERE);
+            .filter(|at| at.distance(from) > HERE_M);
         let near = near.ok_or(PlanError::NoWay(from, to))?;
         self.partial = true;
         plan(&mut self.search, &self.near, from, near)
     }
 
-    /// By the newest scans.
+    /// Checks the newest scans.
     fn is_blocked(&self, path: &[MapPoint], from: MapPoint) -> bool {
         let Some((at, start)) = nearest_on_path(path, from) else {
             return false;
         };
-        let mut left = CHECK_AHEAD;
+        let mut left = CHECK_AHEAD_M;
         let mut begin = start;
         for &corner in &path[at + 1..] {
             let length = begin.distance(corner);
             let end = along(begin, corner, left / length);
-            // The robot stands where it stands: only what lies ahead of its own hull counts.
-            let hull = (OWN_HULL - begin.distance(from)).max(0.0) / begin.distance(end);
+            // Only obstacles ahead of the robot's own hull count.
+            let hull = (OWN_HULL_M - begin.distance(from)).max(0.0) / begin.distance(end);
             if hull < 1.0 && !self.near.is_clear(along(begin, end, hull), end) {
                 return true;
             }
@@ -297,7 +296,7 @@ impl Guide for Terrain {
     }
 }
 
-/// Whether a point lies on a costmap, so far from its rim.
+/// Whether a point lies on a costmap, at least `rim` metres from its edge.
 fn is_within(costmap: &Costmap, point: MapPoint, rim: f64) -> bool {
     let grid = costmap.grid();
     let inside = |at: f64, origin: f64, cells: usize| {
@@ -306,7 +305,7 @@ fn is_within(costmap: &Costmap, point: MapPoint, rim: f64) -> bool {
     inside(point.x, grid.origin.x, grid.width) && inside(point.y, grid.origin.y, grid.height)
 }
 
-/// The number of the point nearest to a place, the last of those that are as near.
+/// Index of the point nearest to a place, the last of equals.
 fn nearest(points: &[MapPoint], place: MapPoint) -> usize {
     let away = |i: usize| points[i].distance(place);
     (0..points.len())
@@ -315,17 +314,17 @@ fn nearest(points: &[MapPoint], place: MapPoint) -> usize {
         .unwrap_or(0)
 }
 
-/// The same line with points no farther apart than [`STRIDE`].
+/// The same line with points no farther apart than [`STRIDE_M`].
 fn dense(points: &[MapPoint]) -> Vec<MapPoint> {
     let mut line = points.first().map_or(Vec::new(), |first| vec![*first]);
     for pair in points.windows(2) {
-        let count = (pair[0].distance(pair[1]) / STRIDE).ceil().max(1.0) as usize;
+        let count = (pair[0].distance(pair[1]) / STRIDE_M).ceil().max(1.0) as usize;
         line.extend((1..=count).map(|i| along(pair[0], pair[1], i as f64 / count as f64)));
     }
     line
 }
 
-/// The place on a way that is nearest to `from`, and the number of the stretch that it is on.
+/// The point of a path nearest to `from`, and the index of its segment.
 fn nearest_on_path(path: &[MapPoint], from: MapPoint) -> Option<(usize, MapPoint)> {
     let on = |i: usize| {
         (
@@ -337,7 +336,7 @@ fn nearest_on_path(path: &[MapPoint], from: MapPoint) -> Option<(usize, MapPoint
     stretches.min_by(|a, b| a.1.distance(from).total_cmp(&b.1.distance(from)))
 }
 
-/// The point at the share `t` of the way from `a` to `b`, `b` at most.
+/// The point at the share `t` between `a` and `b`, `b` at most.
 fn along(a: MapPoint, b: MapPoint, t: f64) -> MapPoint {
     let t = if t < 1.0 { t } else { 1.0 };
     MapPoint::new(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y))

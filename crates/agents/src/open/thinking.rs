@@ -1,4 +1,4 @@
-//! How long the robot stands while models think.
+//! How long the robot stands while models compute their answers.
 
 use std::time::Duration;
 
@@ -11,9 +11,9 @@ pub(super) struct Thinking {
     is_charged: bool,
     /// What was reported so far.
     known: ModelUse,
-    /// The robot stands before this.
+    /// The robot stands until then.
     until: SimTime,
-    /// How long it stands until then.
+    /// How long it stands altogether since it last drove.
     stands: Duration,
 }
 
@@ -28,17 +28,17 @@ impl Thinking {
         }
     }
 
-    /// Whether the robot stands.
+    /// Whether the robot stands at this instant.
     pub(super) fn lasts(&self, now: SimTime) -> bool {
         now < self.until
     }
 
-    /// How long the robot stood since it last drove, told once.
+    /// How long the robot stood since it last drove; `None` if it did not, or was asked before.
     pub(super) fn ended(&mut self) -> Option<Duration> {
         Some(std::mem::take(&mut self.stands)).filter(|stood| !stood.is_zero())
     }
 
-    /// Takes in what was asked at this instant.
+    /// Accounts for what was asked of models since the last call.
     pub(super) fn account(&mut self, now: SimTime, events: &mut dyn Events) {
         let spent = self.meter.spent();
         if spent == self.known {

@@ -1,31 +1,37 @@
-//! Looking for the door: images taken from places chosen for it and on the way, what they say, and where to look again.
+//! Looking for the door: images from waypoints and on the way, what they show, and where to look
+//! again.
 
 use std::sync::Arc;
 use std::time::Duration;
 
 use openbench_core::address::fold_name;
 use openbench_core::frames::wrap_angle;
-use openbench_core::{Address, Event, Events, FailureCause, Image, MapPoint, Observation, SimTime};
+use openbench_core::{
+    Address, Event, Events, FailureCause, Image, MapPoint, Observation, SimTime, with_causes,
+};
 use openbench_vision::parse_unit;
 
 use crate::open::doorstep;
 use crate::open::exploration::{self, Waypoint};
-use crate::open::sighting::{self, Sighting};
+use crate::open::sighting::{self, Location, Sighting};
 
-use super::{Mission, Next, Stage, Task};
+use super::{Glance, Mission, Next, Stage, Task};
 
-/// On the way to a door its newer place is taken if it is this far from the older one, metres.
-const CORRECTION: f64 = 0.25;
-/// Standing still before an image is taken.
-const STEADY: Duration = Duration::from_millis(400);
-/// Time between two glances while driving near the building, and how near that is, metres.
-const GLANCE: (Duration, f64) = (Duration::from_millis(1500), 10.0);
-/// Plates that could not be read and are looked at again, at most, in a delivery: letters may be on anything.
-const MOST_PUZZLING: usize = 8;
-/// Plates that were read, but not surely, and are looked at again, at most, in a delivery.
-const MOST_DOUBTED: usize = 8;
-/// Turning, the robot glances again after this share of the camera's field of view, so that no wall passes by between two glances.
-const TURNED: f64 = 1.0 / 3.0;
+/// On the way to a door, its position is corrected if it moved by more than this.
+const CORRECTION_M: f64 = 0.25;
+/// How long the robot stands still before it takes an image.
+const STEADY_TIME: Duration = Duration::from_millis(400);
+/// Time between two glances while driving near the building.
+const GLANCE_INTERVAL: Duration = Duration::from_millis(1500);
+/// Distance from the building within which the robot glances.
+const GLANCE_DISTANCE_M: f64 = 10.0;
+/// Most unreadable plates that are looked at again in a delivery: letters may be on anything.
+const MOST_UNREADABLE: usize = 8;
+/// Most uncertain matches that are looked at again in a delivery.
+const MOST_UNCERTAIN: usize = 8;
+/// While turning, the robot glances again after this share of the camera's field of view, so that
+/// no wall is missed between two glances.
+const GLANCE_TURN: f64 = 1.0 / 3.0;
 
 impl Mission {
     pub(super) fn look(
@@ -35,7 +41,7 @@ impl Mission {
         observation: &Observation<'_>,
         events: &mut dyn Events,
     ) -> Next {
-        if observation.time.since(since) < STEADY {
+        if observation.time.since(since) < STEADY_TIME {
             return Next::stand(task);
         }
         let Some(image) = observation.camera.image() else {
@@ -62,14 +68,15 @@ impl Mission {
             .take()
             .and_then(|place| place.before_obstacles(near));
         task.waypoints.extend(hidden);
-        match self.doubtful(&task, known) {
+        match self.uncertain(&task, known) {
             Some(view) => self.look_from(task, view),
             None => self.next_waypoint(task, events),
         }
     }
 
-    /// Where to look from at a plate that was just read, not surely, as the one that is looked for, if one was among the sightings after the first `known`; once for each plate.
-    fn doubtful(&mut self, task: &Task, known: usize) -> Option<Waypoint> {
+    /// Where to look from at an uncertain match, if there is one among the sightings after the
+    /// first `known`; once for each plate.
+    fn uncertain(&mut self, task: &Task, known: usize) -> Option<Waypoint> {
         if task.expected.is_some() || matches!(task.stage, Stage::Approach(_)) {
             return None;
         }
@@ -81,13 +88,13 @@ impl Mission {
             .find(may_be_it)
             .map(|s| (s.position, s.facing))?;
         let looked_at = self
-            .doubted
+            .uncertain_plates
             .iter()
-            .any(|p| p.distance(position) <= sighting::SAME_PLATE);
-        if looked_at || self.doubted.len() == MOST_DOUBTED {
+            .any(|p| p.distance(position) <= sighting::SAME_PLATE_M);
+        if looked_at || self.uncertain_plates.len() == MOST_UNCERTAIN {
             return None;
         }
-        self.doubted.push(position);
+        self.uncertain_plates.push(position);
         let here = self.localizer.pose().point();
         let map = self.memory.map();
         Some(exploration::nearer_to_plate(
@@ -99,7 +106,7 @@ impl Mission {
         ))
     }
 
-    /// Goes to look from a place before all others.
+    /// Looks from a place before all others.
     fn look_from(&mut self, mut task: Task, view: Waypoint) -> Next {
         task.waypoints.extend(task.place.take());
         self.go_to(task, view)
@@ -119,7 +126,10 @@ impl Mission {
         let Some(image) = observation.camera.image() else {
             return Ok(task);
         };
-        self.last_glance = (observation.time, self.localizer.pose().yaw);
+        self.last_glance = Glance {
+            time: observation.time,
+            yaw: self.localizer.pose().yaw,
+        };
         let known = self.seen.len();
         match self.read(&image, events) {
             Ok(unread) => self.look_closer(&mut task, &unread),
@@ -132,24 +142,23 @@ impl Mission {
         }
         let door = self.remembered(task.building, &task.address);
         if let Some(door) = door.filter(|door| wants(&task, door)) {
-            task.doorstep = doorstep::NEAREST;
+            task.doorstep = doorstep::NEAREST_M;
             return Err(self.approach(task, door));
         }
-        match self.doubtful(&task, known) {
+        match self.uncertain(&task, known) {
             Some(view) => Err(self.look_from(task, view)),
             None => Ok(task),
         }
     }
 
-    /// Whether the camera may show what it did not show at the last glance.
+    /// Whether the view may have changed since the last glance.
     fn is_new_view(&self, now: SimTime) -> bool {
-        let (then, heading) = self.last_glance;
-        let turned = wrap_angle(self.localizer.pose().yaw - heading).abs();
-        now.since(then) >= GLANCE.0
-            || turned >= TURNED * self.robot.camera_intrinsics.horizontal_fov
+        let turned = wrap_angle(self.localizer.pose().yaw - self.last_glance.yaw).abs();
+        now.since(self.last_glance.time) >= GLANCE_INTERVAL
+            || turned >= GLANCE_TURN * self.robot.camera_intrinsics.horizontal_fov
     }
 
-    /// Whether the door that the robot is on its way to was read otherwise meanwhile.
+    /// Whether the plate of the door that the robot approaches was read otherwise meanwhile.
     fn is_refuted(&self, task: &Task) -> bool {
         let Stage::Approach(aim) = &task.stage else {
             return false;
@@ -157,32 +166,38 @@ impl Mission {
         self.seen.contains(aim) && !sighting::is_trusted(aim, &self.seen)
     }
 
-    /// Whether the camera looks at a building from near enough to read its plates.
+    /// Whether the camera faces a building from near enough to read its plates.
     fn faces(&self, building: usize) -> bool {
         let (map, pose) = (self.memory.map(), self.localizer.pose());
-        if map.distance_to_building(building, pose.point()) > GLANCE.1 {
+        if map.distance_to_building(building, pose.point()) > GLANCE_DISTANCE_M {
             return false;
         }
         let half_view = self.robot.camera_intrinsics.horizontal_fov / 2.0;
         [-0.7, 0.0, 0.7].iter().any(|side| {
-            let end = pose.point().offset(pose.yaw + side * half_view, GLANCE.1);
+            let end = pose
+                .point()
+                .offset(pose.yaw + side * half_view, GLANCE_DISTANCE_M);
             let mut walls = map.buildings[building].polygon.sides();
             walls.any(|wall| cross_each_other(pose.point(), end, wall.start, wall.end))
         })
     }
 
-    /// Plates of the building that were seen but not read get a place to look from, once each.
-    fn look_closer(&mut self, task: &mut Task, unread: &[(MapPoint, f64)]) {
-        for &(plate, facing) in unread {
-            let known = |at: &MapPoint| at.distance(plate) <= sighting::SAME_PLATE;
-            if self.puzzling.iter().any(known) || self.seen.iter().any(|s| known(&s.position)) {
+    /// Adds waypoints for plates of the building that were seen but not read, once each.
+    fn look_closer(&mut self, task: &mut Task, unread: &[Location]) {
+        for &Location {
+            position: plate,
+            facing,
+        } in unread
+        {
+            let known = |at: &MapPoint| at.distance(plate) <= sighting::SAME_PLATE_M;
+            if self.unreadable.iter().any(known) || self.seen.iter().any(|s| known(&s.position)) {
                 continue;
             }
             let map = self.memory.map();
             let its = map.nearest_building(plate) == Some(task.building)
-                && map.distance_to_building(task.building, plate) <= sighting::OFF_BUILDING;
-            if its && self.puzzling.len() < MOST_PUZZLING {
-                self.puzzling.push(plate);
+                && map.distance_to_building(task.building, plate) <= sighting::OFF_BUILDING_M;
+            if its && self.unreadable.len() < MOST_UNREADABLE {
+                self.unreadable.push(plate);
                 task.waypoints.extend(exploration::before_plate(
                     map,
                     plate,
@@ -193,16 +208,20 @@ impl Mission {
         }
     }
 
-    /// Reads an image and remembers every door in it; where plates are that it could not read.
+    /// Reads an image and remembers every door in it. Returns the locations of plates that it could
+    /// not read.
     fn read(
         &mut self,
         image: &Arc<Image>,
         events: &mut dyn Events,
-    ) -> Result<Vec<(MapPoint, f64)>, String> {
+    ) -> Result<Vec<Location>, String> {
         let pose = self.localizer.pose();
-        let readings = self.reader.read(image).map_err(|e| e.to_string())?;
+        let readings = self
+            .reader
+            .read(image)
+            .map_err(|error| with_causes(&error))?;
         for reading in readings.iter().filter(|r| parse_unit(&r.text).is_some()) {
-            let placed = sighting::place(
+            let located = sighting::locate(
                 reading,
                 &self.perception,
                 pose,
@@ -212,10 +231,10 @@ impl Mission {
                 text: reading.text.clone(),
                 confidence: reading.confidence,
                 corners: reading.corners,
-                position: placed.map(|p| p.0),
+                position: located.map(|at| at.position),
                 image: image.clone(),
             });
-            if let Some(seen) = sighting::recognise(reading, placed, self.memory.map()) {
+            if let Some(seen) = sighting::recognise(reading, located, self.memory.map()) {
                 self.seen.push(seen.clone());
                 if sighting::is_trusted(&seen, &self.seen) {
                     self.memory.write(&seen, events);
@@ -223,8 +242,8 @@ impl Mission {
             }
         }
         let unread = readings.iter().filter(|r| sighting::is_puzzling(r));
-        let place = |r| sighting::place(r, &self.perception, pose, &self.robot.camera_intrinsics);
-        Ok(unread.filter_map(place).collect())
+        let locate = |r| sighting::locate(r, &self.perception, pose, &self.robot.camera_intrinsics);
+        Ok(unread.filter_map(locate).collect())
     }
 
     pub(super) fn remembered(&self, building: usize, address: &Address) -> Option<Sighting> {
@@ -248,16 +267,17 @@ fn cross_each_other(a: MapPoint, b: MapPoint, c: MapPoint, d: MapPoint) -> bool 
     side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0
 }
 
-/// Whether a door that was just seen changes where the robot goes.
+/// Whether a door that was just seen changes the robot's target.
 fn wants(task: &Task, door: &Sighting) -> bool {
     match &task.stage {
-        Stage::Approach(aim) => aim.position.distance(door.position) > CORRECTION,
-        // A known door is looked at from its own place first.
+        Stage::Approach(aim) => aim.position.distance(door.position) > CORRECTION_M,
+        // A known door is first looked at from in front of it.
         _ => task.expected.is_none(),
     }
 }
 
-/// Whether a sighting is the door of an address; an address without a unit is content with any door.
+/// Whether a sighting is the door of an address. Any door of the building matches an address
+/// without a unit.
 fn fits(sighting: &Sighting, building: usize, address: &Address) -> bool {
     let unit = address.unit.as_deref();
     sighting.building == building && unit.is_none_or(|u| fold_name(u) == fold_name(&sighting.unit))
