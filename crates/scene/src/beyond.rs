@@ -1,41 +1,41 @@
-//! Ground that goes on beyond what is drawn of it, so that nobody falls off.
+//! Solid ground beyond the drawn ground, so that nothing falls off.
 
-/// So far it goes on, metres: hours for a robot.
-const FAR: f64 = 10_000.0;
-/// What lies beyond overlaps the drawn ground by so many metres, so that no ray passes between them.
-const OVERLAP: f64 = 1.0;
+/// Width of the ground beyond, metres: hours for a robot.
+const FAR_M: f64 = 10_000.0;
+/// Overlap with the drawn ground, metres, so that no ray passes between the two.
+const OVERLAP_M: f64 = 1.0;
 
 /// A rectangle along the axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Rectangle {
-    /// Its corner of the least coordinates, metres.
+    /// South-western corner, metres.
     pub(crate) low: [f64; 2],
-    /// The opposite corner, metres.
+    /// North-eastern corner, metres.
     pub(crate) high: [f64; 2],
 }
 
-/// Four rectangles round a rectangle.
+/// Four rectangles around a rectangle.
 pub(crate) fn beyond(drawn: Rectangle) -> [Rectangle; 4] {
     let Rectangle {
         low: [west, south],
         high: [east, north],
     } = drawn;
-    let (far_west, far_east) = (west - FAR, east + FAR);
+    let (far_west, far_east) = (west - FAR_M, east + FAR_M);
     [
         Rectangle {
-            low: [far_west, south - FAR],
-            high: [far_east, south + OVERLAP],
+            low: [far_west, south - FAR_M],
+            high: [far_east, south + OVERLAP_M],
         },
         Rectangle {
-            low: [far_west, north - OVERLAP],
-            high: [far_east, north + FAR],
+            low: [far_west, north - OVERLAP_M],
+            high: [far_east, north + FAR_M],
         },
         Rectangle {
             low: [far_west, south],
-            high: [west + OVERLAP, north],
+            high: [west + OVERLAP_M, north],
         },
         Rectangle {
-            low: [east - OVERLAP, south],
+            low: [east - OVERLAP_M, south],
             high: [far_east, north],
         },
     ]
@@ -46,7 +46,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_place_outside_lies_on_one_of_them() {
+    fn every_place_outside_lies_on_one_of_the_rectangles() {
         let drawn = Rectangle {
             low: [-3.0, 10.0],
             high: [5.0, 30.0],

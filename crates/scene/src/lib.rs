@@ -1,17 +1,20 @@
-//! What a world is made of: triangles, materials, semantic classes, doors and their plates.
+#![doc = include_str!("../README.md")]
+//!
+//! ## Modules
 //!
 //! | module | its one job |
 //! |---|---|
 //! | [`scene`] | [`Scene`] and [`SceneBuilder`]: triangles with materials, solid surfaces, doors |
 //! | [`material`] | [`Material`], [`Texture`], [`SemanticClass`] |
 //! | [`bvh`] | [`TriangleBvh`]: rays against triangles, one or sixteen at a time |
-//! | [`raycast`] | [`RayCaster`]: what a ray sees |
-//! | [`free_space`] | [`FreeSpace`]: where a footprint fits, and how far it is from there to elsewhere |
+//! | [`raycast`] | [`RayCaster`]: what rays hit in a scene |
+//! | [`free_space`] | [`FreeSpace`]: where a footprint fits, and distances for it |
 //! | [`import`] | [`import_world`]: Gazebo worlds and their meshes |
-//! | [`plate`] | number plates |
 //! | [`generate`](mod@generate) | worlds from an OSM file and a seed |
-//! | `triangulate` | an outline with holes into triangles |
+//! | [`plate`] | number plates |
 //! | [`world`] | [`World`]: a scene with its public map, georeference and start |
+//! | `beyond` | ground around the drawn ground |
+//! | `triangulate` | triangulation of an outline with holes |
 
 mod beyond;
 pub mod bvh;

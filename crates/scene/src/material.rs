@@ -10,7 +10,7 @@ pub struct MaterialId(pub u32);
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct TextureId(pub u32);
 
-/// What a surface belongs to.
+/// Class of a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum SemanticClass {
@@ -42,7 +42,8 @@ pub enum SemanticClass {
     Other,
 }
 
-/// An 8-bit RGBA image that repeats in both directions. Row 0 is the top; v = 0 is the bottom, as in COLLADA and OBJ.
+/// An 8-bit RGBA image that repeats in both directions. Row 0 is the top; v = 0 is the bottom, as
+/// in COLLADA and OBJ.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Texture {
     /// Columns, at least 1.
@@ -62,9 +63,9 @@ pub struct Material {
     pub texture: Option<TextureId>,
     /// Whether texels with alpha below one half are holes (leaves).
     pub cutout: bool,
-    /// What the surface belongs to.
+    /// Class of the surface.
     pub class: SemanticClass,
-    /// Share of the LiDAR's light that comes back at normal incidence, 0 to 255.
+    /// Share of the LiDAR light that is reflected at normal incidence, 0 to 255.
     pub reflectivity: u8,
 }
 
@@ -81,7 +82,7 @@ impl Material {
         }
     }
 
-    /// The same material under an image.
+    /// The same material with an image.
     pub fn with_texture(mut self, texture: TextureId) -> Self {
         self.texture = Some(texture);
         self

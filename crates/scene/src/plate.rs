@@ -1,7 +1,7 @@
 //! Number plates: dark capitals on white, drawn with DejaVu Sans Condensed Bold.
 //!
-//! A plate is 1.0 x 0.45 m with capitals 0.25 m high, so that a camera with a focal length of 381 pixels sees them 10 pixels high from 10 m
-//! away. Long texts are made narrower, not lower.
+//! A plate is 1.0 x 0.45 m with capitals 0.25 m high: a camera with a focal length of 381 pixels
+//! sees them 10 pixels high from 10 m away. Long texts are made narrower, not lower.
 
 use std::sync::OnceLock;
 
@@ -19,23 +19,25 @@ pub const PLATE_HEIGHT: f64 = 0.45;
 /// Height of the capitals on it, metres.
 pub const CAPITAL_HEIGHT: f64 = 0.25;
 
-/// How far the face stands out from the pose, and the back behind it, metres.
-const FACE: f64 = 0.03;
-const BACK: f64 = -0.01;
+/// Distance of the face in front of the pose, metres.
+const FACE_M: f64 = 0.03;
+/// Distance of the back in front of the pose, metres: it is behind it.
+const BACK_M: f64 = -0.01;
 const TEXELS_A_METRE: u32 = 320;
 const WIDTH: usize = 320;
 const HEIGHT: usize = 144;
-/// Border line and the space inside it that stays free, texels.
+/// Width of the border line, texels.
 const BORDER: usize = 3;
+/// Space between the border of the image and the text, texels.
 const MARGIN: usize = 17;
 /// Glyphs are drawn this many times larger and averaged down.
 const OVERSAMPLING: usize = 4;
-/// A space is narrower than the font's: the words stay together all the same, and the letters get wider.
+/// Width of a space, in spaces of the font: narrower, so that letters can be wider.
 const SPACE: f32 = 0.7;
 const PAPER: [u8; 3] = [248, 248, 244];
 const INK: [u8; 3] = [12, 12, 16];
 
-/// The picture of a plate with `text` on it.
+/// The image of a plate with `text` on it.
 pub fn plate_texture(text: &str) -> Texture {
     let line = draw_line(text);
     let coverage = squeeze(&line, WIDTH - 2 * MARGIN);
@@ -61,35 +63,35 @@ pub fn plate_texture(text: &str) -> Texture {
     }
 }
 
-/// Hangs a plate that stands 3 cm out: `pose` is the middle of what it hangs on, its text runs along the pose's x and faces the pose's +y,
-/// z is up.
+/// Adds a plate that stands 3 cm out. `pose` is the middle of the surface behind it: the text runs
+/// along the pose's x and faces its +y, and z is up.
 pub fn add_plate(builder: &mut SceneBuilder, text: &str, pose: &Pose3) {
     let face = plate_material(builder, text);
-    hang_plate(builder, face, pose, FACE);
+    hang_plate(builder, face, pose, FACE_M);
 }
 
-/// A material with the picture of a plate, for several plates of one text.
+/// A material with the image of a plate, for several plates with one text.
 pub fn plate_material(builder: &mut SceneBuilder, text: &str) -> MaterialId {
     let texture = builder.texture(plate_texture(text));
     builder.material(Material::plain(SemanticClass::Plate, [1.0; 3]).with_texture(texture))
 }
 
-/// Hangs a plate as [`add_plate`] does, with a `face` that exists already and stands `out` metres out from `pose`.
+/// Adds a plate as [`add_plate`] does, with an existing `face`, `out` metres in front of `pose`.
 pub fn hang_plate(builder: &mut SceneBuilder, face: MaterialId, pose: &Pose3, out: f64) {
     let edge = builder.material(Material::plain(SemanticClass::Plate, [0.35; 3]));
     let (x, z) = (PLATE_WIDTH / 2.0, PLATE_HEIGHT / 2.0);
     let (right, up, deep) = (
         -2.0 * x * Vector3::x(),
         2.0 * z * Vector3::z(),
-        (out - BACK) * Vector3::y(),
+        (out - BACK_M) * Vector3::y(),
     );
-    // Who reads the plate looks along -y and has +x at his left hand.
+    // A reader of the plate looks along -y and has +x on the left.
     let sides = [
         (face, Vector3::new(x, out, -z), right, up),
-        (edge, Vector3::new(-x, BACK, -z), -right, up),
-        (edge, Vector3::new(x, BACK, -z), deep, up),
+        (edge, Vector3::new(-x, BACK_M, -z), -right, up),
+        (edge, Vector3::new(x, BACK_M, -z), deep, up),
         (edge, Vector3::new(-x, out, -z), -deep, up),
-        (edge, Vector3::new(-x, BACK, z), -right, deep),
+        (edge, Vector3::new(-x, BACK_M, z), -right, deep),
         (edge, Vector3::new(-x, out, -z), -right, -deep),
     ];
     for (material, corner, u, v) in sides {
@@ -104,14 +106,15 @@ pub fn hang_plate(builder: &mut SceneBuilder, face: MaterialId, pose: &Pose3, ou
     }
 }
 
-/// The pose of a plate with its middle at `middle` that faces `facing` (radians, counter-clockwise from east).
+/// The pose of a plate with its middle at `middle` that faces `facing` (radians, counter-clockwise
+/// from east).
 pub fn plate_pose(middle: [f64; 3], facing: f64) -> Pose3 {
     let turn =
         UnitQuaternion::from_axis_angle(&Vector3::z_axis(), facing - std::f64::consts::FRAC_PI_2);
     Pose3::from_parts(Vector3::from(middle).into(), turn)
 }
 
-/// How much of each texel is ink, 0 to 1.
+/// Share of ink in each texel, 0 to 1.
 struct Coverage {
     width: usize,
     height: usize,
@@ -149,8 +152,8 @@ fn font() -> &'static Font {
     })
 }
 
-/// The text in one line, oversampled, cut off at its own width. Its height is that of the capitals and what hangs below them, so that
-/// capitals stand in the middle of the plate.
+/// The text in one line, oversampled, as wide as its own ink. It is as high as the capitals with
+/// what hangs below them, so that capitals are in the middle of the plate.
 fn draw_line(text: &str) -> Coverage {
     let font = font();
     let capital = CAPITAL_HEIGHT as f32 * (TEXELS_A_METRE as usize * OVERSAMPLING) as f32;
@@ -191,7 +194,7 @@ fn draw_line(text: &str) -> Coverage {
     line
 }
 
-/// Averages an oversampled line down, and squeezes it until it is no wider than `limit` texels.
+/// Averages an oversampled line, and narrows it until it is no wider than `limit` texels.
 fn squeeze(line: &Coverage, limit: usize) -> Coverage {
     let width = line.width.div_ceil(OVERSAMPLING).min(limit);
     let mut small = Coverage::new(width, line.height / OVERSAMPLING);
@@ -249,7 +252,7 @@ mod tests {
     }
 
     #[test]
-    fn texts_differ_and_odd_texts_are_survived() {
+    fn texts_differ_and_odd_texts_do_not_panic() {
         assert_ne!(plate_texture("UNIT 1"), plate_texture("UNIT 2"));
         for text in ["", " ", "g", "\u{0}\u{1F4E6}", &"W".repeat(10_000)] {
             assert_eq!(plate_texture(text).rgba.len(), 4 * WIDTH * HEIGHT);

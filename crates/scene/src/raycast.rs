@@ -1,6 +1,7 @@
-//! Rays into a scene: what is seen, with its surface.
+//! Rays into a scene: what they hit, and its surface.
 //!
-//! What hits want to know of a triangle lies in tables of its own, since a scene's triangles, vertices, materials and textures are four places far apart.
+//! What most hits need of a triangle is in tables of their own: in a scene, triangles, vertices,
+//! materials and textures are four places far apart in memory.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -12,7 +13,7 @@ use crate::bvh::{
 use crate::material::{Material, Texture};
 use crate::scene::{Scene, Triangle};
 
-/// A scene that rays can be cast into. Cheap to clone and shared between threads.
+/// A scene that rays can be cast into. Cheap to clone, and can be shared between threads.
 #[derive(Debug, Clone)]
 pub struct RayCaster {
     scene: Arc<Scene>,
@@ -26,7 +27,7 @@ pub struct RayCaster {
     holes: Arc<[Option<Holes>]>,
 }
 
-/// Which texels of a texture are holes, a bit each.
+/// The holes of a texture: a bit for each texel.
 #[derive(Debug)]
 struct Holes {
     width: u32,
@@ -57,18 +58,20 @@ impl Holes {
     }
 }
 
-/// What most hits want to know of a triangle, in one place.
+/// What most hits need of a triangle, in one place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surface {
-    /// Unit normal, on the side from which the corners turn counter-clockwise; of a figure in its own axes.
+    /// Unit normal, on the side from which the corners are counter-clockwise; of a figure in its
+    /// own axes.
     pub normal: [f32; 3],
-    /// Share of the LiDAR's light that comes back at normal incidence, 0 to 255.
+    /// Share of the LiDAR light that is reflected at normal incidence, 0 to 255.
     pub reflectivity: u8,
     material: u32,
 }
 
 impl RayCaster {
-    /// Builds the trees over the scene's visible and solid triangles, and one for each of its figures.
+    /// Builds the trees over the scene's visible and solid triangles, and one for each of its
+    /// figures.
     pub fn new(scene: Arc<Scene>) -> Self {
         let corner = |i: u32| scene.vertices[i as usize].position;
         let cutout =
@@ -114,7 +117,7 @@ impl RayCaster {
         &self.solid
     }
 
-    /// The tree over the visible triangles, holes of cut-out materials not regarded.
+    /// The tree over the visible triangles; it ignores holes of cut-out materials.
     pub fn visible(&self) -> &TriangleBvh {
         &self.visible
     }
@@ -124,13 +127,15 @@ impl RayCaster {
         &self.figures
     }
 
-    /// What a ray sees first of what stands within `limit` lengths of `direction`; holes of cut-out materials are seen through.
+    /// The first standing triangle that a ray hits within `limit` lengths of `direction`. Rays pass
+    /// through holes of cut-out materials.
     pub fn cast(&self, origin: [f32; 3], direction: [f32; 3], limit: f32) -> Option<Hit> {
         self.visible
             .cast_filtered(origin, direction, limit, |hit| !self.is_hole(hit))
     }
 
-    /// What each ray of a packet sees first of what stands, as [`RayCaster::cast`] does for one.
+    /// The first standing triangle that each ray of a packet hits, as [`RayCaster::cast`] finds it
+    /// for one.
     #[inline]
     pub fn cast_packet(&self, rays: &RayPacket) -> PacketHits {
         self.visible
@@ -159,7 +164,7 @@ impl RayCaster {
         ]
     }
 
-    /// Whether a hit on a cut-out material goes through one of its holes.
+    /// Whether a hit on a cut-out material is in one of its holes.
     #[inline]
     fn is_hole(&self, hit: &Hit) -> bool {
         let holes = &self.holes[self.surfaces[hit.triangle as usize].material as usize];
@@ -169,18 +174,18 @@ impl RayCaster {
     }
 }
 
-/// A scene at an instant: what stands, and what moves where it is now.
+/// A scene at an instant: standing triangles, and movers at their places.
 #[derive(Debug, Clone, Copy)]
 pub struct Snapshot<'a> {
-    /// What stands, and the figures of what moves.
+    /// Standing triangles, and the figures of movers.
     pub caster: &'a RayCaster,
-    /// What moves.
+    /// Movers.
     pub movers: &'a Movers,
 }
 
 impl Snapshot<'_> {
-    /// What each ray of a packet sees first. `lags` say how long before the movers' instant each ray was cast: seconds from
-    /// -[`SWEEP`](crate::bvh::SWEEP) to 0.
+    /// The first hit of each ray of a packet. `lags` are the times at which the rays were cast,
+    /// relative to the instant of the movers: seconds from -[`SWEEP`](crate::bvh::SWEEP) to 0.
     #[inline]
     pub fn cast_packet(&self, rays: &RayPacket, lags: &Lane) -> PacketHits {
         let mut hits = self.caster.cast_packet(rays);
@@ -199,7 +204,8 @@ impl Snapshot<'_> {
         hits
     }
 
-    /// What each ray of a block of packets sees first at the movers' instant, all of them within `beam`.
+    /// The first hit of each ray of a block of packets at the instant of the movers; all rays lie
+    /// within `beam`.
     #[inline(always)]
     pub fn cast_block<const K: usize>(
         &self,
@@ -224,7 +230,8 @@ impl Snapshot<'_> {
         hits
     }
 
-    /// Unit normal in `map` of what a lane's ray hit, on the side from which the corners turn counter-clockwise.
+    /// Unit normal in `map` of the surface that a lane's ray hit, on the side from which the
+    /// corners are counter-clockwise.
     #[inline]
     pub fn normal(&self, hits: &PacketHits, lane: usize) -> [f32; 3] {
         let normal = self.caster.surface(hits.triangle[lane]).normal;
@@ -236,7 +243,7 @@ impl Snapshot<'_> {
     }
 }
 
-/// Unit normal of a triangle; of one without area nothing sensible.
+/// Unit normal of a triangle; arbitrary for one without area.
 fn normal([a, b, c]: [[f32; 3]; 3]) -> [f32; 3] {
     let (e1, e2) = (
         [b[0] - a[0], b[1] - a[1], b[2] - a[2]],
@@ -265,8 +272,8 @@ pub fn nearest_texel(texture: &Texture, uv: [f32; 2]) -> [u8; 4] {
     ]
 }
 
-/// `x` less its floor. By a cast, since `floor` is a call into a library on the target's baseline; of numbers beyond two thousand million
-/// nothing sensible is left.
+/// The fractional part of `x`. By a cast, since on the baseline `floor` is a call into a library;
+/// meaningless for numbers beyond two thousand million.
 fn fraction(x: f32) -> f32 {
     let rest = x - x as i32 as f32;
     if rest < 0.0 { rest + 1.0 } else { rest }

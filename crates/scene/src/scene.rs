@@ -26,14 +26,14 @@ pub struct Triangle {
     pub material: MaterialId,
 }
 
-/// What robots bump into: an indexed triangle mesh.
+/// What robots collide with: an indexed triangle mesh.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SolidMesh {
     /// Positions, metres.
     pub positions: Vec<[f32; 3]>,
     /// Indices into `positions`.
     pub triangles: Vec<[u32; 3]>,
-    /// What each triangle belongs to.
+    /// Class of each triangle.
     pub classes: Vec<SemanticClass>,
 }
 
@@ -42,7 +42,7 @@ pub struct SolidMesh {
 pub struct Door {
     /// Building and unit.
     pub address: Address,
-    /// Words on the plate.
+    /// Text on the plate.
     pub text: String,
     /// Middle of the plate, metres in `map`.
     pub plate: [f64; 3],
@@ -51,18 +51,18 @@ pub struct Door {
 }
 
 impl Door {
-    /// The plate's place on the ground.
+    /// The point on the ground below the plate.
     pub fn point(&self) -> MapPoint {
         MapPoint::new(self.plate[0], self.plate[1])
     }
 }
 
-/// A thing that one would count: a house, a tree, a car. Instance images tell them apart.
+/// An instance of a thing: a house, a tree, a car. Instance images distinguish them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Object {
-    /// What people or the map call it, or what kind of thing it is. Several may have one name.
+    /// Name of the thing in the map, or its kind. Several objects may have one name.
     pub name: Cow<'static, str>,
-    /// What it is for the most part; its triangles have classes of their own.
+    /// Class of most of it; its triangles have classes of their own.
     pub class: SemanticClass,
 }
 
@@ -94,11 +94,12 @@ pub struct Scene {
     pub vertices: Vec<Vertex>,
     /// Visible triangles: what camera and LiDAR see. Those of figures come last.
     pub triangles: Vec<Triangle>,
-    /// For each figure its triangles: they stand nowhere, but are placed anew for each instant.
+    /// For each figure its triangles. They have no place of their own, but are placed anew for each
+    /// instant.
     pub figures: Vec<Range<u32>>,
     /// Materials of the visible triangles.
     pub materials: Vec<Material>,
-    /// What the visible triangles belong to.
+    /// Objects that the visible triangles belong to.
     pub objects: Vec<Object>,
     /// For each visible triangle the number of its object, see [`Scene::object`].
     pub object_numbers: Vec<u32>,
@@ -110,8 +111,8 @@ pub struct Scene {
     pub doors: Vec<Door>,
     /// Light.
     pub sun: Sun,
-    /// South-western and north-eastern corner of the ground that a world is about, where that is known: ground goes on
-    /// beyond it, but no way is taken to lead there.
+    /// South-western and north-eastern corner of the ground that the world covers, where that is
+    /// known. There is ground beyond it, but no path is searched there.
     pub extent: Option<[MapPoint; 2]>,
 }
 
@@ -125,7 +126,8 @@ impl Scene {
         &self.triangles[..first.min(self.triangles.len())]
     }
 
-    /// Takes in what is visible of a scene about its own origin as a figure, and returns its number.
+    /// Adds the visible triangles of a scene about its own origin as a figure, and returns its
+    /// number.
     pub fn add_figure(&mut self, figure: &Scene) -> usize {
         let (vertices, materials, textures) = (
             self.vertices.len() as u32,
@@ -153,7 +155,8 @@ impl Scene {
         self.figures.len() - 1
     }
 
-    /// Number of the object that a visible triangle belongs to, counted from 1; 0 for none, and for figures.
+    /// Number of the object that a visible triangle belongs to, from 1; 0 for none, and for
+    /// figures.
     pub fn object_number(&self, triangle: u32) -> u32 {
         self.object_numbers
             .get(triangle as usize)
@@ -167,18 +170,46 @@ impl Scene {
     }
 }
 
-/// Which of a scene's two meshes a shape goes into.
+/// The mesh of a scene that a shape belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Layer {
-    /// Seen, but passed through: plates, road markings.
+    /// Visible, but without collisions: plates, road markings.
     Visible,
-    /// Touched, but not seen: collision shapes.
+    /// Invisible: collision shapes.
     Solid,
     /// Both.
     Both,
 }
 
-/// Puts a scene together.
+/// Builds a scene.
+///
+/// # Example
+///
+/// Ground of 20 m by 20 m with a house wall, 6 m long and 3 m high:
+///
+/// ```
+/// use nalgebra::{Point3, Vector3};
+/// use openbench_scene::scene::Layer;
+/// use openbench_scene::{Material, SceneBuilder, SemanticClass};
+///
+/// let mut builder = SceneBuilder::new();
+/// let grass = builder.material(Material::plain(SemanticClass::Ground, [0.3, 0.5, 0.3]));
+/// let brick = builder.material(Material::plain(SemanticClass::Building, [0.7, 0.4, 0.3]));
+///
+/// let corner = Point3::new(-10.0, -10.0, 0.0);
+/// let sides = (Vector3::x() * 20.0, Vector3::y() * 20.0);
+/// builder.rectangle(Layer::Both, grass, corner, sides, [1.0; 2]);
+///
+/// builder.object("house", SemanticClass::Building);
+/// let sides = (Vector3::x() * 6.0, Vector3::z() * 3.0);
+/// builder.rectangle(Layer::Both, brick, Point3::new(-3.0, 4.0, 0.0), sides, [3.0, 1.5]);
+///
+/// let scene = builder.build();
+/// assert_eq!(scene.triangles.len(), 4);
+/// assert_eq!(scene.solid.triangles.len(), 4);
+/// let number = scene.object_number(3);
+/// assert_eq!(scene.object(number).map(|object| &*object.name), Some("house"));
+/// ```
 #[derive(Debug, Default)]
 pub struct SceneBuilder {
     scene: Scene,
@@ -190,12 +221,12 @@ impl SceneBuilder {
         Self::default()
     }
 
-    /// How many visible triangles there are so far.
+    /// Number of visible triangles so far.
     pub fn triangles(&self) -> usize {
         self.scene.triangles.len()
     }
 
-    /// Begins an object: what is added from now on, until the next begins, belongs to it.
+    /// Begins an object: everything that is added until the next one begins belongs to it.
     pub fn object(&mut self, name: impl Into<Cow<'static, str>>, class: SemanticClass) {
         self.scene.objects.push(Object {
             name: name.into(),
@@ -215,8 +246,8 @@ impl SceneBuilder {
         MaterialId(self.scene.materials.len() as u32 - 1)
     }
 
-    /// Adds a mesh: corners with texture coordinates, and triangles as indices into them. Triangles that name a
-    /// missing corner or hold a non-finite number are left out; how many is returned.
+    /// Adds a mesh: corners with texture coordinates, and triangles as indices into them. Triangles
+    /// with a missing corner or a non-finite number are left out; returns how many.
     pub fn mesh(
         &mut self,
         layer: Layer,
@@ -270,8 +301,9 @@ impl SceneBuilder {
         triangles.len() - kept.len()
     }
 
-    /// Adds a rectangle with corners `origin`, `origin + u`, `origin + u + v`, `origin + v`, seen from the side that
-    /// `u x v` points to. The texture covers it `repeat` times along u and v.
+    /// Adds a rectangle with corners `origin`, `origin + u`, `origin + u + v`, `origin + v`,
+    /// visible from the side that `u x v` points to. The texture covers it `repeat` times along u
+    /// and v.
     pub fn rectangle(
         &mut self,
         layer: Layer,
@@ -289,7 +321,7 @@ impl SceneBuilder {
         self.mesh(layer, material, &corners, &[[0, 1, 2], [0, 2, 3]]);
     }
 
-    /// Adds a door. Its plate is drawn apart.
+    /// Adds a door. Its plate is added separately.
     pub fn door(&mut self, door: Door) {
         self.scene.doors.push(door);
     }
@@ -299,7 +331,7 @@ impl SceneBuilder {
         self.scene.sun = sun;
     }
 
-    /// Sets the ground that the world is about.
+    /// Sets the ground that the world covers.
     pub fn extent(&mut self, low: MapPoint, high: MapPoint) {
         self.scene.extent = Some([low, high]);
     }

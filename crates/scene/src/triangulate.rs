@@ -1,12 +1,14 @@
-//! An outline with holes into triangles, by ear clipping; holes are joined to the outline by bridges first (Eberly,
-//! *Triangulation by Ear Clipping*, 2008). A self-crossing outline gives some covering of it, never a panic.
+//! Triangulation of an outline with holes, by ear clipping. Holes are joined to the outline by
+//! bridges first (Eberly, *Triangulation by Ear Clipping*, 2008). A self-crossing outline gives
+//! some covering of it, never a panic.
 
 use openbench_core::MapPoint;
 
 /// Rings with more corners are thinned to this many: ear clipping takes quadratic time.
 const MAX_CORNERS: usize = 2_000;
 
-/// Triangles of a polygon, each counter-clockwise. `outer` is counter-clockwise, the holes clockwise.
+/// Triangles of a polygon, each counter-clockwise. `outer` is counter-clockwise, the holes
+/// clockwise.
 pub(crate) fn triangulate(outer: &[MapPoint], holes: &[Vec<MapPoint>]) -> Vec<[MapPoint; 3]> {
     let mut ring = thinned(outer);
     let mut rest: Vec<Vec<MapPoint>> = holes
@@ -34,7 +36,7 @@ pub(crate) fn turn(a: MapPoint, b: MapPoint, c: MapPoint) -> f64 {
     (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)
 }
 
-/// The ring with the hole cut into it along the shortest bridge that crosses neither.
+/// The ring with the hole joined to it along the shortest bridge that crosses neither.
 fn bridged(ring: &[MapPoint], hole: &[MapPoint]) -> Vec<MapPoint> {
     let mut pairs: Vec<(f64, usize, usize)> = Vec::with_capacity(ring.len() * hole.len());
     for (i, p) in ring.iter().enumerate() {
@@ -72,7 +74,8 @@ fn clip_ears(mut ring: Vec<MapPoint>) -> Vec<[MapPoint; 3]> {
             tried += 1;
             continue;
         }
-        // After a full turn without an ear the ring crosses itself: clip anyway, so that it ends.
+        // After a full turn without an ear the ring crosses itself: clip anyway, so that the loop
+        // ends.
         if turn(corner[0], corner[1], corner[2]) > 1e-9 {
             triangles.push(corner);
         }

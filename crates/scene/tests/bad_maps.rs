@@ -1,4 +1,5 @@
-//! Maps that are wrong: a world all the same, or an error in words; bounded memory, and what is left out is counted.
+//! Broken maps: each gives a world or an error, in bounded memory, and everything that is left out
+//! is counted.
 
 mod maps;
 
@@ -36,7 +37,7 @@ fn odd_outlines_do_not_stop_generation() {
 }
 
 #[test]
-fn a_map_without_buildings_or_of_another_place_is_refused() {
+fn a_map_without_buildings_or_of_another_place_is_rejected() {
     let road: &[(f64, f64)] = &[(-30.0, 0.0), (40.0, 0.0)];
     let (data, georeference) = map_of(&[(road, &[("highway", "residential")])]);
     let error = generate(&data, georeference, 1, &GenerateOptions::default()).unwrap_err();
@@ -50,7 +51,7 @@ fn a_map_without_buildings_or_of_another_place_is_refused() {
 }
 
 #[test]
-fn roads_and_walls_that_go_round_the_earth_cost_nothing() {
+fn roads_and_walls_around_the_earth_cost_nothing() {
     let (mut data, georeference) =
         row_of_houses(2, &[("highway", "residential")], &[("building", "yes")]);
     for i in 0..200 {
@@ -93,7 +94,7 @@ fn roads_and_walls_that_go_round_the_earth_cost_nothing() {
 }
 
 #[test]
-fn a_map_with_swapped_or_mirrored_coordinates_is_refused() {
+fn a_map_with_swapped_or_mirrored_coordinates_is_rejected() {
     let (mut data, _) = row_of_houses(3, &[("highway", "residential")], &[("building", "yes")]);
     let georeference: Georeference = "utm:32N,-400000,-5300000".parse().unwrap();
     let at_home = openbench_osm::default_georeference(&data).unwrap();
@@ -116,7 +117,7 @@ fn a_map_with_swapped_or_mirrored_coordinates_is_refused() {
             ),
             "{error}"
         );
-        // Where it says itself that it lies, it is a place like any other.
+        // With a georeference of its own position it is a place like any other.
         let there = openbench_osm::default_georeference(&data).unwrap();
         assert!(!made(&data, there).scene.doors.is_empty());
     }
@@ -137,7 +138,7 @@ fn houses_on_both_sides_of_the_earth_are_too_far_apart() {
 }
 
 #[test]
-fn places_that_are_none_never_get_into_a_map() {
+fn invalid_coordinates_never_get_into_a_map() {
     let node = |id: i64, lat: &str, lon: &str| format!("<node id='{id}' lat='{lat}' lon='{lon}'/>");
     let bad = [
         ("95", "8"),
@@ -154,7 +155,7 @@ fn places_that_are_none_never_get_into_a_map() {
         .collect();
     let data = OsmData::from_xml(format!("<osm>{nodes}</osm>").as_bytes()).unwrap();
     assert_eq!((data.nodes.len(), data.report.bad_elements), (0, bad.len()));
-    // One that was made in memory gets no further than this.
+    // A map that was made in memory fails here.
     let (mut data, georeference) =
         row_of_houses(3, &[("highway", "residential")], &[("building", "yes")]);
     let first = *data.nodes.keys().next().unwrap();
@@ -178,7 +179,7 @@ fn places_that_are_none_never_get_into_a_map() {
 }
 
 #[test]
-fn buildings_without_area_are_counted_and_the_others_built() {
+fn buildings_without_area_are_counted_and_the_others_are_built() {
     let (mut data, georeference) =
         row_of_houses(3, &[("highway", "residential")], &[("building", "yes")]);
     let nodes: Vec<i64> = data.nodes.keys().copied().take(2).collect();
@@ -241,7 +242,7 @@ fn a_footprint_that_crosses_itself_many_times_is_a_building() {
 }
 
 #[test]
-fn parts_that_make_no_sense_are_left_out_or_bounded() {
+fn implausible_parts_are_left_out_or_bounded() {
     let house = rectangle((0.0, 5.0), (20.0, 15.0));
     let away = rectangle((60.0, 5.0), (70.0, 15.0));
     let bow_tie = [(1.0, 6.0), (9.0, 14.0), (9.0, 6.0), (1.0, 14.0)];

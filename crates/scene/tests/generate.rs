@@ -1,4 +1,5 @@
-//! The built-in worlds: every door can be reached, nothing depends on chance, and they stay small.
+//! The built-in worlds: every door can be reached, results are deterministic, and sizes are
+//! bounded.
 
 use std::collections::{BTreeSet, VecDeque};
 use std::time::Instant;
@@ -15,8 +16,8 @@ fn world(name: &str, seed: u64) -> World {
     builtin(name, seed).unwrap().unwrap()
 }
 
-/// Where a robot of 0.32 m by 0.31 m can drive: a grid of 0.1 m over the solid triangles at its height, flooded from
-/// the start. Deliberately not the crate's own free space.
+/// Where a robot of 0.32 m by 0.31 m can drive: a grid of 0.1 m over the solid triangles at its
+/// height, flooded from the start. Deliberately not the crate's own free space.
 struct Flood {
     reached: BTreeSet<(i32, i32)>,
 }
@@ -68,7 +69,7 @@ fn cell(p: MapPoint) -> (i32, i32) {
     ((p.x / CELL).floor() as i32, (p.y / CELL).floor() as i32)
 }
 
-/// Points along the edges of a triangle: what stands upright on the ground has an edge there.
+/// Points along the edges of a triangle: vertical surfaces have an edge on the ground.
 fn samples([a, b, c]: [[f64; 3]; 3]) -> Vec<MapPoint> {
     let mut points = Vec::new();
     for (p, q) in [(a, b), (b, c), (c, a)] {
@@ -247,7 +248,7 @@ fn doors_of_one_building_are_apart_and_face_away_from_it() {
 }
 
 #[test]
-fn roads_hang_together() {
+fn roads_are_connected() {
     for name in builtin_names() {
         let world = world(name, 1);
         let map = OsmMap::new(&world.map, world.georeference);
@@ -277,7 +278,7 @@ fn roads_hang_together() {
 }
 
 #[test]
-fn all_classes_are_there_and_corners_are_finite() {
+fn all_classes_are_present_and_corners_are_finite() {
     let scene = world("medium", 1).scene;
     let classes: BTreeSet<SemanticClass> = scene.materials.iter().map(|m| m.class).collect();
     let used: BTreeSet<SemanticClass> = scene
@@ -355,7 +356,7 @@ fn names_of_doors(world: &World) -> BTreeSet<&str> {
 }
 
 #[test]
-fn houses_in_a_named_street_get_numbers_that_the_public_map_knows() {
+fn houses_in_a_named_street_get_numbers_that_the_public_map_has() {
     let street = [("highway", "residential"), ("name", "Rua Alta")];
     for tags in [
         &[("building", "yes")][..],
@@ -392,7 +393,8 @@ fn houses_of_one_name_get_addresses_of_their_own() {
 
 #[test]
 fn the_start_is_where_most_doors_are_reached() {
-    // A walled yard with one house and a path in it beside a street with three; the yard is nearer to the middle.
+    // A walled yard with one house and a path, beside a street with three houses; the yard is
+    // nearer to the middle.
     let (mut data, georeference) =
         row_of_houses(3, &[("highway", "residential")], &[("building", "yes")]);
     let wall: &[(f64, f64)] = &[
@@ -457,7 +459,7 @@ fn maps_of_real_places_become_worlds() {
     assert!(worlds > 0);
 }
 
-/// Ranges from the same places of a world, given from its start.
+/// Ranges from the same places of a world, relative to its start.
 fn ranges_about_the_start(world: &World) -> Vec<Option<f32>> {
     let caster = RayCaster::new(std::sync::Arc::new(world.scene.clone()));
     let start = world.start.point();
@@ -532,7 +534,7 @@ fn a_false_origin_anywhere_gives_the_same_world() {
     }
 }
 
-/// The same world so many metres farther east.
+/// The same world, so many metres farther east.
 fn moved_east(world: &World, metres: f64) -> World {
     let mut moved = world.clone();
     moved.start.x += metres;
@@ -543,19 +545,19 @@ fn moved_east(world: &World, metres: f64) -> World {
 }
 
 #[test]
-fn kilometres_from_the_origin_ranges_keep_their_millimetres() {
+fn ranges_are_exact_to_millimetres_kilometres_from_the_origin() {
     let (data, _) = maps::row_of_houses(6, &[("highway", "residential")], &[("building", "yes")]);
     let plane = openbench_osm::default_georeference(&data).unwrap();
     let here = generate(&data, plane, 4, &GenerateOptions::default()).unwrap();
     let expected = ranges_about_the_start(&here);
-    // What ARCHITECTURE.md states: distances between neighbours in single precision.
+    // The value in ARCHITECTURE.md: distances between neighbours in single precision.
     for (metres, step) in [(2e3, 0.000_13), (1e4, 0.001), (2e4, 0.002)] {
         let found = ranges_about_the_start(&moved_east(&here, metres));
         let both = expected
             .iter()
             .zip(&found)
             .filter_map(|(a, b)| Some(f64::from((*a)? - (*b)?)));
-        // A ray past an edge may meet what is behind it.
+        // A ray past an edge may hit a surface behind it.
         let near: Vec<f64> = both.filter(|apart| apart.abs() < 0.1).collect();
         let seen = expected.iter().flatten().count();
         assert!(near.len() * 200 > seen * 199, "{} of {seen}", near.len());

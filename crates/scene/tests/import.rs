@@ -103,7 +103,8 @@ fn dae(asset: &str, steps: &str) -> String {
   <library_effects><effect id="e"><profile_COMMON>
     <newparam sid="s1"><surface><init_from>img</init_from></surface></newparam>
     <newparam sid="s2"><sampler2D><source>s1</source></sampler2D></newparam>
-    <technique sid="t"><lambert><diffuse><texture texture="s2" texcoord="C"/></diffuse></lambert></technique>
+    <technique sid="t"><lambert><diffuse><texture texture="s2" texcoord="C"/></diffuse></lambert>
+    </technique>
   </profile_COMMON></effect></library_effects>
   <library_images><image id="img"><init_from>skin.png</init_from></image></library_images>
   <library_materials><material id="m"><instance_effect url="#e"/></material></library_materials>
@@ -123,8 +124,10 @@ fn dae(asset: &str, steps: &str) -> String {
   </mesh></geometry></library_geometries>
   <library_visual_scenes><visual_scene id="sc"><node id="n" name="Leaf">{steps}
     <instance_geometry url="#g"><bind_material><technique_common>
-      <instance_material symbol="sym" target="#m"><bind_vertex_input semantic="C" input_semantic="TEXCOORD" input_set="1"/>
-      </instance_material></technique_common></bind_material></instance_geometry></node></visual_scene></library_visual_scenes>
+      <instance_material symbol="sym" target="#m">
+      <bind_vertex_input semantic="C" input_semantic="TEXCOORD" input_set="1"/>
+      </instance_material></technique_common></bind_material></instance_geometry></node>
+      </visual_scene></library_visual_scenes>
   <scene><instance_visual_scene url="#sc"/></scene>
 </COLLADA>"##
     )
@@ -142,7 +145,7 @@ fn collada_units_become_metres() {
 }
 
 #[test]
-fn collada_with_y_up_is_stood_upright() {
+fn collada_with_y_up_is_rotated() {
     let asset = r#"<unit meter="1"/><up_axis>Y_UP</up_axis>"#;
     let found = Place::new().mesh_corners("a.dae", &dae(asset, ""));
     assert!(
@@ -162,7 +165,7 @@ fn collada_transforms_apply_in_turn() {
 }
 
 #[test]
-fn a_collada_matrix_silences_the_other_transforms_as_in_gazebo() {
+fn a_collada_matrix_replaces_the_other_transforms_as_in_gazebo() {
     let matrix = "<matrix>1 0 0 0 0 1 0 0 0 0 1 7 0 0 0 1</matrix>";
     let steps = format!("{matrix}<translate>5 0 0</translate><scale>9 9 9</scale>");
     let found = Place::new().mesh_corners("a.dae", &dae("<up_axis>Z_UP</up_axis>", &steps));
@@ -185,10 +188,11 @@ fn a_mirrored_mesh_keeps_its_outside() {
 }
 
 #[test]
-fn stl_and_obj_stay_in_their_own_numbers() {
+fn stl_and_obj_keep_their_own_units() {
     let place = Place::new();
     let obj = place.mesh_corners("a.obj", "v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n");
-    let stl = "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 2 0\nendloop\nendfacet\nendsolid s\n";
+    let stl = "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 2 0\n\
+    endloop\nendfacet\nendsolid s\n";
     let stl = place.mesh_corners("a.stl", stl);
     assert!(
         close(&obj, &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]]),
@@ -198,7 +202,7 @@ fn stl_and_obj_stay_in_their_own_numbers() {
 }
 
 #[test]
-fn images_are_found_among_the_models_textures_and_the_bound_coordinates_used() {
+fn images_are_found_among_the_textures_of_the_model_with_the_bound_coordinates() {
     let place = Place::new();
     let skin = place
         .folder
@@ -239,19 +243,22 @@ fn images_are_found_among_the_models_textures_and_the_bound_coordinates_used() {
 fn thing(in_mesh: &str, in_visual: &str) -> String {
     format!(
         "<model name='thing'><link name='l'><visual name='v'><geometry><mesh>\
-         <uri>model://thing/meshes/a.dae</uri>{in_mesh}</mesh></geometry>{in_visual}</visual></link></model>"
+         <uri>model://thing/meshes/a.dae</uri>{in_mesh}</mesh></geometry>{in_visual}</visual>\
+         </link></model>"
     )
 }
 
 #[test]
-fn a_script_wins_over_the_meshs_materials_and_holes_are_known() {
+fn a_script_takes_precedence_over_the_materials_of_the_mesh() {
     let place = Place::new();
     place.file("models/thing/meshes/a.dae", &dae(CENTIMETRES, ""));
     place.file(
         "models/thing/materials/scripts/t.material",
-        "material T/Leaf { technique { pass {\n diffuse 0 1 0\n alpha_rejection greater 128\n } } }",
+        "material T/Leaf { technique { pass {\n diffuse 0 1 0\n alpha_rejection greater 128\n } } \
+        }",
     );
-    let visual = "<material><script><uri>model://thing/materials/scripts</uri><name>T/Leaf</name></script></material>";
+    let visual = "<material><script><uri>model://thing/materials/scripts</uri><name>T/Leaf</name>\
+    </script></material>";
     let world = place
         .import(
             &(thing(
@@ -284,10 +291,11 @@ fn an_unknown_submesh_is_a_warning() {
 }
 
 #[test]
-fn visuals_are_seen_and_collisions_touched() {
+fn visuals_are_visible_and_collisions_are_solid() {
     let cube = "<geometry><box><size>2 2 2</size></box></geometry>";
     let model = format!(
-        "<model name='wall_1'><pose>0 5 1 0 0 0</pose><link name='l'><visual name='v'>{cube}</visual></link></model>"
+        "<model name='wall_1'><pose>0 5 1 0 0 0</pose><link name='l'>\
+        <visual name='v'>{cube}</visual></link></model>"
     );
     let world = Place::new().import(&(model.clone() + DOOR)).unwrap();
     assert_eq!(corners(&world, SemanticClass::Wall).len(), 36);
@@ -308,17 +316,20 @@ fn visuals_are_seen_and_collisions_touched() {
 }
 
 #[test]
-fn the_saved_state_wins_over_models_and_links() {
+fn the_saved_state_takes_precedence_over_models_and_links() {
     let cube = "<geometry><box><size>1 1 1</size></box></geometry>";
     let model = |name: &str| {
         format!(
-            "<model name='{name}'><pose>1 0 0 0 0 0</pose><link name='a'><visual name='v'>{cube}</visual></link>\
+            "<model name='{name}'><pose>1 0 0 0 0 0</pose><link name='a'>\
+            <visual name='v'>{cube}</visual></link>\
              <link name='b'><pose>0 0 3 0 0 0</pose><visual name='v'>{cube}</visual></link></model>"
         )
     };
     let state = format!(
-        "<state world_name='default'><insertions>{}</insertions><deletions><name>gone</name></deletions>\
-         <model name='wall'><pose>0 20 0 0 0 0</pose><scale>2 1 1</scale><link name='b'><pose>0 30 0 0 0 0</pose></link></model></state>",
+        "<state world_name='default'><insertions>{}</insertions><deletions><name>gone</name>\
+        </deletions>\
+         <model name='wall'><pose>0 20 0 0 0 0</pose><scale>2 1 1</scale><link name='b'>\
+         <pose>0 30 0 0 0 0</pose></link></model></state>",
         model("fence")
     );
     let world = Place::new()
@@ -356,7 +367,8 @@ fn included_models_are_found_by_their_config_named_and_placed() {
         "models/oak/model.config",
         "<model><sdf version='1.4'>old.sdf</sdf><sdf version='1.6'>new.sdf</sdf></model>",
     );
-    let sdf = "<sdf version='1.6'><model name='inner'><pose>0 0 9 0 0 0</pose><link name='l'><visual name='v'><geometry>\
+    let sdf = "<sdf version='1.6'><model name='inner'><pose>0 0 9 0 0 0</pose><link name='l'>\
+    <visual name='v'><geometry>\
         <sphere><radius>1</radius></sphere></geometry></visual></link></model></sdf>";
     place.file("models/oak/new.sdf", sdf);
     let include =
@@ -375,7 +387,8 @@ fn a_model_that_includes_itself_is_an_error() {
     let place = Place::new();
     place.file(
         "models/loop/model.sdf",
-        "<sdf version='1.6'><model name='a'><include><uri>model://loop</uri></include></model></sdf>",
+        "<sdf version='1.6'><model name='a'><include><uri>model://loop</uri></include></model>\
+        </sdf>",
     );
     let error = place
         .import(&format!("<include><uri>model://loop</uri></include>{DOOR}"))
@@ -386,8 +399,10 @@ fn a_model_that_includes_itself_is_an_error() {
 
 #[test]
 fn poses_may_be_given_in_named_frames() {
-    let model = "<model name='wall'><pose>0 5 0 0 0 0</pose><frame name='f::__model__'><pose relative_to='__model__'>1 0 0 0 0 0</pose></frame>\
-        <link name='l'><pose relative_to='f::__model__'>0 0 2 0 0 0</pose><visual name='v'><geometry><box><size>1 1 1</size></box></geometry></visual></link></model>";
+    let model = "<model name='wall'><pose>0 5 0 0 0 0</pose><frame name='f::__model__'>\
+    <pose relative_to='__model__'>1 0 0 0 0 0</pose></frame>\
+        <link name='l'><pose relative_to='f::__model__'>0 0 2 0 0 0</pose><visual name='v'>\
+        <geometry><box><size>1 1 1</size></box></geometry></visual></link></model>";
     let world = Place::new().import(&(model.to_owned() + DOOR)).unwrap();
     let found = corners(&world, SemanticClass::Wall);
     assert!(
@@ -400,7 +415,8 @@ fn poses_may_be_given_in_named_frames() {
 
 #[test]
 fn plates_become_doors_of_the_nearest_building() {
-    let elements = "<model name='any'><pose>4 0 2 0 0 0</pose><link name='l'><pose>0 0 0 0 0 1.5707963267948966</pose><visual name='v'><geometry><mesh>\
+    let elements = "<model name='any'><pose>4 0 2 0 0 0</pose><link name='l'>\
+    <pose>0 0 0 0 0 1.5707963267948966</pose><visual name='v'><geometry><mesh>\
         <uri>model://text_model2/meshes/fire2.dae</uri></mesh></geometry></visual></link></model>\
         <include><uri>model://text_model3</uri><pose>-10 1 2 0 0 0</pose></include>\
         <model name='text_model12_0'><pose>-4 0 1 0 0 -1.5707963267948966</pose></model>";
@@ -427,15 +443,18 @@ fn plates_become_doors_of_the_nearest_building() {
     );
 }
 
-/// A ground without an end, a box, a road and a door, with coordinates moved by so much.
+/// An infinite ground, a box, a road and a door, all moved by some offset.
 fn moved_world(x: f64, y: f64) -> String {
     let door = DOOR.replace("4 0 2", &format!("{} {} 2", 4.0 + x, y));
     format!(
         "<sdf version='1.7'><world name='default'>\
-         <model name='ground'><link name='l'><collision name='c'><geometry><plane/></geometry></collision></link></model>\
-         <model name='wall'><pose>{} {} 0.5 0 0 0.3</pose><link name='l'><visual name='v'><geometry><box><size>1 2 1</size></box>\
+         <model name='ground'><link name='l'><collision name='c'><geometry><plane/></geometry>\
+         </collision></link></model>\
+         <model name='wall'><pose>{} {} 0.5 0 0 0.3</pose><link name='l'><visual name='v'>\
+         <geometry><box><size>1 2 1</size></box>\
          </geometry></visual></link></model>\
-         <road name='r'><width>6</width><point>{} {y} 0</point><point>{} {y} 0</point></road>{door}</world></sdf>",
+         <road name='r'><width>6</width><point>{} {y} 0</point><point>{} {y} 0</point>\
+         </road>{door}</world></sdf>",
         2.0 + x,
         7.0 + y,
         x - 20.0,
@@ -468,11 +487,13 @@ fn images_become_hills_and_walls() {
     );
     let shape =
         |kind: &str, inner: &str| format!("<{kind} name='s'><geometry>{inner}</geometry></{kind}>");
-    let hill = "<heightmap><uri>model://hill/hill.png</uri><size>20 20 5</size><pos>0 0 -1</pos></heightmap>";
+    let hill = "<heightmap><uri>model://hill/hill.png</uri><size>20 20 5</size><pos>0 0 -1</pos>\
+    </heightmap>";
     let plan =
         "<image><uri>model://plan/plan.png</uri><scale>0.5</scale><height>2</height></image>";
     let elements = format!(
-        "<model name='terrain'><link name='l'>{}{}</link></model><model name='wall'><link name='l'>{}</link></model>{DOOR}",
+        "<model name='terrain'><link name='l'>{}{}</link></model><model name='wall'>\
+        <link name='l'>{}</link></model>{DOOR}",
         shape("visual", hill),
         shape("collision", hill),
         shape("visual", plan)
@@ -522,7 +543,7 @@ fn coordinates_of_millions_of_metres_give_the_same_world() {
         "{:?}",
         far.warnings
     );
-    // Nobody said where to start, and the file's origin is an ocean away: before the door.
+    // Without a start, and with the origin of the file far away: in front of the door.
     assert!(
         (2.0..4.0).contains(&far.start.point().distance(door)),
         "{:?}",
@@ -547,9 +568,11 @@ fn coordinates_of_millions_of_metres_give_the_same_world() {
 }
 
 #[test]
-fn roads_are_laid_on_the_ground_and_seen_but_not_touched() {
-    let elements = "<model name='ground_plane'><pose>0 0 -0.1 0 0 0</pose><link name='l'><visual name='v'><geometry><plane><normal>0 0 1</normal>\
-        <size>100 100</size></plane></geometry></visual></link></model><road name='r'><width>6</width><point>-20 0 0.01</point><point>20 0 0.01</point></road>";
+fn roads_are_visible_on_the_ground_and_not_solid() {
+    let elements = "<model name='ground_plane'><pose>0 0 -0.1 0 0 0</pose><link name='l'>\
+    <visual name='v'><geometry><plane><normal>0 0 1</normal>\
+        <size>100 100</size></plane></geometry></visual></link></model><road name='r'>\
+        <width>6</width><point>-20 0 0.01</point><point>20 0 0.01</point></road>";
     let world = Place::new().import(&(elements.to_owned() + DOOR)).unwrap();
     let road = corners(&world, SemanticClass::Road);
     assert!(
@@ -564,11 +587,12 @@ fn roads_are_laid_on_the_ground_and_seen_but_not_touched() {
 }
 
 #[test]
-fn what_cannot_be_imported_is_said_with_its_place() {
+fn errors_have_the_place_of_what_cannot_be_imported() {
     let place = Place::new();
     let model = |geometry: &str| {
         format!(
-            "<model name='m'><link name='l'><visual name='v'><geometry>{geometry}</geometry></visual></link></model>{DOOR}"
+            "<model name='m'><link name='l'><visual name='v'><geometry>{geometry}</geometry>\
+            </visual></link></model>{DOOR}"
         )
     };
     let cases = [
@@ -616,7 +640,7 @@ fn a_map_without_buildings_is_an_error() {
 }
 
 #[test]
-fn broken_meshes_are_errors_that_name_the_file() {
+fn broken_meshes_are_errors_with_their_file() {
     let good = dae(CENTIMETRES, "");
     let cases = [
         (good[..good.len() / 2].to_owned(), "a.dae:"),
@@ -661,10 +685,11 @@ fn broken_meshes_are_errors_that_name_the_file() {
 }
 
 #[test]
-fn what_is_harmless_is_counted() {
+fn harmless_elements_are_counted() {
     let shape = "<visual name='v'><geometry><capsule/></geometry></visual>";
     let elements = format!(
-        "<actor name='a'/><light name='l' type='point'/><model name='m'><link name='l'>{shape}{shape}</link></model>{DOOR}"
+        "<actor name='a'/><light name='l' type='point'/><model name='m'>\
+        <link name='l'>{shape}{shape}</link></model>{DOOR}"
     );
     let warnings = Place::new().import(&elements).unwrap().warnings;
     assert!(
@@ -677,7 +702,7 @@ fn what_is_harmless_is_counted() {
 }
 
 #[test]
-fn deep_nests_are_survived() {
+fn deep_nesting_does_not_overflow() {
     let nest = |tag: &str, count: usize| {
         format!(
             "{}{}",
@@ -698,10 +723,11 @@ fn deep_nests_are_survived() {
 }
 
 #[test]
-fn every_cut_of_a_world_is_an_answer_and_no_panic() {
+fn no_truncation_of_a_world_panics() {
     let place = Place::new();
     let text = format!(
-        "<sdf version='1.7'><world name='default'><road name='r'><width>6</width><point>-20 0 0.01</point><point>20 0 0.01</point></road>{DOOR}</world></sdf>"
+        "<sdf version='1.7'><world name='default'><road name='r'><width>6</width>\
+        <point>-20 0 0.01</point><point>20 0 0.01</point></road>{DOOR}</world></sdf>"
     );
     for end in 0..text.len() {
         assert!(place.import_text(&text[..end]).is_err());
@@ -711,9 +737,11 @@ fn every_cut_of_a_world_is_an_answer_and_no_panic() {
 
 #[test]
 fn each_model_is_an_object() {
-    let cube = "<link name='l'><visual name='v'><geometry><box><size>1 1 1</size></box></geometry></visual></link>";
+    let cube = "<link name='l'><visual name='v'><geometry><box><size>1 1 1</size></box></geometry>\
+    </visual></link>";
     let elements = format!(
-        "<model name='oak_tree_1'>{cube}</model><model name='shed'>{cube}<model name='inner'>{cube}</model></model>{DOOR}"
+        "<model name='oak_tree_1'>{cube}</model>\
+        <model name='shed'>{cube}<model name='inner'>{cube}</model></model>{DOOR}"
     );
     let scene = Place::new().import(&elements).unwrap().scene;
     let names: Vec<&str> = scene.objects.iter().map(|o| &*o.name).collect();
@@ -727,8 +755,8 @@ fn each_model_is_an_object() {
 }
 
 #[test]
-fn triangles_whose_corners_are_no_numbers_are_left_out_and_counted() {
-    // STL has no words for it, but binary files hold it.
+fn triangles_with_non_finite_corners_are_left_out_and_counted() {
+    // ASCII STL cannot express it, but binary files can.
     let place = Place::new();
     let vertex = |x: f32| {
         [
@@ -760,7 +788,8 @@ fn triangles_whose_corners_are_no_numbers_are_left_out_and_counted() {
     .unwrap();
     place.file(
         "models/thing/meshes/b.obj",
-        "v 0 0 0\nv 1 0 0\nv nan 1 0\nv 1 inf 0\nv 0 1 1e30\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 2 5\nf 1 2 6\n",
+        "v 0 0 0\nv 1 0 0\nv nan 1 0\nv 1 inf 0\nv 0 1 1e30\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 2 5\n\
+        f 1 2 6\n",
     );
     for (mesh, center) in [
         ("a.stl", ""),
@@ -772,7 +801,8 @@ fn triangles_whose_corners_are_no_numbers_are_left_out_and_counted() {
     ] {
         let shape = |tag: &str| {
             format!(
-                "<{tag} name='v'><geometry><mesh><uri>model://thing/meshes/{mesh}</uri>{center}</mesh></geometry></{tag}>"
+                "<{tag} name='v'><geometry><mesh>\
+                <uri>model://thing/meshes/{mesh}</uri>{center}</mesh></geometry></{tag}>"
             )
         };
         let link = format!(

@@ -1,6 +1,6 @@
 //! The published worlds, where they are: `../shared/data` beside the workspace.
 
-// Whoever runs the tests is told which of them found nothing to test.
+// Tests report when they are skipped for lack of data.
 #![allow(clippy::print_stderr)]
 
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ fn data() -> Option<PathBuf> {
         .then_some(data)
 }
 
-/// The published world `name`; nothing, said aloud, where the data is absent.
+/// The published world `name`; `None`, with a message, if the data is absent.
 fn published(name: &str) -> Option<World> {
     let Some(data) = data() else {
         eprintln!("skipped: ../shared/data is absent");
@@ -71,7 +71,8 @@ fn cast(origin: Point3<f64>, direction: Vector3<f64>, triangles: &[[[f32; 3]; 3]
     triangles.iter().filter_map(hit).min_by(f64::total_cmp)
 }
 
-/// Doors whose plate cannot be seen from three of seven places 1.5 m before it, up to 45 degrees aside: porches have posts, doors have niches.
+/// Doors whose plate is visible from fewer than three of seven places 1.5 m in front of it, up to
+/// 45 degrees aside: porches have posts, doors have niches.
 fn hidden_plates(scene: &Scene) -> Vec<String> {
     let corners = |t: &Triangle| t.corners.map(|i| scene.vertices[i as usize].position);
     let triangles: Vec<[[f32; 3]; 3]> = scene.triangles.iter().map(corners).collect();
@@ -139,7 +140,7 @@ fn medium_is_imported_in_two_seconds() {
         world.scene.triangles.len(),
         world.scene.textures.len()
     );
-    // Twice the aim, for machines that do other things meanwhile.
+    // Twice the goal, since other work may be running on the machine.
     assert!(seconds < 4.0, "{seconds}");
 }
 

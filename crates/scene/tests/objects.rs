@@ -1,4 +1,4 @@
-//! Which thing each visible triangle belongs to.
+//! The objects that visible triangles belong to.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -25,7 +25,7 @@ fn every_triangle_of_a_generated_world_belongs_to_an_object() {
 }
 
 #[test]
-fn houses_doors_trees_and_cars_are_told_apart_and_named() {
+fn houses_doors_trees_and_cars_are_named_objects() {
     let world = small();
     let scene = &world.scene;
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
@@ -42,7 +42,7 @@ fn houses_doors_trees_and_cars_are_told_apart_and_named() {
 }
 
 #[test]
-fn an_object_s_triangles_are_of_its_kind() {
+fn triangles_have_the_class_of_their_object() {
     let scene = small().scene;
     for (triangle, number) in scene.triangles.iter().zip(&scene.object_numbers) {
         let class = scene.materials[triangle.material.0 as usize].class;
@@ -107,7 +107,7 @@ fn a_car_is_solid_where_it_is_seen() {
                 let apart = seen
                     .zip(solid)
                     .map_or(0.0, |(seen, solid)| (seen - solid).abs());
-                // Windows, rims and lamps lie a little before what is solid.
+                // Windows, rims and lamps lie slightly in front of the solid surface.
                 assert!(
                     seen.is_some() == solid.is_some() && apart < 0.03,
                     "car {look} from {from:?}: seen at {seen:?} m, solid at {solid:?} m"

@@ -1,4 +1,5 @@
-//! Water and kerbs stop a robot, bridges and paths lead over them; buildings have the parts that are mapped.
+//! Water and kerbs stop a robot, bridges and paths lead across them; buildings have the parts that
+//! are mapped.
 
 mod maps;
 
@@ -30,10 +31,10 @@ fn bare() -> GenerateOptions {
 }
 
 #[test]
-fn the_sea_is_water_and_nobody_starts_in_it() {
+fn the_sea_is_water_and_no_robot_starts_in_it() {
     let (mut data, georeference) =
         row_of_houses(2, &[("highway", "residential")], &[("building", "yes")]);
-    // Land on the left: the sea begins 10 m south of the street and goes on.
+    // Land is on the left: the sea begins 10 m south of the street and has no other shore.
     let projection = openbench_osm::Projection::new(georeference);
     for (id, x) in [(901, -2_000.0), (902, 2_000.0)] {
         let position = projection.to_lonlat(MapPoint::new(x, -10.0));
@@ -152,14 +153,14 @@ fn a_river_stops_a_robot_and_a_bridge_leads_over_it() {
         assert!(!over.is_reachable(wet), "{wet}");
     }
     assert!(over.is_reachable(MapPoint::new(38.0, 20.0)), "the bank");
-    // Without the bridge nobody gets over, not even round the end of the world.
+    // Without the bridge the other side cannot be reached, not even around the end of the world.
     let none = reach(&world(&[("highway", "residential"), ("tunnel", "yes")]));
     assert!(none.is_reachable(MapPoint::new(20.0, 0.0)), "this side");
     assert!(!none.is_reachable(far), "the other side");
 }
 
 #[test]
-fn nobody_gets_into_the_sea_but_a_pier_leads_out() {
+fn no_robot_gets_into_the_sea_but_a_pier_leads_out() {
     let (mut data, georeference) =
         row_of_houses(2, &[("highway", "residential")], &[("building", "yes")]);
     let projection = openbench_osm::Projection::new(georeference);
@@ -211,7 +212,7 @@ fn nobody_gets_into_the_sea_but_a_pier_leads_out() {
     ] {
         assert!(!space.is_reachable(wet), "{wet}");
     }
-    // No ground under the sea for the sea to show through, and no hole between the two.
+    // No ground under the sea that it would show through, and no gap between the two.
     let caster = caster(&world);
     let depth = |x: f32, y: f32| {
         let hit = caster
@@ -244,7 +245,7 @@ fn top(caster: &RayCaster, x: f32, y: f32) -> f32 {
 }
 
 #[test]
-fn parts_stand_for_the_outline_that_they_cover() {
+fn parts_replace_the_outline_that_they_cover() {
     let outline = rectangle((0.0, 5.0), (30.0, 17.0));
     let low = rectangle((0.0, 5.0), (15.0, 17.0));
     let high = rectangle((15.0, 5.0), (30.0, 17.0));
@@ -324,7 +325,7 @@ fn a_tower_rises_from_a_church_that_has_no_other_parts() {
     );
 }
 
-/// A street with a raised kerb beside it for 80 m, and what `more` adds.
+/// A street with a raised kerb beside it for 80 m, and the ways in `more`.
 fn beside_a_kerb(kerb: &[(&str, &str)], more: &[WayOf]) -> World {
     let line: &[(f64, f64)] = &[
         (-40.0, 8.0),

@@ -1,8 +1,9 @@
 //! Blocks of rays from one point, as a camera casts them.
 //!
-//! Neighbouring packets of a picture go through nearly the same nodes of the tree. A beam is the four-sided cone round all of a block's rays:
-//! one test of it, six products for each of its planes, says whether any ray can enter a node, and single packets are looked at only in
-//! leaves. After Reshetov, Soupikov and Hurley, *Multi-Level Ray Tracing Algorithm*, 2005.
+//! Neighbouring packets of an image traverse nearly the same nodes of the tree. A beam is the
+//! four-sided cone around all rays of a block. One test of it, six products for each of its planes,
+//! decides whether any ray can enter a node; single packets are tested in leaves only. After
+//! Reshetov, Soupikov and Hurley, *Multi-Level Ray Tracing Algorithm*, 2005.
 
 use super::branchless::mask;
 use super::dispatch::{Kernel, widest};
@@ -11,22 +12,26 @@ use super::packet::{LANES, PACKET_STACK, PacketHits, RayPacket, Triangles, Visit
 use super::tree::TriangleBvh;
 use super::triangle::Hit;
 
-/// Planes of a beam: four sides and the far end; the others hold everything.
+/// Planes of a beam: four sides and the far end. The others contain everything.
 const PLANES: usize = 8;
-/// Which of them is the far end.
+/// Index of the far end.
 const FAR: usize = 4;
-/// By how much beams are wider than their rays, so that rounding loses nothing: metres, and for each metre of the scene's largest coordinate.
-/// Enough for views of up to 165 degrees.
-const SLACK: (f32, f32) = (1e-3, 1e-6);
+/// Margin of a beam around its rays, so that rounding loses no hit, metres. Enough for views of up
+/// to 165 degrees.
+const SLACK_M: f32 = 1e-3;
+/// The same for each metre of the scene's largest coordinate.
+const RELATIVE_SLACK: f32 = 1e-6;
 
-/// Half-spaces that all rays of a block lie in: those of x with `normal · x >= offset`.
+/// Half-spaces that contain all rays of a block: those of x with `normal · x >= offset`.
 #[derive(Debug, Clone, Copy)]
 pub struct Beam {
-    /// The parts of the normals above zero and below, so that the box's corner which reaches furthest in needs no choice.
+    /// The parts of the normals above zero and below. With them the corner of a box that lies
+    /// farthest inside needs no choice.
     above: [[f32; PLANES]; 3],
     below: [[f32; PLANES]; 3],
     offset: [f32; PLANES],
-    /// Offset of the far end for rays of no length, and by how much it falls for each length of a direction.
+    /// Offset of the far end for rays of no length, and its decrease for each length of a
+    /// direction.
     near: f32,
     stride: f32,
     /// Largest coordinate of the origin.
@@ -34,7 +39,8 @@ pub struct Beam {
 }
 
 impl Beam {
-    /// The beam of rays from `origin` whose directions lie between four `corners`, given in order round.
+    /// The beam of rays from `origin` whose directions lie between four `corners`, in order around
+    /// it.
     #[inline(always)]
     pub fn new(origin: [f32; 3], corners: &[[f32; 3]; 4]) -> Self {
         let mut beam = Self {
@@ -53,7 +59,8 @@ impl Beam {
                 middle[axis] += 0.25 * wide[axis];
             }
         }
-        // In double precision: the corners are close to each other, and what is left of their differences would be noise.
+        // In double precision: the corners are close to each other, and in single precision only
+        // noise would be left of their differences.
         for side in 0..4 {
             let normal = cross(wide[side], wide[(side + 1) % 4]);
             let inward = if dot(normal, middle) < 0.0 { -1.0 } else { 1.0 };
@@ -85,21 +92,21 @@ impl Beam {
         ) as f32;
     }
 
-    /// Widens the beam for rounding in the scene under this node.
+    /// Widens the beam to allow for rounding in the scene under this node.
     #[inline(always)]
     fn widen(&mut self, root: &Node) {
         let mut extent = self.extent;
         for corner in root.min.iter().chain(&root.max) {
             extent = extent.max(corner.abs());
         }
-        let slack = SLACK.0 + SLACK.1 * extent;
+        let slack = SLACK_M + RELATIVE_SLACK * extent;
         for offset in &mut self.offset {
             *offset -= slack;
         }
         self.near -= slack;
     }
 
-    /// Ends the beam where the longest ray does.
+    /// Moves the far end to where the longest ray ends.
     #[inline(always)]
     fn end<const K: usize>(&mut self, hits: &[PacketHits; K]) {
         let mut furthest = [0.0_f32; LANES];
@@ -123,7 +130,8 @@ impl Beam {
     fn enters(&self, node: &Node) -> bool {
         let mut outside = [0_u32; PLANES];
         for (plane, outside) in outside.iter_mut().enumerate() {
-            // How far the box reaches in. Where a beam is broken this is NaN, and nothing is left out.
+            // How far the box reaches inside. For a broken beam this is NaN, and no node is left
+            // out.
             let reach = self.above[0][plane] * node.max[0]
                 + self.below[0][plane] * node.min[0]
                 + (self.above[1][plane] * node.max[1] + self.below[1][plane] * node.min[1])
@@ -135,8 +143,11 @@ impl Beam {
 }
 
 impl TriangleBvh {
-    /// What each ray of a block of packets hits first, all of them within `beam` and from its origin; hits of masked triangles only where
-    /// `opaque` says so. Of triangles at one distance it need not be the same as for a packet alone.
+    /// The first hit of each ray of a block of packets. All rays lie within `beam` and begin at its
+    /// origin. Hits of masked triangles count only where `opaque` is true.
+    ///
+    /// Where several triangles are hit at one distance, the triangle may differ from that of
+    /// [`cast_packet`](Self::cast_packet).
     #[inline(always)]
     pub fn cast_block<const K: usize>(
         &self,
@@ -164,7 +175,7 @@ impl TriangleBvh {
     }
 }
 
-/// What the rays of a beam hit first in a tree no deeper than [`PACKET_STACK`].
+/// Finds the first hits of the rays of a beam in a tree no deeper than [`PACKET_STACK`].
 struct CastBeam<'a, F, const K: usize> {
     tree: &'a TriangleBvh,
     beam: &'a Beam,
@@ -259,7 +270,8 @@ mod tests {
 
     const SIDE: usize = 8;
 
-    /// The rays of a block of 8 x 8 pixels, as tiles of 4 x 4, that looks along a turn of the x axis, `angle` radians a pixel.
+    /// The rays of a block of 8 x 8 pixels, as tiles of 4 x 4, in the direction of a rotated x
+    /// axis; `angle` radians a pixel.
     fn block(origin: [f32; 3], turn: [f64; 3], angle: f64) -> ([RayPacket; 4], Beam) {
         let turn = UnitQuaternion::from_euler_angles(turn[0], turn[1], turn[2]);
         let along = |u: usize, v: usize| {
@@ -299,7 +311,8 @@ mod tests {
             away in prop_oneof![Just(0.0_f32), Just(900.0), Just(-40_000.0)],
         ) {
             let moved = |p: [f32; 3]| p.map(|c| c + away);
-            let corners = soup.iter().map(|(at, t)| t.map(|c| moved([0, 1, 2].map(|axis| at[axis] + c[axis]))));
+            let corner = |at: &[f32; 3], c: [f32; 3]| moved([0, 1, 2].map(|i| at[i] + c[i]));
+            let corners = soup.iter().map(|(at, t)| t.map(|c| corner(at, c)));
             let tree = TriangleBvh::masked(corners, |i| i % 3 == 0);
             let opaque = |hit: &Hit| hit.u > 0.3;
             let (packets, beam) = block(moved(origin), turn, angle);

@@ -1,21 +1,25 @@
-//! The widest vector instructions that the machine has, chosen at run time. All `unsafe` of this workspace is here.
+//! The widest vector instructions of the machine, chosen at run time. All `unsafe` of this
+//! workspace is here.
 //!
-//! The workspace is compiled for any x86-64, whose baseline has vectors of four numbers. In a trial of the traversal alone (the triangles of
-//! published `medium`, holes not regarded, one core) a LiDAR ray took 149 ns with them, 101 ns with AVX2, 71 ns with AVX-512. The code is the same; only the instructions differ, and none of
-//! them is fused, so the results have the same bits (`every_instruction_set_gives_the_same_bits`).
+//! The workspace is compiled for any x86-64, whose baseline has vectors of four numbers. In a trial
+//! of the traversal alone a LiDAR ray took 149 ns with them, 101 ns with AVX2, 71 ns with AVX-512.
+//! (The triangles of published `medium`, holes ignored, one core.) The code is the same and only
+//! the instructions differ. None of them is fused, so the results have the same bits
+//! (`every_instruction_set_gives_the_same_bits`).
 
 use std::sync::LazyLock;
 
-/// Loops over lanes that gain from wide vectors.
+/// Loops over lanes that benefit from wide vectors.
 pub trait Kernel {
-    /// What comes of it.
+    /// Result of the work.
     type Output;
 
-    /// Does the work. It must be `#[inline(always)]`, and so must be what its loops call: what is not inlined keeps the baseline's instructions.
+    /// Does the work. It must be `#[inline(always)]`, and so must everything that its loops call:
+    /// code that is not inlined keeps the instructions of the baseline.
     fn run(self) -> Self::Output;
 }
 
-/// Does a kernel's work with the widest vectors of this machine.
+/// Runs a kernel with the widest vectors of this machine.
 #[inline]
 pub fn widest<K: Kernel>(kernel: K) -> K::Output {
     static WIDEST: LazyLock<Vectors> = LazyLock::new(|| {
@@ -35,12 +39,12 @@ enum Instructions {
     Avx512,
 }
 
-/// A set of vector instructions that this machine has: only [`Vectors::available`] makes them.
+/// A set of vector instructions that this machine has; only [`Vectors::available`] makes them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Vectors(Instructions);
 
 impl Vectors {
-    /// Those that this machine has, the widest last.
+    /// The sets that this machine has, the widest last.
     pub fn available() -> Vec<Self> {
         let mut sets = vec![Self(Instructions::Baseline)];
         #[cfg(target_arch = "x86_64")]
@@ -59,7 +63,7 @@ impl Vectors {
         sets
     }
 
-    /// Does a kernel's work with these instructions.
+    /// Runs a kernel with these instructions.
     #[cfg_attr(
         target_arch = "x86_64",
         expect(unsafe_code, reason = "the machine has what is called, see `Vectors`")
@@ -68,7 +72,8 @@ impl Vectors {
     pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
         match self.0 {
             Instructions::Baseline => kernel.run(),
-            // SAFETY: `available` lists only sets that `is_x86_feature_detected!` found on this machine.
+            // SAFETY: `available` lists only sets that `is_x86_feature_detected!` found on this
+            // machine.
             #[cfg(target_arch = "x86_64")]
             Instructions::Avx2 => unsafe { run_avx2(kernel) },
             // SAFETY: as above.

@@ -1,7 +1,8 @@
 //! Rigid figures that are placed anew for each instant, in a small tree over their boxes.
 //!
-//! The trees of the figures never change: rays are taken into a figure's own axes. A moving figure is thus no dearer to see than a standing
-//! one, and a step costs only the sort of as many boxes as there are figures.
+//! The trees of the figures never change: rays are transformed into the axes of a figure. A moving
+//! figure therefore costs a ray no more than a standing one, and a step costs only the sort of as
+//! many boxes as there are figures.
 
 use nalgebra::Vector3;
 use openbench_core::Pose3;
@@ -14,17 +15,19 @@ use super::packet::{
 use super::tree::TriangleBvh;
 use super::triangle::{Hit, MISS};
 
-/// Longest time before the instant at which a ray may be cast, seconds: a LiDAR's scan.
+/// Longest time before the instant at which a ray may be cast, seconds: the duration of a LiDAR
+/// scan.
 pub const SWEEP: f32 = 0.1;
 
 /// A figure at an instant.
 #[derive(Debug, Clone, Copy)]
 pub struct Placed {
-    /// Which of the figures.
+    /// Index of the figure.
     pub figure: usize,
-    /// Where its origin is and how it is turned, in `map`.
+    /// Pose of its origin in `map`.
     pub pose: Pose3,
-    /// Velocity in `map`, m/s: rays that were cast a little before the instant see it where it was then.
+    /// Velocity in `map`, m/s: rays that were cast before the instant see the figure where it was
+    /// then.
     pub velocity: [f32; 3],
 }
 
@@ -55,13 +58,14 @@ struct Bounds {
 }
 
 impl Movers {
-    /// Whether there is nothing.
+    /// Whether there are no figures.
     pub fn is_empty(&self) -> bool {
         self.frames.is_empty()
     }
 
-    /// Places figures; those placed before are gone. The number of a mover is its place in `placed`. Those without finite numbers, without
-    /// triangles or with an unknown figure are seen by no ray.
+    /// Places figures instead of those placed before. The number of a mover is its index in
+    /// `placed`. No ray sees figures without finite numbers, without triangles or with an unknown
+    /// index.
     pub fn place(&mut self, figures: &[Figure], placed: impl Iterator<Item = Placed>) {
         self.nodes.clear();
         self.frames.clear();
@@ -81,7 +85,7 @@ impl Movers {
         }
     }
 
-    /// A direction in the axes of a mover's figure as one in `map`.
+    /// A direction in the axes of a mover's figure, transformed to `map`.
     #[inline]
     pub fn turn(&self, mover: u32, v: [f32; 3]) -> [f32; 3] {
         let Some(frame) = self.frames.get(mover as usize) else {
@@ -91,7 +95,8 @@ impl Movers {
         [0, 1, 2].map(|i| x[i] * v[0] + y[i] * v[1] + z[i] * v[2])
     }
 
-    /// Makes the node `at` over these boxes: halves along the axis in which their middles spread most.
+    /// Makes the node `at` over these boxes: halves along the axis in which their middles spread
+    /// most.
     fn split(&mut self, at: usize, boxes: &mut [(u32, Bounds)]) {
         if let [(mover, bounds)] = boxes {
             self.nodes[at] = Node {
@@ -149,16 +154,17 @@ impl Frame {
                 bounds.max[i] += a.max(b);
             }
             let before = -self.velocity[i] * SWEEP;
-            // A little room for rounding.
+            // Allow for rounding.
             bounds.min[i] += before.min(0.0) - 1e-3;
             bounds.max[i] += before.max(0.0) + 1e-3;
         }
         bounds
     }
 
-    /// The rays in the figure's axes, as far as they have got. `lags` say how long before the instant each was cast, seconds, negative.
+    /// The rays in the figure's axes, up to their hits so far. `lags` are the times at which they
+    /// were cast, seconds relative to the instant, negative.
     #[inline(always)]
-    fn take_in(&self, rays: &RayPacket, lags: &Lane, limit: &Lane) -> RayPacket {
+    fn transformed(&self, rays: &RayPacket, lags: &Lane, limit: &Lane) -> RayPacket {
         let mut taken = RayPacket {
             limit: *limit,
             ..RayPacket::idle()
@@ -205,7 +211,7 @@ fn around(boxes: &[(u32, Bounds)]) -> Option<Bounds> {
     })
 }
 
-/// Which movers the rays hit before what they have hit so far.
+/// Finds the movers that the rays hit before their hits so far.
 pub(crate) struct CastAmong<'a, F> {
     pub(crate) movers: &'a Movers,
     pub(crate) figures: &'a [Figure],
@@ -253,7 +259,7 @@ impl<F: Fn(&Hit) -> bool> Visit for Boxes<'_, F> {
     fn leaf(&mut self, node: &Node, hits: &mut PacketHits) {
         let frame = &self.movers.frames[node.first as usize];
         let tree = &self.figures[frame.figure as usize];
-        let taken = frame.take_in(self.rays, self.lags, &hits.distance);
+        let taken = frame.transformed(self.rays, self.lags, &hits.distance);
         let mut found = PacketHits::none(&taken);
         if tree.depth >= PACKET_STACK {
             tree.cast_each(&taken, self.opaque, &mut found);
@@ -270,7 +276,8 @@ impl<F: Fn(&Hit) -> bool> Visit for Boxes<'_, F> {
     }
 }
 
-/// Takes over what was found. Distances were limited by those of `hits`, so whatever was found is nearer.
+/// Copies the hits that were found. Their distances were limited by those of `hits`, so they are
+/// nearer.
 #[inline(always)]
 fn merge(hits: &mut PacketHits, found: &PacketHits, mover: u32) {
     for lane in 0..LANES {
@@ -369,10 +376,14 @@ mod tests {
             let found = among(&movers, &figures, &rays, lag);
             let all = places.iter().flat_map(|place| moved(&soups[place.figure], place, lag));
             let standing = TriangleBvh::new(all).cast_packet(&rays);
-            // Rounding decides at edges, so not every lane need agree; but most do in every case.
-            let near = |lane: usize| (found.distance[lane] - standing.distance[lane]).abs() < 1e-3 * standing.distance[lane];
+            // Rounding decides at edges, so a lane may differ; most agree in every case.
+            let near = |lane: usize| {
+                let expected = standing.distance[lane];
+                (found.distance[lane] - expected).abs() < 1e-3 * expected
+            };
             let differing = (0..LANES).filter(|&lane| !near(lane)).count();
-            prop_assert!(differing <= 1, "{differing} lanes: {:?} {:?}", found.distance, standing.distance);
+            let distances = (found.distance, standing.distance);
+            prop_assert!(differing <= 1, "{differing} lanes: {distances:?}");
             for lane in (0..LANES).filter(|&lane| found.triangle[lane] != MISS) {
                 let figure = places[found.mover[lane] as usize].figure;
                 prop_assert_eq!(u32::from(found.triangle[lane] >= second), figure as u32);
@@ -385,7 +396,8 @@ mod tests {
             places in prop::collection::vec(placed(), 1..12),
             rays in prop::collection::vec((within(10.0), within(1.0)), LANES),
         ) {
-            let figures = [TriangleBvh::new(soup.iter().copied()), TriangleBvh::new(soup.iter().copied())];
+            let figure = || TriangleBvh::new(soup.iter().copied());
+            let figures = [figure(), figure()];
             let mut movers = Movers::default();
             movers.place(&figures, places.iter().copied());
             let rays = packet(&rays);
@@ -393,8 +405,14 @@ mod tests {
             for vectors in Vectors::available() {
                 let mut hits = PacketHits::none(&rays);
                 let (opaque, lags) = (|hit: &Hit| hit.u < 0.7, [-0.03; LANES]);
-                let cast = CastAmong { movers: &movers, figures: &figures, rays: &rays, lags: &lags, opaque: &opaque, hits: &mut hits };
-                vectors.run(cast);
+                vectors.run(CastAmong {
+                    movers: &movers,
+                    figures: &figures,
+                    rays: &rays,
+                    lags: &lags,
+                    opaque: &opaque,
+                    hits: &mut hits,
+                });
                 seen.push((hits.distance.map(f32::to_bits), hits.triangle, hits.mover));
             }
             prop_assert!(seen.windows(2).all(|w| w[0] == w[1]));
@@ -402,7 +420,7 @@ mod tests {
     }
 
     #[test]
-    fn what_stands_in_front_hides_movers_and_what_is_behind_does_not() {
+    fn standing_triangles_in_front_hide_movers_and_those_behind_do_not() {
         let wall = |x: f32| [[x, -5.0, -5.0], [x, 5.0, -5.0], [x, 0.0, 9.0]];
         let figures = [TriangleBvh::new([wall(0.0)].into_iter())];
         let mut movers = Movers::default();
@@ -433,7 +451,7 @@ mod tests {
     }
 
     #[test]
-    fn nobody_without_numbers_triangles_or_figure_is_seen() {
+    fn figures_without_numbers_triangles_or_index_are_not_seen() {
         let figures = [TriangleBvh::new(std::iter::empty())];
         let place = |figure: usize, x: f64| Placed {
             figure,

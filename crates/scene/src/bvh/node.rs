@@ -2,7 +2,7 @@
 
 use super::branchless::{lower, upper};
 
-/// A box. Two siblings share a line of the cache.
+/// A box. Two siblings share a cache line.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(32))]
 pub(super) struct Node {
@@ -10,8 +10,8 @@ pub(super) struct Node {
     /// First child (its sibling follows) or first triangle.
     pub(super) first: u32,
     pub(super) max: [f32; 3],
-    /// Triangles in a leaf, times 8. In an inner node: twice the axis along which its children lie apart, plus one if the first child is
-    /// the upper one.
+    /// Number of triangles in a leaf, times 8. In an inner node: twice the axis along which its
+    /// children lie apart, plus one if the first child is the upper one.
     pub(super) kind: u32,
 }
 
@@ -31,7 +31,8 @@ impl Node {
         self.kind & 1
     }
 
-    /// The children of an inner node, the nearer first for rays that run against the axes with a 1.
+    /// The children of an inner node, the nearer first, for rays that run against the axes with a
+    /// 1.
     #[inline(always)]
     pub(super) fn ordered(&self, against: &[u32; 3]) -> (u32, u32) {
         let second_first = against[self.axis()] ^ self.flipped();

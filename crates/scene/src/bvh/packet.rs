@@ -1,7 +1,8 @@
 //! Sixteen rays at once.
 //!
-//! Every step is a loop over sixteen lanes of plain arrays, without a branch in it, so that the compiler makes it one to four vector
-//! instructions of whatever machine it compiles for. No operation is fused or approximate: each instruction set gives the same bits.
+//! Every step is a loop over sixteen lanes of plain arrays without a branch. The compiler makes it
+//! one to four vector instructions of the machine that it compiles for. No operation is fused or
+//! approximate, so each instruction set gives the same bits.
 
 use super::branchless::{lower, mask, select, upper};
 use super::dispatch::{Kernel, widest};
@@ -12,13 +13,14 @@ use super::triangle::{Hit, LeafTriangle, MISS, moeller_trumbore};
 /// Rays in a packet.
 pub const LANES: usize = 16;
 
-/// Depth of tree that the packet traversal's stack has room for: each level leaves one sibling behind.
+/// Depth of the deepest tree that the stack of the packet traversal has room for: each level leaves
+/// one sibling behind.
 pub(super) const PACKET_STACK: usize = 192;
 
 /// A number for each ray.
 pub type Lane = [f32; LANES];
 
-/// Sixteen rays. Directions need not have unit length: distances count in their lengths.
+/// Sixteen rays. Directions need not have unit length: distances are in lengths of them.
 #[derive(Debug, Clone)]
 #[repr(align(64))]
 pub struct RayPacket {
@@ -26,7 +28,7 @@ pub struct RayPacket {
     pub origin: [Lane; 3],
     /// Directions: x, y, z.
     pub direction: [Lane; 3],
-    /// Distance beyond which nothing is hit; a lane with a negative one is idle.
+    /// Largest distance of a hit; a lane with a negative one is idle.
     pub limit: Lane,
 }
 
@@ -63,12 +65,12 @@ pub struct PacketHits {
     pub u: Lane,
     /// Weight of the triangle's third corner at the hit.
     pub v: Lane,
-    /// Which of the movers was hit; [`MISS`] for what stands.
+    /// Numbers of the movers that were hit; [`MISS`] for standing triangles.
     pub mover: [u32; LANES],
 }
 
 impl PacketHits {
-    /// What one ray hit; [`MISS`] as its triangle if nothing.
+    /// The hit of one ray; its triangle is [`MISS`] if it hit nothing.
     #[inline]
     pub fn hit(&self, lane: usize) -> Hit {
         Hit {
@@ -99,12 +101,12 @@ impl PacketHits {
 }
 
 impl TriangleBvh {
-    /// What each of sixteen rays hits first. Fastest when the rays are close to each other.
+    /// The first hit of each of sixteen rays. Fastest when the rays are close to each other.
     pub fn cast_packet(&self, rays: &RayPacket) -> PacketHits {
         self.cast_packet_filtered(rays, |_| true)
     }
 
-    /// The same, hits of masked triangles only where `opaque` says so.
+    /// The same; hits of masked triangles count only where `opaque` is true.
     pub fn cast_packet_filtered(
         &self,
         rays: &RayPacket,
@@ -124,7 +126,8 @@ impl TriangleBvh {
         hits
     }
 
-    /// For trees deeper than the packet's stack, which only degenerate scenes have.
+    /// Casts ray by ray: for trees deeper than the packet's stack, which only degenerate scenes
+    /// have.
     pub(super) fn cast_each(
         &self,
         rays: &RayPacket,
@@ -143,7 +146,7 @@ impl TriangleBvh {
     }
 }
 
-/// Sixteen rays with what their traversal needs.
+/// Sixteen rays prepared for a traversal.
 pub(super) struct Traversal<'a> {
     rays: &'a RayPacket,
     /// One over the directions.
@@ -174,7 +177,8 @@ impl<'a> Traversal<'a> {
 /// One over the directions.
 #[inline(always)]
 pub(super) fn invert(directions: &[Lane; 3]) -> [Lane; 3] {
-    // Loops rather than `map`, which is not inlined and thus not compiled for the chosen instructions.
+    // Loops instead of `map`, which is not inlined and therefore not compiled for the chosen
+    // instructions.
     let mut inverse = [[0.0; LANES]; 3];
     for axis in 0..3 {
         for (inverse, &along) in inverse[axis].iter_mut().zip(&directions[axis]) {
@@ -184,7 +188,7 @@ pub(super) fn invert(directions: &[Lane; 3]) -> [Lane; 3] {
     inverse
 }
 
-/// Whether any ray enters the node's box before its hit so far.
+/// Whether any ray enters the box of the node before its hit so far.
 #[inline(always)]
 pub(super) fn enters(node: &Node, origin: &[Lane; 3], inverse: &[Lane; 3], limit: &Lane) -> bool {
     let mut inside = [0_u32; LANES];
@@ -201,13 +205,14 @@ pub(super) fn enters(node: &Node, origin: &[Lane; 3], inverse: &[Lane; 3], limit
     inside.iter().fold(0, |any, lane| any | lane) != 0
 }
 
-/// What is done in a leaf. A trait and not a closure, since only what is `#[inline(always)]` is compiled for the chosen instructions.
+/// The work in a leaf. A trait instead of a closure, since only `#[inline(always)]` functions are
+/// compiled for the chosen instructions.
 pub(super) trait Visit {
     fn leaf(&mut self, node: &Node, hits: &mut PacketHits);
 }
 
-/// Goes through the leaves that the rays enter, near ones first. A box is tested when its turn comes, not when its parent is opened: by then
-/// nearer hits may have shortened the rays.
+/// Visits the leaves that the rays enter, near ones first. A box is tested when its turn comes, not
+/// when its parent is opened: by then nearer hits may have shortened the rays.
 #[inline(always)]
 pub(super) fn traverse(
     nodes: &[Node],
@@ -241,7 +246,7 @@ pub(super) fn traverse(
     }
 }
 
-/// What the rays hit first in a tree no deeper than [`PACKET_STACK`].
+/// Finds the first hits of the rays in a tree no deeper than [`PACKET_STACK`].
 pub(super) struct Cast<'a, F> {
     pub(super) tree: &'a TriangleBvh,
     pub(super) rays: &'a RayPacket,
@@ -307,7 +312,7 @@ fn intersect(triangle: &LeafTriangle, rays: &RayPacket, hits: &mut PacketHits) {
     }
 }
 
-/// As [`intersect`], but asks for each hit whether it goes through a hole.
+/// As [`intersect`], but tests each hit for a hole.
 #[inline(always)]
 fn intersect_masked(
     triangle: &LeafTriangle,
@@ -327,7 +332,8 @@ fn intersect_masked(
             hits.distance[lane],
         );
     }
-    // Most triangles are missed by all rays, and to say so takes one instruction; to say by which not takes a dozen.
+    // Most triangles are missed by all rays. That test takes one instruction; which rays hit takes
+    // a dozen.
     if inside.iter().fold(0, |any, lane| any | lane) == 0 {
         return;
     }
@@ -344,7 +350,7 @@ fn intersect_masked(
         };
         kept |= u32::from(opaque(&hit)) << lane;
     }
-    // All lanes at once: a vector read after single lanes of it were written has to wait for them.
+    // All lanes at once: reading a vector after single lanes of it were written stalls.
     for lane in 0..LANES {
         let hit = mask(kept & 1 << lane != 0);
         hits.distance[lane] = select(hit, distance[lane], hits.distance[lane]);

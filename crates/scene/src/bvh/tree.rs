@@ -8,6 +8,21 @@ use super::node::{Node, reciprocal, slab_one};
 use super::triangle::{Hit, LeafTriangle, MISS, intersect_one, leaf_triangle};
 
 /// Triangles in a tree.
+///
+/// # Example
+///
+/// A ray down from 2 m above the ground:
+///
+/// ```
+/// use openbench_scene::TriangleBvh;
+///
+/// let ground = [[-5.0, -5.0, 0.0], [5.0, -5.0, 0.0], [0.0, 5.0, 0.0]];
+/// let tree = TriangleBvh::new(std::iter::once(ground));
+/// let hit = tree.cast([0.0, 0.0, 2.0], [0.0, 0.0, -1.0], 10.0).expect("ground is below");
+/// assert_eq!((hit.triangle, hit.distance), (0, 2.0));
+/// // Nothing within 1.5 m.
+/// assert_eq!(tree.cast([0.0, 0.0, 2.0], [0.0, 0.0, -1.0], 1.5), None);
+/// ```
 #[derive(Debug, Clone)]
 pub struct TriangleBvh {
     pub(super) nodes: Vec<Node>,
@@ -21,7 +36,8 @@ impl TriangleBvh {
         Self::masked(corners, |_| false)
     }
 
-    /// The same; `masked` says of which triangles (by index) casts with a filter must ask whether a hit goes through a hole.
+    /// The same. `masked` tells for each triangle (by index) whether it may have holes, so that
+    /// casts with a filter must test its hits.
     pub fn masked(
         corners: impl Iterator<Item = [[f32; 3]; 3]>,
         masked: impl Fn(u32) -> bool,
@@ -59,7 +75,7 @@ impl TriangleBvh {
 
     /// Copies nodes and triangles in the order in which a traversal meets them, siblings in pairs.
     fn lay_out(&mut self, tree: &Bvh2, triangle: impl Fn(u32) -> LeafTriangle) {
-        // The root has no sibling; a place left empty beside it lets every pair begin at an even one.
+        // The root has no sibling. An empty place beside it lets every pair begin at an even index.
         self.nodes = vec![node(tree, 0); 2];
         let mut todo = vec![(0_u32, 0_usize, 1_usize)];
         while let Some((from, to, depth)) = todo.pop() {
@@ -81,17 +97,18 @@ impl TriangleBvh {
         }
     }
 
-    /// Lowest and highest corner of the box around everything, metres; `None` if there is nothing.
+    /// Lowest and highest corner of the box around all triangles, metres; `None` if there are none.
     pub fn bounds(&self) -> Option<([f32; 3], [f32; 3])> {
         self.nodes.first().map(|root| (root.min, root.max))
     }
 
-    /// What a ray from `origin` along `direction` hits first within `limit` lengths of `direction`.
+    /// The first hit of a ray from `origin` along `direction`, within `limit` lengths of
+    /// `direction`.
     pub fn cast(&self, origin: [f32; 3], direction: [f32; 3], limit: f32) -> Option<Hit> {
         self.cast_filtered(origin, direction, limit, |_| true)
     }
 
-    /// The same, hits of masked triangles only where `opaque` says so.
+    /// The same; hits of masked triangles count only where `opaque` is true.
     pub fn cast_filtered(
         &self,
         origin: [f32; 3],
@@ -148,7 +165,7 @@ impl TriangleBvh {
     }
 }
 
-/// A node of the builder's tree; `first` is still the builder's.
+/// A node of the builder's tree; its `first` is still that of the builder.
 fn node(tree: &Bvh2, index: u32) -> Node {
     let source = &tree.nodes[index as usize];
     let kind = match source.prim_count {
@@ -174,7 +191,8 @@ fn node(tree: &Bvh2, index: u32) -> Node {
     }
 }
 
-/// Nodes still to be visited with the distances at which they are entered: an array, and a vector for degenerate trees.
+/// Nodes that are still to be visited, with the distances at which the ray enters them: an array,
+/// and a vector for degenerate trees.
 struct Stack {
     shallow: [(u32, f32); 64],
     count: usize,

@@ -3,10 +3,10 @@
 
 use super::branchless::mask;
 
-/// Marks a ray that hit nothing.
+/// Index of a triangle for a ray that hit nothing.
 pub const MISS: u32 = u32::MAX;
 
-/// What one ray hit first.
+/// The first hit of a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
     /// Distance in lengths of the direction.
@@ -27,7 +27,7 @@ pub(super) struct LeafTriangle {
     pub(super) edge1: [f32; 3],
     pub(super) edge2: [f32; 3],
     pub(super) index: u32,
-    /// Whether the triangle may have holes, for the caller to say.
+    /// Whether the triangle may have holes, which the caller tests.
     pub(super) masked: bool,
 }
 
@@ -78,8 +78,8 @@ pub(super) fn moeller_trumbore(
     let q = cross(s, t.edge1);
     let v = dot(direction, q) * inverse;
     let distance = dot(t.edge2, q) * inverse;
-    // A ray in the triangle's plane gives NaN or infinity, and no comparison holds. Masks rather than `&&`: a branch for
-    // each lane would keep the compiler from using vectors.
+    // A ray in the plane of the triangle gives NaN or infinity, and no comparison is true. Masks
+    // instead of `&&`: a branch for each lane would keep the compiler from using vectors.
     let hit = mask(u >= 0.0)
         & mask(v >= 0.0)
         & mask(u + v <= 1.0)

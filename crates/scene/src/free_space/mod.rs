@@ -1,10 +1,10 @@
 //! Where a footprint fits, and how far it is from one place to another.
 //!
-//! The solid triangles between ankle and roof of the robot are drawn into a grid of 0.1 m. A cell is
-//! free when a disc about the footprint fits there, by the exact Euclidean distance transform
-//! (Felzenszwalb and Huttenlocher, *Distance Transforms of Sampled Functions*, 2012). Shortest paths
-//! are any-angle: the octile paths of a grid are up to 8 % too long. A world has one ground level;
-//! ramps are ignored.
+//! The solid triangles between ankle and roof of the robot are drawn into a grid of 0.1 m. A cell
+//! is free when a disc about the footprint fits there, by the exact Euclidean distance transform
+//! (Felzenszwalb and Huttenlocher, *Distance Transforms of Sampled Functions*, 2012). Shortest
+//! paths are any-angle: the octile paths of a grid are up to 8 % too long. A world has one ground
+//! level; ramps are ignored.
 
 mod any_angle;
 mod slices;
@@ -26,8 +26,8 @@ const BODY_HIGH_M: f64 = 0.36;
 /// Free ground beyond the outermost solid surface that belongs to the grid, metres. The ground ends
 /// where the world does.
 const MARGIN_M: f64 = 3.0;
-/// Ground around the start and all doors that belongs to the grid, metres: farther things, such as a
-/// stray box, lengthen no path.
+/// Ground around the start and all doors that belongs to the grid, metres: farther things, such as
+/// a stray box, lengthen no path.
 const SURROUNDINGS_M: f64 = 100.0;
 /// Largest number of cells on one side of the grid.
 const MAX_CELLS: usize = 8_000;
@@ -37,6 +37,28 @@ const MAX_APPROACH_M: f64 = 6.0;
 const ABOVE_GROUND_M: f64 = 2.0;
 
 /// Where a footprint fits and can get to from the start.
+///
+/// # Example
+///
+/// Distances in the built-in world `small` for a disc of 0.25 m:
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use openbench_scene::generate::builtin;
+/// use openbench_scene::{FreeSpace, RayCaster};
+///
+/// let world = builtin("small", 1).ok_or("there is a world `small`")??;
+/// let caster = RayCaster::new(Arc::new(world.scene));
+/// let start = world.start.point();
+/// let space = FreeSpace::new(&caster, start, 0.25);
+/// for door in &caster.scene().doors {
+///     let approach = space.approach_point(door).ok_or("every door can be reached")?;
+///     let path = space.path(start, approach).ok_or("there is a path")?;
+///     assert_eq!((path[0], path[path.len() - 1]), (start, approach));
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct FreeSpace {
     grid: GridGeometry,
@@ -183,8 +205,8 @@ impl Bounds {
     }
 }
 
-/// A grid over the solid surfaces that are not too far from the start and every door, no larger than
-/// the `world`.
+/// A grid over the solid surfaces that are not too far from the start and every door, no larger
+/// than the `world`.
 fn covering(
     polygons: &[Vec<MapPoint>],
     world: Bounds,
@@ -202,7 +224,8 @@ fn covering(
 /// Marks what is connected to the start, or to the free cell nearest to it.
 fn flood(grid: &GridGeometry, free: &[bool], start: MapPoint) -> Vec<bool> {
     let mut reached = vec![false; free.len()];
-    // Of a town's 60 million cells the nearest is searched for only if the start itself is not free.
+    // Of a town's 60 million cells the nearest is searched for only if the start itself is not
+    // free.
     let here = grid.cell_at(start).filter(|&c| free[c]);
     let first = here.or_else(|| nearest_free(grid, free, start));
     let mut stack: Vec<usize> = first.into_iter().collect();
@@ -295,7 +318,8 @@ mod tests {
     fn a_path_around_a_wall_is_tight() {
         let space = walled();
         let (from, to) = (MapPoint::new(0.0, -3.0), MapPoint::new(0.0, 3.0));
-        // Past the wall's end at (5, 0) with 0.2 m to spare: within a cell or two of the taut string.
+        // Past the wall's end at (5, 0) with 0.2 m to spare: within a cell or two of the taut
+        // string.
         let shortest = 2.0 * (5.0_f64 * 5.0 + 3.0 * 3.0).sqrt();
         let found = space.distance(from, to).unwrap();
         assert!(

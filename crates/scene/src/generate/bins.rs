@@ -1,4 +1,4 @@
-//! Wheelie bins at the walls of houses, where they are in no one's way.
+//! Wheelie bins at the walls of houses, clear of doors, paths and roads.
 
 use openbench_core::Pose2;
 use rand_pcg::Pcg64Mcg;

@@ -78,7 +78,7 @@ fn build_one(
     }
 }
 
-/// The walls of what stands on stilts, from its `min_height` up: visible only, since a robot drives
+/// The walls of a building on stilts, from its `min_height` up: visible only, since a robot drives
 /// below.
 fn raised_walls(out: &mut Output, house: &House, building: &Building) {
     let floor = foot_of(&building.tags);

@@ -17,7 +17,7 @@ pub fn builtin_names() -> [&'static str; 3] {
     MAPS.map(|(name, _)| name)
 }
 
-/// How the maps of the built-in worlds lie on the Earth: the origin is the robot's start.
+/// Georeference of the built-in maps: the origin is the robot's start.
 pub fn builtin_georeference() -> Georeference {
     Georeference::Utm {
         zone: 50,

@@ -49,7 +49,7 @@ pub(super) fn sea(data: &OsmData, map: &OsmMap, extent: Extent) -> Vec<Polygon> 
         .collect()
 }
 
-/// A line without the corners that are closer together than a rendered shore needs; both ends stay.
+/// A line without corners that are closer together than `finest` metres; both ends stay.
 fn coarse(line: Vec<MapPoint>, finest: f64) -> Vec<MapPoint> {
     let mut kept: Vec<MapPoint> = Vec::with_capacity(line.len());
     for (i, p) in line.iter().enumerate() {
@@ -60,7 +60,7 @@ fn coarse(line: Vec<MapPoint>, finest: f64) -> Vec<MapPoint> {
     kept
 }
 
-/// The same for a piece that lies in the rectangle, so coarse that it has no more than [`MAX_CORNERS`].
+/// A piece of coast, simplified until it has no more than [`MAX_CORNERS`].
 fn bounded(mut piece: Vec<MapPoint>) -> Vec<MapPoint> {
     let mut finest = FINEST_M;
     while piece.len() > MAX_CORNERS && finest < 1_000.0 {
@@ -80,7 +80,7 @@ fn with_islands(ring: Vec<MapPoint>, islands: &[Vec<MapPoint>]) -> Option<Polygo
     Polygon::new(outer.outer, holes)
 }
 
-/// Node numbers of the coast, ways joined where one begins at another's end.
+/// Node numbers of the coastlines; ways are joined where one begins at the end of another.
 fn coastlines(data: &OsmData) -> Vec<Vec<i64>> {
     let ways = data
         .ways
@@ -91,7 +91,7 @@ fn coastlines(data: &OsmData) -> Vec<Vec<i64>> {
         .values()
         .filter_map(|nodes| nodes.last().copied())
         .collect();
-    // First those that follow on no other, then what is left: rings.
+    // First those that follow no other, then the remaining ones: rings.
     let mut starts: Vec<i64> = begins
         .keys()
         .copied()

@@ -1,5 +1,5 @@
-//! Where the doors are: at the map's `entrance` nodes; else, if asked for, one in the wall nearest to
-//! a street. The names of their buildings, in the public map too, come from
+//! Where the doors are: at the map's `entrance` nodes; else, if asked for, one in the wall nearest
+//! to a street. The names of their buildings, in the public map too, come from
 //! [`naming`](super::naming).
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -23,11 +23,11 @@ use crate::plate::PLATE_WIDTH;
 const PLATE_OFFSET_M: f64 = 1.25;
 /// Space between a plate and the end of its wall, metres.
 const PLATE_MARGIN_M: f64 = 0.1;
-/// Depth behind a wall at which the buildings there are looked up, metres.
+/// Depth behind a wall at which the buildings there are searched, metres.
 const BEHIND_M: f64 = 0.3;
-/// An entrance node farther than this from a wall is not taken for one in it, metres.
+/// An entrance node farther than this from a wall is not in it, metres.
 const REACH_M: f64 = 2.0;
-/// An invented door is looked for this near to a road or path, metres.
+/// Largest distance at which walls are compared by their distance from a road or path, metres.
 const STREET_REACH_M: f64 = 60.0;
 /// Shortest wall that gets an invented door, metres.
 const SHORTEST_WALL_M: f64 = 2.5;

@@ -123,7 +123,8 @@ impl Extent {
     /// Concept and Method for Line Clipping*, 1984).
     pub fn clip(self, Segment { a, b }: Segment) -> Option<Range<f64>> {
         let (dx, dy) = (b.x - a.x, b.y - a.y);
-        // For each edge: the speed at which the segment leaves it, and the room inside of it at `a`.
+        // For each edge: the speed at which the segment leaves it, and the room inside of it at
+        // `a`.
         let edges = [
             (-dx, a.x - self.min.x),
             (dx, self.max.x - a.x),

@@ -82,7 +82,7 @@ fn bare_wall(out: &mut Output, house: &House, line: Segment) {
     } else {
         0.0
     };
-    // A robot meets what stands on the ground only.
+    // A robot collides only with walls that stand on the ground.
     let layer = if house.foot == 0.0 {
         Layer::Both
     } else {

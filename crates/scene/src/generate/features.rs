@@ -3,7 +3,7 @@
 use openbench_core::MapPoint;
 use openbench_osm::{OsmData, OsmMap, Tags};
 
-/// Keys of nodes that may stand for a thing.
+/// Keys of nodes that may represent a thing.
 const KEYS: [&str; 7] = [
     "natural",
     "highway",
@@ -14,7 +14,7 @@ const KEYS: [&str; 7] = [
     "leisure",
 ];
 
-/// A tagged node that stands for a thing: a tree, a lamp, a crossing.
+/// A tagged node that represents a thing: a tree, a lamp, a crossing.
 pub(super) struct Feature {
     /// Number of the node.
     pub node: i64,

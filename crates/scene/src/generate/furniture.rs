@@ -144,7 +144,7 @@ const KINDS: [Kind; 10] = [
     },
 ];
 
-/// The kind of furniture that a node stands for.
+/// The kind of furniture that a node represents.
 fn kind_of(feature: &Feature) -> Option<&'static Kind> {
     let underground = feature.tags.is("fire_hydrant:type", "underground");
     let kind = KINDS

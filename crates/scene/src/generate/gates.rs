@@ -17,7 +17,7 @@ const GATE_HALF_WIDTH_M: f64 = 0.9;
 const AT_WALL_M: f64 = 0.1;
 /// A shorter piece between two openings is left out, metres.
 const SHORTEST_M: f64 = 0.3;
-/// No wall goes on for longer without a corner, metres.
+/// A longer stretch between two corners of a wall is invalid data and is left out, metres.
 const LONGEST_M: f64 = 5_000.0;
 
 /// The parts of a stretch of a wall that no road or gate opens. What crosses the wall's line up to

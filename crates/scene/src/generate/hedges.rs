@@ -120,16 +120,16 @@ fn dent(rng: &mut Pcg64Mcg) -> f64 {
 /// The surface between two cross sections.
 fn ribs(scene: &mut SceneBuilder, surface: Surface, first: &Section, second: &Section) {
     let tile = |v: f64| (v / surface.tile) as f32;
-    let mut round = 0.0;
+    let mut around = 0.0;
     let mut corners: Vec<Corner> = Vec::with_capacity(2 * CORNERS);
     for k in 0..CORNERS {
-        round += if k > 0 {
+        around += if k > 0 {
             (first.corners[k] - first.corners[k - 1]).norm()
         } else {
             0.0
         };
-        corners.push((first.corners[k], [tile(first.run), tile(round)]));
-        corners.push((second.corners[k], [tile(second.run), tile(round)]));
+        corners.push((first.corners[k], [tile(first.run), tile(around)]));
+        corners.push((second.corners[k], [tile(second.run), tile(around)]));
     }
     let faces: Vec<[u32; 3]> = (0..CORNERS as u32 - 1)
         .flat_map(|k| [[2 * k, 2 * k + 1, 2 * k + 3], [2 * k, 2 * k + 3, 2 * k + 2]])

@@ -1,4 +1,4 @@
-//! The view far beyond the map: hills, or the sea where it goes on. No robot gets there.
+//! The view far beyond the map: hills, or the sea where it continues. No robot gets there.
 
 use nalgebra::Point3;
 use openbench_core::MapPoint;
@@ -112,8 +112,8 @@ fn column_points(
     )
 }
 
-/// The columns with those in the sea levelled, and those on land that is no wider than a mole: there
-/// are no hills on moles.
+/// The columns with those in the sea levelled, and those on land that is no wider than a mole:
+/// there are no hills on moles.
 fn levelled(columns: Vec<Column>) -> Vec<Column> {
     let n = columns.len();
     let sea: Vec<bool> = columns.iter().map(|column| column.is_sea).collect();

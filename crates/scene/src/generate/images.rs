@@ -38,7 +38,8 @@ pub(super) fn speck(x: u32, y: u32, seed: u64) -> f32 {
     (mix(seed ^ (u64::from(x) << 32) ^ u64::from(y)) >> 40) as f32 / (1_u32 << 24) as f32
 }
 
-/// Smooth noise between 0 and 1 that repeats every [`SIDE`] texels, with blobs of `grain` texels (a divisor of SIDE).
+/// Smooth noise between 0 and 1 that repeats every [`SIDE`] texels. Its spots are `grain` texels
+/// wide (a divisor of SIDE).
 pub(super) fn cloud(x: u32, y: u32, grain: u32, seed: u64) -> f32 {
     let period = SIDE / grain;
     let smooth = |t: f32| t * t * (3.0 - 2.0 * t);
@@ -185,8 +186,9 @@ pub(super) fn earth(seed: u64) -> Texture {
     })
 }
 
-/// The leaf that covers a texel: its number, and how near its edge the texel is, from 0 in its middle to 1. Leaves lie about a
-/// jittered grid of `grain` texels (a divisor of SIDE), the nearest in front (Worley 1996).
+/// The leaf that covers a texel: its number, and the distance of the texel from the middle of the
+/// leaf, from 0 to 1 at its edge. Leaves lie about a jittered grid of `grain` texels (a divisor of
+/// SIDE), the nearest in front (Worley, *A Cellular Texture Basis Function*, 1996).
 fn leaf(x: u32, y: u32, grain: u32, seed: u64) -> (u64, f32) {
     let cells = SIDE / grain;
     let (cx, cy) = (x / grain, y / grain);
@@ -209,7 +211,7 @@ fn leaf(x: u32, y: u32, grain: u32, seed: u64) -> (u64, f32) {
     (best.1, best.0 / second.max(1e-3))
 }
 
-/// Brightness of a texel among leaves: each leaf has its own, and shades the ones below.
+/// Brightness of a texel among leaves: each leaf has its own, and shades those below it.
 fn leafage(x: u32, y: u32, seed: u64) -> f32 {
     let (number, edge) = leaf(x, y, 16, seed);
     let (small, small_edge) = leaf(x, y, 8, seed ^ 21);

@@ -13,7 +13,7 @@ use super::water::is_water;
 
 /// Half the width of what is kept free along a barrier, metres.
 const BARRIER_RADIUS_M: f64 = 0.35;
-/// Radius about the start in which nothing is put, metres.
+/// Radius about the start in which nothing is placed, metres.
 const START_RADIUS_M: f64 = 2.5;
 /// Depth of the free space in front of a door and of a plate, metres.
 const DOOR_DEPTH_M: f64 = 2.7;

@@ -1,4 +1,5 @@
-//! The roads' segments by place, so that a search for the roads nearby need not look at all of them.
+//! An index of the segments of roads by place, so that a search for the roads nearby need not test
+//! all of them.
 
 use std::collections::BTreeMap;
 

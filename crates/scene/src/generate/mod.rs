@@ -5,13 +5,15 @@
 //! shrubs. Every element draws from a stream of its own, so that one more tree in the map does not
 //! repaint the houses. The same map, seed and options give the same bytes on every machine.
 //!
-//! The ground is level: slopes, bridges and tunnels are left out, and kerbs are raised where the map
-//! has them as lines of their own (`barrier=kerb`). A robot cannot get into water: a low wall goes
-//! around it.
+//! The ground is level: slopes, bridges and tunnels are left out, and kerbs are raised where the
+//! map has them as lines of their own (`barrier=kerb`). A robot cannot get into water: a low wall
+//! goes around it.
 //!
-//! A world is generated in three stages. [`inputs`] are computed of the map; generators build an
-//! [`output`] of them; both are wrapped up as a [`World`]. Generators do not call each other's
-//! files: a new kind of thing is a new file and a line in [`FIXED`] or [`PLACED`].
+//! A world is generated in three stages. `Inputs` are computed of the map and then immutable.
+//! Generators, which are functions of them, build an `Output`. Scene and public map become a
+//! [`World`]. Generators depend on each other in one way only: objects give way to those that were
+//! placed before, which are recorded in `Occupied`. A new kind of thing is a new file and a line in
+//! the list `FIXED` or `PLACED`.
 //!
 //! | module | its one job |
 //! |---|---|
@@ -21,7 +23,7 @@
 //! | `extent`, `features`, `lanes` | the map's rectangle, tagged nodes, and roads by place |
 //! | `clearance`, `keep_free`, `occupied` | ground that the map keeps free, or objects take |
 //! | `doorway`, `entrances`, `naming` | where the doors are; names of their buildings |
-//! | `coast`, `water`, `gates`, `quays` | the sea; open water; openings in walls; walls around water |
+//! | `coast`, `water`, `gates`, `quays` | the sea; open water; gaps in walls; walls at water |
 //! | `start`, `reach` | the robot's start; which ground is connected |
 //! | `seeds` | streams of random numbers |
 //! | `segment`, `rings`, `walls` | lines, closed rings, walls of buildings |
@@ -31,7 +33,7 @@
 //! | `aprons`, `covers`, `profile`, `streets` | paved ground, mapped areas, roads and paths |
 //! | `wear`, `markings`, `stripes` | mended places and drains; painted lines |
 //! | `buildings`, `house`, `parts` | buildings, their look, and those whose parts are mapped |
-//! | `facades`, `windows`, `roofs`, `pitched`, `doors` | their walls, windows, shops, roofs, doors |
+//! | `facades`, `windows`, `roofs`, `pitched`, `doors` | walls, windows, shops, roofs, doors |
 //! | `barriers`, `hedges` | walls, fences, hedges, kerbs |
 //! | `furniture`, `bins`, `parked_cars`, `car` | lamps and benches, bins, cars |
 //! | `mapped_trees`, `tree_rows`, `woods`, `tree` | trees of the map |
@@ -120,7 +122,7 @@ use segment::Segment;
 /// thousand of them.
 const MOST_DETAILED: usize = 400;
 
-/// Things that are built where the map has them, whatever else is there; in this order.
+/// Things that are built where the map has them, in this order, even if they overlap.
 const FIXED: [fn(&Inputs, &mut Output); 10] = [
     ground::build,
     horizon::build,
@@ -154,7 +156,35 @@ const PLACED: [fn(&Inputs, &mut Occupied, &mut Output); 9] = [
 /// [`World::georeference`] is the same projection with another offset, and a warning says so. The
 /// same map, seed and options therefore give the same world wherever the false origin lies.
 ///
+/// # Example
+///
+/// A house of 11 m by 8 m in a street of Krems an der Donau, without a mapped entrance:
+///
+/// ```
+/// use openbench_osm::OsmData;
+/// use openbench_scene::generate::{GenerateOptions, generate};
+///
+/// let xml = r#"<osm version="0.6">
+///   <node id="1" lat="48.41100" lon="15.60300"/><node id="2" lat="48.41100" lon="15.60315"/>
+///   <node id="3" lat="48.41107" lon="15.60315"/><node id="4" lat="48.41107" lon="15.60300"/>
+///   <node id="5" lat="48.41090" lon="15.60200"/><node id="6" lat="48.41090" lon="15.60400"/>
+///   <way id="10"><nd ref="1"/><nd ref="2"/><nd ref="3"/><nd ref="4"/><nd ref="1"/>
+///     <tag k="building" v="house"/><tag k="building:levels" v="2"/></way>
+///   <way id="11"><nd ref="5"/><nd ref="6"/>
+///     <tag k="highway" v="residential"/><tag k="name" v="Ringstraße"/></way>
+/// </osm>"#;
+/// let data = OsmData::from_xml(xml.as_bytes())?;
+/// let georeference = openbench_osm::default_georeference(&data)?;
+/// let world = generate(&data, georeference, 1, &GenerateOptions::default())?;
+///
+/// // The house gets a door towards the street, and a number in it.
+/// assert_eq!(world.scene.doors.len(), 1);
+/// assert!(world.scene.doors[0].address.building.starts_with("Ringstraße "));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
+///
 /// Maps without buildings, maps that are too large or lie where the georeference distorts lengths,
 /// and maps without a clear place to start at; see [`GenerateError`].
 pub fn generate(
@@ -175,8 +205,8 @@ pub fn generate(
     }
     if world.georeference != georeference {
         world.warnings.push(format!(
-            "the origin of `{georeference}` is far from the start; coordinates of this world are of \
-             `{}`",
+            "the origin of `{georeference}` is far from the start; coordinates of this world are \
+             of `{}`",
             world.georeference
         ));
     }
@@ -280,7 +310,7 @@ fn walls_of(map: &OsmMap, lanes: &Lanes, quays: &[Segment]) -> Vec<Segment> {
     sides.chain(standing).chain(quays.iter().copied()).collect()
 }
 
-/// What the map itself lacks, in words.
+/// Descriptions of what is broken in the map itself.
 fn report(map: &OsmMap) -> Vec<String> {
     let counts = [
         (

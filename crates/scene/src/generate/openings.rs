@@ -17,7 +17,7 @@ pub(super) enum Glazing {
     Sash,
 }
 
-/// A window: frame, panes with the sky in them, curtains behind.
+/// A window: frame, panes with a reflection of the sky, curtains behind.
 pub(super) fn window(frame: [f32; 3], glazing: Glazing, curtains: bool, seed: u64) -> Texture {
     let (width, height) = (96_u32, 112_u32);
     paint(width, height, |x, y| {
@@ -52,7 +52,8 @@ pub(super) fn window(frame: [f32; 3], glazing: Glazing, curtains: bool, seed: u6
     })
 }
 
-/// A window between open shutters of horizontal slats; `widths` is the width of all in widths of the window.
+/// A window between open shutters of horizontal slats; `widths` is the width of the whole in widths
+/// of the window.
 pub(super) fn with_shutters(window: &Texture, color: [f32; 3], widths: f64) -> Texture {
     let width = (f64::from(window.width) * widths) as u32;
     let side = (width - window.width) / 2;
@@ -77,7 +78,7 @@ pub(super) fn with_shutters(window: &Texture, color: [f32; 3], widths: f64) -> T
     })
 }
 
-/// The window of a shop: large panes, something bright behind them. Of two looks.
+/// A shop window: large panes with bright goods behind them. There are two looks.
 pub(super) fn shop_window(look: u32, seed: u64) -> Texture {
     let (width, height) = (160_u32, 112_u32);
     paint(width, height, |x, y| {
@@ -152,7 +153,8 @@ pub(super) fn door(glass: bool) -> Texture {
     })
 }
 
-/// Distance in texels from the edge of the panel that a texel of a door lies in, and whether that edge is in shade.
+/// For a texel of a door, its distance in texels from the edge of the panel that it lies in, and
+/// whether that edge is in shade. `None` outside of panels.
 fn door_panel(x: u32, y: u32) -> Option<(u32, bool)> {
     let columns = [(12_u32, 44_u32), (52, 74)];
     let rows = [(12_u32, 84_u32), (116, 180)];

@@ -6,8 +6,8 @@ use crate::material::MaterialId;
 use crate::plate::plate_material;
 use crate::scene::{Scene, SceneBuilder};
 
-/// Number of visible triangles that a world may have. One takes about 150 bytes of memory, with all
-/// that is made of it.
+/// Number of visible triangles that a world may have. One takes about 150 bytes of memory, with
+/// everything that is derived from it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits {
     /// From so many on a world gets no more windows, lines, fences, trees and cars: walls, roofs,
@@ -28,7 +28,7 @@ impl Limits {
 pub(super) struct Output {
     /// Meshes, objects and doors.
     pub scene: SceneBuilder,
-    /// What had to be left out, in words.
+    /// Descriptions of what had to be left out.
     pub warnings: Vec<String>,
     /// Materials of plates by text.
     plates: BTreeMap<String, MaterialId>,

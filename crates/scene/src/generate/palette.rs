@@ -1,5 +1,5 @@
-//! The materials of a world. Reflectivities are those of the surfaces at 905 nm, roughly: asphalt dark, leaves and
-//! plaster bright, car paint by colour.
+//! The materials of a world. Reflectivities are roughly those of the surfaces at 905 nm: asphalt
+//! dark, leaves and plaster bright, car paint by colour.
 
 use super::images;
 use super::openings::{self, Glazing};
@@ -8,7 +8,7 @@ use super::shapes::Surface;
 use crate::material::{Material, MaterialId, SemanticClass, Texture, TextureId};
 use crate::scene::SceneBuilder;
 
-/// Everything that a world is painted with.
+/// The materials of a world.
 #[derive(Debug)]
 pub(super) struct Palette {
     pub grass: Surface,
@@ -29,7 +29,7 @@ pub(super) struct Palette {
     pub doorstep: Surface,
     /// Facades by kind: brick, plaster, siding, stone; each in several colours.
     pub facades: Vec<Surface>,
-    /// Those of tall houses and towns: no boards, more plaster.
+    /// Facades of tall houses and towns: no boards, more plaster.
     pub town_facades: Vec<Surface>,
     pub plinths: Vec<Surface>,
     pub trims: Vec<Surface>,
@@ -80,7 +80,7 @@ pub(super) struct Crown {
     pub shell: Surface,
 }
 
-/// An image, and how many metres it covers.
+/// An image, and the number of metres that it covers.
 #[derive(Debug, Clone, Copy)]
 struct Image {
     texture: TextureId,
@@ -202,7 +202,7 @@ pub(super) const PAINTS: [[f32; 3]; 8] = [
 ];
 
 impl Palette {
-    /// Paints the images and mixes the materials.
+    /// Draws the images and makes the materials.
     pub fn new(builder: &mut SceneBuilder, seed: u64) -> Self {
         use SemanticClass as C;
         let s = mix(seed ^ Purpose::Palette as u64);
@@ -420,7 +420,7 @@ fn windows(m: &mut Mixer<'_>, seed: u64) -> Vec<[MaterialId; 2]> {
         .map(|(frame, glazing)| {
             [false, true].map(|curtains| {
                 let image = m.image(openings::window(frame, glazing, curtains, seed));
-                // Glass sends little of the light back; frame and curtains some.
+                // Glass reflects little of the LiDAR light; frame and curtains reflect some.
                 m.surface(
                     SemanticClass::Building,
                     [1.0; 3],

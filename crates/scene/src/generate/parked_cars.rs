@@ -1,5 +1,5 @@
-//! Parked cars: along the kerb where the map allows it, and in car parks; never on a pavement, a path
-//! or in front of a door.
+//! Parked cars: along the kerb where the map allows it, and in car parks; never on a pavement, a
+//! path or in front of a door.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 

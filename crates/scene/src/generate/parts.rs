@@ -2,9 +2,9 @@
 //! [Simple 3D Buildings](https://wiki.openstreetmap.org/wiki/Simple_3D_Buildings).
 //!
 //! Where parts cover most of an outline, the outline itself is only built as high as the lowest of
-//! them: a base without gaps, in which the doors are, and which the robot meets. The parts rise from
-//! it, each with its own height and roof; a part that hangs in the air (`min_height`) begins there.
-//! Where parts cover less, say the tower of a church, they rise from the whole building.
+//! them: a base without gaps, in which the doors are, and which the robot meets. The parts rise
+//! from it, each with its own height and roof; a part that hangs in the air (`min_height`) begins
+//! there. Where parts cover less, say the tower of a church, they rise from the whole building.
 
 use std::collections::BTreeMap;
 use std::rc::Rc;

@@ -1,4 +1,4 @@
-//! Trees that the seed adds where they are in no one's way.
+//! Trees that the seed adds where nothing else is.
 
 use openbench_core::MapPoint;
 

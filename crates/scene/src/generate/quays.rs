@@ -68,7 +68,7 @@ fn shores(
         .map(|a| &a.polygon);
     let near = lakes.filter(|lake| extent.meets(lake, GROUND_MARGIN_M));
     let sides = sea.iter().chain(near).flat_map(Polygon::sides);
-    // Where the water goes on, in another area or beyond the world, is no shore.
+    // There is no shore where the water continues, in another area or beyond the world.
     let is_shore = |piece: &Segment| {
         let beyond = piece.middle().offset(piece.outward(), 0.5);
         world.holds(beyond, 0.0) && !is_wet(beyond)

@@ -1,8 +1,8 @@
-//! Which parts of the ground are connected, roughly: walls and barriers of the map on a grid of half
-//! a metre.
+//! Which parts of the ground are connected, roughly: walls and barriers of the map on a grid of
+//! half a metre.
 //!
-//! Only for choosing a start from which most doors are reached; [`FreeSpace`](crate::FreeSpace) says
-//! where a robot can really drive in the finished world.
+//! Only for choosing a start from which most doors are reached; [`FreeSpace`](crate::FreeSpace)
+//! says where a robot can really drive in the finished world.
 
 use std::cmp::Reverse;
 use std::collections::BTreeMap;

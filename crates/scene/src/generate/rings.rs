@@ -42,7 +42,7 @@ pub(super) fn parallel(line: &[MapPoint], offset: f64) -> Vec<MapPoint> {
 }
 
 /// A closed ring moved `inset` metres to its left: inwards for an outline, outwards for a hole seen
-/// from the building. `None` if an edge would be turned round.
+/// from the building. `None` if an edge would be reversed.
 pub(super) fn inset(ring: &[MapPoint], inset: f64) -> Option<Vec<MapPoint>> {
     let n = ring.len();
     if n < 3 {
@@ -70,7 +70,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_square_shrinks_until_it_turns_round() {
+    fn a_square_shrinks_until_an_edge_is_reversed() {
         let square =
             [(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)].map(|(x, y)| MapPoint::new(x, y));
         let smaller = inset(&square, 1.0).unwrap();

@@ -1,6 +1,6 @@
-//! The robot's start: the one that is asked for, else a clear place on a pavement or path from which
-//! most doors are reached, as near as possible to the middle of them; where there is no street, in
-//! front of a door.
+//! The robot's start: the one that is asked for, else a clear place on a pavement or path from
+//! which most doors are reached, as near as possible to the middle of them; where there is no
+//! street, in front of a door.
 
 use openbench_core::{MapPoint, Pose2};
 use openbench_osm::{OsmMap, Road};

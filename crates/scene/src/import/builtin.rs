@@ -1,13 +1,14 @@
-//! Materials that Gazebo itself brings (`Gazebo/Grey`, `Gazebo/Wood`, `Gazebo/Residential`, …): plain colours and patterns of our own.
+//! Materials that Gazebo itself has (`Gazebo/Grey`, `Gazebo/Wood`, `Gazebo/Residential`, …): plain
+//! colours, and patterns of our own.
 
 use super::patterns::Pattern;
 
-/// How a built-in material looks.
+/// The look of a built-in material.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Builtin {
     /// sRGB colour.
     Color([f32; 3]),
-    /// Drawn image.
+    /// Pattern over it.
     Pattern(Pattern),
 }
 
@@ -61,7 +62,7 @@ const PATTERNS: [(&str, Pattern); 14] = [
     ("Pedestrian", Pattern::Paving),
 ];
 
-/// The built-in material of that name, if Gazebo brings it and its looks are known here.
+/// The built-in material of that name; `None` if Gazebo has none, or its look is unknown here.
 pub(crate) fn builtin(name: &str) -> Option<Builtin> {
     let name = name.strip_prefix("Gazebo/")?;
     let color = COLORS

@@ -1,8 +1,8 @@
-//! What a model is, from the words in its name.
+//! Class of a model, from the words in its name.
 
 use crate::SemanticClass;
 
-/// The first row with a word of the name wins: a post office is a building before it is a post.
+/// The first row with a word of the name decides: a post office is a building before it is a post.
 const WORDS: [(SemanticClass, &[&str]); 11] = [
     (
         SemanticClass::Building,
@@ -95,7 +95,7 @@ const WORDS: [(SemanticClass, &[&str]); 11] = [
     ),
 ];
 
-/// The class that `name` (of a model, such as `pine_tree_88`) speaks of.
+/// The class that a name tells, such as `pine_tree_88` of a model.
 pub(crate) fn class_of(name: &str) -> SemanticClass {
     let lower = name.to_ascii_lowercase();
     let words: Vec<&str> = lower.split(|c: char| !c.is_ascii_alphabetic()).collect();

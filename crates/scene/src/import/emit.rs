@@ -1,4 +1,4 @@
-//! From a read world to the triangles of a scene.
+//! Triangles of a scene from the models and roads of an SDF world.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -24,13 +24,13 @@ use crate::scene::Layer;
 use crate::{SceneBuilder, SemanticClass};
 
 const MAX_TRIANGLES: usize = 20_000_000;
-/// Level planes at least this long, metres, are ground that roads lie on.
+/// Level planes at least this long are ground that roads lie on, metres.
 const GROUND_EDGE: f64 = 10.0;
 
-/// Collision planes whose middle is farther than that are moved along themselves, metres.
+/// Collision planes whose middle is farther away than this are moved along themselves, metres.
 const WITHIN_PLANE: f64 = 1000.0;
 
-/// Puts models and roads into a scene.
+/// Adds models and roads to a scene.
 pub(crate) struct Emitter<'a> {
     search: &'a SearchPath,
     world: &'a Path,
@@ -42,7 +42,7 @@ pub(crate) struct Emitter<'a> {
     ground: Option<f64>,
 }
 
-/// Where a shape stands and what it belongs to.
+/// Place of a shape, and the class that it belongs to.
 struct Setting<'m> {
     model: &'m str,
     pose: Pose3,
@@ -52,7 +52,7 @@ struct Setting<'m> {
 }
 
 impl<'a> Emitter<'a> {
-    /// An emitter that has put nothing into `builder` yet.
+    /// An emitter that has added nothing to `builder` yet.
     pub(crate) fn new(
         search: &'a SearchPath,
         world: &'a Path,
@@ -109,7 +109,8 @@ impl<'a> Emitter<'a> {
             .try_for_each(|inner| self.model(inner, &pose, &scale))
     }
 
-    /// Adds the roads, onto the ground if there is a ground plane near them. Call it after the models.
+    /// Adds the roads, on the ground if there is a ground plane near them. Call it after the
+    /// models.
     pub(crate) fn roads(&mut self, roads: &[Road]) -> Result<(), ImportError> {
         let shift = shift_to_ground(roads, self.ground);
         for road in roads {
@@ -179,7 +180,7 @@ impl<'a> Emitter<'a> {
         setting: &Setting,
     ) -> Result<(), ImportError> {
         let image = read_grey(&self.file(&heightmap.uri, setting.model)?)?;
-        // Gazebo paints heightmaps by their own textures alone.
+        // Gazebo draws heightmaps with their own textures only.
         let textured = heightmap
             .texture
             .clone()
@@ -258,7 +259,7 @@ impl<'a> Emitter<'a> {
         Ok(())
     }
 
-    /// The file that a model names.
+    /// The file that a model refers to.
     fn file(&self, uri: &str, model: &str) -> Result<PathBuf, ImportError> {
         let beside = self.world.parent().unwrap_or(Path::new("."));
         let path = self.search.find(uri, beside).filter(|p| p.is_file());
@@ -311,7 +312,8 @@ impl<'a> Emitter<'a> {
     }
 }
 
-/// A plane without an end is the same wherever its middle is: a pose at which it reaches round the world's origin.
+/// A pose at which an infinite plane reaches around the origin of the world: it is the same plane
+/// wherever its middle is.
 fn along_plane(pose: Pose3, normal: &Vector3<f64>) -> Pose3 {
     let (at, across) = (pose.translation.vector, pose.rotation * normal);
     let along = at - across * across.dot(&at);
@@ -321,7 +323,7 @@ fn along_plane(pose: Pose3, normal: &Vector3<f64>) -> Pose3 {
     Pose3::from_parts((at - along).into(), pose.rotation)
 }
 
-/// What most of a model is: what its first shape says.
+/// Class of most of a model: that of its first shape.
 fn class_of_model(model: &Model) -> SemanticClass {
     let first = model.links.iter().flat_map(|l| &l.shapes).next();
     first.map_or_else(

@@ -11,15 +11,15 @@ use openbench_osm::{OsmError, ProjectionError};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ImportError {
-    /// The file system refused.
+    /// A file cannot be read.
     #[error("cannot read {}: {source}", path.display())]
     Io {
         /// The file.
         path: PathBuf,
-        /// What the operating system said.
+        /// What the operating system reports.
         source: io::Error,
     },
-    /// A file is not what it claims to be, or ends too early.
+    /// A file violates its format, or ends too early.
     #[error("{}:{line}:{column}: {problem}", path.display())]
     Malformed {
         /// The file.
@@ -28,7 +28,7 @@ pub enum ImportError {
         line: u32,
         /// Column, from 1.
         column: u32,
-        /// What is wrong there.
+        /// The violation.
         problem: String,
     },
     /// A file is not well-formed XML.
@@ -82,31 +82,32 @@ pub enum ImportError {
     },
     /// A model or mesh is in no folder of the search path.
     #[error(
-        "model `{model}` needs `{uri}`, which is not there; looked in {}; name the folder that holds it with --models",
+        "model `{model}` needs `{uri}`, which is not there; looked in {}; name the folder that \
+         holds it with --models",
         SearchList(searched)
     )]
     Missing {
-        /// The model that asks for it.
+        /// The model that refers to it.
         model: String,
-        /// What it asks for.
+        /// The reference.
         uri: String,
-        /// Where it was looked for.
+        /// Folders that were searched.
         searched: Vec<PathBuf>,
     },
-    /// A file asks for more than an importer should give.
+    /// A file exceeds a limit.
     #[error("{}: more than {limit} {what}; a world of this size is refused", path.display())]
     TooLarge {
         /// The file.
         path: PathBuf,
-        /// What there is too much of.
+        /// What exceeds the limit.
         what: &'static str,
-        /// How much there may be.
+        /// The limit.
         limit: u64,
     },
     /// The map cannot be read.
     #[error(transparent)]
     Map(#[from] OsmError),
-    /// The map does not say where it lies.
+    /// The map has no usable position on the Earth.
     #[error("{}: {source}", path.display())]
     Georeference {
         /// The map.
@@ -115,14 +116,19 @@ pub enum ImportError {
         source: ProjectionError,
     },
     /// The map has no building to deliver to.
-    #[error("{}: the map has no buildings; give the map of this world's buildings (ways with building=*)", path.display())]
+    #[error(
+        "{}: the map has no buildings; give the map of this world's buildings (ways with \
+         building=*)",
+        path.display()
+    )]
     NoBuildings {
         /// The map.
         path: PathBuf,
     },
     /// The world has no door to deliver to.
     #[error(
-        "{}: the world has no doors: no model is named text_model1, text_model2, …, which mark the doors of units 1, 2, …",
+        "{}: the world has no doors: no model is named text_model1, text_model2, …, which mark the \
+         doors of units 1, 2, …",
         path.display()
     )]
     NoDoors {
@@ -140,13 +146,13 @@ pub enum ObjError {
     Number {
         /// The word.
         word: String,
-        /// Why it is none.
+        /// The reason.
         source: ParseFloatError,
     },
     /// The line ends too early.
     #[error("{needed} numbers are needed here")]
     TooFewNumbers {
-        /// How many numbers are needed.
+        /// Number of numbers.
         needed: usize,
     },
     /// A word should be an index.
@@ -154,21 +160,21 @@ pub enum ObjError {
     Index {
         /// The word.
         word: String,
-        /// Why it is none.
+        /// The reason.
         source: ParseIntError,
     },
-    /// An index names what is not there.
+    /// An index refers to nothing.
     #[error("index {index} is not among {count}")]
     OutOfRange {
         /// The index, from 1, or from the end if negative.
         index: i64,
-        /// How many there are so far.
+        /// Number of elements so far.
         count: usize,
     },
     /// The mesh is too large.
     #[error("this mesh has more than {limit} triangles")]
     TooManyTriangles {
-        /// How many triangles there may be.
+        /// The limit.
         limit: usize,
     },
 }

@@ -1,4 +1,4 @@
-//! Triangles of boxes, planes, cylinders, spheres and outlines that are drawn up, in the shape's own frame.
+//! Triangles of boxes, planes, cylinders, spheres and extruded outlines, in the frame of the shape.
 
 use std::f64::consts::{PI, TAU};
 
@@ -14,7 +14,8 @@ const SEGMENTS: u32 = 24;
 const RINGS: u32 = 12;
 /// Shortest side of the middle of a collision plane, metres.
 const SOLID_PLANE_EDGE: f64 = 200.0;
-/// A box around the origin. `metres` is what one repeat of the image covers; nothing stretches one repeat over each side.
+/// A box around the origin. `metres` is the size of one repeat of the image; `None` stretches one
+/// repeat over each side.
 pub(crate) fn cuboid(size: Vector3<f64>, metres: Option<[f64; 2]>) -> Part {
     let mut part = Part::default();
     let h = size / 2.0;
@@ -68,7 +69,7 @@ pub(crate) fn plane(
         repeat,
     );
     if !visual {
-        // Collision planes are infinite in Gazebo, whatever `<size>` says.
+        // In Gazebo collision planes are infinite, whatever `<size>` is.
         let [right, top] = size.map(|s| s / 2.0);
         for Rectangle { low, high } in beyond(Rectangle {
             low: [-right, -top],
@@ -125,14 +126,14 @@ pub(crate) fn cylinder(radius: f64, length: f64) -> Part {
     part
 }
 
-/// Outlines drawn up from z = 0, the first being the outer one and the others holes. `metres` is what one repeat of the
-/// image covers; nothing stretches one repeat over each wall.
+/// Outlines extruded from z = 0: the first is the outer one, the others are holes. `metres` is the
+/// size of one repeat of the image; `None` stretches one repeat over each wall.
 pub(crate) fn extrusion(outlines: &[Vec<[f64; 2]>], height: f64, metres: Option<[f64; 2]>) -> Part {
     let mut part = Part::default();
     let mut rings: Vec<Vec<MapPoint>> = Vec::new();
     for (i, outline) in outlines.iter().enumerate() {
         let mut ring: Vec<MapPoint> = outline.iter().map(|[x, y]| MapPoint::new(*x, *y)).collect();
-        // The outer one counter-clockwise, holes clockwise: walls face away from what is solid.
+        // The outer one counter-clockwise, holes clockwise: walls face away from the solid.
         if (area(&ring) > 0.0) != (i == 0) {
             ring.reverse();
         }
@@ -210,7 +211,7 @@ fn band(low: u32, high: u32) -> [[u32; 3]; 2] {
 mod tests {
     use super::*;
 
-    /// Volume inside the triangles: right only if every triangle faces outward.
+    /// Volume inside the triangles: correct only if every triangle faces outward.
     fn volume(part: &Part) -> f64 {
         let p = |i: u32| part.corners[i as usize].0.coords;
         part.triangles

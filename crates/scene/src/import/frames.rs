@@ -1,6 +1,7 @@
-//! Named frames of a model or world, and poses given relative to them (SDF 1.7, "pose frame semantics").
+//! Named frames of a model or world, and poses relative to them (SDF 1.7, "pose frame semantics").
 //!
-//! Left out: frames inside nested models (`a::b`), unless the file spells them out flat as saved worlds do.
+//! Left out: frames inside nested models (`a::b`), unless the file lists them flat as saved worlds
+//! do.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -15,10 +16,10 @@ use super::xml::{child, children, malformed, numbers};
 
 const MAX_CHAIN: usize = 64;
 
-/// A pose and the frame that it is given in; `None` is the enclosing model or world.
+/// A pose, and the frame that it is given in; `None` is the enclosing model or world.
 type Relative = (Pose3, Option<String>);
 
-/// The frames that stand directly in one `<model>` or `<world>`.
+/// The frames directly in one `<model>` or `<world>`.
 #[derive(Debug, Default)]
 pub(crate) struct Frames(BTreeMap<String, Relative>);
 
@@ -40,7 +41,7 @@ impl Frames {
         Ok(Self(frames))
     }
 
-    /// The pose of `node` in the frame of the scope. `None` where it is given in no named frame.
+    /// The pose of `node` in the frame of the scope; `None` if it is given in no named frame.
     pub(crate) fn explicit(
         &self,
         path: &Path,
@@ -53,7 +54,7 @@ impl Frames {
         }
     }
 
-    /// Where the frame called `name` lies.
+    /// The pose of the frame called `name`.
     fn origin(
         &self,
         path: &Path,
@@ -84,7 +85,7 @@ impl Frames {
     }
 }
 
-/// The `<pose>` of `node` and the frame that it names. No `<pose>` is no shift.
+/// The `<pose>` of `node`, and the frame that it refers to. Without `<pose>` it is the identity.
 pub(crate) fn pose_of(path: &Path, node: Node) -> Result<Relative, ImportError> {
     let Some(pose) = child(node, "pose") else {
         return Ok((Pose3::identity(), None));
@@ -98,7 +99,7 @@ pub(crate) fn pose_of(path: &Path, node: Node) -> Result<Relative, ImportError> 
     ))
 }
 
-/// `x y z roll pitch yaw`: metres and radians, or degrees where the element says so.
+/// `x y z roll pitch yaw`: metres and radians, or degrees if the element has `degrees`.
 pub(crate) fn parse_pose(path: &Path, node: Node) -> Result<Pose3, ImportError> {
     if node.text().is_none_or(|t| t.trim().is_empty()) {
         return Ok(Pose3::identity());

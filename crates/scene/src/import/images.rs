@@ -1,4 +1,4 @@
-//! Image files as textures, each read once: PNG and JPEG, brought down to at most 1024 texels a side.
+//! Image files as textures, each read once: PNG and JPEG, reduced to at most 1024 texels a side.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use super::error::ImportError;
 use crate::{SceneBuilder, Texture, TextureId};
 
 const MAX_TEXELS_A_SIDE: u32 = 1024;
-/// Two triangles between each four pixels.
+/// Side of the largest grey image: two triangles between each four pixels.
 const MAX_GREY_A_SIDE: u32 = 2049;
 const MAX_PIXELS_A_SIDE: u32 = 16_384;
 const MAX_DECODED_BYTES: u64 = 512 << 20;
@@ -21,7 +21,7 @@ pub(crate) struct Images {
 }
 
 impl Images {
-    /// The texture made from the file at `path`.
+    /// The texture of the file at `path`.
     pub(crate) fn load(
         &mut self,
         builder: &mut SceneBuilder,
@@ -47,13 +47,14 @@ pub(crate) struct Grey {
     pub(crate) values: Vec<f32>,
 }
 
-/// Reads an image as a grey one of two pixels a side at least.
+/// Reads an image in grey, of at least two pixels a side.
 pub(crate) fn read_grey(path: &Path) -> Result<Grey, ImportError> {
     let image = decode(path)?.into_luma16();
     let (width, height) = image.dimensions();
     if !(2..=MAX_GREY_A_SIDE).contains(&width) || !(2..=MAX_GREY_A_SIDE).contains(&height) {
         let problem = format!(
-            "this image has {width} by {height} pixels; a shape is made of 2 to {MAX_GREY_A_SIDE} each way"
+            "this image has {width} by {height} pixels; a shape is made of 2 to {MAX_GREY_A_SIDE} \
+             each way"
         );
         return Err(ImportError::asset(path, problem));
     }
@@ -99,7 +100,8 @@ fn decode(path: &Path) -> Result<DynamicImage, ImportError> {
     })
 }
 
-/// Averages blocks of texels until no side is longer than allowed. Transparent texels give no colour.
+/// Averages blocks of texels until no side is longer than allowed. Transparent texels add no
+/// colour.
 fn shrink(texture: &Texture) -> Texture {
     let factor = texture
         .width
@@ -157,7 +159,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn holes_do_not_darken_what_is_left() {
+    fn holes_do_not_darken_their_neighbours() {
         let mut rgba = vec![0u8; 4 * 2048 * 2];
         rgba.chunks_exact_mut(4)
             .step_by(2)
@@ -172,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_image_is_an_error_that_names_the_file() {
+    fn a_broken_image_is_an_error_with_its_file() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("bad.png");
         std::fs::write(&path, b"\x89PNG\r\n\x1a\nnothing").unwrap();

@@ -1,6 +1,8 @@
-//! From what a shape and its mesh say to materials of the scene: scripts, images, Gazebo's own materials, each made once.
+//! Materials of the scene from those of a shape and its mesh: scripts, images, materials of Gazebo
+//! itself, each made once.
 //!
-//! As in Gazebo, a script of the shape wins over the mesh's materials, and a colour of the shape over the script's.
+//! As in Gazebo, a script of the shape takes precedence over the materials of the mesh, and a
+//! colour of the shape over that of the script.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -18,15 +20,15 @@ use super::warnings::Warnings;
 use super::xml::read_text;
 use crate::{Material, MaterialId, SceneBuilder, SemanticClass, TextureId};
 
-/// How a surface looks, before its class is known.
+/// The look of a surface, before its class is known.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Look {
     color: [f32; 3],
     texture: Option<TextureId>,
     cutout: bool,
-    /// Texture coordinates are divided by these.
+    /// Divisors of the texture coordinates.
     pub(crate) stretch: [f32; 2],
-    /// The drawn image, if it is one: its texture coordinates go by metres.
+    /// The pattern, if it has one: its texture coordinates are in metres.
     pub(crate) pattern: Option<Pattern>,
 }
 
@@ -43,7 +45,7 @@ impl Default for Look {
 }
 
 impl Look {
-    /// One colour all over.
+    /// A plain colour.
     pub(crate) fn plain(color: [f32; 3]) -> Self {
         Self {
             color,
@@ -54,13 +56,13 @@ impl Look {
 
 type Script = Rc<BTreeMap<String, OgreMaterial>>;
 
-/// What tells materials apart: class, colour, image, holes.
+/// What distinguishes materials: class, colour, image, holes.
 type MaterialKey = (SemanticClass, [u32; 3], Option<TextureId>, bool);
 
-/// Makes looks, and keeps what it made.
+/// Makes looks, and keeps those that it made.
 pub(crate) struct Looks<'a> {
     search: &'a SearchPath,
-    /// Folder of the world, which plain file names are relative to.
+    /// Folder of the world: plain file names are relative to it.
     beside: PathBuf,
     images: Images,
     scripts: BTreeMap<PathBuf, Script>,
@@ -81,7 +83,7 @@ impl<'a> Looks<'a> {
         }
     }
 
-    /// The material of a look on something of that class.
+    /// The material of a look for a class.
     pub(crate) fn material(
         &mut self,
         builder: &mut SceneBuilder,
@@ -104,7 +106,7 @@ impl<'a> Looks<'a> {
         })
     }
 
-    /// The look that a shape itself asks for; `None` where it leaves that to its mesh.
+    /// The look of the shape itself; `None` if that of its mesh applies.
     pub(crate) fn of_paint(
         &mut self,
         builder: &mut SceneBuilder,
@@ -128,7 +130,7 @@ impl<'a> Looks<'a> {
         Ok(look)
     }
 
-    /// The look that a mesh file gives a part, in the colour of the shape if it has one.
+    /// The look of a part of a mesh file, in the colour of the shape if it has one.
     pub(crate) fn of_mesh(
         &mut self,
         builder: &mut SceneBuilder,
@@ -188,7 +190,7 @@ impl<'a> Looks<'a> {
         Ok(None)
     }
 
-    /// The look of a drawn image.
+    /// The look of a pattern.
     pub(crate) fn drawn(&mut self, builder: &mut SceneBuilder, pattern: Pattern) -> Look {
         let texture = *self
             .patterns
@@ -255,7 +257,8 @@ impl<'a> Looks<'a> {
         })
     }
 
-    /// The image that a mesh file names: as it says, else that file name beside the mesh or among its model's textures.
+    /// The image of a mesh file: at the path in the file, else by its file name beside the mesh or
+    /// among the textures of its model.
     fn mesh_image(&self, mesh: &Path, name: &str) -> Option<PathBuf> {
         let name = name.replace('\\', "/").replace("%20", " ");
         let folder = mesh.parent()?;
@@ -273,7 +276,7 @@ impl<'a> Looks<'a> {
     }
 }
 
-/// Scripts at those places, those of a folder by name.
+/// Scripts at those places; those of a folder in the order of their names.
 fn script_files(places: &[PathBuf]) -> Vec<PathBuf> {
     let is_script = |p: &PathBuf| p.extension().is_some_and(|e| e == "material");
     let mut files = Vec::new();
@@ -293,7 +296,8 @@ fn script_files(places: &[PathBuf]) -> Vec<PathBuf> {
     files
 }
 
-/// The image that a script names: at the places that the shape lists, beside the script, or in the folder `textures` beside those.
+/// The image of a script: at the places that the shape lists, beside the script, or in the folder
+/// `textures` beside those.
 fn script_image(image: &str, script: &Path, places: &[PathBuf]) -> Option<PathBuf> {
     let folders = places.iter().map(PathBuf::as_path).chain(script.parent());
     let mut candidates = folders.flat_map(|f| [f.join(image), f.join("../textures").join(image)]);

@@ -1,13 +1,14 @@
-//! Import of Gazebo worlds: SDF 1.4 to 1.7 with the models that it names.
+//! Import of Gazebo worlds: SDF 1.4 to 1.7 with the models that they refer to.
 //!
-//! Poses of the saved `<state>` win over those of the models; materials come from OGRE scripts, meshes or Gazebo's own names; models
-//! `text_model1`, `text_model2`, … become plates of units 1, 2, … and so doors. Everything stands still: joints, physics, sensors, plugins and
-//! actors are left out, and what would be seen but cannot be made is counted in [`World::warnings`].
+//! Poses of the saved `<state>` take precedence over those of the models. Materials come from OGRE
+//! scripts, meshes or Gazebo itself. Models `text_model1`, `text_model2`, … become plates of units
+//! 1, 2, …, and thereby doors. Everything is static: joints, physics, sensors, plugins and actors
+//! are left out. Visible things that are not supported are counted in [`World::warnings`].
 //!
 //! | module | its one job |
 //! |---|---|
-//! | `xml`, `error`, `warnings` | reading with limits; what is refused and what is skipped |
-//! | `sdf`, `read`, `frames`, `state`, `shape`, `sun` | the world as SDF says it |
+//! | `xml`, `error`, `warnings` | reading with limits; errors; what is skipped |
+//! | `sdf`, `read`, `frames`, `state`, `shape`, `sun` | the world as SDF has it |
 //! | `search` | `model://` on the search path |
 //! | `mesh` | COLLADA, OBJ, STL |
 //! | `ogre`, `builtin`, `patterns`, `images`, `looks` | materials |
@@ -53,29 +54,32 @@ use read::SdfReader;
 use search::SearchPath;
 use warnings::Warnings;
 
-/// What to import.
+/// A world to import.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImportRequest {
     /// The `.world` file.
     pub world: PathBuf,
     /// The OSM map of the same place.
     pub map: PathBuf,
-    /// Folders in which `model://…` is looked for, in this order.
+    /// Folders that are searched for `model://…`, in this order.
     pub models: Vec<PathBuf>,
-    /// Where the world lies on the Earth; by default where the map's own middle says.
+    /// How the world lies on the Earth; by default from the middle of the map.
     pub georeference: Option<Georeference>,
-    /// Where robots start, in the world's own frame; by default its origin, or before the middle door if that is far
-    /// from all doors.
+    /// Start pose of robots, in the frame of the world file. By default its origin, or in front of
+    /// the middle door if that is far from all doors.
     pub start: Option<Pose2>,
 }
 
 /// Imports a Gazebo world.
 ///
-/// The world has its origin near the start. Where that is far from the origin of the file, as with coordinates in raw UTM,
-/// [`World::georeference`] is the same projection with another offset, and a warning says so.
+/// The world has its origin near the start. Where that is far from the origin of the file, as with
+/// coordinates in raw UTM, [`World::georeference`] is the same projection with another offset, and
+/// a warning says so.
 ///
 /// # Errors
-/// Files that are missing, broken or too large, and worlds without doors or a map; see [`ImportError`].
+///
+/// Files that are missing, broken or too large, and worlds without doors or a map; see
+/// [`ImportError`].
 pub fn import_world(request: &ImportRequest) -> Result<World, ImportError> {
     let data = OsmData::read(&request.map)?;
     let georeference = match request.georeference {
@@ -108,7 +112,8 @@ pub fn import_world(request: &ImportRequest) -> Result<World, ImportError> {
     let local = georeference.near(start.point(), MAX_FROM_ORIGIN_M);
     if local != georeference {
         warnings.add(format!(
-            "the origin of `{georeference}` is far from the start; coordinates of this world are of `{local}`"
+            "the origin of `{georeference}` is far from the start; coordinates of this world are \
+             of `{local}`"
         ));
     }
     let map = OsmMap::new(&data, local);

@@ -1,7 +1,9 @@
-//! OGRE `.material` scripts, as far as looks on a flat-shaded picture depend on them: of each material, the first image, the diffuse
-//! colour, whether transparent texels are holes, and the stretch of the image.
+//! OGRE `.material` scripts, as far as they determine the look of flat-shaded surfaces. Of each
+//! material these are read: the first image, the diffuse colour, whether transparent texels are
+//! holes, and the scale of the image.
 //!
-//! Left out: techniques and passes after the first that say something, programs, animation, imports from other scripts.
+//! Left out: techniques and passes after the first that has content, programs, animation, imports
+//! from other scripts.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +16,7 @@ pub(crate) struct OgreMaterial {
     pub(crate) color: Option<[f32; 3]>,
     /// Whether transparent texels are holes.
     pub(crate) cutout: bool,
-    /// Texture coordinates are divided by these.
+    /// Divisors of the texture coordinates.
     pub(crate) stretch: [f32; 2],
 }
 
@@ -29,12 +31,12 @@ impl Default for OgreMaterial {
     }
 }
 
-/// The materials of a script by name. What cannot be understood is passed over, as OGRE does.
+/// The materials of a script by name. Unknown statements are ignored, as OGRE does.
 pub(crate) fn parse_script(text: &str) -> BTreeMap<String, OgreMaterial> {
     let mut script = Script::default();
     for line in without_block_comments(text).lines() {
         let line = line.split("//").next().unwrap_or("");
-        // A brace may stand at the end of a line.
+        // A brace may be at the end of a line.
         for piece in line.replace('{', "\n{\n").replace('}', "\n}\n").lines() {
             script.piece(piece.trim());
         }
@@ -47,7 +49,7 @@ struct Script {
     materials: BTreeMap<String, OgreMaterial>,
     /// Headers of the open blocks, the outermost first.
     open: Vec<String>,
-    /// Header of a block whose brace has not come yet.
+    /// Header of a block before its brace.
     header: String,
     current: Option<String>,
 }

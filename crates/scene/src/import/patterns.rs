@@ -1,13 +1,14 @@
-//! Drawn images: wood, asphalt with lane markings, paving. Each covers a known number of metres.
+//! Procedural images: wood, asphalt with lane markings, paving. Each covers a known number of
+//! metres.
 
 use crate::Texture;
 
-/// A drawn image.
+/// A procedural image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Pattern {
     /// Boards, upright.
     Wood,
-    /// A carriageway: edge lines and a broken line in the middle; u runs across, v along.
+    /// A carriageway: edge lines, and a broken line in the middle; u runs across, v along.
     MarkedRoad,
     /// Slabs.
     Paving,
@@ -16,7 +17,8 @@ pub(crate) enum Pattern {
 const EDGE: u32 = 128;
 
 impl Pattern {
-    /// Metres that the image covers along u and v. A road's u covers its width, whatever that is.
+    /// Metres that the image covers along u and v. The u of a road covers its width, whatever that
+    /// is.
     pub(crate) fn metres(self) -> [f64; 2] {
         match self {
             Self::Wood => [1.2, 2.4],

@@ -1,5 +1,6 @@
-//! Number plates. The published worlds mark doors with models `text_model1`, `text_model2`, … whose meshes were never published: a plate
-//! is drawn in their place. Its outward normal is the model's +y, its text runs along x.
+//! Number plates. The published worlds mark doors with models `text_model1`, `text_model2`, …,
+//! whose meshes were never published: a plate is drawn in their place. Its outward normal is the
+//! model's +y, its text runs along x.
 
 use std::collections::BTreeMap;
 
@@ -14,15 +15,16 @@ use crate::plate::{hang_plate, plate_material};
 use crate::world::MAX_FROM_ORIGIN_M;
 use crate::{Door, SceneBuilder, SemanticClass};
 
-/// How far plates stand out, metres: in the published worlds their poses lie up to 9 cm behind the frames of their doors.
-const STANDS_OUT: f64 = 0.10;
+/// Distance of plates in front of their poses, metres: in the published worlds these lie up to 9 cm
+/// behind the frames of their doors.
+const STANDS_OUT_M: f64 = 0.10;
 
-/// So far before a door a robot starts of whom nothing is said, metres.
-const BEFORE_DOOR: f64 = 3.0;
-/// Plates further than this from every outline make one doubt that world and map fit together, metres.
-const OFF_BUILDING: f64 = 5.0;
+/// Distance of the default start in front of a door, metres.
+const BEFORE_DOOR_M: f64 = 3.0;
+/// Plates farther than this from every outline indicate that world and map do not match, metres.
+const OFF_BUILDING_M: f64 = 5.0;
 
-/// A plate before it is known whose door it marks.
+/// A plate whose door is not known yet.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PlateAt {
     /// Number of the unit.
@@ -36,14 +38,14 @@ impl PlateAt {
         MapPoint::new(self.pose.translation.x, self.pose.translation.y)
     }
 
-    /// Where it faces: radians, counter-clockwise from east.
+    /// Direction that it faces: radians, counter-clockwise from east.
     fn facing(&self) -> f64 {
         let normal = self.pose.rotation * Vector3::y();
         libm::atan2(normal.y, normal.x)
     }
 }
 
-/// The unit that a model called `text_model<N>`, perhaps with a suffix such as `_0`, marks.
+/// The unit that a model called `text_model<N>` marks, perhaps with a suffix such as `_0`.
 pub(crate) fn unit_of_name(name: &str) -> Option<u32> {
     let rest = name.strip_prefix("text_model")?;
     let end = rest
@@ -57,7 +59,8 @@ pub(crate) fn unit_of_name(name: &str) -> Option<u32> {
     }
 }
 
-/// The plate that `model` stands for, by the file of its mesh or else by its name. `pose` is the model's pose in `map`.
+/// The plate that `model` represents, by the file of its mesh or else by its name. `pose` is the
+/// pose of the model in `map`.
 pub(crate) fn plate_of(model: &Model, pose: &Pose3) -> Option<PlateAt> {
     let shapes = model
         .links
@@ -90,8 +93,8 @@ pub(crate) fn plates_of(models: &[Model]) -> Vec<PlateAt> {
     plates
 }
 
-/// Where robots start of whom nothing is said: at the origin, as in Gazebo; where that is far from all doors, before the
-/// one that is nearest to the middle of all.
+/// The default start of robots: the origin, as in Gazebo; where that is far from all doors, in
+/// front of the one nearest to the middle of all.
 pub(crate) fn usual_start(plates: &[PlateAt]) -> Pose2 {
     let points = || {
         plates
@@ -106,12 +109,12 @@ pub(crate) fn usual_start(plates: &[PlateAt]) -> Pose2 {
     let nearest = plates.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
     nearest.map_or(Pose2::default(), |plate| {
         let out = plate.facing();
-        let at = plate.point().offset(out, BEFORE_DOOR);
+        let at = plate.point().offset(out, BEFORE_DOOR_M);
         Pose2::new(at.x, at.y, out)
     })
 }
 
-/// Draws the plates and adds their doors, each to the building whose outline is nearest.
+/// Adds the plates and their doors, each to the building whose outline is nearest.
 pub(crate) fn add_doors(
     builder: &mut SceneBuilder,
     plates: &[PlateAt],
@@ -126,7 +129,7 @@ pub(crate) fn add_doors(
         let Some(building) = map.nearest_building(point) else {
             continue;
         };
-        strays += usize::from(map.distance_to_building(building, point) > OFF_BUILDING);
+        strays += usize::from(map.distance_to_building(building, point) > OFF_BUILDING_M);
         let named = map.buildings.get(building).and_then(|b| b.name.clone());
         let building = named.unwrap_or_else(|| format!("building{}", building + 1));
         let address = Address::new(building, format!("unit{}", plate.unit));
@@ -139,7 +142,7 @@ pub(crate) fn add_doors(
             .entry(plate.unit)
             .or_insert_with(|| plate_material(builder, &text));
         builder.object(format!("plate of {address}"), SemanticClass::Plate);
-        hang_plate(builder, face, &plate.pose, STANDS_OUT);
+        hang_plate(builder, face, &plate.pose, STANDS_OUT_M);
         let at = plate.pose.translation.vector.into();
         builder.door(Door {
             address,
@@ -150,8 +153,8 @@ pub(crate) fn add_doors(
     }
     if strays > 0 {
         warnings.add(format!(
-            "{strays} of {} plates hang more than {OFF_BUILDING} m from every building of the map; is it the map of this world, and its \
-             georeference (--georef) right?",
+            "{strays} of {} plates hang more than {OFF_BUILDING_M} m from every building of the \
+             map; is it the map of this world, and its georeference (--georef) right?",
             plates.len()
         ));
     }

@@ -1,7 +1,8 @@
 //! SDF 1.4 to 1.7 into [`SdfWorld`]: models, includes, lights, roads and the saved state.
 //!
-//! Follows sdformat.org and, where that is silent, Gazebo Classic. Physics, sensors, joints and plugins are passed over in
-//! silence, since they are no part of a scene; shapes and lights that cannot be made are counted.
+//! Follows sdformat.org, and Gazebo Classic where that leaves something open. Physics, sensors,
+//! joints and plugins are ignored silently, since they are no part of a scene. Shapes and lights
+//! that are not supported are counted.
 
 use std::path::{Path, PathBuf};
 
@@ -24,15 +25,15 @@ const MAX_MODELS: usize = 200_000;
 
 /// Reads worlds and the models that they include.
 pub(crate) struct SdfReader<'a> {
-    /// Where `model://` is looked for.
+    /// Folders that are searched for `model://`.
     pub(crate) search: &'a SearchPath,
     /// What was skipped.
     pub(crate) warnings: &'a mut Warnings,
-    /// Models made so far; includes can multiply them.
+    /// Number of models so far; includes can multiply them.
     pub(crate) models: usize,
 }
 
-/// A file, and how deep in models and includes the reader is.
+/// A file, and the depth of the reader in models and includes.
 #[derive(Clone, Copy)]
 struct Place<'a> {
     path: &'a Path,
@@ -86,7 +87,7 @@ impl SdfReader<'_> {
         Ok(result)
     }
 
-    /// The models that stand directly in `scope`, included ones too, in the order of the file.
+    /// The models directly in `scope`, included ones too, in the order of the file.
     fn models_in(&mut self, place: Place, scope: Node) -> Result<Vec<Model>, ImportError> {
         let frames = Frames::read(place.path, scope)?;
         let mut models = Vec::new();
@@ -166,8 +167,8 @@ impl SdfReader<'_> {
         })
     }
 
-    /// The model of an `<include>`; nothing for included lights. Number plates whose model was never published become models
-    /// without links.
+    /// The model of an `<include>`; `None` for included lights. Number plates whose model was never
+    /// published become models without links.
     fn include(&mut self, place: Place, node: Node) -> Result<Option<Model>, ImportError> {
         let place = place.deeper(node)?;
         let uri = child_text(node, "uri")
@@ -220,7 +221,7 @@ impl SdfReader<'_> {
     }
 }
 
-/// A stand-in for a plate's model that was never published.
+/// Replaces the model of a plate, which was never published.
 fn plate_model(uri: &str) -> Model {
     let mesh = format!("{}/meshes/plate.dae", uri.trim_end_matches('/'));
     let shape = Shape {
@@ -242,7 +243,7 @@ fn plate_model(uri: &str) -> Model {
     }
 }
 
-/// The SDF file of a model's folder: the newest version that `model.config` names, else `model.sdf`.
+/// The SDF file of a model folder: the newest version in `model.config`, else `model.sdf`.
 fn model_file(found: &Path) -> Option<PathBuf> {
     if found.is_file() {
         return Some(found.to_owned());

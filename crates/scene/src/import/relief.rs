@@ -1,7 +1,7 @@
-//! Shapes from grey images: heightmaps, and images whose dark pixels are drawn up as boxes.
+//! Shapes from grey images: heightmaps, and images whose dark pixels are extruded as boxes.
 //!
-//! As in Gazebo Classic the first row of an image is the northernmost, the brightest pixel of a heightmap is as high as its
-//! `<size>` says, and dark pixels are solid.
+//! As in Gazebo Classic the first row of an image is the northernmost. The brightest pixel of a
+//! heightmap is as high as its `<size>`, and dark pixels are solid.
 
 use nalgebra::{Point3, Vector3};
 
@@ -13,8 +13,8 @@ use super::sdf::{Heightmap, ImageShape};
 /// Most boxes of one image.
 pub(crate) const MAX_BOXES: usize = 100_000;
 
-/// The surface of a heightmap: a square between each four pixels, as two triangles. Texture coordinates are in repeats of
-/// `tile` metres.
+/// The surface of a heightmap: a square between each four pixels, as two triangles. Texture
+/// coordinates are in repeats of `tile` metres.
 pub(crate) fn surface(image: &Grey, shape: &Heightmap, tile: f64) -> Part {
     let brightest = image.values.iter().copied().fold(0.0, f32::max);
     // A black image is level.
@@ -51,7 +51,8 @@ pub(crate) fn surface(image: &Grey, shape: &Heightmap, tile: f64) -> Part {
     part
 }
 
-/// Boxes on the dark pixels of an image, whose middle is the origin; `None` if there are more than [`MAX_BOXES`].
+/// Boxes on the dark pixels of an image, whose middle is the origin; `None` if there are more than
+/// [`MAX_BOXES`].
 pub(crate) fn boxes(image: &Grey, shape: &ImageShape) -> Option<Part> {
     let mut part = Part::default();
     let rectangles = dark_rectangles(image, shape.threshold);
@@ -84,7 +85,7 @@ struct Pixels {
     rows: std::ops::Range<usize>,
 }
 
-/// The dark pixels in few rectangles: runs along rows, and equal runs below each other as one.
+/// The dark pixels in few rectangles: runs along rows; equal runs in neighbouring rows are joined.
 fn dark_rectangles(image: &Grey, threshold: f32) -> Vec<Pixels> {
     let (mut done, mut open): (Vec<Pixels>, Vec<Pixels>) = (Vec::new(), Vec::new());
     for row in 0..image.height {

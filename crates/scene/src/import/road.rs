@@ -1,21 +1,23 @@
 //! `<road>`: a ribbon through points with mitred joints.
 //!
-//! Gazebo's roads have no collision shape and may float above the ground, so that wheels sink into them. Here they are laid onto the
-//! ground plane that is near: a floating sheet would be an obstacle to a LiDAR.
+//! Roads of Gazebo have no collision shape and may float above the ground, so that wheels sink into
+//! them. Here they are moved onto a near ground plane: a floating sheet would be an obstacle to a
+//! LiDAR.
 
 use nalgebra::{Point3, Vector2};
 
 use super::mesh::Part;
 use super::sdf::Road;
 
-/// Joints sharper than this would grow long spikes; there the ribbon is cut square.
+/// At joints sharper than this the ribbon is cut square, since a mitre would be a long spike.
 const MAX_MITRE: f64 = 3.0;
-/// Roads this near to a ground plane, metres, belong on it.
+/// Largest distance of roads from the ground plane that they belong to, metres.
 const NEAR_GROUND: f64 = 0.5;
-/// The lowest road lies this far above the ground, metres.
+/// Height of the lowest road above the ground, metres.
 const CLEARANCE: f64 = 0.01;
 
-/// How far all roads have to be raised (or, negative, lowered) to lie on the ground at height `ground`.
+/// By how much all roads have to be raised (lowered if negative) to lie on the ground at height
+/// `ground`, metres.
 pub(crate) fn shift_to_ground(roads: &[Road], ground: Option<f64>) -> f64 {
     let lowest = roads
         .iter()
@@ -30,7 +32,8 @@ pub(crate) fn shift_to_ground(roads: &[Road], ground: Option<f64>) -> f64 {
     }
 }
 
-/// The road's surface, raised by `shift`. u runs across from 0 to 1, v along, once for each `repeat` metres.
+/// The surface of a road, raised by `shift` metres. u runs across from 0 to 1; v runs along, 1 for
+/// each `repeat` metres.
 pub(crate) fn ribbon(road: &Road, shift: f64, repeat: f64) -> Part {
     let points = distinct(&road.points);
     let mut part = Part::default();
@@ -76,7 +79,8 @@ fn direction(from: &[f64; 3], to: &[f64; 3]) -> Vector2<f64> {
     (flat(to) - flat(from)).normalize()
 }
 
-/// The way to the left edge of a ribbon of half width one, where it comes along `before` and goes on along `after`.
+/// Offset of the left edge of a ribbon of half width one at a joint between the directions `before`
+/// and `after`.
 fn mitre(before: Option<Vector2<f64>>, after: Option<Vector2<f64>>) -> Vector2<f64> {
     let left = |d: Vector2<f64>| Vector2::new(-d.y, d.x);
     let (Some(before), Some(after)) = (before, after) else {

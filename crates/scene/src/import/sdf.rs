@@ -1,11 +1,11 @@
-//! What an SDF world says, after includes and frames are resolved.
+//! An SDF world after includes and frames are resolved.
 
 use nalgebra::Vector3;
 use openbench_core::Pose3;
 
 use crate::Sun;
 
-/// How deep models and includes may be nested.
+/// Largest depth of nested models and includes.
 pub(crate) const MAX_DEPTH: usize = 16;
 
 /// A world.
@@ -24,9 +24,9 @@ pub(crate) struct SdfWorld {
 pub(crate) struct Model {
     /// Its name.
     pub(crate) name: String,
-    /// In the frame of the model around it, or of the world.
+    /// Pose in the frame of the enclosing model, or of the world.
     pub(crate) pose: Pose3,
-    /// Stretch of its shapes, from the world's state.
+    /// Scale of its shapes, from the state of the world.
     pub(crate) scale: Vector3<f64>,
     /// Its bodies.
     pub(crate) links: Vec<Link>,
@@ -39,22 +39,22 @@ pub(crate) struct Model {
 pub(crate) struct Link {
     /// Its name.
     pub(crate) name: String,
-    /// In the model's frame.
+    /// Pose in the frame of the model.
     pub(crate) pose: Pose3,
-    /// What is seen and what is touched.
+    /// Visible shapes and collision shapes.
     pub(crate) shapes: Vec<Shape>,
 }
 
 /// A `<visual>` or `<collision>`.
 #[derive(Debug, Clone)]
 pub(crate) struct Shape {
-    /// Whether it is seen; else it is touched.
+    /// Whether it is visible; otherwise it is a collision shape.
     pub(crate) visual: bool,
-    /// In the link's frame.
+    /// Pose in the frame of the link.
     pub(crate) pose: Pose3,
     /// Its form.
     pub(crate) geometry: Geometry,
-    /// Its looks, where it does not leave them to the mesh.
+    /// Its look, unless that of the mesh applies.
     pub(crate) paint: Option<Paint>,
 }
 
@@ -65,7 +65,7 @@ pub(crate) enum Geometry {
     Box(Vector3<f64>),
     /// A rectangle that faces `normal`.
     Plane {
-        /// Where it faces.
+        /// Direction that it faces.
         normal: Vector3<f64>,
         /// Edge lengths.
         size: [f64; 2],
@@ -79,66 +79,66 @@ pub(crate) enum Geometry {
     },
     /// A ball of that radius.
     Sphere(f64),
-    /// Outlines drawn up from z = 0: the first is the outer one, the others are holes in it.
+    /// Outlines extruded from z = 0: the first is the outer one, the others are holes in it.
     Extrusion {
         /// x and y of the corners, open: the last is joined to the first.
         outlines: Vec<Vec<[f64; 2]>>,
-        /// How high they are drawn up.
+        /// Height.
         height: f64,
     },
     /// A mesh file.
     Mesh(MeshUse),
-    /// A surface whose heights are an image's.
+    /// A surface with heights from an image.
     Heightmap(Heightmap),
-    /// The dark pixels of an image, drawn up.
+    /// The dark pixels of an image, extruded.
     Image(ImageShape),
 }
 
-/// A surface whose heights are an image's.
+/// A surface with heights from an image.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Heightmap {
-    /// What the world calls the image.
+    /// Path of the image as in the world file.
     pub(crate) uri: String,
-    /// How wide and long it is, and how high where the image is brightest.
+    /// Width and length, and height where the image is brightest.
     pub(crate) size: Vector3<f64>,
     /// Its middle.
     pub(crate) position: Vector3<f64>,
-    /// Image on it, and what one repeat of that covers, metres.
+    /// Image on it, and the size of one repeat of that, metres.
     pub(crate) texture: Option<(String, f64)>,
 }
 
-/// The dark pixels of an image, drawn up.
+/// The dark pixels of an image, extruded.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ImageShape {
-    /// What the world calls the image.
+    /// Path of the image as in the world file.
     pub(crate) uri: String,
     /// Side of a pixel, metres.
     pub(crate) scale: f64,
-    /// No brighter pixel is dark, 0 to 1.
+    /// Largest brightness of a dark pixel, 0 to 1.
     pub(crate) threshold: f32,
-    /// How high they are drawn up, metres.
+    /// Height, metres.
     pub(crate) height: f64,
 }
 
 /// A mesh file as a shape uses it.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct MeshUse {
-    /// What the world calls the file.
+    /// Path of the file as in the world file.
     pub(crate) uri: String,
-    /// Stretch.
+    /// Scale.
     pub(crate) scale: Vector3<f64>,
-    /// The one part that is used, if not all.
+    /// The only part that is used, if not all.
     pub(crate) submesh: Option<String>,
-    /// Whether that part's middle is moved to the origin.
+    /// Whether the middle of that part is moved to the origin.
     pub(crate) center: bool,
 }
 
-/// A `<material>`: how a shape looks.
+/// A `<material>`: the look of a shape.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Paint {
     /// Folders and files with OGRE scripts and images.
     pub(crate) uris: Vec<String>,
-    /// Material of those scripts, or one of Gazebo's own.
+    /// Material of those scripts, or of Gazebo itself.
     pub(crate) script: Option<String>,
     /// Image of a physically based material.
     pub(crate) image: Option<String>,
@@ -155,7 +155,7 @@ pub(crate) struct Road {
     pub(crate) width: f64,
     /// Its middle line.
     pub(crate) points: Vec<[f64; 3]>,
-    /// Its looks.
+    /// Its look.
     pub(crate) paint: Option<Paint>,
 }
 

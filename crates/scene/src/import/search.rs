@@ -1,8 +1,8 @@
-//! Finding what `model://…` names on the search path.
+//! Search for the files of `model://…` on the search path.
 
 use std::path::{Component, Path, PathBuf};
 
-/// Folders that hold models, in the order in which they are looked through.
+/// Folders that contain models, in the order of the search.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct SearchPath {
     folders: Vec<PathBuf>,
@@ -21,7 +21,8 @@ impl SearchPath {
         self.folders.clone()
     }
 
-    /// The file or folder that `uri` names; relative ones are looked for beside the file that names them.
+    /// The file or folder of `uri`. Relative paths are relative to the folder of the file that has
+    /// them.
     pub(crate) fn find(&self, uri: &str, beside: &Path) -> Option<PathBuf> {
         if let Some(rest) = uri.strip_prefix("model://") {
             return self.find_model(rest);
@@ -34,7 +35,8 @@ impl SearchPath {
         path.exists().then_some(path)
     }
 
-    /// `name/rest` in the first folder that has it; a folder on the path may itself be the model `name`.
+    /// `name/rest` in the first folder that has it. A folder on the path may itself be the model
+    /// `name`.
     fn find_model(&self, rest: &str) -> Option<PathBuf> {
         let relative = Path::new(rest.trim_end_matches('/'));
         let inside = relative
@@ -56,7 +58,7 @@ impl SearchPath {
     }
 }
 
-/// The model that a `model://NAME/…` uri names.
+/// The model in a `model://NAME/…` uri.
 pub(crate) fn model_of(uri: &str) -> Option<&str> {
     uri.strip_prefix("model://")?
         .split('/')

@@ -13,7 +13,7 @@ use super::xml::{child, child_color, child_numbers, child_text, children, malfor
 /// Most corners of an outline.
 const MAX_POINTS: usize = 1000;
 
-/// The form of a `<visual>` or `<collision>`; nothing for forms that are not supported, which are counted.
+/// The form of a `<visual>` or `<collision>`; `None` for unsupported forms, which are counted.
 pub(crate) fn read_geometry(
     path: &Path,
     shape: Node,
@@ -57,7 +57,7 @@ fn read_plane(path: &Path, node: Node) -> Result<Geometry, ImportError> {
     Ok(Geometry::Plane { normal, size })
 }
 
-/// All `<polyline>` elements of a `<geometry>`, of which `first` is one.
+/// All `<polyline>` elements of a `<geometry>`; `first` is one of them.
 fn read_polylines(path: &Path, first: Node) -> Result<Geometry, ImportError> {
     let [height] = positive(path, first, "height")?;
     let lines: Vec<Node> = first
@@ -67,7 +67,7 @@ fn read_polylines(path: &Path, first: Node) -> Result<Geometry, ImportError> {
         let mut points = children(*line, "point")
             .map(|p| numbers::<2>(path, p))
             .collect::<Result<Vec<_>, _>>()?;
-        // Closed or not, it is the same.
+        // Closed or open makes no difference.
         if points.len() > 1 && points.first() == points.last() {
             points.pop();
         }
@@ -157,7 +157,7 @@ fn uri_of(path: &Path, node: Node) -> Result<String, ImportError> {
     Ok(child_text(node, "uri").ok_or_else(lacks)?.to_owned())
 }
 
-/// A mesh file in its own size.
+/// A mesh file at its own scale.
 pub(crate) fn whole_mesh(uri: &str) -> Geometry {
     Geometry::Mesh(MeshUse {
         uri: uri.to_owned(),

@@ -1,5 +1,6 @@
-//! `<state>`: where models and links stood when the world was saved. As in Gazebo Classic, those poses are poses in the
-//! world, also of links and of models inside models, and win over the poses of the models.
+//! `<state>`: the poses of models and links when the world was saved. As in Gazebo Classic, these
+//! are poses in the world, also of links and of nested models, and take precedence over the poses
+//! of the models.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -13,7 +14,7 @@ use super::frames::parse_pose;
 use super::sdf::{MAX_DEPTH, Model};
 use super::xml::{child, child_numbers, children};
 
-/// What the state says of one model.
+/// The state of one model.
 #[derive(Debug, Default)]
 struct ModelState {
     pose: Option<Pose3>,
@@ -22,7 +23,7 @@ struct ModelState {
     models: BTreeMap<String, ModelState>,
 }
 
-/// What the state says of the world.
+/// The state of the world.
 #[derive(Debug, Default)]
 pub(crate) struct State {
     models: BTreeMap<String, ModelState>,
@@ -43,7 +44,7 @@ impl State {
         })
     }
 
-    /// Moves, stretches and removes models as the state says.
+    /// Moves, scales and removes models to match the state.
     pub(crate) fn apply(&self, models: &mut Vec<Model>) {
         models.retain(|m| !self.deleted.contains(&m.name));
         for model in models {

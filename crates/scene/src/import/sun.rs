@@ -11,7 +11,8 @@ use super::warnings::Warnings;
 use super::xml::{child, child_color, child_numbers, children};
 use crate::Sun;
 
-/// The first directional `<light>` with the `<ambient>` of the `<scene>`; further lights are counted.
+/// The first directional `<light>`, with the `<ambient>` of the `<scene>`; further lights are
+/// counted.
 pub(crate) fn read_sun(
     path: &Path,
     world: Node,

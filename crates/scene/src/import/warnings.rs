@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 pub(crate) struct Warnings(BTreeMap<String, usize>);
 
 impl Warnings {
-    /// Notes one more of `what`.
+    /// Counts one more of `what`.
     pub(crate) fn add(&mut self, what: impl Into<String>) {
         *self.0.entry(what.into()).or_default() += 1;
     }

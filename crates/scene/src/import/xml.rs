@@ -1,6 +1,6 @@
-//! Reading XML with limits, and numbers out of it with their place.
+//! Reading XML with limits, and numbers in it; errors have a line and a column.
 //!
-//! Document types are refused, so entities cannot grow.
+//! Document types are rejected, so entities cannot expand.
 
 use std::path::Path;
 use std::str::FromStr;
@@ -23,7 +23,8 @@ pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, ImportError> {
     std::fs::read(path).map_err(io)
 }
 
-/// The text of a file of bounded size. Bytes that are not UTF-8 are replaced: they only ever stand in names.
+/// The text of a file of bounded size. Bytes that are not UTF-8 are replaced: they occur in names
+/// only.
 pub(crate) fn read_text(path: &Path) -> Result<String, ImportError> {
     let bytes = read_bytes(path)?;
     Ok(String::from_utf8(bytes)
@@ -188,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn document_types_are_refused() {
+    fn document_types_are_rejected() {
         assert!(parse(Path::new("f"), "<!DOCTYPE a [<!ENTITY b \"c\">]><a>&b;</a>").is_err());
     }
 }

@@ -4,7 +4,7 @@
 use openbench_core::{Georeference, LonLat, MapPoint};
 use openbench_osm::{Node, OsmData, Tags, Way};
 
-/// Corners, metres about a point, and tags.
+/// Corners in metres about a point, and tags.
 pub type WayOf<'a> = (&'a [(f64, f64)], &'a [(&'a str, &'a str)]);
 
 /// A map of ways; buildings, their parts and waters are closed.

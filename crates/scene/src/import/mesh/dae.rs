@@ -1,8 +1,9 @@
-//! COLLADA 1.4: the scene's nodes, their transforms, units and up axis.
+//! COLLADA 1.4: the nodes of the scene, their transforms, units and up axis.
 //!
-//! As in Gazebo Classic, a node that has a `<matrix>` ignores its `<translate>`, `<rotate>`, `<scale>`, against the letter of the
-//! specification, which applies all in turn: meshes that were made for Gazebo count on it. Left out: animation and skinning
-//! (a skinned mesh is read in its bind shape), cameras, lights, physics.
+//! As in Gazebo Classic, a node with a `<matrix>` ignores its `<translate>`, `<rotate>` and
+//! `<scale>`. The specification applies all in turn, but meshes that were made for Gazebo rely on
+//! this. Left out: animation, skinning (a skinned mesh is read in its bind shape), cameras, lights,
+//! physics.
 
 use std::path::Path;
 
@@ -45,7 +46,7 @@ pub(super) fn read(path: &Path, text: &str) -> Result<Mesh, ImportError> {
     Ok(walk.mesh)
 }
 
-/// From the file's unit and up axis to metres with z up.
+/// Transform from the unit and up axis of the file to metres with z up.
 fn base_transform(path: &Path, root: Node) -> Result<Matrix4<f64>, ImportError> {
     let Some(asset) = child(root, "asset") else {
         return Ok(Matrix4::identity());
@@ -68,7 +69,7 @@ fn base_transform(path: &Path, root: Node) -> Result<Matrix4<f64>, ImportError> 
         Some("X_UP") => Matrix4::new(
             0., -1., 0., 0., 0., 0., -1., 0., 1., 0., 0., 0., 0., 0., 0., 1.,
         ),
-        // Y_UP, which is also what the specification supposes where nothing is said.
+        // Y_UP, which is also the default of the specification.
         _ => Matrix4::new(
             1., 0., 0., 0., 0., 0., -1., 0., 0., 1., 0., 0., 0., 0., 0., 1.,
         ),

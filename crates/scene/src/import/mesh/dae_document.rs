@@ -25,7 +25,7 @@ impl<'a, 'i> Dae<'a, 'i> {
         }
     }
 
-    /// The element that `#id` in an attribute names.
+    /// The element that `#id` in an attribute refers to.
     pub(super) fn target(&self, node: Node<'a, 'i>, attribute: &str) -> Option<Node<'a, 'i>> {
         self.by_id(node.attribute(attribute)?)
     }
@@ -36,7 +36,7 @@ impl<'a, 'i> Dae<'a, 'i> {
     }
 }
 
-/// The numbers of a `<source>` and how many of them make one item.
+/// The numbers of a `<source>`, and how many of them are one item.
 pub(super) fn source(dae: &Dae, node: Node) -> Result<(Vec<f64>, usize), ImportError> {
     let array = child(node, "float_array")
         .ok_or_else(|| malformed(dae.path, node, "<source> has no <float_array>"))?;
@@ -48,7 +48,7 @@ pub(super) fn source(dae: &Dae, node: Node) -> Result<(Vec<f64>, usize), ImportE
     Ok((list(dae.path, array)?, usize::max(stride, 1)))
 }
 
-/// The source that an `<input>` of that meaning names.
+/// The source that an `<input>` with that semantic refers to.
 pub(super) fn input<'a, 'i>(parent: Node<'a, 'i>, semantic: &str) -> Option<Node<'a, 'i>> {
     children(parent, "input").find(|n| n.attribute("semantic") == Some(semantic))
 }

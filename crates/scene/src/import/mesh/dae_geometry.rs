@@ -10,7 +10,7 @@ use super::super::xml::{child, children, list, malformed};
 use super::dae_document::{Dae, input, source};
 use super::part::{Corner, Joiner, Part};
 
-/// What the indices of a primitive point into.
+/// Targets of the indices of a primitive.
 struct Streams {
     positions: Vec<f64>,
     position_stride: usize,
@@ -22,7 +22,8 @@ struct Streams {
     width: usize,
 }
 
-/// The triangles of a primitive element; nothing for other elements. `uv_set` says which texture coordinates its image uses.
+/// The triangles of a primitive element; `None` for other elements. `uv_set` is the set of texture
+/// coordinates that its image uses.
 pub(super) fn read_primitives(
     dae: &Dae,
     primitive: Node,

@@ -8,11 +8,11 @@ use super::super::xml::{child, child_text, children, is};
 use super::dae_document::Dae;
 use super::part::MeshMaterial;
 
-/// How one primitive of one instance is painted.
+/// The material of one primitive of one instance.
 pub(super) struct Binding {
     /// Index into the mesh's materials.
     pub(super) material: Option<usize>,
-    /// The set of texture coordinates that the image uses, where the file says so.
+    /// The set of texture coordinates that the image uses, if the file has it.
     pub(super) uv_set: Option<u32>,
 }
 
@@ -29,7 +29,8 @@ impl Materials {
         self.list
     }
 
-    /// What the `symbol` of a primitive means in `instance`. A symbol that is bound to nothing is tried as a material's id.
+    /// The material that `symbol` of a primitive is bound to in `instance`. An unbound symbol is
+    /// tried as the id of a material.
     pub(super) fn bind(&mut self, dae: &Dae, instance: Node, symbol: Option<&str>) -> Binding {
         let none = Binding {
             material: None,
@@ -71,7 +72,7 @@ impl Materials {
     }
 }
 
-/// `<diffuse>` of an effect's shader, whichever shader it is.
+/// `<diffuse>` of the shader of an effect, whichever shader it is.
 fn diffuse<'a, 'i>(effect: Node<'a, 'i>) -> Option<Node<'a, 'i>> {
     effect.descendants().find(|n| is(*n, "diffuse"))
 }
@@ -102,7 +103,7 @@ fn read_effect(dae: &Dae, effect: Node) -> MeshMaterial {
     }
 }
 
-/// The file behind a sampler: sampler, surface, image. Some exporters name the image at once.
+/// The file of a sampler: sampler, surface, image. Some exporters refer to the image directly.
 fn image_of(dae: &Dae, effect: Node, sampler: &str) -> Option<String> {
     let param = |sid: &str| {
         effect

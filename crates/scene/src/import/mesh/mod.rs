@@ -1,7 +1,7 @@
 //! Mesh files as triangles with materials: COLLADA, Wavefront OBJ, STL.
 //!
-//! Lengths come out in metres where the file has a unit (COLLADA), else in the file's own numbers, and z points up where the
-//! file says what is up (COLLADA). Normals are not read: triangles are flat.
+//! Lengths are in metres where the file has a unit (COLLADA), else in the numbers of the file. z
+//! points up where the file has an up axis (COLLADA). Normals are not read: triangles are flat.
 
 mod dae;
 mod dae_document;
@@ -18,7 +18,7 @@ use super::xml::read_bytes;
 use part::MAX_TRIANGLES;
 pub(crate) use part::{Corner, Mesh, MeshMaterial, Part};
 
-/// Reads a mesh file; its name's ending tells the format.
+/// Reads a mesh file; the extension of its name tells the format.
 pub(crate) fn read(path: &Path) -> Result<Mesh, ImportError> {
     let bytes = read_bytes(path)?;
     let ending = path

@@ -1,6 +1,7 @@
-//! Wavefront OBJ with its MTL: `v`, `vt`, `f`, `g`, `o`, `usemtl`, `mtllib`; of materials `Kd`, `map_Kd`, `map_d`.
+//! Wavefront OBJ with its MTL: `v`, `vt`, `f`, `g`, `o`, `usemtl`, `mtllib`; of materials `Kd`,
+//! `map_Kd`, `map_d`.
 //!
-//! As Gazebo does, z is taken to point up. Lines and free-form surfaces are passed over.
+//! As in Gazebo, z is assumed to point up. Lines and free-form surfaces are ignored.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -147,7 +148,7 @@ fn materials(text: &str) -> Vec<(String, MeshMaterial)> {
     found
 }
 
-/// The file name after options such as `-s 1 1 1`: without options it may hold spaces.
+/// The file name after options such as `-s 1 1 1`: without options it may contain spaces.
 fn image_name(rest: &str) -> Option<String> {
     let rest = rest.trim();
     let name = if rest.starts_with('-') {
@@ -240,11 +241,15 @@ mod tests {
     proptest::proptest! {
         #[test]
         fn any_file_is_an_error_or_a_mesh_with_sound_indices(
-            lines in proptest::collection::vec("(v|vt|f|g|usemtl|mtllib)( -?[0-9]{1,2}(/[0-9]?){0,2}){0,5}", 0..40),
+            lines in proptest::collection::vec(
+                "(v|vt|f|g|usemtl|mtllib)( -?[0-9]{1,2}(/[0-9]?){0,2}){0,5}",
+                0..40,
+            ),
         ) {
             if let Ok(mesh) = read(Path::new("nowhere/a.obj"), &lines.join("\n")) {
                 for part in &mesh.parts {
-                    assert!(part.triangles.iter().flatten().all(|i| (*i as usize) < part.corners.len()));
+                    let mut indices = part.triangles.iter().flatten();
+                    assert!(indices.all(|i| (*i as usize) < part.corners.len()));
                 }
             }
         }

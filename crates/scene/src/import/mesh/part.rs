@@ -1,4 +1,4 @@
-//! Triangles with materials, as every format of meshes gives them.
+//! Triangles with materials: the common result of all mesh formats.
 
 use std::collections::BTreeMap;
 
@@ -12,14 +12,14 @@ pub(super) const MAX_TRIANGLES: usize = 5_000_000;
 pub(crate) struct Mesh {
     /// Its parts in the order of the file.
     pub(crate) parts: Vec<Part>,
-    /// What the parts' indices name.
+    /// Materials that the parts refer to.
     pub(crate) materials: Vec<MeshMaterial>,
 }
 
 /// Triangles of one material.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Part {
-    /// Names by which `<submesh>` can ask for it.
+    /// Names by which `<submesh>` can refer to it.
     pub(crate) names: Vec<String>,
     /// Index into [`Mesh::materials`].
     pub(crate) material: Option<usize>,
@@ -32,12 +32,12 @@ pub(crate) struct Part {
 /// Position and texture coordinates.
 pub(crate) type Corner = (Point3<f64>, [f32; 2]);
 
-/// How a mesh file paints a part.
+/// The material of a part in a mesh file.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct MeshMaterial {
     /// sRGB colour; white under an image.
     pub(crate) color: [f32; 3],
-    /// The image as the file names it.
+    /// Path of the image as in the file.
     pub(crate) image: Option<String>,
     /// Whether transparent texels are holes.
     pub(crate) cutout: bool,

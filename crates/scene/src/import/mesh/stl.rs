@@ -26,7 +26,7 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Mesh, ImportError> {
     })
 }
 
-/// Whether binary STL holds fewer triangles of 50 bytes than its header promises.
+/// Whether binary STL has fewer triangles of 50 bytes than its header declares.
 fn is_cut_short(bytes: &[u8]) -> bool {
     let promised = bytes
         .get(80..84)
@@ -57,8 +57,8 @@ mod tests {
 
     #[test]
     fn an_ascii_triangle() {
-        let text =
-            b"solid one\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 3 0\nendloop\n\
+        let text = b"solid one\nfacet normal 0 0 1\nouter loop\n\
+            vertex 0 0 0\nvertex 2 0 0\nvertex 0 3 0\nendloop\n\
             endfacet\nendsolid one\n";
         let mesh = read(Path::new("a.stl"), text).unwrap();
         assert_eq!(mesh.parts[0].triangles.len(), 1);
