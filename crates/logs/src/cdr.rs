@@ -1,43 +1,48 @@
-//! The bytes of a message: OMG CDR version 1, plain, little-endian (encapsulation `00 01 00 00`), as ROS 2 writes it.
+//! Encoding of a message: OMG CDR version 1, plain, little-endian, as ROS 2 writes it.
 //!
-//! Numbers are aligned to their own size, counted from the end of the encapsulation header. Strings carry their length,
-//! the terminating zero included; sequences carry their number of elements; arrays carry nothing.
+//! A message begins with the encapsulation header `00 01 00 00`. Numbers are aligned to their own
+//! size, counted from the end of that header. Strings have their length in front, including the
+//! terminating zero byte. Sequences have their number of elements in front; arrays do not.
 //!
-//! Not done: big-endian, parameter lists and XCDR2, which no ROS 2 middleware writes by default; they are refused.
+//! Big-endian encodings, parameter lists and XCDR2 are refused: no ROS 2 middleware writes them by
+//! default.
 
 const ENCAPSULATION: [u8; 4] = [0x00, 0x01, 0x00, 0x00];
 
-/// Bytes that are no message of the type that was expected.
+/// Why bytes are not a message of the expected type.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum CdrError {
     /// The message ends before its last field.
     #[error("{wanted} more bytes were expected at byte {at}, but the message has {len}")]
     UnexpectedEnd {
-        /// Where reading stood, the encapsulation header included.
+        /// Position of the read, including the encapsulation header, bytes.
         at: usize,
-        /// How many bytes were wanted.
+        /// Number of bytes needed.
         wanted: usize,
-        /// How many bytes there are.
+        /// Length of the message, bytes.
         len: usize,
     },
-    /// Not little-endian plain CDR.
+    /// The encoding is not plain little-endian CDR.
     #[error("encapsulation {0:02x?} is not plain little-endian CDR (00 01)")]
     Encapsulation([u8; 2]),
-    /// A sequence that claims more elements than the message can hold.
-    #[error("a sequence at byte {at} claims {count} elements, more than the message can hold")]
+    /// A sequence declares more elements than the rest of the message can contain.
+    #[error(
+        "the sequence at byte {at} declares {count} elements, more than the message can contain"
+    )]
     SequenceTooLong {
-        /// Where the sequence begins.
+        /// Where the sequence begins, bytes.
         at: usize,
-        /// What it claims.
+        /// The declared number of elements.
         count: u32,
     },
-    /// A string that is not UTF-8 or lacks its terminating zero.
-    #[error("the string at byte {at} is not UTF-8 with a terminating zero")]
+    /// A string is not UTF-8 or lacks its terminating zero byte.
+    #[error("the string at byte {at} is not UTF-8 with a terminating zero byte")]
     String {
-        /// Where the string begins.
+        /// Where the string begins, bytes.
         at: usize,
     },
-    /// A value that the type does not allow.
+    /// A value is outside the range of its type.
     #[error("{0}")]
     Value(String),
 }
@@ -65,24 +70,27 @@ impl Default for CdrWriter {
 }
 
 impl CdrWriter {
-    /// A message that has nothing but its encapsulation header.
+    /// A message that contains only its encapsulation header.
     pub fn new() -> Self {
-        Self { bytes: ENCAPSULATION.to_vec() }
+        Self {
+            bytes: ENCAPSULATION.to_vec(),
+        }
     }
 
-    /// Forgets the fields and keeps the memory.
+    /// Removes all fields and keeps the allocated memory.
     pub fn clear(&mut self) {
         self.bytes.truncate(ENCAPSULATION.len());
     }
 
-    /// The message so far, its encapsulation header included.
+    /// The message written so far, including its encapsulation header.
     pub fn as_bytes(&self) -> &[u8] {
         &self.bytes
     }
 
     fn align(&mut self, size: usize) {
         let position = self.bytes.len() - ENCAPSULATION.len();
-        self.bytes.resize(ENCAPSULATION.len() + position.next_multiple_of(size), 0);
+        self.bytes
+            .resize(ENCAPSULATION.len() + position.next_multiple_of(size), 0);
     }
 
     write_number!(u8: u8, u16: u16, u32: u32, i32: i32, u64: u64, f32: f32, f64: f64);
@@ -92,13 +100,14 @@ impl CdrWriter {
         self.u8(u8::from(value));
     }
 
-    /// Writes the number of elements of the sequence that follows. A sequence of more than 2^32 - 1 elements cannot be
-    /// written in CDR; its count is cut there.
+    /// Writes the number of elements of the sequence that follows.
+    ///
+    /// CDR cannot express more than 2³² - 1 elements; a larger number is written as that.
     pub fn count(&mut self, elements: usize) {
         self.u32(u32::try_from(elements).unwrap_or(u32::MAX));
     }
 
-    /// Writes a string: length with the terminating zero, bytes, zero.
+    /// Writes a string: its length including the terminating zero byte, its bytes, the zero byte.
     pub fn string(&mut self, text: &str) {
         self.count(text.len() + 1);
         self.bytes.extend_from_slice(text.as_bytes());
@@ -111,19 +120,21 @@ impl CdrWriter {
         self.bytes.extend_from_slice(octets);
     }
 
-    /// Writes the elements of an array, which carries no count.
+    /// Writes the elements of an array, without their number.
     pub fn f64_array(&mut self, values: &[f64]) {
         values.iter().for_each(|&v| self.f64(v));
     }
 
-    /// Writes a sequence of numbers.
+    /// Writes a sequence of numbers, with its length.
     pub fn f64_sequence(&mut self, values: &[f64]) {
         self.count(values.len());
         self.f64_array(values);
     }
 }
 
-/// Reads the fields of one message in order. Every length is checked against what is left before memory is set aside.
+/// Reads the fields of one message in order.
+///
+/// Each length is checked against the remaining bytes before memory is allocated.
 #[derive(Debug, Clone)]
 pub struct CdrReader<'a> {
     bytes: &'a [u8],
@@ -143,7 +154,10 @@ macro_rules! read_number {
 }
 
 impl<'a> CdrReader<'a> {
-    /// Checks the encapsulation header and stands before the first field.
+    /// Checks the encapsulation header and begins at the first field.
+    ///
+    /// # Errors
+    /// [`CdrError::Encapsulation`], [`CdrError::UnexpectedEnd`].
     pub fn new(bytes: &'a [u8]) -> Result<Self, CdrError> {
         let mut reader = Self { bytes, position: 0 };
         let header = reader.take(ENCAPSULATION.len())?;
@@ -158,13 +172,20 @@ impl<'a> CdrReader<'a> {
         self.position = ENCAPSULATION.len() + position.next_multiple_of(size);
     }
 
-    fn left(&self) -> usize {
+    fn remaining(&self) -> usize {
         self.bytes.len().saturating_sub(self.position)
     }
 
     fn take(&mut self, wanted: usize) -> Result<&'a [u8], CdrError> {
-        let end = self.position.checked_add(wanted).filter(|&end| end <= self.bytes.len());
-        let error = CdrError::UnexpectedEnd { at: self.position, wanted, len: self.bytes.len() };
+        let end = self
+            .position
+            .checked_add(wanted)
+            .filter(|&end| end <= self.bytes.len());
+        let error = CdrError::UnexpectedEnd {
+            at: self.position,
+            wanted,
+            len: self.bytes.len(),
+        };
         let taken = &self.bytes[self.position.min(self.bytes.len())..end.ok_or(error)?];
         self.position += wanted;
         Ok(taken)
@@ -172,17 +193,24 @@ impl<'a> CdrReader<'a> {
 
     read_number!(u8: u8, u16: u16, u32: u32, i32: i32, u64: u64, f32: f32, f64: f64);
 
-    /// Reads a boolean; any byte but zero is true.
+    /// Reads a boolean; every byte except zero is true.
     pub fn bool(&mut self) -> Result<bool, CdrError> {
         Ok(self.u8()? != 0)
     }
 
-    /// Reads the number of elements of a sequence whose elements take at least `smallest` bytes each.
+    /// Reads the number of elements of a sequence, each of which takes at least `smallest` bytes.
+    ///
+    /// # Errors
+    /// [`CdrError::SequenceTooLong`] if that many do not fit into the remaining bytes.
     pub fn count(&mut self, smallest: usize) -> Result<usize, CdrError> {
         let at = self.position;
         let count = self.u32()?;
-        let fits = u64::from(count) * smallest.max(1) as u64 <= self.left() as u64;
-        if fits { Ok(count as usize) } else { Err(CdrError::SequenceTooLong { at, count }) }
+        let fits = u64::from(count) * smallest.max(1) as u64 <= self.remaining() as u64;
+        if fits {
+            Ok(count as usize)
+        } else {
+            Err(CdrError::SequenceTooLong { at, count })
+        }
     }
 
     /// Reads a string.
@@ -191,7 +219,8 @@ impl<'a> CdrReader<'a> {
         let len = self.count(1)?;
         let raw = self.take(len)?;
         let text = match raw {
-            [] => Some(""), // some writers leave out the zero of an empty string
+            // Some writers omit the zero byte of an empty string.
+            [] => Some(""),
             [text @ .., 0] => std::str::from_utf8(text).ok(),
             _ => None,
         };
@@ -204,7 +233,7 @@ impl<'a> CdrReader<'a> {
         self.take(len)
     }
 
-    /// Reads an array of numbers, which carries no count.
+    /// Reads an array of numbers, whose length is not in the message.
     pub fn f64_array<const N: usize>(&mut self) -> Result<[f64; N], CdrError> {
         let mut values = [0.0; N];
         for value in &mut values {
@@ -213,7 +242,7 @@ impl<'a> CdrReader<'a> {
         Ok(values)
     }
 
-    /// Reads a sequence whose elements take at least `smallest` bytes each.
+    /// Reads a sequence, each element of which takes at least `smallest` bytes.
     pub fn sequence<T>(
         &mut self,
         smallest: usize,
@@ -243,37 +272,62 @@ mod tests {
     }
 
     #[test]
-    fn strings_carry_their_zero() {
+    fn strings_end_with_a_zero_byte() {
         let mut w = CdrWriter::new();
         w.string("map");
         assert_eq!(w.as_bytes(), [0, 1, 0, 0, 4, 0, 0, 0, b'm', b'a', b'p', 0]);
-        assert_eq!(CdrReader::new(w.as_bytes()).unwrap().string().unwrap(), "map");
+        assert_eq!(
+            CdrReader::new(w.as_bytes()).unwrap().string().unwrap(),
+            "map"
+        );
     }
 
     #[test]
-    fn a_string_without_its_zero_is_refused() {
+    fn a_string_without_zero_byte_is_refused() {
         let bytes = [0, 1, 0, 0, 3, 0, 0, 0, b'm', b'a', b'p'];
-        assert_eq!(CdrReader::new(&bytes).unwrap().string(), Err(CdrError::String { at: 4 }));
+        assert_eq!(
+            CdrReader::new(&bytes).unwrap().string(),
+            Err(CdrError::String { at: 4 })
+        );
     }
 
     #[test]
-    fn hostile_counts_set_no_memory_aside() {
+    fn hostile_lengths_allocate_no_memory() {
         let bytes = [0, 1, 0, 0, 0xff, 0xff, 0xff, 0xff, 0, 0];
-        let error = CdrReader::new(&bytes).unwrap().sequence(8, CdrReader::f64).unwrap_err();
-        assert_eq!(error, CdrError::SequenceTooLong { at: 4, count: u32::MAX });
+        let error = CdrReader::new(&bytes)
+            .unwrap()
+            .sequence(8, CdrReader::f64)
+            .unwrap_err();
+        assert_eq!(
+            error,
+            CdrError::SequenceTooLong {
+                at: 4,
+                count: u32::MAX
+            }
+        );
         assert!(CdrReader::new(&bytes).unwrap().octets().is_err());
     }
 
     #[test]
-    fn big_endian_is_refused_by_name() {
+    fn other_encapsulations_are_refused() {
         let error = CdrReader::new(&[0, 0, 0, 0]).unwrap_err();
         assert_eq!(error, CdrError::Encapsulation([0, 0]));
-        assert!(matches!(CdrReader::new(&[0, 1]), Err(CdrError::UnexpectedEnd { .. })));
+        assert!(matches!(
+            CdrReader::new(&[0, 1]),
+            Err(CdrError::UnexpectedEnd { .. })
+        ));
     }
 
     proptest! {
         #[test]
-        fn what_is_written_is_read(a: u8, text in ".{0,12}", b: f64, c: Vec<u8>, d: Vec<f64>, e: i32) {
+        fn written_fields_are_read_back(
+            a: u8,
+            text in ".{0,12}",
+            b: f64,
+            c: Vec<u8>,
+            d: Vec<f64>,
+            e: i32,
+        ) {
             let mut w = CdrWriter::new();
             w.u8(a);
             w.string(&text);
@@ -289,7 +343,7 @@ mod tests {
             let read = r.sequence(8, CdrReader::f64).unwrap();
             prop_assert!(read.iter().map(|v| v.to_bits()).eq(d.iter().map(|v| v.to_bits())));
             prop_assert_eq!(r.i32().unwrap(), e);
-            prop_assert_eq!(r.left(), 0);
+            prop_assert_eq!(r.remaining(), 0);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What can go wrong with a log.
+//! Errors of reading and writing logs.
 
 use std::io;
 use std::path::PathBuf;
@@ -7,81 +7,84 @@ use openbench_core::SimTime;
 
 use crate::cdr::CdrError;
 
-/// A log that cannot be written or read.
+/// Why a log cannot be written or read.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum LogError {
-    /// The file could not be opened, created or renamed.
-    #[error("{}: {source}", path.display())]
+    /// The file cannot be opened, created or renamed.
+    #[error("cannot open, create or rename {}: {source}", path.display())]
     File {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: io::Error,
     },
-    /// Reading stopped halfway.
-    #[error("the log cannot be read on at byte {offset}: {source}")]
+    /// Reading the file failed.
+    #[error("cannot read the log at byte {offset}: {source}")]
     Read {
-        /// Bytes read before.
+        /// Bytes read before the error.
         offset: u64,
-        /// What the system said.
+        /// The error of the operating system.
         source: io::Error,
     },
-    /// The file is no MCAP file.
-    #[error("this is no MCAP file: it does not begin with the MCAP magic bytes")]
+    /// The file is not an MCAP file.
+    #[error("not an MCAP file: it does not begin with the MCAP magic bytes")]
     NotMcap,
-    /// The file ends too early; what was before is good.
+    /// The file is truncated. The messages before the end were read.
     #[error(
-        "the log ends early at byte {offset}, in the middle of a {what}; the messages before it were read"
+        "the log is truncated inside the {what} that begins at byte {offset}; \
+         the messages before it were read"
     )]
     Truncated {
-        /// Where the record that is cut off begins.
+        /// Where the truncated record begins, bytes.
         offset: u64,
-        /// What is cut off.
+        /// What is truncated: `record`, `chunk` or `file`.
         what: &'static str,
     },
-    /// A record claims to be larger than any that is read.
+    /// The length field of a record exceeds the limit for records.
     #[error(
-        "the {what} at byte {offset} claims {bytes} bytes, more than the {limit} that are read; the log is damaged"
+        "the {what} at byte {offset} declares a length of {bytes} bytes, more than the limit of \
+         {limit}; the log is damaged"
     )]
     TooLarge {
-        /// Where the record begins.
+        /// Where the record begins, bytes.
         offset: u64,
-        /// What claims so.
+        /// `record` or `chunk`.
         what: &'static str,
-        /// The claim.
+        /// The declared length, bytes.
         bytes: u64,
-        /// The limit.
+        /// The limit, bytes.
         limit: u64,
     },
-    /// A record that contradicts itself or another.
+    /// A record is inconsistent in itself or with another one.
     #[error("the log is damaged at byte {offset}: {source}")]
     Damaged {
-        /// Where the record, or the chunk that holds it, begins.
+        /// Where the record, or the chunk that contains it, begins, bytes.
         offset: u64,
         /// What is wrong with it.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
-    /// A topic holds another type than was asked for.
-    #[error("topic `{topic}` holds {found}, not {wanted}")]
+    /// A topic has another message type than the one requested.
+    #[error("topic `{topic}` has type {found}, not {wanted}")]
     WrongType {
         /// The topic.
         topic: String,
-        /// What it holds.
+        /// Its type in the log, in full.
         found: String,
-        /// What was asked for.
+        /// The type requested.
         wanted: &'static str,
     },
-    /// A message whose bytes do not fit its type.
+    /// The bytes of a message do not match its type.
     #[error("the message on `{topic}` at {time} cannot be decoded: {source}")]
     Decode {
         /// The topic.
         topic: String,
-        /// When it was logged.
+        /// The log time of the message.
         time: SimTime,
-        /// What is wrong with it.
+        /// The decoding error.
         source: CdrError,
     },
     /// Writing failed.
-    #[error("the log cannot be written: {0}")]
+    #[error("cannot write the log: {0}")]
     Write(#[from] mcap::McapError),
 }

@@ -1,7 +1,9 @@
-//! The frames of an MCAP file, one after the other: an operation code, a length, a body; chunks hold more of them.
+//! The records of an MCAP file: an operation code, a length and a body. Chunks contain further
+//! records.
 //!
-//! Read from the front to the end without the index, so that a file that was cut off gives what it has. Bodies grow
-//! with the bytes that are really there, never with what a length claims.
+//! The file is read from its beginning to its end without its index, so that a truncated file
+//! yields the records it has. Memory for a body grows with the bytes that are read, not with the
+//! length that a record declares.
 
 use std::io::Read;
 
@@ -10,9 +12,10 @@ use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use crate::error::LogError;
 
-/// The largest record, and the largest unpacked chunk, that is read.
-pub const LIMIT: u64 = 256 << 20;
-const HEAD: usize = 9;
+/// Limit for the length of a record and of an unpacked chunk, bytes.
+pub const LIMIT_BYTES: u64 = 256 << 20;
+/// Length of the operation code and the length field of a record, bytes.
+const HEAD_BYTES: usize = 9;
 
 /// One record.
 pub struct Frame {
@@ -20,49 +23,70 @@ pub struct Frame {
     pub body: Vec<u8>,
 }
 
-/// What a file or a chunk gives next.
+/// The next item of a file or a chunk.
 pub enum Next {
     Frame(Frame),
     End,
-    /// The source ended within a record; what there was of its body.
-    CutOff(Frame),
+    /// The source ended inside a record, which has the part of its body that was there.
+    Truncated(Frame),
 }
 
-/// Reads the next record; `offset` moves by what was read.
+/// Reads the next record and advances `offset` by the bytes read.
 pub fn next_frame(source: &mut impl Read, offset: &mut u64) -> Result<Next, LogError> {
     let begin = *offset;
-    let head = read_up_to(source, HEAD as u64, offset)?;
-    let [op, length @ ..] = head.as_slice() else { return Ok(Next::End) };
+    let head = read_up_to(source, HEAD_BYTES as u64, offset)?;
+    let [op, length @ ..] = head.as_slice() else {
+        return Ok(Next::End);
+    };
     let Ok(length) = <[u8; 8]>::try_from(length) else {
-        return Ok(Next::CutOff(Frame { op: *op, body: Vec::new() }));
+        return Ok(Next::Truncated(Frame {
+            op: *op,
+            body: Vec::new(),
+        }));
     };
     let bytes = u64::from_le_bytes(length);
-    if bytes > LIMIT {
-        return Err(LogError::TooLarge { offset: begin, what: "record", bytes, limit: LIMIT });
+    if bytes > LIMIT_BYTES {
+        return Err(LogError::TooLarge {
+            offset: begin,
+            what: "record",
+            bytes,
+            limit: LIMIT_BYTES,
+        });
     }
     let body = read_up_to(source, bytes, offset)?;
     let complete = body.len() as u64 == bytes;
     let frame = Frame { op: *op, body };
-    Ok(if complete { Next::Frame(frame) } else { Next::CutOff(frame) })
+    Ok(if complete {
+        Next::Frame(frame)
+    } else {
+        Next::Truncated(frame)
+    })
 }
 
-/// At most `wanted` bytes, fewer where the source ends.
-pub fn read_up_to(source: &mut impl Read, wanted: u64, offset: &mut u64) -> Result<Vec<u8>, LogError> {
+/// Reads `wanted` bytes, or fewer where the source ends.
+pub fn read_up_to(
+    source: &mut impl Read,
+    wanted: u64,
+    offset: &mut u64,
+) -> Result<Vec<u8>, LogError> {
     let mut bytes = Vec::new();
     let read = source.take(wanted).read_to_end(&mut bytes);
     *offset += bytes.len() as u64;
-    read.map_err(|source| LogError::Read { offset: *offset, source })?;
+    read.map_err(|source| LogError::Read {
+        offset: *offset,
+        source,
+    })?;
     Ok(bytes)
 }
 
-/// The records in a chunk, or in the front part of one.
+/// The records of a chunk, or of the beginning of a truncated chunk.
 pub struct Unpacked {
     pub frames: Vec<Frame>,
-    /// Why there are no more of them, if they ended early.
+    /// Why there are not more of them, if the chunk is truncated or damaged.
     pub error: Option<LogError>,
 }
 
-/// Unpacks a chunk that begins at `offset` of the file.
+/// Unpacks a chunk that begins at byte `offset` of the file.
 pub fn unpack_chunk(chunk: &[u8], offset: u64) -> Unpacked {
     let mut frames = Vec::new();
     let error = unpack(chunk, offset, &mut frames).err();
@@ -70,18 +94,31 @@ pub fn unpack_chunk(chunk: &[u8], offset: u64) -> Unpacked {
 }
 
 fn unpack(chunk: &[u8], offset: u64, frames: &mut Vec<Frame>) -> Result<(), LogError> {
-    let header = ChunkHeader::parse(chunk).ok_or(LogError::Truncated { offset, what: "chunk" })?;
-    let (bytes, limit) = (header.unpacked, LIMIT);
+    let header = ChunkHeader::parse(chunk).ok_or(LogError::Truncated {
+        offset,
+        what: "chunk",
+    })?;
+    let (bytes, limit) = (header.unpacked, LIMIT_BYTES);
     if bytes > limit {
-        return Err(LogError::TooLarge { offset, what: "chunk", bytes, limit });
+        return Err(LogError::TooLarge {
+            offset,
+            what: "chunk",
+            bytes,
+            limit,
+        });
     }
     match header.compression {
         b"" => unpack_stored(header.records, offset, frames),
         b"zstd" => unpack_zstd(chunk, offset, frames),
         other => {
             let compression = String::from_utf8_lossy(other);
-            let problem = format!("chunk compression `{compression}` is not read; convert the log to zstd");
-            Err(LogError::Damaged { offset, source: problem.into() })
+            let problem = format!(
+                "chunk compression `{compression}` is not supported; convert the log to zstd"
+            );
+            Err(LogError::Damaged {
+                offset,
+                source: problem.into(),
+            })
         }
     }
 }
@@ -92,31 +129,42 @@ fn unpack_stored(mut records: &[u8], offset: u64, frames: &mut Vec<Frame>) -> Re
         match next_frame(&mut records, &mut position)? {
             Next::Frame(frame) => frames.push(frame),
             Next::End => return Ok(()),
-            Next::CutOff(_) => return Err(LogError::Truncated { offset, what: "chunk" }),
+            Next::Truncated(_) => {
+                return Err(LogError::Truncated {
+                    offset,
+                    what: "chunk",
+                });
+            }
         }
     }
 }
 
-/// Hands the chunk, as a file of one record, to the `mcap` crate, which decompresses and checks its CRC.
+/// Passes the chunk, as a file of one record, to the `mcap` crate, which decompresses it and checks
+/// its CRC.
 fn unpack_zstd(chunk: &[u8], offset: u64, frames: &mut Vec<Frame>) -> Result<(), LogError> {
     let options = LinearReaderOptions::default()
         .with_skip_start_magic(true)
         .with_skip_end_magic(true)
         .with_validate_chunk_crcs(true)
-        .with_record_length_limit(LIMIT as usize);
+        .with_record_length_limit(LIMIT_BYTES as usize);
     let mut reader = LinearReader::new_with_options(options);
     let head = [&[op::CHUNK][..], &(chunk.len() as u64).to_le_bytes()].concat();
     let mut source = head.as_slice().chain(chunk);
     while let Some(event) = reader.next_event() {
         match event.map_err(|error| chunk_error(error, offset))? {
             LinearReadEvent::ReadRequest(wanted) => {
-                let bytes = read_up_to(&mut source, wanted.min(chunk.len() + HEAD) as u64, &mut 0)?;
+                let bytes = read_up_to(
+                    &mut source,
+                    wanted.min(chunk.len() + HEAD_BYTES) as u64,
+                    &mut 0,
+                )?;
                 reader.insert(bytes.len()).copy_from_slice(&bytes);
                 reader.notify_read(bytes.len());
             }
-            LinearReadEvent::Record { data, opcode } => {
-                frames.push(Frame { op: opcode, body: data.to_vec() })
-            }
+            LinearReadEvent::Record { data, opcode } => frames.push(Frame {
+                op: opcode,
+                body: data.to_vec(),
+            }),
         }
     }
     Ok(())
@@ -124,10 +172,14 @@ fn unpack_zstd(chunk: &[u8], offset: u64, frames: &mut Vec<Frame>) -> Result<(),
 
 fn chunk_error(error: mcap::McapError, offset: u64) -> LogError {
     match error {
-        mcap::McapError::UnexpectedEof | mcap::McapError::UnexpectedEoc => {
-            LogError::Truncated { offset, what: "chunk" }
-        }
-        other => LogError::Damaged { offset, source: other.into() },
+        mcap::McapError::UnexpectedEof | mcap::McapError::UnexpectedEoc => LogError::Truncated {
+            offset,
+            what: "chunk",
+        },
+        other => LogError::Damaged {
+            offset,
+            source: other.into(),
+        },
     }
 }
 
@@ -140,18 +192,26 @@ struct ChunkHeader<'a> {
 impl<'a> ChunkHeader<'a> {
     fn parse(chunk: &'a [u8]) -> Option<Self> {
         let mut fields = Fields(chunk);
-        fields.take(16)?; // first and last time
+        // First and last log time.
+        fields.take(16)?;
         let unpacked = fields.u64()?;
-        fields.take(4)?; // CRC
+        // CRC.
+        fields.take(4)?;
         let compression = fields.text()?;
         let packed = fields.u64()?;
         let records = fields.rest();
-        let end = usize::try_from(packed).unwrap_or(usize::MAX).min(records.len());
-        Some(Self { unpacked, compression, records: &records[..end] })
+        let end = usize::try_from(packed)
+            .unwrap_or(usize::MAX)
+            .min(records.len());
+        Some(Self {
+            unpacked,
+            compression,
+            records: &records[..end],
+        })
     }
 }
 
-/// The fields of a record's body, front to back; `None` where the body ends before them.
+/// Reads the fields of a record's body in order; `None` where the body ends before a field.
 pub struct Fields<'a>(pub &'a [u8]);
 
 impl<'a> Fields<'a> {
@@ -169,7 +229,7 @@ impl<'a> Fields<'a> {
         Some(u64::from_le_bytes(self.take(8)?.try_into().ok()?))
     }
 
-    /// Bytes with their length before them.
+    /// Bytes with their length in front, u32.
     pub fn text(&mut self) -> Option<&'a [u8]> {
         let length = u32::from_le_bytes(self.take(4)?.try_into().ok()?);
         self.take(length as usize)

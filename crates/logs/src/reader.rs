@@ -1,7 +1,8 @@
-//! Messages out of an MCAP file, in the order they stand in it.
+//! Reading messages from an MCAP file, in file order.
 //!
-//! A file that was cut off, or is damaged in its middle, yields every message before that place and then one error.
-//! Chunks may be stored or compressed with zstd; LZ4 is refused by name. The index at the end of a file is not used.
+//! A truncated or damaged file yields each message before that place, and then one error. Chunks
+//! may be uncompressed or compressed with zstd; LZ4 is refused. The index at the end of the file is
+//! not used.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::fs::File;
@@ -16,21 +17,24 @@ use crate::error::LogError;
 use crate::framing::{self, Fields, Frame, Next};
 use crate::messages::Message;
 
-/// One message as it stands in the file.
+/// One message of a log, not yet decoded.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LoggedMessage {
-    /// The topic it was written to.
+    /// Its topic.
     pub topic: Arc<str>,
-    /// Full name of its type, `geometry_msgs/msg/PoseStamped`; empty if the file does not say.
+    /// Full name of its type, such as `geometry_msgs/msg/PoseStamped`; empty if the file lacks it.
     pub type_name: Arc<str>,
-    /// When it was logged.
+    /// Its log time.
     pub time: SimTime,
-    /// CDR.
+    /// Its bytes, CDR.
     pub data: Vec<u8>,
 }
 
 impl LoggedMessage {
-    /// The message as `M`.
+    /// Decodes the message.
+    ///
+    /// # Errors
+    /// [`LogError::WrongType`], [`LogError::Decode`].
     pub fn decode<M: Message>(&self) -> Result<M, LogError> {
         if *self.type_name != *M::DEFINITION.full_name() {
             return Err(LogError::WrongType {
@@ -47,7 +51,7 @@ impl LoggedMessage {
     }
 }
 
-/// Iterates over the messages of a log. After an error there is nothing more.
+/// Iterates over the messages of a log, and ends after the first error.
 pub struct LogReader<R> {
     source: R,
     offset: u64,
@@ -58,24 +62,34 @@ pub struct LogReader<R> {
     done: bool,
 }
 
-/// A topic and the full name of its type.
+/// A topic and its message type.
 #[derive(Clone)]
 struct Channel {
     topic: Arc<str>,
+    /// In full.
     type_name: Arc<str>,
 }
 
 impl LogReader<BufReader<File>> {
     /// Opens a file.
+    ///
+    /// # Errors
+    /// [`LogError::File`], [`LogError::Read`], [`LogError::NotMcap`].
     pub fn open(path: impl AsRef<Path>) -> Result<Self, LogError> {
         let path = path.as_ref();
-        let file = File::open(path).map_err(|source| LogError::File { path: path.to_owned(), source })?;
+        let file = File::open(path).map_err(|source| LogError::File {
+            path: path.to_owned(),
+            source,
+        })?;
         Self::new(BufReader::new(file))
     }
 }
 
 impl<R: Read> LogReader<R> {
     /// Reads from any source.
+    ///
+    /// # Errors
+    /// [`LogError::Read`], [`LogError::NotMcap`].
     pub fn new(mut source: R) -> Result<Self, LogError> {
         let mut offset = 0;
         let magic = framing::read_up_to(&mut source, mcap::MAGIC.len() as u64, &mut offset)?;
@@ -93,26 +107,51 @@ impl<R: Read> LogReader<R> {
         })
     }
 
-    /// The messages of one topic, decoded.
-    pub fn messages<M: Message>(self, topic: &str) -> impl Iterator<Item = Result<(SimTime, M), LogError>> {
+    /// Iterates over the decoded messages of one topic, with their log times.
+    pub fn messages<M: Message>(
+        self,
+        topic: &str,
+    ) -> impl Iterator<Item = Result<(SimTime, M), LogError>> {
         let wanted = topic.to_owned();
         self.filter(move |m| m.as_ref().map_or(true, |m| *m.topic == *wanted))
             .map(|m| m.and_then(|m| Ok((m.time, m.decode()?))))
     }
 
-    /// Reads one record and makes what is in it ready.
+    /// Reads one record and queues the messages in it.
     fn advance(&mut self) -> Result<(), LogError> {
         let begin = self.offset;
         match framing::next_frame(&mut self.source, &mut self.offset)? {
-            Next::Frame(Frame { op: op::DATA_END | op::FOOTER, .. }) => self.done = true,
-            Next::Frame(Frame { op: op::CHUNK, body }) => self.take_chunk(&body, begin)?,
+            Next::Frame(Frame {
+                op: op::DATA_END | op::FOOTER,
+                ..
+            }) => self.done = true,
+            Next::Frame(Frame {
+                op: op::CHUNK,
+                body,
+            }) => self.take_chunk(&body, begin)?,
             Next::Frame(frame) => self.take(&frame, begin)?,
-            Next::End => return Err(LogError::Truncated { offset: begin, what: "file" }),
-            Next::CutOff(Frame { op: op::CHUNK, body }) => {
-                self.take_chunk(&body, begin)?;
-                return Err(LogError::Truncated { offset: begin, what: "chunk" });
+            Next::End => {
+                return Err(LogError::Truncated {
+                    offset: begin,
+                    what: "file",
+                });
             }
-            Next::CutOff(_) => return Err(LogError::Truncated { offset: begin, what: "record" }),
+            Next::Truncated(Frame {
+                op: op::CHUNK,
+                body,
+            }) => {
+                self.take_chunk(&body, begin)?;
+                return Err(LogError::Truncated {
+                    offset: begin,
+                    what: "chunk",
+                });
+            }
+            Next::Truncated(_) => {
+                return Err(LogError::Truncated {
+                    offset: begin,
+                    what: "record",
+                });
+            }
         }
         Ok(())
     }
@@ -132,7 +171,7 @@ impl<R: Read> LogReader<R> {
             op::MESSAGE => return self.take_message(Fields(&frame.body), offset),
             _ => Some(()),
         };
-        taken.ok_or_else(|| damaged(offset, "a record ends before its fields"))
+        taken.ok_or_else(|| damaged(offset, "a record is shorter than its fields"))
     }
 
     fn take_schema(&mut self, mut fields: Fields<'_>) -> Option<()> {
@@ -144,35 +183,48 @@ impl<R: Read> LogReader<R> {
     fn take_channel(&mut self, mut fields: Fields<'_>) -> Option<()> {
         let (id, schema) = (fields.u16()?, fields.u16()?);
         let type_name = self.schemas.get(&schema).cloned().unwrap_or_default();
-        self.channels.insert(id, Channel { topic: text(fields.text()?), type_name });
+        self.channels.insert(
+            id,
+            Channel {
+                topic: text(fields.text()?),
+                type_name,
+            },
+        );
         Some(())
     }
 
     fn take_message(&mut self, mut fields: Fields<'_>, offset: u64) -> Result<(), LogError> {
         let head = MessageHead::read(&mut fields)
-            .ok_or_else(|| damaged(offset, "a message ends before its fields"))?;
+            .ok_or_else(|| damaged(offset, "a message is shorter than its fields"))?;
         let Some(Channel { topic, type_name }) = self.channels.get(&head.channel).cloned() else {
-            return Err(damaged(offset, "a message belongs to no channel"));
+            return Err(damaged(offset, "a message refers to an undefined channel"));
         };
         let data = fields.rest().to_vec();
-        self.ready.push_back(LoggedMessage { topic, type_name, time: head.time, data });
+        self.ready.push_back(LoggedMessage {
+            topic,
+            type_name,
+            time: head.time,
+            data,
+        });
         Ok(())
     }
 }
 
-/// What stands before the bytes of a message.
+/// The fields in front of the bytes of a message.
 struct MessageHead {
     channel: u16,
-    /// When it was logged.
+    /// Log time.
     time: SimTime,
 }
 
 impl MessageHead {
     fn read(fields: &mut Fields<'_>) -> Option<Self> {
         let channel = fields.u16()?;
-        fields.take(4)?; // sequence number
+        // Sequence number.
+        fields.take(4)?;
         let time = SimTime(fields.u64()?);
-        fields.take(8)?; // publish time
+        // Publish time.
+        fields.take(8)?;
         Some(Self { channel, time })
     }
 }
@@ -182,7 +234,10 @@ fn text(bytes: &[u8]) -> Arc<str> {
 }
 
 fn damaged(offset: u64, problem: &str) -> LogError {
-    LogError::Damaged { offset, source: problem.into() }
+    LogError::Damaged {
+        offset,
+        source: problem.into(),
+    }
 }
 
 impl<R: Read> Iterator for LogReader<R> {
@@ -217,51 +272,75 @@ mod tests {
     fn log(messages: usize) -> Vec<u8> {
         let mut log = LogWriter::new(Cursor::new(Vec::new())).unwrap();
         for i in 0..messages {
-            // Text that compresses badly, so that the log has several chunks.
-            let noise: String =
-                (0..2000u64).map(|j| char::from(33 + ((i as u64 * 7919 + j * j * 31) % 90) as u8)).collect();
-            log.write("/note", SimTime(i as u64), &StringMessage(noise)).unwrap();
-            log.write("/head", SimTime(i as u64), &Header::new(SimTime(i as u64), "map")).unwrap();
+            // Text that compresses poorly, so that the log has several chunks.
+            let noise: String = (0..2000u64)
+                .map(|j| char::from(33 + ((i as u64 * 7919 + j * j * 31) % 90) as u8))
+                .collect();
+            log.write("/note", SimTime(i as u64), &StringMessage(noise))
+                .unwrap();
+            log.write(
+                "/head",
+                SimTime(i as u64),
+                &Header::new(SimTime(i as u64), "map"),
+            )
+            .unwrap();
         }
         log.finish().unwrap().into_inner()
     }
 
     fn read(bytes: &[u8]) -> (usize, Option<LogError>) {
-        let Ok(reader) = LogReader::new(bytes) else { return (0, Some(LogError::NotMcap)) };
+        let Ok(reader) = LogReader::new(bytes) else {
+            return (0, Some(LogError::NotMcap));
+        };
         let mut error = None;
-        let good = reader.filter_map(|m| m.map_err(|e| error = Some(e)).ok()).count();
+        let good = reader
+            .filter_map(|m| m.map_err(|e| error = Some(e)).ok())
+            .count();
         (good, error)
     }
 
     #[test]
-    fn a_topic_is_read_back() {
+    fn messages_of_a_topic_are_read_back() {
         let bytes = log(3);
-        let headers: Result<Vec<_>, _> =
-            LogReader::new(bytes.as_slice()).unwrap().messages::<Header>("/head").collect();
-        let expected: Vec<_> = (0..3).map(|i| (SimTime(i), Header::new(SimTime(i), "map"))).collect();
+        let headers: Result<Vec<_>, _> = LogReader::new(bytes.as_slice())
+            .unwrap()
+            .messages::<Header>("/head")
+            .collect();
+        let expected: Vec<_> = (0..3)
+            .map(|i| (SimTime(i), Header::new(SimTime(i), "map")))
+            .collect();
         assert_eq!(headers.unwrap(), expected);
-        let wrong = LogReader::new(bytes.as_slice()).unwrap().messages::<StringMessage>("/head").next();
+        let wrong = LogReader::new(bytes.as_slice())
+            .unwrap()
+            .messages::<StringMessage>("/head")
+            .next();
         assert!(matches!(wrong, Some(Err(LogError::WrongType { .. }))));
     }
 
     #[test]
-    fn a_log_that_is_cut_off_gives_what_it_has() {
+    fn a_truncated_log_yields_the_messages_before_its_end() {
         let bytes = log(1200);
         let (all, error) = read(&bytes);
         assert!(all == 2400 && error.is_none());
         let (some, error) = read(&bytes[..bytes.len() * 2 / 3]);
         assert!(some > 1200 && some < 2400, "{some}");
-        assert!(matches!(error, Some(LogError::Truncated { .. })), "{error:?}");
+        assert!(
+            matches!(error, Some(LogError::Truncated { .. })),
+            "{error:?}"
+        );
     }
 
     #[test]
     fn other_files_are_refused() {
-        assert!(matches!(LogReader::new(&b"SQLite format 3\0"[..]), Err(LogError::NotMcap)));
+        assert!(matches!(
+            LogReader::new(&b"SQLite format 3\0"[..]),
+            Err(LogError::NotMcap)
+        ));
         assert!(matches!(LogReader::new(&b""[..]), Err(LogError::NotMcap)));
     }
 
     #[test]
-    fn a_record_that_claims_the_world_is_refused() {
+    fn a_record_of_excessive_length_is_refused() {
         let mut bytes = mcap::MAGIC.to_vec();
         bytes.push(op::SCHEMA);
         bytes.extend(u64::MAX.to_le_bytes());
@@ -269,23 +348,27 @@ mod tests {
     }
 
     #[test]
-    fn a_stored_chunk_whose_record_is_longer_than_it_is_survived() {
+    fn an_uncompressed_chunk_shorter_than_its_record_is_an_error() {
         let mut chunk = vec![0; 16];
-        chunk.extend(9u64.to_le_bytes()); // unpacked
-        chunk.extend([0; 8]); // CRC, compression ""
-        chunk.extend(9u64.to_le_bytes()); // packed
+        // Unpacked length; CRC and empty compression; packed length.
+        chunk.extend(9u64.to_le_bytes());
+        chunk.extend([0; 8]);
+        chunk.extend(9u64.to_le_bytes());
         chunk.push(op::MESSAGE);
         chunk.extend(1000u64.to_le_bytes());
         let mut bytes = mcap::MAGIC.to_vec();
         bytes.push(op::CHUNK);
         bytes.extend((chunk.len() as u64).to_le_bytes());
         bytes.extend(chunk);
-        assert!(matches!(read(&bytes), (0, Some(LogError::Truncated { .. }))));
+        assert!(matches!(
+            read(&bytes),
+            (0, Some(LogError::Truncated { .. }))
+        ));
     }
 
     proptest! {
         #[test]
-        fn damage_is_never_a_panic(at in 0usize..3000, value: u8, cut in 0usize..6000) {
+        fn damaged_logs_do_not_panic(at in 0usize..3000, value: u8, cut in 0usize..6000) {
             let mut bytes = log(2);
             let len = bytes.len();
             bytes[at % len] = value;

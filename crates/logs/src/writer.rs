@@ -1,7 +1,7 @@
-//! Typed topics into an MCAP file.
+//! Writing typed topics to an MCAP file.
 //!
-//! Channels are opened with the first message on a topic. Chunks are compressed with zstd on the caller's thread, so
-//! that the bytes depend on the messages alone. Log and publish time are the simulated time.
+//! The first message on a topic opens its channel. Chunks are compressed with zstd on the caller's
+//! thread, so that the bytes depend only on the messages. Log and publish time are simulated time.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -15,6 +15,7 @@ use crate::cdr::CdrWriter;
 use crate::error::LogError;
 use crate::messages::{Definition, Message};
 
+/// The library that the file names; without a version, so that bytes do not depend on one.
 const LIBRARY: &str = "openbench";
 
 /// Writes messages to topics of one MCAP file.
@@ -31,7 +32,10 @@ struct Topic {
 }
 
 impl<W: Write + Seek> LogWriter<W> {
-    /// Begins a file.
+    /// Begins a file in `out`.
+    ///
+    /// # Errors
+    /// [`LogError::Write`].
     pub fn new(out: W) -> Result<Self, LogError> {
         let options = mcap::WriteOptions::new()
             .profile("ros2")
@@ -39,15 +43,29 @@ impl<W: Write + Seek> LogWriter<W> {
             .compression(Some(mcap::Compression::Zstd))
             .compression_level(1)
             .compression_threads(0);
-        Ok(Self { mcap: options.create(out)?, topics: BTreeMap::new(), message: CdrWriter::new() })
+        Ok(Self {
+            mcap: options.create(out)?,
+            topics: BTreeMap::new(),
+            message: CdrWriter::new(),
+        })
     }
 
-    /// Writes a message. A topic keeps the type of its first message.
-    pub fn write<M: Message>(&mut self, topic: &str, time: SimTime, message: &M) -> Result<(), LogError> {
+    /// Writes a message. The first message on a topic determines its type.
+    ///
+    /// # Errors
+    /// [`LogError::WrongType`], [`LogError::Write`].
+    pub fn write<M: Message>(
+        &mut self,
+        topic: &str,
+        time: SimTime,
+        message: &M,
+    ) -> Result<(), LogError> {
         let header = self.next_header(topic, time, M::DEFINITION)?;
         self.message.clear();
         message.encode(&mut self.message);
-        Ok(self.mcap.write_to_known_channel(&header, self.message.as_bytes())?)
+        Ok(self
+            .mcap
+            .write_to_known_channel(&header, self.message.as_bytes())?)
     }
 
     fn next_header(
@@ -60,7 +78,11 @@ impl<W: Write + Seek> LogWriter<W> {
             Some(open) => open,
             None => {
                 let channel = open_channel(&mut self.mcap, topic, definition)?;
-                let open = Topic { channel, definition, messages: 0 };
+                let open = Topic {
+                    channel,
+                    definition,
+                    messages: 0,
+                };
                 self.topics.entry(topic.to_owned()).or_insert(open)
             }
         };
@@ -73,10 +95,18 @@ impl<W: Write + Seek> LogWriter<W> {
         }
         let sequence = open.messages;
         open.messages = sequence.wrapping_add(1);
-        Ok(MessageHeader { channel_id: open.channel, sequence, log_time: time.0, publish_time: time.0 })
+        Ok(MessageHeader {
+            channel_id: open.channel,
+            sequence,
+            log_time: time.0,
+            publish_time: time.0,
+        })
     }
 
-    /// Writes the summary and ends the file.
+    /// Writes the summary, which ends the file, and returns the sink.
+    ///
+    /// # Errors
+    /// [`LogError::Write`].
     pub fn finish(mut self) -> Result<W, LogError> {
         self.mcap.finish()?;
         Ok(self.mcap.into_inner())
@@ -88,14 +118,36 @@ fn open_channel<W: Write + Seek>(
     topic: &str,
     definition: &Definition,
 ) -> Result<u16, LogError> {
-    let schema = mcap.add_schema(&definition.full_name(), "ros2msg", definition.schema().as_bytes())?;
-    // The ros2 profile asks for this key; empty means the middleware's defaults.
+    let schema = mcap.add_schema(
+        &definition.full_name(),
+        "ros2msg",
+        definition.schema().as_bytes(),
+    )?;
+    // The ros2 profile requires this key; empty stands for the defaults of the middleware.
     let metadata = BTreeMap::from([("offered_qos_profiles".to_owned(), String::new())]);
     Ok(mcap.add_channel(schema, topic, "cdr", &metadata)?)
 }
 
-/// A log on disk. It is written beside its place as `NAME.partial` and moves there when it is complete, so that a file
-/// under its own name is always a whole one.
+/// A log on disk.
+///
+/// It is written to `NAME.partial` and renamed when it is complete, so that a file named `NAME` is
+/// always complete.
+///
+/// ```
+/// use openbench_core::SimTime;
+/// use openbench_logs::messages::StringMessage;
+/// use openbench_logs::{LogFile, LogReader};
+///
+/// let folder = tempfile::tempdir()?;
+/// let mut log = LogFile::create(folder.path().join("run.mcap"))?;
+/// log.write("/note", SimTime::from_millis(50), &StringMessage("unit2 delivered".into()))?;
+/// let path = log.finish()?;
+///
+/// let mut notes = LogReader::open(path)?.messages::<StringMessage>("/note");
+/// let (time, note) = notes.next().unwrap()?;
+/// assert_eq!((time.0, note.0.as_str()), (50_000_000, "unit2 delivered"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct LogFile {
     log: LogWriter<BufWriter<File>>,
     partial: PathBuf,
@@ -103,25 +155,45 @@ pub struct LogFile {
 }
 
 impl LogFile {
-    /// Begins a log that will be at `path`.
+    /// Begins a log that [`LogFile::finish`] puts at `path`.
+    ///
+    /// # Errors
+    /// [`LogError::File`], [`LogError::Write`].
     pub fn create(path: impl Into<PathBuf>) -> Result<Self, LogError> {
         let path = path.into();
         let mut name = path.clone().into_os_string();
         name.push(".partial");
         let partial = PathBuf::from(name);
         let file = File::create(&partial).map_err(at(&partial))?;
-        Ok(Self { log: LogWriter::new(BufWriter::new(file))?, partial, path })
+        Ok(Self {
+            log: LogWriter::new(BufWriter::new(file))?,
+            partial,
+            path,
+        })
     }
 
-    /// Writes a message. A topic keeps the type of its first message.
-    pub fn write<M: Message>(&mut self, topic: &str, time: SimTime, message: &M) -> Result<(), LogError> {
+    /// Writes a message. The first message on a topic determines its type.
+    ///
+    /// # Errors
+    /// [`LogError::WrongType`], [`LogError::Write`].
+    pub fn write<M: Message>(
+        &mut self,
+        topic: &str,
+        time: SimTime,
+        message: &M,
+    ) -> Result<(), LogError> {
         self.log.write(topic, time, message)
     }
 
-    /// Ends the log and moves it to its place.
+    /// Completes the log, renames it and returns its path.
+    ///
+    /// # Errors
+    /// [`LogError::File`], [`LogError::Write`].
     pub fn finish(self) -> Result<PathBuf, LogError> {
         let buffer = self.log.finish()?;
-        buffer.into_inner().map_err(|e| at(&self.partial)(e.into_error()))?;
+        buffer
+            .into_inner()
+            .map_err(|e| at(&self.partial)(e.into_error()))?;
         fs::rename(&self.partial, &self.path).map_err(at(&self.path))?;
         Ok(self.path)
     }
@@ -144,42 +216,65 @@ mod tests {
         for i in 0..5 {
             let time = SimTime::from_millis(50 * i);
             let pose = Pose2::new(i as f64, 0.0, 0.0).into();
-            log.write("/pose", time, &PoseStamped { header: Header::new(time, "map"), pose }).unwrap();
-            log.write("/note", time, &StringMessage(format!("step {i}"))).unwrap();
+            log.write(
+                "/pose",
+                time,
+                &PoseStamped {
+                    header: Header::new(time, "map"),
+                    pose,
+                },
+            )
+            .unwrap();
+            log.write("/note", time, &StringMessage(format!("step {i}")))
+                .unwrap();
         }
         log.finish().unwrap().into_inner()
     }
 
     #[test]
-    fn the_same_messages_make_the_same_bytes() {
+    fn equal_messages_give_equal_bytes() {
         let bytes = sample();
         assert_eq!(bytes, sample());
         let text = String::from_utf8_lossy(&bytes);
-        assert!(!text.contains("mcap-rust"), "a library's version would make bytes depend on it");
+        assert!(
+            !text.contains("mcap-rust"),
+            "the version of a library must not be in the file"
+        );
     }
 
     #[test]
-    fn a_topic_keeps_its_type() {
+    fn a_topic_has_one_type() {
         let mut log = LogWriter::new(Cursor::new(Vec::new())).unwrap();
-        log.write("/a", SimTime::ZERO, &StringMessage("x".into())).unwrap();
-        let error = log.write("/a", SimTime::ZERO, &Header::default()).unwrap_err().to_string();
-        assert_eq!(error, "topic `/a` holds std_msgs/msg/String, not std_msgs/Header");
+        log.write("/a", SimTime::ZERO, &StringMessage("x".into()))
+            .unwrap();
+        let error = log
+            .write("/a", SimTime::ZERO, &Header::default())
+            .unwrap_err()
+            .to_string();
+        assert_eq!(
+            error,
+            "topic `/a` has type std_msgs/msg/String, not std_msgs/Header"
+        );
     }
 
     #[test]
-    fn a_file_appears_when_it_is_complete() {
+    fn the_file_exists_once_it_is_complete() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("run.mcap");
         let mut log = LogFile::create(&path).unwrap();
-        log.write("/a", SimTime::ZERO, &StringMessage("x".into())).unwrap();
+        log.write("/a", SimTime::ZERO, &StringMessage("x".into()))
+            .unwrap();
         assert!(!path.exists());
         assert_eq!(log.finish().unwrap(), path);
         assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 1);
     }
 
     #[test]
-    fn a_missing_folder_is_named() {
-        let error = LogFile::create("/nonexistent/run.mcap").err().unwrap().to_string();
+    fn the_error_for_a_missing_folder_names_the_path() {
+        let error = LogFile::create("/nonexistent/run.mcap")
+            .err()
+            .unwrap()
+            .to_string();
         assert!(error.contains("/nonexistent/run.mcap"), "{error}");
     }
 }

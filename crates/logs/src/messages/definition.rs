@@ -1,23 +1,24 @@
-//! The text that explains a message type to a reader that does not know it: the `ros2msg` schema encoding of MCAP.
+//! Definitions of message types, in the `ros2msg` schema encoding of MCAP.
 
-/// A message type: its fields, and the types that these have.
+/// A message type: its fields and the message types in them.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Definition {
-    /// Package and name, `geometry_msgs/Pose`.
+    /// Package and name, such as `geometry_msgs/Pose`.
     pub name: &'static str,
-    /// The fields, one a line.
+    /// The fields, one on each line.
     pub fields: &'static str,
-    /// The types of the fields, as far as they are messages.
+    /// The types of those fields that are messages themselves.
     pub parts: &'static [&'static Definition],
 }
 
 impl Definition {
-    /// The name as ROS 2 writes it in full, `geometry_msgs/msg/Pose`.
+    /// The full name of ROS 2, such as `geometry_msgs/msg/Pose`.
     pub fn full_name(&self) -> String {
         self.name.replacen('/', "/msg/", 1)
     }
 
-    /// The fields of this type, then of each type that it is made of, divided by a line of equals signs.
+    /// The schema: the fields of this type, then those of each type in it, each after a line of 80
+    /// equals signs.
     pub fn schema(&self) -> String {
         let mut parts = Vec::new();
         self.collect_parts(&mut parts);
@@ -44,7 +45,7 @@ mod tests {
     use crate::messages::{Message, PoseStamped};
 
     #[test]
-    fn a_schema_lists_each_part_once() {
+    fn a_schema_contains_each_type_once() {
         let text = PoseStamped::DEFINITION.schema();
         let heads: Vec<&str> = text.lines().filter(|l| l.starts_with("MSG: ")).collect();
         assert_eq!(
@@ -58,6 +59,9 @@ mod tests {
             ]
         );
         assert!(text.starts_with("std_msgs/Header header\ngeometry_msgs/Pose pose\n===="));
-        assert_eq!(PoseStamped::DEFINITION.full_name(), "geometry_msgs/msg/PoseStamped");
+        assert_eq!(
+            PoseStamped::DEFINITION.full_name(),
+            "geometry_msgs/msg/PoseStamped"
+        );
     }
 }

@@ -6,25 +6,31 @@ use openbench_core::{Pose2, Pose3, Velocity};
 use super::{Definition, Header, Message};
 use crate::cdr::{CdrError, CdrReader, CdrWriter};
 
-const POINT: &Definition =
-    &Definition { name: "geometry_msgs/Point", fields: "float64 x\nfloat64 y\nfloat64 z\n", parts: &[] };
+const POINT: &Definition = &Definition {
+    name: "geometry_msgs/Point",
+    fields: "float64 x\nfloat64 y\nfloat64 z\n",
+    parts: &[],
+};
 pub(super) const QUATERNION: &Definition = &Definition {
     name: "geometry_msgs/Quaternion",
     fields: "float64 x 0\nfloat64 y 0\nfloat64 z 0\nfloat64 w 1\n",
     parts: &[],
 };
-pub(super) const VECTOR3: &Definition =
-    &Definition { name: "geometry_msgs/Vector3", fields: "float64 x\nfloat64 y\nfloat64 z\n", parts: &[] };
+pub(super) const VECTOR3: &Definition = &Definition {
+    name: "geometry_msgs/Vector3",
+    fields: "float64 x\nfloat64 y\nfloat64 z\n",
+    parts: &[],
+};
 const TRANSFORM: &Definition = &Definition {
     name: "geometry_msgs/Transform",
     fields: "geometry_msgs/Vector3 translation\ngeometry_msgs/Quaternion rotation\n",
     parts: &[VECTOR3, QUATERNION],
 };
 
-/// `geometry_msgs/Pose`, and with the same bytes `geometry_msgs/Transform`.
+/// `geometry_msgs/Pose`; `geometry_msgs/Transform` has the same encoding.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
-    /// Metres.
+    /// Position x, y, z, metres.
     pub position: [f64; 3],
     /// Quaternion x, y, z, w.
     pub orientation: [f64; 4],
@@ -33,7 +39,10 @@ pub struct Pose {
 impl From<Pose3> for Pose {
     fn from(pose: Pose3) -> Self {
         let (t, q) = (pose.translation.vector, pose.rotation);
-        Self { position: [t.x, t.y, t.z], orientation: [q.i, q.j, q.k, q.w] }
+        Self {
+            position: [t.x, t.y, t.z],
+            orientation: [q.i, q.j, q.k, q.w],
+        }
     }
 }
 
@@ -44,12 +53,20 @@ impl From<Pose2> for Pose {
 }
 
 impl Pose {
-    /// The rigid transform; `None` if a number is not finite or the quaternion is nearly zero.
+    /// The rigid transform; `None` if a number is NaN or infinite or the quaternion is nearly zero.
     pub fn to_pose3(self) -> Option<Pose3> {
         let [x, y, z, w] = self.orientation;
-        let finite = self.position.iter().chain(&self.orientation).all(|v| v.is_finite());
-        let rotation = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-6).filter(|_| finite)?;
-        Some(Pose3::from_parts(Translation3::from(self.position), rotation))
+        let finite = self
+            .position
+            .iter()
+            .chain(&self.orientation)
+            .all(|v| v.is_finite());
+        let rotation =
+            UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-6).filter(|_| finite)?;
+        Some(Pose3::from_parts(
+            Translation3::from(self.position),
+            rotation,
+        ))
     }
 }
 
@@ -66,16 +83,19 @@ impl Message for Pose {
     }
 
     fn decode(input: &mut CdrReader<'_>) -> Result<Self, CdrError> {
-        Ok(Self { position: input.f64_array()?, orientation: input.f64_array()? })
+        Ok(Self {
+            position: input.f64_array()?,
+            orientation: input.f64_array()?,
+        })
     }
 }
 
 /// `geometry_msgs/PoseStamped`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PoseStamped {
-    /// When, and in which frame.
+    /// Time stamp and frame.
     pub header: Header,
-    /// Where.
+    /// The pose.
     pub pose: Pose,
 }
 
@@ -92,16 +112,19 @@ impl Message for PoseStamped {
     }
 
     fn decode(input: &mut CdrReader<'_>) -> Result<Self, CdrError> {
-        Ok(Self { header: Header::decode(input)?, pose: Pose::decode(input)? })
+        Ok(Self {
+            header: Header::decode(input)?,
+            pose: Pose::decode(input)?,
+        })
     }
 }
 
 /// `geometry_msgs/PoseArray`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PoseArray {
-    /// When, and in which frame.
+    /// Time stamp and frame.
     pub header: Header,
-    /// Where each is.
+    /// The poses.
     pub poses: Vec<Pose>,
 }
 
@@ -119,22 +142,28 @@ impl Message for PoseArray {
     }
 
     fn decode(input: &mut CdrReader<'_>) -> Result<Self, CdrError> {
-        Ok(Self { header: Header::decode(input)?, poses: input.sequence(7 * 8, Pose::decode)? })
+        Ok(Self {
+            header: Header::decode(input)?,
+            poses: input.sequence(7 * 8, Pose::decode)?,
+        })
     }
 }
 
 /// `geometry_msgs/Twist`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Twist {
-    /// m/s.
+    /// Linear velocity x, y, z, m/s.
     pub linear: [f64; 3],
-    /// rad/s.
+    /// Angular velocity about x, y, z, rad/s.
     pub angular: [f64; 3],
 }
 
 impl From<Velocity> for Twist {
     fn from(velocity: Velocity) -> Self {
-        Self { linear: [velocity.linear, 0.0, 0.0], angular: [0.0, 0.0, velocity.angular] }
+        Self {
+            linear: [velocity.linear, 0.0, 0.0],
+            angular: [0.0, 0.0, velocity.angular],
+        }
     }
 }
 
@@ -151,16 +180,19 @@ impl Message for Twist {
     }
 
     fn decode(input: &mut CdrReader<'_>) -> Result<Self, CdrError> {
-        Ok(Self { linear: input.f64_array()?, angular: input.f64_array()? })
+        Ok(Self {
+            linear: input.f64_array()?,
+            angular: input.f64_array()?,
+        })
     }
 }
 
 /// `geometry_msgs/TwistStamped`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TwistStamped {
-    /// When, and in which frame.
+    /// Time stamp and frame.
     pub header: Header,
-    /// How fast.
+    /// The velocity.
     pub twist: Twist,
 }
 
@@ -177,14 +209,17 @@ impl Message for TwistStamped {
     }
 
     fn decode(input: &mut CdrReader<'_>) -> Result<Self, CdrError> {
-        Ok(Self { header: Header::decode(input)?, twist: Twist::decode(input)? })
+        Ok(Self {
+            header: Header::decode(input)?,
+            twist: Twist::decode(input)?,
+        })
     }
 }
 
-/// `geometry_msgs/TransformStamped`: where the child frame lies in the header's frame.
+/// `geometry_msgs/TransformStamped`: pose of the child frame in the frame of the header.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TransformStamped {
-    /// When, and the parent frame.
+    /// Time stamp and parent frame.
     pub header: Header,
     /// The child frame.
     pub child_frame_id: String,
@@ -195,7 +230,8 @@ pub struct TransformStamped {
 impl Message for TransformStamped {
     const DEFINITION: &'static Definition = &Definition {
         name: "geometry_msgs/TransformStamped",
-        fields: "std_msgs/Header header\nstring child_frame_id\ngeometry_msgs/Transform transform\n",
+        fields: "std_msgs/Header header\nstring child_frame_id\n\
+                 geometry_msgs/Transform transform\n",
         parts: &[Header::DEFINITION, TRANSFORM],
     };
 
@@ -207,11 +243,15 @@ impl Message for TransformStamped {
 
     fn decode(input: &mut CdrReader<'_>) -> Result<Self, CdrError> {
         let (header, child_frame_id) = (Header::decode(input)?, input.string()?);
-        Ok(Self { header, child_frame_id, transform: Pose::decode(input)? })
+        Ok(Self {
+            header,
+            child_frame_id,
+            transform: Pose::decode(input)?,
+        })
     }
 }
 
-/// `tf2_msgs/TFMessage`, which topics `/tf` and `/tf_static` carry.
+/// `tf2_msgs/TFMessage`, the type of the topics `/tf` and `/tf_static`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TfMessage(pub Vec<TransformStamped>);
 
@@ -239,9 +279,12 @@ mod tests {
     use openbench_core::SimTime;
 
     #[test]
-    fn poses_become_transforms_and_back() {
+    fn poses_convert_to_transforms_and_back() {
         let pose = Pose2::new(1.0, -2.0, 0.5);
-        let message = PoseStamped { header: Header::new(SimTime(7), "map"), pose: pose.into() };
+        let message = PoseStamped {
+            header: Header::new(SimTime(7), "map"),
+            pose: pose.into(),
+        };
         let read = PoseStamped::from_cdr(&message.to_cdr()).unwrap();
         assert_eq!(read, message);
         let back = Pose2::from_pose3(&read.pose.to_pose3().unwrap());
@@ -249,19 +292,30 @@ mod tests {
     }
 
     #[test]
-    fn many_poses_round_trip() {
+    fn pose_arrays_round_trip() {
         for count in [0, 1, 3] {
-            let poses = (0..count).map(|i| Pose2::new(f64::from(i), 1.0, 0.1).into()).collect();
-            let message = PoseArray { header: Header::new(SimTime(9), "map"), poses };
+            let poses = (0..count)
+                .map(|i| Pose2::new(f64::from(i), 1.0, 0.1).into())
+                .collect();
+            let message = PoseArray {
+                header: Header::new(SimTime(9), "map"),
+                poses,
+            };
             assert_eq!(PoseArray::from_cdr(&message.to_cdr()).unwrap(), message);
         }
     }
 
     #[test]
-    fn a_quaternion_of_zeros_is_no_transform() {
-        let pose = Pose { position: [0.0; 3], orientation: [0.0; 4] };
+    fn invalid_poses_have_no_transform() {
+        let pose = Pose {
+            position: [0.0; 3],
+            orientation: [0.0; 4],
+        };
         assert_eq!(pose.to_pose3(), None);
-        let pose = Pose { position: [f64::NAN, 0.0, 0.0], orientation: [0.0, 0.0, 0.0, 1.0] };
+        let pose = Pose {
+            position: [f64::NAN, 0.0, 0.0],
+            orientation: [0.0, 0.0, 0.0, 1.0],
+        };
         assert_eq!(pose.to_pose3(), None);
     }
 
@@ -274,7 +328,10 @@ mod tests {
         };
         let message = TfMessage(vec![transform("livox_frame"), transform("c")]);
         assert_eq!(TfMessage::from_cdr(&message.to_cdr()).unwrap(), message);
-        let twist = TwistStamped { header: Header::default(), twist: Velocity::new(0.5, -1.0).into() };
+        let twist = TwistStamped {
+            header: Header::default(),
+            twist: Velocity::new(0.5, -1.0).into(),
+        };
         assert_eq!(TwistStamped::from_cdr(&twist.to_cdr()).unwrap(), twist);
     }
 }

@@ -1,4 +1,4 @@
-//! `livox_ros_driver2/CustomMsg`: the scans of Livox's driver in its own format.
+//! `livox_ros_driver2/CustomMsg`: LiDAR scans in the format of the Livox driver.
 
 use openbench_core::{LidarPoint, LidarScan};
 
@@ -8,41 +8,49 @@ use crate::cdr::{CdrError, CdrReader, CdrWriter};
 /// `livox_ros_driver2/CustomPoint`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct CustomPoint {
-    /// Nanoseconds since the scan's stamp.
+    /// Time since the time stamp of the scan, nanoseconds.
     pub offset_time: u32,
-    /// In the sensor's frame, metres.
+    /// Position in the frame of the sensor, metres.
     pub xyz: [f32; 3],
-    /// 0 to 255.
+    /// Reflectivity, 0 to 255.
     pub reflectivity: u8,
-    /// What the sensor says about the return.
+    /// Quality of the return, as the sensor encodes it.
     pub tag: u8,
-    /// Laser line.
+    /// Number of the laser line.
     pub line: u8,
 }
 
 /// `livox_ros_driver2/CustomMsg`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct CustomMsg {
-    /// When the first point was measured, and the sensor's frame.
+    /// Time stamp of the first point, and frame of the sensor.
     pub header: Header,
-    /// The same by the sensor's own clock, nanoseconds.
+    /// Time of the first point by the clock of the sensor, nanoseconds.
     pub timebase: u64,
-    /// Which sensor.
+    /// Number of the sensor.
     pub lidar_id: u8,
     /// The points.
     pub points: Vec<CustomPoint>,
 }
 
 impl CustomMsg {
-    /// The scan. Points that are not finite are left out, and so are those at the origin: rays that met nothing.
+    /// The scan, without points that contain NaN or infinity, and without points at the origin,
+    /// which stand for rays without a return.
     pub fn to_scan(&self) -> LidarScan {
-        let points = self.points.iter().filter(|point| point.is_return()).map(LidarPoint::from);
-        LidarScan { stamp: self.header.stamp, points: points.collect() }
+        let points = self
+            .points
+            .iter()
+            .filter(|point| point.is_return())
+            .map(LidarPoint::from);
+        LidarScan {
+            stamp: self.header.stamp,
+            points: points.collect(),
+        }
     }
 }
 
 impl CustomPoint {
-    /// Whether the ray met something.
+    /// Whether the ray has a return.
     fn is_return(&self) -> bool {
         self.xyz.iter().all(|x| x.is_finite()) && self.xyz != [0.0; 3]
     }
@@ -62,7 +70,8 @@ impl From<&CustomPoint> for LidarPoint {
 impl Message for CustomPoint {
     const DEFINITION: &'static Definition = &Definition {
         name: "livox_ros_driver2/CustomPoint",
-        fields: "uint32 offset_time\nfloat32 x\nfloat32 y\nfloat32 z\nuint8 reflectivity\nuint8 tag\nuint8 line\n",
+        fields: "uint32 offset_time\nfloat32 x\nfloat32 y\nfloat32 z\nuint8 reflectivity\n\
+                 uint8 tag\nuint8 line\n",
         parts: &[],
     };
 
@@ -88,8 +97,8 @@ impl Message for CustomPoint {
 impl Message for CustomMsg {
     const DEFINITION: &'static Definition = &Definition {
         name: "livox_ros_driver2/CustomMsg",
-        fields: "std_msgs/Header header\nuint64 timebase\nuint32 point_num\nuint8 lidar_id\nuint8[3] rsvd\n\
-                 livox_ros_driver2/CustomPoint[] points\n",
+        fields: "std_msgs/Header header\nuint64 timebase\nuint32 point_num\nuint8 lidar_id\n\
+                 uint8[3] rsvd\nlivox_ros_driver2/CustomPoint[] points\n",
         parts: &[Header::DEFINITION, CustomPoint::DEFINITION],
     };
 
@@ -109,7 +118,12 @@ impl Message for CustomMsg {
         for _ in 0..3 {
             input.u8()?;
         }
-        Ok(Self { header, timebase, lidar_id, points: input.sequence(19, CustomPoint::decode)? })
+        Ok(Self {
+            header,
+            timebase,
+            lidar_id,
+            points: input.sequence(19, CustomPoint::decode)?,
+        })
     }
 }
 
@@ -119,7 +133,7 @@ mod tests {
     use openbench_core::SimTime;
 
     #[test]
-    fn scans_survive_and_rays_that_met_nothing_are_left_out() {
+    fn scans_round_trip_without_rays_that_have_no_return() {
         let point = |x: f32, offset_time| CustomPoint {
             offset_time,
             xyz: [x, 0.0, 0.0],
@@ -131,14 +145,22 @@ mod tests {
             header: Header::new(SimTime::from_millis(100), "livox_frame"),
             timebase: 5,
             lidar_id: 1,
-            points: vec![point(1.5, 10), point(0.0, 20), point(f32::NAN, 30), point(-2.5, 40)],
+            points: vec![
+                point(1.5, 10),
+                point(0.0, 20),
+                point(f32::NAN, 30),
+                point(-2.5, 40),
+            ],
         };
         let bytes = message.to_cdr();
         let read = CustomMsg::from_cdr(&bytes).unwrap();
         assert_eq!(read.points.len(), 4);
         let scan = read.to_scan();
         assert_eq!(
-            scan.points.iter().map(|p| (p.xyz[0], p.offset_ns)).collect::<Vec<_>>(),
+            scan.points
+                .iter()
+                .map(|p| (p.xyz[0], p.offset_ns))
+                .collect::<Vec<_>>(),
             [(1.5, 10), (-2.5, 40)]
         );
         assert!((0..bytes.len() - 1).all(|cut| CustomMsg::from_cdr(&bytes[..cut]).is_err()));

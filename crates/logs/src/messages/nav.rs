@@ -16,37 +16,50 @@ const TWIST_WITH_COVARIANCE: &Definition = &Definition {
     parts: &[Twist::DEFINITION],
 };
 
-/// `nav_msgs/Odometry`. Covariances are row by row over x, y, z and the rotations about them; zeros say nothing.
+/// `nav_msgs/Odometry`.
+///
+/// Covariances are 6×6, row by row, over x, y, z and the rotations about them. Zeros mean unknown.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Odometry {
-    /// When, and the frame of the pose.
+    /// Time stamp and frame of the pose.
     pub header: Header,
-    /// The frame of the twist, and of what the pose is the pose of.
+    /// The frame whose pose this is, in which the twist is expressed.
     pub child_frame_id: String,
-    /// Where.
+    /// Pose of the child frame.
     pub pose: Pose,
     /// Covariance of the pose.
     pub pose_covariance: [f64; 36],
-    /// How fast.
+    /// Velocity of the child frame.
     pub twist: Twist,
     /// Covariance of the twist.
     pub twist_covariance: [f64; 36],
 }
 
 impl Odometry {
-    /// Pose of `child` in the header's frame, without covariances.
+    /// Pose and velocity of the frame `child`, with unknown covariances.
     pub fn new(header: Header, child: impl Into<String>, pose: Pose, twist: Twist) -> Self {
         let (pose_covariance, twist_covariance) = ([0.0; 36], [0.0; 36]);
-        Self { header, child_frame_id: child.into(), pose, pose_covariance, twist, twist_covariance }
+        Self {
+            header,
+            child_frame_id: child.into(),
+            pose,
+            pose_covariance,
+            twist,
+            twist_covariance,
+        }
     }
 }
 
 impl Message for Odometry {
     const DEFINITION: &'static Definition = &Definition {
         name: "nav_msgs/Odometry",
-        fields: "std_msgs/Header header\nstring child_frame_id\ngeometry_msgs/PoseWithCovariance pose\n\
-                 geometry_msgs/TwistWithCovariance twist\n",
-        parts: &[Header::DEFINITION, POSE_WITH_COVARIANCE, TWIST_WITH_COVARIANCE],
+        fields: "std_msgs/Header header\nstring child_frame_id\n\
+                 geometry_msgs/PoseWithCovariance pose\ngeometry_msgs/TwistWithCovariance twist\n",
+        parts: &[
+            Header::DEFINITION,
+            POSE_WITH_COVARIANCE,
+            TWIST_WITH_COVARIANCE,
+        ],
     };
 
     fn encode(&self, out: &mut CdrWriter) {
@@ -73,27 +86,40 @@ impl Message for Odometry {
 /// `nav_msgs/Path`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Path {
-    /// When, and in which frame.
+    /// Time stamp and frame.
     pub header: Header,
-    /// In driving order.
+    /// The poses in driving order.
     pub poses: Vec<PoseStamped>,
 }
 
 impl Path {
-    /// A path over points on the ground; each pose looks to the next point, the last as the one before.
+    /// A path through points on the ground. Each pose faces the next point; the last one has the
+    /// heading of the one before it.
     pub fn over(header: Header, points: &[MapPoint]) -> Self {
         let legs = points.windows(2).map(|leg| leg[0].bearing_to(leg[1]));
-        let last = points.len().checked_sub(2).map_or(0.0, |i| points[i].bearing_to(points[i + 1]));
-        let poses = points.iter().zip(legs.chain([last])).map(|(point, yaw)| PoseStamped {
-            header: header.clone(),
-            pose: Pose2::new(point.x, point.y, yaw).into(),
-        });
-        Self { poses: poses.collect(), header }
+        let last = points
+            .len()
+            .checked_sub(2)
+            .map_or(0.0, |i| points[i].bearing_to(points[i + 1]));
+        let poses = points
+            .iter()
+            .zip(legs.chain([last]))
+            .map(|(point, yaw)| PoseStamped {
+                header: header.clone(),
+                pose: Pose2::new(point.x, point.y, yaw).into(),
+            });
+        Self {
+            poses: poses.collect(),
+            header,
+        }
     }
 
     /// The points of the path on the ground.
     pub fn points(&self) -> Vec<MapPoint> {
-        self.poses.iter().map(|p| MapPoint::new(p.pose.position[0], p.pose.position[1])).collect()
+        self.poses
+            .iter()
+            .map(|p| MapPoint::new(p.pose.position[0], p.pose.position[1]))
+            .collect()
     }
 }
 
@@ -112,7 +138,10 @@ impl Message for Path {
 
     fn decode(input: &mut CdrReader<'_>) -> Result<Self, CdrError> {
         const SMALLEST: usize = 8 + 4 + 7 * 8;
-        Ok(Self { header: Header::decode(input)?, poses: input.sequence(SMALLEST, PoseStamped::decode)? })
+        Ok(Self {
+            header: Header::decode(input)?,
+            poses: input.sequence(SMALLEST, PoseStamped::decode)?,
+        })
     }
 }
 
@@ -124,15 +153,23 @@ mod tests {
     #[test]
     fn odometry_round_trips() {
         let header = Header::new(SimTime(123_456_789), "odom");
-        let mut message =
-            Odometry::new(header, "base_link", Pose2::new(1.0, 2.0, 3.0).into(), Twist::default());
+        let mut message = Odometry::new(
+            header,
+            "base_link",
+            Pose2::new(1.0, 2.0, 3.0).into(),
+            Twist::default(),
+        );
         message.twist_covariance[35] = 0.25;
         assert_eq!(Odometry::from_cdr(&message.to_cdr()).unwrap(), message);
     }
 
     #[test]
-    fn a_path_looks_where_it_goes() {
-        let points = [MapPoint::new(0.0, 0.0), MapPoint::new(0.0, 2.0), MapPoint::new(-1.0, 2.0)];
+    fn poses_of_a_path_face_the_next_point() {
+        let points = [
+            MapPoint::new(0.0, 0.0),
+            MapPoint::new(0.0, 2.0),
+            MapPoint::new(-1.0, 2.0),
+        ];
         let path = Path::over(Header::new(SimTime::ZERO, "map"), &points);
         let yaw = |i: usize| Pose2::from_pose3(&path.poses[i].pose.to_pose3().unwrap()).yaw;
         assert!((yaw(0) - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
@@ -140,6 +177,9 @@ mod tests {
         let read = Path::from_cdr(&path.to_cdr()).unwrap();
         assert_eq!(read.points(), points);
         assert!(Path::over(Header::default(), &[]).poses.is_empty());
-        assert_eq!(Path::over(Header::default(), &points[..1]).points(), &points[..1]);
+        assert_eq!(
+            Path::over(Header::default(), &points[..1]).points(),
+            &points[..1]
+        );
     }
 }

@@ -1,33 +1,34 @@
-//! `sensor_msgs/PointCloud2` and `sensor_msgs/PointField`: the messages; scans are in `cloud_scan`.
+//! `sensor_msgs/PointCloud2` and `sensor_msgs/PointField`. Their conversion to scans is in
+//! `cloud_scan`.
 
 use super::{Definition, Header, Message};
 use crate::cdr::{CdrError, CdrReader, CdrWriter};
 
-/// Types of a field's numbers, as the interface definition counts them.
+/// `PointField.UINT8`; the constants below follow the same definition.
 pub(super) const UINT8: u8 = 2;
 pub(super) const UINT32: u8 = 6;
 pub(super) const FLOAT32: u8 = 7;
 pub(super) const FLOAT64: u8 = 8;
 
-/// `sensor_msgs/PointField`: where in a point a number stands.
+/// `sensor_msgs/PointField`: the place of a number in the bytes of a point.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PointField {
-    /// What the number is.
+    /// Name of the number, such as `x`.
     pub name: String,
-    /// Bytes from the beginning of the point.
+    /// Offset from the beginning of the point, bytes.
     pub offset: u32,
     /// Type of the number, 1 to 8 as in the interface definition.
     pub datatype: u8,
-    /// How many numbers.
+    /// Number of elements.
     pub count: u32,
 }
 
 impl Message for PointField {
     const DEFINITION: &'static Definition = &Definition {
         name: "sensor_msgs/PointField",
-        fields: "uint8 INT8=1\nuint8 UINT8=2\nuint8 INT16=3\nuint8 UINT16=4\nuint8 INT32=5\nuint8 UINT32=6\n\
-                 uint8 FLOAT32=7\nuint8 FLOAT64=8\n\
-                 string name\nuint32 offset\nuint8 datatype\nuint32 count\n",
+        fields: "uint8 INT8=1\nuint8 UINT8=2\nuint8 INT16=3\nuint8 UINT16=4\nuint8 INT32=5\n\
+                 uint8 UINT32=6\nuint8 FLOAT32=7\nuint8 FLOAT64=8\nstring name\nuint32 offset\n\
+                 uint8 datatype\nuint32 count\n",
         parts: &[],
     };
 
@@ -39,37 +40,45 @@ impl Message for PointField {
     }
 
     fn decode(input: &mut CdrReader<'_>) -> Result<Self, CdrError> {
-        Ok(Self { name: input.string()?, offset: input.u32()?, datatype: input.u8()?, count: input.u32()? })
+        Ok(Self {
+            name: input.string()?,
+            offset: input.u32()?,
+            datatype: input.u8()?,
+            count: input.u32()?,
+        })
     }
 }
 
 /// `sensor_msgs/PointCloud2`.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct PointCloud2 {
-    /// When, and the sensor's frame.
+    /// Time stamp and frame of the sensor.
     pub header: Header,
-    /// Rows; 1 for an unordered cloud.
+    /// Number of rows; 1 for an unordered cloud.
     pub height: u32,
-    /// Points a row.
+    /// Number of points in each row.
     pub width: u32,
-    /// What a point is made of.
+    /// The fields of a point.
     pub fields: Vec<PointField>,
     /// Whether numbers are big-endian.
     pub is_bigendian: bool,
-    /// Bytes a point.
+    /// Length of a point, bytes.
     pub point_step: u32,
-    /// Bytes a row.
+    /// Length of a row, bytes.
     pub row_step: u32,
-    /// The points.
+    /// The bytes of all points.
     pub data: Vec<u8>,
-    /// Whether all points are finite.
+    /// Whether no point contains NaN or infinity.
     pub is_dense: bool,
 }
 
 impl PointCloud2 {
-    /// Where in a point the field stands, if it has this type and lies inside the point.
+    /// The offset of a field in a point, if the field has this type and lies inside the point.
     pub(super) fn offset(&self, name: &str, datatype: u8) -> Option<usize> {
-        let field = self.fields.iter().find(|f| f.name == name && f.datatype == datatype)?;
+        let field = self
+            .fields
+            .iter()
+            .find(|f| f.name == name && f.datatype == datatype)?;
         let size = match datatype {
             UINT8 => 1,
             FLOAT64 => 8,
@@ -79,18 +88,25 @@ impl PointCloud2 {
         inside.then_some(field.offset as usize)
     }
 
-    /// The bytes of each point, row by row.
+    /// Iterates over the bytes of each point, row by row.
     pub(super) fn points(&self) -> impl Iterator<Item = &[u8]> {
-        let rows = self.data.chunks(self.row_step.max(1) as usize).take(self.height as usize);
-        rows.flat_map(|row| row.chunks_exact(self.point_step.max(1) as usize).take(self.width as usize))
+        let rows = self
+            .data
+            .chunks(self.row_step.max(1) as usize)
+            .take(self.height as usize);
+        rows.flat_map(|row| {
+            row.chunks_exact(self.point_step.max(1) as usize)
+                .take(self.width as usize)
+        })
     }
 }
 
 impl Message for PointCloud2 {
     const DEFINITION: &'static Definition = &Definition {
         name: "sensor_msgs/PointCloud2",
-        fields: "std_msgs/Header header\nuint32 height\nuint32 width\nsensor_msgs/PointField[] fields\n\
-                 bool is_bigendian\nuint32 point_step\nuint32 row_step\nuint8[] data\nbool is_dense\n",
+        fields: "std_msgs/Header header\nuint32 height\nuint32 width\n\
+                 sensor_msgs/PointField[] fields\nbool is_bigendian\nuint32 point_step\n\
+                 uint32 row_step\nuint8[] data\nbool is_dense\n",
         parts: &[Header::DEFINITION, PointField::DEFINITION],
     };
 

@@ -1,4 +1,4 @@
-//! `sensor_msgs`: inertial measurements, wheels, compressed images. Point clouds are in their own file.
+//! `sensor_msgs`: inertial measurements, wheel angles and compressed images.
 
 use openbench_core::{ImuSample, SimTime, WheelSample};
 
@@ -6,20 +6,23 @@ use super::geometry::{QUATERNION, VECTOR3};
 use super::{Definition, Header, Message};
 use crate::cdr::{CdrError, CdrReader, CdrWriter};
 
-/// `sensor_msgs/Imu`. A covariance that begins with -1 says that there is no measurement; zeros say that it is unknown.
+/// `sensor_msgs/Imu`.
+///
+/// A covariance that begins with -1 means that the quantity is not measured. A covariance of zeros
+/// is unknown.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Imu {
-    /// When, and the sensor's frame.
+    /// Time stamp and frame of the sensor.
     pub header: Header,
-    /// Quaternion x, y, z, w.
+    /// Orientation, quaternion x, y, z, w.
     pub orientation: [f64; 4],
     /// Covariance of the orientation, row by row.
     pub orientation_covariance: [f64; 9],
-    /// rad/s.
+    /// Angular velocity about x, y, z, rad/s.
     pub angular_velocity: [f64; 3],
     /// Covariance of the angular velocity, row by row.
     pub angular_velocity_covariance: [f64; 9],
-    /// Specific force, m/s².
+    /// Specific force along x, y, z, m/s².
     pub linear_acceleration: [f64; 3],
     /// Covariance of the acceleration, row by row.
     pub linear_acceleration_covariance: [f64; 9],
@@ -54,10 +57,11 @@ impl From<&Imu> for ImuSample {
 impl Message for Imu {
     const DEFINITION: &'static Definition = &Definition {
         name: "sensor_msgs/Imu",
-        fields: "std_msgs/Header header\n\
-                 geometry_msgs/Quaternion orientation\nfloat64[9] orientation_covariance\n\
-                 geometry_msgs/Vector3 angular_velocity\nfloat64[9] angular_velocity_covariance\n\
-                 geometry_msgs/Vector3 linear_acceleration\nfloat64[9] linear_acceleration_covariance\n",
+        fields: "std_msgs/Header header\ngeometry_msgs/Quaternion orientation\n\
+                 float64[9] orientation_covariance\ngeometry_msgs/Vector3 angular_velocity\n\
+                 float64[9] angular_velocity_covariance\n\
+                 geometry_msgs/Vector3 linear_acceleration\n\
+                 float64[9] linear_acceleration_covariance\n",
         parts: &[Header::DEFINITION, QUATERNION, VECTOR3],
     };
 
@@ -87,18 +91,19 @@ impl Message for Imu {
 const LEFT_WHEELS: &str = "left_wheels";
 const RIGHT_WHEELS: &str = "right_wheels";
 
-/// `sensor_msgs/JointState`: angles of the wheels.
+/// `sensor_msgs/JointState`: angles of the wheels. Each array has one number for each joint or
+/// none.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct JointState {
-    /// When.
+    /// Time stamp and frame.
     pub header: Header,
     /// Names of the joints.
     pub name: Vec<String>,
-    /// Radians, one a joint or none.
+    /// Angles, rad.
     pub position: Vec<f64>,
-    /// rad/s, one a joint or none.
+    /// Angular velocities, rad/s.
     pub velocity: Vec<f64>,
-    /// Nm, one a joint or none.
+    /// Torques, Nm.
     pub effort: Vec<f64>,
 }
 
@@ -114,11 +119,15 @@ impl From<WheelSample> for JointState {
 }
 
 impl JointState {
-    /// The wheel sample, if the message names the left and the right wheels.
+    /// The angles of the wheels, if the message contains both sides.
     pub fn wheels(&self) -> Option<WheelSample> {
         let left = self.angle(LEFT_WHEELS)?;
         let right = self.angle(RIGHT_WHEELS)?;
-        Some(WheelSample { stamp: self.header.stamp, left, right })
+        Some(WheelSample {
+            stamp: self.header.stamp,
+            left,
+            right,
+        })
     }
 
     fn angle(&self, joint: &str) -> Option<f64> {
@@ -130,7 +139,8 @@ impl JointState {
 impl Message for JointState {
     const DEFINITION: &'static Definition = &Definition {
         name: "sensor_msgs/JointState",
-        fields: "std_msgs/Header header\nstring[] name\nfloat64[] position\nfloat64[] velocity\nfloat64[] effort\n",
+        fields: "std_msgs/Header header\nstring[] name\nfloat64[] position\nfloat64[] velocity\n\
+                 float64[] effort\n",
         parts: &[Header::DEFINITION],
     };
 
@@ -157,18 +167,22 @@ impl Message for JointState {
 /// `sensor_msgs/CompressedImage`.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct CompressedImage {
-    /// When, and the camera's frame.
+    /// Time stamp and frame of the camera.
     pub header: Header,
-    /// Name of the compression, `jpeg` or `png`.
+    /// Format of the file: `jpeg` or `png`.
     pub format: String,
-    /// The file that the compression yields.
+    /// The bytes of the image file.
     pub data: Vec<u8>,
 }
 
 impl CompressedImage {
-    /// A JPEG file from the robot's camera.
+    /// A JPEG file of the robot's camera.
     pub fn jpeg(stamp: SimTime, data: Vec<u8>) -> Self {
-        Self { header: Header::new(stamp, "camera_link"), format: "jpeg".to_owned(), data }
+        Self {
+            header: Header::new(stamp, "camera_link"),
+            format: "jpeg".to_owned(),
+            data,
+        }
     }
 }
 
@@ -187,7 +201,11 @@ impl Message for CompressedImage {
 
     fn decode(input: &mut CdrReader<'_>) -> Result<Self, CdrError> {
         let (header, format) = (Header::decode(input)?, input.string()?);
-        Ok(Self { header, format, data: input.octets()?.to_vec() })
+        Ok(Self {
+            header,
+            format,
+            data: input.octets()?.to_vec(),
+        })
     }
 }
 
@@ -196,16 +214,24 @@ mod tests {
     use super::*;
 
     #[test]
-    fn imu_samples_survive() {
-        let sample = ImuSample { stamp: SimTime(10), gyro: [0.1, 0.2, 0.3], accel: [0.0, -0.1, 9.8] };
+    fn imu_samples_round_trip() {
+        let sample = ImuSample {
+            stamp: SimTime(10),
+            gyro: [0.1, 0.2, 0.3],
+            accel: [0.0, -0.1, 9.8],
+        };
         let read = Imu::from_cdr(&Imu::from(sample).to_cdr()).unwrap();
         assert_eq!(read.orientation_covariance[0], -1.0);
         assert_eq!(ImuSample::from(&read), sample);
     }
 
     #[test]
-    fn wheel_samples_survive() {
-        let sample = WheelSample { stamp: SimTime(20), left: 1.5, right: -2.5 };
+    fn wheel_samples_round_trip() {
+        let sample = WheelSample {
+            stamp: SimTime(20),
+            left: 1.5,
+            right: -2.5,
+        };
         let mut read = JointState::from_cdr(&JointState::from(sample).to_cdr()).unwrap();
         assert_eq!(read.wheels(), Some(sample));
         read.position.pop();
@@ -213,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn images_survive() {
+    fn images_round_trip() {
         let image = CompressedImage::jpeg(SimTime(5), vec![0xff, 0xd8, 1]);
         assert_eq!(CompressedImage::from_cdr(&image.to_cdr()).unwrap(), image);
     }

@@ -5,15 +5,18 @@ use openbench_core::SimTime;
 use super::{Definition, Message};
 use crate::cdr::{CdrError, CdrReader, CdrWriter};
 
-/// `builtin_interfaces/Time`: simulated time since the episode began.
+/// `builtin_interfaces/Time`: simulated time since the beginning of the episode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Time(pub SimTime);
 
 impl Message for Time {
-    const DEFINITION: &'static Definition =
-        &Definition { name: "builtin_interfaces/Time", fields: "int32 sec\nuint32 nanosec\n", parts: &[] };
+    const DEFINITION: &'static Definition = &Definition {
+        name: "builtin_interfaces/Time",
+        fields: "int32 sec\nuint32 nanosec\n",
+        parts: &[],
+    };
 
-    /// Seconds beyond those that the type holds (68 years) are cut.
+    /// Seconds that the type cannot express (more than 68 years) are written as its maximum.
     fn encode(&self, out: &mut CdrWriter) {
         out.i32(i32::try_from(self.0.0 / 1_000_000_000).unwrap_or(i32::MAX));
         out.u32((self.0.0 % 1_000_000_000) as u32);
@@ -22,7 +25,7 @@ impl Message for Time {
     fn decode(input: &mut CdrReader<'_>) -> Result<Self, CdrError> {
         let (seconds, nanos) = (input.i32()?, input.u32()?);
         let seconds = u64::try_from(seconds)
-            .map_err(|_| CdrError::Value(format!("the stamp of {seconds} s is before the beginning")))?;
+            .map_err(|_| CdrError::Value(format!("the time stamp of {seconds} s is negative")))?;
         Ok(Self(SimTime(seconds * 1_000_000_000 + u64::from(nanos))))
     }
 }
@@ -30,16 +33,19 @@ impl Message for Time {
 /// `std_msgs/Header`.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Header {
-    /// When what the message says was so.
+    /// Time to which the message refers.
     pub stamp: SimTime,
-    /// The frame it is said in: `map`, `odom`, `base_link`, `livox_frame`, `camera_link`, `imu_link`.
+    /// Frame of the data: `map`, `odom`, `base_link`, `livox_frame`, `camera_link`, `imu_link`.
     pub frame_id: String,
 }
 
 impl Header {
-    /// A header from its parts.
+    /// A header with this time stamp and frame.
     pub fn new(stamp: SimTime, frame_id: impl Into<String>) -> Self {
-        Self { stamp, frame_id: frame_id.into() }
+        Self {
+            stamp,
+            frame_id: frame_id.into(),
+        }
     }
 }
 
@@ -56,7 +62,10 @@ impl Message for Header {
     }
 
     fn decode(input: &mut CdrReader<'_>) -> Result<Self, CdrError> {
-        Ok(Self { stamp: Time::decode(input)?.0, frame_id: input.string()? })
+        Ok(Self {
+            stamp: Time::decode(input)?.0,
+            frame_id: input.string()?,
+        })
     }
 }
 
@@ -65,8 +74,11 @@ impl Message for Header {
 pub struct StringMessage(pub String);
 
 impl Message for StringMessage {
-    const DEFINITION: &'static Definition =
-        &Definition { name: "std_msgs/String", fields: "string data\n", parts: &[] };
+    const DEFINITION: &'static Definition = &Definition {
+        name: "std_msgs/String",
+        fields: "string data\n",
+        parts: &[],
+    };
 
     fn encode(&self, out: &mut CdrWriter) {
         out.string(&self.0);
@@ -82,15 +94,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_header_has_the_bytes_that_ros_writes() {
+    fn a_header_is_encoded_as_in_ros() {
         let bytes = Header::new(SimTime(1_500_000_000), "map").to_cdr();
-        let expected = [0, 1, 0, 0, 1, 0, 0, 0, 0, 0x65, 0xcd, 0x1d, 4, 0, 0, 0, b'm', b'a', b'p', 0];
+        let expected = [
+            0, 1, 0, 0, 1, 0, 0, 0, 0, 0x65, 0xcd, 0x1d, 4, 0, 0, 0, b'm', b'a', b'p', 0,
+        ];
         assert_eq!(bytes, expected);
-        assert_eq!(Header::from_cdr(&bytes).unwrap(), Header::new(SimTime(1_500_000_000), "map"));
+        assert_eq!(
+            Header::from_cdr(&bytes).unwrap(),
+            Header::new(SimTime(1_500_000_000), "map")
+        );
     }
 
     #[test]
-    fn a_stamp_before_the_beginning_is_refused() {
+    fn a_negative_time_stamp_is_refused() {
         let bytes = [0, 1, 0, 0, 0xff, 0xff, 0xff, 0xff, 0, 0, 0, 0];
         assert!(matches!(Time::from_cdr(&bytes), Err(CdrError::Value(_))));
     }
