@@ -107,12 +107,18 @@ pub enum BenchError {
 impl BenchError {
     /// An error of the file system.
     pub fn file(path: &Path, source: std::io::Error) -> Self {
-        Self::File { path: path.to_owned(), source }
+        Self::File {
+            path: path.to_owned(),
+            source,
+        }
     }
 
     /// A file that holds something else than expected.
     pub fn bad_file(path: &Path, problem: impl Into<Box<dyn Error + Send + Sync>>) -> Self {
-        Self::BadFile { path: path.to_owned(), source: problem.into() }
+        Self::BadFile {
+            path: path.to_owned(),
+            source: problem.into(),
+        }
     }
 
     /// A file that is not in the expected format, such as a `suite`.
@@ -121,7 +127,11 @@ impl BenchError {
         expected: &'static str,
         source: impl Into<Box<dyn Error + Send + Sync>>,
     ) -> Self {
-        Self::WrongFormat { path: path.to_owned(), expected, source: source.into() }
+        Self::WrongFormat {
+            path: path.to_owned(),
+            expected,
+            source: source.into(),
+        }
     }
 
     /// A world that cannot be made.

@@ -5,7 +5,8 @@ use std::sync::{Arc, LazyLock, Mutex};
 use openbench_bench::run::run_episode;
 use openbench_bench::{BenchError, Observer, Prepared, Rollout, Status, builtin_suite};
 use openbench_core::{
-    Action, Address, Agent, Briefing, Event, Events, FailureCause, GiveUp, Observation, SimTime, Velocity,
+    Action, Address, Agent, Briefing, Event, Events, FailureCause, GiveUp, Observation, SimTime,
+    Velocity,
 };
 use openbench_sim::Simulator;
 
@@ -32,7 +33,11 @@ impl Agent for Circle {
 }
 
 fn given_up(address: Option<Address>) -> GiveUp {
-    GiveUp { address, cause: FailureCause::DoorNotFound, detail: "tired".into() }
+    GiveUp {
+        address,
+        cause: FailureCause::DoorNotFound,
+        detail: "tired".into(),
+    }
 }
 
 /// What an observer was shown.
@@ -59,11 +64,19 @@ impl Observer for Watching {
         let mut seen = self.seen.lock().unwrap();
         seen.steps += 1;
         let full = || BenchError::world("the disk is full");
-        if seen.steps == self.fails_at { Err(full()) } else { Ok(()) }
+        if seen.steps == self.fails_at {
+            Err(full())
+        } else {
+            Ok(())
+        }
     }
 
     fn event(&mut self, time: SimTime, event: &Event) -> Result<(), BenchError> {
-        self.seen.lock().unwrap().events.push(format!("{time}: {event:?}"));
+        self.seen
+            .lock()
+            .unwrap()
+            .events
+            .push(format!("{time}: {event:?}"));
         Ok(())
     }
 }
@@ -84,7 +97,10 @@ fn who_steps_gets_what_an_agent_gets() {
     assert_eq!(by_hand.chain, driven.chain);
     assert_eq!(by_hand.velocities, driven.velocities);
     assert_eq!(by_hand.tasks, driven.tasks);
-    assert_eq!(by_hand.tasks[0].failure.as_ref().unwrap().0, FailureCause::DoorNotFound);
+    assert_eq!(
+        by_hand.tasks[0].failure.as_ref().unwrap().0,
+        FailureCause::DoorNotFound
+    );
 }
 
 #[test]
@@ -99,7 +115,11 @@ fn after_the_end_nothing_happens() {
 
 #[test]
 fn who_cannot_begin_fails_every_delivery() {
-    let sequence = SMALL.episodes.iter().position(|episode| episode.targets.len() > 1).unwrap();
+    let sequence = SMALL
+        .episodes
+        .iter()
+        .position(|episode| episode.targets.len() > 1)
+        .unwrap();
     let mut rollout = Rollout::new(&SMALL, sequence, 1).unwrap();
     let address = SMALL.episodes[sequence].targets[0].address.clone();
     rollout.refuse(&given_up(Some(address)));
@@ -112,7 +132,10 @@ fn who_cannot_begin_fails_every_delivery() {
 #[test]
 fn observers_see_the_begin_each_step_and_each_event() {
     let seen = Arc::new(Mutex::new(Seen::default()));
-    let watching = Watching { seen: seen.clone(), fails_at: 0 };
+    let watching = Watching {
+        seen: seen.clone(),
+        fails_at: 0,
+    };
     let trace = run_episode(rollout().watched_by(watching), &mut Circle).unwrap();
     let seen = seen.lock().unwrap();
     assert_eq!((seen.begun, seen.steps), (1, trace.velocities.len()));
@@ -122,10 +145,19 @@ fn observers_see_the_begin_each_step_and_each_event() {
 #[test]
 fn an_observer_that_fails_ends_the_episode_with_its_error() {
     let seen = Arc::new(Mutex::new(Seen::default()));
-    let mut rollout = rollout().watched_by(Watching { seen: seen.clone(), fails_at: 3 });
+    let mut rollout = rollout().watched_by(Watching {
+        seen: seen.clone(),
+        fails_at: 3,
+    });
     while rollout.step(Action::Drive(FORWARD)) == Status::Running {}
     assert_eq!(seen.lock().unwrap().steps, 3);
-    assert!(rollout.finish(None).unwrap_err().to_string().contains("the disk is full"));
+    assert!(
+        rollout
+            .finish(None)
+            .unwrap_err()
+            .to_string()
+            .contains("the disk is full")
+    );
 }
 
 #[test]
@@ -137,11 +169,17 @@ fn velocities_that_are_no_numbers_are_not_driven() {
 
 #[test]
 fn an_address_that_nobody_named_counts_against_a_delivery_once() {
-    let nobody = Address { building: "nowhere".into(), unit: None };
+    let nobody = Address {
+        building: "nowhere".into(),
+        unit: None,
+    };
     let mut rollout = rollout();
     rollout.step(Action::Delivered(nobody));
     let trace = rollout.finish(Some(b"<osm/>".to_vec())).unwrap();
-    assert_eq!(trace.tasks[0].failure.as_ref().unwrap().0, FailureCause::WrongPlace);
+    assert_eq!(
+        trace.tasks[0].failure.as_ref().unwrap().0,
+        FailureCause::WrongPlace
+    );
     assert_eq!(trace.map.as_deref(), Some(&b"<osm/>"[..]));
 }
 

@@ -29,7 +29,15 @@ const FLOORS: [(&str, u8); 17] = [
 fn dependencies() -> BTreeMap<String, BTreeSet<String>> {
     let manifest = concat!(env!("CARGO_MANIFEST_DIR"), "/../../Cargo.toml");
     let output = Command::new(env!("CARGO"))
-        .args(["metadata", "--format-version", "1", "--no-deps", "--offline", "--manifest-path", manifest])
+        .args([
+            "metadata",
+            "--format-version",
+            "1",
+            "--no-deps",
+            "--offline",
+            "--manifest-path",
+            manifest,
+        ])
         .output()
         .unwrap();
     let metadata: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -62,14 +70,24 @@ fn reach(graph: &BTreeMap<String, BTreeSet<String>>, crate_name: &str) -> BTreeS
 fn no_agent_can_reach_the_truth() {
     let reached = reach(&dependencies(), "openbench-agents");
     for truth in ["openbench-sim", "openbench-scene", "openbench-bench"] {
-        assert!(!reached.contains(truth), "openbench-agents depends on {truth}");
+        assert!(
+            !reached.contains(truth),
+            "openbench-agents depends on {truth}"
+        );
     }
 }
 
 /// The code of a crate, without tests and comments.
 fn code(folder: &str) -> String {
-    let (mut code, mut open) =
-        (String::new(), vec![PathBuf::from(root()).join("crates").join(folder).join("src")]);
+    let (mut code, mut open) = (
+        String::new(),
+        vec![
+            PathBuf::from(root())
+                .join("crates")
+                .join(folder)
+                .join("src"),
+        ],
+    );
     while let Some(folder) = open.pop() {
         for entry in std::fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();
@@ -78,7 +96,9 @@ fn code(folder: &str) -> String {
             } else if path.extension().is_some_and(|e| e == "rs") {
                 let text = std::fs::read_to_string(path).unwrap();
                 let tests = text.find("#[cfg(test)]").unwrap_or(text.len());
-                let lines = text[..tests].lines().filter(|line| !line.trim_start().starts_with("//"));
+                let lines = text[..tests]
+                    .lines()
+                    .filter(|line| !line.trim_start().starts_with("//"));
                 lines.for_each(|line| code.extend([line, "\n"]));
             }
         }
@@ -97,18 +117,30 @@ fn nothing_that_an_agent_gets_tells_the_truth() {
     parts.insert("openbench-agents".into());
     for part in parts {
         let code = code(part.trim_start_matches("openbench-")).to_lowercase();
-        assert!(!code.contains("truth"), "the code of {part} speaks of the truth");
+        assert!(
+            !code.contains("truth"),
+            "the code of {part} speaks of the truth"
+        );
     }
     let agent = code("core");
     for (name, fields) in [
-        ("Briefing", "map_osm georeference goal start robot time_limit"),
+        (
+            "Briefing",
+            "map_osm georeference goal start robot time_limit",
+        ),
         ("Observation<'a>", "time imu wheels scan gnss camera"),
     ] {
         let (_, body) = agent.split_once(&format!("pub struct {name} {{")).unwrap();
         let (body, _) = body.split_once("\n}").unwrap();
-        let found: Vec<&str> =
-            body.lines().filter_map(|l| l.trim().strip_prefix("pub ")?.split(':').next()).collect();
-        assert_eq!(found.join(" "), fields, "{name} has other fields; are they what a robot can know?");
+        let found: Vec<&str> = body
+            .lines()
+            .filter_map(|l| l.trim().strip_prefix("pub ")?.split(':').next())
+            .collect();
+        assert_eq!(
+            found.join(" "),
+            fields,
+            "{name} has other fields; are they what a robot can know?"
+        );
     }
 }
 
@@ -116,7 +148,10 @@ fn nothing_that_an_agent_gets_tells_the_truth() {
 #[test]
 fn the_benchmark_knows_no_agent() {
     let reached = reach(&dependencies(), "openbench-bench");
-    assert!(!reached.contains("openbench-agents"), "openbench-bench depends on openbench-agents");
+    assert!(
+        !reached.contains("openbench-agents"),
+        "openbench-bench depends on openbench-agents"
+    );
 }
 
 #[test]
@@ -132,7 +167,10 @@ fn crates_depend_on_lower_floors_only() {
             .get(name.as_str())
             .unwrap_or_else(|| panic!("give {name} a floor here and in ARCHITECTURE.md"));
         for need in needs {
-            assert!(floors[need.as_str()] < *own, "{name} (floor {own}) depends on {need}");
+            assert!(
+                floors[need.as_str()] < *own,
+                "{name} (floor {own}) depends on {need}"
+            );
         }
     }
 }
@@ -140,7 +178,8 @@ fn crates_depend_on_lower_floors_only() {
 /// Algorithms return values or take an observer; only the command line and the recorder write.
 #[test]
 fn algorithms_do_not_print() {
-    let lints = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../Cargo.toml")).unwrap();
+    let lints =
+        std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../Cargo.toml")).unwrap();
     for lint in ["print_stdout", "print_stderr", "dbg_macro"] {
         assert!(
             lints.contains(&format!("{lint} = \"warn\"")),
@@ -155,6 +194,9 @@ fn algorithms_do_not_print() {
         };
         let manifest = format!("{}/../../{folder}/Cargo.toml", env!("CARGO_MANIFEST_DIR"));
         let text = std::fs::read_to_string(&manifest).unwrap();
-        assert!(text.contains("[lints]\nworkspace = true"), "{manifest} does not take the workspace's lints");
+        assert!(
+            text.contains("[lints]\nworkspace = true"),
+            "{manifest} does not take the workspace's lints"
+        );
     }
 }

@@ -5,7 +5,9 @@ use std::fmt;
 use std::time::Duration;
 
 use nalgebra::{Rotation3, UnitVector3, Vector3};
-use openbench_core::{Health, ImuSample, LidarScan, Observation, Pose2, PoseEstimate, SimTime, WheelSample};
+use openbench_core::{
+    Health, ImuSample, LidarScan, Observation, Pose2, PoseEstimate, SimTime, WheelSample,
+};
 use openbench_localization::Localizer;
 use openbench_sim::noise::Noise;
 use serde::Serialize;
@@ -130,21 +132,34 @@ pub fn trial(
     degradation: Degradation,
     localizer: &mut dyn Localizer,
 ) -> Result<Trial, BenchError> {
-    let tour = Tour { time, via: Vec::new(), style: Style::Smooth, seed };
-    let mut sensors = Degraded { degradation, noise: Noise::new(seed, STREAM), samples: 0 };
+    let tour = Tour {
+        time,
+        via: Vec::new(),
+        style: Style::Smooth,
+        seed,
+    };
+    let mut sensors = Degraded {
+        degradation,
+        noise: Noise::new(seed, STREAM),
+        samples: 0,
+    };
     let mut errors: Vec<PoseError> = Vec::new();
     localizer.reset(prepared.world.start);
     let driven = drive(prepared, &tour, &mut |simulator, _| {
         let truth = Pose2::from_pose3(&simulator.base_link());
         sensors.show(&simulator.observation(), localizer);
         if localizer.ready() {
-            let told = PoseEstimate { pose: localizer.pose(), health: localizer.health() };
+            let told = PoseEstimate {
+                pose: localizer.pose(),
+                health: localizer.health(),
+            };
             errors.push(PoseError::new(simulator.time(), truth, told));
         }
         Ok(())
     })?;
     let share = |health: Health| {
-        errors.iter().filter(|error| error.health == health).count() as f64 / errors.len().max(1) as f64
+        errors.iter().filter(|error| error.health == health).count() as f64
+            / errors.len().max(1) as f64
     };
     let good = errors.iter().filter(|error| error.health == Health::Good);
     Ok(Trial {
@@ -174,10 +189,23 @@ impl Degraded {
             localizer.update(observation);
             return;
         }
-        let imu: Vec<ImuSample> = observation.imu.iter().map(|sample| self.imu(*sample)).collect();
-        let wheels: Vec<WheelSample> = observation.wheels.iter().map(|sample| self.wheels(*sample)).collect();
+        let imu: Vec<ImuSample> = observation
+            .imu
+            .iter()
+            .map(|sample| self.imu(*sample))
+            .collect();
+        let wheels: Vec<WheelSample> = observation
+            .wheels
+            .iter()
+            .map(|sample| self.wheels(*sample))
+            .collect();
         let scan = observation.scan.map(|scan| self.scan(scan));
-        localizer.update(&Observation { imu: &imu, wheels: &wheels, scan: scan.as_ref(), ..*observation });
+        localizer.update(&Observation {
+            imu: &imu,
+            wheels: &wheels,
+            scan: scan.as_ref(),
+            ..*observation
+        });
     }
 
     fn normal(&mut self, deviation: f64) -> f64 {
@@ -204,9 +232,11 @@ impl Degraded {
     fn wheels(&self, sample: WheelSample) -> WheelSample {
         match self.degradation {
             // Smaller angles for the same way.
-            Degradation::Wheels(times) => {
-                WheelSample { left: sample.left / times, right: sample.right / times, ..sample }
-            }
+            Degradation::Wheels(times) => WheelSample {
+                left: sample.left / times,
+                right: sample.right / times,
+                ..sample
+            },
             _ => sample,
         }
     }
@@ -218,10 +248,14 @@ impl Degraded {
             Degradation::Late(ms) => scan.stamp = stamp + Duration::from_millis(ms),
             Degradation::Blinded(degrees) if is_in_trouble(stamp) => {
                 let half = degrees.to_radians() / 2.0;
-                let is_seen = |xyz: &[f32; 3]| libm::atan2(f64::from(xyz[1]), f64::from(xyz[0])).abs() < half;
+                let is_seen =
+                    |xyz: &[f32; 3]| libm::atan2(f64::from(xyz[1]), f64::from(xyz[0])).abs() < half;
                 scan.points.retain(|point| is_seen(&point.xyz));
             }
-            _ => scan.points.iter_mut().for_each(|point| point.xyz = self.point(point.xyz)),
+            _ => scan
+                .points
+                .iter_mut()
+                .for_each(|point| point.xyz = self.point(point.xyz)),
         }
         scan
     }

@@ -75,7 +75,10 @@ pub fn drive(
         metres += before.distance(pose(&simulator).point());
         watch(&simulator, velocity)?;
     }
-    Ok(Driven { metres, collisions: simulator.collisions().len() })
+    Ok(Driven {
+        metres,
+        collisions: simulator.collisions().len(),
+    })
 }
 
 fn pose(simulator: &Simulator) -> Pose2 {
@@ -114,11 +117,21 @@ impl<'a> Driver<'a> {
     fn new(prepared: &'a Prepared, tour: &Tour) -> Result<Self, BenchError> {
         let start = prepared.world.start.point();
         let wide = FreeSpace::new(prepared.stage.caster(), start, CLEARANCE);
-        let space = Space { wide, narrow: &prepared.free_space };
+        let space = Space {
+            wide,
+            narrow: &prepared.free_space,
+        };
         let mut noise = Noise::new(tour.seed, STREAM);
-        let places = if tour.via.is_empty() { doors(prepared, &mut noise) } else { tour.via.clone() };
+        let places = if tour.via.is_empty() {
+            doors(prepared, &mut noise)
+        } else {
+            tour.via.clone()
+        };
         // In front of doors a robot stands where it gets to from the start.
-        let missed = tour.via.iter().find(|place| space.path(start, **place).is_none());
+        let missed = tour
+            .via
+            .iter()
+            .find(|place| space.path(start, **place).is_none());
         let missed = missed.map(|place| format!("({:.1}, {:.1})", place.x, place.y));
         if let Some(place) = missed.or_else(|| places.is_empty().then(|| "any door".to_owned())) {
             return Err(BenchError::world(format!(
@@ -126,7 +139,16 @@ impl<'a> Driver<'a> {
             )));
         }
         let antic = (Velocity::ZERO, SimTime::ZERO);
-        Ok(Self { space, places, next: 0, path: Vec::new(), at: 0, style: tour.style, noise, antic })
+        Ok(Self {
+            space,
+            places,
+            next: 0,
+            path: Vec::new(),
+            at: 0,
+            style: tour.style,
+            noise,
+            antic,
+        })
     }
 
     fn steer(&mut self, simulator: &Simulator) -> Velocity {
@@ -139,7 +161,9 @@ impl<'a> Driver<'a> {
         {
             return antic;
         }
-        let Some(target) = self.target(here.point()) else { return Velocity::new(0.0, 0.5) };
+        let Some(target) = self.target(here.point()) else {
+            return Velocity::new(0.0, 0.5);
+        };
         let off = wrap_angle(here.point().bearing_to(target) - here.yaw);
         if off.abs() > TURN_ON_THE_SPOT {
             return Velocity::new(0.0, (2.0 * off).clamp(-1.0, 1.0));
@@ -160,7 +184,11 @@ impl<'a> Driver<'a> {
             let place = self.places[self.next % self.places.len()];
             self.next += 1;
             self.at = 0;
-            self.path = self.space.path(here, place).map(|path| dense(&path)).unwrap_or_default();
+            self.path = self
+                .space
+                .path(here, place)
+                .map(|path| dense(&path))
+                .unwrap_or_default();
         }
         None
     }
@@ -169,7 +197,11 @@ impl<'a> Driver<'a> {
     fn antic(&mut self, time: SimTime) -> Option<Velocity> {
         if time >= self.antic.1 {
             let long = |seconds: f64| time + Duration::from_secs_f64(seconds);
-            let side = if self.noise.uniform() < 0.5 { 1.0 } else { -1.0 };
+            let side = if self.noise.uniform() < 0.5 {
+                1.0
+            } else {
+                -1.0
+            };
             // Half the time it follows the path; full turns come back to where they began.
             self.antic = match (self.noise.uniform() * 8.0) as usize {
                 0 | 1 => (Velocity::new(0.0, side), long(std::f64::consts::TAU)),
@@ -207,12 +239,16 @@ fn doors(prepared: &Prepared, noise: &mut Noise) -> Vec<MapPoint> {
 
 /// Whether somebody stands or comes in front of the robot.
 fn blocked(simulator: &Simulator, here: Pose2) -> bool {
-    simulator.movers().iter().filter(|mover| mover.present).any(|mover| {
-        let bearing = wrap_angle(here.point().bearing_to(mover.pose.point()) - here.yaw);
-        let reach = match mover.hull {
-            Hull::Disc { radius } => radius,
-            Hull::Box { half_length, .. } => half_length,
-        };
-        here.point().distance(mover.pose.point()) < STOP + reach && bearing.abs() < 1.0
-    })
+    simulator
+        .movers()
+        .iter()
+        .filter(|mover| mover.present)
+        .any(|mover| {
+            let bearing = wrap_angle(here.point().bearing_to(mover.pose.point()) - here.yaw);
+            let reach = match mover.hull {
+                Hull::Disc { radius } => radius,
+                Hull::Box { half_length, .. } => half_length,
+            };
+            here.point().distance(mover.pose.point()) < STOP + reach && bearing.abs() < 1.0
+        })
 }

@@ -13,10 +13,20 @@ fn nobody_is_far_off_with_good_health() {
     let prepared = Prepared::world_of(builtin_suite("small").unwrap()).unwrap();
     let drive = |degradation| {
         let mut localizer = Fused::new(RobotDescription::sentry(), Vec::new());
-        trial(&prepared, 5, Duration::from_secs(90), degradation, &mut localizer).unwrap()
+        trial(
+            &prepared,
+            5,
+            Duration::from_secs(90),
+            degradation,
+            &mut localizer,
+        )
+        .unwrap()
     };
     let sound = drive(Degradation::None);
-    assert!(sound.good > 0.95 && sound.largest_good_m < 0.05, "{sound:?}");
+    assert!(
+        sound.good > 0.95 && sound.largest_good_m < 0.05,
+        "{sound:?}"
+    );
     for degradation in [
         Degradation::Noisy(10.0),
         Degradation::Quantised(0.25),

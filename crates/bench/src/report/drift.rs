@@ -14,8 +14,14 @@ const POINTS: usize = 500;
 
 /// Writes the chart, if there is something to be drawn.
 pub fn render(out: &mut String, errors: &[PoseError]) {
-    let errors: Vec<PoseError> = errors.iter().filter(|e| e.distance().is_finite()).copied().collect();
-    let (Some(sum), Some(last)) = (localization([&errors[..]].into_iter()), errors.last()) else { return };
+    let errors: Vec<PoseError> = errors
+        .iter()
+        .filter(|e| e.distance().is_finite())
+        .copied()
+        .collect();
+    let (Some(sum), Some(last)) = (localization([&errors[..]].into_iter()), errors.last()) else {
+        return;
+    };
     let (seconds, top) = (last.time.seconds().max(1.0), ceiling(sum.max_m));
     let x = |time: f64| LEFT + time / seconds * (WIDTH - LEFT - 8.0);
     let y = |metres: f64| HEIGHT - BELOW - metres / top * (HEIGHT - BELOW - 10.0);
@@ -46,7 +52,12 @@ pub fn render(out: &mut String, errors: &[PoseError]) {
     for stretch in errors.chunks(errors.len().div_ceil(POINTS)) {
         let distance = stretch.iter().map(PoseError::distance).fold(0.0, f64::max);
         let letter = if line.is_empty() { 'M' } else { 'L' };
-        let _ = write!(line, "{letter}{:.1} {:.1}", x(stretch[0].time.seconds()), y(distance));
+        let _ = write!(
+            line,
+            "{letter}{:.1} {:.1}",
+            x(stretch[0].time.seconds()),
+            y(distance)
+        );
     }
     let _ = writeln!(out, "<path class=\"error\" d=\"{line}\"/>\n</svg></div>");
     let _ = writeln!(
@@ -63,7 +74,10 @@ pub fn render(out: &mut String, errors: &[PoseError]) {
 fn ceiling(metres: f64) -> f64 {
     let power = libm::pow(10.0, libm::floor(libm::log10(metres.max(1e-3))));
     let steps = [1.0, 2.0, 5.0, 10.0].map(|step| step * power);
-    steps.into_iter().find(|step| *step >= metres).unwrap_or(10.0 * power)
+    steps
+        .into_iter()
+        .find(|step| *step >= metres)
+        .unwrap_or(10.0 * power)
 }
 
 /// Metres in the unit that reads best.
@@ -88,7 +102,10 @@ mod tests {
                 PoseError::new(
                     SimTime::from_millis(100 * i),
                     Pose2::default(),
-                    PoseEstimate { pose: told(i), health: Health::Good },
+                    PoseEstimate {
+                        pose: told(i),
+                        health: Health::Good,
+                    },
                 )
             })
             .collect()

@@ -34,15 +34,21 @@ pub fn render(out: &mut String, plates: &[PlateFrame]) {
         out.push_str("</div>\n</details>\n");
     }
     if plates.len() > SHOWN {
-        let _ =
-            writeln!(out, "<p class=\"note\">{} further readings are in the log.</p>", plates.len() - SHOWN);
+        let _ = writeln!(
+            out,
+            "<p class=\"note\">{} further readings are in the log.</p>",
+            plates.len() - SHOWN
+        );
     }
 }
 
 fn figure(out: &mut String, plate: &PlateFrame) {
     let finite = |v: f32| if v.is_finite() { v } else { 0.0 };
-    let corners: Vec<String> =
-        plate.corners.iter().map(|[x, y]| format!("{:.1},{:.1}", finite(*x), finite(*y))).collect();
+    let corners: Vec<String> = plate
+        .corners
+        .iter()
+        .map(|[x, y]| format!("{:.1},{:.1}", finite(*x), finite(*y)))
+        .collect();
     let text = escape(&plate.text);
     let _ = writeln!(
         out,

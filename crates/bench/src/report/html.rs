@@ -35,7 +35,12 @@ pub fn number(value: Option<f64>, decimals: usize) -> String {
 
 /// How many episodes the deliveries belong to.
 pub fn episode_count(results: &Results) -> usize {
-    results.deliveries.iter().map(|d| d.episode).collect::<BTreeSet<_>>().len()
+    results
+        .deliveries
+        .iter()
+        .map(|d| d.episode)
+        .collect::<BTreeSet<_>>()
+        .len()
 }
 
 #[cfg(test)]
@@ -44,13 +49,22 @@ mod tests {
 
     #[test]
     fn markup_is_escaped() {
-        assert_eq!(escape("<a href=\"x\">'&'"), "&lt;a href=&quot;x&quot;&gt;&#39;&amp;&#39;");
+        assert_eq!(
+            escape("<a href=\"x\">'&'"),
+            "&lt;a href=&quot;x&quot;&gt;&#39;&amp;&#39;"
+        );
     }
 
     #[test]
     fn numbers_say_when_there_are_none() {
-        assert_eq!((percent(1.0), percent(0.7558)), ("100.0".into(), "75.6".into()));
-        assert_eq!((number(Some(1.25), 1), number(None, 1)), ("1.2".into(), "–".into()));
+        assert_eq!(
+            (percent(1.0), percent(0.7558)),
+            ("100.0".into(), "75.6".into())
+        );
+        assert_eq!(
+            (number(Some(1.25), 1), number(None, 1)),
+            ("1.2".into(), "–".into())
+        );
         assert_eq!(number(Some(f64::NAN), 1), "–");
     }
 }

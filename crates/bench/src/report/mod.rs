@@ -70,8 +70,12 @@ fn header(out: &mut String, input: &ReportInput<'_>) {
 }
 
 fn render_episode(out: &mut String, input: &ReportInput<'_>, episode: &EpisodeReport) {
-    let deliveries: Vec<_> =
-        input.results.deliveries.iter().filter(|d| d.episode == episode.episode).collect();
+    let deliveries: Vec<_> = input
+        .results
+        .deliveries
+        .iter()
+        .filter(|d| d.episode == episode.episode)
+        .collect();
     let instruction = deliveries.first().map_or("", |d| d.instruction.trim());
     let right = deliveries.iter().filter(|d| d.success_2m).count();
     let _ = write!(
@@ -97,10 +101,18 @@ fn plan(out: &mut String, episode: &EpisodeReport) {
     }
     out.push_str("<p class=\"plan\"><span>Plan</span> ");
     for (i, delivery) in episode.plan.iter().enumerate() {
-        let problem = delivery.problem.as_deref().map(|p| format!(" <em class=\"bad\">({})</em>", escape(p)));
+        let problem = delivery
+            .problem
+            .as_deref()
+            .map(|p| format!(" <em class=\"bad\">({})</em>", escape(p)));
         let arrow = if i > 0 { " → " } else { "" };
         let address = escape(&delivery.address().to_string());
-        let _ = write!(out, "{arrow}{} to {address}{}", escape(&delivery.item), problem.unwrap_or_default());
+        let _ = write!(
+            out,
+            "{arrow}{} to {address}{}",
+            escape(&delivery.item),
+            problem.unwrap_or_default()
+        );
     }
     out.push_str("</p>\n");
 }
@@ -113,9 +125,17 @@ fn reproduction(out: &mut String, input: &ReportInput<'_>) {
         ("agent", results.agent.clone()),
         ("seed", results.seed.to_string()),
     ];
-    let set = results.settings.iter().map(|(k, v)| (k.as_str(), v.clone()));
+    let set = results
+        .settings
+        .iter()
+        .map(|(k, v)| (k.as_str(), v.clone()));
     for (key, value) in fixed.into_iter().chain(set) {
-        let _ = writeln!(out, "<div><dt>{}</dt><dd>{}</dd></div>", escape(key), escape(&value));
+        let _ = writeln!(
+            out,
+            "<div><dt>{}</dt><dd>{}</dd></div>",
+            escape(key),
+            escape(&value)
+        );
     }
     let _ = write!(
         out,
@@ -148,7 +168,8 @@ mod tests {
     use openbench_core::{MapPoint, Pose2};
 
     fn world() -> WorldMap {
-        let outline = [(0.0, 0.0), (10.0, 0.0), (10.0, 5.0), (0.0, 5.0)].map(|(x, y)| MapPoint::new(x, y));
+        let outline =
+            [(0.0, 0.0), (10.0, 0.0), (10.0, 5.0), (0.0, 5.0)].map(|(x, y)| MapPoint::new(x, y));
         WorldMap {
             buildings: vec![MapArea {
                 name: Some("<b>uilding3".into()),
@@ -183,7 +204,16 @@ mod tests {
             episodes: vec![episode()],
         };
         let html = render(&input);
-        for raw in ["<script", "<img src=x", "a<b", "<k>", "<v>", "<OSM>", "run <x>", "<b>uilding"] {
+        for raw in [
+            "<script",
+            "<img src=x",
+            "a<b",
+            "<k>",
+            "<v>",
+            "<OSM>",
+            "run <x>",
+            "<b>uilding",
+        ] {
             assert!(!html.contains(raw), "{raw}");
         }
         assert!(html.contains("&lt;script&gt;"));

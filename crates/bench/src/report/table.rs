@@ -56,11 +56,20 @@ fn row(out: &mut String, d: &DeliveryResult) {
 }
 
 fn verdict(good: bool) -> &'static str {
-    if good { "<td class=\"c good\">✓ yes</td>" } else { "<td class=\"c bad\">✗ no</td>" }
+    if good {
+        "<td class=\"c good\">✓ yes</td>"
+    } else {
+        "<td class=\"c bad\">✗ no</td>"
+    }
 }
 
 fn failure(delivery: &DeliveryResult) -> String {
-    let cause = delivery.failure.map(|f| format!("<b>{}</b>", escape(&f.to_string())));
-    let detail = delivery.failure_detail.as_deref().map(|d| format!("<small>{}</small>", escape(d)));
+    let cause = delivery
+        .failure
+        .map(|f| format!("<b>{}</b>", escape(&f.to_string())));
+    let detail = delivery
+        .failure_detail
+        .as_deref()
+        .map(|d| format!("<small>{}</small>", escape(d)));
     [cause, detail].into_iter().flatten().collect()
 }

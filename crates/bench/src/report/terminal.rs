@@ -21,8 +21,15 @@ pub fn terminal_table(results: &Results) -> String {
     out.push('\n');
     summary(&mut out, &results.metrics);
     if let Some(doors) = results.doors {
-        let off = doors.mean_distance_m.map(|d| format!(", {d:.2} m off")).unwrap_or_default();
-        let _ = writeln!(out, "doors    {} of {} found, {} wrong{off}", doors.found, doors.of, doors.wrong);
+        let off = doors
+            .mean_distance_m
+            .map(|d| format!(", {d:.2} m off"))
+            .unwrap_or_default();
+        let _ = writeln!(
+            out,
+            "doors    {} of {} found, {} wrong{off}",
+            doors.found, doors.of, doors.wrong
+        );
     }
     out
 }
@@ -49,13 +56,22 @@ fn row(out: &mut String, d: &DeliveryResult) {
 
 fn summary(out: &mut String, m: &Metrics) {
     let figure = |key: &str, value: Option<f64>| {
-        let interval = m.intervals.get(key).map(|[l, h]| format!(" [{:.0}-{:.0}]", l * 100.0, h * 100.0));
-        value.map_or("–".to_owned(), |v| format!("{} %{}", percent(v), interval.unwrap_or_default()))
+        let interval = m
+            .intervals
+            .get(key)
+            .map(|[l, h]| format!(" [{:.0}-{:.0}]", l * 100.0, h * 100.0));
+        value.map_or("–".to_owned(), |v| {
+            format!("{} %{}", percent(v), interval.unwrap_or_default())
+        })
     };
     let mut line = |name: &str, metrics: [(&str, &str, Option<f64>); 4]| {
-        let columns =
-            metrics.map(|(label, key, value)| format!("  {label} {}", pad(&figure(key, value), 16)));
-        let _ = writeln!(out, "{}", format!("{name:<7}{}", columns.concat()).trim_end());
+        let columns = metrics
+            .map(|(label, key, value)| format!("  {label} {}", pad(&figure(key, value), 16)));
+        let _ = writeln!(
+            out,
+            "{}",
+            format!("{name:<7}{}", columns.concat()).trim_end()
+        );
     };
     line(
         "paper",
@@ -68,10 +84,18 @@ fn summary(out: &mut String, m: &Metrics) {
     );
     line(
         "strict",
-        [("SR", "sr_2m", m.sr_2m), ("SPL", "spl", m.spl), ("LSR", "lsr", m.lsr), ("LSPL", "lspl", m.lspl)],
+        [
+            ("SR", "sr_2m", m.sr_2m),
+            ("SPL", "spl", m.spl),
+            ("LSR", "lsr", m.lsr),
+            ("LSPL", "lspl", m.lspl),
+        ],
     );
     let unit = figure("correct_unit", m.correct_unit);
-    let srtp = m.srtp.map(|_| format!("   SRTP {}", figure("srtp", m.srtp))).unwrap_or_default();
+    let srtp = m
+        .srtp
+        .map(|_| format!("   SRTP {}", figure("srtp", m.srtp)))
+        .unwrap_or_default();
     let _ = writeln!(out, "unit     {unit}{srtp}");
     if let Some(sum) = m.localization {
         let _ = writeln!(

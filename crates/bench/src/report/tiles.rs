@@ -15,10 +15,26 @@ pub fn render(out: &mut String, results: &Results) {
         ("LSR", "lsr_10m", m.lsr_10m),
         ("LSPL", "lspl_straight", m.lspl_straight),
     ];
-    let strict =
-        [("SR", "sr_2m", m.sr_2m), ("SPL", "spl", m.spl), ("LSR", "lsr", m.lsr), ("LSPL", "lspl", m.lspl)];
-    reading(out, m, "Paper", "within 10 m of the plate, straight lines", &paper);
-    reading(out, m, "Strict", "within 2 m of the right door, drivable paths", &strict);
+    let strict = [
+        ("SR", "sr_2m", m.sr_2m),
+        ("SPL", "spl", m.spl),
+        ("LSR", "lsr", m.lsr),
+        ("LSPL", "lspl", m.lspl),
+    ];
+    reading(
+        out,
+        m,
+        "Paper",
+        "within 10 m of the plate, straight lines",
+        &paper,
+    );
+    reading(
+        out,
+        m,
+        "Strict",
+        "within 2 m of the right door, drivable paths",
+        &strict,
+    );
     out.push_str("</div>\n");
     facts(out, results);
     out.push_str("</section>\n");
@@ -42,7 +58,9 @@ fn reading(
 }
 
 fn tile(out: &mut String, label: &str, value: Option<f64>, interval: Option<&[f64; 2]>) {
-    let figure = value.map_or("–".to_owned(), |v| format!("{}<small>%</small>", percent(v)));
+    let figure = value.map_or("–".to_owned(), |v| {
+        format!("{}<small>%</small>", percent(v))
+    });
     let _ = write!(
         out,
         "<div class=\"tile\"><span class=\"label\">{label}</span><span class=\"figure\">{figure}</span>"
@@ -64,11 +82,17 @@ fn interval_bar(value: Option<f64>, interval: Option<&[f64; 2]>) -> String {
     bar.push_str("<rect class=\"scale\" x=\"0\" y=\"3.5\" width=\"100\" height=\"1\"/>");
     if let Some([low, high]) = interval {
         let (x, width) = (low * 100.0, ((high - low) * 100.0).max(0.5));
-        let _ = write!(bar, "<rect class=\"range\" x=\"{x:.1}\" y=\"2\" width=\"{width:.1}\" height=\"4\"/>");
+        let _ = write!(
+            bar,
+            "<rect class=\"range\" x=\"{x:.1}\" y=\"2\" width=\"{width:.1}\" height=\"4\"/>"
+        );
     }
     if let Some(v) = value {
         let x = (v * 100.0 - 0.75).clamp(0.0, 98.5);
-        let _ = write!(bar, "<rect class=\"value\" x=\"{x:.1}\" y=\"0\" width=\"1.5\" height=\"8\"/>");
+        let _ = write!(
+            bar,
+            "<rect class=\"value\" x=\"{x:.1}\" y=\"0\" width=\"1.5\" height=\"8\"/>"
+        );
     }
     bar + "</svg>"
 }
@@ -87,12 +111,21 @@ fn facts(out: &mut String, results: &Results) {
     facts.push(("Driven", format!("{:.0} m", m.path_m)));
     facts.push(("Smoothness", m.smoothness.describe(m.path_m)));
     facts.push(("Simulated", duration(m.sim_seconds)));
-    facts.push(("Real-time factor", format!("{} ×", number(Some(m.real_time_factor), 1))));
+    facts.push((
+        "Real-time factor",
+        format!("{} ×", number(Some(m.real_time_factor), 1)),
+    ));
     if let Some(doors) = results.doors {
-        let error = doors.mean_distance_m.map(|d| format!(", {d:.2} m off")).unwrap_or_default();
+        let error = doors
+            .mean_distance_m
+            .map(|d| format!(", {d:.2} m off"))
+            .unwrap_or_default();
         facts.push((
             "Doors on the map",
-            format!("{} of {} found, {} wrong{error}", doors.found, doors.of, doors.wrong),
+            format!(
+                "{} of {} found, {} wrong{error}",
+                doors.found, doors.of, doors.wrong
+            ),
         ));
     }
     out.push_str("<dl class=\"counts\">\n");
@@ -103,8 +136,11 @@ fn facts(out: &mut String, results: &Results) {
 }
 
 fn collisions(metrics: &Metrics) -> String {
-    let classes: Vec<String> =
-        metrics.collisions_by_class.iter().map(|(class, sum)| format!("{} {class}", sum.count)).collect();
+    let classes: Vec<String> = metrics
+        .collisions_by_class
+        .iter()
+        .map(|(class, sum)| format!("{} {class}", sum.count))
+        .collect();
     if classes.is_empty() {
         return metrics.collisions.to_string();
     }
@@ -127,7 +163,10 @@ mod tests {
 
     #[test]
     fn durations_are_read_at_a_glance() {
-        assert_eq!((duration(59.6), duration(59.4)), ("1 min 00 s".into(), "59 s".into()));
+        assert_eq!(
+            (duration(59.6), duration(59.4)),
+            ("1 min 00 s".into(), "59 s".into())
+        );
         assert_eq!(duration(3725.0), "1 h 02 min");
     }
 

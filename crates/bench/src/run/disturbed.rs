@@ -31,7 +31,12 @@ pub struct Disturbance {
 
 impl Default for Disturbance {
     fn default() -> Self {
-        Self { noise: 1.0, falsehoods: 0.3, far: 50.0, bias: 0.0 }
+        Self {
+            noise: 1.0,
+            falsehoods: 0.3,
+            far: 50.0,
+            bias: 0.0,
+        }
     }
 }
 
@@ -46,17 +51,32 @@ impl FromStr for Disturbance {
     type Err = DisturbanceError;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let numbers: Option<Vec<f64>> = text.split(',').map(|word| word.trim().parse().ok()).collect();
+        let numbers: Option<Vec<f64>> = text
+            .split(',')
+            .map(|word| word.trim().parse().ok())
+            .collect();
         let it = match numbers.as_deref() {
-            Some(&[noise, falsehoods, far]) => Self { noise, falsehoods, far, bias: 0.0 },
-            Some(&[noise, falsehoods, far, bias]) => Self { noise, falsehoods, far, bias },
+            Some(&[noise, falsehoods, far]) => Self {
+                noise,
+                falsehoods,
+                far,
+                bias: 0.0,
+            },
+            Some(&[noise, falsehoods, far, bias]) => Self {
+                noise,
+                falsehoods,
+                far,
+                bias,
+            },
             _ => return Err(DisturbanceError(text.to_owned())),
         };
         let sound = (1e-3..1e4).contains(&it.noise)
             && (0.0..=1.0).contains(&it.falsehoods)
             && (0.0..1e6).contains(&it.far)
             && it.bias.abs() < 1e6;
-        sound.then_some(it).ok_or_else(|| DisturbanceError(text.to_owned()))
+        sound
+            .then_some(it)
+            .ok_or_else(|| DisturbanceError(text.to_owned()))
     }
 }
 
@@ -73,7 +93,13 @@ pub struct DisturbedTruth {
 impl DisturbedTruth {
     /// Fixes from `truth`.
     pub fn new(truth: TruthHandle, disturbance: Disturbance, seed: u64) -> Self {
-        Self { truth, disturbance, seed, noise: Noise::new(seed, STREAM), last: None }
+        Self {
+            truth,
+            disturbance,
+            seed,
+            noise: Noise::new(seed, STREAM),
+            last: None,
+        }
     }
 }
 
@@ -87,14 +113,27 @@ impl FixSource for DisturbedTruth {
     }
 
     fn update(&mut self, observation: &Observation<'_>, near: Pose2) -> Option<Fix> {
-        let (stamp, Disturbance { noise, falsehoods, far, bias }) = (observation.time, self.disturbance);
-        if self.last.is_some_and(|last| stamp <= last || stamp.since(last).as_secs_f64() < EVERY) {
+        let (
+            stamp,
+            Disturbance {
+                noise,
+                falsehoods,
+                far,
+                bias,
+            },
+        ) = (observation.time, self.disturbance);
+        if self
+            .last
+            .is_some_and(|last| stamp <= last || stamp.since(last).as_secs_f64() < EVERY)
+        {
             return None;
         }
         self.last = Some(stamp);
         let off = if self.noise.uniform() < falsehoods {
-            let (angle, distance) =
-                (self.noise.uniform() * std::f64::consts::TAU, self.noise.uniform() * far);
+            let (angle, distance) = (
+                self.noise.uniform() * std::f64::consts::TAU,
+                self.noise.uniform() * far,
+            );
             Vector2::new(libm::cos(angle), libm::sin(angle)) * distance
         } else {
             Vector2::new(self.noise.normal(), self.noise.normal()) * noise
@@ -128,8 +167,23 @@ mod tests {
     fn words_are_read_or_refused() {
         assert_eq!("1,0.3,50".parse(), Ok(Disturbance::default()));
         assert_eq!("2, 0, 0, -1".parse::<Disturbance>().unwrap().bias, -1.0);
-        for wrong in ["", "1", "0,0.3,50", "1,1.1,50", "1,0.3,nan", "1,0.3,50,inf", "1,2,3,4,5"] {
-            assert!(wrong.parse::<Disturbance>().unwrap_err().to_string().contains("NOISE"), "{wrong}");
+        for wrong in [
+            "",
+            "1",
+            "0,0.3,50",
+            "1,1.1,50",
+            "1,0.3,nan",
+            "1,0.3,50,inf",
+            "1,2,3,4,5",
+        ] {
+            assert!(
+                wrong
+                    .parse::<Disturbance>()
+                    .unwrap_err()
+                    .to_string()
+                    .contains("NOISE"),
+                "{wrong}"
+            );
         }
     }
 
@@ -141,13 +195,25 @@ mod tests {
         for tick in 0..40_000_u64 {
             let time = SimTime::from_millis(50 * tick);
             truth.set(time, Pose2::new(7.0, 3.0, 0.0));
-            let seen = Observation { time, imu: &[], wheels: &[], scan: None, gnss: None, camera: &Blind };
+            let seen = Observation {
+                time,
+                imu: &[],
+                wheels: &[],
+                scan: None,
+                gnss: None,
+                camera: &Blind,
+            };
             let fix = fixes.update(&seen, Pose2::default());
-            off.extend(fix.map(|fix| (fix.pose.translation.vector - Vector2::new(7.0, 3.0)).norm()));
+            off.extend(
+                fix.map(|fix| (fix.pose.translation.vector - Vector2::new(7.0, 3.0)).norm()),
+            );
         }
         assert_eq!(off.len(), 2000);
         let far = off.iter().filter(|off| **off > 4.0).count();
         // Of three in ten 46 of 50 are farther.
-        assert!((490..620).contains(&far) && off.iter().all(|off| *off < 50.0), "{far}");
+        assert!(
+            (490..620).contains(&far) && off.iter().all(|off| *off < 50.0),
+            "{far}"
+        );
     }
 }

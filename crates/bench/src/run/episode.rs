@@ -10,7 +10,10 @@ use crate::run::trace::EpisodeTrace;
 ///
 /// # Errors
 /// The first error of the rollout's observers.
-pub fn run_episode(mut rollout: Rollout<'_>, agent: &mut dyn Agent) -> Result<EpisodeTrace, BenchError> {
+pub fn run_episode(
+    mut rollout: Rollout<'_>,
+    agent: &mut dyn Agent,
+) -> Result<EpisodeTrace, BenchError> {
     let mut events = Vec::new();
     let begun = agent.begin(rollout.briefing(), &mut events);
     record(&mut rollout, &mut events);

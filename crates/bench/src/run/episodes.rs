@@ -77,12 +77,21 @@ pub fn run(request: &RunRequest<'_>) -> Result<RunOutput, BenchError> {
     // Of all threads: readers of plates may have threads of their own.
     let cpu = ProcessTime::now();
     let traces = run_all(request)?;
-    let results = results(request, &traces, began.elapsed().as_secs_f64(), cpu.elapsed().as_secs_f64());
+    let results = results(
+        request,
+        &traces,
+        began.elapsed().as_secs_f64(),
+        cpu.elapsed().as_secs_f64(),
+    );
     if let Some(out) = request.out {
         write_files(request, out, &traces, &results)?;
     }
     let pose_errors = ErrorCounts::of(traces.iter().flat_map(|t| &t.pose_errors));
-    Ok(RunOutput { memory: merged_memory(request, &traces), results, pose_errors })
+    Ok(RunOutput {
+        memory: merged_memory(request, &traces),
+        results,
+        pose_errors,
+    })
 }
 
 /// Removes an earlier run's files from a folder, and nothing else: after a run that is broken off, what is left must not be of two.
@@ -97,7 +106,10 @@ fn clear(out: &Path) -> Result<(), BenchError> {
     let folder = out.join("episodes");
     for entry in std::fs::read_dir(&folder).map_err(|e| BenchError::file(&folder, e))? {
         let path = entry.map_err(|e| BenchError::file(&folder, e))?.path();
-        let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default();
+        let name = path
+            .file_name()
+            .and_then(|n| n.to_str())
+            .unwrap_or_default();
         let (number, kind) = name.split_once('.').unwrap_or_default();
         let numbered = number.len() >= 3 && number.bytes().all(|b| b.is_ascii_digit());
         if numbered && ["mcap", "osm", "actions.json", "models.jsonl"].contains(&kind) {
@@ -115,22 +127,32 @@ fn run_all(request: &RunRequest<'_>) -> Result<Vec<EpisodeTrace>, BenchError> {
         (request.progress)(finished);
         Ok(trace)
     };
-    threads::each(0..count, request.jobs, |number| run_one(request, number), seen)
+    threads::each(
+        0..count,
+        request.jobs,
+        |number| run_one(request, number),
+        seen,
+    )
 }
 
 /// The seed of an episode.
 fn episode_seed(seed: u64, number: usize) -> u64 {
-    seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(number as u64)
+    seed.wrapping_mul(0x9e37_79b9_7f4a_7c15)
+        .wrapping_add(number as u64)
 }
 
 fn run_one(request: &RunRequest<'_>, number: usize) -> Result<EpisodeTrace, BenchError> {
     let mut recorder = match request.out {
-        Some(out) => {
-            Recorder::create(&log_path(out, number), request.level, request.prepared.world.georeference)?
-        }
+        Some(out) => Recorder::create(
+            &log_path(out, number),
+            request.level,
+            request.prepared.world.georeference,
+        )?,
         None => Recorder::none(),
     };
-    let exchanges = request.out.map_or(Exchanges::Unkept, |out| Exchanges::Keep(exchanges_path(out, number)));
+    let exchanges = request.out.map_or(Exchanges::Unkept, |out| {
+        Exchanges::Keep(exchanges_path(out, number))
+    });
     let trace = drive(request, number, exchanges, &mut recorder)?;
     recorder.finish()?;
     if let Some(out) = request.out {
@@ -149,7 +171,10 @@ pub fn repeat(request: &RunRequest<'_>, run: &Path) -> Result<(), BenchError> {
         let recording = Recording::read(run, number)?;
         let exchanges = Exchanges::Repeat(exchanges_path(run, number));
         let trace = drive(request, number, exchanges, &mut Recorder::none())?;
-        recording.compare(number, &Recording::of(&trace, episode_seed(request.seed, number)))
+        recording.compare(
+            number,
+            &Recording::of(&trace, episode_seed(request.seed, number)),
+        )
     };
     let mut finished = 0;
     let seen = |()| {
@@ -164,7 +189,9 @@ pub fn repeat(request: &RunRequest<'_>, run: &Path) -> Result<(), BenchError> {
 pub fn memory_of(run: &Path) -> Result<Option<OsmData>, BenchError> {
     let path = run.join(MEMORY_BEFORE);
     let bad = |e: OsmError| BenchError::bad_file(&path, e);
-    path.exists().then(|| OsmData::read(&path).map_err(bad)).transpose()
+    path.exists()
+        .then(|| OsmData::read(&path).map_err(bad))
+        .transpose()
 }
 
 fn drive(
@@ -185,22 +212,35 @@ fn drive(
     let mut agent = request
         .factory
         .make(&wanted)
-        .map_err(|source| BenchError::Agent { name: request.agent.to_owned(), source })?;
-    let rollout = Rollout::new(request.prepared, number, seed)?.watched_by(truth).watched_by(recorder);
+        .map_err(|source| BenchError::Agent {
+            name: request.agent.to_owned(),
+            source,
+        })?;
+    let rollout = Rollout::new(request.prepared, number, seed)?
+        .watched_by(truth)
+        .watched_by(recorder);
     run_episode(rollout, agent.as_mut())
 }
 
 /// Only who asks for the truth by name, and is named in the results for it, gets a handle that tells it.
 fn offered(settings: &BTreeMap<String, String>, truth: &TruthHandle) -> TruthHandle {
-    let set =
-        |key: &str, word: &str| settings.get(key).is_some_and(|value| value.split(':').next() == Some(word));
+    let set = |key: &str, word: &str| {
+        settings
+            .get(key)
+            .is_some_and(|value| value.split(':').next() == Some(word))
+    };
     let asked = set("localizer", "truth") || set("fixes", "disturbed-truth");
-    if asked { truth.clone() } else { TruthHandle::default() }
+    if asked {
+        truth.clone()
+    } else {
+        TruthHandle::default()
+    }
 }
 
 /// What models answered in an episode.
 fn exchanges_path(out: &Path, number: usize) -> PathBuf {
-    out.join("episodes").join(format!("{number:03}.models.jsonl"))
+    out.join("episodes")
+        .join(format!("{number:03}.models.jsonl"))
 }
 
 fn log_path(out: &Path, number: usize) -> PathBuf {
@@ -242,7 +282,9 @@ fn results(
 }
 
 fn asked_of_models(traces: &[EpisodeTrace]) -> ModelUse {
-    traces.iter().fold(ModelUse::default(), |sum, trace| sum.plus(trace.models))
+    traces
+        .iter()
+        .fold(ModelUse::default(), |sum, trace| sum.plus(trace.models))
 }
 
 fn write_files(
@@ -283,7 +325,9 @@ fn merged_memory(request: &RunRequest<'_>, traces: &[EpisodeTrace]) -> OsmData {
     if let Some(memory) = request.memory {
         merge_entrances(&mut merged, memory);
     }
-    let maps = traces.iter().filter_map(|t| OsmData::from_bytes(t.map.as_deref()?).ok());
+    let maps = traces
+        .iter()
+        .filter_map(|t| OsmData::from_bytes(t.map.as_deref()?).ok());
     for map in maps {
         merge_entrances(&mut merged, &map);
     }
@@ -300,13 +344,20 @@ mod tests {
         let truth = TruthHandle::default();
         truth.set(SimTime::ZERO, Pose2::new(5.0, 6.0, 0.0));
         let told = |words: &[(&str, &str)]| {
-            let settings = words.iter().map(|(key, word)| ((*key).to_owned(), (*word).to_owned())).collect();
+            let settings = words
+                .iter()
+                .map(|(key, word)| ((*key).to_owned(), (*word).to_owned()))
+                .collect();
             offered(&settings, &truth).at(SimTime::ZERO) == Pose2::new(5.0, 6.0, 0.0)
         };
         assert!(told(&[("localizer", "truth")]) && told(&[("fixes", "disturbed-truth:1,0,1")]));
         assert!(
             !told(&[])
-                && !told(&[("localizer", "fused"), ("fixes", "gnss"), ("planner", "truth")])
+                && !told(&[
+                    ("localizer", "fused"),
+                    ("fixes", "gnss"),
+                    ("planner", "truth")
+                ])
                 && !told(&[("localizer", "truthful")])
         );
     }

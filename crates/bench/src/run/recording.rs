@@ -81,7 +81,12 @@ impl Recording {
                 _ => driven.push(Stretch { steps: 1, velocity }),
             }
         }
-        Self { seed, chain: hex(&trace.chain), driven, deeds: deeds(trace) }
+        Self {
+            seed,
+            chain: hex(&trace.chain),
+            driven,
+            deeds: deeds(trace),
+        }
     }
 
     /// Whether another drive of the same episode does the same.
@@ -90,9 +95,15 @@ impl Recording {
     /// [`BenchError::Differs`] with the first step that differs.
     pub fn compare(&self, episode: usize, other: &Self) -> Result<(), BenchError> {
         let steps = |recording: &Self| -> Vec<Velocity> {
-            let stretch =
-                |s: &Stretch| std::iter::repeat_n(s.velocity, s.steps.min(MOST_STEPS as u32) as usize);
-            recording.driven.iter().flat_map(stretch).take(MOST_STEPS as usize).collect()
+            let stretch = |s: &Stretch| {
+                std::iter::repeat_n(s.velocity, s.steps.min(MOST_STEPS as u32) as usize)
+            };
+            recording
+                .driven
+                .iter()
+                .flat_map(stretch)
+                .take(MOST_STEPS as usize)
+                .collect()
         };
         let (mine, others) = (steps(self), steps(other));
         let say = |v: Option<&Velocity>| {
@@ -104,10 +115,16 @@ impl Recording {
         let detail = match (0..longer).find(|&i| mine.get(i) != others.get(i)) {
             Some(i) => {
                 let (then, now) = (say(mine.get(i)), say(others.get(i)));
-                format!("at step {i} ({:.2} s) the agent {now}; recorded is that it {then}", i as f64 * 0.05)
+                format!(
+                    "at step {i} ({:.2} s) the agent {now}; recorded is that it {then}",
+                    i as f64 * 0.05
+                )
             }
             None if self.chain != other.chain => {
-                format!("after the same steps the hash chain is {}, recorded is {}", other.chain, self.chain)
+                format!(
+                    "after the same steps the hash chain is {}, recorded is {}",
+                    other.chain, self.chain
+                )
             }
             None if self.deeds != other.deeds => {
                 "it drives the same, but plans, declares or maps something else".to_owned()
@@ -119,7 +136,8 @@ impl Recording {
 
     /// The file of an episode's recording.
     pub fn path(run: &Path, episode: usize) -> PathBuf {
-        run.join("episodes").join(format!("{episode:03}.actions.json"))
+        run.join("episodes")
+            .join(format!("{episode:03}.actions.json"))
     }
 
     /// Reads the recording of an episode.
@@ -134,10 +152,15 @@ impl Recording {
 }
 
 /// Drives the recorded actions of an episode again and compares the hash chains.
-pub fn verify(prepared: &Prepared, episode: usize, recording: &Recording) -> Result<(), BenchError> {
+pub fn verify(
+    prepared: &Prepared,
+    episode: usize,
+    recording: &Recording,
+) -> Result<(), BenchError> {
     let steps: u64 = recording.driven.iter().map(|s| u64::from(s.steps)).sum();
     if steps > MOST_STEPS {
-        let detail = format!("{steps} recorded steps are more than a day; the recording is damaged");
+        let detail =
+            format!("{steps} recorded steps are more than a day; the recording is damaged");
         return Err(BenchError::Differs { episode, detail });
     }
     let mut rollout = Rollout::new(prepared, episode, recording.seed)?;
@@ -164,7 +187,13 @@ fn deeds(trace: &EpisodeTrace) -> String {
     };
     part(&serde_json::to_vec(&trace.plan).unwrap_or_default());
     for task in &trace.tasks {
-        part(format!("{} {} {:?} {:?}", task.target, task.declared, task.ended, task.failure).as_bytes());
+        part(
+            format!(
+                "{} {} {:?} {:?}",
+                task.target, task.declared, task.ended, task.failure
+            )
+            .as_bytes(),
+        );
     }
     part(trace.map.as_deref().unwrap_or_default());
     hex(&hasher.finalize())
@@ -192,26 +221,48 @@ mod tests {
     fn the_first_step_that_differs_is_named() {
         let of = |velocities: &[f64]| {
             let velocities = velocities.iter().map(|v| Velocity::new(*v, 0.0)).collect();
-            Recording::of(&EpisodeTrace { velocities, ..EpisodeTrace::default() }, 0)
+            Recording::of(
+                &EpisodeTrace {
+                    velocities,
+                    ..EpisodeTrace::default()
+                },
+                0,
+            )
         };
         let then = of(&[0.1, 0.1, 0.2]);
         assert!(then.compare(0, &of(&[0.1, 0.1, 0.2])).is_ok());
         let said = |now: &[f64]| then.compare(3, &of(now)).unwrap_err().to_string();
         assert!(said(&[0.1, 0.3, 0.2]).contains("at step 1 (0.05 s) the agent drives 0.300"));
         assert!(said(&[0.1, 0.1]).contains("at step 2 (0.10 s) the agent has ended"));
-        let other_state = Recording { chain: "00".into(), ..then.clone() };
+        let other_state = Recording {
+            chain: "00".into(),
+            ..then.clone()
+        };
         assert!(then.compare(0, &other_state).is_err());
-        let other_deeds = Recording { deeds: "00".into(), ..then.clone() };
+        let other_deeds = Recording {
+            deeds: "00".into(),
+            ..then.clone()
+        };
         assert!(then.compare(0, &other_deeds).is_err());
     }
 
     #[test]
     fn equal_velocities_are_counted() {
         let (go, stop) = (Velocity::new(0.1 + 0.2, 0.0), Velocity::ZERO);
-        let trace = EpisodeTrace { velocities: vec![go, go, stop, go], ..EpisodeTrace::default() };
+        let trace = EpisodeTrace {
+            velocities: vec![go, go, stop, go],
+            ..EpisodeTrace::default()
+        };
         let recording = Recording::of(&trace, 3);
-        assert_eq!(recording.driven.iter().map(|s| s.steps).collect::<Vec<_>>(), [2, 1, 1]);
+        assert_eq!(
+            recording.driven.iter().map(|s| s.steps).collect::<Vec<_>>(),
+            [2, 1, 1]
+        );
         let json = serde_json::to_string(&recording).unwrap();
-        assert_eq!(serde_json::from_str::<Recording>(&json).unwrap(), recording, "to the last bit");
+        assert_eq!(
+            serde_json::from_str::<Recording>(&json).unwrap(),
+            recording,
+            "to the last bit"
+        );
     }
 }

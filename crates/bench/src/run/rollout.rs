@@ -7,8 +7,8 @@
 use std::time::Duration;
 
 use openbench_core::{
-    Action, Address, Briefing, Event, FailureCause, GiveUp, Goal, MapPoint, Observation, Pose2, SimTime,
-    Velocity,
+    Action, Address, Briefing, Event, FailureCause, GiveUp, Goal, MapPoint, Observation, Pose2,
+    SimTime, Velocity,
 };
 use openbench_sim::traffic::Encounters;
 use openbench_sim::{OBSERVATION_NS, Simulator};
@@ -110,7 +110,11 @@ impl<'o> Rollout<'o> {
     /// Whether the episode goes on.
     pub fn status(&self) -> Status {
         let all_ended = self.trace.tasks.len() >= self.episode.targets.len();
-        if all_ended || self.error.is_some() { Status::Ended } else { Status::Running }
+        if all_ended || self.error.is_some() {
+            Status::Ended
+        } else {
+            Status::Running
+        }
     }
 
     /// Takes in what an agent tells of.
@@ -125,15 +129,30 @@ impl<'o> Rollout<'o> {
             Event::Route(points) => self.trace.routes.push(points),
             Event::PoseEstimate(estimate) => {
                 self.trace.estimated.push(estimate.pose.point());
-                self.trace.pose_errors.push(PoseError::new(time, self.pose(), estimate));
+                self.trace
+                    .pose_errors
+                    .push(PoseError::new(time, self.pose(), estimate));
             }
             Event::DoorWritten { address, position } => {
                 // A door that is written again was moved.
-                self.trace.doors.retain(|(known, _)| !known.same_door(&address));
+                self.trace
+                    .doors
+                    .retain(|(known, _)| !known.same_door(&address));
                 self.trace.doors.push((address, position));
             }
-            Event::PlateRead { text, confidence, corners, image, .. } => {
-                self.trace.plates.push(PlateRead { time, text, confidence, corners });
+            Event::PlateRead {
+                text,
+                confidence,
+                corners,
+                image,
+                ..
+            } => {
+                self.trace.plates.push(PlateRead {
+                    time,
+                    text,
+                    confidence,
+                    corners,
+                });
                 self.keep_frame(Frame { time, image });
             }
             Event::Models(used) => self.trace.models = used,
@@ -196,7 +215,11 @@ impl<'o> Rollout<'o> {
         let seconds = OBSERVATION_NS as f64 * 1e-9;
         self.task.path_m += before.point().distance(pose.point());
         self.task.smoothness.step(before, pose, seconds);
-        self.task.encounters.update(seconds, &self.simulator.robot_state(), self.simulator.movers());
+        self.task.encounters.update(
+            seconds,
+            &self.simulator.robot_state(),
+            self.simulator.movers(),
+        );
         self.trace.velocities.push(velocity);
         if self.simulator.time().0.is_multiple_of(DRIVEN_NS) {
             self.trace.driven.push(pose.point());
@@ -229,11 +252,16 @@ impl<'o> Rollout<'o> {
     }
 
     fn has_ended(&self, target: usize) -> bool {
-        self.trace.tasks.iter().any(|outcome| outcome.target == target)
+        self.trace
+            .tasks
+            .iter()
+            .any(|outcome| outcome.target == target)
     }
 
     fn open_targets(&self) -> Vec<usize> {
-        (0..self.episode.targets.len()).filter(|target| !self.has_ended(*target)).collect()
+        (0..self.episode.targets.len())
+            .filter(|target| !self.has_ended(*target))
+            .collect()
     }
 
     fn names(&self, target: usize, address: &Address) -> bool {
@@ -248,7 +276,11 @@ impl<'o> Rollout<'o> {
             self.end(target, true, None);
             return;
         }
-        let again = self.trace.tasks.iter().any(|outcome| self.names(outcome.target, address));
+        let again = self
+            .trace
+            .tasks
+            .iter()
+            .any(|outcome| self.names(outcome.target, address));
         if let Some(&target) = open.first().filter(|_| !again) {
             let detail = format!("{address} was declared, which the instruction does not name");
             self.end(target, false, Some((FailureCause::WrongPlace, detail)));

@@ -64,7 +64,11 @@ mod tests {
                 Ok::<_, ()>(square + 1)
             };
             let squares = each(3..40, threads, |n| Ok::<_, ()>(n * n), seen);
-            assert_eq!(squares, Ok((3..40).map(|n| n * n + 1).collect::<Vec<_>>()), "{threads}");
+            assert_eq!(
+                squares,
+                Ok((3..40).map(|n| n * n + 1).collect::<Vec<_>>()),
+                "{threads}"
+            );
             assert_eq!(sum, (3..40).map(|n| n * n).sum::<usize>());
         }
         assert_eq!(each(5..5, 2, Ok::<_, ()>, Ok::<_, ()>), Ok(vec![]));
@@ -78,7 +82,11 @@ mod tests {
                 begun.fetch_add(1, Ordering::Relaxed);
                 if n == 7 || n == 8 { Err(n) } else { Ok(n) }
             };
-            assert_eq!(each(0..100_000, threads, work, Ok::<_, usize>), Err(7), "{threads}");
+            assert_eq!(
+                each(0..100_000, threads, work, Ok::<_, usize>),
+                Err(7),
+                "{threads}"
+            );
             assert!(begun.load(Ordering::Relaxed) < 100_000);
             let seen = |n: usize| if n < 3 { Ok(n) } else { Err(n) };
             assert_eq!(each(0..50, threads, Ok::<_, usize>, seen), Err(3));

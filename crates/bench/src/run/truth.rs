@@ -66,7 +66,10 @@ pub struct TruthLocalizer {
 impl TruthLocalizer {
     /// A localizer that reads from `handle`.
     pub fn new(handle: TruthHandle) -> Self {
-        Self { handle, now: SimTime::ZERO }
+        Self {
+            handle,
+            now: SimTime::ZERO,
+        }
     }
 }
 
@@ -108,7 +111,10 @@ mod tests {
         handle.set(SimTime::from_millis(50), Pose2::new(1.0, 2.0, -3.1));
         let middle = handle.at(SimTime::from_millis(25));
         assert!((middle.x - 0.5).abs() < 1e-9 && (middle.y - 1.0).abs() < 1e-9);
-        assert!((middle.yaw.abs() - std::f64::consts::PI).abs() < 1e-9, "{middle:?}");
+        assert!(
+            (middle.yaw.abs() - std::f64::consts::PI).abs() < 1e-9,
+            "{middle:?}"
+        );
         assert_eq!(handle.at(SimTime::from_millis(99)).x, 1.0);
     }
 }

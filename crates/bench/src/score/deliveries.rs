@@ -5,7 +5,9 @@ use openbench_osm::OsmMap;
 use openbench_scene::Door;
 
 use crate::run::trace::{EpisodeTrace, TaskOutcome};
-use crate::score::metrics::{DoorScore, EncounterSum, Strict, collisions, paper_success, score_doors};
+use crate::score::metrics::{
+    DoorScore, EncounterSum, Strict, collisions, paper_success, score_doors,
+};
 use crate::score::results::DeliveryResult;
 use crate::worlds::{Prepared, PreparedEpisode};
 
@@ -21,8 +23,12 @@ pub fn score_episode(
     for (task, outcome) in trace.tasks.iter().enumerate() {
         let target = &episode.targets[outcome.target];
         // As in the reference's scripts: from the origin, in a sequence from the door before.
-        let plate = target.door.map(|door| prepared.world.scene.doors[door].point());
-        let straight = plate.map_or(0.0, |plate| from.unwrap_or(MapPoint::default()).distance(plate));
+        let plate = target
+            .door
+            .map(|door| prepared.world.scene.doors[door].point());
+        let straight = plate.map_or(0.0, |plate| {
+            from.unwrap_or(MapPoint::default()).distance(plate)
+        });
         from = plate.or(from);
         let mut result = score_task(prepared, outcome, target.door);
         (result.episode, result.task, result.straight_line_m) = (number, task, straight);
@@ -38,7 +44,9 @@ pub fn score_episode(
 fn score_task(prepared: &Prepared, outcome: &TaskOutcome, door: Option<usize>) -> DeliveryResult {
     let declared_at = outcome.declared.then_some(outcome.ended_at);
     let plate = door.map(|door| prepared.world.scene.doors[door].point());
-    let strict = declared_at.zip(door).map_or(Strict::NOT_DECLARED, |(at, door)| judge(prepared, at, door));
+    let strict = declared_at
+        .zip(door)
+        .map_or(Strict::NOT_DECLARED, |(at, door)| judge(prepared, at, door));
     let failure = failure(outcome, &strict);
     DeliveryResult {
         episode: 0,
@@ -57,7 +65,10 @@ fn score_task(prepared: &Prepared, outcome: &TaskOutcome, door: Option<usize>) -
         smoothness: outcome.smoothness,
         collisions: outcome.collisions.len(),
         collisions_by_class: collisions::by_class(
-            outcome.collisions.iter().map(|c| (c.class.name(), c.into())),
+            outcome
+                .collisions
+                .iter()
+                .map(|c| (c.class.name(), c.into())),
         ),
         encounters: outcome.encounters.map(EncounterSum::from),
         declared_at,
@@ -77,18 +88,25 @@ fn failure(outcome: &TaskOutcome, strict: &Strict) -> Option<(FailureCause, Stri
         };
         (FailureCause::WrongPlace, detail.to_owned())
     };
-    outcome.failure.clone().or_else(|| (!strict.success).then(misplaced))
+    outcome
+        .failure
+        .clone()
+        .or_else(|| (!strict.success).then(misplaced))
 }
 
 /// Judges a declaration by driving distances. Doors that even in a straight line are further than the right one need no
 /// search.
 fn judge(prepared: &Prepared, at: MapPoint, door: usize) -> Strict {
-    let Some(at) = prepared.free_space.nearest_reachable(at, 1.0) else { return Strict::NOT_DECLARED };
+    let Some(at) = prepared.free_space.nearest_reachable(at, 1.0) else {
+        return Strict::NOT_DECLARED;
+    };
     let to = |door: usize| {
         let approach = prepared.approach[door]?;
         prepared.free_space.distance(at, approach)
     };
-    let Some(right) = to(door) else { return Strict::NOT_DECLARED };
+    let Some(right) = to(door) else {
+        return Strict::NOT_DECLARED;
+    };
     let others = (0..prepared.approach.len()).filter(|&d| d != door);
     let near = others.filter(|&d| prepared.approach[d].is_some_and(|a| a.distance(at) < right));
     let others: Vec<f64> = near.filter_map(to).collect();
@@ -98,9 +116,17 @@ fn judge(prepared: &Prepared, at: MapPoint, door: usize) -> Strict {
 /// Scores the doors that agents wrote, over all episodes; `None` if no agent edits a map.
 pub fn score_written_doors(prepared: &Prepared, traces: &[EpisodeTrace]) -> Option<DoorScore> {
     traces.iter().any(|t| t.map.is_some()).then(|| {
-        let written: Vec<(Address, MapPoint)> = traces.iter().flat_map(|t| t.doors.iter().cloned()).collect();
+        let written: Vec<(Address, MapPoint)> = traces
+            .iter()
+            .flat_map(|t| t.doors.iter().cloned())
+            .collect();
         let map = prepared.osm_map();
-        let doors = prepared.world.scene.doors.iter().map(|d| (d.address.clone(), doorway(&map, d)));
+        let doors = prepared
+            .world
+            .scene
+            .doors
+            .iter()
+            .map(|d| (d.address.clone(), doorway(&map, d)));
         score_doors(&written, &doors.collect::<Vec<_>>())
     })
 }
@@ -110,19 +136,30 @@ pub fn score_written_doors(prepared: &Prepared, traces: &[EpisodeTrace]) -> Opti
 fn doorway(map: &OsmMap, door: &Door) -> MapPoint {
     const RECESS_CM: u32 = 400;
     let plate = door.point();
-    let Some(building) = map.nearest_building(plate) else { return plate };
+    let Some(building) = map.nearest_building(plate) else {
+        return plate;
+    };
     let outline = &map.buildings[building].polygon;
-    let mut outwards = (0..RECESS_CM).step_by(5).map(|cm| plate.offset(door.facing, f64::from(cm) / 100.0));
-    let in_front = outwards.find(|p| !outline.contains(*p)).filter(|_| outline.contains(plate));
+    let mut outwards = (0..RECESS_CM)
+        .step_by(5)
+        .map(|cm| plate.offset(door.facing, f64::from(cm) / 100.0));
+    let in_front = outwards
+        .find(|p| !outline.contains(*p))
+        .filter(|_| outline.contains(plate));
     in_front.unwrap_or_else(|| outline.nearest_boundary_point(plate).0)
 }
 
 /// Instructions that were understood exactly, and all; `None` if the agent made no plans.
 pub fn understood(prepared: &Prepared, traces: &[EpisodeTrace]) -> Option<(usize, usize)> {
     let exact = |(episode, trace): (&PreparedEpisode, &EpisodeTrace)| {
-        let Some(plan) = &trace.plan else { return false };
+        let Some(plan) = &trace.plan else {
+            return false;
+        };
         let mut wanted: Vec<&Address> = episode.targets.iter().map(|t| &t.address).collect();
-        let planned = plan.deliveries.iter().map(openbench_core::PlannedDelivery::address);
+        let planned = plan
+            .deliveries
+            .iter()
+            .map(openbench_core::PlannedDelivery::address);
         for address in planned {
             match wanted.iter().position(|w| w.same_door(&address)) {
                 Some(i) => drop(wanted.remove(i)),
@@ -132,5 +169,15 @@ pub fn understood(prepared: &Prepared, traces: &[EpisodeTrace]) -> Option<(usize
         wanted.is_empty()
     };
     let planned = traces.iter().any(|t| t.plan.is_some());
-    planned.then(|| (prepared.episodes.iter().zip(traces).filter(|p| exact(*p)).count(), traces.len()))
+    planned.then(|| {
+        (
+            prepared
+                .episodes
+                .iter()
+                .zip(traces)
+                .filter(|p| exact(*p))
+                .count(),
+            traces.len(),
+        )
+    })
 }

@@ -12,7 +12,9 @@ use openbench_core::{Address, FailureCause, MapPoint, ModelUse};
 use openbench_sim::traffic::TrafficPlan;
 use serde::{Deserialize, Serialize};
 
-use crate::score::metrics::{CollisionSum, DoorScore, EncounterSum, LocalizationSum, SmoothnessSum};
+use crate::score::metrics::{
+    CollisionSum, DoorScore, EncounterSum, LocalizationSum, SmoothnessSum,
+};
 
 /// The results of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -158,7 +160,10 @@ pub struct DeliveryResult {
 impl DeliveryResult {
     /// The door to deliver to.
     pub fn address(&self) -> Address {
-        Address { building: self.building.clone(), unit: self.unit.clone() }
+        Address {
+            building: self.building.clone(),
+            unit: self.unit.clone(),
+        }
     }
 }
 
@@ -187,7 +192,10 @@ impl Results {
     /// The same results without what depends on the machine and its load: two runs of the same episodes give the same.
     pub fn machine_independent(&self) -> Self {
         let mut results = self.clone();
-        (results.metrics.wall_seconds, results.metrics.real_time_factor) = (0.0, 0.0);
+        (
+            results.metrics.wall_seconds,
+            results.metrics.real_time_factor,
+        ) = (0.0, 0.0);
         if let Some(used) = &mut results.models {
             used.latency_ms = 0;
         }
@@ -196,18 +204,31 @@ impl Results {
 
     /// Writes the file beside its place and moves it there, so that `path` never holds half a file.
     pub fn write(&self, path: &Path) -> Result<(), ResultsError> {
-        let file_error = |source| ResultsError::File { path: path.to_owned(), source };
-        let mut json = serde_json::to_vec_pretty(self)
-            .map_err(|source| ResultsError::Json { path: path.to_owned(), source })?;
+        let file_error = |source| ResultsError::File {
+            path: path.to_owned(),
+            source,
+        };
+        let mut json = serde_json::to_vec_pretty(self).map_err(|source| ResultsError::Json {
+            path: path.to_owned(),
+            source,
+        })?;
         json.push(b'\n');
         let partial = path.with_extension("json.partial");
-        fs::write(&partial, json).and_then(|()| fs::rename(&partial, path)).map_err(file_error)
+        fs::write(&partial, json)
+            .and_then(|()| fs::rename(&partial, path))
+            .map_err(file_error)
     }
 
     /// Reads a file that [`write`](Self::write) wrote.
     pub fn read(path: &Path) -> Result<Self, ResultsError> {
-        let json = fs::read(path).map_err(|source| ResultsError::File { path: path.to_owned(), source })?;
-        serde_json::from_slice(&json).map_err(|source| ResultsError::Json { path: path.to_owned(), source })
+        let json = fs::read(path).map_err(|source| ResultsError::File {
+            path: path.to_owned(),
+            source,
+        })?;
+        serde_json::from_slice(&json).map_err(|source| ResultsError::Json {
+            path: path.to_owned(),
+            source,
+        })
     }
 }
 
@@ -231,7 +252,11 @@ pub(crate) mod tests {
             shortest_path_m: Some(6.0),
             straight_line_m: 4.0,
             sim_seconds: 20.0,
-            smoothness: SmoothnessSum { turned_rad: 4.0, speed_changes_mps: 2.0, stops: 1 },
+            smoothness: SmoothnessSum {
+                turned_rad: 4.0,
+                speed_changes_mps: 2.0,
+                stops: 1,
+            },
             collisions: 0,
             collisions_by_class: BTreeMap::new(),
             encounters: None,
@@ -268,7 +293,11 @@ pub(crate) mod tests {
         written.metrics.intervals.insert("sr_2m".into(), [0.1, 0.9]);
         written.write(&path).unwrap();
         assert_eq!(Results::read(&path).unwrap(), written);
-        assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 1, "no partial file stays behind");
+        assert_eq!(
+            fs::read_dir(dir.path()).unwrap().count(),
+            1,
+            "no partial file stays behind"
+        );
     }
 
     #[test]

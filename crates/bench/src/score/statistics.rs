@@ -29,7 +29,9 @@ pub fn bootstrap_interval(values: &[f64], seed: u64) -> Option<[f64; 2]> {
         return None;
     }
     let mut random = Pcg32::seed_from_u64(seed);
-    let mut means: Vec<f64> = (0..RESAMPLES).map(|_| resampled_mean(values, &mut random)).collect();
+    let mut means: Vec<f64> = (0..RESAMPLES)
+        .map(|_| resampled_mean(values, &mut random))
+        .collect();
     means.sort_by(f64::total_cmp);
     let quantile = |q: f64| means[libm::round(q * (RESAMPLES - 1) as f64) as usize];
     Some([quantile(0.025), quantile(0.975)])
@@ -52,7 +54,11 @@ mod tests {
     #[test]
     fn wilson_gives_textbook_values() {
         // 8 of 10: 0.4902 to 0.9433.
-        assert!(close(wilson_interval(8, 10).unwrap(), [0.4902, 0.9433], 1e-4));
+        assert!(close(
+            wilson_interval(8, 10).unwrap(),
+            [0.4902, 0.9433],
+            1e-4
+        ));
         assert!(close(wilson_interval(5, 5).unwrap(), [0.5655, 1.0], 1e-4));
         assert!(close(wilson_interval(0, 5).unwrap(), [0.0, 0.4345], 1e-4));
         assert_eq!(wilson_interval(0, 0), None);
@@ -64,13 +70,19 @@ mod tests {
         // Mean 0.5, standard deviation of 20 equal steps 0.30349, standard error / 20.
         let half = Z * 0.30349 / 20.0;
         let interval = bootstrap_interval(&values, 1).unwrap();
-        assert!(close(interval, [0.5 - half, 0.5 + half], 2e-3), "{interval:?}");
+        assert!(
+            close(interval, [0.5 - half, 0.5 + half], 2e-3),
+            "{interval:?}"
+        );
     }
 
     #[test]
     fn the_bootstrap_repeats_itself() {
         let values = [0.1, 0.9, 0.4];
-        assert_eq!(bootstrap_interval(&values, 7), bootstrap_interval(&values, 7));
+        assert_eq!(
+            bootstrap_interval(&values, 7),
+            bootstrap_interval(&values, 7)
+        );
         assert_ne!(
             bootstrap_interval(&[0.0, 0.1, 0.3, 0.7], 7),
             bootstrap_interval(&[0.0, 0.1, 0.3, 0.8], 7)

@@ -14,9 +14,24 @@ pub struct BuiltIn {
 
 /// All of them.
 pub const BUILT_IN: [BuiltIn; 3] = [
-    BuiltIn { name: "small", singles: 8, sequences: 1, length: 3 },
-    BuiltIn { name: "medium", singles: 10, sequences: 2, length: 5 },
-    BuiltIn { name: "large", singles: 10, sequences: 2, length: 5 },
+    BuiltIn {
+        name: "small",
+        singles: 8,
+        sequences: 1,
+        length: 3,
+    },
+    BuiltIn {
+        name: "medium",
+        singles: 10,
+        sequences: 2,
+        length: 5,
+    },
+    BuiltIn {
+        name: "large",
+        singles: 10,
+        sequences: 2,
+        length: 5,
+    },
 ];
 
 /// The names of the built-in suites.

@@ -23,8 +23,12 @@ impl TravelTimes for Anywhere {
 pub fn read(path: &Path, map: &OsmMap) -> Result<Vec<Episode>, BenchError> {
     let text = std::fs::read_to_string(path).map_err(|e| BenchError::file(path, e))?;
     let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
-    let episodes: Vec<Episode> =
-        lines.map(|line| Episode { instruction: line.to_owned(), deliveries: doors_in(line, map) }).collect();
+    let episodes: Vec<Episode> = lines
+        .map(|line| Episode {
+            instruction: line.to_owned(),
+            deliveries: doors_in(line, map),
+        })
+        .collect();
     if episodes.is_empty() {
         let problem = "there is no delivery in it; write one instruction a line".to_owned();
         return Err(BenchError::bad_file(path, problem));
@@ -33,8 +37,15 @@ pub fn read(path: &Path, map: &OsmMap) -> Result<Vec<Episode>, BenchError> {
 }
 
 fn doors_in(instruction: &str, map: &OsmMap) -> Vec<Address> {
-    let request = PlanRequest { instruction, map, start: MapPoint::default(), times: &Anywhere };
-    let Ok(plan) = GrammarPlanner::new().plan(&request) else { return Vec::new() };
+    let request = PlanRequest {
+        instruction,
+        map,
+        start: MapPoint::default(),
+        times: &Anywhere,
+    };
+    let Ok(plan) = GrammarPlanner::new().plan(&request) else {
+        return Vec::new();
+    };
     let mut doors: Vec<Address> = Vec::new();
     for delivery in &plan.deliveries {
         let address = delivery.address();

@@ -27,7 +27,10 @@ pub struct Draw {
 impl Draw {
     /// Draws over `doors` from `seed`.
     pub fn new(doors: Vec<Address>, seed: u64) -> Self {
-        Self { doors, random: Pcg32::seed_from_u64(seed) }
+        Self {
+            doors,
+            random: Pcg32::seed_from_u64(seed),
+        }
     }
 
     /// `count` episodes of one delivery each. Every door comes up once before any comes up again.
@@ -37,14 +40,22 @@ impl Draw {
             let left = count - drawn.len();
             drawn.extend(self.shuffled().into_iter().take(left));
         }
-        drawn.into_iter().map(|door| self.episode(vec![door])).collect()
+        drawn
+            .into_iter()
+            .map(|door| self.episode(vec![door]))
+            .collect()
     }
 
     /// `count` episodes of `length` different doors each, or of all doors if there are fewer.
     pub fn sequences(&mut self, count: usize, length: usize) -> Vec<Episode> {
-        let draws: Vec<Vec<Address>> =
-            (0..count).map(|_| self.shuffled().into_iter().take(length).collect()).collect();
-        draws.into_iter().filter(|doors| !doors.is_empty()).map(|doors| self.episode(doors)).collect()
+        let draws: Vec<Vec<Address>> = (0..count)
+            .map(|_| self.shuffled().into_iter().take(length).collect())
+            .collect();
+        draws
+            .into_iter()
+            .filter(|doors| !doors.is_empty())
+            .map(|doors| self.episode(doors))
+            .collect()
     }
 
     fn shuffled(&mut self) -> Vec<Address> {
@@ -57,7 +68,10 @@ impl Draw {
 
     fn episode(&mut self, doors: Vec<Address>) -> Episode {
         let sentences: Vec<String> = doors.iter().map(|door| self.sentence(door)).collect();
-        Episode { instruction: sentences.join(" "), deliveries: doors }
+        Episode {
+            instruction: sentences.join(" "),
+            deliveries: doors,
+        }
     }
 
     fn sentence(&mut self, door: &Address) -> String {
@@ -66,7 +80,10 @@ impl Draw {
         let Some(unit) = &door.unit else {
             return format!("Please deliver this {item} to {}.", door.building);
         };
-        template.replace("{item}", item).replace("{unit}", unit).replace("{building}", &door.building)
+        template
+            .replace("{item}", item)
+            .replace("{unit}", unit)
+            .replace("{building}", &door.building)
     }
 }
 
@@ -75,7 +92,14 @@ mod tests {
     use super::*;
 
     fn doors(n: usize) -> Vec<Address> {
-        (0..n).map(|i| Address::new(format!("building{}", i / 2 + 1), format!("unit{}", i % 2 + 1))).collect()
+        (0..n)
+            .map(|i| {
+                Address::new(
+                    format!("building{}", i / 2 + 1),
+                    format!("unit{}", i % 2 + 1),
+                )
+            })
+            .collect()
     }
 
     #[test]
@@ -94,8 +118,16 @@ mod tests {
         for episode in Draw::new(doors(6), 9).sequences(20, 4) {
             assert_eq!(episode.deliveries.len(), 4);
             for door in &episode.deliveries {
-                assert!(episode.instruction.contains(door.unit.as_ref().unwrap()), "{}", episode.instruction);
-                assert!(episode.instruction.contains(&door.building), "{}", episode.instruction);
+                assert!(
+                    episode.instruction.contains(door.unit.as_ref().unwrap()),
+                    "{}",
+                    episode.instruction
+                );
+                assert!(
+                    episode.instruction.contains(&door.building),
+                    "{}",
+                    episode.instruction
+                );
             }
         }
     }

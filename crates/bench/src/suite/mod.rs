@@ -57,7 +57,8 @@ impl Suite {
     /// Reads a suite from a TOML file.
     pub fn read(path: &Path) -> Result<Self, BenchError> {
         let text = std::fs::read_to_string(path).map_err(|e| BenchError::file(path, e))?;
-        let suite: Self = toml::from_str(&text).map_err(|e| BenchError::wrong_format(path, "suite", e))?;
+        let suite: Self =
+            toml::from_str(&text).map_err(|e| BenchError::wrong_format(path, "suite", e))?;
         if suite.episodes.is_empty() {
             return Err(BenchError::bad_file(path, "the suite has no episodes"));
         }
@@ -74,9 +75,9 @@ impl Suite {
     fn relative_to(mut self, folder: &Path) -> Self {
         let paths: Vec<&mut PathBuf> = match &mut self.world {
             WorldSource::Builtin { .. } => Vec::new(),
-            WorldSource::Imported { world, map, models, .. } => {
-                [world, map].into_iter().chain(models).collect()
-            }
+            WorldSource::Imported {
+                world, map, models, ..
+            } => [world, map].into_iter().chain(models).collect(),
             WorldSource::Folder { path } => vec![path],
         };
         for path in paths {
@@ -102,7 +103,10 @@ mod tests {
                 models: vec!["models".into()],
                 georeference: Some("utm:50N,-500000,-4483000".into()),
             },
-            traffic: TrafficPlan { pedestrians: 5, cars: 0 },
+            traffic: TrafficPlan {
+                pedestrians: 5,
+                cars: 0,
+            },
             episodes: vec![Episode {
                 instruction: "To unit1, building2, \"please\".".into(),
                 deliveries: vec![Address::new("building2", "unit1")],
@@ -113,9 +117,14 @@ mod tests {
         let path = folder.path().join("yard.toml");
         std::fs::write(&path, suite.to_toml()).unwrap();
         let read = Suite::read(&path).unwrap();
-        assert_eq!((read.traffic, &read.episodes), (suite.traffic, &suite.episodes));
+        assert_eq!(
+            (read.traffic, &read.episodes),
+            (suite.traffic, &suite.episodes)
+        );
         assert_eq!(read.sensors, suite.sensors);
-        let WorldSource::Imported { world, .. } = read.world else { panic!("another source") };
+        let WorldSource::Imported { world, .. } = read.world else {
+            panic!("another source")
+        };
         assert_eq!(world, folder.path().join("yard.world"));
     }
 
@@ -127,22 +136,45 @@ mod tests {
         let still = builtin_suite("small").unwrap().to_toml();
         assert!(!still.contains("traffic"));
         std::fs::write(&path, format!("{still}\n[traffic]\npedestrians = 12\n")).unwrap();
-        assert_eq!(Suite::read(&path).unwrap().traffic, TrafficPlan { pedestrians: 12, cars: 0 });
+        assert_eq!(
+            Suite::read(&path).unwrap().traffic,
+            TrafficPlan {
+                pedestrians: 12,
+                cars: 0
+            }
+        );
         std::fs::write(&path, format!("{still}\n[traffic]\npedestrian = 12\n")).unwrap();
-        assert!(Suite::read(&path).unwrap_err().to_string().contains("pedestrian"));
+        assert!(
+            Suite::read(&path)
+                .unwrap_err()
+                .to_string()
+                .contains("pedestrian")
+        );
     }
 
     #[test]
     fn robots_get_a_receiver_only_where_a_suite_says_so() {
         let plain = "name = 'a'\n[world.builtin]\nname = 'small'\nseed = 1\n\
                      [[episodes]]\ninstruction = 'x'\ndeliveries = []\n";
-        let sensors = |text: &str| toml::from_str::<Suite>(text).map(|s| s.sensors.robot().gnss.is_some());
+        let sensors =
+            |text: &str| toml::from_str::<Suite>(text).map(|s| s.sensors.robot().gnss.is_some());
         assert_eq!(sensors(plain), Ok(false));
-        assert_eq!(sensors(&format!("{plain}[sensors]\ngnss = true\n")), Ok(true));
-        assert!(
-            sensors(&format!("{plain}[sensors]\nradar = true\n")).unwrap_err().to_string().contains("radar")
+        assert_eq!(
+            sensors(&format!("{plain}[sensors]\ngnss = true\n")),
+            Ok(true)
         );
-        assert!(!toml::from_str::<Suite>(plain).unwrap().to_toml().contains("sensors"));
+        assert!(
+            sensors(&format!("{plain}[sensors]\nradar = true\n"))
+                .unwrap_err()
+                .to_string()
+                .contains("radar")
+        );
+        assert!(
+            !toml::from_str::<Suite>(plain)
+                .unwrap()
+                .to_toml()
+                .contains("sensors")
+        );
     }
 
     #[test]
@@ -150,6 +182,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("nonsense.toml");
         std::fs::write(&path, "name = 3").unwrap();
-        assert!(Suite::read(&path).unwrap_err().to_string().contains("nonsense.toml"));
+        assert!(
+            Suite::read(&path)
+                .unwrap_err()
+                .to_string()
+                .contains("nonsense.toml")
+        );
     }
 }

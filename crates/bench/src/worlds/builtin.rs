@@ -14,11 +14,25 @@ use crate::suite::{Sensors, Suite, WorldSource};
 /// # Errors
 /// [`BenchError::UnknownSuite`] with the names that there are.
 pub fn builtin_suite(name: &str) -> Result<Suite, BenchError> {
-    let unknown = || BenchError::UnknownSuite { name: name.to_owned(), known: builtin_suites() };
-    let built_in = BUILT_IN.iter().find(|suite| suite.name == name).ok_or_else(unknown)?;
-    let source = WorldSource::Builtin { name: name.to_owned(), seed: 1 };
+    let unknown = || BenchError::UnknownSuite {
+        name: name.to_owned(),
+        known: builtin_suites(),
+    };
+    let built_in = BUILT_IN
+        .iter()
+        .find(|suite| suite.name == name)
+        .ok_or_else(unknown)?;
+    let source = WorldSource::Builtin {
+        name: name.to_owned(),
+        seed: 1,
+    };
     let world = load(&source)?;
-    let addresses: Vec<Address> = world.scene.doors.iter().map(|d| d.address.clone()).collect();
+    let addresses: Vec<Address> = world
+        .scene
+        .doors
+        .iter()
+        .map(|d| d.address.clone())
+        .collect();
     let mut draw = Draw::new(addresses, 1);
     let mut episodes = draw.singles(built_in.singles);
     episodes.extend(draw.sequences(built_in.sequences, built_in.length));

@@ -60,13 +60,20 @@ pub fn suite_of(folder: &Path) -> Result<Suite, BenchError> {
 
 /// Writes a world's folder: `map` is the whole map, which the recipe names as [`Recipe::map_file`]. An earlier world there is
 /// replaced; anything else is not.
-pub fn write(folder: &Path, recipe: &Recipe, map: &OsmData, wanted: Wanted) -> Result<Written, BenchError> {
+pub fn write(
+    folder: &Path,
+    recipe: &Recipe,
+    map: &OsmData,
+    wanted: Wanted,
+) -> Result<Written, BenchError> {
     refuse_others(folder)?;
     let staging = StagingFolder::new(folder)?;
     staging.put(MAP, &map.to_xml())?;
     let text = toml::to_string_pretty(recipe).map_err(|e| staging.bad(RECIPE, e))?;
     staging.put(RECIPE, text.as_bytes())?;
-    let source = WorldSource::Folder { path: staging.path.clone() };
+    let source = WorldSource::Folder {
+        path: staging.path.clone(),
+    };
     let suite = Suite {
         name: recipe.name().to_owned(),
         world: source,
@@ -89,15 +96,27 @@ pub fn write(folder: &Path, recipe: &Recipe, map: &OsmData, wanted: Wanted) -> R
     staging.put(SUITE, prepared.suite.to_toml().as_bytes())?;
     staging.move_to(folder)?;
     prepared.suite = suite_of(folder)?;
-    Ok(Written { prepared, reachable, candidates })
+    Ok(Written {
+        prepared,
+        reachable,
+        candidates,
+    })
 }
 
 /// Draws the suite's episodes; counts the doors that can be reached, and those that were drawn from.
 fn draw(prepared: &mut Prepared, wanted: Wanted) -> (usize, usize) {
     let (map, start) = (prepared.osm_map(), prepared.world.start.point());
     let doors = prepared.world.scene.doors.iter().zip(&prepared.approach);
-    let reachable: Vec<_> = doors.filter(|(_, approach)| approach.is_some()).map(|(door, _)| door).collect();
-    let is_known = |a: &Address| matches!(locate(&map, a), Location::Building(_) | Location::Unit { .. });
+    let reachable: Vec<_> = doors
+        .filter(|(_, approach)| approach.is_some())
+        .map(|(door, _)| door)
+        .collect();
+    let is_known = |a: &Address| {
+        matches!(
+            locate(&map, a),
+            Location::Building(_) | Location::Unit { .. }
+        )
+    };
     let candidates: Vec<Address> = reachable
         .iter()
         .filter(|d| d.point().distance(start) <= wanted.reach && is_known(&d.address))
@@ -117,11 +136,21 @@ fn draw(prepared: &mut Prepared, wanted: Wanted) -> (usize, usize) {
 fn refuse_others(folder: &Path) -> Result<(), BenchError> {
     let bad = |problem: &str| Err(BenchError::bad_file(folder, problem));
     let Ok(entries) = std::fs::read_dir(folder) else {
-        return if folder.exists() { bad("this is a file; name a folder") } else { Ok(()) };
+        return if folder.exists() {
+            bad("this is a file; name a folder")
+        } else {
+            Ok(())
+        };
     };
     let ours = [RECIPE, MAP, PUBLIC, SUITE];
-    let foreign = entries.filter_map(Result::ok).any(|e| !ours.iter().any(|name| e.file_name() == *name));
-    if foreign { bad("the folder holds other things than a world; name another one") } else { Ok(()) }
+    let foreign = entries
+        .filter_map(Result::ok)
+        .any(|e| !ours.iter().any(|name| e.file_name() == *name));
+    if foreign {
+        bad("the folder holds other things than a world; name another one")
+    } else {
+        Ok(())
+    }
 }
 
 /// A temporary folder beside the final one. It is removed unless it was moved there.
@@ -132,7 +161,11 @@ struct StagingFolder {
 impl StagingFolder {
     fn new(folder: &Path) -> Result<Self, BenchError> {
         let absolute = std::path::absolute(folder).map_err(|e| BenchError::file(folder, e))?;
-        let name = absolute.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let name = absolute
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
         let path = absolute.with_file_name(format!(".{name}.{}.part", std::process::id()));
         std::fs::create_dir_all(&path).map_err(|e| BenchError::file(&path, e))?;
         Ok(Self { path })
@@ -153,7 +186,11 @@ impl StagingFolder {
             std::fs::rename(folder, &old).map_err(failed)?;
         }
         std::fs::rename(&self.path, folder).map_err(failed)?;
-        if old.exists() { std::fs::remove_dir_all(&old).map_err(failed) } else { Ok(()) }
+        if old.exists() {
+            std::fs::remove_dir_all(&old).map_err(failed)
+        } else {
+            Ok(())
+        }
     }
 }
 
@@ -173,7 +210,17 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         assert!(refuse_others(&folder.path().join("new")).is_ok());
         std::fs::write(folder.path().join("thesis.tex"), "").unwrap();
-        assert!(refuse_others(folder.path()).unwrap_err().to_string().contains("other things"));
-        assert!(refuse_others(&folder.path().join("thesis.tex")).unwrap_err().to_string().contains("a file"));
+        assert!(
+            refuse_others(folder.path())
+                .unwrap_err()
+                .to_string()
+                .contains("other things")
+        );
+        assert!(
+            refuse_others(&folder.path().join("thesis.tex"))
+                .unwrap_err()
+                .to_string()
+                .contains("a file")
+        );
     }
 }

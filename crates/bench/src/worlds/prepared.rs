@@ -59,9 +59,12 @@ impl Prepared {
 
     /// The same with the suite's episodes looked up, see [`new`](Self::new).
     pub fn with_episodes(mut self, truth: Option<&Path>) -> Result<Self, BenchError> {
-        let truths = truth.map(|path| read_truths(path, &self.suite, &self.world)).transpose()?;
+        let truths = truth
+            .map(|path| read_truths(path, &self.suite, &self.world))
+            .transpose()?;
         self.episodes = self.look_up(truths.as_deref())?;
-        self.truth = truth.map(|path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned()));
+        self.truth =
+            truth.map(|path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned()));
         Ok(self)
     }
 
@@ -69,13 +72,29 @@ impl Prepared {
     pub fn world_of(suite: Suite) -> Result<Self, BenchError> {
         let world = load(&suite.world)?;
         let robot = suite.sensors.robot();
-        let stage = Stage::peopled(world.scene.clone(), suite.traffic).map_err(BenchError::world)?;
+        let stage =
+            Stage::peopled(world.scene.clone(), suite.traffic).map_err(BenchError::world)?;
         let space = |radius| FreeSpace::new(stage.caster(), world.start.point(), radius);
         let free_space = space(robot.circumscribed_radius());
         let people_space = (!suite.traffic.is_empty()).then(|| space(PERSON_RADIUS));
-        let approach = world.scene.doors.iter().map(|d| free_space.approach_point(d)).collect();
+        let approach = world
+            .scene
+            .doors
+            .iter()
+            .map(|d| free_space.approach_point(d))
+            .collect();
         let (episodes, truth) = (Vec::new(), None);
-        Ok(Self { suite, world, stage, free_space, approach, episodes, robot, people_space, truth })
+        Ok(Self {
+            suite,
+            world,
+            stage,
+            free_space,
+            approach,
+            episodes,
+            robot,
+            people_space,
+            truth,
+        })
     }
 
     /// The public map in metres.
@@ -87,12 +106,23 @@ impl Prepared {
     pub fn traffic(&self, seed: u64) -> Option<Traffic> {
         let space = self.people_space.as_ref()?;
         let fits = |at: MapPoint| space.is_reachable(at);
-        Some(Traffic::new(&self.osm_map(), fits, self.suite.traffic, self.world.start.point(), seed))
+        Some(Traffic::new(
+            &self.osm_map(),
+            fits,
+            self.suite.traffic,
+            self.world.start.point(),
+            seed,
+        ))
     }
 
     /// The robot at the start of an episode, people and cars about it.
     pub fn simulator(&self, seed: u64) -> Result<Simulator, BenchError> {
-        let still = Simulator::new(self.stage.clone(), self.robot.clone(), self.world.start, seed);
+        let still = Simulator::new(
+            self.stage.clone(),
+            self.robot.clone(),
+            self.world.start,
+            seed,
+        );
         match self.traffic(seed) {
             Some(traffic) => still.among(traffic).map_err(BenchError::world),
             None => Ok(still),
@@ -114,7 +144,11 @@ impl Prepared {
                     });
                 }
                 let time_limit = self.time_limit(&targets);
-                Ok(PreparedEpisode { instruction: episode.instruction.clone(), targets, time_limit })
+                Ok(PreparedEpisode {
+                    instruction: episode.instruction.clone(),
+                    targets,
+                    time_limit,
+                })
             })
             .collect()
     }
@@ -128,7 +162,9 @@ impl Prepared {
                 continue;
             };
             let plate = self.world.scene.doors[door].point();
-            let length = self.shortest(from, door).unwrap_or_else(|| from.distance(plate));
+            let length = self
+                .shortest(from, door)
+                .unwrap_or_else(|| from.distance(plate));
             seconds += TIME_LIMIT.0 + TIME_LIMIT.1 * length;
             from = self.approach[door].unwrap_or(plate);
         }
@@ -154,10 +190,19 @@ impl Prepared {
     }
 
     fn missing_doors(&self) -> Vec<String> {
-        let targets =
-            self.episodes.iter().enumerate().flat_map(|(i, e)| e.targets.iter().map(move |t| (i, t)));
+        let targets = self
+            .episodes
+            .iter()
+            .enumerate()
+            .flat_map(|(i, e)| e.targets.iter().map(move |t| (i, t)));
         let missing = targets.filter(|(_, t)| t.door.is_none());
-        let doors: Vec<String> = self.world.scene.doors.iter().map(|d| d.address.to_string()).collect();
+        let doors: Vec<String> = self
+            .world
+            .scene
+            .doors
+            .iter()
+            .map(|d| d.address.to_string())
+            .collect();
         missing
             .map(|(i, t)| {
                 format!(
@@ -186,7 +231,10 @@ mod tests {
     #[test]
     fn a_receiver_is_heard_where_the_suite_asks_for_one() {
         let heard = |gnss: bool| {
-            let suite = Suite { sensors: Sensors { gnss }, ..builtin_suite("small").unwrap() };
+            let suite = Suite {
+                sensors: Sensors { gnss },
+                ..builtin_suite("small").unwrap()
+            };
             let mut simulator = Prepared::world_of(suite).unwrap().simulator(1).unwrap();
             (0..40).any(|_| {
                 simulator.step(Velocity::ZERO);

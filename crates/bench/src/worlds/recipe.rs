@@ -92,14 +92,31 @@ impl Recipe {
     /// Builds the world; `folder` is where the recipe lies.
     pub fn build(&self, folder: &Path) -> Result<World, BenchError> {
         let recipe = folder.join(RECIPE);
-        let place = |words: &str| words.parse::<Georeference>().map_err(|e| BenchError::bad_file(&recipe, e));
+        let place = |words: &str| {
+            words
+                .parse::<Georeference>()
+                .map_err(|e| BenchError::bad_file(&recipe, e))
+        };
         let mut world = match self {
-            Self::Generated { map, seed, georeference, .. } => {
+            Self::Generated {
+                map,
+                seed,
+                georeference,
+                ..
+            } => {
                 let data = read_map(&folder.join(map))?;
                 let options = self.options().unwrap_or_default();
                 generate(&data, place(georeference)?, *seed, &options).map_err(BenchError::world)?
             }
-            Self::Imported { name, world, map, models, georeference, start, .. } => {
+            Self::Imported {
+                name,
+                world,
+                map,
+                models,
+                georeference,
+                start,
+                ..
+            } => {
                 let request = ImportRequest {
                     world: folder.join(world),
                     map: folder.join(map),
@@ -124,7 +141,15 @@ impl Recipe {
     }
 
     fn options(&self) -> Option<GenerateOptions> {
-        let Self::Generated { name, start, parked_cars, planting, invent_doors, attribution, .. } = self
+        let Self::Generated {
+            name,
+            start,
+            parked_cars,
+            planting,
+            invent_doors,
+            attribution,
+            ..
+        } = self
         else {
             return None;
         };

@@ -26,8 +26,15 @@ pub struct Target {
 /// The doors that the addresses name.
 pub(super) fn find_doors(episode: &Episode, world: &World) -> Vec<Target> {
     let find = |address: &Address| {
-        let door = world.scene.doors.iter().position(|d| d.address.same_door(address));
-        Target { address: address.clone(), door }
+        let door = world
+            .scene
+            .doors
+            .iter()
+            .position(|d| d.address.same_door(address));
+        Target {
+            address: address.clone(),
+            door,
+        }
     };
     episode.deliveries.iter().map(find).collect()
 }
@@ -38,24 +45,35 @@ pub(super) fn match_doors(episode: &Episode, truths: &[usize], world: &World) ->
     let named: Vec<Option<&Address>> = truths
         .iter()
         .map(|&door| {
-            let at = left.iter().position(|a| a.same_door(&world.scene.doors[door].address))?;
+            let at = left
+                .iter()
+                .position(|a| a.same_door(&world.scene.doors[door].address))?;
             Some(left.remove(at))
         })
         .collect();
     let mut left = left.into_iter();
     let targets = truths.iter().zip(named).map(|(&door, address)| {
-        let address = address.or_else(|| left.next()).unwrap_or(&world.scene.doors[door].address);
-        Target { address: address.clone(), door: Some(door) }
+        let address = address
+            .or_else(|| left.next())
+            .unwrap_or(&world.scene.doors[door].address);
+        Target {
+            address: address.clone(),
+            door: Some(door),
+        }
     });
     targets.collect()
 }
 
 /// For each episode the doors at its true positions.
-pub(super) fn read_truths(path: &Path, suite: &Suite, world: &World) -> Result<Vec<Vec<usize>>, BenchError> {
+pub(super) fn read_truths(
+    path: &Path,
+    suite: &Suite,
+    world: &World,
+) -> Result<Vec<Vec<usize>>, BenchError> {
     let bad = |problem: String| BenchError::bad_file(path, problem);
     let text = std::fs::read_to_string(path).map_err(|e| BenchError::file(path, e))?;
-    let lines =
-        parse_truth(&text).map_err(|LineProblem { line, problem }| bad(format!("line {line}: {problem}")))?;
+    let lines = parse_truth(&text)
+        .map_err(|LineProblem { line, problem }| bad(format!("line {line}: {problem}")))?;
     if lines.len() != suite.episodes.len() {
         return Err(bad(format!(
             "{} of true positions for {} of deliveries; each line of deliveries needs one",
@@ -65,8 +83,10 @@ pub(super) fn read_truths(path: &Path, suite: &Suite, world: &World) -> Result<V
     }
     let mut doors = Vec::new();
     for (i, (points, episode)) in lines.iter().zip(&suite.episodes).enumerate() {
-        let found: Result<Vec<usize>, BenchError> =
-            points.iter().map(|p| door_at(path, i + 1, *p, world)).collect();
+        let found: Result<Vec<usize>, BenchError> = points
+            .iter()
+            .map(|p| door_at(path, i + 1, *p, world))
+            .collect();
         let found = found?;
         // An instruction that was not understood names no doors to count.
         if !episode.deliveries.is_empty() && found.len() != episode.deliveries.len() {
@@ -75,7 +95,12 @@ pub(super) fn read_truths(path: &Path, suite: &Suite, world: &World) -> Result<V
                 i + 1,
                 found.len(),
                 episode.deliveries.len(),
-                episode.deliveries.iter().map(Address::to_string).collect::<Vec<_>>().join("; ")
+                episode
+                    .deliveries
+                    .iter()
+                    .map(Address::to_string)
+                    .collect::<Vec<_>>()
+                    .join("; ")
             )));
         }
         doors.push(found);

@@ -14,12 +14,30 @@ use super::{Case, Difficulty, MapName, Split};
 
 /// The languages with their templates.
 const LANGUAGES: [(&str, &str); 6] = [
-    ("en", include_str!("../../data/instructions/templates/en.toml")),
-    ("zh", include_str!("../../data/instructions/templates/zh.toml")),
-    ("es", include_str!("../../data/instructions/templates/es.toml")),
-    ("de", include_str!("../../data/instructions/templates/de.toml")),
-    ("fr", include_str!("../../data/instructions/templates/fr.toml")),
-    ("ja", include_str!("../../data/instructions/templates/ja.toml")),
+    (
+        "en",
+        include_str!("../../data/instructions/templates/en.toml"),
+    ),
+    (
+        "zh",
+        include_str!("../../data/instructions/templates/zh.toml"),
+    ),
+    (
+        "es",
+        include_str!("../../data/instructions/templates/es.toml"),
+    ),
+    (
+        "de",
+        include_str!("../../data/instructions/templates/de.toml"),
+    ),
+    (
+        "fr",
+        include_str!("../../data/instructions/templates/fr.toml"),
+    ),
+    (
+        "ja",
+        include_str!("../../data/instructions/templates/ja.toml"),
+    ),
 ];
 /// Buildings of the estate, and units of each.
 const BUILDINGS: usize = 12;
@@ -82,9 +100,13 @@ pub fn made(split: Split, seed: u64) -> Vec<Case> {
             Split::Test => (&language.test, "test"),
             Split::Unseen => break,
         };
-        let mut rng =
-            Pcg64Mcg::seed_from_u64(seed ^ (stream << 32) ^ (u64::from(split == Split::Test) << 40));
-        let every = templates.templates.iter().flat_map(|template| std::iter::repeat_n(template, TIMES));
+        let mut rng = Pcg64Mcg::seed_from_u64(
+            seed ^ (stream << 32) ^ (u64::from(split == Split::Test) << 40),
+        );
+        let every = templates
+            .templates
+            .iter()
+            .flat_map(|template| std::iter::repeat_n(template, TIMES));
         for (number, template) in (1..).zip(every) {
             let id = format!("{lang}-made-{name}-{number:02}");
             cases.push(language.fill(template, templates, (id, lang), &mut rng));
@@ -101,7 +123,10 @@ impl Language {
         (id, lang): (String, &str),
         rng: &mut Pcg64Mcg,
     ) -> Case {
-        let count = (1..=MOST_DOORS).rev().find(|k| names(&template.text, *k)).unwrap_or(0);
+        let count = (1..=MOST_DOORS)
+            .rev()
+            .find(|k| names(&template.text, *k))
+            .unwrap_or(0);
         let doors = doors(template, count, rng);
         let form = &templates.addresses[rng.random_range(0..templates.addresses.len())];
         let as_words = template.difficulty != Difficulty::Easy && rng.random_bool(WORDS);
@@ -109,17 +134,29 @@ impl Language {
         for (k, door) in (1..).zip(&doors) {
             let (b, u) = (self.number(door.0, as_words), self.number(door.1, as_words));
             let ordinal = self.ordinals.get(door.1 - 1).map_or("", String::as_str);
-            let address = form.replace("{b}", &b).replace("{u}", &u).replace("{o}", ordinal);
+            let address = form
+                .replace("{b}", &b)
+                .replace("{u}", &u)
+                .replace("{o}", ordinal);
             instruction = instruction.replace(&format!("{{{k}}}"), &address);
-            instruction = instruction.replace(&format!("{{b{k}}}"), &b).replace(&format!("{{u{k}}}"), &u);
+            instruction = instruction
+                .replace(&format!("{{b{k}}}"), &b)
+                .replace(&format!("{{u{k}}}"), &u);
         }
         for (apart, together) in &self.contractions {
             instruction = instruction.replace(apart, together);
         }
         let all: Vec<usize> = (1..=count).collect();
-        let deliver = if template.deliver.is_empty() { &all } else { &template.deliver };
+        let deliver = if template.deliver.is_empty() {
+            &all
+        } else {
+            &template.deliver
+        };
         let place = |door: usize| deliver.iter().position(|d| *d == door);
-        let before = template.before.iter().filter_map(|(a, b)| Some((place(*a)?, place(*b)?)));
+        let before = template
+            .before
+            .iter()
+            .filter_map(|(a, b)| Some((place(*a)?, place(*b)?)));
         let address = |door: &usize| {
             let (b, u) = doors[door - 1];
             Address::new(format!("building{b}"), format!("unit{u}"))
@@ -144,7 +181,9 @@ impl Language {
 
 /// Whether a template says something of door `k`.
 fn names(text: &str, k: usize) -> bool {
-    ["", "b", "u"].iter().any(|kind| text.contains(&format!("{{{kind}{k}}}")))
+    ["", "b", "u"]
+        .iter()
+        .any(|kind| text.contains(&format!("{{{kind}{k}}}")))
 }
 
 /// Different doors.
@@ -170,7 +209,9 @@ fn doors(template: &Template, count: usize, rng: &mut Pcg64Mcg) -> Vec<Door> {
 /// The text with a capital at its beginning.
 fn sentence(text: &str) -> String {
     let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+    letters.next().map_or_else(String::new, |first| {
+        first.to_uppercase().chain(letters).collect()
+    })
 }
 
 #[cfg(test)]
@@ -179,20 +220,36 @@ mod tests {
 
     #[test]
     fn the_files_hold_what_seed_1_makes() {
-        for (split, file) in
-            [(Split::Development, super::super::DEVELOPMENT[1]), (Split::Test, super::super::TEST[1])]
-        {
-            let lines: Vec<String> =
-                made(split, 1).iter().map(|case| serde_json::to_string(case).unwrap()).collect();
-            let changed = lines.iter().zip(file.lines()).find(|(made, kept)| made != kept);
-            assert!(changed.is_none() && lines.len() == file.lines().count(), "{changed:?}");
+        for (split, file) in [
+            (Split::Development, super::super::DEVELOPMENT[1]),
+            (Split::Test, super::super::TEST[1]),
+        ] {
+            let lines: Vec<String> = made(split, 1)
+                .iter()
+                .map(|case| serde_json::to_string(case).unwrap())
+                .collect();
+            let changed = lines
+                .iter()
+                .zip(file.lines())
+                .find(|(made, kept)| made != kept);
+            assert!(
+                changed.is_none() && lines.len() == file.lines().count(),
+                "{changed:?}"
+            );
         }
     }
 
     #[test]
     fn nothing_of_a_template_is_left_over() {
-        for case in [Split::Development, Split::Test].into_iter().flat_map(|split| made(split, 7)) {
-            assert!(!case.instruction.contains(['{', '}']), "{}", case.instruction);
+        for case in [Split::Development, Split::Test]
+            .into_iter()
+            .flat_map(|split| made(split, 7))
+        {
+            assert!(
+                !case.instruction.contains(['{', '}']),
+                "{}",
+                case.instruction
+            );
             assert!((1..=3).contains(&case.deliveries.len()), "{case:?}");
         }
         assert_ne!(made(Split::Test, 1), made(Split::Test, 2));

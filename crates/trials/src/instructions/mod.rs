@@ -89,7 +89,10 @@ pub struct Case {
 impl Case {
     /// What a plan must hold.
     pub fn expected(&self) -> ExpectedPlan {
-        ExpectedPlan { doors: self.deliveries.clone(), before: self.before.clone() }
+        ExpectedPlan {
+            doors: self.deliveries.clone(),
+            before: self.before.clone(),
+        }
     }
 }
 
@@ -155,7 +158,8 @@ pub fn built_in(split: Split) -> Vec<Case> {
         Split::Test => &TEST,
         Split::Unseen => &[UNSEEN],
     };
-    let read = |text: &&str| read_lines(text, "the built-in instructions").expect("they can be read");
+    let read =
+        |text: &&str| read_lines(text, "the built-in instructions").expect("they can be read");
     files.iter().flat_map(read).collect()
 }
 
@@ -164,7 +168,10 @@ pub fn built_in(split: Split) -> Vec<Case> {
 /// # Errors
 /// [`InstructionsError`], with the line.
 pub fn read(path: &Path) -> Result<Vec<Case>, InstructionsError> {
-    let failed = |source| InstructionsError::Read { path: path.into(), source };
+    let failed = |source| InstructionsError::Read {
+        path: path.into(),
+        source,
+    };
     if std::fs::metadata(path).map_err(failed)?.len() > LARGEST {
         return Err(InstructionsError::TooLarge { path: path.into() });
     }
@@ -173,27 +180,41 @@ pub fn read(path: &Path) -> Result<Vec<Case>, InstructionsError> {
     if !text.trim_start().starts_with('[') {
         return read_lines(&text, &name);
     }
-    let cases: Vec<Case> = serde_json::from_str(&text)
-        .map_err(|e| InstructionsError::Bad { place: format!("{name}:{}", e.line()), what: e.to_string() })?;
+    let cases: Vec<Case> = serde_json::from_str(&text).map_err(|e| InstructionsError::Bad {
+        place: format!("{name}:{}", e.line()),
+        what: e.to_string(),
+    })?;
     numbered(cases, |number| format!("{name}, instruction {number}"))
 }
 
 fn read_lines(text: &str, name: &str) -> Result<Vec<Case>, InstructionsError> {
-    let lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty());
+    let lines = (1..)
+        .zip(text.lines())
+        .filter(|(_, line)| !line.trim().is_empty());
     let cases = lines.map(|(number, line)| {
         serde_json::from_str(line).map_err(|e| InstructionsError::Bad {
             place: format!("{name}:{number}"),
-            what: format!("{e}; write one JSON object a line, with `instruction` and `deliveries` at least"),
+            what: format!(
+                "{e}; write one JSON object a line, with `instruction` and `deliveries` at least"
+            ),
         })
     });
-    numbered(cases.collect::<Result<_, _>>()?, |number| format!("{name}, instruction {number}"))
+    numbered(cases.collect::<Result<_, _>>()?, |number| {
+        format!("{name}, instruction {number}")
+    })
 }
 
 /// Gives a number to whatever has no name, and refuses what cannot be a right answer.
-fn numbered(mut cases: Vec<Case>, place: impl Fn(usize) -> String) -> Result<Vec<Case>, InstructionsError> {
+fn numbered(
+    mut cases: Vec<Case>,
+    place: impl Fn(usize) -> String,
+) -> Result<Vec<Case>, InstructionsError> {
     let mut seen = BTreeSet::new();
     for (number, case) in (1..).zip(&mut cases) {
-        let bad = |what: String| InstructionsError::Bad { place: place(number), what };
+        let bad = |what: String| InstructionsError::Bad {
+            place: place(number),
+            what,
+        };
         if case.id.is_empty() {
             case.id = number.to_string();
         }
@@ -201,11 +222,19 @@ fn numbered(mut cases: Vec<Case>, place: impl Fn(usize) -> String) -> Result<Vec
             return Err(bad(format!("the id `{}` is there twice", case.id)));
         }
         let count = case.deliveries.len();
-        if let Some((a, b)) = case.before.iter().find(|(a, b)| *a >= count || *b >= count || a == b) {
-            return Err(bad(format!("`before` names {a} and {b}, but there are {count} deliveries, from 0")));
+        if let Some((a, b)) = case
+            .before
+            .iter()
+            .find(|(a, b)| *a >= count || *b >= count || a == b)
+        {
+            return Err(bad(format!(
+                "`before` names {a} and {b}, but there are {count} deliveries, from 0"
+            )));
         }
         if case.deliveries.is_empty() != case.ambiguous {
-            return Err(bad("give the deliveries, or `ambiguous`: true and none".to_owned()));
+            return Err(bad(
+                "give the deliveries, or `ambiguous`: true and none".to_owned()
+            ));
         }
     }
     Ok(cases)
@@ -219,9 +248,11 @@ mod tests {
 
     #[test]
     fn the_built_in_instructions_can_be_read_and_their_doors_are_on_the_map() {
-        for (split, by_hand, all) in
-            [(Split::Development, 60, 200), (Split::Test, 90, 300), (Split::Unseen, 0, 200)]
-        {
+        for (split, by_hand, all) in [
+            (Split::Development, 60, 200),
+            (Split::Test, 90, 300),
+            (Split::Unseen, 0, 200),
+        ] {
             let cases = built_in(split);
             assert!(cases.len() >= all, "{}", cases.len());
             assert!(cases.iter().filter(|c| !c.id.contains("made")).count() >= by_hand);
@@ -245,18 +276,32 @@ mod tests {
     #[test]
     fn the_splits_to_measure_with_are_those_that_were_frozen() {
         let sums = include_str!("../../data/instructions/SHA256SUMS");
-        let frozen = [("hand-test.jsonl", TEST[0]), ("made-test.jsonl", TEST[1]), ("unseen.jsonl", UNSEEN)];
+        let frozen = [
+            ("hand-test.jsonl", TEST[0]),
+            ("made-test.jsonl", TEST[1]),
+            ("unseen.jsonl", UNSEEN),
+        ];
         for (name, text) in frozen {
-            let sum: String = Sha256::digest(text.as_bytes()).iter().map(|b| format!("{b:02x}")).collect();
-            assert!(sums.contains(&format!("{sum}  {name}\n")), "{name} has changed: {sum}");
+            let sum: String = Sha256::digest(text.as_bytes())
+                .iter()
+                .map(|b| format!("{b:02x}"))
+                .collect();
+            assert!(
+                sums.contains(&format!("{sum}  {name}\n")),
+                "{name} has changed: {sum}"
+            );
         }
     }
 
     #[test]
     fn no_instruction_is_there_twice() {
         let mut known = BTreeSet::new();
-        let all = [Split::Development, Split::Test, Split::Unseen].into_iter().flat_map(built_in);
-        let twice: Vec<Case> = all.filter(|case| !known.insert(case.instruction.clone())).collect();
+        let all = [Split::Development, Split::Test, Split::Unseen]
+            .into_iter()
+            .flat_map(built_in);
+        let twice: Vec<Case> = all
+            .filter(|case| !known.insert(case.instruction.clone()))
+            .collect();
         assert!(twice.is_empty(), "{twice:?}");
     }
 
@@ -266,11 +311,13 @@ mod tests {
         let door = r#"{"building": "building1", "unit": "unit1"}"#;
         assert!(told("{}").contains("a.jsonl:1"));
         assert!(
-            told(r#"{"instruction": "x", "deliveries": []}"#).contains("instruction 1: give the deliveries")
+            told(r#"{"instruction": "x", "deliveries": []}"#)
+                .contains("instruction 1: give the deliveries")
         );
         let twice = format!(r#"{{"id": "a", "instruction": "x", "deliveries": [{door}]}}"#);
         assert!(told(&format!("{twice}\n\n{twice}\n")).contains("instruction 2: the id `a`"));
-        let order = format!(r#"{{"instruction": "x", "deliveries": [{door}], "before": [[0, 1]]}}"#);
+        let order =
+            format!(r#"{{"instruction": "x", "deliveries": [{door}], "before": [[0, 1]]}}"#);
         assert!(told(&order).contains("`before` names 0 and 1"));
     }
 }

@@ -76,8 +76,16 @@ pub struct Scores {
 }
 
 /// Plans every instruction. `map` stands for the map of cases that name none; `done` is called after each.
-pub fn score(planner: &dyn Planner, cases: &[Case], map: Option<&OsmMap>, mut done: impl FnMut()) -> Scores {
-    let nowhere = OsmMap::new(&OsmData::default(), Georeference::tangent_plane(LonLat::default()));
+pub fn score(
+    planner: &dyn Planner,
+    cases: &[Case],
+    map: Option<&OsmMap>,
+    mut done: impl FnMut(),
+) -> Scores {
+    let nowhere = OsmMap::new(
+        &OsmData::default(),
+        Georeference::tangent_plane(LonLat::default()),
+    );
     let mut built_in: BTreeMap<MapName, OsmMap> = BTreeMap::new();
     for name in cases.iter().filter_map(|case| case.map) {
         built_in.entry(name).or_insert_with(|| name.open());
@@ -126,7 +134,10 @@ impl Scores {
         let right = is_right(case, plan, map);
         self.all.add(right);
         if !case.lang.is_empty() {
-            self.languages.entry(case.lang.clone()).or_default().add(right);
+            self.languages
+                .entry(case.lang.clone())
+                .or_default()
+                .add(right);
         }
         if let Some(difficulty) = case.difficulty {
             self.difficulties.entry(difficulty).or_default().add(right);
@@ -151,10 +162,16 @@ fn is_right(case: &Case, plan: &Plan, map: Option<&OsmMap>) -> bool {
     }
     let planned: Vec<Address> = plan.deliveries.iter().map(|d| d.address()).collect();
     let has = |name: &str| {
-        let building = Address { building: name.to_owned(), unit: None };
+        let building = Address {
+            building: name.to_owned(),
+            unit: None,
+        };
         map.is_some_and(|map| locate(map, &building) != Location::Unknown)
     };
-    let asks = plan.deliveries.iter().any(|d| d.problem.is_some() && has(&d.building));
+    let asks = plan
+        .deliveries
+        .iter()
+        .any(|d| d.problem.is_some() && has(&d.building));
     case.expected().is_met_by(&planned) && !asks
 }
 
@@ -163,7 +180,10 @@ struct Beeline;
 
 impl TravelTimes for Beeline {
     fn matrix(&self, places: &[MapPoint]) -> Vec<f64> {
-        places.iter().flat_map(|a| places.iter().map(|b| 2.0 * a.distance(*b))).collect()
+        places
+            .iter()
+            .flat_map(|a| places.iter().map(|b| 2.0 * a.distance(*b)))
+            .collect()
     }
 }
 
@@ -216,20 +236,33 @@ mod tests {
 
     fn right(doors: &[Address], problem: Option<&str>, case: &Case) -> bool {
         let planner = Always(doors.to_vec(), problem.map(str::to_owned));
-        score(&planner, std::slice::from_ref(case), None, || {}).all.right == 1
+        score(&planner, std::slice::from_ref(case), None, || {})
+            .all
+            .right
+            == 1
     }
 
     #[test]
     fn doors_order_and_doubts_count() {
-        let (a, b) = (Address::new("building1", "unit1"), Address::new("building2", "unit1"));
+        let (a, b) = (
+            Address::new("building1", "unit1"),
+            Address::new("building2", "unit1"),
+        );
         let both = [a.clone(), b.clone()];
         assert!(right(&[b.clone(), a.clone()], None, &case(&both, &[])));
-        assert!(!right(&[b.clone(), a.clone()], None, &case(&both, &[(0, 1)])));
+        assert!(!right(
+            &[b.clone(), a.clone()],
+            None,
+            &case(&both, &[(0, 1)])
+        ));
         assert!(!right(&both, Some("which?"), &case(&both, &[])));
         assert!(!right(&both[..1], None, &case(&both, &[])));
         let unclear = case(&[], &[]);
         assert!(right(&both[..1], Some("which?"), &unclear) && !right(&both[..1], None, &unclear));
-        let anywhere = Case { map: None, ..case(&both[..1], &[]) };
+        let anywhere = Case {
+            map: None,
+            ..case(&both[..1], &[])
+        };
         assert!(right(&both[..1], Some("the map lacks it"), &anywhere));
     }
 
@@ -240,7 +273,14 @@ mod tests {
         let scores = score(&GrammarPlanner::new(), &cases, None, || count += 1);
         assert_eq!((scores.all.instructions, count), (cases.len(), cases.len()));
         assert_eq!(scores.languages.len(), 6);
-        assert_eq!(scores.difficulties.values().map(|s| s.instructions).sum::<usize>(), cases.len());
+        assert_eq!(
+            scores
+                .difficulties
+                .values()
+                .map(|s| s.instructions)
+                .sum::<usize>(),
+            cases.len()
+        );
         assert_eq!(scores.wrong.len(), cases.len() - scores.all.right);
     }
 
@@ -248,8 +288,17 @@ mod tests {
     fn the_grammar_understands_most_instructions() {
         use super::super::Split::{Development, Test, Unseen};
         for (split, least) in [(Development, 0.94), (Test, 0.97), (Unseen, 0.85)] {
-            let scores = score(&GrammarPlanner::new(), &super::super::built_in(split), None, || {});
-            assert!(scores.all.srtp >= Some(least), "{split:?}: {:?}", scores.all);
+            let scores = score(
+                &GrammarPlanner::new(),
+                &super::super::built_in(split),
+                None,
+                || {},
+            );
+            assert!(
+                scores.all.srtp >= Some(least),
+                "{split:?}: {:?}",
+                scores.all
+            );
         }
     }
 }

@@ -49,9 +49,19 @@ pub enum Possible {
 /// Looks for the fastest motion through a scene. A jump of the estimate is regarded as known from the start.
 pub fn possible(scene: &Scene, robot: &RobotDescription) -> Option<Possible> {
     let (footprint, limits) = (Footprint::of(robot).ok()?, Limits::of(robot).ok()?);
-    let search = Search { scene, footprint: &footprint, limits: &limits, goal: true_goal(scene) };
-    let fastest = search.drafts().into_iter().filter_map(|draft| search.settle(&draft));
-    let fastest = fastest.map(|band| (arrival(&band, search.goal), band)).min_by(|a, b| a.0.total_cmp(&b.0));
+    let search = Search {
+        scene,
+        footprint: &footprint,
+        limits: &limits,
+        goal: true_goal(scene),
+    };
+    let fastest = search
+        .drafts()
+        .into_iter()
+        .filter_map(|draft| search.settle(&draft));
+    let fastest = fastest
+        .map(|band| (arrival(&band, search.goal), band))
+        .min_by(|a, b| a.0.total_cmp(&b.0));
     Some(match fastest {
         Some((seconds, band)) => Possible::Motion(band, seconds),
         None if search.proves_nothing() => Possible::Nothing,
@@ -60,15 +70,32 @@ pub fn possible(scene: &Scene, robot: &RobotDescription) -> Option<Possible> {
 }
 
 /// The seconds after which the goal is reached by what a drive can be made into: its poses, and the seconds between two of them.
-pub fn polished(scene: &Scene, robot: &RobotDescription, track: &[Pose2], seconds: f64) -> Option<f64> {
+pub fn polished(
+    scene: &Scene,
+    robot: &RobotDescription,
+    track: &[Pose2],
+    seconds: f64,
+) -> Option<f64> {
     let (footprint, limits) = (Footprint::of(robot).ok()?, Limits::of(robot).ok()?);
-    let search = Search { scene, footprint: &footprint, limits: &limits, goal: true_goal(scene) };
+    let search = Search {
+        scene,
+        footprint: &footprint,
+        limits: &limits,
+        goal: true_goal(scene),
+    };
     let mut knots: Vec<Knot> = Vec::with_capacity(track.len());
     for (i, &pose) in track.iter().enumerate() {
-        let yaw = knots.last().map_or(pose.yaw, |k| k.pose.yaw + wrap_angle(pose.yaw - k.pose.yaw));
-        knots.push(Knot { pose: Pose2 { yaw, ..pose }, time: i as f64 * seconds });
+        let yaw = knots
+            .last()
+            .map_or(pose.yaw, |k| k.pose.yaw + wrap_angle(pose.yaw - k.pose.yaw));
+        knots.push(Knot {
+            pose: Pose2 { yaw, ..pose },
+            time: i as f64 * seconds,
+        });
     }
-    search.settle(&Band::new(knots)?).map(|band| arrival(&band, search.goal))
+    search
+        .settle(&Band::new(knots)?)
+        .map(|band| arrival(&band, search.goal))
 }
 
 /// Where the goal will be once the estimate has jumped.
@@ -87,7 +114,12 @@ struct Search<'a> {
 impl Search<'_> {
     fn settings(&self) -> Settings {
         Settings {
-            resolution: Resolution { near: 0.1, far: 0.2, horizon: 2.0, most: 400 },
+            resolution: Resolution {
+                near: 0.1,
+                far: 0.2,
+                horizon: 2.0,
+                most: 400,
+            },
             weights: Weights {
                 length: 0.0,
                 speed: 4000.0,
@@ -106,7 +138,11 @@ impl Search<'_> {
     /// Bands of all classes, both turns, with waits and ways aside where somebody moves, and maneuvers.
     fn drafts(&self) -> Vec<Band> {
         let (start, obstacles) = (self.scene.start, &self.scene.obstacles);
-        let standing: Vec<Obstacle> = obstacles.iter().filter(|o| !o.is_moving()).cloned().collect();
+        let standing: Vec<Obstacle> = obstacles
+            .iter()
+            .filter(|o| !o.is_moving())
+            .cloned()
+            .collect();
         let moving = standing.len() < obstacles.len();
         let how = Exploring {
             cell: 0.05,
@@ -120,7 +156,10 @@ impl Search<'_> {
         let ways = explorer.explore(start.point(), self.goal.point(), &standing, &how);
         let mut drafts = Vec::new();
         for way in &ways {
-            let behind = way.corners.get(1).is_some_and(|c| start.inverse_transform(*c).0 < 0.0);
+            let behind = way
+                .corners
+                .get(1)
+                .is_some_and(|c| start.inverse_transform(*c).0 < 0.0);
             for side in [-1.0, 1.0].into_iter().take(1 + usize::from(behind)) {
                 let along = |corners: &[MapPoint]| {
                     Band::along(start, corners, Some(self.goal.yaw), self.limits, side)
@@ -129,17 +168,26 @@ impl Search<'_> {
                 drafts.extend(plain.as_ref().and_then(turned_the_other_way));
                 drafts.extend(plain);
                 if moving {
-                    let bent = ASIDE.iter().filter_map(|aside| along(&bent(&way.corners, *aside)));
-                    drafts.extend(
-                        bent.flat_map(|band| WAITS.map(|wait| band.delayed(wait).unwrap_or(band.clone()))),
-                    );
+                    let bent = ASIDE
+                        .iter()
+                        .filter_map(|aside| along(&bent(&way.corners, *aside)));
+                    drafts.extend(bent.flat_map(|band| {
+                        WAITS.map(|wait| band.delayed(wait).unwrap_or(band.clone()))
+                    }));
                 }
             }
         }
         let backed = |length: f64| self.backed(&ways.first()?.corners, length);
         drafts.extend([0.2, 0.5, 1.0].into_iter().filter_map(backed));
         let yaw = Some(self.goal.yaw);
-        drafts.extend(maneuver(self.footprint, self.limits, &standing, start, self.goal.point(), yaw));
+        drafts.extend(maneuver(
+            self.footprint,
+            self.limits,
+            &standing,
+            start,
+            self.goal.point(),
+            yaw,
+        ));
         drafts
     }
 
@@ -150,14 +198,26 @@ impl Search<'_> {
         let from = Pose2::new(back.x, back.y, start.yaw);
         let seconds = length / self.limits.backward;
         let rest = Band::along(from, &corners[1..], Some(self.goal.yaw), self.limits, 1.0)?;
-        let later = rest.knots().iter().map(|k| Knot { time: k.time + seconds, ..*k });
-        Band::new(std::iter::once(Knot { pose: start, time: 0.0 }).chain(later).collect())
+        let later = rest.knots().iter().map(|k| Knot {
+            time: k.time + seconds,
+            ..*k
+        });
+        Band::new(
+            std::iter::once(Knot {
+                pose: start,
+                time: 0.0,
+            })
+            .chain(later)
+            .collect(),
+        )
     }
 
     /// The fastest motion that a draft leads to: itself, or improved with one of several margins.
     fn settle(&self, draft: &Band) -> Option<Band> {
         let improved = MARGINS.iter().map(|least| self.improved(draft, *least));
-        let settled = improved.chain([draft.clone()]).filter_map(|band| self.timed(&band));
+        let settled = improved
+            .chain([draft.clone()])
+            .filter_map(|band| self.timed(&band));
         self.earliest(settled)
     }
 
@@ -170,7 +230,9 @@ impl Search<'_> {
     fn timed(&self, band: &Band) -> Option<Band> {
         let shortest = retimed(band, self.limits);
         let moving = self.scene.obstacles.iter().any(Obstacle::is_moving);
-        let waits = (1..=MOST_WAITS).take_while(|_| moving).map(|i| f64::from(i) * WAIT);
+        let waits = (1..=MOST_WAITS)
+            .take_while(|_| moving)
+            .map(|i| f64::from(i) * WAIT);
         let delayed = waits.filter_map(|wait| shortest.as_ref()?.delayed(wait));
         let mut bands = shortest.iter().cloned().chain(delayed);
         let at_once = bands.find_map(|band| self.slowed(&band).filter(|band| self.is_clear(band)));
@@ -180,7 +242,11 @@ impl Search<'_> {
 
     fn improved(&self, draft: &Band, least: f64) -> Band {
         let mut settings = self.settings();
-        settings.margins = Margins { least, moving: least, comfort: least + 0.01 };
+        settings.margins = Margins {
+            least,
+            moving: least,
+            comfort: least + 0.01,
+        };
         let problem = Problem {
             footprint: self.footprint,
             obstacles: &self.scene.obstacles,
@@ -203,10 +269,13 @@ impl Search<'_> {
         let mut before: Option<(Velocity, f64)> = None;
         for i in 0..knots.len() - 1 {
             let (v, seconds) = (band.velocity(i), knots[i + 1].time - knots[i].time);
-            ratio = ratio.max(v.linear / self.limits.forward).max(-v.linear / self.limits.backward);
+            ratio = ratio
+                .max(v.linear / self.limits.forward)
+                .max(-v.linear / self.limits.backward);
             ratio = ratio.max(v.angular.abs() / self.limits.turn);
-            let (from, between) =
-                before.map_or((Velocity::ZERO, seconds / 2.0), |(u, s)| (u, (s + seconds) / 2.0));
+            let (from, between) = before.map_or((Velocity::ZERO, seconds / 2.0), |(u, s)| {
+                (u, (s + seconds) / 2.0)
+            });
             ratio = ratio.max((self.rims(from, v) / between / self.limits.acceleration).sqrt());
             before = Some((v, seconds));
         }
@@ -215,11 +284,23 @@ impl Search<'_> {
             ratio = ratio.max((braking / self.limits.acceleration).sqrt());
         }
         // Stretches of next to no time at the ends are not worth more than their own slowing.
-        Band::new(knots.iter().map(|k| Knot { time: k.time * ratio, ..*k }).collect()).filter(|_| ratio < 1.2)
+        Band::new(
+            knots
+                .iter()
+                .map(|k| Knot {
+                    time: k.time * ratio,
+                    ..*k
+                })
+                .collect(),
+        )
+        .filter(|_| ratio < 1.2)
     }
 
     fn rims(&self, a: Velocity, b: Velocity) -> f64 {
-        let (v, w) = (b.linear - a.linear, self.limits.half_track * (b.angular - a.angular));
+        let (v, w) = (
+            b.linear - a.linear,
+            self.limits.half_track * (b.angular - a.angular),
+        );
         (v + w).abs().max((v - w).abs())
     }
 
@@ -260,14 +341,19 @@ impl Search<'_> {
             let (middle, reach) = (obstacle.middle(), obstacle.radius() + least);
             let low = MapPoint::new(middle.x - reach, middle.y - reach);
             let high = MapPoint::new(middle.x + reach, middle.y + reach);
-            let Some((columns, rows)) = grid.window(low, high) else { continue };
+            let Some((columns, rows)) = grid.window(low, high) else {
+                continue;
+            };
             for row in rows.0..=rows.1 {
                 for cell in (columns.0..=columns.1).filter_map(|column| grid.cell_in(column, row)) {
-                    blocked[cell] = blocked[cell] || obstacle.distance_to(grid.center(cell)) < least;
+                    blocked[cell] =
+                        blocked[cell] || obstacle.distance_to(grid.center(cell)) < least;
                 }
             }
         }
-        let (Some(from), Some(to)) = (grid.cell_at(start), grid.cell_at(goal)) else { return false };
+        let (Some(from), Some(to)) = (grid.cell_at(start), grid.cell_at(goal)) else {
+            return false;
+        };
         !connected(&grid, blocked, from, to)
     }
 }
@@ -285,7 +371,16 @@ fn connected(grid: &GridGeometry, mut blocked: Vec<bool>, from: usize, to: usize
                 return (true, border);
             }
             let (x, y) = grid.column_row(cell);
-            for (dx, dy) in [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)] {
+            for (dx, dy) in [
+                (1, 0),
+                (0, 1),
+                (-1, 0),
+                (0, -1),
+                (1, 1),
+                (-1, 1),
+                (-1, -1),
+                (1, -1),
+            ] {
                 match grid.cell_in(x + dx, y + dy) {
                     Some(next) if !blocked[next] => {
                         blocked[next] = true;
@@ -318,8 +413,11 @@ fn turned_the_other_way(band: &Band) -> Option<Band> {
 /// Seconds until a band is within the tolerance of its goal and stays there.
 fn arrival(band: &Band, goal: Pose2) -> f64 {
     let steps = (band.duration() / 0.05) as usize;
-    let away = (0..=steps).rev().find(|&i| !is_there(band.pose_at(i as f64 * 0.05), goal));
-    away.map_or(0.0, |i| (i + 1) as f64 * 0.05).min(band.duration())
+    let away = (0..=steps)
+        .rev()
+        .find(|&i| !is_there(band.pose_at(i as f64 * 0.05), goal));
+    away.map_or(0.0, |i| (i + 1) as f64 * 0.05)
+        .min(band.duration())
 }
 
 /// A way with its middle moved aside.
@@ -341,7 +439,8 @@ mod tests {
 
     /// Three metres straight ahead, past walls.
     fn ahead(walls: &[[(f64, f64); 2]]) -> Scene {
-        let wall = |[a, b]: &[(f64, f64); 2]| Obstacle::wall(point(a.0, a.1), point(b.0, b.1)).unwrap();
+        let wall =
+            |[a, b]: &[(f64, f64); 2]| Obstacle::wall(point(a.0, a.1), point(b.0, b.1)).unwrap();
         Scene {
             kind: Kind::Open,
             start: Pose2::default(),
@@ -353,9 +452,18 @@ mod tests {
 
     /// A room with a wall across that has a gap.
     fn gap(width: f64) -> Scene {
-        let corners = [(-1.0, -2.0), (4.0, -2.0), (4.0, 2.0), (-1.0, 2.0), (-1.0, -2.0)];
+        let corners = [
+            (-1.0, -2.0),
+            (4.0, -2.0),
+            (4.0, 2.0),
+            (-1.0, 2.0),
+            (-1.0, -2.0),
+        ];
         let room = corners.windows(2).map(|w| [w[0], w[1]]);
-        let across = [[(1.5, -2.0), (1.5, -width / 2.0)], [(1.5, width / 2.0), (1.5, 2.0)]];
+        let across = [
+            [(1.5, -2.0), (1.5, -width / 2.0)],
+            [(1.5, width / 2.0), (1.5, 2.0)],
+        ];
         ahead(&room.chain(across).collect::<Vec<_>>())
     }
 
@@ -369,38 +477,84 @@ mod tests {
         // Both ramps at the acceleration's limit; all but the last 10 cm, the tolerance.
         let (v, a) = (limits.forward, limits.acceleration);
         let physical = 3.0 / v + v / a - (2.0 * 0.1 / a).sqrt();
-        assert!((physical - 0.01..1.05 * physical + 0.05).contains(&seconds), "{seconds} {physical}");
-        assert!(band.pose_at(band.duration()).point().distance(point(3.0, 0.0)) < 0.02);
+        assert!(
+            (physical - 0.01..1.05 * physical + 0.05).contains(&seconds),
+            "{seconds} {physical}"
+        );
+        assert!(
+            band.pose_at(band.duration())
+                .point()
+                .distance(point(3.0, 0.0))
+                < 0.02
+        );
     }
 
     #[test]
     fn what_slips_sideways_is_no_motion() {
         let robot = RobotDescription::sentry();
-        let (footprint, limits, scene) =
-            (Footprint::of(&robot).unwrap(), Limits::of(&robot).unwrap(), ahead(&[]));
-        let search = Search { scene: &scene, footprint: &footprint, limits: &limits, goal: scene.goal };
+        let (footprint, limits, scene) = (
+            Footprint::of(&robot).unwrap(),
+            Limits::of(&robot).unwrap(),
+            ahead(&[]),
+        );
+        let search = Search {
+            scene: &scene,
+            footprint: &footprint,
+            limits: &limits,
+            goal: scene.goal,
+        };
         let band = |x: f64, y: f64| {
             let to = Pose2::new(x, y, 0.0);
-            Band::new(vec![Knot { pose: scene.start, time: 0.0 }, Knot { pose: to, time: 9.0 }]).unwrap()
+            Band::new(vec![
+                Knot {
+                    pose: scene.start,
+                    time: 0.0,
+                },
+                Knot {
+                    pose: to,
+                    time: 9.0,
+                },
+            ])
+            .unwrap()
         };
-        assert!(search.timed(&band(1.0, 0.0)).is_some() && search.timed(&band(1.0, 0.005)).is_some());
-        assert_eq!((search.timed(&band(1.0, 0.09)), search.timed(&band(1e-5, 0.05))), (None, None));
+        assert!(
+            search.timed(&band(1.0, 0.0)).is_some() && search.timed(&band(1.0, 0.005)).is_some()
+        );
+        assert_eq!(
+            (
+                search.timed(&band(1.0, 0.09)),
+                search.timed(&band(1e-5, 0.05))
+            ),
+            (None, None)
+        );
     }
 
     #[test]
     fn a_gap_is_a_motion_or_a_proof() {
         let robot = RobotDescription::sentry();
         let motion = |width| possible(&gap(width), &robot);
-        assert!(matches!(motion(robot.width + 0.05), Some(Possible::Motion(..))));
+        assert!(matches!(
+            motion(robot.width + 0.05),
+            Some(Possible::Motion(..))
+        ));
         assert_eq!(motion(robot.width - 0.05), Some(Possible::Nothing));
     }
 
     #[test]
     fn a_room_without_a_door_is_a_proof_and_a_way_around_is_none() {
         let robot = RobotDescription::sentry();
-        let corners = [(1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
+        let corners = [
+            (1.0, -1.0),
+            (1.0, 1.0),
+            (-1.0, 1.0),
+            (-1.0, -1.0),
+            (1.0, -1.0),
+        ];
         let walls: Vec<_> = corners.windows(2).map(|w| [w[0], w[1]]).collect();
         assert_eq!(possible(&ahead(&walls), &robot), Some(Possible::Nothing));
-        assert!(matches!(possible(&ahead(&walls[..1]), &robot), Some(Possible::Motion(..))));
+        assert!(matches!(
+            possible(&ahead(&walls[..1]), &robot),
+            Some(Possible::Motion(..))
+        ));
     }
 }

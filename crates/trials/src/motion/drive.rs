@@ -12,8 +12,8 @@ use openbench_motion::navigator::{Cause, NavigatorError, Step};
 use openbench_motion::teb::classes::{Explorer, Exploring};
 use openbench_motion::teb::settings::Limits;
 use openbench_motion::{
-    Blocked, Footprint, Guide, LocalPlanner, Navigation, Navigator, Obstacle, PlanError, Progress, Situation,
-    Surroundings,
+    Blocked, Footprint, Guide, LocalPlanner, Navigation, Navigator, Obstacle, PlanError, Progress,
+    Situation, Surroundings,
 };
 
 use super::scene::Scene;
@@ -75,7 +75,10 @@ struct SceneGuide<'a> {
 impl Guide for SceneGuide<'_> {
     fn way(&mut self, from: MapPoint, to: MapPoint) -> Result<Vec<MapPoint>, PlanError> {
         let ways = self.explorer.explore(from, to, &self.standing, &self.how);
-        ways.into_iter().next().map(|way| way.corners).ok_or(PlanError::NoWay(from, to))
+        ways.into_iter()
+            .next()
+            .map(|way| way.corners)
+            .ok_or(PlanError::NoWay(from, to))
     }
 
     fn is_blocked(&self, _path: &[MapPoint], _from: MapPoint) -> bool {
@@ -94,7 +97,9 @@ impl LocalPlanner for Timed {
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Progress, Blocked> {
         let began = ThreadTime::now();
         let decided = self.planner.plan(situation);
-        self.cycles.borrow_mut().push(began.elapsed().as_secs_f64() * 1e3);
+        self.cycles
+            .borrow_mut()
+            .push(began.elapsed().as_secs_f64() * 1e3);
         decided
     }
 
@@ -115,7 +120,13 @@ pub fn drive(
 ) -> Result<Drive, NavigatorError> {
     let (footprint, limits) = (Footprint::of(robot)?, Limits::of(robot)?);
     let cycles = Rc::new(RefCell::new(Vec::new()));
-    let mut navigator = Navigator::new(robot, Box::new(Timed { planner, cycles: Rc::clone(&cycles) }))?;
+    let mut navigator = Navigator::new(
+        robot,
+        Box::new(Timed {
+            planner,
+            cycles: Rc::clone(&cycles),
+        }),
+    )?;
     navigator.set_goal(scene.goal.point(), Some(scene.goal.yaw));
     let limit = LIMIT.0 + LIMIT.1 * scene.start.point().distance(scene.goal.point());
     let mut drive = Drive {
@@ -129,24 +140,45 @@ pub fn drive(
         track: vec![],
     };
     let mut explorer = Explorer::default();
-    let mut motion = Motion { pose: scene.start, velocity: Velocity::ZERO, command: Velocity::ZERO };
+    let mut motion = Motion {
+        pose: scene.start,
+        velocity: Velocity::ZERO,
+        command: Velocity::ZERO,
+    };
     let mut touch = Touch::new(&footprint, scene);
     let mut turned = 0.0;
     for cycle in 0..(limit / CYCLE) as usize {
         let time = cycle as f64 * CYCLE;
-        let by = scene.jump.filter(|j| time >= j.at).map_or([0.0; 2], |j| j.by);
+        let by = scene
+            .jump
+            .filter(|j| time >= j.at)
+            .map_or([0.0; 2], |j| j.by);
         let seen = seen(scene, motion.pose, time, by);
-        let pose = Pose2::new(motion.pose.x + by[0], motion.pose.y + by[1], motion.pose.yaw);
+        let pose = Pose2::new(
+            motion.pose.x + by[0],
+            motion.pose.y + by[1],
+            motion.pose.yaw,
+        );
         drive.track.push(motion.pose);
         let standing = seen.iter().filter(|o| !o.is_moving()).cloned().collect();
-        let mut guide = SceneGuide { explorer: &mut explorer, standing, how: exploring(&footprint) };
+        let mut guide = SceneGuide {
+            explorer: &mut explorer,
+            standing,
+            how: exploring(&footprint),
+        };
         let now = SimTime::ZERO + Duration::from_secs_f64(time);
-        let surroundings = Surroundings { time: now, pose, velocity: motion.velocity, obstacles: &seen };
+        let surroundings = Surroundings {
+            time: now,
+            pose,
+            velocity: motion.velocity,
+            obstacles: &seen,
+        };
         motion.command = match navigator.drive(&surroundings, &mut guide) {
             Navigation::Drive(velocity) => velocity,
             Navigation::Arrived => {
                 let there = is_there(pose, scene.goal);
-                (drive.end, drive.seconds) = (if there { End::Reached } else { End::Mistaken }, time);
+                (drive.end, drive.seconds) =
+                    (if there { End::Reached } else { End::Mistaken }, time);
                 break;
             }
             Navigation::Failed(cause) => {
@@ -166,14 +198,24 @@ pub fn drive(
     }
     (drive.collisions, drive.deepest) = (touch.count, touch.deepest);
     let steps = navigator.take_recoveries();
-    drive.recoveries = steps.iter().filter(|recovery| recovery.step != Step::Slow).count();
+    drive.recoveries = steps
+        .iter()
+        .filter(|recovery| recovery.step != Step::Slow)
+        .count();
     drive.cycles = cycles.take();
     Ok(drive)
 }
 
 fn exploring(footprint: &Footprint) -> Exploring {
     let keep = footprint.inscribed();
-    Exploring { cell: 0.04, around: 3.0, keep, comfort: keep + 0.25, most: 1, longest: 2.0 }
+    Exploring {
+        cell: 0.04,
+        around: 3.0,
+        keep,
+        comfort: keep + 0.25,
+        most: 1,
+        longest: 2.0,
+    }
 }
 
 /// Counts collisions: a robot that begins inside something by rounding may stay as it is.
@@ -188,8 +230,21 @@ struct Touch<'a> {
 
 impl<'a> Touch<'a> {
     fn new(footprint: &'a Footprint, scene: &'a Scene) -> Self {
-        let floor = 0.0_f64.min(clearance(footprint, scene.obstacles.iter(), scene.start, 0.0, 1.0));
-        Self { footprint, scene, floor, touching: false, count: 0, deepest: 0.0 }
+        let floor = 0.0_f64.min(clearance(
+            footprint,
+            scene.obstacles.iter(),
+            scene.start,
+            0.0,
+            1.0,
+        ));
+        Self {
+            footprint,
+            scene,
+            floor,
+            touching: false,
+            count: 0,
+            deepest: 0.0,
+        }
     }
 
     fn look(&mut self, pose: Pose2, time: f64) {
@@ -204,7 +259,8 @@ impl<'a> Touch<'a> {
 
 /// Whether a robot at `pose` has arrived: what planners are told to keep to, and what the best motion's time is counted to.
 pub fn is_there(pose: Pose2, goal: Pose2) -> bool {
-    pose.point().distance(goal.point()) < TOLERANCE.0 && wrap_angle(pose.yaw - goal.yaw).abs() < TOLERANCE.1
+    pose.point().distance(goal.point()) < TOLERANCE.0
+        && wrap_angle(pose.yaw - goal.yaw).abs() < TOLERANCE.1
 }
 
 fn seen(scene: &Scene, pose: Pose2, time: f64, by: [f64; 2]) -> Vec<Obstacle> {
@@ -215,6 +271,8 @@ fn seen(scene: &Scene, pose: Pose2, time: f64, by: [f64; 2]) -> Vec<Obstacle> {
 
 fn shifted(o: &Obstacle, by: [f64; 2]) -> Obstacle {
     let (corners, rounding) = o.outline();
-    let corners: Vec<MapPoint> = corners.map(|c| MapPoint::new(c.x + by[0], c.y + by[1])).collect();
+    let corners: Vec<MapPoint> = corners
+        .map(|c| MapPoint::new(c.x + by[0], c.y + by[1]))
+        .collect();
     Obstacle::new(&corners, rounding, o.velocity()).unwrap_or_else(|_| o.clone())
 }

@@ -32,7 +32,8 @@ const LIMIT: Duration = Duration::from_secs(3000);
 const STREAM: u64 = 41;
 
 /// Makes the local planner of a drive.
-pub type MakePlanner<'a> = dyn Fn(&RobotDescription) -> Result<Box<dyn LocalPlanner>, PartError> + Sync + 'a;
+pub type MakePlanner<'a> =
+    dyn Fn(&RobotDescription) -> Result<Box<dyn LocalPlanner>, PartError> + Sync + 'a;
 
 /// What is driven.
 #[derive(Clone, Copy)]
@@ -104,7 +105,10 @@ pub fn drive(
             Ok::<_, BenchError>(part)
         },
     )?;
-    let traffic = prepared.traffic(request.seed).map(|t| t.placed()).unwrap_or_default();
+    let traffic = prepared
+        .traffic(request.seed)
+        .map(|t| t.placed())
+        .unwrap_or_default();
     Ok(sum(traffic, parts.into_iter()))
 }
 
@@ -163,19 +167,38 @@ impl<'a> Course<'a> {
             let why = "fewer than two doors can be reached: there is nowhere to drive";
             return Err(BenchError::world(why));
         }
-        Ok(Self { prepared, map: prepared.osm_map(), places })
+        Ok(Self {
+            prepared,
+            map: prepared.osm_map(),
+            places,
+        })
     }
 
     fn terrain(&self) -> Result<Terrain, BenchError> {
         let Prepared { world, robot, .. } = self.prepared;
-        Terrain::new(self.map.clone(), None, world.start.point(), robot, Preferences::NONE)
-            .map_err(BenchError::world)
+        Terrain::new(
+            self.map.clone(),
+            None,
+            world.start.point(),
+            robot,
+            Preferences::NONE,
+        )
+        .map_err(BenchError::world)
     }
 
     /// One of the places, but not where the robot is.
     fn draw(&self, here: MapPoint, noise: &mut Noise) -> MapPoint {
-        let others: Vec<MapPoint> = self.places.iter().copied().filter(|p| p.distance(here) > 1.0).collect();
-        let from = if others.is_empty() { &self.places } else { &others };
+        let others: Vec<MapPoint> = self
+            .places
+            .iter()
+            .copied()
+            .filter(|p| p.distance(here) > 1.0)
+            .collect();
+        let from = if others.is_empty() {
+            &self.places
+        } else {
+            &others
+        };
         from[((noise.uniform() * from.len() as f64) as usize).min(from.len() - 1)]
     }
 }
@@ -203,7 +226,11 @@ struct Ride<'a> {
 }
 
 impl<'a> Ride<'a> {
-    fn new(course: &'a Course<'a>, planner: Box<dyn LocalPlanner>, seed: u64) -> Result<Self, BenchError> {
+    fn new(
+        course: &'a Course<'a>,
+        planner: Box<dyn LocalPlanner>,
+        seed: u64,
+    ) -> Result<Self, BenchError> {
         let (prepared, handle) = (course.prepared, TruthHandle::default());
         let simulator = prepared.simulator(seed)?;
         handle.set(simulator.time(), pose(&simulator));
@@ -234,7 +261,8 @@ impl<'a> Ride<'a> {
         self.among.seconds = self.simulator.time().seconds();
         self.among.encounters = self.encounters.totals().into();
         self.among.smoothness = self.smoothness.sum();
-        self.among.collisions = collisions::by_class(collisions.iter().map(|c| (c.class.name(), c.into())));
+        self.among.collisions =
+            collisions::by_class(collisions.iter().map(|c| (c.class.name(), c.into())));
         self.among.bumps = collisions.iter().map(|c| Bumped::of(c, number)).collect();
         self.among
     }
@@ -244,7 +272,10 @@ impl<'a> Ride<'a> {
         self.localizer.update(&observation);
         self.driver.observe_wheels(observation.wheels);
         if let Some(scan) = observation.scan {
-            self.driver.observe(&self.perception.observe(scan, &self.localizer), observation.time);
+            self.driver.observe(
+                &self.perception.observe(scan, &self.localizer),
+                observation.time,
+            );
         }
     }
 
@@ -252,7 +283,11 @@ impl<'a> Ride<'a> {
         let (here, now) = (self.localizer.pose(), self.simulator.time());
         if std::mem::take(&mut self.sets_out) {
             let point = self.course.draw(here.point(), &mut self.noise);
-            self.driver.set_target(Target { point, yaw: None, must: true });
+            self.driver.set_target(Target {
+                point,
+                yaw: None,
+                must: true,
+            });
         }
         match self.driver.drive(here, now, &mut Deaf) {
             Driving::OnTheWay(velocity) => return velocity,
@@ -270,7 +305,11 @@ impl<'a> Ride<'a> {
         self.handle.set(self.simulator.time(), now);
         self.among.metres += before.point().distance(now.point());
         self.smoothness.step(before, now, seconds);
-        self.encounters.update(seconds, &self.simulator.robot_state(), self.simulator.movers());
+        self.encounters.update(
+            seconds,
+            &self.simulator.robot_state(),
+            self.simulator.movers(),
+        );
     }
 }
 

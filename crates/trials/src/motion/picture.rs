@@ -15,7 +15,11 @@ const EVERY: usize = 10;
 
 /// The scene as it is at the start, the robot's footprint on its way, and the goal.
 pub fn picture(scene: &Scene, drive: &Drive, robot: &RobotDescription) -> String {
-    let places = drive.track.iter().map(|p| p.point()).chain([scene.start.point(), scene.goal.point()]);
+    let places = drive
+        .track
+        .iter()
+        .map(|p| p.point())
+        .chain([scene.start.point(), scene.goal.point()]);
     let (mut low, mut high) = (scene.start.point(), scene.start.point());
     for p in places {
         low = MapPoint::new(low.x.min(p.x), low.y.min(p.y));
@@ -35,23 +39,41 @@ pub fn picture(scene: &Scene, drive: &Drive, robot: &RobotDescription) -> String
     outline(&mut svg, robot, scene.start, "#2f855a");
     outline(&mut svg, robot, scene.goal, "#c53030");
     let nose = scene.goal.transform(robot.length / 2.0, 0.0);
-    let _ = writeln!(svg, "<circle cx=\"{:.3}\" cy=\"{:.3}\" r=\"0.04\" fill=\"#c53030\"/>", nose.x, nose.y);
+    let _ = writeln!(
+        svg,
+        "<circle cx=\"{:.3}\" cy=\"{:.3}\" r=\"0.04\" fill=\"#c53030\"/>",
+        nose.x, nose.y
+    );
     svg.push_str("</g>\n</svg>\n");
     svg
 }
 
 fn obstacle(svg: &mut String, obstacle: &Obstacle) {
     let (corners, rounding) = obstacle.outline();
-    let color = if obstacle.is_moving() { "#dd6b20" } else { "#a0aec0" };
+    let color = if obstacle.is_moving() {
+        "#dd6b20"
+    } else {
+        "#a0aec0"
+    };
     let corners: Vec<MapPoint> = corners.collect();
     let width = (2.0 * rounding).max(0.02);
     if let [middle] = corners[..] {
         let (x, y) = (middle.x, middle.y);
-        let _ = writeln!(svg, "<circle cx=\"{x:.3}\" cy=\"{y:.3}\" r=\"{rounding:.3}\" fill=\"{color}\"/>");
+        let _ = writeln!(
+            svg,
+            "<circle cx=\"{x:.3}\" cy=\"{y:.3}\" r=\"{rounding:.3}\" fill=\"{color}\"/>"
+        );
         let [vx, vy] = obstacle.velocity();
-        let _ = writeln!(svg, "<path d=\"M{x:.3} {y:.3}l{vx:.3} {vy:.3}\" stroke=\"{color}\"/>");
+        let _ = writeln!(
+            svg,
+            "<path d=\"M{x:.3} {y:.3}l{vx:.3} {vy:.3}\" stroke=\"{color}\"/>"
+        );
     } else {
-        polygon(svg, &corners, &format!("fill=\"{color}\" stroke=\"{color}\" stroke-width=\"{width:.3}\""));
+        polygon(
+            svg,
+            &corners,
+            &format!("fill=\"{color}\" stroke=\"{color}\" stroke-width=\"{width:.3}\""),
+        );
     }
 }
 
@@ -62,6 +84,9 @@ fn outline(svg: &mut String, robot: &RobotDescription, pose: Pose2, color: &str)
 }
 
 fn polygon(svg: &mut String, corners: &[MapPoint], style: &str) {
-    let points: Vec<String> = corners.iter().map(|c| format!("{:.3},{:.3}", c.x, c.y)).collect();
+    let points: Vec<String> = corners
+        .iter()
+        .map(|c| format!("{:.3},{:.3}", c.x, c.y))
+        .collect();
     let _ = writeln!(svg, "<polygon points=\"{}\" {style}/>", points.join(" "));
 }

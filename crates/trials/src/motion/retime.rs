@@ -26,12 +26,18 @@ const ROUNDING: f64 = 1e-6;
 
 /// A band's way at new times, from rest to rest, standing where both rims turn round and nowhere else; `None` if nothing of it is a way. What of it is sideways takes no time.
 pub fn retimed(band: &Band, limits: &Limits) -> Option<Band> {
-    let mut knots = vec![Knot { pose: band.knots()[0].pose, time: 0.0 }];
+    let mut knots = vec![Knot {
+        pose: band.knots()[0].pose,
+        time: 0.0,
+    }];
     for piece in pieces(band.knots(), limits.half_track) {
         let poses = divided(piece, limits.half_track);
         let began = knots[knots.len() - 1].time;
         let times = times(&poses, limits)?;
-        knots.extend(poses.iter().zip(times).skip(1).map(|(&pose, time)| Knot { pose, time: began + time }));
+        knots.extend(poses.iter().zip(times).skip(1).map(|(&pose, time)| Knot {
+            pose,
+            time: began + time,
+        }));
     }
     Band::new(knots)
 }
@@ -68,9 +74,14 @@ fn divided(piece: &[Knot], half_track: f64) -> Vec<Pose2> {
     let mut passed = 0.0;
     for pair in piece.windows(2) {
         let length = length(pair);
-        while (poses.len() as f64) < count && poses.len() as f64 * whole / count <= passed + length {
+        while (poses.len() as f64) < count && poses.len() as f64 * whole / count <= passed + length
+        {
             let at = poses.len() as f64 * whole / count - passed;
-            poses.push(on_arc(pair[0].pose, pair[1].pose, if length > 0.0 { at / length } else { 1.0 }));
+            poses.push(on_arc(
+                pair[0].pose,
+                pair[1].pose,
+                if length > 0.0 { at / length } else { 1.0 },
+            ));
         }
         passed += length;
     }
@@ -113,14 +124,25 @@ impl Way {
     fn of(poses: &[Pose2], limits: &Limits) -> Self {
         let moved: Vec<(f64, f64)> = poses.windows(2).map(|w| moved(w[0], w[1])).collect();
         let cap = |&(along, turn): &(f64, f64)| {
-            let speed = if along < 0.0 { limits.backward } else { limits.forward };
+            let speed = if along < 0.0 {
+                limits.backward
+            } else {
+                limits.forward
+            };
             let rate = (speed / along.abs()).min(limits.turn / turn.abs());
             (rate * rate).min(MOST)
         };
         let inner = moved.windows(2).map(|w| cap(&w[0]).min(cap(&w[1])));
         let caps = std::iter::once(0.0).chain(inner).chain([0.0]).collect();
-        let rims = moved.iter().map(|&moved| rims(moved, limits.half_track)).collect();
-        Self { rims, caps, acceleration: limits.acceleration }
+        let rims = moved
+            .iter()
+            .map(|&moved| rims(moved, limits.half_track))
+            .collect();
+        Self {
+            rims,
+            caps,
+            acceleration: limits.acceleration,
+        }
     }
 
     /// When each knot is reached, forwards from the start as fast as the rest allows.
@@ -142,11 +164,13 @@ impl Way {
         let mut slower = false;
         for k in 1..self.rims.len() {
             let (before, after) = (times[k] - times[k - 1], times[k + 1] - times[k]);
-            let change = |side: usize| (self.rims[k][side] / after - self.rims[k - 1][side] / before).abs();
+            let change =
+                |side: usize| (self.rims[k][side] / after - self.rims[k - 1][side] / before).abs();
             let ratio = change(0).max(change(1)) * 2.0 / (before + after) / self.acceleration;
             if ratio > 1.0 + EXCESS {
-                self.caps[k] =
-                    (self.caps[k].min((2.0 / (before + after)).powi(2)) / (ratio * ratio)).max(LEAST);
+                self.caps[k] = (self.caps[k].min((2.0 / (before + after)).powi(2))
+                    / (ratio * ratio))
+                    .max(LEAST);
                 slower = true;
             }
         }
@@ -181,7 +205,8 @@ impl Way {
         let after = self.rims.get(k + 1).copied().unwrap_or(here);
         for side in 0..2 {
             let (bend, mean) = (here[side] - before[side], (here[side] + before[side]) / 2.0);
-            let (bend_after, mean_after) = (after[side] - here[side], (after[side] + here[side]) / 2.0);
+            let (bend_after, mean_after) =
+                (after[side] - here[side], (after[side] + here[side]) / 2.0);
             // At its beginning, and at its end, where z has grown by 2 s̈.
             for (of_z, of_w) in [(bend, mean), (bend_after, mean_after + 2.0 * bend_after)] {
                 let (least, most) = (-self.acceleration - of_z * z, self.acceleration - of_z * z);
@@ -203,11 +228,19 @@ mod tests {
     use openbench_core::MapPoint;
     use proptest::prelude::*;
 
-    const LIMITS: Limits =
-        Limits { forward: 0.5, backward: 0.2, turn: 1.0, acceleration: 1.0, half_track: 0.2 };
+    const LIMITS: Limits = Limits {
+        forward: 0.5,
+        backward: 0.2,
+        turn: 1.0,
+        acceleration: 1.0,
+        half_track: 0.2,
+    };
 
     fn through(poses: &[(f64, f64, f64)]) -> Band {
-        let knot = |(i, &(x, y, yaw))| Knot { pose: Pose2::new(x, y, yaw), time: i as f64 };
+        let knot = |(i, &(x, y, yaw))| Knot {
+            pose: Pose2::new(x, y, yaw),
+            time: i as f64,
+        };
         Band::new(poses.iter().enumerate().map(knot).collect()).unwrap()
     }
 
@@ -230,22 +263,39 @@ mod tests {
         let near = |found: f64, expected: f64| (found / expected - 1.0).abs() < 5e-3;
         for length in [0.1, 0.2, 1.0, 3.0] {
             assert!(
-                near(seconds(&[(0.0, 0.0, 0.0), (length, 0.0, 0.0)]), ramps(length, 0.5, 1.0)),
+                near(
+                    seconds(&[(0.0, 0.0, 0.0), (length, 0.0, 0.0)]),
+                    ramps(length, 0.5, 1.0)
+                ),
                 "{length}"
             );
             assert!(
-                near(seconds(&[(0.0, 0.0, 0.0), (-length, 0.0, 0.0)]), ramps(length, 0.2, 1.0)),
+                near(
+                    seconds(&[(0.0, 0.0, 0.0), (-length, 0.0, 0.0)]),
+                    ramps(length, 0.2, 1.0)
+                ),
                 "{length}"
             );
         }
         // On the spot: the rims, 0.2 m from the middle, accelerate by 1 m/s², the robot by 5 rad/s².
         for turn in [0.1, -0.3, 2.0, -6.0] {
             let found = seconds(&[(0.0, 0.0, 0.0), (0.0, 0.0, turn)]);
-            assert!(near(found, ramps(f64::abs(turn), 1.0, 5.0)), "{turn} {found}");
+            assert!(
+                near(found, ramps(f64::abs(turn), 1.0, 5.0)),
+                "{turn} {found}"
+            );
         }
         // Forth and back.
-        let found = seconds(&[(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.5, 0.0, 0.0)]);
-        assert!(near(found, ramps(1.0, 0.5, 1.0) + ramps(0.5, 0.2, 1.0)), "{found}");
+        let found = seconds(&[
+            (0.0, 0.0, 0.0),
+            (1.0, 0.0, 0.0),
+            (1.0, 0.0, 0.0),
+            (0.5, 0.0, 0.0),
+        ]);
+        assert!(
+            near(found, ramps(1.0, 0.5, 1.0) + ramps(0.5, 0.2, 1.0)),
+            "{found}"
+        );
     }
 
     #[test]
@@ -259,7 +309,10 @@ mod tests {
 
     #[test]
     fn a_band_that_goes_nowhere_has_no_times() {
-        assert_eq!(retimed(&through(&[(1.0, 2.0, 0.5), (1.0, 2.0, 0.5)]), &LIMITS), None);
+        assert_eq!(
+            retimed(&through(&[(1.0, 2.0, 0.5), (1.0, 2.0, 0.5)]), &LIMITS),
+            None
+        );
     }
 
     proptest! {

@@ -92,11 +92,23 @@ pub struct Scene {
 
 /// The scene of a number: its kind is the number's, all else the seed's.
 pub fn scene(number: usize, seed: u64, robot: &RobotDescription) -> Result<Scene, ShapeError> {
-    let mut rng = Pcg64Mcg::seed_from_u64(seed ^ (number as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    let mut rng =
+        Pcg64Mcg::seed_from_u64(seed ^ (number as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
     let kind = Kind::ALL[number % Kind::ALL.len()];
-    let mut draft = Draft { rng: &mut rng, robot, goal: Pose2::default(), obstacles: Vec::new(), jump: None };
+    let mut draft = Draft {
+        rng: &mut rng,
+        robot,
+        goal: Pose2::default(),
+        obstacles: Vec::new(),
+        jump: None,
+    };
     draft.draw(kind)?;
-    let Draft { goal, obstacles, jump, .. } = draft;
+    let Draft {
+        goal,
+        obstacles,
+        jump,
+        ..
+    } = draft;
     let place = Placing {
         mirror: if rng.random::<bool>() { -1.0 } else { 1.0 },
         at: Pose2::new(
@@ -109,8 +121,14 @@ pub fn scene(number: usize, seed: u64, robot: &RobotDescription) -> Result<Scene
         kind,
         start: place.pose(Pose2::default()),
         goal: place.pose(goal),
-        obstacles: obstacles.iter().map(|o| place.obstacle(o)).collect::<Result<_, _>>()?,
-        jump: jump.map(|j| Jump { by: place.vector(j.by), ..j }),
+        obstacles: obstacles
+            .iter()
+            .map(|o| place.obstacle(o))
+            .collect::<Result<_, _>>()?,
+        jump: jump.map(|j| Jump {
+            by: place.vector(j.by),
+            ..j
+        }),
     })
 }
 
@@ -126,7 +144,10 @@ impl Placing {
     }
 
     fn vector(&self, v: [f64; 2]) -> [f64; 2] {
-        let (a, b) = (self.point(MapPoint::new(v[0], v[1])), self.point(MapPoint::default()));
+        let (a, b) = (
+            self.point(MapPoint::new(v[0], v[1])),
+            self.point(MapPoint::default()),
+        );
         [a.x - b.x, a.y - b.y]
     }
 
@@ -191,8 +212,17 @@ impl Draft<'_> {
     }
 
     fn block(&mut self, low: (f64, f64), high: (f64, f64)) -> Result<(), ShapeError> {
-        let corners = [(low.0, low.1), (high.0, low.1), (high.0, high.1), (low.0, high.1)];
-        self.obstacles.push(Obstacle::new(&corners.map(|(x, y)| MapPoint::new(x, y)), 0.0, [0.0; 2])?);
+        let corners = [
+            (low.0, low.1),
+            (high.0, low.1),
+            (high.0, high.1),
+            (low.0, high.1),
+        ];
+        self.obstacles.push(Obstacle::new(
+            &corners.map(|(x, y)| MapPoint::new(x, y)),
+            0.0,
+            [0.0; 2],
+        )?);
         Ok(())
     }
 
@@ -210,8 +240,9 @@ impl Draft<'_> {
             1 => Obstacle::wall(at, at.offset(self.between(-3.1, 3.1), 2.0 * size))?,
             _ => {
                 let (sides, turn) = (self.rng.random_range(3..7), self.between(0.0, 6.3));
-                let corner =
-                    |i: usize| at.offset(turn + std::f64::consts::TAU * i as f64 / sides as f64, size);
+                let corner = |i: usize| {
+                    at.offset(turn + std::f64::consts::TAU * i as f64 / sides as f64, size)
+                };
                 Obstacle::new(&(0..sides).map(corner).collect::<Vec<_>>(), 0.0, [0.0; 2])?
             }
         };
@@ -239,20 +270,35 @@ impl Draft<'_> {
     }
 
     fn narrow_gap(&mut self) -> Result<(), ShapeError> {
-        let spare = if self.chance(0.85) { 0.05 } else { self.between(-0.05, -0.01) };
+        let spare = if self.chance(0.85) {
+            0.05
+        } else {
+            self.between(-0.05, -0.01)
+        };
         let half = (self.robot.width + spare) / 2.0;
-        let (x, y, thick) = (self.between(1.2, 2.5), self.between(-1.5, 1.5), self.between(0.02, 0.5));
+        let (x, y, thick) = (
+            self.between(1.2, 2.5),
+            self.between(-1.5, 1.5),
+            self.between(0.02, 0.5),
+        );
         self.room((-1.0, -3.0), (5.0, 3.0))?;
         self.block((x, -3.0), (x + thick, y - half))?;
         self.block((x, y + half), (x + thick, 3.0))?;
-        self.goal =
-            Pose2::new(self.between(x + thick + 0.6, 4.5), self.between(-2.0, 2.0), self.between(-3.1, 3.1));
+        self.goal = Pose2::new(
+            self.between(x + thick + 0.6, 4.5),
+            self.between(-2.0, 2.0),
+            self.between(-3.1, 3.1),
+        );
         Ok(())
     }
 
     fn dead_end(&mut self) -> Result<(), ShapeError> {
         let narrow = self.chance(0.5);
-        let half = if narrow { self.between(0.19, 0.22) } else { self.between(0.3, 0.8) };
+        let half = if narrow {
+            self.between(0.19, 0.22)
+        } else {
+            self.between(0.3, 0.8)
+        };
         let (front, back) = (self.between(0.3, 1.5), self.between(0.5, 2.0));
         let closed = self.chance(0.15);
         self.room((-back - 3.0, -3.0), (front + 2.0, 3.0))?;
@@ -263,7 +309,11 @@ impl Draft<'_> {
             self.block((-back - 0.1, -half - 0.1), (-back, half + 0.1))?;
         }
         let behind = self.chance(0.5);
-        let x = if behind { -back - self.between(0.8, 2.0) } else { front + self.between(0.6, 1.4) };
+        let x = if behind {
+            -back - self.between(0.8, 2.0)
+        } else {
+            front + self.between(0.6, 1.4)
+        };
         self.goal = Pose2::new(x, self.between(-1.5, 1.5), self.between(-3.1, 3.1));
         Ok(())
     }
@@ -278,7 +328,11 @@ impl Draft<'_> {
         self.block((x, y + half), (x + 0.1, 3.0))?;
         let side = if self.rng.random::<bool>() { 1.0 } else { -1.0 };
         let along = side * self.between(1.0, 1.8) + y;
-        self.goal = Pose2::new(x + 0.1 + width / 2.0, along, side * std::f64::consts::FRAC_PI_2);
+        self.goal = Pose2::new(
+            x + 0.1 + width / 2.0,
+            along,
+            side * std::f64::consts::FRAC_PI_2,
+        );
         Ok(())
     }
 
@@ -286,16 +340,27 @@ impl Draft<'_> {
         let half = self.between(0.3, 1.0);
         self.room((-5.0, -half), (2.0, half))?;
         let x = -self.between(1.0, 4.0);
-        self.goal = Pose2::new(x, self.between(-half + 0.25, half - 0.25), std::f64::consts::PI);
+        self.goal = Pose2::new(
+            x,
+            self.between(-half + 0.25, half - 0.25),
+            std::f64::consts::PI,
+        );
         Ok(())
     }
 
     /// Somebody who passes through `at` after `seconds` with `speed` towards `bearing`.
-    fn somebody(&mut self, at: MapPoint, seconds: f64, speed: f64, bearing: f64) -> Result<(), ShapeError> {
+    fn somebody(
+        &mut self,
+        at: MapPoint,
+        seconds: f64,
+        speed: f64,
+        bearing: f64,
+    ) -> Result<(), ShapeError> {
         let from = at.offset(bearing + std::f64::consts::PI, speed * seconds);
         let (sin, cos) = libm::sincos(bearing);
         let radius = self.between(0.2, 0.3);
-        self.obstacles.push(Obstacle::new(&[from], radius, [speed * cos, speed * sin])?);
+        self.obstacles
+            .push(Obstacle::new(&[from], radius, [speed * cos, speed * sin])?);
         Ok(())
     }
 
@@ -305,7 +370,10 @@ impl Draft<'_> {
             let at = MapPoint::new(self.between(1.0, 4.0), 0.0);
             let side = if self.rng.random::<bool>() { 1.0 } else { -1.0 };
             let bearing = side * self.between(0.9, 2.2);
-            let (seconds, speed) = (at.x / 0.45 + self.between(-1.0, 1.0), self.between(0.4, 1.3));
+            let (seconds, speed) = (
+                at.x / 0.45 + self.between(-1.0, 1.0),
+                self.between(0.4, 1.3),
+            );
             self.somebody(at, seconds, speed, bearing)?;
         }
         Ok(())
@@ -344,7 +412,10 @@ impl Draft<'_> {
         let count = self.rng.random_range(2..10);
         self.things(count, 0.9)?;
         let (sin, cos) = libm::sincos(self.between(-3.1, 3.1));
-        self.jump = Some(Jump { at: self.between(1.0, 5.0), by: [0.5 * cos, 0.5 * sin] });
+        self.jump = Some(Jump {
+            at: self.between(1.0, 5.0),
+            by: [0.5 * cos, 0.5 * sin],
+        });
         Ok(())
     }
 }
@@ -376,7 +447,11 @@ mod tests {
             let clear = clearance(&footprint, scene.obstacles.iter(), scene.start, 0.0, 1.0);
             let touching = scene.kind == Kind::Touching;
             assert!(
-                if touching { (-1e-9..=0.0051).contains(&clear) } else { clear > 0.0 },
+                if touching {
+                    (-1e-9..=0.0051).contains(&clear)
+                } else {
+                    clear > 0.0
+                },
                 "{number} {clear}"
             );
             let length = scene.start.point().distance(scene.goal.point());
@@ -385,7 +460,11 @@ mod tests {
             assert_eq!(scene.kind == Kind::Jump, by.is_some());
             assert!(by.is_none_or(|by| (by - 0.5).abs() < 1e-9));
             let moves = scene.obstacles.iter().any(Obstacle::is_moving);
-            assert_eq!(moves, matches!(scene.kind, Kind::Crossers | Kind::HeadOn), "{number}");
+            assert_eq!(
+                moves,
+                matches!(scene.kind, Kind::Crossers | Kind::HeadOn),
+                "{number}"
+            );
         }
     }
 }

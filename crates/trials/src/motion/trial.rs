@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 
 use openbench_core::RobotDescription;
 use openbench_motion::navigator::{Cause, NavigatorError};
-use openbench_motion::{Follower, FollowerError, LocalPlanner, Mppi, MppiError, Teb, TebError, TebSettings};
+use openbench_motion::{
+    Follower, FollowerError, LocalPlanner, Mppi, MppiError, Teb, TebError, TebSettings,
+};
 use serde::Serialize;
 
 use openbench_bench::run::threads;
@@ -159,8 +161,20 @@ pub struct Outcome {
 impl Outcome {
     /// What sums are made of: a drive's track and its scene are by far larger than all else.
     fn without_pictures(self) -> Self {
-        let bare = |(planner, drive): (PlannerKind, Drive)| (planner, Drive { track: Vec::new(), ..drive });
-        Self { scene: None, drives: self.drives.into_iter().map(bare).collect(), ..self }
+        let bare = |(planner, drive): (PlannerKind, Drive)| {
+            (
+                planner,
+                Drive {
+                    track: Vec::new(),
+                    ..drive
+                },
+            )
+        };
+        Self {
+            scene: None,
+            drives: self.drives.into_iter().map(bare).collect(),
+            ..self
+        }
     }
 }
 
@@ -215,35 +229,75 @@ pub fn decided(
     Ok((None, DRAWS as usize))
 }
 
-fn outcome(number: usize, request: &Request<'_>, robot: &RobotDescription) -> Result<Outcome, TrialError> {
+fn outcome(
+    number: usize,
+    request: &Request<'_>,
+    robot: &RobotDescription,
+) -> Result<Outcome, TrialError> {
     let (found, undecided) = decided(number, request.seed, robot)?;
     let kind = Kind::ALL[number % Kind::ALL.len()];
     let Some((scene, known)) = found else {
-        return Ok(Outcome { number, kind, scene: None, best: None, undecided, drives: vec![] });
+        return Ok(Outcome {
+            number,
+            kind,
+            scene: None,
+            best: None,
+            undecided,
+            drives: vec![],
+        });
     };
-    let drives = request.planners.iter().map(|p| Ok((*p, drive(&scene, robot, p.make(robot)?)?)));
+    let drives = request
+        .planners
+        .iter()
+        .map(|p| Ok((*p, drive(&scene, robot, p.make(robot)?)?)));
     let drives = drives.collect::<Result<Vec<_>, TrialError>>()?;
     let best = match known {
-        Possible::Motion(_, seconds) => {
-            Some(fastest(seconds, &drives, |d| polished(&scene, robot, &d.track, CYCLE)))
-        }
+        Possible::Motion(_, seconds) => Some(fastest(seconds, &drives, |d| {
+            polished(&scene, robot, &d.track, CYCLE)
+        })),
         Possible::Nothing | Possible::Unknown => None,
     };
-    Ok(Outcome { number, kind, scene: Some(scene), best, undecided, drives })
+    Ok(Outcome {
+        number,
+        kind,
+        scene: Some(scene),
+        best,
+        undecided,
+        drives,
+    })
 }
 
 /// The best that is known: a long search may be beaten by a drive, and a drive by what can be made of it. So whoever else drives may make the others' ratios a little larger.
-fn fastest(found: f64, drives: &[(PlannerKind, Drive)], polished: impl Fn(&Drive) -> Option<f64>) -> f64 {
-    let good = drives.iter().map(|(_, d)| d).filter(|d| d.end == End::Reached && d.collisions == 0);
-    good.flat_map(|d| [Some(d.seconds), polished(d)]).flatten().fold(found, f64::min)
+fn fastest(
+    found: f64,
+    drives: &[(PlannerKind, Drive)],
+    polished: impl Fn(&Drive) -> Option<f64>,
+) -> f64 {
+    let good = drives
+        .iter()
+        .map(|(_, d)| d)
+        .filter(|d| d.end == End::Reached && d.collisions == 0);
+    good.flat_map(|d| [Some(d.seconds), polished(d)])
+        .flatten()
+        .fold(found, f64::min)
 }
 
 fn summary(seed: u64, planners: &[PlannerKind], outcomes: &[Outcome]) -> Trial {
     let rows = |kind: Option<Kind>, planner: PlannerKind| {
         let of_kind = outcomes.iter().filter(|o| kind.is_none_or(|k| k == o.kind));
-        row(of_kind.flat_map(|o| o.drives.iter().filter(|d| d.0 == planner).map(|d| (o.best, &d.1))))
+        row(of_kind.flat_map(|o| {
+            o.drives
+                .iter()
+                .filter(|d| d.0 == planner)
+                .map(|d| (o.best, &d.1))
+        }))
     };
-    let kinds = |planner| Kind::ALL.into_iter().map(|kind| (kind, rows(Some(kind), planner))).collect();
+    let kinds = |planner| {
+        Kind::ALL
+            .into_iter()
+            .map(|kind| (kind, rows(Some(kind), planner)))
+            .collect()
+    };
     Trial {
         seed,
         scenes: outcomes.iter().filter(|o| !o.drives.is_empty()).count(),
@@ -278,7 +332,12 @@ fn row<'a>(drives: impl Iterator<Item = (Option<f64>, &'a Drive)>) -> Row {
         }
     }
     cycles.sort_by(f64::total_cmp);
-    let at = |share: f64| cycles.get((cycles.len() as f64 * share) as usize).copied().unwrap_or(0.0);
+    let at = |share: f64| {
+        cycles
+            .get((cycles.len() as f64 * share) as usize)
+            .copied()
+            .unwrap_or(0.0)
+    };
     (row.cycle_ms_p50, row.cycle_ms_p99) = (at(0.5), at(0.99));
     let mean = |sum: f64| (!ratios.is_empty()).then(|| sum / ratios.len() as f64);
     row.time_ratio_mean = mean(ratios.iter().sum::<f64>());
@@ -294,21 +353,32 @@ fn is_right_refusal(end: &End) -> bool {
 fn failures(outcome: &Outcome) -> Vec<Failure> {
     let wrong = outcome.drives.iter().filter_map(|(planner, drive)| {
         let what = what_is_wrong(outcome.best, drive)?;
-        Some(Failure { planner: *planner, scene: outcome.number, kind: outcome.kind, what })
+        Some(Failure {
+            planner: *planner,
+            scene: outcome.number,
+            kind: outcome.kind,
+            what,
+        })
     });
     wrong.collect()
 }
 
 fn what_is_wrong(best: Option<f64>, drive: &Drive) -> Option<String> {
     if drive.collisions > 0 {
-        return Some(format!("{} collisions, the deepest {:.3} m", drive.collisions, drive.deepest));
+        return Some(format!(
+            "{} collisions, the deepest {:.3} m",
+            drive.collisions, drive.deepest
+        ));
     }
     match (best, &drive.end) {
         (Some(best), End::Reached) if drive.seconds > SLOW * best => {
             Some(format!("{:.1} s, the best is {best:.1} s", drive.seconds))
         }
         (Some(_), End::Reached) if drive.swerves as f64 > SWERVES.0 + SWERVES.1 * drive.seconds => {
-            Some(format!("{} swerves in {:.1} s", drive.swerves, drive.seconds))
+            Some(format!(
+                "{} swerves in {:.1} s",
+                drive.swerves, drive.seconds
+            ))
         }
         (Some(_), End::Reached) => None,
         (None, end) if is_right_refusal(end) => None,
@@ -337,7 +407,10 @@ mod tests {
     }
 
     fn no_way() -> End {
-        End::GaveUp(Cause::NoWay(PlanError::NoWay(MapPoint::default(), MapPoint::new(1.0, 0.0))))
+        End::GaveUp(Cause::NoWay(PlanError::NoWay(
+            MapPoint::default(),
+            MapPoint::new(1.0, 0.0),
+        )))
     }
 
     #[test]
@@ -345,10 +418,23 @@ mod tests {
         let wrong = |best, drive: Drive| what_is_wrong(best, &drive).unwrap_or_default();
         assert_eq!(wrong(Some(10.0), driven(End::Reached, 13.0)), "");
         assert_eq!(wrong(None, driven(no_way(), 1.0)), "");
-        assert_eq!(wrong(Some(10.0), driven(End::Reached, 13.1)), "13.1 s, the best is 10.0 s");
-        let collision = Drive { collisions: 1, deepest: 0.02, ..driven(End::Reached, 9.0) };
-        assert_eq!(wrong(Some(10.0), collision), "1 collisions, the deepest 0.020 m");
-        let swerving = Drive { swerves: 15, ..driven(End::Reached, 10.0) };
+        assert_eq!(
+            wrong(Some(10.0), driven(End::Reached, 13.1)),
+            "13.1 s, the best is 10.0 s"
+        );
+        let collision = Drive {
+            collisions: 1,
+            deepest: 0.02,
+            ..driven(End::Reached, 9.0)
+        };
+        assert_eq!(
+            wrong(Some(10.0), collision),
+            "1 collisions, the deepest 0.020 m"
+        );
+        let swerving = Drive {
+            swerves: 15,
+            ..driven(End::Reached, 10.0)
+        };
         assert_eq!(wrong(Some(10.0), swerving), "15 swerves in 10.0 s");
         assert!(wrong(Some(10.0), driven(no_way(), 1.0)).starts_with("gave up: "));
         for end in [End::Timeout, End::Mistaken, End::Reached] {
@@ -358,7 +444,10 @@ mod tests {
 
     #[test]
     fn a_row_sums_up_what_was_reached_and_what_was_refused() {
-        let touched = Drive { collisions: 2, ..driven(End::Reached, 5.0) };
+        let touched = Drive {
+            collisions: 2,
+            ..driven(End::Reached, 5.0)
+        };
         let drives = [
             (Some(10.0), driven(End::Reached, 11.0)),
             (Some(10.0), driven(End::Reached, 14.0)),
@@ -371,18 +460,31 @@ mod tests {
         assert_eq!((row.feasible, row.reached, row.collisions), (4, 2, 2));
         assert_eq!((row.infeasible, row.refused, row.slow), (2, 1, 1));
         assert!((row.time_ratio_mean.unwrap_or_default() - 1.25).abs() < 1e-12);
-        assert_eq!((row.time_ratio_max, row.swerves_mean, row.swerves_max), (Some(1.4), Some(2.0), 2));
+        assert_eq!(
+            (row.time_ratio_max, row.swerves_mean, row.swerves_max),
+            (Some(1.4), Some(2.0), 2)
+        );
         assert_eq!((row.cycle_ms_p50, row.cycle_ms_p99), (3.0, 3.0));
         assert_eq!(super::row(std::iter::empty()), Row::default());
     }
 
     #[test]
     fn the_best_is_the_fastest_that_is_known() {
-        let touched = Drive { collisions: 1, ..driven(End::Reached, 5.0) };
-        let drives = [driven(End::Reached, 9.0), driven(End::Timeout, 1.0), touched];
+        let touched = Drive {
+            collisions: 1,
+            ..driven(End::Reached, 5.0)
+        };
+        let drives = [
+            driven(End::Reached, 9.0),
+            driven(End::Timeout, 1.0),
+            touched,
+        ];
         let drives = drives.map(|drive| (PlannerKind::Teb, drive));
         let best = |found, saved| fastest(found, &drives, |d| Some(d.seconds - saved));
-        assert_eq!((best(10.0, 0.0), best(8.0, 0.0), best(8.0, 1.5)), (9.0, 8.0, 7.5));
+        assert_eq!(
+            (best(10.0, 0.0), best(8.0, 0.0), best(8.0, 1.5)),
+            (9.0, 8.0, 7.5)
+        );
         assert_eq!(fastest(10.0, &drives, |_| None), 9.0);
     }
 }

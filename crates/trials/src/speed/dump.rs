@@ -46,7 +46,11 @@ pub(super) fn write(
 }
 
 fn corners(scene: &Scene) -> impl Iterator<Item = f32> {
-    scene.standing().iter().flat_map(|t| t.corners).flat_map(|c| scene.vertices[c as usize].position)
+    scene
+        .standing()
+        .iter()
+        .flat_map(|t| t.corners)
+        .flat_map(|c| scene.vertices[c as usize].position)
 }
 
 fn bytes(numbers: impl Iterator<Item = f32>) -> Vec<u8> {
@@ -79,7 +83,13 @@ fn ranges(stage: &Stage, origins: &[[f32; 3]], directions: &[[f32; 3]]) -> Vec<f
             packet.set(lane, *origin, *direction, RANGE.1);
         }
         let hits = stage.caster().visible().cast_packet(&packet);
-        let range = |lane: usize| if hits.triangle[lane] == MISS { 0.0 } else { hits.distance[lane] };
+        let range = |lane: usize| {
+            if hits.triangle[lane] == MISS {
+                0.0
+            } else {
+                hits.distance[lane]
+            }
+        };
         ranges.extend((0..origins.len()).map(range));
     }
     ranges

@@ -21,7 +21,10 @@ fn fastest(goes: usize, mut work: impl FnMut()) -> Duration {
         work();
         began.elapsed()
     };
-    std::iter::repeat_n((), goes).map(once).min().unwrap_or_default()
+    std::iter::repeat_n((), goes)
+        .map(once)
+        .min()
+        .unwrap_or_default()
 }
 
 /// The most memory that this process has held, megabytes; where the system does not say, `None`.

@@ -8,8 +8,8 @@ use openbench_core::LonLat;
 use openbench_osm::stream::Source;
 use openbench_routing::geo::Place;
 use openbench_routing::osrm::{
-    Geometries, Limits, NearestRequest, Overview, Places, Request, RouteRequest, Service, ServiceMemory,
-    TableRequest,
+    Geometries, Limits, NearestRequest, Overview, Places, Request, RouteRequest, Service,
+    ServiceMemory, TableRequest,
 };
 use openbench_routing::overlay::FAR;
 use openbench_routing::search::{End, Path as RoutePath, Workspace};
@@ -64,16 +64,25 @@ pub struct RoutingSpeed {
 
 /// Reads rows of `lon,lat,lon,lat`. A first row of words is passed over.
 pub fn read_pairs(path: &Path) -> Result<Vec<[Place; 2]>, BenchError> {
-    let bad =
-        |line: usize| BenchError::bad_file(path, format!("line {line} is not lon,lat,lon,lat in degrees"));
+    let bad = |line: usize| {
+        BenchError::bad_file(
+            path,
+            format!("line {line} is not lon,lat,lon,lat in degrees"),
+        )
+    };
     let text = std::fs::read_to_string(path).map_err(|error| BenchError::file(path, error))?;
     let mut pairs = Vec::new();
     for (number, line) in (1..).zip(text.lines()) {
         if line.trim().is_empty() || (number == 1 && line.contains(|c: char| c.is_alphabetic())) {
             continue;
         }
-        let numbers: Vec<f64> = line.split(',').filter_map(|word| word.trim().parse().ok()).collect();
-        let &[a, b, c, d] = &numbers[..] else { return Err(bad(number)) };
+        let numbers: Vec<f64> = line
+            .split(',')
+            .filter_map(|word| word.trim().parse().ok())
+            .collect();
+        let &[a, b, c, d] = &numbers[..] else {
+            return Err(bad(number));
+        };
         let place = |lon, lat| Place::new(LonLat::new(lon, lat)).ok_or_else(|| bad(number));
         pairs.push([place(a, b)?, place(c, d)?]);
     }
@@ -93,23 +102,37 @@ pub fn measure(
 ) -> Result<RoutingSpeed, BenchError> {
     let began = ProcessTime::now();
     let source = Source::open(map).map_err(|e| BenchError::bad_file(map, e))?;
-    let roads = Roads::read(&source, &Default::default()).map_err(|e| BenchError::bad_file(map, e))?;
+    let roads =
+        Roads::read(&source, &Default::default()).map_err(|e| BenchError::bad_file(map, e))?;
     drop(source);
     let metric = Metric::new(&roads, profile.clone()).map_err(|e| BenchError::bad_file(map, e))?;
     let build = began.elapsed();
     let build_peak_memory_mb = peak_memory_mb();
     let began = ProcessTime::now();
-    drop(std::hint::black_box(Metric::new(&roads, profile).map_err(|e| BenchError::bad_file(map, e))?));
+    drop(std::hint::black_box(
+        Metric::new(&roads, profile).map_err(|e| BenchError::bad_file(map, e))?,
+    ));
     let customize = began.elapsed();
     if let Some(folder) = dump {
         dump_graph(folder, &roads, &metric)?;
     }
-    let service = Service { roads, metric, limits: Limits::default() };
+    let service = Service {
+        roads,
+        metric,
+        limits: Limits::default(),
+    };
     let memory = &mut ServiceMemory::default();
 
-    let places = |places: &[Place]| Places { hints: false, ..RouteRequest::through(places.to_vec()).places };
+    let places = |places: &[Place]| Places {
+        hints: false,
+        ..RouteRequest::through(places.to_vec()).places
+    };
     let route = |pair: &[Place; 2], steps: bool| {
-        let overview = if steps { Overview::Full } else { Overview::False };
+        let overview = if steps {
+            Overview::Full
+        } else {
+            Overview::False
+        };
         let geometries = Geometries::GeoJson;
         Request::Route(RouteRequest {
             places: places(pair),
@@ -119,20 +142,33 @@ pub fn measure(
             ..Default::default()
         })
     };
-    let nearest =
-        |pair: &[Place; 2]| Request::Nearest(NearestRequest { places: places(&pair[..1]), number: 1 });
-    let each = |requests: Vec<Request>, memory: &mut ServiceMemory| {
-        percentiles(
-            requests
-                .iter()
-                .map(|request| fastest(GOES, || drop(std::hint::black_box(service.body(request, memory))))),
-        )
+    let nearest = |pair: &[Place; 2]| {
+        Request::Nearest(NearestRequest {
+            places: places(&pair[..1]),
+            number: 1,
+        })
     };
-    let [route_us_p50, route_us_p99] = each(pairs.iter().map(|pair| route(pair, false)).collect(), memory);
-    let [steps_us_p50, steps_us_p99] = each(pairs.iter().map(|pair| route(pair, true)).collect(), memory);
+    let each = |requests: Vec<Request>, memory: &mut ServiceMemory| {
+        percentiles(requests.iter().map(|request| {
+            fastest(GOES, || {
+                drop(std::hint::black_box(service.body(request, memory)))
+            })
+        }))
+    };
+    let [route_us_p50, route_us_p99] = each(
+        pairs.iter().map(|pair| route(pair, false)).collect(),
+        memory,
+    );
+    let [steps_us_p50, steps_us_p99] =
+        each(pairs.iter().map(|pair| route(pair, true)).collect(), memory);
     let [nearest_us_p50, nearest_us_p99] = each(pairs.iter().map(nearest).collect(), memory);
-    let table = fastest(GOES, || drop(std::hint::black_box(service.table(&table(pairs), memory))));
-    let answers: Vec<_> = pairs.iter().map(|pair| answer(&service, &route(pair, false), memory)).collect();
+    let table = fastest(GOES, || {
+        drop(std::hint::black_box(service.table(&table(pairs), memory)))
+    });
+    let answers: Vec<_> = pairs
+        .iter()
+        .map(|pair| answer(&service, &route(pair, false), memory))
+        .collect();
     Ok(RoutingSpeed {
         vertices: service.roads.network.vertices.len(),
         edges: service.roads.network.edge_count(),
@@ -154,7 +190,10 @@ pub fn measure(
 }
 
 fn dump_graph(folder: &Path, roads: &Roads, metric: &Metric) -> Result<(), BenchError> {
-    let file = |source| BenchError::File { path: folder.to_owned(), source };
+    let file = |source| BenchError::File {
+        path: folder.to_owned(),
+        source,
+    };
     std::fs::create_dir_all(folder).map_err(file)?;
     let write = |name: &str, numbers: Vec<u32>| {
         let bytes: Vec<u8> = numbers.into_iter().flat_map(u32::to_le_bytes).collect();
@@ -163,24 +202,54 @@ fn dump_graph(folder: &Path, roads: &Roads, metric: &Metric) -> Result<(), Bench
     };
     let graph = metric.searched(roads);
     let (out, weights) = (&graph.overlay.out, &graph.weights.out);
-    let open: Vec<(u32, usize)> = out.iter().filter(|(_, slot)| weights[*slot] < FAR).collect();
+    let open: Vec<(u32, usize)> = out
+        .iter()
+        .filter(|(_, slot)| weights[*slot] < FAR)
+        .collect();
     write("tail.u32", open.iter().map(|(tail, _)| *tail).collect())?;
-    write("head.u32", open.iter().map(|(_, slot)| out.head[*slot]).collect())?;
-    write("weight.u32", open.iter().map(|(_, slot)| weights[*slot]).collect())?;
+    write(
+        "head.u32",
+        open.iter().map(|(_, slot)| out.head[*slot]).collect(),
+    )?;
+    write(
+        "weight.u32",
+        open.iter().map(|(_, slot)| weights[*slot]).collect(),
+    )?;
     let position = |place: &Place| place.position();
     let vertices = &roads.network.vertices;
-    write("lat.f32", vertices.iter().map(|v| (position(v).lat as f32).to_bits()).collect())?;
-    write("lon.f32", vertices.iter().map(|v| (position(v).lon as f32).to_bits()).collect())?;
+    write(
+        "lat.f32",
+        vertices
+            .iter()
+            .map(|v| (position(v).lat as f32).to_bits())
+            .collect(),
+    )?;
+    write(
+        "lon.f32",
+        vertices
+            .iter()
+            .map(|v| (position(v).lon as f32).to_bits())
+            .collect(),
+    )?;
     let (mut workspace, mut path) = (Workspace::default(), RoutePath::default());
     let count = vertices.len() as u64;
     let queries = (0..1000_u64).flat_map(|i| {
         // A linear congruential generator, after D. Knuth.
         let draw = |i: u64| {
-            (i.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407) >> 33) % count
+            (i.wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407)
+                >> 33)
+                % count
         };
         let [from, to] = [draw(2 * i) as u32, draw(2 * i + 1) as u32];
         let ends = [from, to].map(|state| [End { state, weight: 0 }]);
-        [from, to, workspace.route(graph, &ends[0], &ends[1], &mut path).unwrap_or(u32::MAX)]
+        [
+            from,
+            to,
+            workspace
+                .route(graph, &ends[0], &ends[1], &mut path)
+                .unwrap_or(u32::MAX),
+        ]
     });
     write("queries.u32", queries.collect())
 }
@@ -188,7 +257,9 @@ fn dump_graph(folder: &Path, roads: &Roads, metric: &Metric) -> Result<(), Bench
 /// From the first starts to the first goals.
 fn table(pairs: &[[Place; 2]]) -> TableRequest {
     let count = pairs.len().min(TABLE);
-    let places = (0..2).flat_map(|end| pairs[..count].iter().map(move |pair| pair[end])).collect();
+    let places = (0..2)
+        .flat_map(|end| pairs[..count].iter().map(move |pair| pair[end]))
+        .collect();
     let mut request = TableRequest::between(places);
     (request.sources, request.destinations) = ((0..count).collect(), (count..2 * count).collect());
     request.places.hints = false;
@@ -198,8 +269,12 @@ fn table(pairs: &[[Place; 2]]) -> TableRequest {
 /// Metres and seconds of a route.
 fn answer(service: &Service, request: &Request, memory: &mut ServiceMemory) -> (f64, f64) {
     let none = (f64::NAN, f64::NAN);
-    let Ok(body) = service.body(request, memory) else { return none };
-    let Ok(json) = serde_json::from_slice::<serde_json::Value>(&body) else { return none };
+    let Ok(body) = service.body(request, memory) else {
+        return none;
+    };
+    let Ok(json) = serde_json::from_slice::<serde_json::Value>(&body) else {
+        return none;
+    };
     let number = |key: &str| json["routes"][0][key].as_f64().unwrap_or(f64::NAN);
     (number("distance"), number("duration"))
 }
@@ -210,6 +285,8 @@ fn percentiles(times: impl Iterator<Item = Duration>) -> [f64; 2] {
     times.sort_unstable();
     [0.5, 0.99].map(|share| {
         let index = (times.len() as f64 * share) as usize;
-        times.get(index.min(times.len().saturating_sub(1))).map_or(0.0, |time| time.as_secs_f64() * 1e6)
+        times
+            .get(index.min(times.len().saturating_sub(1)))
+            .map_or(0.0, |time| time.as_secs_f64() * 1e6)
     })
 }

@@ -58,18 +58,29 @@ pub struct SimSpeed {
 }
 
 /// Measures a world with so many people and cars in it. With `dump`, the triangles and rays go into that folder.
-pub fn measure(source: &WorldSource, plan: TrafficPlan, dump: Option<&Path>) -> Result<SimSpeed, BenchError> {
+pub fn measure(
+    source: &WorldSource,
+    plan: TrafficPlan,
+    dump: Option<&Path>,
+) -> Result<SimSpeed, BenchError> {
     let began = Instant::now();
     let world = load(source)?;
     let (name, start, doors) = (world.name.clone(), world.start, places(&world));
     let map = (!plan.is_empty()).then(|| OsmMap::new(&world.map, world.georeference));
     let triangles = world.scene.triangles.len();
     let stage = Stage::peopled(world.scene, plan).map_err(BenchError::world)?;
-    let scenery = Scenery { stage, map, plan, start };
+    let scenery = Scenery {
+        stage,
+        map,
+        plan,
+        start,
+    };
     let mut simulator = scenery.simulator()?;
     simulator.step(Velocity::ZERO);
     let load_seconds = began.elapsed().as_secs_f64();
-    let placed = (simulator.movers().iter()).filter(|m| m.kind == MoverKind::Pedestrian).count();
+    let placed = (simulator.movers().iter())
+        .filter(|m| m.kind == MoverKind::Pedestrian)
+        .count();
     let (pedestrians, cars) = (placed, simulator.movers().len() - placed);
     let seen = simulator.snapshot();
     let speed = SimSpeed {
@@ -87,7 +98,12 @@ pub fn measure(source: &WorldSource, plan: TrafficPlan, dump: Option<&Path>) -> 
     };
     if let Some(folder) = dump {
         let measured = json!({ "world": speed.world, "triangles": speed.triangles, "ours": speed });
-        dump::write(folder, &scenery.stage, &sensors(seen.caster, &doors), measured)?;
+        dump::write(
+            folder,
+            &scenery.stage,
+            &sensors(seen.caster, &doors),
+            measured,
+        )?;
     }
     Ok(speed)
 }
@@ -103,9 +119,18 @@ struct Scenery {
 
 impl Scenery {
     fn simulator(&self) -> Result<Simulator, BenchError> {
-        let still = Simulator::new(self.stage.clone(), RobotDescription::sentry(), self.start, 0);
-        let Some(map) = &self.map else { return Ok(still) };
-        still.among_traffic_of(map, self.plan, 0).map_err(BenchError::world)
+        let still = Simulator::new(
+            self.stage.clone(),
+            RobotDescription::sentry(),
+            self.start,
+            0,
+        );
+        let Some(map) = &self.map else {
+            return Ok(still);
+        };
+        still
+            .among_traffic_of(map, self.plan, 0)
+            .map_err(BenchError::world)
     }
 
     /// Drives in circles; seconds simulated in a second.
@@ -135,17 +160,27 @@ fn places(world: &World) -> Vec<Pose2> {
         Pose2::new(at.x, at.y, at.bearing_to(door.point()))
     };
     let spread: Vec<Pose2> = doors.iter().step_by(stride).map(before).collect();
-    if spread.is_empty() { vec![world.start] } else { spread }
+    if spread.is_empty() {
+        vec![world.start]
+    } else {
+        spread
+    }
 }
 
 /// Poses of the robot's base on the ground at these places.
 fn bases(caster: &RayCaster, places: &[Pose2]) -> Vec<Pose3> {
-    places.iter().map(|p| p.to_pose3(ground_height(caster, p.point()))).collect()
+    places
+        .iter()
+        .map(|p| p.to_pose3(ground_height(caster, p.point())))
+        .collect()
 }
 
 fn sensors(caster: &RayCaster, places: &[Pose2]) -> Vec<Pose3> {
     let mount = RobotDescription::sentry().lidar;
-    bases(caster, places).iter().map(|base| base * mount).collect()
+    bases(caster, places)
+        .iter()
+        .map(|base| base * mount)
+        .collect()
 }
 
 fn lidar(seen: Snapshot<'_>, places: &[Pose2]) -> f64 {
@@ -178,7 +213,14 @@ fn camera(stage: &Stage, movers: &Movers, places: &[Pose2]) -> f64 {
     let time = fastest(GOES, || {
         for base in &bases {
             let pose = base * robot.camera;
-            let view = View { pose, size, focal_length, range: 200.0, shadows: false, exposure: 1.0 };
+            let view = View {
+                pose,
+                size,
+                focal_length,
+                range: 200.0,
+                shadows: false,
+                exposure: 1.0,
+            };
             std::hint::black_box(stage.renderer().render(&view, movers));
         }
     });

@@ -70,9 +70,13 @@ pub fn run(request: &TownsRequest<'_>) -> Result<Towns, BenchError> {
             towns.push(town);
             continue;
         }
-        let taken: Vec<(usize, LonLat)> =
-            towns.iter().map(|town| (town.place.map, town.place.around)).collect();
-        let Some((place, prepared)) = maps.draw(request.plan, number, &taken, &folder.join("world"))? else {
+        let taken: Vec<(usize, LonLat)> = towns
+            .iter()
+            .map(|town| (town.place.map, town.place.around))
+            .collect();
+        let Some((place, prepared)) =
+            maps.draw(request.plan, number, &taken, &folder.join("world"))?
+        else {
             // No map has room for another one.
             break;
         };
@@ -102,10 +106,14 @@ pub fn draw(plan: &TownsPlan, windows: usize, out: &Path) -> Result<Vec<Drawn>, 
     let maps = Maps::read(&plan.maps)?;
     let mut drawn: Vec<Drawn> = Vec::new();
     for number in 0..windows {
-        let taken: Vec<(usize, LonLat)> =
-            drawn.iter().map(|Drawn { place, .. }| (place.map, place.around)).collect();
+        let taken: Vec<(usize, LonLat)> = drawn
+            .iter()
+            .map(|Drawn { place, .. }| (place.map, place.around))
+            .collect();
         let world = folder(out, number).join("world");
-        let Some((place, _)) = maps.draw(plan, number, &taken, &world)? else { break };
+        let Some((place, _)) = maps.draw(plan, number, &taken, &world)? else {
+            break;
+        };
         drawn.push(Drawn { place, world });
     }
     Ok(drawn)
@@ -153,7 +161,13 @@ fn drive(
         progress: &|_| {},
     })?;
     let odometry = odometry::measure(prepared, plan.seed.wrapping_add(number as u64))?;
-    Ok(Town { number, place, results: output.results, pose_errors: output.pose_errors, odometry })
+    Ok(Town {
+        number,
+        place,
+        results: output.results,
+        pose_errors: output.pose_errors,
+        odometry,
+    })
 }
 
 fn read<T: DeserializeOwned>(path: &Path) -> Result<Option<T>, BenchError> {

@@ -44,7 +44,12 @@ pub struct OdometrySum {
 
 /// Drives from door to door for three minutes.
 pub fn measure(prepared: &Prepared, seed: u64) -> Result<OdometrySum, BenchError> {
-    let tour = Tour { time: LASTS, via: Vec::new(), style: Style::Smooth, seed };
+    let tour = Tour {
+        time: LASTS,
+        via: Vec::new(),
+        style: Style::Smooth,
+        seed,
+    };
     let mut follower = Follower::new(&prepared.robot);
     let driven = drive(prepared, &tour, &mut |simulator, _| {
         follower.take(&simulator.observation(), simulator.base_link());
@@ -81,11 +86,22 @@ impl Follower {
     fn take(&mut self, observation: &Observation<'_>, truth: Pose3) {
         self.truth.push((observation.time, truth));
         let began = ThreadTime::now();
-        let speeds = observation.wheels.iter().filter_map(|sample| self.wheels.take(sample));
+        let speeds = observation
+            .wheels
+            .iter()
+            .filter_map(|sample| self.wheels.take(sample));
         speeds.for_each(|speed| self.odometry.speed(speed));
-        let mut estimates: Vec<Estimate> =
-            observation.imu.iter().flat_map(|sample| self.odometry.imu(*sample)).collect();
-        estimates.extend(observation.scan.into_iter().flat_map(|scan| self.odometry.scan(scan.clone())));
+        let mut estimates: Vec<Estimate> = observation
+            .imu
+            .iter()
+            .flat_map(|sample| self.odometry.imu(*sample))
+            .collect();
+        estimates.extend(
+            observation
+                .scan
+                .into_iter()
+                .flat_map(|scan| self.odometry.scan(scan.clone())),
+        );
         self.spent += began.elapsed();
         if !estimates.is_empty() {
             self.times.push(std::mem::take(&mut self.spent));
@@ -93,14 +109,19 @@ impl Follower {
         for estimate in estimates {
             self.coasting += usize::from(estimate.status == Status::Coasting);
             self.disputed += usize::from(estimate.status == Status::Disputed);
-            self.told.push((estimate.stamp, estimate.pose, estimate.covariance));
+            self.told
+                .push((estimate.stamp, estimate.pose, estimate.covariance));
         }
     }
 
     fn sum(mut self, metres: f64, robot: &RobotDescription) -> OdometrySum {
         self.times.sort_unstable();
         let time = |part: usize| {
-            let time = self.times.get(self.times.len() * part / 100).copied().unwrap_or_default();
+            let time = self
+                .times
+                .get(self.times.len() * part / 100)
+                .copied()
+                .unwrap_or_default();
             time.as_secs_f64() * 1e3
         };
         let distances = distances(&self.told, &self.truth);
@@ -121,7 +142,9 @@ impl Follower {
 
 /// Of each pose from the true one of its instant, both ways laid on each other at the first pose.
 fn distances(told: &[(SimTime, Pose3, Matrix6<f64>)], truth: &[(SimTime, Pose3)]) -> Vec<f64> {
-    let Some(apart) = told.first().and_then(|(time, pose, _)| Some(pose * pose_at(truth, *time)?.inverse()))
+    let Some(apart) = told
+        .first()
+        .and_then(|(time, pose, _)| Some(pose * pose_at(truth, *time)?.inverse()))
     else {
         return Vec::new();
     };

@@ -28,6 +28,10 @@ impl TownsPlan {
     /// The seed of a window's world and deliveries.
     pub fn window_seed(&self, number: usize) -> u64 {
         // As TOML has integers: not above 2^63.
-        (self.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(number as u64)) >> 1
+        (self
+            .seed
+            .wrapping_mul(0x9e37_79b9_7f4a_7c15)
+            .wrapping_add(number as u64))
+            >> 1
     }
 }

@@ -34,8 +34,16 @@ impl Town {
 
     /// CPU seconds of the run.
     fn cpu_seconds(&self) -> f64 {
-        let Metrics { sim_seconds, real_time_factor, .. } = self.results.metrics;
-        if real_time_factor > 0.0 { sim_seconds / real_time_factor } else { 0.0 }
+        let Metrics {
+            sim_seconds,
+            real_time_factor,
+            ..
+        } = self.results.metrics;
+        if real_time_factor > 0.0 {
+            sim_seconds / real_time_factor
+        } else {
+            0.0
+        }
     }
 }
 
@@ -72,7 +80,11 @@ pub struct PoseSum {
 impl PoseSum {
     /// Of errors that were counted; `None` without any.
     pub fn of(counts: &ErrorCounts) -> Option<Self> {
-        Some(Self { rms_m: counts.rms()?, p95_m: counts.quantile(0.95)?, max_m: counts.quantile(1.0)? })
+        Some(Self {
+            rms_m: counts.rms()?,
+            p95_m: counts.quantile(0.95)?,
+            max_m: counts.quantile(1.0)?,
+        })
     }
 }
 
@@ -84,10 +96,13 @@ impl Towns {
             // Episodes of different windows are different ones.
             let before = deliveries.last().map_or(0, |last| last.episode + 1);
             deliveries.extend(
-                town.results.deliveries.iter().map(|delivery| DeliveryResult {
-                    episode: before + delivery.episode,
-                    ..delivery.clone()
-                }),
+                town.results
+                    .deliveries
+                    .iter()
+                    .map(|delivery| DeliveryResult {
+                        episode: before + delivery.episode,
+                        ..delivery.clone()
+                    }),
             );
         }
         let sum = |value: fn(&Town) -> f64| towns.iter().map(value).sum::<f64>();
@@ -100,7 +115,12 @@ impl Towns {
         };
         let mut errors = ErrorCounts::default();
         towns.iter().for_each(|town| errors.add(&town.pose_errors));
-        let silent = |town: &Town| town.results.metrics.localization.map_or(0, |l| l.silent_divergences);
+        let silent = |town: &Town| {
+            town.results
+                .metrics
+                .localization
+                .map_or(0, |l| l.silent_divergences)
+        };
         Self {
             metrics: summarize(&deliveries, &totals),
             failures: failures(&deliveries),

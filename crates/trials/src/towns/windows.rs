@@ -77,23 +77,35 @@ impl Maps {
         taken: &[(usize, LonLat)],
         folder: &Path,
     ) -> Result<Option<(Place, Prepared)>, BenchError> {
-        let Map { name, data, buildings } = &self.0[map];
+        let Map {
+            name,
+            data,
+            buildings,
+        } = &self.0[map];
         let mut random = Pcg32::new(plan.seed, number as u64);
         let mut tried: Vec<LonLat> = Vec::new();
         for _ in 0..TRIES.min(buildings.len()) {
             let around = buildings[random.random_range(0..buildings.len())];
             let near = |other: &LonLat, apart: f64| metres(around, *other) < apart;
-            let overlaps = taken.iter().any(|(m, other)| *m == map && near(other, 2.0 * plan.radius));
+            let overlaps = taken
+                .iter()
+                .any(|(m, other)| *m == map && near(other, 2.0 * plan.radius));
             if overlaps || tried.iter().any(|other| near(other, plan.radius / 2.0)) {
                 continue;
             }
             tried.push(around);
-            let Ok(window) = Window::around(around, plan.radius) else { continue };
+            let Ok(window) = Window::around(around, plan.radius) else {
+                continue;
+            };
             if buildings.iter().filter(|at| window.contains(**at)).count() < BUILDINGS {
                 continue;
             }
             let part = cut_out(data, &window);
-            let place = Place { map, name: format!("{name}-{number:03}"), around };
+            let place = Place {
+                map,
+                name: format!("{name}-{number:03}"),
+                around,
+            };
             if let Some(prepared) = write_world(plan, number, &place, &part, folder)? {
                 return Ok(Some((place, prepared)));
             }
@@ -113,7 +125,11 @@ impl Map {
         let buildings = houses.filter_map(corner).collect();
         let file = path.file_name().unwrap_or_default().to_string_lossy();
         let name = file.split('.').next().unwrap_or_default().to_owned();
-        Ok(Self { name, data, buildings })
+        Ok(Self {
+            name,
+            data,
+            buildings,
+        })
     }
 }
 
@@ -131,13 +147,23 @@ fn write_world(
     map: &OsmData,
     folder: &Path,
 ) -> Result<Option<Prepared>, BenchError> {
-    let georeference =
-        Georeference::TangentPlane { at: place.around, offset_x: -plan.false_origin, offset_y: 0.0 };
+    let georeference = Georeference::TangentPlane {
+        at: place.around,
+        offset_x: -plan.false_origin,
+        offset_y: 0.0,
+    };
     let seed = plan.window_seed(number);
     let recipe = Recipe::generated(&place.name, georeference, seed);
-    let wanted = Wanted { singles: 4, sequences: (1, 3), reach: 2.0 * plan.radius, seed };
+    let wanted = Wanted {
+        singles: 4,
+        sequences: (1, 3),
+        reach: 2.0 * plan.radius,
+        seed,
+    };
     match write(folder, &recipe, map, wanted) {
-        Ok(written) if written.candidates >= DOORS => Ok(Some(written.prepared.with_episodes(None)?)),
+        Ok(written) if written.candidates >= DOORS => {
+            Ok(Some(written.prepared.with_episodes(None)?))
+        }
         // Without ground to start on, or without doors: not a place for a robot.
         Ok(_) | Err(BenchError::World(_)) => Ok(None),
         Err(error) => Err(error),

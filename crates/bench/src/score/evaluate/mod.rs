@@ -103,7 +103,10 @@ pub struct EvaluatedDelivery {
 /// Evaluates a log file against a truth file; `sequence` says that deliveries follow on each other.
 pub fn evaluate(log: &Path, truth: &Path, sequence: bool) -> Result<Evaluation, EvaluateError> {
     let read = |path: &Path| {
-        fs::read_to_string(path).map_err(|source| EvaluateError::File { path: path.to_owned(), source })
+        fs::read_to_string(path).map_err(|source| EvaluateError::File {
+            path: path.to_owned(),
+            source,
+        })
     };
     let tasks = at(log, parse_log(&read(log)?))?;
     let lines = at(truth, parse_truth(&read(truth)?))?;
@@ -120,7 +123,10 @@ fn at<T>(path: &Path, parsed: Result<T, LineProblem>) -> Result<T, EvaluateError
 }
 
 fn mismatch(path: &Path, problem: String) -> EvaluateError {
-    EvaluateError::Mismatch { path: path.to_owned(), problem }
+    EvaluateError::Mismatch {
+        path: path.to_owned(),
+        problem,
+    }
 }
 
 /// Truths by episode. A sequence may stand in one line, or one truth a line; several lines of several are several
@@ -129,7 +135,9 @@ fn group_truths(lines: Vec<Vec<MapPoint>>, sequence: bool) -> Result<Vec<Vec<Map
     let singles = lines.iter().all(|line| line.len() == 1);
     match (sequence, singles) {
         (true, true) => Ok(vec![lines.concat()]),
-        (false, false) => Err("a line holds several truths, which is a sequence; add --sequence".to_owned()),
+        (false, false) => {
+            Err("a line holds several truths, which is a sequence; add --sequence".to_owned())
+        }
         _ => Ok(lines),
     }
 }
@@ -151,8 +159,14 @@ fn score(tasks: &[LoggedTask], episodes: &[Vec<MapPoint>]) -> Result<Evaluation,
         let legs = before.zip(doors.iter().copied()).enumerate();
         legs.map(move |(task, (from, door))| (episode, task, from, door))
     });
-    let deliveries: Vec<_> = places.zip(tasks).map(|(place, task)| score_task(place, task)).collect();
-    Ok(Evaluation { metrics: metrics(&deliveries), deliveries })
+    let deliveries: Vec<_> = places
+        .zip(tasks)
+        .map(|(place, task)| score_task(place, task))
+        .collect();
+    Ok(Evaluation {
+        metrics: metrics(&deliveries),
+        deliveries,
+    })
 }
 
 fn score_task(
@@ -175,7 +189,10 @@ fn metrics(deliveries: &[EvaluatedDelivery]) -> PaperMetrics {
     let ratio = |d: &EvaluatedDelivery| path_ratio(d.success_10m, d.straight_line_m, d.path_m);
     let ratios: Vec<f64> = deliveries.iter().map(ratio).collect();
     let successes = deliveries.iter().filter(|d| d.success_10m).count();
-    let (lsr, lspl) = (sequence_values(deliveries, success), sequence_values(deliveries, ratio));
+    let (lsr, lspl) = (
+        sequence_values(deliveries, success),
+        sequence_values(deliveries, ratio),
+    );
     let intervals = [
         ("sr_10m", wilson_interval(successes, deliveries.len())),
         ("spl_straight", bootstrap_interval(&ratios, 0)),
@@ -187,14 +204,24 @@ fn metrics(deliveries: &[EvaluatedDelivery]) -> PaperMetrics {
         spl_straight: spl(&ratios).unwrap_or(0.0),
         lsr_10m: spl(&lsr),
         lspl_straight: spl(&lspl),
-        intervals: intervals.into_iter().filter_map(|(name, i)| Some((name, i?))).collect(),
+        intervals: intervals
+            .into_iter()
+            .filter_map(|(name, i)| Some((name, i?)))
+            .collect(),
     }
 }
 
 /// LSR or LSPL of each sequence.
-fn sequence_values(deliveries: &[EvaluatedDelivery], value: impl Fn(&EvaluatedDelivery) -> f64) -> Vec<f64> {
-    let episodes = deliveries.chunk_by(|a, b| a.episode == b.episode).filter(|e| e.len() > 1);
-    episodes.filter_map(|e| sequence_mean(&e.iter().map(&value).collect::<Vec<_>>())).collect()
+fn sequence_values(
+    deliveries: &[EvaluatedDelivery],
+    value: impl Fn(&EvaluatedDelivery) -> f64,
+) -> Vec<f64> {
+    let episodes = deliveries
+        .chunk_by(|a, b| a.episode == b.episode)
+        .filter(|e| e.len() > 1);
+    episodes
+        .filter_map(|e| sequence_mean(&e.iter().map(&value).collect::<Vec<_>>()))
+        .collect()
 }
 
 #[cfg(test)]
@@ -220,8 +247,17 @@ mod tests {
     fn singles_are_measured_from_the_origin() {
         let result = run("(6.0, 8.0)\n(6, 48)\n", false).unwrap();
         assert_eq!(result.deliveries[0].address, "unit1, building3");
-        assert_eq!((result.deliveries[0].path_m, result.deliveries[0].straight_line_m), (10.0, 10.0));
-        assert_eq!((result.metrics.sr_10m, result.metrics.spl_straight), (0.5, 0.5));
+        assert_eq!(
+            (
+                result.deliveries[0].path_m,
+                result.deliveries[0].straight_line_m
+            ),
+            (10.0, 10.0)
+        );
+        assert_eq!(
+            (result.metrics.sr_10m, result.metrics.spl_straight),
+            (0.5, 0.5)
+        );
         assert_eq!(result.deliveries[1].distance_to_door_m, 20.0);
         assert_eq!(result.metrics.lsr_10m, None);
     }
@@ -239,9 +275,21 @@ mod tests {
 
     #[test]
     fn truths_that_do_not_fit_are_refused() {
-        assert!(run("(6, 8)\n", false).unwrap_err().contains("1 true position for 2 tasks"));
-        assert!(run("(6, 8) (1, 1)\n", false).unwrap_err().contains("--sequence"));
-        assert!(run("(6, 8)\n(1; 2)\n", false).unwrap_err().contains("gt.txt:2: "));
+        assert!(
+            run("(6, 8)\n", false)
+                .unwrap_err()
+                .contains("1 true position for 2 tasks")
+        );
+        assert!(
+            run("(6, 8) (1, 1)\n", false)
+                .unwrap_err()
+                .contains("--sequence")
+        );
+        assert!(
+            run("(6, 8)\n(1; 2)\n", false)
+                .unwrap_err()
+                .contains("gt.txt:2: ")
+        );
         assert!(run("", false).unwrap_err().contains("0 true positions"));
     }
 

@@ -40,7 +40,11 @@ impl Bump {
 impl From<&openbench_sim::Collision> for Bump {
     fn from(collision: &openbench_sim::Collision) -> Self {
         let impulse_ns = collision.impulse;
-        Self { impulse_ns, speed_mps: collision.speed, cut_off: collision.cut_off }
+        Self {
+            impulse_ns,
+            speed_mps: collision.speed,
+            cut_off: collision.cut_off,
+        }
     }
 }
 
@@ -49,7 +53,14 @@ const STANDING: f64 = 0.05;
 
 impl CollisionSum {
     /// Adds one collision.
-    pub fn add(&mut self, Bump { impulse_ns, speed_mps, cut_off }: Bump) {
+    pub fn add(
+        &mut self,
+        Bump {
+            impulse_ns,
+            speed_mps,
+            cut_off,
+        }: Bump,
+    ) {
         self.count += 1;
         let drives = speed_mps > STANDING;
         self.driven_into += usize::from(drives);
@@ -59,7 +70,9 @@ impl CollisionSum {
 }
 
 /// Sums collisions by class.
-pub fn by_class<'a>(collisions: impl IntoIterator<Item = (&'a str, Bump)>) -> BTreeMap<String, CollisionSum> {
+pub fn by_class<'a>(
+    collisions: impl IntoIterator<Item = (&'a str, Bump)>,
+) -> BTreeMap<String, CollisionSum> {
     let mut sums = BTreeMap::<String, CollisionSum>::new();
     for (class, bump) in collisions {
         sums.entry(class.to_owned()).or_default().add(bump);
@@ -88,16 +101,36 @@ mod tests {
 
     #[test]
     fn classes_are_summed_apart() {
-        let bump = |impulse_ns, speed_mps, cut_off| Bump { impulse_ns, speed_mps, cut_off };
+        let bump = |impulse_ns, speed_mps, cut_off| Bump {
+            impulse_ns,
+            speed_mps,
+            cut_off,
+        };
         let first = by_class([
             ("wall", bump(1.0, 0.5, false)),
             ("car", bump(0.5, 0.3, true)),
             ("wall", bump(0.25, 0.0, false)),
         ]);
-        assert_eq!(first["wall"], CollisionSum { count: 2, driven_into: 1, cut_off: 0, impulse_ns: 1.25 });
+        assert_eq!(
+            first["wall"],
+            CollisionSum {
+                count: 2,
+                driven_into: 1,
+                cut_off: 0,
+                impulse_ns: 1.25
+            }
+        );
         let both = total([&first, &by_class([("car", bump(2.0, 0.0, true))])]);
         // Who drives into a car that it cut off is to blame once.
-        assert_eq!(both["car"], CollisionSum { count: 2, driven_into: 1, cut_off: 1, impulse_ns: 2.5 });
+        assert_eq!(
+            both["car"],
+            CollisionSum {
+                count: 2,
+                driven_into: 1,
+                cut_off: 1,
+                impulse_ns: 2.5
+            }
+        );
         assert_eq!(both["wall"].count, 2);
     }
 }

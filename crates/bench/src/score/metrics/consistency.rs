@@ -33,13 +33,19 @@ pub fn nees(
         let error = Vector6::new(turned.x, turned.y, turned.z, moved.x, moved.y, moved.z);
         // Yaw of a robot that is about upright, x, y.
         let ground = error.select_rows(&[2, 3, 4]);
-        let among = covariance.select_rows(&[2, 3, 4]).select_columns(&[2, 3, 4]);
+        let among = covariance
+            .select_rows(&[2, 3, 4])
+            .select_columns(&[2, 3, 4]);
         let squared = error.dot(&(covariance.try_inverse()? * error));
         Some([squared, ground.dot(&(among.try_inverse()? * &ground))])
     });
     let errors: Vec<[f64; 2]> = errors.collect();
     let [end, ground] = *errors.last()?;
-    Some(Nees { mean: errors.iter().map(|e| e[0]).sum::<f64>() / errors.len() as f64, end, ground })
+    Some(Nees {
+        mean: errors.iter().map(|e| e[0]).sum::<f64>() / errors.len() as f64,
+        end,
+        ground,
+    })
 }
 
 /// The true pose at an instant, between two that are known.
@@ -60,10 +66,22 @@ mod tests {
     /// Errors of one deviation along each of six axes, of which no two are as wide.
     #[test]
     fn errors_of_one_deviation_along_each_axis_make_six() {
-        let turned = Pose3::new(nalgebra::Vector3::new(5.0, -3.0, 0.0), nalgebra::Vector3::z() * 0.7);
-        let driven = Pose3::new(nalgebra::Vector3::new(2.0, 1.0, 0.0), nalgebra::Vector3::z() * 1.2);
-        let imu = Pose3::new(nalgebra::Vector3::new(0.3, 0.0, 0.2), nalgebra::Vector3::z() * 0.4);
-        let truth = [(SimTime::ZERO, turned), (SimTime::from_millis(100), turned * driven)];
+        let turned = Pose3::new(
+            nalgebra::Vector3::new(5.0, -3.0, 0.0),
+            nalgebra::Vector3::z() * 0.7,
+        );
+        let driven = Pose3::new(
+            nalgebra::Vector3::new(2.0, 1.0, 0.0),
+            nalgebra::Vector3::z() * 1.2,
+        );
+        let imu = Pose3::new(
+            nalgebra::Vector3::new(0.3, 0.0, 0.2),
+            nalgebra::Vector3::z() * 0.4,
+        );
+        let truth = [
+            (SimTime::ZERO, turned),
+            (SimTime::from_millis(100), turned * driven),
+        ];
         let deviations = Vector6::new(0.01, 0.02, 0.03, 0.4, 0.5, 0.6);
         let covariance = Matrix6::from_diagonal(&deviations.map(|x| x * x));
         let mut there = driven * imu;
@@ -74,8 +92,14 @@ mod tests {
             (SimTime::from_millis(100), there * imu.inverse(), covariance),
         ];
         let found = nees(&told, &truth, &imu).unwrap();
-        assert!((found.end - 6.0).abs() < 1e-6 && (found.ground - 3.0).abs() < 1e-6, "{found:?}");
-        assert!((found.mean - 6.0).abs() < 1e-6, "the first pose does not count");
+        assert!(
+            (found.end - 6.0).abs() < 1e-6 && (found.ground - 3.0).abs() < 1e-6,
+            "{found:?}"
+        );
+        assert!(
+            (found.mean - 6.0).abs() < 1e-6,
+            "the first pose does not count"
+        );
         assert!(nees(&[], &truth, &imu).is_none() && nees(&told, &truth[..1], &imu).is_none());
     }
 }

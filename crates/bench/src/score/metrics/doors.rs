@@ -21,17 +21,32 @@ pub struct DoorScore {
 
 /// Scores `written` doors against the `true_doors` of a world, both where a map has them: on the outlines of buildings. A door that was written twice at its place is found once,
 /// as far off as the nearer of the two.
-pub fn score_doors(written: &[(Address, MapPoint)], true_doors: &[(Address, MapPoint)]) -> DoorScore {
+pub fn score_doors(
+    written: &[(Address, MapPoint)],
+    true_doors: &[(Address, MapPoint)],
+) -> DoorScore {
     let error = |(address, at): &(Address, MapPoint), door: &(Address, MapPoint)| {
         let distance = at.distance(door.1);
         (address.same_door(&door.0) && distance <= DOOR_TOLERANCE).then_some(distance)
     };
-    let nearest =
-        |door: &(Address, MapPoint)| written.iter().filter_map(|w| error(w, door)).min_by(f64::total_cmp);
+    let nearest = |door: &(Address, MapPoint)| {
+        written
+            .iter()
+            .filter_map(|w| error(w, door))
+            .min_by(f64::total_cmp)
+    };
     let errors: Vec<f64> = true_doors.iter().filter_map(nearest).collect();
-    let wrong = written.iter().filter(|w| !true_doors.iter().any(|d| error(w, d).is_some())).count();
+    let wrong = written
+        .iter()
+        .filter(|w| !true_doors.iter().any(|d| error(w, d).is_some()))
+        .count();
     let mean = (!errors.is_empty()).then(|| errors.iter().sum::<f64>() / errors.len() as f64);
-    DoorScore { found: errors.len(), wrong, of: true_doors.len(), mean_distance_m: mean }
+    DoorScore {
+        found: errors.len(),
+        wrong,
+        of: true_doors.len(),
+        mean_distance_m: mean,
+    }
 }
 
 #[cfg(test)]
@@ -53,7 +68,15 @@ mod tests {
             door("unit9", 0.0),
         ];
         let score = score_doors(&written, &world);
-        assert_eq!(score, DoorScore { found: 1, wrong: 3, of: 3, mean_distance_m: Some(0.5) });
+        assert_eq!(
+            score,
+            DoorScore {
+                found: 1,
+                wrong: 3,
+                of: 3,
+                mean_distance_m: Some(0.5)
+            }
+        );
         assert_eq!(score_doors(&[], &world).mean_distance_m, None);
     }
 }

@@ -47,7 +47,10 @@ impl EncounterSum {
         Self {
             near_misses_people: self.near_misses_people + other.near_misses_people,
             near_misses_cars: self.near_misses_cars + other.near_misses_cars,
-            least_time_to_collision_s: least(self.least_time_to_collision_s, other.least_time_to_collision_s),
+            least_time_to_collision_s: least(
+                self.least_time_to_collision_s,
+                other.least_time_to_collision_s,
+            ),
             intimate_seconds: self.intimate_seconds + other.intimate_seconds,
             personal_seconds: self.personal_seconds + other.personal_seconds,
             nearest_person_m: least(self.nearest_person_m, other.nearest_person_m),
@@ -57,7 +60,8 @@ impl EncounterSum {
 
     /// In words, for people to read.
     pub fn describe(&self) -> String {
-        let metres = |name: &str, value: Option<f64>| value.map(|m| format!(", nearest {name} {m:.1} m"));
+        let metres =
+            |name: &str, value: Option<f64>| value.map(|m| format!(", nearest {name} {m:.1} m"));
         format!(
             "near misses {} with people, {} with cars, {:.0} s in personal space, {:.0} s in intimate space{}{}",
             self.near_misses_people,
@@ -76,17 +80,27 @@ mod tests {
 
     #[test]
     fn counts_add_up_and_of_distances_the_least_counts() {
-        let first = EncounterSum { near_misses_people: 1, personal_seconds: 2.0, ..EncounterSum::default() };
+        let first = EncounterSum {
+            near_misses_people: 1,
+            personal_seconds: 2.0,
+            ..EncounterSum::default()
+        };
         let second = EncounterSum {
             near_misses_people: 2,
             nearest_person_m: Some(0.5),
             least_time_to_collision_s: Some(1.0),
             ..EncounterSum::default()
         };
-        let third = EncounterSum { nearest_person_m: Some(0.25), ..EncounterSum::default() };
+        let third = EncounterSum {
+            nearest_person_m: Some(0.25),
+            ..EncounterSum::default()
+        };
         let sum = first.and(second).and(third);
         assert_eq!((sum.near_misses_people, sum.personal_seconds), (3, 2.0));
-        assert_eq!((sum.nearest_person_m, sum.nearest_car_m), (Some(0.25), None));
+        assert_eq!(
+            (sum.nearest_person_m, sum.nearest_car_m),
+            (Some(0.25), None)
+        );
         assert_eq!(sum.least_time_to_collision_s, Some(1.0));
     }
 

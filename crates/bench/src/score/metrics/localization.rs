@@ -27,7 +27,12 @@ impl PoseError {
     pub fn new(time: SimTime, truth: Pose2, told: PoseEstimate) -> Self {
         let PoseEstimate { pose, health } = told;
         let offset = [pose.x - truth.x, pose.y - truth.y];
-        Self { time, offset, yaw: wrap_angle(pose.yaw - truth.yaw), health }
+        Self {
+            time,
+            offset,
+            yaw: wrap_angle(pose.yaw - truth.yaw),
+            health,
+        }
     }
 
     /// Metres.
@@ -44,7 +49,10 @@ impl PoseError {
 
     /// By how many metres the error changed since another one.
     fn jump(&self, before: &Self) -> f64 {
-        libm::hypot(self.offset[0] - before.offset[0], self.offset[1] - before.offset[1])
+        libm::hypot(
+            self.offset[0] - before.offset[0],
+            self.offset[1] - before.offset[1],
+        )
     }
 }
 
@@ -76,16 +84,25 @@ impl ErrorCounts {
     pub fn of<'a>(errors: impl IntoIterator<Item = &'a PoseError>) -> Self {
         let mut counts = Self::default();
         // What is no number is no pose, as in [`localization`].
-        for error in errors.into_iter().filter(|error| error.distance().is_finite()) {
+        for error in errors
+            .into_iter()
+            .filter(|error| error.distance().is_finite())
+        {
             // A cast takes what is too large for the largest number.
-            *counts.0.entry((error.distance() * 1e4).round() as u32).or_default() += 1;
+            *counts
+                .0
+                .entry((error.distance() * 1e4).round() as u32)
+                .or_default() += 1;
         }
         counts
     }
 
     /// Adds those of another run.
     pub fn add(&mut self, other: &Self) {
-        other.0.iter().for_each(|(size, count)| *self.0.entry(*size).or_default() += count);
+        other
+            .0
+            .iter()
+            .for_each(|(size, count)| *self.0.entry(*size).or_default() += count);
     }
 
     /// The error that a share of all does not exceed, metres; `None` without any.
@@ -113,24 +130,44 @@ impl ErrorCounts {
 }
 
 /// Over the poses of all episodes; `None` if the agent told none.
-pub fn localization<'a>(episodes: impl Iterator<Item = &'a [PoseError]>) -> Option<LocalizationSum> {
+pub fn localization<'a>(
+    episodes: impl Iterator<Item = &'a [PoseError]>,
+) -> Option<LocalizationSum> {
     let (mut distances, mut max_yaw_rad, mut max_jump_m) = (Vec::new(), 0.0_f64, 0.0_f64);
     let mut silent_divergences = 0;
     for errors in episodes {
         silent_divergences += divergences(errors);
         // What is no number is no pose; the agent drives by it all the same, and pays.
-        let errors: Vec<_> =
-            errors.iter().filter(|e| e.distance().is_finite() && e.yaw.is_finite()).collect();
+        let errors: Vec<_> = errors
+            .iter()
+            .filter(|e| e.distance().is_finite() && e.yaw.is_finite())
+            .collect();
         distances.extend(errors.iter().map(|error| error.distance()));
-        max_yaw_rad = errors.iter().map(|error| error.yaw.abs()).fold(max_yaw_rad, f64::max);
-        max_jump_m = errors.windows(2).map(|two| two[1].jump(two[0])).fold(max_jump_m, f64::max);
+        max_yaw_rad = errors
+            .iter()
+            .map(|error| error.yaw.abs())
+            .fold(max_yaw_rad, f64::max);
+        max_jump_m = errors
+            .windows(2)
+            .map(|two| two[1].jump(two[0]))
+            .fold(max_jump_m, f64::max);
     }
     distances.sort_by(f64::total_cmp);
     let max_m = *distances.last()?;
-    let squares = distances.iter().map(|distance| distance * distance).sum::<f64>();
+    let squares = distances
+        .iter()
+        .map(|distance| distance * distance)
+        .sum::<f64>();
     let p95_m = distances[(distances.len() * 95).div_ceil(100) - 1];
     let rmse_m = (squares / distances.len() as f64).sqrt();
-    Some(LocalizationSum { rmse_m, p95_m, max_m, max_yaw_rad, max_jump_m, silent_divergences })
+    Some(LocalizationSum {
+        rmse_m,
+        p95_m,
+        max_m,
+        max_yaw_rad,
+        max_jump_m,
+        silent_divergences,
+    })
 }
 
 /// Stretches in which the agent is far off and does not know it.
@@ -147,15 +184,24 @@ mod tests {
     fn errors_are_summed_over_episodes_and_jumps_within_them() {
         let told = |x: f64, yaw: f64| {
             let pose = Pose2::new(1.0 + x, 1.0, 3.1 + yaw);
-            let told = PoseEstimate { pose, health: Health::Good };
+            let told = PoseEstimate {
+                pose,
+                health: Health::Good,
+            };
             PoseError::new(SimTime::ZERO, Pose2::new(1.0, 1.0, 3.1), told)
         };
         let first: Vec<_> = (0..19).map(|_| told(0.1, 0.0)).collect();
         let episodes = [&first[..], &[told(0.5, -0.2)]];
         let sum = localization(episodes.into_iter()).unwrap();
-        assert!((sum.p95_m - 0.1).abs() < 1e-9 && (sum.max_m - 0.5).abs() < 1e-9, "{sum:?}");
+        assert!(
+            (sum.p95_m - 0.1).abs() < 1e-9 && (sum.max_m - 0.5).abs() < 1e-9,
+            "{sum:?}"
+        );
         assert!(sum.max_jump_m < 1e-9 && (sum.max_yaw_rad - 0.2).abs() < 1e-9);
-        assert!((sum.rmse_m - (0.22_f64 + 0.25 - 0.03).sqrt() / 20.0_f64.sqrt()).abs() < 1e-3, "{sum:?}");
+        assert!(
+            (sum.rmse_m - (0.22_f64 + 0.25 - 0.03).sqrt() / 20.0_f64.sqrt()).abs() < 1e-3,
+            "{sum:?}"
+        );
         let broken = [told(f64::NAN, 0.0), told(0.2, f64::NAN), told(0.1, 0.0)];
         assert!((localization([&broken[..]].into_iter()).unwrap().max_m - 0.1).abs() < 1e-9);
         let both = [told(0.1, 0.0), told(-0.3, 0.0)];
@@ -166,27 +212,62 @@ mod tests {
     #[test]
     fn errors_of_several_runs_are_put_together() {
         let told = |x: f64| {
-            let told = PoseEstimate { pose: Pose2::new(x, 0.0, 0.0), health: Health::Good };
+            let told = PoseEstimate {
+                pose: Pose2::new(x, 0.0, 0.0),
+                health: Health::Good,
+            };
             PoseError::new(SimTime::ZERO, Pose2::default(), told)
         };
         let mut counts = ErrorCounts::of(&[told(0.1), told(-0.1), told(0.3), told(f64::NAN)]);
         counts.add(&ErrorCounts::of(&[told(1.0)]));
         assert_eq!(counts.quantile(0.5), Some(0.1));
-        assert!((counts.quantile(0.75).unwrap() - 0.3).abs() < 1e-9 && counts.quantile(1.0) == Some(1.0));
+        assert!(
+            (counts.quantile(0.75).unwrap() - 0.3).abs() < 1e-9
+                && counts.quantile(1.0) == Some(1.0)
+        );
         assert!((counts.rms().unwrap() - (1.11_f64 / 4.0).sqrt()).abs() < 1e-9);
-        assert_eq!((ErrorCounts::default().quantile(0.5), ErrorCounts::default().rms()), (None, None));
+        assert_eq!(
+            (
+                ErrorCounts::default().quantile(0.5),
+                ErrorCounts::default().rms()
+            ),
+            (None, None)
+        );
     }
 
     #[test]
     fn who_is_far_off_and_says_so_is_not_silent() {
         let told = |x: f64, health: Health| {
             let pose = Pose2::new(x, 0.0, 0.0);
-            PoseError::new(SimTime::ZERO, Pose2::default(), PoseEstimate { pose, health })
+            PoseError::new(
+                SimTime::ZERO,
+                Pose2::default(),
+                PoseEstimate { pose, health },
+            )
         };
         let good = |x| told(x, Health::Good);
-        let way = [good(0.9), good(1.1), good(1.2), told(1.3, Health::Lost), good(1.4), good(f64::NAN)];
-        assert_eq!(divergences(&way), 2, "once until it was noticed, once after that");
-        assert_eq!(localization([&way[..]].into_iter()).unwrap().silent_divergences, 2);
-        assert_eq!(divergences(&[told(9.0, Health::Degraded(openbench_core::Doubt::Noise))]), 0);
+        let way = [
+            good(0.9),
+            good(1.1),
+            good(1.2),
+            told(1.3, Health::Lost),
+            good(1.4),
+            good(f64::NAN),
+        ];
+        assert_eq!(
+            divergences(&way),
+            2,
+            "once until it was noticed, once after that"
+        );
+        assert_eq!(
+            localization([&way[..]].into_iter())
+                .unwrap()
+                .silent_divergences,
+            2
+        );
+        assert_eq!(
+            divergences(&[told(9.0, Health::Degraded(openbench_core::Doubt::Noise))]),
+            0
+        );
     }
 }

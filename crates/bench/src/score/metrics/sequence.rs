@@ -8,7 +8,9 @@ const DECAY: f64 = 0.9;
 
 /// `c_1` to `c_n` of a sequence of `n` deliveries; they add up to one.
 pub fn sequence_weights(n: usize) -> Vec<f64> {
-    let powers: Vec<f64> = (0..n).scan(1.0, |p, _| Some(std::mem::replace(p, *p * DECAY))).collect();
+    let powers: Vec<f64> = (0..n)
+        .scan(1.0, |p, _| Some(std::mem::replace(p, *p * DECAY)))
+        .collect();
     // sum r^(i-1) = (1-r^n) / (1-r)
     let sum: f64 = powers.iter().sum();
     powers.into_iter().map(|p| p / sum).collect()
@@ -17,7 +19,10 @@ pub fn sequence_weights(n: usize) -> Vec<f64> {
 /// LSR of one sequence from its successes as 0 or 1, LSPL from its path ratios, both in driving order; `None` for an
 /// empty sequence.
 pub fn sequence_mean(values: &[f64]) -> Option<f64> {
-    let weighted = sequence_weights(values.len()).into_iter().zip(values).map(|(c, v)| c * v);
+    let weighted = sequence_weights(values.len())
+        .into_iter()
+        .zip(values)
+        .map(|(c, v)| c * v);
     (!values.is_empty()).then(|| weighted.sum())
 }
 
@@ -40,7 +45,8 @@ mod tests {
     fn weights_are_the_papers() {
         let n = 5;
         for (i, c) in sequence_weights(n).into_iter().enumerate() {
-            let equation = libm::pow(DECAY, i as f64) * (1.0 - DECAY) / (1.0 - libm::pow(DECAY, n as f64));
+            let equation =
+                libm::pow(DECAY, i as f64) * (1.0 - DECAY) / (1.0 - libm::pow(DECAY, n as f64));
             assert!((c - equation).abs() < 1e-15);
         }
         assert_eq!(sequence_weights(1), [1.0]);

@@ -33,7 +33,10 @@ impl SmoothnessSum {
     pub fn describe(&self, path_m: f64) -> String {
         let each = |sum: f64| if path_m > 0.0 { sum / path_m } else { 0.0 };
         let (turned, changes) = (each(self.turned_rad), each(self.speed_changes_mps));
-        format!("{turned:.2} rad and {changes:.2} m/s up and down each metre, {} stops", self.stops)
+        format!(
+            "{turned:.2} rad and {changes:.2} m/s up and down each metre, {} stops",
+            self.stops
+        )
     }
 }
 
@@ -87,9 +90,15 @@ mod tests {
         drive(0.0, -1.0, 10);
         drive(0.5, 0.3, 10);
         let sum = smoothness.sum();
-        assert!((sum.turned_rad - 1.3).abs() < 1e-9 && (sum.speed_changes_mps - 1.5).abs() < 1e-9, "{sum:?}");
+        assert!(
+            (sum.turned_rad - 1.3).abs() < 1e-9 && (sum.speed_changes_mps - 1.5).abs() < 1e-9,
+            "{sum:?}"
+        );
         assert_eq!(sum.stops, 1);
         assert_eq!(sum.and(sum).stops, 2);
-        assert_eq!(sum.describe(2.0), "0.65 rad and 0.75 m/s up and down each metre, 1 stops");
+        assert_eq!(
+            sum.describe(2.0),
+            "0.65 rad and 0.75 m/s up and down each metre, 1 stops"
+        );
     }
 }

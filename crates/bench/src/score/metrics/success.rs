@@ -25,12 +25,19 @@ impl Strict {
     /// Judges a declaration. Distances are metres of driving from where the robot declared, infinite where no way leads:
     /// `right_door` to the approach point of the right door, `other_doors` to those of all others.
     pub fn judge(right_door: f64, other_doors: &[f64]) -> Self {
-        let correct_unit = right_door.is_finite() && other_doors.iter().all(|&other| other >= right_door);
-        Self { success: correct_unit && right_door <= STRICT_RADIUS, correct_unit }
+        let correct_unit =
+            right_door.is_finite() && other_doors.iter().all(|&other| other >= right_door);
+        Self {
+            success: correct_unit && right_door <= STRICT_RADIUS,
+            correct_unit,
+        }
     }
 
     /// A delivery that was never declared.
-    pub const NOT_DECLARED: Self = Self { success: false, correct_unit: false };
+    pub const NOT_DECLARED: Self = Self {
+        success: false,
+        correct_unit: false,
+    };
 }
 
 #[cfg(test)]
@@ -47,9 +54,27 @@ mod tests {
 
     #[test]
     fn the_neighbour_must_not_be_nearer() {
-        assert_eq!(Strict::judge(1.5, &[1.6, 9.0]), Strict { success: true, correct_unit: true });
-        assert_eq!(Strict::judge(1.5, &[1.4]), Strict { success: false, correct_unit: false });
-        assert_eq!(Strict::judge(2.5, &[9.0]), Strict { success: false, correct_unit: true });
+        assert_eq!(
+            Strict::judge(1.5, &[1.6, 9.0]),
+            Strict {
+                success: true,
+                correct_unit: true
+            }
+        );
+        assert_eq!(
+            Strict::judge(1.5, &[1.4]),
+            Strict {
+                success: false,
+                correct_unit: false
+            }
+        );
+        assert_eq!(
+            Strict::judge(2.5, &[9.0]),
+            Strict {
+                success: false,
+                correct_unit: true
+            }
+        );
         assert_eq!(Strict::judge(f64::INFINITY, &[]), Strict::NOT_DECLARED);
     }
 }

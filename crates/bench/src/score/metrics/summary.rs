@@ -33,9 +33,15 @@ pub fn summarize(deliveries: &[DeliveryResult], totals: &RunTotals) -> Metrics {
     let mut metrics = Metrics {
         collisions: deliveries.iter().map(|d| d.collisions).sum(),
         collisions_by_class: collisions::total(deliveries.iter().map(|d| &d.collisions_by_class)),
-        encounters: deliveries.iter().filter_map(|d| d.encounters).reduce(EncounterSum::and),
+        encounters: deliveries
+            .iter()
+            .filter_map(|d| d.encounters)
+            .reduce(EncounterSum::and),
         // From plus zero: the sum of nothing is minus zero.
-        path_m: deliveries.iter().map(|d| d.path_m).fold(0.0, |sum, p| sum + p),
+        path_m: deliveries
+            .iter()
+            .map(|d| d.path_m)
+            .fold(0.0, |sum, p| sum + p),
         smoothness: deliveries
             .iter()
             .map(|d| d.smoothness)
@@ -50,9 +56,15 @@ pub fn summarize(deliveries: &[DeliveryResult], totals: &RunTotals) -> Metrics {
         },
         ..Metrics::default()
     };
-    let mut intervals = Intervals { seed: totals.seed, found: BTreeMap::new() };
+    let mut intervals = Intervals {
+        seed: totals.seed,
+        found: BTreeMap::new(),
+    };
     let count = |holds: fn(&DeliveryResult) -> bool| {
-        (deliveries.iter().filter(|d| holds(d)).count(), deliveries.len())
+        (
+            deliveries.iter().filter(|d| holds(d)).count(),
+            deliveries.len(),
+        )
     };
     metrics.sr_10m = intervals.rate("sr_10m", count(|d| d.success_10m));
     metrics.sr_2m = intervals.rate("sr_2m", count(|d| d.success_2m));
@@ -72,7 +84,11 @@ pub fn summarize(deliveries: &[DeliveryResult], totals: &RunTotals) -> Metrics {
 }
 
 fn paper_ratio(delivery: &DeliveryResult) -> f64 {
-    path_ratio(delivery.success_10m, delivery.straight_line_m, delivery.path_m)
+    path_ratio(
+        delivery.success_10m,
+        delivery.straight_line_m,
+        delivery.path_m,
+    )
 }
 
 fn strict_ratio(delivery: &DeliveryResult) -> f64 {
@@ -90,8 +106,12 @@ fn sequences(deliveries: &[DeliveryResult]) -> Vec<Vec<&DeliveryResult>> {
     sequences
 }
 
-fn sequence_means(sequences: &[Vec<&DeliveryResult>], value: fn(&DeliveryResult) -> f64) -> Vec<f64> {
-    let mean = |s: &Vec<&DeliveryResult>| sequence_mean(&s.iter().map(|d| value(d)).collect::<Vec<_>>());
+fn sequence_means(
+    sequences: &[Vec<&DeliveryResult>],
+    value: fn(&DeliveryResult) -> f64,
+) -> Vec<f64> {
+    let mean =
+        |s: &Vec<&DeliveryResult>| sequence_mean(&s.iter().map(|d| value(d)).collect::<Vec<_>>());
     sequences.iter().filter_map(mean).collect()
 }
 
@@ -103,12 +123,14 @@ struct Intervals {
 
 impl Intervals {
     fn rate(&mut self, name: &str, (successes, trials): (usize, usize)) -> Option<f64> {
-        self.found.extend(wilson_interval(successes, trials).map(|i| (name.to_owned(), i)));
+        self.found
+            .extend(wilson_interval(successes, trials).map(|i| (name.to_owned(), i)));
         (trials > 0).then(|| successes as f64 / trials as f64)
     }
 
     fn mean(&mut self, name: &str, values: &[f64]) -> Option<f64> {
-        self.found.extend(bootstrap_interval(values, self.seed).map(|i| (name.to_owned(), i)));
+        self.found
+            .extend(bootstrap_interval(values, self.seed).map(|i| (name.to_owned(), i)));
         spl(values)
     }
 }
@@ -122,11 +144,24 @@ mod tests {
     fn both_readings_stand_side_by_side() {
         let mut far = delivery(1, 0);
         (far.success_2m, far.correct_unit) = (false, true);
-        let totals = RunTotals { sim_seconds: 40.0, cpu_seconds: 2.0, ..RunTotals::default() };
+        let totals = RunTotals {
+            sim_seconds: 40.0,
+            cpu_seconds: 2.0,
+            ..RunTotals::default()
+        };
         let metrics = summarize(&[delivery(0, 0), far], &totals);
-        assert_eq!((metrics.sr_10m, metrics.sr_2m, metrics.correct_unit), (Some(1.0), Some(0.5), Some(1.0)));
-        assert_eq!((metrics.spl_straight, metrics.spl), (Some(0.5), Some(0.375)));
-        assert_eq!((metrics.lsr, metrics.lspl, metrics.srtp), (None, None, None));
+        assert_eq!(
+            (metrics.sr_10m, metrics.sr_2m, metrics.correct_unit),
+            (Some(1.0), Some(0.5), Some(1.0))
+        );
+        assert_eq!(
+            (metrics.spl_straight, metrics.spl),
+            (Some(0.5), Some(0.375))
+        );
+        assert_eq!(
+            (metrics.lsr, metrics.lspl, metrics.srtp),
+            (None, None, None)
+        );
         assert_eq!((metrics.path_m, metrics.real_time_factor), (16.0, 20.0));
         assert_eq!(metrics.intervals["sr_10m"][1], 1.0);
         assert!(!metrics.intervals.contains_key("lsr"));
@@ -135,7 +170,11 @@ mod tests {
     #[test]
     fn sequences_are_episodes_of_several_deliveries_in_task_order() {
         let mut deliveries: Vec<_> = (0..5).rev().map(|task| delivery(3, task)).collect();
-        deliveries.iter_mut().find(|d| d.task == 0).unwrap().success_2m = false;
+        deliveries
+            .iter_mut()
+            .find(|d| d.task == 0)
+            .unwrap()
+            .success_2m = false;
         deliveries.push(delivery(4, 0));
         let metrics = summarize(&deliveries, &RunTotals::default());
         assert_eq!(libm::round(metrics.lsr.unwrap() * 1e4), 7558.0);
@@ -144,8 +183,17 @@ mod tests {
 
     #[test]
     fn a_run_without_deliveries_has_no_rates() {
-        let metrics = summarize(&[], &RunTotals { instructions: Some((0, 0)), ..RunTotals::default() });
-        assert_eq!((metrics.sr_10m, metrics.spl, metrics.srtp), (None, None, None));
+        let metrics = summarize(
+            &[],
+            &RunTotals {
+                instructions: Some((0, 0)),
+                ..RunTotals::default()
+            },
+        );
+        assert_eq!(
+            (metrics.sr_10m, metrics.spl, metrics.srtp),
+            (None, None, None)
+        );
         assert!(metrics.intervals.is_empty());
     }
 }
