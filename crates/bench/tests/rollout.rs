@@ -1,4 +1,4 @@
-//! Episodes, one step at a time.
+//! The contract of [`Rollout`] and of its observers.
 
 use std::sync::{Arc, LazyLock, Mutex};
 
@@ -15,7 +15,7 @@ static SMALL: LazyLock<Prepared> =
 
 const FORWARD: Velocity = Velocity::new(0.3, 0.1);
 
-/// Drives in a circle for a second and then gives up.
+/// An agent that drives in a circle for a second and then gives up.
 struct Circle;
 
 impl Agent for Circle {
@@ -40,7 +40,7 @@ fn given_up(address: Option<Address>) -> GiveUp {
     }
 }
 
-/// What an observer was shown.
+/// The calls that an observer received.
 #[derive(Debug, Default)]
 struct Seen {
     begun: usize,
@@ -48,13 +48,13 @@ struct Seen {
     events: Vec<String>,
 }
 
-/// Notes what it is shown, and fails at a step.
-struct Watching {
+/// An observer that counts its calls and fails at a step.
+struct CountingObserver {
     seen: Arc<Mutex<Seen>>,
     fails_at: usize,
 }
 
-impl Observer for Watching {
+impl Observer for CountingObserver {
     fn begin(&mut self, _: &Simulator) -> Result<(), BenchError> {
         self.seen.lock().unwrap().begun += 1;
         Ok(())
@@ -86,7 +86,7 @@ fn rollout<'o>() -> Rollout<'o> {
 }
 
 #[test]
-fn who_steps_gets_what_an_agent_gets() {
+fn single_steps_and_an_agent_give_the_same_trace() {
     let driven = run_episode(rollout(), &mut Circle).unwrap();
     let mut by_hand = rollout();
     for _ in 0..20 {
@@ -104,7 +104,7 @@ fn who_steps_gets_what_an_agent_gets() {
 }
 
 #[test]
-fn after_the_end_nothing_happens() {
+fn steps_after_the_end_have_no_effect() {
     let mut rollout = rollout();
     rollout.step(Action::GiveUp(given_up(None)));
     let time = rollout.observation().time;
@@ -114,7 +114,7 @@ fn after_the_end_nothing_happens() {
 }
 
 #[test]
-fn who_cannot_begin_fails_every_delivery() {
+fn an_agent_that_cannot_begin_fails_every_delivery() {
     let sequence = SMALL
         .episodes
         .iter()
@@ -130,22 +130,22 @@ fn who_cannot_begin_fails_every_delivery() {
 }
 
 #[test]
-fn observers_see_the_begin_each_step_and_each_event() {
+fn observers_receive_the_begin_each_step_and_each_event() {
     let seen = Arc::new(Mutex::new(Seen::default()));
-    let watching = Watching {
+    let observer = CountingObserver {
         seen: seen.clone(),
         fails_at: 0,
     };
-    let trace = run_episode(rollout().watched_by(watching), &mut Circle).unwrap();
+    let trace = run_episode(rollout().watched_by(observer), &mut Circle).unwrap();
     let seen = seen.lock().unwrap();
     assert_eq!((seen.begun, seen.steps), (1, trace.velocities.len()));
     assert_eq!(seen.events, [r#"0.000 s: Note("begun")"#]);
 }
 
 #[test]
-fn an_observer_that_fails_ends_the_episode_with_its_error() {
+fn a_failing_observer_ends_the_episode_with_its_error() {
     let seen = Arc::new(Mutex::new(Seen::default()));
-    let mut rollout = rollout().watched_by(Watching {
+    let mut rollout = rollout().watched_by(CountingObserver {
         seen: seen.clone(),
         fails_at: 3,
     });
@@ -161,14 +161,14 @@ fn an_observer_that_fails_ends_the_episode_with_its_error() {
 }
 
 #[test]
-fn velocities_that_are_no_numbers_are_not_driven() {
+fn nan_and_infinite_velocities_are_replaced_by_zero() {
     let mut rollout = rollout();
     rollout.step(Action::Drive(Velocity::new(f64::NAN, f64::INFINITY)));
     assert_eq!(rollout.finish(None).unwrap().velocities, [Velocity::ZERO]);
 }
 
 #[test]
-fn an_address_that_nobody_named_counts_against_a_delivery_once() {
+fn a_declared_address_that_is_not_in_the_instruction_fails_one_delivery() {
     let nobody = Address {
         building: "nowhere".into(),
         unit: None,
@@ -184,13 +184,13 @@ fn an_address_that_nobody_named_counts_against_a_delivery_once() {
 }
 
 #[test]
-fn an_episode_that_there_is_none_of_is_named() {
+fn an_unknown_episode_is_reported_by_number() {
     let error = Rollout::new(&SMALL, 99, 0).err().unwrap().to_string();
     assert!(error.contains("no episode 99"), "{error}");
 }
 
 #[test]
-fn a_rollout_without_observers_borrows_nothing_and_can_be_sent() {
+fn a_rollout_without_observers_borrows_nothing_and_is_send() {
     fn is_static_and_send<T: 'static + Send>(_: &T) {}
     is_static_and_send(&rollout());
 }

@@ -1,11 +1,11 @@
-//! The three walls of ARCHITECTURE.md, read off `cargo metadata`.
+//! The dependency rules of ARCHITECTURE.md, checked with `cargo metadata`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::process::Command;
 
-/// Floors: a crate may depend only on crates of lower floors.
-const FLOORS: [(&str, u8); 17] = [
+/// Layers: a crate may depend only on crates of lower layers.
+const LAYERS: [(&str, u8); 17] = [
     ("openbench-core", 0),
     ("openbench-grid", 1),
     ("openbench-osm", 1),
@@ -25,7 +25,8 @@ const FLOORS: [(&str, u8); 17] = [
     ("extensions", 7),
 ];
 
-/// For each crate of the workspace: those of ours that it depends on when it is built (not for its tests).
+/// For each crate of the workspace, the crates of the workspace that it depends on, without
+/// dev-dependencies.
 fn dependencies() -> BTreeMap<String, BTreeSet<String>> {
     let manifest = concat!(env!("CARGO_MANIFEST_DIR"), "/../../Cargo.toml");
     let output = Command::new(env!("CARGO"))
@@ -52,7 +53,7 @@ fn dependencies() -> BTreeMap<String, BTreeSet<String>> {
     packages.iter().map(|p| (name(p), needs(p))).collect()
 }
 
-/// Everything that `crate_name` needs, directly or not.
+/// The direct and indirect dependencies of `crate_name`.
 fn reach(graph: &BTreeMap<String, BTreeSet<String>>, crate_name: &str) -> BTreeSet<String> {
     let mut seen = BTreeSet::new();
     let mut open = vec![crate_name.to_owned()];
@@ -67,7 +68,7 @@ fn reach(graph: &BTreeMap<String, BTreeSet<String>>, crate_name: &str) -> BTreeS
 }
 
 #[test]
-fn no_agent_can_reach_the_truth() {
+fn agents_do_not_depend_on_the_truth() {
     let reached = reach(&dependencies(), "openbench-agents");
     for truth in ["openbench-sim", "openbench-scene", "openbench-bench"] {
         assert!(
@@ -77,7 +78,7 @@ fn no_agent_can_reach_the_truth() {
     }
 }
 
-/// The code of a crate, without tests and comments.
+/// The source code of a crate, without tests and comments.
 fn code(folder: &str) -> String {
     let (mut code, mut open) = (
         String::new(),
@@ -110,9 +111,10 @@ fn root() -> &'static str {
     concat!(env!("CARGO_MANIFEST_DIR"), "/../..")
 }
 
-/// What an agent is made of knows no such word, and what it is told and shows has these parts only: a start, maps, sensors.
+/// The crates of an agent do not contain the word, and the types that an agent receives have only
+/// fields that a robot can know: a start, maps, sensor data.
 #[test]
-fn nothing_that_an_agent_gets_tells_the_truth() {
+fn the_interface_of_agents_does_not_contain_the_truth() {
     let mut parts = reach(&dependencies(), "openbench-agents");
     parts.insert("openbench-agents".into());
     for part in parts {
@@ -144,9 +146,9 @@ fn nothing_that_an_agent_gets_tells_the_truth() {
     }
 }
 
-/// The judge knows no agent: what it measures is any agent's.
+/// The benchmark scores any agent in the same way, so it depends on none.
 #[test]
-fn the_benchmark_knows_no_agent() {
+fn the_benchmark_depends_on_no_agent() {
     let reached = reach(&dependencies(), "openbench-bench");
     assert!(
         !reached.contains("openbench-agents"),
@@ -160,22 +162,22 @@ fn core_depends_on_no_crate_of_ours() {
 }
 
 #[test]
-fn crates_depend_on_lower_floors_only() {
-    let floors: BTreeMap<&str, u8> = FLOORS.into_iter().collect();
+fn crates_depend_on_lower_layers_only() {
+    let layers: BTreeMap<&str, u8> = LAYERS.into_iter().collect();
     for (name, needs) in dependencies() {
-        let own = floors
+        let own = layers
             .get(name.as_str())
-            .unwrap_or_else(|| panic!("give {name} a floor here and in ARCHITECTURE.md"));
+            .unwrap_or_else(|| panic!("give {name} a layer here and in ARCHITECTURE.md"));
         for need in needs {
             assert!(
-                floors[need.as_str()] < *own,
-                "{name} (floor {own}) depends on {need}"
+                layers[need.as_str()] < *own,
+                "{name} (layer {own}) depends on {need}"
             );
         }
     }
 }
 
-/// Algorithms return values or take an observer; only the command line and the recorder write.
+/// Algorithms return values or take an observer; only the command line prints.
 #[test]
 fn algorithms_do_not_print() {
     let lints =
@@ -186,7 +188,7 @@ fn algorithms_do_not_print() {
             "the workspace's lints no longer forbid {lint}"
         );
     }
-    for (name, _) in FLOORS {
+    for (name, _) in LAYERS {
         let folder = match name.strip_prefix("openbench-") {
             Some(folder) => format!("crates/{folder}"),
             None if name == "openbench" => "crates/cli".into(),

@@ -1,4 +1,4 @@
-//! From what happened to what a report shows.
+//! From results and traces to the input of a report.
 
 use openbench_core::MapPoint;
 use openbench_osm::Polygon;
@@ -9,7 +9,7 @@ use crate::run::trace::{EpisodeTrace, Frame};
 use crate::score::results::Results;
 use crate::worlds::{Prepared, PreparedEpisode};
 
-/// What the report of a run shows.
+/// The input of a run's report.
 pub fn report_input<'a>(
     prepared: &Prepared,
     results: &'a Results,
@@ -111,19 +111,19 @@ fn episode_report(
     }
 }
 
-/// The last images, each with the surest of the plates that were read in it.
+/// The last images, each with the plate of highest confidence that was read in it.
 fn frames(trace: &EpisodeTrace) -> Vec<PlateFrame> {
     let frame = |f: &Frame| {
         let read = trace.plates.iter().filter(|p| p.time == f.time);
-        let surest = read.max_by(|a, b| a.confidence.total_cmp(&b.confidence))?;
+        let best = read.max_by(|a, b| a.confidence.total_cmp(&b.confidence))?;
         Some(PlateFrame {
             jpeg: image_file::jpeg(&f.image).unwrap_or_default(),
             width: f.image.width,
             height: f.image.height,
             time: f.time,
-            text: surest.text.clone(),
-            confidence: surest.confidence,
-            corners: surest.corners,
+            text: best.text.clone(),
+            confidence: best.confidence,
+            corners: best.corners,
         })
     };
     trace.frames.iter().filter_map(frame).collect()

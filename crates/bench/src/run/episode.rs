@@ -1,4 +1,4 @@
-//! Lets an agent drive an episode.
+//! One episode driven by an agent.
 
 use openbench_core::{Agent, Event};
 
@@ -6,7 +6,7 @@ use crate::BenchError;
 use crate::run::rollout::{Rollout, Status};
 use crate::run::trace::EpisodeTrace;
 
-/// Drives an episode to its end as an agent decides.
+/// Lets an agent drive an episode to its end.
 ///
 /// # Errors
 /// The first error of the rollout's observers.

@@ -1,7 +1,7 @@
-//! 95 % intervals: Wilson's for rates, the percentile bootstrap for means.
+//! 95 % confidence intervals: Wilson for rates, the percentile bootstrap for means.
 //!
-//! Both treat the deliveries (for sequences, the sequences) as independent. Deliveries within one sequence are not
-//! quite; their intervals are a little too narrow.
+//! Both treat the deliveries (for LSR and LSPL, the sequences) as independent. Deliveries within a
+//! sequence are correlated, so their intervals are slightly too narrow.
 
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg32;
@@ -10,7 +10,15 @@ use rand_pcg::Pcg32;
 const Z: f64 = 1.959_963_984_540_054;
 const RESAMPLES: usize = 10_000;
 
-/// The Wilson score interval of a rate of `successes` in `trials`; `None` without trials. (E. B. Wilson, JASA 22, 1927.)
+/// The Wilson score interval of the rate `successes / trials`, lower and upper bound; `None`
+/// without trials (E. B. Wilson, JASA 22, 1927).
+///
+/// ```
+/// use openbench_bench::score::statistics::wilson_interval;
+///
+/// let [low, high] = wilson_interval(8, 10).unwrap();
+/// assert!((low - 0.4902).abs() < 1e-4 && (high - 0.9433).abs() < 1e-4);
+/// ```
 pub fn wilson_interval(successes: usize, trials: usize) -> Option<[f64; 2]> {
     if trials == 0 {
         return None;
@@ -22,8 +30,8 @@ pub fn wilson_interval(successes: usize, trials: usize) -> Option<[f64; 2]> {
     Some([(centre - half).max(0.0), (centre + half).min(1.0)])
 }
 
-/// The percentile bootstrap interval of the mean of `values`, the same for the same seed; `None` for fewer than two
-/// values, of whose spread nothing is known.
+/// The percentile bootstrap interval of the mean of `values`, lower and upper bound, from 10,000
+/// resamples drawn from `seed`; `None` for fewer than two values.
 pub fn bootstrap_interval(values: &[f64], seed: u64) -> Option<[f64; 2]> {
     if values.len() < 2 {
         return None;
@@ -65,7 +73,7 @@ mod tests {
     }
 
     #[test]
-    fn the_bootstrap_agrees_with_the_normal_interval_where_there_are_many_values() {
+    fn the_bootstrap_agrees_with_the_normal_interval_for_many_values() {
         let values: Vec<f64> = (0..400).map(|i| f64::from(i % 20) / 19.0).collect();
         // Mean 0.5, standard deviation of 20 equal steps 0.30349, standard error / 20.
         let half = Z * 0.30349 / 20.0;
@@ -77,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn the_bootstrap_repeats_itself() {
+    fn the_bootstrap_is_deterministic() {
         let values = [0.1, 0.9, 0.4];
         assert_eq!(
             bootstrap_interval(&values, 7),

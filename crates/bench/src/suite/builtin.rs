@@ -1,18 +1,18 @@
-//! What the built-in suites hold.
+//! The contents of the built-in suites.
 
-/// What a built-in suite holds.
+/// The contents of a built-in suite.
 pub struct BuiltIn {
-    /// Its name.
+    /// Name of the suite and of its world.
     pub name: &'static str,
     /// Number of single deliveries.
     pub singles: usize,
     /// Number of sequences.
     pub sequences: usize,
-    /// Doors in each sequence.
+    /// Number of doors in each sequence.
     pub length: usize,
 }
 
-/// All of them.
+/// All built-in suites.
 pub const BUILT_IN: [BuiltIn; 3] = [
     BuiltIn {
         name: "small",

@@ -1,4 +1,4 @@
-//! From a suite's world source to the world.
+//! From a suite's [`WorldSource`] to the world.
 
 use std::path::PathBuf;
 
@@ -12,10 +12,10 @@ use crate::BenchError;
 use crate::suite::WorldSource;
 use crate::suite::builtin::builtin_suites;
 
-/// Makes a world.
+/// Builds a world.
 ///
 /// # Errors
-/// [`BenchError`] with the file or the name that does not do.
+/// An unknown name, a file that cannot be used, or a world that cannot be built.
 pub fn load(source: &WorldSource) -> Result<World, BenchError> {
     match source {
         WorldSource::Builtin { name, seed } => builtin(name, *seed),

@@ -1,21 +1,24 @@
-//! The reference recorder's CSV.
+//! Logs of the reference recorder, CSV.
 
 use openbench_core::MapPoint;
 
 use crate::line_problem::LineProblem;
 
-/// The rows of one task.
+/// One task of a log.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoggedTask {
     /// The address as logged.
     pub address: String,
-    /// Where the last row has the robot.
+    /// Position of the robot in the last row.
     pub end: MapPoint,
-    /// Sum of the straight lines between rows, in three dimensions as the reference counts it, metres.
+    /// Sum of the straight lines between rows, in three dimensions as in the reference, metres.
     pub path_m: f64,
 }
 
-/// The tasks of a log.
+/// Parses a log into its tasks.
+///
+/// # Errors
+/// The first line that is not in the format of the module [`evaluate`](super).
 pub fn parse_log(text: &str) -> Result<Vec<LoggedTask>, LineProblem> {
     let mut tasks = Vec::<LoggedTask>::new();
     let mut last = [0.0; 3];
@@ -63,7 +66,7 @@ fn parse_row(line: &str) -> Result<Row, String> {
         return Err(format!("status `{status}` is none of start, running, end"));
     }
     let at = [coordinate(x)?, coordinate(y)?, coordinate(z)?];
-    // A writer that does not quote leaves the commas of an address bare.
+    // Some writers do not quote: the commas of an address then divide it into several fields.
     Ok(Row {
         status: status.trim().to_owned(),
         address: [std::slice::from_ref(first), others].concat().join(","),
@@ -76,7 +79,7 @@ fn coordinate(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| format!("`{text}` is no coordinate"))
 }
 
-/// Fields divided by commas; a field in double quotes may hold commas and doubled quotes.
+/// The fields of a CSV row; a field in double quotes may contain commas and doubled quotes.
 fn split_fields(line: &str) -> Result<Vec<String>, String> {
     let (mut fields, mut field, mut quoted) = (Vec::new(), String::new(), false);
     let mut rest = line.chars().peekable();
@@ -90,7 +93,7 @@ fn split_fields(line: &str) -> Result<Vec<String>, String> {
     }
     fields.push(field);
     if quoted {
-        Err("a quote is not closed".to_owned())
+        Err("a double quote is not closed".to_owned())
     } else {
         Ok(fields)
     }
@@ -116,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn each_start_opens_a_task() {
+    fn each_row_with_status_start_begins_a_task() {
         let tasks = parse_log("1,start,a,0,0,0\n2,running,a,3,4,12\n3,start,b,9,9,9\n").unwrap();
         assert_eq!(tasks.len(), 2);
         assert_eq!(
@@ -138,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn broken_rows_are_refused_with_their_line() {
+    fn invalid_rows_are_reported_with_their_line() {
         let head = "timestamp,status,address,robot_x,robot_y,robot_z\n";
         assert_eq!(problem(&format!("{head}1,running,a,0,0,0")).line, 2);
         assert!(

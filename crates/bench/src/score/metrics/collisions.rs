@@ -1,39 +1,40 @@
-//! Collisions, counted by the class of what was hit. They do not end an episode.
+//! Collisions by class of the object that was hit. They do not end an episode.
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-/// Collisions with one class of things.
+/// Collisions with one class of objects.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct CollisionSum {
-    /// How many.
+    /// Number of collisions.
     pub count: usize,
-    /// Of these, those into which the robot drove faster than 5 cm/s; into the others it was run.
+    /// Collisions in which the robot was faster than 5 cm/s; in the others it was hit.
     #[serde(default)]
     pub driven_into: usize,
-    /// Of the others, those with somebody in whose way the robot had got within the braking distance.
+    /// Collisions in which the robot stood, but had entered the path of the other within its
+    /// braking distance.
     #[serde(default)]
     pub cut_off: usize,
-    /// Sum of their impulses, newton seconds.
+    /// Sum of the impulses, newton seconds.
     pub impulse_ns: f64,
 }
 
-/// A collision, as far as it counts.
+/// The properties of a collision that are scored.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bump {
-    /// Its impulse, newton seconds.
+    /// Impulse, newton seconds.
     pub impulse_ns: f64,
-    /// The robot's speed before it, m/s.
+    /// Speed of the robot before the collision, m/s.
     pub speed_mps: f64,
-    /// Whether the robot had got into the other's way within the braking distance.
+    /// Whether the robot had entered the path of the other within its braking distance.
     pub cut_off: bool,
 }
 
 impl Bump {
-    /// Whether the robot drove, or had cut the other off.
+    /// Whether the robot drove into the object, or had cut it off.
     pub fn is_at_fault(&self) -> bool {
-        self.speed_mps > STANDING || self.cut_off
+        self.speed_mps > STANDSTILL_MPS || self.cut_off
     }
 }
 
@@ -48,8 +49,8 @@ impl From<&openbench_sim::Collision> for Bump {
     }
 }
 
-/// A robot that is slower than this stands, m/s.
-const STANDING: f64 = 0.05;
+/// Maximum speed of a robot that is regarded as standing.
+const STANDSTILL_MPS: f64 = 0.05;
 
 impl CollisionSum {
     /// Adds one collision.
@@ -62,14 +63,14 @@ impl CollisionSum {
         }: Bump,
     ) {
         self.count += 1;
-        let drives = speed_mps > STANDING;
+        let drives = speed_mps > STANDSTILL_MPS;
         self.driven_into += usize::from(drives);
         self.cut_off += usize::from(!drives && cut_off);
         self.impulse_ns += impulse_ns;
     }
 }
 
-/// Sums collisions by class.
+/// Sums the collisions by class.
 pub fn by_class<'a>(
     collisions: impl IntoIterator<Item = (&'a str, Bump)>,
 ) -> BTreeMap<String, CollisionSum> {
@@ -80,7 +81,7 @@ pub fn by_class<'a>(
     sums
 }
 
-/// Sums the sums of several deliveries, by class.
+/// Adds the sums of several deliveries, by class.
 pub fn total<'a>(
     parts: impl IntoIterator<Item = &'a BTreeMap<String, CollisionSum>>,
 ) -> BTreeMap<String, CollisionSum> {
@@ -100,7 +101,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn classes_are_summed_apart() {
+    fn each_class_has_its_own_sum() {
         let bump = |impulse_ns, speed_mps, cut_off| Bump {
             impulse_ns,
             speed_mps,
@@ -121,7 +122,7 @@ mod tests {
             }
         );
         let both = total([&first, &by_class([("car", bump(2.0, 0.0, true))])]);
-        // Who drives into a car that it cut off is to blame once.
+        // A robot that drives into a car that it cut off is at fault only once.
         assert_eq!(
             both["car"],
             CollisionSum {

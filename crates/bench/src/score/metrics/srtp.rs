@@ -1,19 +1,36 @@
-//! SRTP, success rate of task planning: the share of instructions whose list of doors, in an admissible order, is
-//! exactly right.
+//! SRTP, success rate of task planning: the share of instructions with exactly the right list of
+//! doors, in an admissible order.
 
 use openbench_core::Address;
 
-/// What an instruction asks for.
+/// The correct plan of an instruction.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct ExpectedPlan {
-    /// The doors, each once.
+    /// The requested doors, each once.
     pub doors: Vec<Address>,
-    /// Pairs of positions in `doors`: the first must be driven to before the second. Without pairs any order will do.
+    /// Pairs of indices into `doors`: the first must be visited before the second. Without pairs
+    /// every order is admissible.
     pub before: Vec<(usize, usize)>,
 }
 
 impl ExpectedPlan {
-    /// Whether `planned` names exactly the doors asked for, each once, in an admissible order.
+    /// Whether `planned` has exactly the requested doors, each once, in an admissible order.
+    ///
+    /// ```
+    /// use openbench_bench::score::metrics::ExpectedPlan;
+    /// use openbench_core::Address;
+    ///
+    /// // "First to unit 2 of building 3, then to unit 1 of building 5."
+    /// let first = Address::new("building3", "unit2");
+    /// let second = Address::new("building5", "unit1");
+    /// let expected = ExpectedPlan {
+    ///     doors: vec![first.clone(), second.clone()],
+    ///     before: vec![(0, 1)],
+    /// };
+    /// assert!(expected.is_met_by(&[first.clone(), second.clone()]));
+    /// assert!(!expected.is_met_by(&[second, first.clone()]));
+    /// assert!(!expected.is_met_by(&[first]));
+    /// ```
     pub fn is_met_by(&self, planned: &[Address]) -> bool {
         let place = |door: &Address| planned.iter().position(|p| p.same_door(door));
         let places: Option<Vec<usize>> = self.doors.iter().map(place).collect();
@@ -27,8 +44,8 @@ impl ExpectedPlan {
     }
 }
 
-/// SRTP over pairs of what was asked for and what was planned; `None` without instructions. A plan that could not be
-/// made is an empty one.
+/// SRTP over pairs of the expected and the made plan; `None` without instructions. A planner that
+/// fails has an empty plan.
 pub fn srtp(plans: &[(ExpectedPlan, Vec<Address>)]) -> Option<f64> {
     let right = plans
         .iter()
@@ -67,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn an_order_that_was_asked_for_counts() {
+    fn a_requested_order_is_required() {
         let expected = ExpectedPlan {
             doors: doors(&["a", "b", "c"]),
             before: vec![(2, 0)],

@@ -11,24 +11,26 @@ use super::smoothness::SmoothnessSum;
 use crate::score::results::{DeliveryResult, Metrics};
 use crate::score::statistics::{bootstrap_interval, wilson_interval};
 
-/// What a run knows besides its deliveries.
+/// Totals of a run that are not in the results of its deliveries.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct RunTotals {
-    /// Simulated seconds of all episodes.
+    /// Simulated time of all episodes, seconds.
     pub sim_seconds: f64,
-    /// Seconds from the beginning of the run to its end.
+    /// Wall-clock time of the run, seconds.
     pub wall_seconds: f64,
-    /// CPU seconds of the workers.
+    /// CPU time of the process, seconds.
     pub cpu_seconds: f64,
-    /// Instructions that were understood exactly, and all; `None` if the agent plans no instructions.
+    /// Number of instructions with exactly the right plan, and of all instructions; `None` if the
+    /// agent makes no plans.
     pub instructions: Option<(usize, usize)>,
-    /// Errors of the poses that the agent told.
+    /// Errors of the poses that the agent reported.
     pub localization: Option<LocalizationSum>,
     /// Seed of the bootstrap.
     pub seed: u64,
 }
 
-/// The metrics of a run. Deliveries of one episode form a sequence if there are several of them; `task` is their order.
+/// The metrics of a run. The deliveries of an episode are a sequence if there are several of them,
+/// in the order of `task`.
 pub fn summarize(deliveries: &[DeliveryResult], totals: &RunTotals) -> Metrics {
     let mut metrics = Metrics {
         collisions: deliveries.iter().map(|d| d.collisions).sum(),
@@ -37,7 +39,7 @@ pub fn summarize(deliveries: &[DeliveryResult], totals: &RunTotals) -> Metrics {
             .iter()
             .filter_map(|d| d.encounters)
             .reduce(EncounterSum::and),
-        // From plus zero: the sum of nothing is minus zero.
+        // Starting from +0: the empty `sum()` is -0.
         path_m: deliveries
             .iter()
             .map(|d| d.path_m)
@@ -115,7 +117,7 @@ fn sequence_means(
     sequences.iter().filter_map(mean).collect()
 }
 
-/// Intervals found so far, by the name of their metric.
+/// The intervals computed so far, by name of the metric.
 struct Intervals {
     seed: u64,
     found: BTreeMap<String, [f64; 2]>,
@@ -141,7 +143,7 @@ mod tests {
     use crate::score::results::tests::delivery;
 
     #[test]
-    fn both_readings_stand_side_by_side() {
+    fn both_criteria_are_reported() {
         let mut far = delivery(1, 0);
         (far.success_2m, far.correct_unit) = (false, true);
         let totals = RunTotals {
