@@ -1,11 +1,14 @@
-//! A battery of towns with an agent that gives up at once: windows, their files, and going on where it was broken off.
+//! The towns experiment with an agent that gives up at once: windows, their files, and resumption
+//! after an interruption.
 
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 use openbench_bench::run::registry::AgentError;
 use openbench_bench::{AgentRequest, BenchError};
-use openbench_core::{Action, Agent, Briefing, Events, FailureCause, GiveUp, Observation};
+use openbench_core::{
+    Action, Agent, Briefing, Events, FailureCause, GiveUp, Observation, with_causes,
+};
 use openbench_trials::towns::{Towns, TownsPlan, TownsRequest, draw, run};
 
 struct Quitter;
@@ -38,8 +41,12 @@ fn plan(seed: u64) -> TownsPlan {
     }
 }
 
-/// The battery, and for each window whether it was done before.
-fn battery(plan: &TownsPlan, windows: usize, out: &Path) -> Result<(Towns, Vec<bool>), BenchError> {
+/// The results, and for each window whether it was finished before.
+fn run_towns(
+    plan: &TownsPlan,
+    windows: usize,
+    out: &Path,
+) -> Result<(Towns, Vec<bool>), BenchError> {
     let factory =
         |_: &AgentRequest<'_>| -> Result<Box<dyn Agent>, AgentError> { Ok(Box::new(Quitter)) };
     let seen = RefCell::new(Vec::new());
@@ -56,9 +63,9 @@ fn battery(plan: &TownsPlan, windows: usize, out: &Path) -> Result<(Towns, Vec<b
 }
 
 #[test]
-fn a_battery_goes_on_where_it_was_broken_off() {
+fn an_interrupted_experiment_is_resumed() {
     let folder = tempfile::tempdir().unwrap();
-    let (one, seen) = battery(&plan(3), 1, folder.path()).unwrap();
+    let (one, seen) = run_towns(&plan(3), 1, folder.path()).unwrap();
     assert_eq!((one.towns.len(), seen), (1, vec![false]));
     let town = &one.towns[0];
     assert_eq!(
@@ -84,8 +91,8 @@ fn a_battery_goes_on_where_it_was_broken_off() {
     for file in ["town.json", "world/world.toml", "run/report.html"] {
         assert!(folder.path().join("000").join(file).exists(), "{file}");
     }
-    // The second window is another place; the first is as it was.
-    let (two, seen) = battery(&plan(3), 2, folder.path()).unwrap();
+    // The second window is at another place; the first is unchanged.
+    let (two, seen) = run_towns(&plan(3), 2, folder.path()).unwrap();
     assert_eq!(seen, [true, false]);
     assert_eq!(two.towns[0], one.towns[0]);
     assert_eq!(
@@ -97,7 +104,7 @@ fn a_battery_goes_on_where_it_was_broken_off() {
         2,
         "two sequences, of different windows"
     );
-    // Windows that are only drawn are the same ones.
+    // Windows that are only drawn are the same.
     let elsewhere = tempfile::tempdir().unwrap();
     let drawn = draw(&plan(3), 2, elsewhere.path()).unwrap();
     assert!(
@@ -108,14 +115,14 @@ fn a_battery_goes_on_where_it_was_broken_off() {
     );
     let map = |folder: &Path| std::fs::read(folder.join("000/world/map.osm")).unwrap();
     assert_eq!(map(elsewhere.path()), map(folder.path()));
-    // Windows of another plan are not mixed in.
-    let other = battery(&plan(4), 1, folder.path()).unwrap_err().to_string();
+    // A folder with windows of another plan is rejected.
+    let other = with_causes(&run_towns(&plan(4), 1, folder.path()).unwrap_err());
     assert!(
         other.contains("towns.json") && other.contains("--out"),
         "{other}"
     );
     std::fs::write(folder.path().join("000/town.json"), "{}").unwrap();
-    let broken = battery(&plan(3), 1, folder.path()).unwrap_err().to_string();
+    let broken = with_causes(&run_towns(&plan(3), 1, folder.path()).unwrap_err());
     assert!(
         broken.contains("town.json") && broken.contains("remove"),
         "{broken}"
@@ -123,7 +130,7 @@ fn a_battery_goes_on_where_it_was_broken_off() {
 }
 
 #[test]
-fn a_map_without_room_gives_fewer_windows() {
+fn a_map_without_space_has_fewer_windows() {
     let folder = tempfile::tempdir().unwrap();
     let empty = folder.path().join("empty.osm");
     std::fs::write(
@@ -135,7 +142,7 @@ fn a_map_without_room_gives_fewer_windows() {
         maps: vec![empty],
         ..plan(1)
     };
-    let (towns, _) = battery(&plan, 3, &folder.path().join("out")).unwrap();
+    let (towns, _) = run_towns(&plan, 3, &folder.path().join("out")).unwrap();
     assert_eq!(
         (towns.towns.len(), towns.wanted, towns.metrics.sr_2m),
         (0, 3, None)

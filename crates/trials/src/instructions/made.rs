@@ -1,9 +1,19 @@
-//! Instructions made from templates (`data/instructions/templates`), the same for the same seed.
+//! Instructions generated from templates (`data/instructions/templates`); the same seed gives the
+//! same instructions.
 //!
-//! For each language and template, some times over: different doors of the estate, one form of address, numbers as digits or as words. In a
-//! template `{1}` is the address of the first door, `{b1}` and `{u1}` the numbers of its building and of its unit; in a form of address `{b}`, `{u}` and `{o}`
-//! are the numbers and the unit's ordinal. Doors lie in different buildings but for templates of `one_building`; all have the same unit in those of `one_unit`. Which doors
-//! are to be delivered to (`deliver`, all by default) and which before which (`before`) the template says; what it names otherwise must not be delivered to.
+//! Each template of each language is filled several times, with different doors of the estate, one
+//! form of address, and numbers as digits or as words.
+//!
+//! | placeholder | in | replaced by |
+//! |---|---|---|
+//! | `{1}` | template | address of the first door |
+//! | `{b1}`, `{u1}` | template | number of its building, of its unit |
+//! | `{b}`, `{u}` | form of address | number of the building, of the unit |
+//! | `{o}` | form of address | ordinal of the unit |
+//!
+//! The doors are in different buildings, except in templates with `one_building`; with `one_unit`
+//! all have the same unit. A template says which doors are delivered to (`deliver`, by default all)
+//! and in which order (`before`). Doors that it mentions otherwise must not be delivered to.
 
 use openbench_core::Address;
 use rand::{RngExt, SeedableRng};
@@ -12,7 +22,7 @@ use serde::Deserialize;
 
 use super::{Case, Difficulty, MapName, Split};
 
-/// The languages with their templates.
+/// The languages (BCP 47) and their templates.
 const LANGUAGES: [(&str, &str); 6] = [
     (
         "en",
@@ -39,15 +49,16 @@ const LANGUAGES: [(&str, &str); 6] = [
         include_str!("../../data/instructions/templates/ja.toml"),
     ),
 ];
-/// Buildings of the estate, and units of each.
+/// Number of buildings of the estate.
 const BUILDINGS: usize = 12;
+/// Number of units of each building.
 const UNITS: usize = 4;
-/// How often each template is filled.
-const TIMES: usize = 3;
-/// Share of instructions with numbers as words.
-const WORDS: f64 = 0.3;
-/// Doors that a template may name.
-const MOST_DOORS: usize = 4;
+/// Number of instructions from each template.
+const REPETITIONS: usize = 3;
+/// Share of instructions with numbers as words, except easy ones.
+const NUMBER_WORDS_SHARE: f64 = 0.3;
+/// Maximum number of doors in a template.
+const MAX_DOORS: usize = 4;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -55,7 +66,7 @@ struct Language {
     numbers: Vec<String>,
     #[serde(default)]
     ordinals: Vec<String>,
-    /// What prepositions and articles become together.
+    /// Contractions of prepositions with articles: separate and contracted form.
     #[serde(default)]
     contractions: Vec<(String, String)>,
     development: Templates,
@@ -87,14 +98,14 @@ struct Template {
 /// A door of the estate: numbers of building and unit, from 1.
 type Door = (usize, usize);
 
-/// The instructions of a split from a seed; no unseen ones are made from templates.
+/// Generates the instructions of a split from a seed; the unseen split has none from templates.
 ///
 /// # Panics
-/// Never: the built-in templates are sound, as a test shows.
+/// Never: a test parses the built-in templates.
 pub fn made(split: Split, seed: u64) -> Vec<Case> {
     let mut cases = Vec::new();
     for (stream, (lang, text)) in (0..).zip(LANGUAGES) {
-        let language: Language = toml::from_str(text).expect("built-in templates can be read");
+        let language: Language = toml::from_str(text).expect("the built-in templates are valid");
         let (templates, name) = match split {
             Split::Development => (&language.development, "development"),
             Split::Test => (&language.test, "test"),
@@ -106,7 +117,7 @@ pub fn made(split: Split, seed: u64) -> Vec<Case> {
         let every = templates
             .templates
             .iter()
-            .flat_map(|template| std::iter::repeat_n(template, TIMES));
+            .flat_map(|template| std::iter::repeat_n(template, REPETITIONS));
         for (number, template) in (1..).zip(every) {
             let id = format!("{lang}-made-{name}-{number:02}");
             cases.push(language.fill(template, templates, (id, lang), &mut rng));
@@ -123,13 +134,14 @@ impl Language {
         (id, lang): (String, &str),
         rng: &mut Pcg64Mcg,
     ) -> Case {
-        let count = (1..=MOST_DOORS)
+        let count = (1..=MAX_DOORS)
             .rev()
             .find(|k| names(&template.text, *k))
             .unwrap_or(0);
         let doors = doors(template, count, rng);
         let form = &templates.addresses[rng.random_range(0..templates.addresses.len())];
-        let as_words = template.difficulty != Difficulty::Easy && rng.random_bool(WORDS);
+        let as_words =
+            template.difficulty != Difficulty::Easy && rng.random_bool(NUMBER_WORDS_SHARE);
         let mut instruction = template.text.clone();
         for (k, door) in (1..).zip(&doors) {
             let (b, u) = (self.number(door.0, as_words), self.number(door.1, as_words));
@@ -179,14 +191,14 @@ impl Language {
     }
 }
 
-/// Whether a template says something of door `k`.
+/// Whether a template mentions door `k`.
 fn names(text: &str, k: usize) -> bool {
     ["", "b", "u"]
         .iter()
         .any(|kind| text.contains(&format!("{{{kind}{k}}}")))
 }
 
-/// Different doors.
+/// Draws different doors.
 fn doors(template: &Template, count: usize, rng: &mut Pcg64Mcg) -> Vec<Door> {
     let mut doors: Vec<Door> = Vec::new();
     while doors.len() < count {
@@ -206,7 +218,7 @@ fn doors(template: &Template, count: usize, rng: &mut Pcg64Mcg) -> Vec<Door> {
     doors
 }
 
-/// The text with a capital at its beginning.
+/// The text with its first letter in upper case.
 fn sentence(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or_else(String::new, |first| {
@@ -219,7 +231,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_files_hold_what_seed_1_makes() {
+    fn the_files_are_generated_from_seed_1() {
         for (split, file) in [
             (Split::Development, super::super::DEVELOPMENT[1]),
             (Split::Test, super::super::TEST[1]),
@@ -240,7 +252,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_of_a_template_is_left_over() {
+    fn all_placeholders_are_replaced() {
         for case in [Split::Development, Split::Test]
             .into_iter()
             .flat_map(|split| made(split, 7))

@@ -1,7 +1,10 @@
-//! SRTP of a planner: the share of instructions of which it makes exactly the right plan, with 95 % intervals (Wilson), by language and difficulty.
+//! SRTP of a planner: the share of instructions with exactly the right plan, with 95 % Wilson
+//! intervals, by language and difficulty.
 //!
-//! A plan is right if its doors are those of the answer, each once, in an order that the instruction allows, and it asks back about none of them; where several places fit, if it asks back.
-//! Of an instruction without a map a plan need not know where the doors are.
+//! A plan is right if it has exactly the requested doors, each once, in an admissible order, and no
+//! question about a door that the map has. For an ambiguous instruction it is right if it is one
+//! delivery with a question. For an instruction without a map, the positions of the doors may be
+//! unknown to the plan.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -14,16 +17,16 @@ use serde::Serialize;
 use super::{Case, Difficulty, MapName};
 use openbench_bench::score::statistics::wilson_interval;
 
-/// How many of some instructions were understood.
+/// The SRTP of a group of instructions.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Share {
-    /// Instructions.
+    /// Number of instructions.
     pub instructions: usize,
-    /// Right plans.
+    /// Number of right plans.
     pub right: usize,
-    /// Share of right plans; none without instructions.
+    /// Share of right plans; null without instructions.
     pub srtp: Option<f64>,
-    /// Its 95 % interval.
+    /// 95 % Wilson interval of the share.
     pub interval: Option<[f64; 2]>,
 }
 
@@ -36,46 +39,61 @@ impl Share {
     }
 }
 
-/// An instruction that was not understood.
+/// An instruction with a wrong plan.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Wrong {
-    /// The case's name.
+    /// Name of the case.
     pub id: String,
     /// The instruction.
     pub instruction: String,
-    /// The right answer; empty where several places fit.
+    /// The requested doors; empty for an ambiguous instruction.
     pub expected: Vec<Address>,
-    /// What was planned.
+    /// The planned doors.
     pub planned: Vec<Address>,
-    /// What the planner said against it, if it did.
+    /// The planner's error or question, if any.
     pub said: Option<String>,
 }
 
-/// How well a planner understands.
+/// The scores of a planner.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Scores {
-    /// The planner.
+    /// Name of the planner.
     pub planner: String,
-    /// Over all instructions.
+    /// Score over all instructions.
     pub all: Share,
-    /// By language.
+    /// Scores by language.
     pub languages: BTreeMap<String, Share>,
-    /// By difficulty.
+    /// Scores by difficulty.
     pub difficulties: BTreeMap<Difficulty, Share>,
-    /// Milliseconds that a plan took, on average and at most; by the clock, since models are waited for.
+    /// Mean wall-clock time of a plan, milliseconds, waiting for models included.
     pub mean_ms: f64,
-    /// See [`Scores::mean_ms`].
+    /// Maximum wall-clock time of a plan, milliseconds.
     pub max_ms: f64,
-    /// How many plans were made by another planner in part.
+    /// Number of plans that were partly made by another planner.
     pub fallbacks: usize,
-    /// What was asked of models, where that was counted.
+    /// Use of models, where it was counted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub models: Option<ModelUse>,
-    /// The instructions that were not understood.
+    /// The instructions with a wrong plan.
     pub wrong: Vec<Wrong>,
 }
 
-/// Plans every instruction. `map` stands for the map of cases that name none; `done` is called after each.
+/// Lets a planner plan all instructions and scores the plans.
+///
+/// `map` is used for cases without a map of their own; `done` is called after each case.
+///
+/// ```
+/// use openbench_language::GrammarPlanner;
+/// use openbench_trials::instructions::{Split, built_in, score::score};
+///
+/// let cases: Vec<_> = built_in(Split::Development)
+///     .into_iter()
+///     .filter(|case| case.id.starts_with("en-made"))
+///     .collect();
+/// let scores = score(&GrammarPlanner::new(), &cases, None, || {});
+/// assert_eq!(scores.all.instructions, cases.len());
+/// assert!(scores.all.srtp > Some(0.9));
+/// ```
 pub fn score(
     planner: &dyn Planner,
     cases: &[Case],
@@ -108,7 +126,7 @@ pub fn score(
             instruction: &case.instruction,
             map: known.unwrap_or(&nowhere),
             start: MapPoint::default(),
-            times: &Beeline,
+            times: &StraightLineTimes,
         };
         let began = Instant::now();
         let planned = planner.plan(&request);
@@ -122,7 +140,7 @@ pub fn score(
             fallbacks: Vec::new(),
         });
         scores.fallbacks += usize::from(!plan.fallbacks.is_empty());
-        scores.take(case, &plan, said, known);
+        scores.add(case, &plan, said, known);
         done();
     }
     scores.mean_ms = total / cases.len().max(1) as f64;
@@ -130,7 +148,7 @@ pub fn score(
 }
 
 impl Scores {
-    fn take(&mut self, case: &Case, plan: &Plan, said: Option<String>, map: Option<&OsmMap>) {
+    fn add(&mut self, case: &Case, plan: &Plan, said: Option<String>, map: Option<&OsmMap>) {
         let right = is_right(case, plan, map);
         self.all.add(right);
         if !case.lang.is_empty() {
@@ -155,7 +173,8 @@ impl Scores {
     }
 }
 
-/// The right doors in an order that is allowed, and no question where none is called for: what the map lacks may be said, what it has is not asked about.
+/// Whether a plan is right, see the [module](self). A plan may report that the map lacks a
+/// building, but must not ask about one that the map has.
 fn is_right(case: &Case, plan: &Plan, map: Option<&OsmMap>) -> bool {
     if case.ambiguous {
         return matches!(&plan.deliveries[..], [one] if one.problem.is_some());
@@ -175,10 +194,11 @@ fn is_right(case: &Case, plan: &Plan, map: Option<&OsmMap>) -> bool {
     case.expected().is_met_by(&planned) && !asks
 }
 
-/// Half a metre a second as the crow flies: orders that the instruction leaves open count for nothing here.
-struct Beeline;
+/// Travel times along straight lines at 0.5 m/s. They only affect orders that the instruction
+/// leaves open, which are all admissible.
+struct StraightLineTimes;
 
-impl TravelTimes for Beeline {
+impl TravelTimes for StraightLineTimes {
     fn matrix(&self, places: &[MapPoint]) -> Vec<f64> {
         places
             .iter()
@@ -193,7 +213,7 @@ mod tests {
     use openbench_core::PlannedDelivery;
     use openbench_language::{GrammarPlanner, PlanError};
 
-    /// Always the same doors.
+    /// A planner that always plans the same doors, with the same question.
     struct Always(Vec<Address>, Option<String>);
 
     impl Planner for Always {
@@ -243,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn doors_order_and_doubts_count() {
+    fn doors_order_and_questions_are_scored() {
         let (a, b) = (
             Address::new("building1", "unit1"),
             Address::new("building2", "unit1"),
@@ -285,7 +305,7 @@ mod tests {
     }
 
     #[test]
-    fn the_grammar_understands_most_instructions() {
+    fn the_grammar_keeps_its_srtp() {
         use super::super::Split::{Development, Test, Unseen};
         for (split, least) in [(Development, 0.94), (Test, 0.97), (Unseen, 0.85)] {
             let scores = score(

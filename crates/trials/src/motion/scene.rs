@@ -1,6 +1,7 @@
-//! Scenes of some metres that a local planner has to get through, drawn from seeds.
+//! Random scenes of some metres for local planners.
 //!
-//! Each kind is drawn straight ahead of a robot at the origin, then turned and mirrored by chance, so that no planner gains from the axes.
+//! Each kind is drawn straight ahead of a robot at the origin, then turned and mirrored by chance,
+//! so that no planner gains from the axes.
 
 use openbench_core::{MapPoint, Pose2, RobotDescription};
 use openbench_motion::{Obstacle, ShapeError};
@@ -8,34 +9,35 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
 
-/// What is hard about a scene.
+/// The difficulty of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Kind {
-    /// Next to nothing in the way.
+    /// Few obstacles.
     Open,
-    /// Many things in the way.
+    /// Many obstacles.
     Cluttered,
     /// A gap five centimetres wider than the robot.
     NarrowGap,
-    /// A pocket or corridor to get out of, too narrow to turn in or closed ahead.
+    /// A pocket or corridor that the robot must leave, too narrow to turn in or closed ahead.
     DeadEnd,
-    /// A door, and a corridor across right behind it.
+    /// A doorway into a corridor that crosses directly behind it.
     Doorway,
     /// A goal behind the robot.
     UTurn,
-    /// People who cross the way and look at nobody.
+    /// People who cross the robot's path and do not yield.
     Crossers,
-    /// Somebody who comes straight on.
+    /// A person who approaches head-on.
     HeadOn,
-    /// The robot touches something at the start.
+    /// The robot is in contact or near contact with an obstacle at the start.
     Touching,
-    /// The estimate of the pose jumps by half a metre on the way.
+    /// The pose estimate jumps by half a metre during the drive.
     Jump,
 }
 
 impl Kind {
-    /// All of them.
+    /// All kinds.
     pub const ALL: [Self; 10] = [
         Self::Open,
         Self::Cluttered,
@@ -69,28 +71,41 @@ impl Kind {
 /// A jump of the estimated pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Jump {
-    /// When, seconds after the start.
+    /// Time since the start, seconds.
     pub at: f64,
-    /// By how much, metres in `map`.
+    /// Displacement in the `map` frame, metres.
     pub by: [f64; 2],
 }
 
 /// A scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
-    /// What is hard about it.
+    /// Its difficulty.
     pub kind: Kind,
-    /// Where the robot stands.
+    /// Start pose of the robot.
     pub start: Pose2,
-    /// Where it has to get to.
+    /// Goal pose.
     pub goal: Pose2,
-    /// What is in its way, at the start.
+    /// Obstacles, at their initial positions.
     pub obstacles: Vec<Obstacle>,
-    /// What happens to its estimate.
+    /// Jump of the pose estimate, if any.
     pub jump: Option<Jump>,
 }
 
-/// The scene of a number: its kind is the number's, all else the seed's.
+/// Draws scene `number`, whose kind is `Kind::ALL[number % 10]`, from a seed.
+///
+/// ```
+/// use openbench_core::RobotDescription;
+/// use openbench_trials::motion::scene::{Kind, scene};
+///
+/// let scene = scene(12, 1, &RobotDescription::sentry())?;
+/// assert_eq!(scene.kind, Kind::NarrowGap);
+/// assert!(scene.start.point().distance(scene.goal.point()) < 9.0);
+/// # Ok::<(), openbench_motion::ShapeError>(())
+/// ```
+///
+/// # Errors
+/// An obstacle of invalid shape, which only an invalid robot description causes.
 pub fn scene(number: usize, seed: u64, robot: &RobotDescription) -> Result<Scene, ShapeError> {
     let mut rng =
         Pcg64Mcg::seed_from_u64(seed ^ (number as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
@@ -132,7 +147,7 @@ pub fn scene(number: usize, seed: u64, robot: &RobotDescription) -> Result<Scene
     })
 }
 
-/// Where and how a scene drawn about the origin is put.
+/// The transformation of a scene drawn at the origin: a reflection, then a rigid motion.
 struct Placing {
     mirror: f64,
     at: Pose2,
@@ -166,7 +181,7 @@ impl Placing {
     }
 }
 
-/// A scene being drawn, the robot at the origin facing east.
+/// A scene under construction, with the robot at the origin facing east.
 struct Draft<'a> {
     rng: &'a mut Pcg64Mcg,
     robot: &'a RobotDescription,
@@ -231,11 +246,11 @@ impl Draft<'_> {
         corners.windows(2).try_for_each(|w| self.wall(w[0], w[1]))
     }
 
-    /// A disc, a wall or a polygon within `reach` of a place, kept out of circles about start and goal.
-    fn thing(&mut self, keep: f64) -> Result<(), ShapeError> {
+    /// Adds a random disc, wall or polygon, unless it is within `keep` metres of start or goal.
+    fn obstacle(&mut self, keep: f64) -> Result<(), ShapeError> {
         let at = MapPoint::new(self.between(-1.0, 7.0), self.between(-3.0, 3.0));
         let size = self.between(0.05, 0.45);
-        let thing = match self.rng.random_range(0..3) {
+        let obstacle = match self.rng.random_range(0..3) {
             0 => Obstacle::disc(at, size)?,
             1 => Obstacle::wall(at, at.offset(self.between(-3.1, 3.1), 2.0 * size))?,
             _ => {
@@ -246,27 +261,27 @@ impl Draft<'_> {
                 Obstacle::new(&(0..sides).map(corner).collect::<Vec<_>>(), 0.0, [0.0; 2])?
             }
         };
-        let off = |p: MapPoint| thing.distance_to(p) > keep;
-        if off(MapPoint::default()) && off(self.goal.point()) {
-            self.obstacles.push(thing);
+        let is_clear = |p: MapPoint| obstacle.distance_to(p) > keep;
+        if is_clear(MapPoint::default()) && is_clear(self.goal.point()) {
+            self.obstacles.push(obstacle);
         }
         Ok(())
     }
 
-    fn things(&mut self, count: usize, keep: f64) -> Result<(), ShapeError> {
-        (0..count).try_for_each(|_| self.thing(keep))
+    fn obstacles(&mut self, count: usize, keep: f64) -> Result<(), ShapeError> {
+        (0..count).try_for_each(|_| self.obstacle(keep))
     }
 
     fn open(&mut self) -> Result<(), ShapeError> {
         self.goal_ahead();
         let count = self.rng.random_range(0..4);
-        self.things(count, 0.5)
+        self.obstacles(count, 0.5)
     }
 
     fn cluttered(&mut self) -> Result<(), ShapeError> {
         self.goal_ahead();
         let count = self.rng.random_range(12..36);
-        self.things(count, 0.3)
+        self.obstacles(count, 0.3)
     }
 
     fn narrow_gap(&mut self) -> Result<(), ShapeError> {
@@ -348,8 +363,9 @@ impl Draft<'_> {
         Ok(())
     }
 
-    /// Somebody who passes through `at` after `seconds` with `speed` towards `bearing`.
-    fn somebody(
+    /// Adds a person who passes through `at` after `seconds`, with `speed` in m/s towards
+    /// `bearing`.
+    fn person(
         &mut self,
         at: MapPoint,
         seconds: f64,
@@ -374,7 +390,7 @@ impl Draft<'_> {
                 at.x / 0.45 + self.between(-1.0, 1.0),
                 self.between(0.4, 1.3),
             );
-            self.somebody(at, seconds, speed, bearing)?;
+            self.person(at, seconds, speed, bearing)?;
         }
         Ok(())
     }
@@ -388,13 +404,13 @@ impl Draft<'_> {
         }
         let speed = self.between(0.4, 1.3);
         let at = MapPoint::new(self.between(1.5, 2.5), self.between(-0.1, 0.1));
-        self.somebody(at, at.x / 0.45, speed, std::f64::consts::PI)
+        self.person(at, at.x / 0.45, speed, std::f64::consts::PI)
     }
 
     fn touching(&mut self) -> Result<(), ShapeError> {
         self.goal_ahead();
         let count = self.rng.random_range(3..12);
-        self.things(count, 0.4)?;
+        self.obstacles(count, 0.4)?;
         let gap = self.between(0.0, 0.005);
         let (x, y) = (self.robot.length / 2.0, self.robot.width / 2.0);
         match self.rng.random_range(0..3) {
@@ -410,7 +426,7 @@ impl Draft<'_> {
     fn jump(&mut self) -> Result<(), ShapeError> {
         self.goal_ahead();
         let count = self.rng.random_range(2..10);
-        self.things(count, 0.9)?;
+        self.obstacles(count, 0.9)?;
         let (sin, cos) = libm::sincos(self.between(-3.1, 3.1));
         self.jump = Some(Jump {
             at: self.between(1.0, 5.0),
@@ -427,7 +443,7 @@ mod tests {
     use openbench_motion::feasible::clearance;
 
     #[test]
-    fn a_scene_is_its_number_and_its_seed() {
+    fn a_scene_depends_on_number_and_seed_only() {
         let robot = RobotDescription::sentry();
         let draw = |number, seed| scene(number, seed, &robot).unwrap();
         for number in 0..30 {
@@ -439,7 +455,7 @@ mod tests {
     }
 
     #[test]
-    fn scenes_begin_clear_unless_they_begin_touching() {
+    fn only_scenes_of_the_kind_touching_start_near_contact() {
         let robot = RobotDescription::sentry();
         let footprint = Footprint::of(&robot).unwrap();
         for number in 0..500 {
