@@ -1,91 +1,102 @@
-//! What can go wrong with a run as a whole. A delivery that fails is a result, not an error.
+//! Errors of a whole run. A failed delivery is a result, not an error.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use openbench_core::{MapPoint, UnknownName};
 
-/// Why a run cannot be made or checked.
+/// An error that prevents a run or its verification.
+///
+/// `Display` does not repeat the source; [`with_causes`](openbench_core::with_causes) prints the
+/// whole chain.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum BenchError {
-    /// No suite of that name.
-    #[error("there is no suite `{name}`; built in are {}; or name a suite file (.toml)", known.join(", "))]
+    /// Unknown suite name.
+    #[error(
+"unknown suite `{name}`; built-in suites: {}; or give a suite file (.toml)",
+known.join(", ")
+)]
     UnknownSuite {
-        /// What was asked for.
+        /// The requested name.
         name: String,
-        /// What there is.
+        /// The names of the built-in suites.
         known: Vec<String>,
     },
-    /// No agent of that name.
+    /// Unknown agent name.
     #[error(transparent)]
     UnknownAgent(#[from] UnknownName),
-    /// An agent cannot be made.
-    #[error("the agent `{name}` cannot be made")]
+    /// An agent cannot be created.
+    #[error("cannot create the agent `{name}`")]
     Agent {
-        /// Which.
+        /// Name of the agent.
         name: String,
-        /// Why.
+        /// The error of its factory.
         source: Box<dyn Error + Send + Sync>,
     },
-    /// The world cannot be made.
+    /// The world cannot be built.
     #[error(transparent)]
     World(Box<dyn Error + Send + Sync>),
-    /// A file cannot be opened or written.
+    /// A file cannot be read or written.
     #[error("cannot access {}", path.display())]
     File {
-        /// Which.
+        /// The file or folder.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: std::io::Error,
     },
-    /// A file holds something else than expected.
+    /// A file has the expected format, but its content cannot be used.
     #[error("{} cannot be used", path.display())]
     BadFile {
-        /// Which.
+        /// The file.
         path: PathBuf,
-        /// What is wrong, and where.
+        /// What is wrong, where, and what to do.
         source: Box<dyn Error + Send + Sync>,
     },
-    /// A file that is not in the expected format.
+    /// A file is not in the expected format.
     #[error("{} is no {expected}", path.display())]
     WrongFormat {
-        /// Which.
+        /// The file.
         path: PathBuf,
-        /// What it ought to be.
+        /// The expected kind of file, for example `suite`.
         expected: &'static str,
-        /// What is wrong, and where.
+        /// The error of the parser, with line and column.
         source: Box<dyn Error + Send + Sync>,
     },
-    /// An instruction in which nothing to deliver was found.
+    /// No delivery was found in an instruction.
     #[error(
-        "episode {episode}: no delivery was found in `{instruction}`; give the true positions with --truth, or name building and unit"
+        "episode {episode}: no delivery was found in `{instruction}`; give the true positions \
+ with --truth, or name building and unit"
     )]
     NothingToDeliver {
-        /// Which episode, from 0.
+        /// Episode number, from 0.
         episode: usize,
-        /// What it says.
+        /// Its instruction.
         instruction: String,
     },
-    /// No episode of that number.
+    /// The suite has no episode of that number.
     #[error("there is no episode {episode}: the suite has {count}, numbered from 0")]
     NoSuchEpisode {
-        /// What was asked for, from 0.
+        /// The requested number, from 0.
         episode: usize,
-        /// How many there are.
+        /// Number of episodes in the suite.
         count: usize,
     },
-    /// A truth is no door of the world.
-    #[error("{}:{line}: ({}, {}) is no door of the world; the nearest is {nearest}, {away:.2} m away", path.display(), at.x, at.y)]
+    /// A true position is not at any door of the world.
+    #[error(
+"{}:{line}: ({}, {}) is no door of the world; the nearest is {nearest}, {away:.2} m away",
+path.display(), at.x, at.y
+)]
     NoSuchTruth {
         /// The truth file.
         path: PathBuf,
         /// Its line, from 1.
         line: usize,
-        /// What it says.
+        /// The position, in the `map` frame.
         at: MapPoint,
-        /// The door nearest to it.
+        /// Address of the nearest door.
         nearest: String,
-        /// How far that is, metres.
+        /// Distance to that door, metres.
         away: f64,
     },
     /// The log of an episode cannot be written.
@@ -94,37 +105,47 @@ pub enum BenchError {
     /// Results cannot be written or read.
     #[error(transparent)]
     Results(#[from] crate::score::results::ResultsError),
-    /// A run does not repeat.
+    /// A repeated episode differs from its recording.
     #[error("episode {episode} differs from its recording: {detail}")]
     Differs {
-        /// Which episode, from 0.
+        /// Episode number, from 0.
         episode: usize,
-        /// What differs, and when.
+        /// The first difference and its time.
         detail: String,
     },
 }
 
 impl BenchError {
-    /// An error of the file system.
+    /// An error of the file system for `path`.
     pub fn file(path: &Path, source: std::io::Error) -> Self {
-        Self::File { path: path.to_owned(), source }
+        Self::File {
+            path: path.to_owned(),
+            source,
+        }
     }
 
-    /// A file that holds something else than expected.
+    /// A file whose content cannot be used.
     pub fn bad_file(path: &Path, problem: impl Into<Box<dyn Error + Send + Sync>>) -> Self {
-        Self::BadFile { path: path.to_owned(), source: problem.into() }
+        Self::BadFile {
+            path: path.to_owned(),
+            source: problem.into(),
+        }
     }
 
-    /// A file that is not in the expected format, such as a `suite`.
+    /// A file that is not in the `expected` format, for example `suite`.
     pub fn wrong_format(
         path: &Path,
         expected: &'static str,
         source: impl Into<Box<dyn Error + Send + Sync>>,
     ) -> Self {
-        Self::WrongFormat { path: path.to_owned(), expected, source: source.into() }
+        Self::WrongFormat {
+            path: path.to_owned(),
+            expected,
+            source: source.into(),
+        }
     }
 
-    /// A world that cannot be made.
+    /// A world that cannot be built.
     pub fn world(problem: impl Into<Box<dyn Error + Send + Sync>>) -> Self {
         Self::World(problem.into())
     }

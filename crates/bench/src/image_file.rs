@@ -1,16 +1,25 @@
-//! Images as files.
+//! Encoding of images as JPEG and PNG.
 
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageError};
 use openbench_core::Image;
 
-/// The image as JPEG of the quality that logs and reports have.
+/// JPEG quality of images in logs and reports, 1 to 100.
+const DEFAULT_QUALITY: u8 = 85;
+
+/// Encodes an image as JPEG with the quality of logs and reports, 85.
+///
+/// # Errors
+/// A size that JPEG does not support, or pixels that do not match the size.
 pub fn jpeg(image: &Image) -> Result<Vec<u8>, ImageError> {
-    jpeg_of_quality(image, 85)
+    jpeg_of_quality(image, DEFAULT_QUALITY)
 }
 
-/// The image as JPEG, its quality 1 to 100.
+/// Encodes an image as JPEG with a quality from 1 to 100.
+///
+/// # Errors
+/// As [`jpeg`].
 pub fn jpeg_of_quality(image: &Image, quality: u8) -> Result<Vec<u8>, ImageError> {
     let mut bytes = Vec::new();
     JpegEncoder::new_with_quality(&mut bytes, quality).write_image(
@@ -22,7 +31,10 @@ pub fn jpeg_of_quality(image: &Image, quality: u8) -> Result<Vec<u8>, ImageError
     Ok(bytes)
 }
 
-/// The image as PNG.
+/// Encodes an image as PNG.
+///
+/// # Errors
+/// Pixels that do not match the size.
 pub fn png(image: &Image) -> Result<Vec<u8>, ImageError> {
     let mut bytes = Vec::new();
     PngEncoder::new(&mut bytes).write_image(
@@ -34,7 +46,10 @@ pub fn png(image: &Image) -> Result<Vec<u8>, ImageError> {
     Ok(bytes)
 }
 
-/// A grey image of 16 bits as PNG, rows from the top.
+/// Encodes a 16-bit grey image, rows from top to bottom, as PNG.
+///
+/// # Errors
+/// Pixels that do not match the size.
 pub fn grey16_png((width, height): (u32, u32), pixels: &[u16]) -> Result<Vec<u8>, ImageError> {
     let native: Vec<u8> = pixels.iter().flat_map(|p| p.to_ne_bytes()).collect();
     let mut bytes = Vec::new();

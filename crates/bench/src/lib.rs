@@ -1,15 +1,16 @@
-//! The benchmark: suites and worlds, running, scoring, reports.
+#![doc = include_str!("../README.md")]
+//! # Modules
 //!
-//! | module | its one job |
+//! | module | content |
 //! |---|---|
-//! | [`suite`] | [`Suite`], [`Episode`], [`WorldSource`]: what is run, as files |
-//! | [`worlds`] | [`Prepared`]: worlds loaded and doors looked up; worlds as folders |
-//! | [`mod@run`] | [`Rollout`]: agents drive episodes, and what happens is kept |
-//! | [`score`] | [`Results`]: from what happened to numbers |
-//! | [`report`] | results for people |
+//! | [`suite`] | [`Suite`], [`Episode`], [`WorldSource`]: the input of a run, as files |
+//! | [`worlds`] | [`Prepared`]: a loaded world with its doors looked up; worlds as folders |
+//! | [`mod@run`] | [`Rollout`]: agents drive episodes; traces and logs are recorded |
+//! | [`score`] | [`Results`]: from traces to metrics |
+//! | [`report`] | results for people: terminal table and HTML |
 //! | [`error`] | [`BenchError`] |
-//! | [`image_file`] | images as JPEG and PNG |
-//! | [`line_problem`] | what is wrong with a line of a text file |
+//! | [`image_file`] | encoding of images as JPEG and PNG |
+//! | [`line_problem`] | a line of a text file that cannot be parsed |
 
 pub mod error;
 pub mod image_file;
@@ -24,9 +25,9 @@ pub mod worlds;
 pub use error::BenchError;
 pub use openbench_sim::traffic::TrafficPlan;
 pub use run::{
-    AgentFactory, AgentRequest, Agents, Disturbance, DisturbanceError, DisturbedTruth, EpisodeTrace, Faults,
-    Level, MEMORY_BEFORE, Observer, Rollout, RunRequest, Status, TruthHandle, TruthLocalizer, memory_of,
-    repeat, run,
+    AgentFactory, AgentRequest, Agents, Disturbance, DisturbanceError, DisturbedTruth,
+    EpisodeTrace, Faults, Level, MEMORY_BEFORE, Observer, Rollout, RunRequest, Status, TruthHandle,
+    TruthLocalizer, memory_of, repeat, run,
 };
 pub use score::Results;
 pub use suite::builtin::builtin_suites;

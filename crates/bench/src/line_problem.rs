@@ -1,10 +1,10 @@
-//! What is wrong with a line of a text file.
+//! A line of a text file that cannot be parsed.
 
-/// A line that does not fit its format.
+/// A line that is not in the expected format.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LineProblem {
-    /// Its number, from 1.
+    /// Line number, from 1.
     pub line: usize,
-    /// What is wrong with it and what is expected.
+    /// What is wrong, and what is expected.
     pub problem: String,
 }

@@ -1,6 +1,6 @@
-//! Numbers of things in words.
+//! Counts with a singular or plural noun.
 
-/// `1 delivery`, `3 deliveries`.
+/// The count and its noun: `1 delivery`, `3 deliveries`.
 pub fn count(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
 }
@@ -10,7 +10,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn one_is_singular_and_none_is_not() {
+    fn one_is_singular_and_zero_is_plural() {
         assert_eq!(count(1, "door", "doors"), "1 door");
         assert_eq!(count(0, "door", "doors"), "0 doors");
     }

@@ -1,11 +1,12 @@
-//! Episodes, one step at a time.
+//! The contract of [`Rollout`] and of its observers.
 
 use std::sync::{Arc, LazyLock, Mutex};
 
 use openbench_bench::run::run_episode;
 use openbench_bench::{BenchError, Observer, Prepared, Rollout, Status, builtin_suite};
 use openbench_core::{
-    Action, Address, Agent, Briefing, Event, Events, FailureCause, GiveUp, Observation, SimTime, Velocity,
+    Action, Address, Agent, Briefing, Event, Events, FailureCause, GiveUp, Observation, SimTime,
+    Velocity,
 };
 use openbench_sim::Simulator;
 
@@ -14,7 +15,7 @@ static SMALL: LazyLock<Prepared> =
 
 const FORWARD: Velocity = Velocity::new(0.3, 0.1);
 
-/// Drives in a circle for a second and then gives up.
+/// An agent that drives in a circle for a second and then gives up.
 struct Circle;
 
 impl Agent for Circle {
@@ -32,10 +33,14 @@ impl Agent for Circle {
 }
 
 fn given_up(address: Option<Address>) -> GiveUp {
-    GiveUp { address, cause: FailureCause::DoorNotFound, detail: "tired".into() }
+    GiveUp {
+        address,
+        cause: FailureCause::DoorNotFound,
+        detail: "tired".into(),
+    }
 }
 
-/// What an observer was shown.
+/// The calls that an observer received.
 #[derive(Debug, Default)]
 struct Seen {
     begun: usize,
@@ -43,13 +48,13 @@ struct Seen {
     events: Vec<String>,
 }
 
-/// Notes what it is shown, and fails at a step.
-struct Watching {
+/// An observer that counts its calls and fails at a step.
+struct CountingObserver {
     seen: Arc<Mutex<Seen>>,
     fails_at: usize,
 }
 
-impl Observer for Watching {
+impl Observer for CountingObserver {
     fn begin(&mut self, _: &Simulator) -> Result<(), BenchError> {
         self.seen.lock().unwrap().begun += 1;
         Ok(())
@@ -59,11 +64,19 @@ impl Observer for Watching {
         let mut seen = self.seen.lock().unwrap();
         seen.steps += 1;
         let full = || BenchError::world("the disk is full");
-        if seen.steps == self.fails_at { Err(full()) } else { Ok(()) }
+        if seen.steps == self.fails_at {
+            Err(full())
+        } else {
+            Ok(())
+        }
     }
 
     fn event(&mut self, time: SimTime, event: &Event) -> Result<(), BenchError> {
-        self.seen.lock().unwrap().events.push(format!("{time}: {event:?}"));
+        self.seen
+            .lock()
+            .unwrap()
+            .events
+            .push(format!("{time}: {event:?}"));
         Ok(())
     }
 }
@@ -73,7 +86,7 @@ fn rollout<'o>() -> Rollout<'o> {
 }
 
 #[test]
-fn who_steps_gets_what_an_agent_gets() {
+fn single_steps_and_an_agent_give_the_same_trace() {
     let driven = run_episode(rollout(), &mut Circle).unwrap();
     let mut by_hand = rollout();
     for _ in 0..20 {
@@ -84,11 +97,14 @@ fn who_steps_gets_what_an_agent_gets() {
     assert_eq!(by_hand.chain, driven.chain);
     assert_eq!(by_hand.velocities, driven.velocities);
     assert_eq!(by_hand.tasks, driven.tasks);
-    assert_eq!(by_hand.tasks[0].failure.as_ref().unwrap().0, FailureCause::DoorNotFound);
+    assert_eq!(
+        by_hand.tasks[0].failure.as_ref().unwrap().0,
+        FailureCause::DoorNotFound
+    );
 }
 
 #[test]
-fn after_the_end_nothing_happens() {
+fn steps_after_the_end_have_no_effect() {
     let mut rollout = rollout();
     rollout.step(Action::GiveUp(given_up(None)));
     let time = rollout.observation().time;
@@ -98,8 +114,12 @@ fn after_the_end_nothing_happens() {
 }
 
 #[test]
-fn who_cannot_begin_fails_every_delivery() {
-    let sequence = SMALL.episodes.iter().position(|episode| episode.targets.len() > 1).unwrap();
+fn an_agent_that_cannot_begin_fails_every_delivery() {
+    let sequence = SMALL
+        .episodes
+        .iter()
+        .position(|episode| episode.targets.len() > 1)
+        .unwrap();
     let mut rollout = Rollout::new(&SMALL, sequence, 1).unwrap();
     let address = SMALL.episodes[sequence].targets[0].address.clone();
     rollout.refuse(&given_up(Some(address)));
@@ -110,49 +130,67 @@ fn who_cannot_begin_fails_every_delivery() {
 }
 
 #[test]
-fn observers_see_the_begin_each_step_and_each_event() {
+fn observers_receive_the_begin_each_step_and_each_event() {
     let seen = Arc::new(Mutex::new(Seen::default()));
-    let watching = Watching { seen: seen.clone(), fails_at: 0 };
-    let trace = run_episode(rollout().watched_by(watching), &mut Circle).unwrap();
+    let observer = CountingObserver {
+        seen: seen.clone(),
+        fails_at: 0,
+    };
+    let trace = run_episode(rollout().watched_by(observer), &mut Circle).unwrap();
     let seen = seen.lock().unwrap();
     assert_eq!((seen.begun, seen.steps), (1, trace.velocities.len()));
     assert_eq!(seen.events, [r#"0.000 s: Note("begun")"#]);
 }
 
 #[test]
-fn an_observer_that_fails_ends_the_episode_with_its_error() {
+fn a_failing_observer_ends_the_episode_with_its_error() {
     let seen = Arc::new(Mutex::new(Seen::default()));
-    let mut rollout = rollout().watched_by(Watching { seen: seen.clone(), fails_at: 3 });
+    let mut rollout = rollout().watched_by(CountingObserver {
+        seen: seen.clone(),
+        fails_at: 3,
+    });
     while rollout.step(Action::Drive(FORWARD)) == Status::Running {}
     assert_eq!(seen.lock().unwrap().steps, 3);
-    assert!(rollout.finish(None).unwrap_err().to_string().contains("the disk is full"));
+    assert!(
+        rollout
+            .finish(None)
+            .unwrap_err()
+            .to_string()
+            .contains("the disk is full")
+    );
 }
 
 #[test]
-fn velocities_that_are_no_numbers_are_not_driven() {
+fn nan_and_infinite_velocities_are_replaced_by_zero() {
     let mut rollout = rollout();
     rollout.step(Action::Drive(Velocity::new(f64::NAN, f64::INFINITY)));
     assert_eq!(rollout.finish(None).unwrap().velocities, [Velocity::ZERO]);
 }
 
 #[test]
-fn an_address_that_nobody_named_counts_against_a_delivery_once() {
-    let nobody = Address { building: "nowhere".into(), unit: None };
+fn a_declared_address_that_is_not_in_the_instruction_fails_one_delivery() {
+    let nobody = Address {
+        building: "nowhere".into(),
+        unit: None,
+    };
     let mut rollout = rollout();
     rollout.step(Action::Delivered(nobody));
     let trace = rollout.finish(Some(b"<osm/>".to_vec())).unwrap();
-    assert_eq!(trace.tasks[0].failure.as_ref().unwrap().0, FailureCause::WrongPlace);
+    assert_eq!(
+        trace.tasks[0].failure.as_ref().unwrap().0,
+        FailureCause::WrongPlace
+    );
     assert_eq!(trace.map.as_deref(), Some(&b"<osm/>"[..]));
 }
 
 #[test]
-fn an_episode_that_there_is_none_of_is_named() {
+fn an_unknown_episode_is_reported_by_number() {
     let error = Rollout::new(&SMALL, 99, 0).err().unwrap().to_string();
     assert!(error.contains("no episode 99"), "{error}");
 }
 
 #[test]
-fn a_rollout_without_observers_borrows_nothing_and_can_be_sent() {
+fn a_rollout_without_observers_borrows_nothing_and_is_send() {
     fn is_static_and_send<T: 'static + Send>(_: &T) {}
     is_static_and_send(&rollout());
 }

@@ -1,11 +1,11 @@
-//! The three walls of ARCHITECTURE.md, read off `cargo metadata`.
+//! The dependency rules of ARCHITECTURE.md, checked with `cargo metadata`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::process::Command;
 
-/// Floors: a crate may depend only on crates of lower floors.
-const FLOORS: [(&str, u8); 17] = [
+/// Layers: a crate may depend only on crates of lower layers.
+const LAYERS: [(&str, u8); 17] = [
     ("openbench-core", 0),
     ("openbench-grid", 1),
     ("openbench-osm", 1),
@@ -25,11 +25,20 @@ const FLOORS: [(&str, u8); 17] = [
     ("extensions", 7),
 ];
 
-/// For each crate of the workspace: those of ours that it depends on when it is built (not for its tests).
+/// For each crate of the workspace, the crates of the workspace that it depends on, without
+/// dev-dependencies.
 fn dependencies() -> BTreeMap<String, BTreeSet<String>> {
     let manifest = concat!(env!("CARGO_MANIFEST_DIR"), "/../../Cargo.toml");
     let output = Command::new(env!("CARGO"))
-        .args(["metadata", "--format-version", "1", "--no-deps", "--offline", "--manifest-path", manifest])
+        .args([
+            "metadata",
+            "--format-version",
+            "1",
+            "--no-deps",
+            "--offline",
+            "--manifest-path",
+            manifest,
+        ])
         .output()
         .unwrap();
     let metadata: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -44,7 +53,7 @@ fn dependencies() -> BTreeMap<String, BTreeSet<String>> {
     packages.iter().map(|p| (name(p), needs(p))).collect()
 }
 
-/// Everything that `crate_name` needs, directly or not.
+/// The direct and indirect dependencies of `crate_name`.
 fn reach(graph: &BTreeMap<String, BTreeSet<String>>, crate_name: &str) -> BTreeSet<String> {
     let mut seen = BTreeSet::new();
     let mut open = vec![crate_name.to_owned()];
@@ -59,17 +68,27 @@ fn reach(graph: &BTreeMap<String, BTreeSet<String>>, crate_name: &str) -> BTreeS
 }
 
 #[test]
-fn no_agent_can_reach_the_truth() {
+fn agents_do_not_depend_on_the_truth() {
     let reached = reach(&dependencies(), "openbench-agents");
     for truth in ["openbench-sim", "openbench-scene", "openbench-bench"] {
-        assert!(!reached.contains(truth), "openbench-agents depends on {truth}");
+        assert!(
+            !reached.contains(truth),
+            "openbench-agents depends on {truth}"
+        );
     }
 }
 
-/// The code of a crate, without tests and comments.
+/// The source code of a crate, without tests and comments.
 fn code(folder: &str) -> String {
-    let (mut code, mut open) =
-        (String::new(), vec![PathBuf::from(root()).join("crates").join(folder).join("src")]);
+    let (mut code, mut open) = (
+        String::new(),
+        vec![
+            PathBuf::from(root())
+                .join("crates")
+                .join(folder)
+                .join("src"),
+        ],
+    );
     while let Some(folder) = open.pop() {
         for entry in std::fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();
@@ -78,7 +97,9 @@ fn code(folder: &str) -> String {
             } else if path.extension().is_some_and(|e| e == "rs") {
                 let text = std::fs::read_to_string(path).unwrap();
                 let tests = text.find("#[cfg(test)]").unwrap_or(text.len());
-                let lines = text[..tests].lines().filter(|line| !line.trim_start().starts_with("//"));
+                let lines = text[..tests]
+                    .lines()
+                    .filter(|line| !line.trim_start().starts_with("//"));
                 lines.for_each(|line| code.extend([line, "\n"]));
             }
         }
@@ -90,33 +111,49 @@ fn root() -> &'static str {
     concat!(env!("CARGO_MANIFEST_DIR"), "/../..")
 }
 
-/// What an agent is made of knows no such word, and what it is told and shows has these parts only: a start, maps, sensors.
+/// The crates of an agent do not contain the word, and the types that an agent receives have only
+/// fields that a robot can know: a start, maps, sensor data.
 #[test]
-fn nothing_that_an_agent_gets_tells_the_truth() {
+fn the_interface_of_agents_does_not_contain_the_truth() {
     let mut parts = reach(&dependencies(), "openbench-agents");
     parts.insert("openbench-agents".into());
     for part in parts {
         let code = code(part.trim_start_matches("openbench-")).to_lowercase();
-        assert!(!code.contains("truth"), "the code of {part} speaks of the truth");
+        assert!(
+            !code.contains("truth"),
+            "the code of {part} speaks of the truth"
+        );
     }
     let agent = code("core");
     for (name, fields) in [
-        ("Briefing", "map_osm georeference goal start robot time_limit"),
+        (
+            "Briefing",
+            "map_osm georeference goal start robot time_limit",
+        ),
         ("Observation<'a>", "time imu wheels scan gnss camera"),
     ] {
         let (_, body) = agent.split_once(&format!("pub struct {name} {{")).unwrap();
         let (body, _) = body.split_once("\n}").unwrap();
-        let found: Vec<&str> =
-            body.lines().filter_map(|l| l.trim().strip_prefix("pub ")?.split(':').next()).collect();
-        assert_eq!(found.join(" "), fields, "{name} has other fields; are they what a robot can know?");
+        let found: Vec<&str> = body
+            .lines()
+            .filter_map(|l| l.trim().strip_prefix("pub ")?.split(':').next())
+            .collect();
+        assert_eq!(
+            found.join(" "),
+            fields,
+            "{name} has other fields; are they what a robot can know?"
+        );
     }
 }
 
-/// The judge knows no agent: what it measures is any agent's.
+/// The benchmark scores any agent in the same way, so it depends on none.
 #[test]
-fn the_benchmark_knows_no_agent() {
+fn the_benchmark_depends_on_no_agent() {
     let reached = reach(&dependencies(), "openbench-bench");
-    assert!(!reached.contains("openbench-agents"), "openbench-bench depends on openbench-agents");
+    assert!(
+        !reached.contains("openbench-agents"),
+        "openbench-bench depends on openbench-agents"
+    );
 }
 
 #[test]
@@ -125,29 +162,33 @@ fn core_depends_on_no_crate_of_ours() {
 }
 
 #[test]
-fn crates_depend_on_lower_floors_only() {
-    let floors: BTreeMap<&str, u8> = FLOORS.into_iter().collect();
+fn crates_depend_on_lower_layers_only() {
+    let layers: BTreeMap<&str, u8> = LAYERS.into_iter().collect();
     for (name, needs) in dependencies() {
-        let own = floors
+        let own = layers
             .get(name.as_str())
-            .unwrap_or_else(|| panic!("give {name} a floor here and in ARCHITECTURE.md"));
+            .unwrap_or_else(|| panic!("give {name} a layer here and in ARCHITECTURE.md"));
         for need in needs {
-            assert!(floors[need.as_str()] < *own, "{name} (floor {own}) depends on {need}");
+            assert!(
+                layers[need.as_str()] < *own,
+                "{name} (layer {own}) depends on {need}"
+            );
         }
     }
 }
 
-/// Algorithms return values or take an observer; only the command line and the recorder write.
+/// Algorithms return values or take an observer; only the command line prints.
 #[test]
 fn algorithms_do_not_print() {
-    let lints = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../Cargo.toml")).unwrap();
+    let lints =
+        std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../Cargo.toml")).unwrap();
     for lint in ["print_stdout", "print_stderr", "dbg_macro"] {
         assert!(
             lints.contains(&format!("{lint} = \"warn\"")),
             "the workspace's lints no longer forbid {lint}"
         );
     }
-    for (name, _) in FLOORS {
+    for (name, _) in LAYERS {
         let folder = match name.strip_prefix("openbench-") {
             Some(folder) => format!("crates/{folder}"),
             None if name == "openbench" => "crates/cli".into(),
@@ -155,6 +196,9 @@ fn algorithms_do_not_print() {
         };
         let manifest = format!("{}/../../{folder}/Cargo.toml", env!("CARGO_MANIFEST_DIR"));
         let text = std::fs::read_to_string(&manifest).unwrap();
-        assert!(text.contains("[lints]\nworkspace = true"), "{manifest} does not take the workspace's lints");
+        assert!(
+            text.contains("[lints]\nworkspace = true"),
+            "{manifest} does not take the workspace's lints"
+        );
     }
 }

@@ -72,7 +72,7 @@ fn what_is_left_out_of_a_map_is_said() {
 
 #[test]
 fn an_empty_file_of_deliveries_is_refused() {
-    spoilt("one.txt", "\n \n").refused_with(&["one.txt", "one instruction a line"]);
+    spoilt("one.txt", "\n \n").refused_with(&["one.txt", "one instruction per line"]);
 }
 
 #[test]

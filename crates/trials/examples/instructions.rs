@@ -1,7 +1,7 @@
-//! Makes instructions from the templates in `data/instructions`, one JSON object a line.
+//! Generates instructions from the templates in `data/instructions`, one JSON object per line.
 //!
-//!     cargo run -p openbench-bench --example instructions -- development|test [SEED]
-#![expect(clippy::print_stdout, reason = "an example prints what it makes")]
+//!     cargo run -p openbench-trials --example instructions -- development|test [SEED]
+#![expect(clippy::print_stdout, reason = "an example prints its output")]
 
 use std::error::Error;
 

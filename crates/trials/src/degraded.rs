@@ -1,11 +1,12 @@
-//! Drives with sensors that are worse than believed: a localizer may be off then, but it has to say
-//! so.
+//! Drives with degraded sensors. A localizer may then have large errors, but it must report them.
 
 use std::fmt;
 use std::time::Duration;
 
 use nalgebra::{Rotation3, UnitVector3, Vector3};
-use openbench_core::{Health, ImuSample, LidarScan, Observation, Pose2, PoseEstimate, SimTime, WheelSample};
+use openbench_core::{
+    Health, ImuSample, LidarScan, Observation, Pose2, PoseEstimate, SimTime, WheelSample,
+};
 use openbench_localization::Localizer;
 use openbench_sim::noise::Noise;
 use serde::Serialize;
@@ -16,46 +17,53 @@ use openbench_bench::score::metrics::localization::localization;
 use openbench_bench::score::metrics::{LocalizationSum, PoseError};
 use openbench_bench::{BenchError, Prepared};
 
-/// What the robot's data sheets say of a sample: metres, rad/s, m/s².
-const RANGE: f64 = 0.02;
-const GYRO: f64 = 5.6e-4;
-const ACCEL: f64 = 7e-3;
-/// Sensors are sound for so long at first, as when a robot is switched on in its garage.
-const SOUND: Duration = Duration::from_secs(5);
-/// The LiDAR is blind for so long, once in [`TROUBLE`].
-const BLIND: Duration = Duration::from_secs(15);
-const TROUBLE: Duration = Duration::from_secs(45);
-/// A jerk every so many samples of the IMU lasts so many of them and is that large, m/s² and rad/s.
-const JERK: (u64, u64, f64, f64) = (311, 3, 60.0, 6.0);
-/// Stream of random numbers, beside those of sensors, traffic and tour.
-const STREAM: u64 = 53;
+/// Standard deviation of a LiDAR range, from the data sheet.
+const RANGE_NOISE_M: f64 = 0.02;
+/// Standard deviation of a gyroscope sample, from the data sheet.
+const GYRO_NOISE_RAD_PER_S: f64 = 5.6e-4;
+/// Standard deviation of an accelerometer sample, from the data sheet.
+const ACCEL_NOISE_MPS2: f64 = 7e-3;
+/// Initial time with intact sensors, as if the robot was switched on in its garage.
+const INTACT: Duration = Duration::from_secs(5);
+/// Duration of an occlusion of the LiDAR, at the end of each [`OCCLUSION_PERIOD`].
+const OCCLUSION: Duration = Duration::from_secs(15);
+const OCCLUSION_PERIOD: Duration = Duration::from_secs(45);
+/// Shocks of the IMU: period and duration in samples.
+const SHOCK_PERIOD_SAMPLES: u64 = 311;
+const SHOCK_SAMPLES: u64 = 3;
+/// Shocks of the IMU: standard deviations.
+const SHOCK_ACCEL_MPS2: f64 = 60.0;
+const SHOCK_RATE_RAD_PER_S: f64 = 6.0;
+/// Stream of random numbers, distinct from those of sensors, traffic and tour.
+const RANDOM_STREAM: u64 = 53;
 
-/// What is wrong with the sensors.
+/// A degradation of the sensors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Degradation {
-    /// Nothing.
+    /// No degradation.
     None,
-    /// LiDAR and IMU are so many times as noisy as their data sheets say.
+    /// The noise of LiDAR and IMU is larger than in the data sheets by this factor.
     Noisy(f64),
-    /// Coordinates of points are multiples of so many metres, as after a detour through single
-    /// precision.
+    /// The coordinates of points are rounded to multiples of this many metres, as after a
+    /// conversion to single precision.
     Quantised(f64),
-    /// The LiDAR sees a sector of so many degrees only, for 15 s in 45.
+    /// The field of view of the LiDAR is reduced to this many degrees, for 15 s in 45 s.
     Blinded(f64),
-    /// The IMU is hit every three seconds.
+    /// The IMU has a shock about every three seconds.
     Jerked,
-    /// The LiDAR is turned about the upright axis by so many degrees more than is believed.
+    /// The LiDAR has a mounting error in yaw, degrees.
     TurnedLidar(f64),
-    /// The LiDAR leans forward by so many degrees more than is believed.
+    /// The LiDAR has a mounting error in pitch, degrees, forward.
     LeaningLidar(f64),
-    /// The wheels are so many times as large as is believed.
+    /// The wheels are larger than described by this factor.
     Wheels(f64),
-    /// The LiDAR's scans are stamped so many milliseconds too late.
+    /// The time stamps of the LiDAR are late by this many milliseconds.
     Late(u64),
 }
 
-/// All that is tried.
+/// All degradations that are tested.
 pub const ALL: [Degradation; 18] = [
     Degradation::None,
     Degradation::Noisy(2.0),
@@ -80,37 +88,41 @@ pub const ALL: [Degradation; 18] = [
 impl fmt::Display for Degradation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::None => f.write_str("sound sensors"),
-            Self::Noisy(times) => write!(f, "noise x {times}"),
-            Self::Quantised(metres) => write!(f, "points in steps of {metres} m"),
-            Self::Blinded(degrees) => write!(f, "LiDAR sees {degrees} degrees, 15 s in 45"),
-            Self::Jerked => f.write_str("IMU hit every 3 s"),
-            Self::TurnedLidar(degrees) => write!(f, "LiDAR turned by {degrees} degrees"),
-            Self::LeaningLidar(degrees) => write!(f, "LiDAR leaning by {degrees} degrees"),
-            Self::Wheels(times) => write!(f, "wheels x {times}"),
-            Self::Late(ms) => write!(f, "LiDAR stamped {ms} ms late"),
+            Self::None => f.write_str("intact sensors"),
+            Self::Noisy(factor) => write!(f, "noise x {factor}"),
+            Self::Quantised(metres) => write!(f, "points rounded to {metres} m"),
+            Self::Blinded(degrees) => write!(f, "LiDAR view {degrees}°, 15 s in 45 s"),
+            Self::Jerked => f.write_str("IMU shock every 3 s"),
+            Self::TurnedLidar(degrees) => write!(f, "LiDAR yaw error {degrees}°"),
+            Self::LeaningLidar(degrees) => write!(f, "LiDAR pitch error {degrees}°"),
+            Self::Wheels(factor) => write!(f, "wheel radius x {factor}"),
+            Self::Late(ms) => write!(f, "LiDAR stamps {ms} ms late"),
         }
     }
 }
 
-/// How it went with one kind of trouble.
+/// The result with one degradation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Trial {
-    /// What was wrong.
+    /// The degradation.
     pub degradation: Degradation,
-    /// Errors of the poses; null if none was told.
+    /// Errors of the poses; null if none was reported.
     pub errors: Option<LocalizationSum>,
-    /// Share of poses that were called good.
+    /// Share of poses with good health.
     pub good: f64,
-    /// Share of poses that were called lost.
+    /// Share of poses with the health lost.
     pub lost: f64,
-    /// The largest error of a pose that was called good, metres.
+    /// The largest error of a pose with good health, metres.
     pub largest_good_m: f64,
-    /// Metres driven.
+    /// Driven distance, metres.
     pub metres: f64,
 }
 
-/// Drives of `time` with each kind of trouble, the same way each time.
+/// Tests a localizer with all degradations in [`ALL`], each on a drive of the duration `time` along
+/// the same route. `make` creates a fresh localizer for each drive.
+///
+/// # Errors
+/// A world in which a robot cannot drive.
 pub fn trials(
     prepared: &Prepared,
     seed: u64,
@@ -122,7 +134,10 @@ pub fn trials(
     threads::each(0..ALL.len(), threads, one, Ok)
 }
 
-/// A drive with one kind of trouble.
+/// Tests a localizer with one degradation.
+///
+/// # Errors
+/// A world in which a robot cannot drive.
 pub fn trial(
     prepared: &Prepared,
     seed: u64,
@@ -130,21 +145,34 @@ pub fn trial(
     degradation: Degradation,
     localizer: &mut dyn Localizer,
 ) -> Result<Trial, BenchError> {
-    let tour = Tour { time, via: Vec::new(), style: Style::Smooth, seed };
-    let mut sensors = Degraded { degradation, noise: Noise::new(seed, STREAM), samples: 0 };
+    let tour = Tour {
+        time,
+        via: Vec::new(),
+        style: Style::Smooth,
+        seed,
+    };
+    let mut sensors = Degraded {
+        degradation,
+        noise: Noise::new(seed, RANDOM_STREAM),
+        samples: 0,
+    };
     let mut errors: Vec<PoseError> = Vec::new();
     localizer.reset(prepared.world.start);
     let driven = drive(prepared, &tour, &mut |simulator, _| {
         let truth = Pose2::from_pose3(&simulator.base_link());
         sensors.show(&simulator.observation(), localizer);
         if localizer.ready() {
-            let told = PoseEstimate { pose: localizer.pose(), health: localizer.health() };
-            errors.push(PoseError::new(simulator.time(), truth, told));
+            let estimate = PoseEstimate {
+                pose: localizer.pose(),
+                health: localizer.health(),
+            };
+            errors.push(PoseError::new(simulator.time(), truth, estimate));
         }
         Ok(())
     })?;
     let share = |health: Health| {
-        errors.iter().filter(|error| error.health == health).count() as f64 / errors.len().max(1) as f64
+        errors.iter().filter(|error| error.health == health).count() as f64
+            / errors.len().max(1) as f64
     };
     let good = errors.iter().filter(|error| error.health == Health::Good);
     Ok(Trial {
@@ -157,27 +185,40 @@ pub fn trial(
     })
 }
 
-/// Sensors with something wrong.
+/// Degraded sensors.
 struct Degraded {
     degradation: Degradation,
     noise: Noise,
-    /// Samples of the IMU so far.
+    /// Number of IMU samples so far.
     samples: u64,
 }
 
 impl Degraded {
-    /// Shows an observation to a localizer as the sensors have it.
+    /// Passes an observation to a localizer after degrading it.
     fn show(&mut self, observation: &Observation<'_>, localizer: &mut dyn Localizer) {
-        // Wheels are as large as they are from the start: their angles count from there.
-        let grown = matches!(self.degradation, Degradation::Wheels(_));
-        if !grown && observation.time.since(SimTime::ZERO) < SOUND {
+        // The angles of the wheels count from the start, so their radius must not change later.
+        let has_wrong_wheels = matches!(self.degradation, Degradation::Wheels(_));
+        if !has_wrong_wheels && observation.time.since(SimTime::ZERO) < INTACT {
             localizer.update(observation);
             return;
         }
-        let imu: Vec<ImuSample> = observation.imu.iter().map(|sample| self.imu(*sample)).collect();
-        let wheels: Vec<WheelSample> = observation.wheels.iter().map(|sample| self.wheels(*sample)).collect();
+        let imu: Vec<ImuSample> = observation
+            .imu
+            .iter()
+            .map(|sample| self.imu(*sample))
+            .collect();
+        let wheels: Vec<WheelSample> = observation
+            .wheels
+            .iter()
+            .map(|sample| self.wheels(*sample))
+            .collect();
         let scan = observation.scan.map(|scan| self.scan(scan));
-        localizer.update(&Observation { imu: &imu, wheels: &wheels, scan: scan.as_ref(), ..*observation });
+        localizer.update(&Observation {
+            imu: &imu,
+            wheels: &wheels,
+            scan: scan.as_ref(),
+            ..*observation
+        });
     }
 
     fn normal(&mut self, deviation: f64) -> f64 {
@@ -187,14 +228,15 @@ impl Degraded {
     fn imu(&mut self, mut sample: ImuSample) -> ImuSample {
         self.samples += 1;
         match self.degradation {
-            Degradation::Noisy(times) => {
-                let more = (times * times - 1.0).max(0.0).sqrt();
-                sample.gyro = sample.gyro.map(|x| x + self.normal(more * GYRO));
-                sample.accel = sample.accel.map(|x| x + self.normal(more * ACCEL));
+            Degradation::Noisy(factor) => {
+                let added = added_noise(factor);
+                let (gyro, accel) = (added * GYRO_NOISE_RAD_PER_S, added * ACCEL_NOISE_MPS2);
+                sample.gyro = sample.gyro.map(|x| x + self.normal(gyro));
+                sample.accel = sample.accel.map(|x| x + self.normal(accel));
             }
-            Degradation::Jerked if self.samples % JERK.0 < JERK.1 => {
-                sample.accel = sample.accel.map(|x| x + self.normal(JERK.2));
-                sample.gyro = sample.gyro.map(|x| x + self.normal(JERK.3));
+            Degradation::Jerked if self.samples % SHOCK_PERIOD_SAMPLES < SHOCK_SAMPLES => {
+                sample.accel = sample.accel.map(|x| x + self.normal(SHOCK_ACCEL_MPS2));
+                sample.gyro = sample.gyro.map(|x| x + self.normal(SHOCK_RATE_RAD_PER_S));
             }
             _ => {}
         }
@@ -203,10 +245,12 @@ impl Degraded {
 
     fn wheels(&self, sample: WheelSample) -> WheelSample {
         match self.degradation {
-            // Smaller angles for the same way.
-            Degradation::Wheels(times) => {
-                WheelSample { left: sample.left / times, right: sample.right / times, ..sample }
-            }
+            // Larger wheels turn less over the same distance.
+            Degradation::Wheels(factor) => WheelSample {
+                left: sample.left / factor,
+                right: sample.right / factor,
+                ..sample
+            },
             _ => sample,
         }
     }
@@ -216,12 +260,16 @@ impl Degraded {
         let stamp = scan.stamp;
         match self.degradation {
             Degradation::Late(ms) => scan.stamp = stamp + Duration::from_millis(ms),
-            Degradation::Blinded(degrees) if is_in_trouble(stamp) => {
+            Degradation::Blinded(degrees) if is_occluded(stamp) => {
                 let half = degrees.to_radians() / 2.0;
-                let is_seen = |xyz: &[f32; 3]| libm::atan2(f64::from(xyz[1]), f64::from(xyz[0])).abs() < half;
+                let is_seen =
+                    |xyz: &[f32; 3]| libm::atan2(f64::from(xyz[1]), f64::from(xyz[0])).abs() < half;
                 scan.points.retain(|point| is_seen(&point.xyz));
             }
-            _ => scan.points.iter_mut().for_each(|point| point.xyz = self.point(point.xyz)),
+            _ => scan
+                .points
+                .iter_mut()
+                .for_each(|point| point.xyz = self.point(point.xyz)),
         }
         scan
     }
@@ -232,9 +280,9 @@ impl Degraded {
             Rotation3::from_axis_angle(&axis, degrees.to_radians()).inverse() * at
         };
         let at = match self.degradation {
-            Degradation::Noisy(times) => {
-                let more = (times * times - 1.0).max(0.0).sqrt() * RANGE;
-                at * (1.0 + self.normal(more) / at.norm().max(0.1))
+            Degradation::Noisy(factor) => {
+                let added = added_noise(factor) * RANGE_NOISE_M;
+                at * (1.0 + self.normal(added) / at.norm().max(0.1))
             }
             Degradation::Quantised(metres) => at.map(|x| (x / metres).round() * metres),
             Degradation::TurnedLidar(degrees) => turned(Vector3::z_axis(), degrees),
@@ -245,7 +293,13 @@ impl Degraded {
     }
 }
 
-fn is_in_trouble(time: SimTime) -> bool {
-    let since = time.since(SimTime::ZERO + SOUND).as_nanos() % TROUBLE.as_nanos();
-    since >= (TROUBLE - BLIND).as_nanos()
+/// Noise to add, in standard deviations of the simulated noise, so that the sum has `factor` of
+/// them.
+fn added_noise(factor: f64) -> f64 {
+    (factor * factor - 1.0).max(0.0).sqrt()
+}
+
+fn is_occluded(time: SimTime) -> bool {
+    let phase = time.since(SimTime::ZERO + INTACT).as_nanos() % OCCLUSION_PERIOD.as_nanos();
+    phase >= (OCCLUSION_PERIOD - OCCLUSION).as_nanos()
 }

@@ -1,13 +1,14 @@
-//! Experiments on parts of a delivery robot, each with numbers to compare.
+#![doc = include_str!("../README.md")]
+//! # Modules
 //!
-//! | module | what is measured |
+//! | module | experiment |
 //! |---|---|
-//! | [`motion`] | how well local planners drive, alone and among people |
-//! | [`instructions`] | how many instructions a planner understands: SRTP |
-//! | [`towns`] | an agent's deliveries in neighbourhoods that a seed draws |
-//! | [`degraded`] | whether a localizer reports trouble with its sensors |
-//! | [`tour`] | drives for the sake of their logs |
-//! | [`speed`] | how fast simulator and routing are |
+//! | [`motion`] | local planners in short scenes and among people |
+//! | [`instructions`] | SRTP of planners over annotated instructions |
+//! | [`towns`] | deliveries of an agent in random neighbourhoods |
+//! | [`degraded`] | health reported by a localizer with degraded sensors |
+//! | [`tour`] | drives that produce sensor logs |
+//! | [`speed`] | speed of the simulator and of routing |
 
 pub mod degraded;
 pub mod instructions;

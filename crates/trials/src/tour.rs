@@ -1,4 +1,5 @@
-//! Drives round a world for the sake of what the sensors record: logs for odometry. The driver steers by the true pose; nothing of it is an agent.
+//! Drives through a world that produce sensor logs, for odometry. The driver uses the true pose and
+//! is not an agent.
 
 use std::time::Duration;
 
@@ -11,51 +12,77 @@ use openbench_sim::traffic::Hull;
 
 use openbench_bench::{BenchError, Prepared};
 
-/// Stands still that long at first, as robots do when they are switched on.
-const STAND: Duration = Duration::from_secs(2);
-/// Keeps so far from everything where there is room, metres.
-const CLEARANCE: f64 = 0.6;
-/// Steers for a point so far ahead on its way, and takes a place for reached that near, metres.
-const AHEAD: f64 = 0.7;
-/// Stops for people and cars so near in front, metres.
-const STOP: f64 = 1.2;
-/// Stops for the place it steers for only where the bearing is farther off than that, radians.
-const TURN_ON_THE_SPOT: f64 = 0.7;
-/// Streams of random numbers, beside those of sensors and traffic.
-const STREAM: u64 = 31;
+/// Initial standstill, as after a robot is switched on.
+const STANDSTILL: Duration = Duration::from_secs(2);
+/// Distance to obstacles where there is space.
+const CLEARANCE_M: f64 = 0.6;
+/// Lookahead distance on the path, and distance at which a place counts as reached.
+const LOOKAHEAD_M: f64 = 0.7;
+/// Distance at which the robot stops for people and cars in front of it.
+const STOP_DISTANCE_M: f64 = 1.2;
+/// Bearing of the target, relative to the heading, above which the robot turns on the spot.
+const TURN_ON_SPOT_RAD: f64 = 0.7;
+/// Stream of random numbers, distinct from those of sensors and traffic.
+const RANDOM_STREAM: u64 = 31;
 
-/// How the robot is driven.
+/// The style of driving.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Style {
-    /// As a delivery robot drives.
+    /// Smooth, like a delivery robot.
     Smooth,
-    /// With full turns, swerves and stops as hard as the motors allow.
+    /// With full turns, swerves and stops at the limits of the motors.
     Wild,
 }
 
-/// A drive.
+/// The parameters of a drive.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tour {
-    /// How long.
+    /// Simulated duration.
     pub time: Duration,
-    /// Where through, round and round; by default from door to door in an order drawn from the seed.
+    /// Places to visit cyclically, in the `map` frame; if empty, the doors in random order.
     pub via: Vec<MapPoint>,
-    /// How.
+    /// Style of driving.
     pub style: Style,
-    /// What noise, traffic and order are drawn from.
+    /// Seed of noise, traffic and order.
     pub seed: u64,
 }
 
-/// What came of it.
+/// The result of a drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Driven {
-    /// Length of the way, metres.
+    /// Driven distance, metres.
     pub metres: f64,
-    /// Bumps into something.
+    /// Number of collisions.
     pub collisions: usize,
 }
 
-/// Drives. `watch` is shown the robot after each step, with the velocity that was asked for.
+/// Drives a tour. `watch` is called after each step of 50 ms with the commanded velocity.
+///
+/// ```
+/// use std::time::Duration;
+///
+/// use openbench_bench::{Prepared, builtin_suite};
+/// use openbench_trials::tour::{Style, Tour, drive};
+///
+/// let prepared = Prepared::world_of(builtin_suite("small")?)?;
+/// let tour = Tour {
+///     time: Duration::from_secs(4),
+///     via: Vec::new(),
+///     style: Style::Smooth,
+///     seed: 1,
+/// };
+/// let mut scans = 0;
+/// let driven = drive(&prepared, &tour, &mut |simulator, _| {
+///     scans += usize::from(simulator.observation().scan.is_some());
+///     Ok(())
+/// })?;
+/// // Two seconds of standstill, then at most 0.5 m/s; ten scans a second.
+/// assert!(driven.metres < 1.05 && (38..=41).contains(&scans));
+/// # Ok::<(), openbench_bench::BenchError>(())
+/// ```
+///
+/// # Errors
+/// A place that cannot be reached, or an error of `watch`.
 pub fn drive(
     prepared: &Prepared,
     tour: &Tour,
@@ -66,7 +93,7 @@ pub fn drive(
     let mut metres = 0.0;
     while simulator.time().since(SimTime::ZERO) < tour.time {
         let before = pose(&simulator).point();
-        let velocity = if simulator.time().since(SimTime::ZERO) < STAND {
+        let velocity = if simulator.time().since(SimTime::ZERO) < STANDSTILL {
             Velocity::ZERO
         } else {
             driver.steer(&simulator)
@@ -75,7 +102,10 @@ pub fn drive(
         metres += before.distance(pose(&simulator).point());
         watch(&simulator, velocity)?;
     }
-    Ok(Driven { metres, collisions: simulator.collisions().len() })
+    Ok(Driven {
+        metres,
+        collisions: simulator.collisions().len(),
+    })
 }
 
 fn pose(simulator: &Simulator) -> Pose2 {
@@ -87,15 +117,23 @@ struct Driver<'a> {
     places: Vec<MapPoint>,
     next: usize,
     path: Vec<MapPoint>,
-    /// The part of the path that is driven.
+    /// Index of the next point of the path.
     at: usize,
     style: Style,
     noise: Noise,
-    /// What is done instead of following the path, and until when.
-    antic: (Velocity, SimTime),
+    /// The current maneuver of the wild style.
+    maneuver: Maneuver,
 }
 
-/// Where there is room, and where one gets at all.
+/// A velocity that replaces path following for some time.
+#[derive(Debug, Clone, Copy)]
+struct Maneuver {
+    /// The velocity; `None` follows the path.
+    velocity: Option<Velocity>,
+    until: SimTime,
+}
+
+/// Free space with the preferred clearance, and with that of the robot.
 struct Space<'a> {
     wide: FreeSpace,
     narrow: &'a FreeSpace,
@@ -104,7 +142,7 @@ struct Space<'a> {
 impl Space<'_> {
     fn path(&self, from: MapPoint, to: MapPoint) -> Option<Vec<MapPoint>> {
         [&self.wide, self.narrow].into_iter().find_map(|space| {
-            let near = |place| space.nearest_reachable(place, 2.0 * CLEARANCE);
+            let near = |place| space.nearest_reachable(place, 2.0 * CLEARANCE_M);
             space.path(near(from)?, near(to)?)
         })
     }
@@ -113,20 +151,42 @@ impl Space<'_> {
 impl<'a> Driver<'a> {
     fn new(prepared: &'a Prepared, tour: &Tour) -> Result<Self, BenchError> {
         let start = prepared.world.start.point();
-        let wide = FreeSpace::new(prepared.stage.caster(), start, CLEARANCE);
-        let space = Space { wide, narrow: &prepared.free_space };
-        let mut noise = Noise::new(tour.seed, STREAM);
-        let places = if tour.via.is_empty() { doors(prepared, &mut noise) } else { tour.via.clone() };
-        // In front of doors a robot stands where it gets to from the start.
-        let missed = tour.via.iter().find(|place| space.path(start, **place).is_none());
+        let wide = FreeSpace::new(prepared.stage.caster(), start, CLEARANCE_M);
+        let space = Space {
+            wide,
+            narrow: &prepared.free_space,
+        };
+        let mut noise = Noise::new(tour.seed, RANDOM_STREAM);
+        let places = if tour.via.is_empty() {
+            doors(prepared, &mut noise)
+        } else {
+            tour.via.clone()
+        };
+        // Approach points of doors can be reached by definition.
+        let missed = tour
+            .via
+            .iter()
+            .find(|place| space.path(start, **place).is_none());
         let missed = missed.map(|place| format!("({:.1}, {:.1})", place.x, place.y));
         if let Some(place) = missed.or_else(|| places.is_empty().then(|| "any door".to_owned())) {
             return Err(BenchError::world(format!(
-                "a robot cannot drive round here: nothing leads to {place}"
+                "a robot cannot drive a tour here: no path leads to {place}"
             )));
         }
-        let antic = (Velocity::ZERO, SimTime::ZERO);
-        Ok(Self { space, places, next: 0, path: Vec::new(), at: 0, style: tour.style, noise, antic })
+        let maneuver = Maneuver {
+            velocity: None,
+            until: SimTime::ZERO,
+        };
+        Ok(Self {
+            space,
+            places,
+            next: 0,
+            path: Vec::new(),
+            at: 0,
+            style: tour.style,
+            noise,
+            maneuver,
+        })
     }
 
     fn steer(&mut self, simulator: &Simulator) -> Velocity {
@@ -135,23 +195,25 @@ impl<'a> Driver<'a> {
             return Velocity::ZERO;
         }
         if self.style == Style::Wild
-            && let Some(antic) = self.antic(time)
+            && let Some(velocity) = self.maneuver(time)
         {
-            return antic;
+            return velocity;
         }
-        let Some(target) = self.target(here.point()) else { return Velocity::new(0.0, 0.5) };
-        let off = wrap_angle(here.point().bearing_to(target) - here.yaw);
-        if off.abs() > TURN_ON_THE_SPOT {
-            return Velocity::new(0.0, (2.0 * off).clamp(-1.0, 1.0));
+        let Some(target) = self.target(here.point()) else {
+            return Velocity::new(0.0, 0.5);
+        };
+        let bearing = wrap_angle(here.point().bearing_to(target) - here.yaw);
+        if bearing.abs() > TURN_ON_SPOT_RAD {
+            return Velocity::new(0.0, (2.0 * bearing).clamp(-1.0, 1.0));
         }
-        Velocity::new(0.5 * libm::cos(off), (1.5 * off).clamp(-1.0, 1.0))
+        Velocity::new(0.5 * libm::cos(bearing), (1.5 * bearing).clamp(-1.0, 1.0))
     }
 
-    /// The point to steer for.
+    /// The point to steer towards; `None` if no place can be reached.
     fn target(&mut self, here: MapPoint) -> Option<MapPoint> {
-        // Behind the path's end comes the next place; some may lie where the robot is already.
+        // After the end of the path comes the next place; some may be where the robot already is.
         for _ in 0..=self.places.len() {
-            while self.at < self.path.len() && here.distance(self.path[self.at]) < AHEAD {
+            while self.at < self.path.len() && here.distance(self.path[self.at]) < LOOKAHEAD_M {
                 self.at += 1;
             }
             if let Some(point) = self.path.get(self.at) {
@@ -160,34 +222,45 @@ impl<'a> Driver<'a> {
             let place = self.places[self.next % self.places.len()];
             self.next += 1;
             self.at = 0;
-            self.path = self.space.path(here, place).map(|path| dense(&path)).unwrap_or_default();
+            self.path = self
+                .space
+                .path(here, place)
+                .map(|path| dense(&path))
+                .unwrap_or_default();
         }
         None
     }
 
-    /// What a wild driver does now.
-    fn antic(&mut self, time: SimTime) -> Option<Velocity> {
-        if time >= self.antic.1 {
-            let long = |seconds: f64| time + Duration::from_secs_f64(seconds);
-            let side = if self.noise.uniform() < 0.5 { 1.0 } else { -1.0 };
-            // Half the time it follows the path; full turns come back to where they began.
-            self.antic = match (self.noise.uniform() * 8.0) as usize {
-                0 | 1 => (Velocity::new(0.0, side), long(std::f64::consts::TAU)),
-                2 => (Velocity::new(0.0, side), long(1.0)),
-                3 => (Velocity::new(0.0, 0.0), long(0.5)),
-                _ => (Velocity::new(f64::NAN, 0.0), long(2.0)),
+    /// The velocity of the wild style; `None` where it follows the path.
+    fn maneuver(&mut self, time: SimTime) -> Option<Velocity> {
+        if time >= self.maneuver.until {
+            let side = if self.noise.uniform() < 0.5 {
+                1.0
+            } else {
+                -1.0
+            };
+            // It follows the path half of the time. Full turns end at the initial heading.
+            let turn = Some(Velocity::new(0.0, side));
+            let (velocity, seconds) = match (self.noise.uniform() * 8.0) as usize {
+                0 | 1 => (turn, std::f64::consts::TAU),
+                2 => (turn, 1.0),
+                3 => (Some(Velocity::ZERO), 0.5),
+                _ => (None, 2.0),
+            };
+            self.maneuver = Maneuver {
+                velocity,
+                until: time + Duration::from_secs_f64(seconds),
             };
         }
-        let velocity = self.antic.0;
-        velocity.linear.is_finite().then_some(velocity)
+        self.maneuver.velocity
     }
 }
 
-/// Points of a path no farther apart than what is steered for.
+/// A path with additional points, at distances of at most half the lookahead.
 fn dense(path: &[MapPoint]) -> Vec<MapPoint> {
     let pieces = path.windows(2).flat_map(|pair| {
         let (a, b) = (pair[0], pair[1]);
-        let count = (a.distance(b) / (0.5 * AHEAD)).ceil().max(1.0) as usize;
+        let count = (a.distance(b) / (0.5 * LOOKAHEAD_M)).ceil().max(1.0) as usize;
         (1..=count).map(move |i| {
             let s = i as f64 / count as f64;
             MapPoint::new(a.x + s * (b.x - a.x), a.y + s * (b.y - a.y))
@@ -196,7 +269,7 @@ fn dense(path: &[MapPoint]) -> Vec<MapPoint> {
     pieces.collect()
 }
 
-/// In front of all doors that can be reached, in an order drawn at random.
+/// The approach points of all reachable doors, in random order.
 fn doors(prepared: &Prepared, noise: &mut Noise) -> Vec<MapPoint> {
     let mut places: Vec<MapPoint> = prepared.approach.iter().flatten().copied().collect();
     for i in (1..places.len()).rev() {
@@ -205,14 +278,19 @@ fn doors(prepared: &Prepared, noise: &mut Noise) -> Vec<MapPoint> {
     places
 }
 
-/// Whether somebody stands or comes in front of the robot.
+/// Whether a person or car is close in front of the robot.
 fn blocked(simulator: &Simulator, here: Pose2) -> bool {
-    simulator.movers().iter().filter(|mover| mover.present).any(|mover| {
-        let bearing = wrap_angle(here.point().bearing_to(mover.pose.point()) - here.yaw);
-        let reach = match mover.hull {
-            Hull::Disc { radius } => radius,
-            Hull::Box { half_length, .. } => half_length,
-        };
-        here.point().distance(mover.pose.point()) < STOP + reach && bearing.abs() < 1.0
-    })
+    simulator
+        .movers()
+        .iter()
+        .filter(|mover| mover.present)
+        .any(|mover| {
+            let bearing = wrap_angle(here.point().bearing_to(mover.pose.point()) - here.yaw);
+            let reach = match mover.hull {
+                Hull::Disc { radius } => radius,
+                Hull::Box { half_length, .. } => half_length,
+            };
+            here.point().distance(mover.pose.point()) < STOP_DISTANCE_M + reach
+                && bearing.abs() < 1.0
+        })
 }

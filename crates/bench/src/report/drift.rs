@@ -1,34 +1,43 @@
-//! How far the agent was from where it believed to be, over time, as SVG.
+//! The chart of the localization error over time, as SVG.
 
 use std::fmt::Write;
 
 use crate::score::metrics::localization::{PoseError, localization};
 
-const WIDTH: f64 = 1040.0;
-const HEIGHT: f64 = 120.0;
-/// Room for the numbers at the left and below.
-const LEFT: f64 = 64.0;
-const BELOW: f64 = 22.0;
-/// Points that are drawn at most; each is the largest error of its stretch.
-const POINTS: usize = 500;
+const WIDTH_PX: f64 = 1040.0;
+const HEIGHT_PX: f64 = 120.0;
+/// Margins for the axis labels at the left and at the bottom.
+const LEFT_PX: f64 = 64.0;
+const BOTTOM_PX: f64 = 22.0;
+/// Maximum number of points drawn; each is the largest error of its interval.
+const MAX_POINTS: usize = 500;
 
-/// Writes the chart, if there is something to be drawn.
+/// Writes the chart; nothing if no error is finite.
 pub fn render(out: &mut String, errors: &[PoseError]) {
-    let errors: Vec<PoseError> = errors.iter().filter(|e| e.distance().is_finite()).copied().collect();
-    let (Some(sum), Some(last)) = (localization([&errors[..]].into_iter()), errors.last()) else { return };
+    let errors: Vec<PoseError> = errors
+        .iter()
+        .filter(|e| e.distance().is_finite())
+        .copied()
+        .collect();
+    let (Some(sum), Some(last)) = (localization([&errors[..]].into_iter()), errors.last()) else {
+        return;
+    };
     let (seconds, top) = (last.time.seconds().max(1.0), ceiling(sum.max_m));
-    let x = |time: f64| LEFT + time / seconds * (WIDTH - LEFT - 8.0);
-    let y = |metres: f64| HEIGHT - BELOW - metres / top * (HEIGHT - BELOW - 10.0);
+    let x = |time: f64| LEFT_PX + time / seconds * (WIDTH_PX - LEFT_PX - 8.0);
+    let y = |metres: f64| HEIGHT_PX - BOTTOM_PX - metres / top * (HEIGHT_PX - BOTTOM_PX - 10.0);
     let _ = write!(
         out,
-        "<h4>Localization error</h4>\n<div class=\"drift\"><svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"localization error over time\">\n"
+        "<h4>Localization error</h4>\n<div class=\"drift\">\
+<svg viewBox=\"0 0 {WIDTH_PX} {HEIGHT_PX}\" role=\"img\" \
+aria-label=\"localization error over time\">\n"
     );
     for part in [0.0, 0.5, 1.0] {
         let (at, label) = (y(top * part), metres(top * part));
         let _ = writeln!(
             out,
-            "<path class=\"grid\" d=\"M{LEFT} {at:.1}H{WIDTH}\"/><text class=\"axis\" x=\"{:.0}\" y=\"{:.1}\">{label}</text>",
-            LEFT - 6.0,
+            "<path class=\"grid\" d=\"M{LEFT_PX} {at:.1}H{WIDTH_PX}\"/>\
+<text class=\"axis\" x=\"{:.0}\" y=\"{:.1}\">{label}</text>",
+            LEFT_PX - 6.0,
             at + 4.0
         );
     }
@@ -39,19 +48,25 @@ pub fn render(out: &mut String, errors: &[PoseError]) {
             out,
             "<text x=\"{:.1}\" y=\"{:.0}\" text-anchor=\"{anchor}\">{time:.0} s</text>",
             x(time),
-            HEIGHT - 5.0
+            HEIGHT_PX - 5.0
         );
     }
     let mut line = String::new();
-    for stretch in errors.chunks(errors.len().div_ceil(POINTS)) {
+    for stretch in errors.chunks(errors.len().div_ceil(MAX_POINTS)) {
         let distance = stretch.iter().map(PoseError::distance).fold(0.0, f64::max);
         let letter = if line.is_empty() { 'M' } else { 'L' };
-        let _ = write!(line, "{letter}{:.1} {:.1}", x(stretch[0].time.seconds()), y(distance));
+        let _ = write!(
+            line,
+            "{letter}{:.1} {:.1}",
+            x(stretch[0].time.seconds()),
+            y(distance)
+        );
     }
     let _ = writeln!(out, "<path class=\"error\" d=\"{line}\"/>\n</svg></div>");
     let _ = writeln!(
         out,
-        "<p class=\"note\">Between where the agent believed to be and where it was: {} rms, 95 % within {}, largest {}; heading off by {:.2}° at most.</p>",
+        "<p class=\"note\">Distance between the estimated and the true position: {} RMS, \
+95 % within {}, maximum {}; maximum heading error {:.2}°.</p>",
         metres(sum.rmse_m),
         metres(sum.p95_m),
         metres(sum.max_m),
@@ -59,14 +74,17 @@ pub fn render(out: &mut String, errors: &[PoseError]) {
     );
 }
 
-/// A round number of metres that is not smaller.
+/// The smallest of 1, 2, 5 or 10 times a power of ten that is not below `metres`.
 fn ceiling(metres: f64) -> f64 {
     let power = libm::pow(10.0, libm::floor(libm::log10(metres.max(1e-3))));
     let steps = [1.0, 2.0, 5.0, 10.0].map(|step| step * power);
-    steps.into_iter().find(|step| *step >= metres).unwrap_or(10.0 * power)
+    steps
+        .into_iter()
+        .find(|step| *step >= metres)
+        .unwrap_or(10.0 * power)
 }
 
-/// Metres in the unit that reads best.
+/// A length in millimetres, centimetres or metres.
 fn metres(value: f64) -> String {
     match value {
         0.0 => "0".to_owned(),
@@ -82,38 +100,41 @@ mod tests {
     use openbench_core::{Health, Pose2, PoseEstimate, SimTime};
 
     fn errors(count: u64, metres: f64) -> Vec<PoseError> {
-        let told = |i: u64| Pose2::new(metres * i as f64 / count as f64, 0.0, 0.0);
+        let estimated = |i: u64| Pose2::new(metres * i as f64 / count as f64, 0.0, 0.0);
         (1..=count)
             .map(|i| {
                 PoseError::new(
                     SimTime::from_millis(100 * i),
                     Pose2::default(),
-                    PoseEstimate { pose: told(i), health: Health::Good },
+                    PoseEstimate {
+                        pose: estimated(i),
+                        health: Health::Good,
+                    },
                 )
             })
             .collect()
     }
 
     #[test]
-    fn a_long_drive_is_thinned_and_its_largest_error_kept() {
+    fn a_long_drive_is_downsampled_and_keeps_its_largest_error() {
         let mut out = String::new();
         render(&mut out, &errors(30_000, 0.3));
         let points = out.matches('L').count();
-        assert!((400..=POINTS).contains(&points), "{points}");
+        assert!((400..=MAX_POINTS).contains(&points), "{points}");
         assert!(
-            out.contains("largest 30.0 cm") && out.contains(">50.0 cm<") && out.contains("3000 s"),
+            out.contains("maximum 30.0 cm") && out.contains(">50.0 cm<") && out.contains("3000 s"),
             "{out}"
         );
     }
 
     #[test]
-    fn nothing_is_drawn_of_nothing_and_no_number_is_none() {
+    fn an_empty_drive_draws_nothing_and_nan_is_left_out() {
         let mut out = String::new();
         render(&mut out, &[]);
         assert_eq!(out, "");
         let mut broken = errors(3, 0.0);
         broken[1].offset[0] = f64::NAN;
         render(&mut out, &broken);
-        assert!(out.contains("largest 0") && !out.contains("NaN"), "{out}");
+        assert!(out.contains("maximum 0") && !out.contains("NaN"), "{out}");
     }
 }

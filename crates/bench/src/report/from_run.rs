@@ -1,4 +1,4 @@
-//! From what happened to what a report shows.
+//! From results and traces to the input of a report.
 
 use openbench_core::MapPoint;
 use openbench_osm::Polygon;
@@ -9,7 +9,7 @@ use crate::run::trace::{EpisodeTrace, Frame};
 use crate::score::results::Results;
 use crate::worlds::{Prepared, PreparedEpisode};
 
-/// What the report of a run shows.
+/// The input of a run's report.
 pub fn report_input<'a>(
     prepared: &Prepared,
     results: &'a Results,
@@ -36,7 +36,11 @@ fn world_map(prepared: &Prepared) -> WorldMap {
     };
     WorldMap {
         name: prepared.world.name.clone(),
-        buildings: map.buildings.iter().map(|b| area(b.name.as_ref(), &b.polygon)).collect(),
+        buildings: map
+            .buildings
+            .iter()
+            .map(|b| area(b.name.as_ref(), &b.polygon))
+            .collect(),
         roads: map.roads.iter().map(|r| r.points.clone()).collect(),
         barriers: map.barriers.iter().map(|b| b.points.clone()).collect(),
         areas: map
@@ -57,14 +61,18 @@ fn episode_report(
 ) -> EpisodeReport {
     let wanted = |door: usize| episode.targets.iter().any(|t| t.door == Some(door));
     let doors = prepared.world.scene.doors.iter().enumerate();
-    let declared = results.deliveries.iter().filter(|d| d.episode == number).filter_map(|d| {
-        Some(Declaration {
-            task: d.task,
-            address: d.address(),
-            position: d.declared_at?,
-            success: d.success_2m,
-        })
-    });
+    let declared = results
+        .deliveries
+        .iter()
+        .filter(|d| d.episode == number)
+        .filter_map(|d| {
+            Some(Declaration {
+                task: d.task,
+                address: d.address(),
+                position: d.declared_at?,
+                success: d.success_2m,
+            })
+        });
     let found = trace.doors.iter();
     EpisodeReport {
         episode: number,
@@ -75,31 +83,47 @@ fn episode_report(
         pose_errors: trace.pose_errors.clone(),
         routes: trace.routes.clone(),
         true_doors: doors
-            .map(|(i, d)| DoorMark { address: d.address.clone(), position: d.point(), wanted: wanted(i) })
+            .map(|(i, d)| DoorMark {
+                address: d.address.clone(),
+                position: d.point(),
+                wanted: wanted(i),
+            })
             .collect(),
         found_doors: found
-            .map(|(address, at)| DoorMark { address: address.clone(), position: *at, wanted: false })
+            .map(|(address, at)| DoorMark {
+                address: address.clone(),
+                position: *at,
+                wanted: false,
+            })
             .collect(),
         declared: declared.collect(),
-        collisions: trace.collisions.iter().map(|c| MapPoint::new(c.pose.x, c.pose.y)).collect(),
+        collisions: trace
+            .collisions
+            .iter()
+            .map(|c| MapPoint::new(c.pose.x, c.pose.y))
+            .collect(),
         plates: frames(trace),
-        plan: trace.plan.as_ref().map(|p| p.deliveries.clone()).unwrap_or_default(),
+        plan: trace
+            .plan
+            .as_ref()
+            .map(|p| p.deliveries.clone())
+            .unwrap_or_default(),
     }
 }
 
-/// The last images, each with the surest of the plates that were read in it.
+/// The last images, each with the plate of highest confidence that was read in it.
 fn frames(trace: &EpisodeTrace) -> Vec<PlateFrame> {
     let frame = |f: &Frame| {
         let read = trace.plates.iter().filter(|p| p.time == f.time);
-        let surest = read.max_by(|a, b| a.confidence.total_cmp(&b.confidence))?;
+        let best = read.max_by(|a, b| a.confidence.total_cmp(&b.confidence))?;
         Some(PlateFrame {
             jpeg: image_file::jpeg(&f.image).unwrap_or_default(),
             width: f.image.width,
             height: f.image.height,
             time: f.time,
-            text: surest.text.clone(),
-            confidence: surest.confidence,
-            corners: surest.corners,
+            text: best.text.clone(),
+            confidence: best.confidence,
+            corners: best.corners,
         })
     };
     trace.frames.iter().filter_map(frame).collect()

@@ -1,10 +1,10 @@
-//! Escaping and numbers for HTML.
+//! HTML escaping and formatting of numbers.
 
 use std::collections::BTreeSet;
 
 use crate::score::results::Results;
 
-/// `text` so that it stands for itself in HTML and SVG, in elements and in attributes.
+/// Escapes `text` for elements and attributes of HTML and SVG.
 pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -25,7 +25,7 @@ pub fn percent(rate: f64) -> String {
     format!("{:.1}", rate * 100.0)
 }
 
-/// `value` with `decimals`, or a dash.
+/// `value` with a number of `decimals`, or a dash if it is missing or not finite.
 pub fn number(value: Option<f64>, decimals: usize) -> String {
     match value {
         Some(v) if v.is_finite() => format!("{v:.decimals$}"),
@@ -33,9 +33,14 @@ pub fn number(value: Option<f64>, decimals: usize) -> String {
     }
 }
 
-/// How many episodes the deliveries belong to.
+/// Number of episodes with at least one delivery.
 pub fn episode_count(results: &Results) -> usize {
-    results.deliveries.iter().map(|d| d.episode).collect::<BTreeSet<_>>().len()
+    results
+        .deliveries
+        .iter()
+        .map(|d| d.episode)
+        .collect::<BTreeSet<_>>()
+        .len()
 }
 
 #[cfg(test)]
@@ -44,13 +49,22 @@ mod tests {
 
     #[test]
     fn markup_is_escaped() {
-        assert_eq!(escape("<a href=\"x\">'&'"), "&lt;a href=&quot;x&quot;&gt;&#39;&amp;&#39;");
+        assert_eq!(
+            escape("<a href=\"x\">'&'"),
+            "&lt;a href=&quot;x&quot;&gt;&#39;&amp;&#39;"
+        );
     }
 
     #[test]
-    fn numbers_say_when_there_are_none() {
-        assert_eq!((percent(1.0), percent(0.7558)), ("100.0".into(), "75.6".into()));
-        assert_eq!((number(Some(1.25), 1), number(None, 1)), ("1.2".into(), "–".into()));
+    fn a_missing_number_is_a_dash() {
+        assert_eq!(
+            (percent(1.0), percent(0.7558)),
+            ("100.0".into(), "75.6".into())
+        );
+        assert_eq!(
+            (number(Some(1.25), 1), number(None, 1)),
+            ("1.2".into(), "–".into())
+        );
         assert_eq!(number(Some(f64::NAN), 1), "–");
     }
 }

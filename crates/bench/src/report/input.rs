@@ -1,35 +1,35 @@
-//! What a report is made from, beside the results.
+//! The input of a report.
 
 use openbench_core::{Address, MapPoint, PlannedDelivery, Pose2, SimTime};
 
 use crate::score::metrics::PoseError;
 use crate::score::results::Results;
 
-/// All that a report shows.
+/// Everything that a report shows.
 #[derive(Debug, Clone)]
 pub struct ReportInput<'a> {
-    /// The numbers.
+    /// The results.
     pub results: &'a Results,
-    /// The command line that makes the same run.
+    /// The command line that reproduces the run.
     pub command: String,
     /// The maps of the worlds.
     pub worlds: Vec<WorldMap>,
-    /// In the order they are to be shown.
+    /// The episodes, in display order.
     pub episodes: Vec<EpisodeReport>,
 }
 
-/// What is drawn of a world, in its `map` frame.
+/// The map of a world, in its `map` frame.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct WorldMap {
     /// Name of the world.
     pub name: String,
     /// Buildings.
     pub buildings: Vec<MapArea>,
-    /// Middle lines of roads and paths.
+    /// Centre lines of roads and paths.
     pub roads: Vec<Vec<MapPoint>>,
     /// Walls, fences, hedges.
     pub barriers: Vec<Vec<MapPoint>>,
-    /// Other areas, such as parks and water, drawn behind everything.
+    /// Other areas, such as parks and water, drawn below everything else.
     pub areas: Vec<MapArea>,
 }
 
@@ -44,34 +44,34 @@ pub struct MapArea {
     pub holes: Vec<Vec<MapPoint>>,
 }
 
-/// What is drawn of an episode.
+/// One episode of the report.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct EpisodeReport {
-    /// Its number in the results.
+    /// Episode number in the results.
     pub episode: usize,
-    /// Which of the report's worlds it was driven in.
+    /// Index into [`ReportInput::worlds`].
     pub world: usize,
-    /// Where the robot began.
+    /// Start pose.
     pub start: Pose2,
-    /// Where the robot was.
+    /// True positions.
     pub driven: Vec<MapPoint>,
-    /// Where the agent believed to be; empty if it said nothing.
+    /// Positions estimated by the agent; empty if it reported none.
     pub estimated: Vec<MapPoint>,
-    /// How far that was from where it was.
+    /// Errors of the estimated poses.
     pub pose_errors: Vec<PoseError>,
-    /// Routes over roads that the agent planned.
+    /// Routes planned by the agent.
     pub routes: Vec<Vec<MapPoint>>,
     /// Doors of the world.
     pub true_doors: Vec<DoorMark>,
-    /// Doors that the agent wrote into its map.
+    /// Doors that the agent added to its map.
     pub found_doors: Vec<DoorMark>,
-    /// Where the robot declared deliveries.
+    /// Declared deliveries.
     pub declared: Vec<Declaration>,
-    /// Where it collided.
+    /// Positions of collisions.
     pub collisions: Vec<MapPoint>,
     /// Frames in which a plate was read.
     pub plates: Vec<PlateFrame>,
-    /// The deliveries as the agent understood them.
+    /// The deliveries that the agent planned.
     pub plan: Vec<PlannedDelivery>,
 }
 
@@ -80,22 +80,22 @@ pub struct EpisodeReport {
 pub struct DoorMark {
     /// Its address.
     pub address: Address,
-    /// Where it is, or was written to be.
+    /// True position, or the position in the agent's map.
     pub position: MapPoint,
-    /// Whether something was to be delivered there.
+    /// Whether the episode has a delivery to this door.
     pub wanted: bool,
 }
 
 /// A delivery that was declared.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Declaration {
-    /// Which delivery of the episode, from 0.
+    /// Index of the delivery in the episode, from 0.
     pub task: usize,
-    /// For which door.
+    /// Address of the target door.
     pub address: Address,
-    /// Where the robot was.
+    /// Position of the robot.
     pub position: MapPoint,
-    /// Whether it succeeded by the strict count.
+    /// Whether it succeeded by the strict criterion.
     pub success: bool,
 }
 
@@ -104,16 +104,16 @@ pub struct Declaration {
 pub struct PlateFrame {
     /// The frame as a JPEG file.
     pub jpeg: Vec<u8>,
-    /// Columns.
+    /// Width in pixels.
     pub width: u32,
-    /// Rows.
+    /// Height in pixels.
     pub height: u32,
-    /// When it was taken.
+    /// Time of the frame.
     pub time: SimTime,
     /// The text as read.
     pub text: String,
     /// Confidence of the reader, 0 to 1.
     pub confidence: f32,
-    /// Corners of the text in pixels, clockwise from its top left.
+    /// Corners of the text in pixels, clockwise from the top left.
     pub corners: [[f32; 2]; 4],
 }

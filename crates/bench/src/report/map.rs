@@ -1,4 +1,4 @@
-//! An episode seen from above: the map of the world, and on it what the robot did. SVG in pixels, north up.
+//! The map of an episode as SVG, north up: the world, paths, doors and declared deliveries.
 
 use std::fmt::Write;
 
@@ -7,22 +7,24 @@ use openbench_core::MapPoint;
 use super::html::escape;
 use super::input::{Declaration, DoorMark, EpisodeReport, MapArea, WorldMap};
 
-const WIDTH: f64 = 960.0;
-const MAX_HEIGHT: f64 = 720.0;
-const MIN_HEIGHT: f64 = 320.0;
-/// Shown around what the robot did, metres.
-const MARGIN: f64 = 8.0;
-/// Points of a path nearer to each other than this are not told apart, pixels.
-const THINNING: f64 = 0.7;
+const WIDTH_PX: f64 = 960.0;
+const MAX_HEIGHT_PX: f64 = 720.0;
+const MIN_HEIGHT_PX: f64 = 320.0;
+/// Margin around the extent of the episode.
+const MARGIN_M: f64 = 8.0;
+/// Minimum distance between two drawn points of a path.
+const MIN_SPACING_PX: f64 = 0.7;
 
-/// Writes the map of an episode with its legend; nothing if there is nothing to show.
+/// Writes the map of an episode with its legend; nothing if world and episode are empty.
 pub fn render(out: &mut String, world: &WorldMap, episode: &EpisodeReport) {
-    let Some(view) = View::around(world, episode) else { return };
+    let Some(view) = View::around(world, episode) else {
+        return;
+    };
     let _ = write!(
         out,
-        "<div class=\"map\">\n<svg viewBox=\"0 0 {WIDTH:.0} {h:.0}\" role=\"img\" \
+        "<div class=\"map\">\n<svg viewBox=\"0 0 {WIDTH_PX:.0} {h:.0}\" role=\"img\" \
          aria-label=\"Map of episode {e}: buildings, roads, driven path and doors\">\n\
-         <rect class=\"ground\" width=\"{WIDTH:.0}\" height=\"{h:.0}\"/>\n",
+         <rect class=\"ground\" width=\"{WIDTH_PX:.0}\" height=\"{h:.0}\"/>\n",
         h = view.height,
         e = episode.episode,
     );
@@ -37,29 +39,48 @@ pub fn render(out: &mut String, world: &WorldMap, episode: &EpisodeReport) {
     out.push_str("</div>\n");
 }
 
-/// Which part of the world is shown, and how large.
+/// The visible part of the world and its scale.
 struct View {
+    /// Map x of the left edge, metres.
     left: f64,
+    /// Map y of the top edge, metres.
     top: f64,
     pixels_per_metre: f64,
+    /// Height of the picture, pixels.
     height: f64,
 }
 
 impl View {
-    /// What the robot did with a margin, or the whole world if it did nothing.
+    /// The extent of the episode with a margin, or of the whole world if the robot never moved.
     fn around(world: &WorldMap, episode: &EpisodeReport) -> Option<Self> {
         let start = (!episode.driven.is_empty()).then(|| episode.start.point());
-        let wanted = episode.true_doors.iter().filter(|d| d.wanted).map(|d| d.position);
+        let wanted = episode
+            .true_doors
+            .iter()
+            .filter(|d| d.wanted)
+            .map(|d| d.position);
         let declared = episode.declared.iter().map(|d| d.position);
-        let done: Vec<MapPoint> =
-            episode.driven.iter().copied().chain(start).chain(wanted).chain(declared).collect();
-        let outlines = world.buildings.iter().flat_map(|b| b.outline.iter().copied());
+        let done: Vec<MapPoint> = episode
+            .driven
+            .iter()
+            .copied()
+            .chain(start)
+            .chain(wanted)
+            .chain(declared)
+            .collect();
+        let outlines = world
+            .buildings
+            .iter()
+            .flat_map(|b| b.outline.iter().copied());
         let (min, max) = bounds(done).or_else(|| bounds(outlines))?;
-        let (width, height) = (max.x - min.x + 2.0 * MARGIN, max.y - min.y + 2.0 * MARGIN);
-        let scale = (WIDTH / width).min(MAX_HEIGHT / height);
-        let pixels = (height * scale).max(MIN_HEIGHT);
+        let (width, height) = (
+            max.x - min.x + 2.0 * MARGIN_M,
+            max.y - min.y + 2.0 * MARGIN_M,
+        );
+        let scale = (WIDTH_PX / width).min(MAX_HEIGHT_PX / height);
+        let pixels = (height * scale).max(MIN_HEIGHT_PX);
         Some(Self {
-            left: (min.x + max.x) / 2.0 - WIDTH / 2.0 / scale,
+            left: (min.x + max.x) / 2.0 - WIDTH_PX / 2.0 / scale,
             top: (min.y + max.y) / 2.0 + pixels / 2.0 / scale,
             pixels_per_metre: scale,
             height: pixels,
@@ -67,45 +88,63 @@ impl View {
     }
 
     fn pixel(&self, point: MapPoint) -> [f64; 2] {
-        [(point.x - self.left) * self.pixels_per_metre, (self.top - point.y) * self.pixels_per_metre]
+        [
+            (point.x - self.left) * self.pixels_per_metre,
+            (self.top - point.y) * self.pixels_per_metre,
+        ]
     }
 
-    /// Whether any of the box around `points` is in view.
+    /// Whether the bounding box of `points` overlaps the view.
     fn shows(&self, points: &[MapPoint]) -> bool {
         bounds(points.iter().copied()).is_some_and(|(min, max)| {
             let ([left, bottom], [right, top]) = (self.pixel(min), self.pixel(max));
-            right >= 0.0 && left <= WIDTH && bottom >= 0.0 && top <= self.height
+            right >= 0.0 && left <= WIDTH_PX && bottom >= 0.0 && top <= self.height
         })
     }
 
-    /// The commands of an SVG path through `points`, thinned to what can be seen; empty for fewer than two.
+    /// The commands of an SVG path through `points` without points too close to be distinguished;
+    /// empty for fewer than two points.
     fn line(&self, points: &[MapPoint]) -> String {
         let mut commands = String::new();
         let mut last = [f64::INFINITY; 2];
         let finite = points.iter().filter(|p| p.x.is_finite() && p.y.is_finite());
         let pixels: Vec<[f64; 2]> = finite.map(|p| self.pixel(*p)).collect();
         for (i, [x, y]) in pixels.iter().copied().enumerate() {
-            let moved = libm::hypot(x - last[0], y - last[1]) >= THINNING;
+            let moved = libm::hypot(x - last[0], y - last[1]) >= MIN_SPACING_PX;
             if i == 0 || moved || i + 1 == pixels.len() {
                 let _ = write!(commands, "{}{x:.1} {y:.1}", if i == 0 { 'M' } else { 'L' });
                 last = [x, y];
             }
         }
-        if pixels.len() < 2 { String::new() } else { commands }
+        if pixels.len() < 2 {
+            String::new()
+        } else {
+            commands
+        }
     }
 
     fn area(&self, area: &MapArea) -> String {
-        let rings = std::iter::once(&area.outline).chain(&area.holes).map(|ring| self.line(ring));
-        rings.filter(|ring| !ring.is_empty()).map(|ring| ring + "Z").collect()
+        let rings = std::iter::once(&area.outline)
+            .chain(&area.holes)
+            .map(|ring| self.line(ring));
+        rings
+            .filter(|ring| !ring.is_empty())
+            .map(|ring| ring + "Z")
+            .collect()
     }
 }
 
-/// The corners of the box around the points that are finite.
+/// The minimum and maximum corner of the bounding box of the finite points.
 fn bounds(points: impl IntoIterator<Item = MapPoint>) -> Option<(MapPoint, MapPoint)> {
-    let finite = points.into_iter().filter(|p| p.x.is_finite() && p.y.is_finite());
+    let finite = points
+        .into_iter()
+        .filter(|p| p.x.is_finite() && p.y.is_finite());
     finite.fold(None, |found, p| {
         let (min, max) = found.unwrap_or((p, p));
-        Some((MapPoint::new(min.x.min(p.x), min.y.min(p.y)), MapPoint::new(max.x.max(p.x), max.y.max(p.y))))
+        Some((
+            MapPoint::new(min.x.min(p.x), min.y.min(p.y)),
+            MapPoint::new(max.x.max(p.x), max.y.max(p.y)),
+        ))
     })
 }
 
@@ -119,7 +158,12 @@ fn draw_world(out: &mut String, view: &View, world: &WorldMap) {
     for area in world.areas.iter().filter(|a| view.shows(&a.outline)) {
         path(out, "area", &view.area(area));
     }
-    let roads: Vec<String> = world.roads.iter().filter(|r| view.shows(r)).map(|r| view.line(r)).collect();
+    let roads: Vec<String> = world
+        .roads
+        .iter()
+        .filter(|r| view.shows(r))
+        .map(|r| view.line(r))
+        .collect();
     let width = (3.5 * view.pixels_per_metre).clamp(3.0, 26.0);
     for (class, width) in [("road-edge", width + 2.0), ("road", width)] {
         let _ = writeln!(out, "<g stroke-width=\"{width:.1}\">");
@@ -134,15 +178,16 @@ fn draw_world(out: &mut String, view: &View, world: &WorldMap) {
     }
 }
 
-/// Names stand in the middle of the part of the building's box that is in view.
+/// A name is centred in the visible part of the bounding box of its building.
 fn draw_names(out: &mut String, view: &View, world: &WorldMap) {
     for building in world.buildings.iter().filter(|b| view.shows(&b.outline)) {
-        let (Some(name), Some((min, max))) = (&building.name, bounds(building.outline.iter().copied()))
+        let (Some(name), Some((min, max))) =
+            (&building.name, bounds(building.outline.iter().copied()))
         else {
             continue;
         };
         let ([left, bottom], [right, top]) = (view.pixel(min), view.pixel(max));
-        let (x0, x1) = (left.max(0.0), right.min(WIDTH));
+        let (x0, x1) = (left.max(0.0), right.min(WIDTH_PX));
         let (y0, y1) = (top.max(0.0), bottom.min(view.height));
         if x1 - x0 > text_width(name) && y1 - y0 > 14.0 {
             let _ = writeln!(
@@ -157,7 +202,10 @@ fn draw_names(out: &mut String, view: &View, world: &WorldMap) {
 }
 
 fn draw_paths(out: &mut String, view: &View, episode: &EpisodeReport) {
-    episode.routes.iter().for_each(|route| path(out, "route", &view.line(route)));
+    episode
+        .routes
+        .iter()
+        .for_each(|route| path(out, "route", &view.line(route)));
     path(out, "driven", &view.line(&episode.driven));
     path(out, "estimated", &view.line(&episode.estimated));
 }
@@ -166,19 +214,52 @@ fn draw_marks(out: &mut String, view: &View, episode: &EpisodeReport) {
     for point in &episode.collisions {
         mark(out, view, *point, "collision", COLLISION, "collision");
     }
-    for door in episode.true_doors.iter().filter(|d| view.shows(&[d.position])) {
-        let (class, shape) = if door.wanted { ("door wanted", WANTED) } else { ("door", DOOR) };
-        mark(out, view, door.position, class, shape, &format!("door: {}", door.address));
+    for door in episode
+        .true_doors
+        .iter()
+        .filter(|d| view.shows(&[d.position]))
+    {
+        let (class, shape) = if door.wanted {
+            ("door wanted", WANTED)
+        } else {
+            ("door", DOOR)
+        };
+        mark(
+            out,
+            view,
+            door.position,
+            class,
+            shape,
+            &format!("door: {}", door.address),
+        );
     }
-    for door in episode.found_doors.iter().filter(|d| view.shows(&[d.position])) {
-        mark(out, view, door.position, "found", FOUND, &format!("written by the agent: {}", door.address));
+    for door in episode
+        .found_doors
+        .iter()
+        .filter(|d| view.shows(&[d.position]))
+    {
+        mark(
+            out,
+            view,
+            door.position,
+            "found",
+            FOUND,
+            &format!("written by the agent: {}", door.address),
+        );
     }
     if !episode.driven.is_empty() {
         mark(out, view, episode.start.point(), "start", START, "start");
     }
-    episode.declared.iter().for_each(|d| declaration(out, view, d));
+    episode
+        .declared
+        .iter()
+        .for_each(|d| declaration(out, view, d));
     let mut labels = Labels::default();
-    episode.true_doors.iter().filter(|d| d.wanted).for_each(|d| labels.door(out, view, d));
+    episode
+        .true_doors
+        .iter()
+        .filter(|d| d.wanted)
+        .for_each(|d| labels.door(out, view, d));
 }
 
 const START: &str = "<circle r=\"7\"/><circle class=\"inner\" r=\"2.5\"/>";
@@ -193,20 +274,26 @@ fn mark(out: &mut String, view: &View, at: MapPoint, class: &str, shape: &str, t
     if x.is_finite() && y.is_finite() {
         let _ = writeln!(
             out,
-            "<g class=\"{class}\" transform=\"translate({x:.1} {y:.1})\"><title>{}</title>{shape}</g>",
+            "<g class=\"{class}\" transform=\"translate({x:.1} {y:.1})\">\
+<title>{}</title>{shape}</g>",
             escape(title)
         );
     }
 }
 
 fn declaration(out: &mut String, view: &View, declared: &Declaration) {
-    let class = if declared.success { "declared" } else { "declared missed" };
+    let class = if declared.success {
+        "declared"
+    } else {
+        "declared missed"
+    };
     let shape = format!("{DECLARED}<text y=\"4\">{}</text>", declared.task);
     let title = format!("delivery {} declared: {}", declared.task, declared.address);
     mark(out, view, declared.position, class, &shape, &title);
 }
 
-/// Labels of doors, each drawn at the first place beside its door where it covers none before it.
+/// Labels of doors. Each is drawn at the first position beside its door where it overlaps no
+/// earlier label, or not at all.
 #[derive(Default)]
 struct Labels {
     taken: Vec<[f64; 4]>,
@@ -215,15 +302,32 @@ struct Labels {
 impl Labels {
     fn door(&mut self, out: &mut String, view: &View, door: &DoorMark) {
         let [x, y] = view.pixel(door.position);
-        let text = door.address.unit.as_deref().unwrap_or(&door.address.building);
+        let text = door
+            .address
+            .unit
+            .as_deref()
+            .unwrap_or(&door.address.building);
         let width = text_width(text);
-        let places = [(14.0, 4.0), (-14.0 - width, 4.0), (-width / 2.0, -16.0), (-width / 2.0, 24.0)];
+        let places = [
+            (14.0, 4.0),
+            (-14.0 - width, 4.0),
+            (-width / 2.0, -16.0),
+            (-width / 2.0, 24.0),
+        ];
         let boxes = places.map(|(dx, dy)| [x + dx, y + dy - 12.0, x + dx + width, y + dy + 4.0]);
-        let inside = |b: &&[f64; 4]| b[0] >= 0.0 && b[2] <= WIDTH && b[1] >= 0.0 && b[3] <= view.height;
-        let free = boxes.iter().filter(inside).find(|b| !self.taken.iter().any(|t| overlap(t, b)));
+        let inside =
+            |b: &&[f64; 4]| b[0] >= 0.0 && b[2] <= WIDTH_PX && b[1] >= 0.0 && b[3] <= view.height;
+        let free = boxes
+            .iter()
+            .filter(inside)
+            .find(|b| !self.taken.iter().any(|t| overlap(t, b)));
         if let Some(b) = free {
             let (x, y) = (b[0], b[1] + 12.0);
-            let _ = writeln!(out, "<text class=\"label\" x=\"{x:.1}\" y=\"{y:.1}\">{}</text>", escape(text));
+            let _ = writeln!(
+                out,
+                "<text class=\"label\" x=\"{x:.1}\" y=\"{y:.1}\">{}</text>",
+                escape(text)
+            );
             self.taken.push(*b);
         }
     }
@@ -233,22 +337,28 @@ fn overlap(a: &[f64; 4], b: &[f64; 4]) -> bool {
     a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3]
 }
 
-/// About how wide a label is, pixels; characters beyond the alphabets are twice as wide.
+/// Approximate width of a label in pixels; East Asian characters are about twice as wide.
 fn text_width(text: &str) -> f64 {
-    text.chars().map(|c| if c < '\u{1100}' { 7.0 } else { 13.0 }).sum()
+    text.chars()
+        .map(|c| if c < '\u{1100}' { 7.0 } else { 13.0 })
+        .sum()
 }
 
-/// A bar of a round number of metres, about a seventh of the width.
+/// A scale bar of a round number of metres, at most a seventh of the width.
 fn scale_bar(out: &mut String, view: &View) {
-    let target = WIDTH / 7.0 / view.pixels_per_metre;
-    let round = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 2000.0, 5000.0];
+    let target = WIDTH_PX / 7.0 / view.pixels_per_metre;
+    let round = [
+        1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 2000.0, 5000.0,
+    ];
     let metres = round.into_iter().rfind(|m| *m <= target).unwrap_or(1.0);
     let length = metres * view.pixels_per_metre;
     let (x, y) = (20.0, view.height - 18.0);
     let _ = writeln!(
         out,
-        "<g class=\"scale-bar\"><rect class=\"back\" x=\"{bx:.1}\" y=\"{by:.1}\" width=\"{bw:.1}\" height=\"32\" rx=\"3\"/>\
-         <path d=\"M{x} {y0:.1}V{y:.1}H{x1:.1}V{y0:.1}\"/><text x=\"{xm:.1}\" y=\"{yt:.1}\">{metres:.0} m</text></g>",
+        "<g class=\"scale-bar\"><rect class=\"back\" x=\"{bx:.1}\" y=\"{by:.1}\" \
+width=\"{bw:.1}\" height=\"32\" rx=\"3\"/>\
+<path d=\"M{x} {y0:.1}V{y:.1}H{x1:.1}V{y0:.1}\"/>\
+<text x=\"{xm:.1}\" y=\"{yt:.1}\">{metres:.0} m</text></g>",
         bx = x - 8.0,
         by = y - 22.0,
         bw = length + 16.0,
@@ -260,7 +370,7 @@ fn scale_bar(out: &mut String, view: &View) {
 }
 
 fn north_arrow(out: &mut String) {
-    let x = WIDTH - 28.0;
+    let x = WIDTH_PX - 28.0;
     let _ = writeln!(
         out,
         "<g class=\"north\" transform=\"translate({x:.0} 34)\"><circle r=\"18\"/>\
@@ -270,27 +380,50 @@ fn north_arrow(out: &mut String) {
 
 fn legend(out: &mut String, episode: &EpisodeReport) {
     let line = |class: &str| format!("<path class=\"{class}\" d=\"M1 10H27\"/>");
-    let sign =
-        |class: &str, shape: &str| format!("<g class=\"{class}\" transform=\"translate(14 10)\">{shape}</g>");
+    let sign = |class: &str, shape: &str| {
+        format!("<g class=\"{class}\" transform=\"translate(14 10)\">{shape}</g>")
+    };
     let missed = episode.declared.iter().any(|d| !d.success);
     let other = episode.true_doors.iter().any(|d| !d.wanted);
     let wanted = episode.true_doors.iter().any(|d| d.wanted);
     let entries = [
         (!episode.driven.is_empty(), sign("start", START), "start"),
         (!episode.driven.is_empty(), line("driven"), "driven"),
-        (!episode.estimated.is_empty(), line("estimated"), "estimated by the agent"),
+        (
+            !episode.estimated.is_empty(),
+            line("estimated"),
+            "estimated by the agent",
+        ),
         (!episode.routes.is_empty(), line("route"), "planned route"),
         (wanted, sign("door wanted", WANTED), "door to deliver to"),
         (other, sign("door", DOOR), "other door"),
-        (!episode.found_doors.is_empty(), sign("found", FOUND), "door written by the agent"),
-        (episode.declared.iter().any(|d| d.success), sign("declared", DECLARED), "delivered"),
-        (missed, sign("declared missed", DECLARED), "declared at the wrong place"),
-        (!episode.collisions.is_empty(), sign("collision", COLLISION), "collision"),
+        (
+            !episode.found_doors.is_empty(),
+            sign("found", FOUND),
+            "door written by the agent",
+        ),
+        (
+            episode.declared.iter().any(|d| d.success),
+            sign("declared", DECLARED),
+            "delivered",
+        ),
+        (
+            missed,
+            sign("declared missed", DECLARED),
+            "declared at the wrong place",
+        ),
+        (
+            !episode.collisions.is_empty(),
+            sign("collision", COLLISION),
+            "collision",
+        ),
     ];
     out.push_str("<ul class=\"legend\">\n");
     for (_, drawing, words) in entries.into_iter().filter(|(present, ..)| *present) {
-        let _ =
-            writeln!(out, "<li><svg viewBox=\"0 0 28 20\" aria-hidden=\"true\">{drawing}</svg>{words}</li>");
+        let _ = writeln!(
+            out,
+            "<li><svg viewBox=\"0 0 28 20\" aria-hidden=\"true\">{drawing}</svg>{words}</li>"
+        );
     }
     out.push_str("</ul>\n");
 }
@@ -303,7 +436,9 @@ mod tests {
     fn episode() -> EpisodeReport {
         EpisodeReport {
             start: Pose2::new(0.0, 0.0, 0.0),
-            driven: (0..1000).map(|i| MapPoint::new(f64::from(i) * 0.02, 0.0)).collect(),
+            driven: (0..1000)
+                .map(|i| MapPoint::new(f64::from(i) * 0.02, 0.0))
+                .collect(),
             ..EpisodeReport::default()
         }
     }
@@ -312,20 +447,30 @@ mod tests {
     fn north_is_up_and_east_is_right() {
         let view = View::around(&WorldMap::default(), &episode()).unwrap();
         let [x, y] = view.pixel(MapPoint::new(10.0, 0.0));
-        assert!((x - WIDTH / 2.0).abs() < 0.5 && (y - view.height / 2.0).abs() < 0.5, "{x} {y}");
-        assert!(view.pixel(MapPoint::new(10.0, 1.0))[1] < y && view.pixel(MapPoint::new(11.0, 0.0))[0] > x);
+        assert!(
+            (x - WIDTH_PX / 2.0).abs() < 0.5 && (y - view.height / 2.0).abs() < 0.5,
+            "{x} {y}"
+        );
+        assert!(
+            view.pixel(MapPoint::new(10.0, 1.0))[1] < y
+                && view.pixel(MapPoint::new(11.0, 0.0))[0] > x
+        );
     }
 
     #[test]
-    fn paths_are_thinned_to_what_can_be_seen() {
+    fn paths_are_downsampled_to_the_resolution_of_the_picture() {
         let view = View::around(&WorldMap::default(), &episode()).unwrap();
         let line = view.line(&episode().driven);
-        assert!(line.matches('L').count() < 700, "{}", line.matches('L').count());
+        assert!(
+            line.matches('L').count() < 700,
+            "{}",
+            line.matches('L').count()
+        );
         assert_eq!(view.line(&[MapPoint::default()]), "");
     }
 
     #[test]
-    fn numbers_that_are_none_are_left_out() {
+    fn nan_and_infinity_are_left_out() {
         let mut broken = episode();
         broken.driven.push(MapPoint::new(f64::NAN, 1.0));
         broken.collisions.push(MapPoint::new(f64::INFINITY, 0.0));
@@ -335,11 +480,24 @@ mod tests {
     }
 
     #[test]
-    fn far_buildings_are_not_drawn() {
-        let outline = [(5e3, 0.0), (5e3, 9.0), (5.1e3, 9.0)].map(|(x, y)| MapPoint::new(x, y)).to_vec();
-        let area = MapArea { name: Some("far".into()), outline, holes: vec![] };
+    fn buildings_outside_the_view_are_not_drawn() {
+        let outline = [(5e3, 0.0), (5e3, 9.0), (5.1e3, 9.0)]
+            .map(|(x, y)| MapPoint::new(x, y))
+            .to_vec();
+        let area = MapArea {
+            name: Some("far".into()),
+            outline,
+            holes: vec![],
+        };
         let mut out = String::new();
-        render(&mut out, &WorldMap { buildings: vec![area], ..WorldMap::default() }, &episode());
+        render(
+            &mut out,
+            &WorldMap {
+                buildings: vec![area],
+                ..WorldMap::default()
+            },
+            &episode(),
+        );
         assert!(!out.contains("class=\"building\"") && !out.contains("far"));
         out.clear();
         render(&mut out, &WorldMap::default(), &EpisodeReport::default());

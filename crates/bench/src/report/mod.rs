@@ -1,16 +1,17 @@
-//! `report.html`: a run for people. One file that needs no network, in the reader's light or dark colours.
+//! Reports for people: `report.html`, one file without external resources in light or dark
+//! colours, and the table for a terminal.
 //!
-//! | module | what it draws |
+//! | module | content |
 //! |---|---|
-//! | [`input`] | what a report is made from |
-//! | [`from_run`] | from what happened to that |
-//! | [`html`] | escaping and numbers |
-//! | [`tiles`] | the headline numbers with their intervals, paper and strict side by side |
-//! | [`table`] | one row a delivery |
-//! | [`map`] | an episode seen from above, as SVG |
-//! | [`drift`] | how far the agent was from where it believed to be |
+//! | [`input`] | the input of a report |
+//! | [`from_run`] | that input from results and traces |
+//! | [`html`] | escaping and formatting of numbers |
+//! | [`tiles`] | the headline metrics with their intervals, paper and strict side by side |
+//! | [`table`] | one row per delivery |
+//! | [`map`] | the map of an episode, as SVG |
+//! | [`drift`] | the localization error over time |
 //! | [`frames`] | the camera frames in which plates were read |
-//! | [`terminal`] | the same numbers as plain text for a terminal |
+//! | [`terminal`] | the same metrics as plain text for a terminal |
 
 pub mod drift;
 pub mod frames;
@@ -31,7 +32,7 @@ pub use terminal::terminal_table;
 
 const STYLE: &str = include_str!("style.css");
 
-/// The whole report.
+/// Renders the whole report as HTML.
 pub fn render(input: &ReportInput<'_>) -> String {
     let results = input.results;
     let title = escape(&format!("{} · {}", results.suite, results.agent));
@@ -59,7 +60,8 @@ fn header(out: &mut String, input: &ReportInput<'_>) {
     let _ = write!(
         out,
         "<header>\n<p class=\"kicker\">OpenBench report</p>\n<h1>{}</h1>\n\
-         <p class=\"facts\">agent <b>{}</b> · seed <b>{}</b> · version <b>{}</b> · {} in {}</p>\n</header>\n",
+<p class=\"facts\">agent <b>{}</b> · seed <b>{}</b> · version <b>{}</b> · \
+{} in {}</p>\n</header>\n",
         escape(&results.suite),
         escape(&results.agent),
         results.seed,
@@ -70,14 +72,18 @@ fn header(out: &mut String, input: &ReportInput<'_>) {
 }
 
 fn render_episode(out: &mut String, input: &ReportInput<'_>, episode: &EpisodeReport) {
-    let deliveries: Vec<_> =
-        input.results.deliveries.iter().filter(|d| d.episode == episode.episode).collect();
+    let deliveries: Vec<_> = input
+        .results
+        .deliveries
+        .iter()
+        .filter(|d| d.episode == episode.episode)
+        .collect();
     let instruction = deliveries.first().map_or("", |d| d.instruction.trim());
-    let right = deliveries.iter().filter(|d| d.success_2m).count();
+    let succeeded = deliveries.iter().filter(|d| d.success_2m).count();
     let _ = write!(
         out,
-        "<article id=\"episode-{0}\">\n<h3>Episode {0}<span class=\"score\">{right} of {1} by the strict count</span></h3>\n\
-         <blockquote>{2}</blockquote>\n",
+        "<article id=\"episode-{0}\">\n<h3>Episode {0}<span class=\"score\">\
+{succeeded} of {1} succeeded (strict)</span></h3>\n<blockquote>{2}</blockquote>\n",
         episode.episode,
         deliveries.len(),
         escape(instruction),
@@ -97,10 +103,18 @@ fn plan(out: &mut String, episode: &EpisodeReport) {
     }
     out.push_str("<p class=\"plan\"><span>Plan</span> ");
     for (i, delivery) in episode.plan.iter().enumerate() {
-        let problem = delivery.problem.as_deref().map(|p| format!(" <em class=\"bad\">({})</em>", escape(p)));
+        let problem = delivery
+            .problem
+            .as_deref()
+            .map(|p| format!(" <em class=\"bad\">({})</em>", escape(p)));
         let arrow = if i > 0 { " → " } else { "" };
         let address = escape(&delivery.address().to_string());
-        let _ = write!(out, "{arrow}{} to {address}{}", escape(&delivery.item), problem.unwrap_or_default());
+        let _ = write!(
+            out,
+            "{arrow}{} to {address}{}",
+            escape(&delivery.item),
+            problem.unwrap_or_default()
+        );
     }
     out.push_str("</p>\n");
 }
@@ -113,13 +127,22 @@ fn reproduction(out: &mut String, input: &ReportInput<'_>) {
         ("agent", results.agent.clone()),
         ("seed", results.seed.to_string()),
     ];
-    let set = results.settings.iter().map(|(k, v)| (k.as_str(), v.clone()));
+    let set = results
+        .settings
+        .iter()
+        .map(|(k, v)| (k.as_str(), v.clone()));
     for (key, value) in fixed.into_iter().chain(set) {
-        let _ = writeln!(out, "<div><dt>{}</dt><dd>{}</dd></div>", escape(key), escape(&value));
+        let _ = writeln!(
+            out,
+            "<div><dt>{}</dt><dd>{}</dd></div>",
+            escape(key),
+            escape(&value)
+        );
     }
     let _ = write!(
         out,
-        "</dl>\n<h2>How to reproduce</h2>\n<p>With version {} of OpenBench:</p>\n<pre><code>{}</code></pre>\n",
+        "</dl>\n<h2>How to reproduce</h2>\n<p>With version {} of OpenBench:</p>\n\
+<pre><code>{}</code></pre>\n",
         escape(&results.version),
         escape(&input.command),
     );
@@ -135,11 +158,13 @@ fn reproduction(out: &mut String, input: &ReportInput<'_>) {
     out.push_str("</section>\n");
 }
 
-const READING: &str = "<p class=\"note\">SR is the share of deliveries that succeeded; SPL weighs each success by the shortest \
-    path over the path driven; LSR and LSPL are the same over sequences, where an early delivery weighs more. \
-    <b>Paper</b>: declared within 10 m of the plate, compared with a straight line. <b>Strict</b>: within 2 m of the right \
-    door's approach point, no other door's being nearer, compared with the shortest path that the robot can drive. \
-    Intervals are 95 %: Wilson's for rates, the bootstrap for means.</p>\n";
+const READING: &str = "<p class=\"note\">SR is the share of successful deliveries. \
+SPL weights each success by the ratio of the shortest path to the driven path. \
+LSR and LSPL are the same over sequences, where earlier deliveries have larger weights. \
+<b>Paper</b>: declared within 10 m of the plate; the shortest path is a straight line. \
+<b>Strict</b>: declared within 2 m of the correct door's approach point and closer to it than to \
+any other door's; the shortest path is the one that the robot can drive. \
+Intervals are 95 %: Wilson for rates, bootstrap for means.</p>\n";
 
 #[cfg(test)]
 mod tests {
@@ -148,7 +173,8 @@ mod tests {
     use openbench_core::{MapPoint, Pose2};
 
     fn world() -> WorldMap {
-        let outline = [(0.0, 0.0), (10.0, 0.0), (10.0, 5.0), (0.0, 5.0)].map(|(x, y)| MapPoint::new(x, y));
+        let outline =
+            [(0.0, 0.0), (10.0, 0.0), (10.0, 5.0), (0.0, 5.0)].map(|(x, y)| MapPoint::new(x, y));
         WorldMap {
             buildings: vec![MapArea {
                 name: Some("<b>uilding3".into()),
@@ -168,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn whatever_people_wrote_is_escaped() {
+    fn text_from_users_is_escaped() {
         let mut hostile = delivery(0, 0);
         hostile.instruction = "<script>alert(1)</script>".into();
         hostile.failure_detail = Some("\"><img src=x>".into());
@@ -183,14 +209,23 @@ mod tests {
             episodes: vec![episode()],
         };
         let html = render(&input);
-        for raw in ["<script", "<img src=x", "a<b", "<k>", "<v>", "<OSM>", "run <x>", "<b>uilding"] {
+        for raw in [
+            "<script",
+            "<img src=x",
+            "a<b",
+            "<k>",
+            "<v>",
+            "<OSM>",
+            "run <x>",
+            "<b>uilding",
+        ] {
             assert!(!html.contains(raw), "{raw}");
         }
         assert!(html.contains("&lt;script&gt;"));
     }
 
     #[test]
-    fn nothing_is_fetched_from_elsewhere() {
+    fn the_report_loads_no_external_resource() {
         let results = results(vec![delivery(0, 0)]);
         let input = ReportInput {
             results: &results,
@@ -205,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn a_run_without_deliveries_is_a_report_too() {
+    fn a_run_without_deliveries_has_a_report() {
         let results = results(vec![]);
         let input = ReportInput {
             results: &results,

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::html::{escape, number};
 use crate::score::results::{DeliveryResult, Results};
 
-/// Writes one row a delivery.
+/// Writes one row per delivery.
 pub fn render(out: &mut String, results: &Results) {
     if results.deliveries.is_empty() {
         return;
@@ -17,17 +17,19 @@ pub fn render(out: &mut String, results: &Results) {
     out.push_str("</tbody>\n</table>\n</div>\n</section>\n");
 }
 
-const HEAD: &str = "<section>\n<h2>Deliveries</h2>\n<div class=\"scroll\">\n<table>\n<thead>\n<tr>\
-    <th>Episode</th><th>Delivery</th><th class=\"c\">Paper</th><th class=\"c\">Strict</th><th class=\"c\">Unit</th>\
-    <th class=\"n\">To door<small>m</small></th><th class=\"n\">Driven<small>m</small></th>\
-    <th class=\"n\">Shortest<small>m</small></th><th class=\"n\">Time<small>s</small></th>\
-    <th class=\"n\">Pose error<small>m</small></th><th class=\"n\">Plates<small>read</small></th>\
-    <th class=\"n\">Hits</th><th>Failure</th></tr>\n</thead>\n<tbody>\n";
+const HEAD: &str = "<section>\n<h2>Deliveries</h2>\n<div class=\"scroll\">\n<table>\n<thead>\n\
+<tr><th>Episode</th><th>Delivery</th><th class=\"c\">Paper</th><th class=\"c\">Strict</th>\
+<th class=\"c\">Unit</th><th class=\"n\">To door<small>m</small></th>\
+<th class=\"n\">Driven<small>m</small></th><th class=\"n\">Shortest<small>m</small></th>\
+<th class=\"n\">Time<small>s</small></th><th class=\"n\">Pose error<small>m</small></th>\
+<th class=\"n\">Plates<small>read</small></th><th class=\"n\">Collisions</th>\
+<th>Failure</th></tr>\n</thead>\n<tbody>\n";
 
 fn row(out: &mut String, d: &DeliveryResult) {
     let _ = write!(
         out,
-        "<tr><td><a href=\"#episode-{0}\">{0}</a><span class=\"task\">.{1}</span></td><td>{2}</td>{3}{4}{5}",
+        "<tr><td><a href=\"#episode-{0}\">{0}</a><span class=\"task\">.{1}</span></td>\
+<td>{2}</td>{3}{4}{5}",
         d.episode,
         d.task,
         escape(&d.address().to_string()),
@@ -46,21 +48,30 @@ fn row(out: &mut String, d: &DeliveryResult) {
     for value in numbers {
         let _ = write!(out, "<td class=\"n\">{value}</td>");
     }
-    let hits = if d.collisions > 0 { "n bad" } else { "n" };
+    let class = if d.collisions > 0 { "n bad" } else { "n" };
     let _ = writeln!(
         out,
-        "<td class=\"{hits}\">{}</td><td class=\"cause\">{}</td></tr>",
+        "<td class=\"{class}\">{}</td><td class=\"cause\">{}</td></tr>",
         d.collisions,
         failure(d)
     );
 }
 
-fn verdict(good: bool) -> &'static str {
-    if good { "<td class=\"c good\">✓ yes</td>" } else { "<td class=\"c bad\">✗ no</td>" }
+fn verdict(success: bool) -> &'static str {
+    if success {
+        "<td class=\"c good\">✓ yes</td>"
+    } else {
+        "<td class=\"c bad\">✗ no</td>"
+    }
 }
 
 fn failure(delivery: &DeliveryResult) -> String {
-    let cause = delivery.failure.map(|f| format!("<b>{}</b>", escape(&f.to_string())));
-    let detail = delivery.failure_detail.as_deref().map(|d| format!("<small>{}</small>", escape(d)));
+    let cause = delivery
+        .failure
+        .map(|f| format!("<b>{}</b>", escape(&f.to_string())));
+    let detail = delivery
+        .failure_detail
+        .as_deref()
+        .map(|d| format!("<small>{}</small>", escape(d)));
     [cause, detail].into_iter().flatten().collect()
 }

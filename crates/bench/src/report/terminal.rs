@@ -1,39 +1,72 @@
-//! The results as plain text, no wider than 100 columns.
+//! The results as plain text, at most 100 columns wide.
 
 use std::fmt::Write;
 
 use super::html::{number, percent};
+use crate::plural::count;
 use crate::score::results::{DeliveryResult, Metrics, Results};
 
-const ADDRESS_WIDTH: usize = 22;
-const FAILURE_WIDTH: usize = 20;
+/// Width of the address, columns of the terminal.
+const ADDRESS_COLUMNS: usize = 19;
+/// Width of the failure cause, columns of the terminal.
+const FAILURE_COLUMNS: usize = 19;
 
-/// A table of the deliveries and a summary under it.
+/// A table with one row per delivery, followed by a summary of all metrics.
+///
+/// The columns 10 m and 2 m say whether the delivery succeeded by the paper's and by the strict
+/// criterion; unit, whether no other door's approach point was nearer.
 pub fn terminal_table(results: &Results) -> String {
-    let mut out = format!(
-        "{:>5}  {}  10 m 2 m unit  door m  path m best m  time hits  failure\n",
-        "task",
-        pad("delivery", ADDRESS_WIDTH)
-    );
+    let mut out = heading();
     for delivery in &results.deliveries {
         row(&mut out, delivery);
     }
     out.push('\n');
     summary(&mut out, &results.metrics);
     if let Some(doors) = results.doors {
-        let off = doors.mean_distance_m.map(|d| format!(", {d:.2} m off")).unwrap_or_default();
-        let _ = writeln!(out, "doors    {} of {} found, {} wrong{off}", doors.found, doors.of, doors.wrong);
+        let _ = writeln!(out, "doors    {}", doors.describe());
     }
     out
 }
 
+/// The two lines above the rows; column widths as in [`row`].
+fn heading() -> String {
+    let first = format!(
+        "{:>5}  {}  {:>4} {:>3} {:>4}  {:>6} {:>7} {:>8} {:>5} {:>6}",
+        "",
+        pad("", ADDRESS_COLUMNS),
+        "",
+        "",
+        "",
+        "door",
+        "path",
+        "shortest",
+        "time",
+        "colli-",
+    );
+    let second = format!(
+        "{:>5}  {}  {:>4} {:>3} {:>4}  {:>6} {:>7} {:>8} {:>5} {:>6}  {}",
+        "task",
+        pad("delivery", ADDRESS_COLUMNS),
+        "10 m",
+        "2 m",
+        "unit",
+        "(m)",
+        "(m)",
+        "path (m)",
+        "(s)",
+        "sions",
+        "failure",
+    );
+    format!("{first}\n{second}\n")
+}
+
 fn row(out: &mut String, d: &DeliveryResult) {
-    let mark = |good: bool| if good { "yes" } else { "no" };
+    let mark = |success: bool| if success { "yes" } else { "no" };
     let failure = d.failure.map(|f| f.to_string()).unwrap_or_default();
     let line = format!(
-        "{:>5}  {}  {:>4} {:>3} {:>4}  {:>6} {:>7} {:>6} {:>5} {:>4}  {}",
+        "{:>5}  {}  {:>4} {:>3} {:>4}  {:>6} {:>7} {:>8} {:>5} {:>6}  {}",
         format!("{}.{}", d.episode, d.task),
-        pad(&d.address().to_string(), ADDRESS_WIDTH),
+        pad(&d.address().to_string(), ADDRESS_COLUMNS),
         mark(d.success_10m),
         mark(d.success_2m),
         mark(d.correct_unit),
@@ -42,20 +75,29 @@ fn row(out: &mut String, d: &DeliveryResult) {
         number(d.shortest_path_m, 1),
         number(Some(d.sim_seconds), 0),
         d.collisions,
-        pad(&failure, FAILURE_WIDTH),
+        pad(&failure, FAILURE_COLUMNS),
     );
     let _ = writeln!(out, "{}", line.trim_end());
 }
 
 fn summary(out: &mut String, m: &Metrics) {
     let figure = |key: &str, value: Option<f64>| {
-        let interval = m.intervals.get(key).map(|[l, h]| format!(" [{:.0}-{:.0}]", l * 100.0, h * 100.0));
-        value.map_or("–".to_owned(), |v| format!("{} %{}", percent(v), interval.unwrap_or_default()))
+        let interval = m
+            .intervals
+            .get(key)
+            .map(|[l, h]| format!(" [{:.0}-{:.0}]", l * 100.0, h * 100.0));
+        value.map_or("–".to_owned(), |v| {
+            format!("{} %{}", percent(v), interval.unwrap_or_default())
+        })
     };
     let mut line = |name: &str, metrics: [(&str, &str, Option<f64>); 4]| {
-        let columns =
-            metrics.map(|(label, key, value)| format!("  {label} {}", pad(&figure(key, value), 16)));
-        let _ = writeln!(out, "{}", format!("{name:<7}{}", columns.concat()).trim_end());
+        let columns = metrics
+            .map(|(label, key, value)| format!("  {label} {}", pad(&figure(key, value), 16)));
+        let _ = writeln!(
+            out,
+            "{}",
+            format!("{name:<7}{}", columns.concat()).trim_end()
+        );
     };
     line(
         "paper",
@@ -68,30 +110,42 @@ fn summary(out: &mut String, m: &Metrics) {
     );
     line(
         "strict",
-        [("SR", "sr_2m", m.sr_2m), ("SPL", "spl", m.spl), ("LSR", "lsr", m.lsr), ("LSPL", "lspl", m.lspl)],
+        [
+            ("SR", "sr_2m", m.sr_2m),
+            ("SPL", "spl", m.spl),
+            ("LSR", "lsr", m.lsr),
+            ("LSPL", "lspl", m.lspl),
+        ],
     );
     let unit = figure("correct_unit", m.correct_unit);
-    let srtp = m.srtp.map(|_| format!("   SRTP {}", figure("srtp", m.srtp))).unwrap_or_default();
+    let srtp = m
+        .srtp
+        .map(|_| format!("   SRTP {}", figure("srtp", m.srtp)))
+        .unwrap_or_default();
     let _ = writeln!(out, "unit     {unit}{srtp}");
     if let Some(sum) = m.localization {
         let _ = writeln!(
             out,
-            "pose     {:.3} m rms, 95 % within {:.3} m, largest {:.3} m, jumps up to {:.3} m",
+            "pose     error {:.3} m RMS, 95 % within {:.3} m, maximum {:.3} m, \
+largest jump {:.3} m",
             sum.rmse_m, sum.p95_m, sum.max_m, sum.max_jump_m
         );
     }
     let _ = writeln!(
         out,
-        "drive    {:.1} m in {:.0} simulated s, {:.1} x real time, collisions {}",
-        m.path_m, m.sim_seconds, m.real_time_factor, m.collisions
+        "drive    {:.1} m in {:.0} s of simulated time, real-time factor {:.1}, {}",
+        m.path_m,
+        m.sim_seconds,
+        m.real_time_factor,
+        count(m.collisions, "collision", "collisions")
     );
-    let _ = writeln!(out, "smooth   {}", m.smoothness.describe(m.path_m));
+    let _ = writeln!(out, "motion   {}", m.smoothness.describe(m.path_m));
     if let Some(encounters) = m.encounters {
-        let _ = writeln!(out, "others   {}", encounters.describe());
+        let _ = writeln!(out, "traffic  {}", encounters.describe());
     }
 }
 
-/// `text` cut or filled to `width` columns.
+/// `text` truncated or padded with spaces to `width` columns.
 fn pad(text: &str, width: usize) -> String {
     let mut out = String::new();
     let mut used = 0;
@@ -112,7 +166,8 @@ fn pad(text: &str, width: usize) -> String {
     out
 }
 
-/// Columns that a terminal gives a character: two for East Asian wide ones, by the large blocks of Unicode.
+/// Columns of a character on a terminal: two for East Asian wide characters, recognized by the
+/// large blocks of Unicode.
 fn columns(c: char) -> usize {
     match c {
         c if c.is_control() => 0,

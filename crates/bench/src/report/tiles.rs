@@ -1,11 +1,11 @@
-//! The headline numbers.
+//! The headline metrics.
 
 use std::fmt::Write;
 
 use super::html::{escape, number, percent};
 use crate::score::results::{Metrics, Results};
 
-/// Writes both readings as rows of tiles, then the counts.
+/// Writes the metrics of both criteria as rows of tiles, then the other figures.
 pub fn render(out: &mut String, results: &Results) {
     let m = &results.metrics;
     out.push_str("<section>\n<h2>Results</h2>\n<div class=\"readings\">\n");
@@ -15,10 +15,26 @@ pub fn render(out: &mut String, results: &Results) {
         ("LSR", "lsr_10m", m.lsr_10m),
         ("LSPL", "lspl_straight", m.lspl_straight),
     ];
-    let strict =
-        [("SR", "sr_2m", m.sr_2m), ("SPL", "spl", m.spl), ("LSR", "lsr", m.lsr), ("LSPL", "lspl", m.lspl)];
-    reading(out, m, "Paper", "within 10 m of the plate, straight lines", &paper);
-    reading(out, m, "Strict", "within 2 m of the right door, drivable paths", &strict);
+    let strict = [
+        ("SR", "sr_2m", m.sr_2m),
+        ("SPL", "spl", m.spl),
+        ("LSR", "lsr", m.lsr),
+        ("LSPL", "lspl", m.lspl),
+    ];
+    reading(
+        out,
+        m,
+        "Paper",
+        "within 10 m of the plate, straight lines",
+        &paper,
+    );
+    reading(
+        out,
+        m,
+        "Strict",
+        "within 2 m of the correct door, drivable paths",
+        &strict,
+    );
     out.push_str("</div>\n");
     facts(out, results);
     out.push_str("</section>\n");
@@ -28,12 +44,13 @@ fn reading(
     out: &mut String,
     metrics: &Metrics,
     name: &str,
-    means: &str,
+    definition: &str,
     tiles: &[(&str, &str, Option<f64>)],
 ) {
     let _ = write!(
         out,
-        "<div class=\"reading\">\n<p class=\"reading-name\"><b>{name}</b> <span>{means}</span></p>\n<div class=\"tiles\">\n"
+        "<div class=\"reading\">\n<p class=\"reading-name\"><b>{name}</b> \
+<span>{definition}</span></p>\n<div class=\"tiles\">\n"
     );
     for (label, key, value) in tiles {
         tile(out, label, *value, metrics.intervals.get(*key));
@@ -42,10 +59,13 @@ fn reading(
 }
 
 fn tile(out: &mut String, label: &str, value: Option<f64>, interval: Option<&[f64; 2]>) {
-    let figure = value.map_or("–".to_owned(), |v| format!("{}<small>%</small>", percent(v)));
+    let figure = value.map_or("–".to_owned(), |v| {
+        format!("{}<small>%</small>", percent(v))
+    });
     let _ = write!(
         out,
-        "<div class=\"tile\"><span class=\"label\">{label}</span><span class=\"figure\">{figure}</span>"
+        "<div class=\"tile\"><span class=\"label\">{label}</span>\
+<span class=\"figure\">{figure}</span>"
     );
     out.push_str(&interval_bar(value, interval));
     let words = match (value, interval) {
@@ -56,19 +76,26 @@ fn tile(out: &mut String, label: &str, value: Option<f64>, interval: Option<&[f6
     let _ = writeln!(out, "<span class=\"interval\">{words}</span></div>");
 }
 
-/// A line from 0 to 100 % with the interval thick upon it and the value marked.
+/// A scale from 0 to 100 % with the interval as a thick line and the value as a mark.
 fn interval_bar(value: Option<f64>, interval: Option<&[f64; 2]>) -> String {
     let mut bar = String::from(
-        "<svg class=\"bar\" viewBox=\"0 0 100 8\" preserveAspectRatio=\"none\" aria-hidden=\"true\">",
+        "<svg class=\"bar\" viewBox=\"0 0 100 8\" preserveAspectRatio=\"none\" \
+aria-hidden=\"true\">",
     );
     bar.push_str("<rect class=\"scale\" x=\"0\" y=\"3.5\" width=\"100\" height=\"1\"/>");
     if let Some([low, high]) = interval {
         let (x, width) = (low * 100.0, ((high - low) * 100.0).max(0.5));
-        let _ = write!(bar, "<rect class=\"range\" x=\"{x:.1}\" y=\"2\" width=\"{width:.1}\" height=\"4\"/>");
+        let _ = write!(
+            bar,
+            "<rect class=\"range\" x=\"{x:.1}\" y=\"2\" width=\"{width:.1}\" height=\"4\"/>"
+        );
     }
     if let Some(v) = value {
         let x = (v * 100.0 - 0.75).clamp(0.0, 98.5);
-        let _ = write!(bar, "<rect class=\"value\" x=\"{x:.1}\" y=\"0\" width=\"1.5\" height=\"8\"/>");
+        let _ = write!(
+            bar,
+            "<rect class=\"value\" x=\"{x:.1}\" y=\"0\" width=\"1.5\" height=\"8\"/>"
+        );
     }
     bar + "</svg>"
 }
@@ -76,7 +103,7 @@ fn interval_bar(value: Option<f64>, interval: Option<&[f64; 2]>) -> String {
 fn facts(out: &mut String, results: &Results) {
     let m = &results.metrics;
     let rate = |v: Option<f64>| v.map_or("–".to_owned(), |v| format!("{} %", percent(v)));
-    let mut facts = vec![("Right unit", rate(m.correct_unit))];
+    let mut facts = vec![("Correct unit", rate(m.correct_unit))];
     if m.srtp.is_some() {
         facts.push(("SRTP", rate(m.srtp)));
     }
@@ -87,13 +114,12 @@ fn facts(out: &mut String, results: &Results) {
     facts.push(("Driven", format!("{:.0} m", m.path_m)));
     facts.push(("Smoothness", m.smoothness.describe(m.path_m)));
     facts.push(("Simulated", duration(m.sim_seconds)));
-    facts.push(("Real-time factor", format!("{} ×", number(Some(m.real_time_factor), 1))));
+    facts.push((
+        "Real-time factor",
+        format!("{} ×", number(Some(m.real_time_factor), 1)),
+    ));
     if let Some(doors) = results.doors {
-        let error = doors.mean_distance_m.map(|d| format!(", {d:.2} m off")).unwrap_or_default();
-        facts.push((
-            "Doors on the map",
-            format!("{} of {} found, {} wrong{error}", doors.found, doors.of, doors.wrong),
-        ));
+        facts.push(("Doors on the map", doors.describe()));
     }
     out.push_str("<dl class=\"counts\">\n");
     for (name, value) in facts {
@@ -103,15 +129,18 @@ fn facts(out: &mut String, results: &Results) {
 }
 
 fn collisions(metrics: &Metrics) -> String {
-    let classes: Vec<String> =
-        metrics.collisions_by_class.iter().map(|(class, sum)| format!("{} {class}", sum.count)).collect();
+    let classes: Vec<String> = metrics
+        .collisions_by_class
+        .iter()
+        .map(|(class, sum)| format!("{} {class}", sum.count))
+        .collect();
     if classes.is_empty() {
         return metrics.collisions.to_string();
     }
     format!("{} ({})", metrics.collisions, classes.join(", "))
 }
 
-/// Minutes and seconds, or hours and minutes.
+/// A duration as seconds, minutes and seconds, or hours and minutes.
 fn duration(seconds: f64) -> String {
     let whole = libm::round(seconds.max(0.0)) as u64;
     match whole {
@@ -126,13 +155,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn durations_are_read_at_a_glance() {
-        assert_eq!((duration(59.6), duration(59.4)), ("1 min 00 s".into(), "59 s".into()));
+    fn durations_use_the_two_largest_units() {
+        assert_eq!(
+            (duration(59.6), duration(59.4)),
+            ("1 min 00 s".into(), "59 s".into())
+        );
         assert_eq!(duration(3725.0), "1 h 02 min");
     }
 
     #[test]
-    fn a_metric_without_a_value_says_so() {
+    fn a_metric_without_a_value_is_a_dash() {
         let mut out = String::new();
         tile(&mut out, "LSR", None, None);
         assert!(out.contains("–") && out.contains("no sequences"));

@@ -1,4 +1,4 @@
-//! Lets an agent drive an episode.
+//! One episode driven by an agent.
 
 use openbench_core::{Agent, Event};
 
@@ -6,11 +6,14 @@ use crate::BenchError;
 use crate::run::rollout::{Rollout, Status};
 use crate::run::trace::EpisodeTrace;
 
-/// Drives an episode to its end as an agent decides.
+/// Lets an agent drive an episode to its end.
 ///
 /// # Errors
 /// The first error of the rollout's observers.
-pub fn run_episode(mut rollout: Rollout<'_>, agent: &mut dyn Agent) -> Result<EpisodeTrace, BenchError> {
+pub fn run_episode(
+    mut rollout: Rollout<'_>,
+    agent: &mut dyn Agent,
+) -> Result<EpisodeTrace, BenchError> {
     let mut events = Vec::new();
     let begun = agent.begin(rollout.briefing(), &mut events);
     record(&mut rollout, &mut events);

@@ -1,4 +1,4 @@
-//! All episodes of a suite: on several threads, with the same results on any number of them.
+//! All episodes of a suite, on several threads; the results do not depend on their number.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -26,47 +26,52 @@ use crate::score::metrics::{ErrorCounts, RunTotals, summarize};
 use crate::score::results::Results;
 use crate::worlds::Prepared;
 
-/// The file of a run with the doors that were known before it.
+/// Name of the file, in a run's folder, with the doors known before the run.
 pub const MEMORY_BEFORE: &str = "memory-before.osm";
 
-/// What is to be run, and how.
+/// A run: suite, agent and options.
 pub struct RunRequest<'a> {
-    /// The suite.
+    /// The suite with its world loaded.
     pub prepared: &'a Prepared,
-    /// Name of the agent.
+    /// Name of the agent, for the results.
     pub agent: &'a str,
-    /// Makes it.
+    /// The factory of the agent.
     pub factory: &'a dyn AgentFactory,
-    /// What was set with `--set`.
+    /// The agent's settings (`--set KEY=VALUE`).
     pub settings: &'a BTreeMap<String, String>,
-    /// What all randomness comes from.
+    /// Seed of all random numbers of the run.
     pub seed: u64,
     /// Number of threads.
     pub jobs: usize,
-    /// How much is recorded.
+    /// The content of the logs.
     pub level: Level,
     /// Folder for all files of the run; `None` writes nothing.
     pub out: Option<&'a Path>,
-    /// Doors found in earlier runs.
+    /// A map with the doors found in earlier runs.
     pub memory: Option<&'a OsmData>,
     /// The command line, for the report.
     pub command: &'a str,
-    /// Called after each episode with the number of those that are done.
+    /// Called after each episode with the number of finished episodes.
     pub progress: &'a (dyn Fn(usize) + Sync),
 }
 
-/// What a run yields.
+/// The output of a run.
 #[derive(Debug)]
 pub struct RunOutput {
     /// The results.
     pub results: Results,
-    /// The public map with every door that was found or known before.
+    /// The public map with every door that was found in this run or known before it.
     pub memory: OsmData,
-    /// Errors of all poses that the agent told.
+    /// Errors of all poses that the agent reported.
     pub pose_errors: ErrorCounts,
 }
 
-/// Runs every episode and writes the run's files.
+/// Runs all episodes of a suite and writes the run's files.
+///
+/// Files of an earlier run in the same folder are removed first.
+///
+/// # Errors
+/// The error of the first episode that cannot be finished, or of a file that cannot be written.
 pub fn run(request: &RunRequest<'_>) -> Result<RunOutput, BenchError> {
     let began = Instant::now();
     if let Some(out) = request.out {
@@ -74,18 +79,28 @@ pub fn run(request: &RunRequest<'_>) -> Result<RunOutput, BenchError> {
         std::fs::create_dir_all(&folder).map_err(|e| BenchError::file(&folder, e))?;
         clear(out)?;
     }
-    // Of all threads: readers of plates may have threads of their own.
+    // CPU time of the whole process: plate readers may have threads of their own.
     let cpu = ProcessTime::now();
     let traces = run_all(request)?;
-    let results = results(request, &traces, began.elapsed().as_secs_f64(), cpu.elapsed().as_secs_f64());
+    let results = results(
+        request,
+        &traces,
+        began.elapsed().as_secs_f64(),
+        cpu.elapsed().as_secs_f64(),
+    );
     if let Some(out) = request.out {
         write_files(request, out, &traces, &results)?;
     }
     let pose_errors = ErrorCounts::of(traces.iter().flat_map(|t| &t.pose_errors));
-    Ok(RunOutput { memory: merged_memory(request, &traces), results, pose_errors })
+    Ok(RunOutput {
+        memory: merged_memory(request, &traces),
+        results,
+        pose_errors,
+    })
 }
 
-/// Removes an earlier run's files from a folder, and nothing else: after a run that is broken off, what is left must not be of two.
+/// Removes the files of an earlier run from a folder, and nothing else. An interrupted run must not
+/// leave a mixture of two runs.
 fn clear(out: &Path) -> Result<(), BenchError> {
     let remove = |path: PathBuf| match std::fs::remove_file(&path) {
         Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(BenchError::file(&path, e)),
@@ -97,7 +112,10 @@ fn clear(out: &Path) -> Result<(), BenchError> {
     let folder = out.join("episodes");
     for entry in std::fs::read_dir(&folder).map_err(|e| BenchError::file(&folder, e))? {
         let path = entry.map_err(|e| BenchError::file(&folder, e))?.path();
-        let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default();
+        let name = path
+            .file_name()
+            .and_then(|n| n.to_str())
+            .unwrap_or_default();
         let (number, kind) = name.split_once('.').unwrap_or_default();
         let numbered = number.len() >= 3 && number.bytes().all(|b| b.is_ascii_digit());
         if numbered && ["mcap", "osm", "actions.json", "models.jsonl"].contains(&kind) {
@@ -110,27 +128,37 @@ fn clear(out: &Path) -> Result<(), BenchError> {
 fn run_all(request: &RunRequest<'_>) -> Result<Vec<EpisodeTrace>, BenchError> {
     let count = request.prepared.episodes.len();
     let mut finished = 0;
-    let seen = |trace| {
+    let collect = |trace| {
         finished += 1;
         (request.progress)(finished);
         Ok(trace)
     };
-    threads::each(0..count, request.jobs, |number| run_one(request, number), seen)
+    threads::each(
+        0..count,
+        request.jobs,
+        |number| run_one(request, number),
+        collect,
+    )
 }
 
 /// The seed of an episode.
 fn episode_seed(seed: u64, number: usize) -> u64 {
-    seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(number as u64)
+    seed.wrapping_mul(0x9e37_79b9_7f4a_7c15)
+        .wrapping_add(number as u64)
 }
 
 fn run_one(request: &RunRequest<'_>, number: usize) -> Result<EpisodeTrace, BenchError> {
     let mut recorder = match request.out {
-        Some(out) => {
-            Recorder::create(&log_path(out, number), request.level, request.prepared.world.georeference)?
-        }
+        Some(out) => Recorder::create(
+            &log_path(out, number),
+            request.level,
+            request.prepared.world.georeference,
+        )?,
         None => Recorder::none(),
     };
-    let exchanges = request.out.map_or(Exchanges::Unkept, |out| Exchanges::Keep(exchanges_path(out, number)));
+    let exchanges = request.out.map_or(Exchanges::Unkept, |out| {
+        Exchanges::Keep(exchanges_path(out, number))
+    });
     let trace = drive(request, number, exchanges, &mut recorder)?;
     recorder.finish()?;
     if let Some(out) = request.out {
@@ -139,32 +167,43 @@ fn run_one(request: &RunRequest<'_>, number: usize) -> Result<EpisodeTrace, Benc
     Ok(trace)
 }
 
-/// Runs the agent of a recorded run again, with what models answered then, and compares what it does with what is recorded. Nothing is written;
-/// `request.out` is not looked at.
+/// Runs the agent of a recorded run again with the recorded answers of its models, and compares its
+/// actions with the recorded ones.
+///
+/// Nothing is written; `request.out` is ignored.
 ///
 /// # Errors
-/// [`BenchError::Differs`] with the first step at which it does something else.
+/// [`BenchError::Differs`] with the first step that differs.
 pub fn repeat(request: &RunRequest<'_>, run: &Path) -> Result<(), BenchError> {
     let one = |number: usize| {
         let recording = Recording::read(run, number)?;
         let exchanges = Exchanges::Repeat(exchanges_path(run, number));
         let trace = drive(request, number, exchanges, &mut Recorder::none())?;
-        recording.compare(number, &Recording::of(&trace, episode_seed(request.seed, number)))
+        recording.compare(
+            number,
+            &Recording::of(&trace, episode_seed(request.seed, number)),
+        )
     };
     let mut finished = 0;
-    let seen = |()| {
+    let collect = |()| {
         finished += 1;
         (request.progress)(finished);
         Ok(())
     };
-    threads::each(0..request.prepared.episodes.len(), request.jobs, one, seen).map(|_: Vec<()>| ())
+    let numbers = 0..request.prepared.episodes.len();
+    threads::each(numbers, request.jobs, one, collect).map(|_: Vec<()>| ())
 }
 
-/// The map of doors found before with which the agents of a recorded run began.
+/// The map of earlier doors with which the agents of a recorded run started; `None` if it had none.
+///
+/// # Errors
+/// [`BenchError::BadFile`] if the map cannot be read.
 pub fn memory_of(run: &Path) -> Result<Option<OsmData>, BenchError> {
     let path = run.join(MEMORY_BEFORE);
     let bad = |e: OsmError| BenchError::bad_file(&path, e);
-    path.exists().then(|| OsmData::read(&path).map_err(bad)).transpose()
+    path.exists()
+        .then(|| OsmData::read(&path).map_err(bad))
+        .transpose()
 }
 
 fn drive(
@@ -175,8 +214,8 @@ fn drive(
 ) -> Result<EpisodeTrace, BenchError> {
     let seed = episode_seed(request.seed, number);
     let truth = TruthHandle::default();
-    let wanted = AgentRequest {
-        truth: offered(request.settings, &truth),
+    let agent_request = AgentRequest {
+        truth: requested_truth(request.settings, &truth),
         memory: request.memory,
         settings: request.settings,
         seed,
@@ -184,23 +223,37 @@ fn drive(
     };
     let mut agent = request
         .factory
-        .make(&wanted)
-        .map_err(|source| BenchError::Agent { name: request.agent.to_owned(), source })?;
-    let rollout = Rollout::new(request.prepared, number, seed)?.watched_by(truth).watched_by(recorder);
+        .make(&agent_request)
+        .map_err(|source| BenchError::Agent {
+            name: request.agent.to_owned(),
+            source,
+        })?;
+    let rollout = Rollout::new(request.prepared, number, seed)?
+        .watched_by(truth)
+        .watched_by(recorder);
     run_episode(rollout, agent.as_mut())
 }
 
-/// Only who asks for the truth by name, and is named in the results for it, gets a handle that tells it.
-fn offered(settings: &BTreeMap<String, String>, truth: &TruthHandle) -> TruthHandle {
-    let set =
-        |key: &str, word: &str| settings.get(key).is_some_and(|value| value.split(':').next() == Some(word));
-    let asked = set("localizer", "truth") || set("fixes", "disturbed-truth");
-    if asked { truth.clone() } else { TruthHandle::default() }
+/// The handle of the true pose if the settings request it by name; otherwise an empty handle.
+///
+/// The settings are part of the results, so every use of the truth is visible there.
+fn requested_truth(settings: &BTreeMap<String, String>, truth: &TruthHandle) -> TruthHandle {
+    let is_set = |key: &str, word: &str| {
+        settings
+            .get(key)
+            .is_some_and(|value| value.split(':').next() == Some(word))
+    };
+    if is_set("localizer", "truth") || is_set("fixes", "disturbed-truth") {
+        truth.clone()
+    } else {
+        TruthHandle::default()
+    }
 }
 
-/// What models answered in an episode.
+/// The file with the models' answers in an episode.
 fn exchanges_path(out: &Path, number: usize) -> PathBuf {
-    out.join("episodes").join(format!("{number:03}.models.jsonl"))
+    out.join("episodes")
+        .join(format!("{number:03}.models.jsonl"))
 }
 
 fn log_path(out: &Path, number: usize) -> PathBuf {
@@ -235,14 +288,16 @@ fn results(
         traffic: prepared.suite.traffic,
         metrics: summarize(&deliveries, &totals),
         deliveries,
-        models: Some(asked_of_models(traces)).filter(|used| used.calls > 0),
+        models: Some(model_use(traces)).filter(|used| used.calls > 0),
         doors: deliveries::score_written_doors(prepared, traces),
         attribution: prepared.world.attribution.clone(),
     }
 }
 
-fn asked_of_models(traces: &[EpisodeTrace]) -> ModelUse {
-    traces.iter().fold(ModelUse::default(), |sum, trace| sum.plus(trace.models))
+fn model_use(traces: &[EpisodeTrace]) -> ModelUse {
+    traces
+        .iter()
+        .fold(ModelUse::default(), |sum, trace| sum.plus(trace.models))
 }
 
 fn write_files(
@@ -277,13 +332,16 @@ fn write_files(
     Ok(results.write(&out.join("results.json"))?)
 }
 
-/// The public map with the doors known before and those found in each episode, in the episodes' order.
+/// The public map with the doors known before and those found in each episode, in the order of the
+/// episodes.
 fn merged_memory(request: &RunRequest<'_>, traces: &[EpisodeTrace]) -> OsmData {
     let mut merged = request.prepared.world.map.clone();
     if let Some(memory) = request.memory {
         merge_entrances(&mut merged, memory);
     }
-    let maps = traces.iter().filter_map(|t| OsmData::from_bytes(t.map.as_deref()?).ok());
+    let maps = traces
+        .iter()
+        .filter_map(|t| OsmData::from_bytes(t.map.as_deref()?).ok());
     for map in maps {
         merge_entrances(&mut merged, &map);
     }
@@ -296,18 +354,24 @@ mod tests {
     use openbench_core::{Pose2, SimTime};
 
     #[test]
-    fn the_truth_is_told_to_those_only_who_asked_for_it_by_name() {
+    fn the_true_pose_is_available_only_if_a_setting_requests_it() {
         let truth = TruthHandle::default();
         truth.set(SimTime::ZERO, Pose2::new(5.0, 6.0, 0.0));
-        let told = |words: &[(&str, &str)]| {
-            let settings = words.iter().map(|(key, word)| ((*key).to_owned(), (*word).to_owned())).collect();
-            offered(&settings, &truth).at(SimTime::ZERO) == Pose2::new(5.0, 6.0, 0.0)
+        let is_available = |settings: &[(&str, &str)]| {
+            let settings = settings
+                .iter()
+                .map(|(key, word)| ((*key).to_owned(), (*word).to_owned()))
+                .collect();
+            requested_truth(&settings, &truth).at(SimTime::ZERO) == Pose2::new(5.0, 6.0, 0.0)
         };
-        assert!(told(&[("localizer", "truth")]) && told(&[("fixes", "disturbed-truth:1,0,1")]));
-        assert!(
-            !told(&[])
-                && !told(&[("localizer", "fused"), ("fixes", "gnss"), ("planner", "truth")])
-                && !told(&[("localizer", "truthful")])
-        );
+        assert!(is_available(&[("localizer", "truth")]));
+        assert!(is_available(&[("fixes", "disturbed-truth:1,0,1")]));
+        assert!(!is_available(&[]));
+        assert!(!is_available(&[
+            ("localizer", "fused"),
+            ("fixes", "gnss"),
+            ("planner", "truth")
+        ]));
+        assert!(!is_available(&[("localizer", "truthful")]));
     }
 }

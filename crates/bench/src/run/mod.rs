@@ -1,18 +1,18 @@
-//! Running: agents drive episodes, and what happens is kept.
+//! Running: agents drive episodes, and traces, logs and recordings are kept.
 //!
-//! | module | its one job |
+//! | module | content |
 //! |---|---|
 //! | [`registry`] | [`Agents`]: agents by name |
 //! | [`rollout`] | [`Rollout`]: an episode, one step at a time |
-//! | [`trace`] | [`EpisodeTrace`]: what happened in an episode |
-//! | [`observer`] | [`Observer`]: who watches an episode |
-//! | [`episode`] | one agent through one episode |
+//! | [`trace`] | [`EpisodeTrace`]: the record of an episode, for scoring |
+//! | [`observer`] | [`Observer`]: a passive observer of an episode |
+//! | [`episode`] | one episode driven by an agent |
 //! | [`episodes`] | all episodes of a suite, on several threads, with results and files |
-//! | [`recorder`] | the log of an episode |
-//! | [`recording`] | the actions of an episode, and [`verify`](recording::verify): driving them again |
-//! | [`threads`] | numbered work on several threads |
-//! | [`truth`] | the truth as a localizer, for comparisons |
-//! | [`disturbed`] | fixes made from the truth, for trials |
+//! | [`recorder`] | the sensor log of an episode |
+//! | [`recording`] | the actions of an episode, and [`verify`](recording::verify), which replays them |
+//! | [`threads`] | numbered jobs on several threads |
+//! | [`truth`] | the true pose as a localizer, for comparisons |
+//! | [`disturbed`] | fixes simulated from the true pose, for experiments |
 
 pub mod disturbed;
 pub mod episode;

@@ -1,4 +1,4 @@
-//! What an agent did in an episode, so that it can be driven again and compared.
+//! The recorded actions of an episode, which can be replayed and compared.
 
 use std::path::{Path, PathBuf};
 
@@ -13,10 +13,12 @@ use crate::run::trace::EpisodeTrace;
 use crate::suite::Suite;
 use crate::worlds::Prepared;
 
-/// Steps of 50 ms in a day: no episode is longer.
-const MOST_STEPS: u64 = 24 * 3600 * 20;
+/// Simulated time of a step.
+const STEP_S: f64 = 0.05;
+/// Steps of 50 ms in a day, which no episode exceeds.
+const MAX_STEPS: u64 = 24 * 3600 * 20;
 
-/// What was run: enough to run it again.
+/// The parameters of a run, sufficient to repeat it: the file `run.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RunRecord {
     /// Version of OpenBench.
@@ -25,30 +27,36 @@ pub struct RunRecord {
     pub suite: Suite,
     /// Name of the agent.
     pub agent: String,
-    /// What was set with `--set`.
+    /// The agent's settings (`--set KEY=VALUE`).
     pub settings: std::collections::BTreeMap<String, String>,
-    /// The seed.
+    /// Seed of all random numbers of the run.
     pub seed: u64,
     /// Number of episodes.
     pub episodes: usize,
-    /// The file with the true positions, if one was given.
+    /// The file with the true positions of the doors, if one was given.
     #[serde(default)]
     pub truth: Option<PathBuf>,
 }
 
 impl RunRecord {
-    /// Reads the record of the run in a folder.
+    /// Reads the record of the run in the folder `run`.
+    ///
+    /// # Errors
+    /// [`BenchError::File`] or [`BenchError::WrongFormat`].
     pub fn read(run: &Path) -> Result<Self, BenchError> {
         read_json(&run.join("run.json"))
     }
 
-    /// Writes the record of the run in a folder.
+    /// Writes the record of the run into the folder `run`.
+    ///
+    /// # Errors
+    /// [`BenchError::BadFile`].
     pub fn write(&self, run: &Path) -> Result<(), BenchError> {
         write_json(&run.join("run.json"), self)
     }
 }
 
-/// A velocity that was driven for some steps on end.
+/// A velocity that was commanded for a number of consecutive steps.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Stretch {
     /// Number of steps of 50 ms.
@@ -64,9 +72,10 @@ pub struct Recording {
     pub seed: u64,
     /// Hash chain after the last step, hexadecimal.
     pub chain: String,
-    /// What was driven.
+    /// The commanded velocities, run-length encoded.
     pub driven: Vec<Stretch>,
-    /// SHA-256 over what else the agent did: its plan, which deliveries it declared where or why not, its copy of the map.
+    /// SHA-256 over the agent's other actions, hexadecimal: its plan, its declarations and
+    /// failures, and its copy of the map.
     #[serde(default)]
     pub deeds: String,
 }
@@ -81,63 +90,86 @@ impl Recording {
                 _ => driven.push(Stretch { steps: 1, velocity }),
             }
         }
-        Self { seed, chain: hex(&trace.chain), driven, deeds: deeds(trace) }
+        Self {
+            seed,
+            chain: hex(&trace.chain),
+            driven,
+            deeds: deeds(trace),
+        }
     }
 
-    /// Whether another drive of the same episode does the same.
+    /// Compares with a recording of the same episode, made later.
     ///
     /// # Errors
     /// [`BenchError::Differs`] with the first step that differs.
     pub fn compare(&self, episode: usize, other: &Self) -> Result<(), BenchError> {
-        let steps = |recording: &Self| -> Vec<Velocity> {
-            let stretch =
-                |s: &Stretch| std::iter::repeat_n(s.velocity, s.steps.min(MOST_STEPS as u32) as usize);
-            recording.driven.iter().flat_map(stretch).take(MOST_STEPS as usize).collect()
-        };
-        let (mine, others) = (steps(self), steps(other));
-        let say = |v: Option<&Velocity>| {
-            v.map_or("has ended".to_owned(), |v| {
-                format!("drives {:.3} m/s, {:.3} rad/s", v.linear, v.angular)
-            })
-        };
-        let longer = mine.len().max(others.len());
-        let detail = match (0..longer).find(|&i| mine.get(i) != others.get(i)) {
-            Some(i) => {
-                let (then, now) = (say(mine.get(i)), say(others.get(i)));
-                format!("at step {i} ({:.2} s) the agent {now}; recorded is that it {then}", i as f64 * 0.05)
-            }
-            None if self.chain != other.chain => {
-                format!("after the same steps the hash chain is {}, recorded is {}", other.chain, self.chain)
-            }
+        let (recorded, repeated) = (self.velocities(), other.velocities());
+        let longer = recorded.len().max(repeated.len());
+        let first = (0..longer).find(|&step| recorded.get(step) != repeated.get(step));
+        let detail = match first {
+            Some(step) => format!(
+                "at step {step} ({:.2} s) the agent {}, but in the recording it {}",
+                step as f64 * STEP_S,
+                describe(repeated.get(step)),
+                describe(recorded.get(step)),
+            ),
+            None if self.chain != other.chain => format!(
+                "the velocities are the same, but the hash chain is {} instead of {}",
+                other.chain, self.chain
+            ),
             None if self.deeds != other.deeds => {
-                "it drives the same, but plans, declares or maps something else".to_owned()
+                "the velocities are the same, but the plan, the declarations or the map differ"
+                    .to_owned()
             }
             None => return Ok(()),
         };
         Err(BenchError::Differs { episode, detail })
     }
 
-    /// The file of an episode's recording.
-    pub fn path(run: &Path, episode: usize) -> PathBuf {
-        run.join("episodes").join(format!("{episode:03}.actions.json"))
+    /// The velocity of each step, for a day at most: a damaged file may contain any count.
+    fn velocities(&self) -> Vec<Velocity> {
+        self.driven
+            .iter()
+            .flat_map(|s| std::iter::repeat_n(s.velocity, s.steps.min(MAX_STEPS as u32) as usize))
+            .take(MAX_STEPS as usize)
+            .collect()
     }
 
-    /// Reads the recording of an episode.
+    /// The file of an episode's recording in the folder `run`.
+    pub fn path(run: &Path, episode: usize) -> PathBuf {
+        run.join("episodes")
+            .join(format!("{episode:03}.actions.json"))
+    }
+
+    /// Reads the recording of an episode from the folder `run`.
+    ///
+    /// # Errors
+    /// [`BenchError::File`] or [`BenchError::WrongFormat`].
     pub fn read(run: &Path, episode: usize) -> Result<Self, BenchError> {
         read_json(&Self::path(run, episode))
     }
 
-    /// Writes the recording of an episode.
+    /// Writes the recording of an episode into the folder `run`.
+    ///
+    /// # Errors
+    /// [`BenchError::BadFile`].
     pub fn write(&self, run: &Path, episode: usize) -> Result<(), BenchError> {
         write_json(&Self::path(run, episode), self)
     }
 }
 
-/// Drives the recorded actions of an episode again and compares the hash chains.
-pub fn verify(prepared: &Prepared, episode: usize, recording: &Recording) -> Result<(), BenchError> {
+/// Replays the recorded velocities of an episode and compares the hash chains.
+///
+/// # Errors
+/// [`BenchError::Differs`], or an error of the rollout.
+pub fn verify(
+    prepared: &Prepared,
+    episode: usize,
+    recording: &Recording,
+) -> Result<(), BenchError> {
     let steps: u64 = recording.driven.iter().map(|s| u64::from(s.steps)).sum();
-    if steps > MOST_STEPS {
-        let detail = format!("{steps} recorded steps are more than a day; the recording is damaged");
+    if steps > MAX_STEPS {
+        let detail = format!("the recording is damaged: its {steps} steps are longer than a day");
         return Err(BenchError::Differs { episode, detail });
     }
     let mut rollout = Rollout::new(prepared, episode, recording.seed)?;
@@ -152,10 +184,19 @@ pub fn verify(prepared: &Prepared, episode: usize, recording: &Recording) -> Res
         return Ok(());
     }
     let (seconds, recorded) = (trace.sim_seconds, &recording.chain);
-    let detail = format!("after {seconds:.2} s the hash chain is {chain}, recorded is {recorded}");
+    let detail = format!("after {seconds:.2} s the hash chain is {chain} instead of {recorded}");
     Err(BenchError::Differs { episode, detail })
 }
 
+/// A velocity in words; `None` after the end of the episode.
+fn describe(velocity: Option<&Velocity>) -> String {
+    match velocity {
+        Some(v) => format!("drives {:.3} m/s, {:.3} rad/s", v.linear, v.angular),
+        None => "has ended".to_owned(),
+    }
+}
+
+/// SHA-256 over plan, outcomes and map, each preceded by its length.
 fn deeds(trace: &EpisodeTrace) -> String {
     let mut hasher = Sha256::new();
     let mut part = |bytes: &[u8]| {
@@ -164,7 +205,13 @@ fn deeds(trace: &EpisodeTrace) -> String {
     };
     part(&serde_json::to_vec(&trace.plan).unwrap_or_default());
     for task in &trace.tasks {
-        part(format!("{} {} {:?} {:?}", task.target, task.declared, task.ended, task.failure).as_bytes());
+        part(
+            format!(
+                "{} {} {:?} {:?}",
+                task.target, task.declared, task.ended, task.failure
+            )
+            .as_bytes(),
+        );
     }
     part(trace.map.as_deref().unwrap_or_default());
     hex(&hasher.finalize())
@@ -189,29 +236,51 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_first_step_that_differs_is_named() {
+    fn the_first_differing_step_is_reported() {
         let of = |velocities: &[f64]| {
             let velocities = velocities.iter().map(|v| Velocity::new(*v, 0.0)).collect();
-            Recording::of(&EpisodeTrace { velocities, ..EpisodeTrace::default() }, 0)
+            Recording::of(
+                &EpisodeTrace {
+                    velocities,
+                    ..EpisodeTrace::default()
+                },
+                0,
+            )
         };
         let then = of(&[0.1, 0.1, 0.2]);
         assert!(then.compare(0, &of(&[0.1, 0.1, 0.2])).is_ok());
         let said = |now: &[f64]| then.compare(3, &of(now)).unwrap_err().to_string();
         assert!(said(&[0.1, 0.3, 0.2]).contains("at step 1 (0.05 s) the agent drives 0.300"));
         assert!(said(&[0.1, 0.1]).contains("at step 2 (0.10 s) the agent has ended"));
-        let other_state = Recording { chain: "00".into(), ..then.clone() };
+        let other_state = Recording {
+            chain: "00".into(),
+            ..then.clone()
+        };
         assert!(then.compare(0, &other_state).is_err());
-        let other_deeds = Recording { deeds: "00".into(), ..then.clone() };
+        let other_deeds = Recording {
+            deeds: "00".into(),
+            ..then.clone()
+        };
         assert!(then.compare(0, &other_deeds).is_err());
     }
 
     #[test]
-    fn equal_velocities_are_counted() {
+    fn equal_velocities_are_run_length_encoded() {
         let (go, stop) = (Velocity::new(0.1 + 0.2, 0.0), Velocity::ZERO);
-        let trace = EpisodeTrace { velocities: vec![go, go, stop, go], ..EpisodeTrace::default() };
+        let trace = EpisodeTrace {
+            velocities: vec![go, go, stop, go],
+            ..EpisodeTrace::default()
+        };
         let recording = Recording::of(&trace, 3);
-        assert_eq!(recording.driven.iter().map(|s| s.steps).collect::<Vec<_>>(), [2, 1, 1]);
+        assert_eq!(
+            recording.driven.iter().map(|s| s.steps).collect::<Vec<_>>(),
+            [2, 1, 1]
+        );
         let json = serde_json::to_string(&recording).unwrap();
-        assert_eq!(serde_json::from_str::<Recording>(&json).unwrap(), recording, "to the last bit");
+        assert_eq!(
+            serde_json::from_str::<Recording>(&json).unwrap(),
+            recording,
+            "to the last bit"
+        );
     }
 }

@@ -1,4 +1,4 @@
-//! The agents that can be run, by name.
+//! Agents by name.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -10,38 +10,40 @@ use openbench_osm::OsmData;
 
 use super::truth::TruthHandle;
 
-/// What was set with `--set`: keys and values.
+/// An agent's settings (`--set KEY=VALUE`).
 pub type AgentSettings = BTreeMap<String, String>;
-/// Why an agent cannot be made.
+/// The error of a factory that cannot create its agent.
 pub type AgentError = Box<dyn Error + Send + Sync>;
 
-/// What an agent is made from, beside its own settings.
+/// The input of an [`AgentFactory`].
 #[derive(Debug, Clone)]
 pub struct AgentRequest<'a> {
-    /// Where the robot truly is: for a localizer that is to be compared with, never for the agent itself.
+    /// The true pose, for a reference localizer only, never for the agent itself. It is empty
+    /// unless a setting requests it.
     pub truth: TruthHandle,
-    /// Doors found in earlier runs.
+    /// A map with the doors found in earlier runs.
     pub memory: Option<&'a OsmData>,
-    /// What was set with `--set`.
+    /// The agent's settings.
     pub settings: &'a AgentSettings,
     /// Seed of the episode.
     pub seed: u64,
-    /// Where what models answer goes, or comes from.
+    /// Whether the answers of models are recorded, or replayed from a recording.
     pub exchanges: Exchanges,
 }
 
-/// Makes agents of one kind. Any function from an [`AgentRequest`] to an agent does.
+/// Creates agents of one kind. Any function from an [`AgentRequest`] to an agent is a factory.
 pub trait AgentFactory: Send + Sync {
-    /// Makes an agent, a fresh one for each episode.
+    /// Creates an agent; called once for each episode.
     ///
     /// # Errors
-    /// An error that says which setting names what does not exist.
+    /// An error that names the setting with an unknown or invalid value.
     fn make(&self, request: &AgentRequest<'_>) -> Result<Box<dyn Agent>, AgentError>;
 
-    /// Checks settings and downloads what they need, once before a run. `observer` sees the progress.
+    /// Checks the settings and downloads the files that they need; called once before a run.
+    /// `observer` receives the progress of downloads.
     ///
     /// # Errors
-    /// As of [`make`](Self::make); or a file that cannot be had.
+    /// As [`make`](Self::make), or a file that cannot be downloaded.
     fn prepare(
         &self,
         settings: &AgentSettings,
@@ -51,7 +53,7 @@ pub trait AgentFactory: Send + Sync {
         Ok(())
     }
 
-    /// Files that settings name: a run must not clear them before they are read.
+    /// Files named in the settings, which a run must not remove before they are read.
     fn inputs(&self, settings: &AgentSettings) -> Vec<PathBuf> {
         let _ = settings;
         Vec::new()

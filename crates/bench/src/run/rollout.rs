@@ -1,14 +1,14 @@
-//! An episode, one step at a time: the only door into one.
+//! An episode, one step at a time: the only interface to a running episode.
 //!
-//! A [`Rollout`] holds the simulator and keeps what happens. Who drives it is not its concern: the
-//! runner lets an [`Agent`](openbench_core::Agent) decide, `verify` repeats recorded velocities.
-//! Everybody else who wants to know what happens, a recorder or a live view, is an [`Observer`].
+//! A [`Rollout`] owns the simulator and keeps the trace. It does not depend on the source of the
+//! actions: the runner takes them from an [`Agent`](openbench_core::Agent), `verify` from a
+//! recording. A recorder or a live view is an [`Observer`].
 
 use std::time::Duration;
 
 use openbench_core::{
-    Action, Address, Briefing, Event, FailureCause, GiveUp, Goal, MapPoint, Observation, Pose2, SimTime,
-    Velocity,
+    Action, Address, Briefing, Event, FailureCause, GiveUp, Goal, MapPoint, Observation, Pose2,
+    SimTime, Velocity,
 };
 use openbench_sim::traffic::Encounters;
 use openbench_sim::{OBSERVATION_NS, Simulator};
@@ -20,41 +20,44 @@ use crate::score::metrics::PoseError;
 use crate::score::metrics::Smoothness;
 use crate::worlds::{Prepared, PreparedEpisode};
 
-/// Images with plates that are kept for the report of an episode. Each is a megabyte.
-const FRAMES: usize = 6;
-/// Time between two true poses of [`EpisodeTrace::driven`].
-const DRIVEN_NS: u64 = 200_000_000;
-/// Agents are told the time limit in steps of this many seconds: the exact limit depends on how far
-/// the door is, which they are not to know.
-const STATED_LIMIT_STEP: u64 = 600;
+/// Images with plates that are kept for the report of an episode; each has about a megabyte.
+const MAX_FRAMES: usize = 6;
+/// Time between two true positions of [`EpisodeTrace::driven`].
+const DRIVEN_PERIOD_NS: u64 = 200_000_000;
+/// The briefing states the time limit rounded up to a multiple of this. The exact limit would
+/// reveal the distance to the door.
+const STATED_LIMIT_STEP_S: u64 = 600;
 
-/// Whether an episode goes on.
+/// Whether an episode is still running.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Status {
-    /// Deliveries are still to be made.
+    /// At least one delivery has not ended.
     Running,
-    /// Every delivery has ended. Further steps change nothing.
+    /// Every delivery has ended, or an observer failed. Further steps have no effect.
     Ended,
 }
 
-/// An episode that is being driven.
+/// A running episode.
 ///
-/// The lifetime is that of its observers; a rollout without any borrows nothing.
+/// The lifetime is that of its observers; a rollout without observers borrows nothing.
 ///
-/// ```no_run
+/// ```
 /// use openbench_bench::{Prepared, Rollout, Status, builtin_suite};
 /// use openbench_core::{Action, Velocity};
 ///
 /// # fn main() -> Result<(), openbench_bench::BenchError> {
 /// let prepared = Prepared::new(builtin_suite("small")?, None)?;
 /// let mut rollout = Rollout::new(&prepared, 0, 7)?;
-/// while rollout.status() == Status::Running {
-///     let scan = rollout.observation().scan;
-///     println!("{} points", scan.map_or(0, |scan| scan.points.len()));
-///     rollout.step(Action::Drive(Velocity::new(0.2, 0.0)));
+/// let mut scans = 0;
+/// for _ in 0..20 {
+///     scans += usize::from(rollout.observation().scan.is_some());
+///     let status = rollout.step(Action::Drive(Velocity::new(0.2, 0.0)));
+///     assert_eq!(status, Status::Running);
 /// }
 /// let trace = rollout.finish(None)?;
-/// println!("{} s, {} collisions", trace.sim_seconds, trace.collisions.len());
+/// // 20 steps of 50 ms; the LiDAR has 10 scans a second.
+/// assert!((trace.sim_seconds - 1.0).abs() < 1e-9);
+/// assert!((9..=10).contains(&scans));
 /// # Ok(())
 /// # }
 /// ```
@@ -69,7 +72,7 @@ pub struct Rollout<'o> {
 }
 
 impl<'o> Rollout<'o> {
-    /// The episode of that number, with all noise drawn from `seed`.
+    /// Starts the episode of that number, from 0; all noise is drawn from `seed`.
     ///
     /// # Errors
     /// [`BenchError::NoSuchEpisode`], or [`BenchError::World`] if people and cars cannot be placed.
@@ -88,7 +91,7 @@ impl<'o> Rollout<'o> {
         })
     }
 
-    /// The same, watched by one more observer.
+    /// The same rollout with one more observer.
     #[must_use]
     pub fn watched_by(mut self, mut observer: impl Observer + 'o) -> Self {
         let begun = observer.begin(&self.simulator);
@@ -102,18 +105,22 @@ impl<'o> Rollout<'o> {
         &self.briefing
     }
 
-    /// What the sensors delivered since the last step.
+    /// The sensor data since the last step.
     pub fn observation(&self) -> Observation<'_> {
         self.simulator.observation()
     }
 
-    /// Whether the episode goes on.
+    /// Whether the episode is still running.
     pub fn status(&self) -> Status {
         let all_ended = self.trace.tasks.len() >= self.episode.targets.len();
-        if all_ended || self.error.is_some() { Status::Ended } else { Status::Running }
+        if all_ended || self.error.is_some() {
+            Status::Ended
+        } else {
+            Status::Running
+        }
     }
 
-    /// Takes in what an agent tells of.
+    /// Records an event that the agent reports.
     pub fn record(&mut self, event: Event) {
         let time = self.simulator.time();
         for i in 0..self.observers.len() {
@@ -125,15 +132,30 @@ impl<'o> Rollout<'o> {
             Event::Route(points) => self.trace.routes.push(points),
             Event::PoseEstimate(estimate) => {
                 self.trace.estimated.push(estimate.pose.point());
-                self.trace.pose_errors.push(PoseError::new(time, self.pose(), estimate));
+                self.trace
+                    .pose_errors
+                    .push(PoseError::new(time, self.pose(), estimate));
             }
             Event::DoorWritten { address, position } => {
-                // A door that is written again was moved.
-                self.trace.doors.retain(|(known, _)| !known.same_door(&address));
+                // A door that is written again replaces the earlier one.
+                self.trace
+                    .doors
+                    .retain(|(known, _)| !known.same_door(&address));
                 self.trace.doors.push((address, position));
             }
-            Event::PlateRead { text, confidence, corners, image, .. } => {
-                self.trace.plates.push(PlateRead { time, text, confidence, corners });
+            Event::PlateRead {
+                text,
+                confidence,
+                corners,
+                image,
+                ..
+            } => {
+                self.trace.plates.push(PlateRead {
+                    time,
+                    text,
+                    confidence,
+                    corners,
+                });
                 self.keep_frame(Frame { time, image });
             }
             Event::Models(used) => self.trace.models = used,
@@ -141,15 +163,15 @@ impl<'o> Rollout<'o> {
         }
     }
 
-    /// Ends the episode before its first step, for an agent that cannot begin.
+    /// Ends the episode before its first step, for an agent that cannot start. All deliveries fail.
     pub fn refuse(&mut self, give_up: &GiveUp) {
         self.fail_open_targets(give_up.cause, &give_up.detail);
     }
 
-    /// Does what an agent decided and moves simulated time on by 50 ms.
+    /// Executes an action and advances the simulated time by 50 ms.
     ///
-    /// A robot that declares or gives up a delivery stands meanwhile. After the episode has ended
-    /// nothing happens any more.
+    /// The robot stands still during a step in which a delivery is declared or given up. After the
+    /// end of the episode this has no effect.
     pub fn step(&mut self, action: Action) -> Status {
         if self.status() == Status::Ended {
             return Status::Ended;
@@ -161,12 +183,12 @@ impl<'o> Rollout<'o> {
         if let Some(how) = self.simulator.left_world() {
             self.fail_open_targets(FailureCause::LeftWorld, &how.to_string());
         } else if self.simulator.time().since(SimTime::ZERO) >= self.episode.time_limit {
-            self.fail_open_targets(FailureCause::Timeout, "the time limit is over");
+            self.fail_open_targets(FailureCause::Timeout, "the time limit has expired");
         }
         self.status()
     }
 
-    /// What happened. `map` is the agent's copy of the map, OSM XML.
+    /// Ends the rollout and returns its trace. `map` is the agent's copy of the map, OSM XML.
     ///
     /// # Errors
     /// The first error of an observer.
@@ -196,9 +218,13 @@ impl<'o> Rollout<'o> {
         let seconds = OBSERVATION_NS as f64 * 1e-9;
         self.task.path_m += before.point().distance(pose.point());
         self.task.smoothness.step(before, pose, seconds);
-        self.task.encounters.update(seconds, &self.simulator.robot_state(), self.simulator.movers());
+        self.task.encounters.update(
+            seconds,
+            &self.simulator.robot_state(),
+            self.simulator.movers(),
+        );
         self.trace.velocities.push(velocity);
-        if self.simulator.time().0.is_multiple_of(DRIVEN_NS) {
+        if self.simulator.time().0.is_multiple_of(DRIVEN_PERIOD_NS) {
             self.trace.driven.push(pose.point());
         }
         for i in 0..self.observers.len() {
@@ -207,7 +233,7 @@ impl<'o> Rollout<'o> {
         }
     }
 
-    /// The velocity that an action asks for.
+    /// Applies declarations; returns the velocity that the action commands.
     fn apply(&mut self, action: Action) -> Velocity {
         match action {
             Action::Drive(velocity) => return finite(velocity),
@@ -223,39 +249,48 @@ impl<'o> Rollout<'o> {
             return;
         }
         frames.push_back(frame);
-        if frames.len() > FRAMES {
+        if frames.len() > MAX_FRAMES {
             frames.pop_front();
         }
     }
 
     fn has_ended(&self, target: usize) -> bool {
-        self.trace.tasks.iter().any(|outcome| outcome.target == target)
+        self.trace
+            .tasks
+            .iter()
+            .any(|outcome| outcome.target == target)
     }
 
     fn open_targets(&self) -> Vec<usize> {
-        (0..self.episode.targets.len()).filter(|target| !self.has_ended(*target)).collect()
+        (0..self.episode.targets.len())
+            .filter(|target| !self.has_ended(*target))
+            .collect()
     }
 
     fn names(&self, target: usize, address: &Address) -> bool {
         self.episode.targets[target].address.same_door(address)
     }
 
-    /// An address that nobody asked for counts against the first open target; one that was
-    /// delivered to already, against none.
+    /// A declaration for an address that is not in the instruction fails the first open target. A
+    /// second declaration for the same address has no effect.
     fn delivered(&mut self, address: &Address) {
         let open = self.open_targets();
         if let Some(&target) = open.iter().find(|target| self.names(**target, address)) {
             self.end(target, true, None);
             return;
         }
-        let again = self.trace.tasks.iter().any(|outcome| self.names(outcome.target, address));
+        let again = self
+            .trace
+            .tasks
+            .iter()
+            .any(|outcome| self.names(outcome.target, address));
         if let Some(&target) = open.first().filter(|_| !again) {
             let detail = format!("{address} was declared, which the instruction does not name");
             self.end(target, false, Some((FailureCause::WrongPlace, detail)));
         }
     }
 
-    /// Giving up what nobody asked for costs nothing.
+    /// Giving up an address that is not in the instruction has no effect.
     fn give_up(&mut self, give_up: &GiveUp) {
         let Some(address) = &give_up.address else {
             return self.fail_open_targets(give_up.cause, &give_up.detail);
@@ -300,7 +335,7 @@ impl<'o> Rollout<'o> {
     }
 }
 
-/// The delivery at hand.
+/// The current delivery.
 struct Task {
     began_at: MapPoint,
     began: SimTime,
@@ -312,7 +347,7 @@ struct Task {
 }
 
 impl Task {
-    /// The first delivery, from where the robot starts.
+    /// The first delivery, from the start position of the robot.
     fn new(began_at: MapPoint) -> Self {
         Self {
             began_at,
@@ -337,12 +372,13 @@ fn briefing(prepared: &Prepared, episode: &PreparedEpisode) -> Briefing {
     }
 }
 
-/// The time limit as agents are told it.
+/// The time limit as stated in the briefing, see [`STATED_LIMIT_STEP_S`].
 fn stated_limit(exact: Duration) -> Duration {
-    Duration::from_secs((exact.as_secs() / STATED_LIMIT_STEP + 1) * STATED_LIMIT_STEP)
+    Duration::from_secs((exact.as_secs() / STATED_LIMIT_STEP_S + 1) * STATED_LIMIT_STEP_S)
 }
 
-/// `velocity` without what is no number: no motor takes it, and no recording holds it.
+/// `velocity` with NaN and infinity replaced by zero: neither a motor nor a recording in JSON
+/// accepts them.
 fn finite(velocity: Velocity) -> Velocity {
     let number = |v: f64| if v.is_finite() { v } else { 0.0 };
     Velocity::new(number(velocity.linear), number(velocity.angular))

@@ -1,19 +1,22 @@
-//! Numbered work on several threads, with the same outcome on any number of them.
+//! Numbered jobs on several threads; the outcome does not depend on the number of threads.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc;
 
-/// Does the work of each number on so many threads, and shows what came of it to `seen` on this one, in no order. What `seen` makes of it is returned in the order of the numbers.
+/// Runs `work` for each number on several threads.
+///
+/// `collect` receives each outcome on the calling thread, in the order of completion. Its outputs
+/// are returned in the order of the numbers.
 ///
 /// # Errors
-///
-/// After an error nothing new is begun. Numbers are begun in their order, so that the error of the lowest, which is returned, is the same on any number of threads.
+/// The error of the lowest number that fails. After an error no further number is started. Numbers
+/// are started in ascending order, so the returned error does not depend on the number of threads.
 pub fn each<T, U, W, E>(
     numbers: Range<usize>,
     threads: usize,
     work: impl Fn(usize) -> Result<T, W> + Sync,
-    mut seen: impl FnMut(T) -> Result<U, E>,
+    mut collect: impl FnMut(T) -> Result<U, E>,
 ) -> Result<Vec<U>, E>
 where
     T: Send,
@@ -41,7 +44,7 @@ where
         }
         drop(sender);
         let see = |(number, outcome): (usize, Result<T, W>)| {
-            let outcome = outcome.map_err(E::from).and_then(&mut seen);
+            let outcome = outcome.map_err(E::from).and_then(&mut collect);
             ends.fetch_or(outcome.is_err(), Ordering::Relaxed);
             (number, outcome)
         };
@@ -56,7 +59,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_comes_out_is_in_order_on_any_number_of_threads() {
+    fn outputs_are_in_order_on_any_number_of_threads() {
         for threads in [0, 1, 3, 99] {
             let mut sum = 0;
             let seen = |square: usize| {
@@ -64,21 +67,29 @@ mod tests {
                 Ok::<_, ()>(square + 1)
             };
             let squares = each(3..40, threads, |n| Ok::<_, ()>(n * n), seen);
-            assert_eq!(squares, Ok((3..40).map(|n| n * n + 1).collect::<Vec<_>>()), "{threads}");
+            assert_eq!(
+                squares,
+                Ok((3..40).map(|n| n * n + 1).collect::<Vec<_>>()),
+                "{threads}"
+            );
             assert_eq!(sum, (3..40).map(|n| n * n).sum::<usize>());
         }
         assert_eq!(each(5..5, 2, Ok::<_, ()>, Ok::<_, ()>), Ok(vec![]));
     }
 
     #[test]
-    fn the_lowest_error_is_returned_and_ends_the_work() {
+    fn the_error_of_the_lowest_number_is_returned_and_stops_the_work() {
         for threads in [1, 4] {
             let begun = AtomicUsize::new(0);
             let work = |n: usize| {
                 begun.fetch_add(1, Ordering::Relaxed);
                 if n == 7 || n == 8 { Err(n) } else { Ok(n) }
             };
-            assert_eq!(each(0..100_000, threads, work, Ok::<_, usize>), Err(7), "{threads}");
+            assert_eq!(
+                each(0..100_000, threads, work, Ok::<_, usize>),
+                Err(7),
+                "{threads}"
+            );
             assert!(begun.load(Ordering::Relaxed) < 100_000);
             let seen = |n: usize| if n < 3 { Ok(n) } else { Err(n) };
             assert_eq!(each(0..50, threads, Ok::<_, usize>, seen), Err(3));

@@ -1,4 +1,4 @@
-//! What happened in an episode, as the judge sees it.
+//! The record of an episode from which it is scored.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -9,90 +9,91 @@ use openbench_sim::traffic::Totals;
 
 use crate::score::metrics::{PoseError, SmoothnessSum};
 
-/// How one delivery ended.
+/// The outcome of one delivery.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TaskOutcome {
     /// Index into the episode's targets.
     pub target: usize,
-    /// Where the robot was when the delivery began: at the start, or where the last one was declared.
+    /// True position at the beginning: the start, or the end of the previous delivery.
     pub began_at: MapPoint,
-    /// When it began.
+    /// Time of the beginning.
     pub began: SimTime,
-    /// When it ended.
+    /// Time of the end.
     pub ended: SimTime,
-    /// Where the robot was at the end.
+    /// True position at the end.
     pub ended_at: MapPoint,
-    /// Whether the agent declared it delivered there.
+    /// Whether the agent declared the delivery there.
     pub declared: bool,
-    /// Metres driven meanwhile.
+    /// Driven distance, metres.
     pub path_m: f64,
-    /// How smoothly.
+    /// Smoothness of the drive.
     pub smoothness: SmoothnessSum,
-    /// Collisions meanwhile.
+    /// Collisions during the delivery.
     pub collisions: Vec<Collision>,
-    /// How near the robot came to people and cars meanwhile; `None` where nobody moves.
+    /// Encounters with people and cars; `None` in a world without traffic.
     pub encounters: Option<Totals>,
-    /// Distance between where the agent believed to be and where it was, metres.
+    /// Distance between the last estimated and the true position at the end, metres; `None` if the
+    /// agent reported no pose.
     pub pose_error_m: Option<f64>,
-    /// Plates read meanwhile.
+    /// Plates read during the delivery.
     pub plates_read: usize,
-    /// Why it failed, if it was not declared.
+    /// Cause and description of the failure, if it was not declared.
     pub failure: Option<(FailureCause, String)>,
 }
 
 /// A plate that was read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlateRead {
-    /// When.
+    /// Time of the event.
     pub time: SimTime,
     /// The text.
     pub text: String,
-    /// How sure the reader was, 0 to 1.
+    /// Confidence of the reader, 0 to 1.
     pub confidence: f32,
-    /// The text's corners, pixels.
+    /// Corners of the text, pixels, clockwise from the top left.
     pub corners: [[f32; 2]; 4],
 }
 
 /// An image in which plates were read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
-    /// When it was taken.
+    /// Time of the event with the image.
     pub time: SimTime,
     /// The image.
     pub image: Arc<Image>,
 }
 
-/// What happened in an episode.
+/// The record of an episode.
 #[derive(Debug, Clone, Default)]
 pub struct EpisodeTrace {
-    /// In the order in which they ended.
+    /// Outcomes of the deliveries, in the order in which they ended.
     pub tasks: Vec<TaskOutcome>,
-    /// True poses, five a second.
+    /// True positions, five per second.
     pub driven: Vec<MapPoint>,
-    /// Where the agent believed to be.
+    /// Positions estimated by the agent.
     pub estimated: Vec<MapPoint>,
-    /// How far that was from where it was.
+    /// Errors of the estimated poses.
     pub pose_errors: Vec<PoseError>,
-    /// Routes over roads.
+    /// Routes planned by the agent.
     pub routes: Vec<Vec<MapPoint>>,
-    /// Doors written by the agent.
+    /// Doors that the agent wrote into its map.
     pub doors: Vec<(Address, MapPoint)>,
-    /// Plates read.
+    /// Plates read by the agent.
     pub plates: Vec<PlateRead>,
     /// The last images in which plates were read, oldest first.
     pub frames: VecDeque<Frame>,
     /// The agent's plan.
     pub plan: Option<Plan>,
-    /// What the agent asked of models.
+    /// The agent's use of language and vision models.
     pub models: ModelUse,
     /// All collisions.
     pub collisions: Vec<Collision>,
-    /// Simulated seconds.
+    /// Simulated time, seconds.
     pub sim_seconds: f64,
-    /// The velocities that were driven, one a step.
+    /// The commanded velocities, one per step of 50 ms.
     pub velocities: Vec<Velocity>,
-    /// Hash over all states.
+    /// Hash chain over all states.
     pub chain: [u8; 32],
-    /// The agent's copy of the map.
+    /// The agent's copy of the map, OSM XML.
     pub map: Option<Vec<u8>>,
 }

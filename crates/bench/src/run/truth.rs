@@ -1,4 +1,5 @@
-//! The truth as a localizer, for comparisons only: made here, handed to an agent from outside, named in the results.
+//! The true pose as a localizer, for comparisons only. It is made here, injected into the agent by
+//! name, and named in the results.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -11,24 +12,25 @@ use openbench_sim::Simulator;
 use super::observer::Observer;
 use crate::BenchError;
 
-/// Where the runner writes the true pose of each instant.
+/// Shared access to the true poses of the last second.
 #[derive(Debug, Clone, Default)]
 pub struct TruthHandle(Arc<Mutex<VecDeque<(SimTime, Pose2)>>>);
 
-/// Poses that are remembered: one second at 20 Hz.
-const MEMORY: usize = 20;
+/// Number of stored poses: one second at 20 Hz.
+const MAX_POSES: usize = 20;
 
 impl TruthHandle {
-    /// Notes where the robot is now.
+    /// Stores the true pose of an instant.
     pub fn set(&self, time: SimTime, pose: Pose2) {
         let mut poses = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         poses.push_back((time, pose));
-        if poses.len() > MEMORY {
+        if poses.len() > MAX_POSES {
             poses.pop_front();
         }
     }
 
-    /// The pose at an instant, between two that are known along a straight line; outside them the nearest.
+    /// The pose at an instant, linearly interpolated between the stored poses; outside their
+    /// interval the nearest one.
     pub(crate) fn at(&self, time: SimTime) -> Pose2 {
         let poses = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let after = poses.partition_point(|(t, _)| *t < time);
@@ -44,7 +46,7 @@ impl TruthHandle {
     }
 }
 
-/// Tells the handle of each step.
+/// Stores the true pose of each step.
 impl Observer for TruthHandle {
     fn begin(&mut self, simulator: &Simulator) -> Result<(), BenchError> {
         self.set(simulator.time(), Pose2::from_pose3(&simulator.base_link()));
@@ -56,7 +58,7 @@ impl Observer for TruthHandle {
     }
 }
 
-/// A localizer that is never wrong.
+/// A localizer that returns the true pose.
 #[derive(Debug, Clone)]
 pub struct TruthLocalizer {
     handle: TruthHandle,
@@ -64,9 +66,12 @@ pub struct TruthLocalizer {
 }
 
 impl TruthLocalizer {
-    /// A localizer that reads from `handle`.
+    /// A localizer that reads the poses of `handle`.
     pub fn new(handle: TruthHandle) -> Self {
-        Self { handle, now: SimTime::ZERO }
+        Self {
+            handle,
+            now: SimTime::ZERO,
+        }
     }
 }
 
@@ -101,14 +106,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn poses_between_two_steps_are_interpolated_across_the_seam_of_angles() {
+    fn poses_between_two_steps_are_interpolated_across_the_wrap_of_the_yaw() {
         let handle = TruthHandle::default();
         assert_eq!(handle.at(SimTime::ZERO), Pose2::default());
         handle.set(SimTime::from_millis(0), Pose2::new(0.0, 0.0, 3.1));
         handle.set(SimTime::from_millis(50), Pose2::new(1.0, 2.0, -3.1));
         let middle = handle.at(SimTime::from_millis(25));
         assert!((middle.x - 0.5).abs() < 1e-9 && (middle.y - 1.0).abs() < 1e-9);
-        assert!((middle.yaw.abs() - std::f64::consts::PI).abs() < 1e-9, "{middle:?}");
+        assert!(
+            (middle.yaw.abs() - std::f64::consts::PI).abs() < 1e-9,
+            "{middle:?}"
+        );
         assert_eq!(handle.at(SimTime::from_millis(99)).x, 1.0);
     }
 }

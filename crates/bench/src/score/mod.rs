@@ -1,12 +1,12 @@
-//! Scoring: from what happened to numbers.
+//! Scoring: from traces to metrics.
 //!
-//! | module | its one job |
+//! | module | content |
 //! |---|---|
 //! | [`deliveries`] | from an episode's trace to the results of its deliveries |
 //! | [`metrics`] | the metrics, as functions of plain values |
-//! | [`statistics`] | intervals |
+//! | [`statistics`] | confidence intervals |
 //! | [`results`] | [`Results`]: the file `results.json` |
-//! | [`evaluate`] | the reference's recorder files |
+//! | [`evaluate`] | the paper's metrics for logs of the reference recorder |
 
 pub mod deliveries;
 pub mod evaluate;

@@ -1,7 +1,7 @@
-//! `results.json`: what a run yields for programs.
+//! `results.json`: the results of a run for programs.
 //!
-//! Rates and ratios are between 0 and 1. A metric that has no value (LSR without sequences) is null. Intervals stand
-//! beside the plain numbers, under the same names.
+//! Rates and ratios are between 0 and 1. A metric without a value (LSR without sequences) is null.
+//! Confidence intervals are in `intervals`, under the names of their metrics.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -12,7 +12,9 @@ use openbench_core::{Address, FailureCause, MapPoint, ModelUse};
 use openbench_sim::traffic::TrafficPlan;
 use serde::{Deserialize, Serialize};
 
-use crate::score::metrics::{CollisionSum, DoorScore, EncounterSum, LocalizationSum, SmoothnessSum};
+use crate::score::metrics::{
+    CollisionSum, DoorScore, EncounterSum, LocalizationSum, SmoothnessSum,
+};
 
 /// The results of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -21,27 +23,27 @@ pub struct Results {
     pub suite: String,
     /// Name of the agent.
     pub agent: String,
-    /// The seed that all randomness of the run comes from.
+    /// Seed of all random numbers of the run.
     pub seed: u64,
     /// Version of OpenBench.
     pub version: String,
-    /// What was set with `--set`.
+    /// The agent's settings (`--set KEY=VALUE`).
     #[serde(default)]
     pub settings: BTreeMap<String, String>,
-    /// People and cars that the suite asks for.
+    /// People and cars requested by the suite.
     #[serde(default)]
     pub traffic: TrafficPlan,
-    /// Over all deliveries.
+    /// The metrics over all deliveries.
     pub metrics: Metrics,
-    /// One a delivery, by episode and task.
+    /// The results of the deliveries, by episode and task.
     pub deliveries: Vec<DeliveryResult>,
-    /// What the agent asked of language and vision models in all episodes; not there if it asked none.
+    /// The agent's use of language and vision models in all episodes; absent if it used none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub models: Option<ModelUse>,
-    /// The doors that the agent wrote into its map; null if it edits none.
+    /// Score of the doors that the agent wrote into its map; null if it edits no map.
     #[serde(default)]
     pub doors: Option<DoorScore>,
-    /// What the licences of the data ask to be said.
+    /// Attribution required by the licences of the data.
     #[serde(default)]
     pub attribution: Vec<String>,
 }
@@ -51,13 +53,14 @@ pub struct Results {
 pub struct Metrics {
     /// Share of deliveries declared within 10 m of the plate (paper).
     pub sr_10m: Option<f64>,
-    /// SPL of those, against straight lines (paper).
+    /// SPL of `sr_10m`, where straight lines are the shortest paths (paper).
     pub spl_straight: Option<f64>,
-    /// Share of deliveries declared within 2 m of the right door's approach point, no other door's being nearer (strict).
+    /// Share of deliveries declared within 2 m of the correct door's approach point, with no other
+    /// door's approach point nearer (strict).
     pub sr_2m: Option<f64>,
-    /// Share of deliveries declared nearer to the right door's approach point than to any other's.
+    /// Share of deliveries declared with no other door's approach point nearer.
     pub correct_unit: Option<f64>,
-    /// SPL of `sr_2m`, against the shortest drivable paths (strict).
+    /// SPL of `sr_2m`, with the shortest drivable paths (strict).
     pub spl: Option<f64>,
     /// Mean LSR of the sequences (strict).
     pub lsr: Option<f64>,
@@ -69,32 +72,32 @@ pub struct Metrics {
     /// Mean LSPL of the sequences (paper).
     #[serde(default)]
     pub lspl_straight: Option<f64>,
-    /// Share of instructions that were understood exactly.
+    /// Share of instructions whose plan has exactly the requested doors.
     #[serde(default)]
     pub srtp: Option<f64>,
-    /// Collisions in all.
+    /// Number of collisions.
     pub collisions: usize,
-    /// Collisions by the class of what was hit.
+    /// Collisions by class of the object that was hit.
     #[serde(default)]
     pub collisions_by_class: BTreeMap<String, CollisionSum>,
-    /// How the robot met people and cars; null where nobody moves.
+    /// Encounters with people and cars; null in a world without traffic.
     #[serde(default)]
     pub encounters: Option<EncounterSum>,
-    /// How far the agent was from where it believed to be; null if it did not say.
+    /// Localization errors of the agent; null if it reported no pose.
     #[serde(default)]
     pub localization: Option<LocalizationSum>,
-    /// Metres driven in all.
+    /// Driven distance, metres.
     pub path_m: f64,
-    /// How smoothly.
+    /// Smoothness of the drive.
     #[serde(default)]
     pub smoothness: SmoothnessSum,
-    /// Simulated seconds in all.
+    /// Simulated time, seconds.
     pub sim_seconds: f64,
-    /// Seconds that the run took. Depends on the machine.
+    /// Wall-clock time of the run, seconds. Depends on the machine.
     pub wall_seconds: f64,
-    /// Simulated seconds in each CPU second of the workers. Depends on the machine.
+    /// Simulated time per CPU time of the process. Depends on the machine.
     pub real_time_factor: f64,
-    /// 95 % intervals, lower and upper end, of the metrics of these names.
+    /// 95 % confidence intervals, lower and upper bound, by name of the metric.
     #[serde(default)]
     pub intervals: BTreeMap<String, [f64; 2]>,
 }
@@ -102,9 +105,9 @@ pub struct Metrics {
 /// The result of one delivery.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DeliveryResult {
-    /// Which episode of the suite, from 0.
+    /// Episode of the suite, from 0.
     pub episode: usize,
-    /// Which delivery of the episode, from 0, in driving order.
+    /// Index of the delivery in the episode, from 0, in driving order.
     pub task: usize,
     /// The instruction of the episode.
     pub instruction: String,
@@ -112,102 +115,134 @@ pub struct DeliveryResult {
     pub building: String,
     /// Unit of the door.
     pub unit: Option<String>,
-    /// Declared within 10 m of the plate.
+    /// Whether it was declared within 10 m of the plate.
     pub success_10m: bool,
-    /// Declared within 2 m of the right door's approach point, no other door's being nearer.
+    /// Whether it was declared within 2 m of the correct door's approach point, with no other
+    /// door's approach point nearer.
     pub success_2m: bool,
-    /// Declared with no other door's approach point nearer.
+    /// Whether it was declared with no other door's approach point nearer.
     pub correct_unit: bool,
-    /// From where the robot declared (or stood at the end) to the plate in a straight line, metres.
+    /// Straight-line distance from the position at the end of the delivery to the plate, metres.
     pub distance_to_door_m: Option<f64>,
-    /// Metres driven for this delivery.
+    /// Distance driven for this delivery, metres.
     pub path_m: f64,
-    /// Shortest drivable path from where the task began to the approach point, metres; null where no way leads.
+    /// Shortest drivable path from the start of the delivery to the approach point, metres; null if
+    /// there is none.
     pub shortest_path_m: Option<f64>,
-    /// Straight line that the paper compares with, metres.
+    /// Straight line that the paper takes as the shortest path, metres.
     pub straight_line_m: f64,
-    /// Simulated seconds spent on this delivery.
+    /// Simulated time of this delivery, seconds.
     pub sim_seconds: f64,
-    /// How smoothly the robot drove.
+    /// Smoothness of the drive.
     #[serde(default)]
     pub smoothness: SmoothnessSum,
     /// Collisions during this delivery.
     pub collisions: usize,
-    /// Those by the class of what was hit.
+    /// These collisions by class of the object that was hit.
     #[serde(default)]
     pub collisions_by_class: BTreeMap<String, CollisionSum>,
-    /// How the robot met people and cars; null where nobody moves.
+    /// Encounters with people and cars; null in a world without traffic.
     #[serde(default)]
     pub encounters: Option<EncounterSum>,
-    /// Where the robot declared, in the map; null if it never did.
+    /// Position of the declaration, in the `map` frame; null if it was never declared.
     #[serde(default)]
     pub declared_at: Option<MapPoint>,
-    /// Distance between where the agent believed to be at the end and where it was, metres.
+    /// Distance between the estimated and the true position at the end, metres.
     #[serde(default)]
     pub pose_error_m: Option<f64>,
-    /// Plates that were read during this delivery.
+    /// Number of plates read during this delivery.
     #[serde(default)]
     pub plates_read: usize,
-    /// Why the delivery failed; null if it did not.
+    /// Cause of the failure; null if the delivery succeeded.
     pub failure: Option<FailureCause>,
-    /// The same in words.
+    /// Description of the failure.
     #[serde(default)]
     pub failure_detail: Option<String>,
 }
 
 impl DeliveryResult {
-    /// The door to deliver to.
+    /// Address of the target door.
     pub fn address(&self) -> Address {
-        Address { building: self.building.clone(), unit: self.unit.clone() }
+        Address {
+            building: self.building.clone(),
+            unit: self.unit.clone(),
+        }
     }
 }
 
 /// A results file that cannot be written or read.
 #[derive(Debug, thiserror::Error)]
 pub enum ResultsError {
-    /// The file system refused.
-    #[error("{}: {source}", path.display())]
+    /// The file cannot be read or written.
+    #[error("cannot access {}", path.display())]
     File {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: io::Error,
     },
-    /// The file holds something else.
-    #[error("{}:{}:{}: this is no results.json of OpenBench: {source}", path.display(), source.line(), source.column())]
+    /// The file is no results file.
+    #[error(
+"{}:{}:{} is no results.json of OpenBench",
+path.display(), source.line(), source.column()
+)]
     Json {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// What does not fit.
+        /// The error of the parser.
         source: serde_json::Error,
     },
 }
 
 impl Results {
-    /// The same results without what depends on the machine and its load: two runs of the same episodes give the same.
+    /// These results with all machine-dependent times set to zero. Two runs of the same episodes
+    /// have equal machine-independent results.
     pub fn machine_independent(&self) -> Self {
         let mut results = self.clone();
-        (results.metrics.wall_seconds, results.metrics.real_time_factor) = (0.0, 0.0);
+        (
+            results.metrics.wall_seconds,
+            results.metrics.real_time_factor,
+        ) = (0.0, 0.0);
         if let Some(used) = &mut results.models {
             used.latency_ms = 0;
         }
         results
     }
 
-    /// Writes the file beside its place and moves it there, so that `path` never holds half a file.
+    /// Writes the results to `path`, through a temporary file that is renamed: `path` never
+    /// contains a partial file.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), ResultsError> {
-        let file_error = |source| ResultsError::File { path: path.to_owned(), source };
-        let mut json = serde_json::to_vec_pretty(self)
-            .map_err(|source| ResultsError::Json { path: path.to_owned(), source })?;
+        let file_error = |source| ResultsError::File {
+            path: path.to_owned(),
+            source,
+        };
+        let mut json = serde_json::to_vec_pretty(self).map_err(|source| ResultsError::Json {
+            path: path.to_owned(),
+            source,
+        })?;
         json.push(b'\n');
         let partial = path.with_extension("json.partial");
-        fs::write(&partial, json).and_then(|()| fs::rename(&partial, path)).map_err(file_error)
+        fs::write(&partial, json)
+            .and_then(|()| fs::rename(&partial, path))
+            .map_err(file_error)
     }
 
-    /// Reads a file that [`write`](Self::write) wrote.
+    /// Reads a file written by [`write`](Self::write).
+    ///
+    /// # Errors
+    /// A file that cannot be read, or is no results file; the error has line and column.
     pub fn read(path: &Path) -> Result<Self, ResultsError> {
-        let json = fs::read(path).map_err(|source| ResultsError::File { path: path.to_owned(), source })?;
-        serde_json::from_slice(&json).map_err(|source| ResultsError::Json { path: path.to_owned(), source })
+        let json = fs::read(path).map_err(|source| ResultsError::File {
+            path: path.to_owned(),
+            source,
+        })?;
+        serde_json::from_slice(&json).map_err(|source| ResultsError::Json {
+            path: path.to_owned(),
+            source,
+        })
     }
 }
 
@@ -215,7 +250,7 @@ impl Results {
 pub(crate) mod tests {
     use super::*;
 
-    /// A delivery that succeeded: 8 m driven where 6 m would do.
+    /// A successful delivery: 8 m driven, shortest path 6 m.
     pub(crate) fn delivery(episode: usize, task: usize) -> DeliveryResult {
         DeliveryResult {
             episode,
@@ -231,7 +266,11 @@ pub(crate) mod tests {
             shortest_path_m: Some(6.0),
             straight_line_m: 4.0,
             sim_seconds: 20.0,
-            smoothness: SmoothnessSum { turned_rad: 4.0, speed_changes_mps: 2.0, stops: 1 },
+            smoothness: SmoothnessSum {
+                turned_rad: 4.0,
+                speed_changes_mps: 2.0,
+                stops: 1,
+            },
             collisions: 0,
             collisions_by_class: BTreeMap::new(),
             encounters: None,
@@ -260,7 +299,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn results_are_read_as_they_were_written() {
+    fn results_are_equal_after_writing_and_reading() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("results.json");
         let mut written = results(vec![delivery(0, 0)]);
@@ -268,11 +307,15 @@ pub(crate) mod tests {
         written.metrics.intervals.insert("sr_2m".into(), [0.1, 0.9]);
         written.write(&path).unwrap();
         assert_eq!(Results::read(&path).unwrap(), written);
-        assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 1, "no partial file stays behind");
+        assert_eq!(
+            fs::read_dir(dir.path()).unwrap().count(),
+            1,
+            "the temporary file remains"
+        );
     }
 
     #[test]
-    fn names_are_those_that_programs_read() {
+    fn json_keys_are_stable() {
         let mut failed = delivery(0, 0);
         failed.failure = Some(FailureCause::DoorNotFound);
         let json = serde_json::to_value(results(vec![failed])).unwrap();
@@ -295,7 +338,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn other_json_is_refused_with_its_place() {
+    fn other_json_is_rejected_with_line_and_column() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("results.json");
         fs::write(&path, "{\n  \"suite\": 3\n}").unwrap();

@@ -1,7 +1,7 @@
-//! 95 % intervals: Wilson's for rates, the percentile bootstrap for means.
+//! 95 % confidence intervals: Wilson for rates, the percentile bootstrap for means.
 //!
-//! Both treat the deliveries (for sequences, the sequences) as independent. Deliveries within one sequence are not
-//! quite; their intervals are a little too narrow.
+//! Both treat the deliveries (for LSR and LSPL, the sequences) as independent. Deliveries within a
+//! sequence are correlated, so their intervals are slightly too narrow.
 
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg32;
@@ -10,7 +10,15 @@ use rand_pcg::Pcg32;
 const Z: f64 = 1.959_963_984_540_054;
 const RESAMPLES: usize = 10_000;
 
-/// The Wilson score interval of a rate of `successes` in `trials`; `None` without trials. (E. B. Wilson, JASA 22, 1927.)
+/// The Wilson score interval of the rate `successes / trials`, lower and upper bound; `None`
+/// without trials (E. B. Wilson, JASA 22, 1927).
+///
+/// ```
+/// use openbench_bench::score::statistics::wilson_interval;
+///
+/// let [low, high] = wilson_interval(8, 10).unwrap();
+/// assert!((low - 0.4902).abs() < 1e-4 && (high - 0.9433).abs() < 1e-4);
+/// ```
 pub fn wilson_interval(successes: usize, trials: usize) -> Option<[f64; 2]> {
     if trials == 0 {
         return None;
@@ -22,14 +30,16 @@ pub fn wilson_interval(successes: usize, trials: usize) -> Option<[f64; 2]> {
     Some([(centre - half).max(0.0), (centre + half).min(1.0)])
 }
 
-/// The percentile bootstrap interval of the mean of `values`, the same for the same seed; `None` for fewer than two
-/// values, of whose spread nothing is known.
+/// The percentile bootstrap interval of the mean of `values`, lower and upper bound, from 10,000
+/// resamples drawn from `seed`; `None` for fewer than two values.
 pub fn bootstrap_interval(values: &[f64], seed: u64) -> Option<[f64; 2]> {
     if values.len() < 2 {
         return None;
     }
     let mut random = Pcg32::seed_from_u64(seed);
-    let mut means: Vec<f64> = (0..RESAMPLES).map(|_| resampled_mean(values, &mut random)).collect();
+    let mut means: Vec<f64> = (0..RESAMPLES)
+        .map(|_| resampled_mean(values, &mut random))
+        .collect();
     means.sort_by(f64::total_cmp);
     let quantile = |q: f64| means[libm::round(q * (RESAMPLES - 1) as f64) as usize];
     Some([quantile(0.025), quantile(0.975)])
@@ -52,25 +62,35 @@ mod tests {
     #[test]
     fn wilson_gives_textbook_values() {
         // 8 of 10: 0.4902 to 0.9433.
-        assert!(close(wilson_interval(8, 10).unwrap(), [0.4902, 0.9433], 1e-4));
+        assert!(close(
+            wilson_interval(8, 10).unwrap(),
+            [0.4902, 0.9433],
+            1e-4
+        ));
         assert!(close(wilson_interval(5, 5).unwrap(), [0.5655, 1.0], 1e-4));
         assert!(close(wilson_interval(0, 5).unwrap(), [0.0, 0.4345], 1e-4));
         assert_eq!(wilson_interval(0, 0), None);
     }
 
     #[test]
-    fn the_bootstrap_agrees_with_the_normal_interval_where_there_are_many_values() {
+    fn the_bootstrap_agrees_with_the_normal_interval_for_many_values() {
         let values: Vec<f64> = (0..400).map(|i| f64::from(i % 20) / 19.0).collect();
         // Mean 0.5, standard deviation of 20 equal steps 0.30349, standard error / 20.
         let half = Z * 0.30349 / 20.0;
         let interval = bootstrap_interval(&values, 1).unwrap();
-        assert!(close(interval, [0.5 - half, 0.5 + half], 2e-3), "{interval:?}");
+        assert!(
+            close(interval, [0.5 - half, 0.5 + half], 2e-3),
+            "{interval:?}"
+        );
     }
 
     #[test]
-    fn the_bootstrap_repeats_itself() {
+    fn the_bootstrap_is_deterministic() {
         let values = [0.1, 0.9, 0.4];
-        assert_eq!(bootstrap_interval(&values, 7), bootstrap_interval(&values, 7));
+        assert_eq!(
+            bootstrap_interval(&values, 7),
+            bootstrap_interval(&values, 7)
+        );
         assert_ne!(
             bootstrap_interval(&[0.0, 0.1, 0.3, 0.7], 7),
             bootstrap_interval(&[0.0, 0.1, 0.3, 0.8], 7)

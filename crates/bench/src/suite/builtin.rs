@@ -1,22 +1,37 @@
-//! What the built-in suites hold.
+//! The contents of the built-in suites.
 
-/// What a built-in suite holds.
+/// The contents of a built-in suite.
 pub struct BuiltIn {
-    /// Its name.
+    /// Name of the suite and of its world.
     pub name: &'static str,
     /// Number of single deliveries.
     pub singles: usize,
     /// Number of sequences.
     pub sequences: usize,
-    /// Doors in each sequence.
+    /// Number of doors in each sequence.
     pub length: usize,
 }
 
-/// All of them.
+/// All built-in suites.
 pub const BUILT_IN: [BuiltIn; 3] = [
-    BuiltIn { name: "small", singles: 8, sequences: 1, length: 3 },
-    BuiltIn { name: "medium", singles: 10, sequences: 2, length: 5 },
-    BuiltIn { name: "large", singles: 10, sequences: 2, length: 5 },
+    BuiltIn {
+        name: "small",
+        singles: 8,
+        sequences: 1,
+        length: 3,
+    },
+    BuiltIn {
+        name: "medium",
+        singles: 10,
+        sequences: 2,
+        length: 5,
+    },
+    BuiltIn {
+        name: "large",
+        singles: 10,
+        sequences: 2,
+        length: 5,
+    },
 ];
 
 /// The names of the built-in suites.

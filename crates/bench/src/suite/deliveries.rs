@@ -1,4 +1,4 @@
-//! The published files of deliveries: one instruction a line, one episode each.
+//! The published delivery files: one instruction per line, each an episode.
 
 use std::path::Path;
 
@@ -9,32 +9,48 @@ use openbench_osm::OsmMap;
 use crate::BenchError;
 use crate::suite::Episode;
 
-/// All places equally far: deliveries stay in the instruction's order.
-struct Anywhere;
+/// Equal travel times between all places, so that deliveries stay in the order of the instruction.
+struct EqualTimes;
 
-impl TravelTimes for Anywhere {
+impl TravelTimes for EqualTimes {
     fn matrix(&self, places: &[MapPoint]) -> Vec<f64> {
         vec![1.0; places.len() * places.len()]
     }
 }
 
-/// Reads a file of deliveries. The doors that a line names are what the grammar planner understands of it on `map`; a line that it
-/// does not understand has none, and needs a file of true positions.
+/// Reads a delivery file.
+///
+/// The doors of a line are those that the grammar planner finds in it on `map`. A line that it does
+/// not understand has none, and needs a file of true positions.
+///
+/// # Errors
+/// A file that cannot be read or has no instructions.
 pub fn read(path: &Path, map: &OsmMap) -> Result<Vec<Episode>, BenchError> {
     let text = std::fs::read_to_string(path).map_err(|e| BenchError::file(path, e))?;
     let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
-    let episodes: Vec<Episode> =
-        lines.map(|line| Episode { instruction: line.to_owned(), deliveries: doors_in(line, map) }).collect();
+    let episodes: Vec<Episode> = lines
+        .map(|line| Episode {
+            instruction: line.to_owned(),
+            deliveries: doors_in(line, map),
+        })
+        .collect();
     if episodes.is_empty() {
-        let problem = "there is no delivery in it; write one instruction a line".to_owned();
+        let problem = "there is no delivery in it; write one instruction per line".to_owned();
         return Err(BenchError::bad_file(path, problem));
     }
     Ok(episodes)
 }
 
 fn doors_in(instruction: &str, map: &OsmMap) -> Vec<Address> {
-    let request = PlanRequest { instruction, map, start: MapPoint::default(), times: &Anywhere };
-    let Ok(plan) = GrammarPlanner::new().plan(&request) else { return Vec::new() };
+    let request = PlanRequest {
+        instruction,
+        map,
+        start: MapPoint::default(),
+        times: &EqualTimes,
+    };
+    let Ok(plan) = GrammarPlanner::new().plan(&request) else {
+        return Vec::new();
+    };
     let mut doors: Vec<Address> = Vec::new();
     for delivery in &plan.deliveries {
         let address = delivery.address();

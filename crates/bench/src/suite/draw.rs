@@ -1,4 +1,4 @@
-//! Draws deliveries with their instructions, from a seed, for any list of doors.
+//! Random deliveries with instructions, for any list of doors.
 
 use openbench_core::Address;
 use rand::{RngExt, SeedableRng};
@@ -7,7 +7,7 @@ use rand_pcg::Pcg32;
 use crate::suite::Episode;
 
 const ITEMS: [&str; 6] = ["box", "parcel", "package", "item", "letter", "crate"];
-/// `{item}`, `{unit}`, `{building}` are filled in.
+/// Templates; `{item}`, `{unit}` and `{building}` are replaced.
 const SINGLE: [&str; 6] = [
     "Please deliver this {item} to {unit}, {building}.",
     "Take the {item} to {building}, {unit}.",
@@ -17,7 +17,18 @@ const SINGLE: [&str; 6] = [
     "Could you drop the {item} off at {unit} of {building}?",
 ];
 
-/// Draws episodes over a list of doors.
+/// Draws episodes with deliveries to a list of doors.
+///
+/// ```
+/// use openbench_bench::suite::draw::Draw;
+/// use openbench_core::Address;
+///
+/// let doors = vec![Address::new("building1", "unit1"), Address::new("building2", "unit1")];
+/// let episodes = Draw::new(doors, 7).singles(4);
+/// // Every door is drawn once before any is drawn again.
+/// assert_ne!(episodes[0].deliveries, episodes[1].deliveries);
+/// assert!(episodes[0].instruction.contains("unit1"));
+/// ```
 #[derive(Debug, Clone)]
 pub struct Draw {
     doors: Vec<Address>,
@@ -25,26 +36,38 @@ pub struct Draw {
 }
 
 impl Draw {
-    /// Draws over `doors` from `seed`.
+    /// Draws from `doors` with random numbers from `seed`.
     pub fn new(doors: Vec<Address>, seed: u64) -> Self {
-        Self { doors, random: Pcg32::seed_from_u64(seed) }
+        Self {
+            doors,
+            random: Pcg32::seed_from_u64(seed),
+        }
     }
 
-    /// `count` episodes of one delivery each. Every door comes up once before any comes up again.
+    /// `count` episodes of one delivery each. Every door is drawn once before any is drawn again.
     pub fn singles(&mut self, count: usize) -> Vec<Episode> {
         let mut drawn = Vec::with_capacity(count);
         while drawn.len() < count && !self.doors.is_empty() {
             let left = count - drawn.len();
             drawn.extend(self.shuffled().into_iter().take(left));
         }
-        drawn.into_iter().map(|door| self.episode(vec![door])).collect()
+        drawn
+            .into_iter()
+            .map(|door| self.episode(vec![door]))
+            .collect()
     }
 
     /// `count` episodes of `length` different doors each, or of all doors if there are fewer.
+    /// Without doors there are no episodes.
     pub fn sequences(&mut self, count: usize, length: usize) -> Vec<Episode> {
-        let draws: Vec<Vec<Address>> =
-            (0..count).map(|_| self.shuffled().into_iter().take(length).collect()).collect();
-        draws.into_iter().filter(|doors| !doors.is_empty()).map(|doors| self.episode(doors)).collect()
+        let draws: Vec<Vec<Address>> = (0..count)
+            .map(|_| self.shuffled().into_iter().take(length).collect())
+            .collect();
+        draws
+            .into_iter()
+            .filter(|doors| !doors.is_empty())
+            .map(|doors| self.episode(doors))
+            .collect()
     }
 
     fn shuffled(&mut self) -> Vec<Address> {
@@ -57,7 +80,10 @@ impl Draw {
 
     fn episode(&mut self, doors: Vec<Address>) -> Episode {
         let sentences: Vec<String> = doors.iter().map(|door| self.sentence(door)).collect();
-        Episode { instruction: sentences.join(" "), deliveries: doors }
+        Episode {
+            instruction: sentences.join(" "),
+            deliveries: doors,
+        }
     }
 
     fn sentence(&mut self, door: &Address) -> String {
@@ -66,7 +92,10 @@ impl Draw {
         let Some(unit) = &door.unit else {
             return format!("Please deliver this {item} to {}.", door.building);
         };
-        template.replace("{item}", item).replace("{unit}", unit).replace("{building}", &door.building)
+        template
+            .replace("{item}", item)
+            .replace("{unit}", unit)
+            .replace("{building}", &door.building)
     }
 }
 
@@ -75,11 +104,18 @@ mod tests {
     use super::*;
 
     fn doors(n: usize) -> Vec<Address> {
-        (0..n).map(|i| Address::new(format!("building{}", i / 2 + 1), format!("unit{}", i % 2 + 1))).collect()
+        (0..n)
+            .map(|i| {
+                Address::new(
+                    format!("building{}", i / 2 + 1),
+                    format!("unit{}", i % 2 + 1),
+                )
+            })
+            .collect()
     }
 
     #[test]
-    fn singles_use_every_door_before_any_twice() {
+    fn singles_use_every_door_once_before_any_twice() {
         let episodes = Draw::new(doors(5), 3).singles(10);
         for half in episodes.chunks(5) {
             let mut seen: Vec<&Address> = half.iter().map(|e| &e.deliveries[0]).collect();
@@ -90,18 +126,26 @@ mod tests {
     }
 
     #[test]
-    fn instructions_name_their_doors() {
+    fn instructions_contain_the_addresses_of_their_doors() {
         for episode in Draw::new(doors(6), 9).sequences(20, 4) {
             assert_eq!(episode.deliveries.len(), 4);
             for door in &episode.deliveries {
-                assert!(episode.instruction.contains(door.unit.as_ref().unwrap()), "{}", episode.instruction);
-                assert!(episode.instruction.contains(&door.building), "{}", episode.instruction);
+                assert!(
+                    episode.instruction.contains(door.unit.as_ref().unwrap()),
+                    "{}",
+                    episode.instruction
+                );
+                assert!(
+                    episode.instruction.contains(&door.building),
+                    "{}",
+                    episode.instruction
+                );
             }
         }
     }
 
     #[test]
-    fn seeds_repeat_and_differ_and_no_doors_draw_nothing() {
+    fn draws_depend_on_the_seed_only_and_without_doors_are_empty() {
         let draw = |seed| Draw::new(doors(6), seed).singles(6);
         assert_eq!(draw(1), draw(1));
         assert_ne!(draw(1), draw(2));

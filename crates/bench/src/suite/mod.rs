@@ -1,14 +1,14 @@
-//! Suites: a world and the episodes in it, as files. Pure data: worlds are made in
+//! Suites: a world and the episodes in it, as files. Pure data: worlds are loaded by
 //! [`worlds`](crate::worlds).
 //!
-//! | module | its one job |
+//! | module | content |
 //! |---|---|
-//! | [`source`] | [`WorldSource`]: where the world comes from |
-//! | [`sensors`] | [`Sensors`]: what the robot has besides the benchmark's own |
-//! | [`builtin`] | what the built-in suites hold |
-//! | [`deliveries`] | the published files of deliveries |
+//! | [`source`] | [`WorldSource`]: the source of the world |
+//! | [`sensors`] | [`Sensors`]: sensors in addition to the benchmark's own |
+//! | [`builtin`] | the contents of the built-in suites |
+//! | [`deliveries`] | the published delivery files |
 //! | [`truth_file`] | the published files of true door positions |
-//! | [`draw`] | deliveries with instructions, from a seed |
+//! | [`draw`] | random deliveries with instructions |
 
 pub mod builtin;
 pub mod deliveries;
@@ -27,37 +27,59 @@ pub use self::sensors::Sensors;
 pub use self::source::WorldSource;
 use crate::BenchError;
 
-/// One episode: an instruction and the doors that it asks for.
+/// One episode: an instruction and the doors that it requests.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Episode {
-    /// What the agent is told.
+    /// The instruction for the agent.
     pub instruction: String,
-    /// The doors, in the order in which the suite counts them; each once.
+    /// Addresses of the requested doors, each once.
     pub deliveries: Vec<Address>,
 }
 
 /// A world and the episodes in it.
+///
+/// ```
+/// use openbench_bench::{Sensors, Suite, WorldSource, suite::Episode};
+/// use openbench_core::Address;
+///
+/// let suite = Suite {
+///     name: "one-parcel".into(),
+///     world: WorldSource::Builtin { name: "small".into(), seed: 1 },
+///     traffic: Default::default(),
+///     episodes: vec![Episode {
+///         instruction: "Please take this parcel to unit2, building1.".into(),
+///         deliveries: vec![Address::new("building1", "unit2")],
+///     }],
+///     sensors: Sensors::default(),
+/// };
+/// assert!(suite.to_toml().contains("building = \"building1\""));
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Suite {
-    /// Name, as in results.
+    /// Name of the suite in results.
     pub name: String,
     /// The world.
     pub world: WorldSource,
-    /// People and cars that move in it; none by default, and none in the published suites.
+    /// Moving people and cars; none by default and in the published suites.
     #[serde(default, skip_serializing_if = "TrafficPlan::is_empty")]
     pub traffic: TrafficPlan,
-    /// The episodes, all from the world's start.
+    /// The episodes, all starting at the world's start pose.
     pub episodes: Vec<Episode>,
-    /// Sensors besides the benchmark's own.
+    /// Sensors in addition to the benchmark's own.
     #[serde(default, skip_serializing_if = "Sensors::none")]
     pub sensors: Sensors,
 }
 
 impl Suite {
-    /// Reads a suite from a TOML file.
+    /// Reads a suite from a TOML file. Relative paths in it count from the file's folder.
+    ///
+    /// # Errors
+    /// [`BenchError::File`], [`BenchError::WrongFormat`], or [`BenchError::BadFile`] for a suite
+    /// without episodes.
     pub fn read(path: &Path) -> Result<Self, BenchError> {
         let text = std::fs::read_to_string(path).map_err(|e| BenchError::file(path, e))?;
-        let suite: Self = toml::from_str(&text).map_err(|e| BenchError::wrong_format(path, "suite", e))?;
+        let suite: Self =
+            toml::from_str(&text).map_err(|e| BenchError::wrong_format(path, "suite", e))?;
         if suite.episodes.is_empty() {
             return Err(BenchError::bad_file(path, "the suite has no episodes"));
         }
@@ -66,17 +88,17 @@ impl Suite {
 
     /// The suite as a TOML file.
     pub fn to_toml(&self) -> String {
-        // Strings, integers and lists only: every value has a TOML form.
+        // Only strings, integers, booleans and lists: every value has a TOML form.
         toml::to_string_pretty(self).unwrap_or_default()
     }
 
-    /// Paths in a suite file count from the file's folder.
+    /// The suite with its relative paths resolved against `folder`.
     fn relative_to(mut self, folder: &Path) -> Self {
         let paths: Vec<&mut PathBuf> = match &mut self.world {
             WorldSource::Builtin { .. } => Vec::new(),
-            WorldSource::Imported { world, map, models, .. } => {
-                [world, map].into_iter().chain(models).collect()
-            }
+            WorldSource::Imported {
+                world, map, models, ..
+            } => [world, map].into_iter().chain(models).collect(),
             WorldSource::Folder { path } => vec![path],
         };
         for path in paths {
@@ -91,9 +113,10 @@ impl Suite {
 mod tests {
     use super::*;
     use crate::worlds::builtin_suite;
+    use openbench_core::with_causes;
 
     #[test]
-    fn suites_survive_their_file() {
+    fn a_suite_is_equal_after_writing_and_reading() {
         let suite = Suite {
             name: "yard".into(),
             world: WorldSource::Imported {
@@ -102,7 +125,10 @@ mod tests {
                 models: vec!["models".into()],
                 georeference: Some("utm:50N,-500000,-4483000".into()),
             },
-            traffic: TrafficPlan { pedestrians: 5, cars: 0 },
+            traffic: TrafficPlan {
+                pedestrians: 5,
+                cars: 0,
+            },
             episodes: vec![Episode {
                 instruction: "To unit1, building2, \"please\".".into(),
                 deliveries: vec![Address::new("building2", "unit1")],
@@ -113,43 +139,74 @@ mod tests {
         let path = folder.path().join("yard.toml");
         std::fs::write(&path, suite.to_toml()).unwrap();
         let read = Suite::read(&path).unwrap();
-        assert_eq!((read.traffic, &read.episodes), (suite.traffic, &suite.episodes));
+        assert_eq!(
+            (read.traffic, &read.episodes),
+            (suite.traffic, &suite.episodes)
+        );
         assert_eq!(read.sensors, suite.sensors);
-        let WorldSource::Imported { world, .. } = read.world else { panic!("another source") };
+        let WorldSource::Imported { world, .. } = read.world else {
+            panic!("another source")
+        };
         assert_eq!(world, folder.path().join("yard.world"));
     }
 
     #[test]
-    fn nothing_moves_unless_a_suite_says_so() {
+    fn there_is_traffic_only_if_a_suite_requests_it() {
         assert!(builtin_suite("small").unwrap().traffic.is_empty());
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("crowded.toml");
-        let still = builtin_suite("small").unwrap().to_toml();
-        assert!(!still.contains("traffic"));
-        std::fs::write(&path, format!("{still}\n[traffic]\npedestrians = 12\n")).unwrap();
-        assert_eq!(Suite::read(&path).unwrap().traffic, TrafficPlan { pedestrians: 12, cars: 0 });
-        std::fs::write(&path, format!("{still}\n[traffic]\npedestrian = 12\n")).unwrap();
-        assert!(Suite::read(&path).unwrap_err().to_string().contains("pedestrian"));
+        let without_traffic = builtin_suite("small").unwrap().to_toml();
+        assert!(!without_traffic.contains("traffic"));
+        std::fs::write(
+            &path,
+            format!("{without_traffic}\n[traffic]\npedestrians = 12\n"),
+        )
+        .unwrap();
+        assert_eq!(
+            Suite::read(&path).unwrap().traffic,
+            TrafficPlan {
+                pedestrians: 12,
+                cars: 0
+            }
+        );
+        std::fs::write(
+            &path,
+            format!("{without_traffic}\n[traffic]\npedestrian = 12\n"),
+        )
+        .unwrap();
+        assert!(with_causes(&Suite::read(&path).unwrap_err()).contains("pedestrian"));
     }
 
     #[test]
-    fn robots_get_a_receiver_only_where_a_suite_says_so() {
+    fn the_robot_has_a_gnss_receiver_only_if_a_suite_requests_it() {
         let plain = "name = 'a'\n[world.builtin]\nname = 'small'\nseed = 1\n\
                      [[episodes]]\ninstruction = 'x'\ndeliveries = []\n";
-        let sensors = |text: &str| toml::from_str::<Suite>(text).map(|s| s.sensors.robot().gnss.is_some());
+        let sensors =
+            |text: &str| toml::from_str::<Suite>(text).map(|s| s.sensors.robot().gnss.is_some());
         assert_eq!(sensors(plain), Ok(false));
-        assert_eq!(sensors(&format!("{plain}[sensors]\ngnss = true\n")), Ok(true));
-        assert!(
-            sensors(&format!("{plain}[sensors]\nradar = true\n")).unwrap_err().to_string().contains("radar")
+        assert_eq!(
+            sensors(&format!("{plain}[sensors]\ngnss = true\n")),
+            Ok(true)
         );
-        assert!(!toml::from_str::<Suite>(plain).unwrap().to_toml().contains("sensors"));
+        assert!(
+            sensors(&format!("{plain}[sensors]\nradar = true\n"))
+                .unwrap_err()
+                .to_string()
+                .contains("radar")
+        );
+        assert!(
+            !toml::from_str::<Suite>(plain)
+                .unwrap()
+                .to_toml()
+                .contains("sensors")
+        );
     }
 
     #[test]
-    fn a_file_that_is_no_suite_is_named() {
+    fn a_file_that_is_no_suite_is_reported_by_name() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("nonsense.toml");
         std::fs::write(&path, "name = 3").unwrap();
-        assert!(Suite::read(&path).unwrap_err().to_string().contains("nonsense.toml"));
+        assert!(with_causes(&Suite::read(&path).unwrap_err()).contains("nonsense.toml"));
     }
 }

@@ -1,14 +1,14 @@
-//! Sensors that a suite adds to the robot.
+//! Sensors added to the robot by a suite.
 
 use openbench_core::RobotDescription;
 use serde::{Deserialize, Serialize};
 
-/// What the robot has besides the benchmark's own sensors: nothing, unless a suite says so. Results of a suite that does are not to be
-/// compared with others'.
+/// Sensors in addition to the benchmark's own; none by default. Results with additional sensors are
+/// not comparable with others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Sensors {
-    /// A satellite receiver.
+    /// A GNSS receiver.
     pub gnss: bool,
 }
 

@@ -1,18 +1,18 @@
-//! Where a world comes from, as data: nothing is loaded here.
+//! The source of a world, as data; nothing is loaded here.
 
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-/// Where a world comes from.
+/// The source of a world.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum WorldSource {
-    /// One of our own, generated from its map and a seed.
+    /// A built-in world, generated from its map and a seed.
     Builtin {
-        /// Its name.
+        /// Name of the world: `small`, `medium` or `large`.
         name: String,
-        /// What its facades, trees and cars are drawn from.
+        /// Seed of its facades, trees and cars.
         seed: u64,
     },
     /// A Gazebo world with an OSM map.
@@ -21,12 +21,12 @@ pub enum WorldSource {
         world: PathBuf,
         /// The OSM file.
         map: PathBuf,
-        /// Folders in which `model://` is looked up.
+        /// Folders that are searched for `model://` URIs.
         models: Vec<PathBuf>,
-        /// How the world lies on the Earth, in words; by default from the map.
+        /// Georeference, for example `utm:50N,-500000,-4483000`; by default from the map.
         georeference: Option<String>,
     },
-    /// A folder with a recipe, see [`worlds::folder`](crate::worlds::folder).
+    /// A world folder, see [`worlds::folder`](crate::worlds::folder).
     Folder {
         /// The folder.
         path: PathBuf,

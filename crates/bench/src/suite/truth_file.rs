@@ -1,21 +1,40 @@
-//! The reference's truth files: points in brackets.
+//! The reference's files of true door positions: points in parentheses.
 
 use openbench_core::MapPoint;
 
 use crate::line_problem::LineProblem;
 
-/// The points of each line that is not empty.
+/// Parses the points of each line that is not empty, in the `map` frame.
+///
+/// # Errors
+/// The first line that is not a row of `(x, y)`.
+///
+/// ```
+/// use openbench_bench::suite::truth_file::parse_truth;
+///
+/// let lines = parse_truth("(1.66, -24.35)\n(-2.59, -27.03) (0.85, -27.57)\n").unwrap();
+/// assert_eq!((lines[0].len(), lines[1].len()), (1, 2));
+/// assert_eq!(parse_truth("(1.66; -24.35)").unwrap_err().line, 1);
+/// ```
 pub fn parse_truth(text: &str) -> Result<Vec<Vec<MapPoint>>, LineProblem> {
-    let lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty());
+    let lines = (1..)
+        .zip(text.lines())
+        .filter(|(_, line)| !line.trim().is_empty());
     lines
         .map(|(number, line)| {
-            parse_line(line.trim()).ok_or_else(|| LineProblem { line: number, problem: problem(line) })
+            parse_line(line.trim()).ok_or_else(|| LineProblem {
+                line: number,
+                problem: problem(line),
+            })
         })
         .collect()
 }
 
 fn problem(line: &str) -> String {
-    format!("`{}` is not a row of `(x, y)`", line.trim().chars().take(60).collect::<String>())
+    format!(
+        "`{}` is not a row of `(x, y)`",
+        line.trim().chars().take(60).collect::<String>()
+    )
 }
 
 fn parse_line(line: &str) -> Option<Vec<MapPoint>> {
@@ -39,17 +58,28 @@ mod tests {
     use super::*;
 
     #[test]
-    fn one_or_several_stand_in_a_line() {
+    fn a_line_has_one_or_several_points() {
         let lines = parse_truth("(1.66, -24.35)\n\n(-2.59, -27.03) (0.85, -27.57)\n").unwrap();
         assert_eq!(lines[0], [MapPoint::new(1.66, -24.35)]);
-        assert_eq!(lines[1], [MapPoint::new(-2.59, -27.03), MapPoint::new(0.85, -27.57)]);
+        assert_eq!(
+            lines[1],
+            [MapPoint::new(-2.59, -27.03), MapPoint::new(0.85, -27.57)]
+        );
         assert!(parse_truth("").unwrap().is_empty());
     }
 
     #[test]
-    fn anything_else_is_refused_with_its_line() {
-        for text in ["1, 2", "(1, 2", "(1 2)", "(1, inf)", "(1, 2) x", "(1, 2, 3)"] {
-            let LineProblem { line, problem } = parse_truth(&format!("(0, 0)\n{text}")).unwrap_err();
+    fn anything_else_is_reported_with_its_line() {
+        for text in [
+            "1, 2",
+            "(1, 2",
+            "(1 2)",
+            "(1, inf)",
+            "(1, 2) x",
+            "(1, 2, 3)",
+        ] {
+            let LineProblem { line, problem } =
+                parse_truth(&format!("(0, 0)\n{text}")).unwrap_err();
             assert!(line == 2 && problem.contains(text), "{problem}");
         }
     }

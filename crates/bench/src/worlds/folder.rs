@@ -1,13 +1,14 @@
 //! Worlds as folders.
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
-//! | `world.toml` | the [`Recipe`]: what the world is made from |
-//! | `map.osm` | the whole map, doors included: what the recipe builds on |
-//! | `public.osm` | the map that agents get, doors left out |
+//! | `world.toml` | the [`Recipe`]: sources and parameters of the world |
+//! | `map.osm` | the complete map with doors, from which the recipe builds the world |
+//! | `public.osm` | the map for agents, without doors |
 //! | `suite.toml` | the deliveries, see [`Suite`] |
 //!
-//! The world itself is not stored: recipe and map give the same bytes within one version. A folder appears whole or not at all.
+//! The world itself is not stored: within one version, recipe and map give the same world, byte by
+//! byte. A folder is written to a staging directory and renamed, so it is complete or absent.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -25,48 +26,65 @@ use crate::suite::{Sensors, Suite, WorldSource};
 const PUBLIC: &str = "public.osm";
 const SUITE: &str = "suite.toml";
 
-/// How many deliveries are drawn.
+/// The number and range of the deliveries to draw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wanted {
-    /// Single deliveries.
+    /// Number of single deliveries.
     pub singles: usize,
-    /// Sequences, and doors in each.
+    /// Number of sequences, and number of doors in each.
     pub sequences: (usize, usize),
-    /// Doors further than this from the start in a straight line are not drawn, metres.
+    /// Maximum straight-line distance of a door from the start, metres.
     pub reach: f64,
-    /// What they are drawn from.
+    /// Seed of the draw.
     pub seed: u64,
 }
 
-/// A world that was written, and what there is to say about it.
+/// A world folder that was written.
 pub struct Written {
-    /// The world, ready to run, with the suite that was drawn.
+    /// The world, ready to run, with the drawn suite.
     pub prepared: Prepared,
-    /// Doors that a robot can get to.
+    /// Number of doors that a robot can reach.
     pub reachable: usize,
-    /// Doors that deliveries could be drawn from: reachable, near enough, and of an address that the map has once.
+    /// Number of doors from which deliveries are drawn: reachable, within the distance, and with an
+    /// address that is unique on the map.
     pub candidates: usize,
 }
 
-/// Whether `path` is the folder of a world.
+/// Whether `path` is a world folder.
 pub fn is_world(path: &Path) -> bool {
     path.join(RECIPE).is_file()
 }
 
 /// The suite of the world in `folder`.
+///
+/// # Errors
+/// As [`Suite::read`].
 pub fn suite_of(folder: &Path) -> Result<Suite, BenchError> {
     Suite::read(&folder.join(SUITE))
 }
 
-/// Writes a world's folder: `map` is the whole map, which the recipe names as [`Recipe::map_file`]. An earlier world there is
-/// replaced; anything else is not.
-pub fn write(folder: &Path, recipe: &Recipe, map: &OsmData, wanted: Wanted) -> Result<Written, BenchError> {
+/// Writes a world folder. `map` is the complete map, which the recipe names as
+/// [`Recipe::map_file`].
+///
+/// An existing world folder is replaced; a folder with other files is not.
+///
+/// # Errors
+/// A folder with other files, a world that cannot be built or has no door for a delivery, or a file
+/// that cannot be written.
+pub fn write(
+    folder: &Path,
+    recipe: &Recipe,
+    map: &OsmData,
+    wanted: Wanted,
+) -> Result<Written, BenchError> {
     refuse_others(folder)?;
     let staging = StagingFolder::new(folder)?;
     staging.put(MAP, &map.to_xml())?;
     let text = toml::to_string_pretty(recipe).map_err(|e| staging.bad(RECIPE, e))?;
     staging.put(RECIPE, text.as_bytes())?;
-    let source = WorldSource::Folder { path: staging.path.clone() };
+    let source = WorldSource::Folder {
+        path: staging.path.clone(),
+    };
     let suite = Suite {
         name: recipe.name().to_owned(),
         world: source,
@@ -79,8 +97,9 @@ pub fn write(folder: &Path, recipe: &Recipe, map: &OsmData, wanted: Wanted) -> R
     let (reachable, candidates) = draw(&mut prepared, wanted);
     if prepared.suite.episodes.is_empty() {
         return Err(BenchError::world(format!(
-            "no door can be delivered to: of {} doors a robot gets to {reachable}, and none of these has an address of its own \
-             within {} m of the start; take a larger part of the map, another --start or a longer --reach",
+            "no door can be delivered to: a robot can reach {reachable} of {} doors, and none of \
+these has a unique address within {} m of the start; use a larger part of the map, \
+another --start or a longer --reach",
             prepared.world.scene.doors.len(),
             wanted.reach
         )));
@@ -89,15 +108,27 @@ pub fn write(folder: &Path, recipe: &Recipe, map: &OsmData, wanted: Wanted) -> R
     staging.put(SUITE, prepared.suite.to_toml().as_bytes())?;
     staging.move_to(folder)?;
     prepared.suite = suite_of(folder)?;
-    Ok(Written { prepared, reachable, candidates })
+    Ok(Written {
+        prepared,
+        reachable,
+        candidates,
+    })
 }
 
-/// Draws the suite's episodes; counts the doors that can be reached, and those that were drawn from.
+/// Draws the suite's episodes; returns the number of reachable doors and of candidates.
 fn draw(prepared: &mut Prepared, wanted: Wanted) -> (usize, usize) {
     let (map, start) = (prepared.osm_map(), prepared.world.start.point());
     let doors = prepared.world.scene.doors.iter().zip(&prepared.approach);
-    let reachable: Vec<_> = doors.filter(|(_, approach)| approach.is_some()).map(|(door, _)| door).collect();
-    let is_known = |a: &Address| matches!(locate(&map, a), Location::Building(_) | Location::Unit { .. });
+    let reachable: Vec<_> = doors
+        .filter(|(_, approach)| approach.is_some())
+        .map(|(door, _)| door)
+        .collect();
+    let is_known = |a: &Address| {
+        matches!(
+            locate(&map, a),
+            Location::Building(_) | Location::Unit { .. }
+        )
+    };
     let candidates: Vec<Address> = reachable
         .iter()
         .filter(|d| d.point().distance(start) <= wanted.reach && is_known(&d.address))
@@ -105,7 +136,7 @@ fn draw(prepared: &mut Prepared, wanted: Wanted) -> (usize, usize) {
         .collect();
     let counts = (reachable.len(), candidates.len());
     let mut draw = Draw::new(candidates, wanted.seed);
-    // No door twice, and no sequence of one.
+    // No door is drawn twice, and no sequence has only one door unless requested.
     let mut episodes = draw.singles(wanted.singles.min(counts.1));
     if counts.1 > 1 || wanted.sequences.1 == 1 {
         episodes.extend(draw.sequences(wanted.sequences.0, wanted.sequences.1));
@@ -117,14 +148,24 @@ fn draw(prepared: &mut Prepared, wanted: Wanted) -> (usize, usize) {
 fn refuse_others(folder: &Path) -> Result<(), BenchError> {
     let bad = |problem: &str| Err(BenchError::bad_file(folder, problem));
     let Ok(entries) = std::fs::read_dir(folder) else {
-        return if folder.exists() { bad("this is a file; name a folder") } else { Ok(()) };
+        return if folder.exists() {
+            bad("this is a file; use a folder")
+        } else {
+            Ok(())
+        };
     };
     let ours = [RECIPE, MAP, PUBLIC, SUITE];
-    let foreign = entries.filter_map(Result::ok).any(|e| !ours.iter().any(|name| e.file_name() == *name));
-    if foreign { bad("the folder holds other things than a world; name another one") } else { Ok(()) }
+    let foreign = entries
+        .filter_map(Result::ok)
+        .any(|e| !ours.iter().any(|name| e.file_name() == *name));
+    if foreign {
+        bad("the folder contains files that do not belong to a world; use another folder")
+    } else {
+        Ok(())
+    }
 }
 
-/// A temporary folder beside the final one. It is removed unless it was moved there.
+/// A temporary folder next to the final one. It is removed when dropped, unless it was moved.
 struct StagingFolder {
     path: PathBuf,
 }
@@ -132,7 +173,11 @@ struct StagingFolder {
 impl StagingFolder {
     fn new(folder: &Path) -> Result<Self, BenchError> {
         let absolute = std::path::absolute(folder).map_err(|e| BenchError::file(folder, e))?;
-        let name = absolute.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let name = absolute
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
         let path = absolute.with_file_name(format!(".{name}.{}.part", std::process::id()));
         std::fs::create_dir_all(&path).map_err(|e| BenchError::file(&path, e))?;
         Ok(Self { path })
@@ -153,13 +198,17 @@ impl StagingFolder {
             std::fs::rename(folder, &old).map_err(failed)?;
         }
         std::fs::rename(&self.path, folder).map_err(failed)?;
-        if old.exists() { std::fs::remove_dir_all(&old).map_err(failed) } else { Ok(()) }
+        if old.exists() {
+            std::fs::remove_dir_all(&old).map_err(failed)
+        } else {
+            Ok(())
+        }
     }
 }
 
 impl Drop for StagingFolder {
     fn drop(&mut self) {
-        // Moved away already if all went well.
+        // It no longer exists if it was moved.
         let _ = std::fs::remove_dir_all(&self.path);
     }
 }
@@ -167,13 +216,15 @@ impl Drop for StagingFolder {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use openbench_core::with_causes;
 
     #[test]
-    fn what_is_no_world_is_not_replaced() {
+    fn only_a_world_folder_is_replaced() {
         let folder = tempfile::tempdir().unwrap();
         assert!(refuse_others(&folder.path().join("new")).is_ok());
         std::fs::write(folder.path().join("thesis.tex"), "").unwrap();
-        assert!(refuse_others(folder.path()).unwrap_err().to_string().contains("other things"));
-        assert!(refuse_others(&folder.path().join("thesis.tex")).unwrap_err().to_string().contains("a file"));
+        let problem = |path: &Path| with_causes(&refuse_others(path).unwrap_err());
+        assert!(problem(folder.path()).contains("do not belong to a world"));
+        assert!(problem(&folder.path().join("thesis.tex")).contains("this is a file"));
     }
 }

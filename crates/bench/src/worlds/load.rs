@@ -1,4 +1,4 @@
-//! From a suite's world source to the world.
+//! From a suite's [`WorldSource`] to the world.
 
 use std::path::PathBuf;
 
@@ -12,22 +12,33 @@ use crate::BenchError;
 use crate::suite::WorldSource;
 use crate::suite::builtin::builtin_suites;
 
-/// Makes a world.
+/// Builds a world.
 ///
 /// # Errors
-/// [`BenchError`] with the file or the name that does not do.
+/// An unknown name, a file that cannot be used, or a world that cannot be built.
 pub fn load(source: &WorldSource) -> Result<World, BenchError> {
     match source {
         WorldSource::Builtin { name, seed } => builtin(name, *seed),
-        WorldSource::Imported { world, map, models, georeference } => {
-            imported(world.clone(), map.clone(), models.clone(), georeference.as_deref())
-        }
+        WorldSource::Imported {
+            world,
+            map,
+            models,
+            georeference,
+        } => imported(
+            world.clone(),
+            map.clone(),
+            models.clone(),
+            georeference.as_deref(),
+        ),
         WorldSource::Folder { path } => Recipe::read(path)?.build(path),
     }
 }
 
 fn builtin(name: &str, seed: u64) -> Result<World, BenchError> {
-    let unknown = || BenchError::UnknownSuite { name: name.to_owned(), known: builtin_suites() };
+    let unknown = || BenchError::UnknownSuite {
+        name: name.to_owned(),
+        known: builtin_suites(),
+    };
     let world = generate::builtin(name, seed).ok_or_else(unknown)?;
     world.map_err(BenchError::world)
 }
@@ -38,7 +49,16 @@ fn imported(
     models: Vec<PathBuf>,
     georeference: Option<&str>,
 ) -> Result<World, BenchError> {
-    let georeference = georeference.map(str::parse::<Georeference>).transpose().map_err(BenchError::world)?;
-    let request = ImportRequest { world, map, models, georeference, start: None };
+    let georeference = georeference
+        .map(str::parse::<Georeference>)
+        .transpose()
+        .map_err(BenchError::world)?;
+    let request = ImportRequest {
+        world,
+        map,
+        models,
+        georeference,
+        start: None,
+    };
     import_world(&request).map_err(BenchError::world)
 }

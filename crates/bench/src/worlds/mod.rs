@@ -1,12 +1,12 @@
-//! Worlds: loaded, made ready to run, written as folders.
+//! Worlds: loading, preparation for runs, world folders.
 //!
-//! | module | its one job |
+//! | module | content |
 //! |---|---|
 //! | [`mod@load`] | from a [`WorldSource`](crate::WorldSource) to the world |
 //! | [`builtin`] | the built-in suites |
 //! | [`prepared`] | [`Prepared`]: a suite with its world built and its doors looked up |
-//! | [`targets`] | [`Target`]: the doors that an episode asks for |
-//! | [`recipe`] | [`Recipe`]: what a world is made from |
+//! | [`targets`] | [`Target`]: the doors that an episode requests |
+//! | [`recipe`] | [`Recipe`]: sources and parameters of a world |
 //! | [`folder`] | worlds as folders: recipe, maps, suite |
 
 pub mod builtin;

@@ -1,4 +1,4 @@
-//! A suite made ready to run: the world built, free space known, doors and lengths looked up.
+//! A suite prepared for runs: the world built, its free space computed, its doors looked up.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -14,88 +14,134 @@ use super::targets::{Target, find_doors, match_doors, read_truths};
 use crate::BenchError;
 use crate::suite::Suite;
 
-/// Time limit of a delivery: seconds, and seconds for each metre of the shortest way at 0.5 m/s.
-const TIME_LIMIT: (f64, f64) = (120.0, 8.0 / 0.5);
+/// Constant part of the time limit of a delivery.
+const BASE_TIME_LIMIT_S: f64 = 120.0;
+/// Time limit for each metre of the shortest path: eight times the time at 0.5 m/s.
+const TIME_LIMIT_S_PER_M: f64 = 8.0 / 0.5;
 
 /// An episode with its doors looked up.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PreparedEpisode {
-    /// What the agent is told.
+    /// The instruction for the agent.
     pub instruction: String,
-    /// The doors.
+    /// The requested doors.
     pub targets: Vec<Target>,
-    /// Time for all of them.
+    /// Exact time limit for all deliveries.
     pub time_limit: Duration,
 }
 
-/// A suite that can be run.
+/// A suite with its world, ready to run.
 pub struct Prepared {
     /// The suite.
     pub suite: Suite,
     /// The world.
     pub world: World,
-    /// The world for the simulator.
+    /// The world as the simulator needs it.
     pub stage: Stage,
-    /// Where the robot fits.
+    /// The free space of the robot's circumscribed circle.
     pub free_space: FreeSpace,
-    /// For each door of the world: where one stands at it; `None` if it cannot be reached.
+    /// The approach point of each door of the world: the free and reachable position in front of
+    /// it; `None` if there is none.
     pub approach: Vec<Option<MapPoint>>,
     /// The episodes.
     pub episodes: Vec<PreparedEpisode>,
     /// The robot.
     pub robot: RobotDescription,
-    /// Where people fit; `None` where nobody moves.
+    /// The free space of people; `None` in a world without traffic.
     people_space: Option<FreeSpace>,
-    /// The file with the true positions, if one was given.
+    /// The file with the true positions of the doors, if one was given.
     pub truth: Option<PathBuf>,
 }
 
 impl Prepared {
-    /// Builds the world of a suite and looks up its doors. `truth` is a file of true door positions that, where it is given,
-    /// says which doors are meant.
+    /// Builds the world of a suite and looks up its doors, by address or, if `truth` is given, by
+    /// the true positions in that file.
+    ///
+    /// # Errors
+    /// A world that cannot be built, a truth file that does not fit, or an episode without
+    /// deliveries.
     pub fn new(suite: Suite, truth: Option<&Path>) -> Result<Self, BenchError> {
         Self::world_of(suite)?.with_episodes(truth)
     }
 
-    /// The same with the suite's episodes looked up, see [`new`](Self::new).
+    /// Looks up the doors of the suite's episodes, see [`new`](Self::new).
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
     pub fn with_episodes(mut self, truth: Option<&Path>) -> Result<Self, BenchError> {
-        let truths = truth.map(|path| read_truths(path, &self.suite, &self.world)).transpose()?;
+        let truths = truth
+            .map(|path| read_truths(path, &self.suite, &self.world))
+            .transpose()?;
         self.episodes = self.look_up(truths.as_deref())?;
-        self.truth = truth.map(|path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned()));
+        self.truth =
+            truth.map(|path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned()));
         Ok(self)
     }
 
-    /// Builds the world of a suite, without its episodes.
+    /// Builds the world of a suite without its episodes.
+    ///
+    /// # Errors
+    /// A world that cannot be built.
     pub fn world_of(suite: Suite) -> Result<Self, BenchError> {
         let world = load(&suite.world)?;
         let robot = suite.sensors.robot();
-        let stage = Stage::peopled(world.scene.clone(), suite.traffic).map_err(BenchError::world)?;
+        let stage =
+            Stage::peopled(world.scene.clone(), suite.traffic).map_err(BenchError::world)?;
         let space = |radius| FreeSpace::new(stage.caster(), world.start.point(), radius);
         let free_space = space(robot.circumscribed_radius());
         let people_space = (!suite.traffic.is_empty()).then(|| space(PERSON_RADIUS));
-        let approach = world.scene.doors.iter().map(|d| free_space.approach_point(d)).collect();
+        let approach = world
+            .scene
+            .doors
+            .iter()
+            .map(|d| free_space.approach_point(d))
+            .collect();
         let (episodes, truth) = (Vec::new(), None);
-        Ok(Self { suite, world, stage, free_space, approach, episodes, robot, people_space, truth })
+        Ok(Self {
+            suite,
+            world,
+            stage,
+            free_space,
+            approach,
+            episodes,
+            robot,
+            people_space,
+            truth,
+        })
     }
 
-    /// The public map in metres.
+    /// The public map, in metres in the `map` frame.
     pub fn osm_map(&self) -> OsmMap {
         OsmMap::new(&self.world.map, self.world.georeference)
     }
 
-    /// The people and cars of an episode; `None` where nobody moves.
+    /// The people and cars of an episode; `None` in a world without traffic.
     pub fn traffic(&self, seed: u64) -> Option<Traffic> {
         let space = self.people_space.as_ref()?;
         let fits = |at: MapPoint| space.is_reachable(at);
-        Some(Traffic::new(&self.osm_map(), fits, self.suite.traffic, self.world.start.point(), seed))
+        Some(Traffic::new(
+            &self.osm_map(),
+            fits,
+            self.suite.traffic,
+            self.world.start.point(),
+            seed,
+        ))
     }
 
-    /// The robot at the start of an episode, people and cars about it.
+    /// The simulator at the start of an episode, with people and cars.
+    ///
+    /// # Errors
+    /// [`BenchError::World`] if people and cars cannot be placed.
     pub fn simulator(&self, seed: u64) -> Result<Simulator, BenchError> {
-        let still = Simulator::new(self.stage.clone(), self.robot.clone(), self.world.start, seed);
+        let simulator = Simulator::new(
+            self.stage.clone(),
+            self.robot.clone(),
+            self.world.start,
+            seed,
+        );
         match self.traffic(seed) {
-            Some(traffic) => still.among(traffic).map_err(BenchError::world),
-            None => Ok(still),
+            Some(traffic) => simulator.among(traffic).map_err(BenchError::world),
+            None => Ok(simulator),
         }
     }
 
@@ -114,7 +160,11 @@ impl Prepared {
                     });
                 }
                 let time_limit = self.time_limit(&targets);
-                Ok(PreparedEpisode { instruction: episode.instruction.clone(), targets, time_limit })
+                Ok(PreparedEpisode {
+                    instruction: episode.instruction.clone(),
+                    targets,
+                    time_limit,
+                })
             })
             .collect()
     }
@@ -124,19 +174,21 @@ impl Prepared {
         let mut seconds = 0.0;
         for target in targets {
             let Some(door) = target.door else {
-                seconds += TIME_LIMIT.0;
+                seconds += BASE_TIME_LIMIT_S;
                 continue;
             };
             let plate = self.world.scene.doors[door].point();
-            let length = self.shortest(from, door).unwrap_or_else(|| from.distance(plate));
-            seconds += TIME_LIMIT.0 + TIME_LIMIT.1 * length;
+            let length = self
+                .shortest(from, door)
+                .unwrap_or_else(|| from.distance(plate));
+            seconds += BASE_TIME_LIMIT_S + TIME_LIMIT_S_PER_M * length;
             from = self.approach[door].unwrap_or(plate);
         }
         Duration::from_millis((seconds * 1000.0) as u64)
     }
 
-    /// What a user should know before a run, in words: doors that are asked for and do not exist, and people and cars for whom there is no
-    /// room.
+    /// Warnings for the user before a run: requested doors that do not exist, and people and cars
+    /// for which there is no space.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = self.missing_doors();
         warnings.extend(self.missing_traffic());
@@ -147,17 +199,27 @@ impl Prepared {
         let (placed, wanted) = (self.traffic(0)?.placed(), self.suite.traffic);
         (placed != wanted).then(|| {
             format!(
-                "of {} people and {} cars there is room for {} and {} on the map's ways near the start",
-                wanted.pedestrians, wanted.cars, placed.pedestrians, placed.cars
+                "there is space for {} of {} people and {} of {} cars on the roads and paths near \
+the start",
+                placed.pedestrians, wanted.pedestrians, placed.cars, wanted.cars
             )
         })
     }
 
     fn missing_doors(&self) -> Vec<String> {
-        let targets =
-            self.episodes.iter().enumerate().flat_map(|(i, e)| e.targets.iter().map(move |t| (i, t)));
+        let targets = self
+            .episodes
+            .iter()
+            .enumerate()
+            .flat_map(|(i, e)| e.targets.iter().map(move |t| (i, t)));
         let missing = targets.filter(|(_, t)| t.door.is_none());
-        let doors: Vec<String> = self.world.scene.doors.iter().map(|d| d.address.to_string()).collect();
+        let doors: Vec<String> = self
+            .world
+            .scene
+            .doors
+            .iter()
+            .map(|d| d.address.to_string())
+            .collect();
         missing
             .map(|(i, t)| {
                 format!(
@@ -169,7 +231,8 @@ impl Prepared {
             .collect()
     }
 
-    /// Length of the shortest way of the footprint from a place to a door's approach point, metres.
+    /// Length of the shortest path of the footprint from a point to a door's approach point,
+    /// metres; `None` if there is no path.
     pub fn shortest(&self, from: MapPoint, door: usize) -> Option<f64> {
         let from = self.free_space.nearest_reachable(from, 1.0)?;
         self.free_space.distance(from, self.approach[door]?)
@@ -184,15 +247,18 @@ mod tests {
     use openbench_core::Velocity;
 
     #[test]
-    fn a_receiver_is_heard_where_the_suite_asks_for_one() {
-        let heard = |gnss: bool| {
-            let suite = Suite { sensors: Sensors { gnss }, ..builtin_suite("small").unwrap() };
+    fn there_are_gnss_fixes_if_the_suite_requests_a_receiver() {
+        let has_fixes = |gnss: bool| {
+            let suite = Suite {
+                sensors: Sensors { gnss },
+                ..builtin_suite("small").unwrap()
+            };
             let mut simulator = Prepared::world_of(suite).unwrap().simulator(1).unwrap();
             (0..40).any(|_| {
                 simulator.step(Velocity::ZERO);
                 simulator.observation().gnss.is_some()
             })
         };
-        assert!(heard(true) && !heard(false));
+        assert!(has_fixes(true) && !has_fixes(false));
     }
 }

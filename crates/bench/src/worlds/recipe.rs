@@ -1,4 +1,4 @@
-//! What a world is made from, as the file `world.toml` of its folder.
+//! The sources and parameters of a world: the file `world.toml` of its folder.
 
 use std::path::{Path, PathBuf};
 
@@ -11,33 +11,34 @@ use serde::{Deserialize, Serialize};
 
 use crate::BenchError;
 
-/// Name of a recipe's file.
+/// Name of the recipe's file.
 pub(super) const RECIPE: &str = "world.toml";
-/// Name of the map's file beside it.
+/// Name of the map's file in the same folder.
 pub(super) const MAP: &str = "map.osm";
 
-/// What a world is made from; paths count from its folder.
+/// The sources and parameters of a world. Relative paths count from its folder.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Recipe {
     /// Generated from a map and a seed.
     Generated {
-        /// Version of OpenBench that wrote it; another one may build something else.
+        /// Version of OpenBench that wrote the recipe; another version may build another world.
         version: String,
-        /// Name of the world, as in results.
+        /// Name of the world in results.
         name: String,
-        /// The map.
+        /// The OSM file.
         map: PathBuf,
-        /// What the map leaves open is drawn from it.
+        /// Seed of everything that the map does not determine.
         seed: u64,
-        /// How the `map` frame lies on the Earth, in words.
+        /// Georeference of the `map` frame, for example `utm:32N,-373000,-4844000`.
         georeference: String,
-        /// Where the robot starts: x, y in metres, yaw in degrees; by default a clear place near the middle.
+        /// Start pose of the robot: x, y in metres, yaw in degrees; by default free ground near the
+        /// centre.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         start: Option<[f64; 3]>,
-        /// Share of the parking places with a car in them.
+        /// Share of the parking spaces with a parked car, 0 to 1.
         parked_cars: f64,
-        /// How much greenery is added to the map's own.
+        /// Amount of vegetation added to the map's own.
         planting: f64,
         /// Whether buildings without a mapped entrance get doors.
         invent_doors: bool,
@@ -46,35 +47,39 @@ pub enum Recipe {
     },
     /// A Gazebo world with an OSM map.
     Imported {
-        /// Version of OpenBench that wrote it.
+        /// Version of OpenBench that wrote the recipe.
         version: String,
-        /// Name of the world, as in results.
+        /// Name of the world in results.
         name: String,
         /// The SDF file.
         world: PathBuf,
-        /// The map.
+        /// The OSM file.
         map: PathBuf,
-        /// Folders in which `model://` is looked up.
+        /// Folders that are searched for `model://` URIs.
         models: Vec<PathBuf>,
-        /// How the world lies on the Earth, in words.
+        /// Georeference of the `map` frame.
         georeference: String,
-        /// Where the robot starts: x, y in metres, yaw in degrees; by default the world's origin, or before a door.
+        /// Start pose of the robot: x, y in metres, yaw in degrees; by default the world's origin,
+        /// or a free position in front of a door.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         start: Option<[f64; 3]>,
     },
 }
 
 impl Recipe {
-    /// The recipe of the world in `folder`.
+    /// Reads the recipe of the world in `folder`.
+    ///
+    /// # Errors
+    /// [`BenchError::File`] or [`BenchError::WrongFormat`].
     pub fn read(folder: &Path) -> Result<Self, BenchError> {
         let path = folder.join(RECIPE);
         let text = std::fs::read_to_string(&path).map_err(|e| BenchError::file(&path, e))?;
         toml::from_str(&text).map_err(|e| BenchError::wrong_format(&path, "recipe of a world", e))
     }
 
-    /// The recipe of a world generated from the map beside it, with what is usual.
+    /// The recipe of a world generated from the map in the same folder, with default options.
     pub fn generated(name: &str, georeference: Georeference, seed: u64) -> Self {
-        let usual = GenerateOptions::default();
+        let defaults = GenerateOptions::default();
         Self::Generated {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             name: name.to_owned(),
@@ -82,24 +87,44 @@ impl Recipe {
             seed,
             georeference: georeference.to_string(),
             start: None,
-            parked_cars: usual.parked_cars,
-            planting: usual.planting,
-            invent_doors: usual.invent_doors,
+            parked_cars: defaults.parked_cars,
+            planting: defaults.planting,
+            invent_doors: defaults.invent_doors,
             attribution: vec!["Map: © OpenStreetMap contributors, ODbL 1.0".to_owned()],
         }
     }
 
-    /// Builds the world; `folder` is where the recipe lies.
+    /// Builds the world; `folder` is the folder of the recipe.
+    ///
+    /// # Errors
+    /// A georeference or map that cannot be read, or a world that cannot be built.
     pub fn build(&self, folder: &Path) -> Result<World, BenchError> {
         let recipe = folder.join(RECIPE);
-        let place = |words: &str| words.parse::<Georeference>().map_err(|e| BenchError::bad_file(&recipe, e));
+        let place = |words: &str| {
+            words
+                .parse::<Georeference>()
+                .map_err(|e| BenchError::bad_file(&recipe, e))
+        };
         let mut world = match self {
-            Self::Generated { map, seed, georeference, .. } => {
+            Self::Generated {
+                map,
+                seed,
+                georeference,
+                ..
+            } => {
                 let data = read_map(&folder.join(map))?;
                 let options = self.options().unwrap_or_default();
                 generate(&data, place(georeference)?, *seed, &options).map_err(BenchError::world)?
             }
-            Self::Imported { name, world, map, models, georeference, start, .. } => {
+            Self::Imported {
+                name,
+                world,
+                map,
+                models,
+                georeference,
+                start,
+                ..
+            } => {
                 let request = ImportRequest {
                     world: folder.join(world),
                     map: folder.join(map),
@@ -114,7 +139,7 @@ impl Recipe {
         };
         if self.version() != env!("CARGO_PKG_VERSION") {
             world.warnings.push(format!(
-                "{} was written by version {}, this is {}; the world may have changed",
+                "{} was written by version {}, this is version {}; the world may differ",
                 folder.display(),
                 self.version(),
                 env!("CARGO_PKG_VERSION")
@@ -124,7 +149,15 @@ impl Recipe {
     }
 
     fn options(&self) -> Option<GenerateOptions> {
-        let Self::Generated { name, start, parked_cars, planting, invent_doors, attribution, .. } = self
+        let Self::Generated {
+            name,
+            start,
+            parked_cars,
+            planting,
+            invent_doors,
+            attribution,
+            ..
+        } = self
         else {
             return None;
         };
@@ -144,14 +177,14 @@ impl Recipe {
         }
     }
 
-    /// Name of the world, as in results.
+    /// Name of the world in results.
     pub fn name(&self) -> &str {
         match self {
             Self::Generated { name, .. } | Self::Imported { name, .. } => name,
         }
     }
 
-    /// The map's file in the folder.
+    /// The path of the map in the folder.
     pub fn map_file() -> PathBuf {
         MAP.into()
     }
@@ -171,7 +204,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn recipes_survive_their_file() {
+    fn a_recipe_is_equal_after_writing_and_reading() {
         let recipe = Recipe::Generated {
             version: "0.1.0".into(),
             name: "hill".into(),

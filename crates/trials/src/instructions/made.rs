@@ -1,9 +1,19 @@
-//! Instructions made from templates (`data/instructions/templates`), the same for the same seed.
+//! Instructions generated from templates (`data/instructions/templates`); the same seed gives the
+//! same instructions.
 //!
-//! For each language and template, some times over: different doors of the estate, one form of address, numbers as digits or as words. In a
-//! template `{1}` is the address of the first door, `{b1}` and `{u1}` the numbers of its building and of its unit; in a form of address `{b}`, `{u}` and `{o}`
-//! are the numbers and the unit's ordinal. Doors lie in different buildings but for templates of `one_building`; all have the same unit in those of `one_unit`. Which doors
-//! are to be delivered to (`deliver`, all by default) and which before which (`before`) the template says; what it names otherwise must not be delivered to.
+//! Each template of each language is filled several times, with different doors of the estate, one
+//! form of address, and numbers as digits or as words.
+//!
+//! | placeholder | in | replaced by |
+//! |---|---|---|
+//! | `{1}` | template | address of the first door |
+//! | `{b1}`, `{u1}` | template | number of its building, of its unit |
+//! | `{b}`, `{u}` | form of address | number of the building, of the unit |
+//! | `{o}` | form of address | ordinal of the unit |
+//!
+//! The doors are in different buildings, except in templates with `one_building`; with `one_unit`
+//! all have the same unit. A template says which doors are delivered to (`deliver`, by default all)
+//! and in which order (`before`). Doors that it mentions otherwise must not be delivered to.
 
 use openbench_core::Address;
 use rand::{RngExt, SeedableRng};
@@ -12,24 +22,43 @@ use serde::Deserialize;
 
 use super::{Case, Difficulty, MapName, Split};
 
-/// The languages with their templates.
+/// The languages (BCP 47) and their templates.
 const LANGUAGES: [(&str, &str); 6] = [
-    ("en", include_str!("../../data/instructions/templates/en.toml")),
-    ("zh", include_str!("../../data/instructions/templates/zh.toml")),
-    ("es", include_str!("../../data/instructions/templates/es.toml")),
-    ("de", include_str!("../../data/instructions/templates/de.toml")),
-    ("fr", include_str!("../../data/instructions/templates/fr.toml")),
-    ("ja", include_str!("../../data/instructions/templates/ja.toml")),
+    (
+        "en",
+        include_str!("../../data/instructions/templates/en.toml"),
+    ),
+    (
+        "zh",
+        include_str!("../../data/instructions/templates/zh.toml"),
+    ),
+    (
+        "es",
+        include_str!("../../data/instructions/templates/es.toml"),
+    ),
+    (
+        "de",
+        include_str!("../../data/instructions/templates/de.toml"),
+    ),
+    (
+        "fr",
+        include_str!("../../data/instructions/templates/fr.toml"),
+    ),
+    (
+        "ja",
+        include_str!("../../data/instructions/templates/ja.toml"),
+    ),
 ];
-/// Buildings of the estate, and units of each.
+/// Number of buildings of the estate.
 const BUILDINGS: usize = 12;
+/// Number of units of each building.
 const UNITS: usize = 4;
-/// How often each template is filled.
-const TIMES: usize = 3;
-/// Share of instructions with numbers as words.
-const WORDS: f64 = 0.3;
-/// Doors that a template may name.
-const MOST_DOORS: usize = 4;
+/// Number of instructions from each template.
+const REPETITIONS: usize = 3;
+/// Share of instructions with numbers as words, except easy ones.
+const NUMBER_WORDS_SHARE: f64 = 0.3;
+/// Maximum number of doors in a template.
+const MAX_DOORS: usize = 4;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -37,7 +66,7 @@ struct Language {
     numbers: Vec<String>,
     #[serde(default)]
     ordinals: Vec<String>,
-    /// What prepositions and articles become together.
+    /// Contractions of prepositions with articles: separate and contracted form.
     #[serde(default)]
     contractions: Vec<(String, String)>,
     development: Templates,
@@ -69,22 +98,26 @@ struct Template {
 /// A door of the estate: numbers of building and unit, from 1.
 type Door = (usize, usize);
 
-/// The instructions of a split from a seed; no unseen ones are made from templates.
+/// Generates the instructions of a split from a seed; the unseen split has none from templates.
 ///
 /// # Panics
-/// Never: the built-in templates are sound, as a test shows.
+/// Never: a test parses the built-in templates.
 pub fn made(split: Split, seed: u64) -> Vec<Case> {
     let mut cases = Vec::new();
     for (stream, (lang, text)) in (0..).zip(LANGUAGES) {
-        let language: Language = toml::from_str(text).expect("built-in templates can be read");
+        let language: Language = toml::from_str(text).expect("the built-in templates are valid");
         let (templates, name) = match split {
             Split::Development => (&language.development, "development"),
             Split::Test => (&language.test, "test"),
             Split::Unseen => break,
         };
-        let mut rng =
-            Pcg64Mcg::seed_from_u64(seed ^ (stream << 32) ^ (u64::from(split == Split::Test) << 40));
-        let every = templates.templates.iter().flat_map(|template| std::iter::repeat_n(template, TIMES));
+        let mut rng = Pcg64Mcg::seed_from_u64(
+            seed ^ (stream << 32) ^ (u64::from(split == Split::Test) << 40),
+        );
+        let every = templates
+            .templates
+            .iter()
+            .flat_map(|template| std::iter::repeat_n(template, REPETITIONS));
         for (number, template) in (1..).zip(every) {
             let id = format!("{lang}-made-{name}-{number:02}");
             cases.push(language.fill(template, templates, (id, lang), &mut rng));
@@ -101,25 +134,41 @@ impl Language {
         (id, lang): (String, &str),
         rng: &mut Pcg64Mcg,
     ) -> Case {
-        let count = (1..=MOST_DOORS).rev().find(|k| names(&template.text, *k)).unwrap_or(0);
+        let count = (1..=MAX_DOORS)
+            .rev()
+            .find(|k| names(&template.text, *k))
+            .unwrap_or(0);
         let doors = doors(template, count, rng);
         let form = &templates.addresses[rng.random_range(0..templates.addresses.len())];
-        let as_words = template.difficulty != Difficulty::Easy && rng.random_bool(WORDS);
+        let as_words =
+            template.difficulty != Difficulty::Easy && rng.random_bool(NUMBER_WORDS_SHARE);
         let mut instruction = template.text.clone();
         for (k, door) in (1..).zip(&doors) {
             let (b, u) = (self.number(door.0, as_words), self.number(door.1, as_words));
             let ordinal = self.ordinals.get(door.1 - 1).map_or("", String::as_str);
-            let address = form.replace("{b}", &b).replace("{u}", &u).replace("{o}", ordinal);
+            let address = form
+                .replace("{b}", &b)
+                .replace("{u}", &u)
+                .replace("{o}", ordinal);
             instruction = instruction.replace(&format!("{{{k}}}"), &address);
-            instruction = instruction.replace(&format!("{{b{k}}}"), &b).replace(&format!("{{u{k}}}"), &u);
+            instruction = instruction
+                .replace(&format!("{{b{k}}}"), &b)
+                .replace(&format!("{{u{k}}}"), &u);
         }
         for (apart, together) in &self.contractions {
             instruction = instruction.replace(apart, together);
         }
         let all: Vec<usize> = (1..=count).collect();
-        let deliver = if template.deliver.is_empty() { &all } else { &template.deliver };
+        let deliver = if template.deliver.is_empty() {
+            &all
+        } else {
+            &template.deliver
+        };
         let place = |door: usize| deliver.iter().position(|d| *d == door);
-        let before = template.before.iter().filter_map(|(a, b)| Some((place(*a)?, place(*b)?)));
+        let before = template
+            .before
+            .iter()
+            .filter_map(|(a, b)| Some((place(*a)?, place(*b)?)));
         let address = |door: &usize| {
             let (b, u) = doors[door - 1];
             Address::new(format!("building{b}"), format!("unit{u}"))
@@ -142,12 +191,14 @@ impl Language {
     }
 }
 
-/// Whether a template says something of door `k`.
+/// Whether a template mentions door `k`.
 fn names(text: &str, k: usize) -> bool {
-    ["", "b", "u"].iter().any(|kind| text.contains(&format!("{{{kind}{k}}}")))
+    ["", "b", "u"]
+        .iter()
+        .any(|kind| text.contains(&format!("{{{kind}{k}}}")))
 }
 
-/// Different doors.
+/// Draws different doors.
 fn doors(template: &Template, count: usize, rng: &mut Pcg64Mcg) -> Vec<Door> {
     let mut doors: Vec<Door> = Vec::new();
     while doors.len() < count {
@@ -167,10 +218,12 @@ fn doors(template: &Template, count: usize, rng: &mut Pcg64Mcg) -> Vec<Door> {
     doors
 }
 
-/// The text with a capital at its beginning.
+/// The text with its first letter in upper case.
 fn sentence(text: &str) -> String {
     let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+    letters.next().map_or_else(String::new, |first| {
+        first.to_uppercase().chain(letters).collect()
+    })
 }
 
 #[cfg(test)]
@@ -178,21 +231,37 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_files_hold_what_seed_1_makes() {
-        for (split, file) in
-            [(Split::Development, super::super::DEVELOPMENT[1]), (Split::Test, super::super::TEST[1])]
-        {
-            let lines: Vec<String> =
-                made(split, 1).iter().map(|case| serde_json::to_string(case).unwrap()).collect();
-            let changed = lines.iter().zip(file.lines()).find(|(made, kept)| made != kept);
-            assert!(changed.is_none() && lines.len() == file.lines().count(), "{changed:?}");
+    fn the_files_are_generated_from_seed_1() {
+        for (split, file) in [
+            (Split::Development, super::super::DEVELOPMENT[1]),
+            (Split::Test, super::super::TEST[1]),
+        ] {
+            let lines: Vec<String> = made(split, 1)
+                .iter()
+                .map(|case| serde_json::to_string(case).unwrap())
+                .collect();
+            let changed = lines
+                .iter()
+                .zip(file.lines())
+                .find(|(made, kept)| made != kept);
+            assert!(
+                changed.is_none() && lines.len() == file.lines().count(),
+                "{changed:?}"
+            );
         }
     }
 
     #[test]
-    fn nothing_of_a_template_is_left_over() {
-        for case in [Split::Development, Split::Test].into_iter().flat_map(|split| made(split, 7)) {
-            assert!(!case.instruction.contains(['{', '}']), "{}", case.instruction);
+    fn all_placeholders_are_replaced() {
+        for case in [Split::Development, Split::Test]
+            .into_iter()
+            .flat_map(|split| made(split, 7))
+        {
+            assert!(
+                !case.instruction.contains(['{', '}']),
+                "{}",
+                case.instruction
+            );
             assert!((1..=3).contains(&case.deliveries.len()), "{case:?}");
         }
         assert_ne!(made(Split::Test, 1), made(Split::Test, 2));

@@ -1,7 +1,13 @@
-//! What could be done in a scene: a proof that nothing can, or the fastest motion that a long search finds.
+//! The reference motion of a scene: the fastest motion that a long search finds, or a proof that
+//! there is none.
 //!
-//! A motion found is proof that there is one: it is looked at every hundredth of a second, keeps to the robot's limits, and its time is what planners are compared with, unless what can be made of their own drives ([`polished`]) is faster. That there is none is proven by the largest circle in the
-//! footprint: where even that has no way on a fine grid, grown by half a cell's diagonal in the robot's favour, the footprint has none. Scenes in between are not used.
+//! A motion is checked for collisions every 10 ms and respects the robot's limits. Its duration is
+//! the reference for planners, unless a motion improved from their own drives ([`polished`]) is
+//! faster.
+//!
+//! Infeasibility is proven for the inscribed circle of the footprint: if even the circle has no
+//! path on a fine grid, the footprint has none. Obstacles are shrunk by half a cell's diagonal, so
+//! that the grid excludes no possible path. Scenes for which neither is found are not used.
 
 use openbench_core::frames::wrap_angle;
 use openbench_core::{MapPoint, Pose2, RobotDescription, Velocity};
@@ -21,39 +27,53 @@ use super::drive::is_there;
 use super::retime::retimed;
 use super::scene::Scene;
 
-/// Side of a cell of the proof, metres.
-const FINE: f64 = 0.005;
-/// Ground around start and goal that the proof looks at, metres.
-const AROUND: f64 = 4.0;
-/// Distances from obstacles that are tried, metres: nearer is faster, but between two knots it may be nearer still.
-const MARGINS: [f64; 3] = [0.005, 0.015, 0.03];
-/// Seconds that the robot waits at first, for those who move to pass.
-const WAITS: [f64; 5] = [0.0, 1.0, 2.0, 4.0, 7.0];
-/// Waits that are tried before setting out as fast as can be, seconds, and how many of them.
-const WAIT: f64 = 0.25;
-const MOST_WAITS: u32 = 40;
-/// Sideways share of the rims' way that is none.
-const SLIP: f64 = 0.01;
-/// Ways to the sides on which those who move are passed, metres.
-const ASIDE: [f64; 5] = [0.0, 0.5, -0.5, 1.0, -1.0];
+/// Cell size of the grid in the proof of infeasibility.
+const PROOF_CELL_M: f64 = 0.005;
+/// Margin of that grid around start and goal.
+const PROOF_MARGIN_M: f64 = 4.0;
+/// Distances from obstacles to try. A smaller distance is faster, but the distance between two
+/// knots may be smaller than at the knots.
+const CLEARANCES_M: [f64; 3] = [0.005, 0.015, 0.03];
+/// Initial waits of a draft, so that moving obstacles pass.
+const DRAFT_WAITS_S: [f64; 5] = [0.0, 1.0, 2.0, 4.0, 7.0];
+/// Step of the waits before a motion at the shortest times.
+const WAIT_STEP_S: f64 = 0.25;
+/// Maximum number of these waits.
+const MAX_WAITS: u32 = 40;
+/// Maximum lateral share of the motion of the wheel rims, which allows for rounding.
+const MAX_LATERAL_SHARE: f64 = 0.01;
+/// Lateral offsets at which moving obstacles are passed.
+const OFFSETS_M: [f64; 5] = [0.0, 0.5, -0.5, 1.0, -1.0];
 
-/// What can be done.
+/// The result of the search.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Possible {
-    /// A motion, the fastest of those found, starting and ending at rest, and the seconds after which it is within the tolerance of the goal for good.
+    /// The fastest motion found, from rest to rest, and the time, in seconds, from which it stays
+    /// within the tolerance of the goal.
     Motion(Band, f64),
-    /// It is proven that there is none.
+    /// It is proven that there is no motion.
     Nothing,
-    /// Neither.
+    /// No motion was found, and no proof.
     Unknown,
 }
 
-/// Looks for the fastest motion through a scene. A jump of the estimate is regarded as known from the start.
+/// Searches for the fastest motion through a scene; `None` for a robot without a valid footprint or
+/// limits. A jump of the pose estimate is regarded as known from the start.
 pub fn possible(scene: &Scene, robot: &RobotDescription) -> Option<Possible> {
     let (footprint, limits) = (Footprint::of(robot).ok()?, Limits::of(robot).ok()?);
-    let search = Search { scene, footprint: &footprint, limits: &limits, goal: true_goal(scene) };
-    let fastest = search.drafts().into_iter().filter_map(|draft| search.settle(&draft));
-    let fastest = fastest.map(|band| (arrival(&band, search.goal), band)).min_by(|a, b| a.0.total_cmp(&b.0));
+    let search = Search {
+        scene,
+        footprint: &footprint,
+        limits: &limits,
+        goal: true_goal(scene),
+    };
+    let fastest = search
+        .drafts()
+        .into_iter()
+        .filter_map(|draft| search.settle(&draft));
+    let fastest = fastest
+        .map(|band| (arrival(&band, search.goal), band))
+        .min_by(|a, b| a.0.total_cmp(&b.0));
     Some(match fastest {
         Some((seconds, band)) => Possible::Motion(band, seconds),
         None if search.proves_nothing() => Possible::Nothing,
@@ -61,19 +81,38 @@ pub fn possible(scene: &Scene, robot: &RobotDescription) -> Option<Possible> {
     })
 }
 
-/// The seconds after which the goal is reached by what a drive can be made into: its poses, and the seconds between two of them.
-pub fn polished(scene: &Scene, robot: &RobotDescription, track: &[Pose2], seconds: f64) -> Option<f64> {
+/// The time, in seconds, in which an improved version of a drive reaches the goal; `None` if it
+/// cannot be improved to a valid motion. `track` are the poses of the drive, `seconds` the time
+/// between two.
+pub fn polished(
+    scene: &Scene,
+    robot: &RobotDescription,
+    track: &[Pose2],
+    seconds: f64,
+) -> Option<f64> {
     let (footprint, limits) = (Footprint::of(robot).ok()?, Limits::of(robot).ok()?);
-    let search = Search { scene, footprint: &footprint, limits: &limits, goal: true_goal(scene) };
+    let search = Search {
+        scene,
+        footprint: &footprint,
+        limits: &limits,
+        goal: true_goal(scene),
+    };
     let mut knots: Vec<Knot> = Vec::with_capacity(track.len());
     for (i, &pose) in track.iter().enumerate() {
-        let yaw = knots.last().map_or(pose.yaw, |k| k.pose.yaw + wrap_angle(pose.yaw - k.pose.yaw));
-        knots.push(Knot { pose: Pose2 { yaw, ..pose }, time: i as f64 * seconds });
+        let yaw = knots
+            .last()
+            .map_or(pose.yaw, |k| k.pose.yaw + wrap_angle(pose.yaw - k.pose.yaw));
+        knots.push(Knot {
+            pose: Pose2 { yaw, ..pose },
+            time: i as f64 * seconds,
+        });
     }
-    search.settle(&Band::new(knots)?).map(|band| arrival(&band, search.goal))
+    search
+        .settle(&Band::new(knots)?)
+        .map(|band| arrival(&band, search.goal))
 }
 
-/// Where the goal will be once the estimate has jumped.
+/// The true pose at which the estimate, after its jump, is the goal.
 fn true_goal(scene: &Scene) -> Pose2 {
     let by = scene.jump.map_or(Vector2::ZERO, |j| j.by);
     Pose2::new(scene.goal.x - by.x, scene.goal.y - by.y, scene.goal.yaw)
@@ -89,7 +128,12 @@ struct Search<'a> {
 impl Search<'_> {
     fn settings(&self) -> Settings {
         Settings {
-            resolution: Resolution { near: 0.1, far: 0.2, horizon: 2.0, most: 400 },
+            resolution: Resolution {
+                near: 0.1,
+                far: 0.2,
+                horizon: 2.0,
+                most: 400,
+            },
             weights: Weights {
                 length: 0.0,
                 speed: 4000.0,
@@ -105,11 +149,16 @@ impl Search<'_> {
         }
     }
 
-    /// Bands of all classes, both turns, with waits and ways aside where somebody moves, and maneuvers.
+    /// Initial bands: all homotopy classes, both directions of the first and last turn, with waits
+    /// and lateral offsets if an obstacle moves, and maneuvers.
     fn drafts(&self) -> Vec<Band> {
         let (start, obstacles) = (self.scene.start, &self.scene.obstacles);
-        let standing: Vec<Obstacle> = obstacles.iter().filter(|o| !o.is_moving()).cloned().collect();
-        let moving = standing.len() < obstacles.len();
+        let static_obstacles: Vec<Obstacle> = obstacles
+            .iter()
+            .filter(|o| !o.is_moving())
+            .cloned()
+            .collect();
+        let moving = static_obstacles.len() < obstacles.len();
         let how = Exploring {
             cell: 0.05,
             around: 2.5,
@@ -119,60 +168,89 @@ impl Search<'_> {
             longest: 2.0,
         };
         let mut explorer = Explorer::default();
-        let ways = explorer.explore(start.point(), self.goal.point(), &standing, &how);
+        let paths = explorer.explore(start.point(), self.goal.point(), &static_obstacles, &how);
         let mut drafts = Vec::new();
-        for way in &ways {
-            let behind = way.corners.get(1).is_some_and(|c| start.inverse_transform(*c).0 < 0.0);
+        for path in &paths {
+            let behind = path
+                .corners
+                .get(1)
+                .is_some_and(|c| start.inverse_transform(*c).0 < 0.0);
             for side in [-1.0, 1.0].into_iter().take(1 + usize::from(behind)) {
                 let along = |corners: &[MapPoint]| {
                     Band::along(start, corners, Some(self.goal.yaw), self.limits, side)
                 };
-                let plain = along(&way.corners[1..]);
-                drafts.extend(plain.as_ref().and_then(turned_the_other_way));
+                let plain = along(&path.corners[1..]);
+                drafts.extend(plain.as_ref().and_then(with_opposite_last_turn));
                 drafts.extend(plain);
                 if moving {
-                    let bent = ASIDE.iter().filter_map(|aside| along(&bent(&way.corners, *aside)));
-                    drafts.extend(
-                        bent.flat_map(|band| WAITS.map(|wait| band.delayed(wait).unwrap_or(band.clone()))),
-                    );
+                    let shifted = OFFSETS_M
+                        .iter()
+                        .filter_map(|offset| along(&offset_path(&path.corners, *offset)));
+                    drafts.extend(shifted.flat_map(|band| {
+                        DRAFT_WAITS_S.map(|wait| band.delayed(wait).unwrap_or(band.clone()))
+                    }));
                 }
             }
         }
-        let backed = |length: f64| self.backed(&ways.first()?.corners, length);
+        let backed = |length: f64| self.backed(&paths.first()?.corners, length);
         drafts.extend([0.2, 0.5, 1.0].into_iter().filter_map(backed));
         let yaw = Some(self.goal.yaw);
-        drafts.extend(maneuver(self.footprint, self.limits, &standing, start, self.goal.point(), yaw));
+        drafts.extend(maneuver(
+            self.footprint,
+            self.limits,
+            &static_obstacles,
+            start,
+            self.goal.point(),
+            yaw,
+        ));
         drafts
     }
 
-    /// Backwards at first, then along the way.
+    /// Backwards for `length` metres, then along the path.
     fn backed(&self, corners: &[MapPoint], length: f64) -> Option<Band> {
         let start = self.scene.start;
         let back = start.transform(-length, 0.0);
         let from = Pose2::new(back.x, back.y, start.yaw);
         let seconds = length / self.limits.backward;
         let rest = Band::along(from, &corners[1..], Some(self.goal.yaw), self.limits, 1.0)?;
-        let later = rest.knots().iter().map(|k| Knot { time: k.time + seconds, ..*k });
-        Band::new(std::iter::once(Knot { pose: start, time: 0.0 }).chain(later).collect())
+        let later = rest.knots().iter().map(|k| Knot {
+            time: k.time + seconds,
+            ..*k
+        });
+        Band::new(
+            std::iter::once(Knot {
+                pose: start,
+                time: 0.0,
+            })
+            .chain(later)
+            .collect(),
+        )
     }
 
-    /// The fastest motion that a draft leads to: itself, or improved with one of several margins.
+    /// The fastest motion from a draft: the draft itself, or optimized with one of the clearances.
     fn settle(&self, draft: &Band) -> Option<Band> {
-        let improved = MARGINS.iter().map(|least| self.improved(draft, *least));
-        let settled = improved.chain([draft.clone()]).filter_map(|band| self.timed(&band));
+        let improved = CLEARANCES_M
+            .iter()
+            .map(|least| self.improved(draft, *least));
+        let settled = improved
+            .chain([draft.clone()])
+            .filter_map(|band| self.timed(&band));
         self.earliest(settled)
     }
 
-    /// The motion that is first within the tolerance of the goal.
+    /// The motion that first reaches the tolerance of the goal.
     fn earliest(&self, bands: impl Iterator<Item = Band>) -> Option<Band> {
         bands.min_by(|a, b| arrival(a, self.goal).total_cmp(&arrival(b, self.goal)))
     }
 
-    /// The same way as fast as the robot can drive it without touching anything: at the times that it has, slowed down, or at the shortest, standing nowhere but at the start if need be.
+    /// The fastest collision-free timing of a band's path: its own times, slowed to the robot's
+    /// limits, or the shortest times, after a wait at the start if an obstacle moves.
     fn timed(&self, band: &Band) -> Option<Band> {
         let shortest = retimed(band, self.limits);
         let moving = self.scene.obstacles.iter().any(Obstacle::is_moving);
-        let waits = (1..=MOST_WAITS).take_while(|_| moving).map(|i| f64::from(i) * WAIT);
+        let waits = (1..=MAX_WAITS)
+            .take_while(|_| moving)
+            .map(|i| f64::from(i) * WAIT_STEP_S);
         let delayed = waits.filter_map(|wait| shortest.as_ref()?.delayed(wait));
         let mut bands = shortest.iter().cloned().chain(delayed);
         let at_once = bands.find_map(|band| self.slowed(&band).filter(|band| self.is_clear(band)));
@@ -182,7 +260,11 @@ impl Search<'_> {
 
     fn improved(&self, draft: &Band, least: f64) -> Band {
         let mut settings = self.settings();
-        settings.margins = Margins { least, moving: least, comfort: least + 0.01 };
+        settings.margins = Margins {
+            least,
+            moving: least,
+            comfort: least + 0.01,
+        };
         let problem = Problem {
             footprint: self.footprint,
             obstacles: &self.scene.obstacles,
@@ -198,17 +280,21 @@ impl Search<'_> {
         band
     }
 
-    /// With all times longer by the ratio by which the worst limit is broken.
+    /// The band with all times scaled so that no limit is exceeded; `None` if they would need a
+    /// scale of 1.2 or more.
     fn slowed(&self, band: &Band) -> Option<Band> {
         let knots = band.knots();
         let mut ratio = 1.0_f64;
         let mut before: Option<(Velocity, f64)> = None;
         for i in 0..knots.len() - 1 {
             let (v, seconds) = (band.velocity(i), knots[i + 1].time - knots[i].time);
-            ratio = ratio.max(v.linear / self.limits.forward).max(-v.linear / self.limits.backward);
+            ratio = ratio
+                .max(v.linear / self.limits.forward)
+                .max(-v.linear / self.limits.backward);
             ratio = ratio.max(v.angular.abs() / self.limits.turn);
-            let (from, between) =
-                before.map_or((Velocity::ZERO, seconds / 2.0), |(u, s)| (u, (s + seconds) / 2.0));
+            let (from, between) = before.map_or((Velocity::ZERO, seconds / 2.0), |(u, s)| {
+                (u, (s + seconds) / 2.0)
+            });
             ratio = ratio.max((self.rims(from, v) / between / self.limits.acceleration).sqrt());
             before = Some((v, seconds));
         }
@@ -216,15 +302,31 @@ impl Search<'_> {
             let braking = self.rims(v, Velocity::ZERO) / (seconds / 2.0);
             ratio = ratio.max((braking / self.limits.acceleration).sqrt());
         }
-        // Stretches of next to no time at the ends are not worth more than their own slowing.
-        Band::new(knots.iter().map(|k| Knot { time: k.time * ratio, ..*k }).collect()).filter(|_| ratio < 1.2)
+        // Segments of almost no duration at the ends would otherwise slow the whole band.
+        Band::new(
+            knots
+                .iter()
+                .map(|k| Knot {
+                    time: k.time * ratio,
+                    ..*k
+                })
+                .collect(),
+        )
+        .filter(|_| ratio < 1.2)
     }
 
+    /// The larger change of speed of the two wheel rims between two velocities, m/s.
     fn rims(&self, a: Velocity, b: Velocity) -> f64 {
-        let (v, w) = (b.linear - a.linear, self.limits.half_track * (b.angular - a.angular));
+        let (v, w) = (
+            b.linear - a.linear,
+            self.limits.half_track * (b.angular - a.angular),
+        );
         (v + w).abs().max((v - w).abs())
     }
 
+    /// Whether the footprint collides nowhere, or no deeper than at the start, and the band
+    /// respects
+    /// the non-holonomic constraint.
     fn is_clear(&self, band: &Band) -> bool {
         let (obstacles, footprint) = (&self.scene.obstacles, self.footprint);
         let mut floor = f64::NEG_INFINITY;
@@ -239,97 +341,145 @@ impl Search<'_> {
         }) && self.is_drivable(band)
     }
 
-    /// Whether next to nothing of it is sideways: a hundredth of what the rims get.
+    /// Whether the lateral motion is below the maximum share, as the non-holonomic constraint
+    /// demands.
     fn is_drivable(&self, band: &Band) -> bool {
         let slips = band.knots().windows(2).map(|w| {
             let turn = self.limits.half_track * (w[1].pose.yaw - w[0].pose.yaw);
             let (sin, cos) = libm::sincos((w[0].pose.yaw + w[1].pose.yaw) / 2.0);
             let (dx, dy) = (w[1].pose.x - w[0].pose.x, w[1].pose.y - w[0].pose.y);
             let (along, aside) = (dx * cos + dy * sin, dy * cos - dx * sin);
-            aside.abs() - SLIP * (along.abs() + turn.abs())
+            aside.abs() - MAX_LATERAL_SHARE * (along.abs() + turn.abs())
         });
         slips.sum::<f64>() < 0.0
     }
 
+    /// Whether even the inscribed circle of the footprint cannot reach the goal.
     fn proves_nothing(&self) -> bool {
         let (start, goal) = (self.scene.start.point(), self.goal.point());
-        let low = MapPoint::new(start.x.min(goal.x) - AROUND, start.y.min(goal.y) - AROUND);
-        let high = MapPoint::new(start.x.max(goal.x) + AROUND, start.y.max(goal.y) + AROUND);
-        let grid = GridGeometry::covering(low, high, FINE, 4000);
-        let least = self.footprint.inscribed() - std::f64::consts::FRAC_1_SQRT_2 * FINE;
+        let low = MapPoint::new(
+            start.x.min(goal.x) - PROOF_MARGIN_M,
+            start.y.min(goal.y) - PROOF_MARGIN_M,
+        );
+        let high = MapPoint::new(
+            start.x.max(goal.x) + PROOF_MARGIN_M,
+            start.y.max(goal.y) + PROOF_MARGIN_M,
+        );
+        let grid = GridGeometry::covering(low, high, PROOF_CELL_M, 4000);
+        let least = self.footprint.inscribed() - std::f64::consts::FRAC_1_SQRT_2 * PROOF_CELL_M;
         let mut blocked = vec![false; grid.len()];
         for obstacle in self.scene.obstacles.iter().filter(|o| !o.is_moving()) {
             let (middle, reach) = (obstacle.middle(), obstacle.radius() + least);
             let low = MapPoint::new(middle.x - reach, middle.y - reach);
             let high = MapPoint::new(middle.x + reach, middle.y + reach);
-            let Some((columns, rows)) = grid.window(low, high) else { continue };
+            let Some((columns, rows)) = grid.window(low, high) else {
+                continue;
+            };
             for row in rows.0..=rows.1 {
                 for cell in (columns.0..=columns.1).filter_map(|column| grid.cell_in(column, row)) {
-                    blocked[cell] = blocked[cell] || obstacle.distance_to(grid.center(cell)) < least;
+                    blocked[cell] =
+                        blocked[cell] || obstacle.distance_to(grid.center(cell)) < least;
                 }
             }
         }
-        let (Some(from), Some(to)) = (grid.cell_at(start), grid.cell_at(goal)) else { return false };
+        let (Some(from), Some(to)) = (grid.cell_at(start), grid.cell_at(goal)) else {
+            return false;
+        };
         !connected(&grid, blocked, from, to)
     }
 }
 
-/// Whether a way leads from one cell to another, or off the grid, from where it may come back. Marks cells as blocked once it has been there.
+/// Whether free cells connect two cells, directly or outside the grid: a path that leaves the grid
+/// may come back.
 fn connected(grid: &GridGeometry, mut blocked: Vec<bool>, from: usize, to: usize) -> bool {
     if blocked[to] {
         return false;
     }
-    let reaches_border = |from: usize, target: Option<usize>, blocked: &mut Vec<bool>| {
-        let mut open = vec![from];
-        let mut border = false;
-        while let Some(cell) = open.pop() {
-            if Some(cell) == target {
-                return (true, border);
-            }
-            let (x, y) = grid.column_row(cell);
-            for (dx, dy) in [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)] {
-                match grid.cell_in(x + dx, y + dy) {
-                    Some(next) if !blocked[next] => {
-                        blocked[next] = true;
-                        open.push(next);
-                    }
-                    Some(_) => {}
-                    None => border = true,
-                }
-            }
-        }
-        (false, border)
-    };
-    let mut target_free = blocked.clone();
-    let (found, out) = reaches_border(from, Some(to), &mut blocked);
-    found || (out && reaches_border(to, None, &mut target_free).1)
+    let mut blocked_from_goal = blocked.clone();
+    match flood(grid, &mut blocked, from, Some(to)) {
+        Flood::Target => true,
+        Flood::Enclosed => false,
+        Flood::Border => flood(grid, &mut blocked_from_goal, to, None) == Flood::Border,
+    }
 }
 
-/// The same with its last turn to the other side.
-fn turned_the_other_way(band: &Band) -> Option<Band> {
+/// The end of a flood fill.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Flood {
+    /// It reached the target.
+    Target,
+    /// It reached the border of the grid, but not the target.
+    Border,
+    /// It reached neither.
+    Enclosed,
+}
+
+/// Fills the free cells around `from`, with eight neighbours each, until it reaches `target`. Cells
+/// that were reached are marked as blocked.
+fn flood(grid: &GridGeometry, blocked: &mut [bool], from: usize, target: Option<usize>) -> Flood {
+    const NEIGHBOURS: [(i64, i64); 8] = [
+        (1, 0),
+        (0, 1),
+        (-1, 0),
+        (0, -1),
+        (1, 1),
+        (-1, 1),
+        (-1, -1),
+        (1, -1),
+    ];
+    let mut open = vec![from];
+    let mut border = false;
+    while let Some(cell) = open.pop() {
+        if Some(cell) == target {
+            return Flood::Target;
+        }
+        let (x, y) = grid.column_row(cell);
+        for (dx, dy) in NEIGHBOURS {
+            match grid.cell_in(x + dx, y + dy) {
+                Some(next) if !blocked[next] => {
+                    blocked[next] = true;
+                    open.push(next);
+                }
+                Some(_) => {}
+                None => border = true,
+            }
+        }
+    }
+    if border {
+        Flood::Border
+    } else {
+        Flood::Enclosed
+    }
+}
+
+/// The band with its last turn in the opposite direction; `None` if that turn is a radian or less.
+fn with_opposite_last_turn(band: &Band) -> Option<Band> {
     let mut knots = band.knots().to_vec();
     let before = knots[knots.len().checked_sub(2)?].pose.yaw;
     let last = knots.last_mut()?;
     let turn = last.pose.yaw - before;
     last.pose.yaw -= std::f64::consts::TAU.copysign(turn);
-    // Times are for the optimizer to find, from a rate of one radian a second.
+    // An initial time at 1 rad/s; the optimizer changes it.
     last.time += std::f64::consts::TAU - 2.0 * turn.abs();
     (turn.abs() > 1.0).then(|| Band::new(knots)).flatten()
 }
 
-/// Seconds until a band is within the tolerance of its goal and stays there.
+/// The time, in seconds, from which a band stays within the tolerance of its goal.
 fn arrival(band: &Band, goal: Pose2) -> f64 {
     let steps = (band.duration() / 0.05) as usize;
-    let away = (0..=steps).rev().find(|&i| !is_there(band.pose_at(i as f64 * 0.05), goal));
-    away.map_or(0.0, |i| (i + 1) as f64 * 0.05).min(band.duration())
+    let away = (0..=steps)
+        .rev()
+        .find(|&i| !is_there(band.pose_at(i as f64 * 0.05), goal));
+    away.map_or(0.0, |i| (i + 1) as f64 * 0.05)
+        .min(band.duration())
 }
 
-/// A way with its middle moved aside.
-fn bent(corners: &[MapPoint], aside: f64) -> Vec<MapPoint> {
+/// A path through the middle between the ends of another, moved `offset` metres to the left.
+fn offset_path(corners: &[MapPoint], offset: f64) -> Vec<MapPoint> {
     let (first, last) = (corners[0], corners[corners.len() - 1]);
     let left = first.bearing_to(last) + std::f64::consts::FRAC_PI_2;
     let middle = MapPoint::new((first.x + last.x) / 2.0, (first.y + last.y) / 2.0);
-    vec![middle.offset(left, aside), last]
+    vec![middle.offset(left, offset), last]
 }
 
 #[cfg(test)]
@@ -341,9 +491,10 @@ mod tests {
         MapPoint::new(x, y)
     }
 
-    /// Three metres straight ahead, past walls.
+    /// A goal three metres straight ahead, and walls.
     fn ahead(walls: &[[(f64, f64); 2]]) -> Scene {
-        let wall = |[a, b]: &[(f64, f64); 2]| Obstacle::wall(point(a.0, a.1), point(b.0, b.1)).unwrap();
+        let wall =
+            |[a, b]: &[(f64, f64); 2]| Obstacle::wall(point(a.0, a.1), point(b.0, b.1)).unwrap();
         Scene {
             kind: Kind::Open,
             start: Pose2::default(),
@@ -353,56 +504,111 @@ mod tests {
         }
     }
 
-    /// A room with a wall across that has a gap.
+    /// A room divided by a wall with a gap.
     fn gap(width: f64) -> Scene {
-        let corners = [(-1.0, -2.0), (4.0, -2.0), (4.0, 2.0), (-1.0, 2.0), (-1.0, -2.0)];
+        let corners = [
+            (-1.0, -2.0),
+            (4.0, -2.0),
+            (4.0, 2.0),
+            (-1.0, 2.0),
+            (-1.0, -2.0),
+        ];
         let room = corners.windows(2).map(|w| [w[0], w[1]]);
-        let across = [[(1.5, -2.0), (1.5, -width / 2.0)], [(1.5, width / 2.0), (1.5, 2.0)]];
+        let across = [
+            [(1.5, -2.0), (1.5, -width / 2.0)],
+            [(1.5, width / 2.0), (1.5, 2.0)],
+        ];
         ahead(&room.chain(across).collect::<Vec<_>>())
     }
 
     #[test]
-    fn the_fastest_motion_straight_ahead_takes_as_long_as_physics_says() {
+    fn the_fastest_straight_motion_has_the_analytic_duration() {
         let robot = RobotDescription::sentry();
         let limits = Limits::of(&robot).unwrap();
         let Some(Possible::Motion(band, seconds)) = possible(&ahead(&[]), &robot) else {
             panic!("no motion")
         };
-        // Both ramps at the acceleration's limit; all but the last 10 cm, the tolerance.
+        // Both ramps at the limit of the acceleration, up to the tolerance of 10 cm.
         let (v, a) = (limits.forward, limits.acceleration);
         let physical = 3.0 / v + v / a - (2.0 * 0.1 / a).sqrt();
-        assert!((physical - 0.01..1.05 * physical + 0.05).contains(&seconds), "{seconds} {physical}");
-        assert!(band.pose_at(band.duration()).point().distance(point(3.0, 0.0)) < 0.02);
+        assert!(
+            (physical - 0.01..1.05 * physical + 0.05).contains(&seconds),
+            "{seconds} {physical}"
+        );
+        assert!(
+            band.pose_at(band.duration())
+                .point()
+                .distance(point(3.0, 0.0))
+                < 0.02
+        );
     }
 
     #[test]
-    fn what_slips_sideways_is_no_motion() {
+    fn lateral_motion_is_rejected() {
         let robot = RobotDescription::sentry();
-        let (footprint, limits, scene) =
-            (Footprint::of(&robot).unwrap(), Limits::of(&robot).unwrap(), ahead(&[]));
-        let search = Search { scene: &scene, footprint: &footprint, limits: &limits, goal: scene.goal };
+        let (footprint, limits, scene) = (
+            Footprint::of(&robot).unwrap(),
+            Limits::of(&robot).unwrap(),
+            ahead(&[]),
+        );
+        let search = Search {
+            scene: &scene,
+            footprint: &footprint,
+            limits: &limits,
+            goal: scene.goal,
+        };
         let band = |x: f64, y: f64| {
             let to = Pose2::new(x, y, 0.0);
-            Band::new(vec![Knot { pose: scene.start, time: 0.0 }, Knot { pose: to, time: 9.0 }]).unwrap()
+            Band::new(vec![
+                Knot {
+                    pose: scene.start,
+                    time: 0.0,
+                },
+                Knot {
+                    pose: to,
+                    time: 9.0,
+                },
+            ])
+            .unwrap()
         };
-        assert!(search.timed(&band(1.0, 0.0)).is_some() && search.timed(&band(1.0, 0.005)).is_some());
-        assert_eq!((search.timed(&band(1.0, 0.09)), search.timed(&band(1e-5, 0.05))), (None, None));
+        assert!(
+            search.timed(&band(1.0, 0.0)).is_some() && search.timed(&band(1.0, 0.005)).is_some()
+        );
+        assert_eq!(
+            (
+                search.timed(&band(1.0, 0.09)),
+                search.timed(&band(1e-5, 0.05))
+            ),
+            (None, None)
+        );
     }
 
     #[test]
-    fn a_gap_is_a_motion_or_a_proof() {
+    fn a_gap_wider_than_the_robot_has_a_motion_and_a_narrower_one_a_proof() {
         let robot = RobotDescription::sentry();
         let motion = |width| possible(&gap(width), &robot);
-        assert!(matches!(motion(robot.width + 0.05), Some(Possible::Motion(..))));
+        assert!(matches!(
+            motion(robot.width + 0.05),
+            Some(Possible::Motion(..))
+        ));
         assert_eq!(motion(robot.width - 0.05), Some(Possible::Nothing));
     }
 
     #[test]
-    fn a_room_without_a_door_is_a_proof_and_a_way_around_is_none() {
+    fn a_closed_room_has_a_proof_and_a_single_wall_a_motion() {
         let robot = RobotDescription::sentry();
-        let corners = [(1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
+        let corners = [
+            (1.0, -1.0),
+            (1.0, 1.0),
+            (-1.0, 1.0),
+            (-1.0, -1.0),
+            (1.0, -1.0),
+        ];
         let walls: Vec<_> = corners.windows(2).map(|w| [w[0], w[1]]).collect();
         assert_eq!(possible(&ahead(&walls), &robot), Some(Possible::Nothing));
-        assert!(matches!(possible(&ahead(&walls[..1]), &robot), Some(Possible::Motion(..))));
+        assert!(matches!(
+            possible(&ahead(&walls[..1]), &robot),
+            Some(Possible::Motion(..))
+        ));
     }
 }

@@ -1,4 +1,4 @@
-//! Driving through a scene.
+//! A drive of a local planner through a scene, with ideal wheels.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -20,54 +20,60 @@ use openbench_motion::{
 
 use super::scene::Scene;
 
-/// Seconds that a drive may take: so many, and so many for each metre of the straight line.
-const LIMIT: (f64, f64) = (40.0, 8.0);
-/// Seconds between two decisions.
-pub const CYCLE: f64 = 0.05;
-/// Steps of motion in one cycle.
-const STEPS: usize = 5;
-/// Overlap from which on it counts as a collision, metres: rounding is none.
-const TOUCH: f64 = 1e-6;
-/// Distance and heading error with which a robot has arrived, metres and radians.
-const TOLERANCE: (f64, f64) = (0.1, 0.08);
-/// What is nearer than this is told to the planner, metres.
-const SIGHT: f64 = 8.0;
+/// Constant part of the time limit of a drive.
+const BASE_TIME_LIMIT_S: f64 = 40.0;
+/// Time limit for each metre of the straight line from start to goal.
+const TIME_LIMIT_S_PER_M: f64 = 8.0;
+/// Time between two decisions of the planner.
+pub const CYCLE_S: f64 = 0.05;
+/// Integration steps in one cycle.
+const STEPS_PER_CYCLE: usize = 5;
+/// Overlap above which a contact counts as a collision; below it is rounding.
+const CONTACT_TOLERANCE_M: f64 = 1e-6;
+/// Position error at the goal within which the robot has arrived.
+const POSITION_TOLERANCE_M: f64 = 0.1;
+/// Heading error at the goal within which the robot has arrived.
+const HEADING_TOLERANCE_RAD: f64 = 0.08;
+/// Distance up to which the planner receives obstacles.
+const SENSOR_RANGE_M: f64 = 8.0;
+/// Turn rate above which a change of its sign counts as a swerve.
+const SWERVE_RATE_RAD_PER_S: f64 = 0.2;
 
-/// How a drive ended.
+/// The end of a drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum End {
-    /// The robot said that it was there, and was.
+    /// The navigator reported arrival at the goal.
     Reached,
-    /// It said so, and was not.
+    /// The navigator reported arrival outside the tolerance of the goal.
     Mistaken,
-    /// It gave up.
+    /// The navigator gave up.
     GaveUp(Cause),
-    /// The time was over.
+    /// The time limit expired.
     Timeout,
 }
 
-/// How a drive went.
+/// The result of a drive.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drive {
-    /// How it ended.
+    /// Its end.
     pub end: End,
-    /// Times that the robot began to touch something.
+    /// Number of collisions.
     pub collisions: usize,
-    /// The most that it was inside something, metres.
+    /// Maximum penetration of an obstacle, metres.
     pub deepest: f64,
-    /// Seconds.
+    /// Duration, seconds.
     pub seconds: f64,
-    /// Changes of sign of a turn rate of more than 0.2 rad/s.
+    /// Number of changes of sign between turn rates above 0.2 rad/s.
     pub swerves: usize,
-    /// Milliseconds of each decision of the local planner.
+    /// CPU time of each decision of the local planner, milliseconds.
     pub cycles: Vec<f64>,
-    /// Steps of the ladder that were taken, from stopping on.
+    /// Number of recovery steps, from stopping upwards.
     pub recoveries: usize,
-    /// Where it was at each decision.
+    /// The true pose at each decision.
     pub track: Vec<Pose2>,
 }
 
-/// Ways around what is seen to stand.
+/// A global planner around the visible static obstacles.
 struct SceneGuide<'a> {
     explorer: &'a mut Explorer,
     standing: Vec<Obstacle>,
@@ -76,17 +82,21 @@ struct SceneGuide<'a> {
 
 impl Guide for SceneGuide<'_> {
     fn way(&mut self, from: MapPoint, to: MapPoint) -> Result<Vec<MapPoint>, PlanError> {
-        let ways = self.explorer.explore(from, to, &self.standing, &self.how);
-        ways.into_iter().next().map(|way| way.corners).ok_or(PlanError::NoWay(from, to))
+        let paths = self.explorer.explore(from, to, &self.standing, &self.how);
+        paths
+            .into_iter()
+            .next()
+            .map(|path| path.corners)
+            .ok_or(PlanError::NoWay(from, to))
     }
 
     fn is_blocked(&self, _path: &[MapPoint], _from: MapPoint) -> bool {
-        // All that stands was known from the start.
+        // All static obstacles are known from the start.
         false
     }
 }
 
-/// A planner whose decisions are timed.
+/// A planner that measures the CPU time of its decisions.
 struct Timed {
     planner: Box<dyn LocalPlanner>,
     cycles: Rc<RefCell<Vec<f64>>>,
@@ -96,7 +106,9 @@ impl LocalPlanner for Timed {
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Progress, Blocked> {
         let began = ThreadTime::now();
         let decided = self.planner.plan(situation);
-        self.cycles.borrow_mut().push(began.elapsed().as_secs_f64() * 1e3);
+        self.cycles
+            .borrow_mut()
+            .push(began.elapsed().as_secs_f64() * 1e3);
         decided
     }
 
@@ -109,7 +121,25 @@ impl LocalPlanner for Timed {
     }
 }
 
-/// Drives a robot with ideal wheels of limited acceleration until it is there, gives up, or the time is over.
+/// Simulates a robot with ideal wheels of limited acceleration until it arrives, gives up, or
+/// exceeds the time limit.
+///
+/// # Errors
+/// A robot for which no navigator can be created.
+///
+/// ```
+/// use openbench_core::RobotDescription;
+/// use openbench_motion::{Teb, TebSettings};
+/// use openbench_trials::motion::drive::{End, drive};
+/// use openbench_trials::motion::scene::scene;
+///
+/// // Scene 0 of seed 1 is of the kind `open`.
+/// let robot = RobotDescription::sentry();
+/// let scene = scene(0, 1, &robot)?;
+/// let drive = drive(&scene, &robot, Box::new(Teb::new(&robot, TebSettings::default())?))?;
+/// assert_eq!((drive.end, drive.collisions), (End::Reached, 0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn drive(
     scene: &Scene,
     robot: &RobotDescription,
@@ -117,9 +147,16 @@ pub fn drive(
 ) -> Result<Drive, NavigatorError> {
     let (footprint, limits) = (Footprint::of(robot)?, Limits::of(robot)?);
     let cycles = Rc::new(RefCell::new(Vec::new()));
-    let mut navigator = Navigator::new(robot, Box::new(Timed { planner, cycles: Rc::clone(&cycles) }))?;
+    let mut navigator = Navigator::new(
+        robot,
+        Box::new(Timed {
+            planner,
+            cycles: Rc::clone(&cycles),
+        }),
+    )?;
     navigator.set_goal(scene.goal.point(), Some(scene.goal.yaw));
-    let limit = LIMIT.0 + LIMIT.1 * scene.start.point().distance(scene.goal.point());
+    let straight_line = scene.start.point().distance(scene.goal.point());
+    let limit = BASE_TIME_LIMIT_S + TIME_LIMIT_S_PER_M * straight_line;
     let mut drive = Drive {
         end: End::Timeout,
         collisions: 0,
@@ -131,24 +168,38 @@ pub fn drive(
         track: vec![],
     };
     let mut explorer = Explorer::default();
-    let mut motion = Motion { pose: scene.start, velocity: Velocity::ZERO, command: Velocity::ZERO };
+    let mut motion = Motion {
+        pose: scene.start,
+        velocity: Velocity::ZERO,
+        command: Velocity::ZERO,
+    };
     let mut touch = Touch::new(&footprint, scene);
     let mut turned = 0.0;
-    for cycle in 0..(limit / CYCLE) as usize {
-        let time = cycle as f64 * CYCLE;
+    for cycle in 0..(limit / CYCLE_S) as usize {
+        let time = cycle as f64 * CYCLE_S;
         let by = scene.jump.filter(|j| time >= j.at).map_or(Vector2::ZERO, |j| j.by);
         let seen = seen(scene, motion.pose, time, by);
         let pose = Pose2::new(motion.pose.x + by.x, motion.pose.y + by.y, motion.pose.yaw);
         drive.track.push(motion.pose);
         let standing = seen.iter().filter(|o| !o.is_moving()).cloned().collect();
-        let mut guide = SceneGuide { explorer: &mut explorer, standing, how: exploring(&footprint) };
+        let mut guide = SceneGuide {
+            explorer: &mut explorer,
+            standing,
+            how: exploring(&footprint),
+        };
         let now = SimTime::ZERO + Duration::from_secs_f64(time);
-        let surroundings = Surroundings { time: now, pose, velocity: motion.velocity, obstacles: &seen };
+        let surroundings = Surroundings {
+            time: now,
+            pose,
+            velocity: motion.velocity,
+            obstacles: &seen,
+        };
         motion.command = match navigator.drive(&surroundings, &mut guide) {
             Navigation::Drive(velocity) => velocity,
             Navigation::Arrived => {
                 let there = is_there(pose, scene.goal);
-                (drive.end, drive.seconds) = (if there { End::Reached } else { End::Mistaken }, time);
+                (drive.end, drive.seconds) =
+                    (if there { End::Reached } else { End::Mistaken }, time);
                 break;
             }
             Navigation::Failed(cause) => {
@@ -156,29 +207,40 @@ pub fn drive(
                 break;
             }
         };
-        for step in 0..STEPS {
-            let dt = CYCLE / STEPS as f64;
+        for step in 0..STEPS_PER_CYCLE {
+            let dt = CYCLE_S / STEPS_PER_CYCLE as f64;
             motion.step(&limits, dt);
             touch.look(motion.pose, time + (step + 1) as f64 * dt);
         }
-        if motion.velocity.angular.abs() > 0.2 {
+        if motion.velocity.angular.abs() > SWERVE_RATE_RAD_PER_S {
             drive.swerves += usize::from(turned * motion.velocity.angular < 0.0);
             turned = motion.velocity.angular;
         }
     }
     (drive.collisions, drive.deepest) = (touch.count, touch.deepest);
     let steps = navigator.take_recoveries();
-    drive.recoveries = steps.iter().filter(|recovery| recovery.step != Step::Slow).count();
+    drive.recoveries = steps
+        .iter()
+        .filter(|recovery| recovery.step != Step::Slow)
+        .count();
     drive.cycles = cycles.take();
     Ok(drive)
 }
 
 fn exploring(footprint: &Footprint) -> Exploring {
     let keep = footprint.inscribed();
-    Exploring { cell: 0.04, around: 3.0, keep, comfort: keep + 0.25, most: 1, longest: 2.0 }
+    Exploring {
+        cell: 0.04,
+        around: 3.0,
+        keep,
+        comfort: keep + 0.25,
+        most: 1,
+        longest: 2.0,
+    }
 }
 
-/// Counts collisions: a robot that begins inside something by rounding may stay as it is.
+/// Counts collisions. A robot that starts inside an obstacle by rounding may remain there, but not
+/// deeper.
 struct Touch<'a> {
     footprint: &'a Footprint,
     scene: &'a Scene,
@@ -190,13 +252,26 @@ struct Touch<'a> {
 
 impl<'a> Touch<'a> {
     fn new(footprint: &'a Footprint, scene: &'a Scene) -> Self {
-        let floor = 0.0_f64.min(clearance(footprint, scene.obstacles.iter(), scene.start, 0.0, 1.0));
-        Self { footprint, scene, floor, touching: false, count: 0, deepest: 0.0 }
+        let floor = 0.0_f64.min(clearance(
+            footprint,
+            scene.obstacles.iter(),
+            scene.start,
+            0.0,
+            1.0,
+        ));
+        Self {
+            footprint,
+            scene,
+            floor,
+            touching: false,
+            count: 0,
+            deepest: 0.0,
+        }
     }
 
     fn look(&mut self, pose: Pose2, time: f64) {
         let clear = clearance(self.footprint, self.scene.obstacles.iter(), pose, time, 1.0);
-        let touches = clear < self.floor - TOUCH;
+        let touches = clear < self.floor - CONTACT_TOLERANCE_M;
         self.count += usize::from(touches && !self.touching);
         self.touching = touches;
         self.deepest = self.deepest.max(self.floor - clear);
@@ -204,14 +279,17 @@ impl<'a> Touch<'a> {
     }
 }
 
-/// Whether a robot at `pose` has arrived: what planners are told to keep to, and what the best motion's time is counted to.
+/// Whether a robot at `pose` is within the tolerance of the goal, for planners and for the
+/// reference motion.
 pub fn is_there(pose: Pose2, goal: Pose2) -> bool {
-    pose.point().distance(goal.point()) < TOLERANCE.0 && wrap_angle(pose.yaw - goal.yaw).abs() < TOLERANCE.1
+    pose.point().distance(goal.point()) < POSITION_TOLERANCE_M
+        && wrap_angle(pose.yaw - goal.yaw).abs() < HEADING_TOLERANCE_RAD
 }
 
+/// The obstacles within sensor range, displaced by the jump `by` of the estimate.
 fn seen(scene: &Scene, pose: Pose2, time: f64, by: Vector2) -> Vec<Obstacle> {
     let now = scene.obstacles.iter().map(|o| o.after(time));
-    let near = now.filter(|o| o.distance_to(pose.point()) < SIGHT);
+    let near = now.filter(|o| o.distance_to(pose.point()) < SENSOR_RANGE_M);
     near.map(|o| shifted(&o, by)).collect()
 }
 

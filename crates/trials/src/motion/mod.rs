@@ -1,14 +1,15 @@
-//! How well local planners drive: scenes from seeds, what could be done in each, and what the planners do.
+//! Comparison of local planners: random scenes, a reference motion for each, and the planners'
+//! drives.
 //!
-//! | module | its one job |
+//! | module | content |
 //! |---|---|
 //! | [`scene`] | scenes of ten kinds |
-//! | [`best`] | the fastest motion that a long search finds, or a proof that there is none |
-//! | [`retime`] | the same way as fast as a robot can |
+//! | [`best`] | the reference motion: the fastest that a long search finds, or a proof that there is none |
+//! | [`retime`] | time-optimal path parametrization |
 //! | [`drive`] | a drive through a scene |
-//! | [`picture`] | a drive as a picture |
-//! | [`trial`] | many scenes, several planners, and the table |
-//! | [`people`] | kilometres among people, in the simulator |
+//! | [`picture`] | a drive as an SVG picture |
+//! | [`trial`] | many scenes and several planners, with statistics |
+//! | [`people`] | long drives among people, in the simulator |
 
 pub mod best;
 pub mod drive;

@@ -1,5 +1,7 @@
-//! Kilometres among people: OPEN's driver in the simulator, from door to door, with its LiDAR and wheels, and the true pose in place of a
-//! localizer. Cameras, language and exploration are left out, so that kilometres are affordable.
+//! Long drives among people: OPEN's driver in the simulator, from door to door.
+//!
+//! It uses the LiDAR, the wheels, and the true pose instead of a localizer. Camera, language and
+//! exploration are left out, so that kilometres can be simulated in acceptable time.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -24,70 +26,77 @@ use openbench_bench::score::metrics::{
 };
 use openbench_bench::{BenchError, Prepared, TrafficPlan, TruthHandle, TruthLocalizer};
 
-/// A drive is so long at most, metres,
-const DRIVE: f64 = 500.0;
-/// or takes so long at most.
-const LIMIT: Duration = Duration::from_secs(3000);
-/// Stream of random numbers, beside those of sensors and traffic.
-const STREAM: u64 = 41;
+/// Maximum length of a drive.
+const MAX_DRIVE_M: f64 = 500.0;
+/// Maximum duration of a drive, simulated.
+const MAX_DRIVE_TIME: Duration = Duration::from_secs(3000);
+/// Stream of random numbers, distinct from those of sensors and traffic.
+const RANDOM_STREAM: u64 = 41;
 
-/// Makes the local planner of a drive.
-pub type MakePlanner<'a> = dyn Fn(&RobotDescription) -> Result<Box<dyn LocalPlanner>, PartError> + Sync + 'a;
+/// Creates the local planner of a drive.
+pub type MakePlanner<'a> =
+    dyn Fn(&RobotDescription) -> Result<Box<dyn LocalPlanner>, PartError> + Sync + 'a;
 
-/// What is driven.
+/// The parameters of the experiment.
 #[derive(Clone, Copy)]
 pub struct Request<'a> {
-    /// Kilometres at most, in drives of half a kilometre or less; drives that take too long end before.
+    /// Total distance, kilometres, in drives of at most half a kilometre; drives that take too long
+    /// end earlier.
     pub kilometres: f64,
     /// Seed of people, noise and the order of doors.
     pub seed: u64,
-    /// Who drives.
+    /// The local planner.
     pub planner: &'a MakePlanner<'a>,
-    /// How many drives at a time.
+    /// Number of threads.
     pub threads: usize,
 }
 
-/// What came of it.
+/// The result of the experiment.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Among {
-    /// People and cars that there were.
+    /// Number of people and cars.
     pub traffic: TrafficPlan,
-    /// Metres driven.
+    /// Driven distance, metres.
     pub metres: f64,
-    /// Simulated seconds.
+    /// Simulated time, seconds.
     pub seconds: f64,
-    /// Doors that were reached.
+    /// Number of doors that were reached.
     pub reached: usize,
-    /// Doors that were given up.
+    /// Number of doors that were given up.
     pub given_up: usize,
-    /// Collisions by what was touched.
+    /// Collisions by class of the object that was hit.
     pub collisions: BTreeMap<String, CollisionSum>,
-    /// Encounters.
+    /// Encounters with people and cars.
     pub encounters: EncounterSum,
-    /// How smoothly the robot drove.
+    /// Smoothness of the drives.
     pub smoothness: SmoothnessSum,
-    /// Where and when collisions were, for a closer look.
+    /// Time and place of each collision.
     pub bumps: Vec<Bumped>,
 }
 
-/// A collision.
+/// Time and place of a collision.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Bumped {
-    /// Number of the drive.
+    /// Number of the drive, from 0.
     pub drive: usize,
-    /// Simulated seconds.
+    /// Simulated time, seconds.
     pub seconds: f64,
-    /// What was touched.
+    /// Class of the object that was hit.
     pub class: String,
-    /// How fast the robot was, m/s.
+    /// Speed of the robot before the collision, m/s.
     pub speed_mps: f64,
-    /// Whether it was the robot's fault, see [`CollisionSum`]: it drove, or had cut the other off.
+    /// Whether the robot was at fault, see [`CollisionSum`]: it drove into the object or had cut it
+    /// off.
     pub at_fault: bool,
-    /// Where the robot was.
+    /// Pose of the robot.
     pub pose: Pose2,
 }
 
-/// Drives; nothing but the time that it takes depends on the number of threads. `seen` is told of the end of each drive.
+/// Runs all drives. The result does not depend on the number of threads. `seen` is called after
+/// each drive.
+///
+/// # Errors
+/// A world with fewer than two reachable doors, or a planner that cannot be created.
 pub fn drive(
     prepared: &Prepared,
     request: &Request<'_>,
@@ -104,13 +113,16 @@ pub fn drive(
             Ok::<_, BenchError>(part)
         },
     )?;
-    let traffic = prepared.traffic(request.seed).map(|t| t.placed()).unwrap_or_default();
+    let traffic = prepared
+        .traffic(request.seed)
+        .map(|t| t.placed())
+        .unwrap_or_default();
     Ok(sum(traffic, parts.into_iter()))
 }
 
-/// How many drives a distance takes.
+/// Number of drives for a total distance.
 pub fn drives(kilometres: f64) -> usize {
-    (kilometres * 1000.0 / DRIVE).ceil().max(1.0) as usize
+    (kilometres * 1000.0 / MAX_DRIVE_M).ceil().max(1.0) as usize
 }
 
 fn one(course: &Course<'_>, request: &Request<'_>, number: usize) -> Result<Among, BenchError> {
@@ -148,11 +160,11 @@ fn nothing(traffic: TrafficPlan) -> Among {
     }
 }
 
-/// Where drives lead.
+/// The destinations of the drives.
 struct Course<'a> {
     prepared: &'a Prepared,
     map: OsmMap,
-    /// Before the doors that can be reached.
+    /// The approach points of the reachable doors.
     places: Vec<MapPoint>,
 }
 
@@ -160,34 +172,54 @@ impl<'a> Course<'a> {
     fn new(prepared: &'a Prepared) -> Result<Self, BenchError> {
         let places: Vec<MapPoint> = prepared.approach.iter().flatten().copied().collect();
         if places.len() < 2 {
-            let why = "fewer than two doors can be reached: there is nowhere to drive";
+            let why = "fewer than two doors can be reached, so there is no route to drive; use \
+another world";
             return Err(BenchError::world(why));
         }
-        Ok(Self { prepared, map: prepared.osm_map(), places })
+        Ok(Self {
+            prepared,
+            map: prepared.osm_map(),
+            places,
+        })
     }
 
     fn terrain(&self) -> Result<Terrain, BenchError> {
         let Prepared { world, robot, .. } = self.prepared;
-        Terrain::new(self.map.clone(), None, world.start.point(), robot, Preferences::NONE)
-            .map_err(BenchError::world)
+        Terrain::new(
+            self.map.clone(),
+            None,
+            world.start.point(),
+            robot,
+            Preferences::NONE,
+        )
+        .map_err(BenchError::world)
     }
 
-    /// One of the places, but not where the robot is.
+    /// A random destination more than 1 m away from the robot.
     fn draw(&self, here: MapPoint, noise: &mut Noise) -> MapPoint {
-        let others: Vec<MapPoint> = self.places.iter().copied().filter(|p| p.distance(here) > 1.0).collect();
-        let from = if others.is_empty() { &self.places } else { &others };
+        let others: Vec<MapPoint> = self
+            .places
+            .iter()
+            .copied()
+            .filter(|p| p.distance(here) > 1.0)
+            .collect();
+        let from = if others.is_empty() {
+            &self.places
+        } else {
+            &others
+        };
         from[((noise.uniform() * from.len() as f64) as usize).min(from.len() - 1)]
     }
 }
 
-/// Nobody listens.
-struct Deaf;
+/// Discards all events.
+struct DiscardEvents;
 
-impl Events for Deaf {
+impl Events for DiscardEvents {
     fn record(&mut self, _event: Event) {}
 }
 
-/// A drive through a course.
+/// One drive from door to door.
 struct Ride<'a> {
     course: &'a Course<'a>,
     simulator: Simulator,
@@ -196,14 +228,18 @@ struct Ride<'a> {
     localizer: TruthLocalizer,
     perception: Perception,
     noise: Noise,
-    sets_out: bool,
+    needs_target: bool,
     encounters: Encounters,
     smoothness: Smoothness,
     among: Among,
 }
 
 impl<'a> Ride<'a> {
-    fn new(course: &'a Course<'a>, planner: Box<dyn LocalPlanner>, seed: u64) -> Result<Self, BenchError> {
+    fn new(
+        course: &'a Course<'a>,
+        planner: Box<dyn LocalPlanner>,
+        seed: u64,
+    ) -> Result<Self, BenchError> {
         let (prepared, handle) = (course.prepared, TruthHandle::default());
         let simulator = prepared.simulator(seed)?;
         handle.set(simulator.time(), pose(&simulator));
@@ -215,17 +251,19 @@ impl<'a> Ride<'a> {
             localizer: TruthLocalizer::new(handle.clone()),
             handle,
             perception: Perception::new(prepared.robot.clone()),
-            noise: Noise::new(seed, STREAM),
-            sets_out: true,
+            noise: Noise::new(seed, RANDOM_STREAM),
+            needs_target: true,
             encounters: Encounters::new(),
             smoothness: Smoothness::default(),
             among: nothing(TrafficPlan::default()),
         })
     }
 
-    /// To the drive's end.
+    /// Drives until the distance or the maximum time is reached.
     fn ride(mut self, number: usize, metres: f64) -> Among {
-        while self.among.metres < metres && self.simulator.time().since(SimTime::ZERO) < LIMIT {
+        while self.among.metres < metres
+            && self.simulator.time().since(SimTime::ZERO) < MAX_DRIVE_TIME
+        {
             self.sense();
             let velocity = self.decide();
             self.step(velocity);
@@ -234,7 +272,8 @@ impl<'a> Ride<'a> {
         self.among.seconds = self.simulator.time().seconds();
         self.among.encounters = self.encounters.totals().into();
         self.among.smoothness = self.smoothness.sum();
-        self.among.collisions = collisions::by_class(collisions.iter().map(|c| (c.class.name(), c.into())));
+        self.among.collisions =
+            collisions::by_class(collisions.iter().map(|c| (c.class.name(), c.into())));
         self.among.bumps = collisions.iter().map(|c| Bumped::of(c, number)).collect();
         self.among
     }
@@ -244,22 +283,29 @@ impl<'a> Ride<'a> {
         self.localizer.update(&observation);
         self.driver.observe_wheels(observation.wheels);
         if let Some(scan) = observation.scan {
-            self.driver.observe(&self.perception.observe(scan, &self.localizer), observation.time);
+            self.driver.observe(
+                &self.perception.observe(scan, &self.localizer),
+                observation.time,
+            );
         }
     }
 
     fn decide(&mut self) -> Velocity {
         let (here, now) = (self.localizer.pose(), self.simulator.time());
-        if std::mem::take(&mut self.sets_out) {
+        if std::mem::take(&mut self.needs_target) {
             let point = self.course.draw(here.point(), &mut self.noise);
-            self.driver.set_target(Target { point, yaw: None, must: true });
+            self.driver.set_target(Target {
+                point,
+                yaw: None,
+                must: true,
+            });
         }
-        match self.driver.drive(here, now, &mut Deaf) {
+        match self.driver.drive(here, now, &mut DiscardEvents) {
             Driving::OnTheWay(velocity) => return velocity,
             Driving::Arrived => self.among.reached += 1,
             Driving::Unreachable => self.among.given_up += 1,
         }
-        self.sets_out = true;
+        self.needs_target = true;
         Velocity::ZERO
     }
 
@@ -270,7 +316,11 @@ impl<'a> Ride<'a> {
         self.handle.set(self.simulator.time(), now);
         self.among.metres += before.point().distance(now.point());
         self.smoothness.step(before, now, seconds);
-        self.encounters.update(seconds, &self.simulator.robot_state(), self.simulator.movers());
+        self.encounters.update(
+            seconds,
+            &self.simulator.robot_state(),
+            self.simulator.movers(),
+        );
     }
 }
 

@@ -1,6 +1,7 @@
-//! Scenes of some metres that a local planner has to get through, drawn from seeds.
+//! Random scenes of some metres for local planners.
 //!
-//! Each kind is drawn straight ahead of a robot at the origin, then turned and mirrored by chance, so that no planner gains from the axes.
+//! Each kind is drawn straight ahead of a robot at the origin, then turned and mirrored by chance,
+//! so that no planner gains from the axes.
 
 use openbench_core::{MapPoint, Pose2, RobotDescription};
 use openbench_motion::{Obstacle, ShapeError, Vector2};
@@ -8,34 +9,35 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
 
-/// What is hard about a scene.
+/// The difficulty of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Kind {
-    /// Next to nothing in the way.
+    /// Few obstacles.
     Open,
-    /// Many things in the way.
+    /// Many obstacles.
     Cluttered,
     /// A gap five centimetres wider than the robot.
     NarrowGap,
-    /// A pocket or corridor to get out of, too narrow to turn in or closed ahead.
+    /// A pocket or corridor that the robot must leave, too narrow to turn in or closed ahead.
     DeadEnd,
-    /// A door, and a corridor across right behind it.
+    /// A doorway into a corridor that crosses directly behind it.
     Doorway,
     /// A goal behind the robot.
     UTurn,
-    /// People who cross the way and look at nobody.
+    /// People who cross the robot's path and do not yield.
     Crossers,
-    /// Somebody who comes straight on.
+    /// A person who approaches head-on.
     HeadOn,
-    /// The robot touches something at the start.
+    /// The robot is in contact or near contact with an obstacle at the start.
     Touching,
-    /// The estimate of the pose jumps by half a metre on the way.
+    /// The pose estimate jumps by half a metre during the drive.
     Jump,
 }
 
 impl Kind {
-    /// All of them.
+    /// All kinds.
     pub const ALL: [Self; 10] = [
         Self::Open,
         Self::Cluttered,
@@ -69,34 +71,59 @@ impl Kind {
 /// A jump of the estimated pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Jump {
-    /// When, seconds after the start.
+    /// Time since the start, seconds.
     pub at: f64,
-    /// By how much, metres in `map`.
+    /// Displacement in the `map` frame, metres.
     pub by: Vector2,
 }
 
 /// A scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
-    /// What is hard about it.
+    /// Its difficulty.
     pub kind: Kind,
-    /// Where the robot stands.
+    /// Start pose of the robot.
     pub start: Pose2,
-    /// Where it has to get to.
+    /// Goal pose.
     pub goal: Pose2,
-    /// What is in its way, at the start.
+    /// Obstacles, at their initial positions.
     pub obstacles: Vec<Obstacle>,
-    /// What happens to its estimate.
+    /// Jump of the pose estimate, if any.
     pub jump: Option<Jump>,
 }
 
-/// The scene of a number: its kind is the number's, all else the seed's.
+/// Draws scene `number`, whose kind is `Kind::ALL[number % 10]`, from a seed.
+///
+/// ```
+/// use openbench_core::RobotDescription;
+/// use openbench_trials::motion::scene::{Kind, scene};
+///
+/// let scene = scene(12, 1, &RobotDescription::sentry())?;
+/// assert_eq!(scene.kind, Kind::NarrowGap);
+/// assert!(scene.start.point().distance(scene.goal.point()) < 9.0);
+/// # Ok::<(), openbench_motion::ShapeError>(())
+/// ```
+///
+/// # Errors
+/// An obstacle of invalid shape, which only an invalid robot description causes.
 pub fn scene(number: usize, seed: u64, robot: &RobotDescription) -> Result<Scene, ShapeError> {
-    let mut rng = Pcg64Mcg::seed_from_u64(seed ^ (number as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    let mut rng =
+        Pcg64Mcg::seed_from_u64(seed ^ (number as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
     let kind = Kind::ALL[number % Kind::ALL.len()];
-    let mut draft = Draft { rng: &mut rng, robot, goal: Pose2::default(), obstacles: Vec::new(), jump: None };
+    let mut draft = Draft {
+        rng: &mut rng,
+        robot,
+        goal: Pose2::default(),
+        obstacles: Vec::new(),
+        jump: None,
+    };
     draft.draw(kind)?;
-    let Draft { goal, obstacles, jump, .. } = draft;
+    let Draft {
+        goal,
+        obstacles,
+        jump,
+        ..
+    } = draft;
     let place = Placing {
         mirror: if rng.random::<bool>() { -1.0 } else { 1.0 },
         at: Pose2::new(
@@ -109,12 +136,18 @@ pub fn scene(number: usize, seed: u64, robot: &RobotDescription) -> Result<Scene
         kind,
         start: place.pose(Pose2::default()),
         goal: place.pose(goal),
-        obstacles: obstacles.iter().map(|o| place.obstacle(o)).collect::<Result<_, _>>()?,
-        jump: jump.map(|j| Jump { by: place.vector(j.by), ..j }),
+        obstacles: obstacles
+            .iter()
+            .map(|o| place.obstacle(o))
+            .collect::<Result<_, _>>()?,
+        jump: jump.map(|j| Jump {
+            by: place.vector(j.by),
+            ..j
+        }),
     })
 }
 
-/// Where and how a scene drawn about the origin is put.
+/// The transformation of a scene drawn at the origin: a reflection, then a rigid motion.
 struct Placing {
     mirror: f64,
     at: Pose2,
@@ -145,7 +178,7 @@ impl Placing {
     }
 }
 
-/// A scene being drawn, the robot at the origin facing east.
+/// A scene under construction, with the robot at the origin facing east.
 struct Draft<'a> {
     rng: &'a mut Pcg64Mcg,
     robot: &'a RobotDescription,
@@ -201,11 +234,11 @@ impl Draft<'_> {
         corners.windows(2).try_for_each(|w| self.wall(w[0], w[1]))
     }
 
-    /// A disc, a wall or a polygon within `reach` of a place, kept out of circles about start and goal.
-    fn thing(&mut self, keep: f64) -> Result<(), ShapeError> {
+    /// Adds a random disc, wall or polygon, unless it is within `keep` metres of start or goal.
+    fn obstacle(&mut self, keep: f64) -> Result<(), ShapeError> {
         let at = MapPoint::new(self.between(-1.0, 7.0), self.between(-3.0, 3.0));
         let size = self.between(0.05, 0.45);
-        let thing = match self.rng.random_range(0..3) {
+        let obstacle = match self.rng.random_range(0..3) {
             0 => Obstacle::disc(at, size)?,
             1 => Obstacle::wall(at, at.offset(self.between(-3.1, 3.1), 2.0 * size))?,
             _ => {
@@ -215,44 +248,59 @@ impl Draft<'_> {
                 Obstacle::new(&(0..sides).map(corner).collect::<Vec<_>>(), 0.0, Vector2::ZERO)?
             }
         };
-        let off = |p: MapPoint| thing.distance_to(p) > keep;
-        if off(MapPoint::default()) && off(self.goal.point()) {
-            self.obstacles.push(thing);
+        let is_clear = |p: MapPoint| obstacle.distance_to(p) > keep;
+        if is_clear(MapPoint::default()) && is_clear(self.goal.point()) {
+            self.obstacles.push(obstacle);
         }
         Ok(())
     }
 
-    fn things(&mut self, count: usize, keep: f64) -> Result<(), ShapeError> {
-        (0..count).try_for_each(|_| self.thing(keep))
+    fn obstacles(&mut self, count: usize, keep: f64) -> Result<(), ShapeError> {
+        (0..count).try_for_each(|_| self.obstacle(keep))
     }
 
     fn open(&mut self) -> Result<(), ShapeError> {
         self.goal_ahead();
         let count = self.rng.random_range(0..4);
-        self.things(count, 0.5)
+        self.obstacles(count, 0.5)
     }
 
     fn cluttered(&mut self) -> Result<(), ShapeError> {
         self.goal_ahead();
         let count = self.rng.random_range(12..36);
-        self.things(count, 0.3)
+        self.obstacles(count, 0.3)
     }
 
     fn narrow_gap(&mut self) -> Result<(), ShapeError> {
-        let spare = if self.chance(0.85) { 0.05 } else { self.between(-0.05, -0.01) };
+        let spare = if self.chance(0.85) {
+            0.05
+        } else {
+            self.between(-0.05, -0.01)
+        };
         let half = (self.robot.width + spare) / 2.0;
-        let (x, y, thick) = (self.between(1.2, 2.5), self.between(-1.5, 1.5), self.between(0.02, 0.5));
+        let (x, y, thick) = (
+            self.between(1.2, 2.5),
+            self.between(-1.5, 1.5),
+            self.between(0.02, 0.5),
+        );
         self.room((-1.0, -3.0), (5.0, 3.0))?;
         self.block((x, -3.0), (x + thick, y - half))?;
         self.block((x, y + half), (x + thick, 3.0))?;
-        self.goal =
-            Pose2::new(self.between(x + thick + 0.6, 4.5), self.between(-2.0, 2.0), self.between(-3.1, 3.1));
+        self.goal = Pose2::new(
+            self.between(x + thick + 0.6, 4.5),
+            self.between(-2.0, 2.0),
+            self.between(-3.1, 3.1),
+        );
         Ok(())
     }
 
     fn dead_end(&mut self) -> Result<(), ShapeError> {
         let narrow = self.chance(0.5);
-        let half = if narrow { self.between(0.19, 0.22) } else { self.between(0.3, 0.8) };
+        let half = if narrow {
+            self.between(0.19, 0.22)
+        } else {
+            self.between(0.3, 0.8)
+        };
         let (front, back) = (self.between(0.3, 1.5), self.between(0.5, 2.0));
         let closed = self.chance(0.15);
         self.room((-back - 3.0, -3.0), (front + 2.0, 3.0))?;
@@ -263,7 +311,11 @@ impl Draft<'_> {
             self.block((-back - 0.1, -half - 0.1), (-back, half + 0.1))?;
         }
         let behind = self.chance(0.5);
-        let x = if behind { -back - self.between(0.8, 2.0) } else { front + self.between(0.6, 1.4) };
+        let x = if behind {
+            -back - self.between(0.8, 2.0)
+        } else {
+            front + self.between(0.6, 1.4)
+        };
         self.goal = Pose2::new(x, self.between(-1.5, 1.5), self.between(-3.1, 3.1));
         Ok(())
     }
@@ -278,7 +330,11 @@ impl Draft<'_> {
         self.block((x, y + half), (x + 0.1, 3.0))?;
         let side = if self.rng.random::<bool>() { 1.0 } else { -1.0 };
         let along = side * self.between(1.0, 1.8) + y;
-        self.goal = Pose2::new(x + 0.1 + width / 2.0, along, side * std::f64::consts::FRAC_PI_2);
+        self.goal = Pose2::new(
+            x + 0.1 + width / 2.0,
+            along,
+            side * std::f64::consts::FRAC_PI_2,
+        );
         Ok(())
     }
 
@@ -286,12 +342,23 @@ impl Draft<'_> {
         let half = self.between(0.3, 1.0);
         self.room((-5.0, -half), (2.0, half))?;
         let x = -self.between(1.0, 4.0);
-        self.goal = Pose2::new(x, self.between(-half + 0.25, half - 0.25), std::f64::consts::PI);
+        self.goal = Pose2::new(
+            x,
+            self.between(-half + 0.25, half - 0.25),
+            std::f64::consts::PI,
+        );
         Ok(())
     }
 
-    /// Somebody who passes through `at` after `seconds` with `speed` towards `bearing`.
-    fn somebody(&mut self, at: MapPoint, seconds: f64, speed: f64, bearing: f64) -> Result<(), ShapeError> {
+    /// Adds a person who passes through `at` after `seconds`, with `speed` in m/s towards
+    /// `bearing`.
+    fn person(
+        &mut self,
+        at: MapPoint,
+        seconds: f64,
+        speed: f64,
+        bearing: f64,
+    ) -> Result<(), ShapeError> {
         let from = at.offset(bearing + std::f64::consts::PI, speed * seconds);
         let (sin, cos) = libm::sincos(bearing);
         let radius = self.between(0.2, 0.3);
@@ -305,8 +372,11 @@ impl Draft<'_> {
             let at = MapPoint::new(self.between(1.0, 4.0), 0.0);
             let side = if self.rng.random::<bool>() { 1.0 } else { -1.0 };
             let bearing = side * self.between(0.9, 2.2);
-            let (seconds, speed) = (at.x / 0.45 + self.between(-1.0, 1.0), self.between(0.4, 1.3));
-            self.somebody(at, seconds, speed, bearing)?;
+            let (seconds, speed) = (
+                at.x / 0.45 + self.between(-1.0, 1.0),
+                self.between(0.4, 1.3),
+            );
+            self.person(at, seconds, speed, bearing)?;
         }
         Ok(())
     }
@@ -320,13 +390,13 @@ impl Draft<'_> {
         }
         let speed = self.between(0.4, 1.3);
         let at = MapPoint::new(self.between(1.5, 2.5), self.between(-0.1, 0.1));
-        self.somebody(at, at.x / 0.45, speed, std::f64::consts::PI)
+        self.person(at, at.x / 0.45, speed, std::f64::consts::PI)
     }
 
     fn touching(&mut self) -> Result<(), ShapeError> {
         self.goal_ahead();
         let count = self.rng.random_range(3..12);
-        self.things(count, 0.4)?;
+        self.obstacles(count, 0.4)?;
         let gap = self.between(0.0, 0.005);
         let (x, y) = (self.robot.length / 2.0, self.robot.width / 2.0);
         match self.rng.random_range(0..3) {
@@ -342,7 +412,7 @@ impl Draft<'_> {
     fn jump(&mut self) -> Result<(), ShapeError> {
         self.goal_ahead();
         let count = self.rng.random_range(2..10);
-        self.things(count, 0.9)?;
+        self.obstacles(count, 0.9)?;
         let (sin, cos) = libm::sincos(self.between(-3.1, 3.1));
         self.jump = Some(Jump { at: self.between(1.0, 5.0), by: Vector2::new(0.5 * cos, 0.5 * sin) });
         Ok(())
@@ -356,7 +426,7 @@ mod tests {
     use openbench_motion::feasible::clearance;
 
     #[test]
-    fn a_scene_is_its_number_and_its_seed() {
+    fn a_scene_depends_on_number_and_seed_only() {
         let robot = RobotDescription::sentry();
         let draw = |number, seed| scene(number, seed, &robot).unwrap();
         for number in 0..30 {
@@ -368,7 +438,7 @@ mod tests {
     }
 
     #[test]
-    fn scenes_begin_clear_unless_they_begin_touching() {
+    fn only_scenes_of_the_kind_touching_start_near_contact() {
         let robot = RobotDescription::sentry();
         let footprint = Footprint::of(&robot).unwrap();
         for number in 0..500 {
@@ -376,7 +446,11 @@ mod tests {
             let clear = clearance(&footprint, scene.obstacles.iter(), scene.start, 0.0, 1.0);
             let touching = scene.kind == Kind::Touching;
             assert!(
-                if touching { (-1e-9..=0.0051).contains(&clear) } else { clear > 0.0 },
+                if touching {
+                    (-1e-9..=0.0051).contains(&clear)
+                } else {
+                    clear > 0.0
+                },
                 "{number} {clear}"
             );
             let length = scene.start.point().distance(scene.goal.point());
@@ -385,7 +459,11 @@ mod tests {
             assert_eq!(scene.kind == Kind::Jump, by.is_some());
             assert!(by.is_none_or(|by| (by - 0.5).abs() < 1e-9));
             let moves = scene.obstacles.iter().any(Obstacle::is_moving);
-            assert_eq!(moves, matches!(scene.kind, Kind::Crossers | Kind::HeadOn), "{number}");
+            assert_eq!(
+                moves,
+                matches!(scene.kind, Kind::Crossers | Kind::HeadOn),
+                "{number}"
+            );
         }
     }
 }

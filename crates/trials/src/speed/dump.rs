@@ -1,10 +1,11 @@
-//! The triangles and rays of a measurement, as files that any program reads: little-endian numbers without headers, and `meta.json`.
+//! Triangles and rays of a measurement as files for other ray casters: little-endian numbers
+//! without headers, and `meta.json`.
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
-//! | `triangles.f32` | three corners of each visible triangle, metres |
-//! | `origins.f32`, `directions.f32` | each ray, in the order in which the sensor fires; directions have unit length |
-//! | `ranges.f32` | distance of what we hit, 0 for nothing; holes of cut-out textures not regarded |
+//! | `triangles.f32` | the three corners of each visible triangle, metres |
+//! | `origins.f32`, `directions.f32` | the rays in the order of the sensor's firings; unit directions |
+//! | `ranges.f32` | our ranges, metres, 0 without a hit; transparent parts of textures are ignored |
 
 use std::path::Path;
 
@@ -18,8 +19,8 @@ use serde_json::{Value, json};
 
 use openbench_bench::BenchError;
 
-/// Writes the files into `folder`, one scan from each pose. What was `measured`, a JSON object, goes
-/// into `meta.json`.
+/// Writes the files into `folder`, with one scan from each pose. `measured`, a JSON object, is
+/// extended and written to `meta.json`.
 pub(super) fn write(
     folder: &Path,
     stage: &Stage,
@@ -46,7 +47,11 @@ pub(super) fn write(
 }
 
 fn corners(scene: &Scene) -> impl Iterator<Item = f32> {
-    scene.standing().iter().flat_map(|t| t.corners).flat_map(|c| scene.vertices[c as usize].position)
+    scene
+        .standing()
+        .iter()
+        .flat_map(|t| t.corners)
+        .flat_map(|c| scene.vertices[c as usize].position)
 }
 
 fn bytes(numbers: impl Iterator<Item = f32>) -> Vec<u8> {
@@ -79,7 +84,13 @@ fn ranges(stage: &Stage, origins: &[[f32; 3]], directions: &[[f32; 3]]) -> Vec<f
             packet.set(lane, *origin, *direction, RANGE.1);
         }
         let hits = stage.caster().visible().cast_packet(&packet);
-        let range = |lane: usize| if hits.triangle[lane] == MISS { 0.0 } else { hits.distance[lane] };
+        let range = |lane: usize| {
+            if hits.triangle[lane] == MISS {
+                0.0
+            } else {
+                hits.distance[lane]
+            }
+        };
         ranges.extend((0..origins.len()).map(range));
     }
     ranges

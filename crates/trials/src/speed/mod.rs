@@ -1,10 +1,10 @@
-//! How fast the parts are, for comparisons with peers under `benchmarks/`. CPU time of one thread, which does nothing else.
+//! Speed of the parts, for the comparisons in `benchmarks/`: CPU time of one thread.
 //!
-//! | module | what |
+//! | module | measures |
 //! |---|---|
-//! | [`sim`] | rays, images, and the simulator as a whole |
-//! | [`routing`] | routes, nearest places, tables, and preparing a map |
-//! | [`dump`] | the triangles and rays that were measured, as files for peers |
+//! | [`sim`] | rays, images, and the whole simulator |
+//! | [`routing`] | routes, nearest positions, tables, and the preparation of a map |
+//! | [`dump`] | writes the measured triangles and rays as files for other programs |
 
 pub mod dump;
 pub mod routing;
@@ -14,17 +14,20 @@ use std::time::Duration;
 
 use cpu_time::ThreadTime;
 
-/// CPU time that `work` takes: the least of several goes, since others only ever add to it.
-fn fastest(goes: usize, mut work: impl FnMut()) -> Duration {
+/// Minimum CPU time of several repetitions: disturbances only add to it.
+fn fastest(repetitions: usize, mut work: impl FnMut()) -> Duration {
     let once = |()| {
         let began = ThreadTime::now();
         work();
         began.elapsed()
     };
-    std::iter::repeat_n((), goes).map(once).min().unwrap_or_default()
+    std::iter::repeat_n((), repetitions)
+        .map(once)
+        .min()
+        .unwrap_or_default()
 }
 
-/// The most memory that this process has held, megabytes; where the system does not say, `None`.
+/// Peak memory of this process, megabytes; `None` if the system does not report it.
 fn peak_memory_mb() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;

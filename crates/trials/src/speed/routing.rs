@@ -1,4 +1,4 @@
-//! How fast routes are found.
+//! Speed of routing.
 
 use std::path::Path;
 use std::time::Duration;
@@ -8,8 +8,8 @@ use openbench_core::LonLat;
 use openbench_osm::stream::Source;
 use openbench_routing::geo::Place;
 use openbench_routing::osrm::{
-    Geometries, Limits, NearestRequest, Overview, Places, Request, RouteRequest, Service, ServiceMemory,
-    TableRequest,
+    Geometries, Limits, NearestRequest, Overview, Places, Request, RouteRequest, Service,
+    ServiceMemory, TableRequest,
 };
 use openbench_routing::overlay::FAR;
 use openbench_routing::search::{End, Path as RoutePath, Workspace};
@@ -19,72 +19,96 @@ use serde::Serialize;
 use super::{fastest, peak_memory_mb};
 use openbench_bench::BenchError;
 
-/// Goes of which the fastest counts.
-const GOES: usize = 3;
-/// Places of the table.
-const TABLE: usize = 100;
+/// Repetitions of each measurement, of which the fastest counts.
+const REPETITIONS: usize = 3;
+/// Number of origins, and of destinations, of the table.
+const TABLE_SIZE: usize = 100;
+/// Number of random queries in a dump.
+const DUMPED_QUERIES: u64 = 1000;
 
-/// What was measured. All times are CPU time; routes and the like on one thread.
+/// The measured times, all CPU time; requests run on one thread.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RoutingSpeed {
-    /// Vertices of the network.
+    /// Number of vertices of the road network.
     pub vertices: usize,
-    /// Its edges.
+    /// Number of edges of the road network.
     pub edges: usize,
-    /// Pairs of places.
+    /// Number of origin-destination pairs.
     pub pairs: usize,
-    /// Those of them without a way between them.
+    /// Number of pairs without a route.
     pub pairs_without_route: usize,
-    /// A route's distance and duration as JSON, snapping included, microseconds: the median pair.
+    /// Route request with distance and duration as JSON, snapping included: median, microseconds.
     pub route_us_p50: f64,
-    /// The pair that 99 of 100 are faster than.
+    /// The same: 99th percentile.
     pub route_us_p99: f64,
-    /// With steps and the whole line as GeoJSON.
+    /// Route request with steps and the geometry as GeoJSON: median, microseconds.
     pub steps_us_p50: f64,
-    /// The pair that 99 of 100 are faster than.
+    /// The same: 99th percentile.
     pub steps_us_p99: f64,
-    /// The nearest place on the network, as JSON.
+    /// Request for the nearest position on the network, as JSON: median, microseconds.
     pub nearest_us_p50: f64,
-    /// The place that 99 of 100 are faster than.
+    /// The same: 99th percentile.
     pub nearest_us_p99: f64,
-    /// Durations between the first 100 starts and the first 100 goals, as JSON, milliseconds.
+    /// Table of durations from the first 100 origins to the first 100 destinations, as JSON,
+    /// milliseconds.
     pub table_100_ms: f64,
-    /// From the file until routes are found, all threads.
+    /// Preparation from the map file to the first route, all threads, seconds.
     pub build_seconds: f64,
-    /// Another profile's weights on the same network, all threads.
+    /// Customization of the same network for another profile, all threads, seconds.
     pub customize_seconds: f64,
-    /// Most memory held while building, megabytes; null where the system does not say.
+    /// Peak memory of the preparation, megabytes; null if the system does not report it.
     pub build_peak_memory_mb: Option<f64>,
-    /// Most memory held in all.
+    /// Peak memory of the whole measurement, megabytes.
     pub peak_memory_mb: Option<f64>,
-    /// Metres and seconds of each pair; not a number where there is no way.
+    /// Distance in metres and duration in seconds of each pair; NaN without a route.
     #[serde(skip)]
     pub answers: Vec<(f64, f64)>,
 }
 
-/// Reads rows of `lon,lat,lon,lat`. A first row of words is passed over.
+/// Reads origin-destination pairs: rows of `lon,lat,lon,lat` in degrees. A heading is skipped.
+///
+/// # Errors
+/// A file that cannot be read, or the line of the first row that is not in this form.
 pub fn read_pairs(path: &Path) -> Result<Vec<[Place; 2]>, BenchError> {
-    let bad =
-        |line: usize| BenchError::bad_file(path, format!("line {line} is not lon,lat,lon,lat in degrees"));
+    let bad = |line: usize| {
+        BenchError::bad_file(
+            path,
+            format!("line {line} is not lon,lat,lon,lat in degrees"),
+        )
+    };
     let text = std::fs::read_to_string(path).map_err(|error| BenchError::file(path, error))?;
     let mut pairs = Vec::new();
     for (number, line) in (1..).zip(text.lines()) {
         if line.trim().is_empty() || (number == 1 && line.contains(|c: char| c.is_alphabetic())) {
             continue;
         }
-        let numbers: Vec<f64> = line.split(',').filter_map(|word| word.trim().parse().ok()).collect();
-        let &[a, b, c, d] = &numbers[..] else { return Err(bad(number)) };
+        let numbers: Vec<f64> = line
+            .split(',')
+            .filter_map(|word| word.trim().parse().ok())
+            .collect();
+        let &[a, b, c, d] = &numbers[..] else {
+            return Err(bad(number));
+        };
         let place = |lon, lat| Place::new(LonLat::new(lon, lat)).ok_or_else(|| bad(number));
         pairs.push([place(a, b)?, place(c, d)?]);
     }
     if pairs.is_empty() {
-        return Err(BenchError::bad_file(path, "no pairs in it"));
+        return Err(BenchError::bad_file(
+            path,
+            "it has no pairs; write lon,lat,lon,lat in each line",
+        ));
     }
     Ok(pairs)
 }
 
-/// Measures a map and a profile with pairs of places. With `dump`, the graph of vertices goes into that folder, for peers that know no
-/// maps: `tail`, `head` and `weight` of arcs, `lat` and `lon` of vertices, and 1,000 `queries` (from, to, weight), numbers of four bytes.
+/// Measures requests over pairs of places on a map with a profile.
+///
+/// With `dump`, the graph is written to that folder for programs that read no maps: `tail`, `head`
+/// and `weight` of the arcs, `lat` and `lon` of the vertices, and 1,000 `queries` (from, to,
+/// weight), all as numbers of four bytes.
+///
+/// # Errors
+/// A map that cannot be read, a profile that does not fit, or a file that cannot be written.
 pub fn measure(
     map: &Path,
     profile: Profile,
@@ -93,23 +117,37 @@ pub fn measure(
 ) -> Result<RoutingSpeed, BenchError> {
     let began = ProcessTime::now();
     let source = Source::open(map).map_err(|e| BenchError::bad_file(map, e))?;
-    let roads = Roads::read(&source, &Default::default()).map_err(|e| BenchError::bad_file(map, e))?;
+    let roads =
+        Roads::read(&source, &Default::default()).map_err(|e| BenchError::bad_file(map, e))?;
     drop(source);
     let metric = Metric::new(&roads, profile.clone()).map_err(|e| BenchError::bad_file(map, e))?;
     let build = began.elapsed();
     let build_peak_memory_mb = peak_memory_mb();
     let began = ProcessTime::now();
-    drop(std::hint::black_box(Metric::new(&roads, profile).map_err(|e| BenchError::bad_file(map, e))?));
+    drop(std::hint::black_box(
+        Metric::new(&roads, profile).map_err(|e| BenchError::bad_file(map, e))?,
+    ));
     let customize = began.elapsed();
     if let Some(folder) = dump {
         dump_graph(folder, &roads, &metric)?;
     }
-    let service = Service { roads, metric, limits: Limits::default() };
+    let service = Service {
+        roads,
+        metric,
+        limits: Limits::default(),
+    };
     let memory = &mut ServiceMemory::default();
 
-    let places = |places: &[Place]| Places { hints: false, ..RouteRequest::through(places.to_vec()).places };
+    let places = |places: &[Place]| Places {
+        hints: false,
+        ..RouteRequest::through(places.to_vec()).places
+    };
     let route = |pair: &[Place; 2], steps: bool| {
-        let overview = if steps { Overview::Full } else { Overview::False };
+        let overview = if steps {
+            Overview::Full
+        } else {
+            Overview::False
+        };
         let geometries = Geometries::GeoJson;
         Request::Route(RouteRequest {
             places: places(pair),
@@ -119,20 +157,33 @@ pub fn measure(
             ..Default::default()
         })
     };
-    let nearest =
-        |pair: &[Place; 2]| Request::Nearest(NearestRequest { places: places(&pair[..1]), number: 1 });
-    let each = |requests: Vec<Request>, memory: &mut ServiceMemory| {
-        percentiles(
-            requests
-                .iter()
-                .map(|request| fastest(GOES, || drop(std::hint::black_box(service.body(request, memory))))),
-        )
+    let nearest = |pair: &[Place; 2]| {
+        Request::Nearest(NearestRequest {
+            places: places(&pair[..1]),
+            number: 1,
+        })
     };
-    let [route_us_p50, route_us_p99] = each(pairs.iter().map(|pair| route(pair, false)).collect(), memory);
-    let [steps_us_p50, steps_us_p99] = each(pairs.iter().map(|pair| route(pair, true)).collect(), memory);
+    let each = |requests: Vec<Request>, memory: &mut ServiceMemory| {
+        percentiles(requests.iter().map(|request| {
+            fastest(REPETITIONS, || {
+                drop(std::hint::black_box(service.body(request, memory)))
+            })
+        }))
+    };
+    let [route_us_p50, route_us_p99] = each(
+        pairs.iter().map(|pair| route(pair, false)).collect(),
+        memory,
+    );
+    let [steps_us_p50, steps_us_p99] =
+        each(pairs.iter().map(|pair| route(pair, true)).collect(), memory);
     let [nearest_us_p50, nearest_us_p99] = each(pairs.iter().map(nearest).collect(), memory);
-    let table = fastest(GOES, || drop(std::hint::black_box(service.table(&table(pairs), memory))));
-    let answers: Vec<_> = pairs.iter().map(|pair| answer(&service, &route(pair, false), memory)).collect();
+    let table = fastest(REPETITIONS, || {
+        drop(std::hint::black_box(service.table(&table(pairs), memory)))
+    });
+    let answers: Vec<_> = pairs
+        .iter()
+        .map(|pair| answer(&service, &route(pair, false), memory))
+        .collect();
     Ok(RoutingSpeed {
         vertices: service.roads.network.vertices.len(),
         edges: service.roads.network.edge_count(),
@@ -154,7 +205,10 @@ pub fn measure(
 }
 
 fn dump_graph(folder: &Path, roads: &Roads, metric: &Metric) -> Result<(), BenchError> {
-    let file = |source| BenchError::File { path: folder.to_owned(), source };
+    let file = |source| BenchError::File {
+        path: folder.to_owned(),
+        source,
+    };
     std::fs::create_dir_all(folder).map_err(file)?;
     let write = |name: &str, numbers: Vec<u32>| {
         let bytes: Vec<u8> = numbers.into_iter().flat_map(u32::to_le_bytes).collect();
@@ -163,43 +217,79 @@ fn dump_graph(folder: &Path, roads: &Roads, metric: &Metric) -> Result<(), Bench
     };
     let graph = metric.searched(roads);
     let (out, weights) = (&graph.overlay.out, &graph.weights.out);
-    let open: Vec<(u32, usize)> = out.iter().filter(|(_, slot)| weights[*slot] < FAR).collect();
+    let open: Vec<(u32, usize)> = out
+        .iter()
+        .filter(|(_, slot)| weights[*slot] < FAR)
+        .collect();
     write("tail.u32", open.iter().map(|(tail, _)| *tail).collect())?;
-    write("head.u32", open.iter().map(|(_, slot)| out.head[*slot]).collect())?;
-    write("weight.u32", open.iter().map(|(_, slot)| weights[*slot]).collect())?;
+    write(
+        "head.u32",
+        open.iter().map(|(_, slot)| out.head[*slot]).collect(),
+    )?;
+    write(
+        "weight.u32",
+        open.iter().map(|(_, slot)| weights[*slot]).collect(),
+    )?;
     let position = |place: &Place| place.position();
     let vertices = &roads.network.vertices;
-    write("lat.f32", vertices.iter().map(|v| (position(v).lat as f32).to_bits()).collect())?;
-    write("lon.f32", vertices.iter().map(|v| (position(v).lon as f32).to_bits()).collect())?;
+    write(
+        "lat.f32",
+        vertices
+            .iter()
+            .map(|v| (position(v).lat as f32).to_bits())
+            .collect(),
+    )?;
+    write(
+        "lon.f32",
+        vertices
+            .iter()
+            .map(|v| (position(v).lon as f32).to_bits())
+            .collect(),
+    )?;
     let (mut workspace, mut path) = (Workspace::default(), RoutePath::default());
     let count = vertices.len() as u64;
-    let queries = (0..1000_u64).flat_map(|i| {
-        // A linear congruential generator, after D. Knuth.
+    let queries = (0..DUMPED_QUERIES).flat_map(|i| {
+        // A linear congruential generator with the constants of D. Knuth's MMIX.
         let draw = |i: u64| {
-            (i.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407) >> 33) % count
+            (i.wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407)
+                >> 33)
+                % count
         };
         let [from, to] = [draw(2 * i) as u32, draw(2 * i + 1) as u32];
         let ends = [from, to].map(|state| [End { state, weight: 0 }]);
-        [from, to, workspace.route(graph, &ends[0], &ends[1], &mut path).unwrap_or(u32::MAX)]
+        [
+            from,
+            to,
+            workspace
+                .route(graph, &ends[0], &ends[1], &mut path)
+                .unwrap_or(u32::MAX),
+        ]
     });
     write("queries.u32", queries.collect())
 }
 
-/// From the first starts to the first goals.
+/// The request for a table from the first origins to the first destinations.
 fn table(pairs: &[[Place; 2]]) -> TableRequest {
-    let count = pairs.len().min(TABLE);
-    let places = (0..2).flat_map(|end| pairs[..count].iter().map(move |pair| pair[end])).collect();
+    let count = pairs.len().min(TABLE_SIZE);
+    let places = (0..2)
+        .flat_map(|end| pairs[..count].iter().map(move |pair| pair[end]))
+        .collect();
     let mut request = TableRequest::between(places);
     (request.sources, request.destinations) = ((0..count).collect(), (count..2 * count).collect());
     request.places.hints = false;
     request
 }
 
-/// Metres and seconds of a route.
+/// Distance in metres and duration in seconds of a route; NaN without a route.
 fn answer(service: &Service, request: &Request, memory: &mut ServiceMemory) -> (f64, f64) {
     let none = (f64::NAN, f64::NAN);
-    let Ok(body) = service.body(request, memory) else { return none };
-    let Ok(json) = serde_json::from_slice::<serde_json::Value>(&body) else { return none };
+    let Ok(body) = service.body(request, memory) else {
+        return none;
+    };
+    let Ok(json) = serde_json::from_slice::<serde_json::Value>(&body) else {
+        return none;
+    };
     let number = |key: &str| json["routes"][0][key].as_f64().unwrap_or(f64::NAN);
     (number("distance"), number("duration"))
 }
@@ -210,6 +300,8 @@ fn percentiles(times: impl Iterator<Item = Duration>) -> [f64; 2] {
     times.sort_unstable();
     [0.5, 0.99].map(|share| {
         let index = (times.len() as f64 * share) as usize;
-        times.get(index.min(times.len().saturating_sub(1))).map_or(0.0, |time| time.as_secs_f64() * 1e6)
+        times
+            .get(index.min(times.len().saturating_sub(1)))
+            .map_or(0.0, |time| time.as_secs_f64() * 1e6)
     })
 }

@@ -1,4 +1,4 @@
-//! The simulator: LiDAR rays, images, and seconds simulated in a second.
+//! Speed of the simulator: LiDAR rays, images, real-time factor.
 
 use std::path::Path;
 use std::time::Instant;
@@ -19,57 +19,74 @@ use super::{dump, fastest, peak_memory_mb};
 use openbench_bench::worlds::load;
 use openbench_bench::{BenchError, WorldSource};
 
-/// Most places from which scans and images are taken.
-const PLACES: usize = 20;
-/// Distance of those places in front of doors, metres.
-const BEFORE_DOORS: f64 = 3.0;
-/// Seconds that the whole is simulated for.
-const DRIVE: f64 = 20.0;
-/// Goes of which the fastest counts.
-const GOES: usize = 5;
-/// The same for drives.
-const DRIVES: usize = 2;
+/// Maximum number of viewpoints for scans and images.
+const MAX_VIEWPOINTS: usize = 20;
+/// Distance of the viewpoints from doors.
+const VIEW_DISTANCE_M: f64 = 3.0;
+/// Duration of a simulated drive.
+const DRIVE_S: f64 = 20.0;
+/// Repetitions of a measurement, of which the fastest counts.
+const REPETITIONS: usize = 5;
+/// Repetitions of a drive, of which the fastest counts.
+const DRIVE_REPETITIONS: usize = 2;
 
-/// What was measured.
+/// The measured speeds.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SimSpeed {
-    /// The world.
+    /// Name of the world.
     pub world: String,
-    /// Visible triangles that stand.
+    /// Number of static triangles.
     pub triangles: usize,
-    /// People who move.
+    /// Number of moving people.
     pub pedestrians: usize,
-    /// Cars that move.
+    /// Number of moving cars.
     pub cars: usize,
-    /// Million LiDAR rays in a second of one core, all that a scan needs included: aiming, casting, noise, points.
+    /// LiDAR rays, millions per core and second, for a complete scan: aiming, casting, noise, and
+    /// points.
     pub lidar_mrays_per_core_second: f64,
-    /// Million of the same rays, ordered and cast only, holes in leaves not regarded: what peers are compared with.
+    /// The same rays, sorted and cast only, without transparent textures: comparable with other ray
+    /// casters.
     pub cast_mrays_per_core_second: f64,
-    /// Camera images of 640 x 480 in a second of one core.
+    /// Camera images of 640 x 480 pixels per core and second.
     pub camera_fps_per_core: f64,
-    /// Seconds simulated in a second of one core, with physics, IMU, wheels and LiDAR.
+    /// Real-time factor on one core with physics, IMU, wheels and LiDAR.
     pub rtf_lidar: f64,
-    /// The same with an image ten times a second.
+    /// The same with ten images per simulated second.
     pub rtf_camera: f64,
-    /// Seconds from the world's files to the first step.
+    /// Time from the world's files to the first step, seconds.
     pub load_seconds: f64,
-    /// Most memory held, megabytes; null where the system does not say.
+    /// Peak memory, megabytes; null if the system does not report it.
     pub peak_memory_mb: Option<f64>,
 }
 
-/// Measures a world with so many people and cars in it. With `dump`, the triangles and rays go into that folder.
-pub fn measure(source: &WorldSource, plan: TrafficPlan, dump: Option<&Path>) -> Result<SimSpeed, BenchError> {
+/// Measures the simulator in a world with people and cars. With `dump`, triangles and rays are
+/// written to that folder.
+///
+/// # Errors
+/// A world that cannot be built, traffic that cannot be placed, or a file that cannot be written.
+pub fn measure(
+    source: &WorldSource,
+    plan: TrafficPlan,
+    dump: Option<&Path>,
+) -> Result<SimSpeed, BenchError> {
     let began = Instant::now();
     let world = load(source)?;
     let (name, start, doors) = (world.name.clone(), world.start, places(&world));
     let map = (!plan.is_empty()).then(|| OsmMap::new(&world.map, world.georeference));
     let triangles = world.scene.triangles.len();
     let stage = Stage::peopled(world.scene, plan).map_err(BenchError::world)?;
-    let scenery = Scenery { stage, map, plan, start };
+    let scenery = Scenery {
+        stage,
+        map,
+        plan,
+        start,
+    };
     let mut simulator = scenery.simulator()?;
     simulator.step(Velocity::ZERO);
     let load_seconds = began.elapsed().as_secs_f64();
-    let placed = (simulator.movers().iter()).filter(|m| m.kind == MoverKind::Pedestrian).count();
+    let placed = (simulator.movers().iter())
+        .filter(|m| m.kind == MoverKind::Pedestrian)
+        .count();
     let (pedestrians, cars) = (placed, simulator.movers().len() - placed);
     let seen = simulator.snapshot();
     let speed = SimSpeed {
@@ -87,15 +104,20 @@ pub fn measure(source: &WorldSource, plan: TrafficPlan, dump: Option<&Path>) -> 
     };
     if let Some(folder) = dump {
         let measured = json!({ "world": speed.world, "triangles": speed.triangles, "ours": speed });
-        dump::write(folder, &scenery.stage, &sensors(seen.caster, &doors), measured)?;
+        dump::write(
+            folder,
+            &scenery.stage,
+            &sensors(seen.caster, &doors),
+            measured,
+        )?;
     }
     Ok(speed)
 }
 
-/// A world to drive in.
+/// A world with its traffic.
 struct Scenery {
     stage: Stage,
-    /// Where anything shall move.
+    /// The map of the traffic; `None` without traffic.
     map: Option<OsmMap>,
     plan: TrafficPlan,
     start: Pose2,
@@ -103,18 +125,27 @@ struct Scenery {
 
 impl Scenery {
     fn simulator(&self) -> Result<Simulator, BenchError> {
-        let still = Simulator::new(self.stage.clone(), RobotDescription::sentry(), self.start, 0);
-        let Some(map) = &self.map else { return Ok(still) };
-        still.among_traffic_of(map, self.plan, 0).map_err(BenchError::world)
+        let still = Simulator::new(
+            self.stage.clone(),
+            RobotDescription::sentry(),
+            self.start,
+            0,
+        );
+        let Some(map) = &self.map else {
+            return Ok(still);
+        };
+        still
+            .among_traffic_of(map, self.plan, 0)
+            .map_err(BenchError::world)
     }
 
-    /// Drives in circles; seconds simulated in a second.
+    /// The real-time factor of a drive in circles.
     fn drive(&self, images: bool) -> Result<f64, BenchError> {
         let mut best = 0.0_f64;
-        for _ in 0..DRIVES {
+        for _ in 0..DRIVE_REPETITIONS {
             let mut simulator = self.simulator()?;
             let began = ThreadTime::now();
-            while simulator.time().seconds() < DRIVE {
+            while simulator.time().seconds() < DRIVE_S {
                 simulator.step(Velocity::new(0.4, 0.3));
                 if images {
                     std::hint::black_box(simulator.observation().camera.image());
@@ -126,32 +157,42 @@ impl Scenery {
     }
 }
 
-/// Places in front of doors, facing them, spread over the world.
+/// Viewpoints in front of doors, facing them, spread over the world.
 fn places(world: &World) -> Vec<Pose2> {
     let doors = &world.scene.doors;
-    let stride = doors.len().div_ceil(PLACES).max(1);
+    let stride = doors.len().div_ceil(MAX_VIEWPOINTS).max(1);
     let before = |door: &openbench_scene::Door| {
-        let at: MapPoint = door.point().offset(door.facing, BEFORE_DOORS);
+        let at: MapPoint = door.point().offset(door.facing, VIEW_DISTANCE_M);
         Pose2::new(at.x, at.y, at.bearing_to(door.point()))
     };
     let spread: Vec<Pose2> = doors.iter().step_by(stride).map(before).collect();
-    if spread.is_empty() { vec![world.start] } else { spread }
+    if spread.is_empty() {
+        vec![world.start]
+    } else {
+        spread
+    }
 }
 
-/// Poses of the robot's base on the ground at these places.
+/// Poses of the robot's base on the ground at the viewpoints.
 fn bases(caster: &RayCaster, places: &[Pose2]) -> Vec<Pose3> {
-    places.iter().map(|p| p.to_pose3(ground_height(caster, p.point()))).collect()
+    places
+        .iter()
+        .map(|p| p.to_pose3(ground_height(caster, p.point())))
+        .collect()
 }
 
 fn sensors(caster: &RayCaster, places: &[Pose2]) -> Vec<Pose3> {
     let mount = RobotDescription::sentry().lidar;
-    bases(caster, places).iter().map(|base| base * mount).collect()
+    bases(caster, places)
+        .iter()
+        .map(|base| base * mount)
+        .collect()
 }
 
 fn lidar(seen: Snapshot<'_>, places: &[Pose2]) -> f64 {
     let mut lidar = Lidar::new(Noise::new(0, 2));
     let poses = sensors(seen.caster, places);
-    let time = fastest(GOES, || {
+    let time = fastest(REPETITIONS, || {
         for pose in &poses {
             std::hint::black_box(lidar.scan(seen, SimTime::ZERO, &[*pose; 2]));
         }
@@ -162,7 +203,7 @@ fn lidar(seen: Snapshot<'_>, places: &[Pose2]) -> f64 {
 fn cast(caster: &RayCaster, places: &[Pose2]) -> f64 {
     let mut lidar = Lidar::new(Noise::new(0, 2));
     let poses = sensors(caster, places);
-    let time = fastest(GOES, || {
+    let time = fastest(REPETITIONS, || {
         for pose in &poses {
             std::hint::black_box(lidar.ranges(caster.visible(), &[*pose; 2]));
         }
@@ -175,10 +216,17 @@ fn camera(stage: &Stage, movers: &Movers, places: &[Pose2]) -> f64 {
     let optics = robot.camera_intrinsics;
     let (size, focal_length) = ((optics.width, optics.height), optics.focal_length());
     let bases = bases(stage.caster(), places);
-    let time = fastest(GOES, || {
+    let time = fastest(REPETITIONS, || {
         for base in &bases {
             let pose = base * robot.camera;
-            let view = View { pose, size, focal_length, range: 200.0, shadows: false, exposure: 1.0 };
+            let view = View {
+                pose,
+                size,
+                focal_length,
+                range: 200.0,
+                shadows: false,
+                exposure: 1.0,
+            };
             std::hint::black_box(stage.renderer().render(&view, movers));
         }
     });

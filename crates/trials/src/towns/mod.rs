@@ -1,17 +1,16 @@
-//! A battery of towns: neighbourhoods that a seed draws from maps, and an agent's deliveries in
-//! each.
+//! The towns experiment: an agent's deliveries in neighbourhoods drawn at random from maps.
 //!
-//! Worlds that nobody chose show what an agent was tuned to. A window is a square of a map; its
-//! world is generated, four single deliveries and a sequence of three are drawn, driven and scored,
-//! and a drive of three minutes is given to the odometry. What is done stays in the folder: a
-//! battery that was broken off goes on with the next window.
+//! Worlds that were not selected reveal overfitting of an agent. A window is a square of a map. Its
+//! world is generated; four single deliveries and a sequence of three are drawn, driven and scored;
+//! and the odometry is tested on a drive of three minutes. Finished windows are kept in the folder,
+//! so an interrupted experiment continues with the next window.
 //!
-//! | module | its one job |
+//! | module | content |
 //! |---|---|
-//! | [`plan`] | [`TownsPlan`]: what a battery is |
-//! | [`windows`] | neighbourhoods from a seed |
-//! | [`odometry`] | a drive through a window, and how well odometry follows it |
-//! | [`summary`] | [`Town`] and [`Towns`]: what came of one window and of all |
+//! | [`plan`] | [`TownsPlan`]: the parameters of the experiment |
+//! | [`windows`] | random windows of maps |
+//! | [`odometry`] | odometry errors on a drive through a window |
+//! | [`summary`] | [`Town`] and [`Towns`]: the results of one window and of all |
 
 pub mod odometry;
 pub mod plan;
@@ -30,82 +29,90 @@ use openbench_bench::{AgentFactory, BenchError, Level, Prepared, RunRequest, run
 pub use odometry::OdometrySum;
 pub use plan::TownsPlan;
 pub use summary::{Town, Towns};
-pub use windows::DOORS;
+pub use windows::MIN_DOORS;
 use windows::{Maps, Place};
 
-/// The file of a window that is done.
-const DONE: &str = "town.json";
-/// The file that says what a folder's windows are of.
-const PLAN: &str = "towns.json";
+/// The file of a finished window.
+const TOWN_FILE: &str = "town.json";
+/// The file with the plan of a folder's windows.
+const PLAN_FILE: &str = "towns.json";
 
-/// A battery to be run.
+/// A run of the experiment.
 pub struct TownsRequest<'a> {
-    /// What it is.
+    /// Its parameters.
     pub plan: &'a TownsPlan,
-    /// How many windows.
+    /// Number of windows.
     pub windows: usize,
-    /// Makes the agent.
+    /// The factory of the agent.
     pub factory: &'a dyn AgentFactory,
-    /// Episodes at a time.
+    /// Number of threads.
     pub jobs: usize,
     /// Folder for windows and results.
     pub out: &'a Path,
-    /// Told of each window that is done, and whether it was done before.
+    /// Called for each finished window; the flag says whether it was finished in an earlier run.
     pub progress: &'a dyn Fn(&Town, bool),
 }
 
-/// Runs the windows that are not done yet and sums up all.
+/// Runs the unfinished windows and summarizes all.
 ///
 /// # Errors
-/// A folder that holds windows of another plan, maps that cannot be read, a window that cannot be
-/// driven to its end.
+/// A folder with windows of another plan, a map that cannot be read, or a window that cannot be
+/// finished.
 pub fn run(request: &TownsRequest<'_>) -> Result<Towns, BenchError> {
     claim(request.plan, request.out)?;
     let maps = Maps::read(&request.plan.maps)?;
     let mut towns: Vec<Town> = Vec::new();
     for number in 0..request.windows {
         let folder = folder(request.out, number);
-        if let Some(town) = read::<Town>(&folder.join(DONE))? {
+        if let Some(town) = read::<Town>(&folder.join(TOWN_FILE))? {
             (request.progress)(&town, true);
             towns.push(town);
             continue;
         }
-        let taken: Vec<(usize, LonLat)> =
-            towns.iter().map(|town| (town.place.map, town.place.around)).collect();
-        let Some((place, prepared)) = maps.draw(request.plan, number, &taken, &folder.join("world"))? else {
-            // No map has room for another one.
+        let taken: Vec<(usize, LonLat)> = towns
+            .iter()
+            .map(|town| (town.place.map, town.place.around))
+            .collect();
+        let Some((place, prepared)) =
+            maps.draw(request.plan, number, &taken, &folder.join("world"))?
+        else {
+            // No map has space for another window.
             break;
         };
         let town = drive(request, number, place, &prepared, &folder)?;
-        write(&folder.join(DONE), &town)?;
+        write(&folder.join(TOWN_FILE), &town)?;
         (request.progress)(&town, false);
         towns.push(town);
     }
     Ok(Towns::of(request.plan.clone(), request.windows, towns))
 }
 
-/// A window whose world was made.
+/// A window with its world.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Drawn {
-    /// Where it lies.
+    /// Position of the window.
     pub place: Place,
     /// The folder of its world.
     pub world: PathBuf,
 }
 
-/// Draws the windows of a battery and makes their worlds, which are those that [`run`] drives in.
+/// Draws the windows of a plan and writes their worlds, which are those of [`run`].
 ///
 /// # Errors
-/// A folder that holds windows of another plan, maps that cannot be read.
+/// A folder with windows of another plan, or a map that cannot be read.
 pub fn draw(plan: &TownsPlan, windows: usize, out: &Path) -> Result<Vec<Drawn>, BenchError> {
     claim(plan, out)?;
     let maps = Maps::read(&plan.maps)?;
     let mut drawn: Vec<Drawn> = Vec::new();
     for number in 0..windows {
-        let taken: Vec<(usize, LonLat)> =
-            drawn.iter().map(|Drawn { place, .. }| (place.map, place.around)).collect();
+        let taken: Vec<(usize, LonLat)> = drawn
+            .iter()
+            .map(|Drawn { place, .. }| (place.map, place.around))
+            .collect();
         let world = folder(out, number).join("world");
-        let Some((place, _)) = maps.draw(plan, number, &taken, &world)? else { break };
+        let Some((place, _)) = maps.draw(plan, number, &taken, &world)? else {
+            break;
+        };
         drawn.push(Drawn { place, world });
     }
     Ok(drawn)
@@ -116,16 +123,17 @@ fn folder(out: &Path, number: usize) -> PathBuf {
     out.join(format!("{number:03}"))
 }
 
-/// Notes what the folder's windows are of, or checks it.
+/// Writes the plan into a new folder, or compares it with that of an existing folder.
 fn claim(plan: &TownsPlan, out: &Path) -> Result<(), BenchError> {
     std::fs::create_dir_all(out).map_err(|e| BenchError::file(out, e))?;
-    let path = out.join(PLAN);
+    let path = out.join(PLAN_FILE);
     match read::<TownsPlan>(&path)? {
         None => write(&path, plan),
         Some(before) if before == *plan => Ok(()),
         Some(_) => Err(BenchError::bad_file(
             &path,
-            "the folder holds windows of other maps, settings or another version; name another one with --out",
+            "the folder contains windows of other maps, settings or another version; use another \
+folder with --out",
         )),
     }
 }
@@ -153,7 +161,13 @@ fn drive(
         progress: &|_| {},
     })?;
     let odometry = odometry::measure(prepared, plan.seed.wrapping_add(number as u64))?;
-    Ok(Town { number, place, results: output.results, pose_errors: output.pose_errors, odometry })
+    Ok(Town {
+        number,
+        place,
+        results: output.results,
+        pose_errors: output.pose_errors,
+        odometry,
+    })
 }
 
 fn read<T: DeserializeOwned>(path: &Path) -> Result<Option<T>, BenchError> {
@@ -162,11 +176,15 @@ fn read<T: DeserializeOwned>(path: &Path) -> Result<Option<T>, BenchError> {
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
         Err(e) => return Err(BenchError::file(path, e)),
     };
-    let bad = |e: serde_json::Error| {
-        BenchError::bad_file(path, format!("{e}; remove the file to drive this again"))
-    };
-    serde_json::from_slice(&text).map(Some).map_err(bad)
+    serde_json::from_slice(&text)
+        .map(Some)
+        .map_err(|source| BenchError::bad_file(path, UnreadableRecord(source)))
 }
+
+/// A record of an earlier run that cannot be parsed.
+#[derive(Debug, thiserror::Error)]
+#[error("it is no record of this version; remove it to repeat its window")]
+struct UnreadableRecord(#[source] serde_json::Error);
 
 fn write(path: &Path, value: &impl Serialize) -> Result<(), BenchError> {
     let text = serde_json::to_vec_pretty(value).map_err(|e| BenchError::bad_file(path, e))?;

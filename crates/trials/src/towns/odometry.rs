@@ -1,4 +1,4 @@
-//! A drive through a window, and how well odometry follows it.
+//! Odometry errors on a drive through a window.
 
 use std::time::Duration;
 
@@ -15,36 +15,43 @@ use openbench_bench::score::metrics::consistency::pose_at;
 use openbench_bench::score::metrics::{Nees, nees};
 use openbench_bench::{BenchError, Prepared};
 
-/// How long the drive is.
-const LASTS: Duration = Duration::from_secs(180);
+/// Simulated duration of the drive.
+const DRIVE_TIME: Duration = Duration::from_secs(180);
 
-/// How well odometry followed a drive.
+/// Odometry errors of a drive.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct OdometrySum {
-    /// Length of the way, metres.
+    /// Driven distance, metres.
     pub metres: f64,
-    /// Poses told.
+    /// Number of estimated poses, one per scan.
     pub scans: usize,
-    /// Of them those while scans say too little.
+    /// Number of poses with degenerate scans.
     pub coasting: usize,
-    /// Of them those while scans and IMU contradict each other.
+    /// Number of poses with scans and IMU in conflict.
     pub disputed: usize,
-    /// Root of the mean square distance from the true way, both laid on each other at the first
-    /// pose, metres.
+    /// Root mean square position error, metres, after alignment at the first pose.
     pub rms_m: f64,
-    /// The largest distance, metres.
+    /// Maximum position error, metres.
     pub max_m: f64,
-    /// Whether that is as much as odometry says.
+    /// Consistency of the errors with the estimated covariances.
     pub nees: Option<Nees>,
-    /// CPU time a scan, milliseconds. Depends on the machine.
+    /// Median CPU time per scan, milliseconds. Depends on the machine.
     pub cpu_ms_p50: f64,
-    /// The same of one scan in a hundred.
+    /// 99th percentile of the CPU time per scan, milliseconds.
     pub cpu_ms_p99: f64,
 }
 
-/// Drives from door to door for three minutes.
+/// Drives from door to door for three minutes and evaluates the odometry.
+///
+/// # Errors
+/// A world in which a robot cannot drive.
 pub fn measure(prepared: &Prepared, seed: u64) -> Result<OdometrySum, BenchError> {
-    let tour = Tour { time: LASTS, via: Vec::new(), style: Style::Smooth, seed };
+    let tour = Tour {
+        time: DRIVE_TIME,
+        via: Vec::new(),
+        style: Style::Smooth,
+        seed,
+    };
     let mut follower = Follower::new(&prepared.robot);
     let driven = drive(prepared, &tour, &mut |simulator, _| {
         follower.take(&simulator.observation(), simulator.base_link());
@@ -56,7 +63,7 @@ pub fn measure(prepared: &Prepared, seed: u64) -> Result<OdometrySum, BenchError
 struct Follower {
     odometry: LidarInertialOdometry,
     wheels: Wheels,
-    told: Vec<(SimTime, Pose3, Matrix6<f64>)>,
+    estimates: Vec<(SimTime, Pose3, Matrix6<f64>)>,
     truth: Vec<(SimTime, Pose3)>,
     coasting: usize,
     disputed: usize,
@@ -69,7 +76,7 @@ impl Follower {
         Self {
             odometry: LidarInertialOdometry::new(settings(robot)),
             wheels: Wheels::new(robot),
-            told: Vec::new(),
+            estimates: Vec::new(),
             truth: Vec::new(),
             coasting: 0,
             disputed: 0,
@@ -81,11 +88,22 @@ impl Follower {
     fn take(&mut self, observation: &Observation<'_>, truth: Pose3) {
         self.truth.push((observation.time, truth));
         let began = ThreadTime::now();
-        let speeds = observation.wheels.iter().filter_map(|sample| self.wheels.take(sample));
+        let speeds = observation
+            .wheels
+            .iter()
+            .filter_map(|sample| self.wheels.take(sample));
         speeds.for_each(|speed| self.odometry.speed(speed));
-        let mut estimates: Vec<Estimate> =
-            observation.imu.iter().flat_map(|sample| self.odometry.imu(*sample)).collect();
-        estimates.extend(observation.scan.into_iter().flat_map(|scan| self.odometry.scan(scan.clone())));
+        let mut estimates: Vec<Estimate> = observation
+            .imu
+            .iter()
+            .flat_map(|sample| self.odometry.imu(*sample))
+            .collect();
+        estimates.extend(
+            observation
+                .scan
+                .into_iter()
+                .flat_map(|scan| self.odometry.scan(scan.clone())),
+        );
         self.spent += began.elapsed();
         if !estimates.is_empty() {
             self.times.push(std::mem::take(&mut self.spent));
@@ -93,40 +111,48 @@ impl Follower {
         for estimate in estimates {
             self.coasting += usize::from(estimate.status == Status::Coasting);
             self.disputed += usize::from(estimate.status == Status::Disputed);
-            self.told.push((estimate.stamp, estimate.pose, estimate.covariance));
+            self.estimates
+                .push((estimate.stamp, estimate.pose, estimate.covariance));
         }
     }
 
     fn sum(mut self, metres: f64, robot: &RobotDescription) -> OdometrySum {
         self.times.sort_unstable();
         let time = |part: usize| {
-            let time = self.times.get(self.times.len() * part / 100).copied().unwrap_or_default();
+            let time = self
+                .times
+                .get(self.times.len() * part / 100)
+                .copied()
+                .unwrap_or_default();
             time.as_secs_f64() * 1e3
         };
-        let distances = distances(&self.told, &self.truth);
+        let distances = distances(&self.estimates, &self.truth);
         let squares: f64 = distances.iter().map(|d| d * d).sum();
         OdometrySum {
             metres,
-            scans: self.told.len(),
+            scans: self.estimates.len(),
             coasting: self.coasting,
             disputed: self.disputed,
             rms_m: (squares / distances.len().max(1) as f64).sqrt(),
             max_m: distances.iter().copied().fold(0.0, f64::max),
-            nees: nees(&self.told, &self.truth, &robot.imu),
+            nees: nees(&self.estimates, &self.truth, &robot.imu),
             cpu_ms_p50: time(50),
             cpu_ms_p99: time(99),
         }
     }
 }
 
-/// Of each pose from the true one of its instant, both ways laid on each other at the first pose.
-fn distances(told: &[(SimTime, Pose3, Matrix6<f64>)], truth: &[(SimTime, Pose3)]) -> Vec<f64> {
-    let Some(apart) = told.first().and_then(|(time, pose, _)| Some(pose * pose_at(truth, *time)?.inverse()))
+/// Distances of the estimated from the true positions after alignment at the first pose, metres.
+fn distances(estimates: &[(SimTime, Pose3, Matrix6<f64>)], truth: &[(SimTime, Pose3)]) -> Vec<f64> {
+    let Some(alignment) = estimates
+        .first()
+        .and_then(|(time, pose, _)| Some(pose * pose_at(truth, *time)?.inverse()))
     else {
         return Vec::new();
     };
-    let off = |(time, pose, _): &(SimTime, Pose3, Matrix6<f64>)| {
-        Some((pose.translation.vector - (apart * pose_at(truth, *time)?).translation.vector).norm())
+    let error = |(time, pose, _): &(SimTime, Pose3, Matrix6<f64>)| {
+        let expected = alignment * pose_at(truth, *time)?;
+        Some((pose.translation.vector - expected.translation.vector).norm())
     };
-    told.iter().filter_map(off).collect()
+    estimates.iter().filter_map(error).collect()
 }

@@ -1,33 +1,37 @@
-//! What a battery of towns is.
+//! The parameters of the towns experiment.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-/// What a battery is: the same plan gives the same windows and deliveries.
+/// The parameters of the experiment. The same plan gives the same windows and deliveries.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TownsPlan {
-    /// Version of OpenBench; another one may build other worlds.
+    /// Version of OpenBench; another version may build other worlds.
     pub version: String,
-    /// The maps; windows are drawn from each in turn.
+    /// The OSM files; windows are drawn from each in turn.
     pub maps: Vec<PathBuf>,
     /// Half the side of a window, metres.
     pub radius: f64,
-    /// What windows, worlds, deliveries and noise are drawn from.
+    /// Seed of windows, worlds, deliveries and noise.
     pub seed: u64,
-    /// How far east of the window's middle the origin of its frame lies, metres.
+    /// Distance by which the origin of the `map` frame is east of the window's centre, metres.
     pub false_origin: f64,
     /// Name of the agent.
     pub agent: String,
-    /// What was set with `--set`.
+    /// The agent's settings (`--set KEY=VALUE`).
     pub settings: BTreeMap<String, String>,
 }
 
 impl TownsPlan {
     /// The seed of a window's world and deliveries.
     pub fn window_seed(&self, number: usize) -> u64 {
-        // As TOML has integers: not above 2^63.
-        (self.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(number as u64)) >> 1
+        // TOML integers have 63 bits.
+        (self
+            .seed
+            .wrapping_mul(0x9e37_79b9_7f4a_7c15)
+            .wrapping_add(number as u64))
+            >> 1
     }
 }

@@ -1,4 +1,4 @@
-//! What came of one window and of all.
+//! The results of one window and of all.
 
 use std::collections::BTreeMap;
 
@@ -11,18 +11,18 @@ use super::windows::Place;
 use openbench_bench::score::metrics::{ErrorCounts, RunTotals, summarize};
 use openbench_bench::score::results::{DeliveryResult, Metrics, Results};
 
-/// What came of a window.
+/// The results of a window.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Town {
     /// Number of the window.
     pub number: usize,
-    /// Where it lies.
+    /// Position of the window.
     pub place: Place,
-    /// The deliveries.
+    /// Results of the deliveries.
     pub results: Results,
-    /// Errors of the poses that the agent told.
+    /// Errors of the poses that the agent reported.
     pub pose_errors: ErrorCounts,
-    /// How well odometry follows a drive.
+    /// Odometry errors of a drive.
     pub odometry: OdometrySum,
 }
 
@@ -32,62 +32,77 @@ impl Town {
         failures(&self.results.deliveries)
     }
 
-    /// CPU seconds of the run.
+    /// CPU time of the run, seconds.
     fn cpu_seconds(&self) -> f64 {
-        let Metrics { sim_seconds, real_time_factor, .. } = self.results.metrics;
-        if real_time_factor > 0.0 { sim_seconds / real_time_factor } else { 0.0 }
+        let Metrics {
+            sim_seconds,
+            real_time_factor,
+            ..
+        } = self.results.metrics;
+        if real_time_factor > 0.0 {
+            sim_seconds / real_time_factor
+        } else {
+            0.0
+        }
     }
 }
 
-/// What came of a battery.
+/// The results of the experiment.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Towns {
-    /// What it is.
+    /// Its parameters.
     pub plan: TownsPlan,
-    /// Windows that were asked for; maps may have room for fewer.
+    /// Requested number of windows; the maps may have space for fewer.
     pub wanted: usize,
     /// The windows.
     pub towns: Vec<Town>,
-    /// Over the deliveries of all windows.
+    /// Metrics over the deliveries of all windows.
     pub metrics: Metrics,
     /// Failures by cause.
     pub failures: BTreeMap<FailureCause, usize>,
-    /// Over the poses of all windows, metres; null if the agent told none.
+    /// Errors of the poses of all windows; null if the agent reported none.
     pub pose: Option<PoseSum>,
-    /// How often the agent was more than a metre off and called its pose good.
+    /// Number of times that the error exceeded 1 m while the agent reported good health.
     pub silent_divergences: usize,
 }
 
-/// Errors of poses, metres.
+/// Statistics of position errors, metres.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PoseSum {
-    /// Root of the mean square.
+    /// Root mean square.
     pub rms_m: f64,
-    /// Nineteen of twenty are no larger.
+    /// 95th percentile.
     pub p95_m: f64,
-    /// The largest.
+    /// Maximum.
     pub max_m: f64,
 }
 
 impl PoseSum {
-    /// Of errors that were counted; `None` without any.
+    /// The statistics of a histogram; `None` without errors.
     pub fn of(counts: &ErrorCounts) -> Option<Self> {
-        Some(Self { rms_m: counts.rms()?, p95_m: counts.quantile(0.95)?, max_m: counts.quantile(1.0)? })
+        Some(Self {
+            rms_m: counts.rms()?,
+            p95_m: counts.quantile(0.95)?,
+            max_m: counts.quantile(1.0)?,
+        })
     }
 }
 
 impl Towns {
-    /// Sums up windows.
+    /// Summarizes windows.
     pub fn of(plan: TownsPlan, wanted: usize, towns: Vec<Town>) -> Self {
         let mut deliveries: Vec<DeliveryResult> = Vec::new();
         for town in &towns {
-            // Episodes of different windows are different ones.
+            // Episodes are numbered across all windows.
             let before = deliveries.last().map_or(0, |last| last.episode + 1);
             deliveries.extend(
-                town.results.deliveries.iter().map(|delivery| DeliveryResult {
-                    episode: before + delivery.episode,
-                    ..delivery.clone()
-                }),
+                town.results
+                    .deliveries
+                    .iter()
+                    .map(|delivery| DeliveryResult {
+                        episode: before + delivery.episode,
+                        ..delivery.clone()
+                    }),
             );
         }
         let sum = |value: fn(&Town) -> f64| towns.iter().map(value).sum::<f64>();
@@ -100,7 +115,12 @@ impl Towns {
         };
         let mut errors = ErrorCounts::default();
         towns.iter().for_each(|town| errors.add(&town.pose_errors));
-        let silent = |town: &Town| town.results.metrics.localization.map_or(0, |l| l.silent_divergences);
+        let silent = |town: &Town| {
+            town.results
+                .metrics
+                .localization
+                .map_or(0, |l| l.silent_divergences)
+        };
         Self {
             metrics: summarize(&deliveries, &totals),
             failures: failures(&deliveries),

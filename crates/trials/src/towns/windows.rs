@@ -1,4 +1,4 @@
-//! Neighbourhoods from a seed.
+//! Random windows of maps.
 
 use std::path::{Path, PathBuf};
 
@@ -13,45 +13,53 @@ use openbench_bench::worlds::Recipe;
 use openbench_bench::worlds::folder::{Wanted, write};
 use openbench_bench::{BenchError, Prepared};
 
-/// Doors that a window needs.
-pub const DOORS: usize = 10;
-/// Places of a map that are tried for one window.
-const TRIES: usize = 60;
-/// Buildings below which a window is not worth generating.
-const BUILDINGS: usize = 6;
-/// Metres in a degree of latitude.
-const METRES_A_DEGREE: f64 = 111_320.0;
+/// Minimum number of doors to deliver to in a window.
+pub const MIN_DOORS: usize = 10;
+/// Maximum number of positions of a map that are tried for one window.
+const MAX_TRIES: usize = 60;
+/// Minimum number of buildings in a window.
+const MIN_BUILDINGS: usize = 6;
+/// Length of a degree of latitude.
+const METRES_PER_DEGREE: f64 = 111_320.0;
 
-/// Where a window lies.
+/// The position of a window.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Place {
-    /// Number of the map.
+    /// Index of the map in the plan.
     pub map: usize,
-    /// The map's name and the window's number.
+    /// Name of the map and number of the window.
     pub name: String,
-    /// Its middle.
+    /// Centre of the window.
     pub around: LonLat,
 }
 
-/// Maps, read, and where they have buildings.
+/// Maps with the positions of their buildings.
 pub struct Maps(Vec<Map>);
 
 struct Map {
     name: String,
     data: OsmData,
-    /// A corner of each building, in the order of their numbers.
+    /// A corner of each building, in the order of their OSM ids.
     buildings: Vec<LonLat>,
 }
 
 impl Maps {
     /// Reads maps.
+    ///
+    /// # Errors
+    /// [`BenchError::World`] for a map that cannot be read.
     pub fn read(paths: &[PathBuf]) -> Result<Self, BenchError> {
         let maps: Result<Vec<Map>, BenchError> = paths.iter().map(|path| Map::read(path)).collect();
         Ok(Self(maps?))
     }
 
-    /// Window `number` of a plan, away from those that are taken, with its world in `folder`. Where
-    /// its map has no room for another one the next has its turn; `None` if none has.
+    /// Draws window `number` of a plan, which does not overlap those that are `taken`, and writes
+    /// its world to `folder`.
+    ///
+    /// If its map has no space for another window, the next map is used; `None` if no map has.
+    ///
+    /// # Errors
+    /// A world that cannot be written.
     pub fn draw(
         &self,
         plan: &TownsPlan,
@@ -77,23 +85,35 @@ impl Maps {
         taken: &[(usize, LonLat)],
         folder: &Path,
     ) -> Result<Option<(Place, Prepared)>, BenchError> {
-        let Map { name, data, buildings } = &self.0[map];
+        let Map {
+            name,
+            data,
+            buildings,
+        } = &self.0[map];
         let mut random = Pcg32::new(plan.seed, number as u64);
         let mut tried: Vec<LonLat> = Vec::new();
-        for _ in 0..TRIES.min(buildings.len()) {
+        for _ in 0..MAX_TRIES.min(buildings.len()) {
             let around = buildings[random.random_range(0..buildings.len())];
             let near = |other: &LonLat, apart: f64| metres(around, *other) < apart;
-            let overlaps = taken.iter().any(|(m, other)| *m == map && near(other, 2.0 * plan.radius));
+            let overlaps = taken
+                .iter()
+                .any(|(m, other)| *m == map && near(other, 2.0 * plan.radius));
             if overlaps || tried.iter().any(|other| near(other, plan.radius / 2.0)) {
                 continue;
             }
             tried.push(around);
-            let Ok(window) = Window::around(around, plan.radius) else { continue };
-            if buildings.iter().filter(|at| window.contains(**at)).count() < BUILDINGS {
+            let Ok(window) = Window::around(around, plan.radius) else {
+                continue;
+            };
+            if buildings.iter().filter(|at| window.contains(**at)).count() < MIN_BUILDINGS {
                 continue;
             }
             let part = cut_out(data, &window);
-            let place = Place { map, name: format!("{name}-{number:03}"), around };
+            let place = Place {
+                map,
+                name: format!("{name}-{number:03}"),
+                around,
+            };
             if let Some(prepared) = write_world(plan, number, &place, &part, folder)? {
                 return Ok(Some((place, prepared)));
             }
@@ -113,17 +133,21 @@ impl Map {
         let buildings = houses.filter_map(corner).collect();
         let file = path.file_name().unwrap_or_default().to_string_lossy();
         let name = file.split('.').next().unwrap_or_default().to_owned();
-        Ok(Self { name, data, buildings })
+        Ok(Self {
+            name,
+            data,
+            buildings,
+        })
     }
 }
 
-/// Distance of two places of one town, metres.
+/// Distance between two positions in a town, metres, on an equirectangular projection.
 fn metres(a: LonLat, b: LonLat) -> f64 {
     let east = (a.lon - b.lon) * libm::cos(a.lat.to_radians());
-    METRES_A_DEGREE * libm::hypot(east, a.lat - b.lat)
+    METRES_PER_DEGREE * libm::hypot(east, a.lat - b.lat)
 }
 
-/// Writes the world of a window; `None` if a robot has too little to do there.
+/// Writes the world of a window; `None` if a robot cannot start there or reaches too few doors.
 fn write_world(
     plan: &TownsPlan,
     number: usize,
@@ -131,14 +155,24 @@ fn write_world(
     map: &OsmData,
     folder: &Path,
 ) -> Result<Option<Prepared>, BenchError> {
-    let georeference =
-        Georeference::TangentPlane { at: place.around, offset_x: -plan.false_origin, offset_y: 0.0 };
+    let georeference = Georeference::TangentPlane {
+        at: place.around,
+        offset_x: -plan.false_origin,
+        offset_y: 0.0,
+    };
     let seed = plan.window_seed(number);
     let recipe = Recipe::generated(&place.name, georeference, seed);
-    let wanted = Wanted { singles: 4, sequences: (1, 3), reach: 2.0 * plan.radius, seed };
+    let wanted = Wanted {
+        singles: 4,
+        sequences: (1, 3),
+        reach: 2.0 * plan.radius,
+        seed,
+    };
     match write(folder, &recipe, map, wanted) {
-        Ok(written) if written.candidates >= DOORS => Ok(Some(written.prepared.with_episodes(None)?)),
-        // Without ground to start on, or without doors: not a place for a robot.
+        Ok(written) if written.candidates >= MIN_DOORS => {
+            Ok(Some(written.prepared.with_episodes(None)?))
+        }
+        // No free ground at the start, or no doors: not suitable for a robot.
         Ok(_) | Err(BenchError::World(_)) => Ok(None),
         Err(error) => Err(error),
     }
@@ -149,7 +183,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn distances_in_a_town_are_metres() {
+    fn distances_are_in_metres() {
         let (a, b) = (LonLat::new(8.0, 60.0), LonLat::new(8.001, 60.0));
         assert!((metres(a, b) - 55.66).abs() < 0.1);
         assert!((metres(a, LonLat::new(8.0, 60.001)) - 111.32).abs() < 0.1);

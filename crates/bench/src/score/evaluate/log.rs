@@ -1,21 +1,24 @@
-//! The reference recorder's CSV.
+//! Logs of the reference recorder, CSV.
 
 use openbench_core::MapPoint;
 
 use crate::line_problem::LineProblem;
 
-/// The rows of one task.
+/// One task of a log.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoggedTask {
     /// The address as logged.
     pub address: String,
-    /// Where the last row has the robot.
+    /// Position of the robot in the last row.
     pub end: MapPoint,
-    /// Sum of the straight lines between rows, in three dimensions as the reference counts it, metres.
+    /// Sum of the straight lines between rows, in three dimensions as in the reference, metres.
     pub path_m: f64,
 }
 
-/// The tasks of a log.
+/// Parses a log into its tasks.
+///
+/// # Errors
+/// The first line that is not in the format of the module [`evaluate`](super).
 pub fn parse_log(text: &str) -> Result<Vec<LoggedTask>, LineProblem> {
     let mut tasks = Vec::<LoggedTask>::new();
     let mut last = [0.0; 3];
@@ -23,10 +26,17 @@ pub fn parse_log(text: &str) -> Result<Vec<LoggedTask>, LineProblem> {
         if line.trim().is_empty() || (number == 1 && line.trim_start().starts_with("timestamp")) {
             continue;
         }
-        let row = parse_row(line).map_err(|problem| LineProblem { line: number, problem })?;
+        let row = parse_row(line).map_err(|problem| LineProblem {
+            line: number,
+            problem,
+        })?;
         let end = MapPoint::new(row.at[0], row.at[1]);
         match (row.status.as_str(), tasks.last_mut()) {
-            ("start", _) => tasks.push(LoggedTask { address: row.address, end, path_m: 0.0 }),
+            ("start", _) => tasks.push(LoggedTask {
+                address: row.address,
+                end,
+                path_m: 0.0,
+            }),
             (_, Some(task)) => {
                 task.path_m += distance(last, row.at);
                 task.end = end;
@@ -56,7 +66,7 @@ fn parse_row(line: &str) -> Result<Row, String> {
         return Err(format!("status `{status}` is none of start, running, end"));
     }
     let at = [coordinate(x)?, coordinate(y)?, coordinate(z)?];
-    // A writer that does not quote leaves the commas of an address bare.
+    // Some writers do not quote: the commas of an address then divide it into several fields.
     Ok(Row {
         status: status.trim().to_owned(),
         address: [std::slice::from_ref(first), others].concat().join(","),
@@ -69,7 +79,7 @@ fn coordinate(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| format!("`{text}` is no coordinate"))
 }
 
-/// Fields divided by commas; a field in double quotes may hold commas and doubled quotes.
+/// The fields of a CSV row; a field in double quotes may contain commas and doubled quotes.
 fn split_fields(line: &str) -> Result<Vec<String>, String> {
     let (mut fields, mut field, mut quoted) = (Vec::new(), String::new(), false);
     let mut rest = line.chars().peekable();
@@ -82,11 +92,18 @@ fn split_fields(line: &str) -> Result<Vec<String>, String> {
         }
     }
     fields.push(field);
-    if quoted { Err("a quote is not closed".to_owned()) } else { Ok(fields) }
+    if quoted {
+        Err("a double quote is not closed".to_owned())
+    } else {
+        Ok(fields)
+    }
 }
 
 fn first_row_is_no_start(line: usize) -> LineProblem {
-    LineProblem { line, problem: "the first row must have the status `start`".to_owned() }
+    LineProblem {
+        line,
+        problem: "the first row must have the status `start`".to_owned(),
+    }
 }
 
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -102,10 +119,13 @@ mod tests {
     }
 
     #[test]
-    fn each_start_opens_a_task() {
+    fn each_row_with_status_start_begins_a_task() {
         let tasks = parse_log("1,start,a,0,0,0\n2,running,a,3,4,12\n3,start,b,9,9,9\n").unwrap();
         assert_eq!(tasks.len(), 2);
-        assert_eq!((tasks[0].path_m, tasks[0].end), (13.0, MapPoint::new(3.0, 4.0)));
+        assert_eq!(
+            (tasks[0].path_m, tasks[0].end),
+            (13.0, MapPoint::new(3.0, 4.0))
+        );
         assert_eq!((tasks[1].path_m, tasks[1].address.as_str()), (0.0, "b"));
     }
 
@@ -114,15 +134,26 @@ mod tests {
         for line in ["1,start,\"unit1, b3\",0,0,0", "1,start,unit1, b3,0,0,0"] {
             assert_eq!(parse_log(line).unwrap()[0].address, "unit1, b3");
         }
-        assert_eq!(parse_log("1,start,\"a\"\"b\",0,0,0").unwrap()[0].address, "a\"b");
+        assert_eq!(
+            parse_log("1,start,\"a\"\"b\",0,0,0").unwrap()[0].address,
+            "a\"b"
+        );
     }
 
     #[test]
-    fn broken_rows_are_refused_with_their_line() {
+    fn invalid_rows_are_reported_with_their_line() {
         let head = "timestamp,status,address,robot_x,robot_y,robot_z\n";
         assert_eq!(problem(&format!("{head}1,running,a,0,0,0")).line, 2);
-        assert!(problem(&format!("{head}1,start,a,0,0")).problem.contains("5 fields"));
-        assert!(problem(&format!("{head}1,start,a,0,0,0\n2,runing,a,0,0,0")).problem.contains("`runing`"));
+        assert!(
+            problem(&format!("{head}1,start,a,0,0"))
+                .problem
+                .contains("5 fields")
+        );
+        assert!(
+            problem(&format!("{head}1,start,a,0,0,0\n2,runing,a,0,0,0"))
+                .problem
+                .contains("`runing`")
+        );
         assert!(problem("1,start,a,0,nan,0").problem.contains("`nan`"));
         assert!(problem("1,start,\"a,0,0,0").problem.contains("quote"));
     }

@@ -1,12 +1,13 @@
-//! Metrics of a log that the reference's recorder wrote, in the paper's reading.
+//! The paper's metrics for a log of the reference recorder.
 //!
-//! The log is CSV, `timestamp,status,address,robot_x,robot_y,robot_z`: a row of status `start` opens each task, `running`
-//! and `end` go on with it. The truth holds one `(x, y)` a line, or several in one line for a sequence. Both are read as
-//! they are; a file that does not fit is refused with its line.
+//! The log is CSV, `timestamp,status,address,robot_x,robot_y,robot_z`. A row with the status
+//! `start` begins each task; rows with `running` and `end` continue it. The truth file has one `(x,
+//! y)` per line, or several in one line for a sequence, in driving order. A file that does not fit
+//! is reported with its line.
 //!
-//! As in the reference's own scripts a delivery succeeds within 10 m of its truth in a straight line, the path is the
-//! sum of the straight lines between rows, and it is compared with the straight line from the origin, in a sequence
-//! from the truth before. Truths are in driving order.
+//! As in the reference's scripts, a delivery succeeds within 10 m of its true position in a
+//! straight line. The path is the sum of the straight lines between rows. It is compared with the
+//! straight line from the origin, or in a sequence from the previous true position.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -26,33 +27,33 @@ mod log;
 
 pub use log::{LoggedTask, parse_log};
 
-/// Input that cannot be evaluated.
+/// A log or truth file that cannot be evaluated.
 #[derive(Debug, thiserror::Error)]
 pub enum EvaluateError {
-    /// The file could not be read.
-    #[error("{}: {source}", path.display())]
+    /// A file cannot be read.
+    #[error("cannot read {}", path.display())]
     File {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: io::Error,
     },
-    /// A line that does not fit the format.
+    /// A line is not in the expected format.
     #[error("{}:{line}: {problem}", path.display())]
     Line {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// Line, from 1.
+        /// Line number, from 1.
         line: usize,
-        /// What is wrong and what is expected.
+        /// What is wrong, and what is expected.
         problem: String,
     },
-    /// The files do not belong together.
+    /// Log and truth file do not belong together.
     #[error("{}: {problem}", path.display())]
     Mismatch {
         /// The truth file.
         path: PathBuf,
-        /// What does not fit, and what to do.
+        /// What is wrong, and what to do.
         problem: String,
     },
 }
@@ -60,18 +61,18 @@ pub enum EvaluateError {
 /// The evaluation of a log.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Evaluation {
-    /// Over all tasks.
+    /// The metrics over all tasks.
     pub metrics: PaperMetrics,
-    /// In the order of the log.
+    /// The tasks, in the order of the log.
     pub deliveries: Vec<EvaluatedDelivery>,
 }
 
 /// The metrics of the paper.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PaperMetrics {
-    /// Share of tasks that ended within 10 m of their truth.
+    /// Share of tasks that ended within 10 m of their true position.
     pub sr_10m: f64,
-    /// SPL against straight lines.
+    /// SPL, where straight lines are the shortest paths.
     pub spl_straight: f64,
     /// Mean LSR of the sequences; null for single deliveries.
     pub lsr_10m: Option<f64>,
@@ -84,26 +85,33 @@ pub struct PaperMetrics {
 /// One task of the log.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct EvaluatedDelivery {
-    /// Which line of the truth file it belongs to, from 0.
+    /// Line of the truth file, from 0.
     pub episode: usize,
-    /// Which delivery of that line, from 0.
+    /// Index of the delivery in that line, from 0.
     pub task: usize,
     /// The address as logged.
     pub address: String,
-    /// Ended within 10 m of the truth.
+    /// Whether it ended within 10 m of the true position.
     pub success_10m: bool,
-    /// Where the task ended to the truth, metres.
+    /// Distance between the end of the task and the true position, metres.
     pub distance_to_door_m: f64,
-    /// Metres driven.
+    /// Driven distance, metres.
     pub path_m: f64,
-    /// Straight line that the path is compared with, metres.
+    /// Length of the straight line that the path is compared with, metres.
     pub straight_line_m: f64,
 }
 
-/// Evaluates a log file against a truth file; `sequence` says that deliveries follow on each other.
+/// Evaluates a log file against a truth file. With `sequence`, the deliveries form a sequence, each
+/// starting at the previous door.
+///
+/// # Errors
+/// A file that cannot be read or parsed, or files that do not belong together.
 pub fn evaluate(log: &Path, truth: &Path, sequence: bool) -> Result<Evaluation, EvaluateError> {
     let read = |path: &Path| {
-        fs::read_to_string(path).map_err(|source| EvaluateError::File { path: path.to_owned(), source })
+        fs::read_to_string(path).map_err(|source| EvaluateError::File {
+            path: path.to_owned(),
+            source,
+        })
     };
     let tasks = at(log, parse_log(&read(log)?))?;
     let lines = at(truth, parse_truth(&read(truth)?))?;
@@ -120,16 +128,21 @@ fn at<T>(path: &Path, parsed: Result<T, LineProblem>) -> Result<T, EvaluateError
 }
 
 fn mismatch(path: &Path, problem: String) -> EvaluateError {
-    EvaluateError::Mismatch { path: path.to_owned(), problem }
+    EvaluateError::Mismatch {
+        path: path.to_owned(),
+        problem,
+    }
 }
 
-/// Truths by episode. A sequence may stand in one line, or one truth a line; several lines of several are several
-/// sequences.
+/// True positions by episode. One sequence may be written as one line, or with one position per
+/// line; several lines with several positions each are several sequences.
 fn group_truths(lines: Vec<Vec<MapPoint>>, sequence: bool) -> Result<Vec<Vec<MapPoint>>, String> {
     let singles = lines.iter().all(|line| line.len() == 1);
     match (sequence, singles) {
         (true, true) => Ok(vec![lines.concat()]),
-        (false, false) => Err("a line holds several truths, which is a sequence; add --sequence".to_owned()),
+        (false, false) => Err(
+            "a line has several true positions, which are a sequence; add --sequence".to_owned(),
+        ),
         _ => Ok(lines),
     }
 }
@@ -138,21 +151,27 @@ fn score(tasks: &[LoggedTask], episodes: &[Vec<MapPoint>]) -> Result<Evaluation,
     let truths: usize = episodes.iter().map(Vec::len).sum();
     if truths != tasks.len() {
         return Err(format!(
-            "{} for {}; each task of the log needs a true position of its own, in the order of the log",
+            "{} for {}; give one true position for each task of the log, in the same order",
             count(truths, "true position", "true positions"),
             count(tasks.len(), "task", "tasks")
         ));
     }
     if truths == 0 {
-        return Err("no truths; write one `(x, y)` a line".to_owned());
+        return Err("there are no true positions; write one `(x, y)` per line".to_owned());
     }
     let places = episodes.iter().enumerate().flat_map(|(episode, doors)| {
         let before = std::iter::once(MapPoint::default()).chain(doors.iter().copied());
         let legs = before.zip(doors.iter().copied()).enumerate();
         legs.map(move |(task, (from, door))| (episode, task, from, door))
     });
-    let deliveries: Vec<_> = places.zip(tasks).map(|(place, task)| score_task(place, task)).collect();
-    Ok(Evaluation { metrics: metrics(&deliveries), deliveries })
+    let deliveries: Vec<_> = places
+        .zip(tasks)
+        .map(|(place, task)| score_task(place, task))
+        .collect();
+    Ok(Evaluation {
+        metrics: metrics(&deliveries),
+        deliveries,
+    })
 }
 
 fn score_task(
@@ -175,7 +194,10 @@ fn metrics(deliveries: &[EvaluatedDelivery]) -> PaperMetrics {
     let ratio = |d: &EvaluatedDelivery| path_ratio(d.success_10m, d.straight_line_m, d.path_m);
     let ratios: Vec<f64> = deliveries.iter().map(ratio).collect();
     let successes = deliveries.iter().filter(|d| d.success_10m).count();
-    let (lsr, lspl) = (sequence_values(deliveries, success), sequence_values(deliveries, ratio));
+    let (lsr, lspl) = (
+        sequence_values(deliveries, success),
+        sequence_values(deliveries, ratio),
+    );
     let intervals = [
         ("sr_10m", wilson_interval(successes, deliveries.len())),
         ("spl_straight", bootstrap_interval(&ratios, 0)),
@@ -187,14 +209,24 @@ fn metrics(deliveries: &[EvaluatedDelivery]) -> PaperMetrics {
         spl_straight: spl(&ratios).unwrap_or(0.0),
         lsr_10m: spl(&lsr),
         lspl_straight: spl(&lspl),
-        intervals: intervals.into_iter().filter_map(|(name, i)| Some((name, i?))).collect(),
+        intervals: intervals
+            .into_iter()
+            .filter_map(|(name, i)| Some((name, i?)))
+            .collect(),
     }
 }
 
 /// LSR or LSPL of each sequence.
-fn sequence_values(deliveries: &[EvaluatedDelivery], value: impl Fn(&EvaluatedDelivery) -> f64) -> Vec<f64> {
-    let episodes = deliveries.chunk_by(|a, b| a.episode == b.episode).filter(|e| e.len() > 1);
-    episodes.filter_map(|e| sequence_mean(&e.iter().map(&value).collect::<Vec<_>>())).collect()
+fn sequence_values(
+    deliveries: &[EvaluatedDelivery],
+    value: impl Fn(&EvaluatedDelivery) -> f64,
+) -> Vec<f64> {
+    let episodes = deliveries
+        .chunk_by(|a, b| a.episode == b.episode)
+        .filter(|e| e.len() > 1);
+    episodes
+        .filter_map(|e| sequence_mean(&e.iter().map(&value).collect::<Vec<_>>()))
+        .collect()
 }
 
 #[cfg(test)]
@@ -208,6 +240,7 @@ mod tests {
         4.0,start,unit2,6,8,0.1\r\n\
         5.0,running,unit2,6,28,0.1\r\n";
 
+    /// The evaluation, or the error in words.
     fn run(truth: &str, sequence: bool) -> Result<Evaluation, String> {
         let dir = tempfile::tempdir().unwrap();
         let (log, gt) = (dir.path().join("log.csv"), dir.path().join("gt.txt"));
@@ -220,8 +253,17 @@ mod tests {
     fn singles_are_measured_from_the_origin() {
         let result = run("(6.0, 8.0)\n(6, 48)\n", false).unwrap();
         assert_eq!(result.deliveries[0].address, "unit1, building3");
-        assert_eq!((result.deliveries[0].path_m, result.deliveries[0].straight_line_m), (10.0, 10.0));
-        assert_eq!((result.metrics.sr_10m, result.metrics.spl_straight), (0.5, 0.5));
+        assert_eq!(
+            (
+                result.deliveries[0].path_m,
+                result.deliveries[0].straight_line_m
+            ),
+            (10.0, 10.0)
+        );
+        assert_eq!(
+            (result.metrics.sr_10m, result.metrics.spl_straight),
+            (0.5, 0.5)
+        );
         assert_eq!(result.deliveries[1].distance_to_door_m, 20.0);
         assert_eq!(result.metrics.lsr_10m, None);
     }
@@ -238,16 +280,29 @@ mod tests {
     }
 
     #[test]
-    fn truths_that_do_not_fit_are_refused() {
-        assert!(run("(6, 8)\n", false).unwrap_err().contains("1 true position for 2 tasks"));
-        assert!(run("(6, 8) (1, 1)\n", false).unwrap_err().contains("--sequence"));
-        assert!(run("(6, 8)\n(1; 2)\n", false).unwrap_err().contains("gt.txt:2: "));
+    fn true_positions_that_do_not_fit_are_rejected() {
+        assert!(
+            run("(6, 8)\n", false)
+                .unwrap_err()
+                .contains("1 true position for 2 tasks")
+        );
+        assert!(
+            run("(6, 8) (1, 1)\n", false)
+                .unwrap_err()
+                .contains("--sequence")
+        );
+        assert!(
+            run("(6, 8)\n(1; 2)\n", false)
+                .unwrap_err()
+                .contains("gt.txt:2: ")
+        );
         assert!(run("", false).unwrap_err().contains("0 true positions"));
     }
 
     #[test]
-    fn a_missing_file_is_named() {
+    fn a_missing_file_is_named_and_its_error_kept() {
         let error = evaluate(Path::new("/nonexistent.csv"), Path::new("/x"), false).unwrap_err();
-        assert!(error.to_string().starts_with("/nonexistent.csv: "));
+        assert_eq!(error.to_string(), "cannot read /nonexistent.csv");
+        assert!(std::error::Error::source(&error).is_some());
     }
 }

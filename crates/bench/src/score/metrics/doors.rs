@@ -1,37 +1,68 @@
-//! The doors that an agent wrote into its copy of the map, against those of the world.
+//! The doors that an agent added to its copy of the map, compared with those of the world.
 
 use openbench_core::{Address, MapPoint};
 use serde::{Deserialize, Serialize};
 
-/// How far from its true place a written door may be and still count as found, metres.
-pub const DOOR_TOLERANCE: f64 = 2.0;
+/// Maximum distance of a mapped door from its true position to count as found, metres.
+pub const DOOR_TOLERANCE_M: f64 = 2.0;
 
-/// Score of the written doors.
+/// Score of the doors in an agent's map.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct DoorScore {
-    /// Doors of the world that were written at their place.
+    /// Doors of the world that the agent mapped within [`DOOR_TOLERANCE_M`].
     pub found: usize,
-    /// Written doors that the world does not have, or has elsewhere.
+    /// Mapped doors that the world does not have, or has elsewhere.
     pub wrong: usize,
     /// Doors of the world.
     pub of: usize,
-    /// Mean distance of the found doors from their true places, metres; null if none was found.
+    /// Mean distance of the found doors from their true positions, metres; null if none was found.
     pub mean_distance_m: Option<f64>,
 }
 
-/// Scores `written` doors against the `true_doors` of a world, both where a map has them: on the outlines of buildings. A door that was written twice at its place is found once,
-/// as far off as the nearer of the two.
-pub fn score_doors(written: &[(Address, MapPoint)], true_doors: &[(Address, MapPoint)]) -> DoorScore {
+impl DoorScore {
+    /// The score in words, for reports.
+    pub fn describe(&self) -> String {
+        let error = self
+            .mean_distance_m
+            .map(|m| format!(", mean error {m:.2} m"))
+            .unwrap_or_default();
+        let Self {
+            found, of, wrong, ..
+        } = self;
+        format!("{found} of {of} found, {wrong} wrong{error}")
+    }
+}
+
+/// Scores the `written` doors against the `true_doors` of a world.
+///
+/// Positions are in the `map` frame and on the outlines of buildings, as in OSM. A door that was
+/// written twice within the tolerance is found once, with the smaller of the two errors.
+pub fn score_doors(
+    written: &[(Address, MapPoint)],
+    true_doors: &[(Address, MapPoint)],
+) -> DoorScore {
     let error = |(address, at): &(Address, MapPoint), door: &(Address, MapPoint)| {
         let distance = at.distance(door.1);
-        (address.same_door(&door.0) && distance <= DOOR_TOLERANCE).then_some(distance)
+        (address.same_door(&door.0) && distance <= DOOR_TOLERANCE_M).then_some(distance)
     };
-    let nearest =
-        |door: &(Address, MapPoint)| written.iter().filter_map(|w| error(w, door)).min_by(f64::total_cmp);
+    let nearest = |door: &(Address, MapPoint)| {
+        written
+            .iter()
+            .filter_map(|w| error(w, door))
+            .min_by(f64::total_cmp)
+    };
     let errors: Vec<f64> = true_doors.iter().filter_map(nearest).collect();
-    let wrong = written.iter().filter(|w| !true_doors.iter().any(|d| error(w, d).is_some())).count();
+    let wrong = written
+        .iter()
+        .filter(|w| !true_doors.iter().any(|d| error(w, d).is_some()))
+        .count();
     let mean = (!errors.is_empty()).then(|| errors.iter().sum::<f64>() / errors.len() as f64);
-    DoorScore { found: errors.len(), wrong, of: true_doors.len(), mean_distance_m: mean }
+    DoorScore {
+        found: errors.len(),
+        wrong,
+        of: true_doors.len(),
+        mean_distance_m: mean,
+    }
 }
 
 #[cfg(test)]
@@ -43,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn doors_are_found_at_their_place_and_under_their_name() {
+    fn a_door_is_found_by_position_and_address() {
         let world = [door("unit1", 0.0), door("unit2", 10.0), door("unit3", 20.0)];
         let written = [
             door("Unit 1", 0.5),
@@ -53,7 +84,15 @@ mod tests {
             door("unit9", 0.0),
         ];
         let score = score_doors(&written, &world);
-        assert_eq!(score, DoorScore { found: 1, wrong: 3, of: 3, mean_distance_m: Some(0.5) });
+        assert_eq!(
+            score,
+            DoorScore {
+                found: 1,
+                wrong: 3,
+                of: 3,
+                mean_distance_m: Some(0.5)
+            }
+        );
         assert_eq!(score_doors(&[], &world).mean_distance_m, None);
     }
 }

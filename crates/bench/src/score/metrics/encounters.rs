@@ -1,20 +1,21 @@
-//! How the robot met people and cars that move. Distances are those between hulls.
+//! Encounters with moving people and cars. Distances are measured between hulls.
 
 use openbench_sim::traffic::Totals;
 use serde::{Deserialize, Serialize};
 
-/// Encounters of a delivery or of a run.
+/// The encounters of a delivery or of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct EncounterSum {
-    /// Encounters with people in which the time to collision fell below 1.5 s.
+    /// Encounters with people with a time to collision below 1.5 s.
     pub near_misses_people: usize,
-    /// Encounters with cars in which it did.
+    /// Encounters with cars with a time to collision below 1.5 s.
     pub near_misses_cars: usize,
-    /// Smallest time to collision, seconds; null if nobody was ever on a course to meet the robot.
+    /// Smallest time to collision, seconds; null if nobody was on a collision course.
     pub least_time_to_collision_s: Option<f64>,
-    /// Seconds with a person less than 0.45 m away.
+    /// Time with a person in intimate space, less than 0.45 m away, seconds.
     pub intimate_seconds: f64,
-    /// Seconds with a person less than 1.2 m away, intimate space included.
+    /// Time with a person in personal space, less than 1.2 m away, intimate space included,
+    /// seconds.
     pub personal_seconds: f64,
     /// Smallest distance to a person, metres; null without people.
     pub nearest_person_m: Option<f64>,
@@ -38,7 +39,7 @@ impl From<Totals> for EncounterSum {
 }
 
 impl EncounterSum {
-    /// Both together.
+    /// The sum of both.
     pub fn and(self, other: Self) -> Self {
         let least = |a: Option<f64>, b: Option<f64>| match (a, b) {
             (Some(a), Some(b)) => Some(a.min(b)),
@@ -47,7 +48,10 @@ impl EncounterSum {
         Self {
             near_misses_people: self.near_misses_people + other.near_misses_people,
             near_misses_cars: self.near_misses_cars + other.near_misses_cars,
-            least_time_to_collision_s: least(self.least_time_to_collision_s, other.least_time_to_collision_s),
+            least_time_to_collision_s: least(
+                self.least_time_to_collision_s,
+                other.least_time_to_collision_s,
+            ),
             intimate_seconds: self.intimate_seconds + other.intimate_seconds,
             personal_seconds: self.personal_seconds + other.personal_seconds,
             nearest_person_m: least(self.nearest_person_m, other.nearest_person_m),
@@ -55,11 +59,13 @@ impl EncounterSum {
         }
     }
 
-    /// In words, for people to read.
+    /// The encounters in words, for reports.
     pub fn describe(&self) -> String {
-        let metres = |name: &str, value: Option<f64>| value.map(|m| format!(", nearest {name} {m:.1} m"));
+        let metres =
+            |name: &str, value: Option<f64>| value.map(|m| format!(", nearest {name} {m:.1} m"));
         format!(
-            "near misses {} with people, {} with cars, {:.0} s in personal space, {:.0} s in intimate space{}{}",
+            "near misses: {} with people, {} with cars; {:.0} s in personal space, \
+{:.0} s in intimate space{}{}",
             self.near_misses_people,
             self.near_misses_cars,
             self.personal_seconds,
@@ -75,23 +81,33 @@ mod tests {
     use super::*;
 
     #[test]
-    fn counts_add_up_and_of_distances_the_least_counts() {
-        let first = EncounterSum { near_misses_people: 1, personal_seconds: 2.0, ..EncounterSum::default() };
+    fn counts_are_summed_and_distances_are_minimized() {
+        let first = EncounterSum {
+            near_misses_people: 1,
+            personal_seconds: 2.0,
+            ..EncounterSum::default()
+        };
         let second = EncounterSum {
             near_misses_people: 2,
             nearest_person_m: Some(0.5),
             least_time_to_collision_s: Some(1.0),
             ..EncounterSum::default()
         };
-        let third = EncounterSum { nearest_person_m: Some(0.25), ..EncounterSum::default() };
+        let third = EncounterSum {
+            nearest_person_m: Some(0.25),
+            ..EncounterSum::default()
+        };
         let sum = first.and(second).and(third);
         assert_eq!((sum.near_misses_people, sum.personal_seconds), (3, 2.0));
-        assert_eq!((sum.nearest_person_m, sum.nearest_car_m), (Some(0.25), None));
+        assert_eq!(
+            (sum.nearest_person_m, sum.nearest_car_m),
+            (Some(0.25), None)
+        );
         assert_eq!(sum.least_time_to_collision_s, Some(1.0));
     }
 
     #[test]
-    fn infinity_is_no_json_and_becomes_null() {
+    fn infinity_becomes_null_in_json() {
         let json = serde_json::to_value(EncounterSum::from(Totals::default())).unwrap();
         assert!(json["nearest_car_m"].is_null() && json["least_time_to_collision_s"].is_null());
     }

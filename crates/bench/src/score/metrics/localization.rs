@@ -1,4 +1,4 @@
-//! How far the agent was from where it believed to be.
+//! Localization errors: the difference between estimated and true poses.
 
 use std::collections::BTreeMap;
 
@@ -6,89 +6,108 @@ use openbench_core::frames::wrap_angle;
 use openbench_core::{Health, Pose2, PoseEstimate, SimTime};
 use serde::{Deserialize, Serialize};
 
-/// Poses farther off than that are wrong, metres: who still calls them good diverges silently.
-const SILENT_M: f64 = 1.0;
+/// Error above which a pose reported as good counts as a silent divergence.
+const SILENT_DIVERGENCE_M: f64 = 1.0;
 
-/// From the true pose to the one that the agent told, at an instant.
+/// The error of one estimated pose: estimate minus truth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PoseError {
-    /// When.
+    /// Time of the estimate.
     pub time: SimTime,
-    /// Metres east and north.
+    /// Position error, metres, east and north.
     pub offset: [f64; 2],
-    /// Radians, counter-clockwise.
+    /// Heading error, radians, counter-clockwise.
     pub yaw: f64,
-    /// What the agent said of the pose.
+    /// Health of the estimate as reported by the agent.
     pub health: Health,
 }
 
 impl PoseError {
-    /// Of a pose that was told while the robot was at `truth`.
-    pub fn new(time: SimTime, truth: Pose2, told: PoseEstimate) -> Self {
-        let PoseEstimate { pose, health } = told;
+    /// The error of `estimate` while the robot is at `truth`, both in the `map` frame.
+    pub fn new(time: SimTime, truth: Pose2, estimate: PoseEstimate) -> Self {
+        let PoseEstimate { pose, health } = estimate;
         let offset = [pose.x - truth.x, pose.y - truth.y];
-        Self { time, offset, yaw: wrap_angle(pose.yaw - truth.yaw), health }
+        Self {
+            time,
+            offset,
+            yaw: wrap_angle(pose.yaw - truth.yaw),
+            health,
+        }
     }
 
-    /// Metres.
+    /// The distance between estimated and true position, metres.
     pub fn distance(&self) -> f64 {
         libm::hypot(self.offset[0], self.offset[1])
     }
 
-    /// Whether the agent is far off and does not know it.
+    /// Whether the error is large, but the agent reports good health.
     fn is_silent(&self) -> bool {
-        // What is no number is no good pose either.
-        let is_near = self.distance() <= SILENT_M;
+        // NaN is not near either.
+        let is_near = self.distance() <= SILENT_DIVERGENCE_M;
         self.health == Health::Good && !is_near
     }
 
-    /// By how many metres the error changed since another one.
+    /// Change of the error since an earlier one, metres.
     fn jump(&self, before: &Self) -> f64 {
-        libm::hypot(self.offset[0] - before.offset[0], self.offset[1] - before.offset[1])
+        libm::hypot(
+            self.offset[0] - before.offset[0],
+            self.offset[1] - before.offset[1],
+        )
     }
 }
 
-/// Errors of a run.
+/// Statistics of the localization errors of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LocalizationSum {
-    /// Root of the mean square of the distances, metres.
+    /// Root mean square of the position errors, metres.
     pub rmse_m: f64,
-    /// Nineteen of twenty are no larger, metres.
+    /// 95th percentile of the position errors, metres.
     pub p95_m: f64,
-    /// The largest, metres.
+    /// Maximum position error, metres.
     pub max_m: f64,
-    /// The largest error of the heading, radians.
+    /// Maximum heading error, radians.
     pub max_yaw_rad: f64,
-    /// The largest change of the error from one pose to the next, metres.
+    /// Maximum change of the position error from one pose to the next, metres.
     pub max_jump_m: f64,
-    /// How often the agent came to be more than a metre off while it called its pose good.
+    /// Number of times that the error exceeded 1 m while the agent reported good health.
     #[serde(default)]
     pub silent_divergences: usize,
 }
 
-/// How often errors of each size were made, to a tenth of a millimetre: errors of several runs can be put together.
+/// A histogram of position errors with bins of 0.1 mm, so that errors of several runs can be
+/// merged.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct ErrorCounts(BTreeMap<u32, u32>);
 
 impl ErrorCounts {
-    /// Of poses that were told.
+    /// The histogram of the finite errors.
     pub fn of<'a>(errors: impl IntoIterator<Item = &'a PoseError>) -> Self {
         let mut counts = Self::default();
-        // What is no number is no pose, as in [`localization`].
-        for error in errors.into_iter().filter(|error| error.distance().is_finite()) {
-            // A cast takes what is too large for the largest number.
-            *counts.0.entry((error.distance() * 1e4).round() as u32).or_default() += 1;
+        // Poses with NaN or infinity are left out, as in [`localization`].
+        for error in errors
+            .into_iter()
+            .filter(|error| error.distance().is_finite())
+        {
+            // The cast saturates.
+            *counts
+                .0
+                .entry((error.distance() * 1e4).round() as u32)
+                .or_default() += 1;
         }
         counts
     }
 
-    /// Adds those of another run.
+    /// Adds the errors of another run.
     pub fn add(&mut self, other: &Self) {
-        other.0.iter().for_each(|(size, count)| *self.0.entry(*size).or_default() += count);
+        other
+            .0
+            .iter()
+            .for_each(|(size, count)| *self.0.entry(*size).or_default() += count);
     }
 
-    /// The error that a share of all does not exceed, metres; `None` without any.
+    /// The quantile of the errors, metres: the smallest bin that covers `share` (0 to 1) of them;
+    /// `None` without errors.
     pub fn quantile(&self, share: f64) -> Option<f64> {
         let all: u64 = self.0.values().map(|count| u64::from(*count)).sum();
         let wanted = (share * all as f64).ceil().max(1.0) as u64;
@@ -100,7 +119,7 @@ impl ErrorCounts {
         self.0.iter().find_map(reaches)
     }
 
-    /// Root of the mean square, metres; `None` without any.
+    /// Root mean square of the errors, metres; `None` without errors.
     pub fn rms(&self) -> Option<f64> {
         let (mut squares, mut all) = (0.0, 0.0);
         for (size, count) in &self.0 {
@@ -112,28 +131,48 @@ impl ErrorCounts {
     }
 }
 
-/// Over the poses of all episodes; `None` if the agent told none.
-pub fn localization<'a>(episodes: impl Iterator<Item = &'a [PoseError]>) -> Option<LocalizationSum> {
+/// The statistics over the poses of all episodes; `None` if the agent reported none.
+pub fn localization<'a>(
+    episodes: impl Iterator<Item = &'a [PoseError]>,
+) -> Option<LocalizationSum> {
     let (mut distances, mut max_yaw_rad, mut max_jump_m) = (Vec::new(), 0.0_f64, 0.0_f64);
     let mut silent_divergences = 0;
     for errors in episodes {
         silent_divergences += divergences(errors);
-        // What is no number is no pose; the agent drives by it all the same, and pays.
-        let errors: Vec<_> =
-            errors.iter().filter(|e| e.distance().is_finite() && e.yaw.is_finite()).collect();
+        // Poses with NaN or infinity are left out: the metrics of driving show their effect.
+        let errors: Vec<_> = errors
+            .iter()
+            .filter(|e| e.distance().is_finite() && e.yaw.is_finite())
+            .collect();
         distances.extend(errors.iter().map(|error| error.distance()));
-        max_yaw_rad = errors.iter().map(|error| error.yaw.abs()).fold(max_yaw_rad, f64::max);
-        max_jump_m = errors.windows(2).map(|two| two[1].jump(two[0])).fold(max_jump_m, f64::max);
+        max_yaw_rad = errors
+            .iter()
+            .map(|error| error.yaw.abs())
+            .fold(max_yaw_rad, f64::max);
+        max_jump_m = errors
+            .windows(2)
+            .map(|two| two[1].jump(two[0]))
+            .fold(max_jump_m, f64::max);
     }
     distances.sort_by(f64::total_cmp);
     let max_m = *distances.last()?;
-    let squares = distances.iter().map(|distance| distance * distance).sum::<f64>();
+    let squares = distances
+        .iter()
+        .map(|distance| distance * distance)
+        .sum::<f64>();
     let p95_m = distances[(distances.len() * 95).div_ceil(100) - 1];
     let rmse_m = (squares / distances.len() as f64).sqrt();
-    Some(LocalizationSum { rmse_m, p95_m, max_m, max_yaw_rad, max_jump_m, silent_divergences })
+    Some(LocalizationSum {
+        rmse_m,
+        p95_m,
+        max_m,
+        max_yaw_rad,
+        max_jump_m,
+        silent_divergences,
+    })
 }
 
-/// Stretches in which the agent is far off and does not know it.
+/// Number of intervals in which the error is large, but the agent reports good health.
 fn divergences(errors: &[PoseError]) -> usize {
     let begins = |i: usize| errors[i].is_silent() && !(i > 0 && errors[i - 1].is_silent());
     (0..errors.len()).filter(|i| begins(*i)).count()
@@ -144,49 +183,105 @@ mod tests {
     use super::*;
 
     #[test]
-    fn errors_are_summed_over_episodes_and_jumps_within_them() {
-        let told = |x: f64, yaw: f64| {
+    fn errors_are_pooled_over_episodes_but_jumps_are_within_one() {
+        let estimate = |x: f64, yaw: f64| {
             let pose = Pose2::new(1.0 + x, 1.0, 3.1 + yaw);
-            let told = PoseEstimate { pose, health: Health::Good };
-            PoseError::new(SimTime::ZERO, Pose2::new(1.0, 1.0, 3.1), told)
+            let estimate = PoseEstimate {
+                pose,
+                health: Health::Good,
+            };
+            PoseError::new(SimTime::ZERO, Pose2::new(1.0, 1.0, 3.1), estimate)
         };
-        let first: Vec<_> = (0..19).map(|_| told(0.1, 0.0)).collect();
-        let episodes = [&first[..], &[told(0.5, -0.2)]];
+        let first: Vec<_> = (0..19).map(|_| estimate(0.1, 0.0)).collect();
+        let episodes = [&first[..], &[estimate(0.5, -0.2)]];
         let sum = localization(episodes.into_iter()).unwrap();
-        assert!((sum.p95_m - 0.1).abs() < 1e-9 && (sum.max_m - 0.5).abs() < 1e-9, "{sum:?}");
+        assert!(
+            (sum.p95_m - 0.1).abs() < 1e-9 && (sum.max_m - 0.5).abs() < 1e-9,
+            "{sum:?}"
+        );
         assert!(sum.max_jump_m < 1e-9 && (sum.max_yaw_rad - 0.2).abs() < 1e-9);
-        assert!((sum.rmse_m - (0.22_f64 + 0.25 - 0.03).sqrt() / 20.0_f64.sqrt()).abs() < 1e-3, "{sum:?}");
-        let broken = [told(f64::NAN, 0.0), told(0.2, f64::NAN), told(0.1, 0.0)];
+        assert!(
+            (sum.rmse_m - (0.22_f64 + 0.25 - 0.03).sqrt() / 20.0_f64.sqrt()).abs() < 1e-3,
+            "{sum:?}"
+        );
+        let broken = [
+            estimate(f64::NAN, 0.0),
+            estimate(0.2, f64::NAN),
+            estimate(0.1, 0.0),
+        ];
         assert!((localization([&broken[..]].into_iter()).unwrap().max_m - 0.1).abs() < 1e-9);
-        let both = [told(0.1, 0.0), told(-0.3, 0.0)];
+        let both = [estimate(0.1, 0.0), estimate(-0.3, 0.0)];
         assert!((localization([&both[..]].into_iter()).unwrap().max_jump_m - 0.4).abs() < 1e-9);
         assert!(localization(std::iter::empty()).is_none());
     }
 
     #[test]
-    fn errors_of_several_runs_are_put_together() {
-        let told = |x: f64| {
-            let told = PoseEstimate { pose: Pose2::new(x, 0.0, 0.0), health: Health::Good };
-            PoseError::new(SimTime::ZERO, Pose2::default(), told)
+    fn errors_of_several_runs_are_merged() {
+        let estimate = |x: f64| {
+            let estimate = PoseEstimate {
+                pose: Pose2::new(x, 0.0, 0.0),
+                health: Health::Good,
+            };
+            PoseError::new(SimTime::ZERO, Pose2::default(), estimate)
         };
-        let mut counts = ErrorCounts::of(&[told(0.1), told(-0.1), told(0.3), told(f64::NAN)]);
-        counts.add(&ErrorCounts::of(&[told(1.0)]));
+        let mut counts = ErrorCounts::of(&[
+            estimate(0.1),
+            estimate(-0.1),
+            estimate(0.3),
+            estimate(f64::NAN),
+        ]);
+        counts.add(&ErrorCounts::of(&[estimate(1.0)]));
         assert_eq!(counts.quantile(0.5), Some(0.1));
-        assert!((counts.quantile(0.75).unwrap() - 0.3).abs() < 1e-9 && counts.quantile(1.0) == Some(1.0));
+        assert!(
+            (counts.quantile(0.75).unwrap() - 0.3).abs() < 1e-9
+                && counts.quantile(1.0) == Some(1.0)
+        );
         assert!((counts.rms().unwrap() - (1.11_f64 / 4.0).sqrt()).abs() < 1e-9);
-        assert_eq!((ErrorCounts::default().quantile(0.5), ErrorCounts::default().rms()), (None, None));
+        assert_eq!(
+            (
+                ErrorCounts::default().quantile(0.5),
+                ErrorCounts::default().rms()
+            ),
+            (None, None)
+        );
     }
 
     #[test]
-    fn who_is_far_off_and_says_so_is_not_silent() {
-        let told = |x: f64, health: Health| {
+    fn a_large_error_that_is_reported_is_no_silent_divergence() {
+        let estimate = |x: f64, health: Health| {
             let pose = Pose2::new(x, 0.0, 0.0);
-            PoseError::new(SimTime::ZERO, Pose2::default(), PoseEstimate { pose, health })
+            PoseError::new(
+                SimTime::ZERO,
+                Pose2::default(),
+                PoseEstimate { pose, health },
+            )
         };
-        let good = |x| told(x, Health::Good);
-        let way = [good(0.9), good(1.1), good(1.2), told(1.3, Health::Lost), good(1.4), good(f64::NAN)];
-        assert_eq!(divergences(&way), 2, "once until it was noticed, once after that");
-        assert_eq!(localization([&way[..]].into_iter()).unwrap().silent_divergences, 2);
-        assert_eq!(divergences(&[told(9.0, Health::Degraded(openbench_core::Doubt::Noise))]), 0);
+        let good = |x| estimate(x, Health::Good);
+        let errors = [
+            good(0.9),
+            good(1.1),
+            good(1.2),
+            estimate(1.3, Health::Lost),
+            good(1.4),
+            good(f64::NAN),
+        ];
+        assert_eq!(
+            divergences(&errors),
+            2,
+            "once before the agent reports it, once after"
+        );
+        assert_eq!(
+            localization([&errors[..]].into_iter())
+                .unwrap()
+                .silent_divergences,
+            2
+        );
+        assert_eq!(
+            divergences(&[estimate(
+                9.0,
+                Health::Degraded(openbench_core::Doubt::Noise)
+            )]),
+            0
+        );
     }
 }

@@ -1,22 +1,23 @@
 //! The metrics, as functions of plain values.
 //!
-//! Every metric has two readings. *Paper*: the robot declared within 10 m of the plate; path lengths are compared with
-//! a straight line. *Strict*: within 2 m of the right door's approach point with no other door's nearer; path lengths
-//! are compared with the shortest path that the robot's footprint can drive.
+//! Success has two criteria. *Paper*: the robot declared within 10 m of the plate; path lengths are
+//! compared with a straight line. *Strict*: within 2 m of the correct door's approach point, with
+//! no other door's approach point nearer; path lengths are compared with the shortest path that the
+//! robot's footprint can drive.
 //!
 //! | module | metric |
 //! |---|---|
-//! | [`success`] | whether a delivery succeeded, in both readings |
+//! | [`success`] | success of a delivery, by both criteria |
 //! | [`mod@path_ratio`] | SPL: success weighted by path length |
-//! | [`sequence`] | LSR and LSPL: the same over sequences, where an early failure weighs more |
-//! | [`mod@srtp`] | SRTP: share of instructions that were understood exactly |
+//! | [`sequence`] | LSR and LSPL: the same over sequences, where earlier deliveries weigh more |
+//! | [`mod@srtp`] | SRTP: share of instructions with exactly the right plan |
 //! | [`collisions`] | collisions by class, with their impulses |
-//! | [`encounters`] | near misses with people and cars, and time spent too near to people |
-//! | [`smoothness`] | how much the robot turns, speeds up and down, and stops |
-//! | [`doors`] | doors that an agent wrote into its map |
-//! | [`mod@localization`] | how far the agent was from where it believed to be |
-//! | [`consistency`] | whether odometry is as far off as its covariance says |
-//! | [`summary`] | all of them over the deliveries of a run, with intervals |
+//! | [`encounters`] | near misses with people and cars, time in people's personal space |
+//! | [`smoothness`] | turning, speed variation and stops |
+//! | [`doors`] | doors that an agent added to its map |
+//! | [`mod@localization`] | localization errors |
+//! | [`consistency`] | consistency of odometry errors with their covariances |
+//! | [`summary`] | all metrics over the deliveries of a run, with intervals |
 
 pub mod collisions;
 pub mod consistency;

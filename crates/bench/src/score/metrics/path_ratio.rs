@@ -1,7 +1,24 @@
-//! SPL, after Anderson et al., *On Evaluation of Embodied Navigation Agents* (arXiv 1807.06757).
+//! SPL, success weighted by path length: `1/N sum S_i l_i / max(p_i, l_i)`.
+//!
+//! Source: P. Anderson et al., *On Evaluation of Embodied Navigation Agents*, arXiv 1807.06757.
 
-/// `S * l / max(p, l)` for one delivery: `shortest` and `driven` in metres. A robot that had nowhere to go and did not
-/// move drove the shortest path; a shortest path that does not exist makes the ratio zero.
+/// `S * l / max(p, l)` of one delivery, where `l` is the `shortest` path and `p` the `driven` path,
+/// in metres.
+///
+/// If both are zero, the ratio is 1. If there is no shortest path (infinite), it is 0.
+///
+/// ```
+/// use openbench_bench::score::metrics::{path_ratio, spl};
+///
+/// // The door is 30 m away; the robots drove 40 m, 30 m, and 35 m without success.
+/// let ratios = [
+///     path_ratio(true, 30.0, 40.0),
+///     path_ratio(true, 30.0, 30.0),
+///     path_ratio(false, 30.0, 35.0),
+/// ];
+/// assert_eq!(ratios, [0.75, 1.0, 0.0]);
+/// assert_eq!(spl(&ratios), Some(1.75 / 3.0));
+/// ```
 pub fn path_ratio(success: bool, shortest: f64, driven: f64) -> f64 {
     let longest = driven.max(shortest);
     match (success, longest > 0.0) {
@@ -12,7 +29,7 @@ pub fn path_ratio(success: bool, shortest: f64, driven: f64) -> f64 {
     }
 }
 
-/// SPL: the mean of the ratios; `None` without deliveries.
+/// SPL: the mean of the path ratios; `None` without deliveries.
 pub fn spl(ratios: &[f64]) -> Option<f64> {
     (!ratios.is_empty()).then(|| ratios.iter().sum::<f64>() / ratios.len() as f64)
 }
@@ -22,12 +39,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn detours_cost_and_failures_count_nothing() {
+    fn detours_lower_the_ratio_and_failures_are_zero() {
         assert_eq!(path_ratio(true, 10.0, 20.0), 0.5);
         assert_eq!(
             path_ratio(true, 10.0, 8.0),
             1.0,
-            "no more than 1 where the goal's radius cut the way short"
+            "at most 1, even if the radius of success shortens the path"
         );
         assert_eq!(path_ratio(false, 10.0, 10.0), 0.0);
         assert_eq!(path_ratio(true, 0.0, 0.0), 1.0);
@@ -36,7 +53,7 @@ mod tests {
     }
 
     #[test]
-    fn spl_is_the_mean() {
+    fn spl_is_the_mean_of_the_ratios() {
         assert_eq!(spl(&[1.0, 0.5, 0.0]), Some(0.5));
         assert_eq!(spl(&[]), None);
     }

@@ -1,26 +1,29 @@
-//! How smoothly a robot drives: how much it turns, how much its speed goes up and down, and how often it stops.
+//! Smoothness of a drive: turning, speed variation, and stops.
 
 use openbench_core::{Pose2, frames::wrap_angle};
 use serde::{Deserialize, Serialize};
 
-/// A robot stops when it gets slower than this, m/s,
-const STANDING: f64 = 0.05;
-/// after it was faster than this.
-const DRIVING: f64 = 0.15;
+use crate::plural::count;
 
-/// What adds up along a drive.
+/// Below this speed a driving robot has stopped.
+const STOPPED_MPS: f64 = 0.05;
+/// Above this speed a stopped robot is driving again.
+const DRIVING_MPS: f64 = 0.15;
+
+/// Sums along a drive.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct SmoothnessSum {
-    /// Radians turned to either side.
+    /// Sum of the absolute changes of the heading, radians.
     pub turned_rad: f64,
-    /// Changes of speed up and down, m/s: 0.5 there and back for each stop from half a metre a second.
+    /// Sum of the absolute changes of the speed, m/s: a stop from 0.5 m/s and the start after it
+    /// add 1.0.
     pub speed_changes_mps: f64,
-    /// Times that the robot stopped.
+    /// Number of stops.
     pub stops: usize,
 }
 
 impl SmoothnessSum {
-    /// Both together.
+    /// The sum of both.
     pub fn and(self, other: Self) -> Self {
         Self {
             turned_rad: self.turned_rad + other.turned_rad,
@@ -29,15 +32,21 @@ impl SmoothnessSum {
         }
     }
 
-    /// In words, for people to read.
+    /// The sums in words, per metre of a path of `path_m` metres, for reports.
     pub fn describe(&self, path_m: f64) -> String {
-        let each = |sum: f64| if path_m > 0.0 { sum / path_m } else { 0.0 };
-        let (turned, changes) = (each(self.turned_rad), each(self.speed_changes_mps));
-        format!("{turned:.2} rad and {changes:.2} m/s up and down each metre, {} stops", self.stops)
+        let per_metre = |sum: f64| if path_m > 0.0 { sum / path_m } else { 0.0 };
+        let (turning, variation) = (
+            per_metre(self.turned_rad),
+            per_metre(self.speed_changes_mps),
+        );
+        format!(
+            "speed variation {variation:.2} m/s per m, turning {turning:.2} rad/m, {}",
+            count(self.stops, "stop", "stops")
+        )
     }
 }
 
-/// Sums up a drive.
+/// Accumulates the smoothness of a drive.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Smoothness {
     sum: SmoothnessSum,
@@ -46,15 +55,15 @@ pub struct Smoothness {
 }
 
 impl Smoothness {
-    /// Takes in a step from one pose to the next, which took `seconds`.
+    /// Adds a step between two poses that took `seconds`.
     pub fn step(&mut self, before: Pose2, after: Pose2, seconds: f64) {
         let speed = before.point().distance(after.point()) / seconds;
         self.sum.turned_rad += wrap_angle(after.yaw - before.yaw).abs();
         self.sum.speed_changes_mps += (speed - self.speed.unwrap_or(speed)).abs();
         self.speed = Some(speed);
-        if speed > DRIVING {
+        if speed > DRIVING_MPS {
             self.drives = true;
-        } else if speed < STANDING {
+        } else if speed < STOPPED_MPS {
             self.sum.stops += usize::from(self.drives);
             self.drives = false;
         }
@@ -71,7 +80,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_drive_with_one_stop_and_a_turn_is_summed_up() {
+    fn a_drive_with_one_stop_and_a_turn_is_summed() {
         let mut smoothness = Smoothness::default();
         let mut pose = Pose2::default();
         let mut drive = |speed: f64, rate: f64, steps: usize| {
@@ -87,9 +96,15 @@ mod tests {
         drive(0.0, -1.0, 10);
         drive(0.5, 0.3, 10);
         let sum = smoothness.sum();
-        assert!((sum.turned_rad - 1.3).abs() < 1e-9 && (sum.speed_changes_mps - 1.5).abs() < 1e-9, "{sum:?}");
+        assert!(
+            (sum.turned_rad - 1.3).abs() < 1e-9 && (sum.speed_changes_mps - 1.5).abs() < 1e-9,
+            "{sum:?}"
+        );
         assert_eq!(sum.stops, 1);
         assert_eq!(sum.and(sum).stops, 2);
-        assert_eq!(sum.describe(2.0), "0.65 rad and 0.75 m/s up and down each metre, 1 stops");
+        assert_eq!(
+            sum.describe(2.0),
+            "speed variation 0.75 m/s per m, turning 0.65 rad/m, 1 stop"
+        );
     }
 }

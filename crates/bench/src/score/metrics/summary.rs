@@ -11,31 +11,39 @@ use super::smoothness::SmoothnessSum;
 use crate::score::results::{DeliveryResult, Metrics};
 use crate::score::statistics::{bootstrap_interval, wilson_interval};
 
-/// What a run knows besides its deliveries.
+/// Totals of a run that are not in the results of its deliveries.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct RunTotals {
-    /// Simulated seconds of all episodes.
+    /// Simulated time of all episodes, seconds.
     pub sim_seconds: f64,
-    /// Seconds from the beginning of the run to its end.
+    /// Wall-clock time of the run, seconds.
     pub wall_seconds: f64,
-    /// CPU seconds of the workers.
+    /// CPU time of the process, seconds.
     pub cpu_seconds: f64,
-    /// Instructions that were understood exactly, and all; `None` if the agent plans no instructions.
+    /// Number of instructions with exactly the right plan, and of all instructions; `None` if the
+    /// agent makes no plans.
     pub instructions: Option<(usize, usize)>,
-    /// Errors of the poses that the agent told.
+    /// Errors of the poses that the agent reported.
     pub localization: Option<LocalizationSum>,
     /// Seed of the bootstrap.
     pub seed: u64,
 }
 
-/// The metrics of a run. Deliveries of one episode form a sequence if there are several of them; `task` is their order.
+/// The metrics of a run. The deliveries of an episode are a sequence if there are several of them,
+/// in the order of `task`.
 pub fn summarize(deliveries: &[DeliveryResult], totals: &RunTotals) -> Metrics {
     let mut metrics = Metrics {
         collisions: deliveries.iter().map(|d| d.collisions).sum(),
         collisions_by_class: collisions::total(deliveries.iter().map(|d| &d.collisions_by_class)),
-        encounters: deliveries.iter().filter_map(|d| d.encounters).reduce(EncounterSum::and),
-        // From plus zero: the sum of nothing is minus zero.
-        path_m: deliveries.iter().map(|d| d.path_m).fold(0.0, |sum, p| sum + p),
+        encounters: deliveries
+            .iter()
+            .filter_map(|d| d.encounters)
+            .reduce(EncounterSum::and),
+        // Starting from +0: the empty `sum()` is -0.
+        path_m: deliveries
+            .iter()
+            .map(|d| d.path_m)
+            .fold(0.0, |sum, p| sum + p),
         smoothness: deliveries
             .iter()
             .map(|d| d.smoothness)
@@ -50,9 +58,15 @@ pub fn summarize(deliveries: &[DeliveryResult], totals: &RunTotals) -> Metrics {
         },
         ..Metrics::default()
     };
-    let mut intervals = Intervals { seed: totals.seed, found: BTreeMap::new() };
+    let mut intervals = Intervals {
+        seed: totals.seed,
+        found: BTreeMap::new(),
+    };
     let count = |holds: fn(&DeliveryResult) -> bool| {
-        (deliveries.iter().filter(|d| holds(d)).count(), deliveries.len())
+        (
+            deliveries.iter().filter(|d| holds(d)).count(),
+            deliveries.len(),
+        )
     };
     metrics.sr_10m = intervals.rate("sr_10m", count(|d| d.success_10m));
     metrics.sr_2m = intervals.rate("sr_2m", count(|d| d.success_2m));
@@ -72,7 +86,11 @@ pub fn summarize(deliveries: &[DeliveryResult], totals: &RunTotals) -> Metrics {
 }
 
 fn paper_ratio(delivery: &DeliveryResult) -> f64 {
-    path_ratio(delivery.success_10m, delivery.straight_line_m, delivery.path_m)
+    path_ratio(
+        delivery.success_10m,
+        delivery.straight_line_m,
+        delivery.path_m,
+    )
 }
 
 fn strict_ratio(delivery: &DeliveryResult) -> f64 {
@@ -90,12 +108,16 @@ fn sequences(deliveries: &[DeliveryResult]) -> Vec<Vec<&DeliveryResult>> {
     sequences
 }
 
-fn sequence_means(sequences: &[Vec<&DeliveryResult>], value: fn(&DeliveryResult) -> f64) -> Vec<f64> {
-    let mean = |s: &Vec<&DeliveryResult>| sequence_mean(&s.iter().map(|d| value(d)).collect::<Vec<_>>());
+fn sequence_means(
+    sequences: &[Vec<&DeliveryResult>],
+    value: fn(&DeliveryResult) -> f64,
+) -> Vec<f64> {
+    let mean =
+        |s: &Vec<&DeliveryResult>| sequence_mean(&s.iter().map(|d| value(d)).collect::<Vec<_>>());
     sequences.iter().filter_map(mean).collect()
 }
 
-/// Intervals found so far, by the name of their metric.
+/// The intervals computed so far, by name of the metric.
 struct Intervals {
     seed: u64,
     found: BTreeMap<String, [f64; 2]>,
@@ -103,12 +125,14 @@ struct Intervals {
 
 impl Intervals {
     fn rate(&mut self, name: &str, (successes, trials): (usize, usize)) -> Option<f64> {
-        self.found.extend(wilson_interval(successes, trials).map(|i| (name.to_owned(), i)));
+        self.found
+            .extend(wilson_interval(successes, trials).map(|i| (name.to_owned(), i)));
         (trials > 0).then(|| successes as f64 / trials as f64)
     }
 
     fn mean(&mut self, name: &str, values: &[f64]) -> Option<f64> {
-        self.found.extend(bootstrap_interval(values, self.seed).map(|i| (name.to_owned(), i)));
+        self.found
+            .extend(bootstrap_interval(values, self.seed).map(|i| (name.to_owned(), i)));
         spl(values)
     }
 }
@@ -119,14 +143,27 @@ mod tests {
     use crate::score::results::tests::delivery;
 
     #[test]
-    fn both_readings_stand_side_by_side() {
+    fn both_criteria_are_reported() {
         let mut far = delivery(1, 0);
         (far.success_2m, far.correct_unit) = (false, true);
-        let totals = RunTotals { sim_seconds: 40.0, cpu_seconds: 2.0, ..RunTotals::default() };
+        let totals = RunTotals {
+            sim_seconds: 40.0,
+            cpu_seconds: 2.0,
+            ..RunTotals::default()
+        };
         let metrics = summarize(&[delivery(0, 0), far], &totals);
-        assert_eq!((metrics.sr_10m, metrics.sr_2m, metrics.correct_unit), (Some(1.0), Some(0.5), Some(1.0)));
-        assert_eq!((metrics.spl_straight, metrics.spl), (Some(0.5), Some(0.375)));
-        assert_eq!((metrics.lsr, metrics.lspl, metrics.srtp), (None, None, None));
+        assert_eq!(
+            (metrics.sr_10m, metrics.sr_2m, metrics.correct_unit),
+            (Some(1.0), Some(0.5), Some(1.0))
+        );
+        assert_eq!(
+            (metrics.spl_straight, metrics.spl),
+            (Some(0.5), Some(0.375))
+        );
+        assert_eq!(
+            (metrics.lsr, metrics.lspl, metrics.srtp),
+            (None, None, None)
+        );
         assert_eq!((metrics.path_m, metrics.real_time_factor), (16.0, 20.0));
         assert_eq!(metrics.intervals["sr_10m"][1], 1.0);
         assert!(!metrics.intervals.contains_key("lsr"));
@@ -135,7 +172,11 @@ mod tests {
     #[test]
     fn sequences_are_episodes_of_several_deliveries_in_task_order() {
         let mut deliveries: Vec<_> = (0..5).rev().map(|task| delivery(3, task)).collect();
-        deliveries.iter_mut().find(|d| d.task == 0).unwrap().success_2m = false;
+        deliveries
+            .iter_mut()
+            .find(|d| d.task == 0)
+            .unwrap()
+            .success_2m = false;
         deliveries.push(delivery(4, 0));
         let metrics = summarize(&deliveries, &RunTotals::default());
         assert_eq!(libm::round(metrics.lsr.unwrap() * 1e4), 7558.0);
@@ -144,8 +185,17 @@ mod tests {
 
     #[test]
     fn a_run_without_deliveries_has_no_rates() {
-        let metrics = summarize(&[], &RunTotals { instructions: Some((0, 0)), ..RunTotals::default() });
-        assert_eq!((metrics.sr_10m, metrics.spl, metrics.srtp), (None, None, None));
+        let metrics = summarize(
+            &[],
+            &RunTotals {
+                instructions: Some((0, 0)),
+                ..RunTotals::default()
+            },
+        );
+        assert_eq!(
+            (metrics.sr_10m, metrics.spl, metrics.srtp),
+            (None, None, None)
+        );
         assert!(metrics.intervals.is_empty());
     }
 }
