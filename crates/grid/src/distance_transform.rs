@@ -1,18 +1,22 @@
 //! Exact squared Euclidean distance to the nearest marked cell, in linear time.
 //!
-//! After Felzenszwalb and Huttenlocher, *Distance Transforms of Sampled Functions*, 2012: along the columns the lower
-//! envelope of parabolas, whose heights are the distances along the rows.
+//! After P. Felzenszwalb and D. Huttenlocher, *Distance Transforms of Sampled Functions*, 2012:
+//! along the columns, the lower envelope of parabolas whose heights are the distances along the
+//! rows.
 
-/// Columns that are gone through together: what a cache line holds of a row.
+/// Columns that are processed together: what a cache line holds of a row.
 const BAND: usize = 16;
-/// Nothing is marked in the row.
+/// Distance in a row without a marked cell.
 const FAR: f32 = 1e12;
 
-/// Squared distance in cells from each cell's middle to the nearest marked cell's middle; `width * height` values row by
-/// row. Where nothing is marked all distances are huge.
+/// Squared distance from each cell's middle to the nearest marked cell's middle, in sides of cells;
+/// `width * height` values, row by row. Without any marked cell all distances are huge.
 pub fn squared_distances(marked: &[bool], width: usize, height: usize) -> Vec<f32> {
     let mut field = vec![FAR; marked.len()];
-    for (row, marks) in field.chunks_exact_mut(width.max(1)).zip(marked.chunks_exact(width.max(1))) {
+    for (row, marks) in field
+        .chunks_exact_mut(width.max(1))
+        .zip(marked.chunks_exact(width.max(1)))
+    {
         along_row(marks, row);
     }
     let mut line = Envelope::new(height);
@@ -21,20 +25,24 @@ pub fn squared_distances(marked: &[bool], width: usize, height: usize) -> Vec<f3
         let columns = BAND.min(width - left);
         for y in 0..height {
             let row = &field[y * width + left..][..columns];
-            row.iter().enumerate().for_each(|(x, value)| band[x * height + y] = *value);
+            row.iter()
+                .enumerate()
+                .for_each(|(x, value)| band[x * height + y] = *value);
         }
         for column in band.chunks_exact_mut(height.max(1)).take(columns) {
             line.transform(column);
         }
         for y in 0..height {
             let row = &mut field[y * width + left..][..columns];
-            row.iter_mut().enumerate().for_each(|(x, value)| *value = band[x * height + y]);
+            row.iter_mut()
+                .enumerate()
+                .for_each(|(x, value)| *value = band[x * height + y]);
         }
     }
     field
 }
 
-/// Squared distance to the nearest mark of the row, where it has any.
+/// Squared distance to the nearest marked cell of the row, if it has any.
 fn along_row(marks: &[bool], row: &mut [f32]) {
     let mut last = None;
     for (x, (mark, value)) in marks.iter().zip(row.iter_mut()).enumerate() {
@@ -54,7 +62,7 @@ fn along_row(marks: &[bool], row: &mut [f32]) {
     }
 }
 
-/// Lower envelope of parabolas over one line.
+/// Lower envelope of the parabolas over one line.
 struct Envelope {
     apex: Vec<usize>,
     border: Vec<f32>,
@@ -63,13 +71,17 @@ struct Envelope {
 
 impl Envelope {
     fn new(length: usize) -> Self {
-        Self { apex: vec![0; length], border: vec![0.0; length + 1], value: vec![0.0; length] }
+        Self {
+            apex: vec![0; length],
+            border: vec![0.0; length + 1],
+            value: vec![0.0; length],
+        }
     }
 
-    /// Lowers a line's values to the envelope.
+    /// Lowers the values of a line to the envelope.
     fn transform(&mut self, line: &mut [f32]) {
         self.value[..line.len()].copy_from_slice(line);
-        // Where nothing is marked there is no parabola.
+        // Without a marked cell there is no parabola.
         let mut known = (0..line.len()).filter(|q| line[*q] < FAR);
         let Some(first) = known.next() else { return };
         let mut last = 0;
@@ -107,12 +119,15 @@ mod tests {
 
     proptest! {
         #[test]
-        fn equals_the_loop_over_all_marked_cells(marks in prop::collection::vec(prop::bool::weighted(0.1), 12 * 9)) {
+        fn distances_are_those_of_a_loop_over_all_marked_cells(
+            marks in prop::collection::vec(prop::bool::weighted(0.1), 12 * 9),
+        ) {
             let (width, height) = (12, 9);
             let field = squared_distances(&marks, width, height);
             for (i, &distance) in field.iter().enumerate() {
                 let nearest = (0..marks.len()).filter(|&j| marks[j]).map(|j| {
-                    let (dx, dy) = ((i % width).abs_diff(j % width), (i / width).abs_diff(j / width));
+                    let dx = (i % width).abs_diff(j % width);
+                    let dy = (i / width).abs_diff(j / width);
                     (dx * dx + dy * dy) as f32
                 }).reduce(f32::min);
                 match nearest {

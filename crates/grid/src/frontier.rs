@@ -1,10 +1,10 @@
-//! What a search over cells looks at next.
+//! The queue of open cells of a search.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// Open cells of a search, the cheapest first; of two that cost the same, the one with the lower index, so that every search finds the
-/// same way again.
+/// Open cells of a search, the cheapest first; of two with equal estimates, the one with the lower
+/// index, so that every search finds the same path.
 #[derive(Debug, Default)]
 pub struct Frontier(BinaryHeap<Entry>);
 
@@ -14,7 +14,8 @@ impl Frontier {
         self.0.push(Entry { estimate, cell });
     }
 
-    /// The cheapest cell and its estimated cost. A cell that was opened more than once comes more than once.
+    /// The cheapest cell and its estimated cost. A cell that was opened several times is returned
+    /// several times.
     pub fn pop(&mut self) -> Option<(f64, usize)> {
         self.0.pop().map(|e| (e.estimate, e.cell))
     }
@@ -30,7 +31,10 @@ impl Eq for Entry {}
 
 impl Ord for Entry {
     fn cmp(&self, other: &Self) -> Ordering {
-        other.estimate.total_cmp(&self.estimate).then(other.cell.cmp(&self.cell))
+        other
+            .estimate
+            .total_cmp(&self.estimate)
+            .then(other.cell.cmp(&self.cell))
     }
 }
 
@@ -45,7 +49,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_cheapest_comes_first_and_ties_go_by_index() {
+    fn the_cheapest_cell_comes_first_and_ties_go_by_index() {
         let mut frontier = Frontier::default();
         for (estimate, cell) in [(2.0, 1), (1.0, 9), (1.0, 4), (3.0, 0)] {
             frontier.push(estimate, cell);

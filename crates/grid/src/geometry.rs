@@ -16,10 +16,16 @@ pub struct GridGeometry {
 }
 
 impl GridGeometry {
-    /// The grid over the box from `low` to `high`, each side at most `max_cells` cells long.
+    /// The grid over the box from `low` to `high`, each side at most `max_cells` cells long; `cell`
+    /// is the side of a cell, metres.
     pub fn covering(low: MapPoint, high: MapPoint, cell: f64, max_cells: usize) -> Self {
         let count = |a: f64, b: f64| (((b - a) / cell).ceil().max(1.0) as usize).min(max_cells);
-        Self { origin: low, width: count(low.x, high.x), height: count(low.y, high.y), cell }
+        Self {
+            origin: low,
+            width: count(low.x, high.x),
+            height: count(low.y, high.y),
+            cell,
+        }
     }
 
     /// Number of cells.
@@ -34,7 +40,10 @@ impl GridGeometry {
 
     /// The cell that holds `point`, if the grid does.
     pub fn cell_at(&self, point: MapPoint) -> Option<usize> {
-        let (x, y) = ((point.x - self.origin.x) / self.cell, (point.y - self.origin.y) / self.cell);
+        let (x, y) = (
+            (point.x - self.origin.x) / self.cell,
+            (point.y - self.origin.y) / self.cell,
+        );
         let inside = x >= 0.0 && y >= 0.0 && x < self.width as f64 && y < self.height as f64;
         inside.then(|| y as usize * self.width + x as usize)
     }
@@ -46,7 +55,8 @@ impl GridGeometry {
 
     /// The cell in a column and row, if the grid has it.
     pub fn cell_in(&self, column: i64, row: i64) -> Option<usize> {
-        let inside = column >= 0 && row >= 0 && column < self.width as i64 && row < self.height as i64;
+        let inside =
+            column >= 0 && row >= 0 && column < self.width as i64 && row < self.height as i64;
         inside.then(|| row as usize * self.width + column as usize)
     }
 
@@ -59,20 +69,25 @@ impl GridGeometry {
         )
     }
 
-    /// Distance between the middles of two cells, in cells.
+    /// Distance between the middles of two cells, in sides of cells.
     pub fn cells_apart(&self, a: usize, b: usize) -> f64 {
         let ((ax, ay), (bx, by)) = (self.column_row(a), self.column_row(b));
         let (dx, dy) = ((ax - bx) as f64, (ay - by) as f64);
         (dx * dx + dy * dy).sqrt()
     }
 
-    /// The cells of the box around two points, cut off at the grid's border: column and row ranges, both inclusive.
+    /// The cells of the box between two points, cut off at the grid's border: ranges of columns and
+    /// rows, both inclusive; `None` if there are none.
     pub fn window(&self, low: MapPoint, high: MapPoint) -> Option<((i64, i64), (i64, i64))> {
         let index = |v: f64, origin: f64| ((v - origin) / self.cell).floor() as i64;
-        let columns =
-            (index(low.x, self.origin.x).max(0), index(high.x, self.origin.x).min(self.width as i64 - 1));
-        let rows =
-            (index(low.y, self.origin.y).max(0), index(high.y, self.origin.y).min(self.height as i64 - 1));
+        let columns = (
+            index(low.x, self.origin.x).max(0),
+            index(high.x, self.origin.x).min(self.width as i64 - 1),
+        );
+        let rows = (
+            index(low.y, self.origin.y).max(0),
+            index(high.y, self.origin.y).min(self.height as i64 - 1),
+        );
         (columns.0 <= columns.1 && rows.0 <= rows.1).then_some((columns, rows))
     }
 }
@@ -83,7 +98,12 @@ mod tests {
 
     #[test]
     fn cells_and_points_agree() {
-        let grid = GridGeometry::covering(MapPoint::new(-3.0, 2.0), MapPoint::new(4.0, 5.0), 0.25, 1000);
+        let grid = GridGeometry::covering(
+            MapPoint::new(-3.0, 2.0),
+            MapPoint::new(4.0, 5.0),
+            0.25,
+            1000,
+        );
         assert_eq!((grid.width, grid.height), (28, 12));
         for cell in 0..grid.len() {
             assert_eq!(grid.cell_at(grid.center(cell)), Some(cell));

@@ -1,4 +1,5 @@
-//! The cheapest way over a costmap, by [`crate::search`]; then shortened wherever a straight line, in any direction, costs no more.
+//! The cheapest path over a costmap by [`crate::search`], then shortened wherever a straight line
+//! in any direction costs no more.
 
 use openbench_core::MapPoint;
 use openbench_grid::{Frontier, in_sight, passes_all};
@@ -6,37 +7,40 @@ use openbench_grid::{Frontier, in_sight, passes_all};
 use crate::costmap::Costmap;
 use crate::search::Search;
 
-/// How far from a blocked start or goal a free cell is looked for, metres.
-const ESCAPE: f64 = 1.5;
-/// Free cells that may stand for a blocked place, at most.
+/// How far from a blocked start or goal a free cell is searched, metres.
+const ESCAPE_M: f64 = 1.5;
+/// Free cells that may replace a blocked place, at most.
 const MOST_ESCAPES: usize = 4096;
-/// Closed yards that a blocked start may lie between, at most.
-const YARDS: usize = 4;
-/// Costs that differ by less are the same, cells.
+/// Closed areas that a blocked start may lie between, at most.
+const CLOSED_AREAS: usize = 4;
+/// Costs that differ by less are equal, in sides of cells.
 const ROUNDING: f64 = 1e-6;
 
-/// Why there is no way.
+/// Why there is no path.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum PlanError {
-    /// The start is no place on the costmap.
+    /// The start is outside the costmap.
     #[error("the start {0} is outside the costmap")]
     StartOutside(MapPoint),
-    /// The goal is no place on the costmap.
+    /// The goal is outside the costmap.
     #[error("the goal {0} is outside the costmap")]
     GoalOutside(MapPoint),
-    /// The start is hemmed in.
-    #[error("no free ground within {ESCAPE} m of the start {0}")]
+    /// No free cell is near the start.
+    #[error("no free ground within {ESCAPE_M} m of the start {0}")]
     StartBlocked(MapPoint),
-    /// The goal is hemmed in.
-    #[error("no free ground within {ESCAPE} m of the goal {0}")]
+    /// No free cell is near the goal.
+    #[error("no free ground within {ESCAPE_M} m of the goal {0}")]
     GoalBlocked(MapPoint),
-    /// Start and goal do not hang together.
-    #[error("no way from {0} to {1}")]
+    /// Start and goal are not connected.
+    #[error("no path from {0} to {1}")]
     NoWay(MapPoint, MapPoint),
 }
 
-/// The cheapest way from `start` to `goal`. Where one of them is blocked, the nearest free cell within 1.5 m stands for it from which the other can be reached, with nothing in between unless the place lies deep inside something; a way
-/// begins at `start` all the same. `search` holds buffers that are used again.
+/// The cheapest path from `start` to `goal`, in `map`.
+///
+/// A blocked end is replaced by the nearest free cell within 1.5 m from which the other end can be
+/// reached. No obstacle may lie in between, unless the place is deep inside one. The path begins at
+/// `start` all the same. `search` holds buffers that are used again.
 pub fn plan(
     search: &mut Search,
     costmap: &Costmap,
@@ -53,8 +57,10 @@ pub fn plan(
         return Err(PlanError::GoalBlocked(goal));
     }
     let cells = connect(search, costmap, from, &to).ok_or(PlanError::NoWay(start, goal))?;
-    let mut points: Vec<MapPoint> =
-        shorten(costmap, &cells).iter().map(|c| costmap.grid().center(*c)).collect();
+    let mut points: Vec<MapPoint> = shorten(costmap, &cells)
+        .iter()
+        .map(|c| costmap.grid().center(*c))
+        .collect();
     if costmap.grid().cell_at(goal) == cells.last().copied() {
         points.pop();
         points.push(goal);
@@ -63,10 +69,15 @@ pub fn plan(
     Ok(points)
 }
 
-/// The cheapest way between the first of some cells and the first of others that hang together.
-fn connect(search: &mut Search, costmap: &Costmap, from: Vec<usize>, to: &[usize]) -> Option<Vec<usize>> {
+/// The cheapest path between the first of some cells and the first of others that are connected.
+fn connect(
+    search: &mut Search,
+    costmap: &Costmap,
+    from: Vec<usize>,
+    to: &[usize],
+) -> Option<Vec<usize>> {
     let (costs, mut from) = (costmap.costs(), from);
-    for _ in 0..YARDS {
+    for _ in 0..CLOSED_AREAS {
         let start = *from.first()?;
         let found = search.cheapest(&costs, start, to[0]).or_else(|| {
             let reached = to.iter().copied().find(|cell| search.reached(*cell))?;
@@ -80,12 +91,19 @@ fn connect(search: &mut Search, costmap: &Costmap, from: Vec<usize>, to: &[usize
     None
 }
 
-/// Cost of the cheapest way from `start` to each of `goals`, in metres of open ground; `None` beyond `limit` or where there is no
-/// way. One search for all of them (Dijkstra).
-pub fn costs(costmap: &Costmap, start: MapPoint, goals: &[MapPoint], limit: f64) -> Vec<Option<f64>> {
+/// Cost of the cheapest path from `start` to each of `goals`, in metres of open ground; `None`
+/// beyond `limit` metres or where there is no path. One search for all of them (Dijkstra).
+pub fn costs(
+    costmap: &Costmap,
+    start: MapPoint,
+    goals: &[MapPoint],
+    limit: f64,
+) -> Vec<Option<f64>> {
     let grid = costmap.grid();
     let cells: Vec<Option<usize>> = goals.iter().map(|g| free_cell(costmap, *g)).collect();
-    let Some(from) = free_cell(costmap, start) else { return vec![None; goals.len()] };
+    let Some(from) = free_cell(costmap, start) else {
+        return vec![None; goals.len()];
+    };
     let mut best = vec![f64::INFINITY; grid.len()];
     let mut closed = vec![false; grid.len()];
     let mut queue = Frontier::default();
@@ -104,48 +122,68 @@ pub fn costs(costmap: &Costmap, start: MapPoint, goals: &[MapPoint], limit: f64)
             if closed[next] {
                 continue;
             }
-            let total = best[cell] + length * 0.5 * (cost_of(costmap, cell) + cost_of(costmap, next));
+            let total =
+                best[cell] + length * 0.5 * (cost_of(costmap, cell) + cost_of(costmap, next));
             if total < best[next] {
                 best[next] = total;
                 queue.push(total, next);
             }
         }
     }
-    cells.iter().map(|cell| cell.filter(|&c| closed[c]).map(|c| best[c] * grid.cell)).collect()
+    cells
+        .iter()
+        .map(|cell| cell.filter(|&c| closed[c]).map(|c| best[c] * grid.cell))
+        .collect()
 }
 
+/// The cell of a place or the nearest free one.
 fn free_cell(costmap: &Costmap, point: MapPoint) -> Option<usize> {
     free_cells(costmap, point)?.first().copied()
 }
 
-/// The cell of a place or, if it is blocked, those free ones within 1.5 m that nothing stands before, or all if there are none of these; the nearest first. None of a place outside.
+/// The cell of a place or, if it is blocked, the free cells within 1.5 m, the nearest first; `None`
+/// outside the costmap.
+///
+/// Cells behind an obstacle are left out, unless there are no others.
 fn free_cells(costmap: &Costmap, point: MapPoint) -> Option<Vec<usize>> {
     let grid = costmap.grid();
     let here = grid.cell_at(point)?;
     if costmap.cost(here).is_some() {
         return Some(vec![here]);
     }
-    let low = MapPoint::new(point.x - ESCAPE, point.y - ESCAPE);
-    let high = MapPoint::new(point.x + ESCAPE, point.y + ESCAPE);
+    let low = MapPoint::new(point.x - ESCAPE_M, point.y - ESCAPE_M);
+    let high = MapPoint::new(point.x + ESCAPE_M, point.y + ESCAPE_M);
     let (columns, rows) = grid.window(low, high)?;
     let cells = (rows.0..=rows.1).flat_map(|r| (columns.0..=columns.1).map(move |c| (c, r)));
-    let free = cells.filter_map(|(c, r)| grid.cell_in(c, r)).filter(|&c| costmap.cost(c).is_some());
+    let free = cells
+        .filter_map(|(c, r)| grid.cell_in(c, r))
+        .filter(|&c| costmap.cost(c).is_some());
     let is_open = |cell: usize| cell == here || !costmap.is_obstacle(cell);
-    let mut near: Vec<(f64, usize)> = free.map(|cell| (grid.center(cell).distance(point), cell)).collect();
-    near.retain(|(off, _)| *off <= ESCAPE);
+    let mut near: Vec<(f64, usize)> = free
+        .map(|cell| (grid.center(cell).distance(point), cell))
+        .collect();
+    near.retain(|(off, _)| *off <= ESCAPE_M);
     near.sort_by(|a, b| a.0.total_cmp(&b.0));
     near.truncate(MOST_ESCAPES);
     let near: Vec<usize> = near.into_iter().map(|(_, cell)| cell).collect();
-    // What lies behind a wall is not there; only deep inside something it is as good as anything.
-    let open: Vec<usize> = near.iter().copied().filter(|cell| in_sight(grid, is_open, here, *cell)).collect();
+    // Free cells behind a wall do not count; deep inside an obstacle any free cell does.
+    let open: Vec<usize> = near
+        .iter()
+        .copied()
+        .filter(|cell| in_sight(grid, is_open, here, *cell))
+        .collect();
     Some(if open.is_empty() { near } else { open })
 }
 
-/// Neighbours of a cell with their distances in cells; diagonals only between two free sides.
+/// Neighbours of a cell with their distances in sides of cells; diagonals only between two free
+/// cells.
 fn neighbours(costmap: &Costmap, cell: usize) -> impl Iterator<Item = (usize, f64)> {
     let grid = *costmap.grid();
     let (x, y) = grid.column_row(cell);
-    let free = move |dx: i64, dy: i64| grid.cell_in(x + dx, y + dy).filter(|&c| costmap.cost(c).is_some());
+    let free = move |dx: i64, dy: i64| {
+        grid.cell_in(x + dx, y + dy)
+            .filter(|&c| costmap.cost(c).is_some())
+    };
     let straight = [(-1, 0), (1, 0), (0, -1), (0, 1)].into_iter();
     let diagonal = [(-1, -1), (1, -1), (-1, 1), (1, 1)].into_iter();
     let straight = straight.filter_map(move |(dx, dy)| Some((free(dx, dy)?, 1.0)));
@@ -164,11 +202,17 @@ fn shorten(costmap: &Costmap, cells: &[usize]) -> Vec<usize> {
     while at + 1 < cells.len() {
         let mut next = at + 1;
         let mut stretch = line_cost(costmap, cells[at], cells[next]);
-        // A way over a grid is straight for long and turns by 45 degrees: only a line over all of it spares the detour.
+        // A path over a grid runs straight for long and turns by 45 degrees: only a line over all
+        // of it saves the detour.
         let mut seen = next;
-        for candidate in lengths().map(|length| at + length).take_while(|end| *end < cells.len()) {
+        for candidate in lengths()
+            .map(|length| at + length)
+            .take_while(|end| *end < cells.len())
+        {
             let steps = cells[seen..=candidate].windows(2);
-            stretch += steps.map(|pair| line_cost(costmap, pair[0], pair[1])).sum::<f64>();
+            stretch += steps
+                .map(|pair| line_cost(costmap, pair[0], pair[1]))
+                .sum::<f64>();
             seen = candidate;
             if line_cost(costmap, cells[at], cells[candidate]) > stretch + ROUNDING {
                 break;
@@ -181,25 +225,40 @@ fn shorten(costmap: &Costmap, cells: &[usize]) -> Vec<usize> {
     kept
 }
 
-/// Cells after which a straight line is tried, from two on: each length up to 32, then longer by a sixteenth each time, so
-/// that long lines take no longer to try than short ones.
+/// Numbers of cells after which a straight line is tried, from two on: each up to 32, then each
+/// longer by a sixteenth, so that long lines take no longer to try than short ones.
 fn lengths() -> impl Iterator<Item = usize> {
-    std::iter::successors(Some(2), |length: &usize| Some(length + (length / 16).max(1)))
+    std::iter::successors(Some(2), |length: &usize| {
+        Some(length + (length / 16).max(1))
+    })
 }
 
-/// Cost of the straight line between the middles of two cells, in cells: of each that it passes, by the length in it.
+/// Cost of the straight line between the middles of two cells, in sides of cells: of each cell that
+/// it passes, by its length there.
 fn line_cost(costmap: &Costmap, from: usize, to: usize) -> f64 {
     let (mut mean, costs) = (0.0, costmap.costs());
     let is_free = passes_all(costmap.grid(), from, to, |cell, share| {
         let cost = costs.of(cell);
         let is_free = cost < f32::INFINITY;
-        mean += if is_free { share * f64::from(cost) } else { 0.0 };
+        mean += if is_free {
+            share * f64::from(cost)
+        } else {
+            0.0
+        };
         is_free
     });
-    let ((x, y), (u, v)) = (costmap.grid().column_row(from), costmap.grid().column_row(to));
-    if is_free { mean * libm::hypot((u - x) as f64, (v - y) as f64) } else { f64::INFINITY }
+    let ((x, y), (u, v)) = (
+        costmap.grid().column_row(from),
+        costmap.grid().column_row(to),
+    );
+    if is_free {
+        mean * libm::hypot((u - x) as f64, (v - y) as f64)
+    } else {
+        f64::INFINITY
+    }
 }
 
+/// Cost of a cell, infinite where the robot does not fit.
 fn cost_of(costmap: &Costmap, cell: usize) -> f64 {
     costmap.cost(cell).unwrap_or(f64::INFINITY)
 }
@@ -229,11 +288,20 @@ mod tests {
     }
 
     #[test]
-    fn a_wall_is_passed_with_room_to_spare() {
+    fn a_wall_is_passed_at_a_distance() {
         let mut costmap = open_ground();
-        see_wall(&mut costmap, MapPoint::new(2.0, -5.0), MapPoint::new(2.0, 1.0));
-        let path = plan(&mut Search::default(), &costmap, MapPoint::new(0.0, -2.0), MapPoint::new(4.0, -2.0))
-            .unwrap();
+        see_wall(
+            &mut costmap,
+            MapPoint::new(2.0, -5.0),
+            MapPoint::new(2.0, 1.0),
+        );
+        let path = plan(
+            &mut Search::default(),
+            &costmap,
+            MapPoint::new(0.0, -2.0),
+            MapPoint::new(4.0, -2.0),
+        )
+        .unwrap();
         for pair in path.windows(2) {
             for i in 0..=20 {
                 let t = f64::from(i) / 20.0;
@@ -249,29 +317,53 @@ mod tests {
     #[test]
     fn a_blocked_goal_is_approached_and_one_outside_refused() {
         let mut costmap = open_ground();
-        see_wall(&mut costmap, MapPoint::new(2.0, -5.0), MapPoint::new(2.0, 5.0));
-        let path =
-            plan(&mut Search::default(), &costmap, MapPoint::new(0.0, 0.0), MapPoint::new(2.0, 0.0)).unwrap();
+        see_wall(
+            &mut costmap,
+            MapPoint::new(2.0, -5.0),
+            MapPoint::new(2.0, 5.0),
+        );
+        let path = plan(
+            &mut Search::default(),
+            &costmap,
+            MapPoint::new(0.0, 0.0),
+            MapPoint::new(2.0, 0.0),
+        )
+        .unwrap();
         assert!(path.last().unwrap().distance(MapPoint::new(2.0, 0.0)) < 0.4);
         let outside = MapPoint::new(50.0, 0.0);
         assert_eq!(
-            plan(&mut Search::default(), &costmap, MapPoint::default(), outside),
+            plan(
+                &mut Search::default(),
+                &costmap,
+                MapPoint::default(),
+                outside
+            ),
             Err(PlanError::GoalOutside(outside))
         );
     }
 
     #[test]
-    fn pavements_are_preferred_to_grass_if_that_is_wanted() {
+    fn pavements_are_preferred_to_grass_on_request() {
         let mut map = empty_map();
-        let corners = [(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)].map(|(x, y)| MapPoint::new(x, y));
+        let corners =
+            [(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)].map(|(x, y)| MapPoint::new(x, y));
         map.areas.push(Area {
-            element: ElementId { kind: ElementKind::Way, id: 1 },
+            element: ElementId {
+                kind: ElementKind::Way,
+                id: 1,
+            },
             polygon: Polygon::new(corners.to_vec(), vec![]).unwrap(),
             tags: [("landuse", "grass")].into_iter().collect(),
         });
-        let bend = [(-6.0, 0.0), (-6.0, 2.5), (6.0, 2.5), (6.0, 0.0)].map(|(x, y)| MapPoint::new(x, y));
+        let bend =
+            [(-6.0, 0.0), (-6.0, 2.5), (6.0, 2.5), (6.0, 0.0)].map(|(x, y)| MapPoint::new(x, y));
         let tags = [("highway", "footway")].into_iter().collect();
-        map.roads.push(Road { way: 2, nodes: vec![1, 2, 3, 4], points: bend.to_vec(), tags });
+        map.roads.push(Road {
+            way: 2,
+            nodes: vec![1, 2, 3, 4],
+            points: bend.to_vec(),
+            tags,
+        });
         let (low, high) = (MapPoint::new(-10.0, -10.0), MapPoint::new(10.0, 10.0));
         let furthest = |preferences: Preferences| {
             let robot = RobotDescription::sentry();
@@ -284,11 +376,22 @@ mod tests {
     }
 
     #[test]
-    fn who_is_buried_or_goes_to_who_is_gets_no_way() {
-        let grid = GridGeometry { origin: MapPoint::default(), width: 100, height: 100, cell: 0.1 };
+    fn no_path_leads_from_or_to_a_place_deep_inside_an_obstacle() {
+        let grid = GridGeometry {
+            origin: MapPoint::default(),
+            width: 100,
+            height: 100,
+            cell: 0.1,
+        };
         let is_open = |cell: usize| grid.center(cell).x < 4.0;
-        let cells = (0..grid.len()).map(|cell| if is_open(cell) { 0 } else { 100 }).collect();
-        let occupancy = Occupancy { grid, yaw: 0.0, cells };
+        let cells = (0..grid.len())
+            .map(|cell| if is_open(cell) { 0 } else { 100 })
+            .collect();
+        let occupancy = Occupancy {
+            grid,
+            yaw: 0.0,
+            cells,
+        };
         let costmap = Costmap::from_occupancy(&occupancy, &RobotDescription::sentry()).unwrap();
         let (open, buried) = (MapPoint::new(2.0, 5.0), MapPoint::new(8.0, 5.0));
         let way = |from, to| plan(&mut Search::default(), &costmap, from, to);
@@ -297,28 +400,45 @@ mod tests {
     }
 
     #[test]
-    fn costs_to_many_places_are_those_of_the_ways_to_each() {
+    fn costs_to_many_places_are_those_of_the_paths_to_each() {
         let mut costmap = open_ground();
-        see_wall(&mut costmap, MapPoint::new(2.0, -5.0), MapPoint::new(2.0, 5.0));
-        let goals = [MapPoint::new(-4.0, 0.0), MapPoint::new(4.0, 0.0), MapPoint::new(99.0, 0.0)];
+        see_wall(
+            &mut costmap,
+            MapPoint::new(2.0, -5.0),
+            MapPoint::new(2.0, 5.0),
+        );
+        let goals = [
+            MapPoint::new(-4.0, 0.0),
+            MapPoint::new(4.0, 0.0),
+            MapPoint::new(99.0, 0.0),
+        ];
         let costs = costs(&costmap, MapPoint::default(), &goals, 50.0);
         assert!((costs[0].unwrap() - 4.0).abs() < 0.5, "{costs:?}");
         assert!(costs[1].unwrap() > 10.0 && costs[2].is_none(), "{costs:?}");
     }
 
     #[test]
-    fn who_does_not_know_where_he_is_gets_no_way() {
+    fn no_path_leads_from_or_to_a_place_that_is_not_finite() {
         let (here, lost) = (MapPoint::default(), MapPoint::new(f64::NAN, 0.0));
         let way = |from, to| plan(&mut Search::default(), &open_ground(), from, to);
         assert!(matches!(way(lost, here), Err(PlanError::StartOutside(_))));
         assert!(matches!(way(here, lost), Err(PlanError::GoalOutside(_))));
-        assert!(matches!(way(MapPoint::new(1e300, 0.0), here), Err(PlanError::StartOutside(_))));
+        assert!(matches!(
+            way(MapPoint::new(1e300, 0.0), here),
+            Err(PlanError::StartOutside(_))
+        ));
     }
 
-    /// Ground with a yard of 1.4 m by 1.4 m around a place.
+    /// Ground with a walled yard of 1.4 m by 1.4 m around a place.
     fn yard(middle: MapPoint) -> Costmap {
         let mut costmap = open_ground();
-        let corners = [(-0.7, -0.7), (0.7, -0.7), (0.7, 0.7), (-0.7, 0.7), (-0.7, -0.7)];
+        let corners = [
+            (-0.7, -0.7),
+            (0.7, -0.7),
+            (0.7, 0.7),
+            (-0.7, 0.7),
+            (-0.7, -0.7),
+        ];
         let corners = corners.map(|(x, y)| MapPoint::new(middle.x + x, middle.y + y));
         for pair in corners.windows(2) {
             see_wall(&mut costmap, pair[0], pair[1]);
@@ -327,12 +447,15 @@ mod tests {
     }
 
     #[test]
-    fn what_stands_for_a_blocked_place_can_be_reached() {
+    fn the_replacement_of_a_blocked_place_can_be_reached() {
         let costmap = yard(MapPoint::new(3.0, 0.0));
         // On the yard's wall, a little nearer to the inside.
         let (wall, away) = (MapPoint::new(2.33, 0.0), MapPoint::new(-4.0, 0.0));
         let there = plan(&mut Search::default(), &costmap, away, wall).unwrap();
-        assert!(there.last().unwrap().x < 2.2 && there.last().unwrap().distance(wall) < 1.0, "{there:?}");
+        assert!(
+            there.last().unwrap().x < 2.2 && there.last().unwrap().distance(wall) < 1.0,
+            "{there:?}"
+        );
         let back = plan(&mut Search::default(), &costmap, wall, away).unwrap();
         assert_eq!((back[0], *back.last().unwrap()), (wall, away));
         assert!(back[1].x < 2.2, "{back:?}");
@@ -340,8 +463,11 @@ mod tests {
 
     proptest! {
         #[test]
-        fn straight_lines_cost_no_more_than_what_they_replace_and_touch_nothing(
-            walls in prop::collection::vec((-8.0..8.0_f64, -8.0..8.0_f64, -2.0..2.0_f64, -2.0..2.0_f64), 1..8),
+        fn straight_lines_cost_no_more_than_the_stretch_that_they_replace(
+            walls in prop::collection::vec(
+                (-8.0..8.0_f64, -8.0..8.0_f64, -2.0..2.0_f64, -2.0..2.0_f64),
+                1..8,
+            ),
             (x, y) in (-9.0..9.0_f64, -9.0..9.0_f64),
         ) {
             let mut costmap = open_ground();
@@ -349,28 +475,40 @@ mod tests {
                 see_wall(&mut costmap, MapPoint::new(x, y), MapPoint::new(x + dx, y + dy));
             }
             let cell = |x: f64, y: f64| costmap.grid().cell_at(MapPoint::new(x, y)).unwrap();
-            let Some(GridPath { cost, cells }) = Search::default().cheapest(&costmap.costs(), cell(-9.0, -9.0), cell(x, y)) else {
-                return Ok(());
-            };
+            let (from, to) = (cell(-9.0, -9.0), cell(x, y));
+            let found = Search::default().cheapest(&costmap.costs(), from, to);
+            let Some(GridPath { cost, cells }) = found else { return Ok(()) };
             let kept = shorten(&costmap, &cells);
             prop_assert_eq!((kept[0], kept.last()), (cells[0], cells.last()));
             let shorter: f64 = kept.windows(2).map(|w| line_cost(&costmap, w[0], w[1])).sum();
             prop_assert!(shorter <= cost + 1e-4 * cells.len() as f64, "{shorter} for {cost}");
             for pair in kept.windows(2) {
-                prop_assert!(in_sight(costmap.grid(), |c| costmap.cost(c).is_some(), pair[0], pair[1]));
+                let is_free = |cell: usize| costmap.cost(cell).is_some();
+                prop_assert!(in_sight(costmap.grid(), is_free, pair[0], pair[1]));
             }
         }
     }
 
     #[test]
-    fn a_closed_yard_has_no_way_out() {
+    fn no_path_leads_out_of_a_closed_yard() {
         let mut costmap = open_ground();
-        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0)]
-            .map(|(x, y)| MapPoint::new(x, y));
+        let corners = [
+            (-1.0, -1.0),
+            (1.0, -1.0),
+            (1.0, 1.0),
+            (-1.0, 1.0),
+            (-1.0, -1.0),
+        ]
+        .map(|(x, y)| MapPoint::new(x, y));
         for pair in corners.windows(2) {
             see_wall(&mut costmap, pair[0], pair[1]);
         }
-        let result = plan(&mut Search::default(), &costmap, MapPoint::default(), MapPoint::new(5.0, 5.0));
+        let result = plan(
+            &mut Search::default(),
+            &costmap,
+            MapPoint::default(),
+            MapPoint::new(5.0, 5.0),
+        );
         assert!(matches!(result, Err(PlanError::NoWay(..))), "{result:?}");
     }
 }

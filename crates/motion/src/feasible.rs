@@ -1,4 +1,4 @@
-//! Whether a motion keeps the whole footprint off everything, all the time.
+//! Whether a motion keeps the whole footprint off all obstacles, all the time.
 
 use openbench_core::{Pose2, Velocity};
 
@@ -7,42 +7,71 @@ use crate::limits::Limits;
 use crate::shape::{Footprint, Obstacle};
 use crate::trajectory::Band;
 
-/// Seconds between two looks along a motion: at half a metre and one radian a second no corner moves further than 4 cm.
-const LOOK: f64 = 0.05;
-/// Of a start that is nearer to something than it should be, this share is kept: much is gained by getting off it, and not much can be lost.
-const KEPT: f64 = 0.5;
-/// What is lost to rounding where a start is inside something, metres.
-const ROUNDING: f64 = 1e-6;
-/// Looks along one motion, at most.
-const MOST_LOOKS: usize = 10_000;
+/// Seconds between two checks along a motion: at 0.5 m/s and 1 rad/s no corner moves further than 4
+/// cm.
+const CHECK_S: f64 = 0.05;
+/// A motion that begins nearer to an obstacle than it should keeps this share of the distance:
+/// moving away gains much, and little can be lost.
+const KEPT_SHARE: f64 = 0.5;
+/// Distance that a motion which begins inside an obstacle may lose to rounding, metres.
+const ROUNDING_M: f64 = 1e-6;
+/// Checks along one motion, at most.
+const MOST_CHECKS: usize = 10_000;
 
-/// The clearance that a motion from a place with `clearance` may not fall below.
+/// The clearance that a motion which begins with `clearance` may not fall below, metres.
 fn floor(clearance: f64, margin: f64) -> f64 {
-    if clearance > 0.0 { margin.min(KEPT * clearance) } else { clearance - ROUNDING }
+    if clearance > 0.0 {
+        margin.min(KEPT_SHARE * clearance)
+    } else {
+        clearance - ROUNDING_M
+    }
 }
 
-/// How near to each obstacle a motion may come: `margin`, but for those that it begins nearer to.
+/// How near to one obstacle a motion may come.
+struct Floor {
+    /// The obstacle's number.
+    obstacle: usize,
+    /// Metres.
+    least: f64,
+}
+
+/// How near to each obstacle a motion may come: `margin`, except to those that it begins nearer to.
 pub(crate) struct Floors {
     margin: f64,
-    /// Number and floor of each obstacle that the motion begins near to. None may be made up for by another.
-    near: Vec<(usize, f64)>,
+    /// Obstacles that the motion begins near to. A distance gained from one does not make up for
+    /// another.
+    near: Vec<Floor>,
 }
 
 impl Floors {
-    /// For a motion that begins at `pose`.
+    /// The floors of a motion that begins at `pose`.
     pub(crate) fn new<'a>(
         footprint: &Footprint,
         obstacles: impl Iterator<Item = &'a Obstacle>,
         pose: Pose2,
         margin: f64,
     ) -> Self {
-        let (placed, circle, reach) = (footprint.at(pose), footprint.circumscribed(), margin / KEPT);
+        let (placed, circle, reach) = (
+            footprint.at(pose),
+            footprint.circumscribed(),
+            margin / KEPT_SHARE,
+        );
         let distance = |o: &Obstacle| o.contact(&placed, circle, 0.0, reach).map(|c| c.distance);
-        let near = obstacles.enumerate().filter_map(|(i, o)| Some((i, distance(o).filter(|d| *d < reach)?)));
-        Self { margin, near: near.map(|(i, d)| (i, floor(d, margin))).collect() }
+        let near = obstacles.enumerate().filter_map(|(obstacle, o)| {
+            let distance = distance(o).filter(|distance| *distance < reach)?;
+            Some(Floor {
+                obstacle,
+                least: floor(distance, margin),
+            })
+        });
+        Self {
+            margin,
+            near: near.collect(),
+        }
     }
 
-    /// Whether a pose keeps off everything; what it has got off by now counts from here on.
+    /// Whether a pose `seconds` ahead keeps off all obstacles; distance gained until then counts
+    /// from here on.
     pub(crate) fn keep<'a>(
         &mut self,
         footprint: &Footprint,
@@ -50,24 +79,29 @@ impl Floors {
         pose: Pose2,
         seconds: f64,
     ) -> bool {
-        let (placed, circle, reach) = (footprint.at(pose), footprint.circumscribed(), self.margin / KEPT);
+        let (placed, circle, reach) = (
+            footprint.at(pose),
+            footprint.circumscribed(),
+            self.margin / KEPT_SHARE,
+        );
         for (i, obstacle) in obstacles.enumerate() {
             let contact = obstacle.contact(&placed, circle, seconds, reach);
             let distance = contact.map_or(reach, |c| c.distance);
-            let near = self.near.iter_mut().find(|(number, _)| *number == i);
-            let least = near.as_ref().map_or(self.margin, |(_, floor)| *floor);
+            let near = self.near.iter_mut().find(|floor| floor.obstacle == i);
+            let least = near.as_ref().map_or(self.margin, |floor| floor.least);
             if distance < least {
                 return false;
             }
-            if let Some((_, least)) = near {
-                *least = least.max(floor(distance, self.margin));
+            if let Some(near) = near {
+                near.least = near.least.max(floor(distance, self.margin));
             }
         }
         true
     }
 }
 
-/// Distance from the footprint to the nearest obstacle as it will be after `seconds`, if less than `reach`, else `reach`; metres, negative inside.
+/// Distance from the footprint at `pose` to the nearest obstacle as it will be after `seconds`,
+/// metres: `reach` at most, negative inside.
 pub fn clearance<'a>(
     footprint: &Footprint,
     obstacles: impl Iterator<Item = &'a Obstacle>,
@@ -80,7 +114,8 @@ pub fn clearance<'a>(
     near.map(|contact| contact.distance).fold(reach, f64::min)
 }
 
-/// Seconds until the robot comes nearer than `margin` to something on the band, driven no faster than it can; `None` if it never does. Who begins nearer than that may move away.
+/// Seconds until the robot comes nearer than `margin` metres to an obstacle on the band, driven no
+/// faster than its limits; `None` if it never does. A robot that begins nearer may move away.
 pub fn first_conflict(
     footprint: &Footprint,
     limits: &Limits,
@@ -90,17 +125,21 @@ pub fn first_conflict(
 ) -> Option<f64> {
     let band = band.slowed(limits);
     let mut floors = Floors::new(footprint, obstacles.iter(), band.pose_at(0.0), margin);
-    let looks = (band.duration() / LOOK).ceil() as usize;
-    let mut times = (1..=looks.min(MOST_LOOKS)).map(|i| band.duration().min(i as f64 * LOOK));
-    let met = times.find(|&time| !floors.keep(footprint, obstacles.iter(), band.pose_at(time), time));
-    // What is not looked at is not known to be free.
-    met.or_else(|| (looks > MOST_LOOKS).then_some(MOST_LOOKS as f64 * LOOK))
+    let checks = (band.duration() / CHECK_S).ceil() as usize;
+    let mut times = (1..=checks.min(MOST_CHECKS)).map(|i| band.duration().min(i as f64 * CHECK_S));
+    let met =
+        times.find(|&time| !floors.keep(footprint, obstacles.iter(), band.pose_at(time), time));
+    // What is not checked is not known to be free.
+    met.or_else(|| (checks > MOST_CHECKS).then_some(MOST_CHECKS as f64 * CHECK_S))
 }
 
 /// Seconds in which any robot stops.
-const LONGEST_STOP: f64 = 20.0;
+const LONGEST_STOP_S: f64 = 20.0;
 
-/// Seconds until the robot comes nearer than `margin` to something that stands if it does as it is told for `hold` seconds and then brakes. Who moves is not looked at: to stop in somebody's way is worse than to be gone.
+/// Seconds until the robot comes nearer than `margin` metres to a standing obstacle if it is driven
+/// as commanded for `hold` seconds and then brakes; `None` if it stops before.
+///
+/// Moving obstacles are left out: to stop in somebody's path is worse than to be gone.
 pub fn conflict_before_stop(
     footprint: &Footprint,
     obstacles: &[Obstacle],
@@ -114,8 +153,8 @@ pub fn conflict_before_stop(
     let mut motion = motion;
     let mut floors = Floors::new(footprint, standing(), motion.pose, margin);
     let mut time = 0.0;
-    // Who does not come to stand, with a speed that no robot has, is taken for one who runs into something.
-    let longest = hold + LONGEST_STOP;
+    // A robot that does not come to stand, with an impossible speed, counts as one that collides.
+    let longest = hold + LONGEST_STOP_S;
     while time < hold || !motion.stands() {
         if time > longest {
             return Some(time);

@@ -44,9 +44,13 @@ pub fn entry() -> Entry {
 /// Its entry with another tolerance.
 pub fn entry_with(tolerance: Tolerance) -> Entry {
     let description = "Pure pursuit that stops before obstacles";
-    Entry::new("follower", description, move |settings: &PlannerSettings| {
-        Follower::new(settings.robot.clone()).map(|follower| follower.with_tolerance(tolerance))
-    })
+    Entry::new(
+        "follower",
+        description,
+        move |settings: &PlannerSettings| {
+            Follower::new(settings.robot.clone()).map(|follower| follower.with_tolerance(tolerance))
+        },
+    )
 }
 
 /// A follower cannot be made.
@@ -71,7 +75,10 @@ pub struct Tolerance {
 
 impl Default for Tolerance {
     fn default() -> Self {
-        Self { distance: 0.15, yaw: 0.08 }
+        Self {
+            distance: 0.15,
+            yaw: 0.08,
+        }
     }
 }
 
@@ -87,7 +94,10 @@ impl Follower {
     pub fn new(robot: RobotDescription) -> Result<Self, FollowerError> {
         Limits::of(&robot)?;
         Footprint::of(&robot)?;
-        Ok(Self { robot, tolerance: Tolerance::default() })
+        Ok(Self {
+            robot,
+            tolerance: Tolerance::default(),
+        })
     }
 
     /// The same with another tolerance.
@@ -116,7 +126,9 @@ impl Follower {
 
     /// Turns on the spot.
     fn turn(&self, error: f64) -> Velocity {
-        let rate = (TURN_GAIN * error.abs()).max(LEAST_TURN_RADPS).min(self.robot.max_turn);
+        let rate = (TURN_GAIN * error.abs())
+            .max(LEAST_TURN_RADPS)
+            .min(self.robot.max_turn);
         Velocity::new(0.0, rate.copysign(error))
     }
 
@@ -159,19 +171,30 @@ impl Follower {
 /// Distance from a point to the nearest obstacle, metres, if it is less than `reach`.
 fn nearest_within(obstacles: &[Obstacle], point: MapPoint, reach: f64) -> Option<f64> {
     let distances = obstacles.iter().map(|o| o.distance_to(point));
-    distances.filter(|distance| *distance < reach).reduce(f64::min)
+    distances
+        .filter(|distance| *distance < reach)
+        .reduce(f64::min)
 }
 
 impl LocalPlanner for Follower {
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Progress, Blocked> {
         situation.check()?;
-        let Situation { pose, path, final_yaw, .. } = *situation;
+        let Situation {
+            pose,
+            path,
+            final_yaw,
+            ..
+        } = *situation;
         let end = *path.last().ok_or(Blocked::NoPath)?;
         let to_end = pose.point().distance(end);
         if to_end <= self.tolerance.distance {
             let error = final_yaw.map_or(0.0, |yaw| wrap_angle(yaw - pose.yaw));
             let arrived = error.abs() <= self.tolerance.yaw;
-            return Ok(if arrived { Progress::Arrived } else { Progress::Drive(self.turn(error)) });
+            return Ok(if arrived {
+                Progress::Arrived
+            } else {
+                Progress::Drive(self.turn(error))
+            });
         }
         self.secured(situation, self.pursue(pose, path, to_end))
     }

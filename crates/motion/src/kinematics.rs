@@ -1,50 +1,62 @@
-//! How a robot with two driven sides moves: along arcs, its rims as fast as their acceleration allows.
+//! Kinematics of a differential drive: it moves along arcs, and its rims change their speeds within
+//! a limit.
 
 use openbench_core::{Pose2, Velocity};
 
 use crate::limits::Limits;
 
-/// A robot in motion and what it is told.
+/// The state of a moving robot and its command.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Motion {
-    /// Where it is.
+    /// Its pose.
     pub pose: Pose2,
-    /// How it moves.
+    /// Its velocity.
     pub velocity: Velocity,
-    /// How it is told to move.
+    /// The velocity that it is commanded to have.
     pub command: Velocity,
 }
 
 impl Motion {
-    /// The next `seconds`: rims change their speeds as fast as they can until they are as told.
+    /// Moves on by `seconds`: both rims approach the commanded speeds as fast as their acceleration
+    /// allows.
     pub fn step(&mut self, limits: &Limits, seconds: f64) {
         let half = limits.half_track;
-        let rim = |v: Velocity, side: f64| v.linear + side * half * v.angular;
-        let most = limits.acceleration * seconds;
-        let next = |side: f64| {
-            let (now, told) = (rim(self.velocity, side), rim(self.command, side));
-            now + (told - now).clamp(-most, most)
-        };
-        let (left, right) = (next(-1.0), next(1.0));
+        let left = self.next_rim_speed(-half, limits, seconds);
+        let right = self.next_rim_speed(half, limits, seconds);
         self.velocity = Velocity::new((left + right) / 2.0, (right - left) / (2.0 * half));
         self.pose = arc(self.pose, self.velocity, seconds);
     }
 
+    /// The speed of the rim `side` metres to the right of the middle after `seconds`, m/s.
+    fn next_rim_speed(&self, side: f64, limits: &Limits, seconds: f64) -> f64 {
+        let now = self.velocity.linear + side * self.velocity.angular;
+        let wanted = self.command.linear + side * self.command.angular;
+        let most = limits.acceleration * seconds;
+        now + (wanted - now).clamp(-most, most)
+    }
+
+    /// Whether the robot stands, up to rounding.
     pub(crate) fn stands(&self) -> bool {
         self.velocity.linear.abs() < 1e-9 && self.velocity.angular.abs() < 1e-9
     }
 }
 
-/// Where a robot gets that drives with a velocity for some seconds.
+/// The pose after driving with a constant velocity for some seconds.
 pub fn arc(pose: Pose2, velocity: Velocity, seconds: f64) -> Pose2 {
     let turn = velocity.angular * seconds;
     let half = turn / 2.0;
-    let chord = velocity.linear * seconds * if half.abs() < 1e-6 { 1.0 } else { libm::sin(half) / half };
+    let chord = velocity.linear
+        * seconds
+        * if half.abs() < 1e-6 {
+            1.0
+        } else {
+            libm::sin(half) / half
+        };
     let (sin, cos) = libm::sincos(pose.yaw + half);
     Pose2::new(pose.x + chord * cos, pose.y + chord * sin, pose.yaw + turn)
 }
 
-/// The velocity that leads along an arc from one pose to another.
+/// The constant velocity that leads along an arc from one pose to another.
 pub fn velocity(from: Pose2, to: Pose2, seconds: f64) -> Velocity {
     let turn = to.yaw - from.yaw;
     let (sin, cos) = libm::sincos((from.yaw + to.yaw) / 2.0);
@@ -52,20 +64,25 @@ pub fn velocity(from: Pose2, to: Pose2, seconds: f64) -> Velocity {
     Velocity::new(chord * bulge(turn) / seconds, turn / seconds)
 }
 
-/// Length of an arc that turns by `turn`, as a multiple of its chord.
+/// Length of an arc that turns by `turn` radians, as a multiple of its chord.
 fn bulge(turn: f64) -> f64 {
     let half = turn / 2.0;
-    if half.abs() < 1e-4 { 1.0 } else { half / libm::sin(half) }
+    if half.abs() < 1e-4 {
+        1.0
+    } else {
+        half / libm::sin(half)
+    }
 }
 
-/// The pose at a share of the way from `a` to `b`: straight on or around, the yaw in proportion.
+/// The pose at a share of the arc from `a` to `b`; the yaw changes in proportion.
 pub fn on_arc(a: Pose2, b: Pose2, share: f64) -> Pose2 {
     let turn = b.yaw - a.yaw;
     let yaw = a.yaw + share * turn;
     if turn.abs() < 1e-4 {
         return Pose2::new(a.x + share * (b.x - a.x), a.y + share * (b.y - a.y), yaw);
     }
-    // Chords of one circle: their lengths are as the sines of half their turns, and each is turned by half its turn.
+    // Chords of one circle: the lengths are in the ratio of the sines of half the turns, and each
+    // chord is rotated by half its turn.
     let ratio = libm::sin(share * turn / 2.0) / libm::sin(turn / 2.0);
     let (sin, cos) = libm::sincos((share - 1.0) * turn / 2.0);
     let (dx, dy) = (ratio * (b.x - a.x), ratio * (b.y - a.y));
@@ -75,19 +92,24 @@ pub fn on_arc(a: Pose2, b: Pose2, share: f64) -> Pose2 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use openbench_core::MapPoint;
     use proptest::prelude::*;
 
     proptest! {
         #[test]
-        fn points_of_an_arc_are_on_one_circle(x in -2.0..2.0_f64, turn in -3.0..3.0_f64, share in 0.0..1.0_f64) {
-            // From the origin along the x axis with a constant ratio of speed and turn.
+        fn points_of_an_arc_are_on_one_circle(
+            x in -2.0..2.0_f64,
+            turn in -3.0..3.0_f64,
+            share in 0.0..1.0_f64,
+        ) {
+            // From the origin along the x axis with a constant ratio of speed and turn rate.
             let radius = x / turn;
-            let (sin, cos) = libm::sincos(turn);
-            let end = Pose2::new(radius * sin, radius * (1.0 - cos), turn);
-            let found = on_arc(Pose2::default(), end, share);
-            let (sin, cos) = libm::sincos(share * turn);
-            prop_assert!(found.point().distance(MapPoint::new(radius * sin, radius * (1.0 - cos))) < 1e-3 * x.abs() + 1e-9);
+            let on_circle = |turn: f64| {
+                let (sin, cos) = libm::sincos(turn);
+                Pose2::new(radius * sin, radius * (1.0 - cos), turn)
+            };
+            let found = on_arc(Pose2::default(), on_circle(turn), share);
+            let off = found.point().distance(on_circle(share * turn).point());
+            prop_assert!(off < 1e-3 * x.abs() + 1e-9);
         }
     }
 }

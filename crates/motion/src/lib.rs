@@ -2,7 +2,7 @@
 //!
 //! | module | its one job |
 //! |---|---|
-//! | [`shape`] | [`Footprint`] and [`Obstacle`]: outlines on the ground and how far they are apart |
+//! | [`shape`] | [`Footprint`] and [`Obstacle`]: outlines on the ground and their distances |
 //! | [`limits`] | [`Limits`]: what a robot can do |
 //! | [`kinematics`] | [`Motion`]: how a differential drive moves, and along which arcs |
 //! | [`trajectory`] | [`Band`]: poses at times |
@@ -60,6 +60,7 @@ pub use route::Guide;
 pub use search::{Costs, CostsError, Search};
 pub use shape::{Contact, Footprint, Obstacle, ShapeError};
 pub use surroundings::Surroundings;
-pub use teb::planner::{Teb, TebError, TebSettings};
+pub use teb::planner::{Teb, TebError};
+pub use teb::settings::TebSettings;
 pub use trajectory::{Band, Knot};
 pub use vector::Vector2;

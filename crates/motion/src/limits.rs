@@ -1,21 +1,21 @@
-//! What a robot with two driven sides can do.
+//! Limits of speed and acceleration of a differential drive.
 
 use openbench_core::RobotDescription;
 
 use crate::checks::{SettingsError, not_negative, positive};
 
-/// What a robot with two driven sides can do.
+/// Limits of speed and acceleration of a differential drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
     /// Largest forward speed, m/s.
     pub forward: f64,
-    /// Largest backward speed, m/s; zero for a robot that never backs.
+    /// Largest backward speed, m/s; zero for a robot that never drives backward.
     pub backward: f64,
     /// Largest turn rate, rad/s.
     pub turn: f64,
-    /// Largest acceleration of the wheels' rims, m/s².
+    /// Largest acceleration of the wheels' rims on the ground, m/s².
     pub acceleration: f64,
-    /// Half of the effective track: a turn rate times this is the rims' speed in turning, metres.
+    /// Half of the effective track, metres: the rims' speed in turning is the turn rate times this.
     pub half_track: f64,
 }
 
@@ -32,7 +32,7 @@ impl Limits {
         limits.check().map(|()| limits)
     }
 
-    /// Whether a robot could have these.
+    /// Whether all limits are positive, or zero for driving backward.
     pub fn check(&self) -> Result<(), SettingsError> {
         positive("the largest forward speed", self.forward)?;
         positive("the largest turn rate", self.turn)?;

@@ -1,7 +1,11 @@
-//! Model Predictive Path Integral control: many disturbed continuations of the last plan, averaged by what they cost.
+//! Model Predictive Path Integral control: many disturbed continuations of the last plan, averaged
+//! by their costs.
 //!
-//! G. Williams, A. Aldrich, E. Theodorou, *Model Predictive Path Integral Control: From Theory to Parallel Computation*, Journal of Guidance, Control, and Dynamics 40(2), 2017; the costs are of the kinds that Nav2's controller
-//! of this name has: distance to the way and to its end, heading, nearness to obstacles, driving backwards. Here as a yardstick for the band: disturbances come from a seeded generator.
+//! G. Williams, A. Aldrich, E. Theodorou, *Model Predictive Path Integral Control: From Theory to
+//! Parallel Computation*, Journal of Guidance, Control, and Dynamics 40(2), 2017. The costs are of
+//! the kinds that Nav2's controller of this name has: distance to the path and to its end, heading,
+//! nearness to obstacles, driving backward. It is here for comparison with Timed Elastic Bands. The
+//! disturbances come from a seeded generator.
 
 use openbench_core::{MapPoint, Pose2, RobotDescription, SimTime, Velocity, frames::wrap_angle};
 use openbench_grid::GridGeometry;
@@ -12,7 +16,9 @@ use crate::checks::SettingsError;
 use crate::feasible::{clearance, conflict_before_stop};
 use crate::kinematics::Motion;
 use crate::limits::Limits;
-use crate::local::{Blocked, Entry, LocalPlanner, PathPoint, PlannerSettings, Progress, Situation, ahead};
+use crate::local::{
+    Blocked, Entry, LocalPlanner, PathPoint, PlannerSettings, Progress, Situation, ahead,
+};
 use crate::near_cells::each_cell_near;
 use crate::shape::{Footprint, Obstacle, ShapeError};
 
@@ -21,25 +27,57 @@ const SAMPLES: usize = 600;
 /// Steps of each.
 const STEPS: usize = 32;
 /// Seconds of a step.
-const DT: f64 = 0.1;
-/// Deviations of speed and turn rate.
-const NOISE: (f64, f64) = (0.15, 0.4);
-/// How sharply cheap continuations are preferred.
+const STEP_S: f64 = 0.1;
+/// Standard deviation of the speed, m/s.
+const NOISE_MPS: f64 = 0.15;
+/// Standard deviation of the turn rate, rad/s.
+const NOISE_RADPS: f64 = 0.4;
+/// Difference of costs by which a continuation weighs e times less.
 const TEMPERATURE: f64 = 0.3;
-/// Length of the way that is looked at, metres.
-const LOOKAHEAD: f64 = 1.6;
-/// Distance from the footprint's circle above which obstacles cost nothing, metres.
-const COMFORT: f64 = 0.25;
-/// Cost of touching something.
+/// Length of the path that is considered, metres.
+const LOOKAHEAD_M: f64 = 1.6;
+/// Points of that length, besides the first.
+const PATH_POINTS: i32 = 8;
+/// Distance from the footprint's circumscribed circle above which obstacles cost nothing, metres.
+const COMFORT_M: f64 = 0.25;
+/// Cost of touching an obstacle.
 const TOUCH: f64 = 1000.0;
-/// Side of a cell of the map of distances, and how far it reaches, metres.
-const GRID: (f64, f64) = (0.05, 2.0);
+/// Cost of a step right beside an obstacle.
+const NEARNESS: f64 = 0.2;
+/// Cost of a step for each m/s backward.
+const BACKWARD: f64 = 0.3;
+/// Cost of a step for each rad/s.
+const TURNING: f64 = 0.02;
+/// Cost of a step for each metre from the path.
+const ASIDE: f64 = 0.1;
+/// Cost of the last step for each metre from the end of the path.
+const REMAINING: f64 = 10.0;
+/// Side of a cell of the map of distances, metres.
+const CELL_M: f64 = 0.05;
+/// How far the map of distances reaches, metres.
+const MAP_M: f64 = 2.0;
 /// Distance from obstacles that a command has to keep, metres.
-const SURE: f64 = 0.003;
-/// Slower than this, m/s and rad/s, is as good as standing: the controller sees no way on.
-const STILL: (f64, f64) = (0.02, 0.05);
+const SURE_M: f64 = 0.003;
+/// Slower than this, m/s, is as good as standing: the controller sees no way on.
+const STILL_MPS: f64 = 0.02;
+/// The same of the turn rate, rad/s.
+const STILL_RADPS: f64 = 0.05;
+/// Slowest turn at the end of the path, rad/s.
+const LEAST_TURN_RADPS: f64 = 0.1;
+/// Distance from the end of the path with which the robot has arrived, metres.
+const TOLERANCE_M: f64 = 0.1;
+/// Heading error there with which it has arrived, radians.
+const TOLERANCE_RAD: f64 = 0.08;
 /// Seconds that a command is held.
-const HOLD: f64 = 0.1;
+const HOLD_S: f64 = 0.1;
+
+/// Its entry among the local planners.
+pub fn entry() -> Entry {
+    let description = "Model Predictive Path Integral control";
+    Entry::new("mppi", description, |settings: &PlannerSettings| {
+        Mppi::new(&settings.robot, settings.seed)
+    })
+}
 
 /// A controller cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -52,39 +90,30 @@ pub enum MppiError {
     Footprint(#[from] ShapeError),
 }
 
-/// Its entry among the local planners.
-pub fn entry() -> Entry {
-    Entry::new("mppi", "Model Predictive Path Integral control", |settings: &PlannerSettings| {
-        Mppi::new(&settings.robot, settings.seed)
-    })
-}
-
 /// The controller.
 #[derive(Debug, Clone)]
 pub struct Mppi {
     footprint: Footprint,
     limits: Limits,
-    tolerance: f64,
-    yaw_tolerance: f64,
     rng: Pcg64Mcg,
     seed: u64,
     plan: Vec<Velocity>,
-    /// When the plan was last moved on, and the seconds of its first step that are over.
+    /// When the plan was last moved on.
     last: Option<SimTime>,
+    /// Seconds of its first step that are over.
     over: f64,
     samples: Vec<[Velocity; STEPS]>,
     costs: Vec<f64>,
+    /// Distance from each cell around the robot to the nearest standing obstacle, metres.
     distances: Vec<f32>,
 }
 
 impl Mppi {
-    /// A controller for a robot whose disturbances are those of a seed.
+    /// A controller for a robot; its disturbances are drawn from a seed.
     pub fn new(robot: &RobotDescription, seed: u64) -> Result<Self, MppiError> {
         Ok(Self {
             footprint: Footprint::of(robot)?,
             limits: Limits::of(robot)?,
-            tolerance: 0.1,
-            yaw_tolerance: 0.08,
             rng: Pcg64Mcg::seed_from_u64(seed),
             seed,
             plan: vec![Velocity::ZERO; STEPS],
@@ -96,13 +125,13 @@ impl Mppi {
         })
     }
 
-    /// Distances to what stands, around the robot.
+    /// Fills the map of distances; the grid that it is over.
     fn measure(&mut self, situation: &Situation<'_>) -> GridGeometry {
         let here = situation.pose.point();
-        let low = MapPoint::new(here.x - GRID.1, here.y - GRID.1);
-        let high = MapPoint::new(here.x + GRID.1, here.y + GRID.1);
-        let grid = GridGeometry::covering(low, high, GRID.0, 1000);
-        let reach = self.footprint.circumscribed() + COMFORT;
+        let low = MapPoint::new(here.x - MAP_M, here.y - MAP_M);
+        let high = MapPoint::new(here.x + MAP_M, here.y + MAP_M);
+        let grid = GridGeometry::covering(low, high, CELL_M, 1000);
+        let reach = self.footprint.circumscribed() + COMFORT_M;
         self.distances.clear();
         self.distances.resize(grid.len(), reach as f32);
         for obstacle in situation.obstacles.iter().filter(|o| !o.is_moving()) {
@@ -118,27 +147,31 @@ impl Mppi {
         let elapsed = self.last.map_or(0.0, |last| now.since(last).as_secs_f64());
         self.last = Some(now);
         self.over += elapsed;
-        while self.over > DT - 1e-9 {
-            self.over -= DT;
+        while self.over > STEP_S - 1e-9 {
+            self.over -= STEP_S;
             self.plan.rotate_left(1);
             self.plan[STEPS - 1] = self.plan[STEPS - 2];
             // After a long pause nothing is left of the plan anyway.
-            self.over = self.over.min(DT * STEPS as f64);
+            self.over = self.over.min(STEP_S * STEPS as f64);
         }
     }
 
+    /// Draws the continuations.
     fn sample(&mut self) {
         for sample in &mut self.samples {
             for (velocity, planned) in sample.iter_mut().zip(&self.plan) {
-                let (v, w) = normal_pair(&mut self.rng);
+                let noise = normal_pair(&mut self.rng);
+                let linear = planned.linear + NOISE_MPS * noise[0];
+                let angular = planned.angular + NOISE_RADPS * noise[1];
                 *velocity = Velocity::new(
-                    (planned.linear + NOISE.0 * v).clamp(-self.limits.backward, self.limits.forward),
-                    (planned.angular + NOISE.1 * w).clamp(-self.limits.turn, self.limits.turn),
+                    linear.clamp(-self.limits.backward, self.limits.forward),
+                    angular.clamp(-self.limits.turn, self.limits.turn),
                 );
             }
         }
     }
 
+    /// What a continuation costs.
     fn cost(
         &self,
         sample: &[Velocity; STEPS],
@@ -146,39 +179,57 @@ impl Mppi {
         grid: &GridGeometry,
         aim: &Aim,
     ) -> f64 {
-        let mut motion =
-            Motion { pose: situation.pose, velocity: situation.velocity, command: Velocity::ZERO };
+        let (pose, velocity) = (situation.pose, situation.velocity);
+        let mut motion = Motion {
+            pose,
+            velocity,
+            command: Velocity::ZERO,
+        };
         let mut cost = 0.0;
         for (i, command) in sample.iter().enumerate() {
             motion.command = *command;
-            motion.step(&self.limits, DT);
-            cost += self.nearness(motion.pose, (i + 1) as f64 * DT, situation.obstacles, grid);
-            cost += 0.3 * (-motion.velocity.linear).max(0.0) + 0.02 * motion.velocity.angular.abs();
-            cost += aim.way_cost(motion.pose);
+            motion.step(&self.limits, STEP_S);
+            let time = (i + 1) as f64 * STEP_S;
+            cost += self.nearness(motion.pose, time, situation.obstacles, grid);
+            let backward = (-motion.velocity.linear).max(0.0);
+            cost += BACKWARD * backward + TURNING * motion.velocity.angular.abs();
+            cost += aim.path_cost(motion.pose);
         }
         cost + aim.end_cost(motion.pose)
     }
 
+    /// What nearness to obstacles costs at a pose, `time` seconds ahead.
     fn nearness(&self, pose: Pose2, time: f64, obstacles: &[Obstacle], grid: &GridGeometry) -> f64 {
         let (inner, outer) = (self.footprint.inscribed(), self.footprint.circumscribed());
-        let standing = grid.cell_at(pose.point()).map_or(outer + COMFORT, |c| f64::from(self.distances[c]));
-        let moving = obstacles.iter().filter(|o| o.is_moving()).map(|o| {
+        let standing = grid
+            .cell_at(pose.point())
+            .map_or(outer + COMFORT_M, |cell| f64::from(self.distances[cell]));
+        let moving = obstacles.iter().filter(|o| o.is_moving());
+        let distances = moving.map(|o| {
+            // The robot is moved back instead of the obstacle forward.
             let v = o.velocity();
             o.distance_to(MapPoint::new(pose.x - v.x * time, pose.y - v.y * time))
         });
-        let distance = moving.fold(standing, f64::min);
-        let touches = |o: &Obstacle| {
-            let contact = o.contact(&self.footprint.at(pose), outer, time, 0.0);
-            contact.is_some_and(|c| c.distance <= 0.0)
-        };
-        if distance < inner - GRID.0 || distance < outer + GRID.0 && obstacles.iter().any(touches) {
+        let distance = distances.fold(standing, f64::min);
+        let may_touch = distance < outer + CELL_M;
+        if distance < inner - CELL_M || may_touch && self.touches(pose, time, obstacles) {
             return TOUCH;
         }
-        let near = ((outer + COMFORT - distance) / COMFORT).max(0.0);
-        0.2 * near * near
+        let near = ((outer + COMFORT_M - distance) / COMFORT_M).max(0.0);
+        NEARNESS * near * near
     }
 
-    /// The mean of all continuations, each weighed by what it costs more than the cheapest.
+    /// Whether the footprint touches an obstacle, `time` seconds ahead.
+    fn touches(&self, pose: Pose2, time: f64, obstacles: &[Obstacle]) -> bool {
+        let (placed, circle) = (self.footprint.at(pose), self.footprint.circumscribed());
+        let mut contacts = obstacles
+            .iter()
+            .filter_map(|o| o.contact(&placed, circle, time, 0.0));
+        contacts.any(|contact| contact.distance <= 0.0)
+    }
+
+    /// Replaces the plan by the mean of all continuations, each weighed by how much it costs more
+    /// than the cheapest.
     fn average(&mut self) {
         let least = self.costs.iter().copied().fold(f64::INFINITY, f64::min);
         let mut sum = 0.0;
@@ -191,22 +242,37 @@ impl Mppi {
                 planned.angular += weight * velocity.angular;
             }
         }
-        self.plan.iter_mut().for_each(|v| *v = Velocity::new(v.linear / sum, v.angular / sum));
+        for planned in &mut self.plan {
+            *planned = Velocity::new(planned.linear / sum, planned.angular / sum);
+        }
     }
 
+    /// Distance to the nearest obstacle, metres.
     fn nearest(&self, situation: &Situation<'_>) -> f64 {
-        clearance(&self.footprint, situation.obstacles.iter(), situation.pose, 0.0, GRID.1).max(0.0)
+        let obstacles = situation.obstacles.iter();
+        clearance(&self.footprint, obstacles, situation.pose, 0.0, MAP_M).max(0.0)
     }
 
+    /// The largest share of a velocity with which the robot can still stop before any obstacle.
     fn secured(&self, situation: &Situation<'_>, wanted: Velocity) -> Result<Progress, Blocked> {
+        let Situation {
+            pose,
+            velocity,
+            obstacles,
+            ..
+        } = *situation;
+        let (footprint, limits) = (&self.footprint, &self.limits);
         for share in [1.0, 0.6, 0.3, 0.1] {
             let command = Velocity::new(share * wanted.linear, share * wanted.angular);
-            let motion = Motion { pose: situation.pose, velocity: situation.velocity, command };
-            let (footprint, obstacles) = (&self.footprint, situation.obstacles);
-            if conflict_before_stop(footprint, obstacles, motion, &self.limits, HOLD, SURE).is_none() {
-                let cause = || Blocked::Obstacle(self.nearest(situation));
+            let motion = Motion {
+                pose,
+                velocity,
+                command,
+            };
+            if conflict_before_stop(footprint, obstacles, motion, limits, HOLD_S, SURE_M).is_none()
+            {
                 return Ok(if share < 1.0 {
-                    Progress::Slowed(command, cause())
+                    Progress::Slowed(command, Blocked::Obstacle(self.nearest(situation)))
                 } else {
                     Progress::Drive(command)
                 });
@@ -220,14 +286,18 @@ impl LocalPlanner for Mppi {
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Progress, Blocked> {
         situation.check()?;
         let aim = Aim::of(situation);
-        let turn = situation.final_yaw.map_or(0.0, |yaw| wrap_angle(yaw - situation.pose.yaw));
-        let there = aim.last && situation.pose.point().distance(aim.end) <= self.tolerance;
-        if there && turn.abs() <= self.yaw_tolerance {
+        let turn = situation
+            .final_yaw
+            .map_or(0.0, |yaw| wrap_angle(yaw - situation.pose.yaw));
+        let is_there = aim.is_last && situation.pose.point().distance(aim.end) <= TOLERANCE_M;
+        if is_there && turn.abs() <= TOLERANCE_RAD {
             return Ok(Progress::Arrived);
         }
-        if there {
-            let rate = (2.0 * turn.abs()).max(0.1).min(self.limits.turn).copysign(turn);
-            return self.secured(situation, Velocity::new(0.0, rate));
+        if is_there {
+            let rate = (2.0 * turn.abs())
+                .max(LEAST_TURN_RADPS)
+                .min(self.limits.turn);
+            return self.secured(situation, Velocity::new(0.0, rate.copysign(turn)));
         }
         let grid = self.measure(situation);
         self.move_on(situation.time);
@@ -236,10 +306,11 @@ impl LocalPlanner for Mppi {
             self.costs[i] = self.cost(&self.samples[i], situation, &grid, &aim);
         }
         self.average();
-        if self.plan[0].linear.abs() < STILL.0 && self.plan[0].angular.abs() < STILL.1 {
+        let first = self.plan[0];
+        if first.linear.abs() < STILL_MPS && first.angular.abs() < STILL_RADPS {
             return Err(Blocked::Obstacle(self.nearest(situation)));
         }
-        self.secured(situation, self.plan[0])
+        self.secured(situation, first)
     }
 
     fn reset(&mut self) {
@@ -251,39 +322,53 @@ impl LocalPlanner for Mppi {
 
 /// Where a continuation should lead.
 struct Aim {
-    way: Vec<MapPoint>,
+    /// Points of the path ahead.
+    path: Vec<MapPoint>,
+    /// The last of them.
     end: MapPoint,
-    last: bool,
+    /// Whether the path ends there.
+    is_last: bool,
+    /// Heading wanted there, radians.
     yaw: Option<f64>,
 }
 
 impl Aim {
     fn of(situation: &Situation<'_>) -> Self {
-        let from = situation.pose.point();
-        let here = PathPoint { point: from, is_end: true };
-        let at = |length: f64| ahead(situation.path, from, length).unwrap_or(here);
-        let way = (0..=8).map(|i| at(LOOKAHEAD * f64::from(i) / 8.0).point).collect();
-        let PathPoint { point: end, is_end: last } = at(LOOKAHEAD);
-        Self { way, end, last, yaw: situation.final_yaw.filter(|_| last) }
+        let here = PathPoint {
+            point: situation.pose.point(),
+            is_end: true,
+        };
+        let at = |length: f64| ahead(situation.path, here.point, length).unwrap_or(here);
+        let share = |i: i32| LOOKAHEAD_M * f64::from(i) / f64::from(PATH_POINTS);
+        let path = (0..=PATH_POINTS).map(|i| at(share(i)).point).collect();
+        let PathPoint { point: end, is_end } = at(LOOKAHEAD_M);
+        Self {
+            path,
+            end,
+            is_last: is_end,
+            yaw: situation.final_yaw.filter(|_| is_end),
+        }
     }
 
-    fn way_cost(&self, pose: Pose2) -> f64 {
-        let off = self.way.iter().map(|p| p.distance(pose.point())).fold(f64::INFINITY, f64::min);
-        0.1 * off
+    /// What distance from the path costs in a step.
+    fn path_cost(&self, pose: Pose2) -> f64 {
+        let distances = self.path.iter().map(|p| p.distance(pose.point()));
+        ASIDE * distances.fold(f64::INFINITY, f64::min)
     }
 
+    /// What the last pose costs.
     fn end_cost(&self, pose: Pose2) -> f64 {
         let off = pose.point().distance(self.end);
         let near = (1.0 - off).clamp(0.0, 1.0);
         let turned = self.yaw.map_or(0.0, |yaw| wrap_angle(yaw - pose.yaw).abs());
-        10.0 * off + near * turned
+        REMAINING * off + near * turned
     }
 }
 
-/// Two independent normal deviates (Box and Muller).
-fn normal_pair(rng: &mut Pcg64Mcg) -> (f64, f64) {
+/// Two independent standard normal numbers (Box and Muller).
+fn normal_pair(rng: &mut Pcg64Mcg) -> [f64; 2] {
     let (u, v): (f64, f64) = (rng.random(), rng.random());
     let radius = (-2.0 * libm::log((1.0 - u).max(1e-300))).sqrt();
     let (sin, cos) = libm::sincos(std::f64::consts::TAU * v);
-    (radius * cos, radius * sin)
+    [radius * cos, radius * sin]
 }

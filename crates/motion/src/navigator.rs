@@ -97,7 +97,10 @@ pub struct Navigator {
 
 impl Navigator {
     /// A navigator for a robot with a local planner.
-    pub fn new(robot: &RobotDescription, planner: Box<dyn LocalPlanner>) -> Result<Self, NavigatorError> {
+    pub fn new(
+        robot: &RobotDescription,
+        planner: Box<dyn LocalPlanner>,
+    ) -> Result<Self, NavigatorError> {
         Ok(Self {
             planner,
             footprint: Footprint::of(robot)?,
@@ -165,7 +168,11 @@ impl Navigator {
         }
         let since = *self.lost.get_or_insert(now.time);
         let waits = cause == Blocked::NoPose && now.time.since(since) < NO_PROGRESS;
-        Some(if waits { STAND } else { Navigation::Failed(Cause::Stuck(cause)) })
+        Some(if waits {
+            STAND
+        } else {
+            Navigation::Failed(Cause::Stuck(cause))
+        })
     }
 
     /// Begins anew from where the robot is, after it stood for so long for a reason that is not in
@@ -192,7 +199,9 @@ impl Navigator {
         let maneuver = self.maneuver.as_mut()?;
         maneuver.keep_up(now);
         let situation = now.situation(self.route.path(), None);
-        let command = self.planner.among_people(&situation, maneuver.command(&self.limits));
+        let command = self
+            .planner
+            .among_people(&situation, maneuver.command(&self.limits));
         let is_done = maneuver.is_over()
             || self.progress.is_creeping(now)
             || maneuver.is_blocked(&self.footprint, &self.limits, now, command);
@@ -216,7 +225,9 @@ impl Navigator {
     }
 
     fn follow_route(&mut self, now: &Surroundings<'_>, goal: &Goal) -> Navigation {
-        let planned = self.planner.plan(&now.situation(self.route.path(), goal.yaw));
+        let planned = self
+            .planner
+            .plan(&now.situation(self.route.path(), goal.yaw));
         let decided = match planned {
             Ok(Progress::Drive(_) | Progress::Slowed(..)) if self.progress.is_creeping(now) => {
                 Err(Blocked::Creeping)
@@ -239,7 +250,13 @@ impl Navigator {
     }
 
     /// Takes the next step of the ladder; `failed` is why the goal is given up if none is left.
-    fn recover(&mut self, now: &Surroundings<'_>, goal: &Goal, cause: Blocked, failed: Cause) -> Navigation {
+    fn recover(
+        &mut self,
+        now: &Surroundings<'_>,
+        goal: &Goal,
+        cause: Blocked,
+        failed: Cause,
+    ) -> Navigation {
         match self.ladder.climb(now.time, cause, now.is_anybody_near()) {
             Rung::Wait => STAND,
             Rung::Replan => {
@@ -259,8 +276,10 @@ impl Navigator {
         cause: Blocked,
         failed: Cause,
     ) -> Navigation {
-        let to = ahead(self.route.path(), now.pose.point(), MANEUVER_M)
-            .unwrap_or(PathPoint { point: goal.point, is_end: true });
+        let to = ahead(self.route.path(), now.pose.point(), MANEUVER_M).unwrap_or(PathPoint {
+            point: goal.point,
+            is_end: true,
+        });
         let yaw = goal.yaw.filter(|_| to.is_end);
         let (footprint, limits) = (&self.footprint, &self.limits);
         match maneuver(footprint, limits, now.obstacles, now.pose, to.point, yaw) {

@@ -16,7 +16,9 @@ pub(crate) fn each_cell_near(
     let (middle, far) = (obstacle.middle(), obstacle.radius() + reach);
     let low = MapPoint::new(middle.x - far, middle.y - far);
     let high = MapPoint::new(middle.x + far, middle.y + far);
-    let Some((columns, rows)) = grid.window(low, high) else { return };
+    let Some((columns, rows)) = grid.window(low, high) else {
+        return;
+    };
     for row in rows.0..=rows.1 {
         for cell in (columns.0..=columns.1).filter_map(|column| grid.cell_in(column, row)) {
             visit(cell, obstacle.distance_to(grid.center(cell)));
@@ -30,7 +32,12 @@ mod tests {
 
     #[test]
     fn every_cell_within_reach_is_visited_once() {
-        let grid = GridGeometry { origin: MapPoint::default(), width: 30, height: 20, cell: 0.1 };
+        let grid = GridGeometry {
+            origin: MapPoint::default(),
+            width: 30,
+            height: 20,
+            cell: 0.1,
+        };
         let disc = Obstacle::disc(MapPoint::new(1.0, 0.3), 0.2).unwrap();
         let mut visits = vec![0; grid.len()];
         each_cell_near(&grid, &disc, 0.4, |cell, distance| {

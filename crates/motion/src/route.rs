@@ -38,8 +38,8 @@ impl Route {
         &self.path
     }
 
-    /// Searches the path to `goal` again if it is old or blocked. The error of a search stands until
-    /// the next one.
+    /// Searches the path to `goal` again if it is old or blocked. The error of a search stands
+    /// until the next one.
     pub fn refresh(
         &mut self,
         now: &Surroundings<'_>,
@@ -56,12 +56,15 @@ impl Route {
     }
 
     fn is_stale(&self, now: &Surroundings<'_>, guide: &dyn Guide) -> bool {
-        let Some(searched) = self.searched else { return true };
+        let Some(searched) = self.searched else {
+            return true;
+        };
         let age = now.time.since(searched);
         if age >= REPLAN {
             return true;
         }
-        age >= REPLAN_EARLIEST && (self.path.is_empty() || guide.is_blocked(&self.path, now.pose.point()))
+        age >= REPLAN_EARLIEST
+            && (self.path.is_empty() || guide.is_blocked(&self.path, now.pose.point()))
     }
 
     /// Has the path searched again by the next refresh, however new it is.

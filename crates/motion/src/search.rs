@@ -1,34 +1,51 @@
-//! A* over cells with costs: the cheapest way on the eight neighbours of each cell, no corners cut.
+//! A* over cells with costs: the cheapest path over the eight neighbours of each cell, without
+//! cutting corners.
 //!
-//! P. Hart, N. Nilsson, B. Raphael, *A Formal Basis for the Heuristic Determination of Minimum Cost Paths*, 1968, with the octile distance for an estimate. It is never more than the
-//! way costs, since no cell costs less than 1, and falls along no step by more than the step costs; so what is taken from the queue has estimates that do not fall, and a queue of
-//! buckets will do (R. Dial, *Algorithm 360*, 1969). Within a bucket cells come in any order; ways are cheapest all the same, since a cell that is reached cheaper later is visited again.
+//! P. Hart, N. Nilsson, B. Raphael, *A Formal Basis for the Heuristic Determination of Minimum Cost
+//! Paths*, 1968, with the octile distance for a heuristic. It is never more than the path costs,
+//! since no cell costs less than 1, and consistent: it falls along no step by more than the step
+//! costs. So the estimates taken from the queue never fall, and a queue of buckets will do (R.
+//! Dial, *Algorithm 360*, 1969). Within a bucket cells come in any order; paths are cheapest all
+//! the same, since a cell that is reached at a lower cost later is visited again.
 
 use std::f64::consts::SQRT_2;
 
-/// The most that a cell may cost. The queue reaches as far as a step can lead: with dearer cells it would have to be longer or coarser for all.
+/// The most that a cell may cost. The queue reaches as far as a step can lead; for dearer cells it
+/// would have to be longer or coarser.
 pub const DEAREST: f32 = 256.0;
-/// Buckets for each cell's side of estimated cost.
+/// Buckets for each unit of estimated cost.
 const FINENESS: f64 = 4.0;
-/// Buckets of the queue, used in turn: a step makes an estimate larger by at most √2 (`DEAREST` + 1).
+/// Buckets of the queue, used as a ring: a step raises an estimate by at most √2 (`DEAREST` + 1).
 const BUCKETS: usize = 2048;
-/// Steps to the neighbours, columns and rows; each diagonal lies between two of the first four.
-const STEPS: [(i32, i32); 8] = [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)];
+/// Columns and rows to the neighbours; each diagonal lies between two of the first four.
+const STEPS: [(i32, i32); 8] = [
+    (1, 0),
+    (0, 1),
+    (-1, 0),
+    (0, -1),
+    (1, 1),
+    (-1, 1),
+    (-1, -1),
+    (1, -1),
+];
+/// Instead of the number of a step: the start.
 const START: u8 = 8;
 
-/// Cells row by row, each with what a way of one cell's side through it costs: 1 at least, [`DEAREST`] at most, infinite where there is no way.
+/// Costs of cells, row by row: of a path of one cell's side through each. They are 1 to
+/// [`DEAREST`], or infinite where no path leads.
 #[derive(Debug, Clone, Copy)]
 pub struct Costs<'a> {
     width: usize,
     costs: &'a [f32],
 }
 
-/// Costs make no grid.
+/// The costs make no grid.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CostsError {
-    /// No cells, more than can be numbered, or rows of several lengths.
+    /// No cells, more than can be numbered, or rows of different lengths.
     #[error(
-        "{cells} costs do not fill rows of {width} cells; give width times height of them, 2^31 - 1 at most"
+        "{cells} costs do not fill rows of {width} cells; give width times height of them, \
+         2^31 - 1 at most"
     )]
     NoGrid {
         /// Cells in a row.
@@ -36,8 +53,10 @@ pub enum CostsError {
         /// Costs in all.
         cells: usize,
     },
-    /// A cost that is too small, too large or no number.
-    #[error("cell {cell} costs {cost}; costs are from 1 to {DEAREST}, and infinity where there is no way")]
+    /// A cost that is too small, too large or NaN.
+    #[error(
+        "cell {cell} costs {cost}; give costs from 1 to {DEAREST}, or infinity where no path leads"
+    )]
     NoCost {
         /// Its number.
         cell: usize,
@@ -47,7 +66,7 @@ pub enum CostsError {
 }
 
 impl<'a> Costs<'a> {
-    /// Costs that are known to be some.
+    /// Costs that are known to be valid.
     pub(crate) fn known(width: usize, costs: &'a [f32]) -> Self {
         Self { width, costs }
     }
@@ -58,7 +77,7 @@ impl<'a> Costs<'a> {
         self.costs[cell]
     }
 
-    /// Looks through the costs of all cells once.
+    /// Costs of a grid `width` cells wide; each is checked once.
     pub fn new(width: usize, costs: &'a [f32]) -> Result<Self, CostsError> {
         let cells = costs.len();
         if cells == 0 || width == 0 || !cells.is_multiple_of(width) || cells > i32::MAX as usize {
@@ -66,7 +85,10 @@ impl<'a> Costs<'a> {
         }
         let is_cost = |cost: f32| (1.0..=DEAREST).contains(&cost) || cost == f32::INFINITY;
         match costs.iter().position(|cost| !is_cost(*cost)) {
-            Some(cell) => Err(CostsError::NoCost { cell, cost: costs[cell] }),
+            Some(cell) => Err(CostsError::NoCost {
+                cell,
+                cost: costs[cell],
+            }),
             None => Ok(Self { width, costs }),
         }
     }
@@ -84,15 +106,15 @@ pub struct GridPath {
 /// What a search knows of a cell.
 #[derive(Debug, Clone, Copy, Default)]
 struct Visited {
-    /// Cost of the cheapest way to it so far.
+    /// Cost of the cheapest path to it so far.
     cost: f64,
-    /// The search that this is of.
+    /// Number of the search that found it.
     search: u32,
     /// Number of the step that led to it.
     step: u8,
 }
 
-/// A cell to go on from.
+/// A cell to expand.
 #[derive(Debug, Clone, Copy)]
 struct Open {
     cost: f64,
@@ -110,15 +132,26 @@ pub struct Search {
 
 impl Default for Search {
     fn default() -> Self {
-        Self { visited: Vec::new(), number: 0, buckets: vec![Vec::new(); BUCKETS] }
+        Self {
+            visited: Vec::new(),
+            number: 0,
+            buckets: vec![Vec::new(); BUCKETS],
+        }
     }
 }
 
 impl Search {
-    /// Cost and cells of the cheapest way from one cell to another, both included; `None` where there is none. Costs are those of cells' sides: a step costs its
-    /// length times the mean of both cells' costs. Panics if a cell's number is none of the grid's.
+    /// The cheapest path from one cell to another; `None` if there is none. A step costs its
+    /// length, in sides of cells, times the mean cost of both cells.
+    ///
+    /// # Panics
+    ///
+    /// If `start` or `goal` is no cell of the grid.
     pub fn cheapest(&mut self, costs: &Costs<'_>, start: usize, goal: usize) -> Option<GridPath> {
-        assert!(start < costs.costs.len() && goal < costs.costs.len(), "a cell of another grid");
+        assert!(
+            start < costs.costs.len() && goal < costs.costs.len(),
+            "a cell of another grid"
+        );
         if costs.costs[start].is_infinite() || costs.costs[goal].is_infinite() {
             return None;
         }
@@ -134,12 +167,20 @@ impl Search {
             waiting: 0,
         };
         let cost = run.search(start, goal)?;
-        Some(GridPath { cost, cells: self.trace(costs.width, goal) })
+        Some(GridPath {
+            cost,
+            cells: self.trace(costs.width, goal),
+        })
     }
 
-    /// Whether the last search found a way to a cell; one that found none to its goal looked at all that hangs together with its start.
+    /// Whether the last search reached a cell. A search that found no path to its goal has reached
+    /// all cells connected with its start.
     pub fn reached(&self, cell: usize) -> bool {
-        self.number > 0 && self.visited.get(cell).is_some_and(|visited| visited.search == self.number)
+        self.number > 0
+            && self
+                .visited
+                .get(cell)
+                .is_some_and(|visited| visited.search == self.number)
     }
 
     fn begin(&mut self, cells: usize) {
@@ -164,7 +205,7 @@ impl Search {
     }
 }
 
-/// A search under way.
+/// A running search.
 struct Run<'a> {
     costs: &'a [f32],
     columns: i32,
@@ -179,14 +220,18 @@ struct Run<'a> {
 
 impl Run<'_> {
     fn search(&mut self, start: usize, goal: usize) -> Option<f64> {
-        self.visited[start] = Visited { cost: 0.0, search: self.number, step: START };
+        self.visited[start] = Visited {
+            cost: 0.0,
+            search: self.number,
+            step: START,
+        };
         let (x, y) = (start as i32 % self.columns, start as i32 / self.columns);
         let mut bucket = (self.estimate(x, y) * FINENESS) as usize;
         self.open(Open { cost: 0.0, x, y }, bucket);
         while self.waiting > 0 {
             if self.visited[goal].search == self.number {
                 let cost = self.visited[goal].cost;
-                // All that is still open costs no less.
+                // No open path costs less.
                 if bucket as f64 >= cost * FINENESS {
                     return Some(cost);
                 }
@@ -216,7 +261,7 @@ impl Run<'_> {
         f64::from(dx.max(dy)) + (SQRT_2 - 1.0) * f64::from(dx.min(dy))
     }
 
-    /// Opens the neighbours that are reached cheaper than before.
+    /// Opens the neighbours that are reached at a lower cost than before.
     #[inline]
     fn expand(&mut self, from: Open, cell: usize, bucket: usize) {
         let here = f64::from(self.costs[cell]);
@@ -242,9 +287,13 @@ impl Run<'_> {
             let cost = from.cost + length * (here + f64::from(there));
             let known = &mut self.visited[next];
             if known.search != self.number || cost < known.cost {
-                *known = Visited { cost, search: self.number, step: step as u8 };
+                *known = Visited {
+                    cost,
+                    search: self.number,
+                    step: step as u8,
+                };
                 let estimate = ((cost + self.estimate(u, v)) * FINENESS) as usize;
-                // Rounding may put it a hair below what is visited now.
+                // Rounding may put the estimate just below the bucket that is visited now.
                 self.open(Open { cost, x: u, y: v }, estimate.max(bucket));
             }
         }
@@ -260,10 +309,16 @@ mod tests {
     const ROWS: usize = 7;
     const WALL: f32 = f32::INFINITY;
 
-    /// Cells side by side or across a corner that is free on both sides, and how far apart.
+    /// The distance of two neighbours: side by side, or across a corner that is free on both sides.
     fn length(costs: &[f32], a: usize, b: usize) -> Option<f64> {
-        let (dx, dy) = ((a % COLUMNS).abs_diff(b % COLUMNS), (a / COLUMNS).abs_diff(b / COLUMNS));
-        let beside = [a / COLUMNS * COLUMNS + b % COLUMNS, b / COLUMNS * COLUMNS + a % COLUMNS];
+        let (dx, dy) = (
+            (a % COLUMNS).abs_diff(b % COLUMNS),
+            (a / COLUMNS).abs_diff(b / COLUMNS),
+        );
+        let beside = [
+            a / COLUMNS * COLUMNS + b % COLUMNS,
+            b / COLUMNS * COLUMNS + a % COLUMNS,
+        ];
         match (dx, dy) {
             (0, 1) | (1, 0) => Some(1.0),
             (1, 1) if beside.iter().all(|&cell| costs[cell] < WALL) => Some(SQRT_2),
@@ -273,13 +328,19 @@ mod tests {
 
     fn step(costs: &[f32], a: usize, b: usize) -> Option<f64> {
         let mean = (f64::from(costs[a]) + f64::from(costs[b])) / 2.0;
-        length(costs, a, b).map(|length| length * mean).filter(|cost| cost.is_finite())
+        length(costs, a, b)
+            .map(|length| length * mean)
+            .filter(|cost| cost.is_finite())
     }
 
-    /// Every step tried again and again until nothing gets cheaper (Bellman and Ford).
-    fn by_patience(costs: &[f32], start: usize) -> Vec<f64> {
+    /// Least costs by relaxing every step until nothing changes (Bellman and Ford).
+    fn by_relaxation(costs: &[f32], start: usize) -> Vec<f64> {
         let mut best = vec![f64::INFINITY; costs.len()];
-        best[start] = if costs[start] < WALL { 0.0 } else { f64::INFINITY };
+        best[start] = if costs[start] < WALL {
+            0.0
+        } else {
+            f64::INFINITY
+        };
         for _ in 0..costs.len() {
             for a in 0..costs.len() {
                 for b in 0..costs.len() {
@@ -292,7 +353,8 @@ mod tests {
     }
 
     fn terrain() -> impl Strategy<Value = Vec<f32>> {
-        let cost = prop_oneof![3 => Just(1.0), 2 => 1.0_f32..9.0, 1 => 9.0_f32..DEAREST, 2 => Just(WALL)];
+        let cost =
+            prop_oneof![3 => Just(1.0), 2 => 1.0_f32..9.0, 1 => 9.0_f32..DEAREST, 2 => Just(WALL)];
         prop::collection::vec(cost, COLUMNS * ROWS)
     }
 
@@ -300,51 +362,87 @@ mod tests {
         #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
 
         #[test]
-        fn ways_are_the_cheapest_and_cost_what_their_steps_cost(cells in terrain(), start in 0..COLUMNS * ROWS) {
+        fn paths_are_the_cheapest_and_cost_what_their_steps_cost(
+            cells in terrain(),
+            start in 0..COLUMNS * ROWS,
+        ) {
             let costs = Costs::new(COLUMNS, &cells).unwrap();
-            let best = by_patience(&cells, start);
+            let best = by_relaxation(&cells, start);
             let mut search = Search::default();
             for (goal, &best) in best.iter().enumerate() {
-                let Some(GridPath { cost, cells: way }) = search.cheapest(&costs, start, goal) else {
+                let Some(path) = search.cheapest(&costs, start, goal) else {
                     prop_assert!(best.is_infinite() || cells[goal] == WALL);
                     continue;
                 };
-                prop_assert!((cost - best).abs() < 1e-9 * best.max(1.0), "{cost} {best}");
-                prop_assert_eq!((way[0], way[way.len() - 1]), (start, goal));
-                let steps: Option<f64> = way.windows(2).map(|pair| step(&cells, pair[0], pair[1])).sum();
-                prop_assert!((steps.unwrap() - cost).abs() < 1e-9 * best.max(1.0));
+                let tolerance = 1e-9 * best.max(1.0);
+                prop_assert!((path.cost - best).abs() < tolerance, "{} {best}", path.cost);
+                prop_assert_eq!((path.cells[0], path.cells.last()), (start, Some(&goal)));
+                let steps = path.cells.windows(2).map(|pair| step(&cells, pair[0], pair[1]));
+                let sum: Option<f64> = steps.sum();
+                prop_assert!((sum.unwrap() - path.cost).abs() < tolerance);
                 let back = search.cheapest(&costs, goal, start).unwrap();
-                prop_assert!((back.cost - cost).abs() < 1e-9 * best.max(1.0));
+                prop_assert!((back.cost - path.cost).abs() < tolerance);
             }
         }
     }
 
     #[test]
-    fn buffers_of_one_grid_do_for_another() {
+    fn buffers_are_reused_for_another_grid() {
         let (small, large) = (vec![1.0; 12], vec![2.0; 20]);
         let mut search = Search::default();
         for _ in 0..2 {
-            assert_eq!(search.cheapest(&Costs::new(4, &small).unwrap(), 0, 3).unwrap().cells, [0, 1, 2, 3]);
-            assert_eq!(search.cheapest(&Costs::new(5, &large).unwrap(), 0, 4).unwrap().cost, 8.0);
+            assert_eq!(
+                search
+                    .cheapest(&Costs::new(4, &small).unwrap(), 0, 3)
+                    .unwrap()
+                    .cells,
+                [0, 1, 2, 3]
+            );
+            assert_eq!(
+                search
+                    .cheapest(&Costs::new(5, &large).unwrap(), 0, 4)
+                    .unwrap()
+                    .cost,
+                8.0
+            );
         }
     }
 
     #[test]
-    fn what_is_no_grid_and_no_cost_is_refused() {
-        assert!(matches!(Costs::new(3, &[1.0; 4]), Err(CostsError::NoGrid { width: 3, cells: 4 })));
-        assert!(Costs::new(0, &[]).is_err() && Costs::new(0, &[1.0]).is_err() && Costs::new(2, &[]).is_err());
+    fn costs_that_make_no_grid_are_refused() {
+        assert!(matches!(
+            Costs::new(3, &[1.0; 4]),
+            Err(CostsError::NoGrid { width: 3, cells: 4 })
+        ));
+        assert!(
+            Costs::new(0, &[]).is_err()
+                && Costs::new(0, &[1.0]).is_err()
+                && Costs::new(2, &[]).is_err()
+        );
         for bad in [f32::NAN, 0.5, -1.0, f32::NEG_INFINITY, 256.5, 1e30] {
-            assert!(matches!(Costs::new(1, &[1.0, bad]), Err(CostsError::NoCost { cell: 1, .. })), "{bad}");
+            assert!(
+                matches!(
+                    Costs::new(1, &[1.0, bad]),
+                    Err(CostsError::NoCost { cell: 1, .. })
+                ),
+                "{bad}"
+            );
         }
     }
 
     #[test]
-    fn from_and_to_walls_there_is_no_way() {
+    fn no_path_leads_from_or_to_a_wall() {
         let cells = [1.0, WALL, 1.0];
         let (costs, mut search) = (Costs::new(3, &cells).unwrap(), Search::default());
         assert_eq!(search.cheapest(&costs, 0, 2), None);
         assert_eq!(search.cheapest(&costs, 1, 2), None);
         assert_eq!(search.cheapest(&costs, 0, 1), None);
-        assert_eq!(search.cheapest(&costs, 2, 2), Some(GridPath { cost: 0.0, cells: vec![2] }));
+        assert_eq!(
+            search.cheapest(&costs, 2, 2),
+            Some(GridPath {
+                cost: 0.0,
+                cells: vec![2]
+            })
+        );
     }
 }

@@ -25,7 +25,9 @@ impl<'a> Surroundings<'a> {
     /// Whether somebody moves within two metres of the robot.
     pub(crate) fn is_anybody_near(&self) -> bool {
         let here = self.pose.point();
-        self.obstacles.iter().any(|o| o.is_moving() && o.distance_to(here) < NEAR_M)
+        self.obstacles
+            .iter()
+            .any(|o| o.is_moving() && o.distance_to(here) < NEAR_M)
     }
 
     /// Whether anybody moves, however far away.
@@ -34,11 +36,27 @@ impl<'a> Surroundings<'a> {
     }
 
     /// The situation of a local planner with a path.
-    pub(crate) fn situation<'b>(&self, path: &'b [MapPoint], final_yaw: Option<f64>) -> Situation<'b>
+    pub(crate) fn situation<'b>(
+        &self,
+        path: &'b [MapPoint],
+        final_yaw: Option<f64>,
+    ) -> Situation<'b>
     where
         'a: 'b,
     {
-        let Self { time, pose, velocity, obstacles } = *self;
-        Situation { time, pose, velocity, path, final_yaw, obstacles }
+        let Self {
+            time,
+            pose,
+            velocity,
+            obstacles,
+        } = *self;
+        Situation {
+            time,
+            pose,
+            velocity,
+            path,
+            final_yaw,
+            obstacles,
+        }
     }
 }

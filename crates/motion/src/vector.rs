@@ -4,7 +4,8 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 use openbench_core::MapPoint;
 
-/// A displacement in metres or a velocity in m/s: along x and y of `map` or `base_link`, whichever the place says that holds it.
+/// A displacement in metres or a velocity in m/s, along the axes of `map` or `base_link`; the field
+/// or function that holds it says which.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Vector2 {
     /// Along x.
@@ -14,7 +15,7 @@ pub struct Vector2 {
 }
 
 impl Vector2 {
-    /// Nowhere.
+    /// No displacement.
     pub const ZERO: Self = Self { x: 0.0, y: 0.0 };
 
     /// A vector from its components.
@@ -25,7 +26,10 @@ impl Vector2 {
     /// From the origin of `map` to a point.
     #[inline]
     pub const fn to(point: MapPoint) -> Self {
-        Self { x: point.x, y: point.y }
+        Self {
+            x: point.x,
+            y: point.y,
+        }
     }
 
     /// The point of `map` to which it leads from the origin.
@@ -58,7 +62,10 @@ impl Add for Vector2 {
 
     #[inline]
     fn add(self, other: Self) -> Self {
-        Self { x: self.x + other.x, y: self.y + other.y }
+        Self {
+            x: self.x + other.x,
+            y: self.y + other.y,
+        }
     }
 }
 
@@ -67,7 +74,10 @@ impl Sub for Vector2 {
 
     #[inline]
     fn sub(self, other: Self) -> Self {
-        Self { x: self.x - other.x, y: self.y - other.y }
+        Self {
+            x: self.x - other.x,
+            y: self.y - other.y,
+        }
     }
 }
 
@@ -76,7 +86,10 @@ impl Neg for Vector2 {
 
     #[inline]
     fn neg(self) -> Self {
-        Self { x: -self.x, y: -self.y }
+        Self {
+            x: -self.x,
+            y: -self.y,
+        }
     }
 }
 
@@ -85,6 +98,9 @@ impl Mul<f64> for Vector2 {
 
     #[inline]
     fn mul(self, factor: f64) -> Self {
-        Self { x: self.x * factor, y: self.y * factor }
+        Self {
+            x: self.x * factor,
+            y: self.y * factor,
+        }
     }
 }

@@ -1,4 +1,5 @@
-//! What a robot does that cannot get on: the steps that it takes, with their causes, and how long it tries, alone and where somebody moves near.
+//! Recovery of a robot that does not get on: its steps with their causes, and how long it tries,
+//! alone and near moving obstacles.
 
 use std::time::Duration;
 
@@ -22,7 +23,7 @@ impl Guide for Straight {
     }
 }
 
-/// Never finds anything.
+/// Never finds a velocity.
 struct Timid;
 
 impl LocalPlanner for Timid {
@@ -37,7 +38,8 @@ impl LocalPlanner for Timid {
     fn reset(&mut self) {}
 }
 
-/// Seconds until a robot that never gets anywhere gives up, with somebody near it for the first so many, and the steps that it took.
+/// Seconds until a robot that never gets anywhere gives up, with somebody near it for the first
+/// `somebody_for` seconds, and the steps that it took.
 fn gives_up_after(somebody_for: f64) -> (f64, Vec<Step>) {
     let mut navigator = Navigator::new(&RobotDescription::sentry(), Box::new(Timid)).unwrap();
     navigator.set_goal(MapPoint::new(5.0, 0.0), None);
@@ -52,7 +54,12 @@ fn gives_up_after(somebody_for: f64) -> (f64, Vec<Step>) {
             obstacles: if seconds < somebody_for { &walker } else { &[] },
         };
         let decided = navigator.drive(&now, &mut Straight);
-        steps.extend(navigator.take_recoveries().iter().map(|recovery| recovery.step));
+        steps.extend(
+            navigator
+                .take_recoveries()
+                .iter()
+                .map(|recovery| recovery.step),
+        );
         match decided {
             Navigation::Drive(velocity) => assert_eq!(velocity, Velocity::ZERO),
             Navigation::Arrived => panic!("it has not moved"),
@@ -63,25 +70,31 @@ fn gives_up_after(somebody_for: f64) -> (f64, Vec<Step>) {
 }
 
 #[test]
-fn a_robot_that_does_not_get_on_stops_looks_again_maneuvers_and_gives_up() {
+fn a_robot_that_does_not_get_on_stops_replans_maneuvers_and_gives_up() {
     let (seconds, steps) = gives_up_after(0.0);
     assert!((3.0..26.0).contains(&seconds), "{seconds}");
-    assert!(steps.starts_with(&[Step::Stop, Step::Replan]) && steps.len() > 2, "{steps:?}");
+    assert!(
+        steps.starts_with(&[Step::Stop, Step::Replan]) && steps.len() > 2,
+        "{steps:?}"
+    );
 }
 
 #[test]
-fn waiting_for_people_is_no_reason_to_give_up_nor_is_that_they_leave() {
+fn a_robot_does_not_give_up_while_people_are_near() {
     let alone = gives_up_after(0.0).0;
     for near in [20.0, 60.0] {
         let seconds = gives_up_after(near).0;
-        assert!(seconds > near + 3.0 && seconds < near + 26.0, "{near}: {seconds}, alone {alone}");
+        assert!(
+            seconds > near + 3.0 && seconds < near + 26.0,
+            "{near}: {seconds}, alone {alone}"
+        );
     }
     // But not for ever.
     let always = gives_up_after(f64::INFINITY).0;
     assert!((100.0..140.0).contains(&always), "{always}");
 }
 
-/// Says always the same.
+/// Always decides the same.
 struct Stubborn(Result<Progress, Blocked>);
 
 impl LocalPlanner for Stubborn {
@@ -94,11 +107,17 @@ impl LocalPlanner for Stubborn {
 
 fn now(cycle: u32, pose: Pose2, obstacles: &[Obstacle]) -> Surroundings<'_> {
     let time = SimTime::ZERO + Duration::from_millis(50) * cycle;
-    Surroundings { time, pose, velocity: Velocity::ZERO, obstacles }
+    Surroundings {
+        time,
+        pose,
+        velocity: Velocity::ZERO,
+        obstacles,
+    }
 }
 
 fn navigator(says: Result<Progress, Blocked>, goal: MapPoint) -> Navigator {
-    let mut navigator = Navigator::new(&RobotDescription::sentry(), Box::new(Stubborn(says))).unwrap();
+    let mut navigator =
+        Navigator::new(&RobotDescription::sentry(), Box::new(Stubborn(says))).unwrap();
     navigator.set_goal(goal, None);
     navigator
 }
@@ -118,40 +137,63 @@ fn first_steps(goal: MapPoint, obstacles: &[Obstacle]) -> Vec<Recovery> {
 }
 
 #[test]
-fn a_robot_backs_turns_or_winds_as_there_is_room_and_says_why() {
+fn a_maneuver_begins_as_there_is_room_and_has_a_cause() {
     let wall = |y: f64| Obstacle::wall(MapPoint::new(-4.0, y), MapPoint::new(4.0, y)).unwrap();
     let corridor = [wall(-0.18), wall(0.18)];
     let (behind, ahead) = (MapPoint::new(-2.0, 0.0), MapPoint::new(2.0, 0.0));
-    for (goal, obstacles, wanted) in
-        [(behind, &corridor[..], Step::Back), (behind, &[], Step::Turn), (ahead, &[], Step::Wind)]
-    {
+    for (goal, obstacles, wanted) in [
+        (behind, &corridor[..], Step::Back),
+        (behind, &[], Step::Turn),
+        (ahead, &[], Step::Wind),
+    ] {
         let taken = first_steps(goal, obstacles);
         let steps: Vec<Step> = taken.iter().map(|recovery| recovery.step).collect();
         assert_eq!(steps, [Step::Stop, Step::Replan, wanted]);
-        assert!(taken.iter().all(|recovery| recovery.cause == Blocked::Obstacle(0.5)), "{taken:?}");
+        assert!(
+            taken
+                .iter()
+                .all(|recovery| recovery.cause == Blocked::Obstacle(0.5)),
+            "{taken:?}"
+        );
     }
 }
 
 #[test]
-fn a_robot_that_is_slowed_down_says_so_once() {
+fn slowing_down_is_recorded_once() {
     let velocity = Velocity::new(0.1, 0.0);
-    let mut navigator = navigator(Ok(Progress::Slowed(velocity, Blocked::Yielding)), MapPoint::new(9.0, 0.0));
+    let mut navigator = navigator(
+        Ok(Progress::Slowed(velocity, Blocked::Yielding)),
+        MapPoint::new(9.0, 0.0),
+    );
     for cycle in 0..100 {
         let pose = Pose2::new(0.005 * f64::from(cycle), 0.0, 0.0);
-        assert_eq!(navigator.drive(&now(cycle, pose, &[]), &mut Straight), Navigation::Drive(velocity));
+        assert_eq!(
+            navigator.drive(&now(cycle, pose, &[]), &mut Straight),
+            Navigation::Drive(velocity)
+        );
     }
-    let taken: Vec<_> = navigator.take_recoveries().iter().map(|r| (r.step, r.cause)).collect();
+    let taken: Vec<_> = navigator
+        .take_recoveries()
+        .iter()
+        .map(|r| (r.step, r.cause))
+        .collect();
     assert_eq!(taken, [(Step::Slow, Blocked::Yielding)]);
 }
 
 #[test]
-fn a_robot_that_is_driven_and_does_not_move_says_so() {
-    let mut navigator = navigator(Ok(Progress::Drive(Velocity::new(0.5, 0.0))), MapPoint::new(9.0, 0.0));
+fn a_robot_that_is_driven_and_does_not_move_stops() {
+    let mut navigator = navigator(
+        Ok(Progress::Drive(Velocity::new(0.5, 0.0))),
+        MapPoint::new(9.0, 0.0),
+    );
     for cycle in 0..60 {
         navigator.drive(&now(cycle, Pose2::default(), &[]), &mut Straight);
     }
     let taken = navigator.take_recoveries();
-    assert_eq!((taken[0].step, taken[0].cause), (Step::Stop, Blocked::Creeping));
+    assert_eq!(
+        (taken[0].step, taken[0].cause),
+        (Step::Stop, Blocked::Creeping)
+    );
 }
 
 /// Stands for so many cycles, then drives.
@@ -161,14 +203,18 @@ impl LocalPlanner for Patient {
     fn plan(&mut self, _situation: &Situation<'_>) -> Result<Progress, Blocked> {
         self.0 = self.0.saturating_sub(1);
         let waits = Progress::Slowed(Velocity::ZERO, Blocked::Yielding);
-        Ok(if self.0 > 0 { waits } else { Progress::Drive(self.1) })
+        Ok(if self.0 > 0 {
+            waits
+        } else {
+            Progress::Drive(self.1)
+        })
     }
 
     fn reset(&mut self) {}
 }
 
 #[test]
-fn who_was_told_to_stand_need_not_have_moved() {
+fn a_robot_that_was_commanded_to_stand_is_not_creeping() {
     let velocity = Velocity::new(0.5, 0.0);
     let robot = RobotDescription::sentry();
     let mut navigator = Navigator::new(&robot, Box::new(Patient(100, velocity))).unwrap();
@@ -185,37 +231,52 @@ fn a_robot_that_lost_its_pose_waits_for_it_but_not_for_ever() {
     let (velocity, lost) = (Velocity::new(0.5, 0.0), Pose2::new(f64::NAN, 0.0, 0.0));
     let mut navigator = navigator(Ok(Progress::Drive(velocity)), MapPoint::new(9.0, 0.0));
     for cycle in 0..100 {
-        assert_eq!(navigator.drive(&now(cycle, lost, &[]), &mut Straight), Navigation::Drive(Velocity::ZERO));
+        assert_eq!(
+            navigator.drive(&now(cycle, lost, &[]), &mut Straight),
+            Navigation::Drive(Velocity::ZERO)
+        );
     }
     let found = navigator.drive(&now(100, Pose2::default(), &[]), &mut Straight);
     assert_eq!(found, Navigation::Drive(velocity));
     let failed = Navigation::Failed(Cause::Stuck(Blocked::NoPose));
     assert!((101..160).all(|cycle| {
-        let drives =
-            navigator.drive(&now(cycle, Pose2::new(0.02 * f64::from(cycle), 0.0, 0.0), &[]), &mut Straight);
+        let drives = navigator.drive(
+            &now(cycle, Pose2::new(0.02 * f64::from(cycle), 0.0, 0.0), &[]),
+            &mut Straight,
+        );
         drives == Navigation::Drive(velocity)
     }));
-    // Almost as long as may be, twice: the time does not count, neither for getting on nor for moving.
+    // Almost as long as possible, twice: that time counts against no timeout.
     let back = Pose2::new(3.2, 0.0, 0.0);
     for (from, until) in [(160, 640), (660, 1140)] {
         assert!((from..until).all(|cycle| {
-            navigator.drive(&now(cycle, lost, &[]), &mut Straight) == Navigation::Drive(Velocity::ZERO)
+            navigator.drive(&now(cycle, lost, &[]), &mut Straight)
+                == Navigation::Drive(Velocity::ZERO)
         }));
-        assert_eq!(navigator.drive(&now(until, back, &[]), &mut Straight), Navigation::Drive(velocity));
+        assert_eq!(
+            navigator.drive(&now(until, back, &[]), &mut Straight),
+            Navigation::Drive(velocity)
+        );
     }
-    let gave_up =
-        (1141..2200).find(|cycle| navigator.drive(&now(*cycle, lost, &[]), &mut Straight) == failed);
+    let gave_up = (1141..2200)
+        .find(|cycle| navigator.drive(&now(*cycle, lost, &[]), &mut Straight) == failed);
     assert!(gave_up.is_some_and(|cycle| cycle > 1600), "{gave_up:?}");
-    // It does not say that it is there when it is asked again.
-    assert_eq!(navigator.drive(&now(2300, Pose2::default(), &[]), &mut Straight), failed);
+    // The answer stays the same when it is asked again.
+    assert_eq!(
+        navigator.drive(&now(2300, Pose2::default(), &[]), &mut Straight),
+        failed
+    );
 }
 
 #[test]
-fn a_goal_that_is_no_place_is_given_up_at_once() {
+fn a_goal_that_is_not_finite_is_given_up_at_once() {
     for goal in [MapPoint::new(f64::NAN, 0.0), MapPoint::new(0.0, 1e300)] {
         let mut navigator = navigator(Ok(Progress::Arrived), goal);
         let failed = Navigation::Failed(Cause::Stuck(Blocked::NoPath));
-        assert_eq!(navigator.drive(&now(0, Pose2::default(), &[]), &mut Straight), failed);
+        assert_eq!(
+            navigator.drive(&now(0, Pose2::default(), &[]), &mut Straight),
+            failed
+        );
     }
 }
 
@@ -224,7 +285,8 @@ fn a_maneuver_is_driven_on_when_the_estimate_jumps() {
     let mut navigator = navigator(Err(Blocked::Obstacle(0.5)), MapPoint::new(3.0, 0.0));
     let (mut pose, mut told, mut jumped) = (Pose2::default(), Velocity::ZERO, 0);
     for cycle in 0..160 {
-        let Navigation::Drive(velocity) = navigator.drive(&now(cycle, pose, &[]), &mut Straight) else {
+        let Navigation::Drive(velocity) = navigator.drive(&now(cycle, pose, &[]), &mut Straight)
+        else {
             break;
         };
         if jumped > 0 && jumped < 10 {
@@ -235,7 +297,11 @@ fn a_maneuver_is_driven_on_when_the_estimate_jumps() {
             jumped += 1;
         }
         told = velocity;
-        pose = pose.compose(Pose2::new(0.05 * velocity.linear, 0.0, 0.05 * velocity.angular));
+        pose = pose.compose(Pose2::new(
+            0.05 * velocity.linear,
+            0.0,
+            0.05 * velocity.angular,
+        ));
         if jumped == 0 && pose.x > 1.0 {
             pose.y += 0.5;
             jumped = 1;

@@ -1,4 +1,4 @@
-//! What the map says of the ground: what blocks the way, and what ground there is in between.
+//! The layer of the map: obstacles, and which kind of ground lies between them.
 
 use openbench_core::MapPoint;
 use openbench_grid::GridGeometry;
@@ -6,39 +6,40 @@ use openbench_osm::polygon::{Bounds, Segment};
 use openbench_osm::{Area, Barrier, OsmMap, Polygon, Road, Tags};
 
 /// Half the width of the gap that a gate leaves in a barrier, metres.
-const GATE: f64 = 1.0;
-/// Roads are drawn in pieces no longer than this, metres: the box around a long one across the grid holds many cells that it does not touch.
-const PIECE: f64 = 5.0;
-/// Widest road that is believed, metres.
-const WIDEST: f64 = 60.0;
+const GATE_M: f64 = 1.0;
+/// Roads are drawn in pieces no longer than this, metres: the box around a long diagonal one holds
+/// many cells that it does not touch.
+const PIECE_M: f64 = 5.0;
+/// Widest plausible road, metres.
+const WIDEST_M: f64 = 60.0;
 
-/// What the map says that a cell is.
+/// The kind of ground of a cell by the map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Surface {
-    /// Nothing.
+    /// The map says nothing.
     #[default]
     Unknown,
     /// Grass, flower beds, woods.
     Green,
-    /// Where cars drive or park.
+    /// Ground where cars drive or park.
     Road,
     /// Pavements, footways, squares.
     Pavement,
 }
 
-/// What the map says that is in the way in a cell.
+/// The obstacle in a cell by the map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Barred {
-    /// Nothing.
+    /// None.
     #[default]
     No,
-    /// A building, a wall, a fence: where the LiDAR sees through it, it is not there.
+    /// A building, wall or fence: where a beam passes through, it is not there.
     Solid,
-    /// Water: the LiDAR sees over it whether or not it is there.
+    /// Water: beams pass over it whether or not it is there.
     Water,
 }
 
-/// What driving over a kind of ground costs, as a multiple of open ground: 1 at least.
+/// Cost of driving over each kind of ground, as a multiple of the cheapest: at least 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Preferences {
     /// Pavements, footways, squares.
@@ -52,12 +53,17 @@ pub struct Preferences {
 }
 
 impl Preferences {
-    /// All ground alike.
-    pub const NONE: Self = Self { pavement: 1.0, unknown: 1.0, road: 1.0, green: 1.0 };
+    /// All ground costs the same.
+    pub const NONE: Self = Self {
+        pavement: 1.0,
+        unknown: 1.0,
+        road: 1.0,
+        green: 1.0,
+    };
     /// The most that any ground may cost.
     pub const DEAREST: f32 = 20.0;
 
-    /// What driving over a surface costs.
+    /// Cost of driving over a surface.
     pub fn of(&self, surface: Surface) -> f32 {
         match surface {
             Surface::Unknown => self.unknown,
@@ -75,36 +81,48 @@ impl Preferences {
 }
 
 impl Default for Preferences {
-    /// A detour of a fifth to stay off a carriageway, of a tenth to be on a pavement.
+    /// Worth a detour of a fifth to stay off a carriageway, of a tenth to be on a pavement.
     fn default() -> Self {
-        Self { pavement: 1.0, unknown: 1.1, road: 1.2, green: 1.2 }
+        Self {
+            pavement: 1.0,
+            unknown: 1.1,
+            road: 1.2,
+            green: 1.2,
+        }
     }
 }
 
-/// What a map says of each cell of a grid.
+/// What a map says about each cell of a grid.
 #[derive(Debug, Clone)]
 pub struct Ground {
-    /// Buildings, walls, fences, water.
+    /// The obstacle in each cell.
     pub barred: Vec<Barred>,
-    /// What lies between them.
+    /// The kind of ground of each cell.
     pub surface: Vec<Surface>,
 }
 
 impl Ground {
-    /// Ground of which nothing is known.
+    /// Ground of which the map says nothing.
     pub fn unknown(cells: usize) -> Self {
-        Self { barred: vec![Barred::No; cells], surface: vec![Surface::Unknown; cells] }
+        Self {
+            barred: vec![Barred::No; cells],
+            surface: vec![Surface::Unknown; cells],
+        }
     }
 
-    /// The ground of a map.
+    /// The ground of a map over a grid.
     pub fn of(map: &OsmMap, grid: &GridGeometry) -> Self {
-        let mut drawing = Drawing { grid, ground: Self::unknown(grid.len()) };
+        let mut drawing = Drawing {
+            grid,
+            ground: Self::unknown(grid.len()),
+        };
         drawing.surfaces(map);
         drawing.obstacles(map);
         drawing.ground
     }
 }
 
+/// A map being drawn onto a grid.
 struct Drawing<'a> {
     grid: &'a GridGeometry,
     ground: Ground,
@@ -113,10 +131,18 @@ struct Drawing<'a> {
 impl Drawing<'_> {
     fn surfaces(&mut self, map: &OsmMap) {
         for wanted in [Surface::Green, Surface::Road, Surface::Pavement] {
-            for area in map.areas.iter().filter(|area| surface_of_area(&area.tags) == Some(wanted)) {
+            for area in map
+                .areas
+                .iter()
+                .filter(|area| surface_of_area(&area.tags) == Some(wanted))
+            {
                 self.fill(&area.polygon, |ground, cell| ground.surface[cell] = wanted);
             }
-            for road in map.roads.iter().filter(|road| surface_of_road(&road.tags) == wanted) {
+            for road in map
+                .roads
+                .iter()
+                .filter(|road| surface_of_road(&road.tags) == wanted)
+            {
                 self.pave(road, wanted);
             }
         }
@@ -125,8 +151,10 @@ impl Drawing<'_> {
     fn pave(&mut self, road: &Road, surface: Surface) {
         let half = width(&road.tags) / 2.0;
         for pair in road.points.windows(2) {
-            let Some((from, to)) = self.cut(pair[0], pair[1], half) else { continue };
-            let pieces = (from.distance(to) / PIECE).ceil().max(1.0) as usize;
+            let Some((from, to)) = self.cut(pair[0], pair[1], half) else {
+                continue;
+            };
+            let pieces = (from.distance(to) / PIECE_M).ceil().max(1.0) as usize;
             let at = |i: usize| between(from, to, i as f64 / pieces as f64);
             for i in 0..pieces {
                 self.pave_piece(at(i), at(i + 1), half, surface);
@@ -137,11 +165,19 @@ impl Drawing<'_> {
     fn pave_piece(&mut self, from: MapPoint, to: MapPoint, half: f64, surface: Surface) {
         let low = MapPoint::new(from.x.min(to.x) - half, from.y.min(to.y) - half);
         let high = MapPoint::new(from.x.max(to.x) + half, from.y.max(to.y) + half);
-        let Some((columns, rows)) = self.grid.window(low, high) else { return };
+        let Some((columns, rows)) = self.grid.window(low, high) else {
+            return;
+        };
         for row in rows.0..=rows.1 {
-            for cell in (columns.0..=columns.1).filter_map(|column| self.grid.cell_in(column, row)) {
+            for cell in (columns.0..=columns.1).filter_map(|column| self.grid.cell_in(column, row))
+            {
                 let middle = self.grid.center(cell);
-                if Segment::new(from, to).nearest_point(middle).point.distance(middle) <= half {
+                if Segment::new(from, to)
+                    .nearest_point(middle)
+                    .point
+                    .distance(middle)
+                    <= half
+                {
                     self.ground.surface[cell] = surface;
                 }
             }
@@ -149,16 +185,20 @@ impl Drawing<'_> {
     }
 
     fn obstacles(&mut self, map: &OsmMap) {
-        let (kerbs, walls): (Vec<_>, Vec<_>) =
-            map.barriers.iter().partition(|b| b.tags.is("barrier", "kerb"));
-        // First of all, since what opens them would open walls too.
+        let (kerbs, walls): (Vec<_>, Vec<_>) = map
+            .barriers
+            .iter()
+            .partition(|b| b.tags.is("barrier", "kerb"));
+        // First of all: openings in kerbs would open walls too.
         self.barriers(&kerbs);
         if !kerbs.is_empty() {
             self.crossings(map, Barred::Solid);
         }
         let mut is_wet = false;
         for area in map.areas.iter().filter(|area| is_water(&area.tags)) {
-            self.fill(&area.polygon, |ground, cell| ground.barred[cell] = Barred::Water);
+            self.fill(&area.polygon, |ground, cell| {
+                ground.barred[cell] = Barred::Water
+            });
             is_wet = true;
         }
         if is_wet {
@@ -166,28 +206,38 @@ impl Drawing<'_> {
             self.decks(map);
         }
         for building in &map.buildings {
-            self.fill(&building.polygon, |ground, cell| ground.barred[cell] = Barred::Solid);
+            self.fill(&building.polygon, |ground, cell| {
+                ground.barred[cell] = Barred::Solid
+            });
         }
         self.barriers(&walls);
     }
 
-    /// Every cell whose middle lies in a polygon, row by row between the sides that cross it.
+    /// Shows `set` every cell whose middle lies in a polygon, row by row between the sides that
+    /// cross it (scan-line fill).
     fn fill(&mut self, polygon: &Polygon, mut set: impl FnMut(&mut Ground, usize)) {
         let Bounds { low, high } = polygon.bounds();
-        let Some((_, rows)) = self.grid.window(low, high) else { return };
+        let Some((_, rows)) = self.grid.window(low, high) else {
+            return;
+        };
         let mut cuts = Vec::new();
         for row in rows.0..=rows.1 {
             let y = self.grid.origin.y + (row as f64 + 0.5) * self.grid.cell;
             cuts.clear();
-            let crossing = polygon.sides().filter(|side| (side.start.y > y) != (side.end.y > y));
+            let crossing = polygon
+                .sides()
+                .filter(|side| (side.start.y > y) != (side.end.y > y));
             cuts.extend(
-                crossing.map(|Segment { start: a, end: b }| a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x)),
+                crossing.map(|Segment { start: a, end: b }| {
+                    a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x)
+                }),
             );
             cuts.sort_by(f64::total_cmp);
             for pair in cuts.chunks_exact(2) {
                 let column = |x: f64| (x - self.grid.origin.x) / self.grid.cell - 0.5;
                 let first = column(pair[0]).ceil().max(0.0) as usize;
-                let end = (column(pair[1]).floor() + 1.0).clamp(0.0, self.grid.width as f64) as usize;
+                let end =
+                    (column(pair[1]).floor() + 1.0).clamp(0.0, self.grid.width as f64) as usize;
                 for cell in first..end.max(first) {
                     set(&mut self.ground, row as usize * self.grid.width + cell);
                 }
@@ -201,22 +251,31 @@ impl Drawing<'_> {
                 self.line(pair[0], pair[1]);
             }
             for gate in &barrier.gates {
-                self.open(*gate, GATE, Barred::Solid);
+                self.open(*gate, GATE_M, Barred::Solid);
             }
         }
     }
 
-    /// Where a road or path leads over a kerb it is lowered, whether or not the map says so, and where one leads over water there is a bridge; beside water there is none.
+    /// Opens obstacles where roads and paths cross them. A kerb is lowered there, whether or not
+    /// the map says so, and over water there is a bridge; beside the water there is none.
     fn crossings(&mut self, map: &OsmMap, over: Barred) {
         let mut places = Vec::new();
         for road in &map.roads {
             for pair in road.points.windows(2) {
-                let Some((from, to)) = self.cut(pair[0], pair[1], 0.0) else { continue };
+                let Some((from, to)) = self.cut(pair[0], pair[1], 0.0) else {
+                    continue;
+                };
                 let steps = (from.distance(to) / self.grid.cell * 2.0).ceil().max(1.0) as usize;
                 let at = |i: usize| between(from, to, i as f64 / steps as f64);
-                let half = if over == Barred::Water { width(&road.tags) / 2.0 } else { GATE };
-                let barred = (0..=steps).map(at).filter(|place| self.barred_at(*place) == over);
-                places.extend(barred.map(|place| (place, half.max(GATE))));
+                let half = if over == Barred::Water {
+                    width(&road.tags) / 2.0
+                } else {
+                    GATE_M
+                };
+                let barred = (0..=steps)
+                    .map(at)
+                    .filter(|place| self.barred_at(*place) == over);
+                places.extend(barred.map(|place| (place, half.max(GATE_M))));
             }
         }
         for (place, half) in places {
@@ -224,7 +283,7 @@ impl Drawing<'_> {
         }
     }
 
-    /// What is paved over water lies on a bridge or pier.
+    /// Paved areas over water lie on a bridge or pier.
     fn decks(&mut self, map: &OsmMap) {
         let paved = |area: &&Area| {
             let surface = surface_of_area(&area.tags);
@@ -241,17 +300,25 @@ impl Drawing<'_> {
     }
 
     fn barred_at(&self, place: MapPoint) -> Barred {
-        self.grid.cell_at(place).map_or(Barred::No, |cell| self.ground.barred[cell])
+        self.grid
+            .cell_at(place)
+            .map_or(Barred::No, |cell| self.ground.barred[cell])
     }
 
-    /// Leaves the map's opinion out around a place: the LiDAR will see whether it is open.
+    /// Removes obstacles of a kind within `around` metres of a place: the LiDAR will see whether it
+    /// is open.
     fn open(&mut self, place: MapPoint, around: f64, what: Barred) {
         let low = MapPoint::new(place.x - around, place.y - around);
         let high = MapPoint::new(place.x + around, place.y + around);
-        let Some((columns, rows)) = self.grid.window(low, high) else { return };
+        let Some((columns, rows)) = self.grid.window(low, high) else {
+            return;
+        };
         for row in rows.0..=rows.1 {
-            for cell in (columns.0..=columns.1).filter_map(|column| self.grid.cell_in(column, row)) {
-                if self.ground.barred[cell] == what && self.grid.center(cell).distance(place) <= around {
+            for cell in (columns.0..=columns.1).filter_map(|column| self.grid.cell_in(column, row))
+            {
+                if self.ground.barred[cell] == what
+                    && self.grid.center(cell).distance(place) <= around
+                {
                     self.ground.barred[cell] = Barred::No;
                 }
             }
@@ -259,18 +326,23 @@ impl Drawing<'_> {
     }
 
     fn line(&mut self, from: MapPoint, to: MapPoint) {
-        let Some((from, to)) = self.cut(from, to, self.grid.cell) else { return };
+        let Some((from, to)) = self.cut(from, to, self.grid.cell) else {
+            return;
+        };
         let steps = (from.distance(to) / self.grid.cell * 2.0).ceil().max(1.0) as usize;
         for i in 0..=steps {
-            let cell = self.grid.cell_at(between(from, to, i as f64 / steps as f64));
-            // A fence in the water does not dry it.
+            let cell = self
+                .grid
+                .cell_at(between(from, to, i as f64 / steps as f64));
+            // A fence in the water does not remove the water.
             if let Some(cell) = cell.filter(|cell| self.ground.barred[*cell] != Barred::Water) {
                 self.ground.barred[cell] = Barred::Solid;
             }
         }
     }
 
-    /// The part of a segment that lies within `around` metres of the grid, if any (Liang and Barsky, *A New Concept and Method for Line Clipping*, 1984).
+    /// The part of a segment that lies within `around` metres of the grid, if any (Liang and
+    /// Barsky, *A New Concept and Method for Line Clipping*, 1984).
     fn cut(&self, from: MapPoint, to: MapPoint, around: f64) -> Option<(MapPoint, MapPoint)> {
         let (grid, low) = (self.grid, self.grid.origin);
         let high = MapPoint::new(
@@ -300,17 +372,29 @@ impl Drawing<'_> {
     }
 }
 
+/// The point at a share of a segment.
 fn between(a: MapPoint, b: MapPoint, share: f64) -> MapPoint {
     MapPoint::new(a.x + share * (b.x - a.x), a.y + share * (b.y - a.y))
 }
 
+/// Whether a tag has one of some values.
 fn says(tags: &Tags, key: &str, words: &[&str]) -> bool {
     tags.get(key).is_some_and(|word| words.contains(&word))
 }
 
-/// Highways for those on foot (OSM wiki, *Key:highway*).
-const FOOT: [&str; 7] = ["footway", "pedestrian", "path", "steps", "corridor", "platform", "bridleway"];
+/// Highways for pedestrians (OSM wiki, *Key:highway*).
+const FOOT: [&str; 7] = [
+    "footway",
+    "pedestrian",
+    "path",
+    "steps",
+    "corridor",
+    "platform",
+    "bridleway",
+];
+/// Values of `highway` on areas for pedestrians.
 const SQUARES: [&str; 3] = ["pedestrian", "footway", "platform"];
+/// Values of `landuse` that are green.
 const GREEN_LAND: [&str; 12] = [
     "grass",
     "meadow",
@@ -325,9 +409,12 @@ const GREEN_LAND: [&str; 12] = [
     "farmland",
     "greenfield",
 ];
+/// Values of `leisure` that are green.
 const GREEN_LEISURE: [&str; 5] = ["park", "garden", "pitch", "golf_course", "nature_reserve"];
+/// Values of `natural` that are green.
 const GREEN_NATURE: [&str; 6] = ["grassland", "scrub", "wood", "heath", "shrubbery", "sand"];
 
+/// The surface of a road.
 fn surface_of_road(tags: &Tags) -> Surface {
     if says(tags, "highway", &FOOT) || tags.is("highway", "cycleway") {
         Surface::Pavement
@@ -336,8 +423,12 @@ fn surface_of_road(tags: &Tags) -> Surface {
     }
 }
 
+/// The surface of an area, if it has one.
 fn surface_of_area(tags: &Tags) -> Option<Surface> {
-    if says(tags, "highway", &SQUARES) || says(tags, "area:highway", &FOOT) || tags.is("place", "square") {
+    if says(tags, "highway", &SQUARES)
+        || says(tags, "area:highway", &FOOT)
+        || tags.is("place", "square")
+    {
         return Some(Surface::Pavement);
     }
     if tags.is("amenity", "parking") || tags.says("area:highway") || tags.says("highway") {
@@ -349,18 +440,19 @@ fn surface_of_area(tags: &Tags) -> Option<Surface> {
     green.then_some(Surface::Green)
 }
 
+/// Whether an area is open water all year.
 fn is_water(tags: &Tags) -> bool {
     let covered = tags.says("tunnel") || tags.says("covered") || tags.says("intermittent");
     let water = tags.is("natural", "water")
         || says(tags, "waterway", &["riverbank", "dock"])
         || says(tags, "landuse", &["basin", "reservoir"])
         || tags.is("leisure", "swimming_pool");
-    // Basins that hold water after rain only are meadows.
+    // Basins that hold water only after rain are meadows.
     let dry = says(tags, "basin", &["detention", "infiltration"]);
     water && !covered && !dry
 }
 
-/// Width of a road, metres: as it says, or as is usual for its kind.
+/// Width of a road, metres: as tagged, or as is usual for its kind.
 fn width(tags: &Tags) -> f64 {
     let usual = || match tags.get("highway") {
         Some("motorway" | "trunk" | "primary") => 10.0,
@@ -371,7 +463,9 @@ fn width(tags: &Tags) -> f64 {
         Some("service" | "living_street" | "track" | "busway") => 4.0,
         _ => 2.0,
     };
-    tags.metres("width").filter(|width| (0.1..=WIDEST).contains(width)).unwrap_or_else(usual)
+    tags.metres("width")
+        .filter(|width| (0.1..=WIDEST_M).contains(width))
+        .unwrap_or_else(usual)
 }
 
 #[cfg(test)]
@@ -386,18 +480,35 @@ mod tests {
     }
 
     fn grid() -> GridGeometry {
-        GridGeometry::covering(MapPoint::new(-10.0, -10.0), MapPoint::new(10.0, 10.0), 0.1, 1000)
+        GridGeometry::covering(
+            MapPoint::new(-10.0, -10.0),
+            MapPoint::new(10.0, 10.0),
+            0.1,
+            1000,
+        )
     }
 
     fn area(corners: &[(f64, f64)], key: &str, value: &str) -> Area {
         let polygon = Polygon::new(points(corners), vec![]).unwrap();
-        let element = ElementId { kind: ElementKind::Way, id: 1 };
-        Area { element, polygon, tags: [(key, value)].into_iter().collect() }
+        let element = ElementId {
+            kind: ElementKind::Way,
+            id: 1,
+        };
+        Area {
+            element,
+            polygon,
+            tags: [(key, value)].into_iter().collect(),
+        }
     }
 
     fn road(corners: &[(f64, f64)], kind: &str) -> Road {
         let tags = [("highway", kind)].into_iter().collect();
-        Road { way: 1, nodes: vec![1, 2], points: points(corners), tags }
+        Road {
+            way: 1,
+            nodes: vec![1, 2],
+            points: points(corners),
+            tags,
+        }
     }
 
     fn at(ground: &Ground, x: f64, y: f64) -> (bool, Surface) {
@@ -406,11 +517,20 @@ mod tests {
     }
 
     #[test]
-    fn pavements_lie_over_roads_over_grass_and_water_is_closed_but_for_bridges() {
+    fn pavements_lie_over_roads_over_grass_and_water_blocks_except_at_bridges() {
         let mut map = empty_map();
-        map.areas.push(area(&[(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)], "landuse", "grass"));
-        map.areas.push(area(&[(-9.0, 3.0), (9.0, 3.0), (9.0, 6.0), (-9.0, 6.0)], "natural", "water"));
-        map.roads.push(road(&[(-1e6, 0.0), (1e6, 0.0)], "residential"));
+        map.areas.push(area(
+            &[(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)],
+            "landuse",
+            "grass",
+        ));
+        map.areas.push(area(
+            &[(-9.0, 3.0), (9.0, 3.0), (9.0, 6.0), (-9.0, 6.0)],
+            "natural",
+            "water",
+        ));
+        map.roads
+            .push(road(&[(-1e6, 0.0), (1e6, 0.0)], "residential"));
         map.roads.push(road(&[(5.0, -9.0), (5.0, 9.0)], "footway"));
         let ground = Ground::of(&map, &grid());
         assert_eq!(at(&ground, -5.0, -5.0), (false, Surface::Green));
@@ -421,14 +541,30 @@ mod tests {
     }
 
     #[test]
-    fn a_path_beside_water_opens_none_of_it_and_a_bridge_no_wall() {
+    fn a_path_beside_water_opens_no_water_and_a_bridge_no_wall() {
         let mut map = empty_map();
-        map.areas.push(area(&[(-9.0, 0.0), (9.0, 0.0), (9.0, 6.0), (-9.0, 6.0)], "natural", "water"));
-        map.roads.push(road(&[(-9.0, -0.5), (5.0, -0.5), (5.0, 9.0)], "footway"));
-        let polygon =
-            Polygon::new(points(&[(3.0, 2.0), (4.5, 2.0), (4.5, 4.0), (3.0, 4.0)]), vec![]).unwrap();
-        let element = ElementId { kind: ElementKind::Way, id: 1 };
-        map.buildings.push(Building { element, name: None, polygon, tags: Tags::default() });
+        map.areas.push(area(
+            &[(-9.0, 0.0), (9.0, 0.0), (9.0, 6.0), (-9.0, 6.0)],
+            "natural",
+            "water",
+        ));
+        map.roads
+            .push(road(&[(-9.0, -0.5), (5.0, -0.5), (5.0, 9.0)], "footway"));
+        let polygon = Polygon::new(
+            points(&[(3.0, 2.0), (4.5, 2.0), (4.5, 4.0), (3.0, 4.0)]),
+            vec![],
+        )
+        .unwrap();
+        let element = ElementId {
+            kind: ElementKind::Way,
+            id: 1,
+        };
+        map.buildings.push(Building {
+            element,
+            name: None,
+            polygon,
+            tags: Tags::default(),
+        });
         let ground = Ground::of(&map, &grid());
         let barred = |x: f64, y: f64| ground.barred[grid().cell_at(MapPoint::new(x, y)).unwrap()];
         assert_eq!(barred(-5.0, 0.3), Barred::Water);
@@ -440,41 +576,78 @@ mod tests {
     }
 
     #[test]
-    fn bridges_are_as_wide_as_what_they_carry() {
+    fn bridges_are_as_wide_as_the_roads_that_they_carry() {
         let mut map = empty_map();
-        map.areas.push(area(&[(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)], "natural", "water"));
-        map.areas.push(area(&[(-8.0, 2.0), (-4.0, 2.0), (-4.0, 8.0), (-8.0, 8.0)], "highway", "pedestrian"));
-        map.areas.push(area(&[(-8.0, -8.0), (-4.0, -8.0), (-4.0, -2.0), (-8.0, -2.0)], "landuse", "grass"));
-        map.roads.push(road(&[(4.0, -12.0), (4.0, 12.0)], "residential"));
+        map.areas.push(area(
+            &[(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)],
+            "natural",
+            "water",
+        ));
+        map.areas.push(area(
+            &[(-8.0, 2.0), (-4.0, 2.0), (-4.0, 8.0), (-8.0, 8.0)],
+            "highway",
+            "pedestrian",
+        ));
+        map.areas.push(area(
+            &[(-8.0, -8.0), (-4.0, -8.0), (-4.0, -2.0), (-8.0, -2.0)],
+            "landuse",
+            "grass",
+        ));
+        map.roads
+            .push(road(&[(4.0, -12.0), (4.0, 12.0)], "residential"));
         let ground = Ground::of(&map, &grid());
         let barred = |x: f64, y: f64| ground.barred[grid().cell_at(MapPoint::new(x, y)).unwrap()];
         assert_eq!([1.2, 6.8].map(|x| barred(x, 0.0)), [Barred::No; 2]);
         assert_eq!([0.8, 7.2].map(|x| barred(x, 0.0)), [Barred::Water; 2]);
-        assert_eq!((barred(-6.0, 5.0), barred(-6.0, -5.0)), (Barred::No, Barred::Water));
+        assert_eq!(
+            (barred(-6.0, 5.0), barred(-6.0, -5.0)),
+            (Barred::No, Barred::Water)
+        );
     }
 
     #[test]
-    fn preferences_out_of_bounds_are_told() {
+    fn preferences_out_of_range_are_not_sound() {
         assert!(Preferences::default().is_sound() && Preferences::NONE.is_sound());
-        assert!(!Preferences { road: 0.5, ..Preferences::NONE }.is_sound());
-        assert!(!Preferences { green: f32::NAN, ..Preferences::NONE }.is_sound());
+        assert!(
+            !Preferences {
+                road: 0.5,
+                ..Preferences::NONE
+            }
+            .is_sound()
+        );
+        assert!(
+            !Preferences {
+                green: f32::NAN,
+                ..Preferences::NONE
+            }
+            .is_sound()
+        );
     }
 
     proptest! {
         #[test]
-        fn what_is_filled_is_what_a_polygon_contains(corners in prop::collection::vec((-14.0..14.0_f64, -14.0..14.0_f64), 3..9)) {
+        fn filled_cells_are_those_that_a_polygon_contains(
+            corners in prop::collection::vec((-14.0..14.0_f64, -14.0..14.0_f64), 3..9),
+        ) {
             let Some(polygon) = Polygon::new(points(&corners), vec![]) else { return Ok(()) };
             let mut map = empty_map();
             let element = ElementId { kind: ElementKind::Way, id: 1 };
-            map.buildings.push(Building { element, name: None, polygon: polygon.clone(), tags: Tags::default() });
+            let (name, tags) = (None, Tags::default());
+            map.buildings.push(Building { element, name, polygon: polygon.clone(), tags });
             let (grid, ground) = (grid(), Ground::of(&map, &grid()));
             for cell in 0..grid.len() {
-                prop_assert_eq!(ground.barred[cell] == Barred::Solid, polygon.contains(grid.center(cell)));
+                let is_inside = polygon.contains(grid.center(cell));
+                prop_assert_eq!(ground.barred[cell] == Barred::Solid, is_inside);
             }
         }
 
         #[test]
-        fn segments_are_cut_at_the_grid(ax in -1e3..1e3_f64, ay in -1e3..1e3_f64, bx in -1e3..1e3_f64, by in -1e3..1e3_f64) {
+        fn segments_are_cut_at_the_grid(
+            ax in -1e3..1e3_f64,
+            ay in -1e3..1e3_f64,
+            bx in -1e3..1e3_f64,
+            by in -1e3..1e3_f64,
+        ) {
             let grid = grid();
             let drawing = Drawing { grid: &grid, ground: Ground::unknown(0) };
             let (a, b) = (MapPoint::new(ax, ay), MapPoint::new(bx, by));

@@ -1,15 +1,16 @@
 //! What is known about the ground: buildings, walls and water of the map, and what the LiDAR saw.
 //!
-//! What the LiDAR saw overrules the map: a recessed door lies inside its building's outline, and a map may be wrong. Only of water it says nothing.
-//! Distances to obstacles are exact (Euclidean distance transform).
+//! LiDAR data override the map: a recessed door lies inside its building's outline, and a map may
+//! be wrong. Only of water they say nothing. Distances to obstacles are exact (Euclidean distance
+//! transform).
 //!
-//! | module | its layer |
+//! | module | its one job |
 //! |---|---|
-//! | [`ground`] | the map's: what blocks the way, and which ground is preferred |
-//! | [`seen`] | the LiDAR's: hits, cleared along each beam, forgotten after a minute |
-//! | [`walls`] | both, as obstacles for a local planner |
-//! | [`overview`] | ways between places far apart, in coarser cells |
-//! | [`window`] | both around the robot, in finer cells that move along |
+//! | [`ground`] | the layer of the map: obstacles, and kinds of ground |
+//! | [`seen`] | the layer of the LiDAR: hits and free beams, forgotten after a minute |
+//! | [`walls`] | both layers as obstacles for a local planner |
+//! | [`overview`] | paths between places far apart, in coarser cells |
+//! | [`window`] | both layers around the robot, in finer cells that move along |
 //! | [`map_server`] | files of ROS's map server |
 
 pub mod ground;
@@ -31,79 +32,89 @@ use crate::search::Costs;
 use crate::shape::{Footprint, ShapeError};
 
 /// Side of a cell, metres, unless the map is so large that cells must be larger.
-const CELL: f64 = 0.1;
+const CELL_M: f64 = 0.1;
 /// Sides that cells may have, metres.
-const CELLS: std::ops::RangeInclusive<f64> = 1e-4..=1e3;
+const CELLS_M: std::ops::RangeInclusive<f64> = 1e-4..=1e3;
 /// Most cells along one side.
-const MAX_SIDE: f64 = 2500.0;
-/// Room beyond the footprint that a way keeps from obstacles, metres.
-const MARGIN: f64 = 0.05;
-/// Distance beyond the circle about the footprint at which obstacles no longer cost anything, metres.
-const COMFORT: f64 = 0.68;
-/// Cost of a cell right beside an obstacle, in cells.
+const MOST_CELLS: f64 = 2500.0;
+/// Distance beyond the inscribed circle that a path keeps from obstacles, metres.
+const MARGIN_M: f64 = 0.05;
+/// Distance beyond the circumscribed circle at which obstacles no longer cost anything, metres.
+const COMFORT_M: f64 = 0.68;
+/// Cost that the nearest obstacle adds to a cell, in cells of open ground.
 const DISCOMFORT: f64 = 6.0;
-/// Costs of nearness are multiples of this: differences that matter to nobody would make a search look at cells again and again.
+/// Costs of nearness are multiples of this: irrelevant differences would make a search visit cells
+/// again and again.
 const GRAIN: f64 = 1.0 / 16.0;
 
 /// A costmap cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CostmapError {
-    /// A corner of the area is not a number, or the area has no size.
-    #[error("the area from {low} to {high} is no area; give two finite corners, the lower one first")]
+    /// A corner of the area is not finite, or the area has no size.
+    #[error(
+        "the area from {low} to {high} has no size; give two finite corners, the lower one first"
+    )]
     NoArea {
         /// Lower corner.
         low: MapPoint,
         /// Upper corner.
         high: MapPoint,
     },
-    /// A kind of ground that costs less than open ground, or more than [`Preferences::DEAREST`].
-    #[error("{0:?} are no preferences; give numbers from 1 to 20")]
+    /// A kind of ground costs less than 1 or more than [`Preferences::DEAREST`].
+    #[error("{0:?} are out of range; give costs from 1 to 20")]
     Preferences(Preferences),
-    /// A grid without cells, with too many, with another number of them than its sides say, or at no place.
+    /// A grid has no cells, too many, another number than its sides say, or no finite place.
     #[error(
-        "a grid of {0} by {1} cells is no ground; give 1 to 2501 each way, of 0.1 mm to 1 km, a value for each, and a finite origin"
+        "a grid of {0} by {1} cells cannot be used; give 1 to 2501 cells each way, of 0.1 mm \
+         to 1 km, a value for each, and a finite origin"
     )]
     NoGrid(usize, usize),
-    /// A grid that is turned: what is known of the ground is kept by columns east and rows north.
-    #[error("the grid is turned by {0} radians; give one whose rows run east")]
+    /// A grid is turned: the costmap's columns run east and its rows north.
+    #[error("the grid is turned by {0} rad; give one whose rows run east")]
     Turned(f64),
     /// The robot has no footprint.
     #[error(transparent)]
     Robot(#[from] ShapeError),
 }
 
-/// Room that the middle of a robot needs.
+/// Distances of the robot's middle from obstacles.
 #[derive(Debug, Clone, Copy)]
 struct Room {
-    /// From obstacles at least, metres: nearer it touches them whichever way it is turned.
+    /// Least distance, metres: nearer it touches them at any heading.
     keep: f64,
-    /// From here on obstacles cost nothing, metres: it may turn as it likes.
+    /// Distance from which on obstacles cost nothing, metres: it may turn freely.
     comfort: f64,
 }
 
 impl Room {
     fn of(robot: &RobotDescription) -> Result<Self, ShapeError> {
         let footprint = Footprint::of(robot)?;
-        Ok(Self { keep: footprint.inscribed() + MARGIN, comfort: footprint.circumscribed() + COMFORT })
+        Ok(Self {
+            keep: footprint.inscribed() + MARGIN_M,
+            comfort: footprint.circumscribed() + COMFORT_M,
+        })
     }
 }
 
-/// Cells with what is known about them.
+/// A grid of the ground with the cost of driving through each cell.
 #[derive(Debug, Clone)]
 pub struct Costmap {
     grid: GridGeometry,
     ground: Ground,
     seen: Seen,
-    /// Distance to the nearest obstacle in cells, squared; as of the last [`Costmap::inflate`].
+    /// Squared distance to the nearest obstacle in sides of cells, as of the last
+    /// [`Costmap::inflate`].
     clearance: Vec<f32>,
-    /// Cost of driving one cell's side through each cell, infinite where the robot does not fit; as of the last [`Costmap::inflate`].
+    /// Cost of driving one side of a cell through each cell, infinite where the robot does not fit;
+    /// as of the last [`Costmap::inflate`].
     costs: Vec<f32>,
     room: Room,
     preferences: Preferences,
 }
 
 impl Costmap {
-    /// The costmap of an area, from the buildings, barriers and water of `map` in it, all ground alike.
+    /// The costmap of an area of `map`, from `low` (south-west) to `high`, with its buildings,
+    /// barriers and water; all ground costs the same.
     pub fn new(
         map: &OsmMap,
         low: MapPoint,
@@ -113,7 +124,7 @@ impl Costmap {
         Self::with_preferences(map, low, high, robot, Preferences::NONE)
     }
 
-    /// The same, with some ground preferred to other.
+    /// The same with preferred kinds of ground.
     pub fn with_preferences(
         map: &OsmMap,
         low: MapPoint,
@@ -121,40 +132,59 @@ impl Costmap {
         robot: &RobotDescription,
         preferences: Preferences,
     ) -> Result<Self, CostmapError> {
-        let finite = [low.x, low.y, high.x, high.y].iter().all(|c| c.is_finite() && c.abs() < 1e7);
+        let finite = [low.x, low.y, high.x, high.y]
+            .iter()
+            .all(|c| c.is_finite() && c.abs() < 1e7);
         if !finite || high.x <= low.x || high.y <= low.y {
             return Err(CostmapError::NoArea { low, high });
         }
         if !preferences.is_sound() {
             return Err(CostmapError::Preferences(preferences));
         }
-        let cell = CELL.max((high.x - low.x).max(high.y - low.y) / MAX_SIDE);
-        let grid = GridGeometry::covering(low, high, cell, MAX_SIDE as usize + 1);
+        let cell = CELL_M.max((high.x - low.x).max(high.y - low.y) / MOST_CELLS);
+        let grid = GridGeometry::covering(low, high, cell, MOST_CELLS as usize + 1);
         let ground = Ground::of(map, &grid);
         Ok(Self::over(grid, ground, Room::of(robot)?, preferences))
     }
 
-    /// Covers the square that reaches `half` metres to each side of `middle` from now on: the ground is the map's, and what
-    /// was seen stays known where both areas overlap. [`Costmap::inflate`] makes it count.
+    /// Moves to the square that reaches `half` metres to each side of `middle`. The ground is the
+    /// map's; LiDAR data are kept where both areas overlap. [`Costmap::inflate`] makes it count.
     pub fn cover(&mut self, map: &OsmMap, middle: MapPoint, half: f64) {
         let before = self.grid;
-        // By whole cells, so that cells stay where they are.
-        let corner =
-            |at: f64, origin: f64| origin + ((at - half - origin) / before.cell).round() * before.cell;
-        let origin = MapPoint::new(corner(middle.x, before.origin.x), corner(middle.y, before.origin.y));
-        let side = ((2.0 * half / before.cell).ceil() as usize).clamp(1, MAX_SIDE as usize + 1);
-        self.grid = GridGeometry { origin, width: side, height: side, cell: before.cell };
+        // By whole cells, so that cells keep their places.
+        let corner = |at: f64, origin: f64| {
+            origin + ((at - half - origin) / before.cell).round() * before.cell
+        };
+        let origin = MapPoint::new(
+            corner(middle.x, before.origin.x),
+            corner(middle.y, before.origin.y),
+        );
+        let side = ((2.0 * half / before.cell).ceil() as usize).clamp(1, MOST_CELLS as usize + 1);
+        self.grid = GridGeometry {
+            origin,
+            width: side,
+            height: side,
+            cell: before.cell,
+        };
         self.ground = Ground::of(map, &self.grid);
         self.seen.carry(&before, &self.grid);
     }
 
-    /// The costmap of a grid as ROS's map server keeps it: what is not likely to be occupied ([`Occupancy::LIKELY`]) is open.
-    pub fn from_occupancy(occupancy: &Occupancy, robot: &RobotDescription) -> Result<Self, CostmapError> {
+    /// The costmap of a grid as ROS's map server keeps it: what is not likely occupied
+    /// ([`Occupancy::LIKELY`]) is open.
+    pub fn from_occupancy(
+        occupancy: &Occupancy,
+        robot: &RobotDescription,
+    ) -> Result<Self, CostmapError> {
         let grid = &occupancy.grid;
-        let most = MAX_SIDE as usize + 1;
+        let most = MOST_CELLS as usize + 1;
         let fits = (1..=most).contains(&grid.width) && (1..=most).contains(&grid.height);
         let is_somewhere = grid.origin.x.is_finite() && grid.origin.y.is_finite();
-        if !fits || grid.len() != occupancy.cells.len() || !CELLS.contains(&grid.cell) || !is_somewhere {
+        if !fits
+            || grid.len() != occupancy.cells.len()
+            || !CELLS_M.contains(&grid.cell)
+            || !is_somewhere
+        {
             return Err(CostmapError::NoGrid(grid.width, grid.height));
         }
         if occupancy.yaw != 0.0 {
@@ -162,9 +192,18 @@ impl Costmap {
         }
         let mut ground = Ground::unknown(occupancy.grid.len());
         for (barred, value) in ground.barred.iter_mut().zip(&occupancy.cells) {
-            *barred = if *value >= Occupancy::LIKELY { Barred::Solid } else { Barred::No };
+            *barred = if *value >= Occupancy::LIKELY {
+                Barred::Solid
+            } else {
+                Barred::No
+            };
         }
-        Ok(Self::over(occupancy.grid, ground, Room::of(robot)?, Preferences::NONE))
+        Ok(Self::over(
+            occupancy.grid,
+            ground,
+            Room::of(robot)?,
+            Preferences::NONE,
+        ))
     }
 
     fn over(grid: GridGeometry, ground: Ground, room: Room, preferences: Preferences) -> Self {
@@ -181,14 +220,21 @@ impl Costmap {
         costmap
     }
 
-    /// What is believed, as ROS's map server keeps it: occupied, free by what was seen or what the map says that it is, or unknown.
+    /// The estimate of the ground as ROS's map server keeps it: occupied; free by LiDAR data or the
+    /// map; or unknown.
     pub fn occupancy(&self) -> Occupancy {
         let value = |cell: usize| match () {
             () if self.is_obstacle(cell) => Occupancy::OCCUPIED,
-            () if self.seen.is_free(cell) || self.ground.surface[cell] != Surface::Unknown => Occupancy::FREE,
+            () if self.seen.is_free(cell) || self.ground.surface[cell] != Surface::Unknown => {
+                Occupancy::FREE
+            }
             () => Occupancy::UNKNOWN,
         };
-        Occupancy { grid: self.grid, yaw: 0.0, cells: (0..self.grid.len()).map(value).collect() }
+        Occupancy {
+            grid: self.grid,
+            yaw: 0.0,
+            cells: (0..self.grid.len()).map(value).collect(),
+        }
     }
 
     /// The cells.
@@ -196,13 +242,22 @@ impl Costmap {
         &self.grid
     }
 
-    /// The points of a scan where the ground was known to be free a moment ago, away from what stands: who or what has come there.
+    /// The points of a scan where the ground was known to be free a moment ago, away from standing
+    /// obstacles: moving bodies.
     pub fn newcomers(&self, ring: &RangeRing) -> Vec<MapPoint> {
-        let is_new = |point: &MapPoint| self.grid.cell_at(*point).is_some_and(|cell| self.is_new(cell));
-        ring.obstacles.iter().map(|point| point.at).filter(is_new).collect()
+        let is_new = |point: &MapPoint| {
+            self.grid
+                .cell_at(*point)
+                .is_some_and(|cell| self.is_new(cell))
+        };
+        ring.obstacles
+            .iter()
+            .map(|point| point.at)
+            .filter(is_new)
+            .collect()
     }
 
-    /// Whether a cell was free a moment ago and so were or are those around it.
+    /// Whether a cell was free a moment ago, and the cells around it were or are free.
     fn is_new(&self, cell: usize) -> bool {
         let (x, y) = self.grid.column_row(cell);
         let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (x + dx, y + dy)));
@@ -210,22 +265,23 @@ impl Costmap {
         around.all(|c| self.seen.was_free(c) || !self.is_obstacle(c)) && self.seen.was_free(cell)
     }
 
-    /// Takes in what a scan shows. [`Costmap::inflate`] makes it count.
+    /// Takes in a scan. [`Costmap::inflate`] makes it count.
     pub fn observe(&mut self, ring: &RangeRing) {
         self.observe_but(ring, |_| false);
     }
 
-    /// The same without the points of which `moves` says that they do not stay.
+    /// The same without the points for which `moves` says that they belong to moving bodies.
     pub fn observe_but(&mut self, ring: &RangeRing, moves: impl Fn(MapPoint) -> bool) {
         self.seen.observe(&self.grid, ring, moves);
     }
 
-    /// Forgets all that was seen. [`Costmap::inflate`] makes it count.
+    /// Forgets all LiDAR data. [`Costmap::inflate`] makes it count.
     pub fn forget_seen(&mut self) {
         self.seen = Seen::nothing(self.grid.len());
     }
 
-    /// Computes distances to obstacles and costs anew, and forgets obstacles that were not seen for a minute.
+    /// Computes distances to obstacles and costs anew, and forgets obstacles that were not seen for
+    /// a minute.
     pub fn inflate(&mut self) {
         self.seen.forget();
         let blocked: Vec<bool> = (0..self.grid.len()).map(|c| self.is_obstacle(c)).collect();
@@ -242,7 +298,7 @@ impl Costmap {
         self.costs = costs.collect();
     }
 
-    /// Whether something solid is believed to be in a cell.
+    /// Whether a cell holds an obstacle, by the newest evidence.
     pub fn is_obstacle(&self, cell: usize) -> bool {
         match self.ground.barred[cell] {
             Barred::Water => true,
@@ -261,12 +317,15 @@ impl Costmap {
         self.grid.cell_at(point).map_or(0.0, |c| self.clearance(c))
     }
 
-    /// Cost of driving one cell's side through a cell: 1 far from obstacles on the ground that is preferred, more beside them and elsewhere, `None` where the robot does not fit; as of the last inflation.
+    /// Cost of driving one side of a cell through a cell, as of the last inflation: 1 far from
+    /// obstacles on preferred ground, more near them and elsewhere; `None` where the robot does not
+    /// fit.
     pub fn cost(&self, cell: usize) -> Option<f64> {
         let cost = self.costs[cell];
         cost.is_finite().then(|| f64::from(cost))
     }
 
+    /// Cost of a cell from its clearance, infinite where the robot does not fit.
     fn cost_now(&self, cell: usize) -> f32 {
         let clearance = self.clearance(cell);
         let Room { keep, comfort } = self.room;
@@ -288,18 +347,21 @@ impl Costmap {
         self.room.keep
     }
 
-    /// Whether the robot fits along the segment `from`–`to` by the newest evidence; cheap enough for every scan. Lenient by the diagonal
-    /// of a cell, since a way is planned between the middles of cells.
+    /// Whether the robot fits along the segment from `from` to `to`, by the newest evidence; cheap
+    /// enough for every scan. Lenient by the diagonal of a cell, since a path is planned between
+    /// the middles of cells.
     pub fn is_clear(&self, from: MapPoint, to: MapPoint) -> bool {
         let steps = (from.distance(to) / self.grid.cell).ceil().max(1.0) as usize;
         (0..=steps).all(|i| {
             let t = i as f64 / steps as f64;
             let p = MapPoint::new(from.x + t * (to.x - from.x), from.y + t * (to.y - from.y));
-            self.nearest_obstacle_within(p, self.room.keep - 0.75 * self.grid.cell).is_none()
+            self.nearest_obstacle_within(p, self.room.keep - 0.75 * self.grid.cell)
+                .is_none()
         })
     }
 
-    /// Distance from `point` to the nearest obstacle by the newest evidence, if it is within `reach` metres.
+    /// Distance from `point` to the nearest obstacle by the newest evidence, metres, if it is less
+    /// than `reach`.
     pub fn nearest_obstacle_within(&self, point: MapPoint, reach: f64) -> Option<f64> {
         let low = MapPoint::new(point.x - reach, point.y - reach);
         let high = MapPoint::new(point.x + reach, point.y + reach);
@@ -313,21 +375,24 @@ impl Costmap {
             .reduce(f64::min)
     }
 
-    /// Forgets what is believed to stand where the robot stands: it cannot be. Water stays: where the robot is may be off by more than the way to the bank, and no scan would bring it back.
+    /// Forgets obstacles where the robot is: there cannot be any. Water stays: the estimated pose
+    /// may be off by more than the distance to the bank, and no scan would bring the water back.
     pub fn clear_below(&mut self, footprint: &Footprint, pose: Pose2) {
         for cell in self.obstacles_below(footprint, pose) {
             self.seen.clear(cell);
         }
     }
 
-    /// Cells below the robot in which something is believed to be.
+    /// Cells below the robot that are believed to hold an obstacle.
     fn obstacles_below(&self, footprint: &Footprint, pose: Pose2) -> Vec<usize> {
         let (placed, reach) = (footprint.at(pose), footprint.circumscribed());
         let low = MapPoint::new(pose.x - reach, pose.y - reach);
         let high = MapPoint::new(pose.x + reach, pose.y + reach);
-        let Some((columns, rows)) = self.grid.window(low, high) else { return Vec::new() };
-        let cells =
-            (rows.0..=rows.1).flat_map(|row| (columns.0..=columns.1).map(move |column| (column, row)));
+        let Some((columns, rows)) = self.grid.window(low, high) else {
+            return Vec::new();
+        };
+        let cells = (rows.0..=rows.1)
+            .flat_map(|row| (columns.0..=columns.1).map(move |column| (column, row)));
         cells
             .filter_map(|(column, row)| self.grid.cell_in(column, row))
             .filter(|cell| self.is_obstacle(*cell) && placed.holds(self.grid.center(*cell)))
@@ -343,7 +408,10 @@ pub(crate) mod tests {
     use openbench_osm::{Area, Barrier, ElementId, ElementKind, OsmData, Polygon};
 
     pub(crate) fn empty_map() -> OsmMap {
-        OsmMap::new(&OsmData::default(), Georeference::tangent_plane(LonLat::new(8.0, 50.0)))
+        OsmMap::new(
+            &OsmData::default(),
+            Georeference::tangent_plane(LonLat::new(8.0, 50.0)),
+        )
     }
 
     pub(crate) fn open_ground() -> Costmap {
@@ -354,14 +422,17 @@ pub(crate) mod tests {
     pub(crate) fn see_wall(costmap: &mut Costmap, from: MapPoint, to: MapPoint) {
         let points = (0..=200).map(|i| {
             let t = f64::from(i) / 200.0;
-            ScanPoint::new(MapPoint::new(from.x + t * (to.x - from.x), from.y + t * (to.y - from.y)), 0.3)
+            ScanPoint::new(
+                MapPoint::new(from.x + t * (to.x - from.x), from.y + t * (to.y - from.y)),
+                0.3,
+            )
         });
         costmap.observe(&RangeRing::new(MapPoint::default(), 0.25, points));
         costmap.inflate();
     }
 
     #[test]
-    fn kerbs_are_closed_but_where_a_road_leads_over_them() {
+    fn kerbs_block_except_where_a_road_leads_over_them() {
         let line = |points: [(f64, f64); 2]| points.map(|(x, y)| MapPoint::new(x, y)).to_vec();
         let mut map = empty_map();
         let kerb = [("barrier", "kerb")].into_iter().collect();
@@ -373,32 +444,50 @@ pub(crate) mod tests {
         });
         let path = [("highway", "footway")].into_iter().collect();
         let points = line([(2.0, -9.0), (2.0, 9.0)]);
-        map.roads.push(openbench_osm::Road { way: 2, nodes: vec![1, 2], points, tags: path });
+        map.roads.push(openbench_osm::Road {
+            way: 2,
+            nodes: vec![1, 2],
+            points,
+            tags: path,
+        });
         let (low, high) = (MapPoint::new(-10.0, -10.0), MapPoint::new(10.0, 10.0));
         let costmap = Costmap::new(&map, low, high, &RobotDescription::sentry()).unwrap();
-        let closed = |x: f64| costmap.is_obstacle(costmap.grid.cell_at(MapPoint::new(x, 0.0)).unwrap());
+        let closed =
+            |x: f64| costmap.is_obstacle(costmap.grid.cell_at(MapPoint::new(x, 0.0)).unwrap());
         assert!(closed(-5.0) && closed(6.0) && !closed(2.0) && !closed(1.3));
     }
 
     #[test]
-    fn what_was_seen_blocks_and_can_be_cleared_again() {
+    fn a_seen_obstacle_blocks_until_beams_pass_through_it() {
         let mut costmap = open_ground();
-        see_wall(&mut costmap, MapPoint::new(2.0, -1.0), MapPoint::new(2.0, 1.0));
+        see_wall(
+            &mut costmap,
+            MapPoint::new(2.0, -1.0),
+            MapPoint::new(2.0, 1.0),
+        );
         let beside = costmap.grid().cell_at(MapPoint::new(1.9, 0.0)).unwrap();
         assert_eq!(costmap.cost(beside), None);
         assert!(!costmap.is_clear(MapPoint::new(0.0, 0.0), MapPoint::new(4.0, 0.0)));
         // The wall has gone: beams reach the ground behind it.
         let ground = |i: i32| ScanPoint::new(MapPoint::new(5.0, f64::from(i) / 20.0), 0.0);
         for _ in 0..12 {
-            costmap.observe(&RangeRing::new(MapPoint::default(), 0.25, (-60..60).map(ground)));
+            costmap.observe(&RangeRing::new(
+                MapPoint::default(),
+                0.25,
+                (-60..60).map(ground),
+            ));
         }
         assert!(costmap.is_clear(MapPoint::new(0.0, 0.0), MapPoint::new(4.0, 0.0)));
     }
 
     #[test]
-    fn what_is_not_seen_again_for_a_minute_is_forgotten() {
+    fn an_obstacle_that_is_not_seen_for_a_minute_is_forgotten() {
         let mut costmap = open_ground();
-        see_wall(&mut costmap, MapPoint::new(2.0, -1.0), MapPoint::new(2.0, 1.0));
+        see_wall(
+            &mut costmap,
+            MapPoint::new(2.0, -1.0),
+            MapPoint::new(2.0, 1.0),
+        );
         let wall = costmap.grid().cell_at(MapPoint::new(2.0, 0.0)).unwrap();
         let elsewhere = || {
             RangeRing::new(
@@ -410,50 +499,79 @@ pub(crate) mod tests {
         for (scans, is_known) in [(599, true), (2, false)] {
             (0..scans).for_each(|_| costmap.observe(&elsewhere()));
             costmap.inflate();
-            assert_eq!((costmap.is_obstacle(wall), costmap.cost(wall).is_none()), (is_known, is_known));
+            assert_eq!(
+                (costmap.is_obstacle(wall), costmap.cost(wall).is_none()),
+                (is_known, is_known)
+            );
         }
     }
 
     #[test]
-    fn costs_fall_from_where_the_inscribed_circle_touches_to_beyond_the_circumscribed_one() {
+    fn costs_fall_from_the_inscribed_circle_to_beyond_the_circumscribed_one() {
         let mut costmap = open_ground();
-        see_wall(&mut costmap, MapPoint::new(2.05, -10.0), MapPoint::new(2.05, 10.0));
+        see_wall(
+            &mut costmap,
+            MapPoint::new(2.05, -10.0),
+            MapPoint::new(2.05, 10.0),
+        );
         let robot = Footprint::of(&RobotDescription::sentry()).unwrap();
         let costs: Vec<(f64, Option<f64>)> = (0..20)
             .map(|i| MapPoint::new(1.95 - 0.1 * f64::from(i), 0.05))
-            .map(|p| (costmap.clearance_at(p), costmap.cost(costmap.grid().cell_at(p).unwrap())))
+            .map(|p| {
+                (
+                    costmap.clearance_at(p),
+                    costmap.cost(costmap.grid().cell_at(p).unwrap()),
+                )
+            })
             .collect();
         for (clearance, cost) in &costs {
-            assert_eq!(cost.is_none(), *clearance < robot.inscribed() + MARGIN, "{clearance} {cost:?}");
+            assert_eq!(
+                cost.is_none(),
+                *clearance < robot.inscribed() + MARGIN_M,
+                "{clearance} {cost:?}"
+            );
             assert_eq!(
                 *cost == Some(1.0),
-                *clearance >= robot.circumscribed() + COMFORT - 0.1,
+                *clearance >= robot.circumscribed() + COMFORT_M - 0.1,
                 "{clearance} {cost:?}"
             );
         }
         let known: Vec<f64> = costs.iter().filter_map(|(_, cost)| *cost).collect();
-        assert!(known[0] > 5.0 && known.windows(2).all(|w| w[0] >= w[1]), "{known:?}");
+        assert!(
+            known[0] > 5.0 && known.windows(2).all(|w| w[0] >= w[1]),
+            "{known:?}"
+        );
     }
 
     #[test]
     fn a_low_obstacle_stays_though_beams_pass_over_it() {
         let mut costmap = open_ground();
-        // A kerb of 12 cm, seen from afar; then the robot stands before it, and its lowest beam reaches the ground behind.
-        let kerb = (0..=40).map(|i| ScanPoint::new(MapPoint::new(2.0, f64::from(i) * 0.05 - 1.0), 0.12));
+        // A kerb of 12 cm, seen from afar; then the robot stands before it, and its lowest beam
+        // reaches the ground behind.
+        let kerb =
+            (0..=40).map(|i| ScanPoint::new(MapPoint::new(2.0, f64::from(i) * 0.05 - 1.0), 0.12));
         costmap.observe(&RangeRing::new(MapPoint::default(), 0.25, kerb));
         let behind = |i: i32| ScanPoint::new(MapPoint::new(3.7, f64::from(i) / 30.0), 0.0);
         for _ in 0..30 {
-            costmap.observe(&RangeRing::new(MapPoint::new(1.4, 0.0), 0.25, (-60..60).map(behind)));
+            costmap.observe(&RangeRing::new(
+                MapPoint::new(1.4, 0.0),
+                0.25,
+                (-60..60).map(behind),
+            ));
         }
         assert!(!costmap.is_clear(MapPoint::new(1.4, 0.0), MapPoint::new(3.0, 0.0)));
     }
 
     #[test]
-    fn beams_pass_over_water_and_who_believes_to_stand_in_it_does_not_dry_it() {
+    fn water_stays_though_beams_pass_over_it_and_the_robot_is_in_it() {
         let mut map = empty_map();
-        let corners = [(2.0, -9.0), (9.0, -9.0), (9.0, 9.0), (2.0, 9.0)].map(|(x, y)| MapPoint::new(x, y));
+        let corners =
+            [(2.0, -9.0), (9.0, -9.0), (9.0, 9.0), (2.0, 9.0)].map(|(x, y)| MapPoint::new(x, y));
         map.areas.push(Area {
-            element: ElementId { kind: ElementKind::Way, id: 1 },
+            element: ElementId {
+                kind: ElementKind::Way,
+                id: 1,
+            },
             polygon: Polygon::new(corners.to_vec(), vec![]).unwrap(),
             tags: [("natural", "water")].into_iter().collect(),
         });
@@ -461,10 +579,15 @@ pub(crate) mod tests {
         let mut costmap = Costmap::new(&map, low, high, &RobotDescription::sentry()).unwrap();
         let beyond = |i: i32| ScanPoint::new(MapPoint::new(9.5, f64::from(i) / 20.0), 0.0);
         for _ in 0..12 {
-            costmap.observe(&RangeRing::new(MapPoint::default(), 0.25, (-60..60).map(beyond)));
+            costmap.observe(&RangeRing::new(
+                MapPoint::default(),
+                0.25,
+                (-60..60).map(beyond),
+            ));
         }
-        let is_clear =
-            |costmap: &Costmap, x: f64| costmap.is_clear(MapPoint::new(x, 0.0), MapPoint::new(x, 0.0));
+        let is_clear = |costmap: &Costmap, x: f64| {
+            costmap.is_clear(MapPoint::new(x, 0.0), MapPoint::new(x, 0.0))
+        };
         assert!(is_clear(&costmap, 0.0) && !is_clear(&costmap, 5.0));
         let robot = Footprint::of(&RobotDescription::sentry()).unwrap();
         let at = Pose2::new(5.0, 0.0, 0.0);
@@ -473,9 +596,13 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn what_is_believed_of_the_ground_is_written_and_read_again() {
+    fn a_costmap_is_written_and_read_again() {
         let mut costmap = open_ground();
-        see_wall(&mut costmap, MapPoint::new(2.0, -1.0), MapPoint::new(2.0, 1.0));
+        see_wall(
+            &mut costmap,
+            MapPoint::new(2.0, -1.0),
+            MapPoint::new(2.0, 1.0),
+        );
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("ground.yaml");
         map_server::write(&path, &costmap.occupancy()).unwrap();
@@ -483,60 +610,119 @@ pub(crate) mod tests {
         let again = Costmap::from_occupancy(&read, &RobotDescription::sentry()).unwrap();
         assert_eq!(again.grid(), costmap.grid());
         let blocked = |costmap: &Costmap| {
-            (0..costmap.grid().len()).map(|c| costmap.cost(c).is_none()).collect::<Vec<_>>()
+            (0..costmap.grid().len())
+                .map(|c| costmap.cost(c).is_none())
+                .collect::<Vec<_>>()
         };
         assert!(blocked(&again).contains(&true));
         assert_eq!(blocked(&again), blocked(&costmap));
     }
 
     #[test]
-    fn grids_that_are_none_are_refused() {
+    fn grids_that_cannot_be_used_are_refused() {
         let robot = RobotDescription::sentry();
-        let grid = GridGeometry { origin: MapPoint::default(), width: 2, height: 1, cell: 0.1 };
-        let sound = Occupancy { grid, yaw: 0.0, cells: vec![64, 65] };
+        let grid = GridGeometry {
+            origin: MapPoint::default(),
+            width: 2,
+            height: 1,
+            cell: 0.1,
+        };
+        let sound = Occupancy {
+            grid,
+            yaw: 0.0,
+            cells: vec![64, 65],
+        };
         let costmap = Costmap::from_occupancy(&sound, &robot).unwrap();
         assert!(!costmap.is_obstacle(0) && costmap.is_obstacle(1));
         for cell in [0.0, 1e-300, f64::NAN, f64::INFINITY] {
-            let odd = Occupancy { grid: GridGeometry { cell, ..grid }, ..sound.clone() };
-            assert_eq!(Costmap::from_occupancy(&odd, &robot).unwrap_err(), CostmapError::NoGrid(2, 1));
+            let odd = Occupancy {
+                grid: GridGeometry { cell, ..grid },
+                ..sound.clone()
+            };
+            assert_eq!(
+                Costmap::from_occupancy(&odd, &robot).unwrap_err(),
+                CostmapError::NoGrid(2, 1)
+            );
         }
-        let nowhere = GridGeometry { origin: MapPoint::new(f64::NAN, 0.0), ..grid };
-        let nowhere = Occupancy { grid: nowhere, ..sound.clone() };
-        assert_eq!(Costmap::from_occupancy(&nowhere, &robot).unwrap_err(), CostmapError::NoGrid(2, 1));
-        let empty = Occupancy { grid: GridGeometry { width: 0, ..grid }, yaw: 0.0, cells: vec![] };
-        assert_eq!(Costmap::from_occupancy(&empty, &robot).unwrap_err(), CostmapError::NoGrid(0, 1));
-        let few = Occupancy { cells: vec![0], ..sound.clone() };
-        assert_eq!(Costmap::from_occupancy(&few, &robot).unwrap_err(), CostmapError::NoGrid(2, 1));
+        let nowhere = GridGeometry {
+            origin: MapPoint::new(f64::NAN, 0.0),
+            ..grid
+        };
+        let nowhere = Occupancy {
+            grid: nowhere,
+            ..sound.clone()
+        };
+        assert_eq!(
+            Costmap::from_occupancy(&nowhere, &robot).unwrap_err(),
+            CostmapError::NoGrid(2, 1)
+        );
+        let empty = Occupancy {
+            grid: GridGeometry { width: 0, ..grid },
+            yaw: 0.0,
+            cells: vec![],
+        };
+        assert_eq!(
+            Costmap::from_occupancy(&empty, &robot).unwrap_err(),
+            CostmapError::NoGrid(0, 1)
+        );
+        let few = Occupancy {
+            cells: vec![0],
+            ..sound.clone()
+        };
+        assert_eq!(
+            Costmap::from_occupancy(&few, &robot).unwrap_err(),
+            CostmapError::NoGrid(2, 1)
+        );
         let turned = Occupancy { yaw: 0.5, ..sound };
-        assert_eq!(Costmap::from_occupancy(&turned, &robot).unwrap_err(), CostmapError::Turned(0.5));
+        assert_eq!(
+            Costmap::from_occupancy(&turned, &robot).unwrap_err(),
+            CostmapError::Turned(0.5)
+        );
     }
 
     #[test]
     fn a_beam_without_an_end_is_cut_off() {
         let mut costmap = open_ground();
         let mut ring = RangeRing::new(MapPoint::default(), 0.25, std::iter::empty());
-        ring.beams =
-            vec![Beam { reach: f64::INFINITY, end_height: 0.0 }, Beam { reach: f64::NAN, end_height: 0.0 }];
+        ring.beams = vec![
+            Beam {
+                reach: f64::INFINITY,
+                end_height: 0.0,
+            },
+            Beam {
+                reach: f64::NAN,
+                end_height: 0.0,
+            },
+        ];
         costmap.observe(&ring);
         assert!(costmap.is_clear(MapPoint::default(), MapPoint::new(5.0, 0.0)));
     }
 
     #[test]
-    fn absurd_areas_robots_and_preferences_are_refused() {
+    fn impossible_areas_robots_and_preferences_are_refused() {
         let robot = RobotDescription::sentry();
-        for (low, high) in [((0.0, 0.0), (0.0, 5.0)), ((f64::NAN, 0.0), (1.0, 1.0)), ((5.0, 0.0), (0.0, 5.0))]
-        {
+        for (low, high) in [
+            ((0.0, 0.0), (0.0, 5.0)),
+            ((f64::NAN, 0.0), (1.0, 1.0)),
+            ((5.0, 0.0), (0.0, 5.0)),
+        ] {
             let corner = |c: (f64, f64)| MapPoint::new(c.0, c.1);
             let refused = Costmap::new(&empty_map(), corner(low), corner(high), &robot);
             assert!(matches!(refused, Err(CostmapError::NoArea { .. })));
         }
         let (low, high) = (MapPoint::default(), MapPoint::new(1.0, 1.0));
         for width in [f64::NAN, -1.0, 0.0] {
-            let robot = RobotDescription { width, ..RobotDescription::sentry() };
+            let robot = RobotDescription {
+                width,
+                ..RobotDescription::sentry()
+            };
             let refused = Costmap::new(&empty_map(), low, high, &robot);
             assert!(matches!(refused, Err(CostmapError::Robot(_))));
         }
-        let odd = Preferences { road: 0.5, ..Preferences::NONE };
+        let odd = Preferences {
+            road: 0.5,
+            ..Preferences::NONE
+        };
         let refused = Costmap::with_preferences(&empty_map(), low, high, &robot, odd);
         assert!(matches!(refused, Err(CostmapError::Preferences(_))));
     }
@@ -544,7 +730,11 @@ pub(crate) mod tests {
     #[test]
     fn clearance_is_euclidean() {
         let mut costmap = open_ground();
-        see_wall(&mut costmap, MapPoint::new(3.05, 0.05), MapPoint::new(3.05, 0.05));
+        see_wall(
+            &mut costmap,
+            MapPoint::new(3.05, 0.05),
+            MapPoint::new(3.05, 0.05),
+        );
         let clearance = costmap.clearance_at(MapPoint::new(0.05, 4.05));
         assert!((clearance - 5.0).abs() < 1e-6, "{clearance}");
     }

@@ -1,4 +1,4 @@
-//! The ground around the robot in finer cells, moving along with it.
+//! A rolling window: the ground around the robot in finer cells, moving along with it.
 
 use openbench_core::{MapPoint, Pose2};
 use openbench_grid::GridGeometry;
@@ -9,13 +9,14 @@ use crate::obstacles::RangeRing;
 use crate::shape::{Footprint, Obstacle};
 
 /// Side of a cell, metres.
-const CELL: f64 = 0.05;
-/// From the middle to each side, metres: what a ring shows and a little more.
-const HALF: f64 = 9.0;
-/// The robot may be as far from the middle before the window moves, metres.
-const SLACK: f64 = 1.0;
+const CELL_M: f64 = 0.05;
+/// From the middle to each side, metres: what a scan shows and a little more.
+const HALF_M: f64 = 9.0;
+/// Distance of the robot from the middle at which the window moves, metres.
+const SLACK_M: f64 = 1.0;
 
-/// A costmap that goes where the robot goes (a rolling window). What leaves it is forgotten; the map's layer comes from a larger costmap.
+/// A costmap that moves with the robot (a rolling window). What leaves it is forgotten; the layer
+/// of the map comes from a larger costmap.
 #[derive(Debug, Clone)]
 pub struct Window {
     costmap: Costmap,
@@ -24,13 +25,20 @@ pub struct Window {
 impl Window {
     /// The window around a place.
     pub fn new(whole: &Costmap, place: MapPoint) -> Self {
-        let side = (2.0 * HALF / CELL) as usize;
-        // On whole cells, so that cells stay where they are when the window moves.
-        let corner = |at: f64| ((at - HALF) / CELL).round() * CELL;
+        let side = (2.0 * HALF_M / CELL_M) as usize;
+        // On whole cells, so that cells keep their places when the window moves.
+        let corner = |at: f64| ((at - HALF_M) / CELL_M).round() * CELL_M;
         let origin = MapPoint::new(corner(place.x), corner(place.y));
-        let grid = GridGeometry { origin, width: side, height: side, cell: CELL };
+        let grid = GridGeometry {
+            origin,
+            width: side,
+            height: side,
+            cell: CELL_M,
+        };
         let ground = Ground::unknown(grid.len());
-        let mut window = Self { costmap: Costmap::over(grid, ground, whole.room, Preferences::NONE) };
+        let mut window = Self {
+            costmap: Costmap::over(grid, ground, whole.room, Preferences::NONE),
+        };
         window.take_ground(whole);
         window
     }
@@ -39,25 +47,27 @@ impl Window {
     pub fn follow(&mut self, whole: &Costmap, place: MapPoint) {
         let before = self.costmap.grid;
         let grid = &mut self.costmap.grid;
-        let cells = |at: f64, origin: f64| ((at - HALF - origin) / grid.cell).round();
+        let cells = |at: f64, origin: f64| ((at - HALF_M - origin) / grid.cell).round();
         let (columns, rows) = (cells(place.x, grid.origin.x), cells(place.y, grid.origin.y));
-        // Written so that a broken number moves nothing.
-        let far = |cells: f64| cells.abs() * grid.cell > SLACK;
+        // Written so that NaN moves nothing.
+        let far = |cells: f64| cells.abs() * grid.cell > SLACK_M;
         let known = |cells: f64| cells.abs() < 1e9;
         if !(known(columns) && known(rows) && (far(columns) || far(rows))) {
             return;
         }
-        // Counted in cells, so that rounding does not add up.
-        let moved = |at: f64, by: f64| ((at / CELL).round() + by) * CELL;
+        // Counted in cells, so that rounding does not accumulate.
+        let moved = |at: f64, by: f64| ((at / CELL_M).round() + by) * CELL_M;
         grid.origin = MapPoint::new(moved(grid.origin.x, columns), moved(grid.origin.y, rows));
         self.costmap.seen.carry(&before, &self.costmap.grid);
         self.take_ground(whole);
     }
 
+    /// Copies the layer of the map.
     fn take_ground(&mut self, whole: &Costmap) {
         for cell in 0..self.costmap.grid.len() {
             let from = whole.grid.cell_at(self.costmap.grid.center(cell));
-            self.costmap.ground.barred[cell] = from.map_or(Barred::No, |from| whole.ground.barred[from]);
+            self.costmap.ground.barred[cell] =
+                from.map_or(Barred::No, |from| whole.ground.barred[from]);
         }
     }
 
@@ -77,7 +87,7 @@ impl Window {
         self.costmap.forget_seen();
     }
 
-    /// Forgets what is believed to be where the robot stands, water too: it has to drive out of there.
+    /// Forgets obstacles where the robot is, water too: it has to drive out of there.
     pub fn clear_below(&mut self, footprint: &Footprint, pose: Pose2) {
         for cell in self.costmap.obstacles_below(footprint, pose) {
             self.costmap.seen.clear(cell);
@@ -99,12 +109,16 @@ mod tests {
     use openbench_core::RobotDescription;
 
     #[test]
-    fn what_was_seen_stays_where_it_is_until_the_window_has_left_it() {
+    fn seen_obstacles_keep_their_places_until_the_window_has_left_them() {
         let whole = open_ground();
         let mut window = Window::new(&whole, MapPoint::default());
         let post = MapPoint::new(2.03, 1.03);
         window.observe_but(
-            &RangeRing::new(MapPoint::default(), 0.25, std::iter::once(ScanPoint::new(post, 0.3))),
+            &RangeRing::new(
+                MapPoint::default(),
+                0.25,
+                std::iter::once(ScanPoint::new(post, 0.3)),
+            ),
             |_| false,
         );
         let near = |window: &Window| window.obstacles_near(post, 0.5);
@@ -112,27 +126,53 @@ mod tests {
         let place = near(&window)[0].middle();
         assert!(place.distance(post) < 0.04);
         window.follow(&whole, MapPoint::new(5.3, -4.2));
-        assert_eq!(near(&window).iter().map(Obstacle::middle).collect::<Vec<_>>(), [place]);
-        // Who does not know where he is has not left.
-        for lost in [(f64::NAN, 30.0), (30.0, f64::NAN), (f64::INFINITY, 0.0), (1e300, 0.0)] {
+        assert_eq!(
+            near(&window)
+                .iter()
+                .map(Obstacle::middle)
+                .collect::<Vec<_>>(),
+            [place]
+        );
+        // A robot that does not know its pose has not left.
+        for lost in [
+            (f64::NAN, 30.0),
+            (30.0, f64::NAN),
+            (f64::INFINITY, 0.0),
+            (1e300, 0.0),
+        ] {
             window.follow(&whole, MapPoint::new(lost.0, lost.1));
-            assert_eq!(near(&window).iter().map(Obstacle::middle).collect::<Vec<_>>(), [place]);
+            assert_eq!(
+                near(&window)
+                    .iter()
+                    .map(Obstacle::middle)
+                    .collect::<Vec<_>>(),
+                [place]
+            );
         }
         window.follow(&whole, MapPoint::new(30.0, 0.0));
-        assert!(window.obstacles_near(MapPoint::new(30.0, 0.0), 9.0).is_empty());
+        assert!(
+            window
+                .obstacles_near(MapPoint::new(30.0, 0.0), 9.0)
+                .is_empty()
+        );
         window.follow(&whole, MapPoint::default());
         assert!(near(&window).is_empty());
     }
 
     #[test]
-    fn nothing_is_where_the_robot_stands() {
+    fn the_ground_below_the_robot_is_free() {
         let mut window = Window::new(&open_ground(), MapPoint::default());
         window.costmap.ground.barred.fill(Barred::Water);
         let is_obstacle = |window: &Window, x: f64| {
-            window.costmap.is_obstacle(window.grid().cell_at(MapPoint::new(x, 0.0)).unwrap())
+            window
+                .costmap
+                .is_obstacle(window.grid().cell_at(MapPoint::new(x, 0.0)).unwrap())
         };
         assert!(is_obstacle(&window, 0.0) && is_obstacle(&window, 1.0));
-        window.clear_below(&Footprint::of(&RobotDescription::sentry()).unwrap(), Pose2::default());
+        window.clear_below(
+            &Footprint::of(&RobotDescription::sentry()).unwrap(),
+            Pose2::default(),
+        );
         assert!(!is_obstacle(&window, 0.0) && is_obstacle(&window, 1.0));
     }
 }

@@ -31,11 +31,17 @@ pub fn ahead(path: &[MapPoint], from: MapPoint, length: f64) -> Option<PathPoint
         if step >= left && step > 0.0 {
             let t = left / step;
             let point = MapPoint::new(at.x + t * (next.x - at.x), at.y + t * (next.y - at.y));
-            return Some(PathPoint { point, is_end: false });
+            return Some(PathPoint {
+                point,
+                is_end: false,
+            });
         }
         (at, left) = (*next, left - step);
     }
-    Some(PathPoint { point: at, is_end: true })
+    Some(PathPoint {
+        point: at,
+        is_end: true,
+    })
 }
 
 #[cfg(test)]
@@ -44,12 +50,34 @@ mod tests {
 
     #[test]
     fn the_point_ahead_is_measured_along_the_path_from_its_nearest_point() {
-        let path = [MapPoint::new(0.0, 0.0), MapPoint::new(2.0, 0.0), MapPoint::new(2.0, 2.0)];
+        let path = [
+            MapPoint::new(0.0, 0.0),
+            MapPoint::new(2.0, 0.0),
+            MapPoint::new(2.0, 2.0),
+        ];
         let from = MapPoint::new(1.5, 0.3);
         let at = |length: f64| ahead(&path, from, length).unwrap();
-        assert_eq!(at(0.5), PathPoint { point: path[1], is_end: false });
-        assert_eq!(at(1.5), PathPoint { point: MapPoint::new(2.0, 1.0), is_end: false });
-        assert_eq!(at(9.0), PathPoint { point: path[2], is_end: true });
+        assert_eq!(
+            at(0.5),
+            PathPoint {
+                point: path[1],
+                is_end: false
+            }
+        );
+        assert_eq!(
+            at(1.5),
+            PathPoint {
+                point: MapPoint::new(2.0, 1.0),
+                is_end: false
+            }
+        );
+        assert_eq!(
+            at(9.0),
+            PathPoint {
+                point: path[2],
+                is_end: true
+            }
+        );
         assert_eq!(ahead(&[], from, 1.0), None);
     }
 }

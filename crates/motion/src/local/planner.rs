@@ -1,42 +1,42 @@
-//! The trait of local planners: what they work from, and what they decide.
+//! The trait of local planners, with its input and its output.
 
 use openbench_core::{MapPoint, Pose2, SimTime, Velocity};
 
 use crate::shape::Obstacle;
 
-/// No robot on the Earth has to do with so many metres or radians, or either a second.
-const FAR: f64 = 1e8;
+/// Metres, radians, m/s and rad/s from here on are no numbers of a robot on the Earth.
+const IMPOSSIBLE: f64 = 1e8;
 
-/// What a local planner works from.
+/// The input of a local planner.
 #[derive(Debug, Clone, Copy)]
 pub struct Situation<'a> {
     /// Now.
     pub time: SimTime,
-    /// Where the robot believes to be, in `map`.
+    /// The robot's estimated pose in `map`.
     pub pose: Pose2,
-    /// How it believes to move.
+    /// Its estimated velocity.
     pub velocity: Velocity,
-    /// The way; it begins near the robot.
+    /// The path to follow, in `map`; it begins near the robot.
     pub path: &'a [MapPoint],
-    /// Heading wanted at the end of the way, radians; any if none.
+    /// Heading at the end of the path, radians; any if `None`.
     pub final_yaw: Option<f64>,
-    /// What stands or moves within some metres, where it is now.
+    /// Standing and moving obstacles within some metres, where they are now.
     pub obstacles: &'a [Obstacle],
 }
 
-/// What a local planner decides.
+/// The output of a local planner.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Progress {
     /// Drive on with this velocity.
     Drive(Velocity),
-    /// Drive on with this velocity, slower than the way alone would let the robot be, for this cause.
+    /// Drive on with this velocity, slower than the path alone would allow, for this cause.
     Slowed(Velocity, Blocked),
-    /// The end of the way is reached, heading included.
+    /// The end of the path is reached, heading included.
     Arrived,
 }
 
 impl Progress {
-    /// The velocity to drive on with, if the robot is not there.
+    /// The velocity to drive on with, unless the robot has arrived.
     pub fn velocity(&self) -> Option<Velocity> {
         match self {
             Self::Drive(velocity) | Self::Slowed(velocity, _) => Some(*velocity),
@@ -45,64 +45,73 @@ impl Progress {
     }
 }
 
-/// Why a local planner does not go on, or not as fast as it could. Where it does not, the robot should stand until it does.
+/// Why a local planner does not drive on, or not as fast as it could. Where it does not, the robot
+/// should stand until it does.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Blocked {
-    /// The way is empty or holds a number that is none.
-    #[error("there is no way to follow: it is empty or holds a number that is none")]
+    /// The path is empty or contains NaN, infinity or an impossible number.
+    #[error("there is no path to follow: it is empty or contains NaN or infinity")]
     NoPath,
-    /// The pose or velocity holds a number that is none.
-    #[error("the robot does not know where it is: its pose or velocity holds a number that is none")]
+    /// The pose or velocity contains NaN, infinity or an impossible number.
+    #[error("the robot's pose is unknown: its pose or velocity contains NaN or infinity")]
     NoPose,
-    /// Something stands in the way.
+    /// An obstacle stands in the path, this many metres ahead.
     #[error("an obstacle stands {0:.2} m ahead")]
     Obstacle(f64),
-    /// Nothing that the footprint fits through leads on.
-    #[error("nothing that the footprint fits through leads on")]
+    /// No gap that the footprint fits through leads on.
+    #[error("no gap that the footprint fits through leads on")]
     NoGap,
-    /// Something is so near that the robot has to get off it first.
-    #[error("something is all but touched")]
+    /// An obstacle is so near that the robot has to move away from it first.
+    #[error("an obstacle is in near contact")]
     Touching,
-    /// Somebody who moves may come there.
-    #[error("somebody near may walk where the robot would drive")]
+    /// A moving obstacle may come there.
+    #[error("a person nearby may walk into the robot's path")]
     Yielding,
-    /// The robot is driven and hardly moves.
-    #[error("the robot hardly moves, though nothing is known to be in its way")]
+    /// The robot is commanded to drive and hardly moves.
+    #[error("the robot hardly moves, though no obstacle is known in its path")]
     Creeping,
 }
 
 impl Situation<'_> {
-    /// Whether there is a way and all numbers are numbers.
+    /// Whether there is a path and all numbers are possible.
     pub fn check(&self) -> Result<(), Blocked> {
         check(self.pose, self.velocity, self.path, self.final_yaw)
     }
 }
 
-/// Whether there is a way and all numbers are numbers that can be: less than 100,000 km, as many radians, or either a second.
+/// Whether there is a path and all numbers are possible: less than 1e8 metres, radians, m/s or
+/// rad/s.
 pub fn check(
     pose: Pose2,
     velocity: Velocity,
     path: &[MapPoint],
     final_yaw: Option<f64>,
 ) -> Result<(), Blocked> {
-    let finite = |p: &MapPoint| p.x.abs() < FAR && p.y.abs() < FAR;
+    let finite = |p: &MapPoint| p.x.abs() < IMPOSSIBLE && p.y.abs() < IMPOSSIBLE;
     if path.is_empty() || !path.iter().all(finite) || final_yaw.is_some_and(|y| !y.is_finite()) {
         return Err(Blocked::NoPath);
     }
-    let known = [pose.yaw, velocity.linear, velocity.angular].iter().all(|c| c.abs() < FAR);
-    if known && finite(&pose.point()) { Ok(()) } else { Err(Blocked::NoPose) }
+    let known = [pose.yaw, velocity.linear, velocity.angular]
+        .iter()
+        .all(|c| c.abs() < IMPOSSIBLE);
+    if known && finite(&pose.point()) {
+        Ok(())
+    } else {
+        Err(Blocked::NoPose)
+    }
 }
 
-/// Turns a way into velocities, one call an observation.
+/// Turns a path into velocities, one call for each observation.
 pub trait LocalPlanner {
-    /// The velocity for now.
+    /// The velocity to drive with now.
     fn plan(&mut self, situation: &Situation<'_>) -> Result<Progress, Blocked>;
 
-    /// As much of a velocity that somebody else thought of as may be driven among those who move: all of it, unless the planner cares for more than plans.
+    /// The share of a velocity from elsewhere, a recovery maneuver for example, that may be driven
+    /// near people: all of it, unless the planner has its own rules for people.
     fn among_people(&self, _situation: &Situation<'_>, velocity: Velocity) -> Velocity {
         velocity
     }
 
-    /// Forgets what was planned before: the next way has nothing to do with the last.
+    /// Forgets what was planned before: the next path is unrelated to the last.
     fn reset(&mut self);
 }

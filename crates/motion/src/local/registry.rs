@@ -58,7 +58,11 @@ impl Entry {
             Ok(planner) => Ok(Box::new(planner) as Box<dyn LocalPlanner>),
             Err(error) => Err(error.into()),
         };
-        Self { name, description, make: Arc::new(make) }
+        Self {
+            name,
+            description,
+            make: Arc::new(make),
+        }
     }
 
     /// Its name, as users write it.
@@ -73,14 +77,22 @@ impl Entry {
 
     /// A planner of this kind.
     pub fn make(&self, settings: &PlannerSettings) -> Result<Box<dyn LocalPlanner>, PlannerError> {
-        (self.make)(settings).map_err(|source| PlannerError::Unfit { name: self.name, source })
+        (self.make)(settings).map_err(|source| PlannerError::Unfit {
+            name: self.name,
+            source,
+        })
     }
 }
 
 impl fmt::Debug for Entry {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { name, description, .. } = self;
-        f.debug_struct("Entry").field("name", name).field("description", description).finish()
+        let Self {
+            name, description, ..
+        } = self;
+        f.debug_struct("Entry")
+            .field("name", name)
+            .field("description", description)
+            .finish()
     }
 }
 
@@ -122,7 +134,11 @@ impl LocalPlanners {
 
     /// These and one more; an entry of the same name is replaced and keeps its place.
     pub fn with(mut self, entry: Entry) -> Self {
-        match self.entries.iter_mut().find(|known| known.name == entry.name) {
+        match self
+            .entries
+            .iter_mut()
+            .find(|known| known.name == entry.name)
+        {
             Some(known) => *known = entry,
             None => self.entries.push(entry),
         }
@@ -141,10 +157,15 @@ impl LocalPlanners {
 
     /// Those of some names, in the order of this list; all of them if no name is given.
     pub fn select(&self, names: &[impl AsRef<str>]) -> Result<Self, PlannerError> {
-        names.iter().try_for_each(|name| self.get(name.as_ref()).map(drop))?;
-        let is_wanted =
-            |entry: &&Entry| names.is_empty() || names.iter().any(|name| name.as_ref() == entry.name);
-        Ok(Self { entries: self.entries.iter().filter(is_wanted).cloned().collect() })
+        names
+            .iter()
+            .try_for_each(|name| self.get(name.as_ref()).map(drop))?;
+        let is_wanted = |entry: &&Entry| {
+            names.is_empty() || names.iter().any(|name| name.as_ref() == entry.name)
+        };
+        Ok(Self {
+            entries: self.entries.iter().filter(is_wanted).cloned().collect(),
+        })
     }
 
     /// The entry of a name.
@@ -152,7 +173,10 @@ impl LocalPlanners {
         self.entries
             .iter()
             .find(|entry| entry.name == name)
-            .ok_or_else(|| PlannerError::Unknown { name: name.to_owned(), known: self.names() })
+            .ok_or_else(|| PlannerError::Unknown {
+                name: name.to_owned(),
+                known: self.names(),
+            })
     }
 
     /// The planner of a name.
@@ -181,7 +205,9 @@ mod tests {
     }
 
     fn parked(name: &'static str, description: &'static str) -> Entry {
-        Entry::new(name, description, |_: &PlannerSettings| Ok::<_, std::fmt::Error>(Parked))
+        Entry::new(name, description, |_: &PlannerSettings| {
+            Ok::<_, std::fmt::Error>(Parked)
+        })
     }
 
     fn settings() -> PlannerSettings {
@@ -192,7 +218,11 @@ mod tests {
     fn a_planner_is_added_after_the_others_and_replaced_in_its_place() {
         let planners = LocalPlanners::new([parked("a", ""), parked("b", "")]);
         let planners = planners.with(parked("c", "new")).with(parked("a", "other"));
-        let listed: Vec<_> = planners.entries().iter().map(|e| (e.name(), e.description())).collect();
+        let listed: Vec<_> = planners
+            .entries()
+            .iter()
+            .map(|e| (e.name(), e.description()))
+            .collect();
         assert_eq!(listed, [("a", "other"), ("b", ""), ("c", "new")]);
         assert!(planners.make("c", &settings()).is_ok());
     }
@@ -215,8 +245,16 @@ mod tests {
 
     #[test]
     fn why_a_planner_cannot_be_made_is_kept() {
-        let broken = Entry::new("broken", "", |_: &PlannerSettings| Err::<Parked, _>(std::fmt::Error));
-        let Err(error) = broken.make(&settings()) else { panic!("it was made") };
-        assert!(error.source().is_some_and(|source| source.is::<std::fmt::Error>()));
+        let broken = Entry::new("broken", "", |_: &PlannerSettings| {
+            Err::<Parked, _>(std::fmt::Error)
+        });
+        let Err(error) = broken.make(&settings()) else {
+            panic!("it was made")
+        };
+        assert!(
+            error
+                .source()
+                .is_some_and(|source| source.is::<std::fmt::Error>())
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! Driving near people who may not do as predicted: slow enough to stand when they get here, out of what is theirs, and not hastily.
+//! Driving near people who may not do as predicted: slow enough to stop if they approach, off the
+//! ground that they need, and without setting out hastily.
 
 use openbench_core::{Pose2, SimTime, Velocity};
 
@@ -9,59 +10,73 @@ use crate::limits::Limits;
 use crate::local::{Blocked, Progress, Situation};
 use crate::shape::{Footprint, Obstacle};
 use crate::trajectory::Band;
-use crate::trajectory::band::COMMAND;
+use crate::trajectory::band::COMMAND_S;
 
-/// Who is nearer than this may surprise, metres.
-const ALERT: f64 = 1.5;
-/// Looks ahead at whom one passes.
-const PASS_LOOKS: usize = 20;
+/// Moving obstacles within this distance may not do as predicted, metres.
+const ALERT_M: f64 = 1.5;
+/// Checks along a predicted encounter.
+const PASS_CHECKS: usize = 20;
 /// Seconds between them.
-const PASS_STEP: f64 = 0.1;
-/// Distance at which somebody is passed, at least, metres.
-const CLEAR: f64 = 0.15;
-/// Who stands near somebody who may surprise sets out once there was a way for so long, seconds.
-const HESITATES: f64 = 0.5;
-/// A robot whose rims are slower than this has all but stopped, m/s.
-const ALL_BUT_STANDS: f64 = 0.2;
-/// A standing robot whose rims are told less than this does not set out, m/s.
-const SETS_OUT: f64 = 0.01;
+const PASS_STEP_S: f64 = 0.1;
+/// Least distance at which somebody is passed, metres.
+const CLEAR_M: f64 = 0.15;
+/// A robot that stands near people sets out after it has had a free path for so long, seconds.
+const HESITATION_S: f64 = 0.5;
+/// A robot whose rims are slower than this almost stands, m/s.
+const ALMOST_STANDS_MPS: f64 = 0.2;
+/// A robot whose rims are commanded to be slower than this does not set out, m/s.
+const SETS_OUT_MPS: f64 = 0.01;
 
-/// How far people are trusted to go on as they do.
+/// How far people are trusted to go on as predicted.
 #[derive(Debug, Clone, Copy)]
 pub struct Caution<'a> {
     /// The robot's outline.
     pub footprint: &'a Footprint,
     /// What the robot can do.
     pub limits: &'a Limits,
-    /// How much faster than predicted somebody may come at the robot, m/s; people are trusted if none.
+    /// How much faster than predicted somebody may approach, m/s; people are trusted if `None`.
     pub surprise: Option<f64>,
-    /// Seconds that somebody who walks needs to stop; the robot does not yield if none.
+    /// Seconds that a walking person needs to stop; the robot does not yield if `None`.
     pub yields: Option<f64>,
 }
 
 impl Caution<'_> {
-    /// A velocity, or as much of it as lets the robot stand, wherever it drives, before somebody near touches it who comes at it faster than foreseen.
-    pub fn slowed(&self, situation: &Situation<'_>, wanted: Velocity, plan: Option<&Band>) -> Velocity {
-        let Some(surprise) = self.surprise else { return wanted };
+    /// A velocity, or the share of it with which the robot stands, wherever it drives, before
+    /// somebody near touches it who approaches faster than predicted. `plan` is the band that the
+    /// velocity is taken from.
+    pub fn slowed(
+        &self,
+        situation: &Situation<'_>,
+        wanted: Velocity,
+        plan: Option<&Band>,
+    ) -> Velocity {
+        let Some(surprise) = self.surprise else {
+            return wanted;
+        };
         let moving = situation.obstacles.iter().filter(|o| o.is_moving());
-        let limits = moving.filter_map(|o| Some((o, self.fastest_near(o, situation.pose, surprise)?)));
-        // To stop before somebody whom one can still pass is to stand in his way.
-        let most = limits.filter(|(o, _)| !self.passes(o, situation, wanted, plan)).map(|(_, most)| most);
+        let limits =
+            moving.filter_map(|o| Some((o, self.fastest_near(o, situation.pose, surprise)?)));
+        // To stop before somebody whom the robot can still pass is to stand in their path.
+        let most = limits
+            .filter(|(o, _)| !self.passes(o, situation, wanted, plan))
+            .map(|(_, most)| most);
         let most = most.fold(f64::INFINITY, f64::min);
         let share = (most / self.rim_speed(wanted).max(1e-9)).min(1.0);
         Velocity::new(share * wanted.linear, share * wanted.angular)
     }
 
-    /// The fastest that a rim may be, m/s, for the robot to stand when somebody touches it who comes faster than foreseen; `None` if he is too far or goes away.
+    /// The largest speed of a rim, m/s, with which the robot stands when somebody touches it who
+    /// approaches faster than predicted; `None` if they are too far or go away.
     fn fastest_near(&self, somebody: &Obstacle, pose: Pose2, surprise: f64) -> Option<f64> {
         let (placed, circle) = (self.footprint.at(pose), self.footprint.circumscribed());
-        let near = somebody.contact(&placed, circle, 0.0, ALERT)?;
+        let near = somebody.contact(&placed, circle, 0.0, ALERT_M)?;
         let velocity = somebody.velocity();
         let towards = surprise - near.normal.x * velocity.x - near.normal.y * velocity.y;
         (towards > 0.0).then(|| stands_in_time(near.distance, towards, self.limits.acceleration))
     }
 
-    /// Whether somebody who goes on as he does comes near a robot that stands, but not one that drives on: along a band or, without one, as it is told.
+    /// Whether somebody who goes on as predicted comes near a robot that stands, but not near one
+    /// that drives on, along a band or, without one, as commanded.
     fn passes(
         &self,
         somebody: &Obstacle,
@@ -69,57 +84,96 @@ impl Caution<'_> {
         command: Velocity,
         plan: Option<&Band>,
     ) -> bool {
-        let mut motion = Motion { pose: situation.pose, velocity: situation.velocity, command };
-        let mut times = (1..=PASS_LOOKS).map(|i| i as f64 * PASS_STEP);
+        let mut motion = Motion {
+            pose: situation.pose,
+            velocity: situation.velocity,
+            command,
+        };
+        let mut times = (1..=PASS_CHECKS).map(|i| i as f64 * PASS_STEP_S);
         let goes_by = times.clone().all(|time| {
-            motion.step(self.limits, PASS_STEP);
-            self.keeps_off(somebody, plan.map_or(motion.pose, |band| band.pose_at(time)), time)
+            motion.step(self.limits, PASS_STEP_S);
+            self.keeps_off(
+                somebody,
+                plan.map_or(motion.pose, |band| band.pose_at(time)),
+                time,
+            )
         });
         goes_by && times.any(|time| !self.keeps_off(somebody, situation.pose, time))
     }
 
+    /// Whether the robot at a pose keeps off somebody as they will be after `time` seconds.
     fn keeps_off(&self, somebody: &Obstacle, pose: Pose2, time: f64) -> bool {
-        clearance(self.footprint, std::iter::once(somebody), pose, time, CLEAR) >= CLEAR
+        clearance(
+            self.footprint,
+            std::iter::once(somebody),
+            pose,
+            time,
+            CLEAR_M,
+        ) >= CLEAR_M
     }
 
-    /// Whether the robot gets into somebody's way if it is told this.
-    pub fn cuts_off(&self, situation: &Situation<'_>, command: Velocity, plan: Option<&Band>) -> bool {
-        let Some(seconds) = self.yields else { return false };
-        let motion = Motion { pose: situation.pose, velocity: situation.velocity, command };
-        let ways = Ways { footprint: self.footprint, seconds };
+    /// Whether the robot cuts somebody off if it is commanded this.
+    pub fn cuts_off(
+        &self,
+        situation: &Situation<'_>,
+        command: Velocity,
+        plan: Option<&Band>,
+    ) -> bool {
+        let Some(seconds) = self.yields else {
+            return false;
+        };
+        let motion = Motion {
+            pose: situation.pose,
+            velocity: situation.velocity,
+            command,
+        };
+        let ways = Ways {
+            footprint: self.footprint,
+            seconds,
+        };
         let mut moving = situation.obstacles.iter().filter(|o| o.is_moving());
         moving.any(|o| {
-            ways.is_cut_off(o, motion, self.limits, COMMAND) && !self.passes(o, situation, command, plan)
+            ways.is_cut_off(o, motion, self.limits, COMMAND_S)
+                && !self.passes(o, situation, command, plan)
         })
     }
 
+    /// Whether somebody is near enough not to do as predicted.
     fn is_anybody_near(&self, situation: &Situation<'_>) -> bool {
         let moving = situation.obstacles.iter().filter(|o| o.is_moving());
-        clearance(self.footprint, moving, situation.pose, 0.0, ALERT) < ALERT
+        clearance(self.footprint, moving, situation.pose, 0.0, ALERT_M) < ALERT_M
     }
 
-    /// How fast the faster rim is, m/s.
+    /// The speed of the faster rim, m/s.
     fn rim_speed(&self, velocity: Velocity) -> f64 {
         velocity.linear.abs() + self.limits.half_track * velocity.angular.abs()
     }
 }
 
-/// The largest speed at which a robot comes to stand, after a command's time, within `distance` less what somebody comes nearer meanwhile: v² / 2a + v (w / a + T) + w T = d.
+/// The largest speed v with which a robot stands in time before somebody at distance d (m) who
+/// approaches with w = `towards` (m/s). It goes on for the time T of a command and then brakes with
+/// a (m/s²): v² / 2a + v (w / a + T) + w T = d.
 fn stands_in_time(distance: f64, towards: f64, acceleration: f64) -> f64 {
-    let left = distance - towards * COMMAND;
-    let late = towards / acceleration + COMMAND;
-    if left > 0.0 { acceleration * ((late * late + 2.0 * left / acceleration).sqrt() - late) } else { 0.0 }
+    let left = distance - towards * COMMAND_S;
+    let late = towards / acceleration + COMMAND_S;
+    if left > 0.0 {
+        acceleration * ((late * late + 2.0 * left / acceleration).sqrt() - late)
+    } else {
+        0.0
+    }
 }
 
-/// Whether a robot that stands near people has had a way for long enough to set out.
+/// Whether a robot that stands near people has had a free path for long enough to set out.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Hesitation {
-    /// Since when there has been a way to drive.
+    /// Since when there has been a free path.
     free_since: Option<SimTime>,
 }
 
 impl Hesitation {
-    /// What was decided, unless the robot stands, or all but does, near somebody who may surprise and there has hardly been a way yet: one look may err, and who sets out a little and stops again stands in the way.
+    /// What was decided, unless the robot almost stands near people and has hardly had a free path
+    /// yet. One estimate may be wrong, and a robot that sets out a little and stops again stands in
+    /// the way.
     pub fn hold(
         &mut self,
         caution: &Caution<'_>,
@@ -130,21 +184,22 @@ impl Hesitation {
             return decided;
         }
         let told = decided.ok().and_then(|decided| decided.velocity());
-        let sets_out = told.is_some_and(|velocity| caution.rim_speed(velocity) > SETS_OUT);
+        let sets_out = told.is_some_and(|velocity| caution.rim_speed(velocity) > SETS_OUT_MPS);
         self.free_since = sets_out.then(|| self.free_since.unwrap_or(situation.time));
-        let all_but_stands = caution.rim_speed(situation.velocity) < ALL_BUT_STANDS;
+        let almost_stands = caution.rim_speed(situation.velocity) < ALMOST_STANDS_MPS;
         let settled = self.is_settled(situation.time);
-        if decided.is_err() || !all_but_stands || settled || !caution.is_anybody_near(situation) {
+        if decided.is_err() || !almost_stands || settled || !caution.is_anybody_near(situation) {
             return decided;
         }
         Ok(Progress::Slowed(Velocity::ZERO, Blocked::Yielding))
     }
 
     fn is_settled(&self, now: SimTime) -> bool {
-        self.free_since.is_some_and(|since| now.since(since).as_secs_f64() >= HESITATES)
+        self.free_since
+            .is_some_and(|since| now.since(since).as_secs_f64() >= HESITATION_S)
     }
 
-    /// Forgets that there was a way.
+    /// Forgets that there was a free path.
     pub fn forget(&mut self) {
         self.free_since = None;
     }
@@ -155,12 +210,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_robot_that_brakes_at_that_speed_stands_when_the_other_is_there() {
+    fn a_robot_with_the_largest_speed_stands_when_somebody_reaches_it() {
         let (distance, towards, acceleration) = (0.8, 0.7, 1.0);
         let speed = stands_in_time(distance, towards, acceleration);
-        let stops_after = COMMAND + speed / acceleration;
-        let driven = speed * COMMAND + speed * speed / (2.0 * acceleration);
-        assert!((driven + towards * stops_after - distance).abs() < 1e-9, "{speed}");
+        let stops_after = COMMAND_S + speed / acceleration;
+        let driven = speed * COMMAND_S + speed * speed / (2.0 * acceleration);
+        assert!(
+            (driven + towards * stops_after - distance).abs() < 1e-9,
+            "{speed}"
+        );
         assert_eq!(stands_in_time(0.05, towards, acceleration), 0.0);
     }
 }

@@ -1,4 +1,4 @@
-//! Points that hang together.
+//! Connected sets of points.
 
 use openbench_core::MapPoint;
 
@@ -57,13 +57,18 @@ fn grown(first: MapPoint, rest: &mut Vec<MapPoint>) -> Vec<MapPoint> {
 /// Twice the distance from the mean to the furthest point, metres.
 pub(super) fn width(points: &[MapPoint]) -> f64 {
     let middle = mean(points);
-    2.0 * points.iter().map(|p| apart(Vector2::to(*p), middle)).fold(0.0, f64::max)
+    2.0 * points
+        .iter()
+        .map(|p| apart(Vector2::to(*p), middle))
+        .fold(0.0, f64::max)
 }
 
 /// The mean of some points, one at least.
 pub(super) fn mean(points: &[MapPoint]) -> Vector2 {
     let n = points.len() as f64;
-    points.iter().fold(Vector2::ZERO, |m, p| Vector2::new(m.x + p.x / n, m.y + p.y / n))
+    points.iter().fold(Vector2::ZERO, |m, p| {
+        Vector2::new(m.x + p.x / n, m.y + p.y / n)
+    })
 }
 
 /// How far two places are apart, metres, or how much two velocities differ, m/s.
@@ -78,7 +83,9 @@ mod tests {
     /// `n` by `n` points over a square.
     fn dense(n: u32, side: f64) -> Vec<MapPoint> {
         let at = |i: u32| side * f64::from(i) / f64::from(n);
-        (0..n).flat_map(|i| (0..n).map(move |k| MapPoint::new(at(i), at(k)))).collect()
+        (0..n)
+            .flat_map(|i| (0..n).map(move |k| MapPoint::new(at(i), at(k))))
+            .collect()
     }
 
     #[test]
@@ -90,7 +97,11 @@ mod tests {
     #[test]
     fn too_many_points_are_nobody() {
         // Islands 0.6 m apart, as when all walls have jumped.
-        let island = |p: &MapPoint| (-5..=5).map(|i| p.offset(0.25 * f64::from(i), 0.1)).collect::<Vec<_>>();
+        let island = |p: &MapPoint| {
+            (-5..=5)
+                .map(|i| p.offset(0.25 * f64::from(i), 0.1))
+                .collect::<Vec<_>>()
+        };
         let flood: Vec<MapPoint> = dense(30, 18.0).iter().flat_map(island).collect();
         let found = |points: &[MapPoint]| clusters(&thinned(points)).len();
         assert!(found(&flood[..100]) > 5 && found(&flood) == 0);

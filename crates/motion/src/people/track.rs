@@ -89,18 +89,32 @@ impl Track {
     /// Where it will be `dt` seconds later.
     pub(super) fn predict(&mut self, dt: f64) {
         self.place = self.place + self.velocity * dt;
-        let Covariance { place: p, velocity: v, cross: pv } = self.covariance;
-        self.covariance =
-            Covariance { place: p + 2.0 * dt * pv + dt * dt * v, velocity: v, cross: pv + dt * v };
+        let Covariance {
+            place: p,
+            velocity: v,
+            cross: pv,
+        } = self.covariance;
+        self.covariance = Covariance {
+            place: p + 2.0 * dt * pv + dt * dt * v,
+            velocity: v,
+            cross: pv + dt * v,
+        };
         self.spread(ACCELERATION_MPS2, dt);
     }
 
     /// Adds what an acceleration of this standard deviation may have done within `dt` seconds.
     fn spread(&mut self, acceleration: f64, dt: f64) {
         let q = acceleration * acceleration * dt * dt;
-        let Covariance { place: p, velocity: v, cross: pv } = self.covariance;
-        self.covariance =
-            Covariance { place: p + q * dt * dt / 4.0, velocity: v + q, cross: pv + q * dt / 2.0 };
+        let Covariance {
+            place: p,
+            velocity: v,
+            cross: pv,
+        } = self.covariance;
+        self.covariance = Covariance {
+            place: p + q * dt * dt / 4.0,
+            velocity: v + q,
+            cross: pv + q * dt / 2.0,
+        };
     }
 
     /// Takes in where the body is seen.
@@ -110,7 +124,11 @@ impl Track {
         if innovation.dot(innovation) > UNLIKELY * (self.covariance.place + noise) {
             self.spread(SUDDEN_MPS2, time.since(self.last).as_secs_f64());
         }
-        let Covariance { place: p, velocity: v, cross: pv } = self.covariance;
+        let Covariance {
+            place: p,
+            velocity: v,
+            cross: pv,
+        } = self.covariance;
         let total = p + noise;
         let (gain, gain_velocity) = (p / total, pv / total);
         self.place = self.place + innovation * gain;
@@ -155,13 +173,27 @@ impl Body {
         // A wall beside somebody is not of the trunk.
         let is_above = |p: &&MapPoint| apart(Vector2::to(**p), legs) < LEAN_M;
         let trunk: Vec<MapPoint> = trunk.iter().filter(is_above).copied().collect();
-        let (seen, deviation) =
-            if trunk.len() < TRUNK { (legs, LEGS_DEVIATION_M) } else { (mean(&trunk), TRUNK_DEVIATION_M) };
+        let (seen, deviation) = if trunk.len() < TRUNK {
+            (legs, LEGS_DEVIATION_M)
+        } else {
+            (mean(&trunk), TRUNK_DEVIATION_M)
+        };
         let away = apart(seen, Vector2::to(sensor)).max(1e-6);
         let behind = |seen: f64, sensor: f64| seen + HALF_DEPTH_M * (seen - sensor) / away;
         let middle = Vector2::new(behind(seen.x, sensor.x), behind(seen.y, sensor.y));
-        let widest = low.iter().map(|p| apart(Vector2::to(*p), middle)).fold(0.0, f64::max);
-        let radius = if widest < STRIDES_M { PERSON_M } else { widest.min(WIDEST_M / 2.0) };
-        Self { middle, radius, deviation }
+        let widest = low
+            .iter()
+            .map(|p| apart(Vector2::to(*p), middle))
+            .fold(0.0, f64::max);
+        let radius = if widest < STRIDES_M {
+            PERSON_M
+        } else {
+            widest.min(WIDEST_M / 2.0)
+        };
+        Self {
+            middle,
+            radius,
+            deviation,
+        }
     }
 }

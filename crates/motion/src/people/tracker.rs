@@ -1,5 +1,5 @@
-//! Who moves: points where a moment ago the ground was seen to be free, gathered into bodies and
-//! followed.
+//! Moving bodies: points where a moment ago the ground was seen to be free, gathered into bodies
+//! and followed.
 //!
 //! A point belongs to the body that it is nearest to at that body's predicted place, so that two
 //! people who pass each other stay two. The points of a cluster belong to a body as a whole if they
@@ -65,15 +65,21 @@ impl Tracker {
     fn predict(&mut self, time: SimTime) {
         let seconds = time.since(self.now).as_secs_f64();
         self.now = time;
-        self.tracks.iter_mut().for_each(|track| track.predict(seconds));
+        self.tracks
+            .iter_mut()
+            .for_each(|track| track.predict(seconds));
     }
 
-    /// Clusters no wider than a person, or than as many people as are known to be there: the side of
-    /// a car is neither.
+    /// Clusters no wider than a person, or than as many people as are known to be there: the side
+    /// of a car is neither.
     fn pedestrians(&self, low: &[MapPoint]) -> Vec<Vec<MapPoint>> {
         let mut clusters = clusters(&thinned(low));
         clusters.retain(|cluster| {
-            let known = self.tracks.iter().filter(|t| t.sightings > 1 && is_in(t, cluster)).count();
+            let known = self
+                .tracks
+                .iter()
+                .filter(|t| t.sightings > 1 && is_in(t, cluster))
+                .count();
             width(cluster) <= WIDEST_M * known.max(1) as f64
         });
         clusters
@@ -143,14 +149,16 @@ impl Tracker {
         for low in clusters(rest) {
             let fits = low.len() >= FEWEST && width(&low) <= WIDEST_M;
             if fits && self.tracks.len() < MOST_TRACKS {
-                self.tracks.push(Track::new(&Body::of(&low, &[], sensor), self.now));
+                self.tracks
+                    .push(Track::new(&Body::of(&low, &[], sensor), self.now));
             }
         }
     }
 
     fn forget(&mut self) {
         let now = self.now;
-        self.tracks.retain(|track| now.since(track.last).as_secs_f64() < FORGOTTEN_S);
+        self.tracks
+            .retain(|track| now.since(track.last).as_secs_f64() < FORGOTTEN_S);
     }
 
     /// Leaves one of two tracks of the same body, the older.
@@ -170,19 +178,25 @@ impl Tracker {
     pub fn moving(&self, time: SimTime) -> Vec<Obstacle> {
         let seconds = time.since(self.now).as_secs_f64();
         let confirmed = self.tracks.iter().filter(|track| track.is_confirmed());
-        confirmed.filter_map(|track| track.obstacle(seconds)).collect()
+        confirmed
+            .filter_map(|track| track.obstacle(seconds))
+            .collect()
     }
 
     /// Whether a point belongs to a confirmed moving body.
     pub fn covers(&self, point: MapPoint) -> bool {
         let at = Vector2::to(point);
-        self.tracks.iter().any(|t| apart(t.place, at) < t.radius + TOGETHER_M && t.is_confirmed())
+        self.tracks
+            .iter()
+            .any(|t| apart(t.place, at) < t.radius + TOGETHER_M && t.is_confirmed())
     }
 }
 
 /// Whether a cluster has a point where a person of this track is expected.
 fn is_in(track: &Track, cluster: &[MapPoint]) -> bool {
-    cluster.iter().any(|p| apart(track.place, Vector2::to(*p)) < PERSON_M)
+    cluster
+        .iter()
+        .any(|p| apart(track.place, Vector2::to(*p)) < PERSON_M)
 }
 
 /// Whether two tracks are at the same place and go the same way.
@@ -200,13 +214,22 @@ mod tests {
     }
 
     fn update(tracker: &mut Tracker, scan: u32, low: &[MapPoint], above: &[MapPoint]) {
-        tracker.update(time(scan), &Newcomers { sensor: MapPoint::default(), low, above });
+        tracker.update(
+            time(scan),
+            &Newcomers {
+                sensor: MapPoint::default(),
+                low,
+                above,
+            },
+        );
     }
 
     /// The side of a round body that faces the origin.
     fn seen(middle: MapPoint, radius: f64) -> Vec<MapPoint> {
         let towards = middle.bearing_to(MapPoint::default());
-        (-5..=5).map(|i| middle.offset(towards + 0.25 * f64::from(i), radius)).collect()
+        (-5..=5)
+            .map(|i| middle.offset(towards + 0.25 * f64::from(i), radius))
+            .collect()
     }
 
     /// Two legs, one before the other by turns, 0.25 m to either side.
@@ -217,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn somebody_who_walks_is_followed_and_who_stands_is_not() {
+    fn somebody_who_walks_is_followed_and_a_standing_thing_is_not() {
         let mut tracker = Tracker::default();
         let place = |scan: u32| MapPoint::new(3.0, -1.5 + 0.12 * f64::from(scan));
         for scan in 0..20 {
@@ -227,17 +250,20 @@ mod tests {
         let moving = tracker.moving(time(19));
         assert_eq!(moving.len(), 1);
         let velocity = moving[0].velocity();
-        assert!(velocity.x.abs() < 0.15 && (velocity.y - 1.2).abs() < 0.15, "{velocity:?}");
+        assert!(
+            velocity.x.abs() < 0.15 && (velocity.y - 1.2).abs() < 0.15,
+            "{velocity:?}"
+        );
         assert!(moving[0].middle().distance(place(19)) < 0.1 && tracker.covers(place(19)));
         assert!(!tracker.covers(MapPoint::new(-2.0, 1.0)));
-        // Half a second later he is further on; after a second unseen he is forgotten.
+        // Half a second later they are further on; after a second unseen they are forgotten.
         assert!((tracker.moving(time(24))[0].middle().y - moving[0].middle().y - 0.6).abs() < 0.1);
         update(&mut tracker, 30, &[], &[]);
         assert!(tracker.moving(time(30)).is_empty());
     }
 
     #[test]
-    fn who_stops_running_and_turns_back_is_not_thought_further_on() {
+    fn a_runner_who_turns_back_is_not_predicted_further_on() {
         let mut tracker = Tracker::default();
         let (mut along, mut speed) = (-2.7_f64, 1.8_f64);
         for scan in 0..24 {
@@ -246,8 +272,9 @@ mod tests {
             let low = [seen(place, 0.3), legs(place, scan)].concat();
             update(&mut tracker, scan, &low, &seen(place, 0.15));
             let moving = tracker.moving(time(scan));
-            let knows =
-                |o: &Obstacle| o.middle().distance(place) < 0.1 && (o.velocity().y - speed).abs() < 1.0;
+            let knows = |o: &Obstacle| {
+                o.middle().distance(place) < 0.1 && (o.velocity().y - speed).abs() < 1.0
+            };
             assert!(
                 scan < 8 || speed.abs() < 0.6 || moving.len() == 1 && moving.iter().all(knows),
                 "{scan}: {moving:?}"
@@ -260,13 +287,18 @@ mod tests {
     }
 
     #[test]
-    fn who_steps_out_from_behind_somebody_is_another() {
+    fn somebody_who_steps_out_from_behind_another_is_a_second_body() {
         let mut tracker = Tracker::default();
-        let place = |scan: u32, aside: f64| MapPoint::new(2.0 + aside, -1.5 + 0.1 * f64::from(scan));
+        let place =
+            |scan: u32, aside: f64| MapPoint::new(2.0 + aside, -1.5 + 0.1 * f64::from(scan));
         let mut out = 0.0;
         for scan in 0..30 {
-            out = if scan < 12 { 0.0 } else { f64::min(out + 0.1, 0.6) };
-            // He is seen as far as he is out.
+            out = if scan < 12 {
+                0.0
+            } else {
+                f64::min(out + 0.1, 0.6)
+            };
+            // They are seen as far as they have stepped out.
             let aside: Vec<MapPoint> = seen(place(scan, out), 0.2);
             let is_out = |p: &MapPoint| p.x > 2.2;
             let low: Vec<MapPoint> = aside.iter().copied().filter(is_out).collect();
@@ -276,12 +308,20 @@ mod tests {
             update(&mut tracker, scan, &low, &above);
         }
         let moving = tracker.moving(time(29));
-        let off = |p: MapPoint| moving.iter().map(|o| o.middle().distance(p)).fold(9.0, f64::min);
-        assert!(off(place(29, 0.0)) < 0.15 && off(place(29, out)) < 0.15, "{moving:?}");
+        let off = |p: MapPoint| {
+            moving
+                .iter()
+                .map(|o| o.middle().distance(p))
+                .fold(9.0, f64::min)
+        };
+        assert!(
+            off(place(29, 0.0)) < 0.15 && off(place(29, out)) < 0.15,
+            "{moving:?}"
+        );
     }
 
     #[test]
-    fn two_who_brush_past_each_other_stay_two() {
+    fn two_people_who_brush_past_each_other_stay_two() {
         let mut tracker = Tracker::default();
         for scan in 0..30 {
             let along = 0.1 * f64::from(scan) - 1.5;
@@ -290,20 +330,34 @@ mod tests {
             let above = [seen(one, 0.15), seen(other, 0.15)].concat();
             update(&mut tracker, scan, &low, &above);
             let moving = tracker.moving(time(scan));
-            let off = |p: MapPoint| moving.iter().map(|o| o.middle().distance(p)).fold(9.0, f64::min);
+            let off = |p: MapPoint| {
+                moving
+                    .iter()
+                    .map(|o| o.middle().distance(p))
+                    .fold(9.0, f64::min)
+            };
             assert!(
                 scan < 8 || (moving.len() == 2 && off(one) < 0.2 && off(other) < 0.2),
                 "{scan}: {moving:?}"
             );
         }
-        let mut speeds: Vec<f64> = tracker.moving(time(29)).iter().map(|o| o.velocity().y).collect();
+        let mut speeds: Vec<f64> = tracker
+            .moving(time(29))
+            .iter()
+            .map(|o| o.velocity().y)
+            .collect();
         speeds.sort_by(f64::total_cmp);
-        assert!((speeds[0] + 1.0).abs() < 0.2 && (speeds[1] - 1.0).abs() < 0.2, "{speeds:?}");
+        assert!(
+            (speeds[0] + 1.0).abs() < 0.2 && (speeds[1] - 1.0).abs() < 0.2,
+            "{speeds:?}"
+        );
     }
 
     #[test]
     fn walls_and_single_points_are_no_bodies() {
-        let wall: Vec<MapPoint> = (0..40).map(|i| MapPoint::new(2.0, 0.1 * f64::from(i))).collect();
+        let wall: Vec<MapPoint> = (0..40)
+            .map(|i| MapPoint::new(2.0, 0.1 * f64::from(i)))
+            .collect();
         let mut tracker = Tracker::default();
         for scan in 0..3 {
             update(&mut tracker, scan, &wall, &[]);
@@ -313,7 +367,7 @@ mod tests {
     }
 
     #[test]
-    fn the_side_of_a_car_that_comes_out_from_behind_something_is_nobody() {
+    fn the_side_of_a_car_that_appears_is_no_pedestrian() {
         let mut tracker = Tracker::default();
         for scan in 0..25 {
             let front = 0.2 * f64::from(scan);
@@ -332,15 +386,20 @@ mod tests {
     }
 
     #[test]
-    fn a_wall_beside_somebody_who_stops_does_not_lead_him_on() {
+    fn a_wall_beside_somebody_who_stops_does_not_move_their_track() {
         let mut tracker = Tracker::default();
-        let wall: Vec<MapPoint> = (0..400).map(|i| MapPoint::new(3.5, 0.02 * f64::from(i) - 3.0)).collect();
+        let wall: Vec<MapPoint> = (0..400)
+            .map(|i| MapPoint::new(3.5, 0.02 * f64::from(i) - 3.0))
+            .collect();
         let place = |scan: u32| MapPoint::new(3.0, -1.5 + 0.12 * f64::from(scan.min(15)));
         for scan in 0..30 {
             let above = [seen(place(scan), 0.15), wall.clone()].concat();
             update(&mut tracker, scan, &legs(place(scan), scan.min(15)), &above);
             let off = |o: &Obstacle| o.middle().distance(place(scan));
-            assert!(scan < 8 || tracker.moving(time(scan)).iter().all(|o| off(o) < 0.25), "{scan}");
+            assert!(
+                scan < 8 || tracker.moving(time(scan)).iter().all(|o| off(o) < 0.25),
+                "{scan}"
+            );
         }
         assert!(tracker.moving(time(29)).is_empty());
     }

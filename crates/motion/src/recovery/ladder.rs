@@ -77,7 +77,10 @@ pub struct Ladder {
 impl Ladder {
     /// Begins at the bottom, for another goal; steps that were not taken out yet are kept.
     pub fn reset(&mut self) {
-        *self = Self { recoveries: std::mem::take(&mut self.recoveries), ..Self::default() };
+        *self = Self {
+            recoveries: std::mem::take(&mut self.recoveries),
+            ..Self::default()
+        };
     }
 
     /// The robot got on: the next time it is blocked all steps are tried again.
@@ -163,7 +166,13 @@ mod tests {
     #[test]
     fn a_blocked_robot_replans_maneuvers_three_times_and_gives_up() {
         let mut ladder = Ladder::default();
-        let wanted = [Rung::Replan, Rung::Maneuver, Rung::Maneuver, Rung::Maneuver, Rung::GiveUp];
+        let wanted = [
+            Rung::Replan,
+            Rung::Maneuver,
+            Rung::Maneuver,
+            Rung::Maneuver,
+            Rung::GiveUp,
+        ];
         assert_eq!(climbed(&mut ladder, 45, false), wanted);
         let steps: Vec<Step> = ladder.take().iter().map(|recovery| recovery.step).collect();
         assert_eq!(steps, [Step::Stop, Step::Replan]);
@@ -172,7 +181,10 @@ mod tests {
     #[test]
     fn with_somebody_near_no_goal_is_given_up() {
         let rungs = climbed(&mut Ladder::default(), 200, true);
-        assert!(rungs.len() > 20 && !rungs.contains(&Rung::GiveUp), "{rungs:?}");
+        assert!(
+            rungs.len() > 20 && !rungs.contains(&Rung::GiveUp),
+            "{rungs:?}"
+        );
     }
 
     #[test]

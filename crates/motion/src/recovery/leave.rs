@@ -1,4 +1,5 @@
-//! Off what is all but touched: the small motion that gains most room. Soft penalties are no help within millimetres, and a search over cells and headings is too coarse for them.
+//! Leaving near contact: the small motion that gains most room. Within millimetres of an obstacle
+//! soft penalties are no help, and a search over cells and headings is too coarse.
 
 use openbench_core::{Pose2, Velocity};
 
@@ -9,67 +10,110 @@ use crate::local::Situation;
 use crate::shape::{Footprint, Obstacle};
 use crate::trajectory::{Band, Knot};
 
-/// Distance from what stands beyond which more is no gain, metres.
-const ENOUGH: f64 = 0.03;
-/// Room that a motion has to gain to be worth it, metres.
-const GAIN: f64 = 0.0005;
+/// Distance from obstacles beyond which more is no gain, metres.
+const ENOUGH_M: f64 = 0.03;
+/// Distance that a motion has to gain to be worth it, metres.
+const GAIN_M: f64 = 0.0005;
 /// Least distance that is kept on the way, metres, or half of what there is.
-pub(crate) const KEEP: f64 = 0.001;
-/// A motion that takes longer comes from a speed that no robot has, seconds.
-const LONGEST: f64 = 10.0;
-/// Seconds between two looks.
-const STEP: f64 = 0.02;
-/// Phases of the motions that are tried. Rims that gain speed as fast as they can do not turn the robot before they have it.
+pub(crate) const KEEP_M: f64 = 0.001;
+/// A motion that takes longer comes from an impossible speed, seconds.
+const LONGEST_S: f64 = 10.0;
+/// Seconds between two checks.
+const STEP_S: f64 = 0.02;
+/// Phases of the motions that are tried. Rims that accelerate as fast as they can do not turn the
+/// robot before they have their speed.
 const PHASES: [Phases; 5] = [
-    Phases { turning: 0.2, straight: 0.0 },
-    Phases { turning: 0.5, straight: 0.0 },
-    Phases { turning: 0.2, straight: 0.5 },
-    Phases { turning: 0.4, straight: 0.9 },
-    Phases { turning: 0.35, straight: 1.7 },
+    Phases {
+        turning: 0.2,
+        straight: 0.0,
+    },
+    Phases {
+        turning: 0.5,
+        straight: 0.0,
+    },
+    Phases {
+        turning: 0.2,
+        straight: 0.5,
+    },
+    Phases {
+        turning: 0.4,
+        straight: 0.9,
+    },
+    Phases {
+        turning: 0.35,
+        straight: 1.7,
+    },
 ];
 /// The furthest that such a motion leads, metres.
-const AWAY: f64 = 0.7;
+const AWAY_M: f64 = 0.7;
 /// Speeds that are tried, m/s.
-const SPEEDS: [f64; 5] = [0.0, -0.1, 0.1, -0.25, 0.25];
+const SPEEDS_MPS: [f64; 5] = [0.0, -0.1, 0.1, -0.25, 0.25];
 /// Turn rates that are tried, rad/s.
-const TURNS: [f64; 11] = [0.0, -0.03, 0.03, -0.06, 0.06, -0.15, 0.15, -0.4, 0.4, -0.8, 0.8];
+const TURNS_RADPS: [f64; 11] = [
+    0.0, -0.03, 0.03, -0.06, 0.06, -0.15, 0.15, -0.4, 0.4, -0.8, 0.8,
+];
 
-/// The motion that gains most room from what stands, from how the robot moves now until it stands again; `None` if none gains any.
+/// The motion that gains most distance from standing obstacles, from how the robot moves now until
+/// it stands again; `None` if none gains any.
 pub fn leave(footprint: &Footprint, limits: &Limits, situation: &Situation<'_>) -> Option<Band> {
     let (placed, circle) = (footprint.at(situation.pose), footprint.circumscribed());
-    let matters = |o: &&Obstacle| !o.is_moving() && o.contact(&placed, circle, 0.0, AWAY).is_some();
+    let matters =
+        |o: &&Obstacle| !o.is_moving() && o.contact(&placed, circle, 0.0, AWAY_M).is_some();
     let near: Vec<&Obstacle> = situation.obstacles.iter().filter(matters).collect();
-    let search = Search { footprint, limits, near };
-    let mut best = (search.room(situation.pose) + GAIN, None);
-    for linear in SPEEDS.map(|v| v.clamp(-limits.backward, limits.forward)) {
-        for angular in TURNS.map(|w| w.clamp(-limits.turn, limits.turn)) {
+    let search = Search {
+        footprint,
+        limits,
+        near,
+    };
+    let start_room = search.room(situation.pose) + GAIN_M;
+    let mut best = Best {
+        room: start_room,
+        motion: None,
+    };
+    for linear in SPEEDS_MPS.map(|v| v.clamp(-limits.backward, limits.forward)) {
+        for angular in TURNS_RADPS.map(|w| w.clamp(-limits.turn, limits.turn)) {
             for phases in PHASES {
                 let start = motion(situation, Velocity::new(linear, angular));
-                let mut end = start.pose;
-                let mut look = |_: f64, pose: Pose2| end = pose;
-                if search.is_free(start, phases, &mut look) && search.room(end) > best.0 + 1e-9 {
-                    best = (search.room(end), Some((start, phases)));
-                }
+                search.offer(&mut best, start, phases);
             }
         }
     }
-    let (start, phases) = best.1?;
-    let mut knots = vec![Knot { pose: start.pose, time: 0.0 }];
-    search.is_free(start, phases, &mut |time, pose| knots.push(Knot { pose, time }));
+    let (start, phases) = best.motion?;
+    let mut knots = vec![Knot {
+        pose: start.pose,
+        time: 0.0,
+    }];
+    search.is_free(start, phases, &mut |time, pose| {
+        knots.push(Knot { pose, time })
+    });
     Band::new(knots)
 }
 
 fn motion(situation: &Situation<'_>, command: Velocity) -> Motion {
-    Motion { pose: situation.pose, velocity: situation.velocity, command }
+    Motion {
+        pose: situation.pose,
+        velocity: situation.velocity,
+        command,
+    }
 }
 
-/// Seconds for which a motion turns, and then goes on straight.
+/// A motion: it turns, then goes on straight, then brakes.
 #[derive(Debug, Clone, Copy)]
 struct Phases {
+    /// Seconds.
     turning: f64,
+    /// Seconds.
     straight: f64,
 }
 
+/// The best motion so far.
+struct Best {
+    /// Distance to the nearest obstacle at its end, metres.
+    room: f64,
+    motion: Option<(Motion, Phases)>,
+}
+
+/// A search for one motion.
 struct Search<'a> {
     footprint: &'a Footprint,
     limits: &'a Limits,
@@ -81,19 +125,32 @@ impl Search<'_> {
         self.near.iter().copied()
     }
 
-    /// Distance to what is near, as far as it matters.
-    fn room(&self, pose: Pose2) -> f64 {
-        clearance(self.footprint, self.near(), pose, 0.0, ENOUGH)
+    /// Replaces the best motion by one that gains more.
+    fn offer(&self, best: &mut Best, start: Motion, phases: Phases) {
+        let mut end = start.pose;
+        let is_free = self.is_free(start, phases, &mut |_, pose| end = pose);
+        if is_free && self.room(end) > best.room + 1e-9 {
+            *best = Best {
+                room: self.room(end),
+                motion: Some((start, phases)),
+            };
+        }
     }
 
-    /// Whether a motion that turns for a time, goes straight for another, and stops comes too near to nothing; `look` is shown where it leads.
+    /// Distance to the nearest obstacle, as far as it matters, metres.
+    fn room(&self, pose: Pose2) -> f64 {
+        clearance(self.footprint, self.near(), pose, 0.0, ENOUGH_M)
+    }
+
+    /// Whether a motion keeps off all obstacles; `look` is shown the times (seconds) and poses
+    /// along it.
     fn is_free(
         &self,
         mut motion: Motion,
         Phases { turning, straight }: Phases,
         look: &mut dyn FnMut(f64, Pose2),
     ) -> bool {
-        let mut floors = Floors::new(self.footprint, self.near(), motion.pose, KEEP);
+        let mut floors = Floors::new(self.footprint, self.near(), motion.pose, KEEP_M);
         let mut time = 0.0;
         while time < turning + straight || !motion.stands() {
             if time >= turning {
@@ -102,9 +159,9 @@ impl Search<'_> {
             if time >= turning + straight {
                 motion.command = Velocity::ZERO;
             }
-            motion.step(self.limits, STEP);
-            time += STEP;
-            if time > LONGEST || !floors.keep(self.footprint, self.near(), motion.pose, 0.0) {
+            motion.step(self.limits, STEP_S);
+            time += STEP_S;
+            if time > LONGEST_S || !floors.keep(self.footprint, self.near(), motion.pose, 0.0) {
                 return false;
             }
             look(time, motion.pose);
@@ -121,7 +178,11 @@ mod tests {
     fn after(obstacles: &[Obstacle], cycles: usize) -> f64 {
         let robot = RobotDescription::sentry();
         let (footprint, limits) = (Footprint::of(&robot).unwrap(), Limits::of(&robot).unwrap());
-        let mut motion = Motion { pose: Pose2::default(), velocity: Velocity::ZERO, command: Velocity::ZERO };
+        let mut motion = Motion {
+            pose: Pose2::default(),
+            velocity: Velocity::ZERO,
+            command: Velocity::ZERO,
+        };
         let mut band = None;
         for _ in 0..cycles {
             let situation = Situation {
@@ -132,10 +193,15 @@ mod tests {
                 final_yaw: None,
                 obstacles,
             };
-            if !band.as_ref().is_some_and(|band: &Band| band.duration() > 0.03) {
+            if !band
+                .as_ref()
+                .is_some_and(|band: &Band| band.duration() > 0.03)
+            {
                 band = leave(&footprint, &limits, &situation);
             }
-            motion.command = band.as_ref().map_or(Velocity::ZERO, |band| band.command(&limits));
+            motion.command = band
+                .as_ref()
+                .map_or(Velocity::ZERO, |band| band.command(&limits));
             for _ in 0..5 {
                 motion.step(&limits, 0.01);
                 assert!(clearance(&footprint, obstacles.iter(), motion.pose, 0.0, 1.0) > 0.0);
@@ -152,13 +218,13 @@ mod tests {
     }
 
     #[test]
-    fn a_wall_that_is_all_but_touched_is_left() {
+    fn the_robot_leaves_a_wall_in_near_contact() {
         assert!(after(&[wall((0.162, -1.0), (0.162, 1.0))], 30) > 0.01);
         assert!(after(&[wall((-1.0, 0.157), (2.0, 0.157))], 300) > 0.01);
     }
 
     #[test]
-    fn where_there_is_no_room_nothing_is_done() {
+    fn the_robot_stands_where_there_is_no_room() {
         let walls = [
             wall((0.1605, -1.0), (0.1605, 1.0)),
             wall((-0.1605, -1.0), (-0.1605, 1.0)),

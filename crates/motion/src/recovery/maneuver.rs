@@ -1,7 +1,11 @@
-//! Maneuvers: a search over places *and* headings with the whole footprint, for where a way of the robot's middle says too little: out of corridors that are too narrow to turn in, off a wall that is touched.
+//! Maneuvers: a search over places *and* headings with the whole footprint, for where a path of the
+//! robot's middle says too little: out of corridors that are too narrow to turn in, or off a wall
+//! that is touched.
 //!
-//! The robot drives straight forward or back, on arcs, and turns on the spot; each is one step of the search (after D. Dolgov et al., *Practical Search Techniques in Path Planning for Autonomous Driving*, 2008: places are
-//! kept as they come, one for each cell and heading). What a place costs at least from there on is known from a search without headings.
+//! The robot drives straight forward or back, on arcs, and turns on the spot; each is one step of
+//! the search (after D. Dolgov et al., *Practical Search Techniques in Path Planning for Autonomous
+//! Driving*, 2008: continuous places are kept, one for each cell and heading). The heuristic is the
+//! time from each cell to the goal without headings.
 
 use std::f64::consts::TAU;
 
@@ -13,26 +17,29 @@ use crate::near_cells::each_cell_near;
 use crate::shape::{Footprint, Obstacle};
 use crate::trajectory::{Band, Knot};
 
-/// Headings that are told apart.
+/// Headings that are distinguished.
 const HEADINGS: usize = 48;
 /// Length of a step, metres.
-const STEP: f64 = 0.05;
+const STEP_M: f64 = 0.05;
 /// Side of a cell, metres.
-const CELL: f64 = 0.025;
+const CELL_M: f64 = 0.025;
 /// Ground beyond start and goal that may be used, metres.
-const AROUND: f64 = 2.0;
+const AROUND_M: f64 = 2.0;
 /// Most cells along one side.
 const MOST_CELLS: usize = 400;
-/// Most places that are looked at.
+/// Most places that are searched.
 const MOST_PLACES: usize = 400_000;
-/// How near to the goal it is reached, metres.
-const NEAR: f64 = 0.04;
+/// Distance from the goal at which it is reached, metres.
+const NEAR_M: f64 = 0.04;
 /// Distance to obstacles that is kept, metres, unless the start is nearer.
-const KEEP: f64 = 0.004;
-/// Driving backwards takes this many times as long as it does, since nothing looks that way; so does any change.
+const KEEP_M: f64 = 0.004;
+/// Driving backward counts this many times its duration: it is avoided where driving forward takes
+/// little longer.
 const BACKWARD: f64 = 1.5;
-/// Weight of what is left to do: with more than 1 the way found may be longer than need be, and is found by far sooner. The band that begins with it gets shorter by itself.
+/// Weight of the heuristic: with more than 1 the path may be longer than need be, and is found far
+/// sooner. The band that begins with it is shortened later.
 const GREED: f64 = 1.5;
+/// No place.
 const NOWHERE: u32 = u32::MAX;
 
 /// Why there is no maneuver.
@@ -41,20 +48,23 @@ pub enum NoManeuver {
     /// The footprint does not fit at the goal.
     #[error("the footprint does not fit at the goal")]
     GoalBlocked,
-    /// Everything that can be reached was looked at.
-    #[error("no way leads there for the footprint")]
+    /// No reachable place is left to search.
+    #[error("no path leads there for the footprint")]
     NoWay,
-    /// The goal is too far, or too much was looked at.
+    /// The goal is too far, or too many places were searched.
     #[error("the goal is too far for a maneuver, or none was found among {MOST_PLACES} places")]
     TooFar,
 }
 
-/// A place that was reached.
+/// A pose that was reached.
 #[derive(Debug, Clone, Copy)]
 struct Place {
     at: MapPoint,
+    /// In steps of a full turn by [`HEADINGS`], from the start's heading.
     heading: usize,
+    /// Cost until here, seconds.
     seconds: f64,
+    /// Number of the place before.
     from: u32,
 }
 
@@ -65,15 +75,17 @@ struct Search<'a> {
     limits: &'a Limits,
     grid: GridGeometry,
     start: Pose2,
-    /// Distance from each cell's middle to the nearest obstacle, metres, as far as it matters.
+    /// Distance from each cell's middle to the nearest obstacle, as far as it matters, metres.
     clearance: Vec<f32>,
-    /// Seconds that are left from each cell at least; infinite where the goal cannot be reached.
+    /// Least time from each cell to the goal, seconds; infinite where the goal cannot be reached.
     left: Vec<f32>,
     places: Vec<Place>,
+    /// Distance that the footprint keeps from obstacles, metres.
     keep: f64,
 }
 
-/// A band from `start` to `goal` (with a heading, or any) around what stands; what moves is left out.
+/// A band from `start` to `goal` around standing obstacles, with a heading there (radians) or any.
+/// Moving obstacles are left out.
 pub fn maneuver(
     footprint: &Footprint,
     limits: &Limits,
@@ -82,12 +94,23 @@ pub fn maneuver(
     goal: MapPoint,
     yaw: Option<f64>,
 ) -> Result<Band, NoManeuver> {
-    let low = MapPoint::new(start.x.min(goal.x) - AROUND, start.y.min(goal.y) - AROUND);
-    let high = MapPoint::new(start.x.max(goal.x) + AROUND, start.y.max(goal.y) + AROUND);
+    let low = MapPoint::new(
+        start.x.min(goal.x) - AROUND_M,
+        start.y.min(goal.y) - AROUND_M,
+    );
+    let high = MapPoint::new(
+        start.x.max(goal.x) + AROUND_M,
+        start.y.max(goal.y) + AROUND_M,
+    );
     let side = (high.x - low.x).max(high.y - low.y);
-    let grid = GridGeometry::covering(low, high, CELL.max(side / MOST_CELLS as f64), MOST_CELLS + 1);
+    let grid = GridGeometry::covering(
+        low,
+        high,
+        CELL_M.max(side / MOST_CELLS as f64),
+        MOST_CELLS + 1,
+    );
     // A step must lead out of its cell.
-    if grid.cell > STEP * std::f64::consts::FRAC_1_SQRT_2 {
+    if grid.cell > STEP_M * std::f64::consts::FRAC_1_SQRT_2 {
         return Err(NoManeuver::TooFar);
     }
     let standing: Vec<&Obstacle> = obstacles.iter().filter(|o| !o.is_moving()).collect();
@@ -100,17 +123,18 @@ pub fn maneuver(
         clearance: Vec::new(),
         left: Vec::new(),
         places: Vec::new(),
-        keep: KEEP,
+        keep: KEEP_M,
     };
     search.measure();
     let here = search.exact(start);
-    search.keep = KEEP.min(if here > 0.0 { 0.7 * here } else { here - 1e-4 });
+    search.keep = KEEP_M.min(if here > 0.0 { 0.7 * here } else { here - 1e-4 });
     search.look_back(goal)?;
     let end = search.forward(goal, yaw)?;
     search.band(end, goal, yaw).ok_or(NoManeuver::NoWay)
 }
 
 impl Search<'_> {
+    /// Fills [`Search::clearance`].
     fn measure(&mut self) {
         let reach = self.footprint.circumscribed() + 2.0 * self.grid.cell;
         self.clearance.resize(self.grid.len(), reach as f32);
@@ -121,15 +145,21 @@ impl Search<'_> {
         }
     }
 
-    /// Distance from the footprint to the nearest obstacle, if it is near.
+    /// Distance from the footprint to the nearest obstacle, metres, 0.1 at most.
     fn exact(&self, pose: Pose2) -> f64 {
         let (placed, circle) = (self.footprint.at(pose), self.footprint.circumscribed());
-        let near = self.obstacles.iter().filter_map(|o| o.contact(&placed, circle, 0.0, 0.1));
+        let near = self
+            .obstacles
+            .iter()
+            .filter_map(|o| o.contact(&placed, circle, 0.0, 0.1));
         near.map(|contact| contact.distance).fold(0.1, f64::min)
     }
 
+    /// Whether the footprint keeps off all obstacles at a pose.
     fn is_free(&self, pose: Pose2) -> bool {
-        let Some(cell) = self.grid.cell_at(pose.point()) else { return false };
+        let Some(cell) = self.grid.cell_at(pose.point()) else {
+            return false;
+        };
         let (clear, off) = (f64::from(self.clearance[cell]), 0.71 * self.grid.cell);
         if clear > self.footprint.circumscribed() + off + self.keep {
             return true;
@@ -137,7 +167,8 @@ impl Search<'_> {
         clear > self.footprint.inscribed() - off + self.keep && self.exact(pose) > self.keep
     }
 
-    /// Seconds from each cell to the goal for a robot without a heading, on a grid: at most 8 % more than in a straight line.
+    /// Fills [`Search::left`] by Dijkstra's algorithm over cells: at most 8 % more than along
+    /// straight lines.
     fn look_back(&mut self, goal: MapPoint) -> Result<(), NoManeuver> {
         let to = self.grid.cell_at(goal).ok_or(NoManeuver::GoalBlocked)?;
         let fits = self.footprint.inscribed() - 0.71 * self.grid.cell + self.keep;
@@ -155,13 +186,28 @@ impl Search<'_> {
                 continue;
             }
             let (x, y) = self.grid.column_row(cell);
-            for (dx, dy) in [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)] {
-                let Some(next) = self.grid.cell_in(x + dx, y + dy).filter(|&n| free(n)) else { continue };
-                let length = if dx != 0 && dy != 0 { std::f64::consts::SQRT_2 } else { 1.0 };
+            for (dx, dy) in [
+                (1, 0),
+                (0, 1),
+                (-1, 0),
+                (0, -1),
+                (1, 1),
+                (-1, 1),
+                (-1, -1),
+                (1, -1),
+            ] {
+                let Some(next) = self.grid.cell_in(x + dx, y + dy).filter(|&n| free(n)) else {
+                    continue;
+                };
+                let length = if dx != 0 && dy != 0 {
+                    std::f64::consts::SQRT_2
+                } else {
+                    1.0
+                };
                 let total = seconds + length * second;
                 if total < f64::from(self.left[next]) - 1e-6 {
                     self.left[next] = total as f32;
-                    // As it is kept, or rounding would make the entry look like an older one.
+                    // As it is stored: rounding would make the entry look outdated.
                     queue.push(f64::from(total as f32), next);
                 }
             }
@@ -169,73 +215,114 @@ impl Search<'_> {
         Ok(())
     }
 
+    /// Radians of a numbered heading.
     fn heading(&self, heading: usize) -> f64 {
         self.start.yaw + TAU * heading as f64 / HEADINGS as f64
     }
 
+    /// Searches forward from the start; the number of the place at the goal.
     fn forward(&mut self, goal: MapPoint, yaw: Option<f64>) -> Result<u32, NoManeuver> {
-        let wanted = yaw.map(|yaw| {
-            let turns = wrap_angle(yaw - self.start.yaw).rem_euclid(TAU) / TAU * HEADINGS as f64;
-            turns.round() as usize % HEADINGS
-        });
+        let wanted = yaw.map(|yaw| self.number_of(yaw));
         let fits = |yaw: f64| self.is_free(Pose2::new(goal.x, goal.y, yaw));
         if !yaw.is_none_or(fits) {
             return Err(NoManeuver::GoalBlocked);
         }
         let mut closed = vec![false; self.grid.len() * HEADINGS];
         let mut queue = Frontier::default();
-        self.places.push(Place { at: self.start.point(), heading: 0, seconds: 0.0, from: NOWHERE });
+        let at = self.start.point();
+        self.places.push(Place {
+            at,
+            heading: 0,
+            seconds: 0.0,
+            from: NOWHERE,
+        });
         queue.push(0.0, 0);
         while let Some((_, number)) = queue.pop() {
             let place = self.places[number];
-            let Some(cell) = self.grid.cell_at(place.at) else { continue };
+            let Some(cell) = self.grid.cell_at(place.at) else {
+                continue;
+            };
             if std::mem::replace(&mut closed[cell * HEADINGS + place.heading], true) {
                 continue;
             }
-            if place.at.distance(goal) < NEAR && wanted.is_none_or(|w| w == place.heading) {
+            let is_there = place.at.distance(goal) < NEAR_M;
+            if is_there && wanted.is_none_or(|wanted| wanted == place.heading) {
                 return Ok(number as u32);
             }
             if self.places.len() > MOST_PLACES {
                 return Err(NoManeuver::TooFar);
             }
-            for (length, turn) in STEPS {
-                if length < 0.0 && self.limits.backward <= 0.0 {
-                    continue;
-                }
-                let heading = (place.heading + HEADINGS).wrapping_add_signed(turn) % HEADINGS;
-                let mean = self.heading(place.heading) + turn as f64 * TAU / HEADINGS as f64 / 2.0;
-                let at = place.at.offset(mean, length * STEP);
-                let Some(next) = self.grid.cell_at(at) else { continue };
-                let left = f64::from(self.left[next]);
-                if closed[next * HEADINGS + heading] || left.is_infinite() {
-                    continue;
-                }
-                let half = place.at.offset(mean, length * STEP / 2.0);
-                let between = Pose2::new(half.x, half.y, mean);
-                if !self.is_free(Pose2::new(at.x, at.y, self.heading(heading))) || !self.is_free(between) {
-                    continue;
-                }
-                let seconds = place.seconds + self.seconds(length, turn);
-                let turning = wanted.map_or(0.0, |w| self.turning(heading, w));
-                self.places.push(Place { at, heading, seconds, from: number as u32 });
-                queue.push(seconds + GREED * (left + turning), self.places.len() - 1);
+            for step in STEPS {
+                self.open(number, step, wanted, &closed, &mut queue);
             }
         }
         Err(NoManeuver::NoWay)
     }
 
-    /// Seconds of a step.
-    fn seconds(&self, length: f64, turn: isize) -> f64 {
-        let speed = if length < 0.0 { self.limits.backward / BACKWARD } else { self.limits.forward };
-        let turning = turn.unsigned_abs() as f64 * TAU / HEADINGS as f64 / self.limits.turn;
-        (length.abs() * STEP / speed).max(turning)
+    /// Opens the place to which a step leads, if the robot can drive there.
+    fn open(
+        &mut self,
+        number: usize,
+        step: Step,
+        wanted: Option<usize>,
+        closed: &[bool],
+        queue: &mut Frontier,
+    ) {
+        if step.length < 0.0 && self.limits.backward <= 0.0 {
+            return;
+        }
+        let place = self.places[number];
+        let heading = (place.heading + HEADINGS).wrapping_add_signed(step.turn) % HEADINGS;
+        let mean = self.heading(place.heading) + step.turn as f64 * TAU / HEADINGS as f64 / 2.0;
+        let at = place.at.offset(mean, step.length * STEP_M);
+        let Some(next) = self.grid.cell_at(at) else {
+            return;
+        };
+        let left = f64::from(self.left[next]);
+        if closed[next * HEADINGS + heading] || left.is_infinite() {
+            return;
+        }
+        let half = place.at.offset(mean, step.length * STEP_M / 2.0);
+        let between = Pose2::new(half.x, half.y, mean);
+        let end = Pose2::new(at.x, at.y, self.heading(heading));
+        if !self.is_free(end) || !self.is_free(between) {
+            return;
+        }
+        let seconds = place.seconds + self.seconds(step);
+        let turning = wanted.map_or(0.0, |wanted| self.turning(heading, wanted));
+        self.places.push(Place {
+            at,
+            heading,
+            seconds,
+            from: number as u32,
+        });
+        queue.push(seconds + GREED * (left + turning), self.places.len() - 1);
     }
 
+    /// The number of the heading nearest to a yaw.
+    fn number_of(&self, yaw: f64) -> usize {
+        let turns = wrap_angle(yaw - self.start.yaw).rem_euclid(TAU) / TAU * HEADINGS as f64;
+        turns.round() as usize % HEADINGS
+    }
+
+    /// Duration of a step, seconds.
+    fn seconds(&self, Step { length, turn }: Step) -> f64 {
+        let speed = if length < 0.0 {
+            self.limits.backward / BACKWARD
+        } else {
+            self.limits.forward
+        };
+        let turning = turn.unsigned_abs() as f64 * TAU / HEADINGS as f64 / self.limits.turn;
+        (length.abs() * STEP_M / speed).max(turning)
+    }
+
+    /// Seconds of a turn between two headings.
     fn turning(&self, from: usize, to: usize) -> f64 {
         let apart = (from + HEADINGS - to) % HEADINGS;
         apart.min(HEADINGS - apart) as f64 * TAU / HEADINGS as f64 / self.limits.turn
     }
 
+    /// The band through the places that lead to `end`, and on to the goal.
     fn band(&self, end: u32, goal: MapPoint, yaw: Option<f64>) -> Option<Band> {
         let mut chain = Vec::new();
         let mut at = end;
@@ -248,16 +335,63 @@ impl Search<'_> {
         for place in chain {
             let before = knots.last().map_or(self.start.yaw, |k| k.pose.yaw);
             let heading = before + wrap_angle(self.heading(place.heading) - before);
-            knots.push(Knot { pose: Pose2::new(place.at.x, place.at.y, heading), time: place.seconds });
+            knots.push(Knot {
+                pose: Pose2::new(place.at.x, place.at.y, heading),
+                time: place.seconds,
+            });
         }
         let last = knots[knots.len() - 1];
         let yaw = last.pose.yaw + yaw.map_or(0.0, |yaw| wrap_angle(yaw - last.pose.yaw));
         let pose = Pose2::new(goal.x, goal.y, yaw);
-        knots.push(Knot { pose, time: last.time + 0.2 });
+        knots.push(Knot {
+            pose,
+            time: last.time + 0.2,
+        });
         Band::new(knots)
     }
 }
 
-/// Lengths of steps, in steps, and turns in headings.
-const STEPS: [(f64, isize); 8] =
-    [(1.0, 0), (1.0, 1), (1.0, -1), (-1.0, 0), (-1.0, 1), (-1.0, -1), (0.0, 1), (0.0, -1)];
+/// A step of the search.
+#[derive(Debug, Clone, Copy)]
+struct Step {
+    /// In [`STEP_M`]s; negative backward.
+    length: f64,
+    /// In headings; positive to the left.
+    turn: isize,
+}
+
+/// The steps: forward, backward, straight and to both sides, and turns on the spot.
+const STEPS: [Step; 8] = [
+    Step {
+        length: 1.0,
+        turn: 0,
+    },
+    Step {
+        length: 1.0,
+        turn: 1,
+    },
+    Step {
+        length: 1.0,
+        turn: -1,
+    },
+    Step {
+        length: -1.0,
+        turn: 0,
+    },
+    Step {
+        length: -1.0,
+        turn: 1,
+    },
+    Step {
+        length: -1.0,
+        turn: -1,
+    },
+    Step {
+        length: 0.0,
+        turn: 1,
+    },
+    Step {
+        length: 0.0,
+        turn: -1,
+    },
+];

@@ -1,13 +1,13 @@
-//! What to do where a local planner does not go on.
+//! Recovery: what to do where a local planner does not go on.
 //!
 //! | module | its one job |
 //! |---|---|
 //! | [`ladder`] | [`Ladder`]: which step comes next, and when a goal is given up |
 //! | [`progress`] | whether the robot gets on |
 //! | [`under_way`] | a maneuver being driven |
-//! | [`maneuver`] | places and headings searched with the whole footprint, where a way says too little |
-//! | [`leave`] | off what is all but touched |
-//! | [`evade`] | out of the way of those who move |
+//! | [`maneuver`] | places and headings searched with the whole footprint |
+//! | [`leave`] | leaving near contact with an obstacle |
+//! | [`evade`] | evading people |
 //!
 //! [`Ladder`]: ladder::Ladder
 

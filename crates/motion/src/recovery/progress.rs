@@ -64,12 +64,19 @@ impl ProgressMonitor {
     /// Looks at where the robot is now; whether it has got on.
     pub fn note(&mut self, now: &Surroundings<'_>) -> bool {
         let here = now.pose.point();
-        let got_on = self.anchor.is_none_or(|anchor| anchor.place.distance(here) > PROGRESS_M);
+        let got_on = self
+            .anchor
+            .is_none_or(|anchor| anchor.place.distance(here) > PROGRESS_M);
         if got_on {
-            self.anchor = Some(Anchor { place: here, time: now.time });
+            self.anchor = Some(Anchor {
+                place: here,
+                time: now.time,
+            });
             self.waited = Duration::ZERO;
         }
-        let elapsed = now.time.since(self.last.replace(now.time).unwrap_or(now.time));
+        let elapsed = now
+            .time
+            .since(self.last.replace(now.time).unwrap_or(now.time));
         if now.is_anybody_near() {
             self.waited += elapsed;
         }
@@ -93,20 +100,27 @@ impl ProgressMonitor {
     /// Whether the robot has all but stood while it was driven for a while. Where somebody moves it
     /// may well wait.
     pub fn is_creeping(&self, now: &Surroundings<'_>) -> bool {
-        let still = self.standstill.is_some_and(|standstill| standstill.driven >= CREEPING);
+        let still = self
+            .standstill
+            .is_some_and(|standstill| standstill.driven >= CREEPING);
         still && !now.has_anybody()
     }
 
     /// Whether the robot has not got on for so long that its goal is to be given up.
     pub fn is_stagnant(&self, now: SimTime) -> bool {
-        let Some(anchor) = self.anchor else { return false };
+        let Some(anchor) = self.anchor else {
+            return false;
+        };
         let stood = now.since(anchor.time);
         stood >= NO_PROGRESS_AMONG_PEOPLE || stood.saturating_sub(self.waited) >= NO_PROGRESS
     }
 
     /// Counts from `pose` on whether the robot moves at all.
     pub fn restart(&mut self, pose: Pose2) {
-        self.standstill = Some(Standstill { pose, driven: Duration::ZERO });
+        self.standstill = Some(Standstill {
+            pose,
+            driven: Duration::ZERO,
+        });
     }
 
     /// Leaves a time out in which the robot could not get on.

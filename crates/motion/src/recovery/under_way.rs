@@ -44,7 +44,8 @@ impl UnderWay {
 
     /// Drops what has been driven by now.
     pub fn keep_up(&mut self, now: &Surroundings<'_>) {
-        self.band.keep_up(now.pose, now.time.since(self.seen).as_secs_f64());
+        self.band
+            .keep_up(now.pose, now.time.since(self.seen).as_secs_f64());
         self.seen = now.time;
     }
 
@@ -68,8 +69,13 @@ impl UnderWay {
         now: &Surroundings<'_>,
         command: Velocity,
     ) -> bool {
-        let motion = Motion { pose: now.pose, velocity: now.velocity, command };
-        let cannot_stop = conflict_before_stop(footprint, now.obstacles, motion, limits, HOLD_S, SURE_M);
+        let motion = Motion {
+            pose: now.pose,
+            velocity: now.velocity,
+            command,
+        };
+        let cannot_stop =
+            conflict_before_stop(footprint, now.obstacles, motion, limits, HOLD_S, SURE_M);
         let conflict = first_conflict(footprint, limits, now.obstacles, &self.band, SURE_M);
         cannot_stop.is_some() || conflict.is_some_and(|at| at < SOON_S)
     }

@@ -23,8 +23,11 @@ impl Edge {
     pub(super) fn nearest_to(self, point: Vector2) -> Vector2 {
         let along = self.along();
         let square = along.dot(along);
-        let share =
-            if square > 0.0 { ((point - self.from).dot(along) / square).clamp(0.0, 1.0) } else { 0.0 };
+        let share = if square > 0.0 {
+            ((point - self.from).dot(along) / square).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
         self.from + along * share
     }
 }
@@ -32,8 +35,10 @@ impl Edge {
 /// The edges of a closed outline: both directions of a wall, none of a single corner.
 pub(super) fn edges(corners: &[Vector2]) -> impl Iterator<Item = Edge> {
     let count = if corners.len() > 1 { corners.len() } else { 0 };
-    (0..count)
-        .map(move |i| Edge { from: corners[i], to: corners[if i + 1 == corners.len() { 0 } else { i + 1 }] })
+    (0..count).map(move |i| Edge {
+        from: corners[i],
+        to: corners[if i + 1 == corners.len() { 0 } else { i + 1 }],
+    })
 }
 
 /// Whether an outline whose corners all turn left does so more than once around, as a five-pointed
@@ -59,7 +64,11 @@ pub(super) struct Touch {
 
 /// Distance and contact of two convex outlines.
 pub(super) fn between(foot: &[Vector2], other: &[Vector2]) -> Touch {
-    let mut best = Touch { distance: f64::NEG_INFINITY, normal: Vector2::new(1.0, 0.0), on_foot: foot[0] };
+    let mut best = Touch {
+        distance: f64::NEG_INFINITY,
+        normal: Vector2::new(1.0, 0.0),
+        on_foot: foot[0],
+    };
     // Whether the nearest corner faces the inside of the best edge, so that the edge's normal is
     // the direction of the shortest distance.
     let mut settled = false;
@@ -71,7 +80,11 @@ pub(super) fn between(foot: &[Vector2], other: &[Vector2]) -> Touch {
         if low.height > best.distance {
             settled = is_beside(low.corner - edge.from, along, length);
             let on_foot = low.corner - normal * low.height;
-            best = Touch { distance: low.height, normal, on_foot };
+            best = Touch {
+                distance: low.height,
+                normal,
+                on_foot,
+            };
         }
     }
     for edge in edges(other) {
@@ -84,10 +97,18 @@ pub(super) fn between(foot: &[Vector2], other: &[Vector2]) -> Touch {
         let low = lowest(foot, edge.from, normal);
         if low.height > best.distance {
             settled = is_beside(low.corner - edge.from, along, length);
-            best = Touch { distance: low.height, normal: -normal, on_foot: low.corner };
+            best = Touch {
+                distance: low.height,
+                normal: -normal,
+                on_foot: low.corner,
+            };
         }
     }
-    if best.distance <= 0.0 || settled { best } else { nearest_features(foot, other) }
+    if best.distance <= 0.0 || settled {
+        best
+    } else {
+        nearest_features(foot, other)
+    }
 }
 
 /// Whether the foot of a perpendicular lies on an edge of `length`.
@@ -105,7 +126,10 @@ struct Lowest {
 /// The corner that lies least far along `normal` from `base`, and how far.
 #[inline]
 fn lowest(shape: &[Vector2], base: Vector2, normal: Vector2) -> Lowest {
-    let mut low = Lowest { corner: shape[0], height: (shape[0] - base).dot(normal) };
+    let mut low = Lowest {
+        corner: shape[0],
+        height: (shape[0] - base).dot(normal),
+    };
     for &corner in &shape[1..] {
         let height = (corner - base).dot(normal);
         if height < low.height {
@@ -128,23 +152,38 @@ impl Pair {
         let gap = on_other - on_foot;
         let square = gap.dot(gap);
         if square < self.square {
-            *self = Self { square, on_foot, on_other };
+            *self = Self {
+                square,
+                on_foot,
+                on_other,
+            };
         }
     }
 }
 
 /// For shapes that are apart: the nearest pair of points, each a corner or a point on an edge.
 fn nearest_features(foot: &[Vector2], other: &[Vector2]) -> Touch {
-    let mut best = Pair { square: f64::INFINITY, on_foot: foot[0], on_other: other[0] };
+    let mut best = Pair {
+        square: f64::INFINITY,
+        on_foot: foot[0],
+        on_other: other[0],
+    };
     for edge in edges(foot) {
-        other.iter().for_each(|&corner| best.offer(edge.nearest_to(corner), corner));
+        other
+            .iter()
+            .for_each(|&corner| best.offer(edge.nearest_to(corner), corner));
     }
     for edge in edges(other) {
-        foot.iter().for_each(|&corner| best.offer(corner, edge.nearest_to(corner)));
+        foot.iter()
+            .for_each(|&corner| best.offer(corner, edge.nearest_to(corner)));
     }
     let distance = best.square.sqrt();
     let gap = best.on_other - best.on_foot;
     let least = distance.max(1e-12);
     let normal = Vector2::new(gap.x / least, gap.y / least);
-    Touch { distance, normal, on_foot: best.on_foot }
+    Touch {
+        distance,
+        normal,
+        on_foot: best.on_foot,
+    }
 }

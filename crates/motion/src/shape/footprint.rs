@@ -42,7 +42,11 @@ impl Footprint {
             return Err(ShapeError::Crosses);
         }
         let circumscribed = corners.iter().map(|c| c.norm()).fold(0.0, f64::max);
-        Ok(Self { corners: corners.to_vec(), inscribed, circumscribed })
+        Ok(Self {
+            corners: corners.to_vec(),
+            inscribed,
+            circumscribed,
+        })
     }
 
     /// The rectangle of a robot.

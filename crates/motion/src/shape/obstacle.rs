@@ -37,7 +37,11 @@ impl Obstacle {
     /// Anything convex: corners in `map` counter-clockwise, rounded by `rounding` metres, moving
     /// with `velocity` m/s in `map`.
     pub fn new(corners: &[MapPoint], rounding: f64, velocity: Vector2) -> Result<Self, ShapeError> {
-        let usable = |v: Vector2| [v.x, v.y].iter().all(|c| c.is_finite() && c.abs() < LARGEST);
+        let usable = |v: Vector2| {
+            [v.x, v.y]
+                .iter()
+                .all(|c| c.is_finite() && c.abs() < LARGEST)
+        };
         let corners: Vec<Vector2> = corners.iter().map(|c| Vector2::to(*c)).collect();
         let numbers = corners.iter().copied().chain([velocity]).all(usable);
         if corners.is_empty() || !numbers || !(0.0..LARGEST_ROUNDING).contains(&rounding) {
@@ -53,10 +57,21 @@ impl Obstacle {
             return Err(ShapeError::Crosses);
         }
         let n = corners.len() as f64;
-        let middle =
-            corners.iter().fold(Vector2::ZERO, |sum, c| Vector2::new(sum.x + c.x / n, sum.y + c.y / n));
-        let radius = corners.iter().map(|c| (*c - middle).norm()).fold(0.0, f64::max) + rounding;
-        Ok(Self { corners, rounding, velocity, middle, radius })
+        let middle = corners.iter().fold(Vector2::ZERO, |sum, c| {
+            Vector2::new(sum.x + c.x / n, sum.y + c.y / n)
+        });
+        let radius = corners
+            .iter()
+            .map(|c| (*c - middle).norm())
+            .fold(0.0, f64::max)
+            + rounding;
+        Ok(Self {
+            corners,
+            rounding,
+            velocity,
+            middle,
+            radius,
+        })
     }
 
     /// A disc that stands; radius in metres.
@@ -102,7 +117,11 @@ impl Obstacle {
     /// Where it will be after `seconds` at constant velocity.
     pub fn after(&self, seconds: f64) -> Self {
         let by = self.velocity * seconds;
-        Self { corners: self.corners.iter().map(|c| *c + by).collect(), middle: self.middle + by, ..*self }
+        Self {
+            corners: self.corners.iter().map(|c| *c + by).collect(),
+            middle: self.middle + by,
+            ..*self
+        }
     }
 
     /// Distance from a point, metres; negative inside.
@@ -120,7 +139,13 @@ impl Obstacle {
     /// How near a footprint is to the obstacle as it will be after `seconds`, if that may be less
     /// than `reach` metres. `circumscribed` is the footprint's, metres.
     #[inline]
-    pub fn contact(&self, foot: &Placed, circumscribed: f64, seconds: f64, reach: f64) -> Option<Contact> {
+    pub fn contact(
+        &self,
+        foot: &Placed,
+        circumscribed: f64,
+        seconds: f64,
+        reach: f64,
+    ) -> Option<Contact> {
         // The robot is moved instead of the obstacle: it has fewer corners.
         let shift = self.velocity * seconds;
         let apart = foot.origin - shift - self.middle;
@@ -134,7 +159,11 @@ impl Obstacle {
         // The distance is n . (obstacle - contact point), and the contact point turns about the
         // robot's origin.
         let gradient = [-n.x, -n.y, n.x * arm.y - n.y * arm.x];
-        Some(Contact { distance: touch.distance - self.rounding, gradient, normal: n })
+        Some(Contact {
+            distance: touch.distance - self.rounding,
+            gradient,
+            normal: n,
+        })
     }
 }
 
@@ -155,7 +184,9 @@ mod tests {
 
     fn contact(pose: Pose2, obstacle: &Obstacle) -> Contact {
         let robot = robot();
-        obstacle.contact(&robot.at(pose), robot.circumscribed(), 0.0, 100.0).unwrap()
+        obstacle
+            .contact(&robot.at(pose), robot.circumscribed(), 0.0, 100.0)
+            .unwrap()
     }
 
     fn point(x: f64, y: f64) -> MapPoint {
@@ -183,11 +214,19 @@ mod tests {
     #[test]
     fn corners_that_make_no_shape_are_refused() {
         let corner = Vector2::new;
-        let corners = [corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0), corner(-1.0, -1.0)];
+        let corners = [
+            corner(1.0, -1.0),
+            corner(1.0, 1.0),
+            corner(-1.0, 1.0),
+            corner(-1.0, -1.0),
+        ];
         assert!(Footprint::new(&corners).is_ok());
         assert_eq!(Footprint::new(&corners[..2]), Err(ShapeError::Corners(2)));
         let clockwise: Vec<_> = corners.iter().rev().copied().collect();
-        assert!(matches!(Footprint::new(&clockwise), Err(ShapeError::NotConvex(_))));
+        assert!(matches!(
+            Footprint::new(&clockwise),
+            Err(ShapeError::NotConvex(_))
+        ));
         let aside: Vec<_> = corners.iter().map(|c| *c + corner(3.0, 0.0)).collect();
         assert_eq!(Footprint::new(&aside), Err(ShapeError::NotAround));
         let broken = [corner(f64::NAN, 0.0); 3];
@@ -195,7 +234,12 @@ mod tests {
         assert!(Obstacle::disc(point(f64::NAN, 0.0), 1.0).is_err());
         assert!(Obstacle::disc(point(0.0, 0.0), -1.0).is_err());
         assert!(Obstacle::new(&[], 0.1, Vector2::ZERO).is_err());
-        let dent = [point(0.0, 0.0), point(2.0, 0.0), point(0.5, 0.5), point(0.0, 2.0)];
+        let dent = [
+            point(0.0, 0.0),
+            point(2.0, 0.0),
+            point(0.5, 0.5),
+            point(0.0, 2.0),
+        ];
         let dent = Obstacle::new(&dent, 0.0, Vector2::ZERO);
         assert!(matches!(dent, Err(ShapeError::NotConvex(_))));
     }
@@ -203,10 +247,15 @@ mod tests {
     #[test]
     fn a_star_that_turns_left_at_every_corner_is_refused() {
         let tip = |i: i32| libm::sincos(std::f64::consts::TAU * f64::from(i) / 5.0);
-        let star = [0, 2, 4, 1, 3].map(tip).map(|(sin, cos)| Vector2::new(cos, sin));
+        let star = [0, 2, 4, 1, 3]
+            .map(tip)
+            .map(|(sin, cos)| Vector2::new(cos, sin));
         assert_eq!(Footprint::new(&star), Err(ShapeError::Crosses));
         let star = star.map(Vector2::point);
-        assert_eq!(Obstacle::new(&star, 0.0, Vector2::ZERO), Err(ShapeError::Crosses));
+        assert_eq!(
+            Obstacle::new(&star, 0.0, Vector2::ZERO),
+            Err(ShapeError::Crosses)
+        );
     }
 
     prop_compose! {
@@ -244,7 +293,9 @@ mod tests {
             let at = edge.from + edge.along() * (f64::from(i) / 200.0);
             pose.transform(at.x, at.y)
         };
-        edges(robot.corners()).flat_map(|edge| (0..200).map(move |i| on_edge(i, edge))).collect()
+        edges(robot.corners())
+            .flat_map(|edge| (0..200).map(move |i| on_edge(i, edge)))
+            .collect()
     }
 
     proptest! {

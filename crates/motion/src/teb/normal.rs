@@ -1,28 +1,36 @@
-//! Normal equations of a least-squares problem along a line, and their solution.
+//! Normal equations of a least-squares problem along a chain of knots, and their solution.
 //!
-//! Every residual touches at most three knots in a row, of four variables each. So row i of the (symmetric) matrix has nothing left of column i - 11, and neither has its Cholesky factor:
-//! memory and time grow with the length of the band, not with its square or cube.
+//! Every residual depends on at most three knots in a row, of four variables each. So row i of the
+//! symmetric matrix is zero left of column i - 11, and so is its Cholesky factor. Memory and time
+//! grow with the length of the band, not with its square or cube.
 
 /// Variables of a knot.
 pub const BLOCK: usize = 4;
-/// How strongly steps of a knot's variables are damped in proportion to each other.
+/// Relative damping of the steps of a knot's variables: x, y, yaw, time.
 const SCALE: [f64; BLOCK] = [1.0, 1.0, 0.1, 0.02];
 /// Columns of a row that may differ from zero, the diagonal included.
 const WIDTH: usize = 3 * BLOCK;
 
-/// Takes weighted residuals and their derivatives by the `K` variables from the first one of knot `knot` on.
+/// Receives weighted residuals and their derivatives by the `K` variables from the first one of
+/// knot `knot` on.
 pub trait Sink {
     /// Adds `weight * residual²` to what is minimized.
     fn add<const K: usize>(&mut self, knot: usize, weight: f64, residual: f64, gradient: &[f64; K]);
 }
 
-/// Adds up squares only.
+/// Sums the squares only.
 #[derive(Debug, Default)]
 pub struct Total(pub f64);
 
 impl Sink for Total {
     #[inline]
-    fn add<const K: usize>(&mut self, _knot: usize, weight: f64, residual: f64, _gradient: &[f64; K]) {
+    fn add<const K: usize>(
+        &mut self,
+        _knot: usize,
+        weight: f64,
+        residual: f64,
+        _gradient: &[f64; K],
+    ) {
         self.0 += weight * residual * residual;
     }
 }
@@ -32,7 +40,7 @@ impl Sink for Total {
 pub struct Step<'a> {
     /// By how much each variable moves.
     pub by: &'a [f64],
-    /// By how much the sum of squares would fall were it quadratic.
+    /// Predicted decrease of the sum of squares, if it were quadratic.
     pub fall: f64,
 }
 
@@ -49,7 +57,13 @@ pub struct Normal {
 
 impl Sink for Normal {
     #[inline]
-    fn add<const K: usize>(&mut self, knot: usize, weight: f64, residual: f64, gradient: &[f64; K]) {
+    fn add<const K: usize>(
+        &mut self,
+        knot: usize,
+        weight: f64,
+        residual: f64,
+        gradient: &[f64; K],
+    ) {
         self.total += weight * residual * residual;
         let first = knot * BLOCK;
         let rows = &mut self.matrix[first..first + K];
@@ -79,7 +93,7 @@ impl Normal {
         self.total
     }
 
-    /// Takes a variable out: its step will be zero.
+    /// Fixes a variable: its step will be zero.
     pub fn hold(&mut self, variable: usize) {
         self.matrix[variable] = [0.0; WIDTH];
         self.matrix[variable][WIDTH - 1] = 1.0;
@@ -90,7 +104,8 @@ impl Normal {
         }
     }
 
-    /// The step that minimizes the sum of squares and, `damping` times, of the step itself (Levenberg); `None` if the numbers do not allow for one.
+    /// The step that minimizes the sum of squares plus `damping` times the square of the step
+    /// itself (Levenberg); `None` if the matrix is not positive definite or not finite.
     pub fn step(&mut self, damping: f64) -> Option<Step<'_>> {
         self.factor.clone_from(&self.matrix);
         for (i, row) in self.factor.iter_mut().enumerate() {
@@ -99,25 +114,35 @@ impl Normal {
         self.factorize()?;
         self.substitute();
         let each = self.step.iter().zip(&self.gradient).enumerate();
-        let fall = each.map(|(i, (step, g))| step * (damping * SCALE[i % BLOCK] * step - g)).sum();
-        Some(Step { by: &self.step, fall })
+        let fall = each
+            .map(|(i, (step, g))| step * (damping * SCALE[i % BLOCK] * step - g))
+            .sum();
+        Some(Step {
+            by: &self.step,
+            fall,
+        })
     }
 
-    /// Cholesky, row by row: each entry is one short scalar product of two rows.
+    /// Cholesky factorization, row by row: each entry is one short scalar product of two rows.
     fn factorize(&mut self) -> Option<()> {
         for i in 0..self.factor.len() {
             let (above, rest) = self.factor.split_at_mut(i);
             let row = &mut rest[0];
             for j in i.saturating_sub(WIDTH - 1)..i {
-                // Column j of row i is entry j - i + 11; row j's own entries before its diagonal face those before it.
+                // Column j of row i is entry j - i + 11; the entries of row j before its diagonal
+                // pair with those before this one.
                 let at = WIDTH - 1 - (i - j);
                 let upper = &above[j];
-                let product: f64 = row[..at].iter().zip(&upper[i - j..]).map(|(a, b)| a * b).sum();
+                let product: f64 = row[..at]
+                    .iter()
+                    .zip(&upper[i - j..])
+                    .map(|(a, b)| a * b)
+                    .sum();
                 row[at] = (row[at] - product) / upper[WIDTH - 1];
             }
             let square: f64 = row[..WIDTH - 1].iter().map(|a| a * a).sum();
             let pivot = row[WIDTH - 1] - square;
-            // Written so that a broken number ends here too.
+            // Written so that NaN ends here too.
             if !(pivot > 0.0 && pivot.is_finite()) {
                 return None;
             }
@@ -126,6 +151,7 @@ impl Normal {
         Some(())
     }
 
+    /// Forward and backward substitution.
     fn substitute(&mut self) {
         let n = self.gradient.len();
         self.step.clear();
@@ -133,7 +159,9 @@ impl Normal {
         for i in 0..n {
             let first = i.saturating_sub(WIDTH - 1);
             let row = &self.factor[i];
-            let known = row[WIDTH - 1 - (i - first)..WIDTH - 1].iter().zip(&self.step[first..i]);
+            let known = row[WIDTH - 1 - (i - first)..WIDTH - 1]
+                .iter()
+                .zip(&self.step[first..i]);
             let product: f64 = known.map(|(a, b)| a * b).sum();
             self.step[i] = (self.step[i] - product) / row[WIDTH - 1];
         }
@@ -141,7 +169,10 @@ impl Normal {
             let row = &self.factor[i];
             let value = self.step[i] / row[WIDTH - 1];
             self.step[i] = value;
-            for (k, entry) in (i.saturating_sub(WIDTH - 1)..i).rev().zip(row[..WIDTH - 1].iter().rev()) {
+            for (k, entry) in (i.saturating_sub(WIDTH - 1)..i)
+                .rev()
+                .zip(row[..WIDTH - 1].iter().rev())
+            {
                 self.step[k] -= entry * value;
             }
         }
@@ -154,19 +185,28 @@ mod tests {
     use nalgebra::{DMatrix, DVector};
     use proptest::prelude::*;
 
+    /// Knot, weight, residual and gradient.
+    fn residual() -> impl Strategy<Value = (usize, f64, f64, [f64; 12])> {
+        let gradient = prop::array::uniform12(-1.0..1.0_f64);
+        (0..5_usize, 0.1..9.0_f64, -2.0..2.0_f64, gradient)
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig { cases: 32, ..ProptestConfig::default() })]
 
         #[test]
         fn steps_are_those_of_the_full_matrix(
-            residuals in prop::collection::vec((0..5_usize, 0.1..9.0_f64, -2.0..2.0_f64, prop::array::uniform12(-1.0..1.0_f64)), 60..90),
-            held in 0..28_usize, damping in 0.0..0.1_f64,
+            residuals in prop::collection::vec(residual(), 60..90),
+            held in 0..28_usize,
+            damping in 0.0..0.1_f64,
         ) {
             let knots = 7;
             let n = knots * BLOCK;
             let mut normal = Normal::default();
             normal.clear(knots);
-            let (mut matrix, mut right, mut total) = (DMatrix::<f64>::zeros(n, n), DVector::<f64>::zeros(n), 0.0);
+            let mut matrix = DMatrix::<f64>::zeros(n, n);
+            let mut right = DVector::<f64>::zeros(n);
+            let mut total = 0.0;
             for (knot, weight, residual, gradient) in &residuals {
                 normal.add(*knot, *weight, *residual, gradient);
                 let mut row = DVector::<f64>::zeros(n);
@@ -188,7 +228,8 @@ mod tests {
                 (Some(Step { by: step, fall }), Some(expected)) => {
                     prop_assert!(fall >= 0.0);
                     let scale = expected.amax().max(1.0);
-                    prop_assert!(step.iter().zip(expected.iter()).all(|(a, b)| (a - b).abs() < 1e-6 * scale));
+                    let mut pairs = step.iter().zip(expected.iter());
+                    prop_assert!(pairs.all(|(a, b)| (a - b).abs() < 1e-6 * scale));
                     prop_assert_eq!(step[held], 0.0);
                 }
                 (ours, theirs) => prop_assert!(damping < 1e-6, "{:?} {:?}", ours, theirs),
@@ -197,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn broken_numbers_have_no_step() {
+    fn equations_with_nan_have_no_step() {
         let mut normal = Normal::default();
         normal.clear(1);
         normal.add(0, 1.0, 1.0, &[f64::NAN, 0.0, 0.0, 0.0]);

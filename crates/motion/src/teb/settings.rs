@@ -1,34 +1,37 @@
-//! What of a band is worth how much.
+//! Settings: what shapes a band, and how the planner works.
 
-use crate::checks::{SettingsError, not_negative, positive};
+use crate::checks::{SettingsError, finite, not_negative, positive};
+use crate::teb::classes::Exploring;
 use crate::trajectory::Resolution;
 
-/// What a second, a metre and a nearness are worth. Weights of what lasts are for a second of it, so that how finely a band is divided changes little.
+/// Weights of the objectives. Those of lasting quantities are for a second of them, so that the
+/// resolution of a band changes little.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Weights {
-    /// Time.
+    /// Of time.
     pub time: f64,
-    /// Length of the way.
+    /// Of the length of the path.
     pub length: f64,
-    /// Driving sideways, per m² and stretch: not possible, so it must not pay.
+    /// Of driving sideways, per m² and stretch: it is impossible, so it must not pay.
     pub sideways: f64,
-    /// Speeds above the limits.
+    /// Of speeds above the limits.
     pub speed: f64,
-    /// Turn rates above the limit.
+    /// Of turn rates above the limit.
     pub turn: f64,
-    /// Accelerations above the limit.
+    /// Of accelerations above the limit.
     pub acceleration: f64,
-    /// Changes of the turn rate, per m²/s⁴ of the rims: without it what is a little off is put right at once, and overshot.
+    /// Of changes of the turn rate, per m²/s⁴ of the rims: without it small errors are corrected at
+    /// once, and overshot.
     pub steady: f64,
-    /// Driving backwards at all.
+    /// Of driving backward at all.
     pub backward: f64,
-    /// Nearer to obstacles than [`Margins::least`].
+    /// Of being nearer to obstacles than [`Margins::least`].
     pub obstacle: f64,
-    /// Nearer to obstacles than [`Margins::comfort`].
+    /// Of being nearer to obstacles than [`Margins::comfort`].
     pub comfort: f64,
-    /// Away from a point to pass by.
+    /// Of distance from a via point.
     pub via: f64,
-    /// Turning to the other side than is preferred.
+    /// Of turning to the other side than the preferred one.
     pub side: f64,
 }
 
@@ -51,36 +54,40 @@ impl Default for Weights {
     }
 }
 
-/// Distances to keep, metres.
+/// Distances to keep from obstacles, metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Margins {
-    /// From the footprint to what stands: nearer is hardly ever worth it.
+    /// From the footprint to standing obstacles: being nearer is hardly ever worth it.
     pub least: f64,
-    /// From the footprint to what moves.
+    /// From the footprint to moving obstacles.
     pub moving: f64,
-    /// From here on nearness costs nothing.
+    /// From this distance on nearness costs nothing.
     pub comfort: f64,
 }
 
 impl Default for Margins {
     fn default() -> Self {
-        Self { least: 0.02, moving: 0.1, comfort: 0.2 }
+        Self {
+            least: 0.02,
+            moving: 0.1,
+            comfort: 0.2,
+        }
     }
 }
 
-/// All that shapes a band.
+/// Settings of a band.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Settings {
     /// How finely it is divided.
     pub resolution: Resolution,
-    /// What is worth how much.
+    /// Weights of the objectives.
     pub weights: Weights,
-    /// Distances to keep.
+    /// Distances to keep from obstacles.
     pub margins: Margins,
 }
 
 impl Settings {
-    /// Whether a band can be shaped by them.
+    /// Whether a band can be optimized with them.
     pub fn check(&self) -> Result<(), SettingsError> {
         self.resolution.check()?;
         let w = &self.weights;
@@ -98,9 +105,98 @@ impl Settings {
             w.via,
             w.side,
         ];
-        others.into_iter().try_for_each(|weight| not_negative("a weight", weight))?;
+        others
+            .into_iter()
+            .try_for_each(|weight| not_negative("a weight", weight))?;
         let m = &self.margins;
         positive("the margin of comfort", m.comfort)?;
-        [m.least, m.moving].into_iter().try_for_each(|margin| not_negative("a margin", margin))
+        [m.least, m.moving]
+            .into_iter()
+            .try_for_each(|margin| not_negative("a margin", margin))
+    }
+}
+
+/// Settings of the planner.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TebSettings {
+    /// Settings of its bands.
+    pub band: Settings,
+    /// How classes are searched; `keep` and `comfort` are set from the footprint and the margins of
+    /// bands.
+    pub exploring: Exploring,
+    /// Length of the path that is planned ahead, metres.
+    pub horizon: f64,
+    /// Another band is driven only if it costs less than this share of the present one.
+    pub hysteresis: f64,
+    /// Distance from the end with which the robot has arrived, metres.
+    pub tolerance: f64,
+    /// Heading error at the end with which the robot has arrived, radians.
+    pub yaw_tolerance: f64,
+    /// Distance between via points of the path, metres, which bands pass as firmly as
+    /// [`Weights::via`] says: not at all by default, since paths are only hints where to go.
+    pub via: Option<f64>,
+    /// Preferred side where the robot turns by more than two radians: left if positive, right if
+    /// negative. [`Weights::side`] says how much turning to the other side at the beginning of a
+    /// band costs besides.
+    pub side: f64,
+    /// How much faster than predicted people may approach, m/s.
+    ///
+    /// Near them the robot is slow enough to stand when they reach it, and it does not run from
+    /// them, since people walk around what stands. When it stands near somebody it waits for half a
+    /// second before it sets out. [`Margins::moving`] should be 0.3 m then, so that bands pass
+    /// people as far as that allows.
+    ///
+    /// `None` by default: where all motion is predicted exactly the robot may pass closely, and
+    /// evades.
+    pub surprise: Option<f64>,
+    /// Seconds that a walking person needs to stop: the robot does not drive onto ground where
+    /// somebody will be by then. `None` by default: where all motion is predicted exactly it may
+    /// pass closely before somebody.
+    pub yields: Option<f64>,
+}
+
+impl Default for TebSettings {
+    fn default() -> Self {
+        Self {
+            band: Settings::default(),
+            exploring: Exploring::default(),
+            horizon: 4.0,
+            hysteresis: 0.9,
+            tolerance: 0.1,
+            yaw_tolerance: 0.08,
+            via: None,
+            side: 0.0,
+            surprise: None,
+            yields: None,
+        }
+    }
+}
+
+impl TebSettings {
+    /// Whether a planner can work with them.
+    pub fn check(&self) -> Result<(), SettingsError> {
+        self.band.check()?;
+        positive("the horizon", self.horizon)?;
+        positive("the tolerance", self.tolerance)?;
+        positive("the tolerance of heading", self.yaw_tolerance)?;
+        if !(self.hysteresis > 0.0 && self.hysteresis <= 1.0) {
+            let wanted = "give a number above 0, and 1 at most";
+            return Err(SettingsError {
+                name: "the hysteresis",
+                value: self.hysteresis,
+                wanted,
+            });
+        }
+        positive("the distance between via points", self.via.unwrap_or(1.0))?;
+        finite("the preferred side", self.side)?;
+        positive(
+            "the unpredicted approach speed of people",
+            self.surprise.unwrap_or(1.0),
+        )?;
+        positive(
+            "the time that somebody needs to stop",
+            self.yields.unwrap_or(1.0),
+        )?;
+        self.exploring.check()
     }
 }

@@ -1,37 +1,47 @@
-//! The band: where the robot is to be, and when.
+//! The band: poses at times, read and carried along from cycle to cycle.
 
 use openbench_core::{MapPoint, Pose2, Velocity, frames::wrap_angle};
 
 use crate::kinematics::{on_arc, velocity};
 use crate::limits::Limits;
 
-/// A pose this far from where the band had it is a jump of the estimate, not a slip of the wheels: metres, radians.
-const JUMP: (f64, f64) = (0.15, 0.2);
+/// A pose this far from the expected one is a jump of the estimate, not a slip of the wheels,
+/// metres.
+const JUMP_M: f64 = 0.15;
+/// The same of the heading, radians.
+const JUMP_RAD: f64 = 0.2;
 
-/// Seconds ahead that a command is taken from: the time until the next one and a little for what lags.
-pub const COMMAND: f64 = 0.1;
-/// Metres that a radian counts for where poses are compared.
-const TURN_WEIGHT: f64 = 0.3;
+/// Seconds ahead from which a command is taken: the time until the next command, and a little for
+/// latency.
+pub const COMMAND_S: f64 = 0.1;
+/// Metres that count as much as a radian where poses are compared.
+const TURN_WEIGHT_M: f64 = 0.3;
 
-/// A pose at a time. The yaw is not wrapped: a full turn to the left is another way than one to the right.
+/// A pose at a time. The yaw is not wrapped: a full turn to the left is another trajectory than one
+/// to the right.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Knot {
-    /// Where, in `map`.
+    /// The pose in `map`.
     pub pose: Pose2,
-    /// When, seconds from now.
+    /// Seconds from now.
     pub time: f64,
 }
 
-/// Knots in the order of their times, the first one here and now.
+/// Knots in the order of their times; the first one is here and now.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Band {
     pub(super) knots: Vec<Knot>,
 }
 
 impl Band {
-    /// A band through knots; `None` unless there are two at least with rising times and finite numbers.
+    /// A band through knots; `None` unless there are at least two, with rising times and finite
+    /// numbers.
     pub fn new(knots: Vec<Knot>) -> Option<Self> {
-        let finite = |k: &Knot| [k.pose.x, k.pose.y, k.pose.yaw, k.time].iter().all(|c| c.is_finite());
+        let finite = |k: &Knot| {
+            [k.pose.x, k.pose.y, k.pose.yaw, k.time]
+                .iter()
+                .all(|c| c.is_finite())
+        };
         let rising = knots.windows(2).all(|w| w[1].time > w[0].time);
         (knots.len() > 1 && rising && knots.iter().all(finite)).then_some(Self { knots })
     }
@@ -46,13 +56,15 @@ impl Band {
         self.knots[self.knots.len() - 1].time
     }
 
-    /// The pose after `time` seconds, on the arc between its neighbours; the end after the end.
+    /// The pose after `time` seconds, on the arc between its neighbours; after the end, the end.
     pub fn pose_at(&self, time: f64) -> Pose2 {
         let after = self.knots.partition_point(|k| k.time <= time);
         if after == 0 {
             return self.knots[0].pose;
         }
-        let Some(b) = self.knots.get(after) else { return self.knots[after - 1].pose };
+        let Some(b) = self.knots.get(after) else {
+            return self.knots[after - 1].pose;
+        };
         let a = self.knots[after - 1];
         let share = (time - a.time) / (b.time - a.time);
         on_arc(a.pose, b.pose, share)
@@ -64,40 +76,52 @@ impl Band {
         velocity(a.pose, b.pose, b.time - a.time)
     }
 
-    /// The velocity that leads to where the band is after so many seconds, or at its end.
+    /// The constant velocity that leads to where the band is after so many seconds, or to its end.
     pub fn velocity_until(&self, seconds: f64) -> Velocity {
         let until = seconds.min(self.duration());
         velocity(self.knots[0].pose, self.pose_at(until), until)
     }
 
-    /// The velocity that leads to where the band has the robot next, within its limits.
+    /// The velocity to drive with now, within the robot's limits.
     pub fn command(&self, limits: &Limits) -> Velocity {
-        let v = self.velocity_until(COMMAND);
+        let v = self.velocity_until(COMMAND_S);
         Velocity::new(
             v.linear.clamp(-limits.backward, limits.forward),
             v.angular.clamp(-limits.turn, limits.turn),
         )
     }
 
-    /// The same after a wait where it begins, seconds; `None` if that is not more than nothing.
+    /// The same band after waiting at its start for `wait` seconds; `None` if that is not positive.
     pub fn delayed(&self, wait: f64) -> Option<Self> {
-        let later = self.knots.iter().map(|k| Knot { time: k.time + wait, ..*k });
+        let later = self.knots.iter().map(|k| Knot {
+            time: k.time + wait,
+            ..*k
+        });
         Self::new(std::iter::once(self.knots[0]).chain(later).collect())
     }
 
-    /// The same way no faster than a robot's speeds allow: what a band promises beyond them it cannot keep.
+    /// The same poses, no faster than the robot's speeds allow: beyond them a band cannot be kept.
     pub fn slowed(&self, limits: &Limits) -> Self {
         let mut knots = self.knots.clone();
         for i in 1..knots.len() {
-            let (v, seconds) = (self.velocity(i - 1), self.knots[i].time - self.knots[i - 1].time);
-            let backward = if v.linear < 0.0 { -v.linear / limits.backward.max(1e-3) } else { 0.0 };
-            let over = (v.linear / limits.forward).max(backward).max(v.angular.abs() / limits.turn);
+            let (v, seconds) = (
+                self.velocity(i - 1),
+                self.knots[i].time - self.knots[i - 1].time,
+            );
+            let backward = if v.linear < 0.0 {
+                -v.linear / limits.backward.max(1e-3)
+            } else {
+                0.0
+            };
+            let over = (v.linear / limits.forward)
+                .max(backward)
+                .max(v.angular.abs() / limits.turn);
             knots[i].time = knots[i - 1].time + seconds * over.max(1.0);
         }
         Self { knots }
     }
 
-    /// Moves every knot as `from` moves to `to`: what an estimate's jump does to all that was planned by it.
+    /// Moves every knot as `from` moves to `to`, for an estimated pose that has jumped.
     pub fn carry(&mut self, from: Pose2, to: Pose2) {
         let turn = wrap_angle(to.yaw - from.yaw);
         let (sin, cos) = libm::sincos(turn);
@@ -108,45 +132,58 @@ impl Band {
         }
     }
 
-    /// Whether a pose is so far from where a band had the robot that the estimate has jumped.
+    /// Whether a pose is so far from the expected one that the estimate has jumped.
     pub fn is_jump(expected: Pose2, pose: Pose2) -> bool {
-        expected.point().distance(pose.point()) > JUMP.0 || wrap_angle(expected.yaw - pose.yaw).abs() > JUMP.1
+        expected.point().distance(pose.point()) > JUMP_M
+            || wrap_angle(expected.yaw - pose.yaw).abs() > JUMP_RAD
     }
 
-    /// What is left of the band for a robot at `pose`, `elapsed` seconds later, carried along if the estimate has jumped there.
+    /// Drops what has been driven by a robot that is at `pose` `elapsed` seconds later, and carries
+    /// the rest along if the estimate has jumped there.
     pub fn keep_up(&mut self, pose: Pose2, elapsed: f64) {
-        // Who was held up has not jumped.
+        // A robot that was held up has not jumped.
         if Self::is_jump(self.pose_at(self.progress(pose, elapsed)), pose) {
             self.carry(self.pose_at(elapsed), pose);
         }
         self.advance(pose, elapsed);
     }
 
-    /// What is left of the band for a robot at `pose`, `elapsed` seconds later. Who was held up has as much left as before.
+    /// Drops what has been driven by a robot that is at `pose` `elapsed` seconds later. For a robot
+    /// that was held up as much is left as before.
     pub fn advance(&mut self, pose: Pose2, elapsed: f64) {
         let elapsed = self.progress(pose, elapsed);
         let last = self.knots.len() - 1;
-        // One stretch is left at least.
-        let passed = self.knots.partition_point(|k| k.time <= elapsed).clamp(1, last);
+        // At least one stretch is left.
+        let passed = self
+            .knots
+            .partition_point(|k| k.time <= elapsed)
+            .clamp(1, last);
         self.knots.drain(..passed - 1);
         let yaw = self.knots[0].pose.yaw + wrap_angle(pose.yaw - self.knots[0].pose.yaw);
         let start = elapsed.min(self.knots[1].time - 1e-2);
-        self.knots[0] = Knot { pose: Pose2 { yaw, ..pose }, time: start };
+        self.knots[0] = Knot {
+            pose: Pose2 { yaw, ..pose },
+            time: start,
+        };
         self.knots.iter_mut().for_each(|k| k.time -= start);
     }
 
-    /// The time up to twice `elapsed` at which the band is nearest to `pose`; of those as near, the one nearest to `elapsed`.
+    /// The time, from 0 to twice `elapsed`, at which the band is nearest to `pose`; of times as
+    /// near, the one nearest to `elapsed`.
     fn progress(&self, pose: Pose2, elapsed: f64) -> f64 {
         let off = |share: f64| {
             let at = self.pose_at(share * elapsed);
-            let turn = TURN_WEIGHT * wrap_angle(at.yaw - pose.yaw);
+            let turn = TURN_WEIGHT_M * wrap_angle(at.yaw - pose.yaw);
             libm::hypot(at.point().distance(pose.point()), turn) + 1e-3 * (share - 1.0).abs()
         };
         let shares = (0..=8).map(|i| f64::from(i) / 4.0);
-        shares.min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(1.0) * elapsed
+        shares
+            .min_by(|a, b| off(*a).total_cmp(&off(*b)))
+            .unwrap_or(1.0)
+            * elapsed
     }
 
-    /// Moves the end elsewhere; its yaw to the nearest turn of `yaw`.
+    /// Moves the end; its yaw goes to the nearest turn of `yaw`.
     pub fn set_end(&mut self, point: MapPoint, yaw: Option<f64>) {
         let last = self.knots.len() - 1;
         let end = &mut self.knots[last].pose;
@@ -166,7 +203,13 @@ pub(super) mod tests {
     use proptest::prelude::*;
 
     pub(in crate::trajectory) fn limits() -> Limits {
-        Limits { forward: 0.5, backward: 0.2, turn: 1.0, acceleration: 1.0, half_track: 0.2 }
+        Limits {
+            forward: 0.5,
+            backward: 0.2,
+            turn: 1.0,
+            acceleration: 1.0,
+            half_track: 0.2,
+        }
     }
 
     pub(in crate::trajectory) fn band() -> Band {
@@ -175,7 +218,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn a_jump_carries_the_band_along() {
+    fn a_jump_of_the_estimate_moves_the_whole_band() {
         let mut band = band();
         let (from, to) = (Pose2::new(0.0, 0.0, 0.0), Pose2::new(1.0, 2.0, 0.5));
         let before = from.inverse_transform(band.pose_at(3.0).point());
@@ -185,7 +228,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn who_drives_on_gets_on_and_who_is_held_up_does_not() {
+    fn a_band_is_shortened_by_what_was_driven_and_not_by_time() {
         for (at, left) in [(1.0, -1.0), (0.0, 0.0), (0.5, -0.5)] {
             let (mut band, whole) = (band(), band().duration());
             band.advance(band.pose_at(at), 1.0);
@@ -195,16 +238,20 @@ pub(super) mod tests {
 
     proptest! {
         #[test]
-        fn an_advanced_band_starts_here_and_ends_there(elapsed in 0.0..20.0_f64, yaw in -9.0..9.0_f64) {
+        fn an_advanced_band_starts_here_and_ends_there(
+            elapsed in 0.0..20.0_f64,
+            yaw in -9.0..9.0_f64,
+        ) {
             let mut band = band();
             band.resize(&Resolution::default());
             let (end, duration) = (band.pose_at(99.0), band.duration());
             let on_it = band.pose_at(elapsed);
             let here = Pose2::new(on_it.x, on_it.y + 0.01, yaw);
             band.advance(here, elapsed);
-            prop_assert!(band.knots()[0].time == 0.0 && band.knots()[0].pose.point() == here.point());
-            prop_assert!(wrap_angle(band.knots()[0].pose.yaw - yaw).abs() < 1e-9);
-            prop_assert!(band.knots().len() > 1 && band.knots().windows(2).all(|w| w[1].time > w[0].time));
+            let (knots, first) = (band.knots(), band.knots()[0]);
+            prop_assert!(first.time == 0.0 && first.pose.point() == here.point());
+            prop_assert!(wrap_angle(first.pose.yaw - yaw).abs() < 1e-9);
+            prop_assert!(knots.len() > 1 && knots.windows(2).all(|w| w[1].time > w[0].time));
             prop_assert!(band.pose_at(99.0) == end);
             prop_assert!(band.duration() <= duration && band.duration() > 0.0);
         }

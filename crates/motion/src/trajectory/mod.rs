@@ -1,6 +1,7 @@
-//! Where the robot is to be, and when.
+//! Trajectories: where the robot is to be, and when.
 //!
-//! Every planner that looks ahead makes a [`Band`], and what drives one or looks for conflicts along one needs not know which planner it comes from.
+//! Planners and recovery maneuvers make a [`Band`]. Code that drives one, or looks for conflicts
+//! along one, needs not know which planner it comes from.
 //!
 //! | module | its one job |
 //! |---|---|

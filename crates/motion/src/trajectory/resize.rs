@@ -1,4 +1,4 @@
-//! Dividing a band: how finely, and the automatic resizing that keeps it so.
+//! Resolution of a band, and the automatic resizing that keeps it.
 
 use super::band::{Band, Knot};
 use crate::checks::{SettingsError, positive};
@@ -6,30 +6,36 @@ use crate::kinematics::on_arc;
 
 /// Share of the wanted step by which a stretch may be longer or shorter.
 const HYSTERESIS: f64 = 0.4;
-/// New bands have stretches that are just so long: rounding must not tell how they are divided.
-const ROUNDED: f64 = 1e-9;
+/// Stretches of new bands often have the wanted length; rounding must not decide how they are
+/// divided. Seconds.
+const ROUNDING_S: f64 = 1e-9;
 
 /// How finely a band is divided.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Resolution {
-    /// Seconds of the first stretch.
+    /// Duration of the first stretch, seconds.
     pub near: f64,
-    /// Seconds of stretches far ahead.
+    /// Duration of stretches far ahead, seconds.
     pub far: f64,
-    /// Seconds ahead from which on it is far.
+    /// Seconds ahead from which on stretches have that duration.
     pub horizon: f64,
-    /// Most knots.
+    /// Most knots of a band.
     pub most: usize,
 }
 
 impl Default for Resolution {
     fn default() -> Self {
-        Self { near: 0.1, far: 0.3, horizon: 2.0, most: 150 }
+        Self {
+            near: 0.1,
+            far: 0.3,
+            horizon: 2.0,
+            most: 150,
+        }
     }
 }
 
 impl Resolution {
-    /// Seconds of a stretch that begins `time` seconds ahead.
+    /// Duration of a stretch that begins `time` seconds ahead, seconds.
     pub fn step_at(&self, time: f64) -> f64 {
         self.near + (self.far - self.near) * (time / self.horizon).clamp(0.0, 1.0)
     }
@@ -42,12 +48,20 @@ impl Resolution {
         let value = self.most as f64;
         let enough = (4..=10_000).contains(&self.most);
         let wanted = "between 4 and 10000 are possible";
-        if enough { Ok(()) } else { Err(SettingsError { name: "the number of knots", value, wanted }) }
+        if enough {
+            Ok(())
+        } else {
+            Err(SettingsError {
+                name: "the number of knots",
+                value,
+                wanted,
+            })
+        }
     }
 }
 
 impl Band {
-    /// Splits stretches that take too long and joins those that are too short (automatic resizing).
+    /// Splits stretches that are too long and joins those that are too short.
     pub fn resize(&mut self, resolution: &Resolution) {
         self.split(resolution);
         self.join(resolution);
@@ -62,12 +76,15 @@ impl Band {
                 let at: Knot = knots[knots.len() - 1];
                 let step = resolution.step_at(at.time);
                 let left = b.time - at.time;
-                if left <= (1.0 + HYSTERESIS) * step + ROUNDED {
+                if left <= (1.0 + HYSTERESIS) * step + ROUNDING_S {
                     break;
                 }
-                let time = at.time + left / (left / step + ROUNDED).round().max(2.0);
+                let time = at.time + left / (left / step + ROUNDING_S).round().max(2.0);
                 let share = (time - a.time) / (b.time - a.time);
-                knots.push(Knot { pose: on_arc(a.pose, b.pose, share), time });
+                knots.push(Knot {
+                    pose: on_arc(a.pose, b.pose, share),
+                    time,
+                });
             }
         }
         knots.push(self.knots[self.knots.len() - 1]);
@@ -80,9 +97,9 @@ impl Band {
         for i in 1..last {
             let (before, after) = (self.knots[kept - 1].time, self.knots[i + 1].time);
             let step = resolution.step_at(before);
-            let short = self.knots[i].time - before < (1.0 - HYSTERESIS) * step - ROUNDED;
-            let room = after - before < (1.0 + HYSTERESIS) * step + ROUNDED;
-            // What is left must have three knots, for a velocity and its change.
+            let short = self.knots[i].time - before < (1.0 - HYSTERESIS) * step - ROUNDING_S;
+            let room = after - before < (1.0 + HYSTERESIS) * step + ROUNDING_S;
+            // At least three knots are left, for a velocity and its change.
             if !(short && room && kept + last - i >= 3) {
                 self.knots[kept] = self.knots[i];
                 kept += 1;
@@ -93,10 +110,18 @@ impl Band {
     }
 }
 
-/// Shorter ones vanish beside the times that they are added to.
+/// Whether a duration is usable: shorter ones vanish beside the times that they are added to.
 fn time_step(name: &'static str, value: f64) -> Result<(), SettingsError> {
     let wanted = "1 ms to a minute are possible";
-    if (1e-3..=60.0).contains(&value) { Ok(()) } else { Err(SettingsError { name, value, wanted }) }
+    if (1e-3..=60.0).contains(&value) {
+        Ok(())
+    } else {
+        Err(SettingsError {
+            name,
+            value,
+            wanted,
+        })
+    }
 }
 
 #[cfg(test)]
@@ -113,8 +138,14 @@ mod tests {
         }
         assert_eq!((band.pose_at(99.0), band.duration()), (end, duration));
         for pair in band.knots().windows(2) {
-            let (step, wanted) = (pair[1].time - pair[0].time, resolution.step_at(pair[0].time));
-            assert!(step < 1.41 * wanted && step > 0.3 * wanted, "{step} for {wanted}");
+            let (step, wanted) = (
+                pair[1].time - pair[0].time,
+                resolution.step_at(pair[0].time),
+            );
+            assert!(
+                step < 1.41 * wanted && step > 0.3 * wanted,
+                "{step} for {wanted}"
+            );
         }
     }
 }

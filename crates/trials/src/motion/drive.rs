@@ -14,8 +14,8 @@ use openbench_motion::navigator::{Cause, NavigatorError};
 use openbench_motion::recovery::ladder::Step;
 use openbench_motion::teb::classes::{Explorer, Exploring};
 use openbench_motion::{
-    Blocked, Footprint, Guide, LocalPlanner, Navigation, Navigator, Obstacle, PlanError, Progress, Situation,
-    Surroundings, Vector2,
+    Blocked, Footprint, Guide, LocalPlanner, Navigation, Navigator, Obstacle, PlanError, Progress,
+    Situation, Surroundings, Vector2,
 };
 
 use super::scene::Scene;
@@ -177,7 +177,10 @@ pub fn drive(
     let mut turned = 0.0;
     for cycle in 0..(limit / CYCLE_S) as usize {
         let time = cycle as f64 * CYCLE_S;
-        let by = scene.jump.filter(|j| time >= j.at).map_or(Vector2::ZERO, |j| j.by);
+        let by = scene
+            .jump
+            .filter(|j| time >= j.at)
+            .map_or(Vector2::ZERO, |j| j.by);
         let seen = seen(scene, motion.pose, time, by);
         let pose = Pose2::new(motion.pose.x + by.x, motion.pose.y + by.y, motion.pose.yaw);
         drive.track.push(motion.pose);
@@ -295,6 +298,8 @@ fn seen(scene: &Scene, pose: Pose2, time: f64, by: Vector2) -> Vec<Obstacle> {
 
 fn shifted(o: &Obstacle, by: Vector2) -> Obstacle {
     let (corners, rounding) = (o.corners(), o.rounding());
-    let corners: Vec<MapPoint> = corners.map(|c| MapPoint::new(c.x + by.x, c.y + by.y)).collect();
+    let corners: Vec<MapPoint> = corners
+        .map(|c| MapPoint::new(c.x + by.x, c.y + by.y))
+        .collect();
     Obstacle::new(&corners, rounding, o.velocity()).unwrap_or_else(|_| o.clone())
 }

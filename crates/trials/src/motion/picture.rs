@@ -56,14 +56,24 @@ fill=\"#fff\"/>\n\
 
 fn obstacle(svg: &mut String, obstacle: &Obstacle) {
     let (corners, rounding) = (obstacle.corners(), obstacle.rounding());
-    let color = if obstacle.is_moving() { "#dd6b20" } else { "#a0aec0" };
+    let color = if obstacle.is_moving() {
+        "#dd6b20"
+    } else {
+        "#a0aec0"
+    };
     let corners: Vec<MapPoint> = corners.collect();
     let width = (2.0 * rounding).max(0.02);
     if let [middle] = corners[..] {
         let (x, y) = (middle.x, middle.y);
-        let _ = writeln!(svg, "<circle cx=\"{x:.3}\" cy=\"{y:.3}\" r=\"{rounding:.3}\" fill=\"{color}\"/>");
+        let _ = writeln!(
+            svg,
+            "<circle cx=\"{x:.3}\" cy=\"{y:.3}\" r=\"{rounding:.3}\" fill=\"{color}\"/>"
+        );
         let Vector2 { x: vx, y: vy } = obstacle.velocity();
-        let _ = writeln!(svg, "<path d=\"M{x:.3} {y:.3}l{vx:.3} {vy:.3}\" stroke=\"{color}\"/>");
+        let _ = writeln!(
+            svg,
+            "<path d=\"M{x:.3} {y:.3}l{vx:.3} {vy:.3}\" stroke=\"{color}\"/>"
+        );
     } else {
         polygon(
             svg,

@@ -224,8 +224,17 @@ impl Draft<'_> {
     }
 
     fn block(&mut self, low: (f64, f64), high: (f64, f64)) -> Result<(), ShapeError> {
-        let corners = [(low.0, low.1), (high.0, low.1), (high.0, high.1), (low.0, high.1)];
-        self.obstacles.push(Obstacle::new(&corners.map(|(x, y)| MapPoint::new(x, y)), 0.0, Vector2::ZERO)?);
+        let corners = [
+            (low.0, low.1),
+            (high.0, low.1),
+            (high.0, high.1),
+            (low.0, high.1),
+        ];
+        self.obstacles.push(Obstacle::new(
+            &corners.map(|(x, y)| MapPoint::new(x, y)),
+            0.0,
+            Vector2::ZERO,
+        )?);
         Ok(())
     }
 
@@ -243,9 +252,14 @@ impl Draft<'_> {
             1 => Obstacle::wall(at, at.offset(self.between(-3.1, 3.1), 2.0 * size))?,
             _ => {
                 let (sides, turn) = (self.rng.random_range(3..7), self.between(0.0, 6.3));
-                let corner =
-                    |i: usize| at.offset(turn + std::f64::consts::TAU * i as f64 / sides as f64, size);
-                Obstacle::new(&(0..sides).map(corner).collect::<Vec<_>>(), 0.0, Vector2::ZERO)?
+                let corner = |i: usize| {
+                    at.offset(turn + std::f64::consts::TAU * i as f64 / sides as f64, size)
+                };
+                Obstacle::new(
+                    &(0..sides).map(corner).collect::<Vec<_>>(),
+                    0.0,
+                    Vector2::ZERO,
+                )?
             }
         };
         let is_clear = |p: MapPoint| obstacle.distance_to(p) > keep;
@@ -362,7 +376,11 @@ impl Draft<'_> {
         let from = at.offset(bearing + std::f64::consts::PI, speed * seconds);
         let (sin, cos) = libm::sincos(bearing);
         let radius = self.between(0.2, 0.3);
-        self.obstacles.push(Obstacle::new(&[from], radius, Vector2::new(speed * cos, speed * sin))?);
+        self.obstacles.push(Obstacle::new(
+            &[from],
+            radius,
+            Vector2::new(speed * cos, speed * sin),
+        )?);
         Ok(())
     }
 
@@ -414,7 +432,10 @@ impl Draft<'_> {
         let count = self.rng.random_range(2..10);
         self.obstacles(count, 0.9)?;
         let (sin, cos) = libm::sincos(self.between(-3.1, 3.1));
-        self.jump = Some(Jump { at: self.between(1.0, 5.0), by: Vector2::new(0.5 * cos, 0.5 * sin) });
+        self.jump = Some(Jump {
+            at: self.between(1.0, 5.0),
+            by: Vector2::new(0.5 * cos, 0.5 * sin),
+        });
         Ok(())
     }
 }

@@ -26,7 +26,10 @@ const SWERVES_PER_S: f64 = 0.25;
 
 /// Tolerance of the follower: it moves on while it turns, and has to end well within the goal's
 /// tolerance.
-const FOLLOWER: Tolerance = Tolerance { distance: 0.08, yaw: 0.07 };
+const FOLLOWER: Tolerance = Tolerance {
+    distance: 0.08,
+    yaw: 0.07,
+};
 
 /// The planners that are compared by default.
 pub fn planners() -> LocalPlanners {
@@ -48,7 +51,12 @@ impl PlannerKind {
 
     fn all(planners: &LocalPlanners) -> Vec<Self> {
         let entries = planners.entries().iter().enumerate();
-        entries.map(|(place, entry)| Self { place, name: entry.name() }).collect()
+        entries
+            .map(|(place, entry)| Self {
+                place,
+                name: entry.name(),
+            })
+            .collect()
     }
 }
 
@@ -211,7 +219,11 @@ where
         |number| outcome(number, request, robot),
         |outcome| seen(&outcome).map(|()| outcome.without_pictures()),
     )?;
-    Ok(summary(request.seed, &PlannerKind::all(request.planners), &outcomes))
+    Ok(summary(
+        request.seed,
+        &PlannerKind::all(request.planners),
+        &outcomes,
+    ))
 }
 
 /// The first draw of a scene with a reference motion or a proof, if any, and the number of earlier
@@ -253,8 +265,11 @@ fn outcome(
         });
     };
     let settings = PlannerSettings::new(robot.clone());
-    let kinds = PlannerKind::all(request.planners).into_iter().zip(request.planners.entries());
-    let drives = kinds.map(|(kind, entry)| Ok((kind, drive(&scene, robot, entry.make(&settings)?)?)));
+    let kinds = PlannerKind::all(request.planners)
+        .into_iter()
+        .zip(request.planners.entries());
+    let drives =
+        kinds.map(|(kind, entry)| Ok((kind, drive(&scene, robot, entry.make(&settings)?)?)));
     let drives = drives.collect::<Result<Vec<_>, TrialError>>()?;
     let best = match known {
         Possible::Motion(_, seconds) => Some(fastest(seconds, &drives, |d| {
@@ -483,8 +498,15 @@ mod tests {
 
     #[test]
     fn the_reference_is_the_shortest_known_duration() {
-        let touched = Drive { collisions: 1, ..driven(End::Reached, 5.0) };
-        let drives = [driven(End::Reached, 9.0), driven(End::Timeout, 1.0), touched];
+        let touched = Drive {
+            collisions: 1,
+            ..driven(End::Reached, 5.0)
+        };
+        let drives = [
+            driven(End::Reached, 9.0),
+            driven(End::Timeout, 1.0),
+            touched,
+        ];
         let drives = drives.map(|drive| (PlannerKind::all(&planners())[0], drive));
         let best = |found, saved| fastest(found, &drives, |d| Some(d.seconds - saved));
         assert_eq!(

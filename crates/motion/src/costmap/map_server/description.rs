@@ -42,8 +42,11 @@ pub struct Description {
 
 /// Reads a description from its text; `path` is for errors.
 pub fn describe(text: &str, path: &Path) -> Result<Description, MapServerError> {
-    let description: Description = serde_saphyr::from_str(text)
-        .map_err(|source| MapServerError::Description { path: path.to_owned(), source: Box::new(source) })?;
+    let description: Description =
+        serde_saphyr::from_str(text).map_err(|source| MapServerError::Description {
+            path: path.to_owned(),
+            source: Box::new(source),
+        })?;
     description.check(path)?;
     Ok(description)
 }
@@ -52,11 +55,26 @@ impl Description {
     /// Whether all values make sense; `path` is for errors.
     pub(super) fn check(&self, path: &Path) -> Result<(), MapServerError> {
         let wrong = |key: &'static str, value: String, wanted: &'static str| {
-            Err(MapServerError::Value { path: path.to_owned(), key, value, wanted })
+            Err(MapServerError::Value {
+                path: path.to_owned(),
+                key,
+                value,
+                wanted,
+            })
         };
-        let Self { resolution, origin, occupied_thresh, free_thresh, .. } = self;
+        let Self {
+            resolution,
+            origin,
+            occupied_thresh,
+            free_thresh,
+            ..
+        } = self;
         if !(1e-4..=1e3).contains(resolution) {
-            return wrong("resolution", resolution.to_string(), "give metres from 0.0001 to 1000");
+            return wrong(
+                "resolution",
+                resolution.to_string(),
+                "give metres from 0.0001 to 1000",
+            );
         }
         let is_place = origin.iter().all(|v| v.is_finite() && v.abs() < 1e7);
         if !(2..=3).contains(&origin.len()) || !is_place {
@@ -64,7 +82,11 @@ impl Description {
             return wrong("origin", format!("{origin:?}"), wanted);
         }
         if !(0.0..=1.0).contains(occupied_thresh) {
-            return wrong("occupied_thresh", occupied_thresh.to_string(), "give a probability");
+            return wrong(
+                "occupied_thresh",
+                occupied_thresh.to_string(),
+                "give a probability",
+            );
         }
         if !(0.0..=*occupied_thresh).contains(free_thresh) {
             let wanted = "give a probability below `occupied_thresh`";

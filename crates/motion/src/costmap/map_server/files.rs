@@ -19,20 +19,27 @@ const LARGEST_IMAGE: u64 = 256 << 20;
 pub fn read(path: &Path) -> Result<Occupancy, MapServerError> {
     let text = String::from_utf8_lossy(&bytes(path, LONGEST_DESCRIPTION)?).into_owned();
     let description = describe(&text, path)?;
-    let image = path.parent().unwrap_or(Path::new("")).join(&description.image);
+    let image = path
+        .parent()
+        .unwrap_or(Path::new(""))
+        .join(&description.image);
     decode(&description, &bytes(&image, LARGEST_IMAGE)?, &image)
 }
 
 /// Writes a grid as `path` and an image of the same name with `.pgm` beside it (`trinary`: a cell
-/// that is neither free nor unknown counts as occupied from 65 on). Each file is either written as a
-/// whole or left as it was.
+/// that is neither free nor unknown counts as occupied from 65 on). Each file is either written as
+/// a whole or left as it was.
 pub fn write(path: &Path, occupancy: &Occupancy) -> Result<(), MapServerError> {
     let grid = &occupancy.grid;
     let sides = 1..=MOST_PIXELS as usize;
     let fits = sides.contains(&grid.width) && sides.contains(&grid.height);
     if !fits || grid.len() != occupancy.cells.len() {
         let (width, height, cells) = (grid.width, grid.height, occupancy.cells.len());
-        return Err(MapServerError::Shape { width, height, cells });
+        return Err(MapServerError::Shape {
+            width,
+            height,
+            cells,
+        });
     }
     let image = path.with_extension("pgm");
     if image == path {
@@ -49,8 +56,10 @@ pub fn write(path: &Path, occupancy: &Occupancy) -> Result<(), MapServerError> {
     };
     description.check(path)?;
     let pgm = encode(occupancy, &image)?;
-    let yaml = serde_saphyr::to_string(&description)
-        .map_err(|source| MapServerError::Yaml { path: path.to_owned(), source: Box::new(source) })?;
+    let yaml = serde_saphyr::to_string(&description).map_err(|source| MapServerError::Yaml {
+        path: path.to_owned(),
+        source: Box::new(source),
+    })?;
     write_atomically(&image, &pgm)?;
     write_atomically(path, yaml.as_bytes())?;
     Ok(())
@@ -58,16 +67,26 @@ pub fn write(path: &Path, occupancy: &Occupancy) -> Result<(), MapServerError> {
 
 /// The bytes of a file that has `most` at most.
 fn bytes(path: &Path, most: u64) -> Result<Vec<u8>, MapServerError> {
-    let failed = |source| MapServerError::Read { path: path.to_owned(), source };
+    let failed = |source| MapServerError::Read {
+        path: path.to_owned(),
+        source,
+    };
     // Before it is opened: opening a pipe may wait for ever.
     if !std::fs::metadata(path).map_err(failed)?.is_file() {
-        return Err(MapServerError::NotAFile { path: path.to_owned() });
+        return Err(MapServerError::NotAFile {
+            path: path.to_owned(),
+        });
     }
     let file = std::fs::File::open(path).map_err(failed)?;
     let mut bytes = Vec::new();
-    file.take(most + 1).read_to_end(&mut bytes).map_err(failed)?;
+    file.take(most + 1)
+        .read_to_end(&mut bytes)
+        .map_err(failed)?;
     if bytes.len() as u64 > most {
-        return Err(MapServerError::TooLong { path: path.to_owned(), most });
+        return Err(MapServerError::TooLong {
+            path: path.to_owned(),
+            most,
+        });
     }
     Ok(bytes)
 }
@@ -79,11 +98,19 @@ mod tests {
     use openbench_grid::GridGeometry;
     use proptest::prelude::*;
 
-    const CELL: GridGeometry =
-        GridGeometry { origin: MapPoint::new(0.0, 0.0), width: 1, height: 1, cell: 0.1 };
+    const CELL: GridGeometry = GridGeometry {
+        origin: MapPoint::new(0.0, 0.0),
+        width: 1,
+        height: 1,
+        cell: 0.1,
+    };
 
     fn sound() -> Occupancy {
-        Occupancy { grid: CELL, yaw: 0.0, cells: vec![Occupancy::FREE] }
+        Occupancy {
+            grid: CELL,
+            yaw: 0.0,
+            cells: vec![Occupancy::FREE],
+        }
     }
 
     proptest! {
@@ -108,7 +135,11 @@ mod tests {
 
     #[test]
     fn a_grid_without_cells_is_not_written() {
-        let empty = Occupancy { grid: GridGeometry { width: 0, ..CELL }, yaw: 0.0, cells: vec![] };
+        let empty = Occupancy {
+            grid: GridGeometry { width: 0, ..CELL },
+            yaw: 0.0,
+            cells: vec![],
+        };
         let refused = write(Path::new("never.yaml"), &empty);
         assert!(matches!(refused, Err(MapServerError::Shape { .. })));
     }
@@ -117,17 +148,28 @@ mod tests {
     fn a_grid_that_could_not_be_read_is_not_written() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("never.yaml");
-        let of_cells = |cell: f64| Occupancy { grid: GridGeometry { cell, ..CELL }, ..sound() };
+        let of_cells = |cell: f64| Occupancy {
+            grid: GridGeometry { cell, ..CELL },
+            ..sound()
+        };
         let broken = [
             ("resolution", of_cells(0.0)),
             ("resolution", of_cells(f64::NAN)),
-            ("origin", Occupancy { yaw: f64::INFINITY, ..sound() }),
+            (
+                "origin",
+                Occupancy {
+                    yaw: f64::INFINITY,
+                    ..sound()
+                },
+            ),
         ];
         for (key, occupancy) in broken {
             let error = write(&path, &occupancy).unwrap_err().to_string();
             assert!(error.contains(key), "{error}");
         }
-        let error = write(&folder.path().join("never.pgm"), &sound()).unwrap_err().to_string();
+        let error = write(&folder.path().join("never.pgm"), &sound())
+            .unwrap_err()
+            .to_string();
         assert!(error.contains("`.yaml`"), "{error}");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
         write(&path, &sound()).unwrap();
@@ -138,6 +180,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let missing = read(&folder.path().join("ground.yaml")).unwrap_err();
         assert!(missing.to_string().contains("ground.yaml"), "{missing}");
-        assert!(matches!(read(folder.path()), Err(MapServerError::NotAFile { .. })));
+        assert!(matches!(
+            read(folder.path()),
+            Err(MapServerError::NotAFile { .. })
+        ));
     }
 }

@@ -21,16 +21,27 @@ const UNKNOWN_GREY: u8 = 205;
 const LIKELY_FREE: i8 = 25;
 
 /// The grid of an image; `path` is for errors and says which kind of image it is.
-pub fn decode(description: &Description, image: &[u8], path: &Path) -> Result<Occupancy, MapServerError> {
+pub fn decode(
+    description: &Description,
+    image: &[u8],
+    path: &Path,
+) -> Result<Occupancy, MapServerError> {
     let mut reader = ImageReader::new(Cursor::new(image));
     reader.set_format(ImageFormat::from_path(path).unwrap_or(ImageFormat::Pnm));
     let mut limits = image::Limits::default();
     (limits.max_image_width, limits.max_image_height) = (Some(MOST_PIXELS), Some(MOST_PIXELS));
     reader.limits(limits);
-    let image = reader.decode().map_err(|source| MapServerError::Image { path: path.to_owned(), source })?;
+    let image = reader.decode().map_err(|source| MapServerError::Image {
+        path: path.to_owned(),
+        source,
+    })?;
     let (width, height) = (image.width() as usize, image.height() as usize);
     if width == 0 || height == 0 {
-        return Err(MapServerError::Shape { width, height, cells: 0 });
+        return Err(MapServerError::Shape {
+            width,
+            height,
+            cells: 0,
+        });
     }
     let has_alpha = image.color().has_alpha();
     let image = image.to_rgba8();
@@ -45,22 +56,30 @@ pub fn decode(description: &Description, image: &[u8], path: &Path) -> Result<Oc
         height,
         cell: description.resolution,
     };
-    Ok(Occupancy { grid, yaw: origin.get(2).copied().unwrap_or(0.0), cells })
+    Ok(Occupancy {
+        grid,
+        yaw: origin.get(2).copied().unwrap_or(0.0),
+        cells,
+    })
 }
 
-/// The image of a grid as PGM, `trinary`. A cell that is neither free nor unknown counts as occupied
-/// from [`Occupancy::LIKELY`] on.
+/// The image of a grid as PGM, `trinary`. A cell that is neither free nor unknown counts as
+/// occupied from [`Occupancy::LIKELY`] on.
 pub(super) fn encode(occupancy: &Occupancy, path: &Path) -> Result<Vec<u8>, MapServerError> {
     use image::codecs::pnm::{PnmEncoder, PnmSubtype, SampleEncoding};
     let grid = &occupancy.grid;
     let rows = occupancy.cells.chunks_exact(grid.width).rev();
     let greys: Vec<u8> = rows.flatten().map(|value| grey(*value)).collect();
     let mut pgm = Vec::new();
-    let encoder = PnmEncoder::new(&mut pgm).with_subtype(PnmSubtype::Graymap(SampleEncoding::Binary));
+    let encoder =
+        PnmEncoder::new(&mut pgm).with_subtype(PnmSubtype::Graymap(SampleEncoding::Binary));
     let (width, height) = (grid.width as u32, grid.height as u32);
     encoder
         .write_image(&greys, width, height, image::ExtendedColorType::L8)
-        .map_err(|source| MapServerError::Image { path: path.to_owned(), source })?;
+        .map_err(|source| MapServerError::Image {
+            path: path.to_owned(),
+            source,
+        })?;
     Ok(pgm)
 }
 
@@ -68,7 +87,11 @@ pub(super) fn encode(occupancy: &Occupancy, path: &Path) -> Result<Vec<u8>, MapS
 /// counts as a colour.
 fn lightness(pixel: &image::Rgba<u8>, has_alpha: bool, mode: Mode) -> f64 {
     let with_alpha = has_alpha && mode == Mode::Trinary;
-    let channels = if with_alpha { &pixel.0[..] } else { &pixel.0[..3] };
+    let channels = if with_alpha {
+        &pixel.0[..]
+    } else {
+        &pixel.0[..3]
+    };
     channels.iter().map(|c| f64::from(*c)).sum::<f64>() / channels.len() as f64
 }
 
@@ -76,7 +99,11 @@ impl Description {
     /// The occupancy that a pixel of a lightness (0 to 255) and opacity means.
     fn occupancy(&self, light: f64, alpha: u8) -> i8 {
         let (occupied, free) = (self.occupied_thresh, self.free_thresh);
-        let p = if self.negate { light / 255.0 } else { (255.0 - light) / 255.0 };
+        let p = if self.negate {
+            light / 255.0
+        } else {
+            (255.0 - light) / 255.0
+        };
         match self.mode {
             Mode::Raw => {
                 if light.round() <= 100.0 {
@@ -117,7 +144,9 @@ mod tests {
     }
 
     fn decoded(more: &str, pgm: &[u8]) -> Vec<i8> {
-        decode(&description(more), pgm, Path::new("a.pgm")).unwrap().cells
+        decode(&description(more), pgm, Path::new("a.pgm"))
+            .unwrap()
+            .cells
     }
 
     #[test]
@@ -129,7 +158,10 @@ mod tests {
         let text = b"P2 2 1 255 0 255\n";
         let negated = YAML.replace("negate: 0", "negate: true");
         let negated = describe(&negated, Path::new("a.yaml")).unwrap();
-        assert_eq!(decode(&negated, text, Path::new("a.pgm")).unwrap().cells, [0, 100]);
+        assert_eq!(
+            decode(&negated, text, Path::new("a.pgm")).unwrap().cells,
+            [0, 100]
+        );
     }
 
     #[test]
@@ -144,10 +176,16 @@ mod tests {
     fn transparency_is_a_colour_or_means_unknown() {
         let decoded = |more: &str| {
             let mut png = Vec::new();
-            let pixels = [0, 0, 0, 255, 0, 0, 0, 10, 255, 255, 255, 255, 255, 255, 255, 0];
+            let pixels = [
+                0, 0, 0, 255, 0, 0, 0, 10, 255, 255, 255, 255, 255, 255, 255, 0,
+            ];
             let encoder = image::codecs::png::PngEncoder::new(&mut png);
-            encoder.write_image(&pixels, 4, 1, image::ExtendedColorType::Rgba8).unwrap();
-            decode(&description(more), &png, Path::new("a.png")).unwrap().cells
+            encoder
+                .write_image(&pixels, 4, 1, image::ExtendedColorType::Rgba8)
+                .unwrap();
+            decode(&description(more), &png, Path::new("a.png"))
+                .unwrap()
+                .cells
         };
         // Black and opaque is 64 of 255 on the mean of four.
         assert_eq!(decoded(""), [100, 100, 0, -1]);

@@ -32,7 +32,11 @@ impl Crossings {
     /// Those between two columns that are the same or neighbours.
     pub(super) fn between(&self, a: i64, b: i64) -> &[usize] {
         let column = a.min(b) as usize;
-        if a == b { &[] } else { &self.clusters[self.first[column]..self.first[column + 1]] }
+        if a == b {
+            &[]
+        } else {
+            &self.clusters[self.first[column]..self.first[column + 1]]
+        }
     }
 }
 

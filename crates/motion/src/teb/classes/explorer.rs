@@ -38,7 +38,14 @@ pub struct Exploring {
 
 impl Default for Exploring {
     fn default() -> Self {
-        Self { cell: 0.1, around: 1.5, keep: 0.16, comfort: 0.4, most: 5, longest: 1.6 }
+        Self {
+            cell: 0.1,
+            around: 1.5,
+            keep: 0.16,
+            comfort: 0.4,
+            most: 5,
+            longest: 1.6,
+        }
     }
 }
 
@@ -50,9 +57,19 @@ impl Exploring {
         not_negative("the distance below which the robot does not fit", self.keep)?;
         let more = "it must be more than the distance below which the robot does not fit";
         let (least, one) = (self.keep + self.cell, "it must be one or more");
-        at_least("the distance above which nearness costs nothing", self.comfort, least, more)?;
+        at_least(
+            "the distance above which nearness costs nothing",
+            self.comfort,
+            least,
+            more,
+        )?;
         at_least("the number of classes", self.most as f64, 1.0, one)?;
-        at_least("the cost of the dearest way, by that of the cheapest", self.longest, 1.0, one)
+        at_least(
+            "the cost of the dearest path by that of the cheapest",
+            self.longest,
+            1.0,
+            one,
+        )
     }
 }
 
@@ -101,10 +118,15 @@ impl Explorer {
         self.lean(&grid, start, goal);
         self.clusters.standing = clusters(&grid, &self.costs);
         keep_nearest(&mut self.clusters.standing, MOST_CLUSTERS, |cluster| {
-            Segment::new(start, goal).nearest_point(*cluster).point.distance(*cluster)
+            Segment::new(start, goal)
+                .nearest_point(*cluster)
+                .point
+                .distance(*cluster)
         });
         let ends = (self.free_near(&grid, start), self.free_near(&grid, goal));
-        let (Some(from), Some(to)) = ends else { return Vec::new() };
+        let (Some(from), Some(to)) = ends else {
+            return Vec::new();
+        };
         let field = Field {
             grid: &grid,
             costs: &self.costs,
@@ -113,7 +135,10 @@ impl Explorer {
             longest: how.longest,
         };
         let found = self.search.run(&field, from, to);
-        found.into_iter().map(|found| self.way(&grid, &found, start, goal)).collect()
+        found
+            .into_iter()
+            .map(|found| self.way(&grid, &found, start, goal))
+            .collect()
     }
 
     fn lay_costs(&mut self, grid: &GridGeometry, obstacles: &[Obstacle], how: &Exploring) {
@@ -128,7 +153,11 @@ impl Explorer {
         let keep = how.keep - 0.5 * grid.cell;
         for value in &mut self.costs {
             let near = (how.comfort - *value) / (how.comfort - keep);
-            *value = if *value < keep { f64::INFINITY } else { 1.0 + 2.0 * near * near };
+            *value = if *value < keep {
+                f64::INFINITY
+            } else {
+                1.0 + 2.0 * near * near
+            };
         }
     }
 
@@ -161,9 +190,15 @@ impl Explorer {
 
     fn way(&self, grid: &GridGeometry, found: &Found, start: MapPoint, goal: MapPoint) -> Way {
         let corners = self.straighten(grid, &found.cells);
-        let inner = corners[1..corners.len().max(2) - 1].iter().map(|&cell| grid.center(cell));
+        let inner = corners[1..corners.len().max(2) - 1]
+            .iter()
+            .map(|&cell| grid.center(cell));
         let corners = std::iter::once(start).chain(inner).chain([goal]).collect();
-        Way { corners, signature: found.signature, cost: found.cost * grid.cell }
+        Way {
+            corners,
+            signature: found.signature,
+            cost: found.cost * grid.cell,
+        }
     }
 
     /// Leaves out cells where a straight line is of the same class and costs no more.
@@ -191,7 +226,10 @@ impl Explorer {
 
     /// Whether the straight line between the ends of a path is of the path's class.
     fn is_of_one_class(&self, grid: &GridGeometry, cells: &[usize]) -> bool {
-        let passing = |&cell: &usize| Passing { point: grid.center(cell), time: 0.0 };
+        let passing = |&cell: &usize| Passing {
+            point: grid.center(cell),
+            time: 0.0,
+        };
         let ends = [cells[0], cells[cells.len() - 1]];
         self.clusters.signature(cells.iter().map(passing))
             == self.clusters.signature(ends.iter().map(passing))
@@ -204,11 +242,21 @@ fn window(start: MapPoint, goal: MapPoint, how: &Exploring) -> GridGeometry {
     let (width, height) = ((goal.x - start.x).abs(), (goal.y - start.y).abs());
     let side = width.max(height) + 2.0 * how.around;
     let cell = how.cell.max(side / MOST_CELLS as f64);
-    let count = |length: f64| (((length + 2.0 * how.around) / cell).ceil() as usize).clamp(1, MOST_CELLS + 1);
+    let count = |length: f64| {
+        (((length + 2.0 * how.around) / cell).ceil() as usize).clamp(1, MOST_CELLS + 1)
+    };
     let (columns, rows) = (count(width), count(height));
     let middle = MapPoint::new((start.x + goal.x) / 2.0, (start.y + goal.y) / 2.0);
-    let origin = MapPoint::new(middle.x - columns as f64 * cell / 2.0, middle.y - rows as f64 * cell / 2.0);
-    GridGeometry { origin, width: columns, height: rows, cell }
+    let origin = MapPoint::new(
+        middle.x - columns as f64 * cell / 2.0,
+        middle.y - rows as f64 * cell / 2.0,
+    );
+    GridGeometry {
+        origin,
+        width: columns,
+        height: rows,
+        cell,
+    }
 }
 
 /// One point in each connected set of cells where the robot does not fit; a little off the middles
@@ -234,7 +282,10 @@ fn connected(grid: &GridGeometry, costs: &[f64], first: usize, visited: &mut [bo
     while let Some(cell) = open.pop() {
         let (x, y) = grid.column_row(cell);
         members.push(cell);
-        for next in NEIGHBOURS.iter().filter_map(|(dx, dy)| grid.cell_in(x + dx, y + dy)) {
+        for next in NEIGHBOURS
+            .iter()
+            .filter_map(|(dx, dy)| grid.cell_in(x + dx, y + dy))
+        {
             if costs[next].is_infinite() && !visited[next] {
                 visited[next] = true;
                 open.push(next);
@@ -258,7 +309,10 @@ fn central(grid: &GridGeometry, members: &[usize]) -> usize {
         let (dx, dy) = (x as f64 - sum_x / count, y as f64 - sum_y / count);
         dx * dx + dy * dy
     };
-    let nearest = members.iter().copied().min_by(|&a, &b| away(a).total_cmp(&away(b)));
+    let nearest = members
+        .iter()
+        .copied()
+        .min_by(|&a, &b| away(a).total_cmp(&away(b)));
     nearest.unwrap_or(members[0])
 }
 
@@ -271,80 +325,127 @@ mod tests {
         MapPoint::new(x, y)
     }
 
-    fn stones(at: &[(f64, f64)]) -> Vec<Obstacle> {
-        at.iter().map(|(x, y)| Obstacle::disc(point(*x, *y), 0.2).unwrap()).collect()
+    /// The least distance of a path from obstacles.
+    fn least_distance(obstacles: &[Obstacle], corners: &[MapPoint]) -> f64 {
+        let at = |pair: &[MapPoint], k: i32| {
+            let t = f64::from(k) / 20.0;
+            let (a, b) = (pair[0], pair[1]);
+            point(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y))
+        };
+        let points = corners
+            .windows(2)
+            .flat_map(|pair| (0..=20).map(move |k| at(pair, k)));
+        let distances = points.flat_map(|p| obstacles.iter().map(move |o| o.distance_to(p)));
+        distances.fold(f64::INFINITY, f64::min)
+    }
+
+    fn discs(at: &[(f64, f64)]) -> Vec<Obstacle> {
+        at.iter()
+            .map(|(x, y)| Obstacle::disc(point(*x, *y), 0.2).unwrap())
+            .collect()
     }
 
     #[test]
-    fn one_stone_has_two_sides_and_two_apart_have_four() {
+    fn one_disc_has_two_classes_and_two_apart_have_four() {
         let mut explorer = Explorer::default();
         let how = Exploring::default();
-        let ways = explorer.explore(point(0.0, 0.0), point(4.0, 0.0), &stones(&[(2.0, 0.1)]), &how);
+        let ways = explorer.explore(
+            point(0.0, 0.0),
+            point(4.0, 0.0),
+            &discs(&[(2.0, 0.1)]),
+            &how,
+        );
         assert_eq!(ways.len(), 2);
         let side = |way: &Way| {
-            way.corners.iter().map(|c| c.y).fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a })
+            way.corners
+                .iter()
+                .map(|c| c.y)
+                .fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a })
         };
         assert!(side(&ways[0]) < -0.1 && side(&ways[1]) > 0.1, "{ways:?}");
-        let ways =
-            explorer.explore(point(0.0, 0.0), point(4.0, 0.0), &stones(&[(1.3, 0.0), (2.7, 0.0)]), &how);
+        let ways = explorer.explore(
+            point(0.0, 0.0),
+            point(4.0, 0.0),
+            &discs(&[(1.3, 0.0), (2.7, 0.0)]),
+            &how,
+        );
         assert_eq!(ways.len(), 4);
         assert!(ways.windows(2).all(|w| w[0].cost <= w[1].cost));
     }
 
     #[test]
-    fn of_many_stones_those_near_the_line_are_told_apart() {
-        let aside =
-            (0..14).flat_map(|i| (0..4).map(move |k| (0.6 * f64::from(i) - 3.0, 0.5 * f64::from(k) - 2.9)));
+    fn of_many_discs_those_near_the_line_are_distinguished() {
+        let aside = (0..14).flat_map(|i| {
+            (0..4).map(move |k| (0.6 * f64::from(i) - 3.0, 0.5 * f64::from(k) - 2.9))
+        });
         let at: Vec<(f64, f64)> = aside.chain([(2.0, 0.1)]).collect();
         let (start, goal) = (point(0.0, 0.0), point(4.0, 0.0));
-        let how = Exploring { around: 3.0, most: 2, ..Exploring::default() };
-        let small: Vec<Obstacle> =
-            at.iter().map(|(x, y)| Obstacle::disc(point(*x, *y), 0.02).unwrap()).collect();
+        let how = Exploring {
+            around: 3.0,
+            most: 2,
+            ..Exploring::default()
+        };
+        let small: Vec<Obstacle> = at
+            .iter()
+            .map(|(x, y)| Obstacle::disc(point(*x, *y), 0.02).unwrap())
+            .collect();
         let ways = Explorer::default().explore(start, goal, &small, &how);
         let highest = |way: &Way| way.corners.iter().map(|c| c.y).fold(-9.0, f64::max);
         let heights: Vec<f64> = ways.iter().map(highest).collect();
-        assert!(heights.iter().any(|y| *y > 0.2) && heights.iter().any(|y| *y < 0.1), "{heights:?}");
-        assert!(heights.len() == 2 && ways[1].cost < 1.3 * ways[0].cost, "{ways:?}");
+        assert!(
+            heights.iter().any(|y| *y > 0.2) && heights.iter().any(|y| *y < 0.1),
+            "{heights:?}"
+        );
+        assert!(
+            heights.len() == 2 && ways[1].cost < 1.3 * ways[0].cost,
+            "{ways:?}"
+        );
     }
 
     #[test]
-    fn stones_too_near_each_other_are_one() {
-        let near = stones(&[(2.0, 0.0), (2.0, 0.5), (2.0, -0.5)]);
-        let ways =
-            Explorer::default().explore(point(0.0, 0.0), point(4.0, 0.0), &near, &Exploring::default());
+    fn discs_too_near_each_other_are_one_cluster() {
+        let near = discs(&[(2.0, 0.0), (2.0, 0.5), (2.0, -0.5)]);
+        let ways = Explorer::default().explore(
+            point(0.0, 0.0),
+            point(4.0, 0.0),
+            &near,
+            &Exploring::default(),
+        );
         assert_eq!(ways.len(), 2);
     }
 
     #[test]
-    fn behind_a_closed_wall_there_is_no_way() {
+    fn no_path_leads_through_a_closed_wall() {
         let wall = [Obstacle::wall(point(2.0, -20.0), point(2.0, 20.0)).unwrap()];
-        let ways =
-            Explorer::default().explore(point(0.0, 0.0), point(4.0, 0.0), &wall, &Exploring::default());
+        let ways = Explorer::default().explore(
+            point(0.0, 0.0),
+            point(4.0, 0.0),
+            &wall,
+            &Exploring::default(),
+        );
         assert!(ways.is_empty());
     }
 
     proptest! {
         #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
-        // As far from the line as leaves a way along the edge of the window: further out, a row of them can close it.
+        // As far from the line as leaves a path along the edge of the window: further out, a row of
+        // them can close it.
         #[test]
-        fn ways_have_ends_signatures_of_their_own_and_keep_off_stones(at in prop::collection::vec((0.8..3.2_f64, -1.1..1.1_f64), 0..12)) {
+        fn paths_have_ends_signatures_of_their_own_and_keep_off_discs(
+            at in prop::collection::vec((0.8..3.2_f64, -1.1..1.1_f64), 0..12),
+        ) {
             let (start, goal) = (point(0.0, 0.0), point(4.0, 0.0));
-            let (stones, how) = (stones(&at), Exploring::default());
+            let (discs, how) = (discs(&at), Exploring::default());
             let mut explorer = Explorer::default();
-            let ways = explorer.explore(start, goal, &stones, &how);
-            prop_assert!(!ways.is_empty() && ways.len() <= how.most);
-            for (i, way) in ways.iter().enumerate() {
-                prop_assert_eq!((way.corners[0], way.corners[way.corners.len() - 1]), (start, goal));
-                prop_assert_eq!(explorer.clusters().signature(way.corners.iter().map(|c| Passing { point: *c, time: 0.0 })), way.signature);
-                prop_assert!(ways[..i].iter().all(|other| other.signature != way.signature));
-                for pair in way.corners.windows(2) {
-                    for k in 0..=20 {
-                        let t = f64::from(k) / 20.0;
-                        let p = point(pair[0].x + t * (pair[1].x - pair[0].x), pair[0].y + t * (pair[1].y - pair[0].y));
-                        let clear = stones.iter().map(|s| s.distance_to(p)).fold(f64::INFINITY, f64::min);
-                        prop_assert!(clear > how.keep - 0.15, "{clear} at {p}");
-                    }
-                }
+            let paths = explorer.explore(start, goal, &discs, &how);
+            prop_assert!(!paths.is_empty() && paths.len() <= how.most);
+            for (i, path) in paths.iter().enumerate() {
+                prop_assert_eq!((path.corners[0], path.corners.last()), (start, Some(&goal)));
+                let passing = path.corners.iter().map(|c| Passing { point: *c, time: 0.0 });
+                prop_assert_eq!(explorer.clusters().signature(passing), path.signature);
+                prop_assert!(paths[..i].iter().all(|other| other.signature != path.signature));
+                let least = least_distance(&discs, &path.corners);
+                prop_assert!(least > how.keep - 0.15, "{least}");
             }
         }
     }

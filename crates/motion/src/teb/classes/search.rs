@@ -7,8 +7,16 @@ use super::crossings::Crossings;
 use super::signature::Signature;
 
 /// Columns and rows to the neighbours of a cell; each diagonal lies between two of the first four.
-pub(super) const NEIGHBOURS: [(i64, i64); 8] =
-    [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)];
+pub(super) const NEIGHBOURS: [(i64, i64); 8] = [
+    (1, 0),
+    (0, 1),
+    (-1, 0),
+    (0, -1),
+    (1, 1),
+    (-1, 1),
+    (-1, -1),
+    (1, -1),
+];
 /// No entry of a list.
 const NOWHERE: u32 = u32::MAX;
 
@@ -96,7 +104,12 @@ impl ClassSearch {
         self.closed_before.clear();
         self.opened_before.clear();
         self.crossings.lay(field.grid, field.clusters);
-        let start = Reached { cell: from, signature: Signature::default(), cost: 0.0, from: NOWHERE };
+        let start = Reached {
+            cell: from,
+            signature: Signature::default(),
+            cost: 0.0,
+            from: NOWHERE,
+        };
         self.reached.push(start);
         self.closed_before.push(NOWHERE);
         self.opened_before.push(NOWHERE);
@@ -131,7 +144,9 @@ impl ClassSearch {
                 continue;
             }
             let next = field.grid.cell_in(x + dx, y + dy);
-            let Some(cell) = next.filter(|&cell| field.costs[cell].is_finite()) else { continue };
+            let Some(cell) = next.filter(|&cell| field.costs[cell].is_finite()) else {
+                continue;
+            };
             let length = if k < 4 { 1.0 } else { std::f64::consts::SQRT_2 };
             if k < 4 {
                 free[k] = true;
@@ -147,10 +162,16 @@ impl ClassSearch {
             if self.is_open(cell, signature, cost) {
                 continue;
             }
-            self.reached.push(Reached { cell, signature, cost, from: entry as u32 });
+            self.reached.push(Reached {
+                cell,
+                signature,
+                cost,
+                from: entry as u32,
+            });
             self.closed_before.push(NOWHERE);
             let new = self.reached.len() - 1;
-            self.opened_before.push(std::mem::replace(&mut self.opened[cell], new as u32));
+            self.opened_before
+                .push(std::mem::replace(&mut self.opened[cell], new as u32));
             open(cost, cell, new);
         }
     }
@@ -182,7 +203,9 @@ impl ClassSearch {
 
     /// The path that ends in an entry.
     fn trace(&self, end: usize) -> Found {
-        let Reached { signature, cost, .. } = self.reached[end];
+        let Reached {
+            signature, cost, ..
+        } = self.reached[end];
         let mut cells = Vec::new();
         let mut at = end as u32;
         while at != NOWHERE {
@@ -190,7 +213,11 @@ impl ClassSearch {
             at = self.reached[at as usize].from;
         }
         cells.reverse();
-        Found { cells, signature, cost }
+        Found {
+            cells,
+            signature,
+            cost,
+        }
     }
 }
 

@@ -28,7 +28,11 @@ impl Signature {
         }
         let one = 1u128 << (BITS * number);
         let field = 0xf_u128 << (BITS * number);
-        let turned = if a.x < b.x { self.0.wrapping_add(one) } else { self.0.wrapping_sub(one) };
+        let turned = if a.x < b.x {
+            self.0.wrapping_add(one)
+        } else {
+            self.0.wrapping_sub(one)
+        };
         Self((self.0 & !field) | (turned & field))
     }
 }
@@ -70,8 +74,13 @@ impl Clusters {
     pub fn set_moving(&mut self, obstacles: &[Obstacle], robot: MapPoint) {
         let moving = obstacles.iter().filter(|o| o.is_moving());
         self.moving.clear();
-        self.moving.extend(moving.map(|o| Moving { middle: o.middle(), velocity: o.velocity() }));
-        keep_nearest(&mut self.moving, MOST_MOVING, |moving| moving.middle.distance(robot));
+        self.moving.extend(moving.map(|o| Moving {
+            middle: o.middle(),
+            velocity: o.velocity(),
+        }));
+        keep_nearest(&mut self.moving, MOST_MOVING, |moving| {
+            moving.middle.distance(robot)
+        });
     }
 
     /// The signature of a path through points at times.
@@ -94,7 +103,9 @@ impl Clusters {
     /// The signature after a straight step, by what stands.
     fn after(&self, signature: Signature, a: MapPoint, b: MapPoint) -> Signature {
         let clusters = self.standing.iter().enumerate();
-        clusters.fold(signature, |signature, (i, cluster)| signature.wound(i, *cluster, a, b))
+        clusters.fold(signature, |signature, (i, cluster)| {
+            signature.wound(i, *cluster, a, b)
+        })
     }
 }
 

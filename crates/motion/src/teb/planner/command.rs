@@ -1,4 +1,4 @@
-//! From the best band to a velocity: what is driven of it, so that the robot stands in time whatever comes.
+//! From the best band to a velocity with which the robot can stop in time.
 
 use openbench_core::Velocity;
 
@@ -8,25 +8,52 @@ use crate::local::{Blocked, Progress, Situation};
 use crate::people::caution::Caution;
 use crate::recovery::evade::evade;
 use crate::trajectory::Band;
-use crate::trajectory::band::COMMAND;
+use crate::trajectory::band::COMMAND_S;
 
-use super::{SURE, TOO_LATE, Teb};
+use super::{SURE_M, TOO_LATE_S, Teb};
 
 /// A robot that is slower than this need not brake gently, m/s.
-const SLOW: f64 = 0.05;
+const SLOW_MPS: f64 = 0.05;
 /// Shares of the deceleration with which a robot brakes that still has to turn.
 const GENTLY: [f64; 2] = [0.25, 0.5];
-/// Shares of speed and turn rate that are tried after that.
+/// Shares of the speed and of the turn rate that are tried after that.
 const SHARES: [(f64, f64); 4] = [(0.6, 0.6), (0.3, 0.3), (0.1, 0.1), (0.0, 1.0)];
+/// A slower command that is slower than this, m/s,
+const LEAST_MPS: f64 = 1e-3;
+/// and turns slower than this, rad/s, does not move the robot.
+const LEAST_RADPS: f64 = 1e-2;
+/// Turn rate for each radian of heading error, 1/s.
+const TURN_GAIN: f64 = 4.0;
+/// Slowest last turn, rad/s.
+const LEAST_TURN_RADPS: f64 = 0.1;
+
+/// Why a velocity is lower than planned.
+#[derive(Default)]
+struct Causes {
+    obstacle: Option<Blocked>,
+    yielding: bool,
+}
+
+impl Causes {
+    /// The main cause: a standing obstacle, since it does not go away.
+    fn main(&self) -> Option<Blocked> {
+        self.obstacle.or(self.yielding.then_some(Blocked::Yielding))
+    }
+}
 
 impl Teb {
     /// How far people are trusted.
     pub(super) fn caution(&self) -> Caution<'_> {
         let (surprise, yields) = (self.settings.surprise, self.settings.yields);
-        Caution { footprint: &self.footprint, limits: &self.limits, surprise, yields }
+        Caution {
+            footprint: &self.footprint,
+            limits: &self.limits,
+            surprise,
+            yields,
+        }
     }
 
-    /// What was decided, unless a robot that stands near people has hardly had a way yet.
+    /// What was decided, unless a robot that stands near people has hardly had a free path yet.
     pub(super) fn hesitate(
         &mut self,
         situation: &Situation<'_>,
@@ -38,74 +65,108 @@ impl Teb {
         decided
     }
 
+    /// The velocity along the best band. If that meets an obstacle soon, the robot stops or evades.
     pub(super) fn command(&self, situation: &Situation<'_>) -> Result<Progress, Blocked> {
-        let Some(best) = self.candidates.first() else { return Err(Blocked::NoGap) };
-        if let Some(at) = best.conflict.filter(|at| *at < TOO_LATE) {
-            let distance = situation.pose.point().distance(best.band.pose_at(at).point());
-            let (footprint, limits) = (&self.footprint, &self.limits);
-            // Who lets people come to a standing robot does not run from them.
-            let lets_come = self.settings.surprise.is_some();
-            let away = if lets_come { None } else { evade(footprint, limits, situation) };
-            let cause = Blocked::Obstacle(distance);
-            return away.map(|velocity| Progress::Slowed(velocity, cause)).ok_or(cause);
+        let Some(best) = self.candidates.first() else {
+            return Err(Blocked::NoGap);
+        };
+        let Some(at) = best.conflict.filter(|at| *at < TOO_LATE_S) else {
+            let wanted = best.band.command(&self.limits);
+            return self.secured(situation, wanted, Some(&best.band));
+        };
+        let distance = situation
+            .pose
+            .point()
+            .distance(best.band.pose_at(at).point());
+        let cause = Blocked::Obstacle(distance);
+        // A robot that is cautious of people stands and does not run from them.
+        if self.settings.surprise.is_some() {
+            return Err(cause);
         }
-        self.secured(situation, best.band.command(&self.limits), Some(&best.band))
+        let away = evade(&self.footprint, &self.limits, situation);
+        away.map(|velocity| Progress::Slowed(velocity, cause))
+            .ok_or(cause)
     }
 
-    /// What is wanted, or as near to it as lets the robot still stop before anything that stands.
+    /// The wanted velocity, or one as near to it as possible with which the robot can still stop
+    /// before any standing obstacle and cuts nobody off. `plan` is the band that it is taken from.
     pub(super) fn secured(
         &self,
         situation: &Situation<'_>,
-        wanted: Velocity,
+        planned: Velocity,
         plan: Option<&Band>,
     ) -> Result<Progress, Blocked> {
-        let planned = wanted;
-        let wanted = self.caution().slowed(situation, wanted, plan);
-        let (mut obstacle, mut yielding) = (None, wanted != planned);
-        // What stands is the better reason: it does not go away.
-        let cause =
-            |obstacle: Option<Blocked>, yielding: bool| obstacle.or(yielding.then_some(Blocked::Yielding));
+        let caution = self.caution();
+        let wanted = caution.slowed(situation, planned, plan);
+        let mut causes = Causes {
+            obstacle: None,
+            yielding: wanted != planned,
+        };
         for velocity in self.slower(situation.velocity, wanted) {
-            let motion = Motion { pose: situation.pose, velocity: situation.velocity, command: velocity };
-            let (foot, limits) = (&self.footprint, &self.limits);
-            match conflict_before_stop(foot, situation.obstacles, motion, limits, COMMAND, SURE) {
-                None if self.caution().cuts_off(
-                    situation,
-                    velocity,
-                    plan.filter(|_| velocity == planned),
-                ) =>
-                {
-                    yielding = true;
-                }
-                None => {
-                    let slowed = cause(obstacle, yielding).map(|cause| Progress::Slowed(velocity, cause));
-                    return Ok(slowed.unwrap_or(Progress::Drive(velocity)));
-                }
-                Some(at) => obstacle = obstacle.or(Some(Blocked::Obstacle(at * velocity.linear.abs()))),
+            if let Some(at) = self.cannot_stop(situation, velocity) {
+                let ahead = Blocked::Obstacle(at * velocity.linear.abs());
+                causes.obstacle = causes.obstacle.or(Some(ahead));
+                continue;
             }
+            let followed = plan.filter(|_| velocity == planned);
+            if caution.cuts_off(situation, velocity, followed) {
+                causes.yielding = true;
+                continue;
+            }
+            let slowed = causes.main().map(|cause| Progress::Slowed(velocity, cause));
+            return Ok(slowed.unwrap_or(Progress::Drive(velocity)));
         }
-        Err(cause(obstacle, yielding).unwrap_or(Blocked::NoGap))
+        Err(causes.main().unwrap_or(Blocked::NoGap))
     }
 
-    /// A velocity, and slower ones, none of which stands where driving was wanted. Rims that brake as hard as they can cannot turn the robot too, so who is fast at first brakes gently and turns as it was to.
+    /// Seconds until the robot meets a standing obstacle that it cannot stop before.
+    fn cannot_stop(&self, situation: &Situation<'_>, command: Velocity) -> Option<f64> {
+        let Situation {
+            pose,
+            velocity,
+            obstacles,
+            ..
+        } = *situation;
+        let motion = Motion {
+            pose,
+            velocity,
+            command,
+        };
+        let (footprint, limits) = (&self.footprint, &self.limits);
+        conflict_before_stop(footprint, obstacles, motion, limits, COMMAND_S, SURE_M)
+    }
+
+    /// A velocity, and slower ones that still move the robot if it does.
+    ///
+    /// Rims that brake as hard as they can do not turn the robot, so a fast robot first tries to
+    /// brake gently and to turn as wanted.
     fn slower(&self, now: Velocity, wanted: Velocity) -> impl Iterator<Item = Velocity> + use<> {
-        let most = self.limits.acceleration * COMMAND;
+        let most = self.limits.acceleration * COMMAND_S;
         let gently = GENTLY.map(move |share| {
             let linear = now.linear - share * most.min(now.linear.abs()).copysign(now.linear);
-            Velocity::new(linear.clamp(-wanted.linear.abs(), wanted.linear.abs()), wanted.angular)
+            let fastest = wanted.linear.abs();
+            Velocity::new(linear.clamp(-fastest, fastest), wanted.angular)
         });
-        let shares = SHARES.map(move |(v, w)| Velocity::new(v * wanted.linear, w * wanted.angular));
-        let is_fast = now.linear.abs() > SLOW;
+        let is_fast = now.linear.abs() > SLOW_MPS;
         let gently = gently.into_iter().filter(move |_| is_fast);
-        let moves = move |v: &Velocity| v.linear.abs() > 1e-3 || v.angular.abs() > 1e-2 || *v == wanted;
-        std::iter::once(wanted).chain(gently).chain(shares).filter(moves)
+        let shares = SHARES.map(move |(v, w)| Velocity::new(v * wanted.linear, w * wanted.angular));
+        let moves = move |v: &Velocity| {
+            v.linear.abs() > LEAST_MPS || v.angular.abs() > LEAST_RADPS || *v == wanted
+        };
+        std::iter::once(wanted)
+            .chain(gently)
+            .chain(shares)
+            .filter(moves)
     }
 
-    /// The last turn, once the robot stands where it should.
+    /// The last turn by a heading error (radians), once the robot is at the end of the path.
     pub(super) fn turn(&self, situation: &Situation<'_>, error: f64) -> Result<Progress, Blocked> {
-        // As fast as it can still be stopped in time, with a third of what the wheels could do.
-        let angular = self.limits.acceleration / self.limits.half_track / 3.0;
-        let rate = (2.0 * angular * error.abs()).sqrt().min(4.0 * error.abs()).max(0.1).min(self.limits.turn);
+        // So fast that it can still be stopped in time with a third of the wheels' acceleration.
+        let braking = self.limits.acceleration / self.limits.half_track / 3.0;
+        let rate = (2.0 * braking * error.abs())
+            .sqrt()
+            .min(TURN_GAIN * error.abs());
+        let rate = rate.max(LEAST_TURN_RADPS).min(self.limits.turn);
         self.secured(situation, Velocity::new(0.0, rate.copysign(error)), None)
     }
 }

@@ -1,0 +1,86 @@
+//! Bands that compete, one of each homotopy class.
+
+use crate::teb::classes::{Clusters, Passing, Signature};
+use crate::trajectory::Band;
+
+/// Cost by which a band with a conflict is worse than any without.
+const CONFLICT: f64 = 1e6;
+/// A band that costs more than this many times the best, and [`DEAREST_MORE`], is dropped.
+const DEAREST: f64 = 2.0;
+/// See [`DEAREST`].
+const DEAREST_MORE: f64 = 5.0;
+
+/// A band that is kept from cycle to cycle.
+#[derive(Debug, Clone)]
+pub struct Candidate {
+    /// The band.
+    pub band: Band,
+    /// Its class.
+    pub signature: Signature,
+    /// Its cost after optimization.
+    pub cost: f64,
+    /// Seconds until it meets an obstacle, if it does.
+    pub conflict: Option<f64>,
+    /// Whether it suddenly costs much more than before: it may be in a local minimum that small
+    /// steps do not leave.
+    pub tangled: bool,
+}
+
+impl Candidate {
+    /// A candidate that was not optimized yet.
+    pub(super) fn new(band: Band, clusters: &Clusters) -> Self {
+        let signature = signature(clusters, &band);
+        Self {
+            band,
+            signature,
+            cost: 0.0,
+            conflict: None,
+            tangled: false,
+        }
+    }
+
+    /// Its cost, with a penalty for a conflict that is the larger the sooner it is.
+    fn worth(&self) -> f64 {
+        self.cost + self.conflict.map_or(0.0, |at| CONFLICT / (1.0 + at))
+    }
+}
+
+/// The class of a band.
+pub(super) fn signature(clusters: &Clusters, band: &Band) -> Signature {
+    let passing = band.knots().iter().map(|k| Passing {
+        point: k.pose.point(),
+        time: k.time,
+    });
+    clusters.signature(passing)
+}
+
+/// The best candidate of each class, the best of all first. The candidate that was first stays so
+/// unless another costs less than `hysteresis` times as much.
+pub(super) fn best_of_each_class(
+    mut candidates: Vec<Candidate>,
+    hysteresis: f64,
+) -> Vec<Candidate> {
+    let worth = |i: usize| {
+        let worth = candidates[i].worth();
+        if i == 0 { hysteresis * worth } else { worth }
+    };
+    let best = (0..candidates.len()).min_by(|&a, &b| worth(a).total_cmp(&worth(b)));
+    let Some(best) = best else { return candidates };
+    candidates.swap(0, best);
+    let mut kept: Vec<Candidate> = Vec::with_capacity(candidates.len());
+    for candidate in candidates {
+        match kept.iter().position(|k| k.signature == candidate.signature) {
+            Some(0) => {}
+            Some(i) if candidate.worth() < kept[i].worth() => kept[i] = candidate,
+            Some(_) => {}
+            None => kept.push(candidate),
+        }
+    }
+    let dearest = DEAREST * kept[0].cost + DEAREST_MORE;
+    let mut is_first = true;
+    kept.retain(|candidate| {
+        let is_competitive = candidate.conflict.is_none() && candidate.cost < dearest;
+        std::mem::take(&mut is_first) || is_competitive
+    });
+    kept
+}
