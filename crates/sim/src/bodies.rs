@@ -54,7 +54,12 @@ impl Bodies {
         };
         let collider = collider.friction(0.3).enabled(false);
         let (body, collider) = world.insert(RigidBodyBuilder::kinematic_position_based(), collider);
-        self.slots.push(Slot { body, collider, class, leg: None });
+        self.slots.push(Slot {
+            body,
+            collider,
+            class,
+            leg: None,
+        });
     }
 
     /// Sets out on new legs, one for each body in the order in which they were added; `None` for who is not there.
@@ -90,7 +95,10 @@ impl Bodies {
 
     /// What a collider belongs to, if it is one of these.
     pub(crate) fn class(&self, collider: ColliderHandle) -> Option<SemanticClass> {
-        self.slots.iter().find(|slot| slot.collider == collider).map(|slot| slot.class)
+        self.slots
+            .iter()
+            .find(|slot| slot.collider == collider)
+            .map(|slot| slot.class)
     }
 }
 
@@ -105,8 +113,14 @@ fn person(radius: f64) -> ColliderBuilder {
 /// The convex hull of what is drawn: a robot meets a car where its sensors see one.
 fn car(look: u32) -> ColliderBuilder {
     let solid = figures::car(look).solid;
-    let corners: Vec<Vector> = solid.positions.iter().map(|p| Vector::from_array(p.map(f64::from))).collect();
-    ColliderBuilder::new(SharedShape::convex_hull(&corners).expect("a car's corners lie in no plane"))
+    let corners: Vec<Vector> = solid
+        .positions
+        .iter()
+        .map(|p| Vector::from_array(p.map(f64::from)))
+        .collect();
+    ColliderBuilder::new(
+        SharedShape::convex_hull(&corners).expect("a car's corners lie in no plane"),
+    )
 }
 
 /// Where a body is after a share of its leg.
@@ -115,6 +129,10 @@ fn pose(leg: &Leg, share: f64) -> Pose {
     let turned = openbench_core::frames::wrap_angle(leg.to.yaw - leg.from.yaw);
     let (sin, cos) = libm::sincos((leg.from.yaw + share * turned) / 2.0);
     let rotation = rapier3d_f64::math::Rotation::from_xyzw(0.0, 0.0, sin, cos);
-    let at = Vector::new(between(leg.from.x, leg.to.x), between(leg.from.y, leg.to.y), leg.ground);
+    let at = Vector::new(
+        between(leg.from.x, leg.to.x),
+        between(leg.from.y, leg.to.y),
+        leg.ground,
+    );
     Pose::from_parts(at, rotation)
 }

@@ -64,7 +64,12 @@ impl SimCamera {
         let exposure = self.adjusted();
         let rgb = self.render(&self.view(1, exposure.factor()));
         self.exposure.set(exposure);
-        Image { stamp: self.time, width, height, rgb }
+        Image {
+            stamp: self.time,
+            width,
+            height,
+            rgb,
+        }
     }
 
     fn render(&self, view: &View) -> Vec<u8> {
@@ -73,7 +78,11 @@ impl SimCamera {
 
     fn adjusted(&self) -> AutoExposure {
         let mut exposure = self.exposure.get();
-        let since = self.last.get().map(|last| self.time.0 - last.0).filter(|since| *since < FORGOTTEN_NS);
+        let since = self
+            .last
+            .get()
+            .map(|last| self.time.0 - last.0)
+            .filter(|since| *since < FORGOTTEN_NS);
         match (since, &*self.image.borrow()) {
             (Some(since), Some(last)) => {
                 exposure.learn(&last.rgb, since as f64 * 1e-9);
@@ -101,7 +110,11 @@ impl Camera for SimCamera {
         if self.last.get() == Some(self.time) {
             return self.image.borrow().clone();
         }
-        if self.last.get().is_some_and(|last| self.time.0 - last.0 < IMAGE_NS) {
+        if self
+            .last
+            .get()
+            .is_some_and(|last| self.time.0 - last.0 < IMAGE_NS)
+        {
             return None;
         }
         let image = Arc::new(self.expose());

@@ -36,11 +36,20 @@ impl Crowd {
         physics: &mut Physics,
     ) -> Self {
         let before = traffic.movers().to_vec();
-        let grounds = before.iter().map(|m| ground_height(caster, m.pose.point())).collect();
+        let grounds = before
+            .iter()
+            .map(|m| ground_height(caster, m.pose.point()))
+            .collect();
         for mover in &before {
             physics.add_mover(mover, gallery.look(mover));
         }
-        Self { traffic, gallery, before, grounds, steps: 0 }
+        Self {
+            traffic,
+            gallery,
+            before,
+            grounds,
+            steps: 0,
+        }
     }
 
     /// Who is where.
@@ -60,10 +69,18 @@ impl Crowd {
         self.traffic.step(OBSERVATION_NS as f64 * 1e-9, robot);
         self.look_down(caster);
         let now = self.traffic.movers().iter().zip(&self.grounds);
-        let legs = self.before.iter().zip(now).map(|(before, (mover, ground))| {
-            let leg = Leg { from: before.pose, to: mover.pose, ground: *ground };
-            (before.present && mover.present).then_some(leg)
-        });
+        let legs = self
+            .before
+            .iter()
+            .zip(now)
+            .map(|(before, (mover, ground))| {
+                let leg = Leg {
+                    from: before.pose,
+                    to: mover.pose,
+                    ground: *ground,
+                };
+                (before.present && mover.present).then_some(leg)
+            });
         physics.set_movers_out(robot.position, legs);
         self.show(caster, figures);
     }
@@ -73,7 +90,11 @@ impl Crowd {
         let now = self.traffic.movers().iter().zip(&self.grounds);
         let placed = now.map(|(mover, ground)| Placed {
             // Who is not there keeps the number, but has no figure.
-            figure: if mover.present { self.gallery.of(mover) } else { usize::MAX },
+            figure: if mover.present {
+                self.gallery.of(mover)
+            } else {
+                usize::MAX
+            },
             pose: pose(&mover.pose, *ground),
             velocity: [mover.velocity[0] as f32, mover.velocity[1] as f32, 0.0],
         });

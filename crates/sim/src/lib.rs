@@ -39,7 +39,9 @@ pub use simulator::{Collision, LeftWorld, Simulator, Stage};
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum SimError {
     /// There is nothing to stand on.
-    #[error("the world has no solid surface, not even ground; add a ground plane with a collision shape")]
+    #[error(
+        "the world has no solid surface, not even ground; add a ground plane with a collision shape"
+    )]
     NothingSolid,
     /// The physics engine refuses the solid triangles.
     #[error("the world's solid triangles cannot be simulated: {0}")]

@@ -14,8 +14,8 @@ use openbench_scene::{RayCaster, Scene, SemanticClass};
 use rapier3d_f64::geometry::PairContacts;
 use rapier3d_f64::pipeline::PhysicsWorld;
 use rapier3d_f64::prelude::{
-    ColliderBuilder, ColliderHandle, Pose, RigidBodyBuilder, RigidBodyHandle, SharedShape, TriMeshFlags,
-    Vector,
+    ColliderBuilder, ColliderHandle, Pose, RigidBodyBuilder, RigidBodyHandle, SharedShape,
+    TriMeshFlags, Vector,
 };
 
 use crate::SimError;
@@ -87,10 +87,21 @@ impl Solids {
         if solid.triangles.is_empty() {
             return Err(SimError::NothingSolid);
         }
-        let vertices = solid.positions.iter().map(|p| Vector::from_array(p.map(f64::from))).collect();
-        let mesh = SharedShape::trimesh_with_flags(vertices, solid.triangles.clone(), TriMeshFlags::empty())
-            .map_err(|e| SimError::Mesh(e.to_string()))?;
-        Ok(Self { mesh, classes: solid.classes.as_slice().into() })
+        let vertices = solid
+            .positions
+            .iter()
+            .map(|p| Vector::from_array(p.map(f64::from)))
+            .collect();
+        let mesh = SharedShape::trimesh_with_flags(
+            vertices,
+            solid.triangles.clone(),
+            TriMeshFlags::empty(),
+        )
+        .map_err(|e| SimError::Mesh(e.to_string()))?;
+        Ok(Self {
+            mesh,
+            classes: solid.classes.as_slice().into(),
+        })
     }
 }
 
@@ -106,7 +117,10 @@ impl Physics {
         let mut world = PhysicsWorld::new();
         world.gravity = Vector::new(0.0, 0.0, -GRAVITY);
         world.integration_parameters.dt = DT;
-        world.insert_collider(ColliderBuilder::new(solids.mesh.clone()).friction(0.3), None);
+        world.insert_collider(
+            ColliderBuilder::new(solids.mesh.clone()).friction(0.3),
+            None,
+        );
         let classes = solids.classes.clone();
         let chassis_height = robot.wheel_radius;
         let z = ground + chassis_height;
@@ -156,7 +170,11 @@ impl Physics {
     }
 
     /// Sends those bodies on their next legs, in the order in which they were added; `None` for who is not there.
-    pub(crate) fn set_movers_out(&mut self, robot: MapPoint, legs: impl Iterator<Item = Option<Leg>>) {
+    pub(crate) fn set_movers_out(
+        &mut self,
+        robot: MapPoint,
+        legs: impl Iterator<Item = Option<Leg>>,
+    ) {
         self.movers.set_out(&mut self.world, robot, legs);
     }
 
@@ -193,21 +211,43 @@ impl Physics {
         let pairs = self.world.narrow_phase.contact_pairs_with(self.hull);
         let (mut impulse, mut deepest) = (0.0, (f64::INFINITY, SemanticClass::Other));
         for pair in pairs {
-            let PairContacts::Rigid(contacts) = &pair.contacts else { continue };
+            let PairContacts::Rigid(contacts) = &pair.contacts else {
+                continue;
+            };
             let solved = contacts.solver_manifolds().iter().flat_map(|m| &m.points);
             impulse += solved.map(|p| p.data.impulse).sum::<f64>();
             for manifold in &contacts.manifolds {
                 let hull_is_second = pair.collider2 == self.hull;
-                let triangle = if hull_is_second { manifold.subshape1 } else { manifold.subshape2 } as usize;
-                let depth = manifold.points.iter().map(|p| p.dist).fold(f64::INFINITY, f64::min);
+                let triangle = if hull_is_second {
+                    manifold.subshape1
+                } else {
+                    manifold.subshape2
+                } as usize;
+                let depth = manifold
+                    .points
+                    .iter()
+                    .map(|p| p.dist)
+                    .fold(f64::INFINITY, f64::min);
                 if depth < deepest.0 {
-                    let other = if hull_is_second { pair.collider1 } else { pair.collider2 };
-                    let standing = || self.classes.get(triangle).copied().unwrap_or(SemanticClass::Other);
+                    let other = if hull_is_second {
+                        pair.collider1
+                    } else {
+                        pair.collider2
+                    };
+                    let standing = || {
+                        self.classes
+                            .get(triangle)
+                            .copied()
+                            .unwrap_or(SemanticClass::Other)
+                    };
                     deepest = (depth, self.movers.class(other).unwrap_or_else(standing));
                 }
             }
         }
-        (impulse > 0.0).then_some(Contact { class: deepest.1, impulse })
+        (impulse > 0.0).then_some(Contact {
+            class: deepest.1,
+            impulse,
+        })
     }
 
     /// The body's state as bytes, for the hash chain.
@@ -215,17 +255,34 @@ impl Physics {
         let body = &self.world.bodies[self.body];
         let (p, v, w) = (body.position(), body.linvel(), body.angvel());
         let (t, q) = (p.translation, p.rotation);
-        [t.x, t.y, t.z, q.x, q.y, q.z, q.w, v.x, v.y, v.z, w.x, w.y, w.z, self.rims[0], self.rims[1]]
-            .iter()
-            .flat_map(|f| f.to_le_bytes())
-            .collect()
+        [
+            t.x,
+            t.y,
+            t.z,
+            q.x,
+            q.y,
+            q.z,
+            q.w,
+            v.x,
+            v.y,
+            v.z,
+            w.x,
+            w.y,
+            w.z,
+            self.rims[0],
+            self.rims[1],
+        ]
+        .iter()
+        .flat_map(|f| f.to_le_bytes())
+        .collect()
     }
 
     /// Brings the rims' speeds towards what the wanted velocity asks for, as fast as the motors can.
     fn drive(&mut self, wanted: Velocity) {
         let finite = |v: f64| if v.is_finite() { v } else { 0.0 };
         let linear = finite(wanted.linear).clamp(-self.limits.backward, self.limits.forward);
-        let turn = finite(wanted.angular).clamp(-self.limits.turn, self.limits.turn) * self.track / 2.0;
+        let turn =
+            finite(wanted.angular).clamp(-self.limits.turn, self.limits.turn) * self.track / 2.0;
         let change = self.limits.acceleration * DT;
         for (rim, target) in self.rims.iter_mut().zip([linear - turn, linear + turn]) {
             *rim += (target - *rim).clamp(-change, change);
@@ -245,7 +302,9 @@ impl Physics {
             let lift = 0.05;
             let (from, down) = (hub + up * lift, up * -1.0);
             let single = |v: Vector| v.to_array().map(|c| c as f32);
-            let hit = caster.solid().cast(single(from), single(down), (REACH + lift) as f32);
+            let hit = caster
+                .solid()
+                .cast(single(from), single(down), (REACH + lift) as f32);
             let Some(hit) = hit else { continue };
             let distance = f64::from(hit.distance);
             let foot = from + down * distance;

@@ -86,23 +86,40 @@ struct Bounds {
 impl Bounds {
     /// Round what stands in a scene; round everywhere where nothing does.
     fn of(scene: &Scene) -> Self {
-        const EMPTY: Bounds = Bounds { low: [f64::INFINITY; 2], high: [f64::NEG_INFINITY; 2] };
-        const EVERYWHERE: Bounds = Bounds { low: [f64::NEG_INFINITY; 2], high: [f64::INFINITY; 2] };
-        let corners = scene.standing().iter().flat_map(|triangle| triangle.corners);
+        const EMPTY: Bounds = Bounds {
+            low: [f64::INFINITY; 2],
+            high: [f64::NEG_INFINITY; 2],
+        };
+        const EVERYWHERE: Bounds = Bounds {
+            low: [f64::NEG_INFINITY; 2],
+            high: [f64::INFINITY; 2],
+        };
+        let corners = scene
+            .standing()
+            .iter()
+            .flat_map(|triangle| triangle.corners);
         let bounds = corners.fold(EMPTY, |mut bounds, corner| {
-            for (axis, at) in scene.vertices[corner as usize].position[..2].iter().enumerate() {
+            for (axis, at) in scene.vertices[corner as usize].position[..2]
+                .iter()
+                .enumerate()
+            {
                 bounds.low[axis] = bounds.low[axis].min(f64::from(*at));
                 bounds.high[axis] = bounds.high[axis].max(f64::from(*at));
             }
             bounds
         });
-        if bounds.low[0] <= bounds.high[0] { bounds } else { EVERYWHERE }
+        if bounds.low[0] <= bounds.high[0] {
+            bounds
+        } else {
+            EVERYWHERE
+        }
     }
 
     /// Whether a place lies no farther outside than so many metres. What is no number lies nowhere.
     fn hold(&self, place: [f64; 2], margin: f64) -> bool {
-        let holds =
-            |axis: usize| place[axis] >= self.low[axis] - margin && place[axis] <= self.high[axis] + margin;
+        let holds = |axis: usize| {
+            place[axis] >= self.low[axis] - margin && place[axis] <= self.high[axis] + margin
+        };
         holds(0) && holds(1)
     }
 }
@@ -123,7 +140,10 @@ impl Stage {
     /// Prepares a scene in which up to as many people and cars as `plan` says will move.
     pub fn peopled(mut scene: Scene, plan: TrafficPlan) -> Result<Self, SimError> {
         let gallery = Arc::new(Gallery::add(&mut scene, plan));
-        Ok(Self { gallery, ..Self::new(RayCaster::new(Arc::new(scene)))? })
+        Ok(Self {
+            gallery,
+            ..Self::new(RayCaster::new(Arc::new(scene)))?
+        })
     }
 
     /// The rays into the scene.
@@ -133,7 +153,10 @@ impl Stage {
 
     /// The scene with movers where they are now.
     pub fn snapshot<'a>(&'a self, movers: &'a Movers) -> Snapshot<'a> {
-        Snapshot { caster: &self.caster, movers }
+        Snapshot {
+            caster: &self.caster,
+            movers,
+        }
     }
 
     /// What draws the scene.
@@ -177,7 +200,9 @@ impl Simulator {
         let physics = Physics::new(&stage.solids, &robot, start, ground);
         let imu = Imu::new(Noise::new(seed, 1), &robot);
         let lidar = Lidar::new(Noise::new(seed, 2));
-        let gnss = robot.gnss.map(|antenna| Gnss::new(Noise::new(seed, 3), antenna));
+        let gnss = robot
+            .gnss
+            .map(|antenna| Gnss::new(Noise::new(seed, 3), antenna));
         let camera = SimCamera::new(stage.renderer.clone(), &robot);
         let yielding = Yielding::new(robot.max_acceleration);
         let mut simulator = Self {
@@ -204,7 +229,11 @@ impl Simulator {
             speed: 0.0,
             chain: [0; 32],
         };
-        simulator.camera.move_to(SimTime::ZERO, simulator.base_link(), simulator.movers.clone());
+        simulator.camera.move_to(
+            SimTime::ZERO,
+            simulator.base_link(),
+            simulator.movers.clone(),
+        );
         simulator
     }
 
@@ -217,15 +246,27 @@ impl Simulator {
         let crowd = Crowd::new(traffic, gallery, &self.stage.caster, &mut self.physics);
         crowd.show(&self.stage.caster, Arc::make_mut(&mut self.movers));
         self.crowd = Some(crowd);
-        self.camera.move_to(self.time, self.base_link(), self.movers.clone());
+        self.camera
+            .move_to(self.time, self.base_link(), self.movers.clone());
         Ok(self)
     }
 
     /// Puts as many people and cars as `plan` says on the ways of a map, as far as there is room for them around the robot.
-    pub fn among_traffic_of(self, map: &OsmMap, plan: TrafficPlan, seed: u64) -> Result<Self, SimError> {
+    pub fn among_traffic_of(
+        self,
+        map: &OsmMap,
+        plan: TrafficPlan,
+        seed: u64,
+    ) -> Result<Self, SimError> {
         let start = self.robot_state().position;
         let space = FreeSpace::new(&self.stage.caster, start, PERSON_RADIUS);
-        self.among(Traffic::new(map, |p| space.is_reachable(p), plan, start, seed))
+        self.among(Traffic::new(
+            map,
+            |p| space.is_reachable(p),
+            plan,
+            start,
+            seed,
+        ))
     }
 
     /// Drives with `velocity` until the next observation.
@@ -239,15 +280,21 @@ impl Simulator {
         self.speed = libm::hypot(robot.velocity[0], robot.velocity[1]) + rim;
         if let Some(crowd) = &mut self.crowd {
             let figures = Arc::make_mut(&mut self.movers);
-            let fastest = self.physics.wheel_speeds().into_iter().fold(0.0, |a: f64, w| a.max(w.abs()));
+            let fastest = self
+                .physics
+                .wheel_speeds()
+                .into_iter()
+                .fold(0.0, |a: f64, w| a.max(w.abs()));
             let drives = self.robot.wheel_radius * fastest > STANDS;
-            self.yielding.update(OBSERVATION_NS as f64 * 1e-9, &robot, drives, crowd.movers());
+            self.yielding
+                .update(OBSERVATION_NS as f64 * 1e-9, &robot, drives, crowd.movers());
             crowd.step(robot, &self.stage.caster, &mut self.physics, figures);
         }
         for _ in 0..OBSERVATION_NS / STEP_NS {
             self.physics_step(velocity);
         }
-        self.camera.move_to(self.time, self.base_link(), self.movers.clone());
+        self.camera
+            .move_to(self.time, self.base_link(), self.movers.clone());
         self.extend_chain();
     }
 
@@ -275,7 +322,10 @@ impl Simulator {
 
     /// The truth: how fast the robot moves in `map`, m/s.
     pub fn speed(&self) -> f64 {
-        self.physics.velocity_at(nalgebra::Vector3::zeros()).xy().norm()
+        self.physics
+            .velocity_at(nalgebra::Vector3::zeros())
+            .xy()
+            .norm()
     }
 
     /// The truth: the robot as people and cars see it.
@@ -324,29 +374,45 @@ impl Simulator {
     fn physics_step(&mut self, velocity: Velocity) {
         self.physics.step(&self.stage.caster, velocity);
         self.time.0 += STEP_NS;
-        self.encoders.turn(self.physics.wheel_speeds(), STEP_NS as f64 * 1e-9);
+        self.encoders
+            .turn(self.physics.wheel_speeds(), STEP_NS as f64 * 1e-9);
         if self.time.0.is_multiple_of(inertial::SAMPLE_NS) {
-            self.imu_samples.push(self.imu.sample(self.time, &self.physics));
+            self.imu_samples
+                .push(self.imu.sample(self.time, &self.physics));
             self.wheel_samples.push(self.encoders.sample(self.time));
         }
         self.lidar_path.push(self.base_link() * self.robot.lidar);
         if self.time.0.is_multiple_of(SCAN_NS) {
             let began = SimTime(self.time.0 - SCAN_NS);
-            self.scan = Some(self.lidar.scan(self.stage.snapshot(&self.movers), began, &self.lidar_path));
+            self.scan = Some(self.lidar.scan(
+                self.stage.snapshot(&self.movers),
+                began,
+                &self.lidar_path,
+            ));
             self.lidar_path.drain(..self.lidar_path.len() - 1);
         }
         if self.time.0.is_multiple_of(gnss::FIX_NS) {
             let base = self.base_link();
-            self.fix = self.gnss.as_mut().and_then(|gnss| gnss.fix(&self.stage.caster, self.time, &base));
+            self.fix = self
+                .gnss
+                .as_mut()
+                .and_then(|gnss| gnss.fix(&self.stage.caster, self.time, &base));
         }
         self.note_contact();
     }
 
     fn note_contact(&mut self) {
-        let Some(contact) = self.physics.contact() else { return };
-        let known = self.last_touch.iter_mut().find(|(class, _)| *class == contact.class);
+        let Some(contact) = self.physics.contact() else {
+            return;
+        };
+        let known = self
+            .last_touch
+            .iter_mut()
+            .find(|(class, _)| *class == contact.class);
         let fresh = match known {
-            Some((_, last)) => self.time.0 - std::mem::replace(last, self.time).0 > SAME_COLLISION_NS,
+            Some((_, last)) => {
+                self.time.0 - std::mem::replace(last, self.time).0 > SAME_COLLISION_NS
+            }
             None => {
                 self.last_touch.push((contact.class, self.time));
                 true
@@ -379,13 +445,21 @@ impl Simulator {
         hasher.update(&self.chain);
         hasher.update(&self.time.0.to_le_bytes());
         hasher.update(&self.physics.state_bytes());
-        let inertial = self.imu_samples.iter().flat_map(|s| s.gyro.into_iter().chain(s.accel));
+        let inertial = self
+            .imu_samples
+            .iter()
+            .flat_map(|s| s.gyro.into_iter().chain(s.accel));
         let wheels = self.wheel_samples.iter().flat_map(|s| [s.left, s.right]);
         inertial.chain(wheels).for_each(|value| {
             hasher.update(&value.to_le_bytes());
         });
         if let Some(scan) = &self.scan {
-            let bytes: Vec<u8> = scan.points.iter().flat_map(|p| p.xyz).flat_map(f32::to_le_bytes).collect();
+            let bytes: Vec<u8> = scan
+                .points
+                .iter()
+                .flat_map(|p| p.xyz)
+                .flat_map(f32::to_le_bytes)
+                .collect();
             hasher.update(&bytes);
         }
         for mover in self.movers() {

@@ -51,11 +51,20 @@ impl Gnss {
     /// A receiver whose antenna stands at `antenna` in `base_link`, under a sky drawn from `noise`.
     pub fn new(mut noise: Noise, antenna: Pose3) -> Self {
         let sky = Sky::new(&mut noise);
-        Self { noise, antenna, sky }
+        Self {
+            noise,
+            antenna,
+            sky,
+        }
     }
 
     /// The fix at `stamp`, or `None` without enough satellites. Call it every [`FIX_NS`].
-    pub fn fix(&mut self, caster: &RayCaster, stamp: SimTime, base_link: &Pose3) -> Option<GnssFix> {
+    pub fn fix(
+        &mut self,
+        caster: &RayCaster,
+        stamp: SimTime,
+        base_link: &Pose3,
+    ) -> Option<GnssFix> {
         let truth = (base_link * self.antenna).translation.vector;
         self.sky.drift(FIX_NS as f64 * 1e-9, &mut self.noise);
         let around = Surroundings::new(caster, truth);
@@ -64,8 +73,11 @@ impl Gnss {
             // Drawn for all, so that a wall does not change the noise of the others.
             let white = noise.normal();
             if direction.z >= MASK {
-                ranges
-                    .extend(around.arrival(direction).map(|arrival| range(direction, slow, white, arrival)));
+                ranges.extend(
+                    around
+                        .arrival(direction)
+                        .map(|arrival| range(direction, slow, white, arrival)),
+                );
             }
         }
         let solution = solve(&ranges)?;

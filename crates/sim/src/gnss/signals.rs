@@ -44,11 +44,16 @@ pub(super) struct Surroundings<'a> {
 impl<'a> Surroundings<'a> {
     /// Looks round from the antenna for walls.
     pub(super) fn new(caster: &'a RayCaster, antenna: Vector3<f64>) -> Self {
-        let mut around = Self { caster, antenna, mirrors: Vec::new() };
+        let mut around = Self {
+            caster,
+            antenna,
+            mirrors: Vec::new(),
+        };
         for i in 0..PROBES {
             let (sin, cos) = libm::sincos(std::f64::consts::TAU * i as f64 / PROBES as f64);
             let mirror = around.mirror(antenna, Vector3::new(cos, sin, 0.0), WALLS as f32);
-            if let Some(mirror) = mirror.filter(|m| !around.mirrors.iter().any(|known| known.is(m))) {
+            if let Some(mirror) = mirror.filter(|m| !around.mirrors.iter().any(|known| known.is(m)))
+            {
                 around.mirrors.push(mirror);
             }
         }
@@ -58,7 +63,10 @@ impl<'a> Surroundings<'a> {
     /// How the signal of a satellite in that direction comes in, if it does. Of several reflections the shortest counts: the others
     /// are as weak and come later.
     pub(super) fn arrival(&self, satellite: Vector3<f64>) -> Option<Arrival> {
-        let extras = self.mirrors.iter().filter_map(|mirror| self.reflection(mirror, satellite));
+        let extras = self
+            .mirrors
+            .iter()
+            .filter_map(|mirror| self.reflection(mirror, satellite));
         let extra = extras.min_by(f64::total_cmp);
         match (self.is_clear(self.antenna, satellite), extra) {
             (true, None) => Some(Arrival::Straight),
@@ -79,14 +87,19 @@ impl<'a> Surroundings<'a> {
         // The wall may end before the place where the signal would be reflected.
         let met = self.mirror(self.antenna, towards, reach as f32 + 1.0)?;
         let place = self.antenna + towards * reach + mirror.normal * OFF_SURFACE;
-        (met.is(mirror) && self.is_clear(place, satellite)).then_some(2.0 * mirror.distance * facing)
+        (met.is(mirror) && self.is_clear(place, satellite))
+            .then_some(2.0 * mirror.distance * facing)
     }
 
     /// The upright plane that a ray from the antenna meets first, if it meets one.
     fn mirror(&self, from: Vector3<f64>, direction: Vector3<f64>, limit: f32) -> Option<Mirror> {
         let hit = self.first(from, direction, limit)?;
         let normal = Vector3::from(self.caster.surface(hit.triangle).normal.map(f64::from));
-        let normal = if normal.dot(&direction) > 0.0 { -normal } else { normal };
+        let normal = if normal.dot(&direction) > 0.0 {
+            -normal
+        } else {
+            normal
+        };
         let distance = -normal.dot(&direction) * f64::from(hit.distance);
         (normal.z.abs() < 0.2).then_some(Mirror { normal, distance })
     }
@@ -100,8 +113,11 @@ impl<'a> Surroundings<'a> {
         let plain = |v: Vector3<f64>| [v.x as f32, v.y as f32, v.z as f32];
         let mut gone = 0.0;
         for _ in 0..LEAVES {
-            let mut hit =
-                self.caster.cast(plain(from + direction * gone), plain(direction), limit - gone as f32)?;
+            let mut hit = self.caster.cast(
+                plain(from + direction * gone),
+                plain(direction),
+                limit - gone as f32,
+            )?;
             hit.distance += gone as f32;
             if self.caster.material(hit.triangle).class != SemanticClass::Vegetation {
                 return Some(hit);

@@ -37,7 +37,11 @@ impl Sky {
             turned * Vector3::new(r * cos, r * sin, z)
         });
         let axis = random_rotation(noise) * Vector3::x_axis();
-        Self { directions, slow: std::array::from_fn(|_| noise.normal()), axis }
+        Self {
+            directions,
+            slow: std::array::from_fn(|_| noise.normal()),
+            axis,
+        }
     }
 
     /// Lets the slow errors drift for `seconds`: a Gauss-Markov process of first order each.
@@ -51,7 +55,10 @@ impl Sky {
     /// Directions and slow errors, in deviations, at `seconds` after the start.
     pub(super) fn at(&self, seconds: f64) -> impl Iterator<Item = (Vector3<f64>, f64)> {
         let turned = Rotation3::from_axis_angle(&self.axis, RATE * seconds);
-        self.directions.iter().zip(self.slow).map(move |(direction, slow)| (turned * direction, slow))
+        self.directions
+            .iter()
+            .zip(self.slow)
+            .map(move |(direction, slow)| (turned * direction, slow))
     }
 }
 
@@ -79,8 +86,14 @@ mod tests {
         for seed in 0..20 {
             let sky = Sky::new(&mut Noise::new(seed, 3));
             for hour in 0..12 {
-                let up = sky.at(f64::from(hour) * 3600.0).filter(|(d, _)| d.z > super::super::MASK).count();
-                assert!((6..=14).contains(&up), "{up} after {hour} h with seed {seed}");
+                let up = sky
+                    .at(f64::from(hour) * 3600.0)
+                    .filter(|(d, _)| d.z > super::super::MASK)
+                    .count();
+                assert!(
+                    (6..=14).contains(&up),
+                    "{up} after {hour} h with seed {seed}"
+                );
             }
         }
     }
@@ -106,12 +119,19 @@ mod tests {
             let before: Vec<f64> = sky.at(0.0).map(|(_, slow)| slow).collect();
             sky.drift(MEMORY / 2.0, &mut noise);
             for ((_, after), before) in sky.at(0.0).zip(before) {
-                (squares, products, count) =
-                    (squares + after * after, products + after * before, count + 1.0);
+                (squares, products, count) = (
+                    squares + after * after,
+                    products + after * before,
+                    count + 1.0,
+                );
             }
         }
         assert!((squares / count - 1.0).abs() < 0.1, "{}", squares / count);
-        assert!((products / count - 0.607).abs() < 0.06, "e to the -1/2: {}", products / count);
+        assert!(
+            (products / count - 0.607).abs() < 0.06,
+            "e to the -1/2: {}",
+            products / count
+        );
     }
 
     #[test]

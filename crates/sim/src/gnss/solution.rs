@@ -39,7 +39,10 @@ pub(super) fn solve(ranges: &[Range]) -> Option<Solution> {
         return None;
     }
     let weight = |r: &Range| 1.0 / (r.deviation * r.deviation);
-    let normal: Matrix4<f64> = ranges.iter().map(|r| row(r) * row(r).transpose() * weight(r)).sum();
+    let normal: Matrix4<f64> = ranges
+        .iter()
+        .map(|r| row(r) * row(r).transpose() * weight(r))
+        .sum();
     let right: Vector4<f64> = ranges.iter().map(|r| row(r) * (r.error * weight(r))).sum();
     let covariance = normal.try_inverse()?;
     Some(Solution {
@@ -54,8 +57,21 @@ mod tests {
 
     fn ranges(errors: [f64; 5]) -> Vec<Range> {
         let tilted = |x: f64, y: f64| Vector3::new(x, y, 1.0).normalize();
-        let sky = [tilted(2.0, 0.0), tilted(-2.0, 0.0), tilted(0.0, 2.0), tilted(0.0, -2.0), Vector3::z()];
-        sky.iter().zip(errors).map(|(d, error)| Range { direction: *d, error, deviation: 2.0 }).collect()
+        let sky = [
+            tilted(2.0, 0.0),
+            tilted(-2.0, 0.0),
+            tilted(0.0, 2.0),
+            tilted(0.0, -2.0),
+            Vector3::z(),
+        ];
+        sky.iter()
+            .zip(errors)
+            .map(|(d, error)| Range {
+                direction: *d,
+                error,
+                deviation: 2.0,
+            })
+            .collect()
     }
 
     #[test]
@@ -68,16 +84,25 @@ mod tests {
     fn a_range_that_is_too_long_pushes_the_position_away() {
         let east_is_long = solve(&ranges([3.0, 0.0, 0.0, 0.0, 0.0])).unwrap();
         // Farther from the satellite in the east: two ranges share the 3 m, each 2 / √5 eastwards.
-        assert!((east_is_long.error.x + 1.5 / (2.0 / 5.0_f64.sqrt())).abs() < 1e-9, "{east_is_long:?}");
+        assert!(
+            (east_is_long.error.x + 1.5 / (2.0 / 5.0_f64.sqrt())).abs() < 1e-9,
+            "{east_is_long:?}"
+        );
         // The deviation of 2 m, likewise.
         let expected = 2.0 * 2.0 / (2.0 * 4.0 / 5.0);
-        assert!((east_is_long.covariance[(0, 0)] - expected).abs() < 1e-9, "{east_is_long:?}");
+        assert!(
+            (east_is_long.covariance[(0, 0)] - expected).abs() < 1e-9,
+            "{east_is_long:?}"
+        );
     }
 
     #[test]
     fn three_ranges_and_ranges_in_a_plane_give_none() {
         assert!(solve(&ranges([0.0; 5])[..3]).is_none());
-        let flat: Vec<Range> = ranges([0.0; 5]).into_iter().filter(|r| r.direction.y == 0.0).collect();
+        let flat: Vec<Range> = ranges([0.0; 5])
+            .into_iter()
+            .filter(|r| r.direction.y == 0.0)
+            .collect();
         assert!(solve(&[flat.clone(), flat].concat()).is_none());
     }
 }

@@ -19,12 +19,17 @@ impl Launch {
         self.origins.clear();
         self.directions.clear();
         let knots: Vec<Knot> = poses.iter().map(Knot::new).collect();
-        let (Some(first), Some(last)) = (knots.first(), knots.last()) else { return };
+        let (Some(first), Some(last)) = (knots.first(), knots.last()) else {
+            return;
+        };
         let knots_a_firing = (knots.len() - 1) as f32 / (aims.len() / LINES) as f32;
         for (firing, lines) in aims.chunks_exact(LINES).enumerate() {
             let at = firing as f32 * knots_a_firing;
             let before = at as usize;
-            let (a, b) = (knots.get(before).unwrap_or(first), knots.get(before + 1).unwrap_or(last));
+            let (a, b) = (
+                knots.get(before).unwrap_or(first),
+                knots.get(before + 1).unwrap_or(last),
+            );
             let knot = a.blend(b, at - before as f32);
             self.origins.push(knot.origin);
             let mut turned = [[0.0; 3]; LINES];
@@ -51,10 +56,17 @@ struct Knot {
 
 impl Knot {
     fn new(pose: &Pose3) -> Self {
-        let matrix = pose.rotation.to_rotation_matrix().into_inner().cast::<f32>();
+        let matrix = pose
+            .rotation
+            .to_rotation_matrix()
+            .into_inner()
+            .cast::<f32>();
         let column = |i: usize| [matrix[(0, i)], matrix[(1, i)], matrix[(2, i)]];
         let origin = pose.translation.vector.cast::<f32>();
-        Self { origin: origin.into(), columns: [column(0), column(1), column(2)] }
+        Self {
+            origin: origin.into(),
+            columns: [column(0), column(1), column(2)],
+        }
     }
 
     #[inline(always)]
@@ -63,7 +75,8 @@ impl Knot {
         for i in 0..3 {
             blended.origin[i] += s * (other.origin[i] - self.origin[i]);
             for column in 0..3 {
-                blended.columns[column][i] += s * (other.columns[column][i] - self.columns[column][i]);
+                blended.columns[column][i] +=
+                    s * (other.columns[column][i] - self.columns[column][i]);
             }
         }
         blended
@@ -73,7 +86,8 @@ impl Knot {
     fn turn(&self, v: [f32; 3]) -> [f32; 3] {
         let mut turned = [0.0; 3];
         for (i, out) in turned.iter_mut().enumerate() {
-            *out = self.columns[0][i] * v[0] + self.columns[1][i] * v[1] + self.columns[2][i] * v[2];
+            *out =
+                self.columns[0][i] * v[0] + self.columns[1][i] * v[1] + self.columns[2][i] * v[2];
         }
         turned
     }
@@ -91,7 +105,11 @@ mod tests {
             Pose3::from_parts(Vector3::new(0.1 * s, 2.0, 0.3).into(), turn)
         };
         let poses: Vec<Pose3> = (0..=40).map(|i| pose(f64::from(i) / 40.0)).collect();
-        let aim = Aim { direction: [0.6, 0.0, 0.8], turn: 0.0, elevation: 0.0 };
+        let aim = Aim {
+            direction: [0.6, 0.0, 0.8],
+            turn: 0.0,
+            elevation: 0.0,
+        };
         let mut launch = Launch::default();
         launch.set(&[aim; 400], &poses);
         for ray in [0, 1, 7, 123, 399] {
@@ -101,7 +119,8 @@ mod tests {
             let off = Vector3::from(direction.map(f64::from)) - true_direction;
             assert!(off.norm() < 1e-6, "{ray}: {off}");
             assert!(
-                (Point3::from(origin.map(f64::from)) - Point3::from(at.translation.vector)).norm() < 1e-6
+                (Point3::from(origin.map(f64::from)) - Point3::from(at.translation.vector)).norm()
+                    < 1e-6
             );
         }
     }
@@ -110,7 +129,14 @@ mod tests {
     fn without_poses_or_aims_there_are_no_rays() {
         let mut launch = Launch::default();
         launch.set(&[], &[Pose3::identity(); 2]);
-        launch.set(&[Aim { direction: [1.0, 0.0, 0.0], turn: 0.0, elevation: 0.0 }; 4], &[]);
+        launch.set(
+            &[Aim {
+                direction: [1.0, 0.0, 0.0],
+                turn: 0.0,
+                elevation: 0.0,
+            }; 4],
+            &[],
+        );
         assert!(launch.origins.is_empty() && launch.directions.is_empty());
     }
 }

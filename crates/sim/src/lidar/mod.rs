@@ -58,13 +58,25 @@ impl Lidar {
     /// The scan that began at `stamp` and ends at the snapshot's instant. `poses` are those of the sensor in `map` at equal times from the
     /// scan's first instant to its last; at least two.
     pub fn scan(&mut self, seen: Snapshot<'_>, stamp: SimTime, poses: &[Pose3]) -> LidarScan {
-        LidarScan { stamp, points: widest(Scan { lidar: self, seen, poses }) }
+        LidarScan {
+            stamp,
+            points: widest(Scan {
+                lidar: self,
+                seen,
+                poses,
+            }),
+        }
     }
 
     /// True ranges of the next scan's rays in the order of firing, 0 for nothing, holes in leaves not regarded: for comparing speeds.
     pub fn ranges(&mut self, tree: &TriangleBvh, poses: &[Pose3]) -> Vec<f32> {
         let mut ranges = vec![0.0; RAYS];
-        widest(Ranges { lidar: self, tree, poses, ranges: &mut ranges });
+        widest(Ranges {
+            lidar: self,
+            tree,
+            poses,
+            ranges: &mut ranges,
+        });
         ranges
     }
 
@@ -104,7 +116,8 @@ impl Lidar {
                 let rays = self.packet(group);
                 let mut lags = [0.0; LANES];
                 for (lag, ray) in lags.iter_mut().zip(group) {
-                    *lag = *ray as f32 * (FIRING_NS as f32 * 1e-9 / LINES as f32) - SCAN_NS as f32 * 1e-9;
+                    *lag = *ray as f32 * (FIRING_NS as f32 * 1e-9 / LINES as f32)
+                        - SCAN_NS as f32 * 1e-9;
                 }
                 met.note(packet, seen, &rays, &seen.cast_packet(&rays, &lags));
             }
@@ -210,7 +223,11 @@ struct Met {
 
 impl Met {
     fn nothing() -> Self {
-        Self { range: [0.0; BLOCK], along: [0.0; BLOCK], reflectivity: [0; BLOCK] }
+        Self {
+            range: [0.0; BLOCK],
+            along: [0.0; BLOCK],
+            reflectivity: [0; BLOCK],
+        }
     }
 
     /// Notes what a packet hit, the block's `packet`-th.
@@ -256,7 +273,12 @@ fn bucket(aim: &Aim) -> usize {
     let height = (aim.elevation - ELEVATION.0) / (ELEVATION.1 - ELEVATION.0);
     let row = ((height * BUCKET_ROWS as f32) as usize).min(BUCKET_ROWS - 1);
     // Up one column, down the next: a packet that ends one column begins the next beside it.
-    column * BUCKET_ROWS + if column.is_multiple_of(2) { row } else { BUCKET_ROWS - 1 - row }
+    column * BUCKET_ROWS
+        + if column.is_multiple_of(2) {
+            row
+        } else {
+            BUCKET_ROWS - 1 - row
+        }
 }
 
 #[cfg(test)]
@@ -268,17 +290,34 @@ mod tests {
     use std::sync::Arc;
 
     fn scan(lidar: &mut Lidar, caster: &RayCaster, poses: &[Pose3]) -> LidarScan {
-        lidar.scan(Snapshot { caster, movers: &Movers::default() }, SimTime::ZERO, poses)
+        lidar.scan(
+            Snapshot {
+                caster,
+                movers: &Movers::default(),
+            },
+            SimTime::ZERO,
+            poses,
+        )
     }
 
     fn room(half: f64) -> RayCaster {
         let mut builder = SceneBuilder::new();
         let wall = builder.material(Material::plain(SemanticClass::Wall, [0.5; 3]));
         let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
-        for (corner, u) in [((-half, -half), x), ((half, -half), y), ((-half, half), x), ((-half, -half), y)]
-        {
+        for (corner, u) in [
+            ((-half, -half), x),
+            ((half, -half), y),
+            ((-half, half), x),
+            ((-half, -half), y),
+        ] {
             let origin = Point3::new(corner.0, corner.1, -1.0);
-            builder.rectangle(Layer::Visible, wall, origin, (u * 2.0 * half, z * 100.0), [1.0; 2]);
+            builder.rectangle(
+                Layer::Visible,
+                wall,
+                origin,
+                (u * 2.0 * half, z * 100.0),
+                [1.0; 2],
+            );
         }
         RayCaster::new(Arc::new(builder.build()))
     }
@@ -289,7 +328,11 @@ mod tests {
         let poses = vec![Pose3::identity(); 3];
         let scan = scan(&mut Lidar::new(Noise::new(1, 1)), &caster, &poses);
         assert!(scan.points.len() > RAYS * 90 / 100, "{}", scan.points.len());
-        let errors: Vec<f32> = scan.points.iter().map(|p| p.xyz[0].abs().max(p.xyz[1].abs()) - 5.0).collect();
+        let errors: Vec<f32> = scan
+            .points
+            .iter()
+            .map(|p| p.xyz[0].abs().max(p.xyz[1].abs()) - 5.0)
+            .collect();
         let rms = (errors.iter().map(|e| e * e).sum::<f32>() / errors.len() as f32).sqrt();
         assert!((0.012..0.03).contains(&rms), "{rms}");
     }
@@ -299,7 +342,10 @@ mod tests {
         // Turning by half a radian during the scan: undone point by point, the walls are straight again.
         let caster = room(5.0);
         let pose = |s: f64| {
-            Pose3::from_parts(Vector3::zeros().into(), UnitQuaternion::from_euler_angles(0.0, 0.0, 0.5 * s))
+            Pose3::from_parts(
+                Vector3::zeros().into(),
+                UnitQuaternion::from_euler_angles(0.0, 0.0, 0.5 * s),
+            )
         };
         let poses: Vec<Pose3> = (0..=40).map(|i| pose(f64::from(i) / 40.0)).collect();
         let scan = scan(&mut Lidar::new(Noise::new(1, 1)), &caster, &poses);
@@ -315,7 +361,10 @@ mod tests {
         let caster = room(5.0);
         let mut lidar = Lidar::new(Noise::new(1, 1));
         let poses = vec![Pose3::identity(); 2];
-        let (a, b) = (scan(&mut lidar, &caster, &poses), scan(&mut lidar, &caster, &poses));
+        let (a, b) = (
+            scan(&mut lidar, &caster, &poses),
+            scan(&mut lidar, &caster, &poses),
+        );
         assert!(a.points.iter().zip(&b.points).all(|(p, q)| p.xyz != q.xyz));
     }
 }

@@ -35,15 +35,25 @@ const THETA: f64 = 4.701_06;
 /// Angles of the slow rotor at the first firing, radians, for elevation, azimuth and offsets.
 const PHI: [f64; 3] = [0.011_01, 0.008_19, 0.009_60];
 /// Elevation: cosines of 0, 1, 2, … φ, radians.
-const E: [f64; 9] = [0.35698, 0.41059, 0.01963, 0.04014, 0.0039, 0.00273, 0.00058, 0.00029, 0.00009];
+const E: [f64; 9] = [
+    0.35698, 0.41059, 0.01963, 0.04014, 0.0039, 0.00273, 0.00058, 0.00029, 0.00009,
+];
 /// Azimuth: sines of 1, 2, … φ, radians.
-const A: [f64; 9] = [0.49618, 0.04098, 0.04698, 0.00934, 0.00531, 0.00164, 0.00079, 0.0003, 0.00014];
+const A: [f64; 9] = [
+    0.49618, 0.04098, 0.04698, 0.00934, 0.00531, 0.00164, 0.00079, 0.0003, 0.00014,
+];
 /// Offsets in elevation: cosines from 0, and sines from 1.
-const GS: [f64; 7] = [-0.04825, -0.00717, -0.01148, -0.00215, -0.00229, -0.00053, -0.00036];
+const GS: [f64; 7] = [
+    -0.04825, -0.00717, -0.01148, -0.00215, -0.00229, -0.00053, -0.00036,
+];
 const GC: [f64; 6] = [0.00167, -0.00741, -0.00052, -0.00142, -0.0002, -0.00019];
 /// Offsets in azimuth: cosines from 0, and sines from 1.
-const HC: [f64; 9] = [-0.05493, -0.01, 0.00655, 0.0003, 0.00163, 0.00043, 0.00035, 0.00013, 0.00008];
-const HS: [f64; 8] = [-0.01031, -0.01606, -0.0048, -0.0042, -0.00152, -0.00091, -0.00038, -0.0002];
+const HC: [f64; 9] = [
+    -0.05493, -0.01, 0.00655, 0.0003, 0.00163, 0.00043, 0.00035, 0.00013, 0.00008,
+];
+const HS: [f64; 8] = [
+    -0.01031, -0.01606, -0.0048, -0.0042, -0.00152, -0.00091, -0.00038, -0.0002,
+];
 
 /// Firings that are aimed together, lane by lane.
 pub const VOLLEY: usize = 32;
@@ -108,7 +118,10 @@ impl FastRotor {
     /// Sine and cosine after so many steps, of which [`PERIOD`] are a turn.
     #[inline(always)]
     fn sin_cos(&self, steps: u64) -> (f64, f64) {
-        sum(self.thousands[(steps / Self::REST) as usize], self.rest[(steps % Self::REST) as usize])
+        sum(
+            self.thousands[(steps / Self::REST) as usize],
+            self.rest[(steps % Self::REST) as usize],
+        )
     }
 }
 
@@ -135,8 +148,13 @@ pub struct Aim {
 impl Pattern {
     /// The pattern from its first firing.
     pub fn new() -> Self {
-        let swings = (0..SLOW_TURN).map(|i| swing(i as f64 / SLOW_TURN as f64 * TAU)).collect();
-        Self { swings, fast: FastRotor::new() }
+        let swings = (0..SLOW_TURN)
+            .map(|i| swing(i as f64 / SLOW_TURN as f64 * TAU))
+            .collect();
+        Self {
+            swings,
+            fast: FastRotor::new(),
+        }
     }
 
     /// Where the four lines point at a firing, counted from 0.
@@ -154,14 +172,23 @@ impl Pattern {
             let (mut turns, mut elevation) = ([0.0; VOLLEY], [0.0; VOLLEY]);
             for i in 0..VOLLEY {
                 let (up, aside) = (k * rotors.up[i], k * rotors.aside[i]);
-                let (sin_el, cos_el) = sum((rotors.elevation_sin[i], rotors.elevation_cos[i]), small(up));
-                let (sin_az, cos_az) = sum((rotors.azimuth_sin[i], rotors.azimuth_cos[i]), small(aside));
+                let (sin_el, cos_el) = sum(
+                    (rotors.elevation_sin[i], rotors.elevation_cos[i]),
+                    small(up),
+                );
+                let (sin_az, cos_az) =
+                    sum((rotors.azimuth_sin[i], rotors.azimuth_cos[i]), small(aside));
                 let turn = rotors.turns[i] + aside * (1.0 / TAU) as f32;
                 (x[i], y[i], z[i]) = (cos_az * cos_el, sin_az * cos_el, sin_el);
-                (turns[i], elevation[i]) = (turn - whole(turn) as i32 as f32, rotors.elevation[i] + up);
+                (turns[i], elevation[i]) =
+                    (turn - whole(turn) as i32 as f32, rotors.elevation[i] + up);
             }
             for (i, aims) in aims.iter_mut().enumerate() {
-                aims[line] = Aim { direction: [x[i], y[i], z[i]], turn: turns[i], elevation: elevation[i] };
+                aims[line] = Aim {
+                    direction: [x[i], y[i], z[i]],
+                    turn: turns[i],
+                    elevation: elevation[i],
+                };
             }
         }
         aims
@@ -181,8 +208,8 @@ impl Pattern {
             (rotors.elevation_sin[i], rotors.elevation_cos[i]) = swing.elevation_sin_cos;
             rotors.elevation[i] = swing.elevation;
             // From one turn up, since only what is above zero is rounded down.
-            rotors.turns[i] =
-                swing.azimuth + (THETA / TAU + 2.0) as f32 - steps as i32 as f32 * (1.0 / PERIOD as f32);
+            rotors.turns[i] = swing.azimuth + (THETA / TAU + 2.0) as f32
+                - steps as i32 as f32 * (1.0 / PERIOD as f32);
             rotors.up[i] = swing.gs * sin + swing.gc * cos;
             rotors.aside[i] = swing.hc * cos + swing.hs * sin;
         }
@@ -218,14 +245,21 @@ fn swing(phi: f64) -> Swing {
 }
 
 fn series(coefficients: &[f64], first: u32, wave: impl Fn(f64) -> f64) -> f64 {
-    coefficients.iter().zip(first..).map(|(c, m)| c * wave(f64::from(m))).sum()
+    coefficients
+        .iter()
+        .zip(first..)
+        .map(|(c, m)| c * wave(f64::from(m)))
+        .sum()
 }
 
 /// Sine and cosine of an angle below 0.1, to 1e-7.
 #[inline(always)]
 fn small(angle: f32) -> (f32, f32) {
     let square = angle * angle;
-    (angle * (1.0 - square * (1.0 / 6.0)), 1.0 - square * 0.5 * (1.0 - square * (1.0 / 12.0)))
+    (
+        angle * (1.0 - square * (1.0 / 6.0)),
+        1.0 - square * 0.5 * (1.0 - square * (1.0 / 12.0)),
+    )
 }
 
 #[cfg(test)]
@@ -235,14 +269,22 @@ mod tests {
 
     /// Azimuth and elevation, radians, of the rays of a real sensor's pattern, if the file is there: a NumPy array of 800,000 x 2 floats.
     fn recorded() -> Option<Vec<[f32; 2]>> {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/lidar/mid360.npy");
+        let path = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../../../shared/data/lidar/mid360.npy"
+        );
         let Ok(bytes) = std::fs::read(path) else {
             eprintln!("SKIPPED: {path} is not there");
             return None;
         };
         let header = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
         let float = |b: &[u8]| f32::from_le_bytes([b[0], b[1], b[2], b[3]]);
-        Some(bytes[header..].chunks_exact(8).map(|c| [float(&c[..4]), float(&c[4..])]).collect())
+        Some(
+            bytes[header..]
+                .chunks_exact(8)
+                .map(|c| [float(&c[..4]), float(&c[4..])])
+                .collect(),
+        )
     }
 
     fn histogram(values: impl Iterator<Item = f64>, low: f64, high: f64, bins: usize) -> Vec<f64> {
@@ -257,7 +299,11 @@ mod tests {
 
     /// Largest difference between two histograms, as a share of the even share of a bin.
     fn difference(a: &[f64], b: &[f64]) -> f64 {
-        a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) * a.len() as f64
+        a.iter()
+            .zip(b)
+            .map(|(a, b)| (a - b).abs())
+            .fold(0.0, f64::max)
+            * a.len() as f64
     }
 
     #[test]
@@ -270,7 +316,9 @@ mod tests {
             let (sa, ca) = libm::sincos(f64::from(*azimuth));
             let (se, ce) = libm::sincos(f64::from(*elevation));
             let there = [ca * ce, sa * ce, se];
-            let square: f64 = (0..3).map(|i| (there[i] - f64::from(aim.direction[i])).powi(2)).sum();
+            let square: f64 = (0..3)
+                .map(|i| (there[i] - f64::from(aim.direction[i])).powi(2))
+                .sum();
             let angle = square.sqrt().to_degrees();
             worst = worst.max(angle);
             squares += angle * angle;
@@ -290,7 +338,10 @@ mod tests {
         let (low, high) = (-0.13, 0.92);
         let elevations = histogram(recorded.iter().map(|r| f64::from(r[1])), low, high, 60);
         let ours_elevations = histogram(ours.iter().map(|a| f64::from(a.elevation)), low, high, 60);
-        assert!(difference(&elevations, &ours_elevations) < 0.1, "{elevations:?} {ours_elevations:?}");
+        assert!(
+            difference(&elevations, &ours_elevations) < 0.1,
+            "{elevations:?} {ours_elevations:?}"
+        );
     }
 
     #[test]
@@ -299,16 +350,29 @@ mod tests {
         let aims: Vec<Aim> = (0..50_000).flat_map(|n| pattern.firing(n)).collect();
         let elevations = aims.iter().map(|a| f64::from(a.elevation).to_degrees());
         let (low, high) = elevations.fold((90.0_f64, -90.0_f64), |(l, h), e| (l.min(e), h.max(e)));
-        assert!((-7.5..-6.8).contains(&low) && (51.8..52.5).contains(&high), "{low} {high}");
+        assert!(
+            (-7.5..-6.8).contains(&low) && (51.8..52.5).contains(&high),
+            "{low} {high}"
+        );
         let length = |a: &Aim| a.direction.iter().map(|c| c * c).sum::<f32>();
         assert!(aims.iter().all(|a| (length(a) - 1.0).abs() < 1e-5));
         let cells = |count: usize| {
             let cell = |a: &Aim| {
-                ((a.turn * 360.0) as usize).min(359) * 60 + (a.elevation.to_degrees() + 8.0) as usize
+                ((a.turn * 360.0) as usize).min(359) * 60
+                    + (a.elevation.to_degrees() + 8.0) as usize
             };
-            aims[..count].iter().map(cell).collect::<std::collections::BTreeSet<_>>().len()
+            aims[..count]
+                .iter()
+                .map(cell)
+                .collect::<std::collections::BTreeSet<_>>()
+                .len()
         };
         // Without repeating, longer looks see more: cells of a degree, after one scan and after ten.
-        assert!(cells(200_000) as f64 > 1.3 * cells(20_000) as f64, "{} {}", cells(20_000), cells(200_000));
+        assert!(
+            cells(200_000) as f64 > 1.3 * cells(20_000) as f64,
+            "{} {}",
+            cells(20_000),
+            cells(200_000)
+        );
     }
 }

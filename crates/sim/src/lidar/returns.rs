@@ -33,7 +33,12 @@ pub struct Echo {
 
 impl Echo {
     /// Nothing.
-    pub const NONE: Self = Self { range: 0.0, deviation: 0.0, detection: 0.0, reflectivity: 0 };
+    pub const NONE: Self = Self {
+        range: 0.0,
+        deviation: 0.0,
+        detection: 0.0,
+        reflectivity: 0,
+    };
 }
 
 /// Probability that the sensor reports a surface: at a range in metres, under an angle of incidence with this cosine, with a reflectivity of 0
@@ -43,7 +48,11 @@ pub fn detection(range: f32, cosine: f32, reflectivity: f32) -> f32 {
     let share = upper(reflectivity * (1.0 / 255.0), DARKEST);
     let light = share * cosine / (range * range);
     let chance = lower(upper(light * (1.0 / THRESHOLD) - 0.5, 0.0), 1.0);
-    if range >= RANGE.0 && range <= RANGE.1 { chance } else { 0.0 }
+    if range >= RANGE.0 && range <= RANGE.1 {
+        chance
+    } else {
+        0.0
+    }
 }
 
 /// Deviation of the reported range, metres, under an angle of incidence with this cosine.

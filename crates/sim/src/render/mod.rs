@@ -64,22 +64,36 @@ pub struct Renderer {
 impl Renderer {
     /// Prepares a scene for drawing.
     pub fn new(caster: RayCaster) -> Self {
-        Self { shader: Shader::new(&caster), caster }
+        Self {
+            shader: Shader::new(&caster),
+            caster,
+        }
     }
 
     /// The view's pixels: RGB, rows from the top.
     pub fn render(&self, view: &View, movers: &Movers) -> Vec<u8> {
         let (width, height) = view.size;
         let mut rgb = vec![0; 3 * width as usize * height as usize];
-        let seen = Snapshot { caster: &self.caster, movers };
-        widest(Picture { seen, shader: &self.shader, view, rgb: &mut rgb });
+        let seen = Snapshot {
+            caster: &self.caster,
+            movers,
+        };
+        widest(Picture {
+            seen,
+            shader: &self.shader,
+            view,
+            rgb: &mut rgb,
+        });
         rgb
     }
 
     /// Depth, class and object of each of the view's pixels.
     pub fn labels(&self, view: &View, movers: &Movers) -> Labels {
         let (width, height) = view.size;
-        let seen = Snapshot { caster: &self.caster, movers };
+        let seen = Snapshot {
+            caster: &self.caster,
+            movers,
+        };
         let pixels = width as usize * height as usize;
         let mut labels = Labels {
             size: view.size,
@@ -125,15 +139,27 @@ impl Kernel for Picture<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { seen, shader, view, rgb } = self;
+        let Self {
+            seen,
+            shader,
+            view,
+            rgb,
+        } = self;
         let eye = Eye::new(view);
-        let look = Look { pixel_angle: eye.pixel_angle, haze: view.range };
+        let look = Look {
+            pixel_angle: eye.pixel_angle,
+            haze: view.range,
+        };
         // Colours go with the square root of the light.
         let gain = view.exposure.max(0.0).sqrt();
         for corner in blocks(view.size) {
             let block = eye.block(corner, view.range);
             let hits = seen.cast_block(&block.beam, &block.rays);
-            let sunlit = if view.shadows { sunlit(seen, &block.rays, &hits) } else { [1.0; BLOCK] };
+            let sunlit = if view.shadows {
+                sunlit(seen, &block.rays, &hits)
+            } else {
+                [1.0; BLOCK]
+            };
             let colors = shader.colors(seen, look, &block.directions, &hits, &sunlit);
             put(rgb, corner, view.size, &colors, gain);
         }
@@ -142,12 +168,17 @@ impl Kernel for Picture<'_> {
 
 /// Top left pixels of the blocks that cover a picture.
 fn blocks((width, height): (u32, u32)) -> impl Iterator<Item = (u32, u32)> {
-    (0..height).step_by(SIDE).flat_map(move |y| (0..width).step_by(SIDE).map(move |x| (x, y)))
+    (0..height)
+        .step_by(SIDE)
+        .flat_map(move |y| (0..width).step_by(SIDE).map(move |x| (x, y)))
 }
 
 /// Rows and columns of a block that lie inside the picture.
 fn inside((x, y): (u32, u32), (width, height): (u32, u32)) -> impl Iterator<Item = (usize, usize)> {
-    let (rows, columns) = (SIDE.min((height - y) as usize), SIDE.min((width - x) as usize));
+    let (rows, columns) = (
+        SIDE.min((height - y) as usize),
+        SIDE.min((width - x) as usize),
+    );
     (0..rows).flat_map(move |row| (0..columns).map(move |column| (row, column)))
 }
 
@@ -167,7 +198,11 @@ fn sunlit(seen: Snapshot<'_>, rays: &[RayPacket; PACKETS], hits: &[PacketHits; P
             let normal = seen.normal(hits, lane);
             let direction = [0, 1, 2].map(|axis| rays.direction[axis][lane]);
             let facing: f32 = (0..3).map(|axis| normal[axis] * direction[axis]).sum();
-            let off = if facing > 0.0 { -OFF_SURFACE } else { OFF_SURFACE };
+            let off = if facing > 0.0 {
+                -OFF_SURFACE
+            } else {
+                OFF_SURFACE
+            };
             let at = [0, 1, 2].map(|axis| {
                 rays.origin[axis][lane] + hits.distance[lane] * direction[axis] + off * normal[axis]
             });
@@ -183,7 +218,13 @@ fn sunlit(seen: Snapshot<'_>, rays: &[RayPacket; PACKETS], hits: &[PacketHits; P
 
 /// Writes a block's colours, 0 to 255, times `gain` into the picture; what lies beyond its edges is left out.
 #[inline(always)]
-fn put(rgb: &mut [u8], (x, y): (u32, u32), (width, height): (u32, u32), colors: &[Block; 3], gain: f32) {
+fn put(
+    rgb: &mut [u8],
+    (x, y): (u32, u32),
+    (width, height): (u32, u32),
+    colors: &[Block; 3],
+    gain: f32,
+) {
     // Red, green and blue from the lowest byte up.
     let mut packed = [0_u32; BLOCK];
     for (channel, colors) in colors.iter().enumerate() {
@@ -217,8 +258,11 @@ struct Eye {
 impl Eye {
     fn new(view: &View) -> Self {
         let axis = |v: nalgebra::Vector3<f64>| view.pose.rotation * v;
-        let (forward, left, up) =
-            (axis(nalgebra::Vector3::x()), axis(nalgebra::Vector3::y()), axis(nalgebra::Vector3::z()));
+        let (forward, left, up) = (
+            axis(nalgebra::Vector3::x()),
+            axis(nalgebra::Vector3::y()),
+            axis(nalgebra::Vector3::z()),
+        );
         let f = view.focal_length;
         let (w, h) = (f64::from(view.size.0), f64::from(view.size.1));
         // The middle of the top left pixel.
@@ -259,7 +303,11 @@ impl Eye {
         for (corner, i) in corners.iter_mut().zip(CORNERS) {
             *corner = [directions[0][i], directions[1][i], directions[2][i]];
         }
-        Rays { directions, rays, beam: Beam::new(self.origin, &corners) }
+        Rays {
+            directions,
+            rays,
+            beam: Beam::new(self.origin, &corners),
+        }
     }
 }
 
@@ -285,7 +333,13 @@ mod tests {
         let red = builder.material(Material::plain(SemanticClass::Other, [1.0, 0.0, 0.0]));
         builder.object("square", SemanticClass::Other);
         let (u, v) = (Vector3::y() * 2.0, Vector3::z() * 2.0);
-        builder.rectangle(Layer::Visible, red, Point3::new(5.0, 0.0, 0.0), (u, v), [1.0; 2]);
+        builder.rectangle(
+            Layer::Visible,
+            red,
+            Point3::new(5.0, 0.0, 0.0),
+            (u, v),
+            [1.0; 2],
+        );
         Renderer::new(RayCaster::new(Arc::new(builder.build())))
     }
 
@@ -333,10 +387,22 @@ mod tests {
     #[test]
     fn exposure_multiplies_light_and_its_root_what_is_seen() {
         let (pose, size) = (Pose3::identity(), (200, 160));
-        let view = View { pose, size, focal_length: 100.0, range: 200.0, shadows: false, exposure: 1.0 };
+        let view = View {
+            pose,
+            size,
+            focal_length: 100.0,
+            range: 200.0,
+            shadows: false,
+            exposure: 1.0,
+        };
         let seen = |exposure| renderer().render(&View { exposure, ..view }, &Movers::default());
         let (plain, dim, glaring) = (seen(1.0), seen(0.25), seen(1e9));
-        assert!(plain.iter().zip(&dim).all(|(p, d)| (f32::from(*p) / 2.0 - f32::from(*d)).abs() <= 0.5));
+        assert!(
+            plain
+                .iter()
+                .zip(&dim)
+                .all(|(p, d)| (f32::from(*p) / 2.0 - f32::from(*d)).abs() <= 0.5)
+        );
         assert!(plain.iter().zip(&glaring).all(|(p, g)| *g == 255 || *p < 1));
     }
 
@@ -354,10 +420,16 @@ mod tests {
         let at = |x: usize, y: usize| (labels.depth[y * 202 + x], labels.class[y * 202 + x]);
         for (x, y) in [(63, 43), (80, 60), (97, 77)] {
             let (depth, class) = at(x, y);
-            assert!((depth - 5.0).abs() < 1e-4 && class == Some(SemanticClass::Other), "{depth}");
+            assert!(
+                (depth - 5.0).abs() < 1e-4 && class == Some(SemanticClass::Other),
+                "{depth}"
+            );
         }
         assert_eq!(at(201, 160), (f32::INFINITY, None));
-        assert_eq!((labels.object[60 * 202 + 80], labels.object[160 * 202 + 201]), (1, 0));
+        assert_eq!(
+            (labels.object[60 * 202 + 80], labels.object[160 * 202 + 201]),
+            (1, 0)
+        );
     }
 
     #[test]
@@ -372,15 +444,36 @@ mod tests {
             (x * 100.0, y * 100.0),
             [1.0; 2],
         );
-        builder.rectangle(Layer::Visible, grey, Point3::new(5.0, -2.0, 5.0), (x * 4.0, y * 4.0), [1.0; 2]);
-        builder.sun(openbench_scene::Sun { direction: [0.0, 0.0, -1.0], ..Default::default() });
+        builder.rectangle(
+            Layer::Visible,
+            grey,
+            Point3::new(5.0, -2.0, 5.0),
+            (x * 4.0, y * 4.0),
+            [1.0; 2],
+        );
+        builder.sun(openbench_scene::Sun {
+            direction: [0.0, 0.0, -1.0],
+            ..Default::default()
+        });
         let renderer = Renderer::new(RayCaster::new(Arc::new(builder.build())));
         let pose = Pose3::translation(0.0, 0.0, 1.0);
-        let view =
-            View { pose, size: (200, 200), focal_length: 100.0, range: 200.0, shadows: true, exposure: 1.0 };
-        let (shaded, lit) = [view, View { shadows: false, ..view }]
-            .map(|view| renderer.render(&view, &Movers::default()))
-            .into();
+        let view = View {
+            pose,
+            size: (200, 200),
+            focal_length: 100.0,
+            range: 200.0,
+            shadows: true,
+            exposure: 1.0,
+        };
+        let (shaded, lit) = [
+            view,
+            View {
+                shadows: false,
+                ..view
+            },
+        ]
+        .map(|view| renderer.render(&view, &Movers::default()))
+        .into();
         let at = |rgb: &[u8], x: usize, y: usize| rgb[3 * (y * 200 + x)];
         // The ground 7 m ahead lies 100 / 7 rows below the middle; beside the roof nothing changes.
         assert!(at(&shaded, 100, 114) < at(&lit, 100, 114));

@@ -85,7 +85,13 @@ struct Leader {
 impl Cars {
     /// `count` cars, none within 12 m of `start` or 4 m of a person; none at all without a lane. Those that find no place
     /// wait outside.
-    pub fn new(lanes: Lanes, count: usize, start: MapPoint, people: &Pedestrians, noise: Noise) -> Self {
+    pub fn new(
+        lanes: Lanes,
+        count: usize,
+        start: MapPoint,
+        people: &Pedestrians,
+        noise: Noise,
+    ) -> Self {
         let entry = |k: &u32| lanes.pieces[*k as usize].is_entry;
         let mut entries: Vec<u32> = (0..lanes.lanes as u32).filter(entry).collect();
         if entries.is_empty() {
@@ -177,9 +183,17 @@ impl Cars {
     fn look_round(&mut self) {
         for (car, hull) in self.cars.iter().zip(&mut self.hulls) {
             let piece = &self.lanes.pieces[car.piece as usize];
-            *hull = CarHull { pose: piece.pose(car.s), half: HALF, speed: car.speed };
+            *hull = CarHull {
+                pose: piece.pose(car.s),
+                half: HALF,
+                speed: car.speed,
+            };
         }
-        let present = self.cars.iter().zip(&self.hulls).map(|(c, h)| c.present.then(|| h.pose.point()));
+        let present = self
+            .cars
+            .iter()
+            .zip(&self.hulls)
+            .map(|(c, h)| c.present.then(|| h.pose.point()));
         self.near.fill(present);
     }
 
@@ -191,7 +205,10 @@ impl Cars {
             let by_place = || cars[*a as usize].s.total_cmp(&cars[*b as usize].s);
             key(a).cmp(&key(b)).then_with(by_place).then(a.cmp(b))
         });
-        self.room.iter_mut().zip(pieces).for_each(|(room, piece)| *room = piece.length + 3.0);
+        self.room
+            .iter_mut()
+            .zip(pieces)
+            .for_each(|(room, piece)| *room = piece.length + 3.0);
         for &i in self.order.iter().rev() {
             let car = &cars[i as usize];
             if car.present {
@@ -211,8 +228,11 @@ impl Cars {
         for i in 0..self.cars.len() {
             let car = &self.cars[i];
             let piece = &self.lanes.pieces[car.piece as usize];
-            let near = piece.length - car.s - HALF[0] < car.speed * car.speed / 3.0 + car.speed + 3.0;
-            let (Some(turn), true) = (car.turn, car.present && !car.has_turn && near) else { continue };
+            let near =
+                piece.length - car.s - HALF[0] < car.speed * car.speed / 3.0 + car.speed + 3.0;
+            let (Some(turn), true) = (car.turn, car.present && !car.has_turn && near) else {
+                continue;
+            };
             // The first of those that wait asks; the others are behind it.
             let goes = self.is_first(i) && self.may_turn(turn, car.stands);
             if goes {
@@ -220,7 +240,9 @@ impl Cars {
                 self.cars[i].has_turn = true;
             }
         }
-        self.cars.iter_mut().for_each(|c| c.stands = if c.speed < 0.1 { c.stands + dt } else { 0.0 });
+        self.cars
+            .iter_mut()
+            .for_each(|c| c.stands = if c.speed < 0.1 { c.stands + dt } else { 0.0 });
     }
 
     /// Whether no car is between this one and the end of its lane.
@@ -245,7 +267,11 @@ impl Cars {
         };
         let after = |j: &u32| {
             let c = &self.cars[*j as usize];
-            key(*j).cmp(&(false, car.piece)).then(c.s.total_cmp(&car.s)).then(j.cmp(&(i as u32))).is_le()
+            key(*j)
+                .cmp(&(false, car.piece))
+                .then(c.s.total_cmp(&car.s))
+                .then(j.cmp(&(i as u32)))
+                .is_le()
         };
         let next = *self.order.get(self.order.partition_point(after))?;
         (key(next) == (false, car.piece)).then_some(next as usize)
@@ -261,7 +287,13 @@ impl Cars {
         (self.cars[first].present && self.cars[first].piece == piece).then_some(first)
     }
 
-    fn acceleration(&self, i: usize, ground: &Ground, robot: &RobotState, people: &Pedestrians) -> f64 {
+    fn acceleration(
+        &self,
+        i: usize,
+        ground: &Ground,
+        robot: &RobotState,
+        people: &Pedestrians,
+    ) -> f64 {
         let car = &self.cars[i];
         let piece = &self.lanes.pieces[car.piece as usize];
         let left = piece.length - car.s;
@@ -275,26 +307,38 @@ impl Cars {
             }
             None if is_hidden(ground, robot, piece.pose(car.s).point()) => {}
             // The line before a turn that others have, or the end of the road.
-            _ => mind(Leader { gap: left - HALF[0] + AT_REST - 0.2, speed: 0.0 }),
+            _ => mind(Leader {
+                gap: left - HALF[0] + AT_REST - 0.2,
+                speed: 0.0,
+            }),
         }
         let mut mind = |leader: Leader| worst = worst.min(behind(car.speed, limit, leader));
         if let Some(leader) = self.leader(i) {
             mind(leader);
         }
         self.in_the_way(car, robot, people, mind);
-        worst.min(free(car.speed, limit)).clamp(-HARDEST, ACCELERATION)
+        worst
+            .min(free(car.speed, limit))
+            .clamp(-HARDEST, ACCELERATION)
     }
 
     fn next_piece(&self, car: &Car) -> Option<u32> {
         let on_turn = car.piece as usize >= self.lanes.lanes;
-        if on_turn { Some(self.lanes.pieces[car.piece as usize].next[0]) } else { car.turn }
+        if on_turn {
+            Some(self.lanes.pieces[car.piece as usize].next[0])
+        } else {
+            car.turn
+        }
     }
 
     /// The car ahead on this piece or the next two.
     fn leader(&self, i: usize) -> Option<Leader> {
         let car = &self.cars[i];
         let length = 2.0 * HALF[0];
-        let leader = |j: usize, run: f64| Leader { gap: run - length, speed: self.cars[j].speed };
+        let leader = |j: usize, run: f64| Leader {
+            gap: run - length,
+            speed: self.cars[j].speed,
+        };
         if let Some(j) = self.ahead_on_piece(i) {
             return Some(leader(j, self.cars[j].s - car.s));
         }
@@ -306,13 +350,20 @@ impl Cars {
                 return Some(leader(j, run + self.cars[j].s));
             }
             run += self.lanes.pieces[piece as usize].length;
-            next = (piece as usize >= self.lanes.lanes).then(|| self.lanes.pieces[piece as usize].next[0]);
+            next = (piece as usize >= self.lanes.lanes)
+                .then(|| self.lanes.pieces[piece as usize].next[0]);
         }
         None
     }
 
     /// People and the robot on the lane ahead, or about to be.
-    fn in_the_way(&self, car: &Car, robot: &RobotState, people: &Pedestrians, mut mind: impl FnMut(Leader)) {
+    fn in_the_way(
+        &self,
+        car: &Car,
+        robot: &RobotState,
+        people: &Pedestrians,
+        mut mind: impl FnMut(Leader),
+    ) {
         let range = car.speed * car.speed / (2.0 * COMFORTABLE) + 2.0 * car.speed + 8.0;
         let (mut piece, mut s) = (car.piece, car.s);
         let mut run = 0.0;
@@ -331,7 +382,10 @@ impl Cars {
                 // Who is beside the front is passed; who touches it stops the car.
                 let touches = left.abs() < HALF[1] + radius;
                 if touches || (gap > -0.5 && is_in_the_way(left, across, radius)) {
-                    mind(Leader { gap, speed: (cos * velocity[0] + sin * velocity[1]).max(0.0) });
+                    mind(Leader {
+                        gap,
+                        speed: (cos * velocity[0] + sin * velocity[1]).max(0.0),
+                    });
                 }
             };
             people.near.near(pose.point(), |j| {
@@ -343,7 +397,11 @@ impl Cars {
             if s > here.length {
                 s -= here.length;
                 let on_turn = piece as usize >= self.lanes.lanes;
-                let next = if on_turn { Some(here.next[0]) } else { car.turn.filter(|_| piece == car.piece) };
+                let next = if on_turn {
+                    Some(here.next[0])
+                } else {
+                    car.turn.filter(|_| piece == car.piece)
+                };
                 let Some(next) = next else { return };
                 piece = next;
             }
@@ -356,11 +414,15 @@ impl Cars {
         car.s += car.speed * dt;
         let piece = &self.lanes.pieces[car.piece as usize];
         if car.leaves.is_some() && car.s > HALF[0] + 0.5 {
-            car.leaves.take().into_iter().for_each(|turn| self.had[turn as usize] -= 1);
+            car.leaves
+                .take()
+                .into_iter()
+                .for_each(|turn| self.had[turn as usize] -= 1);
         }
         let hidden = |s: f64| is_hidden(ground, robot, piece.pose(s).point());
         let tired = car.stands > PATIENCE && hidden(car.s);
-        let gone = car.turn.is_none() && (car.piece as usize) < self.lanes.lanes && car.s >= piece.length;
+        let gone =
+            car.turn.is_none() && (car.piece as usize) < self.lanes.lanes && car.s >= piece.length;
         if tired || (gone && hidden(piece.length)) {
             self.leave(i);
         } else if car.s >= piece.length {
@@ -373,7 +435,11 @@ impl Cars {
         let piece = &self.lanes.pieces[car.piece as usize];
         let on_turn = car.piece as usize >= self.lanes.lanes;
         let over = car.s - piece.length;
-        let next = if on_turn { Some(piece.next[0]) } else { car.turn.filter(|_| car.has_turn) };
+        let next = if on_turn {
+            Some(piece.next[0])
+        } else {
+            car.turn.filter(|_| car.has_turn)
+        };
         let Some(next) = next else {
             // Pressed over the line: it stands there.
             (car.s, car.speed) = (piece.length, 0.0);
@@ -381,7 +447,10 @@ impl Cars {
         };
         if on_turn {
             // On a lane so short that the tail is still on the turn before, that one is given up late but surely.
-            car.leaves.replace(car.piece).into_iter().for_each(|turn| self.had[turn as usize] -= 1);
+            car.leaves
+                .replace(car.piece)
+                .into_iter()
+                .for_each(|turn| self.had[turn as usize] -= 1);
             car.turn = draw(&self.lanes.pieces[next as usize].next, &mut self.noise);
             car.has_turn = false;
         }
@@ -391,29 +460,43 @@ impl Cars {
     fn leave(&mut self, i: usize) {
         let car = &mut self.cars[i];
         let on_turn = car.piece as usize >= self.lanes.lanes;
-        let held = if on_turn { Some(car.piece) } else { car.turn.filter(|_| car.has_turn) };
-        held.into_iter().chain(car.leaves.take()).for_each(|turn| self.had[turn as usize] -= 1);
-        (car.present, car.has_turn, car.turn, car.stands, car.speed) = (false, false, None, 0.0, 0.0);
+        let held = if on_turn {
+            Some(car.piece)
+        } else {
+            car.turn.filter(|_| car.has_turn)
+        };
+        held.into_iter()
+            .chain(car.leaves.take())
+            .for_each(|turn| self.had[turn as usize] -= 1);
+        (car.present, car.has_turn, car.turn, car.stands, car.speed) =
+            (false, false, None, 0.0, 0.0);
         car.away = 2.0 + 10.0 * self.noise.uniform();
     }
 
-    fn come_in(&mut self, i: usize, dt: f64, ground: &Ground, robot: &RobotState, people: &Pedestrians) {
+    fn come_in(
+        &mut self,
+        i: usize,
+        dt: f64,
+        ground: &Ground,
+        robot: &RobotState,
+        people: &Pedestrians,
+    ) {
         self.cars[i].away -= dt;
         if self.cars[i].away > 0.0 {
             return;
         }
         // Tried again a little later, elsewhere.
         self.cars[i].away = 0.5;
-        let Some(entry) = draw(&self.entries, &mut self.noise) else { return };
+        let Some(entry) = draw(&self.entries, &mut self.noise) else {
+            return;
+        };
         let piece = &self.lanes.pieces[entry as usize];
         let pose = piece.pose(0.0);
         let mut clear = self.room[entry as usize] >= ENTRY_ROOM.min(piece.length);
         people.near.near(pose.point(), |_| clear = false);
-        clear &= self
-            .hulls
-            .iter()
-            .zip(&self.cars)
-            .all(|(h, c)| !c.present || h.pose.point().distance(pose.point()) > 2.0 * HALF[0] + AT_REST);
+        clear &= self.hulls.iter().zip(&self.cars).all(|(h, c)| {
+            !c.present || h.pose.point().distance(pose.point()) > 2.0 * HALF[0] + AT_REST
+        });
         if clear && is_hidden(ground, robot, pose.point()) {
             let car = &mut self.cars[i];
             (car.piece, car.s, car.present, car.has_turn) = (entry, 0.0, true, false);
@@ -421,7 +504,11 @@ impl Cars {
             car.turn = draw(&piece.next, &mut self.noise);
             // No second one in the same instant, nor before it in the order of this one.
             self.room[entry as usize] = 0.0;
-            self.hulls[i] = CarHull { pose, half: HALF, speed: car.speed };
+            self.hulls[i] = CarHull {
+                pose,
+                half: HALF,
+                speed: car.speed,
+            };
         }
     }
 }
@@ -484,11 +571,23 @@ mod tests {
             gap -= 0.05 * speed;
         }
         assert!(hardest > -1.5 * COMFORTABLE, "{hardest}");
-        assert!(speed < 0.05 && (0.9 * AT_REST..1.5 * AT_REST).contains(&gap), "{speed} {gap}");
+        assert!(
+            speed < 0.05 && (0.9 * AT_REST..1.5 * AT_REST).contains(&gap),
+            "{speed} {gap}"
+        );
     }
 
     #[test]
     fn nobody_brakes_for_one_who_drives_away() {
-        assert!(behind(5.0, 10.0, Leader { gap: 20.0, speed: 15.0 }) > 1.3);
+        assert!(
+            behind(
+                5.0,
+                10.0,
+                Leader {
+                    gap: 20.0,
+                    speed: 15.0
+                }
+            ) > 1.3
+        );
     }
 }

@@ -17,17 +17,31 @@ struct Walkway {
 impl Walkway {
     fn new(width: f64, people: usize, two_ways: bool, seed: u64) -> Self {
         let map = street(&(tag("highway", "footway") + &tag("width", &width.to_string())));
-        let free = |p: MapPoint| p.y.abs() < width / 2.0 - PERSON_RADIUS && (-1.0..101.0).contains(&p.x);
-        let plan = TrafficPlan { pedestrians: people, cars: 0 };
+        let free =
+            |p: MapPoint| p.y.abs() < width / 2.0 - PERSON_RADIUS && (-1.0..101.0).contains(&p.x);
+        let plan = TrafficPlan {
+            pedestrians: people,
+            cars: 0,
+        };
         let mut traffic = Traffic::new(&map, free, plan, MapPoint::new(0.0, 50.0), seed);
-        assert!(traffic.placed().pedestrians * 10 >= people * 9, "{:?}", traffic.placed());
+        assert!(
+            traffic.placed().pedestrians * 10 >= people * 9,
+            "{:?}",
+            traffic.placed()
+        );
         let ends = [100.0, 0.0].map(|x| traffic.pedestrians.end_at(MapPoint::new(x, 0.0)));
         for i in 0..traffic.pedestrians.people.len() {
             let from = traffic.pedestrians.people[i].position;
-            traffic.pedestrians.send(i, from, ends[usize::from(two_ways && i % 2 == 1)]);
+            traffic
+                .pedestrians
+                .send(i, from, ends[usize::from(two_ways && i % 2 == 1)]);
         }
         traffic.pedestrians.look_round();
-        Self { traffic, ends, two_ways }
+        Self {
+            traffic,
+            ends,
+            two_ways,
+        }
     }
 
     fn goes_west(&self, i: usize) -> bool {
@@ -41,8 +55,14 @@ impl Walkway {
             self.traffic.step(DT, NOBODY);
             for i in 0..self.traffic.pedestrians.people.len() {
                 let west = self.goes_west(i);
-                let (x, back) = if west { (low, low - high) } else { (high, high - low) };
-                self.traffic.pedestrians.wrap(i, x, back, self.ends[usize::from(west)]);
+                let (x, back) = if west {
+                    (low, low - high)
+                } else {
+                    (high, high - low)
+                };
+                self.traffic
+                    .pedestrians
+                    .wrap(i, x, back, self.ends[usize::from(west)]);
             }
             self.traffic.pedestrians.look_round();
             deepest = deepest.max(overlaps(self.traffic.movers())[0]);
@@ -72,9 +92,16 @@ impl Walkway {
                 let (p, q) = (people[i].position, people[*j].position);
                 *j != i && (p.x - q.x).abs() < 6.0 && (p.y - q.y).abs() < 0.4
             };
-            let met: Vec<bool> = (0..people.len()).filter(near).map(|j| j % 2 == i % 2).collect();
+            let met: Vec<bool> = (0..people.len())
+                .filter(near)
+                .map(|j| j % 2 == i % 2)
+                .collect();
             let same = met.iter().filter(|same| **same).count() as f64;
-            if met.is_empty() { 1.0 } else { (2.0 * same / met.len() as f64 - 1.0).powi(2) }
+            if met.is_empty() {
+                1.0
+            } else {
+                (2.0 * same / met.len() as f64 - 1.0).powi(2)
+            }
         };
         (0..people.len()).map(order).sum::<f64>() / people.len() as f64
     }
@@ -91,7 +118,10 @@ fn someone_alone_walks_as_fast_as_desired() {
             let (speed, wish, _) = walkway.speed((0.0, 100.0));
             (walked, desired) = (walked + speed, desired + wish);
         }
-        assert!((0.98..1.01).contains(&(walked / desired)), "seed {seed}: {walked} of {desired}");
+        assert!(
+            (0.98..1.01).contains(&(walked / desired)),
+            "seed {seed}: {walked} of {desired}"
+        );
     }
 }
 
@@ -101,7 +131,10 @@ fn two_streams_form_lanes_and_keep_flowing() {
     let mixed = walkway.order();
     let deepest = walkway.walk(60.0, (8.0, 92.0));
     let (order, (speed, desired, _)) = (walkway.order(), walkway.speed((0.0, 100.0)));
-    assert!(mixed < 0.6 && order > 0.85, "lanes: {mixed} before, {order} after a minute");
+    assert!(
+        mixed < 0.6 && order > 0.85,
+        "lanes: {mixed} before, {order} after a minute"
+    );
     assert!(speed > 0.8 * desired, "{speed} m/s instead of {desired}");
     assert!(deepest < 0.05, "{deepest}");
 }
@@ -115,7 +148,12 @@ fn weidmann(density: f64) -> f64 {
 fn crowds_are_the_slower_the_denser_they_are() {
     // In the thick of a crowd people walk faster than Weidmann's: bodies that go the same way hardly repel each other.
     let mut last = f64::INFINITY;
-    for (people, length, off) in [(60, 84.0, 1.15), (170, 84.0, 1.15), (170, 50.0, 1.3), (170, 28.0, 2.0)] {
+    for (people, length, off) in [
+        (60, 84.0, 1.15),
+        (170, 84.0, 1.15),
+        (170, 50.0, 1.3),
+        (170, 28.0, 2.0),
+    ] {
         let mut walkway = Walkway::new(3.0, people, false, 5);
         let middle = (92.0 - 0.7 * length, 92.0 - 0.3 * length);
         // Until the crowd has filled its part of the walkway, who comes round may come upon somebody.
@@ -132,7 +170,10 @@ fn crowds_are_the_slower_the_denser_they_are() {
             (1.0 / off..off).contains(&share),
             "{density} a square metre: {speed} m/s, {share} of Weidmann's"
         );
-        assert!(speed < last && deepest < 0.05, "{density} a square metre: {speed} m/s, {deepest} m deep");
+        assert!(
+            speed < last && deepest < 0.05,
+            "{density} a square metre: {speed} m/s, {deepest} m deep"
+        );
         last = speed;
     }
 }

@@ -39,7 +39,12 @@ const GAIT: [[f64; 3]; PHASES] = [
     [25.0, 32.0, -2.0],
 ];
 
-const SKINS: [[f32; 3]; 4] = [[0.93, 0.76, 0.65], [0.80, 0.60, 0.46], [0.56, 0.38, 0.27], [0.36, 0.24, 0.18]];
+const SKINS: [[f32; 3]; 4] = [
+    [0.93, 0.76, 0.65],
+    [0.80, 0.60, 0.46],
+    [0.56, 0.38, 0.27],
+    [0.36, 0.24, 0.18],
+];
 const HAIRS: [[f32; 3]; 3] = [[0.12, 0.09, 0.07], [0.36, 0.24, 0.14], [0.62, 0.58, 0.54]];
 const TOPS: [[f32; 3]; 8] = [
     [0.70, 0.16, 0.15],
@@ -51,8 +56,13 @@ const TOPS: [[f32; 3]; 8] = [
     [0.48, 0.32, 0.48],
     [0.55, 0.58, 0.60],
 ];
-const TROUSERS: [[f32; 3]; 5] =
-    [[0.16, 0.20, 0.32], [0.11, 0.11, 0.12], [0.52, 0.46, 0.36], [0.32, 0.33, 0.35], [0.36, 0.24, 0.18]];
+const TROUSERS: [[f32; 3]; 5] = [
+    [0.16, 0.20, 0.32],
+    [0.11, 0.11, 0.12],
+    [0.52, 0.46, 0.36],
+    [0.32, 0.33, 0.35],
+    [0.36, 0.24, 0.18],
+];
 
 /// How many different cars a world has; greater numbers repeat them.
 pub const CARS: u32 = 15;
@@ -69,10 +79,13 @@ pub struct Gallery {
 impl Gallery {
     /// Adds to a scene as many figures as a plan needs.
     pub fn add(scene: &mut Scene, plan: TrafficPlan) -> Self {
-        let looks = |wanted: usize, looks: u32| 0..looks.min(u32::try_from(wanted).unwrap_or(looks));
+        let looks =
+            |wanted: usize, looks: u32| 0..looks.min(u32::try_from(wanted).unwrap_or(looks));
         let mut phases = |look| std::array::from_fn(|phase| scene.add_figure(&person(look, phase)));
         let people = looks(plan.pedestrians, PEOPLE).map(&mut phases).collect();
-        let cars = looks(plan.cars, CARS).map(|look| scene.add_figure(&car(look))).collect();
+        let cars = looks(plan.cars, CARS)
+            .map(|look| scene.add_figure(&car(look)))
+            .collect();
         Self { plan, people, cars }
     }
 
@@ -139,7 +152,14 @@ impl Figure {
         let top = cloth(TOPS[look % TOPS.len()]);
         let trousers = cloth(TROUSERS[look % TROUSERS.len()]);
         let shoes = cloth([0.10, 0.09, 0.09]);
-        Self { skin, hair, top, trousers, shoes, builder }
+        Self {
+            skin,
+            hair,
+            top,
+            trousers,
+            shoes,
+            builder,
+        }
     }
 
     fn walk(&mut self, phase: usize) {
@@ -156,7 +176,10 @@ impl Figure {
 
     fn trunk(&mut self, hip: f64) {
         let at = |x: f64, z: f64| Point3::new(x, 0.0, hip + z);
-        let pelvis = [(at(0.0, -0.06), [0.10, 0.155]), (at(0.0, 0.12), [0.11, 0.155])];
+        let pelvis = [
+            (at(0.0, -0.06), [0.10, 0.155]),
+            (at(0.0, 0.12), [0.11, 0.155]),
+        ];
         self.tube(self.trousers, 6, &pelvis, [true, false]);
         let chest = [
             (at(0.0, 0.06), [0.125, 0.165]),
@@ -181,21 +204,36 @@ impl Figure {
 
     fn leg(&mut self, hip: Point3<f64>, leg: Leg) {
         let (knee, ankle) = (hip + leg.thigh(), hip + leg.thigh() + leg.shin());
-        let rings = [(hip, [0.095, 0.07]), (knee, [0.062, 0.058]), (ankle, [0.045, 0.042])];
+        let rings = [
+            (hip, [0.095, 0.07]),
+            (knee, [0.062, 0.058]),
+            (ankle, [0.045, 0.042]),
+        ];
         self.tube(self.trousers, 5, &rings, [false, false]);
         self.shoe(ankle, leg);
     }
 
     fn shoe(&mut self, ankle: Point3<f64>, leg: Leg) {
-        let across = |p: Vector3<f64>, half: f64| [-half, half].map(|y| ankle + p + Vector3::y() * y);
+        let across =
+            |p: Vector3<f64>, half: f64| [-half, half].map(|y| ankle + p + Vector3::y() * y);
         let top = [leg.upon_sole(-HEEL, 0.09), leg.upon_sole(TOE, 0.04)];
         let [[a, b], [e, f]] = leg.sole().map(|p| across(p, 0.045));
         let [[d, c], [h, g]] = top.map(|p| across(p, 0.04));
         let corners = [a, b, c, d, e, f, g, h].map(|p| (p, [0.0; 2]));
-        let sides = [[0, 5, 4], [0, 1, 5], [1, 6, 5], [1, 2, 6], [2, 7, 6], [2, 3, 7], [3, 4, 7], [3, 0, 4]];
+        let sides = [
+            [0, 5, 4],
+            [0, 1, 5],
+            [1, 6, 5],
+            [1, 2, 6],
+            [2, 7, 6],
+            [2, 3, 7],
+            [3, 4, 7],
+            [3, 0, 4],
+        ];
         let ends = [[0, 3, 2], [0, 2, 1], [4, 5, 6], [4, 6, 7]];
         let triangles: Vec<[u32; 3]> = sides.into_iter().chain(ends).collect();
-        self.builder.mesh(Layer::Visible, self.shoes, &corners, &triangles);
+        self.builder
+            .mesh(Layer::Visible, self.shoes, &corners, &triangles);
     }
 
     fn arm(&mut self, shoulder: Point3<f64>, swing: f64) {
@@ -209,7 +247,10 @@ impl Figure {
             (wrist, [0.035; 2]),
         ];
         self.tube(self.top, 4, &rings, [false, true]);
-        let hand = [(wrist, [0.035; 2]), (wrist + along(bent) * 0.13, [0.035, 0.02])];
+        let hand = [
+            (wrist, [0.035; 2]),
+            (wrist + along(bent) * 0.13, [0.035, 0.02]),
+        ];
         self.tube(self.skin, 4, &hand, [true, false]);
     }
 
@@ -223,7 +264,10 @@ impl Figure {
             for k in 0..sides {
                 let turn = (f64::from(k) + 0.5) / f64::from(sides);
                 let (sin, cos) = libm::sincos(std::f64::consts::TAU * turn);
-                corners.push((middle + Vector3::new(half[0] * cos, half[1] * sin, 0.0), [0.0; 2]));
+                corners.push((
+                    middle + Vector3::new(half[0] * cos, half[1] * sin, 0.0),
+                    [0.0; 2],
+                ));
             }
         }
         let last = sides * (rings.len() as u32 - 1);
@@ -238,7 +282,8 @@ impl Figure {
             triangles.extend(closed[0].then_some([0, k + 1, k]));
             triangles.extend(closed[1].then_some([last, last + k, last + k + 1]));
         }
-        self.builder.mesh(Layer::Visible, material, &corners, &triangles);
+        self.builder
+            .mesh(Layer::Visible, material, &corners, &triangles);
     }
 }
 
@@ -303,7 +348,10 @@ mod tests {
         let start = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
         scene.vertices.iter().fold(start, |(low, high), v| {
             let p = v.position;
-            ([0, 1, 2].map(|k| low[k].min(p[k])), [0, 1, 2].map(|k| high[k].max(p[k])))
+            (
+                [0, 1, 2].map(|k| low[k].min(p[k])),
+                [0, 1, 2].map(|k| high[k].max(p[k])),
+            )
         })
     }
 
@@ -314,9 +362,17 @@ mod tests {
             let (low, high) = bounds(&figure);
             assert!(low[2].abs() < 1e-6, "phase {phase}: {low:?}");
             assert!((1.65..1.85).contains(&high[2]), "phase {phase}: {high:?}");
-            assert!(high[1] < 0.32 && low[1] > -0.32 && high[0] < 0.65 && low[0] > -0.65, "{low:?} {high:?}");
+            assert!(
+                high[1] < 0.32 && low[1] > -0.32 && high[0] < 0.65 && low[0] > -0.65,
+                "{low:?} {high:?}"
+            );
             assert!(figure.triangles.len() <= 250, "{}", figure.triangles.len());
-            assert!(figure.materials.iter().all(|m| m.class == SemanticClass::Person));
+            assert!(
+                figure
+                    .materials
+                    .iter()
+                    .all(|m| m.class == SemanticClass::Person)
+            );
         }
     }
 
@@ -330,14 +386,19 @@ mod tests {
                 let target = [column * -sin, column * cos, row];
                 let eye = [3.0 * cos - column * sin, 3.0 * sin + column * cos, height];
                 let direction = [0, 1, 2].map(|i| target[i] - eye[i]);
-                let Some(hit) = caster.cast(eye, direction, 2.0) else { continue };
+                let Some(hit) = caster.cast(eye, direction, 2.0) else {
+                    continue;
+                };
                 let normal = caster.surface(hit.triangle).normal;
                 seen += 1;
                 inside += usize::from((0..3).map(|i| normal[i] * direction[i]).sum::<f32>() > 0.0);
             }
             // About the area of a person over that of the window through which it is looked at.
             assert!((1500..3000).contains(&seen), "phase {phase}: {seen}");
-            assert!(inside * 200 < seen, "phase {phase}: {inside} of {seen} rays see the inside");
+            assert!(
+                inside * 200 < seen,
+                "phase {phase}: {inside} of {seen} rays see the inside"
+            );
         }
     }
 
@@ -361,7 +422,10 @@ mod tests {
             leg.thigh() + leg.shin() + Vector3::z() * leg.reach().max(other.reach())
         };
         let stand = [1, 2, 3].map(ankle);
-        assert!(stand.iter().all(|a| (a.z - ANKLE).abs() < 0.03), "{stand:?}");
+        assert!(
+            stand.iter().all(|a| (a.z - ANKLE).abs() < 0.03),
+            "{stand:?}"
+        );
         let slip = stand[0].x - stand[2].x - STRIDE / 4.0;
         assert!(slip.abs() < 0.03, "{slip}");
         // The swinging foot passes clear of the ground, and not as in a march.
@@ -372,9 +436,20 @@ mod tests {
     #[test]
     fn half_a_cycle_mirrors_a_person() {
         let [a, b] = [person(0, 1), person(0, 1 + PHASES / 2)].map(|f| bounds(&f));
-        assert!((a.0[1] + b.1[1]).abs() < 1e-5 && (a.1[0] - b.1[0]).abs() < 1e-5, "{a:?} {b:?}");
+        assert!(
+            (a.0[1] + b.1[1]).abs() < 1e-5 && (a.1[0] - b.1[0]).abs() < 1e-5,
+            "{a:?} {b:?}"
+        );
         assert_ne!(person(0, 0).vertices, person(0, 1).vertices);
-        assert_eq!((phase_of(0.0), phase_of(0.999), phase_of(-0.1), phase_of(f64::NAN)), (0, 7, 7, 0));
+        assert_eq!(
+            (
+                phase_of(0.0),
+                phase_of(0.999),
+                phase_of(-0.1),
+                phase_of(f64::NAN)
+            ),
+            (0, 7, 7, 0)
+        );
     }
 
     #[test]
@@ -389,9 +464,20 @@ mod tests {
             let figure = car(look);
             let (low, high) = bounds(&figure);
             let half = super::super::HALF.map(|h| h as f32);
-            assert!(high[0] <= half[0] + 0.01 && low[0] >= -half[0] - 0.01, "{low:?} {high:?}");
-            assert!(high[1] <= half[1] + 0.03 && high[2] < 2.0 && low[2].abs() < 0.02, "{low:?} {high:?}");
-            assert!(figure.materials.iter().all(|m| m.class == SemanticClass::Vehicle));
+            assert!(
+                high[0] <= half[0] + 0.01 && low[0] >= -half[0] - 0.01,
+                "{low:?} {high:?}"
+            );
+            assert!(
+                high[1] <= half[1] + 0.03 && high[2] < 2.0 && low[2].abs() < 0.02,
+                "{low:?} {high:?}"
+            );
+            assert!(
+                figure
+                    .materials
+                    .iter()
+                    .all(|m| m.class == SemanticClass::Vehicle)
+            );
         }
     }
 }

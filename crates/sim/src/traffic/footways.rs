@@ -65,7 +65,10 @@ impl Footways {
         let mut places = Vec::new();
         let mut pairs = Vec::new();
         for road in &map.roads {
-            let ends: Vec<_> = lines(road).iter().map(|l| lay(l, ground, &mut places, &mut pairs)).collect();
+            let ends: Vec<_> = lines(road)
+                .iter()
+                .map(|l| lay(l, ground, &mut places, &mut pairs))
+                .collect();
             // A street's pavements meet at its ends: one crosses there.
             if let [Some(left), Some(right)] = ends[..] {
                 for (a, b) in [(left.0, right.0), (left.1, right.1)] {
@@ -83,12 +86,27 @@ impl Footways {
         pairs.sort_unstable();
         pairs.dedup();
         let mut first_link = vec![0_u32; places.len() + 1];
-        pairs.iter().for_each(|(a, _)| first_link[*a as usize + 1] += 1);
+        pairs
+            .iter()
+            .for_each(|(a, _)| first_link[*a as usize + 1] += 1);
         (1..first_link.len()).for_each(|i| first_link[i] += first_link[i - 1]);
-        let length = |(a, b): &(u32, u32)| places[*a as usize].point.distance(places[*b as usize].point);
+        let length = |(a, b): &(u32, u32)| {
+            places[*a as usize]
+                .point
+                .distance(places[*b as usize].point)
+        };
         let links = pairs.iter().map(|pair| (pair.1, length(pair))).collect();
-        let search = Search { seen: vec![(0, 0.0, 0); places.len()], ..Search::default() };
-        let mut ways = Self { places, first_link, links, usable: Vec::new(), search };
+        let search = Search {
+            seen: vec![(0, 0.0, 0); places.len()],
+            ..Search::default()
+        };
+        let mut ways = Self {
+            places,
+            first_link,
+            links,
+            usable: Vec::new(),
+            search,
+        };
         ways.usable = ways.large_networks();
         ways
     }
@@ -178,8 +196,8 @@ impl Footways {
             let mut next = 0;
             while let Some(&place) = members.get(next) {
                 next += 1;
-                let links =
-                    self.first_link[place as usize] as usize..self.first_link[place as usize + 1] as usize;
+                let links = self.first_link[place as usize] as usize
+                    ..self.first_link[place as usize + 1] as usize;
                 for (to, _) in &self.links[links] {
                     if network[*to as usize] == u32::MAX {
                         network[*to as usize] = start;
@@ -199,12 +217,22 @@ impl Footways {
 /// The lines of a way that people walk along: its middle, or left and right of it.
 fn lines(road: &Road) -> Vec<Line> {
     if let Some(half_width) = walkway(&road.tags) {
-        return vec![Line { points: road.points.clone(), half_width, beside: false }];
+        return vec![Line {
+            points: road.points.clone(),
+            half_width,
+            beside: false,
+        }];
     }
-    let Some(way) = carriageway(&road.tags) else { return Vec::new() };
+    let Some(way) = carriageway(&road.tags) else {
+        return Vec::new();
+    };
     let sides = [(1.0, way.walkers[0]), (-1.0, way.walkers[1])];
     let side = |(sign, offset): (f64, Option<f64>)| {
-        offset.map(|o| Line { points: shifted(&road.points, sign * o), half_width: 0.7, beside: true })
+        offset.map(|o| Line {
+            points: shifted(&road.points, sign * o),
+            half_width: 0.7,
+            beside: true,
+        })
     };
     sides.into_iter().filter_map(side).collect()
 }
@@ -221,7 +249,10 @@ pub(super) fn shifted(line: &[MapPoint], offset: f64) -> Vec<MapPoint> {
         .map(|i| {
             let (a, b) = (normal(i.max(1) - 1), normal(i.min(last - 1)));
             let scale = offset / (1.0 + a[0] * b[0] + a[1] * b[1]).max(0.5);
-            MapPoint::new(line[i].x + (a[0] + b[0]) * scale, line[i].y + (a[1] + b[1]) * scale)
+            MapPoint::new(
+                line[i].x + (a[0] + b[0]) * scale,
+                line[i].y + (a[1] + b[1]) * scale,
+            )
         })
         .collect()
 }
@@ -238,10 +269,19 @@ fn lay(
         let steps = (w[0].distance(w[1]) / SPACING).ceil().clamp(1.0, 2_000.0) as usize;
         for i in 0..=steps {
             let share = i as f64 / steps as f64;
-            let point = MapPoint::new(w[0].x + (w[1].x - w[0].x) * share, w[0].y + (w[1].y - w[0].y) * share);
+            let point = MapPoint::new(
+                w[0].x + (w[1].x - w[0].x) * share,
+                w[0].y + (w[1].y - w[0].y) * share,
+            );
             let repeated = places.len() as u32 > from && places[places.len() - 1].point == point;
-            if !repeated && ground.clearance(point).0 >= ROOM && !(line.beside && ground.is_road(point)) {
-                places.push(Place { point, half_width: line.half_width });
+            if !repeated
+                && ground.clearance(point).0 >= ROOM
+                && !(line.beside && ground.is_road(point))
+            {
+                places.push(Place {
+                    point,
+                    half_width: line.half_width,
+                });
             }
         }
     }
@@ -275,7 +315,9 @@ fn join(places: &[Place], ground: &Ground, pairs: &mut Vec<(u32, u32)>) {
 impl Footways {
     pub fn nearest(&self, point: MapPoint) -> u32 {
         let away = |i: &u32| self.point(*i).distance(point);
-        (0..self.places.len() as u32).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap()
+        (0..self.places.len() as u32)
+            .min_by(|a, b| away(a).total_cmp(&away(b)))
+            .unwrap()
     }
 
     pub fn way_to(&mut self, from: u32, goal: u32, way: &mut Vec<u32>) {

@@ -25,14 +25,22 @@ pub(super) struct Ground {
 impl Ground {
     pub fn new(map: &OsmMap, free: impl Fn(MapPoint) -> bool, start: MapPoint) -> Self {
         let grid = covering(map, start);
-        let blocked: Vec<bool> = (0..grid.len()).map(|cell| !free(grid.center(cell))).collect();
+        let blocked: Vec<bool> = (0..grid.len())
+            .map(|cell| !free(grid.center(cell)))
+            .collect();
         let squares = squared_distances(&blocked, grid.width, grid.height);
         let metres = |square: f32| ((square.sqrt() - 0.5) * grid.cell as f32).max(0.0);
         let clearance = squares.into_iter().map(metres).collect();
-        let mut ground = Self { road: vec![false; grid.len()], grid, clearance };
+        let mut ground = Self {
+            road: vec![false; grid.len()],
+            grid,
+            clearance,
+        };
         for road in &map.roads {
             if let Some(way) = carriageway(&road.tags) {
-                road.points.windows(2).for_each(|w| ground.pave(w[0], w[1], way.half_width));
+                road.points
+                    .windows(2)
+                    .for_each(|w| ground.pave(w[0], w[1], way.half_width));
             }
         }
         ground
@@ -45,14 +53,18 @@ impl Ground {
             (point.x - self.grid.origin.x) / self.grid.cell - 0.5,
             (point.y - self.grid.origin.y) / self.grid.cell - 0.5,
         );
-        let inside =
-            x >= 0.0 && y >= 0.0 && x < self.grid.width as f64 - 1.0 && y < self.grid.height as f64 - 1.0;
+        let inside = x >= 0.0
+            && y >= 0.0
+            && x < self.grid.width as f64 - 1.0
+            && y < self.grid.height as f64 - 1.0;
         if !inside {
             return (0.0, [0.0; 2]);
         }
         let (column, row) = (x as usize, y as usize);
         let (u, v) = (x - column as f64, y - row as f64);
-        let at = |dx: usize, dy: usize| f64::from(self.clearance[(row + dy) * self.grid.width + column + dx]);
+        let at = |dx: usize, dy: usize| {
+            f64::from(self.clearance[(row + dy) * self.grid.width + column + dx])
+        };
         let (a, b, c, d) = (at(0, 0), at(1, 0), at(0, 1), at(1, 1));
         let (low, high) = (a + (b - a) * u, c + (d - c) * u);
         let slope = [(b - a) * (1.0 - v) + (d - c) * v, high - low].map(|s| s / self.grid.cell);
@@ -61,7 +73,9 @@ impl Ground {
 
     /// Whether a person fits at `point`.
     pub fn fits(&self, point: MapPoint) -> bool {
-        self.grid.cell_at(point).is_some_and(|cell| self.clearance[cell] > 0.0)
+        self.grid
+            .cell_at(point)
+            .is_some_and(|cell| self.clearance[cell] > 0.0)
     }
 
     /// Whether `point` is on a carriageway.
@@ -80,10 +94,14 @@ impl Ground {
     fn pave(&mut self, a: MapPoint, b: MapPoint, half: f64) {
         let low = MapPoint::new(a.x.min(b.x) - half, a.y.min(b.y) - half);
         let high = MapPoint::new(a.x.max(b.x) + half, a.y.max(b.y) + half);
-        let Some((columns, rows)) = self.grid.window(low, high) else { return };
+        let Some((columns, rows)) = self.grid.window(low, high) else {
+            return;
+        };
         for row in rows.0..=rows.1 {
-            for cell in (columns.0..=columns.1).filter_map(|column| self.grid.cell_in(column, row)) {
-                self.road[cell] = self.road[cell] || distance_to_line(self.grid.center(cell), a, b) <= half;
+            for cell in (columns.0..=columns.1).filter_map(|column| self.grid.cell_in(column, row))
+            {
+                self.road[cell] =
+                    self.road[cell] || distance_to_line(self.grid.center(cell), a, b) <= half;
             }
         }
     }
@@ -93,7 +111,11 @@ impl Ground {
 fn distance_to_line(p: MapPoint, a: MapPoint, b: MapPoint) -> f64 {
     let (dx, dy) = (b.x - a.x, b.y - a.y);
     let square = dx * dx + dy * dy;
-    let share = if square > 0.0 { ((p.x - a.x) * dx + (p.y - a.y) * dy) / square } else { 0.0 };
+    let share = if square > 0.0 {
+        ((p.x - a.x) * dx + (p.y - a.y) * dy) / square
+    } else {
+        0.0
+    };
     let share = share.clamp(0.0, 1.0);
     p.distance(MapPoint::new(a.x + share * dx, a.y + share * dy))
 }

@@ -17,7 +17,10 @@ impl CarHull {
     pub fn nearest(&self, point: MapPoint, stretch: f64) -> MapPoint {
         let (forward, left) = self.pose.inverse_transform(point);
         let [long, wide] = self.half;
-        self.pose.transform(forward.clamp(-long, long + stretch), left.clamp(-wide, wide))
+        self.pose.transform(
+            forward.clamp(-long, long + stretch),
+            left.clamp(-wide, wide),
+        )
     }
 
     /// Whether the hull may be within `reach` metres of `point`: a quick look.
@@ -39,7 +42,10 @@ impl CarHull {
             return [0.0; 2];
         }
         let (forward, left) = self.pose.inverse_transform(point);
-        let deep = [self.half[0] + radius - forward.abs(), self.half[1] + radius - left.abs()];
+        let deep = [
+            self.half[0] + radius - forward.abs(),
+            self.half[1] + radius - left.abs(),
+        ];
         if deep[0] <= 0.0 || deep[1] <= 0.0 {
             return [0.0; 2];
         }
@@ -59,8 +65,11 @@ mod tests {
 
     #[test]
     fn a_disc_comes_out_the_shortest_way() {
-        let car =
-            CarHull { pose: Pose2::new(1.0, 2.0, std::f64::consts::FRAC_PI_2), half: [2.0, 1.0], speed: 0.0 };
+        let car = CarHull {
+            pose: Pose2::new(1.0, 2.0, std::f64::consts::FRAC_PI_2),
+            half: [2.0, 1.0],
+            speed: 0.0,
+        };
         let inside = MapPoint::new(1.8, 2.5);
         let [x, y] = car.way_out(inside, 0.3);
         assert!((x - 0.5).abs() < 1e-12 && y.abs() < 1e-12, "{x} {y}");

@@ -66,7 +66,13 @@ impl Piece {
         for i in (1..speeds.len()).rev() {
             speeds[i - 1] = speeds[i - 1].min(slowing(speeds[i], spacing));
         }
-        Self { points, speeds, spacing, length, ..Self::default() }
+        Self {
+            points,
+            speeds,
+            spacing,
+            length,
+            ..Self::default()
+        }
     }
 
     /// Where a car is that has driven `s` metres on this piece.
@@ -76,7 +82,11 @@ impl Piece {
         let (a, b) = (self.points[i], self.points[i + 1]);
         let here = a.bearing_to(b);
         // Turned gradually from the middle of one stretch to the middle of the next.
-        let (j, part) = if share < 0.5 { (i.max(1) - 1, 0.5 - share) } else { (i + 1, share - 0.5) };
+        let (j, part) = if share < 0.5 {
+            (i.max(1) - 1, 0.5 - share)
+        } else {
+            (i + 1, share - 0.5)
+        };
         let beside = match self.points.get(j..j + 2) {
             Some(w) if j != i => w[0].bearing_to(w[1]),
             _ => here,
@@ -151,7 +161,9 @@ impl Lanes {
         let count = lanes.len();
         let mut leaving: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         for (i, lane) in lanes.iter().enumerate() {
-            lane.from.into_iter().for_each(|junction| leaving.entry(junction).or_default().push(i));
+            lane.from
+                .into_iter()
+                .for_each(|junction| leaving.entry(junction).or_default().push(i));
         }
         let mut turns: Vec<(usize, usize, usize, Piece)> = Vec::new();
         for (i, lane) in lanes.iter().enumerate() {
@@ -170,27 +182,43 @@ impl Lanes {
             let meets = |other: &(usize, usize, usize, Piece)| {
                 other.0 == junction && (other.1, other.2) != (from, to) && meet(piece, &other.3)
             };
-            let conflicts = (0..turns.len()).filter(|&o| meets(&turns[o])).map(|o| (count + o) as u32);
-            let piece = Piece { next: vec![to as u32], conflicts: conflicts.collect(), ..piece.clone() };
+            let conflicts = (0..turns.len())
+                .filter(|&o| meets(&turns[o]))
+                .map(|o| (count + o) as u32);
+            let piece = Piece {
+                next: vec![to as u32],
+                conflicts: conflicts.collect(),
+                ..piece.clone()
+            };
             pieces[from].next.push((count + k) as u32);
             pieces[to].is_entry = false;
             pieces.push(piece);
         }
-        Self { pieces, lanes: count }
+        Self {
+            pieces,
+            lanes: count,
+        }
     }
 }
 
 /// Streets between junctions, and the half widths of the arms of each junction.
 fn streets(map: &OsmMap) -> (Vec<Street>, Vec<Vec<f64>>) {
     let finite = |p: &MapPoint| p.x.is_finite() && p.y.is_finite();
-    let roads = || map.roads.iter().filter(|road| road.points.iter().all(finite));
+    let roads = || {
+        map.roads
+            .iter()
+            .filter(|road| road.points.iter().all(finite))
+    };
     let ways = || roads().filter_map(|road| Some((road, carriageway(&road.tags)?)));
     let mut arms: BTreeMap<i64, Vec<f64>> = BTreeMap::new();
     for (road, way) in ways() {
         for (i, node) in road.nodes.iter().enumerate() {
             let inner = i > 0 && i + 1 < road.nodes.len();
             let list = arms.entry(*node).or_default();
-            list.extend(std::iter::repeat_n(way.half_width, if inner { 2 } else { 1 }));
+            list.extend(std::iter::repeat_n(
+                way.half_width,
+                if inner { 2 } else { 1 },
+            ));
         }
     }
     let mut numbers: BTreeMap<i64, usize> = BTreeMap::new();
@@ -208,7 +236,11 @@ fn streets(map: &OsmMap) -> (Vec<Street>, Vec<Vec<f64>>) {
                     kept.len() - 1
                 })
             });
-            streets.push(Street { points: road.points[begin..=i].to_vec(), way, ends });
+            streets.push(Street {
+                points: road.points[begin..=i].to_vec(),
+                way,
+                ends,
+            });
             begin = i;
         }
     }
@@ -232,8 +264,17 @@ fn lanes_of(street: &Street, line: &[MapPoint], ground: &Ground) -> Vec<Lane> {
     let [forth, back] = street.way.directions;
     let both = forth && back;
     let offsets = |nominal: f64| eased(&line, street.way.half_width, nominal, ground);
-    let mut kept = if both { vec![(offsets(side), true), (offsets(-side), false)] } else { Vec::new() };
-    let fit = both && kept[0].0.iter().zip(&kept[1].0).all(|(a, b)| (b - a) * -side.signum() >= APART);
+    let mut kept = if both {
+        vec![(offsets(side), true), (offsets(-side), false)]
+    } else {
+        Vec::new()
+    };
+    let fit = both
+        && kept[0]
+            .0
+            .iter()
+            .zip(&kept[1].0)
+            .all(|(a, b)| (b - a) * -side.signum() >= APART);
     if !fit {
         kept = vec![(offsets(0.0), forth)];
     }
@@ -254,23 +295,34 @@ fn lanes_of(street: &Street, line: &[MapPoint], ground: &Ground) -> Vec<Lane> {
 fn eased(line: &[MapPoint], half_width: f64, nominal: f64, ground: &Ground) -> Vec<f64> {
     let reach = (half_width - HALF[1]).max(0.0);
     let tries = (2.0 * reach / 0.1) as usize + 1;
-    let mut candidates: Vec<f64> =
-        (0..=tries).map(|i| -reach + 2.0 * reach * i as f64 / tries as f64).collect();
+    let mut candidates: Vec<f64> = (0..=tries)
+        .map(|i| -reach + 2.0 * reach * i as f64 / tries as f64)
+        .collect();
     candidates.push(nominal.clamp(-reach, reach));
     candidates.sort_by(|a, b| (a - nominal).abs().total_cmp(&(b - nominal).abs()));
     let shifts: Vec<f64> = (0..line.len())
         .map(|i| {
             let here = |o: f64| is_clear(moved_point(line, i, o), ground);
-            candidates.iter().copied().find(|o| here(*o)).unwrap_or(nominal)
+            candidates
+                .iter()
+                .copied()
+                .find(|o| here(*o))
+                .unwrap_or(nominal)
         })
         .collect();
     // The furthest shift around each point, then the mean of those: smooth, and nowhere less than needed.
     let around = |i: usize| i.saturating_sub(EASE)..(i + EASE + 1).min(line.len());
     let far = |range: std::ops::Range<usize>| {
-        range.map(|k| shifts[k]).max_by(|a, b| (a - nominal).abs().total_cmp(&(b - nominal).abs()))
+        range
+            .map(|k| shifts[k])
+            .max_by(|a, b| (a - nominal).abs().total_cmp(&(b - nominal).abs()))
     };
-    let furthest: Vec<f64> = (0..line.len()).map(|i| far(around(i)).unwrap_or(nominal)).collect();
-    (0..line.len()).map(|i| around(i).map(|k| furthest[k]).sum::<f64>() / around(i).len() as f64).collect()
+    let furthest: Vec<f64> = (0..line.len())
+        .map(|i| far(around(i)).unwrap_or(nominal))
+        .collect();
+    (0..line.len())
+        .map(|i| around(i).map(|k| furthest[k]).sum::<f64>() / around(i).len() as f64)
+        .collect()
 }
 
 /// Whether a car's width fits at a point of its lane.
@@ -281,14 +333,19 @@ fn is_clear(point: MapPoint, ground: &Ground) -> bool {
 fn moved_point(line: &[MapPoint], i: usize, offset: f64) -> MapPoint {
     let (a, b) = (line[i.max(1) - 1], line[(i + 1).min(line.len() - 1)]);
     let length = a.distance(b).max(1e-9);
-    MapPoint::new(line[i].x - (b.y - a.y) / length * offset, line[i].y + (b.x - a.x) / length * offset)
+    MapPoint::new(
+        line[i].x - (b.y - a.y) / length * offset,
+        line[i].y + (b.x - a.x) / length * offset,
+    )
 }
 
 fn moved(line: &[MapPoint], offsets: &[f64]) -> Vec<MapPoint> {
     match offsets {
         // A lane at an even distance keeps its bends mitred.
         [first, rest @ ..] if rest.iter().all(|o| o == first) => shifted(line, *first),
-        _ => (0..line.len()).map(|i| moved_point(line, i, offsets[i])).collect(),
+        _ => (0..line.len())
+            .map(|i| moved_point(line, i, offsets[i]))
+            .collect(),
     }
 }
 
@@ -300,14 +357,22 @@ fn clear_runs(points: &[MapPoint], limit: f64, ends: [usize; 2], ground: &Ground
     let runs = if first == points.len() {
         vec![(0..points.len(), Some(ends[0]), Some(ends[1]))]
     } else {
-        vec![(0..first, Some(ends[0]), None), (last..points.len(), None, Some(ends[1]))]
+        vec![
+            (0..first, Some(ends[0]), None),
+            (last..points.len(), None, Some(ends[1])),
+        ]
     };
     let long = runs.into_iter().filter(|(range, ..)| {
         range.len() > 1
             && length(&points[range.clone()]) >= if first == points.len() { 2.0 } else { SHORTEST }
     });
-    long.map(|(range, from, to)| Lane { piece: Piece::new(&points[range], limit), from, to, street: 0 })
-        .collect()
+    long.map(|(range, from, to)| Lane {
+        piece: Piece::new(&points[range], limit),
+        from,
+        to,
+        street: 0,
+    })
+    .collect()
 }
 
 /// The turn from the end of `a` to the beginning of `b`, if a car can drive it.
@@ -329,12 +394,16 @@ fn turn(a: &Piece, b: &Piece, ground: &Ground) -> Option<Piece> {
     };
     let line: Vec<MapPoint> = (0..=steps).map(at).collect();
     let limit = a.speed(a.length).max(b.speed(0.0));
-    line.iter().all(|p| is_clear(*p, ground)).then(|| Piece::new(&line, limit))
+    line.iter()
+        .all(|p| is_clear(*p, ground))
+        .then(|| Piece::new(&line, limit))
 }
 
 /// Whether cars on both would touch.
 fn meet(a: &Piece, b: &Piece) -> bool {
-    a.points.iter().any(|p| b.points.iter().any(|q| p.distance(*q) < APART))
+    a.points
+        .iter()
+        .any(|p| b.points.iter().any(|q| p.distance(*q) < APART))
 }
 
 fn root(cluster: &[usize], mut junction: usize) -> usize {

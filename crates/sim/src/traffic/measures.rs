@@ -83,7 +83,9 @@ impl Encounters {
             let totals = &mut self.totals;
             totals.least_time_to_collision = totals.least_time_to_collision.min(time);
             let (closest, near_misses) = match mover.kind {
-                MoverKind::Pedestrian => (&mut totals.nearest_person, &mut totals.near_misses_people),
+                MoverKind::Pedestrian => {
+                    (&mut totals.nearest_person, &mut totals.near_misses_people)
+                }
                 MoverKind::Car => (&mut totals.nearest_car, &mut totals.near_misses_cars),
             };
             *closest = closest.min(distance);
@@ -94,7 +96,11 @@ impl Encounters {
                 *near_misses += 1;
             }
             let in_it = time < NEAR_MISS || (*open > 0.0 && time < 2.0 * NEAR_MISS);
-            *open = if in_it { ENCOUNTER_ENDS } else { (*open - dt).max(0.0) };
+            *open = if in_it {
+                ENCOUNTER_ENDS
+            } else {
+                (*open - dt).max(0.0)
+            };
         }
         let within = |limit: f64| if nearest < limit { dt } else { 0.0 };
         self.totals.intimate_seconds += within(INTIMATE);
@@ -111,9 +117,15 @@ impl Encounters {
 pub fn distance(robot: &RobotState, mover: &Mover) -> f64 {
     let away = match mover.hull {
         Hull::Disc { radius } => robot.position.distance(mover.pose.point()) - radius,
-        Hull::Box { half_length, half_width } => {
+        Hull::Box {
+            half_length,
+            half_width,
+        } => {
             let (x, y) = mover.pose.inverse_transform(robot.position);
-            libm::hypot((x.abs() - half_length).max(0.0), (y.abs() - half_width).max(0.0))
+            libm::hypot(
+                (x.abs() - half_length).max(0.0),
+                (y.abs() - half_width).max(0.0),
+            )
         }
     };
     (away - robot.radius).max(0.0)
@@ -129,11 +141,18 @@ pub fn time_to_collision(robot: &RobotState, mover: &Mover) -> f64 {
             let from = [robot.position.x - center.x, robot.position.y - center.y];
             disc_is_met(from, velocity, radius + robot.radius)
         }
-        Hull::Box { half_length, half_width } => {
+        Hull::Box {
+            half_length,
+            half_width,
+        } => {
             let (x, y) = mover.pose.inverse_transform(robot.position);
             let tip = MapPoint::new(mover.pose.x + velocity[0], mover.pose.y + velocity[1]);
             let (u, v) = mover.pose.inverse_transform(tip);
-            box_is_met([x, y], [u, v], [half_length + robot.radius, half_width + robot.radius])
+            box_is_met(
+                [x, y],
+                [u, v],
+                [half_length + robot.radius, half_width + robot.radius],
+            )
         }
     }
 }
@@ -161,11 +180,18 @@ fn box_is_met(from: [f64; 2], velocity: [f64; 2], half: [f64; 2]) -> f64 {
             }
             continue;
         }
-        let (a, b) = ((-half[k] - from[k]) / velocity[k], (half[k] - from[k]) / velocity[k]);
+        let (a, b) = (
+            (-half[k] - from[k]) / velocity[k],
+            (half[k] - from[k]) / velocity[k],
+        );
         enters = enters.max(a.min(b));
         leaves = leaves.min(a.max(b));
     }
-    if enters <= leaves { enters } else { f64::INFINITY }
+    if enters <= leaves {
+        enters
+    } else {
+        f64::INFINITY
+    }
 }
 
 #[cfg(test)]
@@ -175,16 +201,31 @@ mod tests {
     use super::*;
 
     fn robot(x: f64, speed: f64) -> RobotState {
-        RobotState { position: MapPoint::new(x, 0.0), velocity: [speed, 0.0], radius: 0.2 }
+        RobotState {
+            position: MapPoint::new(x, 0.0),
+            velocity: [speed, 0.0],
+            radius: 0.2,
+        }
     }
 
     fn mover(kind: MoverKind, x: f64, speed: f64) -> Mover {
         let hull = match kind {
             MoverKind::Pedestrian => Hull::Disc { radius: 0.3 },
-            MoverKind::Car => Hull::Box { half_length: 2.0, half_width: 1.0 },
+            MoverKind::Car => Hull::Box {
+                half_length: 2.0,
+                half_width: 1.0,
+            },
         };
         let (pose, velocity) = (Pose2::new(x, 0.0, 0.0), [speed, 0.0]);
-        Mover { kind, present: true, pose, velocity, hull, gait: 0.0, look: 0 }
+        Mover {
+            kind,
+            present: true,
+            pose,
+            velocity,
+            hull,
+            gait: 0.0,
+            look: 0,
+        }
     }
 
     #[test]
@@ -195,7 +236,10 @@ mod tests {
         let car = mover(MoverKind::Car, 10.0, -4.0);
         assert!((time_to_collision(&robot(0.0, 0.0), &car) - 7.8 / 4.0).abs() < 1e-12);
         assert_eq!(time_to_collision(&robot(0.0, -5.0), &car), f64::INFINITY);
-        let aside = RobotState { position: MapPoint::new(0.0, 1.3), ..robot(0.0, 0.0) };
+        let aside = RobotState {
+            position: MapPoint::new(0.0, 1.3),
+            ..robot(0.0, 0.0)
+        };
         assert_eq!(time_to_collision(&aside, &car), f64::INFINITY);
     }
 
@@ -203,25 +247,55 @@ mod tests {
     fn a_near_miss_counts_once_for_each_encounter() {
         let mut encounters = Encounters::new();
         // Comes, hesitates within the same encounter, goes; comes again.
-        for (x, speed) in [(6.0, -1.0), (1.5, -1.0), (1.5, 0.0), (1.5, -1.0), (9.0, 1.0)] {
-            encounters.update(0.5, &robot(0.0, 0.0), &[mover(MoverKind::Pedestrian, x, speed)]);
+        for (x, speed) in [
+            (6.0, -1.0),
+            (1.5, -1.0),
+            (1.5, 0.0),
+            (1.5, -1.0),
+            (9.0, 1.0),
+        ] {
+            encounters.update(
+                0.5,
+                &robot(0.0, 0.0),
+                &[mover(MoverKind::Pedestrian, x, speed)],
+            );
         }
         (0..5).for_each(|_| {
-            encounters.update(0.5, &robot(0.0, 0.0), &[mover(MoverKind::Pedestrian, 9.0, 1.0)])
+            encounters.update(
+                0.5,
+                &robot(0.0, 0.0),
+                &[mover(MoverKind::Pedestrian, 9.0, 1.0)],
+            )
         });
         assert_eq!(encounters.totals().near_misses_people, 1);
-        encounters.update(0.5, &robot(0.0, 0.0), &[mover(MoverKind::Pedestrian, 0.9, -1.0)]);
+        encounters.update(
+            0.5,
+            &robot(0.0, 0.0),
+            &[mover(MoverKind::Pedestrian, 0.9, -1.0)],
+        );
         let totals = encounters.totals();
         assert_eq!((totals.near_misses_people, totals.near_misses_cars), (2, 0));
         assert!((totals.nearest_person - 0.4).abs() < 1e-12 && totals.nearest_car == f64::INFINITY);
-        assert_eq!((totals.intimate_seconds, totals.personal_seconds), (0.5, 2.0));
+        assert_eq!(
+            (totals.intimate_seconds, totals.personal_seconds),
+            (0.5, 2.0)
+        );
     }
 
     #[test]
     fn who_is_not_there_does_not_count() {
         let mut encounters = Encounters::new();
-        let gone = Mover { present: false, ..mover(MoverKind::Car, 0.0, 0.0) };
+        let gone = Mover {
+            present: false,
+            ..mover(MoverKind::Car, 0.0, 0.0)
+        };
         encounters.update(0.1, &robot(0.0, 0.0), &[gone]);
-        assert_eq!(encounters.totals(), Totals { seconds: 0.1, ..Totals::default() });
+        assert_eq!(
+            encounters.totals(),
+            Totals {
+                seconds: 0.1,
+                ..Totals::default()
+            }
+        );
     }
 }

@@ -77,9 +77,21 @@ impl Traffic {
         let [people, cars] = STREAMS.map(|stream| Noise::new(seed, stream));
         let footways = Footways::new(map, &ground);
         let pedestrians = Pedestrians::new(footways, &ground, plan.pedestrians, start, people);
-        let cars = Cars::new(Lanes::new(map, &ground), plan.cars, start, &pedestrians, cars);
-        let mut traffic = Self { ground, pedestrians, cars, movers: Vec::new() };
-        traffic.movers = vec![Mover::absent(); traffic.pedestrians.people.len() + traffic.cars.cars.len()];
+        let cars = Cars::new(
+            Lanes::new(map, &ground),
+            plan.cars,
+            start,
+            &pedestrians,
+            cars,
+        );
+        let mut traffic = Self {
+            ground,
+            pedestrians,
+            cars,
+            movers: Vec::new(),
+        };
+        traffic.movers =
+            vec![Mover::absent(); traffic.pedestrians.people.len() + traffic.cars.cars.len()];
         traffic.show();
         traffic
     }
@@ -87,7 +99,10 @@ impl Traffic {
     /// How many people and cars there are, cars outside included: fewer than planned, or none, where the map has no
     /// footways or no roads, or no room on them.
     pub fn placed(&self) -> TrafficPlan {
-        TrafficPlan { pedestrians: self.pedestrians.people.len(), cars: self.cars.cars.len() }
+        TrafficPlan {
+            pedestrians: self.pedestrians.people.len(),
+            cars: self.cars.cars.len(),
+        }
     }
 
     /// Everyone, people first; a mover keeps its index.
@@ -105,22 +120,28 @@ impl Traffic {
         let parts = (dt / LONGEST_STEP - 1e-9).ceil().max(1.0);
         let robot = robot.seen();
         for _ in 0..parts as usize {
-            self.cars.step(dt / parts, &self.ground, &robot, &self.pedestrians);
+            self.cars
+                .step(dt / parts, &self.ground, &robot, &self.pedestrians);
             let cars = (self.cars.hulls.as_slice(), &self.cars.near);
-            self.pedestrians.step(dt / parts, &self.ground, &robot, cars);
+            self.pedestrians
+                .step(dt / parts, &self.ground, &robot, cars);
         }
         self.show();
     }
 
     fn show(&mut self) {
         let (people, cars) = self.movers.split_at_mut(self.pedestrians.people.len());
-        for (look, (mover, person)) in (0_u32..).zip(people.iter_mut().zip(&self.pedestrians.people)) {
+        for (look, (mover, person)) in
+            (0_u32..).zip(people.iter_mut().zip(&self.pedestrians.people))
+        {
             *mover = Mover {
                 kind: MoverKind::Pedestrian,
                 present: true,
                 pose: Pose2::new(person.position.x, person.position.y, person.yaw),
                 velocity: person.velocity,
-                hull: Hull::Disc { radius: person.radius },
+                hull: Hull::Disc {
+                    radius: person.radius,
+                },
                 gait: person.gait,
                 look,
             };
@@ -133,7 +154,10 @@ impl Traffic {
                 present: car.present,
                 pose: hull.pose,
                 velocity: [cos * car.speed, sin * car.speed],
-                hull: Hull::Box { half_length: HALF[0], half_width: HALF[1] },
+                hull: Hull::Box {
+                    half_length: HALF[0],
+                    half_width: HALF[1],
+                },
                 gait: 0.0,
                 look,
             };

@@ -19,12 +19,20 @@ pub struct RobotState {
 impl RobotState {
     /// The state as people and cars see it: a robot whose state is not finite is far away.
     pub(super) fn seen(self) -> Self {
-        let Self { position, velocity, radius } = self;
+        let Self {
+            position,
+            velocity,
+            radius,
+        } = self;
         let numbers = [position.x, position.y, velocity[0], velocity[1], radius];
         if numbers.iter().all(|v| v.is_finite() && v.abs() < 1e7) {
             return self;
         }
-        Self { position: MapPoint::new(1e7, 1e7), velocity: [0.0; 2], radius: 0.0 }
+        Self {
+            position: MapPoint::new(1e7, 1e7),
+            velocity: [0.0; 2],
+            radius: 0.0,
+        }
     }
 }
 
@@ -81,7 +89,9 @@ impl Mover {
             present: false,
             pose: Pose2::default(),
             velocity: [0.0; 2],
-            hull: Hull::Disc { radius: PERSON_RADIUS },
+            hull: Hull::Disc {
+                radius: PERSON_RADIUS,
+            },
             gait: 0.0,
             look: 0,
         }

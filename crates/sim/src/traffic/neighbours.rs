@@ -25,7 +25,12 @@ struct Entry {
 impl Neighbours {
     /// Cells of `cell` metres: as far as [`near`](Self::near) surely sees.
     pub fn new(cell: f64) -> Self {
-        Self { cell, first: Vec::new(), entries: Vec::new(), unsorted: Vec::new() }
+        Self {
+            cell,
+            first: Vec::new(),
+            entries: Vec::new(),
+            unsorted: Vec::new(),
+        }
     }
 
     /// Takes in new points; their indices count up from 0. Those that are `None` are left out.
@@ -34,7 +39,11 @@ impl Neighbours {
         for (index, point) in points.enumerate() {
             let Some(point) = point else { continue };
             let (column, row) = self.cell_of(point);
-            self.unsorted.push(Entry { column, row, index: index as u32 });
+            self.unsorted.push(Entry {
+                column,
+                row,
+                index: index as u32,
+            });
         }
         let buckets = (2 * self.unsorted.len()).next_power_of_two();
         self.first.clear();
@@ -47,7 +56,14 @@ impl Neighbours {
         }
         // Filled from behind, each bucket's begin moves to its place; points of one cell stay in order.
         self.entries.clear();
-        self.entries.resize(self.unsorted.len(), Entry { column: 0, row: 0, index: 0 });
+        self.entries.resize(
+            self.unsorted.len(),
+            Entry {
+                column: 0,
+                row: 0,
+                index: 0,
+            },
+        );
         for i in (0..self.unsorted.len()).rev() {
             let entry = self.unsorted[i];
             let end = &mut self.first[bucket(entry.column, entry.row, buckets) + 1];
@@ -70,7 +86,10 @@ impl Neighbours {
             for column in column.saturating_sub(1)..=column.saturating_add(1) {
                 let bucket = bucket(column, row, buckets);
                 let range = self.first[bucket] as usize..self.first[bucket + 1] as usize;
-                for entry in self.entries[range].iter().filter(|e| e.column == column && e.row == row) {
+                for entry in self.entries[range]
+                    .iter()
+                    .filter(|e| e.column == column && e.row == row)
+                {
                     visit(entry.index as usize);
                 }
             }
@@ -78,7 +97,10 @@ impl Neighbours {
     }
 
     fn cell_of(&self, point: MapPoint) -> (i32, i32) {
-        ((point.x / self.cell).floor() as i32, (point.y / self.cell).floor() as i32)
+        (
+            (point.x / self.cell).floor() as i32,
+            (point.y / self.cell).floor() as i32,
+        )
     }
 }
 

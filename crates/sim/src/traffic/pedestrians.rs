@@ -90,11 +90,26 @@ pub(super) struct Pedestrians {
 
 impl Pedestrians {
     /// Up to `count` people on the ways, none within 3 m of `start`.
-    pub fn new(footways: Footways, ground: &Ground, count: usize, start: MapPoint, mut noise: Noise) -> Self {
+    pub fn new(
+        footways: Footways,
+        ground: &Ground,
+        count: usize,
+        start: MapPoint,
+        mut noise: Noise,
+    ) -> Self {
         let near = Neighbours::new(SIGHT);
-        let mut all =
-            Self { people: Vec::new(), near, footways, noise: noise.clone(), accelerations: vec![] };
-        let tries = if all.footways.is_empty() { 0 } else { 20 * count };
+        let mut all = Self {
+            people: Vec::new(),
+            near,
+            footways,
+            noise: noise.clone(),
+            accelerations: vec![],
+        };
+        let tries = if all.footways.is_empty() {
+            0
+        } else {
+            20 * count
+        };
         for _ in 0..tries {
             if all.people.len() == count {
                 break;
@@ -121,7 +136,13 @@ impl Pedestrians {
     }
 
     /// Moves everyone by `dt` seconds. [`near`](Self::near) must be as of now.
-    pub fn step(&mut self, dt: f64, ground: &Ground, robot: &RobotState, cars: (&[CarHull], &Neighbours)) {
+    pub fn step(
+        &mut self,
+        dt: f64,
+        ground: &Ground,
+        robot: &RobotState,
+        cars: (&[CarHull], &Neighbours),
+    ) {
         for i in 0..self.people.len() {
             self.find_way(i, dt);
         }
@@ -145,7 +166,8 @@ impl Pedestrians {
         let stuck = person.anchor.1 > PATIENCE && person.anchor.0.distance(person.position) < 0.5;
         if person.next == person.way.len() || stuck {
             let last = person.way[person.next - 1];
-            self.footways.journey(last, &mut self.noise, &mut person.way);
+            self.footways
+                .journey(last, &mut self.noise, &mut person.way);
             person.next = 1;
         }
         if person.anchor.1 > PATIENCE {
@@ -179,11 +201,20 @@ impl Pedestrians {
         add(slope.map(|s| strength * s));
         near_cars.near(person.position, |c| add(person.car_repulsion(&cars[c])));
         let size = libm::hypot(sum[0], sum[1]);
-        if size > MAX_ACCELERATION { sum.map(|v| v * MAX_ACCELERATION / size) } else { sum }
+        if size > MAX_ACCELERATION {
+            sum.map(|v| v * MAX_ACCELERATION / size)
+        } else {
+            sum
+        }
     }
 
     /// Moves bodies apart that overlap, each by half, and out of the robot and cars.
-    fn part(&mut self, ground: &Ground, robot: &RobotState, (cars, near_cars): (&[CarHull], &Neighbours)) {
+    fn part(
+        &mut self,
+        ground: &Ground,
+        robot: &RobotState,
+        (cars, near_cars): (&[CarHull], &Neighbours),
+    ) {
         for _ in 0..3 {
             for i in 0..self.people.len() {
                 let (position, radius) = (self.people[i].position, self.people[i].radius);
@@ -240,20 +271,32 @@ impl Person {
         let place = footways.point(self.way[self.next]);
         let (dx, dy) = (place.x - self.position.x, place.y - self.position.y);
         let square = dx * dx + dy * dy;
-        let after = self.way.get(self.next + 1).map_or(place, |p| footways.point(*p));
+        let after = self
+            .way
+            .get(self.next + 1)
+            .map_or(place, |p| footways.point(*p));
         let ahead = dx * (after.x - place.x) + dy * (after.y - place.y);
         square < 0.5 || (square < 4.0 && ahead < 0.0)
     }
 
     /// Unit vector along the way to the next place, a little to the right of its middle.
     fn direction(&self, footways: &Footways, ground: &Ground) -> [f64; 2] {
-        let Some(&next) = self.way.get(self.next) else { return [0.0; 2] };
-        let (from, to) = (footways.point(self.way[self.next - 1]), footways.point(next));
+        let Some(&next) = self.way.get(self.next) else {
+            return [0.0; 2];
+        };
+        let (from, to) = (
+            footways.point(self.way[self.next - 1]),
+            footways.point(next),
+        );
         let length = from.distance(to).max(1e-9);
         let along = [(to.x - from.x) / length, (to.y - from.y) / length];
         let right = self.side * (footways.half_width(next) - PERSON_RADIUS).max(0.0);
         let aside = MapPoint::new(to.x + along[1] * right, to.y - along[0] * right);
-        let target = if ground.clearance(aside).0 > 0.1 { aside } else { to };
+        let target = if ground.clearance(aside).0 > 0.1 {
+            aside
+        } else {
+            to
+        };
         let mut toward = [target.x - self.position.x, target.y - self.position.y];
         let ahead = toward[0] * along[0] + toward[1] * along[1];
         let off = (toward[1] * along[0] - toward[0] * along[1]).abs();
@@ -266,10 +309,21 @@ impl Person {
     }
 
     /// Whether a car comes whose way the person is about to walk into: from the kerb, or from between parked cars.
-    fn waits(&self, toward: [f64; 2], ground: &Ground, cars: &[CarHull], near_cars: &Neighbours) -> bool {
-        let ahead = |d: f64| MapPoint::new(self.position.x + d * toward[0], self.position.y + d * toward[1]);
-        let at_kerb =
-            !ground.is_road(self.position) && (ground.is_road(ahead(0.5)) || ground.is_road(ahead(1.0)));
+    fn waits(
+        &self,
+        toward: [f64; 2],
+        ground: &Ground,
+        cars: &[CarHull],
+        near_cars: &Neighbours,
+    ) -> bool {
+        let ahead = |d: f64| {
+            MapPoint::new(
+                self.position.x + d * toward[0],
+                self.position.y + d * toward[1],
+            )
+        };
+        let at_kerb = !ground.is_road(self.position)
+            && (ground.is_road(ahead(0.5)) || ground.is_road(ahead(1.0)));
         let (soon, later) = (ahead(1.0), ahead(2.0));
         let mut comes = false;
         near_cars.near(self.position, |c| {
@@ -293,7 +347,13 @@ impl Person {
     /// Repulsion from a body at `center` of another's `velocity`: minus the gradient of `V0 exp(-b / sigma)`, which is
     /// `V0 / sigma exp(-b / sigma) (|d| + |d - y|) / (4 b) (d / |d| + (d - y) / |d - y|)`. In the exponent stands the distance
     /// between rims plus one usual diameter, so that wide bodies keep wider apart.
-    fn repulsion(&self, toward: [f64; 2], center: MapPoint, velocity: [f64; 2], radius: f64) -> [f64; 2] {
+    fn repulsion(
+        &self,
+        toward: [f64; 2],
+        center: MapPoint,
+        velocity: [f64; 2],
+        radius: f64,
+    ) -> [f64; 2] {
         let d = [self.position.x - center.x, self.position.y - center.y];
         let away = libm::hypot(d[0], d[1]);
         if !(1e-6..=SIGHT).contains(&away) {
@@ -345,10 +405,15 @@ impl Person {
     /// Moves to where a person fits: there, or along one axis, or not at all. What cannot be walked is taken out of the velocity.
     fn shift(&mut self, by: [f64; 2], ground: &Ground) {
         let to = |x: f64, y: f64| MapPoint::new(self.position.x + x, self.position.y + y);
-        let tries =
-            [(to(by[0], by[1]), [1.0, 1.0]), (to(by[0], 0.0), [1.0, 0.0]), (to(0.0, by[1]), [0.0, 1.0])];
-        let (position, kept) =
-            tries.into_iter().find(|(p, _)| ground.fits(*p)).unwrap_or((self.position, [0.0; 2]));
+        let tries = [
+            (to(by[0], by[1]), [1.0, 1.0]),
+            (to(by[0], 0.0), [1.0, 0.0]),
+            (to(0.0, by[1]), [0.0, 1.0]),
+        ];
+        let (position, kept) = tries
+            .into_iter()
+            .find(|(p, _)| ground.fits(*p))
+            .unwrap_or((self.position, [0.0; 2]));
         self.position = position;
         (0..2).for_each(|k| self.velocity[k] *= kept[k]);
     }
@@ -409,7 +474,10 @@ mod tests {
 
     /// `V0 exp(-b / sigma)` at `d` from somebody who moves with the `relative` velocity.
     fn potential(d: [f64; 2], relative: [f64; 2]) -> f64 {
-        let (x, y) = (d[0] - relative[0] * FORESIGHT, d[1] - relative[1] * FORESIGHT);
+        let (x, y) = (
+            d[0] - relative[0] * FORESIGHT,
+            d[1] - relative[1] * FORESIGHT,
+        );
         let sum = libm::hypot(d[0], d[1]) + libm::hypot(x, y);
         let way = libm::hypot(relative[0], relative[1]) * FORESIGHT;
         PEOPLE.0 * PEOPLE.1 * libm::exp(-(sum * sum - way * way).sqrt() / 2.0 / PEOPLE.1)
@@ -417,8 +485,11 @@ mod tests {
 
     #[test]
     fn people_repel_each_other_down_the_slope_of_the_potential() {
-        for (d, other) in [([-1.0, 0.3], [-0.4, 0.1]), ([-0.7, -0.6], [0.3, 1.2]), ([-1.6, 0.1], [-1.3, 0.0])]
-        {
+        for (d, other) in [
+            ([-1.0, 0.3], [-0.4, 0.1]),
+            ([-0.7, -0.6], [0.3, 1.2]),
+            ([-1.6, 0.1], [-1.3, 0.0]),
+        ] {
             let own = [0.5, 0.2];
             let center = MapPoint::new(-d[0], -d[1]);
             let force = person(own).repulsion([1.0, 0.0], center, other, PERSON_RADIUS);
@@ -429,14 +500,19 @@ mod tests {
                 (at(1.0) - at(-1.0)) / (2.0 * h)
             });
             for k in 0..2 {
-                assert!((force[k] + slope[k]).abs() < 1e-6 * (1.0 + force[k].abs()), "{force:?} {slope:?}");
+                assert!(
+                    (force[k] + slope[k]).abs() < 1e-6 * (1.0 + force[k].abs()),
+                    "{force:?} {slope:?}"
+                );
             }
         }
     }
 
     #[test]
     fn what_is_behind_counts_half() {
-        let force = |x: f64| person([0.0; 2]).repulsion([1.0, 0.0], MapPoint::new(x, 0.0), [0.0; 2], 0.25)[0];
+        let force = |x: f64| {
+            person([0.0; 2]).repulsion([1.0, 0.0], MapPoint::new(x, 0.0), [0.0; 2], 0.25)[0]
+        };
         assert!(force(1.0) < 0.0 && (force(-1.0) + BEHIND * force(1.0)).abs() < 1e-12);
     }
 }

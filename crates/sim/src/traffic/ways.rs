@@ -37,14 +37,25 @@ pub(super) fn carriageway(tags: &Tags) -> Option<Carriageway> {
         "tertiary" => (6.5, 50.0),
         "residential" | "unclassified" | "road" => (5.5, 30.0),
         "living_street" => (5.0, 7.0),
-        "service" => (if tags.is("service", "parking_aisle") { 5.0 } else { 3.2 }, 10.0),
+        "service" => (
+            if tags.is("service", "parking_aisle") {
+                5.0
+            } else {
+                3.2
+            },
+            10.0,
+        ),
         _ => return None,
     };
-    let access = ["motorcar", "motor_vehicle", "vehicle", "access"].iter().find_map(|key| tags.get(key));
+    let access = ["motorcar", "motor_vehicle", "vehicle", "access"]
+        .iter()
+        .find_map(|key| tags.get(key));
     if access == Some("no") {
         return None;
     }
-    let lanes = number(tags, "lanes").filter(|l| (1.0..=8.0).contains(l)).map(|l| 3.0 * l);
+    let lanes = number(tags, "lanes")
+        .filter(|l| (1.0..=8.0).contains(l))
+        .map(|l| 3.0 * l);
     let told = number(tags, "width").filter(|w| (2.0..=40.0).contains(w));
     let half_width = told.or(lanes).unwrap_or(width) / 2.0;
     let fast = matches!(highway, "motorway" | "trunk");
@@ -53,7 +64,11 @@ pub(super) fn carriageway(tags: &Tags) -> Option<Carriageway> {
         limit: max_speed(tags).unwrap_or(limit).clamp(5.0, 100.0) / 3.6,
         directions: directions(tags, highway),
         left_hand: tags.is("driving_side", "left"),
-        walkers: if fast { [None; 2] } else { walkers(tags, half_width) },
+        walkers: if fast {
+            [None; 2]
+        } else {
+            walkers(tags, half_width)
+        },
     })
 }
 
@@ -87,10 +102,14 @@ fn directions(tags: &Tags, highway: &str) -> [bool; 2] {
 
 fn walkers(tags: &Tags, half_width: f64) -> [Option<f64>; 2] {
     let (paved, verge) = (half_width + PAVEMENT / 2.0, half_width + VERGE);
-    let street = !["service", "living_street"].iter().any(|h| tags.is("highway", h));
+    let street = !["service", "living_street"]
+        .iter()
+        .any(|h| tags.is("highway", h));
     let usual = if street { paved } else { verge };
     let side = |name: &str| {
-        let word = tags.get(&format!("sidewalk:{name}")).or(tags.get("sidewalk:both"));
+        let word = tags
+            .get(&format!("sidewalk:{name}"))
+            .or(tags.get("sidewalk:both"));
         match word {
             Some("separate") => None,
             Some("no") => Some(verge),
@@ -112,14 +131,24 @@ fn max_speed(tags: &Tags) -> Option<f64> {
     if text == "walk" {
         return Some(7.0);
     }
-    let (digits, scale) = text.strip_suffix("mph").map_or((text, 1.0), |miles| (miles, 1.609_344));
-    digits.trim().parse::<f64>().ok().filter(|v| v.is_finite() && *v > 0.0).map(|v| v * scale)
+    let (digits, scale) = text
+        .strip_suffix("mph")
+        .map_or((text, 1.0), |miles| (miles, 1.609_344));
+    digits
+        .trim()
+        .parse::<f64>()
+        .ok()
+        .filter(|v| v.is_finite() && *v > 0.0)
+        .map(|v| v * scale)
 }
 
 /// A number; `m` may stand behind it.
 fn number(tags: &Tags, key: &str) -> Option<f64> {
     let text = tags.get(key)?.trim().trim_end_matches('m').trim_end();
-    text.replace(',', ".").parse().ok().filter(|v: &f64| v.is_finite())
+    text.replace(',', ".")
+        .parse()
+        .ok()
+        .filter(|v: &f64| v.is_finite())
 }
 
 #[cfg(test)]
@@ -129,22 +158,43 @@ mod tests {
     #[test]
     fn limits_are_told_or_usual() {
         let limit = |words: &[(&str, &str)]| {
-            carriageway(&words.iter().copied().collect::<Tags>()).map(|c| libm::round(c.limit * 3.6))
+            carriageway(&words.iter().copied().collect::<Tags>())
+                .map(|c| libm::round(c.limit * 3.6))
         };
         assert_eq!(limit(&[("highway", "residential")]), Some(30.0));
-        assert_eq!(limit(&[("highway", "residential"), ("maxspeed", "20 mph")]), Some(32.0));
-        assert_eq!(limit(&[("highway", "residential"), ("maxspeed", "nan")]), Some(30.0));
+        assert_eq!(
+            limit(&[("highway", "residential"), ("maxspeed", "20 mph")]),
+            Some(32.0)
+        );
+        assert_eq!(
+            limit(&[("highway", "residential"), ("maxspeed", "nan")]),
+            Some(30.0)
+        );
         assert_eq!(limit(&[("highway", "tertiary_link")]), Some(50.0));
-        assert_eq!(limit(&[("highway", "residential"), ("motor_vehicle", "no")]), None);
+        assert_eq!(
+            limit(&[("highway", "residential"), ("motor_vehicle", "no")]),
+            None
+        );
         assert_eq!(limit(&[("highway", "footway")]), None);
     }
 
     #[test]
     fn walkers_keep_to_the_pavement_that_there_is() {
-        let of = |words: &[(&str, &str)]| carriageway(&words.iter().copied().collect::<Tags>()).unwrap();
-        let street = of(&[("highway", "residential"), ("width", "6"), ("sidewalk", "left")]);
+        let of =
+            |words: &[(&str, &str)]| carriageway(&words.iter().copied().collect::<Tags>()).unwrap();
+        let street = of(&[
+            ("highway", "residential"),
+            ("width", "6"),
+            ("sidewalk", "left"),
+        ]);
         assert_eq!(street.walkers, [Some(3.9), Some(3.5)]);
-        assert_eq!(of(&[("highway", "residential"), ("sidewalk", "separate")]).walkers, [None; 2]);
-        assert_eq!(walkway(&Tags::from([("highway", "footway"), ("width", "2.4 m")])), Some(1.2));
+        assert_eq!(
+            of(&[("highway", "residential"), ("sidewalk", "separate")]).walkers,
+            [None; 2]
+        );
+        assert_eq!(
+            walkway(&Tags::from([("highway", "footway"), ("width", "2.4 m")])),
+            Some(1.2)
+        );
     }
 }

@@ -44,14 +44,19 @@ struct Watched {
 impl Yielding {
     /// Watches a robot that brakes with so many m/s² at most.
     pub fn new(deceleration: f64) -> Self {
-        Self { deceleration, watched: Vec::new(), robot: None }
+        Self {
+            deceleration,
+            watched: Vec::new(),
+            robot: None,
+        }
     }
 
     /// Takes in an instant, `dt` seconds after the last. `drives` says whether the robot's wheels turn: if not, it moves because it is pushed. `movers` must keep their order.
     pub fn update(&mut self, dt: f64, robot: &RobotState, drives: bool, movers: &[Mover]) {
         let before = self.robot.replace(robot.position).unwrap_or(robot.position);
         let moved = [robot.position.x - before.x, robot.position.y - before.y];
-        let brakes = NOTICES + libm::hypot(robot.velocity[0], robot.velocity[1]) / self.deceleration;
+        let brakes =
+            NOTICES + libm::hypot(robot.velocity[0], robot.velocity[1]) / self.deceleration;
         self.watched.resize(movers.len(), Watched::default());
         for (mover, watched) in movers.iter().zip(&mut self.watched) {
             let lies = |at, ahead| lies_in_path(at, robot.radius, mover, ahead);
@@ -78,10 +83,17 @@ impl Yielding {
 
     /// Whether the robot got into the way of the nearest of those of a kind within their braking distance.
     pub fn cut_off(&self, kind: MoverKind, movers: &[Mover]) -> bool {
-        let Some(robot) = self.robot else { return false };
-        let those = movers.iter().zip(&self.watched).filter(|(m, _)| m.present && m.kind == kind);
+        let Some(robot) = self.robot else {
+            return false;
+        };
+        let those = movers
+            .iter()
+            .zip(&self.watched)
+            .filter(|(m, _)| m.present && m.kind == kind);
         let apart = |m: &Mover| outside(robot, m, 0.0);
-        those.min_by(|a, b| apart(a.0).total_cmp(&apart(b.0))).is_some_and(|(_, watched)| watched.blame > 0.0)
+        those
+            .min_by(|a, b| apart(a.0).total_cmp(&apart(b.0)))
+            .is_some_and(|(_, watched)| watched.blame > 0.0)
     }
 }
 
@@ -110,7 +122,10 @@ fn outside(at: MapPoint, mover: &Mover, ahead: f64) -> f64 {
             let along = ((x * u + y * v) / speed).clamp(0.0, ahead);
             (libm::hypot(x - along * u / speed, y - along * v / speed) - radius).max(0.0)
         }
-        Hull::Box { half_length, half_width } => {
+        Hull::Box {
+            half_length,
+            half_width,
+        } => {
             let (forward, left) = mover.pose.inverse_transform(at);
             let long = forward - forward.clamp(-half_length, half_length + ahead);
             libm::hypot(long, (left.abs() - half_width).max(0.0))
@@ -140,13 +155,20 @@ mod tests {
         Mover {
             kind: MoverKind::Car,
             velocity: [8.0, 0.0],
-            hull: Hull::Box { half_length: 2.0, half_width: 0.9 },
+            hull: Hull::Box {
+                half_length: 2.0,
+                half_width: 0.9,
+            },
             ..walker(x)
         }
     }
 
     fn robot(x: f64, y: f64) -> RobotState {
-        RobotState { position: MapPoint::new(x, y), velocity: [0.0; 2], radius: 0.2 }
+        RobotState {
+            position: MapPoint::new(x, y),
+            velocity: [0.0; 2],
+            radius: 0.2,
+        }
     }
 
     /// Whether a robot is to blame that came from one place to another while somebody came nearer.
@@ -175,7 +197,8 @@ mod tests {
         assert!(!blame(robot(1.00, 0.0), robot(1.03, 0.0), walker));
         // There is room to stop.
         assert!(
-            !blame(robot(1.5, 0.6), robot(1.5, 0.4), walker) && !blame(robot(6.5, 1.2), robot(6.5, 1.0), car)
+            !blame(robot(1.5, 0.6), robot(1.5, 0.4), walker)
+                && !blame(robot(6.5, 1.2), robot(6.5, 1.0), car)
         );
         // Pushed by somebody else.
         assert!(!came(robot(0.7, 0.6), robot(0.7, 0.4), walker, false));
@@ -195,7 +218,11 @@ mod tests {
                     apart -= 0.025;
                 }
                 let too_near = stop < 1.0;
-                assert_eq!(yielding.cut_off(MoverKind::Pedestrian, &[walker(0.0)]), too_near, "{phase}");
+                assert_eq!(
+                    yielding.cut_off(MoverKind::Pedestrian, &[walker(0.0)]),
+                    too_near,
+                    "{phase}"
+                );
             }
         }
     }
@@ -209,11 +236,26 @@ mod tests {
             for i in 0..35 {
                 let time = 0.05 * f64::from(i) - aside;
                 let walks = if time < 0.0 { [0.0, 0.6] } else { [0.6, 0.0] };
-                speed = if time > waits { f64::max(speed - 0.05, 0.0) } else { speed };
+                speed = if time > waits {
+                    f64::max(speed - 0.05, 0.0)
+                } else {
+                    speed
+                };
                 driven += 0.05 * speed;
                 walked += 0.05 * walks[0];
-                let state = RobotState { velocity: [-speed, 0.0], ..robot(apart - driven, 0.0) };
-                yielding.update(0.05, &state, speed > 0.0, &[Mover { velocity: walks, ..walker(walked) }]);
+                let state = RobotState {
+                    velocity: [-speed, 0.0],
+                    ..robot(apart - driven, 0.0)
+                };
+                yielding.update(
+                    0.05,
+                    &state,
+                    speed > 0.0,
+                    &[Mover {
+                        velocity: walks,
+                        ..walker(walked)
+                    }],
+                );
             }
             yielding.cut_off(MoverKind::Pedestrian, &[walker(walked)])
         };
