@@ -2,48 +2,59 @@
 
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 
-/// A fix whose dilution of precision is worse is none.
-const WORST_DILUTION: f64 = 20.0;
+/// Largest position dilution of precision of a fix.
+const MAX_DILUTION: f64 = 20.0;
 
-/// A pseudorange: its error is all that the solution needs to know, since the geometry is linear over metres.
+/// A pseudorange. The solution needs only its error, since the geometry is linear over metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Range {
     /// Towards the satellite: east, north, up.
     pub(super) direction: Vector3<f64>,
     /// Error, metres.
     pub(super) error: f64,
-    /// Deviation that the receiver believes in, metres.
+    /// Standard deviation in the receiver's model, metres.
     pub(super) deviation: f64,
 }
 
-/// Where the solution lies.
+impl Range {
+    /// The row of the design matrix.
+    fn row(&self) -> Vector4<f64> {
+        Vector4::new(-self.direction.x, -self.direction.y, -self.direction.z, 1.0)
+    }
+
+    fn weight(&self) -> f64 {
+        1.0 / (self.deviation * self.deviation)
+    }
+}
+
+/// The position of a fix.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Solution {
-    /// From the truth, metres.
+    /// From the true position, metres: east, north, up.
     pub(super) error: Vector3<f64>,
-    /// What the receiver believes of that, m².
+    /// Covariance of the error in the receiver's model, m².
     pub(super) covariance: Matrix3<f64>,
 }
 
-/// Position and clock from at least four ranges; `None` if they are fewer or lie badly.
+/// Position and clock from ranges; `None` with fewer than four or a bad geometry.
 pub(super) fn solve(ranges: &[Range]) -> Option<Solution> {
     if ranges.len() < 4 {
         return None;
     }
-    let row = |r: &Range| Vector4::new(-r.direction.x, -r.direction.y, -r.direction.z, 1.0);
-    let plain: Matrix4<f64> = ranges.iter().map(|r| row(r) * row(r).transpose()).sum();
-    // The position dilution of precision.
+    let plain: Matrix4<f64> = ranges.iter().map(|r| r.row() * r.row().transpose()).sum();
     let shape = plain.try_inverse()?;
     let dilution = (0..3).map(|i| shape[(i, i)]).sum::<f64>().sqrt();
-    if dilution.is_nan() || dilution > WORST_DILUTION {
+    if dilution.is_nan() || dilution > MAX_DILUTION {
         return None;
     }
-    let weight = |r: &Range| 1.0 / (r.deviation * r.deviation);
     let normal: Matrix4<f64> = ranges
         .iter()
-        .map(|r| row(r) * row(r).transpose() * weight(r))
+        .map(|r| r.row() * r.row().transpose() * r.weight())
         .sum();
-    let right: Vector4<f64> = ranges.iter().map(|r| row(r) * (r.error * weight(r))).sum();
+    let right: Vector4<f64> = ranges
+        .iter()
+        .map(|r| r.row() * (r.error * r.weight()))
+        .sum();
     let covariance = normal.try_inverse()?;
     Some(Solution {
         error: (covariance * right).xyz(),
@@ -75,7 +86,7 @@ mod tests {
     }
 
     #[test]
-    fn an_error_of_all_ranges_is_the_clock_s() {
+    fn an_error_common_to_all_ranges_is_in_the_clock() {
         let solution = solve(&ranges([7.0; 5])).unwrap();
         assert!(solution.error.norm() < 1e-9);
     }
@@ -88,7 +99,7 @@ mod tests {
             (east_is_long.error.x + 1.5 / (2.0 / 5.0_f64.sqrt())).abs() < 1e-9,
             "{east_is_long:?}"
         );
-        // The deviation of 2 m, likewise.
+        // The deviation of 2 m is shared alike.
         let expected = 2.0 * 2.0 / (2.0 * 4.0 / 5.0);
         assert!(
             (east_is_long.covariance[(0, 0)] - expected).abs() < 1e-9,
