@@ -1,18 +1,17 @@
-//! The inertial measurement unit and the wheels' encoders.
+//! The inertial measurement unit.
 //!
 //! The unit is the one in the MID-360, a TDK InvenSense ICM-40609-D (Livox's specifications name it; its data sheet is DS-000330, revision
 //! 1.2). White noise, a bias that wanders, errors of scale, saturation, 16 bits.
 
 use nalgebra::Vector3;
-use openbench_core::{ImuSample, Pose3, RobotDescription, SimTime, WheelSample};
+use openbench_core::{ImuSample, Pose3, RobotDescription, SimTime};
 
 use crate::noise::Noise;
-use crate::physics::Physics;
+use crate::physics::{GRAVITY, Physics};
 
 /// Time between two samples, nanoseconds: 100 Hz.
-pub const SAMPLE_NS: u64 = 10_000_000;
+pub(crate) const SAMPLE_NS: u64 = 10_000_000;
 const DT: f64 = SAMPLE_NS as f64 * 1e-9;
-const GRAVITY: f64 = 9.8;
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
 /// What is wrong with three gyroscopes or three accelerometers, in rad/s or m/s².
@@ -53,12 +52,10 @@ const ACCEL: Errors = Errors {
     scale: 2.5e-3,
     range: 4.0 * GRAVITY,
 };
-/// Marks on an encoder's disc.
-const TICKS: f64 = 2048.0;
 
 /// The IMU.
 #[derive(Debug)]
-pub struct Imu {
+pub(crate) struct Imu {
     noise: Noise,
     mount: Pose3,
     gyro: Triad,
@@ -68,7 +65,7 @@ pub struct Imu {
 
 impl Imu {
     /// An IMU mounted on the robot as its description says.
-    pub fn new(mut noise: Noise, robot: &RobotDescription) -> Self {
+    pub(crate) fn new(mut noise: Noise, robot: &RobotDescription) -> Self {
         let gyro = Triad::new(GYRO, &mut noise);
         let accel = Triad::new(ACCEL, &mut noise);
         Self {
@@ -81,7 +78,7 @@ impl Imu {
     }
 
     /// The sample at `stamp`; the specific force is the mean since the last sample.
-    pub fn sample(&mut self, stamp: SimTime, physics: &Physics) -> ImuSample {
+    pub(crate) fn sample(&mut self, stamp: SimTime, physics: &Physics) -> ImuSample {
         let base = physics.base_link();
         let to_sensor = (base.rotation * self.mount.rotation).inverse();
         let velocity = physics.velocity_at(self.mount.translation.vector);
@@ -138,28 +135,6 @@ impl Errors {
 
 fn normal3(noise: &mut Noise) -> Vector3<f64> {
     Vector3::from_fn(|_, _| noise.normal())
-}
-
-/// Encoders of the left and right wheels.
-#[derive(Debug, Default)]
-pub struct Encoders {
-    angles: [f64; 2],
-}
-
-impl Encoders {
-    /// Turns the discs with the wheels for `dt` seconds.
-    pub fn turn(&mut self, speeds: [f64; 2], dt: f64) {
-        for (angle, speed) in self.angles.iter_mut().zip(speeds) {
-            *angle += speed * dt;
-        }
-    }
-
-    /// The sample at `stamp`: angles in whole marks.
-    pub fn sample(&self, stamp: SimTime) -> WheelSample {
-        let mark = std::f64::consts::TAU / TICKS;
-        let [left, right] = self.angles.map(|a| libm::floor(a / mark) * mark);
-        WheelSample { stamp, left, right }
-    }
 }
 
 #[cfg(test)]

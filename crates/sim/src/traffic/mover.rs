@@ -2,10 +2,11 @@
 
 use openbench_core::{MapPoint, Pose2};
 
-/// Radius of the place that a person needs: what `free` must stand for, metres.
+/// Radius of a person, metres: the argument `free` of [`Traffic::new`](super::Traffic::new) tells
+/// where a disc of this radius fits.
 pub const PERSON_RADIUS: f64 = 0.25;
 
-/// The robot as others see it: a disc.
+/// The robot as people and cars see it: a disc.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RobotState {
     /// Its middle in `map`, metres.
@@ -17,8 +18,8 @@ pub struct RobotState {
 }
 
 impl RobotState {
-    /// The state as people and cars see it: a robot whose state is not finite is far away.
-    pub(super) fn seen(self) -> Self {
+    /// The same state, or one far away if it contains NaN, infinity or absurd numbers.
+    pub(super) fn sanitized(self) -> Self {
         let Self {
             position,
             velocity,
@@ -36,7 +37,7 @@ impl RobotState {
     }
 }
 
-/// What moves.
+/// Kind of a mover.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MoverKind {
     /// A person on foot.
@@ -67,7 +68,7 @@ pub enum Hull {
 pub struct Mover {
     /// What it is.
     pub kind: MoverKind,
-    /// Whether it is there at all: cars leave and come in again.
+    /// Whether it is on the map: cars leave and come in again.
     pub present: bool,
     /// Middle of the hull and heading, in `map`.
     pub pose: Pose2,
@@ -77,12 +78,12 @@ pub struct Mover {
     pub hull: Hull,
     /// Phase of the walking cycle, 0 to 1 (left foot in front at 0); 0 for cars.
     pub gait: f64,
-    /// Which of the [`figures`](super::figures) it looks like: any number, the same for the mover's whole life.
+    /// Number that selects its figure: any number, the same for the mover's whole life.
     pub look: u32,
 }
 
 impl Mover {
-    /// Somebody who is not there yet.
+    /// A mover that is not on the map yet.
     pub(super) fn absent() -> Self {
         Self {
             kind: MoverKind::Pedestrian,

@@ -1,7 +1,8 @@
-//! What the words on a way say to those who walk and drive: widths, speeds, directions, pavements.
+//! What the tags of a way mean for people and cars: widths, speeds, directions, pavements.
 //!
-//! Tags as the OSM wiki's *Key:highway*, *Key:maxspeed*, *Key:sidewalk* and *Key:driving side* have them. Usual widths are those
-//! by which `openbench_scene::generate` builds streets. Conditional limits are not regarded.
+//! Tags as in the OSM wiki's *Key:highway*, *Key:maxspeed*, *Key:sidewalk* and *Key:driving side*.
+//! Usual widths are those with which `openbench_scene::generate` builds streets. Conditional limits
+//! are ignored.
 
 use openbench_osm::Tags;
 
@@ -12,116 +13,149 @@ pub(super) struct Carriageway {
     pub half_width: f64,
     /// Speed limit, m/s.
     pub limit: f64,
-    /// Whether cars go along the way's nodes, and against them.
-    pub directions: [bool; 2],
-    /// Whether one drives on the left.
+    /// Whether cars drive in the direction of the way's nodes.
+    pub forward: bool,
+    /// Whether cars drive against the direction of the way's nodes.
+    pub backward: bool,
+    /// Whether traffic keeps to the left.
     pub left_hand: bool,
-    /// Distance of walkers from the middle, on the left and on the right; `None` where they do not walk.
-    pub walkers: [Option<f64>; 2],
+    /// People beside the carriageway.
+    pub walkers: Walkers,
 }
 
-/// Width of a pavement that is not drawn as a way of its own, metres.
-const PAVEMENT: f64 = 1.8;
-/// Walkers beside a carriageway without a pavement keep this far from its edge, metres.
-const VERGE: f64 = 0.5;
+/// Distance of people from the middle of a carriageway, metres; `None` where nobody walks.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Walkers {
+    pub left: Option<f64>,
+    pub right: Option<f64>,
+}
+
+/// What is usual on a class of highway.
+struct Usual {
+    /// Width of the carriageway, metres.
+    width: f64,
+    /// Speed limit, km/h.
+    limit: f64,
+}
+
+/// Width of a pavement that is not mapped as a way of its own, metres.
+const PAVEMENT_M: f64 = 1.8;
+/// Distance of people from the edge of a carriageway without a pavement, metres.
+const VERGE_M: f64 = 0.5;
+/// Width of a lane, metres.
+const LANE_M: f64 = 3.0;
+/// Speed limit of `maxspeed=walk`, km/h.
+const WALKING_KMH: f64 = 7.0;
+const KM_PER_MILE: f64 = 1.609_344;
 
 /// The carriageway of a way; `None` if no car drives there.
 pub(super) fn carriageway(tags: &Tags) -> Option<Carriageway> {
-    let highway = tags.get("highway").filter(|_| on_the_ground(tags))?;
+    let highway = tags.get("highway").filter(|_| is_on_the_ground(tags))?;
     let highway = highway.strip_suffix("_link").unwrap_or(highway);
-    // Usual width, metres; usual limit, km/h.
-    let (width, limit) = match highway {
-        "motorway" | "trunk" => (10.0, 80.0),
-        "primary" => (8.5, 50.0),
-        "secondary" => (7.5, 50.0),
-        "tertiary" => (6.5, 50.0),
-        "residential" | "unclassified" | "road" => (5.5, 30.0),
-        "living_street" => (5.0, 7.0),
-        "service" => (
-            if tags.is("service", "parking_aisle") {
-                5.0
-            } else {
-                3.2
-            },
-            10.0,
-        ),
-        _ => return None,
-    };
-    let access = ["motorcar", "motor_vehicle", "vehicle", "access"]
-        .iter()
-        .find_map(|key| tags.get(key));
-    if access == Some("no") {
+    let usual = usual(highway, tags)?;
+    let keys = ["motorcar", "motor_vehicle", "vehicle", "access"];
+    if keys.iter().find_map(|key| tags.get(key)) == Some("no") {
         return None;
     }
     let lanes = number(tags, "lanes")
         .filter(|l| (1.0..=8.0).contains(l))
-        .map(|l| 3.0 * l);
-    let told = number(tags, "width").filter(|w| (2.0..=40.0).contains(w));
-    let half_width = told.or(lanes).unwrap_or(width) / 2.0;
+        .map(|l| LANE_M * l);
+    let tagged = number(tags, "width").filter(|w| (2.0..=40.0).contains(w));
+    let half_width = tagged.or(lanes).unwrap_or(usual.width) / 2.0;
+    let (forward, backward) = directions(tags, highway);
     let fast = matches!(highway, "motorway" | "trunk");
     Some(Carriageway {
         half_width,
-        limit: max_speed(tags).unwrap_or(limit).clamp(5.0, 100.0) / 3.6,
-        directions: directions(tags, highway),
+        limit: max_speed(tags).unwrap_or(usual.limit).clamp(5.0, 100.0) / 3.6,
+        forward,
+        backward,
         left_hand: tags.is("driving_side", "left"),
         walkers: if fast {
-            [None; 2]
+            Walkers::default()
         } else {
             walkers(tags, half_width)
         },
     })
 }
 
-/// Half the width of a way for walkers, metres; `None` if it is none.
-pub(super) fn walkway(tags: &Tags) -> Option<f64> {
-    let width = match tags.get("highway").filter(|_| on_the_ground(tags))? {
+fn usual(highway: &str, tags: &Tags) -> Option<Usual> {
+    let (width, limit) = match highway {
+        "motorway" | "trunk" => (10.0, 80.0),
+        "primary" => (8.5, 50.0),
+        "secondary" => (7.5, 50.0),
+        "tertiary" => (6.5, 50.0),
+        "residential" | "unclassified" | "road" => (5.5, 30.0),
+        "living_street" => (5.0, WALKING_KMH),
+        "service" if tags.is("service", "parking_aisle") => (5.0, 10.0),
+        "service" => (3.2, 10.0),
+        _ => return None,
+    };
+    Some(Usual { width, limit })
+}
+
+/// Half the width of a footway, metres; `None` if the way is none.
+pub(super) fn footway_half_width(tags: &Tags) -> Option<f64> {
+    let width = match tags.get("highway").filter(|_| is_on_the_ground(tags))? {
         "pedestrian" => 4.0,
         "footway" if tags.is("footway", "sidewalk") => 2.0,
         "footway" | "path" => 1.5,
         _ => return None,
     };
-    let told = number(tags, "width").filter(|w| (0.5..=40.0).contains(w));
+    let tagged = number(tags, "width").filter(|w| (0.5..=40.0).contains(w));
     let access = tags.get("foot").or(tags.get("access"));
-    (access != Some("no")).then(|| told.unwrap_or(width) / 2.0)
+    (access != Some("no")).then(|| tagged.unwrap_or(width) / 2.0)
 }
 
-fn on_the_ground(tags: &Tags) -> bool {
+fn is_on_the_ground(tags: &Tags) -> bool {
     let below = tags.says("tunnel") || tags.get("layer").is_some_and(|l| l.starts_with('-'));
     !below && !tags.is("area", "yes") && !tags.says("indoor")
 }
 
-fn directions(tags: &Tags, highway: &str) -> [bool; 2] {
+/// Whether cars drive in the direction of the way's nodes, and whether they drive against it.
+fn directions(tags: &Tags, highway: &str) -> (bool, bool) {
     match tags.get("oneway") {
-        Some("yes" | "true" | "1") => [true, false],
-        Some("-1" | "reverse") => [false, true],
-        Some("no") => [true, true],
-        _ if tags.is("junction", "roundabout") || highway == "motorway" => [true, false],
-        _ => [true, true],
+        Some("yes" | "true" | "1") => (true, false),
+        Some("-1" | "reverse") => (false, true),
+        Some("no") => (true, true),
+        _ if tags.is("junction", "roundabout") || highway == "motorway" => (true, false),
+        _ => (true, true),
     }
 }
 
-fn walkers(tags: &Tags, half_width: f64) -> [Option<f64>; 2] {
-    let (paved, verge) = (half_width + PAVEMENT / 2.0, half_width + VERGE);
-    let street = !["service", "living_street"]
+fn walkers(tags: &Tags, half_width: f64) -> Walkers {
+    let paved = Some(half_width + PAVEMENT_M / 2.0);
+    let verge = Some(half_width + VERGE_M);
+    let narrow = ["service", "living_street"]
         .iter()
         .any(|h| tags.is("highway", h));
-    let usual = if street { paved } else { verge };
-    let side = |name: &str| {
-        let word = tags
-            .get(&format!("sidewalk:{name}"))
-            .or(tags.get("sidewalk:both"));
-        match word {
-            Some("separate") => None,
-            Some("no") => Some(verge),
-            _ => Some(usual),
-        }
-    };
+    let usual = if narrow { verge } else { paved };
     match tags.get("sidewalk") {
-        Some("separate") => [None; 2],
-        Some("no" | "none") => [Some(verge); 2],
-        Some("left") => [Some(paved), Some(verge)],
-        Some("right") => [Some(verge), Some(paved)],
-        _ => [side("left"), side("right")],
+        Some("separate") => Walkers::default(),
+        Some("no" | "none") => Walkers {
+            left: verge,
+            right: verge,
+        },
+        Some("left") => Walkers {
+            left: paved,
+            right: verge,
+        },
+        Some("right") => Walkers {
+            left: verge,
+            right: paved,
+        },
+        _ => Walkers {
+            left: on_side(tags, "sidewalk:left", verge, usual),
+            right: on_side(tags, "sidewalk:right", verge, usual),
+        },
+    }
+}
+
+/// Where people walk on the side that `key` describes.
+fn on_side(tags: &Tags, key: &str, verge: Option<f64>, usual: Option<f64>) -> Option<f64> {
+    match tags.get(key).or(tags.get("sidewalk:both")) {
+        Some("separate") => None,
+        Some("no") => verge,
+        _ => usual,
     }
 }
 
@@ -129,20 +163,17 @@ fn walkers(tags: &Tags, half_width: f64) -> [Option<f64>; 2] {
 fn max_speed(tags: &Tags) -> Option<f64> {
     let text = tags.get("maxspeed")?.trim();
     if text == "walk" {
-        return Some(7.0);
+        return Some(WALKING_KMH);
     }
-    let (digits, scale) = text
-        .strip_suffix("mph")
-        .map_or((text, 1.0), |miles| (miles, 1.609_344));
-    digits
-        .trim()
-        .parse::<f64>()
-        .ok()
-        .filter(|v| v.is_finite() && *v > 0.0)
-        .map(|v| v * scale)
+    let (digits, scale) = match text.strip_suffix("mph") {
+        Some(miles) => (miles, KM_PER_MILE),
+        None => (text, 1.0),
+    };
+    let value: f64 = digits.trim().parse().ok()?;
+    (value.is_finite() && value > 0.0).then_some(value * scale)
 }
 
-/// A number; `m` may stand behind it.
+/// A number, with or without the unit `m` behind it.
 fn number(tags: &Tags, key: &str) -> Option<f64> {
     let text = tags.get(key)?.trim().trim_end_matches('m').trim_end();
     text.replace(',', ".")
@@ -155,12 +186,13 @@ fn number(tags: &Tags, key: &str) -> Option<f64> {
 mod tests {
     use super::*;
 
+    fn of(tags: &[(&str, &str)]) -> Option<Carriageway> {
+        carriageway(&tags.iter().copied().collect::<Tags>())
+    }
+
     #[test]
-    fn limits_are_told_or_usual() {
-        let limit = |words: &[(&str, &str)]| {
-            carriageway(&words.iter().copied().collect::<Tags>())
-                .map(|c| libm::round(c.limit * 3.6))
-        };
+    fn limits_are_tagged_or_usual() {
+        let limit = |tags: &[(&str, &str)]| of(tags).map(|c| libm::round(c.limit * 3.6));
         assert_eq!(limit(&[("highway", "residential")]), Some(30.0));
         assert_eq!(
             limit(&[("highway", "residential"), ("maxspeed", "20 mph")]),
@@ -179,22 +211,23 @@ mod tests {
     }
 
     #[test]
-    fn walkers_keep_to_the_pavement_that_there_is() {
-        let of =
-            |words: &[(&str, &str)]| carriageway(&words.iter().copied().collect::<Tags>()).unwrap();
-        let street = of(&[
+    fn people_walk_on_the_pavements_that_exist() {
+        let walkers = |tags: &[(&str, &str)]| of(tags).unwrap().walkers;
+        let street = walkers(&[
             ("highway", "residential"),
             ("width", "6"),
             ("sidewalk", "left"),
         ]);
-        assert_eq!(street.walkers, [Some(3.9), Some(3.5)]);
         assert_eq!(
-            of(&[("highway", "residential"), ("sidewalk", "separate")]).walkers,
-            [None; 2]
+            street,
+            Walkers {
+                left: Some(3.9),
+                right: Some(3.5)
+            }
         );
-        assert_eq!(
-            walkway(&Tags::from([("highway", "footway"), ("width", "2.4 m")])),
-            Some(1.2)
-        );
+        let separate = walkers(&[("highway", "residential"), ("sidewalk", "separate")]);
+        assert_eq!(separate, Walkers::default());
+        let footway = Tags::from([("highway", "footway"), ("width", "2.4 m")]);
+        assert_eq!(footway_half_width(&footway), Some(1.2));
     }
 }

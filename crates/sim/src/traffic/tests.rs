@@ -1,4 +1,4 @@
-//! People in a corridor, cars before people and before the robot, and a built-in neighbourhood.
+//! People in a corridor, cars that meet people and the robot, and built-in neighbourhoods.
 
 use openbench_osm::{OsmData, OsmMap};
 use openbench_scene::generate::{builtin, builtin_georeference};
@@ -47,7 +47,7 @@ fn neighbourhood(name: &str, plan: TrafficPlan, seed: u64) -> Traffic {
     )
 }
 
-/// Deepest overlap of any two movers, by what they are, metres: people, a person and a car, cars.
+/// Deepest overlap of any two movers, metres: of two people, a person and a car, two cars.
 pub(super) fn overlaps(movers: &[Mover]) -> [f64; 3] {
     let mut deepest = [0.0_f64; 3];
     for (i, a) in movers.iter().enumerate().filter(|(_, m)| m.present) {
@@ -57,11 +57,7 @@ pub(super) fn overlaps(movers: &[Mover]) -> [f64; 3] {
                     (0, r + q - a.pose.point().distance(b.pose.point()))
                 }
                 (Hull::Disc { radius }, Hull::Box { .. }) => {
-                    let car = CarHull {
-                        pose: b.pose,
-                        half: HALF,
-                        speed: 0.0,
-                    };
+                    let car = CarHull::new(b.pose, 0.0);
                     (1, radius - car.distance(a.pose.point()))
                 }
                 _ => (2, boxes_overlap(a.pose, b.pose)),
@@ -72,14 +68,14 @@ pub(super) fn overlaps(movers: &[Mover]) -> [f64; 3] {
     deepest
 }
 
-/// How deep two cars are in each other, by the axis along which it is least (separating axes).
+/// Overlap of two cars along the axis on which it is least (separating axes), metres.
 fn boxes_overlap(a: Pose2, b: Pose2) -> f64 {
     let axes = [a.yaw, b.yaw]
         .into_iter()
         .flat_map(|yaw| [yaw, yaw + std::f64::consts::FRAC_PI_2]);
     let reach = |yaw: f64, axis: f64| {
         let (sin, cos) = libm::sincos(yaw - axis);
-        HALF[0] * cos.abs() + HALF[1] * sin.abs()
+        CAR_HALF_LENGTH_M * cos.abs() + CAR_HALF_WIDTH_M * sin.abs()
     };
     let along = |axis: f64| {
         let (sin, cos) = libm::sincos(axis);
@@ -90,7 +86,7 @@ fn boxes_overlap(a: Pose2, b: Pose2) -> f64 {
 }
 
 #[test]
-fn without_ways_nobody_is_there() {
+fn a_map_without_roads_has_no_traffic() {
     let map = street(&tag("barrier", "fence"));
     let plan = TrafficPlan {
         pedestrians: 5,
@@ -103,7 +99,7 @@ fn without_ways_nobody_is_there() {
 }
 
 #[test]
-fn in_a_corridor_with_counter_flow_all_get_through() {
+fn all_people_get_through_a_corridor_with_counter_flow() {
     // 100 m long, 3 m wide between walls; half the people come from each end.
     let map = street(&(tag("highway", "footway") + &tag("width", "3")));
     let free = |p: MapPoint| p.y.abs() < 1.5 - PERSON_RADIUS && (-1.0..101.0).contains(&p.x);
@@ -128,7 +124,7 @@ fn in_a_corridor_with_counter_flow_all_get_through() {
         );
         traffic.pedestrians.send(i, from, ends[(i + 1) % 2]);
     }
-    traffic.pedestrians.look_round();
+    traffic.pedestrians.update_neighbours();
     let mut arrived = [false; 24];
     let mut deepest = 0.0_f64;
     for _ in 0..3000 {
@@ -147,7 +143,7 @@ fn in_a_corridor_with_counter_flow_all_get_through() {
 }
 
 #[test]
-fn a_car_stops_before_a_robot_and_goes_on_when_it_is_gone() {
+fn a_car_stops_for_a_robot_and_goes_on_when_it_is_gone() {
     let map = street(&(tag("highway", "residential") + &tag("oneway", "yes")));
     let plan = TrafficPlan {
         pedestrians: 0,
@@ -182,13 +178,13 @@ fn a_car_lets_a_person_cross_and_goes_on() {
     let mut traffic = Traffic::new(&map, |_| true, plan, MapPoint::new(100.0, 0.0), 5);
     assert_eq!(traffic.placed(), plan);
     let x = traffic.movers()[1].pose.x;
-    // Someone stands on the carriageway for ten seconds.
+    // A person stands on the carriageway for ten seconds.
     let end = traffic.pedestrians.end_at(MapPoint::new(x + 25.0, 3.6));
     traffic
         .pedestrians
         .send(0, MapPoint::new(x + 25.0, -0.5), end);
     traffic.pedestrians.pace(0, 0.0);
-    traffic.pedestrians.look_round();
+    traffic.pedestrians.update_neighbours();
     let (mut slowest, mut went_on) = (f64::INFINITY, false);
     for i in 0..500 {
         if i == 200 {
@@ -208,7 +204,7 @@ fn a_car_lets_a_person_cross_and_goes_on() {
 }
 
 #[test]
-fn a_built_in_neighbourhood_is_alive_for_a_minute() {
+fn traffic_of_a_built_in_neighbourhood_moves_for_a_minute() {
     let plan = TrafficPlan {
         pedestrians: 50,
         cars: 20,
@@ -265,7 +261,7 @@ fn nobody_is_run_over_whatever_the_place_and_the_seed() {
     for (name, seed) in [("small", 2), ("medium", 3), ("large", 4), ("large", 5)] {
         let mut traffic = neighbourhood(name, plan, seed);
         let mut deepest = [0.0_f64; 3];
-        // The robot stands in the way of one, then of another.
+        // The robot stands in the path of one mover, then of another.
         for i in 0..2400 {
             let other = traffic.movers()[i / 400].pose.point();
             let robot = RobotState {
