@@ -1,7 +1,7 @@
 //! Our pictures against the rasterizer's, pixel by pixel.
 
 use openbench_scene::{Movers, RayCaster, SemanticClass};
-use openbench_sim::{Renderer, View};
+use openbench_sim::{ImageSize, Renderer, View};
 
 use crate::exact;
 use crate::rasterizer::{Lens, Rasterizer, Sight};
@@ -68,7 +68,7 @@ impl Both {
         let mut result = Comparison::default();
         for (i, (ours, theirs)) in (0..).zip(ours.zip(theirs)) {
             result.covered += usize::from(ours.is_some());
-            let place = (i % view.size.0, i / view.size.0);
+            let place = (i % view.size.width, i / view.size.width);
             match Verdict::of(ours, self.pixel(theirs)) {
                 Verdict::Same(share) => result.depth = result.depth.max(share),
                 Verdict::Tie => result.ties += 1,
@@ -139,9 +139,9 @@ fn share(a: Pixel, b: Pixel) -> f32 {
 }
 
 fn lens(view: &View) -> Lens {
-    let axis = [view.size.0, view.size.1].map(|size| (f64::from(size) - 1.0) / 2.0);
+    let axis = [view.size.width, view.size.height].map(|size| (f64::from(size) - 1.0) / 2.0);
     let range = f64::from(view.range);
-    Lens { pose: view.pose, size: view.size, focal_length: view.focal_length, axis, range }
+    Lens { pose: view.pose, size: (view.size.width, view.size.height), focal_length: view.focal_length, axis, range }
 }
 
 /// One pixel of a view, through a longer lens.
@@ -163,7 +163,7 @@ mod tests {
     use super::*;
 
     fn view() -> View {
-        View { pose: Pose3::identity(), size: (64, 48), focal_length: 40.0, range: 20.0, shadows: false, exposure: 1.0 }
+        View { pose: Pose3::identity(), size: ImageSize::new(64, 48), focal_length: 40.0, range: 20.0, shadows: false, exposure: 1.0 }
     }
 
     /// A wall with a fence of eight posts before it.

@@ -12,7 +12,7 @@ pub fn sight(scene: &Scene, view: &View, (u, v): (u32, u32)) -> Option<Sight> {
     let axis = |size: u32| (f64::from(size) - 1.0) / 2.0;
     let f = view.focal_length;
     let ray =
-        Vector3::new(1.0, (axis(view.size.0) - f64::from(u)) / f, (axis(view.size.1) - f64::from(v)) / f);
+        Vector3::new(1.0, (axis(view.size.width) - f64::from(u)) / f, (axis(view.size.height) - f64::from(v)) / f);
     let (eye, ray) = (Point3::from(view.pose.translation.vector), view.pose.rotation * ray);
     let mut nearest = (f64::from(view.range), None);
     for (number, triangle) in (0..).zip(&scene.triangles) {

@@ -3,7 +3,7 @@
 use nalgebra::{Point3, Vector3};
 use openbench_core::{CameraIntrinsics, Pose3, RobotDescription};
 use openbench_scene::{Door, World};
-use openbench_sim::View;
+use openbench_sim::{ImageSize, View};
 
 /// Distances from doors, metres.
 const AWAY: [f64; 4] = [2.0, 5.0, 9.0, 16.0];
@@ -45,7 +45,7 @@ fn view(optics: &CameraIntrinsics, eye: Point3<f64>, look: Vector3<f64>) -> View
     let rotation = nalgebra::UnitQuaternion::from_matrix(&axes);
     View {
         pose: Pose3::from_parts(eye.coords.into(), rotation),
-        size: (optics.width, optics.height),
+        size: ImageSize::new(optics.width, optics.height),
         focal_length: optics.focal_length(),
         range: 100.0,
         shadows: false,

@@ -17,7 +17,10 @@ pub struct Address {
 impl Address {
     /// An address with both levels.
     pub fn new(building: impl Into<String>, unit: impl Into<String>) -> Self {
-        Self { building: building.into(), unit: Some(unit.into()) }
+        Self {
+            building: building.into(),
+            unit: Some(unit.into()),
+        }
     }
 
     /// Whether both name the same door, whatever the case and spacing: `Building 3` is `building3`.
@@ -29,7 +32,10 @@ impl Address {
 
 /// `name` without white space and in lower case, for comparison.
 pub fn fold_name(name: &str) -> String {
-    name.chars().filter(|c| !c.is_whitespace()).flat_map(char::to_lowercase).collect()
+    name.chars()
+        .filter(|c| !c.is_whitespace())
+        .flat_map(char::to_lowercase)
+        .collect()
 }
 
 impl fmt::Display for Address {
@@ -47,8 +53,15 @@ mod tests {
 
     #[test]
     fn doors_are_compared_without_case_and_space() {
-        assert!(Address::new("Building 3", "Unit1").same_door(&Address::new("building3", "unit 1")));
-        assert!(!Address::new("building3", "unit1").same_door(&Address::new("building3", "unit11")));
-        assert!(!Address::new("b", "1").same_door(&Address { building: "b".into(), unit: None }));
+        assert!(
+            Address::new("Building 3", "Unit1").same_door(&Address::new("building3", "unit 1"))
+        );
+        assert!(
+            !Address::new("building3", "unit1").same_door(&Address::new("building3", "unit11"))
+        );
+        assert!(!Address::new("b", "1").same_door(&Address {
+            building: "b".into(),
+            unit: None
+        }));
     }
 }

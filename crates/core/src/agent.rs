@@ -99,7 +99,10 @@ pub struct Velocity {
 
 impl Velocity {
     /// Standing still.
-    pub const ZERO: Self = Self { linear: 0.0, angular: 0.0 };
+    pub const ZERO: Self = Self {
+        linear: 0.0,
+        angular: 0.0,
+    };
 
     /// A velocity from m/s and rad/s.
     pub const fn new(linear: f64, angular: f64) -> Self {

@@ -47,8 +47,15 @@ mod tests {
     #[test]
     fn causes_follow_the_error() {
         let known = vec!["teb".to_owned()];
-        let cause = UnknownName { kind: "local planner", name: "zigzag".into(), known };
+        let cause = UnknownName {
+            kind: "local planner",
+            name: "zigzag".into(),
+            known,
+        };
         let text = with_causes(&Outer(cause));
-        assert_eq!(text, "motion=zigzag: there is no local planner `zigzag`; there are teb");
+        assert_eq!(
+            text,
+            "motion=zigzag: there is no local planner `zigzag`; there are teb"
+        );
     }
 }

@@ -41,7 +41,10 @@ impl MapPoint {
 
     /// The point `distance` metres from here in direction `bearing` (radians, counter-clockwise from east).
     pub fn offset(self, bearing: f64, distance: f64) -> Self {
-        Self::new(self.x + distance * libm::cos(bearing), self.y + distance * libm::sin(bearing))
+        Self::new(
+            self.x + distance * libm::cos(bearing),
+            self.y + distance * libm::sin(bearing),
+        )
     }
 }
 
@@ -92,7 +95,10 @@ impl Pose2 {
     /// The point that this pose's frame calls (`forward`, `left`), in the parent frame.
     pub fn transform(self, forward: f64, left: f64) -> MapPoint {
         let (sin, cos) = libm::sincos(self.yaw);
-        MapPoint::new(self.x + cos * forward - sin * left, self.y + sin * forward + cos * left)
+        MapPoint::new(
+            self.x + cos * forward - sin * left,
+            self.y + sin * forward + cos * left,
+        )
     }
 
     /// What this pose's frame calls the parent's `point`: (forward, left) in metres.
@@ -110,7 +116,10 @@ impl Pose2 {
 
     /// This pose as a transform in three dimensions, at height `z`.
     pub fn to_pose3(self, z: f64) -> Pose3 {
-        Pose3::new(nalgebra::Vector3::new(self.x, self.y, z), nalgebra::Vector3::z() * self.yaw)
+        Pose3::new(
+            nalgebra::Vector3::new(self.x, self.y, z),
+            nalgebra::Vector3::z() * self.yaw,
+        )
     }
 
     /// The horizontal part of `pose`.
@@ -125,7 +134,11 @@ impl Pose2 {
 pub fn wrap_angle(angle: f64) -> f64 {
     let turns = libm::round(angle / std::f64::consts::TAU);
     let wrapped = angle - turns * std::f64::consts::TAU;
-    if wrapped <= -std::f64::consts::PI { wrapped + std::f64::consts::TAU } else { wrapped }
+    if wrapped <= -std::f64::consts::PI {
+        wrapped + std::f64::consts::TAU
+    } else {
+        wrapped
+    }
 }
 
 /// How the `map` frame lies on the Earth. The projection itself is in `openbench-osm`.
@@ -161,15 +174,22 @@ const LATTICE_M: f64 = 100.0;
 impl Georeference {
     /// The tangent plane whose origin is the point at which it touches.
     pub const fn tangent_plane(at: LonLat) -> Self {
-        Self::TangentPlane { at, offset_x: 0.0, offset_y: 0.0 }
+        Self::TangentPlane {
+            at,
+            offset_x: 0.0,
+            offset_y: 0.0,
+        }
     }
 
     /// The false origin: metres that are added to the coordinates of the projection.
     pub const fn offset(&self) -> MapPoint {
         match *self {
-            Self::Utm { offset_x, offset_y, .. } | Self::TangentPlane { offset_x, offset_y, .. } => {
-                MapPoint::new(offset_x, offset_y)
+            Self::Utm {
+                offset_x, offset_y, ..
             }
+            | Self::TangentPlane {
+                offset_x, offset_y, ..
+            } => MapPoint::new(offset_x, offset_y),
         }
     }
 
@@ -188,15 +208,28 @@ impl Georeference {
         let nearest = |metres: f64| 0.0 - libm::round(metres / LATTICE_M) * LATTICE_M;
         let (x, y) = (nearest(point.x - offset.x), nearest(point.y - offset.y));
         match self {
-            Self::Utm { zone, north, .. } => Self::Utm { zone, north, offset_x: x, offset_y: y },
-            Self::TangentPlane { at, .. } => Self::TangentPlane { at, offset_x: x, offset_y: y },
+            Self::Utm { zone, north, .. } => Self::Utm {
+                zone,
+                north,
+                offset_x: x,
+                offset_y: y,
+            },
+            Self::TangentPlane { at, .. } => Self::TangentPlane {
+                at,
+                offset_x: x,
+                offset_y: y,
+            },
         }
     }
 
     /// The same, or with its origin [about](Self::about) `point` where that is farther than so many metres from it.
     #[must_use]
     pub fn near(self, point: MapPoint, metres: f64) -> Self {
-        if point.distance(MapPoint::default()) <= metres { self } else { self.about(point) }
+        if point.distance(MapPoint::default()) <= metres {
+            self
+        } else {
+            self.about(point)
+        }
     }
 
     /// How far `point`, given in this frame, lies from where the projection keeps lengths: UTM's central meridian, or
@@ -240,8 +273,16 @@ fn parse_georeference(text: &str) -> Option<Georeference> {
                 'S' => false,
                 _ => return None,
             };
-            let zone: u8 = zone[..zone.len() - 1].parse().ok().filter(|z| (1..=60).contains(z))?;
-            Some(Georeference::Utm { zone, north, offset_x: number(dx)?, offset_y: number(dy)? })
+            let zone: u8 = zone[..zone.len() - 1]
+                .parse()
+                .ok()
+                .filter(|z| (1..=60).contains(z))?;
+            Some(Georeference::Utm {
+                zone,
+                north,
+                offset_x: number(dx)?,
+                offset_y: number(dy)?,
+            })
         }
         ("tangent", [lon, lat, offset @ ..]) => {
             let at = LonLat::new(number(lon)?, number(lat)?);
@@ -251,7 +292,11 @@ fn parse_georeference(text: &str) -> Option<Georeference> {
                 _ => return None,
             };
             let on_earth = at.lon.abs() <= 180.0 && at.lat.abs() < 90.0;
-            on_earth.then_some(Georeference::TangentPlane { at, offset_x, offset_y })
+            on_earth.then_some(Georeference::TangentPlane {
+                at,
+                offset_x,
+                offset_y,
+            })
         }
         _ => None,
     }
@@ -260,13 +305,30 @@ fn parse_georeference(text: &str) -> Option<Georeference> {
 impl fmt::Display for Georeference {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Utm { zone, north, offset_x, offset_y } => {
-                write!(f, "utm:{zone}{},{offset_x},{offset_y}", if *north { 'N' } else { 'S' })
+            Self::Utm {
+                zone,
+                north,
+                offset_x,
+                offset_y,
+            } => {
+                write!(
+                    f,
+                    "utm:{zone}{},{offset_x},{offset_y}",
+                    if *north { 'N' } else { 'S' }
+                )
             }
-            Self::TangentPlane { at, offset_x: 0.0, offset_y: 0.0 } => {
+            Self::TangentPlane {
+                at,
+                offset_x: 0.0,
+                offset_y: 0.0,
+            } => {
                 write!(f, "tangent:{},{}", at.lon, at.lat)
             }
-            Self::TangentPlane { at, offset_x, offset_y } => {
+            Self::TangentPlane {
+                at,
+                offset_x,
+                offset_y,
+            } => {
                 write!(f, "tangent:{},{},{offset_x},{offset_y}", at.lon, at.lat)
             }
         }
@@ -319,7 +381,8 @@ mod tests {
                 let point = MapPoint::new(544_633.0 + offset.x, 5_362_345.0 + offset.y);
                 let local = shifted.about(point);
                 assert_eq!(local, plane.about(MapPoint::new(544_633.0, 5_362_345.0)));
-                let near = MapPoint::new(544_633.0 + local.offset().x, 5_362_345.0 + local.offset().y);
+                let near =
+                    MapPoint::new(544_633.0 + local.offset().x, 5_362_345.0 + local.offset().y);
                 assert!(near.distance(MapPoint::default()) < 71.0, "{near}");
             }
         }

@@ -39,10 +39,13 @@ pub use frames::{Georeference, GeoreferenceError, LonLat, MapPoint, Pose2, Pose3
 pub use health::{Doubt, Health};
 pub use model_use::ModelUse;
 pub use plan::{
-    AddressLevel, Deadline, Fallback, Level, Plan, PlanPart, PlannedDelivery, Step, StepMode, TravelTimes,
+    AddressLevel, Deadline, Fallback, Level, Plan, PlanPart, PlannedDelivery, Step, StepMode,
+    TravelTimes,
 };
 pub use registry::{Registry, UnknownName};
 pub use robot::RobotDescription;
 pub use sensed::Sensed;
-pub use sensors::{Camera, CameraIntrinsics, GnssFix, Image, ImuSample, LidarPoint, LidarScan, WheelSample};
+pub use sensors::{
+    Camera, CameraIntrinsics, GnssFix, Image, ImuSample, LidarPoint, LidarScan, WheelSample,
+};
 pub use time::SimTime;

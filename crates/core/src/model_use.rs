@@ -25,7 +25,9 @@ impl ModelUse {
             calls: self.calls.saturating_add(other.calls),
             failed: self.failed.saturating_add(other.failed),
             prompt_tokens: self.prompt_tokens.saturating_add(other.prompt_tokens),
-            completion_tokens: self.completion_tokens.saturating_add(other.completion_tokens),
+            completion_tokens: self
+                .completion_tokens
+                .saturating_add(other.completion_tokens),
             latency_ms: self.latency_ms.saturating_add(other.latency_ms),
         }
     }

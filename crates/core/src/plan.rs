@@ -111,7 +111,10 @@ fn sure() -> f64 {
 impl PlannedDelivery {
     /// Building and unit.
     pub fn address(&self) -> Address {
-        Address { building: self.building.clone(), unit: self.unit.clone() }
+        Address {
+            building: self.building.clone(),
+            unit: self.unit.clone(),
+        }
     }
 }
 

@@ -43,7 +43,11 @@ pub struct UnknownName {
 impl std::fmt::Display for UnknownName {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let known = self.known.join(", ");
-        write!(f, "there is no {} `{}`; there are {known}", self.kind, self.name)
+        write!(
+            f,
+            "there is no {} `{}`; there are {known}",
+            self.kind, self.name
+        )
     }
 }
 
@@ -52,14 +56,21 @@ impl std::error::Error for UnknownName {}
 impl<P> Registry<P> {
     /// An empty registry of parts of that kind, named in errors: `local planner`.
     pub fn new(kind: &'static str) -> Self {
-        Self { kind, parts: Vec::new() }
+        Self {
+            kind,
+            parts: Vec::new(),
+        }
     }
 
     /// The same with one more part. A part of the same name is replaced.
     #[must_use]
     pub fn with(mut self, name: &str, about: &str, part: P) -> Self {
         self.parts.retain(|entry| entry.name != name);
-        self.parts.push(Entry { name: name.to_owned(), about: about.to_owned(), part });
+        self.parts.push(Entry {
+            name: name.to_owned(),
+            about: about.to_owned(),
+            part,
+        });
         self
     }
 
@@ -93,7 +104,10 @@ mod tests {
 
     #[test]
     fn a_part_of_the_same_name_is_replaced() {
-        let parts = Registry::new("part").with("a", "", 1).with("b", "", 2).with("a", "new", 3);
+        let parts = Registry::new("part")
+            .with("a", "", 1)
+            .with("b", "", 2)
+            .with("a", "new", 3);
         assert_eq!(parts.get("a"), Ok(&3));
         assert_eq!(parts.names().collect::<Vec<_>>(), ["b", "a"]);
         let abouts: Vec<&str> = parts.entries().map(|entry| entry.about.as_str()).collect();

@@ -61,14 +61,21 @@ impl RobotDescription {
             imu: at(0.12, 0.06 + 0.125),
             lidar: at(0.12, 0.06 + 0.175),
             camera: at(0.15, 0.06 + 0.2),
-            camera_intrinsics: CameraIntrinsics { width: 640, height: 480, horizontal_fov: 1.3963 },
+            camera_intrinsics: CameraIntrinsics {
+                width: 640,
+                height: 480,
+                horizontal_fov: 1.3963,
+            },
             gnss: None,
         }
     }
 
     /// The same robot with a satellite receiver, its antenna on top behind the LiDAR.
     pub fn with_gnss(self) -> Self {
-        Self { gnss: Some(Pose3::translation(-0.1, 0.0, self.height)), ..self }
+        Self {
+            gnss: Some(Pose3::translation(-0.1, 0.0, self.height)),
+            ..self
+        }
     }
 
     /// Radius of the smallest circle about `base_link` that holds the footprint, metres.

@@ -60,7 +60,10 @@ impl Sensed {
     /// The same with an image, if the camera has one now. Taking it costs as much as when an agent
     /// asks for it.
     pub fn with_image(observation: &Observation<'_>) -> Self {
-        Self { image: observation.camera.image(), ..Self::of(observation) }
+        Self {
+            image: observation.camera.image(),
+            ..Self::of(observation)
+        }
     }
 
     /// The observation as an agent sees it. Its camera has the image that was kept, or none.
@@ -95,37 +98,77 @@ mod tests {
         fn image(&self) -> Option<Arc<Image>> {
             self.0.set(self.0.get() + 1);
             let stamp = SimTime::from_millis(100);
-            Some(Arc::new(Image { stamp, width: 1, height: 2, rgb: vec![1, 2, 3, 4, 5, 6] }))
+            Some(Arc::new(Image {
+                stamp,
+                width: 1,
+                height: 2,
+                rgb: vec![1, 2, 3, 4, 5, 6],
+            }))
         }
     }
 
     fn scan() -> LidarScan {
-        let point = LidarPoint { xyz: [1.0, -0.1, 0.25], offset_ns: 7, reflectivity: 40, line: 3 };
-        LidarScan { stamp: SimTime::ZERO, points: vec![point] }
+        let point = LidarPoint {
+            xyz: [1.0, -0.1, 0.25],
+            offset_ns: 7,
+            reflectivity: 40,
+            line: 3,
+        };
+        LidarScan {
+            stamp: SimTime::ZERO,
+            points: vec![point],
+        }
     }
 
     #[test]
     fn an_image_is_taken_only_if_it_is_asked_for() {
         let (camera, scan) = (Counting::default(), scan());
         let time = SimTime::from_millis(100);
-        let seen =
-            Observation { time, imu: &[], wheels: &[], scan: Some(&scan), gnss: None, camera: &camera };
+        let seen = Observation {
+            time,
+            imu: &[],
+            wheels: &[],
+            scan: Some(&scan),
+            gnss: None,
+            camera: &camera,
+        };
         assert!(Sensed::of(&seen).observation().camera.image().is_none());
         assert_eq!(camera.0.get(), 0);
         let sensed = Sensed::with_image(&seen);
         assert_eq!(camera.0.get(), 1);
         assert_eq!(sensed.observation().scan, Some(&scan));
-        assert_eq!(sensed.observation().camera.image().map(|image| image.rgb.len()), Some(6));
+        assert_eq!(
+            sensed
+                .observation()
+                .camera
+                .image()
+                .map(|image| image.rgb.len()),
+            Some(6)
+        );
     }
 
     #[test]
     fn what_was_sensed_is_written_and_read_again() {
         let camera = Counting::default();
         let (scan, time) = (scan(), SimTime::from_millis(100));
-        let imu = [ImuSample { stamp: time, gyro: [0.1 + 0.2, 0.0, 1e-9], accel: [0.0, 0.0, 9.81] }];
-        let wheels = [WheelSample { stamp: time, left: 1.0, right: 2.0 }];
-        let seen =
-            Observation { time, imu: &imu, wheels: &wheels, scan: Some(&scan), gnss: None, camera: &camera };
+        let imu = [ImuSample {
+            stamp: time,
+            gyro: [0.1 + 0.2, 0.0, 1e-9],
+            accel: [0.0, 0.0, 9.81],
+        }];
+        let wheels = [WheelSample {
+            stamp: time,
+            left: 1.0,
+            right: 2.0,
+        }];
+        let seen = Observation {
+            time,
+            imu: &imu,
+            wheels: &wheels,
+            scan: Some(&scan),
+            gnss: None,
+            camera: &camera,
+        };
         let sensed = Sensed::with_image(&seen);
         let text = serde_json::to_string(&sensed).unwrap();
         assert_eq!(serde_json::from_str::<Sensed>(&text).unwrap(), sensed);

@@ -97,7 +97,11 @@ impl CameraIntrinsics {
     /// The direction that pixel (`u`, `v`) looks in, in `camera_link` (x forward, y left, z up), with x = 1.
     pub fn ray(&self, u: f64, v: f64) -> [f64; 3] {
         let f = self.focal_length();
-        [1.0, (self.width as f64 / 2.0 - u) / f, (self.height as f64 / 2.0 - v) / f]
+        [
+            1.0,
+            (self.width as f64 / 2.0 - u) / f,
+            (self.height as f64 / 2.0 - v) / f,
+        ]
     }
 
     /// Where a point in `camera_link` appears, in pixels; `None` if it is behind the camera or outside the image.
@@ -107,8 +111,12 @@ impl CameraIntrinsics {
             return None;
         }
         let f = self.focal_length();
-        let (u, v) = (self.width as f64 / 2.0 - f * y / x, self.height as f64 / 2.0 - f * z / x);
-        let inside = (0.0..self.width as f64).contains(&u) && (0.0..self.height as f64).contains(&v);
+        let (u, v) = (
+            self.width as f64 / 2.0 - f * y / x,
+            self.height as f64 / 2.0 - f * z / x,
+        );
+        let inside =
+            (0.0..self.width as f64).contains(&u) && (0.0..self.height as f64).contains(&v);
         inside.then_some((u, v))
     }
 }

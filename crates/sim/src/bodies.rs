@@ -1,23 +1,31 @@
-//! People and cars as bodies: the robot bumps into them, and they do not give way to its weight.
+//! People and cars as bodies of the physics engine. The robot collides with them and cannot push
+//! them away.
 //!
-//! Only those near the robot take part; a city's traffic costs the physics engine nothing.
+//! Only movers near the robot take part, so the traffic of a town costs the physics engine nothing.
 
+use openbench_core::frames::wrap_angle;
 use openbench_core::{MapPoint, Pose2};
 use openbench_scene::SemanticClass;
+use rapier3d_f64::math::Rotation;
 use rapier3d_f64::pipeline::PhysicsWorld;
 use rapier3d_f64::prelude::{
     ColliderBuilder, ColliderHandle, Pose, RigidBodyBuilder, RigidBodyHandle, SharedShape, Vector,
 };
 
 use crate::clock::{OBSERVATION_NS, STEP_NS};
-use crate::traffic::{Hull, Mover, figures};
+use crate::traffic::{Hull, Mover, car_figure};
 
-/// Bodies further from the robot than this take no part, metres: no car's end reaches the robot from there within a leg.
-const NEAR: f64 = 8.0;
+/// Bodies farther than this from the robot take no part, metres. No end of a car reaches the robot
+/// from there within one leg.
+const NEAR_M: f64 = 8.0;
 /// Height of a person, metres.
-const PERSON_HEIGHT: f64 = 1.75;
+const PERSON_HEIGHT_M: f64 = 1.75;
+/// Friction of people and cars.
+const FRICTION: f64 = 0.3;
+/// Physics steps in a leg.
+const STEPS: u64 = OBSERVATION_NS / STEP_NS;
 
-/// A straight piece of a mover's way, from one observation to the next.
+/// The straight motion of a mover from one observation to the next.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Leg {
     pub(crate) from: Pose2,
@@ -26,22 +34,31 @@ pub(crate) struct Leg {
     pub(crate) ground: f64,
 }
 
-/// Physics steps in a leg.
-const STEPS: u64 = OBSERVATION_NS / STEP_NS;
+impl Leg {
+    /// The pose after a share of the leg, 0 to 1.
+    fn at(&self, share: f64) -> Pose2 {
+        let turned = wrap_angle(self.to.yaw - self.from.yaw);
+        Pose2::new(
+            self.from.x + share * (self.to.x - self.from.x),
+            self.from.y + share * (self.to.y - self.from.y),
+            self.from.yaw + share * turned,
+        )
+    }
+}
 
 struct Slot {
     body: RigidBodyHandle,
     collider: ColliderHandle,
     class: SemanticClass,
-    /// The way that it goes now; `None` if it takes no part.
+    /// The present leg; `None` for a body that takes no part.
     leg: Option<Leg>,
 }
 
-/// The movers' bodies.
+/// The bodies of all movers.
 #[derive(Default)]
 pub(crate) struct Bodies {
     slots: Vec<Slot>,
-    /// Steps done of the present leg.
+    /// Physics steps done of the present leg.
     done: u64,
 }
 
@@ -52,12 +69,19 @@ impl Bodies {
             Hull::Disc { radius } => (person(radius), SemanticClass::Person),
             Hull::Box { .. } => (car(look), SemanticClass::Vehicle),
         };
-        let collider = collider.friction(0.3).enabled(false);
-        let (body, collider) = world.insert(RigidBodyBuilder::kinematic_position_based(), collider);
-        self.slots.push(Slot { body, collider, class, leg: None });
+        let collider = collider.friction(FRICTION).enabled(false);
+        let body = RigidBodyBuilder::kinematic_position_based();
+        let (body, collider) = world.insert(body, collider);
+        self.slots.push(Slot {
+            body,
+            collider,
+            class,
+            leg: None,
+        });
     }
 
-    /// Sets out on new legs, one for each body in the order in which they were added; `None` for who is not there.
+    /// Starts new legs, one for each body in the order in which they were added; `None` for movers
+    /// that are absent.
     pub(crate) fn set_out(
         &mut self,
         world: &mut PhysicsWorld,
@@ -66,55 +90,80 @@ impl Bodies {
     ) {
         self.done = 0;
         for (slot, leg) in self.slots.iter_mut().zip(legs) {
-            let near = leg.filter(|leg| leg.to.point().distance(robot) < NEAR);
+            let near = leg.filter(|leg| leg.to.point().distance(robot) < NEAR_M);
             if near.is_some() != slot.leg.is_some() {
                 world.colliders[slot.collider].set_enabled(near.is_some());
                 if let Some(leg) = near {
-                    world.bodies[slot.body].set_position(pose(&leg, 0.0), true);
+                    world.bodies[slot.body].set_position(upright(leg.at(0.0), leg.ground), true);
                 }
             }
             slot.leg = near;
         }
     }
 
-    /// Goes on by one step.
+    /// Advances the legs by one physics step.
     pub(crate) fn advance(&mut self, world: &mut PhysicsWorld) {
         self.done += 1;
         let share = self.done as f64 / STEPS as f64;
         for slot in &self.slots {
             if let Some(leg) = &slot.leg {
-                world.bodies[slot.body].set_next_kinematic_position(pose(leg, share));
+                let pose = upright(leg.at(share), leg.ground);
+                world.bodies[slot.body].set_next_kinematic_position(pose);
             }
         }
     }
 
-    /// What a collider belongs to, if it is one of these.
+    /// Class of the mover that a collider belongs to, if it belongs to one.
     pub(crate) fn class(&self, collider: ColliderHandle) -> Option<SemanticClass> {
-        self.slots.iter().find(|slot| slot.collider == collider).map(|slot| slot.class)
+        self.slots
+            .iter()
+            .find(|slot| slot.collider == collider)
+            .map(|slot| slot.class)
     }
 }
 
 /// A cylinder on the ground. Those of the engine stand along y.
 fn person(radius: f64) -> ColliderBuilder {
-    let half = PERSON_HEIGHT / 2.0;
+    let half = PERSON_HEIGHT_M / 2.0;
     ColliderBuilder::new(SharedShape::cylinder(half, radius))
         .translation(Vector::new(0.0, 0.0, half))
         .rotation(Vector::new(std::f64::consts::FRAC_PI_2, 0.0, 0.0))
 }
 
-/// The convex hull of what is drawn: a robot meets a car where its sensors see one.
+/// The convex hull of a car's solid triangles, so that the robot touches it where its sensors see
+/// it.
 fn car(look: u32) -> ColliderBuilder {
-    let solid = figures::car(look).solid;
-    let corners: Vec<Vector> = solid.positions.iter().map(|p| Vector::from_array(p.map(f64::from))).collect();
-    ColliderBuilder::new(SharedShape::convex_hull(&corners).expect("a car's corners lie in no plane"))
+    let solid = car_figure(look).solid;
+    let corners: Vec<Vector> = solid
+        .positions
+        .iter()
+        .map(|p| Vector::from_array(p.map(f64::from)))
+        .collect();
+    let hull = SharedShape::convex_hull(&corners).expect("a car's corners span a volume");
+    ColliderBuilder::new(hull)
 }
 
-/// Where a body is after a share of its leg.
-fn pose(leg: &Leg, share: f64) -> Pose {
-    let between = |a: f64, b: f64| a + share * (b - a);
-    let turned = openbench_core::frames::wrap_angle(leg.to.yaw - leg.from.yaw);
-    let (sin, cos) = libm::sincos((leg.from.yaw + share * turned) / 2.0);
-    let rotation = rapier3d_f64::math::Rotation::from_xyzw(0.0, 0.0, sin, cos);
-    let at = Vector::new(between(leg.from.x, leg.to.x), between(leg.from.y, leg.to.y), leg.ground);
-    Pose::from_parts(at, rotation)
+/// A pose on the ground at height `z`, metres, in the types of the physics engine.
+pub(crate) fn upright(at: Pose2, z: f64) -> Pose {
+    let (sin, cos) = libm::sincos(at.yaw / 2.0);
+    let rotation = Rotation::from_xyzw(0.0, 0.0, sin, cos);
+    Pose::from_parts(Vector::new(at.x, at.y, z), rotation)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_leg_turns_the_shorter_way_round() {
+        let (from, to) = (Pose2::new(0.0, 0.0, 3.1), Pose2::new(1.0, 0.0, -3.1));
+        let half = Leg {
+            from,
+            to,
+            ground: 0.0,
+        }
+        .at(0.5);
+        assert!((half.x - 0.5).abs() < 1e-12);
+        assert!((half.yaw - std::f64::consts::PI).abs() < 1e-9, "{half:?}");
+    }
 }

@@ -1,30 +1,29 @@
-//! The robot's camera: an image only when it is asked for.
+//! The robot's camera: it renders an image only on request.
 
 use std::cell::{Cell, RefCell};
 use std::sync::Arc;
 
 use openbench_core::{Camera, Image, Pose3, RobotDescription, SimTime};
-
 use openbench_scene::Movers;
 
 use crate::exposure::AutoExposure;
-use crate::render::{Renderer, View};
+use crate::render::{ImageSize, Renderer, View};
 
-/// Simulated time between two images, nanoseconds.
+/// Least simulated time between two images, nanoseconds.
 const IMAGE_NS: u64 = 100_000_000;
-/// Distance that the camera sees, metres.
-const SIGHT: f32 = 200.0;
-/// A camera goes on adjusting its exposure when nobody takes its images. After so long without one, nanoseconds, it is
-/// measured on a small view instead of the last image.
-const FORGOTTEN_NS: u64 = 1_000_000_000;
-/// How much smaller that view is, each way: 1/256 of an image's rays.
-const SMALLER: u32 = 16;
+/// Range of the camera, metres.
+const RANGE_M: f32 = 200.0;
+/// A real camera keeps adjusting its exposure while its images are not used. When the last image
+/// is older than this, in nanoseconds, exposure is measured on a small view instead of it.
+const STALE_NS: u64 = 1_000_000_000;
+/// Factor between the sides of an image and of that small view, which costs 1/256 of the rays.
+const SMALL_VIEW_FACTOR: u32 = 16;
 
-/// Renders only when asked, and not more often than the real one delivers.
+/// A camera that renders only on request, and no more often than the real one delivers.
 pub(crate) struct SimCamera {
     renderer: Arc<Renderer>,
     mount: Pose3,
-    size: (u32, u32),
+    size: ImageSize,
     focal_length: f64,
     pose: Pose3,
     movers: Arc<Movers>,
@@ -40,7 +39,7 @@ impl SimCamera {
         Self {
             renderer,
             mount: robot.camera,
-            size: (optics.width, optics.height),
+            size: ImageSize::new(optics.width, optics.height),
             focal_length: optics.focal_length(),
             pose: Pose3::identity(),
             movers: Arc::default(),
@@ -51,45 +50,57 @@ impl SimCamera {
         }
     }
 
-    /// Puts the camera where the robot is now, and the movers where they are.
+    /// Moves the camera with the robot, and the movers in its scene, to their places at `time`.
     pub(crate) fn move_to(&mut self, time: SimTime, base_link: Pose3, movers: Arc<Movers>) {
         self.movers = movers;
         self.time = time;
         self.pose = base_link * self.mount;
     }
 
-    /// Takes an image with the exposure that the last one asked for.
+    /// Takes an image, exposed by what the camera measured last.
     fn expose(&self) -> Image {
-        let (width, height) = self.size;
-        let exposure = self.adjusted();
+        let exposure = self.adjusted_exposure();
         let rgb = self.render(&self.view(1, exposure.factor()));
         self.exposure.set(exposure);
-        Image { stamp: self.time, width, height, rgb }
+        Image {
+            stamp: self.time,
+            width: self.size.width,
+            height: self.size.height,
+            rgb,
+        }
     }
 
     fn render(&self, view: &View) -> Vec<u8> {
         self.renderer.render(view, &self.movers)
     }
 
-    fn adjusted(&self) -> AutoExposure {
-        let mut exposure = self.exposure.get();
-        let since = self.last.get().map(|last| self.time.0 - last.0).filter(|since| *since < FORGOTTEN_NS);
-        match (since, &*self.image.borrow()) {
-            (Some(since), Some(last)) => {
-                exposure.learn(&last.rgb, since as f64 * 1e-9);
+    fn adjusted_exposure(&self) -> AutoExposure {
+        let age = self
+            .last
+            .get()
+            .map(|last| self.time.0 - last.0)
+            .filter(|age| *age < STALE_NS);
+        match (age, &*self.image.borrow()) {
+            (Some(age), Some(last)) => {
+                let mut exposure = self.exposure.get();
+                exposure.learn(&last.rgb, age as f64 * 1e-9);
                 exposure
             }
-            _ => AutoExposure::settled(&self.render(&self.view(SMALLER, 1.0))),
+            _ => AutoExposure::settled(&self.render(&self.view(SMALL_VIEW_FACTOR, 1.0))),
         }
     }
 
-    /// What is seen now, in an image that many times smaller.
-    fn view(&self, smaller: u32, exposure: f32) -> View {
+    /// The camera's view now, in an image whose sides are smaller by `factor`.
+    fn view(&self, factor: u32, exposure: f32) -> View {
+        let (width, height) = (
+            self.size.width.div_ceil(factor),
+            self.size.height.div_ceil(factor),
+        );
         View {
             pose: self.pose,
-            size: (self.size.0.div_ceil(smaller), self.size.1.div_ceil(smaller)),
-            focal_length: self.focal_length / f64::from(smaller),
-            range: SIGHT,
+            size: ImageSize::new(width, height),
+            focal_length: self.focal_length / f64::from(factor),
+            range: RANGE_M,
             shadows: false,
             exposure,
         }
@@ -101,7 +112,11 @@ impl Camera for SimCamera {
         if self.last.get() == Some(self.time) {
             return self.image.borrow().clone();
         }
-        if self.last.get().is_some_and(|last| self.time.0 - last.0 < IMAGE_NS) {
+        if self
+            .last
+            .get()
+            .is_some_and(|last| self.time.0 - last.0 < IMAGE_NS)
+        {
             return None;
         }
         let image = Arc::new(self.expose());

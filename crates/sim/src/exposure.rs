@@ -33,7 +33,9 @@ impl AutoExposure {
 
     /// The exposure that such an image, taken with the factor 1, asks for in the long run.
     pub fn settled(rgb: &[u8]) -> Self {
-        Self { stops: missing(rgb).clamp(-STOPS, STOPS) }
+        Self {
+            stops: missing(rgb).clamp(-STOPS, STOPS),
+        }
     }
 }
 
@@ -44,9 +46,17 @@ fn missing(rgb: &[u8]) -> f64 {
 
 /// Mean grey value of some of the pixels, weighted as ITU-R BT.601 does.
 fn mean(rgb: &[u8]) -> f64 {
-    let grey = |p: &[u8]| (77 * u64::from(p[0]) + 150 * u64::from(p[1]) + 29 * u64::from(p[2])) >> 8;
-    let (sum, count) = rgb.chunks_exact(3).step_by(STRIDE).fold((0, 0), |(s, n), p| (s + grey(p), n + 1));
-    if count == 0 { TARGET } else { sum as f64 / count as f64 }
+    let grey =
+        |p: &[u8]| (77 * u64::from(p[0]) + 150 * u64::from(p[1]) + 29 * u64::from(p[2])) >> 8;
+    let (sum, count) = rgb
+        .chunks_exact(3)
+        .step_by(STRIDE)
+        .fold((0, 0), |(s, n), p| (s + grey(p), n + 1));
+    if count == 0 {
+        TARGET
+    } else {
+        sum as f64 / count as f64
+    }
 }
 
 #[cfg(test)]
@@ -66,7 +76,10 @@ mod tests {
             let then = mean(&seen(grey, &exposure));
             assert!((then - TARGET).abs() < 6.0, "{grey} became {then}");
             assert!(
-                (mean(&seen(grey, &AutoExposure::settled(&seen(grey, &AutoExposure::default())))) - TARGET)
+                (mean(&seen(
+                    grey,
+                    &AutoExposure::settled(&seen(grey, &AutoExposure::default()))
+                )) - TARGET)
                     .abs()
                     < 2.0
             );

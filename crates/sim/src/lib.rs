@@ -1,50 +1,50 @@
-//! The simulated robot, its sensors and its world, in lock-step and deterministic: simulated time moves only in
-//! [`Simulator::step`], and the same world, seed and velocities give the same bytes.
+//! The simulated robot, its sensors and its world, in lock-step and deterministic: simulated time
+//! moves only in [`Simulator::step`], and the same world, seed and velocities give the same bytes.
 //!
-//! | module | its one job |
+//! | module | job |
 //! |---|---|
-//! | [`simulator`] | [`Stage`] and [`Simulator`]: everything together, one observation at a time |
-//! | [`physics`] | the body on its wheels, and what it bumps into |
-//! | [`lidar`] | the MID-360 |
-//! | [`inertial`] | IMU and wheel encoders |
-//! | `camera`, [`exposure`] | the robot's camera, and how much light it lets in |
-//! | [`gnss`] | the satellite receiver, where a robot has one |
-//! | [`render`] | pictures |
+//! | `simulator` | [`Simulator`]: everything together, one observation at a time |
+//! | `stage`, `solids`, `bounds` | [`Stage`]: a world prepared for simulation |
+//! | `physics`, `wheels` | the body on its wheels, and its contacts |
+//! | `collision`, `left_world` | [`Collision`], [`LeftWorld`]: what goes wrong |
+//! | [`lidar`] | the Livox MID-360 |
+//! | `imu`, `encoders` | inertial measurement unit and wheel encoders |
+//! | `camera`, `exposure` | the robot's camera and its automatic exposure |
+//! | `gnss` | the satellite receiver of a robot that has one |
+//! | `render` | [`Renderer`]: images of a scene |
+//! | [`traffic`] | people and cars that move, and how near the robot came to them |
+//! | `crowd`, `bodies` | people and cars as rays and the physics engine meet them |
 //! | [`noise`] | seeded random numbers |
-//! | `clock` | how time passes |
+//! | `clock` | steps of simulated time |
 //! | `rounding` | rounding down in vector instructions |
-//! | `crowd`, `bodies` | what moves by itself, as rays and the physics engine meet it |
-//! | [`traffic`] | people and cars that move, how they look, and how near the robot came to them |
 
 mod bodies;
+mod bounds;
 mod camera;
 mod clock;
+mod collision;
 mod crowd;
-pub mod exposure;
-pub mod gnss;
-pub mod inertial;
+mod encoders;
+mod error;
+mod exposure;
+mod gnss;
+mod imu;
+mod left_world;
 pub mod lidar;
 pub mod noise;
-pub mod physics;
-pub mod render;
+mod physics;
+mod render;
 mod rounding;
-pub mod simulator;
+mod simulator;
+mod solids;
+mod stage;
 pub mod traffic;
+mod wheels;
 
 pub use clock::OBSERVATION_NS;
-pub use render::{Labels, Renderer, View};
-pub use simulator::{Collision, LeftWorld, Simulator, Stage};
-
-/// Why a world cannot be simulated.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum SimError {
-    /// There is nothing to stand on.
-    #[error("the world has no solid surface, not even ground; add a ground plane with a collision shape")]
-    NothingSolid,
-    /// The physics engine refuses the solid triangles.
-    #[error("the world's solid triangles cannot be simulated: {0}")]
-    Mesh(String),
-    /// More shall move than the stage has figures for.
-    #[error("the stage has no figures for so many people and cars; make it with `Stage::peopled`")]
-    NoFigures,
-}
+pub use collision::Collision;
+pub use error::SimError;
+pub use left_world::LeftWorld;
+pub use render::{ImageSize, Labels, Renderer, View};
+pub use simulator::Simulator;
+pub use stage::Stage;

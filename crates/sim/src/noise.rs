@@ -18,8 +18,12 @@ pub struct Noise {
 impl Noise {
     /// The stream number `stream` of `seed`.
     pub fn new(seed: u64, stream: u64) -> Self {
-        let mixed = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ stream.wrapping_mul(0xd1b5_4a32_d192_ed03);
-        Self { generator: Pcg32::seed_from_u64(mixed), quantiles: NORMAL_QUANTILES.clone() }
+        let mixed =
+            seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ stream.wrapping_mul(0xd1b5_4a32_d192_ed03);
+        Self {
+            generator: Pcg32::seed_from_u64(mixed),
+            quantiles: NORMAL_QUANTILES.clone(),
+        }
     }
 
     /// Uniform in [0, 1).
@@ -37,13 +41,18 @@ impl Noise {
     #[inline(always)]
     pub fn quick_normal_and_uniform(&mut self) -> (f32, f32) {
         let bits = self.generator.next_u32();
-        (self.quantiles[(bits >> 20) as usize], (bits & 0xf_ffff) as f32 / 1_048_576.0)
+        (
+            self.quantiles[(bits >> 20) as usize],
+            (bits & 0xf_ffff) as f32 / 1_048_576.0,
+        )
     }
 }
 
 /// Quantiles of the normal distribution at the middles of equal shares, scaled to a deviation of exactly 1.
 static NORMAL_QUANTILES: LazyLock<Arc<[f32]>> = LazyLock::new(|| {
-    let raw: Vec<f64> = (0..QUANTILES).map(|i| quantile((i as f64 + 0.5) / QUANTILES as f64)).collect();
+    let raw: Vec<f64> = (0..QUANTILES)
+        .map(|i| quantile((i as f64 + 0.5) / QUANTILES as f64))
+        .collect();
     let deviation = (raw.iter().map(|q| q * q).sum::<f64>() / QUANTILES as f64).sqrt();
     raw.iter().map(|q| (q / deviation) as f32).collect()
 });
@@ -54,7 +63,11 @@ fn quantile(share: f64) -> f64 {
     for _ in 0..50 {
         let middle = (low + high) / 2.0;
         let below = 0.5 * (1.0 + libm::erf(middle / std::f64::consts::SQRT_2));
-        if below < share { low = middle } else { high = middle }
+        if below < share {
+            low = middle
+        } else {
+            high = middle
+        }
     }
     (low + high) / 2.0
 }
@@ -69,7 +82,10 @@ mod tests {
         let moments = |samples: Vec<f64>| {
             let n = samples.len() as f64;
             let mean = samples.iter().sum::<f64>() / n;
-            (mean, (samples.iter().map(|s| (s - mean) * (s - mean)).sum::<f64>() / n).sqrt())
+            (
+                mean,
+                (samples.iter().map(|s| (s - mean) * (s - mean)).sum::<f64>() / n).sqrt(),
+            )
         };
         let exact = moments((0..50_000).map(|_| noise.normal()).collect());
         let (quick, even): (Vec<f64>, Vec<f64>) = (0..50_000)
@@ -78,7 +94,10 @@ mod tests {
             .unzip();
         let (quick, even) = (moments(quick), moments(even));
         for (mean, deviation) in [exact, quick, even] {
-            assert!(mean.abs() < 0.02 && (deviation - 1.0).abs() < 0.02, "{mean} {deviation}");
+            assert!(
+                mean.abs() < 0.02 && (deviation - 1.0).abs() < 0.02,
+                "{mean} {deviation}"
+            );
         }
     }
 

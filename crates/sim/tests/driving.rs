@@ -14,8 +14,20 @@ fn stage() -> Stage {
     let ground = builder.material(Material::plain(SemanticClass::Ground, [0.4, 0.5, 0.3]));
     let wall = builder.material(Material::plain(SemanticClass::Wall, [0.6; 3]));
     let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
-    builder.rectangle(Layer::Both, ground, Point3::new(-20.0, -20.0, 0.1), (x * 40.0, y * 40.0), [1.0; 2]);
-    builder.rectangle(Layer::Both, wall, Point3::new(3.0, -5.0, 0.1), (y * 10.0, z * 2.0), [1.0; 2]);
+    builder.rectangle(
+        Layer::Both,
+        ground,
+        Point3::new(-20.0, -20.0, 0.1),
+        (x * 40.0, y * 40.0),
+        [1.0; 2],
+    );
+    builder.rectangle(
+        Layer::Both,
+        wall,
+        Point3::new(3.0, -5.0, 0.1),
+        (y * 10.0, z * 2.0),
+        [1.0; 2],
+    );
     Stage::new(RayCaster::new(Arc::new(builder.build()))).unwrap()
 }
 
@@ -35,7 +47,10 @@ fn drive(simulator: &mut Simulator, velocity: Velocity, seconds: f64) -> Pose2 {
 fn the_robot_settles_on_the_ground_and_stays() {
     let mut simulator = simulator(0.7, 1);
     let pose = drive(&mut simulator, Velocity::ZERO, 3.0);
-    assert!(pose.point().distance(Default::default()) < 0.005 && (pose.yaw - 0.7).abs() < 0.005, "{pose:?}");
+    assert!(
+        pose.point().distance(Default::default()) < 0.005 && (pose.yaw - 0.7).abs() < 0.005,
+        "{pose:?}"
+    );
     let height = simulator.base_link().translation.z;
     assert!((height - 0.1).abs() < 0.01, "{height}");
     assert!(simulator.collisions().is_empty());
@@ -46,7 +61,10 @@ fn it_drives_and_turns_about_as_told() {
     let mut simulator = simulator(3.0, 1);
     let there = drive(&mut simulator, Velocity::new(0.5, 0.0), 4.0);
     let length = there.point().distance(Default::default());
-    assert!((1.7..2.0).contains(&length), "0.5 m/s for 4 s with 1 m/s²: {length}");
+    assert!(
+        (1.7..2.0).contains(&length),
+        "0.5 m/s for 4 s with 1 m/s²: {length}"
+    );
     let turned = drive(&mut simulator, Velocity::new(0.0, 0.5), 4.0).yaw - there.yaw;
     let turned = turned.rem_euclid(std::f64::consts::TAU);
     assert!((1.7..2.2).contains(&turned), "0.5 rad/s for 4 s: {turned}");
@@ -57,8 +75,13 @@ fn it_drives_and_turns_about_as_told() {
 fn driven(velocity: Velocity, seconds: f64) -> ([f64; 2], f64, f64) {
     let mut simulator = simulator(3.0, 1);
     let radius = RobotDescription::sentry().wheel_radius;
-    let rims =
-        |s: &Simulator| s.observation().wheels.last().map(|w| [w.left * radius, w.right * radius]).unwrap();
+    let rims = |s: &Simulator| {
+        s.observation()
+            .wheels
+            .last()
+            .map(|w| [w.left * radius, w.right * radius])
+            .unwrap()
+    };
     let (mut before, mut turned) = (drive(&mut simulator, velocity, 1.0), 0.0);
     let (start, first) = (before, rims(&simulator));
     for _ in 0..(seconds / 0.05) as usize {
@@ -67,7 +90,11 @@ fn driven(velocity: Velocity, seconds: f64) -> ([f64; 2], f64, f64) {
         before = after;
     }
     let last = rims(&simulator);
-    ([last[0] - first[0], last[1] - first[1]], start.point().distance(before.point()), turned)
+    (
+        [last[0] - first[0], last[1] - first[1]],
+        start.point().distance(before.point()),
+        turned,
+    )
 }
 
 #[test]
@@ -79,7 +106,10 @@ fn turning_on_the_spot_the_wheels_slip_as_on_a_wider_track() {
         // Wheels 0.26 m apart in y and 0.2 m in x. Friction against the slip makes no moment when a · a = b / 2 · (rim / rate - b / 2),
         // a half the distance in x: the track is b + 4 a² / b, 1.59 times b, whatever the friction.
         let expected = robot.wheel_separation + 4.0 * 0.1 * 0.1 / robot.wheel_separation;
-        assert!((track / expected - 1.0).abs() < 0.05, "{track} at {rate} rad/s, not {expected}");
+        assert!(
+            (track / expected - 1.0).abs() < 0.05,
+            "{track} at {rate} rad/s, not {expected}"
+        );
         assert!(
             (track / robot.effective_track - 1.0).abs() < 0.05,
             "{track} at {rate} rad/s: not as described"
@@ -105,8 +135,14 @@ fn a_wheel_that_is_held_up_slips_and_the_encoder_counts_on() {
     let turns = |s: &Simulator| s.observation().wheels.last().map(|w| w.left).unwrap();
     let before = turns(&simulator);
     let after = drive(&mut simulator, Velocity::new(0.5, 0.0), 2.0);
-    assert!(after.point().distance(held.point()) < 0.02, "the wall is in the way");
-    assert!((turns(&simulator) - before) * 0.06 > 0.95, "the rims run a metre");
+    assert!(
+        after.point().distance(held.point()) < 0.02,
+        "the wall is in the way"
+    );
+    assert!(
+        (turns(&simulator) - before) * 0.06 > 0.95,
+        "the rims run a metre"
+    );
 }
 
 #[test]
@@ -126,12 +162,41 @@ fn kerb(height: f64) -> Simulator {
     let ground = builder.material(Material::plain(SemanticClass::Ground, [0.4, 0.5, 0.3]));
     let stone = builder.material(Material::plain(SemanticClass::Kerb, [0.6; 3]));
     let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
-    builder.rectangle(Layer::Both, ground, Point3::new(-20.0, -20.0, 0.0), (x * 40.0, y * 40.0), [1.0; 2]);
-    builder.rectangle(Layer::Both, stone, Point3::new(1.0, -5.0, 0.0), (y * 10.0, z * height), [1.0; 2]);
-    builder.rectangle(Layer::Both, stone, Point3::new(1.0, -5.0, height), (x * 0.14, y * 10.0), [1.0; 2]);
-    builder.rectangle(Layer::Both, stone, Point3::new(1.14, -5.0, 0.0), (y * 10.0, z * height), [1.0; 2]);
+    builder.rectangle(
+        Layer::Both,
+        ground,
+        Point3::new(-20.0, -20.0, 0.0),
+        (x * 40.0, y * 40.0),
+        [1.0; 2],
+    );
+    builder.rectangle(
+        Layer::Both,
+        stone,
+        Point3::new(1.0, -5.0, 0.0),
+        (y * 10.0, z * height),
+        [1.0; 2],
+    );
+    builder.rectangle(
+        Layer::Both,
+        stone,
+        Point3::new(1.0, -5.0, height),
+        (x * 0.14, y * 10.0),
+        [1.0; 2],
+    );
+    builder.rectangle(
+        Layer::Both,
+        stone,
+        Point3::new(1.14, -5.0, 0.0),
+        (y * 10.0, z * height),
+        [1.0; 2],
+    );
     let stage = Stage::new(RayCaster::new(Arc::new(builder.build()))).unwrap();
-    Simulator::new(stage, RobotDescription::sentry(), Pose2::new(0.0, 0.0, 0.0), 1)
+    Simulator::new(
+        stage,
+        RobotDescription::sentry(),
+        Pose2::new(0.0, 0.0, 0.0),
+        1,
+    )
 }
 
 #[test]
@@ -148,13 +213,20 @@ fn wheels_go_over_a_low_kerb() {
     let mut simulator = kerb(0.02);
     let pose = drive(&mut simulator, Velocity::new(0.5, 0.0), 6.0);
     assert!(pose.x > 2.0, "{pose:?}");
-    assert!(simulator.collisions().is_empty(), "{:?}", simulator.collisions());
+    assert!(
+        simulator.collisions().is_empty(),
+        "{:?}",
+        simulator.collisions()
+    );
 }
 
 #[test]
 fn absurd_velocities_do_no_harm() {
     let mut simulator = simulator(3.0, 1);
-    for velocity in [Velocity::new(f64::NAN, f64::INFINITY), Velocity::new(1e300, -1e300)] {
+    for velocity in [
+        Velocity::new(f64::NAN, f64::INFINITY),
+        Velocity::new(1e300, -1e300),
+    ] {
         let pose = drive(&mut simulator, velocity, 1.0);
         assert!(pose.x.is_finite() && pose.x.abs() < 2.0);
     }
@@ -196,7 +268,12 @@ fn the_camera_adjusts_its_exposure_even_when_nobody_looks() {
         image.rgb.iter().map(|c| f64::from(*c)).sum::<f64>() / image.rgb.len() as f64
     };
     // Close before a pale wall in the sun, then turned to the sky above the meadow.
-    let mut simulator = Simulator::new(stage(), RobotDescription::sentry(), Pose2::new(2.0, 0.0, 0.0), 1);
+    let mut simulator = Simulator::new(
+        stage(),
+        RobotDescription::sentry(),
+        Pose2::new(2.0, 0.0, 0.0),
+        1,
+    );
     simulator.step(Velocity::ZERO);
     let first = simulator.observation().camera.image().unwrap();
     assert!((100.0..140.0).contains(&mean(&first)), "{}", mean(&first));
@@ -210,7 +287,10 @@ fn at_rest_the_imu_feels_gravity_upwards() {
     let mut simulator = simulator(0.0, 1);
     drive(&mut simulator, Velocity::ZERO, 1.0);
     let sample = simulator.observation().imu.last().copied().unwrap();
-    assert!((sample.accel[2] - 9.8).abs() < 0.25 && sample.accel[0].abs() < 0.25, "{sample:?}");
+    assert!(
+        (sample.accel[2] - 9.8).abs() < 0.25 && sample.accel[0].abs() < 0.25,
+        "{sample:?}"
+    );
     assert!(sample.gyro.iter().all(|w| w.abs() < 0.02), "{sample:?}");
 }
 
@@ -239,7 +319,10 @@ fn a_robot_kilometres_from_the_origin_drives_as_one_near_it() {
     let driven = |x: f64| {
         let mut builder = SceneBuilder::new();
         let ground = builder.material(Material::plain(SemanticClass::Ground, [0.4, 0.5, 0.3]));
-        let (corner, sides) = (Point3::new(x - 32.0, -32.0, 0.0), (Vector3::x() * 64.0, Vector3::y() * 64.0));
+        let (corner, sides) = (
+            Point3::new(x - 32.0, -32.0, 0.0),
+            (Vector3::x() * 64.0, Vector3::y() * 64.0),
+        );
         builder.rectangle(Layer::Both, ground, corner, sides, [1.0; 2]);
         let stage = Stage::new(RayCaster::new(Arc::new(builder.build()))).unwrap();
         let start = Pose2::new(x, 0.0, 0.3);
@@ -249,5 +332,8 @@ fn a_robot_kilometres_from_the_origin_drives_as_one_near_it() {
     };
     let (here, there) = (driven(0.0), driven(4096.0));
     let apart = libm::hypot(here.0 - there.0, here.1 - there.1);
-    assert!(apart < 1e-4 && (here.2 - there.2).abs() < 1e-4, "{here:?} against {there:?}");
+    assert!(
+        apart < 1e-4 && (here.2 - there.2).abs() < 1e-4,
+        "{here:?} against {there:?}"
+    );
 }

@@ -11,7 +11,7 @@ use openbench_bench::{TrafficPlan, WorldSource};
 use openbench_core::{Image, Pose2, Pose3, RobotDescription, Velocity};
 use openbench_osm::{OsmMap, write_atomically};
 use openbench_scene::{Movers, RayCaster, Scene, SemanticClass, World, free_space::ground_height};
-use openbench_sim::{Labels, Simulator, Stage, View};
+use openbench_sim::{ImageSize, Labels, Simulator, Stage, View};
 use serde_json::json;
 
 use crate::args::ShowArgs;
@@ -66,8 +66,8 @@ fn movers(world: &World, stage: &Stage, plan: TrafficPlan, after: u16) -> anyhow
 }
 
 /// JPEG if the name says so, PNG otherwise.
-fn write_picture(path: &Path, size: (u32, u32), rgb: Vec<u8>, quality: u8) -> anyhow::Result<()> {
-    let image = Image { stamp: Default::default(), width: size.0, height: size.1, rgb };
+fn write_picture(path: &Path, size: ImageSize, rgb: Vec<u8>, quality: u8) -> anyhow::Result<()> {
+    let image = Image { stamp: Default::default(), width: size.width, height: size.height, rgb };
     let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
     let bytes = if ending == "jpg" || ending == "jpeg" {
         image_file::jpeg_of_quality(&image, quality)?
@@ -80,7 +80,8 @@ fn write_picture(path: &Path, size: (u32, u32), rgb: Vec<u8>, quality: u8) -> an
 fn write_labels(args: &ShowArgs, labels: &Labels, scene: &Scene) -> anyhow::Result<()> {
     if let Some(path) = &args.depth {
         let millimetres: Vec<u16> = labels.depth.iter().map(|d| millimetres(*d)).collect();
-        write_atomically(path, &image_file::grey16_png(labels.size, &millimetres)?)?;
+        let size = (labels.size.width, labels.size.height);
+        write_atomically(path, &image_file::grey16_png(size, &millimetres)?)?;
     }
     if let Some(path) = &args.classes {
         let colors = labels.class.iter().map(|class| class.map_or(BLACK, color_of_class));
@@ -94,10 +95,14 @@ fn write_labels(args: &ShowArgs, labels: &Labels, scene: &Scene) -> anyhow::Resu
     Ok(())
 }
 
-fn write_colors(path: &Path, size: (u32, u32), colors: impl Iterator<Item = [u8; 3]>) -> anyhow::Result<()> {
+fn write_colors(path: &Path, size: ImageSize, colors: impl Iterator<Item = [u8; 3]>) -> anyhow::Result<()> {
     // Lossless whatever the name: another colour would be another thing.
-    let image =
-        Image { stamp: Default::default(), width: size.0, height: size.1, rgb: colors.flatten().collect() };
+    let image = Image {
+        stamp: Default::default(),
+        width: size.width,
+        height: size.height,
+        rgb: colors.flatten().collect(),
+    };
     Ok(write_atomically(path, &image_file::png(&image)?)?)
 }
 
@@ -189,7 +194,7 @@ fn street_view(caster: &RayCaster, pose: Pose2) -> View {
     let optics = robot.camera_intrinsics;
     View {
         pose: pose.to_pose3(ground) * robot.camera,
-        size: (2 * optics.width, 2 * optics.height),
+        size: ImageSize::new(2 * optics.width, 2 * optics.height),
         focal_length: 2.0 * optics.focal_length(),
         range: 200.0,
         shadows: true,
@@ -216,7 +221,7 @@ fn birds_eye(world: &World, near: Option<f64>) -> View {
     let eye = middle - rotation * Vector3::x() * distance;
     View {
         pose: Pose3::from_parts(eye.into(), rotation),
-        size: (1600, 1100),
+        size: ImageSize::new(1600, 1100),
         focal_length: 1600.0,
         range: 5000.0,
         shadows: true,

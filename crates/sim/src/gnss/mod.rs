@@ -1,71 +1,86 @@
-//! The satellite receiver: off unless the robot's description has one.
+//! The satellite receiver: absent unless the robot's description has one.
 //!
-//! Each fix is what a receiver computes from the pseudoranges of the satellites that it hears. Their errors are those of GPS on one
-//! frequency: a slow part (ionosphere, troposphere, orbits and clocks), the receiver's white noise, and what the walls around
-//! do. Buildings block signals, and reflect others, which come late. With fewer than four satellites, or with a geometry that is
-//! too bad, there is no fix.
+//! Each fix is what a receiver computes from the pseudoranges of the satellites in reception. Their
+//! errors are those of GPS on one frequency: a slow part (ionosphere, troposphere, orbits and
+//! clocks), white noise of the receiver, and multipath. Buildings block signals and reflect others,
+//! which arrive late. With fewer than four satellites, or with too bad a geometry, there is no fix.
 //!
-//! Sources: P. Misra, P. Enge, *Global Positioning System*, 2nd edition, chapters 5, 6 and 10 (error budget, least squares and
-//! dilution of precision, multipath); IS-GPS-200, 20.3.3.5.2.5 (slant of the ionosphere, and that its broadcast model takes away
-//! half of it or more); P. D. Groves, *Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems*, 2nd edition,
-//! chapter 9 (reception by reflection alone). What is not modelled: diffraction round edges, a receiver's filter over time, exclusion of
-//! outliers.
+//! Sources: P. Misra, P. Enge, *Global Positioning System*, 2nd edition, chapters 5, 6 and 10
+//! (error budget, least squares and dilution of precision, multipath); IS-GPS-200, 20.3.3.5.2.5
+//! (obliquity of the ionosphere; its broadcast model removes half of the error or more); P. D.
+//! Groves, *Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems*, 2nd
+//! edition, chapter 9 (non-line-of-sight reception). Not modelled: diffraction round edges, a
+//! receiver's filter over time, exclusion of outliers.
 //!
-//! | module | its one job |
+//! | module | job |
 //! |---|---|
 //! | `sky` | where the satellites are, and their slow errors |
-//! | `signals` | which way a signal comes in: straight, reflected, both |
+//! | `signals` | how a signal arrives: direct, reflected or both |
 //! | `solution` | from pseudoranges to a position |
 
 mod signals;
 mod sky;
 mod solution;
 
-use nalgebra::Vector3;
 use openbench_core::{GnssFix, Pose3, SimTime};
 use openbench_scene::RayCaster;
 
 use crate::noise::Noise;
 use signals::{Arrival, Surroundings};
-use sky::Sky;
+use sky::{SATELLITES, Satellite, Sky, slow_deviation};
 use solution::{Range, solve};
 
 /// Time between two fixes, nanoseconds: 5 Hz.
-pub const FIX_NS: u64 = 200_000_000;
+pub(crate) const FIX_NS: u64 = 200_000_000;
 /// Lowest satellite that is used: sine of 10° of elevation.
 const MASK: f64 = 0.173_648_177_666_930_33;
-/// White noise of a pseudorange that comes in straight, metres.
-const WHITE: f64 = 0.5;
+/// White noise of a direct pseudorange, metres.
+const WHITE_M: f64 = 0.5;
 /// Amplitude of a signal after a reflection: 10 dB less power, the order of brick and glass.
 const REFLECTED: f64 = 0.3;
+/// Wavelength of GPS L1, metres.
+const WAVELENGTH_M: f64 = 0.190_29;
+/// Length of a chip of the C/A code, metres.
+const CHIP_M: f64 = 293.05;
 
 /// A receiver.
 #[derive(Debug)]
-pub struct Gnss {
+pub(crate) struct Gnss {
     noise: Noise,
     antenna: Pose3,
     sky: Sky,
 }
 
 impl Gnss {
-    /// A receiver whose antenna stands at `antenna` in `base_link`, under a sky drawn from `noise`.
-    pub fn new(mut noise: Noise, antenna: Pose3) -> Self {
+    /// A receiver with its antenna at `antenna` in `base_link`, under a sky drawn from `noise`.
+    pub(crate) fn new(mut noise: Noise, antenna: Pose3) -> Self {
         let sky = Sky::new(&mut noise);
-        Self { noise, antenna, sky }
+        Self {
+            noise,
+            antenna,
+            sky,
+        }
     }
 
     /// The fix at `stamp`, or `None` without enough satellites. Call it every [`FIX_NS`].
-    pub fn fix(&mut self, caster: &RayCaster, stamp: SimTime, base_link: &Pose3) -> Option<GnssFix> {
+    pub(crate) fn fix(
+        &mut self,
+        caster: &RayCaster,
+        stamp: SimTime,
+        base_link: &Pose3,
+    ) -> Option<GnssFix> {
         let truth = (base_link * self.antenna).translation.vector;
         self.sky.drift(FIX_NS as f64 * 1e-9, &mut self.noise);
         let around = Surroundings::new(caster, truth);
-        let (noise, mut ranges) = (&mut self.noise, Vec::with_capacity(sky::SATELLITES));
-        for (direction, slow) in self.sky.at(stamp.seconds()) {
-            // Drawn for all, so that a wall does not change the noise of the others.
-            let white = noise.normal();
-            if direction.z >= MASK {
-                ranges
-                    .extend(around.arrival(direction).map(|arrival| range(direction, slow, white, arrival)));
+        let mut ranges = Vec::with_capacity(SATELLITES);
+        for satellite in self.sky.at(stamp.seconds()) {
+            // Drawn for every satellite, so that a wall does not change the noise of the others.
+            let white = self.noise.normal();
+            if satellite.direction.z < MASK {
+                continue;
+            }
+            if let Some(arrival) = around.arrival(satellite.direction) {
+                ranges.push(range(satellite, white, arrival));
             }
         }
         let solution = solve(&ranges)?;
@@ -78,28 +93,29 @@ impl Gnss {
     }
 }
 
-/// The pseudorange's error, metres, and how much the receiver trusts it: by elevation and strength.
-fn range(direction: Vector3<f64>, slow: f64, white: f64, arrival: Arrival) -> Range {
+/// The error of a satellite's pseudorange, and the receiver's weight for it by elevation and signal
+/// strength. `white` is the receiver's noise in standard deviations.
+fn range(satellite: Satellite, white: f64, arrival: Arrival) -> Range {
     let (late, strength) = match arrival {
-        Arrival::Straight => (0.0, 1.0),
+        Arrival::Direct => (0.0, 1.0),
         Arrival::Both { extra } => (interference(extra), 1.0),
         Arrival::Reflected { extra } => (extra, REFLECTED),
     };
-    let (slow_deviation, white_deviation) = (sky::slow_deviation(direction.z), WHITE / strength);
+    let slow_deviation = slow_deviation(satellite.direction.z);
+    let white_deviation = WHITE_M / strength;
     Range {
-        direction,
-        error: slow * slow_deviation + white * white_deviation + late,
+        direction: satellite.direction,
+        error: satellite.slow * slow_deviation + white * white_deviation + late,
         deviation: libm::hypot(slow_deviation, white_deviation) / strength,
     }
 }
 
-/// What a weaker signal that comes `extra` metres late does to the measured range, metres: it swings with
-/// the phase between the two, and the correlator, spaced a tenth of a chip, bounds it.
+/// Error of the measured range, metres, by a weaker signal that arrives `extra` metres late. It
+/// oscillates with the phase between the two, and the correlator, spaced a tenth of a chip, bounds
+/// it.
 fn interference(extra: f64) -> f64 {
-    const WAVELENGTH: f64 = 0.190_29;
-    const CHIP: f64 = 293.05;
-    let longest = 0.1 * CHIP / 2.0;
-    let swing = REFLECTED * libm::cos(std::f64::consts::TAU * extra / WAVELENGTH);
+    let longest = 0.1 * CHIP_M / 2.0;
+    let swing = REFLECTED * libm::cos(std::f64::consts::TAU * extra / WAVELENGTH_M);
     swing / (1.0 + swing) * extra.min(longest)
 }
 

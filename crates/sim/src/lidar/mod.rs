@@ -1,13 +1,15 @@
-//! The MID-360: four lines that sweep round and up and down without repeating, 200,000 rays a second, each cast from
-//! where the sensor is at that ray's own instant.
+//! The Livox MID-360: four lines that sweep round, up and down without repeating. It casts 200,000
+//! rays a second, each from the sensor's pose at that ray's own instant.
 //!
-//! | module | its one job |
+//! | module | job |
 //! |---|---|
 //! | [`pattern`] | where each ray points |
-//! | `launch` | where it begins and runs in the world |
-//! | [`returns`] | what comes back of it |
+//! | `launch` | origins and directions of the rays in the world |
+//! | `order` | the order in which rays are cast |
+//! | [`returns`] | detection and noise of the returns |
 
 mod launch;
+mod order;
 pub mod pattern;
 pub mod returns;
 
@@ -17,13 +19,14 @@ use openbench_scene::{RayPacket, Snapshot, TriangleBvh};
 
 use crate::noise::Noise;
 use launch::Launch;
+use order::CastingOrder;
 use pattern::{Aim, FIRING_NS, LINES, Pattern, VOLLEY};
-use returns::{Echo, RANGE, detection, deviation};
+use returns::{Echo, MAX_RANGE_M, MIN_RANGE_M, detection, deviation};
 
 /// Rays in a scan.
 pub const RAYS: usize = 20_000;
 /// Duration of a scan, nanoseconds.
-pub const SCAN_NS: u64 = 100_000_000;
+pub(crate) const SCAN_NS: u64 = 100_000_000;
 
 /// The sensor.
 #[derive(Debug)]
@@ -34,14 +37,12 @@ pub struct Lidar {
     fired: u64,
     aims: Vec<Aim>,
     launch: Launch,
-    /// Rays ordered by where they point, so that packets are of a kind.
-    order: Vec<u32>,
-    buckets: Vec<u16>,
+    order: CastingOrder,
     echoes: Vec<Echo>,
 }
 
 impl Lidar {
-    /// A sensor whose noise is drawn from `noise`.
+    /// A sensor with this noise.
     pub fn new(noise: Noise) -> Self {
         Self {
             noise,
@@ -49,71 +50,72 @@ impl Lidar {
             fired: 0,
             aims: vec![Aim::default(); RAYS],
             launch: Launch::default(),
-            order: vec![0; RAYS],
-            buckets: vec![0; RAYS],
+            order: CastingOrder::new(RAYS),
             echoes: vec![Echo::NONE; RAYS],
         }
     }
 
-    /// The scan that began at `stamp` and ends at the snapshot's instant. `poses` are those of the sensor in `map` at equal times from the
-    /// scan's first instant to its last; at least two.
+    /// The scan that began at `stamp` and ends at the snapshot's instant. `poses` are those of the
+    /// sensor in `map` at equal times from the scan's first instant to its last; at least two.
     pub fn scan(&mut self, seen: Snapshot<'_>, stamp: SimTime, poses: &[Pose3]) -> LidarScan {
-        LidarScan { stamp, points: widest(Scan { lidar: self, seen, poses }) }
+        LidarScan {
+            stamp,
+            points: widest(Scan {
+                lidar: self,
+                seen,
+                poses,
+            }),
+        }
     }
 
-    /// True ranges of the next scan's rays in the order of firing, 0 for nothing, holes in leaves not regarded: for comparing speeds.
+    /// True ranges of the next scan's rays in the order of firing, metres; 0 where nothing is hit.
+    /// Holes in leaves are ignored. For comparing speeds.
     pub fn ranges(&mut self, tree: &TriangleBvh, poses: &[Pose3]) -> Vec<f32> {
         let mut ranges = vec![0.0; RAYS];
-        widest(Ranges { lidar: self, tree, poses, ranges: &mut ranges });
+        widest(Ranges {
+            lidar: self,
+            tree,
+            poses,
+            ranges: &mut ranges,
+        });
         ranges
     }
 
-    /// Sets the directions of the next scan's rays.
+    /// Sets the directions of the next scan's rays, and the order in which they are cast.
     #[inline(always)]
     fn aim(&mut self) {
-        let mut begins = [0_u32; BUCKETS + 1];
-        for (i, slots) in self.buckets.chunks_mut(LINES * VOLLEY).enumerate() {
-            let aims = &mut self.aims[LINES * VOLLEY * i..][..slots.len()];
+        self.order.clear();
+        for (i, aims) in self.aims.chunks_mut(LINES * VOLLEY).enumerate() {
             let volley = self.pattern.volley(self.fired + (VOLLEY * i) as u64);
             // A scan's last volley is cut off.
-            aims.copy_from_slice(&volley.as_flattened()[..slots.len()]);
-            for (slot, aim) in slots.iter_mut().zip(aims) {
-                let bucket = bucket(aim);
-                *slot = bucket as u16;
-                begins[bucket + 1] += 1;
-            }
+            aims.copy_from_slice(&volley.as_flattened()[..aims.len()]);
+            self.order.note(LINES * VOLLEY * i, aims);
         }
         self.fired += (RAYS / LINES) as u64;
-        for bucket in 0..BUCKETS {
-            begins[bucket + 1] += begins[bucket];
-        }
-        for (ray, bucket) in self.buckets.iter().enumerate() {
-            let slot = &mut begins[usize::from(*bucket)];
-            self.order[*slot as usize] = ray as u32;
-            *slot += 1;
-        }
+        self.order.sort();
     }
 
     #[inline(always)]
     fn cast(&mut self, seen: Snapshot<'_>, poses: &[Pose3]) {
         self.launch.set(&self.aims, poses);
         // A scan is a whole number of packets.
-        for block in self.order.chunks(BLOCK) {
-            let mut met = Met::nothing();
+        for block in self.order.rays.chunks(BLOCK) {
+            let mut met = BlockHits::none();
             for (packet, group) in block.chunks_exact(LANES).enumerate() {
                 let rays = self.packet(group);
                 let mut lags = [0.0; LANES];
                 for (lag, ray) in lags.iter_mut().zip(group) {
-                    *lag = *ray as f32 * (FIRING_NS as f32 * 1e-9 / LINES as f32) - SCAN_NS as f32 * 1e-9;
+                    *lag = *ray as f32 * (FIRING_NS as f32 * 1e-9 / LINES as f32)
+                        - SCAN_NS as f32 * 1e-9;
                 }
                 met.note(packet, seen, &rays, &seen.cast_packet(&rays, &lags));
             }
-            let (deviation, detection) = met.returns();
+            let returns = met.returns();
             for (i, &ray) in block.iter().enumerate() {
                 self.echoes[ray as usize] = Echo {
                     range: met.range[i],
-                    deviation: deviation[i],
-                    detection: detection[i],
+                    deviation: returns.deviation[i],
+                    detection: returns.detection[i],
                     reflectivity: met.reflectivity[i],
                 };
             }
@@ -124,24 +126,24 @@ impl Lidar {
     #[inline(always)]
     fn packet(&self, group: &[u32]) -> RayPacket {
         let mut packet = RayPacket::idle();
-        for (lane, &ray) in group.iter().enumerate() {
-            let (origin, direction) = self.launch.ray(ray as usize);
-            packet.set(lane, origin, direction, RANGE.1);
+        for (lane, &number) in group.iter().enumerate() {
+            let ray = self.launch.ray(number as usize);
+            packet.set(lane, ray.origin, ray.direction, MAX_RANGE_M);
         }
         packet
     }
 
-    /// What the sensor reports: ranges with noise, of those rays of which anything comes back.
+    /// The points that the sensor reports: ranges with noise, of the rays that are detected.
     #[inline(always)]
     fn measure(&mut self) -> Vec<LidarPoint> {
         let mut points = Vec::with_capacity(RAYS);
         for (ray, (echo, aim)) in (0_u32..).zip(self.echoes.iter().zip(&self.aims)) {
-            // Drawn for every ray, so that what one ray meets does not change the noise of the next.
+            // Drawn for every ray, so that one ray's hit does not change the noise of the next.
             let (noise, chance) = self.noise.quick_normal_and_uniform();
             if chance >= echo.detection {
                 continue;
             }
-            let range = (echo.range + echo.deviation * noise).max(RANGE.0);
+            let range = (echo.range + echo.deviation * noise).max(MIN_RANGE_M);
             points.push(LidarPoint {
                 xyz: aim.direction.map(|c| c * range),
                 offset_ns: ray / LINES as u32 * FIRING_NS as u32,
@@ -186,7 +188,7 @@ impl Kernel for Ranges<'_> {
     fn run(self) {
         self.lidar.aim();
         self.lidar.launch.set(&self.lidar.aims, self.poses);
-        for group in self.lidar.order.chunks_exact(LANES) {
+        for group in self.lidar.order.rays.chunks_exact(LANES) {
             let hits = self.tree.cast_packet(&self.lidar.packet(group));
             for (lane, &ray) in group.iter().enumerate() {
                 let hit = hits.triangle[lane] != MISS;
@@ -196,24 +198,37 @@ impl Kernel for Ranges<'_> {
     }
 }
 
-/// Rays whose returns are computed together: in loops over so many, the compiler uses vector instructions more readily than over sixteen.
+/// Rays whose returns are computed together. In loops over this many the compiler uses vector
+/// instructions more readily than over sixteen.
 const BLOCK: usize = 4 * LANES;
 
-/// What the rays of a block met.
-struct Met {
-    /// Metres; 0 where nothing was.
+/// What the rays of a block hit.
+struct BlockHits {
+    /// Metres; 0 where nothing was hit.
     range: [f32; BLOCK],
     /// Cosine of the angle between the ray and the surface's normal.
     along: [f32; BLOCK],
     reflectivity: [u8; BLOCK],
 }
 
-impl Met {
-    fn nothing() -> Self {
-        Self { range: [0.0; BLOCK], along: [0.0; BLOCK], reflectivity: [0; BLOCK] }
+/// Noise of a block's returns.
+struct BlockReturns {
+    /// Standard deviations of the reported ranges, metres.
+    deviation: [f32; BLOCK],
+    /// Probabilities that the returns are reported.
+    detection: [f32; BLOCK],
+}
+
+impl BlockHits {
+    fn none() -> Self {
+        Self {
+            range: [0.0; BLOCK],
+            along: [0.0; BLOCK],
+            reflectivity: [0; BLOCK],
+        }
     }
 
-    /// Notes what a packet hit, the block's `packet`-th.
+    /// Takes in the hits of the block's packet number `packet`.
     #[inline(always)]
     fn note(&mut self, packet: usize, seen: Snapshot<'_>, rays: &RayPacket, hits: &PacketHits) {
         for lane in 0..LANES {
@@ -229,34 +244,21 @@ impl Met {
         }
     }
 
-    /// Deviations of the reported ranges, and probabilities that anything is reported.
     #[inline(always)]
-    fn returns(&self) -> ([f32; BLOCK], [f32; BLOCK]) {
-        let (mut spread, mut chance) = ([0.0; BLOCK], [0.0; BLOCK]);
+    fn returns(&self) -> BlockReturns {
+        let mut returns = BlockReturns {
+            deviation: [0.0; BLOCK],
+            detection: [0.0; BLOCK],
+        };
         for i in 0..BLOCK {
             let along = self.along[i].abs();
             let cosine = if along < 1.0 { along } else { 1.0 };
-            spread[i] = deviation(self.range[i], cosine);
-            chance[i] = detection(self.range[i], cosine, f32::from(self.reflectivity[i]));
+            returns.deviation[i] = deviation(self.range[i], cosine);
+            returns.detection[i] =
+                detection(self.range[i], cosine, f32::from(self.reflectivity[i]));
         }
-        (spread, chance)
+        returns
     }
-}
-
-const BUCKET_COLUMNS: usize = 72;
-const BUCKET_ROWS: usize = 16;
-const BUCKETS: usize = BUCKET_COLUMNS * BUCKET_ROWS;
-
-/// Elevations between which rays point, radians, with a little room.
-const ELEVATION: (f32, f32) = (-0.13, 0.92);
-
-#[inline(always)]
-fn bucket(aim: &Aim) -> usize {
-    let column = ((aim.turn * BUCKET_COLUMNS as f32) as usize).min(BUCKET_COLUMNS - 1);
-    let height = (aim.elevation - ELEVATION.0) / (ELEVATION.1 - ELEVATION.0);
-    let row = ((height * BUCKET_ROWS as f32) as usize).min(BUCKET_ROWS - 1);
-    // Up one column, down the next: a packet that ends one column begins the next beside it.
-    column * BUCKET_ROWS + if column.is_multiple_of(2) { row } else { BUCKET_ROWS - 1 - row }
 }
 
 #[cfg(test)]
@@ -268,38 +270,63 @@ mod tests {
     use std::sync::Arc;
 
     fn scan(lidar: &mut Lidar, caster: &RayCaster, poses: &[Pose3]) -> LidarScan {
-        lidar.scan(Snapshot { caster, movers: &Movers::default() }, SimTime::ZERO, poses)
+        lidar.scan(
+            Snapshot {
+                caster,
+                movers: &Movers::default(),
+            },
+            SimTime::ZERO,
+            poses,
+        )
     }
 
     fn room(half: f64) -> RayCaster {
         let mut builder = SceneBuilder::new();
         let wall = builder.material(Material::plain(SemanticClass::Wall, [0.5; 3]));
         let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
-        for (corner, u) in [((-half, -half), x), ((half, -half), y), ((-half, half), x), ((-half, -half), y)]
-        {
+        for (corner, u) in [
+            ((-half, -half), x),
+            ((half, -half), y),
+            ((-half, half), x),
+            ((-half, -half), y),
+        ] {
             let origin = Point3::new(corner.0, corner.1, -1.0);
-            builder.rectangle(Layer::Visible, wall, origin, (u * 2.0 * half, z * 100.0), [1.0; 2]);
+            builder.rectangle(
+                Layer::Visible,
+                wall,
+                origin,
+                (u * 2.0 * half, z * 100.0),
+                [1.0; 2],
+            );
         }
         RayCaster::new(Arc::new(builder.build()))
     }
 
     #[test]
-    fn walls_lie_where_they_are_and_noise_is_of_two_centimetres() {
+    fn walls_are_measured_in_place_with_noise_of_two_centimetres() {
         let caster = room(5.0);
         let poses = vec![Pose3::identity(); 3];
         let scan = scan(&mut Lidar::new(Noise::new(1, 1)), &caster, &poses);
         assert!(scan.points.len() > RAYS * 90 / 100, "{}", scan.points.len());
-        let errors: Vec<f32> = scan.points.iter().map(|p| p.xyz[0].abs().max(p.xyz[1].abs()) - 5.0).collect();
+        let errors: Vec<f32> = scan
+            .points
+            .iter()
+            .map(|p| p.xyz[0].abs().max(p.xyz[1].abs()) - 5.0)
+            .collect();
         let rms = (errors.iter().map(|e| e * e).sum::<f32>() / errors.len() as f32).sqrt();
         assert!((0.012..0.03).contains(&rms), "{rms}");
     }
 
     #[test]
-    fn each_point_is_seen_from_the_pose_of_its_own_instant() {
-        // Turning by half a radian during the scan: undone point by point, the walls are straight again.
+    fn each_point_is_measured_from_the_pose_of_its_own_instant() {
+        // The sensor turns by half a radian during the scan. Deskewed, the walls are straight
+        // again.
         let caster = room(5.0);
         let pose = |s: f64| {
-            Pose3::from_parts(Vector3::zeros().into(), UnitQuaternion::from_euler_angles(0.0, 0.0, 0.5 * s))
+            Pose3::from_parts(
+                Vector3::zeros().into(),
+                UnitQuaternion::from_euler_angles(0.0, 0.0, 0.5 * s),
+            )
         };
         let poses: Vec<Pose3> = (0..=40).map(|i| pose(f64::from(i) / 40.0)).collect();
         let scan = scan(&mut Lidar::new(Noise::new(1, 1)), &caster, &poses);
@@ -315,7 +342,10 @@ mod tests {
         let caster = room(5.0);
         let mut lidar = Lidar::new(Noise::new(1, 1));
         let poses = vec![Pose3::identity(); 2];
-        let (a, b) = (scan(&mut lidar, &caster, &poses), scan(&mut lidar, &caster, &poses));
+        let (a, b) = (
+            scan(&mut lidar, &caster, &poses),
+            scan(&mut lidar, &caster, &poses),
+        );
         assert!(a.points.iter().zip(&b.points).all(|(p, q)| p.xyz != q.xyz));
     }
 }

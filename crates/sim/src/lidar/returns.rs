@@ -1,67 +1,81 @@
-//! What comes back of a ray: whether anything does, and how far the sensor believes it to be.
+//! The return of a ray: whether the sensor detects it, and the range that it reports.
 //!
-//! The MID-360's data sheet states a detection range of 40 m at 10 % reflectivity and a range deviation of at most 2 cm at 10 m. The light
-//! that comes back from a matt surface is ρ cos α / r² (Lambert), so the first figure gives the least light that is detected.
+//! The MID-360's data sheet states a detection range of 40 m at 10 % reflectivity and a range
+//! deviation of at most 2 cm at 10 m. The light that comes back from a matt surface is ρ cos α / r²
+//! (Lambert), so the first figure gives the least light that is detected.
 
-/// Ranges that the sensor reports, metres. It sees bright things further off, but the benchmark's robot is told of 50 m.
-pub const RANGE: (f32, f32) = (0.1, 50.0);
-/// Least light that is detected as often as not: 10 % at 40 m.
+/// Least range that the sensor reports, metres.
+pub const MIN_RANGE_M: f32 = 0.1;
+/// Largest range that the sensor reports, metres. The real one sees bright surfaces farther off;
+/// the benchmark's robot is specified with 50 m.
+pub const MAX_RANGE_M: f32 = 50.0;
+/// Light that is detected with probability 1/2: 10 % reflectivity at 40 m.
 const THRESHOLD: f32 = 0.1 / (40.0 * 40.0);
-/// Surfaces darker than this to the eye still send back this share of infrared light.
+/// Least reflectivity in infrared, as a share. Surfaces that are darker to the eye have this one.
 const DARKEST: f32 = 0.08;
-/// Deviation of the range from the timing, metres.
-const TIMING: f32 = 0.015;
-/// Deviation that grows with the range, metres a metre: 2 cm in all at 10 m.
+/// Standard deviation of the range that comes from the timing, metres.
+const TIMING_M: f32 = 0.015;
+/// Standard deviation that grows with the range, metres per metre: 2 cm in all at 10 m.
 const GROWTH: f32 = 0.0013;
 /// Width of the beam, radians: on a slanting surface it spreads the range.
-const DIVERGENCE: f32 = 0.003;
-/// Below this cosine of the incidence the spread grows no more.
+const DIVERGENCE_RAD: f32 = 0.003;
+/// Below this cosine of the incidence the spread does not grow.
 const GRAZING: f32 = 0.05;
 
-/// What comes back of a ray.
+/// The return of a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Echo {
+pub(super) struct Echo {
     /// True range, metres.
-    pub range: f32,
-    /// Deviation of the reported range, metres.
-    pub deviation: f32,
-    /// Probability that the sensor reports anything.
-    pub detection: f32,
+    pub(super) range: f32,
+    /// Standard deviation of the reported range, metres.
+    pub(super) deviation: f32,
+    /// Probability that the sensor reports the return.
+    pub(super) detection: f32,
     /// Reflectivity of the surface, 0 to 255.
-    pub reflectivity: u8,
+    pub(super) reflectivity: u8,
 }
 
 impl Echo {
-    /// Nothing.
-    pub const NONE: Self = Self { range: 0.0, deviation: 0.0, detection: 0.0, reflectivity: 0 };
+    /// Of a ray that hits nothing.
+    pub(super) const NONE: Self = Self {
+        range: 0.0,
+        deviation: 0.0,
+        detection: 0.0,
+        reflectivity: 0,
+    };
 }
 
-/// Probability that the sensor reports a surface: at a range in metres, under an angle of incidence with this cosine, with a reflectivity of 0
-/// to 255.
+/// Probability that the sensor reports a surface at `range` metres. `cosine` is that of the angle
+/// of incidence, `reflectivity` counts 0 to 255.
 #[inline(always)]
-pub fn detection(range: f32, cosine: f32, reflectivity: f32) -> f32 {
+pub(super) fn detection(range: f32, cosine: f32, reflectivity: f32) -> f32 {
     let share = upper(reflectivity * (1.0 / 255.0), DARKEST);
     let light = share * cosine / (range * range);
     let chance = lower(upper(light * (1.0 / THRESHOLD) - 0.5, 0.0), 1.0);
-    if range >= RANGE.0 && range <= RANGE.1 { chance } else { 0.0 }
+    if range >= MIN_RANGE_M && range <= MAX_RANGE_M {
+        chance
+    } else {
+        0.0
+    }
 }
 
-/// Deviation of the reported range, metres, under an angle of incidence with this cosine.
+/// Standard deviation of the reported range, metres, at an angle of incidence with this cosine.
 #[inline(always)]
-pub fn deviation(range: f32, cosine: f32) -> f32 {
-    // The deviation of a range that is spread evenly over a width is that width over the root of 12.
-    const SPREAD: f32 = DIVERGENCE * DIVERGENCE / 12.0;
+pub(super) fn deviation(range: f32, cosine: f32) -> f32 {
+    // A uniform distribution over a width has that width over the root of 12 as its deviation.
+    const SPREAD: f32 = DIVERGENCE_RAD * DIVERGENCE_RAD / 12.0;
     let square = upper(cosine, GRAZING) * upper(cosine, GRAZING);
     let slant = SPREAD * (1.0 - square) / square;
-    (TIMING * TIMING + range * range * (GROWTH * GROWTH + slant)).sqrt()
+    (TIMING_M * TIMING_M + range * range * (GROWTH * GROWTH + slant)).sqrt()
 }
 
-/// As `f32::max`, whose care for NaN costs two instructions more.
+/// `f32::max` without its treatment of NaN, which costs two instructions.
 #[inline(always)]
 fn upper(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
+/// `f32::min` without its treatment of NaN.
 #[inline(always)]
 fn lower(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
@@ -72,7 +86,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_data_sheets_figures_come_out() {
+    fn ranges_and_noise_match_the_data_sheet() {
         let dark = |range| detection(range, 1.0, 26.0);
         assert!(dark(30.0) > 0.99 && (0.4..0.6).contains(&dark(40.0)) && dark(49.9) < 0.2);
         assert!((deviation(10.0, 1.0) - 0.02).abs() < 0.001);
@@ -86,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_seen_beyond_the_range_or_too_near() {
+    fn nothing_is_detected_beyond_the_range_or_too_near() {
         for range in [50.1, 0.05, f32::INFINITY, f32::NAN] {
             assert_eq!(detection(range, 1.0, 255.0), 0.0, "{range}");
         }

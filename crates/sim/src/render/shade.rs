@@ -107,7 +107,9 @@ impl Shader {
             length[i] = (dx[i] * dx[i] + dy[i] * dy[i] + dz[i] * dz[i]).sqrt();
         }
         let mut colors = sky(dz, &length);
-        let Some(surfaces) = self.surfaces(seen, hits) else { return colors };
+        let Some(surfaces) = self.surfaces(seen, hits) else {
+            return colors;
+        };
         let light = self.light(look, directions, &length, &surfaces, sunlit);
         let texels = self.texels(&surfaces, &light.texels);
         for channel in 0..3 {
@@ -116,7 +118,11 @@ impl Shader {
                 let own = surfaces.color[channel][i] * texels[channel][i] * WHOLE;
                 let near = own * light.strength[i];
                 let far = near + light.haze[i] * (HORIZON[channel] - near);
-                colors[channel][i] = if surfaces.hit[i] { far } else { colors[channel][i] };
+                colors[channel][i] = if surfaces.hit[i] {
+                    far
+                } else {
+                    colors[channel][i]
+                };
             }
         }
         colors
@@ -151,7 +157,8 @@ impl Shader {
             }
             surfaces.density[i] = facet.density;
             surfaces.texture[i] = ink.texture;
-            [surfaces.uv[0][i], surfaces.uv[1][i]] = seen.caster.texture_coordinates(&hits.hit(lane));
+            [surfaces.uv[0][i], surfaces.uv[1][i]] =
+                seen.caster.texture_coordinates(&hits.hit(lane));
             surfaces.distance[i] = hits.distance[lane];
             surfaces.hit[i] = true;
         }
@@ -167,7 +174,11 @@ impl Shader {
         surfaces: &Surfaces,
         sunlit: &Block,
     ) -> Light {
-        let mut light = Light { strength: [0.0; BLOCK], texels: [0.0; BLOCK], haze: [0.0; BLOCK] };
+        let mut light = Light {
+            strength: [0.0; BLOCK],
+            texels: [0.0; BLOCK],
+            haze: [0.0; BLOCK],
+        };
         let (sun, [nx, ny, nz]) = (self.sun.direction, &surfaces.normal);
         let [dx, dy, dz] = directions;
         for i in 0..BLOCK {
@@ -181,7 +192,11 @@ impl Shader {
             // Light adds up in linear units, colours are sRGB: their curve is near a square root.
             light.strength[i] = linear.sqrt();
             let distance = surfaces.distance[i] * length[i];
-            let slant = if facing.abs() > 0.15 { facing.abs() } else { 0.15 };
+            let slant = if facing.abs() > 0.15 {
+                facing.abs()
+            } else {
+                0.15
+            };
             light.texels[i] = distance * look.pixel_angle / slant * surfaces.density[i];
             light.haze[i] = distance / (distance + look.haze);
         }
@@ -196,7 +211,9 @@ impl Shader {
         let mut size = [[1; BLOCK]; 2];
         let mut any = false;
         for i in 0..BLOCK {
-            let Some(texture) = surfaces.texture[i] else { continue };
+            let Some(texture) = surfaces.texture[i] else {
+                continue;
+            };
             let image = self.textures[texture as usize].level(levels[i]);
             (size[0][i], size[1][i]) = (image.width, image.height);
             images[i] = Some(image);
@@ -235,15 +252,30 @@ fn sky(dz: &Block, length: &Block) -> [Block; 3] {
 
 /// Texels that a metre on the triangle spans, the larger of the two directions not told apart.
 fn texel_density(caster: &RayCaster, triangle: u32) -> f32 {
-    let Some(texture) = caster.material(triangle).texture else { return 0.0 };
+    let Some(texture) = caster.material(triangle).texture else {
+        return 0.0;
+    };
     let scene = caster.scene();
     let image = &scene.textures[texture.0 as usize];
-    let [a, b, c] = scene.triangles[triangle as usize].corners.map(|i| scene.vertices[i as usize]);
+    let [a, b, c] = scene.triangles[triangle as usize]
+        .corners
+        .map(|i| scene.vertices[i as usize]);
     let edge = |p: [f32; 3], q: [f32; 3]| [0, 1, 2].map(|i| q[i] - p[i]);
     let (e1, e2) = (edge(a.position, b.position), edge(a.position, c.position));
-    let cross = [e1[1] * e2[2] - e1[2] * e2[1], e1[2] * e2[0] - e1[0] * e2[2], e1[0] * e2[1] - e1[1] * e2[0]];
-    let area = (cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]).sqrt().max(1e-12);
-    let (u1, v1, u2, v2) = (b.uv[0] - a.uv[0], b.uv[1] - a.uv[1], c.uv[0] - a.uv[0], c.uv[1] - a.uv[1]);
+    let cross = [
+        e1[1] * e2[2] - e1[2] * e2[1],
+        e1[2] * e2[0] - e1[0] * e2[2],
+        e1[0] * e2[1] - e1[1] * e2[0],
+    ];
+    let area = (cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2])
+        .sqrt()
+        .max(1e-12);
+    let (u1, v1, u2, v2) = (
+        b.uv[0] - a.uv[0],
+        b.uv[1] - a.uv[1],
+        c.uv[0] - a.uv[0],
+        c.uv[1] - a.uv[1],
+    );
     let texels = (u1 * v2 - u2 * v1).abs() * image.width as f32 * image.height as f32;
     (texels / area).sqrt()
 }

@@ -30,8 +30,14 @@ impl Mipmaps {
         while let Some(last) = images.last().filter(|t| t.width > 1 && t.height > 1) {
             images.push(halved(last));
         }
-        let level = |image: Texture| Level { width: image.width, height: image.height, rgba: image.rgba };
-        Self { levels: images.into_iter().map(level).collect() }
+        let level = |image: Texture| Level {
+            width: image.width,
+            height: image.height,
+            rgba: image.rgba,
+        };
+        Self {
+            levels: images.into_iter().map(level).collect(),
+        }
     }
 
     /// The image that many times halved, or the smallest.
@@ -58,7 +64,11 @@ pub(super) fn levels(texels: &Block) -> [u32; BLOCK] {
         let bits = (texels[lane] * (1.0 / COVER)).to_bits();
         // The logarithm to base 2, rounded up: exponent, plus one if the mantissa is more than 1. What is NaN, negative or below 1 is not halved.
         let exponent = (bits >> 23).wrapping_sub(127);
-        let up = if bits & 0x7f_ffff == 0 { exponent } else { exponent.wrapping_add(1) };
+        let up = if bits & 0x7f_ffff == 0 {
+            exponent
+        } else {
+            exponent.wrapping_add(1)
+        };
         levels[lane] = if exponent < 127 { up } else { 0 };
     }
     levels
@@ -106,7 +116,8 @@ pub(super) fn blend(packed: &[[u32; BLOCK]; 4], corners: &Corners) -> [Block; 3]
         let (p, q, r, s) = (p[i], q[i], r[i], s[i]);
         // Red and blue, and green alone, each with room for a weight above it.
         const RED_BLUE: u32 = 0xff_00ff;
-        let red_blue = (p & RED_BLUE) * a + (q & RED_BLUE) * b + (r & RED_BLUE) * c + (s & RED_BLUE) * d;
+        let red_blue =
+            (p & RED_BLUE) * a + (q & RED_BLUE) * b + (r & RED_BLUE) * c + (s & RED_BLUE) * d;
         let just_green =
             (p >> 8 & 0xff) * a + (q >> 8 & 0xff) * b + (r >> 8 & 0xff) * c + (s >> 8 & 0xff) * d;
         // By way of a signed number, for which every machine has a conversion.
@@ -131,7 +142,8 @@ fn neighbours(place: f32, size: u32) -> (u32, u32, u32) {
 
 fn halved(image: &Texture) -> Texture {
     let (width, height) = (image.width / 2, image.height / 2);
-    let texel = |x: u32, y: u32, c: u32| u32::from(image.rgba[(4 * (y * image.width + x) + c) as usize]);
+    let texel =
+        |x: u32, y: u32, c: u32| u32::from(image.rgba[(4 * (y * image.width + x) + c) as usize]);
     let mut rgba = Vec::with_capacity(4 * (width * height) as usize);
     for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
         for c in 0..4 {
@@ -140,7 +152,11 @@ fn halved(image: &Texture) -> Texture {
             rgba.push(((sum + 2) / 4) as u8);
         }
     }
-    Texture { width, height, rgba: rgba.into() }
+    Texture {
+        width,
+        height,
+        rgba: rgba.into(),
+    }
 }
 
 #[cfg(test)]
@@ -149,20 +165,29 @@ mod tests {
 
     fn grey(values: &[u8], width: u32) -> Texture {
         let rgba: Vec<u8> = values.iter().flat_map(|v| [*v, *v, *v, 255]).collect();
-        Texture { width, height: values.len() as u32 / width, rgba: rgba.into() }
+        Texture {
+            width,
+            height: values.len() as u32 / width,
+            rgba: rgba.into(),
+        }
     }
 
     /// Colour at `uv`, 0 to 255, for a pixel that covers `texels` texels of the full size.
     fn sample(maps: &Mipmaps, uv: [f32; 2], texels: f32) -> [f32; 3] {
         let image = maps.level(levels(&[texels; BLOCK])[3]);
-        let corners = corners(&uv.map(|c| [c; BLOCK]), &[[image.width; BLOCK], [image.height; BLOCK]]);
+        let corners = corners(
+            &uv.map(|c| [c; BLOCK]),
+            &[[image.width; BLOCK], [image.height; BLOCK]],
+        );
         let packed = corners.index.map(|index| [image.texel(index[3]); BLOCK]);
         blend(&packed, &corners).map(|channel| channel[3])
     }
 
     #[test]
     fn mipmaps_keep_the_mean() {
-        let checks: Vec<u8> = (0..64).map(|i| if (i + i / 8) % 2 == 0 { 255 } else { 0 }).collect();
+        let checks: Vec<u8> = (0..64)
+            .map(|i| if (i + i / 8) % 2 == 0 { 255 } else { 0 })
+            .collect();
         let far = sample(&Mipmaps::new(&grey(&checks, 8)), [0.3, 0.7], 8.0);
         assert!(far.iter().all(|c| (c - 127.5).abs() < 2.0), "{far:?}");
     }
@@ -172,30 +197,52 @@ mod tests {
         let maps = Mipmaps::new(&grey(&[0, 160, 0, 160, 80, 80, 80, 80], 4));
         let at = |u: f32, v: f32| sample(&maps, [u, v], 1.0)[0];
         // Middles of the texels of the top row, which has v near 1, and places between them.
-        assert_eq!((at(0.125, 0.75), at(0.375, 0.75), at(0.25, 0.75)), (0.0, 160.0, 80.0));
+        assert_eq!(
+            (at(0.125, 0.75), at(0.375, 0.75), at(0.25, 0.75)),
+            (0.0, 160.0, 80.0)
+        );
         assert_eq!(at(0.0, 0.75), 80.0, "between the last and the first");
-        assert_eq!((at(1.375, 0.75), at(-0.625, 0.75)), (160.0, 160.0), "the image repeats");
+        assert_eq!(
+            (at(1.375, 0.75), at(-0.625, 0.75)),
+            (160.0, 160.0),
+            "the image repeats"
+        );
         assert_eq!(at(0.375, 0.5), 120.0, "between the rows");
     }
 
     #[test]
     fn red_green_and_blue_keep_apart() {
-        let texture = Texture { width: 1, height: 1, rgba: vec![10, 200, 255, 255].into() };
-        assert_eq!(sample(&Mipmaps::new(&texture), [0.3, 0.4], 1.0), [10.0, 200.0, 255.0]);
+        let texture = Texture {
+            width: 1,
+            height: 1,
+            rgba: vec![10, 200, 255, 255].into(),
+        };
+        assert_eq!(
+            sample(&Mipmaps::new(&texture), [0.3, 0.4], 1.0),
+            [10.0, 200.0, 255.0]
+        );
     }
 
     #[test]
     fn broken_coordinates_give_some_colour() {
         let maps = Mipmaps::new(&grey(&[10, 20, 30, 40], 2));
         for bad in [f32::NAN, f32::INFINITY, -1e30, 1e30] {
-            assert!(sample(&maps, [bad, bad], bad).iter().all(|c| (10.0..=40.0).contains(c)), "{bad}");
+            assert!(
+                sample(&maps, [bad, bad], bad)
+                    .iter()
+                    .all(|c| (10.0..=40.0).contains(c)),
+                "{bad}"
+            );
         }
     }
 
     #[test]
     fn images_are_halved_until_a_pixel_covers_few_texels() {
         let level = |texels: f32| levels(&[texels; BLOCK])[0];
-        assert_eq!([0.0, 1.5, 1.6, 3.0, 3.1, 6.0, 6.1].map(level), [0, 0, 1, 1, 2, 2, 3]);
+        assert_eq!(
+            [0.0, 1.5, 1.6, 3.0, 3.1, 6.0, 6.1].map(level),
+            [0, 0, 1, 1, 2, 2, 3]
+        );
         assert_eq!([-5.0, f32::NAN, f32::NEG_INFINITY].map(level), [0, 0, 0]);
     }
 }

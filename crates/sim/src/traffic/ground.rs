@@ -1,19 +1,21 @@
-//! Where people fit, how far it is to where they do not, and what is carriageway: a coarse grid, made once.
+//! Where people fit, how far it is to where they do not, and what is carriageway: a coarse grid
+//! that is made once.
 
 use openbench_core::MapPoint;
 use openbench_grid::{GridGeometry, in_sight, squared_distances};
 use openbench_osm::OsmMap;
 
-use super::ways::carriageway;
+use super::road_tags::carriageway;
 
 /// Side of a cell, metres.
-const CELL: f64 = 0.25;
-/// Traffic moves within this distance of the robot's start along each axis, metres: it bounds memory to some 30 MB.
-const REACH: f64 = 300.0;
+const CELL_M: f64 = 0.25;
+/// Traffic moves within this distance of the robot's start along each axis, metres. It bounds
+/// memory to some 30 MB.
+const REACH_M: f64 = 300.0;
 /// Ground beyond the outermost building or road, metres.
-const MARGIN: f64 = 10.0;
+const MARGIN_M: f64 = 10.0;
 
-/// Places by cell.
+/// The ground in cells.
 #[derive(Debug, Clone)]
 pub(super) struct Ground {
     grid: GridGeometry,
@@ -22,46 +24,69 @@ pub(super) struct Ground {
     road: Vec<bool>,
 }
 
+/// The room around a point.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Clearance {
+    /// Metres to the nearest place where no person fits.
+    pub distance: f64,
+    /// Gradient of that distance in `map`: it leads away from obstacles, with a length of at most
+    /// about 1.
+    pub gradient: [f64; 2],
+}
+
 impl Ground {
+    /// The ground of a map. `free` tells whether a person fits at a point.
     pub fn new(map: &OsmMap, free: impl Fn(MapPoint) -> bool, start: MapPoint) -> Self {
         let grid = covering(map, start);
-        let blocked: Vec<bool> = (0..grid.len()).map(|cell| !free(grid.center(cell))).collect();
+        let blocked: Vec<bool> = (0..grid.len())
+            .map(|cell| !free(grid.center(cell)))
+            .collect();
         let squares = squared_distances(&blocked, grid.width, grid.height);
         let metres = |square: f32| ((square.sqrt() - 0.5) * grid.cell as f32).max(0.0);
         let clearance = squares.into_iter().map(metres).collect();
-        let mut ground = Self { road: vec![false; grid.len()], grid, clearance };
+        let mut ground = Self {
+            road: vec![false; grid.len()],
+            grid,
+            clearance,
+        };
         for road in &map.roads {
             if let Some(way) = carriageway(&road.tags) {
-                road.points.windows(2).for_each(|w| ground.pave(w[0], w[1], way.half_width));
+                road.points
+                    .windows(2)
+                    .for_each(|w| ground.pave(w[0], w[1], way.half_width));
             }
         }
         ground
     }
 
-    /// Metres from `point` to the nearest place where no person fits, and the direction away from it (times the slope of
-    /// that distance, at most about 1). 0 outside the grid.
-    pub fn clearance(&self, point: MapPoint) -> (f64, [f64; 2]) {
-        let (x, y) = (
-            (point.x - self.grid.origin.x) / self.grid.cell - 0.5,
-            (point.y - self.grid.origin.y) / self.grid.cell - 0.5,
-        );
-        let inside =
-            x >= 0.0 && y >= 0.0 && x < self.grid.width as f64 - 1.0 && y < self.grid.height as f64 - 1.0;
+    /// The room around `point`, interpolated between cells; none outside the grid.
+    pub fn clearance(&self, point: MapPoint) -> Clearance {
+        let x = (point.x - self.grid.origin.x) / self.grid.cell - 0.5;
+        let y = (point.y - self.grid.origin.y) / self.grid.cell - 0.5;
+        let (width, height) = (self.grid.width as f64, self.grid.height as f64);
+        let inside = x >= 0.0 && y >= 0.0 && x < width - 1.0 && y < height - 1.0;
         if !inside {
-            return (0.0, [0.0; 2]);
+            return Clearance::default();
         }
         let (column, row) = (x as usize, y as usize);
         let (u, v) = (x - column as f64, y - row as f64);
-        let at = |dx: usize, dy: usize| f64::from(self.clearance[(row + dy) * self.grid.width + column + dx]);
+        let at = |dx: usize, dy: usize| {
+            f64::from(self.clearance[(row + dy) * self.grid.width + column + dx])
+        };
         let (a, b, c, d) = (at(0, 0), at(1, 0), at(0, 1), at(1, 1));
         let (low, high) = (a + (b - a) * u, c + (d - c) * u);
-        let slope = [(b - a) * (1.0 - v) + (d - c) * v, high - low].map(|s| s / self.grid.cell);
-        (low + (high - low) * v, slope)
+        let slope = [(b - a) * (1.0 - v) + (d - c) * v, high - low];
+        Clearance {
+            distance: low + (high - low) * v,
+            gradient: slope.map(|s| s / self.grid.cell),
+        }
     }
 
     /// Whether a person fits at `point`.
     pub fn fits(&self, point: MapPoint) -> bool {
-        self.grid.cell_at(point).is_some_and(|cell| self.clearance[cell] > 0.0)
+        self.grid
+            .cell_at(point)
+            .is_some_and(|cell| self.clearance[cell] > 0.0)
     }
 
     /// Whether `point` is on a carriageway.
@@ -77,27 +102,39 @@ impl Ground {
         }
     }
 
+    /// Marks the cells within `half` metres of the segment from `a` to `b` as carriageway.
     fn pave(&mut self, a: MapPoint, b: MapPoint, half: f64) {
         let low = MapPoint::new(a.x.min(b.x) - half, a.y.min(b.y) - half);
         let high = MapPoint::new(a.x.max(b.x) + half, a.y.max(b.y) + half);
-        let Some((columns, rows)) = self.grid.window(low, high) else { return };
+        let Some((columns, rows)) = self.grid.window(low, high) else {
+            return;
+        };
         for row in rows.0..=rows.1 {
-            for cell in (columns.0..=columns.1).filter_map(|column| self.grid.cell_in(column, row)) {
-                self.road[cell] = self.road[cell] || distance_to_line(self.grid.center(cell), a, b) <= half;
+            for column in columns.0..=columns.1 {
+                let Some(cell) = self.grid.cell_in(column, row) else {
+                    continue;
+                };
+                let center = self.grid.center(cell);
+                self.road[cell] = self.road[cell] || distance_to_segment(center, a, b) <= half;
             }
         }
     }
 }
 
-/// Metres from `p` to the line from `a` to `b`.
-fn distance_to_line(p: MapPoint, a: MapPoint, b: MapPoint) -> f64 {
+/// Metres from `p` to the segment from `a` to `b`.
+fn distance_to_segment(p: MapPoint, a: MapPoint, b: MapPoint) -> f64 {
     let (dx, dy) = (b.x - a.x, b.y - a.y);
     let square = dx * dx + dy * dy;
-    let share = if square > 0.0 { ((p.x - a.x) * dx + (p.y - a.y) * dy) / square } else { 0.0 };
+    let share = if square > 0.0 {
+        ((p.x - a.x) * dx + (p.y - a.y) * dy) / square
+    } else {
+        0.0
+    };
     let share = share.clamp(0.0, 1.0);
     p.distance(MapPoint::new(a.x + share * dx, a.y + share * dy))
 }
 
+/// A grid over a map's buildings and roads, as far as traffic moves.
 fn covering(map: &OsmMap, start: MapPoint) -> GridGeometry {
     let buildings = map.buildings.iter().flat_map(|b| &b.polygon.outer);
     let points = buildings.chain(map.roads.iter().flat_map(|r| &r.points));
@@ -106,9 +143,22 @@ fn covering(map: &OsmMap, start: MapPoint) -> GridGeometry {
         low = MapPoint::new(low.x.min(p.x), low.y.min(p.y));
         high = MapPoint::new(high.x.max(p.x), high.y.max(p.y));
     }
-    let below = |v: f64, s: f64| (v - MARGIN).max(s - REACH);
-    let above = |v: f64, s: f64| (v + MARGIN).min(s + REACH);
+    let below = |v: f64, s: f64| (v - MARGIN_M).max(s - REACH_M);
+    let above = |v: f64, s: f64| (v + MARGIN_M).min(s + REACH_M);
     let low = MapPoint::new(below(low.x, start.x), below(low.y, start.y));
     let high = MapPoint::new(above(high.x, start.x), above(high.y, start.y));
-    GridGeometry::covering(low, high, CELL, (2.0 * REACH / CELL) as usize)
+    GridGeometry::covering(low, high, CELL_M, (2.0 * REACH_M / CELL_M) as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distances_to_a_segment_end_at_its_ends() {
+        let (a, b) = (MapPoint::new(0.0, 0.0), MapPoint::new(4.0, 0.0));
+        assert_eq!(distance_to_segment(MapPoint::new(2.0, 3.0), a, b), 3.0);
+        assert_eq!(distance_to_segment(MapPoint::new(7.0, 4.0), a, b), 5.0);
+        assert_eq!(distance_to_segment(MapPoint::new(3.0, 4.0), a, a), 5.0);
+    }
 }

@@ -2,28 +2,49 @@
 
 use openbench_core::{MapPoint, Pose2};
 
+/// Half the length of a car, metres.
+pub(crate) const CAR_HALF_LENGTH_M: f64 = 2.22;
+/// Half the width of a car, metres.
+pub(crate) const CAR_HALF_WIDTH_M: f64 = 0.89;
+
 /// A car as people see it.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct CarHull {
+#[derive(Debug, Clone, Copy)]
+pub(super) struct CarHull {
     pub pose: Pose2,
-    /// Half length and half width, metres.
-    pub half: [f64; 2],
+    /// Half the length, metres.
+    pub half_length: f64,
+    /// Half the width, metres.
+    pub half_width: f64,
     /// Speed forward, m/s.
     pub speed: f64,
 }
 
 impl CarHull {
-    /// The point of the hull nearest to `point`, the hull stretched forward by `stretch` metres.
-    pub fn nearest(&self, point: MapPoint, stretch: f64) -> MapPoint {
-        let (forward, left) = self.pose.inverse_transform(point);
-        let [long, wide] = self.half;
-        self.pose.transform(forward.clamp(-long, long + stretch), left.clamp(-wide, wide))
+    /// A car of the usual size.
+    pub fn new(pose: Pose2, speed: f64) -> Self {
+        Self {
+            pose,
+            half_length: CAR_HALF_LENGTH_M,
+            half_width: CAR_HALF_WIDTH_M,
+            speed,
+        }
     }
 
-    /// Whether the hull may be within `reach` metres of `point`: a quick look.
-    pub fn is_within(&self, point: MapPoint, reach: f64) -> bool {
+    /// The point of the hull nearest to `point`, with the hull stretched forward by `stretch`
+    /// metres.
+    pub fn nearest(&self, point: MapPoint, stretch: f64) -> MapPoint {
+        let (forward, left) = self.pose.inverse_transform(point);
+        let (long, wide) = (self.half_length, self.half_width);
+        self.pose.transform(
+            forward.clamp(-long, long + stretch),
+            left.clamp(-wide, wide),
+        )
+    }
+
+    /// Whether the hull may be within `reach` metres of `point`: a cheap test that never misses.
+    pub fn may_reach(&self, point: MapPoint, reach: f64) -> bool {
         let (dx, dy) = (point.x - self.pose.x, point.y - self.pose.y);
-        let reach = reach + self.half[0] + self.half[1];
+        let reach = reach + self.half_length + self.half_width;
         dx * dx + dy * dy < reach * reach
     }
 
@@ -33,20 +54,22 @@ impl CarHull {
         point.distance(self.nearest(point, 0.0))
     }
 
-    /// The shift by which a disc at `point` comes out of the hull, the shortest way; zero if it is outside.
+    /// The shortest shift that moves a disc at `point` out of the hull, metres in `map`; zero if it
+    /// is outside.
     pub fn way_out(&self, point: MapPoint, radius: f64) -> [f64; 2] {
-        if !self.is_within(point, radius) {
+        if !self.may_reach(point, radius) {
             return [0.0; 2];
         }
         let (forward, left) = self.pose.inverse_transform(point);
-        let deep = [self.half[0] + radius - forward.abs(), self.half[1] + radius - left.abs()];
-        if deep[0] <= 0.0 || deep[1] <= 0.0 {
+        let depth_along = self.half_length + radius - forward.abs();
+        let depth_across = self.half_width + radius - left.abs();
+        if depth_along <= 0.0 || depth_across <= 0.0 {
             return [0.0; 2];
         }
-        let (x, y) = if deep[0] < deep[1] {
-            (deep[0] * forward.signum(), 0.0)
+        let (x, y) = if depth_along < depth_across {
+            (depth_along * forward.signum(), 0.0)
         } else {
-            (0.0, deep[1] * left.signum())
+            (0.0, depth_across * left.signum())
         };
         let to = Pose2::new(0.0, 0.0, self.pose.yaw).transform(x, y);
         [to.x, to.y]
@@ -58,9 +81,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_disc_comes_out_the_shortest_way() {
-        let car =
-            CarHull { pose: Pose2::new(1.0, 2.0, std::f64::consts::FRAC_PI_2), half: [2.0, 1.0], speed: 0.0 };
+    fn a_disc_leaves_the_hull_by_the_shortest_shift() {
+        let pose = Pose2::new(1.0, 2.0, std::f64::consts::FRAC_PI_2);
+        let car = CarHull {
+            pose,
+            half_length: 2.0,
+            half_width: 1.0,
+            speed: 0.0,
+        };
         let inside = MapPoint::new(1.8, 2.5);
         let [x, y] = car.way_out(inside, 0.3);
         assert!((x - 0.5).abs() < 1e-12 && y.abs() < 1e-12, "{x} {y}");

@@ -1,57 +1,77 @@
-//! People who walk and cars that drive: where they are at each instant, without a physics engine and without rays.
+//! People who walk and cars that drive: where they are at each instant, without a physics engine
+//! and without rays.
 //!
-//! Same map, free places, plan, start, seed and motions of the robot: the same bytes. People keep to the map's footways and
-//! pavements and cross streets; cars keep to lanes and yield. Both see the robot.
+//! The same map, free places, plan, start, seed and motions of the robot give the same bytes.
+//! People keep to the map's footways and pavements and cross streets; cars keep to lanes and yield.
+//! Both see the robot.
 //!
-//! | module | its one job |
+//! | module | job |
 //! |---|---|
-//! | `ways` | what the words on a way say: widths, limits, directions |
-//! | `ground` | where people fit, how far from there to where they do not, what is carriageway |
-//! | `neighbours` | who is near |
-//! | `footways`, `pedestrians` | the network that people walk on; the social force model |
-//! | `lanes`, `cars` | lanes and turns; the intelligent driver model and yielding |
-//! | `mover`, `hull` | a person or a car at an instant, the robot as they see it; the outline of a car |
-//! | `plan` | how many there shall be |
-//! | [`figures`] | how a person and a car look |
-//! | [`measures`] | how near the robot came to them |
-//! | [`yielding`] | whether the robot stepped before somebody who could no longer stop |
+//! | `plan` | [`TrafficPlan`]: how many people and cars are wanted |
+//! | `mover`, `hull` | [`Mover`], [`RobotState`]: a person or car and the robot at an instant |
+//! | `road_tags` | what a way's tags mean: widths, limits, directions |
+//! | `ground` | where people fit, and what is carriageway |
+//! | `neighbours` | points near a point |
+//! | `polyline` | lengths, parts and parallels of lines |
+//! | `footways`, `walk_graph` | the network that people walk on, and paths in it |
+//! | `social_force`, `pedestrians` | how people walk |
+//! | `streets`, `piece`, `lanes` | the network that cars drive on |
+//! | `driver_model`, `obstruction`, `cars` | how cars drive and yield |
+//! | `gait`, `figures`, `gallery` | how people and cars look |
+//! | `measures` | [`Encounters`]: how near the robot came to them |
+//! | `yielding` | whether the robot stepped in front of somebody who could no longer stop |
 
 mod cars;
 #[cfg(test)]
 mod crowds;
-pub mod figures;
+mod driver_model;
+mod figures;
 mod footways;
+mod gait;
+mod gallery;
 mod ground;
 mod hull;
 mod lanes;
-pub mod measures;
+mod measures;
 mod mover;
 mod neighbours;
+mod obstruction;
 mod pedestrians;
+mod piece;
 mod plan;
+mod polyline;
+mod road_tags;
+mod social_force;
+mod streets;
 #[cfg(test)]
 mod tests;
-mod ways;
-pub mod yielding;
+mod walk_graph;
+mod yielding;
 
 use openbench_core::{MapPoint, Pose2};
 use openbench_osm::OsmMap;
 
 use crate::noise::Noise;
 use cars::Cars;
-use footways::Footways;
+use footways::walk_graph;
 use ground::Ground;
-use lanes::{HALF, Lanes};
-use pedestrians::Pedestrians;
+use hull::{CAR_HALF_LENGTH_M, CAR_HALF_WIDTH_M};
+use lanes::Lanes;
+use pedestrians::{Pedestrians, Surroundings};
 
-pub use measures::{Encounters, Totals};
+pub(crate) use gallery::{Gallery, car_figure};
+pub use measures::{Encounters, INTIMATE_M, NEAR_MISS_S, PERSONAL_M, Totals};
 pub use mover::{Hull, Mover, MoverKind, PERSON_RADIUS, RobotState};
 pub use plan::TrafficPlan;
+pub(crate) use yielding::RobotWatch;
 
-/// The models' longest step, seconds; longer ones are cut.
-const LONGEST_STEP: f64 = 0.05;
+/// The models' longest step, seconds; longer ones are divided.
+const LONGEST_STEP_S: f64 = 0.05;
+/// Longest time that is simulated in one call, seconds.
+const LONGEST_CALL_S: f64 = 1.0;
 /// Streams of random numbers, beside those of the sensors.
-const STREAMS: [u64; 2] = [11, 12];
+const PEOPLE_STREAM: u64 = 11;
+const CARS_STREAM: u64 = 12;
 
 /// People and cars in a map.
 #[derive(Debug)]
@@ -63,9 +83,12 @@ pub struct Traffic {
 }
 
 impl Traffic {
-    /// Up to as many people and cars as `plan` says, at places drawn from `seed`; fewer where the map has no ways for them:
-    /// see [`placed`](Self::placed). `free` says whether a disc of [`PERSON_RADIUS`] fits at a point; it is asked once for each
-    /// place of a grid within 300 m of `start`, the robot's place, near which nobody stands. Cars also need it to be true on carriageways.
+    /// Up to as many people and cars as in `plan`, at places drawn from `seed`; fewer where the map
+    /// has no footways or roads for them, see [`placed`](Self::placed).
+    ///
+    /// `free` tells whether a disc of [`PERSON_RADIUS`] fits at a point. It is asked once for each
+    /// cell of a grid within 300 m of `start`, the robot's place, near which nobody is placed. Cars
+    /// also need it to be true on carriageways.
     pub fn new(
         map: &OsmMap,
         free: impl Fn(MapPoint) -> bool,
@@ -74,53 +97,73 @@ impl Traffic {
         seed: u64,
     ) -> Self {
         let ground = Ground::new(map, free, start);
-        let [people, cars] = STREAMS.map(|stream| Noise::new(seed, stream));
-        let footways = Footways::new(map, &ground);
-        let pedestrians = Pedestrians::new(footways, &ground, plan.pedestrians, start, people);
-        let cars = Cars::new(Lanes::new(map, &ground), plan.cars, start, &pedestrians, cars);
-        let mut traffic = Self { ground, pedestrians, cars, movers: Vec::new() };
-        traffic.movers = vec![Mover::absent(); traffic.pedestrians.people.len() + traffic.cars.cars.len()];
-        traffic.show();
+        let noise = Noise::new(seed, PEOPLE_STREAM);
+        let footways = walk_graph(map, &ground);
+        let pedestrians = Pedestrians::new(footways, &ground, plan.pedestrians, start, noise);
+        let noise = Noise::new(seed, CARS_STREAM);
+        let lanes = Lanes::new(map, &ground);
+        let cars = Cars::new(lanes, plan.cars, start, &pedestrians, noise);
+        let count = pedestrians.people.len() + cars.cars.len();
+        let mut traffic = Self {
+            ground,
+            pedestrians,
+            cars,
+            movers: vec![Mover::absent(); count],
+        };
+        traffic.update_movers();
         traffic
     }
 
-    /// How many people and cars there are, cars outside included: fewer than planned, or none, where the map has no
-    /// footways or no roads, or no room on them.
+    /// How many people and cars there are, cars off the map included. They are fewer than planned
+    /// where the map has too few footways or roads, or too little room on them.
     pub fn placed(&self) -> TrafficPlan {
-        TrafficPlan { pedestrians: self.pedestrians.people.len(), cars: self.cars.cars.len() }
+        TrafficPlan {
+            pedestrians: self.pedestrians.people.len(),
+            cars: self.cars.cars.len(),
+        }
     }
 
-    /// Everyone, people first; a mover keeps its index.
+    /// All movers, people first; a mover keeps its index.
     pub fn movers(&self) -> &[Mover] {
         &self.movers
     }
 
-    /// Moves everyone by `dt` seconds, up to 1; a step that is not a positive number does nothing. A robot whose state is not
-    /// finite is not seen.
+    /// Moves all people and cars by `dt` seconds, at most 1. A step that is not a positive number
+    /// does nothing. A robot whose state contains NaN or infinity is not seen.
     pub fn step(&mut self, dt: f64, robot: RobotState) {
         if dt.is_nan() || dt <= 0.0 {
             return;
         }
-        let dt = dt.min(1.0);
-        let parts = (dt / LONGEST_STEP - 1e-9).ceil().max(1.0);
-        let robot = robot.seen();
+        let dt = dt.min(LONGEST_CALL_S);
+        let parts = (dt / LONGEST_STEP_S - 1e-9).ceil().max(1.0);
+        let robot = robot.sanitized();
         for _ in 0..parts as usize {
-            self.cars.step(dt / parts, &self.ground, &robot, &self.pedestrians);
-            let cars = (self.cars.hulls.as_slice(), &self.cars.near);
-            self.pedestrians.step(dt / parts, &self.ground, &robot, cars);
+            self.cars
+                .step(dt / parts, &self.ground, &robot, &self.pedestrians);
+            let around = Surroundings {
+                ground: &self.ground,
+                robot: &robot,
+                cars: &self.cars.hulls,
+                near_cars: &self.cars.near,
+            };
+            self.pedestrians.step(dt / parts, around);
         }
-        self.show();
+        self.update_movers();
     }
 
-    fn show(&mut self) {
+    fn update_movers(&mut self) {
         let (people, cars) = self.movers.split_at_mut(self.pedestrians.people.len());
-        for (look, (mover, person)) in (0_u32..).zip(people.iter_mut().zip(&self.pedestrians.people)) {
+        for (look, (mover, person)) in
+            (0_u32..).zip(people.iter_mut().zip(&self.pedestrians.people))
+        {
             *mover = Mover {
                 kind: MoverKind::Pedestrian,
                 present: true,
                 pose: Pose2::new(person.position.x, person.position.y, person.yaw),
                 velocity: person.velocity,
-                hull: Hull::Disc { radius: person.radius },
+                hull: Hull::Disc {
+                    radius: person.radius,
+                },
                 gait: person.gait,
                 look,
             };
@@ -133,7 +176,10 @@ impl Traffic {
                 present: car.present,
                 pose: hull.pose,
                 velocity: [cos * car.speed, sin * car.speed],
-                hull: Hull::Box { half_length: HALF[0], half_width: HALF[1] },
+                hull: Hull::Box {
+                    half_length: CAR_HALF_LENGTH_M,
+                    half_width: CAR_HALF_WIDTH_M,
+                },
                 gait: 0.0,
                 look,
             };

@@ -2,10 +2,11 @@
 
 use openbench_core::{MapPoint, Pose2};
 
-/// Radius of the place that a person needs: what `free` must stand for, metres.
+/// Radius of a person, metres: the argument `free` of [`Traffic::new`](super::Traffic::new) tells
+/// where a disc of this radius fits.
 pub const PERSON_RADIUS: f64 = 0.25;
 
-/// The robot as others see it: a disc.
+/// The robot as people and cars see it: a disc.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RobotState {
     /// Its middle in `map`, metres.
@@ -17,18 +18,26 @@ pub struct RobotState {
 }
 
 impl RobotState {
-    /// The state as people and cars see it: a robot whose state is not finite is far away.
-    pub(super) fn seen(self) -> Self {
-        let Self { position, velocity, radius } = self;
+    /// The same state, or one far away if it contains NaN, infinity or absurd numbers.
+    pub(super) fn sanitized(self) -> Self {
+        let Self {
+            position,
+            velocity,
+            radius,
+        } = self;
         let numbers = [position.x, position.y, velocity[0], velocity[1], radius];
         if numbers.iter().all(|v| v.is_finite() && v.abs() < 1e7) {
             return self;
         }
-        Self { position: MapPoint::new(1e7, 1e7), velocity: [0.0; 2], radius: 0.0 }
+        Self {
+            position: MapPoint::new(1e7, 1e7),
+            velocity: [0.0; 2],
+            radius: 0.0,
+        }
     }
 }
 
-/// What moves.
+/// Kind of a mover.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MoverKind {
     /// A person on foot.
@@ -59,7 +68,7 @@ pub enum Hull {
 pub struct Mover {
     /// What it is.
     pub kind: MoverKind,
-    /// Whether it is there at all: cars leave and come in again.
+    /// Whether it is on the map: cars leave and come in again.
     pub present: bool,
     /// Middle of the hull and heading, in `map`.
     pub pose: Pose2,
@@ -69,19 +78,21 @@ pub struct Mover {
     pub hull: Hull,
     /// Phase of the walking cycle, 0 to 1 (left foot in front at 0); 0 for cars.
     pub gait: f64,
-    /// Which of the [`figures`](super::figures) it looks like: any number, the same for the mover's whole life.
+    /// Number that selects its figure: any number, the same for the mover's whole life.
     pub look: u32,
 }
 
 impl Mover {
-    /// Somebody who is not there yet.
+    /// A mover that is not on the map yet.
     pub(super) fn absent() -> Self {
         Self {
             kind: MoverKind::Pedestrian,
             present: false,
             pose: Pose2::default(),
             velocity: [0.0; 2],
-            hull: Hull::Disc { radius: PERSON_RADIUS },
+            hull: Hull::Disc {
+                radius: PERSON_RADIUS,
+            },
             gait: 0.0,
             look: 0,
         }

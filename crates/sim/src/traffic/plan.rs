@@ -1,8 +1,8 @@
-//! How many people and cars there shall be.
+//! How many people and cars are wanted.
 
 use serde::{Deserialize, Serialize};
 
-/// How many there shall be.
+/// How many people and cars are wanted in a world.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrafficPlan {
@@ -13,7 +13,7 @@ pub struct TrafficPlan {
 }
 
 impl TrafficPlan {
-    /// Whether nothing moves.
+    /// Whether there is neither a person nor a car.
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }

@@ -14,7 +14,7 @@ use openbench_scene::bvh::{LANES, MISS};
 use openbench_scene::{RayPacket, Scene};
 use openbench_sim::Stage;
 use openbench_sim::lidar::pattern::{LINES, Pattern};
-use openbench_sim::lidar::{RAYS, returns::RANGE};
+use openbench_sim::lidar::{RAYS, returns::MAX_RANGE_M};
 use serde_json::{Value, json};
 
 use openbench_bench::BenchError;
@@ -31,7 +31,7 @@ pub(super) fn write(
     let (origins, directions) = rays(poses);
     let ranges = ranges(stage, &origins, &directions);
     let mut meta = measured;
-    meta["max_range"] = json!(RANGE.1);
+    meta["max_range"] = json!(MAX_RANGE_M);
     meta["rays"] = json!(ranges.len());
     meta["scans"] = json!(poses.len());
     let save = |name: &str, bytes: &[u8]| {
@@ -81,7 +81,7 @@ fn ranges(stage: &Stage, origins: &[[f32; 3]], directions: &[[f32; 3]]) -> Vec<f
     for (origins, directions) in origins.chunks(LANES).zip(directions.chunks(LANES)) {
         let mut packet = RayPacket::idle();
         for (lane, (origin, direction)) in origins.iter().zip(directions).enumerate() {
-            packet.set(lane, *origin, *direction, RANGE.1);
+            packet.set(lane, *origin, *direction, MAX_RANGE_M);
         }
         let hits = stage.caster().visible().cast_packet(&packet);
         let range = |lane: usize| {

@@ -11,7 +11,7 @@ use openbench_scene::{Movers, RayCaster, Snapshot, World};
 use openbench_sim::lidar::{Lidar, RAYS};
 use openbench_sim::noise::Noise;
 use openbench_sim::traffic::{MoverKind, TrafficPlan};
-use openbench_sim::{Simulator, Stage, View};
+use openbench_sim::{ImageSize, Simulator, Stage, View};
 use serde::Serialize;
 use serde_json::json;
 
@@ -214,7 +214,8 @@ fn cast(caster: &RayCaster, places: &[Pose2]) -> f64 {
 fn camera(stage: &Stage, movers: &Movers, places: &[Pose2]) -> f64 {
     let robot = RobotDescription::sentry();
     let optics = robot.camera_intrinsics;
-    let (size, focal_length) = ((optics.width, optics.height), optics.focal_length());
+    let size = ImageSize::new(optics.width, optics.height);
+    let focal_length = optics.focal_length();
     let bases = bases(stage.caster(), places);
     let time = fastest(REPETITIONS, || {
         for base in &bases {

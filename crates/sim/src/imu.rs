@@ -1,18 +1,17 @@
-//! The inertial measurement unit and the wheels' encoders.
+//! The inertial measurement unit.
 //!
 //! The unit is the one in the MID-360, a TDK InvenSense ICM-40609-D (Livox's specifications name it; its data sheet is DS-000330, revision
 //! 1.2). White noise, a bias that wanders, errors of scale, saturation, 16 bits.
 
 use nalgebra::Vector3;
-use openbench_core::{ImuSample, Pose3, RobotDescription, SimTime, WheelSample};
+use openbench_core::{ImuSample, Pose3, RobotDescription, SimTime};
 
 use crate::noise::Noise;
-use crate::physics::Physics;
+use crate::physics::{GRAVITY, Physics};
 
 /// Time between two samples, nanoseconds: 100 Hz.
-pub const SAMPLE_NS: u64 = 10_000_000;
+pub(crate) const SAMPLE_NS: u64 = 10_000_000;
 const DT: f64 = SAMPLE_NS as f64 * 1e-9;
-const GRAVITY: f64 = 9.8;
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
 /// What is wrong with three gyroscopes or three accelerometers, in rad/s or m/s².
@@ -53,12 +52,10 @@ const ACCEL: Errors = Errors {
     scale: 2.5e-3,
     range: 4.0 * GRAVITY,
 };
-/// Marks on an encoder's disc.
-const TICKS: f64 = 2048.0;
 
 /// The IMU.
 #[derive(Debug)]
-pub struct Imu {
+pub(crate) struct Imu {
     noise: Noise,
     mount: Pose3,
     gyro: Triad,
@@ -68,22 +65,36 @@ pub struct Imu {
 
 impl Imu {
     /// An IMU mounted on the robot as its description says.
-    pub fn new(mut noise: Noise, robot: &RobotDescription) -> Self {
+    pub(crate) fn new(mut noise: Noise, robot: &RobotDescription) -> Self {
         let gyro = Triad::new(GYRO, &mut noise);
         let accel = Triad::new(ACCEL, &mut noise);
-        Self { noise, mount: robot.imu, gyro, accel, last_velocity: Vector3::zeros() }
+        Self {
+            noise,
+            mount: robot.imu,
+            gyro,
+            accel,
+            last_velocity: Vector3::zeros(),
+        }
     }
 
     /// The sample at `stamp`; the specific force is the mean since the last sample.
-    pub fn sample(&mut self, stamp: SimTime, physics: &Physics) -> ImuSample {
+    pub(crate) fn sample(&mut self, stamp: SimTime, physics: &Physics) -> ImuSample {
         let base = physics.base_link();
         let to_sensor = (base.rotation * self.mount.rotation).inverse();
         let velocity = physics.velocity_at(self.mount.translation.vector);
         let acceleration = (velocity - self.last_velocity) / DT + Vector3::z() * GRAVITY;
         self.last_velocity = velocity;
-        let gyro = self.gyro.measure(to_sensor * physics.angular_velocity(), &mut self.noise);
-        let accel = self.accel.measure(to_sensor * acceleration, &mut self.noise);
-        ImuSample { stamp, gyro: gyro.into(), accel: accel.into() }
+        let gyro = self
+            .gyro
+            .measure(to_sensor * physics.angular_velocity(), &mut self.noise);
+        let accel = self
+            .accel
+            .measure(to_sensor * acceleration, &mut self.noise);
+        ImuSample {
+            stamp,
+            gyro: gyro.into(),
+            accel: accel.into(),
+        }
     }
 }
 
@@ -98,13 +109,18 @@ struct Triad {
 impl Triad {
     fn new(errors: Errors, noise: &mut Noise) -> Self {
         let bias = normal3(noise) * errors.bias;
-        Self { errors, bias, scale: normal3(noise).map(|n| 1.0 + n * errors.scale) }
+        Self {
+            errors,
+            bias,
+            scale: normal3(noise).map(|n| 1.0 + n * errors.scale),
+        }
     }
 
     /// What comes out when `truth` goes in.
     fn measure(&mut self, truth: Vector3<f64>, noise: &mut Noise) -> Vector3<f64> {
         self.bias += normal3(noise) * (self.errors.walk * DT.sqrt());
-        let analog = truth.component_mul(&self.scale) + self.bias + normal3(noise) * self.errors.white;
+        let analog =
+            truth.component_mul(&self.scale) + self.bias + normal3(noise) * self.errors.white;
         analog.map(|value| self.errors.digital(value))
     }
 }
@@ -121,28 +137,6 @@ fn normal3(noise: &mut Noise) -> Vector3<f64> {
     Vector3::from_fn(|_, _| noise.normal())
 }
 
-/// Encoders of the left and right wheels.
-#[derive(Debug, Default)]
-pub struct Encoders {
-    angles: [f64; 2],
-}
-
-impl Encoders {
-    /// Turns the discs with the wheels for `dt` seconds.
-    pub fn turn(&mut self, speeds: [f64; 2], dt: f64) {
-        for (angle, speed) in self.angles.iter_mut().zip(speeds) {
-            *angle += speed * dt;
-        }
-    }
-
-    /// The sample at `stamp`: angles in whole marks.
-    pub fn sample(&self, stamp: SimTime) -> WheelSample {
-        let mark = std::f64::consts::TAU / TICKS;
-        let [left, right] = self.angles.map(|a| libm::floor(a / mark) * mark);
-        WheelSample { stamp, left, right }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -151,14 +145,17 @@ mod tests {
     fn allan_deviations(errors: Errors, seconds: usize, times: [usize; 2]) -> [f64; 2] {
         let mut noise = Noise::new(5, 1);
         let mut triad = Triad::new(errors, &mut noise);
-        let samples: Vec<_> =
-            (0..100 * seconds).map(|_| triad.measure(Vector3::zeros(), &mut noise)).collect();
+        let samples: Vec<_> = (0..100 * seconds)
+            .map(|_| triad.measure(Vector3::zeros(), &mut noise))
+            .collect();
         times.map(|time| {
             let means: Vec<Vector3<f64>> = samples
                 .chunks_exact(100 * time)
                 .map(|c| c.iter().sum::<Vector3<f64>>() / c.len() as f64)
                 .collect();
-            let steps = means.windows(2).map(|pair| (pair[1] - pair[0]).norm_squared());
+            let steps = means
+                .windows(2)
+                .map(|pair| (pair[1] - pair[0]).norm_squared());
             (steps.sum::<f64>() / (6 * (means.len() - 1)) as f64).sqrt()
         })
     }
@@ -180,7 +177,8 @@ mod tests {
     fn the_noise_is_that_of_the_data_sheet() {
         // 4.5 mdps/√Hz over 50 Hz are 0.032 °/s; 100 µg/√Hz are 0.71 mg.
         assert!(
-            (GYRO.white / DEGREE - 0.0318).abs() < 1e-4 && (ACCEL.white / GRAVITY - 0.71e-3).abs() < 1e-5
+            (GYRO.white / DEGREE - 0.0318).abs() < 1e-4
+                && (ACCEL.white / GRAVITY - 0.71e-3).abs() < 1e-5
         );
     }
 
@@ -198,9 +196,12 @@ mod tests {
 
     #[test]
     fn units_differ_in_bias_and_scale() {
-        let units: Vec<Triad> = (0..500).map(|seed| Triad::new(GYRO, &mut Noise::new(seed, 1))).collect();
-        let deviation =
-            |values: Vec<f64>| (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt();
+        let units: Vec<Triad> = (0..500)
+            .map(|seed| Triad::new(GYRO, &mut Noise::new(seed, 1)))
+            .collect();
+        let deviation = |values: Vec<f64>| {
+            (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt()
+        };
         let bias = deviation(units.iter().map(|u| u.bias.x).collect());
         let scale = deviation(units.iter().map(|u| u.scale.x - 1.0).collect());
         assert!((bias / GYRO.bias - 1.0).abs() < 0.1 && (scale / GYRO.scale - 1.0).abs() < 0.1);
