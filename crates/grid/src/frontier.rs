@@ -5,6 +5,15 @@ use std::collections::BinaryHeap;
 
 /// Open cells of a search, the cheapest first; of two with equal estimates, the one with the lower
 /// index, so that every search finds the same path.
+///
+/// ```
+/// use openbench_grid::Frontier;
+///
+/// let mut open = Frontier::default();
+/// open.push(3.5, 17);
+/// open.push(2.0, 40);
+/// assert_eq!(open.pop(), Some((2.0, 40)));
+/// ```
 #[derive(Debug, Default)]
 pub struct Frontier(BinaryHeap<Entry>);
 

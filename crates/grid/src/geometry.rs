@@ -3,6 +3,18 @@
 use openbench_core::MapPoint;
 
 /// A grid of square cells, numbered row by row from the south-west.
+///
+/// ```
+/// use openbench_core::MapPoint;
+/// use openbench_grid::GridGeometry;
+///
+/// let origin = MapPoint::new(100.0, 50.0);
+/// let grid = GridGeometry { origin, width: 8, height: 4, cell: 0.5 };
+/// let cell = grid.cell_at(MapPoint::new(101.2, 50.6)).ok_or("it is on the grid")?;
+/// assert_eq!(grid.column_row(cell), (2, 1));
+/// assert_eq!(grid.center(cell), MapPoint::new(101.25, 50.75));
+/// # Ok::<(), &str>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GridGeometry {
     /// South-west corner of the grid in `map`.

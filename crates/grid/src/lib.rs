@@ -1,6 +1,6 @@
-//! A grid over the ground: where its cells are, which of them see each other, and how far each is
-//! from the nearest obstacle. The free space of a world (ground truth) and the costmap of an agent
-//! (its estimate) both use it.
+#![doc = include_str!("../README.md")]
+//!
+//! ## Modules
 //!
 //! | module | what it does |
 //! |---|---|

@@ -18,6 +18,7 @@ const ROUNDING: f64 = 1e-6;
 
 /// Why there is no path.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum PlanError {
     /// The start is outside the costmap.
     #[error("the start {0} is outside the costmap")]
@@ -41,6 +42,27 @@ pub enum PlanError {
 /// A blocked end is replaced by the nearest free cell within 1.5 m from which the other end can be
 /// reached. No obstacle may lie in between, unless the place is deep inside one. The path begins at
 /// `start` all the same. `search` holds buffers that are used again.
+///
+/// ```
+/// use openbench_core::{Georeference, LonLat, MapPoint, RobotDescription};
+/// use openbench_motion::{Costmap, RangeRing, ScanPoint, Search, plan};
+/// use openbench_osm::{OsmData, OsmMap};
+///
+/// // An empty map near Heidelberg, and a wall of 6 m that the LiDAR sees between two places.
+/// let heidelberg = Georeference::tangent_plane(LonLat::new(8.69, 49.41));
+/// let map = OsmMap::new(&OsmData::default(), heidelberg);
+/// let (low, high) = (MapPoint::new(-10.0, -10.0), MapPoint::new(10.0, 10.0));
+/// let mut costmap = Costmap::new(&map, low, high, &RobotDescription::sentry())?;
+/// let wall = (-60..=60).map(|i| ScanPoint::new(MapPoint::new(2.0, f64::from(i) / 20.0), 0.3));
+/// costmap.observe(&RangeRing::new(MapPoint::default(), 0.25, wall));
+/// costmap.inflate();
+///
+/// let (start, goal) = (MapPoint::default(), MapPoint::new(4.0, 0.0));
+/// let path = plan(&mut Search::default(), &costmap, start, goal)?;
+/// let length: f64 = path.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
+/// assert!(length > 7.0, "around the wall, instead of 4 m");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn plan(
     search: &mut Search,
     costmap: &Costmap,
@@ -394,9 +416,9 @@ mod tests {
         };
         let costmap = Costmap::from_occupancy(&occupancy, &RobotDescription::sentry()).unwrap();
         let (open, buried) = (MapPoint::new(2.0, 5.0), MapPoint::new(8.0, 5.0));
-        let way = |from, to| plan(&mut Search::default(), &costmap, from, to);
-        assert_eq!(way(buried, open), Err(PlanError::StartBlocked(buried)));
-        assert_eq!(way(open, buried), Err(PlanError::GoalBlocked(buried)));
+        let path_of = |from, to| plan(&mut Search::default(), &costmap, from, to);
+        assert_eq!(path_of(buried, open), Err(PlanError::StartBlocked(buried)));
+        assert_eq!(path_of(open, buried), Err(PlanError::GoalBlocked(buried)));
     }
 
     #[test]
@@ -420,11 +442,17 @@ mod tests {
     #[test]
     fn no_path_leads_from_or_to_a_place_that_is_not_finite() {
         let (here, lost) = (MapPoint::default(), MapPoint::new(f64::NAN, 0.0));
-        let way = |from, to| plan(&mut Search::default(), &open_ground(), from, to);
-        assert!(matches!(way(lost, here), Err(PlanError::StartOutside(_))));
-        assert!(matches!(way(here, lost), Err(PlanError::GoalOutside(_))));
+        let path_of = |from, to| plan(&mut Search::default(), &open_ground(), from, to);
         assert!(matches!(
-            way(MapPoint::new(1e300, 0.0), here),
+            path_of(lost, here),
+            Err(PlanError::StartOutside(_))
+        ));
+        assert!(matches!(
+            path_of(here, lost),
+            Err(PlanError::GoalOutside(_))
+        ));
+        assert!(matches!(
+            path_of(MapPoint::new(1e300, 0.0), here),
             Err(PlanError::StartOutside(_))
         ));
     }

@@ -1,4 +1,6 @@
-//! From a pose and obstacles to a velocity.
+#![doc = include_str!("../README.md")]
+//!
+//! ## Modules
 //!
 //! | module | its one job |
 //! |---|---|
@@ -15,7 +17,7 @@
 //! | [`teb`] | [`Teb`]: Timed Elastic Bands in several homotopy classes |
 //! | [`mppi`] | [`Mppi`]: Model Predictive Path Integral control, for comparison |
 //! | [`follower`] | [`Follower`]: pure pursuit that stops before obstacles, for comparison |
-//! | [`people`] | [`Tracker`]: who moves, and how to drive near them |
+//! | [`people`] | [`Tracker`]: moving bodies, and how to drive near people |
 //! | [`recovery`] | what to do where a local planner does not go on |
 //! | [`route`] | [`Guide`]: the path to a goal, searched again when it is old or blocked |
 //! | [`surroundings`] | [`Surroundings`]: what the robot knows of itself and what is around it |

@@ -58,7 +58,7 @@ const CELL_M: f64 = 0.05;
 const MAP_M: f64 = 2.0;
 /// Distance from obstacles that a command has to keep, metres.
 const SURE_M: f64 = 0.003;
-/// Slower than this, m/s, is as good as standing: the controller sees no way on.
+/// Slower than this, m/s, is as good as standing: the controller found no way on.
 const STILL_MPS: f64 = 0.02;
 /// The same of the turn rate, rad/s.
 const STILL_RADPS: f64 = 0.05;

@@ -1,5 +1,5 @@
-//! To a goal, whatever comes: a path, a local planner along it, and recovery where that does not
-//! go on.
+//! Navigation to a goal: a path, a local planner along it, and recovery where that does not drive
+//! on.
 //!
 //! The ladder of recovery: the planner slows down, and stops before what it cannot pass; after a
 //! moment the path is searched anew; then places and headings are searched with the whole
@@ -28,15 +28,16 @@ const MANEUVER_M: f64 = 3.0;
 
 /// Why a goal is given up.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum Cause {
     /// No path leads there, by what is known of the ground.
     #[error(transparent)]
     NoWay(PlanError),
     /// A path leads there for a point, but not for the footprint.
-    #[error("the footprint does not get there: {0}")]
+    #[error("the footprint does not fit through: {0}")]
     TooNarrow(NoManeuver),
-    /// The robot did not get on, though nothing says why it should not.
-    #[error("the robot did not get on: {0}")]
+    /// The robot made no progress, though no obstacle explains it.
+    #[error("the robot made no progress: {0}")]
     Stuck(Blocked),
 }
 
@@ -62,7 +63,7 @@ pub enum NavigatorError {
     Footprint(#[from] ShapeError),
 }
 
-/// Where to.
+/// A goal.
 #[derive(Debug, Clone, Copy)]
 struct Goal {
     point: MapPoint,
@@ -70,14 +71,14 @@ struct Goal {
     yaw: Option<f64>,
 }
 
-/// What the navigator is at.
+/// The task of a navigator.
 #[derive(Debug, Clone, Copy)]
 enum Task {
     /// No goal was given yet.
     None,
-    /// On the way.
+    /// Driving to a goal.
     Drive(Goal),
-    /// How it went with the last goal.
+    /// The result of the last goal.
     Ended(Navigation),
 }
 
@@ -91,7 +92,7 @@ pub struct Navigator {
     ladder: Ladder,
     progress: ProgressMonitor,
     maneuver: Option<UnderWay>,
-    /// Since when the robot has not known where it is.
+    /// Since when the robot's pose has been unknown.
     lost: Option<SimTime>,
 }
 
@@ -155,7 +156,7 @@ impl Navigator {
         decided
     }
 
-    /// Stands until the robot knows its pose; what is wrong with the goal itself stays so.
+    /// Stands until the robot's pose is known. A goal that is not finite is given up.
     fn wait_for_pose(&mut self, now: &Surroundings<'_>, goal: &Goal) -> Option<Navigation> {
         let Err(cause) = check(now.pose, now.velocity, &[goal.point], goal.yaw) else {
             if let Some(since) = self.lost.take() {
@@ -175,8 +176,8 @@ impl Navigator {
         })
     }
 
-    /// Begins anew from where the robot is, after it stood for so long for a reason that is not in
-    /// its way; that time does not count.
+    /// Begins anew from where the robot is, after it stood for so long for a reason that is no
+    /// obstacle. That time counts against no timeout.
     pub fn resume(&mut self, stood: Duration) {
         self.progress.resume(stood);
         self.ladder.unblock();
@@ -185,16 +186,17 @@ impl Navigator {
         self.planner.reset();
     }
 
+    /// Gives the goal up after too long without progress.
     fn give_up_without_progress(&mut self, now: &Surroundings<'_>) -> Option<Navigation> {
         if self.progress.note(now) {
-            self.ladder.got_on();
+            self.ladder.made_progress();
         }
         let cause = self.ladder.cause().unwrap_or(Blocked::Creeping);
         let failed = Navigation::Failed(Cause::Stuck(cause));
         self.progress.is_stagnant(now.time).then_some(failed)
     }
 
-    /// Drives a maneuver as it was found, until it is done or something is in its way.
+    /// Drives a maneuver as it was found, until it is done or blocked.
     fn drive_maneuver(&mut self, now: &Surroundings<'_>) -> Option<Navigation> {
         let maneuver = self.maneuver.as_mut()?;
         maneuver.keep_up(now);
@@ -214,6 +216,7 @@ impl Navigator {
         Some(Navigation::Drive(command))
     }
 
+    /// Searches the path again if it is old or blocked; recovers if there is none.
     fn refresh_route(
         &mut self,
         now: &Surroundings<'_>,
@@ -224,6 +227,7 @@ impl Navigator {
         Some(self.recover(now, goal, Blocked::NoPath, Cause::NoWay(error)))
     }
 
+    /// Asks the local planner for a velocity; recovers if it has none.
     fn follow_route(&mut self, now: &Surroundings<'_>, goal: &Goal) -> Navigation {
         let planned = self
             .planner
@@ -269,6 +273,7 @@ impl Navigator {
         }
     }
 
+    /// Searches a maneuver along the next metres of the path, and begins it.
     fn begin_maneuver(
         &mut self,
         now: &Surroundings<'_>,
@@ -291,8 +296,8 @@ impl Navigator {
                 self.maneuver = Some(begun);
                 STAND
             }
-            // A moving obstacle may have been in the way, and what was seen may have been wrong:
-            // the last attempt decides.
+            // Moving obstacles are left out, and LiDAR data may have been wrong: only the last
+            // attempt decides.
             Err(why) if self.ladder.is_at_top() => Navigation::Failed(match failed {
                 Cause::NoWay(_) => failed,
                 Cause::TooNarrow(_) | Cause::Stuck(_) => Cause::TooNarrow(why),

@@ -1,8 +1,8 @@
 //! A LiDAR scan as a ring of ranges around the robot.
 //!
 //! Points between the lowest obstacle and the robot's roof are obstacles. A beam that reached the
-//! ground or an obstacle shows that nothing as high as the beam stood in its way. Low things near
-//! the robot lie below every beam, so a ring also says at which height its beams passed.
+//! ground or an obstacle shows that no obstacle as high as the beam stood before it. Low things
+//! near the robot lie below every beam, so a ring also says at which height its beams passed.
 
 use openbench_core::MapPoint;
 

@@ -24,7 +24,7 @@ pub trait Guide {
 
 /// The path that is followed.
 #[derive(Debug, Clone, Default)]
-pub struct Route {
+pub(crate) struct Route {
     path: Vec<MapPoint>,
     /// When the path was last searched.
     searched: Option<SimTime>,

@@ -144,6 +144,23 @@ impl Search {
     /// The cheapest path from one cell to another; `None` if there is none. A step costs its
     /// length, in sides of cells, times the mean cost of both cells.
     ///
+    /// ```
+    /// use openbench_motion::{Costs, Search};
+    ///
+    /// // Three rows of four cells; a wall leaves one way around it.
+    /// let wall = f32::INFINITY;
+    /// let cells = [
+    ///     1.0, 1.0, 1.0, 1.0, //
+    ///     1.0, wall, wall, 1.0, //
+    ///     1.0, wall, 1.0, 1.0,
+    /// ];
+    /// let costs = Costs::new(4, &cells)?;
+    /// let path = Search::default().cheapest(&costs, 8, 10).ok_or("there is a path")?;
+    /// assert_eq!(path.cells, [8, 4, 0, 1, 2, 3, 7, 11, 10]);
+    /// assert_eq!(path.cost, 8.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Panics
     ///
     /// If `start` or `goal` is no cell of the grid.

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use openbench_core::{MapPoint, Pose2, RobotDescription, SimTime, Velocity};
 use openbench_motion::navigator::Cause;
-use openbench_motion::recovery::ladder::{Recovery, Step};
+use openbench_motion::recovery::{Recovery, Step};
 use openbench_motion::{
     Blocked, Guide, LocalPlanner, Navigation, Navigator, Obstacle, PlanError, Progress, Situation,
     Surroundings, Vector2,

@@ -49,6 +49,7 @@ const GRAIN: f64 = 1.0 / 16.0;
 
 /// A costmap cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum CostmapError {
     /// A corner of the area is not finite, or the area has no size.
     #[error(
@@ -383,7 +384,7 @@ impl Costmap {
         }
     }
 
-    /// Cells below the robot that are believed to hold an obstacle.
+    /// Cells below the robot that hold an obstacle by the newest evidence.
     fn obstacles_below(&self, footprint: &Footprint, pose: Pose2) -> Vec<usize> {
         let (placed, reach) = (footprint.at(pose), footprint.circumscribed());
         let low = MapPoint::new(pose.x - reach, pose.y - reach);

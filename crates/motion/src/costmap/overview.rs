@@ -46,6 +46,7 @@ enum Known {
 
 /// A kind of obstacle between two places.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Bar {
     /// Water of the map.
     Water,
@@ -231,8 +232,8 @@ mod tests {
     use crate::costmap::tests::{empty_map, open_ground, see_wall};
     use openbench_osm::Barrier;
 
-    fn length(way: &[MapPoint]) -> f64 {
-        way.windows(2).map(|pair| pair[0].distance(pair[1])).sum()
+    fn length(path: &[MapPoint]) -> f64 {
+        path.windows(2).map(|pair| pair[0].distance(pair[1])).sum()
     }
 
     #[test]
@@ -250,13 +251,13 @@ mod tests {
         });
         let overview = Overview::new(&RobotDescription::sentry()).unwrap();
         let (from, to) = (MapPoint::new(0.0, 0.0), MapPoint::new(1000.0, 0.0));
-        let way = overview.way(&map, from, to).unwrap();
+        let path = overview.way(&map, from, to).unwrap();
         let end = MapPoint::new(400.0, 150.0);
         let shortest = from.distance(end) + end.distance(to);
         assert!(
-            (shortest..1.02 * shortest).contains(&length(&way)),
+            (shortest..1.02 * shortest).contains(&length(&path)),
             "{} for {shortest}",
-            length(&way)
+            length(&path)
         );
         assert_eq!(
             overview.bar(&map, from, to).map(|found| found.bar),

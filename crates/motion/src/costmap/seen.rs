@@ -21,8 +21,7 @@ const FREE: i8 = -3;
 const LINE: usize = 38;
 /// Lines of cells that a beam clears at most.
 const LINES: usize = 4;
-/// Beyond this distance only every fourth scan clears, metres: what stands there is not yet in the
-/// way.
+/// Beyond this distance only every fourth scan clears, metres: obstacles there do not matter yet.
 const NEAR_M: f64 = 20.0;
 /// See [`NEAR_M`].
 const FAR_EVERY: u16 = 4;

@@ -48,6 +48,7 @@ impl Progress {
 /// Why a local planner does not drive on, or not as fast as it could. Where it does not, the robot
 /// should stand until it does.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum Blocked {
     /// The path is empty or contains NaN, infinity or an impossible number.
     #[error("there is no path to follow: it is empty or contains NaN or infinity")]

@@ -98,6 +98,7 @@ impl fmt::Debug for Entry {
 
 /// A local planner cannot be made.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum PlannerError {
     /// There is none of that name.
     #[error("there is no such local planner; there are {}", known.join(", "))]
@@ -121,6 +122,33 @@ pub enum PlannerError {
 ///
 /// [`built_in`](super::built_in::built_in) has those of this crate; [`LocalPlanners::with`] adds
 /// others, from wherever they come, or replaces one by the same with other settings.
+///
+/// ```
+/// use openbench_core::{RobotDescription, Velocity};
+/// use openbench_motion::local::built_in::built_in;
+/// use openbench_motion::local::{Entry, PlannerSettings};
+/// use openbench_motion::{Blocked, LocalPlanner, Progress, ShapeError, Situation};
+///
+/// /// Drives straight on, whatever comes.
+/// struct Blind;
+///
+/// impl LocalPlanner for Blind {
+///     fn plan(&mut self, situation: &Situation<'_>) -> Result<Progress, Blocked> {
+///         situation.check()?;
+///         Ok(Progress::Drive(Velocity::new(0.2, 0.0)))
+///     }
+///
+///     fn reset(&mut self) {}
+/// }
+///
+/// let blind = Entry::new("blind", "Drives straight on", |_: &PlannerSettings| {
+///     Ok::<_, ShapeError>(Blind)
+/// });
+/// let planners = built_in().with(blind);
+/// assert_eq!(planners.names(), ["teb", "follower", "mppi", "blind"]);
+/// let settings = PlannerSettings::new(RobotDescription::sentry());
+/// assert!(planners.make("blind", &settings).is_ok());
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct LocalPlanners {
     entries: Vec<Entry>,

@@ -199,7 +199,7 @@ fn is_in(track: &Track, cluster: &[MapPoint]) -> bool {
         .any(|p| apart(track.place, Vector2::to(*p)) < PERSON_M)
 }
 
-/// Whether two tracks are at the same place and go the same way.
+/// Whether two tracks are at the same place and have the same velocity.
 fn is_same(a: &Track, b: &Track) -> bool {
     apart(a.place, b.place) < ONE_M && apart(a.velocity, b.velocity) < ONE_MPS
 }

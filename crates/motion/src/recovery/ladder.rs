@@ -1,4 +1,5 @@
-//! The steps that are tried one after the other where the robot does not go on.
+//! The ladder of recovery: steps that are tried one after the other where the robot does not drive
+//! on.
 
 use std::time::Duration;
 
@@ -8,7 +9,7 @@ use crate::local::Blocked;
 
 /// Standing blocked for so long, the robot tries the next step.
 const PATIENCE: Duration = Duration::from_millis(800);
-/// A robot that is slowed down again within this long has not been let go in between.
+/// A robot that is slowed down again within this long counts as slowed all the time.
 const SLOWED: Duration = Duration::from_secs(2);
 /// So many steps are tried before a goal is given up.
 const ATTEMPTS: u32 = 4;
@@ -17,6 +18,7 @@ const MOST_RECOVERIES: usize = 1000;
 
 /// A kind of step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Step {
     /// The robot began to be slower than its path alone would let it be.
     Slow,
@@ -63,11 +65,11 @@ struct Blockage {
     cause: Blocked,
 }
 
-/// How far the robot has climbed, and what it did.
+/// How far the robot has climbed, and the steps that it took.
 #[derive(Debug, Clone, Default)]
 pub struct Ladder {
     blockage: Option<Blockage>,
-    /// Steps tried since the robot last got on.
+    /// Steps tried since the last progress.
     attempts: u32,
     /// When the planner last slowed the robot down.
     slowed: Option<SimTime>,
@@ -75,7 +77,7 @@ pub struct Ladder {
 }
 
 impl Ladder {
-    /// Begins at the bottom, for another goal; steps that were not taken out yet are kept.
+    /// Begins at the bottom, for another goal. Steps that were not taken out yet are kept.
     pub fn reset(&mut self) {
         *self = Self {
             recoveries: std::mem::take(&mut self.recoveries),
@@ -83,8 +85,8 @@ impl Ladder {
         };
     }
 
-    /// The robot got on: the next time it is blocked all steps are tried again.
-    pub fn got_on(&mut self) {
+    /// The robot made progress: the next time it is blocked, all steps are tried again.
+    pub fn made_progress(&mut self) {
         self.attempts = 0;
     }
 
@@ -106,8 +108,8 @@ impl Ladder {
         }
     }
 
-    /// The robot is blocked: the next step, once this one was given time. A moving obstacle near
-    /// the robot may go away, so with one no goal is given up.
+    /// The robot is blocked: the next step, once the last one was given time. A moving obstacle
+    /// near the robot may go away, so with one no goal is given up.
     pub fn climb(&mut self, time: SimTime, cause: Blocked, is_anybody_near: bool) -> Rung {
         if self.blockage.is_none() {
             self.record(time, Step::Stop, cause);
@@ -188,10 +190,10 @@ mod tests {
     }
 
     #[test]
-    fn a_robot_that_got_on_tries_all_steps_again() {
+    fn after_progress_all_steps_are_tried_again() {
         let mut ladder = Ladder::default();
         climbed(&mut ladder, 30, false);
-        ladder.got_on();
+        ladder.made_progress();
         ladder.unblock();
         assert_eq!(climbed(&mut ladder, 9, false), [Rung::Replan]);
     }

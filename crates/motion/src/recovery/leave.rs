@@ -14,7 +14,7 @@ use crate::trajectory::{Band, Knot};
 const ENOUGH_M: f64 = 0.03;
 /// Distance that a motion has to gain to be worth it, metres.
 const GAIN_M: f64 = 0.0005;
-/// Least distance that is kept on the way, metres, or half of what there is.
+/// Least distance that is kept during the motion, metres, or half of what there is.
 pub(crate) const KEEP_M: f64 = 0.001;
 /// A motion that takes longer comes from an impossible speed, seconds.
 const LONGEST_S: f64 = 10.0;
@@ -89,6 +89,7 @@ pub fn leave(footprint: &Footprint, limits: &Limits, situation: &Situation<'_>) 
     Band::new(knots)
 }
 
+/// The robot's motion with a command.
 fn motion(situation: &Situation<'_>, command: Velocity) -> Motion {
     Motion {
         pose: situation.pose,

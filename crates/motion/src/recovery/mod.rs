@@ -1,19 +1,19 @@
-//! Recovery: what to do where a local planner does not go on.
+//! Recovery where a local planner does not drive on.
 //!
 //! | module | its one job |
 //! |---|---|
-//! | [`ladder`] | [`Ladder`]: which step comes next, and when a goal is given up |
-//! | [`progress`] | whether the robot gets on |
-//! | [`under_way`] | a maneuver being driven |
+//! | `ladder` | which step comes next, and when a goal is given up |
+//! | `progress` | whether the robot makes progress |
+//! | `under_way` | a maneuver being driven |
 //! | [`maneuver`] | places and headings searched with the whole footprint |
-//! | [`leave`] | leaving near contact with an obstacle |
-//! | [`evade`] | evading people |
-//!
-//! [`Ladder`]: ladder::Ladder
+//! | `leave` | leaving near contact with an obstacle |
+//! | `evade` | evading people |
 
-pub mod evade;
-pub mod ladder;
-pub mod leave;
+pub(crate) mod evade;
+pub(crate) mod ladder;
+pub(crate) mod leave;
 pub mod maneuver;
-pub mod progress;
-pub mod under_way;
+pub(crate) mod progress;
+pub(crate) mod under_way;
+
+pub use ladder::{Recovery, Step};

@@ -1,4 +1,4 @@
-//! Whether the robot gets on: towards its goal, and at all.
+//! Whether the robot makes progress, and whether it moves at all.
 
 use std::time::Duration;
 
@@ -7,22 +7,22 @@ use openbench_core::{MapPoint, Pose2, SimTime, Velocity};
 
 use crate::surroundings::Surroundings;
 
-/// Having got this far from where it last was in trouble, the robot is out of it, metres.
+/// Distance from where it last was in trouble at which the robot is out of it, metres.
 const PROGRESS_M: f64 = 0.5;
-/// Without getting that far for this long, a goal is given up.
+/// Without progress for this long, a goal is given up.
 pub(crate) const NO_PROGRESS: Duration = Duration::from_secs(25);
-/// Time in which somebody moves near does not count, up to this: sooner or later they are gone.
+/// Time near moving obstacles does not count, up to this: sooner or later they are gone.
 const NO_PROGRESS_AMONG_PEOPLE: Duration = Duration::from_secs(120);
-/// A robot that has moved by less than this has all but stood, metres.
+/// A robot that has moved by less than this has almost stood, metres.
 const CREEPING_M: f64 = 0.03;
-/// A robot that has turned by less than this has all but stood, radians.
+/// A robot that has turned by less than this has almost stood, radians.
 const CREEPING_RAD: f64 = 0.1;
-/// A robot that was driven for so long and has all but stood does not get on, though its planner
-/// thinks so.
+/// A robot that was commanded to drive for so long and has almost stood is creeping: it makes no
+/// progress, though its planner drives.
 const CREEPING: Duration = Duration::from_millis(2000);
-/// A robot that is told less than this is to stand, m/s.
+/// A command below this is to stand, m/s.
 const STILL_MPS: f64 = 1e-3;
-/// A robot that is told to turn slower than this is to stand, rad/s.
+/// A command below this is to stand, rad/s.
 const STILL_RADPS: f64 = 1e-2;
 
 /// A place, and when the robot was there.
@@ -32,7 +32,7 @@ struct Anchor {
     time: SimTime,
 }
 
-/// A pose, and for how long the robot has been driven since without leaving it.
+/// A pose, and for how long the robot has been commanded to drive since without leaving it.
 #[derive(Debug, Clone, Copy)]
 struct Standstill {
     pose: Pose2,
@@ -40,34 +40,35 @@ struct Standstill {
 }
 
 impl Standstill {
+    /// Whether the robot has almost not left the pose.
     fn holds(&self, pose: Pose2) -> bool {
         self.pose.point().distance(pose.point()) < CREEPING_M
             && wrap_angle(self.pose.yaw - pose.yaw).abs() < CREEPING_RAD
     }
 }
 
-/// Looks at where the robot gets.
+/// Monitors the robot's progress.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ProgressMonitor {
-    /// Where the robot was when it last got on.
+    /// Where and when the robot last made progress.
     anchor: Option<Anchor>,
-    /// For how long since then somebody has been near.
+    /// For how long since then a moving obstacle has been near.
     waited: Duration,
-    /// When that was last looked at.
+    /// When that was last updated.
     last: Option<SimTime>,
     standstill: Option<Standstill>,
-    /// Whether the robot was last told to drive.
+    /// Whether the last command was to drive.
     is_driven: bool,
 }
 
 impl ProgressMonitor {
-    /// Looks at where the robot is now; whether it has got on.
+    /// Updates the monitor; returns whether the robot has made progress.
     pub fn note(&mut self, now: &Surroundings<'_>) -> bool {
         let here = now.pose.point();
-        let got_on = self
+        let has_progressed = self
             .anchor
             .is_none_or(|anchor| anchor.place.distance(here) > PROGRESS_M);
-        if got_on {
+        if has_progressed {
             self.anchor = Some(Anchor {
                 place: here,
                 time: now.time,
@@ -88,16 +89,16 @@ impl ProgressMonitor {
             }
             _ => self.restart(now.pose),
         }
-        got_on
+        has_progressed
     }
 
-    /// The robot is told this.
+    /// The robot is commanded this.
     pub fn command(&mut self, velocity: Velocity) {
         let is_still = velocity.linear.abs() < STILL_MPS && velocity.angular.abs() < STILL_RADPS;
         self.is_driven = !is_still;
     }
 
-    /// Whether the robot has all but stood while it was driven for a while. Where somebody moves it
+    /// Whether the robot has almost stood while it was commanded to drive. Near moving obstacles it
     /// may well wait.
     pub fn is_creeping(&self, now: &Surroundings<'_>) -> bool {
         let still = self
@@ -106,7 +107,7 @@ impl ProgressMonitor {
         still && !now.has_anybody()
     }
 
-    /// Whether the robot has not got on for so long that its goal is to be given up.
+    /// Whether the robot has made no progress for so long that its goal is to be given up.
     pub fn is_stagnant(&self, now: SimTime) -> bool {
         let Some(anchor) = self.anchor else {
             return false;
@@ -115,7 +116,7 @@ impl ProgressMonitor {
         stood >= NO_PROGRESS_AMONG_PEOPLE || stood.saturating_sub(self.waited) >= NO_PROGRESS
     }
 
-    /// Counts from `pose` on whether the robot moves at all.
+    /// Measures from `pose` on whether the robot moves at all.
     pub fn restart(&mut self, pose: Pose2) {
         self.standstill = Some(Standstill {
             pose,
@@ -123,7 +124,7 @@ impl ProgressMonitor {
         });
     }
 
-    /// Leaves a time out in which the robot could not get on.
+    /// Leaves out a time in which the robot could not make progress.
     pub fn resume(&mut self, stood: Duration) {
         if let Some(anchor) = &mut self.anchor {
             anchor.time = anchor.time + stood;

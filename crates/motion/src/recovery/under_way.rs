@@ -23,7 +23,7 @@ const NO_SPEED_MPS: f64 = 1e-3;
 #[derive(Debug, Clone)]
 pub struct UnderWay {
     band: Band,
-    /// When it was last looked at.
+    /// When it was last updated.
     seen: SimTime,
 }
 
@@ -54,14 +54,14 @@ impl UnderWay {
         self.band.command(limits)
     }
 
-    /// Whether nothing of it is left. Its last steps lead to the goal's very place, which a robot
-    /// that stands beside it may not reach.
+    /// Whether it is driven. Its last steps lead to the very place of the goal, which a robot just
+    /// beside it may not reach.
     pub fn is_over(&self) -> bool {
         self.band.duration() < 3.0 * HOLD_S
     }
 
-    /// Whether something has come into its way since it was found, or the robot that drives with
-    /// `command` could not stop before something.
+    /// Whether an obstacle blocks it by now, or the robot that drives with `command` could not stop
+    /// before an obstacle.
     pub fn is_blocked(
         &self,
         footprint: &Footprint,

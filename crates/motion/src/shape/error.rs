@@ -1,10 +1,11 @@
-//! Corners that make no shape.
+//! Why corners make no shape.
 
 /// Most corners of a footprint.
 pub const MOST_CORNERS: usize = 16;
 
 /// Corners make no shape.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ShapeError {
     /// Too few or too many.
     #[error("a footprint has 3 to {MOST_CORNERS} corners, not {0}")]
@@ -16,9 +17,9 @@ pub enum ShapeError {
     #[error("the outline crosses itself; give its corners in their order")]
     Crosses,
     /// The robot turns about a point outside its outline.
-    #[error("the footprint does not hold the origin of base_link, about which the robot turns")]
+    #[error("the footprint does not contain the origin of base_link, about which the robot turns")]
     NotAround,
-    /// A number that is none, or a negative rounding.
-    #[error("a corner, rounding or speed of a shape is no usable number")]
+    /// NaN, infinity, an impossible number, or a negative rounding.
+    #[error("a corner, rounding or speed of a shape is NaN, infinite or impossible")]
     NotFinite,
 }

@@ -1,5 +1,4 @@
-//! Shapes on the ground: the robot's footprint, what stands or moves in its way, and how far they
-//! are apart.
+//! Shapes on the ground: the robot's footprint, standing and moving obstacles, and their distances.
 //!
 //! Every obstacle is convex with an optional rounding: one corner is a disc, two are a wall, more
 //! a polygon. A concave thing is several obstacles. Distances are exact and signed: the Euclidean

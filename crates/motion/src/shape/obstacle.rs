@@ -1,4 +1,4 @@
-//! What stands or moves in the robot's way.
+//! Standing and moving obstacles.
 
 use openbench_core::MapPoint;
 
@@ -12,7 +12,21 @@ const LARGEST: f64 = 1e7;
 /// Roundings from this on are not usable, metres.
 const LARGEST_ROUNDING: f64 = 1e4;
 
-/// Something convex in the robot's way, standing or moving on straight.
+/// A convex obstacle, standing or moving with constant velocity.
+///
+/// ```
+/// use openbench_core::{MapPoint, Pose2, RobotDescription};
+/// use openbench_motion::{Footprint, Obstacle};
+///
+/// // The robot is 0.32 m long and looks at a wall 2 m to the east.
+/// let robot = Footprint::of(&RobotDescription::sentry())?;
+/// let wall = Obstacle::wall(MapPoint::new(2.0, -9.0), MapPoint::new(2.0, 9.0))?;
+/// let placed = robot.at(Pose2::default());
+/// let contact = wall.contact(&placed, robot.circumscribed(), 0.0, 5.0).ok_or("it is near")?;
+/// assert!((contact.distance - 1.84).abs() < 1e-9);
+/// assert_eq!((contact.normal.x, contact.normal.y), (1.0, 0.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Obstacle {
     corners: Vec<Vector2>,

@@ -40,7 +40,7 @@
 //! | module | its one job |
 //! |---|---|
 //! | [`terms`] | what is minimized, with derivatives |
-//! | [`normal`] | banded normal equations |
+//! | `normal` | banded normal equations |
 //! | [`optimize`] | the Levenberg-Marquardt method |
 //! | [`classes`] | homotopy classes and the cheapest path of each |
 //! | [`candidate`] | bands that compete, one of each class |
@@ -49,7 +49,7 @@
 
 pub mod candidate;
 pub mod classes;
-pub mod normal;
+mod normal;
 pub mod optimize;
 pub mod planner;
 pub mod settings;

@@ -6,12 +6,12 @@
 //! | module | its one job |
 //! |---|---|
 //! | [`band`] | [`Band`]: poses at times, read and carried along from cycle to cycle |
-//! | [`draft`] | a first band along a polyline |
-//! | [`resize`] | [`Resolution`]: how finely a band is divided |
+//! | `draft` | a first band along a polyline |
+//! | `resize` | [`Resolution`]: how finely a band is divided |
 
 pub mod band;
-pub mod draft;
-pub mod resize;
+mod draft;
+mod resize;
 
 pub use band::{Band, Knot};
 pub use resize::Resolution;

@@ -11,7 +11,7 @@ use openbench_motion::Limits;
 use openbench_motion::Motion;
 use openbench_motion::feasible::clearance;
 use openbench_motion::navigator::{Cause, NavigatorError};
-use openbench_motion::recovery::ladder::Step;
+use openbench_motion::recovery::Step;
 use openbench_motion::teb::classes::{Explorer, Exploring};
 use openbench_motion::{
     Blocked, Footprint, Guide, LocalPlanner, Navigation, Navigator, Obstacle, PlanError, Progress,

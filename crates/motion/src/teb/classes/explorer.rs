@@ -349,28 +349,28 @@ mod tests {
     fn one_disc_has_two_classes_and_two_apart_have_four() {
         let mut explorer = Explorer::default();
         let how = Exploring::default();
-        let ways = explorer.explore(
+        let paths = explorer.explore(
             point(0.0, 0.0),
             point(4.0, 0.0),
             &discs(&[(2.0, 0.1)]),
             &how,
         );
-        assert_eq!(ways.len(), 2);
-        let side = |way: &Way| {
-            way.corners
+        assert_eq!(paths.len(), 2);
+        let side = |path: &Way| {
+            path.corners
                 .iter()
                 .map(|c| c.y)
                 .fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a })
         };
-        assert!(side(&ways[0]) < -0.1 && side(&ways[1]) > 0.1, "{ways:?}");
-        let ways = explorer.explore(
+        assert!(side(&paths[0]) < -0.1 && side(&paths[1]) > 0.1, "{paths:?}");
+        let paths = explorer.explore(
             point(0.0, 0.0),
             point(4.0, 0.0),
             &discs(&[(1.3, 0.0), (2.7, 0.0)]),
             &how,
         );
-        assert_eq!(ways.len(), 4);
-        assert!(ways.windows(2).all(|w| w[0].cost <= w[1].cost));
+        assert_eq!(paths.len(), 4);
+        assert!(paths.windows(2).all(|w| w[0].cost <= w[1].cost));
     }
 
     #[test]
@@ -389,41 +389,41 @@ mod tests {
             .iter()
             .map(|(x, y)| Obstacle::disc(point(*x, *y), 0.02).unwrap())
             .collect();
-        let ways = Explorer::default().explore(start, goal, &small, &how);
-        let highest = |way: &Way| way.corners.iter().map(|c| c.y).fold(-9.0, f64::max);
-        let heights: Vec<f64> = ways.iter().map(highest).collect();
+        let paths = Explorer::default().explore(start, goal, &small, &how);
+        let highest = |path: &Way| path.corners.iter().map(|c| c.y).fold(-9.0, f64::max);
+        let heights: Vec<f64> = paths.iter().map(highest).collect();
         assert!(
             heights.iter().any(|y| *y > 0.2) && heights.iter().any(|y| *y < 0.1),
             "{heights:?}"
         );
         assert!(
-            heights.len() == 2 && ways[1].cost < 1.3 * ways[0].cost,
-            "{ways:?}"
+            heights.len() == 2 && paths[1].cost < 1.3 * paths[0].cost,
+            "{paths:?}"
         );
     }
 
     #[test]
     fn discs_too_near_each_other_are_one_cluster() {
         let near = discs(&[(2.0, 0.0), (2.0, 0.5), (2.0, -0.5)]);
-        let ways = Explorer::default().explore(
+        let paths = Explorer::default().explore(
             point(0.0, 0.0),
             point(4.0, 0.0),
             &near,
             &Exploring::default(),
         );
-        assert_eq!(ways.len(), 2);
+        assert_eq!(paths.len(), 2);
     }
 
     #[test]
     fn no_path_leads_through_a_closed_wall() {
         let wall = [Obstacle::wall(point(2.0, -20.0), point(2.0, 20.0)).unwrap()];
-        let ways = Explorer::default().explore(
+        let paths = Explorer::default().explore(
             point(0.0, 0.0),
             point(4.0, 0.0),
             &wall,
             &Exploring::default(),
         );
-        assert!(ways.is_empty());
+        assert!(paths.is_empty());
     }
 
     proptest! {

@@ -61,14 +61,14 @@ impl Teb {
         })
     }
 
-    /// Whether a way out is still to be driven, and meets nothing soon.
+    /// Whether a motion out of contact is still to be driven, and meets no obstacle soon.
     fn keeps(&self, situation: &Situation<'_>, band: &Band) -> bool {
         let obstacles = situation.obstacles;
         let conflict = first_conflict(&self.footprint, &self.limits, obstacles, band, KEEP_M);
         band.duration() > DONE_S && conflict.is_none_or(|at| at > TOO_LATE_S)
     }
 
-    /// The velocity along the way out, if it can be driven.
+    /// The velocity along the motion out of contact, if it can be driven.
     fn driven_out(&self, situation: &Situation<'_>) -> Option<Progress> {
         let band = self
             .way_out
