@@ -127,7 +127,7 @@ fn summary(out: &mut String, m: &Metrics) {
         let _ = writeln!(
             out,
             "pose     error {:.3} m RMS, 95 % within {:.3} m, maximum {:.3} m, \
-largest jump {:.3} m",
+             largest jump {:.3} m",
             sum.rmse_m, sum.p95_m, sum.max_m, sum.max_jump_m
         );
     }

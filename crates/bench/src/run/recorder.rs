@@ -258,7 +258,7 @@ impl Recorder {
                 } = used;
                 let text = format!(
                     "{calls} calls, {failed} failed, {prompt_tokens} prompt tokens, \
-{completion_tokens} completion tokens"
+                     {completion_tokens} completion tokens"
                 );
                 log.write("/models", time, &say(text))
             }
