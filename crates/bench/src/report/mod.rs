@@ -162,8 +162,8 @@ const READING: &str = "<p class=\"note\">SR is the share of successful deliverie
     SPL weights each success by the ratio of the shortest path to the driven path. \
     LSR and LSPL are the same over sequences, where earlier deliveries have larger weights. \
     <b>Paper</b>: declared within 10 m of the plate; the shortest path is a straight line. \
-    <b>Strict</b>: declared within 2 m of the correct door's approach point and closer to it than to \
-    any other door's; the shortest path is the one that the robot can drive. \
+    <b>Strict</b>: declared within 2 m of the correct door's approach point and closer to it than \
+    to any other door's; the shortest path is the one that the robot can drive. \
     Intervals are 95 %: Wilson for rates, bootstrap for means.</p>\n";
 
 #[cfg(test)]
