@@ -1,5 +1,5 @@
 #![doc = include_str!("../README.md")]
-//! # Modules
+//! ## Modules
 //!
 //! | module | content |
 //! |---|---|

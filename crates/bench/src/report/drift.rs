@@ -28,15 +28,15 @@ pub fn render(out: &mut String, errors: &[PoseError]) {
     let _ = write!(
         out,
         "<h4>Localization error</h4>\n<div class=\"drift\">\
-<svg viewBox=\"0 0 {WIDTH_PX} {HEIGHT_PX}\" role=\"img\" \
-aria-label=\"localization error over time\">\n"
+         <svg viewBox=\"0 0 {WIDTH_PX} {HEIGHT_PX}\" role=\"img\" \
+         aria-label=\"localization error over time\">\n"
     );
     for part in [0.0, 0.5, 1.0] {
         let (at, label) = (y(top * part), metres(top * part));
         let _ = writeln!(
             out,
             "<path class=\"grid\" d=\"M{LEFT_PX} {at:.1}H{WIDTH_PX}\"/>\
-<text class=\"axis\" x=\"{:.0}\" y=\"{:.1}\">{label}</text>",
+             <text class=\"axis\" x=\"{:.0}\" y=\"{:.1}\">{label}</text>",
             LEFT_PX - 6.0,
             at + 4.0
         );
@@ -66,7 +66,7 @@ aria-label=\"localization error over time\">\n"
     let _ = writeln!(
         out,
         "<p class=\"note\">Distance between the estimated and the true position: {} RMS, \
-95 % within {}, maximum {}; maximum heading error {:.2}°.</p>",
+         95 % within {}, maximum {}; maximum heading error {:.2}°.</p>",
         metres(sum.rmse_m),
         metres(sum.p95_m),
         metres(sum.max_m),

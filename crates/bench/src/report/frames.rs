@@ -53,11 +53,11 @@ fn figure(out: &mut String, plate: &PlateFrame) {
     let _ = writeln!(
         out,
         "<figure><div class=\"frame\">\
-<img alt=\"Camera frame, plate read as {text}\" width=\"{w}\" height=\"{h}\" \
-src=\"data:image/jpeg;base64,{data}\"><svg viewBox=\"0 0 {w} {h}\" aria-hidden=\"true\">\
+         <img alt=\"Camera frame, plate read as {text}\" width=\"{w}\" height=\"{h}\" \
+         src=\"data:image/jpeg;base64,{data}\"><svg viewBox=\"0 0 {w} {h}\" aria-hidden=\"true\">\
          <polygon class=\"halo\" points=\"{points}\"/><polygon points=\"{points}\"/></svg></div>\
          <figcaption><b>“{text}”</b> <span>{confidence:.0} %</span> <span>{time:.1} s</span>\
-</figcaption></figure>",
+         </figcaption></figure>",
         w = plate.width,
         h = plate.height,
         data = STANDARD.encode(&plate.jpeg),

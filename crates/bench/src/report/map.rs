@@ -275,7 +275,7 @@ fn mark(out: &mut String, view: &View, at: MapPoint, class: &str, shape: &str, t
         let _ = writeln!(
             out,
             "<g class=\"{class}\" transform=\"translate({x:.1} {y:.1})\">\
-<title>{}</title>{shape}</g>",
+             <title>{}</title>{shape}</g>",
             escape(title)
         );
     }
@@ -356,9 +356,9 @@ fn scale_bar(out: &mut String, view: &View) {
     let _ = writeln!(
         out,
         "<g class=\"scale-bar\"><rect class=\"back\" x=\"{bx:.1}\" y=\"{by:.1}\" \
-width=\"{bw:.1}\" height=\"32\" rx=\"3\"/>\
-<path d=\"M{x} {y0:.1}V{y:.1}H{x1:.1}V{y0:.1}\"/>\
-<text x=\"{xm:.1}\" y=\"{yt:.1}\">{metres:.0} m</text></g>",
+         width=\"{bw:.1}\" height=\"32\" rx=\"3\"/>\
+         <path d=\"M{x} {y0:.1}V{y:.1}H{x1:.1}V{y0:.1}\"/>\
+         <text x=\"{xm:.1}\" y=\"{yt:.1}\">{metres:.0} m</text></g>",
         bx = x - 8.0,
         by = y - 22.0,
         bw = length + 16.0,

@@ -60,8 +60,8 @@ fn header(out: &mut String, input: &ReportInput<'_>) {
     let _ = write!(
         out,
         "<header>\n<p class=\"kicker\">OpenBench report</p>\n<h1>{}</h1>\n\
-<p class=\"facts\">agent <b>{}</b> · seed <b>{}</b> · version <b>{}</b> · \
-{} in {}</p>\n</header>\n",
+         <p class=\"facts\">agent <b>{}</b> · seed <b>{}</b> · version <b>{}</b> · \
+         {} in {}</p>\n</header>\n",
         escape(&results.suite),
         escape(&results.agent),
         results.seed,
@@ -83,7 +83,7 @@ fn render_episode(out: &mut String, input: &ReportInput<'_>, episode: &EpisodeRe
     let _ = write!(
         out,
         "<article id=\"episode-{0}\">\n<h3>Episode {0}<span class=\"score\">\
-{succeeded} of {1} succeeded (strict)</span></h3>\n<blockquote>{2}</blockquote>\n",
+         {succeeded} of {1} succeeded (strict)</span></h3>\n<blockquote>{2}</blockquote>\n",
         episode.episode,
         deliveries.len(),
         escape(instruction),
@@ -142,7 +142,7 @@ fn reproduction(out: &mut String, input: &ReportInput<'_>) {
     let _ = write!(
         out,
         "</dl>\n<h2>How to reproduce</h2>\n<p>With version {} of OpenBench:</p>\n\
-<pre><code>{}</code></pre>\n",
+         <pre><code>{}</code></pre>\n",
         escape(&results.version),
         escape(&input.command),
     );
@@ -159,12 +159,12 @@ fn reproduction(out: &mut String, input: &ReportInput<'_>) {
 }
 
 const READING: &str = "<p class=\"note\">SR is the share of successful deliveries. \
-SPL weights each success by the ratio of the shortest path to the driven path. \
-LSR and LSPL are the same over sequences, where earlier deliveries have larger weights. \
-<b>Paper</b>: declared within 10 m of the plate; the shortest path is a straight line. \
-<b>Strict</b>: declared within 2 m of the correct door's approach point and closer to it than to \
-any other door's; the shortest path is the one that the robot can drive. \
-Intervals are 95 %: Wilson for rates, bootstrap for means.</p>\n";
+    SPL weights each success by the ratio of the shortest path to the driven path. \
+    LSR and LSPL are the same over sequences, where earlier deliveries have larger weights. \
+    <b>Paper</b>: declared within 10 m of the plate; the shortest path is a straight line. \
+    <b>Strict</b>: declared within 2 m of the correct door's approach point and closer to it than \
+    to any other door's; the shortest path is the one that the robot can drive. \
+    Intervals are 95 %: Wilson for rates, bootstrap for means.</p>\n";
 
 #[cfg(test)]
 mod tests {

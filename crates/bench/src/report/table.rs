@@ -18,18 +18,18 @@ pub fn render(out: &mut String, results: &Results) {
 }
 
 const HEAD: &str = "<section>\n<h2>Deliveries</h2>\n<div class=\"scroll\">\n<table>\n<thead>\n\
-<tr><th>Episode</th><th>Delivery</th><th class=\"c\">Paper</th><th class=\"c\">Strict</th>\
-<th class=\"c\">Unit</th><th class=\"n\">To door<small>m</small></th>\
-<th class=\"n\">Driven<small>m</small></th><th class=\"n\">Shortest<small>m</small></th>\
-<th class=\"n\">Time<small>s</small></th><th class=\"n\">Pose error<small>m</small></th>\
-<th class=\"n\">Plates<small>read</small></th><th class=\"n\">Collisions</th>\
-<th>Failure</th></tr>\n</thead>\n<tbody>\n";
+    <tr><th>Episode</th><th>Delivery</th><th class=\"c\">Paper</th><th class=\"c\">Strict</th>\
+    <th class=\"c\">Unit</th><th class=\"n\">To door<small>m</small></th>\
+    <th class=\"n\">Driven<small>m</small></th><th class=\"n\">Shortest<small>m</small></th>\
+    <th class=\"n\">Time<small>s</small></th><th class=\"n\">Pose error<small>m</small></th>\
+    <th class=\"n\">Plates<small>read</small></th><th class=\"n\">Collisions</th>\
+    <th>Failure</th></tr>\n</thead>\n<tbody>\n";
 
 fn row(out: &mut String, d: &DeliveryResult) {
     let _ = write!(
         out,
         "<tr><td><a href=\"#episode-{0}\">{0}</a><span class=\"task\">.{1}</span></td>\
-<td>{2}</td>{3}{4}{5}",
+         <td>{2}</td>{3}{4}{5}",
         d.episode,
         d.task,
         escape(&d.address().to_string()),

@@ -80,26 +80,30 @@ fn row(out: &mut String, d: &DeliveryResult) {
     let _ = writeln!(out, "{}", line.trim_end());
 }
 
+/// A rate in percent with its interval, or a dash.
+fn rate(m: &Metrics, key: &str, value: Option<f64>) -> String {
+    let Some(value) = value else {
+        return "–".to_owned();
+    };
+    let interval = m
+        .intervals
+        .get(key)
+        .map(|[low, high]| format!(" [{:.0}-{:.0}]", low * 100.0, high * 100.0));
+    format!("{} %{}", percent(value), interval.unwrap_or_default())
+}
+
+/// A line with the metrics of one criterion: label, key and value of each.
+fn rates(out: &mut String, m: &Metrics, name: &str, metrics: [(&str, &str, Option<f64>); 4]) {
+    let columns =
+        metrics.map(|(label, key, value)| format!("  {label} {}", pad(&rate(m, key, value), 16)));
+    let line = format!("{name:<7}{}", columns.concat());
+    let _ = writeln!(out, "{}", line.trim_end());
+}
+
 fn summary(out: &mut String, m: &Metrics) {
-    let figure = |key: &str, value: Option<f64>| {
-        let interval = m
-            .intervals
-            .get(key)
-            .map(|[l, h]| format!(" [{:.0}-{:.0}]", l * 100.0, h * 100.0));
-        value.map_or("–".to_owned(), |v| {
-            format!("{} %{}", percent(v), interval.unwrap_or_default())
-        })
-    };
-    let mut line = |name: &str, metrics: [(&str, &str, Option<f64>); 4]| {
-        let columns = metrics
-            .map(|(label, key, value)| format!("  {label} {}", pad(&figure(key, value), 16)));
-        let _ = writeln!(
-            out,
-            "{}",
-            format!("{name:<7}{}", columns.concat()).trim_end()
-        );
-    };
-    line(
+    rates(
+        out,
+        m,
         "paper",
         [
             ("SR", "sr_10m", m.sr_10m),
@@ -108,7 +112,9 @@ fn summary(out: &mut String, m: &Metrics) {
             ("LSPL", "lspl_straight", m.lspl_straight),
         ],
     );
-    line(
+    rates(
+        out,
+        m,
         "strict",
         [
             ("SR", "sr_2m", m.sr_2m),
@@ -117,17 +123,17 @@ fn summary(out: &mut String, m: &Metrics) {
             ("LSPL", "lspl", m.lspl),
         ],
     );
-    let unit = figure("correct_unit", m.correct_unit);
+    let unit = rate(m, "correct_unit", m.correct_unit);
     let srtp = m
         .srtp
-        .map(|_| format!("   SRTP {}", figure("srtp", m.srtp)))
+        .map(|_| format!("   SRTP {}", rate(m, "srtp", m.srtp)))
         .unwrap_or_default();
     let _ = writeln!(out, "unit     {unit}{srtp}");
     if let Some(sum) = m.localization {
         let _ = writeln!(
             out,
             "pose     error {:.3} m RMS, 95 % within {:.3} m, maximum {:.3} m, \
-largest jump {:.3} m",
+             largest jump {:.3} m",
             sum.rmse_m, sum.p95_m, sum.max_m, sum.max_jump_m
         );
     }

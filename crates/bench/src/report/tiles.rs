@@ -50,7 +50,7 @@ fn reading(
     let _ = write!(
         out,
         "<div class=\"reading\">\n<p class=\"reading-name\"><b>{name}</b> \
-<span>{definition}</span></p>\n<div class=\"tiles\">\n"
+         <span>{definition}</span></p>\n<div class=\"tiles\">\n"
     );
     for (label, key, value) in tiles {
         tile(out, label, *value, metrics.intervals.get(*key));
@@ -65,7 +65,7 @@ fn tile(out: &mut String, label: &str, value: Option<f64>, interval: Option<&[f6
     let _ = write!(
         out,
         "<div class=\"tile\"><span class=\"label\">{label}</span>\
-<span class=\"figure\">{figure}</span>"
+         <span class=\"figure\">{figure}</span>"
     );
     out.push_str(&interval_bar(value, interval));
     let words = match (value, interval) {
@@ -80,7 +80,7 @@ fn tile(out: &mut String, label: &str, value: Option<f64>, interval: Option<&[f6
 fn interval_bar(value: Option<f64>, interval: Option<&[f64; 2]>) -> String {
     let mut bar = String::from(
         "<svg class=\"bar\" viewBox=\"0 0 100 8\" preserveAspectRatio=\"none\" \
-aria-hidden=\"true\">",
+         aria-hidden=\"true\">",
     );
     bar.push_str("<rect class=\"scale\" x=\"0\" y=\"3.5\" width=\"100\" height=\"1\"/>");
     if let Some([low, high]) = interval {

@@ -47,8 +47,8 @@ impl Default for Disturbance {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "`{0}` is no disturbance; write NOISE,SHARE,FAR or NOISE,SHARE,FAR,BIAS: standard deviation \
-in metres (above 0), share of outliers (0 to 1), maximum error of an outlier in metres, \
-offset to the east in metres"
+     in metres (above 0), share of outliers (0 to 1), maximum error of an outlier in metres, \
+     offset to the east in metres"
 )]
 pub struct DisturbanceError(pub String);
 

@@ -4,7 +4,8 @@ use std::path::Path;
 use std::str::FromStr;
 
 use openbench_core::{
-    Event, Georeference, ImuSample, LidarScan, MapPoint, ModelUse, Pose2, SimTime, Velocity,
+    Event, Georeference, ImuSample, LidarScan, MapPoint, ModelUse, Observation, Pose2, SimTime,
+    Velocity,
 };
 use openbench_logs::messages::{
     CompressedImage, Header, Imu, JointState, NavSatFix, Odometry, Path as PathMessage,
@@ -149,37 +150,10 @@ impl Recorder {
         );
         log.write("/ground_truth/odom", time, &odometry)?;
         if !simulator.movers().is_empty() && time.0.is_multiple_of(MOVERS_PERIOD_NS) {
-            let poses = |kind| poses_of(kind, simulator);
-            let header = || Header::new(time, "map");
-            let people = PoseArray {
-                header: header(),
-                poses: poses(MoverKind::Pedestrian),
-            };
-            log.write("/ground_truth/people", time, &people)?;
-            log.write(
-                "/ground_truth/cars",
-                time,
-                &PoseArray {
-                    header: header(),
-                    poses: poses(MoverKind::Car),
-                },
-            )?;
+            write_movers(log, simulator)?;
         }
         if self.level == Level::Full {
-            for sample in observation
-                .imu
-                .iter()
-                .filter_map(|sample| self.faults.imu(*sample))
-            {
-                log.write("/livox/imu", sample.stamp, &Imu::from(sample))?;
-            }
-            for sample in observation.wheels {
-                log.write("/joint_states", sample.stamp, &JointState::from(*sample))?;
-            }
-            if let (Some(fix), Some(projection)) = (observation.gnss, &self.projection) {
-                let at = projection.to_lonlat(MapPoint::new(fix.position[0], fix.position[1]));
-                log.write("/gnss/fix", fix.stamp, &NavSatFix::new(fix, at))?;
-            }
+            write_samples(log, &observation, &self.faults, self.projection.as_ref())?;
         }
         match observation
             .scan
@@ -258,7 +232,7 @@ impl Recorder {
                 } = used;
                 let text = format!(
                     "{calls} calls, {failed} failed, {prompt_tokens} prompt tokens, \
-{completion_tokens} completion tokens"
+                     {completion_tokens} completion tokens"
                 );
                 log.write("/models", time, &say(text))
             }
@@ -286,6 +260,46 @@ impl Observer for &mut Recorder {
     fn event(&mut self, time: SimTime, event: &Event) -> Result<(), BenchError> {
         Ok(Recorder::event(self, time, event)?)
     }
+}
+
+/// Writes the true poses of people and cars.
+fn write_movers(log: &mut LogFile, simulator: &Simulator) -> Result<(), LogError> {
+    let time = simulator.time();
+    for (topic, kind) in [
+        ("/ground_truth/people", MoverKind::Pedestrian),
+        ("/ground_truth/cars", MoverKind::Car),
+    ] {
+        let poses = PoseArray {
+            header: Header::new(time, "map"),
+            poses: poses_of(kind, simulator),
+        };
+        log.write(topic, time, &poses)?;
+    }
+    Ok(())
+}
+
+/// Writes the samples of IMU, wheels and GNSS receiver.
+fn write_samples(
+    log: &mut LogFile,
+    observation: &Observation<'_>,
+    faults: &Faults,
+    projection: Option<&Projection>,
+) -> Result<(), LogError> {
+    for sample in observation
+        .imu
+        .iter()
+        .filter_map(|sample| faults.imu(*sample))
+    {
+        log.write("/livox/imu", sample.stamp, &Imu::from(sample))?;
+    }
+    for sample in observation.wheels {
+        log.write("/joint_states", sample.stamp, &JointState::from(*sample))?;
+    }
+    if let (Some(fix), Some(projection)) = (observation.gnss, projection) {
+        let at = projection.to_lonlat(MapPoint::new(fix.position[0], fix.position[1]));
+        log.write("/gnss/fix", fix.stamp, &NavSatFix::new(fix, at))?;
+    }
+    Ok(())
 }
 
 fn poses_of(kind: MoverKind, simulator: &Simulator) -> Vec<Pose> {

@@ -158,33 +158,26 @@ fn doorway(map: &OsmMap, door: &Door) -> MapPoint {
 /// Number of instructions whose plan has exactly the requested doors, and number of all
 /// instructions; `None` if the agent made no plans.
 pub fn understood(prepared: &Prepared, traces: &[EpisodeTrace]) -> Option<(usize, usize)> {
-    let exact = |(episode, trace): (&PreparedEpisode, &EpisodeTrace)| {
-        let Some(plan) = &trace.plan else {
-            return false;
-        };
-        let mut wanted: Vec<&Address> = episode.targets.iter().map(|t| &t.address).collect();
-        let planned = plan
-            .deliveries
-            .iter()
-            .map(openbench_core::PlannedDelivery::address);
-        for address in planned {
-            match wanted.iter().position(|w| w.same_door(&address)) {
-                Some(i) => drop(wanted.remove(i)),
-                None => return false,
-            }
-        }
-        wanted.is_empty()
+    if traces.iter().all(|trace| trace.plan.is_none()) {
+        return None;
+    }
+    let pairs = prepared.episodes.iter().zip(traces);
+    let understood = pairs.filter(|(episode, trace)| is_understood(episode, trace));
+    Some((understood.count(), traces.len()))
+}
+
+/// Whether the plan has exactly the requested doors, in any order.
+fn is_understood(episode: &PreparedEpisode, trace: &EpisodeTrace) -> bool {
+    let Some(plan) = &trace.plan else {
+        return false;
     };
-    let planned = traces.iter().any(|t| t.plan.is_some());
-    planned.then(|| {
-        (
-            prepared
-                .episodes
-                .iter()
-                .zip(traces)
-                .filter(|p| exact(*p))
-                .count(),
-            traces.len(),
-        )
-    })
+    let mut missing: Vec<&Address> = episode.targets.iter().map(|t| &t.address).collect();
+    for delivery in &plan.deliveries {
+        let address = delivery.address();
+        match missing.iter().position(|m| m.same_door(&address)) {
+            Some(i) => drop(missing.remove(i)),
+            None => return false,
+        }
+    }
+    missing.is_empty()
 }

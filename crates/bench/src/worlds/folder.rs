@@ -98,8 +98,8 @@ pub fn write(
     if prepared.suite.episodes.is_empty() {
         return Err(BenchError::world(format!(
             "no door can be delivered to: a robot can reach {reachable} of {} doors, and none of \
-these has a unique address within {} m of the start; use a larger part of the map, \
-another --start or a longer --reach",
+             these has a unique address within {} m of the start; use a larger part of the map, \
+             another --start or a longer --reach",
             prepared.world.scene.doors.len(),
             wanted.reach
         )));

@@ -200,7 +200,7 @@ impl Prepared {
         (placed != wanted).then(|| {
             format!(
                 "there is space for {} of {} people and {} of {} cars on the roads and paths near \
-the start",
+                 the start",
                 placed.pedestrians, wanted.pedestrians, placed.cars, wanted.cars
             )
         })

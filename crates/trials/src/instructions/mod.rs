@@ -140,7 +140,7 @@ pub enum InstructionsError {
     /// The file, or a line of it, is not JSON in the expected form.
     #[error(
         "{name}:{line} is no instruction; write one JSON object per line, with `instruction` and \
-`deliveries` at least"
+         `deliveries` at least"
     )]
     Json {
         /// Name of the file.
@@ -255,7 +255,7 @@ fn numbered(
         {
             return Err(bad(format!(
                 "`before` has the pair {a}, {b}, but must have two different indices below the \
-number of deliveries, {count}"
+                 number of deliveries, {count}"
             )));
         }
         if case.deliveries.is_empty() != case.ambiguous {

@@ -173,7 +173,7 @@ impl<'a> Course<'a> {
         let places: Vec<MapPoint> = prepared.approach.iter().flatten().copied().collect();
         if places.len() < 2 {
             let why = "fewer than two doors can be reached, so there is no route to drive; use \
-another world";
+                       another world";
             return Err(BenchError::world(why));
         }
         Ok(Self {

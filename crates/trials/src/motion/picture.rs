@@ -33,9 +33,9 @@ pub fn picture(scene: &Scene, drive: &Drive, robot: &RobotDescription) -> String
     );
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" \
-viewBox=\"{x:.3} {y:.3} {width:.3} {height:.3}\" width=\"800\">\n\
-<rect x=\"{x:.3}\" y=\"{y:.3}\" width=\"{width:.3}\" height=\"{height:.3}\" \
-fill=\"#fff\"/>\n\
+         viewBox=\"{x:.3} {y:.3} {width:.3} {height:.3}\" width=\"800\">\n\
+         <rect x=\"{x:.3}\" y=\"{y:.3}\" width=\"{width:.3}\" height=\"{height:.3}\" \
+         fill=\"#fff\"/>\n\
          <g transform=\"scale(1,-1)\" stroke-width=\"0.02\" fill=\"none\">\n"
     );
     scene.obstacles.iter().for_each(|o| obstacle(&mut svg, o));

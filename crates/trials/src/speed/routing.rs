@@ -138,51 +138,20 @@ pub fn measure(
     };
     let memory = &mut ServiceMemory::default();
 
-    let places = |places: &[Place]| Places {
-        hints: false,
-        ..RouteRequest::through(places.to_vec()).places
-    };
-    let route = |pair: &[Place; 2], steps: bool| {
-        let overview = if steps {
-            Overview::Full
-        } else {
-            Overview::False
-        };
-        let geometries = Geometries::GeoJson;
-        Request::Route(RouteRequest {
-            places: places(pair),
-            steps,
-            overview,
-            geometries,
-            ..Default::default()
-        })
-    };
-    let nearest = |pair: &[Place; 2]| {
-        Request::Nearest(NearestRequest {
-            places: places(&pair[..1]),
-            number: 1,
-        })
-    };
-    let each = |requests: Vec<Request>, memory: &mut ServiceMemory| {
-        percentiles(requests.iter().map(|request| {
-            fastest(REPETITIONS, || {
-                drop(std::hint::black_box(service.body(request, memory)))
-            })
-        }))
-    };
-    let [route_us_p50, route_us_p99] = each(
-        pairs.iter().map(|pair| route(pair, false)).collect(),
-        memory,
-    );
-    let [steps_us_p50, steps_us_p99] =
-        each(pairs.iter().map(|pair| route(pair, true)).collect(), memory);
-    let [nearest_us_p50, nearest_us_p99] = each(pairs.iter().map(nearest).collect(), memory);
+    let routes = pairs.iter().map(|pair| route_request(pair, false));
+    let [route_us_p50, route_us_p99] = percentiles_of(&service, routes, memory);
+    let steps = pairs.iter().map(|pair| route_request(pair, true));
+    let [steps_us_p50, steps_us_p99] = percentiles_of(&service, steps, memory);
+    let nearest = pairs.iter().map(nearest_request);
+    let [nearest_us_p50, nearest_us_p99] = percentiles_of(&service, nearest, memory);
     let table = fastest(REPETITIONS, || {
-        drop(std::hint::black_box(service.table(&table(pairs), memory)))
+        drop(std::hint::black_box(
+            service.table(&table_request(pairs), memory),
+        ))
     });
     let answers: Vec<_> = pairs
         .iter()
-        .map(|pair| answer(&service, &route(pair, false), memory))
+        .map(|pair| answer(&service, &route_request(pair, false), memory))
         .collect();
     Ok(RoutingSpeed {
         vertices: service.roads.network.vertices.len(),
@@ -202,6 +171,50 @@ pub fn measure(
         peak_memory_mb: peak_memory_mb(),
         answers,
     })
+}
+
+/// Places of a request without hints.
+fn without_hints(places: &[Place]) -> Places {
+    Places {
+        hints: false,
+        ..RouteRequest::through(places.to_vec()).places
+    }
+}
+
+fn route_request(pair: &[Place; 2], steps: bool) -> Request {
+    let overview = if steps {
+        Overview::Full
+    } else {
+        Overview::False
+    };
+    Request::Route(RouteRequest {
+        places: without_hints(pair),
+        steps,
+        overview,
+        geometries: Geometries::GeoJson,
+        ..Default::default()
+    })
+}
+
+fn nearest_request(pair: &[Place; 2]) -> Request {
+    Request::Nearest(NearestRequest {
+        places: without_hints(&pair[..1]),
+        number: 1,
+    })
+}
+
+/// The median and the 99th percentile of the times of requests, microseconds.
+fn percentiles_of(
+    service: &Service,
+    requests: impl Iterator<Item = Request>,
+    memory: &mut ServiceMemory,
+) -> [f64; 2] {
+    let requests: Vec<Request> = requests.collect();
+    percentiles(requests.iter().map(|request| {
+        fastest(REPETITIONS, || {
+            drop(std::hint::black_box(service.body(request, memory)))
+        })
+    }))
 }
 
 fn dump_graph(folder: &Path, roads: &Roads, metric: &Metric) -> Result<(), BenchError> {
@@ -270,7 +283,7 @@ fn dump_graph(folder: &Path, roads: &Roads, metric: &Metric) -> Result<(), Bench
 }
 
 /// The request for a table from the first origins to the first destinations.
-fn table(pairs: &[[Place; 2]]) -> TableRequest {
+fn table_request(pairs: &[[Place; 2]]) -> TableRequest {
     let count = pairs.len().min(TABLE_SIZE);
     let places = (0..2)
         .flat_map(|end| pairs[..count].iter().map(move |pair| pair[end]))

@@ -133,7 +133,7 @@ fn claim(plan: &TownsPlan, out: &Path) -> Result<(), BenchError> {
         Some(_) => Err(BenchError::bad_file(
             &path,
             "the folder contains windows of other maps, settings or another version; use another \
-folder with --out",
+             folder with --out",
         )),
     }
 }

@@ -65,7 +65,7 @@ impl EncounterSum {
             |name: &str, value: Option<f64>| value.map(|m| format!(", nearest {name} {m:.1} m"));
         format!(
             "near misses: {} with people, {} with cars; {:.0} s in personal space, \
-{:.0} s in intimate space{}{}",
+             {:.0} s in intimate space{}{}",
             self.near_misses_people,
             self.near_misses_cars,
             self.personal_seconds,
