@@ -1,21 +1,30 @@
-//! Where a parcel goes, in words.
+//! Addresses of deliveries, by the names of buildings and units.
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// The address of a door: a building and, where the building has several doors, a unit. Both are the map's own names
-/// where the map has them, else `building<N>` and `unit<N>`.
+/// The address of a door: a building and, where the building has several doors, a unit. Both are
+/// the map's own names where the map has them, else `building<N>` and `unit<N>`.
+///
+/// ```
+/// use openbench_core::Address;
+///
+/// let address = Address::new("building3", "unit1");
+/// assert_eq!(address.to_string(), "unit1, building3");
+/// assert!(address.same_door(&Address::new("Building 3", "Unit 1")));
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Address {
-    /// Name of the building; where several bear it, and what it lies in: `building3, Rose Estate`.
+    /// Name of the building. Where several have the name, the area follows:
+    /// `building3, Rose Estate`.
     pub building: String,
-    /// Name of the unit, if the address has that level.
+    /// Name of the unit, if the address has one.
     pub unit: Option<String>,
 }
 
 impl Address {
-    /// An address with both levels.
+    /// An address with a building and a unit.
     pub fn new(building: impl Into<String>, unit: impl Into<String>) -> Self {
         Self {
             building: building.into(),
@@ -23,10 +32,11 @@ impl Address {
         }
     }
 
-    /// Whether both name the same door, whatever the case and spacing: `Building 3` is `building3`.
+    /// Whether both are the same door, without regard to case and white space: `Building 3` is
+    /// `building3`.
     pub fn same_door(&self, other: &Self) -> bool {
-        let unit = |a: &Self| a.unit.as_deref().map(fold_name);
-        fold_name(&self.building) == fold_name(&other.building) && unit(self) == unit(other)
+        fold_name(&self.building) == fold_name(&other.building)
+            && self.unit.as_deref().map(fold_name) == other.unit.as_deref().map(fold_name)
     }
 }
 

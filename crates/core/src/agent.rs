@@ -12,67 +12,101 @@ use crate::robot::RobotDescription;
 use crate::sensors::{Camera, GnssFix, Image, ImuSample, LidarScan, WheelSample};
 use crate::time::SimTime;
 
-/// A delivery robot's mind. The benchmark calls [`begin`](Agent::begin) once, then [`act`](Agent::act) every 50 ms of
-/// simulated time until each delivery is declared or given up or the time is over, then [`finish`](Agent::finish).
+/// The control program of a delivery robot. The benchmark calls [`begin`](Agent::begin) once, then
+/// [`act`](Agent::act) every 50 ms of simulated time, then [`finish`](Agent::finish). An episode
+/// ends when each delivery is declared or given up, or when its time is over.
 ///
-/// An agent gets a [`Briefing`] and [`Observation`]s, nothing else. It keeps no wall clock and draws no unseeded random
-/// number: the same briefing and observations must give the same actions.
+/// An agent gets a [`Briefing`] and [`Observation`]s, nothing else. It reads no wall clock and
+/// draws no unseeded random numbers: the same briefing and observations must give the same actions.
+///
+/// ```
+/// use openbench_core::{
+///     Action, Agent, Briefing, Events, FailureCause, GiveUp, Goal, MapPoint, Observation,
+///     Velocity,
+/// };
+///
+/// /// Drives straight ahead until the time is over.
+/// struct Ahead {
+///     goal: Option<MapPoint>,
+/// }
+///
+/// impl Agent for Ahead {
+///     fn begin(&mut self, briefing: &Briefing, _: &mut dyn Events) -> Result<(), GiveUp> {
+///         let Goal::Point(goal) = briefing.goal else {
+///             return Err(GiveUp {
+///                 address: None,
+///                 cause: FailureCause::Briefing,
+///                 detail: "this agent takes points only".into(),
+///             });
+///         };
+///         self.goal = Some(goal);
+///         Ok(())
+///     }
+///
+///     fn act(&mut self, _: &Observation<'_>, _: &mut dyn Events) -> Action {
+///         Action::Drive(Velocity::new(0.5, 0.0))
+///     }
+/// }
+/// ```
 pub trait Agent {
-    /// Reads the map and the goal. An agent that cannot begin gives up on the whole episode.
+    /// Reads the map and the goal.
+    ///
+    /// # Errors
+    /// An agent that cannot begin gives up the whole episode.
     fn begin(&mut self, briefing: &Briefing, events: &mut dyn Events) -> Result<(), GiveUp>;
 
     /// Decides what to do until the next observation.
     fn act(&mut self, observation: &Observation<'_>, events: &mut dyn Events) -> Action;
 
-    /// The agent's copy of the map with what it found, as OSM XML, if it edits one.
+    /// The agent's copy of the map with its edits, as OSM XML, if it edits one.
     fn finish(&mut self, events: &mut dyn Events) -> Option<Vec<u8>> {
         let _ = events;
         None
     }
 }
 
-/// All that an agent is told.
+/// All information that an agent gets before an episode.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Briefing {
     /// The public map, OSM XML.
     pub map_osm: Vec<u8>,
-    /// How the `map` frame lies on the Earth.
+    /// Projection and origin of the `map` frame.
     pub georeference: Georeference,
-    /// What to do.
+    /// What to do in the episode.
     pub goal: Goal,
-    /// Where the robot stands, in `map`.
+    /// Pose of the robot in `map`.
     pub start: Pose2,
-    /// The robot.
+    /// Sizes, sensors and limits of the robot.
     pub robot: RobotDescription,
-    /// Simulated time after which the episode has certainly ended. The exact limit depends on how far the door is, which an agent
-    /// is not to know: it lies up to ten minutes earlier.
+    /// Simulated time after which the episode has certainly ended. The exact limit depends on the
+    /// distance to the door, which an agent must not know; it is up to ten minutes earlier.
     pub time_limit: Duration,
 }
 
-/// What an agent is to do.
+/// The task of an agent.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Goal {
-    /// Deliver as a sentence says.
+    /// Deliver as this instruction in natural language says.
     Instruction(String),
-    /// Go to where this image was taken.
+    /// Drive to the place at which this image was taken.
     Image(Image),
-    /// Go to a point.
+    /// Drive to a point in `map`.
     Point(MapPoint),
 }
 
-/// What the robot's sensors delivered since the last observation.
+/// The sensor data since the last observation.
 pub struct Observation<'a> {
-    /// Now.
+    /// Simulated time now.
     pub time: SimTime,
     /// IMU samples since the last observation, oldest first.
     pub imu: &'a [ImuSample],
     /// Wheel samples since the last observation, oldest first.
     pub wheels: &'a [WheelSample],
-    /// The scan, if one was completed since the last observation.
+    /// The LiDAR scan, if one was completed since the last observation.
     pub scan: Option<&'a LidarScan>,
-    /// The fix, if the robot has a satellite receiver and it got one since the last observation.
+    /// The satellite fix, if the robot has a receiver and it got one since the last observation.
     pub gnss: Option<&'a GnssFix>,
-    /// The camera, to be asked when an image is wanted.
+    /// The camera. It renders an image only on request.
     pub camera: &'a dyn Camera,
 }
 
@@ -88,7 +122,7 @@ impl fmt::Debug for Observation<'_> {
     }
 }
 
-/// A wanted velocity in `base_link`.
+/// A commanded velocity in `base_link`.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Velocity {
     /// Forward, m/s.
@@ -110,19 +144,19 @@ impl Velocity {
     }
 }
 
-/// What an agent decides.
+/// An agent's decision.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Action {
     /// Drive with this velocity until the next observation.
     Drive(Velocity),
-    /// The parcel for this address is delivered, here and now.
+    /// Declares the parcel for this address delivered, here and now.
     Delivered(Address),
-    /// A delivery, or all that is left, cannot be done.
+    /// Gives up a delivery, or all that are left.
     GiveUp(GiveUp),
 }
 
-/// Why an agent stops trying.
+/// Why an agent gives up.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, thiserror::Error)]
 #[error("{cause}: {detail}")]
 pub struct GiveUp {
@@ -130,7 +164,7 @@ pub struct GiveUp {
     pub address: Option<Address>,
     /// The kind of cause.
     pub cause: FailureCause,
-    /// The cause in words.
+    /// Details of the cause, for people.
     pub detail: String,
 }
 
@@ -138,21 +172,21 @@ pub struct GiveUp {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FailureCause {
-    /// The agent could not read its briefing.
+    /// The agent could not use its briefing.
     Briefing,
     /// The instruction could not be understood.
     NotUnderstood,
-    /// The map lacks the building that was named, or several fit.
+    /// The map lacks the building in the instruction, or has several of that name.
     UnknownAddress,
-    /// The language planner's model could not be reached or answered nonsense.
+    /// The language planner's model was unreachable, or its answer was unusable.
     PlannerUnavailable,
-    /// The plate reader's model could not be reached or answered nonsense.
+    /// The plate reader's model was unreachable, or its answer was unusable.
     ReaderUnavailable,
-    /// No way leads to the building.
+    /// No route leads to the building.
     NoRoute,
     /// The robot could not move on.
     Stuck,
-    /// All places were looked at and the door was not found.
+    /// The door was not found at any of the candidate places.
     DoorNotFound,
     /// The time was over.
     Timeout,
@@ -160,11 +194,11 @@ pub enum FailureCause {
     NotDeclared,
     /// The agent declared the delivery at the wrong place.
     WrongPlace,
-    /// The agent itself failed.
+    /// The agent failed with an error of its own.
     AgentError,
-    /// The robot left the ground of the world or lies on its side.
+    /// The robot left the ground or the bounds of the world, or tipped over.
     LeftWorld,
-    /// The agent no longer knew where it was.
+    /// The agent lost its localization.
     Lost,
 }
 

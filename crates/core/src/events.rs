@@ -1,4 +1,4 @@
-//! What an agent wishes to have recorded. Agents print nothing and write no files.
+//! Events that an agent reports for the log. Agents print nothing and write no files.
 
 use std::sync::Arc;
 
@@ -9,29 +9,29 @@ use crate::model_use::ModelUse;
 use crate::plan::Plan;
 use crate::sensors::Image;
 
-/// Where an agent believes to be.
+/// An agent's estimate of its pose.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PoseEstimate {
-    /// Of `base_link` in `map`.
+    /// Pose of `base_link` in `map`.
     pub pose: Pose2,
-    /// How far it trusts that.
+    /// How far the estimate can be trusted.
     pub health: Health,
 }
 
-/// Something worth recording.
+/// An event for the log.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Event {
-    /// The deliveries as understood.
+    /// The deliveries that the agent understood from its instruction.
     Plan(Plan),
     /// Work on a delivery begins.
     Task(Address),
-    /// A route over roads, in the map.
+    /// A route over roads, in `map`.
     Route(Vec<MapPoint>),
-    /// The path that is being followed, in the map.
+    /// The path that is being followed, in `map`.
     Path(Vec<MapPoint>),
-    /// Where the agent believes to be.
+    /// The agent's estimate of its pose.
     PoseEstimate(PoseEstimate),
-    /// Candidate places to look for a door from.
+    /// Candidate poses from which to look for a door.
     Waypoints(Vec<Pose2>),
     /// A plate was read in an image.
     PlateRead {
@@ -41,25 +41,25 @@ pub enum Event {
         confidence: f32,
         /// Corners of the text in pixels, clockwise from its top left.
         corners: [[f32; 2]; 4],
-        /// Where the agent believes the plate to be, if it could tell.
+        /// Estimated position of the plate, if the agent could tell.
         position: Option<MapPoint>,
         /// The image it was read in.
         image: Arc<Image>,
     },
-    /// A door was written into the agent's map.
+    /// A door was added to the agent's map.
     DoorWritten {
         /// The door's address.
         address: Address,
-        /// The door's place on the building's outline.
+        /// Position of the door on the building's outline.
         position: MapPoint,
     },
-    /// What was asked of models so far, whenever it has grown.
+    /// Use of models so far, whenever it has grown.
     Models(ModelUse),
-    /// Anything else, in words.
+    /// Anything else, as text.
     Note(String),
 }
 
-/// Takes the events of an agent.
+/// Receives the events of an agent.
 pub trait Events {
     /// Records `event`.
     fn record(&mut self, event: Event);

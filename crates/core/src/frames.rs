@@ -1,10 +1,11 @@
 //! Frames and poses, named as in ROS REP 103 and REP 105.
 //!
 //! - `map`: metres, x east, y north, z up, of one world. A [`Georeference`] ties it to the Earth.
-//! - `odom`: like `map`, but drifting; continuous.
-//! - `base_link`: x forward, y left, z up; its origin on the ground in the middle of the robot.
-//! - `livox_frame`, `camera_link`, `imu_link`: fixed to `base_link` as [`RobotDescription`](crate::RobotDescription)
-//!   says. `camera_link` has x forward (not the optical frame).
+//! - `odom`: like `map`, but continuous and with drift.
+//! - `base_link`: x forward, y left, z up; its origin is on the ground in the middle of the robot.
+//! - `livox_frame`, `camera_link`, `imu_link`: fixed to `base_link` as in
+//!   [`RobotDescription`](crate::RobotDescription). `camera_link` has x forward (it is not the
+//!   optical frame).
 
 use std::fmt;
 use std::str::FromStr;
@@ -15,6 +16,13 @@ use serde::{Deserialize, Serialize};
 pub type Pose3 = nalgebra::Isometry3<f64>;
 
 /// A point on the ground in the `map` frame, in metres.
+///
+/// ```
+/// use openbench_core::MapPoint;
+///
+/// let corner = MapPoint::new(3.0, 4.0);
+/// assert_eq!(corner.distance(MapPoint::new(0.0, 0.0)), 5.0);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct MapPoint {
     /// East.
@@ -34,12 +42,13 @@ impl MapPoint {
         libm::hypot(other.x - self.x, other.y - self.y)
     }
 
-    /// Direction from here to `other`: radians, counter-clockwise from east.
+    /// Direction from this point to `other`: radians, counter-clockwise from east.
     pub fn bearing_to(self, other: Self) -> f64 {
         libm::atan2(other.y - self.y, other.x - self.x)
     }
 
-    /// The point `distance` metres from here in direction `bearing` (radians, counter-clockwise from east).
+    /// The point `distance` metres from this one in the direction `bearing` (radians,
+    /// counter-clockwise from east).
     pub fn offset(self, bearing: f64, distance: f64) -> Self {
         Self::new(
             self.x + distance * libm::cos(bearing),
@@ -54,7 +63,7 @@ impl fmt::Display for MapPoint {
     }
 }
 
-/// A position on the Earth: WGS 84, degrees.
+/// A position on the Earth in WGS 84, degrees.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct LonLat {
     /// Longitude, degrees east.
@@ -87,12 +96,13 @@ impl Pose2 {
         Self { x, y, yaw }
     }
 
-    /// Where the pose is, without its heading.
+    /// The position without the heading.
     pub const fn point(self) -> MapPoint {
         MapPoint::new(self.x, self.y)
     }
 
-    /// The point that this pose's frame calls (`forward`, `left`), in the parent frame.
+    /// Transforms a point from this pose's frame (`forward` and `left`, metres) into the parent
+    /// frame.
     pub fn transform(self, forward: f64, left: f64) -> MapPoint {
         let (sin, cos) = libm::sincos(self.yaw);
         MapPoint::new(
@@ -101,20 +111,20 @@ impl Pose2 {
         )
     }
 
-    /// What this pose's frame calls the parent's `point`: (forward, left) in metres.
+    /// Transforms a point from the parent frame into this pose's frame: (forward, left), metres.
     pub fn inverse_transform(self, point: MapPoint) -> (f64, f64) {
         let (sin, cos) = libm::sincos(self.yaw);
         let (dx, dy) = (point.x - self.x, point.y - self.y);
         (cos * dx + sin * dy, -sin * dx + cos * dy)
     }
 
-    /// This pose followed by `relative`, which is given in this pose's frame.
+    /// The composition of this pose with `relative`, which is given in this pose's frame.
     pub fn compose(self, relative: Self) -> Self {
         let p = self.transform(relative.x, relative.y);
         Self::new(p.x, p.y, wrap_angle(self.yaw + relative.yaw))
     }
 
-    /// This pose as a transform in three dimensions, at height `z`.
+    /// This pose as a transform in three dimensions, at height `z` in metres.
     pub fn to_pose3(self, z: f64) -> Pose3 {
         Pose3::new(
             nalgebra::Vector3::new(self.x, self.y, z),
@@ -130,7 +140,7 @@ impl Pose2 {
     }
 }
 
-/// `angle` brought into (-pi, pi].
+/// The equivalent of `angle` in (-pi, pi], radians.
 pub fn wrap_angle(angle: f64) -> f64 {
     let turns = libm::round(angle / std::f64::consts::TAU);
     let wrapped = angle - turns * std::f64::consts::TAU;
@@ -141,7 +151,8 @@ pub fn wrap_angle(angle: f64) -> f64 {
     }
 }
 
-/// How the `map` frame lies on the Earth. The projection itself is in `openbench-osm`.
+/// Projection and origin of a `map` frame on the Earth. The projections are implemented in
+/// `openbench-osm`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Georeference {
@@ -149,16 +160,17 @@ pub enum Georeference {
     Utm {
         /// Zone, 1 to 60.
         zone: u8,
-        /// Whether northings count from the equator (northern hemisphere) or from 10,000 km south of it.
+        /// Whether northings count from the equator (northern hemisphere) or from 10,000 km south
+        /// of it.
         north: bool,
         /// Added to the easting, metres.
         offset_x: f64,
         /// Added to the northing, metres.
         offset_y: f64,
     },
-    /// The plane that touches the WGS 84 ellipsoid at a point: `map = (east, north) + offset`.
+    /// The plane tangent to the WGS 84 ellipsoid at a point: `map = (east, north) + offset`.
     TangentPlane {
-        /// Where the plane touches.
+        /// The point of tangency.
         at: LonLat,
         /// Added to the metres east of that point.
         offset_x: f64,
@@ -167,12 +179,12 @@ pub enum Georeference {
     },
 }
 
-/// Local origins lie on a lattice of this spacing in the plane of the projection, metres. They depend on the place alone
-/// and not on the false origin that a map came with.
+/// Local origins lie on a lattice of this spacing in the plane of the projection, metres. They
+/// depend on the place alone, not on the false origin of the map.
 const LATTICE_M: f64 = 100.0;
 
 impl Georeference {
-    /// The tangent plane whose origin is the point at which it touches.
+    /// The tangent plane with its origin at the point of tangency.
     pub const fn tangent_plane(at: LonLat) -> Self {
         Self::TangentPlane {
             at,
@@ -195,8 +207,11 @@ impl Georeference {
 
     /// The same projection with its origin within 71 m of `point`, which is given in this frame.
     ///
+    /// Monaco in raw UTM coordinates, and the local frame near it:
+    ///
     /// ```
     /// use openbench_core::{Georeference, MapPoint};
+    ///
     /// let raw: Georeference = "utm:32N,0,0".parse().unwrap();
     /// let local = raw.about(MapPoint::new(373_012.0, 4_843_960.0));
     /// assert_eq!(local.to_string(), "utm:32N,-373000,-4844000");
@@ -204,7 +219,7 @@ impl Georeference {
     #[must_use]
     pub fn about(self, point: MapPoint) -> Self {
         let offset = self.offset();
-        // Subtracted from zero, since -0 would print with its sign.
+        // Subtracted from zero, since -0 would be printed with its sign.
         let nearest = |metres: f64| 0.0 - libm::round(metres / LATTICE_M) * LATTICE_M;
         let (x, y) = (nearest(point.x - offset.x), nearest(point.y - offset.y));
         match self {
@@ -222,7 +237,8 @@ impl Georeference {
         }
     }
 
-    /// The same, or with its origin [about](Self::about) `point` where that is farther than so many metres from it.
+    /// The same if `point` is within `metres` of the origin, else with its origin
+    /// [about](Self::about) `point`.
     #[must_use]
     pub fn near(self, point: MapPoint, metres: f64) -> Self {
         if point.distance(MapPoint::default()) <= metres {
@@ -232,25 +248,26 @@ impl Georeference {
         }
     }
 
-    /// How far `point`, given in this frame, lies from where the projection keeps lengths: UTM's central meridian, or
-    /// the point at which the plane touches. Metres.
+    /// Distance of `point`, given in this frame, from where the projection keeps lengths, metres:
+    /// from UTM's central meridian, or from the point of tangency.
     pub fn distance_from_true_scale(&self, point: MapPoint) -> f64 {
-        /// UTM's easting of its central meridian, metres.
-        const CENTRAL_EASTING: f64 = 500_000.0;
+        /// Easting of UTM's central meridian, metres.
+        const CENTRAL_EASTING_M: f64 = 500_000.0;
         let offset = self.offset();
         let plane = MapPoint::new(point.x - offset.x, point.y - offset.y);
         match self {
-            Self::Utm { .. } => (plane.x - CENTRAL_EASTING).abs(),
+            Self::Utm { .. } => (plane.x - CENTRAL_EASTING_M).abs(),
             Self::TangentPlane { .. } => plane.distance(MapPoint::default()),
         }
     }
 }
 
-/// A georeference in words that cannot be read.
+/// A text that is no georeference.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(
-    "`{0}` is no georeference; write `utm:50N,-500000,-4483000` (zone, offset added to easting and northing), \
-     `tangent:LON,LAT` or `tangent:LON,LAT,X,Y` (offset added to metres east and north)"
+    "`{0}` is not a georeference; write `utm:50N,-500000,-4483000` (zone, offset added to easting \
+     and northing), `tangent:LON,LAT` or `tangent:LON,LAT,X,Y` (offset added to metres east and \
+     north)"
 )]
 pub struct GeoreferenceError(pub String);
 
@@ -340,7 +357,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn georeference_words_round_trip() {
+    fn georeferences_are_printed_as_they_are_parsed() {
         for text in [
             "utm:50N,-500000,-4483000",
             "utm:1S,0,0.5",
@@ -352,7 +369,7 @@ mod tests {
     }
 
     #[test]
-    fn broken_georeferences_are_refused_in_words() {
+    fn broken_georeferences_are_refused_with_an_example() {
         for text in [
             "",
             "utm",

@@ -1,32 +1,33 @@
-//! How far a pose can be trusted.
+//! How far an estimated pose can be trusted.
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// What a localizer says of its own pose. Who drives by a pose asks for it at every observation.
+/// A localizer's report on its own pose. An agent that drives by the pose checks it at every
+/// observation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Health {
-    /// The pose is about as far off as its covariance says.
+    /// The error of the pose agrees with its covariance.
     #[default]
     Good,
-    /// The pose is worse than usual, or cannot be checked. Drive slowly or stand.
+    /// The pose is worse than usual, or cannot be checked. Drive slowly or stop.
     Degraded(Doubt),
-    /// Nobody knows where the robot is.
+    /// The pose is unknown.
     Lost,
 }
 
-/// Why a pose is not to be trusted as usual.
+/// Why a pose is degraded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Doubt {
-    /// Scans show too little, or nothing that was seen before: the pose goes on by wheels and IMU.
+    /// Scans show too little, or nothing known: the pose follows wheels and IMU.
     FewFeatures,
-    /// Sensors contradict each other: one sits elsewhere than is believed, or shows what is not
-    /// there.
+    /// Sensors contradict each other: one is mounted differently than described, or shows what
+    /// does not exist.
     Contradiction,
-    /// Sensors are noisier than their data sheets say.
+    /// Sensors are noisier than in their data sheets.
     Noise,
 }
 

@@ -1,21 +1,20 @@
-//! The words that everyone in OpenBench speaks: frames and poses, simulated time, sensor messages, and the contract
-//! between a benchmark and an agent. Types and traits only; the algorithms live in the crates above.
+#![doc = include_str!("../README.md")]
 //!
-//! | module | what it names |
+//! | module | contents |
 //! |---|---|
-//! | [`frames`] | [`MapPoint`], [`LonLat`], [`Pose2`], [`Pose3`], [`Georeference`]: where things are |
-//! | [`time`] | [`SimTime`]: when, in simulated nanoseconds |
-//! | [`sensors`] | [`LidarScan`], [`ImuSample`], [`WheelSample`], [`GnssFix`], [`Image`], [`Camera`]: what the robot perceives |
+//! | [`frames`] | [`MapPoint`], [`LonLat`], [`Pose2`], [`Pose3`], [`Georeference`] |
+//! | [`time`] | [`SimTime`]: simulated time in nanoseconds |
+//! | [`sensors`] | [`LidarScan`], [`ImuSample`], [`WheelSample`], [`Image`], [`Camera`] |
 //! | [`sensed`] | [`Sensed`]: an observation that can be kept and sent |
-//! | [`registry`] | [`Registry`]: exchangeable parts by name |
 //! | [`robot`] | [`RobotDescription`]: size, sensor poses and limits of the robot |
 //! | [`address`] | [`Address`]: building and unit |
-//! | [`plan`] | [`Plan`], [`PlannedDelivery`], [`TravelTimes`]: what a language planner and a router exchange |
+//! | [`plan`] | [`Plan`], [`PlannedDelivery`], [`TravelTimes`]: deliveries in driving order |
 //! | [`agent`] | [`Agent`], [`Briefing`], [`Observation`], [`Action`]: the contract |
-//! | [`health`] | [`Health`], [`Doubt`]: how far a pose can be trusted |
-//! | [`model_use`] | [`ModelUse`]: what was asked of language and vision models |
-//! | [`causes`] | [`with_causes`]: an error and its causes in words |
-//! | [`events`] | [`Event`], [`Events`]: what an agent wishes to have recorded |
+//! | [`health`] | [`Health`], [`Doubt`]: how far an estimated pose can be trusted |
+//! | [`model_use`] | [`ModelUse`]: use of language and vision models |
+//! | [`registry`] | [`Registry`]: exchangeable parts by name |
+//! | [`causes`] | [`with_causes`]: an error and its causes as text |
+//! | [`events`] | [`Event`], [`Events`]: what an agent reports for the log |
 
 pub mod address;
 pub mod agent;

@@ -1,24 +1,25 @@
-//! What is asked of language and vision models.
+//! Use of language and vision models.
 
 use serde::{Deserialize, Serialize};
 
-/// How much was asked of models, and how long that took.
+/// Requests to models, and the time that they took.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct ModelUse {
-    /// Requests, those without an answer included.
+    /// Requests, failed ones included.
     pub calls: u32,
     /// Requests without an answer.
     pub failed: u32,
-    /// Tokens of the requests, as the servers count them.
+    /// Tokens of the requests, as counted by the servers.
     pub prompt_tokens: u64,
     /// Tokens of the answers.
     pub completion_tokens: u64,
-    /// Time waited for answers and for those that did not come, milliseconds of the clock on the wall. A replay has the times that were recorded.
+    /// Time spent waiting, for failed requests too, milliseconds of wall time. A replay has the
+    /// recorded times.
     pub latency_ms: u64,
 }
 
 impl ModelUse {
-    /// Both together.
+    /// The sum of both.
     #[must_use]
     pub fn plus(self, other: Self) -> Self {
         Self {

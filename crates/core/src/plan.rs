@@ -1,30 +1,30 @@
-//! What a language planner, a router and an agent exchange.
+//! What language planners, routers and agents exchange.
 
 use serde::{Deserialize, Serialize};
 
 use crate::address::Address;
 use crate::frames::MapPoint;
 
-/// Deliveries in driving order, as a planner understood an instruction.
+/// Deliveries in driving order, as a planner has understood an instruction.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
-    /// Which planner made it.
+    /// Name of the planner that made it.
     pub planner: String,
     /// In driving order.
     pub deliveries: Vec<PlannedDelivery>,
-    /// What another planner had to make, and why; nothing in most plans.
+    /// Parts that another planner had to make, and why; empty in most plans.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub fallbacks: Vec<Fallback>,
 }
 
-/// A part of a plan that comes from another planner than the one that was asked.
+/// A part of a plan that another planner made than the requested one.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Fallback {
     /// Which part.
     pub part: PlanPart,
-    /// Where it comes from.
+    /// Name of the planner that made it.
     pub from: String,
-    /// What was wrong with the planner that was asked, in words.
+    /// Why the requested planner's part was not used, as text.
     pub because: String,
 }
 
@@ -32,35 +32,38 @@ pub struct Fallback {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PlanPart {
-    /// Which doors.
+    /// The doors.
     Addresses,
-    /// In which order.
+    /// The order of the deliveries.
     Order,
 }
 
 /// One door to deliver to.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PlannedDelivery {
-    /// Position of this delivery in the instruction, from 0.
+    /// Position of this delivery in the instruction, counted from 0.
     pub instruction_index: usize,
-    /// What is delivered, in the instruction's words; several items for one door are joined by `, `.
+    /// What is delivered, in the instruction's words. Several items for one door are joined by `,
+    /// `.
     pub item: String,
     /// Name of the building.
     pub building: String,
     /// Name of the unit, if the instruction names one.
     pub unit: Option<String>,
-    /// What the instruction says of the address above the building and below the unit, the widest level first.
+    /// Levels of the address above the building and below the unit that the instruction names, the
+    /// widest first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub levels: Vec<AddressLevel>,
     /// How to get there.
     pub steps: Vec<Step>,
-    /// How surely the building is the one that is meant, 0 to 1: the share of its name's letters that stand in the instruction as the map has them, parted among all that
-    /// fit; 0 where the map has none.
+    /// Confidence in the building, 0 to 1: the share of its name's letters that the instruction has
+    /// as in the map, divided among all buildings that match; 0 without a match.
     #[serde(default = "sure")]
     pub confidence: f64,
-    /// Why this cannot be delivered as understood (the map lacks the building, several fit), in words.
+    /// Why this cannot be delivered as understood (the map lacks the building, or several match),
+    /// as text.
     pub problem: Option<String>,
-    /// Until when, if the instruction says so.
+    /// The deadline, if the instruction has one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub deadline: Option<Deadline>,
 }
@@ -79,7 +82,7 @@ pub enum Level {
     Flat,
 }
 
-/// What an instruction says of one level.
+/// The name of one level of an address.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct AddressLevel {
     /// Which level.
@@ -88,18 +91,18 @@ pub struct AddressLevel {
     pub name: String,
 }
 
-/// Until when something is to be delivered. Lengths of time order before times of day.
+/// A deadline of a delivery. Durations order before times of day.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Deadline {
-    /// From the beginning of the drive.
+    /// A duration from the beginning of the drive.
     Within {
-        /// So many seconds.
+        /// Seconds.
         seconds: u32,
     },
     /// A time of day.
     Clock {
-        /// Since midnight.
+        /// Minutes since midnight.
         minutes: u32,
     },
 }
@@ -109,7 +112,7 @@ fn sure() -> f64 {
 }
 
 impl PlannedDelivery {
-    /// Building and unit.
+    /// The address of the door.
     pub fn address(&self) -> Address {
         Address {
             building: self.building.clone(),
@@ -118,13 +121,13 @@ impl PlannedDelivery {
     }
 }
 
-/// One leg of a delivery, as the paper's *location query* yields it: the level that the map knows is navigated to,
-/// the levels below are explored for.
+/// One leg of a delivery, as the paper's *location query* yields it. The robot navigates to the
+/// level that the map knows, and explores to find the levels below.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Step {
     /// Whether the map knows the target.
     pub mode: StepMode,
-    /// Name of the street, building, unit, or whatever level it is.
+    /// Name of the target: a street, a building, a unit or another level.
     pub target: String,
 }
 
@@ -132,14 +135,15 @@ pub struct Step {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum StepMode {
-    /// The map knows where it is: drive there.
+    /// The map has it: drive there.
     Navigate,
-    /// The map does not know: look for it.
+    /// The map lacks it: search for it.
     Explore,
 }
 
-/// Says how long the robot drives between places: a router for the language planners, which order deliveries by it.
+/// Driving times between places. Routers implement it; language planners order deliveries by it.
 pub trait TravelTimes {
-    /// Seconds from each of `places` to each, row by row (`from * n + to`); infinite where there is no way.
+    /// Seconds from each of `places` to each, row by row (`from * n + to`); infinite without a
+    /// route.
     fn matrix(&self, places: &[MapPoint]) -> Vec<f64>;
 }

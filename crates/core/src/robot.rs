@@ -1,4 +1,4 @@
-//! The robot, as an agent may know it.
+//! The robot as an agent knows it.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,6 +6,14 @@ use crate::frames::Pose3;
 use crate::sensors::CameraIntrinsics;
 
 /// Size, sensor poses and limits of the robot. Poses are relative to `base_link`.
+///
+/// ```
+/// use openbench_core::RobotDescription;
+///
+/// let robot = RobotDescription::sentry();
+/// assert_eq!((robot.max_forward, robot.max_turn), (0.5, 1.0));
+/// assert!((robot.circumscribed_radius() - 0.223).abs() < 1e-3);
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RobotDescription {
     /// Length of the footprint along x, metres, wheels included.
@@ -16,10 +24,10 @@ pub struct RobotDescription {
     pub height: f64,
     /// Radius of the wheels, metres.
     pub wheel_radius: f64,
-    /// Distance between the middles of the left and right wheels, metres.
+    /// Distance between the centres of the left and right wheels, metres.
     pub wheel_separation: f64,
-    /// The separation by which a skid-steering robot's turn rate follows from its wheels' speeds, metres: larger than
-    /// the wheels' own, because they slide sideways in turns.
+    /// Separation that gives a skid-steered robot's turn rate from its wheels' speeds, metres. It
+    /// is larger than the wheels' own, because they slide sideways in turns.
     pub effective_track: f64,
     /// Largest forward speed, m/s.
     pub max_forward: f64,
@@ -29,22 +37,23 @@ pub struct RobotDescription {
     pub max_turn: f64,
     /// Largest acceleration of the wheels' rims, m/s².
     pub max_acceleration: f64,
-    /// Inertial measurement unit.
+    /// Pose of the inertial measurement unit.
     pub imu: Pose3,
-    /// LiDAR.
+    /// Pose of the LiDAR.
     pub lidar: Pose3,
-    /// Camera, x forward.
+    /// Pose of the camera, x forward.
     pub camera: Pose3,
-    /// The camera's optics.
+    /// Size and field of view of the camera's images.
     pub camera_intrinsics: CameraIntrinsics,
-    /// Antenna of the satellite receiver; `None` without one, as the benchmark's rules have it.
+    /// Pose of the satellite receiver's antenna; `None` without a receiver, as in the benchmark's
+    /// rules.
     #[serde(default)]
     pub gnss: Option<Pose3>,
 }
 
 impl RobotDescription {
-    /// The robot of the OpenBench paper (its `sentry_robot_sim.xacro`). Heights there count from the chassis's middle;
-    /// here from the ground, `wheel_radius` below it.
+    /// The robot of the OpenBench paper (its `sentry_robot_sim.xacro`). Heights there count from
+    /// the middle of the chassis; here from the ground, `wheel_radius` below it.
     pub fn sentry() -> Self {
         let at = |x, z| Pose3::translation(x, 0.0, z);
         Self {

@@ -1,4 +1,4 @@
-//! An observation that owns what it shows: to send to another process, or to keep.
+//! An observation that owns its data, to be kept or sent to another process.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use crate::agent::Observation;
 use crate::sensors::{Camera, GnssFix, Image, ImuSample, LidarScan, WheelSample};
 use crate::time::SimTime;
 
-/// What an [`Observation`] shows, copied.
+/// A copy of an [`Observation`]'s data.
 ///
 /// ```
 /// use openbench_core::{Observation, Sensed, SimTime};
@@ -30,22 +30,22 @@ use crate::time::SimTime;
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Sensed {
-    /// Now.
+    /// Simulated time of the observation.
     pub time: SimTime,
     /// IMU samples since the last observation, oldest first.
     pub imu: Vec<ImuSample>,
     /// Wheel samples since the last observation, oldest first.
     pub wheels: Vec<WheelSample>,
-    /// The scan, if one was completed since the last observation.
+    /// The LiDAR scan, if one was completed since the last observation.
     pub scan: Option<LidarScan>,
-    /// The fix, if the robot got one since the last observation.
+    /// The satellite fix, if the robot got one since the last observation.
     pub gnss: Option<GnssFix>,
-    /// The image of this instant, if one was asked for and the camera had one.
+    /// The image of this instant, if one was requested and the camera had one.
     pub image: Option<Arc<Image>>,
 }
 
 impl Sensed {
-    /// Copies an observation, without an image: none is taken for it.
+    /// Copies an observation without an image; none is rendered for it.
     pub fn of(observation: &Observation<'_>) -> Self {
         Self {
             time: observation.time,
@@ -57,8 +57,8 @@ impl Sensed {
         }
     }
 
-    /// The same with an image, if the camera has one now. Taking it costs as much as when an agent
-    /// asks for it.
+    /// The same with an image, if the camera has one now. Rendering it costs as much as when an
+    /// agent requests it.
     pub fn with_image(observation: &Observation<'_>) -> Self {
         Self {
             image: observation.camera.image(),
@@ -66,7 +66,7 @@ impl Sensed {
         }
     }
 
-    /// The observation as an agent sees it. Its camera has the image that was kept, or none.
+    /// The observation as an agent sees it. Its camera has the kept image, or none.
     pub fn observation(&self) -> Observation<'_> {
         Observation {
             time: self.time,
@@ -90,7 +90,7 @@ mod tests {
     use super::*;
     use crate::sensors::LidarPoint;
 
-    /// A camera that counts how often it is asked.
+    /// A camera that counts the requests for images.
     #[derive(Default)]
     struct Counting(std::cell::Cell<u32>);
 
@@ -121,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn an_image_is_taken_only_if_it_is_asked_for() {
+    fn an_image_is_rendered_only_on_request() {
         let (camera, scan) = (Counting::default(), scan());
         let time = SimTime::from_millis(100);
         let seen = Observation {
@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_sensed_is_written_and_read_again() {
+    fn sensor_data_survive_serialization() {
         let camera = Counting::default();
         let (scan, time) = (scan(), SimTime::from_millis(100));
         let imu = [ImuSample {

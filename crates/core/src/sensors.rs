@@ -1,4 +1,4 @@
-//! What the robot's sensors deliver.
+//! Messages of the robot's sensors.
 
 use std::sync::Arc;
 
@@ -6,18 +6,19 @@ use serde::{Deserialize, Serialize};
 
 use crate::time::SimTime;
 
-/// One sample of the inertial measurement unit, in its own frame.
+/// A sample of the inertial measurement unit, in its own frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ImuSample {
     /// When it was taken.
     pub stamp: SimTime,
     /// Angular velocity, rad/s.
     pub gyro: [f64; 3],
-    /// Specific force, m/s²: at rest it is +9.8 upwards.
+    /// Specific force, m/s²: +9.8 upwards at rest.
     pub accel: [f64; 3],
 }
 
-/// Angles of the wheels since the start, as encoders count them: a slipping wheel turns without moving the robot.
+/// Angles of the wheels since the start, as counted by encoders. A slipping wheel turns without
+/// moving the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct WheelSample {
     /// When it was taken.
@@ -28,34 +29,37 @@ pub struct WheelSample {
     pub right: f64,
 }
 
-/// A position from satellites. Robots of the benchmark have no receiver unless a suite gives them one.
+/// A position from satellites. Robots of the benchmark have no receiver unless a suite gives them
+/// one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct GnssFix {
     /// When it was measured.
     pub stamp: SimTime,
-    /// Where the antenna is in `map`, metres: what the receiver says in degrees, brought into the map by its georeference.
+    /// Position of the antenna in `map`, metres: the receiver's degrees, projected by the map's
+    /// georeference.
     pub position: [f64; 3],
-    /// What the receiver believes of its error: covariance of the position, m², east, north, up.
+    /// Covariance of the position as reported by the receiver, m²: east, north, up.
     pub covariance: [[f64; 3]; 3],
-    /// Satellites used.
+    /// Number of satellites used.
     pub satellites: u8,
 }
 
-/// One return of the LiDAR.
+/// A return of the LiDAR.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LidarPoint {
-    /// Position in `livox_frame` at the instant this point was measured, metres.
+    /// Position in `livox_frame` at the instant of this point's measurement, metres.
     pub xyz: [f32; 3],
-    /// Nanoseconds from the scan's stamp to the instant this point was measured.
+    /// Nanoseconds from the scan's stamp to the instant of this point's measurement.
     pub offset_ns: u32,
     /// Reflectivity of the surface, 0 to 255.
     pub reflectivity: u8,
-    /// Laser line that measured it.
+    /// Number of the laser line.
     pub line: u8,
 }
 
-/// The returns of one scan. Rays that hit nothing have no point. Points are in the order they were measured, each in
-/// the sensor's frame of its own instant: a moving robot's scan is distorted, as a real one is.
+/// The returns of one scan. Rays that hit nothing have no point. Points are in the order of
+/// measurement, each in the sensor's frame of its own instant: the scan of a moving robot is
+/// distorted, as a real one is.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct LidarScan {
     /// When the first ray was cast.
@@ -94,7 +98,8 @@ impl CameraIntrinsics {
         self.width as f64 / 2.0 / libm::tan(self.horizontal_fov / 2.0)
     }
 
-    /// The direction that pixel (`u`, `v`) looks in, in `camera_link` (x forward, y left, z up), with x = 1.
+    /// Direction of the ray through pixel (`u`, `v`) in `camera_link` (x forward, y left, z up),
+    /// with x = 1.
     pub fn ray(&self, u: f64, v: f64) -> [f64; 3] {
         let f = self.focal_length();
         [
@@ -104,7 +109,8 @@ impl CameraIntrinsics {
         ]
     }
 
-    /// Where a point in `camera_link` appears, in pixels; `None` if it is behind the camera or outside the image.
+    /// Pixel (column, row) of a point in `camera_link`; `None` if it is behind the camera or
+    /// outside the image.
     pub fn project(&self, point: [f64; 3]) -> Option<(f64, f64)> {
         let [x, y, z] = point;
         if x <= 1e-6 {
@@ -121,8 +127,8 @@ impl CameraIntrinsics {
     }
 }
 
-/// A handle to the camera. An image costs something only when it is asked for.
+/// A handle to the camera. Images are rendered only on request.
 pub trait Camera {
-    /// The image of this instant, or `None` if the camera's rate does not allow another one yet.
+    /// The image of this instant, or `None` if the camera's rate does not allow another yet.
     fn image(&self) -> Option<Arc<Image>>;
 }

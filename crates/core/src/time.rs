@@ -13,10 +13,10 @@ use serde::{Deserialize, Serialize};
 pub struct SimTime(pub u64);
 
 impl SimTime {
-    /// The beginning of an episode.
+    /// The beginning of the episode.
     pub const ZERO: Self = Self(0);
 
-    /// The instant `millis` milliseconds after the beginning.
+    /// The instant `millis` milliseconds after the beginning of the episode.
     pub const fn from_millis(millis: u64) -> Self {
         Self(millis * 1_000_000)
     }

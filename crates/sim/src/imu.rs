@@ -1,7 +1,8 @@
 //! The inertial measurement unit.
 //!
-//! The unit is the one in the MID-360, a TDK InvenSense ICM-40609-D (Livox's specifications name it; its data sheet is DS-000330, revision
-//! 1.2). White noise, a bias that wanders, errors of scale, saturation, 16 bits.
+//! The unit is the one in the MID-360, a TDK InvenSense ICM-40609-D (named in Livox's
+//! specifications; data sheet DS-000330, revision 1.2). The model has white noise, a bias with a
+//! random walk, errors of scale, saturation and a resolution of 16 bits.
 
 use nalgebra::Vector3;
 use openbench_core::{ImuSample, Pose3, RobotDescription, SimTime};
@@ -11,30 +12,31 @@ use crate::physics::{GRAVITY, Physics};
 
 /// Time between two samples, nanoseconds: 100 Hz.
 pub(crate) const SAMPLE_NS: u64 = 10_000_000;
-const DT: f64 = SAMPLE_NS as f64 * 1e-9;
+const SAMPLE_S: f64 = SAMPLE_NS as f64 * 1e-9;
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
-/// What is wrong with three gyroscopes or three accelerometers, in rad/s or m/s².
+/// Errors of three gyroscopes or three accelerometers, in rad/s or m/s².
 #[derive(Debug, Clone, Copy)]
 struct Errors {
-    /// Deviation of the white noise of a sample.
+    /// Standard deviation of the white noise of a sample.
     white: f64,
-    /// Deviation of the bias at switch-on.
+    /// Standard deviation of the bias at switch-on.
     bias: f64,
-    /// Deviation of the bias's change in a second.
+    /// Standard deviation of the bias's change in a second.
     walk: f64,
-    /// Deviation of the scale.
+    /// Standard deviation of the scale.
     scale: f64,
-    /// Largest value; of 16 bits one more on the negative side.
+    /// Largest value. The 16 bits have one step more on the negative side.
     range: f64,
 }
 
-/// √Hz that a sample's noise covers: half the sampling rate, since densities in data sheets are one-sided.
+/// Bandwidth of a sample's noise, √Hz: half the sampling rate, since densities in data sheets are
+/// one-sided.
 const BANDWIDTH: f64 = 7.071_067_811_865_475;
 
-/// Front page of DS-000330: 4.5 mdps/√Hz, 10 mdps/K (taken over 20 K since the last calibration), 0.5 % (taken as two deviations).
-/// The walk is not in the sheet: after ten minutes it is 10 °/h, where Allan plots of such parts have their floor. Of the
-/// ranges that the part has it is the one after power-up.
+/// Front page of DS-000330: 4.5 mdps/√Hz, 10 mdps/K (taken over 20 K since the last calibration),
+/// 0.5 % (taken as two standard deviations). The walk is not in the sheet: after ten minutes it is
+/// 10 °/h, the floor of Allan plots of such parts. The range is the part's default.
 const GYRO: Errors = Errors {
     white: 4.5e-3 * DEGREE * BANDWIDTH,
     bias: 10e-3 * DEGREE * 20.0,
@@ -43,8 +45,8 @@ const GYRO: Errors = Errors {
     range: 2000.0 * DEGREE,
 };
 
-/// Likewise: 100 µg/√Hz, 0.15 mg/K, 0.5 %; a walk of 50 µg in ten minutes. A faulty MID-360 shows a constant 4 g (issue 37 of
-/// Livox-SDK2): that is the end of the scale.
+/// Likewise: 100 µg/√Hz, 0.15 mg/K, 0.5 %; a walk of 50 µg in ten minutes. A faulty MID-360 reports
+/// a constant 4 g (issue 37 of Livox-SDK2): that is the end of the scale.
 const ACCEL: Errors = Errors {
     white: 100e-6 * GRAVITY * BANDWIDTH,
     bias: 0.15e-3 * GRAVITY * 20.0,
@@ -53,7 +55,7 @@ const ACCEL: Errors = Errors {
     range: 4.0 * GRAVITY,
 };
 
-/// The IMU.
+/// The inertial measurement unit.
 #[derive(Debug)]
 pub(crate) struct Imu {
     noise: Noise,
@@ -64,7 +66,7 @@ pub(crate) struct Imu {
 }
 
 impl Imu {
-    /// An IMU mounted on the robot as its description says.
+    /// A unit mounted as in the robot's description.
     pub(crate) fn new(mut noise: Noise, robot: &RobotDescription) -> Self {
         let gyro = Triad::new(GYRO, &mut noise);
         let accel = Triad::new(ACCEL, &mut noise);
@@ -77,12 +79,12 @@ impl Imu {
         }
     }
 
-    /// The sample at `stamp`; the specific force is the mean since the last sample.
+    /// The sample at `stamp`. The specific force is the mean since the last sample.
     pub(crate) fn sample(&mut self, stamp: SimTime, physics: &Physics) -> ImuSample {
         let base = physics.base_link();
         let to_sensor = (base.rotation * self.mount.rotation).inverse();
         let velocity = physics.velocity_at(self.mount.translation.vector);
-        let acceleration = (velocity - self.last_velocity) / DT + Vector3::z() * GRAVITY;
+        let acceleration = (velocity - self.last_velocity) / SAMPLE_S + Vector3::z() * GRAVITY;
         self.last_velocity = velocity;
         let gyro = self
             .gyro
@@ -116,9 +118,9 @@ impl Triad {
         }
     }
 
-    /// What comes out when `truth` goes in.
+    /// The measurement of `truth`.
     fn measure(&mut self, truth: Vector3<f64>, noise: &mut Noise) -> Vector3<f64> {
-        self.bias += normal3(noise) * (self.errors.walk * DT.sqrt());
+        self.bias += normal3(noise) * (self.errors.walk * SAMPLE_S.sqrt());
         let analog =
             truth.component_mul(&self.scale) + self.bias + normal3(noise) * self.errors.white;
         analog.map(|value| self.errors.digital(value))
@@ -126,7 +128,7 @@ impl Triad {
 }
 
 impl Errors {
-    /// The nearest of the values that 16 bits can say.
+    /// The nearest value that 16 bits can represent.
     fn digital(&self, value: f64) -> f64 {
         let step = self.range / 32768.0;
         libm::round(value / step).clamp(-32768.0, 32767.0) * step
@@ -141,7 +143,8 @@ fn normal3(noise: &mut Noise) -> Vector3<f64> {
 mod tests {
     use super::*;
 
-    /// Allan variances of the three axes' mean at rest, for these averaging times in seconds (IEEE 952, annex C).
+    /// Allan deviations of a unit at rest, mean of the three axes, for these averaging times in
+    /// seconds (IEEE 952, annex C).
     fn allan_deviations(errors: Errors, seconds: usize, times: [usize; 2]) -> [f64; 2] {
         let mut noise = Noise::new(5, 1);
         let mut triad = Triad::new(errors, &mut noise);
@@ -165,7 +168,8 @@ mod tests {
         for errors in [GYRO, ACCEL] {
             let [short, long] = allan_deviations(errors, 6000, [1, 300]);
             let digits = errors.range / 32768.0 / 12.0_f64.sqrt();
-            // N / √τ with the noise of a second's hundred samples; K √(τ / 3) with the walk of a second, and what noise is left.
+            // N / √τ with the noise of a second's hundred samples; K √(τ / 3) with the walk of a
+            // second, and the remaining noise.
             let white = libm::hypot(errors.white, digits) / 10.0;
             let walk = libm::hypot(errors.walk * 10.0, white / 300.0_f64.sqrt());
             assert!((short / white - 1.0).abs() < 0.1, "{short} against {white}");
@@ -174,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn the_noise_is_that_of_the_data_sheet() {
+    fn noise_matches_the_data_sheet() {
         // 4.5 mdps/√Hz over 50 Hz are 0.032 °/s; 100 µg/√Hz are 0.71 mg.
         assert!(
             (GYRO.white / DEGREE - 0.0318).abs() < 1e-4
@@ -183,15 +187,13 @@ mod tests {
     }
 
     #[test]
-    fn samples_are_whole_steps_and_end_at_the_range() {
+    fn samples_are_whole_steps_and_saturate_at_the_range() {
         assert_eq!(ACCEL.digital(1e9), ACCEL.range * 32767.0 / 32768.0);
         assert_eq!(ACCEL.digital(-1e9), -4.0 * GRAVITY);
         let step = GYRO.range / 32768.0;
         assert_eq!(GYRO.digital(2.4 * step), 2.0 * step);
-        assert!(
-            (1.0 / (step / DEGREE) - 16.4).abs() < 0.02,
-            "16.4 marks a degree a second, as the sheet says"
-        );
+        // The data sheet has 16.4 steps for 1 °/s.
+        assert!((1.0 / (step / DEGREE) - 16.4).abs() < 0.02);
     }
 
     #[test]

@@ -1,5 +1,4 @@
-//! The simulated robot, its sensors and its world, in lock-step and deterministic: simulated time
-//! moves only in [`Simulator::step`], and the same world, seed and velocities give the same bytes.
+#![doc = include_str!("../README.md")]
 //!
 //! | module | job |
 //! |---|---|

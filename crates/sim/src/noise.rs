@@ -8,7 +8,18 @@ use rand_pcg::Pcg32;
 /// Entries of the table of normal quantiles.
 const QUANTILES: usize = 4096;
 
-/// A stream of random numbers of its own for one sensor.
+/// A stream of random numbers. Each sensor has a stream of its own, so that one sensor's draws do
+/// not change another's.
+///
+/// ```
+/// use openbench_sim::noise::Noise;
+///
+/// let mut noise = Noise::new(7, 1);
+/// assert!((0.0..1.0).contains(&noise.uniform()));
+/// // The same seed and stream give the same numbers.
+/// assert_eq!(Noise::new(7, 1).normal(), Noise::new(7, 1).normal());
+/// assert_ne!(Noise::new(7, 1).normal(), Noise::new(7, 2).normal());
+/// ```
 #[derive(Debug, Clone)]
 pub struct Noise {
     generator: Pcg32,
@@ -16,7 +27,7 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// The stream number `stream` of `seed`.
+    /// Stream number `stream` of `seed`.
     pub fn new(seed: u64, stream: u64) -> Self {
         let mixed =
             seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ stream.wrapping_mul(0xd1b5_4a32_d192_ed03);
@@ -31,15 +42,16 @@ impl Noise {
         f64::from(self.generator.next_u32()) / 4_294_967_296.0
     }
 
-    /// Normal with mean 0 and deviation 1, by Box and Muller.
+    /// Normal with mean 0 and standard deviation 1, by Box and Muller.
     pub fn normal(&mut self) -> f64 {
         let (u, v) = (1.0 - self.uniform(), self.uniform());
         (-2.0 * libm::log(u)).sqrt() * libm::cos(std::f64::consts::TAU * v)
     }
 
-    /// Normal with mean 0 and deviation 1, from a table, and uniform in [0, 1), from one draw: for many samples of small weight.
+    /// Normal with mean 0 and standard deviation 1, from a table, and uniform in [0, 1), both from
+    /// one draw: for many samples of small weight.
     #[inline(always)]
-    pub fn quick_normal_and_uniform(&mut self) -> (f32, f32) {
+    pub(crate) fn quick_normal_and_uniform(&mut self) -> (f32, f32) {
         let bits = self.generator.next_u32();
         (
             self.quantiles[(bits >> 20) as usize],
@@ -48,7 +60,8 @@ impl Noise {
     }
 }
 
-/// Quantiles of the normal distribution at the middles of equal shares, scaled to a deviation of exactly 1.
+/// Quantiles of the normal distribution at the middles of equal shares, scaled to a standard
+/// deviation of exactly 1.
 static NORMAL_QUANTILES: LazyLock<Arc<[f32]>> = LazyLock::new(|| {
     let raw: Vec<f64> = (0..QUANTILES)
         .map(|i| quantile((i as f64 + 0.5) / QUANTILES as f64))
@@ -57,7 +70,7 @@ static NORMAL_QUANTILES: LazyLock<Arc<[f32]>> = LazyLock::new(|| {
     raw.iter().map(|q| (q / deviation) as f32).collect()
 });
 
-/// The normal quantile by bisection of the error function.
+/// Quantile of the normal distribution, by bisection of the error function.
 fn quantile(share: f64) -> f64 {
     let (mut low, mut high) = (-6.0, 6.0);
     for _ in 0..50 {
@@ -77,7 +90,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn both_normals_have_mean_0_and_deviation_1() {
+    fn all_draws_have_their_means_and_deviations() {
         let mut noise = Noise::new(3, 1);
         let moments = |samples: Vec<f64>| {
             let n = samples.len() as f64;

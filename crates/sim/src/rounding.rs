@@ -1,17 +1,19 @@
-//! Rounding down in loops that shall become vector instructions: a cast from a floating to a whole number does it too, and sees to numbers that
-//! are too large, for which the compiler leaves vectors.
+//! Rounding down in loops that become vector instructions. A cast from a floating-point number to
+//! an integer saturates numbers that are too large, and for that compilers leave vector
+//! instructions.
 
-/// `x` less its floor; 0 from 2^22 on.
+/// `x` minus its floor; 0 from 2^22 on.
 #[inline(always)]
 pub(crate) fn fraction(x: f32) -> f32 {
-    // One and a half times 2^23: added to a number, it leaves no place for binary digits behind the point.
+    // One and a half times 2^23: the sum with a number has no binary digits behind the point.
     const ROUND: f32 = 12_582_912.0;
     let near = (x + ROUND) - ROUND;
     let rest = if near > x { x - near + 1.0 } else { x - near };
     if x.abs() < 4_194_304.0 { rest } else { 0.0 }
 }
 
-/// The whole part of a number from 0 to 2^22; of others one of these. A cast does the same and more, for which no compiler uses vectors.
+/// The integer part of a number from 0 to 2^22. Other numbers, NaN included, give one of the two
+/// bounds.
 #[inline(always)]
 pub(crate) fn whole(x: f32) -> u32 {
     const ROUND: f32 = 8_388_608.0;
@@ -28,7 +30,10 @@ mod tests {
 
     proptest! {
         #[test]
-        fn numbers_are_rounded_down_as_casts_and_floors_do(x in 0.0_f32..4_194_304.0, y in -4_000_000.0_f32..4_000_000.0) {
+        fn numbers_are_rounded_down_as_by_casts_and_floors(
+            x in 0.0_f32..4_194_304.0,
+            y in -4_000_000.0_f32..4_000_000.0,
+        ) {
             prop_assert_eq!(whole(x), x as u32);
             prop_assert_eq!(whole(x.floor()), x as u32);
             let rest = y - y as i32 as f32;
@@ -37,7 +42,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_sensible_number_gives_some_number() {
+    fn nan_infinity_and_large_numbers_stay_within_bounds() {
         for x in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -3.0, 1e30] {
             assert!(whole(x) <= 4_194_304, "{x}");
             assert!((0.0..=1.0).contains(&fraction(x)), "{x}");

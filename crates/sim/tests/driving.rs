@@ -1,4 +1,4 @@
-//! The robot on flat ground and before a wall.
+//! The robot on flat ground, in front of a wall and at kerbs.
 
 use std::sync::Arc;
 
@@ -57,7 +57,7 @@ fn the_robot_settles_on_the_ground_and_stays() {
 }
 
 #[test]
-fn it_drives_and_turns_about_as_told() {
+fn the_robot_drives_and_turns_about_as_commanded() {
     let mut simulator = simulator(3.0, 1);
     let there = drive(&mut simulator, Velocity::new(0.5, 0.0), 4.0);
     let length = there.point().distance(Default::default());
@@ -70,9 +70,19 @@ fn it_drives_and_turns_about_as_told() {
     assert!((1.7..2.2).contains(&turned), "0.5 rad/s for 4 s: {turned}");
 }
 
-/// What the encoders and the body did while driving: metres that the left and right rims ran, metres and radians that the body
-/// moved. Half a second passes first, in which the motors come up to speed.
-fn driven(velocity: Velocity, seconds: f64) -> ([f64; 2], f64, f64) {
+/// Motion of the wheels and of the body during a drive.
+struct Driven {
+    /// Distances that the rims ran, metres.
+    left: f64,
+    right: f64,
+    /// Straight distance that the body moved, metres.
+    moved: f64,
+    /// Angle that the body turned, radians.
+    turned: f64,
+}
+
+/// Drives with a velocity, after a second in which the motors come up to speed.
+fn driven(velocity: Velocity, seconds: f64) -> Driven {
     let mut simulator = simulator(3.0, 1);
     let radius = RobotDescription::sentry().wheel_radius;
     let rims = |s: &Simulator| {
@@ -90,21 +100,28 @@ fn driven(velocity: Velocity, seconds: f64) -> ([f64; 2], f64, f64) {
         before = after;
     }
     let last = rims(&simulator);
-    (
-        [last[0] - first[0], last[1] - first[1]],
-        start.point().distance(before.point()),
+    Driven {
+        left: last[0] - first[0],
+        right: last[1] - first[1],
+        moved: start.point().distance(before.point()),
         turned,
-    )
+    }
 }
 
 #[test]
-fn turning_on_the_spot_the_wheels_slip_as_on_a_wider_track() {
+fn wheels_slip_in_turns_as_on_a_wider_track() {
     let robot = RobotDescription::sentry();
     for rate in [0.3, 0.6, 1.0] {
-        let ([left, right], moved, turned) = driven(Velocity::new(0.0, rate), 4.0);
+        let Driven {
+            left,
+            right,
+            moved,
+            turned,
+        } = driven(Velocity::new(0.0, rate), 4.0);
         let track = (right - left) / turned;
-        // Wheels 0.26 m apart in y and 0.2 m in x. Friction against the slip makes no moment when a · a = b / 2 · (rim / rate - b / 2),
-        // a half the distance in x: the track is b + 4 a² / b, 1.59 times b, whatever the friction.
+        // Wheels are b = 0.26 m apart in y and 2 a = 0.2 m in x. Friction against the slip makes no
+        // moment when a · a = b / 2 · (rim / rate - b / 2): the track is b + 4 a² / b, 1.59 times
+        // b, whatever the friction.
         let expected = robot.wheel_separation + 4.0 * 0.1 * 0.1 / robot.wheel_separation;
         assert!(
             (track / expected - 1.0).abs() < 0.05,
@@ -119,8 +136,13 @@ fn turning_on_the_spot_the_wheels_slip_as_on_a_wider_track() {
 }
 
 #[test]
-fn driving_straight_the_wheels_hardly_slip() {
-    let ([left, right], moved, turned) = driven(Velocity::new(0.5, 0.0), 4.0);
+fn wheels_hardly_slip_on_a_straight_drive() {
+    let Driven {
+        left,
+        right,
+        moved,
+        turned,
+    } = driven(Velocity::new(0.5, 0.0), 4.0);
     assert!(
         (left / moved - 1.0).abs() < 0.005 && (right / moved - 1.0).abs() < 0.005,
         "{left} {right} {moved}"
@@ -129,7 +151,7 @@ fn driving_straight_the_wheels_hardly_slip() {
 }
 
 #[test]
-fn a_wheel_that_is_held_up_slips_and_the_encoder_counts_on() {
+fn blocked_wheels_slip_and_their_encoders_count_on() {
     let mut simulator = simulator(0.0, 1);
     let held = drive(&mut simulator, Velocity::new(0.5, 0.0), 10.0);
     let turns = |s: &Simulator| s.observation().wheels.last().map(|w| w.left).unwrap();
@@ -146,7 +168,7 @@ fn a_wheel_that_is_held_up_slips_and_the_encoder_counts_on() {
 }
 
 #[test]
-fn a_wall_stops_the_robot_and_counts_once() {
+fn a_wall_stops_the_robot_and_counts_as_one_collision() {
     let mut simulator = simulator(0.0, 1);
     let pose = drive(&mut simulator, Velocity::new(0.5, 0.0), 12.0);
     assert!((2.7..2.9).contains(&pose.x), "{pose:?}");
@@ -156,7 +178,7 @@ fn a_wall_stops_the_robot_and_counts_once() {
     assert!(collisions[0].impulse > 0.5);
 }
 
-/// Ground, and across x = 1 a kerb of that height.
+/// Ground, and a kerb of this height across x = 1.
 fn kerb(height: f64) -> Simulator {
     let mut builder = SceneBuilder::new();
     let ground = builder.material(Material::plain(SemanticClass::Ground, [0.4, 0.5, 0.3]));
@@ -221,7 +243,7 @@ fn wheels_go_over_a_low_kerb() {
 }
 
 #[test]
-fn absurd_velocities_do_no_harm() {
+fn nan_and_huge_velocities_are_harmless() {
     let mut simulator = simulator(3.0, 1);
     for velocity in [
         Velocity::new(f64::NAN, f64::INFINITY),
@@ -244,7 +266,7 @@ fn the_same_seed_gives_the_same_chain_and_another_does_not() {
 }
 
 #[test]
-fn sensors_come_at_their_rates_with_stamps_of_their_own() {
+fn sensors_have_their_rates_and_stamps() {
     let mut simulator = simulator(0.0, 1);
     let (mut imu, mut scans, mut images) = (0, 0, 0);
     for _ in 0..20 {
@@ -263,11 +285,11 @@ fn sensors_come_at_their_rates_with_stamps_of_their_own() {
 }
 
 #[test]
-fn the_camera_adjusts_its_exposure_even_when_nobody_looks() {
+fn the_camera_adjusts_its_exposure_even_without_requests() {
     let mean = |image: &openbench_core::Image| {
         image.rgb.iter().map(|c| f64::from(*c)).sum::<f64>() / image.rgb.len() as f64
     };
-    // Close before a pale wall in the sun, then turned to the sky above the meadow.
+    // Close to a pale wall in the sun, then turned to the sky above the meadow.
     let mut simulator = Simulator::new(
         stage(),
         RobotDescription::sentry(),
@@ -283,7 +305,7 @@ fn the_camera_adjusts_its_exposure_even_when_nobody_looks() {
 }
 
 #[test]
-fn at_rest_the_imu_feels_gravity_upwards() {
+fn the_imu_at_rest_measures_gravity_upwards() {
     let mut simulator = simulator(0.0, 1);
     drive(&mut simulator, Velocity::ZERO, 1.0);
     let sample = simulator.observation().imu.last().copied().unwrap();
@@ -301,7 +323,7 @@ fn a_robot_that_leaves_the_ground_has_left_the_world() {
     drive(&mut simulator, Velocity::new(0.5, 0.0), 1.0);
     assert_eq!(simulator.left_world(), None);
     drive(&mut simulator, Velocity::new(0.5, 0.0), 4.0);
-    // Over the edge it tips before it falls.
+    // It tips over the edge before it falls.
     assert_eq!(simulator.left_world(), Some(LeftWorld::TippedOver));
     let beyond = Pose2::new(-30.0, 0.0, 0.0);
     let mut falling = Simulator::new(stage(), RobotDescription::sentry(), beyond, 1);
@@ -315,7 +337,7 @@ fn a_robot_that_leaves_the_ground_has_left_the_world() {
 
 /// Wheel rays are in single precision, but on level ground their lengths depend on heights alone.
 #[test]
-fn a_robot_kilometres_from_the_origin_drives_as_one_near_it() {
+fn a_robot_drives_kilometres_from_the_origin_as_near_it() {
     let driven = |x: f64| {
         let mut builder = SceneBuilder::new();
         let ground = builder.material(Material::plain(SemanticClass::Ground, [0.4, 0.5, 0.3]));

@@ -1,4 +1,4 @@
-//! People and cars that move, as the robot's sensors and its body meet them.
+//! People and cars as the robot's sensors and body meet them.
 
 use std::sync::Arc;
 
@@ -37,7 +37,7 @@ fn street(highway: &str) -> OsmMap {
     )
 }
 
-/// A robot at `start` on a street with so many on it.
+/// A robot at `start` on a street with this traffic.
 fn among(highway: &str, plan: TrafficPlan, start: Pose2, seed: u64) -> Simulator {
     let stage = Stage::peopled(ground(), plan).unwrap();
     let traffic = Traffic::new(&street(highway), |_| true, plan, start.point(), seed);
@@ -54,7 +54,7 @@ fn people(pedestrians: usize) -> TrafficPlan {
     }
 }
 
-/// Points of a scan in `map` that lie well above the ground, with the robot's pose at the scan's end.
+/// Points of a scan that lie well above the ground, in `map` by the robot's pose at the scan's end.
 fn above_ground(simulator: &Simulator, scan: &LidarScan) -> Vec<MapPoint> {
     let sensor = simulator.base_link() * RobotDescription::sentry().lidar;
     let points = scan
@@ -72,7 +72,7 @@ fn distance(mover: &Mover, point: MapPoint) -> f64 {
 }
 
 #[test]
-fn the_lidar_sees_people_where_they_are_and_nothing_else() {
+fn the_lidar_sees_people_in_place_and_nothing_else() {
     let mut simulator = among("footway", people(6), Pose2::new(50.0, 0.0, 0.0), 3);
     let mut seen = 0;
     for _ in 0..200 {
@@ -86,7 +86,8 @@ fn the_lidar_sees_people_where_they_are_and_nothing_else() {
                 .iter()
                 .map(|m| distance(m, point))
                 .fold(f64::INFINITY, f64::min);
-            // An arm or a foot swings 0.6 m from the middle; in a scan's 0.1 s a person walks 0.2 m.
+            // Arms and feet swing up to 0.6 m from the middle; in the 0.1 s of a scan a person
+            // walks 0.2 m.
             assert!(
                 nearest < 0.85,
                 "a point {nearest:.2} m from everybody at {}",
@@ -99,7 +100,7 @@ fn the_lidar_sees_people_where_they_are_and_nothing_else() {
 }
 
 #[test]
-fn the_camera_sees_a_car_go_by() {
+fn the_camera_sees_a_passing_car() {
     let plan = TrafficPlan {
         pedestrians: 0,
         cars: 2,
@@ -130,7 +131,7 @@ fn the_camera_sees_a_car_go_by() {
 
 #[test]
 fn driving_into_people_is_a_collision_with_a_person() {
-    // A passage so narrow that nobody gets out of the way.
+    // The passage is so narrow that nobody can step aside.
     let start = Pose2::new(40.0, 0.0, 0.0);
     let stage = Stage::peopled(ground(), people(20)).unwrap();
     let narrow = |p: MapPoint| p.y.abs() < 0.3;
@@ -196,7 +197,7 @@ fn cars_stop_for_the_robot() {
     assert!(simulator.movers().iter().all(|m| m.kind == MoverKind::Car));
 }
 
-/// Hash over all that the robot sees and does in two seconds among people.
+/// Hash over the robot's states, scans and images in two seconds among people.
 fn bytes(seed: u64) -> blake3::Hash {
     let mut simulator = among("footway", people(20), Pose2::new(50.0, 0.3, 0.4), seed);
     let mut hasher = blake3::Hasher::new();
@@ -222,8 +223,8 @@ fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
     assert!((1..6).all(|i| alone[i] != alone[0]));
 }
 
-/// In whatever profile and with whatever vector instructions it runs: the same bytes as here. Who changes sensors, noise, figures or the
-/// models of traffic changes these; the message says to what.
+/// Every profile and every set of vector instructions gives the same bytes. A change of sensors,
+/// noise, figures or traffic models changes them; the failure shows the new ones.
 #[test]
 fn builds_and_machines_give_the_same_bytes() {
     let expected = ["884b0a542f0c2542", "71f640750da95845", "9188e6aec4859015"];

@@ -46,6 +46,38 @@ pub struct Labels {
 }
 
 /// Draws views of a scene.
+///
+/// A square metre of wall, 5 m ahead of a camera with a focal length of 100 pixels, has a side of
+/// 20 pixels:
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use nalgebra::{Point3, Vector3};
+/// use openbench_core::Pose3;
+/// use openbench_scene::scene::Layer;
+/// use openbench_scene::{Material, Movers, RayCaster, SceneBuilder, SemanticClass};
+/// use openbench_sim::{ImageSize, Renderer, View};
+///
+/// let mut builder = SceneBuilder::new();
+/// let wall = builder.material(Material::plain(SemanticClass::Wall, [0.6; 3]));
+/// let corner = Point3::new(5.0, -0.5, -0.5);
+/// builder.rectangle(Layer::Visible, wall, corner, (Vector3::y(), Vector3::z()), [1.0; 2]);
+/// let renderer = Renderer::new(RayCaster::new(Arc::new(builder.build())));
+///
+/// let view = View {
+///     pose: Pose3::identity(),
+///     size: ImageSize::new(64, 48),
+///     focal_length: 100.0,
+///     range: 200.0,
+///     shadows: false,
+///     exposure: 1.0,
+/// };
+/// let labels = renderer.labels(&view, &Movers::default());
+/// let seen = labels.class.iter().filter(|class| **class == Some(SemanticClass::Wall));
+/// assert_eq!(seen.count(), 20 * 20);
+/// assert_eq!(renderer.render(&view, &Movers::default()).len(), 3 * view.size.pixels());
+/// ```
 #[derive(Debug)]
 pub struct Renderer {
     caster: RayCaster,
@@ -242,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn a_square_covers_the_pixels_that_the_pinhole_says() {
+    fn a_square_covers_the_pixels_of_its_pinhole_projection() {
         let view = View {
             pose: Pose3::identity(),
             size: ImageSize::new(200, 160),
@@ -259,7 +291,7 @@ mod tests {
     }
 
     #[test]
-    fn pictures_of_any_size_show_the_same_and_none_panics() {
+    fn images_of_any_size_show_the_same_and_none_panics() {
         let view = |size, focal_length| View {
             pose: Pose3::identity(),
             size,
@@ -269,7 +301,7 @@ mod tests {
             exposure: 1.0,
         };
         let draw = |size, f| renderer().render(&view(size, f), &Movers::default());
-        // Cut off on the right and below, by pixels that shift the middle by whole ones.
+        // The smaller image is the middle of the larger one: they differ by one pixel on each side.
         let (large, cut) = (
             draw(ImageSize::new(40, 40), 30.0),
             draw(ImageSize::new(38, 38), 30.0),
@@ -287,7 +319,7 @@ mod tests {
     }
 
     #[test]
-    fn exposure_multiplies_light_and_its_root_what_is_seen() {
+    fn exposure_multiplies_light_and_its_root_multiplies_colours() {
         let (pose, size) = (Pose3::identity(), ImageSize::new(200, 160));
         let view = View {
             pose,
@@ -309,7 +341,7 @@ mod tests {
     }
 
     #[test]
-    fn labels_say_what_is_seen_and_how_deep_it_lies() {
+    fn labels_hold_class_object_and_depth() {
         let view = View {
             pose: Pose3::identity(),
             size: ImageSize::new(202, 161),
@@ -335,7 +367,7 @@ mod tests {
     }
 
     #[test]
-    fn a_roof_throws_its_shadow_on_the_ground() {
+    fn a_roof_casts_its_shadow_on_the_ground() {
         let mut builder = SceneBuilder::new();
         let grey = builder.material(Material::plain(SemanticClass::Ground, [0.5; 3]));
         let (x, y) = (Vector3::x(), Vector3::y());

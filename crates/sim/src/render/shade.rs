@@ -1,8 +1,9 @@
 //! The colours of a block of pixels.
 //!
-//! Whatever is looked up for a pixel (surface, material, texels) is put into arrays first; all arithmetic is loops over those, which become
-//! vector instructions. Loops over no more than sixteen are unrolled by the compiler before it looks for vectors, and then it misses many:
-//! hence blocks of [`BLOCK`].
+//! Surface, material and texels of each pixel are looked up into arrays first. All arithmetic is in
+//! loops over those arrays, which become vector instructions. The compiler unrolls loops over
+//! sixteen or fewer before it looks for vectors, and then it misses many: hence blocks of
+//! [`BLOCK`].
 
 use openbench_scene::bvh::{LANES, MISS, PacketHits};
 use openbench_scene::{RayCaster, Snapshot, Sun};
@@ -10,14 +11,14 @@ use openbench_scene::{RayCaster, Snapshot, Sun};
 use super::block::{BLOCK, Block, PACKETS};
 use super::texture::{Mipmaps, blend, corners};
 
-/// Sky at the horizon and at the zenith, sRGB, 0 to 255.
+/// Colours of the sky at the horizon and at the zenith, sRGB, 0 to 255.
 const HORIZON: [f32; 3] = [204.0, 222.0, 237.0];
 const ZENITH: [f32; 3] = [107.0, 153.0, 219.0];
 
-/// What colouring needs to know of a triangle.
+/// The properties of a triangle that its colour depends on.
 #[derive(Debug, Clone, Copy)]
 struct Facet {
-    /// Texels a metre of its texture.
+    /// Texels of its texture per metre.
     density: f32,
     material: u32,
 }
@@ -29,7 +30,7 @@ struct Ink {
     texture: Option<u32>,
 }
 
-/// Colours what rays hit.
+/// Colours the surfaces that rays hit.
 #[derive(Debug)]
 pub(super) struct Shader {
     facets: Vec<Facet>,
@@ -38,7 +39,7 @@ pub(super) struct Shader {
     sun: Sun,
 }
 
-/// How a view looks at a scene.
+/// The properties of a view that colours depend on.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Look {
     /// Angle of a pixel, radians.
@@ -47,28 +48,28 @@ pub(super) struct Look {
     pub(super) haze: f32,
 }
 
-/// What the rays of a block hit.
+/// The surfaces that the rays of a block hit.
 struct Surfaces {
     normal: [Block; 3],
-    /// Texels a metre of the texture.
+    /// Texels of the texture per metre.
     density: Block,
     /// Colour of the material, 0 to 255.
     color: [Block; 3],
     texture: [Option<u32>; BLOCK],
-    /// Where in the texture.
+    /// Coordinates in the texture.
     uv: [Block; 2],
     /// Distance in lengths of the direction.
     distance: Block,
     hit: [bool; BLOCK],
 }
 
-/// What becomes of a surface's own colour.
+/// The changes to a surface's own colour.
 struct Light {
-    /// By how much it is multiplied.
+    /// Factor on it.
     strength: Block,
     /// Texels of the full-size texture that the pixel covers.
     texels: Block,
-    /// Share of the haze.
+    /// Share of the haze's colour, 0 to 1.
     haze: Block,
 }
 
@@ -91,7 +92,7 @@ impl Shader {
         }
     }
 
-    /// Red, green and blue of each pixel, 0 to 255. Those with `sunlit` 0 lie in shadow, with 1 in the sun.
+    /// Red, green and blue of each pixel, 0 to 255. `sunlit` is 0 in the shadow and 1 in the sun.
     #[inline(always)]
     pub(super) fn colors(
         &self,
@@ -128,7 +129,7 @@ impl Shader {
         colors
     }
 
-    /// `None` if no ray hit anything.
+    /// The surfaces of a block; `None` if no ray hit any.
     #[inline(always)]
     fn surfaces(&self, seen: Snapshot<'_>, hits: &[PacketHits; PACKETS]) -> Option<Surfaces> {
         let mut surfaces = Surfaces {
@@ -186,10 +187,10 @@ impl Shader {
             let side = if facing > 0.0 { -1.0 } else { 1.0 };
             let lambert = -side * (nx[i] * sun[0] + ny[i] * sun[1] + nz[i] * sun[2]);
             let lambert = if lambert > 0.0 { lambert } else { 0.0 };
-            // A surface that looks up sees more of the sky.
+            // A surface that faces up receives more light from the sky.
             let from_sky = 0.75 + 0.25 * side * nz[i];
             let linear = self.sun.ambient * from_sky + self.sun.diffuse * lambert * sunlit[i];
-            // Light adds up in linear units, colours are sRGB: their curve is near a square root.
+            // Light adds up linearly. Colours are sRGB, whose curve is near a square root.
             light.strength[i] = linear.sqrt();
             let distance = surfaces.distance[i] * length[i];
             let slant = if facing.abs() > 0.15 {
@@ -203,7 +204,7 @@ impl Shader {
         light
     }
 
-    /// Colours of the textures, 0 to 255; white without one.
+    /// Colours of the textures, 0 to 255; white without a texture.
     #[inline(always)]
     fn texels(&self, surfaces: &Surfaces, texels: &Block) -> [Block; 3] {
         let levels = super::texture::levels(texels);
@@ -250,7 +251,7 @@ fn sky(dz: &Block, length: &Block) -> [Block; 3] {
     colors
 }
 
-/// Texels that a metre on the triangle spans, the larger of the two directions not told apart.
+/// Texels of a triangle's texture per metre: the geometric mean over both directions.
 fn texel_density(caster: &RayCaster, triangle: u32) -> f32 {
     let Some(texture) = caster.material(triangle).texture else {
         return 0.0;

@@ -1,13 +1,15 @@
-//! Textures at full, half, quarter … size, and the colours of pixels that cover some of their texels.
+//! Textures at full, half, quarter … size, and the colours of pixels that cover some of their
+//! texels.
 
 use openbench_scene::Texture;
 
 use super::block::{BLOCK, Block};
 use crate::rounding::{fraction, whole};
 
-/// A pixel may cover this many texels before the next smaller image is taken.
+/// A pixel that covers more texels than this takes the next smaller image.
 const COVER: f32 = 1.5;
-/// Steps between two texels: weights are whole numbers, so that colours are the same on every machine at no cost.
+/// Steps between two texels. Weights are integers, so that colours are the same on every machine at
+/// no cost.
 const STEPS: u32 = 16;
 
 /// A texture at full, half, quarter … size.
@@ -40,7 +42,7 @@ impl Mipmaps {
         }
     }
 
-    /// The image that many times halved, or the smallest.
+    /// The image halved this many times, or the smallest.
     #[inline(always)]
     pub(super) fn level(&self, halvings: u32) -> &Level {
         &self.levels[(halvings as usize).min(self.levels.len() - 1)]
@@ -62,7 +64,8 @@ pub(super) fn levels(texels: &Block) -> [u32; BLOCK] {
     let mut levels = [0; BLOCK];
     for lane in 0..BLOCK {
         let bits = (texels[lane] * (1.0 / COVER)).to_bits();
-        // The logarithm to base 2, rounded up: exponent, plus one if the mantissa is more than 1. What is NaN, negative or below 1 is not halved.
+        // The logarithm to base 2, rounded up: the exponent, plus one if the mantissa is more than
+        // 1. NaN, negative numbers and numbers below 1 give 0.
         let exponent = (bits >> 23).wrapping_sub(127);
         let up = if bits & 0x7f_ffff == 0 {
             exponent
@@ -76,13 +79,14 @@ pub(super) fn levels(texels: &Block) -> [u32; BLOCK] {
 
 /// The four texels round each pixel's place: upper left, upper right, lower left, lower right.
 pub(super) struct Corners {
-    /// Where they are in the image.
+    /// Indices in the image.
     pub(super) index: [[u32; BLOCK]; 4],
-    /// Weights of the right and of the lower ones, in sixteenths.
+    /// Weights of the right and of the lower texels, in sixteenths.
     weight: [[u32; BLOCK]; 2],
 }
 
-/// The texels round the places `uv` of images of these widths and heights; images repeat and v runs upwards.
+/// The texels round the places `uv` of images with these widths and heights. Images repeat, and v
+/// runs upwards.
 #[inline(always)]
 pub(super) fn corners(uv: &[Block; 2], size: &[[u32; BLOCK]; 2]) -> Corners {
     let mut beside = [[[0; BLOCK]; 2]; 2];
@@ -103,7 +107,7 @@ pub(super) fn corners(uv: &[Block; 2], size: &[[u32; BLOCK]; 2]) -> Corners {
     Corners { index, weight }
 }
 
-/// Red, green and blue, 0 to 255, of places whose four texels are these.
+/// Red, green and blue, 0 to 255, of places with these four texels.
 #[inline(always)]
 pub(super) fn blend(packed: &[[u32; BLOCK]; 4], corners: &Corners) -> [Block; 3] {
     const WHOLE: f32 = 1.0 / (STEPS * STEPS) as f32;
@@ -114,13 +118,13 @@ pub(super) fn blend(packed: &[[u32; BLOCK]; 4], corners: &Corners) -> [Block; 3]
         let (a, b, c, d) = (left * high, right * high, left * low, right * low);
         let [p, q, r, s] = packed;
         let (p, q, r, s) = (p[i], q[i], r[i], s[i]);
-        // Red and blue, and green alone, each with room for a weight above it.
+        // Red and blue together, and green alone: each has room for a weight above it.
         const RED_BLUE: u32 = 0xff_00ff;
         let red_blue =
             (p & RED_BLUE) * a + (q & RED_BLUE) * b + (r & RED_BLUE) * c + (s & RED_BLUE) * d;
         let just_green =
             (p >> 8 & 0xff) * a + (q >> 8 & 0xff) * b + (r >> 8 & 0xff) * c + (s >> 8 & 0xff) * d;
-        // By way of a signed number, for which every machine has a conversion.
+        // Through a signed integer, for which every machine has a conversion.
         red[i] = (red_blue & 0xffff) as i32 as f32 * WHOLE;
         green[i] = just_green as i32 as f32 * WHOLE;
         blue[i] = (red_blue >> 16) as i32 as f32 * WHOLE;
@@ -128,10 +132,11 @@ pub(super) fn blend(packed: &[[u32; BLOCK]; 4], corners: &Corners) -> [Block; 3]
     [red, green, blue]
 }
 
-/// The two texels beside a place in a row of `size` that repeats, and the weight of the second in sixteenths.
+/// The two texels beside a place in a row of `size` that repeats, and the weight of the second in
+/// sixteenths.
 #[inline(always)]
 fn neighbours(place: f32, size: u32) -> (u32, u32, u32) {
-    // One texel is added, so that nothing is below zero.
+    // One texel is added, so that no number is below zero.
     let steps = whole(place * (size * STEPS) as i32 as f32 + (STEPS / 2) as f32);
     let (after, weight) = (steps / STEPS, steps % STEPS);
     let first = if after == 0 { size - 1 } else { after - 1 };

@@ -58,6 +58,31 @@ impl Default for Totals {
 }
 
 /// Measures one episode, step by step.
+///
+/// A person who walks at 1.2 m/s towards a robot that stands 2 m ahead:
+///
+/// ```
+/// use openbench_core::{MapPoint, Pose2};
+/// use openbench_sim::traffic::{Encounters, Hull, Mover, MoverKind, RobotState};
+///
+/// let position = MapPoint::new(2.0, 0.0);
+/// let robot = RobotState { position, velocity: [0.0; 2], radius: 0.22 };
+/// let person = Mover {
+///     kind: MoverKind::Pedestrian,
+///     present: true,
+///     pose: Pose2::new(0.0, 0.0, 0.0),
+///     velocity: [1.2, 0.0],
+///     hull: Hull::Disc { radius: 0.25 },
+///     gait: 0.0,
+///     look: 0,
+/// };
+/// let mut encounters = Encounters::new();
+/// encounters.update(0.05, &robot, &[person]);
+/// let totals = encounters.totals();
+/// assert!((totals.nearest_person - 1.53).abs() < 1e-9);
+/// assert!((totals.least_time_to_collision - 1.53 / 1.2).abs() < 1e-9);
+/// assert_eq!(totals.near_misses_people, 1);
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct Encounters {
     totals: Totals,

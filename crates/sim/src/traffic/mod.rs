@@ -74,6 +74,34 @@ const PEOPLE_STREAM: u64 = 11;
 const CARS_STREAM: u64 = 12;
 
 /// People and cars in a map.
+///
+/// Twelve people on a stretch of the Hauptstraße in Heidelberg, for ten seconds:
+///
+/// ```
+/// use openbench_core::MapPoint;
+/// use openbench_osm::{OsmData, OsmMap};
+/// use openbench_sim::traffic::{RobotState, Traffic, TrafficPlan};
+///
+/// let xml = "<osm version='0.6'>
+///     <node id='1' lon='8.6950' lat='49.4100'/><node id='2' lon='8.6990' lat='49.4105'/>
+///     <way id='3'><nd ref='1'/><nd ref='2'/><tag k='highway' v='pedestrian'/></way></osm>";
+/// let data = OsmData::from_xml(xml.as_bytes())?;
+/// let map = OsmMap::new(&data, "tangent:8.6950,49.4100".parse()?);
+///
+/// let plan = TrafficPlan { pedestrians: 12, cars: 0 };
+/// let start = MapPoint::new(0.0, 20.0);
+/// let mut traffic = Traffic::new(&map, |_| true, plan, start, 1);
+/// assert_eq!(traffic.placed(), plan);
+///
+/// let before = traffic.movers()[0].pose.point();
+/// let robot = RobotState { position: start, velocity: [0.0; 2], radius: 0.22 };
+/// for _ in 0..200 {
+///     traffic.step(0.05, robot);
+/// }
+/// let walked = before.distance(traffic.movers()[0].pose.point());
+/// assert!(walked > 5.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct Traffic {
     ground: Ground,
