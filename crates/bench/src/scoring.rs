@@ -114,7 +114,7 @@ fn doorway(map: &OsmMap, door: &Door) -> MapPoint {
     let outline = &map.buildings[building].polygon;
     let mut outwards = (0..RECESS_CM).step_by(5).map(|cm| plate.offset(door.facing, f64::from(cm) / 100.0));
     let in_front = outwards.find(|p| !outline.contains(*p)).filter(|_| outline.contains(plate));
-    in_front.unwrap_or_else(|| outline.nearest_boundary_point(plate).0)
+    in_front.unwrap_or_else(|| outline.nearest_boundary_point(plate).point)
 }
 
 /// Instructions that were understood exactly, and all; `None` if the agent made no plans.

@@ -1,7 +1,7 @@
 //! The seam between who knows where to go and who turns that into velocities.
 
 use openbench_core::{MapPoint, Pose2, SimTime, Velocity};
-use openbench_osm::polygon::nearest_on_segment;
+use openbench_osm::polygon::Segment;
 
 use crate::shape::Obstacle;
 
@@ -112,7 +112,7 @@ pub trait LocalPlanner {
 pub fn ahead(path: &[MapPoint], from: MapPoint, length: f64) -> Option<(MapPoint, bool)> {
     let (mut segment, mut foot) = (0, *path.first()?);
     for (i, pair) in path.windows(2).enumerate() {
-        let (candidate, _) = nearest_on_segment(pair[0], pair[1], from);
+        let candidate = Segment::new(pair[0], pair[1]).nearest_point(from).point;
         if candidate.distance(from) < foot.distance(from) - 1e-9 {
             (segment, foot) = (i, candidate);
         }

@@ -2,13 +2,13 @@
 //! (building), and the first level that the map knows is where the robot drives; what lies below must be explored for.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 
 use openbench_core::Address;
 
 use crate::hierarchy::{Above, called};
-use crate::map::{Building, Entrance, OsmMap};
-use crate::names::{fold, fold_number, fold_unit, full_names, numbers};
+use crate::map::{Entrance, OsmMap};
+use crate::names::fold_unit;
 use crate::tags::Tags;
 
 /// The most levels above a building that a name holds.
@@ -53,7 +53,10 @@ pub fn locate(map: &OsmMap, address: &Address) -> Location {
         .as_ref()
         .and_then(|unit| door(map, fitting, unit))
     {
-        Some((entrance, building)) => Location::Unit { entrance, building },
+        Some(door) => Location::Unit {
+            entrance: door.entrance,
+            building: door.building,
+        },
         None => Location::Building(largest(map, fitting)),
     }
 }
@@ -64,11 +67,7 @@ fn fitting<'a>(map: &'a OsmMap, name: &str) -> Cow<'a, [usize]> {
     loop {
         let found = map.names.buildings(inner);
         if !found.is_empty() || around.len() == DEEPEST {
-            let lies_in_all = |b: &usize| around.iter().all(|above| above.holds(map, *b));
-            return match &around[..] {
-                [] => Cow::Borrowed(found),
-                _ => found.iter().copied().filter(lies_in_all).collect(),
-            };
+            return lying_in(map, found, &around);
         }
         let Some((rest, last)) = inner.rsplit_once(',') else {
             return Cow::Borrowed(&[]);
@@ -78,30 +77,83 @@ fn fitting<'a>(map: &'a OsmMap, name: &str) -> Cow<'a, [usize]> {
     }
 }
 
-fn door(map: &OsmMap, buildings: &[usize], unit: &str) -> Option<(usize, usize)> {
-    let unit = fold_unit(unit);
-    let into = |e: &Entrance| e.building.filter(|b| buildings.contains(b));
-    let is_named = |e: &Entrance| e.units.iter().any(|name| fold_unit(name) == unit);
-    let bare = ["flat", "apartment", "apt"]
+/// Those of the buildings that lie in all of `around`.
+fn lying_in<'a>(map: &'a OsmMap, buildings: &'a [usize], around: &[Above]) -> Cow<'a, [usize]> {
+    if around.is_empty() {
+        return Cow::Borrowed(buildings);
+    }
+    let lies_in_all = |b: &usize| around.iter().all(|above| above.holds(map, *b));
+    buildings.iter().copied().filter(lies_in_all).collect()
+}
+
+/// A door of a building.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Door {
+    /// The better the sooner: named for the unit, then the main entrance, then the lowest number.
+    rank: (UnitMatch, bool),
+    entrance: usize,
+    building: usize,
+}
+
+/// How an entrance is known to lead to a unit. The better match is the lesser.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum UnitMatch {
+    /// It bears the unit's name.
+    Name,
+    /// The unit is the number of a flat behind it.
+    Flat,
+}
+
+/// The best entrance of these buildings that leads to `unit`.
+fn door(map: &OsmMap, buildings: &[usize], unit: &str) -> Option<Door> {
+    let unit = Unit::new(unit);
+    let doors = map
+        .entrances
         .iter()
-        .find_map(|word| unit.strip_prefix(word));
-    let flat: Option<u32> = bare.unwrap_or(&unit).parse().ok();
-    let leads_to = |e: &Entrance| flat.is_some_and(|flat| has_flat(&e.tags, flat));
-    // A unit's own name counts before the number of a flat behind it.
-    let rank = |e: &Entrance| {
-        if is_named(e) {
-            Some(0)
-        } else {
-            leads_to(e).then_some(1)
+        .enumerate()
+        .filter_map(|(i, entrance)| {
+            let building = entrance.building.filter(|b| buildings.contains(b))?;
+            let rank = (
+                unit.is_behind(entrance)?,
+                !entrance.tags.is("entrance", "main"),
+            );
+            Some(Door {
+                rank,
+                entrance: i,
+                building,
+            })
+        });
+    doors.min()
+}
+
+/// A unit that is looked for.
+struct Unit {
+    folded: String,
+    /// The number of the flat, if the unit's name can be one.
+    flat: Option<u32>,
+}
+
+impl Unit {
+    fn new(name: &str) -> Self {
+        let folded = fold_unit(name);
+        let bare = ["flat", "apartment", "apt"]
+            .iter()
+            .find_map(|word| folded.strip_prefix(word));
+        let flat = bare.unwrap_or(&folded).parse().ok();
+        Self { folded, flat }
+    }
+
+    fn is_behind(&self, entrance: &Entrance) -> Option<UnitMatch> {
+        if entrance
+            .units
+            .iter()
+            .any(|name| fold_unit(name) == self.folded)
+        {
+            return Some(UnitMatch::Name);
         }
-    };
-    let doors = map.entrances.iter().enumerate().filter_map(|(i, e)| {
-        let building = into(e)?;
-        Some((rank(e)?, !e.tags.is("entrance", "main"), i, building))
-    });
-    doors
-        .min()
-        .map(|(_, _, entrance, building)| (entrance, building))
+        let has_flat = self.flat.is_some_and(|flat| has_flat(&entrance.tags, flat));
+        has_flat.then_some(UnitMatch::Flat)
+    }
 }
 
 /// Whether a flat is among those of `addr:flats`: `1-8;10`.
@@ -109,77 +161,22 @@ fn has_flat(tags: &Tags, flat: u32) -> bool {
     let Some(flats) = tags.get("addr:flats") else {
         return false;
     };
-    flats.split([';', ',']).any(|part| {
-        let (first, last) = part.split_once('-').unwrap_or((part, part));
-        let bounds = first
-            .trim()
-            .parse::<u32>()
-            .ok()
-            .zip(last.trim().parse::<u32>().ok());
-        bounds.is_some_and(|(first, last)| (first..=last).contains(&flat))
-    })
+    flats
+        .split([';', ','])
+        .filter_map(flat_range)
+        .any(|range| range.contains(&flat))
+}
+
+/// The flats of `10` or `1-8`.
+fn flat_range(text: &str) -> Option<RangeInclusive<u32>> {
+    let (first, last) = text.split_once('-').unwrap_or((text, text));
+    Some(first.trim().parse().ok()?..=last.trim().parse().ok()?)
 }
 
 fn largest(map: &OsmMap, buildings: &[usize]) -> usize {
-    let area = |i: &usize| map.buildings[*i].polygon.area();
-    buildings
-        .iter()
-        .copied()
-        .reduce(|a, b| if area(&b) > area(&a) { b } else { a })
-        .unwrap_or_default()
-}
-
-/// An index from folded names to buildings.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Names {
-    /// From the best kind of name to the poorest.
-    tiers: [BTreeMap<String, Vec<usize>>; 3],
-}
-
-impl Names {
-    pub(crate) fn new(buildings: &[Building], entrances: &[Entrance]) -> Self {
-        let mut names = Self::default();
-        for (i, building) in buildings.iter().enumerate() {
-            names.add(0, full_names(&building.tags), i);
-            names.add(2, numbers(&building.tags), i);
-        }
-        for entrance in entrances {
-            if let Some(i) = entrance.building {
-                let address: Tags = entrance
-                    .tags
-                    .iter()
-                    .filter(|(key, _)| key.starts_with("addr:"))
-                    .collect();
-                names.add(1, full_names(&address), i);
-                names.add(2, numbers(&address), i);
-            }
-        }
-        for tier in &mut names.tiers {
-            tier.values_mut().for_each(|found| {
-                found.sort_unstable();
-                found.dedup();
-            });
-        }
-        names
-    }
-
-    fn add(&mut self, tier: usize, names: Vec<String>, building: usize) {
-        for name in names {
-            self.tiers[tier].entry(name).or_default().push(building);
-        }
-    }
-
-    /// The buildings that go by `name`, in order.
-    fn buildings(&self, name: &str) -> &[usize] {
-        let folded = fold(name);
-        let full = self.tiers[..2].iter().find_map(|tier| tier.get(&folded));
-        let number = || {
-            self.tiers[2]
-                .get(&folded)
-                .or_else(|| self.tiers[2].get(&fold_number(name)))
-        };
-        full.or_else(number).map_or(&[], Vec::as_slice)
-    }
+    let area = |i: usize| map.buildings[i].polygon.area();
+    let larger = |a, b| if area(b) > area(a) { b } else { a };
+    buildings.iter().copied().reduce(larger).unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -188,7 +185,8 @@ mod tests {
     use openbench_core::LonLat;
 
     use super::*;
-    use crate::data::{Node, OsmData, Way};
+    use crate::data::OsmData;
+    use crate::element::{Node, Way};
 
     /// Square houses of 0.0001 degrees (11 m) in a row along the equator, one for each list of tags.
     fn street(houses: &[&[(&str, &str)]]) -> OsmData {

@@ -8,10 +8,11 @@ use std::collections::BTreeSet;
 
 use openbench_core::MapPoint;
 
-use crate::data::{ElementKind, OsmData, Relation, Way};
+use crate::data::OsmData;
+use crate::element::{ElementKind, Relation, Way};
 use crate::polygon::Polygon;
 use crate::projection::Projection;
-use crate::rings::assemble;
+use crate::rings::{Assembled, assemble};
 use crate::spatial::BoxTree;
 use crate::tags::Tags;
 
@@ -59,6 +60,30 @@ pub(crate) fn is_multipolygon(relation: &Relation) -> bool {
         .any(|kind| relation.tags.is("type", kind))
 }
 
+/// The areas of a multipolygon.
+pub(crate) struct Shapes {
+    /// One for each outer ring.
+    pub(crate) polygons: Vec<Polygon>,
+    /// How many rings could not be used: open ones, holes in nothing, and rings beyond the budget.
+    pub(crate) unused_rings: usize,
+}
+
+/// Rings of a multipolygon.
+struct Rings {
+    rings: Vec<Vec<MapPoint>>,
+    /// How many more could not be used.
+    unused: usize,
+}
+
+/// On which side of its boundary a multipolygon's area is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Side {
+    /// Members that are outlines.
+    Outer,
+    /// Members that are holes.
+    Inner,
+}
+
 /// Makes polygons of one map's elements.
 pub(crate) struct Shaper<'a> {
     pub(crate) data: &'a OsmData,
@@ -99,49 +124,52 @@ impl<'a> Shaper<'a> {
 
     /// The area within a closed way.
     pub(crate) fn way(&self, way: &Way) -> Option<Polygon> {
-        let closed = way.nodes.len() > 3 && way.nodes.first() == way.nodes.last();
-        if closed {
+        if way.is_closed() {
             Polygon::new(self.points(&way.nodes), Vec::new())
         } else {
             None
         }
     }
 
-    /// The areas of a multipolygon, one for each outer ring, and how many rings could not be used: open ones, holes in
-    /// nothing, and what is out of all proportion.
-    pub(crate) fn relation(&self, relation: &Relation) -> (Vec<Polygon>, usize) {
-        let (outer, open_outer) = self.rings(relation, false);
-        let (inner, open_inner) = self.rings(relation, true);
-        let mut polygons: Vec<Polygon> = outer
-            .into_iter()
+    /// The areas of a multipolygon, one for each outer ring.
+    pub(crate) fn relation(&self, relation: &Relation) -> Shapes {
+        let outer = self.rings(relation, Side::Outer);
+        let inner = self.rings(relation, Side::Inner);
+        let outlines = outer.rings.into_iter();
+        let mut polygons: Vec<Polygon> = outlines
             .filter_map(|ring| Polygon::new(ring, Vec::new()))
             .collect();
-        let stray = cut_holes(&mut polygons, inner);
-        (polygons, open_outer + open_inner + stray)
+        let stray = cut_holes(&mut polygons, inner.rings);
+        Shapes {
+            polygons,
+            unused_rings: outer.unused + inner.unused + stray,
+        }
     }
 
-    fn rings(&self, relation: &Relation, inner: bool) -> (Vec<Vec<MapPoint>>, usize) {
-        let members = relation
-            .members
-            .iter()
-            .filter(|m| m.kind == ElementKind::Way && (m.role == "inner") == inner);
+    /// The rings that the members on one side of the boundary make.
+    fn rings(&self, relation: &Relation, side: Side) -> Rings {
+        let members = relation.members.iter().filter(|member| {
+            member.kind == ElementKind::Way && (member.role == "inner") == (side == Side::Inner)
+        });
         let mut seen = BTreeSet::new();
         let once = members.filter(|member| seen.insert(member.id));
-        let pieces: Vec<&[i64]> = once
-            .filter_map(|member| self.data.ways.get(&member.id))
-            .map(|way| way.nodes.as_slice())
-            .collect();
+        let ways = once.filter_map(|member| self.data.ways.get(&member.id));
+        let pieces: Vec<&[i64]> = ways.map(|way| way.nodes.as_slice()).collect();
         let length = pieces.iter().map(|piece| piece.len()).sum();
         if !self.afford(length, &Tags::new()) {
-            return (Vec::new(), 1);
+            return Rings {
+                rings: Vec::new(),
+                unused: 1,
+            };
         }
-        let (rings, open) = assemble(&pieces);
+        let Assembled { rings, open } = assemble(&pieces);
         let (good, bad): (Vec<_>, Vec<_>) =
             rings.iter().partition(|_| self.afford(0, &relation.tags));
-        (
-            good.into_iter().map(|ring| self.points(ring)).collect(),
-            open + bad.len(),
-        )
+        let rings = good.into_iter().map(|ring| self.points(ring)).collect();
+        Rings {
+            rings,
+            unused: open + bad.len(),
+        }
     }
 
     fn points(&self, nodes: &[i64]) -> Vec<MapPoint> {

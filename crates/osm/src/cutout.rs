@@ -10,7 +10,8 @@ use std::fmt;
 use openbench_core::LonLat;
 
 use crate::areas::{is_area, is_multipolygon};
-use crate::data::{ElementKind, OsmData, Relation, Way};
+use crate::data::OsmData;
+use crate::element::{ElementKind, Relation, Way};
 
 /// Metres in a degree of latitude; good to half a percent everywhere.
 const METRES_A_DEGREE: f64 = 111_320.0;
@@ -157,8 +158,7 @@ impl Cut<'_> {
     }
 
     fn way(&mut self, way: &Way, next: &mut i64) {
-        let closed = way.nodes.len() > 3 && way.nodes.first() == way.nodes.last();
-        let area = closed && (way.tags.says("building") || is_area(&way.tags));
+        let area = way.is_closed() && (way.tags.says("building") || is_area(&way.tags));
         if area {
             let wanted = if way.tags.says("building") {
                 self.has_corner(way.nodes.iter())
@@ -265,7 +265,7 @@ impl Cut<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::ElementId;
+    use crate::element::{ElementId, Member};
 
     /// Whether every reference has its target.
     fn is_whole(data: &OsmData) -> bool {
@@ -274,12 +274,7 @@ mod tests {
             .values()
             .flat_map(|w| &w.nodes)
             .all(|n| data.has(ElementId::node(*n)))
-            && members
-                .map(|m| ElementId {
-                    kind: m.kind,
-                    id: m.id,
-                })
-                .all(|e| data.has(e))
+            && members.map(Member::element).all(|e| data.has(e))
     }
 
     /// A road that leaves the window and comes back, a house on its edge, a park around it all, a house outside.

@@ -1,145 +1,34 @@
-//! OSM data as it stands in a file: nodes, ways and relations with their tags.
+//! OSM data in memory, as it stands in a file.
 //!
-//! Follows the OSM data model, API 0.6. Left out on purpose: versions, authors and time stamps, which no part of a delivery needs.
-//! What a file refers to but lacks (a cut-out of a larger map always does) is kept as a reference and counted.
+//! References to elements that the file lacks are kept and counted: a cut-out of a larger map
+//! always has some.
 
 use std::collections::BTreeMap;
-use std::fmt;
-use std::path::Path;
 
-use openbench_core::LonLat;
-
+use crate::element::{ElementId, ElementKind, Member, Node, Relation, Way};
 use crate::error::OsmError;
-use crate::stream::{NodeRef, RelationRef, Visitor, WayRef};
 use crate::tags::Tags;
-use crate::{pbf, xml};
+use crate::visitor::{Elements, MemberRef, NodeRef, RelationRef, TagRef, TagsRef, Visitor, WayRef};
 
-/// A node: a position with tags.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Node {
-    /// Positive if the OSM database gave it, negative for data of one's own.
-    pub id: i64,
-    /// Where it is, degrees WGS 84.
-    pub position: LonLat,
-    /// Its words.
-    pub tags: Tags,
-}
-
-/// A way: a line through nodes, an area if it ends where it begins and its tags say so.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Way {
-    /// As of a node; nodes and ways count separately.
-    pub id: i64,
-    /// The nodes in order. Some may be missing from the data, and there may be none at all.
-    pub nodes: Vec<i64>,
-    /// Its words.
-    pub tags: Tags,
-}
-
-/// A relation: elements in roles.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Relation {
-    /// As of a node; relations count separately.
-    pub id: i64,
-    /// The members in order. Some may be missing from the data.
-    pub members: Vec<Member>,
-    /// Its words.
-    pub tags: Tags,
-}
-
-/// One element of a relation.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Member {
-    /// What kind of element it is.
-    pub kind: ElementKind,
-    /// Its number among that kind.
-    pub id: i64,
-    /// What it is in the relation: `outer`, `inner`, `entrance`, … or nothing.
-    pub role: String,
-}
-
-/// The three kinds of element.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum ElementKind {
-    /// A [`Node`].
-    Node,
-    /// A [`Way`].
-    Way,
-    /// A [`Relation`].
-    Relation,
-}
-
-impl ElementKind {
-    /// The word in OSM XML.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Self::Node => "node",
-            Self::Way => "way",
-            Self::Relation => "relation",
-        }
-    }
-}
-
-/// Names one element: a number is unique only among elements of one kind.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct ElementId {
-    /// Which kind.
-    pub kind: ElementKind,
-    /// Its number.
-    pub id: i64,
-}
-
-impl ElementId {
-    /// The node `id`.
-    pub const fn node(id: i64) -> Self {
-        Self {
-            kind: ElementKind::Node,
-            id,
-        }
-    }
-
-    /// The way `id`.
-    pub const fn way(id: i64) -> Self {
-        Self {
-            kind: ElementKind::Way,
-            id,
-        }
-    }
-
-    /// The relation `id`.
-    pub const fn relation(id: i64) -> Self {
-        Self {
-            kind: ElementKind::Relation,
-            id,
-        }
-    }
-}
-
-impl fmt::Display for ElementId {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} {}", self.kind.word(), self.id)
-    }
-}
-
-/// What was survived while reading.
+/// Irregularities that reading tolerated, counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ReadReport {
-    /// Ways that name at least one node which the data lacks.
+    /// Ways that reference at least one node which the data lacks.
     pub ways_with_missing_nodes: usize,
-    /// Ways that name no node at all.
+    /// Ways without nodes.
     pub ways_without_nodes: usize,
-    /// Relations that name at least one member which the data lacks.
+    /// Relations that reference at least one member which the data lacks.
     pub relations_with_missing_members: usize,
-    /// Elements left out because they are marked as deleted.
+    /// Elements skipped because they are marked as deleted.
     pub deleted_elements: usize,
-    /// Elements left out because their number or position cannot be read or lies off the Earth.
+    /// Elements skipped because their number or position is unreadable or off the Earth.
     pub bad_elements: usize,
-    /// Elements that stood there twice; the later one was kept.
+    /// Elements that appeared twice. The later one was kept.
     pub repeated_elements: usize,
 }
 
 impl ReadReport {
-    /// What was left out or mended, in words; empty if nothing was.
+    /// What was skipped or repaired, one sentence each. Empty if nothing was.
     pub fn notes(&self) -> Vec<String> {
         let counts = [
             (
@@ -154,11 +43,15 @@ impl ReadReport {
             (self.bad_elements, "cannot be read and were left out"),
             (self.repeated_elements, "stand there twice"),
         ];
-        let plural = |n: usize| if n == 1 { "element" } else { "elements" };
-        let told = counts.into_iter().filter(|(count, _)| *count > 0);
-        told.map(|(count, what)| format!("{count} {} {what}", plural(count)))
+        let occurred = counts.into_iter().filter(|(count, _)| *count > 0);
+        occurred
+            .map(|(count, what)| format!("{count} {} {what}", elements(count)))
             .collect()
     }
+}
+
+fn elements(count: usize) -> &'static str {
+    if count == 1 { "element" } else { "elements" }
 }
 
 /// OSM data in memory.
@@ -170,46 +63,12 @@ pub struct OsmData {
     pub ways: BTreeMap<i64, Way>,
     /// By number.
     pub relations: BTreeMap<i64, Relation>,
-    /// What was survived while reading.
+    /// Irregularities that reading tolerated.
     pub report: ReadReport,
 }
 
 impl OsmData {
-    /// Reads OSM XML or PBF from a file; the first bytes tell which, not the name.
-    pub fn read(path: &Path) -> Result<Self, OsmError> {
-        let bytes = std::fs::read(path).map_err(|source| OsmError::Io {
-            doing: "read",
-            path: path.to_owned(),
-            source,
-        })?;
-        Self::from_bytes(&bytes).map_err(|error| error.in_file(path))
-    }
-
-    /// Reads OSM XML or PBF, whichever the first bytes look like.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, OsmError> {
-        if pbf::looks_like_pbf(bytes) {
-            Self::from_pbf(bytes)
-        } else {
-            Self::from_xml(bytes)
-        }
-    }
-
-    /// Reads OSM XML (API 0.6, Overpass, JOSM). A document type is refused.
-    pub fn from_xml(bytes: &[u8]) -> Result<Self, OsmError> {
-        let mut data = xml::read(bytes)?;
-        data.count_missing();
-        Ok(data)
-    }
-
-    /// Reads OSM PBF.
-    pub fn from_pbf(bytes: &[u8]) -> Result<Self, OsmError> {
-        let mut data = Self::default();
-        pbf::read(bytes, &mut data)?;
-        data.count_missing();
-        Ok(data)
-    }
-
-    /// The tags of an element, if the data has it.
+    /// The tags of an element; `None` if the data lacks it.
     pub fn tags(&self, element: ElementId) -> Option<&Tags> {
         match element.kind {
             ElementKind::Node => self.nodes.get(&element.id).map(|n| &n.tags),
@@ -224,8 +83,8 @@ impl OsmData {
     }
 
     pub(crate) fn put_node(&mut self, node: Node) {
-        let good = node.position.lon.abs() <= 180.0 && node.position.lat.abs() <= 90.0;
-        if !good {
+        let on_earth = node.position.lon.abs() <= 180.0 && node.position.lat.abs() <= 90.0;
+        if !on_earth {
             self.report.bad_elements += 1;
         } else if self.nodes.insert(node.id, node).is_some() {
             self.report.repeated_elements += 1;
@@ -241,27 +100,38 @@ impl OsmData {
         self.report.repeated_elements += usize::from(before.is_some());
     }
 
-    fn count_missing(&mut self) {
-        let lacks = |way: &&Way| way.nodes.iter().any(|id| !self.nodes.contains_key(id));
-        self.report.ways_with_missing_nodes = self.ways.values().filter(lacks).count();
+    /// Counts references without a target. To be called once all elements are there.
+    pub(crate) fn count_missing(&mut self) {
+        self.report.ways_with_missing_nodes = self
+            .ways
+            .values()
+            .filter(|way| self.lacks_nodes_of(way))
+            .count();
         self.report.ways_without_nodes = self
             .ways
             .values()
             .filter(|way| way.nodes.is_empty())
             .count();
-        let lacks = |relation: &&Relation| {
-            relation.members.iter().any(|m| {
-                !self.has(ElementId {
-                    kind: m.kind,
-                    id: m.id,
-                })
-            })
-        };
-        self.report.relations_with_missing_members = self.relations.values().filter(lacks).count();
+        self.report.relations_with_missing_members = self
+            .relations
+            .values()
+            .filter(|relation| self.lacks_members_of(relation))
+            .count();
+    }
+
+    fn lacks_nodes_of(&self, way: &Way) -> bool {
+        way.nodes.iter().any(|id| !self.nodes.contains_key(id))
+    }
+
+    fn lacks_members_of(&self, relation: &Relation) -> bool {
+        relation
+            .members
+            .iter()
+            .any(|member| !self.has(member.element()))
     }
 }
 
-/// Keeps all that it is shown.
+/// Keeps every element.
 impl Visitor for OsmData {
     fn node(&mut self, node: NodeRef<'_>) {
         self.put_node(Node {
@@ -280,14 +150,7 @@ impl Visitor for OsmData {
     }
 
     fn relation(&mut self, relation: RelationRef<'_>) {
-        let members = relation.members.iter();
-        let members = members
-            .map(|m| Member {
-                kind: m.kind,
-                id: m.id,
-                role: m.role.to_owned(),
-            })
-            .collect();
+        let members = relation.members.iter().map(owned_member).collect();
         self.put_relation(Relation {
             id: relation.id,
             members,
@@ -298,4 +161,64 @@ impl Visitor for OsmData {
     fn deleted(&mut self) {
         self.report.deleted_elements += 1;
     }
+}
+
+/// Nodes, then ways, then relations, each by number.
+impl Elements for OsmData {
+    fn visit(&self, visitor: &mut impl Visitor) -> Result<(), OsmError> {
+        if visitor.wants(ElementKind::Node) {
+            for node in self.nodes.values() {
+                let tags = borrowed_tags(&node.tags);
+                visitor.node(NodeRef {
+                    id: node.id,
+                    position: node.position,
+                    tags: TagsRef(&tags),
+                });
+            }
+        }
+        if visitor.wants(ElementKind::Way) {
+            for way in self.ways.values() {
+                let tags = borrowed_tags(&way.tags);
+                visitor.way(WayRef {
+                    id: way.id,
+                    nodes: &way.nodes,
+                    tags: TagsRef(&tags),
+                });
+            }
+        }
+        if visitor.wants(ElementKind::Relation) {
+            for relation in self.relations.values() {
+                let tags = borrowed_tags(&relation.tags);
+                let members: Vec<_> = relation.members.iter().map(borrowed_member).collect();
+                visitor.relation(RelationRef {
+                    id: relation.id,
+                    members: &members,
+                    tags: TagsRef(&tags),
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+fn owned_member(member: &MemberRef<'_>) -> Member {
+    let ElementId { kind, id } = member.element;
+    Member {
+        kind,
+        id,
+        role: member.role.to_owned(),
+    }
+}
+
+fn borrowed_member(member: &Member) -> MemberRef<'_> {
+    MemberRef {
+        element: member.element(),
+        role: &member.role,
+    }
+}
+
+fn borrowed_tags(tags: &Tags) -> Vec<TagRef<'_>> {
+    tags.iter()
+        .map(|(key, value)| TagRef { key, value })
+        .collect()
 }

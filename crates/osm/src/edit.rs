@@ -8,20 +8,21 @@ use std::collections::{BTreeMap, BTreeSet};
 use openbench_core::{Address, Georeference, LonLat, MapPoint};
 
 use crate::areas::is_multipolygon;
-use crate::data::{ElementId, ElementKind, Node, OsmData, Relation, Way};
+use crate::data::OsmData;
+use crate::element::{ElementId, ElementKind, Node, Relation, Way};
 use crate::map::is_door;
 use crate::names::{fold_unit, unit_names};
-use crate::polygon::nearest_on_segment;
+use crate::polygon::Segment;
 use crate::projection::Projection;
 use crate::tags::Tags;
 use crate::write::round7;
 
 /// A door keeps this far from the corners and doors beside it, metres, or a third of a shorter wall.
-const CLEARANCE: f64 = 0.05;
+const CLEARANCE_M: f64 = 0.05;
 /// A node further than this from the line between its neighbours is a corner, metres.
-const CORNER: f64 = 0.05;
+const CORNER_M: f64 = 0.05;
 /// Two doors without a unit are the same door if they are no further apart than this, metres.
-const SAME_DOOR: f64 = 2.0;
+const SAME_DOOR_M: f64 = 2.0;
 
 /// An entrance as it now stands in the data.
 #[derive(Debug, Clone, PartialEq)]
@@ -205,72 +206,70 @@ struct Wall {
     place: MapPoint,
 }
 
+impl Wall {
+    fn is_between(&self, pair: &[i64]) -> bool {
+        let [a, b] = self.ends;
+        pair == [a, b] || pair == [b, a]
+    }
+}
+
 fn nearest_wall(
     data: &OsmData,
     projection: &Projection,
     outline: &[i64],
     at: MapPoint,
 ) -> Option<Wall> {
-    let point = |id: i64| {
-        data.nodes
-            .get(&id)
-            .map(|node| projection.to_map(node.position))
-    };
-    let mut best: Option<(f64, Wall)> = None;
+    let mut nearest = None;
+    let mut least = f64::INFINITY;
     for way in outline.iter().filter_map(|id| data.ways.get(id)) {
         for pair in way.nodes.windows(2) {
-            let (Some(a), Some(b)) = (point(pair[0]), point(pair[1])) else {
+            let Some(side) = side_between(data, projection, pair[0], pair[1]) else {
                 continue;
             };
-            let distance = nearest_on_segment(a, b, at).0.distance(at);
-            if best.as_ref().is_none_or(|(least, _)| distance < *least) {
-                best = Some((
-                    distance,
-                    Wall {
-                        ends: [pair[0], pair[1]],
-                        place: clear_of_ends(a, b, at),
-                    },
-                ));
+            let distance = side.nearest_point(at).point.distance(at);
+            if nearest.is_none() || distance < least {
+                least = distance;
+                nearest = Some(Wall {
+                    ends: [pair[0], pair[1]],
+                    place: clear_of_ends(side, at),
+                });
             }
         }
     }
-    best.map(|(_, wall)| wall)
+    nearest
 }
 
-fn clear_of_ends(a: MapPoint, b: MapPoint, at: MapPoint) -> MapPoint {
-    let (_, t) = nearest_on_segment(a, b, at);
-    let length = a.distance(b);
-    let margin = if length > 3.0 * CLEARANCE {
-        CLEARANCE / length
+/// The line between two nodes; `None` if the data lacks one of them.
+fn side_between(data: &OsmData, projection: &Projection, a: i64, b: i64) -> Option<Segment> {
+    let point = |id: i64| Some(projection.to_map(data.nodes.get(&id)?.position));
+    Some(Segment::new(point(a)?, point(b)?))
+}
+
+fn clear_of_ends(side: Segment, at: MapPoint) -> MapPoint {
+    let Segment { start: a, end: b } = side;
+    let length = side.length();
+    let margin = if length > 3.0 * CLEARANCE_M {
+        CLEARANCE_M / length
     } else {
         1.0 / 3.0
     };
-    let t = t.clamp(margin, 1.0 - margin);
+    let t = side.nearest_point(at).share.clamp(margin, 1.0 - margin);
     MapPoint::new(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y))
 }
 
 /// Whether another building stands on the other side of the wall.
 fn is_shared(data: &OsmData, outline: &[i64], wall: &Wall) -> bool {
-    let others = data
+    let mut others = data
         .ways
         .values()
         .filter(|way| way.tags.says("building") && !outline.contains(&way.id));
-    others
-        .into_iter()
-        .any(|way| way.nodes.windows(2).any(|pair| wall.is(pair)))
-}
-
-impl Wall {
-    fn is(&self, pair: &[i64]) -> bool {
-        let [a, b] = self.ends;
-        pair == [a, b] || pair == [b, a]
-    }
+    others.any(|way| way.nodes.windows(2).any(|pair| wall.is_between(pair)))
 }
 
 fn insert_between(data: &mut OsmData, wall: &Wall, node: i64) {
     for way in data.ways.values_mut() {
         let places: Vec<usize> = (1..way.nodes.len())
-            .filter(|i| wall.is(&way.nodes[i - 1..=*i]))
+            .filter(|i| wall.is_between(&way.nodes[i - 1..=*i]))
             .collect();
         for i in places.into_iter().rev() {
             way.nodes.insert(i, node);
@@ -286,13 +285,7 @@ fn same_door(
     at: MapPoint,
     tags: &Tags,
 ) -> Option<i64> {
-    let folded = |tags: &Tags| {
-        unit_names(tags)
-            .iter()
-            .map(|name| fold_unit(name))
-            .collect::<BTreeSet<_>>()
-    };
-    let wanted = folded(tags);
+    let wanted = folded_units(tags);
     let nodes = outline
         .iter()
         .filter_map(|id| data.ways.get(id))
@@ -300,15 +293,22 @@ fn same_door(
     let doors = nodes
         .filter_map(|id| data.nodes.get(id))
         .filter(|node| is_door(&node.tags));
-    let far = |node: &Node| projection.to_map(node.position).distance(at);
+    let distance = |node: &Node| projection.to_map(node.position).distance(at);
     let same = doors.filter(|node| {
-        let units = folded(&node.tags);
-        let nameless = units.is_empty() && wanted.is_empty() && far(node) <= SAME_DOOR;
-        nameless || !units.is_disjoint(&wanted)
+        let units = folded_units(&node.tags);
+        let both_nameless = units.is_empty() && wanted.is_empty();
+        both_nameless && distance(node) <= SAME_DOOR_M || !units.is_disjoint(&wanted)
     });
-    same.map(|node| (far(node), node.id))
-        .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
-        .map(|(_, id)| id)
+    let by_distance = same.map(|node| (distance(node), node.id));
+    let nearest = by_distance.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    nearest.map(|(_, id)| id)
+}
+
+fn folded_units(tags: &Tags) -> BTreeSet<String> {
+    unit_names(tags)
+        .iter()
+        .map(|name| fold_unit(name))
+        .collect()
 }
 
 /// Takes a door out of the outlines, to be put in elsewhere: the number and the tags for its new place, where `tags` win over the
@@ -351,7 +351,7 @@ fn detach(data: &mut OsmData, node: i64, ways: &[i64]) -> bool {
 
 /// The nodes of a way without one that its line does not need; `None` if it needs it.
 fn without(data: &OsmData, way: &Way, node: i64) -> Option<Vec<i64>> {
-    let closed = way.nodes.len() > 3 && way.nodes.first() == way.nodes.last();
+    let closed = way.is_closed();
     let mut line = way.nodes.clone();
     if closed {
         line.pop();
@@ -385,14 +385,10 @@ fn without(data: &OsmData, way: &Way, node: i64) -> Option<Vec<i64>> {
 
 /// Whether `node` lies on the straight line between its neighbours; `None` if the data lacks one of them.
 fn is_straight(data: &OsmData, before: i64, node: i64, after: i64) -> Option<bool> {
-    let position = |id: i64| data.nodes.get(&id).map(|node| node.position);
-    let plane = Projection::new(Georeference::tangent_plane(position(node)?));
-    let (a, b) = (
-        plane.to_map(position(before)?),
-        plane.to_map(position(after)?),
-    );
+    let plane = Projection::new(Georeference::tangent_plane(data.nodes.get(&node)?.position));
+    let line = side_between(data, &plane, before, after)?;
     let here = MapPoint::default();
-    Some(nearest_on_segment(a, b, here).0.distance(here) <= CORNER)
+    Some(line.nearest_point(here).point.distance(here) <= CORNER_M)
 }
 
 /// For each of `nodes` the ways that run through it, each once.
@@ -418,38 +414,52 @@ fn door_hosts(data: &OsmData) -> BTreeMap<i64, ElementId> {
         .filter(|node| is_door(&node.tags))
         .map(|node| node.id)
         .collect();
-    let mut relations: BTreeMap<i64, i64> = BTreeMap::new();
+    let relations = building_relations(data);
+    let mut door_hosts = BTreeMap::new();
+    for (door, ways) in ways_of(data, &doors) {
+        let hosts: Vec<ElementId> = ways
+            .iter()
+            .filter_map(|way| host_of_way(data, &relations, *way))
+            .collect();
+        let house = data
+            .nodes
+            .get(&door)
+            .and_then(|node| node.tags.get("addr:housename"));
+        let named = hosts
+            .iter()
+            .find(|host| house.is_some() && name_of(data, **host) == house);
+        if let Some(host) = named.or(hosts.first()) {
+            door_hosts.insert(door, *host);
+        }
+    }
+    door_hosts
+}
+
+/// For each member way of a multipolygon with `building=*` the number of the first such relation.
+fn building_relations(data: &OsmData) -> BTreeMap<i64, i64> {
+    let mut relations = BTreeMap::new();
     for relation in data
         .relations
         .values()
         .filter(|r| is_multipolygon(r) && r.tags.says("building"))
     {
-        member_ways(relation).for_each(|way| {
+        for way in member_ways(relation) {
             relations.entry(way).or_insert(relation.id);
-        });
+        }
     }
-    let host = |way: &i64| {
-        let itself = data.ways[way]
-            .tags
-            .says("building")
-            .then_some(ElementId::way(*way));
-        itself.or_else(|| relations.get(way).map(|id| ElementId::relation(*id)))
-    };
-    let choose = |door: i64, ways: &[i64]| {
-        let house = data
-            .nodes
-            .get(&door)
-            .and_then(|node| node.tags.get("addr:housename"));
-        let bears = |host: &ElementId| {
-            house.is_some() && data.tags(*host).and_then(|tags| tags.get("name")) == house
-        };
-        let hosts: Vec<ElementId> = ways.iter().filter_map(host).collect();
-        hosts.iter().copied().find(bears).or(hosts.first().copied())
-    };
-    ways_of(data, &doors)
-        .into_iter()
-        .filter_map(|(door, ways)| Some((door, choose(door, &ways)?)))
-        .collect()
+    relations
+}
+
+/// The building whose outline a way is.
+fn host_of_way(data: &OsmData, relations: &BTreeMap<i64, i64>, way: i64) -> Option<ElementId> {
+    if data.ways[&way].tags.says("building") {
+        return Some(ElementId::way(way));
+    }
+    relations.get(&way).map(|id| ElementId::relation(*id))
+}
+
+fn name_of(data: &OsmData, element: ElementId) -> Option<&str> {
+    data.tags(element)?.get("name")
 }
 
 /// A negative number below all others, as editors number what the OSM database does not have yet.

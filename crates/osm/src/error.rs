@@ -1,11 +1,14 @@
-//! Why map data could not be read, and where.
+//! Why map data could not be read or written, and where in it.
 
+use std::borrow::Cow;
+use std::error::Error;
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
 /// A failure to read or write map data.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum OsmError {
     /// The file system refused.
     #[error("cannot {doing} {}: {source}", path.display())]
@@ -14,18 +17,20 @@ pub enum OsmError {
         doing: &'static str,
         /// The file.
         path: PathBuf,
-        /// What the operating system said.
+        /// The error of the operating system.
         source: io::Error,
     },
-    /// The bytes are not the map data that they claim to be.
+    /// The bytes are not valid map data.
     #[error("{}{place}: {problem}", in_file(file))]
     Malformed {
         /// The file, if the bytes came from one.
         file: Option<PathBuf>,
-        /// Where in it.
+        /// The place in the file.
         place: Place,
-        /// What is wrong and what to do, in words.
+        /// What is wrong and what to do about it.
         problem: String,
+        /// The error of the XML parser or of the decompression, if it was one of these.
+        source: Option<Box<dyn Error + Send + Sync>>,
     },
 }
 
@@ -48,23 +53,31 @@ impl fmt::Display for Place {
 }
 
 impl OsmError {
-    pub(crate) fn malformed(place: Place, problem: impl Into<String>) -> Self {
+    pub(crate) fn malformed(place: Place, problem: impl Into<Problem>) -> Self {
+        let Problem { text, source } = problem.into();
         Self::Malformed {
             file: None,
             place,
-            problem: problem.into(),
+            problem: text.into_owned(),
+            source,
         }
     }
 
-    /// The same failure, said of the file at `path`.
+    /// The same failure, attributed to the file at `path`.
     pub fn in_file(self, path: &Path) -> Self {
         match self {
-            Self::Malformed { place, problem, .. } => Self::Malformed {
+            Self::Malformed {
+                place,
+                problem,
+                source,
+                ..
+            } => Self::Malformed {
                 file: Some(path.to_owned()),
                 place,
                 problem,
+                source,
             },
-            io => io,
+            io @ Self::Io { .. } => io,
         }
     }
 }
@@ -72,4 +85,56 @@ impl OsmError {
 fn in_file(file: &Option<PathBuf>) -> String {
     file.as_ref()
         .map_or_else(String::new, |path| format!("{}: ", path.display()))
+}
+
+/// What is wrong with some bytes, while their place in the file is not known yet.
+#[derive(Debug)]
+pub(crate) struct Problem {
+    text: Cow<'static, str>,
+    source: Option<Box<dyn Error + Send + Sync>>,
+}
+
+impl Problem {
+    /// `what` went wrong because of `source`.
+    pub(crate) fn caused(what: &str, source: impl Error + Send + Sync + 'static) -> Self {
+        let text = Cow::Owned(format!("{what}: {source}"));
+        Self {
+            text,
+            source: Some(Box::new(source)),
+        }
+    }
+}
+
+impl From<&'static str> for Problem {
+    fn from(text: &'static str) -> Self {
+        Self {
+            text: Cow::Borrowed(text),
+            source: None,
+        }
+    }
+}
+
+impl From<String> for Problem {
+    fn from(text: String) -> Self {
+        Self {
+            text: Cow::Owned(text),
+            source: None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_cause_of_a_malformed_file_is_kept() {
+        let problem = Problem::caused("this blob cannot be unpacked", io::Error::other("cut off"));
+        let error = OsmError::malformed(Place::Byte(7), problem).in_file("map.osm.pbf".as_ref());
+        assert_eq!(
+            error.to_string(),
+            "map.osm.pbf: byte 7: this blob cannot be unpacked: cut off"
+        );
+        assert_eq!(error.source().unwrap().to_string(), "cut off");
+    }
 }

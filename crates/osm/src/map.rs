@@ -7,9 +7,10 @@ use std::collections::BTreeSet;
 
 use openbench_core::{Georeference, MapPoint};
 
-use crate::address::Names;
-use crate::areas::{Shaper, is_area, is_multipolygon};
-use crate::data::{ElementId, ElementKind, OsmData, Relation, Way};
+use crate::areas::{Shaper, Shapes, is_area, is_multipolygon};
+use crate::data::OsmData;
+use crate::element::{ElementId, ElementKind, Relation, Way};
+use crate::name_index::NameIndex;
 use crate::names::{building_name, fold, full_names, unit_names};
 use crate::polygon::Polygon;
 use crate::projection::Projection;
@@ -17,7 +18,7 @@ use crate::spatial::BoxTree;
 use crate::tags::Tags;
 
 /// A door further than this from every outline, in metres, leads into no building.
-const NEAR: f64 = 3.0;
+const DOOR_REACH_M: f64 = 3.0;
 
 /// A building.
 #[derive(Debug, Clone, PartialEq)]
@@ -116,7 +117,7 @@ pub struct OsmMap {
     /// What could not be used.
     pub report: MapReport,
     outlines: BoxTree,
-    pub(crate) names: Names,
+    pub(crate) names: NameIndex,
 }
 
 impl OsmMap {
@@ -131,7 +132,7 @@ impl OsmMap {
             entrances: Vec::new(),
             report: MapReport::default(),
             outlines: BoxTree::default(),
-            names: Names::default(),
+            names: NameIndex::default(),
         };
         let projection = map.projection.clone();
         let shaper = Shaper::new(data, &projection);
@@ -143,16 +144,17 @@ impl OsmMap {
         );
         map.add_lines(&shaper);
         map.add_entrances(&shaper);
-        map.names = Names::new(&map.buildings, &map.entrances);
+        map.names = map.name_index();
         map
     }
 
     /// Index of the building nearest to `point`: 0 m away if `point` is inside, else as far as its outline. `None` only if there
     /// are no buildings.
     pub fn nearest_building(&self, point: MapPoint) -> Option<usize> {
-        self.outlines
-            .nearest(point, |i| self.distance_to_building(i, point))
-            .map(|(index, _)| index)
+        let nearest = self
+            .outlines
+            .nearest(point, |i| self.distance_to_building(i, point))?;
+        Some(nearest.index)
     }
 
     /// Indices, in order, of the buildings within `radius` metres of `point`.
@@ -175,6 +177,15 @@ impl OsmMap {
         }
     }
 
+    fn name_index(&self) -> NameIndex {
+        let buildings = self.buildings.iter().map(|building| &building.tags);
+        let doors = self
+            .entrances
+            .iter()
+            .filter_map(|door| Some((door.building?, &door.tags)));
+        NameIndex::new(buildings, doors)
+    }
+
     fn add_areas(&mut self, shaper: &Shaper<'_>) {
         let mut relations = Vec::new();
         let mut other_areas = Vec::new();
@@ -188,15 +199,9 @@ impl OsmMap {
         {
             if relation.tags.says("building") {
                 let found = self.relation_buildings(shaper, relation);
-                let outline = relation
-                    .members
-                    .iter()
-                    .filter(|m| m.kind == ElementKind::Way && m.role != "inner");
-                outlines_of_relations.extend(
-                    outline
-                        .filter(|_| !found.is_empty())
-                        .map(|member| member.id),
-                );
+                if !found.is_empty() {
+                    outlines_of_relations.extend(outline_ways(relation));
+                }
                 relations.extend(found);
             } else if is_area(&relation.tags) {
                 other_areas.extend(self.relation_areas(shaper, relation));
@@ -204,45 +209,51 @@ impl OsmMap {
         }
         for way in shaper.data.ways.values() {
             if way.tags.says("building") && !outlines_of_relations.contains(&way.id) {
-                let polygon = shaper.way(way);
-                self.report.broken_buildings += usize::from(polygon.is_none());
-                self.buildings
-                    .extend(polygon.map(|p| building(ElementId::way(way.id), p, &way.tags)));
+                self.add_way_building(shaper, way);
             } else if !way.tags.says("building") && is_area(&way.tags) {
                 let element = ElementId::way(way.id);
-                self.areas.extend(shaper.way(way).map(|polygon| Area {
-                    element,
-                    polygon,
-                    tags: way.tags.clone(),
-                }));
+                let polygon = shaper.way(way);
+                self.areas
+                    .extend(polygon.map(|polygon| area(element, polygon, &way.tags)));
             }
         }
         self.buildings.append(&mut relations);
         self.areas.append(&mut other_areas);
     }
 
+    fn add_way_building(&mut self, shaper: &Shaper<'_>, way: &Way) {
+        let polygon = shaper.way(way);
+        self.report.broken_buildings += usize::from(polygon.is_none());
+        let element = ElementId::way(way.id);
+        self.buildings
+            .extend(polygon.map(|polygon| building(element, polygon, &way.tags)));
+    }
+
     fn relation_buildings(&mut self, shaper: &Shaper<'_>, relation: &Relation) -> Vec<Building> {
-        let (polygons, open) = shaper.relation(relation);
-        self.report.open_rings += open;
+        let Shapes {
+            polygons,
+            unused_rings,
+        } = shaper.relation(relation);
+        self.report.open_rings += unused_rings;
         self.report.broken_buildings += usize::from(polygons.is_empty());
+        let element = ElementId::relation(relation.id);
         polygons
             .into_iter()
-            .map(|p| building(ElementId::relation(relation.id), p, &relation.tags))
+            .map(|polygon| building(element, polygon, &relation.tags))
             .collect()
     }
 
     fn relation_areas(&mut self, shaper: &Shaper<'_>, relation: &Relation) -> Vec<Area> {
-        let (polygons, open) = shaper.relation(relation);
-        self.report.open_rings += open;
+        let Shapes {
+            polygons,
+            unused_rings,
+        } = shaper.relation(relation);
+        self.report.open_rings += unused_rings;
         self.report.broken_areas += usize::from(polygons.is_empty());
         let element = ElementId::relation(relation.id);
         polygons
             .into_iter()
-            .map(|polygon| Area {
-                element,
-                polygon,
-                tags: relation.tags.clone(),
-            })
+            .map(|polygon| area(element, polygon, &relation.tags))
             .collect()
     }
 
@@ -250,28 +261,12 @@ impl OsmMap {
         for way in shaper.data.ways.values() {
             if way.tags.says("highway") {
                 self.roads
-                    .extend(runs(shaper, way).into_iter().map(|(nodes, points)| Road {
-                        way: way.id,
-                        nodes,
-                        points,
-                        tags: way.tags.clone(),
-                    }));
+                    .extend(runs(shaper, way).into_iter().map(|run| road(way, run)));
             }
             if is_barrier(&way.tags) {
+                let barriers = runs(shaper, way).into_iter();
                 self.barriers
-                    .extend(runs(shaper, way).into_iter().map(|(nodes, points)| {
-                        Barrier {
-                            way: way.id,
-                            gates: nodes
-                                .iter()
-                                .zip(&points)
-                                .filter(|(n, _)| is_gate(shaper.data, **n, &way.tags))
-                                .map(|(_, p)| *p)
-                                .collect(),
-                            points,
-                            tags: way.tags.clone(),
-                        }
-                    }));
+                    .extend(barriers.map(|run| barrier(shaper.data, way, run)));
             }
         }
     }
@@ -300,12 +295,12 @@ impl OsmMap {
     /// The building whose outline is nearest. Where outlines touch, the door's own address decides, then the lower index.
     fn building_of_door(&self, position: MapPoint, tags: &Tags) -> Option<usize> {
         let distance = |i: &usize| self.buildings[*i].polygon.distance_to_boundary(position);
-        let near: Vec<usize> = self.outlines.within(position, NEAR);
+        let near: Vec<usize> = self.outlines.within(position, DOOR_REACH_M);
         let nearest = near
             .iter()
             .map(distance)
             .min_by(f64::total_cmp)
-            .filter(|d| *d <= NEAR)?;
+            .filter(|d| *d <= DOOR_REACH_M)?;
         let touching: Vec<usize> = near
             .into_iter()
             .filter(|i| distance(i) <= nearest + 0.01)
@@ -332,6 +327,44 @@ fn street_addresses(tags: &Tags) -> Vec<String> {
     full_names(&address)
 }
 
+fn road(way: &Way, run: Run) -> Road {
+    Road {
+        way: way.id,
+        nodes: run.nodes,
+        points: run.points,
+        tags: way.tags.clone(),
+    }
+}
+
+fn barrier(data: &OsmData, way: &Way, run: Run) -> Barrier {
+    let points = run.nodes.iter().zip(&run.points);
+    let gates = points.filter(|(node, _)| is_gate(data, **node, &way.tags));
+    let gates = gates.map(|(_, point)| *point).collect();
+    Barrier {
+        way: way.id,
+        gates,
+        points: run.points,
+        tags: way.tags.clone(),
+    }
+}
+
+/// The ways of a multipolygon that are no holes.
+fn outline_ways(relation: &Relation) -> impl Iterator<Item = i64> {
+    let outline = relation
+        .members
+        .iter()
+        .filter(|m| m.kind == ElementKind::Way && m.role != "inner");
+    outline.map(|member| member.id)
+}
+
+fn area(element: ElementId, polygon: Polygon, tags: &Tags) -> Area {
+    Area {
+        element,
+        polygon,
+        tags: tags.clone(),
+    }
+}
+
 fn building(element: ElementId, polygon: Polygon, tags: &Tags) -> Building {
     Building {
         element,
@@ -350,7 +383,7 @@ pub(crate) fn is_door(tags: &Tags) -> bool {
 
 /// Whether a way stands in the way.
 fn is_barrier(tags: &Tags) -> bool {
-    tags.says("barrier") && !(tags.is("barrier", "kerb") && kerb_height(tags) <= LOW_KERB)
+    tags.says("barrier") && !(tags.is("barrier", "kerb") && kerb_height(tags) <= LOW_KERB_M)
         || tags.is("historic", "citywalls")
         || tags.is("man_made", "retaining_wall")
         || tags.is("natural", "hedge")
@@ -370,35 +403,42 @@ fn is_gate(data: &OsmData, node: i64, barrier: &Tags) -> bool {
     let Some(node) = data.nodes.get(&node) else {
         return false;
     };
-    let lowered = || {
-        barrier.is("barrier", "kerb")
-            && node.tags.has("kerb")
-            && kerb_height(&node.tags) <= LOW_KERB
-    };
+    let is_lowered_kerb = barrier.is("barrier", "kerb")
+        && node.tags.has("kerb")
+        && kerb_height(&node.tags) <= LOW_KERB_M;
     node.tags
         .get("barrier")
         .is_some_and(|kind| GATES.contains(&kind))
-        || lowered()
+        || is_lowered_kerb
 }
 
 /// Kerbs no higher than this are gone over, metres: those above it the OSM wiki calls raised.
-const LOW_KERB: f64 = 0.03;
+const LOW_KERB_M: f64 = 0.03;
 
 /// Height of a kerb, metres: `height`, else `kerb:height`, else what is usual for its `kerb`.
 pub fn kerb_height(tags: &Tags) -> f64 {
-    let usual = || match tags.get("kerb") {
-        Some("flush" | "no") => 0.0,
-        Some("lowered") => LOW_KERB,
-        Some("rolled") => 0.07,
-        _ => 0.12,
-    };
     tags.metres("height")
         .or(tags.metres("kerb:height"))
-        .unwrap_or_else(usual)
+        .unwrap_or_else(|| usual_kerb_height(tags))
+}
+
+fn usual_kerb_height(tags: &Tags) -> f64 {
+    match tags.get("kerb") {
+        Some("flush" | "no") => 0.0,
+        Some("lowered") => LOW_KERB_M,
+        Some("rolled") => 0.07,
+        _ => 0.12,
+    }
+}
+
+/// A stretch of a way whose nodes the data has, two or more.
+struct Run {
+    nodes: Vec<i64>,
+    points: Vec<MapPoint>,
 }
 
 /// The stretches of a way between nodes that the data lacks: joining across a gap would make up a road.
-fn runs(shaper: &Shaper<'_>, way: &Way) -> Vec<(Vec<i64>, Vec<MapPoint>)> {
+fn runs(shaper: &Shaper<'_>, way: &Way) -> Vec<Run> {
     let found: Vec<Option<(i64, MapPoint)>> = way
         .nodes
         .iter()
@@ -407,9 +447,12 @@ fn runs(shaper: &Shaper<'_>, way: &Way) -> Vec<(Vec<i64>, Vec<MapPoint>)> {
     let stretches = found
         .split(Option::is_none)
         .filter(|stretch| stretch.len() > 1);
-    let stretches = stretches.filter(|stretch| shaper.afford(stretch.len(), &way.tags));
-    stretches
-        .map(|stretch| stretch.iter().flatten().copied().unzip())
+    let affordable = stretches.filter(|stretch| shaper.afford(stretch.len(), &way.tags));
+    affordable
+        .map(|stretch| {
+            let (nodes, points) = stretch.iter().flatten().copied().unzip();
+            Run { nodes, points }
+        })
         .collect()
 }
 

@@ -108,26 +108,33 @@ pub fn default_georeference(data: &OsmData) -> Result<Georeference, ProjectionEr
         offset_y: 0.0,
     })
     .to_map(middle);
-    let kilometre = |metres: f64| -libm::round(metres / 1000.0) * 1000.0;
+    let offset_x = to_nearest_kilometre(utm.x);
+    let offset_y = to_nearest_kilometre(utm.y);
     Ok(Georeference::Utm {
         zone,
         north,
-        offset_x: kilometre(utm.x),
-        offset_y: kilometre(utm.y),
+        offset_x,
+        offset_y,
     })
 }
 
+/// The middle of the bounding box of all nodes.
 fn middle(data: &OsmData) -> Option<LonLat> {
-    let (west, east) = extent(data.nodes.values().map(|node| node.position.lon))?;
-    let (south, north) = extent(data.nodes.values().map(|node| node.position.lat))?;
-    Some(LonLat::new((west + east) / 2.0, (south + north) / 2.0))
+    let lon = middle_of(data.nodes.values().map(|node| node.position.lon))?;
+    let lat = middle_of(data.nodes.values().map(|node| node.position.lat))?;
+    Some(LonLat::new(lon, lat))
 }
 
-fn extent(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
-    values.fold(None, |extent, v| {
-        let (low, high) = extent.unwrap_or((v, v));
-        Some((v.min(low), v.max(high)))
-    })
+/// Half-way between the least and the greatest value; `None` if there are no values.
+fn middle_of(values: impl Iterator<Item = f64> + Clone) -> Option<f64> {
+    let low = values.clone().reduce(|low, value| value.min(low))?;
+    let high = values.reduce(|high, value| value.max(high))?;
+    Some((low + high) / 2.0)
+}
+
+/// A number of metres whose addition moves `metres` to within 500 m of zero.
+fn to_nearest_kilometre(metres: f64) -> f64 {
+    -libm::round(metres / 1000.0) * 1000.0
 }
 
 /// One UTM zone with a false origin.
@@ -163,7 +170,7 @@ impl Utm {
         let xi = libm::atan2(tau, cos_lon);
         let eta = libm::asinh(sin_lon / libm::hypot(tau, cos_lon));
         // Equation (11)
-        let (dx, dy) = series(&self.alpha, xi, eta);
+        let [dx, dy] = series(&self.alpha, xi, eta);
         MapPoint::new(
             self.radius * (eta + dx) + self.origin.x,
             self.radius * (xi + dy) + self.origin.y,
@@ -174,7 +181,7 @@ impl Utm {
         let eta = (point.x - self.origin.x) / self.radius;
         let xi = (point.y - self.origin.y) / self.radius;
         // Equation (15)
-        let (dx, dy) = series(&self.beta, xi, eta);
+        let [dx, dy] = series(&self.beta, xi, eta);
         // Equation (18)
         let (sin, cos) = libm::sincos(xi - dy);
         let sinh = libm::sinh(eta - dx);
@@ -186,7 +193,7 @@ impl Utm {
 
 /// The sums over j of `c_j cos(2 j xi) sinh(2 j eta)` and `c_j sin(2 j xi) cosh(2 j eta)`. The multiples come from the
 /// addition theorems, which costs a fifth of calling the functions for each.
-fn series(coefficients: &[f64; 6], xi: f64, eta: f64) -> (f64, f64) {
+fn series(coefficients: &[f64; 6], xi: f64, eta: f64) -> [f64; 2] {
     let (sin1, cos1) = libm::sincos(2.0 * xi);
     let (sinh1, cosh1) = (libm::sinh(2.0 * eta), libm::cosh(2.0 * eta));
     let (mut sin, mut cos, mut sinh, mut cosh) = (sin1, cos1, sinh1, cosh1);
@@ -197,7 +204,7 @@ fn series(coefficients: &[f64; 6], xi: f64, eta: f64) -> (f64, f64) {
         (sin, cos) = (sin * cos1 + cos * sin1, cos * cos1 - sin * sin1);
         (sinh, cosh) = (sinh * cosh1 + cosh * sinh1, cosh * cosh1 + sinh * sinh1);
     }
-    (x, y)
+    [x, y]
 }
 
 /// Tangent of the conformal latitude from that of the geographic latitude, equations (7) to (9).
@@ -358,7 +365,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::data::Node;
+    use crate::element::Node;
 
     fn utm(zone: u8, north: bool) -> Projection {
         Projection::new(Georeference::Utm {

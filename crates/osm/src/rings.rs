@@ -4,9 +4,17 @@
 
 use std::collections::BTreeMap;
 
-/// Joins `pieces` (lists of node numbers) into closed rings, first node not repeated. The second answer counts the chains
-/// that could not be closed.
-pub(crate) fn assemble(pieces: &[&[i64]]) -> (Vec<Vec<i64>>, usize) {
+/// Rings made of pieces.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) struct Assembled {
+    /// Closed rings as lists of node numbers, the first node not repeated.
+    pub(crate) rings: Vec<Vec<i64>>,
+    /// How many chains could not be closed.
+    pub(crate) open: usize,
+}
+
+/// Joins pieces, which are lists of node numbers, into closed rings.
+pub(crate) fn assemble(pieces: &[&[i64]]) -> Assembled {
     let mut loose = Loose::new(pieces);
     let (mut rings, mut open) = (Vec::new(), 0);
     for start in 0..pieces.len() {
@@ -26,7 +34,7 @@ pub(crate) fn assemble(pieces: &[&[i64]]) -> (Vec<Vec<i64>>, usize) {
             open += 1;
         }
     }
-    (rings, open)
+    Assembled { rings, open }
 }
 
 /// Pieces that are in no ring yet, and where their ends are.
@@ -78,14 +86,14 @@ mod tests {
 
     #[test]
     fn pieces_of_any_direction_are_joined() {
-        let (rings, open) = assemble(&[&[1, 2, 3], &[5, 4, 3], &[5, 1], &[7, 8, 9, 7]]);
+        let Assembled { rings, open } = assemble(&[&[1, 2, 3], &[5, 4, 3], &[5, 1], &[7, 8, 9, 7]]);
         assert_eq!(rings, [vec![1, 2, 3, 4, 5], vec![7, 8, 9]]);
         assert_eq!(open, 0);
     }
 
     #[test]
     fn chains_that_do_not_close_are_counted() {
-        let (rings, open) = assemble(&[&[1, 2, 3], &[3, 4], &[], &[6, 7, 6], &[9]]);
+        let Assembled { rings, open } = assemble(&[&[1, 2, 3], &[3, 4], &[], &[6, 7, 6], &[9]]);
         assert!(rings.is_empty());
         assert_eq!(open, 3);
     }

@@ -3,27 +3,7 @@
 
 use openbench_core::MapPoint;
 
-#[derive(Debug, Clone, Copy)]
-struct Bounds {
-    low: MapPoint,
-    high: MapPoint,
-}
-
-impl Bounds {
-    fn around(self, other: Self) -> Self {
-        Self {
-            low: MapPoint::new(self.low.x.min(other.low.x), self.low.y.min(other.low.y)),
-            high: MapPoint::new(self.high.x.max(other.high.x), self.high.y.max(other.high.y)),
-        }
-    }
-
-    /// Metres from `p`; 0 inside.
-    fn distance(&self, p: MapPoint) -> f64 {
-        let dx = (self.low.x - p.x).max(p.x - self.high.x).max(0.0);
-        let dy = (self.low.y - p.y).max(p.y - self.high.y).max(0.0);
-        (dx * dx + dy * dy).sqrt()
-    }
-}
+use crate::polygon::Bounds;
 
 /// Boxes to search among.
 #[derive(Debug, Clone, Default)]
@@ -31,18 +11,33 @@ pub(crate) struct BoxTree {
     root: Option<Box<Branch>>,
 }
 
+/// A box and its number among those that the tree was made from.
+#[derive(Debug, Clone, Copy)]
+struct Item {
+    index: usize,
+    bounds: Bounds,
+}
+
+/// The item nearest so far.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Nearest {
+    pub(crate) index: usize,
+    /// Metres.
+    pub(crate) distance: f64,
+}
+
 #[derive(Debug, Clone)]
 enum Branch {
-    Leaf(Bounds, usize),
+    Leaf(Item),
     Fork(Bounds, Box<Branch>, Box<Branch>),
 }
 
 impl BoxTree {
-    /// A tree over boxes given by their south-west and north-east corners.
-    pub(crate) fn new(boxes: impl Iterator<Item = (MapPoint, MapPoint)>) -> Self {
-        let mut items: Vec<_> = boxes
-            .map(|(low, high)| Bounds { low, high })
+    /// A tree over boxes.
+    pub(crate) fn new(boxes: impl Iterator<Item = Bounds>) -> Self {
+        let mut items: Vec<Item> = boxes
             .enumerate()
+            .map(|(index, bounds)| Item { index, bounds })
             .collect();
         Self {
             root: (!items.is_empty()).then(|| Box::new(branch(&mut items))),
@@ -55,7 +50,7 @@ impl BoxTree {
         &self,
         point: MapPoint,
         distance: impl Fn(usize) -> f64,
-    ) -> Option<(usize, f64)> {
+    ) -> Option<Nearest> {
         let mut best = None;
         if let Some(root) = &self.root {
             root.nearest(point, &distance, &mut best);
@@ -74,33 +69,48 @@ impl BoxTree {
     }
 }
 
-fn branch(items: &mut [(usize, Bounds)]) -> Branch {
-    if let [(index, bounds)] = items {
-        return Branch::Leaf(*bounds, *index);
+/// A tree over one item or more.
+fn branch(items: &mut [Item]) -> Branch {
+    if let [item] = items {
+        return Branch::Leaf(*item);
     }
-    let all = items.iter().map(|(_, b)| *b).reduce(Bounds::around);
-    let all = all.unwrap_or(Bounds {
-        low: MapPoint::default(),
-        high: MapPoint::default(),
-    });
-    let wide = all.high.x - all.low.x > all.high.y - all.low.y;
-    let key = |(_, b): &(usize, Bounds)| {
-        if wide {
-            b.low.x + b.high.x
-        } else {
-            b.low.y + b.high.y
-        }
-    };
+    let bounds = items
+        .iter()
+        .map(|item| item.bounds)
+        .reduce(Bounds::union)
+        .unwrap_or_default();
+    let is_wide = bounds.high.x - bounds.low.x > bounds.high.y - bounds.low.y;
     let middle = items.len() / 2;
-    items.select_nth_unstable_by(middle, |a, b| key(a).total_cmp(&key(b)).then(a.0.cmp(&b.0)));
+    items.select_nth_unstable_by(middle, |a, b| {
+        let (left, right) = (twice_the_centre(a, is_wide), twice_the_centre(b, is_wide));
+        left.total_cmp(&right).then(a.index.cmp(&b.index))
+    });
     let (left, right) = items.split_at_mut(middle);
-    Branch::Fork(all, Box::new(branch(left)), Box::new(branch(right)))
+    Branch::Fork(bounds, Box::new(branch(left)), Box::new(branch(right)))
+}
+
+/// Where a box is along one axis: x if the boxes lie in a wide area, else y.
+fn twice_the_centre(item: &Item, is_wide: bool) -> f64 {
+    let Bounds { low, high } = item.bounds;
+    if is_wide {
+        low.x + high.x
+    } else {
+        low.y + high.y
+    }
+}
+
+impl Nearest {
+    /// Whether it is nearer, or as near with a lower index.
+    fn is_before(self, other: Self) -> bool {
+        self.distance < other.distance
+            || self.distance == other.distance && self.index < other.index
+    }
 }
 
 impl Branch {
     fn bounds(&self) -> &Bounds {
         match self {
-            Self::Leaf(bounds, _) | Self::Fork(bounds, ..) => bounds,
+            Self::Leaf(Item { bounds, .. }) | Self::Fork(bounds, ..) => bounds,
         }
     }
 
@@ -108,16 +118,19 @@ impl Branch {
         &self,
         point: MapPoint,
         distance: &impl Fn(usize) -> f64,
-        best: &mut Option<(usize, f64)>,
+        best: &mut Option<Nearest>,
     ) {
-        if best.is_some_and(|(_, least)| self.bounds().distance(point) > least) {
+        if best.is_some_and(|best| self.bounds().distance(point) > best.distance) {
             return;
         }
         match self {
-            Self::Leaf(_, index) => {
-                let d = distance(*index);
-                if best.is_none_or(|(i, least)| d < least || d == least && *index < i) {
-                    *best = Some((*index, d));
+            Self::Leaf(Item { index, .. }) => {
+                let found = Nearest {
+                    index: *index,
+                    distance: distance(*index),
+                };
+                if best.is_none_or(|best| found.is_before(best)) {
+                    *best = Some(found);
                 }
             }
             Self::Fork(_, a, b) => {
@@ -134,7 +147,7 @@ impl Branch {
             return;
         }
         match self {
-            Self::Leaf(_, index) => found.push(*index),
+            Self::Leaf(Item { index, .. }) => found.push(*index),
             Self::Fork(_, a, b) => {
                 a.within(point, radius, found);
                 b.within(point, radius, found);
@@ -156,9 +169,10 @@ mod tests {
         ) {
             let points: Vec<_> = points.iter().map(|(x, y)| MapPoint::new(f64::from(*x), f64::from(*y))).collect();
             let p = MapPoint::new(f64::from(x), f64::from(y));
-            let tree = BoxTree::new(points.iter().map(|q| (*q, *q)));
+            let tree = BoxTree::new(points.iter().map(|q| Bounds::of_point(*q)));
             let plain = (0..points.len()).min_by(|a, b| points[*a].distance(p).total_cmp(&points[*b].distance(p)));
-            prop_assert_eq!(tree.nearest(p, |i| points[i].distance(p)).map(|(i, _)| i), plain);
+            let nearest = tree.nearest(p, |i| points[i].distance(p));
+            prop_assert_eq!(nearest.map(|nearest| nearest.index), plain);
             let near: Vec<_> = (0..points.len()).filter(|i| points[*i].distance(p) <= 9.0).collect();
             prop_assert_eq!(tree.within(p, 9.0), near);
         }

@@ -4,13 +4,15 @@
 //! the same data gives the same bytes. Element versions are not kept in memory; elements of the OSM database are written as
 //! version 1, without which editors refuse the file. Before an upload, an editor must fetch the current versions.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use openbench_core::LonLat;
 
-use crate::data::{Member, Node, OsmData, Relation, Way};
+use crate::data::OsmData;
+use crate::element::{ElementId, Member, Node, Relation, Way};
 use crate::error::OsmError;
 use crate::tags::Tags;
 
@@ -36,66 +38,44 @@ impl OsmData {
 /// `old` to `new`, in an order that never leaves a reference without its target. Positions that agree to seven decimals
 /// are the same.
 pub fn changes(old: &OsmData, new: &OsmData) -> Vec<u8> {
-    let written = Elements::of;
-    let (old, new) = (written(old), written(new));
+    let (old, new) = (written_elements(old), written_elements(new));
+    let created = new.iter().filter(|(id, _)| !old.contains_key(id));
+    let modified = new
+        .iter()
+        .filter(|(id, text)| old.get(id).is_some_and(|was| was != *text));
+    let deleted = old.iter().rev().filter(|(id, _)| !new.contains_key(id));
     let mut out = document("osmChange");
-    section(
-        &mut out,
-        "create",
-        new.0.iter().filter(|(key, _)| old.get(key).is_none()),
-    );
-    section(
-        &mut out,
-        "modify",
-        new.0
-            .iter()
-            .filter(|(key, text)| old.get(key).is_some_and(|was| was != *text)),
-    );
-    section(
-        &mut out,
-        "delete",
-        old.0.iter().rev().filter(|(key, _)| new.get(key).is_none()),
-    );
+    section(&mut out, "create", created.map(|(_, text)| text));
+    section(&mut out, "modify", modified.map(|(_, text)| text));
+    section(&mut out, "delete", deleted.map(|(_, text)| text));
     out.push_str("</osmChange>\n");
     out.into_bytes()
 }
 
-/// Every element as it is written, by kind (nodes, ways, relations) and number.
-struct Elements(std::collections::BTreeMap<(u8, i64), String>);
+/// How far elements of an osmChange document are indented, in steps of two spaces.
+const CHANGE_DEPTH: usize = 2;
 
-impl Elements {
-    fn of(data: &OsmData) -> Self {
-        let text = |write: &dyn Fn(&mut String)| {
-            let mut text = String::new();
-            write(&mut text);
-            text
-        };
-        let nodes = data
-            .nodes
-            .values()
-            .map(|n| ((0, n.id), text(&|out| write_node(out, 2, n))));
-        let ways = data
-            .ways
-            .values()
-            .map(|w| ((1, w.id), text(&|out| write_way(out, 2, w))));
-        let relations = data
-            .relations
-            .values()
-            .map(|r| ((2, r.id), text(&|out| write_relation(out, 2, r))));
-        Self(nodes.chain(ways).chain(relations).collect())
+/// Every element as it is written. Element numbers sort nodes before ways before relations, so that a reference always
+/// follows its target.
+fn written_elements(data: &OsmData) -> BTreeMap<ElementId, String> {
+    let mut written = BTreeMap::new();
+    for node in data.nodes.values() {
+        let text = written.entry(ElementId::node(node.id)).or_default();
+        write_node(text, CHANGE_DEPTH, node);
     }
-
-    fn get(&self, key: &(u8, i64)) -> Option<&String> {
-        self.0.get(key)
+    for way in data.ways.values() {
+        let text = written.entry(ElementId::way(way.id)).or_default();
+        write_way(text, CHANGE_DEPTH, way);
     }
+    for relation in data.relations.values() {
+        let text = written.entry(ElementId::relation(relation.id)).or_default();
+        write_relation(text, CHANGE_DEPTH, relation);
+    }
+    written
 }
 
-fn section<'a>(
-    out: &mut String,
-    name: &str,
-    elements: impl Iterator<Item = (&'a (u8, i64), &'a String)>,
-) {
-    let body: String = elements.map(|(_, text)| text.as_str()).collect();
+fn section<'a>(out: &mut String, name: &str, elements: impl Iterator<Item = &'a String>) {
+    let body: String = elements.map(String::as_str).collect();
     if !body.is_empty() {
         let _ = write!(out, "  <{name}>\n{body}  </{name}>\n");
     }
@@ -213,15 +193,9 @@ impl std::fmt::Display for Escaped<'_> {
 /// Replaces the file at `path` with `bytes`, whole or not at all: a crash leaves the old file or the new one. The bytes go
 /// to a file beside it first, which is renamed.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), OsmError> {
-    let beside = beside(path);
-    let write = || {
-        let mut file = std::fs::File::create(&beside)?;
-        file.write_all(bytes)?;
-        file.sync_all()?;
-        std::fs::rename(&beside, path)
-    };
-    write().map_err(|source| {
-        let _ = std::fs::remove_file(&beside);
+    let staging = staging_path(path);
+    write_and_rename(&staging, path, bytes).map_err(|source| {
+        let _ = std::fs::remove_file(&staging);
         OsmError::Io {
             doing: "write",
             path: path.to_owned(),
@@ -230,7 +204,15 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), OsmError> {
     })
 }
 
-fn beside(path: &Path) -> PathBuf {
+fn write_and_rename(staging: &Path, path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let mut file = std::fs::File::create(staging)?;
+    file.write_all(bytes)?;
+    file.sync_all()?;
+    std::fs::rename(staging, path)
+}
+
+/// A hidden file in the same folder, so that renaming it stays within one file system.
+fn staging_path(path: &Path) -> PathBuf {
     let mut name = std::ffi::OsString::from(".");
     name.push(path.file_name().unwrap_or_default());
     name.push(format!(".{}.part", std::process::id()));

@@ -11,8 +11,9 @@ use quick_xml::XmlVersion;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::reader::Reader;
 
-use crate::data::{ElementKind, Member, Node, OsmData, Relation, Way};
-use crate::error::{OsmError, Place};
+use crate::data::OsmData;
+use crate::element::{ElementKind, Member, Node, Relation, Way};
+use crate::error::{OsmError, Place, Problem};
 use crate::tags::Tags;
 
 pub(crate) fn read(bytes: &[u8]) -> Result<OsmData, OsmError> {
@@ -25,7 +26,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<OsmData, OsmError> {
             malformed(
                 text,
                 reader.error_position(),
-                format!("not well-formed XML: {error}"),
+                Problem::caused("not well-formed XML", error),
             )
         })?;
         let done = matches!(event, Event::Eof);
@@ -40,20 +41,9 @@ pub(crate) fn read(bytes: &[u8]) -> Result<OsmData, OsmError> {
 
 /// The bytes as text; what other formats begin with is named, since a wrong file is the likeliest mistake.
 fn text(bytes: &[u8]) -> Result<&str, OsmError> {
-    let start = |problem: &str| Err(OsmError::malformed(Place::Byte(0), problem));
     let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
-    match bytes {
-        [] => return start("the file is empty; it should be OSM XML or PBF"),
-        [0x1F, 0x8B, ..] | [b'B', b'Z', b'h', ..] | [b'P', b'K', ..] => {
-            return start("the file is compressed; unpack it first");
-        }
-        [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..] => {
-            return start("the file is UTF-16; save it as UTF-8");
-        }
-        _ if bytes.trim_ascii_start().starts_with(b"{") => {
-            return start("the file is JSON; ask Overpass for [out:xml]");
-        }
-        _ => {}
+    if let Some(problem) = foreign_format(bytes) {
+        return Err(OsmError::malformed(Place::Byte(0), problem));
     }
     std::str::from_utf8(bytes).map_err(|error| {
         let at = error.valid_up_to();
@@ -62,7 +52,22 @@ fn text(bytes: &[u8]) -> Result<&str, OsmError> {
     })
 }
 
-fn malformed(text: &str, at: u64, problem: impl Into<String>) -> OsmError {
+/// Names the format that bytes have instead, if its first bytes are known.
+fn foreign_format(bytes: &[u8]) -> Option<&'static str> {
+    match bytes {
+        [] => Some("the file is empty; it should be OSM XML or PBF"),
+        [0x1F, 0x8B, ..] | [b'B', b'Z', b'h', ..] | [b'P', b'K', ..] => {
+            Some("the file is compressed; unpack it first")
+        }
+        [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..] => Some("the file is UTF-16; save it as UTF-8"),
+        _ if bytes.trim_ascii_start().starts_with(b"{") => {
+            Some("the file is JSON; ask Overpass for [out:xml]")
+        }
+        _ => None,
+    }
+}
+
+fn malformed(text: &str, at: u64, problem: impl Into<Problem>) -> OsmError {
     let before = text
         .as_bytes()
         .iter()
@@ -94,7 +99,7 @@ enum Open {
 }
 
 impl Document {
-    fn take(&mut self, event: Event<'_>) -> Result<(), String> {
+    fn take(&mut self, event: Event<'_>) -> Result<(), Problem> {
         match event {
             Event::Start(start) => {
                 self.begin(&start)?;
@@ -117,7 +122,7 @@ impl Document {
         Ok(())
     }
 
-    fn finish(&self) -> Result<(), String> {
+    fn finish(&self) -> Result<(), Problem> {
         match (self.seen_root, self.depth) {
             (false, _) => Err("no <osm> element; this is not OSM XML".into()),
             (true, 0) => Ok(()),
@@ -125,14 +130,14 @@ impl Document {
         }
     }
 
-    fn begin(&mut self, start: &BytesStart<'_>) -> Result<(), String> {
+    fn begin(&mut self, start: &BytesStart<'_>) -> Result<(), Problem> {
         let name = start.name();
         match (self.depth, name.as_ref()) {
             (0, "osm") => self.seen_root = true,
             (0, other) => {
-                return Err(format!(
-                    "the root is <{other}>, not <osm>; this is not OSM XML"
-                ));
+                return Err(
+                    format!("the root is <{other}>, not <osm>; this is not OSM XML").into(),
+                );
             }
             (1, "node") => self.begin_element(start, ElementKind::Node)?,
             (1, "way") => self.begin_element(start, ElementKind::Way)?,
@@ -145,7 +150,7 @@ impl Document {
         Ok(())
     }
 
-    fn begin_element(&mut self, start: &BytesStart<'_>, kind: ElementKind) -> Result<(), String> {
+    fn begin_element(&mut self, start: &BytesStart<'_>, kind: ElementKind) -> Result<(), Problem> {
         let head = Head::read(start)?;
         self.open = match head.open(kind) {
             _ if head.deleted => {
@@ -161,7 +166,7 @@ impl Document {
         Ok(())
     }
 
-    fn tag(&mut self, start: &BytesStart<'_>) -> Result<(), String> {
+    fn tag(&mut self, start: &BytesStart<'_>) -> Result<(), Problem> {
         let [key, value] = attributes(start, ["k", "v"])?;
         let (Some(key), Some(value)) = (key, value) else {
             return Ok(());
@@ -172,7 +177,7 @@ impl Document {
         Ok(())
     }
 
-    fn way_node(&mut self, start: &BytesStart<'_>) -> Result<(), String> {
+    fn way_node(&mut self, start: &BytesStart<'_>) -> Result<(), Problem> {
         let Open::Way(way) = &mut self.open else {
             return Ok(());
         };
@@ -184,7 +189,7 @@ impl Document {
         Ok(())
     }
 
-    fn member(&mut self, start: &BytesStart<'_>) -> Result<(), String> {
+    fn member(&mut self, start: &BytesStart<'_>) -> Result<(), Problem> {
         let Open::Relation(relation) = &mut self.open else {
             return Ok(());
         };
@@ -232,10 +237,9 @@ struct Head {
 }
 
 impl Head {
-    fn read(start: &BytesStart<'_>) -> Result<Self, String> {
+    fn read(start: &BytesStart<'_>) -> Result<Self, Problem> {
         let [id, lon, lat, visible, action] =
             attributes(start, ["id", "lon", "lat", "visible", "action"])?;
-        let degrees = |text: Option<Cow<'_, str>>| text.and_then(|t| t.trim().parse::<f64>().ok());
         Ok(Self {
             id: number(id),
             position: degrees(lon)
@@ -265,6 +269,10 @@ impl Head {
     }
 }
 
+fn degrees(text: Option<Cow<'_, str>>) -> Option<f64> {
+    text?.trim().parse().ok()
+}
+
 fn number(text: Option<Cow<'_, str>>) -> Option<i64> {
     text?.trim().parse().ok()
 }
@@ -279,17 +287,19 @@ fn kind_from_word(word: &str) -> Option<ElementKind> {
 fn attributes<'a, const N: usize>(
     start: &'a BytesStart<'_>,
     names: [&str; N],
-) -> Result<[Option<Cow<'a, str>>; N], String> {
+) -> Result<[Option<Cow<'a, str>>; N], Problem> {
     let mut values = [const { None }; N];
     for attribute in start.attributes().with_checks(false) {
-        let attribute = attribute.map_err(|error| format!("unreadable attribute: {error}"))?;
+        let attribute =
+            attribute.map_err(|error| Problem::caused("unreadable attribute", error))?;
         if let Some(i) = names
             .iter()
             .position(|name| *name == attribute.key.as_ref())
         {
             let value = attribute.normalized_value(XmlVersion::Implicit1_0);
-            values[i] =
-                Some(value.map_err(|error| format!("unreadable value of {}: {error}", names[i]))?);
+            let unreadable =
+                |error| Problem::caused(&format!("unreadable value of {}", names[i]), error);
+            values[i] = Some(value.map_err(unreadable)?);
         }
     }
     Ok(values)

@@ -77,18 +77,18 @@ fn a_door_survives_writing_and_reading() {
     };
     let building = &map.buildings[4];
     let address = Address::new(building.name.clone().unwrap(), "unit2");
-    let (wall, normal) = building
+    let wall = building
         .polygon
         .nearest_boundary_point(MapPoint::new(0.0, 0.0));
     let door = add_entrance(
         &mut data,
         &map.projection,
         building.element,
-        wall.offset(normal, 0.4),
+        wall.point.offset(wall.normal, 0.4),
         &address,
     )
     .unwrap();
-    assert!(door.position.distance(wall) < 0.06);
+    assert!(door.position.distance(wall.point) < 0.06);
     let back = OsmData::from_xml(&data.to_xml()).unwrap();
     let map = OsmMap::new(&back, map.projection.georeference());
     assert_eq!(

@@ -32,7 +32,8 @@ impl Agent for Beeline {
         let building = map.buildings.iter().find(|b| b.name.as_deref().as_ref().is_some_and(named));
         let building = building.ok_or_else(|| give_up(FailureCause::UnknownAddress, "no building named"))?;
         let address = Address { building: building.name.clone().unwrap_or_default(), unit: None };
-        self.target = Some((address, building.polygon.nearest_boundary_point(briefing.start.point()).0));
+        let wall = building.polygon.nearest_boundary_point(briefing.start.point());
+        self.target = Some((address, wall.point));
         self.localizer.reset(briefing.start);
         Ok(())
     }

@@ -284,7 +284,8 @@ mod tests {
             assert!(view.place.transform(standoff, 0.0).distance(plate) < 1e-9);
         }
         // In front of a wall that the map has where it is.
-        let (wall, facing) = map.buildings[0].polygon.nearest_boundary_point(MapPoint::new(-9.0, 5.0));
+        let wall = map.buildings[0].polygon.nearest_boundary_point(MapPoint::new(-9.0, 5.0));
+        let (wall, facing) = (wall.point, wall.normal);
         for (away, aside) in [(8.0, 0.6), (4.0, 1.2)] {
             let view = nearer_to_plate(&map, wall, facing, wall.offset(facing + aside, away), SEES_FROM);
             assert!(view.place.point().distance(wall.offset(facing, 3.0)) < 1e-6, "{view:?}");

@@ -220,12 +220,12 @@ impl Mission {
             }
         };
         let expected = self.remembered(building, &address).or_else(|| {
-            let (wall, facing) = map.buildings[building].polygon.nearest_boundary_point(entrance?);
+            let wall = map.buildings[building].polygon.nearest_boundary_point(entrance?);
             Some(Sighting {
                 unit: address.unit.clone().unwrap_or_default(),
                 building,
-                position: wall,
-                facing,
+                position: wall.point,
+                facing: wall.normal,
                 confidence: 1.0,
             })
         });
@@ -255,7 +255,7 @@ impl Mission {
     fn road_to(&self, building: usize, events: &mut dyn Events) -> Option<MapPoint> {
         let from = self.localizer.pose().point();
         let polygon = &self.memory.map().buildings[building].polygon;
-        let to = polygon.nearest_boundary_point(from).0;
+        let to = polygon.nearest_boundary_point(from).point;
         let route = self.driver.terrain().roads()?.route(from, to).ok()?;
         let (first, last) = (*route.points.first()?, *route.points.last()?);
         let length = route.distance + from.distance(first) + to.distance(last);
@@ -360,7 +360,7 @@ impl Mission {
                 if !task.looked {
                     let wall =
                         self.memory.map().buildings[task.building].polygon.nearest_boundary_point(here);
-                    let detail = self.driver.terrain().obstacle(here, wall.0);
+                    let detail = self.driver.terrain().obstacle(here, wall.point);
                     return Action::GiveUp(one(task.address, FailureCause::NoRoute, detail));
                 }
                 let detail =

@@ -3,7 +3,7 @@
 use nalgebra::Point3;
 use openbench_core::frames::wrap_angle;
 use openbench_core::{CameraIntrinsics, MapPoint, Pose2};
-use openbench_osm::polygon::nearest_on_segment;
+use openbench_osm::polygon::Segment;
 use openbench_osm::{OsmMap, Polygon};
 use openbench_vision::{PlateReading, parse_unit};
 
@@ -133,9 +133,9 @@ pub fn is_puzzling(reading: &PlateReading) -> bool {
 /// `facing` turned to the normal of the wall that fits it best, of those near the plate: porches and shutters around a plate make what
 /// the LiDAR sees of its wall crooked.
 fn along_wall(facing: f64, plate: MapPoint, outline: &Polygon) -> f64 {
-    let near =
-        |(a, b): &(MapPoint, MapPoint)| nearest_on_segment(*a, *b, plate).0.distance(plate) <= NEAR_WALL;
-    let normals = outline.sides().filter(near).map(|(a, b)| a.bearing_to(b) - std::f64::consts::FRAC_PI_2);
+    let near = |side: &Segment| side.nearest_point(plate).point.distance(plate) <= NEAR_WALL;
+    let normal = |side: Segment| side.start.bearing_to(side.end) - std::f64::consts::FRAC_PI_2;
+    let normals = outline.sides().filter(near).map(normal);
     let off = |normal: &f64| wrap_angle(normal - facing).abs();
     let best = normals.min_by(|a, b| off(a).total_cmp(&off(b))).filter(|n| off(n) <= MISFIT);
     best.map_or(facing, wrap_angle)

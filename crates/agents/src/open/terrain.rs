@@ -11,7 +11,7 @@ use openbench_motion::costmap::ground::Preferences;
 use openbench_motion::costmap::overview::Overview;
 use openbench_motion::{Costmap, CostmapError, Guide, PlanError, Search, costs, plan};
 use openbench_osm::OsmMap;
-use openbench_osm::polygon::nearest_on_segment;
+use openbench_osm::polygon::Segment;
 use openbench_routing::{MapRouter, Router};
 
 /// How far the fine costmap reaches to each side, metres.
@@ -294,7 +294,7 @@ fn dense(points: &[MapPoint]) -> Vec<MapPoint> {
 
 /// The place on a way that is nearest to `from`, and the number of the stretch that it is on.
 fn nearest_on_path(path: &[MapPoint], from: MapPoint) -> Option<(usize, MapPoint)> {
-    let on = |i: usize| (i, nearest_on_segment(path[i], path[i + 1], from).0);
+    let on = |i: usize| (i, Segment::new(path[i], path[i + 1]).nearest_point(from).point);
     let stretches = (0..path.len().saturating_sub(1)).map(on);
     stretches.min_by(|a, b| a.1.distance(from).total_cmp(&b.1.distance(from)))
 }

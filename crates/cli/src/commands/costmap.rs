@@ -38,7 +38,7 @@ pub fn run(args: &CostmapArgs) -> anyhow::Result<Outcome> {
 /// Where the buildings, areas, roads and barriers of a map are.
 fn everything_of(map: &OsmMap) -> Vec<MapPoint> {
     let outlines = map.buildings.iter().map(|b| &b.polygon).chain(map.areas.iter().map(|a| &a.polygon));
-    let outlines = outlines.map(|polygon| polygon.bounds()).flat_map(|(low, high)| [low, high]);
+    let outlines = outlines.map(|polygon| polygon.bounds()).flat_map(|bounds| [bounds.low, bounds.high]);
     let lines = map.roads.iter().map(|r| &r.points).chain(map.barriers.iter().map(|b| &b.points));
     outlines.chain(lines.flatten().copied()).collect()
 }

@@ -2,7 +2,7 @@
 
 use openbench_core::MapPoint;
 use openbench_grid::GridGeometry;
-use openbench_osm::polygon::nearest_on_segment;
+use openbench_osm::polygon::{Bounds, Segment};
 use openbench_osm::{Area, Barrier, OsmMap, Polygon, Road, Tags};
 
 /// Half the width of the gap that a gate leaves in a barrier, metres.
@@ -141,7 +141,7 @@ impl Drawing<'_> {
         for row in rows.0..=rows.1 {
             for cell in (columns.0..=columns.1).filter_map(|column| self.grid.cell_in(column, row)) {
                 let middle = self.grid.center(cell);
-                if nearest_on_segment(from, to, middle).0.distance(middle) <= half {
+                if Segment::new(from, to).nearest_point(middle).point.distance(middle) <= half {
                     self.ground.surface[cell] = surface;
                 }
             }
@@ -173,14 +173,16 @@ impl Drawing<'_> {
 
     /// Every cell whose middle lies in a polygon, row by row between the sides that cross it.
     fn fill(&mut self, polygon: &Polygon, mut set: impl FnMut(&mut Ground, usize)) {
-        let (low, high) = polygon.bounds();
+        let Bounds { low, high } = polygon.bounds();
         let Some((_, rows)) = self.grid.window(low, high) else { return };
         let mut cuts = Vec::new();
         for row in rows.0..=rows.1 {
             let y = self.grid.origin.y + (row as f64 + 0.5) * self.grid.cell;
             cuts.clear();
-            let crossing = polygon.sides().filter(|(a, b)| (a.y > y) != (b.y > y));
-            cuts.extend(crossing.map(|(a, b)| a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x)));
+            let crossing = polygon.sides().filter(|side| (side.start.y > y) != (side.end.y > y));
+            cuts.extend(
+                crossing.map(|Segment { start: a, end: b }| a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x)),
+            );
             cuts.sort_by(f64::total_cmp);
             for pair in cuts.chunks_exact(2) {
                 let column = |x: f64| (x - self.grid.origin.x) / self.grid.cell - 0.5;
@@ -485,7 +487,7 @@ mod tests {
                 let p = between(a, b, f64::from(i) / 500.0);
                 if p.x.abs() < 10.0 && p.y.abs() < 10.0 {
                     let (from, to) = cut.unwrap();
-                    prop_assert!(nearest_on_segment(from, to, p).0.distance(p) < 1e-6);
+                    prop_assert!(Segment::new(from, to).nearest_point(p).point.distance(p) < 1e-6);
                 }
             }
         }

@@ -6,7 +6,7 @@
 
 use openbench_core::MapPoint;
 use openbench_grid::{Frontier, GridGeometry, in_sight};
-use openbench_osm::polygon::nearest_on_segment;
+use openbench_osm::polygon::Segment;
 
 use crate::shape::Obstacle;
 use crate::teb::settings::{SettingsError, at_least, not_negative, positive};
@@ -221,7 +221,8 @@ impl Explorer {
         self.lay_costs(&grid, obstacles, how);
         self.lean(&grid, start, goal);
         self.find_clumps(&grid);
-        let off = |clump: &MapPoint| nearest_on_segment(start, goal, *clump).0.distance(*clump);
+        let line = Segment::new(start, goal);
+        let off = |clump: &MapPoint| line.nearest_point(*clump).point.distance(*clump);
         keep_nearest(&mut self.clumps.standing, MOST_CLUMPS, off);
         let (Some(from), Some(to)) = (self.free_near(&grid, start), self.free_near(&grid, goal)) else {
             return Vec::new();

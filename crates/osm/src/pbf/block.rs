@@ -4,13 +4,14 @@ use std::borrow::Cow;
 
 use openbench_core::LonLat;
 
-use super::wire::{Fields, Numbers, Problem, Value, signed};
-use crate::data::ElementKind;
-use crate::stream::{MemberRef, NodeRef, RelationRef, Visitor, WayRef, Words};
+use super::wire::{Field, Fields, Numbers, Problem, signed};
+use crate::element::{ElementId, ElementKind};
+use crate::visitor::{MemberRef, NodeRef, RelationRef, TagRef, TagsRef, Visitor, WayRef};
 
 /// So much text may the elements of a block hold for each of its bytes, and so much in any case. They name strings by number, so
 /// that a few bytes could ask for gigabytes; in real files it is one to two times.
-const TEXT: (usize, usize) = (16, 1 << 20);
+const TEXT_PER_BYTE: usize = 16;
+const TEXT_ALWAYS_BYTES: usize = 1 << 20;
 
 /// What the elements of a block have in common.
 struct Block<'a> {
@@ -24,20 +25,21 @@ struct Block<'a> {
 /// Shows a block's elements to a visitor.
 pub(super) fn read(bytes: &[u8], visitor: &mut impl Visitor) -> Result<(), Problem> {
     let block = Block::new(bytes)?;
-    let text = bytes.len().saturating_mul(TEXT.0).saturating_add(TEXT.1);
-    let (words, numbers, members) = (Vec::new(), Vec::new(), Vec::new());
     let mut reader = Reader {
         block: &block,
         visitor,
-        text,
-        words,
-        numbers,
-        members,
+        text: bytes
+            .len()
+            .saturating_mul(TEXT_PER_BYTE)
+            .saturating_add(TEXT_ALWAYS_BYTES),
+        tags: Vec::new(),
+        nodes: Vec::new(),
+        members: Vec::new(),
     };
     // Groups may stand before what they need.
     for field in Fields(bytes) {
-        if let (2, group) = field? {
-            reader.group(group.bytes()?)?;
+        if let Field { number: 2, value } = field? {
+            reader.group(value.bytes()?)?;
         }
     }
     Ok(())
@@ -54,13 +56,14 @@ struct Common<'a> {
 
 impl<'a> Common<'a> {
     /// Takes a field in; gives it back if it is none of the common ones.
-    fn take(&mut self, field: (u64, Value<'a>)) -> Result<Option<(u64, Value<'a>)>, Problem> {
-        match field {
-            (1, id) => self.id = id.number()?,
-            (2, keys) => self.keys = Numbers(keys.bytes()?),
-            (3, values) => self.values = Numbers(values.bytes()?),
-            (4, info) => self.deleted = is_deleted(info.bytes()?)?,
-            other => return Ok(Some(other)),
+    fn take(&mut self, field: Field<'a>) -> Result<Option<Field<'a>>, Problem> {
+        let Field { number, value } = field;
+        match number {
+            1 => self.id = value.number()?,
+            2 => self.keys = Numbers(value.bytes()?),
+            3 => self.values = Numbers(value.bytes()?),
+            4 => self.deleted = is_deleted(value.bytes()?)?,
+            _ => return Ok(Some(field)),
         }
         Ok(None)
     }
@@ -75,11 +78,12 @@ impl<'a> Block<'a> {
             lon_offset: 0,
         };
         for field in Fields(bytes) {
-            match field? {
-                (1, table) => block.table(table.bytes()?)?,
-                (17, value) => block.granularity = value.number()? as i64,
-                (19, value) => block.lat_offset = value.number()? as i64,
-                (20, value) => block.lon_offset = value.number()? as i64,
+            let Field { number, value } = field?;
+            match number {
+                1 => block.table(value.bytes()?)?,
+                17 => block.granularity = value.number()? as i64,
+                19 => block.lat_offset = value.number()? as i64,
+                20 => block.lon_offset = value.number()? as i64,
                 _ => {}
             }
         }
@@ -88,26 +92,26 @@ impl<'a> Block<'a> {
 
     fn table(&mut self, bytes: &'a [u8]) -> Result<(), Problem> {
         for field in Fields(bytes) {
-            if let (1, string) = field? {
-                self.strings.push(String::from_utf8_lossy(string.bytes()?));
+            if let Field { number: 1, value } = field? {
+                self.strings.push(String::from_utf8_lossy(value.bytes()?));
             }
         }
         Ok(())
     }
 
-    /// Divided, not multiplied, so that the same place read from XML has the same bits.
     fn position(&self, lat: i64, lon: i64) -> Result<LonLat, Problem> {
-        let degrees = |units: i64, offset: i64| {
-            let nano = units
-                .checked_mul(self.granularity)
-                .and_then(|n| n.checked_add(offset));
-            nano.map(|n| n as f64 / 1e9)
-                .ok_or("a position that makes no sense")
-        };
-        Ok(LonLat::new(
-            degrees(lon, self.lon_offset)?,
-            degrees(lat, self.lat_offset)?,
-        ))
+        let lon = self.degrees(lon, self.lon_offset)?;
+        let lat = self.degrees(lat, self.lat_offset)?;
+        Ok(LonLat::new(lon, lat))
+    }
+
+    /// Divided, not multiplied, so that the same position read from XML has the same bits.
+    fn degrees(&self, units: i64, offset: i64) -> Result<f64, Problem> {
+        let nano = units
+            .checked_mul(self.granularity)
+            .and_then(|n| n.checked_add(offset));
+        nano.map(|n| n as f64 / 1e9)
+            .ok_or("a position that makes no sense")
     }
 }
 
@@ -117,25 +121,21 @@ struct Reader<'b, V> {
     visitor: &'b mut V,
     /// Bytes of text that elements may still name.
     text: usize,
-    words: Vec<(&'b str, &'b str)>,
-    numbers: Vec<i64>,
+    tags: Vec<TagRef<'b>>,
+    nodes: Vec<i64>,
     members: Vec<MemberRef<'b>>,
 }
 
 impl<V: Visitor> Reader<'_, V> {
     fn group(&mut self, bytes: &[u8]) -> Result<(), Problem> {
-        let wanted = |visitor: &V, field: u64| match field {
-            1 | 2 => visitor.wants(ElementKind::Node),
-            3 => visitor.wants(ElementKind::Way),
-            _ => visitor.wants(ElementKind::Relation),
-        };
         for field in Fields(bytes) {
-            match field? {
-                (field, _) if !wanted(self.visitor, field) => {}
-                (1, node) => self.node(node.bytes()?)?,
-                (2, nodes) => self.dense_nodes(nodes.bytes()?)?,
-                (3, way) => self.way(way.bytes()?)?,
-                (4, relation) => self.relation(relation.bytes()?)?,
+            let Field { number, value } = field?;
+            match number {
+                _ if !self.visitor.wants(kind_of_group(number)) => {}
+                1 => self.node(value.bytes()?)?,
+                2 => self.dense_nodes(value.bytes()?)?,
+                3 => self.way(value.bytes()?)?,
+                4 => self.relation(value.bytes()?)?,
                 _ => {}
             }
         }
@@ -146,17 +146,17 @@ impl<V: Visitor> Reader<'_, V> {
         let (mut common, mut lat, mut lon) = (Common::default(), 0, 0);
         for field in Fields(bytes) {
             match common.take(field?)? {
-                Some((8, value)) => lat = signed(value.number()?),
-                Some((9, value)) => lon = signed(value.number()?),
+                Some(Field { number: 8, value }) => lat = signed(value.number()?),
+                Some(Field { number: 9, value }) => lon = signed(value.number()?),
                 _ => {}
             }
         }
         let (id, position) = (signed(common.id), self.block.position(lat, lon)?);
-        if self.tags(&common)? {
+        if self.read_tags(&common)? {
             self.visitor.node(NodeRef {
                 id,
                 position,
-                tags: Words(&self.words),
+                tags: TagsRef(&self.tags),
             });
         }
         Ok(())
@@ -165,12 +165,13 @@ impl<V: Visitor> Reader<'_, V> {
     fn dense_nodes(&mut self, bytes: &[u8]) -> Result<(), Problem> {
         let [mut ids, mut lats, mut lons, mut tags, mut visible] = [Numbers::default(); 5];
         for field in Fields(bytes) {
-            match field? {
-                (1, row) => ids = Numbers(row.bytes()?),
-                (5, info) => visible = dense_visible(info.bytes()?)?,
-                (8, row) => lats = Numbers(row.bytes()?),
-                (9, row) => lons = Numbers(row.bytes()?),
-                (10, row) => tags = Numbers(row.bytes()?),
+            let Field { number, value } = field?;
+            match number {
+                1 => ids = Numbers(value.bytes()?),
+                5 => visible = dense_visible(value.bytes()?)?,
+                8 => lats = Numbers(value.bytes()?),
+                9 => lons = Numbers(value.bytes()?),
+                10 => tags = Numbers(value.bytes()?),
                 _ => {}
             }
         }
@@ -187,7 +188,7 @@ impl<V: Visitor> Reader<'_, V> {
                 self.visitor.node(NodeRef {
                     id,
                     position,
-                    tags: Words(&self.words),
+                    tags: TagsRef(&self.tags),
                 });
             }
         }
@@ -196,11 +197,14 @@ impl<V: Visitor> Reader<'_, V> {
 
     /// The tags of the next node: keys and values in turn up to a 0. Without any tags the row is empty.
     fn dense_tags(&mut self, row: &mut Numbers) -> Result<(), Problem> {
-        self.words.clear();
+        self.tags.clear();
         while let Some(key) = row.next().transpose()?.filter(|key| *key != 0) {
             let value = row.next().ok_or("a key without a value")??;
-            let word = (self.string(key)?, self.string(value)?);
-            self.words.push(word);
+            let tag = TagRef {
+                key: self.string(key)?,
+                value: self.string(value)?,
+            };
+            self.tags.push(tag);
         }
         Ok(())
     }
@@ -208,20 +212,20 @@ impl<V: Visitor> Reader<'_, V> {
     fn way(&mut self, bytes: &[u8]) -> Result<(), Problem> {
         let (mut common, mut references) = (Common::default(), Numbers::default());
         for field in Fields(bytes) {
-            if let Some((8, row)) = common.take(field?)? {
-                references = Numbers(row.bytes()?);
+            if let Some(Field { number: 8, value }) = common.take(field?)? {
+                references = Numbers(value.bytes()?);
             }
         }
-        self.numbers.clear();
+        self.nodes.clear();
         for node in references.sums() {
-            self.numbers.push(node?);
+            self.nodes.push(node?);
         }
-        if self.tags(&common)? {
+        if self.read_tags(&common)? {
             let id = common.id as i64;
             self.visitor.way(WayRef {
                 id,
-                nodes: &self.numbers,
-                tags: Words(&self.words),
+                nodes: &self.nodes,
+                tags: TagsRef(&self.tags),
             });
         }
         Ok(())
@@ -232,9 +236,9 @@ impl<V: Visitor> Reader<'_, V> {
         let [mut roles, mut ids, mut kinds] = [Numbers::default(); 3];
         for field in Fields(bytes) {
             match common.take(field?)? {
-                Some((8, row)) => roles = Numbers(row.bytes()?),
-                Some((9, row)) => ids = Numbers(row.bytes()?),
-                Some((10, row)) => kinds = Numbers(row.bytes()?),
+                Some(Field { number: 8, value }) => roles = Numbers(value.bytes()?),
+                Some(Field { number: 9, value }) => ids = Numbers(value.bytes()?),
+                Some(Field { number: 10, value }) => kinds = Numbers(value.bytes()?),
                 _ => {}
             }
         }
@@ -243,36 +247,38 @@ impl<V: Visitor> Reader<'_, V> {
             let (Some(role), Some(kind)) = (roles.next(), kinds.next()) else {
                 return Err("a member without a role or a type");
             };
-            let member = MemberRef {
-                kind: kind_of(kind?)?,
+            let element = ElementId {
+                kind: kind_of_member(kind?)?,
                 id: id?,
-                role: self.string(role?)?,
             };
-            self.members.push(member);
+            let role = self.string(role?)?;
+            self.members.push(MemberRef { element, role });
         }
-        if self.tags(&common)? {
-            let id = common.id as i64;
+        if self.read_tags(&common)? {
             self.visitor.relation(RelationRef {
-                id,
+                id: common.id as i64,
                 members: &self.members,
-                tags: Words(&self.words),
+                tags: TagsRef(&self.tags),
             });
         }
         Ok(())
     }
 
     /// Takes down the tags of an element, unless it is deleted.
-    fn tags(&mut self, common: &Common) -> Result<bool, Problem> {
+    fn read_tags(&mut self, common: &Common) -> Result<bool, Problem> {
         if common.deleted {
             self.visitor.deleted();
             return Ok(false);
         }
-        self.words.clear();
+        self.tags.clear();
         let mut values = common.values;
         for key in common.keys {
             let value = values.next().ok_or("a key without a value")??;
-            let word = (self.string(key?)?, self.string(value)?);
-            self.words.push(word);
+            let tag = TagRef {
+                key: self.string(key?)?,
+                value: self.string(value)?,
+            };
+            self.tags.push(tag);
         }
         Ok(true)
     }
@@ -296,8 +302,8 @@ impl<'b, V> Reader<'b, V> {
 fn is_deleted(info: &[u8]) -> Result<bool, Problem> {
     let mut deleted = false;
     for field in Fields(info) {
-        if let (6, visible) = field? {
-            deleted = visible.number()? == 0;
+        if let Field { number: 6, value } = field? {
+            deleted = value.number()? == 0;
         }
     }
     Ok(deleted)
@@ -307,14 +313,23 @@ fn is_deleted(info: &[u8]) -> Result<bool, Problem> {
 fn dense_visible(info: &[u8]) -> Result<Numbers<'_>, Problem> {
     let mut visible = Numbers::default();
     for field in Fields(info) {
-        if let (6, row) = field? {
-            visible = Numbers(row.bytes()?);
+        if let Field { number: 6, value } = field? {
+            visible = Numbers(value.bytes()?);
         }
     }
     Ok(visible)
 }
 
-fn kind_of(number: u64) -> Result<ElementKind, Problem> {
+/// The kind of the elements in a field of a group.
+fn kind_of_group(field: u64) -> ElementKind {
+    match field {
+        1 | 2 => ElementKind::Node,
+        3 => ElementKind::Way,
+        _ => ElementKind::Relation,
+    }
+}
+
+fn kind_of_member(number: u64) -> Result<ElementKind, Problem> {
     match number {
         0 => Ok(ElementKind::Node),
         1 => Ok(ElementKind::Way),

@@ -17,9 +17,9 @@ use std::io::Read;
 
 use flate2::read::ZlibDecoder;
 
-use crate::error::{OsmError, Place};
-use crate::stream::Visitor;
-use wire::Fields;
+use crate::error::{OsmError, Place, Problem};
+use crate::visitor::Visitor;
+use wire::{Field, Fields};
 
 /// Neither blobs nor what they unpack to may be larger, says the format, nor may headers.
 const LARGEST_BLOB: u64 = 32 << 20;
@@ -46,8 +46,15 @@ pub(crate) fn read(bytes: &[u8], visitor: &mut impl Visitor) -> Result<(), OsmEr
     Ok(())
 }
 
-fn at(offset: usize, problem: impl Into<String>) -> OsmError {
+fn at(offset: usize, problem: impl Into<Problem>) -> OsmError {
     OsmError::malformed(Place::Byte(offset), problem)
+}
+
+fn cut_off(offset: usize, part: &str) -> OsmError {
+    at(
+        offset,
+        format!("the file ends within {part}; it is cut off, fetch it again"),
+    )
 }
 
 /// A blob as it stands in the file.
@@ -64,15 +71,9 @@ fn blobs(bytes: &[u8]) -> Result<Vec<Blob<'_>>, OsmError> {
     let mut rest = bytes;
     while !rest.is_empty() {
         let offset = bytes.len() - rest.len();
-        let cut = |part: &str| {
-            at(
-                offset,
-                format!("the file ends within {part}; it is cut off, fetch it again"),
-            )
-        };
         let (length, after) = rest
             .split_first_chunk()
-            .ok_or_else(|| cut("a blob header"))?;
+            .ok_or_else(|| cut_off(offset, "a blob header"))?;
         let length = u32::from_be_bytes(*length);
         if length > LARGEST_HEADER {
             return Err(at(
@@ -82,8 +83,8 @@ fn blobs(bytes: &[u8]) -> Result<Vec<Blob<'_>>, OsmError> {
         }
         let (header, after) = after
             .split_at_checked(length as usize)
-            .ok_or_else(|| cut("a blob header"))?;
-        let (kind, size) = read_header(header).map_err(|problem| at(offset, problem))?;
+            .ok_or_else(|| cut_off(offset, "a blob header"))?;
+        let Header { kind, size } = Header::read(header).map_err(|problem| at(offset, problem))?;
         if size > LARGEST_BLOB {
             return Err(at(
                 offset,
@@ -92,7 +93,7 @@ fn blobs(bytes: &[u8]) -> Result<Vec<Blob<'_>>, OsmError> {
         }
         let (blob, after) = after
             .split_at_checked(size as usize)
-            .ok_or_else(|| cut("this blob"))?;
+            .ok_or_else(|| cut_off(offset, "this blob"))?;
         blobs.push(Blob {
             offset,
             kind,
@@ -103,23 +104,34 @@ fn blobs(bytes: &[u8]) -> Result<Vec<Blob<'_>>, OsmError> {
     Ok(blobs)
 }
 
-/// Kind and size of the blob after a header.
-fn read_header(header: &[u8]) -> Result<(&[u8], u64), wire::Problem> {
-    let (mut kind, mut size) = (None, None);
-    for field in Fields(header) {
-        match field? {
-            (1, value) => kind = Some(value.bytes()?),
-            (3, value) => size = Some(value.number()?),
-            _ => {}
+/// What a header says of the blob behind it.
+struct Header<'a> {
+    kind: &'a [u8],
+    /// Bytes.
+    size: u64,
+}
+
+impl<'a> Header<'a> {
+    fn read(bytes: &'a [u8]) -> Result<Self, wire::Problem> {
+        let (mut kind, mut size) = (None, None);
+        for field in Fields(bytes) {
+            let Field { number, value } = field?;
+            match number {
+                1 => kind = Some(value.bytes()?),
+                3 => size = Some(value.number()?),
+                _ => {}
+            }
         }
+        let (Some(kind), Some(size)) = (kind, size) else {
+            return Err("a blob header without kind or size; this is not OSM PBF or it is damaged");
+        };
+        Ok(Self { kind, size })
     }
-    kind.zip(size)
-        .ok_or("a blob header without kind or size; this is not OSM PBF or it is damaged")
 }
 
 impl Blob<'_> {
     /// Unpacks into `buffer`, which is only room that need not be asked for anew.
-    fn read(&self, buffer: &mut Vec<u8>, visitor: &mut impl Visitor) -> Result<(), String> {
+    fn read(&self, buffer: &mut Vec<u8>, visitor: &mut impl Visitor) -> Result<(), Problem> {
         match self.kind {
             b"OSMHeader" => check_features(self.unpack(buffer)?),
             b"OSMData" => Ok(block::read(self.unpack(buffer)?, visitor)?),
@@ -127,15 +139,16 @@ impl Blob<'_> {
         }
     }
 
-    fn unpack<'b>(&self, buffer: &'b mut Vec<u8>) -> Result<&'b [u8], String>
+    fn unpack<'b>(&self, buffer: &'b mut Vec<u8>) -> Result<&'b [u8], Problem>
     where
         Self: 'b,
     {
         for field in Fields(self.bytes) {
-            match field? {
-                (1, raw) => return Ok(raw.bytes()?),
-                (3, packed) => return inflate(packed.bytes()?, buffer),
-                (4..=7, _) => {
+            let Field { number, value } = field?;
+            match number {
+                1 => return Ok(value.bytes()?),
+                3 => return inflate(value.bytes()?, buffer),
+                4..=7 => {
                     return Err(
                         "this blob is not compressed with zlib, which alone is supported".into(),
                     );
@@ -147,30 +160,33 @@ impl Blob<'_> {
     }
 }
 
-fn inflate<'b>(packed: &[u8], unpacked: &'b mut Vec<u8>) -> Result<&'b [u8], String> {
+fn inflate<'b>(packed: &[u8], unpacked: &'b mut Vec<u8>) -> Result<&'b [u8], Problem> {
     let largest = (LARGEST_RATIO * packed.len() as u64).clamp(ANY_BLOB, LARGEST_BLOB);
     unpacked.clear();
     let read = ZlibDecoder::new(packed)
         .take(largest + 1)
         .read_to_end(unpacked);
-    read.map_err(|error| format!("this blob cannot be unpacked: {error}"))?;
+    read.map_err(|error| Problem::caused("this blob cannot be unpacked", error))?;
     if unpacked.len() as u64 > largest {
+        let packed = packed.len();
         return Err(format!(
-            "this blob of {} bytes unpacks to more than {largest}; it is no map",
-            packed.len()
-        ));
+            "this blob of {packed} bytes unpacks to more than {largest}; it is no map"
+        )
+        .into());
     }
     Ok(unpacked)
 }
 
-fn check_features(header: &[u8]) -> Result<(), String> {
+fn check_features(header: &[u8]) -> Result<(), Problem> {
     for field in Fields(header) {
-        let (4, feature) = field? else { continue };
-        let feature = String::from_utf8_lossy(feature.bytes()?);
+        let Field { number: 4, value } = field? else {
+            continue;
+        };
+        let feature = String::from_utf8_lossy(value.bytes()?);
         if !KNOWN_FEATURES.contains(&feature.as_ref()) {
-            return Err(format!(
-                "the file needs the feature {feature}, which is not supported"
-            ));
+            return Err(
+                format!("the file needs the feature {feature}, which is not supported").into(),
+            );
         }
     }
     Ok(())

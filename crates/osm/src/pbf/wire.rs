@@ -36,12 +36,20 @@ impl<'a> Value<'a> {
     }
 }
 
-/// The fields of a message, with their numbers. Nothing follows an error.
+/// A field of a message.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Field<'a> {
+    /// Which field of the message it is.
+    pub(super) number: u64,
+    pub(super) value: Value<'a>,
+}
+
+/// The fields of a message, in order. Nothing follows an error.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Fields<'a>(pub(super) &'a [u8]);
 
 impl<'a> Fields<'a> {
-    fn field(&mut self) -> Result<(u64, Value<'a>), Problem> {
+    fn field(&mut self) -> Result<Field<'a>, Problem> {
         let key = take_number(&mut self.0)?;
         if key >> 3 == 0 {
             return Err("a field with the number 0, which no field has");
@@ -56,12 +64,15 @@ impl<'a> Fields<'a> {
             5 => take(&mut self.0, 4).map(|_| Value::Fixed)?,
             _ => return Err("a field of unknown kind"),
         };
-        Ok((key >> 3, value))
+        Ok(Field {
+            number: key >> 3,
+            value,
+        })
     }
 }
 
 impl<'a> Iterator for Fields<'a> {
-    type Item = Result<(u64, Value<'a>), Problem>;
+    type Item = Result<Field<'a>, Problem>;
 
     fn next(&mut self) -> Option<Self::Item> {
         if self.0.is_empty() {
@@ -144,14 +155,12 @@ mod tests {
     fn fields_are_read_in_turn() {
         let bytes = [0x08, 0x96, 0x01, 0x12, 2, b'h', b'i', 0x1D, 0, 0, 0, 0];
         let fields: Vec<_> = Fields(&bytes).collect();
-        assert_eq!(
-            fields,
-            [
-                Ok((1, Value::Number(150))),
-                Ok((2, Value::Bytes(b"hi"))),
-                Ok((3, Value::Fixed))
-            ]
-        );
+        let values = [Value::Number(150), Value::Bytes(b"hi"), Value::Fixed];
+        let expected: Vec<_> = (1..)
+            .zip(values)
+            .map(|(number, value)| Ok(Field { number, value }))
+            .collect();
+        assert_eq!(fields, expected);
     }
 
     #[test]

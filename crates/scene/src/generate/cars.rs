@@ -1,6 +1,7 @@
 //! Parked cars: along the kerb where the map allows it, and in car parks; never on a pavement, a path or before a door.
 
 use openbench_core::{MapPoint, Pose2};
+use openbench_osm::polygon::Segment;
 use openbench_osm::{Polygon, Road, Tags};
 use rand_pcg::Pcg64Mcg;
 
@@ -142,10 +143,8 @@ impl Site {
     }
 
     fn car_park(&mut self, polygon: &Polygon, rng: &mut Pcg64Mcg) {
-        let Some((a, b)) = polygon.sides().max_by(|s, t| s.0.distance(s.1).total_cmp(&t.0.distance(t.1)))
-        else {
-            return;
-        };
+        let longest = polygon.sides().max_by(|s, t| s.length().total_cmp(&t.length()));
+        let Some(Segment { start: a, end: b }) = longest else { return };
         let origin = Pose2::new(a.x, a.y, a.bearing_to(b));
         let reach =
             polygon.outer.iter().map(|p| origin.inverse_transform(*p).1).fold(0.0, f64::max).min(500.0);

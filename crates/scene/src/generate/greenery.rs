@@ -84,8 +84,8 @@ impl Site {
         for area in areas.iter().filter(is_wood).filter(|a| extent.meets(&a.polygon, BACKDROP)) {
             let mut rng = stream(self.seed, Purpose::Tree, super::element_number(area.element) | 1 << 63);
             let conifers = if area.tags.is("leaf_type", "needleleaved") { 0.9 } else { 0.2 };
-            let (low, high) = area.polygon.bounds();
-            let (low, high) = (self.nearby(low), self.nearby(high));
+            let bounds = area.polygon.bounds();
+            let (low, high) = (self.nearby(bounds.low), self.nearby(bounds.high));
             let wanted = ((high.x - low.x) * (high.y - low.y) / AREA_OF_WOOD_TREE) as usize;
             for _ in 0..wanted.min(left) {
                 let p = MapPoint::new(between(&mut rng, low.x, high.x), between(&mut rng, low.y, high.y));

@@ -58,6 +58,7 @@ mod windows;
 use std::collections::BTreeMap;
 
 use openbench_core::{Georeference, MapPoint, Pose2};
+use openbench_osm::polygon::Bounds;
 use openbench_osm::{ElementKind, OsmData, OsmMap, Polygon, Tags, without_doors};
 
 pub use builtin::{builtin, builtin_georeference, builtin_map, builtin_names};
@@ -286,7 +287,8 @@ fn generate_within(
     let lanes = Lanes::new(&map.roads, |_| true);
     let kerbs = water::kerbs((&map, &lanes), &sea, (&clearance, extent));
     let standing = barriers::standing(&map, &lanes).into_iter().chain(kerbs.iter().copied());
-    let walls = map.buildings.iter().flat_map(|b| b.polygon.sides()).chain(standing);
+    let walls = map.buildings.iter().flat_map(|b| b.polygon.sides());
+    let walls = walls.map(|wall| (wall.start, wall.end)).chain(standing);
     let start = start::choose(&map, (&clearance, extent), (&doorways, walls), options)?;
     clearance.add_start(start.point());
     warnings.extend(report(&map));
@@ -409,7 +411,7 @@ impl Extent {
 
     /// Whether a polygon may have something in common with the rectangle grown by `margin` metres.
     fn meets(self, polygon: &Polygon, margin: f64) -> bool {
-        let (low, high) = polygon.bounds();
+        let Bounds { low, high } = polygon.bounds();
         let (min, max) = (self.min, self.max);
         low.x <= max.x + margin
             && high.x >= min.x - margin

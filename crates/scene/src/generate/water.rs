@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 
 use openbench_core::{MapPoint, Pose2};
+use openbench_osm::polygon::Segment;
 use openbench_osm::{OsmMap, Polygon, Tags};
 
 use super::barriers::{GATE_MARGIN, between_gates};
@@ -68,7 +69,7 @@ fn shores(
     let lakes = map.areas.iter().filter(|a| is_water(&a.tags)).map(|a| &a.polygon);
     let waters = sea.iter().chain(lakes.filter(|p| extent.meets(p, GROUND_MARGIN)));
     let mut found = Vec::new();
-    for (a, b) in waters.flat_map(Polygon::sides) {
+    for Segment { start: a, end: b } in waters.flat_map(Polygon::sides) {
         let Some((from, to)) = inside(a, b, world) else { continue };
         let (a, b) = (along(a, b, from), along(a, b, to));
         let pieces = ((a.distance(b) / LONGEST).ceil() as usize).max(1);

@@ -161,7 +161,8 @@ impl Mission {
         let half_view = self.robot.camera_intrinsics.horizontal_fov / 2.0;
         [-0.7, 0.0, 0.7].iter().any(|side| {
             let end = pose.point().offset(pose.yaw + side * half_view, GLANCE.1);
-            map.buildings[building].polygon.sides().any(|(a, b)| cross_each_other(pose.point(), end, a, b))
+            let mut walls = map.buildings[building].polygon.sides();
+            walls.any(|wall| cross_each_other(pose.point(), end, wall.start, wall.end))
         })
     }
 
