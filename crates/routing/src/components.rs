@@ -2,12 +2,14 @@
 //!
 //! R. Tarjan, *Depth-first search and linear graph algorithms*, 1972.
 
-use crate::metric::Metric;
+use crate::costs::Costs;
 use crate::overlay::{Arcs, FAR, NONE};
 use crate::roads::Roads;
+use crate::search::Searched;
+use crate::turns::TurnGraph;
 
 /// A part of so many states is large, whatever else there is.
-const LARGE: usize = 1000;
+const LARGE_STATES: usize = 1000;
 
 /// The component of each edge.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -19,34 +21,37 @@ pub struct Components {
 }
 
 impl Components {
-    /// The components of a metric.
-    pub fn new(roads: &Roads, metric: &Metric) -> Self {
-        let graph = metric.searched(roads);
+    /// The components of a graph with the costs that its weights were made from. `turns` are the
+    /// states of the graph, if these are directed edges.
+    pub fn new(
+        roads: &Roads,
+        costs: &Costs<'_>,
+        turns: Option<&TurnGraph>,
+        graph: Searched<'_>,
+    ) -> Self {
         let of_state = strong_components(&graph.overlay.out, &graph.weights.out);
-        let mut sizes = vec![0_usize; of_state.iter().max().map_or(0, |last| *last as usize + 1)];
-        of_state
-            .iter()
-            .for_each(|component| sizes[*component as usize] += 1);
+        let sizes = sizes(&of_state);
         let largest = sizes.iter().max().map_or(0, |size| *size);
         let large = sizes
             .iter()
-            .map(|size| *size >= largest.min(LARGE))
+            .map(|size| *size >= largest.min(LARGE_STATES))
             .collect();
+        let of_directed = |directed: u32| match turns {
+            Some(turns) => {
+                let components = turns
+                    .states_of(directed)
+                    .map(|state| of_state[state as usize]);
+                components.max_by_key(|component| sizes[*component as usize])
+            }
+            None => of_side(roads, costs, &of_state, directed),
+        };
         let of_edge = (0..roads.network.edge_count() as u32).map(|edge| {
             let sides = [2 * edge, 2 * edge + 1];
             let open = sides
                 .into_iter()
-                .filter(|directed| metric.edges[*directed as usize].is_open());
-            let component = |directed: u32| match &metric.turns {
-                Some(turns) => {
-                    let components = turns
-                        .states_of(directed)
-                        .map(|state| of_state[state as usize]);
-                    components.max_by_key(|component| sizes[*component as usize])
-                }
-                None => of_side(roads, metric, &of_state, directed),
-            };
-            open.filter_map(component)
+                .filter(|side| costs.edges[*side as usize].is_open());
+            let components = open.filter_map(of_directed);
+            components
                 .max_by_key(|component| sizes[*component as usize])
                 .unwrap_or(NONE)
         });
@@ -68,13 +73,23 @@ impl Components {
     }
 }
 
-/// The component that an open directed edge can be entered from and left to.
-fn of_side(roads: &Roads, metric: &Metric, of_vertex: &[u32], directed: u32) -> Option<u32> {
+/// For each component the number of its states.
+fn sizes(of_state: &[u32]) -> Vec<usize> {
+    let count = of_state.iter().max().map_or(0, |last| *last as usize + 1);
+    let mut sizes = vec![0; count];
+    for component in of_state {
+        sizes[*component as usize] += 1;
+    }
+    sizes
+}
+
+/// The component from which an open directed edge can be entered and to which it leads.
+fn of_side(roads: &Roads, costs: &Costs<'_>, of_vertex: &[u32], directed: u32) -> Option<u32> {
     let [from, to] = roads.network.ends(directed);
     let component = of_vertex[from as usize];
-    let passed = |vertex: u32| metric.vertices[vertex as usize].weight() < FAR;
-    let onwards = passed(to) && of_vertex[to as usize] == component;
-    let back = metric.edges[(directed ^ 1) as usize].is_open() && passed(from);
+    let can_pass = |vertex: u32| costs.vertices[vertex as usize].weight() < FAR;
+    let onwards = can_pass(to) && of_vertex[to as usize] == component;
+    let back = costs.edges[(directed ^ 1) as usize].is_open() && can_pass(from);
     (onwards || back).then_some(component)
 }
 
@@ -168,6 +183,7 @@ impl Tarjan<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::overlay::Arc;
     use proptest::prelude::*;
 
     proptest! {
@@ -175,7 +191,7 @@ mod tests {
         fn states_are_together_if_each_reaches_the_other(
             edges in proptest::collection::vec((0_u32..12, 0_u32..12, any::<bool>()), 0..40),
         ) {
-            let arcs = Arcs::new(12, edges.iter().zip(0..).map(|((a, b, _), via)| (*a, *b, via)));
+            let arcs = Arcs::new(12, edges.iter().zip(0..).map(|((a, b, _), via)| Arc { from: *a, to: *b, via }));
             let weights: Vec<u32> = arcs.via.iter().map(|via| if edges[*via as usize].2 { 1 } else { FAR }).collect();
             let mut reaches = [[false; 12]; 12];
             (0..12).for_each(|i| reaches[i][i] = true);

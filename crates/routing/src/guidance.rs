@@ -1,42 +1,51 @@
-//! What to do on the way: where to turn, and onto which road.
+//! Turn-by-turn instructions: where to turn, and into which road.
 //!
-//! The words are those of OSRM's API (`StepManeuver`); when which of them is said follows its documentation, not its code.
+//! The terms are those of OSRM's API (`StepManeuver`). When each of them is used follows its
+//! documentation, not its code.
 
-use crate::geo::{Place, bearing, distance, turn};
+use std::ops::Range;
+
+use crate::bearings::{along, leaving, reaching};
+use crate::geo::turn;
 use crate::leg::{Leg, Line, Measures};
 use crate::metric::Metric;
+use crate::network::Network;
 use crate::roads::Roads;
 
-/// How far from a vertex the direction of an edge is taken, metres.
-const LOOK: f64 = 10.0;
-/// Turns by less than so many degrees go on along the road.
-const STRAIGHT: f64 = 40.0;
+/// Turns by less than this continue along the road, degrees.
+const STRAIGHT_DEG: f64 = 40.0;
+/// A road that is met at an angle in this range is met crosswise, degrees.
+const ACROSS_DEG: std::ops::RangeInclusive<f64> = 50.0..=130.0;
+/// Whoever keeps to a side at a fork turns by at least this much, degrees: [`modifier`] then says
+/// to which side.
+const LEAST_FORK_DEG: f64 = 20.0;
 
 /// What to do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Kind {
-    /// Set out.
+    /// Begin the route.
     Depart,
-    /// Be there.
+    /// The route has ended.
     Arrive,
     /// Turn into another road.
     Turn,
     /// Stay on the road although it turns.
     Continue,
-    /// Go on, the road changes its name.
+    /// Go straight on; the road changes its name.
     NewName,
-    /// Keep to one side where the road parts.
+    /// Keep to one side where the road forks.
     Fork,
     /// Turn where the road ends in another.
     EndOfRoad,
-    /// Drive round, and leave by an exit.
+    /// Enter a roundabout and leave it by an exit.
     Roundabout,
     /// Leave the roundabout.
     ExitRoundabout,
 }
 
 impl Kind {
-    /// OSRM's word.
+    /// OSRM's term.
     pub const fn word(self) -> &'static str {
         match self {
             Self::Depart => "depart",
@@ -52,174 +61,148 @@ impl Kind {
     }
 }
 
-/// OSRM's word for a turn by so many degrees, to the right above 0.
+/// OSRM's term for a turn by an angle in degrees, positive to the right.
 pub fn modifier(turn: f64) -> &'static str {
-    let right = turn > 0.0;
-    match turn.abs() {
-        size if size < 20.0 => "straight",
-        size if size < 40.0 => {
-            if right {
-                "slight right"
-            } else {
-                "slight left"
-            }
-        }
-        size if size < 120.0 => {
-            if right {
-                "right"
-            } else {
-                "left"
-            }
-        }
-        size if size < 170.0 => {
-            if right {
-                "sharp right"
-            } else {
-                "sharp left"
-            }
-        }
-        _ => "uturn",
-    }
+    let [right, left] = match turn.abs() {
+        size if size < 20.0 => ["straight"; 2],
+        size if size < 40.0 => ["slight right", "slight left"],
+        size if size < 120.0 => ["right", "left"],
+        size if size < 170.0 => ["sharp right", "sharp left"],
+        _ => ["uturn"; 2],
+    };
+    if turn > 0.0 { right } else { left }
 }
 
-/// A stretch of the way that needs one thing to be done at its beginning.
+/// A stretch of the route with one maneuver at its beginning.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Step {
-    /// What is done.
+    /// The maneuver.
     pub kind: Kind,
-    /// How; `None` on arrival and departure.
+    /// Its direction, see [`modifier`]; `None` on departure and arrival.
     pub modifier: Option<&'static str>,
-    /// Which exit of a roundabout is taken, from 1 on.
+    /// The exit by which a roundabout is left, from 1.
     pub exit: Option<usize>,
-    /// Directions before and after, degrees clockwise from north; 0 where there is none.
+    /// Directions before and after the maneuver, degrees clockwise from north; 0 where there is
+    /// none.
     pub bearings: [f64; 2],
-    /// The leg's edges that belong to it; none on arrival.
-    pub edges: std::ops::Range<usize>,
-    /// What they take.
+    /// The leg's edges that belong to the step; none on arrival.
+    pub edges: Range<usize>,
+    /// Their length, duration and weight.
     pub measures: Measures,
 }
 
-/// Where a directed edge that leaves a vertex leads.
+/// An edge that leaves a junction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Exit {
-    /// The edge.
+    /// The directed edge.
     pub directed: u32,
-    /// Degrees clockwise from north.
+    /// Its direction at the junction, degrees clockwise from north.
     pub bearing: f64,
-    /// Whether one may go there.
+    /// Whether it may be used.
     pub open: bool,
 }
 
-/// Directions of edges in a network.
+/// A maneuver where one edge follows another.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Maneuver {
+    kind: Kind,
+    /// Degrees, positive to the right.
+    turn: f64,
+}
+
+/// Gives instructions for routes of a profile.
 #[derive(Debug, Clone, Copy)]
 pub struct Guide<'a> {
     /// The network.
     pub roads: &'a Roads,
-    /// Who travels.
+    /// The profile's costs.
     pub metric: &'a Metric,
 }
 
 impl Guide<'_> {
-    /// The direction in which a directed edge leaves its first vertex.
-    pub fn leaving(&self, directed: u32) -> f64 {
-        let points = self.roads.network.edge_points(directed / 2);
-        if directed.is_multiple_of(2) {
-            look(points.iter())
-        } else {
-            look(points.iter().rev())
-        }
-    }
-
-    /// The direction in which a directed edge reaches its last vertex.
-    pub fn reaching(&self, directed: u32) -> f64 {
-        (self.leaving(directed ^ 1) + 180.0) % 360.0
-    }
-
-    /// All ways out of a vertex.
+    /// All edges that leave a vertex.
     pub fn exits(&self, vertex: u32) -> impl Iterator<Item = Exit> + '_ {
         let out = &self.roads.vertices.out;
         out.of(vertex).map(move |slot| self.exit(out.via[slot]))
     }
 
-    /// A directed edge as a way out of the vertex that it leaves.
+    /// A directed edge as an exit of the vertex that it leaves.
     pub fn exit(&self, directed: u32) -> Exit {
         let open = self.metric.edges[directed as usize].is_open();
         Exit {
             directed,
-            bearing: self.leaving(directed),
+            bearing: leaving(self.network(), directed),
             open,
         }
     }
 
-    fn name(&self, directed: u32) -> u32 {
-        self.roads.network.edges[directed as usize / 2].name
-    }
-
-    fn is_roundabout(&self, directed: u32) -> bool {
-        let network = &self.roads.network;
-        let is = |kind| {
-            network
-                .way_words
-                .is(network.edges[directed as usize / 2].class, "junction", kind)
-        };
-        self.metric.profile.turns().is_some() && (is("roundabout") || is("circular"))
-    }
-
-    /// The steps of a leg.
+    /// The steps of a leg, the last of which is the arrival.
     pub fn steps(&self, leg: &Leg, line: &Line) -> Vec<Step> {
-        let mut begun: Vec<(usize, Kind, Option<f64>)> = vec![(0, Kind::Depart, None)];
+        let mut begin = 0;
+        let mut maneuver = None;
+        let mut steps = Vec::new();
         for i in 1..leg.edges.len() {
-            if let Some((kind, turn)) = self.decision(leg.edges[i - 1], leg.edges[i]) {
-                begun.push((i, kind, Some(turn)));
+            if let Some(next) = self.maneuver(leg.edges[i - 1], leg.edges[i]) {
+                steps.push(self.step(leg, line, maneuver, begin..i));
+                (begin, maneuver) = (i, Some(next));
             }
         }
-        let ends = begun
-            .iter()
-            .skip(1)
-            .map(|(i, ..)| *i)
-            .chain([leg.edges.len()]);
-        let mut steps: Vec<Step> = begun
-            .iter()
-            .zip(ends)
-            .map(|((first, kind, turn), end)| {
-                let edges = *first..end;
-                let before = first
-                    .checked_sub(1)
-                    .map_or(0.0, |i| self.reaching(leg.edges[i]));
-                // The directions by which turns were told, which are also those of the junction's roads.
-                let after = match first {
-                    0 => look(line.part(edges.clone()).iter().copied()),
-                    _ => self.leaving(leg.edges[*first]),
-                };
-                Step {
-                    kind: *kind,
-                    modifier: turn.map(modifier),
-                    exit: (*kind == Kind::Roundabout)
-                        .then(|| self.exits_passed(leg, edges.clone()))
-                        .filter(|exits| *exits > 0),
-                    bearings: [before, after],
-                    measures: self.measures(leg, edges.clone()),
-                    edges,
-                }
-            })
-            .collect();
-        let last = line.part(leg.edges.len().saturating_sub(1)..leg.edges.len());
-        let before = (look(last.iter().rev().copied()) + 180.0) % 360.0;
-        let edges = leg.edges.len()..leg.edges.len();
-        let bearings = [if last.len() > 1 { before } else { 0.0 }, 0.0];
-        let measures = Measures::default();
-        steps.push(Step {
-            kind: Kind::Arrive,
-            modifier: None,
-            exit: None,
-            bearings,
-            edges,
-            measures,
-        });
+        steps.push(self.step(leg, line, maneuver, begin..leg.edges.len()));
+        steps.push(arrival(leg, line));
         steps
     }
 
-    fn measures(&self, leg: &Leg, edges: std::ops::Range<usize>) -> Measures {
+    fn network(&self) -> &Network {
+        &self.roads.network
+    }
+
+    /// The number of a directed edge's name.
+    fn name(&self, directed: u32) -> u32 {
+        self.network().edges[directed as usize / 2].name
+    }
+
+    /// Whether a directed edge is part of a roundabout, if the profile drives.
+    fn is_roundabout(&self, directed: u32) -> bool {
+        let class = self.network().edges[directed as usize / 2].class;
+        let has_junction = |kind| self.network().way_words.is(class, "junction", kind);
+        self.metric.profile.turns().is_some()
+            && (has_junction("roundabout") || has_junction("circular"))
+    }
+
+    /// The step of some of a leg's edges, which begins with a maneuver or is the departure.
+    fn step(
+        &self,
+        leg: &Leg,
+        line: &Line,
+        maneuver: Option<Maneuver>,
+        edges: Range<usize>,
+    ) -> Step {
+        let kind = maneuver.map_or(Kind::Depart, |maneuver| maneuver.kind);
+        let exits = match kind {
+            Kind::Roundabout => self.exits_passed(leg, edges.clone()),
+            _ => 0,
+        };
+        let before = match edges.start.checked_sub(1) {
+            None => 0.0,
+            Some(before) => reaching(self.network(), leg.edges[before]),
+        };
+        // The directions by which the turn was chosen, which are also those of the junction's
+        // roads. The route begins within an edge, whose line alone is known there.
+        let after = match edges.start {
+            0 => along(line.part(edges.clone()).iter().copied()),
+            first => leaving(self.network(), leg.edges[first]),
+        };
+        Step {
+            kind,
+            modifier: maneuver.map(|maneuver| modifier(maneuver.turn)),
+            exit: Some(exits).filter(|exits| *exits > 0),
+            bearings: [before, after],
+            measures: self.measures(leg, edges.clone()),
+            edges,
+        }
+    }
+
+    fn measures(&self, leg: &Leg, edges: Range<usize>) -> Measures {
         let all = edges.map(|i| leg.measures(self.roads, self.metric, i));
         all.fold(Measures::default(), |sum, edge| Measures {
             length: sum.length + edge.length,
@@ -228,82 +211,158 @@ impl Guide<'_> {
         })
     }
 
-    /// How many ways out of a roundabout are passed, with the one that is taken.
-    fn exits_passed(&self, leg: &Leg, edges: std::ops::Range<usize>) -> usize {
-        // The leg's own end is passed by nobody.
+    /// The number of a roundabout's exits up to the one that is taken.
+    fn exits_passed(&self, leg: &Leg, edges: Range<usize>) -> usize {
+        // The end of the leg is no exit.
         let passed = edges.filter(|i| i + 1 < leg.edges.len());
-        let ends = passed.map(|i| self.roads.network.ends(leg.edges[i])[1]);
-        ends.filter(|vertex| {
-            self.exits(*vertex)
-                .any(|exit| exit.open && !self.is_roundabout(exit.directed))
-        })
-        .count()
+        let ends = passed.map(|i| self.network().ends(leg.edges[i])[1]);
+        ends.filter(|vertex| self.has_exit_of_roundabout(*vertex))
+            .count()
     }
 
-    /// What is to be said where one directed edge follows another, and by how much one turns.
-    fn decision(&self, from: u32, to: u32) -> Option<(Kind, f64)> {
-        let reaching = self.reaching(from);
-        let angle = |exit: &Exit| turn(reaching, exit.bearing);
+    fn has_exit_of_roundabout(&self, vertex: u32) -> bool {
+        self.exits(vertex)
+            .any(|exit| exit.open && !self.is_roundabout(exit.directed))
+    }
+
+    /// The maneuver where one directed edge follows another; `None` if there is nothing to say.
+    fn maneuver(&self, from: u32, to: u32) -> Option<Maneuver> {
         if to == from ^ 1 {
-            return Some((Kind::Continue, 180.0));
+            return Some(Maneuver {
+                kind: Kind::Continue,
+                turn: 180.0,
+            });
         }
-        let vertex = self.roads.network.ends(from)[1];
-        let mut taken = turn(reaching, self.leaving(to));
+        let before = reaching(self.network(), from);
+        let taken = turn(before, leaving(self.network(), to));
         match (self.is_roundabout(from), self.is_roundabout(to)) {
-            (false, true) => return Some((Kind::Roundabout, taken)),
-            (true, false) => return Some((Kind::ExitRoundabout, taken)),
+            (false, true) => {
+                return Some(Maneuver {
+                    kind: Kind::Roundabout,
+                    turn: taken,
+                });
+            }
+            (true, false) => {
+                return Some(Maneuver {
+                    kind: Kind::ExitRoundabout,
+                    turn: taken,
+                });
+            }
             (true, true) => return None,
             (false, false) => {}
         }
-        let others: Vec<Exit> = self
-            .exits(vertex)
+        let exits = self.exits(self.network().ends(from)[1]);
+        let others: Vec<Exit> = exits
             .filter(|exit| exit.open && exit.directed != to && exit.directed != from ^ 1)
             .collect();
-        let (name, before) = (self.name(to), self.name(from));
-        let renamed = (name != before).then_some((Kind::NewName, taken));
         if others.is_empty() {
-            return renamed.filter(|_| name != 0);
+            return self.new_name(from, to, taken);
         }
-        let straight = |exit: &&Exit| angle(exit).abs() < STRAIGHT;
-        if taken.abs() < STRAIGHT {
-            let obvious =
-                |exit: &Exit| name == before && name != 0 && self.name(exit.directed) != name;
-            let Some(other) = others.iter().find(|exit| straight(exit) && !obvious(exit)) else {
-                return renamed.filter(|_| name != 0);
-            };
-            // Both go on: one keeps to a side, however little it is.
-            let side = if taken > angle(other) { 1.0 } else { -1.0 };
-            if taken * side < 20.0 {
-                taken = 20.0 * side;
-            }
-            return Some((Kind::Fork, taken));
+        if taken.abs() < STRAIGHT_DEG {
+            return self.straight_on(from, to, taken, &others);
         }
-        let across = |angle: f64| (50.0..=130.0).contains(&angle.abs());
-        let ends = |exit: &Exit| across(angle(exit)) && angle(exit) * taken < 0.0;
-        let kind = if across(taken) && others.len() == 1 && others.iter().all(ends) {
+        let angles: Vec<f64> = others
+            .iter()
+            .map(|exit| turn(before, exit.bearing))
+            .collect();
+        let kind = if is_end_of_road(taken, &angles) {
             Kind::EndOfRoad
-        } else if name == before && name != 0 {
+        } else if self.keeps_name(from, to) {
             Kind::Continue
         } else {
             Kind::Turn
         };
-        Some((kind, taken))
+        Some(Maneuver { kind, turn: taken })
+    }
+
+    /// The maneuver at a junction with other exits that is passed nearly straight on.
+    fn straight_on(&self, from: u32, to: u32, taken: f64, others: &[Exit]) -> Option<Maneuver> {
+        let before = reaching(self.network(), from);
+        // An exit with another name is no rival of a road that keeps its name.
+        let is_obvious =
+            |exit: &Exit| self.keeps_name(from, to) && self.name(exit.directed) != self.name(to);
+        let angle = |exit: &Exit| turn(before, exit.bearing);
+        let rival = others
+            .iter()
+            .find(|exit| angle(exit).abs() < STRAIGHT_DEG && !is_obvious(exit));
+        let Some(rival) = rival else {
+            return self.new_name(from, to, taken);
+        };
+        // Both are nearly straight: keep to the side of the one that is taken.
+        let side = if taken > angle(rival) { 1.0 } else { -1.0 };
+        let is_clear = taken * side >= LEAST_FORK_DEG;
+        let turn = if is_clear {
+            taken
+        } else {
+            LEAST_FORK_DEG * side
+        };
+        Some(Maneuver {
+            kind: Kind::Fork,
+            turn,
+        })
+    }
+
+    /// Says that the road changes its name, if it has a new one.
+    fn new_name(&self, from: u32, to: u32, taken: f64) -> Option<Maneuver> {
+        let name = self.name(to);
+        let is_new = name != self.name(from) && name != 0;
+        is_new.then_some(Maneuver {
+            kind: Kind::NewName,
+            turn: taken,
+        })
+    }
+
+    /// Whether both edges have the same name, and not none.
+    fn keeps_name(&self, from: u32, to: u32) -> bool {
+        self.name(to) == self.name(from) && self.name(to) != 0
     }
 }
 
-/// The direction from the first point to one some metres on.
-fn look(points: impl Iterator<Item = Place>) -> f64 {
-    let (mut first, mut last, mut length) = (None, None, 0.0);
-    for point in points {
-        let before = *last.get_or_insert(point);
-        first.get_or_insert(point);
-        length += distance(before, point);
-        last = Some(point);
-        if length >= LOOK {
-            break;
+/// Whether a road ends crosswise in another: the turn that is taken is one of its two directions,
+/// and the only other exit is the opposite one.
+fn is_end_of_road(taken: f64, others: &[f64]) -> bool {
+    let is_across = |angle: f64| ACROSS_DEG.contains(&angle.abs());
+    let is_opposite = |angle: &f64| is_across(*angle) && angle * taken < 0.0;
+    is_across(taken) && others.len() == 1 && others.iter().all(is_opposite)
+}
+
+fn arrival(leg: &Leg, line: &Line) -> Step {
+    let count = leg.edges.len();
+    let last = line.part(count.saturating_sub(1)..count);
+    let before = (along(last.iter().rev().copied()) + 180.0) % 360.0;
+    Step {
+        kind: Kind::Arrive,
+        modifier: None,
+        exit: None,
+        bearings: [if last.len() > 1 { before } else { 0.0 }, 0.0],
+        edges: count..count,
+        measures: Measures::default(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_size_of_a_turn_has_a_term() {
+        for (turn, expected) in [
+            (0.0, "straight"),
+            (-19.0, "straight"),
+            (20.0, "slight right"),
+            (-60.0, "left"),
+            (130.0, "sharp right"),
+            (180.0, "uturn"),
+        ] {
+            assert_eq!(modifier(turn), expected, "{turn}");
         }
     }
-    first
-        .zip(last)
-        .map_or(0.0, |(first, last)| bearing(first, last))
+
+    #[test]
+    fn a_road_ends_where_only_the_opposite_turn_is_left() {
+        assert!(is_end_of_road(90.0, &[-90.0]));
+        assert!(!is_end_of_road(90.0, &[0.0]));
+        assert!(!is_end_of_road(90.0, &[-90.0, 10.0]));
+        assert!(!is_end_of_road(150.0, &[-90.0]));
+    }
 }

@@ -44,7 +44,9 @@
 //!
 //! [`Router`] is the seam to agents.
 
+pub mod bearings;
 pub mod components;
+pub mod costs;
 pub mod geo;
 pub mod guidance;
 pub mod leg;

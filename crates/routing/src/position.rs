@@ -1,15 +1,16 @@
-//! Places on the network, and which of them a place off it stands for.
+//! Places on the network, and snapping: which of them stands for a place off the network.
 
-use crate::geo::{Place, distance};
+use crate::geo::{Place, bearing, distance, turn};
 use crate::metric::Metric;
 use crate::roads::Roads;
 use crate::tree::{Foot, Nearest};
 
-/// Feet that are so near to the nearest one count as the same place, metres.
-const SAME: f64 = 0.02;
+/// Feet this near to the nearest one count as the same place, metres.
+const SAME_M: f64 = 0.02;
 
-/// So many stretches of road are looked at before a place is nowhere: a bearing that no road has would be looked for on the whole map.
-const MOST: usize = 20_000;
+/// How many stretches of road are examined before a place counts as not found. Without a limit a
+/// bearing that no road has would be looked for on the whole map.
+const MOST_EXAMINED: usize = 20_000;
 
 /// A place on an edge.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,9 +19,9 @@ pub struct Position {
     pub edge: u32,
     /// The share of its length before the place, from 0 to 1.
     pub share: f64,
-    /// Its segment that the place is on.
+    /// Its segment on which the place is.
     pub segment: u32,
-    /// Where it is.
+    /// The place itself.
     pub place: Place,
     /// Metres from the place that was asked about.
     pub away: f64,
@@ -28,13 +29,29 @@ pub struct Position {
     pub open: [bool; 2],
 }
 
-/// What a place on the network must be like to stand for one off it.
+/// Which places on the network may stand for one off it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SnapOptions {
-    /// How far it may be, metres.
+    /// How far away they may be, metres.
     pub radius: f64,
-    /// In which direction one travels there, degrees clockwise from north, and how many degrees that may be off.
-    pub bearing: Option<(f64, f64)>,
+    /// In which directions one must be able to travel there; any, if there is none.
+    pub bearing: Option<BearingRange>,
+}
+
+/// Directions around a bearing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BearingRange {
+    /// Degrees clockwise from north.
+    pub bearing: f64,
+    /// The greatest difference to either side, degrees.
+    pub tolerance: f64,
+}
+
+impl BearingRange {
+    /// Whether a direction is in the range.
+    pub fn contains(&self, direction: f64) -> bool {
+        turn(self.bearing, direction).abs() <= self.tolerance
+    }
 }
 
 impl Default for SnapOptions {
@@ -46,47 +63,34 @@ impl Default for SnapOptions {
     }
 }
 
-/// Where a place off the network may be thought to be on it.
+/// The positions that may stand for a place off the network.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Snap {
-    /// The nearest place: on each edge that goes through it.
+    /// The nearest place: a position on each edge through it.
     pub nearest: Vec<Position>,
-    /// The same in a large component, if the nearest place is in none.
+    /// The nearest place in a large component, if the nearest one of all is in a small one.
     pub large: Vec<Position>,
 }
 
 impl Position {
-    fn new(roads: &Roads, foot: Foot) -> Self {
-        let points = roads.network.edge_points(foot.edge);
-        let segment = foot.segment as usize;
-        let (mut before, mut all) = (0.0, 0.0);
-        for (i, (a, b)) in points.pairs().enumerate() {
-            if i == segment {
-                before = all + foot.share * distance(a, b);
-            }
-            all += distance(a, b);
-        }
-        let share = if all > 0.0 {
-            (before / all).min(1.0)
-        } else {
-            0.0
-        };
-        // At its end a share is 1, whatever was lost in rounding.
-        let at_end = segment + 2 == points.len() && foot.share >= 1.0;
-        let share = if at_end { 1.0 } else { share };
-        let (edge, segment, place, away) = (foot.edge, foot.segment, foot.place, foot.away);
-        Self {
+    fn new(roads: &Roads, foot: Foot, open: [bool; 2]) -> Self {
+        let Foot {
             edge,
-            share,
             segment,
             place,
             away,
-            open: [true; 2],
+            ..
+        } = foot;
+        Self {
+            edge,
+            share: share_before(roads, foot),
+            segment,
+            place,
+            away,
+            open,
         }
     }
-}
 
-impl Position {
     /// The share of its edge before the place, in the direction in which the edge is travelled.
     pub fn share_before(&self, directed: u32) -> f64 {
         if directed.is_multiple_of(2) {
@@ -97,24 +101,43 @@ impl Position {
     }
 }
 
+/// The share of its edge's length before a foot.
+fn share_before(roads: &Roads, foot: Foot) -> f64 {
+    let points = roads.network.edge_points(foot.edge);
+    let segment = foot.segment as usize;
+    // At the edge's end the share is exactly 1, whatever rounding does.
+    if segment + 2 == points.len() && foot.share >= 1.0 {
+        return 1.0;
+    }
+    let (mut before, mut all) = (0.0, 0.0);
+    for (i, [a, b]) in points.pairs().enumerate() {
+        if i == segment {
+            before = all + foot.share * distance(a, b);
+        }
+        all += distance(a, b);
+    }
+    if all > 0.0 {
+        (before / all).min(1.0)
+    } else {
+        0.0
+    }
+}
+
 impl SnapOptions {
     /// In which directions a foot's segment may be travelled.
     fn open(&self, roads: &Roads, foot: &Foot) -> [bool; 2] {
-        let Some((bearing, range)) = self.bearing else {
+        let Some(range) = self.bearing else {
             return [true; 2];
         };
         let points = roads.network.edge_points(foot.edge);
-        let forward = crate::geo::bearing(
-            points.at(foot.segment as usize),
-            points.at(foot.segment as usize + 1),
-        );
-        [forward, forward + 180.0]
-            .map(|direction| crate::geo::turn(bearing, direction).abs() <= range)
+        let segment = foot.segment as usize;
+        let forward = bearing(points.at(segment), points.at(segment + 1));
+        [forward, forward + 180.0].map(|direction| range.contains(direction))
     }
 }
 
 impl Snap {
-    /// Where `place` is on the roads of a metric; nowhere if nothing is as the options say.
+    /// The positions of `place` on the roads of a metric. None, if no position fits the options.
     pub fn new(
         roads: &Roads,
         metric: &Metric,
@@ -122,18 +145,18 @@ impl Snap {
         options: &SnapOptions,
         memory: &mut Nearest,
     ) -> Self {
+        let is_large = |edge| metric.components.is_large(edge);
         let nearest = nearest(roads, metric, place, options, memory, |_| true);
-        let in_large = |position: &Position| metric.components.is_large(position.edge);
-        let large = if nearest.is_empty() || nearest.iter().any(in_large) {
-            Vec::new()
-        } else {
-            nearest_large(roads, metric, place, options, memory)
+        let suffices = nearest.is_empty() || nearest.iter().any(|position| is_large(position.edge));
+        let large = match suffices {
+            true => Vec::new(),
+            false => self::nearest(roads, metric, place, options, memory, is_large),
         };
         Self { nearest, large }
     }
 
-    /// Whether all of a route's places can be where they are nearest, although none of these is in a large component: all are in the same
-    /// small one.
+    /// Whether all of a route's places can stay where they are nearest although none of these is
+    /// in a large component: all are in the same small one.
     pub fn small_will_do(snaps: &[Self], metric: &Metric) -> bool {
         let component = |snap: &Self| {
             let first = snap.nearest.first().filter(|_| !snap.large.is_empty())?;
@@ -152,7 +175,8 @@ impl Snap {
         }
     }
 
-    /// Where to begin or end: if `small` places will do, the nearest one, or else the nearest in a large component.
+    /// Where to begin or end: if small components will do, at the nearest place, else at the
+    /// nearest place in a large component.
     pub fn positions(&self, small: bool) -> &[Position] {
         if small || self.large.is_empty() {
             &self.nearest
@@ -162,66 +186,69 @@ impl Snap {
     }
 }
 
-fn nearest_large(
-    roads: &Roads,
-    metric: &Metric,
-    place: Place,
-    options: &SnapOptions,
-    memory: &mut Nearest,
-) -> Vec<Position> {
-    nearest(roads, metric, place, options, memory, |edge| {
-        metric.components.is_large(edge)
-    })
-}
-
-/// The nearest place, on each usable edge that goes through it.
+/// The nearest place, on each usable edge through it.
 fn nearest(
     roads: &Roads,
     metric: &Metric,
     place: Place,
     options: &SnapOptions,
     memory: &mut Nearest,
-    usable: impl Fn(u32) -> bool,
+    is_usable: impl Fn(u32) -> bool,
 ) -> Vec<Position> {
-    let (mut found, mut looked_at): (Vec<Position>, usize) = (Vec::new(), 0);
-    let usable = |edge| metric.is_open(edge) && usable(edge);
+    let (mut found, mut examined): (Vec<Position>, usize) = (Vec::new(), 0);
+    let is_usable = |edge| metric.is_open(edge) && is_usable(edge);
     roads.segments.nearest(
         &roads.network,
         place,
         options.radius,
         memory,
-        usable,
+        is_usable,
         |foot| {
             let first = found.first();
-            if first.is_some_and(|first| foot.away > first.away + SAME) {
+            if first.is_some_and(|first| foot.away > first.away + SAME_M) {
                 return false;
             }
-            looked_at += 1;
-            let same = first.is_none_or(|first| distance(first.place, foot.place) < SAME);
-            let bearings = options.open(roads, &foot);
-            let open =
-                [0, 1].map(|i| bearings[i] && metric.edges[2 * foot.edge as usize + i].is_open());
-            if same && open != [false; 2] {
-                let position = Position {
-                    open,
-                    ..Position::new(roads, foot)
-                };
-                let known = |p: &Position| p.edge == position.edge && p.share == position.share;
-                if !found.iter().any(known) {
+            examined += 1;
+            let is_same = first.is_none_or(|first| distance(first.place, foot.place) < SAME_M);
+            let open = open_directions(roads, metric, options, &foot);
+            if is_same && open != [false; 2] {
+                let position = Position::new(roads, foot, open);
+                let is_known = found
+                    .iter()
+                    .any(|known| known.edge == position.edge && known.share == position.share);
+                if !is_known {
                     found.push(position);
                 }
             }
-            looked_at < MOST
+            examined < MOST_EXAMINED
         },
     );
-    // Where a public road and private ground meet, one is on the road.
-    let public = |p: &Position| {
-        (0..2).any(|i| p.open[i] && !metric.edges[2 * p.edge as usize + i].ends_only())
-    };
-    if found.iter().any(public) {
-        found.retain(public);
-    }
+    keep_public(metric, &mut found);
     found
+}
+
+/// Where a public road and private ground meet, the place is on the road.
+fn keep_public(metric: &Metric, positions: &mut Vec<Position>) {
+    let is_public = |position: &Position| {
+        (0..2).any(|side| {
+            let cost = metric.edges[2 * position.edge as usize + side];
+            position.open[side] && !cost.ends_only()
+        })
+    };
+    if positions.iter().any(is_public) {
+        positions.retain(is_public);
+    }
+}
+
+/// In which directions a foot's edge may be travelled, by the options and the profile.
+fn open_directions(
+    roads: &Roads,
+    metric: &Metric,
+    options: &SnapOptions,
+    foot: &Foot,
+) -> [bool; 2] {
+    let bearings = options.open(roads, foot);
+    [0, 1].map(|side| bearings[side] && metric.edges[2 * foot.edge as usize + side].is_open())
 }
 
 /// The nearest places on different stretches of road, nearest first, `count` at most.
@@ -233,27 +260,37 @@ pub fn several(
     options: &SnapOptions,
     memory: &mut Nearest,
 ) -> Vec<Position> {
-    let (mut found, mut looked_at) = (Vec::new(), 0);
-    let usable = |edge| metric.is_open(edge);
+    let (mut found, mut examined): (Vec<Position>, usize) = (Vec::new(), 0);
+    let is_usable = |edge| metric.is_open(edge);
     roads.segments.nearest(
         &roads.network,
         place,
         options.radius,
         memory,
-        usable,
+        is_usable,
         |foot| {
-            let bearings = options.open(roads, &foot);
-            let open =
-                [0, 1].map(|i| bearings[i] && metric.edges[2 * foot.edge as usize + i].is_open());
-            if open != [false; 2] && found.iter().all(|p: &Position| p.edge != foot.edge) {
-                found.push(Position {
-                    open,
-                    ..Position::new(roads, foot)
-                });
+            let open = open_directions(roads, metric, options, &foot);
+            if open != [false; 2] && found.iter().all(|known| known.edge != foot.edge) {
+                found.push(Position::new(roads, foot, open));
             }
-            looked_at += 1;
-            found.len() < count && looked_at < MOST
+            examined += 1;
+            found.len() < count && examined < MOST_EXAMINED
         },
     );
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bearings_are_compared_across_north() {
+        let range = BearingRange {
+            bearing: 350.0,
+            tolerance: 20.0,
+        };
+        assert!(range.contains(5.0) && range.contains(330.0) && range.contains(365.0));
+        assert!(!range.contains(15.0) && !range.contains(170.0));
+    }
 }

@@ -1,138 +1,182 @@
-//! Turns that are not allowed, and what must be remembered to know it.
+//! Turns that are not allowed, and what a traveller must remember to know it.
 //!
-//! Most restrictions are about two roads: who comes `from` one must not turn `to` the other, or to no other. Some have ways in between. Whether one
-//! may turn off the last of these depends on where one came from, so that a traveller is not just on an edge, but on an edge *and* behind others: a
-//! *row* of edges with which a restriction begins. A traveller is always in the longest such row that ends with the edges travelled last, as in
-//! A. Aho, M. Corasick, *Efficient string matching*, 1975.
+//! Most turn restrictions are about two roads: coming `from` one, a traveller must not turn `to`
+//! the other, or to no other. Some have ways in between. Whether one may turn off the last of these
+//! depends on the roads before it. A state of a search is then not just an edge, but an edge
+//! *together with* the edges before it: a *prefix* of a restriction, two edges or more. A traveller
+//! is always in the longest prefix that ends with the edges travelled last, as in A. Aho,
+//! M. Corasick, *Efficient string matching*, 1975.
 
+use std::cmp::Reverse;
+use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap, HashSet, VecDeque};
 
 use crate::network::{Network, Restriction};
 use crate::overlay::NONE;
-use crate::profile::Profile;
+use crate::profile::{Profile, RestrictionKind};
 
-/// Edges that the ways in between may be made of, and pairs of edges that one restriction may be about.
-const MOST: usize = 64;
-/// Edges that are looked at for all restrictions by ways together: a hundred each, on a map of a hundred thousand of them.
-const WORK: usize = 10_000_000;
+/// The most edges that the ways in between may consist of, and the most pairs of edges that one
+/// restriction may be about.
+const MOST_EDGES: usize = 64;
+/// The most edges that are examined for all restrictions by ways together: a hundred each, on a map
+/// with a hundred thousand of them.
+const MOST_WORK: usize = 10_000_000;
 
 /// What may not be travelled one after another.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Restrictions {
-    /// By the last edge of their rows.
+    /// By the last edge of what must have been travelled.
     rules: HashMap<u32, Vec<Rule>>,
-    /// Rows of two edges and more, in order.
-    rows: Vec<Vec<u32>>,
-    /// By their last edges: the numbers of rows, the longest first.
+    /// Prefixes of two edges or more, in order.
+    prefixes: Vec<Vec<u32>>,
+    /// By their last edges: the numbers of prefixes, the longest first.
     ending: HashMap<u32, Vec<u32>>,
-    /// Restrictions that no edges of the network were found for, or too many.
+    /// Restrictions for which no edges of the network were found, or too many.
     pub(crate) odd: usize,
 }
 
+/// What holds for a traveller who has come along certain edges.
 #[derive(Debug, Clone)]
 struct Rule {
-    /// Whoever has travelled these directed edges
-    row: Vec<u32>,
-    /// must not go on along one of these, or if `only`, along no other.
+    /// The directed edges that were travelled last.
+    travelled: Vec<u32>,
+    /// Directed edges that follow.
     to: Vec<u32>,
-    only: bool,
+    /// Whether these are forbidden, or all others.
+    kind: RestrictionKind,
+}
+
+impl Rule {
+    fn forbids(&self, to: u32) -> bool {
+        let is_named = self.to.contains(&to);
+        match self.kind {
+            RestrictionKind::Forbidden => is_named,
+            // U-turns are not what such restrictions are about.
+            RestrictionKind::Only => !is_named && Some(&(to ^ 1)) != self.travelled.last(),
+        }
+    }
 }
 
 impl Restrictions {
-    /// What the restrictions of a network say to a profile, to which some directed edges are open.
-    pub(crate) fn new(network: &Network, profile: &Profile, open: &dyn Fn(u32) -> bool) -> Self {
-        let mut finder = Finder::new(network, open);
-        let (mut found, mut odd) = (BTreeMap::<(Vec<u32>, bool), Vec<u32>>::new(), 0);
+    /// The restrictions of a network that bind a profile. `is_open` says which directed edges the
+    /// profile may use.
+    pub(crate) fn new(network: &Network, profile: &Profile, is_open: &dyn Fn(u32) -> bool) -> Self {
+        let mut finder = Finder::new(network, is_open);
+        let mut found: BTreeMap<(Vec<u32>, RestrictionKind), Vec<u32>> = BTreeMap::new();
+        let mut odd = 0;
         let mut via_ways: &[i64] = &network.via_ways;
         for restriction in network.restrictions.iter() {
-            let (ways, rest) = via_ways.split_at((restriction.ways as usize).min(via_ways.len()));
+            let count = (restriction.ways as usize).min(via_ways.len());
+            let (ways, rest) = via_ways.split_at(count);
             via_ways = rest;
-            let words = network.restriction_words.get(restriction.words);
-            let Some(only) = profile.restricts(&words) else {
+            let tags = network.restriction_words.get(restriction.words);
+            let Some(kind) = profile.restricts(&tags) else {
                 continue;
             };
-            let rows = finder.rows(restriction, ways);
-            odd += usize::from(rows.is_none());
-            for (row, to) in rows.into_iter().flatten() {
-                found.entry((row, only)).or_default().push(to);
+            let turns = finder.turns(restriction, ways);
+            odd += usize::from(turns.is_none());
+            for Turn { travelled, to } in turns.into_iter().flatten() {
+                found.entry((travelled, kind)).or_default().push(to);
             }
         }
         let mut all = Self {
             odd,
             ..Self::default()
         };
-        let mut rows = Vec::new();
-        for ((row, only), to) in found {
-            rows.extend((2..=row.len()).map(|length| row[..length].to_vec()));
-            all.rules
-                .entry(row[row.len() - 1])
-                .or_default()
-                .push(Rule { row, to, only });
+        for ((travelled, kind), to) in found {
+            let prefixes = (2..=travelled.len()).map(|length| travelled[..length].to_vec());
+            all.prefixes.extend(prefixes);
+            let rules = all.rules.entry(last_of(&travelled)).or_default();
+            rules.push(Rule {
+                travelled,
+                to,
+                kind,
+            });
         }
-        rows.sort_unstable();
-        rows.dedup();
-        for (number, row) in (0..).zip(&rows) {
-            all.ending
-                .entry(row[row.len() - 1])
-                .or_default()
-                .push(number);
-        }
-        for numbers in all.ending.values_mut() {
-            numbers.sort_by_key(|number| std::cmp::Reverse(rows[*number as usize].len()));
-        }
-        Self { rows, ..all }
+        all.number_prefixes();
+        all
     }
 
-    /// The rows that end with a directed edge, the longest first.
+    /// Sorts the prefixes, and finds those that end with each edge.
+    fn number_prefixes(&mut self) {
+        self.prefixes.sort_unstable();
+        self.prefixes.dedup();
+        for (number, prefix) in (0..).zip(&self.prefixes) {
+            self.ending.entry(last_of(prefix)).or_default().push(number);
+        }
+        for numbers in self.ending.values_mut() {
+            numbers.sort_by_key(|number| Reverse(self.prefixes[*number as usize].len()));
+        }
+    }
+
+    /// The numbers of the prefixes that end with a directed edge, the longest first.
     pub(crate) fn ending(&self, directed: u32) -> &[u32] {
         self.ending.get(&directed).map_or(&[], Vec::as_slice)
     }
 
-    /// The directed edges of a row.
-    pub(crate) fn row(&self, number: u32) -> &[u32] {
-        &self.rows[number as usize]
+    /// The directed edges of a prefix.
+    pub(crate) fn prefix(&self, number: u32) -> &[u32] {
+        &self.prefixes[number as usize]
     }
 
-    /// Whether one who has travelled a row of directed edges may not go on along another.
+    /// Whether a traveller who has come along some directed edges may not continue along another.
     pub(crate) fn forbid(&self, travelled: &[u32], to: u32) -> bool {
-        let last = travelled[travelled.len() - 1];
-        let rules = self.rules.get(&last).map_or(&[][..], Vec::as_slice);
-        rules
+        let rules = self
+            .rules
+            .get(&last_of(travelled))
+            .map_or(&[][..], Vec::as_slice);
+        let mut matching = rules
             .iter()
-            .filter(|rule| travelled.ends_with(&rule.row))
-            .any(|rule| {
-                let named = rule.to.contains(&to);
-                if rule.only {
-                    !named && to != last ^ 1
-                } else {
-                    named
-                }
-            })
+            .filter(|rule| travelled.ends_with(&rule.travelled));
+        matching.any(|rule| rule.forbids(to))
     }
 
-    /// The row that one is in who has travelled a row of directed edges and goes on along another; [`NONE`] if in none of two or more.
+    /// The number of the prefix in which a traveller is who has come along some directed edges and
+    /// continues along another; [`NONE`] if in none of two edges or more.
     pub(crate) fn next(&self, travelled: &[u32], to: u32) -> u32 {
         let fits = |number: &&u32| {
-            let row = self.row(**number);
-            travelled.ends_with(&row[..row.len() - 1])
+            let prefix = self.prefix(**number);
+            travelled.ends_with(&prefix[..prefix.len() - 1])
         };
         self.ending(to).iter().find(fits).copied().unwrap_or(NONE)
     }
 }
 
-/// Finds the edges of ways that restrictions are about.
+/// The last of one directed edge or more.
+fn last_of(edges: &[u32]) -> u32 {
+    edges[edges.len() - 1]
+}
+
+/// A turn that a restriction is about.
+#[derive(Debug, Clone)]
+struct Turn {
+    /// The directed edges that are travelled before.
+    travelled: Vec<u32>,
+    /// The directed edge after the turn.
+    to: u32,
+}
+
+/// A directed edge of a way at a node.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct EdgeAtNode {
+    way: i64,
+    node: i64,
+    directed: u32,
+}
+
+/// Finds the edges of the ways that restrictions are about.
 struct Finder<'a> {
     network: &'a Network,
-    /// Way, the node at the end of one of its directed edges, and that edge.
-    reaching: Vec<(i64, i64, u32)>,
-    /// The same by the node at the beginning, for ways in between.
-    leaving: Vec<(i64, i64, u32)>,
-    /// How much may still be looked at.
+    /// Edges of the first and the last ways, at the nodes where they end. Sorted.
+    reaching: Vec<EdgeAtNode>,
+    /// Open edges of the ways in between, at the nodes where they begin. Sorted.
+    leaving: Vec<EdgeAtNode>,
+    /// How many edges may still be examined.
     work: usize,
 }
 
 impl<'a> Finder<'a> {
-    fn new(network: &'a Network, open: &dyn Fn(u32) -> bool) -> Self {
+    fn new(network: &'a Network, is_open: &dyn Fn(u32) -> bool) -> Self {
         let ends: HashSet<i64> = network
             .restrictions
             .iter()
@@ -140,15 +184,23 @@ impl<'a> Finder<'a> {
             .collect();
         let between: HashSet<i64> = network.via_ways.iter().copied().collect();
         let (mut reaching, mut leaving) = (Vec::new(), Vec::new());
-        for (edge, way) in (0..).zip(network.ways.iter()) {
-            let directed = [2 * edge, 2 * edge + 1];
-            let nodes = directed.map(|d| network.ends(d).map(|v| network.vertex_nodes[v as usize]));
-            for (directed, [from, to]) in directed.into_iter().zip(nodes) {
-                if ends.contains(way) {
-                    reaching.push((*way, to, directed));
+        for (edge, &way) in (0..).zip(network.ways.iter()) {
+            for directed in [2 * edge, 2 * edge + 1] {
+                let vertices = network.ends(directed);
+                let [from, to] = vertices.map(|vertex| network.vertex_nodes[vertex as usize]);
+                if ends.contains(&way) {
+                    reaching.push(EdgeAtNode {
+                        way,
+                        node: to,
+                        directed,
+                    });
                 }
-                if between.contains(way) && open(directed) {
-                    leaving.push((*way, from, directed));
+                if between.contains(&way) && is_open(directed) {
+                    leaving.push(EdgeAtNode {
+                        way,
+                        node: from,
+                        directed,
+                    });
                 }
             }
         }
@@ -158,85 +210,104 @@ impl<'a> Finder<'a> {
             network,
             reaching,
             leaving,
-            work: WORK,
+            work: MOST_WORK,
         }
     }
 
-    /// Rows of directed edges and the edge that a restriction says something about behind each; `None` if there are none, or too many.
-    fn rows(&mut self, restriction: &Restriction, ways: &[i64]) -> Option<Vec<(Vec<u32>, u32)>> {
-        let mut rows = Vec::new();
-        if ways.is_empty() {
-            for from in at(&self.reaching, restriction.from, restriction.via) {
-                rows.extend(
-                    self.turns_into(restriction.to, restriction.via)
-                        .map(|to| (vec![from], to))
-                        .take(MOST),
-                );
-                if rows.len() >= MOST {
-                    return None;
-                }
-            }
+    /// The turns that a restriction is about; `None` if there are none, or too many.
+    fn turns(&mut self, restriction: &Restriction, ways: &[i64]) -> Option<Vec<Turn>> {
+        let turns = if ways.is_empty() {
+            self.turns_at_node(restriction)?
         } else {
-            let first = self
-                .reaching
-                .partition_point(|(way, ..)| *way < restriction.from);
-            for i in first..self.reaching.len() {
-                let (way, node, from) = self.reaching[i];
-                if way != restriction.from {
-                    break;
-                }
-                self.work = self.work.checked_sub(ways.len())?;
-                self.through(restriction, ways, node, from, &mut rows)?;
+            self.turns_after_ways(restriction, ways)?
+        };
+        Some(turns).filter(|turns| !turns.is_empty())
+    }
+
+    fn turns_at_node(&self, restriction: &Restriction) -> Option<Vec<Turn>> {
+        let mut turns = Vec::new();
+        for from in edges_at(&self.reaching, restriction.from, restriction.via) {
+            let into = self
+                .edges_into(restriction.to, restriction.via)
+                .take(MOST_EDGES);
+            turns.extend(into.map(|to| Turn {
+                travelled: vec![from],
+                to,
+            }));
+            if turns.len() >= MOST_EDGES {
+                return None;
             }
         }
-        Some(rows).filter(|rows| !rows.is_empty())
+        Some(turns)
+    }
+
+    fn turns_after_ways(&mut self, restriction: &Restriction, ways: &[i64]) -> Option<Vec<Turn>> {
+        let mut turns = Vec::new();
+        let first = self
+            .reaching
+            .partition_point(|edge| edge.way < restriction.from);
+        for i in first..self.reaching.len() {
+            let from = self.reaching[i];
+            if from.way != restriction.from {
+                break;
+            }
+            self.work = self.work.checked_sub(ways.len())?;
+            self.turns_through(restriction, ways, from, &mut turns)?;
+        }
+        Some(turns)
     }
 
     /// Directed edges of a way that leave a node.
-    fn turns_into(&self, way: i64, node: i64) -> impl Iterator<Item = u32> + '_ {
-        at(&self.reaching, way, node).map(|directed| directed ^ 1)
+    fn edges_into(&self, way: i64, node: i64) -> impl Iterator<Item = u32> + '_ {
+        edges_at(&self.reaching, way, node).map(|directed| directed ^ 1)
     }
 
-    /// The rows from an edge that reaches `node` through the ways in between, the shortest ones; `None` if these ways are too many edges.
-    fn through(
+    /// Adds the turns after the shortest paths from an edge through the ways in between; `None` if
+    /// these ways consist of too many edges.
+    fn turns_through(
         &mut self,
         restriction: &Restriction,
         ways: &[i64],
-        node: i64,
-        from: u32,
-        rows: &mut Vec<(Vec<u32>, u32)>,
+        from: EdgeAtNode,
+        turns: &mut Vec<Turn>,
     ) -> Option<()> {
-        // Nodes with the edge that each is reached along and the node before it.
-        let mut reached = HashMap::from([(node, None)]);
+        let EdgeAtNode {
+            node,
+            directed: from,
+            ..
+        } = from;
+        let mut reached: HashMap<i64, Option<Step>> = HashMap::from([(node, None)]);
         let mut waiting = VecDeque::from([node]);
         while let Some(node) = waiting.pop_front() {
-            let mut row: Vec<u32> =
-                std::iter::successors(reached[&node], |(_, before)| reached[before])
-                    .map(|(directed, _)| directed)
-                    .collect();
-            if let Some(&last) = row.first() {
-                row.push(from);
-                row.reverse();
-                // All beginnings of the row will be kept.
-                self.work = self.work.checked_sub(row.len() * row.len())?;
-                let turns = self
-                    .turns_into(restriction.to, node)
+            let mut travelled = path_to(&reached, node);
+            if let Some(&last) = travelled.last() {
+                travelled.insert(0, from);
+                // All beginnings of the path will be kept.
+                self.work = self.work.checked_sub(travelled.len() * travelled.len())?;
+                let into = self
+                    .edges_into(restriction.to, node)
                     .filter(|to| *to != last ^ 1);
-                rows.extend(turns.take(MOST).map(|to| (row.clone(), to)));
+                let into = into.take(MOST_EDGES);
+                turns.extend(into.map(|to| Turn {
+                    travelled: travelled.clone(),
+                    to,
+                }));
             }
-            for directed in ways
+            let onwards = ways
                 .iter()
-                .flat_map(|way| at(&self.leaving, *way, node))
-                .filter(|d| *d != from ^ 1)
-            {
+                .flat_map(|way| edges_at(&self.leaving, *way, node));
+            for directed in onwards.filter(|directed| *directed != from ^ 1) {
                 self.work = self.work.checked_sub(1)?;
                 let end = self.network.vertex_nodes[self.network.ends(directed)[1] as usize];
-                if let std::collections::hash_map::Entry::Vacant(entry) = reached.entry(end) {
-                    entry.insert(Some((directed, node)));
+                if let Entry::Vacant(entry) = reached.entry(end) {
+                    entry.insert(Some(Step {
+                        directed,
+                        before: node,
+                    }));
                     waiting.push_back(end);
                 }
             }
-            if reached.len() > MOST || rows.len() > MOST {
+            if reached.len() > MOST_EDGES || turns.len() > MOST_EDGES {
                 return None;
             }
         }
@@ -244,11 +315,28 @@ impl<'a> Finder<'a> {
     }
 }
 
+/// How a node was reached.
+#[derive(Debug, Clone, Copy)]
+struct Step {
+    /// Along this directed edge.
+    directed: u32,
+    /// From this node.
+    before: i64,
+}
+
+/// The directed edges along which a node was reached, in order.
+fn path_to(reached: &HashMap<i64, Option<Step>>, node: i64) -> Vec<u32> {
+    let steps = std::iter::successors(reached[&node], |step| reached[&step.before]);
+    let mut path: Vec<u32> = steps.map(|step| step.directed).collect();
+    path.reverse();
+    path
+}
+
 /// The directed edges of a way at a node.
-fn at(edges: &[(i64, i64, u32)], way: i64, node: i64) -> impl Iterator<Item = u32> {
-    let first = edges.partition_point(|(w, n, _)| (*w, *n) < (way, node));
-    edges[first..]
+fn edges_at(edges: &[EdgeAtNode], way: i64, node: i64) -> impl Iterator<Item = u32> {
+    let first = edges.partition_point(|edge| (edge.way, edge.node) < (way, node));
+    let matching = edges[first..]
         .iter()
-        .take_while(move |(w, n, _)| (*w, *n) == (way, node))
-        .map(|(.., directed)| *directed)
+        .take_while(move |e| (e.way, e.node) == (way, node));
+    matching.map(|edge| edge.directed)
 }

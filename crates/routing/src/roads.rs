@@ -1,10 +1,10 @@
 //! A network in cells: all that is known of a map before anybody says who travels.
 
 use openbench_osm::OsmError;
-use openbench_osm::stream::Elements;
+use openbench_osm::visitor::Elements;
 
 use crate::network::{Edge, Network, Rows};
-use crate::overlay::{Arcs, NONE, Overlay};
+use crate::overlay::{Arc, Arcs, NONE, Overlay};
 use crate::partition::{CellSizes, Partition};
 use crate::tree::SegmentTree;
 
@@ -29,10 +29,10 @@ impl Roads {
 
     /// Prepares a network.
     pub fn new(network: Network, sizes: &CellSizes) -> Self {
-        let edges: Vec<_> = network
+        let edges: Vec<[u32; 2]> = network
             .edges()
             .iter()
-            .map(|edge| (edge.from, edge.to))
+            .map(|edge| [edge.from, edge.to])
             .collect();
         let partition = Partition::new(&network.vertices, &edges, sizes);
         let network = in_order(network, &partition.order);
@@ -113,6 +113,20 @@ fn vertex_arcs(network: &Network) -> Arcs {
         .iter()
         .zip(0_u32..)
         .filter(|(edge, _)| edge.from != edge.to);
-    let both = edges.flat_map(|(e, i)| [(e.from, e.to, 2 * i), (e.to, e.from, 2 * i + 1)]);
+    let both = edges.flat_map(|(edge, i)| {
+        let Edge { from, to, .. } = *edge;
+        [
+            Arc {
+                from,
+                to,
+                via: 2 * i,
+            },
+            Arc {
+                from: to,
+                to: from,
+                via: 2 * i + 1,
+            },
+        ]
+    });
     Arcs::new(network.vertices.len(), both)
 }

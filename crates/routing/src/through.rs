@@ -1,25 +1,35 @@
-//! The way through several places, one after another.
+//! The route through several places, one after another.
 
 use crate::leg::{Leg, Memory};
 use crate::metric::Metric;
 use crate::position::Position;
 use crate::roads::Roads;
 
-/// Edges through a place at most for its directions to be told apart; only maps that are made to be slow have more.
-const MOST: usize = 32;
+/// The most edges through a place for its directions to be distinguished. Only maps that are made
+/// to be slow have more.
+const MOST_POSITIONS: usize = 32;
 
-/// A way to one of the places.
+/// A route to one of the places.
 #[derive(Debug, Clone)]
 struct Arrival {
-    /// The directed edge that it arrives along.
+    /// The directed edge on which it arrives.
     directed: u32,
     weight: u64,
-    /// Its last leg, and which way to the place before it goes on.
-    leg: Option<(Leg, usize)>,
+    last_leg: LastLeg,
 }
 
-/// The lightest legs from place to place, each somewhere on one of its positions; `None` if there is no way. If one goes `straight` on at the places in
-/// between, one does not turn round there, unless there is no other way.
+/// The end of a route.
+#[derive(Debug, Clone)]
+enum LastLeg {
+    /// The route begins here.
+    None,
+    /// Its last leg, and the index of the arrival at the place before that it continues.
+    Some(Leg, usize),
+}
+
+/// The lightest legs from place to place, each at one of the place's positions; `None` if there is
+/// no route. If the route goes `straight` on at the places in between, it makes no U-turns there
+/// unless there is no other way.
 pub fn through(
     roads: &Roads,
     metric: &Metric,
@@ -27,33 +37,38 @@ pub fn through(
     straight: bool,
     memory: &mut Memory,
 ) -> Option<Vec<Leg>> {
-    if !straight || places.len() < 3 || places.iter().any(|place| place.len() > MOST) {
-        return places
-            .windows(2)
+    if !straight || places.len() < 3 || places.iter().any(|place| place.len() > MOST_POSITIONS) {
+        let pairs = places.windows(2);
+        return pairs
             .map(|pair| Leg::find(roads, metric, &pair[0], &pair[1], memory))
             .collect();
     }
-    // For each place the lightest way to it by each directed edge there.
-    let mut arrivals: Vec<Vec<Arrival>> = Vec::new();
+    let mut search = Search {
+        roads,
+        metric,
+        memory,
+    };
+    // For each place the lightest route to it by each directed edge there.
+    let mut arrivals = vec![vec![Arrival::begin()]];
     for pair in places.windows(2) {
-        let before = arrivals.last();
-        let next = arrive(
-            roads,
-            metric,
-            [&pair[0], &pair[1]],
-            before.map_or(&[], Vec::as_slice),
-            memory,
-        );
+        let next = search.arrive(&pair[0], &pair[1], arrivals.last()?);
         if next.is_empty() {
             return None;
         }
         arrivals.push(next);
     }
-    let mut legs = Vec::with_capacity(arrivals.len());
+    legs_of_lightest(arrivals)
+}
+
+/// The legs of the lightest route to the last place.
+fn legs_of_lightest(arrivals: Vec<Vec<Arrival>>) -> Option<Vec<Leg>> {
     let last = arrivals.last()?;
     let mut at = (0..last.len()).min_by_key(|i| last[*i].weight)?;
+    let mut legs = Vec::with_capacity(arrivals.len());
     for mut there in arrivals.into_iter().rev() {
-        let (leg, before) = there.swap_remove(at).leg?;
+        let LastLeg::Some(leg, before) = there.swap_remove(at).last_leg else {
+            break;
+        };
         legs.push(leg);
         at = before;
     }
@@ -61,91 +76,102 @@ pub fn through(
     Some(legs)
 }
 
-/// The lightest ways on to the next place, by each directed edge there. Without ways `before` the first place is where it begins.
-fn arrive(
-    roads: &Roads,
-    metric: &Metric,
-    [from, to]: [&[Position]; 2],
-    before: &[Arrival],
-    memory: &mut Memory,
-) -> Vec<Arrival> {
-    let begin = [Arrival {
-        directed: u32::MAX,
-        weight: 0,
-        leg: None,
-    }];
-    let before = if before.is_empty() {
-        &begin[..]
-    } else {
-        before
-    };
-    // One is at the beginning of an edge by another one, unless there is none.
-    let travelled = arrivals(
-        roads,
-        metric,
-        [from, to],
-        before,
-        |at, d| at.share_before(d) > 0.0,
-        memory,
-    );
-    if travelled.is_empty() {
-        arrivals(roads, metric, [from, to], before, |_, _| true, memory)
-    } else {
-        travelled
-    }
-}
-
-/// The lightest ways on by each directed edge that is good to arrive by.
-fn arrivals(
-    roads: &Roads,
-    metric: &Metric,
-    [from, to]: [&[Position]; 2],
-    before: &[Arrival],
-    good: impl Fn(&Position, u32) -> bool,
-    memory: &mut Memory,
-) -> Vec<Arrival> {
-    let mut found = Vec::new();
-    for directed in to
-        .iter()
-        .flat_map(|position| [2 * position.edge, 2 * position.edge + 1])
-    {
-        let goal = only(to, |at, d| d == directed && good(at, d));
-        if goal.is_empty() {
-            continue;
+impl Arrival {
+    /// Where a route begins, by no edge.
+    fn begin() -> Self {
+        Self {
+            directed: u32::MAX,
+            weight: 0,
+            last_leg: LastLeg::None,
         }
-        let ways = before.iter().enumerate().filter_map(|(i, arrival)| {
-            // Not back, nor to the end of a road where one is already, and then back.
-            let onwards = only(from, |at, d| {
-                d != arrival.directed ^ 1 && at.share_before(d) < 1.0
-            });
-            let onwards = if arrival.leg.is_some() {
-                onwards
-            } else {
-                from.to_vec()
-            };
-            // In a dead end one turns round.
-            let leg = Leg::find(roads, metric, &onwards, &goal, memory)
-                .or_else(|| Leg::find(roads, metric, from, &goal, memory))?;
-            let directed = leg.edges.last().copied().unwrap_or(directed);
-            Some(Arrival {
-                directed,
-                weight: arrival.weight + u64::from(leg.weight),
-                leg: Some((leg, i)),
-            })
-        });
-        found.extend(ways.min_by_key(|arrival| arrival.weight));
     }
-    found
+
+    fn is_begin(&self) -> bool {
+        matches!(self.last_leg, LastLeg::None)
+    }
 }
 
-/// Positions where one may go along some directed edges only.
-fn only(positions: &[Position], good: impl Fn(&Position, u32) -> bool) -> Vec<Position> {
-    let narrowed = positions.iter().map(|position| {
-        let open = [0, 1]
-            .map(|side| position.open[side as usize] && good(position, 2 * position.edge + side));
-        Position { open, ..*position }
+/// What finding legs needs.
+struct Search<'a> {
+    roads: &'a Roads,
+    metric: &'a Metric,
+    memory: &'a mut Memory,
+}
+
+impl Search<'_> {
+    /// The lightest routes on to the next place, by each directed edge there.
+    fn arrive(&mut self, from: &[Position], to: &[Position], before: &[Arrival]) -> Vec<Arrival> {
+        // A place at the beginning of an edge is reached by another edge, unless there is none.
+        let travelled = self.arrivals(from, to, before, |at, directed| {
+            at.share_before(directed) > 0.0
+        });
+        if travelled.is_empty() {
+            self.arrivals(from, to, before, |_, _| true)
+        } else {
+            travelled
+        }
+    }
+
+    /// The lightest routes on by each directed edge on which it is good to arrive.
+    fn arrivals(
+        &mut self,
+        from: &[Position],
+        to: &[Position],
+        before: &[Arrival],
+        is_good: impl Fn(&Position, u32) -> bool,
+    ) -> Vec<Arrival> {
+        let mut found = Vec::new();
+        for directed in to.iter().flat_map(|at| [2 * at.edge, 2 * at.edge + 1]) {
+            let goal = restricted(to, |at, side| side == directed && is_good(at, side));
+            if goal.is_empty() {
+                continue;
+            }
+            let routes = before
+                .iter()
+                .enumerate()
+                .filter_map(|(i, arrival)| self.extended(from, &goal, i, arrival));
+            found.extend(routes.min_by_key(|arrival| arrival.weight));
+        }
+        found
+    }
+
+    /// A route continued to the next place, without a U-turn if possible.
+    fn extended(
+        &mut self,
+        from: &[Position],
+        goal: &[Position],
+        index: usize,
+        before: &Arrival,
+    ) -> Option<Arrival> {
+        let leg = if before.is_begin() {
+            self.leg(from, goal)?
+        } else {
+            // Not back, and not to the end of a road where the route already is, and then back.
+            let onwards = restricted(from, |at, directed| {
+                directed != before.directed ^ 1 && at.share_before(directed) < 1.0
+            });
+            // In a dead end there is only the U-turn.
+            self.leg(&onwards, goal).or_else(|| self.leg(from, goal))?
+        };
+        let directed = *leg.edges.last()?;
+        let weight = before.weight + u64::from(leg.weight);
+        Some(Arrival {
+            directed,
+            weight,
+            last_leg: LastLeg::Some(leg, index),
+        })
+    }
+
+    fn leg(&mut self, from: &[Position], to: &[Position]) -> Option<Leg> {
+        Leg::find(self.roads, self.metric, from, to, self.memory)
+    }
+}
+
+/// The positions, open in those directions only that are good, without positions that are not.
+fn restricted(positions: &[Position], is_good: impl Fn(&Position, u32) -> bool) -> Vec<Position> {
+    let narrowed = positions.iter().map(|at| {
+        let open = [0, 1].map(|side| at.open[side as usize] && is_good(at, 2 * at.edge + side));
+        Position { open, ..*at }
     });
-    narrowed
-        .filter(|position| position.open != [false; 2])
-        .collect()
+    narrowed.filter(|at| at.open != [false; 2]).collect()
 }

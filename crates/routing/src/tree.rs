@@ -1,7 +1,8 @@
-//! The segments near a place: a packed R-tree over an edge's neighbouring segments.
+//! An index of segments by place: a packed R-tree over runs of an edge's neighbouring segments.
 //!
-//! Runs are sorted along a Hilbert curve and packed eight to a box, boxes sixteen to a node, as in I. Kamel, C. Faloutsos, *On packing R-trees*, 1993.
-//! Nothing but the boxes is stored; which belong together follows from their order.
+//! Runs are sorted along a Hilbert curve and packed eight to a box, boxes sixteen to a node, as in
+//! I. Kamel, C. Faloutsos, *On packing R-trees*, 1993. Only boxes are stored; the tree follows from
+//! their order.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -10,14 +11,15 @@ use crate::geo::{Place, Scale, TURN};
 use crate::network::Network;
 use crate::store::Column;
 
-/// Segments in a run at most.
+/// The most segments in a run.
 const RUN: usize = 8;
-/// Runs in a box of the lowest row: a few segments are as soon looked at as their boxes.
+/// The most runs in a box of the lowest row: examining a few segments is as fast as examining
+/// their boxes.
 const LEAF: usize = 8;
 /// Boxes in a node.
 const FAN: usize = 16;
 
-/// West, south, east, north.
+/// An axis-aligned box: west, south, east, north, in units of a [`Place`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Bounds([i32; 4]);
@@ -31,16 +33,16 @@ pub(crate) struct Run {
     pub(crate) first: u32,
 }
 
-/// A place on an edge.
+/// The place on an edge nearest to another place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Foot {
     /// The edge.
     pub edge: u32,
-    /// The segment of the edge, and the share of it before the place.
+    /// The segment of the edge.
     pub segment: u32,
-    /// From 0 to 1.
+    /// The share of the segment before the place, from 0 to 1.
     pub share: f64,
-    /// Where it is.
+    /// The place itself.
     pub place: Place,
     /// Metres from the place that was asked about.
     pub away: f64,
@@ -56,7 +58,7 @@ pub struct SegmentTree {
     rows: Vec<usize>,
 }
 
-/// Memory of a look-up, used again for the next one.
+/// Memory of a look-up, which is used again for the next one.
 #[derive(Debug, Default)]
 pub struct Nearest {
     heap: BinaryHeap<Reverse<(Distance, Found)>>,
@@ -79,7 +81,7 @@ impl PartialOrd for Distance {
     }
 }
 
-/// What waits: a box by row and number, or an exact place on a run.
+/// An entry of the queue: a box by row and number, or the exact foot on a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Found {
     Box(u32, u32),
@@ -87,25 +89,23 @@ enum Found {
 }
 
 impl Bounds {
+    const EMPTY: Self = Self([i32::MAX, i32::MAX, i32::MIN, i32::MIN]);
+
     fn around(points: impl Iterator<Item = Place>) -> Self {
-        let mut bounds = [i32::MAX, i32::MAX, i32::MIN, i32::MIN];
-        for point in points {
-            bounds = [
-                bounds[0].min(point.lon),
-                bounds[1].min(point.lat),
-                bounds[2].max(point.lon),
-                bounds[3].max(point.lat),
-            ];
-        }
-        Self(bounds)
+        points.map(Self::of_point).fold(Self::EMPTY, Self::union)
     }
 
-    fn union<'a>(all: impl Iterator<Item = &'a Self>) -> Self {
-        let join = |a: Self, b: &Self| {
-            let ([a, b, c, d], [e, f, g, h]) = (a.0, b.0);
-            Self([a.min(e), b.min(f), c.max(g), d.max(h)])
-        };
-        all.fold(Self([i32::MAX, i32::MAX, i32::MIN, i32::MIN]), join)
+    fn of_point(point: Place) -> Self {
+        Self([point.lon, point.lat, point.lon, point.lat])
+    }
+
+    fn union(self, other: Self) -> Self {
+        let ([a, b, c, d], [e, f, g, h]) = (self.0, other.0);
+        Self([a.min(e), b.min(f), c.max(g), d.max(h)])
+    }
+
+    fn union_of(all: &[Self]) -> Self {
+        all.iter().copied().fold(Self::EMPTY, Self::union)
     }
 
     fn middle(&self) -> Place {
@@ -117,11 +117,11 @@ impl Bounds {
         }
     }
 
-    /// Metres to a place, squared; 0 within.
-    fn away(&self, place: Place, scale: Scale) -> f64 {
+    /// Squared metres to a place; 0 within.
+    fn squared_distance(&self, place: Place, scale: Scale) -> f64 {
         let [west, south, east, north] = self.0.map(i64::from);
         let (lon, lat) = (i64::from(place.lon), i64::from(place.lat));
-        // The box, and the same one a turn to the west and to the east.
+        // The box, and its copies a turn to the west and to the east.
         let away = |lon: i64| (west - lon).max(lon - east).max(0);
         let x = away(lon).min(away(lon + TURN)).min(away(lon - TURN)) as f64 * scale.lon;
         let y = (south - lat).max(lat - north).max(0) as f64 * scale.lat;
@@ -132,33 +132,16 @@ impl Bounds {
 impl SegmentTree {
     /// An index of all segments of a network.
     pub fn new(network: &Network) -> Self {
-        let mut runs: Vec<(u64, Run, Bounds)> = Vec::new();
-        for edge in 0..network.edge_count() as u32 {
-            let points = network.edge_points(edge);
-            for first in (0..points.len() - 1).step_by(RUN) {
-                let bounds = Bounds::around(points.part(first, first + RUN + 1));
-                runs.push((
-                    bounds.middle().hilbert(),
-                    Run {
-                        edge,
-                        first: first as u32,
-                    },
-                    bounds,
-                ));
-            }
-        }
-        runs.sort_by_key(|(place, ..)| *place);
+        let (runs, bounds) = sorted_runs(network);
         let rows = rows(runs.len());
-        let union =
-            |runs: &[(u64, Run, Bounds)]| Bounds::union(runs.iter().map(|(_, _, bounds)| bounds));
-        let mut boxes: Vec<Bounds> = runs.chunks(LEAF).map(union).collect();
+        let mut boxes: Vec<Bounds> = bounds.chunks(LEAF).map(Bounds::union_of).collect();
         for row in rows.windows(2).take(rows.len() - 2) {
             for node in (row[0]..row[1]).step_by(FAN) {
-                boxes.push(Bounds::union(boxes[node..row[1].min(node + FAN)].iter()));
+                boxes.push(Bounds::union_of(&boxes[node..row[1].min(node + FAN)]));
             }
         }
         Self {
-            runs: runs.into_iter().map(|(_, run, _)| run).collect(),
+            runs: runs.into(),
             boxes: boxes.into(),
             rows,
         }
@@ -170,15 +153,15 @@ impl SegmentTree {
         (rows.last() == Some(&boxes.len())).then_some(Self { runs, boxes, rows })
     }
 
-    /// Shows the nearest place on each run of segments, nearest first, until `show` says that it is enough or nothing is left within
-    /// `limit` metres. Edges that are not `usable` are passed over.
+    /// Shows the foot on each run of segments, nearest first, until `show` returns `false` or
+    /// nothing is left within `limit` metres. Edges that are not usable are skipped.
     pub fn nearest(
         &self,
         network: &Network,
         place: Place,
         limit: f64,
         memory: &mut Nearest,
-        usable: impl Fn(u32) -> bool,
+        is_usable: impl Fn(u32) -> bool,
         mut show: impl FnMut(Foot) -> bool,
     ) {
         let scale = Scale::at(f64::from(place.lat));
@@ -186,7 +169,7 @@ impl SegmentTree {
         heap.clear();
         let top = self.rows.len().saturating_sub(2);
         if !self.boxes.is_empty() {
-            let away = self.boxes[self.rows[top]].away(place, scale);
+            let away = self.boxes[self.rows[top]].squared_distance(place, scale);
             heap.push(Reverse((Distance(away), Found::Box(top as u32, 0))));
         }
         while let Some(Reverse((Distance(away), found))) = heap.pop() {
@@ -202,9 +185,10 @@ impl SegmentTree {
                 Found::Box(0, node) => {
                     let first = node as usize * LEAF;
                     for run in first..self.runs.len().min(first + LEAF) {
-                        if usable(self.runs[run].edge) {
+                        if is_usable(self.runs[run].edge) {
                             let away = self.foot(network, run as u32, place, scale).away;
-                            heap.push(Reverse((Distance(away * away), Found::Foot(run as u32))));
+                            let entry = (Distance(away * away), Found::Foot(run as u32));
+                            heap.push(Reverse(entry));
                         }
                     }
                 }
@@ -213,7 +197,7 @@ impl SegmentTree {
                     let [begin, end] = [self.rows[row], self.rows[row + 1]];
                     let children = begin + first..end.min(begin + first + FAN);
                     for (child, bounds) in (first as u32..).zip(&self.boxes[children]) {
-                        let away = Distance(bounds.away(place, scale));
+                        let away = Distance(bounds.squared_distance(place, scale));
                         heap.push(Reverse((away, Found::Box(row as u32, child))));
                     }
                 }
@@ -221,31 +205,59 @@ impl SegmentTree {
         }
     }
 
-    /// The nearest place on a run.
+    /// The foot on a run.
     fn foot(&self, network: &Network, run: u32, place: Place, scale: Scale) -> Foot {
         let Run { edge, first } = self.runs[run as usize];
         let points = network.edge_points(edge);
         let last = (points.len() - 1).min(first as usize + RUN);
-        let mut best = (f64::INFINITY, first, 0.0);
-        for segment in first as usize..last {
-            let (away, share) = project(points.at(segment), points.at(segment + 1), place, scale);
-            if away < best.0 {
-                best = (away, segment as u32, share);
+        let mut nearest = Projected {
+            squared_distance: f64::INFINITY,
+            share: 0.0,
+        };
+        let mut segment = first;
+        for i in first as usize..last {
+            let projected = project([points.at(i), points.at(i + 1)], place, scale);
+            if projected.squared_distance < nearest.squared_distance {
+                (nearest, segment) = (projected, i as u32);
             }
         }
-        let (away, segment, share) = best;
         let [a, b] = [points.at(segment as usize), points.at(segment as usize + 1)];
+        let Projected {
+            squared_distance,
+            share,
+        } = nearest;
+        let place = between(a, b, share);
         Foot {
             edge,
             segment,
             share,
-            place: between(a, b, share),
-            away: away.sqrt(),
+            place,
+            away: squared_distance.sqrt(),
         }
     }
 }
 
-/// Where each row of boxes begins over so many runs, and where the last one ends.
+/// All runs of a network in the order of a Hilbert curve, and their boxes.
+fn sorted_runs(network: &Network) -> (Vec<Run>, Vec<Bounds>) {
+    let mut runs: Vec<(Run, Bounds)> = Vec::new();
+    for edge in 0..network.edge_count() as u32 {
+        let points = network.edge_points(edge);
+        for first in (0..points.len() - 1).step_by(RUN) {
+            let bounds = Bounds::around(points.part(first, first + RUN + 1));
+            runs.push((
+                Run {
+                    edge,
+                    first: first as u32,
+                },
+                bounds,
+            ));
+        }
+    }
+    runs.sort_by_cached_key(|(_, bounds)| bounds.middle().hilbert());
+    runs.into_iter().unzip()
+}
+
+/// Where each row of boxes over so many runs begins, and where the last one ends.
 fn rows(runs: usize) -> Vec<usize> {
     let mut width = runs.div_ceil(LEAF);
     let mut rows = vec![0, width];
@@ -256,8 +268,16 @@ fn rows(runs: usize) -> Vec<usize> {
     rows
 }
 
-/// How far a segment is from a place, metres squared, and the share of the segment before its nearest point.
-fn project(a: Place, b: Place, place: Place, scale: Scale) -> (f64, f64) {
+/// A place projected onto a segment.
+#[derive(Debug, Clone, Copy)]
+struct Projected {
+    /// Square metres.
+    squared_distance: f64,
+    /// The share of the segment before its nearest point.
+    share: f64,
+}
+
+fn project([a, b]: [Place; 2], place: Place, scale: Scale) -> Projected {
     let ([dx, dy], [px, py]) = (scale.offset(a, b), scale.offset(a, place));
     let square = dx * dx + dy * dy;
     let share = if square > 0.0 {
@@ -266,10 +286,13 @@ fn project(a: Place, b: Place, place: Place, scale: Scale) -> (f64, f64) {
         0.0
     };
     let (x, y) = (px - share * dx, py - share * dy);
-    (x * x + y * y, share)
+    Projected {
+        squared_distance: x * x + y * y,
+        share,
+    }
 }
 
-/// The place at a share of a segment, which goes the short way round the Earth.
+/// The place at a share of a segment, which goes the short way around the Earth.
 pub fn between(a: Place, b: Place, share: f64) -> Place {
     let step = |step: i64| libm::round(step as f64 * share) as i64;
     let mut east = i64::from(b.lon) - i64::from(a.lon);
@@ -281,5 +304,29 @@ pub fn between(a: Place, b: Place, share: f64) -> Place {
     Place {
         lon: lon as i32,
         lat: lat as i32,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_middle_of_a_segment_across_the_date_line_is_on_it() {
+        let [a, b] = [TURN / 2 - 100, 100 - TURN / 2].map(|lon| Place {
+            lon: lon as i32,
+            lat: 0,
+        });
+        let middle = between(a, b, 0.5);
+        assert_eq!(i64::from(middle.lon).abs(), TURN / 2);
+        assert_eq!(between(a, b, 0.0), a);
+        assert_eq!(between(a, b, 1.0), b);
+    }
+
+    #[test]
+    fn rows_shrink_by_their_fan() {
+        assert_eq!(rows(0), [0, 0]);
+        assert_eq!(rows(8), [0, 1]);
+        assert_eq!(rows(8 * 17), [0, 17, 19, 20]);
     }
 }

@@ -1,32 +1,34 @@
-//! Where turns matter, searches settle directed edges instead of vertices, and arcs are turns from one into another.
+//! The graph that is searched where turns matter: its states are directed edges, its arcs are turns
+//! from one edge into another.
 
+use crate::bearings::{leaving, reaching};
+use crate::costs::{Costs, EdgeCost, sum, units};
 use crate::geo::turn;
-use crate::guidance::Guide;
-use crate::metric::{EdgeCost, Metric, sum, units};
 use crate::network::Network;
-use crate::overlay::{Arcs, FAR, NONE, Overlay};
+use crate::overlay::{Arc, Arcs, FAR, NONE, Overlay};
 use crate::profile::{CROSSING, Profile, Turns};
 use crate::restrictions::Restrictions;
 use crate::roads::Roads;
 
-/// Turns for each edge, on average over a map, beyond which its junctions are thought to be made to be slow: where four roads meet there are four.
-const MOST_TURNS: usize = 32;
+/// The most turns for each edge, on average over a map. A map with more is made to be slow: where
+/// four roads meet there are four.
+const MOST_TURNS_PER_EDGE: usize = 32;
 
-/// Roads of one junction, with all rows of restrictions that end on them.
+/// The most roads at one junction, together with all prefixes of restrictions that end on them.
 const MOST_ROADS: usize = 512;
 
-/// A map with junctions of so many roads that their turns cannot be looked at.
+/// A map with junctions of so many roads that their turns cannot be enumerated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "this map has {turns} turns from road to road, more than can be looked at; {roads} roads meet at node {node}: \
-     is it a map of roads? (a profile without `[turns]` can do with it)"
+    "this map has {turns} turns from road to road, more than can be looked at; {roads} roads meet \
+     at node {node}: is it a map of roads? (a profile without `[turns]` can do with it)"
 )]
 pub struct TooManyTurns {
     /// How many.
     pub turns: usize,
-    /// The OSM node where most roads meet,
+    /// The OSM node where most roads meet.
     pub node: i64,
-    /// and how many these are.
+    /// How many roads meet there.
     pub roads: usize,
 }
 
@@ -35,37 +37,26 @@ pub struct TooManyTurns {
 pub struct TurnGraph {
     /// The layers.
     pub overlay: Overlay,
-    /// For each directed edge its state. Those on it behind a row of others, which a restriction begins with, follow.
+    /// For each directed edge its state. The states that follow are on the same edge, behind the
+    /// prefixes of restrictions that end with it.
     pub state_of: Vec<u32>,
     /// For each state its directed edge.
     pub edge_of: Vec<u32>,
-    /// Restrictions that are not regarded: their ways do not meet, or make up too many edges.
+    /// Restrictions that are ignored: their ways do not meet, or consist of too many edges.
     pub odd_restrictions: usize,
 }
 
 impl TurnGraph {
-    /// All turns of a network that a profile, to which its directed edges cost so much, is not kept from.
+    /// All turns of a network that no restriction forbids to a profile. `edges` are the profile's
+    /// costs.
+    ///
+    /// # Errors
+    /// If the junctions of the map have too many roads.
     pub fn new(roads: &Roads, profile: &Profile, edges: &[EdgeCost]) -> Result<Self, TooManyTurns> {
         let network = &roads.network;
         let is_open = |directed: u32| edges[directed as usize].is_open();
         let restrictions = Restrictions::new(network, profile, &is_open);
-        let mut order: Vec<u32> = (0..2 * network.edge_count() as u32).collect();
-        order.sort_by_key(|directed| network.ends(*directed)[0]);
-        let (mut state_of, mut edge_of, mut row_of) =
-            (vec![NONE; order.len()], Vec::new(), Vec::new());
-        for directed in order {
-            state_of[directed as usize] = edge_of.len() as u32;
-            let rows = restrictions.ending(directed);
-            edge_of.extend(std::iter::repeat_n(directed, 1 + rows.len()));
-            row_of.extend([NONE].iter().chain(rows));
-        }
-        let states = States {
-            network,
-            restrictions: &restrictions,
-            state_of,
-            edge_of,
-            row_of,
-        };
+        let states = States::new(network, &restrictions);
         let arcs = states.arcs()?;
         let overlay = Overlay::new(arcs, &states.levels(&roads.levels));
         let States {
@@ -85,55 +76,54 @@ impl TurnGraph {
         (first..).take_while(move |state| self.edge_of.get(*state as usize) == Some(&directed))
     }
 
-    /// What going on from a state to another counts as: the turn, the vertex between, and the edge that one turns into.
-    pub fn weight(&self, roads: &Roads, metric: &Metric, state: u32, next: u32) -> u32 {
+    /// The weight of continuing from a state to another: the turn, the vertex between them, and the
+    /// edge after the turn.
+    pub fn weight(&self, roads: &Roads, costs: &Costs<'_>, state: u32, next: u32) -> u32 {
         let [from, to] = [state, next].map(|state| self.edge_of[state as usize]);
-        let (a, b) = (metric.edges[from as usize], metric.edges[to as usize]);
+        let (a, b) = (costs.edges[from as usize], costs.edges[to as usize]);
         if !a.is_open() || !b.is_open() {
             return FAR;
         }
-        let turned = sum(b.weight(), self.penalty(roads, metric, from, to));
+        let turned = sum(b.weight(), self.penalty(roads, costs, from, to));
         if to == from ^ 1 {
-            // One turns round where there is no other way only, be it for a barrier.
-            return if self.is_dead_end(roads, metric, state) {
+            // U-turns are made only where there is no other way, for example at a barrier.
+            return if self.is_dead_end(roads, costs, state) {
                 turned
             } else {
                 FAR
             };
         }
-        let passed = metric.vertices[roads.network.ends(from)[1] as usize].weight();
+        let passed = costs.vertices[roads.network.ends(from)[1] as usize].weight();
         let entry = if b.ends_only() && !a.ends_only() {
-            metric.entry
+            costs.entry
         } else {
             0
         };
         sum(sum(turned, passed), entry)
     }
 
-    /// Hundredths of a second that turning from one directed edge into the next takes.
-    pub fn penalty(&self, roads: &Roads, metric: &Metric, from: u32, to: u32) -> u32 {
-        let Some(turns) = metric.profile.turns() else {
+    /// The time that turning from one directed edge into the next takes, hundredths of a second.
+    pub fn penalty(&self, roads: &Roads, costs: &Costs<'_>, from: u32, to: u32) -> u32 {
+        let Some(turns) = costs.profile.turns() else {
             return 0;
         };
         if to == from ^ 1 {
             return units(turns.u_turn);
         }
-        if !metric.vertices[roads.network.ends(from)[1] as usize].is_junction() {
+        let network = &roads.network;
+        if !costs.vertices[network.ends(from)[1] as usize].is_junction() {
             return 0;
         }
-        let guide = Guide { roads, metric };
-        units(turns.seconds(turn(guide.reaching(from), guide.leaving(to))))
+        units(turns.seconds(turn(reaching(network, from), leaving(network, to))))
     }
 
-    fn is_dead_end(&self, roads: &Roads, metric: &Metric, state: u32) -> bool {
+    /// Whether a state cannot continue but by a U-turn.
+    fn is_dead_end(&self, roads: &Roads, costs: &Costs<'_>, state: u32) -> bool {
         let directed = self.edge_of[state as usize];
-        let mut others = self
-            .overlay
-            .out
-            .of(state)
-            .map(|slot| self.overlay.out.via[slot]);
-        metric.vertices[roads.network.ends(directed)[1] as usize].weight() >= FAR
-            || others.all(|to| to == directed ^ 1 || !metric.edges[to as usize].is_open())
+        let out = &self.overlay.out;
+        let mut others = out.of(state).map(|slot| out.via[slot]);
+        costs.vertices[roads.network.ends(directed)[1] as usize].weight() >= FAR
+            || others.all(|to| to == directed ^ 1 || !costs.edges[to as usize].is_open())
     }
 }
 
@@ -143,94 +133,128 @@ struct States<'a> {
     restrictions: &'a Restrictions,
     state_of: Vec<u32>,
     edge_of: Vec<u32>,
-    /// For each state the number of its row, [`NONE`] if it is its edge alone.
-    row_of: Vec<u32>,
+    /// For each state the number of its prefix, [`NONE`] if it is its edge alone.
+    prefix_of: Vec<u32>,
 }
 
-impl States<'_> {
+impl<'a> States<'a> {
+    /// For each directed edge one state, and one for each prefix that ends with it.
+    fn new(network: &'a Network, restrictions: &'a Restrictions) -> Self {
+        let mut order: Vec<u32> = (0..2 * network.edge_count() as u32).collect();
+        order.sort_by_key(|directed| network.ends(*directed)[0]);
+        let mut state_of = vec![NONE; order.len()];
+        let (mut edge_of, mut prefix_of) = (Vec::new(), Vec::new());
+        for directed in order {
+            state_of[directed as usize] = edge_of.len() as u32;
+            let prefixes = restrictions.ending(directed);
+            edge_of.extend(std::iter::repeat_n(directed, 1 + prefixes.len()));
+            prefix_of.push(NONE);
+            prefix_of.extend(prefixes);
+        }
+        Self {
+            network,
+            restrictions,
+            state_of,
+            edge_of,
+            prefix_of,
+        }
+    }
+
     /// The first state that begins at a vertex, or behind it.
     fn first(&self, vertex: u32) -> u32 {
-        self.edge_of
-            .partition_point(|directed| self.network.ends(*directed)[0] < vertex) as u32
+        let begins_before = |directed: &u32| self.network.ends(*directed)[0] < vertex;
+        self.edge_of.partition_point(begins_before) as u32
     }
 
     /// Where cells begin, as states.
     fn levels(&self, levels: &[Vec<u32>]) -> Vec<Vec<u32>> {
-        // Cells without edges have no states.
-        let in_states = |starts: &Vec<u32>| {
+        let in_states = levels.iter().map(|starts| {
             let mut starts: Vec<u32> = starts.iter().map(|vertex| self.first(*vertex)).collect();
+            // Cells without edges have no states.
             starts.dedup();
             starts
-        };
-        levels
-            .iter()
-            .map(in_states)
-            .take_while(|starts| starts.len() > 1)
-            .collect()
+        });
+        in_states.take_while(|starts| starts.len() > 1).collect()
     }
 
-    /// From each state to all that one may go on to.
+    /// The vertex at the end of a state's edge.
+    fn end(&self, state: u32) -> usize {
+        self.network.ends(self.edge_of[state as usize])[1] as usize
+    }
+
+    /// From each state to all states in which a traveller may continue.
     fn arcs(&self) -> Result<Arcs, TooManyTurns> {
-        let network = self.network;
-        let firsts: Vec<u32> = (0..=network.vertices.len() as u32)
-            .map(|vertex| self.first(vertex))
-            .collect();
-        let end = |state: u32| network.ends(self.edge_of[state as usize])[1] as usize;
-        let leaving = |vertex: usize| firsts[vertex]..firsts[vertex + 1];
+        let vertices = self.network.vertices.len() as u32;
+        let firsts: Vec<u32> = (0..=vertices).map(|vertex| self.first(vertex)).collect();
+        self.check_turns(&firsts)?;
+        let is_road = self.roads();
+        let is_road = |directed: u32| is_road[directed as usize / 2];
         let states = self.edge_of.len();
-        let turns: usize = (0..states as u32)
-            .map(|state| leaving(end(state)).len())
-            .sum();
-        let roads = |vertex: &usize| leaving(*vertex).len();
-        let worst = (0..network.vertices.len())
-            .max_by_key(roads)
-            .unwrap_or_default();
-        if turns > MOST_TURNS * states || (states > 0 && roads(&worst) > MOST_ROADS) {
-            return Err(TooManyTurns {
-                turns,
-                node: network.vertex_nodes[worst],
-                roads: roads(&worst),
-            });
-        }
-        let crossing: Vec<bool> = network
-            .way_words
-            .iter()
-            .map(|words| words.has(CROSSING))
-            .collect();
-        // No vehicle crosses squares.
-        let is_road =
-            |directed: u32| !crossing[network.edges[directed as usize / 2].class as usize];
-        let (is_road, leaving) = (&is_road, &leaving);
-        let arcs = (0..states as u32)
-            .filter(|state| is_road(self.edge_of[*state as usize]))
-            .flat_map(|state| {
-                let travelled = match self.row_of[state as usize] {
-                    NONE => std::slice::from_ref(&self.edge_of[state as usize]),
-                    row => self.restrictions.row(row),
-                };
-                let edges = leaving(end(state)).filter(|to| self.row_of[*to as usize] == NONE);
-                let edges = edges
-                    .map(|to| self.edge_of[to as usize])
-                    .filter(|to| is_road(*to));
-                let allowed = edges.filter(move |to| !self.restrictions.forbid(travelled, *to));
-                allowed.map(move |to| (state, self.next(travelled, to), to))
-            });
+        let open = (0..states as u32).filter(|state| is_road(self.edge_of[*state as usize]));
+        let arcs = open.flat_map(|state| {
+            let travelled = self.travelled(state);
+            let vertex = self.end(state);
+            let leaving = firsts[vertex]..firsts[vertex + 1];
+            let alone = leaving.filter(|next| self.prefix_of[*next as usize] == NONE);
+            let edges = alone
+                .map(|next| self.edge_of[next as usize])
+                .filter(|to| is_road(*to));
+            let allowed = edges.filter(move |to| !self.restrictions.forbid(travelled, *to));
+            allowed.map(move |to| Arc {
+                from: state,
+                to: self.next(travelled, to),
+                via: to,
+            })
+        });
         Ok(Arcs::new(states, arcs))
     }
 
-    /// The state that one is in who goes on along a directed edge.
+    /// Refuses maps with too many turns. `firsts` are the first states of all vertices.
+    fn check_turns(&self, firsts: &[u32]) -> Result<(), TooManyTurns> {
+        let roads = |vertex: usize| (firsts[vertex + 1] - firsts[vertex]) as usize;
+        let states = self.edge_of.len();
+        let turns: usize = (0..states as u32).map(|state| roads(self.end(state))).sum();
+        let vertices = 0..self.network.vertices.len();
+        let worst = vertices
+            .max_by_key(|vertex| roads(*vertex))
+            .unwrap_or_default();
+        if turns > MOST_TURNS_PER_EDGE * states || (states > 0 && roads(worst) > MOST_ROADS) {
+            let node = self.network.vertex_nodes[worst];
+            return Err(TooManyTurns {
+                turns,
+                node,
+                roads: roads(worst),
+            });
+        }
+        Ok(())
+    }
+
+    /// For each edge whether it is a road. No vehicle crosses squares.
+    fn roads(&self) -> Vec<bool> {
+        let words = &self.network.way_words;
+        let is_crossing: Vec<bool> = words.iter().map(|tags| tags.has(CROSSING)).collect();
+        let edges = self.network.edges().iter();
+        edges
+            .map(|edge| !is_crossing[edge.class as usize])
+            .collect()
+    }
+
+    /// The directed edges that a traveller in a state has travelled last.
+    fn travelled(&self, state: u32) -> &[u32] {
+        match self.prefix_of[state as usize] {
+            NONE => std::slice::from_ref(&self.edge_of[state as usize]),
+            prefix => self.restrictions.prefix(prefix),
+        }
+    }
+
+    /// The state of a traveller who continues along a directed edge.
     fn next(&self, travelled: &[u32], to: u32) -> u32 {
         let alone = self.state_of[to as usize];
-        match self.restrictions.next(travelled, to) {
-            NONE => alone,
-            row => {
-                let place = self
-                    .restrictions
-                    .ending(to)
-                    .iter()
-                    .position(|number| *number == row);
-                place.map_or(alone, |place| alone + 1 + place as u32)
-            }
+        let prefix = self.restrictions.next(travelled, to);
+        let prefixes = self.restrictions.ending(to);
+        match prefixes.iter().position(|number| *number == prefix) {
+            None => alone,
+            Some(place) => alone + 1 + place as u32,
         }
     }
 }

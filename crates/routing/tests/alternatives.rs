@@ -57,7 +57,7 @@ fn ways(north: f64, south: f64, others: usize) -> Vec<f64> {
         &mut Memory::default(),
     );
     legs.iter()
-        .map(|leg| leg.length_and_duration(&roads, &metric).0.round())
+        .map(|leg| leg.length_and_duration(&roads, &metric).length.round())
         .collect()
 }
 
@@ -120,7 +120,7 @@ fn other_ways_through_a_city_keep_to_the_rules() {
                 f64::from(leg.weight) <= 1.25 * f64::from(legs[0].weight),
                 "{i}"
             );
-            let (_, duration) = leg.length_and_duration(&roads, &metric);
+            let duration = leg.length_and_duration(&roads, &metric).duration;
             assert_eq!(
                 duration, leg.weight,
                 "{i} {number}: the way is what it claims to be"

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use openbench_osm::stream::Source;
 use openbench_routing::overlay::FAR;
-use openbench_routing::search::{End, Path, Searched, TableMemory, ValuedEnd, Workspace};
+use openbench_routing::search::{End, Path, Searched, TableMemory, Value, ValuedEnd, Workspace};
 use openbench_routing::{Metric, Profile, Roads};
 
 #[expect(clippy::print_stderr, reason = "a test that is skipped says so")]
@@ -56,7 +56,7 @@ fn routes_and_tables_on_real_maps_are_exact() {
             let valued = |all: &[Vec<End>]| {
                 let one = |end: &End| ValuedEnd {
                     end: *end,
-                    value: [0, 0],
+                    value: Value::default(),
                 };
                 all.iter()
                     .map(|ends| ends.iter().map(one).collect())

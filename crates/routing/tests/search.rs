@@ -4,9 +4,11 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use openbench_routing::geo::Place;
-use openbench_routing::overlay::{Arcs, Cliques, FAR, Overlay, Weights};
+use openbench_routing::overlay::{Arc, Arcs, Cliques, FAR, Overlay, Weights};
 use openbench_routing::partition::{CellSizes, Partition};
-use openbench_routing::search::{End, Path, Searched, TableMemory, ValuedEnd, Values, Workspace};
+use openbench_routing::search::{
+    End, Path, Searched, TableMemory, Value, ValuedEnd, Values, Workspace,
+};
 use proptest::prelude::*;
 
 /// Arcs with weights, between states that lie somewhere.
@@ -47,7 +49,7 @@ fn graph() -> impl Strategy<Value = Graph> {
 impl Graph {
     /// The same with states in the order of their cells.
     fn in_cells(&self, sizes: &[usize]) -> (Self, Vec<Vec<u32>>) {
-        let edges: Vec<_> = self.arcs.iter().map(|(a, b, _)| (*a, *b)).collect();
+        let edges: Vec<_> = self.arcs.iter().map(|(a, b, _)| [*a, *b]).collect();
         let partition = Partition::new(&self.places, &edges, &CellSizes::new(sizes).unwrap());
         let mut position = vec![0; self.places.len()];
         for (i, state) in partition.order.iter().enumerate() {
@@ -72,11 +74,11 @@ impl Graph {
     }
 
     fn overlay(&self, levels: &[Vec<u32>]) -> Overlay {
-        let arcs = self
-            .arcs
-            .iter()
-            .zip(0..)
-            .map(|((a, b, _), via)| (*a, *b, via));
+        let arcs = self.arcs.iter().zip(0..).map(|((a, b, _), via)| Arc {
+            from: *a,
+            to: *b,
+            via,
+        });
         Overlay::new(Arcs::new(self.places.len(), arcs), levels)
     }
 
@@ -207,15 +209,16 @@ proptest! {
             let [sources, targets] =
                 [&sources, &targets].map(|all| all.iter().map(|drawn| ends(count, drawn)).collect::<Vec<_>>());
             // Each arc takes its weight, and 1: so a way takes what it weighs, and as many arcs as it has.
-            let arcs = overlay.out.via.iter().map(|via| [graph.arcs[*via as usize].2, 1]).collect();
+            let arcs = overlay.out.via.iter();
+            let arcs = arcs.map(|via| Value { duration: graph.arcs[*via as usize].2, length: 1 }).collect();
             let values = Values::new(searched, arcs);
             let valued = |all: &[Vec<End>]| {
-                let one = |end: &End| ValuedEnd { end: *end, value: [end.weight, 0] };
+                let one = |end: &End| ValuedEnd { end: *end, value: Value { duration: end.weight, length: 0 } };
                 all.iter().map(|ends| ends.iter().map(one).collect()).collect::<Vec<Vec<_>>>()
             };
             let mut memory = TableMemory::default();
             let table = memory.table(&mut Workspace::default(), searched, Some(&values), &valued(&sources), &valued(&targets));
-            prop_assert!(table.iter().all(|cell| cell.weight == FAR || cell.weight == cell.value[0]));
+            prop_assert!(table.iter().all(|cell| cell.weight == FAR || cell.weight == cell.value.duration));
             let plain = sources.iter().flat_map(|s| targets.iter().map(|t| graph.dijkstra(s, t).unwrap_or(FAR)));
             let weights: Vec<u32> = table.iter().map(|cell| cell.weight).collect();
             prop_assert_eq!(&weights, &plain.collect::<Vec<_>>(), "{:?}", sizes);

@@ -1,14 +1,29 @@
 //! Vertices and edges from ways and nodes.
 
-use super::read::{Nodes, Square, Way, Ways};
+use openbench_osm::OsmError;
+use openbench_osm::visitor::{Elements, TagRef};
+
+use super::elements::{Nodes, Square, Way, Ways};
+use super::graph::{Edge, Network, NetworkReport, Rows};
 use super::squares;
-use super::{Edge, Network, NetworkReport, Rows};
 use crate::geo::{Place, distance};
 use crate::profile::TIMETABLE;
 
 const NO_VERTEX: u32 = u32::MAX;
 
-pub(super) fn network(mut ways: Ways, nodes: Nodes) -> Network {
+impl Network {
+    /// The network of a map.
+    ///
+    /// # Errors
+    /// If the map is malformed.
+    pub fn read(source: &impl Elements) -> Result<Self, OsmError> {
+        let ways = Ways::read(source)?;
+        let nodes = Nodes::read(source, &ways)?;
+        Ok(network(ways, nodes))
+    }
+}
+
+fn network(mut ways: Ways, nodes: Nodes) -> Network {
     keep_timetables(&mut ways, &nodes);
     let mut uses = uses(&ways, &nodes);
     let crossings = squares::crossings(&ways, &nodes, &mut uses);
@@ -19,27 +34,32 @@ pub(super) fn network(mut ways: Ways, nodes: Nodes) -> Network {
     for crossing in &crossings.lines {
         builder.crossing(&ways.squares[crossing.square], crossing.ends);
     }
-    builder.report.squares_not_crossed = crossings.too_large + ways.squares_without_outline;
-    let report = builder.report;
-    let mut network = builder.rows.into_network();
-    network.report = report;
-    network.report.conditional = ways.conditional;
-    network.report.odd_restrictions = ways.odd_restrictions;
-    network.restrictions = ways.restrictions.into();
-    network.via_ways = ways.via_ways.into();
-    network.restriction_words = ways.restriction_sets.into_sets();
-    network.way_words = ways.classes.into_sets();
-    network.names = ways.names.into_names();
-    network.node_words = nodes.sets.into_sets();
-    network
+    let report = NetworkReport {
+        ways_without_points: builder.ways_without_points,
+        conditional: ways.conditional,
+        odd_restrictions: ways.odd_restrictions,
+        squares_not_crossed: crossings.too_large + ways.squares_without_outline,
+    };
+    let rows = builder.rows;
+    Network {
+        restrictions: ways.restrictions.into(),
+        via_ways: ways.via_ways.into(),
+        restriction_words: ways.restriction_sets.into_sets(),
+        way_words: ways.classes.into_sets(),
+        names: ways.names.into_names(),
+        node_words: nodes.sets.into_sets(),
+        report,
+        ..rows.into_network()
+    }
 }
 
+/// Puts rows together, way by way.
 struct Builder<'a> {
     nodes: &'a Nodes,
     /// For each node its vertex.
     vertex: Vec<u32>,
     rows: Rows,
-    report: NetworkReport,
+    ways_without_points: usize,
     /// The piece of a way that is being put together: indices of nodes.
     piece: Vec<usize>,
 }
@@ -48,29 +68,26 @@ impl<'a> Builder<'a> {
     fn new(nodes: &'a Nodes, uses: &[u8]) -> Self {
         let vertex = vertices(nodes, uses);
         let mut rows = Rows::default();
-        for (index, _) in vertex
-            .iter()
-            .enumerate()
-            .filter(|(_, vertex)| **vertex != NO_VERTEX)
-        {
-            rows.vertices.push(nodes.places[index].unwrap_or_default());
-            rows.vertex_classes.push(nodes.classes[index]);
-            rows.vertex_nodes.push(nodes.ids[index]);
+        for (index, vertex) in vertex.iter().enumerate() {
+            if *vertex != NO_VERTEX {
+                rows.vertices.push(nodes.places[index].unwrap_or_default());
+                rows.vertex_classes.push(nodes.classes[index]);
+                rows.vertex_nodes.push(nodes.ids[index]);
+            }
         }
         Self {
             nodes,
             vertex,
             rows,
-            report: NetworkReport::default(),
+            ways_without_points: 0,
             piece: Vec::new(),
         }
     }
 
     fn way(&mut self, ways: &Ways, way: &Way) {
         let before = self.rows.edges.len();
-        for index in ways.nodes(way).iter().map(|id| self.nodes.index(*id)) {
-            let known = index.filter(|i| self.nodes.places[*i].is_some());
-            let Some(index) = known else {
+        for id in ways.nodes(way) {
+            let Some(index) = self.nodes.known(*id) else {
                 self.piece.clear();
                 continue;
             };
@@ -84,7 +101,7 @@ impl<'a> Builder<'a> {
             }
         }
         self.piece.clear();
-        self.report.ways_without_points += usize::from(self.rows.edges.len() == before);
+        self.ways_without_points += usize::from(self.rows.edges.len() == before);
     }
 
     /// A straight line across a square.
@@ -105,31 +122,22 @@ impl<'a> Builder<'a> {
         self.edge(&way);
     }
 
-    /// Makes an edge of the piece, if it is one.
+    /// Makes an edge of the piece, if it has two nodes or more.
     fn edge(&mut self, way: &Way) {
         if let [first, between @ .., last] = self.piece.as_slice() {
-            let places = self
-                .piece
-                .iter()
-                .map(|i| self.nodes.places[*i].unwrap_or_default());
-            let length = millimetres(places);
             let first_point = self.rows.points.len() as u32;
-            self.rows.points.extend(
-                between
-                    .iter()
-                    .map(|i| self.nodes.places[*i].unwrap_or_default()),
-            );
+            self.rows
+                .points
+                .extend(between.iter().map(|index| place(self.nodes, *index)));
             self.rows
                 .nodes
-                .extend(between.iter().map(|i| self.nodes.ids[*i]));
-            let (from, to) = (self.vertex[*first], self.vertex[*last]);
-            let (class, name) = (way.class, way.name);
+                .extend(between.iter().map(|index| self.nodes.ids[*index]));
             self.rows.edges.push(Edge {
-                from,
-                to,
-                length,
-                class,
-                name,
+                from: self.vertex[*first],
+                to: self.vertex[*last],
+                length: millimetres(self.piece.iter().map(|index| place(self.nodes, *index))),
+                class: way.class,
+                name: way.name,
                 first_point,
             });
             self.rows.ways.push(way.id);
@@ -138,31 +146,32 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// Gives ferries with a timetable the speed that it asks for.
+fn place(nodes: &Nodes, index: usize) -> Place {
+    nodes.places[index].unwrap_or_default()
+}
+
+/// Gives ferries with a timetable the speed that follows from it.
 fn keep_timetables(ways: &mut Ways, nodes: &Nodes) {
     for i in 0..ways.ways.len() {
         let way = ways.ways[i];
         let Some(seconds) = way.seconds else { continue };
-        let places = ways
-            .nodes(&way)
-            .iter()
-            .filter_map(|id| nodes.places[nodes.index(*id)?]);
+        let nodes_of_way = ways.nodes(&way).iter();
+        let places = nodes_of_way.filter_map(|id| nodes.places[nodes.index(*id)?]);
         let metres = f64::from(millimetres(places)) / 1000.0;
-        let speed = (metres / seconds * 3.6).clamp(0.1, 100.0);
-        ways.ways[i].class = ways
-            .classes
-            .with(way.class, TIMETABLE, &format!("{speed:.2}"));
+        let speed = format!("{:.2}", (metres / seconds * 3.6).clamp(0.1, 100.0));
+        ways.ways[i].class = ways.classes.with(way.class, TagRef::new(TIMETABLE, &speed));
     }
 }
 
-/// For each node how often it is used: once by each way that goes through it, twice where a run of known nodes begins or ends.
+/// For each node how often it is used: once by each way that goes through it, twice where a run of
+/// known nodes begins or ends.
 fn uses(ways: &Ways, nodes: &Nodes) -> Vec<u8> {
     let mut uses = vec![0_u8; nodes.ids.len()];
     let mut count = |index: usize, by: u8| uses[index] = uses[index].saturating_add(by);
     for way in &ways.ways {
         let mut last: Option<usize> = None;
         for id in ways.nodes(way) {
-            let index = nodes.index(*id).filter(|i| nodes.places[*i].is_some());
+            let index = nodes.known(*id);
             match (last, index) {
                 (Some(a), Some(b)) if a == b => continue,
                 (None, Some(b)) => count(b, 2),
@@ -172,31 +181,32 @@ fn uses(ways: &Ways, nodes: &Nodes) -> Vec<u8> {
             }
             last = index;
         }
-        last.into_iter().for_each(|a| count(a, 1));
+        if let Some(last) = last {
+            count(last, 1);
+        }
     }
     uses
 }
 
-/// For each node its vertex: nodes that are used twice, and nodes that have words.
+/// For each node its vertex, [`NO_VERTEX`] if it is none. Nodes that are used twice are vertices,
+/// and nodes with tags.
 fn vertices(nodes: &Nodes, uses: &[u8]) -> Vec<u32> {
-    let mut vertices = 0;
-    let number = |(index, uses): (usize, &u8)| {
-        let known = nodes.places[index].is_some();
-        if known && (*uses >= 2 || (*uses == 1 && nodes.classes[index] != 0)) {
-            vertices += 1;
-            vertices - 1
-        } else {
-            NO_VERTEX
+    let mut count = 0;
+    let mut vertices = vec![NO_VERTEX; uses.len()];
+    for (index, uses) in uses.iter().enumerate() {
+        let is_known = nodes.places[index].is_some();
+        let has_tags = nodes.classes[index] != 0;
+        if is_known && (*uses >= 2 || (*uses == 1 && has_tags)) {
+            vertices[index] = count;
+            count += 1;
         }
-    };
-    uses.iter().enumerate().map(number).collect()
+    }
+    vertices
 }
 
+/// Length of a line, millimetres.
 fn millimetres(points: impl Iterator<Item = Place> + Clone) -> u32 {
-    let metres: f64 = points
-        .clone()
-        .zip(points.skip(1))
-        .map(|(a, b)| distance(a, b))
-        .sum();
+    let pairs = points.clone().zip(points.skip(1));
+    let metres: f64 = pairs.map(|(a, b)| distance(a, b)).sum();
     libm::round(metres * 1000.0) as u32
 }

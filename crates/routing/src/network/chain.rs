@@ -49,8 +49,8 @@ impl<'a, T: Copy> Chain<'a, T> {
     }
 
     /// Neighbours, in order.
-    pub fn pairs(&self) -> impl Iterator<Item = (T, T)> + 'a {
-        self.iter().zip(self.iter().skip(1))
+    pub fn pairs(&self) -> impl Iterator<Item = [T; 2]> + 'a {
+        self.iter().zip(self.iter().skip(1)).map(|(a, b)| [a, b])
     }
 }
 

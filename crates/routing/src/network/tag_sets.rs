@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::rc::Rc;
 
 use openbench_osm::Tags;
-use openbench_osm::stream::Words;
+use openbench_osm::visitor::{TagRef, TagsRef};
 
 use crate::store::Column;
 
@@ -127,7 +127,7 @@ impl WordSets {
 
     /// The words of a set; none, if there is no such set.
     pub fn get(&self, number: u32) -> Tags {
-        self.words(number).collect()
+        self.tags(number).map(|tag| (tag.key, tag.value)).collect()
     }
 
     /// All sets in order.
@@ -137,18 +137,20 @@ impl WordSets {
 
     /// Whether `key` stands in a set with exactly this `value`.
     pub fn is(&self, number: u32, key: &str, value: &str) -> bool {
-        self.words(number).any(|word| word == (key, value))
+        self.tags(number).any(|tag| tag == TagRef { key, value })
     }
 
-    fn words(&self, number: u32) -> impl Iterator<Item = (&str, &str)> {
-        words(self.0.get(number))
+    fn tags(&self, number: u32) -> impl Iterator<Item = TagRef<'_>> {
+        tags(self.0.get(number))
     }
 }
 
-/// Keys and values of a set that is a text.
-fn words(set: &str) -> impl Iterator<Item = (&str, &str)> {
-    set.split_terminator(MARKS[1])
-        .filter_map(|word| word.split_once(MARKS[0]))
+/// The tags of a set that is a text.
+fn tags(set: &str) -> impl Iterator<Item = TagRef<'_>> {
+    let pairs = set
+        .split_terminator(MARKS[1])
+        .filter_map(|tag| tag.split_once(MARKS[0]));
+    pairs.map(|(key, value)| TagRef { key, value })
 }
 
 /// Texts while they are collected, each once.
@@ -191,31 +193,27 @@ impl Classes {
         }
     }
 
-    /// The number of the set of those `words` that a profile may ask for, with `more` added.
-    pub(super) fn number(&mut self, words: Words<'_>, more: Option<(&str, &str)>) -> u32 {
-        let mut kept: Vec<_> = words
-            .0
-            .iter()
-            .copied()
-            .filter(|(key, _)| !informs(key))
-            .chain(more)
-            .collect();
-        kept.retain(|(key, value)| !key.contains(MARKS) && !value.contains(MARKS));
-        kept.sort_by_key(|(key, _)| *key);
+    /// The number of the set of those tags that a profile may ask for, together with `more`.
+    pub(super) fn number(&mut self, tags: TagsRef<'_>, more: Option<TagRef<'_>>) -> u32 {
+        let told = tags.0.iter().copied().filter(|tag| !informs(tag.key));
+        let mut kept: Vec<TagRef<'_>> = told.chain(more).collect();
+        kept.retain(|tag| !tag.key.contains(MARKS) && !tag.value.contains(MARKS));
+        kept.sort_by_key(|tag| tag.key);
         self.text.clear();
-        for (key, value) in &kept {
-            self.text.push_str(key);
+        for tag in &kept {
+            self.text.push_str(tag.key);
             self.text.push(MARKS[0]);
-            self.text.push_str(value);
+            self.text.push_str(tag.value);
             self.text.push(MARKS[1]);
         }
         self.sets.number(&self.text)
     }
 
-    /// The number of a set with one more word.
-    pub(super) fn with(&mut self, class: u32, key: &str, value: &str) -> u32 {
+    /// The number of a set with one more tag.
+    pub(super) fn with(&mut self, class: u32, more: TagRef<'_>) -> u32 {
         let set = self.sets.texts[class as usize].clone();
-        self.number(Words(&words(&set).collect::<Vec<_>>()), Some((key, value)))
+        let tags: Vec<TagRef<'_>> = tags(&set).collect();
+        self.number(TagsRef(&tags), Some(more))
     }
 
     pub(super) fn into_sets(self) -> WordSets {
@@ -271,23 +269,25 @@ impl Names {
         }
     }
 
-    pub(super) fn number(&mut self, words: Words<'_>) -> u32 {
-        let word = |key: &str| {
-            words
-                .get(key)
-                .filter(|value| !value.contains(MARKS))
-                .unwrap_or_default()
-        };
+    /// The number of the name and the reference of a road with these tags.
+    pub(super) fn number(&mut self, tags: TagsRef<'_>) -> u32 {
         self.text.clear();
-        self.text.push_str(word("name"));
+        self.text.push_str(readable(tags, "name"));
         self.text.push(MARKS[0]);
-        self.text.push_str(word("ref"));
+        self.text.push_str(readable(tags, "ref"));
         self.names.number(&self.text)
     }
 
     pub(super) fn into_names(self) -> RoadNames {
         RoadNames(self.names.into_texts())
     }
+}
+
+/// The value of a key, empty if there is none or it holds a mark.
+fn readable<'a>(tags: TagsRef<'a>, key: &str) -> &'a str {
+    tags.get(key)
+        .filter(|value| !value.contains(MARKS))
+        .unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -298,16 +298,19 @@ mod tests {
     fn sets_are_kept_once_and_found_again() {
         let mut classes = Classes::new();
         let words = [
-            ("surface", "sett"),
-            ("highway", "path"),
-            ("name", "Elm Path"),
-            ("odd", "a\u{1f}b"),
+            TagRef::new("surface", "sett"),
+            TagRef::new("highway", "path"),
+            TagRef::new("name", "Elm Path"),
+            TagRef::new("odd", "a\u{1f}b"),
         ];
-        let one = classes.number(Words(&words), None);
-        let same = classes.number(Words(&words[..2]), None);
-        let other = classes.number(Words(&words[..1]), Some(("openbench:crossing", "yes")));
+        let one = classes.number(TagsRef(&words), None);
+        let same = classes.number(TagsRef(&words[..2]), None);
+        let other = classes.number(
+            TagsRef(&words[..1]),
+            Some(TagRef::new("openbench:crossing", "yes")),
+        );
         assert_eq!(
-            [one, same, other, classes.number(Words(&[]), None)],
+            [one, same, other, classes.number(TagsRef(&[]), None)],
             [1, 1, 2, 0]
         );
         let sets = classes.into_sets();
@@ -325,10 +328,10 @@ mod tests {
     #[test]
     fn roads_without_a_name_are_called_nothing() {
         let mut names = Names::new();
-        let number = |names: &mut Names, words: &[(&str, &str)]| names.number(Words(words));
+        let number = |names: &mut Names, tags: &[TagRef<'_>]| names.number(TagsRef(tags));
         assert_eq!(number(&mut names, &[]), 0);
-        assert_eq!(number(&mut names, &[("ref", "N 14")]), 1);
-        assert_eq!(number(&mut names, &[("name", "Elm Path")]), 2);
+        assert_eq!(number(&mut names, &[TagRef::new("ref", "N 14")]), 1);
+        assert_eq!(number(&mut names, &[TagRef::new("name", "Elm Path")]), 2);
         let names = names.into_names();
         assert_eq!((names.len(), names.get(0)), (3, RoadName::default()));
         assert_eq!(

@@ -7,6 +7,7 @@
 //! | `request` | what an address asks for |
 //! | `service` | the answer to a request |
 //! | `route`, `nearest`, `table` | the answers of the three services |
+//! | `segments` | what each segment takes, for annotations |
 //! | `step` | what to do on the way, as JSON |
 //! | `simplify` | as many points of a line as can be seen |
 //! | `polyline` | lines as text |
@@ -19,6 +20,7 @@ mod nearest;
 mod polyline;
 mod request;
 mod route;
+mod segments;
 mod service;
 mod simplify;
 mod step;

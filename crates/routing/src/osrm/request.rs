@@ -5,7 +5,7 @@ use openbench_core::LonLat;
 use super::failure::Failure;
 use super::polyline;
 use crate::geo::Place;
-use crate::position::SnapOptions;
+use crate::position::{BearingRange, SnapOptions};
 
 /// What is asked for.
 #[derive(Debug, Clone, PartialEq)]
@@ -150,11 +150,12 @@ impl Default for Limits {
     }
 }
 
-/// One `key=value` of a request and where it stands.
-#[derive(Debug, Clone, Copy)]
+/// One `key=value` of a query, and where it stands.
+#[derive(Debug, Clone)]
 struct Setting<'a> {
     key: &'a str,
-    value: &'a str,
+    /// Percent-decoded.
+    value: String,
     position: usize,
 }
 
@@ -258,6 +259,26 @@ fn number(text: &str) -> Option<f64> {
         .filter(|number: &f64| digits && number.is_finite())
 }
 
+/// Metres; without a limit if the text is empty.
+fn radius(text: &str) -> Option<f64> {
+    match text {
+        "" | "unlimited" => Some(f64::INFINITY),
+        _ => number(text).filter(|radius| *radius >= 0.0),
+    }
+}
+
+/// `bearing,tolerance`, degrees.
+fn bearing_range(text: &str) -> Option<BearingRange> {
+    let (bearing, tolerance) = text.split_once(',')?;
+    let range = BearingRange {
+        bearing: number(bearing)?,
+        tolerance: number(tolerance)?,
+    };
+    let is_valid =
+        (0.0..=360.0).contains(&range.bearing) && (0.0..=180.0).contains(&range.tolerance);
+    is_valid.then_some(range)
+}
+
 fn percent_decoded(text: &str) -> Option<String> {
     if !text.contains('%') {
         return Some(text.to_owned());
@@ -279,25 +300,22 @@ fn percent_decoded(text: &str) -> Option<String> {
     String::from_utf8(bytes).ok()
 }
 
-fn options(query: &str, mut position: usize) -> Result<Vec<(String, String, usize)>, Failure> {
+/// The options of a query that begins at `position`.
+fn options(query: &str, mut position: usize) -> Result<Vec<Setting<'_>>, Failure> {
     let mut options = Vec::new();
     for option in query.split('&').filter(|_| !query.is_empty()) {
         let (key, value) = option
             .split_once('=')
             .ok_or_else(|| Failure::query(position))?;
         let value = percent_decoded(value).ok_or_else(|| Failure::query(position))?;
-        options.push((key.to_owned(), value, position));
+        options.push(Setting {
+            key,
+            value,
+            position,
+        });
         position += option.len() + 1;
     }
     Ok(options)
-}
-
-fn each<'a>(options: &'a [(String, String, usize)]) -> impl Iterator<Item = Setting<'a>> {
-    options.iter().map(|(key, value, position)| Setting {
-        key,
-        value,
-        position: *position,
-    })
 }
 
 impl Setting<'_> {
@@ -306,7 +324,7 @@ impl Setting<'_> {
     }
 
     fn boolean(&self) -> Result<bool, Failure> {
-        match self.value {
+        match self.value.as_str() {
             "true" => Ok(true),
             "false" => Ok(false),
             _ => Err(self.fail()),
@@ -319,7 +337,7 @@ impl Setting<'_> {
 
     /// Indices separated by semicolons; `all` is none.
     fn indices(&self) -> Result<Vec<usize>, Failure> {
-        match self.value {
+        match self.value.as_str() {
             "all" | "" => Ok(Vec::new()),
             list => list
                 .split(';')
@@ -341,7 +359,7 @@ impl Places {
     }
 
     /// Takes an option in that all services know; whether it is one.
-    fn take(&mut self, option: Setting<'_>) -> Result<bool, Failure> {
+    fn take(&mut self, option: &Setting<'_>) -> Result<bool, Failure> {
         match option.key {
             "generate_hints" => self.hints = option.boolean()?,
             "skip_waypoints" => self.skip_waypoints = option.boolean()?,
@@ -354,29 +372,22 @@ impl Places {
                 }
             }
             "radiuses" => {
-                for (i, radius) in self.list(option)?.into_iter().enumerate() {
-                    self.snap[i].radius = match radius {
-                        "" | "unlimited" => f64::INFINITY,
-                        radius => number(radius)
-                            .filter(|r| *r >= 0.0)
-                            .ok_or_else(|| option.fail())?,
-                    };
+                let radiuses = self.list(option)?;
+                for (snap, text) in self.snap.iter_mut().zip(radiuses) {
+                    snap.radius = radius(text).ok_or_else(|| option.fail())?;
                 }
             }
             "bearings" => {
-                for (i, bearing) in self.list(option)?.into_iter().enumerate() {
-                    let pair = bearing
-                        .split_once(',')
-                        .and_then(|(b, r)| Some((number(b)?, number(r)?)));
-                    let valid = pair
-                        .filter(|(b, r)| (0.0..=360.0).contains(b) && (0.0..=180.0).contains(r));
-                    if valid.is_none() && !bearing.is_empty() {
+                let bearings = self.list(option)?;
+                for (snap, text) in self.snap.iter_mut().zip(bearings) {
+                    let range = bearing_range(text);
+                    if range.is_none() && !text.is_empty() {
                         return Err(option.fail());
                     }
-                    self.snap[i].bearing = valid;
+                    snap.bearing = range;
                 }
             }
-            "snapping" if ["default", "any"].contains(&option.value) => {}
+            "snapping" if ["default", "any"].contains(&option.value.as_str()) => {}
             "exclude" => {
                 return Err(Failure::new(
                     "InvalidValue",
@@ -389,7 +400,7 @@ impl Places {
     }
 
     /// One value for each place.
-    fn list<'a>(&self, option: Setting<'a>) -> Result<Vec<&'a str>, Failure> {
+    fn list<'a>(&self, option: &'a Setting<'_>) -> Result<Vec<&'a str>, Failure> {
         let values: Vec<&str> = option.value.split(';').collect();
         if values.len() == self.places.len() {
             return Ok(values);
@@ -433,11 +444,7 @@ impl RouteRequest {
         }
     }
 
-    fn new(
-        places: Vec<Place>,
-        options: &[(String, String, usize)],
-        limits: &Limits,
-    ) -> Result<Self, Failure> {
+    fn new(places: Vec<Place>, options: &[Setting<'_>], limits: &Limits) -> Result<Self, Failure> {
         let mut request = Self::through(places);
         request.places.at_least_two()?;
         too_big(
@@ -445,11 +452,11 @@ impl RouteRequest {
             request.places.places.len(),
             limits.route,
         )?;
-        for option in each(options) {
+        for option in options {
             if request.places.take(option)? {
                 continue;
             }
-            match (option.key, option.value) {
+            match (option.key, option.value.as_str()) {
                 ("alternatives", "true") => request.alternatives = 1,
                 ("alternatives", "false") => request.alternatives = 0,
                 ("alternatives", _) => request.alternatives = option.whole()?,
@@ -530,16 +537,12 @@ fn annotations(words: &str) -> Option<Annotations> {
 }
 
 impl NearestRequest {
-    fn new(
-        places: Vec<Place>,
-        options: &[(String, String, usize)],
-        limits: &Limits,
-    ) -> Result<Self, Failure> {
+    fn new(places: Vec<Place>, options: &[Setting<'_>], limits: &Limits) -> Result<Self, Failure> {
         let mut request = Self {
             places: Places::new(places),
             number: 1,
         };
-        for option in each(options) {
+        for option in options {
             if request.places.take(option)? {
                 continue;
             }
@@ -575,22 +578,18 @@ impl TableRequest {
         }
     }
 
-    fn new(
-        places: Vec<Place>,
-        options: &[(String, String, usize)],
-        limits: &Limits,
-    ) -> Result<Self, Failure> {
+    fn new(places: Vec<Place>, options: &[Setting<'_>], limits: &Limits) -> Result<Self, Failure> {
         let mut request = Self::between(places);
         request.places.at_least_two()?;
         if request.places.places.len() > limits.table {
             return Err(Failure::new("TooBig", "Too many table coordinates"));
         }
-        let positive = |option: Setting<'_>| {
-            let value = number(option.value).ok_or_else(|| option.fail())?;
+        let positive = |option: &Setting<'_>| {
+            let value = number(&option.value).ok_or_else(|| option.fail())?;
             let low = || Failure::new("InvalidOptions", format!("{} must be > 0", option.key));
             (value > 0.0).then_some(value).ok_or_else(low)
         };
-        for option in each(options) {
+        for option in options {
             if request.places.take(option)? {
                 continue;
             }
@@ -609,7 +608,7 @@ impl TableRequest {
                         (words.contains(&"duration"), words.contains(&"distance"));
                 }
                 "fallback_speed" => request.fallback_speed = Some(positive(option)?),
-                "fallback_coordinate" if ["input", "snapped"].contains(&option.value) => {
+                "fallback_coordinate" if ["input", "snapped"].contains(&option.value.as_str()) => {
                     request.fallback_snapped = option.value == "snapped";
                 }
                 "scale_factor" => request.scale = positive(option)?,

@@ -1,54 +1,43 @@
-//! How far places are from each other.
+//! The service *table*: durations and distances between many places.
 
 use super::failure::Failure;
 use super::json::Json;
 use super::request::TableRequest;
 use super::service::{Service, ServiceMemory};
+use crate::costs::UNITS_PER_SECOND;
 use crate::geo::distance;
 use crate::leg::{Leg, Measures};
-use crate::metric::UNITS;
 use crate::position::Position;
 
 impl Service {
     /// Answers *table*.
+    ///
+    /// # Errors
+    /// If a place is far from all roads.
     pub fn table(
         &self,
         request: &TableRequest,
         memory: &mut ServiceMemory,
     ) -> Result<Vec<u8>, Failure> {
         let positions = self.positions(&request.places, &mut memory.nearest)?;
-        let all: Vec<usize> = (0..positions.len()).collect();
-        let chosen = |indices: &Vec<usize>| {
-            if indices.is_empty() {
-                all.clone()
-            } else {
-                indices.clone()
-            }
-        };
-        let [sources, targets] = [&request.sources, &request.destinations].map(chosen);
-        let of = |indices: &[usize]| {
-            indices
-                .iter()
-                .map(|i| positions[*i].as_slice())
-                .collect::<Vec<_>>()
-        };
-        let (from, to) = (of(&sources), of(&targets));
-        let measures = self.measured(&from, &to, request, [&sources, &targets], memory);
+        let sources = chosen(&request.sources, positions.len());
+        let targets = chosen(&request.destinations, positions.len());
+        let table = self.measured(request, &positions, &sources, &targets, memory);
         let mut json = Json::default();
         json.object(|json| {
             json.key("code").string("Ok");
             if request.duration {
-                rows(json.key("durations"), &measures.durations, to.len(), 1);
+                rows(json.key("durations"), &table.durations, targets.len());
             }
             if request.distance {
-                rows(json.key("distances"), &measures.lengths, to.len(), 1);
+                rows(json.key("distances"), &table.lengths, targets.len());
             }
             if request.fallback_speed.is_some() {
                 json.key("fallback_speed_cells").array(|json| {
-                    for (row, column) in measures.filled {
+                    for cell in table.filled {
                         json.array(|json| {
-                            json.whole(row as i64);
-                            json.whole(column as i64);
+                            json.whole(cell.row as i64);
+                            json.whole(cell.column as i64);
                         });
                     }
                 });
@@ -66,47 +55,31 @@ impl Service {
         Ok(json.into_bytes())
     }
 
+    /// The table between those positions that are its sources and targets, by their indices.
     fn measured(
         &self,
-        from: &[&[Position]],
-        to: &[&[Position]],
         request: &TableRequest,
-        asked: [&[usize]; 2],
+        positions: &[Vec<Position>],
+        sources: &[usize],
+        targets: &[usize],
         memory: &mut ServiceMemory,
     ) -> Measured {
+        let from: Vec<&[Position]> = sources.iter().map(|i| positions[*i].as_slice()).collect();
+        let to: Vec<&[Position]> = targets.iter().map(|i| positions[*i].as_slice()).collect();
         let ServiceMemory { legs, tables, .. } = memory;
-        let table = Leg::table(
-            &self.roads,
-            &self.metric,
-            from,
-            to,
-            request.distance,
-            legs,
-            tables,
-        );
-        let seconds = |measures: &Measures| f64::from(measures.duration) / UNITS;
-        let mut measured = Measured {
-            lengths: table
-                .iter()
-                .map(|cell| cell.map_or(f64::NAN, |measures| measures.length))
-                .collect(),
-            durations: table
-                .iter()
-                .map(|cell| cell.as_ref().map_or(f64::NAN, seconds))
-                .collect(),
-            filled: Vec::new(),
-        };
+        let (roads, metric, lengths) = (&self.roads, &self.metric, request.distance);
+        let cells = Leg::table(roads, metric, &from, &to, lengths, legs, tables);
+        let mut measured = Measured::new(&cells);
         for (i, duration) in measured.durations.iter_mut().enumerate() {
-            let (row, column) = (i / to.len(), i % to.len());
+            let cell = Cell {
+                row: i / targets.len(),
+                column: i % targets.len(),
+            };
             if let (true, Some(speed)) = (duration.is_nan(), request.fallback_speed) {
-                let [a, b] = if request.fallback_snapped {
-                    [from[row][0].place, to[column][0].place]
-                } else {
-                    [asked[0][row], asked[1][column]].map(|i| request.places.places[i])
-                };
-                let metres = distance(a, b);
+                let ends = [sources[cell.row], targets[cell.column]];
+                let metres = straight_line(request, positions, ends);
                 (*duration, measured.lengths[i]) = (metres / speed, metres);
-                measured.filled.push((row, column));
+                measured.filled.push(cell);
             }
             *duration *= request.scale;
         }
@@ -114,15 +87,60 @@ impl Service {
     }
 }
 
-/// Metres and seconds, not numbers where there is no way, and which of them are filled in.
+/// All indices below `count` if none are named.
+fn chosen(indices: &[usize], count: usize) -> Vec<usize> {
+    if indices.is_empty() {
+        (0..count).collect()
+    } else {
+        indices.to_vec()
+    }
+}
+
+/// Metres between two places of a request, or between those on the network that stand for them.
+fn straight_line(request: &TableRequest, positions: &[Vec<Position>], ends: [usize; 2]) -> f64 {
+    let [a, b] = if request.fallback_snapped {
+        ends.map(|i| positions[i][0].place)
+    } else {
+        ends.map(|i| request.places.places[i])
+    };
+    distance(a, b)
+}
+
+/// A cell of a table.
+#[derive(Debug, Clone, Copy)]
+struct Cell {
+    row: usize,
+    column: usize,
+}
+
+/// Metres and seconds, NaN where there is no route, and the cells that were filled in instead.
 #[derive(Debug)]
 struct Measured {
     lengths: Vec<f64>,
     durations: Vec<f64>,
-    filled: Vec<(usize, usize)>,
+    filled: Vec<Cell>,
 }
 
-fn rows(json: &mut Json, values: &[f64], width: usize, places: u32) {
+impl Measured {
+    fn new(cells: &[Option<Measures>]) -> Self {
+        let length = |measures: Measures| measures.length;
+        let seconds = |measures: Measures| f64::from(measures.duration) / UNITS_PER_SECOND;
+        Self {
+            lengths: cells
+                .iter()
+                .map(|cell| cell.map_or(f64::NAN, length))
+                .collect(),
+            durations: cells
+                .iter()
+                .map(|cell| cell.map_or(f64::NAN, seconds))
+                .collect(),
+            filled: Vec::new(),
+        }
+    }
+}
+
+/// An array of rows of so many values, with one decimal place.
+fn rows(json: &mut Json, values: &[f64], width: usize) {
     json.array(|json| {
         for row in values.chunks(width.max(1)) {
             json.array(|json| {
@@ -130,7 +148,7 @@ fn rows(json: &mut Json, values: &[f64], width: usize, places: u32) {
                     if value.is_nan() {
                         json.null()
                     } else {
-                        json.decimal(*value, places)
+                        json.decimal(*value, 1)
                     }
                 }
             });

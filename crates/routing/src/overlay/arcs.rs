@@ -3,6 +3,17 @@
 /// No way, or no state.
 pub const NONE: u32 = u32::MAX;
 
+/// An arc between two states.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Arc {
+    /// The state that it leaves.
+    pub from: u32,
+    /// The state that it leads to.
+    pub to: u32,
+    /// The directed edge that it passes along: twice the edge's number, plus one against its direction.
+    pub via: u32,
+}
+
 /// Arcs by the state that they are found at.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Arcs {
@@ -17,11 +28,11 @@ pub struct Arcs {
 }
 
 impl Arcs {
-    /// Arcs `(from, to, via)` between `states` states.
-    pub fn new(states: usize, arcs: impl Iterator<Item = (u32, u32, u32)> + Clone) -> Self {
+    /// Arcs between `states` states.
+    pub fn new(states: usize, arcs: impl Iterator<Item = Arc> + Clone) -> Self {
         let mut first = vec![0_u32; states + 1];
         arcs.clone()
-            .for_each(|(from, ..)| first[from as usize + 1] += 1);
+            .for_each(|arc| first[arc.from as usize + 1] += 1);
         for i in 1..first.len() {
             first[i] += first[i - 1];
         }
@@ -33,10 +44,11 @@ impl Arcs {
             via: vec![0; count],
             border: vec![0; count],
         };
-        for (from, to, via) in arcs {
-            let slot = next[from as usize] as usize;
-            next[from as usize] += 1;
-            (result.head[slot], result.via[slot]) = (to, via);
+        for arc in arcs {
+            let slot = next[arc.from as usize] as usize;
+            next[arc.from as usize] += 1;
+            result.head[slot] = arc.to;
+            result.via[slot] = arc.via;
         }
         result
     }
@@ -63,11 +75,12 @@ impl Arcs {
 
     /// The same arcs by the states that they lead to.
     pub fn reversed(&self) -> Self {
-        Self::new(
-            self.states(),
-            self.iter()
-                .map(|(from, slot)| (self.head[slot], from, self.via[slot])),
-        )
+        let back = |(from, slot): (u32, usize)| Arc {
+            from: self.head[slot],
+            to: from,
+            via: self.via[slot],
+        };
+        Self::new(self.states(), self.iter().map(back))
     }
 
     /// Number of states.

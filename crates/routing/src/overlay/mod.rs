@@ -16,7 +16,7 @@
 mod arcs;
 mod customize;
 
-pub use arcs::{Arcs, NONE};
+pub use arcs::{Arc, Arcs, NONE};
 pub use customize::{Cliques, UNREACHED, Weights};
 
 /// The highest weight that counts; anything from [`FAR`] on is no way. Two of them can be added.

@@ -16,10 +16,10 @@ pub(super) struct Graph {
 
 impl Graph {
     /// Edges between `count` vertices; those from a vertex to itself are left out.
-    pub(super) fn new(count: usize, edges: impl Iterator<Item = (u32, u32)> + Clone) -> Self {
-        let edges = edges.filter(|(a, b)| a != b);
+    pub(super) fn new(count: usize, edges: impl Iterator<Item = [u32; 2]> + Clone) -> Self {
+        let edges = edges.filter(|[a, b]| a != b);
         let mut first = vec![0_u32; count + 1];
-        for (a, b) in edges.clone() {
+        for [a, b] in edges.clone() {
             first[a as usize + 1] += 1;
             first[b as usize + 1] += 1;
         }
@@ -37,7 +37,7 @@ impl Graph {
             next[vertex as usize] += 1;
             next[vertex as usize] - 1
         };
-        for (a, b) in edges {
+        for [a, b] in edges {
             let (s, t) = (take(a), take(b));
             (graph.head[s as usize], graph.head[t as usize]) = (b, a);
             (graph.twin[s as usize], graph.twin[t as usize]) = (t, s);
@@ -221,7 +221,7 @@ mod tests {
     use proptest::prelude::*;
 
     /// The smallest number of edges between a set that holds the sources and the rest that holds the sinks, by trying all sets.
-    fn smallest_cut(count: usize, edges: &[(u32, u32)], roles: &[Role]) -> usize {
+    fn smallest_cut(count: usize, edges: &[[u32; 2]], roles: &[Role]) -> usize {
         let fits = |set: usize| {
             (0..count).all(|v| match roles[v] {
                 Role::Free => true,
@@ -232,7 +232,7 @@ mod tests {
         let cut = |set: usize| {
             edges
                 .iter()
-                .filter(|(a, b)| (set >> a ^ set >> b) & 1 == 1)
+                .filter(|[a, b]| (set >> a ^ set >> b) & 1 == 1)
                 .count()
         };
         (0..1 << count)
@@ -248,6 +248,7 @@ mod tests {
             edges in proptest::collection::vec((0_u32..9, 0_u32..9), 0..24),
             roles in proptest::collection::vec(0_u8..4, 9),
         ) {
+            let edges: Vec<[u32; 2]> = edges.into_iter().map(|(a, b)| [a, b]).collect();
             let roles: Vec<Role> =
                 roles.iter().map(|r| [Role::Free, Role::Free, Role::Source, Role::Sink][*r as usize]).collect();
             let graph = Graph::new(9, edges.iter().copied());
@@ -256,7 +257,7 @@ mod tests {
             prop_assert_eq!(largest, smallest_cut(9, &edges, &roles));
             for from_sinks in [false, true] {
                 flow.side(&graph, &roles, from_sinks, &mut inside);
-                let apart = |e: &&(u32, u32)| inside[e.0 as usize] != inside[e.1 as usize];
+                let apart = |edge: &&[u32; 2]| inside[edge[0] as usize] != inside[edge[1] as usize];
                 prop_assert_eq!(edges.iter().filter(apart).count(), largest);
             }
             let stopped = largest.checked_sub(1).and_then(|limit| flow.largest(&graph, &roles, limit));

@@ -20,19 +20,9 @@ const HELD: usize = 4;
 /// Lines: weights of longitude and latitude.
 const LINES: [[i64; 2]; 4] = [[1, 0], [0, 1], [1, 1], [1, -1]];
 
-/// Halves parts; its memory is used again.
-#[derive(Debug, Default)]
-pub(super) struct Halver {
-    flow: Flow,
-    order: Vec<(i64, u32)>,
-    roles: Vec<Role>,
-    inside: Vec<bool>,
-    best: Vec<bool>,
-}
-
 impl Part {
     /// A whole network, its vertices along a Hilbert curve: what a flow passes through one after another should lie side by side.
-    pub(super) fn new(places: &[Place], edges: &[(u32, u32)]) -> Self {
+    pub(super) fn new(places: &[Place], edges: &[[u32; 2]]) -> Self {
         let mut vertices: Vec<u32> = (0..places.len() as u32).collect();
         vertices.sort_by_cached_key(|vertex| places[*vertex as usize].hilbert());
         let mut number = vec![0; places.len()];
@@ -41,7 +31,7 @@ impl Part {
         }
         let edges = edges
             .iter()
-            .map(|(a, b)| (number[*a as usize], number[*b as usize]));
+            .map(|ends| ends.map(|end| number[end as usize]));
         let graph = Graph::new(places.len(), edges);
         let places = vertices
             .iter()
@@ -58,32 +48,47 @@ impl Part {
         self.vertices.len()
     }
 
-    /// The vertices inside as a part of their own.
+    /// The vertices on one side as a part of their own: those that are inside, or those that are
+    /// not.
     fn side(&self, inside: &[bool], of: bool) -> Self {
         let mut number = vec![u32::MAX; self.len()];
         let members: Vec<u32> = (0..self.len() as u32)
-            .filter(|v| inside[*v as usize] == of)
+            .filter(|vertex| inside[*vertex as usize] == of)
             .collect();
-        for (i, member) in members.iter().enumerate() {
-            number[*member as usize] = i as u32;
+        for (i, member) in (0..).zip(&members) {
+            number[*member as usize] = i;
         }
-        let edges = members.iter().flat_map(|&v| {
-            let heads = self.graph.slots(v).map(|slot| self.graph.head[slot]);
+        let edges = members.iter().flat_map(|&vertex| {
+            let heads = self.graph.slots(vertex).map(|slot| self.graph.head[slot]);
+            // Each edge stands at both of its ends, and is taken once.
             heads
-                .filter(move |&head| v < head)
-                .map(move |head| (v, head))
+                .filter(move |&head| vertex < head)
+                .map(move |head| [vertex, head])
         });
-        let edges = edges.filter(|(_, head)| inside[*head as usize] == of);
-        let graph = Graph::new(
-            members.len(),
-            edges.map(|(a, b)| (number[a as usize], number[b as usize])),
-        );
+        let edges = edges.filter(|[_, head]| inside[*head as usize] == of);
+        let edges = edges.map(|ends| ends.map(|end| number[end as usize]));
         Self {
-            vertices: members.iter().map(|v| self.vertices[*v as usize]).collect(),
-            places: members.iter().map(|v| self.places[*v as usize]).collect(),
-            graph,
+            vertices: members
+                .iter()
+                .map(|vertex| self.vertices[*vertex as usize])
+                .collect(),
+            places: members
+                .iter()
+                .map(|vertex| self.places[*vertex as usize])
+                .collect(),
+            graph: Graph::new(members.len(), edges),
         }
     }
+}
+
+/// Halves parts; its memory is used again.
+#[derive(Debug, Default)]
+pub(super) struct Halver {
+    flow: Flow,
+    order: Vec<(i64, u32)>,
+    roles: Vec<Role>,
+    inside: Vec<bool>,
+    best: Vec<bool>,
 }
 
 impl Halver {

@@ -61,7 +61,7 @@ pub struct Partition {
 
 impl Partition {
     /// Puts vertices into cells. Levels whose cells could hold the whole network are left out.
-    pub fn new(places: &[Place], edges: &[(u32, u32)], sizes: &CellSizes) -> Self {
+    pub fn new(places: &[Place], edges: &[[u32; 2]], sizes: &CellSizes) -> Self {
         let levels = sizes
             .0
             .iter()
@@ -123,20 +123,20 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn grid(width: u32, height: u32) -> (Vec<Place>, Vec<(u32, u32)>) {
+    fn grid(width: u32, height: u32) -> (Vec<Place>, Vec<[u32; 2]>) {
         let places = (0..width * height).map(|i| Place {
             lon: (i % width) as i32,
             lat: (i / width) as i32,
         });
         let across = (0..width * height)
             .filter(|i| i % width > 0)
-            .map(|i| (i - 1, i));
-        let up = (width..width * height).map(|i| (i - width, i));
+            .map(|i| [i - 1, i]);
+        let up = (width..width * height).map(|i| [i - width, i]);
         (places.collect(), across.chain(up).collect())
     }
 
     /// Edges between cells of a level.
-    fn cut(partition: &Partition, level: usize, edges: &[(u32, u32)]) -> usize {
+    fn cut(partition: &Partition, level: usize, edges: &[[u32; 2]]) -> usize {
         let mut position = vec![0; partition.order.len()];
         for (i, vertex) in partition.order.iter().enumerate() {
             position[*vertex as usize] = i as u32;
@@ -144,7 +144,7 @@ mod tests {
         let cell = |v: u32| {
             partition.levels[level].partition_point(|start| *start <= position[v as usize])
         };
-        edges.iter().filter(|(a, b)| cell(*a) != cell(*b)).count()
+        edges.iter().filter(|[a, b]| cell(*a) != cell(*b)).count()
     }
 
     #[test]
@@ -155,8 +155,8 @@ mod tests {
             lon: p.lon + 20,
             lat: p.lat,
         }));
-        edges.extend(more.iter().map(|(a, b)| (a + 64, b + 64)));
-        edges.push((7, 64));
+        edges.extend(more.iter().map(|ends| ends.map(|end| end + 64)));
+        edges.push([7, 64]);
         let partition = Partition::new(&places, &edges, &CellSizes::new(&[64]).unwrap());
         assert_eq!(
             (partition.levels[0].as_slice(), cut(&partition, 0, &edges)),
@@ -214,7 +214,7 @@ mod tests {
         ) {
             let places: Vec<Place> = places.iter().map(|(lon, lat)| Place { lon: *lon, lat: *lat }).collect();
             let count = places.len() as u32;
-            let edges: Vec<_> = edges.iter().map(|(a, b)| (a % count, b % count)).collect();
+            let edges: Vec<_> = edges.iter().map(|(a, b)| [a % count, b % count]).collect();
             let sizes = [3, 10, 40];
             let partition = Partition::new(&places, &edges, &CellSizes::new(&sizes).unwrap());
             let mut all = partition.order.clone();

@@ -18,7 +18,7 @@ use std::path::Path;
 use openbench_osm::Tags;
 
 pub use node::Passing;
-pub use rules::{Places, Turns};
+pub use rules::{OutOfRange, Places, Turns};
 pub use way::Going;
 pub(crate) use way::{CROSSING, TIMETABLE};
 
@@ -48,14 +48,31 @@ pub enum ProfileError {
         /// Why.
         source: std::io::Error,
     },
-    /// The file is no profile; the problem says where.
-    #[error("the profile {name} cannot be used: {problem}")]
+    /// The file is not TOML, or holds other keys than a profile.
+    #[error("the profile {name} cannot be used: {source}")]
     Malformed {
         /// What was asked for.
         name: String,
         /// What is wrong, and where.
-        problem: String,
+        source: toml::de::Error,
     },
+    /// A number in the file is out of range.
+    #[error("the profile {name} cannot be used: {source}")]
+    OutOfRange {
+        /// What was asked for.
+        name: String,
+        /// Which number.
+        source: OutOfRange,
+    },
+}
+
+/// What a turn restriction does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum RestrictionKind {
+    /// It forbids the turns that it names.
+    Forbidden,
+    /// It forbids all turns but those that it names.
+    Only,
 }
 
 impl Profile {
@@ -103,12 +120,14 @@ impl Profile {
 
     /// Reads a profile; `name` is what it is called in errors and answers.
     pub fn from_toml(name: &str, text: &str) -> Result<Self, ProfileError> {
-        let malformed = |problem: String| ProfileError::Malformed {
+        let rules: Rules = toml::from_str(text).map_err(|source| ProfileError::Malformed {
             name: name.to_owned(),
-            problem,
-        };
-        let rules: Rules = toml::from_str(text).map_err(|error| malformed(error.to_string()))?;
-        rules.check().map_err(malformed)?;
+            source,
+        })?;
+        rules.check().map_err(|source| ProfileError::OutOfRange {
+            name: name.to_owned(),
+            source,
+        })?;
         Ok(Self {
             name: name.to_owned(),
             rules,
@@ -135,22 +154,22 @@ impl Profile {
         self.rules.turns.as_ref()
     }
 
-    /// What a turn restriction with these words means: `Some(true)` if the turn is the only one allowed, `Some(false)` if it is not allowed.
-    pub fn restricts(&self, words: &Tags) -> Option<bool> {
+    /// What a turn restriction with these tags means to the profile; `None` if it does not bind it.
+    pub fn restricts(&self, tags: &Tags) -> Option<RestrictionKind> {
         let modes = &self.turns()?.restrictions;
-        let exempt = |list: &str| {
+        let is_exempt = |list: &str| {
             list.split(';')
-                .any(|mode| modes.iter().any(|m| m == mode.trim()))
+                .any(|mode| modes.iter().any(|own| own == mode.trim()))
         };
-        if words.get("except").is_some_and(exempt) {
+        if tags.get("except").is_some_and(is_exempt) {
             return None;
         }
         let own = modes
             .iter()
-            .find_map(|mode| words.get(&format!("restriction:{mode}")));
-        match own.or_else(|| words.get("restriction"))? {
-            only if only.starts_with("only_") => Some(true),
-            no if no.starts_with("no_") => Some(false),
+            .find_map(|mode| tags.get(&format!("restriction:{mode}")));
+        match own.or_else(|| tags.get("restriction"))? {
+            only if only.starts_with("only_") => Some(RestrictionKind::Only),
+            no if no.starts_with("no_") => Some(RestrictionKind::Forbidden),
             _ => None,
         }
     }

@@ -1,6 +1,7 @@
 //! What a profile's file may hold.
 
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 
 use openbench_osm::Tags;
 use serde::Deserialize;
@@ -133,8 +134,8 @@ pub struct Turns {
 }
 
 impl Rules {
-    /// Whether all numbers make sense.
-    pub(super) fn check(&self) -> Result<(), String> {
+    /// Checks that all numbers are in the range in which they make sense.
+    pub(super) fn check(&self) -> Result<(), OutOfRange> {
         let (ways, nodes) = (&self.ways, &self.nodes);
         check_all("ways.speed", &ways.speed, 0.01..=1000.0)?;
         check_all("ways.limit", &ways.limit, 0.01..=1000.0)?;
@@ -147,11 +148,11 @@ impl Rules {
             ways.speed_if_open.unwrap_or(1.0),
             0.01..=1000.0,
         )?;
-        check(
-            "ways.maxspeed.share",
-            ways.maxspeed.as_ref().map_or(1.0, |m| m.share),
-            0.1..=2.0,
-        )?;
+        let share = ways
+            .maxspeed
+            .as_ref()
+            .map_or(1.0, |maxspeed| maxspeed.share);
+        check("ways.maxspeed.share", share, 0.1..=2.0)?;
         if let Some(turns) = &self.turns {
             check("turns.sharpest", turns.sharpest, 0.0..=3600.0)?;
             check("turns.bias", turns.bias, 0.1..=10.0)?;
@@ -161,11 +162,19 @@ impl Rules {
     }
 }
 
-fn check_all(
-    place: &str,
-    numbers: &Numbers,
-    range: std::ops::RangeInclusive<f64>,
-) -> Result<(), String> {
+/// A number of a profile that is out of range.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{key} = {number} is not between {} and {}", range.start(), range.end())]
+pub struct OutOfRange {
+    /// Its key.
+    pub key: String,
+    /// The number.
+    pub number: f64,
+    /// The range in which it makes sense.
+    pub range: RangeInclusive<f64>,
+}
+
+fn check_all(place: &str, numbers: &Numbers, range: RangeInclusive<f64>) -> Result<(), OutOfRange> {
     for (key, values) in numbers {
         for (value, number) in values {
             check(&format!("{place} {key}.{value}"), *number, range.clone())?;
@@ -174,15 +183,15 @@ fn check_all(
     Ok(())
 }
 
-fn check(place: &str, number: f64, range: std::ops::RangeInclusive<f64>) -> Result<(), String> {
+fn check(key: &str, number: f64, range: RangeInclusive<f64>) -> Result<(), OutOfRange> {
     if range.contains(&number) {
         return Ok(());
     }
-    Err(format!(
-        "{place} = {number} is not between {} and {}",
-        range.start(),
-        range.end()
-    ))
+    Err(OutOfRange {
+        key: key.to_owned(),
+        number,
+        range,
+    })
 }
 
 /// Those of the numbers that an element's tags ask for.

@@ -31,6 +31,32 @@ use side::{Side, Tables};
 pub use table::{Found, TableMemory, ValuedEnd};
 pub use values::{Value, Values};
 
+/// A label that both sides of a search have reached.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Meeting {
+    /// Of the whole path through the label.
+    weight: u32,
+    label: u32,
+}
+
+/// Which candidates for alternatives are wanted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Candidates {
+    /// How much heavier than the lightest path they may be, as a factor.
+    pub stretch: f64,
+    /// How many at most.
+    pub most: usize,
+}
+
+/// A path that may be an alternative.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Candidate {
+    /// Its weight.
+    pub weight: u32,
+    /// Its states, in order.
+    pub states: Vec<u32>,
+}
+
 /// Memory of searches, which is used again for the next one.
 #[derive(Debug, Default)]
 pub struct Workspace {
@@ -47,30 +73,49 @@ impl Workspace {
         targets: &[End],
         path: &mut Path,
     ) -> Option<u32> {
-        let states = sources.iter().chain(targets).map(|end| end.state);
-        self.ends.set(graph.overlay, states);
-        let labels = self.ends.labels();
-        for (side, ends) in self.sides.iter_mut().zip([sources, targets]) {
-            side.begin(labels, ends);
-        }
+        self.begin(graph, sources, targets);
         let met = self.meet(graph, 1.0);
-        if let Some((_, label)) = met {
+        if let Some(Meeting { label, .. }) = met {
             path.unpack(graph, &self.ends, &self.sides, label);
         }
         self.sides.iter_mut().for_each(Side::clear);
-        met.map(|(weight, _)| weight)
+        met.map(|meeting| meeting.weight)
     }
 
-    /// The lightest way and other ways: through each place that both sides reach, as long as the way is at most `stretch` times as heavy as
-    /// the lightest one, `most` in all. Each goes through a state that those before it do not; nothing else is said of them.
-    pub fn ways(
+    /// The lightest path and candidates for alternatives: paths through each state that both sides
+    /// reach, the lightest first. Each goes through a state that those before it do not; nothing
+    /// else is guaranteed.
+    pub fn candidates(
         &mut self,
         graph: Searched<'_>,
         sources: &[End],
         targets: &[End],
-        stretch: f64,
-        most: usize,
-    ) -> Vec<(u32, Vec<u32>)> {
+        wanted: Candidates,
+    ) -> Vec<Candidate> {
+        self.begin(graph, sources, targets);
+        let mut candidates: Vec<Candidate> = Vec::new();
+        let (mut path, mut seen) = (Path::default(), HashSet::new());
+        for Meeting { weight, label } in self.meetings(graph, wanted.stretch) {
+            let state = self.ends.state(graph.overlay, label);
+            if candidates.len() == wanted.most {
+                break;
+            }
+            if seen.contains(&state) {
+                continue;
+            }
+            path.unpack(graph, &self.ends, &self.sides, label);
+            seen.extend(path.states.iter().copied());
+            candidates.push(Candidate {
+                weight,
+                states: path.states.clone(),
+            });
+        }
+        self.sides.iter_mut().for_each(Side::clear);
+        candidates
+    }
+
+    /// Puts the ends of a search into its two sides.
+    fn begin(&mut self, graph: Searched<'_>, sources: &[End], targets: &[End]) {
         self.ends.set(
             graph.overlay,
             sources.iter().chain(targets).map(|end| end.state),
@@ -79,50 +124,43 @@ impl Workspace {
         for (side, ends) in self.sides.iter_mut().zip([sources, targets]) {
             side.begin(labels, ends);
         }
-        let mut ways: Vec<(u32, Vec<u32>)> = Vec::new();
-        let (mut path, mut seen) = (Path::default(), HashSet::new());
-        for (weight, label) in self.meetings(graph, stretch) {
-            let state = self.ends.state(graph.overlay, label);
-            if ways.len() == most {
-                break;
-            }
-            if seen.contains(&state) {
-                continue;
-            }
-            path.unpack(graph, &self.ends, &self.sides, label);
-            seen.extend(path.states.iter().copied());
-            ways.push((weight, path.states.clone()));
-        }
-        self.sides.iter_mut().for_each(Side::clear);
-        ways
     }
 
     /// All meetings that are light enough, the lightest first.
-    fn meetings(&mut self, graph: Searched<'_>, stretch: f64) -> Vec<(u32, u32)> {
-        let Some((best, _)) = self.meet(graph, stretch) else {
+    fn meetings(&mut self, graph: Searched<'_>, stretch: f64) -> Vec<Meeting> {
+        let Some(best) = self.meet(graph, stretch) else {
             return Vec::new();
         };
-        let limit = ((f64::from(best) * stretch) as u32).min(FAR - 1);
+        let limit = ((f64::from(best.weight) * stretch) as u32).min(FAR - 1);
         let [forward, backward] = &self.sides;
-        let both = forward
-            .reached()
-            .map(|label| (forward.weight(label) + backward.weight(label), label));
-        let mut meetings: Vec<_> = both.filter(|(weight, _)| *weight <= limit).collect();
+        let both = forward.reached().map(|label| Meeting {
+            weight: forward.weight(label) + backward.weight(label),
+            label,
+        });
+        let mut meetings: Vec<_> = both.filter(|meeting| meeting.weight <= limit).collect();
         meetings.sort_unstable();
         meetings
     }
 
-    /// Both sides in turn until no meeting is possible that is better, or that is at most `stretch` times as heavy as the best one.
-    fn meet(&mut self, graph: Searched<'_>, stretch: f64) -> Option<(u32, u32)> {
+    /// Advances both sides in turn until no meeting is possible that is better, or that is at most
+    /// `stretch` times as heavy as the best one.
+    fn meet(&mut self, graph: Searched<'_>, stretch: f64) -> Option<Meeting> {
         let [forward, backward] = &mut self.sides;
         let tables = [Tables::forward(graph), Tables::backward(graph)];
-        let mut best = (FAR, 0);
-        for end in &forward.begun {
-            best = best.min((forward.weight(*end) + backward.weight(*end), *end));
+        let mut best = Meeting {
+            weight: FAR,
+            label: 0,
+        };
+        for label in &forward.begun {
+            let weight = forward.weight(*label) + backward.weight(*label);
+            best = best.min(Meeting {
+                weight,
+                label: *label,
+            });
         }
         loop {
             let (a, b) = (forward.next(), backward.next());
-            let limit = ((f64::from(best.0) * stretch) as u32).min(FAR);
+            let limit = ((f64::from(best.weight) * stretch) as u32).min(FAR);
             if a + b >= limit {
                 break;
             }
@@ -134,10 +172,20 @@ impl Workspace {
             let Some((label, weight)) = this.pop() else {
                 break;
             };
-            this.go_on(tables, &self.ends, label, weight, limit, |to, reached| {
-                best = best.min((reached + other.weight(to), to));
-            });
+            this.go_on(
+                tables,
+                &self.ends,
+                label,
+                weight,
+                limit,
+                |label, reached| {
+                    best = best.min(Meeting {
+                        weight: reached + other.weight(label),
+                        label,
+                    });
+                },
+            );
         }
-        (best.0 < FAR).then_some(best)
+        (best.weight < FAR).then_some(best)
     }
 }

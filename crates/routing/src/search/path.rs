@@ -4,6 +4,14 @@ use super::graph::{Ends, Searched};
 use super::side::{BEGUN, Side};
 use crate::overlay::UNREACHED;
 
+/// A piece of a path: from one index in a layer to another.
+#[derive(Debug, Clone, Copy)]
+struct Piece {
+    height: usize,
+    from: u32,
+    to: u32,
+}
+
 /// The states of a path, in order. Its memory is used again.
 #[derive(Debug, Default, Clone)]
 pub struct Path {
@@ -11,7 +19,7 @@ pub struct Path {
     pub states: Vec<u32>,
     labels: Vec<u32>,
     /// Ways through cells that are yet to be unpacked: layer and two indices in it, the last one first.
-    waiting: Vec<(usize, u32, u32)>,
+    waiting: Vec<Piece>,
 }
 
 impl Path {
@@ -51,8 +59,12 @@ impl Path {
     /// From one slot of a cell to another, by the trees of all layers below.
     fn through(&mut self, graph: Searched<'_>, layer: usize, from: u32, to: u32) {
         self.waiting.clear();
-        self.waiting.push((layer, from, to));
-        while let Some((height, from, to)) = self.waiting.pop() {
+        self.waiting.push(Piece {
+            height: layer,
+            from,
+            to,
+        });
+        while let Some(Piece { height, from, to }) = self.waiting.pop() {
             if height == 0 {
                 self.states.push(to);
                 continue;
@@ -79,11 +91,11 @@ impl Path {
         // A tree has no circles, and only exits that are reached are asked for.
         while last != first && tree[last] != UNREACHED {
             let before = usize::from(tree[last]);
-            self.waiting.push((
-                height - 1,
-                (inner.start + before) as u32,
-                (inner.start + last) as u32,
-            ));
+            self.waiting.push(Piece {
+                height: height - 1,
+                from: (inner.start + before) as u32,
+                to: (inner.start + last) as u32,
+            });
             last = before;
         }
     }

@@ -17,7 +17,7 @@ pub(super) struct Tables<'a> {
     arcs: &'a Arcs,
     weights: &'a [u32],
     cliques: &'a [Cliques],
-    backward: bool,
+    pub(super) backward: bool,
 }
 
 impl<'a> Tables<'a> {

@@ -1,17 +1,18 @@
-//! From each of many places to each of many.
+//! Lightest paths from each of many places to each of many others.
 //!
-//! S. Knopp, P. Sanders, D. Schultes, F. Schulz, D. Wagner, *Computing many-to-many shortest paths using highway hierarchies*, 2007:
-//! a search backwards from each target leaves in *buckets*, at the states it settles, how far the target is; a search from each source
-//! looks into them. A search back ends on the border of the target's largest cell, one forwards goes on through all of the highest
-//! layer.
+//! S. Knopp, P. Sanders, D. Schultes, F. Schulz, D. Wagner, *Computing many-to-many shortest paths
+//! using highway hierarchies*, 2007: a backward search from each target leaves its distance in
+//! *buckets* at the states that it settles; a forward search from each source scans them. A
+//! backward search ends on the border of the target's largest cell, a forward search continues
+//! through the whole highest layer.
 
 use super::Workspace;
 use super::graph::{End, Ends, Searched};
 use super::side::{BEGUN, Side, Tables};
-use super::values::{Value, Values, plus};
+use super::values::{Value, Values};
 use crate::overlay::FAR;
 
-/// A state with what reaching it (or going on from it) counts as and takes.
+/// A state at which a search begins or ends, with the cost between it and the place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ValuedEnd {
     /// The state and the weight.
@@ -20,30 +21,51 @@ pub struct ValuedEnd {
     pub value: Value,
 }
 
-/// What a lightest way weighs and takes.
+/// What a lightest path weighs and takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Found {
-    /// [`FAR`] if there is no way.
+    /// [`FAR`] if there is no path.
     pub weight: u32,
     /// What it takes.
     pub value: Value,
 }
 
-/// Memory of tables, beside that of searches, used again for the next one.
+impl Found {
+    /// No path.
+    const NOTHING: Self = Self {
+        weight: FAR,
+        value: Value {
+            duration: 0,
+            length: 0,
+        },
+    };
+}
+
+/// A target that a state reaches.
+#[derive(Debug, Clone, Copy)]
+struct Reached {
+    /// Number of the target.
+    target: u32,
+    /// From the state to the target.
+    away: Found,
+}
+
+/// Memory of tables, beside that of searches, which is used again for the next one.
 #[derive(Debug, Default)]
 pub struct TableMemory {
     /// For each label what it takes to reach it.
     value: Vec<Value>,
-    /// States with a target's number and how far it is.
-    found: Vec<(u32, u32, Found)>,
-    /// For each state its first bucket, and where the last one's end.
+    /// States with the targets that they reach, in the order of the searches.
+    found: Vec<(u32, Reached)>,
+    /// For each state its first bucket, and the end of the last one's.
     first: Vec<u32>,
-    /// Targets and how far they are.
-    buckets: Vec<(u32, Found)>,
+    /// The same as `found`, by state.
+    buckets: Vec<Reached>,
 }
 
 impl TableMemory {
-    /// How far each of `targets` is from each of `sources`, one source after another. Without `values` all take 0.
+    /// The lightest paths from each of `sources` to each of `targets`, one source after another.
+    /// Without `values` all paths take 0.
     pub fn table(
         &mut self,
         workspace: &mut Workspace,
@@ -53,45 +75,25 @@ impl TableMemory {
         targets: &[Vec<ValuedEnd>],
     ) -> Vec<Found> {
         self.fill_buckets(workspace, graph, values, targets);
-        let mut table = vec![
-            Found {
-                weight: FAR,
-                value: [0, 0]
-            };
-            sources.len() * targets.len()
-        ];
+        let mut table = vec![Found::NOTHING; sources.len() * targets.len()];
         let tables = Tables::forward(graph);
         for (row, source) in table.chunks_exact_mut(targets.len().max(1)).zip(sources) {
-            let (
-                Workspace {
-                    sides: [side, _],
-                    ends,
-                },
-                Self {
-                    value,
-                    first,
-                    buckets,
-                    ..
-                },
-            ) = (&mut *workspace, &mut *self);
-            let mut search = Search {
-                graph,
-                tables: &tables,
-                values,
-                backward: false,
-                side,
-                ends,
+            let Self {
                 value,
-            };
+                first,
+                buckets,
+                ..
+            } = &mut *self;
+            let mut search = Search::new(graph, &tables, values, workspace, value);
             search.run(source, usize::MAX, |state, reached| {
                 let [begin, end] = [0, 1].map(|i| first[state as usize + i] as usize);
-                for (target, away) in &buckets[begin..end] {
+                for Reached { target, away } in &buckets[begin..end] {
                     let cell = &mut row[*target as usize];
                     let weight = reached.weight + away.weight;
                     if weight < cell.weight {
                         *cell = Found {
                             weight,
-                            value: plus(reached.value, away.value),
+                            value: reached.value.plus(away.value),
                         };
                     }
                 }
@@ -100,6 +102,7 @@ impl TableMemory {
         table
     }
 
+    /// Searches backward from each target, and sorts what was settled by state.
     fn fill_buckets(
         &mut self,
         workspace: &mut Workspace,
@@ -111,51 +114,39 @@ impl TableMemory {
         let tables = Tables::backward(graph);
         let highest = graph.overlay.layers.len();
         for (target, begin) in (0..).zip(targets) {
-            let (
-                Workspace {
-                    sides: [side, _],
-                    ends,
-                },
-                Self { value, found, .. },
-            ) = (&mut *workspace, &mut *self);
-            let mut search = Search {
-                graph,
-                tables: &tables,
-                values,
-                backward: true,
-                side,
-                ends,
-                value,
-            };
-            search.run(begin, highest, |state, reached| {
-                found.push((state, target, reached))
+            let Self { value, found, .. } = &mut *self;
+            let mut search = Search::new(graph, &tables, values, workspace, value);
+            search.run(begin, highest, |state, away| {
+                found.push((state, Reached { target, away }));
             });
         }
+        self.sort_buckets(graph.overlay.out.states());
+    }
+
+    /// Sorts by counting.
+    fn sort_buckets(&mut self, states: usize) {
         self.first.clear();
-        self.first.resize(graph.overlay.out.states() + 1, 0);
-        self.found
-            .iter()
-            .for_each(|(state, ..)| self.first[*state as usize + 1] += 1);
+        self.first.resize(states + 1, 0);
+        for (state, _) in &self.found {
+            self.first[*state as usize + 1] += 1;
+        }
         for i in 1..self.first.len() {
             self.first[i] += self.first[i - 1];
         }
         self.buckets.clear();
         self.buckets.resize(
             self.found.len(),
-            (
-                0,
-                Found {
-                    weight: FAR,
-                    value: [0, 0],
-                },
-            ),
+            Reached {
+                target: 0,
+                away: Found::NOTHING,
+            },
         );
-        for (state, target, away) in self.found.iter().rev() {
+        for (state, reached) in self.found.iter().rev() {
             let end = &mut self.first[*state as usize + 1];
             *end -= 1;
-            self.buckets[*end as usize] = (*target, *away);
+            self.buckets[*end as usize] = *reached;
         }
-        // What was the end of each state's buckets is their beginning now.
+        // The ends of the states' buckets have become their beginnings.
         self.first.remove(0);
         self.first.push(self.found.len() as u32);
     }
@@ -166,14 +157,35 @@ struct Search<'a> {
     graph: Searched<'a>,
     tables: &'a Tables<'a>,
     values: Option<&'a Values>,
-    backward: bool,
     side: &'a mut Side,
     ends: &'a mut Ends,
     value: &'a mut Vec<Value>,
 }
 
-impl Search<'_> {
-    /// Settles all that can be reached; what takes part in the layer `highest` is shown, but not gone on from.
+impl<'a> Search<'a> {
+    fn new(
+        graph: Searched<'a>,
+        tables: &'a Tables<'a>,
+        values: Option<&'a Values>,
+        workspace: &'a mut Workspace,
+        value: &'a mut Vec<Value>,
+    ) -> Self {
+        let Workspace {
+            sides: [side, _],
+            ends,
+        } = workspace;
+        Self {
+            graph,
+            tables,
+            values,
+            side,
+            ends,
+            value,
+        }
+    }
+
+    /// Settles all that can be reached. States of the layer `highest` are shown, but the search
+    /// does not continue from them.
     fn run(&mut self, begin: &[ValuedEnd], highest: usize, mut show: impl FnMut(u32, Found)) {
         self.ends.set(
             self.graph.overlay,
@@ -181,16 +193,14 @@ impl Search<'_> {
         );
         let labels = self.ends.labels();
         if self.values.is_some() && self.value.len() < labels {
-            self.value.resize(labels, [0, 0]);
+            self.value.resize(labels, Value::default());
         }
         let ends: Vec<End> = begin.iter().map(|begin| begin.end).collect();
         self.side.begin(labels, &ends);
         while let Some((label, weight)) = self.side.pop() {
-            let value = self.reach(begin, label, weight);
-            show(
-                self.ends.state(self.graph.overlay, label),
-                Found { weight, value },
-            );
+            let value = self.settle(begin, label, weight);
+            let state = self.ends.state(self.graph.overlay, label);
+            show(state, Found { weight, value });
             let layer = self.ends.layer_of_label(label);
             if layer < highest || layer == 0 {
                 self.side
@@ -201,32 +211,28 @@ impl Search<'_> {
     }
 
     /// What it takes to reach a label, which is settled.
-    fn reach(&mut self, begin: &[ValuedEnd], label: u32, weight: u32) -> Value {
+    fn settle(&mut self, begin: &[ValuedEnd], label: u32, weight: u32) -> Value {
         let Some(values) = self.values else {
-            return [0, 0];
+            return Value::default();
         };
         let parent = self.side.parent(label);
         let value = if parent == BEGUN {
-            let first = begin.iter().find(|begin| {
-                begin.end
-                    == End {
-                        state: label,
-                        weight,
-                    }
-            });
-            first.map_or([0, 0], |first| first.value)
+            let end = End {
+                state: label,
+                weight,
+            };
+            let first = begin.iter().find(|begin| begin.end == end);
+            first.map_or(Value::default(), |first| first.value)
         } else {
-            plus(
-                self.value[parent as usize],
-                self.step(values, parent, label),
-            )
+            self.value[parent as usize].plus(self.step(values, parent, label))
         };
         self.value[label as usize] = value;
         value
     }
 
+    /// What the step from a label's parent to the label takes.
     fn step(&self, values: &Values, parent: u32, label: u32) -> Value {
-        let [from, to] = if self.backward {
+        let [from, to] = if self.tables.backward {
             [label, parent]
         } else {
             [parent, label]

@@ -8,12 +8,24 @@ use rayon::prelude::*;
 use super::graph::Searched;
 use crate::overlay::{FAR, Layer};
 
-/// Hundredths of a second, and centimetres.
-pub type Value = [u32; 2];
+/// What a path takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Value {
+    /// Hundredths of a second.
+    pub duration: u32,
+    /// Centimetres.
+    pub length: u32,
+}
 
-/// Both values together.
-pub(super) fn plus(a: Value, b: Value) -> Value {
-    [a[0].saturating_add(b[0]), a[1].saturating_add(b[1])]
+impl Value {
+    /// The sum of both, the largest number at most.
+    #[must_use]
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            duration: self.duration.saturating_add(other.duration),
+            length: self.length.saturating_add(other.length),
+        }
+    }
 }
 
 /// Values of arcs and of ways through cells.
@@ -42,9 +54,10 @@ impl Values {
         values
     }
 
+    /// The values of a cell's matrix, row by row.
     fn cell(&self, graph: Searched<'_>, height: usize, layer: &Layer, cell: u32) -> Vec<Value> {
-        let (cliques, inner, exits) =
-            (&graph.cliques[height], layer.inner(cell), layer.exits(cell));
+        let cliques = &graph.cliques[height];
+        let (inner, exits) = (layer.inner(cell), layer.exits(cell));
         let mut rows = Vec::new();
         for (row, entry) in layer.entries(cell).enumerate() {
             let matrix = layer.matrix[cell as usize] as usize + row * exits.len();
@@ -52,11 +65,12 @@ impl Values {
             let tree = &cliques.trees[begin..begin + inner.len()];
             let first = layer.below[entry] as usize - inner.start;
             for (exit, weight) in exits.clone().zip(&cliques.rows[matrix..]) {
-                let (mut value, mut last) = ([0, 0], layer.below[exit] as usize - inner.start);
+                let mut value = Value::default();
+                let mut last = layer.below[exit] as usize - inner.start;
                 while *weight < FAR && last != first {
                     let before = usize::from(tree[last]);
                     let [from, to] = [before, last].map(|local| (inner.start + local) as u32);
-                    value = plus(value, self.below(graph, height, from, to));
+                    value = value.plus(self.below(graph, height, from, to));
                     last = before;
                 }
                 rows.push(value);
@@ -102,6 +116,6 @@ impl Values {
         let slots = out.of(from).filter(|slot| out.head[*slot] == to);
         slots
             .min_by_key(|slot| graph.weights.out[*slot])
-            .map_or([0, 0], |slot| self.arcs[slot])
+            .map_or(Value::default(), |slot| self.arcs[slot])
     }
 }

@@ -1,6 +1,6 @@
 //! Whether what a graph file says can be true: a file with the right checksum can still have been made by anybody.
 
-use crate::network::{Network, VIA_WAYS};
+use crate::network::{MOST_VIA_WAYS, Network};
 use crate::roads::Roads;
 
 type Checked = Result<(), &'static str>;
@@ -67,7 +67,7 @@ pub(super) fn network(network: &Network) -> Checked {
     let few = network
         .restrictions
         .iter()
-        .all(|restriction| restriction.ways as usize <= VIA_WAYS);
+        .all(|restriction| restriction.ways as usize <= MOST_VIA_WAYS);
     check(
         few && ways == network.via_ways.len() as u64,
         "the ways of a turn restriction are missing, or too many",
