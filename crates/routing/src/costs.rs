@@ -7,7 +7,7 @@ use openbench_osm::Tags;
 
 use crate::network::{Edge, Network};
 use crate::overlay::FAR;
-use crate::profile::{Going, Passing, Profile};
+use crate::profile::{Passing, Profile, Travel};
 
 /// Units of weights and durations in a second.
 pub const UNITS_PER_SECOND: f64 = 100.0;
@@ -38,13 +38,13 @@ impl EdgeCost {
     /// An edge that is closed in this direction.
     pub(crate) const CLOSED: Self = Self(Flagged::NEVER);
 
-    /// The cost of an edge of that length, which is travelled as `going` says, if at all.
-    pub(crate) fn new(edge: &Edge, going: Option<Going>) -> Self {
-        let Some(Going {
+    /// The cost of an edge of that length, which is travelled as `travel` says, if at all.
+    pub(crate) fn new(edge: &Edge, travel: Option<Travel>) -> Self {
+        let Some(Travel {
             speed,
             cost,
             ends_only,
-        }) = going
+        }) = travel
         else {
             return Self::CLOSED;
         };
@@ -181,12 +181,12 @@ pub(crate) fn units(seconds: f64) -> u32 {
 
 /// The costs of all directed edges.
 pub(crate) fn edge_costs(network: &Network, profile: &Profile) -> Vec<EdgeCost> {
-    let goings: Vec<_> = network
-        .way_words
+    let travels: Vec<_> = network
+        .way_tags
         .iter()
         .map(|tags| profile.way(&tags))
         .collect();
-    let both = |edge: &Edge| goings[edge.class as usize].map(|going| EdgeCost::new(edge, going));
+    let both = |edge: &Edge| travels[edge.class as usize].map(|travel| EdgeCost::new(edge, travel));
     network.edges().iter().flat_map(both).collect()
 }
 
@@ -197,7 +197,7 @@ pub(crate) fn vertex_costs(
     edges: &[EdgeCost],
 ) -> Vec<VertexCost> {
     let classes: Vec<_> = network
-        .node_words
+        .node_tags
         .iter()
         .map(|tags| passing_cost(profile, &tags))
         .collect();

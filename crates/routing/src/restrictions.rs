@@ -69,7 +69,7 @@ impl Restrictions {
             let count = (restriction.ways as usize).min(via_ways.len());
             let (ways, rest) = via_ways.split_at(count);
             via_ways = rest;
-            let tags = network.restriction_words.get(restriction.words);
+            let tags = network.restriction_tags.get(restriction.tags);
             let Some(kind) = profile.restricts(&tags) else {
                 continue;
             };

@@ -1,7 +1,7 @@
 //! The ways, nodes and squares that a network is built from, as they come out of a map.
 
 use super::graph::Restriction;
-use super::words::{Classes, Names};
+use super::tag_sets::{Classes, Names};
 use crate::geo::Place;
 
 /// Areas with more corners than this are walked around, not crossed.
