@@ -92,8 +92,8 @@ pub fn locate(map: &OsmMap, address: &Address) -> Location {
     }
 }
 
-/// The buildings with a name. If there are none and the name ends as in `building3, Rose Estate`,
-/// the buildings with the name before the comma that lie in the place behind it.
+/// The buildings with a name. If there are none, the name may end as in `building3, Rose Estate`:
+/// then the buildings named before the comma that lie in the place behind it.
 fn matching<'a>(map: &'a OsmMap, name: &str) -> Cow<'a, [usize]> {
     let (mut inner, mut around): (&str, Vec<Above>) = (name, Vec::new());
     loop {

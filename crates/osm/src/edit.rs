@@ -346,8 +346,9 @@ fn remove_door(data: &mut OsmData, door: i64, tags: Tags) -> (i64, Tags) {
     (id, merged)
 }
 
-/// Removes a node from `ways`, which are all ways through it, if it is no corner and no end of a
-/// way, no road needs it, and enough nodes remain. Returns whether it was removed.
+/// Removes a node from `ways`, which are all ways through it, and returns whether it could. It
+/// stays if it is a corner or an end of a way, if a road needs it, or if too few nodes would
+/// remain.
 fn detach(data: &mut OsmData, node: i64, ways: &[i64]) -> bool {
     let shorter: Option<Vec<Vec<i64>>> = ways
         .iter()

@@ -100,8 +100,8 @@ fn field(tag: u8, bytes: &[u8]) -> Vec<u8> {
     [&[tag], length.as_slice(), bytes].concat()
 }
 
-/// A block with the strings "", "building", "yes", the nodes 1 and 2 (1 with a tag), a way through
-/// both, and a relation with the way as member.
+/// A block with the strings "", "building" and "yes". Its elements are the nodes 1 (with a tag) and
+/// 2, a way through both, and a relation with the way as member.
 fn pbf_block() -> Vec<u8> {
     let strings = [
         field(0x0A, b""),

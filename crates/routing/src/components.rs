@@ -9,7 +9,7 @@ use crate::roads::Roads;
 use crate::search::Searched;
 use crate::turns::TurnGraph;
 
-/// A component of so many states is large, however large others are.
+/// A component of this size is large, however large others are.
 const LARGE_STATES: usize = 1000;
 
 /// The component of each edge.

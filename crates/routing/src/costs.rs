@@ -138,6 +138,7 @@ impl Costs<'_> {
     }
 
     /// The weight of a directed edge together with the vertex at its end.
+    #[inline]
     pub(crate) fn arc_weight(&self, network: &Network, directed: u32) -> u32 {
         let passed = self.vertices[network.ends(directed)[1] as usize].weight();
         let edge = self.edge_weight(network, directed, self.edges[directed as usize].weight());
@@ -146,6 +147,7 @@ impl Costs<'_> {
 
     /// The weight of the first part of a directed edge, which itself weighs `part`, together with
     /// entering the edge. [`FAR`] if the edge is closed.
+    #[inline]
     pub(crate) fn edge_weight(&self, network: &Network, directed: u32, part: u32) -> u32 {
         let cost = self.edges[directed as usize];
         if !cost.is_open() {
@@ -162,6 +164,7 @@ impl Costs<'_> {
 }
 
 /// Length of a directed edge, centimetres.
+#[inline]
 pub(crate) fn centimetres(network: &Network, directed: u32) -> u32 {
     network.edges[directed as usize / 2]
         .length
@@ -170,11 +173,13 @@ pub(crate) fn centimetres(network: &Network, directed: u32) -> u32 {
 }
 
 /// The sum of two weights, [`FAR`] at most.
+#[inline]
 pub(crate) fn sum(a: u32, b: u32) -> u32 {
     (a + b).min(FAR)
 }
 
 /// Seconds as a weight, [`FAR`] at most.
+#[inline]
 pub(crate) fn units(seconds: f64) -> u32 {
     (libm::round(seconds * UNITS_PER_SECOND) as u32).min(FAR)
 }

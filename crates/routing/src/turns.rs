@@ -260,7 +260,7 @@ impl<'a> States<'a> {
 }
 
 impl Turns {
-    /// Seconds that a turn by so many degrees takes, to the right above 0.
+    /// Seconds that a turn by an angle in degrees takes, positive to the right.
     pub fn seconds(&self, degrees: f64) -> f64 {
         let to_near_side = (degrees >= 0.0) == self.right_hand;
         let bias = if to_near_side {

@@ -95,11 +95,13 @@ impl Ways {
 
 impl Nodes {
     /// The index of a node.
+    #[inline]
     pub(super) fn index(&self, id: i64) -> Option<usize> {
         self.ids.binary_search(&id).ok()
     }
 
     /// The index of a node whose place is known.
+    #[inline]
     pub(super) fn known(&self, id: i64) -> Option<usize> {
         self.index(id).filter(|index| self.places[*index].is_some())
     }

@@ -16,7 +16,7 @@ pub(super) struct Part {
     graph: Graph,
 }
 
-/// One in so many vertices is fixed on each side.
+/// The share of vertices that is fixed on each side, as a divisor.
 const FIXED_SHARE: usize = 4;
 /// The lines, as weights of longitude and latitude.
 const LINES: [[i64; 2]; 4] = [[1, 0], [0, 1], [1, 1], [1, -1]];

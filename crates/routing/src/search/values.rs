@@ -21,6 +21,7 @@ pub struct Value {
 impl Value {
     /// The sum of both, the largest number at most.
     #[must_use]
+    #[inline]
     pub fn plus(self, other: Self) -> Self {
         Self {
             duration: self.duration.saturating_add(other.duration),

@@ -16,7 +16,7 @@ use memmap2::Mmap;
 pub(super) fn mapped(file: &File) -> io::Result<Mmap> {
     // SAFETY: graph files are written whole, renamed into place, and never changed afterwards, so
     // the bytes of an open file do not change. (Truncating it nevertheless ends this process with a
-    // bus error.) Every number in it is valid for its type, and what numbers refer to is checked
-    // before use.
+    // bus error.) Every bit pattern is valid for the types of the numbers in it. What numbers refer
+    // to is checked before use.
     unsafe { Mmap::map(file) }
 }

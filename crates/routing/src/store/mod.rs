@@ -4,12 +4,12 @@
 //! some hundredths of a second for a city. They are computed again, so that a profile can change
 //! without the file.
 //!
-//! Layout, with little-endian numbers: 8 bytes `OBROADS` and a zero; version, `u32`; number of
-//! sections, `u32`; length of the file, `u64`; 8 bytes of zeros; BLAKE3 of everything after this
-//! header, 32 bytes. Then for each section its number, its begin and its length in bytes, `u64`
-//! each; then the sections, aligned to 64 bytes. Sections are rows of the types of
-//! [`Network`](crate::network::Network) and of the tree of segments. Tags are UTF-8, followed by
-//! the end of each set of tags.
+//! Numbers are little-endian. The header holds 8 bytes `OBROADS` and a zero, version and number of
+//! sections (`u32`), and the length of the file (`u64`). 8 bytes of zeros and the BLAKE3 of
+//! everything after the header (32 bytes) complete it. A table follows with the number, the begin
+//! and the length in bytes of each section (`u64`). The sections come last, aligned to 64 bytes.
+//! Sections are rows of the types of [`Network`](crate::network::Network) and of the tree of
+//! segments. Tags are UTF-8, followed by the end of each set of tags.
 //!
 //! | module | its one job |
 //! |---|---|
