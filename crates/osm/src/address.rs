@@ -1,5 +1,7 @@
-//! The *location query* of the OpenBench paper: an address is looked up level by level, from the lowest (unit) to the highest
-//! (building), and the first level that the map knows is where the robot drives; what lies below must be explored for.
+//! The *location query* of the OpenBench paper.
+//!
+//! An address is looked up level by level, from the lowest (unit) to the highest (building). The
+//! robot drives to the first level that the map knows; what is below must be found by exploration.
 
 use std::borrow::Cow;
 use std::ops::RangeInclusive;
@@ -11,62 +13,92 @@ use crate::map::{Entrance, OsmMap};
 use crate::names::fold_unit;
 use crate::tags::Tags;
 
-/// The most levels above a building that a name holds.
-const DEEPEST: usize = 4;
+/// The most levels above a building that a name may hold.
+const MOST_LEVELS: usize = 4;
 
 /// What the map knows of an address.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Location {
-    /// The map knows the very door.
+    /// The map knows the door.
     Unit {
         /// Index into [`OsmMap::entrances`].
         entrance: usize,
         /// Index into [`OsmMap::buildings`].
         building: usize,
     },
-    /// The map knows the building but not the door: index into [`OsmMap::buildings`].
+    /// The map knows the building but not the door. Index into [`OsmMap::buildings`].
     Building(usize),
     /// The map knows neither.
     Unknown,
-    /// Several buildings fit equally well: indices into [`OsmMap::buildings`], in order.
+    /// Several buildings match equally well: indices into [`OsmMap::buildings`], in order.
     Ambiguous(Vec<usize>),
 }
 
 /// Looks an address up from the lowest level to the highest.
 ///
-/// A building is looked for by its full names, then by the addresses that stand on its doors, then by its bare number
-/// (`ref`, `addr:housenumber`); the first of these that fits any building counts. After commas may stand what it lies in, `building3, Rose Estate`: streets, quarters, towns by its tags, named areas. A unit
-/// is looked for by the names of doors, then by the numbers of the flats behind them (`addr:flats`). Of several doors to one unit the one
-/// with `entrance=main` is taken, else the one with the lowest node number.
+/// A building is looked for by its full names, then by the addresses of its doors, then by its bare
+/// number (`ref`, `addr:housenumber`). The first of these that matches any building counts. Commas
+/// may be followed by what the building lies in, as in `building3, Rose Estate`: streets, quarters
+/// and towns by its tags, and named areas.
+///
+/// A unit is looked for by the names of doors, then by the numbers of the flats behind them
+/// (`addr:flats`). Of several doors to one unit the one with `entrance=main` is taken, else the one
+/// with the lowest node number.
+///
+/// ```
+/// use openbench_core::{Address, Georeference, LonLat};
+/// use openbench_osm::{Location, OsmData, OsmMap, locate};
+///
+/// // A house of 11 m by 11 m on the equator, with one door.
+/// let data = OsmData::from_xml(
+///     br#"<osm version="0.6">
+///       <node id="1" lat="0" lon="0"/><node id="2" lat="0" lon="0.0001"/>
+///       <node id="3" lat="0.0001" lon="0.0001"/><node id="4" lat="0.0001" lon="0"/>
+///       <node id="5" lat="0" lon="0.00005"><tag k="entrance" v="yes"/><tag k="ref" v="1"/></node>
+///       <way id="9"><nd ref="1"/><nd ref="5"/><nd ref="2"/><nd ref="3"/><nd ref="4"/><nd ref="1"/>
+///         <tag k="building" v="yes"/><tag k="name" v="building3"/></way>
+///     </osm>"#,
+/// )?;
+/// let map = OsmMap::new(&data, Georeference::tangent_plane(LonLat::new(0.0, 0.0)));
+/// let door = Location::Unit { entrance: 0, building: 0 };
+/// assert_eq!(locate(&map, &Address::new("Building 3", "unit 1")), door);
+/// assert_eq!(locate(&map, &Address::new("Building 3", "unit 2")), Location::Building(0));
+/// assert_eq!(locate(&map, &Address::new("Building 4", "unit 1")), Location::Unknown);
+/// # Ok::<(), openbench_osm::OsmError>(())
+/// ```
 pub fn locate(map: &OsmMap, address: &Address) -> Location {
-    let fitting = &*fitting(map, &address.building);
-    let Some(first) = fitting.first() else {
+    let matching = &*matching(map, &address.building);
+    let Some(first) = matching.first() else {
         return Location::Unknown;
     };
     let element = map.buildings[*first].element;
-    if fitting.iter().any(|i| map.buildings[*i].element != element) {
-        return Location::Ambiguous(fitting.to_vec());
+    if matching
+        .iter()
+        .any(|i| map.buildings[*i].element != element)
+    {
+        return Location::Ambiguous(matching.to_vec());
     }
-    // What is left are the parts of one multipolygon.
+    // All matches are parts of one multipolygon.
     match address
         .unit
         .as_ref()
-        .and_then(|unit| door(map, fitting, unit))
+        .and_then(|unit| door(map, matching, unit))
     {
         Some(door) => Location::Unit {
             entrance: door.entrance,
             building: door.building,
         },
-        None => Location::Building(largest(map, fitting)),
+        None => Location::Building(largest(map, matching)),
     }
 }
 
-/// The buildings of a name; of a name and what they lie in, `building3, Rose Estate`, where there are none.
-fn fitting<'a>(map: &'a OsmMap, name: &str) -> Cow<'a, [usize]> {
+/// The buildings with a name. If there are none, the name may end as in `building3, Rose Estate`:
+/// then the buildings named before the comma that lie in the place behind it.
+fn matching<'a>(map: &'a OsmMap, name: &str) -> Cow<'a, [usize]> {
     let (mut inner, mut around): (&str, Vec<Above>) = (name, Vec::new());
     loop {
         let found = map.names.buildings(inner);
-        if !found.is_empty() || around.len() == DEEPEST {
+        if !found.is_empty() || around.len() == MOST_LEVELS {
             return lying_in(map, found, &around);
         }
         let Some((rest, last)) = inner.rsplit_once(',') else {
@@ -89,13 +121,13 @@ fn lying_in<'a>(map: &'a OsmMap, buildings: &'a [usize], around: &[Above]) -> Co
 /// A door of a building.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Door {
-    /// The better the sooner: named for the unit, then the main entrance, then the lowest number.
+    /// Lower is better: a door named for the unit, then the main entrance, then the lowest number.
     rank: (UnitMatch, bool),
     entrance: usize,
     building: usize,
 }
 
-/// How an entrance is known to lead to a unit. The better match is the lesser.
+/// How an entrance is known to lead to a unit. The better match is the lesser value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum UnitMatch {
     /// It bears the unit's name.
@@ -188,7 +220,8 @@ mod tests {
     use crate::data::OsmData;
     use crate::element::{Node, Way};
 
-    /// Square houses of 0.0001 degrees (11 m) in a row along the equator, one for each list of tags.
+    /// Square houses of 0.0001 degrees (11 m) in a row along the equator, one for each list of
+    /// tags.
     fn street(houses: &[&[(&str, &str)]]) -> OsmData {
         let mut data = OsmData::default();
         for (house, tags) in (0..).zip(houses) {
@@ -268,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn two_buildings_of_one_name_are_ambiguous_but_a_full_name_beats_a_number() {
+    fn buildings_with_one_name_are_ambiguous_but_a_full_name_counts_before_a_number() {
         let data = street(&[
             &[("name", "3")],
             &[("addr:housenumber", "3"), ("addr:street", "Rua Alta")],
@@ -299,7 +332,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_building_lies_in_tells_it_from_others_of_its_name() {
+    fn the_estate_behind_a_comma_distinguishes_buildings_with_one_name() {
         let data = street(&[
             &[
                 ("name", "building3"),
@@ -377,7 +410,7 @@ mod tests {
     }
 
     #[test]
-    fn of_two_doors_to_one_unit_the_main_one_is_taken() {
+    fn of_two_doors_to_one_unit_the_main_entrance_is_taken() {
         let mut data = street(&[&[("name", "A")]]);
         tag_node(&mut data, 1, &[("entrance", "yes"), ("ref", "2")]);
         tag_node(&mut data, 3, &[("entrance", "main"), ("ref", "2")]);

@@ -1,7 +1,8 @@
 //! Polygons from closed ways and multipolygons.
 //!
-//! Follows the OSM definition of areas: a closed way, or a relation of type `multipolygon` (or `boundary`) whose members
-//! make rings. Nodes that the data lacks are passed over: the rest of the outline is nearer the truth than no outline.
+//! Follows the OSM definition of areas: a closed way, or a relation of type `multipolygon` (or
+//! `boundary`) whose members form rings. Nodes that the data lacks are skipped: the rest of the
+//! outline is closer to the truth than no outline.
 
 use std::cell::Cell;
 use std::collections::BTreeSet;
@@ -30,7 +31,7 @@ const AREA_KEYS: [&str; 10] = [
     "building:part",
 ];
 
-/// What bears one of those keys and is a line all the same.
+/// Tags with one of those keys that nevertheless describe lines.
 const LINES: [(&str, &str); 12] = [
     ("natural", "coastline"),
     ("natural", "cliff"),
@@ -46,14 +47,15 @@ const LINES: [(&str, &str); 12] = [
     ("man_made", "groyne"),
 ];
 
-/// Whether the tags of a closed way or multipolygon say that it covers ground (buildings apart).
+/// Whether the tags of a closed way or multipolygon say that it covers ground. Buildings are not
+/// considered.
 pub(crate) fn is_area(tags: &Tags) -> bool {
     let line = LINES.iter().any(|(key, value)| tags.is(key, value));
     let surface = AREA_KEYS.iter().any(|key| tags.says(key)) || tags.is("waterway", "riverbank");
     tags.is("area", "yes") || surface && !line && !tags.is("area", "no")
 }
 
-/// Whether a relation's members make rings.
+/// Whether a relation's members form rings.
 pub(crate) fn is_multipolygon(relation: &Relation) -> bool {
     ["multipolygon", "boundary"]
         .iter()
@@ -84,7 +86,7 @@ enum Side {
     Inner,
 }
 
-/// Makes polygons of one map's elements.
+/// Makes polygons from the elements of one map.
 pub(crate) struct Shaper<'a> {
     pub(crate) data: &'a OsmData,
     pub(crate) projection: &'a Projection,
@@ -102,8 +104,10 @@ impl<'a> Shaper<'a> {
         }
     }
 
-    /// Whether the map may take in `points` more points with a copy of `tags`. A small file can name one long way in very
-    /// many relations, or very many parts under one long list of tags; memory must not grow with their product.
+    /// Whether the map may take in `points` more points with a copy of `tags`.
+    ///
+    /// A small file can reference one long way in very many relations, or very many parts with one
+    /// long list of tags. Memory must not grow with their product.
     pub(crate) fn afford(&self, points: usize, tags: &Tags) -> bool {
         let words: usize = tags
             .iter()
@@ -114,7 +118,7 @@ impl<'a> Shaper<'a> {
         left.is_some()
     }
 
-    /// Where a node is; `None` if the data lacks it.
+    /// The position of a node; `None` if the data lacks it.
     pub(crate) fn point(&self, node: i64) -> Option<MapPoint> {
         self.data
             .nodes
@@ -122,7 +126,7 @@ impl<'a> Shaper<'a> {
             .map(|node| self.projection.to_map(node.position))
     }
 
-    /// The area within a closed way.
+    /// The area inside a closed way.
     pub(crate) fn way(&self, way: &Way) -> Option<Polygon> {
         if way.is_closed() {
             Polygon::new(self.points(&way.nodes), Vec::new())
@@ -177,7 +181,7 @@ impl<'a> Shaper<'a> {
     }
 }
 
-/// Cuts each hole out of the smallest polygon around it; returns how many lie in none.
+/// Cuts each hole out of the smallest polygon around it. Returns how many holes lie in none.
 fn cut_holes(polygons: &mut [Polygon], holes: Vec<Vec<MapPoint>>) -> usize {
     let tree = BoxTree::new(polygons.iter().map(Polygon::bounds));
     let solid = polygons.to_vec();

@@ -1,8 +1,10 @@
-//! A neighbourhood out of a larger map.
+//! A neighbourhood cut out of a larger map.
 //!
-//! Buildings and other areas are kept whole, so that no house is cut in two; lines (roads, walls) end one node beyond the window.
-//! Coastlines go on for some 300 m, so that the sea can be closed around the outermost houses. A line that leaves and comes back becomes several ways, the later ones under new negative numbers. Of the relations only
-//! multipolygons are kept: routes and boundaries mean nothing in a cut-out.
+//! Buildings and other areas are kept whole, so that no house is cut in two. Lines (roads, walls)
+//! end one node outside the window. Coastlines continue for some 300 m, so that the sea can be
+//! closed around the outermost houses. A line that leaves the window and comes back becomes several
+//! ways, the later ones with new negative numbers. Of the relations only multipolygons are kept:
+//! routes and boundaries mean nothing in a cut-out.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
@@ -13,10 +15,10 @@ use crate::areas::{is_area, is_multipolygon};
 use crate::data::OsmData;
 use crate::element::{ElementKind, Relation, Way};
 
-/// Metres in a degree of latitude; good to half a percent everywhere.
-const METRES_A_DEGREE: f64 = 111_320.0;
-/// How far beyond the window coastlines are kept, metres.
-const BEYOND_COAST: f64 = 300.0;
+/// Metres per degree of latitude; accurate to half a percent everywhere.
+const METRES_PER_DEGREE: f64 = 111_320.0;
+/// How far outside the window coastlines are kept, metres.
+const COAST_MARGIN_M: f64 = 300.0;
 
 /// A rectangle between two meridians and two parallels, degrees.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,15 +29,20 @@ pub struct Window {
     pub high: LonLat,
 }
 
-/// No rectangle on the Earth.
+/// The edges do not bound a rectangle on the Earth.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error(
-    "`{0}` is no window; give west, south, east, north in degrees, west of east and south of north"
+    "`{0}` is not a window; give west, south, east, north in degrees, \
+     west of east and south of north"
 )]
 pub struct WindowError(Window);
 
 impl Window {
-    /// A window from its edges, degrees. One across the date line is refused.
+    /// A window from its edges, degrees.
+    ///
+    /// # Errors
+    /// If an edge is off the Earth, west is not west of east (as across the date line), or south is
+    /// not south of north.
     pub fn new(west: f64, south: f64, east: f64, north: f64) -> Result<Self, WindowError> {
         let window = Self {
             low: LonLat::new(west, south),
@@ -49,9 +56,23 @@ impl Window {
         }
     }
 
-    /// The square that reaches `radius` metres to each side of `middle`.
+    /// The square that extends `radius` metres to each side of `middle`.
+    ///
+    /// # Errors
+    /// If it extends across the date line or beyond a pole.
+    ///
+    /// ```
+    /// use openbench_core::LonLat;
+    /// use openbench_osm::Window;
+    ///
+    /// // The middle of Monaco: 500 m are 0.0045 degrees of latitude and 0.0062 of longitude.
+    /// let window = Window::around(LonLat::new(7.42, 43.73), 500.0)?;
+    /// assert!(window.contains(LonLat::new(7.4261, 43.734)));
+    /// assert!(!window.contains(LonLat::new(7.4263, 43.73)));
+    /// # Ok::<(), openbench_osm::WindowError>(())
+    /// ```
     pub fn around(middle: LonLat, radius: f64) -> Result<Self, WindowError> {
-        let tall = radius / METRES_A_DEGREE;
+        let tall = radius / METRES_PER_DEGREE;
         let wide = tall / libm::cos(middle.lat.to_radians()).max(1e-6);
         Self::new(
             middle.lon - wide,
@@ -61,9 +82,9 @@ impl Window {
         )
     }
 
-    /// The same and so many metres more to each side.
+    /// The window grown by some metres to each side.
     fn grown(&self, metres: f64) -> Self {
-        let tall = metres / METRES_A_DEGREE;
+        let tall = metres / METRES_PER_DEGREE;
         let wide = tall / libm::cos(self.low.lat.to_radians()).max(1e-6);
         let (low, high) = (self.low, self.high);
         Self {
@@ -72,12 +93,12 @@ impl Window {
         }
     }
 
-    /// Whether a position is in it.
+    /// Whether a position is inside.
     pub fn contains(&self, p: LonLat) -> bool {
         self.meets(p, p)
     }
 
-    /// Whether it has something in common with the rectangle that two corners span.
+    /// Whether it intersects the rectangle between two corners.
     fn meets(&self, a: LonLat, b: LonLat) -> bool {
         a.lon.max(b.lon) >= self.low.lon
             && a.lon.min(b.lon) <= self.high.lon
@@ -96,7 +117,8 @@ impl fmt::Display for Window {
     }
 }
 
-/// The part of `data` in `window`. Buildings with a corner in it are kept, and all other areas that reach into it.
+/// The part of `data` inside `window`. Buildings with a corner inside are kept, and all other areas
+/// that reach into the window.
 pub fn cut_out(data: &OsmData, window: &Window) -> OsmData {
     let mut cut = Cut {
         data,
@@ -206,7 +228,7 @@ impl Cut<'_> {
     fn stretches(&self, way: &Way) -> Vec<Vec<i64>> {
         let coast = way.tags.is("natural", "coastline");
         let window = if coast {
-            self.window.grown(BEYOND_COAST)
+            self.window.grown(COAST_MARGIN_M)
         } else {
             *self.window
         };
@@ -227,7 +249,7 @@ impl Cut<'_> {
         stretches
     }
 
-    /// The nodes that are used or have something to say.
+    /// Keeps nodes that ways use, and nodes with tags inside the window.
     fn nodes(&mut self) {
         let used: BTreeSet<i64> = self
             .out
@@ -277,7 +299,8 @@ mod tests {
             && members.map(Member::element).all(|e| data.has(e))
     }
 
-    /// A road that leaves the window and comes back, a house on its edge, a park around it all, a house outside.
+    /// A road that leaves the window and comes back, a house on its edge, a park around it all, and
+    /// a house outside.
     fn town() -> OsmData {
         let node =
             |id: i64, lon: f64, lat: f64| format!("<node id='{id}' lat='{lat}' lon='{lon}'/>");
@@ -324,7 +347,7 @@ mod tests {
     }
 
     #[test]
-    fn houses_stay_whole_and_roads_end_beyond_the_window() {
+    fn houses_stay_whole_and_roads_end_one_node_outside_the_window() {
         let cut = cut_out(&town(), &Window::new(0.0, 0.0, 1.0, 1.0).unwrap());
         assert!(is_whole(&cut));
         assert_eq!(cut.ways[&1].nodes, [1, 2, 3]);
@@ -347,7 +370,7 @@ mod tests {
     }
 
     #[test]
-    fn multipolygons_bring_their_ways() {
+    fn multipolygons_keep_their_ways() {
         let court = OsmData::from_xml(include_bytes!("../tests/fixtures/court.osm")).unwrap();
         let cut = cut_out(&court, &Window::new(-1.0, -1.0, 1.0, 1.0).unwrap());
         assert!(is_whole(&cut));
@@ -363,7 +386,7 @@ mod tests {
     }
 
     #[test]
-    fn a_window_that_is_none_is_refused() {
+    fn invalid_windows_are_refused() {
         assert!(
             Window::new(2.0, 0.0, 1.0, 1.0).is_err()
                 && Window::new(0.0, f64::NAN, 1.0, 1.0).is_err()

@@ -33,15 +33,15 @@ impl ReadReport {
         let counts = [
             (
                 self.ways_with_missing_nodes,
-                "name nodes that the file lacks",
+                "reference nodes that the file lacks",
             ),
             (self.ways_without_nodes, "are ways without nodes"),
             (
                 self.relations_with_missing_members,
                 "are relations with members that the file lacks",
             ),
-            (self.bad_elements, "cannot be read and were left out"),
-            (self.repeated_elements, "stand there twice"),
+            (self.bad_elements, "cannot be read and were skipped"),
+            (self.repeated_elements, "appear twice"),
         ];
         let occurred = counts.into_iter().filter(|(count, _)| *count > 0);
         occurred

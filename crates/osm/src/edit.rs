@@ -1,7 +1,8 @@
-//! Entrances added, merged and taken away, in OSM's own words: a node on the building's outline with `entrance=*`, and the
-//! unit in `ref` and `addr:unit`.
+//! Entrances added, merged and removed, in OSM's own form: a node on the building's outline with
+//! `entrance=*`, and the unit in `ref` and `addr:unit`.
 //!
-//! Neighbours that share a wall keep sharing it: a new node goes into every way that runs along the wall.
+//! Neighbours that share a wall continue to share it: a new node is added to every way along the
+//! wall.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -17,40 +18,47 @@ use crate::projection::Projection;
 use crate::tags::Tags;
 use crate::write::round7;
 
-/// A door keeps this far from the corners and doors beside it, metres, or a third of a shorter wall.
+/// The distance of a door from corners and other doors, metres; a third of a shorter wall.
 const CLEARANCE_M: f64 = 0.05;
-/// A node further than this from the line between its neighbours is a corner, metres.
+/// A node farther than this from the line between its neighbours is a corner, metres.
 const CORNER_M: f64 = 0.05;
-/// Two doors without a unit are the same door if they are no further apart than this, metres.
+/// Two doors without a unit are the same door if they are no farther apart than this, metres.
 const SAME_DOOR_M: f64 = 2.0;
 
-/// An entrance as it now stands in the data.
+/// An entrance after it was written into the data.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NewEntrance {
     /// Number of its node.
     pub node: i64,
-    /// Where it is, on the building's outline to the centimetre that OSM files resolve.
+    /// Its position on the building's outline, to the centimetre that OSM files resolve.
     pub position: MapPoint,
-    /// The same place on the Earth, as written.
+    /// The same position on the Earth, as written.
     pub lonlat: LonLat,
 }
 
 /// Why an entrance could not be written.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum EditError {
     /// The data lacks the building.
     #[error("the map has no {0}; name a way or relation that is in it")]
     NoSuchBuilding(ElementId),
     /// The building has no wall to put a door in.
-    #[error("{0} has no outline in the map, so no door can be put in it")]
+    #[error("{0} has no outline in the map, so it cannot have a door")]
     NoOutline(ElementId),
-    /// The place is no place.
-    #[error("{0} is no position to put a door at; give finite metres")]
+    /// The position is not finite.
+    #[error("{0} is not a finite position; give the door's position in metres")]
     NoPosition(MapPoint),
 }
 
-/// Writes a door into the wall of `building` that is nearest to `at` (`map` frame). A door of the same unit that stands in
-/// that building's outline is moved, not doubled; without a unit, a nameless door within 2 m is.
+/// Writes a door into the wall of `building` nearest to `at` (`map` frame).
+///
+/// A door of the same unit in that building's outline is moved, not doubled. Without a unit, a
+/// nameless door within 2 m is moved.
+///
+/// # Errors
+/// If the data lacks the building, the building has no outline, or `at` is not finite. Nothing has
+/// changed then.
 pub fn add_entrance(
     data: &mut OsmData,
     projection: &Projection,
@@ -63,15 +71,17 @@ pub fn add_entrance(
         tags.insert("ref", unit);
         tags.insert("addr:unit", unit);
     }
-    put_door(data, projection, building, at, tags)
+    write_door(data, projection, building, at, tags)
 }
 
-/// Brings the doors of an edited map into `base`: those whose node `base` lacks or has otherwise, if `base` has their building.
-/// A door of the same unit in `base` is moved. Doors go in the order they were made; the answer counts those brought over.
+/// Copies the doors of an edited map into `base`, and returns how many.
+///
+/// Doors are copied whose node `base` lacks or has otherwise, if `base` has their building. A door
+/// of the same unit in `base` is moved. Doors are copied in the order in which they were made.
 pub fn merge_entrances(base: &mut OsmData, from: &OsmData) -> usize {
     let mut merged = 0;
     let hosts = door_hosts(from);
-    // New nodes have falling negative numbers.
+    // New nodes have descending negative numbers.
     for node in from.nodes.values().rev().filter(|node| is_door(&node.tags)) {
         let Some(host) = hosts.get(&node.id) else {
             continue;
@@ -81,14 +91,16 @@ pub fn merge_entrances(base: &mut OsmData, from: &OsmData) -> usize {
         }
         let plane = Projection::new(Georeference::tangent_plane(node.position));
         merged += usize::from(
-            put_door(base, &plane, *host, MapPoint::default(), node.tags.clone()).is_ok(),
+            write_door(base, &plane, *host, MapPoint::default(), node.tags.clone()).is_ok(),
         );
     }
     merged
 }
 
-/// The public map: the same without doors and units. Door nodes lose all their words; they vanish altogether unless an outline has its
-/// corner there or a path leads there.
+/// The public map: the same map without doors and units.
+///
+/// Door nodes lose all their tags. They are removed altogether unless an outline has its corner
+/// there or a path leads there.
 pub fn without_doors(data: &OsmData) -> OsmData {
     let mut public = data.clone();
     let doors: BTreeSet<i64> = data
@@ -135,7 +147,7 @@ fn forget_units(tags: &mut Tags) {
     });
 }
 
-fn put_door(
+fn write_door(
     data: &mut OsmData,
     projection: &Projection,
     building: ElementId,
@@ -146,10 +158,10 @@ fn put_door(
         return Err(EditError::NoPosition(at));
     }
     let outline = outline(data, building)?;
-    // Asked first, so that nothing has changed if there is no wall.
+    // Checked before anything changes.
     nearest_wall(data, projection, &outline, at).ok_or(EditError::NoOutline(building))?;
     let (id, mut tags) = match same_door(data, projection, &outline, at, &tags) {
-        Some(old) => take_out(data, old, tags),
+        Some(old) => remove_door(data, old, tags),
         None => (free_id(data), tags),
     };
     let wall =
@@ -177,7 +189,7 @@ fn put_door(
     })
 }
 
-/// The ways that make up a building's outline and its courtyards.
+/// The ways of a building's outline and its courtyards.
 fn outline(data: &OsmData, building: ElementId) -> Result<Vec<i64>, EditError> {
     let missing = EditError::NoSuchBuilding(building);
     match building.kind {
@@ -257,7 +269,7 @@ fn clear_of_ends(side: Segment, at: MapPoint) -> MapPoint {
     MapPoint::new(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y))
 }
 
-/// Whether another building stands on the other side of the wall.
+/// Whether another building is on the other side of the wall.
 fn is_shared(data: &OsmData, outline: &[i64], wall: &Wall) -> bool {
     let mut others = data
         .ways
@@ -311,9 +323,10 @@ fn folded_units(tags: &Tags) -> BTreeSet<String> {
         .collect()
 }
 
-/// Takes a door out of the outlines, to be put in elsewhere: the number and the tags for its new place, where `tags` win over the
-/// door's old ones. A door at a corner or at the end of a path leaves its node behind and gets a new number.
-fn take_out(data: &mut OsmData, door: i64, tags: Tags) -> (i64, Tags) {
+/// Removes a door from the outlines, to be inserted elsewhere. Returns the number and the tags for
+/// its new place, where `tags` override the door's old ones. A door at a corner or at the end of a
+/// path leaves its node behind and gets a new number.
+fn remove_door(data: &mut OsmData, door: i64, tags: Tags) -> (i64, Tags) {
     let ways = ways_of(data, &BTreeSet::from([door]))
         .remove(&door)
         .unwrap_or_default();
@@ -325,7 +338,7 @@ fn take_out(data: &mut OsmData, door: i64, tags: Tags) -> (i64, Tags) {
         .map(|node| std::mem::take(&mut node.tags))
         .unwrap_or_default();
     for (key, value) in tags.iter() {
-        // `entrance=yes` says less than the `entrance=main` that may stand there.
+        // `entrance=main` is more specific than `entrance=yes`, and stays.
         if key != "entrance" || !merged.has(key) {
             merged.insert(key, value);
         }
@@ -333,8 +346,9 @@ fn take_out(data: &mut OsmData, door: i64, tags: Tags) -> (i64, Tags) {
     (id, merged)
 }
 
-/// Takes a node out of `ways`, all that run through it, if it is a corner or an end of none, no road needs it and enough
-/// nodes remain.
+/// Removes a node from `ways`, which are all ways through it, and returns whether it could. It
+/// stays if it is a corner or an end of a way, if a road needs it, or if too few nodes would
+/// remain.
 fn detach(data: &mut OsmData, node: i64, ways: &[i64]) -> bool {
     let shorter: Option<Vec<Vec<i64>>> = ways
         .iter()
@@ -349,13 +363,13 @@ fn detach(data: &mut OsmData, node: i64, ways: &[i64]) -> bool {
     true
 }
 
-/// The nodes of a way without one that its line does not need; `None` if it needs it.
+/// The nodes of a way without one that its line does not need; `None` if the line needs it.
 fn without(data: &OsmData, way: &Way, node: i64) -> Option<Vec<i64>> {
     let closed = way.is_closed();
     let mut line = way.nodes.clone();
     if closed {
         line.pop();
-        // So that the node does not stand at the seam.
+        // Moves the seam of the ring away from the node.
         if line[0] == node || line[line.len() - 1] == node {
             let half = line.len() / 2;
             line.rotate_left(half);
@@ -383,7 +397,8 @@ fn without(data: &OsmData, way: &Way, node: i64) -> Option<Vec<i64>> {
     Some(line)
 }
 
-/// Whether `node` lies on the straight line between its neighbours; `None` if the data lacks one of them.
+/// Whether `node` lies on the straight line between its neighbours; `None` if the data lacks one of
+/// them.
 fn is_straight(data: &OsmData, before: i64, node: i64, after: i64) -> Option<bool> {
     let plane = Projection::new(Georeference::tangent_plane(data.nodes.get(&node)?.position));
     let line = side_between(data, &plane, before, after)?;
@@ -391,7 +406,7 @@ fn is_straight(data: &OsmData, before: i64, node: i64, after: i64) -> Option<boo
     Some(line.nearest_point(here).point.distance(here) <= CORNER_M)
 }
 
-/// For each of `nodes` the ways that run through it, each once.
+/// For each of `nodes` the ways through it, each once.
 fn ways_of(data: &OsmData, nodes: &BTreeSet<i64>) -> BTreeMap<i64, Vec<i64>> {
     let mut found: BTreeMap<i64, Vec<i64>> = BTreeMap::new();
     for way in data.ways.values() {
@@ -405,8 +420,8 @@ fn ways_of(data: &OsmData, nodes: &BTreeSet<i64>) -> BTreeMap<i64, Vec<i64>> {
     found
 }
 
-/// For each door in an outline the building that it belongs to: a way with `building=*`, else a multipolygon with it. In a
-/// shared wall the one that bears the door's `addr:housename`, else the first.
+/// For each door in an outline its building: a way with `building=*`, else a multipolygon with it.
+/// In a shared wall the building named by the door's `addr:housename`, else the first.
 fn door_hosts(data: &OsmData) -> BTreeMap<i64, ElementId> {
     let doors = data
         .nodes
@@ -462,7 +477,7 @@ fn name_of(data: &OsmData, element: ElementId) -> Option<&str> {
     data.tags(element)?.get("name")
 }
 
-/// A negative number below all others, as editors number what the OSM database does not have yet.
+/// A negative number below all others: editors number new elements like this.
 fn free_id(data: &OsmData) -> i64 {
     let lowest = data
         .nodes
@@ -506,7 +521,7 @@ mod tests {
     }
 
     #[test]
-    fn a_door_goes_into_the_nearest_wall_at_the_right_place() {
+    fn a_door_is_inserted_into_the_nearest_wall() {
         let mut data = data();
         let door = add(&mut data, HOUSE, 0.0004, -0.00002, "unit 7");
         assert_eq!(door.node, -1);
@@ -520,7 +535,7 @@ mod tests {
     }
 
     #[test]
-    fn a_door_of_a_multipolygon_goes_into_its_member_and_the_courtyard_counts() {
+    fn a_door_of_a_multipolygon_is_inserted_into_a_member_way_even_in_a_courtyard() {
         let mut data = data();
         add(&mut data, COURT, -0.00001, 0.0001, "2");
         assert_eq!(data.ways[&21].nodes, [1, -1, 4, 3]);
@@ -533,7 +548,7 @@ mod tests {
     }
 
     #[test]
-    fn a_shared_wall_stays_shared_and_the_door_says_whose_it_is() {
+    fn a_shared_wall_stays_shared_and_the_door_names_its_building() {
         let mut data = data();
         add(&mut data, COURT, 0.0003, 0.0001, "9");
         assert_eq!(data.ways[&20].nodes, [1, 2, -1, 3]);
@@ -563,7 +578,7 @@ mod tests {
     }
 
     #[test]
-    fn two_doors_at_one_place_do_not_fall_together() {
+    fn two_doors_at_one_place_stay_apart() {
         let mut data = data();
         let a = add(&mut data, HOUSE, 0.0004, 0.0, "7");
         let b = add(&mut data, HOUSE, 0.0004, 0.0, "8");
@@ -571,7 +586,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_wall_gets_no_door() {
+    fn buildings_without_a_wall_get_no_door() {
         let mut data = data();
         let plane = Projection::new(ORIGIN);
         let mut add = |building, x| {
@@ -596,7 +611,7 @@ mod tests {
     }
 
     #[test]
-    fn doors_of_two_edited_maps_come_together() {
+    fn doors_of_two_edited_maps_are_merged() {
         let (mut base, mut other) = (data(), data());
         add(&mut base, HOUSE, 0.0004, 0.0, "7");
         add(&mut other, COURT, 0.0001, 0.0, "2");

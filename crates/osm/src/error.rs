@@ -129,11 +129,14 @@ mod tests {
 
     #[test]
     fn the_cause_of_a_malformed_file_is_kept() {
-        let problem = Problem::caused("this blob cannot be unpacked", io::Error::other("cut off"));
+        let problem = Problem::caused(
+            "this blob cannot be decompressed",
+            io::Error::other("cut off"),
+        );
         let error = OsmError::malformed(Place::Byte(7), problem).in_file("map.osm.pbf".as_ref());
         assert_eq!(
             error.to_string(),
-            "map.osm.pbf: byte 7: this blob cannot be unpacked: cut off"
+            "map.osm.pbf: byte 7: this blob cannot be decompressed: cut off"
         );
         assert_eq!(error.source().unwrap().to_string(), "cut off");
     }

@@ -1,4 +1,4 @@
-//! What lies above a building: its street, its quarter, its town, as tags and named areas have it.
+//! The levels above a building: its street, quarter and town, from tags and named areas.
 
 use std::collections::BTreeMap;
 
@@ -24,16 +24,17 @@ const ABOVE: [(&str, Level); 9] = [
 /// A street, quarter or town that the map names.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Above {
-    /// What it is, and its name.
+    /// Its kind and its name.
     pub level: AddressLevel,
     /// Areas of that name: indices into [`OsmMap::areas`].
     areas: Vec<usize>,
-    /// A place on a road of that name.
+    /// A point on a road of that name.
     on_road: Option<MapPoint>,
 }
 
 impl Above {
-    /// Whether a building of [`OsmMap::buildings`] lies in it, by its tags or because an area holds its middle.
+    /// Whether a building of [`OsmMap::buildings`] lies in it: by its tags, or because an area
+    /// contains its centroid.
     pub fn holds(&self, map: &OsmMap, building: usize) -> bool {
         let Some(building) = map.buildings.get(building) else {
             return false;
@@ -47,7 +48,7 @@ impl Above {
                 .any(|area| map.areas[*area].polygon.contains(middle()))
     }
 
-    /// Somewhere in it: the middle of an area, or a place on a road.
+    /// A point in it: the centroid of an area, or a point on a road.
     pub fn place(&self, map: &OsmMap) -> Option<MapPoint> {
         let area = self.areas.first().and_then(|area| map.areas.get(*area));
         area.map(|area: &Area| area.polygon.centroid())
@@ -55,7 +56,7 @@ impl Above {
     }
 }
 
-/// The levels above a building of [`OsmMap::buildings`] that its own tags have, the widest first.
+/// The levels above a building of [`OsmMap::buildings`] that its own tags name, the widest first.
 pub fn above(map: &OsmMap, building: usize) -> Vec<AddressLevel> {
     map.buildings
         .get(building)
@@ -63,7 +64,8 @@ pub fn above(map: &OsmMap, building: usize) -> Vec<AddressLevel> {
         .unwrap_or_default()
 }
 
-/// All streets, quarters and towns that the map names, each once; takes as long as the map has roads, areas and buildings.
+/// All streets, quarters and towns that the map names, each once. Takes time proportional to the
+/// number of roads, areas and buildings.
 pub fn all_above(map: &OsmMap) -> Vec<Above> {
     let mut found: BTreeMap<AddressLevel, Above> = BTreeMap::new();
     let mut entry = |level: AddressLevel, area: Option<usize>, on_road: Option<MapPoint>| {
@@ -94,7 +96,7 @@ pub fn all_above(map: &OsmMap) -> Vec<Above> {
     found.into_values().collect()
 }
 
-/// What goes by this name, as all levels at once.
+/// Whatever has this name, as all levels at once.
 pub(crate) fn called(map: &OsmMap, name: &str) -> Above {
     let wanted = fold(name);
     let is_named = |area: &Area| {

@@ -1,30 +1,36 @@
-//! OpenStreetMap data: read, look up, edit, write.
+#![doc = include_str!("../README.md")]
+//! ## Modules
 //!
-//! | module | its one concept |
+//! | module | its one job |
 //! |---|---|
-//! | [`data`] | [`OsmData`]: nodes, ways and relations as they stand in a file, and what was survived while reading |
-//! | [`tags`] | [`Tags`]: the words on an element |
-//! | [`error`] | [`OsmError`]: why a file could not be read, and where in it |
+//! | `element` | nodes, ways and relations |
+//! | `tags` | [`Tags`]: the tags of an element |
+//! | `data` | [`OsmData`]: a map in memory, as it stands in a file |
+//! | [`visitor`] | [`visitor::Visitor`]: receives the elements of a map one by one |
 //! | `xml`, `pbf` | the two formats that are read |
-//! | [`stream`] | elements one after another, for those who keep little of a large file |
-//! | [`write`](mod@write) | OSM XML, osmChange, and files that are replaced whole or not at all |
-//! | [`projection`] | [`Projection`]: degrees to metres of the `map` frame and back |
+//! | `read` | reads a map from a file or from bytes |
+//! | [`stream`] | [`stream::Source`]: a large file, visited without keeping it |
+//! | `write` | OSM XML, osmChange, and atomic replacement of files |
+//! | [`error`] | [`OsmError`]: why a file could not be read, and where in it |
+//! | `projection` | [`Projection`]: degrees to metres of the `map` frame and back |
 //! | [`polygon`] | [`Polygon`]: an outline with holes, its boundary and its normals |
 //! | `rings` | closed rings from the ways of a multipolygon |
+//! | `areas` | polygons from closed ways and multipolygons |
 //! | `spatial` | the nearest of many boxes |
 //! | [`map`] | [`OsmMap`]: buildings, roads, barriers, areas and entrances in metres |
-//! | `areas` | polygons from closed ways and multipolygons |
-//! | [`names`] | which tags name a building or a unit, and when two names are the same |
-//! | [`address`] | [`locate`]: the location query, from unit up to building |
-//! | [`cutout`] | [`cut_out`]: a neighbourhood out of a larger map |
-//! | [`edit`] | entrances added, merged and taken away |
+//! | [`names`] | which tags name a building or a unit, and when two names are equal |
+//! | `name_index` | buildings by their names |
+//! | [`hierarchy`] | streets, quarters and towns above a building |
+//! | `address` | [`locate`]: the location query, from unit up to building |
+//! | `cutout` | [`cut_out`]: a neighbourhood out of a larger map |
+//! | `edit` | entrances added, merged and removed |
 
-pub mod address;
+mod address;
 mod areas;
-pub mod cutout;
-pub mod data;
-pub mod edit;
-pub mod element;
+mod cutout;
+mod data;
+mod edit;
+mod element;
 pub mod error;
 pub mod hierarchy;
 pub mod map;
@@ -32,14 +38,14 @@ mod name_index;
 pub mod names;
 mod pbf;
 pub mod polygon;
-pub mod projection;
+mod projection;
 mod read;
 mod rings;
 mod spatial;
 pub mod stream;
-pub mod tags;
+mod tags;
 pub mod visitor;
-pub mod write;
+mod write;
 mod xml;
 
 pub use address::{Location, locate};

@@ -1,7 +1,7 @@
-//! Buildings, roads, barriers, areas and entrances in metres: the map as a robot uses it.
+//! The map as a robot uses it: buildings, roads, barriers, areas and entrances in metres.
 //!
-//! Left out: heights and levels (a robot on the ground meets the outline), and what OSM says of things under the ground. Parts of
-//! buildings (`building:part=*`) are areas.
+//! Heights and levels are left out, since a robot on the ground meets the outline, and so is
+//! everything below the ground. Parts of buildings (`building:part=*`) are areas.
 
 use std::collections::BTreeSet;
 
@@ -17,7 +17,7 @@ use crate::projection::Projection;
 use crate::spatial::BoxTree;
 use crate::tags::Tags;
 
-/// A door further than this from every outline, in metres, leads into no building.
+/// A door farther than this from every outline belongs to no building, metres.
 const DOOR_REACH_M: f64 = 3.0;
 
 /// A building.
@@ -25,25 +25,25 @@ const DOOR_REACH_M: f64 = 3.0;
 pub struct Building {
     /// The way or relation that it was made from.
     pub element: ElementId,
-    /// What people call it, see [`building_name`].
+    /// Its usual name, see [`building_name`].
     pub name: Option<String>,
     /// Its outline.
     pub polygon: Polygon,
-    /// The words on the element.
+    /// The tags of the element.
     pub tags: Tags,
 }
 
-/// A way with `highway=*`, or the part of one between nodes that the data lacks. Whether it may be driven on is for a routing
-/// profile to say.
+/// A way with `highway=*`, or the part of one between nodes that the data lacks. A routing profile
+/// decides whether it may be used.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Road {
     /// Number of the way.
     pub way: i64,
     /// The nodes in order, two or more.
     pub nodes: Vec<i64>,
-    /// Where those nodes are.
+    /// The positions of those nodes.
     pub points: Vec<MapPoint>,
-    /// The words on the way.
+    /// The tags of the way.
     pub tags: Tags,
 }
 
@@ -52,11 +52,12 @@ pub struct Road {
 pub struct Barrier {
     /// Number of the way.
     pub way: i64,
-    /// Its line; first and last point are equal if it is closed.
+    /// Its line. The first and the last point are equal if it is closed.
     pub points: Vec<MapPoint>,
-    /// Where nodes on it say that one may pass: `barrier=gate`, `barrier=entrance`, `kerb=lowered` and the like.
+    /// Where it can be passed: nodes with `barrier=gate`, `barrier=entrance`, `kerb=lowered` and
+    /// the like.
     pub gates: Vec<MapPoint>,
-    /// The words on the way.
+    /// The tags of the way.
     pub tags: Tags,
 }
 
@@ -67,7 +68,7 @@ pub struct Area {
     pub element: ElementId,
     /// Its outline.
     pub polygon: Polygon,
-    /// The words on the element.
+    /// The tags of the element.
     pub tags: Tags,
 }
 
@@ -76,24 +77,25 @@ pub struct Area {
 pub struct Entrance {
     /// Number of the node.
     pub node: i64,
-    /// Where it is.
+    /// Its position.
     pub position: MapPoint,
-    /// Index of the building that it leads into, if it is on an outline or within 3 m of one.
+    /// Index of the building that it belongs to, if it is on an outline or within 3 m of one.
     pub building: Option<usize>,
     /// Names of its unit: `addr:unit`, `ref`, `name`, in this order, each once.
     pub units: Vec<String>,
-    /// The words on the node.
+    /// The tags of the node.
     pub tags: Tags,
 }
 
-/// What could not be made of the data.
+/// Elements that could not be used, counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct MapReport {
-    /// Buildings that have no outline: not closed, too few nodes in the data, or no area.
+    /// Buildings without an outline: not closed, with too few nodes in the data, or without area.
     pub broken_buildings: usize,
-    /// Multipolygons of other areas that have no outline.
+    /// Multipolygons of other areas without an outline.
     pub broken_areas: usize,
-    /// Rings of multipolygons that do not close, are holes in nothing, or of which a few ways make up too many; left out.
+    /// Rings of multipolygons that were skipped: they do not close, are holes in nothing, or many
+    /// rings reuse a few ways.
     pub open_rings: usize,
     /// Entrances near no building.
     pub stray_entrances: usize,
@@ -102,9 +104,10 @@ pub struct MapReport {
 /// OSM data in the `map` frame.
 #[derive(Debug, Clone)]
 pub struct OsmMap {
-    /// How it was brought into metres.
+    /// The projection from degrees to metres.
     pub projection: Projection,
-    /// By element: ways, then relations; a relation with several outer rings gives several buildings.
+    /// By element: ways, then relations; a relation with several outer rings gives several
+    /// buildings.
     pub buildings: Vec<Building>,
     /// By number of the way.
     pub roads: Vec<Road>,
@@ -114,14 +117,14 @@ pub struct OsmMap {
     pub areas: Vec<Area>,
     /// By number of the node.
     pub entrances: Vec<Entrance>,
-    /// What could not be used.
+    /// Elements that could not be used.
     pub report: MapReport,
     outlines: BoxTree,
     pub(crate) names: NameIndex,
 }
 
 impl OsmMap {
-    /// Brings `data` into the `map` frame of `georeference`.
+    /// Projects `data` into the `map` frame of `georeference`.
     pub fn new(data: &OsmData, georeference: Georeference) -> Self {
         let mut map = Self {
             projection: Projection::new(georeference),
@@ -148,8 +151,8 @@ impl OsmMap {
         map
     }
 
-    /// Index of the building nearest to `point`: 0 m away if `point` is inside, else as far as its outline. `None` only if there
-    /// are no buildings.
+    /// Index of the building nearest to `point`, whose distance is 0 inside and otherwise that to
+    /// the outline. `None` only if there are no buildings.
     pub fn nearest_building(&self, point: MapPoint) -> Option<usize> {
         let nearest = self
             .outlines
@@ -157,7 +160,7 @@ impl OsmMap {
         Some(nearest.index)
     }
 
-    /// Indices, in order, of the buildings within `radius` metres of `point`.
+    /// Indices of the buildings within `radius` metres of `point`, in order.
     pub fn buildings_within(&self, point: MapPoint, radius: f64) -> Vec<usize> {
         let mut near = self.outlines.within(point, radius);
         near.retain(|i| self.distance_to_building(*i, point) <= radius);
@@ -189,7 +192,7 @@ impl OsmMap {
     fn add_areas(&mut self, shaper: &Shaper<'_>) {
         let mut relations = Vec::new();
         let mut other_areas = Vec::new();
-        // Some old outlines bear the building's tags a second time.
+        // Some old outlines repeat the building's tags.
         let mut outlines_of_relations = BTreeSet::new();
         for relation in shaper
             .data
@@ -292,7 +295,8 @@ impl OsmMap {
         }
     }
 
-    /// The building whose outline is nearest. Where outlines touch, the door's own address decides, then the lower index.
+    /// The building whose outline is nearest. Where outlines touch, the door's own address decides,
+    /// then the lower index.
     fn building_of_door(&self, position: MapPoint, tags: &Tags) -> Option<usize> {
         let distance = |i: &usize| self.buildings[*i].polygon.distance_to_boundary(position);
         let near: Vec<usize> = self.outlines.within(position, DOOR_REACH_M);
@@ -320,7 +324,7 @@ impl OsmMap {
     }
 }
 
-/// The full names of a door without its own `name`, which names the unit.
+/// The full names in a door's address. Its own `name` is left out: it names the unit.
 fn street_addresses(tags: &Tags) -> Vec<String> {
     let mut address = tags.clone();
     address.retain(|key, _| key.starts_with("addr:"));
@@ -348,7 +352,7 @@ fn barrier(data: &OsmData, way: &Way, run: Run) -> Barrier {
     }
 }
 
-/// The ways of a multipolygon that are no holes.
+/// The ways of a multipolygon that are not holes.
 fn outline_ways(relation: &Relation) -> impl Iterator<Item = i64> {
     let outline = relation
         .members
@@ -374,14 +378,14 @@ fn building(element: ElementId, polygon: Polygon, tags: &Tags) -> Building {
     }
 }
 
-/// Whether a node is a door into a building.
+/// Whether a node is a door of a building.
 pub(crate) fn is_door(tags: &Tags) -> bool {
     tags.says("entrance")
         || tags.is("building", "entrance")
         || tags.has("addr:unit") && tags.says("door")
 }
 
-/// Whether a way stands in the way.
+/// Whether a way is an obstacle.
 fn is_barrier(tags: &Tags) -> bool {
     tags.says("barrier") && !(tags.is("barrier", "kerb") && kerb_height(tags) <= LOW_KERB_M)
         || tags.is("historic", "citywalls")
@@ -412,10 +416,11 @@ fn is_gate(data: &OsmData, node: i64, barrier: &Tags) -> bool {
         || is_lowered_kerb
 }
 
-/// Kerbs no higher than this are gone over, metres: those above it the OSM wiki calls raised.
+/// The height of kerbs that can be driven over, metres. The OSM wiki calls higher ones raised.
 const LOW_KERB_M: f64 = 0.03;
 
-/// Height of a kerb, metres: `height`, else `kerb:height`, else what is usual for its `kerb`.
+/// Height of a kerb, metres: `height`, else `kerb:height`, else the usual height for the value of
+/// `kerb`.
 pub fn kerb_height(tags: &Tags) -> f64 {
     tags.metres("height")
         .or(tags.metres("kerb:height"))
@@ -437,7 +442,8 @@ struct Run {
     points: Vec<MapPoint>,
 }
 
-/// The stretches of a way between nodes that the data lacks: joining across a gap would make up a road.
+/// The stretches of a way between nodes that the data lacks. Joining across a gap would invent a
+/// road.
 fn runs(shaper: &Shaper<'_>, way: &Way) -> Vec<Run> {
     let found: Vec<Option<(i64, MapPoint)>> = way
         .nodes
@@ -485,7 +491,7 @@ mod tests {
             (big.outer.len(), big.holes.len(), big.holes[0].len()),
             (4, 1, 4)
         );
-        // 33.4 x 33.2 m less a courtyard of a third of that each way.
+        // 33.4 m by 33.2 m without a courtyard of a third of that each way.
         assert!(
             (big.area() - 33.4 * 33.2 * 8.0 / 9.0).abs() < 5.0,
             "{}",
@@ -495,7 +501,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_outline_is_counted() {
+    fn elements_without_an_outline_are_counted() {
         let expected = MapReport {
             broken_buildings: 4,
             broken_areas: 0,
@@ -535,7 +541,7 @@ mod tests {
     }
 
     #[test]
-    fn doors_know_their_building() {
+    fn doors_are_assigned_to_their_building() {
         let doors: Vec<_> = court()
             .entrances
             .into_iter()
@@ -548,7 +554,7 @@ mod tests {
     }
 
     #[test]
-    fn the_nearest_building_counts_from_the_wall_and_courtyards_are_outside() {
+    fn distances_to_buildings_count_from_the_wall_and_courtyards_are_outside() {
         let map = court();
         let at = |lon, lat| map.projection.to_map(LonLat::new(lon, lat));
         assert_eq!(map.nearest_building(at(0.0006, 0.0001)), Some(0));

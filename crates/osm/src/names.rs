@@ -1,11 +1,11 @@
-//! Which tags name a building or a unit, and when two names are the same.
+//! Which tags name a building or a unit, and when two names are equal.
 //!
-//! Names are compared folded: case, spaces, hyphens, full-width forms and leading zeros do not matter. Words are not translated:
-//! that `3号楼` is building 3 is for a language planner to know.
+//! Names are compared folded: case, spaces, hyphens, full-width forms and leading zeros do not
+//! matter. Words are not translated: a language planner must know that `3号楼` is building 3.
 
 use crate::tags::Tags;
 
-/// Keys that hold a building's name in full, besides `name:<language>`.
+/// Keys that hold a building's name in full, in addition to `name:<language>`.
 const NAME_KEYS: [&str; 7] = [
     "name",
     "addr:housename",
@@ -16,11 +16,12 @@ const NAME_KEYS: [&str; 7] = [
     "int_name",
 ];
 
-/// No house has more numbers; a list without end would be multiplied by the street's name.
+/// The most house numbers that one element may list. An endless list would be multiplied by the
+/// street's name.
 const MOST_NUMBERS: usize = 100;
 
-/// What a building is called: its `name`, else `addr:housename`, else street (or place) and `addr:housenumber`, else the bare
-/// house number, else `ref`.
+/// The usual name of a building: its `name`, else `addr:housename`, else street (or place) and
+/// `addr:housenumber`, else the bare house number, else `ref`.
 pub fn building_name(tags: &Tags) -> Option<String> {
     let number = tags.get("addr:housenumber");
     let plain = tags
@@ -37,8 +38,8 @@ pub fn building_name(tags: &Tags) -> Option<String> {
         .or_else(|| number.or_else(|| tags.get("ref")).map(str::to_owned))
 }
 
-/// Every full name by which a building may be asked for, folded: names in all languages, house name, street and number in
-/// either order.
+/// All full names of a building, folded: names in all languages, the house name, and street and
+/// number in either order.
 pub(crate) fn full_names(tags: &Tags) -> Vec<String> {
     let mut names: Vec<String> = tags
         .iter()
@@ -59,7 +60,7 @@ pub(crate) fn full_names(tags: &Tags) -> Vec<String> {
     names
 }
 
-/// The numbers by which a building may be asked for where no full name fits, folded.
+/// The bare numbers of a building, folded. They count where no full name matches.
 pub(crate) fn numbers(tags: &Tags) -> Vec<String> {
     let values = [tags.get("ref"), tags.get("addr:housenumber")];
     values
@@ -71,7 +72,8 @@ pub(crate) fn numbers(tags: &Tags) -> Vec<String> {
         .collect()
 }
 
-/// The names of the unit behind a door: `addr:unit`, `ref`, `name`, in this order, lists taken apart, each once.
+/// The names of the unit behind a door: `addr:unit`, `ref`, `name`, in this order. Lists are split,
+/// and each name is given once.
 pub(crate) fn unit_names(tags: &Tags) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for value in ["addr:unit", "ref", "name"]
@@ -94,8 +96,16 @@ pub(crate) fn unit_names(tags: &Tags) -> Vec<String> {
     names
 }
 
-/// `name` for comparison: lower case, without spaces, hyphens and leading zeros; digits that were apart stay apart.
-/// `Building 03`, `building-3` and `Ｂuilding３` are all `building3`, but `1-2` is not `12`.
+/// Folds `name` for comparison: lower case, without spaces, hyphens and leading zeros. Numbers that
+/// were separate stay separate.
+///
+/// ```
+/// use openbench_osm::names::fold;
+///
+/// assert_eq!(fold("Building 03"), "building3");
+/// assert_eq!(fold("building-3"), "building3");
+/// assert_eq!(fold("Block 1-2"), "block1-2");
+/// ```
 pub fn fold(name: &str) -> String {
     let mut folded = String::with_capacity(name.len());
     let mut apart = false;
@@ -116,12 +126,12 @@ pub fn fold(name: &str) -> String {
     folded
 }
 
-/// [`fold`], and without the word for what it is: `Unit 1`, `unit1` and `1` are the same unit.
+/// [`fold`] without the word for a unit: `Unit 1`, `unit1` and `1` are the same unit.
 pub fn fold_unit(name: &str) -> String {
     without_word(fold(name), &["unit", "entrance", "door"])
 }
 
-/// [`fold`], and without the word for what it is: `Building 3` and `3`.
+/// [`fold`] without the word for a building: `Building 3` and `3` are the same number.
 pub(crate) fn fold_number(name: &str) -> String {
     without_word(fold(name), &["building", "block", "house", "no"])
 }
@@ -163,7 +173,7 @@ fn is_name_key(key: &str) -> bool {
             .is_some_and(is_language)
 }
 
-/// `de`, `yue`, `zh-Hant`, `ja_rm`; not `etymology`, `left` or `signed`.
+/// `de`, `yue`, `zh-Hant`, `ja_rm`, but not `etymology`, `left` or `signed`.
 fn is_language(suffix: &str) -> bool {
     let code = suffix.split(['-', '_']).next().unwrap_or_default();
     matches!(code.len(), 2 | 3) && code.bytes().all(|b| b.is_ascii_lowercase())
@@ -173,8 +183,7 @@ fn list(value: &str) -> impl Iterator<Item = String> {
     value.split(';').map(fold).filter(|name| !name.is_empty())
 }
 
-/// The street of an address, or the place that houses without a street are numbered by
-/// (`addr:place`).
+/// The street of an address, or the place that numbers houses without a street (`addr:place`).
 pub fn street(tags: &Tags) -> Option<&str> {
     tags.get("addr:street").or_else(|| tags.get("addr:place"))
 }
@@ -186,7 +195,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn writing_does_not_matter_but_numbers_do() {
+    fn spelling_does_not_matter_but_numbers_do() {
         for name in [
             "Building 3",
             "building3",
@@ -219,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn a_building_is_called_by_its_best_name() {
+    fn a_building_has_its_most_specific_name() {
         let name = |tags: &[(&str, &str)]| building_name(&tags.iter().copied().collect());
         let address = [("addr:street", "Rua Alta"), ("addr:housenumber", "5")];
         assert_eq!(name(&address).as_deref(), Some("Rua Alta 5"));

@@ -1,31 +1,47 @@
-//! Degrees to metres of the `map` frame and back.
+//! Projections between degrees and metres of the `map` frame.
 //!
-//! Universal Transverse Mercator by Krüger's series to the sixth power of the third flattening (C. F. F. Karney,
-//! *Transverse Mercator with an accuracy of a few nanometers*, J. Geodesy 85, 2011, equations 7 to 36): errors of a zone and
-//! far beyond it stay below a micrometre. Tangent plane: the east and north of the local east-north-up frame that touches the
-//! WGS 84 ellipsoid at the map's origin; positions on the ellipsoid are projected along the origin's vertical, so that
-//! lengths shrink by one part in a million some 9 km away.
+//! Universal Transverse Mercator uses Krüger's series to the sixth power of the third flattening
+//! (C. F. F. Karney, *Transverse Mercator with an accuracy of a few nanometers*, J. Geodesy 85,
+//! 2011, equations 7 to 36). Errors stay below a micrometre within a zone and far beyond it. UTM
+//! zones are plain six-degree strips; the wider ones off Norway and Svalbard must be requested by
+//! name.
 //!
-//! UTM zones are plain six-degree strips; the wider ones off Norway and Svalbard must be asked for by name.
+//! The tangent plane is the plane of the local east-north-up frame that touches the WGS 84
+//! ellipsoid at the map's origin. Positions on the ellipsoid are projected along the origin's
+//! vertical, so that lengths shrink by one part in a million some 9 km away.
 
 use openbench_core::{Georeference, LonLat, MapPoint};
 
 use crate::data::OsmData;
 
 /// Equatorial radius of WGS 84, metres.
-const A: f64 = 6_378_137.0;
+const EQUATORIAL_RADIUS_M: f64 = 6_378_137.0;
 /// Flattening of WGS 84.
 const F: f64 = 1.0 / 298.257_223_563;
-/// Square of the eccentricity.
+/// Squared eccentricity.
 const E2: f64 = F * (2.0 - F);
-/// UTM's scale on its central meridian.
+/// UTM's scale on the central meridian.
 const SCALE: f64 = 0.9996;
-/// UTM's easting of its central meridian, metres.
-const FALSE_EASTING: f64 = 500_000.0;
+/// UTM's easting of the central meridian, metres.
+const FALSE_EASTING_M: f64 = 500_000.0;
 /// UTM's northing of the equator in the southern hemisphere, metres.
-const FALSE_NORTHING_SOUTH: f64 = 10_000_000.0;
+const FALSE_NORTHING_SOUTH_M: f64 = 10_000_000.0;
 
 /// Projects positions on the Earth into the `map` frame of one georeference.
+///
+/// ```
+/// use openbench_core::{Georeference, LonLat};
+/// use openbench_osm::Projection;
+///
+/// // A pavement on the Ajou campus, 1 km from the origin of the frame.
+/// let georeference = Georeference::tangent_plane(LonLat::new(127.0457, 37.2823));
+/// let projection = Projection::new(georeference);
+/// let pavement = LonLat::new(127.05, 37.29);
+/// let point = projection.to_map(pavement);
+/// assert!((point.x - 381.2917).abs() < 1e-4 && (point.y - 854.5779).abs() < 1e-4);
+/// let back = projection.to_lonlat(point);
+/// assert!((back.lon - pavement.lon).abs() < 1e-9 && (back.lat - pavement.lat).abs() < 1e-9);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Projection {
     georeference: Georeference,
@@ -38,18 +54,20 @@ enum Plane {
     Tangent(Tangent),
 }
 
-/// A map whose place cannot be told.
+/// A map without a position on the Earth.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ProjectionError {
-    /// No node, no middle.
+    /// The map has no nodes.
     #[error(
-        "the map has no nodes, so its place is unknown; give a georeference such as `utm:50N,-500000,-4483000`"
+        "the map has no nodes, so its position is unknown; \
+         give a georeference such as `utm:50N,-500000,-4483000`"
     )]
     Empty,
 }
 
 impl Projection {
-    /// A projection as `georeference` says.
+    /// The projection that `georeference` describes.
     pub fn new(georeference: Georeference) -> Self {
         let plane = match georeference {
             Georeference::Utm {
@@ -58,8 +76,8 @@ impl Projection {
                 offset_x,
                 offset_y,
             } => {
-                let south = if north { 0.0 } else { FALSE_NORTHING_SOUTH };
-                Plane::Utm(Utm::new(zone, FALSE_EASTING + offset_x, south + offset_y))
+                let south = if north { 0.0 } else { FALSE_NORTHING_SOUTH_M };
+                Plane::Utm(Utm::new(zone, FALSE_EASTING_M + offset_x, south + offset_y))
             }
             Georeference::TangentPlane {
                 at,
@@ -73,12 +91,12 @@ impl Projection {
         }
     }
 
-    /// What it was made from.
+    /// The georeference that it was made from.
     pub fn georeference(&self) -> Georeference {
         self.georeference
     }
 
-    /// Where a position lies in the `map` frame.
+    /// The point of the `map` frame at a position on the Earth.
     pub fn to_map(&self, position: LonLat) -> MapPoint {
         match &self.plane {
             Plane::Utm(utm) => utm.forward(position),
@@ -86,7 +104,7 @@ impl Projection {
         }
     }
 
-    /// The position on the ellipsoid of a point of the `map` frame.
+    /// The position on the ellipsoid at a point of the `map` frame.
     pub fn to_lonlat(&self, point: MapPoint) -> LonLat {
         match &self.plane {
             Plane::Utm(utm) => utm.inverse(point),
@@ -95,8 +113,11 @@ impl Projection {
     }
 }
 
-/// The georeference of a map that brings none: the UTM zone of the middle of its nodes' bounding box, and as false origin that
-/// middle rounded to the nearest kilometre.
+/// The default georeference of a map: the UTM zone of the centre of its nodes' bounding box, with
+/// that centre, rounded to the nearest kilometre, as false origin.
+///
+/// # Errors
+/// If the map has no nodes.
 pub fn default_georeference(data: &OsmData) -> Result<Georeference, ProjectionError> {
     let middle = middle(data).ok_or(ProjectionError::Empty)?;
     let zone = (libm::floor((middle.lon + 180.0) / 6.0) as u8 + 1).min(60);
@@ -118,7 +139,7 @@ pub fn default_georeference(data: &OsmData) -> Result<Georeference, ProjectionEr
     })
 }
 
-/// The middle of the bounding box of all nodes.
+/// The centre of the bounding box of all nodes.
 fn middle(data: &OsmData) -> Option<LonLat> {
     let lon = middle_of(data.nodes.values().map(|node| node.position.lon))?;
     let lat = middle_of(data.nodes.values().map(|node| node.position.lat))?;
@@ -132,7 +153,7 @@ fn middle_of(values: impl Iterator<Item = f64> + Clone) -> Option<f64> {
     Some((low + high) / 2.0)
 }
 
-/// A number of metres whose addition moves `metres` to within 500 m of zero.
+/// The multiple of 1,000 m whose addition moves `metres` to within 500 m of zero.
 fn to_nearest_kilometre(metres: f64) -> f64 {
     -libm::round(metres / 1000.0) * 1000.0
 }
@@ -153,7 +174,8 @@ impl Utm {
         let n = F / (2.0 - F);
         let n2 = n * n;
         // Equation (14)
-        let rectifying = A / (1.0 + n) * (1.0 + n2 * (1.0 / 4.0 + n2 * (1.0 / 64.0 + n2 / 256.0)));
+        let rectifying = EQUATORIAL_RADIUS_M / (1.0 + n)
+            * (1.0 + n2 * (1.0 / 4.0 + n2 * (1.0 / 64.0 + n2 / 256.0)));
         Self {
             central_meridian: f64::from(zone) * 6.0 - 183.0,
             origin: MapPoint::new(x, y),
@@ -191,8 +213,9 @@ impl Utm {
     }
 }
 
-/// The sums over j of `c_j cos(2 j xi) sinh(2 j eta)` and `c_j sin(2 j xi) cosh(2 j eta)`. The multiples come from the
-/// addition theorems, which costs a fifth of calling the functions for each.
+/// The sums over j of `c_j cos(2 j xi) sinh(2 j eta)` and `c_j sin(2 j xi) cosh(2 j eta)`. The
+/// multiples come from the addition theorems, at a fifth of the cost of calling the functions for
+/// each.
 fn series(coefficients: &[f64; 6], xi: f64, eta: f64) -> [f64; 2] {
     let (sin1, cos1) = libm::sincos(2.0 * xi);
     let (sinh1, cosh1) = (libm::sinh(2.0 * eta), libm::cosh(2.0 * eta));
@@ -215,7 +238,8 @@ fn conformal(tau: f64) -> f64 {
     tau * libm::hypot(1.0, sigma) - sigma * hypotenuse
 }
 
-/// The inverse of [`conformal`] by Newton's method, equations (19) to (21): two or three steps reach the last bit.
+/// The inverse of [`conformal`] by Newton's method, equations (19) to (21). Two or three steps
+/// reach the last bit.
 fn geographic(conformal_tau: f64) -> f64 {
     let mut tau = conformal_tau;
     for _ in 0..5 {
@@ -327,16 +351,20 @@ impl Tangent {
         )
     }
 
-    /// Follows the origin's vertical from the plane down to the ellipsoid. A point beyond the Earth's rim is taken to the
-    /// rim.
+    /// Follows the origin's vertical from the plane down to the ellipsoid. A point beyond the
+    /// Earth's limb is mapped to the limb.
     fn inverse(&self, point: MapPoint) -> LonLat {
-        // Where z is stretched so that the ellipsoid is a sphere of radius A, the line meets it at the larger root.
+        // With z stretched so that the ellipsoid is a sphere, the line meets it at the larger root.
         let stretch = 1.0 / (1.0 - F);
         let (x, y) = (point.x - self.offset.x, point.y - self.offset.y);
         let start = std::array::from_fn(|i| self.origin[i] + x * self.east[i] + y * self.north[i]);
         let [p, v] = [start, self.up].map(|[x, y, z]: [f64; 3]| [x, y, z * stretch]);
-        let (a, b, c) = (dot(v, v), dot(p, v), dot(p, p) - A * A);
-        // -c / (b + root), not (root - b) / a: no digits cancel near the origin.
+        let (a, b, c) = (
+            dot(v, v),
+            dot(p, v),
+            dot(p, p) - EQUATORIAL_RADIUS_M * EQUATORIAL_RADIUS_M,
+        );
+        // -c / (b + root) instead of (root - b) / a: no digits cancel near the origin.
         let t = -c / (b + (b * b - a * c).max(0.0).sqrt());
         let [x, y, z] = std::array::from_fn(|i| start[i] + t * self.up[i]);
         let lat = libm::atan2(z, (1.0 - E2) * libm::hypot(x, y));
@@ -348,7 +376,7 @@ impl Tangent {
 fn on_ellipsoid(position: LonLat) -> [f64; 3] {
     let (sin_lon, cos_lon) = libm::sincos(position.lon.to_radians());
     let (sin_lat, cos_lat) = libm::sincos(position.lat.to_radians());
-    let normal = A / (1.0 - E2 * sin_lat * sin_lat).sqrt();
+    let normal = EQUATORIAL_RADIUS_M / (1.0 - E2 * sin_lat * sin_lat).sqrt();
     [
         normal * cos_lat * cos_lon,
         normal * cos_lat * sin_lon,
@@ -380,7 +408,8 @@ mod tests {
         assert!(a.distance(b) < metres, "{a:?} is not {b:?}");
     }
 
-    /// Computed with 40 digits from the definition: the meridian arc, integrated numerically, continued to complex latitudes.
+    /// Computed with 40 digits from the definition: the meridian arc, integrated numerically,
+    /// continued to complex latitudes.
     #[test]
     fn utm_agrees_with_the_definition_of_the_projection() {
         let golden = [
@@ -458,7 +487,7 @@ mod tests {
     }
 
     #[test]
-    fn a_map_without_nodes_has_no_place() {
+    fn a_map_without_nodes_has_no_georeference() {
         let error = default_georeference(&OsmData::default())
             .unwrap_err()
             .to_string();
@@ -466,7 +495,7 @@ mod tests {
     }
 
     #[test]
-    fn the_default_zone_is_that_of_the_middle() {
+    fn the_default_zone_is_that_of_the_centre() {
         let georeference = |places: &[(f64, f64)]| {
             let mut data = OsmData::default();
             for (id, (lon, lat)) in (1..).zip(places) {
@@ -499,12 +528,19 @@ mod tests {
             let projection = utm(zone, lat > 0.0);
             let back = projection.to_lonlat(projection.to_map(position));
             // A tenth of a micrometre.
-            prop_assert!((back.lon - position.lon).abs() < 1e-12 / lat.to_radians().abs().max(0.1), "{back:?}");
+            let tolerance = 1e-12 / lat.to_radians().abs().max(0.1);
+            prop_assert!((back.lon - position.lon).abs() < tolerance, "{back:?}");
             prop_assert!((back.lat - position.lat).abs() < 1e-12, "{back:?}");
         }
 
         #[test]
-        fn tangent_plane_there_and_back(lon in -179.0f64..179.0, lat in -89.0f64..89.0, x in -2e5f64..2e5, y in -2e5f64..2e5, offset in -5e6f64..5e6) {
+        fn tangent_plane_there_and_back(
+            lon in -179.0f64..179.0,
+            lat in -89.0f64..89.0,
+            x in -2e5f64..2e5,
+            y in -2e5f64..2e5,
+            offset in -5e6f64..5e6,
+        ) {
             let at = LonLat::new(lon, lat);
             let plane = Georeference::TangentPlane { at, offset_x: offset, offset_y: -offset };
             let projection = Projection::new(plane);

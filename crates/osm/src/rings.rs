@@ -1,6 +1,7 @@
 //! Closed rings from the ways of a multipolygon, each of which may be only a piece of a ring.
 //!
-//! Pieces are joined where they share an end node. Roles are believed: what is `inner` is a hole, all else is outline.
+//! Pieces are joined where they share an end node. Roles are trusted: members with role `inner` are
+//! holes, all others are outlines.
 
 use std::collections::BTreeMap;
 
@@ -37,7 +38,7 @@ pub(crate) fn assemble(pieces: &[&[i64]]) -> Assembled {
     Assembled { rings, open }
 }
 
-/// Pieces that are in no ring yet, and where their ends are.
+/// Pieces that are in no ring yet, indexed by their ends.
 struct Loose<'a> {
     pieces: Vec<Option<&'a [i64]>>,
     by_end: BTreeMap<i64, Vec<usize>>,
@@ -64,7 +65,7 @@ impl<'a> Loose<'a> {
         self.pieces[index].take().map(<[i64]>::to_vec)
     }
 
-    /// The first loose piece that has an end at `node`, turned so that it begins there.
+    /// The first loose piece with an end at `node`, reversed if necessary so that it begins there.
     fn take_at(&mut self, node: i64) -> Option<Vec<i64>> {
         let candidates = self.by_end.get_mut(&node)?;
         while let Some(index) = candidates.pop() {

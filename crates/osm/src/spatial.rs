@@ -1,11 +1,13 @@
-//! Finds the nearest of many boxes: a tree of bounding boxes, split at the median. Built once, in memory that grows with the
-//! number of boxes only, however far apart they lie.
+//! Finds the nearest of many boxes with a tree of bounding boxes, split at the median.
+//!
+//! The tree is built once. Its memory grows with the number of boxes only, however far apart they
+//! are.
 
 use openbench_core::MapPoint;
 
 use crate::polygon::Bounds;
 
-/// Boxes to search among.
+/// Boxes to search.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct BoxTree {
     root: Option<Box<Branch>>,
@@ -44,8 +46,8 @@ impl BoxTree {
         }
     }
 
-    /// The item for which `distance` is least, and that distance. `distance` must not be less than the distance to the item's
-    /// box. Of several equally near the one with the lowest index.
+    /// The item with the least `distance`. `distance` must not be less than the distance to the
+    /// item's box. Of several equally near items the one with the lowest index.
     pub(crate) fn nearest(
         &self,
         point: MapPoint,
@@ -58,7 +60,7 @@ impl BoxTree {
         best
     }
 
-    /// The items whose boxes lie within `radius` of `point`, lowest index first.
+    /// The items whose boxes are within `radius` of `point`, lowest index first.
     pub(crate) fn within(&self, point: MapPoint, radius: f64) -> Vec<usize> {
         let mut found = Vec::new();
         if let Some(root) = &self.root {
@@ -89,7 +91,7 @@ fn branch(items: &mut [Item]) -> Branch {
     Branch::Fork(bounds, Box::new(branch(left)), Box::new(branch(right)))
 }
 
-/// Where a box is along one axis: x if the boxes lie in a wide area, else y.
+/// Twice the centre of a box along one axis: x if the boxes lie in a wide area, else y.
 fn twice_the_centre(item: &Item, is_wide: bool) -> f64 {
     let Bounds { low, high } = item.bounds;
     if is_wide {
@@ -164,17 +166,24 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_tree_finds_what_a_plain_search_finds(
-            points in prop::collection::vec((-50i32..50, -50i32..50), 0..60), x in -60i32..60, y in -60i32..60,
+        fn the_tree_agrees_with_a_linear_search(
+            points in prop::collection::vec((-50i32..50, -50i32..50), 0..60),
+            x in -60i32..60,
+            y in -60i32..60,
         ) {
-            let points: Vec<_> = points.iter().map(|(x, y)| MapPoint::new(f64::from(*x), f64::from(*y))).collect();
-            let p = MapPoint::new(f64::from(x), f64::from(y));
-            let tree = BoxTree::new(points.iter().map(|q| Bounds::of_point(*q)));
-            let plain = (0..points.len()).min_by(|a, b| points[*a].distance(p).total_cmp(&points[*b].distance(p)));
-            let nearest = tree.nearest(p, |i| points[i].distance(p));
-            prop_assert_eq!(nearest.map(|nearest| nearest.index), plain);
-            let near: Vec<_> = (0..points.len()).filter(|i| points[*i].distance(p) <= 9.0).collect();
+            let points: Vec<MapPoint> = points.into_iter().map(|(x, y)| whole(x, y)).collect();
+            let p = whole(x, y);
+            let tree = BoxTree::new(points.iter().map(|point| Bounds::of_point(*point)));
+            let distance = |i: usize| points[i].distance(p);
+            let all = 0..points.len();
+            let nearest = all.clone().min_by(|a, b| distance(*a).total_cmp(&distance(*b)));
+            prop_assert_eq!(tree.nearest(p, distance).map(|nearest| nearest.index), nearest);
+            let near: Vec<usize> = all.filter(|i| distance(*i) <= 9.0).collect();
             prop_assert_eq!(tree.within(p, 9.0), near);
         }
+    }
+
+    fn whole(x: i32, y: i32) -> MapPoint {
+        MapPoint::new(f64::from(x), f64::from(y))
     }
 }

@@ -1,10 +1,19 @@
-//! The words on an element: `key=value` pairs, each key once.
+//! The tags of an element: `key=value` pairs, each key once.
 //!
-//! Kept sorted by key, so that two elements with the same words are equal and are written the same.
+//! Kept sorted by key, so that elements with the same tags are equal and are written alike.
 
 use std::fmt;
 
 /// The tags of one element, sorted by key.
+///
+/// ```
+/// use openbench_osm::Tags;
+///
+/// let tags = Tags::from([("highway", "footway"), ("width", "5 ft"), ("lit", "no")]);
+/// assert!(tags.is("highway", "footway"));
+/// assert!(tags.has("lit") && !tags.says("lit"));
+/// assert!((tags.metres("width").unwrap() - 1.524).abs() < 1e-9);
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Tags(Vec<(String, String)>);
 
@@ -14,12 +23,12 @@ impl Tags {
         Self(Vec::new())
     }
 
-    /// The value under `key`.
+    /// The value of `key`.
     pub fn get(&self, key: &str) -> Option<&str> {
         self.index(key).ok().map(|i| self.0[i].1.as_str())
     }
 
-    /// Sets `key` to `value` and returns the value that stood there before.
+    /// Sets `key` to `value` and returns the previous value.
     pub fn insert(&mut self, key: impl Into<String>, value: impl Into<String>) -> Option<String> {
         let (key, value) = (key.into(), value.into());
         match self.index(&key) {
@@ -31,28 +40,31 @@ impl Tags {
         }
     }
 
-    /// Takes `key` away and returns its value.
+    /// Removes `key` and returns its value.
     pub fn remove(&mut self, key: &str) -> Option<String> {
         self.index(key).ok().map(|i| self.0.remove(i).1)
     }
 
-    /// Whether `key` stands there with exactly this `value`.
+    /// Whether `key` has exactly this `value`.
     pub fn is(&self, key: &str, value: &str) -> bool {
         self.get(key) == Some(value)
     }
 
-    /// Whether `key` stands there at all.
+    /// Whether `key` is present.
     pub fn has(&self, key: &str) -> bool {
         self.index(key).is_ok()
     }
 
-    /// Whether `key` stands there with a value other than `no`: how OSM says "this is a building".
+    /// Whether `key` is present with a value other than `no`: OSM's way to say "this is a
+    /// building".
     pub fn says(&self, key: &str) -> bool {
         self.get(key).is_some_and(|value| value != "no")
     }
 
-    /// A length in metres: a number with nothing, `m`, `cm`, `mm`, `km`, `ft`, `in`, or feet and inches as in `5'6"` behind it. `None` if there is
-    /// none, or what stands there is no length.
+    /// A length in metres; `None` if `key` is missing or its value is no length.
+    ///
+    /// A length is a number followed by nothing, `m`, `cm`, `mm`, `km`, `ft` or `in`, or feet and
+    /// inches as in `5'6"`.
     pub fn metres(&self, key: &str) -> Option<f64> {
         const FOOT: f64 = 0.3048;
         const INCH: f64 = 0.0254;
@@ -81,12 +93,12 @@ impl Tags {
         (length >= 0.0).then_some(length)
     }
 
-    /// The pairs, by key.
+    /// The pairs of keys and values, by key.
     pub fn iter(&self) -> impl Iterator<Item = (&str, &str)> {
         self.0.iter().map(|(k, v)| (k.as_str(), v.as_str()))
     }
 
-    /// How many pairs there are.
+    /// The number of pairs.
     pub fn len(&self) -> usize {
         self.0.len()
     }
@@ -106,7 +118,7 @@ impl Tags {
     }
 }
 
-/// Of two pairs with one key the later counts.
+/// If a key appears twice, the later value counts.
 impl<K: Into<String>, V: Into<String>> FromIterator<(K, V)> for Tags {
     fn from_iter<I: IntoIterator<Item = (K, V)>>(pairs: I) -> Self {
         let mut all: Vec<(String, String)> = pairs
@@ -147,7 +159,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn tags_are_sorted_and_the_later_of_two_counts() {
+    fn tags_are_sorted_and_the_later_of_two_values_counts() {
         let tags = Tags::from([
             ("name", "b"),
             ("building", "yes"),
@@ -204,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn insert_replaces_and_tells() {
+    fn insert_replaces_and_returns_the_previous_value() {
         let mut tags = Tags::from([("ref", "1")]);
         assert_eq!(tags.insert("ref", "2").as_deref(), Some("1"));
         assert_eq!(tags.insert("door", "yes"), None);
@@ -214,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn building_no_does_not_say_building() {
+    fn building_no_is_no_building() {
         assert!(Tags::from([("building", "yes")]).says("building"));
         assert!(!Tags::from([("building", "no")]).says("building"));
     }

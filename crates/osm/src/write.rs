@@ -1,8 +1,9 @@
-//! Writes OSM XML 0.6 and osmChange 0.6, and replaces files whole or not at all.
+//! Writes OSM XML 0.6 and osmChange 0.6, and replaces files atomically.
 //!
-//! Elements come out as nodes, ways, relations, each by number, tags by key, positions with seven decimals (a centimetre):
-//! the same data gives the same bytes. Element versions are not kept in memory; elements of the OSM database are written as
-//! version 1, without which editors refuse the file. Before an upload, an editor must fetch the current versions.
+//! The same data gives the same bytes: nodes, ways, relations, each by number, tags by key, and
+//! positions with seven decimals (a centimetre). Element versions are not kept in memory. Elements
+//! of the OSM database are written as version 1, without which editors refuse the file. Before an
+//! upload, an editor must download the current versions.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -17,7 +18,8 @@ use crate::error::OsmError;
 use crate::tags::Tags;
 
 impl OsmData {
-    /// The data as OSM XML 0.6 in UTF-8. Characters that XML cannot hold (most control characters) are left out of tags.
+    /// The data as OSM XML 0.6 in UTF-8. Characters that XML cannot represent (most control
+    /// characters) are dropped from tags.
     pub fn to_xml(&self) -> Vec<u8> {
         let mut out = document("osm");
         self.nodes
@@ -34,9 +36,11 @@ impl OsmData {
     }
 }
 
-/// The difference between two states of a map as osmChange 0.6: what must be created, modified and deleted to get from
-/// `old` to `new`, in an order that never leaves a reference without its target. Positions that agree to seven decimals
-/// are the same.
+/// The difference between two states of a map as osmChange 0.6: what must be created, modified and
+/// deleted to get from `old` to `new`.
+///
+/// The order never leaves a reference without its target. Positions that agree to seven decimals
+/// are equal.
 pub fn changes(old: &OsmData, new: &OsmData) -> Vec<u8> {
     let (old, new) = (written_elements(old), written_elements(new));
     let created = new.iter().filter(|(id, _)| !old.contains_key(id));
@@ -55,8 +59,8 @@ pub fn changes(old: &OsmData, new: &OsmData) -> Vec<u8> {
 /// How far elements of an osmChange document are indented, in steps of two spaces.
 const CHANGE_DEPTH: usize = 2;
 
-/// Every element as it is written. Element numbers sort nodes before ways before relations, so that a reference always
-/// follows its target.
+/// Every element as it is written. Identifiers sort nodes before ways before relations, so that a
+/// reference always follows its target.
 fn written_elements(data: &OsmData) -> BTreeMap<ElementId, String> {
     let mut written = BTreeMap::new();
     for node in data.nodes.values() {
@@ -82,9 +86,8 @@ fn section<'a>(out: &mut String, name: &str, elements: impl Iterator<Item = &'a 
 }
 
 fn document(root: &str) -> String {
-    format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<{root} version=\"0.6\" generator=\"openbench\">\n"
-    )
+    let declaration = r#"<?xml version="1.0" encoding="UTF-8"?>"#;
+    format!("{declaration}\n<{root} version=\"0.6\" generator=\"openbench\">\n")
 }
 
 fn write_node(out: &mut String, depth: usize, node: &Node) {
@@ -170,7 +173,7 @@ pub(crate) fn round7(degrees: f64) -> f64 {
     libm::round(degrees * 1e7) / 1e7 + 0.0
 }
 
-/// Text as it may stand in an attribute.
+/// Text escaped for an attribute.
 struct Escaped<'a>(&'a str);
 
 impl std::fmt::Display for Escaped<'_> {
@@ -190,8 +193,11 @@ impl std::fmt::Display for Escaped<'_> {
     }
 }
 
-/// Replaces the file at `path` with `bytes`, whole or not at all: a crash leaves the old file or the new one. The bytes go
-/// to a file beside it first, which is renamed.
+/// Replaces the file at `path` with `bytes` atomically: a crash leaves the old file or the new one.
+/// The bytes are written to a staging file in the same folder, which is then renamed.
+///
+/// # Errors
+/// If a file cannot be written or renamed. The staging file is removed then.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), OsmError> {
     let staging = staging_path(path);
     write_and_rename(&staging, path, bytes).map_err(|source| {
@@ -225,8 +231,10 @@ mod tests {
 
     fn data() -> OsmData {
         OsmData::from_xml(
-            br#"<osm><node id="1" lat="-0.00000001" lon="2.5"/><node id="-2" lat="1" lon="2"><tag k="a" v="&lt;&quot;&#10;&amp;'&gt;"/></node>
-            <way id="7"><nd ref="1"/><nd ref="-2"/></way><relation id="9"><member type="way" ref="7" role="o"/></relation></osm>"#,
+            br#"<osm><node id="1" lat="-0.00000001" lon="2.5"/>
+            <node id="-2" lat="1" lon="2"><tag k="a" v="&lt;&quot;&#10;&amp;'&gt;"/></node>
+            <way id="7"><nd ref="1"/><nd ref="-2"/></way>
+            <relation id="9"><member type="way" ref="7" role="o"/></relation></osm>"#,
         )
         .unwrap()
     }

@@ -1,8 +1,9 @@
 //! Reads OSM XML, API 0.6, as the OSM servers, Overpass, libosmium and JOSM write it.
 //!
-//! Unknown elements and attributes are passed over. What JOSM (`action="delete"`) or the API (`visible="false"`) marks as
-//! deleted is left out and counted. Document types are refused: OSM needs none, and entities that grow are an old trick
-//! to fill a reader's memory. The encoding is UTF-8.
+//! Unknown elements and attributes are skipped. Elements that JOSM (`action="delete"`) or the API
+//! (`visible="false"`) marks as deleted are skipped and counted. Document type declarations are
+//! refused: OSM needs none, and expanding entities are a known attack on a reader's memory. The
+//! encoding is UTF-8.
 
 use std::borrow::Cow;
 
@@ -39,7 +40,8 @@ pub(crate) fn read(bytes: &[u8]) -> Result<OsmData, OsmError> {
     }
 }
 
-/// The bytes as text; what other formats begin with is named, since a wrong file is the likeliest mistake.
+/// The bytes as text. Other formats are named in the error, since a wrong file is the likeliest
+/// mistake.
 fn text(bytes: &[u8]) -> Result<&str, OsmError> {
     let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     if let Some(problem) = foreign_format(bytes) {
@@ -52,16 +54,16 @@ fn text(bytes: &[u8]) -> Result<&str, OsmError> {
     })
 }
 
-/// Names the format that bytes have instead, if its first bytes are known.
+/// What to do about bytes of another format, if their beginning is known.
 fn foreign_format(bytes: &[u8]) -> Option<&'static str> {
     match bytes {
         [] => Some("the file is empty; it should be OSM XML or PBF"),
         [0x1F, 0x8B, ..] | [b'B', b'Z', b'h', ..] | [b'P', b'K', ..] => {
-            Some("the file is compressed; unpack it first")
+            Some("the file is compressed; decompress it first")
         }
         [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..] => Some("the file is UTF-16; save it as UTF-8"),
         _ if bytes.trim_ascii_start().starts_with(b"{") => {
-            Some("the file is JSON; ask Overpass for [out:xml]")
+            Some("the file is JSON; request [out:xml] from Overpass")
         }
         _ => None,
     }
@@ -82,13 +84,13 @@ fn malformed(text: &str, at: u64, problem: impl Into<Problem>) -> OsmError {
 #[derive(Default)]
 struct Document {
     data: OsmData,
-    /// Elements that are open now. OSM XML is three deep; any depth is survived.
+    /// How many elements are open now. OSM XML is three deep; any depth is tolerated.
     depth: usize,
     seen_root: bool,
     open: Open,
 }
 
-/// The element that tags, nodes and members now belong to.
+/// The element to which tags, nodes and members belong now.
 #[derive(Default)]
 enum Open {
     #[default]
@@ -126,7 +128,9 @@ impl Document {
         match (self.seen_root, self.depth) {
             (false, _) => Err("no <osm> element; this is not OSM XML".into()),
             (true, 0) => Ok(()),
-            (true, _) => Err("the file ends before </osm>; it is cut off, fetch it again".into()),
+            (true, _) => {
+                Err("the file ends before </osm>; it is truncated, download it again".into())
+            }
         }
     }
 
@@ -204,7 +208,7 @@ impl Document {
         Ok(())
     }
 
-    /// An element at the depth of nodes, ways and relations is over.
+    /// Closes an element at the depth of nodes, ways and relations.
     fn end(&mut self) {
         if self.depth != 1 {
             return;
@@ -229,7 +233,7 @@ impl Open {
     }
 }
 
-/// The attributes of a node, way or relation that matter here.
+/// The attributes of a node, way or relation that are used.
 struct Head {
     id: Option<i64>,
     position: Option<LonLat>,
@@ -317,11 +321,14 @@ mod tests {
     fn nodes_ways_relations_and_their_tags_are_read() {
         let data = OsmData::from_xml(
             br#"<?xml version="1.0" encoding="UTF-8"?>
-            <osm version="0.6"><note>hello</note><bounds minlat="1" minlon="2" maxlat="3" maxlon="4"/>
+            <osm version="0.6">
+              <note>hello</note><bounds minlat="1" minlon="2" maxlat="3" maxlon="4"/>
               <node id="1" lat="1.5" lon="2.5"/>
               <node id="-2" lat="-1" lon="2"><tag k="name" v="A &amp; B &#x20AC;&#10;"/></node>
-              <way id="7"><center lat="0" lon="0"/><nd ref="1"/><nd ref="-2"/><tag k="highway" v="path"/></way>
-              <relation id="9"><member type="way" ref="7" role="outer"/><tag k="type" v="multipolygon"/></relation>
+              <way id="7"><center lat="0" lon="0"/><nd ref="1"/><nd ref="-2"/>
+                <tag k="highway" v="path"/></way>
+              <relation id="9"><member type="way" ref="7" role="outer"/>
+                <tag k="type" v="multipolygon"/></relation>
             </osm>"#,
         )
         .unwrap();
@@ -338,14 +345,18 @@ mod tests {
     }
 
     #[test]
-    fn deleted_and_broken_elements_are_left_out_and_counted() {
+    fn deleted_and_broken_elements_are_skipped_and_counted() {
         let data = OsmData::from_xml(
             br#"<osm version="0.6">
-              <node id="1" action="delete" lat="1" lon="2"><tag k="a" v="b"/></node><node id="2" visible="false"/>
-              <node id="x" lat="1" lon="2"/><node id="3" lat="91" lon="2"/><node id="4" lat="NaN" lon="2"/><node id="5"/>
+              <node id="1" action="delete" lat="1" lon="2"><tag k="a" v="b"/></node>
+              <node id="2" visible="false"/>
+              <node id="x" lat="1" lon="2"/><node id="3" lat="91" lon="2"/>
+              <node id="4" lat="NaN" lon="2"/><node id="5"/>
               <node id="6" lat="1" lon="2"/><node id="6" lat="1" lon="3"/>
-              <way id="1"><nd ref="1"/><nd ref="6"/></way><way id="2"/><way id="3"><nd ref="six"/></way>
-              <relation id="1"><member type="way" ref="99" role=""/><member type="area" ref="1"/></relation>
+              <way id="1"><nd ref="1"/><nd ref="6"/></way><way id="2"/>
+              <way id="3"><nd ref="six"/></way>
+              <relation id="1"><member type="way" ref="99" role=""/>
+                <member type="area" ref="1"/></relation>
             </osm>"#,
         )
         .unwrap();
@@ -362,18 +373,18 @@ mod tests {
     }
 
     #[test]
-    fn a_cut_off_file_says_where_it_ends() {
+    fn a_truncated_file_is_an_error_with_its_last_line() {
         let text = "<osm>\n<node id=\"1\" lat=\"1\" lon=\"2\"/>\n<way id=\"1\">";
         assert_eq!(
             problem(text),
-            "line 3: the file ends before </osm>; it is cut off, fetch it again"
+            "line 3: the file ends before </osm>; it is truncated, download it again"
         );
         assert!(problem("<osm>\n<node id=\"1\" la").starts_with("line 2: not well-formed XML"));
         assert!(problem("<osm>\n<node></way></osm>").starts_with("line 2: not well-formed XML"));
     }
 
     #[test]
-    fn what_is_not_osm_xml_is_named() {
+    fn other_formats_are_named() {
         assert!(problem("").contains("empty"));
         assert!(problem("  {\"elements\": []}").contains("[out:xml]"));
         assert!(problem("\u{1}hello").contains("no <osm> element"));
@@ -382,7 +393,7 @@ mod tests {
             OsmData::from_xml(b"\x1f\x8b\x08")
                 .unwrap_err()
                 .to_string()
-                .contains("unpack")
+                .contains("decompress")
         );
         assert!(
             OsmData::from_xml(b"<osm>\n\xff")
@@ -393,8 +404,9 @@ mod tests {
     }
 
     #[test]
-    fn entity_bombs_are_refused() {
-        let bomb = "<!DOCTYPE lolz [<!ENTITY a \"lol\"><!ENTITY b \"&a;&a;&a;\">]>\n<osm><node id=\"1\" lat=\"&b;\" lon=\"1\"/></osm>";
+    fn expanding_entities_are_refused() {
+        let bomb = r#"<!DOCTYPE lolz [<!ENTITY a "lol"><!ENTITY b "&a;&a;&a;">]>
+            <osm><node id="1" lat="&b;" lon="1"/></osm>"#;
         assert_eq!(
             problem(bomb),
             "line 1: a document type is not allowed in OSM XML; remove it"

@@ -1,4 +1,4 @@
-//! No input may bring the readers down: whatever the bytes, an answer or an error in words.
+//! No input may crash the readers: whatever the bytes, the result is a map or an error message.
 
 use openbench_core::{Georeference, LonLat};
 use openbench_osm::{
@@ -8,8 +8,8 @@ use proptest::prelude::*;
 
 const COURT: &[u8] = include_bytes!("fixtures/court.osm");
 
-/// Reads, builds the map, edits and writes: nothing of it may panic.
-fn survive(bytes: &[u8]) {
+/// Reads, builds the map, edits and writes. None of it may panic.
+fn read_without_panic(bytes: &[u8]) {
     if let Ok(data) = OsmData::from_bytes(bytes) {
         let map = OsmMap::new(&data, Georeference::tangent_plane(LonLat::new(0.0, 0.0)));
         map.nearest_building(map.projection.to_map(LonLat::new(0.0, 0.0)));
@@ -18,7 +18,7 @@ fn survive(bytes: &[u8]) {
 }
 
 #[test]
-fn every_cut_of_a_map_is_an_error() {
+fn every_truncation_of_a_map_is_an_error() {
     let end = COURT.windows(6).rposition(|w| w == b"</osm>").unwrap() + 6;
     for length in 0..end {
         let error = OsmData::from_bytes(&COURT[..length])
@@ -32,7 +32,7 @@ fn every_cut_of_a_map_is_an_error() {
 }
 
 #[test]
-fn a_file_that_is_not_there_is_named() {
+fn a_missing_file_is_named() {
     let error = OsmData::read("no/such.osm".as_ref())
         .unwrap_err()
         .to_string();
@@ -48,8 +48,8 @@ fn a_bad_file_is_named_with_its_line() {
     assert!(error.contains("cut.osm.pbf: line 2: "), "{error}");
 }
 
-/// 2,000 relations that all name one way of 20,000 nodes, and 20,000 stretches of a road with a long name: 1 MB of text
-/// must not become gigabytes of map.
+/// 2,000 relations that all reference one way of 20,000 nodes, and 20,000 stretches of a road with
+/// a long name: 1 MB of text must not become gigabytes of map.
 #[test]
 fn a_small_file_does_not_make_a_huge_map() {
     let mut text = String::from("<osm>");
@@ -100,7 +100,8 @@ fn field(tag: u8, bytes: &[u8]) -> Vec<u8> {
     [&[tag], length.as_slice(), bytes].concat()
 }
 
-/// A block with the strings "", "building", "yes", the nodes 1 and 2 (1 with a tag), a way through both and a relation of it.
+/// A block with the strings "", "building" and "yes". Its elements are the nodes 1 (with a tag) and
+/// 2, a way through both, and a relation with the way as member.
 fn pbf_block() -> Vec<u8> {
     let strings = [
         field(0x0A, b""),
@@ -129,7 +130,7 @@ fn pbf_block() -> Vec<u8> {
     .concat()
 }
 
-/// A file of that one block, not compressed.
+/// A file of that one block, uncompressed.
 fn pbf_file(block: &[u8]) -> Vec<u8> {
     let blob = field(0x0A, block);
     let size = [0x18, blob.len() as u8 | 0x80, (blob.len() >> 7) as u8];
@@ -157,7 +158,7 @@ fn a_pbf_block_is_read() {
 }
 
 #[test]
-fn a_member_of_unknown_type_is_an_error_in_words() {
+fn a_member_of_unknown_type_is_an_error() {
     let mut block = pbf_block();
     *block.last_mut().unwrap() = 5;
     let error = OsmData::from_bytes(&pbf_file(&block))
@@ -235,31 +236,35 @@ proptest! {
         prop_assert_eq!(&back.nodes, &data.nodes);
         prop_assert_eq!(&back.ways, &data.ways);
         prop_assert_eq!(&back.relations, &data.relations);
-        survive(&data.to_xml());
+        read_without_panic(&data.to_xml());
     }
 
     #[test]
-    fn random_bytes_are_survived(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
-        survive(&bytes);
+    fn random_bytes_do_not_panic(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
+        read_without_panic(&bytes);
     }
 
-    /// Within a sound frame, so that the damage reaches the decoder.
+    /// The frame stays valid, so that the damage reaches the decoder.
     #[test]
-    fn a_damaged_pbf_block_is_survived(changes in prop::collection::vec((0usize..1000, any::<u8>()), 1..4)) {
+    fn a_damaged_pbf_block_does_not_panic(
+        changes in prop::collection::vec((0usize..1000, any::<u8>()), 1..4),
+    ) {
         let mut block = pbf_block();
         for (place, byte) in changes {
             let place = place % block.len();
             block[place] = byte;
         }
-        survive(&pbf_file(&block));
+        read_without_panic(&pbf_file(&block));
     }
 
     #[test]
-    fn a_map_with_some_bytes_changed_is_survived(changes in prop::collection::vec((0..COURT.len(), any::<u8>()), 1..20)) {
+    fn a_map_with_some_bytes_changed_does_not_panic(
+        changes in prop::collection::vec((0..COURT.len(), any::<u8>()), 1..20),
+    ) {
         let mut bytes = COURT.to_vec();
         for (place, byte) in changes {
             bytes[place] = byte;
         }
-        survive(&bytes);
+        read_without_panic(&bytes);
     }
 }

@@ -1,4 +1,4 @@
-//! Maps of real places. Skipped, with a message, where the data folder is not there.
+//! Maps of real places. Skipped with a message if the data folder is absent.
 #![allow(clippy::print_stderr)]
 
 use std::path::PathBuf;
@@ -27,7 +27,8 @@ fn open(name: &str) -> Option<(OsmData, OsmMap)> {
     let read = start.elapsed();
     let map = OsmMap::new(&data, default_georeference(&data).unwrap());
     eprintln!(
-        "{name}: read in {read:?}, map in {:?}; {} nodes, {} ways, {} relations, {} buildings, {} roads, {} barriers, {} areas, {} entrances, {:?}, {:?}",
+        "{name}: read in {read:?}, map in {:?}; {} nodes, {} ways, {} relations; \
+         {} buildings, {} roads, {} barriers, {} areas, {} entrances, {:?}, {:?}",
         start.elapsed() - read,
         data.nodes.len(),
         data.ways.len(),
@@ -105,7 +106,7 @@ fn a_door_survives_writing_and_reading() {
 fn cities_are_read_whole() {
     for (name, buildings, roads) in [
         ("osm/monaco.osm.pbf", 23_000..24_000, 2_000..5_000),
-        // A map of roads: almost no buildings.
+        // A map of roads with almost no buildings.
         ("osm/porto_portugal.osm.pbf", 5..100, 50_000..60_000),
         ("osm/ajou_campus.osm", 50..500, 100..2_000),
     ] {
@@ -149,7 +150,7 @@ fn a_city_reads_the_same_from_xml_and_pbf() {
 }
 
 #[test]
-fn a_cut_off_city_is_noticed() {
+fn a_truncated_city_is_an_error() {
     let Some(path) = path("osm/porto_portugal.osm.pbf") else {
         return;
     };

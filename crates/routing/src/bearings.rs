@@ -7,7 +7,7 @@ use crate::network::Network;
 const LOOK_M: f64 = 10.0;
 
 /// The direction in which a directed edge leaves its first vertex, degrees clockwise from north.
-pub fn leaving(network: &Network, directed: u32) -> f64 {
+pub(crate) fn leaving(network: &Network, directed: u32) -> f64 {
     let points = network.edge_points(directed / 2);
     if directed.is_multiple_of(2) {
         along(points.iter())
@@ -17,7 +17,7 @@ pub fn leaving(network: &Network, directed: u32) -> f64 {
 }
 
 /// The direction in which a directed edge reaches its last vertex, degrees clockwise from north.
-pub fn reaching(network: &Network, directed: u32) -> f64 {
+pub(crate) fn reaching(network: &Network, directed: u32) -> f64 {
     (leaving(network, directed ^ 1) + 180.0) % 360.0
 }
 

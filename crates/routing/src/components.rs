@@ -1,4 +1,5 @@
-//! What hangs together: parts of the network in which every place can be reached from every other.
+//! Strongly connected components: parts of the network in which every place can be reached from
+//! every other.
 //!
 //! R. Tarjan, *Depth-first search and linear graph algorithms*, 1972.
 
@@ -8,13 +9,13 @@ use crate::roads::Roads;
 use crate::search::Searched;
 use crate::turns::TurnGraph;
 
-/// A part of so many states is large, whatever else there is.
+/// A component of this size is large, however large others are.
 const LARGE_STATES: usize = 1000;
 
 /// The component of each edge.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Components {
-    /// For each edge its component; [`NONE`] if it hangs together with nothing but itself.
+    /// For each edge its component; [`NONE`] if it is connected with nothing but itself.
     of_edge: Vec<u32>,
     /// For each component whether it is large.
     large: Vec<bool>,
@@ -61,7 +62,7 @@ impl Components {
         }
     }
 
-    /// The component that an edge is in.
+    /// The component of an edge.
     pub fn of(&self, edge: u32) -> Option<u32> {
         Some(self.of_edge[edge as usize]).filter(|component| *component != NONE)
     }
@@ -93,7 +94,7 @@ fn of_side(roads: &Roads, costs: &Costs<'_>, of_vertex: &[u32], directed: u32) -
     (onwards || back).then_some(component)
 }
 
-/// For each state its component; those that can be reached from others have lower numbers.
+/// For each state its component. Components that can be reached from others have lower numbers.
 fn strong_components(arcs: &Arcs, weights: &[u32]) -> Vec<u32> {
     let states = arcs.states();
     let mut search = Tarjan {
@@ -117,9 +118,9 @@ fn strong_components(arcs: &Arcs, weights: &[u32]) -> Vec<u32> {
 struct Tarjan<'a> {
     arcs: &'a Arcs,
     weights: &'a [u32],
-    /// In which order states were found.
+    /// The order in which states were found.
     number: Vec<u32>,
-    /// The first state found that can be reached.
+    /// The lowest number of a state that can be reached.
     low: Vec<u32>,
     component: Vec<u32>,
     /// States whose component is not complete yet.
@@ -130,7 +131,7 @@ struct Tarjan<'a> {
 
 impl Tarjan<'_> {
     fn from(&mut self, state: u32) {
-        // States on the way, each with the next arc to look at. (A call for each would overflow the stack.)
+        // The states on the path, each with its next arc. (Recursion would overflow the stack.)
         let mut way = vec![(state, self.find(state))];
         while let Some((state, slot)) = way.last_mut() {
             let state = *state;
@@ -160,7 +161,7 @@ impl Tarjan<'_> {
         }
     }
 
-    /// Numbers a state; its first arc.
+    /// Numbers a state, and returns its first arc.
     fn find(&mut self, state: u32) -> u32 {
         self.number[state as usize] = self.numbers;
         self.low[state as usize] = self.numbers;
@@ -191,8 +192,11 @@ mod tests {
         fn states_are_together_if_each_reaches_the_other(
             edges in proptest::collection::vec((0_u32..12, 0_u32..12, any::<bool>()), 0..40),
         ) {
-            let arcs = Arcs::new(12, edges.iter().zip(0..).map(|((a, b, _), via)| Arc { from: *a, to: *b, via }));
-            let weights: Vec<u32> = arcs.via.iter().map(|via| if edges[*via as usize].2 { 1 } else { FAR }).collect();
+            let arcs = edges.iter().zip(0..);
+            let arcs = arcs.map(|((a, b, _), via)| Arc { from: *a, to: *b, via });
+            let arcs = Arcs::new(12, arcs);
+            let weight = |via: &u32| if edges[*via as usize].2 { 1 } else { FAR };
+            let weights: Vec<u32> = arcs.via.iter().map(weight).collect();
             let mut reaches = [[false; 12]; 12];
             (0..12).for_each(|i| reaches[i][i] = true);
             for _ in 0..12 {

@@ -7,7 +7,7 @@ use openbench_osm::Tags;
 
 use crate::network::{Edge, Network};
 use crate::overlay::FAR;
-use crate::profile::{Going, Passing, Profile};
+use crate::profile::{Passing, Profile, Travel};
 
 /// Units of weights and durations in a second.
 pub const UNITS_PER_SECOND: f64 = 100.0;
@@ -38,13 +38,13 @@ impl EdgeCost {
     /// An edge that is closed in this direction.
     pub(crate) const CLOSED: Self = Self(Flagged::NEVER);
 
-    /// The cost of an edge of that length, which is travelled as `going` says, if at all.
-    pub(crate) fn new(edge: &Edge, going: Option<Going>) -> Self {
-        let Some(Going {
+    /// The cost of an edge of that length, which is travelled as `travel` says, if at all.
+    pub(crate) fn new(edge: &Edge, travel: Option<Travel>) -> Self {
+        let Some(Travel {
             speed,
             cost,
             ends_only,
-        }) = going
+        }) = travel
         else {
             return Self::CLOSED;
         };
@@ -138,6 +138,7 @@ impl Costs<'_> {
     }
 
     /// The weight of a directed edge together with the vertex at its end.
+    #[inline]
     pub(crate) fn arc_weight(&self, network: &Network, directed: u32) -> u32 {
         let passed = self.vertices[network.ends(directed)[1] as usize].weight();
         let edge = self.edge_weight(network, directed, self.edges[directed as usize].weight());
@@ -146,6 +147,7 @@ impl Costs<'_> {
 
     /// The weight of the first part of a directed edge, which itself weighs `part`, together with
     /// entering the edge. [`FAR`] if the edge is closed.
+    #[inline]
     pub(crate) fn edge_weight(&self, network: &Network, directed: u32, part: u32) -> u32 {
         let cost = self.edges[directed as usize];
         if !cost.is_open() {
@@ -162,6 +164,7 @@ impl Costs<'_> {
 }
 
 /// Length of a directed edge, centimetres.
+#[inline]
 pub(crate) fn centimetres(network: &Network, directed: u32) -> u32 {
     network.edges[directed as usize / 2]
         .length
@@ -170,23 +173,25 @@ pub(crate) fn centimetres(network: &Network, directed: u32) -> u32 {
 }
 
 /// The sum of two weights, [`FAR`] at most.
+#[inline]
 pub(crate) fn sum(a: u32, b: u32) -> u32 {
     (a + b).min(FAR)
 }
 
 /// Seconds as a weight, [`FAR`] at most.
+#[inline]
 pub(crate) fn units(seconds: f64) -> u32 {
     (libm::round(seconds * UNITS_PER_SECOND) as u32).min(FAR)
 }
 
 /// The costs of all directed edges.
 pub(crate) fn edge_costs(network: &Network, profile: &Profile) -> Vec<EdgeCost> {
-    let goings: Vec<_> = network
-        .way_words
+    let travels: Vec<_> = network
+        .way_tags
         .iter()
         .map(|tags| profile.way(&tags))
         .collect();
-    let both = |edge: &Edge| goings[edge.class as usize].map(|going| EdgeCost::new(edge, going));
+    let both = |edge: &Edge| travels[edge.class as usize].map(|travel| EdgeCost::new(edge, travel));
     network.edges().iter().flat_map(both).collect()
 }
 
@@ -197,7 +202,7 @@ pub(crate) fn vertex_costs(
     edges: &[EdgeCost],
 ) -> Vec<VertexCost> {
     let classes: Vec<_> = network
-        .node_words
+        .node_tags
         .iter()
         .map(|tags| passing_cost(profile, &tags))
         .collect();

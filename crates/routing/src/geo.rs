@@ -1,14 +1,26 @@
-//! Places on the Earth as whole numbers, and distances between near ones.
+//! Places on the Earth as whole numbers, and distances between nearby ones.
 
 use bytemuck::{Pod, Zeroable};
 use openbench_core::LonLat;
 
-/// Units of a [`Place`] round the Earth.
+/// Units of a [`Place`] around the Earth.
 pub const TURN: i64 = 3_600_000_000;
 /// Units of a [`Place`] in a degree.
 const UNITS: f64 = 1e7;
 
-/// A place, in units of 1e-7 degrees WGS 84 (at most 11 mm), which is what OSM keeps.
+/// A place, in units of 1e-7 degrees WGS 84 (at most 11 mm), the resolution of OSM.
+///
+/// ```
+/// use openbench_core::LonLat;
+/// use openbench_routing::geo::{Place, bearing, distance};
+///
+/// // From the casino of Monaco to the harbour.
+/// let casino = Place::new(LonLat::new(7.4283, 43.7392)).unwrap();
+/// let harbour = Place::new(LonLat::new(7.4246, 43.7350)).unwrap();
+/// assert!((distance(casino, harbour) - 554.0).abs() < 1.0);
+/// // South-west.
+/// assert!((bearing(casino, harbour) - 212.5).abs() < 0.5);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Pod, Zeroable)]
 #[repr(C)]
 pub struct Place {
@@ -29,7 +41,8 @@ impl Place {
         })
     }
 
-    /// Where it lies on a Hilbert curve over an Earth of 2^32 by 2^32 cells: what is near by on the curve is near by.
+    /// Its position along a Hilbert curve over an Earth of 2^32 by 2^32 cells. Places that are
+    /// close on the curve are close on the Earth.
     pub fn hilbert(self) -> u64 {
         let [mut x, mut y] = [self.lon, self.lat].map(|unit| (i64::from(unit) + (1 << 31)) as u32);
         let mut along = 0_u64;
@@ -52,19 +65,21 @@ impl Place {
     }
 }
 
-/// Metres for a degree of longitude and of latitude at a latitude, from the radii of curvature of the WGS 84 ellipsoid.
+/// Metres per unit of longitude and of latitude at a latitude, from the radii of curvature of the
+/// WGS 84 ellipsoid.
 ///
-/// Distances up to some kilometres between places near that latitude are exact to 1e-6 and better.
+/// Distances up to some kilometres between places near that latitude are accurate to 1e-6 or
+/// better.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scale {
-    /// Metres for a unit of longitude.
+    /// Metres per unit of longitude.
     pub lon: f64,
-    /// Metres for a unit of latitude.
+    /// Metres per unit of latitude.
     pub lat: f64,
 }
 
 impl Scale {
-    /// At a latitude, in units of a [`Place`].
+    /// The scale at a latitude, which is given in units of a [`Place`].
     pub fn at(lat: f64) -> Self {
         const EQUATOR: f64 = 6_378_137.0;
         const FLATTENING: f64 = 1.0 / 298.257_223_563;
@@ -80,7 +95,7 @@ impl Scale {
         }
     }
 
-    /// Metres eastwards and northwards from `a` to `b`, the short way round the Earth.
+    /// Metres eastwards and northwards from `a` to `b`, the short way around the Earth.
     pub fn offset(self, a: Place, b: Place) -> [f64; 2] {
         let mut lon = i64::from(b.lon) - i64::from(a.lon);
         if lon.abs() > TURN / 2 {
@@ -100,7 +115,7 @@ pub fn distance(a: Place, b: Place) -> f64 {
     (east * east + north * north).sqrt()
 }
 
-/// The direction from `a` to `b`, degrees clockwise from north, 0 to 360; 0 if they are one place.
+/// The direction from `a` to `b`, degrees clockwise from north, 0 to 360; 0 if they are equal.
 pub fn bearing(a: Place, b: Place) -> f64 {
     let [east, north] = Scale::at(f64::from(a.lat)).offset(a, b);
     let degrees = libm::atan2(east, north).to_degrees();
@@ -111,7 +126,7 @@ pub fn bearing(a: Place, b: Place) -> f64 {
     }
 }
 
-/// How far one turns from a bearing to another, degrees: to the right above 0, at most 180.
+/// The turn from a bearing to another, degrees: positive to the right, at most 180.
 pub fn turn(from: f64, to: f64) -> f64 {
     let turn = (to - from).rem_euclid(360.0);
     if turn > 180.0 { turn - 360.0 } else { turn }
@@ -125,7 +140,8 @@ mod tests {
         Place::new(LonLat::new(lon, lat)).unwrap()
     }
 
-    /// Lengths of a degree from the tables of the ellipsoid: 111.320 km along the equator, 110.574 km and 111.694 km of latitude.
+    /// Lengths of a degree from tables of the ellipsoid: 111.320 km along the equator, 110.574 km
+    /// and 111.694 km of latitude.
     #[test]
     fn degrees_are_as_long_as_the_tables_say() {
         let near = |a: f64, b: f64| assert!((a - b).abs() < 1.0, "{a} {b}");
@@ -145,13 +161,13 @@ mod tests {
     }
 
     #[test]
-    fn the_date_line_is_no_way_round_the_earth() {
+    fn distances_across_the_date_line_are_short() {
         let metres = distance(place(179.999, 10.0), place(-179.999, 10.0));
         assert!((metres - 0.002 * 109_639.0).abs() < 1.0, "{metres}");
     }
 
     #[test]
-    fn places_off_the_earth_are_none() {
+    fn places_off_the_earth_are_refused() {
         for (lon, lat) in [
             (180.1, 0.0),
             (0.0, -90.1),

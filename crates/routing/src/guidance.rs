@@ -164,7 +164,7 @@ impl Guide<'_> {
     /// Whether a directed edge is part of a roundabout, if the profile drives.
     fn is_roundabout(&self, directed: u32) -> bool {
         let class = self.network().edges[directed as usize / 2].class;
-        let has_junction = |kind| self.network().way_words.is(class, "junction", kind);
+        let has_junction = |kind| self.network().way_tags.is(class, "junction", kind);
         self.metric.profile.turns().is_some()
             && (has_junction("roundabout") || has_junction("circular"))
     }

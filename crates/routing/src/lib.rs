@@ -1,50 +1,32 @@
-//! Routes on the OpenStreetMap road network: multi-level Dijkstra, embedded, from any extract.
-//!
-//! After D. Delling, A. Goldberg, T. Pajor, R. Werneck, *Customizable Route Planning in Road Networks*, Transportation Science 2017: what takes long is done
-//! once for a map, what a profile asks for in some hundredths of a second for a city, and a road that closes in less. Contraction hierarchies answer
-//! two to four times faster (`benchmarks/routing`), and are not the aim: they need their preparation again when weights change, or know no turns.
-//!
-//! ```no_run
-//! use openbench_core::LonLat;
-//! use openbench_osm::stream::Source;
-//! use openbench_routing::osrm::{Limits, Request, Service, ServiceMemory};
-//! use openbench_routing::{Metric, Profile, Roads};
-//!
-//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let map = Source::open("city.osm.pbf".as_ref())?;
-//! let roads = Roads::read(&map, &Default::default())?;
-//! let metric = Metric::new(&roads, Profile::open("delivery")?)?;
-//! let service = Service { roads, metric, limits: Limits::default() };
-//! let answer = service.answer("/route/v1/any/7.4197,43.7314;7.4246,43.7387?steps=true", &mut ServiceMemory::default());
-//! println!("{}", String::from_utf8_lossy(&answer.body));
-//! # Ok(())
-//! # }
-//! ```
+#![doc = include_str!("../README.md")]
+//! ## Modules
 //!
 //! | module | its one job |
 //! |---|---|
-//! | [`profile`] | [`Profile`]: who may go where, how fast and how gladly |
-//! | [`network`] | vertices and edges of a map, whoever travels |
-//! | [`partition`] | vertices in cells, and these in larger cells |
+//! | [`profile`] | [`Profile`]: who may go where, how fast and at which cost |
+//! | [`network`] | vertices and edges of a map, independent of profiles |
+//! | [`partition`] | vertices in cells, and cells in larger cells |
 //! | [`roads`] | [`Roads`]: a network in cells |
-//! | [`overlay`] | layers of cells over a graph, and the ways through them |
-//! | [`metric`] | [`Metric`]: what travelling counts as for a profile |
-//! | [`turns`] | the graph of turns, for profiles to whom they matter |
+//! | [`overlay`] | layers of cells over a graph, and the paths through them |
+//! | [`costs`] | costs of edges and vertices for a profile |
 //! | `restrictions` | turns that are not allowed |
-//! | [`search`] | searches over layers: a way, other ways, tables |
-//! | [`tree`], [`position`] | segments near a place, and where it is on the network |
-//! | [`components`] | what hangs together |
-//! | [`leg`] | the way from one place to another |
-//! | [`mod@through`] | the way through several places |
-//! | [`guidance`] | where to turn |
+//! | `bearings` | the directions in which edges leave and reach vertices |
+//! | [`turns`] | the graph of turns, for profiles to which turns matter |
+//! | [`components`] | strongly connected components |
+//! | [`metric`] | [`Metric`]: a profile customized for a network |
+//! | [`search`] | searches over layers: a path, alternatives, tables |
+//! | [`tree`], [`position`] | segments near a place, and the place's position on the network |
+//! | [`leg`] | the route from one place to another |
+//! | [`mod@through`] | the route through several places |
+//! | [`guidance`] | turn-by-turn instructions |
 //! | [`router`] | [`MapRouter`]: routes in the frame of a map |
-//! | [`osrm`] | answers in the words of OSRM's HTTP API, version 1 |
+//! | [`osrm`] | answers in the format of OSRM's HTTP API, version 1 |
 //! | [`store`] | graph files |
 //! | [`geo`] | places and distances |
 //!
-//! [`Router`] is the seam to agents.
+//! Agents use [`Router`].
 
-pub mod bearings;
+mod bearings;
 pub mod components;
 pub mod costs;
 pub mod geo;
@@ -73,7 +55,7 @@ pub use profile::{Profile, ProfileError};
 pub use roads::Roads;
 pub use router::{MapRouter, PrepareError};
 
-/// A way over roads.
+/// A route over roads.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Route {
     /// From the place on the network nearest to the start to the one nearest to the goal.
@@ -88,16 +70,17 @@ pub struct Route {
 
 /// Why there is no route.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum RouteError {
-    /// No road that the profile may use is near.
+    /// No road that the profile may use is nearby.
     #[error("no road for this profile within {limit:.0} m of {near}")]
     NoSegment {
         /// The place that was asked for.
         near: MapPoint,
-        /// How far roads were looked for, metres.
+        /// The radius in which roads were looked for, metres.
         limit: f64,
     },
-    /// The two places do not hang together.
+    /// No route connects the two places.
     #[error("no route from {from} to {to}")]
     NoRoute {
         /// Start.
@@ -113,7 +96,8 @@ pub trait Router {
     fn route(&self, from: MapPoint, to: MapPoint) -> Result<Route, RouteError>;
 }
 
-/// Travel times for planning: over roads where there are some, on foot across open ground for the rest.
+/// Travel times for planning: over roads where there are some, on foot across open ground
+/// elsewhere.
 #[derive(Debug, Clone, Copy)]
 pub struct RouterTimes<'a, R> {
     /// The router.
@@ -141,7 +125,7 @@ impl<R: Router> RouterTimes<'_, R> {
             return direct;
         };
         let access = a.distance(*first) + b.distance(*last);
-        // Near places are reached across open ground.
+        // Places close to each other are reached across open ground.
         direct.max(((access + route.distance) / self.speed).min(1.5 * direct))
     }
 }

@@ -1,6 +1,5 @@
-//! What travelling counts as for one profile: the weights of all edges and turns, and what follows from them for every cell.
-//!
-//! Weights and durations are hundredths of a second. (So the longest way that counts takes 248 days.)
+//! A profile customized for a network: the weights of all edges and turns, and what follows from
+//! them for every cell.
 
 use std::sync::OnceLock;
 
@@ -21,30 +20,63 @@ pub struct PassingCost {
     pub weight: u32,
 }
 
-/// A profile's weights for a network.
+/// A profile customized for a network.
+///
+/// ```
+/// use openbench_core::LonLat;
+/// use openbench_osm::OsmData;
+/// use openbench_routing::geo::Place;
+/// use openbench_routing::leg::{Leg, Memory};
+/// use openbench_routing::position::{Snap, SnapOptions};
+/// use openbench_routing::tree::Nearest;
+/// use openbench_routing::{Metric, Profile, Roads};
+///
+/// // 222 m of a residential street along the equator, one-way to the east.
+/// let map = OsmData::from_xml(
+///     br#"<osm version="0.6"><node id="1" lat="0" lon="0"/><node id="2" lat="0" lon="0.002"/>
+///         <way id="7"><nd ref="1"/><nd ref="2"/><tag k="highway" v="residential"/>
+///         <tag k="oneway" v="yes"/></way></osm>"#,
+/// )?;
+/// let roads = Roads::read(&map, &Default::default())?;
+/// let [west, east] = [0.0005, 0.0015].map(|lon| Place::new(LonLat::new(lon, 0.0)).unwrap());
+/// for (profile, back) in [("car", false), ("foot", true)] {
+///     let metric = Metric::new(&roads, Profile::open(profile)?)?;
+///     let snap = |place| {
+///         Snap::new(&roads, &metric, place, &SnapOptions::default(), &mut Nearest::default())
+///     };
+///     let (from, to) = (snap(east), snap(west));
+///     let memory = &mut Memory::default();
+///     let leg = Leg::find(&roads, &metric, &from.nearest, &to.nearest, memory);
+///     assert_eq!(leg.is_some(), back, "only pedestrians may go back along the street");
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Metric {
-    /// Whose they are.
+    /// The profile.
     pub profile: Profile,
-    /// For each directed edge (twice the edge's number, and one more against its direction) what it counts as.
+    /// The cost of each directed edge: twice the edge's number, plus one against its direction.
     pub edges: Vec<EdgeCost>,
-    /// For each vertex what passing it counts as.
+    /// The cost of passing each vertex.
     pub vertices: Vec<VertexCost>,
-    /// What entering a place counts as that is not for passing through.
+    /// The weight of entering an edge that is closed to through traffic.
     pub entry: u32,
-    /// What hangs together.
+    /// Strongly connected components.
     pub components: Components,
     /// Layers over directed edges, if turns matter.
     pub turns: Option<TurnGraph>,
     weights: Weights,
     cliques: Vec<Cliques>,
     weight_is_duration: bool,
-    /// Worked out when a table is first asked for.
+    /// Computed when a table is requested for the first time.
     values: OnceLock<Values>,
 }
 
 impl Metric {
     /// Applies a profile to a network and customizes all cells.
+    ///
+    /// # Errors
+    /// If turns matter to the profile and the junctions of the map have too many roads.
     pub fn new(roads: &Roads, profile: Profile) -> Result<Self, TooManyTurns> {
         let network = &roads.network;
         let edges = edge_costs(network, &profile);
@@ -112,7 +144,7 @@ impl Metric {
         overlay_of(&self.turns, roads)
     }
 
-    /// What searches need.
+    /// The graph that is searched.
     pub fn searched<'a>(&'a self, roads: &'a Roads) -> Searched<'a> {
         Searched {
             overlay: self.overlay(roads),
@@ -121,17 +153,17 @@ impl Metric {
         }
     }
 
-    /// Whether an edge can be travelled in some direction.
+    /// Whether an edge can be travelled in one direction at least.
     pub fn is_open(&self, edge: u32) -> bool {
         self.costs().is_open(edge)
     }
 
-    /// Whether everything counts as long as it takes.
+    /// Whether all weights are durations.
     pub fn weight_is_duration(&self) -> bool {
         self.weight_is_duration
     }
 
-    /// What arcs and ways through cells take, hundredths of a second and centimetres.
+    /// What arcs and paths through cells take.
     pub fn values(&self, roads: &Roads) -> &Values {
         self.values.get_or_init(|| {
             let graph = self.searched(roads);
@@ -159,7 +191,8 @@ impl Metric {
         }
     }
 
-    /// What passing from one directed edge to the next takes: the vertex between them, and the turn.
+    /// What passing from one directed edge to the next takes: the vertex between them, and the
+    /// turn.
     pub fn passing(&self, roads: &Roads, from: u32, to: u32) -> PassingCost {
         let costs = self.costs();
         let turn = match &self.turns {
@@ -180,7 +213,8 @@ impl Metric {
         }
     }
 
-    /// What going from one directed edge into the next counts as because the next is not for passing through.
+    /// The weight of going from one directed edge into the next if the next is closed to through
+    /// traffic.
     pub fn entry_weight(&self, roads: &Roads, from: u32, to: u32) -> u32 {
         let into = self.edges[to as usize].ends_only();
         let from_public = match &self.turns {
@@ -190,7 +224,7 @@ impl Metric {
         if into && from_public { self.entry } else { 0 }
     }
 
-    /// What an arc counts as that leaves a state.
+    /// The weight of an arc that leaves a state.
     fn weight_of_arc_out(&self, roads: &Roads, from: u32, slot: usize) -> u32 {
         match &self.turns {
             Some(turns) => turns.weight(roads, &self.costs(), from, turns.overlay.out.head[slot]),
@@ -200,7 +234,7 @@ impl Metric {
         }
     }
 
-    /// What an arc counts as that leads to a state.
+    /// The weight of an arc that leads to a state.
     fn weight_of_arc_into(&self, roads: &Roads, to: u32, slot: usize) -> u32 {
         match &self.turns {
             Some(turns) => turns.weight(
@@ -221,10 +255,10 @@ impl Metric {
         let network = &roads.network;
         for &number in edges {
             let edge = &network.edges[number as usize];
-            let goings = self.profile.way(&network.way_words.get(edge.class));
-            for (side, going) in goings.into_iter().enumerate() {
-                let going = going.filter(|_| !closed);
-                self.edges[2 * number as usize + side] = EdgeCost::new(edge, going);
+            let travels = self.profile.way(&network.way_tags.get(edge.class));
+            for (side, travel) in travels.into_iter().enumerate() {
+                let travel = travel.filter(|_| !closed);
+                self.edges[2 * number as usize + side] = EdgeCost::new(edge, travel);
             }
         }
         let mut vertices: Vec<u32> = edges
@@ -249,7 +283,7 @@ impl Metric {
         self.values = OnceLock::new();
     }
 
-    /// Works out the weights of a state's arcs again.
+    /// Computes the weights of a state's arcs again.
     fn update_weights_at(&mut self, roads: &Roads, state: u32) {
         for slot in self.overlay(roads).out.of(state) {
             self.weights.out[slot] = self.weight_of_arc_out(roads, state, slot);

@@ -157,7 +157,7 @@ impl Snap {
 
     /// Whether all of a route's places can stay where they are nearest although none of these is
     /// in a large component: all are in the same small one.
-    pub fn small_will_do(snaps: &[Self], metric: &Metric) -> bool {
+    pub fn small_suffices(snaps: &[Self], metric: &Metric) -> bool {
         let component = |snap: &Self| {
             let first = snap.nearest.first().filter(|_| !snap.large.is_empty())?;
             metric.components.of(first.edge)

@@ -4,8 +4,8 @@
 //! the other, or to no other. Some have ways in between. Whether one may turn off the last of these
 //! depends on the roads before it. A state of a search is then not just an edge, but an edge
 //! *together with* the edges before it: a *prefix* of a restriction, two edges or more. A traveller
-//! is always in the longest prefix that ends with the edges travelled last, as in A. Aho,
-//! M. Corasick, *Efficient string matching*, 1975.
+//! is always in the longest prefix that ends with the edges travelled last, as in A. Aho, M.
+//! Corasick, *Efficient string matching*, 1975.
 
 use std::cmp::Reverse;
 use std::collections::hash_map::Entry;
@@ -35,7 +35,7 @@ pub(crate) struct Restrictions {
     pub(crate) odd: usize,
 }
 
-/// What holds for a traveller who has come along certain edges.
+/// The consequence of having travelled certain edges.
 #[derive(Debug, Clone)]
 struct Rule {
     /// The directed edges that were travelled last.
@@ -69,7 +69,7 @@ impl Restrictions {
             let count = (restriction.ways as usize).min(via_ways.len());
             let (ways, rest) = via_ways.split_at(count);
             via_ways = rest;
-            let tags = network.restriction_words.get(restriction.words);
+            let tags = network.restriction_tags.get(restriction.tags);
             let Some(kind) = profile.restricts(&tags) else {
                 continue;
             };
@@ -131,8 +131,8 @@ impl Restrictions {
         matching.any(|rule| rule.forbids(to))
     }
 
-    /// The number of the prefix in which a traveller is who has come along some directed edges and
-    /// continues along another; [`NONE`] if in none of two edges or more.
+    /// The number of a traveller's prefix after some directed edges and then another; [`NONE`] if
+    /// no prefix of two edges or more matches.
     pub(crate) fn next(&self, travelled: &[u32], to: u32) -> u32 {
         let fits = |number: &&u32| {
             let prefix = self.prefix(**number);

@@ -1,4 +1,4 @@
-//! A network in cells: all that is known of a map before anybody says who travels.
+//! A network in cells: everything about a map that is independent of profiles.
 
 use openbench_osm::OsmError;
 use openbench_osm::visitor::Elements;
@@ -8,21 +8,25 @@ use crate::overlay::{Arc, Arcs, NONE, Overlay};
 use crate::partition::{CellSizes, Partition};
 use crate::tree::SegmentTree;
 
-/// A network whose vertices stand in the order of their cells, with the layers of these and an index of its segments.
+/// A network whose vertices are in the order of their cells, with the layers of these and an index
+/// of its segments.
 #[derive(Debug, Clone, Default)]
 pub struct Roads {
     /// Vertices and edges.
     pub network: Network,
-    /// Where the cells of each level begin, smallest cells first.
+    /// For each level, smallest cells first: the begin of each cell, and the end of the last one.
     pub levels: Vec<Vec<u32>>,
-    /// Layers over vertices, for those to whom turns do not matter.
+    /// Layers over vertices, for profiles to which turns do not matter.
     pub vertices: Overlay,
-    /// For finding segments near a place.
+    /// Finds segments near a place.
     pub segments: SegmentTree,
 }
 
 impl Roads {
     /// Reads a map and prepares it.
+    ///
+    /// # Errors
+    /// If the map is malformed.
     pub fn read(source: &impl Elements, sizes: &CellSizes) -> Result<Self, OsmError> {
         Network::read(source).map(|network| Self::new(network, sizes))
     }
@@ -40,7 +44,7 @@ impl Roads {
         Self::assemble(network, partition.levels, segments)
     }
 
-    /// What follows from a network in the order of its cells.
+    /// Derives the layers from a network in the order of its cells.
     pub(crate) fn assemble(network: Network, levels: Vec<Vec<u32>>, segments: SegmentTree) -> Self {
         let vertices = Overlay::new(vertex_arcs(&network), &levels);
         Self {
@@ -95,12 +99,12 @@ fn in_order(network: Network, order: &[u32]) -> Network {
         rows.ways.push(network.ways[edge as usize]);
     }
     Network {
-        way_words: network.way_words,
-        node_words: network.node_words,
+        way_tags: network.way_tags,
+        node_tags: network.node_tags,
         names: network.names,
         restrictions: network.restrictions,
         via_ways: network.via_ways,
-        restriction_words: network.restriction_words,
+        restriction_tags: network.restriction_tags,
         report: network.report,
         ..rows.into_network()
     }

@@ -166,7 +166,7 @@ impl Router for MapRouter {
         let mut memory = self.memory.lock().unwrap_or_else(PoisonError::into_inner);
         let RouterMemory { nearest, legs } = &mut *memory;
         let ends = [self.snap(from, nearest)?, self.snap(to, nearest)?];
-        let small = Snap::small_will_do(&ends, &self.metric);
+        let small = Snap::small_suffices(&ends, &self.metric);
         let [a, b] = ends.each_ref().map(|end| end.positions(small));
         let leg = Leg::find(&self.roads, &self.metric, a, b, legs);
         leg.map(|leg| self.route_of(&leg))

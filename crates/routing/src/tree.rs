@@ -293,7 +293,7 @@ fn project([a, b]: [Place; 2], place: Place, scale: Scale) -> Projected {
 }
 
 /// The place at a share of a segment, which goes the short way around the Earth.
-pub fn between(a: Place, b: Place, share: f64) -> Place {
+fn between(a: Place, b: Place, share: f64) -> Place {
     let step = |step: i64| libm::round(step as f64 * share) as i64;
     let mut east = i64::from(b.lon) - i64::from(a.lon);
     if east.abs() > TURN / 2 {

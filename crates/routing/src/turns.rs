@@ -20,8 +20,8 @@ const MOST_ROADS: usize = 512;
 /// A map with junctions of so many roads that their turns cannot be enumerated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "this map has {turns} turns from road to road, more than can be looked at; {roads} roads meet \
-     at node {node}: is it a map of roads? (a profile without `[turns]` can do with it)"
+    "this map has {turns} turns from road to road, more than can be enumerated; {roads} roads meet \
+     at node {node}: is it a map of roads? (a profile without `[turns]` can use it)"
 )]
 pub struct TooManyTurns {
     /// How many.
@@ -231,8 +231,8 @@ impl<'a> States<'a> {
 
     /// For each edge whether it is a road. No vehicle crosses squares.
     fn roads(&self) -> Vec<bool> {
-        let words = &self.network.way_words;
-        let is_crossing: Vec<bool> = words.iter().map(|tags| tags.has(CROSSING)).collect();
+        let sets = &self.network.way_tags;
+        let is_crossing: Vec<bool> = sets.iter().map(|tags| tags.has(CROSSING)).collect();
         let edges = self.network.edges().iter();
         edges
             .map(|edge| !is_crossing[edge.class as usize])
@@ -260,7 +260,7 @@ impl<'a> States<'a> {
 }
 
 impl Turns {
-    /// Seconds that a turn by so many degrees takes, to the right above 0.
+    /// Seconds that a turn by an angle in degrees takes, positive to the right.
     pub fn seconds(&self, degrees: f64) -> f64 {
         let to_near_side = (degrees >= 0.0) == self.right_hand;
         let bias = if to_near_side {
@@ -277,9 +277,10 @@ impl Turns {
 mod tests {
     use super::*;
 
-    /// Seconds of OSRM's car profile: going straight is next to free, turning left is dearer than turning right.
+    /// Seconds of OSRM's car profile: straight on is nearly free, left turns cost more than right
+    /// turns.
     #[test]
-    fn turns_across_the_road_are_dearer() {
+    fn turns_across_the_road_cost_more() {
         let car = Profile::named("car").unwrap();
         let seconds = |degrees| car.turns().unwrap().seconds(degrees);
         assert!(seconds(0.0) < 0.02 && seconds(180.0) > 7.3);

@@ -1,4 +1,4 @@
-//! Other ways: as light, as different and as sensible as they are said to be.
+//! Alternatives are as light, as different and as sensible as promised.
 
 use openbench_core::LonLat;
 use openbench_osm::OsmData;
@@ -8,21 +8,29 @@ use openbench_routing::partition::CellSizes;
 use openbench_routing::position::{Position, Snap, SnapOptions};
 use openbench_routing::{Metric, Profile, Roads};
 
-/// From west to east along the equator: a straight road of 400 m, and beside it in the middle ways round to the north and to the south, by so
-/// many thousandths of a degree. A side street comes back to where it began.
+/// A straight road of 400 m from west to east along the equator. Two detours in its middle lead to
+/// the north and to the south, by so many thousandths of a degree. A side street comes back to
+/// where it began.
 fn roads(north: f64, south: f64) -> Roads {
     let xml = format!(
-        r#"<osm version="0.6"><node id="1" lat="0" lon="0"/><node id="2" lat="0" lon="0.0005"/><node id="3" lat="0" lon="0.0035"/>
-        <node id="4" lat="0" lon="0.004"/><node id="5" lat="{n}" lon="0.0005"/><node id="6" lat="{n}" lon="0.0035"/>
-        <node id="7" lat="{s}" lon="0.0005"/><node id="8" lat="{s}" lon="0.0035"/><node id="9" lat="0.0002" lon="0.0020"/>
+        r#"<osm version="0.6"><node id="1" lat="0" lon="0"/><node id="2" lat="0" lon="0.0005"/>
+      <node id="3" lat="0" lon="0.0035"/>
+        <node id="4" lat="0" lon="0.004"/><node id="5" lat="{n}" lon="0.0005"/>
+        <node id="6" lat="{n}" lon="0.0035"/>
+        <node id="7" lat="{s}" lon="0.0005"/><node id="8" lat="{s}" lon="0.0035"/>
+        <node id="9" lat="0.0002" lon="0.0020"/>
         <node id="12" lat="{n}" lon="0.0001"/><node id="13" lat="{s}" lon="0.0001"/>
         <node id="10" lat="0" lon="0.0018"/><node id="11" lat="0" lon="0.0022"/>
-        <way id="1"><nd ref="1"/><nd ref="2"/><nd ref="10"/><nd ref="11"/><nd ref="3"/><nd ref="4"/><tag k="highway" v="footway"/></way>
-        <way id="2"><nd ref="2"/><nd ref="5"/><nd ref="6"/><nd ref="3"/><tag k="highway" v="footway"/></way>
-        <way id="3"><nd ref="2"/><nd ref="7"/><nd ref="8"/><nd ref="3"/><tag k="highway" v="footway"/></way>
+        <way id="1"><nd ref="1"/><nd ref="2"/><nd ref="10"/><nd ref="11"/><nd ref="3"/>
+        <nd ref="4"/><tag k="highway" v="footway"/></way>
+        <way id="2"><nd ref="2"/><nd ref="5"/><nd ref="6"/><nd ref="3"/>
+        <tag k="highway" v="footway"/></way>
+        <way id="3"><nd ref="2"/><nd ref="7"/><nd ref="8"/><nd ref="3"/>
+        <tag k="highway" v="footway"/></way>
         <way id="5"><nd ref="5"/><nd ref="12"/><tag k="highway" v="footway"/></way>
         <way id="6"><nd ref="7"/><nd ref="13"/><tag k="highway" v="footway"/></way>
-        <way id="4"><nd ref="10"/><nd ref="9"/><nd ref="11"/><tag k="highway" v="footway"/></way></osm>"#,
+        <way id="4"><nd ref="10"/><nd ref="9"/><nd ref="11"/><tag k="highway" v="footway"/></way>
+        </osm>"#,
         n = north / 1e3,
         s = -south / 1e3
     );
@@ -33,7 +41,7 @@ fn roads(north: f64, south: f64) -> Roads {
     .unwrap()
 }
 
-/// Metres of all ways that are offered.
+/// The lengths of all routes that are offered, metres.
 fn ways(north: f64, south: f64, others: usize) -> Vec<f64> {
     let roads = roads(north, south);
     let metric = Metric::new(&roads, Profile::named("foot").unwrap()).unwrap();
@@ -62,7 +70,7 @@ fn ways(north: f64, south: f64, others: usize) -> Vec<f64> {
 }
 
 #[test]
-fn ways_round_are_offered_in_order_if_they_are_short_enough() {
+fn detours_are_offered_in_order_if_they_are_short_enough() {
     let straight = 423.0;
     assert_eq!(ways(0.2, 0.3, 3), [straight, 467.0, 489.0]);
     assert_eq!(ways(0.2, 0.3, 1), [straight, 467.0]);
@@ -73,14 +81,15 @@ fn ways_round_are_offered_in_order_if_they_are_short_enough() {
 }
 
 #[test]
-fn a_detour_by_a_side_street_is_no_other_way() {
-    // It is short, but shares nearly all of the straight one.
+fn a_detour_along_a_side_street_is_no_alternative() {
+    // It is short, but shares nearly all of the straight route.
     assert_eq!(ways(0.9, 0.9, 3).len(), 1);
 }
 
-/// Where cells hide what is inside them, other ways are found on real maps all the same, and keep to the rules.
+/// Alternatives are found on real maps too, where cells hide what is inside them, and obey the
+/// rules.
 #[test]
-fn other_ways_through_a_city_keep_to_the_rules() {
+fn alternatives_through_a_city_obey_the_rules() {
     let map = concat!(
         env!("CARGO_MANIFEST_DIR"),
         "/../../../shared/data/osm/porto_portugal.osm.pbf"

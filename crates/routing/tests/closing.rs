@@ -1,4 +1,5 @@
-//! A road that is closed while routes are asked for: only what it changes is worked out again, and everything is as if it had been.
+//! Closing a road while routes are requested: only what it changes is computed again, and the
+//! result is as if everything had been.
 
 use openbench_osm::OsmData;
 use openbench_routing::partition::CellSizes;
@@ -39,7 +40,7 @@ fn grid(width: i32, height: i32) -> Roads {
     Roads::read(&data, &CellSizes::new(&[6, 20]).unwrap()).unwrap()
 }
 
-/// Everything that searches look at.
+/// Everything that searches read.
 fn state(metric: &Metric, roads: &Roads) -> impl PartialEq + std::fmt::Debug {
     let graph = metric.searched(roads);
     (
@@ -54,7 +55,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(40))]
 
     #[test]
-    fn closing_and_opening_is_as_good_as_starting_anew(
+    fn closing_and_opening_equals_a_new_customization(
         first in proptest::collection::vec(0_u32..110, 1..6),
         second in proptest::collection::vec(0_u32..110, 1..6),
         profile in 0_usize..3,

@@ -1,4 +1,4 @@
-//! On every extract at hand and for every profile, searches over layers give what plain Dijkstra gives.
+//! On every extract at hand and for every profile, searches over layers agree with plain Dijkstra.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -21,7 +21,7 @@ fn extracts() -> Vec<PathBuf> {
     files
 }
 
-/// How far every state is.
+/// The distance of every state.
 fn dijkstra(graph: Searched<'_>, source: u32) -> Vec<u32> {
     let (out, weights) = (&graph.overlay.out, &graph.weights.out);
     let mut distance = vec![FAR; out.states()];

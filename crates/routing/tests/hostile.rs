@@ -1,4 +1,4 @@
-//! Maps that are made to be slow or large: refused, or less is made of them.
+//! Maps that are made to be slow or large are refused, or less is made of them.
 
 use openbench_osm::OsmData;
 use openbench_routing::partition::CellSizes;
@@ -44,9 +44,9 @@ fn junctions_of_thousands_of_roads_are_refused_where_turns_matter() {
     );
 }
 
-/// Roads from each place to places anywhere: whatever is put into a cell, most of it is on its border.
+/// Roads from each place to arbitrary places: most of each cell is on its border.
 #[test]
-fn layers_that_would_know_too_much_are_left_out() {
+fn layers_that_need_too_much_memory_are_left_out() {
     let places = 12_000;
     let mut xml: String = (1..=places)
         .map(|i| node(i, i * 7919 % 9973, i * 104_729 % 9967))
@@ -62,9 +62,9 @@ fn layers_that_would_know_too_much_are_left_out() {
     assert_eq!(metric.searched(&roads).cliques.len(), 1);
 }
 
-/// A hundred thousand restrictions on one way, half of them by ways.
+/// A hundred thousand restrictions on one way, half of them with ways in between.
 #[test]
-fn restrictions_without_number_are_looked_up_not_searched_for() {
+fn many_restrictions_are_looked_up_quickly() {
     let places = 3000;
     let mut xml: String = (1..=places).map(|i| node(i, i % 60, i / 60)).collect();
     // One way through all places, and a second one back, so that each is a junction.
@@ -86,12 +86,13 @@ fn restrictions_without_number_are_looked_up_not_searched_for() {
         );
     }
     xml += &format!(
-        "<relation id=\"100000\"><member type=\"way\" ref=\"1\" role=\"from\"/><member type=\"way\" ref=\"2\" role=\"via\"/>\
+        "<relation id=\"100000\"><member type=\"way\" ref=\"1\" role=\"from\"/>\
+         <member type=\"way\" ref=\"2\" role=\"via\"/>\
          <member type=\"way\" ref=\"1\" role=\"to\"/>{kind}</relation>"
     );
     let roads = roads(&xml, &CellSizes::default());
     assert_eq!(roads.network.restrictions.len(), 100_001);
     let metric = Metric::new(&roads, Profile::named("car").unwrap()).unwrap();
-    // Way 3 is not there, and way 2 is too many edges to be in between.
+    // Way 3 does not exist, and way 2 has too many edges to be in between.
     assert_eq!(metric.turns.unwrap().odd_restrictions, 50_001);
 }

@@ -1,23 +1,26 @@
-//! Turns that are not allowed, also those that depend on where one came from, against a search that remembers its whole way.
+//! Turn restrictions, also those that depend on the roads before, compared with a search that
+//! remembers its whole path.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 
+use openbench_core::LonLat;
 use openbench_osm::OsmData;
 use openbench_routing::geo::Place;
 use openbench_routing::leg::{Leg, Memory};
 use openbench_routing::partition::CellSizes;
-use openbench_routing::position::{Snap, SnapOptions};
+use openbench_routing::position::{Position, Snap, SnapOptions};
 use openbench_routing::tree::Nearest;
 use openbench_routing::{Metric, Profile, Roads};
 use proptest::prelude::*;
 
 const WIDTH: i64 = 4;
 
-/// What a restriction says: ways one after another, and whether one must go so or must not.
+/// A restriction: ways one after another, and whether this sequence is mandatory or forbidden.
 type Said = (Vec<i64>, bool);
 
-/// The streets of a grid, each a way of its own from the node of that number, east if even and north if odd.
+/// The streets of a grid. Each is a way from the node of its number, to the east if even and to the
+/// north if odd.
 fn streets() -> BTreeMap<i64, [i64; 2]> {
     let nodes = (0..WIDTH * WIDTH).flat_map(|node| {
         let east = (node % WIDTH + 1 < WIDTH).then_some((2 * node + 1, [node, node + 1]));
@@ -28,7 +31,7 @@ fn streets() -> BTreeMap<i64, [i64; 2]> {
 }
 
 fn place(node: i64) -> (f64, f64) {
-    // Not quite regular, so that no two ways are equally long.
+    // Slightly irregular, so that no two routes are equally long.
     let (x, y) = (node % WIDTH, node / WIDTH);
     (
         (x * 1000 + node * 13 % 7 * 20) as f64 / 1e6,
@@ -67,14 +70,15 @@ fn roads(restrictions: &[Said]) -> Roads {
             "no_straight_on"
         };
         xml += &format!(
-            "<relation id=\"{id}\">{members}<tag k=\"type\" v=\"restriction\"/><tag k=\"restriction\" v=\"{kind}\"/></relation>"
+            "<relation id=\"{id}\">{members}<tag k=\"type\" v=\"restriction\"/>\
+             <tag k=\"restriction\" v=\"{kind}\"/></relation>"
         );
     }
     let data = OsmData::from_xml((xml + "</osm>").as_bytes()).unwrap();
     Roads::read(&data, &CellSizes::new(&[4, 8]).unwrap()).unwrap()
 }
 
-/// Cars to which turns are free.
+/// A car to which turns are free.
 fn car() -> Profile {
     let text = Profile::text("car")
         .unwrap()
@@ -83,7 +87,7 @@ fn car() -> Profile {
     Profile::from_toml("car", &text).unwrap()
 }
 
-/// Ways along the grid that meet no node twice.
+/// Paths along the grid that meet no node twice.
 fn walk(begin: i64, turns: &[usize]) -> Vec<i64> {
     let streets = streets();
     let (mut at, mut met, mut ways) = (begin, vec![begin], Vec::new());
@@ -103,10 +107,11 @@ fn walk(begin: i64, turns: &[usize]) -> Vec<i64> {
     ways
 }
 
-/// The lightest way from the middle of a way to the middle of another, remembering what was travelled last: by weights of directed ways.
+/// The weight of the lightest route from the middle of a way to the middle of another, by a search
+/// that remembers the last ways. `weight` is the weight of a way.
 fn oracle(restrictions: &[Said], from: i64, to: i64, weight: &impl Fn(i64) -> u32) -> Option<u32> {
     let streets = streets();
-    // Directed ways: the way, and whether against its direction.
+    // A directed way: its number, and whether it is travelled against its direction.
     type Directed = (i64, bool);
     let end = |(way, back): Directed| streets[&way][usize::from(!back)];
     let begin = |(way, back): Directed| streets[&way][usize::from(back)];
@@ -120,7 +125,8 @@ fn oracle(restrictions: &[Said], from: i64, to: i64, weight: &impl Fn(i64) -> u3
             tail.is_some_and(|tail| tail.iter().map(|d| d.0).eq(ways.iter().copied()))
         };
         let behind = |said: &&Said| {
-            // The ways of a restriction meet no node twice, so their numbers say in which direction they are travelled, but for the last one.
+            // The ways of a restriction meet no node twice, so their numbers determine the
+            // directions in which they are travelled, except for the last one.
             let [row @ .., to] = said.0.as_slice() else {
                 return false;
             };
@@ -131,7 +137,8 @@ fn oracle(restrictions: &[Said], from: i64, to: i64, weight: &impl Fn(i64) -> u3
         let no = here
             .iter()
             .any(|said| !said.1 && said.0.last() == Some(&next.0));
-        // Of all that say "only" behind the same row one must be kept; of different rows all.
+        // Of all mandatory turns after the same ways one must be taken; of those after different
+        // ways all.
         let row = |said: &Said| said.0[..said.0.len() - 1].to_vec();
         let kept = |said: &Said| {
             here.iter()
@@ -176,53 +183,77 @@ fn oracle(restrictions: &[Said], from: i64, to: i64, weight: &impl Fn(i64) -> u3
     best
 }
 
-/// What half of a way counts as, in the direction in which it is travelled.
+/// The weight of half a way, in the direction in which it is travelled.
 fn half(whole: u32, back: bool) -> u32 {
     let forward = (f64::from(whole) * 0.5).round() as u32;
     if back { whole - forward } else { forward }
+}
+
+/// The directed edges of a way, exactly in the middle of which a route begins or ends.
+fn middle_of(roads: &Roads, metric: &Metric, way: i64) -> Vec<Position> {
+    let [a, b] = streets()[&way].map(place);
+    let middle = Place::new(LonLat::new((a.0 + b.0) / 2.0, (a.1 + b.1) / 2.0)).unwrap();
+    let options = SnapOptions::default();
+    let mut positions = Snap::new(roads, metric, middle, &options, &mut Nearest::default()).nearest;
+    positions.retain(|position| position.edge == edge_of(roads, way));
+    // Without the rounding errors of snapping.
+    positions
+        .iter_mut()
+        .for_each(|position| position.share = 0.5);
+    positions
+}
+
+/// The edge of a way.
+fn edge_of(roads: &Roads, way: i64) -> u32 {
+    roads
+        .network
+        .ways
+        .iter()
+        .position(|other| *other == way)
+        .unwrap() as u32
+}
+
+fn walks() -> impl Strategy<Value = Vec<Said>> {
+    let turns = proptest::collection::vec(0_usize..12, 2..6);
+    let said = (0..WIDTH * WIDTH, turns, any::<bool>())
+        .prop_map(|(begin, turns, only)| (walk(begin, &turns), only));
+    proptest::collection::vec(said, 1..14)
 }
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
     #[test]
-    fn ways_keep_to_all_restrictions(
-        walks in proptest::collection::vec((0..WIDTH * WIDTH, proptest::collection::vec(0_usize..12, 2..6), any::<bool>()), 1..14),
+    fn routes_obey_all_restrictions(
+        walks in walks(),
         trips in proptest::collection::vec((0_usize..24, 0_usize..24), 6),
     ) {
-        let said: Vec<Said> = walks.iter().map(|(begin, turns, only)| (walk(*begin, turns), *only)).filter(|s| s.0.len() > 1).collect();
+        let said: Vec<Said> = walks.into_iter().filter(|said| said.0.len() > 1).collect();
         let roads = roads(&said);
         let metric = Metric::new(&roads, car()).unwrap();
-        let edge = |way: i64| roads.network.ways.iter().position(|w| *w == way).unwrap() as u32;
-        let weight = |way: i64| metric.edges[2 * edge(way) as usize].weight();
+        let weight = |way: i64| metric.edges[2 * edge_of(&roads, way) as usize].weight();
         let ways: Vec<i64> = streets().into_keys().collect();
         let mut memory = Memory::default();
-        for (from, to) in trips.into_iter().map(|(a, b)| (ways[a], ways[b])).filter(|(a, b)| a != b) {
-            let snap = |way: i64| {
-                let [a, b] = streets()[&way].map(place);
-                let middle = openbench_core::LonLat::new((a.0 + b.0) / 2.0, (a.1 + b.1) / 2.0);
-                let mut snap = Snap::new(&roads, &metric, Place::new(middle).unwrap(), &SnapOptions::default(), &mut Nearest::default());
-                let mut positions = std::mem::take(&mut snap.nearest);
-                positions.retain(|position| position.edge == edge(way));
-                // Exactly in the middle, whatever was lost in rounding.
-                positions.iter_mut().for_each(|position| position.share = 0.5);
-                positions
-            };
-            let (a, b) = (snap(from), snap(to));
-            let leg = Leg::find(&roads, &metric, &a, &b, &mut memory);
-            prop_assert_eq!(leg.as_ref().map(|leg| leg.weight), oracle(&said, from, to, &weight), "{} to {}, {:?}", from, to, said);
+        for (a, b) in trips.into_iter().filter(|(a, b)| a != b) {
+            let (from, to) = (ways[a], ways[b]);
+            let ends = [from, to].map(|way| middle_of(&roads, &metric, way));
+            let leg = Leg::find(&roads, &metric, &ends[0], &ends[1], &mut memory);
+            let found = leg.as_ref().map(|leg| leg.weight);
+            prop_assert_eq!(found, oracle(&said, from, to, &weight), "{} to {}, {:?}", from, to, said);
             if let Some(leg) = leg {
-                let sum: u32 = (0..leg.edges.len()).map(|i| leg.measures(&roads, &metric, i).weight).sum();
+                let edges = 0..leg.edges.len();
+                let sum: u32 = edges.map(|i| leg.measures(&roads, &metric, i).weight).sum();
                 prop_assert_eq!(sum, leg.weight);
             }
         }
     }
 }
 
-/// No way from one carriageway by the link to the other: whoever comes along the link from elsewhere may turn there.
+/// The turn from one carriageway along the link to the other is forbidden. Whoever reaches the link
+/// from elsewhere may turn there.
 #[test]
-fn a_turn_may_depend_on_where_one_came_from() {
-    // East along the south side, north along a link, west along the row above.
+fn a_turn_may_depend_on_the_roads_before() {
+    // East along the south side, north along a link, west along the next row.
     let round = vec![1, 4, 9];
     assert!(round.iter().all(|way| streets().contains_key(way)));
     let free = roads(&[]);

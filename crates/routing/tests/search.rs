@@ -1,4 +1,4 @@
-//! Searches over layers give the weights that plain Dijkstra gives, and the paths that they claim.
+//! Searches over layers give the weights of plain Dijkstra, and the paths that they claim.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -11,11 +11,11 @@ use openbench_routing::search::{
 };
 use proptest::prelude::*;
 
-/// Arcs with weights, between states that lie somewhere.
+/// Arcs with weights, between states that have places.
 #[derive(Debug, Clone)]
 struct Graph {
     places: Vec<Place>,
-    /// From, to, weight; the index is what the arc passes along.
+    /// From, to, weight. The index of an arc is the edge that it passes along.
     arcs: Vec<(u32, u32, u32)>,
 }
 
@@ -33,7 +33,7 @@ fn graph() -> impl Strategy<Value = Graph> {
                 .map(|(lon, lat)| Place { lon, lat })
                 .collect(),
             arcs: if streets {
-                // Each arc has one back, as those of streets have.
+                // Each arc has one in the opposite direction, like those of streets.
                 let arcs = arcs.into_iter().filter(|(a, b, _)| a != b).take(110);
                 arcs.flat_map(|(a, b, [there, back])| [(a, b, there), (b, a, back)])
                     .collect()
@@ -47,7 +47,7 @@ fn graph() -> impl Strategy<Value = Graph> {
 }
 
 impl Graph {
-    /// The same with states in the order of their cells.
+    /// The same graph, with states in the order of their cells.
     fn in_cells(&self, sizes: &[usize]) -> (Self, Vec<Vec<u32>>) {
         let edges: Vec<_> = self.arcs.iter().map(|(a, b, _)| [*a, *b]).collect();
         let partition = Partition::new(&self.places, &edges, &CellSizes::new(sizes).unwrap());
@@ -122,7 +122,7 @@ impl Graph {
         total.filter(|total| *total < FAR)
     }
 
-    /// What a row of states weighs, by the lightest arcs between them.
+    /// The weight of a path of states, by the lightest arcs between them.
     fn along(&self, path: &[u32], sources: &[End], targets: &[End]) -> u32 {
         let end = |ends: &[End], state: u32| {
             ends.iter()
@@ -157,17 +157,67 @@ fn drawn() -> impl Strategy<Value = Vec<(u32, u32)>> {
     proptest::collection::vec((0_u32..1000, 0_u32..60), 1..4)
 }
 
+/// The overlay of a graph, its weights and its cliques.
+struct Customized {
+    overlay: Overlay,
+    weights: Weights,
+    cliques: Vec<Cliques>,
+}
+
+impl Customized {
+    fn new(graph: &Graph, levels: &[Vec<u32>]) -> Self {
+        let overlay = graph.overlay(levels);
+        let weights = graph.weights(&overlay);
+        let cliques = Cliques::all(&overlay, &weights);
+        Self {
+            overlay,
+            weights,
+            cliques,
+        }
+    }
+
+    fn searched(&self) -> Searched<'_> {
+        let Self {
+            overlay,
+            weights,
+            cliques,
+        } = self;
+        Searched {
+            overlay,
+            weights,
+            cliques,
+        }
+    }
+}
+
+/// Each end takes its weight and no length.
+fn valued(all: &[Vec<End>]) -> Vec<Vec<ValuedEnd>> {
+    let one = |end: &End| {
+        let value = Value {
+            duration: end.weight,
+            length: 0,
+        };
+        ValuedEnd { end: *end, value }
+    };
+    all.iter()
+        .map(|ends| ends.iter().map(one).collect())
+        .collect()
+}
+
+const SIZES: [&[usize]; 4] = [&[2, 5, 12, 30], &[4, 16], &[8], &[100]];
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(600))]
 
     #[test]
-    fn routes_are_as_light_as_dijkstras(graph in graph(), pairs in proptest::collection::vec((drawn(), drawn()), 6)) {
-        for sizes in [&[2, 5, 12, 30][..], &[4, 16], &[8], &[100]] {
+    fn routes_are_as_light_as_those_of_dijkstra(
+        graph in graph(),
+        pairs in proptest::collection::vec((drawn(), drawn()), 6),
+    ) {
+        for sizes in SIZES {
             let (graph, levels) = graph.in_cells(sizes);
-            let overlay = graph.overlay(&levels);
-            let weights = graph.weights(&overlay);
-            let cliques = Cliques::all(&overlay, &weights);
-            let searched = Searched { overlay: &overlay, weights: &weights, cliques: &cliques };
+            let customized = Customized::new(&graph, &levels);
+            let searched = customized.searched();
             let (mut workspace, mut path) = (Workspace::default(), Path::default());
             for (sources, targets) in &pairs {
                 let count = graph.places.len() as u32;
@@ -182,53 +232,67 @@ proptest! {
     }
 
     #[test]
-    fn arcs_that_lead_to_a_state_are_those_that_leave_others_for_it(graph in graph()) {
+    fn incoming_and_outgoing_arcs_are_the_same(graph in graph()) {
         let (graph, levels) = graph.in_cells(&[4, 16]);
         let overlay = graph.overlay(&levels);
-        let incoming = overlay.incoming();
-        let mut into: Vec<_> = incoming.iter().map(|(to, slot)| (incoming.head[slot], to, overlay.via_incoming(slot))).collect();
-        let mut out: Vec<_> = overlay.out.iter().map(|(from, slot)| (from, overlay.out.head[slot], overlay.out.via[slot])).collect();
-        into.sort_unstable();
-        out.sort_unstable();
+        let (incoming, outgoing) = (overlay.incoming(), &overlay.out);
+        let mut into: Vec<Arc> = incoming
+            .iter()
+            .map(|(to, slot)| Arc {
+                from: incoming.head[slot],
+                to,
+                via: overlay.via_incoming(slot),
+            })
+            .collect();
+        let mut out: Vec<Arc> = outgoing
+            .iter()
+            .map(|(from, slot)| Arc { from, to: outgoing.head[slot], via: outgoing.via[slot] })
+            .collect();
+        let key = |arc: &Arc| (arc.from, arc.to, arc.via);
+        into.sort_unstable_by_key(key);
+        out.sort_unstable_by_key(key);
         prop_assert_eq!(into, out);
     }
 
     #[test]
-    fn tables_are_as_light_as_dijkstras(
+    fn tables_are_as_light_as_those_of_dijkstra(
         graph in graph(),
         sources in proptest::collection::vec(drawn(), 0..5),
         targets in proptest::collection::vec(drawn(), 0..5),
     ) {
-        for sizes in [&[2, 5, 12, 30][..], &[4, 16], &[8], &[100]] {
+        for sizes in SIZES {
             let (graph, levels) = graph.in_cells(sizes);
-            let overlay = graph.overlay(&levels);
-            let weights = graph.weights(&overlay);
-            let cliques = Cliques::all(&overlay, &weights);
-            let searched = Searched { overlay: &overlay, weights: &weights, cliques: &cliques };
+            let customized = Customized::new(&graph, &levels);
+            let searched = customized.searched();
             let count = graph.places.len() as u32;
-            let [sources, targets] =
-                [&sources, &targets].map(|all| all.iter().map(|drawn| ends(count, drawn)).collect::<Vec<_>>());
-            // Each arc takes its weight, and 1: so a way takes what it weighs, and as many arcs as it has.
-            let arcs = overlay.out.via.iter();
-            let arcs = arcs.map(|via| Value { duration: graph.arcs[*via as usize].2, length: 1 }).collect();
-            let values = Values::new(searched, arcs);
-            let valued = |all: &[Vec<End>]| {
-                let one = |end: &End| ValuedEnd { end: *end, value: Value { duration: end.weight, length: 0 } };
-                all.iter().map(|ends| ends.iter().map(one).collect()).collect::<Vec<Vec<_>>>()
-            };
+            let sources: Vec<_> = sources.iter().map(|drawn| ends(count, drawn)).collect();
+            let targets: Vec<_> = targets.iter().map(|drawn| ends(count, drawn)).collect();
+            // Each arc takes its weight and a length of 1, so a path takes its weight and its
+            // number of arcs.
+            let arcs = customized.overlay.out.via.iter();
+            let value = |via: &u32| Value { duration: graph.arcs[*via as usize].2, length: 1 };
+            let values = Values::new(searched, arcs.map(value).collect());
+            let (from, to) = (valued(&sources), valued(&targets));
             let mut memory = TableMemory::default();
-            let table = memory.table(&mut Workspace::default(), searched, Some(&values), &valued(&sources), &valued(&targets));
-            prop_assert!(table.iter().all(|cell| cell.weight == FAR || cell.weight == cell.value.duration));
-            let plain = sources.iter().flat_map(|s| targets.iter().map(|t| graph.dijkstra(s, t).unwrap_or(FAR)));
-            let weights: Vec<u32> = table.iter().map(|cell| cell.weight).collect();
-            prop_assert_eq!(&weights, &plain.collect::<Vec<_>>(), "{:?}", sizes);
-            let again = memory.table(&mut Workspace::default(), searched, Some(&values), &valued(&sources), &valued(&targets));
-            prop_assert_eq!(again, table, "the second time");
+            let mut table =
+                || memory.table(&mut Workspace::default(), searched, Some(&values), &from, &to);
+            let first = table();
+            for cell in &first {
+                prop_assert!(cell.weight == FAR || cell.weight == cell.value.duration);
+            }
+            let weights: Vec<u32> = first.iter().map(|cell| cell.weight).collect();
+            let pairs = sources.iter().flat_map(|s| targets.iter().map(move |t| (s, t)));
+            let plain = pairs.map(|(s, t)| graph.dijkstra(s, t).unwrap_or(FAR));
+            prop_assert_eq!(weights, plain.collect::<Vec<_>>(), "{:?}", sizes);
+            prop_assert_eq!(table(), first, "the second time");
         }
     }
 
     #[test]
-    fn changed_weights_need_only_their_cells(graph in graph(), changes in proptest::collection::vec((0_usize..1000, 0_u32..60), 1..6)) {
+    fn changed_weights_affect_only_their_cells(
+        graph in graph(),
+        changes in proptest::collection::vec((0_usize..1000, 0_u32..60), 1..6),
+    ) {
         let (mut graph, levels) = graph.in_cells(&[3, 9, 27]);
         let overlay = graph.overlay(&levels);
         let before = graph.weights(&overlay);

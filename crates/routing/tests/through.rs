@@ -1,4 +1,4 @@
-//! Ways through places in between, turning round there or not.
+//! Routes through places in between, with and without U-turns there.
 
 use openbench_core::LonLat;
 use openbench_osm::OsmData;
@@ -13,17 +13,23 @@ use serde_json::Value;
 
 /// A block of 100 m by 100 m, and a dead end to the south of its south-east corner.
 const TOWN: &str = r#"<osm version="0.6">
-  <node id="1" lat="0" lon="0.000"/><node id="2" lat="0" lon="0.001"/><node id="3" lat="0.001" lon="0.001"/>
+  <node id="1" lat="0" lon="0.000"/><node id="2" lat="0" lon="0.001"/>
+  <node id="3" lat="0.001" lon="0.001"/>
   <node id="4" lat="0.001" lon="0.000"/><node id="5" lat="-0.001" lon="0.001"/>
-  <way id="1"><nd ref="1"/><nd ref="2"/><tag k="highway" v="residential"/><tag k="name" v="South Street"/></way>
-  <way id="2"><nd ref="2"/><nd ref="3"/><tag k="highway" v="residential"/><tag k="name" v="East Street"/></way>
-  <way id="3"><nd ref="3"/><nd ref="4"/><nd ref="1"/><tag k="highway" v="residential"/><tag k="name" v="North Street"/></way>
-  <way id="4"><nd ref="2"/><nd ref="5"/><tag k="highway" v="residential"/><tag k="name" v="Dead End"/></way>
+  <way id="1"><nd ref="1"/><nd ref="2"/><tag k="highway" v="residential"/>
+  <tag k="name" v="South Street"/></way>
+  <way id="2"><nd ref="2"/><nd ref="3"/><tag k="highway" v="residential"/>
+  <tag k="name" v="East Street"/></way>
+  <way id="3"><nd ref="3"/><nd ref="4"/><nd ref="1"/><tag k="highway" v="residential"/>
+  <tag k="name" v="North Street"/></way>
+  <way id="4"><nd ref="2"/><nd ref="5"/><tag k="highway" v="residential"/>
+  <tag k="name" v="Dead End"/></way>
 </osm>"#;
 
-/// A street that may be driven out of only.
+/// A street that can only be left.
 const WAY_OUT: &str = r#"<node id="6" lat="0.01" lon="0"/>
-  <way id="5"><nd ref="6"/><nd ref="4"/><tag k="highway" v="residential"/><tag k="oneway" v="yes"/></way></osm>"#;
+  <way id="5"><nd ref="6"/><nd ref="4"/><tag k="highway" v="residential"/>
+  <tag k="oneway" v="yes"/></way></osm>"#;
 
 fn roads() -> Roads {
     let town = TOWN.replace("</osm>", WAY_OUT);
@@ -34,7 +40,7 @@ fn roads() -> Roads {
     .unwrap()
 }
 
-/// Metres of a route, in hundreds, and the answer.
+/// The length of a route, in units of 100 m, and the answer.
 fn route(profile: &str, places: &str, options: &str) -> (f64, Value) {
     let roads = roads();
     let metric = Metric::new(&roads, Profile::named(profile).unwrap()).unwrap();
@@ -53,11 +59,11 @@ fn route(profile: &str, places: &str, options: &str) -> (f64, Value) {
 }
 
 #[test]
-fn one_turns_round_in_between_or_goes_on() {
+fn routes_make_u_turns_in_between_or_go_on() {
     // From the south side to the middle of the east side and back.
     let there_and_back = "0.0002,0;0.001,0.0005;0.0002,0";
     assert_eq!(route("foot", there_and_back, "").0, 2.6);
-    // Without turns nobody remembers at the next corner where one came from.
+    // Without turn costs the next corner does not remember where the route came from.
     assert_eq!(
         route("foot", there_and_back, "continue_straight=true").0,
         3.6
@@ -74,10 +80,10 @@ fn one_turns_round_in_between_or_goes_on() {
 }
 
 #[test]
-fn at_a_corner_one_does_not_go_back_either() {
+fn routes_that_go_on_do_not_turn_back_at_a_corner() {
     let to_the_corner_and_back = "0.0002,0;0.001,0;0.0002,0";
     assert_eq!(route("foot", to_the_corner_and_back, "").0, 1.6);
-    // Into the dead end and out again, or round the block.
+    // Into the dead end and out again, or around the block.
     assert_eq!(
         route("foot", to_the_corner_and_back, "continue_straight=true").0,
         3.6
@@ -89,7 +95,7 @@ fn at_a_corner_one_does_not_go_back_either() {
 }
 
 #[test]
-fn in_a_dead_end_one_turns_round() {
+fn in_a_dead_end_routes_make_a_u_turn() {
     let into_it_and_back = "0.0002,0;0.001,-0.001;0.0002,0";
     for profile in Profile::NAMES {
         assert_eq!(
@@ -101,7 +107,7 @@ fn in_a_dead_end_one_turns_round() {
 }
 
 #[test]
-fn where_one_begins_at_a_corner_there_is_nothing_to_turn_into_first() {
+fn a_route_that_begins_at_a_corner_begins_without_a_turn() {
     let (length, answer) = route("foot", "0.001,0;0.001,0.0005", "steps=true");
     let steps = answer["routes"][0]["legs"][0]["steps"].as_array().unwrap();
     let kinds: Vec<&str> = steps
@@ -110,7 +116,7 @@ fn where_one_begins_at_a_corner_there_is_nothing_to_turn_into_first() {
         .collect();
     assert_eq!((length, kinds), (0.5, vec!["depart", "arrive"]));
     assert_eq!(steps[0]["name"], "East Street");
-    // One arrives at a corner by the road that one came along, from its direction.
+    // The arrival at a corner is on the road that was travelled, from its direction.
     let (_, answer) = route("foot", "0.001,0.0005;0.001,0", "steps=true");
     let arrive = &answer["routes"][0]["legs"][0]["steps"][1];
     assert_eq!(
@@ -127,7 +133,7 @@ fn where_one_begins_at_a_corner_there_is_nothing_to_turn_into_first() {
 
 /// Found by fuzzing.
 #[test]
-fn where_a_place_in_between_cannot_be_reached_there_is_no_route() {
+fn there_is_no_route_through_an_unreachable_place() {
     let roads = roads();
     let metric = Metric::new(&roads, Profile::named("car").unwrap()).unwrap();
     let near = |(lon, lat): (f64, f64)| {

@@ -1,4 +1,5 @@
-//! A block of elements: a table of strings, and groups of nodes, ways and relations that name them by number.
+//! A block of elements: a table of strings, and groups of nodes, ways and relations that reference
+//! the strings by number.
 
 use std::borrow::Cow;
 
@@ -8,15 +9,16 @@ use super::wire::{Field, Fields, Numbers, Problem, signed};
 use crate::element::{ElementId, ElementKind};
 use crate::visitor::{MemberRef, NodeRef, RelationRef, TagRef, TagsRef, Visitor, WayRef};
 
-/// So much text may the elements of a block hold for each of its bytes, and so much in any case. They name strings by number, so
-/// that a few bytes could ask for gigabytes; in real files it is one to two times.
+/// The most text that the elements of a block may hold, as a multiple of the block's size and in
+/// any case. Strings are referenced by number, so a few bytes could ask for gigabytes. In real
+/// files the factor is one to two.
 const TEXT_PER_BYTE: usize = 16;
 const TEXT_ALWAYS_BYTES: usize = 1 << 20;
 
 /// What the elements of a block have in common.
 struct Block<'a> {
     strings: Vec<Cow<'a, str>>,
-    /// Units of positions, and what is added to them, nanodegrees.
+    /// The unit of positions and the offsets added to them, nanodegrees.
     granularity: i64,
     lat_offset: i64,
     lon_offset: i64,
@@ -36,7 +38,7 @@ pub(super) fn read(bytes: &[u8], visitor: &mut impl Visitor) -> Result<(), Probl
         nodes: Vec::new(),
         members: Vec::new(),
     };
-    // Groups may stand before what they need.
+    // Groups may precede the fields that they need.
     for field in Fields(bytes) {
         if let Field { number: 2, value } = field? {
             reader.group(value.bytes()?)?;
@@ -55,7 +57,7 @@ struct Common<'a> {
 }
 
 impl<'a> Common<'a> {
-    /// Takes a field in; gives it back if it is none of the common ones.
+    /// Stores a common field; returns any other field.
     fn take(&mut self, field: Field<'a>) -> Result<Option<Field<'a>>, Problem> {
         let Field { number, value } = field;
         match number {
@@ -111,15 +113,15 @@ impl<'a> Block<'a> {
             .checked_mul(self.granularity)
             .and_then(|n| n.checked_add(offset));
         nano.map(|n| n as f64 / 1e9)
-            .ok_or("a position that makes no sense")
+            .ok_or("a position out of range")
     }
 }
 
-/// Reads the elements of a block; what each of them needs for a moment is kept for the next one.
+/// Reads the elements of a block. Buffers are used again for the next element.
 struct Reader<'b, V> {
     block: &'b Block<'b>,
     visitor: &'b mut V,
-    /// Bytes of text that elements may still name.
+    /// Bytes of text that elements may still reference.
     text: usize,
     tags: Vec<TagRef<'b>>,
     nodes: Vec<i64>,
@@ -195,7 +197,8 @@ impl<V: Visitor> Reader<'_, V> {
         Ok(())
     }
 
-    /// The tags of the next node: keys and values in turn up to a 0. Without any tags the row is empty.
+    /// The tags of the next node: keys and values in turn, up to a 0. The row is empty if no node
+    /// has tags.
     fn dense_tags(&mut self, row: &mut Numbers) -> Result<(), Problem> {
         self.tags.clear();
         while let Some(key) = row.next().transpose()?.filter(|key| *key != 0) {
@@ -264,7 +267,7 @@ impl<V: Visitor> Reader<'_, V> {
         Ok(())
     }
 
-    /// Takes down the tags of an element, unless it is deleted.
+    /// Reads the tags of an element, unless it is deleted. Returns whether it is not.
     fn read_tags(&mut self, common: &Common) -> Result<bool, Problem> {
         if common.deleted {
             self.visitor.deleted();
@@ -289,16 +292,16 @@ impl<'b, V> Reader<'b, V> {
         let string = usize::try_from(number)
             .ok()
             .and_then(|i| self.block.strings.get(i));
-        let string = string.ok_or("a word that is not in the block's table")?;
+        let string = string.ok_or("a string that is not in the block's table")?;
         self.text = self
             .text
             .checked_sub(string.len())
-            .ok_or("the same long words again and again")?;
+            .ok_or("the same long strings are referenced too often")?;
         Ok(string)
     }
 }
 
-/// Whether an element's information says that it is deleted.
+/// Whether an element's information marks it as deleted.
 fn is_deleted(info: &[u8]) -> Result<bool, Problem> {
     let mut deleted = false;
     for field in Fields(info) {
@@ -309,7 +312,7 @@ fn is_deleted(info: &[u8]) -> Result<bool, Problem> {
     Ok(deleted)
 }
 
-/// For each of many nodes whether it is there; nothing where all are.
+/// For each of many nodes whether it is visible; empty if all are.
 fn dense_visible(info: &[u8]) -> Result<Numbers<'_>, Problem> {
     let mut visible = Numbers::default();
     for field in Fields(info) {
@@ -343,7 +346,7 @@ mod tests {
     use super::*;
     use crate::data::OsmData;
 
-    /// A field of bytes, shorter than 128.
+    /// A field of fewer than 128 bytes.
     fn field(number: u8, bytes: &[u8]) -> Vec<u8> {
         [&[number << 3 | 2, bytes.len() as u8], bytes].concat()
     }
@@ -365,8 +368,8 @@ mod tests {
     }
 
     #[test]
-    fn units_and_offsets_hold_wherever_they_stand() {
-        // Groups first; then a granularity of 1000 and a latitude's offset of 1 nanodegree.
+    fn units_and_offsets_apply_wherever_they_are() {
+        // Groups first, then a granularity of 1000 and a latitude offset of 1 nanodegree.
         let data = read_all(&[dense(), vec![0x88, 1, 0xE8, 7], vec![0x98, 1, 1]]).unwrap();
         assert_eq!(
             data.nodes[&1].position,
@@ -375,7 +378,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_deleted_is_counted_and_left_out() {
+    fn deleted_elements_are_counted_and_skipped() {
         let gone = field(4, &[0x30, 0]);
         let node = field(
             2,
@@ -403,13 +406,13 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_together_is_said() {
+    fn inconsistent_blocks_are_errors() {
         let without_positions = field(2, &field(2, &field(1, &[2, 2])));
         let unknown_word = field(2, &field(3, &[field(2, &[7]), field(3, &[7])].concat()));
         let no_value = field(2, &field(3, &field(2, &[0])));
         for (block, problem) in [
             (without_positions, "nodes without positions"),
-            (unknown_word, "a word that is not in the block's table"),
+            (unknown_word, "a string that is not in the block's table"),
             (no_value, "a key without a value"),
         ] {
             assert_eq!(read_all(&[block]).unwrap_err(), problem);
@@ -417,7 +420,7 @@ mod tests {
     }
 
     #[test]
-    fn a_long_word_cannot_be_asked_for_without_end() {
+    fn a_long_string_cannot_be_referenced_without_limit() {
         let word = vec![b'x'; 1 << 16];
         let long = |number: u8, bytes: &[u8]| {
             let n = bytes.len();
@@ -432,12 +435,12 @@ mod tests {
             ]
             .concat()
         };
-        // Ways of two bytes for each mention of the word: 2,000 mentions are 130 MB.
+        // Ways of two bytes for each reference to the string: 2,000 references are 130 MB.
         let way = field(3, &[field(2, &[0; 50]), field(3, &[0; 50])].concat());
         let block = [long(1, &long(1, &word)), long(2, &way.repeat(20))];
         assert_eq!(
             read_all(&block).unwrap_err(),
-            "the same long words again and again"
+            "the same long strings are referenced too often"
         );
     }
 }

@@ -1,9 +1,9 @@
 //! Reads OSM PBF, the compressed format of regional extracts.
 //!
-//! After *PBF Format*, wiki.openstreetmap.org. A file is a row of blobs, each with a header that says its kind and size. All headers
-//! are read before any blob is unpacked, so that a cut-off file is told from a whole one. Blob kinds that are not known are passed
-//! over, as the format demands; features that are not known are refused, as it demands too. Memory stays in proportion to the file,
-//! whatever its blobs claim.
+//! After *PBF Format*, wiki.openstreetmap.org. A file is a sequence of blobs, each with a header
+//! that gives its kind and size. All headers are read before any blob is decompressed, so that a
+//! truncated file is detected first. Unknown kinds of blobs are skipped and unknown features are
+//! refused, as the format demands. Memory stays proportional to the file, whatever its blobs claim.
 //!
 //! | module | its one job |
 //! |---|---|
@@ -21,17 +21,18 @@ use crate::error::{OsmError, Place, Problem};
 use crate::visitor::Visitor;
 use wire::{Field, Fields};
 
-/// Neither blobs nor what they unpack to may be larger, says the format, nor may headers.
-const LARGEST_BLOB: u64 = 32 << 20;
-const LARGEST_HEADER: u32 = 64 << 10;
-/// A blob that unpacks to more than so many times its size, and to more than so many bytes, is no map: real ones make it two or
-/// three times.
+/// The format's limits for blobs, compressed or not, and for headers, bytes.
+const LARGEST_BLOB_BYTES: u64 = 32 << 20;
+const LARGEST_HEADER_BYTES: u32 = 64 << 10;
+/// A blob that decompresses to more than this multiple of its size, and to more than
+/// [`ALWAYS_ALLOWED_BYTES`], is no map. Real ones grow by a factor of two or three.
 const LARGEST_RATIO: u64 = 20;
-const ANY_BLOB: u64 = 64 << 10;
+const ALWAYS_ALLOWED_BYTES: u64 = 64 << 10;
 
 const KNOWN_FEATURES: [&str; 3] = ["OsmSchema-V0.6", "DenseNodes", "HistoricalInformation"];
 
-/// Whether the bytes begin like PBF: the length of a blob header is below 2^16, so its first two bytes are 0.
+/// Whether the bytes begin like PBF: the length of a blob header is below 2^16, so its first two
+/// bytes are 0.
 pub(crate) fn looks_like_pbf(bytes: &[u8]) -> bool {
     bytes.starts_with(&[0, 0])
 }
@@ -53,19 +54,19 @@ fn at(offset: usize, problem: impl Into<Problem>) -> OsmError {
 fn cut_off(offset: usize, part: &str) -> OsmError {
     at(
         offset,
-        format!("the file ends within {part}; it is cut off, fetch it again"),
+        format!("the file ends within {part}; it is truncated, download it again"),
     )
 }
 
 /// A blob as it stands in the file.
 struct Blob<'a> {
-    /// Where its header begins.
+    /// Offset of its header.
     offset: usize,
     kind: &'a [u8],
     bytes: &'a [u8],
 }
 
-/// All blobs of a file: the last one must end where the bytes end.
+/// All blobs of a file. The last one must end where the bytes end.
 fn blobs(bytes: &[u8]) -> Result<Vec<Blob<'_>>, OsmError> {
     let mut blobs = Vec::new();
     let mut rest = bytes;
@@ -75,20 +76,20 @@ fn blobs(bytes: &[u8]) -> Result<Vec<Blob<'_>>, OsmError> {
             .split_first_chunk()
             .ok_or_else(|| cut_off(offset, "a blob header"))?;
         let length = u32::from_be_bytes(*length);
-        if length > LARGEST_HEADER {
+        if length > LARGEST_HEADER_BYTES {
             return Err(at(
                 offset,
-                "a blob header of impossible size; this is not OSM PBF or it is damaged",
+                "a blob header of invalid size; this is not OSM PBF or it is damaged",
             ));
         }
         let (header, after) = after
             .split_at_checked(length as usize)
             .ok_or_else(|| cut_off(offset, "a blob header"))?;
         let Header { kind, size } = Header::read(header).map_err(|problem| at(offset, problem))?;
-        if size > LARGEST_BLOB {
+        if size > LARGEST_BLOB_BYTES {
             return Err(at(
                 offset,
-                "a blob of impossible size; this is not OSM PBF or it is damaged",
+                "a blob of invalid size; this is not OSM PBF or it is damaged",
             ));
         }
         let (blob, after) = after
@@ -104,7 +105,7 @@ fn blobs(bytes: &[u8]) -> Result<Vec<Blob<'_>>, OsmError> {
     Ok(blobs)
 }
 
-/// What a header says of the blob behind it.
+/// What a header says about the blob behind it.
 struct Header<'a> {
     kind: &'a [u8],
     /// Bytes.
@@ -130,7 +131,7 @@ impl<'a> Header<'a> {
 }
 
 impl Blob<'_> {
-    /// Unpacks into `buffer`, which is only room that need not be asked for anew.
+    /// Decompresses into `buffer`, whose memory is used again.
     fn read(&self, buffer: &mut Vec<u8>, visitor: &mut impl Visitor) -> Result<(), Problem> {
         match self.kind {
             b"OSMHeader" => check_features(self.unpack(buffer)?),
@@ -150,7 +151,8 @@ impl Blob<'_> {
                 3 => return inflate(value.bytes()?, buffer),
                 4..=7 => {
                     return Err(
-                        "this blob is not compressed with zlib, which alone is supported".into(),
+                        "this blob is not compressed with zlib; no other compression is supported"
+                            .into(),
                     );
                 }
                 _ => {}
@@ -161,16 +163,17 @@ impl Blob<'_> {
 }
 
 fn inflate<'b>(packed: &[u8], unpacked: &'b mut Vec<u8>) -> Result<&'b [u8], Problem> {
-    let largest = (LARGEST_RATIO * packed.len() as u64).clamp(ANY_BLOB, LARGEST_BLOB);
+    let largest =
+        (LARGEST_RATIO * packed.len() as u64).clamp(ALWAYS_ALLOWED_BYTES, LARGEST_BLOB_BYTES);
     unpacked.clear();
     let read = ZlibDecoder::new(packed)
         .take(largest + 1)
         .read_to_end(unpacked);
-    read.map_err(|error| Problem::caused("this blob cannot be unpacked", error))?;
+    read.map_err(|error| Problem::caused("this blob cannot be decompressed", error))?;
     if unpacked.len() as u64 > largest {
         let packed = packed.len();
         return Err(format!(
-            "this blob of {packed} bytes unpacks to more than {largest}; it is no map"
+            "this blob of {packed} bytes decompresses to more than {largest}; this is not a map"
         )
         .into());
     }
@@ -196,7 +199,8 @@ fn check_features(header: &[u8]) -> Result<(), Problem> {
 mod tests {
     use crate::data::OsmData;
 
-    /// One blob with a header block that asks for `feature`, uncompressed, built by hand after the format's definition.
+    /// One blob with a header block that requires `feature`, uncompressed, built by hand from the
+    /// definition of the format.
     fn header_blob(feature: &str) -> Vec<u8> {
         let field = |tag: u8, bytes: &[u8]| [&[tag, bytes.len() as u8], bytes].concat();
         let blob = field(0x0A, &field(0x22, feature.as_bytes()));
@@ -210,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_with_a_header_alone_is_an_empty_map() {
+    fn a_file_with_only_a_header_is_an_empty_map() {
         let data = OsmData::from_bytes(&header_blob("DenseNodes")).unwrap();
         assert!(data.nodes.is_empty());
     }
@@ -227,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn every_cut_of_a_file_is_noticed() {
+    fn every_truncation_of_a_file_is_an_error() {
         let whole = header_blob("DenseNodes");
         for length in 1..whole.len() {
             assert!(
@@ -253,11 +257,11 @@ mod tests {
             OsmData::from_pbf(&bytes)
                 .unwrap_err()
                 .to_string()
-                .contains("impossible size")
+                .contains("invalid size")
         );
     }
 
-    /// A file of one blob of zeros, packed.
+    /// A file of one compressed blob of zeros.
     fn packed(zeros: usize) -> Vec<u8> {
         let mut packer = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::best());
         std::io::Write::write_all(&mut packer, &vec![0; zeros]).unwrap();
@@ -280,13 +284,13 @@ mod tests {
     }
 
     #[test]
-    fn a_small_blob_that_unpacks_to_megabytes_is_refused() {
+    fn a_small_blob_that_decompresses_to_megabytes_is_refused() {
         let error = OsmData::from_pbf(&packed(20 << 20))
             .unwrap_err()
             .to_string();
-        assert!(error.contains("it is no map"), "{error}");
-        // Few enough to be looked at: zeros are no fields.
+        assert!(error.contains("this is not a map"), "{error}");
+        // Few enough to be parsed; zeros are no fields.
         let error = OsmData::from_pbf(&packed(1000)).unwrap_err().to_string();
-        assert!(!error.contains("it is no map"), "{error}");
+        assert!(!error.contains("this is not a map"), "{error}");
     }
 }

@@ -1,11 +1,11 @@
 //! Protocol buffers: fields of messages and rows of numbers, read in place.
 //!
-//! After *Encoding*, protobuf.dev. Groups, which are no longer in use, are refused.
+//! After *Encoding*, protobuf.dev. Groups, which are deprecated, are refused.
 
-/// What is wrong, in words.
+/// What is wrong.
 pub(super) type Problem = &'static str;
 
-const CUT: Problem = "a number or a field ends too late; the file is damaged";
+const CUT: Problem = "a number or a field exceeds its message; the file is damaged";
 
 /// What a field holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,24 +14,24 @@ pub(super) enum Value<'a> {
     Number(u64),
     /// Text, a message, or a row of numbers.
     Bytes(&'a [u8]),
-    /// A number of fixed length, of which OSM has none.
+    /// A number of fixed length, which OSM does not use.
     Fixed,
 }
 
 impl<'a> Value<'a> {
-    /// The bytes of a field that must have some.
+    /// The bytes of a field that must be bytes.
     pub(super) fn bytes(self) -> Result<&'a [u8], Problem> {
         match self {
             Self::Bytes(bytes) => Ok(bytes),
-            _ => Err("a number stands where text, a message or a row of numbers should"),
+            _ => Err("found a number instead of text, a message or a row of numbers"),
         }
     }
 
-    /// The number of a field that must have one.
+    /// The number of a field that must be a number.
     pub(super) fn number(self) -> Result<u64, Problem> {
         match self {
             Self::Number(number) => Ok(number),
-            _ => Err("something else stands where a number should"),
+            _ => Err("found something else instead of a number"),
         }
     }
 }
@@ -52,7 +52,7 @@ impl<'a> Fields<'a> {
     fn field(&mut self) -> Result<Field<'a>, Problem> {
         let key = take_number(&mut self.0)?;
         if key >> 3 == 0 {
-            return Err("a field with the number 0, which no field has");
+            return Err("a field with the invalid number 0");
         }
         let value = match key & 7 {
             0 => Value::Number(take_number(&mut self.0)?),
@@ -91,7 +91,7 @@ impl<'a> Iterator for Fields<'a> {
 pub(super) struct Numbers<'a>(pub(super) &'a [u8]);
 
 impl<'a> Numbers<'a> {
-    /// The same as steps from one number to the next, from 0 on.
+    /// The numbers as differences from one sum to the next, beginning with 0: delta coding.
     pub(super) fn sums(self) -> impl Iterator<Item = Result<i64, Problem>> + use<'a> {
         let mut sum = 0_i64;
         self.map(move |step| {
@@ -119,7 +119,7 @@ impl Iterator for Numbers<'_> {
     }
 }
 
-/// A number whose sign is its lowest bit.
+/// A number whose sign is its lowest bit: zigzag coding.
 #[inline]
 pub(super) fn signed(number: u64) -> i64 {
     (number >> 1) as i64 ^ -((number & 1) as i64)
@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_cut_or_endless_is_an_error_and_the_last() {
+    fn truncated_or_endless_fields_are_the_last_error() {
         for bytes in [
             &[0x08_u8][..],
             &[0x12, 3, 1, 2],

@@ -15,6 +15,7 @@ pub struct Bounds {
 
 impl Bounds {
     /// The box that holds one point.
+    #[inline]
     pub const fn of_point(point: MapPoint) -> Self {
         Self {
             low: point,
@@ -24,6 +25,7 @@ impl Bounds {
 
     /// The smallest box that holds both.
     #[must_use]
+    #[inline]
     pub fn union(self, other: Self) -> Self {
         Self {
             low: MapPoint::new(self.low.x.min(other.low.x), self.low.y.min(other.low.y)),
@@ -32,6 +34,7 @@ impl Bounds {
     }
 
     /// Metres from `point` to the box; 0 inside.
+    #[inline]
     pub fn distance(&self, point: MapPoint) -> f64 {
         let dx = (self.low.x - point.x).max(point.x - self.high.x).max(0.0);
         let dy = (self.low.y - point.y).max(point.y - self.high.y).max(0.0);

@@ -1,4 +1,4 @@
-//! An area in the plane, and what can be asked of it.
+//! Polygons: areas in the plane.
 //!
 //! One algorithm a file. Rings are taken as they are; where a ring crosses itself, the even-odd
 //! rule decides what is inside.

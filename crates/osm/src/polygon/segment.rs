@@ -22,11 +22,13 @@ pub struct FootPoint {
 
 impl Segment {
     /// The segment from `start` to `end`.
+    #[inline]
     pub const fn new(start: MapPoint, end: MapPoint) -> Self {
         Self { start, end }
     }
 
     /// Its length, metres.
+    #[inline]
     pub fn length(self) -> f64 {
         self.start.distance(self.end)
     }
@@ -43,6 +45,7 @@ impl Segment {
     /// assert_eq!(foot.point, MapPoint::new(2.5, 0.0));
     /// assert_eq!(foot.share, 0.25);
     /// ```
+    #[inline]
     pub fn nearest_point(self, point: MapPoint) -> FootPoint {
         let Self { start: a, end: b } = self;
         let (dx, dy) = (b.x - a.x, b.y - a.y);
@@ -61,6 +64,7 @@ impl Segment {
 }
 
 /// The sides of a ring whose first point is not repeated at its end.
+#[inline]
 pub(super) fn sides(ring: &[MapPoint]) -> impl Iterator<Item = Segment> + '_ {
     let next = ring.iter().cycle().skip(1);
     ring.iter()

@@ -45,11 +45,13 @@ impl Polygon {
     }
 
     /// The outer ring, then the holes.
+    #[inline]
     pub fn rings(&self) -> impl Iterator<Item = &[MapPoint]> {
         std::iter::once(self.outer.as_slice()).chain(self.holes.iter().map(Vec::as_slice))
     }
 
     /// All sides of all rings. The area is to the left of each.
+    #[inline]
     pub fn sides(&self) -> impl Iterator<Item = Segment> {
         self.rings().flat_map(sides)
     }

@@ -23,9 +23,9 @@ impl Leg {
     ///
     /// I. Abraham, D. Delling, A. Goldberg, R. Werneck, *Alternative routes in road networks*,
     /// 2013: a path through a place aside is admitted if it is at most a quarter heavier than the
-    /// lightest one, shares at most three quarters of it (and of those admitted before), and is
-    /// locally optimal: within a quarter of the lightest path's weight around that place there is
-    /// no lighter path.
+    /// lightest one. It may share at most three quarters of that path and of those admitted before.
+    /// It must be locally optimal: within a quarter of the lightest path's weight around that place
+    /// there is no lighter path.
     pub fn alternatives(
         roads: &Roads,
         metric: &Metric,

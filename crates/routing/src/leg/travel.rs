@@ -113,12 +113,14 @@ impl Leg {
 }
 
 /// The part of a cost that belongs to a share of an edge.
+#[inline]
 pub(super) fn part(whole: u32, share: f64) -> u32 {
     libm::round(f64::from(whole) * share) as u32
 }
 
 /// The part of a directed edge's cost before a place on it. Against the edge's direction it is the
 /// difference to the whole, so that two parts of an edge always add up exactly.
+#[inline]
 pub(super) fn cost_before(whole: u32, position: &Position, directed: u32) -> u32 {
     let forward = part(whole, position.share);
     if directed.is_multiple_of(2) {

@@ -44,10 +44,10 @@ fn network(mut ways: Ways, nodes: Nodes) -> Network {
     Network {
         restrictions: ways.restrictions.into(),
         via_ways: ways.via_ways.into(),
-        restriction_words: ways.restriction_sets.into_sets(),
-        way_words: ways.classes.into_sets(),
+        restriction_tags: ways.restriction_sets.into_sets(),
+        way_tags: ways.classes.into_sets(),
         names: ways.names.into_names(),
-        node_words: nodes.sets.into_sets(),
+        node_tags: nodes.sets.into_sets(),
         report,
         ..rows.into_network()
     }

@@ -1,6 +1,8 @@
-//! What stands along an edge: something at each end, and what lies between. Ends are kept with their vertices, once for all edges that meet there.
+//! Items along an edge: one at each end, and those in between.
+//!
+//! The items at the ends are stored with the vertices, once for all edges that meet there.
 
-/// A row of things along an edge, from vertex to vertex.
+/// A row of items along an edge, from vertex to vertex.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Chain<'a, T> {
     first: T,
@@ -9,7 +11,7 @@ pub struct Chain<'a, T> {
 }
 
 impl<'a, T: Copy> Chain<'a, T> {
-    /// What is at the first vertex, between them, and at the last one.
+    /// The items at the first vertex, in between, and at the last vertex.
     pub fn new(first: T, between: &'a [T], last: T) -> Self {
         Self {
             first,
@@ -18,13 +20,13 @@ impl<'a, T: Copy> Chain<'a, T> {
         }
     }
 
-    /// How many there are: two at least.
+    /// The number of items: two or more.
     #[expect(clippy::len_without_is_empty, reason = "there are two at least")]
     pub fn len(&self) -> usize {
         self.between.len() + 2
     }
 
-    /// Number `i`; whatever is behind the end is the last one.
+    /// Item `i`; the last one, if there are fewer.
     #[inline]
     pub fn at(&self, i: usize) -> T {
         match i.checked_sub(1) {
@@ -33,13 +35,13 @@ impl<'a, T: Copy> Chain<'a, T> {
         }
     }
 
-    /// All of them, in order.
+    /// All items, in order.
     pub fn iter(&self) -> impl DoubleEndedIterator<Item = T> + Clone + 'a {
         let (first, last) = (std::iter::once(self.first), std::iter::once(self.last));
         first.chain(self.between.iter().copied()).chain(last)
     }
 
-    /// Those from number `begin` up to `end`, without it.
+    /// Items `begin` to `end`, without the latter.
     pub fn part(
         &self,
         begin: usize,
@@ -48,7 +50,7 @@ impl<'a, T: Copy> Chain<'a, T> {
         (begin..end.min(self.len())).map(|i| self.at(i))
     }
 
-    /// Neighbours, in order.
+    /// Neighbouring items, in order.
     pub fn pairs(&self) -> impl Iterator<Item = [T; 2]> + 'a {
         self.iter().zip(self.iter().skip(1)).map(|(a, b)| [a, b])
     }
@@ -59,7 +61,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ends_and_what_is_between_stand_in_a_row() {
+    fn items_are_those_of_the_ends_and_in_between() {
         for between in [&[][..], &[2], &[2, 3, 4]] {
             let chain = Chain::new(1, between, 9);
             let all = [&[1], between, &[9]].concat();

@@ -1,7 +1,7 @@
 //! The ways, nodes and squares that a network is built from, as they come out of a map.
 
 use super::graph::Restriction;
-use super::words::{Classes, Names};
+use super::tag_sets::{Classes, Names};
 use crate::geo::Place;
 
 /// Areas with more corners than this are walked around, not crossed.
@@ -95,11 +95,13 @@ impl Ways {
 
 impl Nodes {
     /// The index of a node.
+    #[inline]
     pub(super) fn index(&self, id: i64) -> Option<usize> {
         self.ids.binary_search(&id).ok()
     }
 
     /// The index of a node whose place is known.
+    #[inline]
     pub(super) fn known(&self, id: i64) -> Option<usize> {
         self.index(id).filter(|index| self.places[*index].is_some())
     }

@@ -1,14 +1,14 @@
-//! The rows of a network, and what can be read from them.
+//! The rows of a network, and access to them.
 
 use super::chain::Chain;
-use super::words::{RoadName, RoadNames, WordSets};
+use super::tag_sets::{RoadName, RoadNames, TagSets};
 use crate::geo::Place;
 use crate::store::Column;
 
 /// The most ways between the first and the last one of a turn restriction.
 pub(crate) const MOST_VIA_WAYS: usize = 16;
 
-/// An edge's two vertices and what is known of it.
+/// An edge: its two vertices and its properties.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Edge {
@@ -16,53 +16,56 @@ pub struct Edge {
     pub from: u32,
     /// Where it ends.
     pub to: u32,
-    /// Millimetres.
+    /// Length, millimetres.
     pub length: u32,
-    /// Index of its words among [`Network::way_words`].
+    /// Index of its tags among [`Network::way_tags`].
     pub class: u32,
     /// Index of its name among [`Network::names`].
     pub name: u32,
-    /// The first of its points between its vertices among [`Network::points`]; the last one stands before the next edge's first.
+    /// Index of its first point between its vertices among [`Network::points`]. The last one
+    /// precedes the next edge's first.
     pub first_point: u32,
 }
 
-/// Which turn is restricted, as the map has it.
+/// A turn restriction, as the map has it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Restriction {
-    /// The way that one comes along.
+    /// The way before the turn.
     pub from: i64,
-    /// The node where one turns; nothing where there are ways in between.
+    /// The node of the turn; 0 if there are ways in between.
     pub via: i64,
-    /// The way that one turns into.
+    /// The way after the turn.
     pub to: i64,
-    /// Index of its words among [`Network::restriction_words`].
-    pub words: u32,
-    /// How many ways are in between; of all restrictions they stand one after another in [`Network::via_ways`].
+    /// Index of its tags among [`Network::restriction_tags`].
+    pub tags: u32,
+    /// How many ways are in between. Those of all restrictions follow one another in
+    /// [`Network::via_ways`].
     pub ways: u32,
 }
 
-/// What was left out while a network was built.
+/// Elements that could not be used, counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct NetworkReport {
-    /// Ways that no two neighbouring nodes are known of.
+    /// Ways of which no two neighbouring nodes are known.
     pub ways_without_points: usize,
-    /// Ways with words that hold at some times only (`*:conditional`); those words are not regarded.
+    /// Ways with tags that hold at some times only (`*:conditional`). Those tags are ignored.
     pub conditional: usize,
-    /// Turn restrictions that are not from ways by one node, or by ways, to others; not regarded.
+    /// Turn restrictions that do not lead from ways through one node, or through ways, to others.
+    /// They are ignored.
     pub odd_restrictions: usize,
-    /// Pedestrian areas with too many corners to be crossed, or without a whole outline.
+    /// Pedestrian areas with too many corners to be crossed, or with an incomplete outline.
     pub squares_not_crossed: usize,
 }
 
 /// The network.
 #[derive(Debug, Clone, Default)]
 pub struct Network {
-    /// Where vertices are.
+    /// The places of the vertices.
     pub vertices: Column<Place>,
-    /// For each vertex the index of its node's words among [`Network::node_words`].
+    /// For each vertex the index of its node's tags among [`Network::node_tags`].
     pub vertex_classes: Column<u32>,
-    /// The edges, and one more that says where the last one's points end.
+    /// The edges, and one more whose first point is the end of the last edge's points.
     pub edges: Column<Edge>,
     /// The points of all edges between their vertices.
     pub points: Column<Place>,
@@ -70,21 +73,21 @@ pub struct Network {
     pub nodes: Column<i64>,
     /// The OSM nodes at vertices.
     pub vertex_nodes: Column<i64>,
-    /// Sets of words of ways; number 0 is the empty one.
-    pub way_words: WordSets,
-    /// Sets of words of nodes; number 0 is the empty one.
-    pub node_words: WordSets,
+    /// Sets of tags of ways; number 0 is the empty set.
+    pub way_tags: TagSets,
+    /// Sets of tags of nodes; number 0 is the empty set.
+    pub node_tags: TagSets,
     /// For each edge the number of its way.
     pub ways: Column<i64>,
-    /// Turns that are restricted.
+    /// Turn restrictions.
     pub restrictions: Column<Restriction>,
     /// The ways in between of all restrictions.
     pub via_ways: Column<i64>,
-    /// What is said of them.
-    pub restriction_words: WordSets,
-    /// What roads are called; number 0 is nothing.
+    /// Sets of tags of turn restrictions.
+    pub restriction_tags: TagSets,
+    /// Names of roads; number 0 is no name.
     pub names: RoadNames,
-    /// What was left out.
+    /// Elements that could not be used.
     pub report: NetworkReport,
 }
 
@@ -101,7 +104,7 @@ pub(crate) struct Rows {
 }
 
 impl Rows {
-    /// The network of these rows; its words are still missing.
+    /// The network of these rows, without tags and names.
     pub(crate) fn into_network(mut self) -> Network {
         let first_point = self.points.len() as u32;
         self.edges.push(Edge {
@@ -132,7 +135,8 @@ impl Network {
         &self.edges[..self.edge_count()]
     }
 
-    /// The vertices at which a directed edge begins and ends: twice the edge's number, and one more against its direction.
+    /// The vertices at which a directed edge begins and ends: twice the edge's number, and one more
+    /// against its direction.
     pub fn ends(&self, directed: u32) -> [u32; 2] {
         let edge = &self.edges[directed as usize / 2];
         if directed.is_multiple_of(2) {
@@ -157,17 +161,17 @@ impl Network {
         Chain::new(from, &self.nodes[self.between(edge)], to)
     }
 
-    /// How many points there are, those of vertices once.
+    /// The number of points, those of vertices counted once.
     pub fn point_count(&self) -> usize {
         self.vertices.len() + self.points.len()
     }
 
-    /// What an edge's road is called.
+    /// The name of an edge's road.
     pub fn name(&self, edge: u32) -> RoadName<'_> {
         self.names.get(self.edges[edge as usize].name)
     }
 
-    /// Where an edge's points between its vertices are.
+    /// The range of an edge's points between its vertices.
     pub(crate) fn between(&self, edge: u32) -> std::ops::Range<usize> {
         let [first, end] = [0, 1].map(|i| self.edges[edge as usize + i].first_point as usize);
         first..end

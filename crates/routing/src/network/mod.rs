@@ -1,14 +1,14 @@
 //! The road network of a map, independent of any profile.
 //!
-//! Vertices are nodes where ways meet, end, or that have tags of their own (a barrier, a crossing). Edges are the pieces of
-//! ways between them. Tags that a profile may ask for are kept beside, each set of tags once, so that a profile can be
-//! changed without the map.
+//! Vertices are nodes where ways meet, end, or that have tags of their own (a barrier, a crossing).
+//! Edges are the pieces of ways between them. Tags that a profile may ask for are kept, each set of
+//! tags once, so that a profile can be changed without the map.
 //!
 //! | module | its one job |
 //! |---|---|
 //! | `graph` | [`Network`]: the rows of a network |
-//! | `chain` | [`Chain`]: what stands along an edge |
-//! | `words` | sets of tags and names, each kept once |
+//! | `chain` | [`Chain`]: items along an edge |
+//! | `tag_sets` | sets of tags and names, each kept once |
 //! | `elements` | the ways, nodes and squares that a network is built from |
 //! | `read` | reads these elements, out of all that a map holds |
 //! | `outlines` | the outlines of squares that are relations |
@@ -26,11 +26,11 @@ mod outlines;
 mod read;
 mod spanner;
 mod squares;
+mod tag_sets;
 mod timetable;
 mod visibility;
-mod words;
 
 pub use chain::Chain;
 pub use graph::{Edge, Network, NetworkReport, Restriction};
 pub(crate) use graph::{MOST_VIA_WAYS, Rows};
-pub use words::{RoadName, RoadNames, Texts, WordSets};
+pub use tag_sets::{RoadName, RoadNames, TagSets, Texts};

@@ -9,8 +9,8 @@ use openbench_osm::{ElementKind, OsmError};
 use super::elements::{Nodes, Square, Way, Ways};
 use super::graph::{MOST_VIA_WAYS, Restriction};
 use super::outlines::read_outlines;
+use super::tag_sets::Classes;
 use super::timetable::seconds;
-use super::words::Classes;
 use crate::geo::Place;
 use crate::profile::CROSSING;
 
@@ -83,7 +83,7 @@ impl Ways {
             self.odd_restrictions += 1;
             return;
         };
-        let words = self.restriction_sets.number(relation.tags, None);
+        let tags = self.restriction_sets.number(relation.tags, None);
         let ways = via_ways.len() as u32;
         for &from in &from {
             for &to in &to {
@@ -92,7 +92,7 @@ impl Ways {
                     from,
                     via,
                     to,
-                    words,
+                    tags,
                     ways,
                 });
             }

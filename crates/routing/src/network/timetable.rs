@@ -1,7 +1,7 @@
 //! How long a ferry takes, from the tag `duration`.
 
-/// The seconds of `MM`, `HH:MM`, `HH:MM:SS` or an ISO 8601 duration such as `PT1H30M`; `None` if
-/// it is none of these, or below a second or above 11 days.
+/// The seconds of `MM`, `HH:MM`, `HH:MM:SS` or an ISO 8601 duration such as `PT1H30M`. `None` for
+/// other texts, and for durations below a second or above 11 days.
 pub(super) fn seconds(duration: &str) -> Option<f64> {
     let text = duration.trim();
     let seconds = match text.strip_prefix("PT") {

@@ -104,6 +104,7 @@ fn twice_the_area(corners: &[Corner], ring: Range<usize>) -> f64 {
 }
 
 /// On which side of the line from `a` to `b` a place is: 1 left, -1 right, 0 on it.
+#[inline]
 fn side(a: Place, b: Place, place: Place) -> i64 {
     let [ax, ay, bx, by, x, y] = [a.lon, a.lat, b.lon, b.lat, place.lon, place.lat].map(i128::from);
     ((bx - ax) * (y - ay) - (x - ax) * (by - ay)).signum() as i64

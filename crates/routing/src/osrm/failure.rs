@@ -1,4 +1,4 @@
-//! What OSRM says when it cannot answer.
+//! OSRM's error responses.
 
 use super::json::Json;
 
@@ -6,9 +6,9 @@ use super::json::Json;
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct Failure {
-    /// OSRM's word for it.
+    /// OSRM's code.
     pub code: &'static str,
-    /// In words.
+    /// OSRM's message.
     pub message: String,
 }
 
@@ -21,7 +21,7 @@ impl Failure {
         }
     }
 
-    /// The query is malformed at so many bytes from its beginning.
+    /// The query is malformed at an offset in bytes from its beginning.
     pub fn query(position: usize) -> Self {
         Self::new(
             "InvalidQuery",
@@ -29,7 +29,7 @@ impl Failure {
         )
     }
 
-    /// The answer.
+    /// The response body.
     pub fn to_json(&self) -> Vec<u8> {
         let mut json = Json::default();
         json.object(|json| {

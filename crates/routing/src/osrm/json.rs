@@ -1,10 +1,11 @@
-//! JSON as OSRM writes it, without a tree in between: no white space, whole numbers without a point.
+//! JSON as OSRM writes it: no white space, whole numbers without a decimal point.
 //!
-//! By hand, since most of an answer are coordinates, which are whole numbers here and need not become floating point first.
+//! Written directly, without a tree: most of an answer are coordinates, which are whole numbers
+//! here and need not become floating point first.
 
 use crate::geo::Place;
 
-/// A text of JSON that is being written. Commas are put where they belong.
+/// A JSON text under construction. Commas are inserted automatically.
 #[derive(Debug, Default)]
 pub struct Json {
     text: Vec<u8>,
@@ -23,12 +24,12 @@ impl Json {
         }
     }
 
-    /// Members in braces.
+    /// An object with these members.
     pub fn object(&mut self, members: impl FnOnce(&mut Self)) {
         self.within(b'{', b'}', members);
     }
 
-    /// Values in brackets.
+    /// An array of these values.
     pub fn array(&mut self, values: impl FnOnce(&mut Self)) {
         self.within(b'[', b']', values);
     }
@@ -42,7 +43,7 @@ impl Json {
         self.comma = true;
     }
 
-    /// The name of the value that comes next.
+    /// The name of the value that follows.
     pub fn key(&mut self, key: &str) -> &mut Self {
         self.string(key);
         self.text.push(b':');
@@ -50,7 +51,7 @@ impl Json {
         self
     }
 
-    /// Text.
+    /// A string.
     pub fn string(&mut self, text: &str) {
         self.begin();
         self.text.push(b'"');
@@ -83,20 +84,20 @@ impl Json {
         self.digits(value);
     }
 
-    /// A number of so many decimal places, those at the end left out that are 0.
+    /// A number rounded to so many decimal places, without trailing zeros.
     pub fn decimal(&mut self, value: f64, places: u32) {
         let units = libm::round(value * 10_f64.powi(places as i32)) as i64;
         self.begin();
         self.fixed(units, places);
     }
 
-    /// Hundredths of a second as seconds, to a tenth.
+    /// Hundredths of a second as seconds, rounded to a tenth.
     pub fn seconds(&mut self, hundredths: u64) {
         self.begin();
         self.fixed((hundredths as i64 + 5) / 10, 1);
     }
 
-    /// Longitude and latitude, to 1e-6 degrees.
+    /// Longitude and latitude, rounded to 1e-6 degrees.
     pub fn place(&mut self, place: Place) {
         self.begin();
         self.text.push(b'[');

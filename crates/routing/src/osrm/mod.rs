@@ -1,17 +1,18 @@
 //! OSRM's HTTP API, version 1: the services *route*, *nearest* and *table*.
 //!
-//! What `benchmarks/routing/osrm.md` found out about OSRM 26.10 is kept to: its addresses, options, codes, members and numbers.
+//! Addresses, options, codes, members and numbers follow OSRM 26.10 as `benchmarks/routing/osrm.md`
+//! describes it.
 //!
 //! | module | its one job |
 //! |---|---|
-//! | `request` | what an address asks for |
-//! | `service` | the answer to a request |
+//! | `request` | parses requests |
+//! | `service` | answers requests |
 //! | `route`, `nearest`, `table` | the answers of the three services |
 //! | `segments` | what each segment takes, for annotations |
-//! | `step` | what to do on the way, as JSON |
-//! | `simplify` | as many points of a line as can be seen |
+//! | `step` | turn-by-turn instructions as JSON |
+//! | `simplify` | lines with as few points as the overview needs |
 //! | `polyline` | lines as text |
-//! | `failure` | what is said when there is no answer |
+//! | `failure` | error responses |
 //! | `json` | JSON as OSRM writes it |
 
 mod failure;

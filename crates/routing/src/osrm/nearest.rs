@@ -1,4 +1,4 @@
-//! What is near a place.
+//! The service *nearest*: roads near a place.
 
 use super::failure::Failure;
 use super::json::Json;
@@ -8,6 +8,9 @@ use crate::position::{Position, several};
 
 impl Service {
     /// Answers *nearest*.
+    ///
+    /// # Errors
+    /// If a place is far from all roads.
     pub fn nearest(
         &self,
         request: &NearestRequest,

@@ -29,7 +29,7 @@ fn push(text: &mut String, step: i64) {
     text.push(char::from(bits as u8 + 63));
 }
 
-/// The line's latitudes and longitudes, `None` if the text is no line.
+/// The line's latitudes and longitudes; `None` if the text is malformed.
 pub fn decode(text: &str, places: u32) -> Option<Vec<[f64; 2]>> {
     let (mut bytes, mut line, mut now) = (text.bytes(), Vec::new(), [0_i64; 2]);
     let scale = 10_f64.powi(places as i32);
@@ -63,9 +63,9 @@ mod tests {
     use openbench_core::LonLat;
     use proptest::prelude::*;
 
-    /// The example of the format's description.
+    /// The example in the description of the format.
     #[test]
-    fn the_format_is_googles() {
+    fn the_example_of_the_format_is_encoded() {
         let line = [(-120.2, 38.5), (-120.95, 40.7), (-126.453, 43.252)];
         let line = line.map(|(lon, lat)| Place::new(LonLat::new(lon, lat)).unwrap());
         assert_eq!(encode(&line, 5), "_p~iF~ps|U_ulLnnqC_mqNvxq`@");
@@ -77,15 +77,22 @@ mod tests {
 
     proptest! {
         #[test]
-        fn lines_come_back(line in proptest::collection::vec((-1_800_000_000_i32..1_800_000_000, -900_000_000_i32..900_000_000), 0..9)) {
-            let line: Vec<Place> = line.into_iter().map(|(lon, lat)| Place { lon: lon / 10 * 10, lat: lat / 10 * 10 }).collect();
+        fn lines_come_back(
+            line in proptest::collection::vec(
+                (-180_000_000..180_000_000, -90_000_000..90_000_000),
+                0..9,
+            ),
+        ) {
+            let place = |(lon, lat): (i32, i32)| Place { lon: lon * 10, lat: lat * 10 };
+            let line: Vec<Place> = line.into_iter().map(place).collect();
             let back = decode(&encode(&line, 6), 6).unwrap();
-            let back: Vec<Place> = back.into_iter().map(|[lat, lon]| Place::new(LonLat::new(lon, lat)).unwrap()).collect();
+            let place = |[lat, lon]: [f64; 2]| Place::new(LonLat::new(lon, lat)).unwrap();
+            let back: Vec<Place> = back.into_iter().map(place).collect();
             prop_assert_eq!(back, line);
         }
 
         #[test]
-        fn no_text_does_harm(text in ".{0,40}") {
+        fn malformed_text_does_not_panic(text in ".{0,40}") {
             let _ = decode(&text, 5);
         }
     }

@@ -1,4 +1,4 @@
-//! Requests as OSRM's HTTP API, version 1, has them: `/{service}/v1/{profile}/{coordinates}?{options}`.
+//! Requests of OSRM's HTTP API, version 1: `/{service}/v1/{profile}/{coordinates}?{options}`.
 
 use openbench_core::LonLat;
 
@@ -7,37 +7,37 @@ use super::polyline;
 use crate::geo::Place;
 use crate::position::{BearingRange, SnapOptions};
 
-/// What is asked for.
+/// A request.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Request {
-    /// The way through some places.
+    /// The route through some places.
     Route(RouteRequest),
-    /// What is near a place.
+    /// Roads near a place.
     Nearest(NearestRequest),
-    /// How far places are from each other.
+    /// Durations and distances between places.
     Table(TableRequest),
 }
 
 /// The places of a request.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Places {
-    /// Where they are.
+    /// Their positions.
     pub places: Vec<Place>,
-    /// How each of them is brought onto the network; as many as places.
+    /// How each of them is snapped to the network; as many as places.
     pub snap: Vec<SnapOptions>,
-    /// Whether the answer is to hold hints.
+    /// Whether the answer contains hints.
     pub hints: bool,
     /// Whether the places are left out of the answer.
     pub skip_waypoints: bool,
 }
 
-/// How lines are written.
+/// The format of lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Geometries {
-    /// As text with five decimal places.
+    /// Encoded with five decimal places.
     #[default]
     Polyline,
-    /// As text with six.
+    /// Encoded with six decimal places.
     Polyline6,
     /// As GeoJSON.
     GeoJson,
@@ -46,18 +46,18 @@ pub enum Geometries {
 /// How much of a route's line is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Overview {
-    /// What can be seen of it when all of it is seen.
+    /// As many points as can be distinguished when the whole line is displayed.
     #[default]
     Simplified,
-    /// All of it.
+    /// All points.
     Full,
-    /// All of it, leg by leg.
+    /// All points, leg by leg.
     ByLegs,
-    /// Nothing.
+    /// None.
     False,
 }
 
-/// What is told of every segment.
+/// What is reported for every segment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Annotations {
     /// Seconds.
@@ -66,80 +66,80 @@ pub struct Annotations {
     pub distance: bool,
     /// OSM nodes.
     pub nodes: bool,
-    /// Metres a second.
+    /// Metres per second.
     pub speed: bool,
-    /// What it counts as.
+    /// The weight.
     pub weight: bool,
     /// Where its speed comes from.
     pub datasources: bool,
 }
 
-/// Asks for a way.
+/// Asks for a route.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RouteRequest {
-    /// Through which places.
+    /// The places to visit.
     pub places: Places,
-    /// How many other ways are wanted.
+    /// How many alternatives are wanted.
     pub alternatives: usize,
-    /// Whether to say where to turn.
+    /// Whether to give instructions.
     pub steps: bool,
-    /// What to tell of every segment.
+    /// What to report for every segment.
     pub annotations: Annotations,
-    /// How lines are written.
+    /// The format of lines.
     pub geometries: Geometries,
-    /// How much of the whole line is.
+    /// How much of the whole line is written.
     pub overview: Overview,
-    /// Whether one goes on in the same direction at places in between; by default as the profile has it.
+    /// Whether the route goes straight on at places in between. By default the profile decides.
     pub continue_straight: Option<bool>,
     /// Which places divide legs; all if none are named.
     pub waypoints: Vec<usize>,
 }
 
-/// Asks for what is near.
+/// Asks for roads near places.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct NearestRequest {
-    /// Near which places.
+    /// The places.
     pub places: Places,
-    /// How many stretches of road.
+    /// How many stretches of road per place.
     pub number: usize,
 }
 
-/// Asks how far places are from each other.
+/// Asks for durations and distances between places.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TableRequest {
-    /// Which places.
+    /// The places.
     pub places: Places,
-    /// Indices of those that are begun at; all if none are named.
+    /// Indices of the sources; all if none are named.
     pub sources: Vec<usize>,
-    /// Indices of those that are gone to; all if none are named.
+    /// Indices of the targets; all if none are named.
     pub destinations: Vec<usize>,
-    /// Whether seconds are wanted, and metres.
+    /// Whether durations are wanted.
     pub duration: bool,
-    /// Whether metres are wanted.
+    /// Whether distances are wanted.
     pub distance: bool,
-    /// Metres a second in a straight line where there is no way.
+    /// Metres per second along a straight line where there is no route.
     pub fallback_speed: Option<f64>,
-    /// Whether that line is between the places on the network, not between those asked for.
+    /// Whether that line connects the places on the network, not those of the request.
     pub fallback_snapped: bool,
-    /// By how much durations are multiplied.
+    /// A factor for durations.
     pub scale: f64,
 }
 
-/// How much may be asked for at once.
+/// The limits of requests.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
-    /// Places of a route.
+    /// The most places of a route.
     pub route: usize,
-    /// Places of a table.
+    /// The most places of a table.
     pub table: usize,
-    /// Stretches of road near a place.
+    /// The most stretches of road near a place.
     pub nearest: usize,
-    /// Other ways.
+    /// The most alternatives.
     pub alternatives: usize,
 }
 
 impl Default for Limits {
-    /// As `osrm-routed` has them.
+    /// The limits of `osrm-routed`.
     fn default() -> Self {
         Self {
             route: 500,
@@ -150,7 +150,7 @@ impl Default for Limits {
     }
 }
 
-/// One `key=value` of a query, and where it stands.
+/// One `key=value` of a query, and its offset.
 #[derive(Debug, Clone)]
 struct Setting<'a> {
     key: &'a str,
@@ -160,7 +160,10 @@ struct Setting<'a> {
 }
 
 impl Request {
-    /// Reads the path and the query of an address.
+    /// Parses the path and the query of an address.
+    ///
+    /// # Errors
+    /// OSRM's code and message, if the address is malformed or exceeds a limit.
     pub fn parse(target: &str, limits: &Limits) -> Result<Self, Failure> {
         let (path, query) = target.split_once('?').unwrap_or((target, ""));
         let parts: Vec<&str> = path
@@ -207,7 +210,7 @@ impl Request {
     }
 }
 
-/// A part of a request that may be said again: short.
+/// A part of a request as it may be quoted: shortened.
 fn shown(text: &str) -> String {
     text.chars().take(60).collect()
 }
@@ -335,7 +338,7 @@ impl Setting<'_> {
         self.value.parse().map_err(|_| self.fail())
     }
 
-    /// Indices separated by semicolons; `all` is none.
+    /// Indices separated by semicolons; none for `all`.
     fn indices(&self) -> Result<Vec<usize>, Failure> {
         match self.value.as_str() {
             "all" | "" => Ok(Vec::new()),
@@ -358,12 +361,12 @@ impl Places {
         }
     }
 
-    /// Takes an option in that all services know; whether it is one.
+    /// Stores an option that all services share. Returns whether it is one.
     fn take(&mut self, option: &Setting<'_>) -> Result<bool, Failure> {
         match option.key {
             "generate_hints" => self.hints = option.boolean()?,
             "skip_waypoints" => self.skip_waypoints = option.boolean()?,
-            // Hints are accepted, and places looked up all the same.
+            // Hints are accepted, but places are looked up nevertheless.
             "hints" => drop(self.list(option)?),
             "approaches" => {
                 let known = |word: &&str| ["", "curb", "opposite", "unrestricted"].contains(word);
@@ -436,7 +439,7 @@ fn too_big(what: &str, count: usize, limit: usize) -> Result<(), Failure> {
 }
 
 impl RouteRequest {
-    /// A request for the way through some places, and nothing else.
+    /// A request for the route through some places, without options.
     pub fn through(places: Vec<Place>) -> Self {
         Self {
             places: Places::new(places),

@@ -1,19 +1,22 @@
-//! As many points of a line as can be seen when all of it is seen.
+//! Lines with as few points as the overview of a route needs.
 //!
-//! D. Douglas, T. Peucker, *Algorithms for the reduction of the number of points required to represent a digitized line*, 1973, in
-//! Mercator's projection, as fine as a map of eight by five tiles shows it.
+//! D. Douglas, T. Peucker, *Algorithms for the reduction of the number of points required to
+//! represent a digitized line*, 1973, in Mercator's projection, at the resolution of a map of eight
+//! by five tiles.
 
 use crate::geo::Place;
 
-/// Units of a [`Place`] round the equator.
+/// Units of a [`Place`] around the equator.
 const EQUATOR: f64 = 3.6e9;
-/// A tile's side, pixels, and how many tiles are seen.
+/// A tile's side, pixels, and how many tiles are displayed.
 const TILE: f64 = 256.0;
 const SEEN: [f64; 2] = [8.0, 5.0];
-/// At zoom 18 what is nearer than so many units, squared, to a straight line is on it; four times as many a zoom less.
+/// The highest zoom, and the squared distance from a straight line, in units, below which points
+/// are on the line at that zoom. Each zoom below quadruples it.
 const FINEST: (i32, f64) = (18, 67_600.0);
 
-/// The points that are kept of some lines, one going on where another ends; of each the first and the last always are.
+/// The points of some lines that are kept, where each line begins at the end of the one before. The
+/// first and the last point of each line are always kept.
 pub fn simplified(lines: &[&[Place]]) -> Vec<Place> {
     let points: Vec<Vec<[f64; 2]>> = lines
         .iter()
@@ -33,7 +36,7 @@ pub fn simplified(lines: &[&[Place]]) -> Vec<Place> {
     kept
 }
 
-/// Which points of a line are needed for all of them to be within a limit, squared, of it.
+/// Which points of a line are needed for all of its points to be within a squared distance of it.
 fn keep(points: &[[f64; 2]], limit: f64) -> Vec<bool> {
     let mut kept = vec![false; points.len()];
     let mut waiting = if points.is_empty() {
@@ -66,7 +69,7 @@ fn mercator(place: &Place) -> [f64; 2] {
     [f64::from(place.lon), y * EQUATOR / std::f64::consts::TAU]
 }
 
-/// The largest zoom at which all points are seen.
+/// The highest zoom at which all points are displayed.
 fn zoom(points: &[[f64; 2]]) -> i32 {
     let extent = |i: usize| {
         let values = points.iter().map(|p| p[i]);
@@ -81,7 +84,7 @@ fn zoom(points: &[[f64; 2]]) -> i32 {
     (fits(0).min(fits(1)) as i32).clamp(1, FINEST.0)
 }
 
-/// How far a point is from a segment, squared.
+/// Squared distance of a point from a segment.
 fn away(point: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let [dx, dy] = [b[0] - a[0], b[1] - a[1]];
     let [px, py] = [point[0] - a[0], point[1] - a[1]];
@@ -118,7 +121,7 @@ mod tests {
         .concat();
         assert_eq!(simplified(&[&corner]), [line[0], line[99], corner[100]]);
         assert_eq!(simplified(&[&line[..1]]), [line[0]]);
-        // Where one line ends and another begins there is a point.
+        // The point between two lines is kept.
         assert_eq!(
             simplified(&[&line[..50], &line[49..]]),
             [line[0], line[49], line[99]]

@@ -1,4 +1,4 @@
-//! What to do on the way, as JSON.
+//! Turn-by-turn instructions as JSON.
 
 use super::json::Json;
 use super::polyline;
@@ -8,9 +8,9 @@ use crate::geo::Place;
 use crate::guidance::{Guide, Step};
 use crate::leg::{Leg, Line};
 
-/// A line as a request wants it.
+/// A line in the format of a request.
 pub(super) fn geometry(json: &mut Json, points: &[Place], form: Geometries) {
-    // A line has two points even where it has no length.
+    // A line has two points even if it has no length.
     let doubled = [points[0]; 2];
     let points = if points.len() == 1 { &doubled } else { points };
     match form {
@@ -24,7 +24,7 @@ pub(super) fn geometry(json: &mut Json, points: &[Place], form: Geometries) {
     }
 }
 
-/// A bearing from 0 to 359.
+/// A bearing from 0 to 359 degrees.
 fn degrees(bearing: f64) -> i64 {
     libm::round(bearing) as i64 % 360
 }
@@ -50,7 +50,7 @@ impl Service {
         form: Geometries,
     ) {
         let points = line.part(step.edges.clone());
-        // One arrives on the last edge.
+        // The arrival is on the last edge.
         let edge = leg.edges[step.edges.start.min(leg.edges.len() - 1)] / 2;
         let name = self.roads.network.name(edge);
         json.object(|json| {
@@ -88,7 +88,7 @@ impl Service {
     fn mode(&self, edge: u32) -> &'static str {
         let network = &self.roads.network;
         match network
-            .way_words
+            .way_tags
             .is(network.edges[edge as usize].class, "route", "ferry")
         {
             true => "ferry",
@@ -97,7 +97,7 @@ impl Service {
         }
     }
 
-    /// Where the step begins, and the junctions that are passed in it.
+    /// The begin of the step, and the junctions that are passed in it.
     fn intersections(
         &self,
         json: &mut Json,

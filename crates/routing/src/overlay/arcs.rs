@@ -1,6 +1,6 @@
-//! What searches run along: states and the arcs between them.
+//! States and the arcs between them.
 
-/// No way, or no state.
+/// No arc, or no state.
 pub const NONE: u32 = u32::MAX;
 
 /// An arc between two states.
@@ -10,20 +10,22 @@ pub struct Arc {
     pub from: u32,
     /// The state that it leads to.
     pub to: u32,
-    /// The directed edge that it passes along: twice the edge's number, plus one against its direction.
+    /// The directed edge that it passes along: twice the edge's number, plus one against its
+    /// direction.
     pub via: u32,
 }
 
-/// Arcs by the state that they are found at.
+/// Arcs, by one of their states.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Arcs {
-    /// For each state its first arc, and where the last one's end.
+    /// For each state its first arc, and the end of the last one's.
     pub first: Vec<u32>,
     /// The state at the other end.
     pub head: Vec<u32>,
-    /// The directed edge that the arc passes along: twice the edge's number, and one more against its direction.
+    /// The directed edge that the arc passes along: twice the edge's number, plus one against its
+    /// direction.
     pub via: Vec<u32>,
-    /// The highest layer in whose cells the two states are apart, 0 if in none.
+    /// The highest layer in which the two states are in different cells; 0 if there is none.
     pub border: Vec<u8>,
 }
 
@@ -53,7 +55,7 @@ impl Arcs {
         result
     }
 
-    /// Whether each arc from one state to another has one back along the same edge, and no two have the same.
+    /// Whether each arc has exactly one in the opposite direction along the same edge.
     pub fn is_symmetric(&self) -> bool {
         let mut ends = vec![
             [NONE; 2];
@@ -73,7 +75,7 @@ impl Arcs {
             .all(|both| both[0] == [both[1][1], both[1][0]])
     }
 
-    /// The same arcs by the states that they lead to.
+    /// The same arcs, by the states that they lead to.
     pub fn reversed(&self) -> Self {
         let back = |(from, slot): (u32, usize)| Arc {
             from: self.head[slot],
@@ -94,7 +96,7 @@ impl Arcs {
         self.first[state as usize] as usize..self.first[state as usize + 1] as usize
     }
 
-    /// All arcs with the states that they are found at.
+    /// All arcs, with the states that they are stored at.
     pub fn iter(&self) -> impl Iterator<Item = (u32, usize)> + Clone + '_ {
         (0..self.states() as u32).flat_map(|state| self.of(state).map(move |slot| (state, slot)))
     }

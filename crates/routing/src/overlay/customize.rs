@@ -1,7 +1,8 @@
-//! How far the exits of each cell are from its entries, for one set of weights.
+//! Customization: the distances from the entries of each cell to its exits, for one set of weights.
 //!
-//! Layer by layer: a search from each entry of a cell along what the layer below knows. The trees of these searches are kept, so that
-//! a way through a cell is unpacked by looking up, not by searching again.
+//! Layer by layer, a search from each entry of a cell runs along the cliques of the layer below.
+//! The trees of these searches are kept, so that a path through a cell is unpacked by look-ups
+//! instead of searches.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -11,7 +12,7 @@ use rayon::prelude::*;
 
 use super::{FAR, Layer, Overlay};
 
-/// Weights of arcs: at most [`FAR`], which is no way.
+/// Weights of arcs, at most [`FAR`], which stands for a closed arc.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Weights {
     /// In the order of [`Overlay::out`].
@@ -20,15 +21,16 @@ pub struct Weights {
     pub into: Vec<u32>,
 }
 
-/// What is known of the cells of a layer.
+/// The cliques of a layer: distances through its cells.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Cliques {
-    /// For each cell a matrix, a row for each entry: how far each exit is.
+    /// For each cell a matrix with a row for each entry: the distances to the exits.
     pub rows: Vec<u32>,
     /// The same transposed: a row for each exit.
     pub columns: Vec<u32>,
-    /// For each entry of a cell and each index inside: the index, from the cell's first one on, that it is reached from; [`UNREACHED`] if it is
-    /// not, itself where the search began.
+    /// For each entry of a cell and each index inside: the index that precedes it on the shortest
+    /// path, counted from the cell's first one. [`UNREACHED`] if there is no path; itself where the
+    /// search began.
     pub trees: Vec<u16>,
 }
 
@@ -36,7 +38,7 @@ pub struct Cliques {
 pub const UNREACHED: u16 = u16::MAX;
 
 impl Cliques {
-    /// All layers.
+    /// The cliques of all layers.
     pub fn all(overlay: &Overlay, weights: &Weights) -> Vec<Self> {
         let mut layers: Vec<Self> = Vec::new();
         for layer in &overlay.layers {
@@ -53,7 +55,8 @@ impl Cliques {
         layers
     }
 
-    /// Those cells again that hold one of these states, in all layers: after the weights of arcs between them have changed.
+    /// Computes those cells of all layers again that contain one of these states, after the weights
+    /// of arcs between them have changed.
     pub fn update(layers: &mut [Self], overlay: &Overlay, weights: &Weights, states: &[u32]) {
         for (height, layer) in overlay.layers.iter().enumerate() {
             let mut cells: Vec<u32> = states
@@ -81,7 +84,7 @@ impl Cliques {
         }
     }
 
-    /// Works out some cells, which must be in order.
+    /// Computes some cells, which must be in order.
     fn fill(&mut self, layer: &Layer, below: &Below<'_>, cells: &[u32]) {
         let parts = parts(&mut self.rows, &layer.matrix, cells);
         let parts = parts.zip(self::parts(&mut self.columns, &layer.matrix, cells));
@@ -131,18 +134,18 @@ fn transpose(rows: &[u32], columns: &mut [u32], width: usize) {
     }
 }
 
-/// What the layer below knows.
+/// What is known of the layer below.
 struct Below<'a> {
     overlay: &'a Overlay,
     weights: &'a Weights,
     layers: &'a [Cliques],
 }
 
-/// What is inside a cell, numbered from 0, and a search in it.
+/// The inside of a cell, numbered from 0, and a search in it.
 #[derive(Default)]
 struct Local {
     begin: usize,
-    /// For each index inside its first arc, and where the last one's end.
+    /// For each index inside its first arc, and the end of the last one's.
     first: Vec<u32>,
     arcs: Vec<(u32, u32)>,
     distance: Vec<u32>,
@@ -162,7 +165,8 @@ impl Local {
         self.first.push(self.arcs.len() as u32);
     }
 
-    /// The arcs that lead from one subcell to another, in the lowest layer from one state to another.
+    /// The arcs that lead from one subcell to another; in the lowest layer, from one state to
+    /// another.
     fn load_arcs(&mut self, below: &Below<'_>, index: usize, inner: &Range<usize>) {
         let (overlay, height) = (below.overlay, below.layers.len());
         let state = height
@@ -180,7 +184,7 @@ impl Local {
         }
     }
 
-    /// The ways through the subcell that an entry belongs to.
+    /// The distances through the subcell of an entry.
     fn load_clique(&mut self, below: &Below<'_>, index: usize) {
         let Some(height) = below.layers.len().checked_sub(1) else {
             return;
@@ -216,7 +220,7 @@ impl Local {
         }
     }
 
-    /// Dijkstra's search from one index inside.
+    /// Dijkstra's algorithm from one index inside.
     fn search(&mut self, from: usize, tree: &mut [u16]) {
         tree.fill(UNREACHED);
         self.distance.clear();

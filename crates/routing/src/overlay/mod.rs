@@ -1,17 +1,20 @@
-//! Layers of cells over a graph: which states lie on their borders, and where what is known of each cell is kept.
+//! Layers of cells over a graph: which states are on the borders of cells, and where the distances
+//! through each cell are stored.
 //!
-//! A *state* is what a search settles: a vertex, or an edge in a direction where turns matter. Layer 0 are the states themselves. In layer *k* ≥ 1
-//! only those states remain, as *slots*, that an arc from another cell leads to (*entries*) or that an arc leaves the cell from (*exits*).
-//! Slots of a cell stand in a row: entries first, exits last, those that are both in the middle. So what a cell's entries are away from its exits
-//! is a matrix whose rows run along neighbouring slots. The slots of a cell's subcells stand in a row too: all that matters inside a cell is a range of the
-//! layer below.
+//! A *state* is what a search settles: a vertex, or a directed edge where turns matter. Layer 0
+//! consists of the states themselves. In layer *k* ≥ 1 only those states remain, as *slots*, to
+//! which an arc from another cell leads (*entries*), or from which an arc leaves the cell
+//! (*exits*). The slots of a cell are contiguous: entries first, exits last, those that are both in
+//! the middle. The distances from a cell's entries to its exits are therefore a matrix whose rows
+//! run along neighbouring slots. The slots of a cell's subcells are contiguous too: the inside of a
+//! cell is a range of the layer below.
 //!
 //! None of this depends on a profile. Delling et al. 2017 call it the overlay's topology.
 //!
 //! | module | its one job |
 //! |---|---|
 //! | `arcs` | states and arcs |
-//! | `customize` | how far a cell's exits are from its entries, for a profile |
+//! | `customize` | distances through cells, for a profile |
 
 mod arcs;
 mod customize;
@@ -19,16 +22,16 @@ mod customize;
 pub use arcs::{Arc, Arcs, NONE};
 pub use customize::{Cliques, UNREACHED, Weights};
 
-/// The highest weight that counts; anything from [`FAR`] on is no way. Two of them can be added.
+/// The weight from which on there is no path. Two weights up to it can be added without overflow.
 pub const FAR: u32 = i32::MAX as u32;
 
-/// Numbers for each state that a layer may know of its cells: as many as the smallest cells can have at most, if they hold 32 states.
-const MOST_KNOWN: u64 = 64;
+/// How many numbers a layer may store for each state: the most that cells of 32 states can need.
+const MOST_NUMBERS_PER_STATE: u64 = 64;
 
 /// A layer of cells.
 #[derive(Debug, Clone, Default)]
 pub struct Layer {
-    /// For each cell its first slot, and where the last one's end.
+    /// For each cell its first slot, and the end of the last one's.
     pub first: Vec<u32>,
     /// For each cell where its entries end.
     pub entries_end: Vec<u32>,
@@ -40,13 +43,14 @@ pub struct Layer {
     pub below: Vec<u32>,
     /// For each index in the layer below its slot, or [`NONE`].
     pub slot: Vec<u32>,
-    /// For each cell where what it holds begins in the layer below, and where the last one ends.
+    /// For each cell the begin of its inside in the layer below, and the end of the last one's.
     pub inner: Vec<u32>,
-    /// For each cell where its matrix begins, and where the last one ends.
+    /// For each cell the begin of its matrix, and the end of the last one.
     pub matrix: Vec<u64>,
-    /// For each cell where its trees begin, and where the last one ends: for each entry one, over all inner indices.
+    /// For each cell the begin of its trees, and the end of the last one's: a tree for each entry,
+    /// over all indices inside.
     pub trees: Vec<u64>,
-    /// For each cell of the lowest layer the cell here.
+    /// For each cell of the lowest layer the cell of this layer that contains it.
     pub cell_of_leaf: Vec<u32>,
 }
 
@@ -66,18 +70,19 @@ impl Layer {
         self.exits_begin[cell as usize] as usize..self.first[cell as usize + 1] as usize
     }
 
-    /// What a cell holds, as indices of the layer below.
+    /// The inside of a cell, as indices of the layer below.
     pub fn inner(&self, cell: u32) -> std::ops::Range<usize> {
         self.inner[cell as usize] as usize..self.inner[cell as usize + 1] as usize
     }
 
-    /// Whether what is to be known of its cells has room: where a map is as flat as streets are, always. Of a map that is not, cells have borders as
-    /// long as they are large, and searches do better without them.
+    /// Whether the distances through its cells fit into memory. On planar maps, as of streets, they
+    /// always do. On other maps the borders of cells are as long as the cells are large, and
+    /// searches are faster without them.
     fn is_affordable(&self, states: usize) -> bool {
         let known =
             [&self.matrix, &self.trees].map(|ends| ends.last().copied().unwrap_or_default());
         let inner = (0..self.cells() as u32).map(|cell| self.inner(cell).len());
-        known.iter().sum::<u64>() <= MOST_KNOWN * (states as u64 + (1 << 18))
+        known.iter().sum::<u64>() <= MOST_NUMBERS_PER_STATE * (states as u64 + (1 << 18))
             && inner
                 .max()
                 .is_none_or(|largest| largest < usize::from(UNREACHED))
@@ -94,8 +99,9 @@ impl Layer {
 pub struct Overlay {
     /// Arcs by the state that they leave.
     pub out: Arcs,
-    /// Arcs by the state that they lead to; `None` if each arc has one the other way, on the same edge: then those that lead to a state stand in the
-    /// order of those that leave it.
+    /// Arcs by the state that they lead to. `None` if each arc has one in the opposite direction
+    /// along the same edge: then those that lead to a state are in the order of those that leave
+    /// it.
     into: Option<Arcs>,
     /// For each state its cell in the lowest layer.
     pub leaf: Vec<u32>,
@@ -104,8 +110,10 @@ pub struct Overlay {
 }
 
 impl Overlay {
-    /// Puts layers over a graph. `levels` says, smallest cells first, at which state each cell begins and where the last one ends. From the first one on
-    /// that would know too much of its cells they are left out.
+    /// Puts layers over a graph.
+    ///
+    /// `levels` gives, smallest cells first, the state at which each cell begins, and the end of
+    /// the last one. Layers are left out from the first one on that does not fit into memory.
     pub fn new(mut out: Arcs, levels: &[Vec<u32>]) -> Self {
         let leaf = match levels.first() {
             Some(starts) => (0..starts.len() as u32 - 1)
@@ -192,7 +200,8 @@ impl Overlay {
         layer
     }
 
-    /// Arcs by the state that they lead to: `head` is the state that each comes from. (What they pass along is said by [`Overlay::via_incoming`].)
+    /// Arcs by the state that they lead to; `head` is the state that each comes from. What they
+    /// pass along is given by [`Overlay::via_incoming`].
     #[inline]
     pub fn incoming(&self) -> &Arcs {
         self.into.as_ref().unwrap_or(&self.out)
@@ -205,13 +214,13 @@ impl Overlay {
             .map_or_else(|| self.out.via[slot] ^ 1, |into| into.via[slot])
     }
 
-    /// The cell that a state is in, by the number of its layer counted from 0.
+    /// The cell of a state in a layer, which is counted from 0.
     #[inline]
     pub fn cell(&self, layer: usize, state: u32) -> u32 {
         self.layers[layer].cell_of_leaf[self.leaf[state as usize] as usize]
     }
 
-    /// The index of a state in a layer, [`NONE`] if it is on no border there.
+    /// The index of a state in a layer; [`NONE`] if it is on no border there.
     #[inline]
     pub fn index(&self, height: usize, state: u32) -> u32 {
         let mut index = state;
@@ -244,7 +253,7 @@ impl Layer {
         }
     }
 
-    /// Turns sizes into beginnings.
+    /// Turns sizes into begins.
     fn end(&mut self, inner: u32) {
         self.first.push(self.state.len() as u32);
         self.inner.push(inner);
@@ -258,7 +267,7 @@ impl Layer {
     }
 }
 
-/// The first slot of a layer whose state is not before `state`, which is where a cell begins.
+/// The first slot of a layer whose state is not before `state`, at which a cell begins.
 fn first_slot(lower: &Layer, leaf: &[u32], state: u32) -> u32 {
     match leaf.get(state as usize) {
         Some(leaf) => lower.first[lower.cell_of_leaf[*leaf as usize] as usize],
@@ -266,7 +275,7 @@ fn first_slot(lower: &Layer, leaf: &[u32], state: u32) -> u32 {
     }
 }
 
-/// For each of the smallest cells the cell of another level that holds it.
+/// For each of the smallest cells the cell of another level that contains it.
 fn cells_of_leaves(levels: &[Vec<u32>], starts: &[u32]) -> Vec<u32> {
     let leaves = &levels[0];
     let mut cell = 0;

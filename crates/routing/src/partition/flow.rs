@@ -1,21 +1,21 @@
-//! Smallest cuts: maximum flow through edges that each let one unit pass, in either direction.
+//! Minimum cuts: maximum flow through edges of capacity one, in either direction.
 //!
-//! E. A. Dinic, *Algorithm for solution of a problem of maximum flow in networks with power estimation*, 1970: shortest augmenting
-//! paths, all of one length at a time.
+//! E. A. Dinic, *Algorithm for solution of a problem of maximum flow in networks with power
+//! estimation*, 1970: shortest augmenting paths, all of one length at a time.
 
-/// A graph without directions: each edge stands at both of its ends.
+/// An undirected graph: each edge is stored at both of its ends.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Graph {
-    /// For each vertex its first slot, and one more for the end of the last.
+    /// For each vertex its first slot, and the end of the last one's.
     pub(super) first: Vec<u32>,
-    /// What the edge in this slot leads to.
+    /// The vertex to which the edge in this slot leads.
     pub(super) head: Vec<u32>,
     /// The slot of the same edge at its other end.
     pub(super) twin: Vec<u32>,
 }
 
 impl Graph {
-    /// Edges between `count` vertices; those from a vertex to itself are left out.
+    /// Edges between `count` vertices. Loops are left out.
     pub(super) fn new(count: usize, edges: impl Iterator<Item = [u32; 2]> + Clone) -> Self {
         let edges = edges.filter(|[a, b]| a != b);
         let mut first = vec![0_u32; count + 1];
@@ -54,7 +54,7 @@ impl Graph {
     }
 }
 
-/// Where a vertex is held.
+/// Which end of the flow a vertex belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Role {
     Free,
@@ -64,22 +64,23 @@ pub(super) enum Role {
 
 const FAR: u32 = u32::MAX;
 
-/// Finds smallest cuts; its memory is used again for the next one.
+/// Finds minimum cuts. Its memory is used again for the next one.
 #[derive(Debug, Default)]
 pub(super) struct Flow {
-    /// What may still pass through each slot: 1 unused, 0 used this way, 2 used the other way.
+    /// The residual capacity of each slot: 1 if unused, 0 if used this way, 2 if used the other
+    /// way.
     residual: Vec<u8>,
     level: Vec<u32>,
-    /// Sources beside others: the flow leaves the sources there.
+    /// Sources with a neighbour that is none: the flow leaves the sources there.
     begin: Vec<u32>,
-    /// For each vertex the slot to go on with.
+    /// For each vertex the slot with which to continue.
     next: Vec<u32>,
     queue: Vec<u32>,
     path: Vec<u32>,
 }
 
 impl Flow {
-    /// The largest flow from all sources to all sinks, or `None` as soon as it is above `limit`.
+    /// The maximum flow from all sources to all sinks; `None` as soon as it exceeds `limit`.
     pub(super) fn largest(&mut self, graph: &Graph, roles: &[Role], limit: usize) -> Option<usize> {
         self.residual.clear();
         self.residual.resize(graph.head.len(), 1);
@@ -102,7 +103,7 @@ impl Flow {
         Some(flow)
     }
 
-    /// Numbers vertices by their distance from the sources; whether a sink was reached.
+    /// Numbers vertices by their distance from the sources. Returns whether a sink was reached.
     fn find_levels(&mut self, graph: &Graph, roles: &[Role]) -> bool {
         self.level.clear();
         self.level.resize(graph.len(), FAR);
@@ -136,7 +137,8 @@ impl Flow {
         last != FAR
     }
 
-    /// Sends as much as possible along paths of the present length, but not more than one unit above `limit`.
+    /// Augments the flow along all paths of the present length, by no more than one unit above
+    /// `limit`.
     fn block(&mut self, graph: &Graph, roles: &[Role], limit: usize) -> usize {
         self.next.clear();
         self.next.extend_from_slice(&graph.first[..graph.len()]);
@@ -149,7 +151,7 @@ impl Flow {
         flow
     }
 
-    /// One unit from this source to a sink.
+    /// Augments the flow by one unit from a source to a sink.
     fn augment(&mut self, graph: &Graph, roles: &[Role], source: u32) -> bool {
         self.path.clear();
         let mut vertex = source;
@@ -180,7 +182,8 @@ impl Flow {
         true
     }
 
-    /// After [`Flow::largest`]: the vertices that can still be reached from the sources (`from_sinks`: that can reach the sinks).
+    /// After [`Flow::largest`]: the vertices that can still be reached from the sources, or, with
+    /// `from_sinks`, that can still reach the sinks.
     pub(super) fn side(
         &mut self,
         graph: &Graph,
@@ -220,7 +223,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The smallest number of edges between a set that holds the sources and the rest that holds the sinks, by trying all sets.
+    /// The minimum number of edges between a set that contains the sources and the rest that
+    /// contains the sinks, by trying all sets.
     fn smallest_cut(count: usize, edges: &[[u32; 2]], roles: &[Role]) -> usize {
         let fits = |set: usize| {
             (0..count).all(|v| match roles[v] {
@@ -249,8 +253,8 @@ mod tests {
             roles in proptest::collection::vec(0_u8..4, 9),
         ) {
             let edges: Vec<[u32; 2]> = edges.into_iter().map(|(a, b)| [a, b]).collect();
-            let roles: Vec<Role> =
-                roles.iter().map(|r| [Role::Free, Role::Free, Role::Source, Role::Sink][*r as usize]).collect();
+            let all = [Role::Free, Role::Free, Role::Source, Role::Sink];
+            let roles: Vec<Role> = roles.into_iter().map(|role| all[usize::from(role)]).collect();
             let graph = Graph::new(9, edges.iter().copied());
             let (mut flow, mut inside) = (Flow::default(), Vec::new());
             let largest = flow.largest(&graph, &roles, 100).unwrap();
@@ -260,7 +264,8 @@ mod tests {
                 let apart = |edge: &&[u32; 2]| inside[edge[0] as usize] != inside[edge[1] as usize];
                 prop_assert_eq!(edges.iter().filter(apart).count(), largest);
             }
-            let stopped = largest.checked_sub(1).and_then(|limit| flow.largest(&graph, &roles, limit));
+            let below = largest.checked_sub(1);
+            let stopped = below.and_then(|limit| flow.largest(&graph, &roles, limit));
             prop_assert_eq!(stopped, None);
         }
     }

@@ -1,12 +1,13 @@
-//! Halves of a graph with few edges between them.
+//! Bisection of a graph with few edges between the halves.
 //!
-//! A. Schild, C. Sommer, *On balanced separators in road networks*, SEA 2015: order the vertices along a line, hold the first
-//! and the last quarter apart, and find the smallest cut between them; of several lines the best one.
+//! A. Schild, C. Sommer, *On balanced separators in road networks*, SEA 2015: order the vertices
+//! along a line, keep the first and the last quarter apart, and find the minimum cut between them.
+//! The best of several lines counts.
 
 use super::flow::{Flow, Graph, Role};
 use crate::geo::Place;
 
-/// A part of the network that is to be halved.
+/// A part of the network that is to be bisected.
 #[derive(Debug)]
 pub(super) struct Part {
     /// Numbers of its vertices in the whole network.
@@ -15,13 +16,14 @@ pub(super) struct Part {
     graph: Graph,
 }
 
-/// The share of vertices held on each side.
-const HELD: usize = 4;
-/// Lines: weights of longitude and latitude.
+/// The share of vertices that is fixed on each side, as a divisor.
+const FIXED_SHARE: usize = 4;
+/// The lines, as weights of longitude and latitude.
 const LINES: [[i64; 2]; 4] = [[1, 0], [0, 1], [1, 1], [1, -1]];
 
 impl Part {
-    /// A whole network, its vertices along a Hilbert curve: what a flow passes through one after another should lie side by side.
+    /// A whole network. Its vertices are ordered along a Hilbert curve, so that vertices that a
+    /// flow passes one after another are close in memory.
     pub(super) fn new(places: &[Place], edges: &[[u32; 2]]) -> Self {
         let mut vertices: Vec<u32> = (0..places.len() as u32).collect();
         vertices.sort_by_cached_key(|vertex| places[*vertex as usize].hilbert());
@@ -60,7 +62,7 @@ impl Part {
         }
         let edges = members.iter().flat_map(|&vertex| {
             let heads = self.graph.slots(vertex).map(|slot| self.graph.head[slot]);
-            // Each edge stands at both of its ends, and is taken once.
+            // Each edge is stored at both of its ends, and is taken once.
             heads
                 .filter(move |&head| vertex < head)
                 .map(move |head| [vertex, head])
@@ -81,7 +83,7 @@ impl Part {
     }
 }
 
-/// Halves parts; its memory is used again.
+/// Bisects parts. Its memory is used again for the next one.
 #[derive(Debug, Default)]
 pub(super) struct Halver {
     flow: Flow,
@@ -92,10 +94,10 @@ pub(super) struct Halver {
 }
 
 impl Halver {
-    /// Halves a part of two vertices or more.
+    /// Bisects a part of two vertices or more.
     pub(super) fn halve(&mut self, part: &Part) -> [Part; 2] {
         let count = part.len();
-        // Edges cut times vertices on the larger side, and these again.
+        // Edges cut times vertices on the larger side, then these vertices alone.
         let mut best = (usize::MAX, 0);
         for line in LINES {
             self.hold_ends(part, line);
@@ -126,7 +128,10 @@ impl Halver {
                 .zip(0..)
                 .map(|(place, i)| (along(place), i)),
         );
-        let (count, held) = (part.len(), part.len().div_ceil(HELD).min(part.len() / 2));
+        let (count, held) = (
+            part.len(),
+            part.len().div_ceil(FIXED_SHARE).min(part.len() / 2),
+        );
         self.order.select_nth_unstable(held);
         self.order[held..].select_nth_unstable(count - held - held);
         self.roles.clear();

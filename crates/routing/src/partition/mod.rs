@@ -1,15 +1,17 @@
-//! The network in cells, and these in larger cells.
+//! Partition of the network into nested cells.
 //!
-//! Delling, Goldberg, Pajor, Werneck, *Customizable Route Planning in Road Networks*, Transportation Science 2017: what is found out
-//! about a cell once serves every search that passes through it, so cells should have few edges between them. Cells come from
-//! halving (`inertial`): the network until its parts are as small as the largest cells may be, these on until
-//! they are as small as the next smaller ones, and so forth. So each cell is a row of vertices, if vertices are put in
-//! the order that the halving leaves them in.
+//! Delling, Goldberg, Pajor, Werneck, *Customizable Route Planning in Road Networks*,
+//! Transportation Science 2017: the distances through a cell are computed once and serve every
+//! search that passes through it, so cells should have few edges between them.
+//!
+//! Cells come from repeated bisection (`inertial`): the network is bisected until its parts fit the
+//! largest cells, these until they fit the next smaller ones, and so on. Each cell is a range of
+//! vertices if these are in the order in which bisection leaves them.
 //!
 //! | module | its one job |
 //! |---|---|
-//! | `inertial` | halves with few edges between them |
-//! | `flow` | smallest cuts |
+//! | `inertial` | bisection with few edges between the halves |
+//! | `flow` | minimum cuts |
 
 mod flow;
 mod inertial;
@@ -17,20 +19,23 @@ mod inertial;
 use crate::geo::Place;
 use inertial::{Halver, Part};
 
-/// The halves of larger parts are halved side by side.
-const ALONE: usize = 10_000;
+/// The halves of parts larger than this are bisected in parallel.
+const SEQUENTIAL_SIZE: usize = 10_000;
 
-/// How large the cells of each level may be.
+/// The most vertices in a cell of each level.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CellSizes(Vec<usize>);
 
-/// Why there are no such cell sizes.
+/// Cell sizes that are not ascending, or out of range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("cell sizes must be 1 to 7 numbers from 2 to 1073741824, each larger than the one before")]
 pub struct CellSizesError;
 
 impl CellSizes {
-    /// Vertices of cells, smallest cells first.
+    /// The most vertices in a cell, smallest cells first.
+    ///
+    /// # Errors
+    /// If the sizes do not ascend, are out of range, or there are none or more than seven.
     pub fn new(sizes: &[usize]) -> Result<Self, CellSizesError> {
         let ascending = sizes.windows(2).all(|pair| pair[0] < pair[1]);
         let fits = sizes.iter().all(|size| (2..=1 << 30).contains(size));
@@ -44,7 +49,8 @@ impl CellSizes {
 }
 
 impl Default for CellSizes {
-    /// Measured best on a city of 100,000 vertices, and on from there: levels too large for a network are left out.
+    /// Measured best on a city of 100,000 vertices, and extrapolated. Levels too large for a
+    /// network are left out.
     fn default() -> Self {
         Self(vec![32, 256, 2048, 16_384, 131_072, 1 << 20, 1 << 23])
     }
@@ -55,12 +61,13 @@ impl Default for CellSizes {
 pub struct Partition {
     /// The vertices in their new order.
     pub order: Vec<u32>,
-    /// For each level, smallest cells first: where each cell begins in that order, and where the last one ends.
+    /// For each level, smallest cells first: the begin of each cell in that order, and the end of
+    /// the last one.
     pub levels: Vec<Vec<u32>>,
 }
 
 impl Partition {
-    /// Puts vertices into cells. Levels whose cells could hold the whole network are left out.
+    /// Puts vertices into cells. Levels whose cells could contain the whole network are left out.
     pub fn new(places: &[Place], edges: &[[u32; 2]], sizes: &CellSizes) -> Self {
         let levels = sizes
             .0
@@ -80,7 +87,8 @@ impl Partition {
         partition
     }
 
-    /// The cells of a part that is larger than cells of `level` and above may be; without where the last one ends.
+    /// The cells of a part that is larger than cells of `level` and above may be, without the end
+    /// of the last one.
     fn of_part(part: Part, mut level: usize, sizes: &CellSizes, halver: &mut Halver) -> Self {
         let mut partition = Self {
             order: Vec::new(),
@@ -96,7 +104,7 @@ impl Partition {
         }
         let (size, [first, second]) = (part.len(), halver.halve(&part));
         drop(part);
-        let (first, second) = if size > ALONE {
+        let (first, second) = if size > SEQUENTIAL_SIZE {
             let of_part = |part| Self::of_part(part, level, sizes, &mut Halver::default());
             rayon::join(|| of_part(first), || of_part(second))
         } else {
@@ -135,7 +143,7 @@ mod tests {
         (places.collect(), across.chain(up).collect())
     }
 
-    /// Edges between cells of a level.
+    /// The number of edges between cells of a level.
     fn cut(partition: &Partition, level: usize, edges: &[[u32; 2]]) -> usize {
         let mut position = vec![0; partition.order.len()];
         for (i, vertex) in partition.order.iter().enumerate() {
@@ -148,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn two_towns_are_parted_at_the_bridge() {
+    fn two_towns_are_cut_at_the_bridge() {
         let (mut places, mut edges) = grid(8, 8);
         let (other, more) = grid(8, 8);
         places.extend(other.iter().map(|p| Place {
@@ -168,7 +176,7 @@ mod tests {
     fn squares_are_cut_straight() {
         let (places, edges) = grid(32, 32);
         let partition = Partition::new(&places, &edges, &CellSizes::new(&[300]).unwrap());
-        // Three straight cuts through all, or two and two through what is left.
+        // Three straight cuts through all, or two and then two through the rest.
         assert!(
             cut(&partition, 0, &edges) <= 100,
             "{}",
@@ -177,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn a_network_in_one_place_is_halved_too() {
+    fn a_network_in_one_place_is_bisected_too() {
         let places = vec![Place::default(); 100];
         let partition = Partition::new(&places, &[], &CellSizes::new(&[2, 7]).unwrap());
         assert!(
@@ -212,7 +220,8 @@ mod tests {
             places in proptest::collection::vec((-50_i32..50, -50_i32..50), 1..200),
             edges in proptest::collection::vec((0_u32..200, 0_u32..200), 0..400),
         ) {
-            let places: Vec<Place> = places.iter().map(|(lon, lat)| Place { lon: *lon, lat: *lat }).collect();
+            let place = |(lon, lat): (i32, i32)| Place { lon, lat };
+            let places: Vec<Place> = places.into_iter().map(place).collect();
             let count = places.len() as u32;
             let edges: Vec<_> = edges.iter().map(|(a, b)| [a % count, b % count]).collect();
             let sizes = [3, 10, 40];
@@ -222,9 +231,11 @@ mod tests {
             prop_assert!(all.iter().copied().eq(0..count));
             for (level, cells) in partition.levels.iter().enumerate() {
                 prop_assert_eq!((cells[0], cells[cells.len() - 1]), (0, count));
-                prop_assert!(cells.windows(2).all(|c| c[0] < c[1] && (c[1] - c[0]) as usize <= sizes[level]));
-                let above = partition.levels.get(level + 1);
-                prop_assert!(above.is_none_or(|above| above.iter().all(|start| cells.contains(start))));
+                let largest = sizes[level] as u32;
+                let fits = |cell: &[u32]| cell[0] < cell[1] && cell[1] - cell[0] <= largest;
+                prop_assert!(cells.windows(2).all(fits));
+                let above = partition.levels.get(level + 1).into_iter().flatten();
+                prop_assert!(above.copied().all(|start| cells.contains(&start)));
             }
         }
     }

@@ -1,13 +1,14 @@
-//! Who may go where, how fast and how gladly: rules over tags, in a TOML file.
+//! Profiles: who may go where, how fast and at which cost, as rules over tags in a TOML file.
 //!
-//! Tags are read as the OSM wiki's *Key:access* and *Key:highway* describe them: the most specific mode's word counts, words for one
-//! direction count before words for both. Words that hold at some times only are not regarded.
+//! Tags are read as the OSM wiki's *Key:access* and *Key:highway* describe them: the tag of the
+//! most specific mode counts, and tags for one direction count before tags for both. Tags that hold
+//! at some times only are ignored.
 //!
 //! | module | its one job |
 //! |---|---|
-//! | `rules` | what such a file may hold |
-//! | `way` | what the rules make of a way's words |
-//! | `node` | what they make of a node's |
+//! | `rules` | the content of such a file |
+//! | `way` | the rules applied to a way's tags |
+//! | `node` | the rules applied to a node's tags |
 
 mod node;
 mod rules;
@@ -19,39 +20,58 @@ use openbench_osm::Tags;
 
 pub use node::Passing;
 pub use rules::{OutOfRange, Places, Turns};
-pub use way::Going;
+pub use way::Travel;
 pub(crate) use way::{CROSSING, TIMETABLE};
 
 use rules::Rules;
 
 /// A means of transport.
+///
+/// ```
+/// use openbench_osm::Tags;
+/// use openbench_routing::Profile;
+///
+/// let delivery = Profile::open("delivery")?;
+/// let path = Tags::from([("highway", "footway")]);
+/// // 0.5 m/s, in both directions.
+/// for travel in delivery.way(&path) {
+///     assert_eq!(travel.map(|travel| travel.speed), Some(0.5));
+/// }
+/// // The robot has no legs.
+/// assert_eq!(delivery.way(&Tags::from([("highway", "steps")])), [None; 2]);
+/// # Ok::<(), openbench_routing::ProfileError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
     name: String,
     rules: Rules,
 }
 
-/// Why there is no such profile.
+/// Why a profile cannot be used.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ProfileError {
     /// Neither a built-in profile nor a file.
-    #[error("no profile is called {name}: choose {}, or name a TOML file of your own", Profile::NAMES.join(", "))]
+    #[error(
+        "no profile is called {name}: choose {}, or give the path of a TOML file",
+        Profile::NAMES.join(", ")
+    )]
     Unknown {
-        /// What was asked for.
+        /// The name that was requested.
         name: String,
     },
     /// The file cannot be read.
     #[error("cannot read the profile {name}: {source}")]
     Io {
-        /// What was asked for.
+        /// The name that was requested.
         name: String,
-        /// Why.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// The file is not TOML, or holds other keys than a profile.
     #[error("the profile {name} cannot be used: {source}")]
     Malformed {
-        /// What was asked for.
+        /// The name that was requested.
         name: String,
         /// What is wrong, and where.
         source: toml::de::Error,
@@ -59,9 +79,9 @@ pub enum ProfileError {
     /// A number in the file is out of range.
     #[error("the profile {name} cannot be used: {source}")]
     OutOfRange {
-        /// What was asked for.
+        /// The name that was requested.
         name: String,
-        /// Which number.
+        /// The number.
         source: OutOfRange,
     },
 }
@@ -79,13 +99,16 @@ impl Profile {
     /// The names of the built-in profiles.
     pub const NAMES: [&'static str; 3] = ["delivery", "foot", "car"];
 
-    /// A pavement robot with a parcel.
+    /// A pavement robot that delivers parcels.
     #[expect(clippy::expect_used, reason = "the built-in file is tested")]
     pub fn delivery() -> Self {
         Self::named("delivery").expect("the built-in profile can be read")
     }
 
-    /// The built-in profile of that name, or else the profile in the file of that name.
+    /// The built-in profile of that name, else the profile in the file of that name.
+    ///
+    /// # Errors
+    /// If there is neither, or the file cannot be used.
     pub fn open(name: &str) -> Result<Self, ProfileError> {
         if let Some(profile) = Self::named(name) {
             return Ok(profile);
@@ -108,7 +131,7 @@ impl Profile {
         Self::from_toml(name, Self::text(name)?).ok()
     }
 
-    /// The file of a built-in profile, to begin one's own with.
+    /// The file of a built-in profile, as a start for one's own.
     pub fn text(name: &str) -> Option<&'static str> {
         match name {
             "delivery" => Some(include_str!("../../profiles/delivery.toml")),
@@ -118,7 +141,10 @@ impl Profile {
         }
     }
 
-    /// Reads a profile; `name` is what it is called in errors and answers.
+    /// Reads a profile. `name` is its name in errors and answers.
+    ///
+    /// # Errors
+    /// If the text is not TOML, has unknown keys, or a number is out of range.
     pub fn from_toml(name: &str, text: &str) -> Result<Self, ProfileError> {
         let rules: Rules = toml::from_str(text).map_err(|source| ProfileError::Malformed {
             name: name.to_owned(),
@@ -134,22 +160,22 @@ impl Profile {
         })
     }
 
-    /// What it is called.
+    /// Its name.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// What it is, in words.
+    /// Its description.
     pub fn description(&self) -> &str {
         &self.rules.description
     }
 
-    /// Whether pedestrian areas are crossed or walked round.
+    /// Whether pedestrian areas are crossed or walked around.
     pub fn places(&self) -> Places {
         self.rules.places
     }
 
-    /// What turning costs, if that matters.
+    /// The costs of turns, if turns matter.
     pub fn turns(&self) -> Option<&Turns> {
         self.rules.turns.as_ref()
     }
@@ -174,7 +200,7 @@ impl Profile {
         }
     }
 
-    /// Seconds that going through a place counts as which may be entered at the route's ends only.
+    /// The weight, in seconds, of entering places that are closed to through traffic.
     pub fn entry(&self) -> f64 {
         self.rules.access.entry
     }
@@ -218,7 +244,7 @@ mod tests {
     }
 
     #[test]
-    fn unknown_profiles_are_told_the_known_ones() {
+    fn errors_about_unknown_profiles_list_the_known_ones() {
         let error = Profile::open("hovercraft").unwrap_err().to_string();
         assert!(
             error.contains("hovercraft") && error.contains("delivery, foot, car"),

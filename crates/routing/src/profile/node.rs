@@ -1,21 +1,21 @@
-//! What a profile makes of a node's words.
+//! A profile's rules applied to the tags of a node.
 
 use openbench_osm::Tags;
 
 use super::Profile;
 use super::rules::{listed, matching};
 
-/// What passing a node costs.
+/// The cost of passing a node.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Passing {
-    /// Seconds.
+    /// The time it takes, seconds.
     pub delay: f64,
-    /// Seconds that count beside it but are not spent.
+    /// Additional weight that takes no time, seconds.
     pub cost: f64,
 }
 
 impl Profile {
-    /// What passing a node with these words costs; `None` where one may not pass.
+    /// The cost of passing a node with these tags; `None` if it cannot be passed.
     pub fn node(&self, tags: &Tags) -> Option<Passing> {
         if tags.is_empty() {
             return Some(Passing::default());
@@ -42,14 +42,14 @@ impl Profile {
 mod tests {
     use super::*;
 
-    fn passing(profile: &str, words: &[(&'static str, &'static str)]) -> Option<Passing> {
+    fn passing(profile: &str, pairs: &[(&'static str, &'static str)]) -> Option<Passing> {
         Profile::named(profile)
             .unwrap()
-            .node(&words.iter().copied().collect())
+            .node(&pairs.iter().copied().collect())
     }
 
     #[test]
-    fn barriers_stop_those_whom_they_are_made_for() {
+    fn barriers_stop_the_profiles_that_they_are_made_for() {
         let bollard = [("barrier", "bollard")];
         assert!(passing("car", &bollard).is_none() && passing("foot", &bollard).is_some());
         assert!(passing("delivery", &[("barrier", "stile")]).is_none());
@@ -58,7 +58,7 @@ mod tests {
     }
 
     #[test]
-    fn access_words_come_before_the_kind_of_barrier() {
+    fn access_tags_count_before_the_kind_of_barrier() {
         assert!(passing("foot", &[("barrier", "wall"), ("foot", "yes")]).is_some());
         assert!(passing("foot", &[("barrier", "gate"), ("access", "private")]).is_none());
         assert!(
@@ -68,7 +68,7 @@ mod tests {
     }
 
     #[test]
-    fn signals_and_kerbs_are_not_free() {
+    fn signals_and_kerbs_cost_time_or_weight() {
         assert_eq!(
             passing("foot", &[("highway", "traffic_signals")])
                 .unwrap()

@@ -1,4 +1,4 @@
-//! What a profile's file may hold.
+//! The content of a profile's file.
 
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 use openbench_osm::Tags;
 use serde::Deserialize;
 
-/// A number for each of some tags: `key.value = number`.
+/// A number for some tags: `key.value = number`.
 pub(super) type Numbers = BTreeMap<String, BTreeMap<String, f64>>;
 /// Some values of some keys: `key = ["value", …]`; `*` is any value.
 pub(super) type Lists = BTreeMap<String, Vec<String>>;
@@ -14,7 +14,7 @@ pub(super) type Lists = BTreeMap<String, Vec<String>>;
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Rules {
-    /// In words.
+    /// What the profile is for.
     pub(super) description: String,
     pub(super) places: Places,
     pub(super) access: Access,
@@ -30,23 +30,23 @@ pub(super) struct Rules {
 pub enum Places {
     /// Straight across.
     Cross,
-    /// Along their outlines, as OSRM does it.
+    /// Along their outlines, as OSRM does.
     Outline,
 }
 
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Access {
-    /// Keys that say who may go, the most specific one first.
+    /// Keys that say who may go there, the most specific one first.
     pub(super) keys: Vec<String>,
-    /// Words that open a way even if it has no speed.
+    /// Values that open a way even if it has no speed.
     pub(super) open: Vec<String>,
-    /// Words that close it. Other words are no bar.
+    /// Values that close it. Other values do not.
     pub(super) closed: Vec<String>,
-    /// Words that open it to those only who begin or end there.
+    /// Values that open it only to routes that begin or end there.
     #[serde(default)]
     pub(super) at_ends: Vec<String>,
-    /// Seconds that entering such a way counts as.
+    /// The weight of entering such a way, seconds.
     #[serde(default)]
     pub(super) entry: f64,
 }
@@ -54,20 +54,20 @@ pub(super) struct Access {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Ways {
-    /// km/h; of several the fastest counts.
+    /// km/h. Of several tags the fastest counts.
     pub(super) speed: Numbers,
-    /// km/h where an access word opens a way that has no speed.
+    /// km/h where an access value opens a way that has no speed.
     pub(super) speed_if_open: Option<f64>,
-    /// km/h that are not exceeded.
+    /// Upper limits, km/h.
     #[serde(default)]
     pub(super) limit: Numbers,
     pub(super) maxspeed: Option<MaxSpeed>,
-    /// How much longer a second here counts; of several each.
+    /// A factor from time to weight. Several are multiplied.
     #[serde(default)]
     pub(super) cost: Numbers,
     #[serde(default)]
     pub(super) closed: Lists,
-    /// Closed unless an access word says otherwise.
+    /// Closed unless an access value opens it.
     #[serde(default)]
     pub(super) closed_unless_open: Lists,
     #[serde(default)]
@@ -77,9 +77,9 @@ pub(super) struct Ways {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct MaxSpeed {
-    /// Keys that hold a limit, the most specific one first.
+    /// Keys of a speed limit, the most specific one first.
     pub(super) keys: Vec<String>,
-    /// How much of it is driven.
+    /// The share of the limit that is driven.
     pub(super) share: f64,
 }
 
@@ -89,7 +89,7 @@ pub(super) struct OneWay {
     /// Keys that say so, the most specific one first.
     #[serde(default)]
     pub(super) keys: Vec<String>,
-    /// What is one-way if none of them says anything.
+    /// What is one-way if none of the keys is present.
     #[serde(default)]
     pub(super) implied: Lists,
 }
@@ -97,38 +97,39 @@ pub(super) struct OneWay {
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Nodes {
-    /// What is passed although `closed` names it.
+    /// What can be passed although `closed` lists it.
     #[serde(default)]
     pub(super) open: Lists,
-    /// What stops one, unless an access word says otherwise.
+    /// What cannot be passed, unless an access value opens it.
     #[serde(default)]
     pub(super) closed: Lists,
-    /// Seconds; of several the longest.
+    /// Seconds. Of several tags the longest counts.
     #[serde(default)]
     pub(super) delay: Numbers,
-    /// Seconds that are not spent but counted; of several the most.
+    /// Weight that takes no time, seconds. Of several tags the greatest counts.
     #[serde(default)]
     pub(super) cost: Numbers,
 }
 
-/// What turning costs. A profile that has this keeps to turn restrictions.
+/// The costs of turns. A profile with these obeys turn restrictions.
 ///
-/// The penalty is OSRM's: `sharpest / (1 + exp(-((13 / bias) * angle / 180 - 6.5 * bias)))` seconds for a turn to the side one drives on,
-/// `angle` in degrees, and with `bias` the other way round for a turn across the road.
+/// The penalty is OSRM's: `sharpest / (1 + exp(-((13 / bias) * angle / 180 - 6.5 * bias)))` seconds
+/// for a turn towards the driving side, with `angle` in degrees. For a turn across the road `bias`
+/// is inverted.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Turns {
-    /// Keys that a restriction or its exceptions may name this vehicle by.
+    /// Keys by which a restriction or its exceptions name this vehicle.
     pub restrictions: Vec<String>,
-    /// Seconds.
+    /// The penalty of the sharpest turn, seconds.
     pub sharpest: f64,
-    /// Above 1: turning across the road is dearer.
+    /// Above 1, turns across the road cost more.
     pub bias: f64,
-    /// Seconds for turning round.
+    /// The penalty of a U-turn, seconds.
     pub u_turn: f64,
-    /// Whether one drives on the right.
+    /// Whether traffic drives on the right.
     pub right_hand: bool,
-    /// Whether one goes on at places on the way without turning round.
+    /// Whether routes go straight on at places in between, without U-turns.
     #[serde(default)]
     pub continue_straight: bool,
 }
@@ -194,7 +195,7 @@ fn check(key: &str, number: f64, range: RangeInclusive<f64>) -> Result<(), OutOf
     })
 }
 
-/// Those of the numbers that an element's tags ask for.
+/// The numbers that apply to an element's tags.
 pub(super) fn matching<'a>(numbers: &'a Numbers, tags: &'a Tags) -> impl Iterator<Item = f64> + 'a {
     tags.iter()
         .filter_map(|(key, value)| numbers.get(key)?.get(value).copied())

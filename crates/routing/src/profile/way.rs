@@ -1,4 +1,4 @@
-//! What a profile makes of a way's words.
+//! A profile's rules applied to the tags of a way.
 
 use openbench_osm::Tags;
 
@@ -7,23 +7,23 @@ use super::{Places, Profile};
 
 /// How a way is travelled in one direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Going {
-    /// Metres a second.
+pub struct Travel {
+    /// Metres per second.
     pub speed: f64,
-    /// How much longer a second counts than it is.
+    /// A factor from time to weight.
     pub cost: f64,
-    /// Whether only those may go here who begin or end here.
+    /// Whether the way may be used only by routes that begin or end there.
     pub ends_only: bool,
 }
 
-/// Key under which the crossing of a pedestrian area is told from its outline.
+/// Key that distinguishes the crossing of a pedestrian area from its outline.
 pub(crate) const CROSSING: &str = "openbench:crossing";
-/// Key under which a ferry has the speed of its timetable, km/h.
+/// Key of a ferry's speed by its timetable, km/h.
 pub(crate) const TIMETABLE: &str = "openbench:timetable";
 
-/// What an access word means.
+/// The meaning of an access value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Word {
+enum AccessValue {
     Open,
     AtEnds,
     Closed,
@@ -31,79 +31,83 @@ enum Word {
 }
 
 impl Access {
-    /// Of several words the one that opens most counts; a word that is not known counts least.
-    fn word(&self, value: &str) -> Word {
+    /// Of several values the most permissive one counts, and an unknown value least.
+    fn classify(&self, value: &str) -> AccessValue {
         let has = |list: &[String]| {
             value
                 .split(';')
-                .any(|part| list.iter().any(|word| word == part.trim()))
+                .any(|part| list.iter().any(|known| known == part.trim()))
         };
         let lists = [
-            (&self.open, Word::Open),
-            (&self.at_ends, Word::AtEnds),
-            (&self.closed, Word::Closed),
+            (&self.open, AccessValue::Open),
+            (&self.at_ends, AccessValue::AtEnds),
+            (&self.closed, AccessValue::Closed),
         ];
         lists
             .into_iter()
             .find(|(list, _)| has(list))
-            .map_or(Word::Other, |(_, word)| word)
+            .map_or(AccessValue::Other, |(_, meaning)| meaning)
     }
 
-    /// What is said of a direction, `:forward` or `:backward`.
-    fn directed(&self, tags: &Tags, direction: &str) -> Option<Word> {
+    /// The access value for a direction, `:forward` or `:backward`.
+    fn directed(&self, tags: &Tags, direction: &str) -> Option<AccessValue> {
         let value = self.keys.iter().find_map(|key| {
             tags.get(&format!("{key}{direction}"))
                 .or_else(|| tags.get(key))
         });
-        value.map(|value| self.word(value))
+        value.map(|value| self.classify(value))
     }
 
-    /// What is said of a node.
+    /// Whether the access value of a node closes it.
     pub(super) fn node_closed(&self, tags: &Tags) -> Option<bool> {
         let value = self.keys.iter().find_map(|key| tags.get(key))?;
-        Some(self.closed.iter().any(|word| word == value))
+        Some(self.closed.iter().any(|known| known == value))
     }
 
-    /// Whether a node is for those only who begin or end near it.
+    /// Whether a node may be passed only by routes that begin or end near it.
     pub(super) fn node_at_ends(&self, tags: &Tags) -> bool {
         let value = self.keys.iter().find_map(|key| tags.get(key));
-        value.is_some_and(|value| self.at_ends.iter().any(|word| word == value))
+        value.is_some_and(|value| self.at_ends.iter().any(|known| known == value))
     }
 }
 
 impl Profile {
-    /// How ways with these words are travelled, along their nodes and against them; `None` where one may not go.
-    pub fn way(&self, tags: &Tags) -> [Option<Going>; 2] {
+    /// How ways with these tags are travelled, along their nodes and against them; `None` where a
+    /// direction is closed.
+    pub fn way(&self, tags: &Tags) -> [Option<Travel>; 2] {
         let crossing_only = tags.has(CROSSING) && self.places() == Places::Outline;
         if crossing_only || listed(&self.rules.ways.closed, tags) {
             return [None; 2];
         }
         let open = self.directions(tags);
         let sides = [":forward", ":backward"].map(|side| self.rules.access.directed(tags, side));
-        [0, 1].map(|i| open[i].then(|| self.going(tags, sides[i])).flatten())
+        [0, 1].map(|i| open[i].then(|| self.travel(tags, sides[i])).flatten())
     }
 
-    fn going(&self, tags: &Tags, word: Option<Word>) -> Option<Going> {
+    /// How a way is travelled in a direction with this access value, one-way rules aside.
+    fn travel(&self, tags: &Tags, access: Option<AccessValue>) -> Option<Travel> {
         let ways = &self.rules.ways;
-        if word == Some(Word::Closed) || (word.is_none() && listed(&ways.closed_unless_open, tags))
-        {
+        let is_closed = match access {
+            None => listed(&ways.closed_unless_open, tags),
+            Some(access) => access == AccessValue::Closed,
+        };
+        if is_closed {
             return None;
         }
-        let told = matching(&ways.speed, tags).reduce(f64::max);
-        let told = told.or(ways.speed_if_open.filter(|_| word.is_some()))?;
-        let timetable = tags.get(TIMETABLE).and_then(|speed| speed.parse().ok());
-        let timetable = timetable.filter(|speed| (0.1..=100.0).contains(speed));
-        let speed = timetable.or_else(|| self.max_speed(tags)).unwrap_or(told);
+        let by_tags = matching(&ways.speed, tags).reduce(f64::max);
+        let by_tags = by_tags.or(ways.speed_if_open.filter(|_| access.is_some()))?;
+        let speed = timetable_speed(tags)
+            .or_else(|| self.max_speed(tags))
+            .unwrap_or(by_tags);
         let speed = matching(&ways.limit, tags).fold(speed, f64::min);
-        let cost = matching(&ways.cost, tags).product();
-        Some(Going {
+        Some(Travel {
             speed: speed / 3.6,
-            cost,
-            ends_only: word == Some(Word::AtEnds),
+            cost: matching(&ways.cost, tags).product(),
+            ends_only: access == Some(AccessValue::AtEnds),
         })
     }
 
-    /// The share of the way's speed limit that is driven, km/h.
+    /// The driven share of the way's speed limit, km/h.
     fn max_speed(&self, tags: &Tags) -> Option<f64> {
         const MILE: f64 = 1.609_344;
         let rule = self.rules.ways.maxspeed.as_ref()?;
@@ -115,35 +119,41 @@ impl Profile {
         (1.0..=300.0).contains(&limit).then_some(limit * rule.share)
     }
 
-    /// Whether one-way rules leave each direction open.
+    /// Which directions the one-way rules leave open.
     fn directions(&self, tags: &Tags) -> [bool; 2] {
         let rule = &self.rules.ways.oneway;
-        let told = rule.keys.iter().find_map(|key| match tags.get(key)? {
+        let stated = rule.keys.iter().find_map(|key| match tags.get(key)? {
             "yes" | "true" | "1" | "forward" => Some([true, false]),
             "-1" | "reverse" | "backward" => Some([false, true]),
             "no" | "false" | "0" | "alternating" => Some([true, true]),
-            // Whose turn it is cannot be known.
+            // The present direction is not known.
             "reversible" => Some([false, false]),
             _ => None,
         });
-        told.unwrap_or_else(|| [true, !listed(&rule.implied, tags)])
+        stated.unwrap_or_else(|| [true, !listed(&rule.implied, tags)])
     }
+}
+
+/// A ferry's speed by its timetable, km/h.
+fn timetable_speed(tags: &Tags) -> Option<f64> {
+    let speed = tags.get(TIMETABLE)?.parse().ok()?;
+    (0.1..=100.0).contains(&speed).then_some(speed)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn open(profile: &str, words: &[(&'static str, &'static str)]) -> [bool; 2] {
-        let tags: Tags = words.iter().copied().collect();
+    fn open(profile: &str, pairs: &[(&'static str, &'static str)]) -> [bool; 2] {
+        let tags: Tags = pairs.iter().copied().collect();
         Profile::named(profile)
             .unwrap()
             .way(&tags)
-            .map(|going| going.is_some())
+            .map(|travel| travel.is_some())
     }
 
-    fn going(profile: &str, words: &[(&'static str, &'static str)]) -> Going {
-        let tags: Tags = words.iter().copied().collect();
+    fn travel(profile: &str, pairs: &[(&'static str, &'static str)]) -> Travel {
+        let tags: Tags = pairs.iter().copied().collect();
         Profile::named(profile).unwrap().way(&tags)[0].unwrap()
     }
 
@@ -155,7 +165,7 @@ mod tests {
             ([false; 2], [true; 2])
         );
         let private = [("highway", "service"), ("access", "private")];
-        assert!(going("delivery", &private).ends_only);
+        assert!(travel("delivery", &private).ends_only);
         assert_eq!(open("foot", &private), [false; 2]);
         assert_eq!(
             open("delivery", &[("highway", "footway"), ("wheelchair", "no")]),
@@ -164,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn the_most_specific_word_counts() {
+    fn the_most_specific_access_tag_counts() {
         let allowed = [
             ("highway", "residential"),
             ("access", "no"),
@@ -174,7 +184,7 @@ mod tests {
             (open("foot", &allowed), open("car", &allowed)),
             ([true; 2], [false; 2])
         );
-        // And of several the one that opens most.
+        // Of several values the most permissive one counts.
         assert_eq!(
             open("foot", &[("highway", "path"), ("foot", "no; permissive")]),
             [true; 2]
@@ -205,18 +215,18 @@ mod tests {
     }
 
     #[test]
-    fn words_for_one_direction_count_there() {
-        let words = [("highway", "cycleway"), ("foot:forward", "yes")];
-        assert_eq!(open("foot", &words), [true, false]);
+    fn tags_for_one_direction_count_there() {
+        let pairs = [("highway", "cycleway"), ("foot:forward", "yes")];
+        assert_eq!(open("foot", &pairs), [true, false]);
         assert_eq!(
             open("foot", &[("highway", "path"), ("foot:backward", "no")]),
             [true, false]
         );
     }
 
-    /// What `osrm.md` says of cycleways, of pavements of their own and of surfaces.
+    /// The rules of `osrm.md` for cycleways, separate pavements and surfaces.
     #[test]
-    fn pedestrians_keep_osrms_rules() {
+    fn pedestrians_follow_osrms_rules() {
         assert_eq!(open("foot", &[("highway", "cycleway")]), [false; 2]);
         assert_eq!(
             open("foot", &[("highway", "cycleway"), ("access", "yes")]),
@@ -235,14 +245,14 @@ mod tests {
             ("foot", "destination"),
         ];
         assert_eq!(open("foot", &asked), [true; 2]);
-        let gravel = going("foot", &[("highway", "track"), ("surface", "gravel")]);
+        let gravel = travel("foot", &[("highway", "track"), ("surface", "gravel")]);
         assert!((gravel.speed - 3.75 / 3.6).abs() < 1e-12);
     }
 
     #[test]
     fn cars_drive_a_share_of_the_limit() {
         let speed =
-            |limit| going("car", &[("highway", "residential"), ("maxspeed", limit)]).speed * 3.6;
+            |limit| travel("car", &[("highway", "residential"), ("maxspeed", limit)]).speed * 3.6;
         for (limit, expected) in [
             ("50", 40.0),
             ("30 mph", 30.0 * 1.609_344 * 0.8),
@@ -258,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn places_are_crossed_or_walked_round() {
+    fn squares_are_crossed_or_walked_around() {
         let crossing = [("highway", "pedestrian"), (CROSSING, "yes")];
         assert_eq!(
             (open("delivery", &crossing), open("foot", &crossing)),

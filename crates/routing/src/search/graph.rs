@@ -1,28 +1,28 @@
-//! What is searched, and the ends of a search.
+//! The graph that is searched, and the ends of a search.
 
 use crate::overlay::{Cliques, Overlay, Weights};
 
-/// A graph with its layers and what is known of them for one set of weights.
+/// A graph with its layers, customized for one set of weights.
 #[derive(Debug, Clone, Copy)]
 pub struct Searched<'a> {
     /// The layers.
     pub overlay: &'a Overlay,
-    /// The weights of arcs.
+    /// Weights of arcs.
     pub weights: &'a Weights,
-    /// Ways through cells, a layer each.
+    /// Distances through cells, by layer.
     pub cliques: &'a [Cliques],
 }
 
-/// A state with what reaching it (or going on from it) counts as.
+/// A state at which a search begins or ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct End {
     /// The state.
     pub state: u32,
-    /// Below [`FAR`](crate::overlay::FAR).
+    /// The weight between it and the place, below [`FAR`](crate::overlay::FAR).
     pub weight: u32,
 }
 
-/// The cells that the ends of a search are in.
+/// The cells that contain the ends of a search.
 #[derive(Debug, Default)]
 pub(super) struct Ends {
     /// For each layer the cells of all ends.
@@ -48,7 +48,7 @@ impl Ends {
         self.base.push(base);
     }
 
-    /// The layer that a state takes part in.
+    /// The layer in which a state takes part.
     #[inline]
     pub(super) fn layer(&self, overlay: &Overlay, state: u32) -> usize {
         let leaf = overlay.leaf[state as usize] as usize;
@@ -62,7 +62,7 @@ impl Ends {
             .map_or(0, |height| height + 1)
     }
 
-    /// The layer that a label is of.
+    /// The layer of a label.
     #[inline]
     pub(super) fn layer_of_label(&self, label: u32) -> usize {
         let mut layer = 0;

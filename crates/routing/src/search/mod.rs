@@ -1,19 +1,21 @@
 //! Searches over layers of cells.
 //!
-//! Near its ends a route is searched for among states, further away among the borders of ever larger cells: a state takes part in the
-//! highest layer in which it is in another cell than all of the ends. In a layer a search goes from a cell's entry straight to its
-//! exits, and from an exit along the arcs that leave the cell. Two ways through one cell are never put together: there is none shorter
-//! than the one that is known.
+//! Near its ends a search settles states, farther away the borders of ever larger cells: a state
+//! takes part in the highest layer in which its cell contains none of the ends. Within a layer a
+//! search goes from a cell's entry straight to its exits, and from an exit along the arcs that
+//! leave the cell. Two paths through one cell are never joined: the direct one is at least as
+//! short.
 //!
-//! What is settled is a *label*: a state in its layer. Labels of layer 0 are the states, those of layer 1 follow, and so forth.
+//! What is settled is a *label*: a state in its layer. Labels of layer 0 are the states, those of
+//! layer 1 follow, and so on.
 //!
 //! | module | its one job |
 //! |---|---|
-//! | `graph` | what is searched, and the ends of a search |
-//! | `side` | one direction of a search: labels, and what is reached from them |
-//! | `table` | from many places to many |
-//! | `values` | what ways take, beside what they weigh |
-//! | `path` | from both directions to a row of states |
+//! | `graph` | the graph that is searched, and the ends of a search |
+//! | `side` | one direction of a search |
+//! | `table` | paths from many places to many |
+//! | `values` | durations and lengths of paths, beside their weights |
+//! | `path` | the states of a path, from the labels of both directions |
 
 mod graph;
 mod path;
@@ -65,7 +67,8 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    /// The lightest way from one of `sources` to one of `targets`; its states are put into `path`. `None` if there is none.
+    /// The lightest path from one of `sources` to one of `targets`. Its states are put into `path`.
+    /// Returns its weight; `None` if there is no path.
     pub fn route(
         &mut self,
         graph: Searched<'_>,

@@ -1,4 +1,4 @@
-//! From the labels of a search to the states of a path.
+//! The states of a path, from the labels of a search.
 
 use super::graph::{Ends, Searched};
 use super::side::{BEGUN, Side};
@@ -15,15 +15,15 @@ struct Piece {
 /// The states of a path, in order. Its memory is used again.
 #[derive(Debug, Default, Clone)]
 pub struct Path {
-    /// From the source that it begins with to the target that it ends with.
+    /// From the source with which it begins to the target with which it ends.
     pub states: Vec<u32>,
     labels: Vec<u32>,
-    /// Ways through cells that are yet to be unpacked: layer and two indices in it, the last one first.
+    /// Pieces that are yet to be unpacked, the last one first.
     waiting: Vec<Piece>,
 }
 
 impl Path {
-    /// The path through the label where both sides met.
+    /// The path through the label at which both sides met.
     pub(super) fn unpack(&mut self, graph: Searched<'_>, ends: &Ends, sides: &[Side; 2], met: u32) {
         self.labels.clear();
         let mut label = met;
@@ -78,7 +78,7 @@ impl Path {
         }
     }
 
-    /// Puts the steps of a way through a cell, in the layer below, in front of those that wait.
+    /// Puts the steps of a path through a cell, in the layer below, before the pieces that wait.
     fn climb_down(&mut self, graph: Searched<'_>, height: usize, from: u32, to: u32) {
         let layer = &graph.overlay.layers[height - 1];
         let cell = cell(graph, height, from);
@@ -88,7 +88,7 @@ impl Path {
         let tree = &graph.cliques[height - 1].trees[begin..begin + inner.len()];
         let local = |slot: u32| layer.below[slot as usize] as usize - inner.start;
         let (first, mut last) = (local(from), local(to));
-        // A tree has no circles, and only exits that are reached are asked for.
+        // A tree has no cycles, and only reached exits are unpacked.
         while last != first && tree[last] != UNREACHED {
             let before = usize::from(tree[last]);
             self.waiting.push(Piece {

@@ -6,12 +6,12 @@ use std::collections::BinaryHeap;
 use super::graph::{End, Ends, Searched};
 use crate::overlay::{Arcs, Cliques, FAR, Layer, Overlay};
 
-/// Where a label was reached from; the highest bit says that it was straight through a cell.
+/// Flags the parent of a label that was reached straight through a cell.
 const THROUGH: u32 = 1 << 31;
-/// A label that the search began with.
+/// The parent of a label at which the search began.
 pub(super) const BEGUN: u32 = THROUGH - 1;
 
-/// What a direction looks things up in.
+/// The tables of one direction.
 pub(super) struct Tables<'a> {
     pub(super) overlay: &'a Overlay,
     arcs: &'a Arcs,
@@ -51,7 +51,8 @@ impl<'a> Tables<'a> {
         }
     }
 
-    /// The slots that a slot's cell is left through, and how far they are; none if the cell cannot be entered there.
+    /// The slots by which a slot's cell is left, beginning with the returned one, and their
+    /// distances; `None` if the cell cannot be entered there.
     #[inline]
     fn row(&self, height: usize, slot: usize) -> Option<(usize, &'a [u32])> {
         let layer: &Layer = &self.overlay.layers[height];
@@ -75,16 +76,16 @@ impl<'a> Tables<'a> {
     }
 }
 
-/// What one direction has reached.
+/// The labels that one direction has reached.
 #[derive(Debug, Default)]
 pub(super) struct Side {
-    /// For each label how far it is, [`FAR`] if it was not reached.
+    /// For each label its distance; [`FAR`] if it was not reached.
     weight: Vec<u32>,
     parent: Vec<u32>,
-    /// Labels that were reached.
+    /// The labels that were reached.
     touched: Vec<u32>,
     heap: BinaryHeap<Reverse<u64>>,
-    /// Labels that the search began with.
+    /// The labels at which the search began.
     pub(super) begun: Vec<u32>,
 }
 
@@ -128,7 +129,7 @@ impl Side {
         self.parent[label as usize] & THROUGH != 0
     }
 
-    /// How far the next label is.
+    /// The distance of the next label.
     #[inline]
     pub(super) fn next(&mut self) -> u32 {
         while let Some(Reverse(top)) = self.heap.peek() {
@@ -141,7 +142,7 @@ impl Side {
         FAR
     }
 
-    /// Whether this is the shortest way to a label so far.
+    /// Stores a path to a label if it is the shortest so far. Returns whether it is.
     #[inline]
     fn reach(&mut self, label: u32, weight: u32, parent: u32) -> bool {
         let before = &mut self.weight[label as usize];
@@ -158,7 +159,7 @@ impl Side {
         true
     }
 
-    /// The next label and how far it is.
+    /// The next label and its distance.
     #[inline]
     pub(super) fn pop(&mut self) -> Option<(u32, u32)> {
         while let Some(Reverse(top)) = self.heap.pop() {
@@ -170,7 +171,8 @@ impl Side {
         None
     }
 
-    /// Goes on from a label, as far as `limit` is not reached; shows what is newly reached or reached sooner.
+    /// Continues from a label, below `limit`. Shows labels that are reached for the first time or
+    /// by a shorter path.
     #[inline]
     pub(super) fn go_on(
         &mut self,

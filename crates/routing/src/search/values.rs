@@ -1,7 +1,8 @@
-//! What lightest ways take, beside what they weigh: two sums along each way through a cell and each arc.
+//! Durations and lengths of lightest paths, beside their weights.
 //!
-//! A table asks for durations and lengths of ways that are chosen by weight. They are summed up along the trees of customization once,
-//! so that a search can carry them along.
+//! A table asks for durations and lengths of paths that are chosen by weight. Both are summed up
+//! once along the trees of customization, for each path through a cell, so that a search can carry
+//! them along.
 
 use rayon::prelude::*;
 
@@ -20,6 +21,7 @@ pub struct Value {
 impl Value {
     /// The sum of both, the largest number at most.
     #[must_use]
+    #[inline]
     pub fn plus(self, other: Self) -> Self {
         Self {
             duration: self.duration.saturating_add(other.duration),
@@ -28,7 +30,7 @@ impl Value {
     }
 }
 
-/// Values of arcs and of ways through cells.
+/// Values of arcs and of paths through cells.
 #[derive(Debug, Clone, Default)]
 pub struct Values {
     /// In the order of the arcs that leave states.
@@ -38,7 +40,8 @@ pub struct Values {
 }
 
 impl Values {
-    /// Sums up the values of arcs, which stand in the order of the arcs that leave states.
+    /// Sums up the values of arcs, which are in the order of
+    /// [`Overlay::out`](crate::overlay::Overlay::out).
     pub fn new(graph: Searched<'_>, arcs: Vec<Value>) -> Self {
         let mut values = Self {
             arcs,

@@ -1,4 +1,5 @@
-//! Whether what a graph file says can be true: a file with the right checksum can still have been made by anybody.
+//! Checks the content of graph files: a file with the right checksum can still have been made by
+//! anyone.
 
 use crate::network::{MOST_VIA_WAYS, Network};
 use crate::roads::Roads;
@@ -9,12 +10,12 @@ fn check(good: bool, problem: &'static str) -> Checked {
     if good { Ok(()) } else { Err(problem) }
 }
 
-/// Everything that numbers refer to is there, and edges are in order.
+/// All references have a target, and edges are in order.
 pub(super) fn network(network: &Network) -> Checked {
     let vertices = network.vertices.len();
     check(
         network.vertex_classes.len() == vertices,
-        "vertices and their words do not match",
+        "vertices and their tags do not match",
     )?;
     let nodes =
         (network.vertex_nodes.len(), network.nodes.len()) == (vertices, network.points.len());
@@ -27,8 +28,8 @@ pub(super) fn network(network: &Network) -> Checked {
     check(
         classes
             .max()
-            .is_none_or(|c| (*c as usize) < network.node_words.len()),
-        "a vertex has unknown words",
+            .is_none_or(|c| (*c as usize) < network.node_tags.len()),
+        "a vertex has unknown tags",
     )?;
     let ends = network.edges.last().map(|edge| edge.first_point as usize);
     check(
@@ -41,23 +42,22 @@ pub(super) fn network(network: &Network) -> Checked {
     )?;
     for (edge, next) in network.edges().iter().zip(&network.edges[1..]) {
         let known = (edge.from.max(edge.to) as usize) < vertices
-            && (edge.class as usize) < network.way_words.len()
+            && (edge.class as usize) < network.way_tags.len()
             && (edge.name as usize) < network.names.len();
-        check(known, "an edge's vertices, words or name are unknown")?;
+        check(known, "an edge's vertices, tags or name are unknown")?;
         check(
             edge.first_point <= next.first_point,
-            "the points of an edge are not its own",
+            "the points of an edge overlap those of another",
         )?;
     }
-    let words = network
+    let tags = network
         .restrictions
         .iter()
-        .map(|restriction| restriction.words);
+        .map(|restriction| restriction.tags);
     check(
-        words
-            .max()
-            .is_none_or(|w| (w as usize) < network.restriction_words.len()),
-        "a restriction has unknown words",
+        tags.max()
+            .is_none_or(|w| (w as usize) < network.restriction_tags.len()),
+        "a restriction has unknown tags",
     )?;
     let ways = network
         .restrictions
@@ -99,7 +99,7 @@ pub(super) fn levels(levels: &[Vec<u32>], vertices: usize) -> Checked {
     Ok(())
 }
 
-/// The tree's runs are runs of the network.
+/// The runs of the tree are runs of the network.
 pub(super) fn roads(roads: &Roads) -> Checked {
     let network = &roads.network;
     let known = roads.segments.runs.iter().all(|run| {

@@ -1,4 +1,4 @@
-//! Rows of numbers, in memory or in a file that is mapped into it.
+//! Rows of numbers, in memory or in a memory-mapped file.
 
 use std::fmt;
 use std::ops::Deref;
@@ -17,7 +17,8 @@ enum Kept<T: Pod> {
 }
 
 impl<T: Pod> Column<T> {
-    /// Part of a mapped file; `None` if it does not lie in the file, is no whole number of elements or is not aligned.
+    /// Part of a mapped file; `None` if it is not inside the file, not a whole number of elements,
+    /// or not aligned.
     pub(super) fn mapped(file: &Arc<Mmap>, begin: usize, bytes: usize) -> Option<Self> {
         let attached = Yoke::try_attach_to_cart(Arc::clone(file), |file: &Mmap| {
             let part = file
@@ -59,7 +60,7 @@ impl<T: Pod> FromIterator<T> for Column<T> {
     }
 }
 
-/// In memory, whatever it is a copy of.
+/// The clone is in memory.
 impl<T: Pod> Clone for Column<T> {
     fn clone(&self) -> Self {
         Self(Kept::Owned(self.to_vec()))

@@ -1,4 +1,4 @@
-//! Reading and writing graph files.
+//! Reads and writes graph files.
 
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
@@ -9,7 +9,7 @@ use bytemuck::Pod;
 use memmap2::Mmap;
 
 use super::{Column, check, map};
-use crate::network::{Network, RoadNames, Texts, WordSets};
+use crate::network::{Network, RoadNames, TagSets, Texts};
 use crate::roads::Roads;
 use crate::tree::SegmentTree;
 
@@ -20,23 +20,24 @@ const ENTRY: usize = 24;
 const ALIGNMENT: usize = 64;
 const SECTIONS: usize = 20;
 
-/// Why a file is not taken.
+/// Why a graph file cannot be used or written.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum GraphFileError {
     /// It cannot be read or written.
     #[error("cannot {doing} the graph file {}: {source}", path.display())]
     Io {
-        /// What was tried.
+        /// `read` or `write`.
         doing: &'static str,
-        /// Which.
+        /// The file.
         path: PathBuf,
-        /// Why.
+        /// The error of the operating system.
         source: io::Error,
     },
-    /// It is no graph file, or a damaged one, or of another version.
+    /// It is no graph file, damaged, or of another version.
     #[error("{}: {problem}; make it again with `openbench prepare`", path.display())]
     Bad {
-        /// Which.
+        /// The file.
         path: PathBuf,
         /// What is wrong.
         problem: String,
@@ -52,9 +53,12 @@ pub fn is_graph_file(path: &Path) -> bool {
         && begin == MAGIC
 }
 
-/// Writes a network in its cells to a file, which is replaced whole or not at all.
+/// Writes a network in its cells to a file, which is replaced atomically.
+///
+/// # Errors
+/// If the file cannot be written.
 pub fn write(roads: &Roads, path: &Path) -> Result<(), GraphFileError> {
-    // Each level with its length before it.
+    // Each level is preceded by its length.
     let levels: Vec<u32> = roads
         .levels
         .iter()
@@ -86,11 +90,11 @@ pub fn write(roads: &Roads, path: &Path) -> Result<(), GraphFileError> {
     })
 }
 
-/// What a file holds, in the order in which [`Sections::roads`] asks for it.
+/// The sections of a file, in the order in which [`Sections::roads`] reads them.
 fn sections<'a>(roads: &'a Roads, levels: &'a [u32]) -> [&'a [u8]; SECTIONS] {
     let network = &roads.network;
-    let [ways, nodes] = [&network.way_words, &network.node_words].map(|sets| &sets.0);
-    let (restrictions, names) = (&network.restriction_words.0, &network.names.0);
+    let [ways, nodes] = [&network.way_tags, &network.node_tags].map(|sets| &sets.0);
+    let (restrictions, names) = (&network.restriction_tags.0, &network.names.0);
     [
         bytemuck::cast_slice(&network.vertices),
         bytemuck::cast_slice(&network.vertex_classes),
@@ -116,6 +120,9 @@ fn sections<'a>(roads: &'a Roads, levels: &'a [u32]) -> [&'a [u8]; SECTIONS] {
 }
 
 /// Opens a graph file.
+///
+/// # Errors
+/// If the file cannot be read, is no graph file of this version, or is damaged.
 pub fn read(path: &Path) -> Result<Roads, GraphFileError> {
     let io = |source| GraphFileError::Io {
         doing: "read",
@@ -134,7 +141,7 @@ pub fn read(path: &Path) -> Result<Roads, GraphFileError> {
     Ok(roads)
 }
 
-/// Whether the file is one of ours, of this version, and as it was written.
+/// Checks that the file is a graph file of this version, as it was written.
 fn whole(file: &mut File) -> io::Result<Result<(), &'static str>> {
     const FOREIGN: &str = "this is not a graph file";
     if cfg!(target_endian = "big") {
@@ -145,9 +152,7 @@ fn whole(file: &mut File) -> io::Result<Result<(), &'static str>> {
     let size = file.metadata()?.len();
     let mut header = [0; HEADER];
     if size < (HEADER + SECTIONS * ENTRY) as u64 {
-        return Ok(Err(
-            "this is not a graph file, or only the beginning of one",
-        ));
+        return Ok(Err("this is not a graph file, or it is truncated"));
     }
     file.read_exact(&mut header)?;
     let number = |at: usize| {
@@ -161,10 +166,10 @@ fn whole(file: &mut File) -> io::Result<Result<(), &'static str>> {
     }
     if u64::from(number(16)) | u64::from(number(20)) << 32 != size {
         return Ok(Err(
-            "this graph file is cut off, or something stands behind its end",
+            "this graph file is truncated, or something follows its end",
         ));
     }
-    // Read, not mapped, so that looking at all of it once does not keep all of it in memory.
+    // Read, not mapped, so that checking the whole file once does not keep it in memory.
     let mut hasher = blake3::Hasher::new();
     let mut block = vec![0; 1 << 16];
     file.seek(SeekFrom::Start(HEADER as u64))?;
@@ -212,7 +217,7 @@ impl Sections {
         if texts.are_whole() {
             Ok(texts)
         } else {
-            Err("the words of this graph file cannot be read")
+            Err("the texts of this graph file cannot be read")
         }
     }
 
@@ -232,9 +237,9 @@ impl Sections {
         let segments = SegmentTree::from_parts(self.column()?, self.column()?);
         let segments = segments.ok_or("the tree of segments in this graph file is incomplete")?;
         let levels = levels(&self.column()?)?;
-        network.way_words = WordSets(self.texts()?);
-        network.node_words = WordSets(self.texts()?);
-        network.restriction_words = WordSets(self.texts()?);
+        network.way_tags = TagSets(self.texts()?);
+        network.node_tags = TagSets(self.texts()?);
+        network.restriction_tags = TagSets(self.texts()?);
         network.names = RoadNames(self.texts()?);
         check::network(&network)?;
         check::levels(&levels, network.vertices.len())?;

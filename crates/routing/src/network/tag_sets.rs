@@ -1,4 +1,4 @@
-//! Which words of an element routing may ask for, each set of them kept once.
+//! The tags that routing may ask for, and names, each kept once.
 
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -8,7 +8,7 @@ use openbench_osm::visitor::{TagRef, TagsRef};
 
 use crate::store::Column;
 
-/// Keys that tell people something and no profile anything; with everything that follows a colon behind them.
+/// Keys that inform people and no profile, together with all their subkeys behind a colon.
 const INFORMATION: [&str; 34] = [
     "addr",
     "alt_name",
@@ -47,23 +47,24 @@ const INFORMATION: [&str; 34] = [
 ];
 const MORE_INFORMATION: [&str; 4] = ["wikidata", "wikipedia", "phone", "survey"];
 
-/// Words of our own, which no map may bring.
-const OWN: &str = "openbench";
+/// The namespace of our own keys, which no map may use.
+const OWN_NAMESPACE: &str = "openbench";
 
-fn informs(key: &str) -> bool {
+fn is_information(key: &str) -> bool {
     let stem = key.split_once(':').map_or(key, |(stem, _)| stem);
-    stem == OWN || INFORMATION.contains(&stem) || MORE_INFORMATION.contains(&stem)
+    stem == OWN_NAMESPACE || INFORMATION.contains(&stem) || MORE_INFORMATION.contains(&stem)
 }
 
-/// Between a key and its value, and behind a value. Words that hold one of them are not regarded: no map has them but one that was made to.
-const MARKS: [char; 2] = ['\u{1e}', '\u{1f}'];
+/// Separators after a key and after a value. Tags that contain one of them are ignored: only maps
+/// made to be hostile have them.
+const SEPARATORS: [char; 2] = ['\u{1e}', '\u{1f}'];
 
-/// Texts by number, in one piece: of a country there are hundreds of thousands.
+/// Texts by number, in one piece: a country has hundreds of thousands.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Texts {
-    /// All of them, one after another.
+    /// All texts, one after another.
     pub(crate) bytes: Column<u8>,
-    /// Where each ends.
+    /// The end of each text.
     pub(crate) ends: Column<u32>,
 }
 
@@ -76,14 +77,14 @@ impl Texts {
             .copied()
             .unwrap_or_default();
         let range = begin as usize..self.ends.get(number).copied().unwrap_or_default() as usize;
-        // Texts of a file have been looked at when it was opened.
+        // Texts of a file were validated when it was opened.
         self.bytes
             .get(range)
             .and_then(|bytes| std::str::from_utf8(bytes).ok())
             .unwrap_or_default()
     }
 
-    /// Whether all are texts, one behind the other.
+    /// Whether all are UTF-8, one after the other.
     pub(crate) fn are_whole(&self) -> bool {
         let ends = self.ends.iter().map(|end| *end as usize);
         let begins = std::iter::once(0).chain(ends.clone());
@@ -110,12 +111,12 @@ impl<'a> FromIterator<&'a str> for Texts {
     }
 }
 
-/// Sets of words by number. Number 0 is the empty set.
+/// Sets of tags by number. Number 0 is the empty set.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct WordSets(pub(crate) Texts);
+pub struct TagSets(pub(crate) Texts);
 
-impl WordSets {
-    /// How many there are.
+impl TagSets {
+    /// The number of sets.
     pub fn len(&self) -> usize {
         self.0.ends.len()
     }
@@ -125,7 +126,7 @@ impl WordSets {
         self.0.ends.is_empty()
     }
 
-    /// The words of a set; none, if there is no such set.
+    /// The tags of a set; none, if there is no such set.
     pub fn get(&self, number: u32) -> Tags {
         self.tags(number).map(|tag| (tag.key, tag.value)).collect()
     }
@@ -135,7 +136,7 @@ impl WordSets {
         (0..self.len() as u32).map(|number| self.get(number))
     }
 
-    /// Whether `key` stands in a set with exactly this `value`.
+    /// Whether a set has `key` with exactly this `value`.
     pub fn is(&self, number: u32, key: &str, value: &str) -> bool {
         self.tags(number).any(|tag| tag == TagRef { key, value })
     }
@@ -145,11 +146,11 @@ impl WordSets {
     }
 }
 
-/// The tags of a set that is a text.
+/// The tags of an encoded set.
 fn tags(set: &str) -> impl Iterator<Item = TagRef<'_>> {
     let pairs = set
-        .split_terminator(MARKS[1])
-        .filter_map(|tag| tag.split_once(MARKS[0]));
+        .split_terminator(SEPARATORS[1])
+        .filter_map(|tag| tag.split_once(SEPARATORS[0]));
     pairs.map(|(key, value)| TagRef { key, value })
 }
 
@@ -176,7 +177,7 @@ impl Collected {
     }
 }
 
-/// Sets of words while they are collected.
+/// Sets of tags while they are collected.
 #[derive(Debug)]
 pub(super) struct Classes {
     sets: Collected,
@@ -195,16 +196,20 @@ impl Classes {
 
     /// The number of the set of those tags that a profile may ask for, together with `more`.
     pub(super) fn number(&mut self, tags: TagsRef<'_>, more: Option<TagRef<'_>>) -> u32 {
-        let told = tags.0.iter().copied().filter(|tag| !informs(tag.key));
-        let mut kept: Vec<TagRef<'_>> = told.chain(more).collect();
-        kept.retain(|tag| !tag.key.contains(MARKS) && !tag.value.contains(MARKS));
+        let relevant = tags
+            .0
+            .iter()
+            .copied()
+            .filter(|tag| !is_information(tag.key));
+        let mut kept: Vec<TagRef<'_>> = relevant.chain(more).collect();
+        kept.retain(|tag| !tag.key.contains(SEPARATORS) && !tag.value.contains(SEPARATORS));
         kept.sort_by_key(|tag| tag.key);
         self.text.clear();
         for tag in &kept {
             self.text.push_str(tag.key);
-            self.text.push(MARKS[0]);
+            self.text.push(SEPARATORS[0]);
             self.text.push_str(tag.value);
-            self.text.push(MARKS[1]);
+            self.text.push(SEPARATORS[1]);
         }
         self.sets.number(&self.text)
     }
@@ -216,12 +221,12 @@ impl Classes {
         self.number(TagsRef(&tags), Some(more))
     }
 
-    pub(super) fn into_sets(self) -> WordSets {
-        WordSets(self.sets.into_texts())
+    pub(super) fn into_sets(self) -> TagSets {
+        TagSets(self.sets.into_texts())
     }
 }
 
-/// What a road is called.
+/// The name of a road.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct RoadName<'a> {
     /// `name`, empty if it has none.
@@ -230,12 +235,12 @@ pub struct RoadName<'a> {
     pub reference: &'a str,
 }
 
-/// What roads are called, by number. Number 0 is nothing.
+/// Names of roads by number. Number 0 is no name.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct RoadNames(pub(crate) Texts);
 
 impl RoadNames {
-    /// How many there are.
+    /// The number of names.
     pub fn len(&self) -> usize {
         self.0.ends.len()
     }
@@ -245,9 +250,13 @@ impl RoadNames {
         self.0.ends.is_empty()
     }
 
-    /// A name; nothing, if there is no such number.
+    /// A name; no name, if there is no such number.
     pub fn get(&self, number: u32) -> RoadName<'_> {
-        let (name, reference) = self.0.get(number).split_once(MARKS[0]).unwrap_or_default();
+        let (name, reference) = self
+            .0
+            .get(number)
+            .split_once(SEPARATORS[0])
+            .unwrap_or_default();
         RoadName { name, reference }
     }
 }
@@ -262,7 +271,7 @@ pub(super) struct Names {
 impl Names {
     pub(super) fn new() -> Self {
         let mut names = Collected::default();
-        names.number(&MARKS[0].to_string());
+        names.number(&SEPARATORS[0].to_string());
         Self {
             names,
             text: String::new(),
@@ -273,7 +282,7 @@ impl Names {
     pub(super) fn number(&mut self, tags: TagsRef<'_>) -> u32 {
         self.text.clear();
         self.text.push_str(readable(tags, "name"));
-        self.text.push(MARKS[0]);
+        self.text.push(SEPARATORS[0]);
         self.text.push_str(readable(tags, "ref"));
         self.names.number(&self.text)
     }
@@ -283,10 +292,10 @@ impl Names {
     }
 }
 
-/// The value of a key, empty if there is none or it holds a mark.
+/// The value of a key, empty if there is none or it contains a separator.
 fn readable<'a>(tags: TagsRef<'a>, key: &str) -> &'a str {
     tags.get(key)
-        .filter(|value| !value.contains(MARKS))
+        .filter(|value| !value.contains(SEPARATORS))
         .unwrap_or_default()
 }
 
@@ -297,16 +306,16 @@ mod tests {
     #[test]
     fn sets_are_kept_once_and_found_again() {
         let mut classes = Classes::new();
-        let words = [
+        let tags = [
             TagRef::new("surface", "sett"),
             TagRef::new("highway", "path"),
             TagRef::new("name", "Elm Path"),
             TagRef::new("odd", "a\u{1f}b"),
         ];
-        let one = classes.number(TagsRef(&words), None);
-        let same = classes.number(TagsRef(&words[..2]), None);
+        let one = classes.number(TagsRef(&tags), None);
+        let same = classes.number(TagsRef(&tags[..2]), None);
         let other = classes.number(
-            TagsRef(&words[..1]),
+            TagsRef(&tags[..1]),
             Some(TagRef::new("openbench:crossing", "yes")),
         );
         assert_eq!(
@@ -326,7 +335,7 @@ mod tests {
     }
 
     #[test]
-    fn roads_without_a_name_are_called_nothing() {
+    fn roads_without_a_name_have_number_zero() {
         let mut names = Names::new();
         let number = |names: &mut Names, tags: &[TagRef<'_>]| names.number(TagsRef(tags));
         assert_eq!(number(&mut names, &[]), 0);
