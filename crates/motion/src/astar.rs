@@ -2,7 +2,7 @@
 //! in any direction costs no more.
 
 use openbench_core::MapPoint;
-use openbench_grid::{Frontier, in_sight, passes_all};
+use openbench_geometry::grid::{Frontier, in_sight, passes_all};
 
 use crate::costmap::Costmap;
 use crate::search::Search;
@@ -293,8 +293,9 @@ mod tests {
     use crate::costmap::tests::{empty_map, open_ground, see_wall};
     use crate::search::GridPath;
     use openbench_core::RobotDescription;
-    use openbench_grid::GridGeometry;
-    use openbench_osm::{Area, ElementId, ElementKind, Polygon, Road};
+    use openbench_geometry::Polygon;
+    use openbench_geometry::grid::GridGeometry;
+    use openbench_osm::{Area, ElementId, ElementKind, Road};
     use proptest::prelude::*;
 
     fn length(path: &[MapPoint]) -> f64 {

@@ -8,7 +8,7 @@
 //! disturbances come from a seeded generator.
 
 use openbench_core::{MapPoint, Pose2, RobotDescription, SimTime, Velocity, frames::wrap_angle};
-use openbench_grid::GridGeometry;
+use openbench_geometry::grid::GridGeometry;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 

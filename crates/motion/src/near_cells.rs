@@ -1,7 +1,7 @@
 //! Cells of a grid around an obstacle.
 
 use openbench_core::MapPoint;
-use openbench_grid::GridGeometry;
+use openbench_geometry::grid::GridGeometry;
 
 use crate::shape::Obstacle;
 

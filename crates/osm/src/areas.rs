@@ -11,11 +11,11 @@ use openbench_core::MapPoint;
 
 use crate::data::OsmData;
 use crate::element::{ElementKind, Relation, Way};
-use crate::polygon::Polygon;
 use crate::projection::Projection;
 use crate::rings::{Assembled, assemble};
 use crate::spatial::BoxTree;
 use crate::tags::Tags;
+use openbench_geometry::Polygon;
 
 /// Keys that make a closed way an area.
 const AREA_KEYS: [&str; 10] = [

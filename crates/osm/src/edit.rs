@@ -13,10 +13,10 @@ use crate::data::OsmData;
 use crate::element::{ElementId, ElementKind, Node, Relation, Way};
 use crate::map::is_door;
 use crate::names::{fold_unit, unit_names};
-use crate::polygon::Segment;
 use crate::projection::Projection;
 use crate::tags::Tags;
 use crate::write::round7;
+use openbench_geometry::Segment;
 
 /// The distance of a door from corners and other doors, metres; a third of a shorter wall.
 const CLEARANCE_M: f64 = 0.05;

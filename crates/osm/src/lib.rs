@@ -13,7 +13,6 @@
 //! | `write` | OSM XML, osmChange, and atomic replacement of files |
 //! | [`error`] | [`OsmError`]: why a file could not be read, and where in it |
 //! | `projection` | [`Projection`]: degrees to metres of the `map` frame and back |
-//! | [`polygon`] | [`Polygon`]: an outline with holes, its boundary and its normals |
 //! | `rings` | closed rings from the ways of a multipolygon |
 //! | `areas` | polygons from closed ways and multipolygons |
 //! | `spatial` | the nearest of many boxes |
@@ -37,7 +36,6 @@ pub mod map;
 mod name_index;
 pub mod names;
 mod pbf;
-pub mod polygon;
 mod projection;
 mod read;
 mod rings;
@@ -55,7 +53,6 @@ pub use edit::{EditError, NewEntrance, add_entrance, merge_entrances, without_do
 pub use element::{ElementId, ElementKind, Member, Node, Relation, Way};
 pub use error::OsmError;
 pub use map::{Area, Barrier, Building, Entrance, MapReport, OsmMap, Road};
-pub use polygon::Polygon;
 pub use projection::{Projection, ProjectionError, default_georeference};
 pub use tags::Tags;
 pub use write::{changes, write_atomically};

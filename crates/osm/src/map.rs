@@ -12,10 +12,10 @@ use crate::data::OsmData;
 use crate::element::{ElementId, ElementKind, Relation, Way};
 use crate::name_index::NameIndex;
 use crate::names::{building_name, fold, full_names, unit_names};
-use crate::polygon::Polygon;
 use crate::projection::Projection;
 use crate::spatial::BoxTree;
 use crate::tags::Tags;
+use openbench_geometry::Polygon;
 
 /// A door farther than this from every outline belongs to no building, metres.
 const DOOR_REACH_M: f64 = 3.0;

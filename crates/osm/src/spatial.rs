@@ -5,7 +5,7 @@
 
 use openbench_core::MapPoint;
 
-use crate::polygon::Bounds;
+use openbench_geometry::Bounds;
 
 /// Boxes to search.
 #[derive(Debug, Clone, Default)]

@@ -3,6 +3,7 @@
 //! some covering of it, never a panic.
 
 use openbench_core::MapPoint;
+use openbench_geometry::{Segment, sides, turn};
 
 /// Rings with more corners are thinned to this many: ear clipping takes quadratic time.
 const MAX_CORNERS: usize = 2_000;
@@ -31,11 +32,6 @@ fn thinned(ring: &[MapPoint]) -> Vec<MapPoint> {
     ring.iter().step_by(step).copied().collect()
 }
 
-/// Twice the signed area; positive if `a`, `b`, `c` turn left.
-pub(crate) fn turn(a: MapPoint, b: MapPoint, c: MapPoint) -> f64 {
-    (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)
-}
-
 /// The ring with the hole joined to it along the shortest bridge that crosses neither.
 fn bridged(ring: &[MapPoint], hole: &[MapPoint]) -> Vec<MapPoint> {
     let mut pairs: Vec<(f64, usize, usize)> = Vec::with_capacity(ring.len() * hole.len());
@@ -56,10 +52,7 @@ fn bridged(ring: &[MapPoint], hole: &[MapPoint]) -> Vec<MapPoint> {
 }
 
 fn crosses(ring: &[MapPoint], p: MapPoint, q: MapPoint) -> bool {
-    (0..ring.len()).any(|k| {
-        let (a, b) = (ring[k], ring[(k + 1) % ring.len()]);
-        turn(a, b, p) * turn(a, b, q) < 0.0 && turn(p, q, a) * turn(p, q, b) < 0.0
-    })
+    sides(ring).any(|side| side.crosses(Segment::new(p, q)))
 }
 
 fn clip_ears(mut ring: Vec<MapPoint>) -> Vec<[MapPoint; 3]> {

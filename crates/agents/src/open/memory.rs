@@ -1,7 +1,8 @@
 //! The agent's own copy of the map, into which it writes the doors that it finds.
 
 use openbench_core::{Address, Event, Events, Georeference, MapPoint};
-use openbench_osm::{OsmData, OsmMap, Polygon, add_entrance, merge_entrances};
+use openbench_geometry::Polygon;
+use openbench_osm::{OsmData, OsmMap, add_entrance, merge_entrances};
 
 use crate::open::sighting::Sighting;
 

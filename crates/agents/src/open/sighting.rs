@@ -4,8 +4,9 @@
 use nalgebra::Point3;
 use openbench_core::frames::wrap_angle;
 use openbench_core::{CameraIntrinsics, MapPoint, Pose2};
-use openbench_osm::polygon::Segment;
-use openbench_osm::{OsmMap, Polygon};
+use openbench_geometry::Polygon;
+use openbench_geometry::Segment;
+use openbench_osm::OsmMap;
 use openbench_vision::{PlateReading, parse_unit};
 
 use crate::open::perception::Perception;

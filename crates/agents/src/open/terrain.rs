@@ -7,11 +7,11 @@
 //! next corridor is taken, until there is none.
 
 use openbench_core::{MapPoint, RobotDescription};
+use openbench_geometry::Segment;
 use openbench_motion::costmap::ground::Preferences;
 use openbench_motion::costmap::overview::{Obstruction, Overview};
 use openbench_motion::{Costmap, CostmapError, Guide, PlanError, Search, costs, plan};
 use openbench_osm::OsmMap;
-use openbench_osm::polygon::Segment;
 use openbench_routing::{MapRouter, Router};
 
 /// How far the fine costmap reaches to each side.
@@ -338,8 +338,7 @@ fn nearest_on_path(path: &[MapPoint], from: MapPoint) -> Option<(usize, MapPoint
 
 /// The point at the share `t` between `a` and `b`, `b` at most.
 fn along(a: MapPoint, b: MapPoint, t: f64) -> MapPoint {
-    let t = if t < 1.0 { t } else { 1.0 };
-    MapPoint::new(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y))
+    Segment::new(a, b).at(if t < 1.0 { t } else { 1.0 })
 }
 
 #[cfg(test)]

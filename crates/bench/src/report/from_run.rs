@@ -1,7 +1,7 @@
 //! From results and traces to the input of a report.
 
 use openbench_core::MapPoint;
-use openbench_osm::Polygon;
+use openbench_geometry::Polygon;
 
 use super::{Declaration, DoorMark, EpisodeReport, MapArea, PlateFrame, ReportInput, WorldMap};
 use crate::image_file;

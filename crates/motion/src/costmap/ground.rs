@@ -1,9 +1,10 @@
 //! The layer of the map: obstacles, and which kind of ground lies between them.
 
 use openbench_core::MapPoint;
-use openbench_grid::GridGeometry;
-use openbench_osm::polygon::{Bounds, Segment};
-use openbench_osm::{Area, Barrier, OsmMap, Polygon, Road, Tags};
+use openbench_geometry::Polygon;
+use openbench_geometry::grid::GridGeometry;
+use openbench_geometry::{Bounds, Segment};
+use openbench_osm::{Area, Barrier, OsmMap, Road, Tags};
 
 /// Half the width of the gap that a gate leaves in a barrier, metres.
 const GATE_M: f64 = 1.0;
@@ -374,7 +375,7 @@ impl Drawing<'_> {
 
 /// The point at a share of a segment.
 fn between(a: MapPoint, b: MapPoint, share: f64) -> MapPoint {
-    MapPoint::new(a.x + share * (b.x - a.x), a.y + share * (b.y - a.y))
+    Segment::new(a, b).at(share)
 }
 
 /// Whether a tag has one of some values.

@@ -21,7 +21,7 @@ pub mod walls;
 pub mod window;
 
 use openbench_core::{MapPoint, Pose2, RobotDescription};
-use openbench_grid::{GridGeometry, squared_distances};
+use openbench_geometry::grid::{GridGeometry, squared_distances};
 use openbench_osm::OsmMap;
 
 use crate::costmap::ground::{Barred, Ground, Preferences, Surface};
@@ -406,7 +406,8 @@ pub(crate) mod tests {
     use super::*;
     use crate::obstacles::{Beam, ScanPoint};
     use openbench_core::{Georeference, LonLat};
-    use openbench_osm::{Area, Barrier, ElementId, ElementKind, OsmData, Polygon};
+    use openbench_geometry::Polygon;
+    use openbench_osm::{Area, Barrier, ElementId, ElementKind, OsmData};
 
     pub(crate) fn empty_map() -> OsmMap {
         OsmMap::new(

@@ -8,7 +8,7 @@
 use std::collections::BTreeMap;
 
 use openbench_core::{MapPoint, RobotDescription};
-use openbench_grid::GridGeometry;
+use openbench_geometry::grid::GridGeometry;
 use openbench_osm::OsmMap;
 
 use crate::astar::{PlanError, costs, plan};

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use openbench_core::MapPoint;
-use openbench_grid::GridGeometry;
+use openbench_geometry::grid::GridGeometry;
 
 use crate::obstacles::{Beam, RangeRing, ScanPoint};
 use crate::vector::Vector2;

@@ -1,7 +1,7 @@
 //! A rolling window: the ground around the robot in finer cells, moving along with it.
 
 use openbench_core::{MapPoint, Pose2};
-use openbench_grid::GridGeometry;
+use openbench_geometry::grid::GridGeometry;
 
 use crate::costmap::Costmap;
 use crate::costmap::ground::{Barred, Ground, Preferences};

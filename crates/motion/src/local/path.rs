@@ -1,7 +1,7 @@
 //! Points of a path ahead of the robot.
 
 use openbench_core::MapPoint;
-use openbench_osm::polygon::Segment;
+use openbench_geometry::Segment;
 
 /// Of two places on a path that are as near, within this many metres, the earlier one counts.
 const ROUNDING: f64 = 1e-9;

@@ -10,7 +10,7 @@
 use std::f64::consts::TAU;
 
 use openbench_core::{MapPoint, Pose2, frames::wrap_angle};
-use openbench_grid::{Frontier, GridGeometry};
+use openbench_geometry::grid::{Frontier, GridGeometry};
 
 use crate::limits::Limits;
 use crate::near_cells::each_cell_near;

@@ -1,7 +1,7 @@
 //! Shortest paths of any angle over a grid: Theta* (Nash, Daniel, Koenig and Felner 2007), then
 //! pulled taut.
 
-use openbench_grid::{Frontier, GridGeometry, in_sight};
+use openbench_geometry::grid::{Frontier, GridGeometry, in_sight};
 
 /// Steps to the eight neighbours of a cell: columns, rows.
 const NEIGHBOURS: [[i64; 2]; 8] = [

@@ -10,7 +10,7 @@ mod any_angle;
 mod slices;
 
 use openbench_core::MapPoint;
-use openbench_grid::{GridGeometry, squared_distances};
+use openbench_geometry::grid::{GridGeometry, squared_distances};
 
 use crate::raycast::RayCaster;
 use crate::scene::Door;

@@ -1,7 +1,7 @@
 //! Cells of a grid that solid triangles stop a robot in.
 
 use openbench_core::MapPoint;
-use openbench_grid::GridGeometry;
+use openbench_geometry::grid::GridGeometry;
 
 /// Half a cell's diagonal, in cells, rounded up.
 const HALF_DIAGONAL: f64 = 0.71;

@@ -10,9 +10,9 @@ use super::inputs::Inputs;
 use super::occupied::Occupied;
 use super::output::Output;
 use super::seeds::{Purpose, between, pick, stream};
-use super::segment::sides;
 use super::shapes::at;
 use crate::material::SemanticClass;
+use openbench_geometry::sides;
 
 /// Distance between the trees, metres.
 const SPACING_M: f64 = 5.0;

@@ -13,10 +13,10 @@ use super::output::Output;
 use super::palette::Palette;
 use super::profile::{KERB_WIDTH_M, metres};
 use super::seeds::{Purpose, between, chance, pick, stream};
-use super::segment::{Segment, segments};
 use super::shapes::{Block, Surface, at, cuboid, facet, see_through};
 use crate::material::SemanticClass;
 use crate::scene::{Layer, SceneBuilder};
+use openbench_geometry::{Segment, segments};
 
 /// No kerb is built higher, metres.
 const HIGHEST_KERB_M: f64 = 0.4;
@@ -63,7 +63,7 @@ pub(super) fn build(inputs: &Inputs, out: &mut Output) {
         let build = build_of(&barrier.tags, &inputs.palette, &mut rng);
         out.scene
             .object(kind(&barrier.tags).to_owned(), build.class());
-        let on_ground = segments(&barrier.points).filter(|s| inputs.is_on_ground(s.a));
+        let on_ground = segments(&barrier.points).filter(|s| inputs.is_on_ground(s.start));
         for stretch in on_ground {
             for part in closed_parts(barrier, &map.roads, &inputs.lanes, stretch) {
                 if !out.is_full() {
@@ -209,7 +209,7 @@ fn masonry(
 
 fn panels(scene: &mut SceneBuilder, surface: Surface, post: Surface, line: Segment, height: f64) {
     see_through(scene, surface, line, 0.0..height);
-    let Segment { a, b } = line;
+    let Segment { start: a, end: b } = line;
     let corners = [at(a, 0.0), at(b, 0.0), at(b, height), at(a, height)];
     facet(scene, Layer::Solid, surface, &corners);
     let length = line.length();

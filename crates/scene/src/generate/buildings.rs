@@ -13,11 +13,11 @@ use super::output::Output;
 use super::parts;
 use super::roofs;
 use super::seeds::{Purpose, element_number, pick, stream};
-use super::segment::Segment;
 use super::shapes::{panel, wall};
 use super::walls::walls;
 use crate::material::SemanticClass;
 use crate::scene::Layer;
+use openbench_geometry::Segment;
 
 /// Shortest wall with a garage door, metres.
 const SHORTEST_GARAGE_WALL_M: f64 = 3.0;

@@ -4,10 +4,10 @@
 use std::collections::BTreeMap;
 
 use openbench_core::MapPoint;
-use openbench_osm::Polygon;
+use openbench_geometry::Polygon;
 
 use super::error::MAX_EXTENT_M;
-use super::segment::{Segment, segments};
+use openbench_geometry::{Segment, segments};
 
 /// Side of a grid cell, metres.
 const CELL_M: f64 = 16.0;
@@ -77,10 +77,10 @@ impl Clearance {
         let share = |k: usize| k as f64 / pieces as f64;
         for i in 0..pieces {
             let piece = axis.part(share(i), share(i + 1));
-            if !self.reserve(piece.a, piece.b, radius) {
+            if !self.reserve(piece.start, piece.end, radius) {
                 continue;
             }
-            for cell in cells(piece.a, piece.b, radius) {
+            for cell in cells(piece.start, piece.end, radius) {
                 let list = self.capsule_cells.entry(cell).or_default();
                 if list.last() != Some(&index) {
                     list.push(index);
@@ -134,10 +134,10 @@ impl Clearance {
             let c = &self.capsules[*i as usize];
             c.kind & kinds != 0 && axis.distance_to(c.axis) < radius + c.radius
         };
-        let is_touched = cells(axis.a, axis.b, radius)
+        let is_touched = cells(axis.start, axis.end, radius)
             .filter_map(|cell| self.capsule_cells.get(&cell))
             .any(|list| list.iter().any(touches));
-        !is_touched && self.areas_at(axis.a, kinds) == 0
+        !is_touched && self.areas_at(axis.start, kinds) == 0
     }
 
     /// Whether a disc touches nothing of `kinds`.

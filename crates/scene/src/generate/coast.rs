@@ -7,11 +7,12 @@
 use std::collections::BTreeMap;
 
 use openbench_core::MapPoint;
-use openbench_osm::{OsmData, OsmMap, Polygon};
+use openbench_geometry::Polygon;
+use openbench_osm::{OsmData, OsmMap};
 
 use super::extent::Extent;
 use super::rings::signed_area;
-use super::segment::segments;
+use openbench_geometry::segments;
 
 /// Height of the sea, metres.
 pub(super) const SEA_LEVEL_M: f64 = -0.5;
@@ -120,10 +121,10 @@ fn clipped(line: &[MapPoint], extent: Extent) -> Vec<Vec<MapPoint>> {
         };
         let part = segment.part(inside.start, inside.end);
         if inside.start > 0.0 {
-            piece = Some(vec![part.a]);
+            piece = Some(vec![part.start]);
         }
         let Some(points) = &mut piece else { continue };
-        points.push(part.b);
+        points.push(part.end);
         if inside.end < 1.0 {
             pieces.extend(piece.take());
         }

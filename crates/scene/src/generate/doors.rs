@@ -8,11 +8,11 @@ use super::house::House;
 use super::inputs::Inputs;
 use super::output::Output;
 use super::seeds::{chance, pick};
-use super::segment::Segment;
 use super::shapes::{Block, Surface, cuboid, panel};
 use crate::material::SemanticClass;
 use crate::plate::{hang_plate, plate_pose};
 use crate::scene::{Door, Layer, SceneBuilder};
+use openbench_geometry::Segment;
 
 /// Height of a door leaf, metres.
 const LEAF_HEIGHT_M: f64 = 2.1;

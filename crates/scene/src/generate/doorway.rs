@@ -5,8 +5,8 @@ use std::ops::Range;
 
 use openbench_core::{Address, MapPoint, Pose2};
 
-use super::segment::Segment;
 use crate::plate::PLATE_WIDTH;
+use openbench_geometry::Segment;
 
 /// Width of a door leaf, metres.
 pub(super) const LEAF_WIDTH_M: f64 = 1.0;
@@ -49,7 +49,7 @@ impl Doorway {
     /// another.
     pub fn span_on(&self, wall: Segment) -> Option<Range<f64>> {
         let direction = wall.bearing();
-        let in_wall = Pose2::new(wall.a.x, wall.a.y, direction);
+        let in_wall = Pose2::new(wall.start.x, wall.start.y, direction);
         let (along, aside) = in_wall.inverse_transform(self.position);
         let parallel = libm::cos(self.facing + FRAC_PI_2 - direction) > 0.99;
         if !parallel || aside.abs() > OFF_WALL_M || along < 0.0 || along > wall.length() {

@@ -15,9 +15,9 @@ use super::house::is_open_below;
 use super::naming::Names;
 use super::options::GenerateOptions;
 use super::seeds::{Purpose, chance, element_number, stream};
-use super::segment::Segment;
 use super::walls::walls;
 use crate::plate::PLATE_WIDTH;
+use openbench_geometry::Segment;
 
 /// Middle of the plate from the middle of the door along the wall, metres.
 const PLATE_OFFSET_M: f64 = 1.25;
@@ -325,7 +325,7 @@ fn doorway(
 
 /// Whether a plate beside a door is on the wall and clear of other doors and plates.
 fn has_room(door: &Doorway, offset: f64, others: &[Doorway]) -> bool {
-    let place = door.position.distance(door.wall.a) + offset;
+    let place = door.position.distance(door.wall.start) + offset;
     let half = PLATE_WIDTH / 2.0;
     let on_wall =
         place > half + PLATE_MARGIN_M && place < door.wall.length() - half - PLATE_MARGIN_M;
@@ -334,7 +334,7 @@ fn has_room(door: &Doorway, offset: f64, others: &[Doorway]) -> bool {
 }
 
 fn nearest_share(wall: Segment, p: MapPoint) -> f64 {
-    let Segment { a, b } = wall;
+    let Segment { start: a, end: b } = wall;
     let (dx, dy) = (b.x - a.x, b.y - a.y);
     let squared = (dx * dx + dy * dy).max(1e-9);
     (((p.x - a.x) * dx + (p.y - a.y) * dy) / squared).clamp(0.0, 1.0)

@@ -3,11 +3,12 @@
 use std::ops::Range;
 
 use openbench_core::{Georeference, MapPoint};
-use openbench_osm::polygon::Bounds;
-use openbench_osm::{OsmMap, Polygon};
+use openbench_geometry::Bounds;
+use openbench_geometry::Polygon;
+use openbench_osm::OsmMap;
 
 use super::error::{GenerateError, MAX_BUILDINGS, MAX_EXTENT_M};
-use super::segment::Segment;
+use openbench_geometry::Segment;
 
 /// Ground beyond the outermost mapped building, metres.
 pub(super) const GROUND_MARGIN_M: f64 = 80.0;
@@ -121,7 +122,7 @@ impl Extent {
 
     /// The part of a segment that lies in the rectangle, as shares of it (Liang and Barsky, *A New
     /// Concept and Method for Line Clipping*, 1984).
-    pub fn clip(self, Segment { a, b }: Segment) -> Option<Range<f64>> {
+    pub fn clip(self, Segment { start: a, end: b }: Segment) -> Option<Range<f64>> {
         let (dx, dy) = (b.x - a.x, b.y - a.y);
         // For each edge: the speed at which the segment leaves it, and the room inside of it at
         // `a`.

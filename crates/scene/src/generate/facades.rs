@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use openbench_osm::Polygon;
+use openbench_geometry::Polygon;
 use rand_pcg::Pcg64Mcg;
 
 use super::clearance::BUILDING;
@@ -11,10 +11,10 @@ use super::doorway::Doorway;
 use super::house::{House, PARAPET_M, RELIEF_M, Roof};
 use super::inputs::Inputs;
 use super::output::Output;
-use super::segment::Segment;
 use super::shapes::{panel, wall};
 use super::windows;
 use crate::scene::Layer;
+use openbench_geometry::Segment;
 
 /// Height of the plinth, metres.
 const PLINTH_M: f64 = 0.5;

@@ -7,7 +7,7 @@ use openbench_osm::Road;
 
 use super::lanes::Lanes;
 use super::profile::profile;
-use super::segment::Segment;
+use openbench_geometry::Segment;
 
 /// Free width on each side of a road that goes through, metres.
 pub(super) const GATE_MARGIN_M: f64 = 0.8;
@@ -39,16 +39,16 @@ pub(super) fn between_gates(
     } else {
         stretch
     };
-    let (before, whole) = (line.a.distance(stretch.a), line.length());
+    let (before, whole) = (line.start.distance(stretch.start), line.length());
     let mut gaps: Vec<Range<f64>> = Vec::new();
     for gate in gates
         .iter()
         .filter(|gate| line.distance_to_point(**gate) < AT_WALL_M)
     {
-        let at = line.a.distance(*gate) - before;
+        let at = line.start.distance(*gate) - before;
         gaps.push(at - GATE_HALF_WIDTH_M..at + GATE_HALF_WIDTH_M);
     }
-    for lane in lanes.near(line.a, line.b, AT_WALL_M) {
+    for lane in lanes.near(line.start, line.end, AT_WALL_M) {
         let Some(profile) = profile(&roads[lane.road as usize].tags) else {
             continue;
         };
@@ -85,7 +85,7 @@ mod tests {
     fn gaps_that_overlap_open_a_wall_once() {
         let wall = Segment::new(MapPoint::new(0.0, 0.0), MapPoint::new(10.0, 0.0));
         let kept = without(wall, vec![5.0..7.0, 2.0..4.0, 3.0..6.0, 9.9..12.0]);
-        let ends: Vec<[f64; 2]> = kept.iter().map(|part| [part.a.x, part.b.x]).collect();
+        let ends: Vec<[f64; 2]> = kept.iter().map(|part| [part.start.x, part.end.x]).collect();
         assert_eq!(ends, [[0.0, 2.0], [7.0, 9.9]]);
     }
 }

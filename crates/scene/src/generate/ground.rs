@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 use openbench_core::MapPoint;
-use openbench_osm::Polygon;
+use openbench_geometry::Polygon;
 
 use super::coast::SEA_LEVEL_M;
 use super::extent::GROUND_MARGIN_M;
@@ -13,7 +13,8 @@ use super::shapes::{Surface, at, floor};
 use crate::beyond::{Rectangle, beyond};
 use crate::material::SemanticClass;
 use crate::scene::{Layer, SceneBuilder};
-use crate::triangulate::{triangulate, turn};
+use crate::triangulate::triangulate;
+use openbench_geometry::turn;
 
 /// Height of the sea where the ground could not be cut out, metres: just above it.
 const Z_SEA_M: f64 = 0.001;

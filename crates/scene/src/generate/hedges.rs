@@ -6,9 +6,9 @@ use rand_pcg::Pcg64Mcg;
 
 use super::inputs::Inputs;
 use super::seeds::{Purpose, between, stream};
-use super::segment::Segment;
 use super::shapes::{Block, Corner, Surface, at, cuboid};
 use crate::scene::{Layer, SceneBuilder};
+use openbench_geometry::Segment;
 
 /// Distance between the cross sections of a hedge in a neighbourhood, metres.
 const SECTION_M: f64 = 1.2;
@@ -85,7 +85,7 @@ pub(super) fn build(inputs: &Inputs, scene: &mut SceneBuilder, line: Segment, si
         TOWN_SECTION_M
     };
     let count = ((length / spacing) as usize).clamp(1, MAX_SECTIONS);
-    let place = (line.a.x * 10.0) as i64 ^ ((line.a.y * 10.0) as i64) << 24;
+    let place = (line.start.x * 10.0) as i64 ^ ((line.start.y * 10.0) as i64) << 24;
     let mut rng = stream(inputs.seed, Purpose::Barrier, place as u64 | 1 << 63);
     let sections: Vec<Section> = (0..=count)
         .map(|i| section(pose, length * i as f64 / count as f64, size, &mut rng))

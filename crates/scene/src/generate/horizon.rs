@@ -11,10 +11,10 @@ use super::ground::RIM_M;
 use super::inputs::Inputs;
 use super::output::Output;
 use super::seeds::{Purpose, between, stream};
-use super::segment::sides;
 use super::shapes::{Corner, Surface, at, level_uv};
 use crate::material::SemanticClass;
 use crate::scene::{Layer, SceneBuilder};
+use openbench_geometry::sides;
 
 /// A row of hills, metres.
 struct Row {

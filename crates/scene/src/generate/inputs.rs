@@ -2,7 +2,8 @@
 //! built. Generators read it and change nothing in it.
 
 use openbench_core::MapPoint;
-use openbench_osm::{OsmMap, Polygon};
+use openbench_geometry::Polygon;
+use openbench_osm::OsmMap;
 
 use super::clearance::Clearance;
 use super::doorway::Doorway;
@@ -11,7 +12,7 @@ use super::features::{Feature, TreeRow};
 use super::lanes::Lanes;
 use super::options::GenerateOptions;
 use super::palette::Palette;
-use super::segment::Segment;
+use openbench_geometry::Segment;
 
 /// The inputs of all generators.
 pub(super) struct Inputs<'a> {

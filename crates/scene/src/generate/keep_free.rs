@@ -1,15 +1,16 @@
 //! What keeps its ground free: the map's own things, doors with their plates, and the start.
 
 use openbench_core::MapPoint;
-use openbench_osm::{OsmMap, Polygon, Road};
+use openbench_geometry::Polygon;
+use openbench_osm::{OsmMap, Road};
 
 use super::clearance::{
     BARRIER, BUILDING, Clearance, DOOR, DRIVEWAY, PATH, PAVED, ROAD, START, WATER,
 };
 use super::doorway::Doorway;
 use super::profile::profile;
-use super::segment::Segment;
 use super::water::is_water;
+use openbench_geometry::Segment;
 
 /// Half the width of what is kept free along a barrier, metres.
 const BARRIER_RADIUS_M: f64 = 0.35;

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use openbench_core::MapPoint;
 use openbench_osm::Road;
 
-use super::segment::{Segment, segments};
+use openbench_geometry::{Segment, segments};
 
 /// Side of a cell, metres.
 const CELL_M: f64 = 32.0;

@@ -9,9 +9,9 @@ use super::features::Feature;
 use super::inputs::Inputs;
 use super::output::Output;
 use super::profile::profile;
-use super::segment::{Segment, segments};
 use super::stripes;
 use crate::material::SemanticClass;
+use openbench_geometry::{Segment, segments};
 
 /// Length of a dash, metres.
 const DASH_M: f64 = 2.0;

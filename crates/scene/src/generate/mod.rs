@@ -86,7 +86,6 @@ mod reach;
 mod rings;
 mod roofs;
 mod seeds;
-mod segment;
 mod shapes;
 mod shrubs;
 mod start;
@@ -114,9 +113,9 @@ use extent::{Extent, GROUND_MARGIN_M};
 use inputs::Inputs;
 use lanes::Lanes;
 use occupied::Occupied;
+use openbench_geometry::Segment;
 use output::{Limits, Output};
 use palette::Palette;
-use segment::Segment;
 
 /// Above so many buildings windows lose their sills and hedges their dents: a town has a hundred
 /// thousand of them.

@@ -3,7 +3,7 @@
 use openbench_core::MapPoint;
 
 use super::clearance::{Clearance, Kinds, OBJECT};
-use super::segment::Segment;
+use openbench_geometry::Segment;
 
 /// What the map keeps free, and the objects that were placed so far.
 pub(super) struct Occupied<'a> {

@@ -4,7 +4,8 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use openbench_core::Pose2;
-use openbench_osm::{Polygon, Road, Tags};
+use openbench_geometry::Polygon;
+use openbench_osm::{Road, Tags};
 use rand_pcg::Pcg64Mcg;
 
 use super::car::{self, HALF_LENGTH_M, HALF_WIDTH_M};
@@ -15,9 +16,9 @@ use super::occupied::Occupied;
 use super::output::Output;
 use super::profile::profile;
 use super::seeds::{Purpose, chance, element_number, stream};
-use super::segment::{Segment, segments};
 use super::stripes;
 use crate::material::SemanticClass;
+use openbench_geometry::{Segment, segments};
 
 /// Length of a place along the kerb, metres.
 const KERB_PLACE_M: f64 = 6.0;

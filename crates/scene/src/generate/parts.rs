@@ -10,7 +10,8 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use openbench_core::MapPoint;
-use openbench_osm::{Area, Building, OsmMap, Polygon};
+use openbench_geometry::Polygon;
+use openbench_osm::{Area, Building, OsmMap};
 use rand_pcg::Pcg64Mcg;
 
 use super::facades;
@@ -19,9 +20,9 @@ use super::inputs::Inputs;
 use super::output::Output;
 use super::roofs;
 use super::seeds::{Purpose, element_number, stream};
-use super::segment::{Segment, sides};
 use super::shapes::floor;
 use super::walls::straightened;
+use openbench_geometry::{Segment, sides};
 
 /// Share of an outline from which on its parts stand for it.
 const COVERED: f64 = 0.5;

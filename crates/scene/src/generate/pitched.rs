@@ -3,8 +3,8 @@
 use nalgebra::Point3;
 use openbench_core::MapPoint;
 
-use super::segment::Segment;
 use super::shapes::at;
+use openbench_geometry::Segment;
 
 /// Overhang of a pitched roof over its walls, metres.
 pub(super) const OVERHANG_M: f64 = 0.4;

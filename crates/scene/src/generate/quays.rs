@@ -5,7 +5,8 @@
 use std::collections::BTreeMap;
 
 use openbench_core::MapPoint;
-use openbench_osm::{OsmMap, Polygon, Road};
+use openbench_geometry::Polygon;
+use openbench_osm::{OsmMap, Road};
 
 use super::clearance::{Clearance, WATER};
 use super::coast::SEA_LEVEL_M;
@@ -16,11 +17,11 @@ use super::lanes::Lanes;
 use super::output::Output;
 use super::profile::{Profile, profile};
 use super::rings::parallel;
-use super::segment::{Segment, segments};
 use super::shapes::{Block, cuboid};
 use super::water::is_water;
 use crate::material::SemanticClass;
 use crate::scene::Layer;
+use openbench_geometry::{Segment, segments};
 
 /// Height of the walls, metres: a robot and its LiDAR see them.
 const HEIGHT_M: f64 = 0.38;
@@ -101,7 +102,7 @@ fn edges(map: &OsmMap, extent: Extent, is_wet: &impl Fn(MapPoint) -> bool) -> Ve
             is_dead_end(road.nodes.last()),
         ];
         for line in outline(road, profile, dead_ends) {
-            let near = segments(&line).filter(|s| extent.holds(s.a, GROUND_MARGIN_M));
+            let near = segments(&line).filter(|s| extent.holds(s.start, GROUND_MARGIN_M));
             found.extend(near.flat_map(|segment| stretches(segment, is_wet)));
         }
     }
@@ -154,7 +155,7 @@ fn stretches(segment: Segment, is_wet: impl Fn(MapPoint) -> bool) -> Vec<Segment
             found.push(Segment::new(at(first), at(i)));
         }
     }
-    found.extend(from.map(|first| Segment::new(at(first), segment.b)));
+    found.extend(from.map(|first| Segment::new(at(first), segment.end)));
     found
 }
 
@@ -196,7 +197,10 @@ mod tests {
         let segment = Segment::new(MapPoint::new(0.0, 0.0), MapPoint::new(20.0, 0.0));
         let wet = |p: MapPoint| (7.0..11.0).contains(&p.x) || p.x > 17.0;
         let found = stretches(segment, wet);
-        let found: Vec<[f64; 2]> = found.iter().map(|part| [part.a.x, part.b.x]).collect();
+        let found: Vec<[f64; 2]> = found
+            .iter()
+            .map(|part| [part.start.x, part.end.x])
+            .collect();
         assert_eq!(found, [[6.0, 12.0], [16.0, 20.0]]);
         assert!(stretches(segment, |_| false).is_empty());
     }

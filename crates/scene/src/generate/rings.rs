@@ -2,7 +2,7 @@
 
 use openbench_core::MapPoint;
 
-use crate::triangulate::turn;
+use openbench_geometry::turn;
 
 /// Unit normal of a line, to its left.
 #[derive(Clone, Copy)]

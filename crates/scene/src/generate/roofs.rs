@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 use openbench_core::{MapPoint, Pose2};
-use openbench_osm::Polygon;
+use openbench_geometry::Polygon;
 use rand_pcg::Pcg64Mcg;
 
 use super::house::{House, PARAPET_M, RELIEF_M, Roof};
@@ -11,10 +11,10 @@ use super::output::Output;
 use super::pitched::{OVERHANG_M, Span};
 use super::rings::{inset, signed_area};
 use super::seeds::{between, chance};
-use super::segment::{Segment, sides};
 use super::shapes::{Block, Surface, at, cuboid, facet, floor, panel};
 use crate::material::MaterialId;
 use crate::scene::{Layer, SceneBuilder};
+use openbench_geometry::{Segment, sides};
 
 /// Height of the boards along the edges of a pitched roof, metres.
 const FASCIA_M: f64 = 0.18;
@@ -66,7 +66,7 @@ fn tent(scene: &mut SceneBuilder, house: &House, rise: f64) {
     };
     let tip = at(middle, house.eaves + rise);
     for eaves in sides(house.outer()) {
-        let (a, b) = (at(eaves.a, house.eaves), at(eaves.b, house.eaves));
+        let (a, b) = (at(eaves.start, house.eaves), at(eaves.end, house.eaves));
         facet(scene, Layer::Visible, house.roofing, &[a, b, tip]);
     }
 }
@@ -142,8 +142,8 @@ fn mansard(inputs: &Inputs, out: &mut Output, house: &House, rng: &mut Pcg64Mcg)
     let (low, high) = (house.eaves - 0.1, house.eaves + rise);
     for (below, above) in outer.iter().zip(&inner) {
         for (foot, top) in sides(below).zip(sides(above)) {
-            let (a, b) = (at(foot.a, low), at(foot.b, low));
-            let slope = [a, b, at(top.b, high), at(top.a, high)];
+            let (a, b) = (at(foot.start, low), at(foot.end, low));
+            let slope = [a, b, at(top.end, high), at(top.start, high)];
             facet(scene, Layer::Visible, house.roofing, &slope);
             fascia(scene, house, a, b);
         }

@@ -7,10 +7,10 @@ use nalgebra::{Point3, Vector3};
 use openbench_core::{MapPoint, Pose2};
 
 use super::rings::parallel;
-use super::segment::Segment;
 use crate::material::MaterialId;
 use crate::scene::{Layer, SceneBuilder};
 use crate::triangulate::triangulate;
+use openbench_geometry::Segment;
 
 /// A material, and how many metres its image covers.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -95,7 +95,7 @@ fn upright(
     scene: &mut SceneBuilder,
     layer: Layer,
     material: MaterialId,
-    Segment { a, b }: Segment,
+    Segment { start: a, end: b }: Segment,
     z: Range<f64>,
     u: f32,
     v: Range<f32>,

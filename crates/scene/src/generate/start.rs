@@ -11,7 +11,7 @@ use super::error::GenerateError;
 use super::extent::Extent;
 use super::profile::{Profile, profile};
 use super::reach::Reach;
-use super::segment::{Segment, segments};
+use openbench_geometry::{Segment, segments};
 
 /// Free radius that a start needs, metres.
 const RADIUS_M: f64 = 1.5;

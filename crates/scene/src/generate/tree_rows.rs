@@ -5,8 +5,8 @@ use super::inputs::Inputs;
 use super::occupied::Occupied;
 use super::output::Output;
 use super::seeds::{Purpose, chance, stream};
-use super::segment::segments;
 use super::tree::{self, TREE_RADIUS_M};
+use openbench_geometry::segments;
 
 /// Distance between the trees of a row, metres.
 const SPACING_M: f64 = 8.0;

@@ -3,7 +3,7 @@
 use openbench_core::MapPoint;
 use openbench_osm::Building;
 
-use super::segment::{Segment, sides};
+use openbench_geometry::{Segment, sides};
 
 /// A corner this near to the line between its neighbours is no corner, metres.
 const STRAIGHT_M: f64 = 0.05;

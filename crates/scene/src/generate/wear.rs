@@ -11,9 +11,9 @@ use super::levels::{Z_LID_M, Z_PATCH_M};
 use super::output::Output;
 use super::profile::{Profile, profile};
 use super::seeds::{Purpose, between, chance, stream};
-use super::segment::segments;
 use super::shapes::{Surface, at, facet, level_rectangle};
 use crate::scene::{Layer, SceneBuilder};
+use openbench_geometry::segments;
 
 /// Length of street in a neighbourhood with one place of wear, metres.
 const SPACING_M: f64 = 14.0;

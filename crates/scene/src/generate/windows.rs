@@ -11,9 +11,9 @@ use super::inputs::Inputs;
 use super::openings::SHUTTERED_WIDTHS;
 use super::output::Output;
 use super::seeds::{chance, pick};
-use super::segment::{Segment, segments};
 use super::shapes::{Block, Surface, at, cuboid, facet, panel, see_through, wall};
 use crate::scene::{Layer, SceneBuilder};
+use openbench_geometry::{Segment, segments};
 
 /// Windows in one wall and floor at most: a wall is not longer than a street.
 const MAX_COLUMNS: usize = 200;
@@ -135,10 +135,10 @@ fn shop(scene: &mut SceneBuilder, shops: Shops, pose: Pose2, half: f64, look: us
         let (back, front) = (line(0.05), line(0.95));
         let (low, high) = (SHOP_HEAD_M - 0.12, SHOP_HEAD_M + 0.3);
         let slope = [
-            at(front.a, low),
-            at(front.b, low),
-            at(back.b, high),
-            at(back.a, high),
+            at(front.start, low),
+            at(front.end, low),
+            at(back.end, high),
+            at(back.start, high),
         ];
         facet(scene, visible, cloth, &slope);
         wall(scene, visible, cloth, front, SHOP_HEAD_M - 0.3..low);

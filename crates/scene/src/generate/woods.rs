@@ -1,8 +1,8 @@
 //! Trees in woods and orchards, thin enough to drive between them.
 
 use openbench_core::MapPoint;
+use openbench_geometry::Bounds;
 use openbench_osm::Tags;
-use openbench_osm::polygon::Bounds;
 
 use super::clearance::EVERYTHING;
 use super::extent::Extent;

@@ -2,7 +2,7 @@
 //! that is made once.
 
 use openbench_core::MapPoint;
-use openbench_grid::{GridGeometry, in_sight, squared_distances};
+use openbench_geometry::grid::{GridGeometry, in_sight, squared_distances};
 use openbench_osm::OsmMap;
 
 use super::road_tags::carriageway;

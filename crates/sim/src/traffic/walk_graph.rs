@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use openbench_core::MapPoint;
-use openbench_grid::Frontier;
+use openbench_geometry::grid::Frontier;
 
 use crate::noise::Noise;
 

@@ -11,7 +11,7 @@
 
 use openbench_core::frames::wrap_angle;
 use openbench_core::{MapPoint, Pose2, RobotDescription, Velocity};
-use openbench_grid::GridGeometry;
+use openbench_geometry::grid::GridGeometry;
 use openbench_motion::Limits;
 use openbench_motion::feasible::clearance;
 use openbench_motion::recovery::maneuver::maneuver;

@@ -9,6 +9,7 @@ use openbench_core::frames::wrap_angle;
 use openbench_core::{
     Address, Event, Events, FailureCause, Image, MapPoint, Observation, SimTime, with_causes,
 };
+use openbench_geometry::Segment;
 use openbench_vision::parse_unit;
 
 use crate::open::doorstep;
@@ -178,7 +179,7 @@ impl Mission {
                 .point()
                 .offset(pose.yaw + side * half_view, GLANCE_DISTANCE_M);
             let mut walls = map.buildings[building].polygon.sides();
-            walls.any(|wall| cross_each_other(pose.point(), end, wall.start, wall.end))
+            walls.any(|wall| Segment::new(pose.point(), end).crosses(wall))
         })
     }
 
@@ -257,14 +258,6 @@ impl Mission {
             .find(|s| sighting::is_trusted(s, &self.seen))
             .cloned()
     }
-}
-
-/// Whether two segments cross.
-fn cross_each_other(a: MapPoint, b: MapPoint, c: MapPoint, d: MapPoint) -> bool {
-    let side = |p: MapPoint, q: MapPoint, r: MapPoint| {
-        (q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x)
-    };
-    side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0
 }
 
 /// Whether a door that was just seen changes the robot's target.

@@ -95,7 +95,7 @@ fn bytes(path: &Path, most: u64) -> Result<Vec<u8>, MapServerError> {
 mod tests {
     use super::*;
     use openbench_core::MapPoint;
-    use openbench_grid::GridGeometry;
+    use openbench_geometry::grid::GridGeometry;
     use proptest::prelude::*;
 
     const CELL: GridGeometry = GridGeometry {

@@ -1,6 +1,6 @@
 //! A grid of what is known to be occupied.
 
-use openbench_grid::GridGeometry;
+use openbench_geometry::grid::GridGeometry;
 
 /// A grid of what is known to be occupied (`nav_msgs/OccupancyGrid`).
 #[derive(Debug, Clone, PartialEq)]

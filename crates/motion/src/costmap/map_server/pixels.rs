@@ -5,7 +5,7 @@ use std::path::Path;
 
 use image::{ImageEncoder, ImageFormat, ImageReader};
 use openbench_core::MapPoint;
-use openbench_grid::GridGeometry;
+use openbench_geometry::grid::GridGeometry;
 
 use super::description::{Description, Mode};
 use super::error::{MOST_PIXELS, MapServerError};

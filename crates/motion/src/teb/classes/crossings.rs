@@ -1,7 +1,7 @@
 //! The rays that a step between columns of a grid crosses.
 
 use openbench_core::MapPoint;
-use openbench_grid::GridGeometry;
+use openbench_geometry::grid::GridGeometry;
 
 /// Which rays a step from each column to the next one east crosses, if it is north of their
 /// clusters.

@@ -1,8 +1,8 @@
 //! The cheapest path of each class around what stands.
 
 use openbench_core::MapPoint;
-use openbench_grid::{GridGeometry, in_sight};
-use openbench_osm::polygon::Segment;
+use openbench_geometry::Segment;
+use openbench_geometry::grid::{GridGeometry, in_sight};
 
 use super::search::{ClassSearch, Field, Found, NEIGHBOURS};
 use super::signature::{Clusters, MOST_CLUSTERS, Passing, Signature, keep_nearest};

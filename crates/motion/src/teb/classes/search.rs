@@ -1,7 +1,7 @@
 //! A* over cells and signatures: the cheapest path of each of the cheapest classes.
 
 use openbench_core::MapPoint;
-use openbench_grid::{Frontier, GridGeometry};
+use openbench_geometry::grid::{Frontier, GridGeometry};
 
 use super::crossings::Crossings;
 use super::signature::Signature;

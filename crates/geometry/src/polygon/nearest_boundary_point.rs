@@ -2,8 +2,8 @@
 
 use openbench_core::MapPoint;
 
-use super::segment::Segment;
 use super::shape::Polygon;
+use crate::segment::Segment;
 
 /// A point of a polygon's boundary.
 #[derive(Debug, Clone, Copy, PartialEq)]

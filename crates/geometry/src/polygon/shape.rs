@@ -3,7 +3,7 @@
 use openbench_core::MapPoint;
 
 use super::ring::{Orientation, oriented};
-use super::segment::{Segment, sides};
+use crate::segment::{Segment, sides};
 
 /// An area in the `map` frame. No ring repeats its first point at its end.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -20,7 +20,7 @@ impl Polygon {
     ///
     /// ```
     /// use openbench_core::MapPoint;
-    /// use openbench_osm::Polygon;
+    /// use openbench_geometry::Polygon;
     ///
     /// // A house of 10 m by 6 m, closed as OSM closes its ways.
     /// let corners = [(0.0, 0.0), (10.0, 0.0), (10.0, 6.0), (0.0, 6.0), (0.0, 0.0)];

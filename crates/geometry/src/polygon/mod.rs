@@ -6,11 +6,9 @@
 //! | file | its one job |
 //! |---|---|
 //! | `shape` | [`Polygon`]: an outline with holes |
-//! | `segment` | [`Segment`] and its point nearest to another |
-//! | `bounds` | [`Bounds`]: axis-aligned boxes |
 //! | `ring` | rings in a given orientation, without repeated points |
-//! | `signed_area` | area and orientation of a ring |
-//! | `area`, `perimeter`, `centroid` | measures of a polygon |
+//! | `signed_area` | [`signed_area`]: area and orientation of a ring |
+//! | `area`, `bounds`, `perimeter`, `centroid` | measures of a polygon |
 //! | `contains` | whether a point is inside |
 //! | `nearest_boundary_point` | the nearest point of the boundary and its outward normal |
 //! | `interior_point` | a point inside, away from the boundary |
@@ -23,11 +21,9 @@ mod interior_point;
 mod nearest_boundary_point;
 mod perimeter;
 mod ring;
-mod segment;
 mod shape;
 mod signed_area;
 
-pub use bounds::Bounds;
 pub use nearest_boundary_point::BoundaryPoint;
-pub use segment::{FootPoint, Segment};
 pub use shape::Polygon;
+pub use signed_area::signed_area;

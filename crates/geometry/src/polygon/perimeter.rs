@@ -1,7 +1,7 @@
 //! Perimeter of a polygon.
 
-use super::segment::{Segment, sides};
 use super::shape::Polygon;
+use crate::segment::{Segment, sides};
 
 impl Polygon {
     /// Length of the outer ring, metres.

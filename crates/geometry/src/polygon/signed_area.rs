@@ -2,11 +2,11 @@
 
 use openbench_core::MapPoint;
 
-use super::segment::sides;
+use crate::segment::sides;
 
 /// The shoelace formula about the ring's first point, square metres: positive for a
 /// counter-clockwise ring.
-pub(super) fn signed_area(ring: &[MapPoint]) -> f64 {
+pub fn signed_area(ring: &[MapPoint]) -> f64 {
     let Some(&o) = ring.first() else { return 0.0 };
     let cross = |a: MapPoint, b: MapPoint| (a.x - o.x) * (b.y - o.y) - (b.x - o.x) * (a.y - o.y);
     sides(ring)

@@ -6,7 +6,7 @@ use openbench_core::MapPoint;
 ///
 /// ```
 /// use openbench_core::MapPoint;
-/// use openbench_grid::GridGeometry;
+/// use openbench_geometry::grid::GridGeometry;
 ///
 /// let origin = MapPoint::new(100.0, 50.0);
 /// let grid = GridGeometry { origin, width: 8, height: 4, cell: 0.5 };

@@ -2,8 +2,8 @@
 
 use openbench_core::MapPoint;
 
-use super::segment::Segment;
 use super::shape::Polygon;
+use crate::segment::Segment;
 
 impl Polygon {
     /// Whether `point` is inside the outline and in no hole. On the boundary the answer may be

@@ -2,9 +2,15 @@
 
 use openbench_core::MapPoint;
 
-use super::shape::Polygon;
-
 /// An axis-aligned box in the `map` frame.
+///
+/// ```
+/// use openbench_core::MapPoint;
+/// use openbench_geometry::Bounds;
+///
+/// let yard = Bounds { low: MapPoint::new(0.0, 0.0), high: MapPoint::new(20.0, 10.0) };
+/// assert_eq!(yard.distance(MapPoint::new(23.0, 14.0)), 5.0);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Bounds {
     /// South-west corner.
@@ -39,16 +45,6 @@ impl Bounds {
         let dx = (self.low.x - point.x).max(point.x - self.high.x).max(0.0);
         let dy = (self.low.y - point.y).max(point.y - self.high.y).max(0.0);
         (dx * dx + dy * dy).sqrt()
-    }
-}
-
-impl Polygon {
-    /// The bounding box of the outer ring; the origin alone, if the ring is empty.
-    pub fn bounds(&self) -> Bounds {
-        let start = Bounds::of_point(self.outer.first().copied().unwrap_or_default());
-        self.outer.iter().fold(start, |bounds, point| {
-            bounds.union(Bounds::of_point(*point))
-        })
     }
 }
 

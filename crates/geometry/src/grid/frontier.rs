@@ -7,7 +7,7 @@ use std::collections::BinaryHeap;
 /// index, so that every search finds the same path.
 ///
 /// ```
-/// use openbench_grid::Frontier;
+/// use openbench_geometry::grid::Frontier;
 ///
 /// let mut open = Frontier::default();
 /// open.push(3.5, 17);

@@ -2,8 +2,8 @@
 
 use openbench_core::MapPoint;
 
-use super::segment::Segment;
 use super::shape::Polygon;
+use crate::segment::Segment;
 
 impl Polygon {
     /// Centre of mass. It may be outside of a polygon that is concave or has holes.

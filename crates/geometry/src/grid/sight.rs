@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use crate::geometry::GridGeometry;
+use super::cells::GridGeometry;
 
 /// Whether the line between the middles of cells `a` and `b` passes only free cells, both ends
 /// included. A line through a corner needs both cells beside it free: nothing passes between two

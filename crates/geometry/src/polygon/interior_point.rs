@@ -2,8 +2,8 @@
 
 use openbench_core::MapPoint;
 
-use super::segment::Segment;
 use super::shape::Polygon;
+use crate::segment::Segment;
 
 /// The polygon is cut by this many horizontal lines less one, evenly spaced.
 const CUTS: i32 = 8;
