@@ -2,32 +2,31 @@
 //!
 //! | module | its one concept |
 //! |---|---|
-//! | [`grammar`] | [`GrammarPlanner`]: an offline grammar that knows the map; the default |
-//! | [`chat_planner`] | [`ChatPlanner`]: the paper's three prompts to a chat model, and guards against what it invents |
-//! | `question` | those prompts, and what their answers look like |
-//! | [`mod@steps`] | the location query: navigate to what the map knows, explore for the rest |
-//! | [`error`] | [`PlanError`]: why there is no plan |
+//! | `lexicon` | words, numbers and marks of all languages; a text as lexemes |
 //! | `gazetteer` | the names on a map as instructions may say them |
-//! | `wish`, `resolve`, `arrange` | what is asked for, where that is on the map, in which order to drive |
-//! | `order` | the shortest order that the instruction allows |
+//! | `grammar` | [`GrammarPlanner`]: rules that read lexemes; the default |
+//! | `chat_planner` | [`ChatPlanner`]: three prompts, and guards against what a model invents |
+//! | `wish`, `resolve` | what is asked for, and where that is on the map |
+//! | `order`, `arrange` | the shortest order that the instruction allows, as deliveries |
+//! | `steps` | the location query: navigate to what the map knows, explore for the rest |
+//! | `error` | [`PlanError`]: why there is no plan |
 
 mod arrange;
-mod chat_json;
-pub mod chat_planner;
-pub mod error;
+mod chat_planner;
+mod error;
 mod gazetteer;
-pub mod grammar;
+mod grammar;
+mod lexicon;
 mod order;
-mod question;
 mod resolve;
-pub mod steps;
+mod steps;
 mod wish;
 
 use openbench_core::{MapPoint, Plan, TravelTimes};
 use openbench_osm::OsmMap;
 
 pub use chat_planner::ChatPlanner;
-pub use error::PlanError;
+pub use error::{AnswerError, PlanError};
 pub use grammar::GrammarPlanner;
 pub use steps::{destination, steps};
 
