@@ -1,4 +1,6 @@
-//! From an instruction in words to ordered deliveries.
+#![doc = include_str!("../README.md")]
+//!
+//! # Modules
 //!
 //! | module | its one concept |
 //! |---|---|
@@ -37,7 +39,7 @@ pub struct PlanRequest<'a> {
     pub instruction: &'a str,
     /// The public map, or an agent's own copy of it.
     pub map: &'a OsmMap,
-    /// Where the robot stands.
+    /// The robot's position, in map coordinates (metres).
     pub start: MapPoint,
     /// Seconds between places, for the order of deliveries.
     pub times: &'a dyn TravelTimes,
@@ -45,9 +47,10 @@ pub struct PlanRequest<'a> {
 
 /// Turns an instruction into deliveries in driving order.
 ///
-/// A plan always says what was understood: one delivery a door, named by the map's own names, else `building<N>` and `unit<N>`; what
-/// is wrong with a delivery stands in its `problem`. Orders that the instruction asks for are kept, otherwise the drive is
-/// short, and of equally short orders the instruction's own wins.
+/// A plan always reports what was understood: one delivery for each door, named by the map's own
+/// names, else `building<N>` and `unit<N>`. What is wrong with a delivery is its `problem`. Orders
+/// that the instruction asks for are kept. Beyond them the drive is short, and of equally short
+/// orders the instruction's own wins.
 pub trait Planner {
     /// The planner's name as results report it.
     fn name(&self) -> &str;
@@ -55,6 +58,7 @@ pub trait Planner {
     /// Plans the deliveries of one instruction.
     ///
     /// # Errors
-    /// [`PlanError::NotUnderstood`] if the instruction names no place to deliver to; the other variants if a model fails.
+    /// [`PlanError::NotUnderstood`] if the instruction names no place to deliver to; the other
+    /// variants if a model fails.
     fn plan(&self, request: &PlanRequest<'_>) -> Result<Plan, PlanError>;
 }
