@@ -20,8 +20,9 @@ pub(crate) fn shortest(request: &PlanRequest<'_>, stops: &Stops) -> Vec<usize> {
     }
     let times = travel_times(request, &stops.stops);
     let precedence = precedence(stops);
-    // What cannot be in time whatever comes first, or nobody knows the way to, makes nothing else late.
-    let in_time = |(i, stop): (usize, &Stop)| due_ms(stop.due).filter(|due| times[0][i + 1] <= *due);
+    // A stop that is late even if it comes first, or that no route leads to, delays no other.
+    let in_time =
+        |(i, stop): (usize, &Stop)| due_ms(stop.due).filter(|due| times[0][i + 1] <= *due);
     let due: Vec<Option<u64>> = stops.stops.iter().enumerate().map(in_time).collect();
     if due.iter().all(Option::is_none) {
         return best_order(&times, &precedence);
@@ -30,6 +31,7 @@ pub(crate) fn shortest(request: &PlanRequest<'_>, stops: &Stops) -> Vec<usize> {
         .unwrap_or_else(|| best_order(&times, &sooner_first(precedence, &stops.stops)))
 }
 
+/// A deadline in milliseconds from the start; none for a time of day.
 fn due_ms(due: Option<Deadline>) -> Option<u64> {
     match due? {
         Deadline::Within { seconds } => Some(u64::from(seconds) * 1000),
@@ -37,39 +39,55 @@ fn due_ms(due: Option<Deadline>) -> Option<u64> {
     }
 }
 
-/// What the instruction asks for, as far as it does not contradict itself. What time it is when the robot starts nobody tells: what is due at a
-/// time of day comes in the order of those times, and before what is due at none.
+/// What the instruction asks for, as far as it does not contradict itself.
+///
+/// The time of day at the start is unknown: what is due at a time of day comes in the order of
+/// those times, and before what is due at none.
 pub(crate) fn precedence(stops: &Stops) -> Precedence {
     let mut precedence = Precedence::new(stops.stops.len());
-    for (earlier, later) in &stops.before {
-        precedence.add(*earlier, *later);
+    for order in &stops.before {
+        precedence.add(order.earlier, order.later);
     }
-    let by_clock = |stop: &Stop| stop.due.filter(|due| matches!(due, Deadline::Clock { .. }));
-    // Doors of one building are driven to together.
-    let of_building = |stop: &Stop| {
-        let same = stops.stops.iter().filter(|other| other.address.building == stop.address.building);
-        same.filter_map(by_clock).min()
+    let key = |stop: &Stop| {
+        let due = due_of_building(&stops.stops, stop);
+        (due.is_none(), due)
     };
-    let key = |stop: &Stop| of_building(stop).map_or((1, None), |due| (0, Some(due)));
-    let counts = |stop: &Stop| stop.due.is_none() || by_clock(stop).is_some();
+    let counts = |stop: &Stop| stop.due.is_none() || due_by_clock(stop).is_some();
     put_in_order(&mut precedence, &stops.stops, counts, key);
     precedence
 }
 
+fn due_by_clock(stop: &Stop) -> Option<Deadline> {
+    stop.due.filter(|due| matches!(due, Deadline::Clock { .. }))
+}
+
+/// The soonest time of day at which a door of a stop's building is due: doors of one building are
+/// driven to together.
+fn due_of_building(stops: &[Stop], stop: &Stop) -> Option<Deadline> {
+    let is_same = |other: &&Stop| other.address.building == stop.address.building;
+    stops.iter().filter(is_same).filter_map(due_by_clock).min()
+}
+
 /// Where not all can be in time, what is due sooner comes first.
 fn sooner_first(mut precedence: Precedence, stops: &[Stop]) -> Precedence {
-    put_in_order(&mut precedence, stops, |_| true, |stop| (u8::from(stop.due.is_none()), stop.due));
+    put_in_order(
+        &mut precedence,
+        stops,
+        |_| true,
+        |stop| (stop.due.is_none(), stop.due),
+    );
     precedence
 }
 
-/// Puts stops of a lower key before those of a higher one.
+/// Puts stops with a lower key before those with a higher one.
 fn put_in_order<K: Ord>(
     precedence: &mut Precedence,
     stops: &[Stop],
     counts: impl Fn(&Stop) -> bool,
     key: impl Fn(&Stop) -> K,
 ) {
-    let counting = stops.iter().enumerate().filter(|(_, stop)| stop.problem.is_none() && counts(stop));
+    let counting = stops.iter().enumerate();
+    let counting = counting.filter(|(_, stop)| stop.problem.is_none() && counts(stop));
     let keyed: Vec<(usize, K)> = counting.map(|(i, stop)| (i, key(stop))).collect();
     for (a, earlier) in &keyed {
         for (b, _) in keyed.iter().filter(|(_, later)| earlier < later) {
@@ -79,7 +97,11 @@ fn put_in_order<K: Ord>(
 }
 
 /// Deliveries in a given order: a permutation of the stops' indices.
-pub(crate) fn in_order(request: &PlanRequest<'_>, stops: Vec<Stop>, order: &[usize]) -> Vec<PlannedDelivery> {
+pub(crate) fn in_order(
+    request: &PlanRequest<'_>,
+    stops: Vec<Stop>,
+    order: &[usize],
+) -> Vec<PlannedDelivery> {
     let delivery = |index: &usize| {
         let stop = stops.get(*index)?;
         Some(PlannedDelivery {
@@ -97,36 +119,48 @@ pub(crate) fn in_order(request: &PlanRequest<'_>, stops: Vec<Stop>, order: &[usi
     order.iter().filter_map(delivery).collect()
 }
 
-/// Milliseconds from the start (row and column 0) and each stop to each; [`UNKNOWN`] where the map or the router knows none.
+/// Milliseconds from the start (row and column 0) and each stop to each; [`UNKNOWN`] where the map
+/// has no place or the router no route.
 pub(crate) fn travel_times(request: &PlanRequest<'_>, stops: &[Stop]) -> Vec<Vec<u64>> {
-    let at: Vec<Option<MapPoint>> =
-        std::iter::once(Some(request.start))
-            .chain(stops.iter().map(|stop| {
-                stop.problem.is_none().then(|| destination(request.map, &stop.address)).flatten()
-            }))
-            .collect();
     let mut places: Vec<MapPoint> = Vec::new();
-    let index: Vec<Option<usize>> = at
-        .into_iter()
-        .map(|point| {
-            let point = point?;
-            let known = places.iter().position(|p| *p == point);
-            Some(known.unwrap_or_else(|| {
-                places.push(point);
-                places.len() - 1
-            }))
-        })
-        .collect();
+    let mut index = vec![Some(place_once(&mut places, request.start))];
+    for stop in stops {
+        let is_known = stop.problem.is_none();
+        let at = is_known
+            .then(|| destination(request.map, &stop.address))
+            .flatten();
+        index.push(at.map(|at| place_once(&mut places, at)));
+    }
     let seconds = request.times.matrix(&places);
     let time = |from: Option<usize>, to: Option<usize>| match (from, to) {
         (Some(from), Some(to)) if from == to => 0,
-        (Some(from), Some(to)) => seconds.get(from * places.len() + to).map_or(UNKNOWN, |s| milliseconds(*s)),
+        (Some(from), Some(to)) => seconds
+            .get(from * places.len() + to)
+            .map_or(UNKNOWN, |seconds| milliseconds(*seconds)),
         _ => UNKNOWN,
     };
-    index.iter().map(|from| index.iter().map(|to| time(*from, *to)).collect()).collect()
+    index
+        .iter()
+        .map(|from| index.iter().map(|to| time(*from, *to)).collect())
+        .collect()
+}
+
+/// The index of a place, which is added unless it is there.
+fn place_once(places: &mut Vec<MapPoint>, place: MapPoint) -> usize {
+    places
+        .iter()
+        .position(|known| *known == place)
+        .unwrap_or_else(|| {
+            places.push(place);
+            places.len() - 1
+        })
 }
 
 fn milliseconds(seconds: f64) -> u64 {
-    let known = seconds.is_finite() && seconds >= 0.0;
-    if known { libm::round(seconds * 1000.0).min(UNKNOWN as f64) as u64 } else { UNKNOWN }
+    let is_known = seconds.is_finite() && seconds >= 0.0;
+    if is_known {
+        libm::round(seconds * 1000.0).min(UNKNOWN as f64) as u64
+    } else {
+        UNKNOWN
+    }
 }

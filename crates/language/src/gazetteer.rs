@@ -1,7 +1,8 @@
-//! The names on a map as instructions may say them: every name of every building, and the label in generic ones (`Building 3`,
-//! `3号楼` and a bare `3` all carry the label `3`).
+//! The names on a map as instructions may say them: every name of every building, and the label in
+//! generic ones (`Building 3`, `3号楼` and a bare `3` all carry the label `3`).
 //!
-//! Parts of one multipolygon are one building. Buildings without any name cannot be asked for and are left out.
+//! Parts of one multipolygon are one building. Buildings without any name cannot be asked for and
+//! are left out.
 
 use std::collections::BTreeMap;
 
@@ -9,25 +10,36 @@ use openbench_core::Address;
 use openbench_osm::names::{fold, street};
 use openbench_osm::{Building, Location, OsmMap, Tags, locate};
 
-use crate::grammar::lexicon::Class;
-use crate::grammar::text::{Token, condensed, letters, tokenize};
-use crate::grammar::words::{Lex, Lexeme, Words};
+use crate::lexicon::class::Class;
+use crate::lexicon::lexeme::{Lex, Lexeme};
+use crate::lexicon::lexer::lexemes;
+use crate::lexicon::tokens::{Token, condensed, letters, tokenize};
+use crate::lexicon::words::Words;
 
-/// Keys that hold names, besides `name:<language>`.
-const NAME_KEYS: [&str; 6] =
-    ["addr:housename", "alt_name", "short_name", "official_name", "loc_name", "int_name"];
+/// Keys of names, besides `name` and `name:<language>`.
+const NAME_KEYS: [&str; 6] = [
+    "addr:housename",
+    "alt_name",
+    "short_name",
+    "official_name",
+    "loc_name",
+    "int_name",
+];
 
-/// Letters of a name beyond these, in characters, are not compared.
+/// How many letters of a name are compared.
 const LONGEST_ALIAS: usize = 200;
 
-/// A building that can be asked for.
+/// The most tokens of a name that consists of a word for a building and a label.
+const LONGEST_GENERIC: usize = 6;
+
+/// A building that has a name.
 #[derive(Debug, Clone)]
 pub(crate) struct Place {
-    /// A name that no other building on the map has, where it has one; else what the map calls it.
+    /// A name that no other building on the map has, if there is one, else the map's name.
     pub name: String,
 }
 
-/// A name that is looked for in instructions letter by letter.
+/// A name that is searched in instructions letter by letter.
 #[derive(Debug, Clone)]
 pub(crate) struct Alias {
     /// Folded, without spaces and marks.
@@ -37,11 +49,25 @@ pub(crate) struct Alias {
 }
 
 impl Alias {
+    /// Whether all of some words stand in it.
+    fn has_all(&self, words: &[String]) -> bool {
+        let letters: String = self.letters.iter().collect();
+        words.iter().all(|word| letters.contains(word.as_str()))
+    }
+
     /// Whether a word stands in it.
     pub(crate) fn holds(&self, word: &str) -> bool {
         let word: Vec<char> = word.chars().collect();
         !word.is_empty() && self.letters.windows(word.len()).any(|part| part == word)
     }
+}
+
+/// Places whose names are like some words.
+pub(crate) struct Likeness {
+    /// Indices into [`Gazetteer::places`].
+    pub places: Vec<usize>,
+    /// The percentage of the letters of the shortest of the names that the words are.
+    pub percent: u8,
 }
 
 /// All names on a map.
@@ -73,7 +99,9 @@ impl Gazetteer {
 
     fn add(&mut self, name: &str, building: &Building, map: &OsmMap, words: &Words) {
         let place = self.places.len();
-        self.places.push(Place { name: distinct_name(name, building, map) });
+        self.places.push(Place {
+            name: distinct_name(name, building, map),
+        });
         for number in numbers(&building.tags) {
             push_once(self.labels.entry(label(&number)).or_default(), place);
         }
@@ -91,7 +119,7 @@ impl Gazetteer {
         }
     }
 
-    /// The places that go by exactly this name, whatever its case and spacing.
+    /// The places with exactly this name, whatever its case and spacing.
     pub(crate) fn named(&self, name: &str) -> &[usize] {
         self.exact.get(&fold(name)).map_or(&[], Vec::as_slice)
     }
@@ -102,30 +130,40 @@ impl Gazetteer {
     }
 
     /// The places one of whose names contains all of `words`, folded.
-    pub(crate) fn containing(&self, words: &[String]) -> Vec<usize> {
-        self.with_parts(words).0
-    }
-
-    /// The same, and how many of a hundred letters of the shortest of those names the words are.
-    pub(crate) fn with_parts(&self, words: &[String]) -> (Vec<usize>, u8) {
-        let contains = |alias: &Alias| {
-            let letters: String = alias.letters.iter().collect();
-            words.iter().all(|word| letters.contains(word.as_str()))
-        };
-        let fitting: Vec<&Alias> = self.aliases.iter().filter(|a| contains(a)).collect();
+    pub(crate) fn with_parts(&self, words: &[String]) -> Likeness {
+        let fitting: Vec<&Alias> = self
+            .aliases
+            .iter()
+            .filter(|alias| alias.has_all(words))
+            .collect();
         let said: usize = words.iter().map(|word| word.chars().count()).sum();
-        let shortest = fitting.iter().map(|alias| alias.letters.len()).min().unwrap_or_default();
-        let percent = (100 * said).checked_div(shortest).map_or(0, |percent| percent.min(100) as u8);
-        let mut found: Vec<usize> = fitting.iter().map(|alias| alias.place).collect();
-        found.sort_unstable();
-        found.dedup();
-        (found, percent)
+        let shortest = fitting
+            .iter()
+            .map(|alias| alias.letters.len())
+            .min()
+            .unwrap_or_default();
+        let percent = (100 * said).checked_div(shortest);
+        let mut places: Vec<usize> = fitting.iter().map(|alias| alias.place).collect();
+        places.sort_unstable();
+        places.dedup();
+        Likeness {
+            places,
+            percent: percent.map_or(0, |percent| percent.min(100) as u8),
+        }
     }
 }
 
-/// The name of a building; where others have it too, its address or another name of its own.
+/// The name of a building; if others have it too, its address or another name of its own.
 fn distinct_name(name: &str, building: &Building, map: &OsmMap) -> String {
-    let look_up = |name: &str| locate(map, &Address { building: name.to_owned(), unit: None });
+    let look_up = |name: &str| {
+        locate(
+            map,
+            &Address {
+                building: name.to_owned(),
+                unit: None,
+            },
+        )
+    };
     let is_its_own = |other: &String| match look_up(other) {
         Location::Building(found) => map.buildings[found].element == building.element,
         _ => false,
@@ -133,8 +171,13 @@ fn distinct_name(name: &str, building: &Building, map: &OsmMap) -> String {
     if !matches!(look_up(name), Location::Ambiguous(_)) {
         return name.to_owned();
     }
-    let others = street_and_number(&building.tags).into_iter().chain(aliases(name, &building.tags));
-    others.into_iter().find(is_its_own).unwrap_or_else(|| name.to_owned())
+    let others = street_and_number(&building.tags)
+        .into_iter()
+        .chain(aliases(name, &building.tags));
+    others
+        .into_iter()
+        .find(is_its_own)
+        .unwrap_or_else(|| name.to_owned())
 }
 
 fn push_once(list: &mut Vec<usize>, place: usize) {
@@ -143,22 +186,34 @@ fn push_once(list: &mut Vec<usize>, place: usize) {
     }
 }
 
-/// A label for comparison.
+/// A label for comparison: folded, without leading zeros.
 pub(crate) fn label(text: &str) -> String {
     let folded = condensed(text);
     let short = folded.trim_start_matches('0');
-    if short.is_empty() { folded } else { short.to_owned() }
+    if short.is_empty() {
+        folded
+    } else {
+        short.to_owned()
+    }
 }
 
 fn numbers(tags: &Tags) -> Vec<String> {
-    let values = [tags.get("ref"), tags.get("addr:housenumber")].into_iter().flatten();
-    values.flat_map(|v| v.split([';', ','])).map(|n| n.trim().to_owned()).filter(|n| !n.is_empty()).collect()
+    let values = [tags.get("ref"), tags.get("addr:housenumber")]
+        .into_iter()
+        .flatten();
+    values
+        .flat_map(|v| v.split([';', ',']))
+        .map(|n| n.trim().to_owned())
+        .filter(|n| !n.is_empty())
+        .collect()
 }
 
 fn aliases(name: &str, tags: &Tags) -> Vec<String> {
     let mut names = vec![name.to_owned()];
     let is_name = |key: &str| {
-        NAME_KEYS.contains(&key) || key == "name" || key.strip_prefix("name:").is_some_and(is_language)
+        NAME_KEYS.contains(&key)
+            || key == "name"
+            || key.strip_prefix("name:").is_some_and(is_language)
     };
     for (_, value) in tags.iter().filter(|(key, _)| is_name(key)) {
         names.extend(value.split(';').map(|n| n.trim().to_owned()));
@@ -169,10 +224,12 @@ fn aliases(name: &str, tags: &Tags) -> Vec<String> {
     names
 }
 
-/// The address of a building as it is written in different countries: number last, number first.
+/// Street and number of a building as different countries write them: number last, number first.
 fn street_and_number(tags: &Tags) -> Vec<String> {
     match (street(tags), tags.get("addr:housenumber")) {
-        (Some(street), Some(number)) => vec![format!("{street} {number}"), format!("{number} {street}")],
+        (Some(street), Some(number)) => {
+            vec![format!("{street} {number}"), format!("{number} {street}")]
+        }
         _ => Vec::new(),
     }
 }
@@ -182,33 +239,47 @@ fn is_language(suffix: &str) -> bool {
     matches!(code.len(), 2 | 3) && code.bytes().all(|b| b.is_ascii_lowercase())
 }
 
-/// The label of a name that is nothing but a word for a building and a label, or a label alone.
+/// The label of a name that consists of a word for a building and a label, or of a label alone.
 pub(crate) fn generic_label(name: &str, words: &Words) -> Option<String> {
     label_in(name, &tokenize(name), words)
 }
 
 fn label_in(name: &str, tokens: &[Token], words: &Words) -> Option<String> {
     // Most names hold nothing like a label; to find that out is much cheaper than to read them.
-    if tokens.len() > 6 || !tokens.iter().any(|token| words.may_label(token)) {
+    if tokens.len() > LONGEST_GENERIC || !tokens.iter().any(|token| words.may_label(token)) {
         return None;
     }
-    let lexemes = words.lexemes(tokens, &[], words.languages(tokens));
-    let light =
-        |l: &&Lexeme| !l.is(Class::Sign) && !l.is(Class::Article) && !matches!(l.lex, Lex::Dash | Lex::Mark);
-    let core: Vec<&Lexeme> = lexemes.iter().filter(light).collect();
-    let building =
-        |l: &Lexeme| l.is(Class::Building) || l.is(Class::WeakBuilding) || l.is(Class::BuildingLetter);
+    let lexemes = lexemes(tokens, &[], words.vocabulary(tokens));
+    let core: Vec<&Lexeme> = lexemes.iter().filter(|lexeme| !is_light(lexeme)).collect();
     match core.as_slice() {
         [one] => label_of(one, name, tokens),
-        [level, number] if building(level) => label_of(number, name, tokens),
-        [number, level] if building(level) => label_of(number, name, tokens),
+        [level, number] if is_building(level) => label_of(number, name, tokens),
+        [number, level] if is_building(level) => label_of(number, name, tokens),
         _ => None,
     }
 }
 
+/// Whether a lexeme says nothing of a name.
+fn is_light(lexeme: &Lexeme) -> bool {
+    matches!(
+        lexeme.lex,
+        Lex::Dash | Lex::Mark | Lex::Word(Class::Sign | Class::Article, _)
+    )
+}
+
+fn is_building(lexeme: &Lexeme) -> bool {
+    use Class::{Building, BuildingLetter, WeakBuilding};
+    matches!(
+        lexeme.lex,
+        Lex::Word(Building | WeakBuilding | BuildingLetter, _)
+    )
+}
+
+/// The label that a lexeme is: a number or a single capital.
 fn label_of(lexeme: &Lexeme, name: &str, tokens: &[Token]) -> Option<String> {
     let token = &tokens[lexeme.tokens.start];
-    let letter = lexeme.tokens.len() == 1 && token.capital && name[token.span.clone()].chars().count() == 1;
+    let letter =
+        lexeme.tokens.len() == 1 && token.capital && name[token.span.clone()].chars().count() == 1;
     match &lexeme.lex {
         Lex::Number { label, .. } => Some(label.clone()),
         _ => letter.then(|| token.text.clone()),
@@ -239,7 +310,12 @@ mod tests {
         }
         assert_eq!(label("Tower B").as_deref(), Some("b"));
         assert_eq!(label("12A").as_deref(), Some("12a"));
-        for name in ["Paldal Hall", "Casino de Monte-Carlo", "Building", "Block 3 West"] {
+        for name in [
+            "Paldal Hall",
+            "Casino de Monte-Carlo",
+            "Building",
+            "Block 3 West",
+        ] {
             assert_eq!(label(name), None, "{name}");
         }
     }

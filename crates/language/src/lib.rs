@@ -1,33 +1,34 @@
-//! From an instruction in words to ordered deliveries.
+#![doc = include_str!("../README.md")]
+//!
+//! # Modules
 //!
 //! | module | its one concept |
 //! |---|---|
-//! | [`grammar`] | [`GrammarPlanner`]: an offline grammar that knows the map; the default |
-//! | [`chat_planner`] | [`ChatPlanner`]: the paper's three prompts to a chat model, and guards against what it invents |
-//! | `question` | those prompts, and what their answers look like |
-//! | [`mod@steps`] | the location query: navigate to what the map knows, explore for the rest |
-//! | [`error`] | [`PlanError`]: why there is no plan |
+//! | `lexicon` | words, numbers and marks of all languages; a text as lexemes |
 //! | `gazetteer` | the names on a map as instructions may say them |
-//! | `wish`, `resolve`, `arrange` | what is asked for, where that is on the map, in which order to drive |
-//! | `order` | the shortest order that the instruction allows |
+//! | `grammar` | [`GrammarPlanner`]: rules that read lexemes; the default |
+//! | `chat_planner` | [`ChatPlanner`]: three prompts, and guards against what a model invents |
+//! | `wish`, `resolve` | what is asked for, and where that is on the map |
+//! | `order`, `arrange` | the shortest order that the instruction allows, as deliveries |
+//! | `steps` | the location query: navigate to what the map knows, explore for the rest |
+//! | `error` | [`PlanError`]: why there is no plan |
 
 mod arrange;
-mod chat_json;
-pub mod chat_planner;
-pub mod error;
+mod chat_planner;
+mod error;
 mod gazetteer;
-pub mod grammar;
+mod grammar;
+mod lexicon;
 mod order;
-mod question;
 mod resolve;
-pub mod steps;
+mod steps;
 mod wish;
 
 use openbench_core::{MapPoint, Plan, TravelTimes};
 use openbench_osm::OsmMap;
 
 pub use chat_planner::ChatPlanner;
-pub use error::PlanError;
+pub use error::{AnswerError, PlanError};
 pub use grammar::GrammarPlanner;
 pub use steps::{destination, steps};
 
@@ -38,7 +39,7 @@ pub struct PlanRequest<'a> {
     pub instruction: &'a str,
     /// The public map, or an agent's own copy of it.
     pub map: &'a OsmMap,
-    /// Where the robot stands.
+    /// The robot's position, in map coordinates (metres).
     pub start: MapPoint,
     /// Seconds between places, for the order of deliveries.
     pub times: &'a dyn TravelTimes,
@@ -46,9 +47,10 @@ pub struct PlanRequest<'a> {
 
 /// Turns an instruction into deliveries in driving order.
 ///
-/// A plan always says what was understood: one delivery a door, named by the map's own names, else `building<N>` and `unit<N>`; what
-/// is wrong with a delivery stands in its `problem`. Orders that the instruction asks for are kept, otherwise the drive is
-/// short, and of equally short orders the instruction's own wins.
+/// A plan always reports what was understood: one delivery for each door, named by the map's own
+/// names, else `building<N>` and `unit<N>`. What is wrong with a delivery is its `problem`. Orders
+/// that the instruction asks for are kept. Beyond them the drive is short, and of equally short
+/// orders the instruction's own wins.
 pub trait Planner {
     /// The planner's name as results report it.
     fn name(&self) -> &str;
@@ -56,6 +58,7 @@ pub trait Planner {
     /// Plans the deliveries of one instruction.
     ///
     /// # Errors
-    /// [`PlanError::NotUnderstood`] if the instruction names no place to deliver to; the other variants if a model fails.
+    /// [`PlanError::NotUnderstood`] if the instruction names no place to deliver to; the other
+    /// variants if a model fails.
     fn plan(&self, request: &PlanRequest<'_>) -> Result<Plan, PlanError>;
 }

@@ -1,17 +1,19 @@
-//! In which order to drive to several stops: the shortest open path from the start that keeps every order the instruction asks for.
+//! In which order to drive to several stops: the shortest open path from the start that keeps every
+//! order the instruction asks for.
 //!
-//! Exact up to twelve places (dynamic programming over subsets after Held and Karp, 1962); beyond, nearest neighbour improved by
-//! moving and reversing pieces. Stops at one place count once and stay together. Of equally short orders the one nearest to the
-//! instruction's wins: times are whole milliseconds, so equal is equal.
+//! Exact up to twelve places (dynamic programming over subsets after Held and Karp, 1962). Beyond,
+//! nearest neighbour improved by moving and reversing pieces. Stops at one place count once and
+//! stay together. Of equally short orders the one nearest to the instruction's wins: times are
+//! whole milliseconds, so equal is equal.
 
-/// The time between places that no way is known between, in milliseconds: longer than any drive.
+/// The time between places that no route connects, in milliseconds: longer than any drive.
 pub(crate) const UNKNOWN: u64 = 10_000_000_000;
 
-/// Up to so many places the order is exact.
+/// The most places for which the order is exact.
 const EXACT: usize = 12;
-/// The longest piece that the heuristic moves.
+/// The longest piece that the heuristic moves, in stops.
 const LONGEST_PIECE: usize = 3;
-/// The heuristic looks at all moves at most so often.
+/// How often the heuristic tries all moves at most.
 const MOST_PASSES: usize = 50;
 
 /// Which stops must come before which; never a circle.
@@ -24,7 +26,9 @@ pub(crate) struct Precedence {
 impl Precedence {
     /// No order among `count` stops.
     pub(crate) fn new(count: usize) -> Self {
-        Self { earlier: vec![vec![false; count]; count] }
+        Self {
+            earlier: vec![vec![false; count]; count],
+        }
     }
 
     /// Puts `a` before `b`. Does nothing and returns false if `b` already comes before `a`.
@@ -36,16 +40,28 @@ impl Precedence {
         if self.earlier[b][a] {
             return true;
         }
-        let ancestors: Vec<usize> = (0..count).filter(|i| *i == a || self.earlier[a][*i]).collect();
-        for later in (0..count).filter(|i| *i == b || self.earlier[*i][b]).collect::<Vec<_>>() {
-            ancestors.iter().for_each(|ancestor| self.earlier[later][*ancestor] = true);
+        let ancestors: Vec<usize> = (0..count)
+            .filter(|i| *i == a || self.earlier[a][*i])
+            .collect();
+        let descendants: Vec<usize> = (0..count)
+            .filter(|i| *i == b || self.earlier[*i][b])
+            .collect();
+        for later in descendants {
+            for ancestor in &ancestors {
+                self.earlier[later][*ancestor] = true;
+            }
         }
         true
     }
 
     /// Whether an order keeps to it.
     pub(crate) fn allows(&self, order: &[usize]) -> bool {
-        (0..order.len()).all(|i| order[i + 1..].iter().all(|later| !self.earlier[order[i]][*later]))
+        let keeps = |i: usize| {
+            order[i + 1..]
+                .iter()
+                .all(|later| !self.earlier[order[i]][*later])
+        };
+        (0..order.len()).all(keeps)
     }
 
     /// The order among groups of stops; `None` if it has a circle.
@@ -53,34 +69,88 @@ impl Precedence {
         let mut coarse = Self::new(groups.len());
         for (b, later) in groups.iter().enumerate() {
             for (a, earlier) in groups.iter().enumerate().filter(|(a, _)| *a != b) {
-                let ordered = later.iter().any(|l| earlier.iter().any(|e| self.earlier[*l][*e]));
-                if ordered && !coarse.add(a, b) {
+                if self.orders(earlier, later) && !coarse.add(a, b) {
                     return None;
                 }
             }
         }
         Some(coarse)
     }
+
+    /// Whether any stop of one group must come before any of another.
+    fn orders(&self, earlier: &[usize], later: &[usize]) -> bool {
+        later
+            .iter()
+            .any(|later| earlier.iter().any(|earlier| self.earlier[*later][*earlier]))
+    }
+
+    /// For each stop those that must come before it, as a bit mask.
+    fn masks(&self) -> Vec<usize> {
+        self.earlier.iter().map(|row| mask(row)).collect()
+    }
 }
 
-/// The best order of the stops. `times` holds milliseconds from the start (index 0) and each stop (index + 1) to each.
+/// Whether a stop may come next. Bit masks: `earlier` of the stops that must come before each stop,
+/// `visited` of those that do.
+fn may_follow(earlier: &[usize], visited: usize, next: usize) -> bool {
+    visited & (1 << next) == 0 && earlier[next] & !visited == 0
+}
+
+/// The best order of the stops. `times` holds milliseconds from the start (index 0) and each stop
+/// (index + 1) to each.
 pub(crate) fn best_order(times: &[Vec<u64>], precedence: &Precedence) -> Vec<usize> {
     let count = times.len().saturating_sub(1);
     let groups = groups(times);
     match precedence.of_groups(&groups) {
         Some(coarse) if groups.len() < count => {
-            let firsts: Vec<usize> = std::iter::once(0).chain(groups.iter().map(|g| g[0] + 1)).collect();
-            let between =
-                firsts.iter().map(|a| firsts.iter().map(|b| times[*a][*b]).collect()).collect::<Vec<_>>();
-            let order = places_in_order(&between, &coarse);
-            order.into_iter().flat_map(|g| within(&groups[g], precedence)).collect()
+            let order = places_in_order(&times_of_groups(times, &groups), &coarse);
+            order
+                .into_iter()
+                .flat_map(|group| within(&groups[group], precedence))
+                .collect()
         }
         _ => places_in_order(times, precedence),
     }
 }
 
-/// The order that is done soonest among those that reach every stop in time; `due` is in milliseconds from the start. `None` where there is no such order, or
-/// there are too many stops to say.
+/// Times between groups of stops: those between their first stops.
+fn times_of_groups(times: &[Vec<u64>], groups: &[Vec<usize>]) -> Vec<Vec<u64>> {
+    let firsts: Vec<usize> = std::iter::once(0)
+        .chain(groups.iter().map(|group| group[0] + 1))
+        .collect();
+    let row = |from: &usize| firsts.iter().map(|to| times[*from][*to]).collect();
+    firsts.iter().map(row).collect()
+}
+
+/// When a set of stops is visited at the soonest, and in which order.
+///
+/// Of equal times the smaller order wins, so the fields stay in this order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Soonest {
+    /// Milliseconds from the start.
+    time: u64,
+    /// Four bits a stop, the first one highest.
+    order: u64,
+}
+
+impl Soonest {
+    /// No order is in time.
+    const NEVER: Self = Self {
+        time: u64::MAX,
+        order: 0,
+    };
+
+    /// The stops in their order.
+    fn stops(self, count: usize) -> Vec<usize> {
+        (0..count)
+            .map(|i| (self.order >> (4 * (count - 1 - i)) & 15) as usize)
+            .collect()
+    }
+}
+
+/// The order that is done soonest among those that reach every stop in time; `due` is in
+/// milliseconds from the start. `None` if there is no such order, or there are too many stops to
+/// say.
 pub(crate) fn order_in_time(
     times: &[Vec<u64>],
     precedence: &Precedence,
@@ -91,36 +161,40 @@ pub(crate) fn order_in_time(
         return None;
     }
     let all = (1_usize << count) - 1;
-    let need: Vec<usize> = precedence.earlier.iter().map(|row| mask(row)).collect();
-    let may = |visited: usize, next: usize| visited & (1 << next) == 0 && need[next] & !visited == 0;
-    // When all of a set is visited at the soonest, the last of it being there, and in which order, four bits a stop: of equals the first.
-    let mut soonest = vec![vec![(u64::MAX, 0_u64); count + 1]; all + 1];
-    soonest[0][0] = (0, 0);
+    let earlier = precedence.masks();
+    // By the stops that are visited and the last of them.
+    let mut soonest = vec![vec![Soonest::NEVER; count + 1]; all + 1];
+    soonest[0][0] = Soonest { time: 0, order: 0 };
     for visited in 0..all {
         for at in 0..=count {
-            let (now, order) = soonest[visited][at];
-            for next in (0..count).filter(|next| now < u64::MAX && may(visited, *next)) {
-                let then = now.saturating_add(times[at][next + 1]);
-                let in_time = due[next].is_none_or(|due| then <= due);
-                let known = &mut soonest[visited | 1 << next][next + 1];
-                if in_time {
-                    *known = (*known).min((then, order << 4 | next as u64));
+            let now = soonest[visited][at];
+            if now.time == u64::MAX {
+                continue;
+            }
+            for next in (0..count).filter(|next| may_follow(&earlier, visited, *next)) {
+                let time = now.time.saturating_add(times[at][next + 1]);
+                if due[next].is_none_or(|due| time <= due) {
+                    let then = Soonest {
+                        time,
+                        order: now.order << 4 | next as u64,
+                    };
+                    let known = &mut soonest[visited | 1 << next][next + 1];
+                    *known = (*known).min(then);
                 }
             }
         }
     }
-    let (time, order) = soonest[all].iter().min()?;
-    let stop = |i: usize| (order >> (4 * (count - 1 - i)) & 15) as usize;
-    (*time < u64::MAX).then(|| (0..count).map(stop).collect())
+    let best = soonest[all].iter().min()?;
+    (best.time < u64::MAX).then(|| best.stops(count))
 }
 
 /// Stops with no time between them, each group in the instruction's order.
 fn groups(times: &[Vec<u64>]) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for stop in 0..times.len().saturating_sub(1) {
-        let together =
-            |g: &Vec<usize>| g.iter().all(|m| times[m + 1][stop + 1] == 0 && times[stop + 1][m + 1] == 0);
-        match groups.iter_mut().find(|g| together(g)) {
+        let is_at =
+            |other: &usize| times[other + 1][stop + 1] == 0 && times[stop + 1][other + 1] == 0;
+        match groups.iter_mut().find(|group| group.iter().all(is_at)) {
             Some(group) => group.push(stop),
             None => groups.push(vec![stop]),
         }
@@ -130,45 +204,58 @@ fn groups(times: &[Vec<u64>]) -> Vec<Vec<usize>> {
 
 /// The stops of one place: the instruction's order as far as the precedence allows.
 fn within(group: &[usize], precedence: &Precedence) -> Vec<usize> {
-    let (mut left, mut order) = (group.to_vec(), Vec::new());
+    let mut left = group.to_vec();
+    let mut order = Vec::new();
     while !left.is_empty() {
-        let free = |i: &usize| left.iter().all(|other| !precedence.earlier[left[*i]][*other]);
+        let is_free = |i: &usize| {
+            left.iter()
+                .all(|other| !precedence.earlier[left[*i]][*other])
+        };
         // A precedence has no circle, so one is always free.
-        let next = (0..left.len()).find(free).unwrap_or_default();
+        let next = (0..left.len()).find(is_free).unwrap_or_default();
         order.push(left.remove(next));
     }
     order
 }
 
 fn places_in_order(times: &[Vec<u64>], precedence: &Precedence) -> Vec<usize> {
-    if times.len() <= EXACT + 1 { exact(times, precedence) } else { improved(times, precedence) }
+    if times.len() <= EXACT + 1 {
+        exact(times, precedence)
+    } else {
+        improved(times, precedence)
+    }
 }
 
-/// Held-Karp from the end: `rest[visited][at]` is the shortest way through all that is not yet visited.
+/// Held-Karp from the end: `rest[visited][at]` is the shortest time through all that is not yet
+/// visited.
 fn exact(times: &[Vec<u64>], precedence: &Precedence) -> Vec<usize> {
     let count = times.len().saturating_sub(1);
     let all = (1_usize << count) - 1;
-    let need: Vec<usize> = precedence.earlier.iter().map(|row| mask(row)).collect();
-    let may = |visited: usize, next: usize| visited & (1 << next) == 0 && need[next] & !visited == 0;
+    let earlier = precedence.masks();
     let mut rest = vec![vec![u64::MAX; count + 1]; all + 1];
     rest[all].fill(0);
     for visited in (0..all).rev() {
         for at in 0..=count {
-            let ways = (0..count).filter(|next| may(visited, *next));
-            let best = ways
-                .map(|next| times[at][next + 1].saturating_add(rest[visited | 1 << next][next + 1]))
-                .min();
-            rest[visited][at] = best.unwrap_or(u64::MAX);
+            let next = (0..count).filter(|next| may_follow(&earlier, visited, *next));
+            let time = |next: usize| {
+                let behind = rest[visited | 1 << next][next + 1];
+                times[at][next + 1].saturating_add(behind)
+            };
+            rest[visited][at] = next.map(time).min().unwrap_or(u64::MAX);
         }
     }
-    let (mut visited, mut at, mut order) = (0, 0, Vec::with_capacity(count));
+    let mut visited = 0;
+    let mut at = 0;
+    let mut order = Vec::with_capacity(count);
     while visited != all {
-        let best = |next: &usize| {
-            may(visited, *next)
-                && times[at][next + 1].saturating_add(rest[visited | 1 << next][next + 1])
-                    == rest[visited][at]
+        let is_best = |next: &usize| {
+            let behind = rest[visited | 1 << next][next + 1];
+            may_follow(&earlier, visited, *next)
+                && times[at][next + 1].saturating_add(behind) == rest[visited][at]
         };
-        let Some(next) = (0..count).find(best) else { break };
+        let Some(next) = (0..count).find(is_best) else {
+            break;
+        };
         order.push(next);
         visited |= 1 << next;
         at = next + 1;
@@ -177,22 +264,34 @@ fn exact(times: &[Vec<u64>], precedence: &Precedence) -> Vec<usize> {
 }
 
 fn mask(row: &[bool]) -> usize {
-    row.iter().enumerate().filter(|(_, set)| **set).fold(0, |mask, (i, _)| mask | 1 << i)
+    row.iter()
+        .enumerate()
+        .filter(|(_, set)| **set)
+        .fold(0, |mask, (i, _)| mask | 1 << i)
 }
 
+/// Milliseconds from the start through all stops.
 fn length(times: &[Vec<u64>], order: &[usize]) -> u64 {
     let from = std::iter::once(0).chain(order.iter().map(|stop| stop + 1));
-    from.zip(order).map(|(from, to)| times[from][to + 1]).fold(0, u64::saturating_add)
+    from.zip(order)
+        .map(|(from, to)| times[from][to + 1])
+        .fold(0, u64::saturating_add)
 }
 
 fn nearest_first(times: &[Vec<u64>], precedence: &Precedence) -> Vec<usize> {
     let count = times.len() - 1;
-    let (mut order, mut done) = (Vec::with_capacity(count), vec![false; count]);
+    let mut order = Vec::with_capacity(count);
+    let mut done = vec![false; count];
     while order.len() < count {
         let at = order.last().map_or(0, |stop: &usize| stop + 1);
-        let free =
-            |stop: &usize| !done[*stop] && (0..count).all(|e| done[e] || !precedence.earlier[*stop][e]);
-        let Some(next) = (0..count).filter(free).min_by_key(|stop| times[at][stop + 1]) else { break };
+        let is_free = |stop: &usize| {
+            let waits_for = |other: usize| !done[other] && precedence.earlier[*stop][other];
+            !done[*stop] && !(0..count).any(waits_for)
+        };
+        let next = (0..count)
+            .filter(is_free)
+            .min_by_key(|stop| times[at][stop + 1]);
+        let Some(next) = next else { break };
         done[next] = true;
         order.push(next);
     }
@@ -208,11 +307,14 @@ fn improved(times: &[Vec<u64>], precedence: &Precedence) -> Vec<usize> {
         for from in 0..order.len() {
             for piece in 1..=LONGEST_PIECE.min(order.len() - from) {
                 for to in 0..=order.len() - piece {
-                    keep_if_shorter(times, precedence, &mut order, &mut best, moved(from, piece, to));
+                    let changed = moved(&order, from, piece, to);
+                    keep_if_shorter(times, precedence, &mut order, &mut best, changed);
                 }
             }
             for to in from + 2..=order.len() {
-                keep_if_shorter(times, precedence, &mut order, &mut best, |order| order[from..to].reverse());
+                let mut changed = order.clone();
+                changed[from..to].reverse();
+                keep_if_shorter(times, precedence, &mut order, &mut best, changed);
             }
         }
         if best == before {
@@ -222,11 +324,12 @@ fn improved(times: &[Vec<u64>], precedence: &Precedence) -> Vec<usize> {
     order
 }
 
-fn moved(from: usize, piece: usize, to: usize) -> impl Fn(&mut Vec<usize>) {
-    move |order| {
-        let taken: Vec<usize> = order.drain(from..from + piece).collect();
-        order.splice(to..to, taken);
-    }
+/// An order with a piece of it moved.
+fn moved(order: &[usize], from: usize, piece: usize, to: usize) -> Vec<usize> {
+    let mut moved = order.to_vec();
+    let taken: Vec<usize> = moved.drain(from..from + piece).collect();
+    moved.splice(to..to, taken);
+    moved
 }
 
 fn keep_if_shorter(
@@ -234,10 +337,8 @@ fn keep_if_shorter(
     precedence: &Precedence,
     order: &mut Vec<usize>,
     best: &mut u64,
-    change: impl Fn(&mut Vec<usize>),
+    changed: Vec<usize>,
 ) {
-    let mut changed = order.clone();
-    change(&mut changed);
     let shorter = length(times, &changed);
     if shorter < *best && precedence.allows(&changed) {
         *order = changed;
@@ -252,13 +353,17 @@ mod tests {
     use super::*;
 
     fn equal(count: usize) -> Vec<Vec<u64>> {
-        (0..=count).map(|i| (0..=count).map(|j| if i == j { 0 } else { 5 }).collect()).collect()
+        (0..=count)
+            .map(|i| (0..=count).map(|j| if i == j { 0 } else { 5 }).collect())
+            .collect()
     }
 
     /// Times between places on a line, the start at 0.
     fn line(places: &[i64]) -> Vec<Vec<u64>> {
         let all: Vec<i64> = std::iter::once(0).chain(places.iter().copied()).collect();
-        all.iter().map(|a| all.iter().map(|b| a.abs_diff(*b)).collect()).collect()
+        all.iter()
+            .map(|a| all.iter().map(|b| a.abs_diff(*b)).collect())
+            .collect()
     }
 
     /// The shortest allowed order, by trying all; the first of equals.
@@ -274,11 +379,15 @@ mod tests {
             }
         }
         let mut best = (u64::MAX, Vec::new());
-        go(&(0..times.len() - 1).collect::<Vec<_>>(), &mut Vec::new(), &mut |order| {
-            if precedence.allows(order) && length(times, order) < best.0 {
-                best = (length(times, order), order.to_vec());
-            }
-        });
+        go(
+            &(0..times.len() - 1).collect::<Vec<_>>(),
+            &mut Vec::new(),
+            &mut |order| {
+                if precedence.allows(order) && length(times, order) < best.0 {
+                    best = (length(times, order), order.to_vec());
+                }
+            },
+        );
         best
     }
 
@@ -303,7 +412,10 @@ mod tests {
 
     #[test]
     fn stops_at_one_place_stay_together() {
-        assert_eq!(best_order(&line(&[30, 10, 30, 10]), &Precedence::new(4)), [1, 3, 0, 2]);
+        assert_eq!(
+            best_order(&line(&[30, 10, 30, 10]), &Precedence::new(4)),
+            [1, 3, 0, 2]
+        );
     }
 
     #[test]
@@ -318,15 +430,40 @@ mod tests {
     fn what_is_due_comes_in_time_and_no_sooner_than_need_be() {
         let times = line(&[30, 10, -20]);
         let order = |due: [Option<u64>; 3]| order_in_time(&times, &Precedence::new(3), &due);
-        assert_eq!(order([None, None, Some(200)]), Some(vec![2, 1, 0]), "the shortest is in time");
-        assert_eq!(order([Some(30), None, None]), Some(vec![0, 1, 2]), "as short, and as said");
+        assert_eq!(
+            order([None, None, Some(200)]),
+            Some(vec![2, 1, 0]),
+            "the shortest is in time"
+        );
+        assert_eq!(
+            order([Some(30), None, None]),
+            Some(vec![0, 1, 2]),
+            "as short, and as said"
+        );
         assert_eq!(order([None, Some(10), Some(40)]), Some(vec![1, 2, 0]));
         assert_eq!(order([Some(30), None, Some(20)]), None);
-        let all_alike = order_in_time(&equal(4), &Precedence::new(4), &[None, None, Some(99), None]);
-        assert_eq!(all_alike, Some(vec![0, 1, 2, 3]), "of equals the instruction's");
+        let all_alike = order_in_time(
+            &equal(4),
+            &Precedence::new(4),
+            &[None, None, Some(99), None],
+        );
+        assert_eq!(
+            all_alike,
+            Some(vec![0, 1, 2, 3]),
+            "of equals the instruction's"
+        );
         let mut precedence = Precedence::new(3);
         assert!(precedence.add(2, 0));
-        assert_eq!(order_in_time(&times, &precedence, &[Some(60), None, None]), None);
+        assert_eq!(
+            order_in_time(&times, &precedence, &[Some(60), None, None]),
+            None
+        );
+    }
+
+    /// An order with each of the other stops behind it.
+    fn longer(order: &[usize], count: usize) -> Vec<Vec<usize>> {
+        let others = (0..count).filter(|next| !order.contains(next));
+        others.map(|next| [order, &[next]].concat()).collect()
     }
 
     proptest! {
@@ -348,10 +485,10 @@ mod tests {
             };
             let mut orders: Vec<Vec<usize>> = vec![vec![]];
             for _ in 0..5 {
-                let longer = |o: &Vec<usize>| (0..5).filter(|n| !o.contains(n)).map(|n| [&o[..], &[n]].concat()).collect::<Vec<_>>();
-                orders = orders.iter().flat_map(longer).collect();
+                orders = orders.iter().flat_map(|order| longer(order, 5)).collect();
             }
-            let best = orders.iter().filter(|o| precedence.allows(o) && in_time(o)).map(|o| length(&times, o)).min();
+            let allowed = orders.iter().filter(|order| precedence.allows(order) && in_time(order));
+            let best = allowed.map(|order| length(&times, order)).min();
             let found = order_in_time(&times, &precedence, &due);
             prop_assert_eq!(found.as_ref().map(|o| length(&times, o)), best);
             if let Some(order) = found {
@@ -365,7 +502,8 @@ mod tests {
             pairs in proptest::collection::vec((0_usize..6, 0_usize..6), 0..6),
             count in 1_usize..=6,
         ) {
-            let times: Vec<Vec<u64>> = (0..=count).map(|i| cells[i * 7..=i * 7 + count].to_vec()).collect();
+            let row = |i: usize| cells[i * 7..=i * 7 + count].to_vec();
+            let times: Vec<Vec<u64>> = (0..=count).map(row).collect();
             let mut precedence = Precedence::new(count);
             pairs.iter().for_each(|(a, b)| { precedence.add(*a, *b); });
             let (shortest, first) = brute_force(&times, &precedence);
@@ -389,9 +527,15 @@ mod tests {
             sorted.sort_unstable();
             prop_assert_eq!(sorted, (0..places.len()).collect::<Vec<_>>());
             if pairs.is_empty() {
-                let (low, high) = (*places.iter().min().unwrap_or(&0), *places.iter().max().unwrap_or(&0));
-                let shortest = if low >= 0 { high } else if high <= 0 { -low } else { high - low + high.min(-low) };
-                prop_assert!(length(&times, &order) * 2 <= 3 * shortest.unsigned_abs() , "{} {}", length(&times, &order), shortest);
+                let low = places.iter().copied().min().unwrap_or(0);
+                let high = places.iter().copied().max().unwrap_or(0);
+                let shortest = match (low >= 0, high <= 0) {
+                    (true, _) => high,
+                    (_, true) => -low,
+                    _ => high - low + high.min(-low),
+                };
+                let length = length(&times, &order);
+                prop_assert!(length * 2 <= 3 * shortest.unsigned_abs(), "{length} {shortest}");
             }
         }
     }

@@ -1,39 +1,88 @@
-//! The paper's *location query* as steps: the lowest level that the map knows is navigated to, the levels below are explored for.
+//! The paper's *location query* as steps: the lowest level that the map knows is navigated to, the
+//! levels below it are explored for.
 
 use openbench_core::{Address, AddressLevel, Level, MapPoint, Step, StepMode};
 use openbench_osm::hierarchy::all_above;
 use openbench_osm::{Location, OsmMap, locate};
 
-/// How to get to a door, and on behind it, given what the map knows. `levels` are those that are said above the building and below the unit. A building that the map lacks, or has several
-/// times, must itself be looked for: in its street or quarter, where the map knows that.
+/// The steps to a door, and on behind it, given what the map knows.
 ///
-/// The target of a step is the level's name.
+/// `levels` are those of the address above the building and below the unit. A building that the map
+/// lacks, or has more than once, must itself be explored for: in its street or quarter, if the map
+/// knows that. The target of a step is the level's name.
+///
+/// # Examples
+/// ```
+/// # use openbench_core::{Address, Georeference, LonLat, StepMode};
+/// # use openbench_osm::{OsmData, OsmMap};
+/// let xml = r#"<osm version="0.6">
+///     <node id="1" lat="48.1500" lon="11.5800"/><node id="2" lat="48.1500" lon="11.5804"/>
+///     <node id="3" lat="48.1503" lon="11.5804"/>
+///     <way id="4"><nd ref="1"/><nd ref="2"/><nd ref="3"/><nd ref="1"/>
+///         <tag k="building" v="yes"/><tag k="name" v="building3"/></way></osm>"#;
+/// let data = OsmData::from_xml(xml.as_bytes())?;
+/// let map = OsmMap::new(&data, Georeference::tangent_plane(LonLat::new(11.58, 48.15)));
+///
+/// let steps = openbench_language::steps(&map, &Address::new("building3", "unit1"), &[]);
+/// assert_eq!((steps[0].mode, steps[0].target.as_str()), (StepMode::Navigate, "building3"));
+/// assert_eq!((steps[1].mode, steps[1].target.as_str()), (StepMode::Explore, "unit1"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn steps(map: &OsmMap, address: &Address, levels: &[AddressLevel]) -> Vec<Step> {
-    let navigate = |target: &String| Step { mode: StepMode::Navigate, target: target.clone() };
-    let explore = |target: &String| Step { mode: StepMode::Explore, target: target.clone() };
-    let unit = || address.unit.iter();
-    let mut steps: Vec<Step> = match locate(map, address) {
-        Location::Unit { .. } => unit().map(navigate).collect(),
+    let mut steps = match locate(map, address) {
+        Location::Unit { .. } => address.unit.iter().map(|unit| navigate(unit)).collect(),
         Location::Building(_) => {
-            std::iter::once(navigate(&address.building)).chain(unit().map(explore)).collect()
+            let building = std::iter::once(navigate(&address.building));
+            building
+                .chain(address.unit.iter().map(|unit| explore(unit)))
+                .collect()
         }
-        Location::Unknown | Location::Ambiguous(_) => {
-            let is_above = levels.iter().any(|level| level.level <= Level::Street);
-            let all = if is_above { all_above(map) } else { Vec::new() };
-            let is_known = |level: &&AddressLevel| {
-                all.iter().any(|above| above.level == **level && above.place(map).is_some())
-            };
-            let known = levels.iter().rev().find(is_known);
-            let inside = std::iter::once(&address.building).filter(|name| !name.is_empty()).chain(unit());
-            known.map(|level| navigate(&level.name)).into_iter().chain(inside.map(explore)).collect()
-        }
+        Location::Unknown | Location::Ambiguous(_) => steps_from_above(map, address, levels),
     };
-    let below = levels.iter().filter(|level| matches!(level.level, Level::Floor | Level::Flat));
-    steps.extend(below.map(|level| explore(&level.name)));
+    let is_below = |level: &&AddressLevel| matches!(level.level, Level::Floor | Level::Flat);
+    steps.extend(
+        levels
+            .iter()
+            .filter(is_below)
+            .map(|level| explore(&level.name)),
+    );
     steps
 }
 
-/// Where a delivery leads: the door, else the middle of the building; `None` where the map knows neither, though it may know the street.
+/// The steps to a building that the map cannot locate.
+fn steps_from_above(map: &OsmMap, address: &Address, levels: &[AddressLevel]) -> Vec<Step> {
+    let is_above = levels.iter().any(|level| level.level <= Level::Street);
+    let all = if is_above { all_above(map) } else { Vec::new() };
+    let is_known = |level: &&AddressLevel| {
+        all.iter()
+            .any(|above| above.level == **level && above.place(map).is_some())
+    };
+    let known = levels
+        .iter()
+        .rev()
+        .find(is_known)
+        .map(|level| navigate(&level.name));
+    let building = std::iter::once(&address.building).filter(|name| !name.is_empty());
+    let inside = building.chain(&address.unit).map(|name| explore(name));
+    known.into_iter().chain(inside).collect()
+}
+
+fn navigate(target: &str) -> Step {
+    Step {
+        mode: StepMode::Navigate,
+        target: target.to_owned(),
+    }
+}
+
+fn explore(target: &str) -> Step {
+    Step {
+        mode: StepMode::Explore,
+        target: target.to_owned(),
+    }
+}
+
+/// Where a delivery leads, in map coordinates (metres): the door, else the centroid of the
+/// building. `None` if the map knows neither, though it may know the street.
 pub fn destination(map: &OsmMap, address: &Address) -> Option<MapPoint> {
     match locate(map, address) {
         Location::Unit { entrance, .. } => map.entrances.get(entrance).map(|e| e.position),

@@ -1,4 +1,5 @@
-//! How people speak freely: all units of a building, senders, orders turned round, what is taken back, stories around an address.
+//! How people speak freely: all units of a building, senders, orders turned round, what is taken
+//! back, stories around an address.
 
 mod support;
 
@@ -20,9 +21,11 @@ fn check(cases: &[(&str, &str)]) {
 #[track_caller]
 fn check_in_time(cases: &[(&str, &str)], times: &dyn TravelTimes) {
     let map = map();
-    compare(cases, |text| match plan(&GrammarPlanner::new(), &map, times, text) {
-        Ok(plan) => doors(&plan),
-        Err(error) => error.to_string(),
+    compare(cases, |text| {
+        match plan(&GrammarPlanner::new(), &map, times, text) {
+            Ok(plan) => doors(&plan),
+            Err(error) => error.to_string(),
+        }
     });
 }
 
@@ -32,7 +35,10 @@ const ALL_OF_3: &str = "building3/unit1 building3/unit2 building3/unit3 building
 fn all_units_are_those_of_the_map() {
     check(&[
         ("A flyer to all units of building 3", ALL_OF_3),
-        ("Flyers for each of the four entrances of building 3", ALL_OF_3),
+        (
+            "Flyers for each of the four entrances of building 3",
+            ALL_OF_3,
+        ),
         ("3号楼每个单元各送一份", ALL_OF_3),
         ("3号楼四个单元都要送", ALL_OF_3),
         ("Un aviso a todas las unidades del edificio 3", ALL_OF_3),
@@ -47,29 +53,80 @@ fn all_units_are_those_of_the_map() {
 #[test]
 fn some_of_all_units_can_be_excepted() {
     check(&[
-        ("All units of building 3 except unit 2", "building3/unit1 building3/unit3 building3/unit4"),
-        ("Everyone in building 3 apart from units 1 and 4", "building3/unit2 building3/unit3"),
-        ("3号楼除了2单元，其他单元都要送", "building3/unit1 building3/unit3 building3/unit4"),
-        ("Todas las unidades del edificio 3 menos la 2", "building3/unit1 building3/unit3 building3/unit4"),
-        ("Toutes les entrées du bâtiment 3 sauf la 2 et la 3", "building3/unit1 building3/unit4"),
-        ("3号棟は2号室以外の全室に", "building3/unit1 building3/unit3 building3/unit4"),
+        (
+            "All units of building 3 except unit 2",
+            "building3/unit1 building3/unit3 building3/unit4",
+        ),
+        (
+            "Everyone in building 3 apart from units 1 and 4",
+            "building3/unit2 building3/unit3",
+        ),
+        (
+            "3号楼除了2单元，其他单元都要送",
+            "building3/unit1 building3/unit3 building3/unit4",
+        ),
+        (
+            "Todas las unidades del edificio 3 menos la 2",
+            "building3/unit1 building3/unit3 building3/unit4",
+        ),
+        (
+            "Toutes les entrées du bâtiment 3 sauf la 2 et la 3",
+            "building3/unit1 building3/unit4",
+        ),
+        (
+            "3号棟は2号室以外の全室に",
+            "building3/unit1 building3/unit3 building3/unit4",
+        ),
     ]);
 }
 
 #[test]
 fn senders_are_no_destinations() {
     check(&[
-        ("Sender: building 2 unit 4, recipient: building 9 unit 3", "building9/unit3"),
-        ("From: J. Novak, building 2, unit 4. To: M. Reyes, building 9, unit 3.", "building9/unit3"),
-        ("寄件人：陈先生，7号楼2单元；收件人：1号楼1单元。", "building1/unit1"),
-        ("Remitente: edificio 1, unidad 1. Destinatario: edificio 11, unidad 3.", "building11/unit3"),
-        ("De la part de Julien, du bâtiment 6, entrée 1, pour le bâtiment 2, entrée 3", "building2/unit3"),
-        ("Absender: Gebäude 2, Eingang 3. Empfänger: Gebäude 9, Eingang 4.", "building9/unit4"),
-        ("7号棟3号室の山本さんから預かった荷物を、12号棟2号室に", "building12/unit2"),
-        ("Pick up the keys in building 2 and take them to building 5", "building5"),
-        ("去2号楼4单元老张家拿一下电钻，送到5号楼1单元", "building5/unit1"),
-        ("Bring den Tisch von Gebäude 3, Einheit 1 zu Gebäude 8, Einheit 2.", "building8/unit2"),
-        ("Lleva la caja de la unidad 2 del edificio 4 a la unidad 3 del edificio 6", "building6/unit3"),
+        (
+            "Sender: building 2 unit 4, recipient: building 9 unit 3",
+            "building9/unit3",
+        ),
+        (
+            "From: J. Novak, building 2, unit 4. To: M. Reyes, building 9, unit 3.",
+            "building9/unit3",
+        ),
+        (
+            "寄件人：陈先生，7号楼2单元；收件人：1号楼1单元。",
+            "building1/unit1",
+        ),
+        (
+            "Remitente: edificio 1, unidad 1. Destinatario: edificio 11, unidad 3.",
+            "building11/unit3",
+        ),
+        (
+            "De la part de Julien, du bâtiment 6, entrée 1, pour le bâtiment 2, entrée 3",
+            "building2/unit3",
+        ),
+        (
+            "Absender: Gebäude 2, Eingang 3. Empfänger: Gebäude 9, Eingang 4.",
+            "building9/unit4",
+        ),
+        (
+            "7号棟3号室の山本さんから預かった荷物を、12号棟2号室に",
+            "building12/unit2",
+        ),
+        (
+            "Pick up the keys in building 2 and take them to building 5",
+            "building5",
+        ),
+        (
+            "去2号楼4单元老张家拿一下电钻，送到5号楼1单元",
+            "building5/unit1",
+        ),
+        (
+            "Bring den Tisch von Gebäude 3, Einheit 1 zu Gebäude 8, Einheit 2.",
+            "building8/unit2",
+        ),
+        (
+            "Lleva la caja de la unidad 2 del edificio 4 a la unidad 3 del edificio 6",
+            "building6/unit3",
+        ),
         // Where nothing else is named it is the place after all.
         ("Sender: building 2 unit 4", "building2/unit4"),
     ]);
@@ -82,9 +139,18 @@ fn orders_can_be_turned_round() {
             "Building 2 unit 1 and then building 6 unit 3. Actually, swap the order.",
             "building6/unit3 building2/unit1",
         ),
-        ("Building 9. Before that, building 12.", "building12 building9"),
-        ("Building 9 and building 12 and building 10, in this order", "building9 building12 building10"),
-        ("Building 2 comes last; building 7 and building 9 before.", "building9 building7 building2"),
+        (
+            "Building 9. Before that, building 12.",
+            "building12 building9",
+        ),
+        (
+            "Building 9 and building 12 and building 10, in this order",
+            "building9 building12 building10",
+        ),
+        (
+            "Building 2 comes last; building 7 and building 9 before.",
+            "building9 building7 building2",
+        ),
         (
             "Building 9 unit 4 needs it first. Building 2 unit 1 afterwards.",
             "building9/unit4 building2/unit1",
@@ -93,11 +159,23 @@ fn orders_can_be_turned_round() {
             "第一站9栋1单元，第二站2栋3单元，最后一站5栋2单元",
             "building9/unit1 building2/unit3 building5/unit2",
         ),
-        ("Am eiligsten ist Gebäude 9; Gebäude 2 danach.", "building9 building2"),
-        ("6号棟1号室に荷物を届ける前に、9号棟4号室に行って", "building9/unit4 building6/unit1"),
+        (
+            "Am eiligsten ist Gebäude 9; Gebäude 2 danach.",
+            "building9 building2",
+        ),
+        (
+            "6号棟1号室に荷物を届ける前に、9号棟4号室に行って",
+            "building9/unit4 building6/unit1",
+        ),
         ("7号棟→1号棟→11号棟", "building7 building1 building11"),
-        ("Gebäude 9 bis 10 Uhr, Gebäude 2 erst bis 14 Uhr.", "building9 building2"),
-        ("El edificio 9 antes de las 10 y el edificio 2 antes de las 12", "building9 building2"),
+        (
+            "Gebäude 9 bis 10 Uhr, Gebäude 2 erst bis 14 Uhr.",
+            "building9 building2",
+        ),
+        (
+            "El edificio 9 antes de las 10 y el edificio 2 antes de las 12",
+            "building9 building2",
+        ),
     ];
     check_in_time(&cases, &Straight);
 }
@@ -105,17 +183,41 @@ fn orders_can_be_turned_round() {
 #[test]
 fn what_is_taken_back_is_not_driven_to() {
     check(&[
-        ("Units 2 and 4 of building 7, but unit 4 has just cancelled", "building7/unit2"),
-        ("Building 7, unit 2 and building 8, unit 1. Building 8, unit 1, has cancelled.", "building7/unit2"),
-        ("Gebäude 1, 6 und 11. Die 6 ist aber storniert.", "building1 building11"),
+        (
+            "Units 2 and 4 of building 7, but unit 4 has just cancelled",
+            "building7/unit2",
+        ),
+        (
+            "Building 7, unit 2 and building 8, unit 1. Building 8, unit 1, has cancelled.",
+            "building7/unit2",
+        ),
+        (
+            "Gebäude 1, 6 und 11. Die 6 ist aber storniert.",
+            "building1 building11",
+        ),
         ("3号楼1单元和4单元，1单元刚刚退单了", "building3/unit4"),
-        ("Building 6, no, wait, that was the old address, now building 8", "building8"),
+        (
+            "Building 6, no, wait, that was the old address, now building 8",
+            "building8",
+        ),
         ("Building 6 unit 1, sorry, 2", "building6/unit2"),
-        ("Building 6 unit 1 was the plan, but go to building 8 unit 2 instead", "building8/unit2"),
-        ("el edificio 11 está bien, pero la unidad no es la 4, sino la 2", "building11/unit2"),
-        ("7号棟の2番入口、すみません、2番じゃなくて4番でした", "building7/unit4"),
+        (
+            "Building 6 unit 1 was the plan, but go to building 8 unit 2 instead",
+            "building8/unit2",
+        ),
+        (
+            "el edificio 11 está bien, pero la unidad no es la 4, sino la 2",
+            "building11/unit2",
+        ),
+        (
+            "7号棟の2番入口、すみません、2番じゃなくて4番でした",
+            "building7/unit4",
+        ),
         // A condition is none.
-        ("Building 6 unit 1 only after building 9 unit 2 has got theirs", "building9/unit2 building6/unit1"),
+        (
+            "Building 6 unit 1 only after building 9 unit 2 has got theirs",
+            "building9/unit2 building6/unit1",
+        ),
     ]);
 }
 
@@ -129,9 +231,18 @@ fn addresses_are_shortened_and_misspelt() {
         ("Bât. 7, entr. 3, 2 sacs", "building7/unit3"),
         ("5号楼2单圆", "building5/unit2"),
         ("5ごうとう1ごうしつ", "building5/unit1"),
-        ("Deliver to 4-1, 4-3 and 9-2", "building4/unit1 building4/unit3 building9/unit2"),
-        ("One for building 2, unit 3; another for 6, unit 1", "building2/unit3 building6/unit1"),
-        ("two bags, one to building 3, one to building 5, always unit 2", "building3/unit2 building5/unit2"),
+        (
+            "Deliver to 4-1, 4-3 and 9-2",
+            "building4/unit1 building4/unit3 building9/unit2",
+        ),
+        (
+            "One for building 2, unit 3; another for 6, unit 1",
+            "building2/unit3 building6/unit1",
+        ),
+        (
+            "two bags, one to building 3, one to building 5, always unit 2",
+            "building3/unit2 building5/unit2",
+        ),
         (
             "Building 3 gets the box at unit 4, building 8 the big one at unit 1",
             "building3/unit4 building8/unit1",
@@ -144,25 +255,61 @@ fn addresses_are_shortened_and_misspelt() {
 #[test]
 fn hints_and_landmarks_are_no_doors() {
     check(&[
-        ("I am in building 8, unit 2 and I need my glasses.", "building8/unit2"),
-        ("The parcel goes to building 8, unit 2, first door on the left.", "building8/unit2"),
-        ("The gate at building 3 unit 2 is closed, ring the bell", "building3/unit2"),
-        ("The lift in building 6 is broken, but the parcel goes to building 5, unit 2.", "building5/unit2"),
+        (
+            "I am in building 8, unit 2 and I need my glasses.",
+            "building8/unit2",
+        ),
+        (
+            "The parcel goes to building 8, unit 2, first door on the left.",
+            "building8/unit2",
+        ),
+        (
+            "The gate at building 3 unit 2 is closed, ring the bell",
+            "building3/unit2",
+        ),
+        (
+            "The lift in building 6 is broken, but the parcel goes to building 5, unit 2.",
+            "building5/unit2",
+        ),
         (
             "Building 3 unit 1, sorry for the late notice, and building 4 unit 2",
             "building3/unit1 building4/unit2",
         ),
-        ("Deliver all units of insulin to building 5 unit 2", "building5/unit2"),
-        ("Fahr zu Gebäude 8 und gib den Schlüssel bei Einheit 2 ab.", "building8/unit2"),
+        (
+            "Deliver all units of insulin to building 5 unit 2",
+            "building5/unit2",
+        ),
+        (
+            "Fahr zu Gebäude 8 und gib den Schlüssel bei Einheit 2 ab.",
+            "building8/unit2",
+        ),
         ("Haus 3 u. 4", "building3 building4"),
-        ("Lleva el paquete al edificio 6, unidad 3, segunda puerta a la derecha.", "building6/unit3"),
-        ("Lleva esta carta al edificio 6, unidad 3, entre los edificios 5 y 7.", "building6/unit3"),
-        ("Apporte cette lettre au bâtiment 6, unité 3, entre 2 et 4 heures.", "building6/unit3"),
-        ("L'ascenseur du bâtiment 4 est en panne. Le colis va au bâtiment 6, unité 3.", "building6/unit3"),
+        (
+            "Lleva el paquete al edificio 6, unidad 3, segunda puerta a la derecha.",
+            "building6/unit3",
+        ),
+        (
+            "Lleva esta carta al edificio 6, unidad 3, entre los edificios 5 y 7.",
+            "building6/unit3",
+        ),
+        (
+            "Apporte cette lettre au bâtiment 6, unité 3, entre 2 et 4 heures.",
+            "building6/unit3",
+        ),
+        (
+            "L'ascenseur du bâtiment 4 est en panne. Le colis va au bâtiment 6, unité 3.",
+            "building6/unit3",
+        ),
         ("请送到5号楼3单元,对面是6号楼。", "building5/unit3"),
         ("5号楼有4个单元,请送到3单元。", "building5/unit3"),
-        ("5号楼3单元和4单元,8号楼1单元。", "building5/unit3 building5/unit4 building8/unit1"),
-        ("6号棟の向かいの5号棟3号室に届けてください。", "building5/unit3"),
+        (
+            "5号楼3单元和4单元,8号楼1单元。",
+            "building5/unit3 building5/unit4 building8/unit1",
+        ),
+        (
+            "6号棟の向かいの5号棟3号室に届けてください。",
+            "building5/unit3",
+        ),
         ("地下鉄2号線の駅の近くの5号棟3号室に", "building5/unit3"),
     ]);
 }
@@ -176,13 +323,22 @@ fn who_is_not_sure_is_asked() {
         "Gebäude 4 oder Gebäude 5, so genau weiß ich das leider nicht",
     ] {
         let plan = plan(&GrammarPlanner::new(), &map, &Straight, text).unwrap();
-        assert!(matches!(&plan.deliveries[..], [one] if one.problem.is_some()), "{text}: {plan:?}");
+        assert!(
+            matches!(&plan.deliveries[..], [one] if one.problem.is_some()),
+            "{text}: {plan:?}"
+        );
     }
 }
 
 #[test]
 fn all_units_of_all_buildings_are_bounded() {
     let text = "all units of buildings 1 to 50; all units of buildings 51 to 60";
-    let plan = plan(&GrammarPlanner::new(), &numbered_with_units(60), &Straight, text).unwrap();
+    let plan = plan(
+        &GrammarPlanner::new(),
+        &numbered_with_units(60),
+        &Straight,
+        text,
+    )
+    .unwrap();
     assert!(plan.deliveries.len() <= 210, "{}", plan.deliveries.len());
 }

@@ -9,17 +9,33 @@ use support::{Flat, map, numbered, plan};
 
 fn understood(map: &OsmMap, text: &str) -> PlannedDelivery {
     let Plan { deliveries, .. } = plan(&GrammarPlanner::new(), map, &Flat, text).unwrap();
-    let [delivery] = &deliveries[..] else { panic!("{text}: {deliveries:?}") };
+    let [delivery] = &deliveries[..] else {
+        panic!("{text}: {deliveries:?}")
+    };
     delivery.clone()
 }
 
 fn levels(delivery: &PlannedDelivery) -> String {
-    delivery.levels.iter().map(|level| level.name.as_str()).collect::<Vec<_>>().join(" ")
+    delivery
+        .levels
+        .iter()
+        .map(|level| level.name.as_str())
+        .collect::<Vec<_>>()
+        .join(" ")
 }
 
 fn steps(delivery: &PlannedDelivery) -> String {
-    let word = |mode| if mode == StepMode::Navigate { "navigate" } else { "explore" };
-    let steps = delivery.steps.iter().map(|step| format!("{} {}", word(step.mode), step.target));
+    let word = |mode| {
+        if mode == StepMode::Navigate {
+            "navigate"
+        } else {
+            "explore"
+        }
+    };
+    let steps = delivery
+        .steps
+        .iter()
+        .map(|step| format!("{} {}", word(step.mode), step.target));
     steps.collect::<Vec<_>>().join(", ")
 }
 
@@ -51,21 +67,37 @@ fn floors_and_flats_are_behind_the_unit() {
 
 #[test]
 fn a_flat_without_an_entrance_is_the_unit() {
-    let delivery = understood(&numbered(9), "Parcel to building 3, flat 12, on the third floor");
-    assert_eq!((delivery.unit.as_deref(), levels(&delivery).as_str()), (Some("unit12"), "floor3"));
+    let delivery = understood(
+        &numbered(9),
+        "Parcel to building 3, flat 12, on the third floor",
+    );
+    assert_eq!(
+        (delivery.unit.as_deref(), levels(&delivery).as_str()),
+        (Some("unit12"), "floor3")
+    );
 }
 
 #[test]
 fn floors_are_of_the_door_that_they_stand_with() {
-    let text = "A box to unit 1 of building 3, 2nd floor, and a letter to unit 2 of building 5, 7th floor.";
+    let text = "A box to unit 1 of building 3, 2nd floor, \
+                and a letter to unit 2 of building 5, 7th floor.";
     let Plan { deliveries, .. } = plan(&GrammarPlanner::new(), &numbered(9), &Flat, text).unwrap();
     let of = |building: &str| levels(deliveries.iter().find(|d| d.building == building).unwrap());
-    assert_eq!((of("building3").as_str(), of("building5").as_str()), ("floor2", "floor7"));
+    assert_eq!(
+        (of("building3").as_str(), of("building5").as_str()),
+        ("floor2", "floor7")
+    );
 }
 
 /// Two estates with a building 3 each.
 fn estates() -> OsmMap {
-    let house = |name, estate| [("name", name), ("addr:suburb", estate), ("addr:city", "Rivertown")];
+    let house = |name, estate| {
+        [
+            ("name", name),
+            ("addr:suburb", estate),
+            ("addr:city", "Rivertown"),
+        ]
+    };
     let houses = [
         house("building3", "Rose Estate"),
         house("building3", "百合园"),
@@ -79,65 +111,118 @@ fn estates() -> OsmMap {
 #[test]
 fn the_quarter_tells_buildings_of_one_name_apart() {
     for (text, building, level) in [
-        ("The box to unit 1, building 3 in Rose Estate", "building3, Rose Estate", "Rose Estate"),
-        ("Rose Estate, building 4, unit 1: a letter", "building4, Rose Estate", "Rose Estate"),
+        (
+            "The box to unit 1, building 3 in Rose Estate",
+            "building3, Rose Estate",
+            "Rose Estate",
+        ),
+        (
+            "Rose Estate, building 4, unit 1: a letter",
+            "building4, Rose Estate",
+            "Rose Estate",
+        ),
         ("请送到百合园3号楼1单元", "building3, 百合园", "百合园"),
     ] {
         let delivery = understood(&estates(), text);
-        assert_eq!((delivery.building.as_str(), &delivery.problem), (building, &None), "{text}");
-        assert_eq!((levels(&delivery).as_str(), delivery.confidence), (level, 1.0), "{text}");
+        assert_eq!(
+            (delivery.building.as_str(), &delivery.problem),
+            (building, &None),
+            "{text}"
+        );
+        assert_eq!(
+            (levels(&delivery).as_str(), delivery.confidence),
+            (level, 1.0),
+            "{text}"
+        );
         assert_eq!(delivery.levels[0].level, Level::District);
-        assert_eq!(steps(&delivery), format!("navigate {building}, explore unit1"), "{text}");
+        assert_eq!(
+            steps(&delivery),
+            format!("navigate {building}, explore unit1"),
+            "{text}"
+        );
     }
-    let both = understood(&estates(), "The box to unit 1, building 3, Rose Estate, Rivertown");
-    assert_eq!((both.building.as_str(), both.problem), ("building3, Rose Estate", None));
+    let both = understood(
+        &estates(),
+        "The box to unit 1, building 3, Rose Estate, Rivertown",
+    );
+    assert_eq!(
+        (both.building.as_str(), both.problem),
+        ("building3, Rose Estate", None)
+    );
     for unclear in [
         "The box to unit 1, building 3",
         "The box to unit 1, building 3, Rivertown",
         "The box to unit 1, building 3, not the one in Rose Estate",
         "The primrose estates' box to unit 1, building 3",
     ] {
-        assert!(understood(&estates(), unclear).problem.is_some(), "{unclear}");
+        assert!(
+            understood(&estates(), unclear).problem.is_some(),
+            "{unclear}"
+        );
     }
 }
 
 /// Towns have several of a chain's shops; an address is that of one.
 #[test]
 fn an_address_tells_buildings_of_one_name_apart() {
-    let shop = |street, number| [("name", "Speedy"), ("addr:street", street), ("addr:housenumber", number)];
+    let shop = |street, number| {
+        [
+            ("name", "Speedy"),
+            ("addr:street", street),
+            ("addr:housenumber", number),
+        ]
+    };
     let shops = [shop("Rua Alta", "17"), shop("Rua Baixa", "4")];
     let map = map(&[&shops[0], &shops[1], &[("name", "Speedy")]], &[]);
     let delivery = understood(&map, "The box to unit 1 of Rua Alta 17");
-    assert_eq!((delivery.building.as_str(), &delivery.problem), ("Rua Alta 17", &None));
+    assert_eq!(
+        (delivery.building.as_str(), &delivery.problem),
+        ("Rua Alta 17", &None)
+    );
     assert_eq!(steps(&delivery), "navigate Rua Alta 17, explore unit1");
-    let problem = understood(&map, "The box to unit 1 of Speedy").problem.unwrap();
-    assert!(problem.contains("Rua Alta 17, Rua Baixa 4, Speedy"), "{problem}");
+    let problem = understood(&map, "The box to unit 1 of Speedy")
+        .problem
+        .unwrap();
+    assert!(
+        problem.contains("Rua Alta 17, Rua Baixa 4, Speedy"),
+        "{problem}"
+    );
 }
 
 /// `Ost` is in `Post`, and 12 in a telephone number.
 #[test]
 fn quarters_are_whole_words_and_no_numbers() {
-    let houses =
-        [[("name", "building3"), ("addr:suburb", "Ost")], [("name", "building3"), ("addr:block", "12")]];
+    let houses = [
+        [("name", "building3"), ("addr:suburb", "Ost")],
+        [("name", "building3"), ("addr:block", "12")],
+    ];
     let map = map(&[&houses[0], &houses[1]], &[]);
     for unclear in ["Die Post zu Gebäude 3", "12 letters to building 3, call 12"] {
         assert!(understood(&map, unclear).problem.is_some(), "{unclear}");
     }
-    assert_eq!(understood(&map, "Die Post zu Gebäude 3 in Ost").building, "building3, Ost");
+    assert_eq!(
+        understood(&map, "Die Post zu Gebäude 3 in Ost").building,
+        "building3, Ost"
+    );
 }
 
 #[test]
 fn each_door_has_the_quarter_that_it_stands_with_or_all_have_the_same() {
     let doors = |text: &str| {
-        let Plan { deliveries, .. } = plan(&GrammarPlanner::new(), &estates(), &Flat, text).unwrap();
+        let Plan { deliveries, .. } =
+            plan(&GrammarPlanner::new(), &estates(), &Flat, text).unwrap();
         let mut names: Vec<String> = deliveries.iter().map(|d| d.building.clone()).collect();
         names.sort();
         names.join("; ")
     };
     let both = doors("A box to building 3 in Rose Estate and a letter to building 4 in 百合园.");
     assert_eq!(both, "building3, Rose Estate; building4, 百合园");
-    let unknown = doors("A box to building 3 in Rose Estate and a letter to building 4 in Lily Esate.");
-    assert_eq!(unknown, "building3, Rose Estate; building4", "nobody says that it is the same quarter");
+    let unknown =
+        doors("A box to building 3 in Rose Estate and a letter to building 4 in Lily Esate.");
+    assert_eq!(
+        unknown, "building3, Rose Estate; building4",
+        "nobody says that it is the same quarter"
+    );
     let one = doors("In Rose Estate: a box to building 3 and a letter to building 4.");
     assert_eq!(one, "building3, Rose Estate; building4, Rose Estate");
 }
@@ -146,14 +231,21 @@ fn each_door_has_the_quarter_that_it_stands_with_or_all_have_the_same() {
 fn a_building_that_the_map_lacks_is_looked_for_in_its_street() {
     let xml = r#"<osm version="0.6">
         <node id="1" lat="0" lon="0"/><node id="2" lat="0" lon="1e-3"/>
-        <way id="1"><nd ref="1"/><nd ref="2"/><tag k="highway" v="residential"/><tag k="name" v="Oak Street"/></way>
+        <way id="1"><nd ref="1"/><nd ref="2"/>
+            <tag k="highway" v="residential"/><tag k="name" v="Oak Street"/></way>
         </osm>"#;
     let data = OsmData::from_xml(xml.as_bytes()).unwrap();
     let map = OsmMap::new(&data, Georeference::tangent_plane(LonLat::new(0.0, 0.0)));
     let delivery = understood(&map, "The box to unit 1, building 7, Oak Street");
     assert!(delivery.problem.is_some());
-    assert_eq!((levels(&delivery).as_str(), delivery.levels[0].level), ("Oak Street", Level::Street));
-    assert_eq!(steps(&delivery), "navigate Oak Street, explore building7, explore unit1");
+    assert_eq!(
+        (levels(&delivery).as_str(), delivery.levels[0].level),
+        ("Oak Street", Level::Street)
+    );
+    assert_eq!(
+        steps(&delivery),
+        "navigate Oak Street, explore building7, explore unit1"
+    );
     let nowhere = understood(&map, "The box to unit 1, building 7");
     assert_eq!(steps(&nowhere), "explore building7, explore unit1");
 }

@@ -12,17 +12,28 @@ type Make = fn(&[&str]) -> Box<dyn Planner>;
 
 const PLANNERS: [(&str, Make); 2] = [
     ("grammar", |_| Box::new(GrammarPlanner::new())),
-    ("chat:script", |lines| Box::new(ChatPlanner::new(Box::new(Arc::new(Script::new(lines)))))),
+    ("chat:script", |lines| {
+        Box::new(ChatPlanner::new(Box::new(Arc::new(Script::new(lines)))))
+    }),
 ];
 
-const ONE: &str = r#"{"deliveries": [{"item": "this box", "building": "building3", "unit": "unit1"}]}"#;
-const TWO: &str = r#"{"deliveries": [{"item": "this box", "building": "building3", "unit": "unit1"}, {"item": "this parcel", "building": "building2", "unit": "unit2"}]}"#;
+const ONE: &str =
+    r#"{"deliveries": [{"item": "this box", "building": "building3", "unit": "unit1"}]}"#;
+const TWO: &str = r#"{"deliveries": [
+    {"item": "this box", "building": "building3", "unit": "unit1"},
+    {"item": "this parcel", "building": "building2", "unit": "unit2"}]}"#;
 
 #[test]
 fn it_bears_its_name() {
     for (name, make) in PLANNERS {
         assert_eq!(make(&[]).name(), name);
-        let plan = plan(&*make(&[ONE, ONE]), &numbered(3), &Flat, "This box to unit 1, building 3").unwrap();
+        let plan = plan(
+            &*make(&[ONE, ONE]),
+            &numbered(3),
+            &Flat,
+            "This box to unit 1, building 3",
+        )
+        .unwrap();
         assert_eq!(plan.planner, name);
     }
 }
@@ -30,11 +41,25 @@ fn it_bears_its_name() {
 #[test]
 fn it_names_doors_items_and_steps() {
     for (name, make) in PLANNERS {
-        let plan = plan(&*make(&[ONE, ONE]), &numbered(3), &Flat, "this box to unit 1, building 3").unwrap();
+        let plan = plan(
+            &*make(&[ONE, ONE]),
+            &numbered(3),
+            &Flat,
+            "this box to unit 1, building 3",
+        )
+        .unwrap();
         let json = serde_json::to_value(&plan.deliveries).unwrap();
         let wanted = serde_json::json!([{
-            "instruction_index": 0, "item": "this box", "building": "building3", "unit": "unit1", "confidence": 1.0, "problem": null,
-            "steps": [{"mode": "navigate", "target": "building3"}, {"mode": "explore", "target": "unit1"}],
+            "instruction_index": 0,
+            "item": "this box",
+            "building": "building3",
+            "unit": "unit1",
+            "confidence": 1.0,
+            "problem": null,
+            "steps": [
+                {"mode": "navigate", "target": "building3"},
+                {"mode": "explore", "target": "unit1"},
+            ],
         }]);
         assert_eq!(json, wanted, "{name}");
     }
@@ -47,14 +72,20 @@ fn it_visits_the_nearer_door_first_and_says_where_it_stood() {
         let text = "this box to unit1, building3 and this parcel to unit 2, building 2";
         let plan = plan(&*make(&lines), &numbered(3), &Straight, text).unwrap();
         assert_eq!(doors(&plan), "building2/unit2 building3/unit1", "{name}");
-        let indices: Vec<usize> = plan.deliveries.iter().map(|d| d.instruction_index).collect();
+        let indices: Vec<usize> = plan
+            .deliveries
+            .iter()
+            .map(|d| d.instruction_index)
+            .collect();
         assert_eq!(indices, [1, 0], "{name}");
     }
 }
 
 #[test]
 fn it_delivers_to_each_door_once() {
-    let twice = r#"{"deliveries": [{"item": "a box", "building": "building3", "unit": "1"}, {"item": "a letter", "building": "Building 3", "unit": "unit1"}]}"#;
+    let twice = r#"{"deliveries": [
+        {"item": "a box", "building": "building3", "unit": "1"},
+        {"item": "a letter", "building": "Building 3", "unit": "unit1"}]}"#;
     for (name, make) in PLANNERS {
         let text = "a box to unit 1 of building 3 and a letter to unit 1 of building 3";
         let plan = plan(&*make(&[twice, twice]), &numbered(3), &Flat, text).unwrap();
@@ -66,7 +97,13 @@ fn it_delivers_to_each_door_once() {
 #[test]
 fn it_says_what_the_map_lacks() {
     for (name, make) in PLANNERS {
-        let plan = plan(&*make(&[ONE, ONE]), &numbered(2), &Flat, "this box to unit 1, building 3").unwrap();
+        let plan = plan(
+            &*make(&[ONE, ONE]),
+            &numbered(2),
+            &Flat,
+            "this box to unit 1, building 3",
+        )
+        .unwrap();
         assert_eq!(doors(&plan), "building3/unit1", "{name}");
         assert!(
             plan.deliveries[0]
@@ -82,8 +119,17 @@ fn it_says_what_the_map_lacks() {
 fn it_says_when_there_is_nothing_to_deliver() {
     let nothing = r#"{"deliveries": []}"#;
     for (name, make) in PLANNERS {
-        let error = plan(&*make(&[nothing, nothing]), &numbered(2), &Flat, "Sing me a song").unwrap_err();
-        assert!(matches!(&error, PlanError::NotUnderstood { .. }), "{name}: {error}");
+        let error = plan(
+            &*make(&[nothing, nothing]),
+            &numbered(2),
+            &Flat,
+            "Sing me a song",
+        )
+        .unwrap_err();
+        assert!(
+            matches!(&error, PlanError::NotUnderstood { .. }),
+            "{name}: {error}"
+        );
         assert!(
             error.to_string().contains("Sing me a song") && error.to_string().contains("building"),
             "{name}"

@@ -1,4 +1,5 @@
-//! The published instruction files and the project's own list in six languages, where the folder `../shared/data` is there.
+//! The published instruction files and the project's own list in six languages, where the folder
+//! `../shared/data` is there.
 
 mod support;
 
@@ -11,7 +12,9 @@ use serde::Deserialize;
 use support::{Flat, Straight, doors, numbered, plan};
 
 fn data(name: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(name);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../../shared/data")
+        .join(name);
     if path.exists() {
         return Some(path);
     }
@@ -39,7 +42,9 @@ struct Case {
 
 #[test]
 fn instructions_in_six_languages() {
-    let Some(path) = data("language/instructions.json") else { return };
+    let Some(path) = data("language/instructions.json") else {
+        return;
+    };
     let cases: Vec<Case> = serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap();
     assert!(cases.len() >= 20);
     let planner = GrammarPlanner::new();
@@ -47,33 +52,52 @@ fn instructions_in_six_languages() {
         for case in &cases {
             let plan = plan(&planner, &map, &Flat, &case.instruction).unwrap();
             let found: Vec<Address> = plan.deliveries.iter().map(|d| d.address()).collect();
-            assert_eq!(found, case.deliveries, "{}: {}", case.lang, case.instruction);
+            assert_eq!(
+                found, case.deliveries,
+                "{}: {}",
+                case.lang, case.instruction
+            );
         }
     }
 }
 
 #[test]
 fn published_instruction_files() {
-    let singles = "building11/unit3 building6/unit1 building7/unit2 building11/unit2 building11/unit1";
-    // As the crow flies from the origin to the buildings' middles; the published truths, which are matched by door, stand in other
-    // orders.
-    let sequence = "building7/unit2 building11/unit3 building11/unit2 building11/unit1 building6/unit1";
+    let singles =
+        "building11/unit3 building6/unit1 building7/unit2 building11/unit2 building11/unit1";
+    // As the crow flies from the origin to the buildings' middles; the published truths, which are
+    // matched by door, stand in other orders.
+    let sequence =
+        "building7/unit2 building11/unit3 building11/unit2 building11/unit1 building6/unit1";
     let small = "building3/unit1 building2/unit1 building1/unit1 building1/unit1 building2/unit1";
     for (world, file, wanted) in [
         ("medium", "delivery_instructions_medium.txt", singles),
         ("medium", "delivery_instructions_medium2.txt", sequence),
         ("small", "delivery_instructions_small.txt", small),
-        ("small", "delivery_instructions_small2.txt", "building2/unit1 building1/unit1 building3/unit1"),
+        (
+            "small",
+            "delivery_instructions_small2.txt",
+            "building2/unit1 building1/unit1 building3/unit1",
+        ),
     ] {
-        let Some(folder) = data(&format!("openbench/{world}")) else { return };
+        let Some(folder) = data(&format!("openbench/{world}")) else {
+            return;
+        };
         let map = open(&folder.join(format!("{world}.osm")));
         let text = std::fs::read_to_string(folder.join(file)).unwrap();
         let plan_line = |line: &str| {
             let plan = plan(&GrammarPlanner::new(), &map, &Straight, line).unwrap();
-            assert!(plan.deliveries.iter().all(|d| d.problem.is_none()), "{line}");
+            assert!(
+                plan.deliveries.iter().all(|d| d.problem.is_none()),
+                "{line}"
+            );
             doors(&plan)
         };
-        let found: Vec<String> = text.lines().filter(|l| !l.trim().is_empty()).map(plan_line).collect();
+        let found: Vec<String> = text
+            .lines()
+            .filter(|l| !l.trim().is_empty())
+            .map(plan_line)
+            .collect();
         assert_eq!(found.join(" "), wanted, "{file}");
     }
 }
@@ -88,13 +112,27 @@ fn names_of_real_places_are_found() {
         let (mut wrong, start) = (Vec::new(), std::time::Instant::now());
         let mut asked = 0_usize;
         for building in &map.buildings {
-            let Some(name) = building.name.as_deref().filter(|_| building.tags.has("name")) else { continue };
-            if map.buildings.iter().filter(|b| b.name.as_deref() == Some(name)).count() > 1 {
+            let Some(name) = building
+                .name
+                .as_deref()
+                .filter(|_| building.tags.has("name"))
+            else {
+                continue;
+            };
+            if map
+                .buildings
+                .iter()
+                .filter(|b| b.name.as_deref() == Some(name))
+                .count()
+                > 1
+            {
                 continue;
             }
             asked += 1;
             let instruction = format!("Please take this parcel to unit 2 of {name}.");
-            let found = plan(&planner, &map, &Flat, &instruction).map(|p| doors(&p)).unwrap_or_default();
+            let found = plan(&planner, &map, &Flat, &instruction)
+                .map(|p| doors(&p))
+                .unwrap_or_default();
             if found != format!("{name}/unit2") {
                 wrong.push(format!("{name} -> {found}"));
             }
@@ -103,19 +141,32 @@ fn names_of_real_places_are_found() {
             }
         }
         let each = start.elapsed() / u32::try_from(asked.max(1)).unwrap();
-        note(&format!("{file}: {each:?} an instruction, {} buildings", map.buildings.len()));
-        assert!(asked > 50 && wrong.len() * 20 <= asked, "{file}: {} of {asked}: {wrong:#?}", wrong.len());
+        note(&format!(
+            "{file}: {each:?} an instruction, {} buildings",
+            map.buildings.len()
+        ));
+        assert!(
+            asked > 50 && wrong.len() * 20 <= asked,
+            "{file}: {} of {asked}: {wrong:#?}",
+            wrong.len()
+        );
     }
 }
 
-/// The grammar alone takes well under a millisecond; a map's names must be gathered again for each plan.
+/// The grammar alone takes well under a millisecond; a map's names must be gathered again for each
+/// plan.
 #[test]
 fn planning_takes_little_time() {
     let map = numbered(14);
     let planner = GrammarPlanner::new();
-    let text =
-        "Please deliver this item into unit3, building11. Please deliver this package into unit1, building6.";
-    let request = PlanRequest { instruction: text, map: &map, start: MapPoint::default(), times: &Flat };
+    let text = "Please deliver this item into unit3, building11. \
+                Please deliver this package into unit1, building6.";
+    let request = PlanRequest {
+        instruction: text,
+        map: &map,
+        start: MapPoint::default(),
+        times: &Flat,
+    };
     let start = std::time::Instant::now();
     for _ in 0..100 {
         planner.plan(&request).unwrap();

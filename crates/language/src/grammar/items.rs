@@ -2,14 +2,14 @@
 
 use std::ops::Range;
 
-use super::lexicon::Class;
-use super::pairing::Door;
+use super::door::Door;
 use super::reading::Reading;
-use super::text::Kind;
-use super::words::Lex;
+use crate::lexicon::class::Class;
+use crate::lexicon::lexeme::Lex;
+use crate::lexicon::tokens::Kind;
 
-/// How many words of no lexicon may describe an item.
-const ADJECTIVES: usize = 2;
+/// The most words of no lexicon that describe an item.
+const MOST_ADJECTIVES: usize = 2;
 
 /// For each door the item that goes there; empty where none is named.
 pub(crate) fn items(reading: &Reading<'_>, doors: &[Door]) -> Vec<String> {
@@ -18,54 +18,64 @@ pub(crate) fn items(reading: &Reading<'_>, doors: &[Door]) -> Vec<String> {
     for i in 0..doors.len() {
         let item = match own(reading, doors, i, &free) {
             Some(found) => reading.words(free.remove(found)).to_owned(),
-            // `this box to unit 1 and unit 2`
-            None => match i.checked_sub(1) {
-                Some(p) if !parted(reading, doors[p].last.min(doors[i].first)..doors[i].first) => {
-                    named[p].clone()
-                }
-                _ => String::new(),
-            },
+            None => shared(reading, doors, i, &named),
         };
         named.push(item);
     }
     named
 }
 
-/// Which of the items that are left belongs to door `i`: tied to it (`3号楼的快递`), before it, or, after the last door of a
-/// sentence, behind it.
-fn own(reading: &Reading<'_>, doors: &[Door], i: usize, free: &[Range<usize>]) -> Option<usize> {
-    let door = &doors[i];
-    let after = i.checked_sub(1).map_or(0, |p| doors[p].last.min(door.first));
-    let until = doors.get(i + 1).map_or(usize::MAX, |next| next.first);
-    let tied = || {
-        let linked = reading.lex(door.last) == Some(&Lex::Word(Class::Link, true));
-        free.iter().position(|item| linked && item.start == door.last + 1)
+/// The item of the door before door `i`, if no sentence ends between them: `this box to unit 1 and
+/// unit 2`.
+fn shared(reading: &Reading<'_>, doors: &[Door], i: usize, named: &[String]) -> String {
+    let Some(before) = i.checked_sub(1) else {
+        return String::new();
     };
-    let before = || {
-        let fits = |item: &Range<usize>| {
-            item.start >= after && item.end <= door.first && !parted(reading, item.end..door.first)
-        };
-        free.iter().rposition(fits)
-    };
-    let behind = || {
-        let last = until == usize::MAX || parted(reading, door.last..until);
-        let fits = |item: &Range<usize>| {
-            item.start >= door.last && item.end <= until && !parted(reading, door.last..item.start)
-        };
-        free.iter().position(|item| last && fits(item))
-    };
-    tied().or_else(before).or_else(behind)
+    let gap = doors[before].last.min(doors[i].first)..doors[i].first;
+    if has_stop(reading, gap) {
+        String::new()
+    } else {
+        named[before].clone()
+    }
 }
 
-/// Whether a sentence ends there.
-fn parted(reading: &Reading<'_>, mut range: Range<usize>) -> bool {
-    range.any(|at| reading.lex(at) == Some(&Lex::Stop))
+/// Which of the items that are left belongs to door `i`: tied to it (`3号楼的快递`), before it, or,
+/// behind the last door of a sentence, behind it.
+fn own(reading: &Reading<'_>, doors: &[Door], i: usize, free: &[Range<usize>]) -> Option<usize> {
+    let door = &doors[i];
+    let after = i
+        .checked_sub(1)
+        .map_or(0, |before| doors[before].last.min(door.first));
+    let next = doors.get(i + 1).map(|next| next.first);
+    let until = next.unwrap_or(usize::MAX);
+    let is_tied = |item: &Range<usize>| {
+        reading.lex(door.last) == Some(&Lex::Word(Class::Link, true)) && item.start == door.last + 1
+    };
+    let is_before = |item: &Range<usize>| {
+        item.start >= after && item.end <= door.first && !has_stop(reading, item.end..door.first)
+    };
+    let is_last = next.is_none_or(|next| has_stop(reading, door.last..next));
+    let is_behind = |item: &Range<usize>| {
+        is_last
+            && item.start >= door.last
+            && item.end <= until
+            && !has_stop(reading, door.last..item.start)
+    };
+    let tied = free.iter().position(is_tied);
+    tied.or_else(|| free.iter().rposition(is_before))
+        .or_else(|| free.iter().position(is_behind))
+}
+
+/// Whether a sentence ends in a range.
+fn has_stop(reading: &Reading<'_>, mut range: Range<usize>) -> bool {
+    range.any(|at| reading.is_stop(at))
 }
 
 /// All items: a noun with what stands before it.
 fn all(reading: &Reading<'_>) -> Vec<Range<usize>> {
+    let is_noun = |at: &usize| reading.class(*at) == Some(Class::Item);
     let mut found: Vec<Range<usize>> = Vec::new();
-    for at in (0..reading.lexemes.len()).filter(|at| reading.class(*at) == Some(Class::Item)) {
+    for at in (0..reading.lexemes.len()).filter(is_noun) {
         let start = begin(reading, at);
         match found.last_mut().filter(|last| last.end >= start) {
             Some(last) => last.end = at + 1,
@@ -75,15 +85,15 @@ fn all(reading: &Reading<'_>) -> Vec<Range<usize>> {
     found
 }
 
+/// Where the item of a noun begins: at its determiner, number or adjectives.
 fn begin(reading: &Reading<'_>, noun: usize) -> usize {
-    let (mut start, mut adjectives) = (noun, 0);
+    let mut start = noun;
+    let mut adjectives = 0;
     for at in (0..noun).rev() {
         match reading.lex(at) {
             Some(Lex::Word(Class::Determiner | Class::Article | Class::All, _)) => return at,
             Some(Lex::Number { .. } | Lex::Quantity | Lex::Word(Class::Item, _)) => start = at,
-            Some(Lex::Unknown)
-                if adjectives < ADJECTIVES && reading.token(at).is_some_and(|t| t.kind == Kind::Letters) =>
-            {
+            Some(Lex::Unknown) if adjectives < MOST_ADJECTIVES && is_word(reading, at) => {
                 adjectives += 1;
                 start = at;
             }
@@ -91,4 +101,10 @@ fn begin(reading: &Reading<'_>, noun: usize) -> usize {
         }
     }
     start
+}
+
+fn is_word(reading: &Reading<'_>, at: usize) -> bool {
+    reading
+        .token(at)
+        .is_some_and(|token| token.kind == Kind::Letters)
 }

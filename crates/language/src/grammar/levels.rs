@@ -1,20 +1,22 @@
-//! What is said of an address above the building and below the unit: the words around each door, among which its street or quarter may be found, floors, and flats behind a unit.
+//! What is said of an address above the building and below the unit: the words around each door,
+//! among which its street or quarter may be found, floors, and flats behind a unit.
 
 use std::ops::Range;
 
 use openbench_core::{AddressLevel, Level as AddressKind};
 
-use super::lexicon::Class;
-use super::mentions::{Level, Mention, Target};
-use super::pairing::Door;
+use super::door::Door;
+use super::mentions::mention::{Level, Mention, Target};
 use super::reading::Reading;
-use super::text::spelt;
-use super::words::Lex;
+use crate::lexicon::class::Class;
+use crate::lexicon::lexeme::Lex;
+use crate::lexicon::marks;
+use crate::lexicon::tokens::spelt;
 
 /// What is said besides building and unit of a door.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct Beside {
-    /// The words between the doors before and after it, [`spelt`].
+    /// The words between the doors before and behind it, [`spelt`].
     pub around: String,
     /// Floor and flat.
     pub below: Vec<AddressLevel>,
@@ -22,101 +24,207 @@ pub(crate) struct Beside {
 
 /// What is said besides each door; `rooms` are the flats and rooms that are meant.
 pub(crate) fn beside(reading: &Reading<'_>, doors: &[Door], rooms: &[Mention]) -> Vec<Beside> {
-    let of = |door: &Door| {
-        let before = doors.iter().map(|other| other.last).filter(|last| *last <= door.first).max();
-        let after = doors.iter().map(|other| other.first).filter(|first| *first >= door.last).min();
-        let from = before.map_or(0, |last| border(reading, last..door.first));
-        let to = after.map_or(reading.lexemes.len(), |first| border(reading, door.last..first));
-        // What is below a door is said in its own sentence.
-        let begin = (from..door.first).rev().find(|at| ends(reading, *at)).unwrap_or(from);
-        let end = (door.last..to).find(|at| ends(reading, *at)).unwrap_or(to);
-        // Of several the last: it corrects the others.
-        let floor = (begin..end).rev().find_map(|at| floor(reading, at, doors));
-        let floor = floor.map(|label| named(AddressKind::Floor, &label));
-        let is_unit = |room: &Mention| door.unit.as_ref() == room.targets.first();
-        let is_here = |room: &&Mention| room.at.start >= begin && room.at.end <= end && !is_unit(room);
-        let flat = rooms.iter().rev().find(is_here).and_then(|room| match &room.targets[..] {
-            [Target::Label { label, .. }] => Some(named(AddressKind::Flat, label)),
-            _ => None,
-        });
-        Beside { around: said(reading, from..to), below: floor.into_iter().chain(flat).collect() }
+    let beside = |door: &Door| {
+        let around = around(reading, doors, door);
+        let sentence = own_sentence(reading, door, &around);
+        // Of several floors the last: it corrects the others.
+        let floor = sentence
+            .clone()
+            .rev()
+            .find_map(|at| floor(reading, at, doors));
+        let floor = floor.map(|label| level(AddressKind::Floor, &label));
+        let flat = flat(rooms, door, &sentence);
+        Beside {
+            around: said(reading, around),
+            below: floor.into_iter().chain(flat).collect(),
+        }
     };
-    doors.iter().map(of).collect()
+    doors.iter().map(beside).collect()
+}
+
+/// The lexemes around a door that are said of it.
+fn around(reading: &Reading<'_>, doors: &[Door], door: &Door) -> Range<usize> {
+    let before = doors
+        .iter()
+        .map(|other| other.last)
+        .filter(|last| *last <= door.first)
+        .max();
+    let behind = doors
+        .iter()
+        .map(|other| other.first)
+        .filter(|first| *first >= door.last)
+        .min();
+    let from = before.map_or(0, |last| border(reading, last..door.first));
+    let to = behind.map_or(reading.lexemes.len(), |first| {
+        border(reading, door.last..first)
+    });
+    from..to
+}
+
+/// Of the lexemes around a door those of its own sentence, where what is below it is said.
+fn own_sentence(reading: &Reading<'_>, door: &Door, around: &Range<usize>) -> Range<usize> {
+    let ends = |at: &usize| ends_a_sentence(reading, *at);
+    let begin = (around.start..door.first)
+        .rev()
+        .find(ends)
+        .unwrap_or(around.start);
+    let end = (door.last..around.end).find(ends).unwrap_or(around.end);
+    begin..end
+}
+
+/// The last room in a sentence that is not the door's own unit.
+fn flat(rooms: &[Mention], door: &Door, sentence: &Range<usize>) -> Option<AddressLevel> {
+    let is_flat = |room: &&Mention| {
+        let is_here = room.at.start >= sentence.start && room.at.end <= sentence.end;
+        is_here && door.unit.as_ref() != room.targets.first()
+    };
+    match &rooms.iter().rev().find(is_flat)?.targets[..] {
+        [Target::Label { label, .. }] => Some(level(AddressKind::Flat, label)),
+        _ => None,
+    }
 }
 
 /// What is said before all doors and of all of them: `In Rose Estate: …`.
 pub(crate) fn of_all(reading: &Reading<'_>, doors: &[Door]) -> String {
-    let first = doors.iter().map(|door| door.first).min().unwrap_or_default();
+    let first = doors
+        .iter()
+        .map(|door| door.first)
+        .min()
+        .unwrap_or_default();
     let parts = |at: &usize| matches!(reading.lex(*at), Some(Lex::Comma | Lex::Mark | Lex::Stop));
-    (0..first).rev().find(parts).map(|end| said(reading, 0..end)).unwrap_or_default()
+    (0..first)
+        .rev()
+        .find(parts)
+        .map(|end| said(reading, 0..end))
+        .unwrap_or_default()
 }
 
-/// The words of some lexemes, [`spelt`], without what is denied, is where something comes from, or is corrected.
+/// The words of some lexemes, [`spelt`], without what is denied, is where something comes from, or
+/// is corrected.
 fn said(reading: &Reading<'_>, at: Range<usize>) -> String {
     let corrects = |at: &usize| reading.class(*at) == Some(Class::Correct);
-    let start = at.clone().rev().find(corrects).map_or(at.start, |correct| correct + 1);
-    let ends = |at: usize| {
-        matches!(reading.lex(at), Some(Lex::Comma | Lex::Stop | Lex::Word(Class::And | Class::Then, _)))
-    };
-    let clauses = (start..at.end).collect::<Vec<usize>>();
-    let of_clause = |clause: &[usize]| {
-        let (first, last) = (*clause.first()?, *clause.last()?);
-        let class = |at: &&usize| reading.class(**at);
-        if clause.iter().any(|at| matches!(class(&at), Some(Class::NotBefore | Class::Dropped))) {
-            return None;
-        }
-        let denial = clause.iter().find(|at| {
-            matches!(class(at), Some(Class::Not | Class::Except | Class::Elsewhere | Class::Sender))
-        });
-        Some(spelt(reading.words(first..denial.map_or(last + 1, |denial| *denial))))
-    };
-    clauses.split(|at| ends(*at)).filter_map(of_clause).collect()
+    let start = at
+        .clone()
+        .rev()
+        .find(corrects)
+        .map_or(at.start, |correct| correct + 1);
+    let lexemes: Vec<usize> = (start..at.end).collect();
+    let clauses = lexemes.split(|at| ends_a_clause(reading, *at));
+    clauses
+        .filter_map(|clause| said_in_clause(reading, clause))
+        .collect()
 }
 
-/// Where, between two doors, what is said of the second one begins: after the first end of a sentence or `and`, else after the last comma.
+fn ends_a_clause(reading: &Reading<'_>, at: usize) -> bool {
+    matches!(
+        reading.lex(at),
+        Some(Lex::Comma | Lex::Stop | Lex::Word(Class::And | Class::Then, _))
+    )
+}
+
+/// The words of a clause up to a denial; none if it denies what stands before it.
+fn said_in_clause(reading: &Reading<'_>, clause: &[usize]) -> Option<String> {
+    let first = *clause.first()?;
+    let end = *clause.last()? + 1;
+    let denies_before =
+        |at: usize| matches!(reading.class(at), Some(Class::NotBefore | Class::Dropped));
+    let denies = |at: &usize| {
+        use Class::{Elsewhere, Except, Not, Sender};
+        matches!(reading.class(*at), Some(Not | Except | Elsewhere | Sender))
+    };
+    if (first..end).any(denies_before) {
+        return None;
+    }
+    let denial = (first..end).find(denies);
+    Some(spelt(reading.words(first..denial.unwrap_or(end))))
+}
+
+/// Where, between two doors, what is said of the second one begins: at the first end of a sentence
+/// or `and`, else at the last comma.
 fn border(reading: &Reading<'_>, gap: Range<usize>) -> usize {
     let parts = |at: &usize| {
-        ends(reading, *at) || matches!(reading.class(*at), Some(Class::And | Class::Then | Class::Finally))
+        use Class::{And, Finally, Then};
+        ends_a_sentence(reading, *at) || matches!(reading.class(*at), Some(And | Then | Finally))
     };
-    let comma = |at: &usize| reading.lex(*at) == Some(&Lex::Comma);
-    gap.clone().find(parts).or_else(|| gap.clone().rev().find(comma)).unwrap_or(gap.start)
+    let is_comma = |at: &usize| reading.lex(*at) == Some(&Lex::Comma);
+    let part = gap.clone().find(parts);
+    part.or_else(|| gap.clone().rev().find(is_comma))
+        .unwrap_or(gap.start)
 }
 
-/// Whether a sentence ends here: not at the point of `4. Stock`.
-fn ends(reading: &Reading<'_>, at: usize) -> bool {
+/// Whether a sentence ends at a place: not at the point of `4. Stock`.
+fn ends_a_sentence(reading: &Reading<'_>, at: usize) -> bool {
+    let is_number = |lex: Option<&Lex>| matches!(lex, Some(Lex::Number { .. }));
     let is_ordinal = reading.class(at + 1) == Some(Class::Floor)
-        && !matches!(reading.lex(at + 2), Some(Lex::Number { .. }))
+        && !is_number(reading.lex(at + 2))
         && at > 0
-        && matches!(reading.lex(at - 1), Some(Lex::Number { .. }));
-    reading.lex(at) == Some(&Lex::Stop) && !is_ordinal
+        && is_number(reading.lex(at - 1));
+    reading.is_stop(at) && !is_ordinal
 }
 
 /// The mentions of flats and rooms.
 pub(crate) fn rooms(mentions: &[Mention]) -> Vec<Mention> {
-    mentions.iter().filter(|mention| mention.level == Level::Room).cloned().collect()
+    mentions
+        .iter()
+        .filter(|mention| mention.level == Level::Room)
+        .cloned()
+        .collect()
 }
 
-fn named(level: AddressKind, label: &str) -> AddressLevel {
-    let word = if level == AddressKind::Floor { "floor" } else { "flat" };
-    AddressLevel { level, name: format!("{word}{}", label.to_uppercase()) }
-}
-
-/// The number of the floor whose word stands at a place: `3rd floor`, `floor 3`, `3. Stock`, `5层`. What is a building's or a unit's is no floor's.
-fn floor(reading: &Reading<'_>, at: usize, doors: &[Door]) -> Option<String> {
-    let Some(Lex::Word(Class::Floor, number_first)) = reading.lex(at) else { return None };
-    let number = |at: usize| match reading.lex(at)? {
-        Lex::Number { label, ordinal } => Some((label.clone(), *ordinal)),
-        _ => None,
+/// A floor or flat as plans name it: `floor3`.
+fn level(level: AddressKind, label: &str) -> AddressLevel {
+    let word = if level == AddressKind::Floor {
+        "floor"
+    } else {
+        "flat"
     };
-    let is_free = |at: &usize| !doors.iter().any(|door| (door.first..door.last).contains(at));
-    let beside = at.checked_sub(1).filter(is_free).and_then(number);
-    let before = beside.filter(|(_, ordinal)| *ordinal || *number_first).map(|(label, _)| label);
-    let behind = || number(at + 1).filter(|(_, ordinal)| !ordinal).map(|(label, _)| label);
-    let is_point = at > 0 && is_point(reading, at - 1);
-    let pointed = || at.checked_sub(2).filter(|at| is_point && is_free(at)).and_then(number);
-    before.or_else(behind).or_else(|| pointed().map(|(label, _)| label))
+    AddressLevel {
+        level,
+        name: format!("{word}{}", label.to_uppercase()),
+    }
+}
+
+/// The number of the floor whose word stands at a place: `3rd floor`, `floor 3`, `3. Stock`, `5层`.
+/// A building's or a unit's number is no floor's.
+fn floor(reading: &Reading<'_>, at: usize, doors: &[Door]) -> Option<String> {
+    let Some(Lex::Word(Class::Floor, number_first)) = reading.lex(at) else {
+        return None;
+    };
+    let is_free = |at: &usize| {
+        !doors
+            .iter()
+            .any(|door| (door.first..door.last).contains(at))
+    };
+    let place_before = |count: usize| at.checked_sub(count).filter(is_free);
+    if let Some(before) = place_before(1).and_then(|at| number(reading, at))
+        && (before.is_ordinal || *number_first)
+    {
+        return Some(before.label.to_owned());
+    }
+    if let Some(behind) = number(reading, at + 1).filter(|behind| !behind.is_ordinal) {
+        return Some(behind.label.to_owned());
+    }
+    let is_pointed = at > 0 && is_point(reading, at - 1);
+    let before_point = place_before(2).filter(|_| is_pointed)?;
+    number(reading, before_point).map(|number| number.label.to_owned())
+}
+
+/// A number in an instruction.
+struct Numeric<'a> {
+    label: &'a str,
+    is_ordinal: bool,
+}
+
+fn number<'a>(reading: &'a Reading<'_>, at: usize) -> Option<Numeric<'a>> {
+    match reading.lex(at)? {
+        Lex::Number { label, ordinal } => Some(Numeric {
+            label,
+            is_ordinal: *ordinal,
+        }),
+        _ => None,
+    }
 }
 
 fn is_point(reading: &Reading<'_>, at: usize) -> bool {
-    reading.lex(at) == Some(&Lex::Stop) && reading.token(at).is_some_and(|token| token.text == ".")
+    reading.is_stop(at) && reading.begins_with(at, marks::POINT)
 }

@@ -8,23 +8,46 @@ use openbench_language::{PlanError, PlanRequest, Planner};
 use openbench_models::{ChatError, ChatModel, ChatReply, ChatRequest};
 use openbench_osm::{OsmData, OsmMap};
 
-/// A row of square houses along the equator, 22 m apart, the first about 22 m east of the origin: one for each list of tags.
-/// `doors` puts entrances with a unit on the house of that index, up to four.
+/// A row of square houses along the equator, 22 m apart, the first about 22 m east of the origin:
+/// one for each list of tags. `doors` puts entrances with a unit on the house of that index, up to
+/// four.
 pub fn map(houses: &[&[(&str, &str)]], doors: &[(usize, &str)]) -> OsmMap {
     let mut nodes = String::new();
     let mut ways = String::new();
     for (i, tags) in houses.iter().enumerate() {
         let west = (i as f64 + 1.0) * 2e-4;
         let id = |corner: usize| i * 10 + corner + 1;
-        let units: Vec<&str> = doors.iter().filter(|(house, _)| *house == i).map(|(_, unit)| *unit).collect();
-        for (corner, (x, y)) in [(0.0, 0.0), (1e-4, 0.0), (1e-4, 1e-4), (0.0, 1e-4)].into_iter().enumerate() {
-            let tags = |unit: &&str| format!(r#"<tag k="entrance" v="yes"/><tag k="addr:unit" v="{unit}"/>"#);
+        let units: Vec<&str> = doors
+            .iter()
+            .filter(|(house, _)| *house == i)
+            .map(|(_, unit)| *unit)
+            .collect();
+        for (corner, (x, y)) in [(0.0, 0.0), (1e-4, 0.0), (1e-4, 1e-4), (0.0, 1e-4)]
+            .into_iter()
+            .enumerate()
+        {
+            let tags = |unit: &&str| {
+                format!(r#"<tag k="entrance" v="yes"/><tag k="addr:unit" v="{unit}"/>"#)
+            };
             let door = units.get(corner).map(tags).unwrap_or_default();
-            nodes += &format!(r#"<node id="{}" lat="{y}" lon="{}">{door}</node>"#, id(corner), west + x);
+            nodes += &format!(
+                r#"<node id="{}" lat="{y}" lon="{}">{door}</node>"#,
+                id(corner),
+                west + x
+            );
         }
-        let refs: String = [0, 1, 2, 3, 0].iter().map(|c| format!(r#"<nd ref="{}"/>"#, id(*c))).collect();
-        let tags: String = tags.iter().map(|(k, v)| format!(r#"<tag k="{k}" v="{v}"/>"#)).collect();
-        ways += &format!(r#"<way id="{}">{refs}<tag k="building" v="yes"/>{tags}</way>"#, i + 1);
+        let refs: String = [0, 1, 2, 3, 0]
+            .iter()
+            .map(|c| format!(r#"<nd ref="{}"/>"#, id(*c)))
+            .collect();
+        let tags: String = tags
+            .iter()
+            .map(|(k, v)| format!(r#"<tag k="{k}" v="{v}"/>"#))
+            .collect();
+        ways += &format!(
+            r#"<way id="{}">{refs}<tag k="building" v="yes"/>{tags}</way>"#,
+            i + 1
+        );
     }
     let xml = format!(r#"<?xml version="1.0"?><osm version="0.6">{nodes}{ways}</osm>"#);
     let data = OsmData::from_xml(xml.as_bytes()).unwrap();
@@ -45,7 +68,9 @@ pub fn numbered_with_units(count: usize) -> OsmMap {
     let tags: Vec<[(&str, &str); 1]> = names.iter().map(|name| [("name", name.as_str())]).collect();
     let houses: Vec<&[(&str, &str)]> = tags.iter().map(|t| t.as_slice()).collect();
     let units = ["unit1", "unit2", "unit3", "unit4"];
-    let doors: Vec<(usize, &str)> = (0..count).flat_map(|house| units.map(|unit| (house, unit))).collect();
+    let doors: Vec<(usize, &str)> = (0..count)
+        .flat_map(|house| units.map(|unit| (house, unit)))
+        .collect();
     map(&houses, &doors)
 }
 
@@ -70,7 +95,10 @@ pub struct Straight;
 
 impl TravelTimes for Straight {
     fn matrix(&self, places: &[MapPoint]) -> Vec<f64> {
-        places.iter().flat_map(|a| places.iter().map(|b| a.distance(*b))).collect()
+        places
+            .iter()
+            .flat_map(|a| places.iter().map(|b| a.distance(*b)))
+            .collect()
     }
 }
 
@@ -81,7 +109,12 @@ pub fn plan(
     times: &dyn TravelTimes,
     instruction: &str,
 ) -> Result<Plan, PlanError> {
-    planner.plan(&PlanRequest { instruction, map, start: MapPoint::default(), times })
+    planner.plan(&PlanRequest {
+        instruction,
+        map,
+        start: MapPoint::default(),
+        times,
+    })
 }
 
 /// `building3/unit1 building2`: what is delivered where, in driving order.
@@ -90,7 +123,11 @@ pub fn doors(plan: &Plan) -> String {
         Some(unit) => format!("{}/{unit}", d.building),
         None => d.building.clone(),
     };
-    plan.deliveries.iter().map(door).collect::<Vec<_>>().join(" ")
+    plan.deliveries
+        .iter()
+        .map(door)
+        .collect::<Vec<_>>()
+        .join(" ")
 }
 
 /// Compares what is read with what is wanted, all cases before it fails.
@@ -100,7 +137,9 @@ pub fn compare(cases: &[(&str, &str)], read: impl Fn(&str) -> String) {
         .iter()
         .map(|(instruction, wanted)| (instruction, wanted, read(instruction)))
         .filter(|(_, wanted, got)| got != *wanted)
-        .map(|(instruction, wanted, got)| format!("{instruction}\n  wanted {wanted}\n  got    {got}"))
+        .map(|(instruction, wanted, got)| {
+            format!("{instruction}\n  wanted {wanted}\n  got    {got}")
+        })
         .collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
@@ -115,7 +154,10 @@ pub struct Script {
 impl Script {
     pub fn new(lines: &[&str]) -> Self {
         let lines = lines.iter().rev().map(|l| (*l).to_owned()).collect();
-        Self { lines: Mutex::new(lines), asked: Mutex::default() }
+        Self {
+            lines: Mutex::new(lines),
+            asked: Mutex::default(),
+        }
     }
 
     pub fn asked(&self) -> Vec<String> {
@@ -129,10 +171,20 @@ impl ChatModel for Script {
     }
 
     fn chat(&self, request: &ChatRequest) -> Result<ChatReply, ChatError> {
-        self.asked.lock().unwrap().push(request.messages.last().unwrap().text.clone());
+        self.asked
+            .lock()
+            .unwrap()
+            .push(request.messages.last().unwrap().text.clone());
         match self.lines.lock().unwrap().pop() {
-            Some(text) => Ok(ChatReply { text, prompt_tokens: 0, completion_tokens: 0 }),
-            None => Err(ChatError::Timeout { endpoint: "script".into(), seconds: 1 }),
+            Some(text) => Ok(ChatReply {
+                text,
+                prompt_tokens: 0,
+                completion_tokens: 0,
+            }),
+            None => Err(ChatError::Timeout {
+                endpoint: "script".into(),
+                seconds: 1,
+            }),
         }
     }
 }

@@ -2,208 +2,315 @@
 
 use std::ops::Range;
 
-use super::super::lexicon::Class;
-use super::super::mentions::{Level, Mention, Target};
-use super::super::pairing::owners;
-use super::super::reading::Reading;
-use super::super::text::Kind;
-use super::super::words::Lex;
-use super::{REACH, Why, is_light, names};
+use super::selection::{Selection, Why};
+use crate::grammar::mentions::mention::{Level, Mention, Target};
+use crate::grammar::ownership::owners;
+use crate::grammar::reading::Reading;
+use crate::grammar::weight::{REACH, is_light};
+use crate::lexicon::class::Class;
+use crate::lexicon::feature::Feature;
+use crate::lexicon::lexeme::Lex;
+use crate::lexicon::tokens::Kind;
 
-/// How many words may stand between a correction and the place in one sentence: `no, wait, that was the old address, now …`.
+/// The most words between a correction and the place in one sentence: `no, wait, that was the old
+/// address, now …`.
 const FAR_REACH: usize = 14;
 
-/// After `no wait` and the like each level named replaces the last one of its level.
-pub(super) fn correct(reading: &Reading<'_>, mentions: &[Mention], left_out: &mut [Option<Why>]) {
-    let owners = owners(reading, mentions);
-    for next in (0..reading.lexemes.len()).filter_map(|at| corrected(reading, mentions, at)) {
-        let named_before = (0..next).rev().find(|old| {
-            left_out[*old].is_none()
-                && mentions[*old].level == Level::Building
-                && are_same(mentions, *old, next)
-        });
-        let mut replaced = Vec::new();
-        for i in next..mentions.len() {
-            if i > next
-                && (mentions[i - 1].at.end..mentions[i].at.start).any(|at| ends_a_correction(reading, at))
-            {
-                break;
-            }
-            let level = mentions[i].level;
-            // `building 5 unit 1 and building 6 unit 1, sorry, building 5 unit 2`
-            let is_replaced = |old: &usize| {
-                let is_there = named_before.is_none_or(|building| owners[*old] == Some(building));
-                left_out[*old].is_none() && mentions[*old].level == level && is_there
-            };
-            let is_kept = |old: &usize| {
-                (level == Level::Building || named_before.is_some()) && are_same(mentions, *old, i)
-            };
-            let old = (0..next).rev().find(is_replaced).filter(|old| !is_kept(old));
-            if let Some(old) = old.filter(|_| left_out[i].is_none() && !replaced.contains(&level)) {
-                left_out[old] = Some(Why::Denied);
-                replaced.push(level);
-            }
+/// Behind `no wait` and the like each level named replaces the last one of its level.
+pub(super) fn correct(reading: &Reading<'_>, selection: &mut Selection) {
+    let owners = owners(reading, &selection.mentions);
+    for at in 0..reading.lexemes.len() {
+        if let Some(next) = corrected(reading, &selection.mentions, at) {
+            replace(reading, selection, &owners, next);
         }
     }
 }
 
+/// Leaves out what the mentions from `next` on, up to the end of the correction, replace.
+fn replace(
+    reading: &Reading<'_>,
+    selection: &mut Selection,
+    owners: &[Option<usize>],
+    next: usize,
+) {
+    // `building 5 unit 1 and building 6 unit 1, sorry, building 5 unit 2`
+    let named_before = (0..next).rev().find(|old| {
+        selection.is_meant(*old)
+            && selection.is_building(*old)
+            && are_same(&selection.mentions, *old, next)
+    });
+    let mut replaced = Vec::new();
+    for i in next..selection.count() {
+        if i > next && ends_between(reading, &selection.mentions[i - 1], &selection.mentions[i]) {
+            break;
+        }
+        let level = selection.mentions[i].level;
+        let is_candidate = |old: &usize| {
+            let is_there = named_before.is_none_or(|building| owners[*old] == Some(building));
+            selection.is_meant(*old) && selection.mentions[*old].level == level && is_there
+        };
+        let is_kept = |old: &usize| {
+            (level == Level::Building || named_before.is_some())
+                && are_same(&selection.mentions, *old, i)
+        };
+        let old = (0..next)
+            .rev()
+            .find(is_candidate)
+            .filter(|old| !is_kept(old));
+        if let Some(old) = old.filter(|_| selection.is_meant(i) && !replaced.contains(&level)) {
+            selection.left_out[old] = Some(Why::Denied);
+            replaced.push(level);
+        }
+    }
+}
+
+/// Whether a correction ends between two mentions.
+fn ends_between(reading: &Reading<'_>, a: &Mention, b: &Mention) -> bool {
+    (a.at.end..b.at.start).any(|at| {
+        use Class::{And, Correct, Finally, Then};
+        matches!(
+            reading.lex(at),
+            Some(Lex::Stop | Lex::Word(Then | Finally | And | Correct, _))
+        )
+    })
+}
+
+/// Whether `a` is of the level of `b` and names all that `b` names.
+fn are_same(mentions: &[Mention], a: usize, b: usize) -> bool {
+    mentions[a].level == mentions[b].level && mentions[a].names_all_of(&mentions[b])
+}
+
 /// The first mention of those that the word at a place says are meant after all.
 fn corrected(reading: &Reading<'_>, mentions: &[Mention], at: usize) -> Option<usize> {
-    // `3号棟へ、じゃなくて4号棟へ`: what denies the place before takes it back where it begins a clause.
-    let begins = at > 0
-        && matches!(reading.lex(at - 1), Some(Lex::Comma | Lex::Dash | Lex::Mark | Lex::Word(Class::And, _)));
-    let corrects = match reading.class(at)? {
+    let class = reading.class(at)?;
+    let corrects = match class {
         Class::Correct | Class::Instead => true,
-        Class::NotBefore => begins,
+        Class::NotBefore => begins_a_clause(reading, at),
         _ => false,
     };
     if !corrects {
         return None;
     }
-    let is_instead = reading.class(at) == Some(Class::Instead);
-    let next = mentions.iter().position(|m| m.at.start > at).filter(|next| {
-        let from = mentions[*next].at.start;
-        let is_parted = (at..from).any(|at| reading.lex(at) == Some(&Lex::Stop));
-        // `Sorry. Building 8`, but not `sorry to be late. Building 8`
-        let begins = (at + 1..from).take_while(|at| reading.lex(*at) != Some(&Lex::Stop)).all(|at| {
-            matches!(
-                reading.lex(at),
-                Some(Lex::Comma | Lex::Mark | Lex::Dash | Lex::Word(Class::Correct | Class::Filler, _))
-            )
-        });
-        let is_near = from - at <= REACH && (begins || !is_parted)
-            || !is_instead && !is_parted && from - at <= FAR_REACH;
-        // Of its building and unit the last.
-        let is_same_place =
-            |i: &usize| mentions.get(*i).is_some_and(|m| m.at.start == mentions[*next].at.end);
-        let last = Some(next + 1).filter(is_same_place).unwrap_or(*next);
-        is_near && !comes_on_top(reading, at + 1..from, mentions[last].at.end)
-    });
-    if next.is_some() || !is_instead {
-        return next;
-    }
-    // `but go to unit 2 of building 8 instead`
-    let last = mentions.iter().rposition(|mention| mention.at.end <= at)?;
-    let is_parted =
-        (mentions[last].at.end..at).any(|at| matches!(reading.lex(at), Some(Lex::Stop | Lex::Comma)));
-    let building = owners(reading, mentions)[last];
-    (!is_parted).then(|| building.map_or(last, |building| building.min(last)))
+    let is_instead = class == Class::Instead;
+    let next = mentions.iter().position(|mention| mention.at.start > at);
+    let next = next.filter(|next| is_of_correction(reading, mentions, at, *next, is_instead));
+    next.or_else(|| {
+        if is_instead {
+            replacing_before(reading, mentions, at)
+        } else {
+            None
+        }
+    })
 }
 
-/// `building 3, sorry for the noise, and building 4`, `実は4号棟も`: whether a place comes on top of those before it.
-fn comes_on_top(reading: &Reading<'_>, mut gap: Range<usize>, end: usize) -> bool {
-    let adds =
-        |at: usize| matches!(reading.class(at), Some(Class::And | Class::Also)) && !is_comma(reading, at);
-    gap.any(adds) || reading.class(end) == Some(Class::Also)
-}
-
-/// `、` is a comma and an `and`.
-fn is_comma(reading: &Reading<'_>, at: usize) -> bool {
-    reading.token(at).is_some_and(|token| token.kind == Kind::Mark || token.text == "、")
-}
-
-fn ends_a_correction(reading: &Reading<'_>, at: usize) -> bool {
+/// `3号棟へ、じゃなくて4号棟へ`: what denies the place before it takes that back at the beginning of a
+/// clause.
+fn begins_a_clause(reading: &Reading<'_>, at: usize) -> bool {
+    let before = at.checked_sub(1).and_then(|before| reading.lex(before));
     matches!(
-        reading.lex(at),
-        Some(Lex::Stop | Lex::Word(Class::Then | Class::Finally | Class::And | Class::Correct, _))
+        before,
+        Some(Lex::Comma | Lex::Dash | Lex::Mark | Lex::Word(Class::And, _))
     )
 }
 
-fn are_same(mentions: &[Mention], a: usize, b: usize) -> bool {
-    mentions[a].level == mentions[b].level
-        && mentions[b].targets.iter().all(|target| names(&mentions[a], target))
+/// Whether the mention `next` is near enough to the correction at a place, and does not come on top
+/// of the rest.
+fn is_of_correction(
+    reading: &Reading<'_>,
+    mentions: &[Mention],
+    at: usize,
+    next: usize,
+    is_instead: bool,
+) -> bool {
+    let from = mentions[next].at.start;
+    let distance = from - at;
+    let is_parted = (at..from).any(|at| reading.is_stop(at));
+    let is_beside = distance <= REACH && (!is_parted || stands_alone(reading, at + 1..from));
+    let is_near = is_beside || !is_instead && !is_parted && distance <= FAR_REACH;
+    // Of its building and unit the last.
+    let is_same_place = |mention: &&Mention| mention.at.start == mentions[next].at.end;
+    let last = mentions
+        .get(next + 1)
+        .filter(is_same_place)
+        .unwrap_or(&mentions[next]);
+    is_near && !comes_on_top(reading, at + 1..from, last.at.end)
 }
 
-/// `building 6 unit 1, sorry, 2`, `2番じゃなくて4番`: a number alone replaces the last one, or that of the level that is named with it.
-pub(super) fn correct_numbers(
-    reading: &Reading<'_>,
-    mentions: &mut Vec<Mention>,
-    left_out: &mut Vec<Option<Why>>,
-) {
+/// `Sorry. Building 8`, but not `sorry to be late. Building 8`: whether the correction's sentence
+/// says nothing else.
+fn stands_alone(reading: &Reading<'_>, behind: Range<usize>) -> bool {
+    let is_passed = |at: usize| {
+        use Class::{Correct, Filler};
+        matches!(
+            reading.lex(at),
+            Some(Lex::Comma | Lex::Mark | Lex::Dash | Lex::Word(Correct | Filler, _))
+        )
+    };
+    behind.take_while(|at| !reading.is_stop(*at)).all(is_passed)
+}
+
+/// `but go to unit 2 of building 8 instead`: the place before the word replaces those before it.
+fn replacing_before(reading: &Reading<'_>, mentions: &[Mention], at: usize) -> Option<usize> {
+    let last = mentions.iter().rposition(|mention| mention.at.end <= at)?;
+    let parts = |at: usize| matches!(reading.lex(at), Some(Lex::Stop | Lex::Comma));
+    if (mentions[last].at.end..at).any(parts) {
+        return None;
+    }
+    let building = owners(reading, mentions)[last];
+    Some(building.map_or(last, |building| building.min(last)))
+}
+
+/// `building 3, sorry for the noise, and building 4`, `実は4号棟も`: whether a place comes on top of
+/// those before it.
+fn comes_on_top(reading: &Reading<'_>, mut gap: Range<usize>, end: usize) -> bool {
+    let is_mark = |at: usize| {
+        reading
+            .token(at)
+            .is_some_and(|token| token.kind == Kind::Mark)
+    };
+    let adds =
+        |at: usize| matches!(reading.class(at), Some(Class::And | Class::Also)) && !is_mark(at);
+    gap.any(adds) || reading.class(end) == Some(Class::Also)
+}
+
+/// `building 6 unit 1, sorry, 2`, `2番じゃなくて4番`: a number alone replaces the last one, or that of
+/// the level that is named with it.
+pub(super) fn correct_numbers(reading: &Reading<'_>, selection: &mut Selection) {
     for at in 0..reading.lexemes.len() {
-        let Some(number) = corrected_number(reading, mentions, at) else { continue };
-        let Some(Lex::Number { label, .. }) = reading.lex(number) else { continue };
-        let before = || (0..mentions.len()).rev().filter(|i| mentions[*i].at.end <= at);
-        // `not to building 3 but to 4`
-        let denied = || before().next().filter(|i| left_out[*i] == Some(Why::Denied));
-        let last = before().find(|i| left_out[*i].is_none()).or_else(denied);
-        let Some(mut old) = last else { continue };
-        // `al 8, misma unidad`
-        let is_of_building = matches!(reading.class(number + 2), Some(Class::Same | Class::SameUnit));
-        // `la unidad no es la 4, sino la 2`
-        let said = (mentions[old].at.end..number).rev().find_map(|at| match reading.class(at)? {
-            Class::Building => Some(Level::Building),
-            Class::Unit | Class::Room => Some(Level::Unit),
-            _ => None,
-        });
-        let target = Target::Label { label: label.clone(), said: label.clone() };
-        if said == Some(Level::Building) || is_of_building {
-            let is_building = |i: &usize| mentions[*i].level == Level::Building && left_out[*i].is_none();
-            old = (0..=old).rev().find(is_building).unwrap_or(old);
-        } else if said == Some(Level::Unit) && mentions[old].level == Level::Building {
-            let place = mentions.partition_point(|mention| mention.at.start < number);
-            let unit =
-                Mention { level: Level::Unit, targets: vec![target], at: number..number + 1, weak: false };
-            mentions.insert(place, unit);
-            left_out.insert(place, None);
+        let Some(number) = corrected_number(reading, &selection.mentions, at) else {
             continue;
-        }
-        if mentions[old].targets.len() == 1 {
-            mentions[old].targets = vec![target];
-            left_out[old] = None;
+        };
+        let Some(Lex::Number { label, .. }) = reading.lex(number) else {
+            continue;
+        };
+        if let Some(old) = replaced(selection, at) {
+            replace_number(reading, selection, old, number, Target::bare(label));
         }
     }
+}
+
+/// The mention that a number behind a correction at a place replaces.
+fn replaced(selection: &Selection, at: usize) -> Option<usize> {
+    let before = || {
+        (0..selection.count())
+            .rev()
+            .filter(|i| selection.mentions[*i].at.end <= at)
+    };
+    let meant = before().find(|i| selection.is_meant(*i));
+    // `not to building 3 but to 4`
+    let denied = || {
+        before()
+            .next()
+            .filter(|i| selection.left_out[*i] == Some(Why::Denied))
+    };
+    meant.or_else(denied)
+}
+
+/// Puts `target`, which stands at `number`, for what `old` names, or for its building, or adds it
+/// as a unit of that.
+fn replace_number(
+    reading: &Reading<'_>,
+    selection: &mut Selection,
+    mut old: usize,
+    number: usize,
+    target: Target,
+) {
+    // `al 8, misma unidad`
+    let keeps_unit = matches!(
+        reading.class(number + 2),
+        Some(Class::Same | Class::SameUnit)
+    );
+    // `la unidad no es la 4, sino la 2`
+    let said = said_level(reading, selection.mentions[old].at.end..number);
+    if said == Some(Level::Building) || keeps_unit {
+        let is_building = |i: &usize| selection.is_building(*i) && selection.is_meant(*i);
+        old = (0..=old).rev().find(is_building).unwrap_or(old);
+    } else if said == Some(Level::Unit) && selection.is_building(old) {
+        let place = selection
+            .mentions
+            .partition_point(|mention| mention.at.start < number);
+        selection.insert(place, Mention::one(Level::Unit, target, number..number + 1));
+        return;
+    }
+    if selection.mentions[old].targets.len() == 1 {
+        selection.mentions[old].targets = vec![target];
+        selection.left_out[old] = None;
+    }
+}
+
+/// The level whose word comes last in a gap, rooms as units.
+fn said_level(reading: &Reading<'_>, gap: Range<usize>) -> Option<Level> {
+    gap.rev().find_map(|at| match reading.class(at)? {
+        Class::Building => Some(Level::Building),
+        Class::Unit | Class::Room => Some(Level::Unit),
+        _ => None,
+    })
 }
 
 /// Where the number stands that a word at a place puts for another.
 fn corrected_number(reading: &Reading<'_>, mentions: &[Mention], at: usize) -> Option<usize> {
-    let is_number = |at: usize| matches!(reading.lex(at), Some(Lex::Number { ordinal: false, .. }));
-    let corrects = match reading.class(at)? {
+    let class = reading.class(at)?;
+    let corrects = match class {
         Class::Correct | Class::Instead => true,
-        // `2番じゃなくて4番`
-        Class::NotBefore => {
-            let sign = usize::from(at > 0 && reading.class(at - 1) == Some(Class::Sign));
-            at > sign && is_number(at - sign - 1)
-        }
+        Class::NotBefore => is_behind_a_number(reading, at),
         _ => false,
     };
-    let is_passed = |at: &usize| {
-        // `las unidades, o sea, las cuatro`: so many, not the one of that number.
-        let is_of_many =
-            reading.token(*at).is_some_and(|token| matches!(token.text.as_str(), "los" | "las" | "les"));
-        let is_word = |class: Class| {
-            use Class::{Building, Correct, Room, Toward, TowardOrAfter, Unit};
-            is_light(class) || matches!(class, Building | Correct | Room | Toward | TowardOrAfter | Unit)
-        };
-        !is_of_many
-            && (matches!(reading.lex(*at), Some(Lex::Comma | Lex::Mark))
-                || reading.class(*at).is_some_and(is_word))
-    };
-    let number = at + 1 + (at + 1..reading.lexemes.len()).take_while(is_passed).count();
-    let ends = matches!(
-        reading.lex(number + 1),
-        None | Some(Lex::Stop | Lex::Comma | Lex::Word(Class::Filler | Class::Sign, _))
-    );
-    let is_not = reading.class(at) == Some(Class::NotBefore);
-    let is_level = |at: usize| {
-        let class = reading.class(at);
-        matches!(
-            class,
-            Some(
-                Class::Building
-                    | Class::WeakBuilding
-                    | Class::Unit
-                    | Class::Room
-                    | Class::Item
-                    | Class::Measure
-            )
-        )
-    };
-    let ends = ends || is_not && !is_level(number + 1);
-    let is_free = mentions.iter().all(|mention| {
-        // `no, 8, building 8`
+    let passed = (at + 1..reading.lexemes.len())
+        .take_while(|at| is_passed(reading, *at))
+        .count();
+    let number = at + 1 + passed;
+    let is_alone =
+        ends_behind(reading, number) || class == Class::NotBefore && !is_counted(reading, number);
+    let is_found = corrects && reading.is_cardinal(number) && is_alone;
+    (is_found && is_free(mentions, number)).then_some(number)
+}
+
+/// `2番じゃなくて4番`
+fn is_behind_a_number(reading: &Reading<'_>, at: usize) -> bool {
+    let sign = usize::from(at > 0 && reading.class(at - 1) == Some(Class::Sign));
+    at > sign && reading.is_cardinal(at - sign - 1)
+}
+
+/// Whether what stands at a place may stand between a correction and its number.
+fn is_passed(reading: &Reading<'_>, at: usize) -> bool {
+    // `las unidades, o sea, las cuatro`: so many, not the one of that number.
+    if reading.has(at, Feature::PluralArticle) {
+        return false;
+    }
+    match reading.lex(at) {
+        Some(Lex::Comma | Lex::Mark) => true,
+        Some(Lex::Word(class, _)) => {
+            use Class::{Building, Correct, Room, Unit};
+            is_light(*class) || matches!(class, Building | Correct | Room | Unit)
+        }
+        _ => false,
+    }
+}
+
+/// Whether nothing that it counts follows a number.
+fn ends_behind(reading: &Reading<'_>, number: usize) -> bool {
+    use Class::{Filler, Sign};
+    let lex = reading.lex(number + 1);
+    matches!(
+        lex,
+        None | Some(Lex::Stop | Lex::Comma | Lex::Word(Filler | Sign, _))
+    )
+}
+
+/// Whether a level, a thing or a measure follows a number.
+fn is_counted(reading: &Reading<'_>, number: usize) -> bool {
+    use Class::{Building, Item, Measure, Room, Unit, WeakBuilding};
+    let class = reading.class(number + 1);
+    matches!(
+        class,
+        Some(Building | WeakBuilding | Unit | Room | Item | Measure)
+    )
+}
+
+/// Whether a number is of no mention, and none begins right behind it: `no, 8, building 8`.
+fn is_free(mentions: &[Mention], number: usize) -> bool {
+    mentions.iter().all(|mention| {
         let is_next = (number + 1..number + 3).contains(&mention.at.start);
         !mention.at.contains(&number) && !is_next
-    });
-    (corrects && ends && is_free && is_number(number)).then_some(number)
+    })
 }

@@ -1,75 +1,376 @@
-//! Which mentions the words beside them deny, or make an origin or a landmark.
+//! What the words beside a mention make of it: denied, an origin, a landmark.
 
 use std::ops::Range;
 
-use super::super::lexicon::Class;
-use super::super::mentions::{Level, Mention};
-use super::super::reading::Reading;
-use super::super::words::Lex;
-use super::{REACH, Why, after, is_light};
+use super::selection::Why;
+use crate::grammar::mentions::mention::{Level, Mention};
+use crate::grammar::reading::Reading;
+use crate::grammar::rule::{Example, Rule};
+use crate::grammar::weight::{REACH, is_light, weighty_from};
+use crate::lexicon::class::Class;
+use crate::lexicon::feature::Feature;
+use crate::lexicon::lexeme::Lex;
+use crate::lexicon::marks;
 
-/// So many words of no lexicon at most are somebody's name.
+/// The most words of no lexicon that are a person's name.
 const LONGEST_PERSON: usize = 4;
 
-/// Why a place is not meant, by the words beside it.
-pub(super) fn denial(reading: &Reading<'_>, mention: &Mention) -> Option<Why> {
-    if let Some(why) = denied_behind(reading, mention) {
-        // `Vergiss Gebäude 8 nicht!`
-        let is_twice = reading.class(mention.at.end) == Some(Class::Not)
-            && denied_before(reading, mention) == Some(Why::Denied);
-        return (!is_twice).then_some(why);
-    }
-    let Range { start, end } = mention.at;
-    if is_of_the_sender(reading, start)
-        || is_where_to_fetch(reading, start)
-        || is_fetched_behind(reading, end)
-        || is_brought_from(reading, mention)
+/// What a rule makes of a mention.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Verdict {
+    Meant,
+    LeftOut(Why),
+}
+
+use Verdict::{LeftOut, Meant};
+use Why::{Denied, Elsewhere};
+
+/// A rule of [`DENIALS`].
+pub(crate) type Denial = Rule<fn(&Reading<'_>, &Mention) -> Option<Verdict>>;
+
+/// What words beside a mention make of it. The first rule that says anything decides.
+pub(crate) const DENIALS: &[Denial] = &[
+    Denial {
+        name: "what comes from a place, or is beside it, is said behind it",
+        examples: &[
+            Example("3号楼旁边的5号楼2单元", "building5/unit2"),
+            Example("6号棟ではなく8号棟に届けてください", "building8"),
+        ],
+        apply: elsewhere_behind,
+    },
+    Denial {
+        name: "whoever is absent is no destination",
+        examples: &[Example(
+            "L'ascenseur du bâtiment 4 est en panne. Le colis va au bâtiment 6, unité 3.",
+            "building6/unit3",
+        )],
+        apply: absent_behind,
+    },
+    Denial {
+        name: "a place is cancelled behind it",
+        examples: &[Example(
+            "6栋2单元已经取消了，只剩4栋3单元。",
+            "building4/unit3",
+        )],
+        apply: dropped_behind,
+    },
+    Denial {
+        name: "a `not` before and a `not` behind make a place meant",
+        examples: &[Example("Vergiss Gebäude 8 nicht!", "building8")],
+        apply: denied_twice,
+    },
+    Denial {
+        name: "a `not` that ends a clause denies the place before it",
+        examples: &[Example(
+            "刚才说的2号楼4单元取消，只送10号楼3单元。",
+            "building10/unit3",
+        )],
+        apply: not_behind,
+    },
+    Denial {
+        name: "a place is cancelled behind a comma",
+        examples: &[Example(
+            "Building 7, unit 2 and building 8, unit 1. Building 8, unit 1, has cancelled.",
+            "building7/unit2",
+        )],
+        apply: dropped_behind_a_comma,
+    },
+    Denial {
+        name: "somebody in brackets behind a name sends",
+        examples: &[Example(
+            "Mme Roche (bâtiment 6, entrée 4) envoie ce pot de miel à M. Petit, qui habite \
+                 bâtiment 2, entrée 3.",
+            "building2/unit3",
+        )],
+        apply: sends_behind_a_mark,
+    },
+    Denial {
+        name: "somebody who lives at a place sends, is absent or cancels",
+        examples: &[Example(
+            "7号棟3号室の山本さんから預かった荷物を、12号棟2号室に",
+            "building12/unit2",
+        )],
+        apply: said_of_somebody,
+    },
+    Denial {
+        name: "a sender's address is an origin",
+        examples: &[Example(
+            "Sender: building 2 unit 4, recipient: building 9 unit 3",
+            "building9/unit3",
+        )],
+        apply: of_the_sender,
+    },
+    Denial {
+        name: "things are fetched from an origin",
+        examples: &[Example(
+            "Pick up the keys in building 2 and take them to building 5",
+            "building5",
+        )],
+        apply: where_to_fetch,
+    },
+    Denial {
+        name: "things are fetched from an origin, the verb behind it",
+        examples: &[Example(
+            "去2号楼4单元老张家拿一下电钻，送到5号楼1单元",
+            "building5/unit1",
+        )],
+        apply: fetched_behind,
+    },
+    Denial {
+        name: "things are brought from one place to another",
+        examples: &[Example(
+            "Bring den Tisch von Gebäude 3, Einheit 1 zu Gebäude 8, Einheit 2.",
+            "building8/unit2",
+        )],
+        apply: brought_from,
+    },
+    Denial {
+        name: "the nearest word with weight before a place denies it",
+        examples: &[
+            Example("not building 6, building 8", "building8"),
+            Example(
+                "Building 4, the one next to building 5, unit 2",
+                "building4/unit2",
+            ),
+        ],
+        apply: denied_before,
+    },
+];
+
+/// Why a mention is left out by the words beside it.
+pub(super) fn denial(rules: &[Denial], reading: &Reading<'_>, mention: &Mention) -> Option<Why> {
+    match rules
+        .iter()
+        .find_map(|rule| (rule.apply)(reading, mention))?
     {
-        return Some(Why::Elsewhere);
+        Meant => None,
+        LeftOut(why) => Some(why),
     }
-    denied_before(reading, mention)
 }
 
-/// The same by the words behind it.
-fn denied_behind(reading: &Reading<'_>, mention: &Mention) -> Option<Why> {
+/// `3号楼旁边的5号楼`, `6号棟ではなく8号棟に`
+fn elsewhere_behind(reading: &Reading<'_>, mention: &Mention) -> Option<Verdict> {
+    let class = reading.class(mention.at.end)?;
+    let is_elsewhere = matches!(class, Class::NotBefore | Class::Sends | Class::ExceptBehind);
+    is_elsewhere.then_some(LeftOut(Elsewhere))
+}
+
+/// `The office in building 3 is closed`
+fn absent_behind(reading: &Reading<'_>, mention: &Mention) -> Option<Verdict> {
+    let class = weighty_from(reading, mention.at.end)?;
+    (class == Class::Absent).then_some(LeftOut(Elsewhere))
+}
+
+/// `building 3 was cancelled`
+fn dropped_behind(reading: &Reading<'_>, mention: &Mention) -> Option<Verdict> {
+    let class = weighty_from(reading, mention.at.end)?;
+    let is_dropped = class == Class::Dropped && !is_conditional(reading, mention.at.start);
+    is_dropped.then_some(LeftOut(Denied))
+}
+
+/// `if nobody is in at building 3`, `only after building 3 has got theirs`
+fn is_conditional(reading: &Reading<'_>, at: usize) -> bool {
+    use Class::{After, Before, If, Wait};
+    let is_inside = |at: &usize| !reading.is_stop(*at);
+    let is_condition = |at: usize| matches!(reading.class(at), Some(If | After | Before | Wait));
+    (0..at)
+        .rev()
+        .take_while(is_inside)
+        .take(REACH)
+        .any(is_condition)
+}
+
+/// `Vergiss Gebäude 8 nicht!`
+fn denied_twice(reading: &Reading<'_>, mention: &Mention) -> Option<Verdict> {
+    let is_denied_behind = is_not_behind(reading, mention.at.end);
+    let is_twice = is_denied_behind && denied_before(reading, mention) == Some(LeftOut(Denied));
+    is_twice.then_some(Meant)
+}
+
+/// `nur der Eingang 3 nicht.`, `9号楼1单元的先别送，`
+fn not_behind(reading: &Reading<'_>, mention: &Mention) -> Option<Verdict> {
     let end = mention.at.end;
-    let class = |at: usize| reading.class(at);
-    let why = match after(reading, end) {
-        Some((Class::NotBefore | Class::Sends | Class::ExceptBehind, 0)) => Some(Why::Elsewhere),
-        Some((Class::Absent, _)) => Some(Why::Elsewhere),
-        Some((Class::Dropped, _)) if !is_conditional(reading, mention.at.start) => Some(Why::Denied),
-        // `nur der Eingang 3 nicht.`
-        Some((Class::Not, 0)) if ends_a_clause(reading, end + 1) => Some(Why::Denied),
-        // `9号楼1单元的先别送，`
-        Some((Class::Link, 0)) if class(end + 1) == Some(Class::Not) && ends_a_clause(reading, end + 2) => {
-            Some(Why::Denied)
-        }
-        _ => None,
-    };
-    let behind_a_mark = || match reading.lex(end)? {
-        // `building 6, unit 2, has cancelled`
-        Lex::Comma => dropped_behind(reading, end + 1),
-        // `Mrs Roche (building 6) sends`
-        Lex::Mark => (class(end + 1) == Some(Class::Sends)).then_some(Why::Elsewhere),
-        _ => None,
-    };
-    why.or_else(behind_a_mark).or_else(|| said_of_somebody(reading, end))
+    let is_linked = reading.class(end) == Some(Class::Link);
+    let is_denied = is_not_behind(reading, end) || is_linked && is_not_behind(reading, end + 1);
+    is_denied.then_some(LeftOut(Denied))
 }
 
-/// The same by the words before it.
-fn denied_before(reading: &Reading<'_>, mention: &Mention) -> Option<Why> {
+/// Whether a `not` stands at a place and ends its clause.
+fn is_not_behind(reading: &Reading<'_>, at: usize) -> bool {
+    reading.class(at) == Some(Class::Not) && ends_a_clause(reading, at + 1)
+}
+
+fn ends_a_clause(reading: &Reading<'_>, at: usize) -> bool {
+    matches!(reading.lex(at), None | Some(Lex::Stop | Lex::Comma))
+}
+
+/// `building 6, unit 2, has cancelled`. If a place comes before the verb, it is the next clause's.
+fn dropped_behind_a_comma(reading: &Reading<'_>, mention: &Mention) -> Option<Verdict> {
+    if reading.lex(mention.at.end) != Some(&Lex::Comma) {
+        return None;
+    }
+    let from = mention.at.end + 1;
+    let mut clause = (from..reading.lexemes.len()).take_while(|at| !ends_a_clause(reading, *at));
+    let is_light = |at: usize| reading.class(at).is_some_and(is_light);
+    let is_place = |at: usize| matches!(reading.lex(at), Some(Lex::Number { .. } | Lex::Name(_)));
+    let first = clause.find(|at| !is_light(*at))?;
+    if clause.any(is_place) {
+        return None;
+    }
+    match reading.lex(first)? {
+        Lex::Word(Class::Dropped, false) => Some(LeftOut(Denied)),
+        Lex::Word(Class::Absent, false) => Some(LeftOut(Elsewhere)),
+        _ => None,
+    }
+}
+
+/// `Mrs Roche (building 6) sends`
+fn sends_behind_a_mark(reading: &Reading<'_>, mention: &Mention) -> Option<Verdict> {
+    let end = mention.at.end;
+    let is_sent =
+        reading.lex(end) == Some(&Lex::Mark) && reading.class(end + 1) == Some(Class::Sends);
+    is_sent.then_some(LeftOut(Elsewhere))
+}
+
+/// `7号棟3号室の山本さんから`, `2号楼的王先生寄来的`, `2号楼的张阿姨搬走了`: what is said of a person who
+/// lives at a place, or of a thing there.
+fn said_of_somebody(reading: &Reading<'_>, mention: &Mention) -> Option<Verdict> {
+    if reading.class(mention.at.end) != Some(Class::Link) {
+        return None;
+    }
+    let name = mention.at.end + 1;
+    let is_name = |at: &usize| {
+        matches!(
+            reading.lex(*at),
+            Some(Lex::Unknown | Lex::Word(Class::Item, _))
+        )
+    };
+    let length = (name..reading.lexemes.len()).take_while(is_name).count();
+    if !(1..=LONGEST_PERSON).contains(&length) {
+        return None;
+    }
+    let mut at = name + length;
+    while matches!(reading.class(at), Some(Class::Filler | Class::Title)) {
+        at += 1;
+    }
+    match reading.class(at)? {
+        Class::NotBefore | Class::Sends | Class::Speaking | Class::Absent => {
+            Some(LeftOut(Elsewhere))
+        }
+        Class::Dropped => Some(LeftOut(Denied)),
+        _ => None,
+    }
+}
+
+/// `Sender: building 2`, `From: Mrs Chen, building 2`
+fn of_the_sender(reading: &Reading<'_>, mention: &Mention) -> Option<Verdict> {
+    let mut is_somebodys = false;
+    let mut is_toward = false;
+    let mut has_comma = false;
     for at in (0..mention.at.start).rev().take(REACH) {
         match reading.lex(at)? {
-            Lex::Word(Class::Not | Class::Except, _) => return Some(Why::Denied),
-            // `They called off the one in building 3`, but `goes out to building 3`
-            Lex::Word(Class::Dropped, _) => {
-                let is_object = (at + 1..mention.at.start)
-                    .all(|i| matches!(reading.class(i), Some(Class::Article | Class::Determiner)));
-                return (is_object && says_no_place_before(reading, at)).then_some(Why::Denied);
+            Lex::Word(Class::Sender, _) => {
+                // `on behalf of Mrs Chen to building 2`
+                let is_recipients = is_somebodys && is_toward;
+                return (!is_recipients).then_some(LeftOut(Elsewhere));
             }
-            Lex::Word(Class::Elsewhere | Class::Between, _) => return Some(Why::Elsewhere),
+            Lex::Comma if !has_comma => has_comma = true,
+            Lex::Unknown => is_somebodys = true,
+            Lex::Word(Class::Toward | Class::TowardOrAfter, _) => is_toward = true,
+            Lex::Mark | Lex::Word(Class::Title, _) => {}
+            Lex::Word(class, _) if is_light(*class) => {}
+            _ => return None,
+        }
+    }
+    None
+}
+
+/// `pick up the keys in building 2`: a thing between the word and the place.
+fn where_to_fetch(reading: &Reading<'_>, mention: &Mention) -> Option<Verdict> {
+    let mut has_thing = false;
+    for at in (0..mention.at.start).rev().take(REACH) {
+        match reading.lex(at)? {
+            Lex::Word(Class::Pickup, _) => {
+                let is_origin = has_thing || at + 1 == mention.at.start;
+                return is_origin.then_some(LeftOut(Elsewhere));
+            }
+            Lex::Unknown | Lex::Number { .. } | Lex::Word(Class::Item, _) => has_thing = true,
+            Lex::Word(Class::Article | Class::Determiner | Class::Link | Class::Filler, _) => {}
+            // `récupère le colis au bâtiment 4`
+            Lex::Word(Class::Toward, _) if reading.has(at, Feature::Locative) => {}
+            _ => return None,
+        }
+    }
+    None
+}
+
+/// `去2号楼老张家拿一下电钻`, `図書館で本を受け取って`: in languages that put the verb behind.
+fn fetched_behind(reading: &Reading<'_>, mention: &Mention) -> Option<Verdict> {
+    let is_inside = |at: &usize| {
+        use Class::{And, Building, Toward};
+        let lex = reading.lex(*at);
+        !matches!(
+            lex,
+            None | Some(
+                Lex::Stop | Lex::Comma | Lex::Name(_) | Lex::Word(And | Building | Toward, _)
+            )
+        )
+    };
+    let clause = (mention.at.end..reading.lexemes.len()).take_while(is_inside);
+    let is_pickup = |at: usize| reading.lex(at) == Some(&Lex::Word(Class::Pickup, true));
+    clause
+        .take(REACH)
+        .any(is_pickup)
+        .then_some(LeftOut(Elsewhere))
+}
+
+/// `von Gebäude 3, Einheit 1 zu Gebäude 8`: `of` or `from` before a building, and words for where
+/// to with another place right behind its address.
+fn brought_from(reading: &Reading<'_>, mention: &Mention) -> Option<Verdict> {
+    let Range { start, end } = mention.at;
+    let is_from = start > 0 && reading.has(start - 1, Feature::Ablative);
+    if mention.level != Level::Building || !is_from {
+        return None;
+    }
+    let is_of_address = |at: &usize| {
+        let lex = reading.lex(*at);
+        matches!(
+            lex,
+            Some(Lex::Number { .. } | Lex::Comma | Lex::Word(Class::Unit | Class::Room, _))
+        )
+    };
+    let to = end
+        + (end..reading.lexemes.len())
+            .take_while(is_of_address)
+            .count();
+    let is_toward = matches!(
+        reading.class(to),
+        Some(Class::Toward | Class::TowardOrAfter)
+    );
+    let place = to + 1 + usize::from(reading.class(to + 1) == Some(Class::Article));
+    // `le colis du bâtiment 4 à l'entrée 2` is of one address.
+    let has_unit =
+        to > end || start > 1 && matches!(reading.lex(start - 2), Some(Lex::Number { .. }));
+    let is_place = match reading.lex(place) {
+        Some(Lex::Name(_) | Lex::Word(Class::Building, _)) => true,
+        Some(Lex::Word(Class::Unit, _)) => has_unit,
+        _ => false,
+    };
+    (is_toward && is_place).then_some(LeftOut(Elsewhere))
+}
+
+/// `not building 6`, `next to building 5`: light words and things may stand between.
+fn denied_before(reading: &Reading<'_>, mention: &Mention) -> Option<Verdict> {
+    let start = mention.at.start;
+    for at in (0..start).rev().take(REACH) {
+        match reading.lex(at)? {
+            Lex::Word(Class::Not | Class::Except, _) => return Some(LeftOut(Denied)),
+            Lex::Word(Class::Dropped, _) => {
+                return is_object(reading, at, start).then_some(LeftOut(Denied));
+            }
+            Lex::Word(Class::Elsewhere | Class::Between, _) => return Some(LeftOut(Elsewhere)),
             Lex::Word(Class::InFront, _) => {
-                return (mention.level == Level::Building).then_some(Why::Elsewhere);
+                return mention.is_building().then_some(LeftOut(Elsewhere));
             }
             Lex::Word(class, _) if is_light(*class) || *class == Class::Item => {}
             // `collected three bags in building 3`
@@ -82,167 +383,57 @@ fn denied_before(reading: &Reading<'_>, mention: &Mention) -> Option<Why> {
     None
 }
 
-/// Why words drop the place before a clause that begins here; where the place comes before its verb they are of the next clause.
-fn dropped_behind(reading: &Reading<'_>, from: usize) -> Option<Why> {
-    let inside = |at: &usize| !matches!(reading.lex(*at), None | Some(Lex::Stop | Lex::Comma));
-    let mut clause = (from..reading.lexemes.len()).take_while(inside);
-    let why = |at: usize| match reading.lex(at)? {
-        Lex::Word(Class::Dropped, false) => Some(Why::Denied),
-        Lex::Word(Class::Absent, false) => Some(Why::Elsewhere),
-        _ => None,
-    };
-    let is_light = |at: usize| reading.class(at).is_some_and(is_light);
-    let first = clause.find(|at| !is_light(*at))?;
-    let is_place = |at: usize| matches!(reading.lex(at), Some(Lex::Number { .. } | Lex::Name(_)));
-    if clause.any(is_place) { None } else { why(first) }
+/// `They called off the one in building 3`, but `goes out to building 3`: whether the place at
+/// `start` is the object of the word that drops.
+fn is_object(reading: &Reading<'_>, dropped: usize, start: usize) -> bool {
+    let is_passed =
+        |at: usize| matches!(reading.class(at), Some(Class::Article | Class::Determiner));
+    (dropped + 1..start).all(is_passed) && says_no_place_before(reading, dropped)
 }
 
-/// `if nobody is in at building 3`, `only after building 3 has got theirs`
-fn is_conditional(reading: &Reading<'_>, at: usize) -> bool {
-    use Class::{After, Before, If, Wait};
-    let inside = |at: &usize| reading.lex(*at) != Some(&Lex::Stop);
-    let conditions = |at: usize| matches!(reading.class(at), Some(If | After | Before | Wait));
-    (0..at).rev().take_while(inside).take(REACH).any(conditions)
-}
-
-/// `Sender: building 2`, `From: Mrs Chen, building 2`
-fn is_of_the_sender(reading: &Reading<'_>, from: usize) -> bool {
-    let (mut is_somebodys, mut is_toward, mut commas) = (false, false, 0);
-    for at in (0..from).rev().take(REACH) {
-        match reading.lex(at) {
-            Some(Lex::Word(Class::Sender, _)) => return !(is_somebodys && is_toward),
-            Some(Lex::Comma) if commas == 0 => commas += 1,
-            Some(Lex::Unknown) => is_somebodys = true,
-            Some(Lex::Word(Class::Toward | Class::TowardOrAfter, _)) => is_toward = true,
-            Some(Lex::Mark | Lex::Word(Class::Title, _)) => {}
-            Some(Lex::Word(class, _)) if is_light(*class) => {}
-            _ => return false,
-        }
-    }
-    false
-}
-
-/// `pick up the keys in building 2`: a thing between the word and the place.
-fn is_where_to_fetch(reading: &Reading<'_>, from: usize) -> bool {
-    let mut is_thing = false;
-    for at in (0..from).rev().take(REACH) {
-        match reading.lex(at) {
-            Some(Lex::Word(Class::Pickup, _)) => return is_thing || at + 1 == from,
-            Some(Lex::Unknown | Lex::Number { .. } | Lex::Word(Class::Item, _)) => is_thing = true,
-            Some(Lex::Word(Class::Article | Class::Determiner | Class::Link | Class::Filler, _)) => {}
-            // `récupère le colis au bâtiment 4`
-            Some(Lex::Word(Class::Toward, _))
-                if reading
-                    .token(at)
-                    .is_some_and(|token| matches!(token.text.as_str(), "a" | "au" | "aux")) => {}
-            _ => return false,
-        }
-    }
-    false
-}
-
-/// `von Gebäude 3, Einheit 1 zu Gebäude 8`: a word that ties before a building, and the way to another place right behind it.
-fn is_brought_from(reading: &Reading<'_>, mention: &Mention) -> bool {
-    let text = |at: usize| reading.token(at).map_or("", |token| token.text.as_str());
-    let start = mention.at.start;
-    let is_tied = start > 0 && matches!(text(start - 1), "von" | "vom" | "de" | "del");
-    if mention.level != Level::Building || !is_tied {
-        return false;
-    }
-    let is_unit = |at: &usize| {
+/// Whether no level is named between the beginning of the clause and a place: what was cancelled
+/// comes behind it then.
+fn says_no_place_before(reading: &Reading<'_>, at: usize) -> bool {
+    let is_place = |at: usize| {
+        use Class::{Building, Room, Unit};
+        let lex = reading.lex(at);
         matches!(
-            reading.lex(*at),
-            Some(Lex::Number { .. } | Lex::Comma | Lex::Word(Class::Unit | Class::Room, _))
-        )
-    };
-    let to = mention.at.end + (mention.at.end..reading.lexemes.len()).take_while(is_unit).count();
-    let place = to + 1 + usize::from(reading.class(to + 1) == Some(Class::Article));
-    // `le colis du bâtiment 4 à l'entrée 2` is of one address.
-    let has_unit =
-        to > mention.at.end || start > 1 && matches!(reading.lex(start - 2), Some(Lex::Number { .. }));
-    let is_place = match reading.lex(place) {
-        Some(Lex::Name(_) | Lex::Word(Class::Building, _)) => true,
-        Some(Lex::Word(Class::Unit, _)) => has_unit,
-        _ => false,
-    };
-    is_place && matches!(reading.class(to), Some(Class::Toward | Class::TowardOrAfter))
-}
-
-/// `去2号楼老张家拿一下电钻`, `図書館で本を受け取って`: in languages that put the verb behind.
-fn is_fetched_behind(reading: &Reading<'_>, from: usize) -> bool {
-    let inside = |at: &usize| {
-        let lex = reading.lex(*at);
-        !matches!(
             lex,
-            None | Some(
-                Lex::Stop
-                    | Lex::Comma
-                    | Lex::Name(_)
-                    | Lex::Word(Class::And | Class::Building | Class::Toward, _)
-            )
+            Some(Lex::Name(_) | Lex::Number { .. } | Lex::Word(Building | Unit | Room, _))
         )
     };
-    let mut clause = (from..reading.lexemes.len()).take_while(inside).take(REACH);
-    clause.any(|at| reading.lex(at) == Some(&Lex::Word(Class::Pickup, true)))
+    !(0..at)
+        .rev()
+        .take_while(|at| !ends_a_clause(reading, *at))
+        .any(is_place)
 }
 
-/// What is said of somebody, unknown words that end at a place and have a link behind them: `from my sister's in building 9`, `not to her husband in unit 1`.
-fn of_somebody(reading: &Reading<'_>, at: usize) -> Option<Why> {
-    let is_somebody = |at: &usize| {
+/// What is said of a person, unknown words that end at a place and have a link behind them: `from
+/// my sister's in building 9`, `not to her husband in unit 1`.
+fn of_somebody(reading: &Reading<'_>, at: usize) -> Option<Verdict> {
+    let is_name = |at: &usize| {
         matches!(reading.lex(*at), Some(Lex::Unknown | Lex::Mark))
-            && reading.token(*at).is_none_or(|token| token.text != ":")
+            && !reading.begins_with(*at, marks::COLON)
     };
-    let start = (0..=at).rev().take_while(is_somebody).last()?;
+    let start = (0..=at).rev().take_while(is_name).last()?;
     if at - start >= LONGEST_PERSON || reading.class(at + 1) != Some(Class::Link) {
         return None;
     }
-    let is_article = |at: usize| matches!(reading.class(at), Some(Class::Article | Class::Determiner));
     let mut before = start.checked_sub(1)?;
-    before = before.saturating_sub(usize::from(is_article(before)));
+    if matches!(
+        reading.class(before),
+        Some(Class::Article | Class::Determiner)
+    ) {
+        before = before.saturating_sub(1);
+    }
     match reading.class(before)? {
-        Class::Elsewhere | Class::Speaking => Some(Why::Elsewhere),
+        Class::Elsewhere | Class::Speaking => Some(LeftOut(Elsewhere)),
         Class::Toward => {
-            let denied = before.checked_sub(1).and_then(|before| reading.class(before));
-            matches!(denied, Some(Class::Not | Class::Except)).then_some(Why::Denied)
+            let denied = before
+                .checked_sub(1)
+                .and_then(|before| reading.class(before));
+            matches!(denied, Some(Class::Not | Class::Except)).then_some(LeftOut(Denied))
         }
         _ => None,
     }
-}
-
-fn ends_a_clause(reading: &Reading<'_>, at: usize) -> bool {
-    matches!(reading.lex(at), None | Some(Lex::Stop | Lex::Comma))
-}
-
-/// `7号棟3号室の山本さんから`, `2号楼的王先生寄来的`, `2号楼的张阿姨搬走了`: what is said of who lives at a place, or of a thing there.
-fn said_of_somebody(reading: &Reading<'_>, mut at: usize) -> Option<Why> {
-    if reading.class(at) != Some(Class::Link) {
-        return None;
-    }
-    at += 1;
-    let is_name = |at: &usize| matches!(reading.lex(*at), Some(Lex::Unknown | Lex::Word(Class::Item, _)));
-    let name = (at..reading.lexemes.len()).take_while(is_name).count();
-    at += name;
-    while matches!(reading.class(at), Some(Class::Filler | Class::Title)) {
-        at += 1;
-    }
-    let class = reading.class(at).filter(|_| (1..=LONGEST_PERSON).contains(&name))?;
-    match class {
-        Class::NotBefore | Class::Sends | Class::Speaking | Class::Absent => Some(Why::Elsewhere),
-        Class::Dropped => Some(Why::Denied),
-        _ => None,
-    }
-}
-
-/// Whether no level is named between the beginning of the clause and a place: what was cancelled comes after it then.
-fn says_no_place_before(reading: &Reading<'_>, at: usize) -> bool {
-    let inside = |i: &usize| !matches!(reading.lex(*i), Some(Lex::Stop | Lex::Comma));
-    let is_place = |i: usize| {
-        matches!(
-            reading.lex(i),
-            Some(
-                Lex::Name(_) | Lex::Number { .. } | Lex::Word(Class::Building | Class::Unit | Class::Room, _)
-            )
-        )
-    };
-    !(0..at).rev().take_while(inside).any(is_place)
 }

@@ -1,109 +1,135 @@
 //! What is taken back of what was named before, and all units of a building but some.
 
-use super::super::lexicon::Class;
-use super::super::mentions::{Level, Mention, Target};
-use super::super::pairing::owners;
-use super::super::reading::Reading;
-use super::super::words::Lex;
-use super::{REACH, Why, after, is_light, is_same_target, names};
+use super::selection::{Selection, Why};
+use crate::grammar::mentions::mention::{Level, Mention, Target};
+use crate::grammar::ownership::owners;
+use crate::grammar::reading::Reading;
+use crate::grammar::weight::{REACH, is_light, weighty_from};
+use crate::lexicon::class::Class;
+use crate::lexicon::lexeme::Lex;
 
-/// `Units 2 and 4 of building 7 …, but unit 4 has just cancelled`: what is denied is taken back where it was named before.
-pub(super) fn take_back(reading: &Reading<'_>, mentions: &mut [Mention], left_out: &mut [Option<Why>]) {
-    let owners = owners(reading, mentions);
-    let is_whole = |i: usize| !(0..mentions.len()).any(|unit| unit != i && owners[unit] == Some(i));
-    let mut taken: Vec<(usize, Target)> = Vec::new();
-    for denied in (0..mentions.len()).filter(|i| left_out[*i] == Some(Why::Denied)) {
-        let is_building = mentions[denied].level == Level::Building;
-        if is_building && !is_whole(denied) {
-            continue;
-        }
-        for earlier in (0..denied).filter(|i| left_out[*i].is_none()) {
-            let is_same = mentions[earlier].level == mentions[denied].level
-                && (is_building || are_of_one_building(mentions, owners[earlier], owners[denied]));
-            let targets =
-                mentions[denied].targets.iter().filter(|target| is_same && names(&mentions[earlier], target));
-            taken.extend(targets.map(|target| (earlier, target.clone())));
-        }
-    }
-    taken.extend(by_number(reading, mentions, left_out));
-    for (i, target) in taken {
-        if mentions[i].targets.iter().all(|other| is_same_target(other, &target)) {
-            left_out[i] = Some(Why::Denied);
+/// A target that is taken back.
+struct Taken {
+    /// The mention that named it.
+    mention: usize,
+    target: Target,
+}
+
+/// `Units 2 and 4 of building 7 …, but unit 4 has just cancelled`: what is denied is taken back
+/// where it was named before.
+pub(super) fn take_back(reading: &Reading<'_>, selection: &mut Selection) {
+    let mut taken = named_before(reading, selection);
+    taken.extend(by_number(reading, selection));
+    for Taken { mention, target } in taken {
+        let targets = &mut selection.mentions[mention].targets;
+        if targets.iter().all(|other| other.is_same(&target)) {
+            selection.left_out[mention] = Some(Why::Denied);
         } else {
-            mentions[i].targets.retain(|other| !is_same_target(other, &target));
+            targets.retain(|other| !other.is_same(&target));
         }
     }
 }
 
-/// `Buildings 1, 6 and 11 …. The 6 has cancelled`: places taken back by their numbers alone.
-fn by_number(reading: &Reading<'_>, mentions: &[Mention], left_out: &[Option<Why>]) -> Vec<(usize, Target)> {
-    let is_free = |at: usize| mentions.iter().all(|mention| !mention.at.contains(&at));
-    let is_headed = |at: usize| {
-        at > 0 && matches!(reading.class(at - 1), Some(Class::Article | Class::Link | Class::Determiner))
-    };
+/// What denied mentions name that mentions before them name too.
+fn named_before(reading: &Reading<'_>, selection: &Selection) -> Vec<Taken> {
+    let mentions = &selection.mentions;
+    let owners = owners(reading, mentions);
+    let has_unit = |b: usize| (0..mentions.len()).any(|i| i != b && owners[i] == Some(b));
+    let is_denied = |i: &usize| selection.left_out[*i] == Some(Why::Denied);
     let mut taken = Vec::new();
-    for at in (0..reading.lexemes.len()).filter(|at| is_free(*at) && is_headed(*at)) {
-        let Some(Lex::Number { label, ordinal: false }) = reading.lex(at) else { continue };
-        // `en el 6 no, que …`
-        let is_not = reading.class(at + 1) == Some(Class::Not)
-            && matches!(reading.lex(at + 2), None | Some(Lex::Comma | Lex::Stop));
-        if !is_not && !matches!(after(reading, at + 1), Some((Class::Dropped, _))) {
+    for denied in (0..mentions.len()).filter(is_denied) {
+        let is_building = mentions[denied].is_building();
+        if is_building && has_unit(denied) {
             continue;
         }
-        let target = Target::Label { label: label.clone(), said: label.clone() };
-        let is_named =
-            |i: &usize| left_out[*i].is_none() && mentions[*i].at.end <= at && names(&mentions[*i], &target);
-        let is_building = |i: &usize| mentions[*i].level == Level::Building;
-        let named: Vec<usize> = (0..mentions.len()).filter(is_named).collect();
-        let chosen = named.iter().find(|i| is_building(i)).or(named.first());
-        taken.extend(chosen.map(|i| (*i, target)));
+        for earlier in (0..denied).filter(|i| selection.is_meant(*i)) {
+            let is_same = mentions[earlier].level == mentions[denied].level
+                && (is_building || are_of_one_building(mentions, owners[earlier], owners[denied]));
+            let targets = mentions[denied].targets.iter();
+            let targets = targets.filter(|target| is_same && mentions[earlier].names(target));
+            taken.extend(targets.map(|target| Taken {
+                mention: earlier,
+                target: target.clone(),
+            }));
+        }
     }
     taken
 }
 
+/// `Buildings 1, 6 and 11 …. The 6 has cancelled`: places taken back by their numbers alone.
+fn by_number(reading: &Reading<'_>, selection: &Selection) -> Vec<Taken> {
+    let mentions = &selection.mentions;
+    let is_free = |at: usize| mentions.iter().all(|mention| !mention.at.contains(&at));
+    let is_headed = |at: usize| {
+        use Class::{Article, Determiner, Link};
+        at > 0 && matches!(reading.class(at - 1), Some(Article | Link | Determiner))
+    };
+    let mut taken = Vec::new();
+    for at in (0..reading.lexemes.len()).filter(|at| is_free(*at) && is_headed(*at)) {
+        let Some(Lex::Number {
+            label,
+            ordinal: false,
+        }) = reading.lex(at)
+        else {
+            continue;
+        };
+        if !is_denied_behind(reading, at + 1) {
+            continue;
+        }
+        let target = Target::bare(label);
+        let is_named = |i: &usize| {
+            selection.is_meant(*i) && mentions[*i].at.end <= at && mentions[*i].names(&target)
+        };
+        let named: Vec<usize> = (0..mentions.len()).filter(is_named).collect();
+        let building = named.iter().find(|i| mentions[**i].is_building());
+        let mention = building.or(named.first()).copied();
+        taken.extend(mention.map(|mention| Taken { mention, target }));
+    }
+    taken
+}
+
+/// `The 6 has cancelled`, `en el 6 no, que …`
+fn is_denied_behind(reading: &Reading<'_>, at: usize) -> bool {
+    let is_not = reading.class(at) == Some(Class::Not)
+        && matches!(reading.lex(at + 1), None | Some(Lex::Comma | Lex::Stop));
+    is_not || weighty_from(reading, at) == Some(Class::Dropped)
+}
+
+/// Whether two owners are one building, by its number or name.
 fn are_of_one_building(mentions: &[Mention], a: Option<usize>, b: Option<usize>) -> bool {
     match (a, b) {
-        (Some(a), Some(b)) => a == b || mentions[b].targets.iter().all(|target| names(&mentions[a], target)),
+        (Some(a), Some(b)) => a == b || mentions[a].names_all_of(&mentions[b]),
         _ => a == b,
     }
 }
 
 /// `Everyone in building 3 apart from unit 2`: who excepts some of the units means all others.
-pub(super) fn all_but(reading: &Reading<'_>, mentions: &mut Vec<Mention>, left_out: &mut Vec<Option<Why>>) {
+pub(super) fn all_but(reading: &Reading<'_>, selection: &mut Selection) {
+    let mentions = &selection.mentions;
     let owners = owners(reading, mentions);
-    let is_unit_of = |i: usize, b: usize| mentions[i].level != Level::Building && owners[i] == Some(b);
-    let is_bare = |b: &usize| {
-        mentions[*b].level == Level::Building
-            && left_out[*b].is_none()
-            && !(0..mentions.len()).any(|i| is_unit_of(i, *b) && left_out[i].is_none())
+    let count = mentions.len();
+    let is_unit_of = |i: usize, b: usize| !mentions[i].is_building() && owners[i] == Some(b);
+    let has_units = |b: usize| (0..count).any(|i| is_unit_of(i, b) && selection.is_meant(i));
+    let is_left_out = |i: usize| !selection.is_meant(i) && is_excepted(reading, &mentions[i]);
+    let excepts = |b: usize| (0..count).any(|i| is_unit_of(i, b) && is_left_out(i));
+    let is_but = |b: &usize| {
+        mentions[*b].is_building() && selection.is_meant(*b) && !has_units(*b) && excepts(*b)
     };
-    let is_excepted = |i: usize| left_out[i].is_some() && is_excepted(reading, &mentions[i]);
-    let excepting = |b: &usize| (0..mentions.len()).any(|i| is_unit_of(i, *b) && is_excepted(i));
-    let found: Vec<usize> = (0..mentions.len()).filter(|b| is_bare(b) && excepting(b)).collect();
+    let found: Vec<usize> = (0..count).filter(is_but).collect();
+    // From the end, so that indices stay right.
     for building in found.into_iter().rev() {
-        let at = mentions[building].at.end..mentions[building].at.end;
-        mentions.insert(
-            building + 1,
-            Mention {
-                level: Level::Unit,
-                targets: vec![Target::All { but: Vec::new(), count: None, parity: None }],
-                at,
-                weak: false,
-            },
-        );
-        left_out.insert(building + 1, None);
+        let end = selection.mentions[building].at.end;
+        selection.insert(building + 1, Mention::all(Level::Unit, end..end, None));
     }
 }
 
-/// `but unit 1 and unit 3`
-pub(super) fn except_lists(reading: &Reading<'_>, mentions: &[Mention], left_out: &mut [Option<Why>]) {
-    for i in 1..mentions.len() {
-        let is_next = left_out[i].is_none() && left_out[i - 1].is_some();
-        if is_next
-            && is_joined(reading, &mentions[i - 1], &mentions[i])
-            && is_excepted(reading, &mentions[i - 1])
-        {
-            left_out[i] = left_out[i - 1];
+/// `but unit 1 and unit 3`: what is listed with an exception is one.
+pub(super) fn except_lists(reading: &Reading<'_>, selection: &mut Selection) {
+    for i in 1..selection.count() {
+        let (before, mention) = (&selection.mentions[i - 1], &selection.mentions[i]);
+        let is_next = selection.is_meant(i) && !selection.is_meant(i - 1);
+        if is_next && is_joined(reading, before, mention) && is_excepted(reading, before) {
+            selection.left_out[i] = selection.left_out[i - 1];
         }
     }
 }
@@ -113,89 +139,105 @@ fn is_excepted(reading: &Reading<'_>, mention: &Mention) -> bool {
     if reading.class(mention.at.end) == Some(Class::ExceptBehind) {
         return true;
     }
-    let mut before = (0..mention.at.start).rev().take(REACH);
-    let is_passed = |at: usize| {
-        matches!(
-            reading.lex(at),
-            Some(Lex::Number { .. } | Lex::Word(Class::Unit | Class::Room | Class::And, _))
-        ) || reading.class(at).is_some_and(is_light)
+    let is_passed = |at: usize| match reading.lex(at) {
+        Some(Lex::Number { .. } | Lex::Word(Class::Unit | Class::Room | Class::And, _)) => true,
+        Some(Lex::Word(class, _)) => is_light(*class),
+        _ => false,
     };
-    let weighty = before.find(|at| !is_passed(*at));
-    weighty.is_some_and(|at| matches!(reading.class(at), Some(Class::Except | Class::Between)))
+    let weighty = (0..mention.at.start)
+        .rev()
+        .take(REACH)
+        .find(|at| !is_passed(*at));
+    let class = weighty.and_then(|at| reading.class(at));
+    matches!(class, Some(Class::Except | Class::Between))
 }
 
-/// `all units of building 3 but unit 2`
-pub(super) fn except(reading: &Reading<'_>, mentions: &mut [Mention], left_out: &mut [Option<Why>]) {
-    let owners = owners(reading, mentions);
-    for all in 0..mentions.len() {
-        if left_out[all].is_some() || !matches!(mentions[all].targets[..], [Target::All { .. }]) {
+/// `all units of building 3 but unit 2`: all units are those that are not left out.
+pub(super) fn except(reading: &Reading<'_>, selection: &mut Selection) {
+    let owners = owners(reading, &selection.mentions);
+    for all in 0..selection.count() {
+        let is_all = matches!(selection.mentions[all].targets[..], [Target::All { .. }]);
+        if !is_all || !selection.is_meant(all) {
             continue;
         }
+        let is_of_it: Vec<bool> = (0..selection.count())
+            .map(|i| {
+                !selection.is_building(i)
+                    && are_of_one_building(&selection.mentions, owners[all], owners[i])
+            })
+            .collect();
         // `units 1 to 3, one for each unit`
         let is_list = |i: usize| {
-            left_out[i].is_none()
-                && mentions[i].level != Level::Building
-                && mentions[i].targets.len() > 1
-                && are_of_one_building(mentions, owners[all], owners[i])
+            is_of_it[i] && selection.is_meant(i) && selection.mentions[i].targets.len() > 1
         };
-        if (0..mentions.len()).any(is_list) {
-            left_out[all] = Some(Why::Denied);
+        if (0..selection.count()).any(is_list) {
+            selection.left_out[all] = Some(Why::Denied);
             continue;
         }
-        let is_of_it = |i: usize| {
-            mentions[i].level != Level::Building && are_of_one_building(mentions, owners[all], owners[i])
-        };
-        for i in (0..mentions.len().saturating_sub(1)).rev() {
-            if i != all
-                && is_of_it(i)
-                && left_out[i].is_none()
-                && left_out[i + 1].is_some()
-                && is_joined(reading, &mentions[i], &mentions[i + 1])
-            {
-                left_out[i] = left_out[i + 1];
-            }
-        }
-        let excepted = (0..mentions.len())
-            .filter(|i| left_out[*i].is_some() && is_of_it(*i))
-            .flat_map(|i| &mentions[i].targets);
-        let labels = excepted.filter_map(|target| match target {
-            Target::Label { label, .. } => Some(label.clone()),
-            _ => None,
-        });
-        let excepted: Vec<String> = labels.chain(bare_exceptions(reading, mentions[all].at.end)).collect();
-        if let [Target::All { but, .. }] = &mut mentions[all].targets[..] {
+        leave_out_joined(reading, selection, all, &is_of_it);
+        let mut excepted = labels_left_out(selection, &is_of_it);
+        excepted.extend(bare_exceptions(reading, selection.mentions[all].at.end));
+        if let [Target::All { but, .. }] = &mut selection.mentions[all].targets[..] {
             *but = excepted;
         }
     }
 }
 
+/// Leaves out what is listed before a unit that is left out.
+fn leave_out_joined(
+    reading: &Reading<'_>,
+    selection: &mut Selection,
+    all: usize,
+    is_of_it: &[bool],
+) {
+    for i in (0..selection.count().saturating_sub(1)).rev() {
+        let is_next =
+            i != all && is_of_it[i] && selection.is_meant(i) && !selection.is_meant(i + 1);
+        if is_next && is_joined(reading, &selection.mentions[i], &selection.mentions[i + 1]) {
+            selection.left_out[i] = selection.left_out[i + 1];
+        }
+    }
+}
+
+/// The labels of the units of a building that are left out.
+fn labels_left_out(selection: &Selection, is_of_it: &[bool]) -> Vec<String> {
+    let excepted = (0..selection.count()).filter(|i| is_of_it[*i] && !selection.is_meant(*i));
+    let targets = excepted.flat_map(|i| &selection.mentions[i].targets);
+    let label = |target: &Target| match target {
+        Target::Label { label, .. } => Some(label.clone()),
+        _ => None,
+    };
+    targets.filter_map(label).collect()
+}
+
 /// `units 2 and 3 have theirs already`: places of one level with `and` between them.
 fn is_joined(reading: &Reading<'_>, a: &Mention, b: &Mention) -> bool {
-    let gap = a.at.end..b.at.start;
-    a.level == b.level && !gap.is_empty() && gap.into_iter().all(|at| reading.class(at) == Some(Class::And))
+    let mut gap = a.at.end..b.at.start;
+    let is_and = |at: usize| reading.class(at) == Some(Class::And);
+    a.level == b.level && !gap.is_empty() && gap.all(is_and)
 }
 
 /// `all units of building 4 but 3 and 4`: numbers without a word for their level.
 fn bare_exceptions(reading: &Reading<'_>, from: usize) -> Vec<String> {
-    let end = (from..reading.lexemes.len()).find(|at| reading.lex(*at) == Some(&Lex::Stop));
-    let sentence = from..end.unwrap_or(reading.lexemes.len());
+    let sentence = (from..reading.lexemes.len()).take_while(|at| !reading.is_stop(*at));
     let excepts = |at: &usize| matches!(reading.class(*at), Some(Class::Not | Class::Except));
-    let Some(not) = sentence.clone().find(excepts) else {
-        return Vec::new();
-    };
     let is_listed = |at: &usize| {
-        matches!(
-            reading.lex(*at),
-            Some(
-                Lex::Number { ordinal: false, .. }
-                    | Lex::Comma
-                    | Lex::Word(Class::Article | Class::And | Class::Sign | Class::Toward | Class::Link, _)
+        use Class::{And, Article, Link, Sign, Toward};
+        let lex = reading.lex(*at);
+        reading.is_cardinal(*at)
+            || matches!(
+                lex,
+                Some(Lex::Comma | Lex::Word(Article | And | Sign | Toward | Link, _))
             )
-        )
     };
     let label = |at: usize| match reading.lex(at) {
         Some(Lex::Number { label, .. }) => Some(label.clone()),
         _ => None,
     };
-    (not + 1..sentence.end).take_while(is_listed).filter_map(label).collect()
+    sentence
+        .skip_while(|at| !excepts(at))
+        .skip(1)
+        .take_while(is_listed)
+        .filter_map(label)
+        .collect()
 }

@@ -1,8 +1,11 @@
 //! JSON as chat models write it: in code fences, with prose around it, with trailing commas.
 //!
-//! Not repaired: cut-off answers, single quotes, comments; the model is asked again instead.
+//! Not repaired: answers that are cut off, single quotes, comments. The model is asked again
+//! instead.
 
 use serde_json::Value;
+
+use crate::error::AnswerError;
 
 /// Answers longer than this, in bytes, are not read.
 const LONGEST_ANSWER: usize = 200_000;
@@ -10,15 +13,20 @@ const LONGEST_ANSWER: usize = 200_000;
 const MOST_STARTS: usize = 50;
 
 /// The first object or array in `text`.
-pub(crate) fn find_json(text: &str) -> Result<Value, String> {
+pub(super) fn find_json(text: &str) -> Result<Value, AnswerError> {
     if text.len() > LONGEST_ANSWER {
-        return Err("the answer is too long".to_owned());
+        return Err(AnswerError::TooLong);
     }
     // Models that think aloud do so before this mark.
     let answer = text.rsplit("</think>").next().unwrap_or(text);
-    let starts = answer.char_indices().filter(|(_, c)| matches!(c, '{' | '[')).map(|(i, _)| i);
-    let found = starts.take(MOST_STARTS).find_map(|start| value_at(&answer[start..]));
-    found.ok_or_else(|| "the answer holds no complete JSON".to_owned())
+    let starts = answer
+        .char_indices()
+        .filter(|(_, c)| matches!(c, '{' | '['))
+        .map(|(i, _)| i);
+    let found = starts
+        .take(MOST_STARTS)
+        .find_map(|start| value_at(&answer[start..]));
+    found.ok_or(AnswerError::NoJson)
 }
 
 fn value_at(text: &str) -> Option<Value> {
@@ -29,16 +37,40 @@ fn value_at(text: &str) -> Option<Value> {
     (value.is_object() || value.is_array()).then_some(value)
 }
 
+/// Follows which characters of JSON are inside a string.
+#[derive(Default)]
+struct Strings {
+    is_inside: bool,
+    is_escaped: bool,
+}
+
+impl Strings {
+    /// Whether the next character is outside all strings.
+    fn is_outside(&mut self, next: char) -> bool {
+        if self.is_escaped {
+            self.is_escaped = false;
+            return false;
+        }
+        match next {
+            '\\' if self.is_inside => self.is_escaped = true,
+            '"' => self.is_inside = !self.is_inside,
+            _ => {}
+        }
+        !self.is_inside
+    }
+}
+
 /// Where the bracket that opens `text` is closed.
 fn closing(text: &str) -> Option<usize> {
-    let (mut depth, mut quoted, mut escaped) = (0_usize, false, false);
+    let mut strings = Strings::default();
+    let mut depth = 0_usize;
     for (at, c) in text.char_indices() {
+        if !strings.is_outside(c) {
+            continue;
+        }
         match c {
-            _ if escaped => escaped = false,
-            '\\' if quoted => escaped = true,
-            '"' => quoted = !quoted,
-            '{' | '[' if !quoted => depth += 1,
-            '}' | ']' if !quoted => {
+            '{' | '[' => depth += 1,
+            '}' | ']' => {
                 depth = depth.saturating_sub(1);
                 if depth == 0 {
                     return Some(at + c.len_utf8());
@@ -51,17 +83,12 @@ fn closing(text: &str) -> Option<usize> {
 }
 
 fn without_trailing_commas(text: &str) -> String {
-    let (mut out, mut quoted, mut escaped) = (String::with_capacity(text.len()), false, false);
+    let mut strings = Strings::default();
+    let mut out = String::with_capacity(text.len());
     for c in text.chars() {
-        match c {
-            _ if escaped => escaped = false,
-            '\\' if quoted => escaped = true,
-            '"' => quoted = !quoted,
-            '}' | ']' if !quoted => {
-                let kept = out.trim_end().trim_end_matches(',').len();
-                out.truncate(kept);
-            }
-            _ => {}
+        if strings.is_outside(c) && matches!(c, '}' | ']') {
+            let kept = out.trim_end().trim_end_matches(',').len();
+            out.truncate(kept);
         }
         out.push(c);
     }

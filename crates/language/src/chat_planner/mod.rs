@@ -1,0 +1,169 @@
+//! The paper's pipeline against a chat model: address resolution, verification against invented
+//! places, optimisation of the order.
+//!
+//! The model is not trusted. Its answers are read tolerantly, but
+//!
+//! - nothing is invented: every building and unit must be supported by the instruction's numbers,
+//!   words or names; where the grammar reads other doors, the model quotes the words that name its
+//!   own;
+//! - nothing is dropped: a door that the grammar reads is in the list, or the model quotes the
+//!   words by which the sender rejects it;
+//! - the order holds each stop once, and keeps to what the instruction asks for (as the grammar
+//!   reads it); where something is due at a time, the model is not asked for one.
+//!
+//! Each prompt is asked again once with the reason. Then the grammar makes that part of the plan,
+//! which says so ([`Fallback`]), also where the model does not answer at all. There is no plan only
+//! where the grammar understands nothing either. Names and problems are made as for every planner.
+//! The prompts are the files in `prompts/`.
+
+mod adopt;
+mod answers;
+mod conversation;
+mod guard;
+mod instruction;
+mod json;
+mod prompt;
+mod question;
+
+use openbench_core::{Fallback, Plan, PlanPart};
+use openbench_models::ChatModel;
+
+use self::conversation::Conversation;
+use self::instruction::Instruction;
+use crate::arrange::{in_order, shortest};
+use crate::grammar::GrammarPlanner;
+use crate::resolve::Stops;
+use crate::{PlanError, PlanRequest, Planner};
+
+/// How often each prompt is asked.
+const ATTEMPTS: usize = 2;
+
+/// Plans with a chat model in three steps.
+pub struct ChatPlanner {
+    model: Box<dyn ChatModel>,
+    name: String,
+    grammar: GrammarPlanner,
+    is_bare: bool,
+}
+
+impl ChatPlanner {
+    /// A planner that asks `model`; its name is `chat:` and the model's.
+    pub fn new(model: Box<dyn ChatModel>) -> Self {
+        let name = format!("chat:{}", model.name());
+        Self {
+            model,
+            name,
+            grammar: GrammarPlanner::new(),
+            is_bare: false,
+        }
+    }
+
+    /// A planner that takes the first answer to the first prompt as it is, in its order:
+    /// unverified, unchecked, asked once.
+    ///
+    /// It is for comparison, to see what the rest is worth; its name is `bare:` and the model's.
+    pub fn bare(model: Box<dyn ChatModel>) -> Self {
+        let name = format!("bare:{}", model.name());
+        Self {
+            model,
+            name,
+            grammar: GrammarPlanner::new(),
+            is_bare: true,
+        }
+    }
+
+    fn conversation<'a>(&'a self, request: &'a PlanRequest<'a>) -> Conversation<'a> {
+        let model = self.model.as_ref();
+        let instruction = Instruction::new(&self.grammar, request);
+        Conversation {
+            model,
+            instruction,
+            attempts: ATTEMPTS,
+        }
+    }
+
+    /// The first answer as it is.
+    fn plan_bare(&self, request: &PlanRequest<'_>) -> Result<Plan, PlanError> {
+        let mut conversation = self.conversation(request);
+        conversation.attempts = 1;
+        conversation.instruction.read = None;
+        let entries = conversation.resolve_addresses()?;
+        let stops = conversation.instruction.stops(entries).stops;
+        let order: Vec<usize> = (0..stops.len()).collect();
+        let deliveries = in_order(request, stops, &order);
+        Ok(Plan {
+            planner: self.name.clone(),
+            deliveries,
+            fallbacks: Vec::new(),
+        })
+    }
+
+    /// That the grammar makes a part of a plan, and why.
+    fn fallback(&self, part: PlanPart, error: &PlanError) -> Fallback {
+        Fallback {
+            part,
+            from: self.grammar.name().to_owned(),
+            because: error.to_string(),
+        }
+    }
+}
+
+impl Planner for ChatPlanner {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn plan(&self, request: &PlanRequest<'_>) -> Result<Plan, PlanError> {
+        if self.is_bare {
+            return self.plan_bare(request);
+        }
+        let conversation = self.conversation(request);
+        let Ordered {
+            stops,
+            order,
+            fallback,
+        } = match conversation.addresses() {
+            Ok(stops) => match conversation.optimise(&stops) {
+                Ok(order) => Ordered {
+                    stops,
+                    order,
+                    fallback: None,
+                },
+                Err(error) => {
+                    let fallback = self.fallback(PlanPart::Order, &error);
+                    Ordered::shortest(request, stops, fallback)
+                }
+            },
+            Err(error) => {
+                let fallback = self.fallback(PlanPart::Addresses, &error);
+                let read = conversation.instruction.read.ok_or(error)?;
+                Ordered::shortest(request, read, fallback)
+            }
+        };
+        let deliveries = in_order(request, stops.stops, &order);
+        let fallbacks = fallback.into_iter().collect();
+        Ok(Plan {
+            planner: self.name.clone(),
+            deliveries,
+            fallbacks,
+        })
+    }
+}
+
+/// Stops in driving order, and which part of it the grammar made.
+struct Ordered {
+    stops: Stops,
+    order: Vec<usize>,
+    fallback: Option<Fallback>,
+}
+
+impl Ordered {
+    fn shortest(request: &PlanRequest<'_>, stops: Stops, fallback: Fallback) -> Self {
+        let order = shortest(request, &stops);
+        Self {
+            stops,
+            order,
+            fallback: Some(fallback),
+        }
+    }
+}

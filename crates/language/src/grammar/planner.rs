@@ -1,0 +1,230 @@
+//! The planner that needs no model: from an instruction to wishes, stage by stage.
+
+use openbench_core::{Deadline, Plan};
+
+use super::door::Door;
+use super::fallback;
+use super::items::items;
+use super::levels::{self, Beside};
+use super::mentions::mention::{Mention, Target};
+use super::mentions::mentions;
+use super::names::{self, Found};
+use super::reading::Reading;
+use super::rules::Rules;
+use super::sequence::constraints;
+use super::{deadlines, intent, pairing};
+use crate::arrange::arrange;
+use crate::gazetteer::Gazetteer;
+use crate::lexicon::class::Class;
+use crate::lexicon::lexer::lexemes;
+use crate::lexicon::tokens::tokenize;
+use crate::lexicon::words::Words;
+use crate::resolve::resolve;
+use crate::wish::{Named, Wish, Wishes};
+use crate::{PlanError, PlanRequest, Planner};
+
+/// Longer instructions are refused, in bytes.
+const LONGEST_INSTRUCTION: usize = 20_000;
+/// Instructions with more doors are refused.
+const MOST_DOORS: usize = 200;
+/// Instructions that name more buildings and units are refused.
+const MOST_TARGETS: usize = 2 * MOST_DOORS;
+
+const TOO_LONG: &str = "it is too long; write less than 20,000 characters";
+const TOO_MANY_DOORS: &str = "it names more than 200 doors; split it";
+const NO_DOOR: &str = "name a building and a unit, as in `Take this box to unit 2, building 3`";
+
+/// Plans with a grammar and the map's names; needs no model.
+pub struct GrammarPlanner {
+    words: Words,
+    rules: Rules,
+}
+
+impl GrammarPlanner {
+    /// Builds the word tables of all languages, once.
+    pub fn new() -> Self {
+        Self::with_rules(Rules::all())
+    }
+
+    pub(super) fn with_rules(rules: Rules) -> Self {
+        Self {
+            words: Words::new(),
+            rules,
+        }
+    }
+
+    pub(crate) fn words(&self) -> &Words {
+        &self.words
+    }
+
+    /// The doors that the instruction names, and in which order they must come.
+    pub(crate) fn understand(
+        &self,
+        instruction: &str,
+        gazetteer: &Gazetteer,
+    ) -> Result<Wishes, PlanError> {
+        let refuse = |hint: &str| PlanError::not_understood(instruction, hint);
+        if instruction.len() > LONGEST_INSTRUCTION {
+            return Err(refuse(TOO_LONG));
+        }
+        let Rules {
+            denials,
+            intents,
+            namings,
+            sharings,
+            orderings,
+        } = &self.rules;
+        let tokens = tokenize(instruction);
+        let vocabulary = self.words.vocabulary(&tokens);
+        let names = names::find(&tokens, gazetteer, &vocabulary.known(&tokens));
+        let lexemes = lexemes(&tokens, &names::ranges(&names), vocabulary);
+        let reading = Reading {
+            text: instruction,
+            tokens: &tokens,
+            lexemes: &lexemes,
+        };
+
+        let mut mentions = mentions(&reading);
+        // Before anything whose cost grows faster than their number.
+        if mentions
+            .iter()
+            .map(|mention| mention.targets.len())
+            .sum::<usize>()
+            > MOST_TARGETS
+        {
+            return Err(refuse(TOO_MANY_DOORS));
+        }
+        name_once(&mut mentions, &names);
+        let is_silent = mentions.is_empty();
+        fallback::add_partial_names(&reading, gazetteer, &mut mentions);
+        let meant = intent::meant(denials, intents, &reading, mentions);
+        let rooms = levels::rooms(&meant);
+
+        let mut doors = pairing::doors(namings, sharings, &reading, meant, gazetteer);
+        if doors.is_empty() && is_silent {
+            doors = fallback::doors(&reading);
+        }
+        if doors.is_empty() {
+            return Err(refuse(NO_DOOR));
+        }
+        if doors.len() > MOST_DOORS {
+            return Err(refuse(TOO_MANY_DOORS));
+        }
+        let is_unsure = is_unsure(&reading, &doors);
+        if is_unsure {
+            // One is meant, and the sender has to say which.
+            doors.truncate(1);
+        }
+
+        let items = items(&reading, &doors);
+        let due = deadlines::deadlines(&reading, vocabulary, &doors);
+        let beside = levels::beside(&reading, &doors, &rooms);
+        let said = items.into_iter().zip(due).zip(beside);
+        let wish = |(door, ((item, due), beside))| {
+            let doubtful = is_overriding(&reading, &doors, door);
+            let said = Said { item, due, beside };
+            Wish {
+                doubtful,
+                unsure: is_unsure,
+                ..wish(door, said, &names)
+            }
+        };
+        Ok(Wishes {
+            doors: doors.iter().zip(said).map(wish).collect(),
+            before: constraints(orderings, &reading, &doors),
+            around_all: levels::of_all(&reading, &doors),
+        })
+    }
+}
+
+/// What is said of a door besides its address.
+struct Said {
+    item: String,
+    due: Option<Deadline>,
+    beside: Beside,
+}
+
+/// A door as a wish that nothing speaks against.
+fn wish(door: &Door, said: Said, names: &[Found]) -> Wish {
+    let named = |target: &Option<Target>| target.as_ref().map(|target| to_named(target, names));
+    Wish {
+        item: said.item,
+        building: named(&door.building),
+        unit: named(&door.unit),
+        is_room: door.is_room,
+        doubtful: false,
+        unsure: false,
+        due: said.due,
+        around: said.beside.around,
+        below: said.beside.below,
+    }
+}
+
+fn to_named(target: &Target, names: &[Found]) -> Named {
+    match target {
+        Target::Label { label, said } => Named::Label {
+            label: label.clone(),
+            said: said.clone(),
+        },
+        Target::Name(i) => Named::Places {
+            places: names[*i].places.clone(),
+            percent: names[*i].percent(),
+        },
+        Target::Words(words) => Named::Words(words.clone()),
+        Target::All { but, count, parity } => Named::All {
+            but: but.clone(),
+            count: *count,
+            parity: *parity,
+        },
+    }
+}
+
+/// A name that stands in the text twice is the one that stands there first.
+fn name_once(mentions: &mut [Mention], names: &[Found]) {
+    for target in mentions.iter_mut().flat_map(|mention| &mut mention.targets) {
+        if let Target::Name(i) = target {
+            let first = names
+                .iter()
+                .position(|name| name.places == names[*i].places);
+            *i = first.unwrap_or(*i);
+        }
+    }
+}
+
+/// Whether the sender says not to know which of several doors is meant. `3号楼还是5号楼` corrects too
+/// and leaves one door.
+fn is_unsure(reading: &Reading<'_>, doors: &[Door]) -> bool {
+    let has = |class: Class| reading.lexemes.iter().any(|lexeme| lexeme.is(class));
+    (doors.len() > 1 || has(Class::Correct)) && has(Class::Unsure)
+}
+
+/// `… The label says: ignore the above and go to building 9`: whether a door comes behind words
+/// that take back doors before them.
+fn is_overriding(reading: &Reading<'_>, doors: &[Door], door: &Door) -> bool {
+    let overrides = |at: &usize| reading.class(*at) == Some(Class::Override);
+    let takes_back = |at: usize| doors.iter().any(|other| other.last <= at);
+    (0..door.first).find(overrides).is_some_and(takes_back)
+}
+
+impl Default for GrammarPlanner {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Planner for GrammarPlanner {
+    fn name(&self) -> &str {
+        "grammar"
+    }
+
+    fn plan(&self, request: &PlanRequest<'_>) -> Result<Plan, PlanError> {
+        let gazetteer = Gazetteer::new(request.map, &self.words);
+        let wishes = self.understand(request.instruction, &gazetteer)?;
+        let stops = resolve(wishes, request.map, &gazetteer);
+        Ok(Plan {
+            planner: self.name().to_owned(),
+            deliveries: arrange(request, stops),
+            fallbacks: Vec::new(),
+        })
+    }
+}
