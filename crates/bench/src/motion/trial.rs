@@ -23,7 +23,7 @@ const SLOW: f64 = 1.3;
 /// Changes of the turn's sign that are no oscillation: so many, and so many a second.
 const SWERVES: (f64, f64) = (4.0, 0.25);
 
-/// Distance and heading error with which the follower has arrived: it drives on while it turns, and has to end well within what counts.
+/// Distance and heading error with which the follower has arrived: less than what counts as reached.
 const FOLLOWER: Tolerance = Tolerance { distance: 0.08, yaw: 0.07 };
 
 /// The planners that are compared by default.
