@@ -17,7 +17,7 @@ pub struct Plan {
     pub fallbacks: Vec<Fallback>,
 }
 
-/// A part of a plan that another planner made than the requested one.
+/// A part of a plan that was not made by the requested planner.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Fallback {
     /// Which part.
@@ -43,8 +43,8 @@ pub enum PlanPart {
 pub struct PlannedDelivery {
     /// Position of this delivery in the instruction, counted from 0.
     pub instruction_index: usize,
-    /// What is delivered, in the instruction's words. Several items for one door are joined by `,
-    /// `.
+    /// What is delivered, in the instruction's words. Several items for one door are separated by
+    /// commas.
     pub item: String,
     /// Name of the building.
     pub building: String,

@@ -28,7 +28,7 @@ const IN_SIGHT_M: f64 = 50.0;
 const PATIENCE_S: f64 = 60.0;
 /// A car slower than this waits, m/s.
 const WAITING_SPEED: f64 = 0.1;
-/// A car may go first if no other has waited longer than it by this time, seconds.
+/// A car may reserve a turn unless another has waited longer by this time, seconds.
 const WAITING_MARGIN_S: f64 = 2.0;
 /// Free lane that a car needs to come in, metres.
 const ENTRY_ROOM_M: f64 = 18.0;
@@ -60,7 +60,7 @@ pub(super) struct Car {
     stands: f64,
     /// Whether it is on the map.
     pub present: bool,
-    /// Seconds until it wants to come in.
+    /// Seconds until it tries to come in.
     away: f64,
 }
 

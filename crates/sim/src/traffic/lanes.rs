@@ -363,7 +363,7 @@ mod tests {
                 .windows(2)
                 .all(|w| (w[0] - 0.1).abs() <= (w[1] - 0.1).abs())
         );
-        assert!(candidates.iter().all(|o| o.abs() <= 0.2));
+        assert!(candidates.iter().all(|o| o.abs() < 0.2 + 1e-9));
     }
 
     #[test]
