@@ -17,7 +17,7 @@ use super::options::GenerateOptions;
 use super::seeds::{Purpose, chance, element_number, stream};
 use super::segment::Segment;
 use super::walls::walls;
-use crate::plate::PLATE_WIDTH;
+use crate::plate::PLATE_WIDTH_M;
 
 /// Middle of the plate from the middle of the door along the wall, metres.
 const PLATE_OFFSET_M: f64 = 1.25;
@@ -326,7 +326,7 @@ fn doorway(
 /// Whether a plate beside a door is on the wall and clear of other doors and plates.
 fn has_room(door: &Doorway, offset: f64, others: &[Doorway]) -> bool {
     let place = door.position.distance(door.wall.a) + offset;
-    let half = PLATE_WIDTH / 2.0;
+    let half = PLATE_WIDTH_M / 2.0;
     let on_wall =
         place > half + PLATE_MARGIN_M && place < door.wall.length() - half - PLATE_MARGIN_M;
     let mut spans = others.iter().filter_map(|d| d.span_on(door.wall));
