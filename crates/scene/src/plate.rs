@@ -13,11 +13,11 @@ use crate::scene::Layer;
 use crate::{Material, MaterialId, SceneBuilder, SemanticClass, Texture};
 
 /// Width of a plate, metres.
-pub const PLATE_WIDTH: f64 = 1.0;
+pub const PLATE_WIDTH_M: f64 = 1.0;
 /// Height of a plate, metres.
-pub const PLATE_HEIGHT: f64 = 0.45;
+pub const PLATE_HEIGHT_M: f64 = 0.45;
 /// Height of the capitals on it, metres.
-pub const CAPITAL_HEIGHT: f64 = 0.25;
+pub const CAPITAL_HEIGHT_M: f64 = 0.25;
 
 /// Distance of the face in front of the pose, metres.
 const FACE_M: f64 = 0.03;
@@ -79,7 +79,7 @@ pub fn plate_material(builder: &mut SceneBuilder, text: &str) -> MaterialId {
 /// Adds a plate as [`add_plate`] does, with an existing `face`, `out` metres in front of `pose`.
 pub fn hang_plate(builder: &mut SceneBuilder, face: MaterialId, pose: &Pose3, out: f64) {
     let edge = builder.material(Material::plain(SemanticClass::Plate, [0.35; 3]));
-    let (x, z) = (PLATE_WIDTH / 2.0, PLATE_HEIGHT / 2.0);
+    let (x, z) = (PLATE_WIDTH_M / 2.0, PLATE_HEIGHT_M / 2.0);
     let (right, up, deep) = (
         -2.0 * x * Vector3::x(),
         2.0 * z * Vector3::z(),
@@ -156,7 +156,7 @@ fn font() -> &'static Font {
 /// what hangs below them, so that capitals are in the middle of the plate.
 fn draw_line(text: &str) -> Coverage {
     let font = font();
-    let capital = CAPITAL_HEIGHT as f32 * (TEXELS_A_METRE as usize * OVERSAMPLING) as f32;
+    let capital = CAPITAL_HEIGHT_M as f32 * (TEXELS_A_METRE as usize * OVERSAMPLING) as f32;
     let px = capital * 1000.0 / font.metrics('H', 1000.0).height as f32;
     let text: String = text.chars().take(64).collect();
     let height = capital as usize;
@@ -239,7 +239,7 @@ mod tests {
         let rows = ink_rows(&plate_texture("UNIT 1"));
         let (first, last) = (rows[0], rows[rows.len() - 1]);
         let height = (last + 1 - first) as f64 / f64::from(TEXELS_A_METRE);
-        assert!((height - CAPITAL_HEIGHT).abs() < 0.012, "{height}");
+        assert!((height - CAPITAL_HEIGHT_M).abs() < 0.012, "{height}");
         assert!((first + last).abs_diff(HEIGHT - 1) <= 3, "{first} {last}");
     }
 

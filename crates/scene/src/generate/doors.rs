@@ -1,6 +1,7 @@
 //! Doors: leaf, frame, doorstep, canopy, lamp, and the plate beside the door or on its leaf.
 
 use openbench_core::Pose2;
+use openbench_geometry::Segment;
 use rand_pcg::Pcg64Mcg;
 
 use super::doorway::{Doorway, LEAF_WIDTH_M};
@@ -12,7 +13,6 @@ use super::shapes::{Block, Surface, cuboid, panel};
 use crate::material::SemanticClass;
 use crate::plate::{hang_plate, plate_pose};
 use crate::scene::{Door, Layer, SceneBuilder};
-use openbench_geometry::Segment;
 
 /// Height of a door leaf, metres.
 const LEAF_HEIGHT_M: f64 = 2.1;

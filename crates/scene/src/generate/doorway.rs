@@ -4,9 +4,9 @@ use std::f64::consts::FRAC_PI_2;
 use std::ops::Range;
 
 use openbench_core::{Address, MapPoint, Pose2};
-
-use crate::plate::PLATE_WIDTH;
 use openbench_geometry::Segment;
+
+use crate::plate::PLATE_WIDTH_M;
 
 /// Width of a door leaf, metres.
 pub(super) const LEAF_WIDTH_M: f64 = 1.0;
@@ -56,7 +56,7 @@ impl Doorway {
             return None;
         }
         let plate = along + self.plate_offset;
-        let half = PLATE_WIDTH / 2.0;
+        let half = PLATE_WIDTH_M / 2.0;
         let from = (along - LEAF_WIDTH_M / 2.0 - FRAME_WIDTH_M).min(plate - half);
         let to = (along + LEAF_WIDTH_M / 2.0 + FRAME_WIDTH_M).max(plate + half);
         Some(from..to)

@@ -5,6 +5,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use openbench_core::{Address, MapPoint};
+use openbench_geometry::Segment;
 use openbench_osm::names::{fold, fold_unit};
 use openbench_osm::{Building, Entrance, OsmData, OsmMap};
 use rand_pcg::Pcg64Mcg;
@@ -16,8 +17,7 @@ use super::naming::Names;
 use super::options::GenerateOptions;
 use super::seeds::{Purpose, chance, element_number, stream};
 use super::walls::walls;
-use crate::plate::PLATE_WIDTH;
-use openbench_geometry::Segment;
+use crate::plate::PLATE_WIDTH_M;
 
 /// Middle of the plate from the middle of the door along the wall, metres.
 const PLATE_OFFSET_M: f64 = 1.25;
@@ -326,7 +326,7 @@ fn doorway(
 /// Whether a plate beside a door is on the wall and clear of other doors and plates.
 fn has_room(door: &Doorway, offset: f64, others: &[Doorway]) -> bool {
     let place = door.position.distance(door.wall.start) + offset;
-    let half = PLATE_WIDTH / 2.0;
+    let half = PLATE_WIDTH_M / 2.0;
     let on_wall =
         place > half + PLATE_MARGIN_M && place < door.wall.length() - half - PLATE_MARGIN_M;
     let mut spans = others.iter().filter_map(|d| d.span_on(door.wall));

@@ -3,11 +3,11 @@
 use std::ops::Range;
 
 use openbench_core::MapPoint;
+use openbench_geometry::Segment;
 use openbench_osm::Road;
 
 use super::lanes::Lanes;
 use super::profile::profile;
-use openbench_geometry::Segment;
 
 /// Free width on each side of a road that goes through, metres.
 pub(super) const GATE_MARGIN_M: f64 = 0.8;

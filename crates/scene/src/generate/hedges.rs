@@ -2,13 +2,13 @@
 
 use nalgebra::Point3;
 use openbench_core::Pose2;
+use openbench_geometry::Segment;
 use rand_pcg::Pcg64Mcg;
 
 use super::inputs::Inputs;
 use super::seeds::{Purpose, between, stream};
 use super::shapes::{Block, Corner, Surface, at, cuboid};
 use crate::scene::{Layer, SceneBuilder};
-use openbench_geometry::Segment;
 
 /// Distance between the cross sections of a hedge in a neighbourhood, metres.
 const SECTION_M: f64 = 1.2;

@@ -2,6 +2,7 @@
 
 use nalgebra::Point3;
 use openbench_core::MapPoint;
+use openbench_geometry::sides;
 use rand_pcg::Pcg64Mcg;
 
 use super::clearance::WATER;
@@ -14,7 +15,6 @@ use super::seeds::{Purpose, between, stream};
 use super::shapes::{Corner, Surface, at, level_uv};
 use crate::material::SemanticClass;
 use crate::scene::{Layer, SceneBuilder};
-use openbench_geometry::sides;
 
 /// A row of hills, metres.
 struct Row {

@@ -4,9 +4,8 @@
 use std::collections::BTreeMap;
 
 use openbench_core::MapPoint;
-use openbench_osm::Road;
-
 use openbench_geometry::{Segment, segments};
+use openbench_osm::Road;
 
 /// Side of a cell, metres.
 const CELL_M: f64 = 32.0;

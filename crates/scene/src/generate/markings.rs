@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use openbench_core::{MapPoint, Pose2};
+use openbench_geometry::{Segment, segments};
 use openbench_osm::Road;
 
 use super::features::Feature;
@@ -11,7 +12,6 @@ use super::output::Output;
 use super::profile::profile;
 use super::stripes;
 use crate::material::SemanticClass;
-use openbench_geometry::{Segment, segments};
 
 /// Length of a dash, metres.
 const DASH_M: f64 = 2.0;

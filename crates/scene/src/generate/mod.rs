@@ -100,6 +100,7 @@ mod windows;
 mod woods;
 
 use openbench_core::{Georeference, MapPoint, Pose2};
+use openbench_geometry::Segment;
 use openbench_osm::{OsmData, OsmMap, without_doors};
 
 pub use builtin::{builtin, builtin_georeference, builtin_map, builtin_names};
@@ -113,7 +114,6 @@ use extent::{Extent, GROUND_MARGIN_M};
 use inputs::Inputs;
 use lanes::Lanes;
 use occupied::Occupied;
-use openbench_geometry::Segment;
 use output::{Limits, Output};
 use palette::Palette;
 

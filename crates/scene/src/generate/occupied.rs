@@ -1,9 +1,9 @@
 //! Ground that is taken while a world is built: later things give way to earlier ones.
 
 use openbench_core::MapPoint;
+use openbench_geometry::Segment;
 
 use super::clearance::{Clearance, Kinds, OBJECT};
-use openbench_geometry::Segment;
 
 /// What the map keeps free, and the objects that were placed so far.
 pub(super) struct Occupied<'a> {

@@ -2,9 +2,9 @@
 
 use nalgebra::Point3;
 use openbench_core::MapPoint;
+use openbench_geometry::Segment;
 
 use super::shapes::at;
-use openbench_geometry::Segment;
 
 /// Overhang of a pitched roof over its walls, metres.
 pub(super) const OVERHANG_M: f64 = 0.4;

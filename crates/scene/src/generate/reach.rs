@@ -8,11 +8,11 @@ use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use openbench_core::MapPoint;
+use openbench_geometry::Segment;
 use openbench_geometry::grid::{GridGeometry, squared_distances};
 
 use super::doorway::Doorway;
 use super::extent::Extent;
-use openbench_geometry::Segment;
 
 /// Side of a cell, metres, unless the map is so large that cells must be larger.
 const CELL_M: f64 = 0.5;

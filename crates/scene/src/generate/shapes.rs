@@ -5,12 +5,12 @@ use std::ops::Range;
 
 use nalgebra::{Point3, Vector3};
 use openbench_core::{MapPoint, Pose2};
+use openbench_geometry::Segment;
 
 use super::rings::parallel;
 use crate::material::MaterialId;
 use crate::scene::{Layer, SceneBuilder};
 use crate::triangulate::triangulate;
-use openbench_geometry::Segment;
 
 /// A material, and how many metres its image covers.
 #[derive(Debug, Clone, Copy, PartialEq)]

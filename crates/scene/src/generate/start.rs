@@ -3,6 +3,7 @@
 //! street, in front of a door.
 
 use openbench_core::{MapPoint, Pose2};
+use openbench_geometry::{Segment, segments};
 use openbench_osm::{OsmMap, Road};
 
 use super::clearance::{BARRIER, BUILDING, Clearance, WATER};
@@ -11,7 +12,6 @@ use super::error::GenerateError;
 use super::extent::Extent;
 use super::profile::{Profile, profile};
 use super::reach::Reach;
-use openbench_geometry::{Segment, segments};
 
 /// Free radius that a start needs, metres.
 const RADIUS_M: f64 = 1.5;

@@ -1,9 +1,8 @@
 //! The straight walls of a building.
 
 use openbench_core::MapPoint;
-use openbench_osm::Building;
-
 use openbench_geometry::{Segment, sides};
+use openbench_osm::Building;
 
 /// A corner this near to the line between its neighbours is no corner, metres.
 const STRAIGHT_M: f64 = 0.05;

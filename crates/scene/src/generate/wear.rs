@@ -3,6 +3,7 @@
 use std::f64::consts::FRAC_PI_4;
 
 use openbench_core::{MapPoint, Pose2};
+use openbench_geometry::segments;
 use openbench_osm::Road;
 use rand_pcg::Pcg64Mcg;
 
@@ -13,7 +14,6 @@ use super::profile::{Profile, profile};
 use super::seeds::{Purpose, between, chance, stream};
 use super::shapes::{Surface, at, facet, level_rectangle};
 use crate::scene::{Layer, SceneBuilder};
-use openbench_geometry::segments;
 
 /// Length of street in a neighbourhood with one place of wear, metres.
 const SPACING_M: f64 = 14.0;

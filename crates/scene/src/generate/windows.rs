@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use openbench_core::Pose2;
+use openbench_geometry::{Segment, segments};
 use rand_pcg::Pcg64Mcg;
 
 use super::clearance::{PATH, PAVED, ROAD};
@@ -13,7 +14,6 @@ use super::output::Output;
 use super::seeds::{chance, pick};
 use super::shapes::{Block, Surface, at, cuboid, facet, panel, see_through, wall};
 use crate::scene::{Layer, SceneBuilder};
-use openbench_geometry::{Segment, segments};
 
 /// Windows in one wall and floor at most: a wall is not longer than a street.
 const MAX_COLUMNS: usize = 200;

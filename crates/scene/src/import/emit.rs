@@ -25,10 +25,10 @@ use crate::{SceneBuilder, SemanticClass};
 
 const MAX_TRIANGLES: usize = 20_000_000;
 /// Level planes at least this long are ground that roads lie on, metres.
-const GROUND_EDGE: f64 = 10.0;
+const GROUND_EDGE_M: f64 = 10.0;
 
 /// Collision planes whose middle is farther away than this are moved along themselves, metres.
-const WITHIN_PLANE: f64 = 1000.0;
+const WITHIN_PLANE_M: f64 = 1000.0;
 
 /// Adds models and roads to a scene.
 pub(crate) struct Emitter<'a> {
@@ -208,7 +208,7 @@ impl<'a> Emitter<'a> {
     }
 
     fn note_ground(&mut self, normal: Vector3<f64>, height: f64, size: [f64; 2]) {
-        if normal.z > 0.999 && size.iter().all(|s| *s >= GROUND_EDGE) {
+        if normal.z > 0.999 && size.iter().all(|s| *s >= GROUND_EDGE_M) {
             self.ground.get_or_insert(height);
         }
     }
@@ -317,7 +317,7 @@ impl<'a> Emitter<'a> {
 fn along_plane(pose: Pose3, normal: &Vector3<f64>) -> Pose3 {
     let (at, across) = (pose.translation.vector, pose.rotation * normal);
     let along = at - across * across.dot(&at);
-    if along.norm() < WITHIN_PLANE {
+    if along.norm() < WITHIN_PLANE_M {
         return pose;
     }
     Pose3::from_parts((at - along).into(), pose.rotation)

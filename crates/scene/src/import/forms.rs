@@ -13,7 +13,7 @@ use crate::triangulate::triangulate;
 const SEGMENTS: u32 = 24;
 const RINGS: u32 = 12;
 /// Shortest side of the middle of a collision plane, metres.
-const SOLID_PLANE_EDGE: f64 = 200.0;
+const SOLID_PLANE_EDGE_M: f64 = 200.0;
 /// A box around the origin. `metres` is the size of one repeat of the image; `None` stretches one
 /// repeat over each side.
 pub(crate) fn cuboid(size: Vector3<f64>, metres: Option<[f64; 2]>) -> Part {
@@ -54,7 +54,7 @@ pub(crate) fn plane(
     let size = if visual {
         size
     } else {
-        size.map(|s| s.max(SOLID_PLANE_EDGE))
+        size.map(|s| s.max(SOLID_PLANE_EDGE_M))
     };
     let turn = UnitQuaternion::rotation_between(&Vector3::z(), &normal)
         .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI));

@@ -12,9 +12,9 @@ use super::sdf::Road;
 /// At joints sharper than this the ribbon is cut square, since a mitre would be a long spike.
 const MAX_MITRE: f64 = 3.0;
 /// Largest distance of roads from the ground plane that they belong to, metres.
-const NEAR_GROUND: f64 = 0.5;
+const NEAR_GROUND_M: f64 = 0.5;
 /// Height of the lowest road above the ground, metres.
-const CLEARANCE: f64 = 0.01;
+const CLEARANCE_M: f64 = 0.01;
 
 /// By how much all roads have to be raised (lowered if negative) to lie on the ground at height
 /// `ground`, metres.
@@ -25,8 +25,8 @@ pub(crate) fn shift_to_ground(roads: &[Road], ground: Option<f64>) -> f64 {
         .map(|p| p[2])
         .min_by(f64::total_cmp);
     match (lowest, ground) {
-        (Some(lowest), Some(ground)) if (lowest - ground).abs() < NEAR_GROUND => {
-            ground + CLEARANCE - lowest
+        (Some(lowest), Some(ground)) if (lowest - ground).abs() < NEAR_GROUND_M => {
+            ground + CLEARANCE_M - lowest
         }
         _ => 0.0,
     }
