@@ -31,6 +31,45 @@ const BIAS_WALK: f64 = 4e-6;
 const INITIAL_BIAS_RAD_S: f64 = 0.05;
 
 /// Pose from wheels and gyroscope.
+///
+/// # Example
+///
+/// Four seconds of rest, then one turn of the wheels (0.38 m) towards the north:
+///
+/// ```
+/// use std::f64::consts::{FRAC_PI_2, TAU};
+/// use std::sync::Arc;
+///
+/// use openbench_core::{Camera, Image, ImuSample, Observation, Pose2, RobotDescription};
+/// use openbench_core::{SimTime, WheelSample};
+/// use openbench_localization::{DeadReckoning, Localizer};
+///
+/// struct NoCamera;
+/// impl Camera for NoCamera {
+///     fn image(&self) -> Option<Arc<Image>> {
+///         None
+///     }
+/// }
+///
+/// let mut localizer = DeadReckoning::new(RobotDescription::sentry());
+/// localizer.reset(Pose2::new(20.0, 10.0, FRAC_PI_2));
+/// for i in 1..=500 {
+///     let stamp = SimTime::from_millis(10 * i);
+///     let angle = TAU * (i as f64 - 400.0).max(0.0) / 100.0;
+///     localizer.update(&Observation {
+///         time: stamp,
+///         imu: &[ImuSample { stamp, gyro: [0.0, 0.0, 0.002], accel: [0.0, 0.0, 9.81] }],
+///         wheels: &[WheelSample { stamp, left: angle, right: angle }],
+///         scan: None,
+///         gnss: None,
+///         camera: &NoCamera,
+///     });
+/// }
+/// let pose = localizer.pose();
+/// assert!(localizer.ready());
+/// assert!((pose.y - 10.377).abs() < 1e-3, "{pose:?}");
+/// assert!((pose.yaw - FRAC_PI_2).abs() < 1e-3, "the gyroscope's bias was learned: {pose:?}");
+/// ```
 #[derive(Debug, Clone)]
 pub struct DeadReckoning {
     robot: RobotDescription,
@@ -162,63 +201,72 @@ impl Localizer for DeadReckoning {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use openbench_core::{Camera, Image};
+    use openbench_core::{Camera, Image, MapPoint};
     use std::sync::Arc;
 
     struct Blind;
+
     impl Camera for Blind {
         fn image(&self) -> Option<Arc<Image>> {
             None
         }
     }
 
-    /// Feeds `seconds` of samples with a gyroscope bias; wheel speed and turn rate as given.
-    fn feed(
-        localizer: &mut DeadReckoning,
-        from_ms: u64,
-        seconds: f64,
-        speed: f64,
-        rate: f64,
-    ) -> u64 {
-        let end = from_ms + (seconds * 1000.0) as u64;
-        let mut angle = localizer.wheels.map_or(0.0, |w| w.left);
-        for ms in (from_ms + 10..=end).step_by(10) {
-            angle += speed * 0.01 / 0.06;
-            let stamp = SimTime::from_millis(ms);
-            let imu = [ImuSample {
-                stamp,
-                gyro: [0.0, 0.0, rate + 0.01],
-                accel: [0.0, 0.0, 9.8],
-            }];
-            let wheels = [WheelSample {
-                stamp,
-                left: angle,
-                right: angle,
-            }];
-            localizer.update(&Observation {
-                time: stamp,
-                imu: &imu,
-                wheels: &wheels,
-                scan: None,
-                gnss: None,
-                camera: &Blind,
-            });
+    /// A robot with a biased gyroscope, and its localizer.
+    struct Trial {
+        localizer: DeadReckoning,
+        millis: u64,
+        wheel_angle: f64,
+    }
+
+    impl Trial {
+        /// Begins at a pose with four seconds of rest.
+        fn new(start: Pose2) -> Self {
+            let mut localizer = DeadReckoning::new(RobotDescription::sentry());
+            localizer.reset(start);
+            let mut trial = Self {
+                localizer,
+                millis: 0,
+                wheel_angle: 0.0,
+            };
+            trial.drive(4.0, 0.0, 0.0);
+            trial
         }
-        end
+
+        /// Drives for so many seconds; `speed` is the wheels', m/s, and `rate` the body's, rad/s.
+        fn drive(&mut self, seconds: f64, speed: f64, rate: f64) {
+            for _ in 0..(seconds * 1000.0) as u64 / 10 {
+                self.millis += 10;
+                self.wheel_angle += speed * 0.01 / 0.06;
+                let stamp = SimTime::from_millis(self.millis);
+                let gyro = [0.0, 0.0, rate + 0.01];
+                let imu = [ImuSample {
+                    stamp,
+                    gyro,
+                    accel: [0.0, 0.0, 9.8],
+                }];
+                let (left, right) = (self.wheel_angle, self.wheel_angle);
+                let wheels = [WheelSample { stamp, left, right }];
+                self.localizer.update(&Observation {
+                    time: stamp,
+                    imu: &imu,
+                    wheels: &wheels,
+                    scan: None,
+                    gnss: None,
+                    camera: &Blind,
+                });
+            }
+        }
     }
 
     #[test]
     fn a_circle_closes_despite_the_bias() {
-        let mut localizer = DeadReckoning::new(RobotDescription::sentry());
-        localizer.reset(Pose2::new(2.0, 1.0, 0.5));
-        let at = feed(&mut localizer, 0, 4.0, 0.0, 0.0);
-        assert!(localizer.ready());
-        feed(&mut localizer, at, std::f64::consts::TAU / 0.5, 0.4, 0.5);
-        let pose = localizer.pose();
+        let mut trial = Trial::new(Pose2::new(2.0, 1.0, 0.5));
+        assert!(trial.localizer.ready());
+        trial.drive(std::f64::consts::TAU / 0.5, 0.4, 0.5);
+        let pose = trial.localizer.pose();
         assert!(
-            pose.point()
-                .distance(openbench_core::MapPoint::new(2.0, 1.0))
-                < 0.02,
+            pose.point().distance(MapPoint::new(2.0, 1.0)) < 0.02,
             "{pose:?}"
         );
         assert!(wrap_angle(pose.yaw - 0.5).abs() < 0.01, "{pose:?}");
@@ -226,41 +274,28 @@ mod tests {
 
     #[test]
     fn a_turn_that_outlasts_the_wheels_counts_and_is_not_taken_for_bias() {
-        let mut localizer = DeadReckoning::new(RobotDescription::sentry());
-        let mut at = feed(&mut localizer, 0, 4.0, 0.0, 0.0);
+        let mut trial = Trial::new(Pose2::default());
         for _ in 0..20 {
-            at = feed(&mut localizer, at, 0.5, 0.3, 0.2);
-            // The wheels stand while the body slides on for a tenth of a second.
-            at = feed(&mut localizer, at, 0.1, 0.0, 0.2);
-            at = feed(&mut localizer, at, 0.4, 0.0, 0.0);
+            trial.drive(0.5, 0.3, 0.2);
+            // The wheels rest while the body slides on for a tenth of a second.
+            trial.drive(0.1, 0.0, 0.2);
+            trial.drive(0.4, 0.0, 0.0);
         }
         let turned = 20.0 * 0.6 * 0.2;
-        assert!(
-            (localizer.pose().yaw - turned).abs() < 0.02,
-            "{:?}",
-            localizer.pose()
-        );
-        assert!(
-            (localizer.bias.mean - 0.01).abs() < 1e-4,
-            "{}",
-            localizer.bias.mean
-        );
+        let (yaw, bias) = (trial.localizer.pose().yaw, trial.localizer.bias.mean);
+        assert!((yaw - turned).abs() < 0.02, "{yaw}");
+        assert!((bias - 0.01).abs() < 1e-4, "{bias}");
     }
 
     #[test]
     fn poses_in_between_are_interpolated() {
-        let mut localizer = DeadReckoning::new(RobotDescription::sentry());
-        let at = feed(&mut localizer, 0, 4.0, 0.0, 0.0);
-        feed(&mut localizer, at, 0.5, 0.5, 0.0);
-        let (a, b) = (
-            localizer.pose_at(SimTime::from_millis(4200)),
-            localizer.pose_at(SimTime::from_millis(4210)),
-        );
-        let middle = localizer.pose_at(SimTime::from_millis(4205));
-        assert!((middle.x - (a.x + b.x) / 2.0).abs() < 1e-9 && b.x > a.x);
-        assert_eq!(
-            localizer.pose_at(SimTime::from_millis(99_999)),
-            localizer.pose()
-        );
+        let mut trial = Trial::new(Pose2::default());
+        trial.drive(0.5, 0.5, 0.0);
+        let [a, middle, b] =
+            [4200, 4205, 4210].map(|millis| trial.localizer.pose_at(SimTime::from_millis(millis)));
+        assert!((middle.x - (a.x + b.x) / 2.0).abs() < 1e-9);
+        assert!(b.x > a.x);
+        let future = SimTime::from_millis(99_999);
+        assert_eq!(trial.localizer.pose_at(future), trial.localizer.pose());
     }
 }

@@ -144,44 +144,30 @@ mod tests {
     }
 
     #[test]
-    fn a_receiver_is_believed_now_and_then_and_less_than_it_says() {
+    fn a_receiver_counts_now_and_then_and_less_than_it_reports() {
         let mut gnss = Gnss::new(Vector2::new(0.5, 0.0));
         let near = Pose2::new(9.0, 2.0, std::f64::consts::FRAC_PI_2);
-        let first = gnss
-            .fix(&fix(100, 10.0, 0.5), SimTime::from_millis(30_000), near)
-            .unwrap();
+        let now = SimTime::from_millis(30_000);
+        let first = gnss.fix(&fix(100, 10.0, 0.5), now, near).unwrap();
         assert!((first.pose.translation.vector - Vector2::new(10.0, 1.5)).norm() < 1e-12);
-        // A fix of 2 m counts for a 180th of that; it is false beyond three times as far.
+        // A fix of 2 m counts for a 180th of that. It is an outlier beyond three times as far.
+        let information = first.information[(0, 0)];
+        assert!((information - 0.25 / 180.0).abs() < 1e-12);
+        assert_eq!(first.information[(2, 2)], 0.0);
+        assert!((first.credible / information.sqrt() - 6.0).abs() < 1e-9);
         assert!(
-            (first.information[(0, 0)] - 0.25 / 180.0).abs() < 1e-12
-                && first.information[(2, 2)] == 0.0
-        );
-        assert!((first.credible / first.information[(0, 0)].sqrt() - 6.0).abs() < 1e-9);
-        assert!(
-            gnss.fix(&fix(5_000, 11.0, 5.0), SimTime::from_millis(30_000), near)
-                .is_none(),
+            gnss.fix(&fix(5_000, 11.0, 5.0), now, near).is_none(),
             "too soon"
         );
         assert!(
-            gnss.fix(&fix(40_000, 11.0, 5.0), SimTime::from_millis(30_000), near)
-                .is_none(),
+            gnss.fix(&fix(40_000, 11.0, 5.0), now, near).is_none(),
             "from the future"
         );
-        assert!(
-            gnss.fix(
-                &fix(20_000, f64::NAN, 5.0),
-                SimTime::from_millis(30_000),
-                near
-            )
-            .is_none()
-        );
-        let later = gnss
-            .fix(&fix(20_000, 11.0, 5.0), SimTime::from_millis(30_000), near)
-            .unwrap();
+        assert!(gnss.fix(&fix(20_000, f64::NAN, 5.0), now, near).is_none());
+        let later = gnss.fix(&fix(20_000, 11.0, 5.0), now, near).unwrap();
         assert!((later.information[(0, 0)] - 0.01 / 180.0).abs() < 1e-12);
         assert!(
-            gnss.fix(&fix(10_000, 11.0, 5.0), SimTime::from_millis(30_000), near)
-                .is_none(),
+            gnss.fix(&fix(10_000, 11.0, 5.0), now, near).is_none(),
             "backwards"
         );
     }

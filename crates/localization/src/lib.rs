@@ -1,25 +1,27 @@
-//! Where the robot is, from its sensor data.
+#![doc = include_str!("../README.md")]
+//!
+//! # Modules
 //!
 //! | module | its one job |
 //! |---|---|
-//! | [`localizer`] | [`Localizer`]: what every localizer offers; agents know only it |
-//! | [`dead_reckoning`] | [`DeadReckoning`]: distance from wheels, heading from the gyroscope |
+//! | `localizer` | [`Localizer`]: what every localizer offers; agents know only it |
+//! | `dead_reckoning` | [`DeadReckoning`]: distance from wheels, heading from the gyroscope |
 //! | [`lio`] | LiDAR-inertial odometry |
 //! | [`lidar_inertial`] | [`LidarInertial`]: that odometry with wheels, from a known start |
 //! | [`wheels`] | wheel angles as velocities |
 //! | [`graph`] | pose graphs |
 //! | [`fixes`] | [`FixSource`]: poses in `map` that do not drift; [`Gnss`](fixes::Gnss) |
-//! | [`fused`] | [`Fused`]: odometry and fixes in a pose graph |
+//! | `fused` | [`Fused`]: odometry and fixes in a pose graph |
 
-pub mod dead_reckoning;
+mod dead_reckoning;
 mod deviation;
 pub mod fixes;
-pub mod fused;
+mod fused;
 pub mod graph;
 mod history;
 pub mod lidar_inertial;
 pub mod lio;
-pub mod localizer;
+mod localizer;
 mod so3;
 pub mod wheels;
 

@@ -1,20 +1,21 @@
 //! Rotations as vectors: the exponential of SO(3), its logarithm, and the Jacobian between the two.
 //!
-//! J. Solà, J. Deray, D. Atchuthan, *A micro Lie theory for state estimation in robotics*, 2018, equations 132 to 146.
+//! J. Solà, J. Deray, D. Atchuthan, *A micro Lie theory for state estimation in robotics*, 2018,
+//! equations 132 to 146.
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-/// The rotation by a vector: about its direction by its length, radians.
+/// The rotation of a vector: about its direction, by its length in radians.
 pub fn exp(rotation: Vector3<f64>) -> UnitQuaternion<f64> {
     UnitQuaternion::from_scaled_axis(rotation)
 }
 
-/// The vector of a rotation, at most half a turn long.
+/// The vector of a rotation; it is at most half a turn long.
 pub fn log(rotation: UnitQuaternion<f64>) -> Vector3<f64> {
     rotation.scaled_axis()
 }
 
-/// The matrix that takes the cross product with a vector from the left.
+/// The matrix of the cross product with a vector from the left.
 pub fn hat(v: Vector3<f64>) -> Matrix3<f64> {
     v.cross_matrix()
 }
@@ -44,7 +45,8 @@ pub fn inverse_right_jacobian(rotation: Vector3<f64>) -> Matrix3<f64> {
     Matrix3::identity() + hat * 0.5 + hat * hat * factor
 }
 
-/// Two directions at right angles to a vector and to each other, as columns. Of vectors that are not along x they change steadily.
+/// Two directions at right angles to a vector and to each other, as columns. They change
+/// continuously with vectors that are not along x.
 pub fn tangent(direction: Vector3<f64>) -> nalgebra::Matrix3x2<f64> {
     let along_x = direction.x.abs() > 0.9 * direction.norm();
     let other = if along_x { Vector3::y() } else { Vector3::x() };
@@ -64,7 +66,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_jacobian_says_how_a_small_addend_rotates(a in vector(), b in vector()) {
+        fn the_right_jacobian_converts_a_small_addend(a in vector(), b in vector()) {
             let b = b * 1e-6;
             let left = exp(a + b);
             let right = exp(a) * exp(right_jacobian(a) * b);
@@ -84,7 +86,8 @@ mod tests {
             prop_assume!(a.norm() > 1e-3);
             let basis = tangent(a);
             prop_assert!((basis.transpose() * a).norm() < 1e-12 * a.norm().max(1.0));
-            prop_assert!((basis.transpose() * basis - nalgebra::Matrix2::identity()).norm() < 1e-12);
+            let square = basis.transpose() * basis;
+            prop_assert!((square - nalgebra::Matrix2::identity()).norm() < 1e-12);
         }
     }
 }

@@ -17,6 +17,23 @@ const SLIP_IN_TURNS: f64 = 0.2;
 const MISREAD: f64 = 3.0;
 
 /// The wheels of a robot that steers by the difference of its sides.
+///
+/// # Example
+///
+/// ```
+/// use openbench_core::{RobotDescription, SimTime, WheelSample};
+/// use openbench_localization::wheels::Wheels;
+///
+/// let mut wheels = Wheels::new(&RobotDescription::sentry());
+/// let sample = |millis, angle| {
+///     WheelSample { stamp: SimTime::from_millis(millis), left: angle, right: angle }
+/// };
+/// assert!(wheels.take(&sample(0, 0.0)).is_none());
+/// // Half a radian of wheels of 6 cm in 50 ms: 0.6 m/s.
+/// let speed = wheels.take(&sample(50, 0.5)).unwrap();
+/// assert!((speed.velocity.x - 0.6).abs() < 1e-9);
+/// assert_eq!(speed.stamp, SimTime::from_millis(25));
+/// ```
 #[derive(Debug, Clone)]
 pub struct Wheels {
     /// Metres.
@@ -74,24 +91,32 @@ mod tests {
     use super::*;
     use openbench_core::SimTime;
 
-    #[test]
-    fn a_turn_of_the_wheels_is_a_way() {
-        let robot = RobotDescription::sentry();
-        let mut wheels = Wheels::new(&robot);
-        let sample = |millis, left, right| WheelSample {
+    fn sample(millis: u64, left: f64, right: f64) -> WheelSample {
+        WheelSample {
             stamp: SimTime::from_millis(millis),
             left,
             right,
-        };
+        }
+    }
+
+    #[test]
+    fn angles_become_velocities_over_an_interval() {
+        let robot = RobotDescription::sentry();
+        let mut wheels = Wheels::new(&robot);
         assert!(wheels.take(&sample(0, 1.0, 1.0)).is_none());
-        assert!(wheels.take(&sample(40, 1.1, 1.1)).is_none());
+        assert!(wheels.take(&sample(40, 1.1, 1.1)).is_none(), "too soon");
         assert!(wheels.take(&sample(45, f64::NAN, 1.1)).is_none());
         let speed = wheels.take(&sample(50, 1.5, 1.5)).unwrap();
         assert!((speed.velocity.x - 0.5 * robot.wheel_radius / 0.05).abs() < 1e-12);
         assert_eq!(speed.stamp, SimTime::from_millis(25));
-        // In a turn it is less sure, and time that runs backwards says nothing.
         let turning = wheels.take(&sample(100, 1.4, 1.6)).unwrap();
-        assert!(turning.deviation.y > speed.deviation.y);
-        assert!(wheels.take(&sample(60, 9.0, 9.0)).is_none());
+        assert!(
+            turning.deviation.y > speed.deviation.y,
+            "less certain in a turn"
+        );
+        assert!(
+            wheels.take(&sample(60, 9.0, 9.0)).is_none(),
+            "time runs backwards"
+        );
     }
 }

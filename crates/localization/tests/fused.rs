@@ -11,9 +11,9 @@ use openbench_core::{Observation, Pose2, RobotDescription, SimTime};
 use openbench_localization::graph::FixCount;
 use openbench_localization::{Fix, FixSource, Fused, Localizer};
 
-/// Says once a second what stands in it.
+/// A source whose fixes are set from outside. It gives one a second.
 struct Oracle {
-    says: Rc<Cell<Option<Pose2>>>,
+    fix: Rc<Cell<Option<Pose2>>>,
     last: SimTime,
 }
 
@@ -27,10 +27,10 @@ impl FixSource for Oracle {
     }
 
     fn update(&mut self, observation: &Observation<'_>, _near: Pose2) -> Option<Fix> {
-        let pose = self
-            .says
-            .get()
-            .filter(|_| observation.time.since(self.last).as_secs_f64() >= 1.0)?;
+        if observation.time.since(self.last).as_secs_f64() < 1.0 {
+            return None;
+        }
+        let pose = self.fix.get()?;
         self.last = observation.time;
         Some(Fix {
             stamp: observation.time,
@@ -41,51 +41,63 @@ impl FixSource for Oracle {
     }
 }
 
-/// A localizer that was told a start, and drives from another one; what the fixes say is told step by step.
+/// A localizer that starts with one pose, and a robot that starts at another.
 struct Trial {
     localizer: Fused,
     robot: Robot,
-    says: Rc<Cell<Option<Pose2>>>,
+    fix: Rc<Cell<Option<Pose2>>>,
+}
+
+/// What a drive showed.
+struct Shown {
+    /// The largest step of the pose by a correction, metres.
+    jump: f64,
+    /// The largest correction that was still to be applied, metres.
+    pending: f64,
 }
 
 impl Trial {
-    fn new(told: Pose2, truth: Pose2) -> Self {
-        let says = Rc::new(Cell::new(None));
+    fn new(reported: Pose2, truth: Pose2) -> Self {
+        let fix = Rc::new(Cell::new(None));
         let oracle = Oracle {
-            says: says.clone(),
+            fix: fix.clone(),
             last: SimTime::ZERO,
         };
         let mut localizer = Fused::new(RobotDescription::sentry(), vec![Box::new(oracle)]);
-        localizer.reset(told);
+        localizer.reset(reported);
         let mut robot = Robot::at(truth);
         robot.drive(&mut localizer, 0.0, 0.0, 2.0);
         Self {
             localizer,
             robot,
-            says,
+            fix,
         }
     }
 
-    /// Drives on with fixes that are off by something; the largest step of `odom` in `map` at the robot, and the largest correction that was still to come.
-    fn drive(&mut self, seconds: f64, off: impl Fn(usize) -> Vector2<f64>) -> (f64, f64) {
-        let (mut largest, mut pending): (f64, f64) = (0.0, 0.0);
+    /// Drives on. The fix of each second is off by a distance.
+    fn drive(&mut self, seconds: f64, off: impl Fn(usize) -> Vector2<f64>) -> Shown {
+        let mut shown = Shown {
+            jump: 0.0,
+            pending: 0.0,
+        };
         for step in 0..(seconds / 0.05) as usize {
             let off = off(step / 20);
             let truth = self.robot.truth;
-            self.says.set(Some(Pose2::new(
+            self.fix.set(Some(Pose2::new(
                 truth.x + off.x,
                 truth.y + off.y,
                 truth.yaw,
             )));
-            let before = (self.localizer.odom(), self.localizer.pose());
+            let odom = self.localizer.odom();
+            let before = self.localizer.pose().point();
             self.robot.drive(&mut self.localizer, 0.5, 0.1, 0.05);
-            // Where the pose of before would be told now.
-            let there = before.0.inverse_transform(before.1.point());
-            let moved = self.localizer.odom().transform(there.0, there.1);
-            largest = largest.max(moved.distance(before.1.point()));
-            pending = pending.max(self.localizer.pending());
+            // Where the pose of before is in `map` after the correction.
+            let in_odom = odom.inverse_transform(before);
+            let after = self.localizer.odom().transform(in_odom.0, in_odom.1);
+            shown.jump = shown.jump.max(after.distance(before));
+            shown.pending = shown.pending.max(self.localizer.pending());
         }
-        (largest, pending)
+        shown
     }
 
     fn error(&self) -> f64 {
@@ -97,9 +109,9 @@ impl Trial {
 }
 
 #[test]
-fn a_start_that_was_wrong_is_found_out_and_mended_without_a_jump() {
+fn a_wrong_start_is_corrected_without_a_jump() {
     let mut trial = Trial::new(Pose2::new(10.0, 5.0, 0.3), Pose2::new(10.0, 5.5, 0.31));
-    let (jump, pending) = trial.drive(60.0, |_| Vector2::zeros());
+    let Shown { jump, pending } = trial.drive(60.0, |_| Vector2::zeros());
     assert!(trial.error() < 0.05, "{}", trial.error());
     assert!(
         jump < 0.0101 && jump > 0.009 && pending > 0.2,
@@ -109,18 +121,18 @@ fn a_start_that_was_wrong_is_found_out_and_mended_without_a_jump() {
     assert!(deviation < 0.1 && deviation > 1e-3, "{deviation}");
 }
 
+/// Two of three fixes are outliers, and differ from each other.
+fn mostly_wrong(i: usize) -> Vector2<f64> {
+    let seconds = i as f64;
+    let direction = Vector2::new(libm::sin(seconds), libm::cos(3.0 * seconds));
+    direction * (10.0 * (i % 3) as f64)
+}
+
 #[test]
-fn false_fixes_bend_nothing() {
+fn outliers_change_nothing() {
     let start = Pose2::new(-3.0, 8.0, 2.0);
     let mut trial = Trial::new(start, start);
-    // Two of three are false, and differ from each other.
-    let off = |i: usize| match i % 3 {
-        0 => Vector2::zeros(),
-        other => {
-            Vector2::new(libm::sin(i as f64), libm::cos(3.0 * i as f64)) * (10.0 * other as f64)
-        }
-    };
-    let (_, pending) = trial.drive(60.0, off);
+    let pending = trial.drive(60.0, mostly_wrong).pending;
     assert!(
         trial.error() < 0.1 && pending < 0.1,
         "{} {pending}",
@@ -134,9 +146,9 @@ fn false_fixes_bend_nothing() {
 }
 
 #[test]
-fn a_fix_that_is_no_number_changes_nothing() {
+fn a_fix_that_contains_nan_changes_nothing() {
     let start = Pose2::new(1.0, 2.0, 0.5);
     let mut trial = Trial::new(start, start);
-    let (jump, pending) = trial.drive(5.0, |_| Vector2::new(f64::NAN, 0.0));
+    let Shown { jump, pending } = trial.drive(5.0, |_| Vector2::new(f64::NAN, 0.0));
     assert!(jump < 1e-9 && pending < 1e-9 && trial.error() < 0.05);
 }

@@ -44,8 +44,9 @@ pub struct GraphSize {
 
 /// What is wrong with a file.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum G2oError {
-    /// A line is not as it should be.
+    /// A line cannot be read.
     #[error("line {line}")]
     Line {
         /// Which, from 1.
@@ -55,27 +56,30 @@ pub enum G2oError {
         problem: LineError,
     },
     /// Poses in the plane and in space.
-    #[error("the file has poses in the plane and in space; give one of them")]
+    #[error("the file has poses in the plane and in space; keep one kind")]
     Mixed,
     /// No pose.
-    #[error("the file has no VERTEX_SE2 and no VERTEX_SE3:QUAT")]
+    #[error("the file has no pose: neither VERTEX_SE2 nor VERTEX_SE3:QUAT")]
     Empty,
 }
 
 /// What is wrong with a line.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum LineError {
-    /// The first word is not known.
-    #[error("`{0}` is none of VERTEX_SE2, EDGE_SE2, VERTEX_SE3:QUAT, EDGE_SE3:QUAT, FIX")]
+    /// The first word is unknown.
+    #[error(
+        "unknown tag `{0}`; expected VERTEX_SE2, EDGE_SE2, VERTEX_SE3:QUAT, EDGE_SE3:QUAT or FIX"
+    )]
     Tag(String),
     /// A pose has no number.
     #[error("the pose has no number")]
     NoNumber,
     /// An edge does not name two poses.
-    #[error("the edge does not say between which poses")]
+    #[error("the edge does not name two poses")]
     NoEnds,
     /// A word is not the number of a pose.
-    #[error("`{word}` is no number of a pose")]
+    #[error("`{word}` is not the number of a pose")]
     PoseNumber {
         /// The word.
         word: String,
@@ -83,7 +87,7 @@ pub enum LineError {
         source: ParseIntError,
     },
     /// Too few or too many numbers.
-    #[error("there are {found} numbers where {wanted} are wanted")]
+    #[error("expected {wanted} numbers, found {found}")]
     Count {
         /// How many there are.
         found: usize,
@@ -91,32 +95,36 @@ pub enum LineError {
         wanted: usize,
     },
     /// A word is not a number.
-    #[error("`{word}` is no number")]
-    NoFloat {
+    #[error("`{word}` is not a number")]
+    NotANumber {
         /// The word.
         word: String,
         /// Why.
         source: ParseFloatError,
     },
     /// A number is NaN or infinite.
-    #[error("`{0}` is no number")]
+    #[error("`{0}` is not a finite number")]
     NotFinite(String),
     /// A pose has the number of an earlier one.
-    #[error("pose {0} was there before")]
+    #[error("pose {0} is defined twice")]
     Repeated(u64),
     /// A quaternion has no direction.
-    #[error("that is no pose: the quaternion is none")]
+    #[error("not a pose: the quaternion has no direction")]
     Quaternion,
     /// Information that is not that of a covariance.
-    #[error("that is no information: it is not positive along all directions")]
+    #[error("not the inverse of a covariance: the information matrix is not positive semidefinite")]
     Information,
     /// An edge or `FIX` names a pose that is not there.
-    #[error("pose {0} is named, but the file has none of that number")]
+    #[error("there is no pose {0}")]
     NoSuchPose(u64),
 }
 
 impl PoseGraph {
-    /// Reads a file's text.
+    /// Reads the text of a file.
+    ///
+    /// # Errors
+    ///
+    /// The first line that cannot be read, or what the file lacks.
     pub fn parse(text: &str) -> Result<Self, G2oError> {
         let mut plane = Part::default();
         let mut space = Part::default();
@@ -143,6 +151,10 @@ impl PoseGraph {
     }
 
     /// Solves it, see [`Graph::solve`].
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Graph::solve`].
     pub fn solve(&mut self) -> Result<Solved, SolveError> {
         match self {
             Self::Plane(numbered) => numbered.graph.solve(),
@@ -159,7 +171,7 @@ impl PoseGraph {
     }
 }
 
-/// A pose as it stands in a file.
+/// A pose as it is written in a file.
 trait Entry<const D: usize>: Pose<D> {
     /// First word of the line of a pose.
     const VERTEX: &'static str;
@@ -272,7 +284,7 @@ struct Reference {
     line: usize,
 }
 
-/// An edge as it stands in a file; the indices of its poses are not known yet.
+/// An edge as it is written in a file; the indices of its poses are not known yet.
 struct FileEdge<P, const D: usize> {
     from: Reference,
     to: Reference,
@@ -452,7 +464,7 @@ fn numbers(words: &[&str], wanted: usize) -> Result<Vec<f64>, LineError> {
 }
 
 fn finite_number(word: &str) -> Result<f64, LineError> {
-    let number: f64 = word.parse().map_err(|source| LineError::NoFloat {
+    let number: f64 = word.parse().map_err(|source| LineError::NotANumber {
         word: word.to_owned(),
         source,
     })?;
@@ -475,34 +487,14 @@ mod tests {
         format!("{error}{}", problem.unwrap_or_default())
     }
 
-    #[test]
-    fn a_quaternion_that_overflows_is_refused() {
-        let error = PoseGraph::parse("VERTEX_SE3:QUAT 0 5 0 5 0 96e256 0.1 0").unwrap_err();
-        assert!(
-            message(&error).contains("the quaternion is none"),
-            "{error:?}"
-        );
+    fn refused(text: &str) -> String {
+        message(&PoseGraph::parse(text).unwrap_err())
     }
 
     #[test]
-    fn information_is_of_a_covariance() {
-        let file = |numbers: &str| FILE.replace("2 0.5 0 2 0 3", numbers);
-        assert!(PoseGraph::parse(&file("0 0 0 0 0 0")).is_ok());
-        assert!(PoseGraph::parse(&file("2 0 0 2 0 0")).is_ok());
-        for bad in ["2 3 0 2 0 3", "-1 0 0 2 0 3"] {
-            let error = message(&PoseGraph::parse(&file(bad)).unwrap_err());
-            assert!(
-                error.contains("line 5") && error.contains("not positive"),
-                "{error}"
-            );
-        }
-        let error = PoseGraph::parse(&file("1e308 0 0 1e308 0 1e308"))
-            .unwrap()
-            .solve();
-        assert!(
-            error.is_ok() || error == Err(SolveError::NotFinite),
-            "{error:?}"
-        );
+    fn a_quaternion_that_overflows_is_refused() {
+        let error = refused("VERTEX_SE3:QUAT 0 5 0 5 0 96e256 0.1 0");
+        assert!(error.contains("the quaternion has no direction"), "{error}");
     }
 
     const FILE: &str = "\
@@ -512,6 +504,27 @@ VERTEX_SE2 3 1.5 0 0.1
 FIX 7
 EDGE_SE2 7 3 1 0 0.25 2 0.5 0 2 0 3
 ";
+
+    /// The file with another information matrix.
+    fn with_information(numbers: &str) -> String {
+        FILE.replace("2 0.5 0 2 0 3", numbers)
+    }
+
+    #[test]
+    fn information_is_the_inverse_of_a_covariance() {
+        assert!(PoseGraph::parse(&with_information("0 0 0 0 0 0")).is_ok());
+        assert!(PoseGraph::parse(&with_information("2 0 0 2 0 0")).is_ok());
+        for bad in ["2 3 0 2 0 3", "-1 0 0 2 0 3"] {
+            let error = refused(&with_information(bad));
+            assert!(error.starts_with("line 5: not the inverse"), "{error}");
+        }
+        let huge = with_information("1e308 0 0 1e308 0 1e308");
+        let solved = PoseGraph::parse(&huge).unwrap().solve();
+        assert!(
+            solved.is_ok() || solved == Err(SolveError::NotFinite),
+            "{solved:?}"
+        );
+    }
 
     #[test]
     fn a_file_is_read_solved_and_written() {
@@ -528,57 +541,66 @@ EDGE_SE2 7 3 1 0 0.25 2 0.5 0 2 0 3
             text.ends_with("FIX 7\nEDGE_SE2 7 3 1 0 0.25 2 0.5 0 2 0 3\n"),
             "{text}"
         );
-        // Through sine and cosine an angle comes back but for its last digit.
+        // Sine and cosine keep an angle except for its last digit.
         let mut again = PoseGraph::parse(&text).unwrap();
         assert_eq!(again.size(), size);
         assert!(again.solve().unwrap().chi2 < 1e-12);
     }
 
     #[test]
-    fn poses_in_space_come_back_as_they_were() {
-        let identity = "1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1";
-        let text = format!(
-            "VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\nVERTEX_SE3:QUAT 1 1 2 3 0 0 0 1\nEDGE_SE3:QUAT 0 1 1 2 3.5 0 0 0.6 0.8 {identity}\n"
-        );
-        let graph = PoseGraph::parse(&text).unwrap();
+    fn poses_in_space_are_written_as_they_were_read() {
+        let text = "\
+VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1
+VERTEX_SE3:QUAT 1 1 2 3 0 0 0 1
+EDGE_SE3:QUAT 0 1 1 2 3.5 0 0 0.6 0.8 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1
+";
+        let graph = PoseGraph::parse(text).unwrap();
         assert_eq!(graph.to_text(), text);
     }
 
     #[test]
-    fn bad_files_are_told_by_line() {
-        for (text, what) in [
+    fn errors_name_the_line() {
+        let mixed = "VERTEX_SE2 0 0 0 0\nVERTEX_SE3:QUAT 1 0 0 0 0 0 0 1";
+        let unknown_pose = "VERTEX_SE2 0 0 0 0\nEDGE_SE2 0 4 1 0 0 1 0 0 1 0 1";
+        for (text, expected) in [
+            ("VERTEX_SE2 0 0 0", "line 1: expected 3 numbers, found 2"),
             (
-                "VERTEX_SE2 0 0 0",
-                "line 1: there are 2 numbers where 3 are wanted",
+                "VERTEX_SE2 0 0 0 nan",
+                "line 1: `nan` is not a finite number",
             ),
-            ("VERTEX_SE2 0 0 0 nan", "line 1: `nan` is no number"),
+            ("VERTEX_SE2 0 0 0 one", "line 1: `one` is not a number"),
             (
                 "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 0 0 0 0",
-                "line 2: pose 0 was there before",
+                "line 2: pose 0 is defined twice",
             ),
-            ("\nVERTEX_XY 0 0 0", "line 2: `VERTEX_XY` is none of"),
-            (
-                "VERTEX_SE2 0 0 0 0\nEDGE_SE2 0 4 1 0 0 1 0 0 1 0 1",
-                "line 2: pose 4 is named",
-            ),
-            ("VERTEX_SE3:QUAT 0 0 0 0 0 0 0 0", "line 1: that is no pose"),
-            (
-                "VERTEX_SE2 0 0 0 0\nVERTEX_SE3:QUAT 1 0 0 0 0 0 0 1",
-                "the file has poses in the plane and in space",
-            ),
-            ("FIX -1", "line 1: `-1` is no number of a pose"),
-            ("", "the file has no VERTEX_SE2"),
+            ("\nVERTEX_XY 0 0 0", "line 2: unknown tag `VERTEX_XY`"),
+            (unknown_pose, "line 2: there is no pose 4"),
+            ("VERTEX_SE3:QUAT 0 0 0 0 0 0 0 0", "line 1: not a pose"),
+            (mixed, "the file has poses in the plane and in space"),
+            ("FIX -1", "line 1: `-1` is not the number of a pose"),
+            ("", "the file has no pose"),
         ] {
-            let told = message(&PoseGraph::parse(text).unwrap_err());
-            assert!(told.starts_with(what), "{text}: {told}");
+            let error = refused(text);
+            assert!(error.starts_with(expected), "{text}: {error}");
         }
     }
 
-    /// A line of a kind with numbers that are mostly of the right count.
+    /// Numbers that parsers and solvers fail at.
+    const DIFFICULT: [&str; 7] = [
+        "1e308",
+        "-1e308",
+        "1e-320",
+        "0.5",
+        "inf",
+        "-0",
+        "99999999999999999999",
+    ];
+
+    /// A line of a kind, mostly with the right count of numbers.
     fn line() -> impl Strategy<Value = String> {
         let number = prop_oneof![
             4 => (-3_i32..4).prop_map(|n| n.to_string()),
-            1 => prop::sample::select(vec!["1e308", "-1e308", "1e-320", "0.5", "inf", "-0", "99999999999999999999"]).prop_map(str::to_owned),
+            1 => prop::sample::select(DIFFICULT.to_vec()).prop_map(str::to_owned),
         ];
         let kind = prop::sample::select(vec![
             ("VERTEX_SE2", 4),
@@ -587,24 +609,23 @@ EDGE_SE2 7 3 1 0 0.25 2 0.5 0 2 0 3
             ("EDGE_SE3:QUAT", 30),
             ("FIX", 1),
         ]);
-        (
-            kind,
-            prop::collection::vec(number, 31),
-            prop_oneof![9 => Just(0_usize), 1 => 0..3_usize],
-        )
-            .prop_map(|((kind, count), numbers, off)| {
-                format!("{kind} {}", numbers[..count - off.min(count)].join(" "))
-            })
+        let numbers = prop::collection::vec(number, 31);
+        let missing = prop_oneof![9 => Just(0_usize), 1 => 0..3_usize];
+        (kind, numbers, missing).prop_map(|((kind, count), numbers, missing)| {
+            let count = count - missing.min(count);
+            format!("{kind} {}", numbers[..count].join(" "))
+        })
     }
 
     proptest! {
-        /// Whatever stands in a file, it is read, solved and written, or refused; what was read once is read again.
+        /// Any file is read, solved and written, or refused. What was read once is read again.
         #[test]
-        fn no_file_breaks_it(lines in prop::collection::vec(line(), 0..4)) {
-            let text = format!("VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\n{}", lines.join("\n"));
+        fn any_file_is_solved_or_refused(lines in prop::collection::vec(line(), 0..4)) {
+            let lines = lines.join("\n");
+            let text = format!("VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\n{lines}");
             if let Ok(mut graph) = PoseGraph::parse(&text) {
-                let size = graph.size();
-                prop_assert_eq!(PoseGraph::parse(&graph.to_text()).map(|again| again.size()), Ok(size));
+                let again = PoseGraph::parse(&graph.to_text());
+                prop_assert_eq!(again.map(|again| again.size()), Ok(graph.size()));
                 let _ = graph.solve();
             }
         }

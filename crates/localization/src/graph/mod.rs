@@ -1,20 +1,20 @@
-//! Pose graphs: poses, and what is measured between them, brought into agreement.
+//! Pose graphs: the poses that agree best with the motions measured between them.
 //!
 //! | module | its one job |
 //! |---|---|
-//! | [`pose`] | poses in the plane and in space, as Lie groups |
-//! | [`problem`] | [`Graph`]: poses, edges, priors |
-//! | [`solve`] | the least squares of a graph |
-//! | [`window`] | [`Window`]: the newest poses of a drive without an end |
+//! | `pose` | poses in the plane and in space, as Lie groups |
+//! | `problem` | [`Graph`]: poses, edges, priors |
+//! | `solve` | the least squares of a graph |
 //! | `sparse` | its normal equations |
-//! | [`g2o`] | files |
+//! | `window` | [`Window`]: the newest poses of a drive, with outlier rejection |
+//! | `g2o` | [`PoseGraph`]: files |
 
-pub mod g2o;
-pub mod pose;
-pub mod problem;
-pub mod solve;
+mod g2o;
+mod pose;
+mod problem;
+mod solve;
 mod sparse;
-pub mod window;
+mod window;
 
 pub use g2o::{G2oError, GraphSize, LineError, NumberedGraph, PoseGraph};
 pub use pose::Pose;

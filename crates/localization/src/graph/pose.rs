@@ -1,7 +1,8 @@
 //! Poses in the plane and in space: SE(2) and SE(3).
 //!
-//! J. Solà, J. Deray, D. Atchuthan, *A micro Lie theory for state estimation in robotics*, 2018; equation numbers are its. Tangent vectors have the translation first. A pose
-//! is perturbed from the right: in its own frame.
+//! J. Solà, J. Deray, D. Atchuthan, *A micro Lie theory for state estimation in robotics*, 2018;
+//! equation numbers refer to it. Tangent vectors have the translation first, metres, then the
+//! rotation, radians. A pose is perturbed from the right: in its own frame.
 
 use nalgebra::{
     Isometry2, Isometry3, Matrix3, Matrix6, SMatrix, SVector, Vector2, Vector3, Vector6,
@@ -12,25 +13,27 @@ use crate::so3;
 
 /// A pose with `D` degrees of freedom.
 pub trait Pose<const D: usize>: Clone + Send + Sync {
-    /// First this one, then the other in its frame.
+    /// Composition: `other`, which is in this pose's frame, in the frame that this pose is in.
     #[must_use]
     fn then(&self, other: &Self) -> Self;
 
-    /// The way back.
+    /// The inverse.
     #[must_use]
     fn back(&self) -> Self;
 
-    /// The pose a small motion away, in its own frame.
+    /// The pose after a small motion in its own frame.
     #[must_use]
     fn moved(&self, motion: &SVector<f64, D>) -> Self;
 
-    /// How far it is from none, as g2o and GTSAM count it: in the plane translation and angle, in space the logarithm (equation 178).
+    /// The motion from the identity, as g2o and GTSAM define it: in the plane translation and
+    /// angle, in space the logarithm (equation 178).
     fn distance(&self) -> SVector<f64, D>;
 
-    /// How that changes with a small motion in the pose's own frame.
+    /// Jacobian of [`distance`](Self::distance) by a small motion in the pose's own frame.
     fn distance_jacobian(&self) -> SMatrix<f64, D, D>;
 
-    /// The matrix that takes motions in the pose's frame to those in the frame that it is in (equations 156 and 175).
+    /// The matrix that converts motions in the pose's frame into motions in the frame that the pose
+    /// is in (equations 156 and 175).
     fn adjoint(&self) -> SMatrix<f64, D, D>;
 }
 
@@ -77,7 +80,8 @@ impl Pose<6> for Isometry3<f64> {
         self.inverse()
     }
 
-    /// Translation and rotation apart: a retraction that agrees with the exponential to first order, which is all that is asked of one.
+    /// Translation and rotation separately. This retraction agrees with the exponential to first
+    /// order, which is all that the solver needs.
     fn moved(&self, motion: &Vector6<f64>) -> Self {
         let (shift, turn): (Vector3<f64>, Vector3<f64>) = (
             motion.fixed_rows::<3>(0).into_owned(),
@@ -99,8 +103,9 @@ impl Pose<6> for Isometry3<f64> {
         distance
     }
 
-    /// The inverse of the right Jacobian by its series, I + ad/2 + ad²/12 - ad⁴/720 (T. D. Barfoot, *State Estimation for Robotics*, 2017, equation 7.96): right to
-    /// 10⁻⁵ up to half a radian, and measurements that disagree more have other troubles.
+    /// The inverse of the right Jacobian by its series, I + ad/2 + ad²/12 - ad⁴/720 (T. D. Barfoot,
+    /// *State Estimation for Robotics*, 2017, equation 7.96). It is right to 10⁻⁵ up to half a
+    /// radian; measurements that disagree more have other problems.
     fn distance_jacobian(&self) -> Matrix6<f64> {
         let distance = self.distance();
         let turn = so3::hat(distance.fixed_rows::<3>(3).into_owned());
@@ -130,7 +135,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Jacobians against differences, and the adjoint by what it is.
+    /// Checks Jacobians against differences, and the adjoint against its definition.
     fn check<P: Pose<D>, const D: usize>(a: &P, b: &P) -> Result<(), TestCaseError> {
         const STEP: f64 = 1e-6;
         let jacobian = a.distance_jacobian();
@@ -153,11 +158,13 @@ mod tests {
 
     proptest! {
         #[test]
-        fn jacobians_are_what_differences_show(n in proptest::collection::vec(-0.6_f64..0.6, 12)) {
+        fn jacobians_agree_with_differences(n in proptest::collection::vec(-0.6_f64..0.6, 12)) {
             let plane = |i: usize| Isometry2::new(Vector2::new(n[i], n[i + 1]), n[i + 2]);
             check(&plane(0), &plane(3))?;
             let space = |i: usize| {
-                Isometry3::new(Vector3::new(n[i], n[i + 1], n[i + 2]), Vector3::new(n[i + 3], n[i + 4], n[i + 5]) * 0.5)
+                let shift = Vector3::new(n[i], n[i + 1], n[i + 2]);
+                let turn = Vector3::new(n[i + 3], n[i + 4], n[i + 5]);
+                Isometry3::new(shift, turn * 0.5)
             };
             check(&space(0), &space(6))?;
         }

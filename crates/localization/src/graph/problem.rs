@@ -71,7 +71,7 @@ impl<P: Pose<D>, const D: usize> Edge<P, D> {
     pub(super) fn linearized(&self, poses: &[P]) -> LinearEdge<D> {
         let off = self.disagreement(poses);
         let to = off.distance_jacobian();
-        // The first pose moves the other way, seen from the second.
+        // Seen from the second pose, the first moves in the opposite direction.
         let back = poses[self.to].back().then(&poses[self.from]);
         let from = -to * back.adjoint();
         LinearEdge {

@@ -20,7 +20,7 @@ const DAMPING_STEP: f64 = 10.0;
 /// Chi² may grow by this share by rounding alone.
 const ROUNDING: f64 = 1e-12;
 
-/// What came of it.
+/// A solution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Solved {
     /// The sum of squared residuals in standard deviations.
@@ -31,12 +31,16 @@ pub struct Solved {
 
 /// Why a graph could not be solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SolveError {
-    /// An edge, a prior or a held pose names one that is not there.
-    #[error("pose {0} is named, but there is none of that number")]
+    /// An edge, a prior or a held pose has an index beyond the poses.
+    #[error("the graph refers to pose {0}, which it does not have")]
     NoSuchPose(usize),
-    /// Something is no number, or information is not of a covariance.
-    #[error("the graph holds what is no number, or information that is not positive")]
+    /// A number is NaN or infinite, or information is not the inverse of a covariance.
+    #[error(
+        "the graph contains NaN or infinity, or an information matrix that is not positive \
+         semidefinite"
+    )]
     NotFinite,
     /// The equations are too large.
     #[error("the graph's equations do not fit into memory")]
@@ -53,11 +57,20 @@ struct DampingRange {
 impl<P: Pose<D>, const D: usize> Graph<P, D> {
     /// Moves the poses to where they agree best with all measurements, beginning where they are.
     /// Where nothing holds a part of the graph, its first pose is held.
+    ///
+    /// # Errors
+    ///
+    /// If an index is beyond the poses, a number is not finite, information is not the inverse of a
+    /// covariance, or the equations do not fit into memory.
     pub fn solve(&mut self) -> Result<Solved, SolveError> {
         self.solve_to(MIN_GAIN)
     }
 
     /// The same until a step reduces chi² by no more than the share `min_gain` of it.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`solve`](Self::solve).
     pub fn solve_to(&mut self, min_gain: f64) -> Result<Solved, SolveError> {
         self.check()?;
         let mut chi2 = self.chi2();
@@ -260,24 +273,24 @@ mod tests {
         Isometry2::new(Vector2::new(x, y), yaw)
     }
 
-    /// A round of four corners, each way a little too long, and a start that is guessed badly.
-    fn round() -> Graph<Isometry2<f64>, 3> {
-        let quarter = std::f64::consts::FRAC_PI_2;
-        let way = pose(10.1, 0.0, quarter);
+    /// A square loop whose sides were measured a little too long, from a bad initial estimate.
+    fn square_loop() -> Graph<Isometry2<f64>, 3> {
+        let side = pose(10.1, 0.0, std::f64::consts::FRAC_PI_2);
+        let information = Matrix3::identity();
         let edge = |from, to| Edge {
             from,
             to,
-            measured: way,
-            information: Matrix3::identity(),
+            measured: side,
+            information,
         };
-        let poses = vec![
-            pose(0.0, 0.0, 0.0),
-            pose(9.0, 1.0, 1.0),
-            pose(12.0, 8.0, 3.0),
-            pose(0.0, 12.0, -1.0),
+        let poses = [
+            (0.0, 0.0, 0.0),
+            (9.0, 1.0, 1.0),
+            (12.0, 8.0, 3.0),
+            (0.0, 12.0, -1.0),
         ];
         Graph {
-            poses,
+            poses: poses.map(|(x, y, yaw)| pose(x, y, yaw)).to_vec(),
             edges: vec![edge(0, 1), edge(1, 2), edge(2, 3), edge(3, 0)],
             priors: vec![],
             held: vec![],
@@ -285,8 +298,8 @@ mod tests {
     }
 
     #[test]
-    fn a_round_closes() {
-        let mut graph = round();
+    fn a_loop_closes() {
+        let mut graph = square_loop();
         let solved = graph.solve().unwrap();
         assert!(solved.chi2 < 1e-9, "{solved:?}");
         assert!((graph.poses[2].translation.vector - Vector2::new(10.1, 10.1)).norm() < 1e-4);
@@ -294,40 +307,46 @@ mod tests {
     }
 
     #[test]
-    fn a_false_prior_bends_nothing_and_a_true_one_moves_all() {
-        let mut graph = round();
-        let prior = |at, x, y| Prior {
-            at,
-            measured: pose(x, y, 0.0),
-            information: Matrix3::identity() * 4.0,
-            credible: 3.0,
+    fn an_outlier_changes_nothing_and_a_true_prior_moves_all() {
+        let mut graph = square_loop();
+        let information = Matrix3::identity() * 4.0;
+        let prior = |x, y| {
+            let measured = pose(x, y, 0.0);
+            Prior {
+                at: 0,
+                measured,
+                information,
+                credible: 3.0,
+            }
         };
-        graph.priors = vec![prior(0, 0.5, 0.0), prior(0, 40.0, 3.0)];
+        graph.priors = vec![prior(0.5, 0.0), prior(40.0, 3.0)];
         graph.solve().unwrap();
         assert!((graph.poses[0].translation.vector - Vector2::new(0.5, 0.0)).norm() < 1e-6);
     }
 
     #[test]
-    fn nonsense_is_an_error() {
-        let mut graph = round();
+    fn an_unsolvable_graph_is_an_error() {
+        let mut graph = square_loop();
         graph.edges[1].to = 9;
         assert_eq!(graph.solve(), Err(SolveError::NoSuchPose(9)));
-        let mut graph = round();
+        let mut graph = square_loop();
         graph.edges[1].information[(0, 0)] = f64::NAN;
         assert_eq!(graph.solve(), Err(SolveError::NotFinite));
         graph.edges[1].information[(0, 0)] = 1e308;
         assert!(graph.solve().is_err());
-        let mut graph = round();
+        let mut graph = square_loop();
         graph.poses[1].translation.x = f64::NAN;
         assert_eq!(graph.solve(), Err(SolveError::NotFinite));
-        // Edges that say nothing leave the poses where they are.
-        let mut graph = round();
-        graph
-            .edges
-            .iter_mut()
-            .for_each(|edge| edge.information = Matrix3::zeros());
+    }
+
+    #[test]
+    fn edges_without_information_leave_the_poses_where_they_are() {
+        let mut graph = square_loop();
+        for edge in &mut graph.edges {
+            edge.information = Matrix3::zeros();
+        }
         assert_eq!(graph.solve().unwrap().chi2, 0.0);
-        let mut graph = Graph::<Isometry2<f64>, 3>::default();
-        assert_eq!(graph.solve().unwrap().steps, 0);
+        let mut empty = Graph::<Isometry2<f64>, 3>::default();
+        assert_eq!(empty.solve().unwrap().steps, 0);
     }
 }

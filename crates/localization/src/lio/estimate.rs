@@ -6,6 +6,7 @@ use serde::Serialize;
 
 /// How far an estimate can be trusted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Status {
     /// The scan agrees with the map.
     Tracking,
@@ -26,6 +27,7 @@ pub enum Status {
 
 /// A pose, and how certain it is.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Estimate {
     /// Time of the last point of a scan.
     pub stamp: SimTime,
@@ -39,7 +41,7 @@ pub struct Estimate {
     /// How far the pose can be trusted.
     pub status: Status,
     /// Directions in `odom` along which the scan said little about the position: unit vectors.
-    pub loose: Vec<Vector3<f64>>,
+    pub degenerate: Vec<Vector3<f64>>,
     /// Points that lay on known planes.
     pub points: usize,
     /// Mean square of their residuals, in standard deviations.

@@ -97,7 +97,7 @@ impl Inertial {
         self.speeds.push(speed)
     }
 
-    /// Predicts a belief at `until`, corrected by the wheels' velocities on the way. `unmeasured`
+    /// Predicts a belief at `until`, corrected by the wheels' velocities until then. `unmeasured`
     /// is the turn rate that a gyroscope at its limit does not show, rad/s.
     pub(super) fn predict(
         &self,

@@ -1,20 +1,20 @@
-//! Sums over points from which all else about them follows: how many they are, where they lie, how they spread.
+//! Sums over points: from them follow their number, their mean and their covariance.
 
 use nalgebra::{Isometry3, Matrix3, Matrix4, Vector3};
 
-/// Sums over weighed points p: of w, w p and w p pᵀ.
+/// Sums over weighted points p: of w, w p and w p pᵀ.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Moments {
-    /// Of weights.
+    /// Sum of the weights.
     pub weight: f64,
-    /// Of points.
+    /// Sum of the weighted points.
     pub first: Vector3<f64>,
-    /// Of products xx, xy, xz, yy, yz, zz.
+    /// Sums of the weighted products xx, xy, xz, yy, yz, zz.
     pub second: [f64; 6],
 }
 
 impl Moments {
-    /// Takes a point in.
+    /// Adds a point.
     pub fn add(&mut self, p: Vector3<f64>, weight: f64) {
         let q = p * weight;
         self.weight += weight;
@@ -33,7 +33,7 @@ impl Moments {
             .for_each(|(sum, product)| *sum += product);
     }
 
-    /// Takes the points of other sums in.
+    /// Adds the points of other sums.
     pub fn merge(&mut self, other: &Self) {
         self.weight += other.weight;
         self.first += other.first;
@@ -57,7 +57,7 @@ impl Moments {
         )
     }
 
-    /// The sums over the same points after a motion.
+    /// The sums over the same points after a rigid motion.
     #[must_use]
     pub fn moved(&self, motion: &Isometry3<f64>) -> Self {
         let rotation = motion.rotation.to_rotation_matrix().into_inner();
@@ -75,7 +75,7 @@ impl Moments {
         }
     }
 
-    /// The middle of the points; of none, the origin.
+    /// The mean of the points; the origin if there are none.
     pub fn mean(&self) -> Vector3<f64> {
         if self.weight > 0.0 {
             self.first / self.weight
@@ -84,7 +84,7 @@ impl Moments {
         }
     }
 
-    /// Their covariance about the middle.
+    /// The covariance of the points about their mean.
     pub fn covariance(&self) -> Matrix3<f64> {
         let mean = self.mean();
         self.squares() / self.weight - mean * mean.transpose()

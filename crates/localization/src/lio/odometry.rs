@@ -24,7 +24,45 @@ const MAX_SILENCE: Duration = Duration::from_secs(2);
 /// LiDAR-inertial odometry.
 ///
 /// It is given samples of the IMU, scans and the wheels' velocities as they come, in any order, and
-/// returns an estimate for each scan once the IMU has come as far.
+/// returns an estimate for each scan once the IMU has come as far. The first second of the IMU
+/// shows which way is up.
+///
+/// # Example
+///
+/// A robot that rests for three seconds before two walls:
+///
+/// ```
+/// use openbench_core::{ImuSample, LidarPoint, LidarScan, RobotDescription, SimTime};
+/// use openbench_localization::lidar_inertial::settings;
+/// use openbench_localization::lio::{LidarInertialOdometry, Status};
+///
+/// // Ground half a metre below the LiDAR, a wall 4 m to the left, one 5 m ahead.
+/// let point = |i: u32| {
+///     let a = (i / 3 % 40) as f32 * 0.1 - 2.0;
+///     let b = (i / 120) as f32 * 0.1 - 0.4;
+///     let xyz = match i % 3 {
+///         0 => [a, b, -0.5],
+///         1 => [a, 4.0, b],
+///         _ => [5.0, a, b],
+///     };
+///     LidarPoint { xyz, offset_ns: i * 30_000, reflectivity: 100, line: 0 }
+/// };
+/// let points: Vec<LidarPoint> = (0..3000).map(point).collect();
+///
+/// let mut odometry = LidarInertialOdometry::new(settings(&RobotDescription::sentry()));
+/// let mut estimates = Vec::new();
+/// for i in 0..300 {
+///     let stamp = SimTime::from_millis(10 * i);
+///     let imu = ImuSample { stamp, gyro: [0.0; 3], accel: [0.0, 0.0, 9.81] };
+///     estimates.extend(odometry.imu(imu));
+///     if i % 10 == 0 {
+///         estimates.extend(odometry.scan(LidarScan { stamp, points: points.clone() }));
+///     }
+/// }
+/// let last = estimates.last().unwrap();
+/// assert_eq!(last.status, Status::Tracking);
+/// assert!(last.pose.translation.vector.norm() < 0.01, "{}", last.pose);
+/// ```
 #[derive(Debug, Clone)]
 pub struct LidarInertialOdometry {
     start: Start,

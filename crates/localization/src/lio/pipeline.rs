@@ -388,7 +388,7 @@ impl Pipeline {
         estimate
     }
 
-    /// Begins the map with a scan from where the robot stands; `belief` is what is known then.
+    /// Begins the map with a scan from where the robot rests; `belief` is what is known then.
     pub(super) fn begin_map_with(&mut self, belief: &mut Belief, scan: &LidarScan) -> Estimate {
         let points = usable_points(scan, self.settings.blind);
         self.refused.points += scan.points.len() - points.len();
@@ -446,7 +446,7 @@ impl Pipeline {
             velocity: belief.state.velocity,
             covariance: self.drift.pose_covariance(belief),
             status,
-            loose: matched.map_or(Vec::new(), |matched| matched.degenerate),
+            degenerate: matched.map_or(Vec::new(), |matched| matched.degenerate),
             points,
             fit,
         }

@@ -84,7 +84,7 @@ pub(super) fn measure<const N: usize>(state: &State, clusters: &[Cluster]) -> Me
 fn feigned_information(seen: &Seen) -> Matrix3<f64> {
     let weight = seen.weighed.weight;
     let lost = seen.shared / (1.0 + seen.shared * weight);
-    seen.leaning * (weight * (1.0 - lost * weight))
+    seen.normal_covariance * (weight * (1.0 - lost * weight))
 }
 
 /// Distance of a point from a plane, and how it changes with the state. Both are linear in the

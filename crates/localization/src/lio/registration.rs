@@ -66,7 +66,7 @@ pub(super) fn register(
     registration.search(belief, scene.points, matching)
 }
 
-/// A registration that is under way.
+/// A registration in progress.
 struct Registration<'a> {
     prior: Prior,
     is_uncertain: bool,

@@ -1,7 +1,9 @@
-//! What is estimated, on its manifold.
+//! What the filter estimates, on its manifold.
 //!
-//! W. Xu, Y. Cai, D. He, J. Lin, F. Zhang, *FAST-LIO2: Fast Direct LiDAR-Inertial Odometry*, 2021, equation 1: rotation, position and velocity of the
-//! IMU, biases of gyroscope and accelerometer, gravity, and the LiDAR's pose on the IMU. Gravity keeps its length: two dimensions. Two more of our own: how the map leans.
+//! W. Xu, Y. Cai, D. He, J. Lin, F. Zhang, *FAST-LIO2: Fast Direct LiDAR-Inertial Odometry*, 2021,
+//! equation 1: rotation, position and velocity of the IMU, biases of gyroscope and accelerometer,
+//! gravity, and the LiDAR's pose on the IMU. Gravity keeps its length: two dimensions. Two more
+//! dimensions of our own are the tilt of the map.
 
 use nalgebra::{Isometry3, Matrix3, SMatrix, SVector, UnitQuaternion, Vector2, Vector3};
 
@@ -9,53 +11,54 @@ use crate::so3::{exp, inverse_right_jacobian, log, tangent};
 
 /// Dimensions of an error.
 pub const SIZE: usize = 25;
-/// An error of a state.
+/// An error of a state: rotations as vectors, in the order of [`at`].
 pub type Error = SVector<f64, SIZE>;
 /// Covariance of an error.
 pub type Covariance = SMatrix<f64, SIZE, SIZE>;
 
 /// Where in an error each part begins.
 pub mod at {
-    /// Rotation of the IMU, in its own frame.
+    /// Rotation of the IMU in its own frame, radians.
     pub const ROTATION: usize = 0;
-    /// Its position.
+    /// Position of the IMU, metres.
     pub const POSITION: usize = 3;
-    /// Its velocity.
+    /// Velocity of the IMU, m/s.
     pub const VELOCITY: usize = 6;
-    /// Bias of the gyroscope.
+    /// Bias of the gyroscope, rad/s.
     pub const GYRO_BIAS: usize = 9;
-    /// Bias of the accelerometer.
+    /// Bias of the accelerometer, m/s².
     pub const ACCEL_BIAS: usize = 12;
-    /// Gravity.
+    /// Direction of gravity, radians: two components.
     pub const GRAVITY: usize = 15;
-    /// Rotation of the LiDAR on the IMU, in the LiDAR's frame.
+    /// Rotation of the LiDAR on the IMU, in the LiDAR's frame, radians.
     pub const MOUNT_ROTATION: usize = 17;
-    /// Its position on the IMU.
+    /// Position of the LiDAR on the IMU, metres.
     pub const MOUNT_POSITION: usize = 20;
-    /// How the map leans, about x and y of `odom`.
+    /// Tilt of the map about x and y of `odom`, radians: two components.
     pub const MAP_TILT: usize = 23;
 }
 
 /// A state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State {
-    /// From the IMU's frame to `odom`.
+    /// Rotation from the IMU's frame to `odom`.
     pub rotation: UnitQuaternion<f64>,
-    /// Of the IMU in `odom`, metres.
+    /// Position of the IMU in `odom`, metres.
     pub position: Vector3<f64>,
-    /// Of the IMU in `odom`, m/s.
+    /// Velocity of the IMU in `odom`, m/s.
     pub velocity: Vector3<f64>,
-    /// rad/s.
+    /// Bias of the gyroscope, rad/s.
     pub gyro_bias: Vector3<f64>,
-    /// m/s².
+    /// Bias of the accelerometer, m/s².
     pub accel_bias: Vector3<f64>,
-    /// In `odom`, m/s².
+    /// Gravity in `odom`, m/s².
     pub gravity: Vector3<f64>,
-    /// From the LiDAR's frame to the IMU's.
+    /// Rotation from the LiDAR's frame to the IMU's.
     pub mount_rotation: UnitQuaternion<f64>,
-    /// Of the LiDAR in the IMU's frame, metres.
+    /// Position of the LiDAR in the IMU's frame, metres.
     pub mount_position: Vector3<f64>,
-    /// How the map that is in view leans, turned about the IMU: a small rotation about x and y of `odom`, so that the map is seen as from exp(tilt) times `rotation`.
+    /// Tilt of the map in view, turned about the IMU: a small rotation about x and y of `odom`. The
+    /// map is seen as from exp(tilt) times `rotation`.
     pub map_tilt: Vector2<f64>,
 }
 
@@ -76,7 +79,7 @@ impl State {
         }
     }
 
-    /// The state an error away: ⊞.
+    /// This state, changed by an error: ⊞.
     #[must_use]
     pub fn plus(&self, error: &Error) -> Self {
         let part = |first: usize| -> Vector3<f64> { error.fixed_rows::<3>(first).into_owned() };
@@ -94,7 +97,7 @@ impl State {
         }
     }
 
-    /// The error that leads from `other` here: ⊟.
+    /// The error that leads from `other` to this state: ⊟.
     pub fn minus(&self, other: &Self) -> Error {
         let mut error = Error::zeros();
         let mut set =
@@ -169,7 +172,7 @@ impl State {
         jacobian
     }
 
-    /// Whether all its numbers are numbers.
+    /// Whether it contains neither NaN nor infinity.
     pub fn is_finite(&self) -> bool {
         let vectors = [
             self.position,
@@ -188,9 +191,10 @@ impl State {
             .all(|x| x.is_finite())
     }
 
-    /// How an error about another state, which is `away` from here, changes with one about this: the inverse of the Jacobian that FAST-LIO's equation 16 projects
-    /// the prior by.
-    pub fn projection(away: &Error) -> Covariance {
+    /// Jacobian of an error about another state by an error about this one; `away` is the error
+    /// from the other to this. It is the inverse of the Jacobian by which FAST-LIO's equation 16
+    /// projects the prior.
+    pub(super) fn projection(away: &Error) -> Covariance {
         let mut projection = Covariance::identity();
         for first in [at::ROTATION, at::MOUNT_ROTATION] {
             let part: Vector3<f64> = away.fixed_rows::<3>(first).into_owned();
@@ -242,7 +246,7 @@ mod tests {
         }
 
         #[test]
-        fn plus_and_minus_undo_each_other(
+        fn plus_and_minus_are_inverse(
             numbers in proptest::collection::vec(-1.0_f64..1.0, SIZE),
             error in proptest::collection::vec(-0.9_f64..0.9, SIZE),
         ) {

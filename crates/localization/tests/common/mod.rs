@@ -1,4 +1,4 @@
-//! A robot to try localizers on.
+//! A robot to test localizers with.
 
 use std::sync::Arc;
 
@@ -15,16 +15,19 @@ impl Camera for Blind {
     }
 }
 
-/// A robot whose sensors are exact but for a turn rate that is off by a constant, fed to a localizer every 50 ms.
+/// A robot whose sensors are exact except for a biased gyroscope. Its localizer gets observations
+/// every 50 ms.
 pub struct Robot {
     pub time: SimTime,
     pub truth: Pose2,
     wheels: [f64; 2],
-    /// Of the IMU in `map`, which is not in the robot's middle.
+    /// Of the IMU in `map`, m/s. The IMU is not in the middle of the robot.
     velocity: [f64; 2],
 }
 
+/// Of the gyroscope, rad/s.
 const BIAS: f64 = 0.004;
+/// Between samples, seconds.
 const DT: f64 = 0.01;
 
 impl Robot {
@@ -37,11 +40,12 @@ impl Robot {
         }
     }
 
-    /// Moves on for one step; the specific force of the IMU, so far in front of the middle.
+    /// Moves on for one step. Returns the specific force of an IMU that is `lever` metres in front
+    /// of the middle.
     fn go(&mut self, linear: f64, angular: f64, lever: f64) -> [f64; 3] {
         let imu = |pose: Pose2| pose.transform(lever, 0.0);
         let before = imu(self.truth);
-        // Along the chord of the arc.
+        // The chord of an arc points along the heading of half the arc.
         let half = Pose2::new(0.0, 0.0, angular * DT / 2.0);
         self.truth =
             self.truth

@@ -31,9 +31,9 @@ pub struct Seen {
     pub shared: f64,
     /// How a plane that is shifted or tilted moves under a point: rows that (p, 1) is multiplied
     /// by.
-    pub errors: SMatrix<f64, 3, 4>,
+    pub(in crate::lio) errors: SMatrix<f64, 3, 4>,
     /// Inverse variances of these errors, 1/m².
-    pub known: Vector3<f64>,
+    pub(in crate::lio) known: Vector3<f64>,
     /// Covariance of the normal.
-    pub leaning: Matrix3<f64>,
+    pub(in crate::lio) normal_covariance: Matrix3<f64>,
 }

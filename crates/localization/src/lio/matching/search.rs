@@ -103,7 +103,7 @@ impl Search<'_> {
             shared: plane.variance(middle.coords),
             errors: self.errors_on_lidar(plane),
             known: errors.map(|error| 1.0 / error.variance).into(),
-            leaning: plane.normal_covariance(),
+            normal_covariance: plane.normal_covariance(),
         }
     }
 

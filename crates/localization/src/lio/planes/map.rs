@@ -122,12 +122,12 @@ mod tests {
 
     /// Where the LiDAR is in most tests.
     const LIDAR: Vector3<f64> = Vector3::new(5.0, 4.0, 3.0);
+    const NOISE: LidarNoise = LidarNoise {
+        range: 0.01,
+        angle: 0.001,
+    };
 
-    fn add(map: &mut PlaneMap, point: Vector3<f64>) {
-        add_from(map, point, LIDAR);
-    }
-
-    fn add_from(map: &mut PlaneMap, point: Vector3<f64>, lidar: Vector3<f64>) {
+    fn add(map: &mut PlaneMap, point: Vector3<f64>, lidar: Vector3<f64>) {
         for place in (0..SIZES).filter_map(|size| Place::of(point, size)) {
             let mut points = Moments::default();
             points.add(point - place.middle, 1.0);
@@ -135,27 +135,22 @@ mod tests {
         }
     }
 
-    fn plane(map: &PlaneMap, point: Vector3<f64>) -> Option<&Plane> {
-        plane_from(map, point, LIDAR)
-    }
-
-    fn plane_from(map: &PlaneMap, point: Vector3<f64>, lidar: Vector3<f64>) -> Option<&Plane> {
+    /// The plane at a point, of the largest cube that has one.
+    fn plane(map: &PlaneMap, point: Vector3<f64>, lidar: Vector3<f64>) -> Option<&Plane> {
         (0..SIZES).find_map(|size| map.plane(&Place::of(point, size)?, lidar))
     }
 
-    /// Points on a slope, a little off it now and then.
+    /// Points on a slope, some of them up to four millimetres off it.
     fn slope() -> PlaneMap {
         let mut map = PlaneMap::new(LidarNoise {
             range: 0.003,
             angle: 0.001,
         });
         for i in 0..4000 {
-            let (x, y) = (
-                f64::from(i % 63) / 21.0 - 1.5,
-                f64::from(i / 63) / 21.0 - 1.5,
-            );
+            let x = f64::from(i % 63) / 21.0 - 1.5;
+            let y = f64::from(i / 63) / 21.0 - 1.5;
             let off = f64::from(i * 7 % 5 - 2) * 0.002;
-            add(&mut map, Vector3::new(x, y, 0.1 * x + 0.3 + off));
+            add(&mut map, Vector3::new(x, y, 0.1 * x + 0.3 + off), LIDAR);
         }
         map
     }
@@ -163,85 +158,80 @@ mod tests {
     #[test]
     fn points_on_a_slope_make_its_plane() {
         let map = slope();
-        let plane = plane(&map, Vector3::new(0.4, -0.3, 0.33)).unwrap();
+        let found = plane(&map, Vector3::new(0.4, -0.3, 0.33), LIDAR).unwrap();
         let normal = Vector3::new(-0.1, 0.0, 1.0).normalize();
         assert!(
-            (plane.normal.dot(&normal).abs() - 1.0).abs() < 1e-5,
-            "{plane:?}"
+            (found.normal.dot(&normal).abs() - 1.0).abs() < 1e-5,
+            "{found:?}"
         );
-        assert!(plane.distance(Vector3::new(0.4, -0.3, 0.34)).abs() < 1e-3);
+        assert!(found.distance(Vector3::new(0.4, -0.3, 0.34)).abs() < 1e-3);
         // 1.4 times two millimetres.
-        assert!(
-            (plane.thickness.sqrt() - 0.0028).abs() < 5e-4,
-            "{}",
-            plane.thickness.sqrt()
-        );
-        assert!((EVENNESS_M..EVENNESS_M + 1e-3).contains(&plane.variance(plane.middle).sqrt()));
-        assert!(plane.variance(plane.middle + plane.along[0]) > plane.variance(plane.middle));
-        assert!(super::tests::plane(&map, Vector3::new(5.0, 0.0, 0.5)).is_none());
+        let thickness = found.thickness.sqrt();
+        assert!((thickness - 0.0028).abs() < 5e-4, "{thickness}");
+        let in_middle = found.variance(found.middle);
+        assert!((EVENNESS_M..EVENNESS_M + 1e-3).contains(&in_middle.sqrt()));
+        assert!(found.variance(found.middle + found.along[0]) > in_middle);
+        assert!(plane(&map, Vector3::new(5.0, 0.0, 0.5), LIDAR).is_none());
     }
 
     #[test]
-    fn what_is_far_is_forgotten_and_what_is_nowhere_is_not_taken() {
+    fn distant_cubes_are_forgotten_and_impossible_points_are_not_added() {
         let mut map = slope();
         let before = map.len();
-        add(&mut map, Vector3::new(f64::NAN, 0.0, 0.0));
-        add(&mut map, Vector3::new(1e9, 0.0, 0.0));
+        add(&mut map, Vector3::new(f64::NAN, 0.0, 0.0), LIDAR);
+        add(&mut map, Vector3::new(1e9, 0.0, 0.0), LIDAR);
         assert_eq!(map.len(), before);
         map.forget(Vector3::new(0.0, 0.0, 0.0), 1.0);
-        assert!(map.len() < before && plane(&map, Vector3::new(0.4, -0.3, 0.34)).is_some());
+        assert!(map.len() < before);
+        assert!(plane(&map, Vector3::new(0.4, -0.3, 0.34), LIDAR).is_some());
         map.forget(Vector3::new(100.0, 0.0, 0.0), 50.0);
         assert!(map.is_empty());
     }
 
     #[test]
     fn a_corner_has_planes_in_small_cubes_only() {
-        let mut map = PlaneMap::new(LidarNoise {
-            range: 0.01,
-            angle: 0.001,
-        });
+        let mut map = PlaneMap::new(NOISE);
         for i in 0..10_000 {
             // All over the walls, as rays are.
             let i = i * 7919 % 10_000;
-            let (a, b) = (f64::from(i % 100) / 100.0, f64::from(i / 100) / 100.0);
-            add(&mut map, Vector3::new(a, b, 0.005));
-            add(&mut map, Vector3::new(0.005, a, b));
+            let a = f64::from(i % 100) / 100.0;
+            let b = f64::from(i / 100) / 100.0;
+            add(&mut map, Vector3::new(a, b, 0.005), LIDAR);
+            add(&mut map, Vector3::new(0.005, a, b), LIDAR);
         }
-        // The largest cube holds both.
+        // The largest cube has points of both.
         let middle = Vector3::new(0.5, 0.5, 0.5);
         assert!(map.plane(&Place::of(middle, 0).unwrap(), LIDAR).is_none());
-        let wall = plane(&map, Vector3::new(0.005, 0.6, 0.6)).unwrap();
+        let wall = plane(&map, Vector3::new(0.005, 0.6, 0.6), LIDAR).unwrap();
         assert!(wall.normal.x.abs() > 0.99);
-        let floor = plane(&map, Vector3::new(0.6, 0.6, 0.005)).unwrap();
+        let floor = plane(&map, Vector3::new(0.6, 0.6, 0.005), LIDAR).unwrap();
         assert!(floor.normal.z.abs() > 0.99);
+    }
+
+    /// Adds points of a wall along x, seen from a place.
+    fn add_wall(map: &mut PlaneMap, y: f64, lidar: Vector3<f64>) {
+        for i in 0..2500 {
+            let x = f64::from(i % 50) / 25.0;
+            let z = f64::from(i / 50) / 25.0;
+            add(map, Vector3::new(x, y, z), lidar);
+        }
     }
 
     #[test]
     fn a_wall_has_two_sides() {
-        let mut map = PlaneMap::new(LidarNoise {
-            range: 0.01,
-            angle: 0.001,
-        });
-        let (front, behind) = (Vector3::new(0.0, 5.0, 0.7), Vector3::new(0.0, -5.0, 0.7));
-        for i in 0..2500 {
-            let (x, z) = (f64::from(i % 50) / 25.0, f64::from(i / 50) / 25.0);
-            add_from(&mut map, Vector3::new(x, 0.50, z), front);
-        }
+        let mut map = PlaneMap::new(NOISE);
+        let front = Vector3::new(0.0, 5.0, 0.7);
+        let behind = Vector3::new(0.0, -5.0, 0.7);
         let middle = Vector3::new(0.9, 0.5, 0.9);
-        let plane = plane_from(&map, middle, front).unwrap();
-        assert!(plane.normal.y > 0.99, "{plane:?}");
-        assert!(plane_from(&map, middle, behind).is_none());
-        let before = *plane;
+        add_wall(&mut map, 0.50, front);
+        let before = *plane(&map, middle, front).unwrap();
+        assert!(before.normal.y > 0.99, "{before:?}");
+        assert!(plane(&map, middle, behind).is_none());
         // The other side of the wall is 4 cm farther back.
-        for i in 0..2500 {
-            let (x, z) = (f64::from(i % 50) / 25.0, f64::from(i / 50) / 25.0);
-            add_from(&mut map, Vector3::new(x, 0.46, z), behind);
-        }
-        assert_eq!(plane_from(&map, middle, front), Some(&before));
-        let back = plane_from(&map, middle, behind).unwrap();
-        assert!(
-            back.normal.y < -0.99 && (back.middle.y - 0.46).abs() < 1e-6,
-            "{back:?}"
-        );
+        add_wall(&mut map, 0.46, behind);
+        assert_eq!(plane(&map, middle, front), Some(&before));
+        let back = plane(&map, middle, behind).unwrap();
+        assert!(back.normal.y < -0.99, "{back:?}");
+        assert!((back.middle.y - 0.46).abs() < 1e-6, "{back:?}");
     }
 }

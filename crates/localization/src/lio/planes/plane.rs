@@ -92,7 +92,7 @@ impl Plane {
     }
 
     /// Covariance of the normal.
-    pub fn normal_covariance(&self) -> Matrix3<f64> {
+    pub(in crate::lio) fn normal_covariance(&self) -> Matrix3<f64> {
         let [first, second] = [0, 1]
             .map(|i| self.along[i] * self.along[i].transpose() * (self.offset() / self.spread[i]));
         first + second
