@@ -83,6 +83,26 @@ fn explore(target: &str) -> Step {
 
 /// Where a delivery leads, in map coordinates (metres): the door, else the centroid of the
 /// building. `None` if the map knows neither, though it may know the street.
+///
+/// # Examples
+/// ```
+/// # use openbench_core::{Address, Georeference, LonLat, MapPoint};
+/// # use openbench_osm::{OsmData, OsmMap};
+/// // A house of 30 m by 33 m, cut along its diagonal.
+/// let xml = r#"<osm version="0.6">
+///     <node id="1" lat="48.1500" lon="11.5800"/><node id="2" lat="48.1500" lon="11.5804"/>
+///     <node id="3" lat="48.1503" lon="11.5804"/>
+///     <way id="4"><nd ref="1"/><nd ref="2"/><nd ref="3"/><nd ref="1"/>
+///         <tag k="building" v="yes"/><tag k="name" v="building3"/></way></osm>"#;
+/// let data = OsmData::from_xml(xml.as_bytes())?;
+/// let map = OsmMap::new(&data, Georeference::tangent_plane(LonLat::new(11.58, 48.15)));
+///
+/// let at = openbench_language::destination(&map, &Address::new("building3", "unit1"));
+/// assert!(at.is_some_and(|at| at.distance(MapPoint::new(19.8, 11.1)) < 0.5));
+/// let unknown = Address::new("building4", "unit1");
+/// assert_eq!(openbench_language::destination(&map, &unknown), None);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn destination(map: &OsmMap, address: &Address) -> Option<MapPoint> {
     match locate(map, address) {
         Location::Unit { entrance, .. } => map.entrances.get(entrance).map(|e| e.position),

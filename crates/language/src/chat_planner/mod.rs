@@ -39,6 +39,52 @@ use crate::{PlanError, PlanRequest, Planner};
 const ATTEMPTS: usize = 2;
 
 /// Plans with a chat model in three steps.
+///
+/// # Examples
+/// ```
+/// use openbench_core::{Georeference, LonLat, MapPoint, TravelTimes};
+/// use openbench_language::{ChatPlanner, PlanRequest, Planner};
+/// use openbench_models::{ChatError, ChatModel, ChatReply, ChatRequest};
+/// use openbench_osm::{OsmData, OsmMap};
+///
+/// /// Gives one answer, whatever it is asked.
+/// struct Parrot(&'static str);
+///
+/// impl ChatModel for Parrot {
+///     fn name(&self) -> &str {
+///         "parrot"
+///     }
+///
+///     fn chat(&self, _: &ChatRequest) -> Result<ChatReply, ChatError> {
+///         Ok(ChatReply { text: self.0.to_owned(), prompt_tokens: 0, completion_tokens: 0 })
+///     }
+/// }
+/// # struct Walk;
+/// # impl TravelTimes for Walk {
+/// #     fn matrix(&self, places: &[MapPoint]) -> Vec<f64> {
+/// #         vec![60.0; places.len() * places.len()]
+/// #     }
+/// # }
+/// # let xml = r#"<osm version="0.6">
+/// #     <node id="1" lat="48.1500" lon="11.5800"/><node id="2" lat="48.1500" lon="11.5804"/>
+/// #     <node id="3" lat="48.1503" lon="11.5804"/>
+/// #     <way id="4"><nd ref="1"/><nd ref="2"/><nd ref="3"/><nd ref="1"/>
+/// #         <tag k="building" v="yes"/><tag k="name" v="building3"/></way></osm>"#;
+/// # let data = OsmData::from_xml(xml.as_bytes())?;
+/// # let map = OsmMap::new(&data, Georeference::tangent_plane(LonLat::new(11.58, 48.15)));
+///
+/// let answer = r#"{"deliveries": [{"item": "the box", "building": "building3", "unit": "1"}]}"#;
+/// let planner = ChatPlanner::new(Box::new(Parrot(answer)));
+/// let plan = planner.plan(&PlanRequest {
+///     instruction: "Take the box to unit 1 of building 3",
+///     map: &map,
+///     start: MapPoint::default(),
+///     times: &Walk,
+/// })?;
+/// assert_eq!(plan.planner, "chat:parrot");
+/// assert_eq!(plan.deliveries[0].address().to_string(), "unit1, building3");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct ChatPlanner {
     model: Box<dyn ChatModel>,
     name: String,

@@ -70,7 +70,7 @@ pub(crate) const INTENTS: &[Intent] = &[
     Intent {
         name: "what is denied is taken back where it was named before",
         examples: &[Example(
-            "Units 2 and 4 of building 7, but unit 4 has just cancelled",
+            "Building 7, unit 2 and building 8, unit 1. Building 8, unit 1, has cancelled.",
             "building7/unit2",
         )],
         apply: exceptions::take_back,
