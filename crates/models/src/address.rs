@@ -1,38 +1,44 @@
-//! Addresses of endpoints: what is accepted, and which of them stay on this machine.
+//! Addresses of endpoints: validation, and which of them are on this machine.
 
 use std::net::IpAddr;
 
 use crate::error::OpenError;
 
-/// The address without a slash at its end, if it is `http(s)://host[:port]/path`.
+/// Checks that an address has the form `http(s)://host[:port]/path`; removes trailing slashes.
 ///
 /// # Errors
 /// [`OpenError::BadBase`].
 pub(crate) fn checked(base: &str) -> Result<String, OpenError> {
     let base = base.trim_end_matches('/');
-    let Some(rest) = base.strip_prefix("https://").or_else(|| base.strip_prefix("http://")) else {
-        return Err(bad(base, "it does not begin with http:// or https://"));
-    };
+    let (scheme, rest) = base.split_once("://").unwrap_or(("", base));
     let authority = rest.split(['/', '?', '#']).next().unwrap_or_default();
     if authority.contains('@') {
-        // Not shown: what stands before the @ is a password.
+        // Not shown: the part in front of the @ is a password.
         return Err(bad(
             "http(s)://…@…",
-            "it holds a user name or password; put the key into OPENBENCH_API_KEY",
+            "it contains a user name or password; set OPENBENCH_API_KEY to the key",
         ));
+    }
+    // A query is not shown: it may contain a key.
+    let shown = base.split(['?', '#']).next().unwrap_or_default();
+    if !matches!(scheme, "http" | "https") {
+        return Err(bad(shown, "it does not begin with http:// or https://"));
     }
     let has_blank = base.chars().any(|c| c.is_whitespace() || c.is_control());
     if authority.is_empty() || base.contains(['?', '#']) || has_blank {
-        return Err(bad(base, "write http(s)://host[:port]/path"));
+        return Err(bad(shown, "write http(s)://host[:port]/path"));
     }
     Ok(base.to_owned())
 }
 
 fn bad(shown: &str, detail: &'static str) -> OpenError {
-    OpenError::BadBase { base: shown.to_owned(), detail }
+    OpenError::BadBase {
+        base: shown.to_owned(),
+        detail,
+    }
 }
 
-/// Whether the host of an address is this machine's loopback interface.
+/// Whether the host of an address is the loopback interface of this machine.
 pub(crate) fn is_loopback(base: &str) -> bool {
     let rest = base.split_once("://").map_or(base, |(_, rest)| rest);
     let authority = rest.split('/').next().unwrap_or_default();
@@ -48,13 +54,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn addresses_lose_the_slash_at_their_end() {
+    fn trailing_slashes_are_removed() {
         assert_eq!(checked("https://h:8/v1/").unwrap(), "https://h:8/v1");
     }
 
     #[test]
-    fn bad_addresses_are_refused_without_showing_passwords() {
-        for base in ["https://", "https://h?x", "https://u:secret@h/v1", "https://h/a b", "ftp://h"] {
+    fn invalid_addresses_are_refused_without_their_secrets() {
+        for base in [
+            "https://",
+            "https://h?key=secret",
+            "https://h/v1#secret",
+            "https://u:secret@h/v1",
+            "u:secret@h/v1",
+            "ftp://u:secret@h",
+            "https://h/a b",
+            "ftp://h",
+        ] {
             let error = checked(base).unwrap_err();
             assert!(matches!(error, OpenError::BadBase { .. }), "{base}");
             assert!(!format!("{error} {error:?}").contains("secret"));
@@ -62,11 +77,19 @@ mod tests {
     }
 
     #[test]
-    fn loopback_is_told_from_other_hosts() {
-        for local in ["http://127.0.0.1:1/v1", "http://localhost/v1", "http://[::1]:1/v1"] {
+    fn loopback_addresses_are_recognized() {
+        for local in [
+            "http://127.0.0.1:1/v1",
+            "http://localhost/v1",
+            "http://[::1]:1/v1",
+        ] {
             assert!(is_loopback(local), "{local}");
         }
-        for far in ["http://far.example/v1", "http://127.0.0.1.far.example", "http://[::2]/v1"] {
+        for far in [
+            "http://far.example/v1",
+            "http://127.0.0.1.far.example",
+            "http://[::2]/v1",
+        ] {
             assert!(!is_loopback(far), "{far}");
         }
     }

@@ -1,6 +1,6 @@
-//! What a mission asks of models: counted, and bounded.
+//! Counts and limits the calls of a mission to models.
 //!
-//! One [`Meter`] belongs to a mission; every model that the mission asks is wrapped in a [`Metered`] with it.
+//! A mission has one [`Meter`]. Each model of the mission is wrapped in a [`Metered`] with it.
 
 use std::str::FromStr;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -10,26 +10,31 @@ use openbench_core::ModelUse;
 use crate::chat::{ChatError, ChatModel, ChatReply, ChatRequest, CountedReply};
 use crate::error::BudgetError;
 
-/// The most that a mission may ask of models.
+/// Limits for the calls of a mission to models.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Budget {
-    /// Requests.
+    /// Number of calls.
     pub calls: u32,
-    /// Tokens of requests and answers together, as the servers count them.
+    /// Tokens of requests and answers together, as servers count them.
     pub tokens: u64,
-    /// Seconds that it waits for answers.
+    /// Time spent waiting for answers, seconds.
     pub seconds: u32,
 }
 
 impl Default for Budget {
-    /// Enough to read a plate at every place that a mission looks from; little enough that a loop costs no fortune.
+    /// Enough to read a plate from each place of a mission, and few enough that an endless loop
+    /// does not become expensive.
     fn default() -> Self {
-        Self { calls: 1000, tokens: 2_000_000, seconds: 1800 }
+        Self {
+            calls: 1000,
+            tokens: 2_000_000,
+            seconds: 1800,
+        }
     }
 }
 
 impl Budget {
-    /// Which bound is reached, in words.
+    /// The limit that is reached, in words.
     fn reached(&self, spent: &ModelUse) -> Option<String> {
         let tokens = spent.prompt_tokens.saturating_add(spent.completion_tokens);
         bound_reached(spent.calls.into(), self.calls.into(), "calls")
@@ -39,7 +44,9 @@ impl Budget {
 
     fn read(text: &str) -> Option<Self> {
         let parts: Vec<&str> = text.split(',').map(str::trim).collect();
-        let &[calls, tokens, seconds] = &parts[..] else { return None };
+        let &[calls, tokens, seconds] = &parts[..] else {
+            return None;
+        };
         Some(Self {
             calls: calls.parse().ok()?,
             tokens: tokens.parse().ok()?,
@@ -49,7 +56,7 @@ impl Budget {
 }
 
 fn bound_reached(spent: u64, bound: u64, unit: &str) -> Option<String> {
-    (spent >= bound).then(|| format!("{spent} of {bound} {unit} are spent"))
+    (spent >= bound).then(|| format!("{spent} of {bound} {unit} used"))
 }
 
 impl FromStr for Budget {
@@ -57,11 +64,27 @@ impl FromStr for Budget {
 
     /// Reads `CALLS,TOKENS,SECONDS`.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        Self::read(text).ok_or_else(|| BudgetError { text: text.to_owned() })
+        Self::read(text).ok_or_else(|| BudgetError {
+            text: text.to_owned(),
+        })
     }
 }
 
-/// Counts what a mission asks. Clones count together.
+/// Counts the calls of a mission. Clones share their count.
+///
+/// ```
+/// use openbench_models::{Budget, ChatModel, ChatRequest, Message, Meter, Metered, Replay};
+///
+/// let model = Replay::from_reader(&b""[..])?;
+/// let meter = Meter::new(Budget { calls: 1, ..Budget::default() });
+/// let metered = Metered::new(model, meter.clone());
+///
+/// let request = ChatRequest::new(vec![Message::user("To unit2, building1.")]);
+/// assert!(metered.chat(&request).unwrap_err().to_string().contains("recording"));
+/// assert!(metered.chat(&request).unwrap_err().to_string().contains("1 of 1 calls"));
+/// assert_eq!(meter.spent().calls, 1);
+/// # Ok::<(), openbench_models::ReplayError>(())
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct Meter {
     budget: Budget,
@@ -69,12 +92,15 @@ pub struct Meter {
 }
 
 impl Meter {
-    /// Nothing asked yet.
+    /// A count of zero.
     pub fn new(budget: Budget) -> Self {
-        Self { budget, spent: Arc::default() }
+        Self {
+            budget,
+            spent: Arc::default(),
+        }
     }
 
-    /// What was asked so far.
+    /// The calls so far.
     pub fn spent(&self) -> ModelUse {
         *self.spent.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -92,8 +118,9 @@ impl Meter {
     }
 }
 
-/// A model of which no more is asked than the meter's budget allows. A call that has begun is waited for, so seconds and tokens may
-/// go beyond the bound by one call.
+/// A model that refuses calls once the budget of its meter is used up.
+///
+/// A call that has begun is completed, so seconds and tokens may exceed their limits by one call.
 #[derive(Debug)]
 pub struct Metered<M> {
     model: M,
@@ -101,7 +128,7 @@ pub struct Metered<M> {
 }
 
 impl<M: ChatModel> Metered<M> {
-    /// Counts what is asked of `model` by `meter`.
+    /// Counts the calls to `model` with `meter`.
     pub fn new(model: M, meter: Meter) -> Self {
         Self { model, meter }
     }
@@ -118,7 +145,10 @@ impl<M: ChatModel> ChatModel for Metered<M> {
 
     fn chat_counted(&self, request: &ChatRequest) -> CountedReply {
         if let Err(error) = self.meter.check() {
-            return CountedReply { reply: Err(error), used: ModelUse::default() };
+            return CountedReply {
+                reply: Err(error),
+                used: ModelUse::default(),
+            };
         }
         let counted = self.model.chat_counted(request);
         self.meter.count(counted.used);
@@ -131,7 +161,7 @@ mod tests {
     use super::*;
     use crate::chat::Message;
 
-    /// Costs 10 tokens and 2 s a call, or 60 s and no answer.
+    /// A model whose calls cost 10 tokens and 2 s, or fail after 60 s.
     struct Scripted {
         answers: bool,
     }
@@ -147,16 +177,23 @@ mod tests {
 
         fn chat_counted(&self, _: &ChatRequest) -> CountedReply {
             let mut counted = CountedReply::of_one_call(if self.answers {
-                Ok(ChatReply { text: "x".into(), prompt_tokens: 7, completion_tokens: 3 })
+                Ok(ChatReply {
+                    text: "x".into(),
+                    prompt_tokens: 7,
+                    completion_tokens: 3,
+                })
             } else {
-                Err(ChatError::Timeout { endpoint: "e".into(), seconds: 60 })
+                Err(ChatError::Timeout {
+                    endpoint: "e".into(),
+                    seconds: 60,
+                })
             });
             counted.used.latency_ms = if self.answers { 2000 } else { 60_000 };
             counted
         }
     }
 
-    /// How many calls go through before the budget is spent.
+    /// Number of calls before the budget is used up.
     fn calls_within(budget: Budget, answers: bool) -> usize {
         let model = Metered::new(Scripted { answers }, Meter::new(budget));
         let request = ChatRequest::new(vec![Message::user("x")]);
@@ -167,32 +204,57 @@ mod tests {
     }
 
     #[test]
-    fn budgets_are_read() {
-        assert_eq!("1, 2,3".parse(), Ok(Budget { calls: 1, tokens: 2, seconds: 3 }));
+    fn budgets_are_parsed() {
+        assert_eq!(
+            "1, 2,3".parse(),
+            Ok(Budget {
+                calls: 1,
+                tokens: 2,
+                seconds: 3
+            })
+        );
         for bad in ["", "1,2", "1,2,3,4", "1,-2,3", "a,b,c", "99999999999,1,1"] {
             assert!(bad.parse::<Budget>().is_err(), "{bad}");
         }
     }
 
     #[test]
-    fn each_bound_holds() {
-        let wide = Budget { calls: 50, tokens: 10_000, seconds: 10_000 };
+    fn each_limit_holds() {
+        let wide = Budget {
+            calls: 50,
+            tokens: 10_000,
+            seconds: 10_000,
+        };
         assert_eq!(calls_within(wide, true), 50);
         assert_eq!(calls_within(Budget { tokens: 25, ..wide }, true), 3);
         assert_eq!(calls_within(Budget { seconds: 5, ..wide }, true), 3);
-        assert_eq!(calls_within(Budget { seconds: 61, ..wide }, false), 2);
+        assert_eq!(
+            calls_within(
+                Budget {
+                    seconds: 61,
+                    ..wide
+                },
+                false
+            ),
+            2
+        );
         assert_eq!(calls_within(Budget { calls: 0, ..wide }, true), 0);
     }
 
     #[test]
-    fn models_of_one_mission_count_together() {
+    fn models_of_a_mission_share_its_meter() {
         let meter = Meter::new(Budget::default());
         let request = ChatRequest::new(vec![Message::user("x")]);
         for answers in [true, true, false] {
             let _ = Metered::new(Scripted { answers }, meter.clone()).chat(&request);
         }
-        let wanted =
-            ModelUse { calls: 3, failed: 1, prompt_tokens: 14, completion_tokens: 6, latency_ms: 64_000 };
+        let wanted = ModelUse {
+            calls: 3,
+            failed: 1,
+            prompt_tokens: 14,
+            completion_tokens: 6,
+            latency_ms: 64_000,
+        };
         assert_eq!(meter.spent(), wanted);
     }
 }

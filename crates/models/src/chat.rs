@@ -1,28 +1,54 @@
-//! The contract with a chat model: messages in, one text out.
+//! The contract of a chat model: messages in, one text out.
 //!
-//! Follows the shape that providers share (roles, pictures beside text, a request for JSON or for JSON of a schema), and no more: no
-//! streaming, no tools, no several choices. Everything here can be written to a file and read back unchanged, errors too,
-//! so that a recorded conversation replays exactly ([`crate::replay`]).
+//! It contains what providers have in common: roles, images beside text, and a request for JSON or
+//! for JSON of a schema. Streaming, tools and several choices are not part of it. All types can be
+//! written to a file and read back unchanged, including errors, so that a recorded conversation
+//! replays exactly ([`crate::replay`]).
 
 use openbench_core::ModelUse;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-/// Something that answers a conversation: a remote endpoint, a recording, or a script in a test.
+/// A model that answers a conversation: a remote endpoint, a recording, or a script in a test.
 ///
-/// Implementations are shared between worker threads; a call blocks until the answer or an error is there, so an
-/// implementation that can wait must bound the wait itself.
+/// Implementations are shared between threads. A call blocks until there is an answer or an error,
+/// so an implementation that waits must have a time-out.
+///
+/// ```
+/// use openbench_models::{ChatError, ChatModel, ChatReply, ChatRequest, Message};
+///
+/// /// Repeats the last message.
+/// struct Echo;
+///
+/// impl ChatModel for Echo {
+///     fn name(&self) -> &str {
+///         "echo"
+///     }
+///
+///     fn chat(&self, request: &ChatRequest) -> Result<ChatReply, ChatError> {
+///         let last = request.messages.last();
+///         let text = last.map_or(String::new(), |message| message.text.clone());
+///         Ok(ChatReply { text, prompt_tokens: 4, completion_tokens: 4 })
+///     }
+/// }
+///
+/// let request = ChatRequest::new(vec![Message::user("To unit2, building1.")]);
+/// let counted = Echo.chat_counted(&request);
+/// assert_eq!(counted.reply?.text, "To unit2, building1.");
+/// assert_eq!((counted.used.calls, counted.used.prompt_tokens), (1, 4));
+/// # Ok::<(), ChatError>(())
+/// ```
 pub trait ChatModel: Send + Sync {
-    /// The model's name as results report it, without endpoint and without secrets.
+    /// The name of the model in results, without endpoint and without secrets.
     fn name(&self) -> &str;
 
     /// Answers the conversation with one text.
     ///
     /// # Errors
-    /// Any [`ChatError`]; retries are the implementation's business, so an error here is final for this request.
+    /// Any [`ChatError`]. The implementation retries where that helps, so an error is final.
     fn chat(&self, request: &ChatRequest) -> Result<ChatReply, ChatError>;
 
-    /// [`ChatModel::chat`], and what it cost: also where there is no answer in the end.
+    /// [`ChatModel::chat`] with its cost, which an error has as well.
     fn chat_counted(&self, request: &ChatRequest) -> CountedReply {
         CountedReply::of_one_call(self.chat(request))
     }
@@ -56,46 +82,58 @@ impl<M: ChatModel + ?Sized> ChatModel for std::sync::Arc<M> {
     }
 }
 
-/// Who speaks in a [`Message`].
+/// The author of a [`Message`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Role {
-    /// Standing orders, before the conversation.
+    /// Instructions in front of the conversation.
     System,
-    /// The one who asks.
+    /// The user.
     User,
-    /// The model, in earlier turns.
+    /// The model, in an earlier turn.
     Assistant,
 }
 
 /// One turn of a conversation.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Message {
-    /// Who speaks.
+    /// The author.
     pub role: Role,
-    /// What is said.
+    /// The text.
     pub text: String,
-    /// Pictures shown with the text, each a whole PNG or JPEG file.
+    /// Images beside the text, each a complete PNG or JPEG file.
     pub images: Vec<Vec<u8>>,
 }
 
 impl Message {
-    /// Standing orders for the model.
+    /// Instructions for the model.
     pub fn system(text: impl Into<String>) -> Self {
-        Self { role: Role::System, text: text.into(), images: Vec::new() }
+        Self {
+            role: Role::System,
+            text: text.into(),
+            images: Vec::new(),
+        }
     }
 
-    /// A question without pictures.
+    /// A message of the user, without images.
     pub fn user(text: impl Into<String>) -> Self {
-        Self { role: Role::User, text: text.into(), images: Vec::new() }
+        Self {
+            role: Role::User,
+            text: text.into(),
+            images: Vec::new(),
+        }
     }
 
     /// An earlier answer of the model.
     pub fn assistant(text: impl Into<String>) -> Self {
-        Self { role: Role::Assistant, text: text.into(), images: Vec::new() }
+        Self {
+            role: Role::Assistant,
+            text: text.into(),
+            images: Vec::new(),
+        }
     }
 
-    /// The same turn with one more picture, a whole PNG or JPEG file.
+    /// Adds an image, a complete PNG or JPEG file.
     #[must_use]
     pub fn with_image(mut self, file: Vec<u8>) -> Self {
         self.images.push(file);
@@ -103,60 +141,67 @@ impl Message {
     }
 }
 
-/// What an answer shall look like.
+/// The required form of an answer.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Format {
     /// Free text.
     Text,
     /// One JSON object.
     Json,
-    /// One JSON object of this schema, where the provider can hold the model to one; one JSON object elsewhere.
+    /// One JSON object of this schema where the provider can enforce a schema, else one JSON
+    /// object.
     Schema(Schema),
 }
 
 /// A JSON Schema.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Schema {
-    /// What it describes: ASCII letters, digits, `_` and `-` only.
+    /// Name of the schema: ASCII letters, digits, `_` and `-` only.
     pub name: String,
-    /// The schema as JSON text, an object.
+    /// The schema as JSON text, which is an object.
     pub text: String,
 }
 
-/// What is asked of a [`ChatModel`].
+/// A request to a [`ChatModel`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ChatRequest {
-    /// The conversation so far, oldest first.
+    /// The conversation so far, oldest message first.
     pub messages: Vec<Message>,
-    /// What the answer shall look like. Servers honour it as well as they can; callers still check.
+    /// The required form of the answer. Servers do not guarantee it: callers must check.
     pub format: Format,
-    /// The longest answer wanted, in the model's tokens.
+    /// Maximum length of the answer, tokens of the model.
     pub max_tokens: u32,
-    /// Sampling temperature; 0 asks for the likeliest answer.
+    /// Sampling temperature; 0 requests the most probable answer.
     pub temperature: f32,
 }
 
 impl ChatRequest {
-    /// A conversation that asks for plain text, 1024 tokens at most, at temperature 0.
+    /// A request for plain text of at most 1024 tokens, at temperature 0.
     pub fn new(messages: Vec<Message>) -> Self {
-        Self { messages, format: Format::Text, max_tokens: 1024, temperature: 0.0 }
+        Self {
+            messages,
+            format: Format::Text,
+            max_tokens: 1024,
+            temperature: 0.0,
+        }
     }
 
-    /// The same conversation, asking for one JSON object.
+    /// Requests one JSON object.
     #[must_use]
     pub fn as_json(mut self) -> Self {
         self.format = Format::Json;
         self
     }
 
-    /// The same conversation, asking for one JSON object of a schema.
+    /// Requests one JSON object of a schema.
     #[must_use]
     pub fn as_schema(mut self, schema: Schema) -> Self {
         self.format = Format::Schema(schema);
         self
     }
 
-    /// SHA-256 over every field, in hex. Each part is preceded by its length, so no two requests share an encoding.
+    /// SHA-256 over all fields, in hexadecimal digits. The length of each part is hashed before the
+    /// part, so different requests have different encodings.
     pub fn digest(&self) -> String {
         let mut hasher = Sha256::new();
         match &self.format {
@@ -174,7 +219,10 @@ impl ChatRequest {
             hasher.update([message.role as u8]);
             hash_part(&mut hasher, message.text.as_bytes());
             hasher.update((message.images.len() as u64).to_le_bytes());
-            message.images.iter().for_each(|image| hash_part(&mut hasher, image));
+            message
+                .images
+                .iter()
+                .for_each(|image| hash_part(&mut hasher, image));
         }
         crate::digest::hex(&hasher.finalize())
     }
@@ -185,30 +233,33 @@ fn hash_part(hasher: &mut Sha256, bytes: &[u8]) {
     hasher.update(bytes);
 }
 
-/// What a [`ChatModel`] answered.
+/// The answer of a [`ChatModel`].
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ChatReply {
-    /// The answer, as the model wrote it.
+    /// The text, as the model wrote it.
     pub text: String,
-    /// Tokens that the request cost; 0 where the server did not say.
+    /// Tokens of the request; 0 if the server does not report them.
     pub prompt_tokens: u32,
-    /// Tokens that the answer cost; 0 where the server did not say.
+    /// Tokens of the answer; 0 if the server does not report them.
     pub completion_tokens: u32,
 }
 
-/// What a [`ChatModel`] answered, or why it did not, and what that cost.
+/// The answer of a [`ChatModel`] or its error, with the cost.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CountedReply {
-    /// The answer.
+    /// The answer or the error.
     pub reply: Result<ChatReply, ChatError>,
-    /// Calls, tokens and time of all tries together.
+    /// Calls, tokens and time of all attempts together.
     pub used: ModelUse,
 }
 
 impl CountedReply {
-    /// The outcome of a single call that took no time worth counting.
+    /// The outcome of one call, with a latency of 0.
     pub fn of_one_call(reply: Result<ChatReply, ChatError>) -> Self {
-        let mut used = ModelUse { calls: 1, ..ModelUse::default() };
+        let mut used = ModelUse {
+            calls: 1,
+            ..ModelUse::default()
+        };
         match &reply {
             Ok(reply) => {
                 used.prompt_tokens = reply.prompt_tokens.into();
@@ -220,69 +271,77 @@ impl CountedReply {
     }
 }
 
-/// Why there is no answer. No variant ever holds a key.
+/// Why there is no answer. No variant contains a key.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, thiserror::Error)]
+#[non_exhaustive]
 pub enum ChatError {
-    /// No connection to the server, or it broke off.
-    #[error("cannot reach the model at {endpoint}: {detail}; check the address and that the server runs")]
+    /// The server cannot be reached, or the connection broke.
+    #[error(
+        "cannot reach the model at {endpoint}: {detail}; check the address and whether the server \
+         is running"
+    )]
     Unreachable {
-        /// The address that was tried.
+        /// The address of the request.
         endpoint: String,
-        /// What the network said.
+        /// The error of the network.
         detail: String,
     },
     /// The server did not answer in time.
     #[error(
-        "the model at {endpoint} did not answer within {seconds} s; try a longer time-out or a faster model"
+        "the model at {endpoint} did not answer within {seconds} s; use a longer time-out or a \
+         faster model"
     )]
     Timeout {
-        /// The address that was tried.
+        /// The address of the request.
         endpoint: String,
-        /// The limit that ran out, rounded up.
+        /// The time-out, seconds, rounded up.
         seconds: u64,
     },
-    /// The server answered with an HTTP status other than 200.
+    /// The HTTP status of the answer is not 200.
     #[error("the model at {endpoint} answered with HTTP status {code}: {detail}")]
     Status {
-        /// The address that was tried.
+        /// The address of the request.
         endpoint: String,
         /// The HTTP status.
         code: u16,
-        /// The beginning of what the server said about it.
+        /// The beginning of the server's message.
         detail: String,
     },
-    /// The answer is not what such a server sends, is cut off or withheld, or exceeds the size limit.
+    /// The answer is malformed, truncated, withheld, or longer than the limit.
     #[error("the answer of {endpoint} cannot be used: {detail}")]
     BadReply {
-        /// The address (or the recording) that answered.
+        /// The address of the request.
         endpoint: String,
         /// What is wrong with the answer.
         detail: String,
     },
-    /// The request cannot be put into the words of the provider.
+    /// The request cannot be expressed in the protocol of the provider.
     #[error("the request cannot be sent to {endpoint}: {detail}")]
     BadRequest {
-        /// The address that it was meant for.
+        /// The address of the endpoint.
         endpoint: String,
-        /// What is wrong with it.
+        /// What is wrong with the request.
         detail: String,
     },
-    /// The mission may not ask any more.
-    #[error("no more may be asked of the model: {spent}; allow more with --set budget=CALLS,TOKENS,SECONDS")]
+    /// The budget of the mission is exhausted.
+    #[error(
+        "the budget for models is exhausted: {spent}; raise it with \
+         --set budget=CALLS,TOKENS,SECONDS"
+    )]
     Budget {
-        /// Which bound was reached, in words.
+        /// The limit that was reached, in words.
         spent: String,
     },
-    /// A recording holds no (further) answer to this request.
-    #[error("the recording has no answer to request {digest}; record it again with the model itself")]
+    /// A recording contains no further answer to this request.
+    #[error("the recording contains no answer to request {digest}; record it again with the model")]
     NotRecorded {
         /// [`ChatRequest::digest`] of the request.
         digest: String,
     },
-    /// The recording could not be written.
+    /// The recording cannot be written.
     #[error("cannot write the recording: {detail}")]
     Recording {
-        /// What the file system said.
+        /// The error of the file system.
         detail: String,
     },
 }
@@ -292,22 +351,37 @@ mod tests {
     use super::*;
 
     #[test]
-    fn digest_separates_requests_that_concatenate_alike() {
+    fn requests_with_equal_concatenation_have_different_digests() {
         let one = ChatRequest::new(vec![Message::user("ab"), Message::user("c")]);
         let two = ChatRequest::new(vec![Message::user("a"), Message::user("bc")]);
         assert_ne!(one.digest(), two.digest());
     }
 
     #[test]
-    fn digest_depends_on_every_field() {
+    fn the_digest_depends_on_each_field() {
         let base = ChatRequest::new(vec![Message::user("a").with_image(vec![1])]);
         let mut seen = vec![base.digest(), base.clone().as_json().digest()];
         for (name, text) in [("a", "{}"), ("a", "[]"), ("a{", "}")] {
-            let schema = Schema { name: name.into(), text: text.into() };
+            let schema = Schema {
+                name: name.into(),
+                text: text.into(),
+            };
             seen.push(base.clone().as_schema(schema).digest());
         }
-        seen.push(ChatRequest { max_tokens: 7, ..base.clone() }.digest());
-        seen.push(ChatRequest { temperature: 0.5, ..base.clone() }.digest());
+        seen.push(
+            ChatRequest {
+                max_tokens: 7,
+                ..base.clone()
+            }
+            .digest(),
+        );
+        seen.push(
+            ChatRequest {
+                temperature: 0.5,
+                ..base.clone()
+            }
+            .digest(),
+        );
         seen.push(ChatRequest::new(vec![Message::system("a").with_image(vec![1])]).digest());
         seen.push(ChatRequest::new(vec![Message::user("a").with_image(vec![2])]).digest());
         seen.push(ChatRequest::new(vec![Message::user("a")]).digest());

@@ -1,15 +1,15 @@
-//! SHA-256 in the lower-case hex that checksums are written in.
+//! SHA-256 checksums in lower-case hexadecimal digits.
 
 use std::io::Read;
 
 use sha2::{Digest, Sha256};
 
-/// Bytes in lower-case hex.
+/// Bytes in lower-case hexadecimal digits.
 pub(crate) fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// SHA-256 of all that a reader yields, in hex. The memory used does not depend on the length.
+/// SHA-256 of all bytes of a reader. Memory does not depend on their number.
 pub(crate) fn sha256_of(mut reader: impl Read) -> std::io::Result<String> {
     let mut hasher = Sha256::new();
     let mut buffer = vec![0_u8; 1 << 16];

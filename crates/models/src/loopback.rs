@@ -1,14 +1,16 @@
-//! A server on this machine that answers by a script, for tests of what goes over HTTP.
+//! A scripted HTTP server on loopback, for tests.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// An answer that is none: the connection is held open without a byte.
+/// In a script: no answer, while the connection stays open.
 pub(crate) const SILENCE: &str = "silence";
+/// How long the connection stays open then.
+const SILENCE_TIME: Duration = Duration::from_millis(600);
 
-/// A server that answers one connection with each text of its script, verbatim.
+/// A server that answers each connection with the next text of its script, verbatim.
 pub(crate) struct Loopback {
     /// `http://127.0.0.1:PORT`.
     pub address: String,
@@ -16,30 +18,38 @@ pub(crate) struct Loopback {
 }
 
 impl Loopback {
+    /// Starts a server with an answer for each of several connections.
     pub(crate) fn serve(script: Vec<String>) -> Self {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let address = format!("http://{}", listener.local_addr().unwrap());
-        let thread =
-            std::thread::spawn(move || script.iter().map(|answer| exchange(&listener, answer)).collect());
+        let thread = std::thread::spawn(move || {
+            script
+                .iter()
+                .map(|answer| exchange(&listener, answer))
+                .collect()
+        });
         Self { address, thread }
     }
 
-    /// Waits until the script is through and returns the requests, heads and bodies.
+    /// Waits for the end of the script and returns the requests, with heads and bodies.
     pub(crate) fn requests(self) -> Vec<String> {
         self.thread.join().unwrap()
     }
 }
 
-/// An answer with a status such as `200 OK` and a body.
+/// An answer with this status, such as `200 OK`, and body.
 pub(crate) fn http(status: &str, body: &str) -> String {
-    format!("HTTP/1.1 {status}\r\ncontent-length: {}\r\nconnection: close\r\n\r\n{body}", body.len())
+    format!(
+        "HTTP/1.1 {status}\r\ncontent-length: {}\r\nconnection: close\r\n\r\n{body}",
+        body.len()
+    )
 }
 
 fn exchange(listener: &TcpListener, answer: &str) -> String {
     let (mut stream, _) = listener.accept().unwrap();
     let request = read_request(&stream);
     if answer == SILENCE {
-        std::thread::sleep(Duration::from_millis(600));
+        std::thread::sleep(SILENCE_TIME);
     } else {
         stream.write_all(answer.as_bytes()).unwrap();
     }

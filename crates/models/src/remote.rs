@@ -1,7 +1,7 @@
-//! A model at a provider's endpoint as a [`ChatModel`].
+//! A [`ChatModel`] behind the endpoint of a provider.
 //!
-//! What a request looks like on the wire of OpenAI (and of the many servers that speak as it does), Anthropic and Gemini is `rig-core`'s business; how it
-//! gets there, [`crate::transport`]'s. Each exchange is one request and one whole answer.
+//! `rig-core` encodes requests in the protocols of OpenAI and compatible servers, Anthropic and
+//! Gemini; [`crate::transport`] sends them. Each exchange is one request and one complete answer.
 
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::time::Instant;
@@ -34,37 +34,45 @@ pub(crate) struct Remote {
     provider: Provider,
     wire: DynModel<Completion>,
     transport: Transport,
-    /// How much less than a schema the endpoint was found to understand: an index into [`LADDER`].
-    rung: AtomicU8,
-    /// Whether the model was found to take no temperature, as those that reason do.
-    is_stubborn: AtomicBool,
+    /// The strictest request for a form that the endpoint understands, as far as known: an index
+    /// into [`FORM_REQUESTS`].
+    form_request: AtomicU8,
+    /// Whether the model has rejected a temperature, as reasoning models do.
+    rejects_temperature: AtomicBool,
 }
 
-/// How an answer's form is asked for, the strictest first. Endpoints that speak as OpenAI does differ in how many of these they know.
+/// A way to request the form of an answer, the strictest first. OpenAI-compatible endpoints differ
+/// in how many of these they support.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd)]
-enum Rung {
+enum FormRequest {
+    /// With the JSON Schema.
     Schema,
+    /// With the mode for JSON.
     Json,
+    /// In the words of the prompt only.
     Prompt,
 }
 
-const LADDER: [Rung; 3] = [Rung::Schema, Rung::Json, Rung::Prompt];
+const FORM_REQUESTS: [FormRequest; 3] =
+    [FormRequest::Schema, FormRequest::Json, FormRequest::Prompt];
 
 impl Remote {
-    /// `base` is without a slash at its end.
+    /// A model at `base`, which has no trailing slash.
     pub(crate) fn new(provider: Provider, model: &str, base: &str, transport: Transport) -> Self {
         let wire = match provider {
             Provider::OpenAi => {
                 let mut dialect = OPENAI;
                 if base != Provider::OpenAi.own_base() {
-                    // Many servers that speak as OpenAI does take a text, and no list of parts, from `system`.
+                    // Many compatible servers accept only text, not a list of parts, as `system`.
                     dialect.quirks.rewrite = BodyRewrite::Perplexity;
                 }
                 let config = OpenAIConfig::with_key(&dialect, "").with_base_url(base);
                 Model::new(config.chat(model), transport.clone()).erase()
             }
             Provider::Anthropic => {
-                let client = AnthropicConfig::new("").with_base_url(base).connect(transport.clone());
+                let client = AnthropicConfig::new("")
+                    .with_base_url(base)
+                    .connect(transport.clone());
                 Model::new(client.completion(model).wire, transport.clone()).erase()
             }
             Provider::Gemini => {
@@ -78,17 +86,18 @@ impl Remote {
             provider,
             wire,
             transport,
-            rung: AtomicU8::new(0),
-            is_stubborn: AtomicBool::new(false),
+            form_request: AtomicU8::new(0),
+            rejects_temperature: AtomicBool::new(false),
         }
     }
 
-    /// Asks; where the endpoint refuses how the answer's form is asked for, or the temperature, without that, and remembers it.
-    fn ask(&self, request: &ChatRequest) -> CountedReply {
+    /// Sends a request. If the endpoint rejects the way in which the form of the answer is
+    /// requested, or the temperature, sends it again without that, and remembers what works.
+    fn send(&self, request: &ChatRequest) -> CountedReply {
         let mut total = ModelUse::default();
         let mut refusal = None;
-        for rung in self.rungs(&request.format) {
-            let CountedReply { reply, used } = self.ask_by(rung, request);
+        for form in self.form_requests(&request.format) {
+            let CountedReply { reply, used } = self.send_as(form, request);
             total = total.plus(used);
             match reply {
                 Err(error) if is_about_form(&error) => {
@@ -96,57 +105,76 @@ impl Remote {
                 }
                 reply => {
                     if refusal.is_some() && reply.is_ok() {
-                        self.rung.store(rung as u8, Ordering::Relaxed);
+                        self.form_request.store(form as u8, Ordering::Relaxed);
                     }
                     return CountedReply { reply, used: total };
                 }
             }
         }
-        let refusal = refusal.unwrap_or_else(|| self.bad_request("there is no form to ask for"));
-        CountedReply { reply: Err(refusal), used: total }
+        let refusal =
+            refusal.unwrap_or_else(|| self.bad_request("there is no way to request its form"));
+        CountedReply {
+            reply: Err(refusal),
+            used: total,
+        }
     }
 
-    /// The ways to ask for a form that the endpoint may understand, the strictest first.
-    fn rungs(&self, format: &Format) -> impl Iterator<Item = Rung> {
+    /// The requests for this form that the endpoint may support, the strictest first.
+    fn form_requests(&self, format: &Format) -> impl Iterator<Item = FormRequest> {
         let first = match format {
-            Format::Text => Rung::Prompt,
-            Format::Json => Rung::Json,
-            Format::Schema(_) => Rung::Schema,
+            Format::Text => FormRequest::Prompt,
+            Format::Json => FormRequest::Json,
+            Format::Schema(_) => FormRequest::Schema,
         };
-        let known = LADDER[usize::from(self.rung.load(Ordering::Relaxed)).min(LADDER.len() - 1)];
+        let index = usize::from(self.form_request.load(Ordering::Relaxed));
+        let known = FORM_REQUESTS[index.min(FORM_REQUESTS.len() - 1)];
         // Anthropic has no mode for JSON without a schema.
         let has_json = self.provider != Provider::Anthropic;
-        LADDER
-            .into_iter()
-            .filter(move |rung| *rung >= first && *rung >= known && (has_json || *rung != Rung::Json))
+        FORM_REQUESTS.into_iter().filter(move |form| {
+            *form >= first && *form >= known && (has_json || *form != FormRequest::Json)
+        })
     }
 
-    fn ask_by(&self, rung: Rung, request: &ChatRequest) -> CountedReply {
-        let is_stubborn = self.is_stubborn.load(Ordering::Relaxed);
-        let first = self.ask_once(rung, request, is_stubborn);
-        let said = first.reply.as_ref().err().and_then(refusal).unwrap_or_default();
-        if is_stubborn || !said.contains("temperature") {
+    fn send_as(&self, form: FormRequest, request: &ChatRequest) -> CountedReply {
+        let rejects_temperature = self.rejects_temperature.load(Ordering::Relaxed);
+        let first = self.send_once(form, request, rejects_temperature);
+        let refusal = first.reply.as_ref().err().and_then(refusal);
+        let is_about_temperature = refusal.is_some_and(|message| message.contains("temperature"));
+        if rejects_temperature || !is_about_temperature {
             return first;
         }
-        let again = self.ask_once(rung, request, true);
+        let again = self.send_once(form, request, true);
         if again.reply.is_ok() {
-            self.is_stubborn.store(true, Ordering::Relaxed);
+            self.rejects_temperature.store(true, Ordering::Relaxed);
         }
-        CountedReply { reply: again.reply, used: first.used.plus(again.used) }
+        CountedReply {
+            reply: again.reply,
+            used: first.used.plus(again.used),
+        }
     }
 
-    fn ask_once(&self, rung: Rung, request: &ChatRequest, is_stubborn: bool) -> CountedReply {
-        let request = match self.translated(rung, request) {
-            Ok(request) if is_stubborn => request.temperature(None),
+    fn send_once(
+        &self,
+        form: FormRequest,
+        request: &ChatRequest,
+        rejects_temperature: bool,
+    ) -> CountedReply {
+        let request = match self.translated(form, request) {
+            Ok(request) if rejects_temperature => request.temperature(None),
             Ok(request) => request,
-            Err(error) => return CountedReply { reply: Err(error), used: ModelUse::default() },
+            Err(error) => {
+                return CountedReply {
+                    reply: Err(error),
+                    used: ModelUse::default(),
+                };
+            }
         };
         match pollster::block_on(self.wire.call(request)) {
             Err(error) => CountedReply::of_one_call(Err(self.failure(&error))),
             Ok(response) => {
                 let tokens = Tokens::of(&response);
                 let mut counted = CountedReply::of_one_call(self.reply(&response));
-                // An answer of no use costs as much as another.
+                // An unusable answer costs as much as any other.
                 counted.used.prompt_tokens = tokens.prompt.into();
                 counted.used.completion_tokens = tokens.completion.into();
                 counted
@@ -154,25 +182,30 @@ impl Remote {
         }
     }
 
-    fn translated(&self, rung: Rung, request: &ChatRequest) -> Result<CompletionRequest, ChatError> {
+    fn translated(
+        &self,
+        form: FormRequest,
+        request: &ChatRequest,
+    ) -> Result<CompletionRequest, ChatError> {
         let Some((last, before)) = request.messages.split_last() else {
             return Err(self.bad_request("it has no messages"));
         };
-        let translated = CompletionRequest::new(translated(last))
-            .messages(before.iter().map(translated))
+        let translated = CompletionRequest::new(message(last))
+            .messages(before.iter().map(message))
             .temperature(f64::from(request.temperature))
             .max_tokens(u64::from(request.max_tokens));
-        Ok(match (&request.format, rung) {
-            (Format::Schema(schema), Rung::Schema) => translated.output_schema(self.schema(schema)?),
-            (_, Rung::Prompt) => translated,
+        Ok(match (&request.format, form) {
+            (Format::Schema(schema), FormRequest::Schema) => {
+                translated.output_schema(self.schema(schema)?)
+            }
+            (_, FormRequest::Prompt) => translated,
             _ => match self.provider {
-                Provider::OpenAi => {
-                    translated.additional_params(json!({ "response_format": { "type": "json_object" } }))
-                }
+                Provider::OpenAi => translated
+                    .additional_params(json!({ "response_format": { "type": "json_object" } })),
                 Provider::Gemini => translated.additional_params(
                     json!({ "generationConfig": { "responseMimeType": "application/json" } }),
                 ),
-                // Has no such mode: the prompt says it.
+                // Anthropic has no such mode: the prompt requests JSON.
                 Provider::Anthropic => translated,
             },
         })
@@ -195,29 +228,33 @@ impl Remote {
         let text = response.text();
         match response.finish_reason() {
             Some(FinishReason::Length) => {
-                return Err(self.bad_reply("it was cut off at the longest answer allowed; allow more tokens"));
+                return Err(
+                    self.bad_reply("it was truncated at the maximum length; allow more tokens")
+                );
             }
             Some(FinishReason::ContentFilter) => {
-                return Err(self.bad_reply("the provider's filter withheld it"));
+                return Err(self.bad_reply("it was withheld by the content filter of the provider"));
             }
             reason if text.trim().is_empty() => {
                 let reason = match reason {
                     Some(reason) => quote(&format!("{reason:?}")),
                     None => "none given".into(),
                 };
-                return Err(self.bad_reply(&format!("it holds no text (finish reason: {reason})")));
+                return Err(
+                    self.bad_reply(&format!("it contains no text (finish reason: {reason})"))
+                );
             }
             _ => {}
         }
         let tokens = Tokens::of(response);
         Ok(ChatReply {
-            text: self.transport.blot_out(&text),
+            text: self.transport.redact(&text),
             prompt_tokens: tokens.prompt,
             completion_tokens: tokens.completion,
         })
     }
 
-    /// What the transport said, or what the wire could not make of the answer.
+    /// The error of the transport, or why the answer cannot be decoded.
     fn failure(&self, error: &ProviderError) -> ChatError {
         if let Some(error) = of_transport(error) {
             return error.clone();
@@ -231,11 +268,17 @@ impl Remote {
     }
 
     fn bad_reply(&self, detail: &str) -> ChatError {
-        ChatError::BadReply { endpoint: self.base.clone(), detail: quote(&self.transport.blot_out(detail)) }
+        ChatError::BadReply {
+            endpoint: self.base.clone(),
+            detail: quote(&self.transport.redact(detail)),
+        }
     }
 
     fn bad_request(&self, detail: &str) -> ChatError {
-        ChatError::BadRequest { endpoint: self.base.clone(), detail: quote(&self.transport.blot_out(detail)) }
+        ChatError::BadRequest {
+            endpoint: self.base.clone(),
+            detail: quote(&self.transport.redact(detail)),
+        }
     }
 }
 
@@ -250,14 +293,14 @@ impl ChatModel for Remote {
 
     fn chat_counted(&self, request: &ChatRequest) -> CountedReply {
         let start = Instant::now();
-        let mut counted = self.ask(request);
+        let mut counted = self.send(request);
         counted.used.latency_ms = start.elapsed().as_millis().try_into().unwrap_or(u64::MAX);
         counted
     }
 }
 
-/// Words of endpoints that refuse how an answer's form is asked for.
-const FORM: [&str; 9] = [
+/// Words in the messages of endpoints that reject the request for a form.
+const FORM_WORDS: [&str; 9] = [
     "format",
     "schema",
     "json",
@@ -269,20 +312,26 @@ const FORM: [&str; 9] = [
     "extra",
 ];
 
-/// What an endpoint says that refuses a request as such, in lower case.
+/// The message of an endpoint that rejects the request itself, in lower case.
 fn refusal(error: &ChatError) -> Option<String> {
     match error {
-        ChatError::Status { code: 400 | 422, detail, .. } => Some(detail.trim().to_lowercase()),
+        ChatError::Status {
+            code: 400 | 422,
+            detail,
+            ..
+        } => Some(detail.trim().to_lowercase()),
         _ => None,
     }
 }
 
-/// Whether an endpoint may refuse how an answer's form is asked for: it says so, or does not say why.
+/// Whether an endpoint may reject the request for a form: its message says so or is empty.
 fn is_about_form(error: &ChatError) -> bool {
-    refusal(error).is_some_and(|said| said.is_empty() || FORM.iter().any(|word| said.contains(word)))
+    refusal(error).is_some_and(|message| {
+        message.is_empty() || FORM_WORDS.iter().any(|word| message.contains(word))
+    })
 }
 
-/// What the transport reported, inside the error of a provider's wire.
+/// The error of the transport inside an error of `rig-core`.
 fn of_transport(error: &ProviderError) -> Option<&ChatError> {
     match error {
         ProviderError::Http(inner) => match &**inner {
@@ -293,7 +342,7 @@ fn of_transport(error: &ProviderError) -> Option<&ChatError> {
     }
 }
 
-/// Tokens of a request and its answer, as far as the provider counts them.
+/// Tokens of a request and its answer; 0 where the provider does not count them.
 struct Tokens {
     prompt: u32,
     completion: u32,
@@ -301,7 +350,10 @@ struct Tokens {
 
 impl Tokens {
     fn of(response: &CompletionResponse) -> Self {
-        Self { prompt: count(response.usage.input_tokens), completion: count(response.usage.output_tokens) }
+        Self {
+            prompt: count(response.usage.input_tokens),
+            completion: count(response.usage.output_tokens),
+        }
     }
 }
 
@@ -309,20 +361,24 @@ fn count(tokens: Option<u64>) -> u32 {
     tokens.unwrap_or(0).try_into().unwrap_or(u32::MAX)
 }
 
-fn translated(message: &Message) -> RigMessage {
+fn message(message: &Message) -> RigMessage {
     match message.role {
         Role::System => RigMessage::system(&message.text),
         Role::Assistant => RigMessage::assistant(&message.text),
         Role::User => {
             let mut content = vec![UserContent::text(&message.text)];
-            content.extend(message.images.iter().map(|file| picture(file)));
+            content.extend(message.images.iter().map(|file| image(file)));
             RigMessage::User { content }
         }
     }
 }
 
-fn picture(file: &[u8]) -> UserContent {
-    let kind = if file.starts_with(&[0xff, 0xd8]) { ImageMediaType::JPEG } else { ImageMediaType::PNG };
+fn image(file: &[u8]) -> UserContent {
+    let kind = if file.starts_with(&[0xff, 0xd8]) {
+        ImageMediaType::JPEG
+    } else {
+        ImageMediaType::PNG
+    };
     let text = base64::engine::general_purpose::STANDARD.encode(file);
     UserContent::image_base64(text, Some(kind), None)
 }

@@ -1,8 +1,11 @@
-//! Recording what a chat model answered, and answering from the recording.
+//! Records the answers of a chat model and repeats them.
 //!
-//! A recording is JSON lines, one exchange a line, errors included. It is keyed by [`ChatRequest::digest`]; several answers to the same request
-//! are given again in their order. Pictures are kept as SHA-256 only: a recording is for replay and for reading, not for sending again.
-//! Where threads share a recorder, equal requests of different threads may swap answers: give each episode its own.
+//! A recording has one JSON object on each line: an exchange, which may be an error. Exchanges are
+//! found by [`ChatRequest::digest`]; several answers to one request are repeated in their order.
+//!
+//! Images are recorded as their SHA-256 only, so a request cannot be sent again from a recording.
+//! If threads share a recorder, equal requests of different threads may exchange their answers:
+//! give each episode a recorder of its own.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::io::{BufRead, BufReader, Read, Write};
@@ -16,21 +19,22 @@ use crate::chat::{ChatError, ChatModel, ChatReply, ChatRequest, CountedReply, Me
 use crate::digest::sha256_of;
 use crate::error::{Cause, ReplayError};
 
-/// A recorder writes no more than this, bytes, so that three in one file can be read again.
-const LONGEST_RECORDING: u64 = 80 << 20;
-/// Larger recordings are refused, bytes.
-const MAX_BYTES: u64 = 256 << 20;
+/// Limit for what one recorder writes, bytes. Three recorders in one file stay below the limit for
+/// reading.
+const MAX_WRITTEN_BYTES: u64 = 80 << 20;
+/// Limit for the length of a recording that is read, bytes.
+const MAX_READ_BYTES: u64 = 256 << 20;
 
 /// One line of a recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Exchange {
     digest: String,
     model: String,
-    /// For people; replay looks at the digest only.
+    /// For people; replay uses the digest only.
     #[serde(default)]
     messages: Vec<RecordedMessage>,
     outcome: Outcome,
-    /// What it cost.
+    /// The cost.
     #[serde(default)]
     used: ModelUse,
 }
@@ -39,7 +43,7 @@ struct Exchange {
 struct RecordedMessage {
     role: Role,
     text: String,
-    /// SHA-256 of each picture.
+    /// SHA-256 of each image.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     images: Vec<String>,
 }
@@ -70,12 +74,20 @@ impl Exchange {
 impl RecordedMessage {
     fn new(message: &Message) -> Self {
         // Reading from memory does not fail.
-        let images = message.images.iter().filter_map(|image| sha256_of(&image[..]).ok()).collect();
-        Self { role: message.role, text: message.text.clone(), images }
+        let images = message
+            .images
+            .iter()
+            .filter_map(|image| sha256_of(&image[..]).ok())
+            .collect();
+        Self {
+            role: message.role,
+            text: message.text.clone(),
+            images,
+        }
     }
 }
 
-/// A [`ChatModel`] that writes down every exchange with the model inside it.
+/// A [`ChatModel`] that records each exchange with the model inside it.
 #[derive(Debug)]
 pub struct Recorder<M, W> {
     model: M,
@@ -85,7 +97,7 @@ pub struct Recorder<M, W> {
 #[derive(Debug)]
 struct Sink<W> {
     writer: W,
-    /// Bytes that this recorder wrote to it.
+    /// Number of bytes that this recorder wrote.
     written: u64,
 }
 
@@ -94,9 +106,12 @@ impl<W: Write> Sink<W> {
         let mut line = serde_json::to_vec(exchange)?;
         line.push(b'\n');
         self.written += line.len() as u64;
-        if self.written > LONGEST_RECORDING {
-            let detail = format!("it would be longer than {LONGEST_RECORDING} bytes");
-            return Err(std::io::Error::new(std::io::ErrorKind::FileTooLarge, detail));
+        if self.written > MAX_WRITTEN_BYTES {
+            let detail = format!("it would be longer than {MAX_WRITTEN_BYTES} bytes");
+            return Err(std::io::Error::new(
+                std::io::ErrorKind::FileTooLarge,
+                detail,
+            ));
         }
         self.writer.write_all(&line)?;
         self.writer.flush()
@@ -104,14 +119,23 @@ impl<W: Write> Sink<W> {
 }
 
 impl<M: ChatModel, W: Write + Send> Recorder<M, W> {
-    /// Records to `sink`: a file, or a `Vec<u8>` in memory. Each exchange is written and flushed at once.
+    /// Records to `sink`: a file, or a `Vec<u8>` in memory. Each exchange is flushed.
     pub fn new(model: M, sink: W) -> Self {
-        Self { model, sink: Mutex::new(Sink { writer: sink, written: 0 }) }
+        Self {
+            model,
+            sink: Mutex::new(Sink {
+                writer: sink,
+                written: 0,
+            }),
+        }
     }
 
-    /// Ends the recording and returns where it was written.
+    /// Ends the recording and returns the sink.
     pub fn into_sink(self) -> W {
-        self.sink.into_inner().unwrap_or_else(PoisonError::into_inner).writer
+        self.sink
+            .into_inner()
+            .unwrap_or_else(PoisonError::into_inner)
+            .writer
     }
 }
 
@@ -127,18 +151,48 @@ impl<M: ChatModel, W: Write + Send> ChatModel for Recorder<M, W> {
     fn chat_counted(&self, request: &ChatRequest) -> CountedReply {
         let counted = self.model.chat_counted(request);
         let exchange = Exchange::new(self.name(), request, &counted);
-        let written = self.sink.lock().unwrap_or_else(PoisonError::into_inner).write(&exchange);
+        let written = self
+            .sink
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .write(&exchange);
         match written {
             Ok(()) => counted,
             Err(error) => {
-                let error = ChatError::Recording { detail: error.to_string() };
-                CountedReply { reply: Err(error), used: counted.used }
+                let error = ChatError::Recording {
+                    detail: error.to_string(),
+                };
+                CountedReply {
+                    reply: Err(error),
+                    used: counted.used,
+                }
             }
         }
     }
 }
 
-/// A [`ChatModel`] that gives recorded answers again, bit for bit.
+/// A [`ChatModel`] that repeats recorded answers exactly.
+///
+/// ```
+/// use openbench_models::{ChatModel, ChatRequest, Message, Recorder, Replay};
+/// # use openbench_models::{ChatError, ChatReply};
+/// # struct Model;
+/// # impl ChatModel for Model {
+/// #     fn name(&self) -> &str { "model" }
+/// #     fn chat(&self, _: &ChatRequest) -> Result<ChatReply, ChatError> {
+/// #         Ok(ChatReply { text: "unit2".into(), prompt_tokens: 9, completion_tokens: 2 })
+/// #     }
+/// # }
+/// # let model = Model;
+///
+/// let request = ChatRequest::new(vec![Message::user("Which unit?")]);
+/// let recorder = Recorder::new(model, Vec::new());
+/// let answer = recorder.chat(&request);
+///
+/// let replay = Replay::from_reader(&recorder.into_sink()[..])?;
+/// assert_eq!(replay.chat(&request), answer);
+/// # Ok::<(), openbench_models::ReplayError>(())
+/// ```
 #[derive(Debug)]
 pub struct Replay {
     name: String,
@@ -149,52 +203,76 @@ impl Replay {
     /// Reads a recording file.
     ///
     /// # Errors
-    /// [`ReplayError`] if it cannot be read, is larger than 256 MiB, or a line is no exchange.
+    /// [`ReplayError`] if the file cannot be read, is longer than 256 MiB, or a line is not an
+    /// exchange.
     pub fn open(file: &Path) -> Result<Self, ReplayError> {
-        let reader =
-            std::fs::File::open(file).map_err(|source| ReplayError::Read { file: file.into(), source })?;
+        let reader = std::fs::File::open(file).map_err(|source| ReplayError::Read {
+            file: file.into(),
+            source,
+        })?;
         Self::from_reader(reader)
     }
 
-    /// These answers under another name. Several models that were recorded into one file share the recording: the same question may have been put to each of them.
+    /// The same answers under another name. Models that were recorded to one file share the
+    /// recording, since the same request may have been sent to each of them.
     pub fn named(self: &Arc<Self>, name: &str) -> impl ChatModel + use<> {
-        Named { replay: Arc::clone(self), name: name.to_owned() }
+        Named {
+            replay: Arc::clone(self),
+            name: name.to_owned(),
+        }
     }
 
     /// Reads a recording from memory or a stream.
     ///
     /// # Errors
-    /// [`ReplayError::BadLine`]; a recording cut off at 256 MiB ends in such a line.
+    /// [`ReplayError::BadLine`], also for the line that exceeds 256 MiB.
     pub fn from_reader(reader: impl Read) -> Result<Self, ReplayError> {
         let mut name = None;
         let mut answers = BTreeMap::<String, VecDeque<CountedReply>>::new();
         let mut read_bytes = 0;
-        for (index, line) in BufReader::new(reader).take(MAX_BYTES).lines().enumerate() {
+        for (index, line) in BufReader::new(reader)
+            .take(MAX_READ_BYTES)
+            .lines()
+            .enumerate()
+        {
             let line = line.map_err(|error| bad_line(index, error))?;
             read_bytes += line.len() as u64 + 1;
-            if read_bytes >= MAX_BYTES {
-                let detail = format!("the recording is longer than {MAX_BYTES} bytes");
+            if read_bytes >= MAX_READ_BYTES {
+                let detail = format!("the recording is longer than {MAX_READ_BYTES} bytes");
                 return Err(bad_line(index, detail));
             }
             if line.trim().is_empty() {
                 continue;
             }
-            let exchange: Exchange = serde_json::from_str(&line).map_err(|error| bad_line(index, error))?;
+            let exchange: Exchange =
+                serde_json::from_str(&line).map_err(|error| bad_line(index, error))?;
             name.get_or_insert(exchange.model);
             let reply = match exchange.outcome {
                 Outcome::Reply(reply) => Ok(reply),
                 Outcome::Error(error) => Err(error),
             };
-            let counted = CountedReply { reply, used: exchange.used };
-            answers.entry(exchange.digest).or_default().push_back(counted);
+            let counted = CountedReply {
+                reply,
+                used: exchange.used,
+            };
+            answers
+                .entry(exchange.digest)
+                .or_default()
+                .push_back(counted);
         }
-        Ok(Self { name: name.unwrap_or_else(|| "replay".into()), answers: Mutex::new(answers) })
+        Ok(Self {
+            name: name.unwrap_or_else(|| "replay".into()),
+            answers: Mutex::new(answers),
+        })
     }
 }
 
-/// `index` counts lines from 0.
+/// The error of a line, counted from 0.
 fn bad_line(index: usize, source: impl Into<Cause>) -> ReplayError {
-    ReplayError::BadLine { line: index + 1, source: source.into() }
+    ReplayError::BadLine {
+        line: index + 1,
+        source: source.into(),
+    }
 }
 
 impl ChatModel for Replay {
@@ -216,7 +294,7 @@ impl ChatModel for Replay {
     }
 }
 
-/// A shared [`Replay`] under a name of its own.
+/// A shared [`Replay`] with its own name.
 struct Named {
     replay: Arc<Replay>,
     name: String,
@@ -243,7 +321,7 @@ mod tests {
     use super::*;
     use crate::chat::Message;
 
-    /// Counts its calls and fails every third time.
+    /// A model that answers with the number of the call and fails each third time.
     struct Counting(AtomicU32);
 
     impl ChatModel for Counting {
@@ -254,7 +332,10 @@ mod tests {
         fn chat(&self, _: &ChatRequest) -> Result<ChatReply, ChatError> {
             let call = self.0.fetch_add(1, Ordering::SeqCst);
             if call % 3 == 2 {
-                return Err(ChatError::Timeout { endpoint: "e".into(), seconds: 1 });
+                return Err(ChatError::Timeout {
+                    endpoint: "e".into(),
+                    seconds: 1,
+                });
             }
             Ok(ChatReply {
                 text: format!("{call} \u{2028} \"ü\"\n"),
@@ -265,32 +346,52 @@ mod tests {
     }
 
     #[test]
-    fn a_replay_answers_like_the_model_did() {
+    fn a_replay_repeats_the_answers_of_the_model() {
         let recorder = Recorder::new(Counting(AtomicU32::new(0)), Vec::new());
-        let requests: Vec<_> =
-            ["a", "b", "a", "b", "a"].map(|text| ChatRequest::new(vec![Message::user(text)])).into();
-        let first: Vec<_> = requests.iter().map(|request| recorder.chat(request)).collect();
+        let requests: Vec<_> = ["a", "b", "a", "b", "a"]
+            .map(|text| ChatRequest::new(vec![Message::user(text)]))
+            .into();
+        let first: Vec<_> = requests
+            .iter()
+            .map(|request| recorder.chat(request))
+            .collect();
         let replay = Replay::from_reader(&recorder.into_sink()[..]).unwrap();
         assert_eq!(replay.name(), "counting");
-        // Another order among different requests changes nothing.
+        // The order of different requests does not matter.
         for index in [1, 0, 2, 4, 3] {
             assert_eq!(replay.chat(&requests[index]), first[index], "{index}");
         }
-        assert!(matches!(replay.chat(&requests[0]), Err(ChatError::NotRecorded { .. })));
+        assert!(matches!(
+            replay.chat(&requests[0]),
+            Err(ChatError::NotRecorded { .. })
+        ));
     }
 
     #[test]
-    fn pictures_are_recorded_by_digest() {
+    fn images_are_recorded_as_their_digest() {
         let recorder = Recorder::new(Counting(AtomicU32::new(0)), Vec::new());
-        recorder.chat(&ChatRequest::new(vec![Message::user("x").with_image(b"abc".to_vec())])).unwrap();
+        recorder
+            .chat(&ChatRequest::new(vec![
+                Message::user("x").with_image(b"abc".to_vec()),
+            ]))
+            .unwrap();
         let text = String::from_utf8(recorder.into_sink()).unwrap();
-        assert!(text.contains("ba7816bf8f01cfea") && text.lines().count() == 1, "{text}");
+        assert!(
+            text.contains("ba7816bf8f01cfea") && text.lines().count() == 1,
+            "{text}"
+        );
     }
 
     #[test]
-    fn broken_recordings_name_the_line() {
+    fn errors_of_recordings_name_the_line() {
         let error = Replay::from_reader(&b"\n{\"digest\": 3}\n"[..]).unwrap_err();
-        assert!(matches!(error, ReplayError::BadLine { line: 2, .. }), "{error}");
-        assert!(matches!(Replay::open(Path::new("/nonexistent")), Err(ReplayError::Read { .. })));
+        assert!(
+            matches!(error, ReplayError::BadLine { line: 2, .. }),
+            "{error}"
+        );
+        assert!(matches!(
+            Replay::open(Path::new("/nonexistent")),
+            Err(ReplayError::Read { .. })
+        ));
     }
 }

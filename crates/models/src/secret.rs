@@ -1,24 +1,27 @@
-//! A key that does not show itself.
+//! Keys that are never printed.
 
 use std::fmt;
 
-/// An endpoint's key. It can be put into a request header and blotted out of a text; nothing prints it.
+/// The key for an endpoint. It can be put into a request header and removed from a text; its
+/// `Debug` output does not contain it.
 #[derive(Clone)]
 pub(crate) struct Secret(String);
 
 impl Secret {
-    /// `None` if the text holds what an HTTP header cannot carry.
+    /// `None` if the text contains characters that an HTTP header cannot contain.
     pub(crate) fn new(text: &str) -> Option<Self> {
-        text.chars().all(|c| c.is_ascii_graphic()).then(|| Self(text.to_owned()))
+        text.chars()
+            .all(|c| c.is_ascii_graphic())
+            .then(|| Self(text.to_owned()))
     }
 
-    /// The key itself, for a request's header.
+    /// The key itself, for the header of a request.
     pub(crate) fn expose(&self) -> &str {
         &self.0
     }
 
-    /// `text` without the key: servers like to quote it in their complaints.
-    pub(crate) fn blot_out(&self, text: &str) -> String {
+    /// Replaces the key in a text, since servers quote it in error messages.
+    pub(crate) fn redact(&self, text: &str) -> String {
         text.replace(&self.0, "[key]")
     }
 }

@@ -1,52 +1,78 @@
-//! Which chat model a user means: the text behind `--planner` and the like.
+//! Names of chat models, as in `--planner NAME`.
 //!
-//! | text | meaning |
+//! | name | meaning |
 //! |---|---|
-//! | `openai:MODEL@URL` | the endpoint at URL, which ends in `/v1` or the like and speaks as OpenAI does: DashScope, Qianfan, vLLM, llama-server … |
-//! | `openai:MODEL` | the endpoint in `OPENBENCH_API_BASE`, else OpenAI's own |
-//! | `anthropic:MODEL`, `gemini:MODEL` | Anthropic's or Google's own endpoint, in their own words; `@URL` for another that speaks so |
-//! | `ollama:MODEL` | Ollama on this machine; `@URL` for another |
-//! | `local:NAME` | a model of `openbench models list`, or a GGUF file by its path, in this process (builds with the feature `local-llm`) |
-//! | `replay:FILE` | what was recorded in FILE |
+//! | `openai:MODEL@URL` | any OpenAI-compatible endpoint: DashScope, Qianfan, vLLM, llama-server |
+//! | `openai:MODEL` | the endpoint in `OPENBENCH_API_BASE`, else that of OpenAI |
+//! | `anthropic:MODEL` | the endpoint of Anthropic, or `@URL` of a compatible one |
+//! | `gemini:MODEL` | the endpoint of Google, or `@URL` of a compatible one |
+//! | `ollama:MODEL` | Ollama on this machine, or `@URL` of another |
+//! | `local:NAME` | a model of `openbench models list` in this process |
+//! | `local:PATH` | a GGUF file in this process |
+//! | `replay:FILE` | the answers recorded in FILE |
 //!
-//! The keys for the providers' own endpoints are those in `OPENAI_API_KEY`, `ANTHROPIC_API_KEY` and `GEMINI_API_KEY`, which go nowhere else. For any other endpoint, and where
-//! the provider's own variable is empty, the key is that in `OPENBENCH_API_KEY`. Without a key a request has none, as local servers like it; the
-//! providers' own endpoints need one. A key is not sent unencrypted to another machine. `OPENBENCH_API_TIMEOUT` is how many seconds an answer is
-//! waited for (60; of a local model 600).
+//! A URL includes the version of the protocol where it has one, such as `/v1`. Models in this
+//! process need a build with the feature `local-llm`.
+//!
+//! The environment provides keys and the time-out:
+//!
+//! | variable | use |
+//! |---|---|
+//! | `OPENAI_API_KEY` | key for the own endpoint of OpenAI only |
+//! | `ANTHROPIC_API_KEY` | key for the own endpoint of Anthropic only |
+//! | `GEMINI_API_KEY` | key for the own endpoint of Google only |
+//! | `OPENBENCH_API_KEY` | key for other endpoints, and where the provider's variable is empty |
+//! | `OPENBENCH_API_TIMEOUT` | time-out of an answer, seconds (default 60, local models 600) |
+//!
+//! The providers' own endpoints require a key. Without one, requests to other endpoints have none,
+//! as local servers expect. A key is never sent to another machine unencrypted.
 
 use std::path::{Path, PathBuf};
 
 use crate::error::SpecError;
 use crate::provider::Provider;
 
-/// The address of Ollama's endpoint unless its user changes it.
+/// The default endpoint of Ollama.
 const OLLAMA: &str = "http://127.0.0.1:11434/v1";
 
 /// A chat model as a user names it.
+///
+/// ```
+/// use openbench_models::{ModelSpec, Provider};
+///
+/// let spec = ModelSpec::parse("openai:qwen2.5-vl@https://llm.example/v1")?;
+/// let ModelSpec::Remote { provider, model, base } = spec else { unreachable!() };
+/// assert_eq!((provider, model.as_str()), (Provider::OpenAi, "qwen2.5-vl"));
+/// assert_eq!(base.as_deref(), Some("https://llm.example/v1"));
+/// assert!(ModelSpec::parse("qwen2.5-vl").is_err());
+/// # Ok::<(), openbench_models::SpecError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ModelSpec {
     /// A model behind an endpoint.
     Remote {
-        /// Whose words the endpoint speaks.
+        /// The protocol of the endpoint.
         provider: Provider,
-        /// The model's name there.
+        /// The name of the model at the endpoint.
         model: String,
-        /// The endpoint, if the text names it.
+        /// The address of the endpoint, if the name contains one.
         base: Option<String>,
     },
-    /// A model in this process: a name in the folder of model files, or a file.
+    /// A model in this process: a name in the folder of model files, or a path.
     Local(String),
-    /// A recording.
+    /// A file of recorded answers.
     Replay(PathBuf),
 }
 
 impl ModelSpec {
-    /// Reads the forms in the module's table. Nothing is opened.
+    /// Reads a name of one of the forms in the [module's table](self). Nothing is opened.
     ///
     /// # Errors
     /// [`SpecError::Unknown`].
     pub fn parse(spec: &str) -> Result<Self, SpecError> {
-        Self::read(spec).ok_or_else(|| SpecError::Unknown { spec: spec.to_owned() })
+        Self::read(spec).ok_or_else(|| SpecError::Unknown {
+            spec: spec.to_owned(),
+        })
     }
 
     fn read(spec: &str) -> Option<Self> {
@@ -65,7 +91,7 @@ impl ModelSpec {
         }
     }
 
-    /// `MODEL` or `MODEL@URL`. Names of models may hold an `@` themselves.
+    /// Reads `MODEL` or `MODEL@URL`. The name of a model may contain an `@` itself.
     fn remote(provider: Provider, text: &str, preset: Option<&str>) -> Option<Self> {
         let at = text.find("@http://").or_else(|| text.find("@https://"));
         let (model, base) = match at {
@@ -73,14 +99,24 @@ impl ModelSpec {
             None => (text, preset),
         };
         let base = base.map(str::to_owned);
-        (!model.is_empty()).then(|| Self::Remote { provider, model: model.to_owned(), base })
+        (!model.is_empty()).then(|| Self::Remote {
+            provider,
+            model: model.to_owned(),
+            base,
+        })
     }
 }
 
-/// What a local model is called: its file's name as it was given, without `.gguf`.
+/// The reported name of a local model: the name of its file without `.gguf`.
 pub fn local_name(file: &Path) -> String {
-    let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy().into_owned();
-    name.strip_suffix(".gguf").map(str::to_owned).unwrap_or(name)
+    let name = file
+        .file_name()
+        .unwrap_or(file.as_os_str())
+        .to_string_lossy()
+        .into_owned();
+    name.strip_suffix(".gguf")
+        .map(str::to_owned)
+        .unwrap_or(name)
 }
 
 #[cfg(test)]
@@ -88,19 +124,32 @@ mod tests {
     use super::*;
 
     fn remote(provider: Provider, model: &str, base: Option<&str>) -> ModelSpec {
-        ModelSpec::Remote { provider, model: model.into(), base: base.map(Into::into) }
+        ModelSpec::Remote {
+            provider,
+            model: model.into(),
+            base: base.map(Into::into),
+        }
     }
 
     #[test]
-    fn forms() {
+    fn all_forms_are_read() {
         use Provider::{Anthropic, Gemini, OpenAi};
         for (text, spec) in [
             ("openai:m", remote(OpenAi, "m", None)),
-            ("ollama:qwen2.5:0.5b", remote(OpenAi, "qwen2.5:0.5b", Some(OLLAMA))),
-            ("ollama:m@http://h/v1", remote(OpenAi, "m", Some("http://h/v1"))),
+            (
+                "ollama:qwen2.5:0.5b",
+                remote(OpenAi, "qwen2.5:0.5b", Some(OLLAMA)),
+            ),
+            (
+                "ollama:m@http://h/v1",
+                remote(OpenAi, "m", Some("http://h/v1")),
+            ),
             ("anthropic:m", remote(Anthropic, "m", None)),
             ("gemini:m@https://h", remote(Gemini, "m", Some("https://h"))),
-            ("openai:@cf/m:7b@http://h:1/v1", remote(OpenAi, "@cf/m:7b", Some("http://h:1/v1"))),
+            (
+                "openai:@cf/m:7b@http://h:1/v1",
+                remote(OpenAi, "@cf/m:7b", Some("http://h:1/v1")),
+            ),
             ("replay:a:b", ModelSpec::Replay("a:b".into())),
             ("local:a:b", ModelSpec::Local("a:b".into())),
         ] {
@@ -110,15 +159,26 @@ mod tests {
 
     #[test]
     fn other_texts_are_refused() {
-        for bad in
-            ["", "openai", "openai:", "openai:@http://h", "replay:", "local:", "gpt", "ollama:", "claude:m"]
-        {
-            assert!(matches!(ModelSpec::parse(bad), Err(SpecError::Unknown { .. })), "{bad}");
+        for bad in [
+            "",
+            "openai",
+            "openai:",
+            "openai:@http://h",
+            "replay:",
+            "local:",
+            "gpt",
+            "ollama:",
+            "claude:m",
+        ] {
+            assert!(
+                matches!(ModelSpec::parse(bad), Err(SpecError::Unknown { .. })),
+                "{bad}"
+            );
         }
     }
 
     #[test]
-    fn a_local_model_is_called_as_its_file() {
+    fn a_local_model_has_the_name_of_its_file() {
         assert_eq!(local_name(Path::new("folder/mine.gguf")), "mine");
         assert_eq!(local_name(Path::new("smollm2")), "smollm2");
     }

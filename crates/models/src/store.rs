@@ -1,7 +1,9 @@
-//! The folder where model files lie: `OPENBENCH_MODELS`, else `openbench/models` in the user's cache (`XDG_CACHE_HOME`, else `~/.cache`).
+//! The folder of model files: `OPENBENCH_MODELS`, else `openbench/models` in the user's cache
+//! folder, which is `XDG_CACHE_HOME` or `~/.cache`.
 //!
-//! A file of the catalogue is trusted only while its SHA-256 is the catalogue's, which is checked each time; what differs is pulled anew. Chat models that the user took in are not checked again. Files appear in the folder
-//! whole or not at all, so several processes may share it.
+//! The SHA-256 of a file of the catalogue is checked each time; a file that differs is downloaded
+//! again. Chat models that the user adds are not checked again. A file appears in the folder when
+//! it is complete, so several processes may share the folder.
 
 use std::fs::File;
 use std::io::{self, Read, Write};
@@ -11,9 +13,9 @@ use tempfile::NamedTempFile;
 
 use crate::catalogue::{CATALOGUE, ModelFile};
 use crate::digest::sha256_of;
-use crate::error::{Cause, ModelError};
+use crate::error::{Cause, StoreError};
 
-/// The bytes with which a GGUF file begins.
+/// Magic bytes of GGUF files.
 pub(crate) const GGUF_MAGIC: &[u8; 4] = b"GGUF";
 
 /// A folder of model files.
@@ -23,18 +25,20 @@ pub struct ModelStore {
 }
 
 impl ModelStore {
-    /// A store in `folder`, which need not exist.
+    /// A store in `folder`, which does not need to exist.
     pub fn new(folder: impl Into<PathBuf>) -> Self {
-        Self { folder: folder.into() }
+        Self {
+            folder: folder.into(),
+        }
     }
 
-    /// The user's store.
+    /// The store of the user whose environment this process has.
     ///
     /// # Errors
-    /// [`ModelError::NoFolder`].
-    pub fn from_environment() -> Result<Self, ModelError> {
+    /// [`StoreError::NoFolder`].
+    pub fn from_environment() -> Result<Self, StoreError> {
         let folder = user_folder(|name| std::env::var_os(name).map(PathBuf::from));
-        folder.map(Self::new).ok_or(ModelError::NoFolder)
+        folder.map(Self::new).ok_or(StoreError::NoFolder)
     }
 
     /// The folder.
@@ -42,94 +46,117 @@ impl ModelStore {
         &self.folder
     }
 
-    /// Where `file` lies, or would lie.
+    /// The path of `file` in the folder, whether it is there or not.
     pub fn path(&self, file: &ModelFile) -> PathBuf {
         self.folder.join(file.file_name())
     }
 
-    /// Whether the file is there and is the right one.
+    /// Whether the folder contains the file with the checksum of the catalogue.
     pub fn has(&self, file: &ModelFile) -> bool {
         let path = self.path(file);
-        let right_size = path.metadata().is_ok_and(|metadata| metadata.len() == file.bytes);
+        let right_size = path
+            .metadata()
+            .is_ok_and(|metadata| metadata.len() == file.bytes);
         right_size && file_digest(&path).is_ok_and(|found| found == file.sha256)
     }
 
-    /// The chat model that a user calls so: one of the catalogue or one that was taken in, if it is here, or a file somewhere else.
+    /// The file of a chat model: one of the catalogue, one that the user added, or a path.
     ///
     /// # Errors
-    /// [`ModelError::NotPulled`], [`ModelError::NoSuchFile`].
-    pub fn chat_model(&self, name: &str) -> Result<PathBuf, ModelError> {
-        if let Some(file) = CATALOGUE.iter().find(|file| file.name == name && is_gguf(file)) {
+    /// [`StoreError::NotDownloaded`], [`StoreError::NoSuchFile`].
+    pub fn chat_model(&self, name: &str) -> Result<PathBuf, StoreError> {
+        if let Some(file) = CATALOGUE
+            .iter()
+            .find(|file| file.name == name && is_gguf(file))
+        {
             if self.has(file) {
                 return Ok(self.path(file));
             }
-            return Err(ModelError::NotPulled { name: file.name });
+            return Err(StoreError::NotDownloaded { name: file.name });
         }
         let is_plain = !name.contains(['/', '\\']);
-        let taken_in = is_plain.then(|| self.folder.join(format!("{name}.gguf")));
-        let mut places = taken_in.into_iter().chain([PathBuf::from(name)]);
-        places.find(|path| path.is_file()).ok_or_else(|| ModelError::NoSuchFile { name: name.to_owned() })
+        let added = is_plain.then(|| self.folder.join(format!("{name}.gguf")));
+        let mut places = added.into_iter().chain([PathBuf::from(name)]);
+        places
+            .find(|path| path.is_file())
+            .ok_or_else(|| StoreError::NoSuchFile {
+                name: name.to_owned(),
+            })
     }
 
-    /// Takes in a chat model that the user has: under its name in the catalogue if it is one of those, else under its own. Returns where it lies now.
+    /// Copies a chat model into the folder and returns its new path. A file of the catalogue gets
+    /// its name there, others keep theirs.
     ///
     /// # Errors
-    /// [`ModelError::NoModel`] if it cannot be read or is no GGUF file, [`ModelError::Taken`] if another has its name, [`ModelError::Storage`].
-    pub fn take_in(&self, path: &Path) -> Result<PathBuf, ModelError> {
-        let digest =
-            gguf_digest(path).map_err(|source| ModelError::NoModel { path: path.to_owned(), source })?;
+    /// [`StoreError::NotGguf`] if the file cannot be read or is not a GGUF file,
+    /// [`StoreError::NameConflict`] if another file has its name, [`StoreError::Io`].
+    pub fn take_in(&self, path: &Path) -> Result<PathBuf, StoreError> {
+        let digest = gguf_digest(path).map_err(|source| StoreError::NotGguf {
+            path: path.to_owned(),
+            source,
+        })?;
         let known = CATALOGUE.into_iter().find(|known| known.sha256 == digest);
         let target = match &known {
             Some(known) => self.path(known),
             None => self.folder.join(gguf_name(path)),
         };
-        if self.is_of_another(&target, &digest) || known.is_none() && is_another(&target, &digest) {
-            return Err(ModelError::Taken { path: target });
+        if self.is_reserved(&target, &digest)
+            || known.is_none() && exists_with_other_digest(&target, &digest)
+        {
+            return Err(StoreError::NameConflict { path: target });
         }
-        let mut part = self.part(&target)?;
+        let mut part = self.temporary(&target)?;
         File::open(path)
             .and_then(|mut whole| io::copy(&mut whole, &mut part))
-            .map_err(|source| storage(&target, source))?;
-        part.persist(&target).map_err(|error| storage(&target, error.error))?;
+            .map_err(|source| io_error(&target, source))?;
+        part.persist(&target)
+            .map_err(|error| io_error(&target, error.error))?;
         Ok(target)
     }
 
-    /// Whether the catalogue keeps that place for a file with another digest.
-    fn is_of_another(&self, target: &Path, digest: &str) -> bool {
-        CATALOGUE.iter().any(|file| file.sha256 != digest && self.path(file) == target)
+    /// Whether `target` is the path of a file of the catalogue with another digest.
+    fn is_reserved(&self, target: &Path, digest: &str) -> bool {
+        CATALOGUE
+            .iter()
+            .any(|file| file.sha256 != digest && self.path(file) == target)
     }
 
-    /// Has the bytes written, checks them, and puts them into the folder under the file's name in one step.
+    /// Stores a file that `write` writes, if its checksum is that of the catalogue.
     pub(crate) fn put(
         &self,
         file: &ModelFile,
-        write: impl FnOnce(&mut dyn Write) -> Result<(), ModelError>,
-    ) -> Result<(), ModelError> {
+        write: impl FnOnce(&mut dyn Write) -> Result<(), StoreError>,
+    ) -> Result<(), StoreError> {
         let target = self.path(file);
-        let mut part = self.part(&target)?;
+        let mut part = self.temporary(&target)?;
         write(&mut part)?;
-        part.flush().map_err(|source| storage(&target, source))?;
-        let found = file_digest(part.path()).map_err(|source| storage(&target, source))?;
+        part.flush().map_err(|source| io_error(&target, source))?;
+        let found = file_digest(part.path()).map_err(|source| io_error(&target, source))?;
         if found != file.sha256 {
-            return Err(ModelError::Checksum { name: file.name, expected: file.sha256, found });
+            return Err(StoreError::Checksum {
+                name: file.name,
+                expected: file.sha256,
+                found,
+            });
         }
-        part.persist(&target).map_err(|error| storage(&target, error.error))?;
+        part.persist(&target)
+            .map_err(|error| io_error(&target, error.error))?;
         Ok(())
     }
 
-    /// Makes the folder if there is none.
-    pub(crate) fn create_folder(&self) -> Result<(), ModelError> {
-        std::fs::create_dir_all(&self.folder).map_err(|source| storage(&self.folder, source))
+    /// Creates the folder if it does not exist.
+    pub(crate) fn create_folder(&self) -> Result<(), StoreError> {
+        std::fs::create_dir_all(&self.folder).map_err(|source| io_error(&self.folder, source))
     }
 
-    /// A file without a name in the folder, to become `target`.
-    fn part(&self, target: &Path) -> Result<NamedTempFile, ModelError> {
+    /// A temporary file in the folder, to be renamed to `target`.
+    fn temporary(&self, target: &Path) -> Result<NamedTempFile, StoreError> {
         self.create_folder()?;
-        NamedTempFile::new_in(&self.folder).map_err(|source| storage(target, source))
+        NamedTempFile::new_in(&self.folder).map_err(|source| io_error(target, source))
     }
 }
 
-/// The folder of the user whose environment this is.
+/// The folder of the user with this environment.
 fn user_folder(variable: impl Fn(&str) -> Option<PathBuf>) -> Option<PathBuf> {
     let filled = |name| variable(name).filter(|path| !path.as_os_str().is_empty());
     if let Some(folder) = filled("OPENBENCH_MODELS") {
@@ -142,34 +169,41 @@ fn user_folder(variable: impl Fn(&str) -> Option<PathBuf>) -> Option<PathBuf> {
     Some(cache.join("openbench").join("models"))
 }
 
-fn storage(path: &Path, source: io::Error) -> ModelError {
-    ModelError::Storage { path: path.to_owned(), source }
+fn io_error(path: &Path, source: io::Error) -> StoreError {
+    StoreError::Io {
+        path: path.to_owned(),
+        source,
+    }
 }
 
 fn is_gguf(file: &ModelFile) -> bool {
     file.file_name().ends_with(".gguf")
 }
 
-/// The name under which a user's own model lies in the folder.
+/// The name that a user's own model gets in the folder.
 fn gguf_name(path: &Path) -> String {
-    path.file_stem().unwrap_or_default().to_string_lossy().into_owned() + ".gguf"
+    path.file_stem()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned()
+        + ".gguf"
 }
 
 fn file_digest(path: &Path) -> io::Result<String> {
     File::open(path).and_then(sha256_of)
 }
 
-/// The digest of a GGUF file.
+/// SHA-256 of a file, if it is a GGUF file.
 fn gguf_digest(path: &Path) -> Result<String, Cause> {
     let mut magic = [0_u8; GGUF_MAGIC.len()];
     if File::open(path)?.read_exact(&mut magic).is_err() || &magic != GGUF_MAGIC {
-        return Err("it does not begin with GGUF".into());
+        return Err("it does not begin with the magic bytes GGUF".into());
     }
     Ok(file_digest(path)?)
 }
 
-/// Whether there is a file with another digest.
-fn is_another(path: &Path, digest: &str) -> bool {
+/// Whether there is a file at `path` with another digest.
+fn exists_with_other_digest(path: &Path, digest: &str) -> bool {
     file_digest(path).is_ok_and(|there| there != digest)
 }
 
@@ -178,12 +212,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn models_that_the_user_has_are_taken_in_and_found_by_name_or_path() {
+    fn added_models_are_found_by_name_or_path() {
         let folder = tempfile::tempdir().unwrap();
         let store = ModelStore::new(folder.path().join("store"));
         let file = folder.path().join("mine.gguf");
         std::fs::write(&file, b"GGUF and so on").unwrap();
-        assert!(matches!(store.chat_model("mine"), Err(ModelError::NoSuchFile { .. })));
+        assert!(matches!(
+            store.chat_model("mine"),
+            Err(StoreError::NoSuchFile { .. })
+        ));
         let there = store.take_in(&file).unwrap();
         assert_eq!(std::fs::read(&there).unwrap(), b"GGUF and so on");
         assert_eq!(store.chat_model("mine").unwrap(), there);
@@ -191,44 +228,69 @@ mod tests {
     }
 
     #[test]
-    fn a_model_that_is_not_here_says_how_to_pull_it() {
+    fn the_error_for_a_missing_model_names_the_command() {
         let folder = tempfile::tempdir().unwrap();
-        let error = ModelStore::new(folder.path()).chat_model("smollm2-135m-instruct").unwrap_err();
-        assert!(error.to_string().contains("models pull smollm2-135m-instruct"), "{error}");
+        let error = ModelStore::new(folder.path())
+            .chat_model("smollm2-135m-instruct")
+            .unwrap_err();
+        assert!(
+            error
+                .to_string()
+                .contains("models pull smollm2-135m-instruct"),
+            "{error}"
+        );
     }
 
     #[test]
-    fn nothing_is_taken_in_over_another_file() {
+    fn no_file_is_replaced_by_another() {
         let folder = tempfile::tempdir().unwrap();
         let store = ModelStore::new(folder.path().join("store"));
         let file = folder.path().join("mine.gguf");
         std::fs::write(&file, b"GGUF and so on").unwrap();
         let there = store.take_in(&file).unwrap();
         std::fs::write(&file, b"GGUF and something else").unwrap();
-        assert!(matches!(store.take_in(&file), Err(ModelError::Taken { .. })));
+        assert!(matches!(
+            store.take_in(&file),
+            Err(StoreError::NameConflict { .. })
+        ));
         assert_eq!(std::fs::read(&there).unwrap(), b"GGUF and so on");
         let of_the_catalogue = folder.path().join("smollm2-135m-instruct.gguf");
         std::fs::write(&of_the_catalogue, b"GGUF of mine").unwrap();
-        assert!(matches!(store.take_in(&of_the_catalogue), Err(ModelError::Taken { .. })));
+        assert!(matches!(
+            store.take_in(&of_the_catalogue),
+            Err(StoreError::NameConflict { .. })
+        ));
     }
 
     #[test]
-    fn only_gguf_files_are_taken_in() {
+    fn other_files_than_gguf_are_refused() {
         let folder = tempfile::tempdir().unwrap();
         let store = ModelStore::new(folder.path().join("store"));
         let file = folder.path().join("mine.gguf");
-        assert!(matches!(store.take_in(&file), Err(ModelError::NoModel { .. })));
+        assert!(matches!(
+            store.take_in(&file),
+            Err(StoreError::NotGguf { .. })
+        ));
         std::fs::write(&file, b"PK").unwrap();
-        assert!(matches!(store.take_in(&file), Err(ModelError::NoModel { .. })));
+        assert!(matches!(
+            store.take_in(&file),
+            Err(StoreError::NotGguf { .. })
+        ));
     }
 
     #[test]
-    fn the_folder_follows_the_environment() {
+    fn the_environment_determines_the_folder() {
         let home = ("HOME", "/h");
-        assert_eq!(folder_with(&[home]).unwrap(), Path::new("/h/.cache/openbench/models"));
+        assert_eq!(
+            folder_with(&[home]).unwrap(),
+            Path::new("/h/.cache/openbench/models")
+        );
         let cache = folder_with(&[home, ("XDG_CACHE_HOME", "/c")]);
         assert_eq!(cache.unwrap(), Path::new("/c/openbench/models"));
-        assert_eq!(folder_with(&[home, ("OPENBENCH_MODELS", "/m")]).unwrap(), Path::new("/m"));
+        assert_eq!(
+            folder_with(&[home, ("OPENBENCH_MODELS", "/m")]).unwrap(),
+            Path::new("/m")
+        );
         assert_eq!(folder_with(&[("OPENBENCH_MODELS", "")]), None);
     }
 

@@ -1,7 +1,10 @@
-//! How requests reach a provider: one HTTP exchange, bounded in time, tries and size.
+//! HTTP requests to a provider, limited in time, attempts and length.
 //!
-//! Follows no redirects. Tried again are refused or broken connections and the statuses 429 and 5xx, waiting longer each time; not a time-out,
-//! which a second try would only double. The key is put in here and nowhere else, into a header, and blotted out of whatever comes back.
+//! Redirects are not followed. Refused or broken connections and the statuses 429 and 5xx are
+//! retried, with increasing pauses. Time-outs are not, since a second attempt would only double the
+//! time.
+//!
+//! The key is added here and nowhere else, to a header, and removed from all texts that come back.
 
 use std::io::Read;
 use std::sync::Arc;
@@ -19,18 +22,20 @@ use crate::provider::KeyHeader;
 use crate::quote::quote;
 use crate::secret::Secret;
 
-/// Bounds of a call.
+/// Limits of a call.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Bounds {
-    /// The longest that one try may take, from the connection to the last byte.
+    /// Time limit for one attempt, from the connection to the last byte.
     pub timeout: Duration,
-    /// Further tries after the first; none is begun when the time-out has passed since the first began.
+    /// Number of attempts after the first. None begins when the time-out has passed since the
+    /// first.
     pub retries: u32,
-    /// The pause before the second try; each further pause is twice as long. A server's `Retry-After` may lengthen it.
+    /// Pause before the second attempt. Each further pause is twice as long, or as long as the
+    /// server's `Retry-After`.
     pub first_pause: Duration,
-    /// No pause is longer.
+    /// Limit for a pause.
     pub longest_pause: Duration,
-    /// Longer answers are refused, bytes after decompression.
+    /// Limit for the length of an answer, bytes after decompression.
     pub max_reply_bytes: u64,
 }
 
@@ -53,7 +58,7 @@ pub(crate) struct Credential {
     pub header: KeyHeader,
 }
 
-/// Sends the requests that a provider's wire makes. Blocks; its futures are ready when they are first polled.
+/// Sends the requests of a provider's protocol. It blocks: its futures are ready when first polled.
 #[derive(Debug, Clone)]
 pub(crate) struct Transport {
     agent: Agent,
@@ -61,16 +66,16 @@ pub(crate) struct Transport {
     bounds: Bounds,
 }
 
-/// A failed try.
+/// A failed attempt.
 struct Failure {
     error: ChatError,
-    /// Whether another try may help.
-    passing: bool,
-    /// What the server asked to wait.
+    /// Whether another attempt may succeed.
+    is_transient: bool,
+    /// The pause that the server requests.
     wait: Option<Duration>,
 }
 
-/// A request as it is sent: without what the wire put in for the key.
+/// A request without the placeholder for the key.
 struct Outgoing {
     endpoint: String,
     body: Bytes,
@@ -78,37 +83,49 @@ struct Outgoing {
 }
 
 impl Transport {
-    /// For requests to `base`, which say who asks by `credential`.
+    /// A transport for requests to `base` with this key.
     pub(crate) fn new(base: &str, credential: Option<Credential>, bounds: Bounds) -> Self {
         let config = Agent::config_builder()
             .timeout_global(Some(bounds.timeout))
             .max_redirects(0)
             .max_redirects_will_error(false)
             .http_status_as_error(false);
-        let config = if is_loopback(base) { config.proxy(None) } else { config };
-        Self { agent: config.build().new_agent(), credential: credential.map(Arc::new), bounds }
+        let config = if is_loopback(base) {
+            config.proxy(None)
+        } else {
+            config
+        };
+        Self {
+            agent: config.build().new_agent(),
+            credential: credential.map(Arc::new),
+            bounds,
+        }
     }
 
     /// `text` without the key.
-    pub(crate) fn blot_out(&self, text: &str) -> String {
+    pub(crate) fn redact(&self, text: &str) -> String {
         match &self.credential {
-            Some(credential) => credential.key.blot_out(text),
+            Some(credential) => credential.key.redact(text),
             None => text.to_owned(),
         }
     }
 
-    /// Sends until an answer of status 200 is there, or no further try is worth it.
+    /// Sends a request, and again until the status is 200 or no further attempt may succeed.
     fn exchange(&self, outgoing: &Outgoing) -> Result<String, ChatError> {
-        let (began, mut pause, mut tries) = (Instant::now(), self.bounds.first_pause, 0);
+        let (began, mut pause, mut attempts) = (Instant::now(), self.bounds.first_pause, 0);
         loop {
             let failure = match self.attempt(outgoing) {
                 Ok(text) => return Ok(text),
                 Err(failure) => failure,
             };
-            let wait = failure.wait.unwrap_or_default().max(pause).min(self.bounds.longest_pause);
-            tries += 1;
-            let late = began.elapsed() + wait >= self.bounds.timeout;
-            if !failure.passing || tries > self.bounds.retries || late {
+            let wait = failure
+                .wait
+                .unwrap_or_default()
+                .max(pause)
+                .min(self.bounds.longest_pause);
+            attempts += 1;
+            let is_late = began.elapsed() + wait >= self.bounds.timeout;
+            if !failure.is_transient || attempts > self.bounds.retries || is_late {
                 return Err(failure.error);
             }
             std::thread::sleep(wait);
@@ -126,13 +143,19 @@ impl Transport {
             request = request.header(credential.header.name, value);
         }
         let endpoint = &outgoing.endpoint;
-        let mut response = request.send(&outgoing.body[..]).map_err(|error| self.broken(endpoint, &error))?;
+        let mut response = request
+            .send(&outgoing.body[..])
+            .map_err(|error| self.broken(endpoint, &error))?;
         let status = response.status().as_u16();
         let wait = retry_after(response.headers());
         let text = self.read(endpoint, response.body_mut())?;
         if status != 200 {
-            let passing = status == 429 || status >= 500;
-            return Err(Failure { error: self.status(endpoint, status, &text), passing, wait });
+            let is_transient = status == 429 || status >= 500;
+            return Err(Failure {
+                error: self.status(endpoint, status, &text),
+                is_transient,
+                wait,
+            });
         }
         Ok(text)
     }
@@ -146,35 +169,54 @@ impl Transport {
             .map_err(|error| self.broken(endpoint, &error.into()))?;
         if bytes.len() as u64 > limit {
             let detail = format!("it is longer than {limit} bytes");
-            let error = ChatError::BadReply { endpoint: endpoint.to_owned(), detail };
-            return Err(Failure { error, passing: false, wait: None });
+            let error = ChatError::BadReply {
+                endpoint: endpoint.to_owned(),
+                detail,
+            };
+            return Err(Failure {
+                error,
+                is_transient: false,
+                wait: None,
+            });
         }
-        Ok(self.blot_out(&String::from_utf8_lossy(&bytes)))
+        Ok(self.redact(&String::from_utf8_lossy(&bytes)))
     }
 
     fn broken(&self, endpoint: &str, error: &ureq::Error) -> Failure {
         let endpoint = endpoint.to_owned();
         if is_timeout(error) {
             let seconds = self.bounds.timeout.as_millis().div_ceil(1000) as u64;
-            return Failure { error: ChatError::Timeout { endpoint, seconds }, passing: false, wait: None };
+            return Failure {
+                error: ChatError::Timeout { endpoint, seconds },
+                is_transient: false,
+                wait: None,
+            };
         }
-        let detail = self.blot_out(&error.to_string());
-        Failure { error: ChatError::Unreachable { endpoint, detail }, passing: true, wait: None }
+        let detail = self.redact(&error.to_string());
+        Failure {
+            error: ChatError::Unreachable { endpoint, detail },
+            is_transient: true,
+            wait: None,
+        }
     }
 
-    /// What OpenAI, Anthropic and Gemini complain about stands at the same place.
+    /// The error for a status. OpenAI, Anthropic and Gemini have their message in the same field.
     fn status(&self, endpoint: &str, code: u16, text: &str) -> ChatError {
         let value: Value = serde_json::from_str(text).unwrap_or_default();
-        let said = match value["error"]["message"].as_str() {
-            Some(said) => self.blot_out(said),
+        let message = match value["error"]["message"].as_str() {
+            Some(message) => self.redact(message),
             None => text.to_owned(),
         };
-        ChatError::Status { endpoint: endpoint.to_owned(), code, detail: quote(&said) }
+        ChatError::Status {
+            endpoint: endpoint.to_owned(),
+            code,
+            detail: quote(&message),
+        }
     }
 }
 
 impl Outgoing {
-    /// The wire knows no key: what it put where keys go is empty, and goes.
+    /// Removes the headers for keys, which the protocol fills with an empty key.
     fn new<T: Into<Bytes>>(request: Request<T>) -> Self {
         let (parts, body) = request.into_parts();
         let endpoint = parts.uri.to_string();
@@ -183,7 +225,11 @@ impl Outgoing {
         for name in ["authorization", "x-api-key", "x-goog-api-key"] {
             headers.remove(name);
         }
-        Self { endpoint, body: body.into(), headers }
+        Self {
+            endpoint,
+            body: body.into(),
+            headers,
+        }
     }
 }
 
@@ -198,9 +244,13 @@ impl HttpClientExt for Transport {
     {
         let (transport, outgoing) = (self.clone(), Outgoing::new(request));
         async move {
-            let text = transport.exchange(&outgoing).map_err(http_client::Error::instance)?;
+            let text = transport
+                .exchange(&outgoing)
+                .map_err(http_client::Error::instance)?;
             let body: LazyBody<U> = Box::pin(async move { Ok(U::from(Bytes::from(text))) });
-            Ok(Response::builder().header(header::CONTENT_TYPE, "application/json").body(body)?)
+            Ok(Response::builder()
+                .header(header::CONTENT_TYPE, "application/json")
+                .body(body)?)
         }
     }
 
@@ -225,13 +275,16 @@ impl HttpClientExt for Transport {
     }
 }
 
-/// Chats neither send files in parts nor take their answers in pieces.
+/// The error for multipart and streaming requests, which chats do not use.
 fn unused() -> http_client::Error {
-    let detail = "only whole requests and whole answers are sent".to_owned();
-    http_client::Error::instance(ChatError::BadRequest { endpoint: String::new(), detail })
+    let detail = "multipart and streaming requests are not supported".to_owned();
+    http_client::Error::instance(ChatError::BadRequest {
+        endpoint: String::new(),
+        detail,
+    })
 }
 
-/// How long a server asks to wait, where it says so in seconds.
+/// The pause that the server requests, if it is a number of seconds.
 fn retry_after(headers: &HeaderMap) -> Option<Duration> {
     let value = headers.get(header::RETRY_AFTER)?.to_str().ok()?;
     value.trim().parse().ok().map(Duration::from_secs)
@@ -241,8 +294,11 @@ fn is_timeout(error: &ureq::Error) -> bool {
     match error {
         ureq::Error::Timeout(_) => true,
         ureq::Error::Io(io) => {
-            let wrapped = io.get_ref().and_then(|inner| inner.downcast_ref::<ureq::Error>());
-            matches!(wrapped, Some(ureq::Error::Timeout(_))) || io.kind() == std::io::ErrorKind::TimedOut
+            let wrapped = io
+                .get_ref()
+                .and_then(|inner| inner.downcast_ref::<ureq::Error>());
+            matches!(wrapped, Some(ureq::Error::Timeout(_)))
+                || io.kind() == std::io::ErrorKind::TimedOut
         }
         _ => false,
     }
@@ -253,7 +309,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn waits_in_seconds_are_heard_and_dates_are_not() {
+    fn pauses_are_read_as_seconds_and_not_as_dates() {
         let asked = |text: &'static str| {
             let value = http::HeaderValue::from_static(text);
             retry_after(&HeaderMap::from_iter([(header::RETRY_AFTER, value)]))

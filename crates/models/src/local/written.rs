@@ -1,4 +1,4 @@
-//! What a model has written of an answer, and whether it goes round in circles.
+//! The part of an answer that a model has written, and detection of repetitions.
 
 use std::ops::RangeInclusive;
 
@@ -6,13 +6,14 @@ use llama_cpp_2::token::LlamaToken;
 
 use crate::quote::quote;
 
-/// How many tokens may stand how often one after the other before that is a loop.
-const LOOPS: RangeInclusive<usize> = 8..=200;
-const REPEATED: usize = 4;
-/// Characters of an answer that an error quotes.
-const QUOTED: usize = 120;
+/// Lengths of sequences that count as a loop if they are repeated, tokens.
+const LOOP_TOKENS: RangeInclusive<usize> = 8..=200;
+/// Number of repetitions that count as a loop.
+const LOOP_REPETITIONS: usize = 4;
+/// Length of the end of an answer in errors, characters.
+const QUOTED_CHARS: usize = 120;
 
-/// An answer so far.
+/// The answer so far.
 #[derive(Default)]
 pub(super) struct Written {
     pub bytes: Vec<u8>,
@@ -20,22 +21,26 @@ pub(super) struct Written {
 }
 
 impl Written {
-    /// Whether the end is the same several times over. Small models that fall into that do not get out of it.
+    /// Whether the end is a loop. Small models do not leave a loop once they are in one.
     pub(super) fn repeats_itself(&self) -> bool {
-        LOOPS.into_iter().any(|length| ends_with_loop(&self.tokens, length))
+        LOOP_TOKENS
+            .into_iter()
+            .any(|length| ends_with_loop(&self.tokens, length))
     }
 
-    /// How it ends, in quotes.
+    /// The end of the answer, for errors.
     pub(super) fn end(&self) -> String {
         let text = String::from_utf8_lossy(&self.bytes);
-        let skip = text.chars().count().saturating_sub(QUOTED);
+        let skip = text.chars().count().saturating_sub(QUOTED_CHARS);
         format!(": …{}", quote(&text.chars().skip(skip).collect::<String>()))
     }
 }
 
-/// Whether the end is the same so many tokens over and over.
+/// Whether the end repeats a sequence of `length` tokens.
 fn ends_with_loop<T: PartialEq>(tokens: &[T], length: usize) -> bool {
-    let Some(begin) = tokens.len().checked_sub(REPEATED * length) else { return false };
+    let Some(begin) = tokens.len().checked_sub(LOOP_REPETITIONS * length) else {
+        return false;
+    };
     let end = &tokens[begin..];
     end[length..] == end[..end.len() - length]
 }
@@ -45,7 +50,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_loop_is_the_same_four_times_over() {
+    fn a_loop_has_four_repetitions() {
         let four = "ababcdcdcdcd";
         assert!(ends_with_loop(four.as_bytes(), 2));
         assert!(!ends_with_loop(&four.as_bytes()[..11], 2));
