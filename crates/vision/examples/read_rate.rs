@@ -1,6 +1,9 @@
-//! How often plates are read right, by distance and angle, and how long an image takes.
+//! Rates of correct readings by distance and angle, and time per image.
 //!
-//! `cargo run --release -p openbench-vision --example read_rate -- DETECTION.onnx RECOGNITION.onnx [KEYS.txt]`
+//! ```text
+//! cargo run --release -p openbench-vision --example read_rate -- \
+//!     DETECTION.onnx RECOGNITION.onnx [KEYS.txt]
+//! ```
 
 #![allow(clippy::print_stdout)]
 
@@ -13,11 +16,13 @@ use std::time::Instant;
 use openbench_vision::{PlateReader, PpOcr, PpOcrSettings, parse_unit};
 use support::{Plate, picture, view};
 
-const TEXTS: [&str; 8] = ["UNIT 1", "UNIT 2", "UNIT 3", "UNIT 12", "UNIT 11", "unit1", "UNIT 7", "unit2"];
+const TEXTS: [&str; 8] = [
+    "UNIT 1", "UNIT 2", "UNIT 3", "UNIT 12", "UNIT 11", "unit1", "UNIT 7", "unit2",
+];
 const DISTANCES: [f64; 7] = [3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0];
 const ANGLES: [f64; 6] = [0.0, 15.0, -30.0, 40.0, -50.0, 60.0];
 
-/// Right, wrong and missing readings.
+/// Numbers of correct, wrong and missing readings.
 type Counts = [u32; 3];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -27,10 +32,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         [detection, recognition, keys] => (detection, recognition, Some(Path::new(keys))),
         _ => return Err("give DETECTION.onnx RECOGNITION.onnx [KEYS.txt]".into()),
     };
-    let settings = PpOcrSettings { upper_part: 0.6, ..PpOcrSettings::default() };
-    let mut reader = PpOcr::load(Path::new(detection), Path::new(recognition), keys)?.with_settings(settings);
+    let settings = PpOcrSettings {
+        upper_part: 0.6,
+        ..PpOcrSettings::default()
+    };
+    let mut reader =
+        PpOcr::load(Path::new(detection), Path::new(recognition), keys)?.with_settings(settings);
     println!("blank wall: {:.1} ms", blank_ms(&mut reader)?);
-    println!("right/wrong/missing of {} at angles {ANGLES:?}, by distance", 2 * TEXTS.len());
+    println!(
+        "right/wrong/missing of {} at angles {ANGLES:?}, by distance",
+        2 * TEXTS.len()
+    );
     let mut seconds = 0.0;
     for distance in DISTANCES {
         let mut row = String::new();
@@ -68,11 +80,17 @@ fn cell(
             let start = Instant::now();
             let readings = reader.read(&image)?;
             *seconds += start.elapsed().as_secs_f64();
-            let units = readings.iter().filter_map(|reading| parse_unit(&reading.text));
+            let units = readings
+                .iter()
+                .filter_map(|reading| parse_unit(&reading.text));
             let found = units.max_by(|a, b| a.score.total_cmp(&b.score));
             let found = found.map(|found| found.unit);
             let right = found.is_some() && found == parse_unit(text).map(|expected| expected.unit);
-            counts[if found.is_none() { 2 } else { usize::from(!right) }] += 1;
+            counts[if found.is_none() {
+                2
+            } else {
+                usize::from(!right)
+            }] += 1;
         }
     }
     Ok(counts)

@@ -1,37 +1,51 @@
-//! From the text on a plate to the unit that it names.
+//! The unit that the text of a plate names.
 //!
-//! Letters that readers confuse with digits are forgiven only where a digit must stand, after a word for "unit" or in a number on its own:
-//! `I`, `l`, `|`, `!`, `工` for 1 and `O`, `o` for 0. `Z`, `S` and `B` are not: on worn plates they stand for 7 and 2, 3 and 5, 3 and 8.
-//! The word itself may be misread in one letter, at a price in the score. A number is taken whole or not at all, so `UNIT 11` is never `unit1`;
-//! where a letter may belong to the word or to the number (`UNITI`), the longer word wins only if a number remains.
+//! Letters that readers confuse with digits are accepted where a digit must be: after a word for
+//! "unit" or in a number of its own. These are `I`, `l`, `|`, `!`, `工` for 1 and `O`, `o` for 0.
+//! `Z`, `S` and `B` are not accepted, since on worn plates they may be 7 or 2, 3 or 5, 3 or 8.
+//!
+//! The word may have one wrong letter, which lowers the score. A number is read completely or not
+//! at all, so `UNIT 11` is never `unit1`. A letter that may belong to the word or to the number, as
+//! in `UNITI`, belongs to the word only if a number remains.
 
 use openbench_core::address::fold_name;
 
-/// Words for the level of an address below the building. All are compared in lower case without spaces.
-const WORDS: [&str; 8] = ["unit", "apartment", "apt", "number", "no", "flat", "suite", "door"];
-/// Chinese words, which stand behind the number: unit, number, door.
-const WORDS_BEHIND: [&str; 4] = ["单元", "單元", "号", "门"];
-/// Longer numbers are telephone numbers or years, not units.
+/// Words for the level of an address below the building, in lower case without spaces.
+const WORDS: [&str; 8] = [
+    "unit",
+    "apartment",
+    "apt",
+    "number",
+    "no",
+    "flat",
+    "suite",
+    "door",
+];
+/// Chinese words for unit, number and door, which follow the number.
+const SUFFIXES: [&str; 4] = ["单元", "單元", "号", "门"];
+/// Maximum number of digits of a unit. Longer numbers are telephone numbers or years.
 const MAX_DIGITS: usize = 4;
-/// What a number without a word for "unit" counts.
+/// Score of a number without a word for "unit".
 const BARE_NUMBER_SCORE: f32 = 0.6;
-/// What a letter counts that stands for a digit which looks like it.
+/// Score of a letter in place of a digit that looks like it.
 const LOOK_ALIKE_SCORE: f32 = 0.9;
-/// What a word counts that is wrong in one letter.
+/// Score of a word with one wrong letter.
 const MISSPELT_WORD_SCORE: f32 = 0.7;
 
-/// What a plate says about its unit.
+/// The unit that the text of a plate names.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnitText {
-    /// The unit's canonical name: `unit<N>`, without leading zeros.
+    /// Canonical name of the unit: `unit<N>`, without leading zeros.
     pub unit: String,
-    /// How literally the plate says so, 0 to 1: 1 for "UNIT 12" letter by letter, less for every letter that had to be forgiven, and for bare numbers.
+    /// How literally the text names it, 0 to 1: 1 for "UNIT 12", less for each wrong letter and for
+    /// numbers without a word.
     pub score: f32,
-    /// Whether a word for "unit" stands with the number. A bare number is weak evidence: readers see digits in window frames and pipes.
+    /// Whether the text contains a word for "unit". A number alone is weak evidence, since readers
+    /// see digits in window frames and pipes.
     pub worded: bool,
 }
 
-/// The unit that a plate's text names, or `None` if it names none clearly.
+/// The unit that the text of a plate names, or `None` if it names none clearly.
 ///
 /// ```
 /// use openbench_vision::parse_unit;
@@ -40,25 +54,39 @@ pub struct UnitText {
 /// assert_eq!(parse_unit("EXIT"), None);
 /// ```
 pub fn parse_unit(text: &str) -> Option<UnitText> {
-    let folded: String =
-        fold_name(text).chars().filter(|c| !matches!(c, '.' | ':' | '#' | '-' | '°' | '：' | '．')).collect();
+    let folded: String = fold_name(text)
+        .chars()
+        .filter(|c| !matches!(c, '.' | ':' | '#' | '-' | '°' | '：' | '．'))
+        .collect();
     let candidates = [after_word(&folded), before_word(&folded), bare(&folded)];
-    candidates.into_iter().flatten().max_by(|a, b| a.score.total_cmp(&b.score))
+    candidates
+        .into_iter()
+        .flatten()
+        .max_by(|a, b| a.score.total_cmp(&b.score))
 }
 
-/// "unit12", the word perhaps misread in one letter.
+/// A number after a word, as in `unit12`. The word may have one wrong letter.
 fn after_word(text: &str) -> Option<UnitText> {
     let letters: Vec<char> = text.chars().collect();
     let mut best: Option<UnitText> = None;
     for word in WORDS {
-        for length in word.chars().count().saturating_sub(1).max(2)..=(word.len() + 1).min(letters.len()) {
-            let Some(word_score) = likeness(&letters[..length], word) else { continue };
-            let Some(number) = number(&letters[length..]) else { continue };
-            // A wrong word before a wrong number may be anything: UNTI is UNIT as well as UNIT 1.
+        for length in
+            word.chars().count().saturating_sub(1).max(2)..=(word.len() + 1).min(letters.len())
+        {
+            let Some(word_score) = likeness(&letters[..length], word) else {
+                continue;
+            };
+            let Some(number) = number(&letters[length..]) else {
+                continue;
+            };
+            // A wrong word and a wrong number together are ambiguous: UNTI may be UNIT or UNIT 1.
             if word_score < 1.0 && number.score < 1.0 {
                 continue;
             }
-            let found = UnitText { score: word_score * number.score, ..number };
+            let found = UnitText {
+                score: word_score * number.score,
+                ..number
+            };
             if best.as_ref().is_none_or(|best| found.score > best.score) {
                 best = Some(found);
             }
@@ -67,22 +95,26 @@ fn after_word(text: &str) -> Option<UnitText> {
     best
 }
 
-/// "1单元", with Arabic or Chinese digits.
+/// A number in front of a word, as in `1单元`, with Arabic or Chinese digits.
 fn before_word(text: &str) -> Option<UnitText> {
-    let head = WORDS_BEHIND.iter().find_map(|word| text.strip_suffix(word))?;
+    let head = SUFFIXES.iter().find_map(|word| text.strip_suffix(word))?;
     let letters: Vec<char> = head.chars().map(western_digit).collect();
     number(&letters)
 }
 
-/// "12", with at least one true digit, for a lone "I" or "O" may be anything.
+/// A number alone, as in `12`, with at least one digit, since a single `I` or `O` is ambiguous.
 fn bare(text: &str) -> Option<UnitText> {
     let letters: Vec<char> = text.chars().collect();
     let has_digit = letters.iter().any(char::is_ascii_digit);
     let number = number(&letters).filter(|_| has_digit)?;
-    Some(UnitText { score: BARE_NUMBER_SCORE * number.score, worded: false, ..number })
+    Some(UnitText {
+        score: BARE_NUMBER_SCORE * number.score,
+        worded: false,
+        ..number
+    })
 }
 
-/// The whole of `letters` as a number beside a word for "unit".
+/// All letters as the number of a unit with a word for "unit".
 fn number(letters: &[char]) -> Option<UnitText> {
     if letters.is_empty() || letters.len() > MAX_DIGITS {
         return None;
@@ -93,22 +125,35 @@ fn number(letters: &[char]) -> Option<UnitText> {
         value = 10 * value + digit.value;
         score *= digit.score;
     }
-    (value > 0).then(|| UnitText { unit: format!("unit{value}"), score, worded: true })
+    (value > 0).then(|| UnitText {
+        unit: format!("unit{value}"),
+        score,
+        worded: true,
+    })
 }
 
-/// What a letter counts for where a digit must stand.
+/// A letter as a digit.
 struct Digit {
     value: u32,
-    /// 1 for a digit, less for a letter that readers confuse with one.
+    /// 1 for a digit, less for a letter that looks like one.
     score: f32,
 }
 
 impl Digit {
     fn of(letter: char) -> Option<Self> {
         match letter {
-            '0'..='9' => Some(Self { value: letter.to_digit(10)?, score: 1.0 }),
-            'i' | 'l' | '|' | '!' | '工' => Some(Self { value: 1, score: LOOK_ALIKE_SCORE }),
-            'o' => Some(Self { value: 0, score: LOOK_ALIKE_SCORE }),
+            '0'..='9' => Some(Self {
+                value: letter.to_digit(10)?,
+                score: 1.0,
+            }),
+            'i' | 'l' | '|' | '!' | '工' => Some(Self {
+                value: 1,
+                score: LOOK_ALIKE_SCORE,
+            }),
+            'o' => Some(Self {
+                value: 0,
+                score: LOOK_ALIKE_SCORE,
+            }),
             _ => None,
         }
     }
@@ -122,23 +167,32 @@ fn western_digit(letter: char) -> char {
         .unwrap_or(letter)
 }
 
-/// 1 for the word itself, also with look-alike letters; 0.7 for one other mistake in a word of four letters or more; `None` for more.
+/// The score of letters as a word: 1 if they are equal or look alike, less for one mistake in a
+/// word of at least four letters, `None` for more mistakes.
 fn likeness(letters: &[char], word: &str) -> Option<f32> {
     let word: Vec<char> = word.chars().collect();
     if letters.len() == word.len() {
-        let wrong = letters.iter().zip(&word).filter(|(a, b)| !is_same(**a, **b)).count();
+        let wrong = letters
+            .iter()
+            .zip(&word)
+            .filter(|(a, b)| !is_same(**a, **b))
+            .count();
         return score_of(wrong, word.len());
     }
     let one_more = if letters.len() > word.len() {
-        is_with_one_more(letters, &word)
+        has_one_more_letter(letters, &word)
     } else {
-        is_with_one_more(&word, letters)
+        has_one_more_letter(&word, letters)
     };
-    if one_more { score_of(1, word.len()) } else { None }
+    if one_more {
+        score_of(1, word.len())
+    } else {
+        None
+    }
 }
 
-/// Whether leaving out one letter of `long` makes it begin as `short` does.
-fn is_with_one_more(long: &[char], short: &[char]) -> bool {
+/// Whether `long` without one of its letters is `short`, as far as both go.
+fn has_one_more_letter(long: &[char], short: &[char]) -> bool {
     (0..long.len()).any(|skip| {
         let rest = long[..skip].iter().chain(&long[skip + 1..]);
         rest.zip(short).all(|(a, b)| is_same(*a, *b))
@@ -177,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn plates_as_painted() {
+    fn correct_texts_name_their_unit() {
         for text in [
             "UNIT 1",
             "Unit1",
@@ -200,8 +254,10 @@ mod tests {
     }
 
     #[test]
-    fn plates_as_misread() {
-        for text in ["UNlT 1", "UN1T 1", "UNITI", "unit l", "UNIT|", "UMIT 1", "UNT1", "ONIT 1", "unit工"] {
+    fn misread_texts_name_their_unit() {
+        for text in [
+            "UNlT 1", "UN1T 1", "UNITI", "unit l", "UNIT|", "UMIT 1", "UNT1", "ONIT 1", "unit工",
+        ] {
             assert_eq!(unit(text).as_deref(), Some("unit1"), "{text}");
         }
         assert_eq!(unit("UNIT 1O").as_deref(), Some("unit10"));
@@ -209,7 +265,7 @@ mod tests {
     }
 
     #[test]
-    fn texts_that_name_no_unit() {
+    fn other_texts_name_no_unit() {
         for text in [
             "",
             "UNIT",
@@ -233,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn forgiven_letters_cost_score() {
+    fn wrong_letters_lower_the_score() {
         let score = |text| parse_unit(text).unwrap().score;
         assert_eq!(score("UNIT 1"), 1.0);
         assert!(score("UNIT 1") > score("UNIT I") && score("UNIT I") > score("UNT 1"));
@@ -247,14 +303,21 @@ mod tests {
 
     proptest! {
         #[test]
-        fn every_number_comes_back_whole(number in 1_u32..10_000) {
-            for text in [format!("UNIT {number}"), format!("unit{number}"), format!("{number}单元"), format!("No. {number}"), format!("{number}")] {
+        fn numbers_are_read_completely(number in 1_u32..10_000) {
+            let texts = [
+                format!("UNIT {number}"),
+                format!("unit{number}"),
+                format!("{number}单元"),
+                format!("No. {number}"),
+                format!("{number}"),
+            ];
+            for text in texts {
                 prop_assert_eq!(unit(&text), Some(format!("unit{}", number)));
             }
         }
 
         #[test]
-        fn any_text_is_survived(text in "\\PC{0,40}") {
+        fn no_text_panics(text in "\\PC{0,40}") {
             let _ = parse_unit(&text);
         }
     }

@@ -1,15 +1,15 @@
-//! What a plate reader registers with: a name, a line about it, and how it is made.
+//! Registration of plate readers: a name, a description and a constructor.
 
 use openbench_models::{ChatModel, ModelStore};
 
 use crate::error::Cause;
 use crate::reader::PlateReader;
 
-/// Settings that any reader may be given; one that has no use for a setting ignores it.
+/// Settings for all readers. A reader ignores those that do not apply to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ReaderSettings {
-    /// The share of an image's rows, from the top, in which plates can be, 0 to 1.
+    /// The fraction of the image, from the top, in which plates can be, 0 to 1.
     pub upper_part: f32,
 }
 
@@ -21,34 +21,38 @@ impl Default for ReaderSettings {
 }
 
 impl ReaderSettings {
-    /// The same settings with plates in this share of an image's rows, from the top, only.
+    /// The same settings for plates in this fraction of the image, from the top.
     #[must_use]
-    pub fn with_upper_part(mut self, share: f32) -> Self {
-        self.upper_part = share;
+    pub fn with_upper_part(mut self, fraction: f32) -> Self {
+        self.upper_part = fraction;
         self
     }
 }
 
-/// Opens the chat model that a text names, as [`openbench_models::ModelSpec`] reads it.
+/// Opens the chat model of a name that [`openbench_models::ModelSpec`] reads.
 ///
-/// Whoever makes readers decides how: counted, bounded, recorded or repeated.
+/// The caller decides whether its calls are counted, limited, recorded or repeated.
 pub type OpenModel<'a> = dyn FnMut(&str) -> Result<Box<dyn ChatModel>, Cause> + 'a;
 
-/// What a reader is made from.
+/// What constructors of readers get.
 #[non_exhaustive]
 pub struct ReaderContext<'a> {
-    /// Settings that hold for all readers.
+    /// Settings for all readers.
     pub settings: ReaderSettings,
-    /// Where model files lie; `None` stands for the user's folder.
+    /// The folder of model files; `None` for the user's folder.
     pub store: Option<ModelStore>,
-    /// Opens chat models.
+    /// Opens a chat model by its name.
     pub open_model: &'a mut OpenModel<'a>,
 }
 
 impl<'a> ReaderContext<'a> {
-    /// Default settings, model files from the user's folder, chat models by `open_model`.
+    /// A context with default settings, the user's folder of model files, and `open_model`.
     pub fn new(open_model: &'a mut OpenModel<'a>) -> Self {
-        Self { settings: ReaderSettings::default(), store: None, open_model }
+        Self {
+            settings: ReaderSettings::default(),
+            store: None,
+            open_model,
+        }
     }
 
     /// The same context with other settings.
@@ -58,7 +62,7 @@ impl<'a> ReaderContext<'a> {
         self
     }
 
-    /// The same context with model files from another folder than the user's.
+    /// The same context with another folder of model files.
     #[must_use]
     pub fn with_store(mut self, store: ModelStore) -> Self {
         self.store = Some(store);
@@ -67,9 +71,21 @@ impl<'a> ReaderContext<'a> {
 }
 
 type Accepts = Box<dyn Fn(&str) -> bool + Send + Sync>;
-type Make = Box<dyn Fn(&str, &mut ReaderContext<'_>) -> Result<Box<dyn PlateReader>, Cause> + Send + Sync>;
+type Make =
+    Box<dyn Fn(&str, &mut ReaderContext<'_>) -> Result<Box<dyn PlateReader>, Cause> + Send + Sync>;
 
-/// A plate reader that can be asked for by its name.
+/// A plate reader with the name by which it is made.
+///
+/// ```
+/// use openbench_vision::{ReaderEntry, VlmReader};
+///
+/// // A short name for a model on a server in the local network.
+/// let entry = ReaderEntry::new("house-model", "the model of our office", |_, context| {
+///     let model = (context.open_model)("openai:qwen2.5-vl@http://10.0.0.7:8000/v1")?;
+///     Ok(Box::new(VlmReader::new(model)))
+/// });
+/// assert!(entry.matches("house-model") && !entry.matches("openai:gpt-4o"));
+/// ```
 pub struct ReaderEntry {
     name: String,
     description: String,
@@ -79,10 +95,14 @@ pub struct ReaderEntry {
 }
 
 impl ReaderEntry {
-    /// A reader that is asked for by `name`. `make` gets the text by which it was asked for.
+    /// A reader with this name and one-line description. `make` gets the name in use, which differs
+    /// from `name` for readers with [`ReaderEntry::accepting`].
     pub fn new<F>(name: impl Into<String>, description: impl Into<String>, make: F) -> Self
     where
-        F: Fn(&str, &mut ReaderContext<'_>) -> Result<Box<dyn PlateReader>, Cause> + Send + Sync + 'static,
+        F: Fn(&str, &mut ReaderContext<'_>) -> Result<Box<dyn PlateReader>, Cause>
+            + Send
+            + Sync
+            + 'static,
     {
         Self {
             name: name.into(),
@@ -93,57 +113,61 @@ impl ReaderEntry {
         }
     }
 
-    /// The same reader, which also needs the files of a set in OpenBench's catalogue of models.
+    /// The same reader, which requires the files of a set in the catalogue of models.
     #[must_use]
     pub fn needing_files(mut self, set: impl Into<String>) -> Self {
         self.model_files = Some(set.into());
         self
     }
 
-    /// The same reader, which is asked for by every text that `accepts` accepts, and by its name
-    /// no more. For readers whose name holds an argument, such as a model's name.
+    /// The same reader under each name that `accepts` accepts, instead of its own name. It is for
+    /// readers whose name contains an argument, such as the name of a model.
     #[must_use]
     pub fn accepting(mut self, accepts: impl Fn(&str) -> bool + Send + Sync + 'static) -> Self {
         self.accepts = Some(Box::new(accepts));
         self
     }
 
-    /// The name by which it is asked for, or the form of such names.
+    /// Its name, or the form of its names.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// What it is, in one line.
+    /// Its description, one line.
     pub fn description(&self) -> &str {
         &self.description
     }
 
-    /// The set of model files that must be in the folder before the reader is made.
+    /// The set of model files that the reader requires.
     pub fn model_files(&self) -> Option<&str> {
         self.model_files.as_deref()
     }
 
-    /// Whether this text asks for the reader.
-    pub fn is_meant_by(&self, text: &str) -> bool {
+    /// Whether a name is that of the reader.
+    pub fn matches(&self, name: &str) -> bool {
         match &self.accepts {
-            Some(accepts) => accepts(text),
-            None => text == self.name,
+            Some(accepts) => accepts(name),
+            None => name == self.name,
         }
     }
 
-    /// Whether this text asks for the reader, or for it and for others after it.
-    pub fn begins(&self, text: &str) -> bool {
+    /// Whether a list of names begins with that of the reader.
+    pub(crate) fn begins(&self, list: &str) -> bool {
         match &self.accepts {
-            Some(accepts) => accepts(text),
-            None => text.starts_with(&self.name),
+            Some(accepts) => accepts(list),
+            None => list.starts_with(&self.name),
         }
     }
 
-    /// Makes the reader that a text asks for.
+    /// Makes the reader of a name.
     ///
     /// # Errors
-    /// Whatever its constructor reports.
-    pub fn make(&self, text: &str, context: &mut ReaderContext<'_>) -> Result<Box<dyn PlateReader>, Cause> {
-        (self.make)(text, context)
+    /// Any error of its constructor.
+    pub fn make(
+        &self,
+        name: &str,
+        context: &mut ReaderContext<'_>,
+    ) -> Result<Box<dyn PlateReader>, Cause> {
+        (self.make)(name, context)
     }
 }

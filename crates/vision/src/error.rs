@@ -1,47 +1,51 @@
-//! Why an image was not read.
+//! Errors of reading an image.
 
 use std::path::PathBuf;
 
 use openbench_models::ChatError;
 
-/// An error of another library, kept as the source of ours.
+/// An error of another library, kept as the source of an error of this crate.
 pub type Cause = Box<dyn std::error::Error + Send + Sync>;
 
-/// Why an image could not be read. An image without text is no error.
+/// Why an image cannot be read. An image without text is not an error.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ReaderError {
-    /// The image is empty, too large, or its bytes do not fit its size.
-    #[error("not an image: {detail}")]
+    /// The image is empty, too large, or its size and its number of bytes differ.
+    #[error("not a valid image: {detail}")]
     BadImage {
-        /// What does not fit.
+        /// What is wrong with the image.
         detail: String,
     },
-    /// The image cannot be written as a PNG file, in which form models see it.
-    #[error("not an image: {0}")]
+    /// The image cannot be encoded as PNG, the format for vision-language models.
+    #[error("the image cannot be encoded as PNG: {0}")]
     Encoding(#[from] image::ImageError),
-    /// A model file is missing, broken, or of another kind than expected.
-    #[error("cannot use the model file {}: {source}; pull it again with `openbench models pull`", file.display())]
+    /// A model file is missing, damaged, or of another kind than expected.
+    #[error(
+        "cannot use the model file {}: {source}; download it with `openbench models pull`",
+        file.display()
+    )]
     Model {
         /// The file.
         file: PathBuf,
-        /// What is wrong with it.
+        /// What is wrong with the file.
         source: Cause,
     },
-    /// The network failed on this image.
+    /// A network fails on this image.
     #[error("text {stage} failed: {source}")]
     Inference {
         /// `detection` or `recognition`.
         stage: &'static str,
-        /// What the runtime reported.
+        /// The error of the runtime.
         source: Cause,
     },
-    /// The chat model gave no answer.
-    #[error("no reading from the vision-language model: {0}")]
+    /// The vision-language model does not answer.
+    #[error("no answer of the vision-language model: {0}")]
     Chat(#[from] ChatError),
-    /// The chat model's answer is not the list of plates that was asked for.
+    /// The answer of the vision-language model is not a list of plates.
     #[error("{model} did not answer with a list of plates: {source}")]
     BadAnswer {
-        /// The model's name.
+        /// Name of the model.
         model: String,
         /// What is wrong with the answer.
         source: AnswerError,
@@ -49,22 +53,23 @@ pub enum ReaderError {
 }
 
 impl ReaderError {
-    /// Whether the image is at fault, so that no other reader can read it either.
+    /// Whether the cause is the image, so that no other reader can read it either.
     pub(crate) fn is_about_image(&self) -> bool {
         matches!(self, Self::BadImage { .. } | Self::Encoding(_))
     }
 }
 
-/// What is wrong with a chat model's answer.
+/// What is wrong with the answer of a vision-language model.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum AnswerError {
-    /// It holds no JSON.
+    /// It contains no JSON.
     #[error("no JSON in `{quoted}`")]
     NoJson {
         /// The beginning of the answer.
         quoted: String,
     },
-    /// Its JSON holds no list of plates.
+    /// Its JSON contains no list of plates.
     #[error("no list of plates in `{quoted}`")]
     NoList {
         /// The beginning of the answer.

@@ -1,29 +1,31 @@
-//! Reading door plates in camera images.
+#![doc = include_str!("../README.md")]
 //!
-//! | module | what it holds |
+//! # Modules
+//!
+//! | module | what it does |
 //! |---|---|
-//! | [`reader`] | [`PlateReader`]: an image in, the texts on it with their corners out |
-//! | [`ppocr`] | [`PpOcr`]: PP-OCR text detection and recognition on the CPU, in pure Rust |
-//! | [`vlm`] | [`VlmReader`]: the same question put to a vision-language model |
-//! | [`in_turn`] | [`InTurn`]: readers that stand in for each other |
-//! | [`registry`], [`entry`] | [`ReaderRegistry`]: readers by name, those of this crate and any that are added |
-//! | [`error`] | [`ReaderError`]: why an image was not read |
-//! | [`address_text`] | [`parse_unit`]: from the text on a plate to a unit's name |
+//! | `reader` | [`PlateReader`]: the contract of a reader: image in, texts out |
+//! | [`ppocr`] | [`PpOcr`]: PP-OCR text detection and recognition on the CPU |
+//! | [`vlm`] | [`VlmReader`]: a vision-language model as reader |
+//! | `in_turn` | [`InTurn`]: several readers, the next where one fails |
+//! | `registry`, `entry` | [`ReaderRegistry`], [`ReaderEntry`]: readers by name |
+//! | `error` | [`ReaderError`]: errors of reading an image |
+//! | `address_text` | [`parse_unit`]: the unit that the text of a plate names |
 
-pub mod address_text;
-pub mod entry;
-pub mod error;
-pub mod in_turn;
+mod address_text;
+mod entry;
+mod error;
+mod in_turn;
 pub mod ppocr;
-pub mod reader;
-pub mod registry;
+mod reader;
+mod registry;
 pub mod vlm;
 
 pub use address_text::{UnitText, parse_unit};
-pub use entry::{ReaderContext, ReaderEntry, ReaderSettings};
-pub use error::{AnswerError, ReaderError};
+pub use entry::{OpenModel, ReaderContext, ReaderEntry, ReaderSettings};
+pub use error::{AnswerError, Cause, ReaderError};
 pub use in_turn::InTurn;
 pub use ppocr::{PpOcr, PpOcrSettings};
-pub use reader::{PlateReader, PlateReading};
+pub use reader::{MAX_SIDE_PX, PlateReader, PlateReading};
 pub use registry::{ReaderRegistry, RegistryError};
 pub use vlm::VlmReader;

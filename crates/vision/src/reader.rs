@@ -1,4 +1,4 @@
-//! The contract with a plate reader: an image in, the texts on it out.
+//! The contract of a plate reader: an image in, its texts out.
 
 use std::cmp::Ordering;
 
@@ -6,21 +6,23 @@ use openbench_core::Image;
 
 use crate::error::ReaderError;
 
-/// The longest side of an image that readers accept, pixels. It bounds their memory.
-pub const MAX_SIDE: u32 = 8192;
+/// Limit for the sides of an image, pixels. It limits the memory of readers.
+pub const MAX_SIDE_PX: u32 = 8192;
 
-/// Something that finds and reads texts in a camera image.
+/// Finds and reads texts in a camera image.
 ///
-/// The same image gives the same readings, whatever was read before. Readings stand in the order of falling confidence. What is no
-/// text at all gives no reading; what is text but no plate is the caller's to leave out ([`crate::parse_unit`]).
+/// Equal images have equal readings, whatever was read before. Readings are in order of decreasing
+/// confidence. Readers return all texts; the caller selects those of plates
+/// ([`crate::parse_unit`]).
 pub trait PlateReader: Send {
-    /// The reader's name as results report it.
+    /// The name of the reader in results.
     fn name(&self) -> &str;
 
-    /// All texts that are legible in `image`.
+    /// All legible texts in `image`.
     ///
     /// # Errors
-    /// [`ReaderError::BadImage`] if the image's bytes do not fit its size; else what the reader's model reports.
+    /// [`ReaderError::BadImage`] if the size of the image and its number of bytes differ, and the
+    /// errors of the reader's model.
     fn read(&mut self, image: &Image) -> Result<Vec<PlateReading>, ReaderError>;
 }
 
@@ -37,16 +39,17 @@ impl<R: PlateReader + ?Sized> PlateReader for Box<R> {
 /// One text in an image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlateReading {
-    /// The text as it was read, without white space at its ends; never empty.
+    /// The text without surrounding white space; never empty.
     pub text: String,
-    /// How sure the reader is of the text, 0 to 1.
+    /// Confidence of the reader in the text, 0 to 1.
     pub confidence: f32,
-    /// Corners in pixels (x right, y down, the first pixel's outer corner is the origin), clockwise from the top left of the text.
+    /// Corners `[x, y]`, pixels, clockwise from the top left of the text. The x axis points right,
+    /// the y axis down; the origin is the outer corner of the first pixel.
     pub corners: [[f32; 2]; 4],
 }
 
 impl PlateReading {
-    /// The mean of the corners, pixels.
+    /// The mean of the corners `[x, y]`, pixels.
     pub fn centre(&self) -> [f32; 2] {
         let mut sum = [0.0, 0.0];
         for [x, y] in self.corners {
@@ -57,31 +60,41 @@ impl PlateReading {
     }
 }
 
-/// Whether the image is one: not empty, no side longer than [`MAX_SIDE`], three bytes a pixel.
+/// Checks that an image is not empty, has no side above the limit, and has three bytes for each
+/// pixel.
 pub(crate) fn check_image(image: &Image) -> Result<(), ReaderError> {
     let (width, height) = (image.width, image.height);
     let expected = 3 * width as usize * height as usize;
     let detail = if width == 0 || height == 0 {
         format!("{width} x {height} pixels")
-    } else if width.max(height) > MAX_SIDE {
-        format!("{width} x {height} pixels, but no side may exceed {MAX_SIDE}")
+    } else if width.max(height) > MAX_SIDE_PX {
+        format!("{width} x {height} pixels, but no side may exceed {MAX_SIDE_PX}")
     } else if image.rgb.len() != expected {
-        format!("{width} x {height} pixels need {expected} bytes, there are {}", image.rgb.len())
+        format!(
+            "{width} x {height} pixels need {expected} bytes, there are {}",
+            image.rgb.len()
+        )
     } else {
         return Ok(());
     };
     Err(ReaderError::BadImage { detail })
 }
 
-/// Falling confidence; equal ones from left to right, then from top to bottom.
+/// Sorts by decreasing confidence; equal ones by their corners, which is from left to right.
 pub(crate) fn sort_readings(readings: &mut [PlateReading]) {
-    readings
-        .sort_by(|a, b| b.confidence.total_cmp(&a.confidence).then_with(|| by_place(&a.corners, &b.corners)));
+    readings.sort_by(|a, b| {
+        b.confidence
+            .total_cmp(&a.confidence)
+            .then_with(|| by_place(&a.corners, &b.corners))
+    });
 }
 
 fn by_place(a: &[[f32; 2]; 4], b: &[[f32; 2]; 4]) -> Ordering {
     let pairs = a.as_flattened().iter().zip(b.as_flattened());
-    pairs.map(|(a, b)| a.total_cmp(b)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
+    pairs
+        .map(|(a, b)| a.total_cmp(b))
+        .find(|order| order.is_ne())
+        .unwrap_or(Ordering::Equal)
 }
 
 #[cfg(test)]
@@ -91,11 +104,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn images_whose_bytes_do_not_fit_are_refused() {
-        let image =
-            |width, height, bytes| Image { stamp: SimTime::default(), width, height, rgb: vec![0; bytes] };
+    fn invalid_images_are_refused() {
+        let image = |width, height, bytes| Image {
+            stamp: SimTime::default(),
+            width,
+            height,
+            rgb: vec![0; bytes],
+        };
         assert!(check_image(&image(2, 3, 18)).is_ok());
-        for bad in [image(0, 3, 0), image(2, 3, 17), image(2, 3, 19), image(MAX_SIDE + 1, 1, 3 * 8193)] {
+        for bad in [
+            image(0, 3, 0),
+            image(2, 3, 17),
+            image(2, 3, 19),
+            image(MAX_SIDE_PX + 1, 1, 3 * 8193),
+        ] {
             assert!(
                 matches!(check_image(&bad), Err(ReaderError::BadImage { .. })),
                 "{} x {}",
@@ -107,7 +129,11 @@ mod tests {
 
     #[test]
     fn readings_are_sorted_by_confidence_then_place() {
-        let at = |confidence, x: f32| PlateReading { text: "a".into(), confidence, corners: [[x, 0.0]; 4] };
+        let at = |confidence, x: f32| PlateReading {
+            text: "a".into(),
+            confidence,
+            corners: [[x, 0.0]; 4],
+        };
         let mut readings = [at(0.5, 1.0), at(0.9, 7.0), at(0.5, 0.0)];
         sort_readings(&mut readings);
         assert_eq!(readings.map(|r| r.corners[0][0]), [7.0, 0.0, 1.0]);

@@ -1,4 +1,4 @@
-//! Plate readers by name: those of this crate and any that are added.
+//! Plate readers by name: those of this crate, and those that other crates add.
 
 use crate::entry::{ReaderContext, ReaderEntry};
 use crate::error::Cause;
@@ -6,47 +6,60 @@ use crate::in_turn::InTurn;
 use crate::reader::PlateReader;
 use crate::{ppocr, vlm};
 
-/// Plate readers that can be asked for by name.
+/// Plate readers by name.
+///
+/// ```
+/// use openbench_vision::ReaderRegistry;
+///
+/// let readers = ReaderRegistry::default();
+/// let list = "ppocr-v4, openai:qwen2.5-vl@https://llm.example/v1";
+/// assert_eq!(readers.split(list), ["ppocr-v4", "openai:qwen2.5-vl@https://llm.example/v1"]);
+/// assert_eq!(readers.model_files(list), ["ppocr-v4"]);
+/// assert!(readers.get("tesseract").is_none());
+/// ```
 pub struct ReaderRegistry {
-    /// Later ones come first where two mean the same text.
+    /// If several match a name, the last one counts.
     entries: Vec<ReaderEntry>,
 }
 
-/// Why no reader was made.
+/// Why a reader cannot be made.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum RegistryError {
     /// No reader has that name.
-    #[error("there is no plate reader `{text}`; there are {known}")]
+    #[error("unknown plate reader `{name}`; known are {known}")]
     Unknown {
-        /// What was asked for.
-        text: String,
-        /// The names that there are.
+        /// The name.
+        name: String,
+        /// All names.
         known: String,
     },
-    /// A reader's model, its files or its settings cannot be used.
-    #[error("the plate reader `{text}` cannot be made: {source}")]
+    /// The constructor of a reader fails.
+    #[error("cannot make the plate reader `{name}`: {source}")]
     Make {
-        /// What was asked for.
-        text: String,
-        /// What its constructor reported.
+        /// The name.
+        name: String,
+        /// The error of the constructor.
         source: Cause,
     },
 }
 
 impl Default for ReaderRegistry {
-    /// The readers of this crate. A new one is a file with an entry, and a line here.
+    /// The readers of this crate. To add one, write a file with its entry and add it here.
     fn default() -> Self {
         Self::empty().with(ppocr::entry()).with(vlm::entry())
     }
 }
 
 impl ReaderRegistry {
-    /// No readers.
+    /// A registry without readers.
     pub fn empty() -> Self {
-        Self { entries: Vec::new() }
+        Self {
+            entries: Vec::new(),
+        }
     }
 
-    /// Adds a reader, which goes before those that are there where both mean the same text.
+    /// Adds a reader. It takes precedence over earlier ones that match the same name.
     #[must_use]
     pub fn with(mut self, entry: ReaderEntry) -> Self {
         self.entries.push(entry);
@@ -58,15 +71,15 @@ impl ReaderRegistry {
         &self.entries
     }
 
-    /// The reader that a text asks for.
-    pub fn get(&self, text: &str) -> Option<&ReaderEntry> {
-        self.entries.iter().rev().find(|entry| entry.is_meant_by(text))
+    /// The reader with this name.
+    pub fn get(&self, name: &str) -> Option<&ReaderEntry> {
+        self.entries.iter().rev().find(|entry| entry.matches(name))
     }
 
-    /// The parts of a list of readers with commas between them.
+    /// Splits a list of names at its commas.
     ///
-    /// A comma parts two readers only where a reader's name begins after it: names of models and
-    /// of files may hold commas themselves.
+    /// A comma is a separator only if the name of a reader follows it, since names of models and of
+    /// files may contain commas.
     pub fn split<'t>(&self, list: &'t str) -> Vec<&'t str> {
         let mut parts = Vec::new();
         let mut start = 0;
@@ -81,9 +94,12 @@ impl ReaderRegistry {
         parts
     }
 
-    /// The sets of model files that a list of readers needs, each once.
+    /// The sets of model files that the readers of a list require, without duplicates.
     pub fn model_files(&self, list: &str) -> Vec<&str> {
-        let entries = self.split(list).into_iter().filter_map(|text| self.get(text));
+        let entries = self
+            .split(list)
+            .into_iter()
+            .filter_map(|name| self.get(name));
         let mut sets: Vec<&str> = Vec::new();
         for set in entries.filter_map(ReaderEntry::model_files) {
             if !sets.contains(&set) {
@@ -93,10 +109,11 @@ impl ReaderRegistry {
         sets
     }
 
-    /// Makes the readers of a list; of several the next is asked where one fails ([`InTurn`]).
+    /// Makes the readers of a list. Several are combined by [`InTurn`]: the next one reads where
+    /// one fails.
     ///
     /// # Errors
-    /// [`RegistryError`], of the first reader that cannot be made.
+    /// [`RegistryError`] of the first reader that cannot be made.
     pub fn make(
         &self,
         list: &str,
@@ -104,19 +121,33 @@ impl ReaderRegistry {
     ) -> Result<Box<dyn PlateReader>, RegistryError> {
         let mut parts = self.split(list).into_iter();
         let first = self.make_one(parts.next().unwrap_or_default(), context)?;
-        let others: Vec<_> = parts.map(|text| self.make_one(text, context)).collect::<Result<_, _>>()?;
-        Ok(if others.is_empty() { first } else { Box::new(InTurn::new(first, others)) })
+        let others: Vec<_> = parts
+            .map(|name| self.make_one(name, context))
+            .collect::<Result<_, _>>()?;
+        Ok(if others.is_empty() {
+            first
+        } else {
+            Box::new(InTurn::new(first, others))
+        })
     }
 
     fn make_one(
         &self,
-        text: &str,
+        name: &str,
         context: &mut ReaderContext<'_>,
     ) -> Result<Box<dyn PlateReader>, RegistryError> {
-        let Some(entry) = self.get(text) else {
+        let Some(entry) = self.get(name) else {
             let names: Vec<&str> = self.entries.iter().map(ReaderEntry::name).collect();
-            return Err(RegistryError::Unknown { text: text.to_owned(), known: names.join(", ") });
+            return Err(RegistryError::Unknown {
+                name: name.to_owned(),
+                known: names.join(", "),
+            });
         };
-        entry.make(text, context).map_err(|source| RegistryError::Make { text: text.to_owned(), source })
+        entry
+            .make(name, context)
+            .map_err(|source| RegistryError::Make {
+                name: name.to_owned(),
+                source,
+            })
     }
 }

@@ -1,8 +1,9 @@
-//! Plate reading by a vision-language model behind any [`ChatModel`].
+//! Plate reading with a vision-language model behind any [`ChatModel`].
 //!
-//! The model is shown the image as PNG and asked for a JSON object with a list of plates. Answers are taken with or without a Markdown fence or
-//! prose around the JSON, with a bare list, and with a box or without; a plate without a usable box is placed over the whole image. Models
-//! differ in how well they tell pixels: the boxes are for looking, not for measuring.
+//! The request contains the image as PNG and asks for a JSON object with a list of plates. Answers
+//! may have a Markdown fence or prose around the JSON, or be a list without an object. A plate
+//! without a valid box gets the whole image as its box. Models differ in the accuracy of boxes: do
+//! not measure with them.
 
 use std::io::Cursor;
 
@@ -15,30 +16,33 @@ use crate::entry::{ReaderContext, ReaderEntry};
 use crate::error::{AnswerError, ReaderError};
 use crate::reader::{PlateReader, PlateReading, check_image, sort_readings};
 
-/// More plates than this are not taken from one answer.
+/// Maximum number of plates that are read from one answer.
 const MAX_PLATES: usize = 64;
-/// Longer texts are no plates, characters.
-const MAX_TEXT: usize = 100;
-/// What a plate counts for which the model gave no confidence.
-const UNSTATED: f32 = 0.8;
-/// The longest answer wanted, in tokens: models that reason count what they think.
+/// Maximum length of a plate's text, characters; longer texts are ignored.
+const MAX_TEXT_CHARS: usize = 100;
+/// Confidence of a plate for which the model states none.
+const DEFAULT_CONFIDENCE: f32 = 0.8;
+/// Maximum length of an answer, tokens. Reasoning models count their reasoning.
 const MAX_TOKENS: u32 = 4096;
-/// Characters of a bad answer that an error quotes.
-const QUOTED: usize = 200;
+/// Length of the beginning of an answer in errors, characters.
+const QUOTED_CHARS: usize = 200;
 
-const ORDERS: &str = "You read door plates and house numbers in camera images of a delivery robot. \
-Answer with one JSON object and nothing else: {\"plates\": [{\"text\": string, \"box\": [left, top, right, bottom], \"confidence\": number}]}. \
-\"text\" is exactly what the plate says, letter by letter; \"box\" is in pixels from the image's top left corner; \"confidence\" is 0 to 1. \
-Leave out what you cannot read. Without any legible plate the list is empty.";
+/// The instructions for the model.
+const INSTRUCTIONS: &str = "\
+You read door plates and house numbers in camera images of a delivery robot. Answer with \
+one JSON object and nothing else: {\"plates\": [{\"text\": string, \"box\": [left, top, \
+right, bottom], \"confidence\": number}]}. \"text\" is exactly what the plate says, letter \
+by letter; \"box\" is in pixels from the image's top left corner; \"confidence\" is 0 to \
+1. Leave out what you cannot read. Without any legible plate the list is empty.";
 
-/// A [`PlateReader`] that asks a vision-language model.
+/// A [`PlateReader`] that uses a vision-language model.
 #[derive(Debug)]
 pub struct VlmReader<M> {
     model: M,
 }
 
 impl<M: ChatModel> VlmReader<M> {
-    /// Asks `model`, which must understand pictures.
+    /// A reader with `model`, which must accept images.
     pub fn new(model: M) -> Self {
         Self { model }
     }
@@ -51,29 +55,40 @@ impl<M: ChatModel> PlateReader for VlmReader<M> {
 
     fn read(&mut self, image: &Image) -> Result<Vec<PlateReading>, ReaderError> {
         check_image(image)?;
-        let question =
-            format!("The image has {} x {} pixels. Which plates do you read?", image.width, image.height);
-        let messages = vec![Message::system(ORDERS), Message::user(question).with_image(png(image)?)];
-        let request = ChatRequest { max_tokens: MAX_TOKENS, ..ChatRequest::new(messages) };
+        let question = format!(
+            "The image has {} x {} pixels. Which plates do you read?",
+            image.width, image.height
+        );
+        let messages = vec![
+            Message::system(INSTRUCTIONS),
+            Message::user(question).with_image(png(image)?),
+        ];
+        let request = ChatRequest {
+            max_tokens: MAX_TOKENS,
+            ..ChatRequest::new(messages)
+        };
         let answer = self.model.chat(&request.as_schema(schema()))?.text;
-        let mut readings = plates(&answer, image)
-            .map_err(|source| ReaderError::BadAnswer { model: self.model.name().to_owned(), source })?;
+        let mut readings = plates(&answer, image).map_err(|source| ReaderError::BadAnswer {
+            model: self.model.name().to_owned(),
+            source,
+        })?;
         sort_readings(&mut readings);
         Ok(readings)
     }
 }
 
-/// Any vision-language model as a reader that is asked for by the model's name.
+/// The registration of vision-language models, each by the name of the model.
 pub fn entry() -> ReaderEntry {
     let make = |text: &str, context: &mut ReaderContext<'_>| {
         let model = (context.open_model)(text)?;
         Ok(Box::new(VlmReader::new(model)) as _)
     };
     let description = "a vision-language model: openai:MODEL@URL and the like";
-    ReaderEntry::new("PROVIDER:MODEL", description, make).accepting(|text| ModelSpec::parse(text).is_ok())
+    ReaderEntry::new("PROVIDER:MODEL", description, make)
+        .accepting(|text| ModelSpec::parse(text).is_ok())
 }
 
-/// What an answer looks like.
+/// The schema of an answer.
 fn schema() -> Schema {
     let plate = json!({
         "type": "object",
@@ -85,52 +100,79 @@ fn schema() -> Schema {
         "required": ["text", "box", "confidence"],
     });
     let plates = json!({ "type": "array", "items": plate });
-    let answer = json!({ "type": "object", "properties": { "plates": plates }, "required": ["plates"] });
-    Schema { name: "plates".to_owned(), text: answer.to_string() }
+    let answer =
+        json!({ "type": "object", "properties": { "plates": plates }, "required": ["plates"] });
+    Schema {
+        name: "plates".to_owned(),
+        text: answer.to_string(),
+    }
 }
 
 /// The image as a PNG file.
 fn png(image: &Image) -> Result<Vec<u8>, ReaderError> {
     let picture = RgbImage::from_raw(image.width, image.height, image.rgb.clone());
-    let picture =
-        picture.ok_or_else(|| ReaderError::BadImage { detail: "its bytes do not fit its size".into() })?;
+    let picture = picture.ok_or_else(|| ReaderError::BadImage {
+        detail: "its bytes do not fit its size".into(),
+    })?;
     let mut file = Cursor::new(Vec::new());
     picture.write_to(&mut file, ImageFormat::Png)?;
     Ok(file.into_inner())
 }
 
 fn plates(answer: &str, image: &Image) -> Result<Vec<PlateReading>, AnswerError> {
-    let value = json_within(answer).ok_or_else(|| AnswerError::NoJson { quoted: quote(answer) })?;
+    let value = json_within(answer).ok_or_else(|| AnswerError::NoJson {
+        quoted: quote(answer),
+    })?;
     let list = value.get("plates").unwrap_or(&value);
-    let list = list.as_array().ok_or_else(|| AnswerError::NoList { quoted: quote(answer) })?;
-    Ok(list.iter().take(MAX_PLATES).filter_map(|plate| reading(plate, image)).collect())
+    let list = list.as_array().ok_or_else(|| AnswerError::NoList {
+        quoted: quote(answer),
+    })?;
+    Ok(list
+        .iter()
+        .take(MAX_PLATES)
+        .filter_map(|plate| reading(plate, image))
+        .collect())
 }
 
-/// The JSON object or list in an answer: from the first bracket on, whatever stands around it.
+/// The JSON object or list in an answer, from its first bracket or brace on.
 fn json_within(answer: &str) -> Option<Value> {
     let start = answer.find(['{', '['])?;
     let mut values = serde_json::Deserializer::from_str(&answer[start..]).into_iter();
     values.next()?.ok()
 }
 
-/// `None` for an entry without text.
+/// The reading of an entry; `None` if it has no text.
 fn reading(plate: &Value, image: &Image) -> Option<PlateReading> {
-    let text = plate["text"].as_str().map(str::trim).filter(|text| !text.is_empty())?;
-    if text.chars().count() > MAX_TEXT {
+    let text = plate["text"]
+        .as_str()
+        .map(str::trim)
+        .filter(|text| !text.is_empty())?;
+    if text.chars().count() > MAX_TEXT_CHARS {
         return None;
     }
-    let stated = plate["confidence"].as_f64().map_or(UNSTATED, |confidence| confidence as f32);
-    let confidence = if stated.is_finite() { stated.clamp(0.0, 1.0) } else { UNSTATED };
-    Some(PlateReading { text: text.to_owned(), confidence, corners: corners(&plate["box"], image) })
+    let stated = plate["confidence"]
+        .as_f64()
+        .map_or(DEFAULT_CONFIDENCE, |confidence| confidence as f32);
+    let confidence = if stated.is_finite() {
+        stated.clamp(0.0, 1.0)
+    } else {
+        DEFAULT_CONFIDENCE
+    };
+    Some(PlateReading {
+        text: text.to_owned(),
+        confidence,
+        corners: corners(&plate["box"], image),
+    })
 }
 
 fn corners(stated: &Value, image: &Image) -> [[f32; 2]; 4] {
     let (width, height) = (image.width as f32, image.height as f32);
-    let [left, top, right, bottom] = sides(stated, width, height).unwrap_or([0.0, 0.0, width, height]);
+    let [left, top, right, bottom] =
+        sides(stated, width, height).unwrap_or([0.0, 0.0, width, height]);
     [[left, top], [right, top], [right, bottom], [left, bottom]]
 }
 
-/// Left, top, right and bottom of a box, cut at the image's border; `None` if it has no extent.
+/// Left, top, right and bottom of a box, clipped to the image; `None` if it is not a valid box.
 fn sides(stated: &Value, width: f32, height: f32) -> Option<[f32; 4]> {
     let left = side(&stated[0], width)?;
     let top = side(&stated[1], height)?;
@@ -144,7 +186,11 @@ fn side(stated: &Value, limit: f32) -> Option<f32> {
 }
 
 fn quote(answer: &str) -> String {
-    answer.chars().map(|c| if c.is_control() { ' ' } else { c }).take(QUOTED).collect()
+    answer
+        .chars()
+        .map(|c| if c.is_control() { ' ' } else { c })
+        .take(QUOTED_CHARS)
+        .collect()
 }
 
 #[cfg(test)]
@@ -155,55 +201,90 @@ mod tests {
     use super::*;
 
     fn image() -> Image {
-        Image { stamp: SimTime::default(), width: 8, height: 4, rgb: vec![7; 96] }
+        Image {
+            stamp: SimTime::default(),
+            width: 8,
+            height: 4,
+            rgb: vec![7; 96],
+        }
     }
 
     fn read(answer: &str) -> Result<Vec<PlateReading>, AnswerError> {
         plates(answer, &image())
     }
 
-    const PLATE: &str = r#"{"plates": [{"text": " UNIT 1 ", "box": [1, 1, 3, 2], "confidence": 0.9}]}"#;
+    const PLATE: &str =
+        r#"{"plates": [{"text": " UNIT 1 ", "box": [1, 1, 3, 2], "confidence": 0.9}]}"#;
 
     #[test]
-    fn fences_prose_and_bare_lists_are_understood() {
+    fn fences_prose_and_lists_without_object_are_accepted() {
         let expected = read(PLATE).unwrap();
-        assert_eq!((expected[0].text.as_str(), expected[0].confidence), ("UNIT 1", 0.9));
-        assert_eq!(expected[0].corners, [[1.0, 1.0], [3.0, 1.0], [3.0, 2.0], [1.0, 2.0]]);
+        assert_eq!(
+            (expected[0].text.as_str(), expected[0].confidence),
+            ("UNIT 1", 0.9)
+        );
+        assert_eq!(
+            expected[0].corners,
+            [[1.0, 1.0], [3.0, 1.0], [3.0, 2.0], [1.0, 2.0]]
+        );
         assert_eq!(read(&format!("```json\n{PLATE}\n```")).unwrap(), expected);
-        assert_eq!(read(&format!("Here you are: {PLATE} Anything else?")).unwrap(), expected);
+        assert_eq!(
+            read(&format!("Here you are: {PLATE} Anything else?")).unwrap(),
+            expected
+        );
         let list = &PLATE[PLATE.find('[').unwrap()..PLATE.len() - 1];
         assert_eq!(read(list).unwrap(), expected);
     }
 
     #[test]
-    fn no_plates_is_an_answer_and_no_list_is_not() {
+    fn an_empty_list_is_valid_and_no_list_is_not() {
         assert!(read(r#"{"plates": []}"#).unwrap().is_empty());
-        for bad in
-            ["", "I see a door.", r#"{"plates": "none"}"#, r#"{"plates": [{"text": "UN"#, r#"{"text": "1"}"#]
-        {
+        for bad in [
+            "",
+            "I see a door.",
+            r#"{"plates": "none"}"#,
+            r#"{"plates": [{"text": "UN"#,
+            r#"{"text": "1"}"#,
+        ] {
             assert!(read(bad).is_err(), "{bad}");
         }
     }
 
     #[test]
-    fn silly_boxes_become_the_whole_image_and_silly_entries_nothing() {
+    fn invalid_boxes_are_the_whole_image_and_invalid_entries_are_ignored() {
         let whole = [[0.0, 0.0], [8.0, 0.0], [8.0, 4.0], [0.0, 4.0]];
-        for silly in ["null", "[3, 1, 1, 2]", "[1, 2]", "[\"a\", 0, 1, 1]", "[-9, -9, 999, 999]"] {
-            let readings = read(&format!(r#"[{{"text": "1", "box": {silly}}}]"#)).unwrap();
-            assert_eq!((readings[0].corners, readings[0].confidence), (whole, UNSTATED), "{silly}");
+        for invalid in [
+            "null",
+            "[3, 1, 1, 2]",
+            "[1, 2]",
+            "[\"a\", 0, 1, 1]",
+            "[-9, -9, 999, 999]",
+        ] {
+            let readings = read(&format!(r#"[{{"text": "1", "box": {invalid}}}]"#)).unwrap();
+            assert_eq!(
+                (readings[0].corners, readings[0].confidence),
+                (whole, DEFAULT_CONFIDENCE),
+                "{invalid}"
+            );
         }
-        assert!(read(r#"[{"text": ""}, {"text": 7}, 3, null]"#).unwrap().is_empty());
+        assert!(
+            read(r#"[{"text": ""}, {"text": 7}, 3, null]"#)
+                .unwrap()
+                .is_empty()
+        );
     }
 
     #[test]
-    fn the_picture_survives_the_journey() {
-        let back = image::load_from_memory(&png(&image()).unwrap()).unwrap().to_rgb8();
+    fn images_round_trip_as_png() {
+        let back = image::load_from_memory(&png(&image()).unwrap())
+            .unwrap()
+            .to_rgb8();
         assert_eq!((back.dimensions(), back.into_raw()), ((8, 4), image().rgb));
     }
 
     proptest! {
         #[test]
-        fn any_answer_is_survived(answer in "\\PC{0,200}") {
+        fn no_answer_panics(answer in "\\PC{0,200}") {
             let _ = read(&answer);
         }
     }

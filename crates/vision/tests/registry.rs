@@ -1,12 +1,13 @@
-//! Readers by name, and a reader that is added from outside the crate.
+//! Readers by name, and a reader that is added by another crate.
 
 use openbench_core::{Image, SimTime};
 use openbench_models::{ChatError, ChatModel, ChatReply, ChatRequest, ModelStore};
 use openbench_vision::{
-    PlateReader, PlateReading, ReaderContext, ReaderEntry, ReaderError, ReaderRegistry, RegistryError,
+    PlateReader, PlateReading, ReaderContext, ReaderEntry, ReaderError, ReaderRegistry,
+    RegistryError,
 };
 
-/// A reader that reads nothing.
+/// A reader without readings.
 struct Blind;
 
 impl PlateReader for Blind {
@@ -19,7 +20,7 @@ impl PlateReader for Blind {
     }
 }
 
-/// A chat model that is called as it was asked for, and down.
+/// A chat model with this name that does not answer.
 struct Named(String);
 
 impl ChatModel for Named {
@@ -28,7 +29,10 @@ impl ChatModel for Named {
     }
 
     fn chat(&self, _: &ChatRequest) -> Result<ChatReply, ChatError> {
-        Err(ChatError::Timeout { endpoint: "e".into(), seconds: 1 })
+        Err(ChatError::Timeout {
+            endpoint: "e".into(),
+            seconds: 1,
+        })
     }
 }
 
@@ -49,7 +53,12 @@ fn an_added_reader_is_made_by_its_name_and_listed() {
     assert_eq!(make(&registry, "blind").unwrap().name(), "blind");
     let names: Vec<&str> = registry.entries().iter().map(ReaderEntry::name).collect();
     assert_eq!(names, ["ppocr-v4", "PROVIDER:MODEL", "blind"]);
-    assert!(registry.entries().iter().all(|entry| !entry.description().is_empty()));
+    assert!(
+        registry
+            .entries()
+            .iter()
+            .all(|entry| !entry.description().is_empty())
+    );
 }
 
 #[test]
@@ -59,35 +68,54 @@ fn chat_models_are_readers_by_their_own_names() {
 }
 
 #[test]
-fn readers_of_a_list_are_asked_in_turn() {
+fn the_next_reader_of_a_list_reads_where_one_fails() {
     let mut reader = make(&with_blind(), "openai:m, blind").unwrap();
     assert_eq!(reader.name(), "openai:m, else blind");
-    let image = Image { stamp: SimTime::ZERO, width: 1, height: 1, rgb: vec![0; 3] };
+    let image = Image {
+        stamp: SimTime::ZERO,
+        width: 1,
+        height: 1,
+        rgb: vec![0; 3],
+    };
     assert_eq!(reader.read(&image).unwrap(), []);
 }
 
 #[test]
-fn commas_within_names_part_nothing() {
+fn commas_inside_names_are_not_separators() {
     let registry = with_blind();
-    assert_eq!(registry.split("blind, openai:a,b ,ppocr-v4"), ["blind", "openai:a,b", "ppocr-v4"]);
-    assert_eq!(registry.split("replay:a, b,ollama:m"), ["replay:a, b", "ollama:m"]);
+    assert_eq!(
+        registry.split("blind, openai:a,b ,ppocr-v4"),
+        ["blind", "openai:a,b", "ppocr-v4"]
+    );
+    assert_eq!(
+        registry.split("replay:a, b,ollama:m"),
+        ["replay:a, b", "ollama:m"]
+    );
     assert_eq!(registry.split(""), [""]);
 }
 
 #[test]
-fn needed_files_are_named_once() {
+fn required_model_files_have_no_duplicates() {
     let registry = with_blind();
-    assert_eq!(registry.model_files("ppocr-v4,blind,ppocr-v4"), ["ppocr-v4"]);
+    assert_eq!(
+        registry.model_files("ppocr-v4,blind,ppocr-v4"),
+        ["ppocr-v4"]
+    );
     assert!(registry.model_files("blind").is_empty());
 }
 
 #[test]
-fn unknown_and_unusable_readers_are_named() {
+fn errors_name_the_reader() {
     let unknown = make(&with_blind(), "ppocr-v9").err().unwrap();
     assert!(matches!(unknown, RegistryError::Unknown { .. }));
     assert!(unknown.to_string().contains("blind"), "{unknown}");
     let absent = make(&with_blind(), "ppocr-v4").err().unwrap();
-    assert!(absent.to_string().contains("/nonexistent/ppocr-v4-det.onnx"), "{absent}");
+    assert!(
+        absent
+            .to_string()
+            .contains("/nonexistent/ppocr-v4-det.onnx"),
+        "{absent}"
+    );
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! PP-OCR as a registered reader: networks are loaded once and shared by all readers made later.
+//! Registration of PP-OCR. Its readers share the networks, which are loaded once.
 
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
@@ -13,7 +13,7 @@ use crate::error::Cause;
 /// The name of the reader, and of the set of its model files.
 const NAME: &str = "ppocr-v4";
 
-/// The reader `ppocr-v4`.
+/// The registration of the reader `ppocr-v4`.
 pub fn entry() -> ReaderEntry {
     let networks = Networks::default();
     let make = move |_: &str, context: &mut ReaderContext<'_>| {
@@ -21,27 +21,40 @@ pub fn entry() -> ReaderEntry {
             Some(store) => store.clone(),
             None => ModelStore::from_environment()?,
         };
-        let settings = PpOcrSettings { upper_part: context.settings.upper_part, ..PpOcrSettings::default() };
+        let settings = PpOcrSettings {
+            upper_part: context.settings.upper_part,
+            ..PpOcrSettings::default()
+        };
         let reader = networks.of(&store)?.with_settings(settings);
         Ok(Box::new(reader) as _)
     };
-    let description = "PP-OCR version 4 on the CPU: finds lines of text and reads them";
+    let description = "PP-OCR version 4 on the CPU";
     ReaderEntry::new(NAME, description, make).needing_files(NAME)
 }
 
-/// The networks that were loaded last, and the folder that they are from.
+/// The networks that were loaded last.
 #[derive(Default)]
-struct Networks(Mutex<Option<(PathBuf, PpOcr)>>);
+struct Networks(Mutex<Option<Loaded>>);
+
+struct Loaded {
+    /// Their folder.
+    folder: PathBuf,
+    reader: PpOcr,
+}
 
 impl Networks {
-    /// The networks in this folder, loaded if they are not yet.
+    /// A reader with the networks of this folder, which are loaded unless they already are.
     fn of(&self, store: &ModelStore) -> Result<PpOcr, Cause> {
         let mut loaded = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         match &*loaded {
-            Some((folder, reader)) if folder == store.folder() => Ok(reader.clone()),
+            Some(loaded) if loaded.folder == store.folder() => Ok(loaded.reader.clone()),
             _ => {
                 let reader = PpOcr::from_store(store)?;
-                *loaded = Some((store.folder().to_owned(), reader.clone()));
+                let folder = store.folder().to_owned();
+                *loaded = Some(Loaded {
+                    folder,
+                    reader: reader.clone(),
+                });
                 Ok(reader)
             }
         }

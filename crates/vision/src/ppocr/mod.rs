@@ -1,13 +1,15 @@
-//! Plate reading with PP-OCR: a network that finds lines of text, another that reads them, both run by `rten`.
+//! Plate reading with PP-OCR: one network detects lines of text, another recognizes them.
 //!
-//! Follows the published inference recipe of PP-OCR (differentiable binarisation for detection, CTC for recognition) with
-//! two changes that suit plates and a level camera: a line's box has vertical sides (see `boxes.rs`), and no classifier turns
-//! upside-down text. Text that runs down the image is left out.
+//! The method is the published inference of PP-OCR: differentiable binarization for detection, CTC
+//! for recognition. Two changes suit plates and a level camera. The box of a line has vertical
+//! sides (see `boxes.rs`), and no classifier corrects upside-down text. Vertical text is ignored.
 //!
-//! A reading is not proof: a box that misses the last stroke of a number gives a shorter number with a clear conscience, so ask for two views.
+//! A single reading is no proof: a box without the last stroke of a number yields a shorter number
+//! with high confidence. Compare readings of two views.
 //!
-//! Every line is recognised on its own, at its own width, so a reading does not depend on what else is in the image; one thread
-//! computes everything, so it does not depend on the number of cores either. The low bits depend on the processor's instruction set.
+//! Each line is recognized separately, at its own width, so a reading does not depend on other
+//! texts of the image. One thread computes all sums, so a reading does not depend on the number of
+//! cores. The last bits depend on the instruction set of the processor.
 
 mod boxes;
 mod crop;
@@ -35,7 +37,21 @@ use recognise::{Line, Recogniser};
 pub use entry::entry;
 pub use settings::PpOcrSettings;
 
-/// A [`PlateReader`] with PP-OCR's mobile networks. A clone shares them but has a thread of its own, so that two read at once.
+/// A [`PlateReader`] with the mobile networks of PP-OCR.
+///
+/// Clones share the networks, but each has its own thread, so that clones can read at the same
+/// time.
+///
+/// ```no_run
+/// use openbench_models::ModelStore;
+/// use openbench_vision::{PpOcr, PpOcrSettings};
+///
+/// let store = ModelStore::from_environment()?;
+/// // A level camera sees plates above the horizon only.
+/// let settings = PpOcrSettings { upper_part: 0.6, ..PpOcrSettings::default() };
+/// let reader = PpOcr::from_store(&store)?.with_settings(settings);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct PpOcr {
     detector: Arc<Detector>,
     recogniser: Arc<Recogniser>,
@@ -44,24 +60,33 @@ pub struct PpOcr {
 }
 
 impl PpOcr {
-    /// Loads both networks. `keys` is the alphabet, one character a line, the first line standing for CTC's blank; networks of version 4
-    /// have theirs inside.
+    /// Loads both networks. `keys` is the file of the alphabet: one character on each line, after a
+    /// first line for the blank of CTC. Networks of version 4 contain their alphabet.
     ///
     /// # Errors
-    /// [`ReaderError::Model`] names the file that is missing or broken.
-    pub fn load(detection: &Path, recognition: &Path, keys: Option<&Path>) -> Result<Self, ReaderError> {
+    /// [`ReaderError::Model`] with the file that is missing or damaged.
+    pub fn load(
+        detection: &Path,
+        recognition: &Path,
+        keys: Option<&Path>,
+    ) -> Result<Self, ReaderError> {
         let detector = Arc::new(Detector::load(detection)?);
         let recogniser = Arc::new(Recogniser::load(recognition, keys)?);
-        Ok(Self { detector, recogniser, thread: one_thread(), settings: PpOcrSettings::default() })
+        Ok(Self {
+            detector,
+            recogniser,
+            thread: one_thread(),
+            settings: PpOcrSettings::default(),
+        })
     }
 
-    /// Loads the files of the set `ppocr-v4` from `store`, where they have been pulled.
+    /// Loads the files of the set `ppocr-v4` from `store`, which must contain them.
     ///
     /// # Errors
-    /// [`ReaderError::Model`] names the file that is missing or broken.
+    /// [`ReaderError::Model`] with the file that is missing or damaged.
     pub fn from_store(store: &ModelStore) -> Result<Self, ReaderError> {
-        let [detection, recognition] =
-            ["ppocr-v4-det", "ppocr-v4-rec"].map(|name| store.folder().join(format!("{name}.onnx")));
+        let [detection, recognition] = ["ppocr-v4-det", "ppocr-v4-rec"]
+            .map(|name| store.folder().join(format!("{name}.onnx")));
         Self::load(&detection, &recognition, None)
     }
 
@@ -72,26 +97,39 @@ impl PpOcr {
         self
     }
 
-    fn read_box(&self, image: &Image, text_box: &TextBox) -> Result<Option<PlateReading>, ReaderError> {
-        if text_box.runs_down() {
+    fn read_box(
+        &self,
+        image: &Image,
+        text_box: &TextBox,
+    ) -> Result<Option<PlateReading>, ReaderError> {
+        if text_box.is_vertical() {
             return Ok(None);
         }
         let strip = crop::strip(image, &text_box.corners);
         let Line { text, confidence } = self.recogniser.read(strip, &self.thread)?;
         let text = text.trim();
         let legible = !text.is_empty() && confidence >= self.settings.min_confidence;
-        Ok(legible.then(|| PlateReading { text: text.into(), confidence, corners: text_box.corners }))
+        Ok(legible.then(|| PlateReading {
+            text: text.into(),
+            confidence,
+            corners: text_box.corners,
+        }))
     }
 }
 
 impl Clone for PpOcr {
     fn clone(&self) -> Self {
         let (detector, recogniser) = (self.detector.clone(), self.recogniser.clone());
-        Self { detector, recogniser, thread: one_thread(), settings: self.settings }
+        Self {
+            detector,
+            recogniser,
+            thread: one_thread(),
+            settings: self.settings,
+        }
     }
 }
 
-/// One thread: sums that are split over several depend on their number.
+/// A pool of one thread: sums over several threads depend on their number.
 fn one_thread() -> Arc<ThreadPool> {
     Arc::new(ThreadPool::with_num_threads(1))
 }

@@ -1,4 +1,4 @@
-//! One ONNX network with one input and one output.
+//! An ONNX network with one input and one output.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -8,8 +8,8 @@ use rten_tensor::NdTensor;
 
 use crate::error::{Cause, ReaderError};
 
-/// Larger model files are refused before they are read, bytes.
-const MAX_FILE: u64 = 256 << 20;
+/// Maximum length of a model file, bytes.
+const MAX_FILE_BYTES: u64 = 256 << 20;
 
 /// A loaded network.
 pub(super) struct Network {
@@ -18,24 +18,33 @@ pub(super) struct Network {
 }
 
 impl Network {
-    /// Reads an ONNX file. `stage` names the network in errors.
+    /// Loads an ONNX file. `stage` is the name of the network in errors.
     pub(super) fn load(file: &Path, stage: &'static str) -> Result<Self, ReaderError> {
-        let model = load(file).map_err(|source| ReaderError::Model { file: file.to_owned(), source })?;
+        let model = load(file).map_err(|source| ReaderError::Model {
+            file: file.to_owned(),
+            source,
+        })?;
         Ok(Self { model, stage })
     }
 
-    /// A text that the model file carries beside the network.
+    /// A field in the metadata of the file.
     pub(super) fn metadata(&self, field: &str) -> Option<&str> {
         self.model.metadata().get(field)
     }
 
-    /// Runs the network on a batch of images, channels before rows, on `thread`; the output has `N` axes.
+    /// Runs the network on `thread`.
+    ///
+    /// The axes of the input are images, channels, rows, columns; the output has `N` axes.
     pub(super) fn run<const N: usize>(
         &self,
         input: NdTensor<f32, 4>,
         thread: &Arc<ThreadPool>,
     ) -> Result<NdTensor<f32, N>, ReaderError> {
-        self.try_run(input, thread).map_err(|source| ReaderError::Inference { stage: self.stage, source })
+        self.try_run(input, thread)
+            .map_err(|source| ReaderError::Inference {
+                stage: self.stage,
+                source,
+            })
     }
 
     fn try_run<const N: usize>(
@@ -64,8 +73,10 @@ fn load(file: &Path) -> Result<Model, Cause> {
 
 fn read_bounded(file: &Path) -> std::io::Result<Vec<u8>> {
     let size = std::fs::metadata(file)?.len();
-    if size > MAX_FILE {
-        return Err(std::io::Error::other(format!("{size} bytes are more than any PP-OCR network has")));
+    if size > MAX_FILE_BYTES {
+        return Err(std::io::Error::other(format!(
+            "{size} bytes are too many for a PP-OCR network"
+        )));
     }
     std::fs::read(file)
 }

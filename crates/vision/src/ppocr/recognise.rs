@@ -1,4 +1,4 @@
-//! What a strip of text says: the recognition network and greedy CTC decoding.
+//! Recognition of a line of text, with greedy CTC decoding.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -11,10 +11,10 @@ use super::keys;
 use super::network::Network;
 use crate::error::{Cause, ReaderError};
 
-/// What errors call this network's work.
+/// The name of this stage in errors.
 const STAGE: &str = "recognition";
 
-/// Reads one line of text.
+/// Recognizes a line of text.
 pub(super) struct Recogniser {
     network: Network,
     keys: Vec<String>,
@@ -25,8 +25,10 @@ impl Recogniser {
         let network = Network::load(file, STAGE)?;
         let keys = match keys {
             Some(keys) => keys::read(keys)?,
-            None => keys_inside(&network)
-                .map_err(|source| ReaderError::Model { file: file.to_owned(), source })?,
+            None => keys_inside(&network).map_err(|source| ReaderError::Model {
+                file: file.to_owned(),
+                source,
+            })?,
         };
         Ok(Self { network, keys })
     }
@@ -41,36 +43,40 @@ impl Recogniser {
         let [batch, _, count] = classes.shape();
         if batch != 1 || count != self.keys.len() {
             let detail = format!(
-                "{count} classes, but the alphabet has {}: the files do not belong together",
+                "{count} classes, but the alphabet has {}: the files are of different models",
                 self.keys.len()
             );
-            return Err(ReaderError::Inference { stage: STAGE, source: detail.into() });
+            return Err(ReaderError::Inference {
+                stage: STAGE,
+                source: detail.into(),
+            });
         }
         Ok(decode(classes.slice(0), &self.keys))
     }
 }
 
-/// A text that was read.
+/// A recognized line.
 #[derive(Debug, PartialEq)]
 pub(super) struct Line {
     pub text: String,
-    /// The mean probability of its characters, 0 where there are none.
+    /// Mean probability of its characters, 0 if there are none.
     pub confidence: f32,
 }
 
-/// The alphabet that the network's own file holds.
+/// The alphabet in the file of the network.
 fn keys_inside(network: &Network) -> Result<Vec<String>, Cause> {
     let Some(characters) = network.metadata("character") else {
-        return Err("it has no alphabet inside and no file of keys was given".into());
+        return Err("it contains no alphabet, and no file with one is given".into());
     };
     Ok(keys::from_metadata(characters)?)
 }
 
-/// Greedy CTC: the likeliest class of each step, repetitions counted once, blanks (class 0) dropped.
+/// Greedy CTC decoding: the most probable class of each step, without repetitions and blanks (class
+/// 0).
 fn decode(steps: NdTensorView<f32, 2>, keys: &[String]) -> Line {
     let (mut text, mut sum, mut count, mut previous) = (String::new(), 0.0, 0_u32, 0);
     for step in 0..steps.size(0) {
-        let (class, probability) = likeliest(steps.slice(step));
+        let (class, probability) = most_probable(steps.slice(step));
         if class != 0 && class != previous {
             text.push_str(&keys[class]);
             sum += probability;
@@ -78,14 +84,17 @@ fn decode(steps: NdTensorView<f32, 2>, keys: &[String]) -> Line {
         }
         previous = class;
     }
-    Line { text, confidence: if count == 0 { 0.0 } else { sum / count as f32 } }
+    Line {
+        text,
+        confidence: if count == 0 { 0.0 } else { sum / count as f32 },
+    }
 }
 
-fn likeliest(probabilities: NdTensorView<f32, 1>) -> (usize, f32) {
-    probabilities
-        .iter()
-        .enumerate()
-        .fold((0, f32::MIN), |best, (class, &p)| if p > best.1 { (class, p) } else { best })
+fn most_probable(probabilities: NdTensorView<f32, 1>) -> (usize, f32) {
+    probabilities.iter().enumerate().fold(
+        (0, f32::MIN),
+        |best, (class, &p)| if p > best.1 { (class, p) } else { best },
+    )
 }
 
 #[cfg(test)]
@@ -97,19 +106,27 @@ mod tests {
     }
 
     fn steps(classes: &[usize]) -> NdTensor<f32, 2> {
-        NdTensor::from_fn([classes.len(), 4], |[step, class]| if classes[step] == class { 0.7 } else { 0.1 })
+        NdTensor::from_fn([classes.len(), 4], |[step, class]| {
+            if classes[step] == class { 0.7 } else { 0.1 }
+        })
     }
 
     #[test]
-    fn repetitions_merge_unless_a_blank_parts_them() {
+    fn repetitions_merge_unless_a_blank_separates_them() {
         let line = decode(steps(&[2, 2, 0, 3, 0, 1, 1, 0, 1]).view(), &alphabet());
         assert_eq!(line.text, "U 11");
         assert!((line.confidence - 0.7).abs() < 1e-6);
     }
 
     #[test]
-    fn nothing_but_blanks_is_no_text() {
+    fn blanks_only_are_no_text() {
         let line = decode(steps(&[0, 0, 0]).view(), &alphabet());
-        assert_eq!(line, Line { text: String::new(), confidence: 0.0 });
+        assert_eq!(
+            line,
+            Line {
+                text: String::new(),
+                confidence: 0.0
+            }
+        );
     }
 }

@@ -1,21 +1,24 @@
-//! What can be set of PP-OCR.
+//! Settings of PP-OCR.
 
-/// What may be traded between speed and reach.
+/// Settings of [`crate::PpOcr`], which trade speed for distance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PpOcrSettings {
-    /// The image is scaled so that its longer side has this many pixels before text is looked for, but never enlarged. Time grows with its square.
+    /// Longer side of the input of the detection network, pixels. Images are scaled down to it, but
+    /// not up. Time grows with its square.
     pub detection_side: u32,
-    /// The share of the image's rows, from the top, in which text is looked for. A robot's camera sees plates above the horizon only.
+    /// The fraction of the image, from the top, in which text is detected. A level camera of a
+    /// robot sees plates above the horizon only.
     pub upper_part: f32,
-    /// A pixel belongs to text from this probability on.
+    /// Minimum probability of a pixel of text.
     pub pixel_threshold: f32,
-    /// A box is text from this mean probability on.
+    /// Minimum mean probability of a box.
     pub box_threshold: f32,
-    /// How far a box is widened: its area times this, divided by its circumference, to each side.
+    /// Expansion of a box on each side: its area times this, divided by its perimeter.
     pub unclip_ratio: f32,
-    /// Readings below this confidence are dropped.
+    /// Minimum confidence of a reading.
     pub min_confidence: f32,
-    /// At most this many boxes of an image are read, the likeliest first. It bounds the time for an image full of letters.
+    /// Maximum number of boxes of an image, the most probable first. It limits the time for images
+    /// full of letters.
     pub max_boxes: usize,
 }
 
