@@ -43,7 +43,10 @@ impl Default for Extensions {
 impl Extensions {
     /// The built-in agents and parts alone.
     pub fn new() -> Self {
-        Self { agents: Agents::new("agent"), parts: Catalogue::default() }
+        Self {
+            agents: Agents::new("agent"),
+            parts: Catalogue::default(),
+        }
     }
 
     /// Adds an agent: `--agent NAME`.
@@ -94,7 +97,9 @@ impl Extensions {
     /// All agents, OPEN among them.
     pub(crate) fn agents(&self) -> Agents {
         let open: Arc<dyn AgentFactory> = Arc::new(OpenFactory::new(self.parts.clone()));
-        self.agents.clone().with("open", "the baseline of the paper", open)
+        self.agents
+            .clone()
+            .with("open", "the baseline of the paper", open)
     }
 
     /// The parts that OPEN can be made of.

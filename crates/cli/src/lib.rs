@@ -33,9 +33,13 @@ use outcome::Outcome;
 
 /// Runs the command line with agents and parts beside the built-in ones.
 pub fn main_with(extensions: Extensions) -> ExitCode {
-    let filter =
-        tracing_subscriber::EnvFilter::try_from_env("OPENBENCH_LOG").unwrap_or_else(|_| "warn".into());
-    tracing_subscriber::fmt().with_writer(std::io::stderr).with_env_filter(filter).without_time().init();
+    let filter = tracing_subscriber::EnvFilter::try_from_env("OPENBENCH_LOG")
+        .unwrap_or_else(|_| "warn".into());
+    tracing_subscriber::fmt()
+        .with_writer(std::io::stderr)
+        .with_env_filter(filter)
+        .without_time()
+        .init();
     let args = match Args::try_parse() {
         Ok(args) => args,
         Err(error) => return outcome::usage(&error),

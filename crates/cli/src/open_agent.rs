@@ -46,7 +46,9 @@ impl AgentFactory for OpenFactory {
     }
 
     fn inputs(&self, settings: &AgentSettings) -> Vec<PathBuf> {
-        let words = settings.values().flat_map(|value| self.catalogue.readers.split(value));
+        let words = settings
+            .values()
+            .flat_map(|value| self.catalogue.readers.split(value));
         words.filter_map(recording).collect()
     }
 }
@@ -65,19 +67,34 @@ fn with_truth(mut catalogue: Catalogue, request: &AgentRequest<'_>) -> Catalogue
     catalogue.localizers = catalogue.localizers.with(
         "truth",
         "the true pose",
-        LocalizerPart::WithoutFixes(Arc::new(move |_| Box::new(TruthLocalizer::new(truth.clone())))),
+        LocalizerPart::WithoutFixes(Arc::new(move |_| {
+            Box::new(TruthLocalizer::new(truth.clone()))
+        })),
     );
     let (truth, seed) = (request.truth.clone(), request.seed);
     let read = move |argument: &str| -> Result<MakeFixes, PartError> {
         let disturbance = disturbance(argument)?;
         let truth = truth.clone();
-        Ok(Box::new(move |_| vec![Box::new(DisturbedTruth::new(truth.clone(), disturbance, seed))]))
+        Ok(Box::new(move |_| {
+            vec![Box::new(DisturbedTruth::new(
+                truth.clone(),
+                disturbance,
+                seed,
+            ))]
+        }))
     };
-    catalogue.fixes =
-        catalogue.fixes.with("disturbed-truth", "fixes with errors of known size", Arc::new(read));
+    catalogue.fixes = catalogue.fixes.with(
+        "disturbed-truth",
+        "fixes with errors of known size",
+        Arc::new(read),
+    );
     catalogue
 }
 
 fn disturbance(argument: &str) -> Result<Disturbance, PartError> {
-    if argument.is_empty() { Ok(Disturbance::default()) } else { Ok(argument.parse()?) }
+    if argument.is_empty() {
+        Ok(Disturbance::default())
+    } else {
+        Ok(argument.parse()?)
+    }
 }

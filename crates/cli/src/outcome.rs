@@ -19,7 +19,11 @@ pub enum Outcome {
 pub fn usage(error: &clap::Error) -> ExitCode {
     // Nothing is left to say it to if the terminal is gone.
     let _ = error.print();
-    if error.use_stderr() { ExitCode::from(2) } else { ExitCode::SUCCESS }
+    if error.use_stderr() {
+        ExitCode::from(2)
+    } else {
+        ExitCode::SUCCESS
+    }
 }
 
 /// The exit code of a command; an error is said on stderr, with its causes.
@@ -36,12 +40,17 @@ pub fn exit(result: anyhow::Result<Outcome>) -> ExitCode {
 }
 
 fn is_failed_run(error: &anyhow::Error) -> bool {
-    matches!(error.downcast_ref(), Some(BenchError::Differs { .. } | BenchError::Log(_)))
+    matches!(
+        error.downcast_ref(),
+        Some(BenchError::Differs { .. } | BenchError::Log(_))
+    )
 }
 
 /// Whoever read our output has had enough, as `head` does.
 fn is_closed_pipe(error: &anyhow::Error) -> bool {
-    error.downcast_ref::<io::Error>().is_some_and(|e| e.kind() == io::ErrorKind::BrokenPipe)
+    error
+        .downcast_ref::<io::Error>()
+        .is_some_and(|e| e.kind() == io::ErrorKind::BrokenPipe)
 }
 
 /// Writes text to stdout.

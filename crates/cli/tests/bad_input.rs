@@ -39,7 +39,9 @@ fn a_world_without_doors_says_what_marks_a_door() {
 
 #[test]
 fn a_world_without_anything_solid_says_what_to_add() {
-    let plates = world("").replace("<collision", "<other").replace("</collision", "</other");
+    let plates = world("")
+        .replace("<collision", "<other")
+        .replace("</collision", "</other");
     spoilt("town.world", plates).refused_with(&["solid", "ground plane"]);
 }
 
@@ -65,9 +67,19 @@ fn a_broken_map_is_refused_with_its_line() {
 #[test]
 fn what_is_left_out_of_a_map_is_said() {
     let place = town();
-    place.file("town.osm", map().replace("<node id='5' lat='", "<node id='5' lat='north"));
-    let ran = deliver(&place, &format!("--deliveries one.txt --set reader={NOBODY}"));
-    assert!(ran.succeeded().stderr.contains("town.osm: 1 element"), "{}", ran.stderr);
+    place.file(
+        "town.osm",
+        map().replace("<node id='5' lat='", "<node id='5' lat='north"),
+    );
+    let ran = deliver(
+        &place,
+        &format!("--deliveries one.txt --set reader={NOBODY}"),
+    );
+    assert!(
+        ran.succeeded().stderr.contains("town.osm: 1 element"),
+        "{}",
+        ran.stderr
+    );
 }
 
 #[test]
@@ -84,9 +96,15 @@ fn an_instruction_that_names_no_door_needs_a_truth() {
 fn a_door_that_the_world_lacks_is_named_with_those_it_has() {
     let place = town();
     place.file("one.txt", "Bring this to unit7, building1.");
-    let ran = deliver(&place, &format!("--deliveries one.txt --set reader={NOBODY}"));
+    let ran = deliver(
+        &place,
+        &format!("--deliveries one.txt --set reader={NOBODY}"),
+    );
     let said = &ran.succeeded().stderr;
-    assert!(said.contains("unit7") && said.contains("unit1, building1"), "{said}");
+    assert!(
+        said.contains("unit7") && said.contains("unit1, building1"),
+        "{said}"
+    );
 }
 
 /// Delivers to `unit1, building1` with these true positions.
@@ -113,7 +131,12 @@ fn a_truth_with_too_many_doors_in_a_line_is_refused() {
 
 #[test]
 fn a_truth_that_is_no_door_is_refused_with_the_nearest() {
-    with_truth("(8.2, 3.0)\n").refused_with(&["truth.txt:1", "no door", "unit1, building1", "3.00 m"]);
+    with_truth("(8.2, 3.0)\n").refused_with(&[
+        "truth.txt:1",
+        "no door",
+        "unit1, building1",
+        "3.00 m",
+    ]);
 }
 
 #[test]
@@ -124,7 +147,9 @@ fn a_truth_that_is_no_position_is_refused_with_its_line() {
 #[test]
 fn unknown_names_are_answered_with_the_known_ones() {
     let place = town();
-    place.openbench("run atlantis").refused_with(&["atlantis", "small, medium, large"]);
+    place
+        .openbench("run atlantis")
+        .refused_with(&["atlantis", "small, medium, large"]);
     deliver(&place, "--deliveries one.txt --agent bond").refused_with(&["bond", "open"]);
     deliver(&place, "--deliveries one.txt --set colour=red")
         .refused_with(&["colour", "planner, reader, localizer, fixes"]);
@@ -136,9 +161,13 @@ fn unknown_names_are_answered_with_the_known_ones() {
 #[test]
 fn values_of_settings_that_mean_nothing_are_refused() {
     let place = town();
-    for setting in
-        ["planner=oracle", "reader=eyes", "localizer=stars", "fixes=stars", "fixes=disturbed-truth:1,7,9"]
-    {
+    for setting in [
+        "planner=oracle",
+        "reader=eyes",
+        "localizer=stars",
+        "fixes=stars",
+        "fixes=disturbed-truth:1,7,9",
+    ] {
         // The last `reader` counts, so that no model file is asked for.
         let words = format!("--deliveries one.txt --set reader={NOBODY} --set {setting}");
         deliver(&place, &words).refused_with(&[setting]);
@@ -149,16 +178,29 @@ fn values_of_settings_that_mean_nothing_are_refused() {
 fn files_that_are_not_there_are_named() {
     let place = town();
     let here = |world: &str, map: &str, more: &str| {
-        place.openbench(&format!("run --world {world} --map {map} --georef tangent:3,0 {more}"))
+        place.openbench(&format!(
+            "run --world {world} --map {map} --georef tangent:3,0 {more}"
+        ))
     };
-    here("no.world", "town.osm", "--deliveries one.txt").refused_with(&["no.world", "No such file"]);
+    here("no.world", "town.osm", "--deliveries one.txt")
+        .refused_with(&["no.world", "No such file"]);
     here("town.world", "no.osm", "--deliveries one.txt").refused_with(&["no.osm", "No such file"]);
     here("town.world", "town.osm", "--deliveries no.txt").refused_with(&["no.txt", "No such file"]);
-    here("town.world", "town.osm", "--deliveries one.txt --truth no_gt.txt")
-        .refused_with(&["no_gt.txt", "No such file"]);
-    place.openbench("run no.toml").refused_with(&["no.toml", "No such file"]);
-    place.openbench("verify no_run").refused_with(&["no_run", "No such file"]);
-    place.openbench("evaluate --log no.csv --truth one.txt").refused_with(&["no.csv", "No such file"]);
+    here(
+        "town.world",
+        "town.osm",
+        "--deliveries one.txt --truth no_gt.txt",
+    )
+    .refused_with(&["no_gt.txt", "No such file"]);
+    place
+        .openbench("run no.toml")
+        .refused_with(&["no.toml", "No such file"]);
+    place
+        .openbench("verify no_run")
+        .refused_with(&["no_run", "No such file"]);
+    place
+        .openbench("evaluate --log no.csv --truth one.txt")
+        .refused_with(&["no.csv", "No such file"]);
     place
         .openbench_with(&["plan", "--map", "no.osm", "To unit1, building1"])
         .refused_with(&["no.osm", "No such file"]);
@@ -168,15 +210,27 @@ fn files_that_are_not_there_are_named() {
 fn folders_in_place_of_files_are_named() {
     let place = town();
     std::fs::create_dir(place.path("folder.osm")).unwrap();
-    place.openbench("route --map folder.osm 3,0 3.0001,0").refused_with(&["folder.osm"]);
-    place.openbench("evaluate --log folder.osm --truth one.txt").refused_with(&["folder.osm"]);
+    place
+        .openbench("route --map folder.osm 3,0 3.0001,0")
+        .refused_with(&["folder.osm"]);
+    place
+        .openbench("evaluate --log folder.osm --truth one.txt")
+        .refused_with(&["folder.osm"]);
 }
 
 #[test]
 fn a_georeference_that_is_none_is_quoted() {
     let place = town();
-    for georef in ["utm:61N,0,0", "utm:50N,0", "mars", "tangent:3,91", "utm:N,0,0", "utm:é,0,0"] {
-        let words = format!("run --world town.world --map town.osm --deliveries one.txt --georef {georef}");
+    for georef in [
+        "utm:61N,0,0",
+        "utm:50N,0",
+        "mars",
+        "tangent:3,91",
+        "utm:N,0,0",
+        "utm:é,0,0",
+    ] {
+        let words =
+            format!("run --world town.world --map town.osm --deliveries one.txt --georef {georef}");
         place.openbench(&words).refused_with(&[georef, "utm:"]);
     }
 }
@@ -188,16 +242,25 @@ fn bad_usage_is_refused() {
         ("--deliveries one.txt --jobs 0", "--jobs"),
         ("--deliveries one.txt --jobs 1000", "--jobs"),
         ("--deliveries one.txt --seed minus", "--seed"),
-        ("--deliveries one.txt --record everything", "none, thin or full"),
+        (
+            "--deliveries one.txt --record everything",
+            "none, thin or full",
+        ),
         ("--deliveries one.txt --set planner", "KEY=VALUE"),
         ("", "--deliveries"),
         ("small", "--world"),
     ] {
-        place.openbench(&format!("{HERE} {more}")).refused_with(&[part]);
+        place
+            .openbench(&format!("{HERE} {more}"))
+            .refused_with(&[part]);
     }
     place.openbench("").refused_with(&["Usage"]);
-    place.openbench("route --map town.osm 3,0").refused_with(&["LON,LAT"]);
-    place.openbench("route --map town.osm 3,0 3,95").refused_with(&["3,95", "LON,LAT"]);
+    place
+        .openbench("route --map town.osm 3,0")
+        .refused_with(&["LON,LAT"]);
+    place
+        .openbench("route --map town.osm 3,0 3,95")
+        .refused_with(&["3,95", "LON,LAT"]);
 }
 
 #[test]
@@ -207,7 +270,10 @@ fn a_suite_file_that_is_none_is_refused_with_its_line() {
         .file("bad.toml", "name = \"bad\"\nepisodes = 3\n")
         .openbench("run bad.toml")
         .refused_with(&["bad.toml", "line 2"]);
-    place.file("cut.toml", "name = \"b").openbench("run cut.toml").refused_with(&["cut.toml", "line 1"]);
+    place
+        .file("cut.toml", "name = \"b")
+        .openbench("run cut.toml")
+        .refused_with(&["cut.toml", "line 1"]);
 }
 
 #[test]
@@ -220,7 +286,9 @@ fn an_out_folder_that_is_a_file_is_named() {
 #[test]
 fn a_memory_that_is_no_map_is_refused() {
     let place = town();
-    place.file("memory.osm", "<osm").file("walled.world", world(&prison()));
+    place
+        .file("memory.osm", "<osm")
+        .file("walled.world", world(&prison()));
     let words = format!("--deliveries one.txt --memory memory.osm --set reader={NOBODY}");
     deliver(&place, &words).refused_with(&["memory.osm"]);
 }

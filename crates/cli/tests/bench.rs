@@ -7,8 +7,10 @@ use common::Place;
 #[test]
 fn the_simulators_speed_is_measured_and_dumped_for_peers() {
     let place = Place::new();
-    let speed =
-        place.openbench("bench sim small --pedestrians 5 --cars 1 --json --dump dump").succeeded().json();
+    let speed = place
+        .openbench("bench sim small --pedestrians 5 --cars 1 --json --dump dump")
+        .succeeded()
+        .json();
     for field in [
         "lidar_mrays_per_core_second",
         "cast_mrays_per_core_second",
@@ -17,47 +19,83 @@ fn the_simulators_speed_is_measured_and_dumped_for_peers() {
         "rtf_camera",
         "load_seconds",
     ] {
-        assert!(speed[field].as_f64().is_some_and(|v| v > 0.0), "{field}: {speed}");
+        assert!(
+            speed[field].as_f64().is_some_and(|v| v > 0.0),
+            "{field}: {speed}"
+        );
     }
-    assert_eq!((speed["pedestrians"].as_i64(), speed["cars"].as_i64()), (Some(5), Some(1)));
-    let meta = place.json("dump/meta.json");
-    let floats = |name: &str| (std::fs::metadata(place.path("dump").join(name)).unwrap().len() / 4) as i64;
-    let rays = meta["rays"].as_i64().unwrap();
-    assert_eq!(floats("triangles.f32"), 9 * speed["triangles"].as_i64().unwrap());
     assert_eq!(
-        [floats("origins.f32"), floats("directions.f32"), floats("ranges.f32")],
+        (speed["pedestrians"].as_i64(), speed["cars"].as_i64()),
+        (Some(5), Some(1))
+    );
+    let meta = place.json("dump/meta.json");
+    let floats = |name: &str| {
+        (std::fs::metadata(place.path("dump").join(name))
+            .unwrap()
+            .len()
+            / 4) as i64
+    };
+    let rays = meta["rays"].as_i64().unwrap();
+    assert_eq!(
+        floats("triangles.f32"),
+        9 * speed["triangles"].as_i64().unwrap()
+    );
+    assert_eq!(
+        [
+            floats("origins.f32"),
+            floats("directions.f32"),
+            floats("ranges.f32")
+        ],
         [3 * rays, 3 * rays, rays]
     );
 }
 
 #[test]
 fn a_world_that_is_not_there_is_refused() {
-    Place::new().openbench("bench sim nowhere").refused_with(&["nowhere", "small, medium, large"]);
-    Place::new().openbench("bench sim --world a.world").refused_with(&["--map"]);
+    Place::new()
+        .openbench("bench sim nowhere")
+        .refused_with(&["nowhere", "small, medium, large"]);
+    Place::new()
+        .openbench("bench sim --world a.world")
+        .refused_with(&["--map"]);
 }
 
 #[test]
 fn local_planners_are_compared_in_scenes_from_a_seed() {
     let place = Place::new();
-    let all =
-        place.openbench("bench motion --scenes 10 --seed 3 --json --pictures scenes").succeeded().json();
+    let all = place
+        .openbench("bench motion --scenes 10 --seed 3 --json --pictures scenes")
+        .succeeded()
+        .json();
     for planner in ["teb", "follower", "mppi"] {
         let row = &all["planners"][planner];
-        assert!(row["feasible"].as_i64().is_some_and(|n| n >= 5), "{planner}: {row}");
+        assert!(
+            row["feasible"].as_i64().is_some_and(|n| n >= 5),
+            "{planner}: {row}"
+        );
         for field in ["reached", "collisions", "cycle_ms_p50", "cycle_ms_p99"] {
-            assert!(row[field].as_f64().is_some_and(|v| v >= 0.0), "{planner}, {field}: {row}");
+            assert!(
+                row[field].as_f64().is_some_and(|v| v >= 0.0),
+                "{planner}, {field}: {row}"
+            );
         }
         let ratio = row["time_ratio_mean"].as_f64();
         assert_eq!(ratio.is_some(), row["reached"] != 0, "{planner}: {row}");
         assert!(ratio.is_none_or(|ratio| ratio >= 1.0), "{planner}: {row}");
     }
     let teb = &all["planners"]["teb"];
-    assert_eq!((&teb["reached"], teb["collisions"].as_i64()), (&teb["feasible"], Some(0)), "{all}");
+    assert_eq!(
+        (&teb["reached"], teb["collisions"].as_i64()),
+        (&teb["feasible"], Some(0)),
+        "{all}"
+    );
     assert_eq!(teb["refused"], teb["infeasible"], "{all}");
     assert!(place.read("scenes/00002_teb.svg").contains("</svg>"));
     // The same again on two threads: all but times of decisions.
-    let again =
-        place.openbench("bench motion --scenes 10 --seed 3 --json --planner teb --jobs 2").succeeded().json();
+    let again = place
+        .openbench("bench motion --scenes 10 --seed 3 --json --planner teb --jobs 2")
+        .succeeded()
+        .json();
     for field in ["feasible", "reached", "swerves_mean"] {
         assert_eq!(again["planners"]["teb"][field], teb[field], "{field}");
     }
@@ -65,15 +103,21 @@ fn local_planners_are_compared_in_scenes_from_a_seed() {
 
 #[test]
 fn planners_and_numbers_of_scenes_that_make_no_sense_are_refused() {
-    Place::new().openbench("bench motion --planner dwa").refused_with(&["dwa", "teb, follower, mppi"]);
-    Place::new().openbench("bench motion --scenes 0").refused_with(&["0"]);
+    Place::new()
+        .openbench("bench motion --planner dwa")
+        .refused_with(&["dwa", "teb, follower, mppi"]);
+    Place::new()
+        .openbench("bench motion --scenes 0")
+        .refused_with(&["0"]);
 }
 
 #[test]
 fn metres_among_people_are_driven_alike_on_any_number_of_threads() {
     let place = Place::new();
     let drive = |jobs: u32| {
-        let line = format!("bench people small --pedestrians 0,15 --km 0.02 --seed 2 --json --jobs {jobs}");
+        let line = format!(
+            "bench people small --pedestrians 0,15 --km 0.02 --seed 2 --json --jobs {jobs}"
+        );
         place.openbench(&line).succeeded().json()
     };
     let rows = drive(1);
@@ -81,11 +125,26 @@ fn metres_among_people_are_driven_alike_on_any_number_of_threads() {
     for (row, people) in rows.as_array().into_iter().flatten().zip([0, 15]) {
         assert_eq!(row["traffic"]["pedestrians"], people);
         let metres = row["metres"].as_f64().unwrap_or_default();
-        assert!((20.0..21.0).contains(&metres) && row["seconds"].as_f64() > Some(40.0), "{row}");
-        let collisions = row["collisions"].as_object().into_iter().flat_map(|c| c.values());
-        assert!(collisions.clone().all(|c| c["driven_into"] == 0 && c["cut_off"] == 0), "{row}");
+        assert!(
+            (20.0..21.0).contains(&metres) && row["seconds"].as_f64() > Some(40.0),
+            "{row}"
+        );
+        let collisions = row["collisions"]
+            .as_object()
+            .into_iter()
+            .flat_map(|c| c.values());
+        assert!(
+            collisions
+                .clone()
+                .all(|c| c["driven_into"] == 0 && c["cut_off"] == 0),
+            "{row}"
+        );
     }
     assert_eq!(rows.as_array().map(Vec::len), Some(2));
-    place.openbench("bench people small --km 0").refused_with(&["kilometres", "0.001"]);
-    place.openbench("bench people nowhere").refused_with(&["nowhere"]);
+    place
+        .openbench("bench people small --km 0")
+        .refused_with(&["kilometres", "0.001"]);
+    place
+        .openbench("bench people nowhere")
+        .refused_with(&["nowhere"]);
 }

@@ -9,12 +9,18 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 
 /// The published worlds, where the data beside the project has them.
-const PUBLISHED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/openbench");
+const PUBLISHED: &str = concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/../../../shared/data/openbench"
+);
 
 fn pull(mirror: &str, name: &str, out: &Path) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_openbench"));
     command.args(["data", "pull", name, "--out"]).arg(out);
-    command.env("OPENBENCH_DATA_MIRROR", mirror).output().unwrap()
+    command
+        .env("OPENBENCH_DATA_MIRROR", mirror)
+        .output()
+        .unwrap()
 }
 
 /// A server that answers one request with these bytes; its address.
@@ -40,7 +46,9 @@ fn archive(files: &[Vec<u8>]) -> Vec<u8> {
         header.set_size(bytes.len() as u64);
         header.set_mode(0o644);
         header.set_cksum();
-        builder.append_data(&mut header, format!("repository/file{i}"), bytes.as_slice()).unwrap();
+        builder
+            .append_data(&mut header, format!("repository/file{i}"), bytes.as_slice())
+            .unwrap();
     }
     builder.into_inner().unwrap().finish().unwrap()
 }
@@ -64,29 +72,50 @@ fn files_of_an_archive_are_recognised_by_their_content() {
     };
     let place = tempfile::tempdir().unwrap();
     let ran = pull(&serve(archive(&files)), "published", place.path());
-    assert!(ran.status.success(), "{}", String::from_utf8_lossy(&ran.stderr));
+    assert!(
+        ran.status.success(),
+        "{}",
+        String::from_utf8_lossy(&ran.stderr)
+    );
     let world = place.path().join("published/small/small_osm.world");
     let original = Path::new(PUBLISHED).join("small/small_osm.world");
-    assert_eq!(std::fs::read(world).unwrap(), std::fs::read(original).unwrap());
+    assert_eq!(
+        std::fs::read(world).unwrap(),
+        std::fs::read(original).unwrap()
+    );
     // All files are here now, so nobody is asked.
     let again = pull("http://127.0.0.1:9", "published", place.path());
-    assert!(again.status.success(), "{}", String::from_utf8_lossy(&again.stderr));
+    assert!(
+        again.status.success(),
+        "{}",
+        String::from_utf8_lossy(&again.stderr)
+    );
 }
 
 #[test]
 fn an_archive_without_the_pinned_files_is_refused_with_their_names() {
     let place = tempfile::tempdir().unwrap();
-    let ran = pull(&serve(archive(&[b"something else".to_vec()])), "published", place.path());
+    let ran = pull(
+        &serve(archive(&[b"something else".to_vec()])),
+        "published",
+        place.path(),
+    );
     let said = String::from_utf8_lossy(&ran.stderr).into_owned();
     assert_eq!(ran.status.code(), Some(2), "{said}");
-    assert!(said.contains("small/small_osm.world") && said.contains("changed"), "{said}");
+    assert!(
+        said.contains("small/small_osm.world") && said.contains("changed"),
+        "{said}"
+    );
     assert!(!place.path().join("published").exists());
 }
 
 #[test]
 fn what_is_no_archive_and_what_is_longer_is_refused() {
     let place = tempfile::tempdir().unwrap();
-    for (name, body) in [("published", b"<html>".to_vec()), ("sample-map", vec![7; 1 << 20])] {
+    for (name, body) in [
+        ("published", b"<html>".to_vec()),
+        ("sample-map", vec![7; 1 << 20]),
+    ] {
         let ran = pull(&serve(body), name, place.path());
         let said = String::from_utf8_lossy(&ran.stderr).into_owned();
         assert_eq!(ran.status.code(), Some(2), "{said}");

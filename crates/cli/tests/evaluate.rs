@@ -21,10 +21,16 @@ fn evaluate(log: &str, truth: &str, more: &str) -> Ran {
 
 #[test]
 fn single_deliveries_are_measured_from_the_origin() {
-    let answer = evaluate(LOG, "(6.0, 8.0)\n(6.0, 48.0)\n", "").succeeded().json();
+    let answer = evaluate(LOG, "(6.0, 8.0)\n(6.0, 48.0)\n", "")
+        .succeeded()
+        .json();
     let metrics = &answer["metrics"];
     assert_eq!(
-        (&metrics["sr_10m"], &metrics["spl_straight"], &metrics["lsr_10m"]),
+        (
+            &metrics["sr_10m"],
+            &metrics["spl_straight"],
+            &metrics["lsr_10m"]
+        ),
         (&json!(0.5), &json!(0.5), &json!(null))
     );
     let first = json!({
@@ -33,23 +39,36 @@ fn single_deliveries_are_measured_from_the_origin() {
     });
     assert_eq!(answer["deliveries"][0], first);
     assert_eq!(
-        (&answer["deliveries"][1]["episode"], &answer["deliveries"][1]["distance_to_door_m"]),
+        (
+            &answer["deliveries"][1]["episode"],
+            &answer["deliveries"][1]["distance_to_door_m"]
+        ),
         (&json!(1), &json!(20.0))
     );
 }
 
 #[test]
 fn a_sequence_is_measured_from_door_to_door_and_weighted() {
-    let answer = evaluate(LOG, "(6.0, 8.0) (6.0, 48.0)\n", "--sequence").succeeded().json();
+    let answer = evaluate(LOG, "(6.0, 8.0) (6.0, 48.0)\n", "--sequence")
+        .succeeded()
+        .json();
     assert_eq!(answer["deliveries"][1]["straight_line_m"], 40.0);
     // The first of two counts 1 / (1 + 0.9).
-    assert!((answer["metrics"]["lsr_10m"].as_f64().unwrap() - 1.0 / 1.9).abs() < 1e-12, "{answer}");
+    assert!(
+        (answer["metrics"]["lsr_10m"].as_f64().unwrap() - 1.0 / 1.9).abs() < 1e-12,
+        "{answer}"
+    );
 }
 
 #[test]
 fn the_papers_tables_come_out_to_two_digits() {
     let log = |good: [bool; 5]| -> String {
-        let task = |ok: &bool| format!("1,start,a,0,0,0\n2,end,a,{},0,0\n", if *ok { 5 } else { 500 });
+        let task = |ok: &bool| {
+            format!(
+                "1,start,a,0,0,0\n2,end,a,{},0,0\n",
+                if *ok { 5 } else { 500 }
+            )
+        };
         good.iter().map(task).collect()
     };
     for (good, percent) in [
@@ -57,7 +76,9 @@ fn the_papers_tables_come_out_to_two_digits() {
         ([false, true, true, true, true], 75.58),
         ([true, true, true, true, false], 83.98),
     ] {
-        let answer = evaluate(&log(good), &"(5, 0) ".repeat(5), "--sequence").succeeded().json();
+        let answer = evaluate(&log(good), &"(5, 0) ".repeat(5), "--sequence")
+            .succeeded()
+            .json();
         let lsr = 100.0 * answer["metrics"]["lsr_10m"].as_f64().unwrap();
         assert!((lsr - percent).abs() < 0.005, "{lsr} {percent}");
     }

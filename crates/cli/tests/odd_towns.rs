@@ -15,7 +15,11 @@ struct Map {
 
 impl Map {
     fn new() -> Self {
-        Self { text: "<osm version='0.6'>\n".to_owned(), ways: String::new(), nodes: 0 }
+        Self {
+            text: "<osm version='0.6'>\n".to_owned(),
+            ways: String::new(),
+            nodes: 0,
+        }
     }
 
     fn way(mut self, points: &[(f64, f64)], closed: bool, tags: &[(&str, &str)]) -> Self {
@@ -24,7 +28,11 @@ impl Map {
         for (x, y) in points {
             self.nodes += 1;
             let (lat, lon) = (50.0 + y / 111_229.0, 8.0 + x / 71_696.0);
-            let _ = writeln!(self.text, "<node id='{}' lat='{lat:.8}' lon='{lon:.8}'/>", self.nodes);
+            let _ = writeln!(
+                self.text,
+                "<node id='{}' lat='{lat:.8}' lon='{lon:.8}'/>",
+                self.nodes
+            );
             let _ = write!(way, "<nd ref='{}'/>", self.nodes);
         }
         if closed {
@@ -43,12 +51,20 @@ impl Map {
 
     fn house(self, x: f64, y: f64, number: usize) -> Self {
         let number = number.to_string();
-        let tags = [("building", "house"), ("addr:street", "Weg"), ("addr:housenumber", number.as_str())];
+        let tags = [
+            ("building", "house"),
+            ("addr:street", "Weg"),
+            ("addr:housenumber", number.as_str()),
+        ];
         self.area((x, y), (x + 10.0, y + 8.0), &tags)
     }
 
     fn street(self) -> Self {
-        self.way(&[(-50.0, 0.0), (120.0, 0.0)], false, &[("highway", "residential"), ("name", "Weg")])
+        self.way(
+            &[(-50.0, 0.0), (120.0, 0.0)],
+            false,
+            &[("highway", "residential"), ("name", "Weg")],
+        )
     }
 
     /// Two houses at a street.
@@ -60,8 +76,9 @@ impl Map {
     fn generate(self, more: &str) -> (Place, Ran) {
         let place = Place::new();
         place.file("map.osm", format!("{}{}</osm>", self.text, self.ways));
-        let ran =
-            place.openbench(&format!("world generate --map map.osm --out w --georef tangent:8,50 {more}"));
+        let ran = place.openbench(&format!(
+            "world generate --map map.osm --out w --georef tangent:8,50 {more}"
+        ));
         (place, ran)
     }
 }
@@ -70,15 +87,27 @@ impl Map {
 fn doors(ran: &Ran) -> [usize; 3] {
     let said = &ran.succeeded().stdout;
     let before = |words: &str| {
-        let number = said.split(words).next().and_then(|s| s.rsplit([' ', ',']).next());
-        number.and_then(|n| n.parse().ok()).unwrap_or_else(|| panic!("{said}"))
+        let number = said
+            .split(words)
+            .next()
+            .and_then(|s| s.rsplit([' ', ',']).next());
+        number
+            .and_then(|n| n.parse().ok())
+            .unwrap_or_else(|| panic!("{said}"))
     };
-    [before(" doors"), before(" within a robot"), before(" to deliver to")]
+    [
+        before(" doors"),
+        before(" within a robot"),
+        before(" to deliver to"),
+    ]
 }
 
 #[test]
 fn a_town_without_roads_is_delivered_in() {
-    let (place, ran) = Map::new().house(0.0, 6.0, 1).house(20.0, 6.0, 3).generate("--draw 1 0 3");
+    let (place, ran) = Map::new()
+        .house(0.0, 6.0, 1)
+        .house(20.0, 6.0, 3)
+        .generate("--draw 1 0 3");
     assert_eq!(doors(&ran), [2, 2, 2]);
     let said = place.openbench("run w --json --out out").succeeded().json();
     assert_eq!(said["metrics"]["sr_2m"], 1.0, "{said}");
@@ -93,7 +122,11 @@ fn one_road_and_one_house_are_a_town() {
 #[test]
 fn who_starts_on_an_island_delivers_there() {
     let water = ("natural", "water");
-    let island = || Map::hamlet().area((-80.0, -60.0), (150.0, -8.0), &[water]).house(10.0, -40.0, 9);
+    let island = || {
+        Map::hamlet()
+            .area((-80.0, -60.0), (150.0, -8.0), &[water])
+            .house(10.0, -40.0, 9)
+    };
     let (_place, ran) = island().generate("");
     assert_eq!(doors(&ran), [3, 2, 2], "the mainland");
     let (_place, ran) = island().generate("--start=15,-45,0");
@@ -126,7 +159,11 @@ fn a_thousand_doors_are_a_town() {
 fn coordinates_beyond_the_earths_are_refused() {
     let place = Place::new();
     let Map { text, ways, .. } = Map::hamlet();
-    let text = text.replace("lat='50.", "lat='150.").replace("lon='8.", "lon='888.");
+    let text = text
+        .replace("lat='50.", "lat='150.")
+        .replace("lon='8.", "lon='888.");
     place.file("map.osm", format!("{text}{ways}</osm>"));
-    place.openbench("world generate --map map.osm --out w").refused_with(&["map.osm"]);
+    place
+        .openbench("world generate --map map.osm --out w")
+        .refused_with(&["map.osm"]);
 }

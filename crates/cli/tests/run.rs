@@ -9,13 +9,20 @@ use serde_json::Value;
 
 /// One delivery in the town with a reader.
 fn one(place: &Place, reader: &str, more: &str) -> Ran {
-    deliver(place, &format!("--deliveries one.txt --set reader={reader} {more}"))
+    deliver(
+        place,
+        &format!("--deliveries one.txt --set reader={reader} {more}"),
+    )
 }
 
 /// The only delivery of a run that must end with exit code 0.
 fn only_delivery(ran: &Ran) -> Value {
     let results = ran.succeeded().json();
-    assert_eq!(results["deliveries"].as_array().unwrap().len(), 1, "{results}");
+    assert_eq!(
+        results["deliveries"].as_array().unwrap().len(),
+        1,
+        "{results}"
+    );
     results["deliveries"][0].clone()
 }
 
@@ -32,10 +39,17 @@ fn repeatable(mut results: Value) -> Value {
 fn a_parcel_is_brought_to_its_door() {
     let place = town();
     let delivery = only_delivery(&one(&place, &reader_that_says(UNIT_1), "--json"));
-    assert_eq!((&delivery["success_2m"], &delivery["failure"]), (&true.into(), &Value::Null), "{delivery}");
+    assert_eq!(
+        (&delivery["success_2m"], &delivery["failure"]),
+        (&true.into(), &Value::Null),
+        "{delivery}"
+    );
     let driven = delivery["path_m"].as_f64().unwrap();
     assert!(driven > 6.0 && driven < 12.0, "{delivery}");
-    assert!((delivery["straight_line_m"].as_f64().unwrap() - DOORS[0].0).abs() < 1e-6, "{delivery}");
+    assert!(
+        (delivery["straight_line_m"].as_f64().unwrap() - DOORS[0].0).abs() < 1e-6,
+        "{delivery}"
+    );
     assert!(delivery["plates_read"].as_u64().unwrap() > 0, "{delivery}");
 }
 
@@ -45,7 +59,8 @@ fn results_hold_every_key_that_programs_read() {
     one(&place, NOBODY, "--out run").succeeded();
     let results = place.json("run/results.json");
     let has = |value: &Value, keys: &str| {
-        keys.split(' ').for_each(|key| assert!(value.get(key).is_some(), "{key}: {value}"))
+        keys.split(' ')
+            .for_each(|key| assert!(value.get(key).is_some(), "{key}: {value}"))
     };
     has(&results, "suite agent seed version metrics deliveries");
     has(
@@ -56,9 +71,18 @@ fn results_hold_every_key_that_programs_read() {
         &results["deliveries"][0],
         "episode task instruction building unit success_10m success_2m correct_unit distance_to_door_m",
     );
-    has(&results["deliveries"][0], "path_m shortest_path_m straight_line_m sim_seconds collisions failure");
-    assert_eq!((&results["suite"], &results["agent"]), (&"town".into(), &"open".into()));
-    assert_eq!((&results["metrics"]["lsr"], &results["metrics"]["lspl"]), (&Value::Null, &Value::Null));
+    has(
+        &results["deliveries"][0],
+        "path_m shortest_path_m straight_line_m sim_seconds collisions failure",
+    );
+    assert_eq!(
+        (&results["suite"], &results["agent"]),
+        (&"town".into(), &"open".into())
+    );
+    assert_eq!(
+        (&results["metrics"]["lsr"], &results["metrics"]["lspl"]),
+        (&Value::Null, &Value::Null)
+    );
 }
 
 #[test]
@@ -81,9 +105,16 @@ fn the_report_stands_alone() {
     let place = town();
     one(&place, &reader_that_says(UNIT_1), "--out run").succeeded();
     let report = place.read("run/report.html");
-    for load in
-        ["src=\"http", "src='http", "href=\"http", "url(http", "@import", "<link ", "src=\"//", "fetch("]
-    {
+    for load in [
+        "src=\"http",
+        "src='http",
+        "href=\"http",
+        "url(http",
+        "@import",
+        "<link ",
+        "src=\"//",
+        "fetch(",
+    ] {
         assert!(!report.contains(load), "{load}");
     }
     assert!(report.contains("unit1") && report.contains("building1") && report.contains("<svg"));
@@ -106,10 +137,13 @@ fn logs_are_written_as_far_as_asked_for() {
 fn the_same_seed_gives_the_same_results_and_log() {
     let place = town();
     let reader = reader_that_says(UNIT_1);
-    let run = |out: &str| repeatable(one(&place, &reader, &format!("--json --seed 3 --out {out}")).json());
+    let run = |out: &str| {
+        repeatable(one(&place, &reader, &format!("--json --seed 3 --out {out}")).json())
+    };
     assert_eq!(run("a"), run("b"));
     for file in ["000.mcap", "000.osm", "000.actions.json"] {
-        let read = |out: &str| std::fs::read(place.path(&format!("{out}/episodes/{file}"))).unwrap();
+        let read =
+            |out: &str| std::fs::read(place.path(&format!("{out}/episodes/{file}"))).unwrap();
         assert!(read("a") == read("b"), "{file}");
     }
 }
@@ -118,15 +152,19 @@ fn the_same_seed_gives_the_same_results_and_log() {
 fn another_seed_gives_another_drive() {
     let place = town();
     let reader = reader_that_says(UNIT_1);
-    let path =
-        |seed: u32| only_delivery(&one(&place, &reader, &format!("--json --seed {seed}")))["path_m"].clone();
+    let path = |seed: u32| {
+        only_delivery(&one(&place, &reader, &format!("--json --seed {seed}")))["path_m"].clone()
+    };
     assert_ne!(path(1), path(2));
 }
 
 #[test]
 fn results_do_not_depend_on_jobs() {
     let place = town();
-    place.file("one.txt", "To unit1, building1.\nTo unit2, building2.\nA box to unit1, building1.\n");
+    place.file(
+        "one.txt",
+        "To unit1, building1.\nTo unit2, building2.\nA box to unit1, building1.\n",
+    );
     let reader = reader_that_says(UNIT_1);
     let run = |jobs: u32| repeatable(one(&place, &reader, &format!("--json --jobs {jobs}")).json());
     assert_eq!(run(1), run(2));
@@ -136,10 +174,17 @@ fn results_do_not_depend_on_jobs() {
 fn what_was_found_is_remembered_with_a_memory_and_only_then() {
     let place = town();
     one(&place, &reader_that_says(UNIT_1), "--memory doors.osm").succeeded();
-    assert!(place.read("doors.osm").contains("entrance"), "{}", place.read("doors.osm"));
+    assert!(
+        place.read("doors.osm").contains("entrance"),
+        "{}",
+        place.read("doors.osm")
+    );
     let blind = reader_that_says(NOTHING);
     let without = only_delivery(&one(&place, &blind, "--json"));
-    assert!(["door_not_found", "timeout"].contains(&without["failure"].as_str().unwrap()), "{without}");
+    assert!(
+        ["door_not_found", "timeout"].contains(&without["failure"].as_str().unwrap()),
+        "{without}"
+    );
     let with = only_delivery(&one(&place, &blind, "--json --memory doors.osm"));
     assert_eq!(with["success_2m"], true, "{with}");
 }
@@ -147,7 +192,10 @@ fn what_was_found_is_remembered_with_a_memory_and_only_then() {
 #[test]
 fn a_sequence_is_one_episode_with_lsr() {
     let place = town();
-    place.file("one.txt", "Bring a box to unit1, building1, then a bag to unit2, building2.\n");
+    place.file(
+        "one.txt",
+        "Bring a box to unit1, building1, then a bag to unit2, building2.\n",
+    );
     let results = one(&place, NOBODY, "--json").succeeded().json();
     let at: Vec<_> = results["deliveries"]
         .as_array()
@@ -157,7 +205,10 @@ fn a_sequence_is_one_episode_with_lsr() {
         .collect();
     assert_eq!(
         at,
-        [(&0.into(), &0.into(), &"building1".into()), (&0.into(), &1.into(), &"building2".into())]
+        [
+            (&0.into(), &0.into(), &"building1".into()),
+            (&0.into(), &1.into(), &"building2".into())
+        ]
     );
     assert_eq!(results["metrics"]["lsr"], 0.0);
 }
@@ -166,43 +217,78 @@ fn a_sequence_is_one_episode_with_lsr() {
 fn a_building_that_the_map_lacks_fails_its_delivery_alone() {
     let place = town();
     place
-        .file("one.txt", "Bring this to unit1, building99.\nBring this to unit1, building1.\n")
+        .file(
+            "one.txt",
+            "Bring this to unit1, building99.\nBring this to unit1, building1.\n",
+        )
         .file("gt.txt", "(8.2, 0.0)\n(8.2, 0.0)\n");
-    let results = one(&place, &reader_that_says(UNIT_1), "--json --truth gt.txt").succeeded().json();
+    let results = one(&place, &reader_that_says(UNIT_1), "--json --truth gt.txt")
+        .succeeded()
+        .json();
     let (lost, found) = (&results["deliveries"][0], &results["deliveries"][1]);
-    assert_eq!((&lost["failure"], &found["failure"]), (&"unknown_address".into(), &Value::Null), "{results}");
-    assert!(lost["failure_detail"].as_str().unwrap().contains("building99"), "{lost}");
+    assert_eq!(
+        (&lost["failure"], &found["failure"]),
+        (&"unknown_address".into(), &Value::Null),
+        "{results}"
+    );
+    assert!(
+        lost["failure_detail"]
+            .as_str()
+            .unwrap()
+            .contains("building99"),
+        "{lost}"
+    );
 }
 
 #[test]
 fn an_instruction_that_is_no_instruction_fails_as_not_understood() {
     let place = town();
-    place.file("one.txt", "The weather is fine today.\n").file("gt.txt", "(8.2, 0.0)\n");
+    place
+        .file("one.txt", "The weather is fine today.\n")
+        .file("gt.txt", "(8.2, 0.0)\n");
     let delivery = only_delivery(&one(&place, NOBODY, "--json --truth gt.txt"));
     assert_eq!(delivery["failure"], "not_understood", "{delivery}");
 }
 
 #[test]
 fn where_a_planner_is_out_of_reach_the_grammar_plans() {
-    let ran = one(&town(), &reader_that_says(UNIT_1), &format!("--json --set planner={NOBODY}"));
+    let ran = one(
+        &town(),
+        &reader_that_says(UNIT_1),
+        &format!("--json --set planner={NOBODY}"),
+    );
     assert_eq!(only_delivery(&ran)["failure"], Value::Null);
 }
 
 #[test]
 fn a_planner_out_of_reach_fails_what_the_grammar_does_not_understand_with_its_address() {
     let place = town();
-    place.file("one.txt", "The weather is fine today.\n").file("gt.txt", "(8.2, 0.0)\n");
+    place
+        .file("one.txt", "The weather is fine today.\n")
+        .file("gt.txt", "(8.2, 0.0)\n");
     let more = format!("--json --truth gt.txt --set planner={NOBODY}");
     let delivery = only_delivery(&one(&place, NOBODY, &more));
     assert_eq!(delivery["failure"], "planner_unavailable", "{delivery}");
-    assert!(delivery["failure_detail"].as_str().unwrap().contains("127.0.0.1:9"), "{delivery}");
+    assert!(
+        delivery["failure_detail"]
+            .as_str()
+            .unwrap()
+            .contains("127.0.0.1:9"),
+        "{delivery}"
+    );
 }
 
 #[test]
 fn a_reader_out_of_reach_fails_the_delivery_with_its_address() {
     let delivery = only_delivery(&one(&town(), NOBODY, "--json"));
     assert_eq!(delivery["failure"], "reader_unavailable", "{delivery}");
-    assert!(delivery["failure_detail"].as_str().unwrap().contains("127.0.0.1:9"), "{delivery}");
+    assert!(
+        delivery["failure_detail"]
+            .as_str()
+            .unwrap()
+            .contains("127.0.0.1:9"),
+        "{delivery}"
+    );
 }
 
 #[test]
@@ -217,20 +303,35 @@ fn a_robot_that_is_walled_in_gives_up_with_a_cause() {
     place.file("town.world", world(&prison()));
     let delivery = only_delivery(&one(&place, &reader_that_says(NOTHING), "--json"));
     let cause = delivery["failure"].as_str().unwrap();
-    assert!(["stuck", "no_route", "door_not_found", "timeout"].contains(&cause), "{delivery}");
+    assert!(
+        ["stuck", "no_route", "door_not_found", "timeout"].contains(&cause),
+        "{delivery}"
+    );
     assert_eq!(
         (&delivery["success_10m"], &delivery["shortest_path_m"]),
         (&false.into(), &Value::Null),
         "{delivery}"
     );
-    assert!(delivery["path_m"].as_f64().unwrap() < 20.0, "it is still in there: {delivery}");
+    assert!(
+        delivery["path_m"].as_f64().unwrap() < 20.0,
+        "it is still in there: {delivery}"
+    );
 }
 
 #[test]
 fn the_truth_as_localizer_is_named_in_the_results() {
-    let results = one(&town(), &reader_that_says(UNIT_1), "--json --set localizer=truth").succeeded().json();
+    let results = one(
+        &town(),
+        &reader_that_says(UNIT_1),
+        "--json --set localizer=truth",
+    )
+    .succeeded()
+    .json();
     assert_eq!(results["settings"]["localizer"], "truth");
-    assert!(results["deliveries"][0]["pose_error_m"].as_f64().unwrap() < 0.05, "{results}");
+    assert!(
+        results["deliveries"][0]["pose_error_m"].as_f64().unwrap() < 0.05,
+        "{results}"
+    );
 }
 
 #[test]
@@ -242,16 +343,26 @@ fn a_suite_file_runs_from_its_own_folder() {
         "name = \"mine\"\n[world.imported]\nworld = \"../town.world\"\nmap = \"../town.osm\"\nmodels = []\ngeoreference = \"tangent:3,0\"\n\
          [[episodes]]\ninstruction = \"To unit1, building1.\"\ndeliveries = [{ building = \"building1\", unit = \"unit1\" }]\n",
     );
-    let results =
-        place.openbench(&format!("run suites/town.toml --json --set reader={NOBODY}")).succeeded().json();
-    assert_eq!((&results["suite"], &results["deliveries"][0]["unit"]), (&"mine".into(), &"unit1".into()));
+    let results = place
+        .openbench(&format!(
+            "run suites/town.toml --json --set reader={NOBODY}"
+        ))
+        .succeeded()
+        .json();
+    assert_eq!(
+        (&results["suite"], &results["deliveries"][0]["unit"]),
+        (&"mine".into(), &"unit1".into())
+    );
 }
 
 #[test]
 fn drawn_deliveries_follow_the_seed() {
     let place = town();
     let run = |seed: u32| {
-        let ran = deliver(&place, &format!("--draw 2 1 2 --json --seed {seed} --set reader={NOBODY}"));
+        let ran = deliver(
+            &place,
+            &format!("--draw 2 1 2 --json --seed {seed} --set reader={NOBODY}"),
+        );
         repeatable(ran.succeeded().json())
     };
     let first = run(5);
@@ -264,18 +375,31 @@ fn drawn_deliveries_follow_the_seed() {
 fn the_default_reader_finds_a_door_of_the_town() {
     let place = town();
     let models = place.openbench("models list").stdout;
-    if models.lines().filter(|l| l.starts_with("ppocr-v4") && !l.contains("not here")).count() < 2 {
+    if models
+        .lines()
+        .filter(|l| l.starts_with("ppocr-v4") && !l.contains("not here"))
+        .count()
+        < 2
+    {
         common::skipped("the model files of ppocr-v4 are not here");
         return;
     }
     let delivery = only_delivery(&deliver(&place, "--deliveries one.txt --json"));
-    assert_eq!((&delivery["success_2m"], &delivery["failure"]), (&true.into(), &Value::Null), "{delivery}");
+    assert_eq!(
+        (&delivery["success_2m"], &delivery["failure"]),
+        (&true.into(), &Value::Null),
+        "{delivery}"
+    );
 }
 
 #[test]
 fn a_published_world_is_run_with_its_truth() {
-    let Some(data) = common::published("openbench/small") else { return };
-    let Some(models) = common::published("gazebo_models") else { return };
+    let Some(data) = common::published("openbench/small") else {
+        return;
+    };
+    let Some(models) = common::published("gazebo_models") else {
+        return;
+    };
     let file = |name: &str| data.join(name).display().to_string();
     let words = format!(
         "run --world {} --map {} --models {} --deliveries {} --truth {} --json --record none --set reader={NOBODY}",
@@ -286,6 +410,10 @@ fn a_published_world_is_run_with_its_truth() {
         file("delivery_instructions_small_gt2.txt")
     );
     let results = Place::new().openbench(&words).succeeded().json();
-    assert_eq!(results["deliveries"].as_array().unwrap().len(), 3, "five parcels for three doors");
+    assert_eq!(
+        results["deliveries"].as_array().unwrap().len(),
+        3,
+        "five parcels for three doors"
+    );
     assert_eq!(results["metrics"]["srtp"], 1.0);
 }

@@ -10,9 +10,14 @@ use serde_json::Value;
 /// A finished run in `run`.
 fn a_run() -> Place {
     let place = town();
-    place.file("one.txt", "To unit1, building1.\nA box to unit1, building1.\n");
-    let words =
-        format!("--deliveries one.txt --out run --record none --set reader={}", reader_that_says(UNIT_1));
+    place.file(
+        "one.txt",
+        "To unit1, building1.\nA box to unit1, building1.\n",
+    );
+    let words = format!(
+        "--deliveries one.txt --out run --record none --set reader={}",
+        reader_that_says(UNIT_1)
+    );
     deliver(&place, &words).succeeded();
     place
 }
@@ -28,13 +33,19 @@ fn tamper(place: &Place, change: impl FnOnce(&mut Value)) {
 fn a_run_repeats_to_the_bit() {
     let place = a_run();
     let ran = place.openbench("verify run");
-    assert_eq!(ran.succeeded().stdout, "run: 2 episodes repeat to the bit\n");
+    assert_eq!(
+        ran.succeeded().stdout,
+        "run: 2 episodes repeat to the bit\n"
+    );
 }
 
 #[test]
 fn a_run_among_people_repeats_to_the_bit_on_any_number_of_threads() {
     let place = town();
-    place.file("one.txt", "To unit1, building1.\nA box to unit1, building1.\n");
+    place.file(
+        "one.txt",
+        "To unit1, building1.\nA box to unit1, building1.\n",
+    );
     let reader = reader_that_says(UNIT_1);
     let run = |out: &str, jobs: u32| {
         let words = format!(
@@ -52,16 +63,26 @@ fn a_run_among_people_repeats_to_the_bit_on_any_number_of_threads() {
     assert_eq!(results, run("again", 2));
     assert_eq!(results["traffic"]["pedestrians"], 6);
     let encounters = &results["metrics"]["encounters"];
-    assert!(encounters["nearest_person_m"].as_f64().is_some_and(|m| m < 20.0), "{encounters}");
+    assert!(
+        encounters["nearest_person_m"]
+            .as_f64()
+            .is_some_and(|m| m < 20.0),
+        "{encounters}"
+    );
     place.openbench("verify run").succeeded();
     let log = std::fs::read(place.path("run/episodes/000.mcap")).unwrap();
-    assert!(log.windows(20).any(|w| w == b"/ground_truth/people"), "who walked where is in the log");
+    assert!(
+        log.windows(20).any(|w| w == b"/ground_truth/people"),
+        "who walked where is in the log"
+    );
 }
 
 #[test]
 fn changed_actions_differ_in_the_episode_that_was_changed() {
     let place = a_run();
-    tamper(&place, |actions| actions["driven"][0]["velocity"]["linear"] = 0.123.into());
+    tamper(&place, |actions| {
+        actions["driven"][0]["velocity"]["linear"] = 0.123.into()
+    });
     let ran = place.openbench("verify run");
     assert_eq!((ran.code, ran.stdout.as_str()), (1, ""), "{}", ran.stderr);
     assert!(ran.stderr.contains("episode 1 differs"), "{}", ran.stderr);
@@ -70,7 +91,9 @@ fn changed_actions_differ_in_the_episode_that_was_changed() {
 #[test]
 fn a_step_left_out_differs() {
     let place = a_run();
-    tamper(&place, |actions| drop(actions["driven"].as_array_mut().unwrap().pop()));
+    tamper(&place, |actions| {
+        drop(actions["driven"].as_array_mut().unwrap().pop())
+    });
     assert_eq!(place.openbench("verify run").code, 1);
 }
 
@@ -79,7 +102,9 @@ fn a_changed_world_differs() {
     let place = a_run();
     place.file(
         "town.world",
-        place.read("town.world").replace("<size>3.6 3.6 3</size>", "<size>3.5 3.5 3</size>"),
+        place
+            .read("town.world")
+            .replace("<size>3.6 3.6 3</size>", "<size>3.5 3.5 3</size>"),
     );
     let ran = place.openbench("verify run");
     assert_eq!(ran.code, 1, "{}{}", ran.stdout, ran.stderr);
@@ -112,7 +137,10 @@ fn a_run_of_another_version_is_refused() {
 #[test]
 fn an_agent_repeats_what_it_did_without_its_models() {
     let place = town();
-    place.file("one.txt", "To unit1, building1.\nA box to unit1, building1.\n");
+    place.file(
+        "one.txt",
+        "To unit1, building1.\nA box to unit1, building1.\n",
+    );
     let planner = endpoint(|_, _| {
         says(
             r#"{"deliveries": [{"item": "a box", "building": "building1", "unit": "unit1"}], "rejected": []}"#,
@@ -125,13 +153,23 @@ fn an_agent_repeats_what_it_did_without_its_models() {
     );
     deliver(&place, &words).succeeded();
     let ran = place.openbench("verify run --agent --jobs 2");
-    assert_eq!(ran.succeeded().stdout, "run: the agent of 2 episodes repeats to the bit\n");
+    assert_eq!(
+        ran.succeeded().stdout,
+        "run: the agent of 2 episodes repeats to the bit\n"
+    );
     let answers = place.read("run/episodes/000.models.jsonl");
     assert!(answers.lines().count() > 4, "{answers}");
     // A model that had said something else would have led elsewhere.
-    place.file("run/episodes/000.models.jsonl", answers.replace("UNIT 1", "UNIT 7"));
+    place.file(
+        "run/episodes/000.models.jsonl",
+        answers.replace("UNIT 1", "UNIT 7"),
+    );
     let ran = place.openbench("verify run --agent");
-    assert!(ran.code == 1 && ran.stderr.contains("at step"), "{}", ran.stderr);
+    assert!(
+        ran.code == 1 && ran.stderr.contains("at step"),
+        "{}",
+        ran.stderr
+    );
 }
 
 #[test]
@@ -139,9 +177,19 @@ fn an_agent_whose_readers_stand_in_for_each_other_repeats() {
     let place = town();
     place.file("one.txt", "To unit1, building1.\n");
     // Both are asked the same about each picture; the first answers every second one.
-    let fickle = endpoint(|number, _| if number % 2 == 0 { says(NOTHING) } else { says("I see no JSON.") });
+    let fickle = endpoint(|number, _| {
+        if number % 2 == 0 {
+            says(NOTHING)
+        } else {
+            says("I see no JSON.")
+        }
+    });
     let sure = reader_that_says(UNIT_1);
-    deliver(&place, &format!("--deliveries one.txt --out run --set reader={fickle},{sure}")).succeeded();
+    deliver(
+        &place,
+        &format!("--deliveries one.txt --out run --set reader={fickle},{sure}"),
+    )
+    .succeeded();
     place.openbench("verify run --agent").succeeded();
 }
 
@@ -150,22 +198,41 @@ fn a_run_whose_answers_are_gone_is_not_asked_again() {
     let place = town();
     place.file("one.txt", "To unit1, building1.\n");
     let reader = reader_that_says(UNIT_1);
-    deliver(&place, &format!("--deliveries one.txt --out run --set reader={reader}")).succeeded();
+    deliver(
+        &place,
+        &format!("--deliveries one.txt --out run --set reader={reader}"),
+    )
+    .succeeded();
     std::fs::remove_file(place.path("run/episodes/000.models.jsonl")).unwrap();
     let ran = place.openbench("verify run --agent");
-    assert!(ran.code != 0 && ran.stderr.contains("000.models.jsonl"), "{}", ran.stderr);
+    assert!(
+        ran.code != 0 && ran.stderr.contains("000.models.jsonl"),
+        "{}",
+        ran.stderr
+    );
 }
 
 #[test]
 fn what_a_run_is_to_read_is_not_cleared_by_it() {
     let place = town();
     let reader = reader_that_says(UNIT_1);
-    deliver(&place, &format!("--deliveries one.txt --out run --set reader={reader}")).succeeded();
+    deliver(
+        &place,
+        &format!("--deliveries one.txt --out run --set reader={reader}"),
+    )
+    .succeeded();
     let answers = "run/episodes/000.models.jsonl";
-    deliver(&place, &format!("--deliveries one.txt --out run --set reader=replay:{answers}"))
-        .refused_with(&["is cleared", "--out"]);
+    deliver(
+        &place,
+        &format!("--deliveries one.txt --out run --set reader=replay:{answers}"),
+    )
+    .refused_with(&["is cleared", "--out"]);
     assert!(place.path(answers).exists());
-    deliver(&place, &format!("--deliveries one.txt --out again --set reader=replay:{answers}")).succeeded();
+    deliver(
+        &place,
+        &format!("--deliveries one.txt --out again --set reader=replay:{answers}"),
+    )
+    .succeeded();
     place.openbench("verify again --agent").succeeded();
 }
 
@@ -174,7 +241,8 @@ fn a_run_with_a_memory_repeats() {
     let place = town();
     let reader = reader_that_says(UNIT_1);
     for _ in 0..2 {
-        let words = format!("--deliveries one.txt --out run --memory doors.osm --set reader={reader}");
+        let words =
+            format!("--deliveries one.txt --out run --memory doors.osm --set reader={reader}");
         deliver(&place, &words).succeeded();
     }
     place.openbench("verify run --agent").succeeded();

@@ -175,7 +175,9 @@ pub struct BenchPeopleArgs {
 /// The names of local planners.
 fn local_planner() -> PossibleValuesParser {
     let names = built_in().entries().to_vec().into_iter();
-    PossibleValuesParser::new(names.map(|entry| PossibleValue::new(entry.name()).help(entry.description())))
+    PossibleValuesParser::new(
+        names.map(|entry| PossibleValue::new(entry.name()).help(entry.description())),
+    )
 }
 
 /// Arguments of `bench posegraph`.

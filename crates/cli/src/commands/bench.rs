@@ -43,14 +43,23 @@ fn posegraph(args: &BenchPosegraphArgs) -> anyhow::Result<Outcome> {
     let file = || args.graph.display().to_string();
     let text = std::fs::read_to_string(&args.graph).with_context(file)?;
     let mut graph = PoseGraph::parse(&text).with_context(file)?;
-    let GraphSize { poses: vertices, edges } = graph.size();
+    let GraphSize {
+        poses: vertices,
+        edges,
+    } = graph.size();
     let began = ProcessTime::now();
     let solved = graph.solve().with_context(file)?;
     let seconds = began.elapsed().as_secs_f64();
     if let Some(path) = &args.out {
         openbench_osm::write_atomically(path, graph.to_text().as_bytes())?;
     }
-    let result = GraphSolved { chi2: solved.chi2, seconds, vertices, edges, steps: solved.steps };
+    let result = GraphSolved {
+        chi2: solved.chi2,
+        seconds,
+        vertices,
+        edges,
+        steps: solved.steps,
+    };
     if args.json {
         say_json(&result)?;
     } else {
@@ -67,7 +76,10 @@ fn routing(args: &BenchRoutingArgs) -> anyhow::Result<Outcome> {
     let pairs = read_pairs(&args.pairs)?;
     let speed = measure_routing(&args.roads.map, profile, &pairs, args.dump.as_deref())?;
     if let Some(path) = &args.answers {
-        let rows = speed.answers.iter().map(|(metres, seconds)| format!("{metres:.1},{seconds:.2}\n"));
+        let rows = speed
+            .answers
+            .iter()
+            .map(|(metres, seconds)| format!("{metres:.1},{seconds:.2}\n"));
         let text = format!("distance_m,duration_s\n{}", rows.collect::<String>());
         openbench_osm::write_atomically(path, text.as_bytes())?;
     }
@@ -80,7 +92,9 @@ fn routing(args: &BenchRoutingArgs) -> anyhow::Result<Outcome> {
 }
 
 fn routing_table(speed: &RoutingSpeed) -> String {
-    let memory = speed.peak_memory_mb.map_or("unknown".to_owned(), |mb| format!("{mb:.0} MB"));
+    let memory = speed
+        .peak_memory_mb
+        .map_or("unknown".to_owned(), |mb| format!("{mb:.0} MB"));
     format!(
         "{} vertices, {} edges, {} pairs, {} without a way; CPU time of one thread\n\
          route            {:9.0} us, and {:.0} us in one case of 100\n\
@@ -114,9 +128,15 @@ fn sim(args: &BenchSimArgs) -> anyhow::Result<Outcome> {
             models: args.models.clone(),
             georeference: args.georef.clone(),
         },
-        _ => WorldSource::Builtin { name: args.name.clone(), seed: 1 },
+        _ => WorldSource::Builtin {
+            name: args.name.clone(),
+            seed: 1,
+        },
     };
-    let plan = TrafficPlan { pedestrians: args.pedestrians.into(), cars: args.cars.into() };
+    let plan = TrafficPlan {
+        pedestrians: args.pedestrians.into(),
+        cars: args.cars.into(),
+    };
     let speed = measure(&source, plan, args.dump.as_deref())?;
     if args.json {
         say_json(&speed)?;
@@ -127,7 +147,9 @@ fn sim(args: &BenchSimArgs) -> anyhow::Result<Outcome> {
 }
 
 fn table(speed: &SimSpeed) -> String {
-    let memory = speed.peak_memory_mb.map_or("unknown".to_owned(), |mb| format!("{mb:.0} MB"));
+    let memory = speed
+        .peak_memory_mb
+        .map_or("unknown".to_owned(), |mb| format!("{mb:.0} MB"));
     format!(
         "{}, {} triangles, {} people and {} cars, one core\n\
          LiDAR          {:8.2} million rays a second, noise and points included\n\

@@ -16,7 +16,8 @@ use crate::outcome::{Outcome, say, say_json, tell};
 pub fn run(args: &BenchHealthArgs) -> anyhow::Result<Outcome> {
     let prepared = Prepared::world_of(named(&args.world)?)?;
     prepared.warnings().iter().for_each(|w| tell(w));
-    let make = || -> Box<dyn Localizer> { Box::new(Fused::new(RobotDescription::sentry(), Vec::new())) };
+    let make =
+        || -> Box<dyn Localizer> { Box::new(Fused::new(RobotDescription::sentry(), Vec::new())) };
     let time = Duration::from_secs_f64(args.minutes * 60.0);
     let trials = trials(&prepared, args.seed, time, usize::from(args.jobs), &make)?;
     if args.json {
@@ -33,7 +34,8 @@ fn table(trials: &[Trial]) -> String {
         "trouble", "rms m", "largest", "called good", "good %", "lost %", "silent"
     );
     for trial in trials {
-        let number = |value: Option<f64>| value.map_or("–".to_owned(), |value| format!("{value:.3}"));
+        let number =
+            |value: Option<f64>| value.map_or("–".to_owned(), |value| format!("{value:.3}"));
         let _ = writeln!(
             text,
             "{:<40}  {:>8}  {:>8}  {:>12.3}  {:>6.1}  {:>6.1}  {:>6}",

@@ -54,9 +54,14 @@ fn draw(
     robot: &RobotDescription,
 ) -> anyhow::Result<()> {
     for (planner, drive) in &outcome.drives {
-        let Some(scene) = &outcome.scene else { continue };
+        let Some(scene) = &outcome.scene else {
+            continue;
+        };
         let name = format!("{:05}_{}.svg", outcome.number, planner.name());
-        openbench_osm::write_atomically(&folder.join(name), picture(scene, drive, robot).as_bytes())?;
+        openbench_osm::write_atomically(
+            &folder.join(name),
+            picture(scene, drive, robot).as_bytes(),
+        )?;
     }
     Ok(())
 }
@@ -81,9 +86,19 @@ fn table(trial: &Trial) -> String {
     }
     for failure in trial.failures.iter().take(SHOWN) {
         let (who, what) = (failure.planner.name(), &failure.what);
-        let _ = writeln!(text, "  scene {:4} {:10} {who:8}  {what}", failure.scene, failure.kind.name());
+        let _ = writeln!(
+            text,
+            "  scene {:4} {:10} {who:8}  {what}",
+            failure.scene,
+            failure.kind.name()
+        );
     }
-    if let Some(more) = trial.failures.len().checked_sub(SHOWN).filter(|more| *more > 0) {
+    if let Some(more) = trial
+        .failures
+        .len()
+        .checked_sub(SHOWN)
+        .filter(|more| *more > 0)
+    {
         let _ = writeln!(text, "  and {more} more, which --json lists");
     }
     text

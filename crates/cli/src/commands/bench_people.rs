@@ -27,7 +27,10 @@ pub fn run(args: &BenchPeopleArgs, parts: &Catalogue) -> anyhow::Result<Outcome>
     let mut rows = Vec::new();
     for &pedestrians in &args.pedestrians {
         let mut suite = named(&args.world)?;
-        suite.traffic = TrafficPlan { pedestrians: usize::from(pedestrians), cars: usize::from(args.cars) };
+        suite.traffic = TrafficPlan {
+            pedestrians: usize::from(pedestrians),
+            cars: usize::from(args.cars),
+        };
         let prepared = Prepared::world_of(suite)?;
         prepared.warnings().iter().for_each(|w| tell(w));
         rows.push(drive(&prepared, &request, &mut || bar.inc(1))?);
@@ -68,7 +71,9 @@ fn table(rows: &[Among]) -> String {
         );
     }
     text.push_str("\nDriven into: the robot was faster than 5 cm/s. Cut off: it stood, but had got into the other's way within the braking distance.\n");
-    let worst = rows.iter().flat_map(|row| row.bumps.iter().map(move |bump| (row, bump)));
+    let worst = rows
+        .iter()
+        .flat_map(|row| row.bumps.iter().map(move |bump| (row, bump)));
     for (row, bump) in worst.filter(|(_, bump)| bump.at_fault).take(SHOWN) {
         let _ = writeln!(
             text,

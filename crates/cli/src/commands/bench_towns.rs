@@ -6,7 +6,9 @@ use std::fmt::Write as _;
 use openbench_bench::Agents;
 use openbench_core::{FailureCause, LonLat};
 use openbench_trials::towns::summary::PoseSum;
-use openbench_trials::towns::{Drawn, Town, Towns, TownsPlan, TownsRequest, draw, run as run_towns};
+use openbench_trials::towns::{
+    Drawn, Town, Towns, TownsPlan, TownsRequest, draw, run as run_towns,
+};
 
 use crate::args::BenchTownsArgs;
 use crate::commands::run::prepare_agent;
@@ -20,7 +22,8 @@ pub fn run(args: &BenchTownsArgs, agents: &Agents) -> anyhow::Result<Outcome> {
     if !args.draw {
         prepare_agent(factory, &settings)?;
     }
-    let absolute = |path: &std::path::PathBuf| std::path::absolute(path).unwrap_or_else(|_| path.clone());
+    let absolute =
+        |path: &std::path::PathBuf| std::path::absolute(path).unwrap_or_else(|_| path.clone());
     let plan = TownsPlan {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         maps: args.maps.iter().map(absolute).collect(),
@@ -55,7 +58,10 @@ pub fn run(args: &BenchTownsArgs, agents: &Agents) -> anyhow::Result<Outcome> {
     } else {
         say(&table(&towns))?;
     }
-    tell(&format!("reports: {}", args.out.join("*/run/report.html").display()));
+    tell(&format!(
+        "reports: {}",
+        args.out.join("*/run/report.html").display()
+    ));
     Ok(Outcome::Done)
 }
 
@@ -67,7 +73,11 @@ fn draw_only(plan: &TownsPlan, windows: usize, args: &BenchTownsArgs) -> anyhow:
     } else {
         let line = |Drawn { place, world }: &Drawn| {
             let LonLat { lon, lat } = place.around;
-            format!("{:<22}  {lon:9.5}  {lat:9.5}  {}\n", place.name, world.display())
+            format!(
+                "{:<22}  {lon:9.5}  {lat:9.5}  {}\n",
+                place.name,
+                world.display()
+            )
         };
         say(&drawn.iter().map(line).collect::<String>())?;
     }
@@ -76,7 +86,9 @@ fn draw_only(plan: &TownsPlan, windows: usize, args: &BenchTownsArgs) -> anyhow:
 
 fn tell_of_room(found: usize, wanted: usize) {
     if found < wanted {
-        tell(&format!("the maps have room for {found} windows that do not overlap, of {wanted}"));
+        tell(&format!(
+            "the maps have room for {found} windows that do not overlap, of {wanted}"
+        ));
     }
 }
 
@@ -85,8 +97,16 @@ const HEAD: &str = "window                    SR   SPL   LSR  pose 95 %  largest
 
 fn table(towns: &Towns) -> String {
     let mut text = HEAD.to_owned();
-    towns.towns.iter().for_each(|town| text.push_str(&line(town)));
-    let Towns { metrics, failures, silent_divergences, .. } = towns;
+    towns
+        .towns
+        .iter()
+        .for_each(|town| text.push_str(&line(town)));
+    let Towns {
+        metrics,
+        failures,
+        silent_divergences,
+        ..
+    } = towns;
     let _ = writeln!(
         text,
         "{:<22}  {}  {}  {}  {}  {silent_divergences:>6}  {:>8}  {:>4}  {:>4}  {:>4.1}  {}",
@@ -103,10 +123,18 @@ fn table(towns: &Towns) -> String {
     );
     let interval = |name: &str| {
         let found = metrics.intervals.get(name);
-        found.map_or(String::new(), |[low, high]| format!("{:.0} to {:.0}", low * 100.0, high * 100.0))
+        found.map_or(String::new(), |[low, high]| {
+            format!("{:.0} to {:.0}", low * 100.0, high * 100.0)
+        })
     };
-    let deliveries: usize = towns.towns.iter().map(|town| town.results.deliveries.len()).sum();
-    let rms = towns.pose.map_or("–".to_owned(), |pose| format!("{:.3} m", pose.rms_m));
+    let deliveries: usize = towns
+        .towns
+        .iter()
+        .map(|town| town.results.deliveries.len())
+        .sum();
+    let rms = towns
+        .pose
+        .map_or("–".to_owned(), |pose| format!("{:.3} m", pose.rms_m));
     let _ = writeln!(
         text,
         "\n{deliveries} deliveries; pose {rms} rms; 95 % intervals: SR {}, SPL {}, LSR {}\n\
@@ -123,7 +151,10 @@ fn table(towns: &Towns) -> String {
 fn line(town: &Town) -> String {
     let metrics = &town.results.metrics;
     let silent = metrics.localization.map_or(0, |sum| sum.silent_divergences);
-    let nees = town.odometry.nees.map_or("–".to_owned(), |nees| format!("{:.1}", nees.mean));
+    let nees = town
+        .odometry
+        .nees
+        .map_or("–".to_owned(), |nees| format!("{:.1}", nees.mean));
     format!(
         "{:<22}  {}  {}  {}  {}  {silent:>6}  {:>8.4}  {nees:>4}  {:>4}  {:>4.1}  {}\n",
         town.place.name,
@@ -139,14 +170,21 @@ fn line(town: &Town) -> String {
 }
 
 fn percent(share: Option<f64>) -> String {
-    share.map_or("   –".to_owned(), |share| format!("{:4.0}", share * 100.0))
+    share.map_or("   –".to_owned(), |share| {
+        format!("{:4.0}", share * 100.0)
+    })
 }
 
 fn pose(sum: Option<PoseSum>) -> String {
-    sum.map_or(format!("{:>9}  {:>7}", "–", "–"), |sum| format!("{:9.3}  {:7.3}", sum.p95_m, sum.max_m))
+    sum.map_or(format!("{:>9}  {:>7}", "–", "–"), |sum| {
+        format!("{:9.3}  {:7.3}", sum.p95_m, sum.max_m)
+    })
 }
 
 fn causes(failures: &BTreeMap<FailureCause, usize>) -> String {
-    let words: Vec<String> = failures.iter().map(|(cause, count)| format!("{count} {cause}")).collect();
+    let words: Vec<String> = failures
+        .iter()
+        .map(|(cause, count)| format!("{count} {cause}"))
+        .collect();
     words.join(", ")
 }

@@ -35,11 +35,14 @@ fn list(sets: &[Dataset]) -> anyhow::Result<Outcome> {
 
 fn download(args: &DataPullArgs, sets: &[Dataset]) -> anyhow::Result<Outcome> {
     for name in &args.names {
-        let set = sets.iter().find(|set| set.name == *name).ok_or_else(|| UnknownName {
-            kind: "data set",
-            name: name.clone(),
-            known: sets.iter().map(|set| set.name.clone()).collect(),
-        })?;
+        let set = sets
+            .iter()
+            .find(|set| set.name == *name)
+            .ok_or_else(|| UnknownName {
+                kind: "data set",
+                name: name.clone(),
+                known: sets.iter().map(|set| set.name.clone()).collect(),
+            })?;
         let folder = args.out.join(&set.name);
         let spinner = download_spinner(&set.name);
         let stored = pull(set, &folder, &mut |bytes| spinner.set_position(bytes));
@@ -47,7 +50,10 @@ fn download(args: &DataPullArgs, sets: &[Dataset]) -> anyhow::Result<Outcome> {
         for path in stored? {
             say(&format!("{}\n", path.display()))?;
         }
-        tell(&format!("{}: from {}, licence {}", set.name, set.origin, set.licence));
+        tell(&format!(
+            "{}: from {}, licence {}",
+            set.name, set.origin, set.licence
+        ));
     }
     Ok(Outcome::Done)
 }

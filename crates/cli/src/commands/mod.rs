@@ -35,7 +35,10 @@ use crate::args::CutArgs;
 pub fn read_data(path: &Path) -> anyhow::Result<OsmData> {
     let data = OsmData::read(path)?;
     let file = path.file_name().unwrap_or_default().to_string_lossy();
-    data.report.notes().iter().for_each(|note| crate::outcome::tell(&format!("{file}: {note}")));
+    data.report
+        .notes()
+        .iter()
+        .for_each(|note| crate::outcome::tell(&format!("{file}: {note}")));
     Ok(data)
 }
 
@@ -63,20 +66,29 @@ pub fn unbounded_models(planner: &str, exchanges: Option<&Path>) -> anyhow::Resu
     if let (Some(read), Some(kept)) = (read, exchanges)
         && (read == kept || is_same_file(read, kept))
     {
-        anyhow::bail!("{} cannot be read and written at once; name another file", kept.display());
+        anyhow::bail!(
+            "{} cannot be read and written at once; name another file",
+            kept.display()
+        );
     }
-    let budget = Budget { calls: u32::MAX, tokens: u64::MAX, seconds: u32::MAX };
+    let budget = Budget {
+        calls: u32::MAX,
+        tokens: u64::MAX,
+        seconds: u32::MAX,
+    };
     let exchanges = exchanges.map_or(Exchanges::Unkept, |path| Exchanges::Keep(path.to_owned()));
     Ok(Models::new(budget, exchanges))
 }
 
 fn is_same_file(one: &Path, other: &Path) -> bool {
-    one.canonicalize().is_ok_and(|one| other.canonicalize().is_ok_and(|other| one == other))
+    one.canonicalize()
+        .is_ok_and(|one| other.canonicalize().is_ok_and(|other| one == other))
 }
 
 /// Reads a map and lays it flat where it lies.
 pub fn read_map(path: &Path) -> anyhow::Result<OsmMap> {
     let data = read_data(path)?;
-    let georeference = default_georeference(&data).map_err(|e| anyhow::anyhow!("{}: {e}", path.display()))?;
+    let georeference =
+        default_georeference(&data).map_err(|e| anyhow::anyhow!("{}: {e}", path.display()))?;
     Ok(OsmMap::new(&data, georeference))
 }

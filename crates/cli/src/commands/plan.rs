@@ -28,17 +28,36 @@ pub fn run(args: &PlanArgs, parts: &Catalogue) -> anyhow::Result<Outcome> {
         default_georeference(&data).map_err(|e| anyhow::anyhow!("{}: {e}", args.map.display()))?;
     let map = OsmMap::new(&data, georeference);
     let router = MapRouter::new(&data, map.projection.clone(), Profile::delivery())?;
-    let times = RouterTimes { router: &router, speed: 0.5 };
-    let request =
-        PlanRequest { instruction: &args.instruction, map: &map, start: MapPoint::default(), times: &times };
+    let times = RouterTimes {
+        router: &router,
+        speed: 0.5,
+    };
+    let request = PlanRequest {
+        instruction: &args.instruction,
+        map: &map,
+        start: MapPoint::default(),
+        times: &times,
+    };
     let planned = planner.plan(&request);
     if let Err(error) = &planned {
         crate::outcome::tell(&format!("openbench: {error}"));
     }
-    let nothing =
-        || Plan { planner: planner.name().to_owned(), deliveries: Vec::new(), fallbacks: Vec::new() };
-    let problem = planned.as_ref().map_or(true, |plan| plan.deliveries.iter().any(|d| d.problem.is_some()));
+    let nothing = || Plan {
+        planner: planner.name().to_owned(),
+        deliveries: Vec::new(),
+        fallbacks: Vec::new(),
+    };
+    let problem = planned.as_ref().map_or(true, |plan| {
+        plan.deliveries.iter().any(|d| d.problem.is_some())
+    });
     let models = Some(models.meter().spent()).filter(|used| used.calls > 0);
-    say_json(&Planned { plan: planned.unwrap_or_else(|_| nothing()), models })?;
-    Ok(if problem { Outcome::Problem } else { Outcome::Done })
+    say_json(&Planned {
+        plan: planned.unwrap_or_else(|_| nothing()),
+        models,
+    })?;
+    Ok(if problem {
+        Outcome::Problem
+    } else {
+        Outcome::Done
+    })
 }

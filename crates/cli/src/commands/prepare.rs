@@ -8,7 +8,11 @@ use crate::outcome::{Outcome, say};
 
 /// Reads a map, puts its roads into cells and writes them.
 pub fn run(args: &PrepareArgs) -> anyhow::Result<Outcome> {
-    let sizes = if args.cells.is_empty() { CellSizes::default() } else { CellSizes::new(&args.cells)? };
+    let sizes = if args.cells.is_empty() {
+        CellSizes::default()
+    } else {
+        CellSizes::new(&args.cells)?
+    };
     let roads = super::route::read_roads(&args.map, &sizes)?;
     store::write(&roads, &args.out)?;
     say(&summary(&roads))?;
@@ -25,7 +29,14 @@ fn summary(roads: &Roads) -> String {
         network.restrictions.len()
     );
     for (height, layer) in (1..).zip(&roads.vertices.layers) {
-        let crossing = roads.vertices.out.border.iter().filter(|border| **border >= height).count() / 2;
+        let crossing = roads
+            .vertices
+            .out
+            .border
+            .iter()
+            .filter(|border| **border >= height)
+            .count()
+            / 2;
         text += &format!(
             "layer {height}: {:6} cells, {crossing:6} edges between them, {:6} vertices on their borders\n",
             layer.cells(),
@@ -34,7 +45,10 @@ fn summary(roads: &Roads) -> String {
     }
     for (count, what) in [
         (report.ways_without_points, "ways have no two known nodes"),
-        (report.conditional, "ways have words that hold at some times only; these were not regarded"),
+        (
+            report.conditional,
+            "ways have words that hold at some times only; these were not regarded",
+        ),
         (
             report.odd_restrictions,
             "turn restrictions are not from a way by a node or by ways to another; these were not regarded",

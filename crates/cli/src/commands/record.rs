@@ -15,9 +15,10 @@ use crate::progress::progress_bar;
 /// Drives and records.
 pub fn run(args: &RecordArgs) -> anyhow::Result<Outcome> {
     let mut suite = named(&args.world)?;
-    for (asked, planned) in
-        [(args.pedestrians, &mut suite.traffic.pedestrians), (args.cars, &mut suite.traffic.cars)]
-    {
+    for (asked, planned) in [
+        (args.pedestrians, &mut suite.traffic.pedestrians),
+        (args.cars, &mut suite.traffic.cars),
+    ] {
         *planned = asked.map_or(*planned, usize::from);
     }
     let prepared = Prepared::world_of(suite)?;
@@ -30,7 +31,11 @@ pub fn run(args: &RecordArgs) -> anyhow::Result<Outcome> {
     let tour = Tour {
         time: Duration::from_secs_f64(args.minutes * 60.0),
         via: args.via.clone(),
-        style: if args.wild { Style::Wild } else { Style::Smooth },
+        style: if args.wild {
+            Style::Wild
+        } else {
+            Style::Smooth
+        },
         seed: args.seed,
     };
     let recorder = Recorder::create(&args.out, Level::Full, prepared.world.georeference)?;

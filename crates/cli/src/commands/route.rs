@@ -5,7 +5,9 @@ use std::path::Path;
 use openbench_osm::stream::Source;
 use openbench_routing::geo::Place;
 use openbench_routing::network::Network;
-use openbench_routing::osrm::{Geometries, Limits, Overview, Request, RouteRequest, Service, ServiceMemory};
+use openbench_routing::osrm::{
+    Geometries, Limits, Overview, Request, RouteRequest, Service, ServiceMemory,
+};
 use openbench_routing::partition::CellSizes;
 use openbench_routing::{Metric, Profile, Roads, store};
 
@@ -16,10 +18,18 @@ use crate::progress::doing;
 /// Prints a route.
 pub fn run(args: &RouteArgs) -> anyhow::Result<Outcome> {
     let service = service(&args.roads, Limits::default())?;
-    let places = args.places.iter().filter_map(|position| Place::new(*position)).collect();
+    let places = args
+        .places
+        .iter()
+        .filter_map(|position| Place::new(*position))
+        .collect();
     let mut through = RouteRequest::through(places);
     through.places.hints = false;
-    through.places.snap.iter_mut().for_each(|snap| snap.radius = args.radius);
+    through
+        .places
+        .snap
+        .iter_mut()
+        .for_each(|snap| snap.radius = args.radius);
     let request = Request::Route(RouteRequest {
         alternatives: args.alternatives,
         steps: args.steps,
@@ -40,7 +50,11 @@ pub fn service(args: &RoadArgs, limits: Limits) -> anyhow::Result<Service> {
     let profile = Profile::open(&args.profile)?;
     let roads = roads(&args.map)?;
     let metric = doing("weighing them", || Metric::new(&roads, profile))?;
-    Ok(Service { roads, metric, limits })
+    Ok(Service {
+        roads,
+        metric,
+        limits,
+    })
 }
 
 /// The roads of a map or of a graph file.
@@ -54,8 +68,10 @@ pub fn roads(map: &Path) -> anyhow::Result<Roads> {
 /// The roads of a map in cells.
 pub fn read_roads(map: &Path, sizes: &CellSizes) -> anyhow::Result<Roads> {
     let source = doing("opening the map", || Source::open(map))?;
-    let network =
-        doing("reading its roads", || Network::read(&source)).map_err(|error| error.in_file(map))?;
+    let network = doing("reading its roads", || Network::read(&source))
+        .map_err(|error| error.in_file(map))?;
     drop(source);
-    Ok(doing("putting them into cells", || Roads::new(network, sizes)))
+    Ok(doing("putting them into cells", || {
+        Roads::new(network, sizes)
+    }))
 }

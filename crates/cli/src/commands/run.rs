@@ -26,11 +26,21 @@ pub fn run(args: &RunArgs, agents: &Agents) -> anyhow::Result<Outcome> {
     let settings: BTreeMap<String, String> = args.settings.iter().cloned().collect();
     let prepared = prepare(args)?;
     prepare_agent(factory, &settings)?;
-    let read = factory.inputs(&settings).into_iter().chain(args.memory.clone());
+    let read = factory
+        .inputs(&settings)
+        .into_iter()
+        .chain(args.memory.clone());
     spare(&args.out, &read.collect::<Vec<_>>())?;
-    let memory = args.memory.as_deref().filter(|path| path.exists()).map(OsmData::read).transpose()?;
+    let memory = args
+        .memory
+        .as_deref()
+        .filter(|path| path.exists())
+        .map(OsmData::read)
+        .transpose()?;
     // As precise as it is kept, so that the run can be repeated.
-    let memory = memory.map(|memory| OsmData::from_bytes(&memory.to_xml())).transpose()?;
+    let memory = memory
+        .map(|memory| OsmData::from_bytes(&memory.to_xml()))
+        .transpose()?;
     if let Some(path) = &args.memory {
         probe(path)?;
     }
@@ -58,16 +68,26 @@ pub fn run(args: &RunArgs, agents: &Agents) -> anyhow::Result<Outcome> {
     } else {
         say(&terminal_table(&output.results))?;
     }
-    tell(&format!("report: {}", args.out.join("report.html").display()));
+    tell(&format!(
+        "report: {}",
+        args.out.join("report.html").display()
+    ));
     Ok(Outcome::Done)
 }
 
 /// Refuses what the run is told to read from the folder that it clears first.
 fn spare(out: &Path, read: &[PathBuf]) -> anyhow::Result<()> {
-    let Ok(folder) = out.canonicalize() else { return Ok(()) };
+    let Ok(folder) = out.canonicalize() else {
+        return Ok(());
+    };
     for path in read {
-        let Ok(full) = path.canonicalize() else { continue };
-        let cleared = [folder.join("episodes"), folder.join(openbench_bench::MEMORY_BEFORE)];
+        let Ok(full) = path.canonicalize() else {
+            continue;
+        };
+        let cleared = [
+            folder.join("episodes"),
+            folder.join(openbench_bench::MEMORY_BEFORE),
+        ];
         if cleared.iter().any(|cleared| full.starts_with(cleared)) {
             anyhow::bail!(
                 "{} is of an earlier run in {}, which is cleared before this one begins; copy it, or choose another folder with --out",
@@ -82,7 +102,10 @@ fn spare(out: &Path, read: &[PathBuf]) -> anyhow::Result<()> {
 /// Whether a file can be written, before hours are driven for it.
 fn probe(path: &Path) -> anyhow::Result<()> {
     let name = format!("{}.probe-{}", path.display(), std::process::id());
-    let made = std::fs::OpenOptions::new().write(true).create_new(true).open(&name);
+    let made = std::fs::OpenOptions::new()
+        .write(true)
+        .create_new(true)
+        .open(&name);
     made.with_context(|| format!("{} cannot be written", path.display()))?;
     Ok(std::fs::remove_file(&name)?)
 }
@@ -93,7 +116,9 @@ pub(super) fn prepare_agent(
     settings: &BTreeMap<String, String>,
 ) -> anyhow::Result<()> {
     let mut progress = PullProgress::default();
-    factory.prepare(settings, &mut |event| progress.show(event)).map_err(anyhow::Error::from_boxed)
+    factory
+        .prepare(settings, &mut |event| progress.show(event))
+        .map_err(anyhow::Error::from_boxed)
 }
 
 fn prepare(args: &RunArgs) -> anyhow::Result<Prepared> {
@@ -101,13 +126,18 @@ fn prepare(args: &RunArgs) -> anyhow::Result<Prepared> {
         (Some(world), Some(map)) => (imported(args, world, map)?, args.truth.as_deref()),
         _ => (named(args.suite.as_deref().unwrap_or("small"))?, None),
     };
-    for (asked, planned) in
-        [(args.pedestrians, &mut suite.traffic.pedestrians), (args.cars, &mut suite.traffic.cars)]
-    {
+    for (asked, planned) in [
+        (args.pedestrians, &mut suite.traffic.pedestrians),
+        (args.cars, &mut suite.traffic.cars),
+    ] {
         *planned = asked.map_or(*planned, usize::from);
     }
     let prepared = Prepared::new(suite, truth)?;
-    prepared.world.warnings.iter().for_each(|w| tell(&format!("{}: {w}", prepared.world.name)));
+    prepared
+        .world
+        .warnings
+        .iter()
+        .for_each(|w| tell(&format!("{}: {w}", prepared.world.name)));
     prepared.warnings().iter().for_each(|w| tell(w));
     Ok(prepared)
 }
@@ -119,10 +149,16 @@ pub(super) fn named(name: &str) -> anyhow::Result<Suite> {
         return Ok(folder::suite_of(path)?);
     }
     if path.is_dir() && !builtin_suites().iter().any(|known| known == name) {
-        anyhow::bail!("{name}: the folder has no world.toml; make a world with `openbench world generate`");
+        anyhow::bail!(
+            "{name}: the folder has no world.toml; make a world with `openbench world generate`"
+        );
     }
     let is_file = path.extension().is_some_and(|e| e == "toml");
-    Ok(if is_file { Suite::read(path)? } else { builtin_suite(name)? })
+    Ok(if is_file {
+        Suite::read(path)?
+    } else {
+        builtin_suite(name)?
+    })
 }
 
 fn imported(args: &RunArgs, world: &Path, map: &Path) -> anyhow::Result<Suite> {
@@ -133,11 +169,16 @@ fn imported(args: &RunArgs, world: &Path, map: &Path) -> anyhow::Result<Suite> {
         models: args.models.iter().map(|m| absolute(m)).collect(),
         georeference: args.georef.clone(),
     };
-    let name = world.file_stem().map_or("world".into(), |s| s.to_string_lossy().into_owned());
+    let name = world
+        .file_stem()
+        .map_or("world".into(), |s| s.to_string_lossy().into_owned());
     let episodes = match (&args.deliveries, args.draw.as_deref()) {
         (Some(file), _) => {
             let episodes = deliveries::read(file, &read_map(map)?)?;
-            let silent = episodes.iter().find(|e| e.deliveries.is_empty()).filter(|_| args.truth.is_none());
+            let silent = episodes
+                .iter()
+                .find(|e| e.deliveries.is_empty())
+                .filter(|_| args.truth.is_none());
             if let Some(episode) = silent {
                 anyhow::bail!(
                     "{}: no delivery was found in `{}`; name building and unit, or give the true positions with --truth",
@@ -148,21 +189,43 @@ fn imported(args: &RunArgs, world: &Path, map: &Path) -> anyhow::Result<Suite> {
             episodes
         }
         (None, Some(&[singles, sequences, length])) => {
-            let doors: Vec<Address> = load(&source)?.scene.doors.into_iter().map(|d| d.address).collect();
+            let doors: Vec<Address> = load(&source)?
+                .scene
+                .doors
+                .into_iter()
+                .map(|d| d.address)
+                .collect();
             let mut draw = Draw::new(doors, args.seed);
             let mut episodes = draw.singles(singles);
             episodes.extend(draw.sequences(sequences, length));
             episodes
         }
-        _ => anyhow::bail!("say what to deliver: --deliveries FILE, or --draw SINGLES SEQUENCES LENGTH"),
+        _ => anyhow::bail!(
+            "say what to deliver: --deliveries FILE, or --draw SINGLES SEQUENCES LENGTH"
+        ),
     };
     let (traffic, sensors) = (TrafficPlan::default(), Sensors::default());
-    Ok(Suite { name, world: source, traffic, episodes, sensors })
+    Ok(Suite {
+        name,
+        world: source,
+        traffic,
+        episodes,
+        sensors,
+    })
 }
 
 /// The command line as it was given.
 fn command_line() -> String {
-    let quoted = |word: String| if word.contains(char::is_whitespace) { format!("\"{word}\"") } else { word };
+    let quoted = |word: String| {
+        if word.contains(char::is_whitespace) {
+            format!("\"{word}\"")
+        } else {
+            word
+        }
+    };
     let words = std::env::args().skip(1).map(quoted);
-    std::iter::once("openbench".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
+    std::iter::once("openbench".to_owned())
+        .chain(words)
+        .collect::<Vec<_>>()
+        .join(" ")
 }

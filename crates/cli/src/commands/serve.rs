@@ -32,20 +32,28 @@ const LONGEST_HEAD: usize = 128 << 10;
 
 /// Answers until it is told to stop.
 pub fn run(args: &ServeArgs) -> anyhow::Result<Outcome> {
-    let limits = Limits { route: args.max_route_places, table: args.max_table_places, ..Limits::default() };
+    let limits = Limits {
+        route: args.max_route_places,
+        table: args.max_table_places,
+        ..Limits::default()
+    };
     let service = Arc::new(service(&args.roads, limits)?);
     let mut runtime = tokio::runtime::Builder::new_multi_thread();
     if let Some(threads) = args.threads {
         runtime.worker_threads(threads.into());
     }
-    let runtime = runtime.enable_all().build().context("cannot start threads")?;
+    let runtime = runtime
+        .enable_all()
+        .build()
+        .context("cannot start threads")?;
     runtime.block_on(serve(args, service))?;
     Ok(Outcome::Done)
 }
 
 async fn serve(args: &ServeArgs, service: Arc<Service>) -> anyhow::Result<()> {
-    let listener =
-        TcpListener::bind(args.listen).await.with_context(|| format!("cannot listen on {}", args.listen))?;
+    let listener = TcpListener::bind(args.listen)
+        .await
+        .with_context(|| format!("cannot listen on {}", args.listen))?;
     let mut stop = std::pin::pin!(stopped());
     tell(&format!(
         "{} edges of {} for `{}`; listening on http://{}",
@@ -54,7 +62,10 @@ async fn serve(args: &ServeArgs, service: Arc<Service>) -> anyhow::Result<()> {
         args.roads.profile,
         listener.local_addr()?
     ));
-    let (graceful, room) = (GracefulShutdown::new(), Arc::new(Semaphore::new(CONNECTIONS)));
+    let (graceful, room) = (
+        GracefulShutdown::new(),
+        Arc::new(Semaphore::new(CONNECTIONS)),
+    );
     loop {
         let accepted = tokio::select! {
             accepted = accept(&listener, &room) => accepted,
@@ -77,7 +88,10 @@ async fn serve(args: &ServeArgs, service: Arc<Service>) -> anyhow::Result<()> {
             async move { Ok::<_, Infallible>(response) }
         });
         let mut builder = hyper::server::conn::http1::Builder::new();
-        builder.timer(TokioTimer::new()).header_read_timeout(PATIENCE).max_buf_size(LONGEST_HEAD);
+        builder
+            .timer(TokioTimer::new())
+            .header_read_timeout(PATIENCE)
+            .max_buf_size(LONGEST_HEAD);
         let connection = graceful.watch(builder.serve_connection(TokioIo::new(stream), answer));
         tokio::spawn(async move {
             // Whoever does not read what was asked for is not waited for without end.
@@ -102,7 +116,11 @@ async fn accept(
     listener: &TcpListener,
     room: &Arc<Semaphore>,
 ) -> std::io::Result<(TcpStream, OwnedSemaphorePermit)> {
-    let permit = room.clone().acquire_owned().await.map_err(std::io::Error::other)?;
+    let permit = room
+        .clone()
+        .acquire_owned()
+        .await
+        .map_err(std::io::Error::other)?;
     Ok((listener.accept().await?.0, permit))
 }
 
@@ -140,13 +158,20 @@ fn respond(service: &Service, request: &Request<Incoming>) -> Response<Full<Byte
     }
     let (status, body) = match *request.method() {
         Method::GET | Method::HEAD => {
-            let target = request.uri().path_and_query().map_or("/", |target| target.as_str());
+            let target = request
+                .uri()
+                .path_and_query()
+                .map_or("/", |target| target.as_str());
             let answer = MEMORY.with_borrow_mut(|memory| service.answer(target, memory));
-            (StatusCode::from_u16(answer.status).unwrap_or(StatusCode::OK), answer.body)
+            (
+                StatusCode::from_u16(answer.status).unwrap_or(StatusCode::OK),
+                answer.body,
+            )
         }
         Method::OPTIONS => (StatusCode::NO_CONTENT, Vec::new()),
         _ => {
-            let body = r#"{"message":"only GET, HEAD and OPTIONS are answered","code":"InvalidMethod"}"#;
+            let body =
+                r#"{"message":"only GET, HEAD and OPTIONS are answered","code":"InvalidMethod"}"#;
             (StatusCode::METHOD_NOT_ALLOWED, body.into())
         }
     };
@@ -156,9 +181,15 @@ fn respond(service: &Service, request: &Request<Incoming>) -> Response<Full<Byte
     for (name, value) in [
         (header::ACCESS_CONTROL_ALLOW_ORIGIN, "*"),
         (header::ACCESS_CONTROL_ALLOW_METHODS, "GET, HEAD, OPTIONS"),
-        (header::ACCESS_CONTROL_ALLOW_HEADERS, "X-Requested-With, Content-Type"),
+        (
+            header::ACCESS_CONTROL_ALLOW_HEADERS,
+            "X-Requested-With, Content-Type",
+        ),
         (header::CONTENT_TYPE, "application/json; charset=UTF-8"),
-        (header::CONTENT_DISPOSITION, "inline; filename=\"response.json\""),
+        (
+            header::CONTENT_DISPOSITION,
+            "inline; filename=\"response.json\"",
+        ),
     ] {
         headers.insert(name, HeaderValue::from_static(value));
     }

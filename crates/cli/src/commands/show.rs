@@ -24,16 +24,27 @@ const BLACK: [u8; 3] = [0; 3];
 pub fn show(args: &ShowArgs) -> anyhow::Result<Outcome> {
     let world = load(&source(args)?)?;
     world.warnings.iter().for_each(|w| tell(w));
-    let plan = TrafficPlan { pedestrians: args.pedestrians.into(), cars: args.cars.into() };
+    let plan = TrafficPlan {
+        pedestrians: args.pedestrians.into(),
+        cars: args.cars.into(),
+    };
     let stage = Stage::peopled(world.scene.clone(), plan)?;
     let view = match args.from {
         Some(pose) => street_view(stage.caster(), pose),
         None => birds_eye(&world, args.above),
     };
-    let view = View { shadows: !args.no_shadows, ..view };
+    let view = View {
+        shadows: !args.no_shadows,
+        ..view
+    };
     let movers = movers(&world, &stage, plan, args.after)?;
     let renderer = stage.renderer();
-    write_picture(&args.out, view.size, renderer.render(&view, &movers), args.quality)?;
+    write_picture(
+        &args.out,
+        view.size,
+        renderer.render(&view, &movers),
+        args.quality,
+    )?;
     if args.depth.is_some() || args.classes.is_some() || args.instances.is_some() {
         write_labels(args, &renderer.labels(&view, &movers), &world.scene)?;
     }
@@ -67,7 +78,12 @@ fn movers(world: &World, stage: &Stage, plan: TrafficPlan, after: u16) -> anyhow
 
 /// JPEG if the name says so, PNG otherwise.
 fn write_picture(path: &Path, size: ImageSize, rgb: Vec<u8>, quality: u8) -> anyhow::Result<()> {
-    let image = Image { stamp: Default::default(), width: size.width, height: size.height, rgb };
+    let image = Image {
+        stamp: Default::default(),
+        width: size.width,
+        height: size.height,
+        rgb,
+    };
     let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
     let bytes = if ending == "jpg" || ending == "jpeg" {
         image_file::jpeg_of_quality(&image, quality)?
@@ -84,18 +100,29 @@ fn write_labels(args: &ShowArgs, labels: &Labels, scene: &Scene) -> anyhow::Resu
         write_atomically(path, &image_file::grey16_png(size, &millimetres)?)?;
     }
     if let Some(path) = &args.classes {
-        let colors = labels.class.iter().map(|class| class.map_or(BLACK, color_of_class));
+        let colors = labels
+            .class
+            .iter()
+            .map(|class| class.map_or(BLACK, color_of_class));
         write_colors(path, labels.size, colors)?;
         write_legend(path, legend_of_classes(labels))?;
     }
     if let Some(path) = &args.instances {
-        write_colors(path, labels.size, labels.object.iter().map(|number| color_of_number(*number)))?;
+        write_colors(
+            path,
+            labels.size,
+            labels.object.iter().map(|number| color_of_number(*number)),
+        )?;
         write_legend(path, legend_of_instances(labels, scene))?;
     }
     Ok(())
 }
 
-fn write_colors(path: &Path, size: ImageSize, colors: impl Iterator<Item = [u8; 3]>) -> anyhow::Result<()> {
+fn write_colors(
+    path: &Path,
+    size: ImageSize,
+    colors: impl Iterator<Item = [u8; 3]>,
+) -> anyhow::Result<()> {
     // Lossless whatever the name: another colour would be another thing.
     let image = Image {
         stamp: Default::default(),
@@ -108,18 +135,28 @@ fn write_colors(path: &Path, size: ImageSize, colors: impl Iterator<Item = [u8; 
 
 fn write_legend(image: &Path, legend: serde_json::Value) -> anyhow::Result<()> {
     let text = serde_json::to_string_pretty(&legend)? + "\n";
-    Ok(write_atomically(&image.with_extension("json"), text.as_bytes())?)
+    Ok(write_atomically(
+        &image.with_extension("json"),
+        text.as_bytes(),
+    )?)
 }
 
 /// 0 where nothing is seen; what is too far for 16 bits is 65535.
 fn millimetres(depth: f32) -> u16 {
     // The cast ends at 65535.
-    if depth.is_finite() { (depth * 1000.0).round() as u16 } else { 0 }
+    if depth.is_finite() {
+        (depth * 1000.0).round() as u16
+    } else {
+        0
+    }
 }
 
 fn legend_of_classes(labels: &Labels) -> serde_json::Value {
     let mut pixels: BTreeMap<Option<SemanticClass>, u64> = BTreeMap::new();
-    labels.class.iter().for_each(|class| *pixels.entry(*class).or_default() += 1);
+    labels
+        .class
+        .iter()
+        .for_each(|class| *pixels.entry(*class).or_default() += 1);
     let entry = |(class, pixels): (&Option<SemanticClass>, &u64)| {
         let (name, color) = class.map_or(("sky", BLACK), |c| (c.name(), color_of_class(c)));
         json!({ "name": name, "color": hex(color), "pixels": pixels })
@@ -179,10 +216,13 @@ fn source(args: &ShowArgs) -> anyhow::Result<WorldSource> {
             models: args.models.clone(),
             georeference: args.georef.clone(),
         }),
-        (Some(name), ..) if is_world(Path::new(name)) => {
-            Ok(WorldSource::Folder { path: std::path::absolute(name)? })
-        }
-        (Some(name), ..) => Ok(WorldSource::Builtin { name: name.clone(), seed: 1 }),
+        (Some(name), ..) if is_world(Path::new(name)) => Ok(WorldSource::Folder {
+            path: std::path::absolute(name)?,
+        }),
+        (Some(name), ..) => Ok(WorldSource::Builtin {
+            name: name.clone(),
+            seed: 1,
+        }),
         _ => anyhow::bail!("name a built-in world or a world's folder, or give --world and --map"),
     }
 }
@@ -242,6 +282,9 @@ mod tests {
 
     #[test]
     fn depths_are_millimetres_within_sixteen_bits() {
-        assert_eq!([0.0, 1.2345, 65.0, 70.0, f32::INFINITY].map(millimetres), [0, 1235, 65_000, 65_535, 0]);
+        assert_eq!(
+            [0.0, 1.2345, 65.0, 70.0, f32::INFINITY].map(millimetres),
+            [0, 1235, 65_000, 65_535, 0]
+        );
     }
 }

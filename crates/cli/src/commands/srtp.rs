@@ -45,7 +45,11 @@ pub fn run(args: &SrtpArgs, parts: &Catalogue) -> anyhow::Result<Outcome> {
     };
     if let Some(wanted) = args.difficulty.map(difficulty) {
         cases.retain(|case| case.difficulty == Some(wanted));
-        anyhow::ensure!(!cases.is_empty(), "no instruction of {what} is said to be {}", named(wanted));
+        anyhow::ensure!(
+            !cases.is_empty(),
+            "no instruction of {what} is said to be {}",
+            named(wanted)
+        );
     }
     let map = args.map.as_deref().map(read_map).transpose()?;
     let bar = progress_bar(cases.len(), "instructions");
@@ -61,11 +65,15 @@ pub fn run(args: &SrtpArgs, parts: &Catalogue) -> anyhow::Result<Outcome> {
 }
 
 fn table(scores: &Scores, what: &str) -> String {
-    let mut text =
-        format!("{} on {what}\n\n            instructions  right   SRTP  95 % interval\n", scores.planner);
+    let mut text = format!(
+        "{} on {what}\n\n            instructions  right   SRTP  95 % interval\n",
+        scores.planner
+    );
     let mut line = |name: &str, share: &Share| {
         let percent = |value: f64| format!("{:.1}", 100.0 * value);
-        let interval = share.interval.map(|[low, high]| format!("{} to {}", percent(low), percent(high)));
+        let interval = share
+            .interval
+            .map(|[low, high]| format!("{} to {}", percent(low), percent(high)));
         let _ = writeln!(
             text,
             "{name:11} {:12}  {:5}  {:>5}  {:>13}",
@@ -76,9 +84,19 @@ fn table(scores: &Scores, what: &str) -> String {
         );
     };
     line("all", &scores.all);
-    scores.difficulties.iter().for_each(|(difficulty, share)| line(named(*difficulty), share));
-    scores.languages.iter().for_each(|(language, share)| line(language, share));
-    let _ = writeln!(text, "\n{:.3} ms an instruction, {:.3} ms at most", scores.mean_ms, scores.max_ms);
+    scores
+        .difficulties
+        .iter()
+        .for_each(|(difficulty, share)| line(named(*difficulty), share));
+    scores
+        .languages
+        .iter()
+        .for_each(|(language, share)| line(language, share));
+    let _ = writeln!(
+        text,
+        "\n{:.3} ms an instruction, {:.3} ms at most",
+        scores.mean_ms, scores.max_ms
+    );
     if let Some(used) = &scores.models {
         let each = |sum: u64| sum as f64 / scores.all.instructions.max(1) as f64;
         let _ = writeln!(
@@ -92,15 +110,35 @@ fn table(scores: &Scores, what: &str) -> String {
         );
     }
     for wrong in scores.wrong.iter().take(SHOWN) {
-        let planned: Vec<String> = wrong.planned.iter().map(|door| format!("({door})")).collect();
-        let said = wrong.said.as_ref().map(|said| format!("; {said}")).unwrap_or_default();
-        let _ =
-            write!(text, "\n{}: {}\n    planned: {}{said}", wrong.id, wrong.instruction, planned.join(" "));
+        let planned: Vec<String> = wrong
+            .planned
+            .iter()
+            .map(|door| format!("({door})"))
+            .collect();
+        let said = wrong
+            .said
+            .as_ref()
+            .map(|said| format!("; {said}"))
+            .unwrap_or_default();
+        let _ = write!(
+            text,
+            "\n{}: {}\n    planned: {}{said}",
+            wrong.id,
+            wrong.instruction,
+            planned.join(" ")
+        );
     }
     if scores.wrong.len() > SHOWN {
-        let _ = write!(text, "\nand {} more (--json has them all)", scores.wrong.len() - SHOWN);
+        let _ = write!(
+            text,
+            "\nand {} more (--json has them all)",
+            scores.wrong.len() - SHOWN
+        );
     }
-    let _ = write!(text, "\n\nThe paper's table, of other instructions, 60 runs each (not run here):");
+    let _ = write!(
+        text,
+        "\n\nThe paper's table, of other instructions, 60 runs each (not run here):"
+    );
     for (model, srtp) in PAPER {
         let _ = write!(text, " {model} {:.0},", 100.0 * srtp);
     }

@@ -19,10 +19,14 @@ pub fn run(args: &VerifyArgs, agents: &Agents) -> anyhow::Result<Outcome> {
         );
     }
     if record.episodes == 0 {
-        anyhow::bail!("{} holds no episodes; nothing can be verified", args.run.display());
+        anyhow::bail!(
+            "{} holds no episodes; nothing can be verified",
+            args.run.display()
+        );
     }
-    let recordings: Result<Vec<Recording>, _> =
-        (0..record.episodes).map(|i| Recording::read(&args.run, i)).collect();
+    let recordings: Result<Vec<Recording>, _> = (0..record.episodes)
+        .map(|i| Recording::read(&args.run, i))
+        .collect();
     let recordings = recordings?;
     if args.agent {
         drive_again(&record, args, agents)?;
@@ -40,7 +44,11 @@ pub fn run(args: &VerifyArgs, agents: &Agents) -> anyhow::Result<Outcome> {
         bar.inc(1);
     }
     bar.finish_and_clear();
-    say(&format!("{}: {} episodes repeat to the bit\n", args.run.display(), recordings.len()))?;
+    say(&format!(
+        "{}: {} episodes repeat to the bit\n",
+        args.run.display(),
+        recordings.len()
+    ))?;
     Ok(Outcome::Done)
 }
 

@@ -51,7 +51,12 @@ fn import(args: &ImportArgs) -> anyhow::Result<Outcome> {
     };
     let recipe = Recipe::Imported {
         version: env!("CARGO_PKG_VERSION").to_owned(),
-        name: args.world.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+        name: args
+            .world
+            .file_stem()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned(),
         world: absolute(&args.world),
         map: Recipe::map_file(),
         models: args.models.iter().map(|m| absolute(m)).collect(),
@@ -64,7 +69,12 @@ fn import(args: &ImportArgs) -> anyhow::Result<Outcome> {
 
 fn wanted(drawn: &DrawArgs, seed: u64) -> Wanted {
     let count = |i: usize| drawn.draw.get(i).map_or(0, |n| usize::from(*n));
-    Wanted { singles: count(0), sequences: (count(1), count(2)), reach: drawn.reach, seed }
+    Wanted {
+        singles: count(0),
+        sequences: (count(1), count(2)),
+        reach: drawn.reach,
+        seed,
+    }
 }
 
 fn report(written: &Written, out: &Path) -> anyhow::Result<Outcome> {
@@ -85,5 +95,7 @@ fn report(written: &Written, out: &Path) -> anyhow::Result<Outcome> {
 
 fn folder_name(path: &Path) -> String {
     let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-    absolute.file_name().map_or("generated".into(), |n| n.to_string_lossy().into_owned())
+    absolute
+        .file_name()
+        .map_or("generated".into(), |n| n.to_string_lossy().into_owned())
 }

@@ -84,7 +84,11 @@ pub fn pull(
     if !missing.is_empty() {
         let (Source::Archive(url) | Source::File(url)) = &set.source;
         let url = mirrored(url, std::env::var(MIRROR).ok().as_deref())?;
-        let body = Counted { inner: get(&url)?, count: 0, progress };
+        let body = Counted {
+            inner: get(&url)?,
+            count: 0,
+            progress,
+        };
         match set.source {
             Source::Archive(_) => unpack(body, &url, folder, &mut missing)?,
             Source::File(_) => take(body, &url, folder, &mut missing)?,
@@ -94,7 +98,11 @@ pub fn pull(
             return Err(DatasetError::Missing { url, missing });
         }
     }
-    Ok(set.files.iter().map(|file| folder.join(&file.name)).collect())
+    Ok(set
+        .files
+        .iter()
+        .map(|file| folder.join(&file.name))
+        .collect())
 }
 
 fn is_here(folder: &Path, file: &DataFile) -> bool {
@@ -103,8 +111,12 @@ fn is_here(folder: &Path, file: &DataFile) -> bool {
 
 /// The address at the mirror, if one is named.
 fn mirrored(url: &str, mirror: Option<&str>) -> Result<String, DatasetError> {
-    let mirror = mirror.map(|text| text.trim().trim_end_matches('/')).filter(|m| !m.is_empty());
-    let Some(mirror) = mirror else { return Ok(url.to_owned()) };
+    let mirror = mirror
+        .map(|text| text.trim().trim_end_matches('/'))
+        .filter(|m| !m.is_empty());
+    let Some(mirror) = mirror else {
+        return Ok(url.to_owned());
+    };
     let is_local = ["http://127.0.0.1", "http://localhost", "http://[::1]"]
         .iter()
         .any(|host| mirror.strip_prefix(host).is_some_and(|rest| is_port(rest)));
@@ -116,7 +128,10 @@ fn mirrored(url: &str, mirror: Option<&str>) -> Result<String, DatasetError> {
 }
 
 fn is_port(text: &str) -> bool {
-    text.is_empty() || text.strip_prefix(':').is_some_and(|port| port.parse::<u16>().is_ok())
+    text.is_empty()
+        || text
+            .strip_prefix(':')
+            .is_some_and(|port| port.parse::<u16>().is_ok())
 }
 
 fn get(url: &str) -> Result<impl Read + use<>, DatasetError> {
@@ -127,14 +142,26 @@ fn get(url: &str) -> Result<impl Read + use<>, DatasetError> {
         .timeout_recv_response(Some(ANSWER_TIMEOUT))
         .build()
         .into();
-    let failed = |error| DatasetError::Download { url: url.to_owned(), source: Box::new(error) };
+    let failed = |error| DatasetError::Download {
+        url: url.to_owned(),
+        source: Box::new(error),
+    };
     let response = agent.get(url).call().map_err(failed)?;
     Ok(response.into_body().into_reader().take(MOST_BYTES))
 }
 
 /// Stores the one file that arrives.
-fn take(body: impl Read, url: &str, folder: &Path, missing: &mut Vec<&DataFile>) -> Result<(), DatasetError> {
-    let most = missing.iter().map(|file| file.bytes).max().unwrap_or_default();
+fn take(
+    body: impl Read,
+    url: &str,
+    folder: &Path,
+    missing: &mut Vec<&DataFile>,
+) -> Result<(), DatasetError> {
+    let most = missing
+        .iter()
+        .map(|file| file.bytes)
+        .max()
+        .unwrap_or_default();
     let bytes = read(body, most, url)?;
     store(&bytes, folder, missing)
 }
@@ -146,7 +173,10 @@ fn unpack(
     folder: &Path,
     missing: &mut Vec<&DataFile>,
 ) -> Result<(), DatasetError> {
-    let broken = |source| DatasetError::Read { url: url.to_owned(), source };
+    let broken = |source| DatasetError::Read {
+        url: url.to_owned(),
+        source,
+    };
     let mut archive = tar::Archive::new(GzDecoder::new(body).take(MOST_UNPACKED_BYTES));
     for entry in archive.entries().map_err(broken)? {
         let entry = entry.map_err(broken)?;
@@ -166,7 +196,10 @@ fn unpack(
 fn read(body: impl Read, most: u64, url: &str) -> Result<Vec<u8>, DatasetError> {
     let mut bytes = Vec::new();
     let outcome = body.take(most + 1).read_to_end(&mut bytes);
-    outcome.map_err(|source| DatasetError::Read { url: url.to_owned(), source })?;
+    outcome.map_err(|source| DatasetError::Read {
+        url: url.to_owned(),
+        source,
+    })?;
     Ok(bytes)
 }
 
@@ -183,8 +216,13 @@ fn store(bytes: &[u8], folder: &Path, missing: &mut Vec<&DataFile>) -> Result<()
 }
 
 fn make_folder_of(path: &Path) -> Result<(), DatasetError> {
-    let Some(folder) = path.parent() else { return Ok(()) };
-    std::fs::create_dir_all(folder).map_err(|source| DatasetError::Folder { path: folder.to_owned(), source })
+    let Some(folder) = path.parent() else {
+        return Ok(());
+    };
+    std::fs::create_dir_all(folder).map_err(|source| DatasetError::Folder {
+        path: folder.to_owned(),
+        source,
+    })
 }
 
 fn sha256(bytes: &[u8]) -> String {
@@ -222,21 +260,36 @@ mod tests {
         assert_eq!(mirrored(url, Some(" ")).unwrap(), url);
         let there = mirrored(url, Some("http://127.0.0.1:8000/")).unwrap();
         assert_eq!(there, "http://127.0.0.1:8000/a/b/tar.gz/c");
-        let bad = ["http://mirror.example", "mirror", "https://user@host", "http://127.0.0.1.evil"];
+        let bad = [
+            "http://mirror.example",
+            "mirror",
+            "https://user@host",
+            "http://127.0.0.1.evil",
+        ];
         for mirror in bad {
-            assert!(matches!(mirrored(url, Some(mirror)), Err(DatasetError::Mirror)), "{mirror}");
+            assert!(
+                matches!(mirrored(url, Some(mirror)), Err(DatasetError::Mirror)),
+                "{mirror}"
+            );
         }
     }
 
     #[test]
     fn content_with_another_sum_is_not_stored() {
         let folder = tempfile::tempdir().unwrap();
-        let right = DataFile { sha256: sha256(b"right"), bytes: 5, name: "a/file".into() };
+        let right = DataFile {
+            sha256: sha256(b"right"),
+            bytes: 5,
+            name: "a/file".into(),
+        };
         let mut missing = vec![&right];
         store(b"wrong", folder.path(), &mut missing).unwrap();
         assert_eq!(missing.len(), 1);
         store(b"right", folder.path(), &mut missing).unwrap();
         assert!(missing.is_empty());
-        assert_eq!(std::fs::read(folder.path().join("a/file")).unwrap(), b"right");
+        assert_eq!(
+            std::fs::read(folder.path().join("a/file")).unwrap(),
+            b"right"
+        );
     }
 }

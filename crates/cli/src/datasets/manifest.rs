@@ -3,8 +3,10 @@
 use std::str::FromStr;
 
 /// The manifests that the binary carries.
-const MANIFESTS: [&str; 2] =
-    [include_str!("../../data/published.txt"), include_str!("../../data/sample-map.txt")];
+const MANIFESTS: [&str; 2] = [
+    include_str!("../../data/published.txt"),
+    include_str!("../../data/sample-map.txt"),
+];
 
 /// A set of files.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -56,8 +58,13 @@ impl FromStr for Dataset {
 
     fn from_str(text: &str) -> Result<Self, ManifestError> {
         let header = |key: &str| -> Option<String> {
-            let lines = text.lines().filter_map(|line| line.strip_prefix("# ")?.split_once(": "));
-            lines.into_iter().find(|(name, _)| *name == key).map(|(_, value)| value.to_owned())
+            let lines = text
+                .lines()
+                .filter_map(|line| line.strip_prefix("# ")?.split_once(": "));
+            lines
+                .into_iter()
+                .find(|(name, _)| *name == key)
+                .map(|(_, value)| value.to_owned())
         };
         let missing = |problem| ManifestError { line: 1, problem };
         let source = match (header("archive"), header("file")) {
@@ -65,14 +72,18 @@ impl FromStr for Dataset {
             (None, Some(url)) => Source::File(url),
             _ => return Err(missing("exactly one of `archive` and `file` is needed")),
         };
-        let numbered = (1..).zip(text.lines()).filter(|(_, line)| !line.starts_with('#'));
+        let numbered = (1..)
+            .zip(text.lines())
+            .filter(|(_, line)| !line.starts_with('#'));
         Ok(Self {
             name: header("name").ok_or(missing("`name` is missing"))?,
             about: header("about").ok_or(missing("`about` is missing"))?,
             origin: header("source").ok_or(missing("`source` is missing"))?,
             licence: header("licence").ok_or(missing("`licence` is missing"))?,
             source,
-            files: numbered.map(|(line, text)| file(line, text)).collect::<Result<_, _>>()?,
+            files: numbered
+                .map(|(line, text)| file(line, text))
+                .collect::<Result<_, _>>()?,
         })
     }
 }
@@ -89,7 +100,11 @@ fn file(line: usize, text: &str) -> Result<DataFile, ManifestError> {
     if !is_sum || !is_inside {
         return Err(ManifestError { line, problem });
     }
-    Ok(DataFile { sha256: sha256.to_owned(), bytes, name: name.to_owned() })
+    Ok(DataFile {
+        sha256: sha256.to_owned(),
+        bytes,
+        name: name.to_owned(),
+    })
 }
 
 /// All data sets.

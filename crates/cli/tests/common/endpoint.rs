@@ -43,7 +43,10 @@ pub fn endpoint(answer: impl Fn(usize, &str) -> Answer + Send + Sync + 'static) 
             let (answer, asked) = (answer.clone(), asked.clone());
             std::thread::spawn(move || {
                 let request = read(&stream)?;
-                reply(&stream, answer(asked.fetch_add(1, Ordering::SeqCst), &request))
+                reply(
+                    &stream,
+                    answer(asked.fetch_add(1, Ordering::SeqCst), &request),
+                )
             });
         }
     });
@@ -62,7 +65,11 @@ fn read(stream: &TcpStream) -> Option<String> {
     loop {
         let mut line = String::new();
         request.read_line(&mut line).ok()?;
-        match line.trim().to_ascii_lowercase().strip_prefix("content-length:") {
+        match line
+            .trim()
+            .to_ascii_lowercase()
+            .strip_prefix("content-length:")
+        {
             Some(bytes) => length = bytes.trim().parse().ok()?,
             None if line.trim().is_empty() => break,
             None => {}
@@ -79,7 +86,10 @@ fn reply(mut stream: &TcpStream, answer: Answer) -> Option<()> {
             let message = json!({ "role": "assistant", "content": text });
             let usage = json!({ "prompt_tokens": 100, "completion_tokens": 10 });
             let choice = json!({ "message": message, "finish_reason": "stop" });
-            (200, json!({ "choices": [choice], "usage": usage }).to_string())
+            (
+                200,
+                json!({ "choices": [choice], "usage": usage }).to_string(),
+            )
         }
         Answer::Status(status) => (status, String::new()),
         Answer::Body(body) => (200, body),

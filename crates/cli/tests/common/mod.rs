@@ -58,9 +58,17 @@ impl Place {
             command.env_remove(key);
         }
         command.env("OPENBENCH_API_TIMEOUT", "2");
-        let output = command.args(words).current_dir(self.0.path()).output().unwrap();
+        let output = command
+            .args(words)
+            .current_dir(self.0.path())
+            .output()
+            .unwrap();
         let ran = Ran::of(output);
-        assert!(!ran.stderr.contains("panicked"), "{words:?}: {}", ran.stderr);
+        assert!(
+            !ran.stderr.contains("panicked"),
+            "{words:?}: {}",
+            ran.stderr
+        );
         ran
     }
 }

@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 
 /// A file of the published data; without it the test that asked for it is skipped, and says so.
 pub fn published(path: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(path);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../../shared/data")
+        .join(path);
     let here = path.exists();
     if !here {
         skipped(&format!("{} is not here", path.display()));

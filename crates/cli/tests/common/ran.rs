@@ -22,15 +22,25 @@ impl Ran {
     }
 
     pub fn json(&self) -> Value {
-        serde_json::from_str(&self.stdout).unwrap_or_else(|e| panic!("{e}: {}{}", self.stdout, self.stderr))
+        serde_json::from_str(&self.stdout)
+            .unwrap_or_else(|e| panic!("{e}: {}{}", self.stdout, self.stderr))
     }
 
     /// Refused with exit code 2, nothing on stdout, and a message with all of these parts.
     pub fn refused_with(&self, parts: &[&str]) {
-        assert_eq!((self.code, self.stdout.as_str()), (2, ""), "{}", self.stderr);
-        parts
-            .iter()
-            .for_each(|part| assert!(self.stderr.contains(part), "{part:?} is not in: {}", self.stderr));
+        assert_eq!(
+            (self.code, self.stdout.as_str()),
+            (2, ""),
+            "{}",
+            self.stderr
+        );
+        parts.iter().for_each(|part| {
+            assert!(
+                self.stderr.contains(part),
+                "{part:?} is not in: {}",
+                self.stderr
+            )
+        });
     }
 
     pub fn succeeded(&self) -> &Self {

@@ -28,7 +28,11 @@ pub fn world(more: &str) -> String {
     );
     for (i, (house, (x, y))) in HOUSES.into_iter().zip(DOORS).enumerate() {
         let (unit, yaw) = (i + 1, if i == 0 { 90_f64 } else { 180.0 }.to_radians());
-        text += &block(&format!("house_{unit}"), house, (2.0 * HALF, 2.0 * HALF, 3.0));
+        text += &block(
+            &format!("house_{unit}"),
+            house,
+            (2.0 * HALF, 2.0 * HALF, 3.0),
+        );
         text += &format!(
             "<model name='text_model{unit}'><pose>{x} {y} 1.2 0 0 {yaw}</pose><link name='l'><visual name='v'><geometry><mesh>\
              <uri>model://text_model{unit}/meshes/fire2.dae</uri></mesh></geometry></visual></link></model>\n"
@@ -45,26 +49,39 @@ pub fn prison() -> String {
         ((0.0, 1.2), (2.6, 0.2, 1.0)),
         ((0.0, -1.2), (2.6, 0.2, 1.0)),
     ];
-    walls.iter().enumerate().map(|(i, (at, size))| block(&format!("wall_{i}"), *at, *size)).collect()
+    walls
+        .iter()
+        .enumerate()
+        .map(|(i, (at, size))| block(&format!("wall_{i}"), *at, *size))
+        .collect()
 }
 
 /// Its map, with a street past both houses.
 pub fn map() -> String {
     let mut text = String::from("<?xml version='1.0'?>\n<osm version='0.6'>\n");
     let node = |id: usize, x: f64, y: f64| {
-        format!("<node id='{id}' lat='{:.8}' lon='{:.8}'/>\n", y / 110_574.3, 3.0 + x / 111_319.5)
+        format!(
+            "<node id='{id}' lat='{:.8}' lon='{:.8}'/>\n",
+            y / 110_574.3,
+            3.0 + x / 111_319.5
+        )
     };
     for (i, (x, y)) in HOUSES.into_iter().enumerate() {
         let first = 10 * (i + 1);
-        for (k, (dx, dy)) in
-            [(-HALF, -HALF), (HALF, -HALF), (HALF, HALF), (-HALF, HALF)].into_iter().enumerate()
+        for (k, (dx, dy)) in [(-HALF, -HALF), (HALF, -HALF), (HALF, HALF), (-HALF, HALF)]
+            .into_iter()
+            .enumerate()
         {
             text += &node(first + k, x + dx, y + dy);
         }
-        let refs: String = [0, 1, 2, 3, 0].iter().map(|k| format!("<nd ref='{}'/>", first + k)).collect();
+        let refs: String = [0, 1, 2, 3, 0]
+            .iter()
+            .map(|k| format!("<nd ref='{}'/>", first + k))
+            .collect();
         let name = format!("building{}", i + 1);
-        text +=
-            &format!("<way id='{first}'>{refs}<tag k='building' v='yes'/><tag k='name' v='{name}'/></way>\n");
+        text += &format!(
+            "<way id='{first}'>{refs}<tag k='building' v='yes'/><tag k='name' v='{name}'/></way>\n"
+        );
     }
     text += &(node(1, 0.0, -20.0)
         + &node(2, 0.0, 0.0)

@@ -17,10 +17,18 @@ pub fn files(log: &Path) -> anyhow::Result<Vec<PathBuf>> {
         }
     }
     if files.is_empty() {
-        let other =
-            std::fs::read_dir(log)?.flatten().any(|e| e.path().extension().is_some_and(|end| end == "db3"));
-        let more = if other { "; it is a SQLite bag: convert it with `ros2 bag convert`" } else { "" };
-        bail!("{}: there is no .mcap file in this folder{more}", log.display());
+        let other = std::fs::read_dir(log)?
+            .flatten()
+            .any(|e| e.path().extension().is_some_and(|end| end == "db3"));
+        let more = if other {
+            "; it is a SQLite bag: convert it with `ros2 bag convert`"
+        } else {
+            ""
+        };
+        bail!(
+            "{}: there is no .mcap file in this folder{more}",
+            log.display()
+        );
     }
     files.sort_by_key(|path| (number(path), path.clone()));
     Ok(files)
@@ -38,14 +46,27 @@ mod tests {
     #[test]
     fn parts_come_in_the_order_of_their_numbers() {
         let folder = tempfile::tempdir().unwrap();
-        assert!(files(folder.path()).unwrap_err().to_string().contains("no .mcap file"));
+        assert!(
+            files(folder.path())
+                .unwrap_err()
+                .to_string()
+                .contains("no .mcap file")
+        );
         std::fs::write(folder.path().join("bag_0.db3"), "").unwrap();
-        assert!(files(folder.path()).unwrap_err().to_string().contains("ros2 bag convert"));
+        assert!(
+            files(folder.path())
+                .unwrap_err()
+                .to_string()
+                .contains("ros2 bag convert")
+        );
         for name in ["bag_10.mcap", "bag_2.mcap", "bag_0.mcap", "metadata.yaml"] {
             std::fs::write(folder.path().join(name), "").unwrap();
         }
         let found = files(folder.path()).unwrap();
-        let names: Vec<_> = found.iter().map(|path| path.file_name().unwrap().to_str().unwrap()).collect();
+        let names: Vec<_> = found
+            .iter()
+            .map(|path| path.file_name().unwrap().to_str().unwrap())
+            .collect();
         assert_eq!(names, ["bag_0.mcap", "bag_2.mcap", "bag_10.mcap"]);
     }
 }

@@ -35,7 +35,10 @@ pub fn run(args: &OdometryArgs) -> anyhow::Result<Outcome> {
             match message {
                 Ok(message) => drive.take(&message)?,
                 Err(error) => {
-                    tell(&format!("{}: {error}; what stands before that is used", file.display()));
+                    tell(&format!(
+                        "{}: {error}; what stands before that is used",
+                        file.display()
+                    ));
                     break;
                 }
             }
@@ -100,14 +103,19 @@ impl Drive {
                 if !self.sensors.imu_is_on(&message.topic) {
                     return Ok(());
                 }
-                self.odometry.imu(self.sensors.sample((&message.decode::<Imu>()?).into()))
+                self.odometry
+                    .imu(self.sensors.sample((&message.decode::<Imu>()?).into()))
             }
             name if name == PointCloud2::DEFINITION.full_name() => {
                 if !self.sensors.lidar_is_on(&message.topic) {
                     return Ok(());
                 }
                 let cloud = message.decode::<PointCloud2>()?;
-                self.odometry.scan(cloud.to_scan().with_context(|| format!("{}", message.time))?)
+                self.odometry.scan(
+                    cloud
+                        .to_scan()
+                        .with_context(|| format!("{}", message.time))?,
+                )
             }
             "livox_ros_driver2/msg/CustomMsg" if self.sensors.lidar_is_on(&message.topic) => {
                 self.odometry.scan(message.decode::<CustomMsg>()?.to_scan())
@@ -115,10 +123,14 @@ impl Drive {
             name if name == JointState::DEFINITION.full_name() && self.wheels.is_some() => {
                 let sample = message.decode::<JointState>()?.wheels();
                 let speed = sample.and_then(|sample| self.wheels.as_mut()?.take(&sample));
-                speed.into_iter().for_each(|speed| self.odometry.speed(speed));
+                speed
+                    .into_iter()
+                    .for_each(|speed| self.odometry.speed(speed));
                 Vec::new()
             }
-            name if name == Odometry::DEFINITION.full_name() && *message.topic == *"/ground_truth/odom" => {
+            name if name == Odometry::DEFINITION.full_name()
+                && *message.topic == *"/ground_truth/odom" =>
+            {
                 if let Some(there) = message.decode::<Odometry>()?.pose.to_pose3() {
                     line(&mut self.truth, message.time, &there);
                     self.true_way.push((message.time, there));
@@ -142,13 +154,18 @@ impl Drive {
         self.noisy += usize::from(estimate.status == Status::Noisy);
         self.lost += usize::from(estimate.status == Status::Lost);
         line(&mut self.path, estimate.stamp, &estimate.pose);
-        self.told.push((estimate.stamp, estimate.pose, estimate.covariance));
+        self.told
+            .push((estimate.stamp, estimate.pose, estimate.covariance));
     }
 
     fn summary(mut self) -> Summary {
         self.times.sort_unstable();
         let at = |part: usize| {
-            let time = self.times.get(self.times.len() * part / 100).copied().unwrap_or_default();
+            let time = self
+                .times
+                .get(self.times.len() * part / 100)
+                .copied()
+                .unwrap_or_default();
             time.as_secs_f64() * 1e3
         };
         Summary {
@@ -196,14 +213,27 @@ const OFTEN: f64 = 0.1;
 
 impl Summary {
     fn text(&self) -> String {
-        let Refused { imu, scans, speeds, points, gaps, runaways } = self.refused;
+        let Refused {
+            imu,
+            scans,
+            speeds,
+            points,
+            gaps,
+            runaways,
+        } = self.refused;
         let mut text = format!(
             "{} scans; CPU time a scan: median {:.1} ms, 99 % {:.1} ms\n",
             self.scans, self.cpu_ms_p50, self.cpu_ms_p99
         );
         for (count, what) in [
-            (self.coasting, "scans without enough to go by: their poses are the IMU's"),
-            (self.disputed, "scans while LiDAR and IMU contradict each other"),
+            (
+                self.coasting,
+                "scans without enough to go by: their poses are the IMU's",
+            ),
+            (
+                self.disputed,
+                "scans while LiDAR and IMU contradict each other",
+            ),
             (
                 self.noisy,
                 "scans whose points are scattered several times as widely as the LiDAR's noise says",
@@ -213,9 +243,18 @@ impl Summary {
                 "times without an IMU for so long that the way after them hangs together with none before",
             ),
             (gaps, "times without samples of the IMU"),
-            (runaways, "times that the way ran away from what wheels and gyroscope say, and was begun anew"),
-            (imu, "samples of the IMU refused: no numbers, or not later than those before"),
-            (scans, "scans refused: older than those before, or before the start"),
+            (
+                runaways,
+                "times that the way ran away from what wheels and gyroscope say, and was begun anew",
+            ),
+            (
+                imu,
+                "samples of the IMU refused: no numbers, or not later than those before",
+            ),
+            (
+                scans,
+                "scans refused: older than those before, or before the start",
+            ),
             (speeds, "speeds of the wheels refused"),
             (points, "points refused: no numbers, or too near"),
         ] {

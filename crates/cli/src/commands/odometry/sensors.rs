@@ -23,7 +23,10 @@ struct Mount {
 impl Mount {
     fn pose(&self) -> Pose3 {
         let [roll, pitch, yaw] = self.rpy;
-        Pose3::from_parts(Translation3::from(self.xyz), UnitQuaternion::from_euler_angles(roll, pitch, yaw))
+        Pose3::from_parts(
+            Translation3::from(self.xyz),
+            UnitQuaternion::from_euler_angles(roll, pitch, yaw),
+        )
     }
 
     fn is_sound(&self) -> bool {
@@ -65,7 +68,9 @@ pub struct Sensors {
 impl Sensors {
     /// Of the benchmark's robot, or as a file says.
     pub fn new(file: Option<&Path>) -> anyhow::Result<Self> {
-        let Some(path) = file else { return File::default().sensors() };
+        let Some(path) = file else {
+            return File::default().sensors();
+        };
         let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
         let file: File = toml::from_str(&text).with_context(|| path.display().to_string())?;
         file.sensors().with_context(|| path.display().to_string())
@@ -83,7 +88,10 @@ impl Sensors {
 
     /// A sample with its specific force in m/s².
     pub fn sample(&self, sample: ImuSample) -> ImuSample {
-        ImuSample { accel: sample.accel.map(|a| a * self.accel_unit), ..sample }
+        ImuSample {
+            accel: sample.accel.map(|a| a * self.accel_unit),
+            ..sample
+        }
     }
 }
 
@@ -92,28 +100,63 @@ impl File {
         let robot = RobotDescription::sentry();
         let mut settings = settings(&robot);
         for mount in [self.imu, self.lidar].into_iter().flatten() {
-            ensure!(mount.is_sound(), "a sensor's xyz is in metres, its rpy in radians");
+            ensure!(
+                mount.is_sound(),
+                "a sensor's xyz is in metres, its rpy in radians"
+            );
         }
         let imu = self.imu.map_or(robot.imu, |mount| mount.pose());
         let lidar = self.lidar.map_or(robot.lidar, |mount| mount.pose());
         (settings.imu, settings.lidar) = (imu, imu.inverse() * lidar);
         settings.estimate_lidar = self.estimate_lidar;
-        settings.imu_limits = self.imu_limits.map(|[gyro, accel]| ImuLimits { gyro, accel });
+        settings.imu_limits = self
+            .imu_limits
+            .map(|[gyro, accel]| ImuLimits { gyro, accel });
         for limit in self.imu_limits.into_iter().flatten() {
-            ensure!(limit.is_finite() && limit > 0.0, "imu_limits are rad/s and m/s² above 0");
+            ensure!(
+                limit.is_finite() && limit > 0.0,
+                "imu_limits are rad/s and m/s² above 0"
+            );
         }
         for (name, value, place) in [
             ("gyro_noise", self.gyro_noise, &mut settings.imu_noise.gyro),
-            ("accel_noise", self.accel_noise, &mut settings.imu_noise.accel),
-            ("gyro_walk", self.gyro_walk, &mut settings.imu_noise.gyro_walk),
-            ("accel_walk", self.accel_walk, &mut settings.imu_noise.accel_walk),
-            ("range_noise", self.range_noise, &mut settings.lidar_noise.range),
-            ("angle_noise", self.angle_noise, &mut settings.lidar_noise.angle),
+            (
+                "accel_noise",
+                self.accel_noise,
+                &mut settings.imu_noise.accel,
+            ),
+            (
+                "gyro_walk",
+                self.gyro_walk,
+                &mut settings.imu_noise.gyro_walk,
+            ),
+            (
+                "accel_walk",
+                self.accel_walk,
+                &mut settings.imu_noise.accel_walk,
+            ),
+            (
+                "range_noise",
+                self.range_noise,
+                &mut settings.lidar_noise.range,
+            ),
+            (
+                "angle_noise",
+                self.angle_noise,
+                &mut settings.lidar_noise.angle,
+            ),
             ("blind", self.blind, &mut settings.blind),
-            ("typical_speed", self.typical_speed, &mut settings.typical_speed),
+            (
+                "typical_speed",
+                self.typical_speed,
+                &mut settings.typical_speed,
+            ),
         ] {
             if let Some(value) = value {
-                ensure!((1e-9..1e3).contains(&value), "{name} is a number above 0, not {value}");
+                ensure!(
+                    (1e-9..1e3).contains(&value),
+                    "{name} is a number above 0, not {value}"
+                );
                 *place = value;
             }
         }
@@ -122,7 +165,12 @@ impl File {
             (1e-3..1e3).contains(&accel_unit),
             "accel_unit is how many m/s² a recorded 1 is, not {accel_unit}"
         );
-        Ok(Sensors { settings, imu_topic: self.imu_topic, lidar_topic: self.lidar_topic, accel_unit })
+        Ok(Sensors {
+            settings,
+            imu_topic: self.imu_topic,
+            lidar_topic: self.lidar_topic,
+            accel_unit,
+        })
     }
 }
 
@@ -141,10 +189,16 @@ mod tests {
         assert!((sensors.settings.lidar.translation.z - 1.0).abs() < 1e-12);
         let up = sensors.settings.lidar.rotation * nalgebra::Vector3::z();
         assert!((up.z + 1.0).abs() < 1e-9, "upside down: {up}");
-        assert_eq!(sensors.settings.blind, settings(&RobotDescription::sentry()).blind);
+        assert_eq!(
+            sensors.settings.blind,
+            settings(&RobotDescription::sentry()).blind
+        );
         assert!(sensors.imu_is_on("/any") && sensors.lidar_is_on("/any"));
-        let still =
-            ImuSample { stamp: openbench_core::SimTime::ZERO, gyro: [0.0; 3], accel: [0.0, 0.0, 1.0] };
+        let still = ImuSample {
+            stamp: openbench_core::SimTime::ZERO,
+            gyro: [0.0; 3],
+            accel: [0.0, 0.0, 1.0],
+        };
         assert!((sensors.sample(still).accel[2] - 9.80665).abs() < 1e-12);
     }
 
