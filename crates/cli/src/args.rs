@@ -30,7 +30,7 @@ pub struct Args {
 
 const EXAMPLES: &str = "\
 Examples:
-  openbench run                                    the built-in suite `small`, with the baseline agent
+  openbench run
   openbench run medium --jobs 2 --out runs/medium
   openbench world generate --map city.osm.pbf --around 7.4197,43.7314 --radius 300 --out worlds/city
   openbench run worlds/city
@@ -45,33 +45,33 @@ Exit codes: 0 done, 1 a run could not be finished or has a problem, 2 bad usage 
 pub enum Command {
     /// Run an agent through a suite of deliveries and score it
     Run(RunArgs),
-    /// Print the deliveries that an instruction asks for, in driving order, as JSON
+    /// Plan the deliveries of an instruction; prints JSON
     Plan(PlanArgs),
     /// Measure how many instructions a planner understands (SRTP)
     Srtp(SrtpArgs),
-    /// Print a route as OSRM's HTTP API does, JSON
+    /// Compute a route; prints JSON in the format of OSRM's HTTP API
     Route(RouteArgs),
-    /// Put a map's roads into a graph file, so that routing starts at once
+    /// Write a map's roads as a graph file that routing opens at once
     Prepare(PrepareArgs),
-    /// Draw what a map says of the ground as ROS's map server reads it
+    /// Draw a map as a costmap file of ROS's map server
     Costmap(CostmapArgs),
-    /// Work out where a log's sensors went: LiDAR-inertial odometry
+    /// Compute the trajectory of a log by LiDAR-inertial odometry
     Odometry(OdometryArgs),
-    /// Drive round a world and record all that the sensors say, with the truth
+    /// Drive around a world and record all sensor data and the truth
     Record(RecordArgs),
-    /// Answer OSRM's HTTP API: route, nearest, table
+    /// Serve OSRM's HTTP API: route, nearest, table
     Serve(ServeArgs),
-    /// Score a log that the reference's recorder wrote, JSON
+    /// Score a log of the reference's recorder; prints JSON
     Evaluate(EvaluateArgs),
-    /// Drive a run's recorded actions again, or its agent, and compare every state
+    /// Repeat the recorded actions of a run, or its agent, and compare every state
     Verify(VerifyArgs),
-    /// Make worlds and look at them
+    /// Generate, import and render worlds
     World(WorldArgs),
     /// Download published worlds and a sample map
     Data(DataArgs),
-    /// Model files
+    /// List and download model files
     Models(ModelsArgs),
-    /// Measure our own speed, for comparisons
+    /// Measure parts: speed, planners, localization, deliveries in towns
     Bench(BenchArgs),
 }
 

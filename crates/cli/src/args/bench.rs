@@ -19,40 +19,41 @@ pub struct BenchArgs {
 /// What can be measured.
 #[derive(Debug, Subcommand)]
 pub enum BenchCommand {
-    /// The simulator: LiDAR rays, images, seconds simulated in a second of one core
+    /// Speed of the simulator: LiDAR rays, images, real-time factor of one core
     Sim(BenchSimArgs),
-    /// Routing: routes, nearest places, tables, preparing a map
+    /// Speed of routing: routes, nearest points, tables, map preparation
     Routing(BenchRoutingArgs),
-    /// The pose graph of a g2o file: chi² and CPU seconds
+    /// Solve the pose graph of a g2o file: chi² and CPU time
     Posegraph(BenchPosegraphArgs),
-    /// Local planners: drives through scenes from a seed, and what could have been done in each
+    /// Compare local planners in random scenes with the best known motion
     Motion(BenchMotionArgs),
-    /// Driving among people: kilometres in the simulator, collisions, and who was to blame
+    /// Drive among people: collisions by fault, near misses, stops
     People(BenchPeopleArgs),
-    /// Localization with sensors that are worse than believed: errors, and whether they are told
+    /// Localization with degraded sensors: errors, and whether they are reported
     Health(BenchHealthArgs),
-    /// Deliveries in neighbourhoods that a seed draws from maps: success, failures by cause, errors of poses
+    /// Deliveries in random neighbourhoods of maps: success, causes of failure, pose errors
     Towns(BenchTownsArgs),
 }
 
 /// Arguments of `bench health`.
 #[derive(Debug, ClapArgs)]
 #[command(after_help = "\
-The same drive for each kind of trouble: noise, points in steps, a LiDAR that is blind, turned or late, an IMU that is hit,
-wheels of another size. A localizer may be off then, but not by a metre while it calls its pose good.
+The same drive is repeated with each kind of degradation: noise, quantized points, a LiDAR
+that is blinded, rotated or late, impacts on the IMU, wheels of another radius. A localizer
+may be wrong then, but not by more than a metre while its health is good.
 
 Example:
   openbench bench health medium --minutes 3 --jobs 2")]
 pub struct BenchHealthArgs {
-    /// A built-in world (small, medium, large), a suite file (.toml), or the folder of a generated or imported world
+    /// A built-in world (small, medium, large), a suite file (.toml), or a world folder
     pub world: String,
-    /// How long each drive is
+    /// Duration of each drive, minutes
     #[arg(long, default_value_t = 3.0, value_parser = minutes)]
     pub minutes: f64,
     /// Seed of noise and the order of doors
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Drives at a time; results do not depend on it
+    /// Drives in parallel; results do not depend on it
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
     pub jobs: u16,
     /// Print JSON
@@ -63,43 +64,44 @@ pub struct BenchHealthArgs {
 /// Arguments of `bench towns`.
 #[derive(Debug, ClapArgs)]
 #[command(after_help = "\
-A window is a square of a map with ten doors at least. Four single deliveries and a sequence of three are drawn in each.
-Windows that are done are kept in the folder: the same command again goes on where it was broken off.
+A window is a square of a map with at least ten doors. Four single deliveries and a sequence
+of three are drawn in each. Finished windows stay in the folder: the same command continues
+where it was interrupted.
 
 Examples:
   openbench bench towns --map krems.osm.pbf --map heidelberg.osm.pbf --windows 20 --jobs 2
-  openbench bench towns --map krems.osm.pbf --windows 4 --seed 7 --false-origin 5000 --out far --json > far.json
+  openbench bench towns --map krems.osm.pbf --windows 4 --false-origin 5000 --out far --json
   openbench bench towns --map krems.osm.pbf --windows 30 --draw --out windows
   openbench record windows/000/world --out 000.mcap")]
 pub struct BenchTownsArgs {
-    /// A map (.osm or .osm.pbf); windows are drawn from each in turn
+    /// A map (.osm or .osm.pbf); may be repeated, windows are drawn from each in turn
     #[arg(long = "map", required = true)]
     pub maps: Vec<PathBuf>,
-    /// How many windows
+    /// Number of windows
     #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u16).range(1..=10_000))]
     pub windows: u16,
-    /// How far a window reaches to each side of its middle, metres
+    /// Half the side of a window, metres
     #[arg(long, value_name = "M", default_value_t = 160.0, value_parser = radius)]
     pub radius: f64,
-    /// What windows, worlds, deliveries and noise are drawn from
+    /// Seed of windows, worlds, deliveries and noise
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// How far the origin of coordinates is from each window, kilometres; nothing should depend on it
+    /// Distance of the coordinates' origin from each window, kilometres
     #[arg(long, value_name = "KM", default_value_t = 0.0, value_parser = far)]
     pub false_origin: f64,
-    /// The agent
+    /// The agent to run
     #[arg(long, default_value = "open")]
     pub agent: String,
-    /// A setting of the agent
+    /// A setting of the agent, as in `run`; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
     pub settings: Vec<(String, String)>,
-    /// Episodes run at the same time; results do not depend on it
+    /// Episodes that run in parallel; results do not depend on it
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
     pub jobs: u16,
     /// Folder for worlds, results and reports
     #[arg(long, default_value = "runs/towns")]
     pub out: PathBuf,
-    /// Draw the windows and make their worlds, and deliver nothing
+    /// Only draw the windows and write their worlds
     #[arg(long)]
     pub draw: bool,
     /// Print JSON
@@ -115,8 +117,12 @@ Examples:
   openbench bench motion --scenes 1000 --planner teb --jobs 2 --json
   openbench bench motion --scenes 1 --first 42 --planner teb --pictures scenes")]
 pub struct BenchMotionArgs {
-    /// Scenes to draw; every tenth is of the same kind
-    #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    /// Number of scenes; every tenth is of the same kind
+    #[arg(
+        long,
+        default_value_t = 100,
+        value_parser = clap::value_parser!(u32).range(1..=1_000_000)
+    )]
     pub scenes: u32,
     /// Number of the first scene
     #[arg(long, default_value_t = 0)]
@@ -124,13 +130,13 @@ pub struct BenchMotionArgs {
     /// Seed of the scenes
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Who drives; may be given several times [default: all of them]
+    /// Local planners, separated by commas [default: all]
     #[arg(long = "planner", value_parser = local_planner(), value_delimiter = ',')]
     pub planners: Vec<String>,
-    /// Scenes at a time; only CPU times depend on it
+    /// Scenes in parallel; only CPU times depend on it
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
     pub jobs: u16,
-    /// Write a picture (.svg) of each drive into this folder
+    /// Folder for a picture (.svg) of each drive
     #[arg(long)]
     pub pictures: Option<PathBuf>,
     /// Print JSON
@@ -141,30 +147,31 @@ pub struct BenchMotionArgs {
 /// Arguments of `bench people`.
 #[derive(Debug, ClapArgs)]
 #[command(after_help = "\
-OPEN's driver goes from door to door by LiDAR and wheels; only where it is it is told. Cameras and language are left out.
+OPEN's driver drives from door to door with LiDAR and wheels; its pose is given by the
+simulator. Camera and language are not used.
 
 Examples:
   openbench bench people small --pedestrians 10,40 --km 2
   openbench bench people small --pedestrians 40 --cars 10 --planner follower --jobs 2 --json")]
 pub struct BenchPeopleArgs {
-    /// A built-in world (small, medium, large), a suite file (.toml), or the folder of a generated or imported world
+    /// A built-in world (small, medium, large), a suite file (.toml), or a world folder
     pub world: String,
-    /// People who walk about; a row for each number
+    /// Numbers of pedestrians, separated by commas: one row each
     #[arg(long, default_value = "20", value_delimiter = ',')]
     pub pedestrians: Vec<u16>,
-    /// Cars that drive about
+    /// Number of moving cars
     #[arg(long, default_value_t = 0)]
     pub cars: u16,
-    /// Kilometres for each row at most, in drives of half a kilometre or less; drives of more than 50 minutes end before
+    /// Kilometres per row, in drives of up to 500 m or 50 minutes
     #[arg(long, default_value_t = 1.0, value_parser = kilometres)]
     pub km: f64,
     /// Seed of people, noise and the order of doors
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// The local planner, as in `run --set motion=`
+    /// The local planner, as in `run --set motion=NAME`
     #[arg(long, default_value = "teb")]
     pub planner: String,
-    /// Drives at a time; results do not depend on it
+    /// Drives in parallel; results do not depend on it
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
     pub jobs: u16,
     /// Print JSON
@@ -188,7 +195,7 @@ Example:
 pub struct BenchPosegraphArgs {
     /// The graph (.g2o)
     pub graph: PathBuf,
-    /// Write the solved graph to this file
+    /// File for the solved graph
     #[arg(long)]
     pub out: Option<PathBuf>,
     /// Print JSON
@@ -200,18 +207,18 @@ pub struct BenchPosegraphArgs {
 #[derive(Debug, ClapArgs)]
 #[command(after_help = "\
 Example:
-  openbench bench routing --map porto.osm.pbf --profile foot --pairs pairs.csv --json --answers answers.csv")]
+  openbench bench routing --map porto.osm.pbf --profile foot --pairs pairs.csv --json")]
 pub struct BenchRoutingArgs {
-    /// The map and who travels
+    /// Map and profile
     #[command(flatten)]
     pub roads: RoadArgs,
-    /// From where to where: rows of lon,lat,lon,lat
+    /// CSV file of pairs: lon,lat,lon,lat per line
     #[arg(long)]
     pub pairs: PathBuf,
-    /// Write distance_m,duration_s of every pair to this file
+    /// File for distance_m,duration_s of each pair
     #[arg(long)]
     pub answers: Option<PathBuf>,
-    /// Write the graph to this folder, for peers that know no maps
+    /// Folder for the graph, for programs that read no maps
     #[arg(long)]
     pub dump: Option<PathBuf>,
     /// Print JSON instead of a table
@@ -236,22 +243,22 @@ pub struct BenchSimArgs {
     /// The OSM map of that world
     #[arg(long, requires = "world")]
     pub map: Option<PathBuf>,
-    /// Folder in which `model://` is looked up (may be given more than once)
+    /// Folder with the models that `model://` names; may be repeated
     #[arg(long)]
     pub models: Vec<PathBuf>,
-    /// How the world lies on the Earth
+    /// Georeference of the world
     #[arg(long)]
     pub georef: Option<String>,
-    /// People who walk about
+    /// Number of pedestrians
     #[arg(long, default_value_t = 0)]
     pub pedestrians: u16,
-    /// Cars that drive about
+    /// Number of moving cars
     #[arg(long, default_value_t = 0)]
     pub cars: u16,
     /// Print JSON
     #[arg(long)]
     pub json: bool,
-    /// Folder for the triangles and rays that were measured, for other programs to be measured with
+    /// Folder for the measured triangles and rays, for other programs
     #[arg(long)]
     pub dump: Option<PathBuf>,
 }

