@@ -51,12 +51,10 @@ impl Extensions {
 
     /// Adds an agent: `--agent NAME`.
     #[must_use]
-    pub fn with_agent(
-        mut self,
-        name: &str,
-        about: &str,
-        make: impl Fn(&AgentRequest<'_>) -> Result<Box<dyn Agent>, AgentError> + Send + Sync + 'static,
-    ) -> Self {
+    pub fn with_agent<F>(mut self, name: &str, about: &str, make: F) -> Self
+    where
+        F: Fn(&AgentRequest<'_>) -> Result<Box<dyn Agent>, AgentError> + Send + Sync + 'static,
+    {
         self.agents = self.agents.with(name, about, Arc::new(make));
         self
     }

@@ -1,7 +1,7 @@
 //! The command line: parse, build the parts that were asked for, call, print.
 //!
-//! An agent, reader, localizer or local planner of your own becomes a binary of your own: hand it to [`main_with`] in
-//! [`Extensions`] and every command knows it beside the built-in ones.
+//! To add an agent, plate reader, localizer or local planner, write a binary that passes it to
+//! [`main_with`] in [`Extensions`]: every command then knows it beside the built-in ones.
 //!
 //! | module | its one job |
 //! |---|---|

@@ -1,5 +1,5 @@
-//! Exit codes. 0: done (a failed delivery is a result, not an error). 1: an episode could not be carried to its end,
-//! `verify` differs, or `plan` reports a problem. 2: bad usage or bad input.
+//! Exit codes. 0: done (a failed delivery is a result, not an error). 1: an episode could not be
+//! completed, `verify` differs, or `plan` reports a problem. 2: bad usage or bad input.
 
 use std::io::{self, Write};
 use std::process::ExitCode;

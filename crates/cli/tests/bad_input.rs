@@ -1,4 +1,5 @@
-//! Bad input ends with exit code 2 and a message that says what, where and what to do; never with a panic.
+//! Bad input ends with exit code 2 and a message that says what, where and what to do; never with a
+//! panic.
 
 mod common;
 
@@ -47,8 +48,8 @@ fn a_world_without_anything_solid_says_what_to_add() {
 
 #[test]
 fn a_missing_mesh_names_the_model_the_mesh_and_the_option() {
-    let cow = "<model name='cow_1'><link name='l'><visual name='v'><geometry><mesh><uri>model://cow/cow.dae</uri></mesh>\
-        </geometry></visual></link></model>";
+    let cow = "<model name='cow_1'><link name='l'><visual name='v'><geometry>\
+        <mesh><uri>model://cow/cow.dae</uri></mesh></geometry></visual></link></model>";
     spoilt("town.world", world(cow)).refused_with(&["cow_1", "model://cow/cow.dae", "--models"]);
 }
 

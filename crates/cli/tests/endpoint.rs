@@ -1,4 +1,5 @@
-//! A chat endpoint that misbehaves: each of its faults ends in a right plan or an honest refusal, none at a wrong door.
+//! A chat endpoint that misbehaves: each of its faults ends in a right plan or an honest refusal,
+//! none at a wrong door.
 
 mod common;
 
@@ -12,8 +13,9 @@ const BOTH: &str = "Bring a box to unit2, building2, then a bag to unit1, buildi
 
 /// What a model that understands [`INSTRUCTION`] says to each prompt.
 fn right() -> String {
-    json!({ "deliveries": [{ "item": "a box", "building": "building1", "unit": "unit1" }], "rejected": [] })
-        .to_string()
+    json!({ "deliveries": [{ "item": "a box", "building": "building1", "unit": "unit1" }],
+    "rejected": [] })
+    .to_string()
 }
 
 fn plan_by(planner: &str, instruction: &str) -> Ran {
@@ -154,7 +156,8 @@ fn an_invented_address_is_no_stop() {
     let invented = [
         json!({ "deliveries": [{ "building": "building2", "unit": "unit1" }] }),
         json!({ "deliveries": [{ "building": "building1", "unit": "unit2" }] }),
-        json!({ "deliveries": [{ "building": "building1", "unit": "unit1" }, { "building": "building9" }] }),
+        json!({ "deliveries": [{ "building": "building1", "unit": "unit1" },
+        { "building": "building9" }] }),
         json!({ "deliveries": [] }),
     ];
     for answer in invented {
@@ -245,7 +248,8 @@ fn a_spent_budget_leaves_the_plan_to_the_grammar() {
     let (planner, reader) = (endpoint(|_, _| says(right())), reader_that_says(UNIT_1));
     let run = |budget: &str| {
         let words = format!(
-            "--deliveries one.txt --json --set planner={planner} --set reader={reader} --set budget={budget}"
+            "--deliveries one.txt --json --set planner={planner} --set reader={reader} --set \
+            budget={budget}"
         );
         deliver(&place, &words)
     };
@@ -272,7 +276,8 @@ fn what_models_take_to_answer_is_charged_if_that_is_asked_for() {
     let reader = reader_that_says(UNIT_1);
     let seconds = |thinking: &str| {
         let words = format!(
-            "--deliveries one.txt --json --set planner={planner} --set reader={reader} --set thinking={thinking}"
+            "--deliveries one.txt --json --set planner={planner} --set reader={reader} --set \
+            thinking={thinking}"
         );
         deliver(&place, &words).succeeded().json()["metrics"]["sim_seconds"]
             .as_f64()

@@ -97,7 +97,7 @@ fn doors(ran: &Ran) -> [usize; 3] {
     };
     [
         before(" doors"),
-        before(" within a robot"),
+        before(" reachable"),
         before(" to deliver to"),
     ]
 }

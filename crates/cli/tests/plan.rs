@@ -36,7 +36,8 @@ fn a_plan_has_the_keys_that_programs_read() {
             "item": "a box",
             "building": "building1",
             "unit": "unit1",
-            "steps": [{ "mode": "navigate", "target": "building1" }, { "mode": "explore", "target": "unit1" }],
+            "steps": [{ "mode": "navigate", "target": "building1" }, { "mode": "explore",
+            "target": "unit1" }],
             "confidence": 1.0,
             "problem": null
         }]

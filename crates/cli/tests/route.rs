@@ -26,11 +26,13 @@ fn a_route_follows_the_street_round_its_corner() {
     let expected = json!({
         "code": "Ok",
         "routes": [{
-            "distance": 33.3, "duration": 66.7, "weight": 73.3, "weight_name": "duration", "geometry": line, "legs": [leg]
+            "distance": 33.3, "duration": 66.7, "weight": 73.3, "weight_name": "duration",
+            "geometry": line, "legs": [leg]
         }],
         "waypoints": [
             { "name": "Long Lane", "location": [3, -0.0001], "distance": 0 },
-            { "name": "Long Lane", "location": [3.0002, 0], "distance": answer["waypoints"][1]["distance"] }
+            { "name": "Long Lane", "location": [3.0002, 0],
+            "distance": answer["waypoints"][1]["distance"] }
         ]
     });
     assert_eq!(answer, expected);

@@ -65,11 +65,13 @@ fn results_hold_every_key_that_programs_read() {
     has(&results, "suite agent seed version metrics deliveries");
     has(
         &results["metrics"],
-        "sr_10m spl_straight sr_2m correct_unit spl lsr lspl collisions path_m sim_seconds wall_seconds real_time_factor",
+        "sr_10m spl_straight sr_2m correct_unit spl lsr lspl collisions path_m sim_seconds \
+        wall_seconds real_time_factor",
     );
     has(
         &results["deliveries"][0],
-        "episode task instruction building unit success_10m success_2m correct_unit distance_to_door_m",
+        "episode task instruction building unit success_10m success_2m correct_unit \
+        distance_to_door_m",
     );
     has(
         &results["deliveries"][0],
@@ -340,8 +342,10 @@ fn a_suite_file_runs_from_its_own_folder() {
     std::fs::create_dir(place.path("suites")).unwrap();
     place.file(
         "suites/town.toml",
-        "name = \"mine\"\n[world.imported]\nworld = \"../town.world\"\nmap = \"../town.osm\"\nmodels = []\ngeoreference = \"tangent:3,0\"\n\
-         [[episodes]]\ninstruction = \"To unit1, building1.\"\ndeliveries = [{ building = \"building1\", unit = \"unit1\" }]\n",
+        "name = \"mine\"\n[world.imported]\nworld = \"../town.world\"\nmap = \
+        \"../town.osm\"\nmodels = []\ngeoreference = \"tangent:3,0\"\n\
+         [[episodes]]\ninstruction = \"To unit1, building1.\"\ndeliveries = [{ building = \
+         \"building1\", unit = \"unit1\" }]\n",
     );
     let results = place
         .openbench(&format!(
@@ -402,7 +406,8 @@ fn a_published_world_is_run_with_its_truth() {
     };
     let file = |name: &str| data.join(name).display().to_string();
     let words = format!(
-        "run --world {} --map {} --models {} --deliveries {} --truth {} --json --record none --set reader={NOBODY}",
+        "run --world {} --map {} --models {} --deliveries {} --truth {} --json --record none \
+        --set reader={NOBODY}",
         file("small_osm.world"),
         file("small.osm"),
         models.display(),

@@ -49,7 +49,8 @@ fn a_run_among_people_repeats_to_the_bit_on_any_number_of_threads() {
     let reader = reader_that_says(UNIT_1);
     let run = |out: &str, jobs: u32| {
         let words = format!(
-            "--deliveries one.txt --pedestrians 6 --seed 5 --jobs {jobs} --out {out} --json --set reader={reader}"
+            "--deliveries one.txt --pedestrians 6 --seed 5 --jobs {jobs} --out {out} --json --set \
+            reader={reader}"
         );
         let mut results = deliver(&place, &words).succeeded().json();
         results["settings"] = Value::Null;
@@ -143,13 +144,16 @@ fn an_agent_repeats_what_it_did_without_its_models() {
     );
     let planner = endpoint(|_, _| {
         says(
-            r#"{"deliveries": [{"item": "a box", "building": "building1", "unit": "unit1"}], "rejected": []}"#,
+            r#"{"deliveries": [{"item": "a box", "building": "building1", "unit": "unit1"}],
+                "rejected": []}"#,
         )
     });
-    // Sees the plate from the fourth picture on: what it answers depends on what it was asked before.
+    // Sees the plate from the fourth picture on: what it answers depends on what it was asked
+    // before.
     let reader = endpoint(|number, _| says(if number < 3 { NOTHING } else { UNIT_1 }));
     let words = format!(
-        "--deliveries one.txt --out run --set planner={planner} --set reader={reader} --set thinking=charged"
+        "--deliveries one.txt --out run --set planner={planner} --set reader={reader} --set \
+        thinking=charged"
     );
     deliver(&place, &words).succeeded();
     let ran = place.openbench("verify run --agent --jobs 2");

@@ -1,4 +1,5 @@
-//! `openbench world`: worlds from an OSM map, from a Gazebo world, and what is done with their folders.
+//! `openbench world`: worlds from an OSM map, from a Gazebo world, and what is done with their
+//! folders.
 
 mod common;
 
@@ -6,7 +7,8 @@ use common::Place;
 use common::endpoint::{UNIT_1, reader_that_says};
 use common::town::{NOBODY, town};
 
-/// A street with houses: one named, one with street and number, one with nothing, and one that crosses itself.
+/// A street with houses: one named, one with street and number, one with nothing, and one that
+/// crosses itself.
 fn village() -> Place {
     let mut text = String::from("<osm version='0.6'>\n");
     let mut node = |id: usize, x: f64, y: f64, tags: &str| {
@@ -222,7 +224,8 @@ fn a_world_is_shown() {
 #[test]
 fn depth_classes_and_instances_lie_beside_the_picture_with_their_legends() {
     let place = generated("");
-    let words = "world show w --from 5,0,90 --out view.jpg --quality 70 --no-shadows --depth d.png --classes c.png --instances i.png";
+    let words = "world show w --from 5,0,90 --out view.jpg --quality 70 --no-shadows --depth \
+    d.png --classes c.png --instances i.png";
     place.openbench(words).succeeded();
     assert!(
         std::fs::read(place.path("view.jpg"))
@@ -367,8 +370,10 @@ fn maps_that_make_no_world_are_refused() {
 #[test]
 fn what_is_left_out_of_a_world_is_said_when_it_is_made_and_when_it_is_run() {
     let place = village();
-    let flat = "<way id='60'><nd ref='10'/><nd ref='11'/><nd ref='10'/><tag k='building' v='yes'/></way>\
-        <way id='61'><nd ref='1'/><nd ref='2'/><nd ref='1'/><nd ref='2'/><nd ref='1'/><tag k='building:part' v='yes'/></way>\
+    let flat = "<way id='60'><nd ref='10'/><nd ref='11'/><nd ref='10'/><tag k='building' \
+    v='yes'/></way>\
+        <way id='61'><nd ref='1'/><nd ref='2'/><nd ref='1'/><nd ref='2'/><nd ref='1'/><tag \
+        k='building:part' v='yes'/></way>\
         <node id='99' lat='95' lon='3'/></osm>";
     place.file(
         "village.osm",

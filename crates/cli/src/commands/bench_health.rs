@@ -31,7 +31,7 @@ pub fn run(args: &BenchHealthArgs) -> anyhow::Result<Outcome> {
 fn table(trials: &[Trial]) -> String {
     let mut text = format!(
         "{:<40}  {:>8}  {:>8}  {:>12}  {:>6}  {:>6}  {:>6}\n",
-        "trouble", "rms m", "largest", "called good", "good %", "lost %", "silent"
+        "degradation", "rms m", "largest", "called good", "good %", "lost %", "silent"
     );
     for trial in trials {
         let number =
@@ -49,8 +49,8 @@ fn table(trials: &[Trial]) -> String {
         );
     }
     text.push_str(
-        "\nErrors in metres; called good: the largest error of a pose whose health was called good; silent: how often the pose\n\
-         came to be more than a metre off with good health.\n",
+        "\nErrors in metres. Called good: largest error of a pose with good health. Silent: number \
+         of times that\nthe error came to exceed a metre with good health.\n",
     );
     text
 }

@@ -68,8 +68,9 @@ fn draw(
 
 fn table(trial: &Trial) -> String {
     let mut text = format!(
-        "{} scenes of seed {}; of {} more it is not known whether there is a way\n\n\
-         planner   feasible  reached  collisions  refused    cycle ms p50   p99  time ratio   max  slow  swerves   max\n",
+        "{} scenes of seed {}; for {} more neither a motion nor a proof was found\n\n\
+         planner   feasible  reached  collisions  refused    cycle ms p50   p99  time ratio   max  \
+         slow  swerves   max\n",
         trial.scenes, trial.seed, trial.undecided
     );
     for (planner, row) in &trial.planners {
@@ -82,7 +83,7 @@ fn table(trial: &Trial) -> String {
         }
     }
     if !trial.failures.is_empty() {
-        text.push_str("\nNot as it should be:\n");
+        text.push_str("\nFailures:\n");
     }
     for failure in trial.failures.iter().take(SHOWN) {
         let (who, what) = (failure.planner.name(), &failure.what);
@@ -111,7 +112,8 @@ fn number(value: Option<f64>, digits: usize) -> String {
 fn line(text: &mut String, name: &str, row: &Row) {
     let _ = writeln!(
         text,
-        "{name:10}{:8}  {:7}  {:10}  {:3} of {:3}  {:11.2}  {:5.2}  {:>10}  {:>4}  {:4}  {:>7}  {:4}",
+        "{name:10}{:8}  {:7}  {:10}  {:3} of {:3}  {:11.2}  {:5.2}  {:>10}  {:>4}  {:4}  {:>7}  \
+         {:4}",
         row.feasible,
         row.reached,
         row.collisions,

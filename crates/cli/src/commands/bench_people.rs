@@ -46,7 +46,8 @@ pub fn run(args: &BenchPeopleArgs, parts: &Catalogue) -> anyhow::Result<Outcome>
 
 fn table(rows: &[Among]) -> String {
     let mut text = String::from(
-        "people  cars     km  hours  doors reached  given up  collisions  driven into  cut off  near misses/km  stops/km\n",
+        "people  cars     km  hours  doors reached  given up  collisions  driven into  cut off  \
+         near misses/km  stops/km\n",
     );
     for row in rows {
         let total = |count: fn(&openbench_bench::score::metrics::CollisionSum) -> usize| {
@@ -70,7 +71,10 @@ fn table(rows: &[Among]) -> String {
             each(row.smoothness.stops),
         );
     }
-    text.push_str("\nDriven into: the robot was faster than 5 cm/s. Cut off: it stood, but had got into the other's way within the braking distance.\n");
+    text.push_str(
+        "\nDriven into: the robot was faster than 5 cm/s. Cut off: it stood, but had entered the \
+         other's path within the braking distance.\n",
+    );
     let worst = rows
         .iter()
         .flat_map(|row| row.bumps.iter().map(move |bump| (row, bump)));

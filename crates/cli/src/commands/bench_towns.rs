@@ -93,7 +93,7 @@ fn tell_of_room(found: usize, wanted: usize) {
 }
 
 const HEAD: &str = "window                    SR   SPL   LSR  pose 95 %  largest  silent  \
-                    odometry  NEES  hits     x  failures\n";
+                    odometry  NEES  coll     x  failures\n";
 
 fn table(towns: &Towns) -> String {
     let mut text = HEAD.to_owned();
@@ -138,9 +138,10 @@ fn table(towns: &Towns) -> String {
     let _ = writeln!(
         text,
         "\n{deliveries} deliveries; pose {rms} rms; 95 % intervals: SR {}, SPL {}, LSR {}\n\
-         SR, SPL, LSR: percent, strict. Pose and odometry: metres; odometry's error is that of a drive of 3 minutes,\n\
-         NEES is 6 if it is as large as told. Silent: times more than a metre off with good health. x: times real time\n\
-         a core.",
+         SR, SPL, LSR: percent, strict reading. Pose and odometry: metres; odometry over a drive \
+         of 3 minutes.\nNEES: 6 if the covariance is right. Silent: divergences of more than a \
+         metre \
+         with good health.\nx: real-time factor of one core.",
         interval("sr_2m"),
         interval("spl"),
         interval("lsr")

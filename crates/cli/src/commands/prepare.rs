@@ -38,7 +38,7 @@ fn summary(roads: &Roads) -> String {
             .count()
             / 2;
         text += &format!(
-            "layer {height}: {:6} cells, {crossing:6} edges between them, {:6} vertices on their borders\n",
+            "layer {height}: {:6} cells, {crossing:6} edges between them, {:6} border vertices\n",
             layer.cells(),
             layer.state.len()
         );
@@ -47,19 +47,19 @@ fn summary(roads: &Roads) -> String {
         (report.ways_without_points, "ways have no two known nodes"),
         (
             report.conditional,
-            "ways have words that hold at some times only; these were not regarded",
+            "ways have conditional tags, which were ignored",
         ),
         (
             report.odd_restrictions,
-            "turn restrictions are not from a way by a node or by ways to another; these were not regarded",
+            "turn restrictions have unsupported members and were ignored",
         ),
         (
             report.squares_not_crossed,
-            "pedestrian areas have too many corners, or no whole outline, and are not crossed",
+            "pedestrian areas are not crossed: too many corners, or an incomplete outline",
         ),
         (
             roads.levels.len() - roads.vertices.layers.len(),
-            "layers were left out: their cells have too many vertices on their borders",
+            "layers were skipped: their cells have too many border vertices",
         ),
     ] {
         if count > 0 {

@@ -90,7 +90,8 @@ fn spare(out: &Path, read: &[PathBuf]) -> anyhow::Result<()> {
         ];
         if cleared.iter().any(|cleared| full.starts_with(cleared)) {
             anyhow::bail!(
-                "{} is of an earlier run in {}, which is cleared before this one begins; copy it, or choose another folder with --out",
+                "{} belongs to an earlier run in {}, which is cleared first; copy it, or \
+                 choose another folder with --out",
                 path.display(),
                 out.display()
             );
@@ -181,7 +182,8 @@ fn imported(args: &RunArgs, world: &Path, map: &Path) -> anyhow::Result<Suite> {
                 .filter(|_| args.truth.is_none());
             if let Some(episode) = silent {
                 anyhow::bail!(
-                    "{}: no delivery was found in `{}`; name building and unit, or give the true positions with --truth",
+                    "{}: no delivery was found in `{}`; name building and unit, or \
+                     give true positions with --truth",
                     file.display(),
                     episode.instruction
                 );

@@ -21,16 +21,16 @@ use crate::args::ServeArgs;
 use crate::commands::route::service;
 use crate::outcome::{Outcome, tell};
 
-/// Connections at a time; more wait.
+/// Largest number of open connections; more wait.
 const CONNECTIONS: usize = 1024;
-/// The longest a request's head may take to come, and answers to go when the server stops.
+/// Timeout for the head of a request, and for answers when the server stops.
 const PATIENCE: Duration = Duration::from_secs(10);
-/// A connection's longest life; clients open a new one then.
+/// Longest life of a connection.
 const LONGEST_CONNECTION: Duration = Duration::from_secs(600);
-/// Bytes of a request's head; hyper takes no longer addresses than 64 KiB anyway.
+/// Largest head of a request, bytes; hyper limits addresses to 64 KiB anyway.
 const LONGEST_HEAD: usize = 128 << 10;
 
-/// Answers until it is told to stop.
+/// Serves until it is stopped.
 pub fn run(args: &ServeArgs) -> anyhow::Result<Outcome> {
     let limits = Limits {
         route: args.max_route_places,
@@ -74,13 +74,13 @@ async fn serve(args: &ServeArgs, service: Arc<Service>) -> anyhow::Result<()> {
         let (stream, permit) = match accepted {
             Ok(accepted) => accepted,
             Err(error) => {
-                // Out of files, or the other side is gone already: others can be served.
+                // Out of file handles, or a closed connection: others can still be served.
                 tracing::warn!("a connection was not accepted: {error}");
                 tokio::time::sleep(Duration::from_millis(50)).await;
                 continue;
             }
         };
-        // An answer is written at once.
+        // Answers are sent at once, without Nagle's algorithm.
         let _ = stream.set_nodelay(true);
         let service = service.clone();
         let answer = service_fn(move |request| {
@@ -94,7 +94,7 @@ async fn serve(args: &ServeArgs, service: Arc<Service>) -> anyhow::Result<()> {
             .max_buf_size(LONGEST_HEAD);
         let connection = graceful.watch(builder.serve_connection(TokioIo::new(stream), answer));
         tokio::spawn(async move {
-            // Whoever does not read what was asked for is not waited for without end.
+            // A client that does not read its answer is not waited for without end.
             match tokio::time::timeout(LONGEST_CONNECTION, connection).await {
                 Ok(Err(error)) => tracing::debug!("a connection ended: {error}"),
                 Ok(Ok(())) => {}
@@ -111,7 +111,7 @@ async fn serve(args: &ServeArgs, service: Arc<Service>) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The next connection, when there is room for it.
+/// The next connection, once the number of open ones permits it.
 async fn accept(
     listener: &TcpListener,
     room: &Arc<Semaphore>,
@@ -124,7 +124,8 @@ async fn accept(
     Ok((listener.accept().await?.0, permit))
 }
 
-/// Until Ctrl-C, or the signal that asks a process to end. It is listened for from the call on: whoever has read where we listen may stop us.
+/// Waits for Ctrl-C or a termination signal. It listens from the call on, so a caller that has read
+/// the address may stop the server.
 #[cfg(unix)]
 fn stopped() -> impl Future<Output = ()> {
     use tokio::signal::unix::{SignalKind, signal};
@@ -144,7 +145,7 @@ fn stopped() -> impl Future<Output = ()> {
     }
 }
 
-/// Until Ctrl-C.
+/// Waits for Ctrl-C.
 #[cfg(not(unix))]
 async fn stopped() {
     if tokio::signal::ctrl_c().await.is_err() {

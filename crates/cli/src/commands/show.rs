@@ -165,7 +165,8 @@ fn legend_of_classes(labels: &Labels) -> serde_json::Value {
 }
 
 fn legend_of_instances(labels: &Labels, scene: &Scene) -> serde_json::Value {
-    // A number has one entry, though a house shows walls, doors and plates: what moves is all of one class.
+    // One entry for each number, though a house shows walls, doors and plates. Moving objects have
+    // one class each.
     let mut seen: BTreeMap<u32, (Option<SemanticClass>, u64)> = BTreeMap::new();
     for (number, class) in labels.object.iter().zip(&labels.class) {
         seen.entry(*number).or_insert((*class, 0)).1 += 1;
@@ -174,7 +175,8 @@ fn legend_of_instances(labels: &Labels, scene: &Scene) -> serde_json::Value {
         let object = scene.object(*number);
         let class = object.map(|o| o.class).or(*class).map(SemanticClass::name);
         let name = object.map_or(class.unwrap_or("sky"), |object| &object.name);
-        json!({ "number": number, "name": name, "class": class, "color": hex(color_of_number(*number)), "pixels": pixels })
+        let color = hex(color_of_number(*number));
+        json!({ "number": number, "name": name, "class": class, "color": color, "pixels": pixels })
     };
     json!({ "instances": seen.iter().map(entry).collect::<Vec<_>>() })
 }
@@ -183,13 +185,14 @@ fn hex([r, g, b]: [u8; 3]) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// Of sixteen million colours one for each number, neighbours far apart: an odd factor leaves no two alike.
+/// One of 16 million colours for each number, with neighbours far apart. The factor is odd, so no
+/// two are equal.
 fn color_of_number(number: u32) -> [u8; 3] {
     let [_, r, g, b] = number.wrapping_mul(0x9e_3779).to_be_bytes();
     [r, g, b]
 }
 
-/// Colours as Cityscapes has them, as far as it knows the class.
+/// The colours of Cityscapes for the classes that it has.
 fn color_of_class(class: SemanticClass) -> [u8; 3] {
     match class {
         SemanticClass::Ground => [152, 251, 152],

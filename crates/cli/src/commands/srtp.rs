@@ -94,14 +94,15 @@ fn table(scores: &Scores, what: &str) -> String {
         .for_each(|(language, share)| line(language, share));
     let _ = writeln!(
         text,
-        "\n{:.3} ms an instruction, {:.3} ms at most",
+        "\n{:.3} ms per instruction, {:.3} ms at most",
         scores.mean_ms, scores.max_ms
     );
     if let Some(used) = &scores.models {
         let each = |sum: u64| sum as f64 / scores.all.instructions.max(1) as f64;
         let _ = writeln!(
             text,
-            "an instruction: {:.1} calls, {:.0} tokens read, {:.0} written; {} calls failed; {} plans in part by the grammar",
+            "per instruction: {:.1} calls, {:.0} tokens read, {:.0} written; {} failed calls; \
+             {} plans with parts by the grammar",
             each(used.calls.into()),
             each(used.prompt_tokens),
             each(used.completion_tokens),

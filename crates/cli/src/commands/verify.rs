@@ -12,17 +12,14 @@ pub fn run(args: &VerifyArgs, agents: &Agents) -> anyhow::Result<Outcome> {
     let record = RunRecord::read(&args.run)?;
     if record.version != env!("CARGO_PKG_VERSION") {
         anyhow::bail!(
-            "{} was made by version {}, this is {}; the same bytes are promised within one version only",
+            "{} was made by version {}, this is version {}; runs repeat within one version only",
             args.run.display(),
             record.version,
             env!("CARGO_PKG_VERSION")
         );
     }
     if record.episodes == 0 {
-        anyhow::bail!(
-            "{} holds no episodes; nothing can be verified",
-            args.run.display()
-        );
+        anyhow::bail!("{} contains no episodes to verify", args.run.display());
     }
     let recordings: Result<Vec<Recording>, _> = (0..record.episodes)
         .map(|i| Recording::read(&args.run, i))

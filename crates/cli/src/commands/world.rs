@@ -81,7 +81,7 @@ fn report(written: &Written, out: &Path) -> anyhow::Result<Outcome> {
     let (world, suite) = (&written.prepared.world, &written.prepared.suite);
     world.warnings.iter().for_each(|w| tell(w));
     say(&format!(
-        "{}: {} triangles, {} doors, {} within a robot's reach, {} to deliver to; {} episodes in {}\n",
+        "{}: {} triangles, {} doors, {} reachable, {} to deliver to; {} episodes in {}\n",
         world.name,
         world.scene.triangles.len(),
         world.scene.doors.len(),

@@ -33,7 +33,8 @@ pub fn says(text: impl Into<String>) -> Answer {
     Answer::Says(text.into())
 }
 
-/// Serves until the test ends; returns what to write after `reader=` or `planner=`. The answer follows from the number of the request, from 0, and its body.
+/// Serves until the test ends; returns what to write after `reader=` or `planner=`. The answer
+/// follows from the number of the request, from 0, and its body.
 pub fn endpoint(answer: impl Fn(usize, &str) -> Answer + Send + Sync + 'static) -> String {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let port = listener.local_addr().unwrap().port();
@@ -100,7 +101,8 @@ fn reply(mut stream: &TcpStream, answer: Answer) -> Option<()> {
         Answer::HangUp => return None,
     };
     let head = format!(
-        "HTTP/1.1 {status} X\r\ncontent-type: application/json\r\ncontent-length: {}\r\nconnection: close\r\n\r\n",
+        "HTTP/1.1 {status} X\r\ncontent-type: application/json\r\ncontent-length: \
+        {}\r\nconnection: close\r\n\r\n",
         body.len()
     );
     stream.write_all((head + &body).as_bytes()).ok()

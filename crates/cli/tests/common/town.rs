@@ -1,4 +1,5 @@
-//! Two houses, a door each, and the map of them: small enough to deliver in within a simulated minute.
+//! Two houses, a door each, and the map of them: small enough to deliver in within a simulated
+//! minute.
 
 use super::{Place, Ran};
 
@@ -23,8 +24,10 @@ fn block(name: &str, (x, y): (f64, f64), (width, depth, height): (f64, f64, f64)
 pub fn world(more: &str) -> String {
     let ground = "<geometry><plane><normal>0 0 1</normal><size>100 100</size></plane></geometry>";
     let mut text = format!(
-        "<sdf version='1.7'>\n<world name='town'>\n<model name='ground_plane'><static>1</static><link name='l'>\
-         <visual name='v'>{ground}</visual><collision name='c'>{ground}</collision></link></model>\n"
+        "<sdf version='1.7'>\n<world name='town'>\n\
+         <model name='ground_plane'><static>1</static><link name='l'>\
+         <visual name='v'>{ground}</visual>\
+         <collision name='c'>{ground}</collision></link></model>\n"
     );
     for (i, (house, (x, y))) in HOUSES.into_iter().zip(DOORS).enumerate() {
         let (unit, yaw) = (i + 1, if i == 0 { 90_f64 } else { 180.0 }.to_radians());
@@ -34,8 +37,10 @@ pub fn world(more: &str) -> String {
             (2.0 * HALF, 2.0 * HALF, 3.0),
         );
         text += &format!(
-            "<model name='text_model{unit}'><pose>{x} {y} 1.2 0 0 {yaw}</pose><link name='l'><visual name='v'><geometry><mesh>\
-             <uri>model://text_model{unit}/meshes/fire2.dae</uri></mesh></geometry></visual></link></model>\n"
+            "<model name='text_model{unit}'><pose>{x} {y} 1.2 0 0 {yaw}</pose>\
+             <link name='l'><visual name='v'><geometry><mesh>\
+             <uri>model://text_model{unit}/meshes/fire2.dae</uri>\
+             </mesh></geometry></visual></link></model>\n"
         );
     }
     text + more + "</world>\n</sdf>\n"
@@ -88,8 +93,10 @@ pub fn map() -> String {
         + &node(3, 30.0, 0.0)
         + &node(4, 500.0, 500.0)
         + &node(5, 520.0, 500.0));
-    text += "<way id='1'><nd ref='1'/><nd ref='2'/><nd ref='3'/><tag k='highway' v='residential'/><tag k='name' v='Long Lane'/></way>\n";
-    text += "<way id='2'><nd ref='4'/><nd ref='5'/><tag k='highway' v='residential'/><tag k='name' v='Far Away'/></way>\n";
+    text += "<way id='1'><nd ref='1'/><nd ref='2'/><nd ref='3'/>\
+             <tag k='highway' v='residential'/><tag k='name' v='Long Lane'/></way>\n";
+    text += "<way id='2'><nd ref='4'/><nd ref='5'/>\
+             <tag k='highway' v='residential'/><tag k='name' v='Far Away'/></way>\n";
     text + "</osm>\n"
 }
 

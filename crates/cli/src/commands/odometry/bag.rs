@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
-/// The MCAP files of a log, in the order in which they were recorded: rosbag2 splits bags into NAME_0.mcap, NAME_1.mcap and so on.
+/// The MCAP files of a log, in order of recording. rosbag2 splits bags into NAME_0.mcap,
+/// NAME_1.mcap and so on.
 pub fn files(log: &Path) -> anyhow::Result<Vec<PathBuf>> {
     if !log.is_dir() {
         return Ok(vec![log.to_owned()]);

@@ -208,8 +208,8 @@ struct Summary {
     version: &'static str,
 }
 
-/// With this share of scans without enough to go by something is wrong with the log or with what is known of the robot.
-const OFTEN: f64 = 0.1;
+/// Share of degenerate scans above which the log or the robot description is probably wrong.
+const SUSPICIOUS_SHARE: f64 = 0.1;
 
 impl Summary {
     fn text(&self) -> String {
@@ -228,44 +228,40 @@ impl Summary {
         for (count, what) in [
             (
                 self.coasting,
-                "scans without enough to go by: their poses are the IMU's",
+                "degenerate scans: their poses are predicted by the IMU",
             ),
             (
                 self.disputed,
-                "scans while LiDAR and IMU contradict each other",
+                "scans during which LiDAR and IMU contradict each other",
             ),
             (
                 self.noisy,
-                "scans whose points are scattered several times as widely as the LiDAR's noise says",
+                "scans with several times the LiDAR's nominal noise",
             ),
             (
                 self.lost,
-                "times without an IMU for so long that the way after them hangs together with none before",
+                "gaps of the IMU after which the trajectory is no longer connected",
             ),
-            (gaps, "times without samples of the IMU"),
+            (gaps, "gaps in the samples of the IMU"),
             (
                 runaways,
-                "times that the way ran away from what wheels and gyroscope say, and was begun anew",
+                "divergences from wheels and gyroscope, after which the filter was restarted",
             ),
-            (
-                imu,
-                "samples of the IMU refused: no numbers, or not later than those before",
-            ),
-            (
-                scans,
-                "scans refused: older than those before, or before the start",
-            ),
-            (speeds, "speeds of the wheels refused"),
-            (points, "points refused: no numbers, or too near"),
+            (imu, "IMU samples rejected: not finite, or out of order"),
+            (scans, "scans rejected: out of order, or before the start"),
+            (speeds, "wheel speeds rejected"),
+            (points, "points rejected: not finite, or too near"),
         ] {
             if count > 0 {
                 let _ = writeln!(text, "{count} {what}");
             }
         }
-        if self.disputed > 0 || self.coasting as f64 > OFTEN * self.scans as f64 {
+        if self.disputed > 0 || self.coasting as f64 > SUSPICIOUS_SHARE * self.scans as f64 {
             text.push_str(
-                "do not trust this way; the cause may be sensors that sit elsewhere or are turned otherwise than is believed, another unit of \
-                 acceleration (both: --robot, see --help), IMU and LiDAR by different clocks, or a corridor without end (--wheels)\n",
+                "do not trust this trajectory; possible causes: sensor poses or the unit of \
+                 acceleration differ from the description (--robot, see --help), IMU and \
+                 LiDAR have different clocks, or the surroundings are degenerate, such as \
+                 a long corridor (--wheels)\n",
             );
         }
         text.truncate(text.trim_end().len());

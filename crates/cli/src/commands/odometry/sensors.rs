@@ -184,7 +184,9 @@ mod tests {
 
     #[test]
     fn mounts_are_in_the_robots_frame_and_the_rest_may_be_left_out() {
-        let text = "imu = { xyz = [1.0, 0.0, 0.5] }\nlidar = { xyz = [1.0, 0.0, 1.5], rpy = [3.14159, 0, 0] }\naccel_unit = 9.80665";
+        let text = "imu = { xyz = [1.0, 0.0, 0.5] }\n\
+                    lidar = { xyz = [1.0, 0.0, 1.5], rpy = [3.14159, 0, 0] }\n\
+                    accel_unit = 9.80665";
         let sensors = read(text).unwrap();
         assert!((sensors.settings.lidar.translation.z - 1.0).abs() < 1e-12);
         let up = sensors.settings.lidar.rotation * nalgebra::Vector3::z();
