@@ -56,7 +56,7 @@ impl PlanError {
     }
 }
 
-/// Why an answer of a chat model cannot be used. The model is told so when it is asked again.
+/// Why an answer of a chat model cannot be used. The model gets the text when it is asked again.
 #[derive(Debug, Clone, thiserror::Error)]
 #[non_exhaustive]
 pub enum AnswerError {

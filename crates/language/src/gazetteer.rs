@@ -245,7 +245,7 @@ pub(crate) fn generic_label(name: &str, words: &Words) -> Option<String> {
 }
 
 fn label_in(name: &str, tokens: &[Token], words: &Words) -> Option<String> {
-    // Most names hold nothing like a label; to find that out is much cheaper than to read them.
+    // Most names contain no label; testing for that is much cheaper than reading them.
     if tokens.len() > LONGEST_GENERIC || !tokens.iter().any(|token| words.may_label(token)) {
         return None;
     }

@@ -419,7 +419,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stop_that_must_be_visited_between_parts_a_place() {
+    fn a_stop_required_in_between_splits_a_place() {
         let mut precedence = Precedence::new(3);
         assert!(precedence.add(0, 1) && precedence.add(1, 2));
         assert!(!precedence.add(2, 0), "a circle is refused");
@@ -427,7 +427,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_due_comes_in_time_and_no_sooner_than_need_be() {
+    fn deadlines_are_met_by_the_shortest_order() {
         let times = line(&[30, 10, -20]);
         let order = |due: [Option<u64>; 3]| order_in_time(&times, &Precedence::new(3), &due);
         assert_eq!(
@@ -468,7 +468,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn orders_in_time_are_the_shortest_of_those(
+        fn orders_in_time_are_the_shortest_of_their_kind(
             cells in proptest::collection::vec(1_u64..40, 36),
             due in proptest::collection::vec(proptest::option::of(1_u64..120), 5),
             pair in (0_usize..5, 0_usize..5),

@@ -1,5 +1,5 @@
-//! How people speak freely: all units of a building, senders, orders turned round, what is taken
-//! back, stories around an address.
+//! Free speech: all units of a building, senders, reversed orders, places taken back, stories around
+//! an address.
 
 mod support;
 
@@ -12,7 +12,7 @@ fn map() -> OsmMap {
     numbered_with_units(12)
 }
 
-/// All drives take the same time, so that doors come as they are named.
+/// All drives take the same time, so that doors come in the order in which they are named.
 #[track_caller]
 fn check(cases: &[(&str, &str)]) {
     check_in_time(cases, &Flat);
@@ -133,7 +133,7 @@ fn senders_are_no_destinations() {
 }
 
 #[test]
-fn orders_can_be_turned_round() {
+fn orders_can_be_reversed() {
     let cases = [
         (
             "Building 2 unit 1 and then building 6 unit 3. Actually, swap the order.",
@@ -181,7 +181,7 @@ fn orders_can_be_turned_round() {
 }
 
 #[test]
-fn what_is_taken_back_is_not_driven_to() {
+fn places_taken_back_are_no_destinations() {
     check(&[
         (
             "Units 2 and 4 of building 7, but unit 4 has just cancelled",
@@ -315,7 +315,7 @@ fn hints_and_landmarks_are_no_doors() {
 }
 
 #[test]
-fn who_is_not_sure_is_asked() {
+fn an_unsure_sender_gets_one_delivery_with_a_problem() {
     let map = map();
     for text in [
         "It is for building 4 or building 5, I can't remember which",
@@ -331,7 +331,7 @@ fn who_is_not_sure_is_asked() {
 }
 
 #[test]
-fn all_units_of_all_buildings_are_bounded() {
+fn the_number_of_stops_is_bounded() {
     let text = "all units of buildings 1 to 50; all units of buildings 51 to 60";
     let plan = plan(
         &GrammarPlanner::new(),

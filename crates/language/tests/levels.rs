@@ -78,7 +78,7 @@ fn a_flat_without_an_entrance_is_the_unit() {
 }
 
 #[test]
-fn floors_are_of_the_door_that_they_stand_with() {
+fn floors_belong_to_the_nearest_door() {
     let text = "A box to unit 1 of building 3, 2nd floor, \
                 and a letter to unit 2 of building 5, 7th floor.";
     let Plan { deliveries, .. } = plan(&GrammarPlanner::new(), &numbered(9), &Flat, text).unwrap();
@@ -109,7 +109,7 @@ fn estates() -> OsmMap {
 }
 
 #[test]
-fn the_quarter_tells_buildings_of_one_name_apart() {
+fn the_quarter_disambiguates_buildings_of_one_name() {
     for (text, building, level) in [
         (
             "The box to unit 1, building 3 in Rose Estate",
@@ -162,9 +162,9 @@ fn the_quarter_tells_buildings_of_one_name_apart() {
     }
 }
 
-/// Towns have several of a chain's shops; an address is that of one.
+/// A town has several shops of a chain; an address belongs to one of them.
 #[test]
-fn an_address_tells_buildings_of_one_name_apart() {
+fn an_address_disambiguates_buildings_of_one_name() {
     let shop = |street, number| {
         [
             ("name", "Speedy"),
@@ -191,7 +191,7 @@ fn an_address_tells_buildings_of_one_name_apart() {
 
 /// `Ost` is in `Post`, and 12 in a telephone number.
 #[test]
-fn quarters_are_whole_words_and_no_numbers() {
+fn quarters_match_whole_words_but_no_numbers() {
     let houses = [
         [("name", "building3"), ("addr:suburb", "Ost")],
         [("name", "building3"), ("addr:block", "12")],
@@ -207,7 +207,7 @@ fn quarters_are_whole_words_and_no_numbers() {
 }
 
 #[test]
-fn each_door_has_the_quarter_that_it_stands_with_or_all_have_the_same() {
+fn a_quarter_applies_to_its_door_or_to_all_doors() {
     let doors = |text: &str| {
         let Plan { deliveries, .. } =
             plan(&GrammarPlanner::new(), &estates(), &Flat, text).unwrap();
@@ -228,7 +228,7 @@ fn each_door_has_the_quarter_that_it_stands_with_or_all_have_the_same() {
 }
 
 #[test]
-fn a_building_that_the_map_lacks_is_looked_for_in_its_street() {
+fn a_building_missing_on_the_map_is_explored_for_in_its_street() {
     let xml = r#"<osm version="0.6">
         <node id="1" lat="0" lon="0"/><node id="2" lat="0" lon="1e-3"/>
         <way id="1"><nd ref="1"/><nd ref="2"/>

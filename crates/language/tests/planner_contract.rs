@@ -1,4 +1,4 @@
-//! What every planner owes its caller, tried on all of them.
+//! The contract of planners, tested with each of them.
 
 mod support;
 
@@ -7,7 +7,7 @@ use std::sync::Arc;
 use openbench_language::{ChatPlanner, GrammarPlanner, PlanError, Planner};
 use support::{Flat, Script, Straight, doors, numbered, plan};
 
-/// A planner and, for those that ask a model, the lines the model says.
+/// Makes a planner; the lines are the model's answers, if it asks one.
 type Make = fn(&[&str]) -> Box<dyn Planner>;
 
 const PLANNERS: [(&str, Make); 2] = [
@@ -24,7 +24,7 @@ const TWO: &str = r#"{"deliveries": [
     {"item": "this parcel", "building": "building2", "unit": "unit2"}]}"#;
 
 #[test]
-fn it_bears_its_name() {
+fn it_reports_its_name() {
     for (name, make) in PLANNERS {
         assert_eq!(make(&[]).name(), name);
         let plan = plan(
@@ -66,7 +66,7 @@ fn it_names_doors_items_and_steps() {
 }
 
 #[test]
-fn it_visits_the_nearer_door_first_and_says_where_it_stood() {
+fn it_visits_the_nearer_door_first_and_keeps_the_instructions_index() {
     for (name, make) in PLANNERS {
         let lines = [TWO, TWO, r#"{"order": [2, 1]}"#];
         let text = "this box to unit1, building3 and this parcel to unit 2, building 2";
@@ -95,7 +95,7 @@ fn it_delivers_to_each_door_once() {
 }
 
 #[test]
-fn it_says_what_the_map_lacks() {
+fn it_reports_what_the_map_lacks() {
     for (name, make) in PLANNERS {
         let plan = plan(
             &*make(&[ONE, ONE]),
@@ -116,7 +116,7 @@ fn it_says_what_the_map_lacks() {
 }
 
 #[test]
-fn it_says_when_there_is_nothing_to_deliver() {
+fn it_fails_if_there_is_nothing_to_deliver() {
     let nothing = r#"{"deliveries": []}"#;
     for (name, make) in PLANNERS {
         let error = plan(
@@ -138,7 +138,7 @@ fn it_says_when_there_is_nothing_to_deliver() {
 }
 
 #[test]
-fn it_answers_the_same_again() {
+fn it_is_deterministic() {
     for (name, make) in PLANNERS {
         let run = || {
             plan(

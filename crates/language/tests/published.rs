@@ -1,5 +1,5 @@
-//! The published instruction files and the project's own list in six languages, where the folder
-//! `../shared/data` is there.
+//! The published instruction files and the project's own list in six languages, if the folder
+//! `../shared/data` exists.
 
 mod support;
 
@@ -22,7 +22,7 @@ fn data(name: &str) -> Option<PathBuf> {
     None
 }
 
-/// Says something even where the test passes.
+/// Writes to standard error even if the test passes.
 fn note(text: &str) {
     let _ = std::io::Write::write_all(&mut std::io::stderr(), format!("{text}\n").as_bytes());
 }
@@ -102,7 +102,7 @@ fn published_instruction_files() {
     }
 }
 
-/// Every building of a real map whose name no other bears is found by that name.
+/// Every building of a real map with a name of its own is found by that name.
 #[test]
 fn names_of_real_places_are_found() {
     for file in ["osm/ajou_campus.osm", "osm/monaco.osm.pbf"] {
@@ -153,8 +153,7 @@ fn names_of_real_places_are_found() {
     }
 }
 
-/// The grammar alone takes well under a millisecond; a map's names must be gathered again for each
-/// plan.
+/// The grammar alone takes well under a millisecond; each plan collects the map's names anew.
 #[test]
 fn planning_takes_little_time() {
     let map = numbered(14);

@@ -1,4 +1,4 @@
-//! What the grammar knows of doors that a model lists: which building of one name, orders,
+//! What the grammar reads of doors that a model lists: which building of one name, orders,
 //! deadlines, floors, doubts.
 
 use crate::resolve::{Stop, Stops};
@@ -20,7 +20,7 @@ pub(super) fn adopt_places(stops: &mut Stops, read: &Stops) {
     }
 }
 
-/// Whether a stop is the same door as another one, its building told from others of its name.
+/// Whether a stop is the same door as another one, with its building disambiguated.
 fn is_narrower(read: &Stop, stop: &Stop) -> bool {
     let rest = read.address.building.strip_prefix(&stop.address.building);
     rest.is_some_and(|rest| rest.starts_with(", ")) && read.address.unit == stop.address.unit

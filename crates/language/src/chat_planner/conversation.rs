@@ -80,7 +80,7 @@ impl Conversation<'_> {
         if count < 2 {
             return Ok((0..count).collect());
         }
-        // A model is not told of times, and so cannot keep them.
+        // The prompt lists no deadlines; the exact search keeps them.
         if stops.stops.iter().any(|stop| stop.due.is_some()) {
             return Ok(shortest(request, stops));
         }

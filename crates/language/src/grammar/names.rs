@@ -432,12 +432,12 @@ mod tests {
     }
 
     #[test]
-    fn a_name_that_two_buildings_bear_is_both() {
+    fn a_name_of_two_buildings_gives_both_places() {
         assert_eq!(found("the Gym", &["Gym", "GYM"]), [(vec![0, 1], 0)]);
     }
 
     #[test]
-    fn a_number_before_a_street_is_its_own_only_if_nothing_else_claims_it() {
+    fn a_number_before_a_street_belongs_to_it_unless_a_unit_precedes() {
         let street = [
             "Elm Street 4",
             "4 Elm Street",

@@ -143,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn letters_and_digits_part_where_they_meet() {
+    fn letters_and_digits_are_separate_tokens() {
         assert_eq!(
             texts("Unit1, B8-U3!"),
             ["unit", "1", ",", "b", "8", "-", "u", "3", "!"]

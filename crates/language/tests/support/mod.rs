@@ -90,7 +90,7 @@ impl TravelTimes for Flat {
     }
 }
 
-/// One metre a second as the crow flies.
+/// One metre a second in a straight line.
 pub struct Straight;
 
 impl TravelTimes for Straight {
@@ -130,7 +130,7 @@ pub fn doors(plan: &Plan) -> String {
         .join(" ")
 }
 
-/// Compares what is read with what is wanted, all cases before it fails.
+/// Compares what is read with what is wanted, and reports all cases that differ.
 #[track_caller]
 pub fn compare(cases: &[(&str, &str)], read: impl Fn(&str) -> String) {
     let wrong: Vec<String> = cases
@@ -144,7 +144,7 @@ pub fn compare(cases: &[(&str, &str)], read: impl Fn(&str) -> String) {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// A chat model that says its lines one after the other and remembers what it was asked.
+/// A chat model that answers with its lines one after the other and records the requests.
 pub struct Script {
     lines: Mutex<Vec<String>>,
     /// The last message of each request.

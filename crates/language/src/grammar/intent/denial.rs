@@ -39,7 +39,7 @@ pub(crate) const DENIALS: &[Denial] = &[
         apply: elsewhere_behind,
     },
     Denial {
-        name: "whoever is absent is no destination",
+        name: "a place that is closed or empty is no destination",
         examples: &[Example(
             "L'ascenseur du bâtiment 4 est en panne. Le colis va au bâtiment 6, unité 3.",
             "building6/unit3",
@@ -76,7 +76,7 @@ pub(crate) const DENIALS: &[Denial] = &[
         apply: dropped_behind_a_comma,
     },
     Denial {
-        name: "somebody in brackets behind a name sends",
+        name: "an address in brackets behind a name is a sender's",
         examples: &[Example(
             "Mme Roche (bâtiment 6, entrée 4) envoie ce pot de miel à M. Petit, qui habite \
                  bâtiment 2, entrée 3.",
@@ -85,7 +85,7 @@ pub(crate) const DENIALS: &[Denial] = &[
         apply: sends_behind_a_mark,
     },
     Denial {
-        name: "somebody who lives at a place sends, is absent or cancels",
+        name: "what is said of a resident is said of the address",
         examples: &[Example(
             "7号棟3号室の山本さんから預かった荷物を、12号棟2号室に",
             "building12/unit2",

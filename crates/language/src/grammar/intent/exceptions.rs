@@ -103,7 +103,7 @@ fn are_of_one_building(mentions: &[Mention], a: Option<usize>, b: Option<usize>)
     }
 }
 
-/// `Everyone in building 3 apart from unit 2`: who excepts some of the units means all others.
+/// `Everyone in building 3 apart from unit 2`: an exception implies all other units.
 pub(super) fn all_but(reading: &Reading<'_>, selection: &mut Selection) {
     let mentions = &selection.mentions;
     let owners = owners(reading, mentions);

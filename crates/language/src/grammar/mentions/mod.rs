@@ -69,7 +69,7 @@ fn mention(
     }
 }
 
-/// A name of the map, unless a person bears it: `Frau Rosenhof`.
+/// A name of the map, unless it is a person's: `Frau Rosenhof`.
 fn named(reading: &Reading<'_>, at: usize, name: usize) -> Option<Mention> {
     let is_person = at > 0 && reading.class(at - 1) == Some(Class::Title);
     (!is_person).then(|| Mention::one(Level::Building, Target::Name(name), at..at + 1))

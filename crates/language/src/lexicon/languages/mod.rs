@@ -77,7 +77,7 @@ mod tests {
     use crate::lexicon::tokens::tokenize;
 
     #[test]
-    fn no_language_says_a_word_twice() {
+    fn no_language_lists_a_word_twice() {
         for language in LANGUAGES {
             let mut seen = BTreeSet::new();
             let words = language.words.iter().flat_map(|(_, words)| words.iter());
