@@ -48,6 +48,10 @@ impl Echo {
 /// Probability that the sensor reports a surface at `range` metres. `cosine` is that of the angle
 /// of incidence, `reflectivity` counts 0 to 255.
 #[inline(always)]
+#[expect(
+    clippy::manual_range_contains,
+    reason = "two comparisons become vector instructions"
+)]
 pub(super) fn detection(range: f32, cosine: f32, reflectivity: f32) -> f32 {
     let share = upper(reflectivity * (1.0 / 255.0), DARKEST);
     let light = share * cosine / (range * range);

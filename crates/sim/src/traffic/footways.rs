@@ -137,14 +137,8 @@ fn lines(road: &Road) -> Vec<Line> {
     let Some(way) = carriageway(&road.tags) else {
         return Vec::new();
     };
-    let left = way
-        .walkers
-        .left
-        .map(|distance| pavement(road, 1.0 * distance));
-    let right = way
-        .walkers
-        .right
-        .map(|distance| pavement(road, -1.0 * distance));
+    let left = way.walkers.left.map(|distance| pavement(road, distance));
+    let right = way.walkers.right.map(|distance| pavement(road, -distance));
     left.into_iter().chain(right).collect()
 }
 
