@@ -6,6 +6,7 @@
 //! | module | its one job |
 //! |---|---|
 //! | `request` | parses requests |
+//! | `query` | the texts of a request: coordinates and options |
 //! | `service` | answers requests |
 //! | `route`, `nearest`, `table` | the answers of the three services |
 //! | `segments` | what each segment takes, for annotations |
@@ -19,6 +20,7 @@ mod failure;
 mod json;
 mod nearest;
 mod polyline;
+mod query;
 mod request;
 mod route;
 mod segments;
