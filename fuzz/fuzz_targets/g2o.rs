@@ -5,7 +5,9 @@ use libfuzzer_sys::fuzz_target;
 use openbench_localization::graph::PoseGraph;
 
 fuzz_target!(|text: &str| {
-    let Ok(mut graph) = PoseGraph::parse(text) else { return };
+    let Ok(mut graph) = PoseGraph::parse(text) else {
+        return;
+    };
     let size = graph.size();
     if size.poses > 50 || size.edges > 200 {
         return;

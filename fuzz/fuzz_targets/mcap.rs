@@ -2,10 +2,14 @@
 
 use libfuzzer_sys::fuzz_target;
 use openbench_logs::LogReader;
-use openbench_logs::messages::{CompressedImage, CustomMsg, Imu, JointState, Odometry, Path, PointCloud2, PoseStamped};
+use openbench_logs::messages::{
+    CompressedImage, CustomMsg, Imu, JointState, Odometry, Path, PointCloud2, PoseStamped,
+};
 
 fuzz_target!(|bytes: &[u8]| {
-    let Ok(log) = LogReader::new(bytes) else { return };
+    let Ok(log) = LogReader::new(bytes) else {
+        return;
+    };
     for message in log.take(1000) {
         let Ok(message) = message else { return };
         let _ = message.decode::<Imu>();

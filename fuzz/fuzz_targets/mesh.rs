@@ -9,7 +9,9 @@ use openbench_fuzz::Folder;
 static FOLDER: LazyLock<Folder> = LazyLock::new(Folder::new);
 
 fuzz_target!(|bytes: &[u8]| {
-    let Some((&kind, mesh)) = bytes.split_first() else { return };
+    let Some((&kind, mesh)) = bytes.split_first() else {
+        return;
+    };
     let name = ["a.dae", "a.obj", "a.stl"][usize::from(kind) % 3];
     FOLDER.put(&format!("thing/meshes/{name}"), mesh);
     let world = format!(

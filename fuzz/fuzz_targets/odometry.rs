@@ -11,11 +11,19 @@ use openbench_localization::lio::{Estimate, LidarInertialOdometry, Speed};
 /// A number of the sensors' own size, or any.
 fn number(input: &mut Unstructured<'_>, size: f64) -> Result<f64> {
     let small = f64::from(input.arbitrary::<i16>()?) / f64::from(i16::MAX) * size;
-    if input.ratio(1, 200)? { input.arbitrary() } else { Ok(small) }
+    if input.ratio(1, 200)? {
+        input.arbitrary()
+    } else {
+        Ok(small)
+    }
 }
 
 fn vector(input: &mut Unstructured<'_>, size: f64) -> Result<[f64; 3]> {
-    Ok([number(input, size)?, number(input, size)?, number(input, size)?])
+    Ok([
+        number(input, size)?,
+        number(input, size)?,
+        number(input, size)?,
+    ])
 }
 
 /// Some milliseconds on, or anywhere.
@@ -23,7 +31,9 @@ fn stamp(input: &mut Unstructured<'_>, last: &mut SimTime) -> Result<SimTime> {
     if input.ratio(1, 100)? {
         return Ok(SimTime(input.arbitrary()?));
     }
-    last.0 = last.0.wrapping_add(u64::from(input.arbitrary::<u8>()?) * 200_000);
+    last.0 = last
+        .0
+        .wrapping_add(u64::from(input.arbitrary::<u8>()?) * 200_000);
     Ok(*last)
 }
 
@@ -33,12 +43,21 @@ fn scan(input: &mut Unstructured<'_>, stamp: SimTime) -> Result<LidarScan> {
     let mut points = Vec::new();
     for i in 0..count {
         let axis = i as usize % 3;
-        let mut xyz = [f64::from(i % 60) * 0.1, f64::from(i / 60) * 0.1, distances[axis]];
+        let mut xyz = [
+            f64::from(i % 60) * 0.1,
+            f64::from(i / 60) * 0.1,
+            distances[axis],
+        ];
         xyz.rotate_left(axis);
         if i % 50 == 0 {
             xyz = vector(input, 50.0)?;
         }
-        points.push(LidarPoint { xyz: xyz.map(|x| x as f32), offset_ns: i * 30_000, reflectivity: 0, line: 0 });
+        points.push(LidarPoint {
+            xyz: xyz.map(|x| x as f32),
+            offset_ns: i * 30_000,
+            reflectivity: 0,
+            line: 0,
+        });
     }
     Ok(LidarScan { stamp, points })
 }
@@ -73,9 +92,21 @@ fn run(input: &mut Unstructured<'_>) -> Result<()> {
         }
     }
     let finite = |v: Vector3<f64>| v.iter().all(|x| x.is_finite());
-    assert!(estimates.iter().all(|estimate| finite(estimate.pose.translation.vector) && finite(estimate.velocity)));
-    assert!(estimates.iter().all(|estimate| estimate.covariance.iter().all(|x| x.is_finite())));
-    assert!(estimates.iter().all(|estimate| estimate.covariance.diagonal().iter().all(|x| *x >= 0.0)));
+    assert!(
+        estimates
+            .iter()
+            .all(|estimate| finite(estimate.pose.translation.vector) && finite(estimate.velocity))
+    );
+    assert!(
+        estimates
+            .iter()
+            .all(|estimate| estimate.covariance.iter().all(|x| x.is_finite()))
+    );
+    assert!(
+        estimates
+            .iter()
+            .all(|estimate| estimate.covariance.diagonal().iter().all(|x| *x >= 0.0))
+    );
     Ok(())
 }
 

@@ -18,7 +18,11 @@ fuzz_target!(|target: &str| {
         let data = OsmData::from_xml(MAP.as_bytes()).expect("a good map");
         let roads = Roads::read(&data, &Default::default()).expect("a good map");
         let metric = Metric::new(&roads, Profile::delivery()).expect("few roads at a junction");
-        Service { roads, metric, limits: Limits::default() }
+        Service {
+            roads,
+            metric,
+            limits: Limits::default(),
+        }
     });
     let answer = service.answer(target, &mut ServiceMemory::default());
     let json: serde_json::Value = serde_json::from_slice(&answer.body).expect("JSON");

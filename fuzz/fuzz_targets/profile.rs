@@ -8,7 +8,9 @@ const MAP: &str = r#"<osm version="0.6"><node id="1" lat="0" lon="3"/><node id="
   <way id="1"><nd ref="1"/><nd ref="2"/><nd ref="3"/><tag k="highway" v="residential"/><tag k="maxspeed" v="50"/></way></osm>"#;
 
 fuzz_target!(|text: &str| {
-    let Ok(profile) = Profile::from_toml("fuzzed", text) else { return };
+    let Ok(profile) = Profile::from_toml("fuzzed", text) else {
+        return;
+    };
     let data = OsmData::from_xml(MAP.as_bytes()).expect("a good map");
     let roads = Roads::read(&data, &Default::default()).expect("a good map");
     Metric::new(&roads, profile).expect("few roads at a junction");

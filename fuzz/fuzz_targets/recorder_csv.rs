@@ -3,9 +3,9 @@
 //!
 //! The readers' two files are compiled by themselves: `openbench-bench`, which they belong to, brings the runtime of the networks, and that compiles for half an hour once it is instrumented.
 
+use libfuzzer_sys::fuzz_target;
 use log::parse_log;
 use truth_file::parse_truth;
-use libfuzzer_sys::fuzz_target;
 
 #[path = "../../crates/bench/src/line_problem.rs"]
 mod line_problem;
@@ -16,9 +16,18 @@ mod truth_file;
 
 fuzz_target!(|text: &str| {
     if let Ok(tasks) = parse_log(text) {
-        assert!(tasks.iter().all(|t| t.path_m >= 0.0 && t.end.x.is_finite() && t.end.y.is_finite()));
+        assert!(
+            tasks
+                .iter()
+                .all(|t| t.path_m >= 0.0 && t.end.x.is_finite() && t.end.y.is_finite())
+        );
     }
     if let Ok(lines) = parse_truth(text) {
-        assert!(lines.iter().flatten().all(|p| p.x.is_finite() && p.y.is_finite()));
+        assert!(
+            lines
+                .iter()
+                .flatten()
+                .all(|p| p.x.is_finite() && p.y.is_finite())
+        );
     }
 });

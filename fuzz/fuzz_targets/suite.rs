@@ -5,6 +5,9 @@ use openbench_bench::Suite;
 
 fuzz_target!(|text: &str| {
     if let Ok(suite) = toml::from_str::<Suite>(text) {
-        assert_eq!(toml::from_str::<Suite>(&suite.to_toml()).as_ref(), Ok(&suite));
+        assert_eq!(
+            toml::from_str::<Suite>(&suite.to_toml()).as_ref(),
+            Ok(&suite)
+        );
     }
 });

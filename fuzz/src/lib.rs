@@ -22,22 +22,41 @@ pub fn use_map(data: &OsmData) {
         let _ = map.nearest_building(Default::default());
     }
     let written = data.to_xml();
-    assert!(OsmData::from_xml(&written).is_ok(), "what was written cannot be read");
+    assert!(
+        OsmData::from_xml(&written).is_ok(),
+        "what was written cannot be read"
+    );
 }
 
 /// Asks for routes, with every profile.
 pub fn use_roads(roads: Roads) {
-    let places: Vec<String> = roads.network.vertices.iter().take(4).map(|place| {
-        let at = place.position();
-        format!("{},{}", at.lon.clamp(-180.0, 180.0), at.lat.clamp(-90.0, 90.0))
-    }).collect();
+    let places: Vec<String> = roads
+        .network
+        .vertices
+        .iter()
+        .take(4)
+        .map(|place| {
+            let at = place.position();
+            format!(
+                "{},{}",
+                at.lon.clamp(-180.0, 180.0),
+                at.lat.clamp(-90.0, 90.0)
+            )
+        })
+        .collect();
     let places = places.join(";");
     let mut roads = Some(roads);
     for name in Profile::NAMES {
         let Some(known) = roads.take() else { return };
         let profile = Profile::named(name).expect("a built-in profile");
-        let Ok(metric) = Metric::new(&known, profile) else { return };
-        let service = Service { roads: known, metric, limits: Limits::default() };
+        let Ok(metric) = Metric::new(&known, profile) else {
+            return;
+        };
+        let service = Service {
+            roads: known,
+            metric,
+            limits: Limits::default(),
+        };
         let mut memory = ServiceMemory::default();
         for target in [
             format!("/route/v1/any/{places}?steps=true&annotations=true&overview=full"),
@@ -65,7 +84,8 @@ impl Folder {
     /// Writes a file.
     pub fn put(&self, name: &str, bytes: &[u8]) -> PathBuf {
         let path = self.0.path().join(name);
-        std::fs::create_dir_all(path.parent().expect("a file lies in a folder")).expect("room for a folder");
+        std::fs::create_dir_all(path.parent().expect("a file lies in a folder"))
+            .expect("room for a folder");
         std::fs::write(&path, bytes).expect("room for a file");
         path
     }

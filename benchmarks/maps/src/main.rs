@@ -26,7 +26,10 @@ impl Noise {
     fn normal(&mut self) -> f64 {
         let mut sum = -6.0;
         for _ in 0..12 {
-            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            self.0 = self
+                .0
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             sum += (self.0 >> 33) as f64 / (1_u64 << 31) as f64;
         }
         sum
@@ -53,7 +56,9 @@ fn main() {
         eprintln!("usage: openbench-maps LOG.mcap...");
         std::process::exit(2);
     }
-    println!("| log | map | rms, cm | at the end, cm | looking up, ms a scan | putting in, ms a scan | entries |");
+    println!(
+        "| log | map | rms, cm | at the end, cm | looking up, ms a scan | putting in, ms a scan | entries |"
+    );
     println!("|---|---|---|---|---|---|---|");
     for log in &logs {
         let scans = match read(log) {
@@ -63,7 +68,10 @@ fn main() {
                 std::process::exit(1);
             }
         };
-        let name = std::path::Path::new(log).file_stem().unwrap_or_default().to_string_lossy();
+        let name = std::path::Path::new(log)
+            .file_stem()
+            .unwrap_or_default()
+            .to_string_lossy();
         let maps: [(&str, Box<dyn Map>); 5] = [
             ("planes in cubes", Box::new(Planes::default())),
             ("voxels of points, 0.5 m", Box::new(Grid::new(0.5))),
@@ -93,7 +101,11 @@ fn drive(scans: &[Scan], map: &mut dyn Map) -> Outcome {
     for scan in scans {
         let off = Isometry3::new(noise.vector(GUESS[0]), noise.vector(GUESS[1]));
         let guess = pose * (before.inverse() * scan.truth);
-        pose = if out.scans == 0 { guess } else { register(scan, guess * off, map, &mut out.looking) };
+        pose = if out.scans == 0 {
+            guess
+        } else {
+            register(scan, guess * off, map, &mut out.looking)
+        };
         before = scan.truth;
         let began = ThreadTime::now();
         map.add(&scan.points, &pose);
@@ -106,7 +118,12 @@ fn drive(scans: &[Scan], map: &mut dyn Map) -> Outcome {
 }
 
 /// Where a scan lies on a map: Gauss and Newton on the points' distances from planes, the guess being held as well as it is known.
-fn register(scan: &Scan, guess: Isometry3<f64>, map: &mut dyn Map, looking: &mut Duration) -> Isometry3<f64> {
+fn register(
+    scan: &Scan,
+    guess: Isometry3<f64>,
+    map: &mut dyn Map,
+    looking: &mut Duration,
+) -> Isometry3<f64> {
     let mut pose = guess;
     let held = Vector6::from_fn(|i, _| GUESS[usize::from(i < 3)].powi(-2));
     for _ in 0..STEPS {
@@ -115,7 +132,14 @@ fn register(scan: &Scan, guess: Isometry3<f64>, map: &mut dyn Map, looking: &mut
         *looking += began.elapsed();
         let away = guess.inverse() * pose;
         let off = away.rotation.scaled_axis().push(0.0).push(0.0).push(0.0)
-            + Vector6::new(0.0, 0.0, 0.0, away.translation.x, away.translation.y, away.translation.z);
+            + Vector6::new(
+                0.0,
+                0.0,
+                0.0,
+                away.translation.x,
+                away.translation.y,
+                away.translation.z,
+            );
         let mut information = Matrix6::from_diagonal(&held);
         let mut vector = -held.component_mul(&off);
         for seen in &found {
@@ -124,7 +148,9 @@ fn register(scan: &Scan, guess: Isometry3<f64>, map: &mut dyn Map, looking: &mut
             information += jacobian * sums * jacobian.transpose();
             vector -= jacobian * (sums * distance);
         }
-        let Some(factor) = information.cholesky() else { return pose };
+        let Some(factor) = information.cholesky() else {
+            return pose;
+        };
         let step = factor.solve(&vector);
         let turned = step.fixed_rows::<3>(0).into_owned();
         pose *= Isometry3::new(step.fixed_rows::<3>(3).into_owned(), turned);
@@ -141,7 +167,9 @@ fn residual(pose: &Isometry3<f64>, seen: &Weighed) -> (nalgebra::Vector4<f64>, S
     let offset = seen.normal.dot(&pose.translation.vector) - seen.offset;
     let mut jacobian = SMatrix::<f64, 6, 4>::zeros();
     // p x n = -n x p.
-    jacobian.fixed_view_mut::<3, 3>(0, 0).copy_from(&-normal.cross_matrix());
+    jacobian
+        .fixed_view_mut::<3, 3>(0, 0)
+        .copy_from(&-normal.cross_matrix());
     jacobian.fixed_view_mut::<3, 1>(3, 3).copy_from(&normal);
     (normal.push(offset), jacobian)
 }

@@ -9,7 +9,10 @@ use openbench_localization::lio::planes::PlaneMap;
 use openbench_localization::lio::state::{Covariance, State};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-const NOISE: LidarNoise = LidarNoise { range: 0.02, angle: 0.001 };
+const NOISE: LidarNoise = LidarNoise {
+    range: 0.02,
+    angle: 0.001,
+};
 /// FAST-LIO2, section V: a plane is fitted to five points, none of which is farther from it than a tenth of a metre, nor farther from the point than the root of five.
 const NEIGHBOURS: usize = 5;
 const FARTHEST: f64 = 5.0;
@@ -42,7 +45,10 @@ pub struct Planes {
 
 impl Default for Planes {
     fn default() -> Self {
-        Self { map: PlaneMap::new(NOISE), matching: Matching::default() }
+        Self {
+            map: PlaneMap::new(NOISE),
+            matching: Matching::default(),
+        }
     }
 }
 
@@ -53,7 +59,14 @@ impl Planes {
         for i in 0..6 {
             covariance[(i, i)] = super::GUESS[usize::from(i < 3)].powi(2);
         }
-        self.matching.find(&state, &covariance, points, &self.map, &NOISE, f64::INFINITY);
+        self.matching.find(
+            &state,
+            &covariance,
+            points,
+            &self.map,
+            &NOISE,
+            f64::INFINITY,
+        );
         state
     }
 }
@@ -61,7 +74,11 @@ impl Planes {
 impl Map for Planes {
     fn find(&mut self, points: &[Vector3<f64>], pose: &Isometry3<f64>) -> Vec<Weighed> {
         self.look(points, pose);
-        let seen = self.matching.clusters.iter().filter_map(|cluster| cluster.seen.as_ref());
+        let seen = self
+            .matching
+            .clusters
+            .iter()
+            .filter_map(|cluster| cluster.seen.as_ref());
         // What is not known of a plane is shared by its points, and counts once.
         let weighed = seen.map(|seen| {
             let share = 1.0 / (1.0 + seen.shared * seen.weighed.weight);
@@ -69,7 +86,11 @@ impl Map for Planes {
             points.weight *= share;
             points.first *= share;
             points.second.iter_mut().for_each(|sum| *sum *= share);
-            Weighed { normal: seen.normal, offset: seen.offset, points }
+            Weighed {
+                normal: seen.normal,
+                offset: seen.offset,
+                points,
+            }
         });
         weighed.collect()
     }
@@ -106,22 +127,38 @@ fn thinned(points: &[Vector3<f64>], side: f64) -> Vec<Vector3<f64>> {
 }
 
 /// The plane of a point's neighbours, if they lie on one and the point near it: FAST-LIO2's rules.
-fn seen(point: &Vector3<f64>, there: &Vector3<f64>, neighbours: &[Vector3<f64>]) -> Option<Weighed> {
+fn seen(
+    point: &Vector3<f64>,
+    there: &Vector3<f64>,
+    neighbours: &[Vector3<f64>],
+) -> Option<Weighed> {
     if neighbours.len() < NEIGHBOURS {
         return None;
     }
     let mean = neighbours.iter().sum::<Vector3<f64>>() / neighbours.len() as f64;
-    let spread: Matrix3<f64> = neighbours.iter().map(|p| (p - mean) * (p - mean).transpose()).sum();
+    let spread: Matrix3<f64> = neighbours
+        .iter()
+        .map(|p| (p - mean) * (p - mean).transpose())
+        .sum();
     let eigen = SymmetricEigen::new(spread);
-    let normal = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned();
-    let flat = neighbours.iter().all(|p| normal.dot(&(p - mean)).abs() < FLAT);
+    let normal = eigen
+        .eigenvectors
+        .column(eigen.eigenvalues.imin())
+        .into_owned();
+    let flat = neighbours
+        .iter()
+        .all(|p| normal.dot(&(p - mean)).abs() < FLAT);
     let distance = normal.dot(&(there - mean)).abs();
     if !flat || 1.0 - 0.9 * distance / point.norm().sqrt() < 0.9 {
         return None;
     }
     let mut points = Moments::default();
     points.add(*point, 1.0 / (NOISE.range * NOISE.range));
-    Some(Weighed { normal, offset: normal.dot(&mean), points })
+    Some(Weighed {
+        normal,
+        offset: normal.dot(&mean),
+        points,
+    })
 }
 
 /// Points in voxels that are looked up, after Faster-LIO (C. Bai et al. 2022).
@@ -134,18 +171,28 @@ pub struct Grid {
 impl Grid {
     /// Voxels and the distance of points have that size.
     pub fn new(side: f64) -> Self {
-        Self { side, voxels: FxHashMap::default(), size: 0 }
+        Self {
+            side,
+            voxels: FxHashMap::default(),
+            size: 0,
+        }
     }
 
     fn nearest(&self, there: &Vector3<f64>, near: &mut Vec<(f64, Vector3<f64>)>) {
         // Points are a voxel apart, so that five are found in voxels of twice the size.
         let [x, y, z] = voxel(there, 2.0 * self.side);
         near.clear();
-        let all = (-1..=1).flat_map(|i| (-1..=1).flat_map(move |j| (-1..=1).map(move |k| [i, j, k])));
+        let all =
+            (-1..=1).flat_map(|i| (-1..=1).flat_map(move |j| (-1..=1).map(move |k| [i, j, k])));
         let around = all.filter(|[i, j, k]: &[i32; 3]| i.abs() + j.abs() + k.abs() <= 2);
         debug_assert_eq!(around.clone().count(), AROUND);
         for [i, j, k] in around {
-            for point in self.voxels.get(&[x + i, y + j, z + k]).into_iter().flatten() {
+            for point in self
+                .voxels
+                .get(&[x + i, y + j, z + k])
+                .into_iter()
+                .flatten()
+            {
                 near.push(((point - there).norm_squared(), *point));
             }
         }
@@ -176,7 +223,10 @@ impl Map for Grid {
     fn add(&mut self, points: &[Vector3<f64>], pose: &Isometry3<f64>) {
         for point in thinned(points, self.side) {
             let there = pose.rotation * point + pose.translation.vector;
-            let points = self.voxels.entry(voxel(&there, 2.0 * self.side)).or_default();
+            let points = self
+                .voxels
+                .entry(voxel(&there, 2.0 * self.side))
+                .or_default();
             let taken = voxel(&there, self.side);
             if points.iter().all(|point| voxel(point, self.side) != taken) {
                 points.push(there);
@@ -201,7 +251,12 @@ pub struct Tree {
 impl Tree {
     /// Points are that far from each other.
     pub fn new(side: f64) -> Self {
-        Self { side, tree: Default::default(), points: Vec::new(), taken: Default::default() }
+        Self {
+            side,
+            tree: Default::default(),
+            points: Vec::new(),
+            taken: Default::default(),
+        }
     }
 }
 
@@ -210,7 +265,9 @@ impl Map for Tree {
         let thinned = thinned(points, self.side);
         let found = thinned.iter().filter_map(|point| {
             let there = pose.rotation * point + pose.translation.vector;
-            let near = self.tree.nearest_n::<SquaredEuclidean>(&there.into(), NEIGHBOURS);
+            let near = self
+                .tree
+                .nearest_n::<SquaredEuclidean>(&there.into(), NEIGHBOURS);
             let near = near.iter().filter(|near| near.distance < FARTHEST);
             let neighbours: Vec<_> = near.map(|near| self.points[near.item as usize]).collect();
             seen(point, &there, &neighbours)

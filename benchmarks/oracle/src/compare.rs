@@ -48,7 +48,11 @@ impl Both {
     /// Prepares a scene; `None` if there is no driver.
     pub fn new(caster: RayCaster) -> Option<Self> {
         let rasterizer = Rasterizer::new(caster.scene())?;
-        Some(Self { renderer: Renderer::new(caster.clone()), caster, rasterizer })
+        Some(Self {
+            renderer: Renderer::new(caster.clone()),
+            caster,
+            rasterizer,
+        })
     }
 
     /// The driver that draws.
@@ -63,7 +67,11 @@ impl Both {
 
     fn compare_with(&self, view: &View, lens: &Lens) -> Comparison {
         let labels = self.renderer.labels(view, &Movers::default());
-        let ours = labels.class.iter().zip(&labels.depth).map(|(class, depth)| class.map(|c| (c, *depth)));
+        let ours = labels
+            .class
+            .iter()
+            .zip(&labels.depth)
+            .map(|(class, depth)| class.map(|c| (c, *depth)));
         let theirs = self.rasterizer.draw(self.caster.scene(), lens);
         let mut result = Comparison::default();
         for (i, (ours, theirs)) in (0..).zip(ours.zip(theirs)) {
@@ -93,7 +101,9 @@ impl Both {
         result.wrong += usize::from(wrong);
         if result.described.len() < DESCRIBED {
             let words = |p: Pixel| {
-                p.map_or("sky".into(), |(class, depth)| format!("{} at {depth:.3} m", class.name()))
+                p.map_or("sky".into(), |(class, depth)| {
+                    format!("{} at {depth:.3} m", class.name())
+                })
             };
             let [theirs, exact] = [theirs, exact].map(|s| words(self.pixel(s)));
             let (u, v) = place;
@@ -141,14 +151,28 @@ fn share(a: Pixel, b: Pixel) -> f32 {
 fn lens(view: &View) -> Lens {
     let axis = [view.size.width, view.size.height].map(|size| (f64::from(size) - 1.0) / 2.0);
     let range = f64::from(view.range);
-    Lens { pose: view.pose, size: (view.size.width, view.size.height), focal_length: view.focal_length, axis, range }
+    Lens {
+        pose: view.pose,
+        size: (view.size.width, view.size.height),
+        focal_length: view.focal_length,
+        axis,
+        range,
+    }
 }
 
 /// One pixel of a view, through a longer lens.
 fn at_pixel(view: &View, (u, v): (u32, u32)) -> Lens {
     let whole = lens(view);
-    let axis = [(whole.axis[0] - f64::from(u)) * LONGER, (whole.axis[1] - f64::from(v)) * LONGER];
-    Lens { size: (1, 1), focal_length: view.focal_length * LONGER, axis, ..whole }
+    let axis = [
+        (whole.axis[0] - f64::from(u)) * LONGER,
+        (whole.axis[1] - f64::from(v)) * LONGER,
+    ];
+    Lens {
+        size: (1, 1),
+        focal_length: view.focal_length * LONGER,
+        axis,
+        ..whole
+    }
 }
 
 #[cfg(test)]
@@ -163,7 +187,14 @@ mod tests {
     use super::*;
 
     fn view() -> View {
-        View { pose: Pose3::identity(), size: ImageSize::new(64, 48), focal_length: 40.0, range: 20.0, shadows: false, exposure: 1.0 }
+        View {
+            pose: Pose3::identity(),
+            size: ImageSize::new(64, 48),
+            focal_length: 40.0,
+            range: 20.0,
+            shadows: false,
+            exposure: 1.0,
+        }
     }
 
     /// A wall with a fence of eight posts before it.
@@ -171,11 +202,24 @@ mod tests {
         let mut builder = SceneBuilder::new();
         let (u, v) = (Vector3::y() * 4.0, Vector3::z() * 3.0);
         let wall = builder.material(Material::plain(SemanticClass::Building, [1.0; 3]));
-        builder.rectangle(Layer::Visible, wall, Point3::new(8.0, -2.03, -1.51), (u, v), [1.0; 2]);
+        builder.rectangle(
+            Layer::Visible,
+            wall,
+            Point3::new(8.0, -2.03, -1.51),
+            (u, v),
+            [1.0; 2],
+        );
         let texels = [[90, 90, 90, 255], [0, 0, 0, 0]].concat();
-        let texture = builder.texture(Texture { width: 2, height: 1, rgba: texels.into() });
+        let texture = builder.texture(Texture {
+            width: 2,
+            height: 1,
+            rgba: texels.into(),
+        });
         let fence = Material::plain(SemanticClass::Wall, [1.0; 3]).with_texture(texture);
-        let fence = builder.material(Material { cutout: true, ..fence });
+        let fence = builder.material(Material {
+            cutout: true,
+            ..fence
+        });
         builder.rectangle(
             Layer::Visible,
             fence,
@@ -194,7 +238,10 @@ mod tests {
     fn both_see_a_wall_through_a_fence() {
         let Some(both) = both() else { return };
         let frame = both.compare(&view());
-        assert!(frame.covered > 300 && frame.at_once == 0 && frame.ties == 0, "{frame:?}");
+        assert!(
+            frame.covered > 300 && frame.at_once == 0 && frame.ties == 0,
+            "{frame:?}"
+        );
     }
 
     #[test]

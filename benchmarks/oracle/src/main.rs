@@ -27,8 +27,13 @@ fn main() -> ExitCode {
         [] => None,
         [world, map, models] => {
             let models = vec![models.into()];
-            let request =
-                ImportRequest { world: world.into(), map: map.into(), models, georeference: None, start: None };
+            let request = ImportRequest {
+                world: world.into(),
+                map: map.into(),
+                models,
+                georeference: None,
+                start: None,
+            };
             match import_world(&request) {
                 Ok(world) => Some((world, FRAMES.1)),
                 Err(error) => return bad_input(&error.to_string()),
@@ -36,7 +41,11 @@ fn main() -> ExitCode {
         }
         _ => return bad_input("usage: openbench-oracle [WORLD MAP MODELS]"),
     };
-    let built_in = |name| builtin(name, 1).expect("a name of theirs").expect("built-in worlds can be built");
+    let built_in = |name| {
+        builtin(name, 1)
+            .expect("a name of theirs")
+            .expect("built-in worlds can be built")
+    };
     let built_in = builtin_names().map(|name| (built_in(name), FRAMES.0));
     let mut all = Vec::new();
     for (world, frames) in elsewhere.into_iter().chain(built_in) {
@@ -50,7 +59,11 @@ fn main() -> ExitCode {
     }
     println!("all {} frames: {}", all.len(), summary(&all));
     let right = all.iter().all(|frame| frame.differing <= ALLOWED);
-    if right { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    if right {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    }
 }
 
 fn bad_input(problem: &str) -> ExitCode {
@@ -63,7 +76,12 @@ fn compare_world(world: World, frames: usize) -> Option<Vec<Comparison>> {
     let views = views::views(&world, frames);
     let triangles = world.scene.triangles.len();
     let both = Both::new(RayCaster::new(Arc::new(world.scene)))?;
-    println!("{}: {triangles} triangles, {} frames, {}", world.name, views.len(), both.driver());
+    println!(
+        "{}: {triangles} triangles, {} frames, {}",
+        world.name,
+        views.len(),
+        both.driver()
+    );
     let mut compared = Vec::new();
     for (i, view) in views.iter().enumerate() {
         let frame = both.compare(view);
@@ -82,9 +100,15 @@ fn summary(frames: &[Comparison]) -> String {
     let median_and_worst = |count: fn(&Comparison) -> usize| {
         let mut counts: Vec<usize> = frames.iter().map(count).collect();
         counts.sort_unstable();
-        (counts.get(counts.len() / 2).copied().unwrap_or(0), counts.last().copied().unwrap_or(0))
+        (
+            counts.get(counts.len() / 2).copied().unwrap_or(0),
+            counts.last().copied().unwrap_or(0),
+        )
     };
-    let (at_once, through) = (median_and_worst(|f| f.at_once), median_and_worst(|f| f.differing));
+    let (at_once, through) = (
+        median_and_worst(|f| f.at_once),
+        median_and_worst(|f| f.differing),
+    );
     let ours: usize = frames.iter().map(|f| f.wrong).sum();
     format!(
         "differing pixels a frame: median {}, worst {} at once; median {}, worst {} through the lens ({ours} ours in all); {ALLOWED} allowed",

@@ -51,8 +51,13 @@ impl Rasterizer {
         options.backends = wgpu::Backends::VULKAN;
         let instance = wgpu::Instance::new(options);
         let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::VULKAN));
-        let adapter = adapters.into_iter().find(|a| a.get_info().device_type == wgpu::DeviceType::Cpu)?;
-        let limits = wgpu::DeviceDescriptor { required_limits: adapter.limits(), ..Default::default() };
+        let adapter = adapters
+            .into_iter()
+            .find(|a| a.get_info().device_type == wgpu::DeviceType::Cpu)?;
+        let limits = wgpu::DeviceDescriptor {
+            required_limits: adapter.limits(),
+            ..Default::default()
+        };
         let (device, queue) = pollster::block_on(adapter.request_device(&limits)).ok()?;
         let (masks, holes) = holes(scene);
         let storage = |contents: &[u32]| {
@@ -84,14 +89,22 @@ impl Rasterizer {
     pub fn draw(&self, scene: &Scene, lens: &Lens) -> Vec<Option<Sight>> {
         let corners = corners(scene, lens);
         let buffer = |contents: &[u8], usage| {
-            self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage })
+            self.device
+                .create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                    label: None,
+                    contents,
+                    usage,
+                })
         };
         let count = corners.len() as u64 / CORNER;
         let vertices = buffer(&corners, wgpu::BufferUsages::VERTEX);
         let uniform = buffer(&uniform(lens), wgpu::BufferUsages::UNIFORM);
         let mut entries = Vec::new();
         for (binding, buffer) in (0..).zip([&uniform, &self.masks, &self.holes]) {
-            entries.push(wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() });
+            entries.push(wgpu::BindGroupEntry {
+                binding,
+                resource: buffer.as_entire_binding(),
+            });
         }
         let group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: None,
@@ -99,7 +112,10 @@ impl Rasterizer {
             entries: &entries,
         });
         let target = |format| self.target(lens.size, format);
-        let (triangle, depth) = (target(wgpu::TextureFormat::R32Uint), target(wgpu::TextureFormat::R32Float));
+        let (triangle, depth) = (
+            target(wgpu::TextureFormat::R32Uint),
+            target(wgpu::TextureFormat::R32Float),
+        );
         let order = target(wgpu::TextureFormat::Depth32Float);
         let views = [&triangle, &depth, &order].map(|t| t.create_view(&Default::default()));
         let mut encoder = self.device.create_command_encoder(&Default::default());
@@ -109,7 +125,12 @@ impl Rasterizer {
                 store: wgpu::StoreOp::Store,
             };
             let color = |view| {
-                Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
+                Some(wgpu::RenderPassColorAttachment {
+                    view,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops,
+                })
             };
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 color_attachments: &[color(&views[0]), color(&views[1])],
@@ -130,12 +151,16 @@ impl Rasterizer {
                 pass.draw(0..count as u32, 0..1);
             }
         }
-        let [triangles, depths] = [&triangle, &depth].map(|texture| self.copy_out(&mut encoder, texture));
+        let [triangles, depths] =
+            [&triangle, &depth].map(|texture| self.copy_out(&mut encoder, texture));
         self.queue.submit([encoder.finish()]);
         let triangles = self.read(&triangles, lens.size);
         let depths = self.read(&depths, lens.size);
         let sight = |(name, depth): (u32, u32)| {
-            (name > 0).then(|| Sight { triangle: name - 1, depth: f32::from_bits(depth) })
+            (name > 0).then(|| Sight {
+                triangle: name - 1,
+                depth: f32::from_bits(depth),
+            })
         };
         triangles.into_iter().zip(depths).map(sight).collect()
     }
@@ -143,7 +168,11 @@ impl Rasterizer {
     fn target(&self, (width, height): (u32, u32), format: wgpu::TextureFormat) -> wgpu::Texture {
         self.device.create_texture(&wgpu::TextureDescriptor {
             label: None,
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            size: wgpu::Extent3d {
+                width,
+                height,
+                depth_or_array_layers: 1,
+            },
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
@@ -153,7 +182,11 @@ impl Rasterizer {
         })
     }
 
-    fn copy_out(&self, encoder: &mut wgpu::CommandEncoder, texture: &wgpu::Texture) -> wgpu::Buffer {
+    fn copy_out(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        texture: &wgpu::Texture,
+    ) -> wgpu::Buffer {
         let size = texture.size();
         let row = bytes_per_row(size.width);
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
@@ -162,9 +195,15 @@ impl Rasterizer {
             usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
             mapped_at_creation: false,
         });
-        let layout =
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
-        let to = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(row),
+            rows_per_image: None,
+        };
+        let to = wgpu::TexelCopyBufferInfo {
+            buffer: &buffer,
+            layout,
+        };
         encoder.copy_texture_to_buffer(texture.as_image_copy(), to, size);
         buffer
     }
@@ -172,11 +211,19 @@ impl Rasterizer {
     /// The words of a picture that was copied out.
     fn read(&self, buffer: &wgpu::Buffer, (width, height): (u32, u32)) -> Vec<u32> {
         buffer.map_async(wgpu::MapMode::Read, .., |_| ());
-        self.device.poll(wgpu::PollType::wait_indefinitely()).expect("the driver finishes its work");
-        let bytes = buffer.get_mapped_range(..).expect("a buffer that was mapped").to_vec();
-        let rows = bytes.chunks_exact(bytes_per_row(width) as usize).take(height as usize);
+        self.device
+            .poll(wgpu::PollType::wait_indefinitely())
+            .expect("the driver finishes its work");
+        let bytes = buffer
+            .get_mapped_range(..)
+            .expect("a buffer that was mapped")
+            .to_vec();
+        let rows = bytes
+            .chunks_exact(bytes_per_row(width) as usize)
+            .take(height as usize);
         let word = |b: &[u8]| u32::from_le_bytes([b[0], b[1], b[2], b[3]]);
-        rows.flat_map(|row| row[..4 * width as usize].chunks_exact(4).map(word)).collect()
+        rows.flat_map(|row| row[..4 * width as usize].chunks_exact(4).map(word))
+            .collect()
     }
 }
 
@@ -187,14 +234,20 @@ fn bytes_per_row(width: u32) -> u32 {
 
 fn pipeline(device: &wgpu::Device) -> wgpu::RenderPipeline {
     let module = device.create_shader_module(wgpu::include_wgsl!("coverage.wgsl"));
-    let attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x2, 3 => Uint32x2];
+    let attributes =
+        wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x2, 3 => Uint32x2];
     let layout = wgpu::VertexBufferLayout {
         array_stride: CORNER,
         step_mode: wgpu::VertexStepMode::Vertex,
         attributes: &attributes,
     };
-    let target =
-        |format| Some(wgpu::ColorTargetState { format, blend: None, write_mask: wgpu::ColorWrites::ALL });
+    let target = |format| {
+        Some(wgpu::ColorTargetState {
+            format,
+            blend: None,
+            write_mask: wgpu::ColorWrites::ALL,
+        })
+    };
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: None,
         layout: None,
@@ -205,7 +258,10 @@ fn pipeline(device: &wgpu::Device) -> wgpu::RenderPipeline {
             buffers: &[Some(layout)],
         },
         // Both sides of a triangle are seen.
-        primitive: wgpu::PrimitiveState { cull_mode: None, ..Default::default() },
+        primitive: wgpu::PrimitiveState {
+            cull_mode: None,
+            ..Default::default()
+        },
         depth_stencil: Some(wgpu::DepthStencilState {
             format: wgpu::TextureFormat::Depth32Float,
             depth_write_enabled: Some(true),
@@ -218,7 +274,10 @@ fn pipeline(device: &wgpu::Device) -> wgpu::RenderPipeline {
             module: &module,
             entry_point: Some("see"),
             compilation_options: Default::default(),
-            targets: &[target(wgpu::TextureFormat::R32Uint), target(wgpu::TextureFormat::R32Float)],
+            targets: &[
+                target(wgpu::TextureFormat::R32Uint),
+                target(wgpu::TextureFormat::R32Float),
+            ],
         }),
         multiview_mask: None,
         cache: None,
@@ -229,7 +288,10 @@ fn pipeline(device: &wgpu::Device) -> wgpu::RenderPipeline {
 fn holes(scene: &Scene) -> (Vec<u32>, Vec<u32>) {
     let (mut masks, mut holes) = (Vec::new(), Vec::new());
     for material in &scene.materials {
-        let texture = material.texture.filter(|_| material.cutout).map(|t| &scene.textures[t.0 as usize]);
+        let texture = material
+            .texture
+            .filter(|_| material.cutout)
+            .map(|t| &scene.textures[t.0 as usize]);
         let Some(texture) = texture else {
             masks.extend([0; 4]);
             continue;
@@ -259,7 +321,10 @@ fn corners(scene: &Scene, lens: &Lens) -> Vec<u8> {
     let mut bytes = Vec::new();
     for (name, triangle) in (1_u32..).zip(&scene.triangles) {
         let corners = triangle.corners.map(|i| places[i as usize]);
-        if sides.iter().any(|side| corners.iter().all(|c| dot(*side, *c) < 0.0)) {
+        if sides
+            .iter()
+            .any(|side| corners.iter().all(|c| dot(*side, *c) < 0.0))
+        {
             continue;
         }
         let plane = plane(corners);
@@ -267,7 +332,9 @@ fn corners(scene: &Scene, lens: &Lens) -> Vec<u8> {
             let uv = scene.vertices[i as usize].uv;
             let numbers = corner.iter().chain(&plane).map(|c| *c as f32).chain(uv);
             numbers.for_each(|n| bytes.extend(n.to_le_bytes()));
-            [name, triangle.material.0].iter().for_each(|n| bytes.extend(n.to_le_bytes()));
+            [name, triangle.material.0]
+                .iter()
+                .for_each(|n| bytes.extend(n.to_le_bytes()));
         }
     }
     bytes
@@ -277,18 +344,35 @@ fn corners(scene: &Scene, lens: &Lens) -> Vec<u8> {
 fn plane([a, b, c]: [[f64; 3]; 3]) -> [f64; 3] {
     let edge = |p: [f64; 3]| [0, 1, 2].map(|i| p[i] - a[i]);
     let (e, f) = (edge(b), edge(c));
-    let normal = [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]];
+    let normal = [
+        e[1] * f[2] - e[2] * f[1],
+        e[2] * f[0] - e[0] * f[2],
+        e[0] * f[1] - e[1] * f[0],
+    ];
     let distance = dot(normal, a);
     let plane = normal.map(|n| n / distance);
-    if plane.iter().all(|p| p.abs() < 1e30) { plane } else { [0.0; 3] }
+    if plane.iter().all(|p| p.abs() < 1e30) {
+        plane
+    } else {
+        [0.0; 3]
+    }
 }
 
 /// What a lens looks at lies on the positive side of each of these planes through the eye; half a pixel is left on all sides.
 fn sides(lens: &Lens) -> [[f64; 3]; 5] {
     let f = lens.focal_length;
     let reach = |axis: f64, pixels: u32| ((-1.0 - axis) / f, (f64::from(pixels) - axis) / f);
-    let ((left, right), (top, bottom)) = (reach(lens.axis[0], lens.size.0), reach(lens.axis[1], lens.size.1));
-    [[1.0, 0.0, -left], [-1.0, 0.0, right], [0.0, -1.0, -top], [0.0, 1.0, bottom], [0.0, 0.0, 1.0]]
+    let ((left, right), (top, bottom)) = (
+        reach(lens.axis[0], lens.size.0),
+        reach(lens.axis[1], lens.size.1),
+    );
+    [
+        [1.0, 0.0, -left],
+        [-1.0, 0.0, right],
+        [0.0, -1.0, -top],
+        [0.0, 1.0, bottom],
+        [0.0, 0.0, 1.0],
+    ]
 }
 
 fn uniform(lens: &Lens) -> Vec<u8> {
@@ -309,7 +393,10 @@ fn uniform(lens: &Lens) -> Vec<u8> {
         0.0,
         0.0,
     ];
-    numbers.iter().flat_map(|n| (*n as f32).to_le_bytes()).collect()
+    numbers
+        .iter()
+        .flat_map(|n| (*n as f32).to_le_bytes())
+        .collect()
 }
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {

@@ -20,14 +20,22 @@ pub fn views(world: &World, count: usize) -> Vec<View> {
     let at_start = Point3::new(start.x, start.y, HEIGHTS[0]);
     let ahead = Vector3::new(libm::cos(start.yaw), libm::sin(start.yaw), 0.0);
     let doors = &world.scene.doors;
-    let chosen = (1..count).filter_map(|i| doors.get(i * doors.len() / count).map(|door| (i, door)));
+    let chosen =
+        (1..count).filter_map(|i| doors.get(i * doors.len() / count).map(|door| (i, door)));
     let before = chosen.map(|(i, door)| before_door(door, i));
-    std::iter::once((at_start, ahead)).chain(before).map(|(eye, look)| view(&optics, eye, look)).collect()
+    std::iter::once((at_start, ahead))
+        .chain(before)
+        .map(|(eye, look)| view(&optics, eye, look))
+        .collect()
 }
 
 /// Eye and direction of the `i`-th view.
 fn before_door(door: &Door, i: usize) -> (Point3<f64>, Vector3<f64>) {
-    let (away, aside, height) = (AWAY[i % AWAY.len()], ASIDE[i % ASIDE.len()], HEIGHTS[i % HEIGHTS.len()]);
+    let (away, aside, height) = (
+        AWAY[i % AWAY.len()],
+        ASIDE[i % ASIDE.len()],
+        HEIGHTS[i % HEIGHTS.len()],
+    );
     let out = Vector3::new(libm::cos(door.facing), libm::sin(door.facing), 0.0);
     let eye = Point3::new(door.plate[0], door.plate[1], height) + out * away;
     let yaw = door.facing + std::f64::consts::PI + aside;
