@@ -35,7 +35,7 @@ pub enum PlanError {
         "the chat model `{model}` failed at {stage}: {source}; it said `{reply}`. Try again, \
          another model, or the planner `grammar`"
     )]
-    ModelNonsense {
+    InvalidAnswer {
         /// The model's name.
         model: String,
         /// `address resolution`, `verification` or `optimisation`.

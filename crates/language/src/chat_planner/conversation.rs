@@ -114,7 +114,7 @@ impl Conversation<'_> {
                 Err(error) => error,
             };
             if attempt >= self.attempts {
-                return Err(PlanError::ModelNonsense {
+                return Err(PlanError::InvalidAnswer {
                     model: self.model.name().to_owned(),
                     stage: question.name().to_owned(),
                     source: error,

@@ -63,17 +63,9 @@ impl GrammarPlanner {
         instruction: &str,
         gazetteer: &Gazetteer,
     ) -> Result<Wishes, PlanError> {
-        let refuse = |hint: &str| PlanError::not_understood(instruction, hint);
         if instruction.len() > LONGEST_INSTRUCTION {
-            return Err(refuse(TOO_LONG));
+            return Err(PlanError::not_understood(instruction, TOO_LONG));
         }
-        let Rules {
-            denials,
-            intents,
-            namings,
-            sharings,
-            orderings,
-        } = &self.rules;
         let tokens = tokenize(instruction);
         let vocabulary = self.words.vocabulary(&tokens);
         let names = names::find(&tokens, gazetteer, &vocabulary.known(&tokens));
@@ -84,32 +76,10 @@ impl GrammarPlanner {
             lexemes: &lexemes,
         };
 
-        let mut mentions = mentions(&reading);
-        // Before anything whose cost grows faster than their number.
-        if mentions
-            .iter()
-            .map(|mention| mention.targets.len())
-            .sum::<usize>()
-            > MOST_TARGETS
-        {
-            return Err(refuse(TOO_MANY_DOORS));
-        }
-        name_once(&mut mentions, &names);
-        let is_silent = mentions.is_empty();
-        fallback::add_partial_names(&reading, gazetteer, &mut mentions);
-        let meant = intent::meant(denials, intents, &reading, mentions);
+        let mentions = mentioned(&reading, &names)?;
+        let meant = self.meant(&reading, gazetteer, &mentions);
         let rooms = levels::rooms(&meant);
-
-        let mut doors = pairing::doors(namings, sharings, &reading, meant, gazetteer);
-        if doors.is_empty() && is_silent {
-            doors = fallback::doors(&reading);
-        }
-        if doors.is_empty() {
-            return Err(refuse(NO_DOOR));
-        }
-        if doors.len() > MOST_DOORS {
-            return Err(refuse(TOO_MANY_DOORS));
-        }
+        let mut doors = self.doors(&reading, gazetteer, meant, mentions.is_empty())?;
         let is_unsure = is_unsure(&reading, &doors);
         if is_unsure {
             // One is meant, and the sender has to say which.
@@ -131,10 +101,57 @@ impl GrammarPlanner {
         };
         Ok(Wishes {
             doors: doors.iter().zip(said).map(wish).collect(),
-            before: constraints(orderings, &reading, &doors),
+            before: constraints(&self.rules.orderings, &reading, &doors),
             around_all: levels::of_all(&reading, &doors),
         })
     }
+
+    /// The mentions that the sender means, and destinations named by a part of a name.
+    fn meant(
+        &self,
+        reading: &Reading<'_>,
+        gazetteer: &Gazetteer,
+        mentions: &[Mention],
+    ) -> Vec<Mention> {
+        let mut all = mentions.to_vec();
+        fallback::add_partial_names(reading, gazetteer, &mut all);
+        intent::meant(&self.rules.denials, &self.rules.intents, reading, all)
+    }
+
+    /// The doors that mentions make; without any mention in the text, those that words for a
+    /// destination make.
+    fn doors(
+        &self,
+        reading: &Reading<'_>,
+        gazetteer: &Gazetteer,
+        meant: Vec<Mention>,
+        has_no_mention: bool,
+    ) -> Result<Vec<Door>, PlanError> {
+        let Rules {
+            namings, sharings, ..
+        } = &self.rules;
+        let mut doors = pairing::doors(namings, sharings, reading, meant, gazetteer);
+        if doors.is_empty() && has_no_mention {
+            doors = fallback::doors(reading);
+        }
+        match doors.len() {
+            0 => Err(PlanError::not_understood(reading.text, NO_DOOR)),
+            1..=MOST_DOORS => Ok(doors),
+            _ => Err(PlanError::not_understood(reading.text, TOO_MANY_DOORS)),
+        }
+    }
+}
+
+/// All mentions; refused if there are too many, before anything whose cost grows faster than their
+/// number.
+fn mentioned(reading: &Reading<'_>, names: &[Found]) -> Result<Vec<Mention>, PlanError> {
+    let mut mentions = mentions(reading);
+    let targets: usize = mentions.iter().map(|mention| mention.targets.len()).sum();
+    if targets > MOST_TARGETS {
+        return Err(PlanError::not_understood(reading.text, TOO_MANY_DOORS));
+    }
+    name_once(&mut mentions, names);
+    Ok(mentions)
 }
 
 /// What is said of a door besides its address.
