@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use std::process::ExitCode;
 
 use openbench_bench::BenchError;
+use openbench_core::with_causes;
 
 /// How a command ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,7 +34,7 @@ pub fn exit(result: anyhow::Result<Outcome>) -> ExitCode {
         Ok(Outcome::Problem) => ExitCode::from(1),
         Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            let _ = writeln!(io::stderr(), "openbench: {error:#}");
+            let _ = writeln!(io::stderr(), "openbench: {}", with_causes(error.as_ref()));
             ExitCode::from(if is_failed_run(&error) { 1 } else { 2 })
         }
     }

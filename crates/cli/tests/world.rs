@@ -293,7 +293,7 @@ fn an_earlier_world_is_replaced_and_nothing_else() {
     place.file("w/notes.txt", "mine");
     place
         .openbench("world generate --map village.osm --out w")
-        .refused_with(&["w", "other things"]);
+        .refused_with(&["w", "do not belong to a world"]);
     assert!(place.read("w/world.toml").contains("seed = 2"));
     place
         .openbench("world generate --map village.osm --out village.osm")

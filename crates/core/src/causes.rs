@@ -4,8 +4,8 @@ use std::error::Error;
 
 /// An error and its causes in one line, separated by colons.
 ///
-/// Errors of this project do not repeat their source in their own text, so whoever shows one to
-/// people shows the causes too.
+/// A cause whose text the line already contains is not repeated: some errors include their source in
+/// their own text, others do not.
 ///
 /// ```
 /// use openbench_core::with_causes;
@@ -17,8 +17,11 @@ pub fn with_causes(error: &dyn Error) -> String {
     let mut text = error.to_string();
     let mut cause = error.source();
     while let Some(error) = cause {
-        text.push_str(": ");
-        text.push_str(&error.to_string());
+        let next = error.to_string();
+        if !text.contains(&next) {
+            text.push_str(": ");
+            text.push_str(&next);
+        }
         cause = error.source();
     }
     text
@@ -38,10 +41,39 @@ mod tests {
         }
     }
 
+    /// An error that includes its source in its own text.
+    #[derive(Debug)]
+    struct Repeating(UnknownName);
+
+    impl std::fmt::Display for Repeating {
+        fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+            write!(f, "no suite: {}", self.0)
+        }
+    }
+
+    impl Error for Repeating {
+        fn source(&self) -> Option<&(dyn Error + 'static)> {
+            Some(&self.0)
+        }
+    }
+
     impl Error for Outer {
         fn source(&self) -> Option<&(dyn Error + 'static)> {
             Some(&self.0)
         }
+    }
+
+    #[test]
+    fn a_cause_that_was_said_is_not_repeated() {
+        let cause = UnknownName {
+            kind: "suite",
+            name: "motion=zigzag".into(),
+            known: Vec::new(),
+        };
+        let said = with_causes(&Outer(cause.clone()));
+        assert_eq!(said, format!("motion=zigzag: {cause}"));
+        let repeated = with_causes(&Repeating(cause.clone()));
+        assert_eq!(repeated, format!("no suite: {cause}"));
     }
 
     #[test]

@@ -239,7 +239,8 @@ proptest! {
             let ends = [from, to].map(|way| middle_of(&roads, &metric, way));
             let leg = Leg::find(&roads, &metric, &ends[0], &ends[1], &mut memory);
             let found = leg.as_ref().map(|leg| leg.weight);
-            prop_assert_eq!(found, oracle(&said, from, to, &weight), "{} to {}, {:?}", from, to, said);
+            let expected = oracle(&said, from, to, &weight);
+            prop_assert_eq!(found, expected, "{} to {}, {:?}", from, to, said);
             if let Some(leg) = leg {
                 let edges = 0..leg.edges.len();
                 let sum: u32 = edges.map(|i| leg.measures(&roads, &metric, i).weight).sum();

@@ -128,7 +128,7 @@ impl Catalogue {
     /// The planner of instructions that a word names: `grammar`, or a chat model.
     ///
     /// # Errors
-    /// [`SettingsError::Part`] if the word names no model that can be opened.
+    /// [`SettingsError::Planner`] if the word names no model that can be opened.
     pub fn planner(
         &self,
         word: &str,
@@ -137,9 +137,10 @@ impl Catalogue {
         if word == "grammar" {
             return Ok(Box::new(GrammarPlanner::new()));
         }
-        let model = models
-            .open(word)
-            .map_err(|error| part_error("planner", word, error))?;
+        let model = models.open(word).map_err(|error| SettingsError::Planner {
+            value: word.to_owned(),
+            source: error.into(),
+        })?;
         Ok(Box::new(ChatPlanner::new(model)))
     }
 

@@ -107,6 +107,14 @@ pub enum SettingsError {
         /// The words that there are.
         expected: &'static str,
     },
+    /// The value is no planner and no chat model that can be opened.
+    #[error("planner={value}: write grammar, or name a chat model")]
+    Planner {
+        /// What was written.
+        value: String,
+        /// Why it is no chat model that can be opened.
+        source: Box<dyn Error + Send + Sync>,
+    },
     /// A part cannot be made.
     #[error("{key}={value}")]
     Part {
