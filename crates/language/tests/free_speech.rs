@@ -1,5 +1,5 @@
-//! Free speech: all units of a building, senders, reversed orders, places taken back, stories around
-//! an address.
+//! Free speech: all units of a building, senders, reversed orders, places taken back, stories
+//! around an address.
 
 mod support;
 

@@ -1,5 +1,5 @@
-//! Which of several buildings is meant, by what is said around it: its street, quarter or town, or a
-//! word of its name.
+//! Which of several buildings is meant, by what is said around it: its street, quarter or town, or
+//! a word of its name.
 
 use std::cell::OnceCell;
 
