@@ -1,5 +1,7 @@
 //! `openbench data`, against a server on this machine. No test asks the sources themselves.
 
+mod common;
+
 use std::io::{Read as _, Write as _};
 use std::net::TcpListener;
 use std::path::Path;
@@ -67,7 +69,7 @@ fn published() -> Option<Vec<Vec<u8>>> {
 #[test]
 fn files_of_an_archive_are_recognised_by_their_content() {
     let Some(files) = published() else {
-        eprintln!("skipped: {PUBLISHED} is not there");
+        common::skipped(&format!("{PUBLISHED} is not here"));
         return;
     };
     let place = tempfile::tempdir().unwrap();

@@ -4,8 +4,8 @@ use std::error::Error;
 
 /// An error and its causes in one line, separated by colons.
 ///
-/// A cause whose text the line already contains is not repeated: some errors include their source in
-/// their own text, others do not.
+/// A cause whose text the line already contains is not repeated: some errors include their source
+/// in their own text, others do not.
 ///
 /// ```
 /// use openbench_core::with_causes;

@@ -89,7 +89,7 @@ impl Task {
 /// The outcome of a decision.
 enum Next {
     /// The delivery continues; the robot drives so until the next observation.
-    GoOn(Task, Velocity),
+    GoOn(Box<Task>, Velocity),
     /// The delivery, or the episode, ends.
     End(Action),
 }
@@ -97,7 +97,7 @@ enum Next {
 impl Next {
     /// The delivery continues; the robot stands until the next observation.
     fn stand(task: Task) -> Self {
-        Self::GoOn(task, Velocity::ZERO)
+        Self::GoOn(Box::new(task), Velocity::ZERO)
     }
 
     /// The delivery is given up.
@@ -258,7 +258,7 @@ impl Mission {
         };
         match next {
             Next::GoOn(task, velocity) => {
-                self.task = Some(task);
+                self.task = Some(*task);
                 Action::Drive(velocity)
             }
             Next::End(action) => action,
@@ -375,7 +375,7 @@ impl Mission {
 
     fn drive(&mut self, task: Task, now: SimTime, events: &mut dyn Events) -> Next {
         match self.driver.drive(self.localizer.pose(), now, events) {
-            Driving::OnTheWay(velocity) => Next::GoOn(task, velocity),
+            Driving::OnTheWay(velocity) => Next::GoOn(Box::new(task), velocity),
             Driving::Arrived => self.arrived(task, now, events),
             Driving::Unreachable => self.missed(task, events),
         }

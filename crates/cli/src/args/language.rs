@@ -14,8 +14,8 @@ pub struct PlanArgs {
     /// The map (.osm or .osm.pbf)
     #[arg(long)]
     pub map: PathBuf,
-    /// `grammar`, or a chat model: openai:NAME[@URL], anthropic:NAME, gemini:NAME, ollama:NAME,
-    /// local:NAME, replay:FILE
+    /// `grammar`, or a chat model: openai:NAME, openai:NAME@URL, anthropic:NAME, gemini:NAME,
+    /// ollama:NAME, local:NAME, replay:FILE
     #[arg(long, default_value = "grammar")]
     pub planner: String,
     /// File for the model's answers; `--planner replay:FILE` replays them
@@ -40,8 +40,8 @@ Optional keys: id, lang, difficulty (easy, medium, hard), map (estate, town), be
 the first delivery before the second), ambiguous (true, without deliveries: the planner must
 ask back).")]
 pub struct SrtpArgs {
-    /// `grammar`, or a chat model: openai:NAME[@URL], anthropic:NAME, gemini:NAME, ollama:NAME,
-    /// local:NAME, replay:FILE
+    /// `grammar`, or a chat model: openai:NAME, openai:NAME@URL, anthropic:NAME, gemini:NAME,
+    /// ollama:NAME, local:NAME, replay:FILE
     #[arg(long, default_value = "grammar")]
     pub planner: String,
     /// File for the model's answers; `--planner replay:FILE` replays them

@@ -119,7 +119,7 @@ fn mirrored(url: &str, mirror: Option<&str>) -> Result<String, DatasetError> {
     };
     let is_local = ["http://127.0.0.1", "http://localhost", "http://[::1]"]
         .iter()
-        .any(|host| mirror.strip_prefix(host).is_some_and(|rest| is_port(rest)));
+        .any(|host| mirror.strip_prefix(host).is_some_and(is_port));
     if !(mirror.starts_with("https://") || is_local) || mirror.contains(['@', '?', '#', ' ']) {
         return Err(DatasetError::Mirror);
     }

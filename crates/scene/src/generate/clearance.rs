@@ -105,7 +105,7 @@ impl Clearance {
     /// Adds an area and its outline.
     pub fn add_area(&mut self, polygon: Polygon, kinds: Kinds) {
         for side in polygon.sides() {
-            self.add(side.into(), 0.0, kinds);
+            self.add(side, 0.0, kinds);
         }
         let index = self.areas.len() as u32;
         let bounds = polygon.bounds();

@@ -300,11 +300,7 @@ fn generate_within(
 
 /// What stops a robot: walls of buildings, barriers, and walls around water.
 fn walls_of(map: &OsmMap, lanes: &Lanes, quays: &[Segment]) -> Vec<Segment> {
-    let sides = map
-        .buildings
-        .iter()
-        .flat_map(|b| b.polygon.sides())
-        .map(Segment::from);
+    let sides = map.buildings.iter().flat_map(|b| b.polygon.sides());
     let standing = barriers::standing(map, lanes);
     sides.chain(standing).chain(quays.iter().copied()).collect()
 }

@@ -100,7 +100,7 @@ impl Parking<'_, '_> {
     }
 
     fn car_park(&mut self, polygon: &Polygon, rng: &mut Pcg64Mcg) {
-        let sides = polygon.sides().map(Segment::from);
+        let sides = polygon.sides();
         let longest = sides.max_by(|s, t| s.length().total_cmp(&t.length()));
         let Some(longest) = longest else { return };
         let origin = longest.pose();

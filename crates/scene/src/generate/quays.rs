@@ -75,7 +75,7 @@ fn shores(
         world.holds(beyond, 0.0) && !is_wet(beyond)
     };
     let mut found = Vec::new();
-    for side in sides.map(Segment::from) {
+    for side in sides {
         let Some(inside) = world.clip(side) else {
             continue;
         };
