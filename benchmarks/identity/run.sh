@@ -11,8 +11,9 @@ here=$(cd "$(dirname "$0")" && pwd)
 root=$(cd "$here/../.." && pwd)
 data=$root/../shared/data
 if [ ! -d "$data" ]; then
-    echo "skipped: $data is not there" >&2
-    exit 0
+    # Not 0: nothing was compared, so nothing is known to be identical.
+    echo "not compared: $data is not there" >&2
+    exit 2
 fi
 mkdir -p "$2"
 folder=$(cd "$2" && pwd)
