@@ -13,8 +13,9 @@ use serde::Serialize;
 
 use crate::tour::{Style, Tour, drive};
 use openbench_bench::run::threads;
+use openbench_bench::score::metrics::LocalizationSum;
 use openbench_bench::score::metrics::localization::localization;
-use openbench_bench::score::metrics::{LocalizationSum, PoseError};
+use openbench_bench::trace::PoseError;
 use openbench_bench::{BenchError, Prepared};
 
 /// Standard deviation of a LiDAR range, from the data sheet.

@@ -17,8 +17,8 @@ use crate::run::registry::AgentRequest;
 use crate::run::request::RunRequest;
 use crate::run::rollout::Rollout;
 use crate::run::threads;
-use crate::run::trace::EpisodeTrace;
 use crate::run::truth::TruthHandle;
+use crate::trace::EpisodeTrace;
 
 /// Runs all episodes of a suite and writes the run's files.
 ///

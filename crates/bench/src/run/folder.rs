@@ -17,11 +17,11 @@ use openbench_osm::{OsmData, OsmError, write_atomically};
 
 use super::recording::RunRecord;
 use super::request::RunRequest;
-use super::trace::EpisodeTrace;
 use crate::BenchError;
 use crate::report;
 use crate::report::from_run::report_input;
 use crate::score::results::Results;
+use crate::trace::EpisodeTrace;
 
 /// Name of the file, in a run's folder, with the doors known before the run.
 pub const MEMORY_BEFORE: &str = "memory-before.osm";

@@ -4,7 +4,6 @@
 //! |---|---|
 //! | [`registry`] | [`Agents`]: agents by name |
 //! | [`rollout`] | [`Rollout`]: an episode, one step at a time |
-//! | [`trace`] | [`EpisodeTrace`]: the record of an episode, for scoring |
 //! | [`observer`] | [`Observer`]: a passive observer of an episode |
 //! | [`episode`] | one episode driven by an agent |
 //! | [`request`] | [`RunRequest`]: the input of a run |
@@ -29,7 +28,6 @@ pub mod registry;
 pub mod request;
 pub mod rollout;
 pub mod threads;
-pub mod trace;
 pub mod truth;
 
 pub use disturbed::{Disturbance, DisturbanceError, DisturbedTruth};
@@ -42,5 +40,4 @@ pub use recorder::{Faults, Level};
 pub use registry::{AgentFactory, AgentRequest, Agents};
 pub use request::RunRequest;
 pub use rollout::{Rollout, Status};
-pub use trace::EpisodeTrace;
 pub use truth::{TruthHandle, TruthLocalizer};

@@ -4,11 +4,11 @@ use openbench_core::ModelUse;
 use openbench_osm::{OsmData, merge_entrances};
 
 use super::request::RunRequest;
-use super::trace::EpisodeTrace;
 use crate::score::deliveries;
 use crate::score::metrics::localization::localization;
 use crate::score::metrics::{ErrorCounts, RunTotals, summarize};
 use crate::score::results::Results;
+use crate::trace::EpisodeTrace;
 
 /// The output of a run.
 #[derive(Debug)]

@@ -9,8 +9,8 @@ use sha2::{Digest, Sha256};
 
 use crate::BenchError;
 use crate::run::rollout::Rollout;
-use crate::run::trace::EpisodeTrace;
 use crate::suite::Suite;
+use crate::trace::EpisodeTrace;
 use crate::worlds::Prepared;
 
 /// Simulated time of a step.

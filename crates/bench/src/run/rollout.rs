@@ -14,10 +14,8 @@ use openbench_sim::traffic::Encounters;
 use openbench_sim::{OBSERVATION_NS, Simulator};
 
 use super::observer::Observer;
-use super::trace::{EpisodeTrace, Frame, PlateRead, TaskOutcome};
 use crate::BenchError;
-use crate::score::metrics::PoseError;
-use crate::score::metrics::Smoothness;
+use crate::trace::{EpisodeTrace, Frame, PlateRead, PoseError, Smoothness, TaskOutcome};
 use crate::worlds::{Prepared, PreparedEpisode};
 
 /// Images with plates that are kept for the report of an episode; each has about a megabyte.

@@ -4,11 +4,11 @@ use openbench_core::{Address, FailureCause, MapPoint};
 use openbench_osm::OsmMap;
 use openbench_scene::Door;
 
-use crate::run::trace::{EpisodeTrace, TaskOutcome};
 use crate::score::metrics::{
     DoorScore, EncounterSum, Strict, collisions, paper_success, score_doors,
 };
 use crate::score::results::DeliveryResult;
+use crate::trace::{EpisodeTrace, TaskOutcome};
 use crate::worlds::{Prepared, PreparedEpisode};
 
 /// The results of an episode's deliveries, in the order in which they ended.

@@ -21,9 +21,8 @@ use openbench_sim::{Collision, OBSERVATION_NS, Simulator};
 use serde::Serialize;
 
 use openbench_bench::run::threads;
-use openbench_bench::score::metrics::{
-    CollisionSum, EncounterSum, SmoothnessSum, collisions, smoothness::Smoothness,
-};
+use openbench_bench::score::metrics::{CollisionSum, EncounterSum, collisions};
+use openbench_bench::trace::{Smoothness, SmoothnessSum};
 use openbench_bench::{BenchError, Prepared, TrafficPlan, TruthHandle, TruthLocalizer};
 
 /// Maximum length of a drive.

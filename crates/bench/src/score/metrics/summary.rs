@@ -7,9 +7,9 @@ use super::encounters::EncounterSum;
 use super::localization::LocalizationSum;
 use super::path_ratio::{path_ratio, spl};
 use super::sequence::sequence_mean;
-use super::smoothness::SmoothnessSum;
 use crate::score::results::{DeliveryResult, Metrics};
 use crate::score::statistics::{bootstrap_interval, wilson_interval};
+use crate::trace::SmoothnessSum;
 
 /// Totals of a run that are not in the results of its deliveries.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

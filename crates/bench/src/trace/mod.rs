@@ -1,4 +1,12 @@
-//! The record of an episode from which it is scored.
+//! The record of an episode: what [`run`](mod@crate::run) keeps and [`score`](crate::score) reads.
+//!
+//! | module | content |
+//! |---|---|
+//! | [`pose_error`] | [`PoseError`]: the error of an estimated pose |
+//! | [`smoothness`] | [`Smoothness`]: turning, speed variation and stops along a drive |
+
+pub mod pose_error;
+pub mod smoothness;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -7,7 +15,8 @@ use openbench_core::{Address, FailureCause, Image, MapPoint, ModelUse, Plan, Sim
 use openbench_sim::Collision;
 use openbench_sim::traffic::Totals;
 
-use crate::score::metrics::{PoseError, SmoothnessSum};
+pub use pose_error::PoseError;
+pub use smoothness::{Smoothness, SmoothnessSum};
 
 /// The outcome of one delivery.
 #[derive(Debug, Clone, PartialEq)]
