@@ -30,9 +30,9 @@ pub mod worlds;
 pub use error::BenchError;
 pub use openbench_sim::traffic::TrafficPlan;
 pub use run::{
-    AgentFactory, AgentRequest, Agents, Disturbance, DisturbanceError, DisturbedTruth, Faults,
-    Level, MEMORY_BEFORE, Observer, Rollout, RunRequest, Status, TruthHandle, TruthLocalizer,
-    memory_of, repeat, run,
+    AgentFactory, AgentRequest, Agents, Faults, FixNoise, FixNoiseError, ImuRange, Level,
+    MEMORY_BEFORE, Observer, Rollout, RunRequest, SimulatedFixes, Status, TruthHandle,
+    TruthLocalizer, memory_of, repeat, run,
 };
 pub use score::Results;
 pub use suite::builtin::builtin_suites;

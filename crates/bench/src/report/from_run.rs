@@ -90,9 +90,9 @@ fn episode_report(
             })
             .collect(),
         found_doors: found
-            .map(|(address, at)| DoorMark {
-                address: address.clone(),
-                position: *at,
+            .map(|door| DoorMark {
+                address: door.address.clone(),
+                position: door.position,
                 wanted: false,
             })
             .collect(),

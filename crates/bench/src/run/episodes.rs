@@ -129,8 +129,8 @@ fn drive(
             source,
         })?;
     let rollout = Rollout::new(request.prepared, number, seed)?
-        .watched_by(truth)
-        .watched_by(recorder);
+        .with_observer(truth)
+        .with_observer(recorder);
     run_episode(rollout, agent.as_mut())
 }
 

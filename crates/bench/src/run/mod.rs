@@ -14,9 +14,8 @@
 //! | [`recording`] | the actions of an episode, and [`verify`](recording::verify), which replays them |
 //! | [`threads`] | numbered jobs on several threads |
 //! | [`truth`] | the true pose as a localizer, for comparisons |
-//! | [`disturbed`] | fixes simulated from the true pose, for experiments |
+//! | [`simulated_fixes`] | fixes simulated from the true pose, for experiments |
 
-pub mod disturbed;
 pub mod episode;
 pub mod episodes;
 pub mod folder;
@@ -27,17 +26,18 @@ pub mod recording;
 pub mod registry;
 pub mod request;
 pub mod rollout;
+pub mod simulated_fixes;
 pub mod threads;
 pub mod truth;
 
-pub use disturbed::{Disturbance, DisturbanceError, DisturbedTruth};
 pub use episode::run_episode;
 pub use episodes::{repeat, run};
 pub use folder::{MEMORY_BEFORE, memory_of};
 pub use observer::Observer;
 pub use output::RunOutput;
-pub use recorder::{Faults, Level};
+pub use recorder::{Faults, ImuRange, Level};
 pub use registry::{AgentFactory, AgentRequest, Agents};
 pub use request::RunRequest;
 pub use rollout::{Rollout, Status};
+pub use simulated_fixes::{FixNoise, FixNoiseError, SimulatedFixes};
 pub use truth::{TruthHandle, TruthLocalizer};

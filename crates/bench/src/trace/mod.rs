@@ -46,8 +46,26 @@ pub struct TaskOutcome {
     pub pose_error_m: Option<f64>,
     /// Plates read during the delivery.
     pub plates_read: usize,
-    /// Cause and description of the failure, if it was not declared.
-    pub failure: Option<(FailureCause, String)>,
+    /// The failure, if it was not declared.
+    pub failure: Option<Failure>,
+}
+
+/// Why a delivery failed.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Failure {
+    /// The kind of cause.
+    pub cause: FailureCause,
+    /// Description, for people.
+    pub detail: String,
+}
+
+/// A door on a map.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlacedDoor {
+    /// Its address.
+    pub address: Address,
+    /// Its position on the outline of the building, as in OSM, in the `map` frame.
+    pub position: MapPoint,
 }
 
 /// A plate that was read.
@@ -86,7 +104,7 @@ pub struct EpisodeTrace {
     /// Routes planned by the agent.
     pub routes: Vec<Vec<MapPoint>>,
     /// Doors that the agent wrote into its map.
-    pub doors: Vec<(Address, MapPoint)>,
+    pub doors: Vec<PlacedDoor>,
     /// Plates read by the agent.
     pub plates: Vec<PlateRead>,
     /// The last images in which plates were read, oldest first.

@@ -139,8 +139,8 @@ fn sum(traffic: TrafficPlan, parts: impl Iterator<Item = Among>) -> Among {
         reached: sum.reached + part.reached,
         given_up: sum.given_up + part.given_up,
         collisions: collisions::total([&sum.collisions, &part.collisions]),
-        encounters: sum.encounters.and(part.encounters),
-        smoothness: sum.smoothness.and(part.smoothness),
+        encounters: sum.encounters.plus(part.encounters),
+        smoothness: sum.smoothness.plus(part.smoothness),
         bumps: [sum.bumps, part.bumps].concat(),
     })
 }

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::plan::TownsPlan;
 use openbench_bench::worlds::Recipe;
-use openbench_bench::worlds::folder::{Wanted, write};
+use openbench_bench::worlds::folder::{DrawRequest, write};
 use openbench_bench::{BenchError, Prepared};
 
 /// Minimum number of doors to deliver to in a window.
@@ -162,13 +162,14 @@ fn write_world(
     };
     let seed = plan.window_seed(number);
     let recipe = Recipe::generated(&place.name, georeference, seed);
-    let wanted = Wanted {
+    let request = DrawRequest {
         singles: 4,
-        sequences: (1, 3),
-        reach: 2.0 * plan.radius,
+        sequences: 1,
+        sequence_length: 3,
+        max_distance_m: 2.0 * plan.radius,
         seed,
     };
-    match write(folder, &recipe, map, wanted) {
+    match write(folder, &recipe, map, request) {
         Ok(written) if written.candidates >= MIN_DOORS => {
             Ok(Some(written.prepared.with_episodes(None)?))
         }

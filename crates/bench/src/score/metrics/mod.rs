@@ -30,7 +30,7 @@ pub mod success;
 pub mod summary;
 
 pub use collisions::CollisionSum;
-pub use consistency::{Nees, nees};
+pub use consistency::{EstimatedPose, Nees, StampedPose, nees};
 pub use doors::{DoorScore, score_doors};
 pub use encounters::EncounterSum;
 pub use localization::{ErrorCounts, LocalizationSum};
